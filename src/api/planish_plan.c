@@ -1,6 +1,6 @@
 /* planish_plan: make a plan, destroy it, and what it tells. */
 #include "plan/options.h"
-#include "plan/plan.h"
+#include "plan/make.h"
 
 #include "base/status.h"
 

@@ -36,108 +36,69 @@ void pl_draft_destroy(pl_draft *d) {
     pl_free(d->number_of);
     pl_free(d->is_selected);
     pl_free(d->is_paired);
+    pl_free(d->slides);
     pl_free(d->order);
     pl_free(d->count);
 }
 
 /* ---- free nodes --------------------------------------------------------------------------- */
 
-/** A node can be free if it has elements, is selected, is not known to be on the boundary, and its
- *  constraint says so. */
-static int can_be_free(const pl_draft *d, int64_t i, int used) {
-    const uint8_t *constraint = d->mesh->constraint;
-    return used && pl_is_own(d->mesh->part, i) && (!d->is_selected || d->is_selected[i]) &&
-           (!constraint || constraint[i] == PLANISH_FREE) && !(d->is_paired && d->is_paired[i]) &&
-           !d->boundary.on_boundary[i];
-}
-
-/** The elements of every node; of selected ones alone if facets will not be looked at. */
-static int make_incidence(const planish_plan *plan, pl_draft *d, planish_error *error) {
-    d->is_partial = d->is_selected && d->boundary.is_guess && d->mesh->n_periodic == 0;
-    if (!d->is_partial)
-        return pl_incidence_create(d->mesh, NULL, plan->threads, &d->incidence, error);
-    uint8_t *unasked = pl_alloc(plan->work.n_nodes, sizeof *unasked);
-    if (!unasked)
-        return pl_fail_memory(error, "nodes");
-    for (int64_t i = 0; i < plan->work.n_nodes; i++)
-        unasked[i] = !d->is_selected[i];
-    const int status = pl_incidence_create(d->mesh, unasked, plan->threads, &d->incidence, error);
-    pl_free(unasked);
-    return status;
-}
-
-/** The work of find_candidates. */
-typedef struct candidacy {
-    planish_plan *plan;
-    pl_draft *d;
-} candidacy;
-
-/** Bits of is_used for node i. */
-static uint8_t use_of(const pl_draft *d, int64_t i, int used) {
-    const uint8_t *constraint = d->mesh->constraint;
-    if (!used)
-        return 0;
-    return (uint8_t)(PL_USED |
-                     (constraint && constraint[i] == PLANISH_FIXED ? PL_FIXED_BY_CALLER : 0) |
-                     (d->is_paired && d->is_paired[i] ? PL_IN_PAIR : 0) |
-                     (d->is_selected && !d->is_selected[i] ? PL_NOT_CHOSEN : 0));
-}
-
-/** Which nodes are used, and which of them may be free. */
+/** Mark how nodes are used, and those that may be free: a node can be free if it has elements, is
+ *  selected, is not known to be on the boundary, and its constraint says so. */
 static void mark_candidates(void *context, int64_t begin, int64_t end, int thread) {
-    const candidacy *c = context;
-    const int64_t *offset = c->d->incidence.offset;
+    const pl_draft *d = context;
+    const uint8_t *constraint = d->mesh->constraint;
     int64_t unused = 0;
     (void)thread;
-    for (int64_t node = begin; node < end; node++) {
-        const int used = offset[node + 1] > offset[node];
-        c->plan->is_used[node] = use_of(c->d, node, used);
-        c->d->mobility[node] = (uint8_t)can_be_free(c->d, node, used);
+    for (int64_t i = begin; i < end; i++) {
+        const int used = d->incidence.offset[i + 1] > d->incidence.offset[i];
+        const int is_chosen = !d->is_selected || d->is_selected[i];
+        const int is_paired = d->is_paired && d->is_paired[i];
+        const int of_caller = constraint ? constraint[i] : PLANISH_FREE;
+        d->plan->is_used[i] =
+            used ? (uint8_t)(PL_USED | (of_caller == PLANISH_FIXED ? PL_FIXED_BY_CALLER : 0) |
+                             (is_paired ? PL_IN_PAIR : 0) | (is_chosen ? 0 : PL_NOT_CHOSEN))
+                 : 0;
+        d->mobility[i] = used && pl_is_own(d->mesh->part, i) && is_chosen && !is_paired &&
+                         of_caller == PLANISH_FREE && !d->boundary.on_boundary[i];
         unused += !used;
     }
-    __atomic_fetch_add(&c->plan->info.n_unused, unused, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&d->plan->info.n_unused, unused, __ATOMIC_RELAXED);
 }
 
 /** Number the nodes inside, along the curve, and count the candidates among them. The numbers are
  *  written all over memory. */
 static void number_nodes(void *context, int64_t begin, int64_t end, int thread) {
-    const candidacy *c = context;
-    const int32_t *order = c->d->order;
+    const pl_draft *d = context;
     int64_t found = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         if (i + AHEAD < end)
-            pl_fetch_to_write(&c->plan->inner[order[i + AHEAD]]);
-        c->plan->inner[order[i]] = (int32_t)i;
-        found += c->plan->work.mobility[order[i]];
+            pl_fetch_to_write(&d->plan->inner[d->order[i + AHEAD]]);
+        d->plan->inner[d->order[i]] = (int32_t)i;
+        found += d->mobility[d->order[i]];
     }
-    c->d->count[begin / CHUNK_NODES] = found;
+    d->count[begin / CHUNK_NODES] = found;
 }
 
 static void list_candidates(void *context, int64_t begin, int64_t end, int thread) {
-    const candidacy *c = context;
-    int64_t n = c->d->count[begin / CHUNK_NODES];
+    const pl_draft *d = context;
+    int64_t n = d->count[begin / CHUNK_NODES];
     (void)thread;
     for (int64_t i = begin; i < end; i++)
-        if (c->plan->work.mobility[c->d->order[i]])
-            c->d->interior.node[n++] = c->d->order[i];
+        if (d->mobility[d->order[i]])
+            d->interior.node[n++] = d->order[i];
 }
 
-/** inner, is_used of nodes whose elements are listed, and mobility of the interior's candidates;
- * and these. */
-static void find_candidates(planish_plan *plan, pl_draft *d) {
-    candidacy c = {plan, d};
+/** Find the candidates of the interior, and by their rings which of them are inside. */
+static int make_rings(pl_draft *d, planish_error *error) {
+    planish_plan *plan = d->plan;
+    const int64_t n = plan->work.n_nodes;
     plan->info.n_unused = 0;
-    pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, mark_candidates, &c);
-    pl_parallel_for(pl_paying_threads(plan->threads, plan->work.n_nodes), plan->work.n_nodes,
-                    CHUNK_NODES, number_nodes, &c);
-    d->interior.n = pl_prefix_sum(plan->threads,
-                                  (plan->work.n_nodes + CHUNK_NODES - 1) / CHUNK_NODES, d->count);
-    pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, list_candidates, &c);
-}
-
-static int make_rings(planish_plan *plan, pl_draft *d, planish_error *error) {
-    find_candidates(plan, d);
+    pl_parallel_for(plan->threads, n, CHUNK_NODES, mark_candidates, d);
+    pl_parallel_for(pl_paying_threads(plan->threads, n), n, CHUNK_NODES, number_nodes, d);
+    d->interior.n = pl_prefix_sum(plan->threads, (n + CHUNK_NODES - 1) / CHUNK_NODES, d->count);
+    pl_parallel_for(plan->threads, n, CHUNK_NODES, list_candidates, d);
     const int status =
         pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, d->mobility, d->interior.node,
                         d->interior.n, 0, plan->threads, &d->interior.rings, error);
@@ -145,11 +106,31 @@ static int make_rings(planish_plan *plan, pl_draft *d, planish_error *error) {
     return status ? status : pl_parts_check(error);
 }
 
-/** List the elements that wrap around. */
-static int note_wrapped(planish_plan *plan, const pl_draft *d, planish_error *error) {
-    const pl_boundary *boundary = &d->boundary;
-    if (boundary->n_wrapped == 0)
-        return PLANISH_OK;
+/** Find the boundary, the free nodes and their rings. Usually the measures tell the orientation;
+ *  then links tell which nodes are inside, and only the facets between others need to be looked at:
+ *  none, if only few nodes are asked for. */
+static int find_free(pl_draft *d, planish_error *error) {
+    planish_plan *plan = d->plan;
+    pl_boundary *boundary = &d->boundary;
+    int status = PLANISH_OK, all_positive;
+    const int guessed = boundary->is_guess;
+    if (guessed)
+        status = make_rings(d, error);
+    if (!status && !(guessed && d->is_selected)) /* of a subset not all facets are known */
+        status = pl_boundary_find(d->mesh, &d->incidence, guessed ? d->mobility : NULL,
+                                  plan->threads, boundary, error);
+    if (!status && !boundary->is_guess) {
+        pl_rings_destroy(&d->interior.rings);
+        if (plan->is_selective)
+            status = pl_draft_select(d, &all_positive, error);
+        if (!status)
+            status = make_rings(d, error);
+    }
+    plan->work.sign = boundary->sign;
+    boundary->sign = NULL;
+    if (status || boundary->n_wrapped == 0)
+        return status;
+    /* List the elements that wrap around. */
     plan->wrapped = pl_alloc(boundary->n_wrapped, sizeof *plan->wrapped);
     if (!plan->wrapped)
         return pl_fail_memory(error, "the elements that wrap around");
@@ -163,32 +144,9 @@ static int note_wrapped(planish_plan *plan, const pl_draft *d, planish_error *er
     return PLANISH_OK;
 }
 
-/** The boundary, the free nodes and their rings. Usually the measures tell the orientation; then
- *  links tell which nodes are inside, and only the facets between others need to be looked at:
- * none, if only few nodes are asked for. */
-static int find_free(planish_plan *plan, pl_draft *d, planish_error *error) {
-    int status = PLANISH_OK, all_positive;
-    const int guessed = d->boundary.is_guess;
-    if (guessed)
-        status = make_rings(plan, d, error);
-    if (!status && !(guessed && d->is_selected)) /* of a subset not all facets are known */
-        status = pl_boundary_find(d->mesh, &d->incidence, guessed ? plan->work.mobility : NULL,
-                                  plan->threads, &d->boundary, error);
-    if (!status && !d->boundary.is_guess) {
-        pl_rings_destroy(&d->interior.rings);
-        if (plan->is_selective)
-            status = pl_draft_select(plan, d, &all_positive, error);
-        if (!status)
-            status = make_rings(plan, d, error);
-    }
-    plan->work.sign = d->boundary.sign;
-    d->boundary.sign = NULL;
-    return status ? status : note_wrapped(plan, d, error);
-}
-
 /* ---- visiting order ----------------------------------------------------------------------- */
 
-/** The work of order_visits. */
+/** Visits being put in order. */
 typedef struct arrangement {
     const planish_plan *plan;
     const planish_part *part;
@@ -231,57 +189,44 @@ static void list_visits(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** List the visits group by group, along the curve within each. */
-static int arrange(arrangement *a, planish_error *error) {
-    const int threads = a->plan->threads;
-    const int64_t n = a->c->n, n_chunks = (n + CHUNK_RINGS - 1) / CHUNK_RINGS;
-    pl_visits *visits = a->visits;
-    a->n_groups = 2 * visits->n_colours;
-    a->row = pl_counts_row(a->n_groups);
-    a->next = pl_alloc(n_chunks * a->row, sizeof *a->next);
-    int64_t *begin = pl_alloc(a->n_groups + 1, sizeof *begin);
-    visits->colour_begin = pl_alloc(visits->n_colours + 1, sizeof *visits->colour_begin);
-    visits->inside_begin = pl_alloc(visits->n_colours, sizeof *visits->inside_begin);
-    const int done = a->next && begin && visits->colour_begin && visits->inside_begin;
-    if (done) {
-        pl_parallel_for(threads, n, CHUNK_RINGS, count_colours, a);
-        pl_counts_to_places(threads, a->n_groups, n_chunks, a->next, begin);
-        for (int i = 0; i <= visits->n_colours; i++)
-            visits->colour_begin[i] = begin[2 * i];
-        for (int i = 0; i < visits->n_colours; i++)
-            visits->inside_begin[i] = begin[2 * i + 1];
-        pl_parallel_for(pl_paying_threads(threads, n), n, CHUNK_RINGS, list_visits, a);
-    }
-    pl_free(a->next);
-    pl_free(begin);
-    return done ? PLANISH_OK : pl_fail_memory(error, "the colours of nodes");
-}
-
-/** Colour the rings and put them in order of colour, along the curve within each. */
+/** Colour the rings and list their visits colour by colour, along the curve within each. */
 static int order_visits(const planish_plan *plan, const pl_periodic *periodic, pl_candidates *c,
                         pl_visits *visits, planish_error *error) {
+    static const char what[] = "the colours of nodes";
     arrangement a = {.plan = plan, .part = pl_part_here(), .c = c, .visits = visits};
+    const int threads = plan->threads;
+    const int64_t n_chunks = (c->n + CHUNK_RINGS - 1) / CHUNK_RINGS;
     c->colour = pl_alloc(c->n + pl_parts_ghosts(plan->work.n_nodes), sizeof *c->colour);
     c->star_of = pl_alloc(c->n, sizeof *c->star_of);
     visits->centre = pl_alloc(c->rings.n_free, sizeof *visits->centre);
     if (!c->colour || !c->star_of || !visits->centre)
-        return pl_fail_memory(error, "the colours of nodes");
-    const int status = pl_colouring_create(&c->rings, c->node, plan->node_of,
-                                           periodic ? periodic->n_nodes : plan->work.n_nodes,
-                                           periodic ? periodic->moves_with : NULL, plan->threads,
-                                           c->colour, &visits->n_colours, error);
+        return pl_fail_memory(error, what);
+    const int status = pl_colouring_create(
+        &c->rings, c->node, plan->node_of, periodic ? periodic->n_nodes : plan->work.n_nodes,
+        periodic ? periodic->moves_with : NULL, threads, c->colour, &visits->n_colours, error);
     if (status)
         return status;
     visits->n_all = c->rings.n_free;
     pl_parts_add(&visits->n_all, 1);
-    return arrange(&a, error);
-}
-
-/** The stars of the visits; of the candidates' rings nothing is left. */
-static int make_stars(const planish_plan *plan, pl_draft *d, pl_candidates *c, pl_visits *visits,
-                      planish_error *error) {
-    return pl_stars_create(d->mesh, &d->incidence, &c->rings, c->node, c->star_of, plan->inner,
-                           plan->threads, &visits->stars, error);
+    a.n_groups = 2 * visits->n_colours;
+    a.row = pl_counts_row(a.n_groups);
+    a.next = pl_alloc(n_chunks * a.row, sizeof *a.next);
+    int64_t *begin = pl_alloc(a.n_groups + 1, sizeof *begin);
+    visits->colour_begin = pl_alloc(visits->n_colours + 1, sizeof *visits->colour_begin);
+    visits->inside_begin = pl_alloc(visits->n_colours, sizeof *visits->inside_begin);
+    const int done = a.next && begin && visits->colour_begin && visits->inside_begin;
+    if (done) {
+        pl_parallel_for(threads, c->n, CHUNK_RINGS, count_colours, &a);
+        pl_counts_to_places(threads, a.n_groups, n_chunks, a.next, begin);
+        for (int i = 0; i <= visits->n_colours; i++)
+            visits->colour_begin[i] = begin[2 * i];
+        for (int i = 0; i < visits->n_colours; i++)
+            visits->inside_begin[i] = begin[2 * i + 1];
+        pl_parallel_for(pl_paying_threads(threads, c->n), c->n, CHUNK_RINGS, list_visits, &a);
+    }
+    pl_free(a.next);
+    pl_free(begin);
+    return done ? PLANISH_OK : pl_fail_memory(error, what);
 }
 
 /* ---- nodes that slide --------------------------------------------------------------------- */
@@ -291,8 +236,9 @@ static int may_slide(const planish_mesh *mesh, int64_t node) {
 }
 
 /** Check how the nodes may move; count those that slide. */
-static int check_constraints(const planish_plan *plan, const planish_mesh *mesh, int64_t *n_sliding,
-                             planish_error *error) {
+static int check_constraints(const pl_draft *d, int64_t *n_sliding, planish_error *error) {
+    const planish_plan *plan = d->plan;
+    const planish_mesh *mesh = d->mesh;
     double unit[3];
     for (int64_t i = 0; mesh->constraint && i < mesh->n_nodes; i++) {
         const int constraint = mesh->constraint[i];
@@ -313,23 +259,13 @@ static int check_constraints(const planish_plan *plan, const planish_mesh *mesh,
     return PLANISH_OK;
 }
 
-static void note_slides(planish_plan *plan, const pl_draft *d) {
+/** Find the nodes that may slide, and the mesh that they are in: with copies where some of them
+ * move together. */
+static int prepare_periodic(pl_draft *d, planish_mesh *around, planish_error *error) {
+    planish_plan *plan = d->plan;
     const planish_mesh *mesh = d->mesh;
-    for (int64_t r = 0; r < d->sliding.n; r++) {
-        const int32_t node = d->sliding.node[r], s = d->sliding.star_of[r];
-        if (s < 0)
-            continue;
-        pl_star_slide *slide = &plan->slide[s];
-        *slide = (pl_star_slide){.kind = (planish_constraint)mesh->constraint[node],
-                                 .node = (int32_t)pl_plan_node(plan, node)};
-        if (slide->kind != PLANISH_ON_SURFACE)
-            pl_unit(mesh->dim, mesh->direction + (int64_t)node * mesh->dim, slide->direction);
-    }
-}
-
-/** A node of a group is chosen if one of its group is: handed on from pair to pair. */
-static void select_groups(const pl_draft *d) {
-    const planish_mesh *mesh = d->mesh;
+    pl_periodic *periodic = &d->periodic;
+    /* A node of a group is chosen if one of its group is: handed on from pair to pair. */
     for (int changed = d->is_selected != NULL; changed;) {
         changed = 0;
         for (int64_t i = 0; i < mesh->n_periodic; i++) {
@@ -339,26 +275,17 @@ static void select_groups(const pl_draft *d) {
             *a = *b = *a | *b;
         }
     }
-}
-
-/** The mesh that the nodes that slide are in: with copies where some of them move together. slides
- *  [n] becomes 1 for those that may slide. */
-static int prepare_periodic(planish_plan *plan, pl_draft *d, uint8_t *slides, planish_mesh *around,
-                            planish_error *error) {
-    const planish_mesh *mesh = d->mesh;
-    pl_periodic *periodic = &d->periodic;
-    int status = PLANISH_OK;
-    select_groups(d);
     for (int64_t i = 0; i < plan->work.n_nodes; i++)
-        slides[i] =
+        d->slides[i] =
             may_slide(mesh, i) && plan->is_used[i] && (!d->is_selected || d->is_selected[i]);
     for (int64_t i = 0; i < plan->n_wrapped; i++)
         for (int j = 0; j <= plan->dim; j++)
-            slides[mesh->elements[(int64_t)plan->wrapped[i] * (plan->dim + 1) + j]] = 0;
+            d->slides[mesh->elements[(int64_t)plan->wrapped[i] * (plan->dim + 1) + j]] = 0;
     *around = *mesh;
     if (mesh->n_periodic == 0)
         return PLANISH_OK;
-    status = pl_periodic_create(mesh, &d->incidence, plan->work.sign, slides, periodic, error);
+    const int status =
+        pl_periodic_create(mesh, &d->incidence, plan->work.sign, d->slides, periodic, error);
     if (status)
         return status;
     plan->n_images = periodic->n_nodes - plan->work.n_nodes;
@@ -374,8 +301,11 @@ static int prepare_periodic(planish_plan *plan, pl_draft *d, uint8_t *slides, pl
     return pl_incidence_create(around, NULL, plan->threads, &d->around, error);
 }
 
-/** Nodes that lead others slide with them, or none does; the plan keeps who follows whom. */
-static void settle_followers(planish_plan *plan, pl_draft *d) {
+/** Tell the plan where nodes slide, and who follows whom. Nodes that lead others slide with them,
+ * or none does. */
+static void keep_slides(pl_draft *d) {
+    planish_plan *plan = d->plan;
+    const planish_mesh *mesh = d->mesh;
     pl_periodic *periodic = &d->periodic;
     for (int64_t k = 0; k < periodic->n_followers; k++) {
         pl_follower *f = &periodic->follower[k];
@@ -389,21 +319,40 @@ static void settle_followers(planish_plan *plan, pl_draft *d) {
     plan->sliding.n_followers = periodic->n_followers;
     plan->sliding.follower = periodic->follower;
     periodic->follower = NULL;
+    for (int64_t r = 0; r < d->sliding.n; r++) {
+        const int32_t node = d->sliding.node[r], s = d->sliding.star_of[r];
+        if (s < 0)
+            continue;
+        pl_star_slide *slide = &plan->slide[s];
+        *slide = (pl_star_slide){.kind = (planish_constraint)mesh->constraint[node],
+                                 .node = (int32_t)pl_plan_node(plan, node)};
+        if (slide->kind != PLANISH_ON_SURFACE)
+            pl_unit(mesh->dim, mesh->direction + (int64_t)node * mesh->dim, slide->direction);
+    }
 }
 
-/** The stars of the nodes that slide, whose links may be open. */
-static int prepare_sliding_stars(planish_plan *plan, pl_draft *d, uint8_t *slides,
-                                 planish_error *error) {
+/** Find the nodes that slide and their stars, whose links may be open. */
+static int prepare_sliding(pl_draft *d, planish_error *error) {
+    planish_plan *plan = d->plan;
     pl_candidates *c = &d->sliding;
     planish_mesh around;
-    int status = prepare_periodic(plan, d, slides, &around, error);
+    int64_t n = 0;
+    int status = check_constraints(d, &n, error);
+    if (status || !(plan->context->part ? pl_parts_any(n > 0) : n > 0))
+        return status;
+    d->slides = pl_alloc(plan->work.n_nodes, 1);
+    c->node = pl_alloc(n, sizeof *c->node);
+    plan->slide = pl_alloc(n, sizeof *plan->slide);
+    if (!d->slides || !c->node || !plan->slide)
+        return pl_fail_memory(error, "nodes that slide");
+    status = prepare_periodic(d, &around, error);
     if (status)
         return status;
     const pl_periodic *periodic = d->periodic.moves_with ? &d->periodic : NULL;
     const pl_incidence *incidence = periodic ? &d->around : &d->incidence;
     for (int64_t i = 0; i < plan->work.n_nodes; i++) {
         const int32_t node = d->order[i];
-        if (!slides[node] || !pl_is_own(d->mesh->part, node) ||
+        if (!d->slides[node] || !pl_is_own(d->mesh->part, node) ||
             (periodic && periodic->moves_with[node] != node))
             continue;
         d->mobility[node] = PL_SLIDES;
@@ -418,75 +367,69 @@ static int prepare_sliding_stars(planish_plan *plan, pl_draft *d, uint8_t *slide
         status = pl_stars_create(&around, incidence, &c->rings, c->node, c->star_of,
                                  periodic ? d->number_of : plan->inner, plan->threads,
                                  &plan->sliding.stars, error);
-    if (!status && periodic)
-        settle_followers(plan, d);
     if (!status)
-        note_slides(plan, d);
-    return status;
-}
-
-static int prepare_sliding(planish_plan *plan, pl_draft *d, planish_error *error) {
-    int64_t n = 0;
-    int status = check_constraints(plan, d->mesh, &n, error);
-    if (status || !(plan->context->part ? pl_parts_any(n > 0) : n > 0))
-        return status;
-    uint8_t *slides = pl_alloc(plan->work.n_nodes, 1);
-    d->sliding.node = pl_alloc(n, sizeof *d->sliding.node);
-    plan->slide = pl_alloc(n, sizeof *plan->slide);
-    if (slides && d->sliding.node && plan->slide)
-        status = prepare_sliding_stars(plan, d, slides, error);
-    else
-        status = pl_fail_memory(error, "nodes that slide");
-    pl_free(slides);
+        keep_slides(d);
     return status;
 }
 
 /* ---- all of it ---------------------------------------------------------------------------- */
 
-static int find_paired(const planish_plan *plan, pl_draft *d, planish_error *error) {
-    const planish_mesh *mesh = d->mesh;
-    const int status = pl_check_periodic(mesh, error);
-    if (status || mesh->n_periodic == 0)
-        return status;
-    d->is_paired = pl_alloc_zero(plan->work.n_nodes, 1);
-    if (!d->is_paired)
-        return pl_fail_memory(error, "periodic nodes");
-    for (int64_t i = 0; i < 2 * mesh->n_periodic; i++)
-        d->is_paired[mesh->periodic[i]] = 1;
-    return PLANISH_OK;
-}
-
-static int prepare_nodes(planish_plan *plan, pl_draft *d, planish_error *error) {
+/** Make arrays over the nodes, and list the elements of every node; of selected ones alone if
+ * facets will not be looked at. */
+static int prepare_nodes(pl_draft *d, planish_error *error) {
+    planish_plan *plan = d->plan;
     const int64_t n = plan->work.n_nodes;
+    uint8_t *unasked = NULL;
     plan->work.mobility = d->mobility = pl_alloc(n, sizeof *d->mobility);
     plan->is_used = pl_alloc(n, sizeof *plan->is_used);
     plan->inner = pl_alloc(n, sizeof *plan->inner);
     d->order = pl_alloc(n, sizeof *d->order);
     d->interior.node = pl_alloc(n, sizeof *d->interior.node);
     d->count = pl_alloc(n / CHUNK_NODES + 2, sizeof *d->count);
-    if (!plan->work.mobility || !plan->is_used || !plan->inner || !d->order || !d->interior.node ||
-        !d->count)
+    d->is_partial = d->is_selected && d->boundary.is_guess && d->mesh->n_periodic == 0;
+    if (d->is_partial)
+        unasked = pl_alloc(n, sizeof *unasked);
+    if (!d->mobility || !plan->is_used || !plan->inner || !d->order || !d->interior.node ||
+        !d->count || (d->is_partial && !unasked)) {
+        pl_free(unasked);
         return pl_fail_memory(error, "nodes");
-    return PLANISH_OK;
+    }
+    for (int64_t i = 0; unasked && i < n; i++)
+        unasked[i] = !d->is_selected[i];
+    const int status = pl_incidence_create(d->mesh, unasked, plan->threads, &d->incidence, error);
+    pl_free(unasked);
+    return status;
 }
 
-int pl_draft_finish(planish_plan *plan, pl_draft *d, planish_error *error) {
-    int status = find_paired(plan, d, error);
+int pl_draft_finish(pl_draft *d, planish_error *error) {
+    planish_plan *plan = d->plan;
+    int status = pl_check_periodic(d->mesh, error);
+    if (status)
+        return status;
+    if (d->mesh->n_periodic > 0) {
+        d->is_paired = pl_alloc_zero(plan->work.n_nodes, 1);
+        if (!d->is_paired)
+            return pl_fail_memory(error, "periodic nodes");
+    }
+    for (int64_t i = 0; i < 2 * d->mesh->n_periodic; i++)
+        d->is_paired[d->mesh->periodic[i]] = 1;
+    status = pl_draft_look_at_measures(d, error);
     if (!status)
-        status = pl_draft_look_at_measures(plan, d, error);
-    if (!status)
-        status = prepare_nodes(plan, d, error);
-    if (!status)
-        status = make_incidence(plan, d, error);
+        status = prepare_nodes(d, error);
     if (!status)
         status = pl_curve_order(d->mesh, plan->threads, d->order, error);
     if (!status)
-        status = find_free(plan, d, error);
+        status = find_free(d, error);
     if (!status)
-        status = prepare_sliding(plan, d, error);
+        status = prepare_sliding(d, error);
     if (!d->mesh->min_volume)
         pl_incidence_destroy(&d->incidence);
     if (!status)
         status = order_visits(plan, NULL, &d->interior, &plan->interior, error);
-    return status ? status : make_stars(plan, d, &d->interior, &plan->interior, error);
+    if (status)
+        return status;
+    /* Of the candidates' rings nothing is left then. */
+    return pl_stars_create(d->mesh, &d->incidence, &d->interior.rings, d->interior.node,
+                           d->interior.star_of, plan->inner, plan->threads, &plan->interior.stars,
+                           error);
 }

@@ -20,6 +20,7 @@ typedef struct pl_candidates {
 
 /** Working data of plan creation. */
 typedef struct pl_draft {
+    planish_plan *plan;       /* that is made */
     pl_dense dense;           /* the caller's mesh, */
     pl_subset subset;         /* what of it is worked on, if not all, */
     pl_submesh submesh;       /* as a mesh, */
@@ -29,6 +30,7 @@ typedef struct pl_draft {
     uint8_t *whole_mobility; /* of plan->whole, or NULL */
     uint8_t *is_selected;    /* [n] not 0: may be free; NULL: all may */
     uint8_t *is_paired;      /* [n] 1: periodic, to slide or to stay; NULL: none is */
+    uint8_t *slides;         /* [n] 1: may slide; NULL: none may */
     pl_incidence incidence;
     int is_partial; /* incidence has no elements of nodes that are not selected */
     pl_boundary boundary;
@@ -47,20 +49,20 @@ void pl_draft_destroy(pl_draft *d);
 /* ---- domain.c: the mesh, or the subset of it, that the plan works on ------------------------- */
 
 /** Validate mesh, and begin with all of it, or with what is around options->around. */
-int pl_draft_begin(planish_plan *plan, const planish_mesh *mesh, pl_draft *d, planish_error *error);
+int pl_draft_begin(const planish_mesh *mesh, pl_draft *d, planish_error *error);
 
 /** Find the orientation and, if asked for, the bad elements from the measures. Most often all
  *  elements are positive as they stand, and one look is enough. Elements far from a bad one are
  *  then not looked at again: the draft is for the subset around bad elements, if they are few. */
-int pl_draft_look_at_measures(planish_plan *plan, pl_draft *d, planish_error *error);
+int pl_draft_look_at_measures(pl_draft *d, planish_error *error);
 
 /** Select the nodes that only_worse_than is about, with the boundary's sign. *all_positive: no
  *  element was found that is not. */
-int pl_draft_select(planish_plan *plan, pl_draft *d, int *all_positive, planish_error *error);
+int pl_draft_select(pl_draft *d, int *all_positive, planish_error *error);
 
 /* ---- draft.c: free nodes, their order and their stars -------------------------------------- */
 
-/** All that the plan knows of the domain's topology. */
-int pl_draft_finish(planish_plan *plan, pl_draft *d, planish_error *error);
+/** Give the plan all that it knows of the domain's topology. */
+int pl_draft_finish(pl_draft *d, planish_error *error);
 
 #endif

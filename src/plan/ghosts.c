@@ -12,54 +12,40 @@
 
 /* ---- their neighbours ----------------------------------------------------------------------- */
 
-/** Call the pairs of a ghost and a node of ours that an element joins; often more than once. */
-static void for_pairs(const planish_plan *plan, const planish_mesh *mesh,
-                      void (*body)(pl_ghosts *, int32_t ghost, int32_t inner), pl_ghosts *g) {
-    const int corners = mesh->dim + 1;
-    const uint8_t *role = mesh->part->node_role;
-    for (int64_t i = 0; i < mesh->n_elements; i++) {
-        const int32_t *node = mesh->elements + i * corners;
-        for (int j = 0; j < corners; j++)
-            for (int k = 0; role[node[j]] == PLANISH_GHOST && k < corners; k++)
-                if (role[node[k]] != PLANISH_GHOST)
-                    body(g, node[j], plan->inner[node[k]]);
-    }
-}
-
-static void count_pair(pl_ghosts *g, int32_t ghost, int32_t inner) {
-    (void)inner;
-    g->offset[ghost]++;
-}
-
-static void list_pair(pl_ghosts *g, int32_t ghost, int32_t inner) {
-    g->neighbour[g->offset[ghost]++] = inner;
-}
-
+/** List the nodes of this process that an element joins to a ghost; often more than once. */
 static int find_neighbours(const planish_plan *plan, const planish_mesh *mesh, pl_ghosts *g,
                            planish_error *error) {
+    const int corners = mesh->dim + 1;
+    const uint8_t *role = mesh->part->node_role;
     g->offset = pl_alloc_zero(mesh->n_nodes + 1, sizeof *g->offset);
     if (!g->offset)
         return pl_fail_memory(error, "the neighbours of ghosts");
-    for_pairs(plan, mesh, count_pair, g);
-    const int64_t n = pl_prefix_sum(1, mesh->n_nodes, g->offset);
-    g->neighbour = pl_alloc(n, sizeof *g->neighbour);
-    if (!g->neighbour)
-        return pl_fail_memory(error, "the neighbours of ghosts");
-    for_pairs(plan, mesh, list_pair, g); /* each offset is now the next ghost's */
+    for (int pass = 0; pass < 2; pass++) { /* count; list */
+        if (pass == 1) {
+            g->neighbour =
+                pl_alloc(pl_prefix_sum(1, mesh->n_nodes, g->offset), sizeof *g->neighbour);
+            if (!g->neighbour)
+                return pl_fail_memory(error, "the neighbours of ghosts");
+        }
+        for (int64_t i = 0; i < mesh->n_elements * corners; i++) {
+            const int32_t ghost = mesh->elements[i];
+            const int32_t *node = mesh->elements + i / corners * corners;
+            for (int k = 0; role[ghost] == PLANISH_GHOST && k < corners; k++) {
+                if (role[node[k]] == PLANISH_GHOST)
+                    continue;
+                if (pass == 1)
+                    g->neighbour[g->offset[ghost]] = plan->inner[node[k]];
+                g->offset[ghost]++;
+            }
+        }
+    }
+    /* Each offset is now the next ghost's. */
     memmove(g->offset + 1, g->offset, (size_t)mesh->n_nodes * sizeof *g->offset);
     g->offset[0] = 0;
     return PLANISH_OK;
 }
 
 /* ---- the plan's part ------------------------------------------------------------------------ */
-
-static int64_t most_shared(const pl_visits *visits, int64_t most) {
-    for (int c = 0; c < visits->n_colours; c++) {
-        const int64_t n = visits->inside_begin[c] - visits->colour_begin[c];
-        most = n > most ? n : most;
-    }
-    return most;
-}
 
 static int64_t message_size(const planish_plan *plan) {
     return plan->dim * (int64_t)sizeof(double) + 1;
@@ -70,7 +56,13 @@ int pl_ghosts_create(planish_plan *plan, const planish_mesh *mesh, const int32_t
     pl_ghosts *g = &plan->ghosts;
     if (!mesh->part)
         return PLANISH_OK;
-    const int64_t most = most_shared(&plan->sliding, most_shared(&plan->interior, 0));
+    const pl_visits *visits[] = {&plan->interior, &plan->sliding};
+    int64_t most = 0; /* SHARED stars of a colour */
+    for (int i = 0; i < 2; i++)
+        for (int c = 0; c < visits[i]->n_colours; c++) {
+            const int64_t n = visits[i]->inside_begin[c] - visits[i]->colour_begin[c];
+            most = n > most ? n : most;
+        }
     g->node = pl_alloc(mesh->n_nodes, sizeof *g->node);
     g->is_movable = pl_alloc(mesh->n_elements, sizeof *g->is_movable);
     g->before = pl_alloc(most * mesh->dim, sizeof *g->before);
@@ -137,7 +129,8 @@ static void wake_neighbours(const planish_plan *plan, int32_t ghost, int is_bad)
             plan->changed[g->neighbour[k]] = PL_CHANGED;
 }
 
-static void take(int32_t ghost, const void *value, void *taker) {
+/** Take the news of a ghost. */
+static void take_ghost(int32_t ghost, const void *value, void *taker) {
     const planish_plan *plan = taker;
     const size_t size = (size_t)plan->dim * sizeof(double);
     memcpy(place_of(plan, plan->inner[ghost]), value, size);
@@ -156,7 +149,7 @@ void pl_ghosts_wake(const planish_plan *plan, const double *before) {
 }
 
 void pl_ghosts_receive(const planish_plan *plan) {
-    pl_parts_receive(take, (void *)plan);
+    pl_parts_receive(take_ghost, (void *)plan);
 }
 
 void pl_ghosts_update(const planish_plan *plan, void *values, int64_t size) {

@@ -4,71 +4,53 @@
 #include "base/parallel.h"
 #include "base/status.h"
 
+#include <float.h>
 #include <math.h>
-#include <string.h>
 
 enum { MOST_RINGS = 100 }; /* select.c numbers them by bytes */
 
-static int check_choices(const planish_options *options, planish_error *error) {
-    if (options->method < PLANISH_METHOD_PLANISH ||
-        options->method > PLANISH_METHOD_LENGTH_LAPLACIAN)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.method %d is unknown",
-                       (int)options->method);
-    if (options->objective < PLANISH_RADIUS_RATIO || options->objective > PLANISH_EDGE_RATIO)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.objective %d is unknown",
-                       (int)options->objective);
-    if (options->worst < PLANISH_WORST_NONE || options->worst > PLANISH_WORST_ANGLE)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.worst %d is unknown",
-                       (int)options->worst);
-    if (options->worst != PLANISH_WORST_NONE && options->method != PLANISH_METHOD_PLANISH)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.worst is for the method PLANISH_METHOD_PLANISH alone");
-    if (options->direction != PLANISH_NEWTON && options->direction != PLANISH_FLETCHER_REEVES)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.direction %d is unknown",
-                       (int)options->direction);
-    if (options->precision < PLANISH_DOUBLE || options->precision > PLANISH_ROUNDED)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.precision %d is unknown",
-                       (int)options->precision);
-    if (options->precision == PLANISH_ROUNDED && !options->round)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.precision is PLANISH_ROUNDED: give options.round");
-    if (options->displacement_unit != PLANISH_UNIT_MESH &&
-        options->displacement_unit != PLANISH_UNIT_EDGE)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.displacement_unit %d is unknown",
-                       (int)options->displacement_unit);
-    return PLANISH_OK;
-}
+/* The largest double below 1. */
+#define BELOW_1 (1 - 0x1p-53)
 
-static int check_volumes(const planish_options *options, planish_error *error) {
-    if (!(options->min_volume >= 0) || !isfinite(options->min_volume))
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.min_volume is %g; give a finite volume, or 0 for none",
-                       options->min_volume);
-    if (!(options->min_volume_fraction >= 0) || !(options->min_volume_fraction < 1))
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.min_volume_fraction is %g; give 0 (none) or more, below 1",
-                       options->min_volume_fraction);
-    if (options->min_volume > 0 && options->min_volume_fraction > 0)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.min_volume and min_volume_fraction are both set; give one of them");
-    if (!(options->area_weight >= 0) || !(options->area_weight <= 1))
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.area_weight is %g; give 0 to 1",
-                       options->area_weight);
-    return PLANISH_OK;
-}
-
-static int check_bounds(const planish_options *options, planish_error *error) {
-    for (int d = 0; d < 3; d++)
-        if (!(options->box_lower[d] <= options->box_upper[d]))
-            return pl_fail(
-                error, PLANISH_ERROR_ARGUMENT,
-                "options.box_lower[%d] is %g and box_upper[%d] is %g; give a lower bound "
-                "that is not above the upper one",
-                d, options->box_lower[d], d, options->box_upper[d]);
-    if (!(options->max_displacement >= 0) || !isfinite(options->max_displacement))
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.max_displacement is %g; give a finite length, or 0 for none",
-                       options->max_displacement);
+/** Check each option by itself. */
+static int check_ranges(const planish_options *o, planish_error *error) {
+    const struct {
+        const char *name;
+        int value, last;
+    } choices[] = {
+        {"method", (int)o->method, PLANISH_METHOD_LENGTH_LAPLACIAN},
+        {"objective", (int)o->objective, PLANISH_EDGE_RATIO},
+        {"worst", (int)o->worst, PLANISH_WORST_ANGLE},
+        {"direction", (int)o->direction, PLANISH_FLETCHER_REEVES},
+        {"precision", (int)o->precision, PLANISH_ROUNDED},
+        {"displacement_unit", (int)o->displacement_unit, PLANISH_UNIT_EDGE},
+    };
+    const struct {
+        const char *name;
+        double value, most;
+        const char *advice;
+    } numbers[] = {
+        {"min_volume", o->min_volume, DBL_MAX, "a finite volume, or 0 for none"},
+        {"min_volume_fraction", o->min_volume_fraction, BELOW_1, "0 (none) or more, below 1"},
+        {"area_weight", o->area_weight, 1, "0 to 1"},
+        {"max_displacement", o->max_displacement, DBL_MAX, "a finite length, or 0 for none"},
+        {"tolerance", o->tolerance, BELOW_1, "0 or more, below 1"},
+        {"time_limit", o->time_limit, INFINITY, "seconds, or 0 for none"},
+        {"worst_rise", o->worst_rise, DBL_MAX, "a finite fraction, 0 or more"},
+        {"only_worse_than", o->only_worse_than, INFINITY, "a radius ratio, or 0 for all stars"},
+        {"threads", o->threads, PL_MAX_THREADS, "0 (automatic) to 1024"},
+        {"max_sweeps", o->max_sweeps, INFINITY, "0 or more"},
+        {"rings", o->rings, MOST_RINGS, "a number of rings, 0 to 100"},
+    };
+    _Static_assert(PL_MAX_THREADS == 1024 && MOST_RINGS == 100, "as the texts say");
+    for (size_t i = 0; i < sizeof choices / sizeof *choices; i++)
+        if (choices[i].value < 0 || choices[i].value > choices[i].last)
+            return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.%s %d is unknown",
+                           choices[i].name, choices[i].value);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        if (!(numbers[i].value >= 0 && numbers[i].value <= numbers[i].most))
+            return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.%s is %.10g; give %s",
+                           numbers[i].name, numbers[i].value, numbers[i].advice);
     return PLANISH_OK;
 }
 
@@ -78,61 +60,40 @@ int pl_options_check(const planish_options *options, planish_error *error) {
                        "options.struct_size is %zu, not %zu: call planish_options_init first, "
                        "with the header of the library that is linked",
                        options->struct_size, sizeof *options);
-    if (options->threads < 0 || options->threads > PL_MAX_THREADS)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.threads is %d; give 0 (automatic) to %d", options->threads,
-                       PL_MAX_THREADS);
-    int status = check_choices(options, error);
-    if (!status)
-        status = check_volumes(options, error);
-    if (!status)
-        status = check_bounds(options, error);
+    const int status = check_ranges(options, error);
     if (status)
         return status;
-    if (options->max_sweeps < 0)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.max_sweeps is %d; give 0 or more",
-                       options->max_sweeps);
-    if (!(options->tolerance >= 0) || !(options->tolerance < 1))
+    if (options->worst != PLANISH_WORST_NONE && options->method != PLANISH_METHOD_PLANISH)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.tolerance is %g; give 0 or more, below 1", options->tolerance);
-    if (!(options->time_limit >= 0))
+                       "options.worst is for the method PLANISH_METHOD_PLANISH alone");
+    if (options->precision == PLANISH_ROUNDED && !options->round)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.time_limit is %g; give seconds, or 0 for none",
-                       options->time_limit);
-    if (!(options->worst_rise >= 0) || !isfinite(options->worst_rise))
+                       "options.precision is PLANISH_ROUNDED: give options.round");
+    if (options->min_volume > 0 && options->min_volume_fraction > 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.worst_rise is %g; give a finite fraction, 0 or more",
-                       options->worst_rise);
+                       "options.min_volume and min_volume_fraction are both set; give one of them");
+    for (int d = 0; d < 3; d++)
+        if (!(options->box_lower[d] <= options->box_upper[d]))
+            return pl_fail(
+                error, PLANISH_ERROR_ARGUMENT,
+                "options.box_lower[%d] is %g and box_upper[%d] is %g; give a lower bound "
+                "that is not above the upper one",
+                d, options->box_lower[d], d, options->box_upper[d]);
     if (options->allocator && (!options->allocator->allocate || !options->allocator->release))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.allocator lacks a function; give both, or no allocator");
-    if (options->rings < 0 || options->rings > MOST_RINGS)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.rings is %d; give a number of rings, 0 to %d", options->rings,
-                       MOST_RINGS);
-    if (!(options->only_worse_than >= 0))
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.only_worse_than is %g; give a radius ratio, or 0 for all stars",
-                       options->only_worse_than);
     return PLANISH_OK;
 }
 
-/** About how many elements a plan will be for. */
-static int64_t elements_for(const planish_mesh *mesh, const planish_options *options) {
-    enum { OF_A_NODE = 24 };
-    const double wide = options->rings + 1.0; /* its cube may be beyond 64 bits */
-    const int walks = options->around_elements && (mesh->neighbours || mesh->neighbours64);
-    if (!options->around || !walks || options->n_around < 1 ||
-        options->n_around > mesh->n_elements / OF_A_NODE)
-        return mesh->n_elements;
-    const double n = (double)options->n_around * OF_A_NODE * wide * wide * wide;
-    return n < (double)mesh->n_elements ? (int64_t)n : mesh->n_elements;
-}
-
 int pl_threads_for(const planish_mesh *mesh, const planish_options *options) {
-    enum { ELEMENTS_PER_THREAD = 2000 };
+    enum { ELEMENTS_OF_A_NODE = 24, ELEMENTS_PER_THREAD = 2000 };
+    const int walks = options->around_elements && (mesh->neighbours || mesh->neighbours64);
+    const double wide = options->rings + 1.0; /* its cube may be beyond 64 bits */
+    double n = (double)mesh->n_elements;      /* that the plan will be for, about */
     if (options->threads != 0)
         return options->threads;
-    const int64_t enough = elements_for(mesh, options) / ELEMENTS_PER_THREAD + 1;
+    if (options->around && walks && options->n_around >= 1)
+        n = fmin(n, (double)options->n_around * ELEMENTS_OF_A_NODE * wide * wide * wide);
+    const int64_t enough = (int64_t)n / ELEMENTS_PER_THREAD + 1;
     return enough < pl_thread_count(0) ? (int)enough : 0;
 }

@@ -18,69 +18,40 @@
 #endif
 #endif
 
-enum { TEXT_SIZE = 160 };
-
-struct pl_placement {
-    int threads;
-    int is_near;
-    char text[TEXT_SIZE];
 #ifdef PL_HWLOC
-    hwloc_topology_t topology; /* the machine; NULL: no core is chosen */
-    int binds;                 /* 0: threads stay where they are all the same */
-    hwloc_cpuset_t *core;      /* [threads] where each thread belongs: one hardware thread */
-    hwloc_cpuset_t *former;    /* [threads] where it was before */
-#endif
+
+/** One hardware thread for each thread. Arrays are owned, the topology is the machine's. */
+struct pl_cores {
+    hwloc_topology_t topology;
+    int n;                  /* threads */
+    int binds;              /* 0: threads stay where they are all the same */
+    hwloc_cpuset_t *core;   /* [n] where each thread belongs */
+    hwloc_cpuset_t *former; /* [n] where it was before */
 };
-
-#ifdef PL_HWLOC
 
 /** This machine, loaded for the first plan that asks and kept for all: hwloc needs milliseconds
  *  for it, most of them to load its plug-ins. It is only read. */
 static hwloc_topology_t machine;
 
-static hwloc_topology_t load_topology(void) {
-    hwloc_topology_t topology;
-    if (hwloc_topology_init(&topology))
-        return NULL;
+/** Load the machine; NULL if hwloc does not know it. Of threads that come at once, one's stays. */
+static hwloc_topology_t find_machine(void) {
+    hwloc_topology_t known = __atomic_load_n(&machine, __ATOMIC_ACQUIRE), loaded;
+    if (known || hwloc_topology_init(&loaded))
+        return known;
 #if HWLOC_API_VERSION >= 0x00020000
-    hwloc_topology_set_all_types_filter(topology, HWLOC_TYPE_FILTER_KEEP_NONE);
-    hwloc_topology_set_type_filter(topology, HWLOC_OBJ_CORE, HWLOC_TYPE_FILTER_KEEP_ALL);
+    hwloc_topology_set_all_types_filter(loaded, HWLOC_TYPE_FILTER_KEEP_NONE);
+    hwloc_topology_set_type_filter(loaded, HWLOC_OBJ_CORE, HWLOC_TYPE_FILTER_KEEP_ALL);
 #endif
 #if defined __linux__ && HWLOC_API_VERSION >= 0x00020100
     /* The system knows the cores: no need to go from one to the next and ask each. */
-    hwloc_topology_set_components(topology, HWLOC_TOPOLOGY_COMPONENTS_FLAG_BLACKLIST, "x86");
+    hwloc_topology_set_components(loaded, HWLOC_TOPOLOGY_COMPONENTS_FLAG_BLACKLIST, "x86");
 #endif
-    if (hwloc_topology_load(topology)) {
-        hwloc_topology_destroy(topology);
-        return NULL;
-    }
-    return topology;
-}
-
-/** The machine; NULL if hwloc does not know it. Of threads that come at once, one's stays. */
-static hwloc_topology_t find_machine(void) {
-    hwloc_topology_t known = __atomic_load_n(&machine, __ATOMIC_ACQUIRE);
-    if (known)
-        return known;
-    hwloc_topology_t loaded = load_topology();
-    if (loaded && !__atomic_compare_exchange_n(&machine, &known, loaded, 0, __ATOMIC_ACQ_REL,
-                                               __ATOMIC_ACQUIRE)) {
-        hwloc_topology_destroy(loaded);
-        return known;
-    }
-    return loaded;
-}
-
-/** The hardware threads that the process may use, those of another machine all; NULL: out of
- *  memory. */
-static hwloc_cpuset_t find_allowed(hwloc_topology_t topology) {
-    hwloc_cpuset_t allowed = hwloc_bitmap_dup(hwloc_topology_get_topology_cpuset(topology));
-    hwloc_cpuset_t given = hwloc_bitmap_alloc();
-    if (allowed && given && hwloc_topology_is_thissystem(topology) &&
-        !hwloc_get_cpubind(topology, given, HWLOC_CPUBIND_PROCESS))
-        hwloc_bitmap_and(allowed, allowed, given);
-    hwloc_bitmap_free(given);
-    return allowed;
+    if (!hwloc_topology_load(loaded) &&
+        __atomic_compare_exchange_n(&machine, &known, loaded, 0, __ATOMIC_ACQ_REL,
+                                    __ATOMIC_ACQUIRE))
+        return loaded;
+    hwloc_topology_destroy(loaded);
+    return known;
 }
 
 /** The core after core (NULL: the first) that has an allowed hardware thread; a hardware thread is
@@ -95,100 +66,95 @@ static hwloc_obj_t next_core(hwloc_topology_t topology, hwloc_const_cpuset_t all
     return core;
 }
 
-static int count_cores(hwloc_topology_t topology, hwloc_const_cpuset_t allowed) {
-    int cores = 0;
-    for (hwloc_obj_t core = NULL; (core = next_core(topology, allowed, core));)
-        cores++;
-    return cores;
+static void release_cores(struct pl_cores *cores) {
+    for (int t = 0; cores && t < cores->n; t++) {
+        if (cores->core)
+            hwloc_bitmap_free(cores->core[t]);
+        if (cores->former)
+            hwloc_bitmap_free(cores->former[t]);
+    }
+    if (cores) {
+        pl_free(cores->core);
+        pl_free(cores->former);
+    }
+    pl_free(cores);
 }
 
-/** The NUMA nodes of allowed hardware threads; 0 where hwloc knows of none. */
-static int count_nodes(hwloc_topology_t topology, hwloc_const_cpuset_t allowed) {
-    int nodes = 0;
-    for (hwloc_obj_t node = NULL;
-         (node = hwloc_get_next_obj_by_type(topology, HWLOC_OBJ_NUMANODE, node));)
-        nodes += hwloc_bitmap_intersects(node->cpuset, allowed);
-    return nodes;
-}
-
-/** The core before the one that the calling thread runs on, so that this comes next; NULL: the
- * first comes next. */
-static hwloc_obj_t core_before(hwloc_topology_t topology, hwloc_const_cpuset_t allowed) {
+/** Choose the first allowed hardware thread of each core, as many as n. The calling thread, which
+ * is the first, stays on its core: moved to another one, where the system has just woken the thread
+ *  that belongs to the first's, it can be in the way of that for 4 ms. NULL without memory. */
+static struct pl_cores *choose_cores(hwloc_topology_t topology, hwloc_const_cpuset_t allowed,
+                                     int n) {
+    struct pl_cores *cores = pl_alloc_zero(1, sizeof *cores);
     hwloc_cpuset_t here = hwloc_bitmap_alloc();
     hwloc_obj_t before = NULL, core = NULL;
+    /* The core before the one that the calling thread runs on, so that this comes next. */
     if (here && hwloc_topology_is_thissystem(topology) &&
         !hwloc_get_last_cpu_location(topology, here, HWLOC_CPUBIND_THREAD))
         while ((core = next_core(topology, allowed, core)) &&
                !hwloc_bitmap_intersects(core->cpuset, here))
             before = core;
     hwloc_bitmap_free(here);
-    return core ? before : NULL;
-}
-
-/** The hardware threads of the placement's threads: the first allowed one of each core. The calling
- *  thread, which is the first, stays on its core: moved to another one, where the system has just
- *  woken the thread that belongs to the first's, it can be in the way of that for 4 ms. */
-static int choose_cores(pl_placement *placement, hwloc_const_cpuset_t allowed) {
-    placement->core = pl_alloc_zero(placement->threads, sizeof *placement->core);
-    placement->former = pl_alloc_zero(placement->threads, sizeof *placement->former);
-    if (!placement->core || !placement->former)
-        return 0;
-    hwloc_obj_t core = core_before(placement->topology, allowed);
-    for (int t = 0; t < placement->threads; t++) {
-        core = next_core(placement->topology, allowed, core);
+    core = core ? before : NULL;
+    if (!cores)
+        return NULL;
+    *cores = (struct pl_cores){.topology = topology,
+                               .n = n,
+                               .core = pl_alloc_zero(n, sizeof *cores->core),
+                               .former = pl_alloc_zero(n, sizeof *cores->former)};
+    int done = cores->core && cores->former;
+    for (int t = 0; done && t < n; t++) {
+        core = next_core(topology, allowed, core);
         if (!core)
-            core = next_core(placement->topology, allowed, NULL);
-        placement->core[t] = hwloc_bitmap_dup(core->cpuset);
-        placement->former[t] = hwloc_bitmap_alloc();
-        if (!placement->core[t] || !placement->former[t])
-            return 0;
-        hwloc_bitmap_and(placement->core[t], placement->core[t], allowed);
-        hwloc_bitmap_singlify(placement->core[t]);
+            core = next_core(topology, allowed, NULL);
+        cores->core[t] = hwloc_bitmap_dup(core->cpuset);
+        cores->former[t] = hwloc_bitmap_alloc();
+        done = cores->core[t] && cores->former[t];
+        if (done) {
+            hwloc_bitmap_and(cores->core[t], cores->core[t], allowed);
+            hwloc_bitmap_singlify(cores->core[t]);
+        }
     }
-    return 1;
+    if (done)
+        return cores;
+    release_cores(cores);
+    return NULL;
 }
 
-static void describe_binding(pl_placement *placement) {
-    hwloc_cpuset_t all = hwloc_bitmap_alloc();
-    char list[TEXT_SIZE / 2];
-    for (int t = 0; all && t < placement->threads; t++)
-        hwloc_bitmap_or(all, all, placement->core[t]);
-    if (all && hwloc_bitmap_list_snprintf(list, sizeof list, all) > 0)
-        snprintf(placement->text, sizeof placement->text, "one thread per core, on CPUs %s", list);
-    hwloc_bitmap_free(all);
-}
-
-static void release_cores(pl_placement *placement) {
-    for (int t = 0; t < placement->threads; t++) {
-        if (placement->core)
-            hwloc_bitmap_free(placement->core[t]);
-        if (placement->former)
-            hwloc_bitmap_free(placement->former[t]);
-    }
-    pl_free(placement->core);
-    pl_free(placement->former);
-    placement->core = placement->former = NULL;
-    placement->topology = NULL;
-}
-
+/** Decide on the number of threads, unless it was given, and on their cores. */
 static void prepare_binding(pl_placement *placement, int threads) {
-    hwloc_topology_t topology = placement->topology = find_machine();
-    hwloc_cpuset_t allowed = topology ? find_allowed(topology) : NULL;
-    if (!allowed) {
-        placement->topology = NULL;
+    hwloc_topology_t topology = find_machine();
+    if (!topology)
         return;
-    }
+    /* The hardware threads that the process may use, those of another machine all. */
     const int is_here = hwloc_topology_is_thissystem(topology);
-    const int cores = count_cores(topology, allowed);
-    placement->is_near = count_nodes(topology, allowed) <= 1;
-    if (is_here && threads <= 0 && cores > 0 && cores < placement->threads)
-        placement->threads = cores;
-    if (cores < 2 || placement->threads != cores || !choose_cores(placement, allowed))
-        release_cores(placement);
-    else if (is_here) {
-        placement->binds = 1;
-        describe_binding(placement);
+    hwloc_cpuset_t allowed = hwloc_bitmap_dup(hwloc_topology_get_topology_cpuset(topology));
+    hwloc_cpuset_t set = hwloc_bitmap_alloc();
+    if (allowed && set && is_here && !hwloc_get_cpubind(topology, set, HWLOC_CPUBIND_PROCESS))
+        hwloc_bitmap_and(allowed, allowed, set);
+    int n_cores = 0, n_nodes = 0;
+    for (hwloc_obj_t core = NULL; allowed && (core = next_core(topology, allowed, core));)
+        n_cores++;
+    for (hwloc_obj_t node = NULL;
+         allowed && (node = hwloc_get_next_obj_by_type(topology, HWLOC_OBJ_NUMANODE, node));)
+        n_nodes += hwloc_bitmap_intersects(node->cpuset, allowed);
+    placement->is_near = allowed && n_nodes <= 1;
+    if (is_here && threads <= 0 && n_cores > 0 && n_cores < placement->threads)
+        placement->threads = n_cores;
+    if (n_cores >= 2 && placement->threads == n_cores)
+        placement->cores = choose_cores(topology, allowed, n_cores);
+    if (placement->cores && is_here) {
+        char list[PL_PLACEMENT_TEXT / 2];
+        placement->cores->binds = 1;
+        if (set)
+            hwloc_bitmap_zero(set);
+        for (int t = 0; set && t < n_cores; t++)
+            hwloc_bitmap_or(set, set, placement->cores->core[t]);
+        if (set && hwloc_bitmap_list_snprintf(list, sizeof list, set) > 0)
+            snprintf(placement->text, sizeof placement->text, "one thread per core, on CPUs %s",
+                     list);
     }
+    hwloc_bitmap_free(set);
     hwloc_bitmap_free(allowed);
 }
 
@@ -208,22 +174,22 @@ static void bind_to(hwloc_topology_t topology, hwloc_const_cpuset_t cpus) {
 }
 
 static void bind_thread(void *context, int64_t begin, int64_t end, int thread) {
-    pl_placement *placement = context;
-    hwloc_bitmap_t former = placement->former[thread];
+    const struct pl_cores *cores = context;
+    hwloc_bitmap_t former = cores->former[thread];
     (void)begin;
     (void)end;
-    if (!hwloc_get_cpubind(placement->topology, former, HWLOC_CPUBIND_THREAD))
-        bind_to(placement->topology, placement->core[thread]);
+    if (!hwloc_get_cpubind(cores->topology, former, HWLOC_CPUBIND_THREAD))
+        bind_to(cores->topology, cores->core[thread]);
     else
         hwloc_bitmap_zero(former); /* it could not be brought back */
 }
 
 static void restore_thread(void *context, int64_t begin, int64_t end, int thread) {
-    pl_placement *placement = context;
+    const struct pl_cores *cores = context;
     (void)begin;
     (void)end;
-    if (!hwloc_bitmap_iszero(placement->former[thread]))
-        bind_to(placement->topology, placement->former[thread]);
+    if (!hwloc_bitmap_iszero(cores->former[thread]))
+        bind_to(cores->topology, cores->former[thread]);
 }
 
 #endif
@@ -248,7 +214,7 @@ void pl_placement_destroy(pl_placement *placement) {
     if (!placement)
         return;
 #ifdef PL_HWLOC
-    release_cores(placement);
+    release_cores(placement->cores);
 #endif
     pl_free(placement);
 }
@@ -261,14 +227,10 @@ void pl_placement_forget_machine(void) {
 #endif
 }
 
-int pl_placement_threads(const pl_placement *placement) {
-    return placement->threads;
-}
-
 int pl_placement_cpu(const pl_placement *placement, int thread) {
 #ifdef PL_HWLOC
-    if (placement->topology)
-        return hwloc_bitmap_first(placement->core[thread]);
+    if (placement->cores)
+        return hwloc_bitmap_first(placement->cores->core[thread]);
 #else
     (void)placement;
     (void)thread;
@@ -276,18 +238,10 @@ int pl_placement_cpu(const pl_placement *placement, int thread) {
     return -1;
 }
 
-int pl_placement_is_near(const pl_placement *placement) {
-    return placement->is_near;
-}
-
-const char *pl_placement_text(const pl_placement *placement) {
-    return placement->text;
-}
-
 void pl_placement_enter(pl_placement *placement) {
 #ifdef PL_HWLOC
-    if (placement->binds)
-        pl_on_each_thread(placement->threads, bind_thread, placement);
+    if (placement->cores && placement->cores->binds)
+        pl_on_each_thread(placement->threads, bind_thread, placement->cores);
 #else
     (void)placement;
 #endif
@@ -295,8 +249,8 @@ void pl_placement_enter(pl_placement *placement) {
 
 void pl_placement_leave(pl_placement *placement) {
 #ifdef PL_HWLOC
-    if (placement->binds)
-        pl_on_each_thread(placement->threads, restore_thread, placement);
+    if (placement->cores && placement->cores->binds)
+        pl_on_each_thread(placement->threads, restore_thread, placement->cores);
 #else
     (void)placement;
 #endif

@@ -1,6 +1,6 @@
 /* plan: all facts about one connectivity that smoothing needs, computed once.
  *
- *   pl_plan_make, _destroy                     a plan
+ *   pl_plan_destroy                            free a plan; make.h makes one
  *   pl_plan_problem, _sliding_problem          the local problems of its stars
  *   pl_plan_colours, _order, _number_stars     colours; coordinates along the curve; stars
  *   pl_plan_points, _all_points, _dense        the caller's coordinates
@@ -88,11 +88,6 @@ struct planish_plan {
     int64_t scratch_stride;
     pl_thread_tally *tally; /* [threads] of the sweep under way */
 };
-
-/** Make a plan in context, which the caller has entered. options are checked. NULL: *status and
- * error say why. The caller destroys the plan. */
-planish_plan *pl_plan_make(const planish_mesh *mesh, const planish_options *options,
-                           pl_context *context, int *status, planish_error *error);
 
 /** Free the plan, but not its context. */
 void pl_plan_destroy(planish_plan *plan);

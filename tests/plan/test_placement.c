@@ -40,8 +40,8 @@ static void threads_asked_for_are_given(void **state) {
         skip();
     for (int threads = 1; threads < 9; threads++) {
         pl_placement *placement = pl_placement_create(threads, 0);
-        assert_int_equal(pl_placement_threads(placement), threads);
-        assert_string_equal(pl_placement_text(placement), "not bound");
+        assert_int_equal(placement->threads, threads);
+        assert_string_equal(placement->text, "not bound");
         pl_placement_destroy(placement);
     }
 }
@@ -56,7 +56,7 @@ static void cores_come_before_hardware_threads(void **state) {
     change_machine("package:2 numanode:1 core:4 pu:2");
     for (int threads = 1; threads < 12; threads++) {
         pl_placement *placement = pl_placement_create(threads, 1);
-        assert_int_equal(pl_placement_threads(placement), threads);
+        assert_int_equal(placement->threads, threads);
         const int chosen = hwloc && threads == 8;
         for (int t = 0; t < threads; t++)
             assert_int_equal(pl_placement_cpu(placement, t), chosen ? 2 * t : -1);
@@ -71,12 +71,12 @@ static void other_machines_are_never_bound_to(void **state) {
     pl_placement *all = pl_placement_create(0, 0);
     change_machine("core:1 pu:1");
     pl_placement *placement = pl_placement_create(0, 1); /* nor counted on */
-    assert_int_equal(pl_placement_threads(placement), pl_placement_threads(all));
+    assert_int_equal(placement->threads, all->threads);
     pl_placement_destroy(placement);
     pl_placement_destroy(all);
     change_machine("package:2 core:4 pu:2");
     placement = pl_placement_create(8, 1);
-    assert_string_equal(pl_placement_text(placement), "not bound");
+    assert_string_equal(placement->text, "not bound");
     assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
     pl_placement_enter(placement);
     assert_int_equal(sched_getaffinity(0, sizeof inside, &inside), 0);
@@ -105,7 +105,7 @@ static void memory_is_near(void **state) {
         for (int threads = 1; threads < 9; threads++)
             for (int bind = 0; bind < 2; bind++) {
                 pl_placement *placement = pl_placement_create(threads, bind);
-                assert_int_equal(pl_placement_is_near(placement),
+                assert_int_equal(placement->is_near,
                                  threads == 1 || (hwloc && bind && some[i].is_near));
                 pl_placement_destroy(placement);
             }
@@ -118,7 +118,7 @@ static void one_thread_is_not_bound(void **state) {
     (void)state;
     change_machine("core:1 pu:2");
     pl_placement *placement = pl_placement_create(1, 1);
-    assert_string_equal(pl_placement_text(placement), "not bound");
+    assert_string_equal(placement->text, "not bound");
     assert_int_equal(pl_placement_cpu(placement, 0), -1);
     pl_placement_destroy(placement);
     change_machine(NULL);
@@ -137,12 +137,12 @@ static void binding_is_undone(void **state) {
     if (pl_placement_cpu(placement, 0) >= 0) {
         char first[64]; /* of the list that is told: the lowest CPU, which is that of one core */
         int lowest = pl_placement_cpu(placement, 0);
-        for (int t = 1; t < pl_placement_threads(placement); t++)
+        for (int t = 1; t < placement->threads; t++)
             lowest =
                 pl_placement_cpu(placement, t) < lowest ? pl_placement_cpu(placement, t) : lowest;
         snprintf(first, sizeof first, "one thread per core, on CPUs %d", lowest);
         assert_int_equal(CPU_COUNT(&inside), 1);
-        assert_non_null(strstr(pl_placement_text(placement), first));
+        assert_non_null(strstr(placement->text, first));
     } else
         assert_true(CPU_EQUAL(&before, &inside));
     assert_true(CPU_EQUAL(&before, &after));
@@ -162,7 +162,7 @@ static void the_cpuset_is_respected(void **state) {
     assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
     pl_placement *placement = pl_placement_create(0, 1);
     if (hwloc)
-        assert_int_equal(pl_placement_threads(placement), 1);
+        assert_int_equal(placement->threads, 1);
     pl_placement_destroy(placement);
     assert_int_equal(sched_setaffinity(0, sizeof before, &before), 0);
 }
@@ -176,8 +176,7 @@ static void the_caller_stays_on_its_core(void **state) {
     change_machine(NULL);
     assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
     pl_placement *placement = pl_placement_create(0, 1);
-    const int threads = pl_placement_threads(placement),
-              binds = pl_placement_cpu(placement, 0) >= 0;
+    const int threads = placement->threads, binds = pl_placement_cpu(placement, 0) >= 0;
     pl_placement_destroy(placement);
     if (!binds || threads < CPU_COUNT(&before)) /* two hardware threads of one core would do */
         skip();

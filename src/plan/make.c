@@ -1,0 +1,163 @@
+/* make: make a plan: its mesh, its free nodes and their stars, working space, and what it tells. */
+#include "plan/make.h"
+
+#include "plan/draft.h"
+#include "plan/options.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/parts.h"
+#include "base/status.h"
+
+enum { CHUNK_ELEMENTS = 4096 };
+
+/** Count the elements of this process that have no free node. */
+static inline int64_t count_fixed(const planish_plan *plan, int dim, int64_t begin, int64_t end) {
+    const int32_t *elements = plan->work.elements;
+    const uint8_t *mobility = plan->work.mobility, *is_counted = plan->work.is_counted;
+    int64_t n = 0;
+    for (int64_t i = begin; i < end; i++)
+        n += !pl_any_moves(mobility, elements + i * (dim + 1), dim + 1) &&
+             (!is_counted || is_counted[i]);
+    return n;
+}
+
+/** Count the elements without a free node. Mark nodes as used whose elements a partial incidence
+ * does not list. */
+static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const pl_draft *d = context;
+    planish_plan *plan = d->plan;
+    const int64_t k = plan->dim + 1;
+    (void)thread;
+    const int64_t n =
+        plan->dim == 3 ? count_fixed(plan, 3, begin, end) : count_fixed(plan, 2, begin, end);
+    __atomic_fetch_add(&plan->info.n_fixed_elements, n, __ATOMIC_RELAXED);
+    for (int64_t i = begin * k; d->is_partial && i < end * k; i++)
+        if (!__atomic_load_n(&plan->is_used[plan->work.elements[i]], __ATOMIC_RELAXED))
+            __atomic_store_n(&plan->is_used[plan->work.elements[i]], PL_USED | PL_NOT_CHOSEN,
+                             __ATOMIC_RELAXED);
+}
+
+/** Fill the plan's figures: those of all processes. */
+static void fill_info(planish_plan *plan, pl_draft *d) {
+    planish_plan_info *info = &plan->info;
+    info->n_free = plan->interior.stars.n_stars;
+    info->n_sliding = 0;
+    for (int64_t i = 0; i < plan->work.n_nodes; i++) /* with those that move with others */
+        info->n_sliding += plan->work.mobility[i] == PL_SLIDES && pl_is_own(pl_part_here(), i);
+    info->n_fixed_elements = 0;
+    pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK_ELEMENTS, count_chunk, d);
+    if (plan->scope == PL_SUBSET_OF_ALL)
+        info->n_fixed_elements += plan->whole.n_elements - plan->work.n_elements;
+    info->n_components = d->boundary.n_components;
+    if (plan->is_selective || plan->scope == PL_SUBSET_ALONE) /* in a subset nobody knows of them */
+        info->n_unused = 0;
+    if (plan->scope != PL_SUBSET_OF_ALL)
+        info->n_reversed = d->boundary.n_reversed;
+    info->n_boundary_facets = d->boundary.n_boundary_facets;
+    info->n_nonmanifold_facets = d->boundary.n_nonmanifold_facets;
+    info->n_duplicate_elements = d->boundary.n_duplicate_elements;
+    info->n_wrapped = plan->n_wrapped;
+    info->n_colours = pl_plan_colours(plan);
+    info->threads = plan->threads;
+    info->isa = plan->kernel->name;
+    info->binding = plan->placement->text;
+    int64_t *const count[] = {&info->n_free,
+                              &info->n_sliding,
+                              &info->n_fixed_elements,
+                              &info->n_reversed,
+                              &info->n_boundary_facets,
+                              &info->n_nonmanifold_facets,
+                              &info->n_duplicate_elements,
+                              &info->n_unused};
+    enum { N = sizeof count / sizeof *count };
+    int64_t values[N];
+    for (int i = 0; i < N; i++)
+        values[i] = *count[i];
+    pl_parts_add(values, N);
+    for (int i = 0; i < N; i++)
+        *count[i] = values[i];
+}
+
+static int64_t larger(int64_t a, int64_t b) {
+    return a > b ? a : b;
+}
+
+static int prepare_scratch(planish_plan *plan, planish_error *error) {
+    int64_t values = plan->work.n_nodes * plan->dim;
+    const pl_stars *interior = &plan->interior.stars, *sliding = &plan->sliding.stars;
+    int64_t bytes = pl_star_scratch_size(plan->dim, larger(interior->max_ring, sliding->max_ring),
+                                         larger(interior->max_link, sliding->max_link));
+    plan->scratch_stride = bytes / (int64_t)sizeof(double);
+    plan->coordinates = pl_alloc(values + plan->n_images * plan->dim, sizeof(double));
+    plan->measured = pl_alloc(values, sizeof(double));
+    plan->changed = pl_alloc_zero(plan->work.n_nodes + plan->n_images, 1);
+    plan->scratch = pl_alloc(plan->scratch_stride * plan->threads, sizeof(double));
+    plan->tally = pl_alloc(plan->threads, sizeof *plan->tally);
+    if (plan->dim == 3)
+        plan->kept = pl_alloc(interior->n_stars, sizeof *plan->kept);
+    if (!plan->coordinates || !plan->measured || !plan->changed || !plan->scratch || !plan->tally ||
+        (plan->dim == 3 && !plan->kept))
+        return pl_fail_memory(error, "the working space of a plan");
+    const pl_points points = pl_plan_points(plan, plan->coordinates);
+    if (pl_points_are_dense(&points))
+        return PLANISH_OK;
+    plan->start = pl_alloc(values, sizeof *plan->start);
+    return plan->start ? PLANISH_OK : pl_fail_memory(error, "the working space of a plan");
+}
+
+static int build(planish_plan *plan, const planish_mesh *mesh, pl_draft *d, planish_error *error) {
+    int status = pl_draft_begin(mesh, d, error);
+    if (!status)
+        status = pl_parts_begin(mesh->n_nodes, error);
+    if (!status)
+        status = pl_draft_finish(d, error);
+    if (!status)
+        status = pl_ghosts_create(plan, d->mesh, d->order, error);
+    plan->work.is_movable = plan->ghosts.is_movable;
+    if (!status)
+        status = prepare_scratch(plan, error);
+    if (status)
+        return status;
+    fill_info(plan, d);
+    /* What planish_measure tells of all of the mesh. */
+    for (int64_t i = 0; d->whole_mobility && i < plan->work.n_nodes; i++)
+        d->whole_mobility[plan->node_of[i]] = plan->work.mobility[i];
+    return pl_parts_check(error);
+}
+
+planish_plan *pl_plan_make(const planish_mesh *mesh, const planish_options *options,
+                           pl_context *context, int *status, planish_error *error) {
+    planish_plan *plan = pl_alloc_zero(1, sizeof *plan);
+    pl_placement *placement =
+        pl_placement_create(pl_threads_for(mesh, options), options->bind && !options->parallel);
+    if (!plan || !placement) {
+        pl_placement_destroy(placement);
+        pl_free(plan);
+        *status = pl_fail_memory(error, "a plan");
+        return NULL;
+    }
+    pl_context_share_pages(context, mesh->n_elements, placement->is_near);
+    const pl_points points = pl_points_of(mesh, mesh->coordinates);
+    plan->context = context;
+    plan->placement = placement;
+    plan->threads = placement->threads;
+    plan->kernel = pl_star_kernel_select(options->isa);
+    plan->dim = mesh->dim;
+    plan->all = &plan->work;
+    plan->work = plan->whole = (pl_view){.dim = mesh->dim,
+                                         .n_nodes = mesh->n_nodes,
+                                         .n_elements = mesh->n_elements,
+                                         .is_counted = mesh->part ? mesh->part->is_counted : NULL};
+    plan->node_stride = points.step;
+    plan->component_stride = points.apart;
+    pl_draft d = {.plan = plan, .options = options};
+    pl_placement_enter(placement);
+    *status = build(plan, mesh, &d, error);
+    pl_draft_destroy(&d);
+    pl_placement_leave(placement);
+    if (!*status)
+        return plan;
+    pl_plan_destroy(plan);
+    return NULL;
+}
