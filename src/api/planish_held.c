@@ -13,42 +13,36 @@
 
 #include <string.h>
 
-/** The work. n nodes: those of the mesh, or of the part of it that alone is known. */
-typedef struct search {
+/** The search for reasons. n nodes: those of the mesh, or of the part of it that alone is known. */
+typedef struct hold_search {
     const planish_plan *plan;
-    planish_mesh mesh;         /* dim, n_nodes and elements */
-    const int32_t *node_of;    /* [n] number of each node in reason; NULL: the same */
-    uint8_t *moves;            /* [n] PL_HELD, ... */
-    uint8_t *is_inside;        /* [n] 1: PL_INTERIOR */
-    uint8_t *facts;            /* [n] of planish_hold_reason, by facets; shared */
-    pl_incidence incidence;    /* of nodes that are not inside */
-    const planish_part *part;  /* of which facets at its own nodes are looked at */
-    const double *coordinates; /* the caller's, or NULL */
-} search;
+    planish_mesh mesh;        /* dim, n_nodes and elements */
+    const int32_t *node_of;   /* [n] number of each node in reason; NULL: the same */
+    uint8_t *moves;           /* [n] PL_HELD, ... */
+    uint8_t *by_plan;         /* [n] reasons known to the plan */
+    uint8_t *is_inside;       /* [n] 1: PL_INTERIOR */
+    uint8_t *facts;           /* [n] of planish_hold_reason, by facets; shared */
+    pl_incidence incidence;   /* of nodes that are not inside */
+    const planish_part *part; /* of which facets at its own nodes are looked at */
+} hold_search;
 
-/* ---- facets --------------------------------------------------------------------------------- */
-
-static void note(search *s, int32_t node, uint8_t reason) {
+static void note(hold_search *s, int32_t node, uint8_t reason) {
     if (!(__atomic_load_n(&s->facts[node], __ATOMIC_RELAXED) & reason))
         __atomic_fetch_or(&s->facts[node], reason, __ATOMIC_RELAXED);
 }
 
-static int is_here(const search *s, int32_t node, const pl_facet *facet) {
-    return pl_is_own(s->part, node) || pl_is_own(s->part, facet->node[0]) ||
-           (facet->node[1] >= 0 && pl_is_own(s->part, facet->node[1]));
-}
-
 static void note_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets,
                         int thread) {
-    search *s = context;
+    hold_search *s = context;
     const int corners = s->mesh.dim + 1;
     (void)thread;
     for (const pl_facet *facet = facets; facet < facets + n_facets; facet++) {
         const uint8_t reason = facet->count == 1  ? PLANISH_HELD_BOUNDARY
                                : facet->count > 2 ? PLANISH_HELD_NONMANIFOLD
                                                   : 0;
-        if (!is_here(s, node, facet))
-            continue;
+        if (!pl_is_own(s->part, node) && !pl_is_own(s->part, facet->node[0]) &&
+            (facet->node[1] < 0 || !pl_is_own(s->part, facet->node[1])))
+            continue; /* another process looks at it */
         for (int j = 0; reason && j < s->mesh.dim; j++)
             note(s, j ? facet->node[j - 1] : node, reason);
         for (int j = 0; facet->twin && j < corners; j++)
@@ -57,28 +51,13 @@ static void note_facets(void *context, int32_t node, const pl_facet *facets, int
     }
 }
 
-static int look_at_facets(search *s, planish_error *error) {
-    const int threads = s->plan->threads;
-    for (int64_t i = 0; i < s->mesh.n_nodes; i++)
-        s->is_inside[i] = s->moves[i] == PL_INTERIOR;
-    int status = pl_incidence_create(&s->mesh, s->is_inside, threads, &s->incidence, error);
-    if (!status)
-        status =
-            pl_facets_match(&s->mesh, &s->incidence, s->is_inside, threads, note_facets, s, error);
-    return status;
-}
-
-/* ---- places --------------------------------------------------------------------------------- */
-
-static int is_used(const search *s, int64_t node) {
+static int is_used(const hold_search *s, int64_t node) {
     return s->incidence.offset[node + 1] > s->incidence.offset[node];
 }
 
 /** Note the nodes at the place of another one, of those that are not inside. */
-static int look_at_places(search *s, planish_error *error) {
+static int note_doubled(hold_search *s, const double *coordinates, planish_error *error) {
     int64_t n = 0;
-    if (!s->coordinates)
-        return PLANISH_OK;
     for (int64_t i = 0; i < s->mesh.n_nodes; i++)
         n += !s->is_inside[i] && is_used(s, i);
     int32_t *node = pl_alloc(n, sizeof *node), *place = pl_alloc(n, sizeof *place);
@@ -91,7 +70,7 @@ static int look_at_places(search *s, planish_error *error) {
             place[n++] = s->node_of ? s->node_of[i] : (int32_t)i;
         }
     const pl_points points = {
-        s->coordinates, n, s->mesh.dim, s->plan->node_stride, s->plan->component_stride, place};
+        coordinates, n, s->mesh.dim, s->plan->node_stride, s->plan->component_stride, place};
     if (!status)
         status = pl_points_find_doubled(&points, is_doubled, error);
     for (int64_t i = 0; !status && i < n; i++)
@@ -103,75 +82,34 @@ static int look_at_places(search *s, planish_error *error) {
     return status;
 }
 
-/* ---- all of it ------------------------------------------------------------------------------ */
-
-/** Reasons known to the plan why a node is held, as PLANISH_HELD_ bits; node is the plan's
- *  number. */
-static uint8_t told(const planish_plan *plan, int64_t node) {
-    const uint8_t use = plan->is_used[node];
-    return (uint8_t)((use & PL_FIXED_BY_CALLER ? PLANISH_HELD_FIXED : 0) |
-                     (use & PL_IN_PAIR ? PLANISH_HELD_PERIODIC : 0) |
-                     (use & PL_OF_WRAPPED ? PLANISH_HELD_WRAPPED : 0) |
-                     (use & PL_NOT_CHOSEN ? PLANISH_HELD_NOT_CHOSEN : 0));
-}
-
-/** All reasons of a node of the search that is held. No facet tells of too many elements, and of
- *  neighbours that cannot be oriented alike. */
-static uint8_t reason_of(const search *s, int64_t node, uint8_t by_plan) {
-    if (!is_used(s, node))
-        return PLANISH_HELD_UNUSED;
-    if (s->plan->scope == PL_SUBSET_ALONE && (by_plan & PLANISH_HELD_NOT_CHOSEN))
-        return PLANISH_HELD_NOT_CHOSEN; /* not all facets of it are known */
-    const uint8_t reason = s->facts[node] | by_plan;
-    return reason & (uint8_t)~PLANISH_HELD_DOUBLED ? reason : reason | PLANISH_HELD_NONMANIFOLD;
-}
-
-/** by_plan [n]: what the plan was told of the nodes. */
-static void fill(const search *s, const uint8_t *by_plan, uint8_t *reason) {
-    for (int64_t i = 0; i < s->mesh.n_nodes; i++)
-        reason[s->node_of ? s->node_of[i] : i] = s->moves[i] ? 0 : reason_of(s, i, by_plan[i]);
-}
-
-/** Copy the plan's facts about the nodes of the search to by_plan [n] and s->moves. */
-static void take_plan(search *s, uint8_t *by_plan) {
+/** Copy the plan's facts about the nodes of the search, whose numbers may be others. */
+static void take_facts_of_plan(hold_search *s) {
     const planish_plan *plan = s->plan;
     const int is_part = plan->all != &plan->work;
     if (is_part) {
-        memset(by_plan, PLANISH_HELD_NOT_CHOSEN, (size_t)s->mesh.n_nodes);
+        memset(s->by_plan, PLANISH_HELD_NOT_CHOSEN, (size_t)s->mesh.n_nodes);
         memset(s->moves, PL_HELD, (size_t)s->mesh.n_nodes);
     }
     for (int64_t i = 0; i < plan->work.n_nodes; i++) {
         const int64_t node = is_part ? plan->node_of[i] : i;
-        by_plan[node] = told(plan, i);
+        const uint8_t use = plan->is_used[i];
+        s->by_plan[node] = (uint8_t)((use & PL_FIXED_BY_CALLER ? PLANISH_HELD_FIXED : 0) |
+                                     (use & PL_IN_PAIR ? PLANISH_HELD_PERIODIC : 0) |
+                                     (use & PL_OF_WRAPPED ? PLANISH_HELD_WRAPPED : 0) |
+                                     (use & PL_NOT_CHOSEN ? PLANISH_HELD_NOT_CHOSEN : 0));
         s->moves[node] = plan->work.mobility[i];
     }
 }
 
-static int find_held(search *s, uint8_t *reason, planish_error *error) {
-    const int64_t n = s->mesh.n_nodes;
-    uint8_t *by_plan = pl_alloc(n, sizeof *by_plan);
-    s->moves = pl_alloc(n, sizeof *s->moves);
-    s->is_inside = pl_alloc(n, sizeof *s->is_inside);
-    s->facts = pl_alloc_zero(n, sizeof *s->facts);
-    int status = by_plan && s->moves && s->is_inside && s->facts
-                     ? PLANISH_OK
-                     : pl_fail_memory(error, "held nodes");
-    if (!status) {
-        take_plan(s, by_plan);
-        status = look_at_facets(s, error);
-    }
-    if (!status)
-        status = look_at_places(s, error);
-    if (!status && s->plan->scope == PL_SUBSET_ALONE)
-        memset(reason, PLANISH_HELD_NOT_CHOSEN, (size_t)s->plan->whole.n_nodes);
-    if (!status)
-        fill(s, by_plan, reason);
-    pl_incidence_destroy(&s->incidence);
-    pl_free(s->facts);
-    pl_free(s->is_inside);
-    pl_free(s->moves);
-    pl_free(by_plan);
-    return status;
+/** All reasons of a node of the search that is held. No facet tells of too many elements, and of
+ *  neighbours that cannot be oriented alike. */
+static uint8_t reason_of(const hold_search *s, int64_t node) {
+    if (!is_used(s, node))
+        return PLANISH_HELD_UNUSED;
+    if (s->plan->scope == PL_SUBSET_ALONE && (s->by_plan[node] & PLANISH_HELD_NOT_CHOSEN))
+        return PLANISH_HELD_NOT_CHOSEN; /* not all facets of it are known */
+    const uint8_t reason = s->facts[node] | s->by_plan[node];
+    return reason & (uint8_t)~PLANISH_HELD_DOUBLED ? reason : reason | PLANISH_HELD_NONMANIFOLD;
 }
 
 int planish_plan_get_held(const planish_plan *plan, const double *coordinates, uint8_t *reason,
@@ -179,16 +117,41 @@ int planish_plan_get_held(const planish_plan *plan, const double *coordinates, u
     if (!plan || !reason)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "plan and reason must not be NULL");
     const pl_outside outside = pl_call_enter(plan->context);
-    const int is_part = plan->all != &plan->work;
-    search s = {.plan = plan,
-                .mesh = {.dim = plan->dim,
-                         .n_nodes = plan->all->n_nodes,
-                         .n_elements = plan->all->n_elements,
-                         .elements = plan->all->elements},
-                .node_of = is_part ? NULL : plan->node_of,
-                .part = pl_part_here(),
-                .coordinates = coordinates};
-    const int status = find_held(&s, reason, error);
+    const int64_t n = plan->all->n_nodes;
+    hold_search s = {.plan = plan,
+                     .mesh = {.dim = plan->dim,
+                              .n_nodes = n,
+                              .n_elements = plan->all->n_elements,
+                              .elements = plan->all->elements},
+                     .node_of = plan->all == &plan->work ? plan->node_of : NULL,
+                     .moves = pl_alloc(n, sizeof *s.moves),
+                     .by_plan = pl_alloc(n, sizeof *s.by_plan),
+                     .is_inside = pl_alloc(n, sizeof *s.is_inside),
+                     .facts = pl_alloc_zero(n, sizeof *s.facts),
+                     .part = pl_part_here()};
+    int status = s.by_plan && s.moves && s.is_inside && s.facts
+                     ? PLANISH_OK
+                     : pl_fail_memory(error, "held nodes");
+    if (!status) {
+        take_facts_of_plan(&s);
+        for (int64_t i = 0; i < n; i++)
+            s.is_inside[i] = s.moves[i] == PL_INTERIOR;
+        status = pl_incidence_create(&s.mesh, s.is_inside, plan->threads, &s.incidence, error);
+    }
+    if (!status)
+        status = pl_facets_match(&s.mesh, &s.incidence, s.is_inside, plan->threads, note_facets, &s,
+                                 error);
+    if (!status && coordinates)
+        status = note_doubled(&s, coordinates, error);
+    if (!status && plan->scope == PL_SUBSET_ALONE)
+        memset(reason, PLANISH_HELD_NOT_CHOSEN, (size_t)plan->whole.n_nodes);
+    for (int64_t i = 0; !status && i < n; i++)
+        reason[s.node_of ? s.node_of[i] : i] = s.moves[i] ? 0 : reason_of(&s, i);
+    pl_incidence_destroy(&s.incidence);
+    pl_free(s.facts);
+    pl_free(s.is_inside);
+    pl_free(s.by_plan);
+    pl_free(s.moves);
     pl_call_leave(&outside);
     return status;
 }

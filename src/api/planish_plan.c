@@ -1,20 +1,10 @@
-/* planish_plan: make a plan, destroy it, and what it tells. */
-#include "plan/options.h"
+/* planish_plan: make a plan, destroy it, and tell its figures. */
 #include "plan/make.h"
 
 #include "base/status.h"
 
 #include <inttypes.h>
 #include <string.h>
-
-static int check_kernel(const planish_options *options, planish_error *error) {
-    if (!pl_star_kernel_select(options->isa))
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.isa %d is not a kernel that this CPU can run; use "
-                       "PLANISH_ISA_AUTO",
-                       (int)options->isa);
-    return PLANISH_OK;
-}
 
 static void say_plan(const planish_plan *plan) {
     planish_plan_info info;
@@ -44,10 +34,14 @@ static void say_plan(const planish_plan *plan) {
 static int create(const planish_mesh *mesh, const planish_options *options, planish_plan **out,
                   planish_error *error) {
     int status = pl_options_check(options, error);
-    if (!status)
-        status = check_kernel(options, error);
-    if (!status)
-        status = pl_check_counts(mesh, error);
+    if (status)
+        return status;
+    if (!pl_star_kernel_select(options->isa))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.isa %d is not a kernel that this CPU can run; use "
+                       "PLANISH_ISA_AUTO",
+                       (int)options->isa);
+    status = pl_check_counts(mesh, error);
     if (status)
         return status;
     pl_context *context = pl_context_create(options);

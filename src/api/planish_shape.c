@@ -14,33 +14,46 @@
 /* The largest tolerance of planish_find_slides: beyond it much of any surface would be plane. */
 #define LARGEST_TOLERANCE 1e-3
 
-static int check_threads(int threads, planish_error *error) {
-    if (threads >= 0 && threads <= PL_MAX_THREADS)
-        return PLANISH_OK;
-    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                   "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
-                   PL_MAX_THREADS);
+/** A call on a mesh. */
+typedef struct shape_call {
+    int threads;
+    pl_outside outside;
+    pl_dense dense; /* the mesh, owned */
+} shape_call;
+
+/** Check threads and the mesh, and enter; end_call follows unless that fails. */
+static int begin_call(const planish_mesh *mesh, int threads, shape_call *call,
+                      planish_error *error) {
+    if (threads < 0 || threads > PL_MAX_THREADS)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
+                       PL_MAX_THREADS);
+    call->threads = pl_thread_count(threads);
+    call->outside = pl_call_enter(NULL);
+    const int status = pl_dense_create(mesh, call->threads, &call->dense, error);
+    if (status)
+        pl_call_leave(&call->outside);
+    return status;
+}
+
+static void end_call(shape_call *call) {
+    pl_dense_destroy(&call->dense);
+    pl_call_leave(&call->outside);
 }
 
 /* ---- layers ------------------------------------------------------------------------------- */
 
 int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer, int64_t *n_layer,
                         planish_error *error) {
+    shape_call call;
     int64_t n = 0;
-    int status = check_threads(threads, error);
-    if (status)
-        return status;
     if (!is_layer)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "is_layer must not be NULL");
-    const int used = pl_thread_count(threads);
-    const pl_outside outside = pl_call_enter(NULL);
-    pl_dense dense;
-    status = pl_dense_create(mesh, used, &dense, error);
-    if (!status) {
-        status = pl_find_layers(&dense.mesh, used, is_layer, &n, error);
-        pl_dense_destroy(&dense);
-    }
-    pl_call_leave(&outside);
+    int status = begin_call(mesh, threads, &call, error);
+    if (status)
+        return status;
+    status = pl_find_layers(&call.dense.mesh, call.threads, is_layer, &n, error);
+    end_call(&call);
     if (!status && n_layer)
         *n_layer = n;
     return status;
@@ -54,23 +67,17 @@ int planish_region_name(const char *name) {
 
 int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_arrays,
                          int threads, planish_error *error) {
-    int status = check_threads(threads, error);
-    if (status)
-        return status;
+    shape_call call;
     if (mesh && mesh->part)
         return pl_fail(error, PLANISH_ERROR_PARTS,
                        "regions are found in the whole mesh, not in a part of it");
-    const pl_outside outside = pl_call_enter(NULL);
-    const int used = pl_thread_count(threads);
-    pl_dense dense;
-    status = pl_dense_create(mesh, used, &dense, error);
-    if (!status) {
-        status = pl_check_cell_arrays(arrays, n_arrays, mesh->n_elements, error);
-        if (!status)
-            status = pl_find_regions(&dense.mesh, arrays, n_arrays, used, error);
-        pl_dense_destroy(&dense);
-    }
-    pl_call_leave(&outside);
+    int status = begin_call(mesh, threads, &call, error);
+    if (status)
+        return status;
+    status = pl_check_cell_arrays(arrays, n_arrays, mesh->n_elements, error);
+    if (!status)
+        status = pl_find_regions(&call.dense.mesh, arrays, n_arrays, call.threads, error);
+    end_call(&call);
     return status;
 }
 
@@ -99,20 +106,15 @@ int planish_combine_regions(int64_t n_elements, const planish_cell_array *arrays
 
 int planish_find_interfaces(const planish_mesh *mesh, const int32_t *region, int threads,
                             uint8_t *is_between, int64_t *n_between, planish_error *error) {
+    shape_call call;
     int64_t n = 0;
-    int status = check_threads(threads, error);
-    if (status)
-        return status;
     if (!region || !is_between)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "region and is_between must not be NULL");
-    const pl_outside outside = pl_call_enter(NULL);
-    pl_dense dense;
-    status = pl_dense_create(mesh, pl_thread_count(threads), &dense, error);
-    if (!status) {
-        status = pl_find_interfaces(&dense.mesh, region, is_between, &n, error);
-        pl_dense_destroy(&dense);
-    }
-    pl_call_leave(&outside);
+    int status = begin_call(mesh, threads, &call, error);
+    if (status)
+        return status;
+    status = pl_find_interfaces(&call.dense.mesh, region, is_between, &n, error);
+    end_call(&call);
     if (!status && n_between)
         *n_between = n;
     return status;
@@ -156,40 +158,27 @@ static int check_tags(const planish_mesh *mesh, const planish_surface *tags, pla
     return status ? status : check_nodes(mesh, tags->edges, tags->n_edges * 2, "edges", error);
 }
 
-/** Check that the constraints are such. */
-static int check_constraints(const planish_mesh *mesh, planish_error *error) {
-    for (int64_t i = 0; mesh->constraint && i < mesh->n_nodes; i++)
-        if (mesh->constraint[i] > PLANISH_ON_SURFACE)
-            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
-                              "mesh.constraint of node %" PRId64
-                              " is %d; give a planish_constraint, 0 to %d",
-                              i, mesh->constraint[i], PLANISH_ON_SURFACE);
-    return PLANISH_OK;
-}
-
 int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface, int threads,
                         uint8_t *constraint, double *direction, planish_slide_info *info,
                         planish_error *error) {
     planish_slide_info found = {0};
-    int status = check_threads(threads, error);
-    if (status)
-        return status;
+    shape_call call;
     if (!constraint || !direction)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "constraint and direction must not be NULL");
-    const int used = pl_thread_count(threads);
-    const pl_outside outside = pl_call_enter(NULL);
-    pl_dense dense;
-    status = pl_dense_create(mesh, used, &dense, error);
-    if (!status) {
-        status = check_tags(mesh, surface, error);
-        if (!status)
-            status = check_constraints(mesh, error);
-        if (!status)
-            status =
-                pl_find_slides(&dense.mesh, surface, used, constraint, direction, &found, error);
-        pl_dense_destroy(&dense);
-    }
-    pl_call_leave(&outside);
+    int status = begin_call(mesh, threads, &call, error);
+    if (status)
+        return status;
+    status = check_tags(mesh, surface, error);
+    for (int64_t i = 0; !status && mesh->constraint && i < mesh->n_nodes; i++)
+        if (mesh->constraint[i] > PLANISH_ON_SURFACE)
+            status = pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
+                                "mesh.constraint of node %" PRId64
+                                " is %d; give a planish_constraint, 0 to %d",
+                                i, mesh->constraint[i], PLANISH_ON_SURFACE);
+    if (!status)
+        status = pl_find_slides(&call.dense.mesh, surface, call.threads, constraint, direction,
+                                &found, error);
+    end_call(&call);
     if (!status && info)
         *info = found;
     return status;

@@ -18,9 +18,9 @@
 
 enum { CHUNK_NODES = 1024 };
 
-/** How many nodes have moved, and how far. */
+/** A way out: how many nodes have moved, and how far. */
 typedef struct transfer {
-    pl_run *run;
+    const pl_run *run;
     pl_points points; /* of the caller */
     int writes;       /* 0: only look */
     int64_t moved;
@@ -49,20 +49,14 @@ static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread
     __atomic_fetch_add(&t->moved, moved, __ATOMIC_RELAXED);
 }
 
-static void transfer_all(transfer *t) {
-    t->moved = 0;
-    t->farthest = 0;
-    pl_parallel_for(t->run->plan->threads, t->run->plan->work.n_nodes, CHUNK_NODES, transfer_chunk,
-                    t);
-}
-
 /** Write the nodes that moved to the caller's coordinates; how many and how far is the result's.
  *  Nothing is written if other processes are not reached any more: what they ought to be told comes
  *  first. */
-static int transfer_out(pl_run *r, planish_error *error) {
+static int transfer_out(const pl_run *r, planish_error *error) {
+    const planish_plan *plan = r->plan;
     const int is_part = pl_part_here() != NULL;
-    transfer t = {.run = r, .points = pl_plan_points(r->plan, r->coordinates), .writes = !is_part};
-    transfer_all(&t);
+    transfer t = {.run = r, .points = pl_plan_points(plan, r->coordinates), .writes = !is_part};
+    pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, transfer_chunk, &t);
     r->result->max_displacement = t.farthest;
     pl_parts_add(&t.moved, 1);
     pl_parts_largest(&r->result->max_displacement, 1);
@@ -70,33 +64,66 @@ static int transfer_out(pl_run *r, planish_error *error) {
     const int status = pl_parts_check(error);
     t.writes = 1;
     if (!status && is_part)
-        transfer_all(&t);
+        pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, transfer_chunk, &t);
     return status;
 }
 
 /* ---- a call --------------------------------------------------------------------------------- */
 
-/** Followers keep the way that they are from the others now. */
-static void begin_following(const planish_plan *plan, pl_follower *f) {
+/** Put planes and lines through where their nodes are now; followers keep the way that they are
+ * from the others. */
+static void begin_sliding(planish_plan *plan) {
     double *x = plan->coordinates;
     const int dim = plan->dim;
-    for (int d = 0; d < dim; d++) {
-        const double way = x[(int64_t)f->to * dim + d] - x[(int64_t)f->from * dim + d];
-        f->origin[d] = x[(int64_t)f->of * dim + d];
-        if (f->node >= plan->work.n_nodes)
-            x[(int64_t)f->node * dim + d] = f->origin[d] + way;
-        f->start[d] = x[(int64_t)f->node * dim + d];
+    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++)
+        memcpy(plan->slide[s].point, x + (int64_t)plan->sliding.centre[s] * dim,
+               (size_t)dim * sizeof *x);
+    for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
+        pl_follower *f = &plan->sliding.follower[k];
+        for (int d = 0; d < dim; d++) {
+            const double way = x[(int64_t)f->to * dim + d] - x[(int64_t)f->from * dim + d];
+            f->origin[d] = x[(int64_t)f->of * dim + d];
+            if (f->node >= plan->work.n_nodes)
+                x[(int64_t)f->node * dim + d] = f->origin[d] + way;
+            f->start[d] = x[(int64_t)f->node * dim + d];
+        }
     }
 }
 
-/** Planes and lines go through where their nodes are now. */
-static void begin_sliding(planish_plan *plan) {
-    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++) {
-        const double *x = plan->coordinates + (int64_t)plan->sliding.centre[s] * plan->dim;
-        memcpy(plan->slide[s].point, x, (size_t)plan->dim * sizeof *x);
+/** Bring coordinates into the plan, make the guard, and measure the mesh, with the rest of it where
+ *  more than the plan's part is known. Errors: those of pl_guard_create, _MEMORY. */
+static int begin(pl_run *r, planish_error *error) {
+    planish_plan *plan = r->plan;
+    const int is_part = plan->scope == PL_SUBSET_OF_ALL;
+    const pl_points points = pl_plan_points(plan, r->coordinates);
+    const pl_points all_points = pl_plan_all_points(plan, r->coordinates);
+    const int64_t n_values = all_points.n * all_points.dim;
+    r->outside = pl_plan_dense(plan, &points, plan->start);
+    double *all = is_part ? pl_alloc(n_values, sizeof *all) : NULL;
+    if (is_part && !all)
+        return pl_fail_memory(error, "the coordinates");
+    if (is_part)
+        pl_points_gather(&all_points, plan->threads, all);
+    pl_plan_order(plan, r->outside, plan->coordinates);
+    begin_sliding(plan);
+    /* delta may be a fraction of the volume of all of the mesh. */
+    const double delta = pl_minimum_volume(plan, r->options, is_part ? all : r->outside);
+    const int status = pl_guard_create(plan, r->options, r->outside, delta, &r->guard, error);
+    r->plain = !r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH;
+    r->unit = r->plain && !status ? pl_box_of_fixed(plan).scale : 1;
+    for (int64_t i = 0; !status && is_part && i < n_values; i++)
+        all[i] *= r->unit;
+    if (!status && is_part)
+        pl_run_measure_rest(r, all);
+    pl_free(all);
+    if (status)
+        return status;
+    pl_run_measure(r);
+    if (is_part) {
+        r->rest.inverted -= pl_run_inverted(r);
+        r->rest.below -= pl_run_below(r);
     }
-    for (int64_t k = 0; k < plan->sliding.n_followers; k++)
-        begin_following(plan, &plan->sliding.follower[k]);
+    return PLANISH_OK;
 }
 
 /** Note the limits that no element may end up worse than. The run compares them afterwards, as
@@ -104,6 +131,7 @@ static void begin_sliding(planish_plan *plan) {
  *  elements of followers. */
 static void note_start(pl_run *r) {
     const planish_options *o = r->options;
+    r->result->objective_before = pl_run_objective(r);
     r->inverted_at_start = pl_run_inverted(r);
     r->below_at_start = pl_run_below(r);
     r->at_start = pl_star_no_limits();
@@ -115,82 +143,38 @@ static void note_start(pl_run *r) {
         r->at_start.rr2 = pl_run_limits(r, 1).rr2;
 }
 
-/** Coordinates into the plan; the guard, with a delta that may be a fraction of the volume of all
- * of the mesh, whose coordinates all [.][dim] are. */
-static int begin(pl_run *r, const double *all, planish_error *error) {
-    planish_plan *plan = r->plan;
-    pl_plan_order(plan, r->outside, plan->coordinates);
-    begin_sliding(plan);
-    const double delta = pl_minimum_volume(plan, r->options, all);
-    int status = pl_guard_create(plan, r->options, r->outside, delta, &r->guard, error);
-    if (status)
-        return status;
-    r->plain = !r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH;
-    r->unit = r->plain ? pl_box_of_fixed(plan).scale : 1;
-    return PLANISH_OK;
-}
-
-/** Begin as begin does where all of the mesh is known, and measure the rest of the mesh. Errors:
- *  those of begin, _MEMORY. */
-static int begin_with_all(pl_run *r, planish_error *error) {
-    const pl_points points = pl_plan_all_points(r->plan, r->coordinates);
-    double *all = pl_alloc(points.n * points.dim, sizeof *all);
-    if (!all)
-        return pl_fail_memory(error, "the coordinates");
-    pl_points_gather(&points, r->plan->threads, all);
-    const int status = begin(r, all, error);
-    for (int64_t i = 0; !status && i < points.n * points.dim; i++)
-        all[i] *= r->unit;
-    if (!status)
-        pl_run_measure_rest(r, all);
-    pl_free(all);
-    return status;
-}
-
 static int smooth(pl_run *r, planish_error *error) {
-    planish_plan *plan = r->plan;
-    const pl_points points = pl_plan_points(plan, r->coordinates);
-    r->outside = pl_plan_dense(plan, &points, plan->start);
-    int status =
-        plan->scope == PL_SUBSET_OF_ALL ? begin_with_all(r, error) : begin(r, r->outside, error);
+    int status = begin(r, error);
     if (status)
         return status;
-    pl_run_measure(r);
-    if (plan->scope == PL_SUBSET_OF_ALL) {
-        r->rest.inverted -= pl_run_inverted(r);
-        r->rest.below -= pl_run_below(r);
-    }
-    r->result->objective_before = pl_run_objective(r);
     note_start(r);
     pl_run_prepare(r);
     r->stop = PLANISH_STOP_CONVERGED;
     status = pl_run_phases(r, error);
     /* What helps is left out without memory, and the mesh would not be the one that it is with. */
-    if (!status && __atomic_load_n(&plan->context->failed, __ATOMIC_RELAXED))
+    if (!status && __atomic_load_n(&r->plan->context->failed, __ATOMIC_RELAXED))
         status = pl_fail_memory(error, "the smoothing of a mesh");
     if (!status)
         status = pl_parts_check(error);
     return status ? status : transfer_out(r, error);
 }
 
-static void fill_result(const pl_run *r) {
-    planish_result *result = r->result;
-    result->stop = r->stop;
-    result->sweeps = r->sweep;
-    result->inverted = pl_run_inverted(r) + r->rest.inverted;
-    result->rms = pl_run_rms(r);
-    result->rms_movable = pl_run_rms_of_movable(r);
-    result->min_volume = r->guard.min_volume;
-    result->below_min_volume = pl_run_below(r) + r->rest.below;
-    result->held_outside = r->guard.held_outside;
-    result->objective = pl_run_objective(r);
-    result->seconds = pl_seconds() - r->start;
-}
-
-static void say_result(const planish_result *r) {
+/** Fill the rest of the result, and tell it to the caller's log. */
+static void say_result(const pl_run *run) {
     static const char *const stops[] = {"converged", "reached max_sweeps", "reached time_limit",
                                         "was interrupted",
                                         "converged, with minimum volumes that cannot be met"};
+    planish_result *r = run->result;
+    r->stop = run->stop;
+    r->sweeps = run->sweep;
+    r->inverted = pl_run_inverted(run) + run->rest.inverted;
+    r->rms = pl_run_rms(run);
+    r->rms_movable = pl_run_rms_of_movable(run);
+    r->min_volume = run->guard.min_volume;
+    r->below_min_volume = pl_run_below(run) + run->rest.below;
+    r->held_outside = run->guard.held_outside;
+    r->objective = pl_run_objective(run);
+    r->seconds = pl_seconds() - run->start;
     pl_log(PLANISH_LOG_DETAIL,
            "%s after %d sweeps, %d of them untangling: F %.6g -> %.6g, %" PRId64
            " nodes moved, %.3g s",
@@ -210,41 +194,30 @@ static void say_result(const planish_result *r) {
                r->put_back);
 }
 
-static int smooth_in_context(planish_plan *plan, double *coordinates,
-                             const planish_options *options, planish_result *found,
-                             planish_error *error) {
-    pl_run r = {.plan = plan,
-                .coordinates = coordinates,
-                .options = options,
-                .accelerate = pl_run_accelerate,
-                .start = pl_seconds(),
-                .result = found};
-    pl_placement_enter(plan->placement);
-    const int status = smooth(&r, error);
-    pl_placement_leave(plan->placement);
-    if (!status) {
-        fill_result(&r);
-        say_result(found);
-    }
-    pl_guard_destroy(&r.guard);
-    return status;
-}
-
 int planish_smooth(planish_plan *plan, double *coordinates, const planish_options *options,
                    planish_result *result, planish_error *error) {
     planish_options defaults;
     planish_result found = {0};
     if (!plan || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "plan and coordinates must not be NULL");
-    if (!options) {
-        planish_options_init(&defaults);
-        options = &defaults;
-    }
+    planish_options_init(&defaults);
     const pl_outside outside = pl_call_enter(plan->context);
     pl_context_begin(plan->context);
-    int status = pl_plan_check_call(plan, coordinates, options, error);
+    pl_run r = {.plan = plan,
+                .coordinates = coordinates,
+                .options = options ? options : &defaults,
+                .accelerate = pl_run_accelerate,
+                .start = pl_seconds(),
+                .result = &found};
+    int status = pl_plan_check_call(plan, coordinates, r.options, error);
+    if (!status) {
+        pl_placement_enter(plan->placement);
+        status = smooth(&r, error);
+        pl_placement_leave(plan->placement);
+    }
     if (!status)
-        status = smooth_in_context(plan, coordinates, options, &found, error);
+        say_result(&r);
+    pl_guard_destroy(&r.guard);
     pl_context_end(plan->context);
     pl_call_leave(&outside);
     if (!status && result)

@@ -70,7 +70,7 @@ static void wake_moved(const planish_plan *plan, const double *before) {
  * it has reached: more sweeps must not give less. */
 static int is_better(const pl_run *r, const pl_objective_sums *standing,
                      const pl_star_limits *limits) {
-    const pl_objective_sums *now = &r->worth.totals;
+    const pl_objective_sums *now = &r->sums;
     return r->stop == PLANISH_STOP_CONVERGED && pl_run_sweeps_left(r) > 0 &&
            now->below <= standing->below && now->inverted <= standing->inverted &&
            (now->below == 0 || now->shortfall <= (1 + LOWER) * standing->shortfall) &&
@@ -110,7 +110,7 @@ static int try_augmented(pl_run *r, double *before) {
     pl_run_measure(r);
     r->problem.limits = limits;
     r->restoring = 0;
-    const int is_taken = is_better(r, &trial.standing.totals, &limits);
+    const int is_taken = is_better(r, &trial.standing, &limits);
     pl_trial_end(&trial, is_taken);
     if (!is_taken && r->stop == PLANISH_STOP_MAX_SWEEPS)
         r->stop = PLANISH_STOP_CONVERGED;

@@ -34,16 +34,15 @@ static int sweep_and_raise(pl_run *r, planish_error *error) {
  * worse. Sweep once more from the start, without; or if there is no time for that and more are
  * below, go back to the start. */
 static int give_up_failed_raise(pl_run *r, planish_error *error) {
-    const pl_objective_sums *start = &r->worth_at_start.totals;
+    const pl_objective_sums *start = &r->sums_at_start;
     const int over = was_cut_short(r) || pl_run_sweeps_left(r) <= 0;
     (void)error;
     if (r->plain || r->options->method != PLANISH_METHOD_PLANISH)
         return PLANISH_OK;
     pl_run_measure(r);
-    if (start->below == 0 || r->worth.totals.below < start->below ||
-        r->worth.totals.inverted < start->inverted)
+    if (start->below == 0 || r->sums.below < start->below || r->sums.inverted < start->inverted)
         return PLANISH_OK;
-    if (over && r->worth.totals.below == start->below)
+    if (over && r->sums.below == start->below)
         return PLANISH_OK;
     pl_plan_order(r->plan, r->outside, r->plan->coordinates);
     pl_run_measure(r);
@@ -89,7 +88,7 @@ static int judge_optimality(pl_run *r, planish_error *error) {
     planish_result *result = r->result;
     if (!r->guard.wanted || r->options->method != PLANISH_METHOD_PLANISH)
         return PLANISH_OK;
-    r->factor = pl_guard_weigh(&r->guard, r->options, &r->worth.totals);
+    r->factor = pl_guard_weigh(&r->guard, r->options, &r->sums);
     const pl_star_problem sliding = pl_run_sliding_problem(r);
     pl_follow(r->plan, &sliding);
     int status = pl_optimality(r->plan, &r->plan->interior, &r->problem, &optimality, error);
@@ -147,7 +146,7 @@ int pl_run_phases(pl_run *r, planish_error *error) {
     };
     const int64_t n_interior = r->plan->interior.n_all, n = n_interior + r->plan->sliding.n_all;
     int status = PLANISH_OK;
-    r->worth_at_start = r->worth;
+    r->sums_at_start = r->sums;
     r->guard.star.keep_below = !r->options->untangle;
     for (size_t i = 0; i < sizeof phases / sizeof *phases && !status; i++) {
         const int has =

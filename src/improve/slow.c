@@ -53,12 +53,12 @@ static void slope_chunk(void *context, int64_t begin, int64_t end, int thread) {
 static double evaluate(void *context, double enough, pl_star_slope *slope) {
     objective_of_all *f = context;
     pl_run *r = f->run;
-    const pl_ratio_sums before = r->worth.sums;
+    const pl_objective_sums before = r->sums;
     const double measured = r->measured;
     pl_run_measure(r);
-    const int worse = r->worth.sums.inverted > before.inverted ||
-                      r->worth.sums.max > f->rr2_measured || r->worth.sums.acuteness > f->acuteness;
-    double value = worse ? INFINITY : r->worth.sums.movable;
+    const int worse = r->sums.inverted > before.inverted || r->sums.radius_max > f->rr2_measured ||
+                      r->sums.acuteness > f->acuteness;
+    double value = worse ? INFINITY : r->sums.ratio[1];
     if (value <= enough) {
         f->slope = slope;
         f->refused = 0;
@@ -66,7 +66,7 @@ static double evaluate(void *context, double enough, pl_star_slope *slope) {
         value = pl_parts_any(f->refused) ? INFINITY : value;
     }
     if (!(value <= enough)) {
-        r->worth.sums = before;
+        r->sums = before;
         r->measured = measured;
     }
     return value;
@@ -95,7 +95,7 @@ static int try_centring(pl_lbfgs *m) {
         pl_patch_combine(&m->p, m->position, m->start, ldexp(1, -i), m->direction);
         pl_patch_admit(&m->p, m->position, m->start);
         pl_run_measure(r);
-        if (r->worth.sums.inverted <= trial.standing.sums.inverted)
+        if (r->sums.inverted <= trial.standing.inverted)
             break;
     }
     tally.stars.visits = 0; /* no local problem was solved */
@@ -105,10 +105,11 @@ static int try_centring(pl_lbfgs *m) {
         stopped = pl_run_sweep(r, &visits);
     }
     pl_run_measure(r);
-    const pl_ratio_sums *before = &trial.standing.sums, *now = &r->worth.sums;
-    pl_trial_end(&trial, !stopped && now->inverted <= before->inverted && now->max <= before->max &&
+    const pl_objective_sums *before = &trial.standing, *now = &r->sums;
+    pl_trial_end(&trial, !stopped && now->inverted <= before->inverted &&
+                             now->radius_max <= before->radius_max &&
                              now->acuteness <= fmax(before->acuteness, limits.acuteness) &&
-                             now->movable < before->movable);
+                             now->ratio[1] < before->ratio[1]);
     r->problem.limits = limits;
     pl_free(start);
     return stopped;
@@ -142,8 +143,8 @@ static int try_acceleration(pl_run *r, pl_acceleration acceleration, double fall
     objective_of_all f = {.run = r,
                           .in_patch = pl_alloc_zero(plan->work.n_nodes, 1),
                           .rr2_limit = r->problem.limits.rr2,
-                          .rr2_measured = fmax(r->problem.limits.rr2, r->worth.sums.max),
-                          .acuteness = fmax(r->problem.limits.acuteness, r->worth.sums.acuteness)};
+                          .rr2_measured = fmax(r->problem.limits.rr2, r->sums.radius_max),
+                          .acuteness = fmax(r->problem.limits.acuteness, r->sums.acuteness)};
     pl_lbfgs m;
     int stopped = 0;
     if (!f.in_patch)

@@ -1,6 +1,5 @@
 /* domain: what a plan works on: all of the mesh, or the subset of it around some nodes. */
 #include "plan/draft.h"
-#include "plan/select.h"
 
 #include "base/memory.h"
 #include "base/status.h"

@@ -1,6 +1,7 @@
 /* draft: data that plan creation needs only while it runs.
  *
  *   domain.c    pl_draft_begin, _look_at_measures, _select    the mesh, or the subset to work on
+ *   select.c    pl_select, _around                            nodes that options select
  *   draft.c     pl_draft_finish, _destroy                     free nodes, their order and stars
  */
 #ifndef PL_PLAN_DRAFT_H
@@ -64,5 +65,20 @@ int pl_draft_select(pl_draft *d, int *all_positive, planish_error *error);
 
 /** Give the plan all that it knows of the domain's topology. */
 int pl_draft_finish(pl_draft *d, planish_error *error);
+
+/* ---- select.c: nodes that options select ----------------------------------------------------- */
+
+/** Choose the nodes that options->only_worse_than is about: is_selected [n] is filled with 0, or
+ *  not 0 for the nodes of elements whose RR is above it, that are below their minimum volume, or
+ * not positive, and of rings of elements around these. sign: as in pl_boundary. *all_positive: no
+ *  element was found that is not. subset, which is {0}, is filled if it was found on the way.
+ * Errors: _MESH (of its neighbours), _MEMORY. */
+int pl_select(const planish_mesh *mesh, const int8_t *sign, const planish_options *options,
+              int threads, uint8_t *is_selected, int *all_positive, pl_subset *subset,
+              planish_error *error);
+
+/** Choose the nodes that options->around is about; is_selected [n] is 0 before. */
+void pl_select_around(const planish_mesh *mesh, const planish_options *options, int threads,
+                      uint8_t *is_selected);
 
 #endif

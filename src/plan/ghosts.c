@@ -1,12 +1,11 @@
 /* ghosts: nodes that other processes move. */
-#include "plan/ghosts.h"
+#include "plan/plan.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
 #include "quality/measure.h"
-#include "plan/plan.h"
 
 #include <string.h>
 

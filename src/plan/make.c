@@ -2,12 +2,13 @@
 #include "plan/make.h"
 
 #include "plan/draft.h"
-#include "plan/options.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
+
+#include <math.h>
 
 enum { CHUNK_ELEMENTS = 4096 };
 
@@ -126,11 +127,26 @@ static int build(planish_plan *plan, const planish_mesh *mesh, pl_draft *d, plan
     return pl_parts_check(error);
 }
 
+/** Number of threads: options->threads; instead of 0 fewer than OpenMP would use, if the mesh is
+ * too small for these. */
+static int threads_for(const planish_mesh *mesh, const planish_options *options) {
+    enum { ELEMENTS_OF_A_NODE = 24, ELEMENTS_PER_THREAD = 2000 };
+    const int walks = options->around_elements && (mesh->neighbours || mesh->neighbours64);
+    const double wide = options->rings + 1.0; /* its cube may be beyond 64 bits */
+    double n = (double)mesh->n_elements;      /* that the plan will be for, about */
+    if (options->threads != 0)
+        return options->threads;
+    if (options->around && walks && options->n_around >= 1)
+        n = fmin(n, (double)options->n_around * ELEMENTS_OF_A_NODE * wide * wide * wide);
+    const int64_t enough = (int64_t)n / ELEMENTS_PER_THREAD + 1;
+    return enough < pl_thread_count(0) ? (int)enough : 0;
+}
+
 planish_plan *pl_plan_make(const planish_mesh *mesh, const planish_options *options,
                            pl_context *context, int *status, planish_error *error) {
     planish_plan *plan = pl_alloc_zero(1, sizeof *plan);
     pl_placement *placement =
-        pl_placement_create(pl_threads_for(mesh, options), options->bind && !options->parallel);
+        pl_placement_create(threads_for(mesh, options), options->bind && !options->parallel);
     if (!plan || !placement) {
         pl_placement_destroy(placement);
         pl_free(plan);

@@ -1,5 +1,5 @@
-/* options: their ranges, and how many threads they ask for. */
-#include "plan/options.h"
+/* options: their ranges. */
+#include "plan/plan.h"
 
 #include "base/parallel.h"
 #include "base/status.h"
@@ -83,17 +83,4 @@ int pl_options_check(const planish_options *options, planish_error *error) {
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.allocator lacks a function; give both, or no allocator");
     return PLANISH_OK;
-}
-
-int pl_threads_for(const planish_mesh *mesh, const planish_options *options) {
-    enum { ELEMENTS_OF_A_NODE = 24, ELEMENTS_PER_THREAD = 2000 };
-    const int walks = options->around_elements && (mesh->neighbours || mesh->neighbours64);
-    const double wide = options->rings + 1.0; /* its cube may be beyond 64 bits */
-    double n = (double)mesh->n_elements;      /* that the plan will be for, about */
-    if (options->threads != 0)
-        return options->threads;
-    if (options->around && walks && options->n_around >= 1)
-        n = fmin(n, (double)options->n_around * ELEMENTS_OF_A_NODE * wide * wide * wide);
-    const int64_t enough = (int64_t)n / ELEMENTS_PER_THREAD + 1;
-    return enough < pl_thread_count(0) ? (int)enough : 0;
 }

@@ -1,8 +1,6 @@
 /* plan: what the other folders ask of a plan, and its end; make.c makes it. */
 #include "plan/plan.h"
 
-#include "plan/options.h"
-
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/parts.h"

@@ -1,17 +1,23 @@
 /* plan: all facts about one connectivity that smoothing needs, computed once.
  *
+ * plan.c
  *   pl_plan_destroy                            free a plan; make.h makes one
  *   pl_plan_problem, _sliding_problem          the local problems of its stars
  *   pl_plan_colours, _order, _number_stars     colours; coordinates along the curve; stars
  *   pl_plan_points, _all_points, _dense        the caller's coordinates
  *   pl_plan_element, _node                     the caller's numbers
  *   pl_view_of_all_elements, pl_any_moves, pl_plan_check_call    what measurements and calls need
+ * ghosts.c: nodes that other processes move; all empty where the whole mesh is in one process
+ *   pl_ghosts_create, _destroy                 the ghosts of a plan
+ *   pl_ghosts_note, _send, _receive            before and after the visits of a colour
+ *   pl_ghosts_wake, _update                    stars around ghosts that have moved; their values
+ * options.c
+ *   pl_options_check                           the values of planish_options
  */
 #ifndef PL_PLAN_PLAN_H
 #define PL_PLAN_PLAN_H
 
 #include "base/context.h"
-#include "plan/ghosts.h"
 #include "plan/placement.h"
 #include "quality/view.h"
 #include "star/star.h"
@@ -36,6 +42,17 @@ enum { PL_HELD = 0, PL_INTERIOR = 1, PL_SLIDES = 2 };
 
 /** Bits of is_used: the node is used by an element, and what else than its elements holds it. */
 enum { PL_USED = 1, PL_FIXED_BY_CALLER = 2, PL_IN_PAIR = 4, PL_NOT_CHOSEN = 8, PL_OF_WRAPPED = 16 };
+
+/** Ghosts of a plan, and their neighbours; inner numbers are those of the plan's arrays. Owned. */
+typedef struct pl_ghosts {
+    int32_t *node;       /* [n_nodes] the mesh's number of each inner one */
+    int64_t *offset;     /* [n_nodes + 1] by the mesh's numbers: where a ghost's neighbours begin */
+    int32_t *neighbour;  /* inner numbers of those that are no ghosts */
+    uint8_t *is_movable; /* [n_elements] see pl_measure_by */
+    double *before;      /* [most SHARED nodes of a colour][dim] where they were */
+    int32_t *moved;      /* [likewise] those of them that have moved, and */
+    char *message;       /* what is said of them: coordinates, and whether neighbours were told */
+} pl_ghosts;
 
 /** Scope of a plan, and of its measurements. */
 typedef enum pl_scope {
@@ -148,6 +165,38 @@ static inline int pl_any_moves(const uint8_t *mobility, const int32_t *node, int
  *  begins with it. */
 int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
                        const planish_options *options, planish_error *error);
+
+/* ---- ghosts.c ------------------------------------------------------------------------------- */
+
+/** order [n_nodes]: the mesh's numbers by inner ones. To be destroyed in any case. */
+int pl_ghosts_create(planish_plan *plan, const planish_mesh *mesh, const int32_t *order,
+                     planish_error *error);
+
+/** Free the arrays of ghosts. */
+void pl_ghosts_destroy(pl_ghosts *ghosts);
+
+/** Before the SHARED stars begin .. end - 1 of visits are visited; after that: tell the others of
+ *  those that have moved; and later: take what these have told. */
+void pl_ghosts_note(const planish_plan *plan, const pl_visits *visits, int64_t begin, int64_t end);
+
+/** After the visit: tell the other processes which SHARED nodes have moved. */
+void pl_ghosts_send(const planish_plan *plan, const pl_visits *visits, int64_t begin, int64_t end);
+
+/** Take the places of ghosts that the other processes have sent. */
+void pl_ghosts_receive(const planish_plan *plan);
+
+/** Wake the stars around ghosts that are not where they were before: [n_nodes][dim] by inner
+ * numbers.
+ */
+void pl_ghosts_wake(const planish_plan *plan, const double *before);
+
+/** Fetch a value of size bytes for each ghost, by inner numbers. */
+void pl_ghosts_update(const planish_plan *plan, void *values, int64_t size);
+
+/* ---- options.c ------------------------------------------------------------------------------ */
+
+/** Check struct_size and the ranges of all fields. */
+int pl_options_check(const planish_options *options, planish_error *error);
 
 enum { PL_CHUNK_STARS = 16 }; /* stars that one thread takes at a time, at most */
 

@@ -30,40 +30,33 @@ static void transfer_measured(void *context, int64_t begin, int64_t end, int thr
 
 /* ---- the quality of the mesh -------------------------------------------------------------- */
 
+static double rms_of_all(const pl_objective_sums *sums) {
+    return pl_rms(sums->ratio[0] + sums->ratio[1], sums->n[0] + sums->n[1]);
+}
+
 double pl_run_rms(const pl_run *r) {
-    const pl_objective_sums *t = &r->worth.totals;
-    return r->plain ? pl_rms(r->worth.sums.movable + r->worth.sums.fixed,
-                             (double)(r->worth.sums.n_movable + r->worth.sums.n_fixed))
-                    : pl_rms(t->ratio[0] + t->ratio[1], t->n[0] + t->n[1]);
+    return rms_of_all(&r->sums);
 }
 
 double pl_run_rms_of_movable(const pl_run *r) {
-    return r->plain ? pl_rms(r->worth.sums.movable, (double)r->worth.sums.n_movable)
-                    : pl_rms(r->worth.totals.ratio[1], r->worth.totals.n[1]);
+    return pl_rms(r->sums.ratio[1], r->sums.n[1]);
 }
 
 double pl_run_objective(const pl_run *r) {
-    return r->plain ? pl_run_rms(r) : pl_objective_of_all(r->options, &r->worth.totals);
-}
-
-static double objective_of_movable(const pl_run *r) {
-    return r->plain ? pl_run_rms_of_movable(r)
-                    : pl_objective_of_movable(r->options, &r->worth.totals);
+    return pl_objective_of_all(r->options, &r->sums);
 }
 
 int64_t pl_run_inverted(const pl_run *r) {
-    return r->plain ? r->worth.sums.inverted : (int64_t)r->worth.totals.inverted;
+    return (int64_t)r->sums.inverted;
 }
 
 int64_t pl_run_below(const pl_run *r) {
-    return r->plain ? 0 : (int64_t)r->worth.totals.below;
+    return (int64_t)r->sums.below;
 }
 
 pl_star_limits pl_run_limits(const pl_run *r, double margin) {
-    const double rr2 = r->plain ? r->worth.sums.max : r->worth.totals.radius_max;
-    const double acuteness =
-        (r->plain ? r->worth.sums.acuteness : r->worth.totals.acuteness) * margin;
-    return (pl_star_limits){rr2 * margin, acuteness,
+    const double acuteness = r->sums.acuteness * margin;
+    return (pl_star_limits){r->sums.radius_max * margin, acuteness,
                             pl_blunt_ratio_square(r->plan->dim, acuteness)};
 }
 
@@ -81,24 +74,25 @@ pl_objective_problem pl_run_objective_problem(const pl_run *r) {
 
 void pl_run_measure(pl_run *r) {
     const planish_plan *plan = r->plan;
-    const int is_all = plan->all == &plan->work;
     pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, transfer_measured, r);
     if (r->plain) {
-        pl_ratio_sums *sums = &r->worth.sums;
-        pl_sum_radius_ratio(&plan->work, plan->measured, plan->threads, sums);
-        r->measured = sums->movable;
-        sums->fixed = is_all ? sums->fixed : r->rest.ratio;
-        sums->n_fixed = is_all ? sums->n_fixed : (int64_t)r->rest.n;
-        return;
+        pl_ratio_sums plain;
+        pl_sum_radius_ratio(&plan->work, plan->measured, plan->threads, &plain);
+        r->sums = (pl_objective_sums){.ratio = {plain.fixed, plain.movable},
+                                      .n = {(double)plain.n_fixed, (double)plain.n_movable},
+                                      .radius_max = plain.max,
+                                      .acuteness = plain.acuteness,
+                                      .inverted = (double)plain.inverted};
+    } else {
+        const pl_objective_problem problem = pl_run_objective_problem(r);
+        pl_sum_objective(&problem, &r->sums);
     }
-    const pl_objective_problem problem = pl_run_objective_problem(r);
-    pl_sum_objective(&problem, &r->worth.totals);
-    r->measured = r->worth.totals.ratio[1];
-    if (is_all)
+    r->measured = r->sums.ratio[1];
+    if (plan->all == &plan->work)
         return;
-    r->worth.totals.ratio[0] = r->rest.ratio;
-    r->worth.totals.volume[0] = r->rest.volume;
-    r->worth.totals.n[0] = r->rest.n;
+    r->sums.ratio[0] = r->rest.ratio;
+    r->sums.volume[0] = r->rest.volume;
+    r->sums.n[0] = r->rest.n;
 }
 
 void pl_run_measure_rest(pl_run *r, const double *all) {
@@ -133,17 +127,15 @@ void pl_run_measure_rest(pl_run *r, const double *all) {
  *  returned. */
 static planish_progress progress_of(const pl_run *r, int colour, int64_t visits) {
     const double now = pl_seconds();
-    pl_run seen = *r;
-    if (r->shown)
-        seen.worth = *r->shown;
+    const pl_objective_sums *seen = r->shown ? r->shown : &r->sums;
     return (planish_progress){.sweep = r->sweep,
                               .colour = colour,
                               .n_colours = pl_plan_colours(r->plan),
-                              .rms = pl_run_rms(&seen),
-                              .rms_movable = pl_run_rms_of_movable(&seen),
-                              .objective = pl_run_objective(&seen),
-                              .inverted = pl_run_inverted(&seen) + r->rest.inverted,
-                              .below_min_volume = pl_run_below(&seen) + r->rest.below,
+                              .rms = rms_of_all(seen),
+                              .rms_movable = pl_rms(seen->ratio[1], seen->n[1]),
+                              .objective = pl_objective_of_all(r->options, seen),
+                              .inverted = (int64_t)seen->inverted + r->rest.inverted,
+                              .below_min_volume = (int64_t)seen->below + r->rest.below,
                               .restoring = r->restoring && !r->shown,
                               .worst = r->is_for_worst,
                               .visits = visits,
@@ -275,11 +267,11 @@ void pl_run_sweep_colours(pl_run *r, pl_sweep_tally *tally) {
 }
 
 int pl_run_sweep(pl_run *r, int64_t *visits) {
-    double *sum = r->plain ? &r->worth.sums.movable : &r->worth.totals.ratio[1];
+    double *sum = &r->sums.ratio[1];
     pl_sweep_tally tally = {0};
     pl_run_begin_sweep(r);
     if (!r->plain)
-        r->factor = pl_guard_weigh(&r->guard, r->options, &r->worth.totals);
+        r->factor = pl_guard_weigh(&r->guard, r->options, &r->sums);
     pl_run_sweep_colours(r, &tally);
     r->restoring = tally.stars.restored > 0;
     r->improved = tally.stars.improved;
@@ -293,7 +285,7 @@ int pl_run_sweep(pl_run *r, int64_t *visits) {
             r->options->method != PLANISH_METHOD_PLANISH || !(*sum > MEASURE_AGAIN * r->measured))
             pl_run_measure(r);
         if (r->restoring) /* of elements that were brought up */
-            r->problem.limits.rr2 = fmax(r->worth.totals.radius_max, r->problem.limits.rr2);
+            r->problem.limits.rr2 = fmax(r->sums.radius_max, r->problem.limits.rr2);
     }
     return pl_run_end_sweep(r, &tally);
 }
@@ -306,7 +298,7 @@ int pl_run_sweep(pl_run *r, int64_t *visits) {
  *  them it must stay as it is. */
 static int has_converged(const pl_run *r, pl_convergence *convergence, double before,
                          int64_t visits) {
-    const double after = objective_of_movable(r);
+    const double after = pl_objective_of_movable(r->options, &r->sums);
     const int64_t n_stars = r->plan->interior.n_all + r->plan->sliding.n_all;
     if (visits == 0)
         return 1;
@@ -338,12 +330,12 @@ void pl_run_sweeps(pl_run *r) {
     int polished = 0;                 /* that was slow, and L-BFGS has had the last word */
     r->stop = PLANISH_STOP_MAX_SWEEPS;
     while (pl_run_sweeps_left(r) > 0) {
-        const double before = objective_of_movable(r);
+        const double before = pl_objective_of_movable(r->options, &r->sums);
         int64_t visits;
         if (pl_run_sweep(r, &visits))
             return;
         const int converged = has_converged(r, &calm, before, visits);
-        pl_converged(&trend, before, objective_of_movable(r), 0);
+        pl_converged(&trend, before, pl_objective_of_movable(r->options, &r->sums), 0);
         const double fall = trend.fall[PL_CALM_SWEEPS - 1];
         /* Sweeps that have converged may still promise more than the tolerance: L-BFGS may bring
          * it. */
@@ -374,7 +366,7 @@ static size_t size_of_coordinates(const pl_run *r) {
 }
 
 void pl_trial_begin(pl_run *r, double *before, pl_trial *trial) {
-    *trial = (pl_trial){.run = r, .standing = r->worth, .before = before};
+    *trial = (pl_trial){.run = r, .standing = r->sums, .before = before};
     memcpy(before, r->plan->coordinates, size_of_coordinates(r));
     r->shown = &trial->standing;
 }

@@ -25,13 +25,6 @@ typedef struct pl_rest {
     int64_t inverted, below; /* elements outside of the part */
 } pl_rest;
 
-/** Quality of the mesh: sums of plain runs, totals of the others. movable, or ratio[1], is
- *  tracked between measurements. */
-typedef struct pl_worth {
-    pl_ratio_sums sums;
-    pl_objective_sums totals;
-} pl_worth;
-
 struct pl_run;
 
 /** Methods that help a mesh on which sweeps are slow; all nodes move at once. */
@@ -50,13 +43,14 @@ typedef struct pl_run {
     pl_star_problem problem;
     pl_guard guard;
     pl_star_guard sliding_guard; /* guard of the nodes that slide */
-    int plain;                   /* the plain problem: worth.sums counts, else worth.totals */
+    int plain;                   /* the plain problem: the sum of RR^2, nothing else is asked */
     double unit; /* a power of two, times which coordinates are measured: ratios are then the same
                     bits at every scale; 1 where volumes count */
-    pl_worth worth;          /* as measured last, with the improvement by the sweeps since */
-    double measured;         /* the sum that is tracked, as measured last */
-    double factor;           /* from a star's function to F, of the last sweep's weights */
-    const pl_worth *shown;   /* not NULL: the sweeps are a trial, and this is what stands */
+    pl_objective_sums sums; /* as measured last; ratio[1] with the improvement by the sweeps since;
+                               of a plain run without radius, volume, shortfall and domain */
+    double measured;        /* the sum that is tracked, as measured last */
+    double factor;          /* from a star's function to F, of the last sweep's weights */
+    const pl_objective_sums *shown; /* not NULL: the sweeps are a trial, and these sums stand */
     int64_t improved;        /* stars that the last sweep improved by more than a hundredth */
     int is_for_worst;        /* sweeps are those of pl_run_worst */
     int restoring;           /* the last sweep brought elements above their minimum volume */
@@ -67,8 +61,8 @@ typedef struct pl_run {
     int sweep;
     int uncounted_sweeps; /* sweeps that max_sweeps does not count: those before nodes were put back
                            */
-    pl_accelerate_fn *accelerate; /* what sweeps call where they are slow */
-    pl_worth worth_at_start;      /* of the mesh as it came */
+    pl_accelerate_fn *accelerate;    /* what sweeps call where they are slow */
+    pl_objective_sums sums_at_start; /* of the mesh as it came */
     planish_stop stop;
     planish_result *result;
 } pl_run;
@@ -145,8 +139,8 @@ void pl_run_sweeps(pl_run *r);
 /** A trial under way. */
 typedef struct pl_trial {
     pl_run *run;
-    pl_worth standing; /* of the mesh that stands */
-    double *before;    /* its coordinates, the caller's array */
+    pl_objective_sums standing; /* of the mesh that stands */
+    double *before;             /* its coordinates, the caller's array */
 } pl_trial;
 
 /** Begin a trial with the mesh as measured last. before [n_nodes][dim] is room for coordinates, and
