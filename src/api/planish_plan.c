@@ -1,5 +1,5 @@
 /* planish_plan: make a plan, destroy it, and tell its figures. */
-#include "plan/make.h"
+#include "plan/plan.h"
 
 #include "base/status.h"
 

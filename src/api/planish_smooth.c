@@ -107,8 +107,10 @@ static int begin(pl_run *r, planish_error *error) {
     pl_plan_order(plan, r->outside, plan->coordinates);
     begin_sliding(plan);
     /* delta may be a fraction of the volume of all of the mesh. */
-    const double delta = pl_minimum_volume(plan, r->options, is_part ? all : r->outside);
-    const int status = pl_guard_create(plan, r->options, r->outside, delta, &r->guard, error);
+    double delta;
+    int status = pl_minimum_volume(plan, r->options, is_part ? all : r->outside, &delta, error);
+    if (!status)
+        status = pl_guard_create(plan, r->options, r->outside, delta, &r->guard, error);
     r->plain = !r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH;
     r->unit = r->plain && !status ? pl_box_of_fixed(plan).scale : 1;
     for (int64_t i = 0; !status && is_part && i < n_values; i++)
@@ -120,8 +122,8 @@ static int begin(pl_run *r, planish_error *error) {
         return status;
     pl_run_measure(r);
     if (is_part) {
-        r->rest.inverted -= pl_run_inverted(r);
-        r->rest.below -= pl_run_below(r);
+        r->rest.inverted -= r->sums.inverted;
+        r->rest.below -= r->sums.below;
     }
     return PLANISH_OK;
 }
@@ -132,8 +134,8 @@ static int begin(pl_run *r, planish_error *error) {
 static void note_start(pl_run *r) {
     const planish_options *o = r->options;
     r->result->objective_before = pl_run_objective(r);
-    r->inverted_at_start = pl_run_inverted(r);
-    r->below_at_start = pl_run_below(r);
+    r->inverted_at_start = r->sums.inverted;
+    r->below_at_start = r->sums.below;
     r->at_start = pl_star_no_limits();
     if (o->method != PLANISH_METHOD_PLANISH || r->inverted_at_start > 0 || r->below_at_start > 0)
         return;
@@ -167,11 +169,11 @@ static void say_result(const pl_run *run) {
     planish_result *r = run->result;
     r->stop = run->stop;
     r->sweeps = run->sweep;
-    r->inverted = pl_run_inverted(run) + run->rest.inverted;
-    r->rms = pl_run_rms(run);
-    r->rms_movable = pl_run_rms_of_movable(run);
+    r->inverted = (int64_t)(run->sums.inverted + run->rest.inverted);
+    r->rms = pl_rms_of_all(&run->sums);
+    r->rms_movable = pl_rms_of_movable(&run->sums);
     r->min_volume = run->guard.min_volume;
-    r->below_min_volume = pl_run_below(run) + run->rest.below;
+    r->below_min_volume = (int64_t)(run->sums.below + run->rest.below);
     r->held_outside = run->guard.held_outside;
     r->objective = pl_run_objective(run);
     r->seconds = pl_seconds() - run->start;

@@ -78,9 +78,8 @@ static int find_states(const volume_check *c, const double *coordinates, int is_
     pl_infeasible found = {0, 0};
     int status = PLANISH_OK;
     if (c->by_volume) {
-        guard.min_volume = pl_minimum_volume(plan, c->options, all);
         guard.link_min_volume = plan->interior.stars.min_volume;
-        status = pl_check_delta(c->options, guard.min_volume, error);
+        status = pl_minimum_volume(plan, c->options, all, &guard.min_volume, error);
         if (status)
             return status;
     }

@@ -1,4 +1,4 @@
-/* patch: some nodes as one vector.
+/* patch: some nodes as one vector, and minimisation over them.
  *
  * Sweeps move one node at a time and repair errors within a few elements. Where much is tangled,
  * or a boundary has moved far, all nodes must move together. Vectors are over the patch's nodes
@@ -8,6 +8,8 @@
  *   pl_patch_for, _product, _combine                  arithmetic of vectors
  *   pl_patch_take, _put, _admit                       exchange with the mesh
  *   pl_box_of_fixed, pl_patch_centre                  nodes to the mean of their neighbours
+ *   pl_lbfgs_create, _destroy, _begin, _iterate       minimise a function of all of them (lbfgs.c);
+ *                                                     the nodes' own Hessians are the first guess
  */
 #ifndef PL_IMPROVE_PATCH_H
 #define PL_IMPROVE_PATCH_H
@@ -78,5 +80,47 @@ pl_box pl_box_of_fixed(const planish_plan *plan);
 void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally);
 
 enum { PL_CENTRE_VECTORS = 6 };
+
+/* ---- lbfgs.c: L-BFGS (Nocedal 1980) ---------------------------------------------------------- */
+
+enum { PL_LBFGS_PAIRS = 12, PL_LBFGS_SLOTS = PL_LBFGS_PAIRS + 1 }; /* one slot is for a trial */
+
+/** A step s and what it did to the gradient, y. */
+typedef struct pl_lbfgs_pair {
+    double *s, *y;
+    double sy; /* s . y */
+} pl_lbfgs_pair;
+
+/** Function to minimise. Returns the value at the plan's coordinates, and fills slope [n_stars]
+ *  of the patch's stars. Returns INFINITY, with no slopes, where the nodes must not be. Above
+ *  enough the slopes need not be filled. */
+typedef double pl_lbfgs_function(void *context, double enough, pl_star_slope *slope);
+
+/** A minimisation under way; arrays are owned. */
+typedef struct pl_lbfgs {
+    pl_patch p;
+    pl_lbfgs_function *function;
+    void *context;
+    double value; /* where the nodes are */
+    double *start, *position, *gradient, *direction, *last_gradient;
+    pl_star_slope *slope; /* [n_stars] */
+    pl_lbfgs_pair pairs[PL_LBFGS_SLOTS];
+    int n_pairs, newest;
+    int64_t evaluations;
+} pl_lbfgs;
+
+/** The patch as for pl_patch_create. 0 without memory; to be destroyed in any case. */
+int pl_lbfgs_create(pl_run *run, const pl_star_problem *problem, const uint8_t *in_patch,
+                    pl_lbfgs_function *function, void *context, pl_lbfgs *m);
+
+/** Free the arrays of m. */
+void pl_lbfgs_destroy(pl_lbfgs *m);
+
+/** Look at the function where the nodes are; it has changed, or they have, and pairs are forgotten.
+ */
+void pl_lbfgs_begin(pl_lbfgs *m);
+
+/** One iteration; 0 if the value could not be lowered, and the nodes are where they were. */
+int pl_lbfgs_iterate(pl_lbfgs *m, pl_sweep_tally *tally);
 
 #endif

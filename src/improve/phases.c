@@ -110,7 +110,7 @@ static int find_infeasible(pl_run *r, planish_error *error) {
     const planish_plan *plan = r->plan;
     if (r->stop == PLANISH_STOP_CONVERGED && r->rest.below > 0) /* no node of theirs is free */
         r->stop = PLANISH_STOP_INFEASIBLE;
-    if (r->stop != PLANISH_STOP_CONVERGED || pl_run_below(r) == 0)
+    if (r->stop != PLANISH_STOP_CONVERGED || !(r->sums.below > 0))
         return PLANISH_OK;
     pl_infeasible found = {0, 0};
     pl_limit limit = pl_run_limit(r);

@@ -5,7 +5,7 @@
  * of its neighbours, part of the way, and L-BFGS for the sum of RR^2.
  */
 #include "improve/improve.h"
-#include "improve/lbfgs.h"
+#include "improve/patch.h"
 
 #include "base/context.h"
 #include "base/memory.h"

@@ -55,7 +55,6 @@ static int64_t find_bad(const stages *p, double limit) {
 static int try_stage(stages *p, double limit, int *failed) {
     pl_run *r = p->run;
     const planish_plan *plan = r->plan;
-    const int corners = plan->dim + 1;
     const int64_t n_bad = find_bad(p, limit);
     int64_t most = 0;
     int stopped = 0;
@@ -65,8 +64,8 @@ static int try_stage(stages *p, double limit, int *failed) {
         return 0;
     memset(plan->changed, 0, (size_t)plan->work.n_nodes);
     for (int64_t i = 0; i < plan->work.n_elements; i++)
-        for (int j = 0; p->state[i] == PL_WORSE && j < corners; j++)
-            plan->changed[plan->inner[plan->work.elements[i * corners + j]]] = 1;
+        for (int j = 0; p->state[i] == PL_WORSE && j <= plan->dim; j++)
+            plan->changed[pl_plan_inner(plan, i, j)] = 1;
     pl_trial_begin(r, p->before, &trial);
     r->guard.star.worst_limit = limit;
     for (int i = 0; i < STAGE_SWEEPS && !stopped; i++) {

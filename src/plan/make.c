@@ -1,6 +1,4 @@
 /* make: make a plan: its mesh, its free nodes and their stars, working space, and what it tells. */
-#include "plan/make.h"
-
 #include "plan/draft.h"
 
 #include "base/memory.h"

@@ -1,11 +1,11 @@
 /* plan: all facts about one connectivity that smoothing needs, computed once.
  *
  * plan.c
- *   pl_plan_destroy                            free a plan; make.h makes one
+ *   pl_plan_make (make.c), pl_plan_destroy     make and free a plan
  *   pl_plan_problem, _sliding_problem          the local problems of its stars
  *   pl_plan_colours, _order, _number_stars     colours; coordinates along the curve; stars
  *   pl_plan_points, _all_points, _dense        the caller's coordinates
- *   pl_plan_element, _node                     the caller's numbers
+ *   pl_plan_element, _node, _inner             the caller's numbers; inner ones
  *   pl_view_of_all_elements, pl_any_moves, pl_plan_check_call    what measurements and calls need
  * ghosts.c: nodes that other processes move; all empty where the whole mesh is in one process
  *   pl_ghosts_create, _destroy                 the ghosts of a plan
@@ -106,6 +106,13 @@ struct planish_plan {
     pl_thread_tally *tally; /* [threads] of the sweep under way */
 };
 
+/* ---- make.c and plan.c ---------------------------------------------------------------------- */
+
+/** Make a plan in context, which the caller has entered. options are checked. NULL: *status and
+ * error say why. The caller destroys the plan. */
+planish_plan *pl_plan_make(const planish_mesh *mesh, const planish_options *options,
+                           pl_context *context, int *status, planish_error *error);
+
 /** Free the plan, but not its context. */
 void pl_plan_destroy(planish_plan *plan);
 
@@ -143,6 +150,11 @@ static inline int64_t pl_plan_element(const planish_plan *plan, int64_t element)
 /** The caller's number of a node of the plan's mesh. */
 static inline int64_t pl_plan_node(const planish_plan *plan, int64_t node) {
     return plan->node_of ? plan->node_of[node] : node;
+}
+
+/** The inner number of corner j of an element of the plan's mesh. */
+static inline int32_t pl_plan_inner(const planish_plan *plan, int64_t element, int j) {
+    return plan->inner[plan->work.elements[element * (plan->dim + 1) + j]];
 }
 
 /** Return the view without is_movable: all elements are looked at, also those that other processes

@@ -30,33 +30,37 @@ pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
                                   .threads = plan->threads};
 }
 
-double pl_minimum_volume(const planish_plan *plan, const planish_options *options,
-                         const double *all) {
+int pl_minimum_volume(const planish_plan *plan, const planish_options *options, const double *all,
+                      double *delta, planish_error *error) {
+    *delta = options->min_volume;
     if (!(options->min_volume_fraction > 0))
-        return options->min_volume;
-    const pl_objective_problem problem =
-        pl_objective_problem_of(plan, options, all, options->min_volume);
+        return PLANISH_OK;
+    const pl_objective_problem problem = pl_objective_problem_of(plan, options, all, *delta);
     pl_objective_sums sums;
     pl_sum_objective(&problem, &sums);
-    return options->min_volume_fraction * fabs(sums.domain);
+    *delta = options->min_volume_fraction * fabs(sums.domain);
+    if (*delta >= DBL_MIN && isfinite(*delta))
+        return PLANISH_OK;
+    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                   "options.min_volume_fraction is %g, but the domain's volume times that is %g; "
+                   "scale the mesh to a size whose volumes are numbers",
+                   options->min_volume_fraction, *delta);
 }
 
 double pl_objective_of_all(const planish_options *options, const pl_objective_sums *sums) {
-    double n = sums->n[0] + sums->n[1], mu2 = options->area_weight;
-    double f1 = pl_rms(sums->ratio[0] + sums->ratio[1], n);
+    const double n = sums->n[0] + sums->n[1], mu2 = options->area_weight, f1 = pl_rms_of_all(sums);
     return mu2 > 0 ? (1 - mu2) * f1 + mu2 * pl_rms(sums->volume[0] + sums->volume[1], n) : f1;
 }
 
 double pl_objective_of_movable(const planish_options *options, const pl_objective_sums *sums) {
-    double mu2 = options->area_weight;
-    double f1 = pl_rms(sums->ratio[1], sums->n[1]);
+    const double mu2 = options->area_weight, f1 = pl_rms_of_movable(sums);
     return mu2 > 0 ? (1 - mu2) * f1 + mu2 * pl_rms(sums->volume[1], sums->n[1]) : f1;
 }
 
 double pl_guard_weigh(pl_guard *guard, const planish_options *options,
                       const pl_objective_sums *sums) {
     double n = sums->n[0] + sums->n[1], mu2 = options->area_weight, mu1 = 1 - mu2;
-    double of_ratio = mu1 / fmax(pl_rms(sums->ratio[0] + sums->ratio[1], n), LEAST_RMS);
+    double of_ratio = mu1 / fmax(pl_rms_of_all(sums), LEAST_RMS);
     double of_volume =
         mu2 > 0 ? mu2 / fmax(pl_rms(sums->volume[0] + sums->volume[1], n), LEAST_RMS) : 0;
     double unit = mu1 > 0 ? of_ratio : of_volume;
@@ -275,16 +279,6 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
 
 /* ---- the guard ----------------------------------------------------------------------------- */
 
-int pl_check_delta(const planish_options *options, double delta, planish_error *error) {
-    if (options->min_volume_fraction > 0 && (!(delta >= DBL_MIN) || !isfinite(delta)))
-        return pl_fail(
-            error, PLANISH_ERROR_ARGUMENT,
-            "options.min_volume_fraction is %g, but the domain's volume times that is %g; "
-            "scale the mesh to a size whose volumes are numbers",
-            options->min_volume_fraction, delta);
-    return PLANISH_OK;
-}
-
 /** With an area weight g must be a number that elements can differ by: V / delta below this. */
 #define LARGEST_MULTIPLE 1e12
 
@@ -326,9 +320,7 @@ int pl_guard_create(const planish_plan *plan, const planish_options *options,
                                  .ratio_weight = 1,
                                  .min_volume = delta,
                                  .link_min_volume = plan->interior.stars.min_volume}};
-    int status = pl_check_delta(options, delta, error);
-    if (!status)
-        status = check_area_weight(plan, options, coordinates, delta, error);
+    int status = check_area_weight(plan, options, coordinates, delta, error);
     if (!status)
         status = check_bounds(plan, options, error);
     if (!status)

@@ -1,8 +1,8 @@
 /* guard: the guarded kernel's input from options and plan: objective, minimum volumes, bounds.
  *
  *   pl_guard_create, _destroy, _weigh             arrays and weights of the guarded kernel
- *   pl_minimum_volume, pl_check_delta               options.min_volume as a volume
- *   pl_objective_problem_of, pl_objective_of_all, _of_movable, pl_rms    the objective F
+ *   pl_minimum_volume                             options.min_volume as a volume
+ *   pl_objective_problem_of, pl_objective_of_all, _of_movable, pl_rms, pl_rms_of_all, _of_movable F
  */
 #ifndef PL_SWEEP_GUARD_H
 #define PL_SWEEP_GUARD_H
@@ -17,6 +17,16 @@ static inline double pl_rms(double sum, double n) {
     return n > 0 ? sqrt(sum / n) : 0;
 }
 
+/** RMS of the ratio over all elements. */
+static inline double pl_rms_of_all(const pl_objective_sums *sums) {
+    return pl_rms(sums->ratio[0] + sums->ratio[1], sums->n[0] + sums->n[1]);
+}
+
+/** RMS of the ratio over the elements with a free node. */
+static inline double pl_rms_of_movable(const pl_objective_sums *sums) {
+    return pl_rms(sums->ratio[1], sums->n[1]);
+}
+
 /** Ready for the sweeps of one call. Its arrays are owned. */
 typedef struct pl_guard {
     int wanted; /* 0: the plain problem will do */
@@ -27,10 +37,10 @@ typedef struct pl_guard {
     int64_t held_outside;
 } pl_guard;
 
-/** delta of options: a fraction is of the volume of all of the mesh, whose coordinates all [.][dim]
- *  are. */
-double pl_minimum_volume(const planish_plan *plan, const planish_options *options,
-                         const double *all);
+/** Find delta of options: a fraction is of the volume of all of the mesh, whose coordinates all
+ *  [.][dim] are. Errors: _ARGUMENT, where that is no volume. */
+int pl_minimum_volume(const planish_plan *plan, const planish_options *options, const double *all,
+                      double *delta, planish_error *error);
 
 /** Return the sum over the mesh, or over the plan's part if no more is known, that options ask
  *  for. */
@@ -38,13 +48,9 @@ pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
                                              const planish_options *options, const double *all,
                                              double delta);
 
-/** Whether the fraction of the domain's volume, if one was asked for, is a volume. */
-int pl_check_delta(const planish_options *options, double delta, planish_error *error);
-
 /** Make the guard for coordinates [n][dim] and delta; the plan's own coordinates are already there.
- *  Errors: _ARGUMENT (an area weight without a
- *  fitting minimum volume for every element, a fraction of nothing),
- *  _MEMORY. */
+ *  Errors: _ARGUMENT (bounds that are no numbers, an area weight without a fitting minimum volume
+ * for every element), _MEMORY. */
 int pl_guard_create(const planish_plan *plan, const planish_options *options,
                     const double *coordinates, double delta, pl_guard *guard, planish_error *error);
 

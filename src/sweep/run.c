@@ -30,28 +30,8 @@ static void transfer_measured(void *context, int64_t begin, int64_t end, int thr
 
 /* ---- the quality of the mesh -------------------------------------------------------------- */
 
-static double rms_of_all(const pl_objective_sums *sums) {
-    return pl_rms(sums->ratio[0] + sums->ratio[1], sums->n[0] + sums->n[1]);
-}
-
-double pl_run_rms(const pl_run *r) {
-    return rms_of_all(&r->sums);
-}
-
-double pl_run_rms_of_movable(const pl_run *r) {
-    return pl_rms(r->sums.ratio[1], r->sums.n[1]);
-}
-
 double pl_run_objective(const pl_run *r) {
     return pl_objective_of_all(r->options, &r->sums);
-}
-
-int64_t pl_run_inverted(const pl_run *r) {
-    return (int64_t)r->sums.inverted;
-}
-
-int64_t pl_run_below(const pl_run *r) {
-    return (int64_t)r->sums.below;
 }
 
 pl_star_limits pl_run_limits(const pl_run *r, double margin) {
@@ -72,53 +52,49 @@ pl_objective_problem pl_run_objective_problem(const pl_run *r) {
                                   .threads = plan->threads};
 }
 
+/** Sum over a mesh at x: of a plain run the radius ratios alone. */
+static void sum_up(const pl_run *r, const pl_view *mesh, const double *x, pl_objective_sums *sums) {
+    pl_ratio_sums plain;
+    if (!r->plain) {
+        const pl_objective_problem problem = {.mesh = *mesh,
+                                              .coordinates = x,
+                                              .objective = r->options->objective,
+                                              .min_volume = r->guard.min_volume,
+                                              .threads = r->plan->threads};
+        pl_sum_objective(&problem, sums);
+        return;
+    }
+    pl_sum_radius_ratio(mesh, x, r->plan->threads, &plain);
+    *sums = (pl_objective_sums){.ratio = {plain.fixed, plain.movable},
+                                .n = {(double)plain.n_fixed, (double)plain.n_movable},
+                                .radius_max = plain.max,
+                                .acuteness = plain.acuteness,
+                                .inverted = (double)plain.inverted};
+}
+
 void pl_run_measure(pl_run *r) {
     const planish_plan *plan = r->plan;
+    const pl_objective_problem problem = pl_run_objective_problem(r);
     pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, transfer_measured, r);
-    if (r->plain) {
-        pl_ratio_sums plain;
-        pl_sum_radius_ratio(&plan->work, plan->measured, plan->threads, &plain);
-        r->sums = (pl_objective_sums){.ratio = {plain.fixed, plain.movable},
-                                      .n = {(double)plain.n_fixed, (double)plain.n_movable},
-                                      .radius_max = plain.max,
-                                      .acuteness = plain.acuteness,
-                                      .inverted = (double)plain.inverted};
-    } else {
-        const pl_objective_problem problem = pl_run_objective_problem(r);
-        pl_sum_objective(&problem, &r->sums);
-    }
+    sum_up(r, r->plain ? &plan->work : &problem.mesh, plan->measured, &r->sums);
     r->measured = r->sums.ratio[1];
     if (plan->all == &plan->work)
         return;
-    r->sums.ratio[0] = r->rest.ratio;
-    r->sums.volume[0] = r->rest.volume;
-    r->sums.n[0] = r->rest.n;
+    r->sums.ratio[0] = r->rest.ratio[0];
+    r->sums.volume[0] = r->rest.volume[0];
+    r->sums.n[0] = r->rest.n[0];
 }
 
 void pl_run_measure_rest(pl_run *r, const double *all) {
     const planish_plan *plan = r->plan;
     const uint8_t *mobility = r->guard.mobility ? r->guard.mobility : plan->work.mobility;
     const int corners = plan->dim + 1;
+    pl_view whole = plan->whole;
     for (int64_t i = 0; i < plan->work.n_elements; i++)
         plan->is_movable[plan->element_of[i]] =
             (uint8_t)pl_any_moves(mobility, plan->work.elements + i * corners, corners);
-    pl_objective_problem problem =
-        pl_objective_problem_of(plan, r->options, all, r->guard.min_volume);
-    problem.mesh.is_movable = plan->is_movable;
-    if (r->plain) {
-        pl_ratio_sums sums;
-        pl_sum_radius_ratio(&problem.mesh, all, plan->threads, &sums);
-        r->rest =
-            (pl_rest){.ratio = sums.fixed, .n = (double)sums.n_fixed, .inverted = sums.inverted};
-        return;
-    }
-    pl_objective_sums sums;
-    pl_sum_objective(&problem, &sums);
-    r->rest = (pl_rest){.ratio = sums.ratio[0],
-                        .volume = sums.volume[0],
-                        .n = sums.n[0],
-                        .inverted = (int64_t)sums.inverted,
-                        .below = (int64_t)sums.below};
+    whole.is_movable = plan->is_movable;
+    sum_up(r, &whole, all, &r->rest);
 }
 
 /* ---- progress and limits ------------------------------------------------------------------- */
@@ -131,11 +107,11 @@ static planish_progress progress_of(const pl_run *r, int colour, int64_t visits)
     return (planish_progress){.sweep = r->sweep,
                               .colour = colour,
                               .n_colours = pl_plan_colours(r->plan),
-                              .rms = rms_of_all(seen),
-                              .rms_movable = pl_rms(seen->ratio[1], seen->n[1]),
+                              .rms = pl_rms_of_all(seen),
+                              .rms_movable = pl_rms_of_movable(seen),
                               .objective = pl_objective_of_all(r->options, seen),
-                              .inverted = (int64_t)seen->inverted + r->rest.inverted,
-                              .below_min_volume = (int64_t)seen->below + r->rest.below,
+                              .inverted = (int64_t)(seen->inverted + r->rest.inverted),
+                              .below_min_volume = (int64_t)(seen->below + r->rest.below),
                               .restoring = r->restoring && !r->shown,
                               .worst = r->is_for_worst,
                               .visits = visits,

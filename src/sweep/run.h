@@ -1,9 +1,7 @@
 /* run: one call of planish_smooth: its mesh, the mesh quality, its sweeps, trials. All in run.c.
  *
  *   pl_run_measure, _measure_rest             measure the mesh
- *   pl_run_objective, _inverted, _below       figures of the mesh as measured or tracked last
- *   pl_run_rms, _rms_of_movable               RMS values
- *   pl_run_limits                             the worst element's measures, as limits
+ *   pl_run_objective, _limits                 F, and the worst element's measures, as limits
  *   pl_run_objective_problem, _sliding_problem, _prepare, _begin_anew    problems of sums and
  * visits pl_run_sweeps, _sweep, _sweep_colours     sweep until convergence, once, or over the
  * colours pl_run_begin_sweep, _end_sweep            frame of a sweep pl_run_after_colour, _limit,
@@ -17,14 +15,6 @@
 #include "sweep/guard.h"
 #include "sweep/sweep.h"
 
-/** Sums that do not change, over elements that the plan does not move; all 0 if the plan works
- *  on the whole mesh. */
-typedef struct pl_rest {
-    double ratio, volume, n; /* of all elements without a free node, as of pl_objective_sums; ratio
-                                is of AR^2, or of RR^2 */
-    int64_t inverted, below; /* elements outside of the part */
-} pl_rest;
-
 struct pl_run;
 
 /** Methods that help a mesh on which sweeps are slow; all nodes move at once. */
@@ -37,9 +27,11 @@ typedef int pl_accelerate_fn(struct pl_run *r, pl_acceleration acceleration, dou
 typedef struct pl_run {
     planish_plan *plan;
     const planish_options *options;
-    double *coordinates;   /* the caller's */
-    const double *outside; /* [n][dim] those of the plan's nodes as they came */
-    pl_rest rest;
+    double *coordinates;    /* the caller's */
+    const double *outside;  /* [n][dim] those of the plan's nodes as they came */
+    pl_objective_sums rest; /* that do not change: ratio[0], volume[0] and n[0] over all elements
+                               without a free node, inverted and below over those outside of the
+                               plan's part; all 0 if the plan works on the whole mesh */
     pl_star_problem problem;
     pl_guard guard;
     pl_star_guard sliding_guard; /* guard of the nodes that slide */
@@ -55,7 +47,7 @@ typedef struct pl_run {
     int is_for_worst;        /* sweeps are those of pl_run_worst */
     int restoring;           /* the last sweep brought elements above their minimum volume */
     pl_star_limits at_start; /* the worst of the mesh as it came; infinite: nothing is promised */
-    int64_t inverted_at_start, below_at_start;
+    double inverted_at_start, below_at_start;
     double start; /* clock */
     double sweep_start;
     int sweep;
@@ -74,20 +66,8 @@ void pl_run_measure(pl_run *r);
  * they are. inverted and below are then those of all: what is in the part is to be taken off. */
 void pl_run_measure_rest(pl_run *r, const double *all);
 
-/** F of all elements as measured or tracked last; how many are inverted or below. */
+/** F of all elements as measured or tracked last. */
 double pl_run_objective(const pl_run *r);
-
-/** Number of inverted elements in the plan's part, as measured last. */
-int64_t pl_run_inverted(const pl_run *r);
-
-/** Number of elements below their minimum volume in the plan's part, as measured last. */
-int64_t pl_run_below(const pl_run *r);
-
-/** RMS of the ratio over all elements. */
-double pl_run_rms(const pl_run *r);
-
-/** RMS of the ratio over the elements with a free node. */
-double pl_run_rms_of_movable(const pl_run *r);
 
 /* What elements may become, relative to the worst there is: the margin is for the rounding of
  * slivers, whose RR depends on the node it is seen from. */

@@ -39,10 +39,6 @@ static void place(patches *w, const double *x, int at) {
         w->tangled[at][i] = w->t->state[i] == PL_TANGLED;
 }
 
-static int32_t inner(const planish_plan *plan, int64_t element, int j) {
-    return plan->inner[plan->work.elements[element * (plan->dim + 1) + j]];
-}
-
 static int has_moved(const patches *w, int32_t node) {
     const int dim = w->t->run->plan->dim;
     return memcmp(w->start + (int64_t)node * dim, w->now + (int64_t)node * dim,
@@ -59,11 +55,11 @@ static void mark_patches(patches *w, int32_t rings) {
         for (int64_t i = 0; i < plan->work.n_elements; i++) {
             int is_near = ring == 1 && (w->tangled[BEFORE][i] || w->tangled[AFTER][i]);
             for (int j = 0; ring > 1 && j <= plan->dim; j++) {
-                const int32_t k = w->ring[inner(plan, i, j)];
+                const int32_t k = w->ring[pl_plan_inner(plan, i, j)];
                 is_near |= k > 0 && k < ring;
             }
             for (int j = 0; is_near && j <= plan->dim; j++) {
-                const int32_t node = inner(plan, i, j);
+                const int32_t node = pl_plan_inner(plan, i, j);
                 if (w->ring[node] == 0 && has_moved(w, node))
                     w->ring[node] = ring;
             }
@@ -74,8 +70,8 @@ static void mark_patches(patches *w, int32_t rings) {
 static int32_t patch_of(const patches *w, int64_t element) {
     const planish_plan *plan = w->t->run->plan;
     for (int j = 0; j <= plan->dim; j++)
-        if (w->ring[inner(plan, element, j)] > 0)
-            return pl_root_of(w->parent, inner(plan, element, j));
+        if (w->ring[pl_plan_inner(plan, element, j)] > 0)
+            return pl_root_of(w->parent, pl_plan_inner(plan, element, j));
     return -1;
 }
 
@@ -86,8 +82,8 @@ static void join_patches(patches *w) {
     for (int64_t i = 0; i < plan->work.n_elements; i++) {
         int32_t root = patch_of(w, i);
         for (int j = 0; j <= plan->dim && root >= 0; j++)
-            if (w->ring[inner(plan, i, j)] > 0)
-                root = pl_join(w->parent, root, inner(plan, i, j));
+            if (w->ring[pl_plan_inner(plan, i, j)] > 0)
+                root = pl_join(w->parent, root, pl_plan_inner(plan, i, j));
     }
 }
 
@@ -130,12 +126,12 @@ static int64_t return_patches(patches *w, int32_t rings) {
     if (put_back(w, 0, x) == 0)
         return 0;
     place(w, w->now, AFTER);
-    const int64_t inverted = pl_run_inverted(w->t->run);
+    const double inverted = w->t->run->sums.inverted;
     place(w, x, TRIAL);
     count_tangled(w, TRIAL);
     const int64_t n = put_back(w, 1, x);
     place(w, x, TRIAL);
-    if (pl_run_inverted(w->t->run) > inverted)
+    if (w->t->run->sums.inverted > inverted)
         return 0;
     memcpy(w->now, x, w->bytes);
     memcpy(w->tangled[AFTER], w->tangled[TRIAL], (size_t)w->t->run->plan->work.n_elements);

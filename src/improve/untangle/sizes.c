@@ -26,11 +26,6 @@ static int is_own(const sizing *s, int64_t node) {
     return !s->is_ghost || !s->is_ghost[node];
 }
 
-static void get_inner_nodes(const planish_plan *plan, int64_t element, int32_t *node) {
-    for (int j = 0; j <= plan->dim; j++)
-        node[j] = plan->inner[plan->work.elements[element * (plan->dim + 1) + j]];
-}
-
 /* Sizes are averaged as numbers that grow nearly like their logarithms, made without libm: exponent
  * and mantissa side by side. Meshes may be graded by orders of magnitude. The exponents are counted
  * from that of the largest size, so that the scale of a mesh changes no bit. */
@@ -62,7 +57,8 @@ static void add_measures(const sizing *s) {
     for (int64_t i = 0; i < plan->work.n_elements; i++) {
         int32_t node[4];
         double e[3][3];
-        get_inner_nodes(plan, i, node);
+        for (int j = 0; j <= plan->dim; j++)
+            node[j] = pl_plan_inner(plan, i, j);
         const double *x0 = plan->coordinates + (int64_t)node[0] * dim;
         for (int j = 0; j < dim; j++)
             for (int d = 0; d < dim; d++)
@@ -118,7 +114,8 @@ static int64_t spread_levels(const sizing *s) {
     memset(s->around, 0, (size_t)plan->work.n_nodes * sizeof *s->around);
     for (int64_t i = 0; i < plan->work.n_elements; i++) {
         int32_t node[4];
-        get_inner_nodes(plan, i, node);
+        for (int j = 0; j <= plan->dim; j++)
+            node[j] = pl_plan_inner(plan, i, j);
         for (int j = 0; j <= plan->dim; j++)
             for (int k = 0; s->count[node[j]] == 0 && k <= plan->dim; k++) {
                 s->absolute[node[j]] += s->count[node[k]] > 0 ? s->sum[node[k]] : 0;

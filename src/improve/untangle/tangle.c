@@ -135,11 +135,10 @@ static void mark_rings(pl_tangle *t, int rings) {
 
 void pl_tangle_mark(pl_tangle *t, int rings) {
     const planish_plan *plan = t->run->plan;
-    const int corners = plan->dim + 1;
     memset(t->in_patch, 0, (size_t)plan->work.n_nodes);
     for (int64_t i = 0; i < plan->work.n_elements; i++)
-        for (int j = 0; t->state[i] == PL_TANGLED && j < corners; j++)
-            t->in_patch[plan->inner[plan->work.elements[i * corners + j]]] = 1;
+        for (int j = 0; t->state[i] == PL_TANGLED && j <= plan->dim; j++)
+            t->in_patch[pl_plan_inner(plan, i, j)] = 1;
     pl_ghosts_update(plan, t->in_patch, 1);
     if (rings > 0)
         mark_rings(t, rings);

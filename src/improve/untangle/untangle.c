@@ -10,7 +10,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/parts.h"
-#include "improve/lbfgs.h"
+#include "improve/patch.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -316,14 +316,13 @@ static int climb(pl_tangle *t, const rung *step) {
 
 /** Quality of the mesh before or after a rung. */
 typedef struct standing {
-    int64_t tangled, inverted;
-    double rr2, objective;
+    int64_t tangled;
+    double inverted, rr2, objective;
 } standing;
 
 static standing standing_of(const pl_tangle *t) {
     const pl_run *r = t->run;
-    return (standing){t->n_tangled, pl_run_inverted(r), pl_run_limits(r, 1).rr2,
-                      pl_run_objective(r)};
+    return (standing){t->n_tangled, r->sums.inverted, r->sums.radius_max, pl_run_objective(r)};
 }
 
 /** Climb the n rungs of ladder. A rung counts if fewer elements are tangled after it, and no more
@@ -357,7 +356,7 @@ static int untangle(pl_run *r, int floors, const rung *ladder, int n, planish_er
             pl_tangle_find(&t);
         }
     }
-    if (climbs && !floors && t.n_tangled > 0 && pl_run_inverted(r) > 0)
+    if (climbs && !floors && t.n_tangled > 0 && r->sums.inverted > 0)
         pl_tangle_return(&t);
     r->restoring = 0;
     pl_tangle_destroy(&t);
@@ -369,18 +368,18 @@ static int untangle(pl_run *r, int floors, const rung *ladder, int n, planish_er
 }
 
 int pl_run_untangle(pl_run *r, planish_error *error) {
-    const int64_t inverted = pl_run_inverted(r);
+    const int64_t inverted = (int64_t)r->sums.inverted;
     if (!r->options->untangle || r->options->method != PLANISH_METHOD_PLANISH ||
-        (inverted == 0 && !(pl_run_limits(r, 1).rr2 > FLAT_RR2)))
+        (inverted == 0 && !(r->sums.radius_max > FLAT_RR2)))
         return PLANISH_OK;
     pl_log(PLANISH_LOG_DETAIL, "untangling %" PRId64 " elements", inverted);
     return untangle(r, 0, LADDER, inverted > 0 ? N_RUNGS : N_RUNGS_IF_VALID, error);
 }
 
 int pl_run_raise_volumes(pl_run *r, planish_error *error) {
-    if (pl_run_below(r) == 0)
+    if (!(r->sums.below > 0))
         return PLANISH_OK;
     pl_log(PLANISH_LOG_DETAIL, "raising %" PRId64 " elements to their minimum volume",
-           pl_run_below(r));
+           (int64_t)r->sums.below);
     return untangle(r, 1, LADDER_OF_VOLUMES, N_RUNGS_OF_VOLUMES, error);
 }
