@@ -181,9 +181,7 @@ static int count_card(reader *r, card *c) {
     if (is_named(c, "BEGIN"))
         return fail_card(r, c, "superelements are not read; smooth each in a file of its own");
     if (c->name[0] == '=')
-        return fail_card(r, c,
-                         "replication of the card before (=, *(1)) is not read; have the "
-                         "preprocessor write every card in full");
+        return fail_card(r, c, no_replication);
     if (is_named(c, "GRID")) {
         r->n_grids++;
         if (!c->line.is_long)

@@ -22,6 +22,11 @@ enum {
     FIRST_COORDINATE = 2 /* field of a GRID, from 0: number, system, coordinates */
 };
 
+/** Why cards of = and == and fields of *(1) are refused. */
+static const char no_replication[] =
+    "replication of the card before (=, *(1)) is not read; have the preprocessor write every card "
+    "in full";
+
 /** A line of bulk data. */
 typedef struct line {
     io_slice text; /* before a comment and the continuation's mark */

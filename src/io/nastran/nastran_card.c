@@ -135,9 +135,7 @@ int nastran_take_field(card *c, io_slice *field) {
     /* = and == stand for the fields of the card before, *(1) for the number that follows there. */
     if (s.begin < s.end &&
         (*s.begin == '=' || (*s.begin == '*' && io_slice_length(s) > 1 && s.begin[1] == '(')))
-        set_wrong(c, s.begin,
-                  "replication of the card before (=, *(1)) is not read; have the preprocessor "
-                  "write every card in full");
+        set_wrong(c, s.begin, no_replication);
     if (c->at)
         c->at = text.end < c->line.text.end ? text.end + 1 : NULL;
     c->n_of_line++;

@@ -163,11 +163,14 @@ static int take_copy(plex_reader *r, const char *path, const char *mesh, int *n_
 }
 
 /** Visit all vectors of the mesh, of whatever section: take copies of the coordinates; or, if they
- *  are wanted still, make the first vector of f the coordinates. */
-static int visit_vectors(plex_reader *r, const functions *f, int is_wanted, int *n_more) {
+ *  are wanted still, make the first vector that Firedrake calls so the coordinates. */
+static int visit_vectors(plex_reader *r, int is_wanted, int *n_more) {
     char group[IO_HDF5_PATH_SIZE], section[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
-    io_hdf5_names sections, vectors;
-    int found = 0, status = plex_list(r, r->root, "dms", group, &sections);
+    io_hdf5_names sections = {0}, vectors;
+    functions f = {.name = {0}};
+    int found = 0, status = find_functions(r, r->root, &f);
+    if (!status && (f.name.n > 0 || !is_wanted))
+        status = plex_list(r, r->root, "dms", group, &sections);
     for (int64_t i = 0; i < sections.n && !status; i++) {
         status = io_hdf5_path(r->file, section, "%s/%s", group, sections.name[i]);
         if (status)
@@ -175,8 +178,8 @@ static int visit_vectors(plex_reader *r, const functions *f, int is_wanted, int 
         status = plex_list(r, section, "vecs", path, &vectors);
         for (int64_t k = 0; k < vectors.n && !status; k++) {
             const char *name = vectors.name[k], *mesh = NULL;
-            for (int64_t j = f->name.n - 1; j >= 0; j--)
-                mesh = strcmp(f->name.name[j], name) == 0 ? f->mesh.name[j] : mesh;
+            for (int64_t j = f.name.n - 1; j >= 0; j--)
+                mesh = strcmp(f.name.name[j], name) == 0 ? f.mesh.name[j] : mesh;
             status = io_hdf5_path(r->file, path, "%s/vecs/%s/%s", section, name, name);
             if (status || io_hdf5_kind_of(r->file, path) != IO_HDF5_DATASET)
                 continue;
@@ -191,6 +194,7 @@ static int visit_vectors(plex_reader *r, const functions *f, int is_wanted, int 
         io_hdf5_names_release(&vectors);
     }
     io_hdf5_names_release(&sections);
+    release_functions(&f);
     return status;
 }
 
@@ -221,16 +225,12 @@ static int check_others(plex_reader *r) {
  *  that would stay behind. n_more, if not NULL: count the arrays that may be copies instead. */
 static int visit_copies(plex_reader *r, int *n_more) {
     static const char *const viewed[] = {"/geometry/vertices", "/viz/geometry/vertices"};
-    functions f = {.name = {0}};
     int status = r->version > 1 ? check_others(r) : PLANISH_OK;
     if (!status && r->version > 1)
-        status = find_functions(r, r->root, &f);
-    if (!status && r->version > 1)
-        status = visit_vectors(r, &f, 0, n_more);
+        status = visit_vectors(r, 0, n_more);
     for (int i = 0; i < 2 && !status; i++)
         if (io_hdf5_kind_of(r->file, viewed[i]) == IO_HDF5_DATASET)
             status = take_copy(r, viewed[i], "the mesh", n_more);
-    release_functions(&f);
     return status;
 }
 
@@ -251,14 +251,8 @@ static int find_coordinates(plex_reader *r) {
         status = io_hdf5_path(r->file, r->section, "%s/dms/%s", r->root, group);
     if (!status)
         status = io_hdf5_path(r->file, r->coordinates, "%s/vecs/%s/%s", r->section, name, name);
-    if (status || io_hdf5_kind_of(r->file, r->coordinates) != IO_HDF5_NONE)
-        return status;
-    functions f = {.name = {0}};
-    status = find_functions(r, r->root, &f);
-    if (!status && f.name.n > 0)
-        status = visit_vectors(r, &f, 1, NULL);
-    release_functions(&f);
-    return status;
+    const int is_there = !status && io_hdf5_kind_of(r->file, r->coordinates) != IO_HDF5_NONE;
+    return status || is_there ? status : visit_vectors(r, 1, NULL);
 }
 
 /** Check that there is one row for each node, in their order; others may be of edges, or be there
