@@ -1,6 +1,7 @@
 /* Bounds of the nodes of every kind: planish_smooth keeps them, with the same bits on any number of
  * threads and at any size. */
 #include "support/allocations.h"
+#include "support/both.h"
 #include "support/effort.h"
 #include "support/meshes.h"
 #include "support/run.h"
@@ -370,11 +371,6 @@ static void without_memory_nothing_changes(void **state) {
 }
 
 int main(void) {
-    static int dims[] = {2, 3};
-#define BOTH(test)                                                                                 \
-    {#test " 2-D", test, NULL, NULL, &dims[0]}, {                                                  \
-#test " 3-D", test, NULL, NULL, &dims[1]                                                   \
-    }
     const struct CMUnitTest tests[] = {
         BOTH(bounds_are_kept),
         BOTH(bits_do_not_depend_on_threads_or_kernel),

@@ -1,5 +1,6 @@
 /* What planish_smooth promises with minimum volumes and other objectives, and what
  * planish_check_volumes says: all by the public functions. */
+#include "support/both.h"
 #include "support/effort.h"
 #include "support/meshes.h"
 #include "support/run.h"
@@ -529,11 +530,6 @@ static void none_comes_below(void **state) {
 }
 
 int main(void) {
-    static int dims[] = {2, 3};
-#define BOTH(test)                                                                                 \
-    {#test " 2-D", test, NULL, NULL, &dims[0]}, {                                                  \
-#test " 3-D", test, NULL, NULL, &dims[1]                                                   \
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(none_comes_below),
         BOTH(f_never_rises),

@@ -1,4 +1,5 @@
 /* The Laplacian methods, beside which planish is measured. */
+#include "support/both.h"
 #include "support/effort.h"
 #include "support/meshes.h"
 #include "support/run.h"
@@ -125,11 +126,6 @@ static void averages_invert_at_reentrant_corners(void **state) {
 }
 
 int main(void) {
-    static int dims[] = {2, 3};
-#define BOTH(test)                                                                                 \
-    {#test " 2-D", test, NULL, NULL, &dims[0]}, {                                                  \
-#test " 3-D", test, NULL, NULL, &dims[1]                                                   \
-    }
     const struct CMUnitTest tests[] = {
         BOTH(averages_are_those_that_they_are_called),
         cmocka_unit_test(the_plain_mean_is_known),

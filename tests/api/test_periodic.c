@@ -1,5 +1,6 @@
 /* Periodic nodes: they move by the same, to where the elements around all of them are best. */
 #include "support/allocations.h"
+#include "support/both.h"
 #include "support/meshes.h"
 #include "support/run.h"
 
@@ -653,11 +654,6 @@ static void memory_may_run_out(void **state) {
 }
 
 int main(void) {
-    static int two = 2, three = 3;
-#define BOTH(test)                                                                                 \
-    {#test " 2-D", test, NULL, NULL, &two}, {                                                      \
-#test " 3-D", test, NULL, NULL, &three                                                     \
-    }
     const struct CMUnitTest tests[] = {
         BOTH(pairs_move_together),
         BOTH(pairs_end_at_their_common_optimum),

@@ -1,5 +1,6 @@
 /* planish_find_reversed and planish_quality.reversed: the elements that are numbered the other way
  * round than most, against signs by the textbook's determinant. */
+#include "support/both.h"
 #include "support/meshes.h"
 
 #include <math.h>
@@ -239,12 +240,6 @@ static void errors_leave_everything(void **state) {
     test_mesh_destroy(&m);
 }
 
-static int planar = 2, spatial = 3;
-
-#define BOTH(test)                                                                                 \
-    {#test ", 2-D", test, NULL, NULL, &planar}, {                                                  \
-#test ", 3-D", test, NULL, NULL, &spatial                                                  \
-    }
 
 int main(void) {
     const struct CMUnitTest tests[] = {

@@ -1,4 +1,5 @@
 /* What planish_smooth promises: better, valid, only free nodes, the same bits, stoppable. */
+#include "support/both.h"
 #include "support/meshes.h"
 #include "support/run.h"
 
@@ -627,11 +628,6 @@ static void a_plan_serves_many_coordinates(void **state) {
 }
 
 int main(void) {
-    static int dims[] = {2, 3};
-#define BOTH(test)                                                                                 \
-    {#test " 2-D", test, NULL, NULL, &dims[0]}, {                                                  \
-#test " 3-D", test, NULL, NULL, &dims[1]                                                   \
-    }
     const struct CMUnitTest tests[] = {
         BOTH(the_mesh_becomes_better),
         BOTH(only_free_nodes_move),

@@ -2,6 +2,7 @@
  * is drawn out smoothly, every star looks like its neighbours', and sweeps bring the news on by one
  * element each. */
 #include "support/allocations.h"
+#include "support/both.h"
 #include "support/effort.h"
 #include "support/meshes.h"
 #include "support/run.h"
@@ -313,11 +314,6 @@ static void without_memory_there_is_no_help(void **state) {
 }
 
 int main(void) {
-    static int dims[] = {2, 3};
-#define BOTH(test)                                                                                 \
-    {#test " 2-D", test, NULL, NULL, &dims[0]}, {                                                  \
-#test " 3-D", test, NULL, NULL, &dims[1]                                                   \
-    }
     const struct CMUnitTest tests[] = {
         BOTH(help_comes_and_brings_it_home),   BOTH(cut_short_it_leaves_what_stood),
         BOTH(the_most_sweeps_are_the_most),    BOTH(same_bits),

@@ -1,6 +1,7 @@
 /* Elements that cannot be made positive: what planish_find_unfixable says, against half-spaces, and
  * that everything else is untangled all the same. */
 #include "support/allocations.h"
+#include "support/both.h"
 #include "support/halfspaces.h"
 #include "support/tangles.h"
 
@@ -461,11 +462,6 @@ static void without_memory_nothing_is_said(void **state) {
 }
 
 int main(void) {
-    static int dims[] = {2, 3};
-#define BOTH(test)                                                                                 \
-    {#test " 2-D", test, NULL, NULL, &dims[0]}, {                                                  \
-#test " 3-D", test, NULL, NULL, &dims[1]                                                   \
-    }
     const struct CMUnitTest tests[] = {
         BOTH(elements_without_free_nodes_are_unfixable),
         BOTH(held_links_may_leave_no_place),

@@ -2,6 +2,7 @@
  * were; only free nodes move, the same bits, stoppable at any call, never more inverted elements.
  */
 #include "support/allocations.h"
+#include "support/both.h"
 #include "support/effort.h"
 #include "support/run.h"
 #include "support/tangles.h"
@@ -605,11 +606,6 @@ static void floats_are_valid(void **state) {
 }
 
 int main(void) {
-    static int dims[] = {2, 3};
-#define BOTH(test)                                                                                 \
-    {#test " 2-D", test, NULL, NULL, &dims[0]}, {                                                  \
-#test " 3-D", test, NULL, NULL, &dims[1]                                                   \
-    }
     const struct CMUnitTest tests[] = {
         BOTH(all_is_untangled),
         BOTH(deformed_shapes_are_untangled),

@@ -1,6 +1,7 @@
 /* The worst elements: what options.worst brings and what it may cost, and that no smoothing makes
  * the worst RR or the smallest angle of a mesh worse. */
 #include "support/allocations.h"
+#include "support/both.h"
 #include "support/effort.h"
 #include "support/meshes.h"
 
@@ -426,11 +427,6 @@ static void no_angle_becomes_smaller_than_the_smallest(void **state) {
 }
 
 int main(void) {
-    static int two = 2, three = 3;
-#define BOTH(test)                                                                                 \
-    {#test " 2-D", test, NULL, NULL, &two}, {                                                      \
-#test " 3-D", test, NULL, NULL, &three                                                     \
-    }
     const struct CMUnitTest tests[] = {
         BOTH(the_worst_becomes_better),
         BOTH(the_rise_is_bounded),

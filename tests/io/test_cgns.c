@@ -28,52 +28,31 @@ typedef struct mesh {
 static const mesh right = {
     .zone_type = "Unstructured", .n_nodes = N, .node = 5, .type = 10, .start = 2, .last = 4};
 
-static void put_node(const hdf5_builder *b, const char *path, const char *label) {
-    hdf5_group(b, path);
-    hdf5_text_attribute(b, path, "label", label);
-    hdf5_text_attribute(b, path, "type", "MT");
-}
-
-static void put_integers(const hdf5_builder *b, const char *path, const char *label, int n,
-                         const int *data) {
-    char place[256];
-    put_node(b, path, label);
-    snprintf(place, sizeof place, "%s/ data", path);
-    hdf5_integers(b, place, (hsize_t)n, data);
-}
-
-static void put_text(const hdf5_builder *b, const char *path, const char *label, const char *text) {
-    char place[256];
-    put_node(b, path, label);
-    snprintf(place, sizeof place, "%s/ data", path);
-    hdf5_array(b, place, H5T_STD_I8LE, H5T_NATIVE_CHAR, strlen(text), 0, text);
-}
-
 static void put_section(const hdf5_builder *b, const char *name, int type, int first, int last,
                         int n, const int *nodes) {
     char path[200], place[256];
     snprintf(path, sizeof path, ZONE "/%s", name);
-    put_integers(b, path, "Elements_t", 2, (const int[]){type, 0});
+    cgns_put_integers(b, path, "Elements_t", 2, (const int[]){type, 0});
     snprintf(place, sizeof place, "%s/ElementRange", path);
-    put_integers(b, place, "IndexRange_t", 2, (const int[]){first, last});
+    cgns_put_integers(b, place, "IndexRange_t", 2, (const int[]){first, last});
     snprintf(place, sizeof place, "%s/ElementConnectivity", path);
-    put_integers(b, place, "DataArray_t", n, nodes);
+    cgns_put_integers(b, place, "DataArray_t", n, nodes);
 }
 
 static void put_condition(const hdf5_builder *b, const char *name, const char *location,
                           const char *list, int n, const int *numbers, const char *family) {
     char path[200], place[256];
     snprintf(path, sizeof path, ZONE "/ZoneBC/%s", name);
-    put_text(b, path, "BC_t", "BCWall");
+    cgns_put_text(b, path, "BC_t", "BCWall");
     snprintf(place, sizeof place, "%s/%s", path, list);
-    put_integers(b, place, "IndexArray_t", n, numbers);
+    cgns_put_integers(b, place, "IndexArray_t", n, numbers);
     if (location) {
         snprintf(place, sizeof place, "%s/GridLocation", path);
-        put_text(b, place, "GridLocation_t", location);
+        cgns_put_text(b, place, "GridLocation_t", location);
     }
     if (family) {
         snprintf(place, sizeof place, "%s/FamilyName", path);
-        put_text(b, place, "FamilyName_t", family);
+        cgns_put_text(b, place, "FamilyName_t", family);
     }
 }
 
@@ -82,11 +61,11 @@ static void put_coordinates(hdf5_builder *b, const mesh *m) {
     const double *const values[] = {x, y, z};
     char path[256];
     x[1] += m->x;
-    put_node(b, ZONE "/GridCoordinates", "GridCoordinates_t");
+    cgns_put_node(b, ZONE "/GridCoordinates", "GridCoordinates_t");
     for (int d = 0; d < (m->is_plane ? 2 : 3); d++) {
         snprintf(path, sizeof path, ZONE "/GridCoordinates/Coordinate%c",
                  (m->cylindrical ? "XRT" : "XYZ")[d]);
-        put_node(b, path, "DataArray_t");
+        cgns_put_node(b, path, "DataArray_t");
         strcat(path, "/ data");
         b->chunk[0] = m->is_packed ? 4 : 0;
         b->is_packed = 1;
@@ -105,7 +84,7 @@ static void put_elements(const hdf5_builder *b, const mesh *m) {
     if (m->is_mixed) {
         put_section(b, "all", MIXED, 1, m->last, 19, all);
         if (m->has_offsets)
-            put_integers(b, ZONE "/all/ElementStartOffset", "DataArray_t", 5, all_offsets);
+            cgns_put_integers(b, ZONE "/all/ElementStartOffset", "DataArray_t", 5, all_offsets);
         return;
     }
     if (!m->is_plane) {
@@ -114,24 +93,24 @@ static void put_elements(const hdf5_builder *b, const mesh *m) {
     }
     put_section(b, "wall", MIXED, 3, m->last, 9, wall);
     if (m->has_offsets)
-        put_integers(b, ZONE "/wall/ElementStartOffset", "DataArray_t", 3, offsets);
+        cgns_put_integers(b, ZONE "/wall/ElementStartOffset", "DataArray_t", 3, offsets);
 }
 
 static file_builder make(const mesh *m) {
     hdf5_builder b;
     const int dim = m->is_plane ? 2 : 3;
     hdf5_begin(&b, 0);
-    put_node(&b, "/CGNSLibraryVersion", "CGNSLibraryVersion_t");
-    put_integers(&b, "/Base", "CGNSBase_t", 2, (const int[]){dim, dim});
+    cgns_put_node(&b, "/CGNSLibraryVersion", "CGNSLibraryVersion_t");
+    cgns_put_integers(&b, "/Base", "CGNSBase_t", 2, (const int[]){dim, dim});
     if (m->second_base)
-        put_node(&b, "/Another", "CGNSBase_t");
-    put_integers(&b, ZONE, "Zone_t", 3, (const int[]){m->n_nodes, 4, 0});
+        cgns_put_node(&b, "/Another", "CGNSBase_t");
+    cgns_put_integers(&b, ZONE, "Zone_t", 3, (const int[]){m->n_nodes, 4, 0});
     if (m->second_zone)
-        put_node(&b, "/Base/Another", "Zone_t");
-    put_text(&b, ZONE "/ZoneType", "ZoneType_t", m->zone_type);
+        cgns_put_node(&b, "/Base/Another", "Zone_t");
+    cgns_put_text(&b, ZONE "/ZoneType", "ZoneType_t", m->zone_type);
     put_coordinates(&b, m);
     put_elements(&b, m);
-    put_node(&b, ZONE "/ZoneBC", "ZoneBC_t");
+    cgns_put_node(&b, ZONE "/ZoneBC", "ZoneBC_t");
     put_condition(&b, "faces", "FaceCenter", "PointList", 3, (const int[]){3, 4, 3}, "Walls");
     put_condition(&b, "touched", "CellCenter", "PointRange", 2, (const int[]){2, 3}, NULL);
     put_condition(&b, "points", NULL, "PointList", 2,

@@ -46,37 +46,16 @@ static double one_is_not_whole(int column, int row, int index) {
 
 /* ---- files -------------------------------------------------------------------------------- */
 
-static void put_node(const hdf5_builder *b, const char *path, const char *label) {
-    hdf5_group(b, path);
-    hdf5_text_attribute(b, path, "label", label);
-    hdf5_text_attribute(b, path, "type", "MT");
-}
-
-static void put_integers(const hdf5_builder *b, const char *path, const char *label, int n,
-                         const int *data) {
-    char place[300];
-    put_node(b, path, label);
-    snprintf(place, sizeof place, "%s/ data", path);
-    hdf5_integers(b, place, (hsize_t)n, data);
-}
-
-static void put_text(const hdf5_builder *b, const char *path, const char *label, const char *text) {
-    char place[300];
-    put_node(b, path, label);
-    snprintf(place, sizeof place, "%s/ data", path);
-    hdf5_array(b, place, H5T_STD_I8LE, H5T_NATIVE_CHAR, strlen(text), 0, text);
-}
-
 static void put_coordinates(const hdf5_builder *b) {
     static const char *const paths[] = {ZONE "/GridCoordinates/CoordinateX",
                                         ZONE "/GridCoordinates/CoordinateY"};
     double values[N_NODES];
     char place[300];
-    put_node(b, ZONE "/GridCoordinates", "GridCoordinates_t");
+    cgns_put_node(b, ZONE "/GridCoordinates", "GridCoordinates_t");
     for (int d = 0; d < 2; d++) {
         for (int i = 0; i < N_NODES; i++)
             values[i] = d ? i / (SIDE + 1) : i % (SIDE + 1);
-        put_node(b, paths[d], "DataArray_t");
+        cgns_put_node(b, paths[d], "DataArray_t");
         snprintf(place, sizeof place, "%s/ data", paths[d]);
         hdf5_reals(b, place, N_NODES, values);
     }
@@ -92,21 +71,21 @@ static void put_section(const hdf5_builder *b, const char *name, int first, int 
             nodes[3 * (t - first) + k] =
                 t / 2 / SIDE * (SIDE + 1) + t / 2 % SIDE + corner[t % 2][k];
     snprintf(path, sizeof path, ZONE "/%s", name);
-    put_integers(b, path, "Elements_t", 2, (const int[]){5, 0});
+    cgns_put_integers(b, path, "Elements_t", 2, (const int[]){5, 0});
     snprintf(place, sizeof place, "%s/ElementRange", path);
-    put_integers(b, place, "IndexRange_t", 2, (const int[]){first + 1, behind});
+    cgns_put_integers(b, place, "IndexRange_t", 2, (const int[]){first + 1, behind});
     snprintf(place, sizeof place, "%s/ElementConnectivity", path);
-    put_integers(b, place, "DataArray_t", 3 * (behind - first), nodes);
+    cgns_put_integers(b, place, "DataArray_t", 3 * (behind - first), nodes);
 }
 
 /** A square in one section, or a lower and an upper one; the zone says n_cells. */
 static hdf5_builder begin(int n_sections, int n_cells) {
     hdf5_builder b;
     hdf5_begin(&b, 0);
-    put_node(&b, "/CGNSLibraryVersion", "CGNSLibraryVersion_t");
-    put_integers(&b, "/Base", "CGNSBase_t", 2, (const int[]){2, 2});
-    put_integers(&b, ZONE, "Zone_t", 3, (const int[]){N_NODES, n_cells, 0});
-    put_text(&b, ZONE "/ZoneType", "ZoneType_t", "Unstructured");
+    cgns_put_node(&b, "/CGNSLibraryVersion", "CGNSLibraryVersion_t");
+    cgns_put_integers(&b, "/Base", "CGNSBase_t", 2, (const int[]){2, 2});
+    cgns_put_integers(&b, ZONE, "Zone_t", 3, (const int[]){N_NODES, n_cells, 0});
+    cgns_put_text(&b, ZONE "/ZoneType", "ZoneType_t", "Unstructured");
     put_coordinates(&b);
     /* By name the upper one comes first. */
     put_section(&b, "z lower", 0, n_sections > 1 ? N / 2 : N);
@@ -118,10 +97,10 @@ static hdf5_builder begin(int n_sections, int n_cells) {
 static void put_solution(const hdf5_builder *b, const char *name, const char *location) {
     char path[128], place[256];
     snprintf(path, sizeof path, ZONE "/%s", name);
-    put_node(b, path, "FlowSolution_t");
+    cgns_put_node(b, path, "FlowSolution_t");
     snprintf(place, sizeof place, "%s/GridLocation", path);
     if (location)
-        put_text(b, place, "GridLocation_t", location);
+        cgns_put_text(b, place, "GridLocation_t", location);
 }
 
 /** An array of n values in a solution, of type file_type. */
@@ -132,7 +111,7 @@ static void put_array(const hdf5_builder *b, const char *name, hid_t file_type, 
     for (int i = 0; i < n; i++)
         values[i] = value(i / 2 % SIDE, i / 2 / SIDE, i);
     snprintf(path, sizeof path, ZONE "/%s", name);
-    put_node(b, path, "DataArray_t");
+    cgns_put_node(b, path, "DataArray_t");
     snprintf(place, sizeof place, "%s/ data", path);
     hdf5_array(b, place, file_type, H5T_NATIVE_DOUBLE, (hsize_t)n, 0, values);
 }
@@ -204,8 +183,8 @@ static void some_data_are_no_regions(void **state) {
     put_solution(&b, "With rind", "CellCenter");
     put_array(&b, "With rind/c", H5T_STD_I32LE, halves, N + 1);
     put_array(&b, "With rind/d", H5T_STD_I32LE, halves, N - 1);
-    put_text(&b, ZONE "/With rind/e", "DataArray_t", "CellCenter");
-    put_node(&b, ZONE "/With rind/f", "DataArray_t");
+    cgns_put_text(&b, ZONE "/With rind/e", "DataArray_t", "CellCenter");
+    cgns_put_node(&b, ZONE "/With rind/f", "DataArray_t");
     expect_file(&b, "", "", 0, 0);
     /* The zone has other cells, too, it says: which cell a value is of is not known. */
     b = begin(1, N + 1);

@@ -20,38 +20,13 @@ enum { N = 5 };
 #define ZONE       "/Base/Zone"
 #define CONNECTION ZONE "/ZoneGridConnectivity/Other"
 
-static void put_node(const hdf5_builder *b, const char *path, const char *label) {
-    hdf5_group(b, path);
-    hdf5_text_attribute(b, path, "label", label);
-    hdf5_text_attribute(b, path, "type", "MT");
-}
-
-static void put_integers(const hdf5_builder *b, const char *path, const char *label, int n,
-                         const int *data) {
-    char place[256];
-    put_node(b, path, label);
-    snprintf(place, sizeof place, "%s/ data", path);
-    hdf5_integers(b, place, (hsize_t)n, data);
-}
-
-static void put_characters(const hdf5_builder *b, const char *place, const char *text) {
-    hdf5_array(b, place, H5T_STD_I8LE, H5T_NATIVE_CHAR, strlen(text), 0, text);
-}
-
-static void put_text(const hdf5_builder *b, const char *path, const char *label, const char *text) {
-    char place[256];
-    put_node(b, path, label);
-    snprintf(place, sizeof place, "%s/ data", path);
-    put_characters(b, place, text);
-}
-
 static void put_coordinates(const hdf5_builder *b) {
     static const double values[3][N] = {{0, 1, 0, 0, 1}, {0, 0, 1, 0, 1}, {0, 0, 0, 1, 1}};
     char path[64];
-    put_node(b, ZONE "/GridCoordinates", "GridCoordinates_t");
+    cgns_put_node(b, ZONE "/GridCoordinates", "GridCoordinates_t");
     for (int d = 0; d < 3; d++) {
         snprintf(path, sizeof path, ZONE "/GridCoordinates/Coordinate%c", "XYZ"[d]);
-        put_node(b, path, "DataArray_t");
+        cgns_put_node(b, path, "DataArray_t");
         strcat(path, "/ data");
         hdf5_reals(b, path, N, values[d]);
     }
@@ -59,31 +34,31 @@ static void put_coordinates(const hdf5_builder *b) {
 
 /** Elements 1 and 2: tetrahedra of a section without offsets; 3 and 4: triangles of one with. */
 static void put_sections(const hdf5_builder *b) {
-    put_integers(b, ZONE "/solid", "Elements_t", 2, (const int[]){10, 0});
-    put_integers(b, ZONE "/solid/ElementRange", "IndexRange_t", 2, (const int[]){1, 2});
-    put_integers(b, ZONE "/solid/ElementConnectivity", "DataArray_t", 8,
-                 (const int[]){1, 2, 3, 4, 2, 3, 4, 5});
-    put_integers(b, ZONE "/wall", "Elements_t", 2, (const int[]){20, 0});
-    put_integers(b, ZONE "/wall/ElementRange", "IndexRange_t", 2, (const int[]){3, 4});
-    put_integers(b, ZONE "/wall/ElementConnectivity", "DataArray_t", 8,
-                 (const int[]){5, 1, 2, 3, 5, 1, 2, 4});
-    put_integers(b, ZONE "/wall/ElementStartOffset", "DataArray_t", 3, (const int[]){0, 4, 8});
+    cgns_put_integers(b, ZONE "/solid", "Elements_t", 2, (const int[]){10, 0});
+    cgns_put_integers(b, ZONE "/solid/ElementRange", "IndexRange_t", 2, (const int[]){1, 2});
+    cgns_put_integers(b, ZONE "/solid/ElementConnectivity", "DataArray_t", 8,
+                      (const int[]){1, 2, 3, 4, 2, 3, 4, 5});
+    cgns_put_integers(b, ZONE "/wall", "Elements_t", 2, (const int[]){20, 0});
+    cgns_put_integers(b, ZONE "/wall/ElementRange", "IndexRange_t", 2, (const int[]){3, 4});
+    cgns_put_integers(b, ZONE "/wall/ElementConnectivity", "DataArray_t", 8,
+                      (const int[]){5, 1, 2, 3, 5, 1, 2, 4});
+    cgns_put_integers(b, ZONE "/wall/ElementStartOffset", "DataArray_t", 3, (const int[]){0, 4, 8});
 }
 
 static void put_condition(const hdf5_builder *b) {
-    put_node(b, ZONE "/ZoneBC", "ZoneBC_t");
-    put_text(b, ZONE "/ZoneBC/some", "BC_t", "BCWall");
-    put_integers(b, ZONE "/ZoneBC/some/PointRange", "IndexRange_t", 2, (const int[]){3, 4});
-    put_text(b, ZONE "/ZoneBC/some/GridLocation", "GridLocation_t", "FaceCenter  ");
+    cgns_put_node(b, ZONE "/ZoneBC", "ZoneBC_t");
+    cgns_put_text(b, ZONE "/ZoneBC/some", "BC_t", "BCWall");
+    cgns_put_integers(b, ZONE "/ZoneBC/some/PointRange", "IndexRange_t", 2, (const int[]){3, 4});
+    cgns_put_text(b, ZONE "/ZoneBC/some/GridLocation", "GridLocation_t", "FaceCenter  ");
 }
 
 static hdf5_builder begin(void) {
     hdf5_builder b;
     hdf5_begin(&b, 0);
-    put_node(&b, "/CGNSLibraryVersion", "CGNSLibraryVersion_t");
-    put_integers(&b, "/Base", "CGNSBase_t", 2, (const int[]){3, 3});
-    put_integers(&b, ZONE, "Zone_t", 3, (const int[]){N, 4, 0});
-    put_text(&b, ZONE "/ZoneType", "ZoneType_t", "Unstructured");
+    cgns_put_node(&b, "/CGNSLibraryVersion", "CGNSLibraryVersion_t");
+    cgns_put_integers(&b, "/Base", "CGNSBase_t", 2, (const int[]){3, 3});
+    cgns_put_integers(&b, ZONE, "Zone_t", 3, (const int[]){N, 4, 0});
+    cgns_put_text(&b, ZONE "/ZoneType", "ZoneType_t", "Unstructured");
     put_coordinates(&b);
     put_sections(&b);
     put_condition(&b);
@@ -129,7 +104,7 @@ static void refuse(const damage *d) {
     else if (d->kind == REALS)
         hdf5_reals(&b, d->path, (hsize_t)d->n, reals);
     else if (d->kind == TEXT)
-        put_characters(&b, d->path, "three");
+        hdf5_array(&b, d->path, H5T_STD_I8LE, H5T_NATIVE_CHAR, 5, 0, "three");
     else if (d->kind == CUBE)
         put_cube(&b, d->path);
     file_builder file = hdf5_end(&b);
@@ -182,12 +157,12 @@ static void damaged_parts_are_refused(void **state) {
 static void expect_connected(const char *location, const char *list, int n, const int *numbers,
                              const char *expected) {
     hdf5_builder b = begin();
-    put_node(&b, ZONE "/ZoneGridConnectivity", "ZoneGridConnectivity_t");
-    put_text(&b, CONNECTION, "GridConnectivity_t", "Elsewhere");
-    put_text(&b, CONNECTION "/GridLocation", "GridLocation_t", location);
+    cgns_put_node(&b, ZONE "/ZoneGridConnectivity", "ZoneGridConnectivity_t");
+    cgns_put_text(&b, CONNECTION, "GridConnectivity_t", "Elsewhere");
+    cgns_put_text(&b, CONNECTION "/GridLocation", "GridLocation_t", location);
     char path[128];
     snprintf(path, sizeof path, CONNECTION "/%s", list);
-    put_integers(&b, path, "IndexArray_t", n, numbers);
+    cgns_put_integers(&b, path, "IndexArray_t", n, numbers);
     planish_file *file = read_file(&b);
     for (int i = 0; i < N; i++)
         if ((file->model.hold[i] & IO_HELD_REQUIRED) != (expected[i] == '1' ? IO_HELD_REQUIRED : 0))
@@ -209,9 +184,9 @@ static void a_connection_of_no_node_is_refused(void **state) {
     (void)state;
     for (int wrong = 0; wrong <= N + 1; wrong += N + 1) {
         hdf5_builder b = begin();
-        put_node(&b, ZONE "/ZoneGridConnectivity", "ZoneGridConnectivity_t");
-        put_text(&b, CONNECTION, "GridConnectivity_t", "Elsewhere");
-        put_integers(&b, CONNECTION "/PointList", "IndexArray_t", 1, &wrong);
+        cgns_put_node(&b, ZONE "/ZoneGridConnectivity", "ZoneGridConnectivity_t");
+        cgns_put_text(&b, CONNECTION, "GridConnectivity_t", "Elsewhere");
+        cgns_put_integers(&b, CONNECTION "/PointList", "IndexArray_t", 1, &wrong);
         file_builder file = hdf5_end(&b);
         builder_expect_error(&file, &io_format_cgns, "is not in 1 .. 5");
         builder_release(&file);

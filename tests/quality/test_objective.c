@@ -1,5 +1,6 @@
 /* F's sums and the minimum volumes of random meshes against brute force in long double. */
 #include "quality/objective.h"
+#include "support/both.h"
 #include "support/meshes.h"
 
 #include <math.h>
@@ -412,11 +413,6 @@ static void flat_elements_are_not_valid(void **state) {
 }
 
 int main(void) {
-    static int dims[] = {2, 3};
-#define BOTH(test)                                                                                 \
-    {#test " 2-D", test, NULL, NULL, &dims[0]}, {                                                  \
-#test " 3-D", test, NULL, NULL, &dims[1]                                                   \
-    }
     const struct CMUnitTest tests[] = {
         BOTH(sums_match_brute_force),
         BOTH(reversed_elements_are_the_same),

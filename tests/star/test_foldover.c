@@ -1,5 +1,6 @@
 /* The regularised energy of untangling against its formulas in long double, its visits, and the
  * sums over patches of several nodes. */
+#include "support/both.h"
 #include "support/hand_star.h"
 #include "support/meshes.h"
 #include "support/tangled_star.h"
@@ -643,11 +644,6 @@ static void patches_count_each_element_once(void **state) {
 }
 
 int main(void) {
-    static int dims[] = {2, 3};
-#define BOTH(test)                                                                                 \
-    {#test " 2-D", test, NULL, NULL, &dims[0]}, {                                                  \
-#test " 3-D", test, NULL, NULL, &dims[1]                                                   \
-    }
     const struct CMUnitTest tests[] = {
         BOTH(the_energy_is_that_of_the_formulas), BOTH(slopes_match_differences),
         BOTH(the_wanted_element_is_the_best),     BOTH(powers_of_two_change_no_bit),

@@ -3,6 +3,7 @@
  * of the polytope. */
 #define PL_PACK 1
 #include "star/kernel_lanes.h"
+#include "support/both.h"
 #include "support/guarded_star.h"
 #include "support/halfspaces.h"
 #include "support/hand_star.h"
@@ -639,11 +640,6 @@ static void nodes_move_along_the_sphere(void **state) {
 }
 
 int main(void) {
-    static int dims[] = {2, 3};
-#define BOTH(test)                                                                                 \
-    {#test " 2-D", test, NULL, NULL, &dims[0]}, {                                                  \
-#test " 3-D", test, NULL, NULL, &dims[1]                                                   \
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(inverse_cube_roots_are_accurate),
         BOTH(derivatives_match_differences),

@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -89,6 +90,27 @@ void hdf5_text_attribute(const hdf5_builder *builder, const char *path, const ch
     must(H5Tset_size(type, strlen(text) + 1));
     write_attribute(builder, path, name, type, type, text);
     H5Tclose(type);
+}
+
+void cgns_put_node(const hdf5_builder *b, const char *path, const char *label) {
+    hdf5_group(b, path);
+    hdf5_text_attribute(b, path, "label", label);
+    hdf5_text_attribute(b, path, "type", "MT");
+}
+
+void cgns_put_integers(const hdf5_builder *b, const char *path, const char *label, int n,
+                       const int *data) {
+    char place[300];
+    cgns_put_node(b, path, label);
+    snprintf(place, sizeof place, "%s/ data", path);
+    hdf5_integers(b, place, (hsize_t)n, data);
+}
+
+void cgns_put_text(const hdf5_builder *b, const char *path, const char *label, const char *text) {
+    char place[300];
+    cgns_put_node(b, path, label);
+    snprintf(place, sizeof place, "%s/ data", path);
+    hdf5_array(b, place, H5T_STD_I8LE, H5T_NATIVE_CHAR, strlen(text), 0, text);
 }
 
 file_builder hdf5_end(hdf5_builder *builder) {

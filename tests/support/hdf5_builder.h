@@ -33,6 +33,13 @@ void hdf5_attribute(const hdf5_builder *builder, const char *path, const char *n
 void hdf5_text_attribute(const hdf5_builder *builder, const char *path, const char *name,
                          const char *text);
 
+/** A node of CGNS at path: its label, and that it has no data, integers [n], or a text. */
+void cgns_put_node(const hdf5_builder *builder, const char *path, const char *label);
+void cgns_put_integers(const hdf5_builder *builder, const char *path, const char *label, int n,
+                       const int *data);
+void cgns_put_text(const hdf5_builder *builder, const char *path, const char *label,
+                   const char *text);
+
 /** Close it; the file's bytes, to be released by builder_release. */
 file_builder hdf5_end(hdf5_builder *builder);
 
