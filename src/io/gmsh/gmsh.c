@@ -1,7 +1,7 @@
 /* gmsh: MSH files of Gmsh, versions 1, 2 and 4, ASCII and binary.
  *
  * Recognises the format, reads the header and walks the sections; names of groups are read by
- * gmsh_names.c, nodes, elements, entities and periodic pairs by gmsh2.c and gmsh4.c, and values of
+ * gmsh_names.c, nodes, elements and entities by gmsh2.c and gmsh4.c, and values of
  * elements that may tell regions by gmsh_data.c. Sections that say nothing about the mesh itself
  * ($Comments, $NodeData, $GhostElements, unknown ones) are passed over.
  */
@@ -92,7 +92,7 @@ static const known_section sections[] = {
     {"Nodes", {gmsh2_nodes, gmsh4_nodes}, 0, 0},
     {"ParametricNodes", {refuse_parametric, refuse_parametric}, 0, 0},
     {"Elements", {gmsh2_elements, gmsh4_elements}, 1, 0},
-    {"Periodic", {gmsh2_periodic, gmsh4_periodic}, 1, 0},
+    {"Periodic", {gmsh_periodic, gmsh_periodic}, 1, 0},
     {"NOD", {gmsh2_nodes, NULL}, 0, 1},
     {"NOE", {gmsh2_nodes, NULL}, 0, 1},
     {"ELM", {gmsh2_elements, NULL}, 1, 1},

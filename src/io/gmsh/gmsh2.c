@@ -1,4 +1,4 @@
-/* gmsh2: nodes, elements and periodic pairs of MSH 2 (2.0 to 2.2), ASCII and binary, and of MSH 1.
+/* gmsh2: nodes and elements of MSH 2 (2.0 to 2.2), ASCII and binary, and of MSH 1.
  *
  * An element carries tags: its physical group, its elementary entity, and parts of a partition,
  * which do not make regions. In MSH 1 it has these two and the number of its nodes. The elements of
@@ -369,21 +369,4 @@ int gmsh2_elements(gmsh_reader *reader) {
     if (!is_read)
         status = read_text_elements(reader, n, reader->cursor.end, 0);
     return status ? status : gmsh2_merge_copies(reader);
-}
-
-int gmsh2_periodic(gmsh_reader *reader) {
-    int64_t links, value, n;
-    int status = gmsh_take(reader, 0, &links, "number of periodic entities");
-    for (int64_t i = 0; !status && i < links; i++) {
-        for (int k = 0; k < 3; k++)
-            if (gmsh_take(reader, 0, &value, "dimension and tags of a periodic entity"))
-                return PLANISH_ERROR_FORMAT;
-        gmsh_skip_affine(reader);
-        status = gmsh_take(reader, 0, &n, "number of periodic nodes");
-        if (!status)
-            status = gmsh_check_count(reader, n, 4, 4, "periodic nodes");
-        if (!status)
-            status = gmsh_hold_pairs(reader, n, 0);
-    }
-    return status;
 }

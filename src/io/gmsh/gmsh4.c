@@ -1,4 +1,4 @@
-/* gmsh4: entities, nodes, elements and periodic pairs of MSH 4.1 and 4.0, ASCII and binary.
+/* gmsh4: entities, nodes and elements of MSH 4.1 and 4.0, ASCII and binary.
  *
  * MSH 4.0 differs in this: points have a box; sections of nodes and elements do not say their
  * smallest and largest tag; a block has the entity before its dimension; the tag of a node stands
@@ -285,40 +285,4 @@ int gmsh4_elements(gmsh_reader *reader) {
         status = gmsh_check_count(reader, head.n, TEXT_SIZE, 2 * short_size(reader), "elements");
     reader->have_elements = 1;
     return status ? status : read_blocks(reader, &head, read_element_block);
-}
-
-/* ---- periodic pairs ----------------------------------------------------------------------- */
-
-/** Read each pair of entities: dimension and tags, transform, pairs of nodes. */
-int gmsh4_periodic(gmsh_reader *reader) {
-    enum { TRANSFORM_40 = 16 };
-    const int bytes = short_size(reader), is_binary = reader->model->is_binary;
-    int64_t links, n, ignored;
-    if (gmsh_end_line(reader) || gmsh_take(reader, bytes, &links, "number of periodic entities"))
-        return PLANISH_ERROR_FORMAT;
-    for (int64_t i = 0; i < links; i++) {
-        for (int k = 0; k < 3; k++)
-            if (gmsh_take(reader, 4, &ignored, "dimension and tags of a periodic entity"))
-                return PLANISH_ERROR_FORMAT;
-        /* The transform: its size and that many numbers; in MSH 4.0 a word, or a count below 0,
-         * marks one of 16 numbers. */
-        int64_t size = TRANSFORM_40;
-        if (is_40(reader))
-            gmsh_skip_affine(reader);
-        else if (gmsh_take(reader, 8, &size, "size of a periodic transform") ||
-                 gmsh_skip_reals(reader, size, "periodic transform"))
-            return PLANISH_ERROR_FORMAT;
-        if (gmsh_take(reader, 8, &n, "number of periodic nodes"))
-            return PLANISH_ERROR_FORMAT;
-        if (is_40(reader) && is_binary && n < 0 &&
-            (gmsh_skip_reals(reader, size, "periodic transform") ||
-             gmsh_take(reader, 8, &n, "number of periodic nodes")))
-            return PLANISH_ERROR_FORMAT;
-        int status = gmsh_check_count(reader, n, 4, 2 * bytes, "periodic nodes");
-        if (!status)
-            status = gmsh_hold_pairs(reader, n, is_binary ? bytes : 0);
-        if (status)
-            return status;
-    }
-    return PLANISH_OK;
 }

@@ -49,32 +49,6 @@ static copy_candidate make_candidate(const io_model *model, const io_cells *cell
     return made;
 }
 
-/* ---- entities in several groups ----------------------------------------------------------- */
-
-/** Set shared [n_entities] to 1 where another entity has the same dimension and tag; *any: whether
- *  one is. */
-static int find_shared(const io_model *model, uint8_t *shared, int *any, planish_error *error) {
-    int32_t n = model->n_entities;
-    gmsh_place *list = pl_alloc(n, sizeof *list);
-    if (!list)
-        return pl_fail_memory(error, "the elements' tags");
-    for (int32_t i = 0; i < n; i++)
-        list[i] = (gmsh_place){model->entity[i].dim, model->entity[i].tag, i, 0};
-    if (n > 0)
-        qsort(list, (size_t)n, sizeof *list, gmsh_compare_places);
-    *any = 0;
-    for (int32_t i = 1; i < n; i++) {
-        if (gmsh_compare_places(&list[i - 1], &list[i]))
-            continue;
-        shared[list[i - 1].entity] = shared[list[i].entity] = 1;
-        *any = 1;
-    }
-    pl_free(list);
-    return PLANISH_OK;
-}
-
-/* ---- copies ------------------------------------------------------------------------------- */
-
 /** Make one element of n candidates with the same nodes, in all their physical groups. Of each
  *  group the first cell is dropped, but for the first cell of all. group: room for n numbers. */
 static int merge_copies(io_model *model, io_cells *cells, int dim, const copy_candidate *copy,
@@ -149,15 +123,25 @@ static int merge_cells(io_model *model, io_cells *cells, int dim, const uint8_t 
 
 int gmsh2_merge_copies(gmsh_reader *reader) {
     io_model *model = reader->model;
-    int any = 0;
-    uint8_t *shared = pl_alloc_zero(model->n_entities, sizeof *shared);
-    if (!shared)
-        return pl_fail_memory(reader->error, "the elements' tags");
-    int status = find_shared(model, shared, &any, reader->error);
-    if (!status && any)
-        status = merge_cells(model, &model->triangle, 2, shared, reader->error);
-    if (!status && any)
-        status = merge_cells(model, &model->tetrahedron, 3, shared, reader->error);
+    const int32_t n = model->n_entities;
+    int any = 0, status = PLANISH_OK;
+    uint8_t *shared = pl_alloc_zero(n, sizeof *shared); /* 1: another entity has its tag, too */
+    gmsh_place *list = pl_alloc(n, sizeof *list);
+    if (!shared || !list)
+        status = pl_fail_memory(reader->error, "the elements' tags");
+    for (int32_t i = 0; i < n && !status; i++)
+        list[i] = (gmsh_place){model->entity[i].dim, model->entity[i].tag, i, 0};
+    if (n > 0 && !status)
+        qsort(list, (size_t)n, sizeof *list, gmsh_compare_places);
+    for (int32_t i = 1; i < n && !status; i++) {
+        if (gmsh_compare_places(&list[i - 1], &list[i]))
+            continue;
+        shared[list[i - 1].entity] = shared[list[i].entity] = 1;
+        any = 1;
+    }
+    for (int dim = 2; dim < 4 && any && !status; dim++)
+        status = merge_cells(model, io_model_cells(model, dim), dim, shared, reader->error);
+    pl_free(list);
     pl_free(shared);
     return status;
 }

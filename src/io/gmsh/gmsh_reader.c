@@ -192,14 +192,6 @@ int gmsh_end_line(gmsh_reader *reader) {
     return PLANISH_OK;
 }
 
-void gmsh_skip_affine(gmsh_reader *reader) {
-    io_cursor ahead = reader->cursor;
-    if (io_slice_is(io_next_word(&ahead), "Affine", 0)) {
-        io_skip_line(&ahead);
-        reader->cursor = ahead;
-    }
-}
-
 int gmsh_check_count(const gmsh_reader *reader, int64_t n, int64_t text_bytes, int64_t binary_bytes,
                      const char *what) {
     return io_check_count(reader->model, reader->cursor, n,
@@ -332,7 +324,10 @@ int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at
     return PLANISH_OK;
 }
 
-int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int bytes) {
+/* ---- periodic pairs ----------------------------------------------------------------------- */
+
+/** Hold both nodes of n pairs, numbers of so many bytes. */
+static int hold_pairs(gmsh_reader *reader, int64_t n, int bytes) {
     for (int64_t i = 0; i < n; i++) {
         int32_t pair[2];
         for (int j = 0; j < 2; j++) {
@@ -350,6 +345,46 @@ int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int bytes) {
                              is_whole ? IO_HELD_PERIODIC : IO_HELD_REQUIRED);
         if (is_whole && io_model_pair(reader->model, pair, reader->error))
             return PLANISH_ERROR_MEMORY;
+    }
+    return PLANISH_OK;
+}
+
+int gmsh_periodic(gmsh_reader *reader) {
+    enum { TRANSFORM_40 = 16 };
+    const int is_old = reader->version < 40, is_40 = reader->version == 40;
+    const int is_binary = reader->model->is_binary && !is_old;
+    const int tag = is_old ? 0 : 4, count = is_old ? 0 : 8, bytes = is_40 ? tag : count;
+    int64_t links, n, ignored, size = TRANSFORM_40;
+    if ((is_binary && gmsh_end_line(reader)) ||
+        gmsh_take(reader, bytes, &links, "number of periodic entities"))
+        return PLANISH_ERROR_FORMAT;
+    for (int64_t i = 0; i < links; i++) {
+        for (int k = 0; k < 3; k++)
+            if (gmsh_take(reader, tag, &ignored, "dimension and tags of a periodic entity"))
+                return PLANISH_ERROR_FORMAT;
+        /* The transform. MSH 4.1: its size and that many numbers; before: in text a line that
+         * begins with a word, in binary a count below 0 and 16 numbers; or none. */
+        if (is_old || is_40) {
+            io_cursor line = reader->cursor;
+            if (io_slice_is(io_next_word(&line), "Affine", 0)) {
+                io_skip_line(&line);
+                reader->cursor = line;
+            }
+        } else if (gmsh_take(reader, 8, &size, "size of a periodic transform") ||
+                   gmsh_skip_reals(reader, size, "periodic transform")) {
+            return PLANISH_ERROR_FORMAT;
+        }
+        if (gmsh_take(reader, count, &n, "number of periodic nodes"))
+            return PLANISH_ERROR_FORMAT;
+        if (is_40 && is_binary && n < 0 &&
+            (gmsh_skip_reals(reader, size, "periodic transform") ||
+             gmsh_take(reader, count, &n, "number of periodic nodes")))
+            return PLANISH_ERROR_FORMAT;
+        int status = gmsh_check_count(reader, n, 4, is_old ? 4 : 2 * bytes, "periodic nodes");
+        if (!status)
+            status = hold_pairs(reader, n, is_binary ? bytes : 0);
+        if (status)
+            return status;
     }
     return PLANISH_OK;
 }

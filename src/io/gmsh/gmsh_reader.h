@@ -6,7 +6,7 @@
  *   gmsh_check_count                      counts that the file can hold
  *   gmsh_make_nodes, gmsh_read_nodes      nodes of all versions
  *   gmsh_block, gmsh_read_element         elements of all versions
- *   gmsh_hold_pairs                       periodic pairs
+ *   gmsh_periodic                         periodic pairs of all versions
  *   gmsh_names.c                          names of groups
  *   gmsh_data.c                           values of elements that may tell regions
  *   gmsh2.c, gmsh_copies.c, gmsh4.c       sections of MSH 1 and 2, and of MSH 4
@@ -96,9 +96,6 @@ int gmsh_skip_reals(gmsh_reader *reader, int64_t n, const char *what);
 /** Skip the end of this line, behind which binary data begin. Nothing in text. */
 int gmsh_end_line(gmsh_reader *reader);
 
-/** Skip the line with the transform of a periodic pair, where there is one (text). */
-void gmsh_skip_affine(gmsh_reader *reader);
-
 /** Fail at the cursor: what was expected there. */
 int gmsh_fail_expected(const gmsh_reader *reader, const char *what);
 
@@ -122,8 +119,9 @@ int gmsh_end_nodes(gmsh_reader *reader);
 int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at, int64_t number,
                       int64_t index, planish_error *error);
 
-/** Hold both nodes of n periodic pairs, numbers of so many bytes; 0: text. */
-int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int bytes);
+/** Read $Periodic of all versions: the nodes of pairs of entities are held. In MSH 2 the section is
+ *  text in binary files, too. */
+int gmsh_periodic(gmsh_reader *reader);
 
 /** Read $PhysicalNames; and, when all is read, give names without a dimension theirs. */
 int gmsh_names(gmsh_reader *reader);
@@ -146,11 +144,9 @@ int gmsh_read_data(gmsh_reader *reader);
 int gmsh2_nodes(gmsh_reader *reader);
 int gmsh2_elements(gmsh_reader *reader);
 int gmsh2_merge_copies(gmsh_reader *reader);
-int gmsh2_periodic(gmsh_reader *reader);
 int gmsh4_entities(gmsh_reader *reader);
 int gmsh4_partitioned_entities(gmsh_reader *reader);
 int gmsh4_nodes(gmsh_reader *reader);
 int gmsh4_elements(gmsh_reader *reader);
-int gmsh4_periodic(gmsh_reader *reader);
 
 #endif
