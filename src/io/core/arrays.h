@@ -1,5 +1,9 @@
 /* arrays: arrays of one number per cell of a file, which may tell regions.
  *
+ *   io_array_begin, _put, _end, _drop           an array of values by cell
+ *   io_array_begin_elements, _put_element ...   or by element
+ *   io_arrays_settle, io_arrays_choose          arrays make regions
+ *
  * A reader fills in those whose values are whole numbers at all elements that are smoothed. When
  * all has been read, planish_find_regions says which of them tell regions, or the user does. They
  * split the regions that the file's entities make, if it has entities of its own (Gmsh, CGNS); a
@@ -41,10 +45,10 @@ int io_array_begin_elements(const io_model *model, const char *name, io_array_fi
 int io_array_put_element(io_array_filler *filler, int64_t element, int is_whole, int64_t value,
                          planish_error *error);
 
-/** Whether each element has a value. */
+/** Return whether each element has a value. */
 int io_array_is_full(const io_array_filler *filler);
 
-/** A real number as a whole one: 1, or 0 where it is none of 64 bits. */
+/** Convert a real number to a whole one: 1, or 0 where it is none of 64 bits. */
 int io_array_whole(double real, int64_t *value);
 
 /** Give the array to the model, or release it where it is broken or an element has no value. */
@@ -62,6 +66,7 @@ int io_arrays_settle(io_model *model, planish_error *error);
  * are). */
 int io_arrays_choose(io_model *model, const char *const *names, int n_names, planish_error *error);
 
+/** Release all arrays. */
 void io_arrays_destroy(io_model *model);
 
 #endif

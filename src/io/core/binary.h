@@ -1,10 +1,15 @@
-/* binary: numbers from the bytes of a binary file, at any alignment, in either byte order. */
+/* binary: numbers from the bytes of a binary file, at any alignment, in either byte order.
+ *
+ *   io_machine_is_little        the byte order of this machine
+ *   io_load_u16, _u32, _i32 ... a number at a place; swapped: its byte order is the other one
+ */
 #ifndef PL_IO_CORE_BINARY_H
 #define PL_IO_CORE_BINARY_H
 
 #include <stdint.h>
 #include <string.h>
 
+/** Return whether this machine's numbers begin with their lowest byte. */
 static inline int io_machine_is_little(void) {
     const uint16_t one = 1;
     uint8_t first;
@@ -12,6 +17,7 @@ static inline int io_machine_is_little(void) {
     return first == 1;
 }
 
+/** Return the number that stands at at, which need not be aligned. */
 static inline uint16_t io_load_u16(const char *at, int swapped) {
     uint16_t bits;
     memcpy(&bits, at, sizeof bits);

@@ -1,4 +1,10 @@
-/* bytes: the content of a file, in memory of its own or mapped. */
+/* bytes: the content of a file, in memory of its own or mapped.
+ *
+ *   io_bytes_open, io_bytes_borrow, io_bytes_close   take and release content
+ *   io_bytes_own, io_bytes_can_change, _rest         private memory and mapped files
+ *   io_bytes_check_unchanged, _fail_changed          changes by others
+ *   io_bytes_are_of                                  compare with an open file
+ */
 #ifndef PL_IO_CORE_BYTES_H
 #define PL_IO_CORE_BYTES_H
 
@@ -19,27 +25,27 @@ int io_bytes_open(const char *path, int64_t largest_copy, io_bytes *bytes, plani
  * larger than a quarter of the machine's memory stays mapped. */
 int io_bytes_own(io_bytes *bytes, planish_error *error);
 
-/** Whether others can change the bytes: those of a mapped file. */
+/** Return whether others can change the bytes: those of a mapped file. */
 int io_bytes_can_change(const io_bytes *bytes);
 
 /** Borrow size bytes at data under the name path: nothing is released but the name. */
 int io_bytes_borrow(const char *path, const char *data, int64_t size, io_bytes *bytes,
                     planish_error *error);
 
-/** The bytes will not be read for some time: of a mapped file, the process's memory need not hold
- *  them until then. */
+/** Let the process's memory do without the bytes of a mapped file until they are read again. */
 void io_bytes_rest(const io_bytes *bytes);
 
-/** Whether nobody has written to a regular file since it was opened, as far as its size and time
- * tell. Error: _FILE. */
+/** Check that nobody has written to a regular file since it was opened, as far as its size and time
+ *  tell. Error: _FILE. */
 int io_bytes_check_unchanged(const io_bytes *bytes, planish_error *error);
 
-/** The error of a file whose bytes are others than before. */
+/** Fail with _FILE: the bytes of the file are others than before. */
 int io_bytes_fail_changed(const io_bytes *bytes, planish_error *error);
 
-/** Whether fd leads to the regular file itself. */
+/** Return whether fd leads to the regular file itself. */
 int io_bytes_are_of(const io_bytes *bytes, int fd);
 
+/** Release the bytes and the name. */
 void io_bytes_close(io_bytes *bytes);
 
 #endif

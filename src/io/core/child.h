@@ -6,15 +6,14 @@
 
 #include <planish/planish.h>
 
-/** Returns 0, or a negative planish_status with *error filled in. */
+/** Return 0, or a negative planish_status with *error filled in. */
 typedef int io_child_fn(void *data, planish_error *error);
 
-/** Fork, and call function(data, error), which reads input, in the child: its result, with its
- *  error. Of what it does nothing but that and files come back; it has one thread, and prints
- *  nothing. It gets a minute of CPU, more for large inputs; on
- *  Linux no more memory than any mesh in so many bytes can need. Errors
- * besides: _FORMAT: it crashed, at the file that the input is of; _MEMORY: no process could be
- * started. */
+/** Fork, and call function(data, error), which reads input, in the child; return its result, with
+ *  its error. Nothing but that and files come back; the child has one thread, and prints nothing.
+ *  It gets a minute of CPU, more for large inputs; on Linux no more memory than any mesh in so many
+ *  bytes can need. Errors besides: _FORMAT: it crashed on the input, or did not end; _MEMORY: no
+ *  process could be started. */
 int io_child_run(io_child_fn *function, void *data, const io_bytes *input, planish_error *error);
 
 #endif

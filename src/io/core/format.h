@@ -1,9 +1,17 @@
-/* format: what is told of a format, and names of files. */
+/* format: the description of a format that its folder gives, and names of files.
+ *
+ *   io_format, io_format_...                    the formats
+ *   planish_file, io_file_elements              a file that has been read
+ *   io_format_has_extension, io_extension       extensions of paths
+ *   io_companion_path, io_plain_companion_path  files beside the mesh
+ *   io_is_hdf5                                  the mark of HDF5
+ */
 #ifndef PL_IO_CORE_FORMAT_H
 #define PL_IO_CORE_FORMAT_H
 
 #include "io/core/model.h"
 
+/** Description of a format. */
 typedef struct io_format {
     const char *name;                                   /* as in --format and in messages */
     const char *const *extensions;                      /* with the dot, NULL-terminated */
@@ -48,25 +56,24 @@ struct planish_file {
 
 /** Return the simplices that are smoothed. */
 static inline const io_cells *io_file_elements(const planish_file *file) {
-    return file->model.dim == 3 ? &file->model.tetrahedron : &file->model.triangle;
+    return io_model_elements(&file->model);
 }
 
-/** Whether path ends in one of the format's extensions, letter case ignored. */
+/** Return whether path ends in one of the format's extensions, letter case ignored. */
 int io_format_has_extension(const io_format *format, const char *path);
 
-/** Where the extension of path begins (its dot), or its end. */
+/** Find the extension of path: its dot, or the end. */
 const char *io_extension(const char *path);
 
-/** The path of the file with that extension, in any case, of the mesh at path: it takes the
- *  place of an extension of the format, and has capitals if that has no small letter; behind any
+/** Make the path of the file with that extension, in any case, beside the mesh at path: it takes
+ * the place of an extension of the format, and has capitals if that has no small letter; behind any
  *  other name it is added. Owned; NULL without memory. */
 char *io_companion_path(const io_format *format, const char *path, const char *extension);
 
-/** The same path with the extension in small letters. */
+/** Make the same path with the extension in small letters. */
 char *io_plain_companion_path(const io_format *format, const char *path, const char *extension);
 
-/** Whether the bytes are a file of HDF5: its mark is at the start, or behind a block of the user's.
- */
+/** Return whether the bytes are an HDF5 file: its mark is at the start, or behind a user block. */
 int io_is_hdf5(const char *data, int64_t size);
 
 #endif

@@ -1,5 +1,8 @@
 /* memberships: which sets each of many things is in, and the entities of the model that come of it.
  *
+ *   io_memberships_begin, _add, _counted, _destroy   make the lists
+ *   io_memberships_entities, _of_nodes               make entities of them
+ *
  * Every set says twice what is in it: the first time that is counted, the second time listed.
  */
 #ifndef PL_IO_CORE_MEMBERSHIPS_H
@@ -7,7 +10,7 @@
 
 #include "io/core/model.h"
 
-/** Of thing i the sets list[start[i]] .. list[start[i + 1] - 1], in order, by their tags. */
+/** Sets of thing i: list[start[i]] .. list[start[i + 1] - 1], in order, by their tags. */
 typedef struct io_memberships {
     int64_t n;
     int64_t *start; /* [n + 1] */
@@ -16,14 +19,14 @@ typedef struct io_memberships {
     int is_counted;
 } io_memberships;
 
-/** Of n things. To be destroyed in any case. */
+/** Begin the lists of n things. To be destroyed in any case. */
 int io_memberships_begin(io_memberships *memberships, int64_t n, planish_error *error);
 
-/** A thing is in the set of that tag, 1 or more; once more does no harm. Sets come one after
+/** Put a thing into the set of that tag, 1 or more; once more does no harm. Sets come one after
  *  another, both times in the same order. */
 void io_memberships_add(io_memberships *memberships, int64_t thing, int32_t tag);
 
-/** All have been counted: next they are to be listed. */
+/** Note that all have been counted: next they are to be listed. */
 int io_memberships_counted(io_memberships *memberships, planish_error *error);
 
 /** Find the entities of n things from first on, made if new: entity [n]. Their physical tags are
@@ -37,6 +40,7 @@ int io_memberships_entities(const io_memberships *memberships, io_model *model, 
 int io_memberships_of_nodes(const io_memberships *memberships, io_model *model,
                             planish_error *error);
 
+/** Release the lists. */
 void io_memberships_destroy(io_memberships *memberships);
 
 #endif

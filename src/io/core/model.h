@@ -1,5 +1,13 @@
 /* model: what every reader fills in and the one writer uses.
  *
+ *   io_model                            a file that is read: its input, nodes, cells, groups
+ *   io_cursor, io_bytes                 places in the input, and its bytes
+ *   io_span, io_field, io_edit          places of coordinates, and their replacement
+ *   io_cells, io_entity, io_group       cells, regions and names
+ *   io_model_nodes, _points, _span ...  what readers call to fill it in
+ *   io_numbers, io_settle_...           the file's numbers of nodes and cells
+ *   io_fail_at, io_check_...            errors at a place, and checks
+ *
  * A reader walks the bytes of its format once and tells the model: the nodes (value and place of
  * their coordinates in the file), the triangles and tetrahedra, which nodes other things in the
  * file hold, and the names of groups. Nothing else of the file is kept, because the writer copies
@@ -89,12 +97,12 @@ typedef struct io_cells {
     int64_t n_plain; /* the last of them say nothing of their nodes (io_model_find_plain) */
 } io_cells;
 
-/** Those that say something of their nodes: the first ones. */
+/** Return the number of cells that say something of their nodes: the first ones. */
 static inline int64_t io_cells_telling(const io_cells *cells) {
     return cells->n - cells->n_plain;
 }
 
-/** What tells the regions of cells apart: [n], or NULL: there is one. */
+/** Return the numbers [n] that tell the regions of cells apart, or NULL: there is one. */
 static inline const int32_t *io_cells_regions(const io_cells *cells) {
     return cells->region ? cells->region : cells->entity;
 }
@@ -216,6 +224,7 @@ typedef struct io_model {
  *  already checked that the file is large enough for that many. */
 int io_model_nodes(io_model *model, int64_t n_nodes, int text, planish_error *error);
 
+/** Note a run of nodes behind the others. */
 int io_model_span(io_model *model, io_span span, planish_error *error);
 
 /** Make n nodes whose coordinates stand at at, size bytes (4, 8) each, a node every stride bytes,
@@ -223,64 +232,70 @@ int io_model_span(io_model *model, io_span span, planish_error *error);
 int io_model_points(io_model *model, int64_t n, int size, int64_t stride, int swapped,
                     const char *at, planish_error *error);
 
-/** A pair of periodic nodes. */
+/** Note a pair of periodic nodes. */
 int io_model_pair(io_model *model, const int32_t pair[2], planish_error *error);
 
-/** The cells of that dimension, 1 .. 3. */
+/** Return the cells of that dimension, 1 .. 3. */
 static inline io_cells *io_model_cells(io_model *model, int dim) {
     return dim == 3 ? &model->tetrahedron : dim == 2 ? &model->triangle : &model->line;
 }
 
-/** Elements that are smoothed: the tetrahedra, or the triangles where there is none. */
+/** Return the elements that are smoothed: the tetrahedra, or the triangles where there is none. */
 static inline const io_cells *io_model_elements(const io_model *model) {
     return model->tetrahedron.n > 0 ? &model->tetrahedron : &model->triangle;
 }
 
-/** Room for n more cells; the reader then writes nodes, entity, number at index cells->n ...; and
- *  raises cells->n. with_entity/with_number must be the same in every call for the same cells. */
+/** Make room for n more cells; the reader then writes nodes, entity, number at index cells->n ...;
+ * and raises cells->n. with_entity/with_number must be the same in every call for the same cells.
+ */
 int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int with_number,
                      planish_error *error);
 
-/** Index of the entity (dim, tag, physical[n]), made if new; negative on failure. */
+/** Find the index of the entity (dim, tag, physical[n]), made if new; negative on failure. */
 int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
                         const int32_t *physical, planish_error *error);
 
 /** Forget all entities. */
 void io_model_clear_entities(io_model *model);
 
-/** Whether there is an entity of dim and tag without physical groups. */
+/** Return whether there is an entity of dim and tag without physical groups. */
 int io_model_has_entity(const io_model *model, int dim, int32_t tag);
 
 /** Replace tags [n] by the entities of dim that have them. */
 int io_model_index_tags(io_model *model, int dim, int32_t *tags, int64_t n, planish_error *error);
 
+/** Note a named group behind the others. */
 int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
                    planish_error *error);
 
-/** An edit behind all others: takes over text, which is released on failure, too. */
+/** Note an edit behind all others; text is taken over, and released on failure, too. */
 int io_edits_add(io_edits *edits, io_edit edit, planish_error *error);
+/** Release all edits. */
 void io_edits_destroy(io_edits *edits);
 
 /** Table from the file's node numbers to indices, for files whose numbers are not 1 .. n. */
 typedef struct io_numbers io_numbers;
-/** numbers [n] of nodes, or what they are of, in the file at path; fails on a number that occurs
- *  twice (error names it). Any order, any gaps. */
+/** Make a table of numbers [n], of nodes or what they are of, in the file at path; any order, any
+ *  gaps. Fail with _FORMAT on a number that occurs twice. */
 int io_numbers_create(const char *path, const char *what, const int64_t *numbers, int64_t n,
                       io_numbers **table, planish_error *error);
-/** Keep the numbers that nodes and cells have been given only where they say more than the first:
- *  not if each is one more than that before. Of the nodes' a table is made where they are kept. A
- *  node that is given again with the same coordinates becomes one (place_node), at other ones it is
- *  an error; no array of nodes but xyz, hold and node_number may be there yet. */
+/** Keep the numbers that nodes have been given only where they say more than the first: not if each
+ *  is one more than that before. *table: of the numbers that are kept, or untouched. A node that is
+ * given again with the same coordinates becomes one (place_node), at other ones it is an error; no
+ * array of nodes but xyz, hold and node_number may be there yet. */
 int io_settle_node_numbers(io_model *model, io_numbers **table, planish_error *error);
+/** Keep the numbers of cells in the same way, without a table. */
 void io_settle_cell_numbers(io_cells *cells);
-/** Index of number, or -1. */
+/** Return the index of number, or -1. */
 int64_t io_numbers_find(const io_numbers *table, int64_t number);
+/** Release the table; NULL is none. */
 void io_numbers_destroy(io_numbers *table);
 
-/** Return the number in the file of node i, or of cell i of cells. */
+/** Return the number in the file of node i. */
 static inline int64_t io_node_number(const io_model *model, int64_t i) {
     return model->node_number ? model->node_number[i] : model->first_number + i;
 }
+/** Return the number in the file of cell i. */
 static inline int64_t io_cell_number(const io_cells *cells, int64_t i) {
     return cells->number ? cells->number[i] : cells->first_number + i;
 }
@@ -296,7 +311,7 @@ static inline int64_t io_node_index(const io_model *model, const io_numbers *num
     return index < (uint64_t)model->n_nodes ? (int64_t)index : -1;
 }
 
-/** End of the input: behind its last byte. */
+/** Return the end of the input: behind its last byte. */
 static inline const char *io_input_end(const io_model *model) {
     return model->input.data + model->input.size;
 }
@@ -320,7 +335,8 @@ int io_fail_at(const io_model *model, const char *at, planish_error *error, cons
 int io_check_room(const io_model *model, io_cursor rest, int64_t n, int64_t size, const char *what,
                   planish_error *error);
 
-/** Check the same, and that n is at most INT32_MAX: things that planish numbers. */
+/** Check the same as io_check_room, and that n is at most INT32_MAX: things that planish numbers.
+ */
 int io_check_count(const io_model *model, io_cursor rest, int64_t n, int64_t size, const char *what,
                    planish_error *error);
 

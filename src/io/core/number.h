@@ -1,5 +1,10 @@
 /* number: numbers from text and back, independent of the locale, exact.
  *
+ *   io_parse_real, io_parse_integer      read a number
+ *   io_parse_packed_real                 read a real number of Nastran
+ *   io_format_real                       write the shortest text
+ *   io_format_field, io_round_to_field   write a field of few characters; its value
+ *
  * Implemented in number.cpp and field.cpp with <charconv> of the C++ standard library (correctly
  * rounded reading, shortest text that restores the value); the only C++ of the project.
  */
@@ -17,27 +22,28 @@ extern "C" {
  *  *at is unchanged). Values too large give infinity, too small ones 0 or the nearest subnormal. */
 int io_parse_real(const char **at, const char *end, double *value);
 
-/** The same for a decimal integer with an optional sign; -1 also if it does not fit. */
+/** Read a decimal integer with an optional sign as io_parse_real does; -1 also if it does not fit.
+ */
 int io_parse_integer(const char **at, const char *end, int64_t *value);
 
 enum { IO_REAL_SIZE = 32 };
 
-/** Shortest text that reads back as value (PLANISH_FLOAT precision: as the float); returns its
- *  length, at most IO_REAL_SIZE; no terminator. */
+/** Write the shortest text that reads back as value (is_float: as the float); return its length, at
+ *  most IO_REAL_SIZE; no terminator. */
 int io_format_real(char *text, double value, int is_float);
 
-/** The text of at most width characters (8 or more, less than IO_REAL_SIZE) that is nearest to
- *  value, with a point in it; without an exponent where that is as near. implied_exponent:
- * exponents follow the mantissa without an e (Nastran's 1.5-3). Returns its length, or 0: value is
- * not finite. -0 is written as 0. */
+/** Write the text of at most width characters (8 or more, less than IO_REAL_SIZE) that is nearest
+ * to value, with a point in it; without an exponent where that is as near. implied_exponent:
+ *  exponents follow the mantissa without an e (Nastran's 1.5-3). Return its length, or 0: value is
+ *  not finite. -0 is written as 0. */
 int io_format_field(char *text, double value, int width, int implied_exponent);
 
-/** What that text reads as: the nearest of the numbers that a field can hold. value itself if it is
- *  not finite. Much faster than to write and to read it. */
+/** Return the value of that text: the nearest of the numbers that a field can hold. value itself if
+ *  it is not finite. Much faster than to write and to read it. */
 double io_round_to_field(double value, int width, int implied_exponent);
 
-/** The whole of the text begin .. end (no white space in it) as a real number whose exponent may
- *  follow without an e. 0 or -1. */
+/** Read the whole of the text begin .. end (no white space in it) as a real number whose exponent
+ *  may follow without an e. 0 or -1. */
 int io_parse_packed_real(const char *begin, const char *end, double *value);
 
 #ifdef __cplusplus

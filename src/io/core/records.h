@@ -33,8 +33,9 @@ typedef struct io_text {
     int64_t *before; /* [pieces + 1] tokens that start before each piece of bytes, or NULL */
 } io_text;
 
-/** The text of the whole input; released by io_text_release. */
+/** Begin a text: the whole input. */
 void io_text_init(io_text *text, const io_model *model);
+/** Release the index. */
 void io_text_release(io_text *text);
 
 /** Read n records of tokens tokens each from *cursor; the cursor ends at the next token. */
@@ -50,13 +51,14 @@ int io_binary_records(int threads, io_cursor *cursor, int64_t n, int64_t size, i
 int io_records(io_text *text, io_cursor *cursor, int64_t n, int64_t tokens, int64_t size,
                io_records_fn *read, void *context, planish_error *error);
 
-/** Where the records of a section are, noted by a first walk over the file. */
+/** Place of the records of a section, noted by a first walk over the file. */
 typedef struct io_section {
     int keyword; /* its row in the reader's table of keywords */
     int64_t count;
     const char *data, *end; /* end: binary: behind the records; text: at the next keyword */
 } io_section;
 
+/** Sections of a file. */
 typedef struct io_sections {
     io_section *section; /* [n] owned, in the file's order */
     int64_t n, capacity;
@@ -64,6 +66,7 @@ typedef struct io_sections {
 
 /** Note a section behind the others. Error: _MEMORY. */
 int io_sections_add(io_sections *sections, io_section section, planish_error *error);
+/** Release the list. */
 void io_sections_release(io_sections *sections);
 
 /** Read the records of a section as io_records does; tokens 0: in order, as records of text differ
@@ -81,7 +84,7 @@ int io_load_point(const io_model *model, const char *at, int size, int swapped, 
  *  precision; an error (of text) if they are no finite numbers. */
 int io_read_point(io_model *model, io_cursor *cursor, int64_t node, planish_error *error);
 
-/** Bytes from the cursor to the end. */
+/** Return the bytes from the cursor to the end. */
 static inline int64_t io_left(const io_cursor *cursor) {
     return cursor->end - cursor->at;
 }
