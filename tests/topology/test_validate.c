@@ -41,33 +41,51 @@ static void expect(const planish_mesh *mesh, int code, int64_t element, int64_t 
     }
 }
 
+/** Change to a box of one cell that makes it no mesh, and what is said about it. */
+typedef struct refusal {
+    enum { DIM, NODES, ELEMENTS, NO_ELEMENTS, BOTH_ELEMENTS, NO_COORDINATES, STRIDE, STEP } field;
+    int64_t value;
+    int code;
+    int64_t element, node;
+    const char *words;
+} refusal;
+
+static const refusal REFUSALS[] = {
+    {DIM, 4, PLANISH_ERROR_ARGUMENT, -1, -1, "mesh.dim is 4"},
+    {DIM, 1, PLANISH_ERROR_ARGUMENT, -1, -1, "mesh.dim is 1"},
+    {NODES, -1, PLANISH_ERROR_ARGUMENT, -1, -1, "n_nodes is -1"},
+    {NODES, INT64_C(1) << 31, PLANISH_ERROR_ARGUMENT, -1, -1, "n_nodes is 2147483648"},
+    {NODES, 0, PLANISH_ERROR_MESH, 0, 0, "nodes 0 to -1"},
+    {NODES, 7, PLANISH_ERROR_MESH, 0, 7, "nodes 0 to 6"},
+    {ELEMENTS, INT64_MAX, PLANISH_ERROR_ARGUMENT, -1, -1, "n_elements"},
+    {ELEMENTS, -1, PLANISH_ERROR_ARGUMENT, -1, -1, "n_elements is -1"},
+    {ELEMENTS, 0, PLANISH_ERROR_MESH, -1, -1, "no elements"},
+    {NO_ELEMENTS, 0, PLANISH_ERROR_ARGUMENT, -1, -1, "mesh.elements"},
+    {BOTH_ELEMENTS, 0, PLANISH_ERROR_ARGUMENT, -1, -1, "both set"},
+    {NO_COORDINATES, 0, PLANISH_ERROR_ARGUMENT, -1, -1, "mesh.coordinates"},
+    {STRIDE, -3, PLANISH_ERROR_ARGUMENT, -1, -1, "node_stride is -3"},
+    {STRIDE, 2, PLANISH_ERROR_ARGUMENT, -1, -1, "overlap"},
+    {STEP, 2, PLANISH_ERROR_ARGUMENT, -1, -1, "component_stride 2"},
+};
+
 static void refuses_arguments(void **state) {
     (void)state;
+    const int64_t wide[24] = {0};
     test_mesh box;
     test_mesh_box(&box, 3, 1);
-    planish_mesh mesh = box.mesh;
-    mesh.dim = 4;
-    expect(&mesh, PLANISH_ERROR_ARGUMENT, -1, -1, "mesh.dim is 4");
-    mesh = box.mesh;
-    mesh.n_nodes = -1;
-    expect(&mesh, PLANISH_ERROR_ARGUMENT, -1, -1, "n_nodes is -1");
-    mesh = box.mesh;
-    mesh.n_nodes = INT64_C(1) << 31;
-    expect(&mesh, PLANISH_ERROR_ARGUMENT, -1, -1, "n_nodes is 2147483648");
-    mesh = box.mesh;
-    mesh.n_elements = INT64_MAX;
-    expect(&mesh, PLANISH_ERROR_ARGUMENT, -1, -1, "n_elements");
-    mesh = box.mesh;
-    mesh.n_elements = 0;
-    expect(&mesh, PLANISH_ERROR_MESH, -1, -1, "no elements");
-    mesh = box.mesh;
-    mesh.elements = NULL;
-    expect(&mesh, PLANISH_ERROR_ARGUMENT, -1, -1, "mesh.elements");
-    mesh = box.mesh;
-    mesh.coordinates = NULL;
-    expect(&mesh, PLANISH_ERROR_ARGUMENT, -1, -1, "mesh.coordinates");
-    mesh.n_nodes = 0;
-    expect(&mesh, PLANISH_ERROR_MESH, 0, 0, "nodes 0 to -1");
+    for (size_t i = 0; i < sizeof REFUSALS / sizeof *REFUSALS; i++) {
+        const refusal *r = &REFUSALS[i];
+        planish_mesh mesh = box.mesh;
+        mesh.dim = r->field == DIM ? (int)r->value : mesh.dim;
+        mesh.n_nodes = r->field == NODES ? r->value : mesh.n_nodes;
+        mesh.n_elements = r->field == ELEMENTS ? r->value : mesh.n_elements;
+        mesh.elements = r->field == NO_ELEMENTS ? NULL : mesh.elements;
+        mesh.elements64 = r->field == BOTH_ELEMENTS ? wide : NULL;
+        mesh.coordinates = r->field == NO_COORDINATES ? NULL : mesh.coordinates;
+        mesh.node_stride = r->field == STRIDE ? r->value : 0;
+        mesh.component_stride = r->field == STEP ? r->value : 0;
+        expect(&mesh, r->code, r->element, r->node, r->words);
+    }
     assert_int_equal(validate(NULL, 1, NULL), PLANISH_ERROR_ARGUMENT);
     test_mesh_destroy(&box);
 }
