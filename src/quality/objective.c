@@ -163,19 +163,19 @@ static inline void add_element(const pl_objective_problem *problem, int64_t inde
 }
 
 static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    objective_pass *w = context;
-    exact_sums part, *sums = w->sums;
+    objective_pass *pass = context;
+    exact_sums part, *sums = pass->sums;
     double blunt = 0;
     (void)thread;
     memset(&part, 0, sizeof part);
-    const uint8_t *is_counted = w->problem->mesh.is_counted;
+    const uint8_t *is_counted = pass->problem->mesh.is_counted;
     for (int64_t i = begin; i < end; i++) {
         if (is_counted && !is_counted[i])
             continue;
-        if (w->problem->mesh.dim == 3)
-            add_element(w->problem, i, &part, &blunt, 3);
+        if (pass->problem->mesh.dim == 3)
+            add_element(pass->problem, i, &part, &blunt, 3);
         else
-            add_element(w->problem, i, &part, &blunt, 2);
+            add_element(pass->problem, i, &part, &blunt, 2);
     }
     for (int i = 0; i < N_SUMS; i++)
         pl_sum_share(&sums->sum[i], &part.sum[i]);
@@ -188,9 +188,9 @@ static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
 void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *sums) {
     exact_sums all;
     int64_t n = problem->mesh.n_elements, chunk = (n + MAX_CHUNKS - 1) / MAX_CHUNKS;
-    objective_pass w = {.problem = problem, .sums = &all};
+    objective_pass pass = {.problem = problem, .sums = &all};
     memset(&all, 0, sizeof all);
-    pl_parallel_for(problem->threads, n, chunk < MIN_CHUNK ? MIN_CHUNK : chunk, add_chunk, &w);
+    pl_parallel_for(problem->threads, n, chunk < MIN_CHUNK ? MIN_CHUNK : chunk, add_chunk, &pass);
     double most[] = {all.radius_max, all.acuteness};
     pl_parts_add_sums(all.sum, N_SUMS);
     pl_parts_add(all.n, N_COUNTS);
@@ -210,24 +210,25 @@ void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *su
 }
 
 static void classify_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    objective_pass *w = context;
+    objective_pass *pass = context;
     int64_t n_below = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        element e = element_at(w->problem, i, w->problem->mesh.dim);
-        int below = volume_constraint(w->problem, i, &e) > PLANISH_VOLUME_TOLERANCE;
-        if (w->flat >= 0)
-            below |= !(e.determinant > w->flat * permanent_bound(&e, w->problem->mesh.dim));
-        w->state[i] = below ? PLANISH_VOLUME_BELOW : PLANISH_VOLUME_MET;
+        element e = element_at(pass->problem, i, pass->problem->mesh.dim);
+        int below = volume_constraint(pass->problem, i, &e) > PLANISH_VOLUME_TOLERANCE;
+        if (pass->flat >= 0)
+            below |= !(e.determinant > pass->flat * permanent_bound(&e, pass->problem->mesh.dim));
+        pass->state[i] = below ? PLANISH_VOLUME_BELOW : PLANISH_VOLUME_MET;
         n_below += below;
     }
-    __atomic_fetch_add(&w->n_below, n_below, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&pass->n_below, n_below, __ATOMIC_RELAXED);
 }
 
 static int64_t classify(const pl_objective_problem *problem, double flat, uint8_t *state) {
-    objective_pass w = {.problem = problem, .state = state, .flat = flat};
-    pl_parallel_for(problem->threads, problem->mesh.n_elements, 8 * MIN_CHUNK, classify_chunk, &w);
-    return w.n_below;
+    objective_pass pass = {.problem = problem, .state = state, .flat = flat};
+    pl_parallel_for(problem->threads, problem->mesh.n_elements, 8 * MIN_CHUNK, classify_chunk,
+                    &pass);
+    return pass.n_below;
 }
 
 int64_t pl_find_below(const pl_objective_problem *problem, uint8_t *state) {

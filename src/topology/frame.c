@@ -47,26 +47,6 @@ static void search_chunk(void *context, int64_t begin, int64_t end, int thread) 
         s->mesh->dim == 3 ? box_of_nodes(3, s, begin, end) : box_of_nodes(2, s, begin, end);
 }
 
-static pl_frame frame_of_box(const box *b, int dim) {
-    pl_frame frame = {.shrink = 1};
-    double extent = 0;
-    for (int d = 0; d < dim && b->low[d] <= b->high[d]; d++) /* there are nodes */
-        if (fabs(b->low[d]) > HUGE_COORDINATE || fabs(b->high[d]) > HUGE_COORDINATE)
-            frame.shrink = SHRINK;
-    for (int d = 0; d < dim && b->low[d] <= b->high[d]; d++) {
-        double side = b->high[d] * frame.shrink - b->low[d] * frame.shrink;
-        extent = side > extent ? side : extent;
-        frame.low[d] = b->low[d];
-    }
-    int exponent = 0;
-    if (extent > 0)
-        frexp(extent, &exponent);
-    const int second = abs(exponent) > MOST_EXPONENT ? exponent / 2 : 0;
-    frame.scale[0] = ldexp(1, second - exponent);
-    frame.scale[1] = ldexp(1, -second);
-    return frame;
-}
-
 int pl_frame_create(const planish_mesh *mesh, const uint8_t *which, int threads, pl_frame *frame,
                     planish_error *error) {
     const int64_t chunks = (mesh->n_nodes - 1) / CHUNK + 1;
@@ -84,6 +64,21 @@ int pl_frame_create(const planish_mesh *mesh, const uint8_t *which, int threads,
     pl_free(s.boxes);
     pl_parts_smallest(whole.low, mesh->dim);
     pl_parts_largest(whole.high, mesh->dim);
-    *frame = frame_of_box(&whole, mesh->dim);
+    *frame = (pl_frame){.shrink = 1};
+    double extent = 0;
+    for (int d = 0; d < mesh->dim && whole.low[d] <= whole.high[d]; d++) /* there are nodes */
+        if (fabs(whole.low[d]) > HUGE_COORDINATE || fabs(whole.high[d]) > HUGE_COORDINATE)
+            frame->shrink = SHRINK;
+    for (int d = 0; d < mesh->dim && whole.low[d] <= whole.high[d]; d++) {
+        const double side = whole.high[d] * frame->shrink - whole.low[d] * frame->shrink;
+        extent = side > extent ? side : extent;
+        frame->low[d] = whole.low[d];
+    }
+    int exponent = 0;
+    if (extent > 0)
+        frexp(extent, &exponent);
+    const int second = abs(exponent) > MOST_EXPONENT ? exponent / 2 : 0;
+    frame->scale[0] = ldexp(1, second - exponent);
+    frame->scale[1] = ldexp(1, -second);
     return pl_parts_check(error);
 }

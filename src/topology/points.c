@@ -31,46 +31,46 @@ typedef struct points_pass {
 } points_pass;
 
 static void gather_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const points_pass *w = context;
-    const pl_points *p = w->p;
+    const points_pass *pass = context;
+    const pl_points *p = pass->p;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         for (int d = 0; d < p->dim; d++)
-            w->dense[i * p->dim + d] = p->x[pl_point_at(p, i, d)];
+            pass->dense[i * p->dim + d] = p->x[pl_point_at(p, i, d)];
 }
 
 void pl_points_gather(const pl_points *p, int threads, double *dense) {
-    points_pass w = {p, dense, 0};
-    pl_parallel_for(threads, p->n, CHUNK, gather_chunk, &w);
+    points_pass pass = {p, dense, 0};
+    pl_parallel_for(threads, p->n, CHUNK, gather_chunk, &pass);
 }
 
 static void check_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    points_pass *w = context;
-    const pl_points *p = w->p;
+    points_pass *pass = context;
+    const pl_points *p = pass->p;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         int finite = 1;
         for (int d = 0; d < p->dim; d++)
             finite &= isfinite(p->x[pl_point_at(p, i, d)]) != 0;
         if (!finite) {
-            pl_lower_to(&w->lowest, i);
+            pl_lower_to(&pass->lowest, i);
             return;
         }
     }
 }
 
 int pl_points_check(const pl_points *p, int threads, planish_error *error) {
-    points_pass w = {.p = p, .lowest = INT64_MAX};
-    pl_parallel_for(threads, p->n, CHUNK, check_chunk, &w);
-    if (w.lowest == INT64_MAX)
+    points_pass pass = {.p = p, .lowest = INT64_MAX};
+    pl_parallel_for(threads, p->n, CHUNK, check_chunk, &pass);
+    if (pass.lowest == INT64_MAX)
         return PLANISH_OK;
-    const int64_t node = p->node_of ? p->node_of[w.lowest] : w.lowest;
+    const int64_t node = p->node_of ? p->node_of[pass.lowest] : pass.lowest;
     int d = 0;
-    while (d < p->dim - 1 && isfinite(p->x[pl_point_at(p, w.lowest, d)]))
+    while (d < p->dim - 1 && isfinite(p->x[pl_point_at(p, pass.lowest, d)]))
         d++;
     return pl_fail_at(error, PLANISH_ERROR_MESH, -1, node,
                       "node %" PRId64 " has the coordinate %c = %g; all must be finite numbers",
-                      node, "xyz"[d], p -> x[pl_point_at(p, w.lowest, d)]);
+                      node, "xyz"[d], p -> x[pl_point_at(p, pass.lowest, d)]);
 }
 
 /* ---- points at the same place ------------------------------------------------------------------

@@ -55,12 +55,8 @@ static int64_t length_of_sphere(int64_t n) {
 }
 
 /* Several threads may do this to a node at the same time. */
-static inline void set_fixed(const ring_maker *w, int32_t node) {
-    pl_set_flag(&w->is_free[node], 0);
-}
-
-static inline int is_free(const ring_maker *w, int32_t node) {
-    return __atomic_load_n(&w->is_free[node], __ATOMIC_RELAXED);
+static inline void set_fixed(const ring_maker *m, int32_t node) {
+    pl_set_flag(&m->is_free[node], 0);
 }
 
 /* ---- one ring ----------------------------------------------------------------------------- */
@@ -123,21 +119,21 @@ _Static_assert(2 * (UINT8_MAX + 1) > 3 * PL_BYTE_LINK && 2 * (UINT16_MAX + 1) > 
                "positions that are cut off could look like those of a closed link");
 
 /** Put the ring of node, or its first room nodes, into ring, and write its link. */
-static inline star find_ring(const ring_maker *w, int dim, int thread, int32_t node, pl_link link,
+static inline star find_ring(const ring_maker *m, int dim, int thread, int32_t node, pl_link link,
                              int32_t *ring, int64_t room) {
-    pl_local_map *thread_map = w->maps + thread;
-    const int64_t begin = w->incidence->offset[node], n = degree(w->incidence, node);
+    pl_local_map *thread_map = m->maps + thread;
+    const int64_t begin = m->incidence->offset[node], n = degree(m->incidence, node);
     if (pl_local_map_empty(thread_map, 4 * n * dim) != 0)
         return (star){-1, 0, 0};
     pl_local_map map = *thread_map; /* in registers */
     for (int64_t i = 0; i < n; i++) {
-        const int32_t index = w->incidence->element[begin + i];
-        const int32_t *element = w->mesh->elements + (int64_t)index * (dim + 1);
+        const int32_t index = m->incidence->element[begin + i];
+        const int32_t *element = m->mesh->elements + (int64_t)index * (dim + 1);
         const int place = pl_place_in_element(dim, element, node);
         /* The order of its link facet needs the last two exchanged, or not: in a positive
          * tetrahedron the facets opposite nodes 1 and 3 are positive in the element's order, in a
          * positive triangle those opposite nodes 0 and 2. */
-        const int turned = ((place + dim) % 2 != 0) != (w->sign && w->sign[index] < 0);
+        const int turned = ((place + dim) % 2 != 0) != (m->sign && m->sign[index] < 0);
         for (int j = 0; j < dim; j++) {
             const int32_t other = pl_other_node(element, place, j);
             const int32_t position = pl_local_map_add(&map, (uint64_t)other);
@@ -148,7 +144,7 @@ static inline star find_ring(const ring_maker *w, int dim, int thread, int32_t n
     }
     const int64_t length = map.count;
     const int two_each = dim == 3 ? 2 * write_edges(&map, &link, n) == 3 * n : length == n;
-    if (!two_each && !w->open)
+    if (!two_each && !m->open)
         return (star){length, 0, 0};
     const int is_sound = is_link_sound(&map, dim, &link, n);
     return (star){length, is_sound, is_sound && two_each};
@@ -203,37 +199,37 @@ PL_NOINLINE void find_small_edges(pl_small_ring *table, int64_t n, const uint8_t
 /** Nodes of a facet of one element alone, or that its elements traverse in one direction alone, are
  *  not inside: this spares most of them that their links are looked at. Of a link of n facets, of
  *  which table has the edges. */
-static void leave_boundary(const ring_maker *w, const pl_small_ring *table, const uint8_t *corner,
+static void leave_boundary(const ring_maker *m, const pl_small_ring *table, const uint8_t *corner,
                            int64_t n) {
     for (int64_t f = 0; f < 3 * n; f += 3)
         for (int c = 0; c < 3; c++) {
             const int p = corner[f + c], q = corner[f + (c + 1) % 3];
             if (table->edge[q * PL_SMALL_RING + p] != PL_SMALL_NONE)
                 continue;
-            set_fixed(w, table->node[p]);
-            set_fixed(w, table->node[q]);
+            set_fixed(m, table->node[p]);
+            set_fixed(m, table->node[q]);
         }
 }
 
 /** Find a ring as find_ring does, but faster: in 3-D where the ring is small and, if closed, one
  *  sphere. For an open link no ring is written, and the content of link means nothing. */
-static star find_small_ring(const ring_maker *w, int thread, int32_t node, pl_link link,
+static star find_small_ring(const ring_maker *m, int thread, int32_t node, pl_link link,
                             int32_t *ring, int64_t room) {
-    const int32_t *list = w->incidence->element + w->incidence->offset[node];
-    const int64_t n = degree(w->incidence, node);
-    pl_small_ring *table = w->tables + thread;
+    const int32_t *list = m->incidence->element + m->incidence->offset[node];
+    const int64_t n = degree(m->incidence, node);
+    pl_small_ring *table = m->tables + thread;
     star found = {-1, 0, 0};
     if (n > PL_SMALL_LINK)
         return found;
     int i = 0;
     do
-        find_small_facets(w->mesh->elements, node, list, n, i, table, link.low);
+        find_small_facets(m->mesh->elements, node, list, n, i, table, link.low);
     while (table->collision && ++i < PL_SMALL_HASHES);
     const int64_t length = table->n_nodes;
     if (table->collision || length > PL_SMALL_RING)
         return found;
-    for (int64_t f = 0; w->sign && f < n; f++)
-        if (w->sign[list[f]] < 0) { /* the other order of the facet's corners */
+    for (int64_t f = 0; m->sign && f < n; f++)
+        if (m->sign[list[f]] < 0) { /* the other order of the facet's corners */
             const uint8_t last = link.low[3 * f + 2];
             link.low[3 * f + 2] = link.low[3 * f + 1];
             link.low[3 * f + 1] = last;
@@ -241,7 +237,7 @@ static star find_small_ring(const ring_maker *w, int thread, int32_t node, pl_li
     find_small_edges(table, n, link.low, link.low + 3 * n);
     const int is_closed = 2 * table->n_edges == 3 * n && table->unrepeated == PL_SMALL_NONE;
     if (!is_closed)
-        leave_boundary(w, table, link.low, n);
+        leave_boundary(m, table, link.low, n);
     /* A sphere of more than two facets has none twice. */
     if (!is_closed || (n > 2 && length == length_of_sphere(n)))
         found = (star){length, is_closed, is_closed};
@@ -263,29 +259,29 @@ enum { BYTE_OPEN_LINK = (UINT8_MAX + 1) / 3, MAX_OPEN_LINK = (UINT16_MAX + 1) / 
 /** Room for links that may be open; the rings are counted. Nodes whose links are too large are free
  *  no longer. */
 static void make_room_for_open(void *context, int64_t begin, int64_t end, int thread) {
-    ring_maker *w = context;
+    ring_maker *m = context;
     int64_t max_link = 0;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
-        int64_t facets = degree(w->incidence, w->node[r]);
+        int64_t facets = degree(m->incidence, m->node[r]);
         if (facets > MAX_OPEN_LINK) {
-            w->is_free[w->node[r]] = 0;
+            m->is_free[m->node[r]] = 0;
             facets = 0;
         }
-        w->rings->link_offset[r] = facets;
+        m->rings->link_offset[r] = facets;
         max_link = facets > max_link ? facets : max_link;
     }
     if (max_link > BYTE_OPEN_LINK)
-        __atomic_store_n(&w->wide, 1, __ATOMIC_RELAXED);
+        __atomic_store_n(&m->wide, 1, __ATOMIC_RELAXED);
 }
 
 /** Whether the link of a node may be closed: so many facets that the kernels take, each of whose
  *  edges belongs to two of the triangles, which are then even in number. A large star is looked at,
  *  and no link is kept: most large stars are on the boundary, and would make all links take two
  *  bytes. */
-static int can_be_closed(ring_maker *w, int thread, int32_t node) {
-    const int dim = w->mesh->dim;
-    const int64_t n = degree(w->incidence, node);
+static int can_be_closed(ring_maker *m, int thread, int32_t node) {
+    const int dim = m->mesh->dim;
+    const int64_t n = degree(m->incidence, node);
     if (n > PL_MAX_LINK || (dim == 3 && n % 2 != 0))
         return 0;
     if (n <= PL_BYTE_LINK)
@@ -293,31 +289,31 @@ static int can_be_closed(ring_maker *w, int thread, int32_t node) {
     star found = {-1, 0, 0};
     pl_link link = {NULL, NULL};
     if (pl_link_alloc(&link, pl_link_positions_kept(dim), n, 1) == 0)
-        found = find_ring(w, dim, thread, node, link, NULL, 0);
+        found = find_ring(m, dim, thread, node, link, NULL, 0);
     pl_link_free(&link);
     if (found.length < 0)
-        w->maps[thread].failed = 1;
+        m->maps[thread].failed = 1;
     return found.is_closed;
 }
 
 /** Lengths as of spheres, V = F in 2-D, of circles. Nodes whose links cannot be closed are free no
  *  longer. */
 static void foretell_lengths(void *context, int64_t begin, int64_t end, int thread) {
-    ring_maker *w = context;
+    ring_maker *m = context;
     int64_t max_link = 0;
     for (int64_t r = begin; r < end; r++) {
-        const int32_t node = w->node[r];
-        int64_t facets = degree(w->incidence, node);
-        if (!can_be_closed(w, thread, node)) {
-            w->is_free[node] = 0;
+        const int32_t node = m->node[r];
+        int64_t facets = degree(m->incidence, node);
+        if (!can_be_closed(m, thread, node)) {
+            m->is_free[node] = 0;
             facets = 0;
         }
         max_link = facets > max_link ? facets : max_link;
-        w->rings->offset[r] = w->mesh->dim == 3 ? length_of_sphere(facets) : facets;
-        w->rings->link_offset[r] = facets;
+        m->rings->offset[r] = m->mesh->dim == 3 ? length_of_sphere(facets) : facets;
+        m->rings->link_offset[r] = facets;
     }
     if (max_link > PL_BYTE_LINK)
-        __atomic_store_n(&w->wide, 1, __ATOMIC_RELAXED);
+        __atomic_store_n(&m->wide, 1, __ATOMIC_RELAXED);
 }
 
 /** Ask for where the ring and the link of r will be written: another core may have written there
@@ -332,95 +328,95 @@ PL_AT_ONCE void fetch_room(const pl_rings *rings, int dim, int64_t r) {
 
 /** Count the nodes of rings begin .. end-1 into their offsets, or fill the room that the offsets
  * say and compare. Nodes whose links are open are free no longer. */
-static inline void find_rings(ring_maker *w, int dim, int64_t begin, int64_t end, int thread) {
-    pl_rings *rings = w->rings;
+static inline void find_rings(ring_maker *m, int dim, int64_t begin, int64_t end, int thread) {
+    pl_rings *rings = m->rings;
     for (int64_t r = begin; r < end; r++) {
-        pl_fetch_ahead(w->mesh, dim, w->incidence, w->node, r, rings->n_rings);
-        if (w->is_shared && !w->counting && r + PL_AHEAD_ROOM < end)
+        pl_fetch_ahead(m->mesh, dim, m->incidence, m->node, r, rings->n_rings);
+        if (m->is_shared && !m->counting && r + PL_AHEAD_ROOM < end)
             fetch_room(rings, dim, r + PL_AHEAD_ROOM);
-        const int64_t room = w->counting ? 0 : rings->offset[r + 1] - rings->offset[r];
-        int32_t *ring = w->counting ? NULL : rings->neighbour + rings->offset[r];
+        const int64_t room = m->counting ? 0 : rings->offset[r + 1] - rings->offset[r];
+        int32_t *ring = m->counting ? NULL : rings->neighbour + rings->offset[r];
         const pl_link link =
             pl_link_at(&rings->link, pl_link_positions_kept(dim), rings->link_offset[r]);
         star found = {-1, 0, 0};
-        if (!is_free(w, w->node[r]))
+        if (!__atomic_load_n(&m->is_free[m->node[r]], __ATOMIC_RELAXED))
             found.length = room;
-        else if (dim == 3 && !w->open)
-            found = find_small_ring(w, thread, w->node[r], link, ring, room);
+        else if (dim == 3 && !m->open)
+            found = find_small_ring(m, thread, m->node[r], link, ring, room);
         if (found.length < 0)
-            found = find_ring(w, dim, thread, w->node[r], link, ring, room);
-        const int keeps = w->open ? found.is_sound : found.is_closed;
+            found = find_ring(m, dim, thread, m->node[r], link, ring, room);
+        const int keeps = m->open ? found.is_sound : found.is_closed;
         if (!keeps)
-            set_fixed(w, w->node[r]);
-        if (w->counting)
+            set_fixed(m, m->node[r]);
+        if (m->counting)
             rings->offset[r] = keeps ? found.length : 0;
         else if (keeps && found.length != room)
-            __atomic_store_n(&w->foretold_wrong, 1, __ATOMIC_RELAXED);
+            __atomic_store_n(&m->foretold_wrong, 1, __ATOMIC_RELAXED);
     }
 }
 
 static void find_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    ring_maker *w = context;
-    if (w->mesh->dim == 3)
-        find_rings(w, 3, begin, end, thread);
+    ring_maker *m = context;
+    if (m->mesh->dim == 3)
+        find_rings(m, 3, begin, end, thread);
     else
-        find_rings(w, 2, begin, end, thread);
+        find_rings(m, 2, begin, end, thread);
 }
 
 /** Make room by the lengths in rings->offset, and fill it; counting: these are counted before. -1
  *  without memory. */
-static int fill_rings(ring_maker *w, int counting, int threads) {
-    pl_rings *rings = w->rings;
-    w->counting = 1;
+static int fill_rings(ring_maker *m, int counting, int threads) {
+    pl_rings *rings = m->rings;
+    m->counting = 1;
     if (counting)
-        pl_parallel_for(threads, rings->n_rings, CHUNK, find_chunk, w);
-    if (pl_local_maps_failed(w->maps, threads))
+        pl_parallel_for(threads, rings->n_rings, CHUNK, find_chunk, m);
+    if (pl_local_maps_failed(m->maps, threads))
         return -1;
     const int64_t total = pl_prefix_sum(threads, rings->n_rings, rings->offset);
     pl_free(rings->neighbour);
     rings->neighbour = pl_alloc(total, sizeof *rings->neighbour);
     if (!rings->neighbour)
         return -1;
-    w->counting = 0;
-    w->foretold_wrong = 0;
-    pl_parallel_for(threads, rings->n_rings, CHUNK, find_chunk, w);
-    return pl_local_maps_failed(w->maps, threads) ? -1 : 0;
+    m->counting = 0;
+    m->foretold_wrong = 0;
+    pl_parallel_for(threads, rings->n_rings, CHUNK, find_chunk, m);
+    return pl_local_maps_failed(m->maps, threads) ? -1 : 0;
 }
 
 /** Foretell, fill, and where that does not hold, or links may be open: count, fill. -1 without
  *  memory. */
-static int make_rings(ring_maker *w, int threads) {
-    pl_rings *rings = w->rings;
+static int make_rings(ring_maker *m, int threads) {
+    pl_rings *rings = m->rings;
     const int64_t n = rings->n_rings;
-    pl_parallel_for(threads, n, CHUNK, w->open ? make_room_for_open : foretell_lengths, w);
-    if (pl_local_maps_failed(w->maps, threads))
+    pl_parallel_for(threads, n, CHUNK, m->open ? make_room_for_open : foretell_lengths, m);
+    if (pl_local_maps_failed(m->maps, threads))
         return -1;
     const int64_t total = pl_prefix_sum(threads, n, rings->link_offset);
-    if (pl_link_alloc(&rings->link, pl_link_positions_kept(w->mesh->dim), total, w->wide) != 0 ||
-        fill_rings(w, w->open, threads) != 0)
+    if (pl_link_alloc(&rings->link, pl_link_positions_kept(m->mesh->dim), total, m->wide) != 0 ||
+        fill_rings(m, m->open, threads) != 0)
         return -1;
-    return w->foretold_wrong ? fill_rings(w, 1, threads) : 0;
+    return m->foretold_wrong ? fill_rings(m, 1, threads) : 0;
 }
 
 /** Drop the nodes that are not free; only the room of their rings remains. */
 static void drop_open(void *context, int64_t begin, int64_t end, int thread) {
-    ring_maker *w = context;
+    ring_maker *m = context;
     int64_t n_free = 0;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
-        if (w->is_free[w->node[r]])
+        if (m->is_free[m->node[r]])
             n_free++;
         else
-            w->node[r] = -1;
+            m->node[r] = -1;
     }
-    __atomic_fetch_add(&w->rings->n_free, n_free, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&m->rings->n_free, n_free, __ATOMIC_RELAXED);
 }
 
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
                     uint8_t *is_free, int32_t *node, int64_t n, int open, int threads,
                     pl_rings *rings, planish_error *error) {
     *rings = (pl_rings){.n_rings = n};
-    ring_maker w = {.mesh = mesh,
+    ring_maker m = {.mesh = mesh,
                     .incidence = incidence,
                     .sign = sign,
                     .node = node,
@@ -429,17 +425,17 @@ int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, con
                     .open = open,
                     .is_shared = threads > 1,
                     .maps = pl_local_maps_create(threads),
-                    .tables = pl_alloc(mesh->dim == 3 ? threads : 0, sizeof *w.tables)};
+                    .tables = pl_alloc(mesh->dim == 3 ? threads : 0, sizeof *m.tables)};
     rings->offset = pl_alloc(n + 1, sizeof *rings->offset);
     rings->link_offset = pl_alloc(n + 1, sizeof *rings->link_offset);
-    for (int t = 0; w.tables && mesh->dim == 3 && t < threads; t++)
-        pl_small_ring_init(w.tables + t);
+    for (int t = 0; m.tables && mesh->dim == 3 && t < threads; t++)
+        pl_small_ring_init(m.tables + t);
     int done =
-        w.maps && w.tables && rings->offset && rings->link_offset && make_rings(&w, threads) == 0;
+        m.maps && m.tables && rings->offset && rings->link_offset && make_rings(&m, threads) == 0;
     if (done)
-        pl_parallel_for(threads, n, CHUNK, drop_open, &w);
-    pl_local_maps_destroy(w.maps, threads);
-    pl_free(w.tables);
+        pl_parallel_for(threads, n, CHUNK, drop_open, &m);
+    pl_local_maps_destroy(m.maps, threads);
+    pl_free(m.tables);
     if (done)
         return PLANISH_OK;
     pl_rings_destroy(rings);

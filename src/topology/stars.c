@@ -24,16 +24,16 @@ typedef struct star_copy {
 
 /** Write lengths into the offsets. */
 static void measure_stars(void *context, int64_t begin, int64_t end, int thread) {
-    star_copy *w = context;
-    pl_stars *stars = w->stars;
+    star_copy *copy = context;
+    pl_stars *stars = copy->stars;
     int64_t max_ring = 0, max_link = 0;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
-        const int32_t s = w->star_of[r];
+        const int32_t s = copy->star_of[r];
         if (s < 0)
             continue;
-        const int64_t ring = w->rings->offset[r + 1] - w->rings->offset[r];
-        const int64_t link = w->rings->link_offset[r + 1] - w->rings->link_offset[r];
+        const int64_t ring = copy->rings->offset[r + 1] - copy->rings->offset[r];
+        const int64_t link = copy->rings->link_offset[r + 1] - copy->rings->link_offset[r];
         stars->ring_offset[s] = ring;
         stars->link_offset[s] = link;
         max_ring = ring > max_ring ? ring : max_ring;
@@ -44,16 +44,16 @@ static void measure_stars(void *context, int64_t begin, int64_t end, int thread)
 }
 
 static void copy_rings(void *context, int64_t begin, int64_t end, int thread) {
-    const star_copy *w = context;
+    const star_copy *copy = context;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
-        if (w->star_of[r] < 0)
+        if (copy->star_of[r] < 0)
             continue;
-        const int32_t *neighbour = w->rings->neighbour + w->rings->offset[r];
-        const int64_t n_ring = w->rings->offset[r + 1] - w->rings->offset[r];
-        int32_t *ring = w->stars->ring + w->stars->ring_offset[w->star_of[r]];
+        const int32_t *neighbour = copy->rings->neighbour + copy->rings->offset[r];
+        const int64_t n_ring = copy->rings->offset[r + 1] - copy->rings->offset[r];
+        int32_t *ring = copy->stars->ring + copy->stars->ring_offset[copy->star_of[r]];
         for (int64_t i = 0; i < n_ring; i++)
-            ring[i] = w->number_of[neighbour[i]];
+            ring[i] = copy->number_of[neighbour[i]];
     }
 }
 
@@ -76,18 +76,19 @@ static inline void write_ends(pl_link source, pl_link link, int64_t n) {
 }
 
 static void copy_links(void *context, int64_t begin, int64_t end, int thread) {
-    const star_copy *w = context;
-    const pl_link *kept = &w->rings->link;
-    const int dim = w->mesh->dim;
+    const star_copy *copy = context;
+    const pl_link *kept = &copy->rings->link;
+    const int dim = copy->mesh->dim;
     const int64_t n_kept = pl_link_positions_kept(dim);
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
-        if (w->star_of[r] < 0)
+        if (copy->star_of[r] < 0)
             continue;
-        const int64_t from = w->rings->link_offset[r], n = w->rings->link_offset[r + 1] - from;
-        const int64_t to = w->stars->link_offset[w->star_of[r]];
+        const int64_t from = copy->rings->link_offset[r],
+                      n = copy->rings->link_offset[r + 1] - from;
+        const int64_t to = copy->stars->link_offset[copy->star_of[r]];
         const pl_link source = pl_link_at(kept, n_kept, from);
-        const pl_link target = pl_link_at(&w->stars->link, pl_link_positions(dim), to);
+        const pl_link target = pl_link_at(&copy->stars->link, pl_link_positions(dim), to);
         memcpy(target.low, source.low, (size_t)(n * n_kept));
         if (target.high) /* then source.high, too */
             memcpy(target.high, source.high, (size_t)(n * n_kept));
@@ -95,9 +96,10 @@ static void copy_links(void *context, int64_t begin, int64_t end, int thread) {
             write_ends(source, target, n);
         else if (dim == 3)
             write_ends((pl_link){source.low, NULL}, (pl_link){target.low, NULL}, n);
-        for (int64_t i = 0; w->stars->min_volume && i < n; i++) {
-            const int32_t *element = w->incidence->element + w->incidence->offset[w->node[r]];
-            w->stars->min_volume[to + i] = w->mesh->min_volume[element[i]];
+        for (int64_t i = 0; copy->stars->min_volume && i < n; i++) {
+            const int32_t *element =
+                copy->incidence->element + copy->incidence->offset[copy->node[r]];
+            copy->stars->min_volume[to + i] = copy->mesh->min_volume[element[i]];
         }
     }
 }
@@ -108,24 +110,24 @@ int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_
     const int64_t n = rings->n_free, n_rings = rings->n_rings;
     int64_t n_link = 0;
     *stars = (pl_stars){.n_stars = n};
-    star_copy w = {.mesh = mesh,
-                   .incidence = incidence,
-                   .rings = rings,
-                   .node = node,
-                   .star_of = star_of,
-                   .number_of = number_of,
-                   .stars = stars};
+    star_copy copy = {.mesh = mesh,
+                      .incidence = incidence,
+                      .rings = rings,
+                      .node = node,
+                      .star_of = star_of,
+                      .number_of = number_of,
+                      .stars = stars};
     stars->ring_offset = pl_alloc(n + 1, sizeof *stars->ring_offset);
     stars->link_offset = pl_alloc(n + 1, sizeof *stars->link_offset);
     int done = stars->ring_offset && stars->link_offset;
     if (done) {
-        pl_parallel_for(threads, n_rings, CHUNK, measure_stars, &w);
+        pl_parallel_for(threads, n_rings, CHUNK, measure_stars, &copy);
         n_link = pl_prefix_sum(threads, n, stars->link_offset);
         stars->ring = pl_alloc(pl_prefix_sum(threads, n, stars->ring_offset), sizeof *stars->ring);
         done = stars->ring != NULL;
     }
     if (done) {
-        pl_parallel_for(threads, n_rings, CHUNK, copy_rings, &w);
+        pl_parallel_for(threads, n_rings, CHUNK, copy_rings, &copy);
         pl_free(rings->neighbour); /* before there is room for links: a tenth less memory */
         rings->neighbour = NULL;
         if (mesh->min_volume)
@@ -135,7 +137,7 @@ int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_
                (!mesh->min_volume || stars->min_volume);
     }
     if (done)
-        pl_parallel_for(threads, n_rings, CHUNK, copy_links, &w);
+        pl_parallel_for(threads, n_rings, CHUNK, copy_links, &copy);
     pl_rings_destroy(rings);
     if (done)
         return PLANISH_OK;

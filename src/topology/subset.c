@@ -12,19 +12,20 @@ enum { CHUNK = 8192 };
 
 /* ---- by marks ------------------------------------------------------------------------------ */
 
-/** The passes over all elements, then all nodes. */
+/** Passes over all elements and all nodes. */
 typedef struct passes {
     const planish_mesh *mesh;
     const uint8_t *selected;
+    int none_selected; /* 1: the first element is taken all the same */
     pl_subset *subset;
-    int64_t *count;  /* [chunks + 1] of what is taken in each, then before it */
+    int64_t *elements, *nodes; /* [chunks + 1] how many are taken in each, then before it */
     uint8_t *is_in;  /* [n_nodes] 1: node of an element that is taken. Threads may store the same */
     int32_t *number; /* [n_nodes] in the subset, of these nodes */
 } passes;
 
-static int has_selected(const passes *p, int64_t element) {
+static int is_taken(const passes *p, int64_t element) {
     const int32_t *node = p->mesh->elements + element * (p->mesh->dim + 1);
-    int any = 0;
+    int any = p->none_selected && element == 0;
     for (int j = 0; j <= p->mesh->dim; j++)
         any |= p->selected[node[j]];
     return any;
@@ -36,22 +37,13 @@ static void count_elements(void *context, int64_t begin, int64_t end, int thread
     int64_t n = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        if (!has_selected(p, i))
+        if (!is_taken(p, i))
             continue;
         n++;
         for (int j = 0; j < corners; j++)
             pl_set_flag(&p->is_in[p->mesh->elements[i * corners + j]], 1);
     }
-    p->count[begin / CHUNK] = n;
-}
-
-static void list_elements(void *context, int64_t begin, int64_t end, int thread) {
-    const passes *p = context;
-    int64_t n = p->count[begin / CHUNK];
-    (void)thread;
-    for (int64_t i = begin; n < p->count[begin / CHUNK + 1] && i < end; i++)
-        if (has_selected(p, i))
-            p->subset->element[n++] = (int32_t)i;
+    p->elements[begin / CHUNK] = n;
 }
 
 static void count_nodes(void *context, int64_t begin, int64_t end, int thread) {
@@ -60,12 +52,12 @@ static void count_nodes(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         n += p->is_in[i];
-    p->count[begin / CHUNK] = n;
+    p->nodes[begin / CHUNK] = n;
 }
 
 static void list_nodes(void *context, int64_t begin, int64_t end, int thread) {
     const passes *p = context;
-    int64_t n = p->count[begin / CHUNK];
+    int64_t n = p->nodes[begin / CHUNK];
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         if (p->is_in[i]) {
@@ -75,56 +67,55 @@ static void list_nodes(void *context, int64_t begin, int64_t end, int thread) {
         }
 }
 
-static void number_corners(void *context, int64_t begin, int64_t end, int thread) {
+static void list_elements(void *context, int64_t begin, int64_t end, int thread) {
     const passes *p = context;
     const int corners = p->mesh->dim + 1;
+    int64_t n = p->elements[begin / CHUNK];
     (void)thread;
-    for (int64_t i = begin; i < end; i++)
+    for (int64_t i = begin; n < p->elements[begin / CHUNK + 1] && i < end; i++) {
+        if (!is_taken(p, i))
+            continue;
         for (int j = 0; j < corners; j++)
-            p->subset->elements[i * corners + j] =
-                p->number[p->mesh->elements[(int64_t)p->subset->element[i] * corners + j]];
+            p->subset->elements[n * corners + j] = p->number[p->mesh->elements[i * corners + j]];
+        p->subset->element[n++] = (int32_t)i;
+    }
 }
 
-/** The passes, with room for them; -1 without memory for the subset. */
+/** Run the passes, with room for the subset; -1 without memory. */
 static int run_passes(passes *p, int threads) {
-    const planish_mesh *mesh = p->mesh;
-    pl_subset *subset = p->subset;
-    const int corners = mesh->dim + 1;
-    pl_parallel_for(threads, mesh->n_elements, CHUNK, count_elements, p);
-    const int64_t n = pl_prefix_sum(threads, (mesh->n_elements - 1) / CHUNK + 1, p->count);
-    subset->n_elements = n > 0 ? n : 1;
-    subset->element = pl_alloc(subset->n_elements, sizeof *subset->element);
-    subset->elements = pl_alloc(subset->n_elements * corners, sizeof *subset->elements);
-    if (!subset->element || !subset->elements)
-        return -1;
-    pl_parallel_for(threads, mesh->n_elements, CHUNK, list_elements, p);
-    for (int j = 0; n == 0 && j < corners; j++) {
-        subset->element[0] = 0;
-        p->is_in[mesh->elements[j]] = 1;
+    const int64_t n = p->mesh->n_nodes, m = p->mesh->n_elements;
+    pl_subset *s = p->subset;
+    for (int pass = 0; pass < 2 && s->n_elements == 0; pass++) {
+        p->none_selected = pass;
+        pl_parallel_for(threads, m, CHUNK, count_elements, p);
+        s->n_elements = pl_prefix_sum(threads, (m - 1) / CHUNK + 1, p->elements);
     }
-    pl_parallel_for(threads, mesh->n_nodes, CHUNK, count_nodes, p);
-    subset->n_nodes = pl_prefix_sum(threads, (mesh->n_nodes - 1) / CHUNK + 1, p->count);
-    subset->node = pl_alloc(subset->n_nodes, sizeof *subset->node);
-    subset->is_selected = pl_alloc(subset->n_nodes, sizeof *subset->is_selected);
-    if (!subset->node || !subset->is_selected)
+    pl_parallel_for(threads, n, CHUNK, count_nodes, p);
+    s->n_nodes = pl_prefix_sum(threads, (n - 1) / CHUNK + 1, p->nodes);
+    s->node = pl_alloc(s->n_nodes, sizeof *s->node);
+    s->is_selected = pl_alloc(s->n_nodes, sizeof *s->is_selected);
+    s->element = pl_alloc(s->n_elements, sizeof *s->element);
+    s->elements = pl_alloc(s->n_elements * (p->mesh->dim + 1), sizeof *s->elements);
+    if (!s->node || !s->is_selected || !s->element || !s->elements)
         return -1;
-    pl_parallel_for(threads, mesh->n_nodes, CHUNK, list_nodes, p);
-    pl_parallel_for(threads, subset->n_elements, CHUNK, number_corners, p);
+    pl_parallel_for(threads, n, CHUNK, list_nodes, p);
+    pl_parallel_for(threads, m, CHUNK, list_elements, p);
     return 0;
 }
 
 int pl_subset_by_marks(const planish_mesh *mesh, const uint8_t *selected, int threads,
                        pl_subset *subset, planish_error *error) {
-    const int64_t most = mesh->n_elements > mesh->n_nodes ? mesh->n_elements : mesh->n_nodes;
     passes p = {.mesh = mesh,
                 .selected = selected,
                 .subset = subset,
-                .count = pl_alloc(most / CHUNK + 2, sizeof *p.count),
+                .elements = pl_alloc(mesh->n_elements / CHUNK + 2, sizeof *p.elements),
+                .nodes = pl_alloc(mesh->n_nodes / CHUNK + 2, sizeof *p.nodes),
                 .is_in = pl_alloc_zero(mesh->n_nodes, sizeof *p.is_in),
                 .number = pl_alloc(mesh->n_nodes, sizeof *p.number)};
     *subset = (pl_subset){0};
-    const int done = p.count && p.is_in && p.number && run_passes(&p, threads) == 0;
-    pl_free(p.count);
+    const int done = p.elements && p.nodes && p.is_in && p.number && run_passes(&p, threads) == 0;
+    pl_free(p.elements);
+    pl_free(p.nodes);
     pl_free(p.is_in);
     pl_free(p.number);
     if (done)
