@@ -141,7 +141,7 @@ static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
     static const char *const names[] = {"guarded, radius ratio", "guarded, mean ratio",
                                         "guarded, edge ratio"};
     enum { N_OBJECTIVES = sizeof names / sizeof *names };
-    pl_star_problem problem = pl_plan_problem(plan);
+    pl_star_problem problem = pl_plan_problem(plan, &plan->interior);
     pl_star_guard guard = {.ratio_weight = 1, .min_volume = far_volume(plan, mesh)};
     const char *separator = "";
     printf("  \"ns_per_star\": [");

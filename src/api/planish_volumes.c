@@ -45,7 +45,7 @@ static int mark_infeasible(const volume_check *c, const double *coordinates,
     const planish_plan *plan = c->plan;
     const int is_part = c->of_part != c->state;
     const pl_points points = pl_plan_points(plan, coordinates);
-    pl_star_problem problem = pl_plan_problem(plan);
+    pl_star_problem problem = pl_plan_problem(plan, &plan->interior);
     int status = PLANISH_OK;
     problem.coordinates = c->ordered;
     problem.guard = guard;

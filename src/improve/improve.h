@@ -32,19 +32,19 @@ int pl_run_untangle(pl_run *r, planish_error *error);
 int pl_run_raise_volumes(pl_run *r, planish_error *error);
 
 /** Whether nodes move with others, whose stars alone have been looked at: rounding may do to their
- * own elements what it has not done to those. */
+ *  own elements what it has not done to those. */
 int pl_run_has_followers(const pl_run *r);
 
-/** If the mesh as measured last has a smaller angle than at the start, or with followers anything
- *  else that is worse, put the nodes around back to where they were; how many is the result's.
- *  Errors: _MEMORY. */
+/** Put nodes back to where they were if the mesh as measured last has a smaller angle than at the
+ *  start, or with followers anything else that is worse: the nodes around. How many is the
+ * result's. Errors: _MEMORY. */
 int pl_run_put_back_angles(pl_run *r, planish_error *error);
 
 /** Improve the worst elements of a mesh that has been smoothed, and measured. Errors: _MEMORY. */
 int pl_run_worst(pl_run *r, planish_error *error);
 
-/** After the sweeps have converged with minimum volumes in force: look for a better mesh by
- * augmented Lagrangian, and take it if it is one. Without memory it does nothing. */
+/** Look for a better mesh by augmented Lagrangian after the sweeps have converged with minimum
+ *  volumes in force, and take it if it is one. Without memory it does nothing. */
 int pl_run_augmented(pl_run *r, planish_error *error);
 
 #endif

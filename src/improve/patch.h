@@ -109,18 +109,19 @@ typedef struct pl_lbfgs {
     int64_t evaluations;
 } pl_lbfgs;
 
-/** The patch as for pl_patch_create. 0 without memory; to be destroyed in any case. */
+/** Begin a minimisation over a patch as for pl_patch_create. Returns 0 without memory; destroy it
+ * in any case. */
 int pl_lbfgs_create(pl_run *run, const pl_star_problem *problem, const uint8_t *in_patch,
                     pl_lbfgs_function *function, void *context, pl_lbfgs *m);
 
 /** Free the arrays of m. */
 void pl_lbfgs_destroy(pl_lbfgs *m);
 
-/** Look at the function where the nodes are; it has changed, or they have, and pairs are forgotten.
+/** Evaluate the function where the nodes are, and forget the pairs: it has changed, or they have.
  */
 void pl_lbfgs_begin(pl_lbfgs *m);
 
-/** One iteration; 0 if the value could not be lowered, and the nodes are where they were. */
+/** Iterate once; 0 if the value could not be lowered, and the nodes are where they were. */
 int pl_lbfgs_iterate(pl_lbfgs *m, pl_sweep_tally *tally);
 
 #endif

@@ -54,8 +54,8 @@ static hwloc_topology_t find_machine(void) {
     return known;
 }
 
-/** The core after core (NULL: the first) that has an allowed hardware thread; a hardware thread is
- *  one where hwloc knows no cores. */
+/** Return the core after core (NULL: the first) that has an allowed hardware thread; a hardware
+ * thread is one where hwloc knows no cores. */
 static hwloc_obj_t next_core(hwloc_topology_t topology, hwloc_const_cpuset_t allowed,
                              hwloc_obj_t core) {
     hwloc_obj_type_t type =

@@ -33,7 +33,7 @@ void pl_placement_destroy(pl_placement *placement);
  *  one looks again. Called when the library is unloaded, and by tests that change machines. */
 void pl_placement_forget_machine(void) __attribute__((destructor));
 
-/** The CPU chosen for a thread, by the system's number; -1: none. On a machine that is only
+/** Return the CPU chosen for a thread, by the system's number; -1: none. On a machine that is only
  * described (HWLOC_SYNTHETIC) it is chosen, too, but not used: for tests. */
 int pl_placement_cpu(const pl_placement *placement, int thread);
 

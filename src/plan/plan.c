@@ -18,7 +18,7 @@ static void visits_destroy(pl_visits *visits) {
     pl_free(visits->follower);
 }
 
-/** The arrays that a plan makes for a view are its own to change. */
+/** Free the arrays that a plan has made for a view. */
 static void release_view(pl_view *view) {
     pl_free((void *)view->sign);
     pl_free((void *)view->min_volume);
@@ -57,7 +57,7 @@ void pl_plan_destroy(planish_plan *plan) {
 #define STILL        1e-4
 #define STILL_OF_FEW 1e-2
 
-static pl_star_problem problem_of(const planish_plan *plan, const pl_visits *visits) {
+pl_star_problem pl_plan_problem(const planish_plan *plan, const pl_visits *visits) {
     return (pl_star_problem){.coordinates = plan->coordinates,
                              .node = visits->centre,
                              .ring_offset = visits->stars.ring_offset,
@@ -66,17 +66,8 @@ static pl_star_problem problem_of(const planish_plan *plan, const pl_visits *vis
                              .link = visits->stars.link,
                              .changed = plan->changed,
                              .limits = pl_star_no_limits(),
-                             .still = plan->is_selective ? STILL_OF_FEW : STILL};
-}
-
-pl_star_problem pl_plan_problem(const planish_plan *plan) {
-    return problem_of(plan, &plan->interior);
-}
-
-pl_star_problem pl_plan_sliding_problem(const planish_plan *plan) {
-    pl_star_problem problem = problem_of(plan, &plan->sliding);
-    problem.slide = plan->slide;
-    return problem;
+                             .still = plan->is_selective ? STILL_OF_FEW : STILL,
+                             .slide = visits == &plan->sliding ? plan->slide : NULL};
 }
 
 int pl_plan_colours(const planish_plan *plan) {

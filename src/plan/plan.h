@@ -2,7 +2,7 @@
  *
  * plan.c
  *   pl_plan_make (make.c), pl_plan_destroy     make and free a plan
- *   pl_plan_problem, _sliding_problem          the local problems of its stars
+ *   pl_plan_problem                            the local problem of its stars
  *   pl_plan_colours, _order, _number_stars     colours; coordinates along the curve; stars
  *   pl_plan_points, _all_points, _dense        the caller's coordinates
  *   pl_plan_element, _node, _inner             the caller's numbers; inner ones
@@ -116,43 +116,40 @@ planish_plan *pl_plan_make(const planish_mesh *mesh, const planish_options *opti
 /** Free the plan, but not its context. */
 void pl_plan_destroy(planish_plan *plan);
 
-/** The local problem of the plan's interior (or sliding) stars in its arrays, with the first
- *  direction and no limits. */
-pl_star_problem pl_plan_problem(const planish_plan *plan);
+/** Return the local problem of the plan's interior or sliding stars, whose visits are given, in the
+ *  plan's arrays, with the first direction and no limits. */
+pl_star_problem pl_plan_problem(const planish_plan *plan, const pl_visits *visits);
 
-/** Return the local problem of the plan's sliding stars, as pl_plan_problem does for the
- *  interior. */
-pl_star_problem pl_plan_sliding_problem(const planish_plan *plan);
-
-/** Colours of both. */
+/** Number of colours, of the interior and of the nodes that slide. */
 int pl_plan_colours(const planish_plan *plan);
 
 /** Copy coordinates [n][dim] to inside [n][dim], by inner numbers. */
 void pl_plan_order(const planish_plan *plan, const double *coordinates, double *inside);
 
-/** star_of [n] by inner numbers becomes the star of each node of the interior, -1: none. */
+/** Set star_of [n], by inner numbers, to the star of each node of the interior; -1: none. */
 void pl_plan_number_stars(const planish_plan *plan, int32_t *star_of);
 
-/** The nodes of the plan, or of all of the mesh, in the caller's coordinates. */
+/** Return the coordinates of the plan's nodes, in the caller's array. */
 pl_points pl_plan_points(const planish_plan *plan, const double *coordinates);
 
 /** Return the coordinates of all nodes of the mesh that the plan knows, in the caller's array. */
 pl_points pl_plan_all_points(const planish_plan *plan, const double *coordinates);
 
-/** points as [n][dim]: where they are, or in room, which is needed if not pl_points_are_dense. */
+/** Return points as [n][dim]: where they are, or copied to room [n][dim], which is needed if not
+ *  pl_points_are_dense. */
 const double *pl_plan_dense(const planish_plan *plan, const pl_points *points, double *room);
 
-/** The caller's number of an element; and of a node. */
+/** Return the caller's number of an element of the plan's mesh. */
 static inline int64_t pl_plan_element(const planish_plan *plan, int64_t element) {
     return plan->element_of ? plan->element_of[element] : element;
 }
 
-/** The caller's number of a node of the plan's mesh. */
+/** Return the caller's number of a node of the plan's mesh. */
 static inline int64_t pl_plan_node(const planish_plan *plan, int64_t node) {
     return plan->node_of ? plan->node_of[node] : node;
 }
 
-/** The inner number of corner j of an element of the plan's mesh. */
+/** Return the inner number of corner j of an element of the plan's mesh. */
 static inline int32_t pl_plan_inner(const planish_plan *plan, int64_t element, int j) {
     return plan->inner[plan->work.elements[element * (plan->dim + 1) + j]];
 }
@@ -180,18 +177,18 @@ int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
 
 /* ---- ghosts.c ------------------------------------------------------------------------------- */
 
-/** order [n_nodes]: the mesh's numbers by inner ones. To be destroyed in any case. */
+/** Find the ghosts of the plan, if the mesh is in parts. order [n_nodes]: the mesh's numbers by
+ *  inner ones. Destroy them in any case. Errors: _MEMORY. */
 int pl_ghosts_create(planish_plan *plan, const planish_mesh *mesh, const int32_t *order,
                      planish_error *error);
 
 /** Free the arrays of ghosts. */
 void pl_ghosts_destroy(pl_ghosts *ghosts);
 
-/** Before the SHARED stars begin .. end - 1 of visits are visited; after that: tell the others of
- *  those that have moved; and later: take what these have told. */
+/** Note where the nodes of the SHARED stars begin .. end - 1 are, before their visits. */
 void pl_ghosts_note(const planish_plan *plan, const pl_visits *visits, int64_t begin, int64_t end);
 
-/** After the visit: tell the other processes which SHARED nodes have moved. */
+/** Tell the other processes which of these nodes have moved, after their visits. */
 void pl_ghosts_send(const planish_plan *plan, const pl_visits *visits, int64_t begin, int64_t end);
 
 /** Take the places of ghosts that the other processes have sent. */

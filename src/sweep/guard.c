@@ -222,7 +222,7 @@ static double bound_of_leader(const pl_follower *f, int d, double bound, int sig
     return f->origin[d];
 }
 
-/** Nodes that others follow are bounded by what bounds these, too; all are held if one is. */
+/** Bound nodes that others follow by what bounds these, too; all are held if one is. */
 static void bound_leaders(const bounding *w) {
     const planish_plan *plan = w->plan;
     const int dim = plan->dim;

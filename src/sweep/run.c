@@ -16,7 +16,7 @@ enum { CHUNK_NODES = 4096 };
  * 1e-15 of that one, could come near to the tolerance: measure again. */
 #define MEASURE_AGAIN 0.01
 
-/** The present coordinates in the order of the plan's mesh, for measuring. */
+/** Copy the present coordinates in the order of the plan's mesh, for measuring. */
 static void transfer_measured(void *context, int64_t begin, int64_t end, int thread) {
     const pl_run *r = context;
     const planish_plan *plan = r->plan;
@@ -171,7 +171,7 @@ int pl_run_sweeps_left(const pl_run *r) {
 void pl_run_prepare(pl_run *r) {
     const planish_plan *plan = r->plan;
     const double worse = r->options->only_worse_than;
-    r->problem = pl_plan_problem(plan);
+    r->problem = pl_plan_problem(plan, &plan->interior);
     r->problem.direction = r->options->direction;
     r->problem.limits.rr2 = pl_run_limits(r, PL_LIMIT_MARGIN).rr2;
     /* In rings around bad elements good stars are meant, too. */
@@ -185,7 +185,7 @@ void pl_run_prepare(pl_run *r) {
 }
 
 pl_star_problem pl_run_sliding_problem(pl_run *r) {
-    pl_star_problem problem = pl_plan_sliding_problem(r->plan);
+    pl_star_problem problem = pl_plan_problem(r->plan, &r->plan->sliding);
     r->sliding_guard = r->guard.star;
     r->sliding_guard.link_min_volume = r->plan->sliding.stars.min_volume;
     problem.guard = &r->sliding_guard;

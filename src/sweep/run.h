@@ -73,13 +73,14 @@ double pl_run_objective(const pl_run *r);
  * slivers, whose RR depends on the node it is seen from. */
 #define PL_LIMIT_MARGIN (1 - 1e-9)
 
-/** The worst that there is, as measured last, times margin. */
+/** Return the measures of the worst element, as measured last, times margin. */
 pl_star_limits pl_run_limits(const pl_run *r, double margin);
 
 /** Return the problem of summing over the mesh in plan->measured. */
 pl_objective_problem pl_run_objective_problem(const pl_run *r);
 
-/** The problem of the nodes that slide, as the interior's is at present. It has a guard always. */
+/** Return the problem of the nodes that slide, as the interior's is at present. It always has a
+ *  guard. */
 pl_star_problem pl_run_sliding_problem(pl_run *r);
 
 /** Set up the problem of the plain sweeps for the mesh as measured last; all stars have changed. */
@@ -91,26 +92,26 @@ void pl_run_begin_anew(pl_run *r);
 /** Visit all colours, the interior's and those of the nodes that slide. */
 void pl_run_sweep_colours(pl_run *r, pl_sweep_tally *tally);
 
-/** One sweep and what is to be said of it; not 0 if it was cut short. *visits are then its own. */
+/** Sweep once and tell the caller; not 0 if the sweep was cut short. *visits: those of the sweep.
+ */
 int pl_run_sweep(pl_run *r, int64_t *visits);
 
-/** Begin a sweep; end it; and ask the caller after each colour. The last two return not 0 if the
- *  run is to end here; r->stop gives the reason after the end of the sweep. */
+/** Begin a sweep: count it and note the time. */
 void pl_run_begin_sweep(pl_run *r);
 
-/** End a sweep with its tally; returns not 0 if the run is to end. */
+/** End a sweep with its tally; returns not 0 if the run is to end: r->stop says why. */
 int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally);
 
 /** Ask the caller after a colour of the sweep; returns not 0 if the run is to end. */
 int pl_run_after_colour(void *run, int colours_done, int64_t visits);
 
-/** A limit that asks pl_run_after_colour (colour 0), for long work between sweeps. */
+/** Return a limit that asks pl_run_after_colour (colour 0), for long work between sweeps. */
 pl_limit pl_run_limit(pl_run *r);
 
-/** pl_run_after_colour, and what the other processes were told: the largest answer. */
+/** Ask as pl_run_after_colour does, in all processes; returns the largest answer. */
 int pl_run_ask_all(pl_run *r, int colours_done, int64_t visits);
 
-/** Sweeps that smooth may still be begun. */
+/** Number of sweeps that may still be begun. */
 int pl_run_sweeps_left(const pl_run *r);
 
 /** Sweep until that converges or must end: r->stop says why. */

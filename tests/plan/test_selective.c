@@ -312,7 +312,7 @@ static void watch_sweeps(int dim, double still) {
     test_mesh_perturb(&box, 0.2, 12345);
     assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
     const size_t n = (size_t)box.mesh.n_nodes, size = n * (size_t)dim * sizeof(double);
-    watch w = {.plan = plan, .problem = pl_plan_problem(plan)};
+    watch w = {.plan = plan, .problem = pl_plan_problem(plan, &plan->interior)};
     w.before = malloc(size);
     w.wakes = malloc(n);
     w.was_bad = malloc(n);

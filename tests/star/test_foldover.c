@@ -566,7 +566,7 @@ static void patch_create(patch *p, int dim, unsigned seed) {
     pl_plan_order(p->plan, p->box.coordinates, p->plan->coordinates);
     p->guard = (pl_star_guard){.ratio_weight = 1, .min_volume = seed % 2 ? 0.05 : 0};
     p->asked = (pl_star_untangling){.in_patch = p->in_patch, .size = p->size, .epsilon = 0.1};
-    p->problem = pl_plan_problem(p->plan);
+    p->problem = pl_plan_problem(p->plan, &p->plan->interior);
     p->problem.guard = &p->guard;
     p->problem.untangling = &p->asked;
 }

@@ -19,7 +19,7 @@ typedef struct proof_search {
     uint8_t *part;       /* [link facets of all stars] pl_star_part */
 } proof_search;
 
-/** The only star that can prove something of an element; -1: it has no free node, -2: it has
+/** Return the only star that can prove something of an element; -1: it has no free node, -2: it has
  * several, or one that slides or is a ghost: of that nothing is proved. */
 static int32_t only_star(const proof_search *s, int64_t element) {
     const planish_plan *plan = s->plan;

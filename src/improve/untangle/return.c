@@ -66,7 +66,7 @@ static void mark_patches(patches *w, int32_t rings) {
         }
 }
 
-/** The patch of an element; -1: none. */
+/** Return the patch of an element; -1: none. */
 static int32_t patch_of(const patches *w, int64_t element) {
     const planish_plan *plan = w->t->run->plan;
     for (int j = 0; j <= plan->dim; j++)

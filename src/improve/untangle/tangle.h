@@ -69,7 +69,7 @@ void pl_tangle_mark(pl_tangle *t, int rings);
  *  the stars of the patch. */
 void pl_tangle_measure(pl_tangle *t, pl_star_slope *slope);
 
-/** The sum of the energies, as computed last. */
+/** Return the sum of the energies, as computed last. */
 double pl_tangle_energy(const pl_tangle *t);
 
 /* ---- sizes.c ------------------------------------------------------------------------------- */
