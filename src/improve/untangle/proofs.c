@@ -1,10 +1,190 @@
-/* proofs: which elements below their minimum volumes stay so for ever. */
+/* proofs: which elements below their minimum volumes stay so for ever.
+ *
+ * Parts of a mesh whose boundary encloses no positive volume cannot be valid. Free nodes are
+ * inside: the signed measures of all elements that free nodes join, one to the next, add up to the
+ * same wherever these nodes are. It is the volume that the held nodes around enclose; 0 if there
+ * are none. Where that is not positive, not all elements can be. Stars are proved by
+ * star/feasibility.c.
+ */
 #include "improve/untangle/proofs.h"
+#include "improve/untangle/tangle.h"
 
 #include "base/clock.h"
 #include "base/memory.h"
 #include "base/parts.h"
 #include "base/status.h"
+#include "geometry/simplex.h"
+
+#include <math.h>
+
+/* ---- enclosed volumes ----------------------------------------------------------------------- */
+
+/* What is enclosed counts as nothing below this part of what its facets span with a node, as in the
+ * proofs of stars; and the rounding of a determinant, relative to the products that it is made of.
+ */
+#define MARGIN   1e-9
+#define ROUNDING 0x1p-48
+
+/** Facts about elements that free nodes join, at the root of these nodes. */
+typedef struct enclosure {
+    double sum, size, products; /* of the measures of their facets with the anchor */
+    int32_t anchor;             /* a held node; -1: there is none */
+    int is_open;                /* a node around slides: nothing is proved */
+    int64_t n_several;          /* elements with several free nodes; 0: one star, which is proved by
+                                   itself, as some of its elements may be repaired */
+} enclosure;
+
+/** The elements that free nodes join; nodes by inner numbers. Arrays are owned. */
+typedef struct enclosures {
+    const planish_plan *plan;
+    const double *x;
+    int exponent;    /* of the largest coordinate of a held node */
+    int32_t *parent; /* [n_nodes] of a union-find structure over free nodes */
+    enclosure *of;   /* [n_nodes] at roots */
+} enclosures;
+
+static int32_t corner(const enclosures *s, int64_t element, int j) {
+    return s->plan->work.elements[element * (s->plan->dim + 1) + j];
+}
+
+static int is_free(const enclosures *s, int32_t node) {
+    return s->plan->work.mobility[node] == PL_INTERIOR;
+}
+
+/** Root of an element's free nodes, -1 if it has none; *n counts them. */
+static int32_t root_of_element(const enclosures *s, int64_t element, int *n) {
+    int32_t root = -1;
+    *n = 0;
+    for (int j = 0; j <= s->plan->dim; j++) {
+        const int32_t node = corner(s, element, j);
+        if (!is_free(s, node))
+            continue;
+        root = *n == 0 ? pl_root_of(s->parent, s->plan->inner[node]) : root;
+        ++*n;
+    }
+    return root;
+}
+
+static void join_elements(enclosures *s) {
+    for (int64_t i = 0; i < s->plan->work.n_nodes; i++) {
+        s->parent[i] = (int32_t)i;
+        s->of[i].anchor = -1;
+    }
+    for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
+        int n;
+        int32_t root = root_of_element(s, i, &n);
+        for (int j = 0; j <= s->plan->dim && n > 1; j++)
+            if (is_free(s, corner(s, i, j)))
+                root = pl_join(s->parent, root, s->plan->inner[corner(s, i, j)]);
+    }
+}
+
+/** Find anchors, how large coordinates are, where nodes slide, and elements with several free
+ *  nodes. */
+static void find_anchors(enclosures *s) {
+    const int dim = s->plan->dim;
+    double largest = 0;
+    for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
+        int n;
+        const int32_t root = root_of_element(s, i, &n);
+        if (root < 0)
+            continue;
+        s->of[root].n_several += n > 1;
+        for (int j = 0; j <= dim; j++) {
+            const int32_t node = corner(s, i, j), inner = s->plan->inner[node];
+            if (is_free(s, node))
+                continue;
+            s->of[root].is_open |= s->plan->work.mobility[node] != PL_HELD;
+            if (s->of[root].anchor < 0)
+                s->of[root].anchor = inner;
+            for (int d = 0; d < dim; d++)
+                largest = fmax(largest, fabs(s->x[(int64_t)inner * dim + d]));
+        }
+    }
+    frexp(largest, &s->exponent);
+}
+
+/** Return the sum of the products that a determinant is made of, without signs. */
+static double products_of(int dim, const double (*e)[3]) {
+    double a[3][3];
+    for (int i = 0; i < dim; i++)
+        for (int j = 0; j < dim; j++)
+            a[i][j] = fabs(e[i][j]);
+    if (dim == 2)
+        return a[0][0] * a[1][1] + a[0][1] * a[1][0];
+    return a[0][0] * (a[1][1] * a[2][2] + a[1][2] * a[2][1]) +
+           a[0][1] * (a[1][0] * a[2][2] + a[1][2] * a[2][0]) +
+           a[0][2] * (a[1][0] * a[2][1] + a[1][1] * a[2][0]);
+}
+
+/** Add the measure of an element with one free node with that at the anchor; others measure 0. */
+static void add_element(enclosures *s, int64_t element, enclosure *of) {
+    const planish_plan *plan = s->plan;
+    const int dim = plan->dim;
+    const double *x[4];
+    double e[3][3];
+    for (int j = 0; j <= dim; j++) {
+        const int32_t node = corner(s, element, j), inner = plan->inner[node];
+        if (!is_free(s, node) && inner == of->anchor)
+            return;
+        x[j] = s->x + (int64_t)(is_free(s, node) ? of->anchor : inner) * dim;
+    }
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++)
+            e[j][d] = ldexp(x[j + 1][d], -s->exponent) - ldexp(x[0][d], -s->exponent);
+    const double D = pl_determinant_of_edges(dim, (const double(*)[3])e);
+    of->sum += plan->work.sign ? D * plan->work.sign[element] : D;
+    of->size += fabs(D);
+    of->products += products_of(dim, (const double(*)[3])e);
+}
+
+/** Mark elements that are joined and cannot all be positive, if they are below, and their nodes. */
+static int64_t mark_lost(const enclosures *s, uint8_t *state, uint8_t *lost) {
+    int64_t n_marked = 0;
+    for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
+        int n;
+        const int32_t root = root_of_element(s, i, &n);
+        const enclosure *of = root < 0 ? NULL : &s->of[root];
+        if (!of || of->is_open || of->n_several == 0 ||
+            !(of->sum + ROUNDING * of->products <= MARGIN * of->size))
+            continue;
+        for (int j = 0; j <= s->plan->dim && lost; j++)
+            if (is_free(s, corner(s, i, j)))
+                lost[s->plan->inner[corner(s, i, j)]] = 1;
+        if (state[i] != PLANISH_VOLUME_BELOW)
+            continue;
+        state[i] = PLANISH_VOLUME_INFEASIBLE;
+        n_marked++;
+    }
+    return n_marked;
+}
+
+int pl_mark_enclosed(const planish_plan *plan, const double *x, uint8_t *state, uint8_t *lost,
+                     int64_t *n, planish_error *error) {
+    enclosures s = {.plan = plan, .x = x};
+    *n = 0;
+    if (pl_part_here())
+        return PLANISH_OK;
+    s.parent = pl_alloc(plan->work.n_nodes, sizeof *s.parent);
+    s.of = pl_alloc_zero(plan->work.n_nodes, sizeof *s.of);
+    const int done = s.parent && s.of;
+    if (done) {
+        join_elements(&s);
+        find_anchors(&s);
+        for (int64_t i = 0; i < plan->work.n_elements; i++) {
+            int n_free;
+            const int32_t root = root_of_element(&s, i, &n_free);
+            if (n_free == 1 && s.of[root].anchor >= 0)
+                add_element(&s, i, &s.of[root]);
+        }
+        *n = mark_lost(&s, state, lost);
+    }
+    pl_free(s.parent);
+    pl_free(s.of);
+    return done ? PLANISH_OK : pl_fail_memory(error, "what the boundary encloses");
+}
+
+/* ---- stars ---------------------------------------------------------------------------------- */
 
 /** The search for proofs. */
 typedef struct proof_search {
