@@ -1,7 +1,6 @@
 /* arena: a stretch of memory that many arrays share. */
 #include "base/arena.h"
 
-#include "base/spin.h"
 #include "base/system.h"
 
 #include <stdint.h>
@@ -31,8 +30,8 @@ void pl_arena_end(pl_arena *arena) {
     *arena = (pl_arena){0};
 }
 
-/** The first gap of so many bytes becomes a span; NULL: there is none. */
-static pl_span *take(pl_arena *arena, size_t bytes) {
+/** Make a span of the first gap of so many bytes; NULL: there is none. */
+static pl_span *take_gap(pl_arena *arena, size_t bytes) {
     pl_span **at = &arena->first;
     char *begin = arena->begin;
     while (*at && (size_t)((char *)*at - begin) < bytes) {
@@ -47,28 +46,23 @@ static pl_span *take(pl_arena *arena, size_t bytes) {
     return span;
 }
 
-/** Make the small pages between begin and end resident. */
-static void populate(const pl_arena *arena, char *begin, char *end) {
-    char *const small = arena->begin + arena->huge;
-    begin = begin < small ? small : begin;
-    if (begin < end)
-        pl_system_populate(begin, (size_t)(end - begin));
-}
-
 void *pl_arena_take(pl_arena *arena, size_t bytes) {
     if (bytes > arena->bytes)
         return NULL;
     bytes = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + ALIGNMENT;
     pl_spin_lock(&arena->lock);
-    pl_span *span = take(arena, bytes);
+    pl_span *span = take_gap(arena, bytes);
     pl_spin_unlock(&arena->lock);
     if (!span)
         return NULL;
-    populate(arena, (char *)span, (char *)span + bytes);
+    char *const small = arena->begin + arena->huge, *const end = (char *)span + bytes;
+    char *const first = (char *)span < small ? small : (char *)span;
+    if (first < end) /* small pages */
+        pl_system_populate(first, (size_t)(end - first));
     return (char *)span + ALIGNMENT;
 }
 
-/** Whole huge pages of a gap go back to the system: arrays that are not in the arena want them.
+/** Give whole huge pages of a gap back to the system: arrays that are not in the arena want them.
  *  Behind end nothing has changed. */
 static void give_back(char *gap, char *end, char *gap_end) {
     const size_t before = (PL_HUGE_PAGE - (uintptr_t)gap % PL_HUGE_PAGE) % PL_HUGE_PAGE;

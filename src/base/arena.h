@@ -11,10 +11,12 @@
  *   pl_arena_take, _give      take memory for an array, give it back
  *   pl_arena_settle           hold given-back pages no longer
  *   pl_arena_has              whether a place is in the arena
+ *   pl_spin_lock, _unlock     a lock
  */
 #ifndef PL_BASE_ARENA_H
 #define PL_BASE_ARENA_H
 
+#include <sched.h>
 #include <stddef.h>
 
 typedef struct pl_arena {
@@ -23,28 +25,42 @@ typedef struct pl_arena {
     size_t huge;           /* of them, in huge pages */
     int holds;             /* what is given back stays resident */
     struct pl_span *first; /* those that are taken, by their places */
-    int lock;              /* see spin.h */
+    int lock;              /* see pl_spin_lock */
 } pl_arena;
 
 /** Reserve bytes of address space, the first huge of them in huge pages if the system has any.
  *  No byte is resident before it is taken. If the system refuses, the arena is empty. */
 void pl_arena_begin(pl_arena *arena, size_t bytes, size_t huge);
 
-/** The end of all that was taken, too. */
+/** Release the memory, with all that was taken. */
 void pl_arena_end(pl_arena *arena);
 
-/** bytes, uninitialised and aligned to 64, at the first place where they have room; NULL: nowhere.
- *  What of them is in small pages becomes resident. By several threads at once. */
+/** Take bytes, uninitialised and aligned to 64, at the first place where they have room; NULL:
+ *  nowhere. Those in small pages become resident. Several threads may call it at once. */
 void *pl_arena_take(pl_arena *arena, size_t bytes);
 
 /** Give back what was taken: whole huge pages in which nothing is any more go back to the system,
  * if the arena does not hold them for what will be taken next. */
 void pl_arena_give(pl_arena *arena, void *taken);
 
-/** Hold no longer: what was held goes back. */
+/** Hold given-back pages no longer: they go back to the system. */
 void pl_arena_settle(pl_arena *arena);
 
 /** Whether place is in the arena. */
 int pl_arena_has(const pl_arena *arena, const void *place);
+
+/* ---- a lock that is held for microseconds, and seldom wanted by two threads; 0: nobody has it --
+ */
+
+/** Wait until nobody has the lock, and take it. */
+static inline void pl_spin_lock(int *lock) {
+    while (__atomic_exchange_n(lock, 1, __ATOMIC_ACQUIRE))
+        sched_yield();
+}
+
+/** Release the lock. */
+static inline void pl_spin_unlock(int *lock) {
+    __atomic_store_n(lock, 0, __ATOMIC_RELEASE);
+}
 
 #endif

@@ -6,6 +6,9 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#ifdef __SSE2_MATH__
+#include <xmmintrin.h>
+#endif
 
 static _Thread_local pl_context *current;
 
@@ -16,12 +19,25 @@ pl_context *pl_context_enter(pl_context *context) {
 }
 
 pl_outside pl_call_enter(pl_context *context) {
-    return (pl_outside){.context = pl_context_enter(context), .arithmetic = pl_arithmetic_usual()};
+    pl_outside outside = {.context = pl_context_enter(context)};
+#ifdef __SSE2_MATH__
+    enum { USUAL = 0x1f80 }; /* as every process starts: all exceptions masked, other bits 0 */
+    outside.arithmetic = _mm_getcsr();
+    _mm_setcsr(USUAL);
+#else
+    fegetenv(&outside.arithmetic);
+    fesetenv(FE_DFL_ENV);
+#endif
+    return outside;
 }
 
 void pl_call_leave(const pl_outside *outside) {
     pl_context_enter(outside->context);
-    pl_arithmetic_set(&outside->arithmetic);
+#ifdef __SSE2_MATH__
+    _mm_setcsr(outside->arithmetic);
+#else
+    fesetenv(&outside->arithmetic);
+#endif
 }
 
 void pl_context_begin(pl_context *context) {

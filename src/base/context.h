@@ -32,7 +32,20 @@
 #include <planish/planish.h>
 
 #include "base/arena.h"
-#include "base/arithmetic.h"
+
+/* The library computes in one floating-point environment: round to nearest, subnormals kept, no
+ * traps. A caller may have another one: interval arithmetic rounds upwards, programs linked with
+ * -ffast-math flush subnormals to zero, others unmask exceptions; and a thread has what the thread
+ * had that made it. All of it is as before, flags included, when the caller sees it again.
+ *
+ * Where doubles are computed in SSE's registers their control register says it all, and is some
+ * twenty times as fast to set as what <fenv.h> does about it. */
+#ifdef __SSE2_MATH__
+typedef unsigned pl_arithmetic;
+#else
+#include <fenv.h>
+typedef fenv_t pl_arithmetic;
+#endif
 
 typedef struct pl_context {
     planish_allocator allocator;   /* allocate NULL: the system's */

@@ -39,50 +39,26 @@ static void from_double(double a, int unit, pl_exact *result) {
     trim(result);
 }
 
-/** Sign of |a| - |b|. */
-static int compare_magnitudes(const pl_exact *a, const pl_exact *b) {
-    if (a->n != b->n)
-        return a->n > b->n ? 1 : -1;
-    for (int i = a->n - 1; i >= 0; i--)
-        if (a->limb[i] != b->limb[i])
-            return a->limb[i] > b->limb[i] ? 1 : -1;
-    return 0;
-}
-
-/** |a| + |b|, |a| the longer. */
-static void add_magnitudes(const pl_exact *a, const pl_exact *b, pl_exact *sum) {
-    uint64_t carry = 0;
-    for (int i = 0; i < a->n; i++) {
-        carry += (uint64_t)a->limb[i] + (i < b->n ? b->limb[i] : 0);
-        sum->limb[i] = (uint32_t)carry;
-        carry >>= LIMB_BITS;
-    }
-    sum->n = a->n;
-    if (carry)
-        sum->limb[sum->n++] = (uint32_t)carry;
-}
-
-/** |a| - |b|, |a| not the smaller. */
-static void subtract_magnitudes(const pl_exact *a, const pl_exact *b, pl_exact *difference) {
-    uint64_t borrow = 0;
-    for (int i = 0; i < a->n; i++) {
-        uint64_t value = (uint64_t)a->limb[i] - (i < b->n ? b->limb[i] : 0) - borrow;
-        difference->limb[i] = (uint32_t)value;
-        borrow = value >> 63;
-    }
-    difference->n = a->n;
-    trim(difference);
-}
-
 void pl_exact_add(const pl_exact *a, const pl_exact *b, int b_sign, pl_exact *sum) {
-    int sign = b_sign * b->sign;
-    int a_is_larger = compare_magnitudes(a, b) >= 0;
-    const pl_exact *larger = a_is_larger ? a : b, *smaller = a_is_larger ? b : a;
-    sum->sign = a_is_larger ? a->sign : sign;
-    if (a->sign == sign)
-        add_magnitudes(larger, smaller, sum);
-    else
-        subtract_magnitudes(larger, smaller, sum);
+    const int sign = b_sign * b->sign;
+    int order = (a->n > b->n) - (a->n < b->n); /* sign of |a| - |b| */
+    for (int i = a->n - 1; i >= 0 && order == 0; i--)
+        order = (a->limb[i] > b->limb[i]) - (a->limb[i] < b->limb[i]);
+    const pl_exact *larger = order >= 0 ? a : b, *smaller = order >= 0 ? b : a;
+    const int is_sum = a->sign == sign;
+    uint64_t carry = 0; /* of a sum, or borrow of a difference */
+    sum->sign = order >= 0 ? a->sign : sign;
+    sum->n = larger->n;
+    for (int i = 0; i < larger->n; i++) {
+        const uint64_t from = larger->limb[i], other = i < smaller->n ? smaller->limb[i] : 0;
+        const uint64_t value = is_sum ? from + other + carry : from - other - carry;
+        sum->limb[i] = (uint32_t)value;
+        carry = is_sum ? value >> LIMB_BITS : value >> 63;
+    }
+    if (is_sum && carry)
+        sum->limb[sum->n++] = (uint32_t)carry;
+    if (!is_sum)
+        trim(sum);
 }
 
 void pl_exact_difference(double a, double b, int unit, pl_exact *difference) {
@@ -119,11 +95,13 @@ double pl_exact_round(const pl_exact *a, int *exponent) {
     return a->sign * m;
 }
 
-static int sign_of(const pl_exact *a) {
-    return a->n == 0 ? 0 : a->sign;
-}
-
-static int turn_by_integers(const double a[2], const double b[2], const double c[2]) {
+int pl_exact_turn(const double a[2], const double b[2], const double c[2]) {
+    /* Shewchuk, Adaptive precision floating-point arithmetic, 1997: 3 eps + 16 eps^2, and more. */
+    const double rounding = 4e-16, smallest = 1e-280;
+    const double left = (b[0] - a[0]) * (c[1] - a[1]), right = (b[1] - a[1]) * (c[0] - a[0]);
+    const double turn = left - right, sum = fabs(left) + fabs(right);
+    if (sum > smallest && fabs(turn) > rounding * sum && sum <= DBL_MAX)
+        return turn > 0 ? 1 : -1;
     const double all[] = {a[0], a[1], b[0], b[1], c[0], c[1]};
     int unit = INT_MAX;
     for (int i = 0; i < 6; i++) {
@@ -132,23 +110,13 @@ static int turn_by_integers(const double a[2], const double b[2], const double c
     }
     if (unit == INT_MAX)
         return 0;
-    pl_exact edge[4], left, right, turn;
+    pl_exact edge[4], one, other, exact;
     pl_exact_difference(b[0], a[0], unit, &edge[0]);
     pl_exact_difference(c[1], a[1], unit, &edge[1]);
     pl_exact_difference(b[1], a[1], unit, &edge[2]);
     pl_exact_difference(c[0], a[0], unit, &edge[3]);
-    pl_exact_multiply(&edge[0], &edge[1], &left);
-    pl_exact_multiply(&edge[2], &edge[3], &right);
-    pl_exact_add(&left, &right, -1, &turn);
-    return sign_of(&turn);
-}
-
-int pl_exact_turn(const double a[2], const double b[2], const double c[2]) {
-    /* Shewchuk, Adaptive precision floating-point arithmetic, 1997: 3 eps + 16 eps^2, and more. */
-    const double rounding = 4e-16, smallest = 1e-280;
-    const double left = (b[0] - a[0]) * (c[1] - a[1]), right = (b[1] - a[1]) * (c[0] - a[0]);
-    const double turn = left - right, sum = fabs(left) + fabs(right);
-    if (sum > smallest && fabs(turn) > rounding * sum && sum <= DBL_MAX)
-        return turn > 0 ? 1 : -1;
-    return turn_by_integers(a, b, c);
+    pl_exact_multiply(&edge[0], &edge[1], &one);
+    pl_exact_multiply(&edge[2], &edge[3], &other);
+    pl_exact_add(&one, &other, -1, &exact);
+    return exact.n == 0 ? 0 : exact.sign;
 }

@@ -3,6 +3,10 @@
  * Doubles are integers times a power of two, so that differences, products and sums of integers
  * give the sign of a determinant exactly, whatever the exponents. Used where the rounding error
  * bound cannot decide; numbers keep only the limbs they need, so common cases stay short.
+ *
+ *   pl_exact_unit, _difference               integers of doubles
+ *   pl_exact_add, _multiply, _round          arithmetic
+ *   pl_exact_turn                            the turn of three points in the plane
  */
 #ifndef PL_BASE_EXACT_H
 #define PL_BASE_EXACT_H

@@ -2,6 +2,9 @@
  *
  * Elements are taken in the file's order, their nodes lie anywhere: on a mesh that outgrows the
  * second-level cache each would be waited for.
+ *
+ *   pl_fetch_to_write, pl_fetch_all_to_write     memory that will be written
+ *   pl_fetch_node, pl_fetch_nodes                coordinates that will be read
  */
 #ifndef PL_BASE_FETCH_H
 #define PL_BASE_FETCH_H

@@ -6,6 +6,9 @@
  * edges, its ends, follow from the rest: where links are only kept they are left out. Positions are
  * bytes, and where the mesh has a star that is too large for bytes there is an array of high bytes,
  * too.
+ *
+ *   pl_link_positions, _positions_kept, pl_link_edges     sizes
+ *   pl_link_alloc, _free, _at, _get, _set                 positions
  */
 #ifndef PL_BASE_LINK_H
 #define PL_BASE_LINK_H

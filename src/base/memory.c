@@ -2,7 +2,6 @@
 #include "base/memory.h"
 
 #include "base/context.h"
-#include "base/spin.h"
 #include "base/system.h"
 
 #include <limits.h>
@@ -35,25 +34,6 @@ static pl_block *block_of(void *array) {
     return (pl_block *)(void *)((char *)array - ALIGNMENT);
 }
 
-/** Memory from the caller's allocator; NULL: it has none. */
-static void *ask(pl_context *owner, size_t bytes) {
-    pl_context *before = pl_context_enter(NULL);
-    void *start = owner->allocator.allocate(bytes, owner->allocator.user);
-    pl_context_enter(before);
-    return start;
-}
-
-/** Pages for so many bytes: huge ones, if the system has any, but for the last bytes. */
-static void *pages_of(size_t bytes) {
-    const size_t last = bytes % PL_HUGE_PAGE;
-    char *start = pl_system_reserve(bytes);
-    if (!start)
-        return NULL;
-    pl_system_want_huge_pages(start, bytes);
-    pl_system_populate(start + (bytes - last), last);
-    return start;
-}
-
 /** Return bytes of fresh memory, and its source in *from; NULL without memory. Large arrays
  *  outside of the arena have pages of their own. The first touch of these is cheap if they are
  *  huge, and they go back to the system at once. */
@@ -61,15 +41,23 @@ static void *fresh_memory(pl_context *owner, size_t bytes, source *from) {
     void *start = NULL;
     if (owner && owner->allocator.allocate) {
         *from = CALLER;
-        return ask(owner, bytes + ALIGNMENT);
+        pl_context *before = pl_context_enter(NULL);
+        start = owner->allocator.allocate(bytes + ALIGNMENT, owner->allocator.user);
+        pl_context_enter(before);
+        return start;
     }
     if (owner && bytes <= owner->largest_shared) {
         *from = ARENA;
         start = pl_arena_take(&owner->arena, bytes);
     }
     if (!start && PL_SHARES_PAGES && bytes >= PL_LARGE_ARRAY) {
+        const size_t last = bytes % PL_HUGE_PAGE;
         *from = PAGES;
-        start = pages_of(bytes);
+        start = pl_system_reserve(bytes);
+        if (start) { /* huge pages, if the system has any, but for the last bytes */
+            pl_system_want_huge_pages(start, bytes);
+            pl_system_populate((char *)start + (bytes - last), last);
+        }
     }
     if (start)
         return start;
@@ -93,14 +81,8 @@ static pl_block *fresh_block(pl_context *owner, size_t bytes) {
     return block;
 }
 
-static void release_to_caller(pl_context *owner, void *start) {
-    pl_context *before = pl_context_enter(NULL);
-    owner->allocator.release(start, owner->allocator.user);
-    pl_context_enter(before);
-}
-
 static void release_block(pl_block *block) {
-    pl_context *owner = block->owner;
+    pl_context *owner = block->owner, *before;
     if (owner)
         __atomic_fetch_sub(&owner->bytes, (int64_t)block->bytes, __ATOMIC_RELAXED);
     switch (block->source) {
@@ -108,7 +90,9 @@ static void release_block(pl_block *block) {
         pl_system_release(block->start);
         break;
     case CALLER:
-        release_to_caller(owner, block->start);
+        before = pl_context_enter(NULL);
+        owner->allocator.release(block->start, owner->allocator.user);
+        pl_context_enter(before);
         break;
     case ARENA:
         pl_arena_give(&owner->arena, block->start);
@@ -124,16 +108,7 @@ static void release_block(pl_block *block) {
  * Kept blocks change no time that was measured (below 1 %). They stay because docs/embedding.md
  * promises that a repeated call allocates nothing. */
 
-/** bytes rounded up to one of a few sizes, an eighth apart at most. Only blocks of the very size
- *  are taken again: so a call that wants what the one before wanted finds it all. */
-static size_t kept_size(size_t bytes) {
-    size_t unit = ALIGNMENT;
-    while (bytes / unit >= 16)
-        unit *= 2;
-    return round_up(bytes, unit);
-}
-
-/** A kept block of so many bytes, or NULL. */
+/** Take a kept block of so many bytes; NULL: there is none. */
 static pl_block *take_kept(pl_context *context, size_t bytes) {
     pl_spin_lock(&context->lock);
     pl_block **at = &context->kept;
@@ -144,13 +119,6 @@ static pl_block *take_kept(pl_context *context, size_t bytes) {
         *at = block->next;
     pl_spin_unlock(&context->lock);
     return block;
-}
-
-static void keep(pl_context *context, pl_block *block) {
-    pl_spin_lock(&context->lock);
-    block->next = context->kept;
-    context->kept = block;
-    pl_spin_unlock(&context->lock);
 }
 
 void pl_forget_kept(pl_context *context) {
@@ -197,7 +165,12 @@ void *pl_alloc(int64_t count, size_t size) {
     bytes = bytes ? round_up(bytes, ALIGNMENT) : ALIGNMENT;
     pl_block *block = NULL;
     if (context && context->keeps) {
-        bytes = kept_size(bytes);
+        /* One of a few sizes, an eighth apart at most. Only blocks of the very size are taken
+         * again: so a call that wants what the one before wanted finds it all. */
+        size_t unit = ALIGNMENT;
+        while (bytes / unit >= 16)
+            unit *= 2;
+        bytes = round_up(bytes, unit);
         block = take_kept(context, bytes);
     }
     if (!block)
@@ -248,8 +221,13 @@ void pl_free(void *array) {
     if (!array)
         return;
     pl_block *block = block_of(array);
-    if (block->owner && block->owner->keeps)
-        keep(block->owner, block);
-    else
+    pl_context *owner = block->owner;
+    if (!owner || !owner->keeps) {
         release_block(block);
+        return;
+    }
+    pl_spin_lock(&owner->lock);
+    block->next = owner->kept;
+    owner->kept = block;
+    pl_spin_unlock(&owner->lock);
 }

@@ -1,7 +1,6 @@
 /* output: write a file beside its place and rename it, or straight into a pipe or device. */
 #include "base/output.h"
 
-#include "base/access.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "base/system.h"

@@ -30,7 +30,7 @@ int pl_output_is_stream(const char *path);
 char *pl_output_target(const char *path);
 
 /** Begin to write path. A file that exists keeps owner, mode, access list and attributes, or as
- * much of them as is allowed (base/access.h). */
+ * much of them as is allowed (pl_file_take_access). */
 int pl_output_open(const char *path, pl_temporaries temporaries, pl_output *output,
                    planish_error *error);
 /** Write all of size bytes. */

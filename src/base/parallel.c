@@ -7,24 +7,19 @@
 #include <omp.h>
 #endif
 
-static int at_least_one(int threads) {
-    threads = threads > PL_MAX_THREADS ? PL_MAX_THREADS : threads;
-    return threads < 1 ? 1 : threads;
-}
-
 int pl_thread_count(int threads) {
     const pl_context *context = pl_context_current();
-    if (context && context->parallel && threads > 0)
-        return at_least_one(threads);
 #ifdef _OPENMP
-    if (threads <= 0)
-        threads = omp_get_max_threads();
-    if (threads > omp_get_thread_limit())
-        threads = omp_get_thread_limit();
-    return at_least_one(threads);
+    if (threads <= 0 || !context || !context->parallel) {
+        threads = threads <= 0 ? omp_get_max_threads() : threads;
+        threads = threads > omp_get_thread_limit() ? omp_get_thread_limit() : threads;
+    }
 #else
-    return 1;
+    if (threads <= 0 || !context || !context->parallel)
+        return 1;
 #endif
+    threads = threads > PL_MAX_THREADS ? PL_MAX_THREADS : threads;
+    return threads < 1 ? 1 : threads;
 }
 
 static void run_chunk(int64_t index, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context,
@@ -53,21 +48,18 @@ typedef struct loop {
     pl_context *context; /* of the calling thread */
 } loop;
 
-/** Do the chunks of a share that nobody else does. */
-static void run_share(const loop *l, share *s, int thread) {
-    while (__atomic_load_n(&s->next, __ATOMIC_RELAXED) < s->end) {
-        int64_t index = __atomic_fetch_add(&s->next, 1, __ATOMIC_RELAXED);
-        if (index < s->end)
-            run_chunk(index, l->n, l->chunk, l->body, l->body_context, thread);
-    }
-}
-
-/** Run the share of one thread. */
+/** Run the share of one thread, and then the chunks of the others' that nobody else does. */
 static void run_thread(void *a_loop, int thread) {
     loop *l = a_loop;
     const pl_outside outside = pl_call_enter(l->context);
-    for (int s = 0; s < l->n_shares; s++)
-        run_share(l, &l->shares[(thread + s) % l->n_shares], thread);
+    for (int i = 0; i < l->n_shares; i++) {
+        share *s = &l->shares[(thread + i) % l->n_shares];
+        while (__atomic_load_n(&s->next, __ATOMIC_RELAXED) < s->end) {
+            int64_t index = __atomic_fetch_add(&s->next, 1, __ATOMIC_RELAXED);
+            if (index < s->end)
+                run_chunk(index, l->n, l->chunk, l->body, l->body_context, thread);
+        }
+    }
     pl_call_leave(&outside);
 }
 

@@ -153,7 +153,8 @@ static int64_t place_of(const int32_t *inner, int32_t node) {
     return inner ? inner[node] : node;
 }
 
-static void take(int32_t ghost, const void *value, void *taker) {
+/** Take the value of a ghost. */
+static void take_value(int32_t ghost, const void *value, void *taker) {
     const arrival *a = taker;
     memcpy(a->values + place_of(a->inner, ghost) * a->size, value, (size_t)a->size);
 }
@@ -180,5 +181,5 @@ void pl_parts_update(const int32_t *inner, void *values, int64_t size) {
         memcpy(room + i * size, a.values + place_of(inner, context->shared[i]) * size,
                (size_t)size);
     pl_parts_send(context->shared, context->n_shared, room, size);
-    pl_parts_receive(take, &a);
+    pl_parts_receive(take_value, &a);
 }

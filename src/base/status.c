@@ -8,14 +8,22 @@
 #include <stdio.h>
 #include <string.h>
 
-/** text, or, where that is longer than there is room for, its first and its last bytes: long is a
- *  path, and behind it stands what is wrong. */
-static void put_text(planish_error *error, const char *text) {
-    enum { HEAD = 100, SIZE = sizeof error->text };
+/** Fill *error; a text that is longer than there is room for becomes its first and its last bytes:
+ *  long is a path, and behind it stands what is wrong. */
+static int fail(planish_error *error, planish_status code, int64_t element, int64_t node,
+                const char *format, va_list arguments) {
+    enum { LONGEST = 8192, HEAD = 100, SIZE = sizeof error->text }; /* a path or two, and words */
+    char text[LONGEST];
+    if (!error)
+        return code;
+    vsnprintf(text, sizeof text, format, arguments);
+    error->code = code;
+    error->element = element;
+    error->node = node;
     const size_t length = strlen(text);
     if (length < SIZE) {
         memcpy(error->text, text, length + 1);
-        return;
+        return code;
     }
     const char *tail = text + length - (SIZE - HEAD - sizeof " ... ");
     size_t head = HEAD;
@@ -24,19 +32,6 @@ static void put_text(planish_error *error, const char *text) {
     while ((*tail & 0xC0) == 0x80)
         tail++;
     snprintf(error->text, SIZE, "%.*s ... %s", (int)head, text, tail);
-}
-
-static int fail(planish_error *error, planish_status code, int64_t element, int64_t node,
-                const char *format, va_list arguments) {
-    enum { LONGEST = 8192 }; /* a path or two, and words */
-    if (error) {
-        char text[LONGEST];
-        vsnprintf(text, sizeof text, format, arguments);
-        error->code = code;
-        error->element = element;
-        error->node = node;
-        put_text(error, text);
-    }
     return code;
 }
 

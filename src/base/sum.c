@@ -42,40 +42,29 @@ static void borrow(pl_sum *sum) {
     }
 }
 
-static int bits_of(uint64_t digit) {
-    int n = 0;
-    for (; digit > 0; digit >>= 1)
-        n++;
-    return n;
-}
-
-/** Round bits * 2^exponent, whose highest bit is set, and something less than 2^exponent if more.
- */
-static double round_even(uint64_t bits, int more, int exponent) {
-    enum { EXTRA = 11 }; /* bits that a double has no room for */
-    const uint64_t half = (uint64_t)1 << (EXTRA - 1);
-    const uint64_t rest = bits & (((uint64_t)1 << EXTRA) - 1);
-    uint64_t mantissa = bits >> EXTRA;
-    const int odd = (int)(mantissa & 1);
-    mantissa += rest > half || (rest == half && (more || odd));
-    return ldexp((double)mantissa, exponent + EXTRA); /* subnormal sums have no bits to lose */
-}
-
-/** Value of digits of 32 bits, none negative. */
+/** Return the value of digits of 32 bits, none negative, rounded to even. */
 static double value_of_digits(const int64_t *digit) {
-    int top = PL_SUM_DIGITS - 1;
+    enum { EXTRA = 11 }; /* of 64 bits: those that a double has no room for */
+    int top = PL_SUM_DIGITS - 1, n = 0;
     while (top > 0 && digit[top] == 0)
         top--;
     const uint64_t first = (uint64_t)digit[top], second = top > 0 ? (uint64_t)digit[top - 1] : 0;
     const uint64_t third = top > 1 ? (uint64_t)digit[top - 2] : 0;
-    const int n = bits_of(first); /* at most 32, as sums of so many terms are not made */
+    for (uint64_t rest = first; rest > 0; rest >>= 1)
+        n++; /* bits of first: at most 32, as sums of so many terms are not made */
     if (n == 0)
         return 0;
     const uint64_t bits = first << (64 - n) | second << (PL_SUM_BITS - n) | third >> n;
     int more = (third & (((uint64_t)1 << n) - 1)) != 0;
     for (int i = 0; i < top - 2; i++)
         more |= digit[i] != 0;
-    return round_even(bits, more, PL_SUM_BITS * (top - 2) + n - 1075);
+    const uint64_t half = (uint64_t)1 << (EXTRA - 1);
+    const uint64_t rest = bits & (((uint64_t)1 << EXTRA) - 1);
+    uint64_t mantissa = bits >> EXTRA;
+    const int odd = (int)(mantissa & 1);
+    mantissa += rest > half || (rest == half && (more || odd));
+    /* subnormal sums have no bits to lose */
+    return ldexp((double)mantissa, PL_SUM_BITS * (top - 2) + n - 1075 + EXTRA);
 }
 
 double pl_sum_value(const pl_sum *sum) {

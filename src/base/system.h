@@ -8,6 +8,7 @@
  *   pl_system_allocate, _reserve, _discard, _memory ...    memory and its pages
  *   pl_path_*, pl_folder_check_writable                    names
  *   pl_file_find, _open, _map, _replace, _remove ...       files
+ *   pl_file_take_access                                    permissions of a file that is replaced
  *   pl_system_explain, pl_process_number                   errors, and this process
  */
 #ifndef PL_BASE_SYSTEM_H
@@ -143,6 +144,12 @@ int pl_file_replace(const char *from, const char *to);
 
 /** Remove a file; a signal handler may. */
 int pl_file_remove(const char *path);
+
+/** Let an open file, which nobody else may read yet, have owner, mode, access list and extended
+ *  attributes (user.*) of the file at path, as far as that is allowed. Where it cannot have the
+ *  owner's group, neither the new group nor all others get a right that both classes did not have;
+ *  where it cannot have the access list, it stays its owner's alone. */
+void pl_file_take_access(int fd, const char *path);
 
 /** Write the meaning of an errno to text [size]. strerror's own text may be another thread's by
  *  now. */

@@ -285,6 +285,12 @@ int pl_file_remove(const char *path) {
     return result;
 }
 
+/* A new file inherits an access list from its folder. */
+void pl_file_take_access(int fd, const char *path) {
+    (void)fd;
+    (void)path;
+}
+
 void pl_system_explain(int number, char *text, size_t size) {
     if (strerror_s(text, size, number) != 0)
         snprintf(text, size, "error %d of the system", number);

@@ -7,6 +7,9 @@
  * Of an acute angle theta the acuteness is 1 / sin^2 theta: the smaller the angle, the larger it
  * is. Facets i and j enclose theta with sin theta = l D / (|n_i| |n_j|), n their normals and l the
  * length of their common edge (1 in the plane). The smallest angle of an element is acute.
+ *
+ *   pl_smallest_angle, pl_largest_angle      angles of a shape
+ *   pl_acuteness, pl_blunt_ratio_square      comparison by acuteness
  */
 #ifndef PL_GEOMETRY_ANGLE_H
 #define PL_GEOMETRY_ANGLE_H

@@ -2,6 +2,8 @@
  *
  * The C library's acos is neither the same on every system nor is it taken into vectors; this one
  * is both. The error is below 1e-15 of the angle.
+ *
+ *   pl_arc_cosine, pl_arc_sine_of_half
  */
 #ifndef PL_GEOMETRY_ARC_COSINE_H
 #define PL_GEOMETRY_ARC_COSINE_H

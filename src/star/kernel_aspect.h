@@ -13,7 +13,7 @@
 #define PL_STAR_KERNEL_ASPECT_H
 
 #include "geometry/inline.h"
-#include "geometry/sharpness.h"
+#include "geometry/simplex.h"
 #include "star/kernel_objective.h"
 
 /* AR^2 of the mean ratio is E^2 D^(-4/3) times this, or E^2 D^-2; E the sum of the squared edges.
