@@ -83,13 +83,8 @@ int io_hdf5_path(io_hdf5 *file, char *path, const char *format, ...) {
 /** Links to other files lead nowhere. */
 static herr_t refuse_link(const char *parent_file, const char *parent_group, const char *child_file,
                           const char *child_object, unsigned *flags, hid_t access, void *data) {
-    (void)parent_file;
-    (void)parent_group;
-    (void)child_file;
-    (void)child_object;
-    (void)flags;
-    (void)access;
-    (void)data;
+    (void)parent_file, (void)parent_group, (void)child_file, (void)child_object, (void)flags,
+        (void)access, (void)data;
     return -1;
 }
 

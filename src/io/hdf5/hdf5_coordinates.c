@@ -80,57 +80,30 @@ static int add_run(io_hdf5 *file, const io_hdf5_place *place, io_span like, int6
     return status;
 }
 
-#if H5_VERSION_GE(1, 10, 5)
-/** Add the spans of all chunks, each whole rows as they stand in the dataset, if all are there;
- *  *is_added: they are. */
-static int add_chunks(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d,
-                      io_span like, int *is_added) {
-    const hsize_t rows = (hsize_t)d->shape.dims[0], width = (hsize_t)d->shape.dims[1];
-    const hsize_t wanted = (rows + d->chunk[0] - 1) / d->chunk[0];
-    const haddr_t bytes = d->chunk[0] * width * (haddr_t)d->size;
-    const int64_t before = file->model->n_spans;
-    hsize_t n = 0;
-    hid_t space = H5Dget_space(d->id);
-    int status = PLANISH_OK;
-    *is_added = space >= 0 && !file->has_user_block &&
-                (d->shape.rank == 1 || d->chunk[1] == width) &&
-                H5Dget_num_chunks(d->id, space, &n) >= 0 && n == wanted && n <= MOST_CHUNKS;
-    for (hsize_t i = 0; *is_added && !status && i < n; i++) {
-        hsize_t at[2] = {0, 0}, size = 0;
-        unsigned mask = 0;
-        haddr_t offset = HADDR_UNDEF;
-        *is_added = H5Dget_chunk_info(d->id, space, i, at, &mask, &offset, &size) >= 0 &&
-                    offset != HADDR_UNDEF && offset <= (haddr_t)file->model->input.size &&
-                    size == bytes && bytes <= (haddr_t)file->model->input.size - offset &&
-                    at[0] < rows && at[0] % d->chunk[0] == 0;
-        const hsize_t end = at[0] + d->chunk[0] < rows ? at[0] + d->chunk[0] : rows;
-        if (*is_added)
-            status = add_run(file, place, like, (int64_t)(at[0] * width), (int64_t)(end * width),
-                             (int64_t)offset);
-    }
-    if (space >= 0)
-        H5Sclose(space);
-    if (!*is_added)
-        file->model->n_spans = before;
-    return status;
-}
-#else
-static int add_chunks(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d,
-                      io_span like, int *is_added) {
-    (void)file, (void)place, (void)d, (void)like;
-    *is_added = 0;
-    return PLANISH_OK;
-}
-#endif
-
+/** Add spans of what stands in the file, in one piece or in chunks of whole rows; the library
+ * changes all other coordinates. */
 static int add_places(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d,
                       io_span like) {
-    int status = PLANISH_OK, is_added = 0;
+    const hsize_t rows = (hsize_t)d->shape.dims[0], width = (hsize_t)d->shape.dims[1];
+    const int64_t before = file->model->n_spans;
     if (d->offset >= 0)
         return add_run(file, place, like, 0, d->shape.n, d->offset);
-    if (d->is_chunked && d->is_plain)
-        status = add_chunks(file, place, d, like, &is_added);
-    return status || is_added ? status : add_amended(file, place);
+    int status = PLANISH_OK;
+    int is_added = d->n_chunks > 0 && d->n_chunks == (rows + d->chunk[0] - 1) / d->chunk[0] &&
+                   d->chunk[1] == width && d->n_chunks <= MOST_CHUNKS;
+    for (hsize_t i = 0; is_added && !status && i < d->n_chunks; i++) {
+        hsize_t at[2];
+        const int64_t offset = hdf5_chunk_place(file, d, i, at);
+        const hsize_t end = at[0] + d->chunk[0] < rows ? at[0] + d->chunk[0] : rows;
+        is_added = offset >= 0 && at[0] < rows && at[0] % d->chunk[0] == 0;
+        if (is_added)
+            status = add_run(file, place, like, (int64_t)(at[0] * width), (int64_t)(end * width),
+                             offset);
+    }
+    if (status || is_added)
+        return status;
+    file->model->n_spans = before;
+    return add_amended(file, place);
 }
 
 static int compare_spans(const void *a, const void *b) {

@@ -98,45 +98,63 @@ static int check_size(io_hdf5 *file, const char *path, const hdf5_dataset *d) {
     return PLANISH_OK;
 }
 
+/** Count the chunks whose places the library tells; 0: none, or that cannot be found out. */
+static hsize_t count_chunks(const io_hdf5 *file, const hdf5_dataset *d) {
+    hsize_t n = 0;
 #if H5_VERSION_GE(1, 10, 5)
-/** Where the only chunk is, if it has all values and the file has all of it; else HADDR_UNDEF. */
-static haddr_t find_only_chunk(const io_hdf5 *file, const hdf5_dataset *d) {
-    const haddr_t there = (haddr_t)file->model->input.size;
-    const int has_all = !file->has_user_block && d->is_plain &&
-                        d->chunk[0] >= (hsize_t)d->shape.dims[0] &&
-                        (d->shape.rank == 1 || d->chunk[1] == (hsize_t)d->shape.dims[1]);
-    hsize_t at[2] = {0, 0}, size = 0, n = 0;
-    unsigned mask = 0;
-    haddr_t offset = HADDR_UNDEF;
-    const hid_t space = has_all ? H5Dget_space(d->id) : -1;
-    const int is_there = space >= 0 && H5Dget_num_chunks(d->id, space, &n) >= 0 && n == 1 &&
-                         H5Dget_chunk_info(d->id, space, 0, at, &mask, &offset, &size) >= 0 &&
-                         at[0] == 0 && offset <= there && size <= there - offset &&
-                         size >= (hsize_t)(d->shape.n * d->size);
+    const int has_chunks = d->is_chunked && d->is_plain && !file->has_user_block;
+    const hid_t space = has_chunks ? H5Dget_space(d->id) : -1;
+    if (space < 0 || H5Dget_num_chunks(d->id, space, &n) < 0)
+        n = 0;
     if (space >= 0)
         H5Sclose(space);
-    return is_there ? offset : HADDR_UNDEF;
-}
 #else
-static haddr_t find_only_chunk(const io_hdf5 *file, const hdf5_dataset *d) {
     (void)file, (void)d;
-    return HADDR_UNDEF;
-}
 #endif
+    return n;
+}
 
-/** Where its bytes are, if they are in one piece and have been written: all in the file then, and
- * as many as its values need. The library takes both for granted, and reads what is not there. */
+int64_t hdf5_chunk_place(const io_hdf5 *file, const hdf5_dataset *d, hsize_t i, hsize_t at[2]) {
+    const haddr_t there = (haddr_t)file->model->input.size;
+    const hsize_t bytes = d->chunk[0] * d->chunk[1] * (hsize_t)d->size;
+    hsize_t size = 0;
+    haddr_t offset = HADDR_UNDEF;
+    at[0] = at[1] = 0;
+#if H5_VERSION_GE(1, 10, 5)
+    unsigned mask = 0;
+    const hid_t space = H5Dget_space(d->id);
+    if (space < 0 || H5Dget_chunk_info(d->id, space, i, at, &mask, &offset, &size) < 0)
+        offset = HADDR_UNDEF;
+    if (space >= 0)
+        H5Sclose(space);
+#else
+    (void)i;
+#endif
+    return offset <= there && size == bytes && size <= there - offset ? (int64_t)offset : -1;
+}
+
+/** Find where the bytes are, if they are in one piece (or the only chunk has all values) and have
+ *  been written: all in the file then, and as many as its values need. The library takes both for
+ *  granted, and reads what is not there. */
 static int find_place(io_hdf5 *file, const char *path, hdf5_dataset *d) {
     const haddr_t size = (haddr_t)file->model->input.size;
     const haddr_t needed = (haddr_t)(d->shape.n * d->size);
-    const haddr_t offset = d->shape.n == 0 ? HADDR_UNDEF
-                           : d->is_chunked ? find_only_chunk(file, d)
-                                           : H5Dget_offset(d->id);
+    d->n_chunks = count_chunks(file, d);
     d->offset = -1;
+    if (d->shape.n == 0)
+        return PLANISH_OK;
+    if (d->is_chunked) {
+        hsize_t at[2] = {0, 0};
+        if (d->n_chunks == 1 && d->chunk[0] >= (hsize_t)d->shape.dims[0] &&
+            d->chunk[1] == (hsize_t)d->shape.dims[1])
+            d->offset = hdf5_chunk_place(file, d, 0, at);
+        d->offset = at[0] == 0 ? d->offset : -1;
+        return PLANISH_OK;
+    }
+    const haddr_t offset = H5Dget_offset(d->id);
     if (offset == HADDR_UNDEF)
         return PLANISH_OK;
-    if (!d->is_chunked &&
-        (offset > size || needed > size - offset || H5Dget_storage_size(d->id) != needed))
+    if (offset > size || needed > size - offset || H5Dget_storage_size(d->id) != needed)
         return fail_place(file, path, d);
     d->offset = (int64_t)offset;
     return PLANISH_OK;

@@ -15,8 +15,7 @@
 
 /** Property lists hold the caller's bytes; so does a file, unless it is to be changed. */
 static void *image_malloc(size_t size, H5FD_file_image_op_t op, void *image) {
-    (void)size;
-    (void)op;
+    (void)size, (void)op;
     return image;
 }
 
@@ -26,23 +25,18 @@ static void *copy_malloc(size_t size, H5FD_file_image_op_t op, void *image) {
 
 static void *image_copy(void *to, const void *from, size_t size, H5FD_file_image_op_t op,
                         void *image) {
-    (void)op;
-    (void)image;
+    (void)op, (void)image;
     return to == from ? to : memcpy(to, from, size);
 }
 
 /** Only a file that is written grows. */
 static void *image_realloc(void *at, size_t size, H5FD_file_image_op_t op, void *image) {
-    (void)at;
-    (void)size;
-    (void)op;
-    (void)image;
+    (void)at, (void)size, (void)op, (void)image;
     return NULL;
 }
 
 static void *copy_realloc(void *at, size_t size, H5FD_file_image_op_t op, void *image) {
-    (void)op;
-    (void)image;
+    (void)op, (void)image;
     return realloc(at, size);
 }
 

@@ -4,7 +4,7 @@
  *   hdf5_silence, hdf5_restore, hdf5_fail_library    errors of the library
  *   hdf5_open_bytes, hdf5_take_bytes, hdf5_user_block    a file in memory
  *   hdf5_link_access                                 links to other files
- *   hdf5_dataset_..., hdf5_match_type                an array of values
+ *   hdf5_dataset_..., hdf5_chunk_place, hdf5_match_type    an array of values
  */
 #ifndef PL_IO_HDF5_HDF5_OBJECT_H
 #define PL_IO_HDF5_HDF5_OBJECT_H
@@ -40,7 +40,8 @@ typedef struct hdf5_dataset {
     int64_t offset;           /* of its bytes, which stand there one after another; or -1 */
     int64_t row_block;        /* rows (of the first dimension) that are stored together */
     int is_chunked, is_plain; /* is_plain: no filters */
-    hsize_t chunk[2];
+    hsize_t chunk[2];         /* rows and columns of one; 1, 1 without */
+    hsize_t n_chunks;         /* whose places can be found; 0: of none */
 } hdf5_dataset;
 
 /** Let the library tell nothing of errors, until hdf5_restore. */
@@ -70,6 +71,11 @@ void hdf5_dataset_close(hdf5_dataset *dataset);
 /** Read all values as type of size bytes: *values [n], owned by the caller; NULL on failure. */
 int hdf5_dataset_read(io_hdf5 *file, const char *path, const hdf5_dataset *dataset, hid_t type,
                       size_t size, void **values);
+
+/** Find the place in the file of chunk i of n_chunks, and the row and column at [2] where it
+ * begins; -1: all of it is nowhere. */
+int64_t hdf5_chunk_place(const io_hdf5 *file, const hdf5_dataset *dataset, hsize_t i,
+                         hsize_t at[2]);
 
 /** Match a type with two, of 4 and 8 bytes: its size, or 0: it is neither. *swapped: it has not
  *  this machine's byte order. */
