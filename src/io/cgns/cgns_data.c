@@ -15,7 +15,7 @@
 
 #include <string.h>
 
-/** Solutions need not be readable for the mesh to be so. */
+/** Pass over what cannot be read: solutions need not be for the mesh to be. */
 static int pass_over(int status) {
     return status == PLANISH_ERROR_FORMAT ? PLANISH_OK : status;
 }

@@ -16,7 +16,7 @@
 
 enum { CGNS_MIXED = 20 };
 
-/** By CGNS's numbers. */
+/** Types by CGNS's numbers. */
 static const io_element_type types[] = {
     [2] = {NULL, IO_POINT, 1, 1, NULL},
     [3] = {NULL, IO_LINE, 1, 2, NULL},

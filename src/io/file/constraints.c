@@ -248,7 +248,7 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
     return status;
 }
 
-/** The reason of planish_file_held for bits of io_model.hold. */
+/** Return the reason of planish_file_held for bits of io_model.hold. */
 static uint8_t reason_of_bits(unsigned bits, int ignore_marks) {
     const unsigned required = IO_HELD_REQUIRED | (ignore_marks ? 0 : IO_HELD_MARKED);
     return (

@@ -20,7 +20,8 @@ const io_format *io_format_by_extension(const char *path);
 /** Find the format that the content, else the extension of path, is of; NULL if neither tells. */
 const io_format *io_format_find(const char *path, const char *data, int64_t size);
 
-/** planish_file_open that maps files of more than largest_copy bytes: for tests. */
+/** Open a file as planish_file_open does, but map files of more than largest_copy bytes: for
+ *  tests. */
 int io_file_open(const char *path, int threads, int64_t largest_copy, planish_file **file,
                  planish_error *error);
 

@@ -43,7 +43,7 @@ static uint64_t mix(uint64_t value) {
     return value ^ value >> 29;
 }
 
-/** Nodes in the order of their numbers. */
+/** Put nodes in the order of their numbers in sorted. */
 static void sort_nodes(const int32_t *nodes, int corners, int32_t *sorted) {
     for (int i = 0; i < corners; i++) {
         int k = i;
@@ -224,24 +224,11 @@ static int find_plain(io_model *model, int dim, int solid_dim, planish_error *er
 
 /* ---- the mesh ------------------------------------------------------------------------------- */
 
-/** Cells that hold their nodes. */
-typedef struct holders {
-    io_model *model;
-    const io_cells *cells;
-    int corners;
-    uint8_t reason;
-} holders;
-
-static void hold_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const holders *h = context;
-    (void)thread;
-    for (int64_t i = h->corners * begin; i < h->corners * end; i++)
-        __atomic_fetch_or(&h->model->hold[h->cells->nodes[i]], h->reason, __ATOMIC_RELAXED);
-}
-
+/** Let the cells of dimension dim hold their nodes for reason. */
 static void hold_nodes(io_model *model, int dim, uint8_t reason) {
-    holders h = {model, io_model_cells(model, dim), dim + 1, reason};
-    pl_parallel_for(model->threads, io_cells_telling(h.cells), CHUNK, hold_chunk, &h);
+    const io_cells *cells = io_model_cells(model, dim);
+    for (int64_t i = 0; i < (dim + 1) * io_cells_telling(cells); i++)
+        model->hold[cells->nodes[i]] |= reason;
 }
 
 /** Find the plane of a mesh of triangles and the coordinates there. The file's own places are kept

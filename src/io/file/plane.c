@@ -39,7 +39,7 @@ void io_plane_project(const io_plane *plane, const double xyz[3], double uv[2]) 
     }
 }
 
-/** What the file holds of a value. */
+/** Round a value to what the file holds of it. */
 static double store(const io_model *model, double value) {
     return model->precision == PLANISH_FLOAT ? pl_round_to_float(value)
            : model->precision == PLANISH_ROUNDED
@@ -178,7 +178,7 @@ static int find_views(const io_plane *plane, column_view views[MOST_VIEWS]) {
     return n;
 }
 
-/** The sign of a triangle of places in space. */
+/** Find the sign of a triangle of places in space. */
 static int sign_in_space(const double *places, const int32_t *nodes, column_view v) {
     double at[3][2];
     for (int k = 0; k < 3; k++) {
@@ -336,7 +336,8 @@ typedef struct flat_search {
     int32_t *around; /* [3 n_elements] owned */
 } flat_search;
 
-/** Flat triangles are as good with the sign that is not usual: they count as inverted. */
+/** Whether a triangle has another sign than in the file. Flat ones are as good with the sign that
+ * is not usual: they count as inverted. */
 static int is_wrong(const flat_search *f, int64_t element) {
     const int32_t *nodes = f->model->triangle.nodes + 3 * element;
     const int wanted = sign_in_space(f->model->xyz, nodes, f->along);

@@ -27,7 +27,7 @@ static inline int io_plane_is_xy(const io_plane *plane) {
     return plane->axis[2] == 2 && !plane->is_tilted;
 }
 
-/** The coordinates in the plane of a node at xyz. */
+/** Find the coordinates in the plane of a node at xyz. */
 void io_plane_project(const io_plane *plane, const double xyz[3], double uv[2]);
 
 /** Find where node is with coordinates at [dim], in the file's columns. */

@@ -20,7 +20,7 @@
 
 /* ---- how exact coordinates are -------------------------------------------------------------- */
 
-/** Digits of the number that begins at text, but for leading zeros. */
+/** Count the digits of the number that begins at text, but for leading zeros. */
 static int significant_digits(const char *text, const char *end) {
     int digits = 0;
     for (; text < end && (*text == '+' || *text == '-'); text++)
@@ -30,7 +30,7 @@ static int significant_digits(const char *text, const char *end) {
     return digits;
 }
 
-/** Digits of the longest coordinate of a node that stands as text. */
+/** Count the digits of the longest coordinate of a node that stands as text. */
 static int digits_of_node(const io_model *model, const io_format *format, int64_t node) {
     io_cursor cursor = {model->input.data + model->text_offset[node],
                         model->input.data + model->input.size};
@@ -95,7 +95,7 @@ typedef struct cloud {
     double middle[3], size;
 } cloud;
 
-/** Coordinates of a node in a frame [3][3] of unit vectors in rows. */
+/** Find the coordinates of a node in a frame [3][3] of unit vectors in rows. */
 static void coordinates_in(const cloud *c, const double frame[3][3], int64_t node, double out[3]) {
     double x[3];
     for (int d = 0; d < 3; d++)

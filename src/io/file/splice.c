@@ -61,14 +61,14 @@ static int is_kept(const io_model *model, double before, double wanted) {
 
 /* ---- a node in text ------------------------------------------------------------------------- */
 
-/** Where the text of a piece goes. */
+/** Room for the text of a piece. */
 typedef struct sink {
     char *at, *end;
     const char *from, *from_end; /* what of the piece's stretch has not been copied yet */
     int is_full;                 /* there was no room, or no such stretch: the input has changed */
 } sink;
 
-/** Room for length bytes, or NULL. */
+/** Take room for length bytes; NULL: there is none. */
 static char *take_room(sink *to, int64_t length) {
     if (length < 0 || length > to->end - to->at) {
         to->is_full = 1;
@@ -128,7 +128,8 @@ static void put_number(const splice *s, const io_field *field, double value, sin
         memset(at, ' ', (size_t)blanks);
 }
 
-/** What has to be written before a number behind fields that the file cuts short or has not. */
+/** Text that has to be written before a number behind fields that the file cuts short or has not.
+ */
 typedef struct gap {
     char text[3 * (IO_LEAD_SIZE + IO_REAL_SIZE)];
     int64_t length;

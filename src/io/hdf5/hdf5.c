@@ -34,7 +34,7 @@ void hdf5_restore(hdf5_voice voice) {
         H5Eset_auto1(voice.old_function, voice.data);
 }
 
-/** Names come from the file and may hold anything. */
+/** Replace control characters: names come from the file and may hold anything. */
 static void make_printable(char *text) {
     for (; *text; text++)
         if ((unsigned char)*text < ' ' || *text == 127)
@@ -54,7 +54,7 @@ int io_hdf5_fail(io_hdf5 *file, const char *path, const char *format, ...) {
                    text);
 }
 
-/** The first error that the library met. */
+/** Take the first error that the library met. */
 static herr_t take_reason(unsigned n, const H5E_error2_t *entry, void *data) {
     char *text = data;
     if (n == 0 && entry->desc)
@@ -80,7 +80,7 @@ int io_hdf5_path(io_hdf5 *file, char *path, const char *format, ...) {
 
 /* ---- the file ------------------------------------------------------------------------------ */
 
-/** Links to other files lead nowhere. */
+/** Refuse a link to another file. */
 static herr_t refuse_link(const char *parent_file, const char *parent_group, const char *child_file,
                           const char *child_object, unsigned *flags, hid_t access, void *data) {
     (void)parent_file, (void)parent_group, (void)child_file, (void)child_object, (void)flags,
@@ -97,7 +97,7 @@ hid_t hdf5_link_access(void) {
     return access;
 }
 
-/** *is_open: it could be looked at. */
+/** Find the kind of an object; *is_open: it could be looked at. */
 static io_hdf5_kind kind_in(hid_t file, hid_t access, const char *path, int *is_open) {
     hid_t object = H5Oopen(file, path, access);
     *is_open = object >= 0;

@@ -292,7 +292,7 @@ int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int widt
 
 /* ---- changing a finished copy -------------------------------------------------------------- */
 
-/** What is asked of io_hdf5_amend. */
+/** Arguments of io_hdf5_amend. */
 typedef struct request {
     const io_model *model;
     const double *coordinates; /* [n_nodes][written] */

@@ -29,8 +29,7 @@ static int take_shape(io_hdf5 *file, const char *path, hdf5_dataset *d) {
     return PLANISH_OK;
 }
 
-/** The library takes for granted that the bytes of all values are there, and would read elsewhere.
- */
+/** Refuse a dataset whose bytes are not all there: the library would read elsewhere. */
 static int fail_place(io_hdf5 *file, const char *path, const hdf5_dataset *d) {
     return io_hdf5_fail(file, path,
                         "its %lld values are not where they should be; the file is damaged or cut "

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** Property lists hold the caller's bytes; so does a file, unless it is to be changed. */
+/** Return the caller's bytes: property lists hold these, and a file that is not to be changed. */
 static void *image_malloc(size_t size, H5FD_file_image_op_t op, void *image) {
     (void)size, (void)op;
     return image;
@@ -29,7 +29,7 @@ static void *image_copy(void *to, const void *from, size_t size, H5FD_file_image
     return to == from ? to : memcpy(to, from, size);
 }
 
-/** Only a file that is written grows. */
+/** Refuse to grow: only a file that is written does. */
 static void *image_realloc(void *at, size_t size, H5FD_file_image_op_t op, void *image) {
     (void)at, (void)size, (void)op, (void)image;
     return NULL;

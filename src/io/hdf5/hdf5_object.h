@@ -13,7 +13,7 @@
 
 #include <hdf5.h>
 
-/** How the library told of errors before it was silenced. */
+/** Handlers of the library's errors before it was silenced. */
 typedef struct hdf5_voice {
     unsigned is_new;
     H5E_auto1_t old_function;
