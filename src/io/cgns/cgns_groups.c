@@ -250,21 +250,12 @@ static int read_lists(groups *g, const char *label, const char *of, int are_cond
 
 /* ---- entities and names -------------------------------------------------------------------- */
 
-/** Replace each class in a dimension by its entity; members of the class without have none. */
-static int index_entities(groups *g, int dim, int32_t *class, int64_t n, int32_t without) {
-    int32_t last = NONE, entity = NONE;
-    for (int64_t i = 0; i < n; i++) {
-        if (class[i] != last) {
-            last = class[i];
-            entity = last == without
-                         ? NONE
-                         : io_model_entity(g->r->model, dim, last + 1, 0, NULL, g->r->error);
-            if (entity < 0 && last != without)
-                return entity;
-        }
-        class[i] = entity;
-    }
-    return PLANISH_OK;
+/** Replace each class in a dimension by its entity, of tag class + 1; members of the class none
+ * have no entity. */
+static int index_entities(groups *g, int dim, int32_t *class, int64_t n, int32_t none) {
+    for (int64_t i = 0; i < n; i++)
+        class[i]++;
+    return io_model_index_tags_but(g->r->model, dim, none + 1, class, n, g->r->error);
 }
 
 /** Give the entities of a class a name. */
@@ -288,16 +279,16 @@ static int make_entities(groups *g) {
     }
     if (!status && model->node_entity)
         status = index_entities(g, 0, model->node_entity, model->n_nodes, g->other_nodes);
-    for (int32_t class = 0; class < g->n_classes && !status; class ++) {
-        int32_t at = class;
+    for (int32_t k = 0; k < g->n_classes && !status; k++) {
+        int32_t at = k;
         for (; g->class[at].condition != NONE && !status; at = g->class[at].before) {
             const condition *c = &g->condition[g->class[at].condition];
-            status = add_name(g, class, c->name);
+            status = add_name(g, k, c->name);
             if (!status && strcmp(c->family, c->name) != 0)
-                status = add_name(g, class, c->family);
+                status = add_name(g, k, c->family);
         }
         if (!status && at < g->r->n_sections)
-            status = add_name(g, class, g->r->section[at].name);
+            status = add_name(g, k, g->r->section[at].name);
     }
     return status;
 }

@@ -204,14 +204,18 @@ int io_model_has_entity(const io_model *model, int dim, int32_t tag) {
     return model->n_slots > 0 && *find_entity_slot(model, dim, tag, 0, NULL) >= 0;
 }
 
-/** Most often tags are one number for long stretches. */
 int io_model_index_tags(io_model *model, int dim, int32_t *tags, int64_t n, planish_error *error) {
+    return io_model_index_tags_but(model, dim, INT64_MIN, tags, n, error);
+}
+
+int io_model_index_tags_but(io_model *model, int dim, int64_t none, int32_t *tags, int64_t n,
+                            planish_error *error) {
     int32_t tag = 0, entity = -1;
     for (int64_t i = 0; i < n; i++) {
-        if (entity < 0 || tags[i] != tag) {
+        if (i == 0 || tags[i] != tag) { /* most often tags are one number for long stretches */
             tag = tags[i];
-            entity = io_model_entity(model, dim, tag, 0, NULL, error);
-            if (entity < 0)
+            entity = tag == none ? -1 : io_model_entity(model, dim, tag, 0, NULL, error);
+            if (entity < 0 && tag != none)
                 return entity;
         }
         tags[i] = entity;

@@ -264,6 +264,10 @@ int io_model_has_entity(const io_model *model, int dim, int32_t tag);
 /** Replace tags [n] by the entities of dim that have them. */
 int io_model_index_tags(io_model *model, int dim, int32_t *tags, int64_t n, planish_error *error);
 
+/** Replace tags in the same way, but none by -1: it has no entity. */
+int io_model_index_tags_but(io_model *model, int dim, int64_t none, int32_t *tags, int64_t n,
+                            planish_error *error);
+
 /** Note a named group behind the others. */
 int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
                    planish_error *error);

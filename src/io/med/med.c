@@ -101,30 +101,17 @@ static int read_optional(reader *r, const char *group, const char *name, int64_t
     return status;
 }
 
-/** Find the entities of the families of n cells or nodes, most often the same for long stretches.
- *  Family 0 has none unless zero_is_one. */
+/** Find the entities of the families of n cells or nodes; none: the family that has no entity. */
 static int take_families(reader *r, const char *group, int dim, const io_hdf5_integers *families,
-                         int64_t n, int zero_is_one, int32_t *entity) {
-    int64_t last = 0;
-    int32_t index = -1;
-    int known = 0;
+                         int64_t n, int64_t none, int32_t *entity) {
     for (int64_t i = 0; i < n; i++) {
         const int64_t family = families->n ? io_hdf5_integer(families, i) : 0;
-        if (!known || family != last) {
-            if (family < INT32_MIN || family > INT32_MAX)
-                return io_hdf5_fail(r->file, group, "family %lld of number %lld is out of range",
-                                    (long long)family, (long long)i + 1);
-            index = family || zero_is_one
-                        ? io_model_entity(r->model, dim, (int32_t)family, 0, NULL, r->error)
-                        : -1;
-            if (index < 0 && (family || zero_is_one))
-                return index;
-            last = family;
-            known = 1;
-        }
-        entity[i] = index;
+        if (family < INT32_MIN || family > INT32_MAX)
+            return io_hdf5_fail(r->file, group, "family %lld of number %lld is out of range",
+                                (long long)family, (long long)i + 1);
+        entity[i] = (int32_t)family;
     }
-    return PLANISH_OK;
+    return io_model_index_tags_but(r->model, dim, none, entity, n, r->error);
 }
 
 /* ---- nodes -------------------------------------------------------------------------------- */
@@ -236,7 +223,7 @@ static int read_cells(reader *r, const block *b) {
     for (int64_t i = 0; i < numbers.n && !status; i++)
         cells->number[i] = io_hdf5_integer(&numbers, i);
     if (!status)
-        status = take_families(r, b->group, dim, &families, b->n, 1, cells->entity);
+        status = take_families(r, b->group, dim, &families, b->n, INT64_MIN, cells->entity);
     if (!status) {
         cells->first_number = 1;
         cells->n = b->n;
@@ -260,31 +247,17 @@ static int hold_nodes(reader *r, const block *b) {
     return status;
 }
 
-/** Count the elements of a block: simplices by their nodes, others by what the file says. */
-static int count_elements(reader *r, block *b) {
-    int found;
-    const int corners = io_element_dim(b->type) + 1;
-    b->n = io_element_use(b->type) == IO_KEEP ? b->nodes.n / corners : 0;
-    if (io_element_use(b->type) != IO_KEEP) {
-        int status = io_hdf5_attribute(r->file, b->path, "NBR", &b->n, &found);
-        if (!status && (b->n < 0 || b->n > b->nodes.n))
-            b->n = 0; /* no more than a figure to be told */
-        return status;
-    }
-    if (b->nodes.n % corners)
-        return io_hdf5_fail(r->file, b->path, "%lld numbers are no elements of %d nodes",
-                            (long long)b->nodes.n, corners);
-    return demand(r, b->path, "NBR", b->n, "its attribute NBR is another number of elements");
-}
-
 static int read_block(reader *r, const char *name) {
     static const io_element_type other = {NULL, IO_ANY_SHAPE, 1, 0, NULL};
     const io_element_type *type = io_element_find(types, N_TYPES, name, (int64_t)strlen(name));
     block b = {.type = type ? type : &other};
+    const io_element_treatment use = io_element_use(b.type);
+    const int corners = io_element_dim(b.type) + 1;
+    int found;
     int status = io_hdf5_path(r->file, b.group, "%s/MAI/%s", r->step, name);
     if (!status)
         status = io_hdf5_path(r->file, b.path, "%s/NOD", b.group);
-    if (!status && io_element_use(b.type) == IO_REFUSE)
+    if (!status && use == IO_REFUSE)
         status = io_hdf5_fail(r->file, b.group,
                               "elements of second order cannot be smoothed; export the mesh with "
                               "straight elements of first order");
@@ -294,10 +267,22 @@ static int read_block(reader *r, const char *name) {
                               "not read, only nodal)");
     if (!status)
         status = io_hdf5_integers_read(r->file, b.path, &b.nodes);
-    if (!status)
-        status = count_elements(r, &b);
-    if (!status)
-        status = io_element_use(b.type) == IO_KEEP ? read_cells(r, &b) : hold_nodes(r, &b);
+    if (!status && use == IO_KEEP) {
+        b.n = b.nodes.n / corners;
+        status =
+            b.nodes.n % corners
+                ? io_hdf5_fail(r->file, b.path, "%lld numbers are no elements of %d nodes",
+                               (long long)b.nodes.n, corners)
+                : demand(r, b.path, "NBR", b.n, "its attribute NBR is another number of elements");
+        if (!status)
+            status = read_cells(r, &b);
+    } else if (!status) {
+        status = io_hdf5_attribute(r->file, b.path, "NBR", &b.n, &found);
+        if (b.n < 0 || b.n > b.nodes.n)
+            b.n = 0; /* no more than a figure to be told */
+        if (!status)
+            status = hold_nodes(r, &b);
+    }
     io_hdf5_integers_release(&b.nodes);
     return status;
 }
