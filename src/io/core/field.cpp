@@ -28,13 +28,10 @@ struct decimal {
 
 // ---- how many digits fit ------------------------------------------------------------------------
 
-constexpr int size_of(int exponent) {
-    return exponent < 0 ? -exponent : exponent;
-}
-
 // Characters of an exponent: -5, +12, or e-5, e12.
 constexpr int exponent_length(int exponent, bool implied) {
-    return 2 + (size_of(exponent) > 9) + (size_of(exponent) > 99) + (!implied && exponent < 0);
+    const int size = exponent < 0 ? -exponent : exponent;
+    return 2 + (size > 9) + (size > 99) + (!implied && exponent < 0);
 }
 
 // Digits that fit into room characters (a sign not among them) without an exponent; 0: none.
@@ -73,11 +70,6 @@ decimal decimal_of(const char *text, const char *end) {
     return d;
 }
 
-void strip_zeros(decimal &d) {
-    while (d.n > 1 && d.digits[d.n - 1] == '0')
-        d.n--;
-}
-
 double value_of(const decimal &d) {
     char text[widest + 16];
     std::memcpy(text, d.digits, static_cast<size_t>(d.n));
@@ -87,14 +79,6 @@ double value_of(const decimal &d) {
     auto read = std::from_chars(text, result.ptr, value);
     // Out of range: too large only, as digits come from a number.
     return read.ec == std::errc() ? value : HUGE_VAL;
-}
-
-// The number before d of as many digits.
-void step_down(decimal &d) {
-    int i = d.n - 1;
-    for (; i > 0 && d.digits[i] == '0'; i--)
-        d.digits[i] = '9';
-    d.digits[i]--;
 }
 
 // The decimal number in reach of a field that is nearest to size > 0; the shortest that restores it
@@ -109,27 +93,26 @@ decimal nearest(double size, int room, bool implied) {
         return d;
     auto rounded = std::to_chars(text, end, size, std::chars_format::scientific, digits - 1);
     d = decimal_of(text, rounded.ptr);
-    if (std::isinf(value_of(d)))
-        step_down(d);
-    strip_zeros(d);
+    if (std::isinf(value_of(d))) { // the number before it, of as many digits
+        int i = d.n - 1;
+        for (; i > 0 && d.digits[i] == '0'; i--)
+            d.digits[i] = '9';
+        d.digits[i]--;
+    }
+    while (d.n > 1 && d.digits[d.n - 1] == '0')
+        d.n--;
     return d;
 }
 
 // ---- text ---------------------------------------------------------------------------------------
 
-char *put_zeros(char *to, int n) {
-    for (int i = 0; i < n; i++)
-        *to++ = '0';
-    return to;
-}
-
 // The digits with point of them before the point (0 or less: zeros behind it).
 char *put_mantissa(char *to, const decimal &d, int point) {
     const int before = std::clamp(point, 0, d.n);
     to = std::copy(d.digits, d.digits + before, to);
-    to = put_zeros(to, point - before);
+    to = std::fill_n(to, std::max(point - before, 0), '0');
     *to++ = '.';
-    to = put_zeros(to, -point);
+    to = std::fill_n(to, std::max(-point, 0), '0');
     return std::copy(d.digits + before, d.digits + d.n, to);
 }
 

@@ -31,8 +31,8 @@ typedef struct io_format {
      *  (io_model.text_offset) or behind coordinate d - 1; it ends behind coordinate d. 0 or -1.
      *  NULL: numbers apart by white space and comments. */
     int (*field)(const io_model *model, io_cursor *cursor, int d, io_field *field);
-    /** What the bytes at model->encoding become with coordinates [n_nodes][written]; NULL if spans
-     *  say all. */
+    /** Edit the bytes at model->encoding for coordinates [n_nodes][written]; NULL if spans say all.
+     */
     int (*encode)(const io_model *model, const double *coordinates, int threads, io_edits *edits,
                   planish_error *error);
     /** Change in the finished copy, output, what neither spans nor encode can say (compressed

@@ -57,7 +57,7 @@ typedef struct io_span {
     int n_components; /* and how many stand side by side; 0: all */
 } io_span;
 
-/** Where a coordinate stands in text, and what may take its place. */
+/** Place of a coordinate in text, and of the number that replaces it. */
 typedef struct io_field {
     const char *begin, *end; /* its characters; blanks around it are some of these where fields
                                 have a fixed width */

@@ -33,25 +33,19 @@ void io_text_release(io_text *text) {
 
 /* ---- the index of tokens ------------------------------------------------------------------ */
 
-/** Exactly what readers take for a part of a word (text.c): an index that parts words elsewhere, at
- * other control characters, would let threads read what nobody wrote. */
-static inline int is_token_byte(char byte) {
-    return (byte != ' ') & ((unsigned char)(byte - '\t') > '\r' - '\t');
-}
-
 /** Tokens that start in [at, end); at > begin or at is the beginning. */
 static int64_t count_tokens(const char *begin, const char *at, const char *end) {
     int64_t count = 0;
     if (at == begin && at < end)
-        count += is_token_byte(*at++);
+        count += !io_is_space(*at++);
     for (; end - at >= BLOCK; at += BLOCK) {
         uint8_t starts = 0;
         for (int i = 0; i < BLOCK; i++)
-            starts = (uint8_t)(starts + (is_token_byte(at[i]) & !is_token_byte(at[i - 1])));
+            starts = (uint8_t)(starts + (io_is_space(at[i - 1]) & !io_is_space(at[i])));
         count += starts;
     }
     for (; at < end; at++)
-        count += is_token_byte(*at) & !is_token_byte(at[-1]);
+        count += io_is_space(at[-1]) & !io_is_space(*at);
     return count;
 }
 
@@ -94,7 +88,7 @@ static const char *token_begin(const io_text *text, int64_t rank) {
         at += BLOCK;
     }
     for (; at < text->end; at++) {
-        int starts = is_token_byte(*at) && (at == text->begin || !is_token_byte(at[-1]));
+        int starts = !io_is_space(*at) && (at == text->begin || io_is_space(at[-1]));
         if (starts && still-- == 0)
             return at;
     }

@@ -5,10 +5,6 @@
 
 #include <string.h>
 
-static int is_space(char c) {
-    return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
-}
-
 io_cursor io_begin_text(const char *data, int64_t size) {
     static const char mark[] = "\xef\xbb\xbf";
     const int64_t length = sizeof mark - 1;
@@ -17,7 +13,7 @@ io_cursor io_begin_text(const char *data, int64_t size) {
 }
 
 void io_skip_space(io_cursor *cursor) {
-    while (cursor->at < cursor->end && is_space(*cursor->at))
+    while (cursor->at < cursor->end && io_is_space(*cursor->at))
         cursor->at++;
 }
 
@@ -58,7 +54,7 @@ io_slice io_next_line(io_cursor *cursor) {
 io_slice io_next_word(io_cursor *cursor) {
     io_skip_space(cursor);
     io_slice word = {cursor->at, NULL};
-    while (cursor->at < cursor->end && !is_space(*cursor->at))
+    while (cursor->at < cursor->end && !io_is_space(*cursor->at))
         cursor->at++;
     word.end = cursor->at;
     return word;
@@ -87,7 +83,7 @@ int io_slice_integer(io_slice s, int64_t *value) {
 
 /** Whether a number that ends at at is whole: white space or the end must follow. */
 static int ends_here(const io_cursor *cursor, const char *at) {
-    return at == cursor->end || is_space(*at);
+    return at == cursor->end || io_is_space(*at);
 }
 
 int io_integer(io_cursor *cursor, int64_t *value) {
@@ -131,8 +127,8 @@ void io_skip_numbers(io_cursor *cursor) {
                 other |= ((unsigned char)cursor->at[i] >= 'A') | (cursor->at[i] == '#');
             cursor->at += other ? 0 : BLOCK;
         }
-        while (cursor->at > begin && cursor->at < cursor->end && !is_space(*cursor->at) &&
-               !is_space(cursor->at[-1]))
+        while (cursor->at > begin && cursor->at < cursor->end && !io_is_space(*cursor->at) &&
+               !io_is_space(cursor->at[-1]))
             cursor->at++; /* the rest of a number */
         io_skip_space_comments(cursor, '#');
         const io_cursor before = *cursor;

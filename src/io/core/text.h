@@ -1,7 +1,7 @@
 /* text: walk the bytes of an ASCII mesh file.
  *
  *   io_slice, io_slice_...          some bytes of the file: a name, a field, a line
- *   io_is_blank, io_upper           characters
+ *   io_is_blank, _is_space, _upper  characters
  *   io_begin_text, io_first_word    the beginning of a text
  *   io_skip_...                     skip white space, comments, a line, numbers
  *   io_next_line, io_next_word      take a line or a word
@@ -18,6 +18,11 @@
 /** Return whether c is a blank or a tab. */
 static inline int io_is_blank(char c) {
     return c == ' ' || c == '\t';
+}
+
+/** Return whether c is white space. Without branches, as the index of tokens asks for each byte. */
+static inline int io_is_space(char c) {
+    return (c == ' ') | ((unsigned char)(c - '\t') <= '\r' - '\t');
 }
 
 /** Return the letter c as a capital, in ASCII; any other byte as it is. */

@@ -4,37 +4,35 @@
 #include "io/core/arrays.h"
 #include "io/core/binary.h"
 
-static const vtk_type legacy_types[] = {
-    {"float", VTK_REAL, 4},
-    {"double", VTK_REAL, 8},
-    {"int", VTK_SIGNED, 4},
-    {"vtktypeint64", VTK_SIGNED, 8},
-    {"vtktypeint32", VTK_SIGNED, 4},
-    {"vtkidtype", VTK_SIGNED, 4}, /* written as int */
-    {"char", VTK_SIGNED, 1},
-    {"signed_char", VTK_SIGNED, 1},
-    {"unsigned_char", VTK_UNSIGNED, 1},
-    {"short", VTK_SIGNED, 2},
-    {"unsigned_short", VTK_UNSIGNED, 2},
-    {"unsigned_int", VTK_UNSIGNED, 4},
-    {"long", VTK_SIGNED, 8},
-    {"unsigned_long", VTK_UNSIGNED, 8},
-    {"vtktypeuint64", VTK_UNSIGNED, 8},
-    {"vtktypeuint32", VTK_UNSIGNED, 4},
-    {"vtktypeint16", VTK_SIGNED, 2},
-    {"vtktypeuint16", VTK_UNSIGNED, 2},
-    {"vtktypeint8", VTK_SIGNED, 1},
-    {"vtktypeuint8", VTK_UNSIGNED, 1},
-    {"bit", VTK_BIT, 0},
-    {"string", VTK_STRING, 0},
-};
+/* vtkIdType is written as int. */
+static const vtk_type legacy_types[] = {{"float", VTK_REAL, 4},
+                                        {"double", VTK_REAL, 8},
+                                        {"int", VTK_SIGNED, 4},
+                                        {"vtktypeint64", VTK_SIGNED, 8},
+                                        {"vtktypeint32", VTK_SIGNED, 4},
+                                        {"vtkidtype", VTK_SIGNED, 4},
+                                        {"char", VTK_SIGNED, 1},
+                                        {"signed_char", VTK_SIGNED, 1},
+                                        {"unsigned_char", VTK_UNSIGNED, 1},
+                                        {"short", VTK_SIGNED, 2},
+                                        {"unsigned_short", VTK_UNSIGNED, 2},
+                                        {"unsigned_int", VTK_UNSIGNED, 4},
+                                        {"long", VTK_SIGNED, 8},
+                                        {"unsigned_long", VTK_UNSIGNED, 8},
+                                        {"vtktypeuint64", VTK_UNSIGNED, 8},
+                                        {"vtktypeuint32", VTK_UNSIGNED, 4},
+                                        {"vtktypeint16", VTK_SIGNED, 2},
+                                        {"vtktypeuint16", VTK_UNSIGNED, 2},
+                                        {"vtktypeint8", VTK_SIGNED, 1},
+                                        {"vtktypeuint8", VTK_UNSIGNED, 1},
+                                        {"bit", VTK_BIT, 0},
+                                        {"string", VTK_STRING, 0}};
 
-static const vtk_type xml_types[] = {
-    {"Float32", VTK_REAL, 4},    {"Float64", VTK_REAL, 8},    {"Int64", VTK_SIGNED, 8},
-    {"Int32", VTK_SIGNED, 4},    {"UInt8", VTK_UNSIGNED, 1},  {"Int8", VTK_SIGNED, 1},
-    {"UInt64", VTK_UNSIGNED, 8}, {"UInt32", VTK_UNSIGNED, 4}, {"UInt16", VTK_UNSIGNED, 2},
-    {"Int16", VTK_SIGNED, 2},
-};
+static const vtk_type xml_types[] = {{"Float32", VTK_REAL, 4},    {"Float64", VTK_REAL, 8},
+                                     {"Int64", VTK_SIGNED, 8},    {"Int32", VTK_SIGNED, 4},
+                                     {"UInt8", VTK_UNSIGNED, 1},  {"Int8", VTK_SIGNED, 1},
+                                     {"UInt64", VTK_UNSIGNED, 8}, {"UInt32", VTK_UNSIGNED, 4},
+                                     {"UInt16", VTK_UNSIGNED, 2}, {"Int16", VTK_SIGNED, 2}};
 
 const vtk_type *vtk_find_type(io_slice name) {
     for (size_t i = 0; i < sizeof legacy_types / sizeof *legacy_types; i++)

@@ -30,7 +30,7 @@ double vtk_real(const char *at, const vtk_type *type, int swapped);
 /** Load value number i of data, bits too: 1, or 0 if it is not a whole number. */
 int vtk_whole(const char *data, int64_t i, const vtk_type *type, int swapped, int64_t *value);
 
-/** Where numbers go that are read, and how they stand in the file. */
+/** Form of numbers in the file, and the array that they are read to. */
 typedef struct vtk_list {
     const io_model *model;
     const char *name;     /* of the array, for messages */

@@ -210,8 +210,8 @@ static int hold_streams(io_model *model, vtu_document *document, int64_t piece,
     return status;
 }
 
-/** The same of version 2.3: a list refers to the numbers of the next list, by ends of stretches or
- *  by indices; the last one has nodes. */
+/** Hold the nodes of the faces of polyhedra as version 2.3 lists them: a list refers to the numbers
+ *  of the next list, by ends of stretches or by indices; the last one has nodes. */
 static int hold_face_nodes(io_model *model, vtu_document *document, int64_t piece,
                            const vtk_grid *grid) {
     static const vtu_role roles[] = {VTU_POLYHEDRON_OFFSETS, VTU_POLYHEDRON_TO_FACES, VTU_FACE_ENDS,

@@ -93,7 +93,7 @@ typedef struct vtu_values {
 /** Numbers that packed arrays begin with, before the blocks' sizes. */
 enum { VTU_HEADER_NUMBERS = 3 };
 
-/** Where the packed blocks of an array are. */
+/** Places of the packed blocks of an array. */
 typedef struct vtu_blocks {
     int64_t n, size, last_size; /* bytes of all blocks but the last, and of that, unpacked */
     int64_t bytes;              /* of all, unpacked */

@@ -58,7 +58,7 @@ typedef struct xml_walk {
 
 /* ---- places and failures ------------------------------------------------------------------- */
 
-/** Where the tag that a handler is called for begins in the file, and behind it. */
+/** Byte of the file where the tag begins that a handler is called for, and behind it. */
 static int64_t tag_begin(const xml_walk *w) {
     return XML_GetCurrentByteIndex(w->parser) + w->skipped;
 }
