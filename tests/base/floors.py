@@ -46,7 +46,7 @@ KNOWS = {
 # Single arrows that are allowed beside these: from and to are beginnings of rooms.
 ALLOWED = [
     ("tools/job/output", "src/io/file/", "names of the files of a mesh"),
-    ("tools/job/worst_place", "src/geometry/", "angles"),
+    ("tools/job/worst", "src/geometry/", "angles"),
     ("tools/report/surface", "src/topology/", "facets"),
     ("tools/mpi/surface", "src/topology/", "facets"),
     ("tools/mpi/plexrows", "src/io/", "where coordinates stand in HDF5"),

@@ -57,20 +57,19 @@ cmp good.msh out.msh || fail "a mesh without free nodes comes back as it is"
 expect_text "note: out.msh: no node is free"
 grep -q "gmsh, 1 tetrahedron, 4 nodes" out && grep -q "^0 of 4 nodes are free to move" out || fail "one: $(cat out)"
 rm out.msh
-tetrahedron "0 0 nan" 4 "1 2 3 4" >nan.msh
-bad nan.msh
-tetrahedron "0 0 inf" 4 "1 2 3 4" >inf.msh
-bad inf.msh
-tetrahedron "0 0 1e999" 4 "1 2 3 4" >huge.msh
-bad huge.msh
-tetrahedron "0 0 one" 4 "1 2 3 4" >word.msh
-bad word.msh
-tetrahedron "0 0 1" 3 "1 2 3 4" >twice.msh
-bad twice.msh
-tetrahedron "0 0 1" 4 "1 2 3 5" >range.msh
-bad range.msh
-tetrahedron "0 0 1" 4 "1 2 3 3" >repeated.msh
-bad repeated.msh
+while IFS='|' read -r name place number nodes text; do
+    tetrahedron "$place" "$number" "$nodes" >"$name.msh"
+    bad "$name.msh"
+    expect_text "$text"
+done <<'TABLE'
+nan|0 0 nan|4|1 2 3 4|:9: node 4
+inf|0 0 inf|4|1 2 3 4|:9: node 4
+huge|0 0 1e999|4|1 2 3 4|:9: node 4
+word|0 0 one|4|1 2 3 4|:9: node 4
+twice|0 0 1|3|1 2 3 4|node number 3
+range|0 0 1|4|1 2 3 5|no node 5
+repeated|0 0 1|4|1 2 3 3|element 1 has node 3 twice
+TABLE
 sed 's/^4 0 0 1/70 0 0 1/; s/^1 4 2 1 1.*/800 4 2 1 1 1 2 70 70/' good.msh >repeated.msh
 bad repeated.msh # in the file's numbers
 expect_text "repeated.msh: element 800 has node 70 twice"

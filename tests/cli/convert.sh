@@ -13,7 +13,7 @@ fi
 # What is written is read again: the same mesh, with the same nodes to move.
 for out in view.vtu view.vtk VIEW.VTU; do
     expect_status 0 "$program" smooth "$data/binary41.msh" -o $out --json report.json
-    expect_text "note: $out is for viewing; left out of it: "
+    expect_text "note: $out is a copy for viewing; it lacks "
     expect_text "data, parameters and comments"
     expect_status 0 "$program" quality $out --json quality.json -q
     python3 - <<'END' || fail "$out"
@@ -73,7 +73,7 @@ expect_status 0 "$program" quality long.vtk -q
 
 # No conversion to others, none to a pipe; an error leaves what is there.
 expect_status 64 "$program" smooth "$data/medit.mesh" -o out.msh -q
-expect_text "there is conversion to .vtu and .vtk only"
+expect_text "planish converts to .vtu and .vtk only"
 expect_status 64 "$program" smooth "$data/medit.mesh" -o out.xyz -q
 expect_no_file out.msh out.xyz
 echo old >kept.vtu

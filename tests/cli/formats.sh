@@ -80,7 +80,7 @@ $EndElements
 MSH
 expect_status 0 "$program" smooth parametric.txt -o parametric_smooth.txt --json report.json
 expect_json "r['mesh']['nodes_with_parameters'] == 1"
-expect_text "note: 1 of the nodes that may move have parameters"
+expect_text "note: 1 movable node has geometry parameters"
 grep -q '0 -\.2 \.1$' parametric_smooth.txt || fail "parameters are not what they were"
 expect_status 0 "$program" quality parametric.txt --json report.json
 expect_json "r['mesh']['nodes_with_parameters'] == 1"

@@ -116,7 +116,7 @@ mistyped "unknown option '--treads'; did you mean --threads?" smooth in.msh -o o
 mistyped "unknown option '--thraeds'; did you mean --threads?" smooth in.msh -o out.msh --thraeds=3
 mistyped "unknown option '--jsn'; did you mean --json?" quality in.msh --jsn -
 mistyped "unknown option '--frobnicate'; try" quality in.msh --frobnicate
-mistyped "option --box is not one of planish quality" quality in.msh --box 0,0,1,1
+mistyped "planish quality has no option --box" quality in.msh --box 0,0,1,1
 mistyped "option '--worst-' is ambiguous: --worst-measure, --worst-rise" smooth in.msh --worst- 3
 mistyped "unknown command 'smoth'; did you mean smooth?" smoth in.msh
 mistyped "unknown command 'qualtiy'; did you mean quality?" help qualtiy

@@ -103,7 +103,7 @@ assert stuck and set(stuck) <= set(report["unfixable"])
 END
 expect_status 1 "$program" smooth ascii22.msh -o out.msh --min-volume 3e-3 -v
 expect_text "below their minimum volume: elements"
-expect_text "cannot reach it wherever the free nodes are: elements"
+expect_text "cannot reach it by moving free nodes: elements"
 [ "$(grep '^below their' err | tr ',' '\n' | wc -l)" -eq 11 ] || fail "ten elements and dots expected"
 grep -q "^elements below minimum volume" out || fail "no row of elements below"
 grep -q "^sweep .* below .* phase$" err || fail "no column for what is below"

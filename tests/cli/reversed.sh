@@ -43,7 +43,7 @@ reorder() { python3 reorder.py cube.mesh "$1.mesh" "$1" || fail "reorder.py $1";
 # Repaired, and negative to a solver: never silent.
 [ "$(reorder folded)" = 0 ] || fail "folded.mesh has reversed elements"
 expect_status 1 "$program" smooth folded.mesh -o out.mesh --json report.json --report page.html
-expect_text "reversed in the order in which the file lists"
+expect_text "reversed in the file's order of nodes"
 expect_text "does not renumber"
 grep -q "reversed in the file's order  *0  *[1-9]" out || fail "the table has no row"
 grep -q "reversed in the file's order" page.html || fail "the page has no row"

@@ -67,7 +67,7 @@ for mesh in square cube; do
     expect_status 1 "$program" smooth flawed.mesh -o out.mesh --json report.json
     check flawed.mesh out.mesh smooth_$mesh.mesh flawed
     expect_json "len(r['unfixable']) == 1 and '1 inverted element is left' in r['reason']"
-    expect_text "cannot be made valid wherever the free nodes are: element "
+    expect_text "cannot be made valid by moving free nodes: element "
     python3 - <<'END' || fail "$mesh: all nodes of the unfixable element should be fixed"
 import json
 import mesh_file
@@ -79,7 +79,7 @@ END
     spoil $mesh.mesh flawed.mesh moved ear islands
     expect_status 1 "$program" smooth flawed.mesh -o out.mesh --json report.json -j 2
     check flawed.mesh out.mesh smooth_$mesh.mesh flawed
-    expect_text "cannot be made valid wherever the free nodes are: elements "
+    expect_text "cannot be made valid by moving free nodes: elements "
     [ "$(grep '^cannot be' err | tr ',' '\n' | wc -l)" -eq 11 ] || fail "ten elements and dots expected"
     expect_json "'%d of these cannot' % len(r['unfixable']) in r['reason']"
     python3 - $mesh.mesh <<'END' || fail "$mesh: what is unfixable"

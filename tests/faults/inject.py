@@ -44,7 +44,7 @@ SURVIVED = {"EINTR", "short"}
 # Where these have no memory, they use what they have freed, and crash, or the next one who wants
 # memory does: planish cannot help that, and what is left of the files is looked at all the same.
 FRAGILE = ("libhdf5", "libhwloc")
-NO_FILE = ("planish: out of memory for the command line", "planish: ended by a library")
+NO_FILE = ("planish: out of memory for the command line", "planish: a library ended the program")
 
 Scenario = collections.namedtuple("Scenario", "name arguments inputs outputs is_old stdin")
 

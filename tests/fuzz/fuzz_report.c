@@ -5,7 +5,7 @@
 #include "fuzz_require.h"
 
 #include "report/page.h"
-#include "terminal/utf8.h"
+#include "terminal/text.h"
 
 #include <ctype.h>
 #include <string.h>

@@ -126,8 +126,8 @@ int pl_promises_settle(pl_job *job, pl_result *result) {
     result->smooth.moved_nodes -= result->returned_nodes;
     if (!status && result->returned_nodes > 0 && job->arguments->verbosity != PL_QUIET)
         pl_note(stderr,
-                "%" PRId64 " nodes stay where they were: rounded to what the file holds, their new "
-                "places in the tilted plane would make elements worse, or inverted",
+                "%" PRId64 " nodes stay where they were: in the tilted plane, rounding to the "
+                "file's digits would make elements worse or inverted",
                 result->returned_nodes);
     free(ratio);
     free(back);

@@ -35,21 +35,8 @@ typedef struct run {
     int n;
 } run;
 
-/** The minimum volume that the options ask for; total: the sum of the signed volumes. */
-static double minimum_volume(const planish_options *options, double total) {
-    const double fraction = options->min_volume_fraction;
-    return fraction > 0 ? fraction * fabs(total) : options->min_volume;
-}
-
 static int is_comparison(const run *r) {
     return r->arguments->n_inputs > 1;
-}
-
-static void put_notes(FILE *stream, const pl_job *job, const planish_quality *quality) {
-    pl_table_oddities(stream, job);
-    pl_table_reversed(stream, quality);
-    pl_held_note(stream, job);
-    pl_layers_print(stream, job);
 }
 
 /** Keep the notes of a mesh until its row is printed. */
@@ -58,22 +45,16 @@ static int keep_notes(const run *r, const pl_job *job, pl_compared *mesh) {
         return 0;
     pl_memory_stream stream;
     pl_memory_stream_open(&stream);
-    if (stream.file)
-        put_notes(stream.file, job, &mesh->measured.quality);
+    if (stream.file) {
+        pl_table_oddities(stream.file, job);
+        pl_table_reversed(stream.file, &mesh->measured.quality);
+        pl_held_note(stream.file, job);
+        pl_layers_print(stream.file, job);
+    }
     mesh->notes = pl_memory_stream_close(&stream);
     if (!mesh->notes)
         return pl_complain(PL_EXIT_FAILED, "%s: out of memory for the notes", mesh->name);
     return 0;
-}
-
-/** "note: NAME: TEXT" for each. */
-static void print_notes(const pl_compared *mesh) {
-    static const char word[] = "note: ";
-    for (const char *line = mesh->notes; line && *line;) {
-        const int length = (int)strcspn(line, "\n"), skip = (int)strlen(word);
-        pl_note(stderr, "%s: %.*s", mesh->name, length - skip, line + skip);
-        line += length + (line[length] == '\n');
-    }
 }
 
 /** There is no memory for the meshes together. */
@@ -114,7 +95,9 @@ static int measure_job(run *r, pl_job *job, pl_compared *mesh) {
         return status;
     if (pl_job_is_told(job) && (status = pl_layers_count(job, &measured->quality)))
         return status;
-    const double least = minimum_volume(&job->options, measured->quality.total_volume);
+    const double fraction = job->options.min_volume_fraction;
+    const double least =
+        fraction > 0 ? fraction * fabs(measured->quality.total_volume) : job->options.min_volume;
     if ((status = pl_volumes_find(job, least, NULL, &measured->volumes)))
         return status;
     if (pl_job_is_told(job) &&
@@ -173,20 +156,16 @@ static int print_comparison(const run *r) {
         fputs(":\n", r->stream);
         pl_worst_print(r->stream, &r->mesh[i].measured.worst, n_worst);
     }
-    fflush(r->stream); /* what is odd about a mesh comes behind its row */
-    for (int i = 0; i < r->n; i++)
-        print_notes(&r->mesh[i]);
+    fflush(r->stream);               /* what is odd about a mesh comes behind its row */
+    for (int i = 0; i < r->n; i++) { /* "note: NAME: TEXT" for each */
+        const int skip = (int)strlen("note: ");
+        for (const char *line = r->mesh[i].notes; line && *line;) {
+            const int length = (int)strcspn(line, "\n");
+            pl_note(stderr, "%s: %.*s", r->mesh[i].name, length - skip, line + skip);
+            line += length + (line[length] == '\n');
+        }
+    }
     return 0;
-}
-
-static int write_reports(run *r) {
-    const pl_arguments *arguments = r->arguments;
-    if ((!arguments->json && !arguments->report) || (r->n == 0 && !is_comparison(r)))
-        return 0;
-    char *text = pl_quality_report_finish(&r->report, is_comparison(r));
-    const int status = pl_reports_write(arguments, text, r->picture, PL_EXIT_FAILED);
-    free(text);
-    return status;
 }
 
 /** All meshes; the status is the worst of theirs. */
@@ -202,7 +181,13 @@ static int measure_all(run *r) {
             status = of_file;
     }
     pl_progress_clear(&r->progress);
-    const int table = print_comparison(r), report = write_reports(r);
+    const int table = print_comparison(r);
+    int report = 0;
+    if ((arguments->json || arguments->report) && (r->n > 0 || is_comparison(r))) {
+        char *text = pl_quality_report_finish(&r->report, is_comparison(r));
+        report = pl_reports_write(arguments, text, r->picture, PL_EXIT_FAILED);
+        free(text);
+    }
     if (!status)
         status = table ? table : report;
     return pl_flush_stdout(status, PL_EXIT_FAILED);

@@ -83,9 +83,8 @@ static cJSON *read_result(const char *path, pl_figures *figures) {
             line += *c == '\n';
         flaw = "is not JSON";
         pl_complain(PL_EXIT_FAILED,
-                    "%s, line %" PRId64
-                    ": is not JSON (or too large for the memory); give the file that "
-                    "'planish smooth --json' has written",
+                    "%s, line %" PRId64 ": is not JSON (or too large for the memory); give a file "
+                    "that 'planish smooth --json' wrote",
                     path, line);
     }
     free(text);
@@ -224,8 +223,8 @@ static int find_output(const pl_arguments *arguments, char *path, size_t size) {
     if (length < 0 || (size_t)length >= size)
         return pl_complain(PL_EXIT_FAILED, "%s: the name is too long", json);
     if (!output && pl_output_is_stream(json))
-        return pl_complain_usage("report",
-                                 "'%s' is not a file to put a page beside; name one by -o", json);
+        return pl_complain_usage("report", "'%s' is no regular file; name the page by -o FILE",
+                                 json);
     if (pl_output_same_file(path, json))
         return pl_complain_usage("report", "the page would overwrite '%s'", json);
     return pl_output_check(path);

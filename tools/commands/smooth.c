@@ -55,8 +55,7 @@ static int check_output(const pl_job *job) {
     if (strcmp(output, "-") == 0)
         return pl_complain_usage("smooth", "'-' is not a file; standard output is /dev/stdout");
     planish_file_check_output(job->file, output, &error); /* tells the extensions */
-    return pl_complain_usage("smooth", "%s, and there is conversion to .vtu and .vtk only",
-                             error.text);
+    return pl_complain_usage("smooth", "%s; planish converts to .vtu and .vtk only", error.text);
 }
 
 /** To another format: what is left out is said. */
@@ -77,7 +76,7 @@ static int convert_mesh(const pl_job *job, planish_error *error) {
                                     lost, sizeof lost, error);
     free(ratio);
     if (!code && job->arguments->verbosity != PL_QUIET)
-        pl_note(stderr, "%s is for viewing; left out of it: %s", output, lost);
+        pl_note(stderr, "%s is a copy for viewing; it lacks %s", output, lost);
     return code;
 }
 
@@ -140,7 +139,7 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
     if (method != PLANISH_METHOD_PLANISH)
         add_reason(result,
                    "%" PRId64 " element%s inverted, %" PRId64
-                   " before: the method %s does not guard against that",
+                   " before: the method %s may invert elements",
                    inverted, is_or_are(inverted), result->before.inverted, pl_method_name(method));
     else
         add_reason(result, "%" PRId64 " inverted element%s left", inverted, is_or_are(inverted));
@@ -151,19 +150,16 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
                        pl_holder_option((pl_holder)i),
                        i == PL_HOLDER_REGIONS ? "hold their" : "holds their", advice[i]);
     if (n_others > 0)
-        add_reason(result, "%" PRId64 " of these cannot be made valid wherever the free nodes are",
+        add_reason(result, "%" PRId64 " of these cannot be made valid by moving free nodes",
                    n_others);
     if (job->plan_info.n_wrapped > 0)
         add_reason(result,
-                   "elements that wrap around a periodic domain (%" PRId64
-                   ") are inverted as they are drawn",
+                   "elements that wrap around a periodic domain (%" PRId64 ") look inverted",
                    job->plan_info.n_wrapped);
     if (unfixable->n_undecided > 0)
-        add_reason(result, "not all inverted elements were checked for that: there was no time");
+        add_reason(result, "there was no time to check all inverted elements for that");
     if (result->smooth.not_enclosed > 0)
-        add_reason(result,
-                   "%" PRId64 " were in parts of the mesh whose boundary encloses no positive "
-                   "%s",
+        add_reason(result, "%" PRId64 " are in components whose boundary encloses no positive %s",
                    result->smooth.not_enclosed, job->mesh.dim == 3 ? "volume" : "area");
     if (!job->options.untangle)
         add_reason(result, "untangling was switched off by --no-untangle");
@@ -178,20 +174,18 @@ static void judge_others(pl_result *result) {
         add_reason(result, "%" PRId64 " element%s below the minimum volume", volumes->n_below,
                    is_or_are(volumes->n_below));
     if (volumes->n_infeasible > 0)
-        add_reason(result, "%" PRId64 " of these cannot reach it wherever the free nodes are",
+        add_reason(result, "%" PRId64 " of these cannot reach it by moving free nodes",
                    volumes->n_infeasible);
     if (volumes->n_below > 0 && volumes->n_undecided > 0)
-        add_reason(result, "not all elements below it were checked for that: there was no time");
+        add_reason(result, "there was no time to check all elements below it for that");
     if (n > 0)
         add_reason(
             result,
-            "%" PRId64 " element%s reversed in the order in which the file lists %s nodes, and "
-            "%s not before: %s measure has the other sign than most elements', so a solver may "
-            "reject %s. planish does not renumber elements, because loads and surfaces address "
-            "the faces of elements by number; swap two nodes of each in the program that made "
-            "the mesh, or mesh that region anew",
-            n, is_or_are(n), n == 1 ? "its" : "their", n == 1 ? "was" : "were",
-            n == 1 ? "its" : "their", n == 1 ? "it" : "them");
+            "%" PRId64 " element%s reversed now: the file lists %s nodes in the wrong order, and a "
+            "solver may reject %s. planish does not renumber elements, because loads and surfaces "
+            "refer to their faces by number. Swap two nodes of each in the program that made the "
+            "mesh, or mesh that region again",
+            n, is_or_are(n), n == 1 ? "its" : "their", n == 1 ? "it" : "them");
 }
 
 /** Find out whether all that was asked for was reached, and if not (or if there was nothing to do)
@@ -209,7 +203,7 @@ static int judge(const pl_job *job, pl_result *result) {
         return PL_EXIT_PARTLY;
     if (job->plan_info.n_free + job->plan_info.n_sliding == 0) {
         pl_held_explain(job, text, sizeof text);
-        add_reason(result, "no node is free to move%s%s; the mesh is written back as it was",
+        add_reason(result, "no node is free to move%s%s; the mesh is unchanged",
                    text[0] ? ": " : "", text);
     }
     return PL_EXIT_DONE;
@@ -242,12 +236,11 @@ static void print_plan(const pl_job *job) {
     if (job->arguments->verbosity != PL_QUIET)
         pl_table_oddities(stderr, job);
     if (job->arguments->verbosity != PL_QUIET && job->n_with_parameters > 0)
-        pl_note(
-            stderr,
-            "%" PRId64 " of the nodes that may move have parameters of the geometry in the "
-            "file (u, v), which stay as they are and will not fit: refine such a mesh, or curve "
-            "its elements, only after they are left out (docs/formats.md)",
-            job->n_with_parameters);
+        pl_note(stderr,
+                "%" PRId64 " movable %s geometry parameters (u, v) in the "
+                "file, which planish does not update. Remove them before you refine or curve the "
+                "mesh (docs/formats.md)",
+                job->n_with_parameters, job->n_with_parameters == 1 ? "node has" : "nodes have");
     if (job->arguments->verbosity < PL_VERBOSE)
         return;
     snprintf(text, sizeof text, "%d thread%s (%s), kernel %s, %d colour%s, plan of %.1f MB",
@@ -316,7 +309,8 @@ static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     pl_progress_clear(progress);
     if (progress->out_of_memory) /* no reason to lose the mesh */
-        pl_note(stderr, "%s: out of memory for the history of the sweeps; the report lacks some",
+        pl_note(stderr,
+                "%s: out of memory for the history of the sweeps; the report lacks some sweeps",
                 job->arguments->output);
     if (job->arguments->verbosity >= PL_VERBOSE && pl_result_has_optimality(job)) {
         snprintf(text, sizeof text,

@@ -74,12 +74,21 @@ static uint16_t translate(const translation *table, size_t n, uint8_t bits) {
     return result;
 }
 
-/** Add the file's reasons, and those of --fix-layers, to the nodes that the plan holds; scratch
- *  [n_nodes]. */
-static int add_others(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
+/** Fill bits with all reasons; scratch [n_nodes]. */
+static int find_reasons(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
     const planish_hold hold = pl_job_hold(job);
+    const uint16_t all = (1 << PL_N_HELD_BY) - 1;
     const int64_t n = job->mesh.n_nodes;
     planish_error error;
+    /* Those of the plan; a node that it was told to fix has a mark, until others say why. */
+    if (job->engine->get_held(job, scratch, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    for (int64_t i = 0; i < n; i++) {
+        bits[i] = translate(of_plan, sizeof of_plan / sizeof *of_plan, scratch[i]);
+        if (scratch[i] & PLANISH_HELD_FIXED)
+            bits[i] |= PL_HELD_TOLD;
+    }
+    /* Those of the file, and of --fix-layers, for nodes that the plan holds. */
     if (planish_file_held(job->file, &hold, scratch, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     for (int64_t i = 0; i < n; i++)
@@ -88,35 +97,17 @@ static int add_others(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
     for (int64_t i = 0; i < n; i++)
         scratch[i] = PLANISH_FREE;
     pl_job_hold_layers(job, scratch);
-    for (int64_t i = 0; i < n; i++)
+    for (int64_t i = 0; i < n; i++) {
         if (bits[i] && scratch[i] == PLANISH_FIXED)
             bits[i] |= 1 << PL_HELD_BY_LAYERS;
-    return 0;
-}
-
-/** The plan's reasons; a node that it was told to fix has a mark, until others say why. */
-static int take_plan(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
-    planish_error error;
-    if (job->engine->get_held(job, scratch, &error))
-        return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    for (int64_t i = 0; i < job->mesh.n_nodes; i++) {
-        bits[i] = translate(of_plan, sizeof of_plan / sizeof *of_plan, scratch[i]);
-        if (scratch[i] & PLANISH_HELD_FIXED)
-            bits[i] |= PL_HELD_TOLD;
-    }
-    return 0;
-}
-
-/** Of nodes that nobody has a reason for. The slides hold some. */
-static void settle(const pl_job *job, uint16_t *bits) {
-    const uint16_t all = (1 << PL_N_HELD_BY) - 1;
-    for (int64_t i = 0; i < job->mesh.n_nodes; i++) {
+        /* The slides hold some that nobody has a reason for. */
         if ((bits[i] & PL_HELD_TOLD) && !(bits[i] & all))
             bits[i] |= 1 << PL_HELD_BY_REQUIRED;
         if (bits[i] & PL_HELD_NOT_USED)
             bits[i] = PL_HELD_NOT_USED;
         bits[i] &= (uint16_t)~PL_HELD_TOLD;
     }
+    return 0;
 }
 
 int pl_held_find(const pl_job *job, uint16_t **bits) {
@@ -126,29 +117,19 @@ int pl_held_find(const pl_job *job, uint16_t **bits) {
         return 0;
     uint16_t *found = calloc(n + 1, sizeof *found);
     uint8_t *scratch = malloc(n + 1);
-    int status = found && scratch
-                     ? take_plan(job, scratch, found)
-                     : pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " nodes",
-                                   job->arguments->input, job->mesh.n_nodes);
-    if (!status)
-        status = add_others(job, scratch, found);
+    const int status = found && scratch
+                           ? find_reasons(job, scratch, found)
+                           : pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " nodes",
+                                         job->arguments->input, job->mesh.n_nodes);
     free(scratch);
-    if (status) {
+    if (status)
         free(found);
-        return status;
-    }
-    settle(job, found);
-    *bits = found;
-    return 0;
+    else
+        *bits = found;
+    return status;
 }
 
 /* ---- counting ------------------------------------------------------------------------------- */
-
-static int is_asked(const pl_job *job) {
-    const pl_arguments *arguments = job->arguments;
-    return arguments->json || arguments->report || arguments->verbosity >= PL_VERBOSE ||
-           job->plan_info.n_free + job->plan_info.n_sliding == 0;
-}
 
 static void count_node(uint16_t bits, pl_held *held) {
     int reason = 0;
@@ -166,8 +147,12 @@ static void count_node(uint16_t bits, pl_held *held) {
 int pl_held_count(pl_job *job) {
     const double begin = pl_seconds();
     uint16_t *bits;
+    const pl_arguments *arguments = job->arguments;
+    const int is_asked = arguments->json || arguments->report ||
+                         arguments->verbosity >= PL_VERBOSE ||
+                         job->plan_info.n_free + job->plan_info.n_sliding == 0;
     job->held = (pl_held){.is_known = 0};
-    if (!is_asked(job))
+    if (!is_asked)
         return 0;
     const int status = pl_held_find(job, &bits);
     for (int64_t i = 0; bits && i < job->mesh.n_nodes; i++)
@@ -203,17 +188,14 @@ static void add_counts(const pl_held *held, char *text, size_t size) {
         }
 }
 
-/** Whether no two elements share a node. */
-static int have_own_points(const pl_job *job) {
-    return job->mesh.n_nodes - job->held.n_unused == job->mesh.n_elements * (job->mesh.dim + 1);
-}
-
 static void add_doubled(const pl_job *job, char *text, size_t size) {
-    const int64_t n = job->held.n_doubled;
+    const int64_t n = job->held.n_doubled, n_used = job->mesh.n_nodes - job->held.n_unused;
     if (n > 0 && n != job->held.n[PL_HELD_BY_DOUBLED])
         add(text, size, "; %" PRId64 " of them %s at the place of other nodes%s", n,
             n == 1 ? "is" : "are",
-            have_own_points(job) ? " (each element has its own points)" : "");
+            n_used == job->mesh.n_elements * (job->mesh.dim + 1)
+                ? " (each element has its own points)"
+                : "");
 }
 
 void pl_held_print(FILE *stream, const pl_job *job) {
@@ -230,28 +212,24 @@ void pl_held_print(FILE *stream, const pl_job *job) {
     pl_text_wrap(stream, text);
 }
 
-/** What would let nodes move. */
-static void add_advice(const pl_job *job, char *text, size_t size) {
+void pl_held_explain(const pl_job *job, char *text, size_t size) {
     const pl_held *held = &job->held;
+    text[0] = '\0';
+    if (!held->is_known || held->n_held == 0)
+        return;
+    add_counts(held, text, size);
+    add_doubled(job, text, size);
+    /* What would let nodes move. */
     if (held->n_doubled > held->n_held / 2)
         add(text, size, ": merge equal points first");
     else if (job->could_slide > 0)
         add(text, size, ": --slide auto lets %" PRId64 " of them slide", job->could_slide);
     else if (held->n[PL_HELD_BY_LAYERS] > 0)
-        add(text, size, ": do without --fix-layers");
+        add(text, size, ": leave out --fix-layers");
     else if (held->n[PL_HELD_BY_FIX] > 0)
         add(text, size, ": name fewer groups in --fix");
     else if (held->n[PL_HELD_BY_INTERFACE] > 0)
         add(text, size, ": --ignore-regions lets nodes between regions move");
-}
-
-void pl_held_explain(const pl_job *job, char *text, size_t size) {
-    text[0] = '\0';
-    if (!job->held.is_known || job->held.n_held == 0)
-        return;
-    add_counts(&job->held, text, size);
-    add_doubled(job, text, size);
-    add_advice(job, text, size);
 }
 
 void pl_held_note(FILE *stream, const pl_job *job) {

@@ -145,8 +145,8 @@ static int find_min_volumes(pl_job *job) {
     for (int64_t i = 0; i < job->mesh.n_elements; i++)
         if (job->min_volume[i] == 0)
             return pl_complain_usage(pl_command_name(arguments->command),
-                                     "--area-weight needs a minimum volume for every element, and "
-                                     "element %" PRId64 " is in none of the groups named",
+                                     "--area-weight needs a minimum volume for every element, but "
+                                     "element %" PRId64 " is in none of the named groups",
                                      planish_file_element_number(job->file, i));
     return 0;
 }
@@ -160,15 +160,14 @@ static int find_box(pl_job *job) {
     planish_file_plane(job->file, &plane);
     if (arguments->n_box > 0 && plane.is_tilted)
         return pl_complain(PL_EXIT_FAILED,
-                           "%s: --box is along the axes of the file, and the triangles are in a "
-                           "tilted plane: hold nodes by --fix, or turn the mesh into the plane of "
-                           "two axes",
+                           "%s: --box follows the axes of the file, but the triangles are in a "
+                           "tilted plane; hold nodes by --fix, or rotate the mesh",
                            arguments->input);
     if (arguments->n_box == 0)
         return 0;
     if (arguments->n_box != 2 * dim)
         return pl_complain_usage(pl_command_name(arguments->command),
-                                 "--box has %d numbers, and a mesh of %s needs %d",
+                                 "--box has %d numbers, but a mesh of %s needs %d",
                                  arguments->n_box, dim == 3 ? "tetrahedra" : "triangles", 2 * dim);
     const int is_turned = dim == 2 && plane.axis[0] > plane.axis[1];
     for (int d = 0; d < dim; d++) {
@@ -188,8 +187,8 @@ static int check_tolerance(const pl_job *job) {
         arguments->slide || plane.is_tilted)
         return 0;
     return pl_complain_usage(pl_command_name(arguments->command),
-                             "--slide-tolerance has no effect without --slide, but on triangles in "
-                             "a tilted plane");
+                             "--slide-tolerance has no effect without --slide, except on triangles "
+                             "in a tilted plane");
 }
 
 /** Open the file, and find out what it says of nodes and elements. */

@@ -59,22 +59,7 @@ static int group_of(const pl_job *job, int64_t element, groups *g) {
     return i;
 }
 
-/** The groups, by the file's regions: elements of one region are in one group. */
-static void count_groups(const pl_job *job, const int32_t *region, const uint8_t *is_loose,
-                         int *group_of_region, groups *g) {
-    for (int64_t i = 0; i < job->mesh.n_elements && !g->is_useless; i++) {
-        int *index = &group_of_region[region[i]];
-        if (*index < 0)
-            *index = group_of(job, i, g);
-        g->is_useless = *index < 0;
-        if (g->is_useless)
-            break;
-        g->group[*index].n++;
-        g->group[*index].n_loose += is_loose[i];
-    }
-}
-
-/** " --fix TAG" behind text; whether there was room. */
+/** Append " --fix TAG" to text; whether there was room. */
 static int add_option(char *text, size_t size, const char *tag) {
     const char *plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-:.,+";
     const char *quote = tag[strspn(tag, plain)] ? "'" : "";
@@ -84,50 +69,49 @@ static int add_option(char *text, size_t size, const char *tag) {
     return used + (size_t)more < size;
 }
 
-/** The options that hold the layers by groups: in job->layers.fix, or "". */
-static void name_groups(pl_job *job, const groups *g) {
-    pl_layers *layers = &job->layers;
-    int64_t n_held = 0, n_in_groups = 0;
-    int n = 0, fits = !g->is_useless;
-    for (int i = 0; i < g->n && fits; i++)
-        if ((double)g->group[i].n_loose >= OF_GROUP * (double)g->group[i].n) {
-            n_held += g->group[i].n_loose;
-            n_in_groups += g->group[i].n;
-            fits =
-                ++n <= MOST_NAMED && add_option(layers->fix, sizeof layers->fix, g->group[i].tag);
-        }
-    if (!fits || (double)n_held < OF_LAYERS * (double)layers->n_loose ||
-        (double)n_in_groups > OF_MESH * (double)job->mesh.n_elements)
-        layers->fix[0] = '\0';
-}
-
+/** Find the options that hold the layers by groups: job->layers.fix, or "". is_loose [n_elements].
+ */
 static int find_groups(pl_job *job, const uint8_t *is_loose) {
     const int32_t *region = planish_file_surface(job->file, NULL).region;
-    int32_t last = 0;
+    const int64_t n_elements = job->mesh.n_elements;
+    pl_layers *layers = &job->layers;
     groups g = {.n = 0};
-    for (int64_t i = 0; region && i < job->mesh.n_elements; i++)
+    int32_t last = 0;
+    int64_t n_held = 0, n_in_groups = 0;
+    int n = 0;
+    for (int64_t i = 0; region && i < n_elements; i++)
         last = region[i] > last ? region[i] : last;
     int *group_of_region = malloc(((size_t)last + 1) * sizeof *group_of_region);
     if (!group_of_region)
         return complain_memory(job);
     for (int32_t i = 0; i <= last; i++)
         group_of_region[i] = -1;
-    if (region) {
-        count_groups(job, region, is_loose, group_of_region, &g);
-        name_groups(job, &g);
+    /* Elements of one region are in one group. */
+    for (int64_t i = 0; region && i < n_elements && !g.is_useless; i++) {
+        int *index = &group_of_region[region[i]];
+        if (*index < 0)
+            *index = group_of(job, i, &g);
+        g.is_useless = *index < 0;
+        if (!g.is_useless) {
+            g.group[*index].n++;
+            g.group[*index].n_loose += is_loose[i];
+        }
     }
     free(group_of_region);
+    int fits = region && !g.is_useless;
+    for (int i = 0; i < g.n && fits; i++)
+        if ((double)g.group[i].n_loose >= OF_GROUP * (double)g.group[i].n) {
+            n_held += g.group[i].n_loose;
+            n_in_groups += g.group[i].n;
+            fits = ++n <= MOST_NAMED && add_option(layers->fix, sizeof layers->fix, g.group[i].tag);
+        }
+    if (!fits || (double)n_held < OF_LAYERS * (double)layers->n_loose ||
+        (double)n_in_groups > OF_MESH * (double)n_elements)
+        layers->fix[0] = '\0';
     return 0;
 }
 
 /* ---- counting ------------------------------------------------------------------------------- */
-
-static int may_have_many(const planish_quality *quality) {
-    int64_t n = quality->inverted; /* none of these is in the histogram */
-    for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++)
-        n += quality->histogram_edges[i] >= RATIO_OF_THIN ? quality->histogram_counts[i] : 0;
-    return (double)n >= MANY_OF_THIN * (double)quality->n_elements;
-}
 
 /** Of the marked elements only those keep their mark that have a node that moves. */
 static int keep_loose(pl_job *job, uint8_t *is_layer) {
@@ -160,7 +144,11 @@ static int are_many(const pl_job *job) {
 int pl_layers_count(pl_job *job, const planish_quality *quality) {
     const double begin = pl_seconds();
     uint8_t *is_layer = NULL;
-    if (job->arguments->fix_layers || !job->file || !may_have_many(quality))
+    int64_t n_thin = quality->inverted; /* none of these is in the histogram */
+    for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++)
+        n_thin += quality->histogram_edges[i] >= RATIO_OF_THIN ? quality->histogram_counts[i] : 0;
+    if (job->arguments->fix_layers || !job->file ||
+        (double)n_thin < MANY_OF_THIN * (double)quality->n_elements)
         return 0;
     int status = pl_job_find_layers(job, &is_layer, &job->layers.n);
     if (!status && job->layers.n > 0)
@@ -174,22 +162,18 @@ int pl_layers_count(pl_job *job, const planish_quality *quality) {
 
 /* ---- saying --------------------------------------------------------------------------------- */
 
-/** "23 %": in full only if it is all, and never as a power of ten. */
-static void format_part(char *text, size_t size, int64_t n, int64_t of) {
-    const double percent = of > 0 ? 100 * (double)n / (double)of : 0;
-    if (n > 0 && percent < 0.1)
-        snprintf(text, size, "< 0.1 %%");
-    else if (percent < 9.95)
-        snprintf(text, size, "%.2g %%", percent);
-    else
-        snprintf(text, size, "%.0f %%", n < of && percent > 99 ? 99 : percent);
-}
-
 void pl_layers_print(FILE *stream, const pl_job *job) {
     const pl_layers *layers = &job->layers;
     const int64_t n = job->arguments->fix_layers ? layers->n : layers->n_loose;
+    const int64_t of = job->mesh.n_elements;
+    const double percent = of > 0 ? 100 * (double)n / (double)of : 0;
     char part[16];
-    format_part(part, sizeof part, n, job->mesh.n_elements);
+    if (n > 0 && percent < 0.1)
+        snprintf(part, sizeof part, "< 0.1 %%");
+    else if (percent < 9.95)
+        snprintf(part, sizeof part, "%.2g %%", percent);
+    else /* in full only if it is all */
+        snprintf(part, sizeof part, "%.0f %%", n < of && percent > 99 ? 99 : percent);
     if (job->arguments->fix_layers)
         pl_note(stream, "%" PRId64 " elements (%s) are thin in layers, and held", n, part);
     else if (are_many(job))

@@ -78,7 +78,7 @@ int pl_output_check(const char *path) {
     if (reason == ENAMETOOLONG)
         return pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(reason));
     if (reason && reason != ENOENT && is_link)
-        return pl_complain(PL_EXIT_FAILED, "%s: this link cannot be followed: %s", path,
+        return pl_complain(PL_EXIT_FAILED, "%s: cannot follow this link: %s", path,
                            strerror(reason));
     if (exists && status.kind == PL_FILE_FOLDER)
         return pl_complain(PL_EXIT_FAILED, "%s: is a folder; name a file in it", path);
@@ -92,7 +92,7 @@ int pl_output_check(const char *path) {
     folder_of(exists ? target : path, folder);
     free(target);
     if (pl_folder_check_writable(folder))
-        return pl_complain(PL_EXIT_FAILED, "%s: its folder cannot be written: %s", path,
+        return pl_complain(PL_EXIT_FAILED, "%s: cannot write to its folder: %s", path,
                            strerror(errno));
     return 0;
 }
@@ -126,10 +126,9 @@ int pl_output_check_all(const pl_arguments *arguments) {
     const char *output = arguments->output, *json = arguments->json, *report = arguments->report;
     int status;
     if (is_stdout(output) + is_stdout(json) + is_stdout(report) > 1)
-        return pl_complain_usage(
-            command, "mesh and report, or two reports, cannot all go to standard output");
+        return pl_complain_usage(command, "only one of mesh and reports can go to standard output");
     if (json && report && pl_output_same_file(json, report))
-        return pl_complain_usage(command, "--json and --report name one file, '%s'", report);
+        return pl_complain_usage(command, "--json and --report name the same file '%s'", report);
     if ((status = check_report(arguments, json)))
         return status;
     if ((status = check_report(arguments, report)))

@@ -90,7 +90,7 @@ void pl_volumes_print(FILE *stream, const pl_job *job, const pl_volumes *volumes
                        "below their minimum volume");
     if (volumes->n_infeasible > 0)
         print_elements(stream, job, volumes->state, PLANISH_VOLUME_INFEASIBLE,
-                       volumes->n_infeasible, "cannot reach it wherever the free nodes are");
+                       volumes->n_infeasible, "cannot reach it by moving free nodes");
 }
 
 /* ---- inverted for good ---------------------------------------------------------------------- */
@@ -164,7 +164,7 @@ void pl_unfixable_print(FILE *stream, const pl_job *job, const pl_unfixable *unf
         others[i] = unfixable->state[i] == PL_UNFIXABLE;
     if (others)
         print_elements(stream, job, others, 1, unfixable->n - n_held,
-                       "cannot be made valid wherever the free nodes are");
+                       "cannot be made valid by moving free nodes");
     if (n_held > 0)
         print_elements(stream, job, unfixable->state, PL_UNFIXABLE_HELD, n_held,
                        "inverted, and held by an option");
@@ -205,5 +205,5 @@ void pl_reversed_free(pl_reversed *reversed) {
 void pl_reversed_print(FILE *stream, const pl_job *job, const uint8_t *state, int64_t n_reversed) {
     if (state && n_reversed > 0)
         print_elements(stream, job, state, PL_REVERSED, n_reversed,
-                       "reversed in the order in which the file lists their nodes");
+                       "reversed in the file's order of nodes");
 }

@@ -1,9 +1,9 @@
 /* worst: the worst elements of a mesh, for lists and pictures. */
 #include "job/worst.h"
 
-#include "job/worst_place.h"
-
 #include "terminal/message.h"
+
+#include "geometry/angle.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -78,10 +78,95 @@ int pl_worst_select(const pl_job *job, int64_t n, pl_worst *worst) {
     return status;
 }
 
+/* ---- what there is to know of them --------------------------------------------------------------
+ */
+
+static const double DEGREES = 57.295779513082320877; /* of a radian */
+
+/** The angles, which do not depend on the sign of the measure. Edges are scaled to about 1, so that
+ *  nothing overflows. */
+static void find_angles(int dim, const double *const vertex[], pl_bad_element *bad) {
+    double edges[3][3] = {{0}}, largest = 0;
+    pl_edges(dim, vertex, edges);
+    for (int i = 0; i < dim; i++)
+        for (int d = 0; d < dim; d++)
+            largest = fmax(largest, fabs(edges[i][d]));
+    for (int i = 0; i < dim; i++)
+        for (int d = 0; d < dim; d++)
+            edges[i][d] /= largest;
+    const pl_shape shape = pl_shape_of_edges(dim, edges);
+    const int is_known = shape.determinant != 0 && shape.smallest_cosine <= shape.largest_cosine;
+    bad->smallest_angle_deg = is_known ? pl_smallest_angle(&shape) * DEGREES : NAN;
+    bad->largest_angle_deg = is_known ? pl_largest_angle(&shape) * DEGREES : NAN;
+}
+
+/** Find the tag of the region of an element; region: the file's regions, or NULL. Each tag is asked
+ *  for once: that takes time. 0, or -1 without memory. */
+static int find_region(const pl_job *job, const int32_t *region, pl_worst *worst,
+                       pl_bad_element *bad) {
+    char first[1];
+    if (!region || region[bad->element] < 0)
+        return 0;
+    char **tag = &worst->tag[region[bad->element]];
+    if (!*tag) {
+        const int length =
+            planish_file_element_region(job->file, bad->element, first, sizeof first);
+        *tag = calloc(length > 0 ? (size_t)length + 1 : 1, 1);
+        if (!*tag)
+            return -1;
+        if (length > 0)
+            planish_file_element_region(job->file, bad->element, *tag, (size_t)length + 1);
+    }
+    bad->region = **tag ? *tag : NULL;
+    return 0;
+}
+
+/** Add a corner's part of the middle, in the file's columns. */
+static void add_place(const pl_job *job, int64_t node, int columns, pl_bad_element *bad) {
+    const int dim = job->mesh.dim;
+    const double *at = &job->mesh.coordinates[node * dim];
+    double xyz[3];
+    if (columns > dim && planish_file_place(job->file, node, 1, at, xyz, NULL) == PLANISH_OK)
+        at = xyz;
+    for (int d = 0; d < columns; d++)
+        bad->place[d] += at[d] / (dim + 1);
+}
+
+static void place(const pl_job *job, const uint8_t *is_free, int columns, pl_bad_element *bad) {
+    const int dim = job->mesh.dim, corners = dim + 1;
+    const int32_t *nodes = &job->mesh.elements[bad->element * corners];
+    const double *vertex[4];
+    bad->number = planish_file_element_number(job->file, bad->element);
+    for (int k = 0; k < corners; k++) {
+        const int64_t node = nodes[k];
+        const uint8_t constraint = job->constraint[node];
+        vertex[k] = &job->mesh.coordinates[node * dim];
+        bad->node[k] = planish_file_node_number(job->file, node);
+        bad->is_movable |=
+            is_free[node] || (job->plan_info.n_sliding > 0 &&
+                              (constraint == PLANISH_ON_PLANE || constraint == PLANISH_ON_LINE));
+        add_place(job, node, columns, bad);
+    }
+    find_angles(dim, vertex, bad);
+}
+
 int pl_worst_find(const pl_job *job, int64_t n, pl_worst *worst) {
+    const int32_t *region = planish_file_surface(job->file, NULL).region;
+    int32_t last = -1;
     int status = pl_worst_select(job, n, worst);
-    if (!status)
-        status = pl_worst_place(job, worst);
+    if (status)
+        return status;
+    for (int64_t i = 0; region && i < job->mesh.n_elements; i++)
+        last = region[i] > last ? region[i] : last;
+    uint8_t *is_free = malloc((size_t)job->mesh.n_nodes + 1);
+    worst->tag = calloc((size_t)last + 2, sizeof *worst->tag);
+    worst->n_tags = worst->tag ? (int64_t)last + 1 : 0;
+    status = is_free && worst->tag ? pl_job_get_free(job, is_free) : -1;
+    for (int64_t i = 0; i < worst->n && !status; i++) {
+        place(job, is_free, worst->columns, &worst->bad[i]);
+        status = find_region(job, region, worst, &worst->bad[i]);
+    }
+    free(is_free);
     return status < 0 ? complain_memory(job) : status;
 }
 

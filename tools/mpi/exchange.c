@@ -25,24 +25,6 @@ static int compare_ghosts(const void *a, const void *b) {
     return (p->of_node > q->of_node) - (p->of_node < q->of_node);
 }
 
-/** from, from_begin and ghost, of sorted ghosts. */
-static int list_sources(pl_exchange *e, const pl_ghost *ghosts, int64_t n) {
-    e->from = calloc((size_t)n + 1, sizeof *e->from);
-    e->from_begin = calloc((size_t)n + 2, sizeof *e->from_begin);
-    e->ghost = calloc((size_t)n + 1, sizeof *e->ghost);
-    if (!e->from || !e->from_begin || !e->ghost)
-        return -1;
-    for (int64_t i = 0; i < n; i++) {
-        if (i == 0 || ghosts[i].owner != ghosts[i - 1].owner) {
-            e->from[e->n_from] = ghosts[i].owner;
-            e->from_begin[e->n_from++] = i;
-        }
-        e->ghost[i] = ghosts[i].node;
-    }
-    e->from_begin[e->n_from] = n;
-    return 0;
-}
-
 /** to and to_begin: how many nodes each process wants of this one. */
 static int list_goals(pl_exchange *e) {
     int n_ranks;
@@ -68,28 +50,14 @@ static int list_goals(pl_exchange *e) {
     return done ? 0 : -1;
 }
 
-/** goal_begin and goal from the lists wanted [to_begin[n_to]] of nodes of ours. */
-static int sort_goals(pl_exchange *e, const int32_t *wanted, int64_t n_nodes) {
-    e->goal_begin = calloc((size_t)n_nodes + 2, sizeof *e->goal_begin);
-    e->goal = malloc(((size_t)e->to_begin[e->n_to] + 1) * sizeof *e->goal);
-    if (!e->goal_begin || !e->goal)
-        return -1;
-    int64_t *next = e->goal_begin + 1; /* becomes the beginning of the node after */
-    for (int64_t i = 0; i < e->to_begin[e->n_to]; i++)
-        next[wanted[i] + 1]++;
-    for (int64_t i = 0; i < n_nodes; i++)
-        next[i + 1] += next[i];
-    for (int32_t k = 0; k < e->n_to; k++)
-        for (int64_t i = e->to_begin[k]; i < e->to_begin[k + 1]; i++)
-            e->goal[next[wanted[i]]++] = (pl_goal){k, (int32_t)(i - e->to_begin[k])};
-    return 0;
-}
-
-/** Send the lists of what is wanted, and receive those of the others. */
+/** Send the lists of what is wanted, and receive those of the others: goal_begin and goal. */
 static int swap_lists(pl_exchange *e, const pl_ghost *ghosts, int64_t n, int64_t n_nodes) {
-    int32_t *wanted = calloc((size_t)e->to_begin[e->n_to] + 1, sizeof *wanted);
+    const int64_t n_goals = e->to_begin[e->n_to];
+    int32_t *wanted = calloc((size_t)n_goals + 1, sizeof *wanted);
     int32_t *mine = malloc(((size_t)n + 1) * sizeof *mine);
-    int status = wanted && mine && e->request ? 0 : -1;
+    e->goal_begin = calloc((size_t)n_nodes + 2, sizeof *e->goal_begin);
+    e->goal = malloc(((size_t)n_goals + 1) * sizeof *e->goal);
+    const int status = wanted && mine && e->request && e->goal_begin && e->goal ? 0 : -1;
     if (!status) {
         for (int64_t i = 0; i < n; i++)
             mine[i] = ghosts[i].of_node;
@@ -100,27 +68,42 @@ static int swap_lists(pl_exchange *e, const pl_ghost *ghosts, int64_t n, int64_t
             MPI_Isend(mine + e->from_begin[k], (int)(e->from_begin[k + 1] - e->from_begin[k]),
                       MPI_INT32_T, e->from[k], TAG_LISTS, e->comm, &e->request[e->n_to + k]);
         MPI_Waitall(e->n_to + e->n_from, e->request, MPI_STATUSES_IGNORE);
-        status = sort_goals(e, wanted, n_nodes);
+        int64_t *next = e->goal_begin + 1; /* becomes the beginning of the node after */
+        for (int64_t i = 0; i < n_goals; i++)
+            next[wanted[i] + 1]++;
+        for (int64_t i = 0; i < n_nodes; i++)
+            next[i + 1] += next[i];
+        for (int32_t k = 0; k < e->n_to; k++)
+            for (int64_t i = e->to_begin[k]; i < e->to_begin[k + 1]; i++)
+                e->goal[next[wanted[i]]++] = (pl_goal){k, (int32_t)(i - e->to_begin[k])};
     }
     free(wanted);
     free(mine);
     return status;
 }
 
-int pl_exchange_create(pl_exchange *exchange, MPI_Comm comm, const pl_ghost *ghosts, int64_t n,
+int pl_exchange_create(pl_exchange *e, MPI_Comm comm, const pl_ghost *ghosts, int64_t n,
                        int64_t n_nodes, planish_error *error) {
-    pl_exchange *e = exchange;
-    *e = (pl_exchange){.comm = comm};
+    *e = (pl_exchange){.comm = comm,
+                       .from = calloc((size_t)n + 1, sizeof *e->from),
+                       .from_begin = calloc((size_t)n + 2, sizeof *e->from_begin),
+                       .ghost = calloc((size_t)n + 1, sizeof *e->ghost)};
     pl_ghost *sorted = calloc((size_t)n + 1, sizeof *sorted);
-    int status = sorted ? 0 : -1;
+    int status = sorted && e->from && e->from_begin && e->ghost ? 0 : -1;
     if (!status) {
         for (int64_t i = 0; i < n; i++)
             sorted[i] = ghosts[i];
         qsort(sorted, (size_t)n, sizeof *sorted, compare_ghosts);
-        status = list_sources(e, sorted, n);
-    }
-    if (!status)
+        for (int64_t i = 0; i < n; i++) {
+            if (i == 0 || sorted[i].owner != sorted[i - 1].owner) {
+                e->from[e->n_from] = sorted[i].owner;
+                e->from_begin[e->n_from++] = i;
+            }
+            e->ghost[i] = sorted[i].node;
+        }
+        e->from_begin[e->n_from] = n;
         status = list_goals(e);
+    }
     if (!status) {
         e->request = malloc(((size_t)(e->n_to + e->n_from) + 1) * sizeof *e->request);
         e->n_out = calloc((size_t)e->n_to + 1, sizeof *e->n_out);

@@ -41,7 +41,7 @@ typedef struct pl_exchange {
 
 /** Find out who wants what: ghosts [n] of this process, of n_nodes nodes. Collective. Returns 0, or
  * a negative planish_status with *error filled in; to be destroyed in any case. */
-int pl_exchange_create(pl_exchange *exchange, MPI_Comm comm, const pl_ghost *ghosts, int64_t n,
+int pl_exchange_create(pl_exchange *e, MPI_Comm comm, const pl_ghost *ghosts, int64_t n,
                        int64_t n_nodes, planish_error *error);
 void pl_exchange_destroy(pl_exchange *exchange);
 

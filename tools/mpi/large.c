@@ -31,9 +31,9 @@ int pl_large_can(const pl_arguments *a) {
                     : PETSC_FALSE;
     if (!wants)
         return 0;
-    const char *why = !pl_plexfile_is(a->output) ? "what is written is no .h5"
-                      : asks_for_all(a) ? "options name groups, or want a page or another format"
-                                        : pl_plexrows_refusal(a->input, &form);
+    const char *why = !pl_plexfile_is(a->output) ? "the output is no .h5"
+                      : asks_for_all(a)          ? "options name groups, a page or another format"
+                                                 : pl_plexrows_refusal(a->input, &form);
     if (why && why[0] && a->verbosity != PL_QUIET)
         pl_note(stderr, "%s: one process has all of the mesh: %s", a->input, why);
     return !why;

@@ -57,9 +57,9 @@ static int create_plan(pl_crew *crew, order *o) {
     int code = PLANISH_OK;
     if (!crew->is_large && mine.precision == PLANISH_ROUNDED) {
         /* The functions of planish_part cannot do that. */
-        *o->error = (planish_error){PLANISH_ERROR_PARTS, -1, -1,
-                                    "the file has fields of text whose digits only the process "
-                                    "knows that has read it"};
+        *o->error = (planish_error){
+            PLANISH_ERROR_PARTS, -1, -1,
+            "only the process that read the file knows the digits of its text fields"};
         return PLANISH_ERROR_PARTS;
     }
     if (crew->is_large)
@@ -358,9 +358,8 @@ static int lead_write(const pl_job *job, const char *path, uint64_t *checksums,
         o.checksums = checksums;
     if (job->file && job->arguments->verbosity != PL_QUIET)
         pl_note(stderr,
-                "%s: PETSc's file has elements, their regions and nodes; other groups, and what "
-                "the file held, "
-                "are left out of it",
+                "%s: PETSc's file keeps nodes, elements and their regions; other groups and "
+                "fixed nodes are lost",
                 path);
     return give_order(job, WRITE, &o);
 }

@@ -29,7 +29,7 @@ typedef struct start {
 static int print_version(void) {
     int major, minor;
     MPI_Get_version(&major, &minor);
-    printf("planish-mpi %s\nSmooths meshes that several processes share.\nMPI %d.%d, PETSc "
+    printf("planish-mpi %s\nSmooths a mesh by several processes.\nMPI %d.%d, PETSc "
            "%d.%d.%d.\n",
            planish_version(), major, minor, PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR,
            PETSC_VERSION_SUBMINOR);
@@ -37,10 +37,10 @@ static int print_version(void) {
 }
 
 static int print_help(void) {
-    printf("planish-mpi is 'planish smooth' by several processes (docs/distributed.md):\n\n"
+    printf("Run 'planish smooth' by several processes (docs/distributed.md):\n\n"
            "    mpirun -n 4 planish-mpi IN -o OUT [OPTION...]\n\n"
-           "Its options are those of 'planish smooth'; -j is for each process. OUT.h5 is a file\n"
-           "of PETSc's, whatever IN is.\n\n");
+           "The options are those of 'planish smooth'. -j sets the threads of each process.\n"
+           "planish-mpi also writes OUT.h5, PETSc's own file, for any IN.\n\n");
     pl_help_print_command(pl_command_row(PL_COMMAND_SMOOTH));
     return pl_flush_stdout(PL_EXIT_DONE, PL_EXIT_FAILED);
 }
@@ -60,9 +60,10 @@ static start read_arguments(int argc, char **argv, pl_arguments *arguments) {
     return s;
 }
 
-/** The threads of each process, if none were asked for: the cores that it may use, shared with
- * those processes of its machine that may use them, too. *bind: there are none of these. */
-static int share_cores(int *bind) {
+/** Threads of this process: those of the command line or of OpenMP's variable, else the cores that
+ *  it may use, shared with those processes of its machine that may use them, too; as far as they
+ *  start. *bind: there are none of these processes. */
+static int choose_threads(const start *s, int *bind) {
     MPI_Comm machine;
     cpu_set_t mine, common;
     int n_here, n_sharing = 0;
@@ -80,25 +81,12 @@ static int share_cores(int *bind) {
     }
     free(all);
     MPI_Comm_free(&machine);
-    const int threads = n_sharing > 0 ? CPU_COUNT(&mine) / n_sharing : 1;
     *bind = n_sharing == 1;
-    return threads > 0 ? threads : 1;
-}
-
-/** What was asked for, by the command line or OpenMP's variable, or fits; as far as they start. */
-static int choose_threads(const start *s, int *bind) {
-    const int shared = share_cores(bind);
+    const int shared = n_sharing > 0 ? CPU_COUNT(&mine) / n_sharing : 1;
     const char *told = getenv("OMP_NUM_THREADS");
-    const int wanted = s->threads > 0 ? s->threads : told && told[0] ? 0 : shared;
+    const int wanted = s->threads > 0 ? s->threads : told && told[0] ? 0 : shared > 0 ? shared : 1;
     const int threads = pl_threads_to_use(wanted);
     return threads > 0 ? threads : pl_thread_count(0);
-}
-
-/** The first process is told to stop, and tells the others. */
-static void ignore_signals(void) {
-    static const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
-    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
-        signal(signals[i], SIG_IGN);
 }
 
 static int work(int rank, const start *s, pl_arguments *arguments) {
@@ -114,16 +102,16 @@ static int work(int rank, const start *s, pl_arguments *arguments) {
 }
 
 static int run(int argc, char **argv) {
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
     int rank;
     pl_arguments arguments = {.input = NULL};
     start s = {.status = -1};
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     pl_signals_install();
-    if (rank == 0) {
+    if (rank == 0)
         s = read_arguments(argc, argv, &arguments);
-    } else {
-        ignore_signals();
-    }
+    for (size_t i = 0; rank > 0 && i < sizeof signals / sizeof *signals; i++)
+        signal(signals[i], SIG_IGN); /* the first process is told to stop, and tells the others */
     MPI_Bcast(&s, sizeof s, MPI_BYTE, 0, MPI_COMM_WORLD);
     const int status = s.status >= 0 ? s.status : work(rank, &s, &arguments);
     if (rank == 0)

@@ -116,34 +116,29 @@ static uint64_t hash_of(const side *s) {
     return hash;
 }
 
-/** The facet of an element that is opposite to one of its corners [dim + 1]. */
-static side side_of(int dim, const int32_t *corner, int opposite, PetscInt element) {
-    side s = {{-1, -1, -1}, (int32_t)element};
-    int n = 0;
-    for (int j = 0; j <= dim; j++) {
-        int place = n;
-        if (j == opposite)
-            continue;
-        for (; place > 0 && s.node[place - 1] > corner[j]; place--)
-            s.node[place] = s.node[place - 1];
-        s.node[place] = corner[j];
-        n++;
-    }
-    return s;
-}
-
 /** Each side of a facet goes to a process that the nodes tell. */
 static PetscErrorCode send_sides(MPI_Comm comm, int dim, const graph *g, const int32_t *corner,
                                  post *sides) {
+    const int corners = dim + 1;
     int rank, n_ranks;
     MPI_Comm_rank(comm, &rank);
     MPI_Comm_size(comm, &n_ranks);
-    PetscCall(post_create(sides, g->n * (dim + 1), sizeof(side)));
-    for (int64_t i = 0; i < g->n; i++)
-        for (int j = 0; j <= dim; j++) {
-            const side s = side_of(dim, corner + i * (dim + 1), j, g->begin[rank] + (PetscInt)i);
-            post_add(sides, &s, sizeof s, (int)(hash_of(&s) % (unsigned)n_ranks));
+    PetscCall(post_create(sides, g->n * corners, sizeof(side)));
+    for (int64_t i = 0; i < g->n * corners; i++) {
+        const int32_t *of = corner + i / corners * corners;
+        side s = {{-1, -1, -1}, (int32_t)(g->begin[rank] + (PetscInt)(i / corners))};
+        int n = 0;
+        for (int j = 0; j < corners; j++) { /* but the opposite one, sorted */
+            int place = n;
+            if (j == i % corners)
+                continue;
+            for (; place > 0 && s.node[place - 1] > of[j]; place--)
+                s.node[place] = s.node[place - 1];
+            s.node[place] = of[j];
+            n++;
         }
+        post_add(sides, &s, sizeof s, (int)(hash_of(&s) % (unsigned)n_ranks));
+    }
     return post_exchange(comm, sides, sizeof(side));
 }
 
@@ -198,21 +193,6 @@ static PetscErrorCode match_sides(MPI_Comm comm, const graph *g, const post *sid
 
 /* ---- the graph ------------------------------------------------------------------------------- */
 
-/** Lists of neighbours from pairs of elements of this process and others. */
-static PetscErrorCode list_neighbours(graph *g, PetscInt first, const post *pairs) {
-    const pair *all = (const pair *)(const void *)pairs->record;
-    PetscCall(PetscCalloc1((size_t)g->n + 2, &g->start));
-    PetscCall(PetscMalloc1((size_t)pairs->n + 1, &g->neighbour));
-    PetscInt *next = g->start + 1; /* becomes the beginning of the element after */
-    for (int64_t i = 0; i < pairs->n; i++)
-        next[all[i].element - first + 1]++;
-    for (int64_t i = 0; i < g->n; i++)
-        next[i + 1] += next[i];
-    for (int64_t i = 0; i < pairs->n; i++)
-        g->neighbour[next[all[i].element - first]++] = all[i].neighbour;
-    return 0;
-}
-
 static PetscErrorCode make_graph(MPI_Comm comm, int dim, const int32_t *corner, graph *g) {
     int rank, n_ranks;
     post sides, pairs;
@@ -232,7 +212,18 @@ static PetscErrorCode make_graph(MPI_Comm comm, int dim, const int32_t *corner, 
     PetscCall(send_sides(comm, dim, g, corner, &sides));
     PetscCall(match_sides(comm, g, &sides, &pairs));
     post_destroy(&sides);
-    PetscCall(list_neighbours(g, g->begin[rank], &pairs));
+    /* Lists of neighbours from pairs of elements of this process and others. */
+    const pair *all = (const pair *)(const void *)pairs.record;
+    const PetscInt first = g->begin[rank];
+    PetscCall(PetscCalloc1((size_t)g->n + 2, &g->start));
+    PetscCall(PetscMalloc1((size_t)pairs.n + 1, &g->neighbour));
+    PetscInt *next = g->start + 1; /* becomes the beginning of the element after */
+    for (int64_t i = 0; i < pairs.n; i++)
+        next[all[i].element - first + 1]++;
+    for (int64_t i = 0; i < g->n; i++)
+        next[i + 1] += next[i];
+    for (int64_t i = 0; i < pairs.n; i++)
+        g->neighbour[next[all[i].element - first]++] = all[i].neighbour;
     post_destroy(&pairs);
     return PetscFree(g->begin);
 }
@@ -252,33 +243,30 @@ static PetscErrorCode cut(MPI_Comm comm, const graph *g, PetscSection sizes, IS 
     return PetscPartitionerDestroy(&partitioner);
 }
 
-static PetscErrorCode hand_over(MPI_Comm comm, PetscSection sizes, IS pieces, PetscPartitioner to) {
-    PetscMPIInt n_ranks;
-    PetscInt *size;
-    const PetscInt *element;
-    MPI_Comm_size(comm, &n_ranks);
-    PetscCall(PetscMalloc1((size_t)n_ranks, &size));
-    for (PetscInt i = 0; i < n_ranks; i++)
-        PetscCall(PetscSectionGetDof(sizes, i, &size[i]));
-    PetscCall(ISGetIndices(pieces, &element));
-    PetscCall(PetscPartitionerSetType(to, PETSCPARTITIONERSHELL));
-    PetscCall(PetscPartitionerShellSetPartition(to, n_ranks, size, element));
-    PetscCall(ISRestoreIndices(pieces, &element));
-    return PetscFree(size);
-}
-
 PetscErrorCode pl_partition(MPI_Comm comm, int dim, int64_t n, const int32_t *corner, DM dm) {
     graph g = {.n = n};
+    PetscMPIInt n_ranks;
     PetscSection sizes;
+    PetscInt *size;
+    const PetscInt *element;
     IS pieces;
     PetscPartitioner to;
+    MPI_Comm_size(comm, &n_ranks);
     PetscCall(make_graph(comm, dim, corner, &g));
     PetscCall(PetscSectionCreate(comm, &sizes));
     PetscCall(cut(comm, &g, sizes, &pieces));
     PetscCall(PetscFree(g.start));
     PetscCall(PetscFree(g.neighbour));
+    /* dm's partitioner hands these pieces out. */
+    PetscCall(PetscMalloc1((size_t)n_ranks, &size));
+    for (PetscInt i = 0; i < n_ranks; i++)
+        PetscCall(PetscSectionGetDof(sizes, i, &size[i]));
+    PetscCall(ISGetIndices(pieces, &element));
     PetscCall(DMPlexGetPartitioner(dm, &to));
-    PetscCall(hand_over(comm, sizes, pieces, to));
+    PetscCall(PetscPartitionerSetType(to, PETSCPARTITIONERSHELL));
+    PetscCall(PetscPartitionerShellSetPartition(to, n_ranks, size, element));
+    PetscCall(ISRestoreIndices(pieces, &element));
+    PetscCall(PetscFree(size));
     PetscCall(PetscSectionDestroy(&sizes));
     return ISDestroy(&pieces);
 }

@@ -82,26 +82,10 @@ PetscErrorCode pl_select_points(MPI_Comm comm, PetscSF migration, int64_t begin,
                            PETSC_OWN_POINTER);
 }
 
-static PetscErrorCode find_owners(pl_piece *p, DM dm) {
-    PetscInt n_leaves;
+PetscErrorCode pl_piece_begin(MPI_Comm comm, DM dm, pl_piece *p) {
+    PetscInt dim, first, last, node_first, node_last, point_last, n_leaves;
     const PetscInt *local;
     const PetscSFNode *remote;
-    PetscCall(DMGetPointSF(dm, &p->points));
-    PetscCall(PetscObjectReference((PetscObject)p->points));
-    PetscCall(PetscSFGetGraph(p->points, NULL, &n_leaves, &local, &remote));
-    PetscCall(make_room(&p->owner, p->n_nodes, sizeof *p->owner));
-    for (int64_t i = 0; i < p->n_nodes; i++)
-        p->owner[i] = p->rank;
-    for (PetscInt i = 0; i < n_leaves; i++) {
-        const int64_t node = (local ? local[i] : i) - p->first_point;
-        if (node >= 0 && node < p->n_nodes)
-            p->owner[node] = (int)remote[i].rank;
-    }
-    return 0;
-}
-
-PetscErrorCode pl_piece_begin(MPI_Comm comm, DM dm, pl_piece *p) {
-    PetscInt dim, first, last, node_first, node_last, point_last;
     MPI_Comm_rank(comm, &p->rank);
     PetscCall(DMGetDimension(dm, &dim));
     PetscCall(DMPlexGetChart(dm, NULL, &point_last));
@@ -113,7 +97,17 @@ PetscErrorCode pl_piece_begin(MPI_Comm comm, DM dm, pl_piece *p) {
     p->n_elements = last;
     p->n_nodes = last > 0 ? node_last - node_first : 0;
     p->first_point = node_first;
-    PetscCall(find_owners(p, dm));
+    PetscCall(DMGetPointSF(dm, &p->points));
+    PetscCall(PetscObjectReference((PetscObject)p->points));
+    PetscCall(PetscSFGetGraph(p->points, NULL, &n_leaves, &local, &remote));
+    PetscCall(make_room(&p->owner, p->n_nodes, sizeof *p->owner));
+    for (int64_t i = 0; i < p->n_nodes; i++)
+        p->owner[i] = p->rank;
+    for (PetscInt i = 0; i < n_leaves; i++) {
+        const int64_t node = (local ? local[i] : i) - p->first_point;
+        if (node >= 0 && node < p->n_nodes)
+            p->owner[node] = (int)remote[i].rank;
+    }
     PetscCall(make_room(&p->element, p->n_elements, sizeof *p->element));
     PetscCall(make_room(&p->node, p->n_nodes, sizeof *p->node));
     PetscCall(make_room(&p->corner, p->n_elements * (dim + 1), sizeof *p->corner));

@@ -198,17 +198,6 @@ static PetscErrorCode find_corners(const pl_plexfile *f, const int64_t *number, 
     return 0;
 }
 
-/** Without faces and edges, which are of no use here: the same elements and nodes. */
-static PetscErrorCode without_faces(const pl_plexfile *f, DM *dm) {
-    PetscInt depth;
-    PetscCall(DMPlexGetDepth(f->dm, &depth));
-    MPI_Allreduce(MPI_IN_PLACE, &depth, 1, MPIU_INT, MPI_MAX, f->comm);
-    if (depth > 1)
-        return DMPlexUninterpolate(f->dm, dm);
-    *dm = f->dm;
-    return PetscObjectReference((PetscObject)f->dm);
-}
-
 /** Numbers, corners and coordinates as they are here. */
 typedef struct loaded {
     PetscInt n_elements, node_first, node_last;
@@ -276,13 +265,6 @@ PetscErrorCode pl_plexfile_nodes(const pl_plexfile *f, int64_t *n, int64_t **num
         (*number)[i] = of_point[node_first + i] - f->first_node;
     free(of_point);
     return take_coordinates(f, node_first, node_first + (PetscInt)*n, *x);
-}
-
-static void destroy_loaded(loaded *l) {
-    free(l->number);
-    free(l->corner);
-    free(l->region);
-    free(l->x);
 }
 
 /** Numbers of n points that sf leads to, less base. */
@@ -386,8 +368,17 @@ static PetscErrorCode cut(pl_plexfile *f, const loaded *l, pl_piece *piece) {
     DM dm = NULL, out = NULL;
     PetscSF migration = NULL;
     PetscMPIInt n_ranks;
+    PetscInt depth;
     MPI_Comm_size(f->comm, &n_ranks);
-    PetscCall(without_faces(f, &dm));
+    /* Faces and edges are of no use here. */
+    PetscCall(DMPlexGetDepth(f->dm, &depth));
+    MPI_Allreduce(MPI_IN_PLACE, &depth, 1, MPIU_INT, MPI_MAX, f->comm);
+    if (depth > 1) {
+        PetscCall(DMPlexUninterpolate(f->dm, &dm));
+    } else {
+        dm = f->dm;
+        PetscCall(PetscObjectReference((PetscObject)dm));
+    }
     if (n_ranks == 1) {
         PetscCall(take_all(f, dm, l, piece));
     } else {
@@ -399,13 +390,6 @@ static PetscErrorCode cut(pl_plexfile *f, const loaded *l, pl_piece *piece) {
     return PetscSFDestroy(&migration);
 }
 
-static int fail_faces(planish_error *error) {
-    *error = (planish_error){PLANISH_ERROR_MESH, -1, -1,
-                             "an element has faces that are not those of one simplex; the file is "
-                             "damaged"};
-    return error->code;
-}
-
 int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error) {
     loaded l = {.n_elements = 0};
     *piece = (pl_piece){.dim = 0};
@@ -414,9 +398,16 @@ int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error) {
     const int is_damaged = code == PETSC_ERR_ARG_WRONG;
     if (!code)
         code = cut(file, &l, piece);
-    destroy_loaded(&l);
-    if (is_damaged)
-        return fail_faces(error);
+    free(l.number);
+    free(l.corner);
+    free(l.region);
+    free(l.x);
+    if (is_damaged) {
+        *error = (planish_error){PLANISH_ERROR_MESH, -1, -1,
+                                 "an element has faces that are not those of one simplex; the file "
+                                 "is damaged"};
+        return error->code;
+    }
     return code ? pl_fail_petsc(error, code) : PLANISH_OK;
 }
 
@@ -433,28 +424,21 @@ static pl_temporaries temporaries(void) {
     return (pl_temporaries){pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE};
 }
 
-/** Make the file, which its owner may read and write whatever mode it is to have. */
-static int make_beside(const char *path, pl_plexout *out, planish_error *error) {
-    const int code = pl_output_open(path, temporaries(), &out->output, error);
-    if (code)
-        return code;
-    if (!out->output.temporary)
-        return fail(
-            error, PLANISH_ERROR_FILE, path,
-            "is a pipe or device, which HDF5 cannot be written to; give the name of a file");
-    out->mode = pl_file_make_accessible(out->output.temporary);
-    return PLANISH_OK;
-}
-
-/** Likewise, in all processes: the first one makes it, and all know its name, in text [size]. */
+/** Make the file beside path, in the first process; all know its name, in text [size]. Its owner
+ * may read and write it whatever mode it is to have. */
 static int begin_beside(MPI_Comm comm, const char *path, pl_plexout *out, char *text, int size,
                         planish_error *error) {
     int rank, code = PLANISH_OK;
     MPI_Comm_rank(comm, &rank);
     *out = (pl_plexout){.output = {.fd = -1}, .mode = -1};
-    if (rank == 0) {
-        code = make_beside(path, out, error);
-        if (!code && snprintf(text, (size_t)size, "%s", out->output.temporary) >= size)
+    if (rank == 0)
+        code = pl_output_open(path, temporaries(), &out->output, error);
+    const char *temporary = code ? NULL : out->output.temporary;
+    if (rank == 0 && !code && !temporary)
+        code = fail(error, PLANISH_ERROR_FILE, path, "is a pipe or device; HDF5 needs a file");
+    if (rank == 0 && !code) {
+        out->mode = pl_file_make_accessible(temporary);
+        if (snprintf(text, (size_t)size, "%s", temporary) >= size)
             code = fail(error, PLANISH_ERROR_FILE, path, "has too long a name");
     }
     MPI_Bcast(&code, 1, MPI_INT, 0, comm);

@@ -34,29 +34,19 @@ typedef struct rows {
     double *x;        /* [n][dim] */
 } rows;
 
-static void destroy_rows(rows *r) {
-    free(r->stretch);
-    free(r->begin);
-    free(r->x);
-}
-
 /* ---- where they stand ----------------------------------------------------------------------- */
 
-/** 0, or -1. */
-static int copy_stream(FILE *from, FILE *to) {
-    enum { AT_ONCE = 1 << 20 };
-    char *buffer = malloc(AT_ONCE);
-    size_t n = 0;
-    while (buffer && (n = fread(buffer, 1, AT_ONCE, from)) > 0)
-        if (fwrite(buffer, 1, n, to) != n)
-            break;
-    free(buffer);
-    return buffer && n == 0 && !ferror(from) ? 0 : -1;
-}
-
+/** Copy a file; 0, or -1: errno. */
 static int copy_file(const char *from, const char *to) {
+    enum { AT_ONCE = 1 << 20 };
     FILE *in = fopen(from, "rb"), *out = in ? fopen(to, "wb") : NULL;
-    int status = out ? copy_stream(in, out) : -1;
+    char *buffer = out ? malloc(AT_ONCE) : NULL;
+    size_t n = 0;
+    while (buffer && (n = fread(buffer, 1, AT_ONCE, in)) > 0)
+        if (fwrite(buffer, 1, n, out) != n)
+            break;
+    int status = buffer && n == 0 && !ferror(in) ? 0 : -1;
+    free(buffer);
     if (out && fclose(out) != 0)
         status = -1;
     if (in)
@@ -64,39 +54,20 @@ static int copy_file(const char *from, const char *to) {
     return status;
 }
 
-/** In the first process. */
-static void find_stretches(const pl_plexfile *f, const char *path, rows *r) {
-    io_span *span;
-    int64_t n;
-    planish_error error;
-    if (io_hdf5_find_rows(path, f->form.coordinates, f->n_nodes, f->dim, &span, &n, &error))
-        n = 0;
-    r->stretch = pl_new_array(n, sizeof *r->stretch);
-    r->n_stretches = r->stretch ? n : 0;
-    for (int64_t i = 0; i < r->n_stretches; i++)
-        r->stretch[i] = (stretch){span[i].first_node, span[i].n_nodes, span[i].offset};
-    pl_free(span);
-}
-
-/** Whether coordinates stand in the file as doubles, row by row. */
-static int has_rows(const char *path, const io_plex_outline *o) {
-    io_span *span = NULL;
-    int64_t n = 0;
-    planish_error error;
-    if (io_hdf5_find_rows(path, o->coordinates, o->n_nodes, o->dim, &span, &n, &error))
-        n = 0;
-    pl_free(span);
-    return n > 0;
-}
-
 const char *pl_plexrows_refusal(const char *path, pl_plexform *form) {
     io_plex_outline o;
+    io_span *span = NULL;
+    int64_t n_spans;
     planish_error error;
     const int newest = PETSC_VERSION_LT(3, 19, 0) ? 2 : 3; /* that this PETSc can read */
     if (io_plex_outline_of(path, &o, &error))
         return "";
     snprintf(form->name, sizeof form->name, "%s", o.name);
     snprintf(form->coordinates, sizeof form->coordinates, "%s", o.coordinates);
+    /* Whether coordinates stand in the file as doubles, row by row. */
+    if (io_hdf5_find_rows(path, o.coordinates, o.n_nodes, o.dim, &span, &n_spans, &error))
+        n_spans = 0;
+    pl_free(span);
     return o.version > newest ? "this PETSc cannot read its storage version"
            : o.columns != o.dim
                ? "its nodes have three coordinates, and its elements two dimensions"
@@ -104,8 +75,8 @@ const char *pl_plexrows_refusal(const char *path, pl_plexform *form) {
            : !o.has_regions_alone
                ? "it has labels besides 'Cell Sets', or elements in two of these, or a set -1"
            : o.has_copies ? "it has its coordinates more than once, or vectors as long as they are"
-           : !has_rows(path, &o) ? "its coordinates do not stand there as doubles, row by row"
-                                 : NULL;
+           : n_spans == 0 ? "its coordinates do not stand there as doubles, row by row"
+                          : NULL;
 }
 
 /** What the first process has found, in all; and who has which rows. */
@@ -166,11 +137,6 @@ static int move_rows(const pl_plexfile *f, const rows *r, const char *path, int 
     if (fd >= 0 && close(fd) != 0)
         status = -1;
     return moved == r->n ? status : -1;
-}
-
-static int in_all(MPI_Comm comm, int holds) {
-    MPI_Allreduce(MPI_IN_PLACE, &holds, 1, MPI_INT, MPI_MIN, comm);
-    return holds;
 }
 
 /* ---- what is in them ------------------------------------------------------------------------ */
@@ -266,10 +232,12 @@ static uint64_t add_up(const pl_plexfile *f, const rows *r) {
 
 /** Whether a step was done in all processes; if not, *reason of those that have failed. */
 static int is_done(const pl_plexfile *f, int failed, int *reason) {
+    int done = !failed;
     *reason = failed ? errno : 0;
     if (failed && !errno) /* the file is shorter than it was */
         *reason = EIO;
-    return in_all(f->comm, !failed);
+    MPI_Allreduce(MPI_IN_PLACE, &done, 1, MPI_INT, MPI_MIN, f->comm);
+    return done;
 }
 
 /** In the copy at path. */
@@ -297,14 +265,26 @@ static PetscErrorCode change(const pl_plexfile *f, const pl_share *share, const 
 PetscErrorCode pl_plexrows_write(const pl_plexfile *f, const pl_share *share, const char *path,
                                  uint64_t *checksums, int *reason) {
     rows r = {.n_stretches = 0};
+    io_span *span = NULL;
+    int64_t n = 0;
+    planish_error error;
     PetscMPIInt rank;
     MPI_Comm_rank(f->comm, &rank);
     errno = 0;
     if (!is_done(f, rank == 0 && copy_file(f->path, path), reason))
         return 0;
-    if (rank == 0)
-        find_stretches(f, path, &r);
+    if (rank == 0) { /* which finds the stretches */
+        if (io_hdf5_find_rows(path, f->form.coordinates, f->n_nodes, f->dim, &span, &n, &error))
+            n = 0;
+        r.stretch = pl_new_array(n, sizeof *r.stretch);
+        r.n_stretches = r.stretch ? n : 0;
+        for (int64_t i = 0; i < r.n_stretches; i++)
+            r.stretch[i] = (stretch){span[i].first_node, span[i].n_nodes, span[i].offset};
+        pl_free(span);
+    }
     const PetscErrorCode code = change(f, share, path, &r, checksums, reason);
-    destroy_rows(&r);
+    free(r.stretch);
+    free(r.begin);
+    free(r.x);
     return code;
 }

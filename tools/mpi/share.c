@@ -24,8 +24,8 @@ int pl_fail_petsc(planish_error *error, PetscErrorCode code) {
                                                            : PLANISH_ERROR_PROCESS,
                              .element = -1,
                              .node = -1};
-    snprintf(error->text, sizeof error->text, "PETSc could not share the mesh out: %s",
-             text ? text : "for a reason of its own");
+    snprintf(error->text, sizeof error->text, "PETSc could not distribute the mesh: %s",
+             text ? text : "unknown error");
     return error->code;
 }
 
@@ -60,12 +60,6 @@ static numbered *sort_numbers(const int32_t *number, int64_t n) {
     return sorted;
 }
 
-static int64_t find_number(const numbered *sorted, int64_t n, int32_t number) {
-    const numbered key = {.number = number};
-    const numbered *found = bsearch(&key, sorted, (size_t)n, sizeof *sorted, compare_numbered);
-    return found ? found->at : -1;
-}
-
 /** Elements with a node of this process, and their nodes. Corners become places in the piece. */
 static int select_elements(pl_piece *p, const numbered *nodes, selection *s) {
     const int corners = p->dim + 1;
@@ -82,7 +76,10 @@ static int select_elements(pl_piece *p, const numbered *nodes, selection *s) {
         int32_t *corner = p->corner + cell * corners;
         int is_ours = 0;
         for (int j = 0; j < corners; j++) {
-            corner[j] = (int32_t)find_number(nodes, p->n_nodes, corner[j]);
+            const numbered key = {.number = corner[j]};
+            const numbered *found =
+                bsearch(&key, nodes, (size_t)p->n_nodes, sizeof *nodes, compare_numbered);
+            corner[j] = found ? (int32_t)found->at : -1;
             is_ours |= p->owner[corner[j]] == p->rank;
         }
         for (int j = 0; is_ours && j < corners; j++)
@@ -135,25 +132,18 @@ static int32_t *find_unused(const planish_mesh *whole, int64_t *n) {
     return unused;
 }
 
+/** 0, or -1 without memory. */
 static int select_part(pl_piece *p, const planish_mesh *whole, selection *s) {
     int64_t n_unused;
     numbered *nodes = sort_numbers(p->node, p->n_nodes);
     int32_t *unused = find_unused(whole, &n_unused);
-    int status = nodes && unused ? 0 : -1;
-    if (!status)
-        status = select_elements(p, nodes, s);
-    if (!status)
-        status = select_nodes(p, nodes, unused, n_unused, s);
+    const int status = nodes && unused && !select_elements(p, nodes, s) &&
+                               !select_nodes(p, nodes, unused, n_unused, s)
+                           ? 0
+                           : -1;
     free(nodes);
     free(unused);
     return status;
-}
-
-static void destroy_selection(selection *s) {
-    free(s->node);
-    free(s->element);
-    free(s->number);
-    free(s->here);
 }
 
 /** Values [.][size] of nodes or elements of the part, which are at [n] in those of the piece; of a
@@ -309,17 +299,10 @@ static int take_piece(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
         status = fail_memory(error);
     share->mesh.n_nodes = s.n_nodes;
     share->mesh.n_elements = s.n_elements;
-    destroy_selection(&s);
-    return status;
-}
-
-static int share_out(pl_share *share, MPI_Comm comm, const pl_outline *o, const planish_mesh *whole,
-                     planish_error *error) {
-    pl_piece p = {.dim = 0};
-    const PetscErrorCode code = pl_piece_cut(comm, o, whole, &p);
-    const int status =
-        code ? pl_fail_petsc(error, code) : take_piece(share, comm, whole, &p, error);
-    pl_piece_destroy(&p);
+    free(s.node);
+    free(s.element);
+    free(s.number);
+    free(s.here);
     return status;
 }
 
@@ -371,15 +354,6 @@ static void finish(pl_share *share, int dim) {
     share->mesh.part = &share->part;
 }
 
-/** How values are collected in the first process. */
-static int start_collections(pl_share *share, MPI_Comm comm) {
-    const planish_mesh *mesh = &share->mesh;
-    return start_collection(&share->own_nodes, comm, share->node_number, share->role, PLANISH_GHOST,
-                            mesh->n_nodes) ||
-           start_collection(&share->counted_elements, comm, share->element_number,
-                            share->is_counted, 0, mesh->n_elements);
-}
-
 int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
                     planish_error *error) {
     int n_ranks;
@@ -395,16 +369,27 @@ int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
                          .has_min_volume = whole->min_volume != NULL};
     MPI_Bcast(&o, sizeof o, MPI_BYTE, 0, comm);
     if (n_ranks > 1 && o.n_nodes + o.n_elements * (o.dim + 1) > PETSC_MAX_INT)
-        return fail(
-            error, PLANISH_ERROR_PARTS,
-            "PETSc was built with integers of 32 bits, which are too short for a mesh of so "
-            "many nodes and elements; one with 64 is needed");
-    const int status = n_ranks > 1 ? share_out(share, comm, &o, whole, error)
-                                   : take_all(share, comm, whole, error);
+        return fail(error, PLANISH_ERROR_PARTS,
+                    "this mesh needs a PETSc with integers of 64 bits; this PETSc has 32 bits");
+    int status;
+    if (n_ranks == 1) {
+        status = take_all(share, comm, whole, error);
+    } else {
+        pl_piece p = {.dim = 0};
+        const PetscErrorCode code = pl_piece_cut(comm, &o, whole, &p);
+        status = code ? pl_fail_petsc(error, code) : take_piece(share, comm, whole, &p, error);
+        pl_piece_destroy(&p);
+    }
     if (status)
         return status;
     finish(share, o.dim);
-    return start_collections(share, comm) ? fail_memory(error) : PLANISH_OK;
+    /* How values are collected in the first process. */
+    return start_collection(&share->own_nodes, comm, share->node_number, share->role, PLANISH_GHOST,
+                            share->mesh.n_nodes) ||
+                   start_collection(&share->counted_elements, comm, share->element_number,
+                                    share->is_counted, 0, share->mesh.n_elements)
+               ? fail_memory(error)
+               : PLANISH_OK;
 }
 
 int pl_share_take(pl_share *share, MPI_Comm comm, pl_piece *piece, planish_error *error) {

@@ -43,7 +43,7 @@ static int fail_memory(planish_error *error) {
 
 static int fail_size(planish_error *error) {
     *error = (planish_error){PLANISH_ERROR_PARTS, -1, -1,
-                             "the surface has too many nodes for one process; do without --slide"};
+                             "the surface has too many nodes for one process; leave out --slide"};
     return error->code;
 }
 
@@ -91,16 +91,6 @@ static void mark_facets(void *context, int32_t node, const pl_facet *facets, int
     }
 }
 
-static int find_surface(marking *m, planish_error *error) {
-    pl_incidence incidence;
-    int code = pl_incidence_create(&m->share->mesh, NULL, 1, &incidence, error);
-    if (code)
-        return code;
-    code = pl_facets_match(&m->share->mesh, &incidence, NULL, 1, mark_facets, m, error);
-    pl_incidence_destroy(&incidence);
-    return code;
-}
-
 /** Where values of ghosts go. */
 typedef struct arrival {
     char *values;
@@ -138,17 +128,6 @@ static int has_marked(const pl_share *share, int64_t element, const uint8_t *is_
     for (int j = 0; j < corners; j++)
         any |= is_marked[share->elements[element * corners + j]];
     return any;
-}
-
-enum { SURFACE = 1, NEAR = 2 };
-
-/** Nodes of elements that have one of the surface are NEAR. */
-static void mark_near(const pl_share *share, const uint8_t *is_surface, uint8_t *mark) {
-    const int corners = share->mesh.dim + 1;
-    memcpy(mark, is_surface, (size_t)share->mesh.n_nodes);
-    for (int64_t i = 0; i < share->mesh.n_elements; i++)
-        for (int j = 0; has_marked(share, i, is_surface) && j < corners; j++)
-            mark[share->elements[i * corners + j]] |= NEAR;
 }
 
 /** Those that this process counts. */
@@ -217,15 +196,6 @@ static void gather(const pl_crew *crew, const layout *l, const void *mine, int64
     MPI_Type_contiguous(size, MPI_BYTE, &type);
     MPI_Type_commit(&type);
     MPI_Gatherv(mine, (int)n, type, all, l->count, l->begin, type, 0, crew->comm);
-    MPI_Type_free(&type);
-}
-
-static void scatter(const pl_crew *crew, const layout *l, const void *all, int64_t n, int size,
-                    void *mine) {
-    MPI_Datatype type;
-    MPI_Type_contiguous(size, MPI_BYTE, &type);
-    MPI_Type_commit(&type);
-    MPI_Scatterv(all, l->count, l->begin, type, mine, (int)n, type, 0, crew->comm);
     MPI_Type_free(&type);
 }
 
@@ -334,8 +304,14 @@ static int ask(const pl_crew *crew, near *mine, double tolerance, planish_error 
         code = pl_crew_agree(
             crew, crew->rank == 0 ? look_at_all(crew, &all, tolerance, error) : PLANISH_OK, error);
     }
-    if (!code)
-        scatter(crew, &nodes, all.answer, mine->n_nodes, sizeof *mine->answer, mine->answer);
+    if (!code) {
+        MPI_Datatype type;
+        MPI_Type_contiguous(sizeof *mine->answer, MPI_BYTE, &type);
+        MPI_Type_commit(&type);
+        MPI_Scatterv(all.answer, nodes.count, nodes.begin, type, mine->answer, (int)mine->n_nodes,
+                     type, 0, crew->comm);
+        MPI_Type_free(&type);
+    }
     near_destroy(&all);
     layout_destroy(&nodes);
     layout_destroy(&elements);
@@ -389,12 +365,22 @@ static int slide(pl_crew *crew, double tolerance, room *r, planish_error *error)
     pl_share *share = &crew->share;
     marking m = {share, r->is_surface};
     near mine = {0};
-    int code = pl_crew_agree(crew, find_surface(&m, error), error);
+    pl_incidence incidence;
+    const int corners = share->mesh.dim + 1;
+    int code = pl_incidence_create(&share->mesh, NULL, 1, &incidence, error);
+    if (!code) {
+        code = pl_facets_match(&share->mesh, &incidence, NULL, 1, mark_facets, &m, error);
+        pl_incidence_destroy(&incidence);
+    }
+    code = pl_crew_agree(crew, code, error);
     if (!code)
         code = pl_crew_agree(crew, update(share, r->is_surface, 1, r->shared, r->values, error),
                              error);
     if (!code) {
-        mark_near(share, r->is_surface, r->mark);
+        memcpy(r->mark, r->is_surface, (size_t)share->mesh.n_nodes);
+        for (int64_t i = 0; i < share->mesh.n_elements; i++)
+            for (int j = 0; has_marked(share, i, r->is_surface) && j < corners; j++)
+                r->mark[share->elements[i * corners + j]] = 1;
         code = pl_crew_agree(crew, list_near(share, r->is_surface, r->mark, &mine, error), error);
     }
     if (!code)

@@ -46,7 +46,8 @@ static void put_option(const pl_option_text *o) {
     printf("\n");
 }
 
-/** ".SS Options of smooth and quality", if there are any that these commands have and no others. */
+/** Put ".SS Options of smooth and quality", if there are any that these commands have and no
+ * others. */
 static void put_options_of(unsigned commands) {
     pl_option_text option;
     const pl_command_text *command;
@@ -65,38 +66,7 @@ static void put_options_of(unsigned commands) {
             put_option(&option);
 }
 
-static void put_options(void) {
-    printf(".SH OPTIONS\n");
-    for (unsigned n_commands = 3; n_commands > 0; n_commands--) /* what most have comes first */
-        for (unsigned commands = 1; commands <= PL_COMMANDS_ALL; commands++)
-            if ((commands & 1) + (commands >> 1 & 1) + (commands >> 2 & 1) == n_commands)
-                put_options_of(commands);
-}
-
-static void put_commands(void) {
-    const pl_command_text *command;
-    printf(".SH COMMANDS\n");
-    for (int i = 0; (command = pl_command_at(i)); i++) {
-        printf(".TP\n");
-        put_synopsis(command);
-        put_troff(command->description);
-        printf("\n");
-    }
-    printf(".TP\n\\fBplanish help\\fR [\\fICOMMAND\\fR]\nShow the help of the program, or of a "
-           "command.\n");
-}
-
-static void put_exit_status(void) {
-    const pl_command_text *command;
-    printf(".SH EXIT STATUS\n");
-    for (int i = 0; (command = pl_command_at(i)); i++) {
-        printf(".TP\n.B %s\n", command->name);
-        put_troff(command->exit_status);
-        printf("\n");
-    }
-}
-
-static void put_head(void) {
+static void put_man(void) {
     const pl_command_text *command;
     printf(".TH PLANISH 1 \"\" \"planish %s\" \"User commands\"\n", planish_version());
     printf(".SH NAME\nplanish \\- smooth and untangle meshes of tetrahedra or triangles\n"
@@ -108,55 +78,60 @@ static void put_head(void) {
     printf("\\fBplanish help\\fR [\\fICOMMAND\\fR]\n.br\n\\fBplanish \\-\\-version\\fR\n"
            ".SH DESCRIPTION\n");
     put_troff(pl_program_summary);
-    printf("\n");
-}
-
-static void put_man(void) {
-    put_head();
-    put_commands();
-    put_options();
+    printf("\n.SH COMMANDS\n");
+    for (int i = 0; (command = pl_command_at(i)); i++) {
+        printf(".TP\n");
+        put_synopsis(command);
+        put_troff(command->description);
+        printf("\n");
+    }
+    printf(".TP\n\\fBplanish help\\fR [\\fICOMMAND\\fR]\nShow the help of the program, or of a "
+           "command.\n.SH OPTIONS\n");
+    for (unsigned n_commands = 3; n_commands > 0; n_commands--) /* what most have comes first */
+        for (unsigned commands = 1; commands <= PL_COMMANDS_ALL; commands++)
+            if ((commands & 1) + (commands >> 1 & 1) + (commands >> 2 & 1) == n_commands)
+                put_options_of(commands);
     printf(".SH FORMATS\n");
     put_troff(pl_program_formats);
     printf(
-        "\nFiles are told by their content, then by their names, and written in the\nformat they "
-        "were read in.\nIf\n.I OUT\nhas the extension .vtu or .vtk, and\n"
-        ".I IN\nis of another format, it is a copy for viewing, with the elements' radius\n"
-        "ratios, regions and groups.\n");
-    put_exit_status();
-    printf(".SH SIGNALS\n"
-           "SIGINT, SIGTERM and SIGHUP end the smoothing, and the mesh is written,\nwith status 1; "
-           "the second one\nends the program at once.\n"
-           ".SH ENVIRONMENT\n"
-           ".TP\n.B OMP_NUM_THREADS\nhow many threads there are without \\-\\-threads\n"
-           ".TP\n.BR OMP_PROC_BIND \", \" OMP_PLACES \", \" GOMP_CPU_AFFINITY\nif one of them is "
-           "set, planish binds no "
-           "thread by itself\n"
-           ".TP\n.B NO_COLOR\nif it is set, and not empty, nothing is coloured; nor is it where\n"
-           "TERM is dumb, or the output\nis no terminal\n"
-           ".SH EXAMPLES\n"
-           ".EX\nplanish smooth in.msh \\-o out.msh \\-\\-report page.html\n"
-           "planish smooth in.mesh \\-o out.mesh \\-\\-slide auto \\-\\-objective worst\n"
-           "planish quality in.msh out.msh\n"
-           "planish quality out.msh \\-\\-worst 20 \\-\\-json \\-\n.EE\n"
-           ".SH SEE ALSO\n.BR planish (3),\n.BR gmsh (1),\n.BR tetgen (1)\n");
+        "\nplanish detects the format of a file by its content, then by its name, and writes the\n"
+        "format that it has read.\nIf\n.I OUT\nends in .vtu or .vtk and\n.I IN\nhas another format,"
+        "\n.I OUT\nis a copy for viewing, with radius ratios, regions and groups.\n"
+        ".SH EXIT STATUS\n");
+    for (int i = 0; (command = pl_command_at(i)); i++) {
+        printf(".TP\n.B %s\n", command->name);
+        put_troff(command->exit_status);
+        printf("\n");
+    }
+    printf(
+        ".SH SIGNALS\n"
+        "SIGINT, SIGTERM and SIGHUP end the smoothing. planish then writes the mesh and exits with"
+        "\nstatus 1. A second signal ends planish at once.\n"
+        ".SH ENVIRONMENT\n"
+        ".TP\n.B OMP_NUM_THREADS\nnumber of threads without \\-\\-threads\n"
+        ".TP\n.BR OMP_PROC_BIND \", \" OMP_PLACES \", \" GOMP_CPU_AFFINITY\nif one of them is "
+        "set, planish binds no thread\n"
+        ".TP\n.B NO_COLOR\nif it is set and not empty, planish prints no colours; nor does it if"
+        "\nTERM is dumb, or the output is no terminal\n"
+        ".SH EXAMPLES\n"
+        ".EX\nplanish smooth in.msh \\-o out.msh \\-\\-report page.html\n"
+        "planish smooth in.mesh \\-o out.mesh \\-\\-slide auto \\-\\-objective worst\n"
+        "planish quality in.msh out.msh\n"
+        "planish quality out.msh \\-\\-worst 20 \\-\\-json \\-\n.EE\n"
+        ".SH SEE ALSO\n.BR planish (3),\n.BR gmsh (1),\n.BR tetgen (1)\n");
 }
 
 /* ---- completion ------------------------------------------------------------------------------ */
 
-/** Whether an option before row i has the same name: that of another command, with a value of the
- *  same kind. */
-static int is_repeated(int i, const char *name) {
-    pl_option_text o;
-    for (int j = 0; j < i && pl_option_describe(j, &o); j++)
-        if (strcmp(o.name, name) == 0)
-            return 1;
-    return 0;
-}
-
+/** Put what bash completes behind an option with a value; of options of one name, which are those
+ * of several commands, values are of the same kind. */
 static void put_bash_values(void) {
-    pl_option_text o;
+    pl_option_text o, before;
     for (int i = 0; pl_option_describe(i, &o); i++) {
-        if (!o.value || is_repeated(i, o.name))
+        int is_repeated = 0;
+        for (int j = 0; j < i && pl_option_describe(j, &before); j++)
+            is_repeated |= strcmp(before.name, o.name) == 0;
+        if (!o.value || is_repeated)
             continue;
         printf("    --%s", o.name);
         if (o.letter)
@@ -170,27 +145,9 @@ static void put_bash_values(void) {
     }
 }
 
-static void put_bash_option(const pl_option_text *o) {
-    if (o->letter)
-        printf(" -%c", o->letter);
-    if (o->is_doubled)
-        printf(" -%c%c", o->letter, o->letter);
-    printf(" --%s", o->name);
-}
-
-static void put_bash_options(void) {
+static void put_bash(void) {
     const pl_command_text *command;
     pl_option_text o;
-    for (int i = 0; (command = pl_command_at(i)); i++) {
-        printf("    %s) options='", command->name);
-        for (int j = 0; pl_option_describe(j, &o); j++)
-            if (o.commands & command->command)
-                put_bash_option(&o);
-        printf("' ;;\n");
-    }
-}
-
-static void put_bash(void) {
     char names[128];
     pl_command_list(" ", " ", names, sizeof names);
     printf("# bash completion for planish\n_planish() {\n"
@@ -207,7 +164,19 @@ static void put_bash(void) {
            names);
     put_bash_values();
     printf("    esac\n    case ${COMP_WORDS[1]} in\n");
-    put_bash_options();
+    for (int i = 0; (command = pl_command_at(i)); i++) {
+        printf("    %s) options='", command->name);
+        for (int j = 0; pl_option_describe(j, &o); j++) {
+            if (!(o.commands & command->command))
+                continue;
+            if (o.letter)
+                printf(" -%c", o.letter);
+            if (o.is_doubled)
+                printf(" -%c%c", o.letter, o.letter);
+            printf(" --%s", o.name);
+        }
+        printf("' ;;\n");
+    }
     printf("    help) COMPREPLY=($(compgen -W '%s' -- \"$word\")); return ;;\n    esac\n"
            "    if [[ $word == -* ]]; then\n"
            "        COMPREPLY=($(compgen -W \"$options\" -- \"$word\"))\n"
@@ -249,8 +218,9 @@ static void put_zsh_option(const pl_option_text *o) {
     printf("'");
 }
 
-static void put_zsh_commands(void) {
+static void put_zsh(void) {
     const pl_command_text *command;
+    pl_option_text o;
     printf("#compdef planish\n\nlocal -a commands=(\n");
     for (int i = 0; (command = pl_command_at(i)); i++) {
         printf("    '%s:", command->name);
@@ -258,16 +228,10 @@ static void put_zsh_commands(void) {
         printf("'\n");
     }
     printf(")\nif (( CURRENT == 2 )); then\n"
-           "    local -a others=('help:the options of a command' '--help:what there is' "
+           "    local -a others=('help:show the options of a command' '--help:show the commands' "
            "'--version:show the version')\n"
-           "    _describe -t commands command commands -- others\n    return\nfi\n");
-}
-
-static void put_zsh(void) {
-    const pl_command_text *command;
-    pl_option_text o;
-    put_zsh_commands();
-    printf("case $words[2] in\nhelp)\n    _describe -t commands command commands\n    ;;\n");
+           "    _describe -t commands command commands -- others\n    return\nfi\n"
+           "case $words[2] in\nhelp)\n    _describe -t commands command commands\n    ;;\n");
     for (int i = 0; (command = pl_command_at(i)); i++) {
         printf("%s)\n    shift words; (( CURRENT-- ))\n    _arguments '*:", command->name);
         put_zsh_text(command->operand);

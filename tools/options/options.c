@@ -192,7 +192,7 @@ static const char *set_min_volume(pl_arguments *arguments, const option_row *row
     }
     char *tag = strdup(value);
     if (!tag)
-        return "needs more memory than there is";
+        return "needs too much memory";
     tag[sign - value] = '\0';
     arguments->min_volume_tag[arguments->n_min_volumes] = tag;
     arguments->min_volume_value[arguments->n_min_volumes++] = volume;
@@ -485,7 +485,7 @@ static int complain_unknown(pl_command command, const char *name, const char *wo
     if (used)
         return pl_complain_usage(name, "option '--%s' is ambiguous: %s", typed, others);
     if (elsewhere)
-        return pl_complain_usage(name, "option --%s is not one of planish %s", typed, name);
+        return pl_complain_usage(name, "planish %s has no option --%s", name, typed);
     if (nearest)
         return pl_complain_usage(name, "unknown option '--%s'; did you mean --%s?", typed, nearest);
     return pl_complain_usage(name, "unknown option '--%s'", typed);
@@ -571,7 +571,7 @@ static int check_combinations(const pl_arguments *arguments) {
         return pl_complain_usage(command, "--%s has no effect without --objective worst",
                                  arguments->of_worst);
     if (arguments->report && arguments->n_inputs > 1)
-        return pl_complain_usage(command, "--report makes a page of one mesh, and %d are named",
+        return pl_complain_usage(command, "--report takes one mesh, but %d are named",
                                  arguments->n_inputs);
     if (arguments->n_worst > 0 && arguments->verbosity == PL_QUIET && !arguments->json &&
         !arguments->report)

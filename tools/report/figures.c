@@ -25,7 +25,7 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
     if (!cJSON_IsObject(result))
         return "is not a JSON object";
     if (cJSON_IsArray(cJSON_GetObjectItemCaseSensitive(result, "meshes")))
-        return "compares several meshes; a page is of one: make it with 'planish quality' of that";
+        return "compares several meshes; run 'planish quality FILE --report PAGE' for one";
     if (!cJSON_IsObject(mesh) || pl_figure_count(mesh, "elements") <= 0)
         return "has no 'mesh' with its elements";
     if (is_quality(before) && is_quality(after)) {

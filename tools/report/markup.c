@@ -1,7 +1,7 @@
 /* markup: text that grows, for pages and the drawings in them. */
 #include "report/markup.h"
 
-#include "terminal/utf8.h"
+#include "terminal/text.h"
 
 #include "base/base64.h"
 

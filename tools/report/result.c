@@ -8,7 +8,6 @@
 #include "job/held.h"
 #include "terminal/platform.h"
 #include "terminal/text.h"
-#include "terminal/utf8.h"
 
 #include <cjson/cJSON.h>
 

@@ -11,20 +11,14 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-/** A closed standard stream would give its number to the next file opened, and messages would then
- *  go into a mesh. A closed standard output stays an error for what is meant for it. */
-static int open_standard_streams(void) {
+char **pl_platform_begin(int argc, char **argv) {
+    (void)argc;
+    /* A closed standard stream would give its number to the next file opened, and messages would
+     * then go into a mesh. A closed standard output stays an error for what is meant for it. */
     for (int descriptor = 0; descriptor <= 2; descriptor++)
         if (fcntl(descriptor, F_GETFD) == -1 && errno == EBADF &&
             open("/dev/null", descriptor == STDOUT_FILENO ? O_RDONLY : O_RDWR) != descriptor)
-            return -1;
-    return 0;
-}
-
-char **pl_platform_begin(int argc, char **argv) {
-    (void)argc;
-    if (open_standard_streams())
-        return NULL;
+            return NULL;
     /* hwloc would print what it does not find on odd machines; placement copes without. */
     setenv("HWLOC_HIDE_ERRORS", "2", 0);
     /* Its plug-ins know graphics cards and the like, which nobody asks for: loading them takes as
@@ -56,27 +50,21 @@ int pl_console_columns(FILE *stream) {
     return ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
 
-/** Linux' own figure, in kilobytes: what getrusage says may be the peak of the process that began
- *  this one. 0: there is none. */
-static int64_t high_water_mark(void) {
+int64_t pl_peak_memory_bytes(void) {
     static const char key[] = "VmHWM:";
+    struct rusage usage;
     char line[256];
     long long kilobytes = 0;
+    /* Linux' own figure: what getrusage says may be the peak of the process that began this one. */
     FILE *status = fopen("/proc/self/status", "r");
     while (status && fgets(line, sizeof line, status))
         if (strncmp(line, key, sizeof key - 1) == 0)
             kilobytes = strtoll(line + sizeof key - 1, NULL, 10);
     if (status)
         fclose(status);
-    return kilobytes;
-}
-
-int64_t pl_peak_memory_bytes(void) {
-    struct rusage usage;
-    const int64_t mark = high_water_mark();
-    if (mark > 0)
-        return mark * 1024;
-    return getrusage(RUSAGE_SELF, &usage) == 0 ? (int64_t)usage.ru_maxrss * 1024 : 0;
+    if (kilobytes == 0 && getrusage(RUSAGE_SELF, &usage) == 0)
+        kilobytes = usage.ru_maxrss;
+    return kilobytes * 1024;
 }
 
 void pl_memory_stream_open(pl_memory_stream *stream) {

@@ -21,24 +21,17 @@ static char temporary_paths[PL_N_TEMPORARIES][PL_TEMPORARY_SIZE];
 static char input_name[PL_INPUT_NAME_SIZE]; /* as it can be shown */
 static atomic_int input_is_named;
 
-static void clear_line(void) {
-    static const char text[] = "\r" PL_ERASE_TO_END;
-    if (!atomic_exchange(&line_is_shown, 0))
-        return;
-    const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
+static void say(const char *text) {
+    const ssize_t written = write(STDERR_FILENO, text, (unsigned)strlen(text));
     (void)written;
 }
 
 void pl_signals_clean_up(void) {
-    clear_line();
+    if (atomic_exchange(&line_is_shown, 0))
+        say("\r" PL_ERASE_TO_END);
     for (int i = 0; i < PL_N_TEMPORARIES; i++)
         for (const char *path = temporary_paths[i]; *path; path += strlen(path) + 1)
             pl_file_remove(path);
-}
-
-static void say(const char *text) {
-    const ssize_t written = write(STDERR_FILENO, text, (unsigned)strlen(text));
-    (void)written;
 }
 
 void pl_signals_end(const char *text) {
@@ -67,8 +60,8 @@ void pl_signals_end_shorter(void) {
  * HDF5 with 255. The first would say that there is a mesh. */
 static void on_exit_by_others(void) {
     if (!atomic_load(&is_done))
-        pl_signals_end("planish: ended by a library that it uses, probably for want of memory or "
-                       "threads\n");
+        pl_signals_end(
+            "planish: a library ended the program, probably for lack of memory or threads\n");
 }
 
 void pl_signals_install(void) {

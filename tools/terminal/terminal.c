@@ -9,17 +9,13 @@
 
 enum { USUAL_COLUMNS = 80 };
 
-static int is_set(const char *name) {
-    const char *value = getenv(name);
-    return value && value[0];
-}
-
 int pl_terminal_is(FILE *stream) {
     return pl_console_is(stream) && pl_console_obeys();
 }
 
 int pl_terminal_has_colours(FILE *stream) {
-    return !is_set("NO_COLOR") && pl_terminal_is(stream);
+    const char *none = getenv("NO_COLOR");
+    return !(none && none[0]) && pl_terminal_is(stream);
 }
 
 int pl_terminal_has_blocks(FILE *stream) {

@@ -43,12 +43,6 @@ static int is_among(const range *ranges, size_t n, uint32_t code) {
     return 0;
 }
 
-static int columns_of(uint32_t code) {
-    if (is_among(narrow, sizeof narrow / sizeof *narrow, code))
-        return 0;
-    return is_among(wide, sizeof wide / sizeof *wide, code) ? 2 : 1;
-}
-
 /** The code that text begins with, and its bytes in *length; a byte that is no part of UTF-8 is
  *  taken for one of Latin-1. */
 static uint32_t decode(const char *text, int *length) {
@@ -74,7 +68,10 @@ static character character_at(const char *text) {
     character c;
     const uint32_t code = decode(text, &c.length);
     c.is_control = is_among(controls, sizeof controls / sizeof *controls, code);
-    c.columns = c.is_control || c.length == 1 ? 1 : columns_of(code);
+    c.columns = c.is_control || c.length == 1                            ? 1
+                : is_among(narrow, sizeof narrow / sizeof *narrow, code) ? 0
+                : is_among(wide, sizeof wide / sizeof *wide, code)       ? 2
+                                                                         : 1;
     return c;
 }
 
@@ -182,4 +179,20 @@ const char *pl_text_nearer(const char *typed, const char *nearest, const char *w
     if (difference > (strlen(word) + 1) / 3)
         return nearest;
     return !nearest || difference < difference_of(typed, nearest) ? word : nearest;
+}
+
+int pl_utf8_length(const char *text) {
+    const unsigned char *byte = (const unsigned char *)text;
+    const unsigned char lead = byte[0];
+    const int length = lead < 0x80 ? 1 : lead < 0xC2 ? 0 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
+    if (lead > 0xF4)
+        return 0;
+    for (int i = 1; i < length; i++)
+        if ((byte[i] & 0xC0) != 0x80)
+            return 0;
+    if (length < 3)
+        return length;
+    const int overlong = (lead == 0xE0 && byte[1] < 0xA0) || (lead == 0xF0 && byte[1] < 0x90);
+    const int no_character = (lead == 0xED && byte[1] > 0x9F) || (lead == 0xF4 && byte[1] > 0x8F);
+    return overlong || no_character ? 0 : length;
 }

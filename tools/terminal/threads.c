@@ -6,14 +6,6 @@
 #include <pthread.h>
 #include <stdlib.h>
 
-/** The number of threads that the user has told OpenMP, or 0. The library would take it as a bound
- *  beside the number of cores; here it is as good as -j. */
-static int told_openmp(void) {
-    const char *text = getenv("OMP_NUM_THREADS");
-    const long threads = text ? strtol(text, NULL, 10) : 0; /* of "4,2" the outermost level */
-    return threads > 0 && threads <= PL_MAX_THREADS ? (int)threads : 0;
-}
-
 static void *wait_for_gate(void *gate) {
     pthread_mutex_lock(gate);
     pthread_mutex_unlock(gate);
@@ -43,8 +35,12 @@ static void do_nothing(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 int pl_threads_to_use(int wanted) {
-    if (wanted == 0)
-        wanted = told_openmp();
+    /* The library would take OpenMP's variable as a bound beside the number of cores; here it is as
+     * good as -j. Of "4,2" the outermost level counts. */
+    const char *told = getenv("OMP_NUM_THREADS");
+    const long n = told && wanted == 0 ? strtol(told, NULL, 10) : 0;
+    if (n > 0 && n <= PL_MAX_THREADS)
+        wanted = (int)n;
     const int threads = pl_thread_count(wanted);
     const int startable = count_startable(threads);
     if (startable < threads)
