@@ -88,10 +88,10 @@ static int add_places(io_hdf5 *file, const io_hdf5_place *place, const hdf5_data
     const int64_t before = file->model->n_spans;
     if (d->offset >= 0)
         return add_run(file, place, like, 0, d->shape.n, d->offset);
+    const hsize_t n = d->chunk[1] == width ? hdf5_count_chunks(file, d) : 0;
     int status = PLANISH_OK;
-    int is_added = d->n_chunks > 0 && d->n_chunks == (rows + d->chunk[0] - 1) / d->chunk[0] &&
-                   d->chunk[1] == width && d->n_chunks <= MOST_CHUNKS;
-    for (hsize_t i = 0; is_added && !status && i < d->n_chunks; i++) {
+    int is_added = n > 0 && n == (rows + d->chunk[0] - 1) / d->chunk[0] && n <= MOST_CHUNKS;
+    for (hsize_t i = 0; is_added && !status && i < n; i++) {
         hsize_t at[2];
         const int64_t offset = hdf5_chunk_place(file, d, i, at);
         const hsize_t end = at[0] + d->chunk[0] < rows ? at[0] + d->chunk[0] : rows;

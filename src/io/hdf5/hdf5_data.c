@@ -97,12 +97,11 @@ static int check_size(io_hdf5 *file, const char *path, const hdf5_dataset *d) {
     return PLANISH_OK;
 }
 
-/** Count the chunks whose places the library tells; 0: none, or that cannot be found out. */
-static hsize_t count_chunks(const io_hdf5 *file, const hdf5_dataset *d) {
+hsize_t hdf5_count_chunks(const io_hdf5 *file, const hdf5_dataset *d) {
     hsize_t n = 0;
 #if H5_VERSION_GE(1, 10, 5)
-    const int has_chunks = d->is_chunked && d->is_plain && !file->has_user_block;
-    const hid_t space = has_chunks ? H5Dget_space(d->id) : -1;
+    const int may_tell = d->is_chunked && d->is_plain && !file->has_user_block;
+    const hid_t space = may_tell ? H5Dget_space(d->id) : -1;
     if (space < 0 || H5Dget_num_chunks(d->id, space, &n) < 0)
         n = 0;
     if (space >= 0)
@@ -138,14 +137,13 @@ int64_t hdf5_chunk_place(const io_hdf5 *file, const hdf5_dataset *d, hsize_t i, 
 static int find_place(io_hdf5 *file, const char *path, hdf5_dataset *d) {
     const haddr_t size = (haddr_t)file->model->input.size;
     const haddr_t needed = (haddr_t)(d->shape.n * d->size);
-    d->n_chunks = count_chunks(file, d);
     d->offset = -1;
     if (d->shape.n == 0)
         return PLANISH_OK;
     if (d->is_chunked) {
         hsize_t at[2] = {0, 0};
-        if (d->n_chunks == 1 && d->chunk[0] >= (hsize_t)d->shape.dims[0] &&
-            d->chunk[1] == (hsize_t)d->shape.dims[1])
+        if (d->chunk[0] >= (hsize_t)d->shape.dims[0] && d->chunk[1] == (hsize_t)d->shape.dims[1] &&
+            hdf5_count_chunks(file, d) == 1)
             d->offset = hdf5_chunk_place(file, d, 0, at);
         d->offset = at[0] == 0 ? d->offset : -1;
         return PLANISH_OK;

@@ -41,7 +41,6 @@ typedef struct hdf5_dataset {
     int64_t row_block;        /* rows (of the first dimension) that are stored together */
     int is_chunked, is_plain; /* is_plain: no filters */
     hsize_t chunk[2];         /* rows and columns of one; 1, 1 without */
-    hsize_t n_chunks;         /* whose places can be found; 0: of none */
 } hdf5_dataset;
 
 /** Let the library tell nothing of errors, until hdf5_restore. */
@@ -72,7 +71,10 @@ void hdf5_dataset_close(hdf5_dataset *dataset);
 int hdf5_dataset_read(io_hdf5 *file, const char *path, const hdf5_dataset *dataset, hid_t type,
                       size_t size, void **values);
 
-/** Find the place in the file of chunk i of n_chunks, and the row and column at [2] where it
+/** Count the chunks whose places the library tells; 0: there is none, or it does not. */
+hsize_t hdf5_count_chunks(const io_hdf5 *file, const hdf5_dataset *dataset);
+
+/** Find the place in the file of chunk i of these, and the row and column at [2] where it
  * begins; -1: all of it is nowhere. */
 int64_t hdf5_chunk_place(const io_hdf5 *file, const hdf5_dataset *dataset, hsize_t i,
                          hsize_t at[2]);
