@@ -1,18 +1,18 @@
-/* gmsh_data: the values of $ElementData that may tell regions; and over the values of $NodeData,
+/* gmsh_data: values of $ElementData that may tell regions; and how to skip the values of $NodeData,
  * $ElementData and $ElementNodeData in binary files.
  *
- * Bytes of binary values could be anything, the mark of the section's end among them; and not every
- * program begins a line for that mark. So they are passed over by their count, as Gmsh does.
+ * Binary values may have any bytes, the section's end mark among them, and not every program begins
+ * a line for that mark. So the reader skips values by their count, as Gmsh does.
  *
- * A section: number of texts and these, a line each, the first is the name; number of reals and
- * these; number of whole numbers and these: step, values of a node or element, nodes or elements,
- * ...; and the values: a number (int32), for $ElementNodeData how many nodes follow (int32), and
- * doubles.
+ * A section has the number of texts and these, a line each, the first is the name; the number of
+ * reals and these; the number of whole numbers and these: step, width of a value, number of values,
+ * ...; and the values. A value is the number of its node or element (int32), for $ElementNodeData
+ * the number of nodes (int32), and doubles.
  *
- * In go sections of one value per element, where they stand; out come arrays (arrays.h). Of each
- * name the first time step is read. Sections of the same name and step fill one array until each
- * element that is smoothed has a value: parts of a partition write so. Numbers of other elements do
- * not matter.
+ * gmsh_note_data keeps the places of sections with one value per element; gmsh_read_data makes
+ * arrays of them (arrays.h). Of each name only the first time step is read. Sections of the same
+ * name and step fill one array until each smoothed element has a value: programs write the parts of
+ * a partition so. Values of other elements are ignored.
  */
 #include "io/gmsh/gmsh_reader.h"
 

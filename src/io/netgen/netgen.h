@@ -28,10 +28,11 @@ typedef enum netgen_kind {
 typedef struct netgen_keyword {
     const char *name;
     netgen_kind kind;
+    int dim;          /* of elements and segments */
     int words;        /* of a record; of elements those before the nodes */
     int group;        /* elements and segments: which word has it; NETGEN_NAMES: codimension */
     int extra;        /* elements: words for each node that stand behind the nodes */
-    int corner;       /* segments: which word is the first node. Elements: dimension */
+    int corner;       /* segments: which word is the first node */
     int parameter[2]; /* segments: which words are the nodes' parameters on their curve, or 0.
                          Elements: not 0: the extra words are parameters */
 } netgen_keyword;

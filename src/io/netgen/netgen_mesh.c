@@ -76,7 +76,7 @@ static int take_lead(const netgen_reader *r, io_cursor *cursor, int64_t record,
         skip_words(r, cursor, record, k->words - k->group - 2, error) ||
         take_integer(r, cursor, record, error, corners))
         return PLANISH_ERROR_FORMAT;
-    const int64_t of_second_order = k->corner == 2 ? 6 : 10;
+    const int64_t of_second_order = k->dim == 2 ? 6 : 10;
     *corners = *corners == 0 ? NETGEN_LEAST_CORNERS : *corners;
     if (*corners == of_second_order)
         return io_fail_at(r->model, cursor->at, error,
@@ -95,14 +95,14 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
                          planish_error *error) {
     netgen_reader *r = context;
     const netgen_keyword *k = r->current;
-    io_cells *cells = io_model_cells(r->model, k->corner);
+    io_cells *cells = io_model_cells(r->model, k->dim);
     for (int64_t i = begin; i < end; i++) {
         int32_t group, node;
         int64_t corners;
         if (take_lead(r, cursor, i, error, &group, &corners) ||
             (r->corners && corners != r->corners)) /* they differ: read again, in order */
             return PLANISH_ERROR_FORMAT;
-        const int kept = corners == k->corner + 1;
+        const int kept = corners == k->dim + 1;
         const int64_t cell = r->first_cell + (r->corners ? i : r->n_kept);
         for (int j = 0; j < corners; j++) {
             if (take_node(r, cursor, i, error, &node))
@@ -242,10 +242,10 @@ static int read_point_section(netgen_reader *r, const io_section *s) {
     return read_records(r, s, r->current->words, read_points, r->error);
 }
 
-/** Read elements of dim dimensions. */
+/** Read elements or segments. */
 static int read_element_section(netgen_reader *r, const io_section *s) {
     const netgen_keyword *k = r->current;
-    const int dim = k->kind == NETGEN_SEGMENTS ? 1 : k->corner;
+    const int dim = k->dim;
     io_cells *cells = io_model_cells(r->model, dim);
     io_cursor first = {s->data, s->end};
     planish_error ignored;
