@@ -134,10 +134,9 @@ static int begin(pl_run *r, planish_error *error) {
 static void note_start(pl_run *r) {
     const planish_options *o = r->options;
     r->result->objective_before = pl_run_objective(r);
-    r->inverted_at_start = r->sums.inverted;
-    r->below_at_start = r->sums.below;
+    r->sums_at_start = r->sums;
     r->at_start = pl_star_no_limits();
-    if (o->method != PLANISH_METHOD_PLANISH || r->inverted_at_start > 0 || r->below_at_start > 0)
+    if (o->method != PLANISH_METHOD_PLANISH || r->sums.inverted > 0 || r->sums.below > 0)
         return;
     if (o->objective == PLANISH_RADIUS_RATIO && !(o->area_weight > 0))
         r->at_start = pl_run_limits(r, 1);

@@ -65,8 +65,8 @@ int pl_run_has_followers(const pl_run *r) {
 
 /** Whether F has risen, where it must not. */
 static int has_risen(const pl_run *r) {
-    return r->inverted_at_start == 0 && r->below_at_start == 0 && r->result->worst_sweeps == 0 &&
-           pl_run_objective(r) > r->result->objective_before;
+    return r->sums_at_start.inverted == 0 && r->sums_at_start.below == 0 &&
+           r->result->worst_sweeps == 0 && pl_run_objective(r) > r->result->objective_before;
 }
 
 /** Whether the mesh is worse than at the start. Sweeps see to it that only angles are, and to
@@ -74,8 +74,8 @@ static int has_risen(const pl_run *r) {
 static int is_worse(const pl_run *r) {
     const pl_star_limits now = pl_run_limits(r, 1);
     return now.acuteness > r->at_start.acuteness || now.rr2 > r->at_start.rr2 ||
-           r->sums.inverted > r->inverted_at_start ||
-           (pl_run_has_followers(r) && (r->sums.below > r->below_at_start || has_risen(r)));
+           r->sums.inverted > r->sums_at_start.inverted ||
+           (pl_run_has_followers(r) && (r->sums.below > r->sums_at_start.below || has_risen(r)));
 }
 
 int pl_run_put_back_angles(pl_run *r, planish_error *error) {
@@ -89,7 +89,7 @@ int pl_run_put_back_angles(pl_run *r, planish_error *error) {
         r->result->put_back += n;
     }
     pl_free(state);
-    if (is_worse(r) || r->sums.below > r->below_at_start || has_risen(r)) {
+    if (is_worse(r) || r->sums.below > r->sums_at_start.below || has_risen(r)) {
         int64_t n = 0;
         for (int64_t i = 0; i < r->plan->work.n_elements; i++)
             n += put_back_nodes(r, i);

@@ -20,14 +20,14 @@ int pl_patch_create(pl_run *run, const pl_star_problem *problem, const uint8_t *
     const int64_t n_stars = plan->interior.stars.n_stars;
     *p = (pl_patch){.run = run, .problem = problem, .dim = plan->dim};
     for (int64_t s = 0; s < n_stars; s++)
-        p->n += !in_patch || in_patch[plan->interior.centre[s]];
+        p->n += in_patch[plan->interior.centre[s]] != 0;
     p->star = pl_alloc(p->n, sizeof *p->star);
     p->vectors = pl_alloc_zero(p->n * p->dim * n_vectors, sizeof *p->vectors);
     p->field = pl_alloc_zero(plan->work.n_nodes * p->dim, sizeof *p->field);
     if (!p->star || !p->vectors || !p->field)
         return 0;
     for (int64_t s = 0, i = 0; s < n_stars; s++)
-        if (!in_patch || in_patch[plan->interior.centre[s]])
+        if (in_patch[plan->interior.centre[s]])
             p->star[i++] = (int32_t)s;
     p->n_all = p->n;
     pl_parts_add(&p->n_all, 1);

@@ -28,8 +28,8 @@ typedef struct pl_patch {
     double *field;    /* [n_nodes][dim] by inner numbers, 0 outside of the patch */
 } pl_patch;
 
-/** Make a patch of the nodes that in_patch [n_nodes] marks by inner numbers; NULL: of all free
- *  nodes. Returns 0 without memory; destroy the patch in any case. */
+/** Make a patch of the nodes that in_patch [n_nodes] marks by inner numbers. Returns 0 without
+ * memory; destroy the patch in any case. */
 int pl_patch_create(pl_run *run, const pl_star_problem *problem, const uint8_t *in_patch,
                     int n_vectors, pl_patch *p);
 

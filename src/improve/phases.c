@@ -146,7 +146,6 @@ int pl_run_phases(pl_run *r, planish_error *error) {
     };
     const int64_t n_interior = r->plan->interior.n_all, n = n_interior + r->plan->sliding.n_all;
     int status = PLANISH_OK;
-    r->sums_at_start = r->sums;
     r->guard.star.keep_below = !r->options->untangle;
     for (size_t i = 0; i < sizeof phases / sizeof *phases && !status; i++) {
         const int has =

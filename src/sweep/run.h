@@ -47,14 +47,12 @@ typedef struct pl_run {
     int is_for_worst;        /* sweeps are those of pl_run_worst */
     int restoring;           /* the last sweep brought elements above their minimum volume */
     pl_star_limits at_start; /* the worst of the mesh as it came; infinite: nothing is promised */
-    double inverted_at_start, below_at_start;
-    double start; /* clock */
+    pl_objective_sums sums_at_start; /* of that mesh */
+    double start;                    /* clock */
     double sweep_start;
     int sweep;
-    int uncounted_sweeps; /* sweeps that max_sweeps does not count: those before nodes were put back
-                           */
-    pl_accelerate_fn *accelerate;    /* what sweeps call where they are slow */
-    pl_objective_sums sums_at_start; /* of the mesh as it came */
+    int uncounted_sweeps; /* that max_sweeps does not count: those before nodes were put back */
+    pl_accelerate_fn *accelerate; /* what sweeps call where they are slow */
     planish_stop stop;
     planish_result *result;
 } pl_run;
@@ -62,14 +60,14 @@ typedef struct pl_run {
 /** Measure the plan's coordinates. */
 void pl_run_measure(pl_run *r);
 
-/** Measure what does not change, with the coordinates all [.][dim] of all of the mesh, scaled as
- * they are. inverted and below are then those of all: what is in the part is to be taken off. */
+/** Measure the rest, with the coordinates all [.][dim] of all of the mesh, scaled as they are.
+ *  inverted and below are then those of all: the caller takes off those in the plan's part. */
 void pl_run_measure_rest(pl_run *r, const double *all);
 
-/** F of all elements as measured or tracked last. */
+/** Return F of all elements, as measured or tracked last. */
 double pl_run_objective(const pl_run *r);
 
-/* What elements may become, relative to the worst there is: the margin is for the rounding of
+/* Limits of elements, relative to the worst there is: the margin is for the rounding of
  * slivers, whose RR depends on the node it is seen from. */
 #define PL_LIMIT_MARGIN (1 - 1e-9)
 
@@ -92,8 +90,7 @@ void pl_run_begin_anew(pl_run *r);
 /** Visit all colours, the interior's and those of the nodes that slide. */
 void pl_run_sweep_colours(pl_run *r, pl_sweep_tally *tally);
 
-/** Sweep once and tell the caller; not 0 if the sweep was cut short. *visits: those of the sweep.
- */
+/** Sweep once and tell the caller; not 0 if it was cut short. *visits: those of the sweep. */
 int pl_run_sweep(pl_run *r, int64_t *visits);
 
 /** Begin a sweep: count it and note the time. */
