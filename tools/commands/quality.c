@@ -13,7 +13,7 @@
 #include "job/output.h"
 #include "terminal/platform.h"
 #include "job/progress.h"
-#include "report/reports.h"
+#include "report/page.h"
 #include "report/result.h"
 #include "report/table.h"
 #include "terminal/text.h"
@@ -70,7 +70,7 @@ static void print_table(run *r, const pl_job *job, const pl_measured *measured) 
     pl_progress_clear(&r->progress);
     pl_table_oddities(stderr, job);
     pl_table_quality(r->stream, job, &measured->quality, &measured->volumes);
-    pl_worst_print(r->stream, &measured->worst, r->arguments->n_worst);
+    pl_table_worst(r->stream, &measured->worst, r->arguments->n_worst);
     pl_volumes_print(stderr, job, &measured->volumes);
     pl_reversed_print(stderr, job, measured->reversed, measured->quality.reversed);
     pl_table_reversed(stderr, &measured->quality);
@@ -154,7 +154,7 @@ static int print_comparison(const run *r) {
         fputc('\n', r->stream);
         pl_text_put(r->stream, r->mesh[i].name);
         fputs(":\n", r->stream);
-        pl_worst_print(r->stream, &r->mesh[i].measured.worst, n_worst);
+        pl_table_worst(r->stream, &r->mesh[i].measured.worst, n_worst);
     }
     fflush(r->stream);               /* what is odd about a mesh comes behind its row */
     for (int i = 0; i < r->n; i++) { /* "note: NAME: TEXT" for each */

@@ -3,7 +3,6 @@
  * The figures are all in the JSON. The picture is drawn from the mesh files that it names, if they
  * are still there and have the coordinates that it says.
  */
-#include "report/reports.h"
 
 #include "commands/commands.h"
 #include "terminal/message.h"

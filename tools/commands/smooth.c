@@ -13,7 +13,7 @@
 #include "terminal/message.h"
 #include "job/output.h"
 #include "job/progress.h"
-#include "report/reports.h"
+#include "report/page.h"
 #include "report/result.h"
 #include "terminal/signals.h"
 #include "report/table.h"

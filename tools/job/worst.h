@@ -4,8 +4,6 @@
 
 #include "job/job.h"
 
-#include <stdio.h>
-
 /** How many the reports name if --worst does not say. */
 enum { PL_USUAL_WORST = 10 };
 
@@ -43,8 +41,5 @@ int pl_worst_find(const pl_job *job, int64_t n, pl_worst *worst);
 int pl_worst_find_asked(const pl_job *job, pl_worst *worst);
 
 void pl_worst_free(pl_worst *worst);
-
-/** Print the first n of them, two lines each. */
-void pl_worst_print(FILE *stream, const pl_worst *worst, int64_t n);
 
 #endif

@@ -41,4 +41,8 @@ const char *pl_command_list(const char *joint, const char *last, char *text, siz
 extern const char *const pl_program_summary;
 extern const char *const pl_program_formats;
 
+/** Print the help of the program, or of a command, on standard output. */
+void pl_help_print(void);
+void pl_help_print_command(const pl_command_text *command);
+
 #endif

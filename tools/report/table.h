@@ -1,4 +1,11 @@
-/* table: what a mesh is worth, for people: what hurts most stands first. */
+/* table: the tables and notes on a mesh for a terminal.
+ *
+ *     pl_table_smooth      a mesh before and after, how smoothing ended and how long it took
+ *     pl_table_quality     one mesh
+ *     pl_table_worst       the worst elements, two lines each
+ *     pl_table_oddities    notes on what is odd about the mesh
+ *     pl_table_reversed    the note on reversed elements
+ */
 #ifndef PL_TOOLS_TABLE_H
 #define PL_TOOLS_TABLE_H
 
@@ -6,18 +13,21 @@
 
 #include <stdio.h>
 
-/** Before and after, how it ended and what it took. */
+/** Print the measures of a mesh before and after, how smoothing ended and how long it took. */
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result);
 
-/** One mesh. */
+/** Print the measures of one mesh. */
 void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *quality,
                       const pl_volumes *volumes);
 
-/** What is odd about the mesh, a line each: facets of more than two elements and the like. */
+/** Print the first n of the worst elements, two lines each. */
+void pl_table_worst(FILE *stream, const pl_worst *worst, int64_t n);
+
+/** Print notes on what is odd about the mesh: facets of more than two elements and the like. */
 void pl_table_oddities(FILE *stream, const pl_job *job);
 
-/** A note where elements are numbered the other way round than most, and not all of them because
- * they are inverted. */
+/** Print a note if elements are numbered the other way round than most, and not all of these are
+ *  inverted. */
 void pl_table_reversed(FILE *stream, const planish_quality *quality);
 
 #endif
