@@ -13,7 +13,7 @@ SUMS = {"mean", "total_volume", "mean_radius_ratio"}
 
 def unexplained(reason):
     """Without what holds the nodes."""
-    return re.sub("(no node is free to move): .*(; the mesh is written back)", r"\1\2", reason)
+    return re.sub("(no node is free to move): .*(; the mesh is unchanged)", r"\1\2", reason)
 
 
 def differences(a, b, path):
