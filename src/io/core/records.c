@@ -261,3 +261,19 @@ int io_read_point(io_model *model, io_cursor *cursor, int64_t node, planish_erro
     }
     return PLANISH_OK;
 }
+
+int io_read_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                   planish_error *error) {
+    const io_points *points = context;
+    io_model *model = points->model;
+    for (int64_t node = points->first + begin; node < points->first + end; node++) {
+        const int status = model->is_binary ? io_load_point(model, cursor->at, points->size,
+                                                            points->swapped, node, error)
+                                            : io_read_point(model, cursor, node, error);
+        if (status)
+            return status;
+        if (model->is_binary)
+            cursor->at += 3 * points->size;
+    }
+    return PLANISH_OK;
+}

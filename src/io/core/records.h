@@ -5,6 +5,7 @@
  *   io_text_records, io_binary_...   read records of the one or the other
  *   io_section, io_sections_add ...  places of records that a first walk over a file notes
  *   io_read_point, io_load_point     coordinates of a node from text or binary
+ *   io_points, io_read_points        and of many
  *   io_left, io_hold_node            small helpers of readers
  *
  * A reader gives a function that reads records begin .. end-1 from a cursor that stands on the
@@ -83,6 +84,17 @@ int io_load_point(const io_model *model, const char *at, int size, int swapped, 
 /** Read the three coordinates of node from text, note their place, round them to the model's
  *  precision; an error (of text) if they are no finite numbers. */
 int io_read_point(io_model *model, io_cursor *cursor, int64_t node, planish_error *error);
+
+/** Points that are records of their own: three coordinates, and nothing else. */
+typedef struct io_points {
+    io_model *model;
+    int64_t first;     /* node of the first record */
+    int size, swapped; /* binary: bytes of a coordinate; its byte order is the other one */
+} io_points;
+
+/** Read points of an io_points, the context, from text or binary: io_records_fn. */
+int io_read_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                   planish_error *error);
 
 /** Return the bytes from the cursor to the end. */
 static inline int64_t io_left(const io_cursor *cursor) {

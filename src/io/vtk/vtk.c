@@ -38,30 +38,6 @@ int vtk_take_if(vtk_reader *reader, const char *name) {
 
 /* ---- points ------------------------------------------------------------------------------- */
 
-typedef struct point_block {
-    vtk_reader *reader;
-    int size; /* bytes of a coordinate */
-} point_block;
-
-static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
-                       planish_error *error) {
-    const point_block *points = context;
-    io_model *model = points->reader->model;
-    for (int64_t node = begin; node < end; node++) {
-        int status;
-        if (model->is_binary) {
-            status = io_load_point(model, cursor->at, points->size, points->reader->swapped, node,
-                                   error);
-            cursor->at += 3 * points->size;
-        } else {
-            status = io_read_point(model, cursor, node, error);
-        }
-        if (status)
-            return status;
-    }
-    return PLANISH_OK;
-}
-
 static int take_points(vtk_reader *reader) {
     io_model *model = reader->model;
     int64_t n;
@@ -86,8 +62,8 @@ static int take_points(vtk_reader *reader) {
         return status;
     reader->have_points = 1;
     reader->grid.n_points = n;
-    point_block points = {reader, type->size};
-    return io_records(&reader->text, &reader->cursor, n, 3, stride, read_points, &points,
+    io_points points = {model, 0, type->size, reader->swapped};
+    return io_records(&reader->text, &reader->cursor, n, 3, stride, io_read_points, &points,
                       reader->error);
 }
 

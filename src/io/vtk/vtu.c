@@ -35,21 +35,6 @@ static int fail_end(const vtu_document *document, const char *text) {
 
 /* ---- points -------------------------------------------------------------------------------- */
 
-/** The texts of points, read by several threads. */
-typedef struct text_points {
-    io_model *model;
-    int64_t first;
-} text_points;
-
-static int read_text_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
-                            planish_error *error) {
-    const text_points *p = context;
-    int status = PLANISH_OK;
-    for (int64_t i = begin; i < end && !status; i++)
-        status = io_read_point(p->model, cursor, p->first + i, error);
-    return status;
-}
-
 /** Read the points of a piece, and note where they stand if they can be replaced there. */
 static int read_piece_points(io_model *model, vtu_document *document, vtu_array *array) {
     const vtu_piece *piece = &document->piece[array->piece];
@@ -66,8 +51,8 @@ static int read_piece_points(io_model *model, vtu_document *document, vtu_array 
                         "some pieces are of Float32 and some of Float64: write them as one");
     io_span span = {.first_node = first, .n_nodes = n, .encoding = IO_TEXT, .offset = array->begin};
     if (array->form == VTU_ASCII) {
-        text_points points = {model, first};
-        const int status = vtu_read_text(document, array, n, 3, read_text_points, &points);
+        io_points points = {.model = model, .first = first};
+        const int status = vtu_read_text(document, array, n, 3, io_read_points, &points);
         return status ? status : io_model_span(model, span, document->error);
     }
     vtu_values values;
