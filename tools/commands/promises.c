@@ -87,8 +87,8 @@ static int mark_worse(const pl_job *job, const pl_result *result, const double *
 }
 
 /** Settle until nothing is worse. back [n_nodes], ratio [n_elements]: working space. */
-static int settle(pl_job *job, pl_result *result, uint8_t *back, double *ratio,
-                  planish_error *error) {
+static int settle_until_kept(pl_job *job, pl_result *result, uint8_t *back, double *ratio,
+                             planish_error *error) {
     enum { ROUNDS = 20 };
     double *coordinates = planish_file_coordinates(job->file), from, to;
     for (int round = 0;; round++) {
@@ -121,7 +121,7 @@ int pl_promises_settle(pl_job *job, pl_result *result) {
     if (!back || !ratio)
         status = pl_complain(PL_EXIT_FAILED, "%s: out of memory for the places of nodes",
                              job->arguments->input);
-    else if (settle(job, result, back, ratio, &error))
+    else if (settle_until_kept(job, result, back, ratio, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
     result->smooth.moved_nodes -= result->returned_nodes;
     if (!status && result->returned_nodes > 0 && job->arguments->verbosity != PL_QUIET)

@@ -24,8 +24,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** What the meshes of a command line have in common. */
-typedef struct run {
+/** State that the meshes of a command line share. */
+typedef struct quality_run {
     const pl_arguments *arguments;
     pl_progress progress;
     pl_quality_report report;
@@ -33,14 +33,14 @@ typedef struct run {
     FILE *stream;        /* for tables */
     pl_compared *mesh;   /* [n] those that were measured; owned */
     int n;
-} run;
+} quality_run;
 
-static int is_comparison(const run *r) {
+static int is_comparison(const quality_run *r) {
     return r->arguments->n_inputs > 1;
 }
 
 /** Keep the notes of a mesh until its row is printed. */
-static int keep_notes(const run *r, const pl_job *job, pl_compared *mesh) {
+static int keep_notes(const quality_run *r, const pl_job *job, pl_compared *mesh) {
     if (r->arguments->verbosity == PL_QUIET || !is_comparison(r))
         return 0;
     pl_memory_stream stream;
@@ -64,7 +64,7 @@ static int complain_meshes(const pl_arguments *arguments, const char *what) {
 }
 
 /** All of one mesh. */
-static void print_table(run *r, const pl_job *job, const pl_measured *measured) {
+static void print_table(quality_run *r, const pl_job *job, const pl_measured *measured) {
     if (r->arguments->verbosity == PL_QUIET || is_comparison(r))
         return;
     pl_progress_clear(&r->progress);
@@ -78,7 +78,7 @@ static void print_table(run *r, const pl_job *job, const pl_measured *measured) 
     pl_held_note(stderr, job);
 }
 
-static int measure_job(run *r, pl_job *job, pl_compared *mesh) {
+static int measure_job(quality_run *r, pl_job *job, pl_compared *mesh) {
     pl_measured *measured = &mesh->measured;
     int status;
     pl_progress_phase(&r->progress, PL_PHASE_PLANNING);
@@ -122,7 +122,7 @@ static void free_compared(pl_compared *mesh) {
 }
 
 /** One mesh, from its file to a row of the comparison. */
-static int measure_file(run *r, const char *input) {
+static int measure_file(quality_run *r, const char *input) {
     pl_arguments arguments = *r->arguments;
     pl_compared *mesh = &r->mesh[r->n];
     pl_job job;
@@ -144,7 +144,7 @@ static int measure_file(run *r, const char *input) {
     return status;
 }
 
-static int print_comparison(const run *r) {
+static int print_comparison(const quality_run *r) {
     const int n_worst = r->arguments->n_worst;
     if (r->arguments->verbosity == PL_QUIET || !is_comparison(r))
         return 0;
@@ -169,7 +169,7 @@ static int print_comparison(const run *r) {
 }
 
 /** All meshes; the status is the worst of theirs. */
-static int measure_all(run *r) {
+static int measure_all(quality_run *r) {
     const pl_arguments *arguments = r->arguments;
     int status = 0;
     for (int i = 0; i < arguments->n_inputs; i++) {
@@ -194,7 +194,7 @@ static int measure_all(run *r) {
 }
 
 int pl_quality_command(const pl_arguments *arguments) {
-    run r = {.arguments = arguments};
+    quality_run r = {.arguments = arguments};
     int status = pl_output_check_all(arguments);
     if (status)
         return status;

@@ -211,7 +211,7 @@ static int draw(drawing *d) {
 
 /* ---- the command ---------------------------------------------------------------------------- */
 
-/** Where the page goes: to output, or beside the JSON under its name. */
+/** Find the path of the page: output, or beside the JSON under its name. */
 static int find_output(const pl_arguments *arguments, char *path, size_t size) {
     const char *json = arguments->input, *output = arguments->output;
     const char *name = pl_path_name(json), *dot = strrchr(name, '.');

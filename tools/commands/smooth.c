@@ -39,8 +39,8 @@ static int engine_writes(const pl_job *job) {
                           job->engine->can_write(output) && !planish_file_plane(job->file, NULL));
 }
 
-/** What can be known of writing before the work. Another extension than the input's asks for a
- *  conversion. */
+/** Check before the work what can be known of writing. Another extension than the input's asks for
+ * a conversion. */
 static int check_output(const pl_job *job) {
     const char *output = job->arguments->output;
     planish_error error;
@@ -250,7 +250,7 @@ static void print_plan(const pl_job *job) {
     pl_held_print(stderr, job);
 }
 
-/** What the reports want of the mesh as it is now, called name. */
+/** Collect for the reports the mesh as it is now, called name. */
 static int take_for_reports(const pl_job *job, const char *name, uint64_t *checksum,
                             pl_worst *worst, pl_picture **picture) {
     if (!job->mesh.coordinates)

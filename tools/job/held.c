@@ -165,8 +165,8 @@ int pl_held_count(pl_job *job) {
 
 /* ---- saying --------------------------------------------------------------------------------- */
 
-static void add(char *text, size_t size, const char *format, ...) PL_PRINTF(3, 4);
-static void add(char *text, size_t size, const char *format, ...) {
+static void append(char *text, size_t size, const char *format, ...) PL_PRINTF(3, 4);
+static void append(char *text, size_t size, const char *format, ...) {
     const size_t used = strlen(text);
     va_list arguments;
     va_start(arguments, format);
@@ -179,11 +179,11 @@ static void add_counts(const pl_held *held, char *text, size_t size) {
     int listed = 0;
     for (int i = 0; i < PL_N_HELD_BY; i++)
         if (held->n[i] > 0) {
-            add(text, size, "%s%" PRId64 "%s %s", listed ? ", " : "", held->n[i],
-                listed           ? ""
-                : held->n[i] > 1 ? " nodes are"
-                                 : " node is",
-                words[i]);
+            append(text, size, "%s%" PRId64 "%s %s", listed ? ", " : "", held->n[i],
+                   listed           ? ""
+                   : held->n[i] > 1 ? " nodes are"
+                                    : " node is",
+                   words[i]);
             listed++;
         }
 }
@@ -191,11 +191,11 @@ static void add_counts(const pl_held *held, char *text, size_t size) {
 static void add_doubled(const pl_job *job, char *text, size_t size) {
     const int64_t n = job->held.n_doubled, n_used = job->mesh.n_nodes - job->held.n_unused;
     if (n > 0 && n != job->held.n[PL_HELD_BY_DOUBLED])
-        add(text, size, "; %" PRId64 " of them %s at the place of other nodes%s", n,
-            n == 1 ? "is" : "are",
-            n_used == job->mesh.n_elements * (job->mesh.dim + 1)
-                ? " (each element has its own points)"
-                : "");
+        append(text, size, "; %" PRId64 " of them %s at the place of other nodes%s", n,
+               n == 1 ? "is" : "are",
+               n_used == job->mesh.n_elements * (job->mesh.dim + 1)
+                   ? " (each element has its own points)"
+                   : "");
 }
 
 void pl_held_print(FILE *stream, const pl_job *job) {
@@ -203,12 +203,12 @@ void pl_held_print(FILE *stream, const pl_job *job) {
     if (!job->held.is_known)
         return;
     if (job->held.n_held == 0)
-        add(text, sizeof text, "no node");
+        append(text, sizeof text, "no node");
     add_counts(&job->held, text, sizeof text);
     add_doubled(job, text, sizeof text);
     if (job->held.n_unused > 0)
-        add(text, sizeof text, "; %" PRId64 " more %s in no element", job->held.n_unused,
-            job->held.n_unused == 1 ? "node is" : "nodes are");
+        append(text, sizeof text, "; %" PRId64 " more %s in no element", job->held.n_unused,
+               job->held.n_unused == 1 ? "node is" : "nodes are");
     pl_text_wrap(stream, text);
 }
 
@@ -221,15 +221,15 @@ void pl_held_explain(const pl_job *job, char *text, size_t size) {
     add_doubled(job, text, size);
     /* What would let nodes move. */
     if (held->n_doubled > held->n_held / 2)
-        add(text, size, ": merge equal points first");
+        append(text, size, ": merge equal points first");
     else if (job->could_slide > 0)
-        add(text, size, ": --slide auto lets %" PRId64 " of them slide", job->could_slide);
+        append(text, size, ": --slide auto lets %" PRId64 " of them slide", job->could_slide);
     else if (held->n[PL_HELD_BY_LAYERS] > 0)
-        add(text, size, ": leave out --fix-layers");
+        append(text, size, ": leave out --fix-layers");
     else if (held->n[PL_HELD_BY_FIX] > 0)
-        add(text, size, ": name fewer groups in --fix");
+        append(text, size, ": name fewer groups in --fix");
     else if (held->n[PL_HELD_BY_INTERFACE] > 0)
-        add(text, size, ": --ignore-regions lets nodes between regions move");
+        append(text, size, ": --ignore-regions lets nodes between regions move");
 }
 
 void pl_held_note(FILE *stream, const pl_job *job) {

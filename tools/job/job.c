@@ -55,7 +55,7 @@ int pl_job_complain(const pl_job *job, int status, const planish_error *error) {
     return pl_complain(status, "%s: %s%s", input, error->text, where);
 }
 
-/** As pl_job_complain, where a wrong argument is one of the command line. */
+/** Complain as pl_job_complain, but of the command line if an argument is wrong. */
 static int complain_of_arguments(const pl_job *job, const planish_error *error) {
     if (error->code == PLANISH_ERROR_ARGUMENT)
         return pl_complain_usage(pl_command_name(job->arguments->command), "%s", error->text);
@@ -265,7 +265,7 @@ static int find_unheld(const pl_job *job, int ignore_marks, const uint8_t *is_in
     return 0;
 }
 
-/** Where the file marks nodes: whether it marks all of the surface, which says no more than that
+/** Return whether the file marks all nodes of the surface, which says no more than that
  *  they are there; those inside are fixed then. constraint: found without heeding the marks. */
 static int marks_are_the_surface(const pl_job *job, const uint8_t *marked, uint8_t *constraint) {
     for (int64_t i = 0; i < job->mesh.n_nodes; i++)

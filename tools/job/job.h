@@ -49,7 +49,7 @@ typedef struct pl_held {
     int64_t n_doubled; /* held nodes at the place of another one, whatever they count as */
 } pl_held;
 
-/** What several processes that share the mesh have sent to one another, all of them together. */
+/** Messages between the processes that share a mesh, summed over them. */
 typedef struct pl_traffic {
     int n_processes;     /* 0: one process works by itself, and nothing else is set */
     int in_parts;        /* 0: one has done it all, as the others could not help */
@@ -116,7 +116,7 @@ int pl_job_is_told(const pl_job *job);
 /** Count, once there is a plan, the nodes that may move while parameters in the file do not. */
 int pl_job_count_parameters(pl_job *job);
 
-/** Where none shall, and any may move, count the nodes that could; there is a plan. */
+/** Count the nodes that could slide, if none shall and any may move; there is a plan. */
 int pl_job_count_slides(pl_job *job);
 
 /** is_free [mesh.n_nodes] as planish_plan_get_free. */

@@ -113,7 +113,7 @@ static int find_groups(pl_job *job, const uint8_t *is_loose) {
 
 /* ---- counting ------------------------------------------------------------------------------- */
 
-/** Of the marked elements only those keep their mark that have a node that moves. */
+/** Remove the marks of elements without a node that moves. */
 static int keep_loose(pl_job *job, uint8_t *is_layer) {
     const int corners = job->mesh.dim + 1;
     uint8_t *moves = malloc((size_t)job->mesh.n_nodes + 1);

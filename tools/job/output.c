@@ -39,7 +39,7 @@ static int same_place(const char *a, const char *b) {
            pl_file_find(in_b, &folder_b) == 0 && pl_file_is_same(&folder_a, &folder_b);
 }
 
-/** The same of where links lead to, which need not be there yet either. */
+/** Compare likewise the files that links lead to, which need not be there yet either. */
 static int same_target(const char *a, const char *b) {
     char *target_a = pl_output_target(a), *target_b = pl_output_target(b);
     const int same = target_a && target_b && same_place(target_a, target_b);

@@ -4,7 +4,7 @@
 
 #include "options/options.h"
 
-/** What a command is at. */
+/** Step that a command is at. */
 typedef enum pl_phase {
     PL_PHASE_READING,
     PL_PHASE_PLANNING,

@@ -34,10 +34,10 @@ typedef struct pl_worst {
  * which it is and its radius ratio. Returns 0, or an exit status after a message. */
 int pl_worst_select(const pl_job *job, int64_t n, pl_worst *worst);
 
-/** The same, and all that there is to say of them. */
+/** Find them as pl_worst_select does, and fill in all fields. */
 int pl_worst_find(const pl_job *job, int64_t n, pl_worst *worst);
 
-/** As many as --worst says, or as the reports name if one is asked for; else none. */
+/** Find as many as --worst says, or as the reports name if one is asked for; else none. */
 int pl_worst_find_asked(const pl_job *job, pl_worst *worst);
 
 void pl_worst_free(pl_worst *worst);

@@ -54,7 +54,7 @@ int pl_crew_agree(const pl_crew *crew, int code, planish_error *error);
 /** The options of the first process (the others: NULL) for this one. Collective. */
 planish_options pl_crew_options(const pl_crew *crew, const planish_options *options);
 
-/** The same of a path, into path [PATH_MAX]. Collective. */
+/** Copy a path of the first process into path [PATH_MAX] of all. Collective. */
 void pl_crew_path(const pl_crew *crew, const char *from, char *path);
 
 #endif

@@ -140,7 +140,7 @@ static int reduce(pl_exchange *e, int64_t *values, int n, MPI_Op operation) {
     return code;
 }
 
-static int add(int64_t *values, int n, void *user) {
+static int add_up(int64_t *values, int n, void *user) {
     return reduce(user, values, n, MPI_SUM);
 }
 
@@ -227,7 +227,7 @@ static int receive_values(planish_take_fn *take, void *taker, void *user) {
 }
 
 void pl_exchange_serve(pl_exchange *exchange, planish_part *part) {
-    part->add = add;
+    part->add = add_up;
     part->largest = largest;
     part->send = send_values;
     part->receive = receive_values;

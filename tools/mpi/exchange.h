@@ -15,7 +15,7 @@ typedef struct pl_ghost {
     int32_t of_node; /* the owner's number of it */
 } pl_ghost;
 
-/** Where the value of a node of ours goes. */
+/** Destination of the value of one of our nodes. */
 typedef struct pl_goal {
     int32_t neighbour; /* index in to */
     int32_t position;  /* in the list of ghosts that it has from here */

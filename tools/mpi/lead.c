@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** What the first process orders. */
+/** Orders of the first process. */
 typedef enum order_kind {
     READ,
     CREATE_PLAN,
@@ -24,7 +24,8 @@ typedef enum order_kind {
     END
 } order_kind;
 
-/** With what: what it points to is the first process's, and NULL in the others, but for error. */
+/** An order with its data: pointers are those of the first process, NULL in the others, but for
+ * error. */
 typedef struct order {
     const pl_job *job;
     const planish_options *options;

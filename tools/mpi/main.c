@@ -19,7 +19,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/** What the first process tells the others before there is a crew. */
+/** Message of the first process to the others before there is a crew. */
 typedef struct start {
     int status;  /* of a command line that asks for no work, else -1 */
     int threads; /* that the command line asks for, for each process, or 0 */

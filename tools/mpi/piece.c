@@ -126,8 +126,8 @@ static PetscErrorCode find_numbers(PetscSF sf, int32_t *number) {
 }
 
 /** Numbers and values of what has come to dm, to which migration has led. */
-static PetscErrorCode fill(MPI_Comm comm, PetscSF migration, const pl_outline *o,
-                           const planish_mesh *whole, pl_piece *p) {
+static PetscErrorCode fill_piece(MPI_Comm comm, PetscSF migration, const pl_outline *o,
+                                 const planish_mesh *whole, pl_piece *p) {
     static const planish_mesh nothing = {.dim = 0};
     const planish_mesh *from = whole ? whole : &nothing;
     const int dim = o->dim;
@@ -168,7 +168,7 @@ PetscErrorCode pl_piece_cut(MPI_Comm comm, const pl_outline *outline, const plan
     PetscCall(DMDestroy(&dm));
     PetscCall(pl_piece_begin(comm, out, piece));
     PetscCall(DMDestroy(&out));
-    PetscCall(fill(comm, migration, outline, whole, piece));
+    PetscCall(fill_piece(comm, migration, outline, whole, piece));
     return PetscSFDestroy(&migration);
 }
 

@@ -24,7 +24,7 @@ typedef struct pl_piece {
     int64_t first_point, n_points; /* that of node 0, and how many there are */
 } pl_piece;
 
-/** What each process must know of the whole. */
+/** Facts on the whole mesh that each process must know. */
 typedef struct pl_outline {
     int64_t n_nodes, n_elements;
     int dim, has_constraint, has_direction, has_min_volume;
@@ -44,9 +44,9 @@ PetscErrorCode pl_piece_hand_out(DM dm, int64_t n, const int32_t *corner, PetscS
 /** Then, the piece that migration has led to dm, without its numbers and values. */
 PetscErrorCode pl_piece_begin(MPI_Comm comm, DM dm, pl_piece *piece);
 
-/** Of migration what goes to the n points from begin on here, which are elements or nodes,
- * renumbered from 0: their first one is point root_begin [ranks] in a process; here there are
- * n_roots. */
+/** Select the part of migration that leads to the n points from begin on here, which are elements
+ * or nodes, renumbered from 0: their first one is point root_begin [ranks] in a process; here there
+ *  are n_roots. */
 PetscErrorCode pl_select_points(MPI_Comm comm, PetscSF migration, int64_t begin, int64_t n,
                                 const int64_t *root_begin, int64_t n_roots, PetscSF *sf);
 

@@ -330,7 +330,7 @@ static PetscErrorCode take_all(const pl_plexfile *f, DM dm, const loaded *l, pl_
     return f->slides ? 0 : hold_interfaces(dm, p);
 }
 
-/** The same where migration has led to dm. */
+/** Take the piece that migration has led to dm. */
 static PetscErrorCode take_piece(const pl_plexfile *f, DM dm, const loaded *l, PetscSF migration,
                                  pl_piece *p) {
     PetscMPIInt n_ranks;

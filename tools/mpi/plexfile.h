@@ -8,7 +8,7 @@
 
 #include "base/output.h"
 
-/** What has to be known of a file before PETSc can read it. */
+/** Facts on a file that PETSc needs to read it. */
 typedef struct pl_plexform {
     char name[256];         /* of the mesh; "": the file's form has none */
     char coordinates[1024]; /* path of their dataset */

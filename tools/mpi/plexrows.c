@@ -79,7 +79,7 @@ const char *pl_plexrows_refusal(const char *path, pl_plexform *form) {
                           : NULL;
 }
 
-/** What the first process has found, in all; and who has which rows. */
+/** Share the stretches that the first process has found, and decide who has which rows. */
 static PetscErrorCode share_stretches(const pl_plexfile *f, rows *r) {
     PetscMPIInt n_ranks, rank;
     MPI_Comm_size(f->comm, &n_ranks);
@@ -155,8 +155,8 @@ static int owner_of(const rows *r, int n_ranks, int64_t row) {
 }
 
 /** Coordinates [n][dim] of nodes to their rows. */
-static PetscErrorCode put(const pl_plexfile *f, const rows *r, int64_t n, const int64_t *node,
-                          const double *x, double *row) {
+static PetscErrorCode put_rows(const pl_plexfile *f, const rows *r, int64_t n, const int64_t *node,
+                               const double *x, double *row) {
     PetscSF sf;
     PetscSFNode *root;
     MPI_Datatype type;
@@ -186,7 +186,7 @@ static PetscErrorCode compare(const pl_plexfile *f, const rows *r, int *same) {
     PetscCheck(row, PETSC_COMM_SELF, PETSC_ERR_MEM, "Rows");
     memcpy(row, r->x, size);
     PetscCall(pl_plexfile_nodes(f, &n, &node, &x));
-    PetscCall(put(f, r, n, node, x, row));
+    PetscCall(put_rows(f, r, n, node, x, row));
     *same = memcmp(row, r->x, size) == 0;
     free(node);
     free(x);
@@ -195,7 +195,7 @@ static PetscErrorCode compare(const pl_plexfile *f, const rows *r, int *same) {
 }
 
 /** The coordinates of share into the rows. */
-static PetscErrorCode fill(const pl_plexfile *f, const pl_share *share, rows *r) {
+static PetscErrorCode fill_rows(const pl_plexfile *f, const pl_share *share, rows *r) {
     int64_t n = 0, *node = pl_new_array(share->mesh.n_nodes, sizeof *node);
     double *x = pl_new_array(share->mesh.n_nodes * f->dim, sizeof *x);
     PetscCheck(node && x, PETSC_COMM_SELF, PETSC_ERR_MEM, "Rows");
@@ -205,7 +205,7 @@ static PetscErrorCode fill(const pl_plexfile *f, const pl_share *share, rows *r)
         memcpy(x + n * f->dim, share->coordinates + i * f->dim, (size_t)f->dim * sizeof *x);
         node[n++] = share->node_number[i];
     }
-    PetscCall(put(f, r, n, node, x, r->x));
+    PetscCall(put_rows(f, r, n, node, x, r->x));
     free(node);
     free(x);
     return 0;
@@ -213,7 +213,7 @@ static PetscErrorCode fill(const pl_plexfile *f, const pl_share *share, rows *r)
 
 /* ---- all of it ------------------------------------------------------------------------------ */
 
-/** Of all rows, one process after another: the last one tells the first. */
+/** Sum up all rows, one process after another: the last one tells the first. */
 static uint64_t add_up(const pl_plexfile *f, const rows *r) {
     enum { TAG = 1 };
     PetscMPIInt n_ranks, rank;
@@ -254,7 +254,7 @@ static PetscErrorCode change(const pl_plexfile *f, const pl_share *share, const 
         return 0;
     if (checksums)
         checksums[0] = add_up(f, r);
-    PetscCall(fill(f, share, r));
+    PetscCall(fill_rows(f, share, r));
     if (checksums)
         checksums[1] = add_up(f, r);
     errno = 0;

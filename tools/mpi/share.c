@@ -226,7 +226,8 @@ static int find_roles(pl_share *share, const pl_piece *p, const selection *s) {
 }
 
 /** Values of nodes and elements; 0, or -1 without memory. */
-static int fill(pl_share *share, const planish_mesh *whole, const pl_piece *p, const selection *s) {
+static int fill_share(pl_share *share, const planish_mesh *whole, const pl_piece *p,
+                      const selection *s) {
     static const planish_mesh nothing = {.dim = 0};
     const planish_mesh *w = whole ? whole : &nothing;
     const size_t row = (size_t)p->dim * sizeof(double);
@@ -290,9 +291,10 @@ static int take_all(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
 static int take_piece(pl_share *share, MPI_Comm comm, const planish_mesh *whole, pl_piece *p,
                       planish_error *error) {
     selection s = {.n_nodes = 0};
-    int status = select_part(p, whole, &s) || fill(share, whole, p, &s) || number_part(share, p, &s)
-                     ? fail_memory(error)
-                     : PLANISH_OK;
+    int status =
+        select_part(p, whole, &s) || fill_share(share, whole, p, &s) || number_part(share, p, &s)
+            ? fail_memory(error)
+            : PLANISH_OK;
     if (!status)
         status = make_exchange(share, comm, p, &s, error);
     if (!status && find_roles(share, p, &s))

@@ -35,7 +35,7 @@ typedef struct pl_share {
  */
 int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
                     planish_error *error);
-/** The same of a piece that each process has by itself; nothing can be collected then. */
+/** Create the share from a piece that each process has by itself; nothing can be collected then. */
 int pl_share_take(pl_share *share, MPI_Comm comm, pl_piece *piece, planish_error *error);
 void pl_share_destroy(pl_share *share);
 

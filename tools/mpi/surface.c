@@ -28,7 +28,7 @@ typedef struct answer {
     int64_t constraint;
 } answer;
 
-/** What is near the surface, of one process or of all; arrays are owned. */
+/** Nodes and elements near the surface, of one process or of all; arrays are owned. */
 typedef struct near {
     int64_t n_nodes, n_elements;
     near_node *node;
@@ -75,7 +75,8 @@ static int is_own(const pl_share *share, int32_t node) {
     return node >= 0 && share->role[node] != PLANISH_GHOST;
 }
 
-/** Of a facet whose nodes all belong to others not all elements need to be here: they see it. */
+/** Mark the nodes of surface facets. A facet whose nodes all belong to others may lack an element
+ * here: they see it. */
 static void mark_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets,
                         int thread) {
     const marking *m = context;
@@ -91,13 +92,13 @@ static void mark_facets(void *context, int32_t node, const pl_facet *facets, int
     }
 }
 
-/** Where values of ghosts go. */
+/** Destination of values of ghosts. */
 typedef struct arrival {
     char *values;
     int64_t size;
 } arrival;
 
-static void take(int32_t ghost, const void *value, void *taker) {
+static void take_value(int32_t ghost, const void *value, void *taker) {
     const arrival *a = taker;
     memcpy(a->values + ghost * a->size, value, (size_t)a->size);
 }
@@ -114,7 +115,7 @@ static int update(const pl_share *share, void *values, int64_t size, int32_t *no
             memcpy(room + n * size, a.values + i * size, (size_t)size);
             node[n++] = (int32_t)i;
         }
-    if (!part->send(node, n, room, size, part->user) && !part->receive(take, &a, part->user))
+    if (!part->send(node, n, room, size, part->user) && !part->receive(take_value, &a, part->user))
         return PLANISH_OK;
     *error = (planish_error){PLANISH_ERROR_PROCESS, -1, -1, "another process was not reached"};
     return error->code;
@@ -130,7 +131,7 @@ static int has_marked(const pl_share *share, int64_t element, const uint8_t *is_
     return any;
 }
 
-/** Those that this process counts. */
+/** List those that this process counts. */
 static int list_near(const pl_share *share, const uint8_t *is_surface, const uint8_t *mark, near *s,
                      planish_error *error) {
     const int dim = share->mesh.dim;

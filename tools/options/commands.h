@@ -14,7 +14,7 @@
  *  installation. */
 int pl_generate_command(const char *kind);
 
-/** What the table says of a command. Texts are lines of 80 columns at most, separated by '\n'. */
+/** Row of the table of commands. Texts are lines of 80 columns at most, separated by '\n'. */
 typedef struct pl_command_text {
     pl_command command;
     const char *name;
@@ -37,7 +37,7 @@ const pl_command_text *pl_command_find(const char *word);
  *  or report". text [size] is filled in and returned. */
 const char *pl_command_list(const char *joint, const char *last, char *text, size_t size);
 
-/** What the program is, and what it reads; lines as above. */
+/** Texts on the program and on the formats that it reads; lines as above. */
 extern const char *const pl_program_summary;
 extern const char *const pl_program_formats;
 

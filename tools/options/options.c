@@ -430,7 +430,7 @@ enum { N_OPTIONS = sizeof option_table / sizeof option_table[0] };
 
 /* ---- parsing -------------------------------------------------------------------------------- */
 
-/** What getopt_long returns for row i: its letter, or a number that is no character. */
+/** Code that getopt_long returns for row i: its letter, or a number that is no character. */
 static int option_code(int i) {
     return option_table[i].letter ? option_table[i].letter : UCHAR_MAX + 1 + i;
 }

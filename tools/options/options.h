@@ -77,7 +77,7 @@ int pl_arguments_change_objective(const pl_arguments *arguments);
 int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, char **argv);
 void pl_arguments_free(pl_arguments *arguments);
 
-/** What the table says of an option. */
+/** Row of the table of options. */
 typedef struct pl_option_text {
     int letter;        /* short option, or 0 */
     const char *name;  /* long option */

@@ -32,7 +32,7 @@ void pl_markup_put_base64(pl_markup *markup, const void *bytes, int64_t n);
  *  its point; an en dash where it is not finite. */
 void pl_markup_put_real(pl_markup *markup, double value);
 
-/** The same with that many significant digits, whatever its size. */
+/** Add a number with that many significant digits, whatever its size. */
 void pl_markup_put_digits(pl_markup *markup, double value, int digits);
 
 /** Add how many there are of something, and a word for that: one for 1, else several. */

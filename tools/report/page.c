@@ -224,7 +224,7 @@ static void put_picture(pl_markup *page, const pl_figures *figures, const pl_pic
     pl_markup_put(page, "</section>\n");
 }
 
-/** What draws it; the licence of three.js asks to come along. */
+/** Put the script that draws it, with the licence of three.js. */
 static void put_viewer(pl_markup *page, const pl_picture *picture) {
     if (!pl_page_can_draw() || pl_picture_n_states(picture) == 0)
         return;

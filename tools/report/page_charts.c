@@ -36,7 +36,7 @@ static int read_bins(const pl_figures *figures, const char *key, bins *b) {
     return 1;
 }
 
-/** The same in figures. */
+/** Put the bins as a table. */
 static void put_bins_table(pl_markup *page, const pl_figures *figures, const bins *b) {
     pl_markup_put(page,
                   "<details><summary>Figures</summary><div class=\"scroll\"><table><thead><tr>"
@@ -178,7 +178,7 @@ static void put_inverted(pl_markup *page, const history *h) {
     pl_markup_put(page, "</figure>\n");
 }
 
-/** The same in figures; of many sweeps every second or third, and the last. */
+/** Put the sweeps as a table; of many sweeps every second or third, and the last. */
 static void put_history_table(pl_markup *page, const history *h) {
     enum { MOST_ROWS = 200 };
     const int64_t stride = h->n / MOST_ROWS + 1;

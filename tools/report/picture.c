@@ -24,7 +24,7 @@ static const double STEPS_PER_E = 50;
 /* Places on each side of the box, for points. */
 static const double PLACES = 65535;
 
-typedef struct state {
+typedef struct drawn_state {
     char name[16];
     uint8_t *point;     /* [n_points][dim] of 16 bits */
     uint8_t *ratio;     /* [n_triangles] in 2-D, else NULL */
@@ -32,7 +32,7 @@ typedef struct state {
     int64_t n_bad;      /* and bad elements that are drawn */
     uint8_t *corner;    /* [n_bad][dim + 1][dim] floats */
     uint8_t *bad_ratio; /* [n_bad] floats; 0: inverted */
-} state;
+} drawn_state;
 
 struct pl_picture {
     int dim;
@@ -42,7 +42,7 @@ struct pl_picture {
     double low[3], high[3];      /* its box as it was at first */
     double size;                 /* the longest side of that */
     pl_drawn_surface surface;
-    state states[PL_PICTURE_MOST_STATES];
+    drawn_state states[PL_PICTURE_MOST_STATES];
     int n_states;
 };
 
@@ -110,7 +110,7 @@ static void take_corners(const pl_picture *picture, const planish_mesh *mesh, in
 }
 
 /** Take the points of the surface, which lie in the middle of their nodes. */
-static int take_surface(const pl_picture *picture, const pl_job *job, state *to) {
+static int take_surface(const pl_picture *picture, const pl_job *job, drawn_state *to) {
     const int dim = picture->dim;
     const size_t n = (size_t)picture->surface.n_points + 1;
     const double *x = job->mesh.coordinates;
@@ -136,7 +136,7 @@ static int take_surface(const pl_picture *picture, const pl_job *job, state *to)
     return failed ? complain_memory(job) : 0;
 }
 
-static int take_worst(const pl_picture *picture, const pl_job *job, state *to) {
+static int take_worst(const pl_picture *picture, const pl_job *job, drawn_state *to) {
     const int corner_size = 4 * picture->dim * (picture->dim + 1);
     pl_worst worst = {0};
     int status = pl_worst_select(job, MOST_BAD, &worst);
@@ -155,7 +155,7 @@ static int take_worst(const pl_picture *picture, const pl_job *job, state *to) {
 }
 
 /** The radius ratios of the triangles drawn, in 2-D. */
-static int take_ratios(const pl_picture *picture, const pl_job *job, state *to) {
+static int take_ratios(const pl_picture *picture, const pl_job *job, drawn_state *to) {
     planish_error error;
     const pl_drawn_surface *surface = &picture->surface;
     int status = 0;
@@ -181,7 +181,7 @@ int pl_picture_fits(const pl_picture *picture, const pl_job *job) {
 }
 
 int pl_picture_take(pl_picture *picture, const pl_job *job, const char *name) {
-    state *to = &picture->states[picture->n_states];
+    drawn_state *to = &picture->states[picture->n_states];
     if (picture->n_states == PL_PICTURE_MOST_STATES || !pl_picture_fits(picture, job))
         return pl_complain(PL_EXIT_FAILED, "%s: is another mesh than the one in the picture",
                            job->arguments->input);
@@ -233,7 +233,7 @@ static void put_triangles(pl_markup *page, const pl_drawn_surface *surface) {
 }
 
 static void put_state(pl_markup *page, const pl_picture *picture, int i) {
-    const state *s = &picture->states[i];
+    const drawn_state *s = &picture->states[i];
     const int64_t dim = picture->dim, size = 2 * picture->surface.n_points * dim;
     pl_markup_put(page, "{\"name\":\"%s\",\"inverted\":%" PRId64, s->name, s->n_inverted);
     /* Surfaces before and after are most often the same. */
@@ -274,7 +274,7 @@ void pl_picture_free(pl_picture *picture) {
     if (!picture)
         return;
     for (int i = 0; i < picture->n_states; i++) {
-        state *s = &picture->states[i];
+        drawn_state *s = &picture->states[i];
         free(s->point);
         free(s->ratio);
         free(s->corner);

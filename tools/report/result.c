@@ -373,7 +373,7 @@ static char *finish(document *json, cJSON *root) {
     return line;
 }
 
-/** Of coordinates as they are written, or read: in full, whatever the format's digits. */
+/** Add the checksum of coordinates as written or read: in full, whatever the format's digits. */
 static void add_checksum(document *json, cJSON *root, const char *name, uint64_t checksum) {
     char text[17];
     snprintf(text, sizeof text, "%016" PRIx64, checksum);

@@ -32,7 +32,7 @@ int pl_result_has_optimality(const pl_job *job);
 char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
                             const pl_progress *progress);
 
-/** What quality has found out about a mesh. */
+/** Findings of the command quality on a mesh. */
 typedef struct pl_measured {
     planish_quality quality;
     pl_volumes volumes;

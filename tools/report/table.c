@@ -21,7 +21,7 @@ static const double INVISIBLE = 5e-6;
 /* Relative changes from this on are told by the two values, not as a percentage. */
 static const double MOST_TOLD = 0.5;
 
-/** What a row's number is: which way is better, and how a change of it is told. */
+/** Meaning of a row's number: which way is better, and how a change of it is told. */
 typedef struct measure {
     const char *unit;
     enum { LESS_IS_BETTER, MORE_IS_BETTER } sense;

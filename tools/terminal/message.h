@@ -19,7 +19,7 @@ enum {
 /** Print "planish: text" as one line (control characters become '?'); returns status. */
 int pl_complain(int status, const char *format, ...) PL_PRINTF(2, 3);
 
-/** The same for a bad command line, with a hint to the help of command (NULL: of the program);
+/** Print it for a bad command line, with a hint to the help of command (NULL: of the program);
  *  returns PL_EXIT_USAGE. */
 int pl_complain_usage(const char *command, const char *format, ...) PL_PRINTF(2, 3);
 

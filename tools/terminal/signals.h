@@ -21,7 +21,7 @@ enum { PL_TEMPORARY_SIZE = 16 * 4096 };
 /* A longer name is cut. */
 enum { PL_INPUT_NAME_SIZE = 1024 };
 
-/** What takes a line away on a terminal, from where its cursor is. */
+/** Sequence that erases a line on a terminal, from its cursor on. */
 #define PL_ERASE_TO_END "\033[K"
 
 /** For every command: SIGPIPE and SIGBUS; and SIGINT, SIGTERM and SIGHUP, unless the parent had

@@ -32,7 +32,7 @@ int pl_terminal_columns(FILE *stream);
 /** Columns that a line on stream may have: those of the terminal that it is, or any number. */
 int pl_terminal_room(FILE *stream);
 
-/** What is to be printed before and behind a text of a style; "" without colours. */
+/** Sequence to print before and behind a text of a style; "" without colours. */
 const char *pl_style_begin(FILE *stream, pl_style style);
 const char *pl_style_end(FILE *stream, pl_style style);
 

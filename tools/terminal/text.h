@@ -34,7 +34,7 @@ int pl_text_control(const char *text, uint32_t *code);
  *  nearest. */
 const char *pl_text_nearer(const char *typed, const char *nearest, const char *word);
 
-/** What stands for bytes that are no UTF-8: U+FFFD. */
+/** Replacement of bytes that are no UTF-8: U+FFFD. */
 #define PL_UTF8_REPLACEMENT "\xEF\xBF\xBD"
 
 /** Length of the well-formed UTF-8 sequence at text, or 0; 1 for '\0'. Names of files and groups
