@@ -1,4 +1,9 @@
-/* held: why nodes do not move: what the plan, the file and the options say, put together. */
+/* held: why nodes do not move: the reasons of the plan, the file and the options, put together.
+ *
+ *     pl_held_name, _text                 a reason in JSON, and in words
+ *     pl_held_count, _find                the reasons of a mesh
+ *     pl_held_print, _explain, _note      texts on them
+ */
 #ifndef PL_TOOLS_HELD_H
 #define PL_TOOLS_HELD_H
 

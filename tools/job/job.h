@@ -1,4 +1,10 @@
-/* job: what smooth and quality have in common: a mesh file, the nodes it holds, and a plan for it.
+/* job: the part that smooth and quality share: a mesh file, the nodes it holds, and a plan for it.
+ *
+ *     pl_job_read, _close                  the file, with constraints, minimum volumes and the box
+ *     pl_job_find_slides, _count_slides    nodes that slide, or could
+ *     pl_job_find_layers, _hold_layers     boundary layers
+ *     pl_job_plan, _get_free, _measure     by the engine
+ *     pl_job_complain                      messages on errors of the library
  *
  * Every function returns 0, or an exit status after a message.
  */

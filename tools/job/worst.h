@@ -1,4 +1,9 @@
-/* worst: the worst elements of a mesh, for lists and pictures. */
+/* worst: the worst elements of a mesh, for lists and pictures.
+ *
+ *     pl_worst_select        which they are
+ *     pl_worst_find          and their angles, places, nodes and regions
+ *     pl_worst_find_asked    as many as the command line asks for
+ */
 #ifndef PL_TOOLS_WORST_H
 #define PL_TOOLS_WORST_H
 

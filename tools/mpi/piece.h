@@ -1,4 +1,8 @@
-/* piece: what PETSc's DMPlex hands out of a mesh to each process: elements and nodes in its order.
+/* piece: the elements and nodes that PETSc's DMPlex hands out to a process, in its order.
+ *
+ *     pl_piece_cut                         of a mesh that the first process has
+ *     pl_piece_hand_out, _begin            the steps of that
+ *     pl_select_points, pl_bring           values to where DMPlex has moved their points
  */
 #ifndef PL_TOOLS_MPI_PIECE_H
 #define PL_TOOLS_MPI_PIECE_H

@@ -1,5 +1,10 @@
 /* plexfile: meshes in files of PETSc's own, HDF5, through DMPlex: no process has all of a mesh but
  * where DMPlex wants that (PETSc 3.18 loads elements in the first process).
+ *
+ *     pl_plexfile_read, _cut, _close    a file, and the piece of each process
+ *     pl_plexfile_write                 the file with other coordinates (plexrows.h)
+ *     pl_plexfile_convert               a file of another mesh
+ *     pl_plexfile_finish                the end of both
  */
 #ifndef PL_TOOLS_MPI_PLEXFILE_H
 #define PL_TOOLS_MPI_PLEXFILE_H

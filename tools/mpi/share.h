@@ -1,7 +1,12 @@
-/* share: what a process has of a mesh that the first process has read, and others work on, too.
+/* share: the part that a process has of a mesh.
  *
  * PETSc's DMPlex cuts the mesh into pieces (PT-Scotch) with one layer of overlap, and hands them
  * out.
+ *
+ *     pl_share_create     from a mesh that the first process has
+ *     pl_share_take       from a piece that each process has
+ *     pl_collect          values of all shares to the first process
+ *     pl_share_explain    errors with numbers of the whole mesh
  */
 #ifndef PL_TOOLS_MPI_SHARE_H
 #define PL_TOOLS_MPI_SHARE_H

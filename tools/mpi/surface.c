@@ -200,19 +200,15 @@ static void gather(const pl_crew *crew, const layout *l, const void *mine, int64
     MPI_Type_free(&type);
 }
 
-static int compare_elements(const void *a, const void *b) {
-    const near_element *p = a, *q = b;
-    return (p->number > q->number) - (p->number < q->number);
-}
-
 /** A node's number, and where it is among those that were gathered. */
 typedef struct place {
     int32_t number, at;
 } place;
 
-static int compare_places(const void *a, const void *b) {
-    const place *p = a, *q = b;
-    return (p->number > q->number) - (p->number < q->number);
+/** By the number that a near_element or place begins with. */
+static int compare_numbers(const void *a, const void *b) {
+    const int32_t *p = a, *q = b;
+    return (*p > *q) - (*p < *q);
 }
 
 /** A mesh of what is near the surface, in the order of the whole mesh; owned. */
@@ -223,16 +219,6 @@ typedef struct shell {
     int32_t *elements, *region;
     uint8_t *is_inside, *constraint;
 } shell;
-
-static void shell_destroy(shell *s) {
-    free(s->place);
-    free(s->x);
-    free(s->direction);
-    free(s->elements);
-    free(s->region);
-    free(s->is_inside);
-    free(s->constraint);
-}
 
 /** 0, or -1 without memory. */
 static int shell_create(const near *all, int dim, shell *s) {
@@ -251,8 +237,8 @@ static int shell_create(const near *all, int dim, shell *s) {
         .dim = dim, .n_nodes = n, .n_elements = m, .coordinates = s->x, .elements = s->elements};
     for (int64_t i = 0; i < n; i++)
         s->place[i] = (place){all->node[i].number, (int32_t)i};
-    qsort(s->place, (size_t)n, sizeof *s->place, compare_places);
-    qsort(all->element, (size_t)m, sizeof *all->element, compare_elements);
+    qsort(s->place, (size_t)n, sizeof *s->place, compare_numbers);
+    qsort(all->element, (size_t)m, sizeof *all->element, compare_numbers);
     for (int64_t i = 0; i < n; i++) {
         const near_node *node = &all->node[s->place[i].at];
         s->is_inside[i] = !node->is_surface;
@@ -263,7 +249,7 @@ static int shell_create(const near *all, int dim, shell *s) {
         for (int j = 0; j <= dim; j++) {
             const place key = {.number = all->element[i].node[j]};
             const place *found =
-                bsearch(&key, s->place, (size_t)n, sizeof *s->place, compare_places);
+                bsearch(&key, s->place, (size_t)n, sizeof *s->place, compare_numbers);
             s->elements[i * (dim + 1) + j] = (int32_t)(found - s->place);
         }
     }
@@ -285,7 +271,13 @@ static int look_at_all(const pl_crew *crew, near *all, double tolerance, planish
         to->constraint = s.constraint[i];
         memcpy(to->direction, s.direction + i * dim, (size_t)dim * sizeof *to->direction);
     }
-    shell_destroy(&s);
+    free(s.place);
+    free(s.x);
+    free(s.direction);
+    free(s.elements);
+    free(s.region);
+    free(s.is_inside);
+    free(s.constraint);
     return code;
 }
 
@@ -328,24 +320,6 @@ typedef struct room {
     char *values;
     answer *answer;
 } room;
-
-static int room_create(room *r, int64_t n, planish_error *error) {
-    *r = (room){.is_surface = pl_new_array(n, 1),
-                .mark = pl_new_array(n, 1),
-                .shared = pl_new_array(n, sizeof *r->shared),
-                .values = pl_new_array(n, sizeof *r->answer),
-                .answer = pl_new_array(n, sizeof *r->answer)};
-    return r->is_surface && r->mark && r->shared && r->values && r->answer ? PLANISH_OK
-                                                                           : fail_memory(error);
-}
-
-static void room_destroy(room *r) {
-    free(r->is_surface);
-    free(r->mark);
-    free(r->shared);
-    free(r->values);
-    free(r->answer);
-}
 
 /** The answers for own nodes, and for ghosts. */
 static int take_answers(pl_share *share, const near *mine, room *r, planish_error *error) {
@@ -395,19 +369,26 @@ static int slide(pl_crew *crew, double tolerance, room *r, planish_error *error)
 int pl_surface_slide(pl_crew *crew, double tolerance, planish_error *error) {
     pl_share *share = &crew->share;
     const int64_t n = share->mesh.n_nodes;
-    room r;
     free(share->constraint);
     free(share->direction);
     share->constraint = pl_new_array(n, 1);
     share->direction = pl_new_array(n * share->mesh.dim, sizeof *share->direction);
     share->mesh.constraint = share->constraint;
     share->mesh.direction = share->direction;
-    int code = room_create(&r, n, error);
-    if (!code && (!share->constraint || !share->direction))
-        code = fail_memory(error);
-    code = pl_crew_agree(crew, code, error);
+    room r = {.is_surface = pl_new_array(n, 1),
+              .mark = pl_new_array(n, 1),
+              .shared = pl_new_array(n, sizeof *r.shared),
+              .values = pl_new_array(n, sizeof *r.answer),
+              .answer = pl_new_array(n, sizeof *r.answer)};
+    const int has_room = r.is_surface && r.mark && r.shared && r.values && r.answer &&
+                         share->constraint && share->direction;
+    int code = pl_crew_agree(crew, has_room ? PLANISH_OK : fail_memory(error), error);
     if (!code)
         code = slide(crew, tolerance, &r, error);
-    room_destroy(&r);
+    free(r.is_surface);
+    free(r.mark);
+    free(r.shared);
+    free(r.values);
+    free(r.answer);
     return code;
 }

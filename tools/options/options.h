@@ -1,7 +1,12 @@
 /* options: the command lines of the program's commands.
  *
- * One table (options.c) says which options there are; it drives the parser, the help (help.c), the
- * manual page and the completion of shells (manual.c).
+ * One table (options.c) says which options there are; it drives the parser, the help (commands.c),
+ * the manual page and the completion of shells (manual.c).
+ *
+ *     pl_arguments_parse, _free                        a command line
+ *     pl_arguments_bound_volumes, _change_objective    questions about it
+ *     pl_option_describe                               a row of the table
+ *     pl_method_name, pl_objective_name, ...           words of the command line and the report
  */
 #ifndef PL_TOOLS_OPTIONS_H
 #define PL_TOOLS_OPTIONS_H

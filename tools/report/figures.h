@@ -1,5 +1,5 @@
-/* figures: what a page reads from the JSON of a run. Whatever is missing, or of another type, has
- * no value: pages of reports that were made elsewhere are as complete as these. */
+/* figures: the figures of a page, from the JSON of a run. Whatever is missing, or of another type,
+ * has no value: pages of reports that were made elsewhere are as complete as these. */
 #ifndef PL_REPORT_FIGURES_H
 #define PL_REPORT_FIGURES_H
 

@@ -1,4 +1,9 @@
-/* markup: text that grows, for pages and the drawings in them. */
+/* markup: text that grows, for pages and the drawings in them.
+ *
+ *     pl_markup_put, _put_bytes, _put_base64             text as it is
+ *     pl_markup_put_text                                 text that is escaped
+ *     pl_markup_put_real, _digits, _count, _number_of    numbers as people read them
+ */
 #ifndef PL_REPORT_MARKUP_H
 #define PL_REPORT_MARKUP_H
 

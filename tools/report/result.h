@@ -1,4 +1,8 @@
-/* result: what a run has come to, and its report as JSON. */
+/* result: the findings of a run, and its report as JSON.
+ *
+ *     pl_result, pl_result_smooth_json      of smooth
+ *     pl_measured, pl_quality_report_*      of quality, mesh by mesh
+ */
 #ifndef PL_TOOLS_RESULT_H
 #define PL_TOOLS_RESULT_H
 

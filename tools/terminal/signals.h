@@ -4,6 +4,11 @@
  * second one ends the program at once, temporary files removed. An input that shrinks while it is
  * mapped, as large ones are (SIGBUS), ends it with one line that names it. A reader that goes away
  * makes writing fail (SIGPIPE is ignored), so that it is reported like any other failure to write.
+ *
+ *     pl_signals_install, _install_stop, _done         for main and the commands
+ *     pl_signals_stop_asked                            for the smoothing
+ *     pl_signals_set_input, _set_written, _temporary   what a signal has to know
+ *     the others                                       between signals.c and the systems' files
  */
 #ifndef PL_TOOLS_SIGNALS_H
 #define PL_TOOLS_SIGNALS_H

@@ -2,6 +2,10 @@
  *
  * There are colours on terminals only, and none where TERM is dumb or unset, or NO_COLOR is set
  * (https://no-color.org). What is decided depends on the stream and the environment alone.
+ *
+ *     pl_terminal_*          what a stream can show, and how wide it is
+ *     pl_style_begin, _end    a text in colour
+ *     pl_line_show, _clear    the line that is written over
  */
 #ifndef PL_TOOLS_TERMINAL_H
 #define PL_TOOLS_TERMINAL_H

@@ -1,4 +1,10 @@
-/* text: names and sentences in lines of a given width. */
+/* text: names and sentences in lines of a given width.
+ *
+ *     pl_text_columns, _fit, _wrap    widths
+ *     pl_text_clean, _put, _control   characters that a terminal may not get
+ *     pl_text_nearer                  suggestions for mistyped words
+ *     pl_utf8_length                  whether bytes are UTF-8
+ */
 #ifndef PL_TOOLS_TEXT_H
 #define PL_TOOLS_TEXT_H
 
