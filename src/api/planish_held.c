@@ -26,7 +26,7 @@ typedef struct hold_search {
     const planish_part *part; /* of which facets at its own nodes are looked at */
 } hold_search;
 
-static void note(hold_search *s, int32_t node, uint8_t reason) {
+static void note_reason(hold_search *s, int32_t node, uint8_t reason) {
     if (!(__atomic_load_n(&s->facts[node], __ATOMIC_RELAXED) & reason))
         __atomic_fetch_or(&s->facts[node], reason, __ATOMIC_RELAXED);
 }
@@ -44,10 +44,10 @@ static void note_facets(void *context, int32_t node, const pl_facet *facets, int
             (facet->node[1] < 0 || !pl_is_own(s->part, facet->node[1])))
             continue; /* another process looks at it */
         for (int j = 0; reason && j < s->mesh.dim; j++)
-            note(s, j ? facet->node[j - 1] : node, reason);
+            note_reason(s, j ? facet->node[j - 1] : node, reason);
         for (int j = 0; facet->twin && j < corners; j++)
-            note(s, s->mesh.elements[(int64_t)facet->element[0] * corners + j],
-                 PLANISH_HELD_NONMANIFOLD);
+            note_reason(s, s->mesh.elements[(int64_t)facet->element[0] * corners + j],
+                        PLANISH_HELD_NONMANIFOLD);
     }
 }
 
@@ -75,7 +75,7 @@ static int note_doubled(hold_search *s, const double *coordinates, planish_error
         status = pl_points_find_doubled(&points, is_doubled, error);
     for (int64_t i = 0; !status && i < n; i++)
         if (is_doubled[i])
-            note(s, node[i], PLANISH_HELD_DOUBLED);
+            note_reason(s, node[i], PLANISH_HELD_DOUBLED);
     pl_free(is_doubled);
     pl_free(place);
     pl_free(node);

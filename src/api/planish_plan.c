@@ -31,8 +31,8 @@ static void say_plan(const planish_plan *plan) {
                info.n_wrapped);
 }
 
-static int create(const planish_mesh *mesh, const planish_options *options, planish_plan **out,
-                  planish_error *error) {
+static int create_plan(const planish_mesh *mesh, const planish_options *options, planish_plan **out,
+                       planish_error *error) {
     int status = pl_options_check(options, error);
     if (status)
         return status;
@@ -69,7 +69,7 @@ int planish_plan_create(const planish_mesh *mesh, const planish_options *options
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh and plan must not be NULL");
     planish_options_init(&defaults);
     const pl_outside outside = pl_call_enter(NULL);
-    const int status = create(mesh, options ? options : &defaults, out, error);
+    const int status = create_plan(mesh, options ? options : &defaults, out, error);
     pl_call_leave(&outside);
     return status;
 }

@@ -92,7 +92,7 @@ static void begin_sliding(planish_plan *plan) {
 
 /** Bring coordinates into the plan, make the guard, and measure the mesh, with the rest of it where
  *  more than the plan's part is known. Errors: those of pl_guard_create, _MEMORY. */
-static int begin(pl_run *r, planish_error *error) {
+static int begin_run(pl_run *r, planish_error *error) {
     planish_plan *plan = r->plan;
     const int is_part = plan->scope == PL_SUBSET_OF_ALL;
     const pl_points points = pl_plan_points(plan, r->coordinates);
@@ -135,17 +135,17 @@ static void note_start(pl_run *r) {
     const planish_options *o = r->options;
     r->result->objective_before = pl_run_objective(r);
     r->sums_at_start = r->sums;
-    r->at_start = pl_star_no_limits();
+    r->limits_at_start = pl_star_no_limits();
     if (o->method != PLANISH_METHOD_PLANISH || r->sums.inverted > 0 || r->sums.below > 0)
         return;
     if (o->objective == PLANISH_RADIUS_RATIO && !(o->area_weight > 0))
-        r->at_start = pl_run_limits(r, 1);
+        r->limits_at_start = pl_run_limits(r, 1);
     else if (pl_run_has_followers(r))
-        r->at_start.rr2 = pl_run_limits(r, 1).rr2;
+        r->limits_at_start.rr2 = pl_run_limits(r, 1).rr2;
 }
 
-static int smooth(pl_run *r, planish_error *error) {
-    int status = begin(r, error);
+static int smooth_run(pl_run *r, planish_error *error) {
+    int status = begin_run(r, error);
     if (status)
         return status;
     note_start(r);
@@ -213,7 +213,7 @@ int planish_smooth(planish_plan *plan, double *coordinates, const planish_option
     int status = pl_plan_check_call(plan, coordinates, r.options, error);
     if (!status) {
         pl_placement_enter(plan->placement);
-        status = smooth(&r, error);
+        status = smooth_run(&r, error);
         pl_placement_leave(plan->placement);
     }
     if (!status)

@@ -100,9 +100,9 @@ static int find_states(const volume_check *c, const double *coordinates, int is_
 
 /** Serve all calls: minimum volumes with by_volume, else positive elements; n_undecided: until
  *  options say so, or NULL. *n and *n_undecided change with success alone. */
-static int find(const planish_plan *plan, const double *coordinates, const planish_options *options,
-                int by_volume, uint8_t *out, int64_t *n, int64_t *n_undecided,
-                planish_error *error) {
+static int find_elements(const planish_plan *plan, const double *coordinates,
+                         const planish_options *options, int by_volume, uint8_t *out, int64_t *n,
+                         int64_t *n_undecided, planish_error *error) {
     planish_options defaults;
     int64_t n_found = 0, n_left = 0;
     if (!plan || !coordinates)
@@ -156,14 +156,14 @@ int planish_check_volumes(const planish_plan *plan, const double *coordinates,
                           planish_error *error) {
     if (!n_below)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n_below must not be NULL");
-    return find(plan, coordinates, options, 1, state, n_below, NULL, error);
+    return find_elements(plan, coordinates, options, 1, state, n_below, NULL, error);
 }
 
 int planish_find_unfixable(const planish_plan *plan, const double *coordinates, uint8_t *unfixable,
                            int64_t *n, planish_error *error) {
     if (!n)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n must not be NULL");
-    return find(plan, coordinates, NULL, 0, unfixable, n, NULL, error);
+    return find_elements(plan, coordinates, NULL, 0, unfixable, n, NULL, error);
 }
 
 int planish_check_volumes_until(const planish_plan *plan, const double *coordinates,
@@ -171,7 +171,7 @@ int planish_check_volumes_until(const planish_plan *plan, const double *coordina
                                 int64_t *n_undecided, planish_error *error) {
     if (!n_below || !n_undecided)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n_below and n_undecided must not be NULL");
-    return find(plan, coordinates, options, 1, state, n_below, n_undecided, error);
+    return find_elements(plan, coordinates, options, 1, state, n_below, n_undecided, error);
 }
 
 int planish_find_unfixable_until(const planish_plan *plan, const double *coordinates,
@@ -179,5 +179,5 @@ int planish_find_unfixable_until(const planish_plan *plan, const double *coordin
                                  int64_t *n_undecided, planish_error *error) {
     if (!n || !n_undecided)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n and n_undecided must not be NULL");
-    return find(plan, coordinates, options, 0, unfixable, n, n_undecided, error);
+    return find_elements(plan, coordinates, options, 0, unfixable, n, n_undecided, error);
 }

@@ -40,8 +40,8 @@ static int64_t put_back_bad(pl_run *r, uint8_t *state) {
     const size_t size = (size_t)plan->dim * sizeof *plan->coordinates;
     const pl_view all = pl_view_of_all_elements(&plan->work);
     int64_t n = 0;
-    pl_find_worse(&all, plan->measured, sqrt(r->at_start.rr2), r->at_start.acuteness, plan->threads,
-                  state);
+    pl_find_worse(&all, plan->measured, sqrt(r->limits_at_start.rr2), r->limits_at_start.acuteness,
+                  plan->threads, state);
     for (int64_t i = 0; i < plan->work.n_elements; i++)
         if (state[i] != PL_FINE)
             n += put_back_nodes(r, i);
@@ -73,7 +73,7 @@ static int has_risen(const pl_run *r) {
  *  rounding others: nodes that move together have one star for all, next to one of them. */
 static int is_worse(const pl_run *r) {
     const pl_star_limits now = pl_run_limits(r, 1);
-    return now.acuteness > r->at_start.acuteness || now.rr2 > r->at_start.rr2 ||
+    return now.acuteness > r->limits_at_start.acuteness || now.rr2 > r->limits_at_start.rr2 ||
            r->sums.inverted > r->sums_at_start.inverted ||
            (pl_run_has_followers(r) && (r->sums.below > r->sums_at_start.below || has_risen(r)));
 }

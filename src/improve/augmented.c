@@ -27,14 +27,14 @@ enum { MOST_SWEEPS = 40 };
 #define LOWER 1e-3
 
 /** One update of the multipliers. */
-typedef struct update {
+typedef struct shift_update {
     const pl_run *run;
     int wake;
     double largest; /* change; shared */
-} update;
+} shift_update;
 
 static void update_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    update *u = context;
+    shift_update *u = context;
     const planish_plan *plan = u->run->plan;
     pl_raise_double(&u->largest,
                     pl_star_update_shifts(&u->run->problem, plan->dim, u->wake, begin, end,
@@ -44,7 +44,7 @@ static void update_chunk(void *context, int64_t begin, int64_t end, int thread) 
 /** Update the multipliers of all elements; returns the largest change. */
 static double update_shifts(const pl_run *r, int wake) {
     const int64_t n = r->plan->interior.stars.n_stars;
-    update u = {r, wake, 0};
+    shift_update u = {r, wake, 0};
     pl_parallel_for(r->plan->threads, n, PL_CHUNK_STARS, update_chunk, &u);
     pl_parts_largest(&u.largest, 1);
     return u.largest;

@@ -47,17 +47,17 @@ void pl_patch_for(const pl_patch *p, pl_chunk_fn *body, void *context) {
 }
 
 /** An operation on vectors under way. */
-typedef struct operation {
+typedef struct vector_operation {
     const pl_patch *p;
     double *a;
     const double *b, *c;
     double factor;
     int to_field; /* else from it */
     pl_sum *sum;  /* shared */
-} operation;
+} vector_operation;
 
 static void product_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const operation *o = context;
+    const vector_operation *o = context;
     const int dim = o->p->dim;
     pl_sum sum = {{0}, 0, 0, 0, 0};
     (void)thread;
@@ -72,14 +72,14 @@ static void product_chunk(void *context, int64_t begin, int64_t end, int thread)
 
 double pl_patch_product(const pl_patch *p, const double *b, const double *c) {
     pl_sum sum = {{0}, 0, 0, 0, 0};
-    operation o = {.p = p, .b = b, .c = c, .sum = &sum};
+    vector_operation o = {.p = p, .b = b, .c = c, .sum = &sum};
     pl_patch_for(p, product_chunk, &o);
     pl_parts_add_sums(&sum, 1);
     return pl_sum_value(&sum);
 }
 
 static void combine_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const operation *o = context;
+    const vector_operation *o = context;
     (void)thread;
     for (int64_t i = begin * o->p->dim; i < end * o->p->dim; i++)
         o->a[i] = (o->b ? o->b[i] : 0) + o->factor * o->c[i];
@@ -87,13 +87,13 @@ static void combine_chunk(void *context, int64_t begin, int64_t end, int thread)
 
 void pl_patch_combine(const pl_patch *p, double *a, const double *b, double factor,
                       const double *c) {
-    operation o = {.p = p, .a = a, .b = b, .c = c, .factor = factor};
+    vector_operation o = {.p = p, .a = a, .b = b, .c = c, .factor = factor};
     pl_patch_for(p, combine_chunk, &o);
 }
 
 /** Copy between a vector and an array over all nodes. */
 static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const operation *o = context;
+    const vector_operation *o = context;
     const int dim = o->p->dim;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
@@ -104,18 +104,18 @@ static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 void pl_patch_take(const pl_patch *p, double *a, const double *field) {
-    operation o = {.p = p, .a = a, .b = field};
+    vector_operation o = {.p = p, .a = a, .b = field};
     pl_patch_for(p, copy_chunk, &o);
 }
 
 void pl_patch_put(const pl_patch *p, double *field, const double *a) {
-    operation o = {.p = p, .a = field, .b = a, .to_field = 1};
+    vector_operation o = {.p = p, .a = field, .b = a, .to_field = 1};
     pl_patch_for(p, copy_chunk, &o);
     pl_ghosts_update(p->run->plan, field, p->dim * (int64_t)sizeof *field);
 }
 
 static void admit_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const operation *o = context;
+    const vector_operation *o = context;
     double *coordinates = o->p->run->plan->coordinates;
     const int dim = o->p->dim;
     (void)thread;
@@ -130,7 +130,7 @@ static void admit_chunk(void *context, int64_t begin, int64_t end, int thread) {
 
 void pl_patch_admit(const pl_patch *p, double *x, const double *start) {
     double *coordinates = p->run->plan->coordinates;
-    operation o = {.p = p, .a = x, .b = start};
+    vector_operation o = {.p = p, .a = x, .b = start};
     pl_patch_for(p, admit_chunk, &o);
     pl_ghosts_update(p->run->plan, coordinates, p->dim * (int64_t)sizeof *coordinates);
 }
@@ -165,7 +165,7 @@ pl_box pl_box_of_fixed(const planish_plan *plan) {
 /** Set a to the sum over the neighbours of (b of the node - b of the neighbour); b: an array over
  *  nodes. */
 static void difference_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const operation *o = context;
+    const vector_operation *o = context;
     const pl_stars *stars = &o->p->run->plan->interior.stars;
     const int dim = o->p->dim;
     (void)thread;
@@ -181,13 +181,13 @@ static void difference_chunk(void *context, int64_t begin, int64_t end, int thre
 }
 
 static void difference(const pl_patch *p, double *a, const double *field) {
-    operation o = {.p = p, .a = a, .b = field};
+    vector_operation o = {.p = p, .a = a, .b = field};
     pl_patch_for(p, difference_chunk, &o);
 }
 
 /** Set a to b / number of neighbours. */
 static void share_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const operation *o = context;
+    const vector_operation *o = context;
     const int64_t *offset = o->p->run->plan->interior.stars.ring_offset;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
@@ -197,7 +197,7 @@ static void share_chunk(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 static void share(const pl_patch *p, double *a, const double *b) {
-    operation o = {.p = p, .a = a, .b = b};
+    vector_operation o = {.p = p, .a = a, .b = b};
     pl_patch_for(p, share_chunk, &o);
 }
 

@@ -56,7 +56,7 @@ static int give_up_failed_raise(pl_run *r, planish_error *error) {
 
 /** Whether the angles, and the elements of followers, are looked at after the sweeps. */
 static int looks_at_angles(const pl_run *r) {
-    return r->at_start.acuteness < INFINITY || pl_run_has_followers(r);
+    return r->limits_at_start.acuteness < INFINITY || pl_run_has_followers(r);
 }
 
 /** Put back angles smaller than any of the mesh as it came, and sweep with that as a limit. */
@@ -66,11 +66,11 @@ static int keep_angles(pl_run *r, planish_error *error) {
         return PLANISH_OK;
     const int status = pl_run_put_back_angles(r, error);
     if (status || r->result->put_back == 0 || was_cut_short(r) ||
-        !(r->at_start.acuteness < INFINITY))
+        !(r->limits_at_start.acuteness < INFINITY))
         return status;
     pl_run_prepare(r);
     r->uncounted_sweeps = r->sweep;
-    r->problem.limits.acuteness = r->at_start.acuteness * PL_LIMIT_MARGIN;
+    r->problem.limits.acuteness = r->limits_at_start.acuteness * PL_LIMIT_MARGIN;
     r->problem.limits.rr2_blunt = pl_blunt_ratio_square(r->plan->dim, r->problem.limits.acuteness);
     pl_run_sweeps(r);
     pl_run_measure(r);

@@ -105,7 +105,8 @@ static int prepare_scratch(planish_plan *plan, planish_error *error) {
     return plan->start ? PLANISH_OK : pl_fail_memory(error, "the working space of a plan");
 }
 
-static int build(planish_plan *plan, const planish_mesh *mesh, pl_draft *d, planish_error *error) {
+static int fill_plan(planish_plan *plan, const planish_mesh *mesh, pl_draft *d,
+                     planish_error *error) {
     int status = pl_draft_begin(mesh, d, error);
     if (!status)
         status = pl_parts_begin(mesh->n_nodes, error);
@@ -167,7 +168,7 @@ planish_plan *pl_plan_make(const planish_mesh *mesh, const planish_options *opti
     plan->component_stride = points.apart;
     pl_draft d = {.plan = plan, .options = options};
     pl_placement_enter(placement);
-    *status = build(plan, mesh, &d, error);
+    *status = fill_plan(plan, mesh, &d, error);
     pl_draft_destroy(&d);
     pl_placement_leave(placement);
     if (!*status)

@@ -43,10 +43,11 @@ typedef struct pl_run {
     double measured;        /* the sum that is tracked, as measured last */
     double factor;          /* from a star's function to F, of the last sweep's weights */
     const pl_objective_sums *shown; /* not NULL: the sweeps are a trial, and these sums stand */
-    int64_t improved;        /* stars that the last sweep improved by more than a hundredth */
-    int is_for_worst;        /* sweeps are those of pl_run_worst */
-    int restoring;           /* the last sweep brought elements above their minimum volume */
-    pl_star_limits at_start; /* the worst of the mesh as it came; infinite: nothing is promised */
+    int64_t improved; /* stars that the last sweep improved by more than a hundredth */
+    int is_for_worst; /* sweeps are those of pl_run_worst */
+    int restoring;    /* the last sweep brought elements above their minimum volume */
+    pl_star_limits
+        limits_at_start; /* the worst of the mesh as it came; infinite: nothing is promised */
     pl_objective_sums sums_at_start; /* of that mesh */
     double start;                    /* clock */
     double sweep_start;

@@ -129,7 +129,7 @@ static int regularised_sweeps(pl_tangle *t, int most) {
 }
 
 /** Move the patch's nodes to the mean of their neighbours, as one sweep; not 0 if cut short. */
-static int centre(pl_tangle *t) {
+static int centre_patch(pl_tangle *t) {
     pl_run *r = t->run;
     pl_patch p;
     int stopped = 0;
@@ -257,7 +257,7 @@ static int descend(descent *d, int most, double calm_fall) {
  *  even out, lower it further, but let nothing become tangled again: the sweeps that follow are
  *  slow to even out what the barriers of a solution have left over many elements. Not 0 if it was
  *  cut short; without memory it does nothing. */
-static int solve(pl_tangle *t, patience how, int evens_out) {
+static int solve_patch(pl_tangle *t, patience how, int evens_out) {
     const pl_stars *stars = &t->run->plan->interior.stars;
     descent d = {.t = t, .keep = evens_out};
     int64_t facets = 0;
@@ -294,24 +294,24 @@ static int solve(pl_tangle *t, patience how, int evens_out) {
 /* ---- the ladder ---------------------------------------------------------------------------- */
 
 /** Do what the rung says to the elements that are still tangled; not 0 if cut short. */
-static int climb(pl_tangle *t, const rung *step) {
+static int climb_rung(pl_tangle *t, const rung *step) {
     pl_tangle_mark(t, 0);
     if (t->n_patch == 0) /* their nodes are all held */
         return 0;
     pl_tangle_mark(t, step->rings);
-    if (step->centre && centre(t))
+    if (step->centre && centre_patch(t))
         return 1;
     pl_tangle_find_sizes(t);
     if (push_offs(t, step->push_offs) || regularised_sweeps(t, step->sweeps))
         return 1;
     if (step->solve == NOT_AT_ALL)
         return 0;
-    if (solve(t, step->solve, 0))
+    if (solve_patch(t, step->solve, 0))
         return 1;
     if (t->energy.tangled > 0)
         return 0;
     pl_tangle_mark(t, step->rings > EVENED_RINGS ? step->rings : EVENED_RINGS);
-    return solve(t, QUICK, 1);
+    return solve_patch(t, QUICK, 1);
 }
 
 /** Quality of the mesh before or after a rung. */
@@ -328,7 +328,7 @@ static standing standing_of(const pl_tangle *t) {
 /** Climb the n rungs of ladder. A rung counts if fewer elements are tangled after it, and no more
  *  inverted. In a mesh that was valid F and the worst RR must not have risen either, unless it is
  *  volumes that count (floors). */
-static int untangle(pl_run *r, int floors, const rung *ladder, int n, planish_error *error) {
+static int climb_ladder(pl_run *r, int floors, const rung *ladder, int n, planish_error *error) {
     const size_t size =
         (size_t)r->plan->work.n_nodes * (size_t)r->plan->dim * sizeof *r->plan->coordinates;
     const int sweeps = r->result->untangling_sweeps;
@@ -343,7 +343,7 @@ static int untangle(pl_run *r, int floors, const rung *ladder, int n, planish_er
         memcpy(t.best, r->plan->coordinates, size);
     for (int i = 0; climbs && i < n && t.n_tangled > 0 && !stopped; i++) {
         const standing before = standing_of(&t);
-        stopped = climb(&t, &ladder[i]);
+        stopped = climb_rung(&t, &ladder[i]);
         pl_tangle_find(&t);
         const standing now = standing_of(&t);
         if (now.tangled < before.tangled && now.inverted <= before.inverted &&
@@ -373,7 +373,7 @@ int pl_run_untangle(pl_run *r, planish_error *error) {
         (inverted == 0 && !(r->sums.radius_max > FLAT_RR2)))
         return PLANISH_OK;
     pl_log(PLANISH_LOG_DETAIL, "untangling %" PRId64 " elements", inverted);
-    return untangle(r, 0, LADDER, inverted > 0 ? N_RUNGS : N_RUNGS_IF_VALID, error);
+    return climb_ladder(r, 0, LADDER, inverted > 0 ? N_RUNGS : N_RUNGS_IF_VALID, error);
 }
 
 int pl_run_raise_volumes(pl_run *r, planish_error *error) {
@@ -381,5 +381,5 @@ int pl_run_raise_volumes(pl_run *r, planish_error *error) {
         return PLANISH_OK;
     pl_log(PLANISH_LOG_DETAIL, "raising %" PRId64 " elements to their minimum volume",
            (int64_t)r->sums.below);
-    return untangle(r, 1, LADDER_OF_VOLUMES, N_RUNGS_OF_VOLUMES, error);
+    return climb_ladder(r, 1, LADDER_OF_VOLUMES, N_RUNGS_OF_VOLUMES, error);
 }
