@@ -430,6 +430,30 @@ static void flat_stars_contradict_themselves(void **state) {
     }
 }
 
+/** A quadrilateral with two nodes inside, flattened to a line: the stars contradict themselves, but
+ * an area that may be rounding proves nothing about the elements with both nodes. With some area
+ * nothing is proved at all. */
+static void areas_next_to_rounding_prove_nothing(void **state) {
+    static const int32_t triangles[] = {0, 1, 4, 1, 5, 4, 1, 2, 5, 2, 3, 5, 3, 4, 5, 3, 0, 4};
+    (void)state;
+    for (int is_flat = 0; is_flat < 2; is_flat++) {
+        double coordinates[] = {0, 0, 1, 1, 2, 2, 1.5, is_flat ? 1.5 : 1.75, 1.2, 1.2, 1.4, 1.4};
+        uint8_t found[6];
+        int64_t n_found = 0;
+        planish_plan *plan = NULL;
+        const planish_mesh mesh = {.dim = 2,
+                                   .n_nodes = 6,
+                                   .n_elements = 6,
+                                   .coordinates = coordinates,
+                                   .elements = triangles};
+        assert_int_equal(planish_plan_create(&mesh, NULL, &plan, NULL), 0);
+        assert_int_equal(planish_find_unfixable(plan, coordinates, found, &n_found, NULL), 0);
+        assert_int_equal(n_found, is_flat ? 4 : 0);
+        assert_true(!found[1] && !found[4]);
+        planish_plan_destroy(plan);
+    }
+}
+
 static void without_memory_nothing_is_said(void **state) {
     int dim = *(int *)*state, failures = 0, status = PLANISH_ERROR_MEMORY;
     planish_plan *plan;
@@ -469,6 +493,7 @@ int main(void) {
         BOTH(meshes_that_can_be_mended_have_none),
         BOTH(the_rest_is_mended),
         BOTH(flat_stars_contradict_themselves),
+        cmocka_unit_test(areas_next_to_rounding_prove_nothing),
         BOTH(without_memory_nothing_is_said),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
