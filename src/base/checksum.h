@@ -6,8 +6,8 @@
 #include <stdint.h>
 #include <string.h>
 
-/** checksum (0 at first) with one more number, coordinate d of its node; a multiplication spreads
- *  it upwards, a shift back down. */
+/** Return checksum (0 at first) with one more number, coordinate d of its node; a multiplication
+ * spreads it upwards, a shift back down. */
 static inline uint64_t pl_checksum_add(uint64_t checksum, double x, int d) {
     uint64_t word;
     memcpy(&word, &x, sizeof word);

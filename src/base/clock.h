@@ -19,10 +19,10 @@ typedef struct pl_limit {
     int answer;  /* the last one */
 } pl_limit;
 
-/** A limit that is asked when a while has passed: short work never asks. */
+/** Return a limit that is asked when a while has passed: short work never asks. */
 pl_limit pl_limit_of(int (*ask)(void *context), void *context);
 
-/** Not 0, the answer, if the work is to end. limit may be NULL: it goes on. */
+/** Whether the work is to end: the answer. limit may be NULL: it goes on. */
 int pl_limit_is_reached(pl_limit *limit);
 
 #endif

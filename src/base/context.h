@@ -68,7 +68,7 @@ typedef struct pl_context {
     int lock;              /* of kept */
 } pl_context;
 
-/** A context as options say, which holds its own memory, or NULL without memory. */
+/** Make a context as options say, which holds its own memory, or NULL without memory. */
 pl_context *pl_context_create(const planish_options *options);
 
 /* 0: no array has pages of the library's own, as the address sanitizer is to see it by itself. */
@@ -92,7 +92,7 @@ void pl_context_share_pages(pl_context *context, int64_t n_elements, int all);
  *  Call it when the arrays that stay have been made. */
 void pl_context_settle(pl_context *context);
 
-/** After all that was allocated in it has been released. context may be NULL. */
+/** Free context, once all arrays allocated in it have been released. context may be NULL. */
 void pl_context_destroy(pl_context *context);
 
 /** Enter context (NULL: none) on this thread; the one before, to be entered again at the end.
@@ -105,15 +105,14 @@ typedef struct pl_outside {
     pl_arithmetic arithmetic;
 } pl_outside;
 
-/** This thread begins to work for a call: it enters context (may be NULL), and computes as usual;
- * and ends: all is as it was outside. Functions of the caller's compute as usual, too. */
+/** Begin the work of this thread for a call: it enters context (may be NULL), and computes as
+ * usual. Functions of the caller's compute as usual, too. */
 pl_outside pl_call_enter(pl_context *context);
 
 /** End the work for a call: the thread's state is again as it was outside. */
 void pl_call_leave(const pl_outside *outside);
 
-/** A call that works on the plan begins; and ends: what it and the one before it did not want of
- * the kept blocks is released. */
+/** Begin a call on the plan. */
 void pl_context_begin(pl_context *context);
 
 /** End the call on the plan. Kept blocks that neither this call nor the one before wanted are

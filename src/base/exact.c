@@ -20,7 +20,7 @@ static void trim(pl_exact *a) {
         a->n--;
 }
 
-/** a / 2^unit. */
+/** Compute a / 2^unit. */
 static void from_double(double a, int unit, pl_exact *result) {
     result->sign = a < 0 ? -1 : 1;
     result->n = 0;

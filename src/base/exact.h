@@ -17,7 +17,7 @@
  * sum of six products of three at most 6300: 197 limbs, and one that a product may leave at 0. */
 enum { PL_EXACT_LIMBS = 200 };
 
-/** sign * sum of limb[i] 2^(32 i), i < n; limb[n - 1] is not 0, and n is 0 for 0. */
+/** Integer: sign * sum of limb[i] 2^(32 i), i < n; limb[n - 1] is not 0, and n is 0 for 0. */
 typedef struct pl_exact {
     int sign; /* +1 or -1 */
     int n;
@@ -28,16 +28,18 @@ typedef struct pl_exact {
  *  and not 0. */
 int pl_exact_unit(double a);
 
-/** (a - b) / 2^unit; unit is at most the pl_exact_unit of both (of those that are not 0). */
+/** Compute (a - b) / 2^unit; unit is at most the pl_exact_unit of both (of those that are not 0).
+ */
 void pl_exact_difference(double a, double b, int unit, pl_exact *difference);
 
-/** sum = a + b_sign * b; b_sign is +1 or -1. sum is neither a nor b. */
+/** Compute sum = a + b_sign * b; b_sign is +1 or -1. sum is neither a nor b. */
 void pl_exact_add(const pl_exact *a, const pl_exact *b, int b_sign, pl_exact *sum);
 
-/** product = a * b, neither of which it is. */
+/** Compute product = a * b, neither of which it is. */
 void pl_exact_multiply(const pl_exact *a, const pl_exact *b, pl_exact *product);
 
-/** m with a = m 2^exponent up to the last bits of m, 1 <= |m| < 2^97 with the sign of a; 0 for 0.
+/** Return m with a = m 2^exponent up to the last bits of m, 1 <= |m| < 2^97 with the sign of a; 0
+ * for 0.
  */
 double pl_exact_round(const pl_exact *a, int *exponent);
 

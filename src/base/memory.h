@@ -17,20 +17,20 @@ struct pl_context;
 /** Bytes with room for a huge page or two: an array of so many can have pages of its own. */
 enum { PL_LARGE_ARRAY = 4 << 20 };
 
-/** count elements of size bytes, uninitialised and aligned to 64 bytes, to be released by pl_free.
- *  NULL if count is negative, the product overflows or there is no memory. A count of 0 gives a
- *  valid pointer. Huge pages are not touched: those of large arrays are placed by the thread
+/** Allocate count elements of size bytes, uninitialised and aligned to 64 bytes, to be released by
+ * pl_free. NULL if count is negative, the product overflows or there is no memory. A count of 0
+ * gives a valid pointer. Huge pages are not touched: those of large arrays are placed by the thread
  *  that writes first; what fills none may be resident at once. */
 void *pl_alloc(int64_t count, size_t size);
 
-/** pl_alloc, zeroed. */
+/** Allocate as pl_alloc does, zeroed. */
 void *pl_alloc_zero(int64_t count, size_t size);
 
 /** Grow array (from pl_alloc, or NULL with count 0) to at least needed elements, by half at least.
  *  Updates *capacity; returns the new array, or NULL (the old one stays valid). */
 void *pl_grow(void *array, int64_t count, int64_t needed, int64_t *capacity, size_t size);
 
-/** A copy of text, from pl_alloc; NULL without memory. */
+/** Copy text to an array from pl_alloc; NULL without memory. */
 char *pl_copy_text(const char *text);
 
 /** Release array, from any function above; NULL: do nothing. */

@@ -29,16 +29,16 @@ static void run_chunk(int64_t index, int64_t n, int64_t chunk, pl_chunk_fn *body
     body(context, begin, end, thread);
 }
 
-/** More threads than this share stretches: the stack of a caller's thread may be small. */
+/** Most stretches; more threads share them: the stack of a caller's thread may be small. */
 enum { MOST_SHARES = 64 };
 
-/** A stretch of chunks: next is the first that nobody has taken. */
+/** Stretch of chunks: next is the first that nobody has taken. */
 typedef struct share {
     int64_t next, end;
     char padding[48]; /* shares of different threads share no cache line */
 } share;
 
-/** A loop under way. */
+/** Loop under way. */
 typedef struct loop {
     share shares[MOST_SHARES];
     int n_shares;

@@ -20,7 +20,7 @@ enum { PL_MAX_THREADS = 1024 }; /* more than any machine has cores for one proce
  *  OpenMP's limit and PL_MAX_THREADS allow. */
 int pl_thread_count(int threads);
 
-/** A chunk: indices begin .. end-1, on thread (0 .. threads-1). */
+/** Chunk: indices begin .. end-1, on thread (0 .. threads-1). */
 typedef void pl_chunk_fn(void *context, int64_t begin, int64_t end, int thread);
 
 /** Call body once for every chunk of 0 .. n-1; chunks are of size chunk but the last. Each thread
@@ -39,8 +39,9 @@ static inline int pl_paying_threads(int threads, int64_t n) {
 /** Call body(context, t, t + 1, t) on thread t of each of the threads that pl_parallel_for uses. */
 void pl_on_each_thread(int threads, pl_chunk_fn *body, void *context);
 
-/** In-place exclusive prefix sum of values[0 .. n-1]; values[n] becomes the total (values has n + 1
- *  entries), which is returned. */
+/** Replace values[0 .. n-1] by their exclusive prefix sum; values[n] becomes the total (values has
+ * n
+ * + 1 entries), which is returned. */
 int64_t pl_prefix_sum(int threads, int64_t n, int64_t *values);
 
 /** Length of a row of a counting sort in chunks: chunk k counts its values of key in counts[k *

@@ -16,7 +16,8 @@ const planish_part *pl_part_here(void) {
 
 /* ---- functions of the caller's ------------------------------------------------------------- */
 
-/** Nothing is asked any more once the others were not reached: the call ends soon, and says so. */
+/** Begin to ask the others. Nothing is asked any more once they were not reached: the call ends
+ *  soon, and says so. */
 static pl_context *begin_asking(void) {
     pl_context *context = pl_context_current();
     if (!context || !context->part || context->unreached)
@@ -54,7 +55,8 @@ void pl_parts_add_sums(pl_sum *sums, int n) {
     pl_parts_add((int64_t *)sums, n * INTEGERS);
 }
 
-/** Integers ordered as the doubles are, and the way back (it is its own inverse but for the types).
+/** Map bits to integers ordered as the doubles are, and the way back (it is its own inverse but for
+ * the types).
  */
 static int64_t order_of(int64_t bits) {
     return bits ^ (bits < 0 ? INT64_MAX : 0);

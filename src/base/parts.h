@@ -35,7 +35,7 @@ void pl_parts_smallest(double *values, int n);
 /** The smallest of the processes, in place; no INT64_MIN. */
 void pl_parts_smallest_integers(int64_t *values, int n);
 
-/** 1 if value is not 0 in any process; 0 if they are not reached. */
+/** Return 1 if value is not 0 in any process; 0 if they are not reached. */
 int pl_parts_any(int value);
 
 /** Whether this process is the one whose say counts for node: it is no ghost. */
@@ -59,7 +59,7 @@ int64_t pl_parts_ghosts(int64_t n_nodes);
  *  (NULL: at i). size: at most PL_LARGEST_VALUE. */
 void pl_parts_update(const int32_t *inner, void *values, int64_t size);
 
-/** planish_part.send, and .receive, if they are reached. */
+/** Call planish_part.send, if the processes are reached. */
 void pl_parts_send(const int32_t *node, int64_t n, const void *values, int64_t size);
 
 /** Call planish_part.receive, if the processes are reached. */

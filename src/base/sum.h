@@ -58,8 +58,8 @@ static inline void pl_sum_add(pl_sum *sum, double term) {
         pl_sum_carry(sum);
 }
 
-/** shared += part, which is carried for it; several threads may do so at the same time. Nothing
- * else is to be added to shared. */
+/** Add part, which is carried for it, to shared; several threads may do so at the same time.
+ * Nothing else is to be added to shared. */
 void pl_sum_share(pl_sum *shared, pl_sum *part);
 
 /** The double next to the sum, ties to even: infinite where it is too large, NaN where terms were

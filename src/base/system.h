@@ -19,7 +19,8 @@
 
 /* ---- memory --------------------------------------------------------------------------------- */
 
-/** bytes, a multiple of alignment; NULL: there are none. Released by pl_system_release alone. */
+/** Allocate bytes, a multiple of alignment; NULL: there are none. Released by pl_system_release
+ * alone. */
 void *pl_system_allocate(size_t alignment, size_t bytes);
 
 /** Release memory of pl_system_allocate; start may be NULL. */
@@ -63,7 +64,7 @@ int pl_path_is_absolute(const char *path);
 /** The path that the link at path leads to, in text [size] with its '\0'; -1: it is no link. */
 int pl_path_read_link(const char *path, char *text, size_t size);
 
-/** path without links, from the root; to be freed, or NULL. */
+/** Return path without links, from the root; to be freed, or NULL. */
 char *pl_path_resolve(const char *path);
 
 /** Whether files can be made in the folder at path: 0, or not 0 and errno. */
@@ -106,8 +107,8 @@ typedef enum pl_file_use {
     PL_FILE_CREATE_PRIVATE /* for nobody else */
 } pl_file_use;
 
-/** A descriptor that programs that are started do not inherit, or -1; and its end: 0, or errno.
- *  Signals do not interrupt them. */
+/** Open a file: a descriptor that started programs do not inherit, or -1. Signals do not interrupt
+ *  it. */
 int pl_file_open(const char *path, pl_file_use use);
 
 /** Close a descriptor. Returns 0, or errno. */
@@ -126,7 +127,7 @@ const char *pl_file_map(int fd, int64_t size);
 /** Unmap a file of pl_file_map. */
 void pl_file_unmap(const char *data, int64_t size);
 
-/** A mapped file will not be read for some time: it need not be in memory until then. */
+/** Say that a mapped file will not be read for some time: it need not be in memory until then. */
 void pl_file_rest(const char *data, int64_t size);
 
 /** Wait until what was written is on the disk, where the file system knows of that: 0, or errno. */
@@ -155,7 +156,7 @@ void pl_file_take_access(int fd, const char *path);
  *  now. */
 void pl_system_explain(int number, char *text, size_t size);
 
-/** A number that no other running process has. */
+/** Return a number that no other running process has. */
 long pl_process_number(void);
 
 #endif

@@ -169,7 +169,8 @@ int pl_file_open(const char *path, pl_file_use use) {
     return fd;
 }
 
-/** Interrupted, it is closed all the same: again would be another file by now. */
+/** Close a descriptor. Interrupted, it is closed all the same: again would be another file by now.
+ */
 int pl_file_close(int fd) {
     return close(fd) && errno != EINTR ? -1 : 0;
 }
@@ -244,8 +245,8 @@ typedef struct kept {
     int owner, group;
 } kept;
 
-/** Only root may give a file away, and others a group that they are in: else it is as any new file.
- */
+/** Take owner and group of the old file. Only root may give a file away, and others a group that
+ *  they are in: else it is as any new file. */
 static kept take_owner(int fd, const struct stat *old) {
     struct stat now;
     if (fstat(fd, &now))

@@ -12,7 +12,7 @@
 
 #include <math.h>
 
-/** asin(s) of 0 <= s <= 1/2: s times the polynomial in u = s^2 that is asin(s) / s at the 12
+/** Return asin(s) of 0 <= s <= 1/2: s times the polynomial in u = s^2 that is asin(s) / s at the 12
  *  Chebyshev points of 0 <= u <= 1/4. It is elsewhere, too, within 2.5e-16. */
 PL_INLINE double pl_arc_sine_of_half(double s) {
     const double u = s * s, u2 = u * u, u4 = u2 * u2;
@@ -25,7 +25,7 @@ PL_INLINE double pl_arc_sine_of_half(double s) {
     return s * (first + u4 * (then + u4 * last));
 }
 
-/** acos in radians; a cosine that rounding has put beyond 1 or -1 counts as 1 or -1. */
+/** Return acos in radians; a cosine that rounding has put beyond 1 or -1 counts as 1 or -1. */
 PL_INLINE double pl_arc_cosine(double cosine) {
     static const double PI = 3.1415926535897932385;
     double c = fabs(cosine);

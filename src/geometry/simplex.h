@@ -39,7 +39,7 @@ PL_INLINE void pl_subtract(int dim, const double a[], const double b[], double d
         difference[2] = a[2] - b[2];
 }
 
-/** a x b of vectors in space. */
+/** Compute a x b of vectors in space. */
 PL_INLINE void pl_cross(const double a[], const double b[], double product[]) {
     product[0] = a[1] * b[2] - a[2] * b[1];
     product[1] = a[2] * b[0] - a[0] * b[2];
@@ -54,7 +54,7 @@ PL_INLINE void pl_edges(int dim, const double *const vertex[], double edges[3][3
         pl_subtract(dim, vertex[j + 1], vertex[0], edges[j]);
 }
 
-/** n_1 .. n_dim, the rows of the cofactor matrix of edges, into normals [1] .. [dim]. */
+/** Compute n_1 .. n_dim, the rows of the cofactor matrix of edges, into normals [1] .. [dim]. */
 PL_INLINE void pl_cofactor_normals(int dim, const double edges[3][3], double normals[4][3]) {
     if (dim == 3) {
         pl_cross(edges[1], edges[2], normals[1]);
@@ -68,7 +68,7 @@ PL_INLINE void pl_cofactor_normals(int dim, const double edges[3][3], double nor
     }
 }
 
-/** n_0 from the facet's own edges: the sum of the others would cancel where it is small. */
+/** Compute n_0 from the facet's own edges: the sum of the others would cancel where it is small. */
 PL_INLINE void pl_base_normal(int dim, const double edges[3][3], double normal[3]) {
     double b[3] = {0}, c[3] = {0};
     pl_subtract(dim, edges[1], edges[0], b);
@@ -107,7 +107,7 @@ PL_INLINE double pl_distance(int dim, const double *x, const double *y) {
     return largest * sqrt(square);
 }
 
-/** D from edges; the rounding error bounds of quality/certificate.c hold for this order. */
+/** Return D from edges; the rounding error bounds of quality/certificate.c hold for this order. */
 PL_INLINE double pl_determinant_of_edges(int dim, const double edges[3][3]) {
     double normal[3];
     if (dim == 2)
@@ -187,8 +187,8 @@ PL_INLINE void pl_extreme_angles(int dim, const double edges[3][3], const double
     pl_take_angle(dim, edges, unit, inverse, 2, 3, shape);
 }
 
-/** (2 R D)^2: the circumcentre is v_0 + sum |e_j|^2 n_{j+1} / (2 D). In the plane it is the square
- *  of the product of the edges. */
+/** Return (2 R D)^2: the circumcentre is v_0 + sum |e_j|^2 n_{j+1} / (2 D). In the plane it is the
+ * square of the product of the edges. */
 PL_INLINE double pl_circumradius_square(int dim, const double edges[3][3],
                                         const double normals[4][3], const double squares[4]) {
     if (dim == 2)
@@ -202,7 +202,7 @@ PL_INLINE double pl_circumradius_square(int dim, const double edges[3][3],
     return pl_dot(3, alpha, alpha);
 }
 
-/** determinant: the element's D, which may be better known than by edges. */
+/** Return the shape of an element. determinant: its D, which may be better known than by edges. */
 PL_INLINE pl_shape pl_shape_of(int dim, const double edges[3][3], double determinant) {
     double normals[4][3] = {{0}}, squares[4], lengths[4];
     pl_cofactor_normals(dim, edges, normals);
@@ -249,7 +249,7 @@ PL_INLINE double pl_radius_ratio_square(int dim, const double *const vertex[]) {
 
 /* ---- Derivatives of RR^2 with respect to one vertex --------------------------------------- */
 
-/** A function of the vertex x. */
+/** Value and derivatives of a function of the vertex x. */
 typedef struct pl_derivatives {
     double value;
     double gradient[3];   /* [dim] */
@@ -289,8 +289,8 @@ static inline pl_opposite_facet pl_facet_of(int dim, const double *const facet[]
     return f;
 }
 
-/** N = |alpha|^2 = (2 R D)^2 with J = dalpha/dx = 2 n a^T + M: grad N = 2 J^T alpha,
- *  hess N = 2 J^T J + 4 (alpha . n) I. */
+/** Return N = |alpha|^2 = (2 R D)^2 and its derivatives, with J = dalpha/dx = 2 n a^T + M: grad N =
+ * 2 J^T alpha, hess N = 2 J^T J + 4 (alpha . n) I. */
 static inline pl_derivatives pl_circumradius_derivatives(int dim, const pl_opposite_facet *f,
                                                          const double a[]) {
     double alpha[3], j[3][3];
@@ -334,8 +334,8 @@ static inline void pl_add_distance(int dim, double weight, const double x[], con
     }
 }
 
-/** S: the facet's own measure, constant, and those of the facets at x: half an edge times the
- *  distance of x from it, or the distances from the ends. */
+/** Return S and its derivatives: the facet's own measure, constant, and those of the facets at x:
+ * half an edge times the distance of x from it, or the distances from the ends. */
 static inline pl_derivatives pl_surface_derivatives(int dim, const double n[], const double x[],
                                                     const double *const facet[]) {
     double own = sqrt(pl_dot(dim, n, n));

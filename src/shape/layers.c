@@ -85,7 +85,7 @@ typedef struct ends {
     int32_t node[2];
 } ends;
 
-/** From the first of its nodes to the other. */
+/** Edge from the first of its nodes to the other. */
 typedef struct edge {
     ends at;
     double way[3], square; /* in units of the frame */
@@ -269,7 +269,7 @@ static void decide_chunk(void *context, int64_t begin, int64_t end, int thread) 
 
 /* ---- their rows ----------------------------------------------------------------------------- */
 
-/** The elements of layers into s->row; n_layer becomes how many there are, again. */
+/** List the elements of layers in s->row; n_layer becomes how many there are, again. */
 static void list_chunk(void *context, int64_t begin, int64_t end, int thread) {
     layer_search *s = context;
     int64_t n = 0;
@@ -293,7 +293,7 @@ static inline void put_in(layer_search *s, int32_t element, uint8_t mark) {
         s->row[__atomic_fetch_add(&s->n_layer, 1, __ATOMIC_RELAXED)] = element;
 }
 
-/** From the shortest edge of an element to those of the rows before and behind it. */
+/** Follow a row: from the shortest edge of an element to those of the rows before and behind it. */
 static inline void follow_row(layer_search *s, int64_t element, const int dim) {
     if (has_mark(s, element, WENT_ON))
         return;

@@ -27,7 +27,7 @@ static int32_t other_end(const pl_ridge *ridge, int32_t node) {
     return ridge->node[ridge->node[0] == node];
 }
 
-/** How far node is off the line from a to b, not divided by its length, which is returned. */
+/** Find how far node is off the line from a to b, times its length; return that length. */
 static double off_line(const pl_surface *s, int32_t a, int32_t b, int32_t node, double *off) {
     double line[3], v[3], across[3];
     pl_from_to(s->dim, place(s, a), place(s, b), line);

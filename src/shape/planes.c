@@ -10,7 +10,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 
-/** A facet at an edge that begins at the node under work. */
+/** Facet at an edge that begins at the node under work. */
 typedef struct spoke {
     int32_t end, facet;
 } spoke;

@@ -80,7 +80,7 @@ int pl_region_name(const char *name) {
 
 /* ---- values ------------------------------------------------------------------------------- */
 
-/** A real number as a whole one; -1: it is none, or is out of range. */
+/** Return a real number as a whole one; -1: it is none, or is out of range. */
 static int take_real(double value, int64_t *whole) {
     const double limit = 9223372036854775808.0; /* 2^63 */
     if (!(value >= -limit && value < limit))
@@ -89,8 +89,8 @@ static int take_real(double value, int64_t *whole) {
     return (double)*whole == value ? 0 : -1;
 }
 
-/** Value i as a whole number; -1: it is none. Unsigned ones of 64 bits are taken by their bits:
- * only whether values are the same matters. */
+/** Return value i as a whole number; -1: it is none. Unsigned ones of 64 bits are taken by their
+ * bits: only whether values are the same matters. */
 static int take_value(const planish_cell_array *array, int64_t i, int64_t *value) {
     switch (array->type) {
     case PLANISH_NUMBER_INT8:
@@ -256,7 +256,7 @@ int pl_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_
 
 /* ---- combining ---------------------------------------------------------------------------- */
 
-/** A pair of a region and the value of one more array, and the region that it makes. */
+/** Pair of a region and the value of one more array, and the region that it makes. */
 typedef struct slot {
     int64_t value;
     int32_t before, number; /* number < 0: the slot is free */

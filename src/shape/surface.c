@@ -14,7 +14,7 @@
 /* Exponents of the scale are kept within this, so that it is a double. */
 enum { SCALE_LIMIT = 1000 };
 
-/** A facet of the surface as it is found. */
+/** Facet of the surface as it is found. */
 typedef struct found {
     int32_t node[3];
     pl_label label;

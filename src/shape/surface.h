@@ -19,7 +19,7 @@
 
 /* ---- the facets --------------------------------------------------------------------------- */
 
-/** A facet or an edge that the caller has tagged. */
+/** Facet or edge that the caller has tagged. */
 typedef struct pl_tagged {
     int32_t node[3]; /* ascending; the last one is -1 if there are only two */
     int32_t tag;
@@ -122,7 +122,7 @@ void pl_lines_destroy(pl_lines *lines);
 
 /* ---- vectors, and classes of indices that are joined --------------------------------------- */
 
-/** b - a of dim numbers, the third 0 in 2-D. */
+/** Compute b - a of dim numbers, the third 0 in 2-D. */
 static inline void pl_from_to(int dim, const double *a, const double *b, double *v) {
     for (int d = 0; d < 3; d++)
         v[d] = d < dim ? b[d] - a[d] : 0;

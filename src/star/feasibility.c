@@ -68,7 +68,7 @@ static int is_wanted(uint8_t state) {
     return state == CANDIDATE || state == MEMBER;
 }
 
-/** A share of the link facets: first, first + step, first + 2 step, ... */
+/** Share of the link facets: first, first + step, first + 2 step, ... */
 typedef struct share {
     int64_t first, step;
 } share;

@@ -39,7 +39,7 @@ static inline int is_of_worst(int measure) {
     return measure == PL_WORST_RATIO || measure == PL_WORST_ANGLE;
 }
 
-/** One pack of elements at x. */
+/** Pack of elements at x. */
 typedef struct aspect {
     lanes D, inverse_d, aa; /* aa = |x - p0|^2 */
     lanes square;           /* AR^2 */
@@ -104,7 +104,7 @@ static inline int n_edges(const int dim) {
 
 /* ---- mean ratio ---------------------------------------------------------------------------- */
 
-/** AR^2 = c E^2 D^-k, k = 4/3 or 2: l = 2 grad E / E - k n / D,
+/** Compute AR^2 = c E^2 D^-k, k = 4/3 or 2: l = 2 grad E / E - k n / D,
  *  hess AR^2 / AR^2 = l l^T + 2 (hess E / E - grad E grad E^T / E^2) + k n n^T / D^2. */
 PL_INLINE void mean_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
                           const int dim) {
@@ -177,7 +177,8 @@ PL_INLINE void smoothed_extreme(const edges *e, const lanes *share, lanes total,
     }
 }
 
-/** AR^2 = (mean of square^q)^(1/q) (mean of square^-q)^(1/q): longest^2 / shortest^2, smoothed. */
+/** Compute AR^2 = (mean of square^q)^(1/q) (mean of square^-q)^(1/q): longest^2 / shortest^2,
+ * smoothed. */
 PL_INLINE void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
                           const int dim) {
     const int n = n_edges(dim);
@@ -271,7 +272,7 @@ PL_INLINE void radius_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
 
 /* ---- the worst ------------------------------------------------------------------------------- */
 
-/** (RR^2 / limit)^q: l = q times that of RR^2, hess = q hess log RR^2 + q^2 its l l^T. */
+/** Compute (RR^2 / limit)^q: l = q times that of RR^2, hess = q hess log RR^2 + q^2 its l l^T. */
 PL_INLINE void worst_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
                            double inverse_limit, const int derive, const int dim) {
     const lanes q = lanes_of(WORST_EXPONENT),
@@ -454,7 +455,7 @@ PL_INLINE void aspect_at(const star *s, int64_t i, const lanes *x, aspect *a, co
         edge_ratio(s, i, x, a, derive, dim);
 }
 
-/** g = 1 - D / floor of a pack. */
+/** Return g = 1 - D / floor of a pack. */
 PL_INLINE lanes volume_constraint(const star *s, int64_t i, lanes D) {
     lanes inverse = load(s, INVERSE_FLOOR, i);
     return lanes_select(lanes_greater(inverse, lanes_of(0)), lanes_of(1) - D * inverse,
@@ -518,7 +519,7 @@ PL_INLINE void add_guarded(guarded_accumulator *t, int k, const question *q, con
     t->size2[k] += a->aa * weight;
 }
 
-/** guarded_at for one objective, which is constant where this is inlined. */
+/** Sum for one objective, as guarded_at does, which is constant where this is inlined. */
 PL_INLINE objective guarded_sums(const star *s, const question *q, const double *position,
                                  derivatives *out, const int kind, const int derive,
                                  const int dim) {
@@ -564,7 +565,7 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
     return f;
 }
 
-/** guarded_at, inlined where derive and dim are constant. */
+/** Sum as guarded_at does, inlined where derive and dim are constant. */
 PL_INLINE objective guarded_sums_of(const star *s, const question *q, const double *position,
                                     derivatives *out, const int derive, const int dim) {
     if (q->measure == PLANISH_RADIUS_RATIO)

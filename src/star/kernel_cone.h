@@ -49,7 +49,8 @@ static inline double cone_dot(const double *a, const double *b, int n) {
     return sum;
 }
 
-/** How far the row is above 0 at y: the distance of y from the half-space, negative inside. */
+/** Return how far the row is above 0 at y: the distance of y from the half-space, negative inside.
+ */
 static inline double cone_excess(const cone *c, int64_t row, const double *y) {
     const double *a = c->rows[row];
     double length2 = cone_dot(a, a, c->n);
@@ -199,7 +200,7 @@ static inline void cone_judge(cone_search *search, int k) {
         }
 }
 
-/** All sets that extend the first k rows by working rows from number first on. */
+/** Judge all sets that extend the first k rows by working rows from number first on. */
 static inline void cone_extend(cone_search *search, int k, int first) {
     cone_judge(search, k);
     if (k >= search->c->n || k >= CONE_DIM)

@@ -44,7 +44,7 @@ static inline int factorise(const double *hessian, double shift, double floor, f
     return 1;
 }
 
-/** y = L^-1 b. */
+/** Compute y = L^-1 b. */
 static inline void substitute_forward(const factors *f, const double *b, double *y, const int dim) {
     for (int i = 0; i < dim; i++) {
         y[i] = b[i];
@@ -53,7 +53,7 @@ static inline void substitute_forward(const factors *f, const double *b, double 
     }
 }
 
-/** x = L^-T D^-1 y. */
+/** Compute x = L^-T D^-1 y. */
 static inline void substitute_back(const factors *f, const double *y, double *x, const int dim) {
     for (int i = dim - 1; i >= 0; i--) {
         x[i] = y[i] * f->inverse[i];
@@ -70,7 +70,7 @@ static inline double dot(const double *a, const double *b, const int dim) {
     return sum;
 }
 
-/** v^T hessian v. */
+/** Return v^T hessian v. */
 static inline double curvature(const double *hessian, const double *v, const int dim) {
     double sum = 0;
     for (int i = 0; i < dim; i++)

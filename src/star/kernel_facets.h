@@ -65,7 +65,7 @@ enum {
     COLUMNS_3D
 };
 
-/** A gathered star. Its coordinates are those of the mesh times a power of two, which brings the
+/** Gathered star. Its coordinates are those of the mesh times a power of two, which brings the
  * star to a size of about 1: no bit of any result depends on it, and nothing over- or underflows.
  */
 typedef struct star {

@@ -37,7 +37,7 @@ enum { RESTORE_TRIALS = 10 };
 /* A homogeneous solution with less weight than this has none: the star is infeasible. */
 #define WEIGHT_LEAST 1e-9
 
-/** g above which an element is violated. */
+/** Return the g above which an element is violated. */
 static inline double violated_above(const local *here) {
     return here->problem->guard->strict ? GRAZE : VIOLATED_ABOVE;
 }
@@ -91,7 +91,7 @@ static inline double *add_row(active *a, const double *gradient, const int dim) 
     return row;
 }
 
-/** grad D of facet i, divided by its length; 0 if it has none. */
+/** Find grad D of facet i, divided by its length; return 0 if it has none. */
 static inline int facet_normal(const star *s, int64_t i, double *n, const int dim) {
     double length = *entry(s, LENGTH, i);
     if (dim == 3) {
@@ -160,7 +160,7 @@ static inline active active_within(const local *here, const double *x, double ba
 
 /* ---- case 2: constraints active ------------------------------------------------------------ */
 
-/** b in the metric in which the model's Hessian is the identity: D^-1/2 L^-1 b. */
+/** Transform b to the metric in which the model's Hessian is the identity: D^-1/2 L^-1 b. */
 static inline void to_metric(const factors *f, const double *b, double *y, const int dim) {
     double z[3];
     substitute_forward(f, b, z, dim);
@@ -351,7 +351,7 @@ static inline int push_off(const local *here, const double *x, const objective *
     return 0;
 }
 
-/** Add the row of facet i to those of homogeneous, if it has one; 0 if not. */
+/** Add the row of facet i to those of go_to_feasible, if it has one; 0 if not. */
 static inline int add_homogeneous_row(const local *here, int64_t i, double margin, double size,
                                       active *a, const int dim) {
     const star *s = &here->s;
@@ -361,28 +361,8 @@ static inline int add_homogeneous_row(const local *here, int64_t i, double margi
     return row != NULL;
 }
 
-/** Rows of {(d, t): n . d + (D - floor) t >= 0}, all of unit gradient: a feasible displacement d at
- *  t = 1, if there is any. Floors are taken margin higher, and of
- *  violated elements as high as is sound (size 0: no higher). */
-static inline active homogeneous(const local *here, const double *x, double margin, double size,
-                                 const int dim) {
-    active a = active_none(here);
-    for (int64_t i = 0; i < here->s.n_facets; i++)
-        add_homogeneous_row(here, i, margin, size, &a, dim);
-    for (int d = 0; here->b.any && d < dim; d++) {
-        double unit[3] = {0, 0, 0};
-        unit[d] = -1;
-        if (here->b.lower[d] > -INFINITY)
-            add_row(&a, unit, dim)[dim] = here->b.lower[d] - x[d];
-        unit[d] = 1;
-        if (here->b.upper[d] < INFINITY)
-            add_row(&a, unit, dim)[dim] = x[d] - here->b.upper[d];
-    }
-    return a;
-}
-
-/** The shortest displacement to where all elements have their minimum volume; 0 if there is none:
- * then point holds the proof, rows with positive weights whose sum is (0, 1). */
+/** Find the shortest displacement to where all elements have their minimum volume; 0 if there is
+ * none: then point holds the proof, rows with positive weights whose sum is (0, 1). */
 static inline int shortest_displacement(const active *a, double *displacement, cone_point *point,
                                         const int dim) {
     const double p[4] = {0, 0, dim == 2, dim == 3};
@@ -394,15 +374,28 @@ static inline int shortest_displacement(const active *a, double *displacement, c
     return weight > WEIGHT_LEAST;
 }
 
-/** Straight to the nearest feasible place: sum max(0, g)^2 is convex and 0 there, so it falls on
- * the way. */
+/** Go straight to the nearest feasible place: sum max(0, g)^2 is convex and 0 there, so it falls on
+ *  the way. Rows are those of {(d, t): n . d + (D - floor) t >= 0}, all of unit gradient: a
+ * feasible displacement d at t = 1. Floors are taken higher by a margin, and of violated elements
+ * as high as is sound; if that fails, by next to nothing. */
 static inline int go_to_feasible(const local *here, const double *x, const objective *now,
                                  double size, trial *best, const int dim) {
     const double margins[] = {restore_margin(here), RESTORE_MARGIN_LAST}, sizes[] = {size, 0};
     for (int i = 0; i < 2; i++) {
         double displacement[3];
         cone_point point;
-        active a = homogeneous(here, x, margins[i], sizes[i], dim);
+        active a = active_none(here);
+        for (int64_t facet = 0; facet < here->s.n_facets; facet++)
+            add_homogeneous_row(here, facet, margins[i], sizes[i], &a, dim);
+        for (int d = 0; here->b.any && d < dim; d++) {
+            double unit[3] = {0, 0, 0};
+            unit[d] = -1;
+            if (here->b.lower[d] > -INFINITY)
+                add_row(&a, unit, dim)[dim] = here->b.lower[d] - x[d];
+            unit[d] = 1;
+            if (here->b.upper[d] < INFINITY)
+                add_row(&a, unit, dim)[dim] = x[d] - here->b.upper[d];
+        }
         if (shortest_displacement(&a, displacement, &point, dim) &&
             restoring_search(here, x, now, displacement, 1, size, best, dim))
             return 1;

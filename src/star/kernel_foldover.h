@@ -62,14 +62,14 @@ typedef struct regularised {
     double tangled;
 } regularised;
 
-/** One pack: f and its derivatives by u and by T. */
+/** Pack of elements: f and its derivatives by u and by T. */
 typedef struct barrier {
     lanes value, of_t, of_u, of_uu, of_tu;
 } barrier;
 
-/** With s = sqrt(u^2 + epsilon^2), chi' = chi / s, so that (chi^-p)' = -p chi^-p / s and
- *  (chi^-p)'' = p chi^-p (p + u / s) / s^2. measure = D / D*. Curvature along u that is negative is
- *  left out. */
+/** Compute f and its derivatives. With s = sqrt(u^2 + epsilon^2), chi' = chi / s, so that (chi^-p)'
+ * = -p chi^-p / s and (chi^-p)'' = p chi^-p (p + u / s) / s^2. measure = D / D*. Curvature along u
+ * that is negative is left out. */
 PL_INLINE barrier barrier_of(lanes u, lanes measure, lanes T, double epsilon, const int dim) {
     const lanes zero = lanes_of(0), half = lanes_of(0.5), one = lanes_of(1), two = lanes_of(2);
     const lanes p = lanes_of(2.0 / dim), e2 = lanes_of(epsilon * epsilon);

@@ -15,7 +15,7 @@
 /* Exponents of the scale are kept within this, so that it and its inverse are doubles. */
 enum { SCALE_LIMIT = 1000 };
 
-/** 2^exponent, for exponents of normal doubles. */
+/** Return 2^exponent, for exponents of normal doubles. */
 static inline double power_of_two(int exponent) {
     uint64_t bits = (uint64_t)(exponent + 1023) << 52;
     double power;
@@ -139,7 +139,7 @@ static inline void gather_floors(const pl_star_problem *problem, const star *s, 
 
 /* ---- scratch ------------------------------------------------------------------------------- */
 
-/** n rounded up to a multiple of PL_LANES. */
+/** Return n rounded up to a multiple of PL_LANES. */
 static inline int64_t padded_to_lanes(int64_t n) {
     return (n + PL_LANES - 1) / PL_LANES * PL_LANES;
 }

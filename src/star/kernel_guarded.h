@@ -61,7 +61,7 @@ static inline void move_to_trial(const trial *t, double *x, objective *now, cons
     *now = t->value;
 }
 
-/** One step of cases 1 and 2 in a direction of this kind. */
+/** Take one step of cases 1 and 2 in a direction of this kind. */
 static inline int step_by(local *here, planish_direction kind, conjugate *memory, double *x,
                           objective *now, const derivatives *derivative, const int dim) {
     double direction[3];

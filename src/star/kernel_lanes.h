@@ -112,7 +112,7 @@ PL_INLINE lanes lanes_sqrt(lanes a) {
 #endif
 }
 
-/** a where mask is set, else b. */
+/** Lanes of a where mask is set, else of b. */
 PL_INLINE lanes lanes_select(lanes_mask mask, lanes a, lanes b) {
     return (lanes)(((lanes_mask)a & mask) | ((lanes_mask)b & ~mask));
 }
@@ -186,9 +186,9 @@ PL_INLINE lanes lanes_min(lanes a, lanes b) {
     return lanes_select(lanes_greater(a, b), b, a);
 }
 
-/** a^(-1/3) of a > 0, finite and normal, to some units in the last place: a guess from the exponent
- *  (3 % off), then Newton's iteration, which squares the error; + - * only, so that the bits are
- * the same everywhere. */
+/** Return a^(-1/3) of a > 0, finite and normal, to some units in the last place: a guess from the
+ * exponent (3 % off), then Newton's iteration, which squares the error; + - * only, so that the
+ * bits are the same everywhere. */
 PL_INLINE lanes lanes_inverse_cube_root(lanes a) {
     enum { GUESS = 0x553ef0ff, THIRD = 0x55555556, NEWTON_STEPS = 4 };
     lanes_mask high = lanes_bits(a) >> 32;

@@ -21,7 +21,7 @@ typedef struct bounds {
     double start[3], radius; /* radius infinite: any distance from start */
 } bounds;
 
-/** A star under visit. q, b, slide, kind and constrained are for the guarded kernel. */
+/** Star under visit. q, b, slide, kind and constrained are for the guarded kernel. */
 typedef struct local {
     const pl_star_problem *problem;
     star s;

@@ -181,8 +181,8 @@ PL_INLINE void add_derivatives_3d(const star *s, sums_3d *sums) {
             sums->h[packed(d, d, 3)][k] += sums->trace[k];
 }
 
-/** with_hessian 0: out->hessian is not set; the gradient is by another formula, and differs by
- *  rounding. */
+/** Find the derivatives of a star of tetrahedra. with_hessian 0: out->hessian is not set; the
+ * gradient is by another formula, and differs by rounding. */
 PL_INLINE objective derivatives_3d(const star *s, const double *position, derivatives *out,
                                    const int with_hessian) {
     vec3 x = {lanes_of(position[0]), lanes_of(position[1]), lanes_of(position[2])};
@@ -207,7 +207,7 @@ PL_INLINE objective derivatives_3d(const star *s, const double *position, deriva
 
 /* ---- triangles ---------------------------------------------------------------------------- */
 
-/** One pack of triangles at x. */
+/** Pack of triangles at x. */
 typedef struct triangles {
     lanes ax, ay, bx, by;     /* x - p0, x - p1 */
     lanes aa, bb, a, b, L, D; /* their squares and lengths, the facet's length, twice the area */
@@ -246,12 +246,11 @@ static inline objective value_2d(const star *s, const double *position) {
     return accumulator_result(&total, RR2_FACTOR_2D);
 }
 
-/** With a, b the distances to the ends, p = L + a + b and D twice the area,
- *  log RR^2 = 2 (log a + log b + log p - 2 log D) + const:
- *  l = 2 (A + B + (ua + ub) / p - 2 n / D),
- *  hess RR^2 / RR^2 = l l^T + 2 (hess log a + hess log b + hess log p + 2 n n^T / D^2), where
- *  A = (x - p0) / a^2, ua = (x - p0) / a, hess log a = I / a^2 - 2 A A^T, and
- *  hess log p = ((I - ua ua^T) / a + (I - ub ub^T) / b) / p - (ua + ub)(ua + ub)^T / p^2. */
+/** Find the derivatives of a pack. With a, b the distances to the ends, p = L + a + b and D twice
+ * the area, log RR^2 = 2 (log a + log b + log p - 2 log D) + const: l = 2 (A + B + (ua + ub) / p -
+ * 2 n / D), hess RR^2 / RR^2 = l l^T + 2 (hess log a + hess log b + hess log p + 2 n n^T / D^2),
+ * where A = (x - p0) / a^2, ua = (x - p0) / a, hess log a = I / a^2 - 2 A A^T, and hess log p = ((I
+ * - ua ua^T) / a + (I - ub ub^T) / b) / p - (ua + ub)(ua + ub)^T / p^2. */
 PL_INLINE void log_derivatives_2d(const star *s, int64_t i, const triangles *t, lanes inverse_d,
                                   lanes l[2], lanes h[3]) {
     const lanes one = lanes_of(1), two = lanes_of(2);
@@ -313,13 +312,13 @@ static inline objective derivatives_2d(const star *s, const double *position, de
 
 /* ---- either ------------------------------------------------------------------------------- */
 
-/** guarded: the star was gathered for the guarded kernel. */
+/** Value of the objective. guarded: the star was gathered for the guarded kernel. */
 PL_INLINE objective value_at(const star *s, const double *position, const int guarded,
                              const int dim) {
     return dim == 3 ? value_3d(s, position, guarded) : value_2d(s, position);
 }
 
-/** with_hessian 0: out->hessian need not be set. */
+/** Find the derivatives of the objective. with_hessian 0: out->hessian need not be set. */
 PL_INLINE objective derivatives_at(const star *s, const double *position, derivatives *out,
                                    const int with_hessian, const int dim) {
     return dim == 3 ? derivatives_3d(s, position, out, with_hessian)

@@ -35,12 +35,12 @@ PL_INLINE lanes numbers_of_rows(double *number, const uint32_t *row, int stride)
 #endif
 }
 
-/** One row in PL_PACKS packs. */
+/** Row in PL_PACKS packs. */
 typedef struct point_row {
     lanes pack[PL_PACKS];
 } point_row;
 
-/** p is aligned to its size. */
+/** Load the row at p [4], which is aligned to its size. */
 PL_INLINE point_row row_load(const double *p) {
     point_row r;
     for (int k = 0; k < PL_PACKS; k++)
@@ -69,7 +69,7 @@ PL_INLINE point_row row_plus(point_row a, point_row b) {
 #define PL_SHUFFLE(a, b, i, j, k, l) __builtin_shuffle(a, b, (lanes_mask){i, j, k, l})
 #endif
 
-/** p of dim numbers; what a row has more is 0. */
+/** Row of a point p [dim]; the rest is 0. */
 PL_INLINE point_row row_of(const double *p, const int dim) {
     return (point_row){{{p[0], p[1], dim == 3 ? p[2] : 0, 0}}};
 }

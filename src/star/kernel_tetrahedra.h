@@ -4,7 +4,7 @@
 
 #include "star/kernel_facets.h"
 
-/** One pack of tetrahedra at x. */
+/** Pack of tetrahedra at x. */
 typedef struct tetrahedra {
     vec3 a, n, c;   /* x - p0, the link facet's normal, x - its circumcentre */
     lanes aa, D, k; /* |a|^2, 6 V, |c|^2 - rho^2 with rho the facet's circumradius */
@@ -48,7 +48,7 @@ PL_INLINE lanes areas_at(const star *s, int64_t i, vec3 x) {
     return areas_from(r, e, m, area);
 }
 
-/** areas: of the faces at x, times two. */
+/** Return the pack of tetrahedra at facet i; areas: of their faces at x, times two. */
 PL_INLINE tetrahedra tetrahedra_at(const star *s, int64_t i, vec3 x, lanes areas) {
     tetrahedra t;
     vec3 from_centre = vec3_load(s, OX, OY, OZ, i); /* to p0 */
@@ -95,7 +95,7 @@ typedef struct coefficients {
     lanes trace;               /* and of its multiple of I */
 } coefficients;
 
-/** grad N / N = A c + B n, A = 4 nn k / N, B = 2 ww D / N, and
+/** Return the coefficients: grad N / N = A c + B n, A = 4 nn k / N, B = 2 ww D / N, and
  *  hess N / N = (8 nn c c^T + 2 ww n n^T) / N + A I. With y = grad N / N - 2 n / D, the form is
  *  hess N / N - A I - 2 y y^T - 4 n n^T / D^2. */
 PL_INLINE coefficients coefficients_of(const tetrahedra *t, lanes inverse_d, lanes inverse_n,

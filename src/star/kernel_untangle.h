@@ -18,7 +18,7 @@ enum { UNTANGLING_BACKTRACKS = 10, UNTANGLING_EXPANSIONS = 6 };
 
 /* ---- visits -------------------------------------------------------------------------------- */
 
-/** A trial position and its energy. */
+/** Trial position and its energy. */
 typedef struct attempt {
     double position[3];
     regularised energy;
@@ -34,7 +34,7 @@ static inline attempt attempt_at(const local *here, double epsilon, const double
     return t;
 }
 
-/** Along direction to where the energy is lower; 0 if there is no such place. */
+/** Search along direction for a lower energy; return 0 if there is no such place. */
 static inline int untangling_search(const local *here, double epsilon, const double *x,
                                     double energy, const double *direction, double slope,
                                     attempt *best, const int dim) {

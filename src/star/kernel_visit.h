@@ -101,7 +101,7 @@ PL_NOINLINE void check_scale(const local *here, int32_t node, pl_star_kept *kept
     __atomic_store_n(&here->problem->changed[node], PL_CHANGED, __ATOMIC_RELAXED);
 }
 
-/** One step, if a better place is found; returns by how much the sum fell, 0 for no step. */
+/** Take one step, if a better place is found; return by how much the sum fell, 0 for no step. */
 static inline double one_step(const local *here, int32_t node, pl_star_kept *kept,
                               conjugate *memory, visit_state *now, const int dim) {
     const pl_star_problem *problem = here->problem;

@@ -4,7 +4,7 @@
 #define PL_PACK 1
 #include "star/kernel_step.h"
 
-/** A weighted sum of offsets from the node, in the star's scale. */
+/** Weighted sum of offsets from the node, in the star's scale. */
 typedef struct average {
     double sum[3], weight;
 } average;

@@ -77,7 +77,7 @@ typedef struct pl_star_slide {
     double direction[3];     /* and its unit normal, or direction */
 } pl_star_slide;
 
-/** How bad an element may become; infinite: as bad as it likes. */
+/** Limits on how bad an element may become; infinite: as bad as it likes. */
 typedef struct pl_star_limits {
     double rr2;       /* largest RR^2, */
     double acuteness; /* and acuteness of the smallest angle (geometry/angle.h) */
@@ -172,10 +172,10 @@ typedef enum pl_star_part {
     PL_PROOF_GIVEN_UP = 2 /* in a proof, and the others need not fail without it */
 } pl_star_part;
 
-/** How many elements of the star's fixed link facets are given up, one of each contradiction found,
- * so that the others can have their minimum volume (or be positive, without one) for some place of
- * the node; 0 if there is no proof that any must be (feasibility.c). is_fixed [n_nodes] by inner
- * numbers; part [link facets of the star] is set to pl_star_part. scratch as for visits.
+/** Give up elements of the star's fixed link facets, and return how many: one of each contradiction
+ * found, so that the others can have their minimum volume (or be positive, without one) for some
+ * place of the node; 0 if there is no proof that any must be (feasibility.c). is_fixed [n_nodes] by
+ * inner numbers; part [link facets of the star] is set to pl_star_part. scratch as for visits.
  * limit (may be NULL): if it is reached, the search ends there; what it has found is proved. */
 int64_t pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, int dim,
                            const uint8_t *is_fixed, double *scratch, uint8_t *part,
@@ -232,7 +232,7 @@ typedef struct pl_star_slope {
 typedef pl_star_energy pl_star_energy_fn(const pl_star_problem *problem, int64_t begin, int64_t end,
                                          double *scratch, pl_star_slope *slope);
 
-/** For problems with a guard. */
+/** Functions for problems with a guard. */
 typedef struct pl_star_guarded {
     pl_star_visit_fn *visit[2];           /* [dim - 2] */
     pl_star_evaluate_fn *evaluate[2];     /* [dim - 2] */
@@ -241,7 +241,7 @@ typedef struct pl_star_guarded {
     pl_star_energy_fn *energy[2];         /* [dim - 2] */
 } pl_star_guarded;
 
-/** For problems without, and the other. */
+/** Functions for problems without a guard, and the others. */
 typedef struct pl_star_kernel {
     const char *name;
     pl_star_visit_fn *visit[2];       /* [dim - 2] */
