@@ -270,16 +270,16 @@ static int solve_patch(pl_tangle *t, patience how, int evens_out) {
         facets += stars->link_offset[d.m.p.star[i] + 1] - stars->link_offset[d.m.p.star[i]];
     pl_parts_add(&facets, 1);
     d.most = (int64_t)fmax(PATIENCE[how].visits / (double)(facets + 1), LEAST_EVALUATIONS);
-    if (evens_out)
+    if (evens_out) {
         t->asked.epsilon = fmax(t->energy.least, EVENING_EPSILON);
-    else
-        set_first_epsilon(t, PATIENCE[how].first_epsilon);
-    pl_lbfgs_begin(&d.m);
-    if (evens_out)
+        pl_lbfgs_begin(&d.m);
         stopped = descend(&d, EVENING_ITERATIONS, EVENING_FALL);
-    for (int i = 0; !evens_out && i < PATIENCE[how].epsilons && t->energy.tangled > 0 &&
-                    d.m.evaluations < d.most;
-         i++) {
+    } else {
+        set_first_epsilon(t, PATIENCE[how].first_epsilon);
+        pl_lbfgs_begin(&d.m);
+    }
+    const int n_epsilons = evens_out ? 0 : PATIENCE[how].epsilons;
+    for (int i = 0; i < n_epsilons && t->energy.tangled > 0 && d.m.evaluations < d.most; i++) {
         const double before = pl_tangle_energy(t);
         stopped = descend(&d, PATIENCE[how].iterations, PATIENCE[how].calm_fall);
         if (stopped || t->asked.epsilon < -EPSILON_IN_VAIN * t->energy.least)
@@ -314,17 +314,6 @@ static int climb_rung(pl_tangle *t, const rung *step) {
     return solve_patch(t, QUICK, 1);
 }
 
-/** Quality of the mesh before or after a rung. */
-typedef struct standing {
-    int64_t tangled;
-    double inverted, rr2, objective;
-} standing;
-
-static standing standing_of(const pl_tangle *t) {
-    const pl_run *r = t->run;
-    return (standing){t->n_tangled, r->sums.inverted, r->sums.radius_max, pl_run_objective(r)};
-}
-
 /** Climb the n rungs of ladder. A rung counts if fewer elements are tangled after it, and no more
  *  inverted. In a mesh that was valid F and the worst RR must not have risen either, unless it is
  *  volumes that count (floors). */
@@ -342,13 +331,14 @@ static int climb_ladder(pl_run *r, int floors, const rung *ladder, int n, planis
     if (climbs && t.n_tangled > 0)
         memcpy(t.best, r->plan->coordinates, size);
     for (int i = 0; climbs && i < n && t.n_tangled > 0 && !stopped; i++) {
-        const standing before = standing_of(&t);
+        const pl_objective_sums before = r->sums, *now = &r->sums;
+        const double objective = pl_run_objective(r);
+        const int64_t n_tangled = t.n_tangled;
         stopped = climb_rung(&t, &ladder[i]);
         pl_tangle_find(&t);
-        const standing now = standing_of(&t);
-        if (now.tangled < before.tangled && now.inverted <= before.inverted &&
+        if (t.n_tangled < n_tangled && now->inverted <= before.inverted &&
             (before.inverted > 0 || floors ||
-             (now.rr2 <= before.rr2 && now.objective <= before.objective))) {
+             (now->radius_max <= before.radius_max && pl_run_objective(r) <= objective))) {
             memcpy(t.best, r->plan->coordinates, size);
         } else {
             memcpy(r->plan->coordinates, t.best, size);
