@@ -156,18 +156,16 @@ static int take_cell_types(vtk_reader *reader) {
 
 /* ---- header and keywords ------------------------------------------------------------------ */
 
-static int take_dataset(vtk_reader *reader) {
-    const io_slice word = io_next_word(&reader->cursor);
-    if (io_slice_is(word, "UNSTRUCTURED_GRID", 1))
-        return PLANISH_OK;
-    return io_fail_at(reader->model, word.begin, reader->error,
-                      "DATASET is not an UNSTRUCTURED_GRID; convert the file, for instance with "
-                      "meshio convert IN.vtk OUT.msh");
-}
-
 static int read_keyword(vtk_reader *reader, io_slice word) {
-    if (io_slice_is(word, "DATASET", 1))
-        return take_dataset(reader);
+    if (io_slice_is(word, "DATASET", 1)) {
+        word = io_next_word(&reader->cursor);
+        if (io_slice_is(word, "UNSTRUCTURED_GRID", 1))
+            return PLANISH_OK;
+        return io_fail_at(
+            reader->model, word.begin, reader->error,
+            "DATASET is not an UNSTRUCTURED_GRID; convert the file, for instance with "
+            "meshio convert IN.vtk OUT.msh");
+    }
     if (io_slice_is(word, "POINTS", 1))
         return take_points(reader);
     if (io_slice_is(word, "CELLS", 1))

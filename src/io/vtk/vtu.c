@@ -78,10 +78,16 @@ static int read_piece_points(io_model *model, vtu_document *document, vtu_array 
     return status;
 }
 
-/** Refuse more points than the file can hold before there is room for them. */
-static int make_nodes(io_model *model, const vtu_document *document) {
+static int compare_spans(const void *a, const void *b) {
+    const int64_t p = ((const io_span *)a)->offset, q = ((const io_span *)b)->offset;
+    return (p > q) - (p < q);
+}
+
+static int read_points(io_model *model, vtu_document *document) {
     const vtu_piece *last = &document->piece[document->n_pieces - 1];
     const int64_t n = last->first_point + last->n_points;
+    int64_t n_found = 0, n_points = 0;
+    /* Refuse more points than the file can hold before there is room for them. */
     int64_t most = vtu_most_unpacked(document) / (3 * (int64_t)sizeof(float));
     int with_text = 0;
     for (int64_t i = 0; i < document->n_arrays; i++)
@@ -93,26 +99,16 @@ static int make_nodes(io_model *model, const vtu_document *document) {
                        "%s: %lld points cannot be in this file (a wrong NumberOfPoints, no Points, "
                        "or it is cut short)",
                        model->input.path, (long long)n);
-    return io_model_nodes(model, n, with_text, document->error);
-}
-
-static int compare_spans(const void *a, const void *b) {
-    const int64_t p = ((const io_span *)a)->offset, q = ((const io_span *)b)->offset;
-    return (p > q) - (p < q);
-}
-
-static int read_points(io_model *model, vtu_document *document) {
-    int64_t n_found = 0, n_points = 0;
-    int status = make_nodes(model, document);
+    int status = io_model_nodes(model, n, with_text, document->error);
     model->precision = PLANISH_DOUBLE;
     for (int64_t i = 0; i < document->n_arrays && !status; i++) {
         vtu_array *array = &document->array[i];
         if (array->role != VTU_POINTS || array->piece < 0)
             continue;
-        const int64_t n = document->piece[array->piece].n_points;
-        if (n_points == 0 && n > 0 && array->type && array->type->size == 4)
+        const int64_t here = document->piece[array->piece].n_points;
+        if (n_points == 0 && here > 0 && array->type && array->type->size == 4)
             model->precision = PLANISH_FLOAT;
-        n_points += n;
+        n_points += here;
         n_found++;
         status = read_piece_points(model, document, array);
     }

@@ -39,20 +39,12 @@ typedef struct point_rewrite {
     int is_out_of_memory, is_refused; /* in a block */
 } point_rewrite;
 
-/** Note that size bytes at at have changed: in all blocks that they are in. */
-static void mark_changed(point_rewrite *r, int64_t at, int size) {
-    const int64_t of_block = r->blocks.size;
-    __atomic_store_n(&r->is_changed, 1, __ATOMIC_RELAXED);
-    for (int64_t k = of_block > 0 ? at / of_block : 0;
-         r->is_dirty && of_block > 0 && k <= (at + size - 1) / of_block; k++)
-        __atomic_store_n(&r->is_dirty[k], 1, __ATOMIC_RELAXED);
-}
-
 static void replace_chunk(void *context, int64_t begin, int64_t end, int thread) {
     point_rewrite *r = context;
     const int written = r->document->model->written, size = r->array->type->size;
     const int swapped = r->document->swapped;
     const int64_t first = r->document->piece[r->array->piece].first_point;
+    const int64_t of_block = r->blocks.size;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         for (int d = 0; d < written; d++) {
@@ -67,7 +59,11 @@ static void replace_chunk(void *context, int64_t begin, int64_t end, int thread)
             memcpy(bytes, size == 4 ? (const void *)&single : &wanted, (size_t)size);
             for (int k = 0; k < size; k++)
                 r->bytes[at + k] = bytes[swapped ? size - 1 - k : k];
-            mark_changed(r, at, size);
+            __atomic_store_n(&r->is_changed, 1, __ATOMIC_RELAXED);
+            if (!r->is_dirty || of_block <= 0)
+                continue;
+            for (int64_t k = at / of_block; k <= (at + size - 1) / of_block; k++)
+                __atomic_store_n(&r->is_dirty[k], 1, __ATOMIC_RELAXED);
         }
 }
 
