@@ -20,65 +20,6 @@ enum {
     MAX_CHUNKS = 512 /* more than threads need, few enough for their sums */
 };
 
-/* ---- Sums of a chunk ---------------------------------------------------------------------- */
-
-static pl_full_sums no_sums(void) {
-    pl_full_sums none = {.worst_element = -1, .movable_angle = INFINITY};
-    for (int k = 0; k < PL_N_QUANTITIES; k++) {
-        none.min[k] = INFINITY;
-        none.max[k] = -INFINITY;
-    }
-    return none;
-}
-
-static void clear_full(pl_full_lanes *lanes) {
-    memset(lanes, 0, sizeof *lanes);
-    for (int l = 0; l < PL_SUM_LANES; l++) {
-        lanes->movable_angle[l] = INFINITY;
-        for (int k = 0; k < PL_N_QUANTITIES; k++) {
-            lanes->min[k][l] = INFINITY;
-            lanes->max[k][l] = -INFINITY;
-        }
-    }
-}
-
-static void add_sums(const pl_full_sums *part, pl_full_sums *sums) {
-    for (int i = 0; i < PL_N_COUNTS; i++)
-        sums->count[i] += part->count[i];
-    for (int k = 0; k < PL_N_QUANTITIES; k++) {
-        sums->sum[k] += part->sum[k];
-        sums->min[k] = pl_smaller(part->min[k], sums->min[k]);
-        sums->max[k] = pl_larger(part->max[k], sums->max[k]);
-    }
-    if (part->worst_ratio > sums->worst_ratio ||
-        (part->worst_ratio == sums->worst_ratio && part->worst_element < sums->worst_element))
-        sums->worst_element = part->worst_element; /* the lowest element wins a tie */
-    sums->worst_ratio = pl_larger(part->worst_ratio, sums->worst_ratio);
-    sums->worst_fixed_ratio = pl_larger(part->worst_fixed_ratio, sums->worst_fixed_ratio);
-    sums->movable_ratio = pl_larger(part->movable_ratio, sums->movable_ratio);
-    sums->movable_angle = pl_smaller(part->movable_angle, sums->movable_angle);
-}
-
-/** Add up the lanes of pl_measure, in their order. */
-static void reduce_full(const pl_full_lanes *lanes, pl_full_sums *sums) {
-    *sums = no_sums();
-    for (int l = 0; l < PL_SUM_LANES; l++) {
-        pl_full_sums lane = {.worst_ratio = lanes->worst_ratio[l],
-                             .worst_fixed_ratio = lanes->worst_fixed_ratio[l],
-                             .movable_ratio = lanes->movable_ratio[l],
-                             .movable_angle = lanes->movable_angle[l],
-                             .worst_element = (int64_t)lanes->worst_element[l]};
-        for (int i = 0; i < PL_N_COUNTS; i++)
-            lane.count[i] = (int64_t)lanes->count[i][l];
-        for (int k = 0; k < PL_N_QUANTITIES; k++) {
-            lane.sum[k] = lanes->sum[k][l];
-            lane.min[k] = lanes->min[k][l];
-            lane.max[k] = lanes->max[k][l];
-        }
-        add_sums(&lane, sums);
-    }
-}
-
 /* ---- Chunks ------------------------------------------------------------------------------- */
 
 /** The mesh and the results of its chunks: sums over elements, or what each element is. */
@@ -151,12 +92,12 @@ PL_INLINE void sum_chunk(pass *p, int64_t begin, int64_t end, const int dim, con
     pl_full_lanes more;
     pl_sum movable, fixed;
     pl_block b;
-    double blunt = blunt_so_far(p, dim), max = 0, n_movable = 0, n_fixed = 0, inverted = 0;
+    double blunt = blunt_so_far(p, dim);
     memset(&basic, 0, sizeof basic);
     memset(&movable, 0, sizeof movable);
     memset(&fixed, 0, sizeof fixed);
     if (full)
-        clear_full(&more);
+        pl_clear_full(&more);
     for (int64_t first = begin; first < end; first += PL_SUM_LANES) {
         double largest = 0;
         evaluate_block(p, first, end, &b, dim, full);
@@ -174,20 +115,11 @@ PL_INLINE void sum_chunk(pass *p, int64_t begin, int64_t end, const int dim, con
             blunt = blunt_so_far(p, dim);
         }
     }
-    for (int l = 0; l < PL_SUM_LANES; l++) {
-        max = pl_larger(basic.max[l], max);
-        n_movable += basic.n_movable[l];
-        n_fixed += basic.n_fixed[l];
-        inverted += basic.inverted[l];
-    }
-    pl_raise_double(&p->basic.max, max);
-    __atomic_fetch_add(&p->basic.n_movable, (int64_t)n_movable, __ATOMIC_RELAXED);
-    __atomic_fetch_add(&p->basic.n_fixed, (int64_t)n_fixed, __ATOMIC_RELAXED);
-    __atomic_fetch_add(&p->basic.inverted, (int64_t)inverted, __ATOMIC_RELAXED);
+    pl_share_basic(&basic, &p->basic);
     pl_sum_share(&p->sum[1], &movable);
     pl_sum_share(&p->sum[0], &fixed);
     if (full)
-        reduce_full(&more, &p->full[begin / p->chunk]);
+        pl_reduce_full(&more, &p->full[begin / p->chunk]);
 }
 
 PL_INLINE void chunk_of_dim(pass *p, int64_t begin, int64_t end, const int dim) {
@@ -394,9 +326,9 @@ int pl_measure(const pl_view *view, const double *coordinates, int threads,
     if (!p.full)
         return pl_fail_memory(error, "measuring the mesh");
     const pl_ratio_sums basic = sum_ratios(&p, threads);
-    pl_full_sums full = no_sums();
+    pl_full_sums full = pl_no_sums();
     for (int64_t i = 0; i < p.n_chunks; i++)
-        add_sums(&p.full[i], &full);
+        pl_add_sums(&p.full[i], &full);
     pl_free(p.full);
     add_full_parts(&full);
     int64_t n = view->n_elements;

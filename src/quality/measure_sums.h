@@ -3,7 +3,9 @@
  * The sums of RR^2 are rounded once (base/sum.h). Every other sum has one accumulator per lane
  * within a chunk; then the lanes are added in their order, and the chunks in theirs.
  *
- *   pl_add_basic, pl_add_full     add a block
+ *   pl_add_basic, pl_add_full                       add a block
+ *   pl_share_basic, pl_clear_full, _reduce_full     begin and end a chunk
+ *   pl_no_sums, pl_add_sums                         add up the chunks
  */
 #ifndef PL_QUALITY_MEASURE_SUMS_H
 #define PL_QUALITY_MEASURE_SUMS_H
@@ -124,5 +126,20 @@ PL_INLINE void pl_add_full(const pl_block *b, int64_t first, pl_full_lanes *sums
     for (int l = 0; l < PL_SUM_LANES; l++)
         sums->count[PL_BY_ANGLE + bin[l]][l] += b->valid[l];
 }
+
+/** Add the lanes of a chunk to the sums that all chunks share. */
+void pl_share_basic(const pl_basic_lanes *lanes, pl_ratio_sums *shared);
+
+/** Set the accumulators to their values without any element. */
+void pl_clear_full(pl_full_lanes *lanes);
+
+/** Add up the lanes of pl_measure, in their order. */
+void pl_reduce_full(const pl_full_lanes *lanes, pl_full_sums *sums);
+
+/** Sums without any element. */
+pl_full_sums pl_no_sums(void);
+
+/** Add the sums of a part to sums. */
+void pl_add_sums(const pl_full_sums *part, pl_full_sums *sums);
 
 #endif
