@@ -31,7 +31,8 @@ typedef struct io_format {
      *  (io_model.text_offset) or behind coordinate d - 1; it ends behind coordinate d. 0 or -1.
      *  NULL: numbers apart by white space and comments. */
     int (*field)(const io_model *model, io_cursor *cursor, int d, io_field *field);
-    /** Edit the bytes at model->encoding for coordinates [n_nodes][written]; NULL if spans say all.
+    /** Edit the bytes at model->of_format for coordinates [n_nodes][written]; NULL if spans say
+     * all.
      */
     int (*encode)(const io_model *model, const double *coordinates, int threads, io_edits *edits,
                   planish_error *error);
@@ -40,7 +41,7 @@ typedef struct io_format {
      *  any such change. NULL: there is nothing of the kind. */
     int (*amend)(const io_model *model, const double *coordinates, pl_output *output,
                  planish_error *error);
-    void (*release)(io_model *model); /* of model->encoding; NULL: there is none */
+    void (*release)(io_model *model); /* of model->of_format; NULL: there is none */
 } io_format;
 
 extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_vtu,

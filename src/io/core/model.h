@@ -208,8 +208,9 @@ typedef struct io_model {
     const char **array_name;  /* [n_arrays + 1] their names, and NULL; owned, or NULL */
     const char **region_name; /* [n_arrays + 1] names of those that tell regions, and NULL; owned,
                                  or NULL */
-    void *encoding; /* of the format that has read it, released by that: how coordinates stand in
-                       the file where no span says so, or NULL */
+    void *of_format; /* own state of the format that has read it, or NULL: how coordinates stand in
+                        the file where no span says so. io_format.field, encode and amend may use
+                        it; release frees it */
     /* Set by io_model_finish: */
     int dim;
     double *coordinates; /* [n_nodes][dim] as read; in 3-D this is xyz itself */

@@ -342,7 +342,7 @@ int io_splice_write(const planish_file *file, const double *coordinates, int thr
     int status = s.pieces ? PLANISH_OK : pl_fail_memory(error, "the text of coordinates");
     if (!status && format->amend && !output->temporary)
         status = format->amend(model, coordinates, output, error);
-    if (!status && model->encoding && format->encode)
+    if (!status && model->of_format && format->encode)
         status = format->encode(model, coordinates, threads, &edits, error);
     if (!status)
         status = write_spans(&s, output, error);
@@ -350,7 +350,7 @@ int io_splice_write(const planish_file *file, const double *coordinates, int thr
     pl_free(s.pieces);
     if (!status)
         status = pl_output_finish(output, error);
-    if (!status && format->amend && model->encoding && output->temporary) {
+    if (!status && format->amend && model->of_format && output->temporary) {
         /* The finished copy may have the mode of a file that must not be written, or read. */
         const int former = pl_file_make_accessible(output->temporary);
         status = format->amend(model, coordinates, output, error);

@@ -134,7 +134,7 @@ int planish_file_check_output(const planish_file *file, const char *path, planis
     const int status = check_name(file, path, error);
     if (status)
         return status;
-    if (file->format->amend && file->model.encoding && pl_output_is_stream(path))
+    if (file->format->amend && file->model.of_format && pl_output_is_stream(path))
         return pl_fail(error, PLANISH_ERROR_FILE,
                        "%s: its coordinates are compressed or packed, so that the result cannot be "
                        "written to a pipe or device; give the name of a file",

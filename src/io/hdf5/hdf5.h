@@ -141,7 +141,7 @@ int io_hdf5_coordinates_end(io_hdf5 *file);
 int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int width, io_span **span,
                       int64_t *n_spans, planish_error *error);
 
-/* For io_format: what io_hdf5_coordinates has left in model->encoding. */
+/* For io_format: what io_hdf5_coordinates has left in model->of_format. */
 int io_hdf5_amend(const io_model *model, const double *coordinates, pl_output *output,
                   planish_error *error);
 void io_hdf5_release(io_model *model);

@@ -18,27 +18,27 @@
 /* Asking for the place of a chunk walks over all of them: with more the copy is amended. */
 enum { MOST_CHUNKS = 4096 };
 
-/** Coordinates that the library changes: io_model.encoding. */
+/** Coordinates that the library changes: io_model.of_format. */
 typedef struct amended {
     io_hdf5_place *place; /* [n] with their paths owned */
     int64_t n, capacity;
 } amended;
 
 void io_hdf5_release(io_model *model) {
-    amended *a = model->encoding;
+    amended *a = model->of_format;
     for (int64_t i = 0; a && i < a->n; i++)
         pl_free(a->place[i].path);
     if (a)
         pl_free(a->place);
     pl_free(a);
-    model->encoding = NULL;
+    model->of_format = NULL;
 }
 
 static int add_amended(io_hdf5 *file, const io_hdf5_place *place) {
     io_model *model = file->model;
-    if (!model->encoding)
-        model->encoding = pl_alloc_zero(1, sizeof(amended));
-    amended *a = model->encoding;
+    if (!model->of_format)
+        model->of_format = pl_alloc_zero(1, sizeof(amended));
+    amended *a = model->of_format;
     io_hdf5_place *grown =
         a ? pl_grow(a->place, a->n, a->n + 1, &a->capacity, sizeof *grown) : NULL;
     if (grown)
@@ -377,7 +377,7 @@ static int amend_place(const request *r, io_hdf5 *file, const io_hdf5_place *pla
  *  is not NULL, change them all: *changed [*n_changed], to be released by pl_free. */
 static int amend_bytes(const request *r, const char *data, int64_t size, char **changed,
                        int64_t *n_changed, int *is_changed, planish_error *error) {
-    const amended *list = r->model->encoding;
+    const amended *list = r->model->of_format;
     const int is_writing = changed != NULL;
     io_hdf5 file = {.model = (io_model *)(uintptr_t)r->model,
                     .error = error,
@@ -400,7 +400,7 @@ static int amend_bytes(const request *r, const char *data, int64_t size, char **
 static int amend(void *data, planish_error *error) {
     const request *r = data;
     const io_bytes *input = &r->model->input;
-    const amended *list = r->model->encoding;
+    const amended *list = r->model->of_format;
     char *bytes = NULL;
     int64_t size = 0;
     int is_changed = 0;
@@ -429,7 +429,7 @@ static int amend(void *data, planish_error *error) {
 
 int io_hdf5_amend(const io_model *model, const double *coordinates, pl_output *output,
                   planish_error *error) {
-    const amended *list = model->encoding;
+    const amended *list = model->of_format;
     request r = {model, coordinates, output};
     if (!list || list->n == 0)
         return PLANISH_OK;

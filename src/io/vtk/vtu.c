@@ -353,7 +353,7 @@ static int read_vtu(io_model *model, planish_error *error) {
     vtu_document *document = pl_alloc_zero(1, sizeof *document);
     if (!document)
         return pl_fail_memory(error, model->input.path);
-    model->encoding = document;
+    model->of_format = document;
     model->columns = 3;
     model->first_number = 0;
     document->model = model;
@@ -373,10 +373,10 @@ static int read_vtu(io_model *model, planish_error *error) {
 }
 
 static void release_vtu(io_model *model) {
-    if (model->encoding)
-        vtu_document_release(model->encoding);
-    pl_free(model->encoding);
-    model->encoding = NULL;
+    if (model->of_format)
+        vtu_document_release(model->of_format);
+    pl_free(model->of_format);
+    model->of_format = NULL;
 }
 
 static int recognise_vtu(const char *data, int64_t size) {

@@ -271,7 +271,7 @@ static int edit_offsets(const vtu_document *document, io_edits *edits) {
 
 int vtu_encode_points(const io_model *model, const double *coordinates, int threads,
                       io_edits *edits, planish_error *error) {
-    vtu_document document = *(const vtu_document *)model->encoding;
+    vtu_document document = *(const vtu_document *)model->of_format;
     int status = PLANISH_OK;
     document.model = model;
     document.error = error;
