@@ -286,7 +286,7 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
 
 /* ---- the file ----------------------------------------------------------------------------- */
 
-static int read_abaqus(io_model *model, planish_error *error) {
+static int abaqus_read(io_model *model, planish_error *error) {
     abaqus_reader r = {.model = model, .error = error};
     int status = abaqus_find_blocks(&r);
     if (!status)
@@ -316,7 +316,7 @@ static int read_abaqus(io_model *model, planish_error *error) {
 }
 
 /** Recognise a file by its first keyword: few other files begin with one of these. */
-static int recognise(const char *data, int64_t size) {
+static int abaqus_recognise(const char *data, int64_t size) {
     static const char *const first[] = {"HEADING", "PREPRINT", "PART", "NODE", "ELEMENT"};
     io_cursor cursor = io_begin_text(data, size);
     io_slice line, item;
@@ -363,6 +363,6 @@ static const char *const extensions[] = {".inp", NULL};
 const io_format io_format_abaqus = {.name = "abaqus",
                                     .extensions = extensions,
                                     .has_no_end = 1,
-                                    .recognise = recognise,
-                                    .read = read_abaqus,
+                                    .recognise = abaqus_recognise,
+                                    .read = abaqus_read,
                                     .field = abaqus_field};

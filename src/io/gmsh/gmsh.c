@@ -195,7 +195,7 @@ static int read_sections(gmsh_reader *reader) {
     return PLANISH_OK;
 }
 
-static int read_gmsh(io_model *model, planish_error *error) {
+static int gmsh_read(io_model *model, planish_error *error) {
     gmsh_reader reader = {.model = model,
                           .error = error,
                           .cursor = io_begin_text(model->input.data, model->input.size)};
@@ -218,7 +218,7 @@ static int read_gmsh(io_model *model, planish_error *error) {
 }
 
 /** Recognise a first line of $ and letters, the first a capital: no other format begins so. */
-static int recognise_gmsh(const char *data, int64_t size) {
+static int gmsh_recognise(const char *data, int64_t size) {
     io_cursor cursor = io_begin_text(data, size);
     io_skip_space(&cursor);
     if (cursor.end - cursor.at < 2 || *cursor.at++ != '$' || *cursor.at < 'A' || *cursor.at > 'Z')
@@ -231,4 +231,4 @@ static int recognise_gmsh(const char *data, int64_t size) {
 static const char *const gmsh_extensions[] = {".msh", NULL};
 
 const io_format io_format_gmsh = {
-    .name = "gmsh", .extensions = gmsh_extensions, .recognise = recognise_gmsh, .read = read_gmsh};
+    .name = "gmsh", .extensions = gmsh_extensions, .recognise = gmsh_recognise, .read = gmsh_read};

@@ -260,7 +260,7 @@ static int is_medit_binary(const char *data, int64_t size) {
     return begins_well(data, size, &swapped, &version);
 }
 
-static int read_medit(io_model *model, planish_error *error) {
+static int medit_read(io_model *model, planish_error *error) {
     medit_reader r = {.model = model, .error = error};
     model->is_binary = is_medit_binary(model->input.data, model->input.size);
     io_text_init(&r.text, model);
@@ -278,7 +278,7 @@ static int read_medit(io_model *model, planish_error *error) {
     return status;
 }
 
-static int recognise_medit(const char *data, int64_t size) {
+static int medit_recognise(const char *data, int64_t size) {
     return io_slice_is(io_first_word(data, size), "MeshVersionFormatted", 0) ||
            is_medit_binary(data, size);
 }
@@ -293,6 +293,6 @@ static const char *const extensions[] = {".mesh", ".meshb", NULL};
 
 const io_format io_format_medit = {.name = "medit",
                                    .extensions = extensions,
-                                   .recognise = recognise_medit,
-                                   .read = read_medit,
+                                   .recognise = medit_recognise,
+                                   .read = medit_read,
                                    .may_be_called = may_be_called};

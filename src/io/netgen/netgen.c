@@ -146,7 +146,7 @@ static int walk_file(netgen_reader *r) {
 
 /* ---- the format --------------------------------------------------------------------------- */
 
-static int read_netgen(io_model *model, planish_error *error) {
+static int netgen_read(io_model *model, planish_error *error) {
     netgen_reader r = {.model = model, .error = error, .dim = 3};
     io_text_init(&r.text, model);
     int status = walk_file(&r);
@@ -164,11 +164,11 @@ static int read_netgen(io_model *model, planish_error *error) {
     return status;
 }
 
-static int recognise_netgen(const char *data, int64_t size) {
+static int netgen_recognise(const char *data, int64_t size) {
     return io_slice_is(io_first_word(data, size), "mesh3d", 0);
 }
 
 static const char *const extensions[] = {".vol", NULL};
 
 const io_format io_format_netgen = {
-    .name = "netgen", .extensions = extensions, .recognise = recognise_netgen, .read = read_netgen};
+    .name = "netgen", .extensions = extensions, .recognise = netgen_recognise, .read = netgen_read};

@@ -279,7 +279,7 @@ static int read_parts(off_reader *r) {
     return status ? status : read_all_faces(r, counts[1]);
 }
 
-static int read_off(io_model *model, planish_error *error) {
+static int off_read(io_model *model, planish_error *error) {
     off_reader r = {.model = model,
                     .error = error,
                     .cursor = io_begin_text(model->input.data, model->input.size)};
@@ -289,7 +289,7 @@ static int read_off(io_model *model, planish_error *error) {
     return status;
 }
 
-static int recognise_off(const char *data, int64_t size) {
+static int off_recognise(const char *data, int64_t size) {
     int ignored;
     return parse_header(io_first_word(data, size), &ignored);
 }
@@ -299,5 +299,5 @@ static const char *const extensions[] = {".off", NULL};
 const io_format io_format_off = {.name = "off",
                                  .extensions = extensions,
                                  .has_no_end = 1,
-                                 .recognise = recognise_off,
-                                 .read = read_off};
+                                 .recognise = off_recognise,
+                                 .read = off_read};

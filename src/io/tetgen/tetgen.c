@@ -356,7 +356,7 @@ static int is_companion(const io_model *model, const io_bytes *file) {
 }
 
 /** Read .node, which becomes model->input, and the files beside it: model->companion. */
-static int read_tetgen(io_model *model, planish_error *error) {
+static int tetgen_read(io_model *model, planish_error *error) {
     static const int dims[N_READ] = {0, 2, 1}; /* of .face and .edge */
     const io_bytes named = model->input;
     const int is_ele = io_format_has_extension(&io_format_tetgen, named.path) &&
@@ -392,7 +392,7 @@ static int read_tetgen(io_model *model, planish_error *error) {
 }
 
 /* Nothing but numbers: any table looks like that. */
-static int recognise_tetgen(const char *data, int64_t size) {
+static int tetgen_recognise(const char *data, int64_t size) {
     (void)data;
     (void)size;
     return 0;
@@ -401,7 +401,7 @@ static int recognise_tetgen(const char *data, int64_t size) {
 const io_format io_format_tetgen = {.name = "tetgen",
                                     .extensions = extensions,
                                     .has_no_end = 1,
-                                    .recognise = recognise_tetgen,
-                                    .read = read_tetgen,
+                                    .recognise = tetgen_recognise,
+                                    .read = tetgen_read,
                                     .companions = companions,
                                     .is_companion = is_companion};

@@ -199,7 +199,7 @@ static int read_file(vtk_reader *reader) {
     return PLANISH_OK;
 }
 
-static int read_vtk(io_model *model, planish_error *error) {
+static int vtk_read(io_model *model, planish_error *error) {
     vtk_reader reader = {.model = model,
                          .error = error,
                          .cursor = {model->input.data, io_input_end(model)},
@@ -215,7 +215,7 @@ static int read_vtk(io_model *model, planish_error *error) {
     return status;
 }
 
-static int recognise_vtk(const char *data, int64_t size) {
+static int vtk_recognise(const char *data, int64_t size) {
     static const char mark[] = "# vtk DataFile";
     const int64_t length = (int64_t)sizeof mark - 1;
     return size >= length && io_slice_is((io_slice){data, data + length}, mark, 1);
@@ -224,4 +224,4 @@ static int recognise_vtk(const char *data, int64_t size) {
 static const char *const vtk_extensions[] = {".vtk", NULL};
 
 const io_format io_format_vtk = {
-    .name = "vtk", .extensions = vtk_extensions, .recognise = recognise_vtk, .read = read_vtk};
+    .name = "vtk", .extensions = vtk_extensions, .recognise = vtk_recognise, .read = vtk_read};

@@ -349,7 +349,7 @@ static int read_cell_data(io_model *model, vtu_document *document) {
 
 /* ---- the format ---------------------------------------------------------------------------- */
 
-static int read_vtu(io_model *model, planish_error *error) {
+static int vtu_read(io_model *model, planish_error *error) {
     vtu_document *document = pl_alloc_zero(1, sizeof *document);
     if (!document)
         return pl_fail_memory(error, model->input.path);
@@ -379,7 +379,7 @@ static void release_vtu(io_model *model) {
     model->of_format = NULL;
 }
 
-static int recognise_vtu(const char *data, int64_t size) {
+static int vtu_recognise(const char *data, int64_t size) {
     enum { LOOKED_AT = 4096 };
     static const char mark[] = "<VTKFile";
     const int64_t length = (int64_t)sizeof mark - 1, most = size < LOOKED_AT ? size : LOOKED_AT;
@@ -393,7 +393,7 @@ static const char *const vtu_extensions[] = {".vtu", NULL};
 
 const io_format io_format_vtu = {.name = "vtu",
                                  .extensions = vtu_extensions,
-                                 .recognise = recognise_vtu,
-                                 .read = read_vtu,
+                                 .recognise = vtu_recognise,
+                                 .read = vtu_read,
                                  .encode = vtu_encode_points,
                                  .release = release_vtu};
