@@ -34,26 +34,26 @@ static int short_size(const gmsh_reader *reader) {
 
 /* ---- entities ----------------------------------------------------------------------------- */
 
-int gmsh_compare_places(const void *left, const void *right) {
-    const gmsh_place *a = left, *b = right;
+int gmsh_compare_entities(const void *left, const void *right) {
+    const gmsh_entity *a = left, *b = right;
     if (a->dim != b->dim)
         return a->dim < b->dim ? -1 : 1;
     return (a->tag > b->tag) - (a->tag < b->tag);
 }
 
-/** Add a place, whose entity in the model is that of tag; at the cursor are its box (a point: its
+/** Add an entity, which in the model has that tag; at the cursor are its box (a point: its
  *  coordinates), physical groups and boundary. */
-static int add_place(gmsh_reader *reader, gmsh_place place, int32_t tag) {
+static int add_entity(gmsh_reader *reader, gmsh_entity entity, int32_t tag) {
     int64_t n, group, ignored;
     int32_t *groups;
-    gmsh_place *grown;
-    if (gmsh_skip_reals(reader, place.dim == 0 && !is_40(reader) ? 3 : 6, "box of an entity") ||
+    gmsh_entity *grown;
+    if (gmsh_skip_reals(reader, entity.dim == 0 && !is_40(reader) ? 3 : 6, "box of an entity") ||
         gmsh_take(reader, 8, &n, "number of physical groups") ||
         gmsh_check_count(reader, n, 2, 4, "physical groups"))
         return PLANISH_ERROR_FORMAT;
-    grown = pl_grow(reader->place, reader->n_places, reader->n_places + 1, &reader->place_capacity,
-                    sizeof place);
-    reader->place = grown ? grown : reader->place;
+    grown = pl_grow(reader->entity, reader->n_entities, reader->n_entities + 1,
+                    &reader->entity_capacity, sizeof entity);
+    reader->entity = grown ? grown : reader->entity;
     groups = pl_alloc(n, sizeof *groups);
     int status = grown && groups ? PLANISH_OK : pl_fail_memory(reader->error, "entities");
     for (int64_t i = 0; !status && i < n; i++) {
@@ -63,15 +63,15 @@ static int add_place(gmsh_reader *reader, gmsh_place place, int32_t tag) {
             groups[i] = (int32_t)(group < 0 && group != INT32_MIN ? -group : group);
     }
     if (!status) {
-        place.entity =
-            io_model_entity(reader->model, place.dim, tag, (int)n, groups, reader->error);
-        status = place.entity < 0 ? place.entity : PLANISH_OK;
+        entity.index =
+            io_model_entity(reader->model, entity.dim, tag, (int)n, groups, reader->error);
+        status = entity.index < 0 ? entity.index : PLANISH_OK;
     }
     pl_free(groups);
     if (status)
         return status;
-    reader->place[reader->n_places++] = place;
-    if (place.dim == 0)
+    reader->entity[reader->n_entities++] = entity;
+    if (entity.dim == 0)
         return PLANISH_OK;
     status = gmsh_take(reader, 8, &n, "number of bounding entities");
     for (int64_t i = 0; !status && i < n; i++)
@@ -90,7 +90,7 @@ static int read_entities(gmsh_reader *reader, int is_partitioned) {
         for (int64_t i = 0; i < n[dim]; i++) {
             if (gmsh_take(reader, 4, &tag, "tag of an entity"))
                 return PLANISH_ERROR_FORMAT;
-            gmsh_place place = {.dim = dim, .tag = (int32_t)tag};
+            gmsh_entity entity = {.dim = dim, .tag = (int32_t)tag};
             if (is_partitioned) {
                 if (gmsh_take(reader, 4, &parent_dim, "dimension of a parent entity") ||
                     gmsh_take(reader, 4, &parent_tag, "tag of a parent entity") ||
@@ -99,16 +99,17 @@ static int read_entities(gmsh_reader *reader, int is_partitioned) {
                 for (int64_t k = 0; k < n_parts; k++)
                     if (gmsh_take(reader, 4, &part, "part"))
                         return PLANISH_ERROR_FORMAT;
-                place.interface = parent_dim > dim;
-                tag = place.interface ? tag : parent_tag;
+                entity.interface = parent_dim > dim;
+                tag = entity.interface ? tag : parent_tag;
             }
-            const int status = add_place(reader, place, (int32_t)tag);
+            const int status = add_entity(reader, entity, (int32_t)tag);
             if (status)
                 return status;
         }
     }
-    if (reader->n_places > 0)
-        qsort(reader->place, (size_t)reader->n_places, sizeof *reader->place, gmsh_compare_places);
+    if (reader->n_entities > 0)
+        qsort(reader->entity, (size_t)reader->n_entities, sizeof *reader->entity,
+              gmsh_compare_entities);
     return PLANISH_OK;
 }
 
@@ -245,15 +246,15 @@ static int read_element_block(gmsh_reader *reader, const section_head *head) {
     status = gmsh_check_count(reader, head->size, 2 * width, bytes * width, "elements of a block");
     if (status)
         return status;
-    const gmsh_place key = {.dim = head->dim, .tag = head->tag}, *place = NULL;
-    if (reader->n_places > 0)
-        place =
-            bsearch(&key, reader->place, (size_t)reader->n_places, sizeof key, gmsh_compare_places);
-    block.entity = place ? place->entity
-                         : io_model_entity(model, head->dim, head->tag, 0, NULL, reader->error);
+    const gmsh_entity key = {.dim = head->dim, .tag = head->tag}, *entity = NULL;
+    if (reader->n_entities > 0)
+        entity = bsearch(&key, reader->entity, (size_t)reader->n_entities, sizeof key,
+                         gmsh_compare_entities);
+    block.entity = entity ? entity->index
+                          : io_model_entity(model, head->dim, head->tag, 0, NULL, reader->error);
     if (block.entity < 0)
         return block.entity;
-    if (place && place->interface) {
+    if (entity && entity->interface) {
         model->n_lower += head->size;
     } else {
         block.reason = io_element_reason(block.type);

@@ -126,17 +126,17 @@ int gmsh2_merge_copies(gmsh_reader *reader) {
     const int32_t n = model->n_entities;
     int any = 0, status = PLANISH_OK;
     uint8_t *shared = pl_alloc_zero(n, sizeof *shared); /* 1: another entity has its tag, too */
-    gmsh_place *list = pl_alloc(n, sizeof *list);
+    gmsh_entity *list = pl_alloc(n, sizeof *list);
     if (!shared || !list)
         status = pl_fail_memory(reader->error, "the elements' tags");
     for (int32_t i = 0; i < n && !status; i++)
-        list[i] = (gmsh_place){model->entity[i].dim, model->entity[i].tag, i, 0};
+        list[i] = (gmsh_entity){model->entity[i].dim, model->entity[i].tag, i, 0};
     if (n > 0 && !status)
-        qsort(list, (size_t)n, sizeof *list, gmsh_compare_places);
+        qsort(list, (size_t)n, sizeof *list, gmsh_compare_entities);
     for (int32_t i = 1; i < n && !status; i++) {
-        if (gmsh_compare_places(&list[i - 1], &list[i]))
+        if (gmsh_compare_entities(&list[i - 1], &list[i]))
             continue;
-        shared[list[i - 1].entity] = shared[list[i].entity] = 1;
+        shared[list[i - 1].index] = shared[list[i].index] = 1;
         any = 1;
     }
     for (int dim = 2; dim < 4 && any && !status; dim++)

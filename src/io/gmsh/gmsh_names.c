@@ -55,31 +55,31 @@ int gmsh_names(gmsh_reader *reader) {
 /* ---- names without a dimension ------------------------------------------------------------ */
 
 /** List the physical groups of all entities, *n of them, by dimension and number; owned. */
-static gmsh_place *list_used(const io_model *model, int64_t *n) {
+static gmsh_entity *list_used(const io_model *model, int64_t *n) {
     int64_t n_all = 0;
     for (int32_t i = 0; i < model->n_entities; i++)
         n_all += model->entity[i].n_physical;
-    gmsh_place *used = pl_alloc(n_all, sizeof *used);
+    gmsh_entity *used = pl_alloc(n_all, sizeof *used);
     if (!used)
         return NULL;
     *n = 0;
     for (int32_t i = 0; i < model->n_entities; i++)
         for (int k = 0; k < model->entity[i].n_physical; k++)
             used[(*n)++] =
-                (gmsh_place){.dim = model->entity[i].dim, .tag = model->entity[i].physical[k]};
+                (gmsh_entity){.dim = model->entity[i].dim, .tag = model->entity[i].physical[k]};
     if (n_all > 0)
-        qsort(used, (size_t)n_all, sizeof *used, gmsh_compare_places);
+        qsort(used, (size_t)n_all, sizeof *used, gmsh_compare_entities);
     return used;
 }
 
 /** Give the name of group index the dimensions in which its number is used; where there is none,
  * that of the elements. */
-static int settle_name(io_model *model, int32_t index, const gmsh_place *used, int64_t n,
+static int settle_name(io_model *model, int32_t index, const gmsh_entity *used, int64_t n,
                        planish_error *error) {
     const int32_t tag = model->group[index].tag;
     for (int dim = 0; dim < N_DIMS; dim++) {
-        const gmsh_place key = {.dim = dim, .tag = tag};
-        if (n == 0 || !bsearch(&key, used, (size_t)n, sizeof key, gmsh_compare_places))
+        const gmsh_entity key = {.dim = dim, .tag = tag};
+        if (n == 0 || !bsearch(&key, used, (size_t)n, sizeof key, gmsh_compare_entities))
             continue;
         const char *name = model->group[index].name;
         int status = PLANISH_OK;
@@ -97,7 +97,7 @@ static int settle_name(io_model *model, int32_t index, const gmsh_place *used, i
 
 int gmsh_settle_names(gmsh_reader *reader) {
     io_model *model = reader->model;
-    gmsh_place *used = NULL;
+    gmsh_entity *used = NULL;
     int64_t n_used = 0;
     int status = PLANISH_OK;
     const int32_t n = model->n_groups;

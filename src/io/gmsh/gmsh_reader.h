@@ -1,6 +1,6 @@
 /* gmsh_reader: what the readers of MSH 1, 2 and 4 share; for gmsh*.c only.
  *
- *   gmsh_place, gmsh_data, gmsh_reader    the state of a reader
+ *   gmsh_entity, gmsh_data, gmsh_reader   the state of a reader
  *   gmsh_find_type                        element types by their numbers
  *   gmsh_number, gmsh_take, gmsh_skip_... single numbers
  *   gmsh_check_count                      counts that the file can hold
@@ -23,12 +23,12 @@
 #include "io/core/records.h"
 
 /** MSH 4: an entity of the geometry, from $Entities and $PartitionedEntities. */
-typedef struct gmsh_place {
+typedef struct gmsh_entity {
     int dim;
     int32_t tag;
-    int32_t entity; /* index into io_model.entity */
-    int interface;  /* between parts of a partition: nothing of the geometry */
-} gmsh_place;
+    int32_t index; /* into io_model.entity */
+    int interface; /* between parts of a partition: nothing of the geometry */
+} gmsh_entity;
 
 /** A section of values, as $ElementData is. */
 typedef struct gmsh_data {
@@ -47,8 +47,8 @@ typedef struct gmsh_reader {
     int version; /* 10 to 22, 40, 41; 0: no header has been read */
     int have_nodes, have_elements;
     io_numbers *numbers; /* of the nodes, or NULL: consecutive */
-    gmsh_place *place;   /* [n_places], owned, by dim and tag once $Entities are read */
-    int64_t n_places, place_capacity;
+    gmsh_entity *entity; /* [n_entities], owned, by dim and tag once $Entities are read */
+    int64_t n_entities, entity_capacity;
     gmsh_data *data; /* [n_data], owned: what may tell regions, in the file's order */
     int64_t n_data, data_capacity;
 } gmsh_reader;
@@ -70,8 +70,8 @@ typedef struct gmsh_block {
 int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
                    const io_element_type **type, planish_error *error);
 
-/** Compare two gmsh_place by dimension and tag, for qsort and bsearch. */
-int gmsh_compare_places(const void *left, const void *right);
+/** Compare two gmsh_entity by dimension and tag, for qsort and bsearch. */
+int gmsh_compare_entities(const void *left, const void *right);
 
 /** Read the number at the cursor, of 4 or 8 bytes, or text (bytes 0). Return 0 or -1. */
 static inline int gmsh_number(const gmsh_reader *reader, io_cursor *cursor, int bytes,
