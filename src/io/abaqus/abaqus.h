@@ -51,7 +51,7 @@ typedef struct abaqus_range {
 } abaqus_range;
 
 /** Things that sets have: nodes; or cells, first lines, then triangles, then tetrahedra. */
-typedef enum abaqus_things { NODES, ELEMENTS } abaqus_things;
+typedef enum abaqus_things { ABAQUS_NODES, ABAQUS_ELEMENTS } abaqus_things;
 
 typedef struct abaqus_set {
     abaqus_things things;

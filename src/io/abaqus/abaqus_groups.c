@@ -19,7 +19,7 @@ static void fill_region_keys(abaqus_reader *r, int64_t *key) {
     for (int64_t i = 0; i < r->n_ranges; i++) {
         const abaqus_range *range = &r->range[i];
         const int64_t set =
-            range->set.begin ? abaqus_find_set(r, ELEMENTS, r->scope, range->set) : -1;
+            range->set.begin ? abaqus_find_set(r, ABAQUS_ELEMENTS, r->scope, range->set) : -1;
         for (int64_t k = range->begin; k < range->end; k++)
             key[r->first_cell[range->dim] + k] = (set + 1) * (r->n_sets + 1);
     }
@@ -32,8 +32,8 @@ static void fill_region_keys(abaqus_reader *r, int64_t *key) {
         if (b->keyword != ABAQUS_SECTION || !abaqus_parameter(b, "ELSET", &name))
             continue;
         const int is_of_mesh = b->scope <= 0 || b->scope == r->scope;
-        int32_t index = is_of_mesh ? abaqus_find_set(r, ELEMENTS, r->scope, name) : -1;
-        index = index < 0 ? abaqus_find_set(r, ELEMENTS, b->scope, name) : index;
+        int32_t index = is_of_mesh ? abaqus_find_set(r, ABAQUS_ELEMENTS, r->scope, name) : -1;
+        index = index < 0 ? abaqus_find_set(r, ABAQUS_ELEMENTS, b->scope, name) : index;
         abaqus_set *set = index < 0 ? NULL : &r->set[index];
         for (int64_t k = 0; set && !set->is_of_section && k < set->n; k++)
             if (key[set->member[k]] % (r->n_sets + 1) == 0)
@@ -75,7 +75,7 @@ static void number_keys(int64_t *key, int64_t n, int64_t *different) {
 static int make_cell_entities(abaqus_reader *r, io_memberships *m, int64_t *key,
                               int64_t *different) {
     fill_region_keys(r, key);
-    number_keys(key, r->n[ELEMENTS], different);
+    number_keys(key, r->n[ABAQUS_ELEMENTS], different);
     for (int dim = 1; dim <= 3; dim++) {
         io_cells *cells = io_model_cells(r->model, dim);
         const int64_t first = r->first_cell[dim];
@@ -105,9 +105,9 @@ int abaqus_make_entities(abaqus_reader *r, abaqus_things things) {
         if (pass == 0)
             status = io_memberships_counted(&m, r->error);
     }
-    if (!status && things == NODES)
+    if (!status && things == ABAQUS_NODES)
         status = io_memberships_of_nodes(&m, r->model, r->error);
-    if (!status && things == ELEMENTS) {
+    if (!status && things == ABAQUS_ELEMENTS) {
         int64_t *key = pl_alloc_zero(n, sizeof *key), *different = pl_alloc(n, sizeof *different);
         status = key && different ? make_cell_entities(r, &m, key, different)
                                   : pl_fail_memory(r->error, "the regions of the file");
@@ -124,7 +124,7 @@ int abaqus_make_groups(abaqus_reader *r) {
         const abaqus_set *set = &r->set[i];
         const io_slice name = abaqus_unquoted(set->name);
         unsigned dims = 0;
-        for (int64_t k = 0; set->things == ELEMENTS && k < set->n; k++) {
+        for (int64_t k = 0; set->things == ABAQUS_ELEMENTS && k < set->n; k++) {
             int64_t local;
             dims |= 1u << abaqus_dim_of(r, set->member[k], &local);
         }

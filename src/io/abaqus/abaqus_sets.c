@@ -123,7 +123,7 @@ int abaqus_dim_of(const abaqus_reader *r, int64_t cell, int64_t *local) {
 /** Return the number in the file of a thing. */
 static int64_t number_of(const abaqus_reader *r, abaqus_things things, int64_t thing) {
     int64_t local;
-    if (things == NODES)
+    if (things == ABAQUS_NODES)
         return io_node_number(r->model, thing);
     const int dim = abaqus_dim_of(r, thing, &local);
     return io_cell_number(io_model_cells(r->model, dim), local);
@@ -131,8 +131,8 @@ static int64_t number_of(const abaqus_reader *r, abaqus_things things, int64_t t
 
 /** Return the index of the thing of a number, or -1: there is none, or its cell is not kept. */
 static int64_t find_thing(const abaqus_reader *r, abaqus_things things, int64_t number) {
-    return things == NODES ? io_node_index(r->model, r->numbers, number)
-                           : io_numbers_find(r->elements, number);
+    return things == ABAQUS_NODES ? io_node_index(r->model, r->numbers, number)
+                                  : io_numbers_find(r->elements, number);
 }
 
 /** Count n members that a line at that place asks for. A few bytes can ask for all things that
@@ -249,7 +249,7 @@ static int add_sequence(abaqus_reader *r, const abaqus_block *b, int32_t set, io
 
 /** Add the nodes of the cells in a set: *NSET, ELSET=. */
 static int add_nodes_of(abaqus_reader *r, const abaqus_block *b, int32_t set, io_slice name) {
-    const int32_t from = find_named(r, b, ELEMENTS, name);
+    const int32_t from = find_named(r, b, ABAQUS_ELEMENTS, name);
     if (from < 0)
         return PLANISH_OK;
     int status = ask_for(r, name.begin, r->set[from].n);
@@ -267,30 +267,30 @@ static int add_nodes_of(abaqus_reader *r, const abaqus_block *b, int32_t set, io
 
 /** Make the table of the numbers of cells, which fails if one occurs twice. */
 static int number_elements(abaqus_reader *r) {
-    int64_t *number = pl_alloc(r->n[ELEMENTS], sizeof *number);
+    int64_t *number = pl_alloc(r->n[ABAQUS_ELEMENTS], sizeof *number);
     if (!number)
         return pl_fail_memory(r->error, "the numbers of elements");
-    for (int64_t i = 0; i < r->n[ELEMENTS]; i++)
-        number[i] = number_of(r, ELEMENTS, i);
-    const int status = io_numbers_create(r->model->input.path, "element", number, r->n[ELEMENTS],
-                                         &r->elements, r->error);
+    for (int64_t i = 0; i < r->n[ABAQUS_ELEMENTS]; i++)
+        number[i] = number_of(r, ABAQUS_ELEMENTS, i);
+    const int status = io_numbers_create(r->model->input.path, "element", number,
+                                         r->n[ABAQUS_ELEMENTS], &r->elements, r->error);
     pl_free(number);
     return status;
 }
 
 /** Read *NSET or *ELSET. */
 static int read_set(abaqus_reader *r, const abaqus_block *b) {
-    const abaqus_things things = b->keyword == ABAQUS_NSET ? NODES : ELEMENTS;
+    const abaqus_things things = b->keyword == ABAQUS_NSET ? ABAQUS_NODES : ABAQUS_ELEMENTS;
     io_slice name = {NULL, NULL}, other, line, item;
-    if (!abaqus_parameter(b, things == NODES ? "NSET" : "ELSET", &name))
+    if (!abaqus_parameter(b, things == ABAQUS_NODES ? "NSET" : "ELSET", &name))
         return abaqus_fail(r, b,
-                           things == NODES ? "a set without a name: NSET= was expected"
-                                           : "a set without a name: ELSET= was expected");
-    int status = things == ELEMENTS && !r->elements ? number_elements(r) : PLANISH_OK;
+                           things == ABAQUS_NODES ? "a set without a name: NSET= was expected"
+                                                  : "a set without a name: ELSET= was expected");
+    int status = things == ABAQUS_ELEMENTS && !r->elements ? number_elements(r) : PLANISH_OK;
     const int32_t set = status ? status : make_set(r, things, b->scope, name);
     if (set < 0)
         return set;
-    if (things == NODES && abaqus_parameter(b, "ELSET", &other))
+    if (things == ABAQUS_NODES && abaqus_parameter(b, "ELSET", &other))
         return add_nodes_of(r, b, set, other);
     const int is_sequence = abaqus_parameter(b, "GENERATE", &other);
     io_cursor cursor = b->data;
@@ -317,7 +317,7 @@ static int read_node_sets(abaqus_reader *r) {
             continue;
         const int64_t end = b->data.end - model->input.data;
         const int is_set = abaqus_parameter(b, "NSET", &name);
-        const int32_t set = is_set ? make_set(r, NODES, b->scope, name) : -1;
+        const int32_t set = is_set ? make_set(r, ABAQUS_NODES, b->scope, name) : -1;
         if (is_set && set < 0)
             return set;
         for (; place < n_places && model->text_offset[place] <= end; place++) {
@@ -352,7 +352,7 @@ static void hold_equations(abaqus_reader *r) {
                 int64_t node = -1;
                 int32_t index = -1;
                 if (i % step == 0 && item.begin < item.end)
-                    find_item(r, b, NODES, item, &index, &node);
+                    find_item(r, b, ABAQUS_NODES, item, &index, &node);
                 if (node >= 0)
                     io_hold_node(r->model, node, IO_HELD_REQUIRED);
                 abaqus_set *set = index >= 0 ? &r->set[index] : NULL;
@@ -371,12 +371,12 @@ static void hold_equations(abaqus_reader *r) {
 int abaqus_read_sets(abaqus_reader *r) {
     io_model *model = r->model;
     model->groups_by_name = 1;
-    r->n[NODES] = model->n_nodes;
+    r->n[ABAQUS_NODES] = model->n_nodes;
     for (int dim = 1; dim <= 3; dim++) {
-        r->first_cell[dim] = r->n[ELEMENTS];
-        r->n[ELEMENTS] += io_model_cells(model, dim)->n;
+        r->first_cell[dim] = r->n[ABAQUS_ELEMENTS];
+        r->n[ABAQUS_ELEMENTS] += io_model_cells(model, dim)->n;
     }
-    if (r->n[ELEMENTS] > INT32_MAX)
+    if (r->n[ABAQUS_ELEMENTS] > INT32_MAX)
         return pl_fail(r->error, PLANISH_ERROR_FORMAT, "%s: too many elements", model->input.path);
     for (int i = 0; i < 2; i++)
         if (!(r->stamp[i] = pl_alloc_zero(r->n[i], sizeof *r->stamp[i])))
@@ -386,7 +386,7 @@ int abaqus_read_sets(abaqus_reader *r) {
         const abaqus_range *range = &r->range[i];
         if (!range->set.begin)
             continue;
-        const int32_t set = make_set(r, ELEMENTS, r->scope, range->set);
+        const int32_t set = make_set(r, ABAQUS_ELEMENTS, r->scope, range->set);
         if (set < 0)
             return set;
         for (int64_t k = range->begin; k < range->end && !status; k++)
@@ -398,11 +398,11 @@ int abaqus_read_sets(abaqus_reader *r) {
     if (status)
         return status;
     hold_equations(r);
-    status = abaqus_make_entities(r, ELEMENTS);
+    status = abaqus_make_entities(r, ABAQUS_ELEMENTS);
     int has_node_sets = 0;
     for (int64_t i = 0; i < r->n_sets; i++)
-        has_node_sets |= r->set[i].things == NODES;
+        has_node_sets |= r->set[i].things == ABAQUS_NODES;
     if (!status && has_node_sets)
-        status = abaqus_make_entities(r, NODES);
+        status = abaqus_make_entities(r, ABAQUS_NODES);
     return status ? status : abaqus_make_groups(r);
 }

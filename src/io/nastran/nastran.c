@@ -41,7 +41,7 @@ typedef struct reader {
     int64_t n_ranges, range_capacity;
 } reader;
 
-typedef int visit_fn(reader *r, card *c);
+typedef int visit_fn(reader *r, nastran_card *c);
 
 /* ---- kinds of cards ------------------------------------------------------------------------ */
 
@@ -98,17 +98,17 @@ static const card_kind *find_kind(const char *name) {
     return NULL;
 }
 
-static int is_named(const card *c, const char *name) {
+static int is_named(const nastran_card *c, const char *name) {
     return strcmp(c->name, name) == 0;
 }
 
 /* ---- numbers and errors -------------------------------------------------------------------- */
 
-static int fail_card(const reader *r, const card *c, const char *what) {
+static int fail_card(const reader *r, const nastran_card *c, const char *what) {
     return io_fail_at(r->model, c->line.text.begin, r->error, "%s: %s", c->name, what);
 }
 
-static int fail_second_order(const reader *r, const card *c) {
+static int fail_second_order(const reader *r, const nastran_card *c) {
     return fail_card(r, c,
                      "elements of second order cannot be smoothed; export the mesh with straight "
                      "elements of first order");
@@ -121,7 +121,7 @@ static int parse_number(io_slice field, int64_t *value) {
 }
 
 /** Take a field that must be a whole number of 32 bits, not negative. */
-static int take_number(const reader *r, card *c, const char *what, int64_t *value) {
+static int take_number(const reader *r, nastran_card *c, const char *what, int64_t *value) {
     io_slice field = {NULL, NULL};
     *value = 0;
     if (!nastran_take_field(c, &field) || field.begin == field.end)
@@ -142,20 +142,20 @@ static int take_number(const reader *r, card *c, const char *what, int64_t *valu
 static int walk(reader *r, const char *letters, visit_fn *visit) {
     io_cursor cursor = r->bulk;
     int status = PLANISH_OK;
-    card c;
+    nastran_card c;
     while (!status && cursor.at < cursor.end) {
         if (!*cursor.at || !strchr(letters, io_upper(*cursor.at))) {
             io_next_line(&cursor);
         } else if (io_is_blank(*cursor.at)) {
             /* The line goes on with the card before it. The name of a card that is read, in the
              * columns of names, means something else. */
-            const line l = nastran_take_line(&cursor);
+            const nastran_line l = nastran_take_line(&cursor);
             const io_slice text = io_slice_trim(l.text);
-            char name[NAME_SIZE];
+            char name[NASTRAN_NAME_SIZE];
             nastran_take_name(text, name);
             const int is_read = find_kind(name) || strcmp(name, "GRID") == 0 ||
                                 strcmp(name, "GRDSET") == 0 || strcmp(name, "INCLUDE") == 0;
-            if (is_read && text.begin - l.text.begin < NAME_COLUMNS)
+            if (is_read && text.begin - l.text.begin < NASTRAN_NAME_COLUMNS)
                 status = io_fail_at(r->model, text.begin, r->error,
                                     "%s behind blanks: a card begins in the first column of its "
                                     "line (take the blanks away)",
@@ -172,7 +172,7 @@ static int walk(reader *r, const char *letters, visit_fn *visit) {
 
 /* ---- first walk: counting ----------------------------------------------------------------- */
 
-static int count_card(reader *r, card *c) {
+static int count_card(reader *r, nastran_card *c) {
     io_slice field;
     if (is_named(c, "INCLUDE"))
         return fail_card(r, c,
@@ -181,25 +181,26 @@ static int count_card(reader *r, card *c) {
     if (is_named(c, "BEGIN"))
         return fail_card(r, c, "superelements are not read; smooth each in a file of its own");
     if (c->name[0] == '=')
-        return fail_card(r, c, no_replication);
+        return fail_card(r, c, nastran_no_replication);
     if (is_named(c, "GRID")) {
         r->n_grids++;
         if (!c->line.is_long)
             *(c->line.is_free ? &r->has_free : &r->has_short) = 1;
-        while (c->line.is_free && c->n < FIRST_COORDINATE + 3 && nastran_take_field(c, &field))
-            if (c->n > FIRST_COORDINATE && io_slice_length(field) > SHORT_FIELD)
+        while (c->line.is_free && c->n < NASTRAN_FIRST_COORDINATE + 3 &&
+               nastran_take_field(c, &field))
+            if (c->n > NASTRAN_FIRST_COORDINATE && io_slice_length(field) > NASTRAN_SHORT_FIELD)
                 r->has_wide = 1;
     }
     if (is_named(c, "GRDSET"))
-        while (c->n < FIRST_COORDINATE && nastran_take_field(c, &field))
-            if (c->n == FIRST_COORDINATE && parse_number(field, &r->default_system))
+        while (c->n < NASTRAN_FIRST_COORDINATE && nastran_take_field(c, &field))
+            if (c->n == NASTRAN_FIRST_COORDINATE && parse_number(field, &r->default_system))
                 return fail_card(r, c, "the coordinate system is no whole number");
     return PLANISH_OK;
 }
 
 /* ---- second walk: grids ------------------------------------------------------------------- */
 
-static int read_grid(reader *r, card *c) {
+static int read_grid(reader *r, nastran_card *c) {
     io_model *model = r->model;
     const int64_t node = model->n_nodes;
     io_slice field = {NULL, NULL};
@@ -239,13 +240,13 @@ static int read_grid(reader *r, card *c) {
 }
 
 /** Note whether a card makes a rectangular system with the number of that of the GRIDs. */
-static int read_system(reader *r, card *c) {
+static int read_system(reader *r, nastran_card *c) {
     const int by_grids = is_named(c, "CORD1R");
     if (!by_grids && !is_named(c, "CORD2R"))
         return PLANISH_OK;
     io_slice field;
     int64_t number;
-    while (c->n < (by_grids ? SHORT_FIELDS : 1) && nastran_take_field(c, &field))
+    while (c->n < (by_grids ? NASTRAN_SHORT_FIELDS : 1) && nastran_take_field(c, &field))
         if ((c->n - 1) % 4 == 0 && field.begin < field.end && !parse_number(field, &number))
             r->system_is_rectangular |= number == r->system;
     return PLANISH_OK;
@@ -259,7 +260,7 @@ static int read_grids(reader *r) {
     /* Free fields are as wide as the narrowest field of the file, or as those that the file has. */
     const int is_short = r->has_short || (r->has_free && !r->has_wide);
     model->columns = 3;
-    model->field_width = is_short ? SHORT_FIELD : LONG_FIELD;
+    model->field_width = is_short ? NASTRAN_SHORT_FIELD : NASTRAN_LONG_FIELD;
     model->precision = PLANISH_ROUNDED;
     model->implied_exponent = 1;
     model->node_number = pl_alloc(r->n_grids, sizeof *model->node_number);
@@ -296,7 +297,7 @@ static int64_t hold_field(reader *r, io_slice field, uint8_t reason) {
     return number;
 }
 
-static int read_cell(reader *r, const card_kind *k, card *c) {
+static int read_cell(reader *r, const card_kind *k, nastran_card *c) {
     const int dim = k->nodes - 1;
     io_cells *cells = io_model_cells(r->model, dim);
     int64_t number, property = 0;
@@ -306,7 +307,7 @@ static int read_cell(reader *r, const card_kind *k, card *c) {
         return status;
     /* Without a property Nastran takes one of the element's number, but who leaves it out means one
      * region. */
-    card ahead = *c;
+    nastran_card ahead = *c;
     if (k->first == 2 && nastran_take_field(&ahead, &field) && field.begin == field.end)
         *c = ahead;
     else if (k->first == 2)
@@ -351,7 +352,7 @@ static int read_cell(reader *r, const card_kind *k, card *c) {
 static int names_node(const card_kind *k, int64_t place, int follows_real) {
     switch (k->kind) {
     case EQUATION:
-        return place % SHORT_FIELDS == 1 || place % SHORT_FIELDS == 4;
+        return place % NASTRAN_SHORT_FIELDS == 1 || place % NASTRAN_SHORT_FIELDS == 4;
     case SYSTEM:
         return place % 4 != 0;
     case PAIRS:
@@ -363,7 +364,7 @@ static int names_node(const card_kind *k, int64_t place, int follows_real) {
     }
 }
 
-static int hold_fields(reader *r, const card_kind *k, card *c) {
+static int hold_fields(reader *r, const card_kind *k, nastran_card *c) {
     const int is_element = c->name[0] == 'C' && k->kind != SYSTEM;
     const uint8_t reason = is_element ? IO_HELD_BY_OTHER : IO_HELD_REQUIRED;
     int follows_real = 0, is_thru = 0;
@@ -383,13 +384,13 @@ static int hold_fields(reader *r, const card_kind *k, card *c) {
         is_thru = is_node && nastran_line_begins(field, "THRU");
         if (is_node && !is_thru)
             number = hold_field(r, field, reason);
-        follows_real = find_character(field, '.') < field.end;
+        follows_real = nastran_find(field, '.') < field.end;
     }
     r->model->n_other += is_element;
     return PLANISH_OK;
 }
 
-static int read_element(reader *r, card *c) {
+static int read_element(reader *r, nastran_card *c) {
     /* Elements that are not in the table, solids among them: number, property, nodes; and rigid
      * ones: number, nodes. */
     static const card_kind other_element = {"C...", LISTED, 2, 0},
@@ -449,9 +450,9 @@ static int read_names(reader *r) {
         const io_slice text = io_next_line(&cursor);
         if (io_slice_length(text) < length || memcmp(text.begin, mark, (size_t)length) != 0)
             continue;
-        const char *open = find_character(text, '"');
+        const char *open = nastran_find(text, '"');
         const io_slice name = {open < text.end ? open + 1 : open,
-                               find_character((io_slice){open + (open < text.end), text.end}, '"')};
+                               nastran_find((io_slice){open + (open < text.end), text.end}, '"')};
         int64_t number;
         if (name.end == text.end ||
             parse_number(io_slice_trim((io_slice){text.begin + length, open}), &number) ||
@@ -520,7 +521,7 @@ static int nastran_read(io_model *model, planish_error *error) {
 static int nastran_recognise(const char *data, int64_t size) {
     io_cursor cursor = io_begin_text(data, size);
     while (cursor.at < cursor.end) {
-        const line l = nastran_take_line(&cursor);
+        const nastran_line l = nastran_take_line(&cursor);
         const io_slice name = io_slice_trim(l.name), text = io_slice_trim(l.text);
         const char first = name.begin < name.end ? io_upper(*name.begin) : '\0';
         if (first != 'G' && first != 'B')

@@ -17,23 +17,24 @@ static io_slice leading_part(io_slice s, int64_t n) {
 
 /* ---- lines -------------------------------------------------------------------------------- */
 
-line nastran_take_line(io_cursor *cursor) {
-    line l = {.text = io_next_line(cursor)};
-    l.text.end = find_character(l.text, '$');
+nastran_line nastran_take_line(io_cursor *cursor) {
+    nastran_line l = {.text = io_next_line(cursor)};
+    l.text.end = nastran_find(l.text, '$');
     const io_slice start = leading_part(l.text, COMMA_BEFORE);
-    const char *comma = find_character(start, ',');
+    const char *comma = nastran_find(start, ',');
     l.is_free = comma < start.end;
-    l.name = l.is_free ? (io_slice){l.text.begin, comma} : leading_part(l.text, NAME_COLUMNS);
-    l.is_long = find_character(l.name, '*') < l.name.end;
-    l.n_fields = l.is_long ? LONG_FIELDS : SHORT_FIELDS;
-    l.width = l.is_long ? LONG_FIELD : SHORT_FIELD;
+    l.name =
+        l.is_free ? (io_slice){l.text.begin, comma} : leading_part(l.text, NASTRAN_NAME_COLUMNS);
+    l.is_long = nastran_find(l.name, '*') < l.name.end;
+    l.n_fields = l.is_long ? LONG_FIELDS : NASTRAN_SHORT_FIELDS;
+    l.width = l.is_long ? NASTRAN_LONG_FIELD : NASTRAN_SHORT_FIELD;
     if (!l.is_free)
         l.text = leading_part(l.text, LAST_COLUMN);
     return l;
 }
 
 /** Return whether the line goes on with the card before it. */
-static int is_continuation(const line *l) {
+static int is_continuation(const nastran_line *l) {
     const char first = *l->text.begin;
     return first == '+' || first == '*' || first == ',' || io_is_blank(first);
 }
@@ -49,15 +50,15 @@ int nastran_line_begins(io_slice text, const char *name) {
 
 /* ---- cards -------------------------------------------------------------------------------- */
 
-static void set_wrong(card *c, const char *at, const char *what) {
+static void set_wrong(nastran_card *c, const char *at, const char *what) {
     if (c->wrong)
         return;
     c->wrong = what;
     c->wrong_at = at;
 }
 
-static void enter_line(card *c, line l) {
-    if (!l.is_free && find_character(l.text, '\t') < l.text.end)
+static void enter_line(nastran_card *c, nastran_line l) {
+    if (!l.is_free && nastran_find(l.text, '\t') < l.text.end)
         set_wrong(
             c, l.text.begin,
             "a tab among fields of fixed columns; write tabs that part fields as commas "
@@ -67,9 +68,9 @@ static void enter_line(card *c, line l) {
     c->n_of_line = 0;
 }
 
-void nastran_take_name(io_slice s, char name[NAME_SIZE]) {
+void nastran_take_name(io_slice s, char name[NASTRAN_NAME_SIZE]) {
     int n = 0;
-    for (const char *at = s.begin; at < s.end && n < NAME_COLUMNS; at++) {
+    for (const char *at = s.begin; at < s.end && n < NASTRAN_NAME_COLUMNS; at++) {
         if (io_is_blank(*at) || *at == '*' || *at == ',')
             break;
         name[n++] = io_upper(*at);
@@ -77,8 +78,8 @@ void nastran_take_name(io_slice s, char name[NAME_SIZE]) {
     name[n] = '\0';
 }
 
-int nastran_take_card(io_cursor *cursor, card *c) {
-    const line l = nastran_take_line(cursor);
+int nastran_take_card(io_cursor *cursor, nastran_card *c) {
+    const nastran_line l = nastran_take_line(cursor);
     if (l.text.begin == l.text.end || is_continuation(&l))
         return 0;
     nastran_take_name(l.name, c->name);
@@ -89,20 +90,20 @@ int nastran_take_card(io_cursor *cursor, card *c) {
     return 1;
 }
 
-io_slice nastran_line_field(const card *c) {
+io_slice nastran_line_field(const nastran_card *c) {
     const io_slice text = c->line.text;
     if (c->line.is_free)
-        return c->at ? (io_slice){c->at, find_character((io_slice){c->at, text.end}, ',')}
+        return c->at ? (io_slice){c->at, nastran_find((io_slice){c->at, text.end}, ',')}
                      : (io_slice){text.end, text.end};
     const int64_t length = text.end - text.begin;
-    const int64_t from = NAME_COLUMNS + c->n_of_line * c->line.width;
+    const int64_t from = NASTRAN_NAME_COLUMNS + c->n_of_line * c->line.width;
     const int64_t to = from + c->line.width;
     return (io_slice){text.begin + (from < length ? from : length),
                       text.begin + (to < length ? to : length)};
 }
 
 /** Go to the line that the card goes on with; return 0 if there is none. */
-static int continue_card(card *c) {
+static int continue_card(nastran_card *c) {
     /* Behind the last field of a free line stands the mark of the continuation: no number. */
     while (c->line.is_free && c->at) {
         const io_slice text = nastran_line_field(c), field = io_slice_trim(text);
@@ -115,7 +116,7 @@ static int continue_card(card *c) {
         c->at = text.end < c->line.text.end ? text.end + 1 : NULL;
     }
     io_cursor cursor = c->rest;
-    line l;
+    nastran_line l;
     do { /* over lines that say nothing */
         if (cursor.at == cursor.end)
             return 0;
@@ -128,14 +129,14 @@ static int continue_card(card *c) {
     return 1;
 }
 
-int nastran_take_field(card *c, io_slice *field) {
+int nastran_take_field(nastran_card *c, io_slice *field) {
     if (c->n_of_line == c->line.n_fields && !continue_card(c))
         return 0;
     const io_slice text = nastran_line_field(c), s = io_slice_trim(text);
     /* = and == stand for the fields of the card before, *(1) for the number that follows there. */
     if (s.begin < s.end &&
         (*s.begin == '=' || (*s.begin == '*' && io_slice_length(s) > 1 && s.begin[1] == '(')))
-        set_wrong(c, s.begin, no_replication);
+        set_wrong(c, s.begin, nastran_no_replication);
     if (c->at)
         c->at = text.end < c->line.text.end ? text.end + 1 : NULL;
     c->n_of_line++;
@@ -147,20 +148,21 @@ int nastran_take_field(card *c, io_slice *field) {
 /* ---- places of coordinates ------------------------------------------------------------------ */
 
 /** Return whether the line has the next field, be it empty. */
-static int has_field(const card *c) {
+static int has_field(const nastran_card *c) {
     const int64_t length = io_slice_length(c->line.text);
-    return c->line.is_free ? c->at != NULL : length > NAME_COLUMNS + c->n_of_line * c->line.width;
+    return c->line.is_free ? c->at != NULL
+                           : length > NASTRAN_NAME_COLUMNS + c->n_of_line * c->line.width;
 }
 
 /** Make the field of the third coordinate of a long GRID, which is in the next line, where there is
  *  none: behind a line end as the file has them, with the mark of the line before. */
-static void field_of_next_line(const card *c, io_field *field) {
+static void field_of_next_line(const nastran_card *c, io_field *field) {
     enum { LINE_END = 2 }; /* characters of one, at most */
     io_cursor from = {c->line.text.begin, c->rest.end};
     const io_slice whole = io_next_line(&from);
     /* The mark stands in the last columns, behind a + or * perhaps, which it is kept without. */
-    io_slice mark = leading_part(whole, LAST_COLUMN + SHORT_FIELD);
-    mark.end = find_character(mark, '$');
+    io_slice mark = leading_part(whole, LAST_COLUMN + NASTRAN_SHORT_FIELD);
+    mark.end = nastran_find(mark, '$');
     mark.begin = io_slice_length(mark) > LAST_COLUMN ? mark.begin + LAST_COLUMN : mark.end;
     mark = io_slice_trim(mark);
     mark.begin += mark.begin < mark.end && (*mark.begin == '+' || *mark.begin == '*');
@@ -171,10 +173,10 @@ static void field_of_next_line(const card *c, io_field *field) {
     *to++ = '*';
     if (c->line.is_free)
         *to++ = ',';
-    for (int i = 0; i < NAME_COLUMNS - 1 && !c->line.is_free; i++)
+    for (int i = 0; i < NASTRAN_NAME_COLUMNS - 1 && !c->line.is_free; i++)
         *to++ = i < mark.end - mark.begin ? mark.begin[i] : ' ';
     field->begin = field->end = whole.end;
-    field->width = LONG_FIELD;
+    field->width = NASTRAN_LONG_FIELD;
     field->is_fixed = !c->line.is_free;
     field->lead = field->made;
     field->n_lead = (int)(to - field->made);
@@ -187,13 +189,13 @@ int nastran_field(const io_model *model, io_cursor *cursor, int d, io_field *fie
     const char *data = from.at; /* back to where the line begins */
     for (from = *cursor; from.at > data && from.at[-1] != '\n' && from.at[-1] != '\r';)
         from.at--;
-    card c;
+    nastran_card c;
     io_slice skipped;
     int absent = 0; /* fields that the line does not have before this one */
     *field = (io_field){.width = 0};
     if (!nastran_take_card(&from, &c))
         return -1;
-    for (int i = 0; i < FIRST_COORDINATE + d; i++) {
+    for (int i = 0; i < NASTRAN_FIRST_COORDINATE + d; i++) {
         absent += !has_field(&c);
         nastran_take_field(&c, &skipped);
     }
@@ -214,7 +216,7 @@ int nastran_field(const io_model *model, io_cursor *cursor, int d, io_field *fie
             (io_field){.begin = text.begin, .end = text.end, .width = c.line.width, .is_fixed = 1};
         if (!has_field(&c)) {
             /* Coordinates before it in the line are written in full width. */
-            const int64_t column = NAME_COLUMNS + c.n_of_line * field->width;
+            const int64_t column = NASTRAN_NAME_COLUMNS + c.n_of_line * field->width;
             const int follows = d > 0 && c.n_of_line > 0;
             field->lead = blanks;
             field->n_lead = follows ? 0 : (int)(column - io_slice_length(c.line.text));
