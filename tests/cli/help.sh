@@ -95,7 +95,20 @@ short() {
 [ "$(completions planish smooth --objective = mea)" = mean-ratio ] || fail "completion behind ="
 [ "$(completions planish smooth --objective =)" = "$(completions planish smooth --objective "")" ] ||
     fail "completion right behind ="
-touch a_file
+
+# The formats are the library's, whose message about bytes of no format lists them, everywhere.
+echo "no mesh" >a_file
+expect_status 2 "$program" quality a_file
+formats=$(sed -n 's/.*there are \(.*\) (docs.*/\1/p' err | tr -d ,)
+[ "$(wc -w <<<"$formats")" -ge 13 ] || fail "the library's formats: $(cat err)"
+[ "$(completions planish smooth --format "" | sort)" = "$(tr ' ' '\n' <<<"$formats" | sort)" ] ||
+    fail "--format has other formats than the library: $formats"
+listed=$("$program" help smooth | tr -s '\n ' ' ' | sed 's/.*format of the input: \([^(]*\) (.*/\1/; s/,\| or / /g')
+[ "$(tr -s ' ' '\n' <<<"$listed")" = "$(tr ' ' '\n' <<<"$formats")" ] || fail "help of --format: $listed"
+for format in $formats; do
+    grep -q "^| .* | \`$format\` | " "$source_folder/docs/formats.md" || fail "docs/formats.md lacks $format"
+done
+grep -q "$(wc -w <<<"$formats") formats" "$source_folder/README.md" || fail "README.md has another number of formats"
 [ "$(completions planish quality a_f)" = a_file ] || fail "completion of a file"
 [ "$(completions planish smooth --json a_f)" = a_file ] || fail "completion of a file of an option"
 ! completions planish quality --o | grep -q . || fail "options of another command are offered"

@@ -1,5 +1,6 @@
 /* The region of an element as a tag: what it is called in every kind of format, and that the tag
  * means the element again. */
+#include "support/data_files.h"
 #include "support/files.h"
 #include "support/reading.h"
 
@@ -100,11 +101,11 @@ static void regions_of_vtk(void **state) {
 }
 
 /** Every element's tag names a group that has the element. */
-static void check_round_trip(const char *name) {
-    char path[TEST_PATH_SIZE], tag[TAG_SIZE];
+static void check_round_trip(const char *name, const char *path) {
+    char tag[TAG_SIZE];
     planish_file *file = NULL;
     planish_error error;
-    if (planish_file_open(test_path_from(path, "PLANISH_TEST_DATA", name), NULL, 1, &file, &error))
+    if (planish_file_open(path, NULL, 1, &file, &error))
         fail_msg("%s: %s", name, error.text);
     const planish_mesh mesh = planish_file_mesh(file);
     double *least = calloc((size_t)mesh.n_elements, sizeof *least);
@@ -128,11 +129,10 @@ static void check_round_trip(const char *name) {
 
 static void tags_mean_the_element(void **state) {
     (void)state;
-    static const char *const names[] = {
-        "ascii22.msh", "binary22.msh", "ascii41.msh", "binary41.msh", "medit.mesh",
-        "medit.meshb", "netgen.vol",   "abaqus.inp",  "nastran.bdf",  "square.msh"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        check_round_trip(names[i]);
+    char path[TEST_PATH_SIZE];
+    for (const test_data_file *data = test_data_files; data->name; data++)
+        if (data->has_regions && test_data_path(path, data))
+            check_round_trip(data->name, path);
 }
 
 static void arguments_are_checked(void **state) {

@@ -1,6 +1,7 @@
 /* Every function of planish_io.h, with a file of every format: whichever allocation fails, the call
  * says so and leaves everything as it was, no file included, or gives what it would have given, and
  * so does the next call. */
+#include "support/data_files.h"
 #include "support/effort.h"
 #include "support/faults.h"
 #include "support/files.h"
@@ -171,39 +172,22 @@ static void call_all(const void *world, faults *f) {
 
 enum { SOME = 40 };
 
-/** Whether this build has the libraries that the file takes. */
-static int can_be_read(const char *path) {
-    planish_file *file = NULL;
-    planish_error error;
-    const int status = planish_file_open(path, NULL, 1, &file, &error);
-    planish_file_close(file);
-    return !status || !strstr(error.text, "this planish was built without");
-}
-
 static int64_t try_file(const char *name, const char *path, const char *folder) {
     const case_of c = {path, folder, strrchr(path, '.')};
     return faults_try(name, call_all, &c, SOME);
 }
 
 static void every_allocation_fails_once(void **state) {
-    static const char *const names[] = {
-        "ascii22.msh", "binary22.msh", "ascii41.msh",      "binary41.msh", "square.msh",
-        "medit.mesh",  "medit.meshb",  "ascii.vtk",        "binary.vtk",   "ascii.vtu",
-        "base64.vtu",  "zlib.vtu",     "raw.vtu",          "tetgen.node",  "netgen.vol",
-        "abaqus.inp",  "nastran.bdf",  "nastran_long.bdf", "square.off",
-#ifdef PL_HDF5
-        "cube.vtkhdf", "cube.med",     "cube.h5"
-#endif
-    };
-    enum { N = sizeof names / sizeof *names };
     int64_t runs = 0;
-    for (int i = 0; i < N; i++) {
+    int n = 0;
+    for (const test_data_file *data = test_data_files; data->name; data++) {
         char path[TEST_PATH_SIZE];
-        test_path_from(path, "PLANISH_TEST_DATA", names[i]);
-        if (can_be_read(path))
-            runs += try_file(names[i], path, *state);
+        if (!test_data_path(path, data))
+            continue;
+        runs += try_file(data->name, path, *state);
+        n++;
     }
-    figure("%d files, %d runs without some memory", N, (int)runs);
+    figure("%d files, %d runs without some memory", n, (int)runs);
 }
 
 #ifdef PL_HDF5
@@ -246,51 +230,6 @@ static void packed_coordinates(void **state) {
     free(data);
 }
 
-static void put_node(const hdf5_builder *b, const char *path, const char *label) {
-    hdf5_group(b, path);
-    hdf5_text_attribute(b, path, "label", label);
-    hdf5_text_attribute(b, path, "type", "MT");
-}
-
-static void put_integers(const hdf5_builder *b, const char *path, const char *label, hsize_t n,
-                         const int *data) {
-    char place[256];
-    put_node(b, path, label);
-    snprintf(place, sizeof place, "%s/ data", path);
-    hdf5_integers(b, place, n, data);
-}
-
-/** Two tetrahedra as CGNS has them. */
-static void cgns(void **state) {
-    static const double x[] = {0, 1, 0, 0, 1}, y[] = {0, 0, 1, 0, 1}, z[] = {0, 0, 0, 1, 1.5};
-    static const double *const values[] = {x, y, z};
-    hdf5_builder b;
-    hdf5_begin(&b, 0);
-    put_integers(&b, "/Base", "CGNSBase_t", 2, (const int[]){3, 3});
-    put_integers(&b, "/Base/Zone", "Zone_t", 3, (const int[]){5, 2, 0});
-    put_node(&b, "/Base/Zone/ZoneType", "ZoneType_t");
-    hdf5_array(&b, "/Base/Zone/ZoneType/ data", H5T_STD_I8LE, H5T_NATIVE_CHAR, 12, 0,
-               "Unstructured");
-    put_node(&b, "/Base/Zone/GridCoordinates", "GridCoordinates_t");
-    for (int d = 0; d < 3; d++) {
-        char path[128];
-        snprintf(path, sizeof path, "/Base/Zone/GridCoordinates/Coordinate%c", "XYZ"[d]);
-        put_node(&b, path, "DataArray_t");
-        strcat(path, "/ data");
-        hdf5_reals(&b, path, 5, values[d]);
-    }
-    put_integers(&b, "/Base/Zone/all", "Elements_t", 2, (const int[]){10, 0});
-    put_integers(&b, "/Base/Zone/all/ElementRange", "IndexRange_t", 2, (const int[]){1, 2});
-    put_integers(&b, "/Base/Zone/all/ElementConnectivity", "DataArray_t", 8,
-                 (const int[]){1, 2, 3, 4, 2, 3, 4, 5});
-    put_node(&b, "/CGNSLibraryVersion", "CGNSLibraryVersion_t");
-    hdf5_array(&b, "/CGNSLibraryVersion/ data", H5T_IEEE_F32LE, H5T_NATIVE_DOUBLE, 1, 0,
-               (const double[]){3.2});
-    file_builder bytes = hdf5_end(&b);
-    try_bytes("two.cgns", bytes.data, (size_t)bytes.size, *state);
-    builder_release(&bytes);
-}
-
 #endif
 
 int main(void) {
@@ -299,7 +238,6 @@ int main(void) {
                                         test_folder_remove),
 #ifdef PL_HDF5
         cmocka_unit_test_setup_teardown(packed_coordinates, test_folder_create, test_folder_remove),
-        cmocka_unit_test_setup_teardown(cgns, test_folder_create, test_folder_remove),
 #endif
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

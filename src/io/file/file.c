@@ -32,6 +32,7 @@ const char *const *planish_file_formats(void) {
     static const char *const names[] = {"gmsh",   "medit",  "vtk",    "vtu",     "vtkhdf",
                                         "tetgen", "netgen", "abaqus", "nastran", "cgns",
                                         "med",    "dmplex", "off",    NULL};
+    _Static_assert(sizeof names / sizeof *names == N_FORMATS + 1, "each format has its name here");
     return names;
 }
 
