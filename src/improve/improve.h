@@ -1,11 +1,11 @@
 /* improve: the phases of a call beside plain sweeps.
  *
- *   phases.c               pl_run_phases                            all phases, in their order
- *   slow.c                 pl_run_accelerate                        centring and L-BFGS for slow
- * meshes untangle/untangle.c    pl_run_untangle, _raise_volumes          inverted or too small
- * elements angles.c               pl_run_has_followers, _put_back_angles   keep the smallest angle
- *   worst.c                pl_run_worst                             improve the worst elements
- *   augmented.c            pl_run_augmented                         minimum volumes by multipliers
+ *   phases.c             pl_run_phases: all phases, in their order
+ *   slow.c               pl_run_accelerate: centring and L-BFGS for slow meshes
+ *   untangle/untangle.c  pl_run_untangle, pl_run_raise_volumes: inverted or too small elements
+ *   angles.c             pl_run_has_followers, pl_run_put_back_angles: keep the smallest angle
+ *   worst.c              pl_run_worst: improve the worst elements
+ *   augmented.c          pl_run_augmented: minimum volumes by multipliers
  *
  * A phase returns at once if options do not want it. If it makes sweeps r->stop says why they
  * ended.

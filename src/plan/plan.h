@@ -11,7 +11,7 @@
  *   pl_ghosts_create, _destroy                 the ghosts of a plan
  *   pl_ghosts_note, _send, _receive            before and after the visits of a colour
  *   pl_ghosts_wake, _update                    stars around ghosts that have moved; their values
- * options.c
+ * check_options.c
  *   pl_options_check                           the values of planish_options
  */
 #ifndef PL_PLAN_PLAN_H
@@ -202,7 +202,7 @@ void pl_ghosts_wake(const planish_plan *plan, const double *before);
 /** Fetch a value of size bytes for each ghost, by inner numbers. */
 void pl_ghosts_update(const planish_plan *plan, void *values, int64_t size);
 
-/* ---- options.c ------------------------------------------------------------------------------ */
+/* ---- check_options.c ------------------------------------------------------------------------ */
 
 /** Check struct_size and the ranges of all fields. */
 int pl_options_check(const planish_options *options, planish_error *error);

@@ -273,12 +273,12 @@ static void fill_ratios(const pl_ratio_sums *basic, const pl_full_sums *full, pl
     q->worst_element = -1;
     if (n_valid == 0)
         return;
-    q->mean_radius_ratio = full->sum[PL_RADIUS_RATIO] / (double)n_valid;
+    q->mean_radius_ratio = full->sum[PL_MEASURE_RADIUS_RATIO] / (double)n_valid;
     q->max_radius_ratio = full->worst_ratio;
     q->worst_element = full->worst_element;
     q->fixed_max_radius_ratio = full->worst_fixed_ratio;
-    q->min_angle_deg = full->min[PL_SMALLEST_ANGLE] * DEGREES;
-    q->max_angle_deg = full->max[PL_LARGEST_ANGLE] * DEGREES;
+    q->min_angle_deg = full->min[PL_MEASURE_SMALLEST_ANGLE] * DEGREES;
+    q->max_angle_deg = full->max[PL_MEASURE_LARGEST_ANGLE] * DEGREES;
     q->max_radius_ratio_movable = full->movable_ratio;
     if (basic->n_movable > 0)
         q->min_angle_deg_movable = full->movable_angle * DEGREES;

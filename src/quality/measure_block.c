@@ -217,7 +217,7 @@ static void resolve(const pl_mesh_state *mesh, int64_t number, int l, pl_block *
         return;
     double edges[3][3] = {{0}}, sum;
     find_scale(dim, &e, edges);
-    b->measure[PL_EDGE_RATIO][l] = find_lengths(dim, &e, &sum);
+    b->measure[PL_MEASURE_EDGE_RATIO][l] = find_lengths(dim, &e, &sum);
     const scaled determinant = scaled_of(m, exponent - dim * (e.exponent + (e.factor < 1)));
     pl_shape shape = pl_shape_of(dim, edges, value_of(determinant));
     /* R is at least half the longest edge, whatever cancelled in N. */
@@ -230,14 +230,16 @@ static void resolve(const pl_mesh_state *mesh, int64_t number, int l, pl_block *
         shape.acute_square = shape.obtuse_square = 0;
     }
     pl_block_put_shape(b, l, &shape, dim);
-    const double ratio = not_lost(b->measure[PL_RADIUS_RATIO][l]);
+    const double ratio = not_lost(b->measure[PL_MEASURE_RADIUS_RATIO][l]);
     const double circumradius = pl_circumradius_to_edge(dim, &shape, e.longest);
     b->square[l] = ratio * ratio;
-    b->measure[PL_RADIUS_RATIO][l] = ratio;
-    b->measure[PL_CIRCUMRADIUS_TO_EDGE][l] = pl_larger(circumradius, PL_CIRCUMRADIUS_SCALE[dim]);
-    b->measure[PL_EDGE_TO_INRADIUS][l] = not_lost(pl_edge_to_inradius(dim, &shape, e.longest));
-    b->measure[PL_MEAN_RATIO][l] = mean_ratio(dim, determinant, sum);
-    b->measure[PL_SCALED_JACOBIAN][l] = scaled_jacobian(dim, &e, determinant);
+    b->measure[PL_MEASURE_RADIUS_RATIO][l] = ratio;
+    b->measure[PL_MEASURE_CIRCUMRADIUS_TO_EDGE][l] =
+        pl_larger(circumradius, PL_CIRCUMRADIUS_SCALE[dim]);
+    b->measure[PL_MEASURE_EDGE_TO_INRADIUS][l] =
+        not_lost(pl_edge_to_inradius(dim, &shape, e.longest));
+    b->measure[PL_MEASURE_MEAN_RATIO][l] = mean_ratio(dim, determinant, sum);
+    b->measure[PL_MEASURE_SCALED_JACOBIAN][l] = scaled_jacobian(dim, &e, determinant);
 }
 
 void pl_block_resolve(const pl_mesh_state *mesh, int64_t first, int count, pl_block *b) {

@@ -33,15 +33,15 @@ static const double PL_SMALLEST_PRODUCT = 0x1p-180;
 
 /** The measures of an element besides its volume, in the order of planish_quality's spreads. */
 enum {
-    PL_RADIUS_RATIO,
-    PL_CIRCUMRADIUS_TO_EDGE,
-    PL_EDGE_TO_INRADIUS,
-    PL_EDGE_RATIO,
-    PL_MEAN_RATIO,
-    PL_SCALED_JACOBIAN,
+    PL_MEASURE_RADIUS_RATIO,
+    PL_MEASURE_CIRCUMRADIUS_TO_EDGE,
+    PL_MEASURE_EDGE_TO_INRADIUS,
+    PL_MEASURE_EDGE_RATIO,
+    PL_MEASURE_MEAN_RATIO,
+    PL_MEASURE_SCALED_JACOBIAN,
     PL_N_RATIOS,
-    PL_SMALLEST_ANGLE = PL_N_RATIOS,
-    PL_LARGEST_ANGLE,
+    PL_MEASURE_SMALLEST_ANGLE = PL_N_RATIOS,
+    PL_MEASURE_LARGEST_ANGLE,
     PL_N_MEASURES
 };
 
@@ -102,9 +102,9 @@ PL_INLINE double pl_permanent_bound(const int dim, const double edges[3][3]) {
 
 /** Radius ratio and angles of lane l. */
 PL_INLINE void pl_block_put_shape(pl_block *b, int l, const pl_shape *shape, const int dim) {
-    b->measure[PL_RADIUS_RATIO][l] = pl_radius_ratio_of_shape(dim, shape);
-    b->measure[PL_SMALLEST_ANGLE][l] = pl_smallest_angle(shape);
-    b->measure[PL_LARGEST_ANGLE][l] = pl_largest_angle(shape);
+    b->measure[PL_MEASURE_RADIUS_RATIO][l] = pl_radius_ratio_of_shape(dim, shape);
+    b->measure[PL_MEASURE_SMALLEST_ANGLE][l] = pl_smallest_angle(shape);
+    b->measure[PL_MEASURE_LARGEST_ANGLE][l] = pl_largest_angle(shape);
 }
 
 /** Evaluate all lanes; full: what pl_measure wants as well. */
@@ -130,11 +130,12 @@ PL_INLINE void pl_block_evaluate(pl_block *b, const int dim, const int full) {
             b->volume[l] = oriented / (dim == 3 ? 6 : 2);
             b->listed[l] = pl_sign_of(shape.determinant) * b->present[l];
             pl_block_put_shape(b, l, &shape, dim);
-            b->measure[PL_CIRCUMRADIUS_TO_EDGE][l] = pl_circumradius_to_edge(dim, &shape, longest);
-            b->measure[PL_EDGE_TO_INRADIUS][l] = pl_edge_to_inradius(dim, &shape, longest);
-            b->measure[PL_EDGE_RATIO][l] = sqrt(squares.longest / squares.shortest);
-            b->measure[PL_MEAN_RATIO][l] = pl_mean_ratio_of(dim, determinant, squares.sum);
-            b->measure[PL_SCALED_JACOBIAN][l] =
+            b->measure[PL_MEASURE_CIRCUMRADIUS_TO_EDGE][l] =
+                pl_circumradius_to_edge(dim, &shape, longest);
+            b->measure[PL_MEASURE_EDGE_TO_INRADIUS][l] = pl_edge_to_inradius(dim, &shape, longest);
+            b->measure[PL_MEASURE_EDGE_RATIO][l] = sqrt(squares.longest / squares.shortest);
+            b->measure[PL_MEASURE_MEAN_RATIO][l] = pl_mean_ratio_of(dim, determinant, squares.sum);
+            b->measure[PL_MEASURE_SCALED_JACOBIAN][l] =
                 pl_scaled_jacobian_of(dim, determinant, squares.corner);
         }
     }

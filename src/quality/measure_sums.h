@@ -83,7 +83,8 @@ PL_INLINE void pl_add_basic(const pl_block *b, pl_basic_lanes *sums, pl_sum *mov
 PL_INLINE void pl_add_full(const pl_block *b, int64_t first, pl_full_lanes *sums) {
     static const double BINS_PER_RADIAN = 11.4591559026164641754; /* 36 / pi */
     static const double LAST = PLANISH_ANGLE_BINS - 1;
-    const double *ratios = b->measure[PL_RADIUS_RATIO], *angles = b->measure[PL_SMALLEST_ANGLE];
+    const double *ratios = b->measure[PL_MEASURE_RADIUS_RATIO],
+                 *angles = b->measure[PL_MEASURE_SMALLEST_ANGLE];
     for (int l = 0; l < PL_SUM_LANES; l++) { /* the volumes, of elements that are valid or not */
         double present = b->present[l];
         double low = present != 0 ? b->volume[l] : INFINITY;

@@ -46,7 +46,8 @@ enum {
     OZ, /* p0 - o, o the facet's circumcentre */
     NN, /* |n|^2 */
     WW, /* 4 rho^2, rho the facet's circumradius */
-    /* The rest is for derivatives, from one pass over the facets to the next (kernel_objective.h).
+    /* The rest is for derivatives, from one pass over the facets to the next
+     * (kernel_radius_ratio.h).
      */
     CX,
     CY,

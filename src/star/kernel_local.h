@@ -9,7 +9,7 @@
 
 #include "base/round.h"
 #include "geometry/simplex.h"
-#include "star/kernel_aspect.h"
+#include "star/kernel_objectives.h"
 #include "star/kernel_direction.h"
 #include "star/kernel_gather.h"
 #include "star/kernel_slide.h"

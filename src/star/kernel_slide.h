@@ -13,7 +13,7 @@
 #define PL_STAR_KERNEL_SLIDE_H
 
 #include "base/context.h"
-#include "star/kernel_aspect.h"
+#include "star/kernel_objectives.h"
 #include "star/kernel_direction.h"
 
 /* A vector of which less than this is left by projection has no direction there. */

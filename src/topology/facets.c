@@ -9,7 +9,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
-#include "topology/elements.h"
+#include "topology/element_walk.h"
 #include "topology/local_map.h"
 
 enum {

@@ -12,7 +12,7 @@
 #include "base/parallel.h"
 #include "base/status.h"
 #include "geometry/inline.h"
-#include "topology/elements.h"
+#include "topology/element_walk.h"
 #include "topology/local_map.h"
 #include "topology/small_ring.h"
 

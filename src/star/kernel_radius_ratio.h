@@ -1,4 +1,5 @@
-/* kernel_objective: sum of RR^2 over a star, its gradient and Hessian, at any position of the node.
+/* kernel_radius_ratio: sum of RR^2 over a star, its gradient and Hessian, at any position of the
+ * node.
  *
  * Formulas and symbols: docs/algorithm.md. In 3-D RR^2 = N s^2 / (36 D^4), in 2-D
  * RR^2 = (L d e (L + d + e) / (4 D^2))^2 with D twice the area; the constant factors 1/36 and 1/16
@@ -8,8 +9,8 @@
  *   accumulator_init, accumulate, accumulator_result           sums over the packs
  *   triangles_at, log_derivatives_2d                           a pack of triangles
  */
-#ifndef PL_STAR_KERNEL_OBJECTIVE_H
-#define PL_STAR_KERNEL_OBJECTIVE_H
+#ifndef PL_STAR_KERNEL_RADIUS_RATIO_H
+#define PL_STAR_KERNEL_RADIUS_RATIO_H
 
 #include "star/kernel_direction.h"
 #include "star/kernel_link_edges.h"

@@ -1,4 +1,4 @@
-/* options: their ranges. */
+/* check_options: the ranges of planish_options. */
 #include "plan/plan.h"
 
 #include "base/parallel.h"

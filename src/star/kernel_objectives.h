@@ -1,20 +1,20 @@
-/* kernel_aspect: the objective of every kind, with minimum volumes, for the guarded kernel.
+/* kernel_objectives: the objective of every kind, with minimum volumes, for the guarded kernel.
  *
  * Over a star: f = ratio_weight sum AR^2 + volume_weight sum g^2, g = 1 - D / floor; its
  * derivatives; and how far elements are below their floor. One body serves both dimensions and
- * all aspect ratios. kernel_objective.h has the radius ratio alone, faster. Formulas:
+ * all aspect ratios. kernel_radius_ratio.h has the radius ratio alone, faster. Formulas:
  * docs/algorithm.md.
  *
  *   mean_ratio, edge_ratio, radius_ratio, worst_ratio, worst_angle_2d, _3d    a pack's measures
  *   measure_at, aspect_at, volume_constraint                                  a pack
  *   guarded_at                                                                a star
  */
-#ifndef PL_STAR_KERNEL_ASPECT_H
-#define PL_STAR_KERNEL_ASPECT_H
+#ifndef PL_STAR_KERNEL_OBJECTIVES_H
+#define PL_STAR_KERNEL_OBJECTIVES_H
 
 #include "geometry/inline.h"
 #include "geometry/simplex.h"
-#include "star/kernel_objective.h"
+#include "star/kernel_radius_ratio.h"
 
 /* AR^2 of the mean ratio is E^2 D^(-4/3) times this, or E^2 D^-2; E the sum of the squared edges.
  */
@@ -33,6 +33,8 @@ enum { WORST_POWER = 5 };
 #define WORST_EXPONENT ((double)(1 << WORST_POWER))
 /* An element that adds less than this to the sum has no part in its derivatives. */
 #define NEXT_TO_NOTHING 0x1p-900
+
+_Static_assert(PL_WORST_RATIO == 3, "aspect_at and guarded_sums_of know each objective by name");
 
 /** Whether measure is one of which only the worst counts. */
 static inline int is_of_worst(int measure) {

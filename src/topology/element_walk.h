@@ -1,5 +1,5 @@
-/* elements: walk over the elements of one node after the other, and compare their nodes. Internal
- * to topology.
+/* element_walk: walk over the elements of one node after the other, and compare their nodes.
+ * Internal to topology.
  *
  *   pl_fetch_elements, _list, _ahead       ask for memory before it is needed
  *   pl_is_same, pl_is_less                 comparisons of nodes without a branch
@@ -8,8 +8,8 @@
  * The elements of a node lie all over memory. Who walks over many nodes asks for those of a node
  * some steps ahead, and waits for none: on a million tetrahedra that halves the time.
  */
-#ifndef PL_TOPOLOGY_ELEMENTS_H
-#define PL_TOPOLOGY_ELEMENTS_H
+#ifndef PL_TOPOLOGY_ELEMENT_WALK_H
+#define PL_TOPOLOGY_ELEMENT_WALK_H
 
 #include "base/fetch.h"
 #include "topology/topology.h"
