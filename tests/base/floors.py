@@ -47,8 +47,8 @@ KNOWS = {
 ALLOWED = [
     ("tools/job/output", "src/io/file/", "names of the files of a mesh"),
     ("tools/job/worst", "src/geometry/", "angles"),
-    ("tools/report/surface", "src/topology/", "facets"),
-    ("tools/mpi/surface", "src/topology/", "facets"),
+    ("tools/report/drawn_surface", "src/topology/", "facets"),
+    ("tools/mpi/slides", "src/topology/", "facets"),
     ("tools/mpi/plexrows", "src/io/", "where coordinates stand in HDF5"),
 ]
 

@@ -81,10 +81,10 @@ static void print_table(quality_run *r, const pl_job *job, const pl_measured *me
 static int measure_job(quality_run *r, pl_job *job, pl_compared *mesh) {
     pl_measured *measured = &mesh->measured;
     int status;
-    pl_progress_phase(&r->progress, PL_PHASE_PLANNING);
+    pl_progress_stage(&r->progress, PL_STAGE_PLANNING);
     if ((status = pl_job_plan(job)))
         return status;
-    pl_progress_phase(&r->progress, PL_PHASE_MEASURING);
+    pl_progress_stage(&r->progress, PL_STAGE_MEASURING);
     if ((status = pl_job_count_parameters(job)))
         return status;
     if ((status = pl_held_count(job)))
@@ -128,7 +128,7 @@ static int measure_file(quality_run *r, const char *input) {
     pl_job job;
     arguments.input = input;
     mesh->name = input;
-    pl_progress_phase(&r->progress, PL_PHASE_READING);
+    pl_progress_stage(&r->progress, PL_STAGE_READING);
     int status = pl_job_read(&job, &arguments, &pl_engine_here);
     if (!status)
         status = measure_job(r, &job, mesh);

@@ -267,12 +267,12 @@ static int take_for_reports(const pl_job *job, const char *name, uint64_t *check
 static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
     const int is_told = pl_job_is_told(job);
     int status;
-    pl_progress_phase(progress, PL_PHASE_PLANNING);
+    pl_progress_stage(progress, PL_STAGE_PLANNING);
     if ((status = pl_job_find_slides(job)))
         return status;
     if ((status = pl_job_plan(job)))
         return status;
-    pl_progress_phase(progress, PL_PHASE_MEASURING);
+    pl_progress_stage(progress, PL_STAGE_MEASURING);
     if ((status = pl_job_count_parameters(job)))
         return status;
     if ((status = pl_held_count(job)))
@@ -364,7 +364,7 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = run_sweeps(job, result, progress)))
         return status;
-    pl_progress_phase(progress, PL_PHASE_CHECKING);
+    pl_progress_stage(progress, PL_STAGE_CHECKING);
     if ((status = check_result(job, result)))
         return status;
     /* That takes no more memory than it did before the sweeps, and is no reason to lose the mesh.
@@ -373,7 +373,7 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         take_for_reports(job, "after", &result->checksum, &result->worst_after, &result->picture)
             ? PL_EXIT_PARTLY
             : 0;
-    pl_progress_phase(progress, PL_PHASE_WRITING);
+    pl_progress_stage(progress, PL_STAGE_WRITING);
     if ((status = write_mesh(job, result)))
         return status;
     pl_signals_set_written();
@@ -389,7 +389,7 @@ int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine) {
     if (status)
         return status;
     pl_progress_init(&progress, arguments);
-    pl_progress_phase(&progress, PL_PHASE_READING);
+    pl_progress_stage(&progress, PL_STAGE_READING);
     status = pl_job_read(&job, arguments, engine);
     if (!status)
         status = smooth_job(&job, &result, &progress);

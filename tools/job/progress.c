@@ -93,22 +93,22 @@ static void show_lines(pl_progress *progress, const planish_progress *step) {
 
 /* ---- the bar: one line that is written over ------------------------------------------------- */
 
-/* How much of the whole may be done when a phase begins, as long as no sweep has told more. */
+/* How much of the whole may be done when a stage begins, as long as no sweep has told more. */
 static const struct {
     const char *name;
     double smooth, quality;
-} phases[] = {
-    [PL_PHASE_READING] = {"reading", 0, 0},         [PL_PHASE_PLANNING] = {"planning", 0.1, 0.4},
-    [PL_PHASE_MEASURING] = {"measuring", 0.2, 0.7}, [PL_PHASE_SMOOTHING] = {"smoothing", 0.25, 1},
-    [PL_PHASE_CHECKING] = {"checking", 0.9, 1},     [PL_PHASE_WRITING] = {"writing", 0.93, 1},
+} stages[] = {
+    [PL_STAGE_READING] = {"reading", 0, 0},         [PL_STAGE_PLANNING] = {"planning", 0.1, 0.4},
+    [PL_STAGE_MEASURING] = {"measuring", 0.2, 0.7}, [PL_STAGE_SMOOTHING] = {"smoothing", 0.25, 1},
+    [PL_STAGE_CHECKING] = {"checking", 0.9, 1},     [PL_STAGE_WRITING] = {"writing", 0.93, 1},
 };
 
 /** Parts of the line, most important first; the bar comes behind the second. Empty: nothing. */
 typedef struct bar_line {
-    char part[4][64]; /* phase, count, value, time left */
+    char part[4][64]; /* stage, count, value, time left */
 } bar_line;
 
-/** Show "phase, count [####......]  40 %, value, left", of which the last parts are left out where
+/** Show "stage, count [####......]  40 %, value, left", of which the last parts are left out where
  *  the terminal has no room; the bar has the same length in all lines. */
 static void show_bar(pl_progress *progress, bar_line *l, double share) {
     enum {
@@ -138,7 +138,7 @@ static void show_bar(pl_progress *progress, bar_line *l, double share) {
     pl_line_show(line);
 }
 
-/** Sweeps that are left in this phase, by how their relative falls of F shrink, or as many as are
+/** Sweeps that are left in this stage, by how their relative falls of F shrink, or as many as are
  *  usual; *is_known: by more than a guess. */
 static double sweeps_left(const pl_progress *progress, const planish_progress *step,
                           int *is_known) {
@@ -209,7 +209,7 @@ static void show_step(pl_progress *progress, const planish_progress *step) {
     snprintf(l.part[0], sizeof l.part[0], "%s",
              step->restoring ? "untangling"
              : step->worst   ? "worst elements"
-                             : phases[PL_PHASE_SMOOTHING].name);
+                             : stages[PL_STAGE_SMOOTHING].name);
     snprintf(l.part[1], sizeof l.part[1], ", sweep %d", step->sweep);
     if (step->inverted > 0 && step->restoring) { /* the RMS would be that of the others */
         snprintf(l.part[2], sizeof l.part[2], ", %" PRId64 " inverted", step->inverted);
@@ -228,19 +228,19 @@ static void show_step(pl_progress *progress, const planish_progress *step) {
 
 /* ---- what the others call ------------------------------------------------------------------- */
 
-void pl_progress_phase(pl_progress *progress, pl_phase phase) {
+void pl_progress_stage(pl_progress *progress, pl_stage stage) {
     const pl_arguments *arguments = progress->arguments;
     const int n = arguments->n_inputs, is_smooth = arguments->command == PL_COMMAND_SMOOTH;
     bar_line l = {.part = {""}};
-    if (phase == PL_PHASE_PLANNING)
+    if (stage == PL_STAGE_PLANNING)
         progress->write_seconds = pl_seconds() - progress->begin;
     if (progress->show != PL_SHOW_BAR)
         return;
-    snprintf(l.part[0], sizeof l.part[0], "%s", phases[phase].name);
+    snprintf(l.part[0], sizeof l.part[0], "%s", stages[stage].name);
     if (n > 1)
         snprintf(l.part[1], sizeof l.part[1], ", file %d of %d", progress->file + 1, n);
     show_bar(progress, &l,
-             (progress->file + (is_smooth ? phases[phase].smooth : phases[phase].quality)) / n);
+             (progress->file + (is_smooth ? stages[stage].smooth : stages[stage].quality)) / n);
 }
 
 int pl_progress_step(const planish_progress *step, void *user) {

@@ -5,14 +5,14 @@
 #include "options/options.h"
 
 /** Step that a command is at. */
-typedef enum pl_phase {
-    PL_PHASE_READING,
-    PL_PHASE_PLANNING,
-    PL_PHASE_MEASURING,
-    PL_PHASE_SMOOTHING, /* told by the sweeps themselves */
-    PL_PHASE_CHECKING,
-    PL_PHASE_WRITING
-} pl_phase;
+typedef enum pl_stage {
+    PL_STAGE_READING,
+    PL_STAGE_PLANNING,
+    PL_STAGE_MEASURING,
+    PL_STAGE_SMOOTHING, /* told by the sweeps themselves */
+    PL_STAGE_CHECKING,
+    PL_STAGE_WRITING
+} pl_stage;
 
 /** A sweep that was done. */
 typedef struct pl_sweep {
@@ -45,7 +45,7 @@ typedef struct pl_progress {
 void pl_progress_init(pl_progress *progress, const pl_arguments *arguments);
 
 /** Tell what begins now. */
-void pl_progress_phase(pl_progress *progress, pl_phase phase);
+void pl_progress_stage(pl_progress *progress, pl_stage stage);
 
 /** The callback for planish_options; user is the pl_progress. Stops when a signal asked to. */
 int pl_progress_step(const planish_progress *step, void *user);

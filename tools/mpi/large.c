@@ -2,7 +2,7 @@
 #include "mpi/large.h"
 
 #include "mpi/plexrows.h"
-#include "mpi/surface.h"
+#include "mpi/slides.h"
 
 #include "terminal/message.h"
 

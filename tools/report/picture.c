@@ -7,7 +7,7 @@
 #include "report/picture.h"
 
 #include "terminal/message.h"
-#include "report/surface.h"
+#include "report/drawn_surface.h"
 #include "job/worst.h"
 
 #include <inttypes.h>

@@ -1,6 +1,6 @@
-/* surface: which nodes of a mesh that no process has all of can slide on its surface. */
-#ifndef PL_TOOLS_MPI_SURFACE_H
-#define PL_TOOLS_MPI_SURFACE_H
+/* slides: which nodes of a mesh that no process has all of can slide on its surface. */
+#ifndef PL_TOOLS_MPI_SLIDES_H
+#define PL_TOOLS_MPI_SLIDES_H
 
 #include "mpi/crew.h"
 

@@ -1,10 +1,10 @@
-/* surface: which nodes of a mesh that no process has all of can slide on its surface.
+/* slides: which nodes of a mesh that no process has all of can slide on its surface.
  *
  * A piece of the surface is plane, and an edge of it straight, as a whole: the first process looks
  * at all of the surface. It gets the nodes there and the elements that have one of them: these have
  * all facets of the surface, and every other facet has a node that is known to be inside.
  */
-#include "mpi/surface.h"
+#include "mpi/slides.h"
 
 #include "topology/facets.h"
 

@@ -1,7 +1,7 @@
-/* surface: the triangles that a picture draws: of tetrahedra those that bound them, of triangles
- * all; coarser where they are many. */
-#ifndef PL_REPORT_SURFACE_H
-#define PL_REPORT_SURFACE_H
+/* drawn_surface: the triangles that a picture draws: of tetrahedra those that bound them, of
+ * triangles all; coarser where they are many. */
+#ifndef PL_REPORT_DRAWN_SURFACE_H
+#define PL_REPORT_DRAWN_SURFACE_H
 
 #include <planish/planish.h>
 

@@ -1,10 +1,10 @@
-/* surface: the triangles that a picture draws.
+/* drawn_surface: the triangles that a picture draws.
  *
  * Coarsening is by clustering (Rossignac and Borrel, Multi-resolution 3D approximations for
  * rendering complex scenes, 1993): nodes in one cell of a grid become one point, and triangles
  * between fewer than three cells vanish. The grid is made coarser until few enough are left.
  */
-#include "report/surface.h"
+#include "report/drawn_surface.h"
 
 #include "base/memory.h"
 #include "topology/facets.h"
