@@ -217,6 +217,16 @@ void *pl_grow(void *array, int64_t count, int64_t needed, int64_t *capacity, siz
     return grown;
 }
 
+void *pl_append(void *array, int64_t *count, int64_t *capacity, const void *item, size_t size) {
+    void *old;
+    memcpy(&old, array, sizeof old);
+    char *grown = pl_grow(old, *count, *count + 1, capacity, size);
+    if (!grown)
+        return NULL;
+    memcpy(array, &grown, sizeof grown);
+    return memcpy(grown + (size_t)(*count)++ * size, item, size);
+}
+
 void pl_free(void *array) {
     if (!array)
         return;

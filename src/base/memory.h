@@ -1,6 +1,6 @@
 /* memory: arrays whose size cannot overflow.
  *
- *   pl_alloc, pl_alloc_zero, pl_grow, pl_copy_text, pl_free    arrays
+ *   pl_alloc, pl_alloc_zero, pl_grow, pl_append, pl_copy_text, pl_free    arrays
  *   pl_own_block                                     give an array to a context
  *   pl_forget_kept, pl_forget_unwanted               release blocks kept for the next call
  */
@@ -29,6 +29,10 @@ void *pl_alloc_zero(int64_t count, size_t size);
 /** Grow array (from pl_alloc, or NULL with count 0) to at least needed elements, by half at least.
  *  Updates *capacity; returns the new array, or NULL (the old one stays valid). */
 void *pl_grow(void *array, int64_t count, int64_t needed, int64_t *capacity, size_t size);
+
+/** Append *item, of size bytes, to the array that array points to (a T **), of *count elements with
+ *  room for *capacity. Return where it is, or NULL without memory. item is none of the array. */
+void *pl_append(void *array, int64_t *count, int64_t *capacity, const void *item, size_t size);
 
 /** Copy text to an array from pl_alloc; NULL without memory. */
 char *pl_copy_text(const char *text);

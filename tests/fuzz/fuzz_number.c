@@ -4,6 +4,7 @@
 #include "fuzz_require.h"
 
 #include "io/core/number.h"
+#include "io/core/text.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -61,7 +62,7 @@ static void check_integer(const char *text, const char *end) {
 static void check_packed(const char *text, const char *end) {
     double packed, plain;
     const char *at = text;
-    if (io_parse_packed_real(text, end, &packed))
+    if (io_slice_real((io_slice){text, end}, 1, &packed))
         return;
     if (io_parse_real(&at, end, &plain) == 0 && at == end)
         fuzz_require(same(packed, plain), "an exponent that has an e is the same packed");
@@ -93,7 +94,7 @@ static void check_field(double value, int width, int implied) {
     }
     fuzz_require(length > 0 && length <= width, "a field is as wide as it is");
     fuzz_require(memchr(text, '.', (size_t)length) != NULL, "a field has a point");
-    fuzz_require(io_parse_packed_real(text, text + length, &read) == 0 && read == rounded,
+    fuzz_require(io_slice_real((io_slice){text, text + length}, 1, &read) == 0 && read == rounded,
                  "a field reads as what its value rounds to");
     fuzz_require(io_round_to_field(rounded, width, implied) == rounded, "rounding is done once");
 }

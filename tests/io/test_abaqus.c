@@ -386,7 +386,7 @@ static void wrong_files_are_refused(void **state) {
         {PAIR "*ELEMENT,TYPE=C3D4\n3,1,2,x,4\n", "'x'"},
         {PAIR "*ELEMENT,TYPE=C3D4\nx,1,2,3,4\n", "'x'"},
         {PAIR "*ELEMENT\n", "without TYPE"},
-        {"*NODE\n1,0,x,0\n", "test:2: 'x'"},
+        {"*NODE\n1,0,x,0\n", "test:2: node 1: 'x' is no"},
         {"*NODE\n1,0,nan,0\n", "finite"},
         {"*NODE\n1,0,1e999,0\n", "finite"},
         {"*NODE\n-1,0,0,0\n", "'-1'"},

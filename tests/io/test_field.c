@@ -2,6 +2,7 @@
  * written.
  */
 #include "io/core/number.h"
+#include "io/core/text.h"
 
 #include <float.h>
 #include <math.h>
@@ -83,7 +84,7 @@ static void check_number(double value, int width, int implied) {
     if (!(read_text(text, length) == rounded))
         print_error("%.17g becomes '%s', not %.17g\n", value, text, rounded);
     assert_true(read_text(text, length) == rounded && isfinite(rounded));
-    assert_int_equal(io_parse_packed_real(text, text + length, &packed), 0);
+    assert_int_equal(io_slice_real((io_slice){text, text + length}, 1, &packed), 0);
     assert_true(packed == rounded);
     assert_true(io_round_to_field(rounded, width, implied) == rounded);
     char again[IO_REAL_SIZE];
@@ -273,14 +274,14 @@ static void packed_numbers_are_read(void **state) {
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
         double value = -1;
         const char *text = good[i].text;
-        assert_int_equal(io_parse_packed_real(text, text + strlen(text), &value), 0);
+        assert_int_equal(io_slice_real((io_slice){text, text + strlen(text)}, 1, &value), 0);
         assert_true(value == good[i].value);
     }
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         double value;
-        if (io_parse_packed_real(bad[i], bad[i] + strlen(bad[i]), &value) == 0)
+        if (io_slice_real((io_slice){bad[i], bad[i] + strlen(bad[i])}, 1, &value) == 0)
             print_error("'%s' is no number\n", bad[i]);
-        assert_int_equal(io_parse_packed_real(bad[i], bad[i] + strlen(bad[i]), &value), -1);
+        assert_int_equal(io_slice_real((io_slice){bad[i], bad[i] + strlen(bad[i])}, 1, &value), -1);
     }
 }
 

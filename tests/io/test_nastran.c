@@ -206,7 +206,7 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(format, NINE "GRID,x\n", "'x'");
     reading_fails(format, NINE "GRID,-1\n", "'-1'");
     reading_fails(format, NINE "GRID,99999999999\n", "'99999999999'");
-    reading_fails(format, NINE "GRID,10,,1.x\n", "GRID 10: '1.x' is no coordinate");
+    reading_fails(format, NINE "GRID,10,,1.x\n", "node 10: '1.x' is no coordinate");
     reading_fails(format, NINE "GRID,10,,nan\n", "finite");
     reading_fails(format, NINE "GRID,10,,1.+999\n", "finite");
     reading_fails(format, NINE "GRID    10\t\t1.\n", "expand");

@@ -62,7 +62,7 @@ static int take_number(const abaqus_reader *r, io_slice *line, const char *what,
 static int read_node_block(abaqus_reader *r, const abaqus_block *b) {
     io_model *model = r->model;
     io_cursor cursor = b->data;
-    io_slice line, system = {NULL, NULL};
+    io_slice line, item, system = {NULL, NULL};
     if (abaqus_parameter(b, "SYSTEM", &system))
         system = abaqus_unquoted(system);
     if (io_slice_length(system) > 0 && io_upper(*system.begin) != 'R')
@@ -70,26 +70,14 @@ static int read_node_block(abaqus_reader *r, const abaqus_block *b) {
                            "*NODE, SYSTEM=: cylindrical and spherical coordinates are not read; "
                            "write all nodes in rectangular ones");
     while (abaqus_line(&cursor, &line)) {
-        const int64_t node = model->n_nodes;
-        if (node == r->n_counted)
-            return io_bytes_fail_changed(&model->input, r->error);
-        const int status = take_number(r, &line, "where the number of a node was expected",
-                                       &model->node_number[node]);
+        int64_t number;
+        int status = take_number(r, &line, "where the number of a node was expected", &number);
+        if (!status)
+            status = io_nodes_next(model, number, line.begin ? line.begin : line.end, r->error);
+        for (int d = 0; d < 3 && !status && abaqus_item(&line, &item); d++)
+            status = io_nodes_coordinate(model, d, item, r->error);
         if (status)
             return status;
-        model->text_offset[node] = (line.begin ? line.begin : line.end) - model->input.data;
-        for (int d = 0; d < 3; d++) {
-            io_slice item = {NULL, NULL};
-            double *value = &model->xyz[3 * node + d];
-            *value = 0;
-            if (!abaqus_item(&line, &item) || io_slice_length(item) == 0)
-                continue;
-            const char *at = item.begin;
-            if (io_parse_real(&at, item.end, value) || at != item.end || !isfinite(*value))
-                return abaqus_fail_item(r, item,
-                                        "where a coordinate (a finite real number) was expected");
-        }
-        model->n_nodes++;
     }
     return PLANISH_OK;
 }
@@ -107,23 +95,11 @@ static int read_nodes(abaqus_reader *r) {
     if (n == 0)
         return io_fail_at(model, io_input_end(model), r->error,
                           "there is no *NODE with nodes: this is no mesh, or it is cut short");
-    int status = io_model_points(model, n, 8, 0, 0, NULL, r->error);
-    if (status)
-        return status;
-    model->columns = 3;
-    model->precision = PLANISH_ROUNDED;
-    model->field_width = FIELD_WIDTH;
-    model->node_number = pl_alloc(n, sizeof *model->node_number);
-    if (!model->node_number)
-        return pl_fail_memory(r->error, "the numbers of nodes");
-    model->n_nodes = 0;
-    r->n_counted = n;
+    int status = io_nodes_begin(model, n, FIELD_WIDTH, r->error);
     for (int64_t i = 0; i < r->n_blocks && !status; i++)
         if (r->block[i].keyword == ABAQUS_NODE && r->block[i].scope == r->scope)
             status = read_node_block(r, &r->block[i]);
-    if (!status && model->n_nodes != n)
-        status = io_bytes_fail_changed(&model->input, r->error);
-    return status ? status : io_settle_node_numbers(r->model, &r->numbers, r->error);
+    return status ? status : io_nodes_end(model, r->error);
 }
 
 /* ---- types of elements -------------------------------------------------------------------- */
@@ -212,7 +188,7 @@ static int read_cell(abaqus_reader *r, io_cursor *cursor, io_slice line, int dim
         io_slice item = {line.end, line.end};
         if (!element_item(cursor, &line, &item) || io_slice_integer(item, &number))
             return abaqus_fail_item(r, item, "where the number of a node was expected");
-        const int64_t index = io_node_index(r->model, r->numbers, number);
+        const int64_t index = io_node_index(r->model, number);
         if (index < 0)
             return io_fail_at(r->model, item.begin, r->error, "element %lld: there is no node %lld",
                               (long long)label, (long long)number);
@@ -241,7 +217,7 @@ static void hold_element(abaqus_reader *r, const abaqus_block *b, io_cursor *cur
             break;
         if (!abaqus_local(r, b, &item) || io_slice_integer(item, &number))
             continue;
-        const int64_t index = io_node_index(r->model, r->numbers, number);
+        const int64_t index = io_node_index(r->model, number);
         if (index >= 0)
             io_hold_node(r->model, index, IO_HELD_BY_OTHER);
     }
@@ -275,13 +251,9 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
         return PLANISH_OK;
     range.end = cells ? cells->n : 0;
     abaqus_parameter(b, "ELSET", &range.set); /* which has a name, even if no cell is kept */
-    abaqus_range *grown =
-        pl_grow(r->range, r->n_ranges, r->n_ranges + 1, &r->range_capacity, sizeof *grown);
-    if (!grown)
-        return pl_fail_memory(r->error, "the blocks of elements");
-    r->range = grown;
-    r->range[r->n_ranges++] = range;
-    return PLANISH_OK;
+    return pl_append(&r->range, &r->n_ranges, &r->range_capacity, &range, sizeof range)
+               ? PLANISH_OK
+               : pl_fail_memory(r->error, "the blocks of elements");
 }
 
 /* ---- the file ----------------------------------------------------------------------------- */
@@ -311,7 +283,6 @@ static int abaqus_read(io_model *model, planish_error *error) {
     pl_free(r.block);
     pl_free(r.range);
     io_numbers_destroy(r.elements);
-    io_numbers_destroy(r.numbers);
     return status;
 }
 
@@ -354,8 +325,7 @@ static int abaqus_field(const io_model *model, io_cursor *cursor, int d, io_fiel
     field->begin = item.begin;
     field->end = item.end;
     cursor->at = comma ? comma : rest.end;
-    const char *at = item.begin;
-    return io_slice_length(item) == 0 ? 0 : io_parse_real(&at, item.end, &field->value);
+    return io_slice_length(item) == 0 ? 0 : io_slice_real(item, 0, &field->value);
 }
 
 static const char *const extensions[] = {".inp", NULL};

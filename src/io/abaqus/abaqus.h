@@ -71,10 +71,8 @@ typedef struct abaqus_reader {
     int64_t n_blocks, block_capacity;
     abaqus_range *range; /* [n_ranges] */
     int64_t n_ranges, range_capacity;
-    int64_t n_counted;   /* nodes that there is room for */
-    int32_t scope;       /* of the mesh */
-    int has_cavities;    /* *FLUID PROPERTY is there: what F3D4 is (abaqus.c) */
-    io_numbers *numbers; /* of nodes; NULL: consecutive */
+    int32_t scope;    /* of the mesh */
+    int has_cavities; /* *FLUID PROPERTY is there: what F3D4 is (abaqus.c) */
     /* Of abaqus_read_sets: */
     abaqus_set *set; /* [n_sets] */
     int64_t n_sets, set_capacity;

@@ -197,17 +197,14 @@ int abaqus_find_blocks(abaqus_reader *r) {
             scope = 0;
         if (keyword > ABAQUS_MPC)
             continue;
-        abaqus_block *grown =
-            pl_grow(r->block, r->n_blocks, r->n_blocks + 1, &r->block_capacity, sizeof *grown);
-        if (!grown)
+        const abaqus_block block = {keyword,
+                                    {rest.begin ? rest.begin : rest.end, rest.end},
+                                    {cursor.at, input->data + input->size},
+                                    scope,
+                                    0};
+        open = pl_append(&r->block, &r->n_blocks, &r->block_capacity, &block, sizeof block);
+        if (!open)
             return pl_fail_memory(r->error, "the keywords of the file");
-        r->block = grown;
-        open = &r->block[r->n_blocks++];
-        *open = (abaqus_block){keyword,
-                               {rest.begin ? rest.begin : rest.end, rest.end},
-                               {cursor.at, input->data + input->size},
-                               scope,
-                               0};
         open->has_instance = abaqus_parameter(open, "INSTANCE", &item);
     }
     return PLANISH_OK;

@@ -87,13 +87,11 @@ static int32_t make_set(abaqus_reader *r, abaqus_things things, int32_t scope, i
     const int32_t found = *find_slot(r, things, scope, name, 0);
     if (found >= 0)
         return found;
-    abaqus_set *grown = pl_grow(r->set, r->n_sets, r->n_sets + 1, &r->set_capacity, sizeof *grown);
-    if (!grown)
+    const abaqus_set set = {.things = things, .scope = scope, .name = name};
+    if (!pl_append(&r->set, &r->n_sets, &r->set_capacity, &set, sizeof set))
         return pl_fail_memory(r->error, "the sets of the file");
-    r->set = grown;
-    r->set[r->n_sets] = (abaqus_set){.things = things, .scope = scope, .name = name};
-    put_into_slots(r, (int32_t)r->n_sets);
-    return (int32_t)r->n_sets++;
+    put_into_slots(r, (int32_t)r->n_sets - 1);
+    return (int32_t)r->n_sets - 1;
 }
 
 /* ---- members ------------------------------------------------------------------------------ */
@@ -103,11 +101,8 @@ static int add_member(abaqus_reader *r, int32_t set, int32_t member) {
     int32_t *stamp = &r->stamp[to->things][member];
     if (*stamp == set + 1)
         return PLANISH_OK;
-    int32_t *grown = pl_grow(to->member, to->n, to->n + 1, &to->capacity, sizeof *grown);
-    if (!grown)
+    if (!pl_append(&to->member, &to->n, &to->capacity, &member, sizeof member))
         return pl_fail_memory(r->error, "the members of sets");
-    to->member = grown;
-    to->member[to->n++] = member;
     *stamp = set + 1;
     return PLANISH_OK;
 }
@@ -131,7 +126,7 @@ static int64_t number_of(const abaqus_reader *r, abaqus_things things, int64_t t
 
 /** Return the index of the thing of a number, or -1: there is none, or its cell is not kept. */
 static int64_t find_thing(const abaqus_reader *r, abaqus_things things, int64_t number) {
-    return things == ABAQUS_NODES ? io_node_index(r->model, r->numbers, number)
+    return things == ABAQUS_NODES ? io_node_index(r->model, number)
                                   : io_numbers_find(r->elements, number);
 }
 
@@ -152,12 +147,11 @@ static int ask_for(abaqus_reader *r, const char *at, int64_t n) {
 /** Read a whole number, also one that is written as a real one, as meshio does it. Return 0, or -1
  *  if it is none. */
 static int whole_number(io_slice item, int64_t *number) {
-    const char *at = item.begin;
     double value;
     if (io_slice_integer(item, number) == 0)
         return 0;
-    if (io_parse_real(&at, item.end, &value) || at != item.end || !(value >= 0) ||
-        value > INT32_MAX || value != (double)(int64_t)value)
+    if (io_slice_real(item, 0, &value) || !(value >= 0) || value > INT32_MAX ||
+        value != (double)(int64_t)value)
         return -1;
     *number = (int64_t)value;
     return 0;

@@ -236,13 +236,10 @@ static int read_section(cgns_reader *r, int32_t index) {
 static int add_section(cgns_reader *r, char **name) {
     char path[IO_HDF5_PATH_SIZE];
     io_hdf5_integers data = {0}, range = {0};
-    cgns_section *s =
-        pl_grow(r->section, r->n_sections, r->n_sections + 1, &r->capacity, sizeof *s);
+    const cgns_section named = {.name = *name};
+    cgns_section *s = pl_append(&r->section, &r->n_sections, &r->capacity, &named, sizeof named);
     if (!s)
         return pl_fail_memory(r->error, "the sections of elements");
-    r->section = s;
-    s += r->n_sections++;
-    *s = (cgns_section){.name = *name};
     *name = NULL;
     int status = io_hdf5_path(r->file, path, "%s/%s", r->zone, s->name);
     if (!status)

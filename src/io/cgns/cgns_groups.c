@@ -43,16 +43,12 @@ typedef struct groups {
 /* ---- classes ------------------------------------------------------------------------------ */
 
 static int add_class(groups *g, int32_t before, int32_t in_condition, int32_t *index) {
-    cell_class *grown =
-        g->n_classes < INT32_MAX - 1
-            ? pl_grow(g->class, g->n_classes, g->n_classes + 1, &g->class_capacity, sizeof *grown)
-            : NULL;
-    if (!grown)
-        return pl_fail_memory(g->r->error, "the groups of the file");
-    g->class = grown;
-    g->class[g->n_classes] = (cell_class){before, in_condition, NONE, NONE};
-    *index = (int32_t)g->n_classes++;
-    return PLANISH_OK;
+    const cell_class class = {before, in_condition, NONE, NONE};
+    *index = (int32_t)g->n_classes;
+    return g->n_classes < INT32_MAX - 1 &&
+                   pl_append(&g->class, &g->n_classes, &g->class_capacity, &class, sizeof class)
+               ? PLANISH_OK
+               : pl_fail_memory(g->r->error, "the groups of the file");
 }
 
 /** Move a member of *class to the one whose members are in the condition, too. */
@@ -212,13 +208,11 @@ static int take_members(groups *g, const char *path, int32_t in_condition) {
 
 /** Add the condition called name, which is taken over. */
 static int add_condition(groups *g, const char *path, char **name) {
-    condition *c = pl_grow(g->condition, g->n_conditions, g->n_conditions + 1,
-                           &g->condition_capacity, sizeof *c);
+    const condition named = {.name = *name};
+    condition *c =
+        pl_append(&g->condition, &g->n_conditions, &g->condition_capacity, &named, sizeof named);
     if (!c)
         return pl_fail_memory(g->r->error, "the groups of the file");
-    g->condition = c;
-    c += g->n_conditions++;
-    *c = (condition){.name = *name};
     *name = NULL;
     return cgns_text(g->r, path, "FamilyName", c->family, sizeof c->family);
 }

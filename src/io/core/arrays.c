@@ -114,15 +114,12 @@ int io_array_is_full(const io_array_filler *filler) {
 }
 
 int io_array_end(io_model *model, io_array_filler *filler, planish_error *error) {
-    int64_t capacity = model->array_capacity;
+    int64_t n = model->n_arrays;
     int status = PLANISH_OK;
     if (!filler->is_broken && io_array_is_full(filler) && model->n_arrays < IO_MOST_ARRAYS) {
-        io_array *grown = pl_grow(model->array, model->n_arrays, (int64_t)model->n_arrays + 1,
-                                  &capacity, sizeof *grown);
-        if (grown) {
-            model->array = grown;
-            model->array_capacity = (int)capacity;
-            model->array[model->n_arrays++] = filler->array;
+        if (pl_append(&model->array, &n, &model->array_capacity, &filler->array,
+                      sizeof filler->array)) {
+            model->n_arrays++;
             filler->array = (io_array){.name = NULL};
         } else {
             status = fail_arrays(error);

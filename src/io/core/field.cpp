@@ -231,22 +231,3 @@ extern "C" double io_round_to_field(double value, int width, int implied_exponen
     const double rounded = value_of(nearest(size, room, implied));
     return value < 0 ? -rounded : rounded;
 }
-
-extern "C" int io_parse_packed_real(const char *begin, const char *end, double *value) {
-    constexpr int longest = 64;
-    const char *at = begin;
-    if (io_parse_real(&at, end, value) == 0 && at == end)
-        return 0;
-    char copy[longest + 1];
-    if (end - begin > longest)
-        return -1;
-    int n = 0, marks = 0;
-    for (const char *c = begin; c < end; c++) {
-        const bool is_sign = *c == '+' || *c == '-';
-        if (is_sign && c > begin && std::strchr("0123456789.", c[-1]) && marks++ == 0)
-            copy[n++] = 'e';
-        copy[n++] = *c;
-    }
-    at = copy;
-    return marks == 1 && io_parse_real(&at, copy + n, value) == 0 && at == copy + n ? 0 : -1;
-}

@@ -31,13 +31,9 @@ int io_model_nodes(io_model *model, int64_t n_nodes, int text, planish_error *er
 }
 
 int io_model_span(io_model *model, io_span span, planish_error *error) {
-    io_span *grown = pl_grow(model->span, model->n_spans, model->n_spans + 1, &model->span_capacity,
-                             sizeof *grown);
-    if (!grown)
-        return pl_fail_memory(error, "the places of the nodes");
-    model->span = grown;
-    model->span[model->n_spans++] = span;
-    return PLANISH_OK;
+    return pl_append(&model->span, &model->n_spans, &model->span_capacity, &span, sizeof span)
+               ? PLANISH_OK
+               : pl_fail_memory(error, "the places of the nodes");
 }
 
 int io_model_points(io_model *model, int64_t n, int size, int64_t stride, int swapped,
@@ -55,26 +51,19 @@ int io_model_points(io_model *model, int64_t n, int size, int64_t stride, int sw
 }
 
 int io_model_pair(io_model *model, const int32_t pair[2], planish_error *error) {
-    int32_t *grown = pl_grow(model->periodic, model->n_periodic, model->n_periodic + 1,
-                             &model->periodic_capacity, sizeof pair[0] * 2);
-    if (!grown)
-        return pl_fail_memory(error, "the periodic nodes");
-    model->periodic = grown;
-    memcpy(model->periodic + 2 * model->n_periodic++, pair, sizeof pair[0] * 2);
-    return PLANISH_OK;
+    return pl_append(&model->periodic, &model->n_periodic, &model->periodic_capacity, pair,
+                     2 * sizeof *pair)
+               ? PLANISH_OK
+               : pl_fail_memory(error, "the periodic nodes");
 }
 
 /* ---- edits ----------------------------------------------------------------------------------- */
 
 int io_edits_add(io_edits *edits, io_edit edit, planish_error *error) {
-    io_edit *grown = pl_grow(edits->edit, edits->n, edits->n + 1, &edits->capacity, sizeof *grown);
-    if (!grown) {
-        pl_free(edit.text);
-        return pl_fail_memory(error, "the coordinates to be written");
-    }
-    edits->edit = grown;
-    edits->edit[edits->n++] = edit;
-    return PLANISH_OK;
+    if (pl_append(&edits->edit, &edits->n, &edits->capacity, &edit, sizeof edit))
+        return PLANISH_OK;
+    pl_free(edit.text);
+    return pl_fail_memory(error, "the coordinates to be written");
 }
 
 void io_edits_destroy(io_edits *edits) {
@@ -174,21 +163,15 @@ int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
     int32_t *slot = find_entity_slot(model, dim, tag, n_physical, physical);
     if (*slot >= 0)
         return *slot;
-    int64_t capacity = model->entity_capacity;
-    io_entity *grown =
-        pl_grow(model->entity, model->n_entities, model->n_entities + 1, &capacity, sizeof *grown);
-    if (grown) {
-        model->entity = grown;
-        model->entity_capacity = (int32_t)capacity;
-    }
+    int64_t n = model->n_entities;
     int32_t *copy = pl_alloc(n_physical, sizeof *copy);
-    if (!grown || !copy) {
+    const io_entity entity = {dim, tag, n_physical, copy};
+    if (!copy || !pl_append(&model->entity, &n, &model->entity_capacity, &entity, sizeof entity)) {
         pl_free(copy);
         return pl_fail_memory(error, "the regions of the file");
     }
     if (n_physical > 0)
         memcpy(copy, physical, (size_t)n_physical * sizeof *copy);
-    model->entity[model->n_entities] = (io_entity){dim, tag, n_physical, copy};
     return *slot = model->n_entities++;
 }
 
@@ -225,21 +208,15 @@ int io_model_index_tags_but(io_model *model, int dim, int64_t none, int32_t *tag
 
 int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
                    planish_error *error) {
-    int64_t capacity = model->group_capacity;
-    io_group *grown =
-        pl_grow(model->group, model->n_groups, model->n_groups + 1, &capacity, sizeof *grown);
-    if (grown) {
-        model->group = grown;
-        model->group_capacity = (int32_t)capacity;
-    }
     char *copy = pl_alloc(length + 1, 1);
-    if (!grown || !copy) {
+    const io_group group = {dim, tag, copy};
+    if (!copy ||
+        !pl_append(&model->group, &model->n_groups, &model->group_capacity, &group, sizeof group)) {
         pl_free(copy);
         return pl_fail_memory(error, "the groups of the file");
     }
     memcpy(copy, name, (size_t)length);
     copy[length] = '\0';
-    model->group[model->n_groups++] = (io_group){dim, tag, copy};
     return PLANISH_OK;
 }
 

@@ -181,7 +181,8 @@ typedef struct io_model {
     double *z;            /* [n_nodes] of such a mesh, or NULL: 0 */
     int64_t *node_number; /* [n_nodes] the file's numbers, or NULL: consecutive */
     int64_t first_number; /* of the nodes if node_number is NULL */
-    io_span *span;        /* [n_spans] */
+    struct io_numbers *numbers; /* from node_number to indices while the file is read, or NULL */
+    io_span *span;              /* [n_spans] */
     int64_t n_spans, span_capacity;
     int64_t *text_offset; /* [n_nodes] byte of the first coordinate of nodes of text spans; or NULL:
                              there are none */
@@ -194,15 +195,17 @@ typedef struct io_model {
     int64_t n_periodic, periodic_capacity;
     io_cells line, triangle, tetrahedron; /* lines of two nodes; in no order that means anything */
     io_entity *entity;                    /* [n_entities] */
-    int32_t n_entities, entity_capacity;
+    int32_t n_entities;
+    int64_t entity_capacity;
     int32_t *entity_slot; /* [n_slots] hash table of the entities: index or -1 */
     int32_t n_slots;      /* a power of two, or 0 */
     io_group *group;      /* [n_groups] */
-    int32_t n_groups, group_capacity;
+    int64_t n_groups, group_capacity;
     int groups_by_name; /* numbers of entities and groups are none of the file's (Abaqus) */
     int64_t n_other, n_lower;
     io_array *array; /* [n_arrays] arrays that may tell regions, in the file's order */
-    int n_arrays, array_capacity;
+    int n_arrays;
+    int64_t array_capacity;
     int has_entities;         /* of the elements: the file's own, which arrays add to */
     int arrays_are_gone;      /* their values have been released */
     const char **array_name;  /* [n_arrays + 1] their names, and NULL; owned, or NULL */
@@ -285,10 +288,10 @@ typedef struct io_numbers io_numbers;
 int io_numbers_create(const char *path, const char *what, const int64_t *numbers, int64_t n,
                       io_numbers **table, planish_error *error);
 /** Keep the numbers that nodes have been given only where they say more than the first: not if each
- *  is one more than that before. *table: of the numbers that are kept, or untouched. A node that is
- * given again with the same coordinates becomes one (place_node), at other ones it is an error; no
- * array of nodes but xyz, hold and node_number may be there yet. */
-int io_settle_node_numbers(io_model *model, io_numbers **table, planish_error *error);
+ *  is one more than that before. Make the table of those that are kept, for io_node_index. A node
+ * that is given again with the same coordinates becomes one (place_node), at other ones it is an
+ * error; no array of nodes but xyz, hold and node_number may be there yet. */
+int io_settle_node_numbers(io_model *model, planish_error *error);
 /** Keep the numbers of cells in the same way, without a table. */
 void io_settle_cell_numbers(io_cells *cells);
 /** Return the index of number, or -1. */
@@ -305,12 +308,11 @@ static inline int64_t io_cell_number(const io_cells *cells, int64_t i) {
     return cells->number ? cells->number[i] : cells->first_number + i;
 }
 
-/** Return the index of the node with that number in the file, or -1. numbers: the table of
- *  io_settle_node_numbers, or NULL: they are consecutive. */
-static inline int64_t io_node_index(const io_model *model, const io_numbers *numbers,
-                                    int64_t number) {
-    if (numbers)
-        return io_numbers_find(numbers, number);
+/** Return the index of the node with that number in the file, or -1. Where nodes have numbers of
+ *  their own these are settled. */
+static inline int64_t io_node_index(const io_model *model, int64_t number) {
+    if (model->numbers)
+        return io_numbers_find(model->numbers, number);
     /* unsigned: a number far below first_number must not overflow */
     const uint64_t index = (uint64_t)number - (uint64_t)model->first_number;
     return index < (uint64_t)model->n_nodes ? (int64_t)index : -1;

@@ -1,7 +1,6 @@
 /* number: numbers from text and back, independent of the locale, exact.
  *
  *   io_parse_real, io_parse_integer      read a number
- *   io_parse_packed_real                 read a real number of Nastran
  *   io_format_real                       write the shortest text
  *   io_format_field, io_round_to_field   write a field of few characters; its value
  *
@@ -41,10 +40,6 @@ int io_format_field(char *text, double value, int width, int implied_exponent);
 /** Return the value of that text: the nearest of the numbers that a field can hold. value itself if
  *  it is not finite. Much faster than to write and to read it. */
 double io_round_to_field(double value, int width, int implied_exponent);
-
-/** Read the whole of the text begin .. end (no white space in it) as a real number whose exponent
- *  may follow without an e. 0 or -1. */
-int io_parse_packed_real(const char *begin, const char *end, double *value);
 
 #ifdef __cplusplus
 }

@@ -176,11 +176,11 @@ static int are_consecutive(const int64_t *number, int64_t n) {
     return 1;
 }
 
-int io_settle_node_numbers(io_model *model, io_numbers **table, planish_error *error) {
+int io_settle_node_numbers(io_model *model, planish_error *error) {
     if (!are_consecutive(model->node_number, model->n_nodes)) {
         planish_error twice = {.text = ""};
         int status = io_numbers_create(model->input.path, "node", model->node_number,
-                                       model->n_nodes, table, &twice);
+                                       model->n_nodes, &model->numbers, &twice);
         if (status && status != PLANISH_ERROR_FORMAT && error)
             *error = twice;
         if (status != PLANISH_ERROR_FORMAT)
@@ -191,7 +191,7 @@ int io_settle_node_numbers(io_model *model, io_numbers **table, planish_error *e
             return status;
         if (!are_consecutive(model->node_number, model->n_nodes))
             return io_numbers_create(model->input.path, "node", model->node_number, model->n_nodes,
-                                     table, error);
+                                     &model->numbers, error);
     }
     model->first_number = model->node_number[0];
     pl_free(model->node_number);

@@ -1,6 +1,7 @@
 /* records: many records of numbers read by several threads, in text and in binary. */
 #include "io/core/records.h"
 
+#include <math.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -9,6 +10,7 @@
 #include "base/round.h"
 #include "base/status.h"
 #include "io/core/binary.h"
+#include "io/core/bytes.h"
 
 enum {
     PIECE = 1 << 14,     /* bytes: what a thread scans to find a token */
@@ -194,13 +196,10 @@ int io_records(io_text *text, io_cursor *cursor, int64_t n, int64_t tokens, int6
 /* ---- sections ----------------------------------------------------------------------------- */
 
 int io_sections_add(io_sections *sections, io_section section, planish_error *error) {
-    io_section *grown = pl_grow(sections->section, sections->n, sections->n + 1,
-                                &sections->capacity, sizeof *grown);
-    if (!grown)
-        return pl_fail_memory(error, "the sections of the file");
-    sections->section = grown;
-    sections->section[sections->n++] = section;
-    return PLANISH_OK;
+    return pl_append(&sections->section, &sections->n, &sections->capacity, &section,
+                     sizeof section)
+               ? PLANISH_OK
+               : pl_fail_memory(error, "the sections of the file");
 }
 
 void io_sections_release(io_sections *sections) {
@@ -276,4 +275,42 @@ int io_read_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
             cursor->at += 3 * points->size;
     }
     return PLANISH_OK;
+}
+
+/* ---- nodes with numbers ------------------------------------------------------------------- */
+
+int io_nodes_begin(io_model *model, int64_t n, int field_width, planish_error *error) {
+    const int status = io_model_points(model, n, 8, 0, 0, NULL, error);
+    if (status)
+        return status;
+    model->columns = 3;
+    model->precision = PLANISH_ROUNDED;
+    model->field_width = field_width;
+    model->n_nodes = 0; /* so far; the span has all */
+    model->node_number = pl_alloc(n, sizeof *model->node_number);
+    return model->node_number ? PLANISH_OK : pl_fail_memory(error, "the numbers of nodes");
+}
+
+int io_nodes_next(io_model *model, int64_t number, const char *at, planish_error *error) {
+    if (model->n_nodes == model->span->n_nodes)
+        return io_bytes_fail_changed(&model->input, error);
+    model->node_number[model->n_nodes] = number;
+    model->text_offset[model->n_nodes] = at - model->input.data;
+    memset(model->xyz + 3 * model->n_nodes++, 0, 3 * sizeof *model->xyz);
+    return PLANISH_OK;
+}
+
+int io_nodes_coordinate(io_model *model, int d, io_slice field, planish_error *error) {
+    const int64_t node = model->n_nodes - 1, length = io_slice_length(field);
+    double *value = &model->xyz[3 * node + d];
+    if (length == 0 || (!io_slice_real(field, model->implied_exponent, value) && isfinite(*value)))
+        return PLANISH_OK;
+    return io_fail_at(
+        model, field.begin, error, "node %lld: '%.*s' is no coordinate (a finite real number)",
+        (long long)model->node_number[node], (int)(length < 24 ? length : 24), field.begin);
+}
+
+int io_nodes_end(io_model *model, planish_error *error) {
+    return model->n_nodes == model->span->n_nodes ? io_settle_node_numbers(model, error)
+                                                  : io_bytes_fail_changed(&model->input, error);
 }

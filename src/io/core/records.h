@@ -6,6 +6,7 @@
  *   io_section, io_sections_add ...  places of records that a first walk over a file notes
  *   io_read_point, io_load_point     coordinates of a node from text or binary
  *   io_points, io_read_points        and of many
+ *   io_nodes_begin, _next, ...       nodes with numbers, counted in one walk and read in another
  *   io_left, io_hold_node            small helpers of readers
  *
  * A reader gives a function that reads records begin .. end-1 from a cursor that stands on the
@@ -95,6 +96,15 @@ typedef struct io_points {
 /** Read points of an io_points, the context, from text or binary: io_records_fn. */
 int io_read_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                    planish_error *error);
+
+/** Begin n nodes of text, which have numbers and coordinates of field_width characters. */
+int io_nodes_begin(io_model *model, int64_t n, int field_width, planish_error *error);
+/** Take the next node: its number; where its coordinates, which are 0 so far, begin. */
+int io_nodes_next(io_model *model, int64_t number, const char *at, planish_error *error);
+/** Take coordinate d of that node, 0 where field is empty. */
+int io_nodes_coordinate(io_model *model, int d, io_slice field, planish_error *error);
+/** End the nodes: fail if there are fewer, settle their numbers. */
+int io_nodes_end(io_model *model, planish_error *error);
 
 /** Return the bytes from the cursor to the end. */
 static inline int64_t io_left(const io_cursor *cursor) {

@@ -81,6 +81,25 @@ int io_slice_integer(io_slice s, int64_t *value) {
     return io_integer(&cursor, value) || cursor.at != s.end ? -1 : 0;
 }
 
+int io_slice_real(io_slice s, int implied_exponent, double *value) {
+    enum { LONGEST = 64 };
+    const char *at = s.begin;
+    if (io_parse_real(&at, s.end, value) == 0 && at == s.end)
+        return 0;
+    if (!implied_exponent || io_slice_length(s) > LONGEST)
+        return -1;
+    char copy[LONGEST + 1];
+    int n = 0, marks = 0;
+    for (const char *c = s.begin; c < s.end; c++) {
+        const int is_sign = *c == '+' || *c == '-';
+        if (is_sign && c > s.begin && strchr("0123456789.", c[-1]) && marks++ == 0)
+            copy[n++] = 'e';
+        copy[n++] = *c;
+    }
+    at = copy;
+    return marks == 1 && io_parse_real(&at, copy + n, value) == 0 && at == copy + n ? 0 : -1;
+}
+
 /** Whether a number that ends at at is whole: white space or the end must follow. */
 static int ends_here(const io_cursor *cursor, const char *at) {
     return at == cursor->end || io_is_space(*at);

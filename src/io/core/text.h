@@ -52,8 +52,10 @@ static inline io_slice io_slice_trim(io_slice s) {
 /** Return whether s is name, letter case ignored if fold. */
 int io_slice_is(io_slice s, const char *name, int fold);
 
-/** Read the number that all of s is, white space before it aside: 0 or -1. */
+/** Read the number that all of s is: 0 or -1. An integer may have white space before it, the
+ *  exponent of a real one may stand without an e (Nastran's 1.5-3) if it is implied. */
 int io_slice_integer(io_slice s, int64_t *value);
+int io_slice_real(io_slice s, int implied_exponent, double *value);
 
 /** Return a text of size bytes from behind the mark of UTF-8 that some editors put before it. */
 io_cursor io_begin_text(const char *data, int64_t size);

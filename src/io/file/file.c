@@ -133,6 +133,8 @@ static int read_model(planish_file *file, planish_error *error) {
                        "libhdf5-dev and build again",
                        file->model.input.path, file->format->name);
     int status = file->format->read(&file->model, error);
+    io_numbers_destroy(file->model.numbers);
+    file->model.numbers = NULL;
     if (!status)
         status = io_arrays_settle(&file->model, error);
     if (!status)

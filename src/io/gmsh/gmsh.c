@@ -211,7 +211,6 @@ static int gmsh_read(io_model *model, planish_error *error) {
     if (!status)
         status = gmsh_read_data(&reader);
     io_text_release(&reader.text);
-    io_numbers_destroy(reader.numbers);
     pl_free(reader.entity);
     pl_free(reader.data);
     return status;

@@ -141,14 +141,10 @@ static int count_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
         const int status = read_head(reader, &cursor, &head, error);
         if (status)
             return status;
-        if (chunk->n_owners == 0 || !same_owner(chunk->owner[chunk->n_owners - 1], head.owner)) {
-            void *grown = pl_grow(chunk->owner, chunk->n_owners, chunk->n_owners + 1,
-                                  &chunk->owner_capacity, sizeof head.owner);
-            if (!grown)
-                return pl_fail_memory(error, "the elements' tags");
-            chunk->owner = grown;
-            chunk->owner[chunk->n_owners++] = head.owner;
-        }
+        if ((chunk->n_owners == 0 || !same_owner(chunk->owner[chunk->n_owners - 1], head.owner)) &&
+            !pl_append(&chunk->owner, &chunk->n_owners, &chunk->owner_capacity, &head.owner,
+                       sizeof head.owner))
+            return pl_fail_memory(error, "the elements' tags");
         if (!skip_tokens(&cursor, head.type->nodes))
             return fail_element(reader, head.at, error);
         const int is_kept = io_element_use(head.type) == IO_KEEP;

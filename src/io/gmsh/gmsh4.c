@@ -46,16 +46,12 @@ int gmsh_compare_entities(const void *left, const void *right) {
 static int add_entity(gmsh_reader *reader, gmsh_entity entity, int32_t tag) {
     int64_t n, group, ignored;
     int32_t *groups;
-    gmsh_entity *grown;
     if (gmsh_skip_reals(reader, entity.dim == 0 && !is_40(reader) ? 3 : 6, "box of an entity") ||
         gmsh_take(reader, 8, &n, "number of physical groups") ||
         gmsh_check_count(reader, n, 2, 4, "physical groups"))
         return PLANISH_ERROR_FORMAT;
-    grown = pl_grow(reader->entity, reader->n_entities, reader->n_entities + 1,
-                    &reader->entity_capacity, sizeof entity);
-    reader->entity = grown ? grown : reader->entity;
     groups = pl_alloc(n, sizeof *groups);
-    int status = grown && groups ? PLANISH_OK : pl_fail_memory(reader->error, "entities");
+    int status = groups ? PLANISH_OK : pl_fail_memory(reader->error, "entities");
     for (int64_t i = 0; !status && i < n; i++) {
         status = gmsh_take(reader, 4, &group, "physical group");
         /* The sign is the orientation of the entity in the group. */
@@ -68,9 +64,11 @@ static int add_entity(gmsh_reader *reader, gmsh_entity entity, int32_t tag) {
         status = entity.index < 0 ? entity.index : PLANISH_OK;
     }
     pl_free(groups);
+    if (!status && !pl_append(&reader->entity, &reader->n_entities, &reader->entity_capacity,
+                              &entity, sizeof entity))
+        status = pl_fail_memory(reader->error, "entities");
     if (status)
         return status;
-    reader->entity[reader->n_entities++] = entity;
     if (entity.dim == 0)
         return PLANISH_OK;
     status = gmsh_take(reader, 8, &n, "number of bounding entities");

@@ -112,13 +112,9 @@ int gmsh_note_data(gmsh_reader *reader, const char *begin, const char *end) {
             return PLANISH_OK;
         break;
     }
-    gmsh_data *grown = pl_grow(reader->data, reader->n_data, reader->n_data + 1,
-                               &reader->data_capacity, sizeof *grown);
-    if (!grown)
-        return pl_fail_memory(reader->error, "the arrays of cells");
-    reader->data = grown;
-    reader->data[reader->n_data++] = data;
-    return PLANISH_OK;
+    return pl_append(&reader->data, &reader->n_data, &reader->data_capacity, &data, sizeof data)
+               ? PLANISH_OK
+               : pl_fail_memory(reader->error, "the arrays of cells");
 }
 
 /* ---- values ------------------------------------------------------------------------------- */

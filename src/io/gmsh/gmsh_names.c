@@ -100,7 +100,7 @@ int gmsh_settle_names(gmsh_reader *reader) {
     gmsh_entity *used = NULL;
     int64_t n_used = 0;
     int status = PLANISH_OK;
-    const int32_t n = model->n_groups;
+    const int64_t n = model->n_groups;
     for (int32_t i = 0; !status && i < n; i++) {
         if (model->group[i].dim != ANY)
             continue;

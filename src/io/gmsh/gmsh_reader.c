@@ -292,7 +292,7 @@ int gmsh_read_nodes(gmsh_reader *reader, int64_t first, int64_t n, int extra) {
 
 int gmsh_end_nodes(gmsh_reader *reader) {
     reader->have_nodes = 1;
-    return io_settle_node_numbers(reader->model, &reader->numbers, reader->error);
+    return io_settle_node_numbers(reader->model, reader->error);
 }
 
 /* ---- elements and pairs ------------------------------------------------------------------- */
@@ -308,7 +308,7 @@ int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at
                               "element %lld: node expected (the file may be cut short, or the "
                               "number of elements is wrong)",
                               (long long)number);
-        const int64_t node = io_node_index(reader->model, reader->numbers, node_number);
+        const int64_t node = io_node_index(reader->model, node_number);
         if (node < 0)
             return io_fail_at(reader->model, at, error, "element %lld: there is no node %lld",
                               (long long)number, (long long)node_number);
@@ -334,7 +334,7 @@ static int hold_pairs(gmsh_reader *reader, int64_t n, int bytes) {
             int64_t number;
             if (gmsh_take(reader, bytes, &number, "node of a periodic pair"))
                 return PLANISH_ERROR_FORMAT;
-            pair[j] = (int32_t)io_node_index(reader->model, reader->numbers, number);
+            pair[j] = (int32_t)io_node_index(reader->model, number);
         }
         /* Gmsh lists pairs of the whole geometry, also where only some groups were saved: a node
          * whose partner is not there stays. */

@@ -46,7 +46,6 @@ typedef struct gmsh_reader {
     int swapped; /* swapped: not this machine's byte order */
     int version; /* 10 to 22, 40, 41; 0: no header has been read */
     int have_nodes, have_elements;
-    io_numbers *numbers; /* of the nodes, or NULL: consecutive */
     gmsh_entity *entity; /* [n_entities], owned, by dim and tag once $Entities are read */
     int64_t n_entities, entity_capacity;
     gmsh_data *data; /* [n_data], owned: what may tell regions, in the file's order */

@@ -210,15 +210,10 @@ typedef struct listing {
 } listing;
 
 int io_hdf5_names_add(io_hdf5 *file, io_hdf5_names *names, char *name) {
-    char **grown =
-        name ? pl_grow(names->name, names->n, names->n + 1, &names->capacity, sizeof name) : NULL;
-    if (!grown) {
-        pl_free(name);
-        return pl_fail_memory(file->error, "the names of objects");
-    }
-    names->name = grown;
-    names->name[names->n++] = name;
-    return PLANISH_OK;
+    if (name && pl_append(&names->name, &names->n, &names->capacity, &name, sizeof name))
+        return PLANISH_OK;
+    pl_free(name);
+    return pl_fail_memory(file->error, "the names of objects");
 }
 
 static herr_t add_name(hid_t group, const char *name, const H5L_info_t *info, void *data) {

@@ -39,16 +39,12 @@ static int add_amended(io_hdf5 *file, const io_hdf5_place *place) {
     if (!model->of_format)
         model->of_format = pl_alloc_zero(1, sizeof(amended));
     amended *a = model->of_format;
-    io_hdf5_place *grown =
-        a ? pl_grow(a->place, a->n, a->n + 1, &a->capacity, sizeof *grown) : NULL;
-    if (grown)
-        a->place = grown;
-    char *path = grown ? pl_copy_text(place->path) : NULL;
-    if (!path)
-        return pl_fail_memory(file->error, "the places of coordinates");
-    a->place[a->n] = *place;
-    a->place[a->n++].path = path;
-    return PLANISH_OK;
+    io_hdf5_place copy = *place;
+    copy.path = a ? pl_copy_text(place->path) : NULL;
+    if (copy.path && pl_append(&a->place, &a->n, &a->capacity, &copy, sizeof copy))
+        return PLANISH_OK;
+    pl_free(copy.path);
+    return pl_fail_memory(file->error, "the places of coordinates");
 }
 
 /* ---- places ------------------------------------------------------------------------------- */

@@ -11,15 +11,12 @@
 #include "io/core/format.h"
 #include "io/nastran/nastran.h"
 
-#include "io/core/bytes.h"
-#include "io/core/number.h"
 #include "io/core/records.h"
 
 #include "base/memory.h"
 #include "base/status.h"
 
 #include <ctype.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,7 +33,6 @@ typedef struct reader {
     int has_wide;                   /* some of which have more than 8 characters */
     int64_t default_system, system; /* that of GRDSET, and of the GRIDs */
     int system_is_rectangular;
-    io_numbers *numbers; /* NULL: consecutive */
     number_range *range; /* [n_ranges] owned: numbers of nodes that rigid elements hold */
     int64_t n_ranges, range_capacity;
 } reader;
@@ -202,41 +198,27 @@ static int count_card(reader *r, nastran_card *c) {
 
 static int read_grid(reader *r, nastran_card *c) {
     io_model *model = r->model;
-    const int64_t node = model->n_nodes;
     io_slice field = {NULL, NULL};
-    int64_t system = 0;
+    int64_t number, system = 0;
     if (!is_named(c, "GRID"))
         return PLANISH_OK;
-    if (node == r->n_grids)
-        return io_bytes_fail_changed(&model->input, r->error);
-    const int status = take_number(r, c, "its number", &model->node_number[node]);
+    int status = take_number(r, c, "its number", &number);
     if (status)
         return status;
     if (nastran_take_field(c, &field) && parse_number(field, &system))
         return fail_card(r, c, "the coordinate system is no whole number");
     system = field.begin == field.end ? r->default_system : system;
-    if (node == 0)
+    if (model->n_nodes == 0)
         r->system = system;
     if (system != r->system)
         return io_fail_at(model, c->line.text.begin, r->error,
                           "GRIDs are in coordinate systems %lld and %lld; write all of them in "
                           "one, the basic system (0), as preprocessors can",
                           (long long)r->system, (long long)system);
-    model->text_offset[node] = nastran_line_field(c).begin - model->input.data;
-    for (int d = 0; d < 3; d++) {
-        double *value = &model->xyz[3 * node + d];
-        *value = 0;
-        if (!nastran_take_field(c, &field) || field.begin == field.end)
-            continue;
-        if (io_parse_packed_real(field.begin, field.end, value) || !isfinite(*value))
-            return io_fail_at(model, field.begin, r->error,
-                              "GRID %lld: '%.*s' is no coordinate (a finite real number)",
-                              (long long)model->node_number[node],
-                              (int)(field.end - field.begin < 24 ? field.end - field.begin : 24),
-                              field.begin);
-    }
-    model->n_nodes++;
-    return PLANISH_OK;
+    status = io_nodes_next(model, number, nastran_line_field(c).begin, r->error);
+    for (int d = 0; d < 3 && !status && nastran_take_field(c, &field); d++)
+        status = io_nodes_coordinate(model, d, field, r->error);
+    return status;
 }
 
 /** Note whether a card makes a rectangular system with the number of that of the GRIDs. */
@@ -254,22 +236,13 @@ static int read_system(reader *r, nastran_card *c) {
 
 static int read_grids(reader *r) {
     io_model *model = r->model;
-    int status = io_model_points(model, r->n_grids, 8, 0, 0, NULL, r->error);
-    if (status)
-        return status;
     /* Free fields are as wide as the narrowest field of the file, or as those that the file has. */
     const int is_short = r->has_short || (r->has_free && !r->has_wide);
-    model->columns = 3;
-    model->field_width = is_short ? NASTRAN_SHORT_FIELD : NASTRAN_LONG_FIELD;
-    model->precision = PLANISH_ROUNDED;
     model->implied_exponent = 1;
-    model->node_number = pl_alloc(r->n_grids, sizeof *model->node_number);
-    if (!model->node_number)
-        return pl_fail_memory(r->error, "the numbers of the GRIDs");
-    model->n_nodes = 0;
-    status = walk(r, "G", read_grid);
-    if (!status && model->n_nodes != r->n_grids)
-        status = io_bytes_fail_changed(&model->input, r->error);
+    int status = io_nodes_begin(model, r->n_grids,
+                                is_short ? NASTRAN_SHORT_FIELD : NASTRAN_LONG_FIELD, r->error);
+    if (!status)
+        status = walk(r, "G", read_grid);
     /* Lengths and angles are in a rectangular system what they are in any other. */
     if (!status && r->system != 0) {
         status = walk(r, "C", read_system);
@@ -280,7 +253,7 @@ static int read_grids(reader *r) {
                              "preprocessors can",
                              model->input.path, (long long)r->system);
     }
-    return status ? status : io_settle_node_numbers(model, &r->numbers, r->error);
+    return status ? status : io_nodes_end(model, r->error);
 }
 
 /* ---- third walk: elements ----------------------------------------------------------------- */
@@ -291,7 +264,7 @@ static int64_t hold_field(reader *r, io_slice field, uint8_t reason) {
     int64_t number;
     if (field.begin == field.end || parse_number(field, &number))
         return 0;
-    const int64_t index = io_node_index(r->model, r->numbers, number);
+    const int64_t index = io_node_index(r->model, number);
     if (index >= 0)
         io_hold_node(r->model, index, reason);
     return number;
@@ -321,7 +294,7 @@ static int read_cell(reader *r, const card_kind *k, nastran_card *c) {
         status = take_number(r, c, "a node", &node);
         if (status)
             return status;
-        const int64_t index = io_node_index(r->model, r->numbers, node);
+        const int64_t index = io_node_index(r->model, node);
         if (index < 0)
             return io_fail_at(r->model, c->line.text.begin, r->error,
                               "%s %lld: there is no GRID %lld", c->name, (long long)number,
@@ -374,12 +347,9 @@ static int hold_fields(reader *r, const card_kind *k, nastran_card *c) {
         const int is_node = names_node(k, c->n - 1, follows_real);
         /* first THRU last: the nodes between these, too; see hold_ranges. */
         if (is_thru && !parse_number(field, &last) && last > number) {
-            number_range *grown =
-                pl_grow(r->range, r->n_ranges, r->n_ranges + 1, &r->range_capacity, sizeof *grown);
-            if (!grown)
+            const number_range range = {number, last};
+            if (!pl_append(&r->range, &r->n_ranges, &r->range_capacity, &range, sizeof range))
                 return pl_fail_memory(r->error, "the nodes of rigid elements");
-            r->range = grown;
-            r->range[r->n_ranges++] = (number_range){number, last};
         }
         is_thru = is_node && nastran_line_begins(field, "THRU");
         if (is_node && !is_thru)
@@ -512,7 +482,6 @@ static int nastran_read(io_model *model, planish_error *error) {
     }
     for (int dim = 1; dim <= 3; dim++)
         io_settle_cell_numbers(io_model_cells(model, dim));
-    io_numbers_destroy(r.numbers);
     pl_free(r.range);
     return status;
 }

@@ -2,8 +2,6 @@
  * what may take their place. */
 #include "io/nastran/nastran.h"
 
-#include "io/core/number.h"
-
 enum {
     LONG_FIELDS = 4,  /* two such lines are a row */
     LAST_COLUMN = 72, /* behind it stands the mark of the continuation */
@@ -109,7 +107,7 @@ static int continue_card(nastran_card *c) {
         const io_slice text = nastran_line_field(c), field = io_slice_trim(text);
         double value;
         if (field.begin < field.end && *field.begin != '+' && *field.begin != '*' &&
-            !io_parse_packed_real(field.begin, field.end, &value))
+            !io_slice_real(field, 1, &value))
             set_wrong(c, field.begin,
                       c->line.is_long ? "a number behind the four fields of a long line"
                                       : "a number behind the eight fields of a line");
@@ -223,7 +221,5 @@ int nastran_field(const io_model *model, io_cursor *cursor, int d, io_field *fie
         }
     }
     cursor->at = field->end;
-    return number.begin == number.end
-               ? 0
-               : io_parse_packed_real(number.begin, number.end, &field->value);
+    return number.begin == number.end ? 0 : io_slice_real(number, 1, &field->value);
 }

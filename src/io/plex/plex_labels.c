@@ -52,14 +52,12 @@ static int is_note(const char *label) {
 static int add_set(labels *l, const char *path, const char *label, char **value) {
     plex_reader *r = l->r;
     char points[IO_HDF5_PATH_SIZE];
-    set *grown = pl_grow(l->set, l->n, l->n + 1, &l->capacity, sizeof *grown);
-    if (grown)
-        l->set = grown;
-    char *copy = grown ? pl_copy_text(label) : NULL;
-    if (!copy)
+    const set named = {.label = pl_copy_text(label), .value = *value};
+    set *s = named.label ? pl_append(&l->set, &l->n, &l->capacity, &named, sizeof named) : NULL;
+    if (!s) {
+        pl_free(named.label);
         return pl_fail_memory(r->error, "the labels of the file");
-    set *s = &l->set[l->n++];
-    *s = (set){.label = copy, .value = *value};
+    }
     *value = NULL;
     int status = io_hdf5_path(r->file, points, "%s/indices", path);
     if (!status && io_hdf5_kind_of(r->file, points) != IO_HDF5_NONE) /* else it has no points */

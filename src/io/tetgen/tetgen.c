@@ -132,7 +132,7 @@ static int read_corners(const table *t, io_cursor *cursor, int64_t row, planish_
         if (line_integer(cursor, &number))
             return io_fail_at(&t->view, cursor->at, error, "a node of %s %lld was expected",
                               t->what, (long long)(t->first + row));
-        const int64_t node = io_node_index(model, NULL, number);
+        const int64_t node = io_node_index(model, number);
         if (node < 0)
             return io_fail_at(&t->view, cursor->at, error,
                               "%s %lld has node %lld, but there are nodes %lld to %lld only",

@@ -207,15 +207,11 @@ static void begin_piece(xml_walk *w) {
         piece.first_point = before->first_point + before->n_points;
         piece.first_cell = before->first_cell + before->n_cells;
     }
-    vtu_piece *grown = pl_grow(document->piece, document->n_pieces, document->n_pieces + 1,
-                               &document->piece_capacity, sizeof *grown);
-    if (!grown || document->n_pieces == INT32_MAX) {
-        fail(w, pl_fail_memory(document->error, "the pieces of the file"));
-        return;
-    }
-    document->piece = grown;
-    document->piece[document->n_pieces++] = piece;
     w->in_piece = 1;
+    if (document->n_pieces == INT32_MAX ||
+        !pl_append(&document->piece, &document->n_pieces, &document->piece_capacity, &piece,
+                   sizeof piece))
+        fail(w, pl_fail_memory(document->error, "the pieces of the file"));
 }
 
 static vtu_role role_of(const xml_walk *w, const char *name) {
@@ -263,17 +259,13 @@ static void begin_array(xml_walk *w) {
     }
     if (array.role == VTU_CELL_DATA)
         array.name = pl_copy_text(name);
-    vtu_array *grown = pl_grow(document->array, document->n_arrays, document->n_arrays + 1,
-                               &document->array_capacity, sizeof *grown);
-    if (grown)
-        document->array = grown;
-    if (!grown || (array.role == VTU_CELL_DATA && !array.name)) {
+    w->array_depth = 1;
+    if ((array.role == VTU_CELL_DATA && !array.name) ||
+        !pl_append(&document->array, &document->n_arrays, &document->array_capacity, &array,
+                   sizeof array)) {
         pl_free(array.name);
         fail(w, pl_fail_memory(document->error, "the arrays of the file"));
-        return;
     }
-    document->array[document->n_arrays++] = array;
-    w->array_depth = 1;
 }
 
 /** Data follow its first underscore; Expat is given nothing more. */
