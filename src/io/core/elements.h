@@ -8,9 +8,13 @@
  *   io_element_reason            why elements that are not kept hold their nodes
  *   io_element_count             count elements that are not kept
  *
- * A reader says which elements its format has; only this file says what planish does with them. To
- * smooth another type, change io_element_use and io_element_cells, and give its rows the order of
- * nodes.
+ * Readers of formats with a list of types use the table: Abaqus, CGNS, Gmsh, MED, Medit, VTK. Each
+ * keeps its own rows and asks here what planish does with a type. The other readers (DMPlex,
+ * Netgen, OFF, Nastran, TetGen) decide by the number of nodes. Medit also refuses lines of higher
+ * order, of which other formats hold the nodes.
+ *
+ * To smooth another type, change io_element_use and io_element_cells, and see to the readers that
+ * decide for themselves.
  */
 #ifndef PL_IO_CORE_ELEMENTS_H
 #define PL_IO_CORE_ELEMENTS_H

@@ -11,7 +11,22 @@
 
 #include "io/core/model.h"
 
-/** Description of a format. */
+/** Description of a format. docs/formats.md, "A new format", says in which order a reader calls
+ *  what.
+ *
+ *  recognise is asked before the name of the file. data are any bytes, not only those of a mesh,
+ * and no more than the first 256 kB, unless the file is HDF5. The first format of the table in
+ *  src/io/file/file.c that says 1 reads the file. So a format whose files may hold the marks of
+ *  another stands before that one. A format without any mark says 0 and goes by its extensions.
+ *
+ *  field is called while the file is written, or the plane of the mesh is sought:
+ *  - by several threads at once, so that it only reads the model;
+ *  - with a cursor at text_offset (d = 0), or where it left the cursor (d > 0). text_offset of an
+ *    absent coordinate is where it would begin, or the end of the line;
+ *  - on bytes that may have changed since they were read. Where read succeeded and nothing changed,
+ *    it must succeed. Otherwise it may fail, but never read outside of the input;
+ *  - the rows of io_field say how it describes what is there, and what is missing.
+ */
 typedef struct io_format {
     const char *name;                                   /* as in --format and in messages */
     const char *const *extensions;                      /* with the dot, NULL-terminated */
@@ -27,9 +42,8 @@ typedef struct io_format {
     /** Whether what is written may have that name, whose extension is one of the format's; NULL: it
      *  may. */
     int (*may_be_called)(const io_model *model, const char *path);
-    /** Text: the field of coordinate d of a node, from a cursor that stands at its place
-     *  (io_model.text_offset) or behind coordinate d - 1; it ends behind coordinate d. 0 or -1.
-     *  NULL: numbers apart by white space and comments. */
+    /** Find the field of coordinate d of a node in text, and leave the cursor behind it. 0 or -1.
+     *  NULL: numbers are apart by white space and comments ('#'). */
     int (*field)(const io_model *model, io_cursor *cursor, int d, io_field *field);
     /** Edit the bytes at model->of_format for coordinates [n_nodes][written]; NULL if spans say
      * all.

@@ -3,7 +3,8 @@
  *   io_memberships_begin, _add, _counted, _destroy   make the lists
  *   io_memberships_entities, _of_nodes               make entities of them
  *
- * Every set says twice what is in it: the first time that is counted, the second time listed.
+ * Every set says twice what is in it: the first time that is counted, the second time listed. The
+ * model owns what comes of it.
  */
 #ifndef PL_IO_CORE_MEMBERSHIPS_H
 #define PL_IO_CORE_MEMBERSHIPS_H
@@ -29,14 +30,16 @@ void io_memberships_add(io_memberships *memberships, int64_t thing, int32_t tag)
 /** Note that all have been counted: next they are to be listed. */
 int io_memberships_counted(io_memberships *memberships, planish_error *error);
 
-/** Find the entities of n things from first on, made if new: entity [n]. Their physical tags are
- * the sets of the thing, their tag is 1 + region [n], or 0 where region is NULL. With dim 0 a thing
- * in no set has none (-1). */
+/** Find the entities of n things from first on, made if new: entity [n], which the caller has
+ *  allocated (for cells: by io_cells_reserve, with_entity). Their physical tags are the sets of the
+ * thing, their tag is 1 + region [n], or 0 where region is NULL. With dim 0 a thing in no set has
+ * none (-1). */
 int io_memberships_entities(const io_memberships *memberships, io_model *model, int dim,
                             int64_t first, int64_t n, const int32_t *region, int32_t *entity,
                             planish_error *error);
 
-/** Find the entities of all nodes, which the things are: model->node_entity. */
+/** Find the entities of all nodes, which the things are, and allocate model->node_entity for them.
+ */
 int io_memberships_of_nodes(const io_memberships *memberships, io_model *model,
                             planish_error *error);
 

@@ -12,6 +12,19 @@
  * their coordinates in the file), the triangles and tetrahedra, which nodes other things in the
  * file hold, and the names of groups. Nothing else of the file is kept, because the writer copies
  * the file's own bytes around the coordinates it replaces.
+ *
+ * Functions of src/io report in one of four ways; a docstring says which where it is not clear:
+ *
+ *   a status          0, or a negative planish_status with *error filled in. The caller returns it
+ *                     as it is. Functions that fail or check, and all that have an error to fill in
+ *   0 or -1           -1 without an error: io_parse_..., io_integer, io_real, io_slice_integer. The
+ *                     caller knows what was expected, and says so by io_fail_at
+ *   1 or 0            0 at the end: functions that take the next item of a line or card
+ *   an index or -1    io_..._find, io_node_index; of a table a pointer or NULL. io_model_entity: an
+ *                     index or a negative status
+ *
+ * A function that reads records (records.h) fills in its parameter error, which may be NULL, and
+ * never the error of the reader: several threads call it at the same time.
  */
 #ifndef PL_IO_CORE_MODEL_H
 #define PL_IO_CORE_MODEL_H
@@ -40,7 +53,7 @@ typedef struct io_bytes {
 } io_bytes;
 
 typedef enum io_encoding {
-    IO_TEXT,    /* columns tokens apart by white space */
+    IO_TEXT,    /* text; io_format.field says how */
     IO_FLOAT32, /* binary, in the byte order of swapped */
     IO_FLOAT64
 } io_encoding;
@@ -57,15 +70,25 @@ typedef struct io_span {
     int n_components; /* and how many stand side by side; 0: all */
 } io_span;
 
-/** Place of a coordinate in text, and of the number that replaces it. */
+/** Place of a coordinate in text, and of the number that replaces it. Three kinds:
+ *
+ *   numbers apart by white space   begin .. end is the number, all else 0
+ *   fixed columns (Nastran)        begin .. end is the field with its blanks; width, is_fixed
+ *   items apart by commas (Abaqus) begin .. end is the item without blanks; width
+ *
+ *  Where the line ends before a field, begin and end are its end, and lead is what belongs between.
+ */
 typedef struct io_field {
     const char *begin, *end; /* its characters; blanks around it are some of these where fields
                                 have a fixed width */
     double value;            /* 0 where the field is empty */
-    int width;               /* characters that a number may have there; 0: any number */
-    int is_fixed;            /* blanks fill up what a number leaves of end - begin */
+    int width;               /* characters that a number may have there, no fewer than
+                                io_model.field_width: values are rounded to that before they are
+                                judged, and a narrower field would change them; 0: any number */
+    int is_fixed;            /* numbers stand left in begin .. end, and blanks fill it up */
     const char *lead;        /* [n_lead] what must stand before a number where the file has no field
-                                for it, behind the fields before it in full width; or NULL */
+                                for it, behind the fields before it in full width; NULL: the field
+                                is there. With n_lead 0: it is missing, and needs nothing before */
     int n_lead;              /* IO_LEAD_SIZE at most */
     char made[12];           /* may be the lead, where it differs from field to field */
 } io_field;
@@ -89,12 +112,13 @@ typedef struct io_edits {
 typedef struct io_cells {
     int64_t n, capacity;
     int32_t *nodes;  /* [n][dim + 1], indices of nodes (not the file's numbers) */
-    int32_t *entity; /* [n] index into io_model.entity, or NULL: the file has none */
+    int32_t *entity; /* [n] index into io_model.entity, or NULL: the file has none. A reader may
+                        put the file's tags here first, for io_model_index_tags */
     int64_t *number; /* [n] the file's element numbers, or NULL: 1, 2, 3 ... from first_number */
     int64_t first_number;
     int32_t *region; /* [n] which region each is of, where entities say more than that; or NULL: the
                         entity. A reader that wants it allocates it */
-    int64_t n_plain; /* the last of them say nothing of their nodes (io_model_find_plain) */
+    int64_t n_plain; /* the last of them say nothing of their nodes (finish.c) */
 } io_cells;
 
 /** Return the number of cells that say something of their nodes: the first ones. */
@@ -171,8 +195,9 @@ typedef struct io_model {
     int threads;
     double flatness; /* how far off their plane nodes may be, of the diagonal; 0: by the digits */
     int is_isolated; /* the HDF5 library is to be called where its crash does no harm (child.h) */
-    planish_precision precision; /* PLANISH_FLOAT: values are rounded to float; _ROUNDED: see */
-    int field_width;             /* narrowest field of a coordinate, with PLANISH_ROUNDED */
+    planish_precision precision; /* PLANISH_FLOAT: values are rounded to float; _ROUNDED: to
+                                    field_width characters */
+    int field_width;             /* of the narrowest field of a coordinate */
     int implied_exponent;        /* exponents are written without an e (Nastran) */
     int columns;                 /* coordinates of a node in the file: 2 or 3 */
     int64_t n_nodes;
@@ -190,7 +215,8 @@ typedef struct io_model {
                             and text_offset are of places */
     int64_t n_places;    /* with place_node */
     uint8_t *hold;       /* [n_nodes] bits IO_HELD_... */
-    int32_t *node_entity; /* [n_nodes] entity of the node (Medit: reference), or NULL */
+    int32_t *node_entity; /* [n_nodes] entity of the node (Medit: reference), or NULL. First it may
+                             hold tags, as io_cells.entity may */
     int32_t *periodic;    /* [n_periodic][2] pairs of periodic nodes, indices */
     int64_t n_periodic, periodic_capacity;
     io_cells line, triangle, tetrahedron; /* lines of two nodes; in no order that means anything */
@@ -265,7 +291,8 @@ void io_model_clear_entities(io_model *model);
 /** Return whether there is an entity of dim and tag without physical groups. */
 int io_model_has_entity(const io_model *model, int dim, int32_t tag);
 
-/** Replace tags [n] by the entities of dim that have them. */
+/** Replace tags [n], which io_cells.entity or node_entity holds until then, by the entities of dim
+ *  that have them, made if new. */
 int io_model_index_tags(io_model *model, int dim, int32_t *tags, int64_t n, planish_error *error);
 
 /** Replace tags in the same way, but none by -1: it has no entity. */
@@ -338,12 +365,13 @@ int io_fail_at(const io_model *model, const char *at, planish_error *error, cons
 
 /** Check a declared count before anything is allocated: n things of size bytes each at least must
  *  fit into rest, where the first of them stands. In text the last byte of the last thing may be
- *  missing, as nothing need follow its last number. what: the things, for the message. */
+ *  missing, as nothing need follow its last number. what: the things, for the message. For nodes
+ *  and elements call io_check_count. */
 int io_check_room(const io_model *model, io_cursor rest, int64_t n, int64_t size, const char *what,
                   planish_error *error);
 
-/** Check the same as io_check_room, and that n is at most INT32_MAX: things that planish numbers.
- */
+/** Check the same as io_check_room, and that n is at most INT32_MAX, as planish numbers nodes and
+ *  elements by 32 bits: the error names the place of the count. */
 int io_check_count(const io_model *model, io_cursor rest, int64_t n, int64_t size, const char *what,
                    planish_error *error);
 

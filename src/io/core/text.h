@@ -88,7 +88,8 @@ io_slice io_next_word(io_cursor *cursor);
 int io_integer(io_cursor *cursor, int64_t *value);
 int io_real(io_cursor *cursor, double *value);
 
-/** Find the first place at or after from that begins a line with name (a section's end), or end. */
+/** Find the first place at or after from that begins a line with name (a section's end), or end.
+ *  Lines end with \n here: \r alone, which io_next_line knows, ends none. */
 const char *io_find_line(const char *from, const char *end, const char *name);
 
 #endif
