@@ -2,6 +2,7 @@
 #include "plan/plan.h"
 
 #include "base/status.h"
+#include "plan/make.h"
 
 #include <inttypes.h>
 #include <string.h>

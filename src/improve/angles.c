@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "base/parts.h"
 #include "base/status.h"
+#include "plan/ghosts.h"
 
 #include <math.h>
 #include <string.h>

@@ -13,6 +13,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/parts.h"
+#include "plan/ghosts.h"
 
 #include <string.h>
 

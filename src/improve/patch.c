@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/parts.h"
+#include "plan/ghosts.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,6 +5,8 @@
 #include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
+#include "plan/ghosts.h"
+#include "plan/make.h"
 
 #include <math.h>
 

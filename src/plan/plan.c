@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
+#include "plan/ghosts.h"
 
 #include <string.h>
 

@@ -1,16 +1,12 @@
 /* plan: all facts about one connectivity that smoothing needs, computed once.
  *
  * plan.c
- *   pl_plan_make (make.c), pl_plan_destroy     make and free a plan
+ *   pl_plan_destroy                            free a plan; make.h makes one
  *   pl_plan_problem                            the local problem of its stars
  *   pl_plan_colours, _order, _number_stars     colours; coordinates along the curve; stars
  *   pl_plan_points, _all_points, _dense        the caller's coordinates
  *   pl_plan_element, _node, _inner             the caller's numbers; inner ones
  *   pl_view_of_all_elements, pl_any_moves, pl_plan_check_call    what measurements and calls need
- * ghosts.c: nodes that other processes move; all empty where the whole mesh is in one process
- *   pl_ghosts_create, _destroy                 the ghosts of a plan
- *   pl_ghosts_note, _send, _receive            before and after the visits of a colour
- *   pl_ghosts_wake, _update                    stars around ghosts that have moved; their values
  * check_options.c
  *   pl_options_check                           the values of planish_options
  */
@@ -106,12 +102,7 @@ struct planish_plan {
     pl_thread_tally *tally; /* [threads] of the sweep under way */
 };
 
-/* ---- make.c and plan.c ---------------------------------------------------------------------- */
-
-/** Make a plan in context, which the caller has entered. options are checked. NULL: *status and
- * error say why. The caller destroys the plan. */
-planish_plan *pl_plan_make(const planish_mesh *mesh, const planish_options *options,
-                           pl_context *context, int *status, planish_error *error);
+/* ---- plan.c --------------------------------------------------------------------------------- */
 
 /** Free the plan, but not its context. */
 void pl_plan_destroy(planish_plan *plan);
@@ -174,33 +165,6 @@ static inline int pl_any_moves(const uint8_t *mobility, const int32_t *node, int
  *  begins with it. */
 int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
                        const planish_options *options, planish_error *error);
-
-/* ---- ghosts.c ------------------------------------------------------------------------------- */
-
-/** Find the ghosts of the plan, if the mesh is in parts. order [n_nodes]: the mesh's numbers by
- *  inner ones. Destroy them in any case. Errors: _MEMORY. */
-int pl_ghosts_create(planish_plan *plan, const planish_mesh *mesh, const int32_t *order,
-                     planish_error *error);
-
-/** Free the arrays of ghosts. */
-void pl_ghosts_destroy(pl_ghosts *ghosts);
-
-/** Note where the nodes of the SHARED stars begin .. end - 1 are, before their visits. */
-void pl_ghosts_note(const planish_plan *plan, const pl_visits *visits, int64_t begin, int64_t end);
-
-/** Tell the other processes which of these nodes have moved, after their visits. */
-void pl_ghosts_send(const planish_plan *plan, const pl_visits *visits, int64_t begin, int64_t end);
-
-/** Take the places of ghosts that the other processes have sent. */
-void pl_ghosts_receive(const planish_plan *plan);
-
-/** Wake the stars around ghosts that are not where they were before: [n_nodes][dim] by inner
- * numbers.
- */
-void pl_ghosts_wake(const planish_plan *plan, const double *before);
-
-/** Fetch a value of size bytes for each ghost, by inner numbers. */
-void pl_ghosts_update(const planish_plan *plan, void *values, int64_t size);
 
 /* ---- check_options.c ------------------------------------------------------------------------ */
 

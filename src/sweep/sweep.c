@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
+#include "plan/ghosts.h"
 
 #include <math.h>
 #include <string.h>

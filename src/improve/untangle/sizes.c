@@ -5,6 +5,7 @@
 #include "base/parts.h"
 #include "geometry/cube_root.h"
 #include "geometry/simplex.h"
+#include "plan/ghosts.h"
 
 #include <math.h>
 #include <string.h>

@@ -8,6 +8,7 @@
 #include "base/parts.h"
 #include "base/status.h"
 #include "improve/patch.h"
+#include "plan/ghosts.h"
 
 #include <math.h>
 #include <string.h>

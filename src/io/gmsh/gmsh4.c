@@ -14,7 +14,7 @@
  * Those between parts, whose parent is of a higher dimension, are nothing of the geometry: their
  * elements hold no nodes.
  */
-#include "io/gmsh/gmsh_reader.h"
+#include "io/gmsh/gmsh.h"
 
 #include <stdlib.h>
 
@@ -33,13 +33,6 @@ static int short_size(const gmsh_reader *reader) {
 }
 
 /* ---- entities ----------------------------------------------------------------------------- */
-
-int gmsh_compare_entities(const void *left, const void *right) {
-    const gmsh_entity *a = left, *b = right;
-    if (a->dim != b->dim)
-        return a->dim < b->dim ? -1 : 1;
-    return (a->tag > b->tag) - (a->tag < b->tag);
-}
 
 /** Add an entity, which in the model has that tag; at the cursor are its box (a point: its
  *  coordinates), physical groups and boundary. */

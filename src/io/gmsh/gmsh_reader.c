@@ -137,6 +137,13 @@ static const io_element_type types[] = {
     [137] = {NULL, IO_TETRAHEDRON, 3, 16, NULL},
 };
 
+int gmsh_compare_entities(const void *left, const void *right) {
+    const gmsh_entity *a = left, *b = right;
+    if (a->dim != b->dim)
+        return a->dim < b->dim ? -1 : 1;
+    return (a->tag > b->tag) - (a->tag < b->tag);
+}
+
 int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
                    const io_element_type **type, planish_error *error) {
     const int is_known = number > 0 && number < (int64_t)(sizeof types / sizeof *types) &&

@@ -7,9 +7,6 @@
  *   gmsh_make_nodes, gmsh_read_nodes      nodes of all versions
  *   gmsh_block, gmsh_read_element         elements of all versions
  *   gmsh_periodic                         periodic pairs of all versions
- *   gmsh_names.c                          names of groups
- *   gmsh_data.c                           values of elements that may tell regions
- *   gmsh2.c, gmsh_copies.c, gmsh4.c       sections of MSH 1 and 2, and of MSH 4
  *
  * A reader stands with its cursor behind the name of a section and leaves it before the section's
  * end mark, which gmsh.c checks. Functions return 0 or a negative planish_status, *reader->error
@@ -121,31 +118,5 @@ int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at
 /** Read $Periodic of all versions: the nodes of pairs of entities are held. In MSH 2 the section is
  *  text in binary files, too. */
 int gmsh_periodic(gmsh_reader *reader);
-
-/** Read $PhysicalNames; and, when all is read, give names without a dimension theirs. */
-int gmsh_names(gmsh_reader *reader);
-int gmsh_settle_names(gmsh_reader *reader);
-
-/** Skip the binary values of $NodeData and the like, by their count. with_nodes: each value is of
- *  as many nodes as it says. Return 0, or -1: they are not what they should be; the cursor has not
- *  moved then. */
-int gmsh_skip_data(gmsh_reader *reader, int with_nodes);
-
-/** Note the section $ElementData behind whose name begin is, and whose end mark is at end, if it
- *  may tell regions. Only a lack of memory is an error. */
-int gmsh_note_data(gmsh_reader *reader, const char *begin, const char *end);
-
-/** Make arrays (arrays.h) of the sections that gmsh_note_data has kept, when all has been read and
- *  the elements' numbers are settled. What is malformed is passed over. */
-int gmsh_read_data(gmsh_reader *reader);
-
-/** Read sections of MSH 1 and 2, and of MSH 4; gmsh2_merge_copies follows the elements of MSH 2. */
-int gmsh2_nodes(gmsh_reader *reader);
-int gmsh2_elements(gmsh_reader *reader);
-int gmsh2_merge_copies(gmsh_reader *reader);
-int gmsh4_entities(gmsh_reader *reader);
-int gmsh4_partitioned_entities(gmsh_reader *reader);
-int gmsh4_nodes(gmsh_reader *reader);
-int gmsh4_elements(gmsh_reader *reader);
 
 #endif
