@@ -17,7 +17,7 @@
  *
  *   a status          0, or a negative planish_status with *error filled in. The caller returns it
  *                     as it is. Functions that fail or check, and all that have an error to fill in
- *   0 or -1           -1 without an error: io_parse_..., io_integer, io_real, io_slice_integer. The
+ *   0 or -1           -1 without an error: io_parse_..., io_integer, io_real, io_slice_real. The
  *                     caller knows what was expected, and says so by io_fail_at
  *   1 or 0            0 at the end: functions that take the next item of a line or card
  *   an index or -1    io_..._find, io_node_index; of a table a pointer or NULL. io_model_entity: an

@@ -33,7 +33,7 @@ typedef struct listing {
     int32_t *slot; /* [mask + 1] a cell, or -1; of equal cells any one */
     int64_t mask;
     uint64_t *around; /* [n] bit 0: elements have it; the others are 0 if these close around it */
-    uint8_t *place;   /* [n] where each cell is, then whether it is plain */
+    uint8_t *where;   /* [n] where each cell is, then whether it is plain */
     int is_missing;   /* elements have one that is not listed */
 } listing;
 
@@ -119,7 +119,7 @@ static void place_cells(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         const uint64_t around = l->around[find_or_add(l, l->cells->nodes + i * l->corners, -1)];
-        l->place[i] = around == 0 ? NOWHERE : around == 1 ? INSIDE : BOUNDARY;
+        l->where[i] = around == 0 ? NOWHERE : around == 1 ? INSIDE : BOUNDARY;
     }
 }
 
@@ -136,15 +136,15 @@ static int mark_plain(listing *l, int64_t n_tags, planish_error *error) {
     if (!count)
         return pl_fail_memory(error, "the groups of facets");
     for (int64_t i = 0; i < l->cells->n; i++)
-        count[l->place[i] * n_tags + tag_of(l->cells, i)]++;
+        count[l->where[i] * n_tags + tag_of(l->cells, i)]++;
     for (int p = 0; p < N_PLACES; p++)
         for (int32_t k = 1; k < n_tags; k++)
             if (count[p * n_tags + k] > count[p * n_tags + usual[p]])
                 usual[p] = k;
     pl_free(count);
     for (int64_t i = 0; i < l->cells->n; i++) {
-        const int at = l->place[i];
-        l->place[i] =
+        const int at = l->where[i];
+        l->where[i] =
             (at == INSIDE || (at == BOUNDARY && has_boundary)) && tag_of(l->cells, i) == usual[at];
     }
     return PLANISH_OK;
@@ -201,9 +201,9 @@ static int find_plain(io_model *model, int dim, int solid_dim, planish_error *er
                  .slot = pl_alloc(n_slots, sizeof *l.slot),
                  .mask = n_slots - 1,
                  .around = pl_alloc_zero(cells->n, sizeof *l.around),
-                 .place = pl_alloc(cells->n, 1)};
+                 .where = pl_alloc(cells->n, 1)};
     int status = PLANISH_OK;
-    if (!l.slot || !l.around || !l.place) {
+    if (!l.slot || !l.around || !l.where) {
         status = pl_fail_memory(error, "the facets of the file");
     } else {
         memset(l.slot, -1, (size_t)n_slots * sizeof *l.slot);
@@ -213,12 +213,12 @@ static int find_plain(io_model *model, int dim, int solid_dim, planish_error *er
             pl_parallel_for(model->threads, cells->n, CHUNK, place_cells, &l);
             status = mark_plain(&l, (int64_t)model->n_entities + 1, error);
             if (!status)
-                status = move_behind(cells, dim, l.place, error);
+                status = move_behind(cells, dim, l.where, error);
         }
     }
     pl_free(l.slot);
     pl_free(l.around);
-    pl_free(l.place);
+    pl_free(l.where);
     return status;
 }
 
