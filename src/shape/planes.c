@@ -83,13 +83,8 @@ static int look_at_edge(plane_search *w, int32_t a, int32_t b, const spoke *spok
         return 0;
     }
     pl_ridges *ridges = w->ridges;
-    pl_ridge *grown =
-        pl_grow(ridges->ridge, ridges->n, ridges->n + 1, &ridges->capacity, sizeof *grown);
-    if (!grown)
-        return -1;
-    ridges->ridge = grown;
-    grown[ridges->n++] = (pl_ridge){{a, b}, {.is_tagged = t != NULL, .tag = t ? t->tag : 0}};
-    return 0;
+    const pl_ridge ridge = {{a, b}, {.is_tagged = t != NULL, .tag = t ? t->tag : 0}};
+    return pl_append(&ridges->ridge, &ridges->n, &ridges->capacity, &ridge, sizeof ridge) ? 0 : -1;
 }
 
 /** Look at the edges from node a to higher ones. Returns -1 without memory. */

@@ -183,13 +183,8 @@ static void find_groups(groups *g, uint8_t *slides) {
 /* ---- copies -------------------------------------------------------------------------------- */
 
 static int add_follower(pl_periodic *out, int64_t *capacity, pl_follower follower) {
-    pl_follower *grown =
-        pl_grow(out->follower, out->n_followers, out->n_followers + 1, capacity, sizeof *grown);
-    if (!grown)
-        return -1;
-    out->follower = grown;
-    out->follower[out->n_followers++] = follower;
-    return 0;
+    return pl_append(&out->follower, &out->n_followers, capacity, &follower, sizeof follower) ? 0
+                                                                                              : -1;
 }
 
 /** Find the node that stands next to a follower as node stands next to its leader: a node of the

@@ -481,7 +481,7 @@ static void what_is_wrong_is_said(void **state) {
         {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 3", "3", "5") END,
          "not among the points"},
         {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2", "3", "22") END,
-         "type 22 (quadratic triangle): triangles and tetrahedra of higher order"},
+         "type 22 (quadratic triangle): elements of second order"},
         {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2", "3", "300") END,
          "type 300 is none of VTK's"},
         {POLYHEDRON("", "-1 13") END, "cut short"},

@@ -101,13 +101,7 @@ static void note_theirs(int32_t ghost, const void *value, void *taker) {
         k.node[j] = (int32_t)(found - w->part->node_number);
     }
     qsort(k.node, (size_t)plan->dim + 1, sizeof *k.node, compare_nodes);
-    key *theirs = pl_grow(w->theirs, w->n_theirs, w->n_theirs + 1, &w->capacity, sizeof *theirs);
-    if (!theirs) {
-        w->failed = 1;
-        return;
-    }
-    w->theirs = theirs;
-    w->theirs[w->n_theirs++] = k;
+    w->failed |= !pl_append(&w->theirs, &w->n_theirs, &w->capacity, &k, sizeof k);
 }
 
 int pl_share_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,

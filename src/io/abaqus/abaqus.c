@@ -233,10 +233,7 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
     abaqus_squeeze(abaqus_unquoted(item), name);
     const io_element_type type = find_type(name, r->has_cavities);
     if (io_element_use(&type) == IO_REFUSE)
-        return io_fail_at(r->model, b->parameters.begin, r->error,
-                          "elements of second order (%s) cannot be smoothed; export the mesh "
-                          "with straight elements of first order",
-                          name);
+        return io_fail_at(r->model, b->parameters.begin, r->error, "%s: " IO_OF_SECOND_ORDER, name);
     const int is_here = b->scope == r->scope;
     const io_cells *cells = is_here ? io_element_cells(r->model, &type) : NULL;
     abaqus_range range = {.dim = cells ? io_element_dim(&type) : 0, .begin = cells ? cells->n : 0};

@@ -106,9 +106,7 @@ int abaqus_fail(const abaqus_reader *r, const abaqus_block *b, const char *text)
 }
 
 int abaqus_fail_item(const abaqus_reader *r, io_slice item, const char *text) {
-    const int64_t length = io_slice_length(item);
-    return io_fail_at(r->model, item.begin, r->error, "'%.*s' %s", (int)(length < 32 ? length : 32),
-                      item.begin, text);
+    return io_fail_at(r->model, item.begin, r->error, "'%.*s' %s", IO_QUOTED(item), text);
 }
 
 /* ---- blocks ------------------------------------------------------------------------------- */

@@ -1,8 +1,7 @@
 /* elements: the table of element types that each format fills in, and what follows from a row.
  *
- *   io_shape, io_element_type    a row: shape, order, number of nodes, order of the nodes
+ *   io_shape, io_element_type    a row: shape, order, number of nodes
  *   io_shape_dim                 dimension of a shape
- *   io_element_find              the row of a name
  *   io_element_use               whether planish keeps, holds or refuses elements of a type
  *   io_element_cells             the cells of the model that elements of a type become
  *   io_element_reason            why elements that are not kept hold their nodes
@@ -42,9 +41,6 @@ typedef struct io_element_type {
     uint8_t shape;    /* io_shape */
     uint8_t order;    /* 1: straight, its nodes are its corners; 0: fewer nodes than corners */
     uint16_t nodes;   /* 0: each element says how many */
-    /** [nodes] place in the file of each node of VTK's cell; NULL: the file has VTK's order. Rows
-     * of types that are not kept may leave it out. */
-    const uint8_t *vtk_order;
 } io_element_type;
 
 typedef enum io_element_treatment {
@@ -52,6 +48,11 @@ typedef enum io_element_treatment {
     IO_KEEP,  /* a cell of the model */
     IO_REFUSE /* fail: a curved triangle or tetrahedron, whose corners alone must not move */
 } io_element_treatment;
+
+/** Why elements are refused (IO_REFUSE), as a format string without arguments. */
+#define IO_OF_SECOND_ORDER                                                                         \
+    "elements of second order or higher cannot be smoothed; export the mesh with straight "        \
+    "elements of first order"
 
 /** Dimension of a shape, 0 to 3. */
 static inline int io_shape_dim(int shape) {
@@ -86,15 +87,6 @@ static inline uint8_t io_element_reason(const io_element_type *type) {
 /** Count n elements that are not kept: among the lower ones (points, lines) or the others. */
 static inline void io_element_count(io_model *model, const io_element_type *type, int64_t n) {
     *(type->shape == IO_POINT || type->shape == IO_LINE ? &model->n_lower : &model->n_other) += n;
-}
-
-/** Find the row of a name in table [n], letter case respected. Return NULL if there is none. */
-static inline const io_element_type *io_element_find(const io_element_type *table, int n,
-                                                     const char *name, int64_t length) {
-    for (int i = 0; i < n; i++)
-        if (table[i].name && io_slice_is((io_slice){name, name + length}, table[i].name, 0))
-            return &table[i];
-    return NULL;
 }
 
 #endif

@@ -9,7 +9,6 @@
 #include "base/parallel.h"
 #include "base/round.h"
 #include "base/status.h"
-#include "io/core/binary.h"
 #include "io/core/bytes.h"
 
 enum {
@@ -301,13 +300,14 @@ int io_nodes_next(io_model *model, int64_t number, const char *at, planish_error
 }
 
 int io_nodes_coordinate(io_model *model, int d, io_slice field, planish_error *error) {
-    const int64_t node = model->n_nodes - 1, length = io_slice_length(field);
+    const int64_t node = model->n_nodes - 1;
     double *value = &model->xyz[3 * node + d];
-    if (length == 0 || (!io_slice_real(field, model->implied_exponent, value) && isfinite(*value)))
+    if (field.begin == field.end ||
+        (!io_slice_real(field, model->implied_exponent, value) && isfinite(*value)))
         return PLANISH_OK;
-    return io_fail_at(
-        model, field.begin, error, "node %lld: '%.*s' is no coordinate (a finite real number)",
-        (long long)model->node_number[node], (int)(length < 24 ? length : 24), field.begin);
+    return io_fail_at(model, field.begin, error,
+                      "node %lld: '%.*s' is no coordinate (a finite real number)",
+                      (long long)model->node_number[node], IO_QUOTED(field));
 }
 
 int io_nodes_end(io_model *model, planish_error *error) {

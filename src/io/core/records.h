@@ -7,7 +7,7 @@
  *   io_read_point, io_load_point     coordinates of a node from text or binary
  *   io_points, io_read_points        and of many
  *   io_nodes_begin, _next, ...       nodes with numbers, counted in one walk and read in another
- *   io_left, io_hold_node            small helpers of readers
+ *   io_left, io_number, io_hold_node small helpers of readers
  *
  * A reader gives a function that reads records begin .. end-1 from a cursor that stands on the
  * first of them. Where records are many, io_text_records finds the places between (by an index of
@@ -20,6 +20,7 @@
 #ifndef PL_IO_CORE_RECORDS_H
 #define PL_IO_CORE_RECORDS_H
 
+#include "io/core/binary.h"
 #include "io/core/text.h"
 
 /** Read records begin .. end-1 of context; the cursor ends behind the last. error is NULL when the
@@ -109,6 +110,17 @@ int io_nodes_end(io_model *model, planish_error *error);
 /** Return the bytes from the cursor to the end. */
 static inline int64_t io_left(const io_cursor *cursor) {
     return cursor->end - cursor->at;
+}
+
+/** Take the whole number at the cursor, of 4 or 8 bytes, or text (bytes 0). Return 0 or -1. */
+static inline int io_number(io_cursor *cursor, int bytes, int swapped, int64_t *value) {
+    if (bytes == 0)
+        return io_integer(cursor, value);
+    if (io_left(cursor) < bytes)
+        return -1;
+    *value = bytes == 4 ? io_load_i32(cursor->at, swapped) : io_load_i64(cursor->at, swapped);
+    cursor->at += bytes;
+    return 0;
 }
 
 /** Let the file hold node for reason (an IO_HELD_ bit); threads may do so at the same time. */

@@ -40,6 +40,9 @@ static inline int64_t io_slice_length(io_slice s) {
     return s.end - s.begin;
 }
 
+/** The arguments of %.*s for s, or its beginning, in messages. */
+#define IO_QUOTED(s) (int)(io_slice_length(s) < 32 ? io_slice_length(s) : 32), (s).begin
+
 /** Return s without the blanks and tabs around it. */
 static inline io_slice io_slice_trim(io_slice s) {
     while (s.begin < s.end && io_is_blank(*s.begin))

@@ -322,9 +322,9 @@ static int read_binary_block(gmsh_reader *reader, int64_t total, int64_t *done) 
         io_element_count(reader->model, block.type, n);
     for (int64_t i = 0; !status && i < n; i++) {
         at = reader->cursor.at;
-        gmsh_number(reader, &reader->cursor, 4, &number);
+        io_number(&reader->cursor, 4, reader->swapped, &number);
         for (int64_t k = 0; k < n_tags; k++)
-            gmsh_number(reader, &reader->cursor, 4, k < 2 ? &tag[k] : &ignored);
+            io_number(&reader->cursor, 4, reader->swapped, k < 2 ? &tag[k] : &ignored);
         const element_owner owner = {dim, (int32_t)tag[0], (int32_t)tag[1]};
         if (!same_owner(owner, last))
             block.entity = entity_of(reader->model, owner, reader->error);

@@ -217,7 +217,7 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
     int64_t number;
     for (int64_t i = begin; i < end; i++) {
         const char *at = cursor->at;
-        if (gmsh_number(block->reader, cursor, block->bytes, &number))
+        if (io_number(cursor, block->bytes, block->reader->swapped, &number))
             return io_fail_at(block->reader->model, at, error,
                               "number of an element expected (the file may be cut short)");
         if (gmsh_read_element(block, cursor, at, number, block->first + i, error))

@@ -139,7 +139,7 @@ static int read_values(void *context, io_cursor *cursor, int64_t begin, int64_t 
     for (int64_t i = begin; i < end; i++) {
         v->value[i] = 0;
         v->is_whole[i] = 1;
-        if (gmsh_number(v->reader, cursor, is_binary ? 4 : 0, &v->number[i]))
+        if (io_number(cursor, is_binary ? 4 : 0, v->reader->swapped, &v->number[i]))
             return PLANISH_ERROR_FORMAT;
         if (is_binary) {
             real = io_load_f64(cursor->at, v->reader->swapped);

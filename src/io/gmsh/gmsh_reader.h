@@ -2,7 +2,7 @@
  *
  *   gmsh_entity, gmsh_data, gmsh_reader   the state of a reader
  *   gmsh_find_type                        element types by their numbers
- *   gmsh_number, gmsh_take, gmsh_skip_... single numbers
+ *   gmsh_take, gmsh_skip_...              single numbers
  *   gmsh_check_count                      counts that the file can hold
  *   gmsh_make_nodes, gmsh_read_nodes      nodes of all versions
  *   gmsh_block, gmsh_read_element         elements of all versions
@@ -68,19 +68,6 @@ int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
 
 /** Compare two gmsh_entity by dimension and tag, for qsort and bsearch. */
 int gmsh_compare_entities(const void *left, const void *right);
-
-/** Read the number at the cursor, of 4 or 8 bytes, or text (bytes 0). Return 0 or -1. */
-static inline int gmsh_number(const gmsh_reader *reader, io_cursor *cursor, int bytes,
-                              int64_t *value) {
-    if (bytes == 0)
-        return io_integer(cursor, value);
-    if (io_left(cursor) < bytes)
-        return -1;
-    *value = bytes == 4 ? io_load_i32(cursor->at, reader->swapped)
-                        : io_load_i64(cursor->at, reader->swapped);
-    cursor->at += bytes;
-    return 0;
-}
 
 /** Take the reader's next number, of 4 or 8 bytes in binary files; 0: of a section that is text
  *  there, too. Numbers of 4 bytes must fit into 32 bits in text. what: for the message. */

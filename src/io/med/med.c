@@ -31,17 +31,17 @@ typedef struct reader {
 /* ---- types of elements -------------------------------------------------------------------- */
 
 static const io_element_type types[] = {
-    {"TE4", IO_TETRAHEDRON, 1, 4, NULL},   {"TR3", IO_TRIANGLE, 1, 3, NULL},
-    {"SE2", IO_LINE, 1, 2, NULL},          {"PO1", IO_POINT, 1, 1, NULL},
-    {"SE3", IO_LINE, 2, 3, NULL},          {"SE4", IO_LINE, 3, 4, NULL},
-    {"T10", IO_TETRAHEDRON, 2, 10, NULL},  {"TE10", IO_TETRAHEDRON, 2, 10, NULL},
-    {"TR6", IO_TRIANGLE, 2, 6, NULL},      {"TR7", IO_TRIANGLE, 2, 7, NULL},
-    {"QU4", IO_QUADRILATERAL, 1, 4, NULL}, {"QU8", IO_QUADRILATERAL, 2, 8, NULL},
-    {"QU9", IO_QUADRILATERAL, 2, 9, NULL}, {"PY5", IO_PYRAMID, 1, 5, NULL},
-    {"P13", IO_PYRAMID, 2, 13, NULL},      {"PE6", IO_PRISM, 1, 6, NULL},
-    {"P15", IO_PRISM, 2, 15, NULL},        {"P18", IO_PRISM, 2, 18, NULL},
-    {"HE8", IO_HEXAHEDRON, 1, 8, NULL},    {"H20", IO_HEXAHEDRON, 2, 20, NULL},
-    {"H27", IO_HEXAHEDRON, 2, 27, NULL},
+    {"TE4", IO_TETRAHEDRON, 1, 4},   {"TR3", IO_TRIANGLE, 1, 3},
+    {"SE2", IO_LINE, 1, 2},          {"PO1", IO_POINT, 1, 1},
+    {"SE3", IO_LINE, 2, 3},          {"SE4", IO_LINE, 3, 4},
+    {"T10", IO_TETRAHEDRON, 2, 10},  {"TE10", IO_TETRAHEDRON, 2, 10},
+    {"TR6", IO_TRIANGLE, 2, 6},      {"TR7", IO_TRIANGLE, 2, 7},
+    {"QU4", IO_QUADRILATERAL, 1, 4}, {"QU8", IO_QUADRILATERAL, 2, 8},
+    {"QU9", IO_QUADRILATERAL, 2, 9}, {"PY5", IO_PYRAMID, 1, 5},
+    {"P13", IO_PYRAMID, 2, 13},      {"PE6", IO_PRISM, 1, 6},
+    {"P15", IO_PRISM, 2, 15},        {"P18", IO_PRISM, 2, 18},
+    {"HE8", IO_HEXAHEDRON, 1, 8},    {"H20", IO_HEXAHEDRON, 2, 20},
+    {"H27", IO_HEXAHEDRON, 2, 27},
 };
 enum { N_TYPES = sizeof types / sizeof *types };
 
@@ -248,9 +248,11 @@ static int hold_nodes(reader *r, const block *b) {
 }
 
 static int read_block(reader *r, const char *name) {
-    static const io_element_type other = {NULL, IO_ANY_SHAPE, 1, 0, NULL};
-    const io_element_type *type = io_element_find(types, N_TYPES, name, (int64_t)strlen(name));
-    block b = {.type = type ? type : &other};
+    static const io_element_type other = {NULL, IO_ANY_SHAPE, 1, 0};
+    block b = {.type = &other};
+    for (int i = 0; i < N_TYPES; i++)
+        if (strcmp(types[i].name, name) == 0)
+            b.type = &types[i];
     const io_element_treatment use = io_element_use(b.type);
     const int corners = io_element_dim(b.type) + 1;
     int found;
@@ -258,9 +260,7 @@ static int read_block(reader *r, const char *name) {
     if (!status)
         status = io_hdf5_path(r->file, b.path, "%s/NOD", b.group);
     if (!status && use == IO_REFUSE)
-        status = io_hdf5_fail(r->file, b.group,
-                              "elements of second order cannot be smoothed; export the mesh with "
-                              "straight elements of first order");
+        status = io_hdf5_fail(r->file, b.group, IO_OF_SECOND_ORDER);
     if (!status && io_hdf5_kind_of(r->file, b.path) != IO_HDF5_DATASET)
         status = io_hdf5_fail(r->file, b.path,
                               "there are no nodes of these elements (descending connectivity is "

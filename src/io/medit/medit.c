@@ -29,34 +29,34 @@ enum { WORD_SIZE = 4, CODE_DIMENSION = 3, CODE_END = 54, LAST_VERSION = 4 };
 
 /* Codes are libMeshb's (GmfKwdCod), that of RequiredTetrahedra is Mmg's. */
 const medit_keyword medit_keywords[] = {
-    {{"Vertices", IO_POINT, 1, 0, NULL}, 4, MEDIT_VERTICES},
-    {{"Triangles", IO_TRIANGLE, 1, 3, NULL}, 6, MEDIT_ELEMENTS},
-    {{"Tetrahedra", IO_TETRAHEDRON, 1, 4, NULL}, 8, MEDIT_ELEMENTS},
-    {{"Edges", IO_LINE, 1, 2, NULL}, 5, MEDIT_ELEMENTS},
-    {{"Quadrilaterals", IO_QUADRILATERAL, 1, 4, NULL}, 7, MEDIT_ELEMENTS},
-    {{"Hexahedra", IO_HEXAHEDRON, 1, 8, NULL}, 10, MEDIT_ELEMENTS},
-    {{"Prisms", IO_PRISM, 1, 6, NULL}, 9, MEDIT_ELEMENTS},
-    {{"Pyramids", IO_PYRAMID, 1, 5, NULL}, 49, MEDIT_ELEMENTS},
-    {{"QuadrilateralsQ2", IO_QUADRILATERAL, 2, 9, NULL}, 27, MEDIT_ELEMENTS},
-    {{"HexahedraQ2", IO_HEXAHEDRON, 2, 27, NULL}, 33, MEDIT_ELEMENTS},
-    {{"PrismsP2", IO_PRISM, 2, 18, NULL}, 86, MEDIT_ELEMENTS},
-    {{"PyramidsP2", IO_PYRAMID, 2, 14, NULL}, 87, MEDIT_ELEMENTS},
-    {{"EdgesP2", IO_LINE, 2, 3, NULL}, 25, MEDIT_ELEMENTS},
-    {{"TrianglesP2", IO_TRIANGLE, 2, 6, NULL}, 24, MEDIT_ELEMENTS},
-    {{"TetrahedraP2", IO_TETRAHEDRON, 2, 10, NULL}, 30, MEDIT_ELEMENTS},
-    {{"EdgesP3", IO_LINE, 3, 4, NULL}, 92, MEDIT_ELEMENTS},
-    {{"TrianglesP3", IO_TRIANGLE, 3, 10, NULL}, 90, MEDIT_ELEMENTS},
-    {{"TetrahedraP3", IO_TETRAHEDRON, 3, 20, NULL}, 96, MEDIT_ELEMENTS},
-    {{"EdgesP4", IO_LINE, 4, 5, NULL}, 93, MEDIT_ELEMENTS},
-    {{"TrianglesP4", IO_TRIANGLE, 4, 15, NULL}, 91, MEDIT_ELEMENTS},
-    {{"TetrahedraP4", IO_TETRAHEDRON, 4, 35, NULL}, 97, MEDIT_ELEMENTS},
-    {{"Corners", IO_POINT, 1, 1, NULL}, 13, MEDIT_MARKED},
-    {{"RequiredVertices", IO_POINT, 1, 1, NULL}, 15, MEDIT_MARKED},
-    {{"RequiredEdges", IO_LINE, 1, 1, NULL}, 16, MEDIT_MARKED},
-    {{"RequiredTriangles", IO_TRIANGLE, 1, 1, NULL}, 17, MEDIT_MARKED},
-    {{"RequiredTetrahedra", IO_TETRAHEDRON, 1, 1, NULL}, 12, MEDIT_MARKED},
+    {{"Vertices", IO_POINT, 1, 0}, 4, MEDIT_VERTICES},
+    {{"Triangles", IO_TRIANGLE, 1, 3}, 6, MEDIT_ELEMENTS},
+    {{"Tetrahedra", IO_TETRAHEDRON, 1, 4}, 8, MEDIT_ELEMENTS},
+    {{"Edges", IO_LINE, 1, 2}, 5, MEDIT_ELEMENTS},
+    {{"Quadrilaterals", IO_QUADRILATERAL, 1, 4}, 7, MEDIT_ELEMENTS},
+    {{"Hexahedra", IO_HEXAHEDRON, 1, 8}, 10, MEDIT_ELEMENTS},
+    {{"Prisms", IO_PRISM, 1, 6}, 9, MEDIT_ELEMENTS},
+    {{"Pyramids", IO_PYRAMID, 1, 5}, 49, MEDIT_ELEMENTS},
+    {{"QuadrilateralsQ2", IO_QUADRILATERAL, 2, 9}, 27, MEDIT_ELEMENTS},
+    {{"HexahedraQ2", IO_HEXAHEDRON, 2, 27}, 33, MEDIT_ELEMENTS},
+    {{"PrismsP2", IO_PRISM, 2, 18}, 86, MEDIT_ELEMENTS},
+    {{"PyramidsP2", IO_PYRAMID, 2, 14}, 87, MEDIT_ELEMENTS},
+    {{"EdgesP2", IO_LINE, 2, 3}, 25, MEDIT_ELEMENTS},
+    {{"TrianglesP2", IO_TRIANGLE, 2, 6}, 24, MEDIT_ELEMENTS},
+    {{"TetrahedraP2", IO_TETRAHEDRON, 2, 10}, 30, MEDIT_ELEMENTS},
+    {{"EdgesP3", IO_LINE, 3, 4}, 92, MEDIT_ELEMENTS},
+    {{"TrianglesP3", IO_TRIANGLE, 3, 10}, 90, MEDIT_ELEMENTS},
+    {{"TetrahedraP3", IO_TETRAHEDRON, 3, 20}, 96, MEDIT_ELEMENTS},
+    {{"EdgesP4", IO_LINE, 4, 5}, 93, MEDIT_ELEMENTS},
+    {{"TrianglesP4", IO_TRIANGLE, 4, 15}, 91, MEDIT_ELEMENTS},
+    {{"TetrahedraP4", IO_TETRAHEDRON, 4, 35}, 97, MEDIT_ELEMENTS},
+    {{"Corners", IO_POINT, 1, 1}, 13, MEDIT_MARKED},
+    {{"RequiredVertices", IO_POINT, 1, 1}, 15, MEDIT_MARKED},
+    {{"RequiredEdges", IO_LINE, 1, 1}, 16, MEDIT_MARKED},
+    {{"RequiredTriangles", IO_TRIANGLE, 1, 1}, 17, MEDIT_MARKED},
+    {{"RequiredTetrahedra", IO_TETRAHEDRON, 1, 1}, 12, MEDIT_MARKED},
     /* Ridges number edges, RequiredQuadrilaterals quadrilaterals: all held. */
-    {{"PeriodicVertices", IO_POINT, 1, 2, NULL}, 82, MEDIT_PAIRS},
+    {{"PeriodicVertices", IO_POINT, 1, 2}, 82, MEDIT_PAIRS},
 };
 enum { N_KEYWORDS = sizeof medit_keywords / sizeof *medit_keywords };
 
@@ -73,10 +73,7 @@ static int find_keyword(const medit_reader *r, io_slice name, int64_t code, int 
     const medit_keyword *k = &medit_keywords[*keyword];
     const io_element_type *type = &k->type;
     if (io_element_use(type) == IO_REFUSE || (type->shape == IO_LINE && type->order > 1))
-        return io_fail_at(r->model, name.begin, r->error,
-                          "%s: elements of second or higher order cannot be smoothed; export the "
-                          "mesh with straight elements of first order",
-                          type->name);
+        return io_fail_at(r->model, name.begin, r->error, "%s: " IO_OF_SECOND_ORDER, type->name);
     if (k->kind != MEDIT_VERTICES && !r->dim)
         return io_fail_at(r->model, name.begin, r->error, "%s before Dimension", type->name);
     return PLANISH_OK;
@@ -103,7 +100,7 @@ static int set_dimension(medit_reader *r, const char *at, int64_t dim) {
 /** Check the count of a section, whose records begin at the cursor. */
 static int check_count(const medit_reader *r, io_cursor rest, int keyword, int64_t count) {
     const medit_keyword *k = &medit_keywords[keyword];
-    return io_check_room(r->model, rest, count, medit_record_size(r, k), k->type.name, r->error);
+    return io_check_count(r->model, rest, count, medit_record_size(r, k), k->type.name, r->error);
 }
 
 /* ---- text --------------------------------------------------------------------------------- */

@@ -4,20 +4,14 @@
 #include "base/memory.h"
 #include "base/round.h"
 #include "base/status.h"
-#include "io/core/binary.h"
 
 /* ---- numbers ------------------------------------------------------------------------------ */
 
 /** Take the next whole number. Return 0 or -1. */
 static inline int take_integer(const medit_reader *r, io_cursor *cursor, int64_t *value) {
-    if (r->model->is_binary) {
-        *value = r->integer_size == 4 ? io_load_i32(cursor->at, r->swapped)
-                                      : io_load_i64(cursor->at, r->swapped);
-        cursor->at += r->integer_size;
-        return 0;
-    }
-    io_skip_space_comments(cursor, '#');
-    return io_integer(cursor, value);
+    if (!r->model->is_binary)
+        io_skip_space_comments(cursor, '#');
+    return io_number(cursor, r->model->is_binary ? r->integer_size : 0, r->swapped, value);
 }
 
 static inline int take_real(const medit_reader *r, io_cursor *cursor, double *value) {
@@ -33,7 +27,7 @@ static inline int take_real(const medit_reader *r, io_cursor *cursor, double *va
 
 /** Take a number from 1 to limit as an index from 0. */
 static int take_index(const medit_reader *r, io_cursor *cursor, int64_t limit, int64_t record,
-                      planish_error *error, int64_t *index) {
+                      int64_t *index, planish_error *error) {
     const char *at = cursor->at, *what = r->current->type.name;
     if (take_integer(r, cursor, index))
         return io_fail_at(r->model, cursor->at, error,
@@ -48,7 +42,7 @@ static int take_index(const medit_reader *r, io_cursor *cursor, int64_t limit, i
 }
 
 static int take_reference(const medit_reader *r, io_cursor *cursor, int64_t record,
-                          planish_error *error, int32_t *reference) {
+                          int32_t *reference, planish_error *error) {
     int64_t value;
     if (take_integer(r, cursor, &value) || value < INT32_MIN || value > INT32_MAX)
         return io_fail_at(r->model, cursor->at, error,
@@ -82,7 +76,7 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
             if (io_check_finite(model, xyz[d], i, model->is_binary ? at : cursor->at, error))
                 return PLANISH_ERROR_FORMAT;
         }
-        if (take_reference(r, cursor, i, error, &model->node_entity[i]))
+        if (take_reference(r, cursor, i, &model->node_entity[i], error))
             return PLANISH_ERROR_FORMAT;
     }
     return PLANISH_OK;
@@ -99,14 +93,14 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
         int64_t node;
         int32_t ignored;
         for (int j = 0; j < type->nodes; j++) {
-            if (take_index(r, cursor, r->model->n_nodes, i, error, &node))
+            if (take_index(r, cursor, r->model->n_nodes, i, &node, error))
                 return PLANISH_ERROR_FORMAT;
             if (cells)
                 cells->nodes[cell * type->nodes + j] = (int32_t)node;
             else
                 io_hold_node(r->model, node, io_element_reason(type));
         }
-        if (take_reference(r, cursor, i, error, cells ? &cells->entity[cell] : &ignored))
+        if (take_reference(r, cursor, i, cells ? &cells->entity[cell] : &ignored, error))
             return PLANISH_ERROR_FORMAT;
     }
     return PLANISH_OK;
@@ -119,7 +113,7 @@ static int read_marked(void *context, io_cursor *cursor, int64_t begin, int64_t 
     const io_cells *cells = dim ? io_model_cells(r->model, dim) : NULL;
     for (int64_t i = begin; i < end; i++) {
         int64_t index;
-        if (take_index(r, cursor, cells ? cells->n : r->model->n_nodes, i, error, &index))
+        if (take_index(r, cursor, cells ? cells->n : r->model->n_nodes, i, &index, error))
             return PLANISH_ERROR_FORMAT;
         for (int j = 0; j <= dim; j++)
             io_hold_node(r->model, cells ? cells->nodes[index * (dim + 1) + j] : index,
@@ -134,7 +128,7 @@ static int read_pairs(const medit_reader *r, const io_section *s) {
         int32_t pair[2];
         for (int j = 0; j < 2; j++) {
             int64_t node;
-            if (take_index(r, &cursor, r->model->n_nodes, i, r->error, &node))
+            if (take_index(r, &cursor, r->model->n_nodes, i, &node, r->error))
                 return PLANISH_ERROR_FORMAT;
             io_hold_node(r->model, node, IO_HELD_PERIODIC);
             pair[j] = (int32_t)node;

@@ -11,6 +11,7 @@
 #include "io/core/format.h"
 #include "io/nastran/nastran.h"
 
+#include "io/core/elements.h"
 #include "io/core/records.h"
 
 #include "base/memory.h"
@@ -104,12 +105,6 @@ static int fail_card(const reader *r, const nastran_card *c, const char *what) {
     return io_fail_at(r->model, c->line.text.begin, r->error, "%s: %s", c->name, what);
 }
 
-static int fail_second_order(const reader *r, const nastran_card *c) {
-    return fail_card(r, c,
-                     "elements of second order cannot be smoothed; export the mesh with straight "
-                     "elements of first order");
-}
-
 /** Read a whole number, 0 if the field is empty. Return 0, or -1 if it is none. */
 static int parse_number(io_slice field, int64_t *value) {
     *value = 0;
@@ -126,8 +121,7 @@ static int take_number(const reader *r, nastran_card *c, const char *what, int64
     if (parse_number(field, value) || *value < 0 || *value > INT32_MAX)
         return io_fail_at(r->model, field.begin, r->error,
                           "%s: %s is '%.*s', not a whole number from 0 to %d", c->name, what,
-                          (int)(field.end - field.begin < 24 ? field.end - field.begin : 24),
-                          field.begin, INT32_MAX);
+                          IO_QUOTED(field), INT32_MAX);
     return PLANISH_OK;
 }
 
@@ -304,7 +298,7 @@ static int read_cell(reader *r, const card_kind *k, nastran_card *c) {
     enum { SECOND_ORDER = 10 }; /* nodes of a tetrahedron */
     while (dim == 3 && c->n < k->first + SECOND_ORDER && nastran_take_field(c, &field))
         if (field.begin < field.end)
-            return fail_second_order(r, c);
+            return fail_card(r, c, IO_OF_SECOND_ORDER);
     /* Cells of one property stand together most often. */
     int32_t entity = cells->n > 0 ? cells->entity[cells->n - 1] : -1;
     if (entity < 0 || r->model->entity[entity].tag != property)
@@ -374,7 +368,7 @@ static int read_element(reader *r, nastran_card *c) {
     if (!k)
         k = c->name[0] == 'C' ? &other_element : &other_rigid;
     if (k->kind == REFUSED)
-        return fail_second_order(r, c);
+        return fail_card(r, c, IO_OF_SECOND_ORDER);
     return k->kind == CELL ? read_cell(r, k, c) : hold_fields(r, k, c);
 }
 

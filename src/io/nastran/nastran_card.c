@@ -8,9 +8,11 @@ enum {
     COMMA_BEFORE = 10 /* a line with a comma in its first columns is of free fields */
 };
 
-/** Return the first n bytes, or all if there are fewer. */
-static io_slice leading_part(io_slice s, int64_t n) {
-    return s.end - s.begin > n ? (io_slice){s.begin, s.begin + n} : s;
+/** Return width bytes of a line from a column on, or those of them that there are. */
+static io_slice columns(io_slice s, int64_t from, int64_t width) {
+    const int64_t length = io_slice_length(s), to = from + width;
+    return (io_slice){s.begin + (from < length ? from : length),
+                      s.begin + (to < length ? to : length)};
 }
 
 /* ---- lines -------------------------------------------------------------------------------- */
@@ -18,16 +20,15 @@ static io_slice leading_part(io_slice s, int64_t n) {
 nastran_line nastran_take_line(io_cursor *cursor) {
     nastran_line l = {.text = io_next_line(cursor)};
     l.text.end = nastran_find(l.text, '$');
-    const io_slice start = leading_part(l.text, COMMA_BEFORE);
+    const io_slice start = columns(l.text, 0, COMMA_BEFORE);
     const char *comma = nastran_find(start, ',');
     l.is_free = comma < start.end;
-    l.name =
-        l.is_free ? (io_slice){l.text.begin, comma} : leading_part(l.text, NASTRAN_NAME_COLUMNS);
+    l.name = l.is_free ? (io_slice){l.text.begin, comma} : columns(l.text, 0, NASTRAN_NAME_COLUMNS);
     l.is_long = nastran_find(l.name, '*') < l.name.end;
     l.n_fields = l.is_long ? LONG_FIELDS : NASTRAN_SHORT_FIELDS;
     l.width = l.is_long ? NASTRAN_LONG_FIELD : NASTRAN_SHORT_FIELD;
     if (!l.is_free)
-        l.text = leading_part(l.text, LAST_COLUMN);
+        l.text = columns(l.text, 0, LAST_COLUMN);
     return l;
 }
 
@@ -93,11 +94,7 @@ io_slice nastran_line_field(const nastran_card *c) {
     if (c->line.is_free)
         return c->at ? (io_slice){c->at, nastran_find((io_slice){c->at, text.end}, ',')}
                      : (io_slice){text.end, text.end};
-    const int64_t length = text.end - text.begin;
-    const int64_t from = NASTRAN_NAME_COLUMNS + c->n_of_line * c->line.width;
-    const int64_t to = from + c->line.width;
-    return (io_slice){text.begin + (from < length ? from : length),
-                      text.begin + (to < length ? to : length)};
+    return columns(text, NASTRAN_NAME_COLUMNS + c->n_of_line * c->line.width, c->line.width);
 }
 
 /** Go to the line that the card goes on with; return 0 if there is none. */
@@ -159,7 +156,7 @@ static void field_of_next_line(const nastran_card *c, io_field *field) {
     io_cursor from = {c->line.text.begin, c->rest.end};
     const io_slice whole = io_next_line(&from);
     /* The mark stands in the last columns, behind a + or * perhaps, which it is kept without. */
-    io_slice mark = leading_part(whole, LAST_COLUMN + NASTRAN_SHORT_FIELD);
+    io_slice mark = columns(whole, 0, LAST_COLUMN + NASTRAN_SHORT_FIELD);
     mark.end = nastran_find(mark, '$');
     mark.begin = io_slice_length(mark) > LAST_COLUMN ? mark.begin + LAST_COLUMN : mark.end;
     mark = io_slice_trim(mark);

@@ -103,7 +103,7 @@ static int read_keyword(netgen_reader *r, io_cursor *cursor, io_slice word, int 
     }
     const int64_t words = k->words + (k->kind == NETGEN_ELEMENTS ? NETGEN_LEAST_CORNERS : 0);
     const int64_t least = k->kind == NETGEN_LINES ? 1 : 2 * words; /* lines may be empty */
-    const int status = io_check_room(model, *cursor, number, least, k->name, r->error);
+    const int status = io_check_count(model, *cursor, number, least, k->name, r->error);
     if (status)
         return status;
     if (k->kind == NETGEN_NAMES || k->kind == NETGEN_LINES)

@@ -9,8 +9,8 @@ enum { PERIODIC = 2 }; /* of Netgen's types of identifications */
 
 /* ---- words of a record -------------------------------------------------------------------- */
 
-static int take_integer(const netgen_reader *r, io_cursor *cursor, int64_t record,
-                        planish_error *error, int64_t *value) {
+static int take_integer(const netgen_reader *r, io_cursor *cursor, int64_t record, int64_t *value,
+                        planish_error *error) {
     if (io_integer(cursor, value))
         return io_fail_at(r->model, cursor->at, error,
                           "%s %lld: a whole number expected (the file may be cut short)",
@@ -20,8 +20,8 @@ static int take_integer(const netgen_reader *r, io_cursor *cursor, int64_t recor
 
 /** Take a number from first to last of what there is, as an index from 0. */
 static int take_index(const netgen_reader *r, io_cursor *cursor, int64_t record, int64_t first,
-                      int64_t last, planish_error *error, int64_t *index) {
-    const int status = take_integer(r, cursor, record, error, index);
+                      int64_t last, int64_t *index, planish_error *error) {
+    const int status = take_integer(r, cursor, record, index, error);
     if (status)
         return status;
     if (*index < first || *index > last)
@@ -33,18 +33,18 @@ static int take_index(const netgen_reader *r, io_cursor *cursor, int64_t record,
     return PLANISH_OK;
 }
 
-static int take_node(const netgen_reader *r, io_cursor *cursor, int64_t record,
-                     planish_error *error, int32_t *node) {
+static int take_node(const netgen_reader *r, io_cursor *cursor, int64_t record, int32_t *node,
+                     planish_error *error) {
     int64_t index = 0;
-    const int status = take_index(r, cursor, record, 1, r->model->n_nodes, error, &index);
+    const int status = take_index(r, cursor, record, 1, r->model->n_nodes, &index, error);
     *node = (int32_t)index;
     return status;
 }
 
-static int take_group(const netgen_reader *r, io_cursor *cursor, int64_t record,
-                      planish_error *error, int32_t *group) {
+static int take_group(const netgen_reader *r, io_cursor *cursor, int64_t record, int32_t *group,
+                      planish_error *error) {
     int64_t value;
-    const int status = take_integer(r, cursor, record, error, &value);
+    const int status = take_integer(r, cursor, record, &value, error);
     if (status)
         return status;
     if (value < INT32_MIN || value > INT32_MAX - 1)
@@ -68,13 +68,13 @@ static int skip_words(const netgen_reader *r, io_cursor *cursor, int64_t record,
 /* ---- elements and segments ---------------------------------------------------------------- */
 
 /** Take the words before the nodes of an element: the group, and last the number of nodes. */
-static int take_lead(const netgen_reader *r, io_cursor *cursor, int64_t record,
-                     planish_error *error, int32_t *group, int64_t *corners) {
+static int take_lead(const netgen_reader *r, io_cursor *cursor, int64_t record, int32_t *group,
+                     int64_t *corners, planish_error *error) {
     const netgen_keyword *k = r->current;
     if (skip_words(r, cursor, record, k->group, error) ||
-        take_group(r, cursor, record, error, group) ||
+        take_group(r, cursor, record, group, error) ||
         skip_words(r, cursor, record, k->words - k->group - 2, error) ||
-        take_integer(r, cursor, record, error, corners))
+        take_integer(r, cursor, record, corners, error))
         return PLANISH_ERROR_FORMAT;
     const int64_t of_second_order = k->dim == 2 ? 6 : 10;
     *corners = *corners == 0 ? NETGEN_LEAST_CORNERS : *corners;
@@ -99,13 +99,13 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
     for (int64_t i = begin; i < end; i++) {
         int32_t group, node;
         int64_t corners;
-        if (take_lead(r, cursor, i, error, &group, &corners) ||
+        if (take_lead(r, cursor, i, &group, &corners, error) ||
             (r->corners && corners != r->corners)) /* they differ: read again, in order */
             return PLANISH_ERROR_FORMAT;
         const int kept = corners == k->dim + 1;
         const int64_t cell = r->first_cell + (r->corners ? i : r->n_kept);
         for (int j = 0; j < corners; j++) {
-            if (take_node(r, cursor, i, error, &node))
+            if (take_node(r, cursor, i, &node, error))
                 return PLANISH_ERROR_FORMAT;
             if (kept)
                 cells->nodes[cell * corners + j] = node;
@@ -139,9 +139,9 @@ static int read_segments(void *context, io_cursor *cursor, int64_t begin, int64_
             io_cursor word = *cursor;
             double value;
             if (j == k->corner || j == k->corner + 1)
-                status = take_node(r, cursor, i, error, &nodes[j - k->corner]);
+                status = take_node(r, cursor, i, &nodes[j - k->corner], error);
             else if (j == group)
-                status = take_group(r, cursor, i, error, &lines->entity[cell]);
+                status = take_group(r, cursor, i, &lines->entity[cell], error);
             else
                 status = skip_words(r, cursor, i, 1, error);
             /* Files without a geometry leave parameters of nodes 0. */
@@ -158,15 +158,6 @@ static int read_segments(void *context, io_cursor *cursor, int64_t begin, int64_
 
 /* ---- what holds nodes --------------------------------------------------------------------- */
 
-static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
-                       planish_error *error) {
-    const netgen_reader *r = context;
-    int status = PLANISH_OK;
-    for (int64_t i = begin; i < end && !status; i++)
-        status = io_read_point(r->model, cursor, i, error);
-    return status;
-}
-
 /** Read records of another number behind that of a node, from 1, or of a segment, from 0; its nodes
  *  are held. */
 static int read_held(void *context, io_cursor *cursor, int64_t begin, int64_t end,
@@ -179,7 +170,7 @@ static int read_held(void *context, io_cursor *cursor, int64_t begin, int64_t en
     for (int64_t i = begin; i < end; i++) {
         int64_t index;
         if (take_index(r, cursor, i, !of_segment, of_segment ? lines->n - 1 : r->model->n_nodes,
-                       error, &index) ||
+                       &index, error) ||
             skip_words(r, cursor, i, 1, error))
             return PLANISH_ERROR_FORMAT;
         for (int j = 0; j <= of_segment; j++)
@@ -194,7 +185,7 @@ static int read_types(void *context, io_cursor *cursor, int64_t begin, int64_t e
     netgen_reader *r = context;
     for (int64_t i = begin; i < end; i++) {
         int64_t type;
-        if (take_integer(r, cursor, i, error, &type))
+        if (take_integer(r, cursor, i, &type, error))
             return PLANISH_ERROR_FORMAT;
         r->is_periodic[i] = type == PERIODIC;
     }
@@ -209,8 +200,8 @@ static int read_pairs(void *context, io_cursor *cursor, int64_t begin, int64_t e
     for (int64_t i = begin; i < end; i++) {
         int32_t pair[2];
         int64_t number;
-        if (take_node(r, cursor, i, error, &pair[0]) || take_node(r, cursor, i, error, &pair[1]) ||
-            take_integer(r, cursor, i, error, &number))
+        if (take_node(r, cursor, i, &pair[0], error) || take_node(r, cursor, i, &pair[1], error) ||
+            take_integer(r, cursor, i, &number, error))
             return PLANISH_ERROR_FORMAT;
         const int periodic =
             !r->is_periodic || (number >= 1 && number <= r->n_types && r->is_periodic[number - 1]);
@@ -239,7 +230,9 @@ static int read_point_section(netgen_reader *r, const io_section *s) {
         return status;
     model->columns = 3;
     model->first_number = 1;
-    return read_records(r, s, r->current->words, read_points, r->error);
+    io_points points = {.model = model};
+    return io_section_records(&r->text, s, r->current->name, r->current->words, 0, io_read_points,
+                              &points, r->error);
 }
 
 /** Read elements or segments. */
@@ -260,7 +253,7 @@ static int read_element_section(netgen_reader *r, const io_section *s) {
     /* As a rule all elements are like the first, and threads can read them. Others hold nodes: what
      * a thread would hold that begins in the middle of one could not be taken back. */
     r->corners = 0;
-    if (dim > 1 && s->count > 0 && !take_lead(r, &first, 0, &ignored, &group, &corners) &&
+    if (dim > 1 && s->count > 0 && !take_lead(r, &first, 0, &group, &corners, &ignored) &&
         corners == dim + 1)
         r->corners = dim + 1;
     if (dim == 1) {

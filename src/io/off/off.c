@@ -13,7 +13,6 @@
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "io/core/binary.h"
 
 #include <string.h>
 
@@ -24,9 +23,9 @@ typedef struct off_reader {
     planish_error *error;
     io_text text;
     io_cursor cursor;
-    int swapped;
-    int extra;       /* numbers of a vertex besides its coordinates */
-    int64_t corners; /* text: of all faces; 0: they differ */
+    int swapped, word_size; /* binary: bytes of a number; text: 0 */
+    int extra;              /* numbers of a vertex besides its coordinates */
+    int64_t corners;        /* text: of all faces; 0: they differ */
 } off_reader;
 
 /* ---- the first lines ---------------------------------------------------------------------- */
@@ -65,6 +64,7 @@ static int read_header(off_reader *r) {
     r->model->is_binary = io_slice_is(io_next_word(&ahead), "BINARY", 0);
     if (r->model->is_binary) {
         r->swapped = io_machine_is_little();
+        r->word_size = WORD_SIZE;
         io_skip_line(&ahead);
         r->cursor = ahead;
     }
@@ -74,20 +74,13 @@ static int read_header(off_reader *r) {
 /** Read the numbers of vertices, faces and edges. */
 static int read_counts(off_reader *r, int64_t counts[N_COUNTS]) {
     io_cursor *cursor = &r->cursor;
-    const int is_binary = r->model->is_binary;
-    if (is_binary && io_left(cursor) < N_COUNTS * WORD_SIZE)
-        return io_fail_at(r->model, cursor->at, r->error,
-                          "the numbers of vertices and faces are cut short");
     for (int i = 0; i < N_COUNTS; i++) {
-        if (is_binary) {
-            counts[i] = io_load_i32(cursor->at, r->swapped);
-            cursor->at += WORD_SIZE;
-            continue;
-        }
-        io_skip_space_comments(cursor, '#');
-        if (io_integer(cursor, &counts[i]))
+        if (!r->model->is_binary)
+            io_skip_space_comments(cursor, '#');
+        if (io_number(cursor, r->word_size, r->swapped, &counts[i]))
             return io_fail_at(r->model, cursor->at, r->error,
-                              "the numbers of vertices, faces and edges are expected");
+                              "the numbers of vertices, faces and edges are expected (the file may "
+                              "be cut short)");
     }
     return PLANISH_OK;
 }
@@ -132,16 +125,9 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
 /* ---- faces -------------------------------------------------------------------------------- */
 
 /** Take the next whole number of a face. */
-static int take_integer(const off_reader *r, io_cursor *cursor, int64_t face, planish_error *error,
-                        int64_t *value) {
-    if (r->model->is_binary && io_left(cursor) >= WORD_SIZE) {
-        *value = io_load_i32(cursor->at, r->swapped);
-        cursor->at += WORD_SIZE;
-        return PLANISH_OK;
-    }
-    if (r->model->is_binary)
-        return io_fail_at(r->model, cursor->at, error, "face %lld is cut short", (long long)face);
-    if (io_integer(cursor, value))
+static int take_integer(const off_reader *r, io_cursor *cursor, int64_t face, int64_t *value,
+                        planish_error *error) {
+    if (io_number(cursor, r->word_size, r->swapped, value))
         return io_fail_at(r->model, cursor->at, error,
                           "face %lld: a whole number expected (the file may be cut short)",
                           (long long)face);
@@ -155,7 +141,7 @@ static int skip_colour(const off_reader *r, io_cursor *cursor, int64_t face, pla
         return PLANISH_OK;
     }
     int64_t n;
-    if (take_integer(r, cursor, face, error, &n))
+    if (take_integer(r, cursor, face, &n, error))
         return PLANISH_ERROR_FORMAT;
     if (n < 0 || n > io_left(cursor) / WORD_SIZE)
         return io_fail_at(r->model, cursor->at - WORD_SIZE, error,
@@ -178,7 +164,7 @@ static int read_faces(void *context, io_cursor *cursor, int64_t begin, int64_t e
         if (!model->is_binary)
             io_skip_space_comments(cursor, '#');
         const char *at = cursor->at;
-        if (take_integer(r, cursor, i, error, &corners))
+        if (take_integer(r, cursor, i, &corners, error))
             return PLANISH_ERROR_FORMAT;
         if (corners < 0 || corners > io_left(cursor))
             return io_fail_at(model, at, error, "face %lld cannot have %lld vertices", (long long)i,
@@ -192,7 +178,7 @@ static int read_faces(void *context, io_cursor *cursor, int64_t begin, int64_t e
             kept = lines->nodes + LINE * lines->n;
         for (int64_t j = 0; j < corners; j++) {
             at = cursor->at;
-            if (take_integer(r, cursor, i, error, &node))
+            if (take_integer(r, cursor, i, &node, error))
                 return PLANISH_ERROR_FORMAT;
             if (node < 0 || node >= model->n_nodes)
                 return io_fail_at(model, model->is_binary ? at : cursor->at, error,
@@ -259,8 +245,8 @@ static int read_parts(off_reader *r) {
     if (!status)
         status = read_counts(r, counts);
     if (!status)
-        status = io_check_room(model, r->cursor, counts[0], model->is_binary ? stride : 2 * 3,
-                               "vertices", r->error);
+        status = io_check_count(model, r->cursor, counts[0], model->is_binary ? stride : 2 * 3,
+                                "vertices", r->error);
     if (!status)
         status = io_model_points(model, counts[0], model->is_binary ? WORD_SIZE : 8, stride,
                                  r->swapped, r->cursor.at, r->error);
@@ -274,8 +260,8 @@ static int read_parts(off_reader *r) {
     status = io_records(&r->text, &r->cursor, counts[0], words < 3 ? 3 : words, stride,
                         read_vertices, r, r->error);
     if (!status)
-        status = io_check_room(model, r->cursor, counts[1], model->is_binary ? 2 * WORD_SIZE : 2,
-                               "faces", r->error);
+        status = io_check_count(model, r->cursor, counts[1], model->is_binary ? 2 * WORD_SIZE : 2,
+                                "faces", r->error);
     return status ? status : read_all_faces(r, counts[1]);
 }
 

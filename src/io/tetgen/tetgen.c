@@ -161,11 +161,10 @@ static int read_tag(table *t, io_cursor *cursor, int64_t row, planish_error *err
     }
     if (failed) {
         const io_slice word = io_next_word(&found);
-        const int64_t length = io_slice_length(word);
         return io_fail_at(&t->view, word.begin, error, "a %s was expected, not '%.*s'",
                           t->real_tag ? "region attribute (a number)"
                                       : "boundary marker (a whole number)",
-                          (int)(length < 24 ? length : 24), word.begin);
+                          IO_QUOTED(word));
     }
     if (t->real_tag && !(real >= INT32_MIN && real <= INT32_MAX && floor(real) == real))
         atomic_store_explicit(&t->fractional, 1, memory_order_relaxed);

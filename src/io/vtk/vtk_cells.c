@@ -11,35 +11,35 @@
 /** By VTK's number of the type; nodes 0: cells say how many they have. A cell of any type that is
  *  not here, known to VTK or not, holds its nodes. */
 static const io_element_type types[] = {
-    [VTK_VERTEX] = {"vertex", IO_POINT, 1, 1, NULL},
-    [VTK_POLY_VERTEX] = {"polyvertex", IO_POINT, 1, 0, NULL},
-    [VTK_LINE] = {"line", IO_LINE, 1, 2, NULL},
-    [VTK_POLY_LINE] = {"polyline", IO_LINE, 1, 0, NULL},
-    [VTK_TRIANGLE] = {"triangle", IO_TRIANGLE, 1, 3, NULL},
-    [VTK_TRIANGLE_STRIP] = {"triangle strip", IO_POLYGON, 1, 0, NULL},
-    [VTK_POLYGON] = {"polygon", IO_POLYGON, 1, 0, NULL},
-    [VTK_TETRAHEDRON] = {"tetrahedron", IO_TETRAHEDRON, 1, 4, NULL},
-    [21] = {"quadratic edge", IO_LINE, 2, 3, NULL},
-    [22] = {"quadratic triangle", IO_TRIANGLE, 2, 6, NULL},
-    [24] = {"quadratic tetrahedron", IO_TETRAHEDRON, 2, 10, NULL},
-    [34] = {"biquadratic triangle", IO_TRIANGLE, 2, 7, NULL},
-    [35] = {"cubic line", IO_LINE, 3, 4, NULL},
-    [51] = {"parametric curve", IO_LINE, 2, 0, NULL},
-    [60] = {"higher order edge", IO_LINE, 2, 0, NULL},
-    [61] = {"higher order triangle", IO_TRIANGLE, 3, 10, NULL},
-    [64] = {"higher order tetrahedron", IO_TETRAHEDRON, 3, 20, NULL},
-    [68] = {"Lagrange curve", IO_LINE, 2, 0, NULL},
-    [69] = {"Lagrange triangle", IO_TRIANGLE, 2, 0, NULL},
-    [71] = {"Lagrange tetrahedron", IO_TETRAHEDRON, 2, 0, NULL},
-    [75] = {"Bezier curve", IO_LINE, 2, 0, NULL},
-    [76] = {"Bezier triangle", IO_TRIANGLE, 2, 0, NULL},
-    [78] = {"Bezier tetrahedron", IO_TETRAHEDRON, 2, 0, NULL},
+    [VTK_VERTEX] = {"vertex", IO_POINT, 1, 1},
+    [VTK_POLY_VERTEX] = {"polyvertex", IO_POINT, 1, 0},
+    [VTK_LINE] = {"line", IO_LINE, 1, 2},
+    [VTK_POLY_LINE] = {"polyline", IO_LINE, 1, 0},
+    [VTK_TRIANGLE] = {"triangle", IO_TRIANGLE, 1, 3},
+    [VTK_TRIANGLE_STRIP] = {"triangle strip", IO_POLYGON, 1, 0},
+    [VTK_POLYGON] = {"polygon", IO_POLYGON, 1, 0},
+    [VTK_TETRAHEDRON] = {"tetrahedron", IO_TETRAHEDRON, 1, 4},
+    [21] = {"quadratic edge", IO_LINE, 2, 3},
+    [22] = {"quadratic triangle", IO_TRIANGLE, 2, 6},
+    [24] = {"quadratic tetrahedron", IO_TETRAHEDRON, 2, 10},
+    [34] = {"biquadratic triangle", IO_TRIANGLE, 2, 7},
+    [35] = {"cubic line", IO_LINE, 3, 4},
+    [51] = {"parametric curve", IO_LINE, 2, 0},
+    [60] = {"higher order edge", IO_LINE, 2, 0},
+    [61] = {"higher order triangle", IO_TRIANGLE, 3, 10},
+    [64] = {"higher order tetrahedron", IO_TETRAHEDRON, 3, 20},
+    [68] = {"Lagrange curve", IO_LINE, 2, 0},
+    [69] = {"Lagrange triangle", IO_TRIANGLE, 2, 0},
+    [71] = {"Lagrange tetrahedron", IO_TETRAHEDRON, 2, 0},
+    [75] = {"Bezier curve", IO_LINE, 2, 0},
+    [76] = {"Bezier triangle", IO_TRIANGLE, 2, 0},
+    [78] = {"Bezier tetrahedron", IO_TETRAHEDRON, 2, 0},
 };
 
 /** The row of a type; of one that is not in the table, a cell of any shape. NULL: no type at all.
  */
 static const io_element_type *find_type(int32_t type) {
-    static const io_element_type other = {NULL, IO_ANY_SHAPE, 1, 0, NULL};
+    static const io_element_type other = {NULL, IO_ANY_SHAPE, 1, 0};
     const int32_t n = sizeof types / sizeof *types;
     if (type < 0 || type > VTK_LAST_TYPE)
         return NULL;
@@ -115,9 +115,7 @@ static int next_cell(cell_walk *walk) {
 static int check_cell(const cell_walk *walk) {
     if (walk->fate == CELL_REFUSED) {
         char text[200];
-        snprintf(text, sizeof text,
-                 "type %d (%s): triangles and tetrahedra of higher order are not smoothed, only "
-                 "straight ones; mesh again with first order",
+        snprintf(text, sizeof text, "type %d (%s): " IO_OF_SECOND_ORDER,
                  (int)walk->grid->type[walk->index - 1], walk->type->name);
         return fail_cell(walk, text);
     }
