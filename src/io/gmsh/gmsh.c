@@ -6,7 +6,7 @@
  * ($Comments, $NodeData, $GhostElements, unknown ones) are passed over.
  */
 #include "io/core/format.h"
-#include "io/gmsh/gmsh.h"
+#include "io/gmsh/gmsh_sections.h"
 
 #include <ctype.h>
 #include <math.h>

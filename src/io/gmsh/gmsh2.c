@@ -5,7 +5,7 @@
  * a text file are of different lengths, so threads take chunks of lines; each chunk is read twice,
  * to count and to store.
  */
-#include "io/gmsh/gmsh.h"
+#include "io/gmsh/gmsh_sections.h"
 
 #include <string.h>
 

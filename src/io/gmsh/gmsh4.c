@@ -14,7 +14,7 @@
  * Those between parts, whose parent is of a higher dimension, are nothing of the geometry: their
  * elements hold no nodes.
  */
-#include "io/gmsh/gmsh.h"
+#include "io/gmsh/gmsh_sections.h"
 
 #include <stdlib.h>
 

@@ -4,7 +4,7 @@
  *
  * Elements that are repeated in the same group are no such copies and stay.
  */
-#include "io/gmsh/gmsh.h"
+#include "io/gmsh/gmsh_sections.h"
 
 #include <stdlib.h>
 #include <string.h>

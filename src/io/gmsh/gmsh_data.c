@@ -14,7 +14,7 @@
  * name and step fill one array until each smoothed element has a value: programs write the parts of
  * a partition so. Values of other elements are ignored.
  */
-#include "io/gmsh/gmsh.h"
+#include "io/gmsh/gmsh_sections.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
  * number in all dimensions, which are known when all is read. What stands behind a name says
  * nothing.
  */
-#include "io/gmsh/gmsh.h"
+#include "io/gmsh/gmsh_sections.h"
 
 #include <stdlib.h>
 #include <string.h>

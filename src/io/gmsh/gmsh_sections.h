@@ -1,11 +1,11 @@
-/* gmsh: the sections of MSH files, as gmsh.c reads them one after the other.
+/* gmsh_sections: the sections of MSH files, as gmsh.c reads them one after the other.
  *
  *   gmsh_names.c                      names of groups
  *   gmsh_data.c                       values of elements that may tell regions
  *   gmsh2.c, gmsh_copies.c, gmsh4.c   sections of MSH 1 and 2, and of MSH 4
  */
-#ifndef PL_IO_GMSH_GMSH_H
-#define PL_IO_GMSH_GMSH_H
+#ifndef PL_IO_GMSH_GMSH_SECTIONS_H
+#define PL_IO_GMSH_GMSH_SECTIONS_H
 
 #include "io/gmsh/gmsh_reader.h"
 
