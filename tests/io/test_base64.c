@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "base/base64.h"
-#include "io/vtk/base64.h"
+#include "io/vtk/vtk_base64.h"
 #include "io/vtk/compression.h"
 
 static io_base64 stream_of(const char *text) {

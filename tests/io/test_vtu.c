@@ -11,7 +11,7 @@
 #include <cmocka.h>
 
 #include "base/base64.h"
-#include "io/vtk/base64.h"
+#include "io/vtk/vtk_base64.h"
 #include "io/core/binary.h"
 #include "io/vtk/compression.h"
 #include "support/file_builder.h"

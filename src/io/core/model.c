@@ -20,6 +20,7 @@ int io_model_nodes(io_model *model, int64_t n_nodes, int text, planish_error *er
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: %lld nodes are more than the %lld that planish can handle",
                        model->input.path, (long long)n_nodes, (long long)INT32_MAX);
+    model->columns = model->columns ? model->columns : 3;
     model->n_nodes = n_nodes;
     model->xyz = pl_alloc(n_nodes, 3 * sizeof *model->xyz);
     model->hold = pl_alloc_zero(n_nodes, sizeof *model->hold);

@@ -199,13 +199,13 @@ typedef struct io_model {
                                     field_width characters */
     int field_width;             /* of the narrowest field of a coordinate */
     int implied_exponent;        /* exponents are written without an e (Nastran) */
-    int columns;                 /* coordinates of a node in the file: 2 or 3 */
+    int columns;                 /* coordinates of a node in the file: 2, or 3 by default */
     int64_t n_nodes;
     double *xyz;          /* [n_nodes][3] (z = 0 where columns is 2); NULL once it is known that the
                              mesh is in the plane of x and y */
     double *z;            /* [n_nodes] of such a mesh, or NULL: 0 */
     int64_t *node_number; /* [n_nodes] the file's numbers, or NULL: consecutive */
-    int64_t first_number; /* of the nodes if node_number is NULL */
+    int64_t first_number; /* of the nodes if node_number is NULL; 0 by default */
     struct io_numbers *numbers; /* from node_number to indices while the file is read, or NULL */
     io_span *span;              /* [n_spans] */
     int64_t n_spans, span_capacity;

@@ -282,7 +282,6 @@ int io_nodes_begin(io_model *model, int64_t n, int field_width, planish_error *e
     const int status = io_model_points(model, n, 8, 0, 0, NULL, error);
     if (status)
         return status;
-    model->columns = 3;
     model->precision = PLANISH_ROUNDED;
     model->field_width = field_width;
     model->n_nodes = 0; /* so far; the span has all */

@@ -200,7 +200,6 @@ static int gmsh_read(io_model *model, planish_error *error) {
                           .error = error,
                           .cursor = io_begin_text(model->input.data, model->input.size)};
     io_text_init(&reader.text, model);
-    model->columns = 3;
     int status = read_sections(&reader);
     if (!status)
         status = settle_numbers(&reader, &model->triangle);

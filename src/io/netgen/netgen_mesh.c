@@ -228,7 +228,6 @@ static int read_point_section(netgen_reader *r, const io_section *s) {
     const int status = io_model_points(model, s->count, 8, 0, 0, s->data, r->error);
     if (status)
         return status;
-    model->columns = 3;
     model->first_number = 1;
     io_points points = {.model = model};
     return io_section_records(&r->text, s, r->current->name, r->current->words, 0, io_read_points,

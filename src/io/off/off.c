@@ -252,8 +252,6 @@ static int read_parts(off_reader *r) {
                                  r->swapped, r->cursor.at, r->error);
     if (status)
         return status;
-    model->columns = 3;
-    model->first_number = 0;
     if (!model->is_binary)
         io_skip_space_comments(&r->cursor, '#');
     const int64_t words = model->is_binary ? 3 : words_of_line(r->cursor);

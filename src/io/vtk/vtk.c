@@ -207,8 +207,6 @@ static int vtk_read(io_model *model, planish_error *error) {
                          .grid = {.has_streams = 1},
                          .n_tuples = -1};
     io_text_init(&reader.text, model);
-    model->columns = 3;
-    model->first_number = 0;
     const int status = read_file(&reader);
     vtk_grid_release(&reader.grid);
     io_text_release(&reader.text);

@@ -108,8 +108,6 @@ static int read_lists(reader *r) {
         status = io_model_nodes(r->model, shape.dims[0], 0, r->error);
     if (status)
         return status;
-    r->model->columns = 3;
-    r->model->first_number = 0;
     const io_hdf5_place place = {path, 0, 3, 3, 1};
     status = io_hdf5_coordinates(r->file, &place);
     return status ? status : io_hdf5_coordinates_end(r->file);

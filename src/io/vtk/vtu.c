@@ -354,8 +354,6 @@ static int vtu_read(io_model *model, planish_error *error) {
     if (!document)
         return pl_fail_memory(error, model->input.path);
     model->of_format = document;
-    model->columns = 3;
-    model->first_number = 0;
     document->model = model;
     document->error = error;
     int status = vtu_read_markup(document);

@@ -11,7 +11,7 @@
 #include "base/status.h"
 #include "io/core/binary.h"
 #include "io/core/bytes.h"
-#include "io/vtk/base64.h"
+#include "io/vtk/vtk_base64.h"
 #include "io/vtk/vtu_parts.h"
 
 #include <stdatomic.h>

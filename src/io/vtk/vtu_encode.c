@@ -12,7 +12,7 @@
 #include "io/core/binary.h"
 #include "io/core/bytes.h"
 #include "base/base64.h"
-#include "io/vtk/base64.h"
+#include "io/vtk/vtk_base64.h"
 #include "io/vtk/vtu_parts.h"
 
 #include <stdio.h>

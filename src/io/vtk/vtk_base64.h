@@ -1,11 +1,12 @@
-/* base64: bytes from base64 text and back, as a stream: white space is passed over, and a segment
- * that ends in padding may be followed by another (VTK's headers are segments of their own).
+/* vtk_base64: bytes from base64 text and back, as a stream: white space is passed over, and a
+ * segment that ends in padding may be followed by another (VTK's headers are segments of their
+ * own).
  *
  *   io_base64_read      read bytes
  *   io_base64_replace   replace bytes in a text
  */
-#ifndef PL_IO_VTK_BASE64_H
-#define PL_IO_VTK_BASE64_H
+#ifndef PL_IO_VTK_VTK_BASE64_H
+#define PL_IO_VTK_VTK_BASE64_H
 
 #include "io/core/text.h"
 

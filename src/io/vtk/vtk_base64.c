@@ -1,5 +1,5 @@
-/* base64: bytes from base64 text and back, as a stream. */
-#include "io/vtk/base64.h"
+/* vtk_base64: bytes from base64 text and back, as a stream. */
+#include "io/vtk/vtk_base64.h"
 
 #include "base/base64.h"
 
