@@ -14,8 +14,8 @@
 /** Description of a format. docs/formats.md, "A new format", says in which order a reader calls
  *  what.
  *
- *  recognise is asked before the name of the file. data are any bytes, not only those of a mesh,
- * and no more than the first 256 kB, unless the file is HDF5. The first format of the table in
+ *  recognise is asked before the name of the file. It gets any bytes, not only those of a mesh: the
+ *  first 256 kB at most, unless the file is HDF5. The first format of the table in
  *  src/io/file/file.c that says 1 reads the file. So a format whose files may hold the marks of
  *  another stands before that one. A format without any mark says 0 and goes by its extensions.
  *
@@ -45,9 +45,8 @@ typedef struct io_format {
     /** Find the field of coordinate d of a node in text, and leave the cursor behind it. 0 or -1.
      *  NULL: numbers are apart by white space and comments ('#'). */
     int (*field)(const io_model *model, io_cursor *cursor, int d, io_field *field);
-    /** Edit the bytes at model->of_format for coordinates [n_nodes][written]; NULL if spans say
-     * all.
-     */
+    /** Add edits of the input for coordinates [n_nodes][written], as model->of_format says where
+     *  these stand; NULL: spans say all. */
     int (*encode)(const io_model *model, const double *coordinates, int threads, io_edits *edits,
                   planish_error *error);
     /** Change in the finished copy, output, what neither spans nor encode can say (compressed

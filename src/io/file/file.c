@@ -21,11 +21,13 @@ static const char *const no_names[] = {NULL};
 
 /* ---- the table of formats ----------------------------------------------------------------- */
 
+/* The first that recognises a file reads it. VTK's are before all others, because their binary
+ * numbers may look like the mark of another format; Nastran is before Gmsh, because its comments
+ * may look like Gmsh's sections. Names are in planish_file_formats. */
 static const io_format *const formats[] = {
-    &io_format_vtk,     &io_format_vtu, /* first: with numbers whose bytes could be anything */
-    &io_format_nastran,                 /* its comments may look like Gmsh's sections */
-    &io_format_gmsh,    &io_format_medit, &io_format_vtkhdf, &io_format_tetgen, &io_format_netgen,
-    &io_format_abaqus,  &io_format_cgns,  &io_format_med,    &io_format_plex,   &io_format_off};
+    &io_format_vtk,    &io_format_vtu,    &io_format_nastran, &io_format_gmsh,   &io_format_medit,
+    &io_format_vtkhdf, &io_format_tetgen, &io_format_netgen,  &io_format_abaqus, &io_format_cgns,
+    &io_format_med,    &io_format_plex,   &io_format_off};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 const char *const *planish_file_formats(void) {
