@@ -1,7 +1,7 @@
 /* elements: the table of element types that each format fills in, and what follows from a row.
  *
  *   io_shape, io_element_type    a row: shape, order, number of nodes
- *   io_shape_dim                 dimension of a shape
+ *   io_element_dim               dimension of a type
  *   io_element_use               whether planish keeps, holds or refuses elements of a type
  *   io_element_cells             the cells of the model that elements of a type become
  *   io_element_reason            why elements that are not kept hold their nodes
@@ -54,14 +54,10 @@ typedef enum io_element_treatment {
     "elements of second order or higher cannot be smoothed; export the mesh with straight "        \
     "elements of first order"
 
-/** Dimension of a shape, 0 to 3. */
-static inline int io_shape_dim(int shape) {
-    return shape >= IO_TETRAHEDRON ? 3 : shape >= IO_TRIANGLE ? 2 : shape == IO_LINE ? 1 : 0;
-}
-
 /** Dimension of the elements of a type, 0 to 3. */
 static inline int io_element_dim(const io_element_type *type) {
-    return io_shape_dim(type->shape);
+    const int shape = type->shape;
+    return shape >= IO_TETRAHEDRON ? 3 : shape >= IO_TRIANGLE ? 2 : shape == IO_LINE ? 1 : 0;
 }
 
 /** Treatment of the elements of a type: lines, triangles and tetrahedra of first order are kept,
