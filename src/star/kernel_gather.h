@@ -75,8 +75,8 @@ static inline int choose_scale(const pl_star_problem *problem, const star *s, co
 
 /** Copy the ring's coordinates to ring [n_ring][PL_ROW], scaled: by 2^*exponent, or NULL, and the
  *  scale is chosen. */
-static inline void gather_ring(const pl_star_problem *problem, star *s, const double *x,
-                               const int *exponent, double *ring, const int dim) {
+PL_INLINE void gather_ring(const pl_star_problem *problem, star *s, const double *x,
+                           const int *exponent, double *ring, const int dim) {
     const int power = exponent ? *exponent : choose_scale(problem, s, x, dim);
     s->scale = power_of_two(power);
     s->unscale = power_of_two(-power);
@@ -117,15 +117,17 @@ static inline double floor_of(const pl_star_problem *problem, const star *s, dou
     return least < 1 / FLOOR_LEAST ? least : 1 / FLOOR_LEAST;
 }
 
-/** Fill in the columns FLOOR and INVERSE_FLOOR; first: the star's first link facet of all. */
-static inline void gather_floors(const pl_star_problem *problem, const star *s, int64_t first,
-                                 const int dim) {
+/** Fill in the columns FLOOR and INVERSE_FLOOR; first: the star's first link facet of all. By
+ * packs, as they are read soon after: a load that is wider than the stores before it waits for
+ * them. */
+PL_INLINE void gather_floors(const pl_star_problem *problem, const star *s, int64_t first,
+                             const int dim) {
     const double *own = problem->guard->link_min_volume;
     double floor = floor_of(problem, s, own ? own[first] : 0, dim);
     double inverse_floor = floor > 0 ? 1 / floor : 0;
-    for (int64_t i = 0; i < s->padded; i++) {
-        *entry(s, FLOOR, i) = floor; /* of all, or of facet 0 and the padding */
-        *entry(s, INVERSE_FLOOR, i) = inverse_floor;
+    for (int64_t i = 0; i < s->padded; i += PL_PACK) {
+        store(s, FLOOR, i, lanes_of(floor)); /* of all, or of facet 0 and the padding */
+        store(s, INVERSE_FLOOR, i, lanes_of(inverse_floor));
     }
     for (int64_t i = 1; own && i < s->n_facets; i++) {
         *entry(s, FLOOR, i) = floor_of(problem, s, own[first + i], dim);

@@ -21,8 +21,8 @@ enum { RESTORING_STEPS = 4, CONSTRAINED_STEPS = 4 };
 
 /** Find the function and derivatives at x, in the node's directions, with the columns that
  *  directions and steps need. */
-static inline objective find_derivatives(local *here, const double *x, derivatives *derivative,
-                                         const int dim) {
+PL_INLINE objective find_derivatives(local *here, const double *x, derivatives *derivative,
+                                     const int dim) {
     ++*here->evaluations;
     const objective now = guarded_at(&here->s, &here->q, x, derivative, 1, dim);
     if (here->slide.kind == PLANISH_FREE)

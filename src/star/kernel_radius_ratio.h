@@ -64,8 +64,9 @@ PL_INLINE void accumulate(accumulator *t, int k, lanes rr2, lanes weight, lanes 
     t->positive[k] &= lanes_greater(D, lanes_of(0));
 }
 
-/** Return the objective from the accumulators, times factor. */
-static inline objective accumulator_result(const accumulator *t, double factor) {
+/** Return the objective from the accumulators, times factor. Inlined, the accumulators stay in
+ *  registers. */
+PL_INLINE objective accumulator_result(const accumulator *t, double factor) {
     const double error2 = lanes_largest(t->error2);
     objective f = {lanes_sum(t->sum) * factor,
                    lanes_largest(t->max) * factor,
