@@ -121,7 +121,7 @@ void pl_ghosts_send(const planish_plan *plan, const pl_visits *visits, int64_t b
 }
 
 /** Wake the neighbours of a ghost; other nodes have no list of neighbours. is_bad: its star is
- *  bad (tell_neighbours). */
+ *  bad (move_node). */
 static void wake_neighbours(const planish_plan *plan, int32_t ghost, int is_bad) {
     const pl_ghosts *g = &plan->ghosts;
     for (int64_t k = g->offset[ghost]; k < g->offset[ghost + 1]; k++)

@@ -44,7 +44,7 @@ typedef struct pl_ghosts {
     int32_t *node;       /* [n_nodes] the mesh's number of each inner one */
     int64_t *offset;     /* [n_nodes + 1] by the mesh's numbers: where a ghost's neighbours begin */
     int32_t *neighbour;  /* inner numbers of those that are no ghosts */
-    uint8_t *is_movable; /* [n_elements] see pl_measure_by */
+    uint8_t *is_movable; /* [n_elements] see pl_view.is_movable */
     double *before;      /* [most SHARED nodes of a colour][dim] where they were */
     int32_t *moved;      /* [likewise] those of them that have moved, and */
     char *message;       /* what is said of them: coordinates, and whether neighbours were told */

@@ -22,7 +22,7 @@ enum {
     LENGTH,   /* 3-D: twice the facet's area |n|; 2-D: its length L */
     ROUNDING, /* D is certain to be positive where D^2 > ROUNDING * |x - p0|^2 */
     WEIGHT,   /* 1, or 0 for padding */
-    RATE,     /* 1 / D, see blocking_rate in kernel_step.h */
+    RATE,     /* 1 / D, see limiting_rate in kernel_step.h */
     /* The next four are for the guarded kernel alone. */
     FLOOR,         /* the least D that is asked for; 0: only positive */
     INVERSE_FLOOR, /* 1 / floor, or 0 */

@@ -598,7 +598,7 @@ PL_NOINLINE objective guarded_derivatives(const star *s, const question *q, cons
 }
 
 /** The function of the star at position, and its derivatives if derive. Then the columns GVALUE and
- *  RATE are set, too: RATE to 1 / D, or 0.9 / (D - floor), see blocking_rate. */
+ *  RATE are set, too: RATE to 1 / D, or 0.9 / (D - floor), see limiting_rate. */
 static inline objective guarded_at(const star *s, const question *q, const double *position,
                                    derivatives *out, const int derive, const int dim) {
     return derive ? guarded_derivatives(s, q, position, out, dim)

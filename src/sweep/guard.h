@@ -2,7 +2,9 @@
  *
  *   pl_guard_create, _destroy, _weigh             arrays and weights of the guarded kernel
  *   pl_minimum_volume                             options.min_volume as a volume
- *   pl_objective_problem_of, pl_objective_of_all, _of_movable, pl_rms, pl_rms_of_all, _of_movable F
+ *   pl_objective_problem_of                       what F is of
+ *   pl_objective_of_all, _of_movable              F
+ *   pl_rms, pl_rms_of_all, _of_movable            the RMS
  */
 #ifndef PL_SWEEP_GUARD_H
 #define PL_SWEEP_GUARD_H

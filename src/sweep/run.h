@@ -1,12 +1,15 @@
 /* run: one call of planish_smooth: its mesh, the mesh quality, its sweeps, trials. All in run.c.
  *
- *   pl_run_measure, _measure_rest             measure the mesh
- *   pl_run_objective, _limits                 F, and the worst element's measures, as limits
- *   pl_run_objective_problem, _sliding_problem, _prepare, _begin_anew    problems of sums and
- * visits pl_run_sweeps, _sweep, _sweep_colours     sweep until convergence, once, or over the
- * colours pl_run_begin_sweep, _end_sweep            frame of a sweep pl_run_after_colour, _limit,
- * _ask_all, _sweeps_left        stop and limits pl_trial_begin, _end                      change
- * the mesh, and keep the change or undo it
+ *   pl_run_measure, _measure_rest              measure the mesh
+ *   pl_run_objective, _limits                  F; the worst element's measures, as limits
+ *   pl_run_objective_problem                   the problem of the sums
+ *   pl_run_sliding_problem                     the problem of the visits of sliding nodes
+ *   pl_run_prepare, _begin_anew                set up the problem of the visits
+ *   pl_run_sweeps, _sweep, _sweep_colours      sweep until convergence, once, or over the colours
+ *   pl_run_begin_sweep, _end_sweep             frame of a sweep
+ *   pl_run_after_colour, _limit, _ask_all      stop: after a colour, by a limit, in any process
+ *   pl_run_sweeps_left                         number of sweeps that options still allow
+ *   pl_trial_begin, _end                       change the mesh, and keep the change or undo it
  */
 #ifndef PL_SWEEP_RUN_H
 #define PL_SWEEP_RUN_H

@@ -1,9 +1,10 @@
 /* facets: match the facets of the elements, each at its smallest node. For topology, shape,
  * reports and planish-mpi.
  *
- *   pl_facets_match                      match facets
- *   pl_facet_joins, pl_facet_is_here     whether a facet joins elements; whether all of them are
- * here pl_sort_element                      the nodes of an element, ascending
+ *   pl_facets_match         match facets
+ *   pl_facet_joins          whether a facet joins elements
+ *   pl_facet_is_here        whether all elements of a facet are here
+ *   pl_sort_element         the nodes of an element, ascending
  */
 #ifndef PL_TOPOLOGY_FACETS_H
 #define PL_TOPOLOGY_FACETS_H

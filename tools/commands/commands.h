@@ -1,7 +1,7 @@
 /* commands: one function and one file for each command of the program.
  *
  *     smooth.c     from mesh file to better mesh file
- *     settle.c     smoothed meshes in tilted planes, as their files round them
+ *     promises.c   checks of a result before it is written
  *     quality.c    measures of one mesh or several
  *     report.c     an HTML page from an earlier result
  *
