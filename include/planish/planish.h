@@ -580,7 +580,7 @@ typedef enum planish_hold_reason {
 } planish_hold_reason;
 
 /** Find out why nodes do not move. Fill reason [n_nodes of the mesh] with 0 for nodes that may move
- *  or slide, and with the bits of all planish_hold_reasons of every other node. coordinates
+ *  or slide, and with the bits of each planish_hold_reason of every other node. coordinates
  *  [n_nodes][dim] (or as the mesh's strides say) are needed for PLANISH_HELD_DOUBLED alone; NULL:
  *  no node has that bit. The call costs about as much as the search for the boundary in
  *  planish_plan_create. With options.around the reasons of nodes outside the plan are

@@ -177,7 +177,7 @@ typedef enum planish_file_reason {
 } planish_file_reason;
 
 /** Find out why the file (and hold, may be NULL) holds nodes. Fill reason [n_nodes] with the bits
- *  of all planish_file_reasons of each node, 0 where the file does not hold it. hold->slide is not
+ *  of each planish_file_reason of a node, 0 where the file does not hold it. hold->slide is not
  *  heeded: the reasons are those without it. planish_plan_get_held has the mesh's own reasons.
  *  Errors: _ARGUMENT (as planish_file_constraints), _MEMORY; reason is then untouched. */
 PLANISH_API int planish_file_held(const planish_file *file, const planish_hold *hold,
