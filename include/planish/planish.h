@@ -9,10 +9,9 @@
  * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise.
  *
  * Conventions: node and element indices start at 0. dim is 2 (triangles) or 3 (tetrahedra).
- * Floating-point environment: whatever the caller's, each thread computes with the usual one (round
- * to nearest, subnormals kept, no traps) while it works for a call, and has its own again, flags
- * included, when the call or task returns. Functions of the caller's are called with the usual one
- * of doubles, and are to leave it so; they return: no longjmp or C++ exception may leave them.
+ * Floating-point environment: the library computes in round-to-nearest, with subnormals and without
+ * traps. It restores the caller's environment, flags included, before it returns. Callbacks run in
+ * the library's environment and must keep it. They must return: no longjmp, no C++ exception.
  * Structures are to be zeroed before they are filled in ({0}, or designated initialisers; options
  * by planish_options_init): what is reserved in them is for later versions of the library.
  * "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
@@ -99,13 +98,17 @@ typedef struct planish_mesh {
                                   none */
     int64_t n_periodic;        /* 0: none */
     const int32_t *periodic;   /* [n_periodic][2] pairs of nodes that a translation takes to one
-                                  another, as on periodic boundaries. All that pairs join move by
-                                  the same vector if all of them slide, in the same directions;
-                                  otherwise none of them moves (so where one is inside the mesh, or
-                                  two are in one element). Each translation has two pairs at least;
-                                  nodes of others are held, as are pairs with a node ON_SURFACE,
-                                  groups of more than 64 nodes, and what is beyond the 64th
-                                  translation. Coordinates to be smoothed fit the pairs, too */
+                                  another, as on periodic boundaries. The nodes that pairs join are
+                                  a group. A group moves by one vector if all its nodes slide in the
+                                  same directions. Each translation needs at least two pairs. The
+                                  coordinates to be smoothed must fit the pairs, too. Held are
+                                  - groups with a node that does not slide, such as a free node
+                                    inside the mesh
+                                  - groups with two nodes of one element
+                                  - groups with an ON_SURFACE node
+                                  - groups of more than 64 nodes
+                                  - groups with a translation of only one pair
+                                  - groups with a translation beyond the 64th */
     const double *min_volume;  /* [n_elements] minimum volume (area in 2-D) of each element, finite;
                                   0: that of the options. NULL: 0 for all */
     const int64_t *elements64; /* [n_elements][dim + 1] in place of elements (which is NULL then);
@@ -149,9 +152,10 @@ typedef void planish_take_fn(int32_t ghost, const void *value, void *taker);
  *  plan is destroyed.
  *
  *  The thread that called the library calls the functions, in the same order on all processes.
- *  They return 0, or any other number if other processes were not reached: the call then fails
- *  with PLANISH_ERROR_PROCESS. If a call fails in one process only, the others wait for it: end
- *  them all (MPI_Abort). */
+ *  They return 0, or any other number if other processes were not reached. The call then fails
+ *  with PLANISH_ERROR_PROCESS, and so does every later call on the plan that needs the other
+ *  processes: the plan can then only be destroyed. If a call fails in one process only, the others
+ *  wait for it: end them all (MPI_Abort). */
 typedef struct planish_part {
     const int64_t *node_number; /* [n_nodes] ascending: numbers of the nodes in the whole mesh */
     const uint8_t *node_role;   /* [n_nodes] of planish_role */
@@ -162,8 +166,9 @@ typedef struct planish_part {
     /** Set each of values [n] to its largest over the processes. */
     int (*largest)(int64_t *values, int n, void *user);
     /** Send values [n][size] (bytes) of the n nodes node [n], all of them SHARED, to the processes
-     *  that have them as ghosts, which are told of nothing else; no later send begins before
-     *  receive. Neither array is changed until that is called, which lets work go on meanwhile. */
+     *  that have them as ghosts. The neighbours know nothing but these values. At most one send is
+     *  open. node and values stay unchanged until receive returns, so communication may overlap
+     *  work. */
     int (*send)(const int32_t *node, int64_t n, const void *values, int64_t size, void *user);
     /** Wait for what others have sent; call take(ghost, its value [size], taker) for each. */
     int (*receive)(planish_take_fn *take, void *taker, void *user);
@@ -180,7 +185,8 @@ typedef struct planish_surface {
                               the surface. NULL: there is one region */
     int64_t n_facets;
     const int32_t *facets;    /* [n_facets][dim] nodes of facets that bear tags: where tags change
-                                 the shape has an edge. Inside the mesh they belong to the surface */
+                                 the shape has an edge. Inside the mesh they belong to the
+                                 surface */
     const int32_t *facet_tag; /* [n_facets], or NULL: all 0 */
     int64_t n_edges;
     const int32_t *edges;     /* [n_edges][2] 3-D: nodes of edges that are edges of the shape */
@@ -209,7 +215,7 @@ typedef struct planish_slide_info {
  *  they are there; nodes of the surface that cannot slide, among them those of interfaces and of
  *  tagged facets and edges that the mesh has not, and those at the place of another one (of parts
  *  side by side that have the nodes between them twice), become FIXED. surface and info may be
- * NULL. threads: as in planish_options. Errors: _ARGUMENT, _MESH, _MEMORY. */
+ *  NULL. threads: as in planish_options. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface,
                                     int threads, uint8_t *constraint, double *direction,
                                     planish_slide_info *info, planish_error *error);
@@ -241,9 +247,9 @@ typedef struct planish_cell_array {
 
 /** Return what the name of an array says about regions, letter case ignored. Above 0: arrays of
  * that name tell regions ("gmsh:physical", "MaterialIDs", ...), the more telling name has the lower
- *  number. -1: the array says how the mesh is shared out or where its elements come from
- *  ("partition", "rank", "vtkGhostType", "vtkOriginalCellIds", ...), and is no region unless the
- *  caller says so. 0: the name says nothing, or is NULL. */
+ * number. -1: the array says how the mesh is shared out or where its elements come from
+ * ("partition", "rank", "vtkGhostType", "vtkOriginalCellIds", ...), and is no region unless the
+ * caller says so. 0: the name says nothing, or is NULL. */
 PLANISH_API int planish_region_name(const char *name);
 
 /** Find the arrays that tell regions (docs/algorithm.md, "Regions"): is_region of each of arrays
@@ -257,11 +263,11 @@ PLANISH_API int planish_find_regions(const planish_mesh *mesh, planish_cell_arra
                                      int n_arrays, int threads, planish_error *error);
 
 /** Combine the arrays whose is_region is not 0 into one region per element: two elements have the
- *  same region where they have the same value in each array. region [n_elements] is filled with
- *  numbers from 0 in the order in which they first appear; all 0 if no array tells regions.
- *  *n_regions (may be NULL) counts them. planish_surface.region and planish_find_interfaces take
+ * same region where they have the same value in each array. region [n_elements] is filled with
+ * numbers from 0 in the order in which they first appear; all 0 if no array tells regions.
+ * *n_regions (may be NULL) counts them. planish_surface.region and planish_find_interfaces take
  * the result. Errors, with region untouched: _ARGUMENT (a value is no whole number within 64 bits),
- *  _MEMORY. */
+ * _MEMORY. */
 PLANISH_API int planish_combine_regions(int64_t n_elements, const planish_cell_array *arrays,
                                         int n_arrays, int32_t *region, int64_t *n_regions,
                                         planish_error *error);
@@ -278,15 +284,15 @@ PLANISH_API int planish_find_interfaces(const planish_mesh *mesh, const int32_t 
 /* ---- Elements thin in layers ---------------------------------------------------------------- */
 
 /** Find the elements that are thin in layers, as in a boundary layer or in a stretched mesh. Such
- *  elements are thin on purpose, and smoothing would make them regular. Their shortest edge is at
- *  most a quarter of their longest. The shortest edges of elements around go along with it, and
+ * elements are thin on purpose, and smoothing would make them regular. Their shortest edge is at
+ * most a quarter of their longest. The shortest edges of elements around go along with it, and
  * some of these are beside it. Slivers, elements that are bad by chance, and slices around an axis
  * do not pass. Elements of the rows before and behind belong to the layer as long as their shortest
- *  edge continues across the layer and is shorter than their other edges by a factor of 1.2. In a
- *  mesh that is stretched throughout in one direction, all elements count that are thin in that
- *  direction (docs/algorithm.md). is_layer [n_elements] is filled with 0 or 1; *n_layer (may be
- *  NULL) counts the ones. The call costs little where few elements are thin. threads: as in
- *  planish_options. Errors: _ARGUMENT, _MESH, _MEMORY. */
+ * edge continues across the layer and is shorter than their other edges by a factor of 1.2. In a
+ * mesh that is stretched throughout in one direction, all elements count that are thin in that
+ * direction (docs/algorithm.md). is_layer [n_elements] is filled with 0 or 1; *n_layer (may be
+ * NULL) counts the ones. The call costs little where few elements are thin. threads: as in
+ * planish_options. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer,
                                     int64_t *n_layer, planish_error *error);
 
@@ -294,12 +300,12 @@ PLANISH_API int planish_find_layers(const planish_mesh *mesh, int threads, uint8
 
 /** How nodes are moved. The Laplacian methods are what the paper compares with: unguarded, they may
  *  invert elements, and none of the promises of planish_smooth holds but those on fixed nodes,
- * bounds and bits. */
+ *  bounds and bits. */
 typedef enum planish_method {
-    PLANISH_METHOD_PLANISH = 0,   /* constrained optimisation of each star */
-    PLANISH_METHOD_LAPLACIAN = 1, /* to the mean of the neighbours */
-    PLANISH_METHOD_AREA_LAPLACIAN =
-        2, /* to the mean of the elements' centroids, by their volumes */
+    PLANISH_METHOD_PLANISH = 0,         /* constrained optimisation of each star */
+    PLANISH_METHOD_LAPLACIAN = 1,       /* to the mean of the neighbours */
+    PLANISH_METHOD_AREA_LAPLACIAN = 2,  /* to the mean of the elements' centroids, by their
+                                           volumes */
     PLANISH_METHOD_LENGTH_LAPLACIAN = 3 /* to the mean of the neighbours, by their distances */
 } planish_method;
 
@@ -307,9 +313,9 @@ typedef enum planish_method {
 typedef enum planish_objective {
     PLANISH_RADIUS_RATIO = 0, /* R/(3r), R/(2r) in 2-D: the paper's */
     PLANISH_MEAN_RATIO = 1,   /* inverse mean ratio: mean square edge to that of the regular element
-                                 of   the same volume */
-    PLANISH_EDGE_RATIO =
-        2 /* longest edge to shortest, smoothed: 0.946 to 1 of it, see docs/algorithm.md */
+                                 of the same volume */
+    PLANISH_EDGE_RATIO = 2    /* longest edge to shortest, smoothed: 0.946 to 1 of it, see
+                                 docs/algorithm.md */
 } planish_objective;
 
 /** Quantity that a last phase improves after the objective has converged: the worst value in the
@@ -363,7 +369,7 @@ typedef struct planish_progress {
     double rms;     /* RMS of AR (RR by default) over the valid elements after the last sweep:
                        measured at first and when it has fallen much, else tracked by what
                        the visits report */
-    double rms_movable;       /* the same over the valid elements with a free node */
+    double rms_movable;       /* the same over the valid elements with a movable node */
     double objective;         /* F over the valid elements after the last sweep; rms by default */
     int64_t inverted;         /* elements that are not positive, after the last sweep */
     int64_t below_min_volume; /* elements below 0.997 of their minimum volume after it */
@@ -468,12 +474,12 @@ typedef struct planish_options {
     double only_worse_than; /* move only nodes of elements of RR above it, or below their
                                minimum volume, or not positive; 0: all. In planish_smooth:
                                visit only stars with such an element. In planish_plan_create:
-                               only nodes that have one there are free, which makes the plan
+                               only nodes that have one there can move, so that the plan is
                                as cheap as they are few; sweeps end a little earlier then */
     int rings;              /* and nodes of so many rings of neighbouring elements; for plans made
                                with only_worse_than or around, 0 .. 100. With only_worse_than,
                                elements that are not positive have 4 rings at least */
-    /* In planish_plan_create: only these nodes are free, and those of rings rings of elements
+    /* In planish_plan_create: only these nodes can move, and those of rings rings of elements
        around them. The plan knows nothing of the rest of the mesh; see there. */
     int64_t n_around;               /* at least 1 if there are any */
     const int64_t *around;          /* [n_around] nodes, in any order; NULL: all nodes */
@@ -505,20 +511,25 @@ PLANISH_API void planish_options_init(planish_options *options);
 /** Stars, colouring, ordering and scratch of one connectivity. */
 typedef struct planish_plan planish_plan;
 
+/** Figures of a plan. Counts of components and facets are 0 where they were not counted, as a plan
+ *  counts only those that it needs. */
 typedef struct planish_plan_info {
     int64_t n_free;           /* nodes that may move anywhere */
     int64_t n_sliding;        /* nodes that may move on a plane, line or surface */
     int64_t n_unused;         /* nodes of no element; with only_worse_than or around 0 */
     int64_t n_fixed_elements; /* elements all of whose nodes are fixed */
-    int64_t n_components;     /* of elements joined by facets; 0: was not needed */
-    int64_t n_reversed; /* elements whose listed order is the negative one of the orientation that
-                           the plan has found: a fact of the connectivity, which does not change
-                           when nodes move. All of a mesh that is mirrored as a whole.
-                           planish_quality.reversed counts by signs of measures instead */
-    int64_t n_boundary_facets; /* facets of one element; with only_worse_than or around, these and
-                                  the next are 0 if they were not needed */
-    int64_t n_nonmanifold_facets; /* facets of more than two elements; their nodes are fixed */
-    int64_t n_duplicate_elements; /* elements with the nodes of an earlier one; nodes fixed */
+    int64_t n_components; /* of elements joined by facets; 0: not counted, as in most meshes: all
+                             measures have one sign, and no facet contradicts it */
+    int64_t n_reversed;   /* elements whose listed order contradicts the orientation that the plan
+                             has found; it does not change when nodes move (planish_quality.reversed
+                             compares signs of measures, which do). All elements of a mirrored
+                             mesh */
+    int64_t n_boundary_facets;    /* facets of one element; 0 also means not counted: with
+                                     only_worse_than or around, if all measures have one sign */
+    int64_t n_nonmanifold_facets; /* facets of more than two elements, whose nodes are fixed; 0 also
+                                     means not counted, as for n_boundary_facets */
+    int64_t n_duplicate_elements; /* elements with the nodes of an earlier one, whose nodes are
+                                     fixed; 0 also means not counted, likewise */
     int n_colours;
     int threads;
     const char *isa;     /* name of the kernel variant in use; static text */
@@ -529,10 +540,11 @@ typedef struct planish_plan_info {
 } planish_plan_info;
 
 /** Make a plan for mesh: validate it, find its orientation and its boundary, order and colour its
- *  free nodes. Uses threads, bind and isa of options (NULL: defaults), its allocator, parallel and
- *  log, and only_worse_than, around, rings and minimum volumes to choose the nodes. The plan refers
- *  to mesh->elements (not to elements64), and to mesh->part with all that it points to: these must
- *  stay as they are until planish_plan_destroy; the other arrays are not read after the return.
+ *  movable nodes. Uses threads, bind and isa of options (NULL: defaults), its allocator, parallel
+ *  and log, and only_worse_than, around, rings and minimum volumes to choose the nodes. The plan
+ *  refers to mesh->elements (not to elements64), and to mesh->part with all that it points to:
+ *  these must stay as they are until planish_plan_destroy; the other arrays are not read after the
+ *  return.
  *  Which order of an element is the positive one is decided here, from these coordinates: for a
  *  mirrored copy of them make another plan. Nodes with more than 43690 elements are held. A mesh
  *  without elements is an error.
@@ -556,12 +568,12 @@ typedef struct planish_plan_info {
  *  with mesh->part also _PROCESS, and _PARTS (around, periodic pairs). */
 PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
                                     planish_plan **plan, planish_error *error);
-/** plan may be NULL. */
+/** Destroy plan, which may be NULL. */
 PLANISH_API void planish_plan_destroy(planish_plan *plan);
 /** Fill *info with the figures of plan. For NULL every field is 0. */
 PLANISH_API void planish_plan_get_info(const planish_plan *plan, planish_plan_info *info);
-/** is_free [n_nodes of the mesh] is filled with 1 for the nodes that may move anywhere, 0 for all
- *  others. */
+/** Fill is_free [n_nodes of the mesh] with 1 for free nodes, which may move anywhere, and with 0
+ *  for all others, sliding nodes included. */
 PLANISH_API void planish_plan_get_free(const planish_plan *plan, uint8_t *is_free);
 
 /** Why a node does not move, as bits: a node may have several reasons. */
@@ -610,23 +622,22 @@ typedef struct planish_spread {
 } planish_spread;
 
 /** Quality of a mesh. Definitions and sources: docs/measures.md. Ratios and angles are over the
- *  valid elements (positive measure). Here and in planish_result a free node is a node that may
- *  move, anywhere or sliding. */
+ *  valid elements (positive measure). Here and in planish_result a movable node is a node that is
+ *  free or slides. */
 typedef struct planish_quality {
     int64_t n_elements;
     int64_t inverted;  /* elements whose measure is not positive, decided exactly */
     double min_volume; /* signed; areas in 2-D; infinite where no double holds it */
     double max_volume;
-    double total_volume; /* sum of the signed volumes; no number if some of both signs are infinite
-                          */
+    double total_volume; /* sum of the signed volumes; NaN if some of both signs are infinite */
     double rms_radius_ratio;
-    double rms_radius_ratio_movable; /* over elements with a free node */
+    double rms_radius_ratio_movable; /* over elements with a movable node */
     double mean_radius_ratio;
     double max_radius_ratio;
     int64_t worst_element; /* where max_radius_ratio is, or -1 */
     double min_angle_deg;  /* dihedral angles in 3-D, angles in 2-D */
     double max_angle_deg;
-    double max_radius_ratio_movable;     /* over elements with a free node, */
+    double max_radius_ratio_movable;     /* over elements with a movable node, */
     double min_angle_deg_movable;        /* over these; 0 without any */
     int64_t n_fixed;                     /* elements all of whose nodes are fixed */
     double fixed_rms_radius_ratio;       /* 0 where there is none */
@@ -645,13 +656,15 @@ typedef struct planish_quality {
                                                        0, 5, .. 75; bins begin with their edge, and
                                                        what is below it by rounding counts there */
     int64_t angle_counts[PLANISH_ANGLE_BINS];
-    int64_t reversed; /* elements whose measure in the listed order of their nodes has the other
-                         sign than most elements', decided exactly (planish_find_reversed) */
+    int64_t reversed; /* elements whose measure in the listed order of their nodes has, at these
+                         coordinates, the other sign than most elements' (planish_find_reversed);
+                         planish_plan_info.n_reversed compares orders of nodes instead */
     int64_t reserved[7];
 } planish_quality;
 
 /** Measure coordinates [n_nodes][dim] (or as the mesh's strides say) with the plan's elements.
- *  Errors: _ARGUMENT, _MESH, _MEMORY. */
+ *  plan is const, here and below: no later result changes. It does not mean that two threads may
+ *  use the plan. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_measure(const planish_plan *plan, const double *coordinates,
                                 planish_quality *quality, planish_error *error);
 
@@ -693,8 +706,8 @@ typedef enum planish_stop {
     PLANISH_STOP_MAX_SWEEPS = 1,
     PLANISH_STOP_TIME_LIMIT = 2,
     PLANISH_STOP_INTERRUPTED = 3, /* the progress callback said so */
-    PLANISH_STOP_INFEASIBLE =
-        4 /* converged, with elements that cannot reach their minimum volume */
+    PLANISH_STOP_INFEASIBLE = 4   /* converged, with elements that cannot reach their minimum
+                                     volume */
 } planish_stop;
 
 typedef struct planish_result {
@@ -710,14 +723,14 @@ typedef struct planish_result {
                                 not above that at the start */
     int64_t inverted;        /* elements not positive in doubles; planish_measure is exact */
     double rms;              /* RMS of AR over the valid elements at the end */
-    double rms_movable;      /* the same over those with a free node */
+    double rms_movable;      /* the same over those with a movable node */
     double min_volume; /* delta that was in force where the mesh has none of its own; 0: none */
     int64_t below_min_volume;  /* elements below 0.997 of their minimum volume at the end */
-    int64_t held_outside;      /* free nodes that started outside of their bounds and were held */
+    int64_t held_outside;      /* movable nodes that started outside of their bounds: held */
     double objective_before;   /* F over the valid elements at the start */
     double objective;          /* and at the end */
     double objective_of_worst; /* F when sweeps for options.worst began; 0: there were none */
-    double worst_before; /* the worst with a free node then, by options.worst: RR, or degrees */
+    double worst_before; /* worst element with a movable node then, by options.worst: RR, degrees */
     double worst_after;  /* and at the end */
     int64_t evaluations; /* of the function of a star, with or without derivatives */
     /* With a minimum volume, bounds or an objective other than the default: first-order optimality
@@ -737,18 +750,20 @@ typedef struct planish_result {
 /** Smooth coordinates [n_nodes][dim] (or as the mesh's strides say) in place, after untangling them
  *  where need be.
  *
- *  Promised: only free nodes move, and within their bounds; no more elements are inverted than
- *  were; in a mesh without inverted elements none is, and no element gets a worse RR than the worst
- *  of those that had a free node, nor (with RR alone as objective) a smaller angle, dihedral in
- *  3-D, unless elements were brought above their minimum volume; F never rises (but for
- *  options.worst, by at most worst_rise of what it had converged to) once no element is inverted or
- *  below its minimum volume; the same bits for any number of threads, any isa and compiler (gcc and
- *  clang are tested).
+ *  Promised:
+ *  - Only movable nodes move, and within their bounds.
+ *  - No more elements are inverted than were. A mesh without inverted elements stays so.
+ *  - In a mesh without inverted elements no element gets a worse RR than the worst element with a
+ *    movable node had, nor (with RR alone as objective) a smaller angle, dihedral in 3-D. Bringing
+ *    elements above their minimum volume may cost both.
+ *  - F never rises once no element is inverted or below its minimum volume. Only options.worst may
+ *    raise F, by at most worst_rise of the value that F had converged to.
+ *  - The bits are the same for any number of threads, isa and compiler (gcc and clang are tested).
  *
- *  Not promised: that every mesh that could be made valid is. Stars with an element that is left
- *  not positive stay as they are; those with an element below its minimum volume are brought above
- * it first where that can be done. Untangling ends by a bound on its work, which takes minutes on
- *  large meshes that cannot be helped: set time_limit if that matters.
+ *  Not promised: some meshes that could be untangled may stay tangled. Stars with an element that
+ *  is left not positive stay as they are. Stars with an element below its minimum volume are first
+ *  brought above it where that can be done. Untangling ends by a bound on its work, which takes
+ *  minutes on large meshes that cannot be repaired: set time_limit if that matters.
  *
  *  options (NULL: defaults): threads, bind, isa, allocator, parallel and log are those of the plan.
  *  result may be NULL. Errors: _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY; coordinates
@@ -760,11 +775,11 @@ PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
 
 /** State of an element as planish_check_volumes reports it. */
 typedef enum planish_volume_state {
-    PLANISH_VOLUME_MET = 0,   /* at least 0.997 of its minimum volume, or it has none */
-    PLANISH_VOLUME_BELOW = 1, /* not so */
-    PLANISH_VOLUME_INFEASIBLE =
-        2 /* not so, and it cannot be, wherever the free nodes are: by itself
-             or together with the elements around its only free node */
+    PLANISH_VOLUME_MET = 0,       /* at least 0.997 of its minimum volume, or it has none */
+    PLANISH_VOLUME_BELOW = 1,     /* not so */
+    PLANISH_VOLUME_INFEASIBLE = 2 /* not so, and it cannot be, wherever the movable nodes are: by
+                                     itself, or together with the elements around its only movable
+                                     node, a free one */
 } planish_volume_state;
 
 /** Compare the elements of coordinates [n_nodes][dim] with their minimum volumes, those of options
@@ -776,10 +791,10 @@ PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *co
                                       int64_t *n_below, planish_error *error);
 
 /** Find the elements of coordinates [n_nodes][dim] that are not positive and cannot all be made so,
- * wherever the free nodes are: those without a free node or with two fixed nodes at one place, and
- * those that contradict each other around one free node whose link there is fixed, by more than
- * 1e-9 of their measures (docs/algorithm.md). unfixable [n_elements] (may
- * be NULL) is filled with 0 or 1; *n counts the ones. Nothing is said of elements that are merely
+ * wherever the movable nodes are. These are elements without a movable node or with two fixed nodes
+ * at one place, and elements that contradict each other around one free node whose link there is
+ * fixed, by more than 1e-9 of their measures (docs/algorithm.md). unfixable [n_elements] (may be
+ * NULL) is filled with 0 or 1; *n counts the ones. Nothing is said of elements that are merely
  * hard, or that a plan with options.around does not know. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_find_unfixable(const planish_plan *plan, const double *coordinates,
                                        uint8_t *unfixable, int64_t *n, planish_error *error);
