@@ -13,6 +13,13 @@
  * nobody listens, and the whole mesh is in this process. While the caller's functions run there is
  * no current context.
  *
+ * Two fields of the context are hidden state that decides the result of a call:
+ *
+ *   failed        an allocation has failed on the way: phases skip work that lacks memory, and
+ *                 planish_smooth then fails rather than return another mesh
+ *   unreached     another process was not reached: nobody is asked any more, and every call that
+ *                 asks others fails (pl_parts_check); it is never reset
+ *
  * The library has no other hidden state that a result could depend on. One more variable is not
  * constant: hwloc's description of the machine (plan/placement.c), which is loaded once and then
  * only read; it decides on which cores threads run.
@@ -54,13 +61,13 @@ typedef struct pl_context {
     planish_log_fn *log; /* or NULL */
     void *log_user;
     const planish_part *part; /* see parts.h; NULL: the whole mesh is in this process */
-    int unreached;            /* another process was not reached */
+    int unreached;            /* another process was not reached, ever */
     int32_t *shared;          /* [n_shared] the part's SHARED nodes, and */
     void *shared_values;      /* [n_shared] room for a value of each */
     int64_t n_shared;
     int keeps;      /* blocks that are released are kept for the next that want some */
     int64_t bytes;  /* of all blocks, those that are kept among them */
-    int failed;     /* an allocation has failed since this was 0 */
+    int failed;     /* an allocation has failed since pl_context_begin */
     int call;       /* number of the call that is under way, or the last: see pl_context_begin */
     pl_arena arena; /* where its arrays are, as far as they have room */
     size_t largest_shared; /* bytes of the largest that may be: see memory.c */
@@ -95,8 +102,8 @@ void pl_context_settle(pl_context *context);
 /** Free context, once all arrays allocated in it have been released. context may be NULL. */
 void pl_context_destroy(pl_context *context);
 
-/** Enter context (NULL: none) on this thread; the one before, to be entered again at the end.
- * Around every function of the caller's there is none. */
+/** Enter context (NULL: none) on this thread. Return the context before, to be entered again at the
+ *  end. Callbacks run without a context. */
 pl_context *pl_context_enter(pl_context *context);
 
 /** State of a thread before it worked for a call. */
@@ -105,8 +112,9 @@ typedef struct pl_outside {
     pl_arithmetic arithmetic;
 } pl_outside;
 
-/** Begin the work of this thread for a call: it enters context (may be NULL), and computes as
- * usual. Functions of the caller's compute as usual, too. */
+/** Begin the work of this thread for a call: enter context (may be NULL), and set the library's
+ *  floating-point environment, with or without a context. Callbacks run in that environment, too.
+ */
 pl_outside pl_call_enter(pl_context *context);
 
 /** End the work for a call: the thread's state is again as it was outside. */
@@ -119,7 +127,7 @@ void pl_context_begin(pl_context *context);
  *  released. */
 void pl_context_end(pl_context *context);
 
-/** The one that this thread is in, or NULL. */
+/** Return the context that this thread is in, or NULL. */
 pl_context *pl_context_current(void);
 
 /** Tell the caller, if it listens; on the thread that called the library. */

@@ -24,13 +24,13 @@ int pl_thread_count(int threads);
 typedef void pl_chunk_fn(void *context, int64_t begin, int64_t end, int thread);
 
 /** Call body once for every chunk of 0 .. n-1; chunks are of size chunk but the last. Each thread
- *  begins with its own stretch of them, so that from loop to loop it finds in its caches, and in
+ * begins with its own stretch of them, so that from loop to loop it finds in its caches, and in
  * the memory of its NUMA node (but for the last 2 MB of an array: memory.c), what it has touched
  * before; when that is done it helps the others. Returns when all are done. */
 void pl_parallel_for(int threads, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context);
 
-/** Number of threads worth using for a loop over n values which does little with each, or writes
- *  all over the memory of n. With few values most cache lines would travel between cores. */
+/** Number of threads worth using for a cheap loop over n values, or one that writes all over the
+ *  memory of n. With few values most cache lines would travel between cores. */
 static inline int pl_paying_threads(int threads, int64_t n) {
     enum { FEW = 1 << 16 };
     return n < FEW ? 1 : threads;
@@ -39,9 +39,8 @@ static inline int pl_paying_threads(int threads, int64_t n) {
 /** Call body(context, t, t + 1, t) on thread t of each of the threads that pl_parallel_for uses. */
 void pl_on_each_thread(int threads, pl_chunk_fn *body, void *context);
 
-/** Replace values[0 .. n-1] by their exclusive prefix sum; values[n] becomes the total (values has
- * n
- * + 1 entries), which is returned. */
+/** Replace values[0 .. n-1] by their exclusive prefix sum. values has n + 1 entries; values[n]
+ *  becomes the total, which is returned. */
 int64_t pl_prefix_sum(int threads, int64_t n, int64_t *values);
 
 /** Length of a row of a counting sort in chunks: chunk k counts its values of key in counts[k *
