@@ -15,29 +15,29 @@
 
 #include "sweep/run.h"
 
-/** Do all phases of a call on a run that is measured and prepared. Errors: _MEMORY, _PARTS. */
+/** Do all phases of a call on a run that is measured and prepared. Errors: _MEMORY. */
 int pl_run_phases(pl_run *r, planish_error *error);
 
-/** Move all nodes at once (a pl_accelerate_fn), counted as one sweep or several. fall: what the
- * last sweep has brought, relative. F does not rise. Not 0 if it was cut short; without memory it
- * does nothing. For the plain problem only. */
+/** Move all nodes at once (a pl_accelerate_fn), counted as one sweep or several. fall: relative
+ *  fall that the last sweep has brought. F does not rise. Return not 0 if the work was cut short;
+ *  without memory do nothing. For the plain problem only. */
 int pl_run_accelerate(pl_run *r, pl_acceleration acceleration, double fall);
 
-/** Untangle the mesh as measured last: what is inverted or flat. If anything was done r->stop is
- *  _CONVERGED then, unless it was cut short, and the mesh is measured and prepared for sweeps.
- *  Errors: _MEMORY. */
+/** Climb the ladder for elements that are inverted or flat in the mesh as measured last. If
+ *  anything was done, r->stop is _CONVERGED then unless the work was cut short, and the mesh is
+ *  measured and prepared for sweeps. Errors: _MEMORY. */
 int pl_run_untangle(pl_run *r, planish_error *error);
 
-/** Bring elements up to their minimum volumes, as described above. Errors: _MEMORY. */
+/** Climb the ladder for elements below their minimum volume. Errors: _MEMORY. */
 int pl_run_raise_volumes(pl_run *r, planish_error *error);
 
-/** Whether nodes move with others, whose stars alone have been looked at: rounding may do to their
- *  own elements what it has not done to those. */
+/** Whether the plan has followers and the method visits stars. Rounding can worsen a follower's own
+ *  elements, because only the leader's star is checked. */
 int pl_run_has_followers(const pl_run *r);
 
-/** Put nodes back to where they were if the mesh as measured last has a smaller angle than at the
- *  start, or with followers anything else that is worse: the nodes around. How many is the
- * result's. Errors: _MEMORY. */
+/** Put nodes back to their start around elements that are worse than at the start: in the mesh as
+ *  measured last, by a smaller angle or, with followers, by anything else. r->result->put_back
+ *  counts them. Errors: _MEMORY. */
 int pl_run_put_back_angles(pl_run *r, planish_error *error);
 
 /** Improve the worst elements of a mesh that has been smoothed, and measured. Errors: _MEMORY. */

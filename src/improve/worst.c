@@ -51,7 +51,7 @@ static int64_t find_bad(const stages *p, double limit) {
 
 /** Try a stage: sweep stars with something above limit, a square, beginning with the nodes of the
  *  elements above. *failed: F rose too much in it. The stage stands if not, and if fewer elements
- * are above the limit. Not 0 if it was cut short. */
+ *  are above the limit. Not 0 if it was cut short. */
 static int try_stage(stages *p, double limit, int *failed) {
     pl_run *r = p->run;
     const planish_plan *plan = r->plan;

@@ -21,13 +21,13 @@ typedef struct pl_objective_problem {
 } pl_objective_problem;
 
 /** Sums over the valid elements (positive measure, decided exactly), by [movable]: 1 for those with
- * a free node, 0 for the others. */
+ * a movable node, 0 for the others. */
 typedef struct pl_objective_sums {
     double ratio[2];   /* of AR^2 */
     double radius[2];  /* of RR^2 */
     double volume[2];  /* of g^2, of elements with a minimum volume */
     double n[2];       /* how many there are */
-    double radius_max; /* largest RR^2 of those with a free node */
+    double radius_max; /* largest RR^2 of those with a movable node */
     double acuteness;  /* of the smallest angle of these, see geometry/angle.h */
     double inverted;   /* elements that are not valid */
     double below; /* elements with a minimum volume and g above PLANISH_VOLUME_TOLERANCE, valid or
@@ -39,16 +39,15 @@ typedef struct pl_objective_sums {
 /** Sum over all elements of the problem's mesh, and over all processes that have parts of it. */
 void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *sums);
 
-/** Fill state [m] with PLANISH_VOLUME_MET or _BELOW; returns how many are below. */
+/** Fill state [m] with PLANISH_VOLUME_MET or _BELOW. Return how many are below. */
 int64_t pl_find_below(const pl_objective_problem *problem, uint8_t *state);
 
-/** Fill state [m] as pl_find_below does, and count elements as below that are not positive
- *  (pl_find_inverted), or are positive only by rounding, too (pl_find_tangled). Both return how
+/** Fill state [m] as pl_find_below does; elements that are not positive are below, too. Return how
  *  many are below. */
 int64_t pl_find_inverted(const pl_objective_problem *problem, uint8_t *state);
 
-/** Fill state [m] as described above; elements that are positive only by rounding are below,
- *  too. */
+/** Fill state [m] as pl_find_below does; elements that are not positive, or positive only within
+ *  rounding, are below, too. Return how many are below. */
 int64_t pl_find_tangled(const pl_objective_problem *problem, uint8_t *state);
 
 #endif

@@ -6,6 +6,12 @@
  * least squares, solved by Lawson and Hanson's active set (1974); no more rows than dimensions
  * carry weight. Should rounding make that cycle, enumeration of the sets of rows decides: it is
  * finite whatever the rows are. Rows may be parallel, the same, opposed, or zero (ignored).
+ *
+ *   cone_project                                 the projection
+ *   cone_active_set, cone_settle                 Lawson and Hanson's method
+ *   cone_enumerate, cone_extend, cone_judge      sets of rows, one after another
+ *   cone_least_squares, cone_orthogonalise       weights of the rows of one set
+ *   cone_most_violated, cone_excess, cone_dot    rows against a point
  */
 #ifndef PL_STAR_KERNEL_CONE_H
 #define PL_STAR_KERNEL_CONE_H

@@ -1,5 +1,10 @@
 /* kernel_direction: a direction of descent from the gradient and Hessian of a star. Plain scalar
  * arithmetic.
+ *
+ *   newton_direction, fletcher_reeves_direction                     directions
+ *   factorise, factorise_shifted, substitute_forward, _back         L D L^T of a Hessian
+ *   invert                                                          inverse of a Hessian
+ *   packed, dot, curvature                                          entries and products
  */
 #ifndef PL_STAR_KERNEL_DIRECTION_H
 #define PL_STAR_KERNEL_DIRECTION_H

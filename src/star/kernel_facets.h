@@ -4,6 +4,11 @@
  * padded to a multiple of PL_LANES with copies of the first; those of facets have weight 0. All
  * columns of PL_LANES facets lie together (an array of structures of packs). All of a star lies
  * together in scratch.
+ *
+ *   star, node_of_facet                               a star, and the nodes of its facets
+ *   in_block, pack_in_block, entry, load, store       entries of columns, one or a pack
+ *   vec3_*                                            packs of vectors
+ *   store_point, facets_3d, circles_3d, facets_2d     fill the columns
  */
 #ifndef PL_STAR_KERNEL_FACETS_H
 #define PL_STAR_KERNEL_FACETS_H

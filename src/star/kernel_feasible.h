@@ -189,7 +189,7 @@ static inline int project_direction(const derivatives *derivative, const factors
 
 /** Find the direction of equation 4 of the paper that promises most, over bands of active
  *  constraints. Newton's is in the metric of the shifted Hessian, in which the projected gradient
- * is the Newton step within the cone; others are in that of the space. */
+ *  is the Newton step within the cone; others are in that of the space. */
 static inline int constrained_direction(const local *here, const double *x,
                                         const derivatives *derivative, double *direction,
                                         const int dim) {
@@ -375,7 +375,7 @@ static inline int shortest_displacement(const active *a, double *displacement, c
 }
 
 /** Go straight to the nearest feasible place: sum max(0, g)^2 is convex and 0 there, so it falls on
- *  the way. Rows are those of {(d, t): n . d + (D - floor) t >= 0}, all of unit gradient: a
+ * the way. Rows are those of {(d, t): n . d + (D - floor) t >= 0}, all of unit gradient: a
  * feasible displacement d at t = 1. Floors are taken higher by a margin, and of violated elements
  * as high as is sound; if that fails, by next to nothing. */
 static inline int go_to_feasible(const local *here, const double *x, const objective *now,

@@ -6,6 +6,12 @@
  *
  * All of these are inlined always: left to itself, gcc calls the smallest of them in functions that
  * have become large, and a guarded visit then takes up to half as long again.
+ *
+ *   lanes_of, _load, _store, _get                     make a pack, keep it, take one lane
+ *   lanes_sqrt, _max, _min, _abs, _inverse_cube_root  arithmetic beside the operators
+ *   lanes_greater, _select, _bits, _of_bits           compare, choose, bits
+ *   lanes_all_set, _any_set                           ask a mask
+ *   lanes_lane, _sum, _largest                        of the PL_PACKS packs of one sum
  */
 #ifndef PL_STAR_KERNEL_LANES_H
 #define PL_STAR_KERNEL_LANES_H

@@ -100,13 +100,14 @@ static inline void acquit(const pl_star_problem *problem, int32_t node) {
     __atomic_store_n(&problem->changed[node], 0, __ATOMIC_RELAXED);
 }
 
-/* What else a visit was for is told of, however little the function fell. */
+/* Fall of a visit that restored volumes, met a constraint or weighs volumes. Such a visit tells its
+ * neighbours however little its function fell. Only moves shorter than `still` stay untold. */
 #define FALL_TOLD INFINITY
 
-/** Move the node from place (as in the mesh) to x (scaled), where the star is_bad, or may be, and
- *  its function lower by fall, relative. If the move matters, tell the nodes of the star, and its
- *  own, that their stars have changed: if it is bad. Else only those that are bad. Several threads
- *  may tell one node at the same time; all write one value. */
+/** Move the node from place (as in the mesh) to x (scaled). There the star is_bad, or may be, and
+ *  its function is lower by fall, relative. If the move matters, tell neighbours that their stars
+ *  have changed: all of them and the node itself if the star is bad, else only bad neighbours.
+ *  Several threads may tell one node at the same time; all write one value. */
 static inline void move_node(const local *here, int32_t node, const double *x, double size2,
                              double fall, int is_bad, double *place, const int dim) {
     uint8_t *changed = here->problem->changed;

@@ -153,7 +153,7 @@ PL_INLINE lanes sum_of(const lanes *a, int n) {
 /** Add the derivatives of (1/q) log sum (square_k)^(sign q) to l and h, q = 2^SHARPNESS: with the
  *  shares w_k = share_k / total of the edges at x and c_k = sign grad square_k / square_k,
  *  l = sum w_k c_k, hess = sum w_k (sign hess square_k / square_k + (q - sign) c_k c_k^T) - q l
- * l^T.
+ *  l^T.
  */
 PL_INLINE void smoothed_extreme(const edges *e, const lanes *share, lanes total, double sign,
                                 aspect *a, const int dim) {

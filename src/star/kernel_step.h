@@ -79,7 +79,7 @@ static inline int find_direction(planish_direction kind, const derivatives *deri
 /* ---- how far --------------------------------------------------------------------------------- */
 
 /** Return the largest rate, 1 / step, at which facets or the node's bounds block the direction; 0
- * if nothing is in the way. Of facets: the largest of -(n . S) / D; RATE holds 1 / D, or
+ *  if nothing is in the way. Of facets: the largest of -(n . S) / D; RATE holds 1 / D, or
  *  for the guarded kernel what guarded_at says. */
 static inline double limiting_rate(const local *here, const double *x, const double *direction,
                                    const int guarded, const int dim) {

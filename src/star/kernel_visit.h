@@ -150,8 +150,8 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
     int steps = 0, wanted;
     here.alone = (flags & PL_TOLD) != 0;
     to_star(&here, place, now.x, dim);
-    if (problem->rr2_skip >
-        0) { /* most stars have no bad element by now, and need no derivatives */
+    /* Most stars have no bad element by now, and need no derivatives. */
+    if (problem->rr2_skip > 0) {
         ++*here.evaluations;
         if (!(value_at(&here.s, now.x, 0, dim).max > problem->rr2_skip)) {
             acquit(problem, node);

@@ -13,6 +13,15 @@
  *
  * The same source is compiled for several instruction sets (kernel_*.c); all of them, and the plain
  * one, give the same bits.
+ *
+ *   pl_star_problem, _guard, _untangling, _slide, _limits    input of visits
+ *   pl_star_tally, _optimality, _value, _energy              their output
+ *   pl_star_scratch_size                                     memory that they need
+ *   pl_star_kernel_select                                    the functions of an instruction set
+ *   pl_star_average                                          laplacian.c: methods of averages
+ *   pl_star_is_held, _admit                                  places that a node may take
+ *   pl_star_infeasible                                       feasibility.c: proofs
+ *   pl_star_update_shifts                                    multipliers.c: augmented Lagrangian
  */
 #ifndef PL_STAR_H
 #define PL_STAR_H
@@ -126,11 +135,10 @@ typedef struct pl_star_problem {
     const pl_star_untangling *untangling; /* NULL but for visits that untangle */
 } pl_star_problem;
 
-/** Flags of a star: it has changed since its last visit, and wants another; its node has moved, and
- *  its neighbours were told, and none of them has told it of a move since; it may have had an
- *  element above rr2_skip after that visit, so that it wants another whatever changes. A star
- *  without one, around which no star that changes has one afterwards, has none either, but for
- *  moves not told of. */
+/** Flags of a star. PL_CHANGED: the star must be visited; without it the star is skipped. PL_TOLD:
+ *  its node has moved and told its neighbours; no neighbour has told it of a move since. PL_BAD:
+ *  the star may have an element above rr2_skip; a neighbour that moves must wake it. Without PL_BAD
+ *  only a neighbour whose own star is bad wakes it. Moves shorter than `still` wake nobody. */
 enum { PL_CHANGED = 1, PL_TOLD = 2, PL_BAD = 4 };
 
 /** Tally of a range of visits. */
@@ -160,8 +168,8 @@ int64_t pl_star_scratch_size(int dim, int64_t max_ring, int64_t max_link);
 void pl_star_average(const pl_star_problem *problem, planish_method method, int dim, int64_t begin,
                      int64_t end, double *scratch, pl_star_tally *tally);
 
-/** Bring x [dim], where the node shall go, to what can be stored and is within its bounds; 0 if the
- *  node has to stay. */
+/** Bring x [dim], where the node shall go, to a place that can be stored and is within its bounds.
+ *  Return 0 if the node has to stay. */
 int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double *x);
 
 /** Part of an element in the proof that not all elements of a star can reach their least
@@ -182,7 +190,7 @@ int64_t pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, i
                            pl_limit *limit);
 
 /** Raise the multipliers of the elements of stars begin .. end-1 to max(0, lambda + rho g), and
- * count the stars as changed where they change, or (if wake) where a minimum volume is in force
+ *  count the stars as changed where they change, or (if wake) where a minimum volume is in force
  *  (multipliers.c). Returns the largest change of a shift. scratch as for visits. */
 double pl_star_update_shifts(const pl_star_problem *problem, int dim, int wake, int64_t begin,
                              int64_t end, double *scratch);
@@ -192,8 +200,8 @@ typedef void pl_star_visit_fn(const pl_star_problem *problem, int64_t begin, int
                               double *scratch, pl_star_tally *tally);
 
 /** Sum (with a guard, the star's function) and largest of RR^2 (AR^2) over one star at its present
- *  position, and the sum's derivatives: for tests and benchmarks of a variant. Returns 0 if an
- * element is not positive. hessian: xx, xy, xz, yy, yz, zz (2-D: xx, xy, yy). */
+ *  position, and the sum's derivatives. Used by the acceleration, tests and benchmarks. Returns 0
+ *  if an element is not positive. hessian: xx, xy, xz, yy, yz, zz (2-D: xx, xy, yy). */
 typedef struct pl_star_value {
     double sum, max;
     double error; /* relative, of both: what rounding can have done */
@@ -211,8 +219,8 @@ enum { PL_GRADIENT_ALONE = 2 };
 typedef void pl_star_optimality_fn(const pl_star_problem *problem, int64_t begin, int64_t end,
                                    double *scratch, pl_star_optimality *optimality);
 
-/** The regularised energy of elements around a range of stars. Those of several free nodes of the
- * patch are shared by these, so that sums over the patch's stars count each element once. */
+/** Regularised energy of elements around a range of stars. Elements of several free nodes of the
+ * patch are shared by these nodes, so that sums over the patch's stars count each element once. */
 typedef struct pl_star_energy {
     pl_sum sum;      /* of the elements' energies */
     double least;    /* smallest measure, less its floor, relative to the one that is wanted */
@@ -241,7 +249,7 @@ typedef struct pl_star_guarded {
     pl_star_energy_fn *energy[2];         /* [dim - 2] */
 } pl_star_guarded;
 
-/** Functions for problems without a guard, and the others. */
+/** Functions of one instruction set: for problems without a guard, and with one. */
 typedef struct pl_star_kernel {
     const char *name;
     pl_star_visit_fn *visit[2];       /* [dim - 2] */
@@ -249,7 +257,7 @@ typedef struct pl_star_kernel {
     const pl_star_guarded *guarded;
 } pl_star_kernel;
 
-/** The variant asked for (AUTO: the fastest that this CPU has), or NULL if the CPU lacks it. */
+/** Return the variant isa (AUTO: the fastest that this CPU has), or NULL if the CPU lacks it. */
 const pl_star_kernel *pl_star_kernel_select(planish_isa isa);
 
 extern const pl_star_kernel pl_star_kernel_plain, pl_star_kernel_vector, pl_star_kernel_avx2,

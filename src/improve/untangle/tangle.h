@@ -51,7 +51,7 @@ typedef struct pl_tangle {
 
 /** Look at the mesh as the run has measured it: what is tangled, and what of that cannot be helped?
  *  floors: elements are to be above their minimum volumes, else just positive. n_tangled 0: there
- * is nothing to be done, and nothing else is set. Errors: _MEMORY. To be destroyed in any case. */
+ *  is nothing to be done, and nothing else is set. Errors: _MEMORY. To be destroyed in any case. */
 int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error);
 
 /** Free the arrays of t. */
