@@ -87,12 +87,12 @@ PLANISH_API const char *planish_file_open_end(const planish_file *file);
 
 /** How many nodes have parameters of the geometry that they are on beside their coordinates: u, v,
  * w of Gmsh's, those on curves and surfaces of Netgen's. These stay as they are in the file: of a
- *  node that has moved they are wrong. has [n_nodes] (may be NULL) becomes 1 for such nodes, else
+ * node that has moved they are wrong. has [n_nodes] (may be NULL) becomes 1 for such nodes, else
  * 0. */
 PLANISH_API int64_t planish_file_parameters(const planish_file *file, uint8_t *has);
 
 /** The mesh: its arrays belong to the file; of triangles it has coordinates in their plane
- * (planish_file_plane); constraint is NULL, to be set to what
+ *  (planish_file_plane); constraint is NULL, to be set to what
  *  planish_file_constraints fills in. */
 PLANISH_API planish_mesh planish_file_mesh(const planish_file *file);
 
@@ -128,7 +128,7 @@ PLANISH_API int planish_file_place(const planish_file *file, int64_t first, int6
 
 /** Names of the arrays of one whole number per element that the file has (VTK's formats,
  *  Gmsh, CGNS), in the file's order, NULL at the end; the file owns them. Values of other cells
- * than the elements that are smoothed do not matter. At most 256 arrays are looked at. */
+ *  than the elements that are smoothed do not matter. At most 256 arrays are looked at. */
 PLANISH_API const char *const *planish_file_cell_arrays(const planish_file *file);
 
 /** Names of those of these arrays that tell regions, NULL at the end; the file owns them. When the
@@ -139,7 +139,7 @@ PLANISH_API const char *const *planish_file_cell_arrays(const planish_file *file
 PLANISH_API const char *const *planish_file_region_arrays(const planish_file *file);
 
 /** Choose the arrays that tell regions: those called names [n_names], each of
- *  planish_file_cell_arrays, in place of those found. n_names 0 keeps what was found. Either way
+ * planish_file_cell_arrays, in place of those found. n_names 0 keeps what was found. Either way
  * the values of the arrays are released, so that names can be chosen once. What was asked of the
  * file's regions and groups before (planish_file_constraints, _surface, _min_volumes,
  * _element_region) is to be asked again. Errors: _ARGUMENT (a name that the file does not have; the
@@ -196,7 +196,7 @@ PLANISH_API planish_surface planish_file_surface(const planish_file *file,
                                                  const planish_hold *hold);
 
 /** The minimum volumes of groups, for planish_mesh.min_volume: min_volume [n_elements] is filled
- * with the largest of values [n_tags] (positive) whose group, named by tags [n_tags] as in
+ *  with the largest of values [n_tags] (positive) whose group, named by tags [n_tags] as in
  *  planish_hold, has the element, and 0 for elements in none of these groups. Groups are those of
  *  the elements that are smoothed. Errors: _ARGUMENT (a tag that the file does not have; the text
  *  lists those it has), _MEMORY; min_volume is then untouched. */
@@ -210,10 +210,10 @@ PLANISH_API int64_t planish_file_element_number(const planish_file *file, int64_
 PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t node);
 
 /** The region of an element, by its index in planish_file_mesh, as a tag that planish_hold takes:
- *  text [size] is filled with the name of its group, or with "DIM:N" where it has none that means
- *  elements of this dimension alone; with "" where the file has no regions, or no tag means this
- *  one. Of an element in several groups the first that is named counts. Returns the length of the
- *  tag as snprintf does (NULL and 0 ask for it alone), or PLANISH_ERROR_ARGUMENT. Time goes by the
+ * text [size] is filled with the name of its group, or with "DIM:N" where it has none that means
+ * elements of this dimension alone; with "" where the file has no regions, or no tag means this
+ * one. Of an element in several groups the first that is named counts. Returns the length of the
+ * tag as snprintf does (NULL and 0 ask for it alone), or PLANISH_ERROR_ARGUMENT. Time goes by the
  * number of the file's regions: elements of one region (planish_file_surface) have the same tag. */
 PLANISH_API int planish_file_element_region(const planish_file *file, int64_t element, char *text,
                                             size_t size);
@@ -236,13 +236,13 @@ PLANISH_API int planish_file_can_write(const planish_file *file, const char *pat
 /** Ask, before long work, what planish_file_write to path would fail for wherever nodes go: a name
  *  that planish_file_can_write does not take, files beside it that are of another mesh (TetGen),
  *  compressed coordinates that cannot be written to a pipe. Whether the place can be written is not
- * tried. Errors: _FILE, _ARGUMENT, _MEMORY. */
+ *  tried. Errors: _FILE, _ARGUMENT, _MEMORY. */
 PLANISH_API int planish_file_check_output(const planish_file *file, const char *path,
                                           planish_error *error);
 
 /** Write the file to path with coordinates [n_nodes][dim]: a copy of the input in which only
- *  coordinates that differ from those read are replaced. A regular file is written beside its place
- *  and renamed; owner, mode, access list and attributes of the file that it replaces are kept as
+ * coordinates that differ from those read are replaced. A regular file is written beside its place
+ * and renamed; owner, mode, access list and attributes of the file that it replaces are kept as
  * far as that is allowed, and hard links to it are broken; symbolic links are followed where the
  * system would follow them; pipes and devices are written directly (a process that does not ignore
  * SIGPIPE ends where nobody reads them). temporary (may be NULL): a buffer of temporary_size bytes,
@@ -251,9 +251,9 @@ PLANISH_API int planish_file_check_output(const planish_file *file, const char *
  * not listed: give the length of path and 80 bytes for each file that is written. What TetGen has
  * beside .node (.ele, .face, .edge, .neigh, ..: docs/formats.md) is written along with it. Errors:
  * _FILE (also if the input is not what was read any more), _MEMORY, _ARGUMENT (a path that
- *  planish_file_can_write does not take, coordinates that are not finite); nothing is left behind
- *  then (but if one of TetGen's files cannot be renamed, those that had already been, .node the
- *  last, stay where they replaced others). */
+ * planish_file_can_write does not take, coordinates that are not finite); nothing is left behind
+ * then (but if one of TetGen's files cannot be renamed, those that had already been, .node the
+ * last, stay where they replaced others). */
 PLANISH_API int planish_file_write(const planish_file *file, const char *path,
                                    const double *coordinates, int threads, char *temporary,
                                    size_t temporary_size, planish_error *error);
@@ -264,8 +264,8 @@ PLANISH_API int planish_file_can_convert(const planish_file *file, const char *p
 
 /** Write what planish understands of the file, at coordinates [n_nodes][dim], to path in the format
  *  of its extension, for viewing: nodes, tetrahedra, triangles and lines with their numbers,
- * regions and groups (docs/formats.md), `fixed` where constraint [n_nodes] (may be NULL) says so,
- * and radius_ratio [n_elements] (may be NULL; planish_measure_elements). temporary as for
+ *  regions and groups (docs/formats.md), `fixed` where constraint [n_nodes] (may be NULL) says so,
+ *  and radius_ratio [n_elements] (may be NULL; planish_measure_elements). temporary as for
  *  planish_file_write. lost [lost_size] (may be NULL) is filled with what is left out, as a list in
  *  words. Errors: _FILE, _MEMORY, _ARGUMENT; nothing is left behind then. */
 PLANISH_API int planish_file_convert(const planish_file *file, const char *path,

@@ -14,7 +14,7 @@
 
 /** Return x^(-1/3) within 3.5 per cent, of a normal x > 0: the upper half of a double, read as a
  * number, is nearly a logarithm. Integers go through the mantissa of 2^52, as vectors have no other
- *  conversion. */
+ * conversion. */
 PL_INLINE double pl_inverse_cube_root_guess(double x) {
     static const double TWO_52 = 4503599627370496.0, ZERO = 1430187280.0;
     uint64_t bits;

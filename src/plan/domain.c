@@ -31,8 +31,8 @@ static int copy_min_volumes(const pl_draft *d, planish_error *error) {
     return PLANISH_OK;
 }
 
-/** Make the plan one for the subset of the mesh that has been found; of all of it is known what is
- * in plan->whole. */
+/** Make the plan one for the subset of the mesh that has been found. plan->whole keeps all that the
+ * plan knows of the whole mesh. */
 static int narrow(pl_draft *d, const planish_mesh *mesh, pl_scope scope, planish_error *error) {
     planish_plan *plan = d->plan;
     plan->whole.n_nodes = mesh->n_nodes;
@@ -192,10 +192,8 @@ int pl_draft_select(pl_draft *d, int *all_positive, planish_error *error) {
 }
 
 int pl_draft_look_at_measures(pl_draft *d, planish_error *error) {
-    enum {
-        SHARE = 4
-    }; /* a subset pays if one node in so many is selected: each brings some 20
-          elements along */
+    /* A subset pays if one node in so many is selected: each brings some 20 elements along. */
+    enum { SHARE = 4 };
     const int threads = d->plan->threads, selective = d->options->only_worse_than > 0;
     int all_positive = 0, status = PLANISH_OK;
     int64_t n = 0;

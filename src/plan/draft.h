@@ -35,13 +35,12 @@ typedef struct pl_draft {
     pl_incidence incidence;
     int is_partial; /* incidence has no elements of nodes that are not selected */
     pl_boundary boundary;
-    int32_t *order; /* [n] the nodes of mesh along the curve */
-    pl_candidates interior,
-        sliding;          /* nodes that are free if they are inside, and those that slide */
-    int64_t *count;       /* [chunks of nodes + 1] */
-    pl_periodic periodic; /* for nodes that slide, */
-    pl_incidence around;  /* its incidence, */
-    int32_t *number_of;   /* [its nodes] and their inner numbers */
+    int32_t *order;                  /* [n] the nodes of mesh along the curve */
+    pl_candidates interior, sliding; /* nodes that are free if inside; nodes that slide */
+    int64_t *count;                  /* [chunks of nodes + 1] */
+    pl_periodic periodic;            /* for nodes that slide, */
+    pl_incidence around;             /* its incidence, */
+    int32_t *number_of;              /* [its nodes] and their inner numbers */
 } pl_draft;
 
 /** Free the draft's arrays. */
@@ -70,9 +69,9 @@ int pl_draft_finish(pl_draft *d, planish_error *error);
 
 /** Choose the nodes that options->only_worse_than is about: is_selected [n] is filled with 0, or
  *  not 0 for the nodes of elements whose RR is above it, that are below their minimum volume, or
- * not positive, and of rings of elements around these. sign: as in pl_boundary. *all_positive: no
+ *  not positive, and of rings of elements around these. sign: as in pl_boundary. *all_positive: no
  *  element was found that is not. subset, which is {0}, is filled if it was found on the way.
- * Errors: _MESH (of its neighbours), _MEMORY. */
+ *  Errors: _MESH (of its neighbours), _MEMORY. */
 int pl_select(const planish_mesh *mesh, const int8_t *sign, const planish_options *options,
               int threads, uint8_t *is_selected, int *all_positive, pl_subset *subset,
               planish_error *error);

@@ -82,7 +82,7 @@ static void release_cores(struct pl_cores *cores) {
 
 /** Choose the first allowed hardware thread of each core, as many as n. The calling thread, which
  * is the first, stays on its core: moved to another one, where the system has just woken the thread
- *  that belongs to the first's, it can be in the way of that for 4 ms. NULL without memory. */
+ * that belongs to the first's, it can be in the way of that for 4 ms. NULL without memory. */
 static struct pl_cores *choose_cores(hwloc_topology_t topology, hwloc_const_cpuset_t allowed,
                                      int n) {
     struct pl_cores *cores = pl_alloc_zero(1, sizeof *cores);

@@ -23,7 +23,7 @@ typedef struct pl_placement {
  *  OpenMP would use; without bind as many as OpenMP would use) and, with bind, on a core for each.
  *  Fewer threads than cores are not bound: two processes would meet on the same ones while
  *  others idle. Without hwloc, or where its topology is not this machine's, nothing is ever bound.
- * Always succeeds but for memory: NULL then. */
+ *  Always succeeds but for memory: NULL then. */
 pl_placement *pl_placement_create(int threads, int bind);
 
 /** Free placement; NULL: do nothing. */

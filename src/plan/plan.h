@@ -29,8 +29,8 @@ typedef struct pl_visits {
     int n_colours;
     int64_t n_all; /* stars of all processes */
     int64_t n_followers;
-    pl_follower
-        *follower; /* nodes that move with those of the stars, and images: by inner numbers */
+    pl_follower *follower; /* nodes that move with those of the stars, and images: by inner
+                              numbers */
 } pl_visits;
 
 /** Mobility of a node. */

@@ -57,7 +57,8 @@ static void hold(const groups *g, int32_t node, uint8_t *slides) {
         slides[i] = 0;
 }
 
-/** Splice the lists of both nodes, unless they are one; groups that would be too large are held. */
+/** Splice the lists of both nodes, unless they are one. Hold both if the group would be too large.
+ */
 static void join(const groups *g, int32_t a, int32_t b, uint8_t *slides) {
     int size = 1;
     for (int32_t i = g->next[a]; i != a; i = g->next[i], size++)
@@ -77,7 +78,7 @@ static void join(const groups *g, int32_t a, int32_t b, uint8_t *slides) {
     g->next[b] = next;
 }
 
-/** Nodes of a group in a direction that no translation of a lattice is orthogonal to. */
+/** Return how far a node is along a direction that no translation of a lattice is orthogonal to. */
 static double along(const groups *g, int32_t node) {
     static const double generic[3] = {1, 0.6180339887498949, 0.3141592653589793};
     return pl_dot(g->mesh->dim, place(g, node), generic);
@@ -138,7 +139,7 @@ int pl_check_periodic(const planish_mesh *mesh, planish_error *error) {
     return PLANISH_OK;
 }
 
-/** Groups, their leaders and translations; those that cannot move together are held. */
+/** Find groups, their leaders and translations. Hold the groups that cannot move together. */
 static void find_groups(groups *g, uint8_t *slides) {
     const planish_mesh *mesh = g->mesh;
     const int corners = mesh->dim + 1;
@@ -146,8 +147,8 @@ static void find_groups(groups *g, uint8_t *slides) {
         g->next[i] = (int32_t)i;
     for (int64_t i = 0; i < mesh->n_periodic; i++)
         join(g, mesh->periodic[2 * i], mesh->periodic[2 * i + 1], slides);
-    for (int32_t node = 0; node < mesh->n_nodes;
-         node++) { /* the first along that direction leads */
+    /* The first along that direction leads. */
+    for (int32_t node = 0; node < mesh->n_nodes; node++) {
         int32_t first = node;
         for (int32_t i = g->next[node]; i != node; i = g->next[i])
             if (along(g, i) < along(g, first) || (along(g, i) == along(g, first) && i < first))

@@ -59,7 +59,7 @@ static void copy_rings(void *context, int64_t begin, int64_t end, int thread) {
 
 /** Find the ends of the edges of the n facets of source, for link, which has the rest; an open link
  *  has more edges than there is room for, and does not need them. (Read from link, what has just
- * been written would be waited for.) */
+ *  been written would be waited for.) */
 static inline void write_ends(pl_link source, pl_link link, int64_t n) {
     const int64_t n_edges = pl_link_edges(3, n);
     for (int64_t f = 0; f < 3 * n; f += 3) {

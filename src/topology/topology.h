@@ -237,8 +237,8 @@ void pl_periodic_destroy(pl_periodic *periodic);
  *  hash of the node's number, then its number), computed in parallel after Jones and Plassmann
  *  (1993): the result is that of the serial greedy algorithm, whatever the order of the rings, and
  *  whichever processes have parts of the mesh; colour has room for all ghosts, too
- * (pl_parts_ghosts). number [n_nodes] is that number, ascending; NULL: node is. moves_with
- * [n_nodes]: the node that each moves with counts for it; NULL: itself. */
+ *  (pl_parts_ghosts). number [n_nodes] is that number, ascending; NULL: node is. moves_with
+ *  [n_nodes]: the node that each moves with counts for it; NULL: itself. */
 int pl_colouring_create(const pl_rings *rings, const int32_t *node, const int32_t *number,
                         int64_t n_nodes, const int32_t *moves_with, int threads, int32_t *colour,
                         int *n_colours, planish_error *error);
@@ -253,8 +253,8 @@ typedef struct pl_stars {
     int64_t *link_offset; /* [n_stars + 1] in link facets */
     pl_link link;         /* as in pl_rings, with the ends of edges: those of a link that is closed,
                              p and q as its last facet with that edge traverses it */
-    double
-        *min_volume; /* [link_offset[n_stars]] mesh->min_volume of the facets' elements, or NULL */
+    double *min_volume;   /* [link_offset[n_stars]] mesh->min_volume of the facets' elements, or
+                             NULL */
     int64_t max_ring, max_link; /* of one star */
 } pl_stars;
 

@@ -63,7 +63,7 @@ int io_arrays_settle(io_model *model, planish_error *error);
 
 /** Let the arrays called names [n_names], along with the file's own entities, make the regions, and
  *  release the values of all. Error: _ARGUMENT (no such array; the text lists those that there
- * are). */
+ *  are). */
 int io_arrays_choose(io_model *model, const char *const *names, int n_names, planish_error *error);
 
 /** Release all arrays. */

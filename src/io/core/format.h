@@ -81,7 +81,7 @@ const char *io_extension(const char *path);
 
 /** Make the path of the file with that extension, in any case, beside the mesh at path: it takes
  * the place of an extension of the format, and has capitals if that has no small letter; behind any
- *  other name it is added. Owned; NULL without memory. */
+ * other name it is added. Owned; NULL without memory. */
 char *io_companion_path(const io_format *format, const char *path, const char *extension);
 
 /** Make the same path with the extension in small letters. */

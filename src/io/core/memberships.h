@@ -31,7 +31,7 @@ void io_memberships_add(io_memberships *memberships, int64_t thing, int32_t tag)
 int io_memberships_counted(io_memberships *memberships, planish_error *error);
 
 /** Find the entities of n things from first on, made if new: entity [n], which the caller has
- *  allocated (for cells: by io_cells_reserve, with_entity). Their physical tags are the sets of the
+ * allocated (for cells: by io_cells_reserve, with_entity). Their physical tags are the sets of the
  * thing, their tag is 1 + region [n], or 0 where region is NULL. With dim 0 a thing in no set has
  * none (-1). */
 int io_memberships_entities(const io_memberships *memberships, io_model *model, int dim,

@@ -175,7 +175,7 @@ enum {
 
 /** The plane of a mesh of triangles. Seen along the column across, a node is at (x, y) from the
  *  origin, with coordinates u = xu x + yu y, v = yv y of an orthonormal frame, if it is tilted;
- * else these are x and y. */
+ *  else these are x and y. */
 typedef struct io_plane {
     int axis[3]; /* the columns that coordinates in it go along, and the one across */
     int is_tilted;
@@ -315,7 +315,7 @@ typedef struct io_numbers io_numbers;
 int io_numbers_create(const char *path, const char *what, const int64_t *numbers, int64_t n,
                       io_numbers **table, planish_error *error);
 /** Keep the numbers that nodes have been given only where they say more than the first: not if each
- *  is one more than that before. Make the table of those that are kept, for io_node_index. A node
+ * is one more than that before. Make the table of those that are kept, for io_node_index. A node
  * that is given again with the same coordinates becomes one (place_node), at other ones it is an
  * error; no array of nodes but xyz, hold and node_number may be there yet. */
 int io_settle_node_numbers(io_model *model, planish_error *error);

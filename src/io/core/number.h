@@ -32,7 +32,7 @@ enum { IO_REAL_SIZE = 32 };
 int io_format_real(char *text, double value, int is_float);
 
 /** Write the text of at most width characters (8 or more, less than IO_REAL_SIZE) that is nearest
- * to value, with a point in it; without an exponent where that is as near. implied_exponent:
+ *  to value, with a point in it; without an exponent where that is as near. implied_exponent:
  *  exponents follow the mantissa without an e (Nastran's 1.5-3). Return its length, or 0: value is
  *  not finite. -0 is written as 0. */
 int io_format_field(char *text, double value, int width, int implied_exponent);
