@@ -10,8 +10,9 @@
  *
  * Conventions: node and element indices start at 0. dim is 2 (triangles) or 3 (tetrahedra).
  * Floating-point environment: the library computes in round-to-nearest, with subnormals and without
- * traps. It restores the caller's environment, flags included, before it returns. Callbacks run in
- * the library's environment and must keep it. They must return: no longjmp, no C++ exception.
+ * traps. Each thread has its own environment again, flags included, when the call or task returns.
+ * Callbacks run in the library's environment and must keep it. They must return: no longjmp, no C++
+ * exception.
  * Structures are to be zeroed before they are filled in ({0}, or designated initialisers; options
  * by planish_options_init): what is reserved in them is for later versions of the library.
  * "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
@@ -404,8 +405,8 @@ typedef int planish_progress_fn(const planish_progress *progress, void *user);
 typedef planish_constraint planish_project_fn(int64_t node, double *point, double *direction,
                                               void *user);
 
-/** The number nearest to value that can be stored, of those with the few digits of a field of text,
- *  say; round(round(x)) is round(x), and round(x) <= round(y) for x <= y. Called from several
+/** Return the number nearest to value that can be stored, for example in a field of text with few
+ *  digits. round(round(x)) is round(x), and round(x) <= round(y) for x <= y. Called from several
  *  threads at a time; the same bits on any number of them need answers that depend on value alone.
  */
 typedef double planish_round_fn(double value, void *user);
@@ -508,7 +509,8 @@ PLANISH_API void planish_options_init(planish_options *options);
 
 /* ---- Plan --------------------------------------------------------------------------------- */
 
-/** Stars, colouring, ordering and scratch of one connectivity. */
+/** Stars, colouring, ordering and scratch of one connectivity. A function with a const plan changes
+ *  no later result. const does not mean that two threads may use the plan. */
 typedef struct planish_plan planish_plan;
 
 /** Figures of a plan. Counts of components and facets are 0 where they were not counted, as a plan
@@ -529,7 +531,7 @@ typedef struct planish_plan_info {
     int64_t n_nonmanifold_facets; /* facets of more than two elements, whose nodes are fixed; 0 also
                                      means not counted, as for n_boundary_facets */
     int64_t n_duplicate_elements; /* elements with the nodes of an earlier one, whose nodes are
-                                     fixed; 0 also means not counted, likewise */
+                                     fixed; 0 also means not counted, as above */
     int n_colours;
     int threads;
     const char *isa;     /* name of the kernel variant in use; static text */
@@ -545,8 +547,8 @@ typedef struct planish_plan_info {
  *  refers to mesh->elements (not to elements64), and to mesh->part with all that it points to:
  *  these must stay as they are until planish_plan_destroy; the other arrays are not read after the
  *  return.
- *  Which order of an element is the positive one is decided here, from these coordinates: for a
- *  mirrored copy of them make another plan. Nodes with more than 43690 elements are held. A mesh
+ *  The plan decides the orientation of elements from these coordinates: for a mirrored copy of them
+ *  make another plan. Nodes with more than 43690 elements are held. A mesh
  *  without elements is an error.
  *
  *  With options.around the plan is for the elements that have one of its nodes, and so is what is
@@ -663,14 +665,14 @@ typedef struct planish_quality {
 } planish_quality;
 
 /** Measure coordinates [n_nodes][dim] (or as the mesh's strides say) with the plan's elements.
- *  plan is const, here and below: no later result changes. It does not mean that two threads may
- *  use the plan. Errors: _ARGUMENT, _MESH, _MEMORY. */
+ *  plan is const: no later result changes. It does not mean that two threads may use the plan.
+ *  Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_measure(const planish_plan *plan, const double *coordinates,
                                 planish_quality *quality, planish_error *error);
 
-/** The radius ratio of each of the mesh's elements, 1 or more, at coordinates [n_nodes][dim] (or as
- *  the mesh's strides say): radius_ratio [n_elements] is filled with it, with 0 for elements that
- *  are not positive, and with NAN for those that a plan with options.around does not know.
+/** Compute the radius ratio of each element, 1 or more, at coordinates [n_nodes][dim] (or as the
+ *  mesh's strides say). radius_ratio [n_elements] is 0 for elements that are not positive, and NAN
+ *  for elements that a plan with options.around does not know.
  *  Errors: _ARGUMENT, _MESH, _MEMORY; radius_ratio is then untouched. */
 PLANISH_API int planish_measure_elements(const planish_plan *plan, const double *coordinates,
                                          double *radius_ratio, planish_error *error);

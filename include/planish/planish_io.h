@@ -81,7 +81,7 @@ typedef struct planish_file_info {
 /** Fill in *info. */
 PLANISH_API void planish_file_get_info(const planish_file *file, planish_file_info *info);
 
-/** The path of the file, of those that were read, whose last line has no end (info.ends_open); NULL
+/** Return the path of the file that was read whose last line has no end (info.ends_open), or NULL
  *  if there is none. */
 PLANISH_API const char *planish_file_open_end(const planish_file *file);
 
@@ -183,9 +183,9 @@ typedef enum planish_file_reason {
 PLANISH_API int planish_file_held(const planish_file *file, const planish_hold *hold,
                                   uint8_t *reason, planish_error *error);
 
-/** The nodes that VTK's array `fixed` names: marked [n_nodes] (may be NULL) is filled with 0 or 1.
- *  Returns how many they are. Mesquite wants all nodes of the boundary named there, so that it may
- *  say no more than where the boundary is. */
+/** Find the nodes that VTK's array `fixed` names: marked [n_nodes] (may be NULL) is filled with 0
+ *  or 1. Return the number of these nodes. Mesquite wants all nodes of the boundary named there, so
+ *  that the array may say no more than where the boundary is. */
 PLANISH_API int64_t planish_file_marks(const planish_file *file, uint8_t *marked);
 
 /** Return the file's surface for planish_find_slides: regions, the triangles (2-D: lines) and
@@ -195,8 +195,8 @@ PLANISH_API int64_t planish_file_marks(const planish_file *file, uint8_t *marked
 PLANISH_API planish_surface planish_file_surface(const planish_file *file,
                                                  const planish_hold *hold);
 
-/** The minimum volumes of groups, for planish_mesh.min_volume: min_volume [n_elements] is filled
- *  with the largest of values [n_tags] (positive) whose group, named by tags [n_tags] as in
+/** Find the minimum volumes of groups, for planish_mesh.min_volume. min_volume [n_elements] is
+ *  filled with the largest of values [n_tags] (positive) whose group, named by tags [n_tags] as in
  *  planish_hold, has the element, and 0 for elements in none of these groups. Groups are those of
  *  the elements that are smoothed. Errors: _ARGUMENT (a tag that the file does not have; the text
  *  lists those it has), _MEMORY; min_volume is then untouched. */
@@ -204,8 +204,8 @@ PLANISH_API int planish_file_min_volumes(const planish_file *file, const char *c
                                          const double *values, int n_tags, double *min_volume,
                                          planish_error *error);
 
-/** The numbers that the file gives element and node, by their index in planish_file_mesh, which is
- *  not checked. */
+/** Return the number that the file gives an element or node, by its index in planish_file_mesh,
+ *  which is not checked. */
 PLANISH_API int64_t planish_file_element_number(const planish_file *file, int64_t element);
 PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t node);
 
@@ -229,8 +229,8 @@ PLANISH_API int planish_file_element_region(const planish_file *file, int64_t el
 PLANISH_API int planish_file_settle(const planish_file *file, double *coordinates, uint8_t *back,
                                     int64_t *n_back, planish_error *error);
 
-/** 1 if planish_file_write takes path: one with the extension of the input, or another one of its
- *  format, or a pipe or device; else 0. planish_file_check_output knows more. */
+/** Return 1 if planish_file_write takes path, else 0. It takes the extension of the input, another
+ *  extension of its format, a pipe or a device. planish_file_check_output knows more. */
 PLANISH_API int planish_file_can_write(const planish_file *file, const char *path);
 
 /** Ask, before long work, what planish_file_write to path would fail for wherever nodes go: a name
@@ -258,8 +258,8 @@ PLANISH_API int planish_file_write(const planish_file *file, const char *path,
                                    const double *coordinates, int threads, char *temporary,
                                    size_t temporary_size, planish_error *error);
 
-/** 1 if path has the extension of another format that the mesh can be converted to, else 0: .vtu or
- *  .vtk, but for that of the file's own format (planish_file_can_write). */
+/** Return 1 if path has the extension of another format that the mesh can be converted to, else 0.
+ *  These are .vtu and .vtk, except that of the file's own format (planish_file_can_write). */
 PLANISH_API int planish_file_can_convert(const planish_file *file, const char *path);
 
 /** Write what planish understands of the file, at coordinates [n_nodes][dim], to path in the format

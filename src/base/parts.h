@@ -17,22 +17,22 @@
 
 #include <planish/planish.h>
 
-/** The part that this process has, or NULL: the whole mesh. */
+/** Return the part that this process has, or NULL: the whole mesh. */
 const planish_part *pl_part_here(void);
 
-/** Sums over the processes, in place. */
+/** Set values [n] to their sums over the processes. */
 void pl_parts_add(int64_t *values, int n);
 
 /** Add sums [n] over the processes, in place, exactly. */
 void pl_parts_add_sums(pl_sum *sums, int n);
 
-/** Largest and smallest of the processes, in place; no NaN. */
+/** Set values [n] to the largest of the processes; no NaN. */
 void pl_parts_largest(double *values, int n);
 
 /** Set values [n] to the smallest of the processes; no NaN. */
 void pl_parts_smallest(double *values, int n);
 
-/** The smallest of the processes, in place; no INT64_MIN. */
+/** Set values [n] to the smallest of the processes; no INT64_MIN. */
 void pl_parts_smallest_integers(int64_t *values, int n);
 
 /** Return 1 if value is not 0 in any process; 0 if they are not reached. */
@@ -45,14 +45,14 @@ static inline int pl_is_own(const planish_part *part, int64_t node) {
 
 enum { PL_LARGEST_VALUE = 3 * sizeof(double) + 1 };
 
-/** Make ready for pl_parts_update in the context of this thread, whose part is set; n_nodes: its.
- * To be undone in any case. Errors: _MEMORY. */
+/** Prepare pl_parts_update in the context of this thread, whose part is set. n_nodes: nodes of the
+ *  part. pl_parts_end must follow in any case. Errors: _MEMORY. */
 int pl_parts_begin(int64_t n_nodes, planish_error *error);
 
 /** Undo pl_parts_begin. */
 void pl_parts_end(pl_context *context);
 
-/** The ghosts of the part, 0 without one; n_nodes: its. */
+/** Return the number of ghosts of the part, 0 without a part. n_nodes: nodes of the part. */
 int64_t pl_parts_ghosts(int64_t n_nodes);
 
 /** Set the ghosts in values [n_nodes][size] to what their processes have: node i is at inner[i]
@@ -65,7 +65,7 @@ void pl_parts_send(const int32_t *node, int64_t n, const void *values, int64_t s
 /** Call planish_part.receive, if the processes are reached. */
 void pl_parts_receive(planish_take_fn *take, void *taker);
 
-/** PLANISH_ERROR_PROCESS if another process was not reached since the context was made. */
+/** Return PLANISH_ERROR_PROCESS if another process was not reached since the context was made. */
 int pl_parts_check(planish_error *error);
 
 #endif

@@ -1,5 +1,9 @@
-/* kernel_acute: whether an element of a star has an angle that is too small (geometry/angle.h):
- * has_acute_angle. */
+/* kernel_acute: whether an element of a star has an angle that is too small (geometry/angle.h).
+ *
+ *   has_acute_angle         the answer for a star
+ *   acute_3d, acute_2d      the answer for a pack of elements
+ *   acute_between           the answer for two facets of each
+ */
 #ifndef PL_STAR_KERNEL_ACUTE_H
 #define PL_STAR_KERNEL_ACUTE_H
 

@@ -1,4 +1,10 @@
-/* kernel_tetrahedra: RR^2 of a pack of tetrahedra of a star, and its logarithmic derivatives. */
+/* kernel_tetrahedra: RR^2 of a pack of tetrahedra of a star, and its logarithmic derivatives.
+ *
+ *   tetrahedra_at, edges_from, link_edges_from     a pack with its node at x
+ *   areas_from, areas_at                           its surface
+ *   rr2_of, half_gradient_of                       RR^2 and its gradient
+ *   coefficients_of, log_derivatives_3d            logarithmic derivatives
+ */
 #ifndef PL_STAR_KERNEL_TETRAHEDRA_H
 #define PL_STAR_KERNEL_TETRAHEDRA_H
 

@@ -1,4 +1,10 @@
-/* kernel_visit: move the node of a star to a better place: visit_star; and evaluate_at.
+/* kernel_visit: move the node of a star to a better place.
+ *
+ *   visit_star, one_step, step_along           a visit, and its steps
+ *   find_derivatives, find_hessian             the star's function
+ *   kept_direction, keep_scale, _hessian       Hessians kept from visit to visit
+ *   check_scale                                forget a scale that does not fit
+ *   evaluate_at                                for pl_star_evaluate_fn
  *
  * The plain problem: the radius ratio, volumes positive. kernel_entry.h includes this file for
  * every kernel_*.c. kernel_guarded.h has everything else.
@@ -91,8 +97,8 @@ static inline void keep_hessian(const local *here, pl_star_kept *kept, const dou
     kept->exponent = exponent_of(here->s.scale);
 }
 
-/** If the star has become of a size that the scale it kept is not for, keep nothing, and have it
- *  visited again, with a scale that is chosen. */
+/** Forget the kept scale if it does not fit the star's size any more, and have the star visited
+ *  again with a scale that is chosen. */
 PL_NOINLINE void check_scale(const local *here, int32_t node, pl_star_kept *kept,
                              const objective *f) {
     if (!kept || kept->sum == 0 || (f->positive && f->sum < INFINITY))

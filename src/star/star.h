@@ -235,7 +235,7 @@ typedef struct pl_star_slope {
     double gradient[3], hessian[6];
 } pl_star_slope;
 
-/** The energy of stars begin .. end-1, without those whose nodes are not in the patch. slope
+/** Return the energy of stars begin .. end-1, without those whose nodes are not in the patch. slope
  * [end - begin] may be NULL; those of nodes that are not in the patch are not written. */
 typedef pl_star_energy pl_star_energy_fn(const pl_star_problem *problem, int64_t begin, int64_t end,
                                          double *scratch, pl_star_slope *slope);
