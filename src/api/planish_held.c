@@ -85,13 +85,13 @@ static int note_doubled(hold_search *s, const double *coordinates, planish_error
 /** Copy the plan's facts about the nodes of the search, whose numbers may be others. */
 static void take_facts_of_plan(hold_search *s) {
     const planish_plan *plan = s->plan;
-    const int is_part = plan->all != &plan->work;
-    if (is_part) {
+    const int is_subset = plan->all != &plan->work;
+    if (is_subset) {
         memset(s->by_plan, PLANISH_HELD_NOT_CHOSEN, (size_t)s->mesh.n_nodes);
         memset(s->moves, PL_HELD, (size_t)s->mesh.n_nodes);
     }
     for (int64_t i = 0; i < plan->work.n_nodes; i++) {
-        const int64_t node = is_part ? plan->node_of[i] : i;
+        const int64_t node = is_subset ? plan->node_of[i] : i;
         const uint8_t use = plan->is_used[i];
         s->by_plan[node] = (uint8_t)((use & PL_FIXED_BY_CALLER ? PLANISH_HELD_FIXED : 0) |
                                      (use & PL_IN_PAIR ? PLANISH_HELD_PERIODIC : 0) |

@@ -91,37 +91,37 @@ static void begin_sliding(planish_plan *plan) {
 }
 
 /** Bring coordinates into the plan, make the guard, and measure the mesh, with the rest of it where
- *  more than the plan's part is known. Errors: those of pl_guard_create, _MEMORY. */
+ *  more than the plan's subset is known. Errors: those of pl_guard_create, _MEMORY. */
 static int begin_run(pl_run *r, planish_error *error) {
     planish_plan *plan = r->plan;
-    const int is_part = plan->scope == PL_SUBSET_OF_ALL;
+    const int is_subset = plan->scope == PL_SUBSET_OF_ALL;
     const pl_points points = pl_plan_points(plan, r->coordinates);
     const pl_points all_points = pl_plan_all_points(plan, r->coordinates);
     const int64_t n_values = all_points.n * all_points.dim;
     r->outside = pl_plan_dense(plan, &points, plan->start);
-    double *all = is_part ? pl_alloc(n_values, sizeof *all) : NULL;
-    if (is_part && !all)
+    double *all = is_subset ? pl_alloc(n_values, sizeof *all) : NULL;
+    if (is_subset && !all)
         return pl_fail_memory(error, "the coordinates");
-    if (is_part)
+    if (is_subset)
         pl_points_gather(&all_points, plan->threads, all);
     pl_plan_order(plan, r->outside, plan->coordinates);
     begin_sliding(plan);
     /* delta may be a fraction of the volume of all of the mesh. */
     double delta;
-    int status = pl_minimum_volume(plan, r->options, is_part ? all : r->outside, &delta, error);
+    int status = pl_minimum_volume(plan, r->options, is_subset ? all : r->outside, &delta, error);
     if (!status)
         status = pl_guard_create(plan, r->options, r->outside, delta, &r->guard, error);
     r->plain = !r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH;
     r->unit = r->plain && !status ? pl_box_of_fixed(plan).scale : 1;
-    for (int64_t i = 0; !status && is_part && i < n_values; i++)
+    for (int64_t i = 0; !status && is_subset && i < n_values; i++)
         all[i] *= r->unit;
-    if (!status && is_part)
+    if (!status && is_subset)
         pl_run_measure_rest(r, all);
     pl_free(all);
     if (status)
         return status;
     pl_run_measure(r);
-    if (is_part) {
+    if (is_subset) {
         r->rest.inverted -= r->sums.inverted;
         r->rest.below -= r->sums.below;
     }
@@ -139,9 +139,9 @@ static void note_start(pl_run *r) {
     if (o->method != PLANISH_METHOD_PLANISH || r->sums.inverted > 0 || r->sums.below > 0)
         return;
     if (o->objective == PLANISH_RADIUS_RATIO && !(o->area_weight > 0))
-        r->limits_at_start = pl_run_limits(r, 1);
+        r->limits_at_start = pl_run_worst_limits(r, 1);
     else if (pl_run_has_followers(r))
-        r->limits_at_start.rr2 = pl_run_limits(r, 1).rr2;
+        r->limits_at_start.rr2 = pl_run_worst_limits(r, 1).rr2;
 }
 
 static int smooth_run(pl_run *r, planish_error *error) {

@@ -14,14 +14,14 @@
 typedef struct volume_check {
     const planish_plan *plan;
     const planish_options *options;
-    int by_volume;    /* minimum volumes count, else elements are to be positive */
-    pl_limit *limit;  /* of the search for proofs, or NULL */
-    double start;     /* clock */
-    double *all;      /* [.][dim] of all nodes that are known, if they are not dense, */
-    double *own;      /* [n][dim] of the plan's nodes, likewise */
-    double *ordered;  /* [n][dim] the latter by inner numbers */
-    uint8_t *state;   /* [elements of all], */
-    uint8_t *of_part; /* and of the plan's; the same array if that is all */
+    int by_volume;        /* minimum volumes count, else elements are to be positive */
+    pl_stop_check *limit; /* of the search for proofs, or NULL */
+    double start;         /* clock */
+    double *all;          /* [.][dim] of all nodes that are known, if they are not dense, */
+    double *own;          /* [n][dim] of the plan's nodes, likewise */
+    double *ordered;      /* [n][dim] the latter by inner numbers */
+    uint8_t *state;       /* [elements of all], */
+    uint8_t *of_work;     /* and of the plan's; the same array if that is all */
 } volume_check;
 
 /** Ask the caller and the time limit; returns the planish_stop, or 0 to continue. */
@@ -38,29 +38,29 @@ static int ask_caller(void *context) {
     return stops ? PLANISH_STOP_INTERRUPTED : 0;
 }
 
-/** Turn _BELOW into _INFEASIBLE where that is so: in the plan's part by proofs, and outside of it,
+/** Turn _BELOW into _INFEASIBLE where that is so: in the plan's subset by proofs, and outside of it,
  *  where no node is free. */
 static int mark_infeasible(const volume_check *c, const double *coordinates,
                            const pl_star_guard *guard, pl_infeasible *found, planish_error *error) {
     const planish_plan *plan = c->plan;
-    const int is_part = c->of_part != c->state;
+    const int is_subset = c->of_work != c->state;
     const pl_points points = pl_plan_points(plan, coordinates);
     pl_star_problem problem = pl_plan_problem(plan, &plan->interior);
     int status = PLANISH_OK;
     problem.coordinates = c->ordered;
     problem.guard = guard;
     pl_plan_order(plan, pl_plan_dense(plan, &points, c->own), c->ordered);
-    for (int64_t i = 0; is_part && i < plan->work.n_elements; i++)
-        c->of_part[i] = c->state[plan->element_of[i]];
+    for (int64_t i = 0; is_subset && i < plan->work.n_elements; i++)
+        c->of_work[i] = c->state[plan->element_of[i]];
     if (!(guard->min_volume > 0) && !guard->link_min_volume)
-        status = pl_mark_enclosed(plan, c->ordered, c->of_part, NULL, &found->n, error);
+        status = pl_mark_enclosed(plan, c->ordered, c->of_work, NULL, &found->n, error);
     if (!status)
-        status = pl_mark_infeasible(plan, &problem, c->of_part, c->limit, found, NULL, error);
-    for (int64_t i = 0; is_part && i < plan->all->n_elements; i++)
+        status = pl_mark_infeasible(plan, &problem, c->of_work, c->limit, found, NULL, error);
+    for (int64_t i = 0; is_subset && i < plan->all->n_elements; i++)
         if (c->state[i] == PLANISH_VOLUME_BELOW)
             c->state[i] = PLANISH_VOLUME_INFEASIBLE;
-    for (int64_t i = 0; is_part && i < plan->work.n_elements; i++)
-        c->state[plan->element_of[i]] = c->of_part[i];
+    for (int64_t i = 0; is_subset && i < plan->work.n_elements; i++)
+        c->state[plan->element_of[i]] = c->of_work[i];
     found->n = 0;
     for (int64_t i = 0; i < plan->all->n_elements; i++)
         found->n += c->state[i] == PLANISH_VOLUME_INFEASIBLE;
@@ -113,7 +113,7 @@ static int find_elements(const planish_plan *plan, const double *coordinates,
                       .options = options ? options : &defaults,
                       .by_volume = by_volume,
                       .start = pl_seconds()};
-    pl_limit limit = pl_limit_of(ask_caller, &c);
+    pl_stop_check limit = pl_limit_of(ask_caller, &c);
     c.limit = n_undecided ? &limit : NULL;
     int status = pl_plan_check_call(plan, coordinates, c.options, error);
     if (!status) {
@@ -123,9 +123,9 @@ static int find_elements(const planish_plan *plan, const double *coordinates,
         c.own = pl_alloc(pl_points_are_dense(&own) ? 0 : own.n * own.dim, sizeof *c.own);
         c.ordered = pl_alloc(own.n * own.dim, sizeof *c.ordered);
         c.state = pl_alloc(plan->all->n_elements, sizeof *c.state);
-        c.of_part =
-            plan->all == &plan->work ? c.state : pl_alloc(plan->work.n_elements, sizeof *c.of_part);
-        status = c.all && c.own && c.ordered && c.state && c.of_part
+        c.of_work =
+            plan->all == &plan->work ? c.state : pl_alloc(plan->work.n_elements, sizeof *c.of_work);
+        status = c.all && c.own && c.ordered && c.state && c.of_work
                      ? find_states(&c, coordinates, out != NULL, &n_found, &n_left, error)
                      : pl_fail_memory(error, "the states of elements");
         if (!status)
@@ -141,8 +141,8 @@ static int find_elements(const planish_plan *plan, const double *coordinates,
         *n = n_found;
     if (!status && n_undecided)
         *n_undecided = n_left;
-    if (c.of_part != c.state)
-        pl_free(c.of_part);
+    if (c.of_work != c.state)
+        pl_free(c.of_work);
     pl_free(c.state);
     pl_free(c.ordered);
     pl_free(c.own);

@@ -12,11 +12,11 @@ double pl_seconds(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-pl_limit pl_limit_of(int (*ask)(void *context), void *context) {
-    return (pl_limit){.ask = ask, .context = context, .next = pl_seconds() + EVERY};
+pl_stop_check pl_limit_of(int (*ask)(void *context), void *context) {
+    return (pl_stop_check){.ask = ask, .context = context, .next = pl_seconds() + EVERY};
 }
 
-int pl_limit_is_reached(pl_limit *limit) {
+int pl_limit_is_reached(pl_stop_check *limit) {
     if (!limit || limit->answer)
         return limit ? limit->answer : 0;
     const double now = pl_seconds();

@@ -71,7 +71,7 @@ pl_context *pl_context_create(const planish_options *options) {
     return context;
 }
 
-void pl_context_share_pages(pl_context *context, int64_t n_elements, int all) {
+void pl_context_pool_pages(pl_context *context, int64_t n_elements, int all) {
     enum {
         /* Addresses: more than the arrays of a plan take at once. */
         BYTES_PER_ELEMENT = 128,

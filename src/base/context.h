@@ -25,7 +25,7 @@
  * only read; it decides on which cores threads run.
  *
  *   pl_context_create, _destroy              make and free a context
- *   pl_context_share_pages, _settle          how its arrays share pages, and until when
+ *   pl_context_pool_pages, _settle          how its arrays share pages, and until when
  *   pl_context_enter, pl_context_current     set and read the current context
  *   pl_call_enter, _leave                    a thread works for a call
  *   pl_context_begin, _end                   a call works on the plan
@@ -93,7 +93,7 @@ pl_context *pl_context_create(const planish_options *options);
 /** Let the arrays of context, which works on so many elements, share their pages: the smaller ones,
  *  or with all each of them, and then what is given back is held until the context settles. Not
  *  those of few elements, and not where memory is the caller's. */
-void pl_context_share_pages(pl_context *context, int64_t n_elements, int all);
+void pl_context_pool_pages(pl_context *context, int64_t n_elements, int all);
 
 /** Settle: from now on keep released arrays for later ones of their size, and hold nothing else.
  *  Call it when the arrays that stay have been made. */

@@ -24,7 +24,7 @@ static void share(int64_t *shared, int64_t part) {
         __atomic_fetch_add(shared, part, __ATOMIC_RELAXED);
 }
 
-void pl_sum_share(pl_sum *shared, pl_sum *part) {
+void pl_sum_merge(pl_sum *shared, pl_sum *part) {
     pl_sum_carry(part);
     for (int i = 0; i < PL_SUM_DIGITS; i++)
         share(&shared->digit[i], part->digit[i]);

@@ -6,7 +6,7 @@
  * threads or processes.
  *
  *   pl_sum_add, pl_sum_add_special, pl_sum_carry    add a term
- *   pl_sum_share                                    add another sum
+ *   pl_sum_merge                                    add another sum
  *   pl_sum_value                                    the rounded sum
  */
 #ifndef PL_BASE_SUM_H
@@ -60,7 +60,7 @@ static inline void pl_sum_add(pl_sum *sum, double term) {
 
 /** Add part, which is carried for it, to shared; several threads may do so at the same time.
  * Nothing else is to be added to shared. */
-void pl_sum_share(pl_sum *shared, pl_sum *part);
+void pl_sum_merge(pl_sum *shared, pl_sum *part);
 
 /** The double next to the sum, ties to even: infinite where it is too large, NaN where terms were
  *  NaN, or infinite with both signs. */

@@ -73,7 +73,7 @@ static int has_risen(const pl_run *r) {
 /** Whether the mesh is worse than at the start. Sweeps see to it that only angles are, and to
  *  rounding others: nodes that move together have one star for all, next to one of them. */
 static int is_worse(const pl_run *r) {
-    const pl_star_limits now = pl_run_limits(r, 1);
+    const pl_star_limits now = pl_run_worst_limits(r, 1);
     return now.acuteness > r->limits_at_start.acuteness || now.rr2 > r->limits_at_start.rr2 ||
            r->sums.inverted > r->sums_at_start.inverted ||
            (pl_run_has_followers(r) && (r->sums.below > r->sums_at_start.below || has_risen(r)));

@@ -68,7 +68,7 @@ static void product_chunk(void *context, int64_t begin, int64_t end, int thread)
             of_node += o->b[i * dim + d] * o->c[i * dim + d];
         pl_sum_add(&sum, of_node);
     }
-    pl_sum_share(o->sum, &sum);
+    pl_sum_merge(o->sum, &sum);
 }
 
 double pl_patch_product(const pl_patch *p, const double *b, const double *c) {

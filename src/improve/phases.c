@@ -113,7 +113,7 @@ static int find_infeasible(pl_run *r, planish_error *error) {
     if (r->stop != PLANISH_STOP_CONVERGED || !(r->sums.below > 0))
         return PLANISH_OK;
     pl_infeasible found = {0, 0};
-    pl_limit limit = pl_run_limit(r);
+    pl_stop_check limit = pl_run_stop_check(r);
     const pl_objective_problem problem = pl_run_objective_problem(r);
     uint8_t *state = pl_alloc(plan->work.n_elements, sizeof *state);
     int status = state ? PLANISH_OK : pl_fail_memory(error, "the states of the elements");

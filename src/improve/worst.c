@@ -86,7 +86,7 @@ static int try_stage(stages *p, double limit, int *failed) {
 
 /** Lower the limit stage by stage. */
 static void run_stages(stages *p) {
-    const pl_star_limits worst = pl_run_limits(p->run, 1);
+    const pl_star_limits worst = pl_run_worst_limits(p->run, 1);
     const int of_angle = p->run->options->worst == PLANISH_WORST_ANGLE;
     double reached = sqrt(of_angle ? worst.acuteness : worst.rr2), refused = 1;
     reached = fmin(reached, STAGE_MOST);
@@ -107,7 +107,7 @@ static void run_stages(stages *p) {
 /** Worst value of the mesh as the caller wants to know it: RR, or degrees. */
 static double worst_of(const pl_run *r) {
     const double degrees = 57.295779513082320877; /* of a radian */
-    const pl_star_limits now = pl_run_limits(r, 1);
+    const pl_star_limits now = pl_run_worst_limits(r, 1);
     if (r->options->worst == PLANISH_WORST_RADIUS_RATIO || !(now.acuteness > 0))
         return sqrt(now.rr2);
     return asin(1 / sqrt(now.acuteness)) * degrees;
@@ -131,7 +131,7 @@ int pl_run_worst(pl_run *r, planish_error *error) {
     r->guard.star.keep_below = 1;
     r->problem.guard = &r->guard.star;
     r->problem.calm = r->problem.rr2_skip = 0;
-    r->problem.limits = pl_run_limits(r, PL_LIMIT_MARGIN);
+    r->problem.limits = pl_run_worst_limits(r, PL_LIMIT_MARGIN);
     r->restoring = 0;
     r->is_for_worst = 1;
     const double objective = pl_run_objective(r), before = worst_of(r);

@@ -154,7 +154,7 @@ planish_plan *pl_plan_make(const planish_mesh *mesh, const planish_options *opti
         *status = pl_fail_memory(error, "a plan");
         return NULL;
     }
-    pl_context_share_pages(context, mesh->n_elements, placement->is_near);
+    pl_context_pool_pages(context, mesh->n_elements, placement->is_near);
     const pl_points points = pl_points_of(mesh, mesh->coordinates);
     plan->context = context;
     plan->placement = placement;

@@ -109,15 +109,15 @@ PL_INLINE void sum_chunk(pass *p, int64_t begin, int64_t end, const int dim, con
         for (int l = 0; l < PL_SUM_LANES; l++)
             largest = pl_larger(b.square[l], largest);
         for (int l = 0; largest > blunt && l < PL_SUM_LANES; l++) {
-            if (b.valid[l] == 0 || b.is_free[l] == 0 || b.square[l] <= blunt)
+            if (b.valid[l] == 0 || b.is_movable[l] == 0 || b.square[l] <= blunt)
                 continue;
             pl_raise_double(&p->basic.acuteness, pl_block_acuteness(&b, l, dim));
             blunt = blunt_so_far(p, dim);
         }
     }
-    pl_share_basic(&basic, &p->basic);
-    pl_sum_share(&p->sum[1], &movable);
-    pl_sum_share(&p->sum[0], &fixed);
+    pl_merge_basic(&basic, &p->basic);
+    pl_sum_merge(&p->sum[1], &movable);
+    pl_sum_merge(&p->sum[0], &fixed);
     if (full)
         pl_reduce_full(&more, &p->full[begin / p->chunk]);
 }

@@ -33,12 +33,12 @@ PL_INLINE void gather(const pl_mesh_state *mesh, int64_t first, int count, pl_bl
     }
     if (!mesh->of->is_movable) {
         for (int l = 0; l < PL_SUM_LANES; l++)
-            b->is_free[l] = pl_view_has_free_node(mesh->of, node[l], dim);
+            b->is_movable[l] = pl_view_has_movable_node(mesh->of, node[l], dim);
         return;
     }
     for (int l = 0; l < PL_SUM_LANES; l++) {
         const uint8_t movable = mesh->of->is_movable[first + (l < count ? l : 0)];
-        b->is_free[l] = movable != 0;
+        b->is_movable[l] = movable != 0;
         b->present[l] = l < count && movable != PL_ELSEWHERE;
     }
 }

@@ -54,13 +54,13 @@ typedef struct pl_mesh_state {
 /** Block of PL_SUM_LANES elements, one per lane; lanes past the last element, and those of elements
  * that another process counts, are not present. */
 typedef struct pl_block {
-    double x[4][3][PL_SUM_LANES]; /* [dim + 1][dim] the vertices' coordinates */
-    double sign[PL_SUM_LANES];    /* of the elements' orientation */
-    double is_free[PL_SUM_LANES]; /* 1: has a free node */
-    double present[PL_SUM_LANES]; /* 1, or 0 past the last element */
-    double certain[PL_SUM_LANES]; /* 1: what follows is right as it is */
-    double valid[PL_SUM_LANES];   /* 1: positive measure */
-    double square[PL_SUM_LANES];  /* RR^2; the rest is for pl_measure only */
+    double x[4][3][PL_SUM_LANES];    /* [dim + 1][dim] the vertices' coordinates */
+    double sign[PL_SUM_LANES];       /* of the elements' orientation */
+    double is_movable[PL_SUM_LANES]; /* 1: has a movable node */
+    double present[PL_SUM_LANES];    /* 1, or 0 past the last element */
+    double certain[PL_SUM_LANES];    /* 1: what follows is right as it is */
+    double valid[PL_SUM_LANES];      /* 1: positive measure */
+    double square[PL_SUM_LANES];     /* RR^2; the rest is for pl_measure only */
     double listed[PL_SUM_LANES]; /* +1, 0, -1: sign of the measure in the listed order of the nodes;
                                 0 if not present */
     double volume[PL_SUM_LANES]; /* signed measure in the mesh's orientation */

@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-void pl_share_basic(const pl_basic_lanes *lanes, pl_ratio_sums *shared) {
+void pl_merge_basic(const pl_basic_lanes *lanes, pl_ratio_sums *shared) {
     double max = 0, n_movable = 0, n_fixed = 0, inverted = 0;
     for (int l = 0; l < PL_SUM_LANES; l++) {
         max = pl_larger(lanes->max[l], max);

@@ -4,7 +4,7 @@
  * within a chunk; then the lanes are added in their order, and the chunks in theirs.
  *
  *   pl_add_basic, pl_add_full                       add a block
- *   pl_share_basic, pl_clear_full, _reduce_full     begin and end a chunk
+ *   pl_merge_basic, pl_clear_full, _reduce_full     begin and end a chunk
  *   pl_no_sums, pl_add_sums                         add up the chunks
  */
 #ifndef PL_QUALITY_MEASURE_SUMS_H
@@ -69,14 +69,14 @@ PL_INLINE void pl_add_basic(const pl_block *b, pl_basic_lanes *sums, pl_sum *mov
                             pl_sum *fixed) {
     for (int l = 0; l < PL_SUM_LANES; l++) {
         double square = b->valid[l] != 0 ? b->square[l] : 0;
-        sums->max[l] = pl_larger(b->is_free[l] != 0 ? square : 0, sums->max[l]);
-        sums->n_movable[l] += b->is_free[l] != 0 ? b->valid[l] : 0;
-        sums->n_fixed[l] += b->is_free[l] != 0 ? 0 : b->valid[l];
+        sums->max[l] = pl_larger(b->is_movable[l] != 0 ? square : 0, sums->max[l]);
+        sums->n_movable[l] += b->is_movable[l] != 0 ? b->valid[l] : 0;
+        sums->n_fixed[l] += b->is_movable[l] != 0 ? 0 : b->valid[l];
         sums->inverted[l] += b->present[l] - b->valid[l];
     }
     for (int l = 0; l < PL_SUM_LANES; l++)
         if (b->valid[l] != 0)
-            pl_sum_add(b->is_free[l] != 0 ? movable : fixed, b->square[l]);
+            pl_sum_add(b->is_movable[l] != 0 ? movable : fixed, b->square[l]);
 }
 
 /** Add the elements of a block, from first on, to the further sums of pl_measure. */
@@ -89,7 +89,7 @@ PL_INLINE void pl_add_full(const pl_block *b, int64_t first, pl_full_lanes *sums
         double present = b->present[l];
         double low = present != 0 ? b->volume[l] : INFINITY;
         double high = present != 0 ? b->volume[l] : -INFINITY;
-        sums->count[PL_UNMOVABLE][l] += b->is_free[l] != 0 ? 0 : present;
+        sums->count[PL_UNMOVABLE][l] += b->is_movable[l] != 0 ? 0 : present;
         sums->count[PL_POSITIVE][l] += b->listed[l] > 0 ? 1 : 0;
         sums->count[PL_NEGATIVE][l] += b->listed[l] < 0 ? 1 : 0;
         sums->sum[PL_VOLUME][l] += present != 0 ? b->volume[l] : 0;
@@ -106,13 +106,13 @@ PL_INLINE void pl_add_full(const pl_block *b, int64_t first, pl_full_lanes *sums
         }
     for (int l = 0; l < PL_SUM_LANES; l++) { /* the largest RR and its element */
         double ratio = b->valid[l] != 0 ? ratios[l] : 0;
-        double fixed_ratio = b->is_free[l] != 0 ? 0 : ratio;
+        double fixed_ratio = b->is_movable[l] != 0 ? 0 : ratio;
         double element = (double)(first + l);
         int is_worst = ratio > sums->worst_ratio[l];
         sums->worst_element[l] = is_worst ? element : sums->worst_element[l];
         sums->worst_ratio[l] = is_worst ? ratio : sums->worst_ratio[l];
         sums->worst_fixed_ratio[l] = pl_larger(fixed_ratio, sums->worst_fixed_ratio[l]);
-        const int counts = b->valid[l] != 0 && b->is_free[l] != 0;
+        const int counts = b->valid[l] != 0 && b->is_movable[l] != 0;
         sums->movable_ratio[l] = pl_larger(counts ? ratio : 0, sums->movable_ratio[l]);
         sums->movable_angle[l] = pl_smaller(counts ? angles[l] : INFINITY, sums->movable_angle[l]);
     }
@@ -129,7 +129,7 @@ PL_INLINE void pl_add_full(const pl_block *b, int64_t first, pl_full_lanes *sums
 }
 
 /** Add the lanes of a chunk to the sums that all chunks share. */
-void pl_share_basic(const pl_basic_lanes *lanes, pl_ratio_sums *shared);
+void pl_merge_basic(const pl_basic_lanes *lanes, pl_ratio_sums *shared);
 
 /** Set the accumulators to their values without any element. */
 void pl_clear_full(pl_full_lanes *lanes);

@@ -134,9 +134,9 @@ static inline void add_element(const pl_objective_problem *problem, int64_t inde
     }
     const double *x[4] = {e.x[0], e.x[1], e.x[2], e.x[3]};
     const double radius = pl_radius_ratio_square(dim, x);
-    const int movable = mesh->is_movable
-                            ? mesh->is_movable[index] != 0
-                            : pl_view_has_free_node(mesh, mesh->elements + index * (dim + 1), dim);
+    const int movable =
+        mesh->is_movable ? mesh->is_movable[index] != 0
+                         : pl_view_has_movable_node(mesh, mesh->elements + index * (dim + 1), dim);
     sums->n[VALID + movable]++;
     pl_sum_add(&sums->sum[RADIUS + movable], radius);
     if (movable)
@@ -178,7 +178,7 @@ static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
             add_element(pass->problem, i, &part, &blunt, 2);
     }
     for (int i = 0; i < N_SUMS; i++)
-        pl_sum_share(&sums->sum[i], &part.sum[i]);
+        pl_sum_merge(&sums->sum[i], &part.sum[i]);
     for (int i = 0; i < N_COUNTS; i++)
         __atomic_fetch_add(&sums->n[i], part.n[i], __ATOMIC_RELAXED);
     pl_raise_double(&sums->radius_max, part.radius_max);

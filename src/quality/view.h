@@ -1,7 +1,7 @@
 /* view: a mesh as all measures, and the sweeps, see it.
  *
  * pl_view has pointers alone and owns nothing; coordinates are given beside it. Where a field is
- * NULL the comment says what holds then. pl_view_has_free_node reads one of the fields.
+ * NULL the comment says what holds then. pl_view_has_movable_node reads one of the fields.
  */
 #ifndef PL_QUALITY_VIEW_H
 #define PL_QUALITY_VIEW_H
@@ -22,17 +22,18 @@ typedef struct pl_view {
                                  +1 */
     const double *min_volume; /* [m] minimum volumes, 0: none; NULL: all 0 */
     const uint8_t *mobility;  /* [n] not 0: the node may move */
-    const uint8_t *is_movable; /* [m] 1: the element has a free node; 0: it has none; PL_ELSEWHERE;
+    const uint8_t
+        *is_movable; /* [m] 1: the element has a movable node; 0: it has none; PL_ELSEWHERE;
                                   NULL: mobility says it */
     const uint8_t *is_counted; /* [m] 0: another process counts the element; NULL: all 1 */
 } pl_view;
 
 /** Whether one of the nodes node [dim + 1] of an element is free. */
-PL_INLINE int pl_view_has_free_node(const pl_view *view, const int32_t *node, const int dim) {
-    int is_free = 0;
+PL_INLINE int pl_view_has_movable_node(const pl_view *view, const int32_t *node, const int dim) {
+    int is_movable = 0;
     for (int j = 0; j <= dim; j++)
-        is_free |= view->mobility[node[j]];
-    return is_free != 0;
+        is_movable |= view->mobility[node[j]];
+    return is_movable != 0;
 }
 
 #endif

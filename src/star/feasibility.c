@@ -101,7 +101,7 @@ static void mark_members(const cone_point *point, const star *s, share part, uin
 }
 
 /** Give up elements of a share until the others have a common place; returns how many. */
-static int64_t search_share(const local *here, share of, uint8_t *state, pl_limit *limit,
+static int64_t search_share(const local *here, share of, uint8_t *state, pl_stop_check *limit,
                             const int dim) {
     double displacement[3];
     cone_point point;
@@ -120,8 +120,8 @@ static int64_t search_share(const local *here, share of, uint8_t *state, pl_limi
 }
 
 static int64_t infeasible(const pl_star_problem *problem, int64_t star_index,
-                          const uint8_t *is_fixed, double *scratch, uint8_t *part, pl_limit *limit,
-                          const int dim) {
+                          const uint8_t *is_fixed, double *scratch, uint8_t *part,
+                          pl_stop_check *limit, const int dim) {
     const double *place = problem->coordinates + (int64_t)problem->node[star_index] * dim;
     int64_t evaluations = 0, n_given_up = 0, step = 1;
     double at[3], x[3];
@@ -155,7 +155,7 @@ static int64_t infeasible(const pl_star_problem *problem, int64_t star_index,
 
 int64_t pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, int dim,
                            const uint8_t *is_fixed, double *scratch, uint8_t *part,
-                           pl_limit *limit) {
+                           pl_stop_check *limit) {
     return dim == 3 ? infeasible(problem, star_index, is_fixed, scratch, part, limit, 3)
                     : infeasible(problem, star_index, is_fixed, scratch, part, limit, 2);
 }

@@ -174,20 +174,20 @@ int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double 
 
 /** Part of an element in the proof that not all elements of a star can reach their least
  *  volumes. */
-typedef enum pl_star_part {
+typedef enum pl_proof_role {
     PL_PROOF_NONE = 0,
     PL_PROOF_MEMBER = 1,  /* it contradicts others */
     PL_PROOF_GIVEN_UP = 2 /* in a proof, and the others need not fail without it */
-} pl_star_part;
+} pl_proof_role;
 
 /** Give up elements of the star's fixed link facets, and return how many: one of each contradiction
  * found, so that the others can have their minimum volume (or be positive, without one) for some
  * place of the node; 0 if there is no proof that any must be (feasibility.c). is_fixed [n_nodes] by
- * inner numbers; part [link facets of the star] is set to pl_star_part. scratch as for visits.
+ * inner numbers; part [link facets of the star] is set to pl_proof_role. scratch as for visits.
  * limit (may be NULL): if it is reached, the search ends there; what it has found is proved. */
 int64_t pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, int dim,
                            const uint8_t *is_fixed, double *scratch, uint8_t *part,
-                           pl_limit *limit);
+                           pl_stop_check *limit);
 
 /** Raise the multipliers of the elements of stars begin .. end-1 to max(0, lambda + rho g), and
  *  count the stars as changed where they change, or (if wake) where a minimum volume is in force

@@ -44,7 +44,7 @@ typedef struct pl_guard {
 int pl_minimum_volume(const planish_plan *plan, const planish_options *options, const double *all,
                       double *delta, planish_error *error);
 
-/** Return the sum over the mesh, or over the plan's part if no more is known, that options ask
+/** Return the sum over the mesh, or over the plan's subset if no more is known, that options ask
  *  for. */
 pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
                                              const planish_options *options, const double *all,

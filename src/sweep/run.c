@@ -34,7 +34,7 @@ double pl_run_objective(const pl_run *r) {
     return pl_objective_of_all(r->options, &r->sums);
 }
 
-pl_star_limits pl_run_limits(const pl_run *r, double margin) {
+pl_star_limits pl_run_worst_limits(const pl_run *r, double margin) {
     const double acuteness = r->sums.acuteness * margin;
     return (pl_star_limits){r->sums.radius_max * margin, acuteness,
                             pl_blunt_ratio_square(r->plan->dim, acuteness)};
@@ -146,7 +146,7 @@ static int ask_between_sweeps(void *run) {
     return pl_run_after_colour(run, 0, 0);
 }
 
-pl_limit pl_run_limit(pl_run *r) {
+pl_stop_check pl_run_stop_check(pl_run *r) {
     return pl_limit_of(ask_between_sweeps, r);
 }
 
@@ -173,7 +173,7 @@ void pl_run_prepare(pl_run *r) {
     const double worse = r->options->only_worse_than;
     r->problem = pl_plan_problem(plan, &plan->interior);
     r->problem.direction = r->options->direction;
-    r->problem.limits.rr2 = pl_run_limits(r, PL_LIMIT_MARGIN).rr2;
+    r->problem.limits.rr2 = pl_run_worst_limits(r, PL_LIMIT_MARGIN).rr2;
     /* In rings around bad elements good stars are meant, too. */
     r->problem.rr2_skip = plan->is_selective && r->options->rings > 0 ? 0 : worse * worse;
     r->problem.calm = plan->is_selective ? 0 : CALM * r->options->tolerance;

@@ -65,7 +65,7 @@ typedef struct pl_run {
 void pl_run_measure(pl_run *r);
 
 /** Measure the rest, with the coordinates all [.][dim] of all of the mesh, scaled as they are.
- *  inverted and below are then those of all: the caller takes off those in the plan's part. */
+ *  inverted and below are then those of all: the caller takes off those in the plan's subset. */
 void pl_run_measure_rest(pl_run *r, const double *all);
 
 /** Return F of all elements, as measured or tracked last. */
@@ -76,7 +76,7 @@ double pl_run_objective(const pl_run *r);
 #define PL_LIMIT_MARGIN (1 - 1e-9)
 
 /** Return the measures of the worst element, as measured last, times margin. */
-pl_star_limits pl_run_limits(const pl_run *r, double margin);
+pl_star_limits pl_run_worst_limits(const pl_run *r, double margin);
 
 /** Return the problem of summing over the mesh in plan->measured. */
 pl_objective_problem pl_run_objective_problem(const pl_run *r);
@@ -107,7 +107,7 @@ int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally);
 int pl_run_after_colour(void *run, int colours_done, int64_t visits);
 
 /** Return a limit that asks pl_run_after_colour (colour 0), for long work between sweeps. */
-pl_limit pl_run_limit(pl_run *r);
+pl_stop_check pl_run_stop_check(pl_run *r);
 
 /** Ask as pl_run_after_colour does, in all processes; returns the largest answer. */
 int pl_run_ask_all(pl_run *r, int colours_done, int64_t visits);

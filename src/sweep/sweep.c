@@ -91,7 +91,7 @@ static void visit_colour(colour_pass *pass, const pl_visits *visits, int colour)
 }
 
 static void add_tally(pl_star_tally *all, pl_star_tally *part) {
-    pl_sum_share(&all->decrease, &part->decrease);
+    pl_sum_merge(&all->decrease, &part->decrease);
     all->visits += part->visits;
     all->evaluations += part->evaluations;
     all->improved += part->improved;
@@ -158,7 +158,7 @@ static void judge_chunk(void *context, int64_t begin, int64_t end, int thread) {
 static void add_optimality(pl_star_optimality *all, pl_star_optimality *part) {
     all->residual = fmax(all->residual, part->residual);
     all->multiplier = fmax(all->multiplier, part->multiplier);
-    pl_sum_share(&all->residual2, &part->residual2);
+    pl_sum_merge(&all->residual2, &part->residual2);
     all->n_active += part->n_active;
     all->n_stars += part->n_stars;
 }

@@ -314,7 +314,7 @@ static int64_t sum_together(partial *all, int64_t n, pl_sum *sums, double *measu
         memset(sums, 0, SLOTS * sizeof *sums);
         for (int s = 0; s < SLOTS; s++)
             for (partial *p = slot[s].next; p < slot[s].end && p->label == label[s]; p++)
-                pl_sum_share(&sums[s], &p->sum);
+                pl_sum_merge(&sums[s], &p->sum);
         pl_parts_add_sums(sums, SLOTS);
         for (int s = 0; s < SLOTS; s++)
             for (; slot[s].next < slot[s].end && slot[s].next->label == label[s]; slot[s].next++)

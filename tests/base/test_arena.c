@@ -386,7 +386,7 @@ static int shares(int64_t n_elements, int all, int64_t bytes, const planish_allo
     options.allocator = allocator;
     pl_context *context = pl_context_create(&options);
     assert_non_null(context);
-    pl_context_share_pages(context, n_elements, all);
+    pl_context_pool_pages(context, n_elements, all);
     pl_context *before = pl_context_enter(context);
     char *array = pl_alloc(bytes, 1);
     assert_non_null(array);
@@ -431,7 +431,7 @@ static void a_full_one_is_no_error(void **state) {
     char *array[N];
     int inside = 0;
     assert_non_null(context);
-    pl_context_share_pages(context, 50000, 1);
+    pl_context_pool_pages(context, 50000, 1);
     pl_context *before = pl_context_enter(context);
     for (int i = 0; i < N; i++) {
         array[i] = pl_alloc(MEGABYTE, 1);

@@ -169,7 +169,7 @@ static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         pl_sum_add(&part, s->x[i]);
-    pl_sum_share(&s->sum, &part);
+    pl_sum_merge(&s->sum, &part);
 }
 
 /** Also where digits have to be carried now and then. */

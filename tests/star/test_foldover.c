@@ -636,7 +636,7 @@ static void patches_count_each_element_once(void **state) {
         assert_int_equal(found.tangled, wanted.tangled);
         assert_int_equal(a.tangled + b.tangled, found.tangled);
         assert_true(fmin(a.least, b.least) == found.least);
-        pl_sum_share(&a.sum, &b.sum);
+        pl_sum_merge(&a.sum, &b.sum);
         assert_true(pl_sum_value(&a.sum) == pl_sum_value(&found.sum));
         patch_destroy(&p);
     }

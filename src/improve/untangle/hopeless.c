@@ -104,8 +104,8 @@ static void note_theirs(int32_t ghost, const void *value, void *taker) {
     w->failed |= !pl_append(&w->theirs, &w->n_theirs, &w->capacity, &k, sizeof k);
 }
 
-int pl_share_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
-                      planish_error *error) {
+int pl_send_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
+                     planish_error *error) {
     const int dim = plan->dim;
     messages w = {.plan = plan, .part = pl_part_here()};
     if (!w.part)

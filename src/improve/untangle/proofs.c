@@ -196,7 +196,7 @@ typedef struct proof_search {
     int32_t *next_facet; /* [n_stars] link facets of the star seen so far */
     uint8_t *is_fixed;   /* [n] by inner numbers */
     uint8_t *is_wanted;  /* [n_stars] a proof at the star would decide about an element */
-    uint8_t *part;       /* [link facets of all stars] pl_star_part */
+    uint8_t *part;       /* [link facets of all stars] pl_proof_role */
 } proof_search;
 
 /** Return the only star that can prove something of an element; -1: it has no free node, -2: it has
@@ -234,7 +234,7 @@ static int has_coincident_nodes(const proof_search *s, int64_t element) {
 
 /** Look for proofs at the stars that could decide about elements, one after another. A limit that
  *  one process has reached is reached in all. */
-static void look_for_proofs(proof_search *s, pl_limit *limit) {
+static void look_for_proofs(proof_search *s, pl_stop_check *limit) {
     const planish_plan *plan = s->plan;
     const pl_stars *stars = &plan->interior.stars;
     for (int64_t i = 0; i < plan->work.n_elements; i++) {
@@ -282,7 +282,7 @@ static int64_t mark_elements(proof_search *s, int given_up) {
 }
 
 int pl_mark_infeasible(const planish_plan *plan, const pl_star_problem *problem, uint8_t *state,
-                       pl_limit *limit, pl_infeasible *found, uint8_t **part,
+                       pl_stop_check *limit, pl_infeasible *found, uint8_t **part,
                        planish_error *error) {
     const int64_t n = plan->work.n_nodes, n_stars = plan->interior.stars.n_stars;
     proof_search s = {.plan = plan,

@@ -26,9 +26,10 @@ int pl_mark_enclosed(const planish_plan *plan, const double *x, uint8_t *state, 
  * has no free node, or it is part of a proof (pl_star_infeasible) at its only one. The coordinates,
  * and the guard, are the problem's. If part is not NULL only elements that have no free node or are
  * given up are marked, the latter whatever their state was, and *part becomes [link facets of all
- * stars] of pl_star_part, to be released by pl_free. limit (may be
+ * stars] of pl_proof_role, to be released by pl_free. limit (may be
  * NULL) ends the search; its answer is then the largest of the processes. Errors: _MEMORY. */
 int pl_mark_infeasible(const planish_plan *plan, const pl_star_problem *problem, uint8_t *state,
-                       pl_limit *limit, pl_infeasible *found, uint8_t **part, planish_error *error);
+                       pl_stop_check *limit, pl_infeasible *found, uint8_t **part,
+                       planish_error *error);
 
 #endif

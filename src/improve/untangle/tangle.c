@@ -46,7 +46,7 @@ static int give_up_hopeless(pl_tangle *t, planish_error *error) {
     const planish_plan *plan = t->run->plan;
     const int64_t n_links = plan->interior.stars.link_offset[plan->interior.stars.n_stars];
     pl_infeasible found = {0, 0};
-    pl_limit limit = pl_run_limit(t->run);
+    pl_stop_check limit = pl_run_stop_check(t->run);
     int status = PLANISH_OK;
     /* Parts of the mesh whose boundary encloses nothing, with their nodes; */
     if (!(t->guard.min_volume > 0) && !t->guard.link_min_volume && !pl_part_here()) {
@@ -68,7 +68,7 @@ static int give_up_hopeless(pl_tangle *t, planish_error *error) {
         t->link_skip = NULL;
         return PLANISH_OK;
     }
-    status = pl_share_hopeless(plan, t->link_skip, t->state, error);
+    status = pl_send_hopeless(plan, t->link_skip, t->state, error);
     t->is_hopeless = pl_alloc(plan->work.n_elements, sizeof *t->is_hopeless);
     if (status || !t->is_hopeless)
         return status ? status : pl_fail_memory(error, what);
@@ -157,7 +157,7 @@ void pl_tangle_mark(pl_tangle *t, int rings) {
 /* ---- energy -------------------------------------------------------------------------------- */
 
 static void add_energy(pl_star_energy *energy, pl_star_energy *part) {
-    pl_sum_share(&energy->sum, &part->sum);
+    pl_sum_merge(&energy->sum, &part->sum);
     energy->least = fmin(energy->least, part->least);
     energy->tangled += part->tangled;
 }

@@ -2,7 +2,7 @@
  *
  *   tangle.c      pl_tangle_create, _find, _mark, _measure ...    elements, patch and its energy
  *   sizes.c       pl_tangle_find_sizes                 how large elements should be
- *   hopeless.c    pl_share_hopeless                    elements given up in another process
+ *   hopeless.c    pl_send_hopeless                    elements given up in another process
  *   return.c      pl_tangle_return                     nodes back to where the call began
  *   here          pl_root_of, pl_join                  nodes that are joined, one to the next
  *
@@ -82,9 +82,9 @@ void pl_tangle_find_sizes(pl_tangle *t);
 
 /** Share given-up elements in a mesh in parts. state [n_elements] becomes PL_HOPELESS where it
  *  is PL_TANGLED and the star of a ghost has given the element up in its process. of_facet:
- *  pl_star_part of the stars here. Errors: _MEMORY. */
-int pl_share_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
-                      planish_error *error);
+ *  pl_proof_role of the stars here. Errors: _MEMORY. */
+int pl_send_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
+                     planish_error *error);
 
 /* ---- return.c ------------------------------------------------------------------------------ */
 
