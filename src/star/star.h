@@ -172,7 +172,7 @@ void pl_star_average(const pl_star_problem *problem, planish_method method, int 
  *  Return 0 if the node has to stay. */
 int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double *x);
 
-/** Part of an element in the proof that not all elements of a star can reach their least
+/** Role of an element in the proof that not all elements of a star can reach their minimum
  *  volumes. */
 typedef enum pl_proof_role {
     PL_PROOF_NONE = 0,

@@ -23,23 +23,7 @@
 
 #include <cmocka.h>
 
-enum { CELLS = 7 };
-
-/** In the plane larger, so that a colour is more than one thread takes at a time. */
-static void box_for_threads(test_mesh *mesh, int dim) {
-    test_mesh_box(mesh, dim, dim == 2 ? 4 * CELLS : CELLS);
-}
-
-static void bad_box(test_mesh *mesh, int dim) {
-    box_for_threads(mesh, dim);
-    test_mesh_perturb(mesh, 0.14, 12345);
-}
-
-/** Tangled, and stretched so that some helps are wanted. */
-static void tangled_box(test_mesh *mesh, int dim) {
-    box_for_threads(mesh, dim);
-    test_mesh_perturb(mesh, 0.7, 12345);
-}
+enum { CELLS = TEST_THREADS_CELLS };
 
 /* ---- memory -------------------------------------------------------------------------------- */
 
@@ -125,7 +109,7 @@ static void calls_allocate_once(void **state) {
             planish_error error;
             planish_quality quality;
             planish_result first, again;
-            (which == 1 ? tangled_box : bad_box)(&box, dim);
+            (which == 1 ? test_tangled_box_for_threads : test_bad_box_for_threads)(&box, dim);
             options.allocator = &allocator;
             if (which == 2)
                 options.worst = PLANISH_WORST_ANGLE;
@@ -168,7 +152,7 @@ static void allocators_may_fail(void **state) {
     heap h = {0};
     const planish_allocator allocator = allocator_of(&h);
     planish_options options = test_options(2);
-    tangled_box(&box, 3);
+    test_tangled_box_for_threads(&box, 3);
     options.allocator = &allocator;
     options.max_sweeps = 2;
     double *copy = test_copy_of(&box.mesh);
@@ -208,7 +192,7 @@ static void results_do_not_depend_on_memory(void **state) {
         const planish_allocator allocator = allocator_of(&h);
         planish_options options = test_options(2);
         planish_plan *plan;
-        tangled_box(&box, dim);
+        test_tangled_box_for_threads(&box, dim);
         options.allocator = &allocator;
         options.max_sweeps = 3;
         double *expected = test_copy_of(&box.mesh), *x = test_copy_of(&box.mesh);
@@ -308,7 +292,7 @@ static void failures_in_callbacks_stay_there(void **state) {
     const planish_allocator allocator = allocator_of(&h);
     planish_options options = test_options(2);
     asker a = {.heap = &h};
-    bad_box(&box, 3);
+    test_bad_box_for_threads(&box, 3);
     options.allocator = &allocator;
     double *x = test_copy_of(&box.mesh), *expected = test_copy_of(&box.mesh);
     assert_int_equal(planish_plan_create(&box.mesh, &options, &a.plan, NULL), 0);
@@ -346,7 +330,7 @@ static void callbacks_may_call_the_library(void **state) {
     test_mesh box;
     planish_options options = test_options(2);
     planish_plan *plan;
-    bad_box(&box, 3);
+    test_bad_box_for_threads(&box, 3);
     inner in = {NULL, &box.mesh};
     options.progress = make_a_plan;
     options.progress_user = &in;
@@ -403,7 +387,7 @@ static void callbacks_may_ask_of_the_mesh(void **state) {
         planish_options options = test_options(2), volumes = test_options(2);
         planish_result result;
         int calls = 0;
-        (which == 1 ? tangled_box : bad_box)(&box, 3);
+        (which == 1 ? test_tangled_box_for_threads : test_bad_box_for_threads)(&box, 3);
         options.min_volume = which == 2 ? 0.1 : 0;
         volumes.min_volume = 0.2;
         double *expected = test_copy_of(&box.mesh);
@@ -445,7 +429,7 @@ static void the_process_is_left_as_found(void **state) {
     planish_options options = test_options(2);
     struct sigaction action = {.sa_handler = count_signal}, found;
     fenv_t before, after;
-    tangled_box(&box, 3);
+    test_tangled_box_for_threads(&box, 3);
     double *x = test_copy_of(&box.mesh);
     options.bind = 1;
     sigaction(SIGINT, &action, NULL);
@@ -503,7 +487,7 @@ static void a_log_tells_what_is_done(void **state) {
     notes n = {0};
     planish_plan *plan;
     planish_options options = test_options(2);
-    bad_box(&box, 3);
+    test_bad_box_for_threads(&box, 3);
     options.log = note;
     options.log_user = &n;
     assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
@@ -546,7 +530,7 @@ static void meshes_are_measured_without_a_plan(void **state) {
             test_mesh box;
             planish_plan *plan;
             planish_quality expected, quality;
-            (which == 1 ? tangled_box : bad_box)(&box, dim);
+            (which == 1 ? test_tangled_box_for_threads : test_bad_box_for_threads)(&box, dim);
             if (which == 2)
                 test_mesh_reverse_some(&box, 3, 5);
             planish_mesh mesh = box.mesh;
@@ -570,7 +554,7 @@ static void meshes_are_measured_without_a_plan(void **state) {
 static void checksums_tell_bits_apart(void **state) {
     (void)state;
     test_mesh box;
-    bad_box(&box, 3);
+    test_bad_box_for_threads(&box, 3);
     planish_mesh mesh = box.mesh;
     const int64_t n = mesh.n_nodes;
     const uint64_t sum = planish_checksum(&mesh);
@@ -605,7 +589,7 @@ static void arrays_may_be_the_same(void **state) {
     planish_plan *plan;
     planish_options options = test_options(2);
     planish_result result;
-    bad_box(&box, 3);
+    test_bad_box_for_threads(&box, 3);
     double *start = test_copy_of(&box.mesh);
     options.lower = options.upper = box.coordinates; /* every node stays where it is */
     assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
@@ -646,7 +630,7 @@ static void cancelling_at_once_is_safe(void **state) {
         planish_result result;
         planish_quality before, after;
         int calls = 0;
-        (which ? tangled_box : bad_box)(&box, 3);
+        (which ? test_tangled_box_for_threads : test_bad_box_for_threads)(&box, 3);
         options.progress = cancel;
         options.progress_user = &calls;
         assert_int_equal(planish_measure_mesh(&box.mesh, NULL, &before, NULL), 0);

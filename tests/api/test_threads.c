@@ -14,23 +14,7 @@
 
 #include <cmocka.h>
 
-enum { CELLS = 7 };
-
-/** In the plane larger, so that a colour is more than one thread takes at a time. */
-static void box_for_threads(test_mesh *mesh, int dim) {
-    test_mesh_box(mesh, dim, dim == 2 ? 4 * CELLS : CELLS);
-}
-
-static void bad_box(test_mesh *mesh, int dim) {
-    box_for_threads(mesh, dim);
-    test_mesh_perturb(mesh, 0.14, 12345);
-}
-
-/** Tangled, and stretched so that some helps are wanted. */
-static void tangled_box(test_mesh *mesh, int dim) {
-    box_for_threads(mesh, dim);
-    test_mesh_perturb(mesh, 0.7, 12345);
-}
+enum { CELLS = TEST_THREADS_CELLS };
 
 /* ---- threads of the caller ------------------------------------------------------------------ */
 
@@ -76,7 +60,7 @@ static void threads_may_be_the_callers(void **state) {
             test_mesh box;
             planish_options options = test_options(2);
             planish_plan *plan;
-            (which ? tangled_box : bad_box)(&box, dim);
+            (which ? test_tangled_box_for_threads : test_bad_box_for_threads)(&box, dim);
             options.max_sweeps = 5;
             double *expected = test_copy_of(&box.mesh);
             assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);

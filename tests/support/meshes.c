@@ -264,3 +264,17 @@ double test_distance(const double *x, const double *y, int dim) {
         square += ((long double)x[d] - y[d]) * ((long double)x[d] - y[d]);
     return (double)sqrtl(square);
 }
+
+void test_box_for_threads(test_mesh *mesh, int dim) {
+    test_mesh_box(mesh, dim, dim == 2 ? 4 * TEST_THREADS_CELLS : TEST_THREADS_CELLS);
+}
+
+void test_bad_box_for_threads(test_mesh *mesh, int dim) {
+    test_box_for_threads(mesh, dim);
+    test_mesh_perturb(mesh, 0.14, 12345);
+}
+
+void test_tangled_box_for_threads(test_mesh *mesh, int dim) {
+    test_box_for_threads(mesh, dim);
+    test_mesh_perturb(mesh, 0.7, 12345);
+}

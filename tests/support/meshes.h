@@ -71,4 +71,11 @@ double test_measure_of(const planish_mesh *mesh, const double *coordinates, int6
 /** Distance of x and y. */
 double test_distance(const double *x, const double *y, int dim);
 
+/** Make a box of test_mesh_box whose colours are more than one thread takes at a time: as it is,
+ *  perturbed but valid, or tangled. */
+enum { TEST_THREADS_CELLS = 7 };
+void test_box_for_threads(test_mesh *mesh, int dim);
+void test_bad_box_for_threads(test_mesh *mesh, int dim);
+void test_tangled_box_for_threads(test_mesh *mesh, int dim);
+
 #endif

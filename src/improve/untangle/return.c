@@ -166,7 +166,7 @@ void pl_tangle_return(pl_tangle *t) {
         place(&w, w.now, AFTER);
         memcpy(t->best, w.now, w.bytes);
         if (n_back > 0)
-            pl_log(PLANISH_LOG_DETAIL, "%" PRId64 " nodes return, where untangling was in vain",
+            pl_log(PLANISH_LOG_DETAIL, "%" PRId64 " nodes return, where untangling failed",
                    n_back);
     }
     pl_free(x);
