@@ -259,10 +259,10 @@ typedef struct pl_stars {
 } pl_stars;
 
 /** Copy the rings and links of the free nodes in the order of their visits. Star star_of[r], of 0
- * .. rings->n_free-1, is that of ring r, which has a node; -1 where there is none: star_of
- * [n_rings], node [n_rings] as returned by pl_rings_create. number_of [n] maps the mesh's node
- * numbers to those written to stars->ring. incidence is used if the mesh has minimum volumes. Of the
- * rings nothing is left afterwards. */
+ *  .. rings->n_free-1, is that of ring r, which has a node; -1 where there is none: star_of
+ *  [n_rings], node [n_rings] as returned by pl_rings_create. number_of [n] maps the mesh's node
+ *  numbers to those written to stars->ring. incidence is used if the mesh has minimum volumes. Of
+ *  the rings nothing is left afterwards. */
 int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_rings *rings,
                     const int32_t *node, const int32_t *star_of, const int32_t *number_of,
                     int threads, pl_stars *stars, planish_error *error);
