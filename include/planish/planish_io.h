@@ -1,5 +1,16 @@
 /* planish_io: mesh files for planish. Read one, smooth its coordinates, write it back with every
- * byte but the coordinates of the moved nodes as it was.
+ * byte but the coordinates of the moved nodes as it was. planish_file_ stands before each name:
+ *
+ *     open, open_isolated, open_with, close         read a file into memory, free it
+ *     formats, get_info, unterminated_path          the format, how the file stores coordinates
+ *     mesh, coordinates                             the arrays to smooth; the file owns them
+ *     plane, space_coordinates, round_in_plane      triangles: their plane, from it to space
+ *     cell_arrays, region_arrays, choose_regions    arrays of numbers that tell regions
+ *     constraints, get_held, get_marked, surface    held nodes, the reasons, where nodes slide
+ *     min_volumes, get_parametric                   minimum volumes of groups; nodes on curves
+ *     element_number, node_number, element_region   how the file calls an element or node
+ *     can_write, check_output, write                write the file with the new coordinates
+ *     can_convert, convert                          write a .vtu or .vtk file to look at
  *
  * Formats: Gmsh, Medit, VTK (legacy, XML, HDF), TetGen, Netgen, Abaqus, Nastran, CGNS, MED, PETSc's
  * DMPlex and OFF; see docs/formats.md. Calls on different files may run at the same time, but of
@@ -74,25 +85,24 @@ typedef struct planish_file_info {
     int64_t n_lower_elements;    /* elements of lower dimension */
     int64_t n_regions;           /* distinct regions among the elements smoothed */
     int64_t bytes;               /* size of the input */
-    int ends_open; /* not 0: the format has no mark at its end, and the last line no end:
-                      if it was cut short there, nothing tells */
+    int is_unterminated;         /* not 0: the format has no mark at its end, and the last line has
+                                    no end: if the file was cut short there, nothing tells */
 } planish_file_info;
 
 /** Fill in *info. */
 PLANISH_API void planish_file_get_info(const planish_file *file, planish_file_info *info);
 
-/** Return the path of the file that was read whose last line has no end (info.ends_open), or NULL
- *  if there is none. */
-PLANISH_API const char *planish_file_open_end(const planish_file *file);
+/** Return the path of the file that was read whose last line has no end (info.is_unterminated), or
+ *  NULL if there is none. The file owns the text. */
+PLANISH_API const char *planish_file_unterminated_path(const planish_file *file);
 
-/** How many nodes have parameters of the geometry that they are on beside their coordinates: u, v,
- * w of Gmsh's, those on curves and surfaces of Netgen's. These stay as they are in the file: of a
- * node that has moved they are wrong. has [n_nodes] (may be NULL) becomes 1 for such nodes, else
- * 0. */
-PLANISH_API int64_t planish_file_parameters(const planish_file *file, uint8_t *has);
+/** Find the nodes that have parameters of their curve or surface beside their coordinates (Gmsh,
+ *  Netgen). The file keeps these parameters, so that those of a moved node are wrong. parametric
+ *  [n_nodes] (may be NULL) is filled with 0 or 1. Returns the number of these nodes. */
+PLANISH_API int64_t planish_file_get_parametric(const planish_file *file, uint8_t *parametric);
 
-/** The mesh: its arrays belong to the file; of triangles it has coordinates in their plane
- *  (planish_file_plane); constraint is NULL, to be set to what
+/** Return the mesh. The file owns its arrays. Triangles have coordinates in their plane
+ *  (planish_file_plane). constraint is NULL: the caller sets it to the array that
  *  planish_file_constraints fills in. */
 PLANISH_API planish_mesh planish_file_mesh(const planish_file *file);
 
@@ -120,11 +130,12 @@ typedef struct planish_plane {
  *  of the file, else (tetrahedra, and triangles in the plane of x and y) 0. */
 PLANISH_API int planish_file_plane(const planish_file *file, planish_plane *plane);
 
-/** Compute the places xyz [n][3] in space of nodes first .. first + n - 1 from their coordinates
- *  [n][dim]. coordinates begins with node first, and may differ from the file's. Errors:
+/** Compute the coordinates in space, xyz [n][3], of nodes first .. first + n - 1 from those of the
+ *  mesh [n][dim]. coordinates begins with node first, and may differ from the file's. Errors:
  *  _ARGUMENT. */
-PLANISH_API int planish_file_place(const planish_file *file, int64_t first, int64_t n,
-                                   const double *coordinates, double *xyz, planish_error *error);
+PLANISH_API int planish_file_space_coordinates(const planish_file *file, int64_t first, int64_t n,
+                                               const double *coordinates, double *xyz,
+                                               planish_error *error);
 
 /** Names of the arrays of one whole number per element that the file has (VTK's formats,
  *  Gmsh, CGNS), in the file's order, NULL at the end; the file owns them. Values of other cells
@@ -152,14 +163,14 @@ typedef struct planish_hold {
                                 hold all nodes of these groups */
     int n_tags;
     int ignore_regions; /* not 0: nodes between regions are not held */
-    int ignore_marks;   /* not 0: nodes are not held for being among planish_file_marks */
+    int ignore_marked;  /* not 0: nodes are not held for being among planish_file_get_marked */
     int slide; /* not 0: nodes that nothing holds but lines, triangles (beside tetrahedra) and
                   regions are not held: planish_find_slides is to decide about them */
     const char *const *slide_tags; /* [n_slide_tags] groups of triangles (2-D: lines) that alone */
     int n_slide_tags;              /* may be slid on; 0: all may */
 } planish_hold;
 
-/** Which nodes the file (and hold, may be NULL) fixes: constraint [n_nodes] is filled with
+/** Find the nodes that the file (and hold, may be NULL) fixes: constraint [n_nodes] is filled with
  *  planish_constraint. Nodes on the boundary are not among them unless the file says so.
  *  Errors: _ARGUMENT (a tag that the file does not have; the text lists those it has), _MEMORY. */
 PLANISH_API int planish_file_constraints(const planish_file *file, const planish_hold *hold,
@@ -180,13 +191,13 @@ typedef enum planish_file_reason {
  *  of each planish_file_reason of a node, 0 where the file does not hold it. hold->slide is not
  *  heeded: the reasons are those without it. planish_plan_get_held has the mesh's own reasons.
  *  Errors: _ARGUMENT (as planish_file_constraints), _MEMORY; reason is then untouched. */
-PLANISH_API int planish_file_held(const planish_file *file, const planish_hold *hold,
-                                  uint8_t *reason, planish_error *error);
+PLANISH_API int planish_file_get_held(const planish_file *file, const planish_hold *hold,
+                                      uint8_t *reason, planish_error *error);
 
 /** Find the nodes that VTK's array `fixed` names: marked [n_nodes] (may be NULL) is filled with 0
  *  or 1. Return the number of these nodes. Mesquite wants all nodes of the boundary named there, so
  *  that the array may say no more than where the boundary is. */
-PLANISH_API int64_t planish_file_marks(const planish_file *file, uint8_t *marked);
+PLANISH_API int64_t planish_file_get_marked(const planish_file *file, uint8_t *marked);
 
 /** Return the file's surface for planish_find_slides: regions, the triangles (2-D: lines) and
  *  lines with their groups as tags, and a tolerance that fits the digits of the file. Use it
@@ -209,7 +220,7 @@ PLANISH_API int planish_file_min_volumes(const planish_file *file, const char *c
 PLANISH_API int64_t planish_file_element_number(const planish_file *file, int64_t element);
 PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t node);
 
-/** The region of an element, by its index in planish_file_mesh, as a tag that planish_hold takes:
+/** Find the region of an element, by its index in planish_file_mesh, as a tag for planish_hold:
  * text [size] is filled with the name of its group, or with "DIM:N" where it has none that means
  * elements of this dimension alone; with "" where the file has no regions, or no tag means this
  * one. Of an element in several groups the first that is named counts. Returns the length of the
@@ -218,16 +229,16 @@ PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t n
 PLANISH_API int planish_file_element_region(const planish_file *file, int64_t element, char *text,
                                             size_t size);
 
-/** Find what of coordinates [n_nodes][dim] can be written: in a tilted plane (planish_file_plane)
- *  places are rounded when they are written, in space, which no planish_options.round can tell
- *  planish_smooth. So call this after that, and before the result is measured. A node goes back to
- *  where it was in the file if a triangle has another sign as written, seen along plane.axis[2]
- *  (exactly), than it has in coordinates; and so do those with back [n_nodes] not 0 (may be NULL).
- *  Where a file holds less than doubles, coordinates become those of the places written. *n_back
- *  (may be NULL) counts the nodes that went back, and back is set to 1 for these. Nothing happens
- *  to meshes that have another plane, or none. Errors: _ARGUMENT, _MEMORY. */
-PLANISH_API int planish_file_settle(const planish_file *file, double *coordinates, uint8_t *back,
-                                    int64_t *n_back, planish_error *error);
+/** Round coordinates [n_nodes][dim] in a tilted plane (planish_file_plane) to those that the file
+ *  can hold. Writing rounds them in space, which no planish_options.round can tell planish_smooth:
+ *  call this function after planish_smooth and before the result is measured. A node returns to its
+ *  coordinates in the file if a triangle has another sign as written, seen along plane.axis[2]
+ *  (exactly), than it has in coordinates. Nodes with back [n_nodes] (may be NULL) not 0 return,
+ *  too. Where a file holds less than doubles, coordinates become those that are written. *n_back
+ *  (may be NULL) is the number of nodes that returned, and back is set to 1 for these. Meshes in
+ *  another plane, or in none, stay as they are. Errors: _ARGUMENT, _MEMORY. */
+PLANISH_API int planish_file_round_in_plane(const planish_file *file, double *coordinates,
+                                            uint8_t *back, int64_t *n_back, planish_error *error);
 
 /** Return 1 if planish_file_write takes path, else 0. It takes the extension of the input, another
  *  extension of its format, a pipe or a device. planish_file_check_output knows more. */

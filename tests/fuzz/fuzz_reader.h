@@ -154,9 +154,9 @@ static inline int fuzz_same_places(const planish_file *a, const double *at, cons
     const planish_mesh mesh = planish_file_mesh(b);
     for (int64_t i = 0; i < mesh.n_nodes; i++) {
         double of_a[3], of_b[3];
-        fuzz_require(planish_file_place(a, i, 1, at + mesh.dim * i, of_a, NULL) == 0 &&
-                         planish_file_place(b, i, 1, mesh.coordinates + mesh.dim * i, of_b, NULL) ==
-                             0,
+        fuzz_require(planish_file_space_coordinates(a, i, 1, at + mesh.dim * i, of_a, NULL) == 0 &&
+                         planish_file_space_coordinates(b, i, 1, mesh.coordinates + mesh.dim * i,
+                                                        of_b, NULL) == 0,
                      "nodes have places");
         for (int d = 0; d < 3; d++)
             if (!(of_a[d] == of_b[d]))

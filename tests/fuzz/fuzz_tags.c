@@ -103,7 +103,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const planish_hold hold = {.tags = tag[0],
                                .n_tags = n,
                                .ignore_regions = flags & 1,
-                               .ignore_marks = flags & 2,
+                               .ignore_marked = flags & 2,
                                .slide = flags & 4,
                                .slide_tags = tag[1],
                                .n_slide_tags = n_slide};

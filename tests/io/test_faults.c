@@ -47,7 +47,7 @@ static void add_info(faults *f, const planish_file *file) {
     planish_file_get_info(file, &info);
     assert_true(info.n_regions > 0);
     faults_add(f, &info.n_regions, sizeof info.n_regions);
-    faults_add(f, &info.ends_open, sizeof info.ends_open);
+    faults_add(f, &info.is_unterminated, sizeof info.is_unterminated);
     faults_add(f, mesh.elements, (size_t)(mesh.n_elements * (mesh.dim + 1)) * sizeof(int32_t));
     faults_add(f, mesh.coordinates, (size_t)(mesh.n_nodes * mesh.dim) * sizeof(double));
     for (int64_t i = 0; i < mesh.n_nodes; i += 10) {
@@ -74,7 +74,7 @@ static void hold(faults *f, const planish_file *file, const char *tag) {
         } while (faults_refused(f, status, &error));
         faults_add(f, constraint, n);
     }
-    const int64_t marked = planish_file_marks(file, constraint);
+    const int64_t marked = planish_file_get_marked(file, constraint);
     const planish_surface surface = planish_file_surface(file, &holds[0]);
     faults_add(f, &marked, sizeof marked);
     faults_add(f, constraint, n);

@@ -61,7 +61,7 @@ static void expect_mesh(const planish_file *file, const struct variant *variant)
     uint8_t constraint[N_NODES];
     assert_int_equal(planish_file_constraints(file, &whole, constraint, NULL), PLANISH_OK);
     assert_int_equal(constraint[INSIDE], PLANISH_FREE);
-    assert_int_equal(planish_file_parameters(file, NULL), with ? N_NODES : 0);
+    assert_int_equal(planish_file_get_parametric(file, NULL), with ? N_NODES : 0);
 }
 
 static void expect_entities(const io_model *model) {

@@ -171,12 +171,12 @@ static void segments_of_every_kind(void **state) {
         constraints_are(file, NULL, 0, i == 7 ? "1110" : "0110");
         uint8_t has[4];
         int64_t n = 0;
-        planish_file_parameters(file, has);
+        planish_file_get_parametric(file, has);
         for (int k = 0; k < 4; k++) {
             assert_int_equal(has[k], cases[i].has_parameters[k] == '1');
             n += has[k];
         }
-        assert_int_equal(planish_file_parameters(file, NULL), n);
+        assert_int_equal(planish_file_get_parametric(file, NULL), n);
         planish_file_close(file);
     }
 }
@@ -261,7 +261,8 @@ static void wrong_files_are_refused(void **state) {
         {HEAD NODES TET "materials\n2\n1 a\n" TAIL, "line 2 of 2"},
         {HEAD NODES TET "bcnames\n1\n99999999999 a\n" TAIL, "out of range"},
         {HEAD NODES TET "identificationnames\n2\na\n", "line 2 of 2"},
-        {HEAD NODES "surfaceelements\n2\n1 1 0 0 3 2 3 4\n1 1 0 0 3 1 2 4\n" TAIL, "triangles in space"},
+        {HEAD NODES "surfaceelements\n2\n1 1 0 0 3 2 3 4\n1 1 0 0 3 1 2 4\n" TAIL,
+         "triangles in space"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         reading_fails(&io_format_netgen, cases[i].text, cases[i].word);

@@ -66,13 +66,14 @@ static void check_frame(const double u[3], const double v[3], double origin, dou
     const planish_mesh mesh = planish_file_mesh(file);
     double xyz[3 * NODES];
     assert_int_equal(mesh.dim, 2);
-    assert_int_equal(planish_file_place(file, 0, NODES, mesh.coordinates, xyz, NULL), PLANISH_OK);
+    assert_int_equal(planish_file_space_coordinates(file, 0, NODES, mesh.coordinates, xyz, NULL),
+                     PLANISH_OK);
     assert_memory_equal(xyz, file->model.xyz, sizeof xyz);
     const double *first = mesh.coordinates, *right = first + 2, *up = first + 2 * N;
     assert_true(fabs(hypot(right[0] - first[0], right[1] - first[1]) - length) < 1e-9 * length);
     assert_true(fabs(hypot(up[0] - first[0], up[1] - first[1]) - length) < 1e-9 * length);
     const double moved[2] = {first[0] + 0.25 * length, first[1] - 0.125 * length};
-    assert_int_equal(planish_file_place(file, 3, 1, moved, xyz, NULL), PLANISH_OK);
+    assert_int_equal(planish_file_space_coordinates(file, 3, 1, moved, xyz, NULL), PLANISH_OK);
     double off = 0;
     for (int d = 0; d < 3; d++) {
         const double wanted =
@@ -99,8 +100,9 @@ static void nodes_of_no_triangle_are_elsewhere(void **state) {
         read_grid((const double[]){15, 12, 16}, (const double[]){-20, 9, 12}, 0, "1e3 0 0\n", 1);
     double xyz[3];
     const planish_mesh mesh = planish_file_mesh(file);
-    assert_int_equal(
-        planish_file_place(file, NODES, 1, mesh.coordinates + 2 * (int64_t)NODES, xyz, NULL), 0);
+    assert_int_equal(planish_file_space_coordinates(
+                         file, NODES, 1, mesh.coordinates + 2 * (int64_t)NODES, xyz, NULL),
+                     0);
     assert_true(xyz[0] == 1e3 && xyz[1] == 0 && xyz[2] == 0);
     planish_file_close(file);
 }
@@ -130,11 +132,11 @@ static void settling_takes_nodes_back(void **state) {
     int64_t n = -1;
     memcpy(before, uv, sizeof before);
     uv[2 * (NODES / 2)] -= 1;
-    assert_int_equal(planish_file_settle(file, uv, NULL, &n, NULL), PLANISH_OK);
+    assert_int_equal(planish_file_round_in_plane(file, uv, NULL, &n, NULL), PLANISH_OK);
     assert_int_equal(n, 0);
     assert_true(uv[2 * (NODES / 2)] != before[2 * (NODES / 2)]);
     back[NODES / 2] = 1;
-    assert_int_equal(planish_file_settle(file, uv, back, &n, NULL), PLANISH_OK);
+    assert_int_equal(planish_file_round_in_plane(file, uv, back, &n, NULL), PLANISH_OK);
     assert_int_equal(n, 1);
     assert_memory_equal(uv, before, sizeof before);
     /* Triangles so thin that many have another sign in floats. */
@@ -149,9 +151,9 @@ static void settling_takes_nodes_back(void **state) {
         moved[0] = (1 - t) * a[0] + t * b[0] - sign * 1e-12 * (b[1] - a[1]);
         moved[1] = (1 - t) * a[1] + t * b[1] + sign * 1e-12 * (b[0] - a[0]);
         assert_int_equal(pl_exact_turn(a, b, moved), sign);
-        assert_int_equal(planish_file_settle(file, uv, NULL, &n, NULL), PLANISH_OK);
+        assert_int_equal(planish_file_round_in_plane(file, uv, NULL, &n, NULL), PLANISH_OK);
         n_back += n;
-        planish_file_place(file, NODES / 2, 1, moved, place, NULL);
+        planish_file_space_coordinates(file, NODES / 2, 1, moved, place, NULL);
         const double *of_a = file->model.xyz + 3 * (NODES / 2 - N - 1), *of_b = of_a + 3;
         assert_int_equal(pl_exact_turn((double[]){of_a[p], of_a[q]}, (double[]){of_b[p], of_b[q]},
                                        (double[]){place[p], place[q]}),
@@ -169,12 +171,16 @@ static void wrong_arguments(void **state) {
         read_grid((const double[]){15, 12, 16}, (const double[]){-20, 9, 12}, 0, "", 0);
     planish_error error;
     double xyz[3], uv[2] = {0, 0};
-    assert_int_equal(planish_file_place(file, NODES, 1, uv, xyz, &error), PLANISH_ERROR_ARGUMENT);
-    assert_int_equal(planish_file_place(file, -1, 1, uv, xyz, &error), PLANISH_ERROR_ARGUMENT);
-    assert_int_equal(planish_file_place(file, 0, INT64_MAX, uv, xyz, &error),
+    assert_int_equal(planish_file_space_coordinates(file, NODES, 1, uv, xyz, &error),
                      PLANISH_ERROR_ARGUMENT);
-    assert_int_equal(planish_file_place(NULL, 0, 1, uv, xyz, &error), PLANISH_ERROR_ARGUMENT);
-    assert_int_equal(planish_file_settle(file, NULL, NULL, NULL, &error), PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_file_space_coordinates(file, -1, 1, uv, xyz, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_file_space_coordinates(file, 0, INT64_MAX, uv, xyz, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_file_space_coordinates(NULL, 0, 1, uv, xyz, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_file_round_in_plane(file, NULL, NULL, NULL, &error),
+                     PLANISH_ERROR_ARGUMENT);
     assert_int_equal(planish_file_plane(NULL, NULL), 0);
     planish_file_close(file);
     const planish_open_options options = {.plane_tolerance = 2e-3};

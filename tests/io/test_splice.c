@@ -415,9 +415,9 @@ static void nothing_is_asked_of_no_file(void **state) {
     assert_int_equal(planish_file_mesh(NULL).n_nodes, 0);
     assert_int_equal(planish_file_surface(NULL, NULL).n_facets, 0);
     assert_null(planish_file_coordinates(NULL));
-    assert_null(planish_file_open_end(NULL));
-    assert_int_equal(planish_file_marks(NULL, NULL), 0);
-    assert_int_equal(planish_file_parameters(NULL, NULL), 0);
+    assert_null(planish_file_unterminated_path(NULL));
+    assert_int_equal(planish_file_get_marked(NULL, NULL), 0);
+    assert_int_equal(planish_file_get_parametric(NULL, NULL), 0);
     assert_int_equal(planish_file_element_number(NULL, 0), -1);
     assert_int_equal(planish_file_node_number(NULL, 0), -1);
     assert_int_equal(planish_file_can_write(NULL, "a.mesh"), 0);

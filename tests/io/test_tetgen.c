@@ -501,10 +501,10 @@ static void open_ends_are_named(void **state) {
     put(state, "b.mtr", "not read");
     put(state, "a.ele", "2 4 1\n0  0 1 2 3  7\n1  1 2 3 4  8");
     planish_file *file = open_mesh(state, "a.node");
-    assert_non_null(strstr(planish_file_open_end(file), "a.ele"));
+    assert_non_null(strstr(planish_file_unterminated_path(file), "a.ele"));
     planish_file_close(file);
     file = open_mesh(state, "b.node");
-    assert_null(planish_file_open_end(file));
+    assert_null(planish_file_unterminated_path(file));
     planish_file_close(file);
 }
 

@@ -1,7 +1,7 @@
 /* promises: what planish_smooth promises of a result, kept where the file rounds it, and checked.
  *
  * In a tilted plane the library has rounded nothing to what the file holds, as no number of its
- * coordinates is one of the file. So signs are made sure of (planish_file_settle), and the promises
+ * coordinates is one of the file. So signs are made sure of (planish_file_round_in_plane), and the promises
  * are looked at again: elements that break them get their nodes back, and if that does not do, all.
  */
 #include "commands/promises.h"
@@ -94,7 +94,7 @@ static int settle_until_kept(pl_job *job, pl_result *result, uint8_t *back, doub
     for (int round = 0;; round++) {
         planish_quality after;
         int64_t n = 0;
-        int code = planish_file_settle(job->file, coordinates, back, &n, error);
+        int code = planish_file_round_in_plane(job->file, coordinates, back, &n, error);
         if (!code)
             code = job->engine->measure(job, &after, error);
         if (code)

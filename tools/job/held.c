@@ -89,7 +89,7 @@ static int find_reasons(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
             bits[i] |= PL_HELD_TOLD;
     }
     /* Those of the file, and of --fix-layers, for nodes that the plan holds. */
-    if (planish_file_held(job->file, &hold, scratch, &error))
+    if (planish_file_get_held(job->file, &hold, scratch, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     for (int64_t i = 0; i < n; i++)
         if (bits[i])

@@ -73,11 +73,11 @@ static int complain_nodes(const pl_job *job) {
 
 /* ---- reading -------------------------------------------------------------------------------- */
 
-static planish_hold hold_of(const pl_arguments *arguments, int slide, int ignore_marks) {
+static planish_hold hold_of(const pl_arguments *arguments, int slide, int ignore_marked) {
     return (planish_hold){.tags = arguments->fix,
                           .n_tags = arguments->n_fix,
                           .ignore_regions = arguments->ignore_regions,
-                          .ignore_marks = ignore_marks,
+                          .ignore_marked = ignore_marked,
                           .slide = slide,
                           .slide_tags = arguments->slide_tag,
                           .n_slide_tags = arguments->n_slide_tags};
@@ -246,9 +246,9 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
 
 /** Let the library find what slides, once constraint is what hold says. is_inside: as in
  *  planish_surface. */
-static int find_unheld(const pl_job *job, int ignore_marks, const uint8_t *is_inside,
+static int find_unheld(const pl_job *job, int ignore_marked, const uint8_t *is_inside,
                        uint8_t *constraint, double *direction) {
-    const planish_hold hold = hold_of(job->arguments, 1, ignore_marks);
+    const planish_hold hold = hold_of(job->arguments, 1, ignore_marked);
     planish_error error;
     planish_mesh mesh = job->mesh;
     planish_surface surface = planish_file_surface(job->file, &hold);
@@ -282,11 +282,11 @@ static int marks_are_the_surface(const pl_job *job, const uint8_t *marked, uint8
 static int find_slides(const pl_job *job, const uint8_t *is_inside, uint8_t *constraint,
                        double *direction) {
     int status = 0, is_found = 0;
-    if (planish_file_marks(job->file, NULL) > 0) {
+    if (planish_file_get_marked(job->file, NULL) > 0) {
         uint8_t *marked = malloc((size_t)job->mesh.n_nodes);
         if (!marked)
             return complain_nodes(job);
-        planish_file_marks(job->file, marked);
+        planish_file_get_marked(job->file, marked);
         status = find_unheld(job, 1, is_inside, constraint, direction);
         is_found = status || marks_are_the_surface(job, marked, constraint);
         free(marked);
@@ -322,12 +322,12 @@ int pl_job_is_told(const pl_job *job) {
 int pl_job_count_parameters(pl_job *job) {
     const size_t n = (size_t)job->mesh.n_nodes + 1;
     int status = 0;
-    if (planish_file_parameters(job->file, NULL) == 0)
+    if (planish_file_get_parametric(job->file, NULL) == 0)
         return 0;
     uint8_t *has = malloc(n), *is_free = malloc(n);
     status = has && is_free ? pl_job_get_free(job, is_free) : complain_nodes(job);
     if (!status)
-        planish_file_parameters(job->file, has);
+        planish_file_get_parametric(job->file, has);
     for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
         job->n_with_parameters += has[i] && (is_free[i] || job->constraint[i] > PLANISH_FIXED);
     free(has);
@@ -388,8 +388,8 @@ uint64_t pl_job_checksum(const pl_job *job) {
     if (!job->file || !planish_file_plane(job->file, &plane) || !plane.is_tilted)
         return planish_checksum(&mesh);
     double *places = malloc(((size_t)mesh.n_nodes * 3 + 1) * sizeof *places);
-    const int is_placed =
-        places && !planish_file_place(job->file, 0, mesh.n_nodes, mesh.coordinates, places, NULL);
+    const int is_placed = places && !planish_file_space_coordinates(job->file, 0, mesh.n_nodes,
+                                                                    mesh.coordinates, places, NULL);
     mesh.dim = 3;
     mesh.coordinates = places;
     const uint64_t checksum = is_placed ? planish_checksum(&mesh) : 0;

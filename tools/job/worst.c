@@ -126,7 +126,8 @@ static void add_place(const pl_job *job, int64_t node, int columns, pl_bad_eleme
     const int dim = job->mesh.dim;
     const double *at = &job->mesh.coordinates[node * dim];
     double xyz[3];
-    if (columns > dim && planish_file_place(job->file, node, 1, at, xyz, NULL) == PLANISH_OK)
+    if (columns > dim &&
+        planish_file_space_coordinates(job->file, node, 1, at, xyz, NULL) == PLANISH_OK)
         at = xyz;
     for (int d = 0; d < columns; d++)
         bad->place[d] += at[d] / (dim + 1);

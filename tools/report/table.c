@@ -354,9 +354,9 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
                 word_for(others, "element of another type passes", "elements of other types pass"),
                 word_for(others, "its", "their"));
     note_regions(stream, job);
-    if (job->file_info.ends_open) {
+    if (job->file_info.is_unterminated) {
         /* Of several inputs the notes of each are named. */
-        const char *open = planish_file_open_end(job->file);
+        const char *open = planish_file_unterminated_path(job->file);
         const int is_named =
             job->arguments->n_inputs == 1 || strcmp(open, job->arguments->input) != 0;
         pl_note(stream,

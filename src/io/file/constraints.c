@@ -231,7 +231,7 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
     const int slide = hold && hold->slide;
     const unsigned undecided =
         (slide ? IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE | IO_HELD_PERIODIC : 0) |
-        (hold && hold->ignore_marks ? IO_HELD_MARKED : 0) | IO_HAS_PARAMETERS;
+        (hold && hold->ignore_marked ? IO_HELD_MARKED : 0) | IO_HAS_PARAMETERS;
     uint8_t *found = pl_alloc(model->n_nodes, 1);
     int status = found ? PLANISH_OK : pl_fail_memory(error, "the constraints of nodes");
     for (int64_t i = 0; i < model->n_nodes && !status; i++)
@@ -248,9 +248,9 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
     return status;
 }
 
-/** Return the reason of planish_file_held for bits of io_model.hold. */
-static uint8_t reason_of_bits(unsigned bits, int ignore_marks) {
-    const unsigned required = IO_HELD_REQUIRED | (ignore_marks ? 0 : IO_HELD_MARKED);
+/** Return the reason of planish_file_get_held for bits of io_model.hold. */
+static uint8_t reason_of_bits(unsigned bits, int ignore_marked) {
+    const unsigned required = IO_HELD_REQUIRED | (ignore_marked ? 0 : IO_HELD_MARKED);
     return (
         uint8_t)((bits & (IO_HELD_BY_POINT | IO_HELD_BY_LINE) ? PLANISH_FILE_LINE_OR_POINT : 0) |
                  (bits & IO_HELD_BY_TRIANGLE ? PLANISH_FILE_FACE : 0) |
@@ -259,8 +259,8 @@ static uint8_t reason_of_bits(unsigned bits, int ignore_marks) {
                  (bits & required ? PLANISH_FILE_REQUIRED : 0));
 }
 
-int planish_file_held(const planish_file *file, const planish_hold *hold, uint8_t *reason,
-                      planish_error *error) {
+int planish_file_get_held(const planish_file *file, const planish_hold *hold, uint8_t *reason,
+                          planish_error *error) {
     if (!file || !reason)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and reason must not be NULL");
     if (hold && !are_given(hold->tags, hold->n_tags))
@@ -269,7 +269,7 @@ int planish_file_held(const planish_file *file, const planish_hold *hold, uint8_
     uint8_t *found = pl_alloc(file->model.n_nodes, 1);
     int status = found ? PLANISH_OK : pl_fail_memory(error, "the reasons of nodes");
     for (int64_t i = 0; i < file->model.n_nodes && !status; i++)
-        found[i] = reason_of_bits(file->model.hold[i], hold && hold->ignore_marks);
+        found[i] = reason_of_bits(file->model.hold[i], hold && hold->ignore_marked);
     if (!status)
         status = hold_interfaces(file, hold, PLANISH_FILE_INTERFACE, found, error);
     if (!status)
@@ -292,12 +292,12 @@ static int64_t count_nodes(const planish_file *file, uint8_t bit, uint8_t *has) 
     return n;
 }
 
-int64_t planish_file_marks(const planish_file *file, uint8_t *marked) {
+int64_t planish_file_get_marked(const planish_file *file, uint8_t *marked) {
     return count_nodes(file, IO_HELD_MARKED, marked);
 }
 
-int64_t planish_file_parameters(const planish_file *file, uint8_t *has) {
-    return count_nodes(file, IO_HAS_PARAMETERS, has);
+int64_t planish_file_get_parametric(const planish_file *file, uint8_t *parametric) {
+    return count_nodes(file, IO_HAS_PARAMETERS, parametric);
 }
 
 planish_surface planish_file_surface(const planish_file *file, const planish_hold *hold) {

@@ -276,19 +276,19 @@ static double round_to_field(double value, void *user) {
 }
 
 /** Whether the last line of a text has no end. */
-static int ends_open(const io_bytes *bytes) {
+static int is_unterminated(const io_bytes *bytes) {
     const char last = bytes->data[bytes->size - 1];
     return last != '\n' && last != '\r';
 }
 
-const char *planish_file_open_end(const planish_file *file) {
+const char *planish_file_unterminated_path(const planish_file *file) {
     if (!file || !file->format->has_no_end || !file->model.text_offset)
         return NULL;
     const io_model *model = &file->model;
-    if (ends_open(&model->input))
+    if (is_unterminated(&model->input))
         return model->input.path;
     for (int i = 0; i < model->n_read; i++)
-        if (ends_open(&model->companion[i]))
+        if (is_unterminated(&model->companion[i]))
             return model->companion[i].path;
     return NULL;
 }
@@ -310,7 +310,7 @@ void planish_file_get_info(const planish_file *file, planish_file_info *info) {
                                 .n_lower_elements = model->n_lower,
                                 .n_regions = file->n_regions,
                                 .bytes = model->input.size,
-                                .ends_open = planish_file_open_end(file) != NULL};
+                                .is_unterminated = planish_file_unterminated_path(file) != NULL};
 }
 
 planish_mesh planish_file_mesh(const planish_file *file) {

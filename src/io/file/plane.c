@@ -116,8 +116,8 @@ const double *io_model_places_read(const io_model *model) {
     return model->xyz ? model->xyz : model->coordinates;
 }
 
-int planish_file_place(const planish_file *file, int64_t first, int64_t n,
-                       const double *coordinates, double *xyz, planish_error *error) {
+int planish_file_space_coordinates(const planish_file *file, int64_t first, int64_t n,
+                                   const double *coordinates, double *xyz, planish_error *error) {
     if (!file || n < 0 || (n > 0 && (!coordinates || !xyz)))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "file, coordinates and xyz must not be NULL, and n not be negative");
@@ -288,8 +288,8 @@ static void settle(settling *s, int64_t *n) {
     } while (s->any);
 }
 
-int planish_file_settle(const planish_file *file, double *coordinates, uint8_t *back,
-                        int64_t *n_back, planish_error *error) {
+int planish_file_round_in_plane(const planish_file *file, double *coordinates, uint8_t *back,
+                                int64_t *n_back, planish_error *error) {
     int64_t n = 0;
     if (!file || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and coordinates must not be NULL");
