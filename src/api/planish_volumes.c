@@ -83,7 +83,9 @@ static int find_states(const volume_check *c, const double *coordinates, int is_
         if (status)
             return status;
     }
-    pl_objective_problem problem = pl_objective_problem_of(plan, c->options, all, guard.min_volume);
+    const pl_view mesh = pl_view_of_all_elements(plan->all);
+    pl_objective_problem problem =
+        pl_objective_problem_of(&mesh, all, c->options, guard.min_volume, plan->threads);
     if (c->by_volume) {
         *n = pl_find_below(&problem, c->state);
     } else {

@@ -14,6 +14,7 @@
  *   pl_radius_ratio_derivatives                                  its derivatives by one vertex
  *   pl_edge_squares_of, pl_edge_ratio, pl_mean_ratio ...         other measures
  *   pl_dot, pl_cross, pl_subtract, pl_unit, pl_distance          vectors
+ *   pl_scale_exponent                                            of the scale of a mesh or element
  */
 #ifndef PL_GEOMETRY_SIMPLEX_H
 #define PL_GEOMETRY_SIMPLEX_H
@@ -44,6 +45,13 @@ PL_INLINE void pl_cross(const double a[], const double b[], double product[]) {
     product[0] = a[1] * b[2] - a[2] * b[1];
     product[1] = a[2] * b[0] - a[0] * b[2];
     product[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/** Return exponent, of a size, as near as a scale may have it: 2^exponent and its inverse are normal
+ *  doubles. */
+PL_INLINE int pl_scale_exponent(int exponent) {
+    enum { LIMIT = 1000 };
+    return exponent > LIMIT ? LIMIT : exponent < -LIMIT ? -LIMIT : exponent;
 }
 
 /* ---- Measure ------------------------------------------------------------------------------ */

@@ -27,7 +27,7 @@ static int64_t put_back_nodes(const pl_run *r, int64_t element) {
     for (int j = 0; j <= plan->dim; j++) {
         const int64_t node = plan->work.elements[element * (plan->dim + 1) + j];
         double *now = plan->coordinates + (int64_t)plan->inner[node] * plan->dim;
-        const double *start = r->outside + node * plan->dim;
+        const double *start = r->given + node * plan->dim;
         n += pl_is_own(pl_part_here(), node) && memcmp(now, start, size) != 0;
         memcpy(now, start, size);
     }
@@ -41,8 +41,8 @@ static int64_t put_back_bad(pl_run *r, uint8_t *state) {
     const size_t size = (size_t)plan->dim * sizeof *plan->coordinates;
     const pl_view all = pl_view_of_all_elements(&plan->work);
     int64_t n = 0;
-    pl_find_worse(&all, plan->measured, sqrt(r->limits_at_start.rr2), r->limits_at_start.acuteness,
-                  plan->threads, state);
+    pl_find_worse(&all, plan->to_measure, sqrt(r->limits_at_start.rr2),
+                  r->limits_at_start.acuteness, plan->threads, state);
     for (int64_t i = 0; i < plan->work.n_elements; i++)
         if (state[i] != PL_FINE)
             n += put_back_nodes(r, i);
@@ -58,10 +58,6 @@ static int64_t put_back_bad(pl_run *r, uint8_t *state) {
     pl_run_measure(r);
     pl_parts_add(&n, 1);
     return n;
-}
-
-int pl_run_has_followers(const pl_run *r) {
-    return r->options->method == PLANISH_METHOD_PLANISH && r->plan->sliding.n_followers > 0;
 }
 
 /** Whether F has risen, where it must not. */

@@ -3,7 +3,7 @@
  *   phases.c             pl_run_phases: all phases, in their order
  *   slow.c               pl_run_accelerate: centring and L-BFGS for slow meshes
  *   untangle/untangle.c  pl_run_untangle, pl_run_raise_volumes: inverted or too small elements
- *   angles.c             pl_run_has_followers, pl_run_put_back_angles: keep the smallest angle
+ *   angles.c             pl_run_put_back_angles: keep the smallest angle
  *   worst.c              pl_run_worst: improve the worst elements
  *   augmented.c          pl_run_augmented: minimum volumes by multipliers
  *
@@ -30,10 +30,6 @@ int pl_run_untangle(pl_run *r, planish_error *error);
 
 /** Climb the ladder for elements below their minimum volume. Errors: _MEMORY. */
 int pl_run_raise_volumes(pl_run *r, planish_error *error);
-
-/** Whether the plan has followers and the method visits stars. Rounding can worsen a follower's own
- *  elements, because only the leader's star is checked. */
-int pl_run_has_followers(const pl_run *r);
 
 /** Put nodes back to their start around elements that are worse than at the start: in the mesh as
  *  measured last, by a smaller angle or, with followers, by anything else. r->result->put_back

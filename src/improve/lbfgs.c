@@ -1,5 +1,5 @@
 /* lbfgs: L-BFGS (Nocedal, Mathematics of Computation 35, 1980) over the nodes of a patch. */
-#include "improve/patch.h"
+#include "improve/lbfgs.h"
 
 #include "base/memory.h"
 #include "star/kernel_direction.h"

@@ -12,8 +12,6 @@ enum { CHUNK = 256 }; /* nodes that one thread takes at a time */
 /* Conjugate gradients end when the residual has fallen to this fraction, or after so many steps. */
 #define CENTRED 1e-4
 enum { CENTRE_STEPS = 1000 };
-/* Exponents of the scale stay within this, so that it and its inverse are doubles. */
-enum { SCALE_LIMIT = 1000 };
 
 int pl_patch_create(pl_run *run, const pl_star_problem *problem, const uint8_t *in_patch,
                     int n_vectors, pl_patch *p) {
@@ -137,31 +135,6 @@ void pl_patch_admit(const pl_patch *p, double *x, const double *start) {
 }
 
 /* ---- to the mean of the neighbours ---------------------------------------------------------- */
-
-pl_box pl_box_of_fixed(const planish_plan *plan) {
-    const int dim = plan->dim;
-    pl_box b;
-    double width = 0;
-    int exponent;
-    for (int d = 0; d < dim; d++) {
-        b.lower[d] = INFINITY;
-        b.upper[d] = -INFINITY;
-    }
-    for (int64_t i = 0; i < plan->work.n_nodes; i++)
-        for (int d = 0; d < dim && plan->is_used[i] && plan->work.mobility[i] != PL_INTERIOR; d++) {
-            const double x = plan->coordinates[(int64_t)plan->inner[i] * dim + d];
-            b.lower[d] = fmin(b.lower[d], x);
-            b.upper[d] = fmax(b.upper[d], x);
-        }
-    pl_parts_smallest(b.lower, dim);
-    pl_parts_largest(b.upper, dim);
-    for (int d = 0; d < dim; d++)
-        width = fmax(width, 0.5 * b.upper[d] - 0.5 * b.lower[d]);
-    frexp(width, &exponent);
-    exponent = exponent > SCALE_LIMIT ? SCALE_LIMIT : exponent;
-    b.scale = ldexp(1, exponent < -SCALE_LIMIT ? SCALE_LIMIT : -exponent);
-    return b;
-}
 
 /** Set a to the sum over the neighbours of (b of the node - b of the neighbour); b: an array over
  *  nodes. */

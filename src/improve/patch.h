@@ -1,4 +1,4 @@
-/* patch: some nodes as one vector, and minimisation over them.
+/* patch: some nodes as one vector.
  *
  * Sweeps move one node at a time and repair errors within a few elements. Where much is tangled,
  * or a boundary has moved far, all nodes must move together. Vectors are over the patch's nodes
@@ -7,9 +7,7 @@
  *   pl_patch_create, _destroy, _vector, _node         a patch, its vectors and nodes
  *   pl_patch_for, _product, _combine                  arithmetic of vectors
  *   pl_patch_take, _put, _admit                       exchange with the mesh
- *   pl_box_of_fixed, pl_patch_centre                  nodes to the mean of their neighbours
- *   pl_lbfgs_create, _destroy, _begin, _iterate       minimise a function of all of them (lbfgs.c);
- *                                                     the nodes' own Hessians are the first guess
+ *   pl_patch_centre                                   nodes to the mean of their neighbours
  */
 #ifndef PL_IMPROVE_PATCH_H
 #define PL_IMPROVE_PATCH_H
@@ -66,62 +64,10 @@ void pl_patch_put(const pl_patch *p, double *field, const double *a);
  *  start. x becomes where they are. */
 void pl_patch_admit(const pl_patch *p, double *x, const double *start);
 
-/** Bounding box of the held nodes of elements. */
-typedef struct pl_box {
-    double lower[3], upper[3];
-    double scale; /* a power of two: times it the box is about 1 wide */
-} pl_box;
-
-/** Return the bounding box of the held nodes of the plan's elements. */
-pl_box pl_box_of_fixed(const planish_plan *plan);
-
 /** Move the nodes to where each is at the mean of its neighbours, by conjugate gradients; the patch
  *  has PL_CENTRE_VECTORS at least. Cut short where tally says so then. */
 void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally);
 
 enum { PL_CENTRE_VECTORS = 6 };
-
-/* ---- lbfgs.c: L-BFGS (Nocedal 1980) ---------------------------------------------------------- */
-
-enum { PL_LBFGS_PAIRS = 12, PL_LBFGS_SLOTS = PL_LBFGS_PAIRS + 1 }; /* one slot is for a trial */
-
-/** A step s and what it did to the gradient, y. */
-typedef struct pl_lbfgs_pair {
-    double *s, *y;
-    double sy; /* s . y */
-} pl_lbfgs_pair;
-
-/** Function to minimise. Returns the value at the plan's coordinates, and fills slope [n_stars]
- *  of the patch's stars. Returns INFINITY, with no slopes, where the nodes must not be. Above
- *  enough the slopes need not be filled. */
-typedef double pl_lbfgs_function(void *context, double enough, pl_star_slope *slope);
-
-/** A minimisation under way; arrays are owned. */
-typedef struct pl_lbfgs {
-    pl_patch p;
-    pl_lbfgs_function *function;
-    void *context;
-    double value; /* where the nodes are */
-    double *start, *position, *gradient, *direction, *last_gradient;
-    pl_star_slope *slope; /* [n_stars] */
-    pl_lbfgs_pair pairs[PL_LBFGS_SLOTS];
-    int n_pairs, newest;
-    int64_t evaluations;
-} pl_lbfgs;
-
-/** Begin a minimisation over a patch as for pl_patch_create. Returns 0 without memory; destroy it
- * in any case. */
-int pl_lbfgs_create(pl_run *run, const pl_star_problem *problem, const uint8_t *in_patch,
-                    pl_lbfgs_function *function, void *context, pl_lbfgs *m);
-
-/** Free the arrays of m. */
-void pl_lbfgs_destroy(pl_lbfgs *m);
-
-/** Evaluate the function where the nodes are, and forget the pairs: it has changed, or they have.
- */
-void pl_lbfgs_begin(pl_lbfgs *m);
-
-/** Iterate once; 0 if the value could not be lowered, and the nodes are where they were. */
-int pl_lbfgs_iterate(pl_lbfgs *m, pl_sweep_tally *tally);
 
 #endif

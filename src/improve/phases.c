@@ -44,7 +44,7 @@ static int give_up_failed_raise(pl_run *r, planish_error *error) {
         return PLANISH_OK;
     if (over && r->sums.below == start->below)
         return PLANISH_OK;
-    pl_plan_order(r->plan, r->outside, r->plan->coordinates);
+    pl_plan_order(r->plan, r->given, r->plan->coordinates);
     pl_run_measure(r);
     if (over)
         return PLANISH_OK;
@@ -108,7 +108,8 @@ static int judge_optimality(pl_run *r, planish_error *error) {
 /** Say so if the sweeps have converged with elements that cannot reach their minimum volume. */
 static int find_infeasible(pl_run *r, planish_error *error) {
     const planish_plan *plan = r->plan;
-    if (r->stop == PLANISH_STOP_CONVERGED && r->rest.below > 0) /* no node of theirs is free */
+    if (r->stop == PLANISH_STOP_CONVERGED &&
+        r->sums_of_fixed.below > 0) /* no node of theirs is free */
         r->stop = PLANISH_STOP_INFEASIBLE;
     if (r->stop != PLANISH_STOP_CONVERGED || !(r->sums.below > 0))
         return PLANISH_OK;

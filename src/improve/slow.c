@@ -5,7 +5,7 @@
  * of its neighbours, part of the way, and L-BFGS for the sum of RR^2.
  */
 #include "improve/improve.h"
-#include "improve/patch.h"
+#include "improve/lbfgs.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -54,7 +54,7 @@ static double evaluate(void *context, double enough, pl_star_slope *slope) {
     objective_of_all *f = context;
     pl_run *r = f->run;
     const pl_objective_sums before = r->sums;
-    const double measured = r->measured;
+    const double measured = r->measured_sum;
     pl_run_measure(r);
     const int worse = r->sums.inverted > before.inverted || r->sums.radius_max > f->rr2_measured ||
                       r->sums.acuteness > f->acuteness;
@@ -67,7 +67,7 @@ static double evaluate(void *context, double enough, pl_star_slope *slope) {
     }
     if (!(value <= enough)) {
         r->sums = before;
-        r->measured = measured;
+        r->measured_sum = measured;
     }
     return value;
 }
@@ -174,7 +174,7 @@ static int try_acceleration(pl_run *r, pl_acceleration acceleration, double fall
 static void rescale(pl_run *r, double factor) {
     for (int64_t i = 0; i < r->plan->work.n_nodes * r->plan->dim; i++)
         r->plan->coordinates[i] *= factor;
-    r->unit /= factor;
+    r->measure_scale /= factor;
 }
 
 /* L-BFGS keeps 31 vectors over the free nodes: 2 GB for so many in space. */
@@ -187,7 +187,7 @@ enum { LARGEST = 1 << 21 };
 #define TINY    0x1p900
 
 int pl_run_accelerate(pl_run *r, pl_acceleration acceleration, double fall) {
-    const double unit = r->unit;
+    const double unit = r->measure_scale;
     const int is_extreme = unit > EXTREME || unit < 1 / EXTREME;
     const int has_size = r->plan->sliding.n_all > 0 || r->options->precision != PLANISH_DOUBLE;
     if (r->plan->interior.n_all > LARGEST || unit > TINY || (is_extreme && has_size) ||

@@ -40,7 +40,7 @@ static int64_t find_bad(const stages *p, double limit) {
     const int of_angle = p->run->options->worst == PLANISH_WORST_ANGLE, corners = plan->dim + 1;
     int64_t n = 0;
     const pl_view all = pl_view_of_all_elements(&plan->work);
-    pl_find_worse(&all, plan->measured, of_angle ? INFINITY : sqrt(limit),
+    pl_find_worse(&all, plan->to_measure, of_angle ? INFINITY : sqrt(limit),
                   of_angle ? limit : INFINITY, plan->threads, p->state);
     for (int64_t i = 0; i < plan->work.n_elements; i++)
         n += p->state[i] == PL_WORSE && (!is_counted || is_counted[i]) &&

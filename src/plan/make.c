@@ -91,20 +91,20 @@ static int prepare_scratch(planish_plan *plan, planish_error *error) {
                                          larger(interior->max_link, sliding->max_link));
     plan->scratch_stride = bytes / (int64_t)sizeof(double);
     plan->coordinates = pl_alloc(values + plan->n_images * plan->dim, sizeof(double));
-    plan->measured = pl_alloc(values, sizeof(double));
+    plan->to_measure = pl_alloc(values, sizeof(double));
     plan->changed = pl_alloc_zero(plan->work.n_nodes + plan->n_images, 1);
     plan->scratch = pl_alloc(plan->scratch_stride * plan->threads, sizeof(double));
     plan->tally = pl_alloc(plan->threads, sizeof *plan->tally);
     if (plan->dim == 3)
         plan->kept = pl_alloc(interior->n_stars, sizeof *plan->kept);
-    if (!plan->coordinates || !plan->measured || !plan->changed || !plan->scratch || !plan->tally ||
-        (plan->dim == 3 && !plan->kept))
+    if (!plan->coordinates || !plan->to_measure || !plan->changed || !plan->scratch ||
+        !plan->tally || (plan->dim == 3 && !plan->kept))
         return pl_fail_memory(error, "the working space of a plan");
     const pl_points points = pl_plan_points(plan, plan->coordinates);
     if (pl_points_are_dense(&points))
         return PLANISH_OK;
-    plan->start = pl_alloc(values, sizeof *plan->start);
-    return plan->start ? PLANISH_OK : pl_fail_memory(error, "the working space of a plan");
+    plan->given = pl_alloc(values, sizeof *plan->given);
+    return plan->given ? PLANISH_OK : pl_fail_memory(error, "the working space of a plan");
 }
 
 static int fill_plan(planish_plan *plan, const planish_mesh *mesh, pl_draft *d,

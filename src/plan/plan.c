@@ -5,8 +5,10 @@
 #include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
+#include "geometry/simplex.h"
 #include "plan/ghosts.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { CHUNK_NODES = 1024 };
@@ -40,12 +42,12 @@ void pl_plan_destroy(planish_plan *plan) {
     pl_free(plan->is_movable);
     release_view(&plan->work);
     release_view(&plan->whole);
-    pl_free(plan->start);
+    pl_free(plan->given);
     pl_free(plan->wrapped);
     pl_free(plan->is_used);
     pl_free(plan->inner);
     pl_free(plan->coordinates);
-    pl_free(plan->measured);
+    pl_free(plan->to_measure);
     pl_free(plan->changed);
     pl_free(plan->kept);
     pl_free(plan->scratch);
@@ -121,6 +123,30 @@ const double *pl_plan_dense(const planish_plan *plan, const pl_points *points, d
         return points->x;
     pl_points_gather(points, plan->threads, room);
     return room;
+}
+
+pl_box pl_box_of_fixed(const planish_plan *plan) {
+    const int dim = plan->dim;
+    pl_box b;
+    double width = 0;
+    int exponent;
+    for (int d = 0; d < dim; d++) {
+        b.lower[d] = INFINITY;
+        b.upper[d] = -INFINITY;
+    }
+    for (int64_t i = 0; i < plan->work.n_nodes; i++)
+        for (int d = 0; d < dim && plan->is_used[i] && plan->work.mobility[i] != PL_INTERIOR; d++) {
+            const double x = plan->coordinates[(int64_t)plan->inner[i] * dim + d];
+            b.lower[d] = fmin(b.lower[d], x);
+            b.upper[d] = fmax(b.upper[d], x);
+        }
+    pl_parts_smallest(b.lower, dim);
+    pl_parts_largest(b.upper, dim);
+    for (int d = 0; d < dim; d++)
+        width = fmax(width, 0.5 * b.upper[d] - 0.5 * b.lower[d]);
+    frexp(width, &exponent);
+    b.scale = ldexp(1, -pl_scale_exponent(exponent));
+    return b;
 }
 
 int pl_plan_check_call(const planish_plan *plan, const double *coordinates,

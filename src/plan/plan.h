@@ -6,7 +6,8 @@
  *   pl_plan_colours, _order, _number_stars     colours; coordinates along the curve; stars
  *   pl_plan_points, _all_points, _dense        the caller's coordinates
  *   pl_plan_element, _node, _inner             the caller's numbers; inner ones
- *   pl_view_of_all_elements, pl_any_moves, pl_plan_check_call    what measurements and calls need
+ *   pl_box_of_fixed                            extent of the nodes that do not move freely
+ *   pl_plan_check_call                         what every call on coordinates checks
  * check_options.c
  *   pl_options_check                           the values of planish_options
  */
@@ -91,9 +92,9 @@ struct planish_plan {
     const pl_star_kernel *kernel;
     planish_plan_info info;
     /* Scratch of planish_smooth: */
-    double *start;       /* [n][dim] the coordinates it starts with, unless the caller's are such */
+    double *given;       /* [n][dim] the coordinates it starts with, unless the caller's are such */
     double *coordinates; /* [n + n_images][dim] by inner numbers */
-    double *measured;    /* [n][dim] in the mesh's order, in units of its size: for measuring */
+    double *to_measure;  /* [n][dim] in the mesh's order, in units of its size: for measuring */
     uint8_t *changed;    /* [n + n_images] by inner numbers, see pl_star_problem */
     pl_star_kept *kept;  /* [interior.stars.n_stars] likewise; NULL in 2-D */
     uint8_t *is_movable; /* [elements of whole] 1: has a free node in the call that is served */
@@ -145,21 +146,14 @@ static inline int32_t pl_plan_inner(const planish_plan *plan, int64_t element, i
     return plan->inner[plan->work.elements[element * (plan->dim + 1) + j]];
 }
 
-/** Return the view without is_movable: all elements are looked at, also those that other processes
- *  count. */
-static inline pl_view pl_view_of_all_elements(const pl_view *view) {
-    pl_view v = *view;
-    v.is_movable = NULL;
-    return v;
-}
+/** Bounding box of the nodes of elements that do not move freely. */
+typedef struct pl_box {
+    double lower[3], upper[3];
+    double scale; /* a power of two: times it the box is about 1 wide */
+} pl_box;
 
-/** Whether any node of an element may move; node [corners], mobility by these numbers. */
-static inline int pl_any_moves(const uint8_t *mobility, const int32_t *node, int corners) {
-    int any = 0;
-    for (int j = 0; j < corners; j++)
-        any |= mobility[node[j]];
-    return any != 0;
-}
+/** Return that box, of the plan's coordinates. */
+pl_box pl_box_of_fixed(const planish_plan *plan);
 
 /** Check options, and that coordinates [n][dim] of the caller are finite: every call on coordinates
  *  begins with it. */

@@ -90,31 +90,25 @@ static int spread(selection *w, int least, int rings) {
 static int find_states(const selection *w, const int8_t *sign, const planish_options *options,
                        planish_error *error) {
     const planish_mesh *mesh = w->mesh;
-    pl_objective_problem problem = {
-        .mesh = {.dim = mesh->dim,
-                 .n_nodes = mesh->n_nodes,
-                 .n_elements = mesh->n_elements,
-                 .elements = mesh->elements,
-                 .sign = sign,
-                 .min_volume = mesh->min_volume,
-                 .mobility = w->of_node,
-                 .is_counted = mesh->part ? mesh->part->is_counted : NULL},
-        .coordinates = mesh->coordinates,
-        .min_volume = options->min_volume,
-        .threads = w->threads};
+    const pl_view view = {.dim = mesh->dim,
+                          .n_nodes = mesh->n_nodes,
+                          .n_elements = mesh->n_elements,
+                          .elements = mesh->elements,
+                          .sign = sign,
+                          .min_volume = mesh->min_volume,
+                          .mobility = w->of_node,
+                          .is_counted = mesh->part ? mesh->part->is_counted : NULL};
+    pl_objective_problem problem =
+        pl_objective_problem_of(&view, mesh->coordinates, options, options->min_volume, w->threads);
     memset(w->of_node, 0, (size_t)mesh->n_nodes);
-    pl_find_worse(&problem.mesh, mesh->coordinates, options->only_worse_than, INFINITY, w->threads,
+    pl_find_worse(&view, mesh->coordinates, options->only_worse_than, INFINITY, w->threads,
                   w->state);
     if (!(options->min_volume > 0) && !(options->min_volume_fraction > 0) && !mesh->min_volume)
         return PLANISH_OK;
     uint8_t *below = pl_alloc(mesh->n_elements, sizeof *below);
     if (!below)
         return pl_fail_memory(error, WHAT);
-    if (options->min_volume_fraction > 0) {
-        pl_objective_sums sums;
-        pl_sum_objective(&problem, &sums);
-        problem.min_volume = options->min_volume_fraction * fabs(sums.domain);
-    }
+    problem.min_volume = pl_minimum_volume_of(options, &problem);
     pl_find_below(&problem, below);
     for (int64_t i = 0; i < mesh->n_elements; i++)
         if (below[i] != PLANISH_VOLUME_MET && w->state[i] == PL_FINE)

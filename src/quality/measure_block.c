@@ -33,7 +33,7 @@ PL_INLINE void gather(const pl_mesh_state *mesh, int64_t first, int count, pl_bl
     }
     if (!mesh->of->is_movable) {
         for (int l = 0; l < PL_SUM_LANES; l++)
-            b->is_movable[l] = pl_view_has_movable_node(mesh->of, node[l], dim);
+            b->is_movable[l] = pl_any_moves(mesh->of->mobility, node[l], dim + 1);
         return;
     }
     for (int l = 0; l < PL_SUM_LANES; l++) {

@@ -20,15 +20,12 @@ enum {
 static const double CERTAIN = 8 * 0x1p-53;
 
 /* What underflow adds to the error: coordinates that are scaled lose up to 2^-1074 each, as their
- * products do, and meet factors below 2^50 (SCALE_LIMIT) afterwards. */
+ * products do, and meet factors below 2^50 (pl_scale_exponent) afterwards. */
 static const double UNDERFLOW_ERROR = 0x1p-960;
 
 /* |D| below this multiple of the same product: so flat that the kernels, to which D from another of
  * its nodes may be nothing but rounding, leave its stars alone. */
 static const double FLAT = 0x1p-44;
-
-/* Exponents of scales, and of what ldexp is asked for, stay within this. */
-enum { SCALE_LIMIT = 1000 };
 
 /** The sums of pl_objective_sums; of the first three there are two. */
 enum { RATIO = 0, RADIUS = 2, VOLUME = 4, SHORTFALL = 6, WHOLE, N_SUMS };
@@ -84,8 +81,7 @@ static element element_at(const pl_objective_problem *problem, int64_t index, co
             extent = fmax(extent, fabs(0.5 * vertex[j][d] - 0.5 * vertex[0][d]));
     }
     frexp(extent, &e.exponent);
-    e.exponent = e.exponent > SCALE_LIMIT ? SCALE_LIMIT : e.exponent;
-    e.exponent = e.exponent < -SCALE_LIMIT ? -SCALE_LIMIT : e.exponent;
+    e.exponent = pl_scale_exponent(e.exponent);
     const double scale = ldexp(1, -e.exponent);
     for (int j = 0; j <= dim; j++)
         for (int d = 0; d < dim; d++)
@@ -135,8 +131,9 @@ static inline void add_element(const pl_objective_problem *problem, int64_t inde
     const double *x[4] = {e.x[0], e.x[1], e.x[2], e.x[3]};
     const double radius = pl_radius_ratio_square(dim, x);
     const int movable =
-        mesh->is_movable ? mesh->is_movable[index] != 0
-                         : pl_view_has_movable_node(mesh, mesh->elements + index * (dim + 1), dim);
+        mesh->is_movable
+            ? mesh->is_movable[index] != 0
+            : pl_any_moves(mesh->mobility, mesh->elements + index * (dim + 1), dim + 1);
     sums->n[VALID + movable]++;
     pl_sum_add(&sums->sum[RADIUS + movable], radius);
     if (movable)
@@ -185,6 +182,12 @@ static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
     pl_raise_double(&sums->acuteness, part.acuteness);
 }
 
+pl_objective_problem pl_objective_problem_of(const pl_view *mesh, const double *coordinates,
+                                             const planish_options *options, double min_volume,
+                                             int threads) {
+    return (pl_objective_problem){*mesh, coordinates, options->objective, min_volume, threads};
+}
+
 void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *sums) {
     exact_sums all;
     int64_t n = problem->mesh.n_elements, chunk = (n + MAX_CHUNKS - 1) / MAX_CHUNKS;
@@ -207,6 +210,24 @@ void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *su
         sums->volume[movable] = pl_sum_value(&all.sum[VOLUME + movable]);
         sums->n[movable] = (double)all.n[VALID + movable];
     }
+}
+
+double pl_objective_of_all(const planish_options *options, const pl_objective_sums *sums) {
+    const double n = sums->n[0] + sums->n[1], mu2 = options->area_weight, f1 = pl_rms_of_all(sums);
+    return mu2 > 0 ? (1 - mu2) * f1 + mu2 * pl_rms(sums->volume[0] + sums->volume[1], n) : f1;
+}
+
+double pl_objective_of_movable(const planish_options *options, const pl_objective_sums *sums) {
+    const double mu2 = options->area_weight, f1 = pl_rms_of_movable(sums);
+    return mu2 > 0 ? (1 - mu2) * f1 + mu2 * pl_rms(sums->volume[1], sums->n[1]) : f1;
+}
+
+double pl_minimum_volume_of(const planish_options *options, const pl_objective_problem *problem) {
+    pl_objective_sums sums;
+    if (!(options->min_volume_fraction > 0))
+        return options->min_volume;
+    pl_sum_objective(problem, &sums);
+    return options->min_volume_fraction * fabs(sums.domain);
 }
 
 static void classify_chunk(void *context, int64_t begin, int64_t end, int thread) {

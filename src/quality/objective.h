@@ -3,13 +3,19 @@
  * radius ratio alone, faster. Sums are rounded once (base/sum.h): the same bits for any number of
  * threads and order of the elements.
  *
+ *   pl_objective_problem_of                          what to sum over
  *   pl_sum_objective                                 the sums
+ *   pl_rms, pl_rms_of_all, _of_movable               the RMS of sums
+ *   pl_objective_of_all, _of_movable                 F of sums
+ *   pl_minimum_volume_of                             options.min_volume as a volume
  *   pl_find_below, pl_find_inverted, _tangled        elements that miss their minimum volume
  */
 #ifndef PL_QUALITY_OBJECTIVE_H
 #define PL_QUALITY_OBJECTIVE_H
 
 #include "quality/view.h"
+
+#include <math.h>
 
 /** A mesh, and what is asked of it. */
 typedef struct pl_objective_problem {
@@ -36,8 +42,38 @@ typedef struct pl_objective_sums {
     double domain;    /* sum of the signed measures of all */
 } pl_objective_sums;
 
+/** Return the problem of what options ask of mesh at coordinates [n][dim]; min_volume as in
+ *  pl_objective_problem. */
+pl_objective_problem pl_objective_problem_of(const pl_view *mesh, const double *coordinates,
+                                             const planish_options *options, double min_volume,
+                                             int threads);
+
 /** Sum over all elements of the problem's mesh, and over all processes that have parts of it. */
 void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *sums);
+
+/** Root mean square of n numbers from the sum of their squares; 0 without any. */
+static inline double pl_rms(double sum, double n) {
+    return n > 0 ? sqrt(sum / n) : 0;
+}
+
+/** RMS of the ratio over all elements. */
+static inline double pl_rms_of_all(const pl_objective_sums *sums) {
+    return pl_rms(sums->ratio[0] + sums->ratio[1], sums->n[0] + sums->n[1]);
+}
+
+/** RMS of the ratio over the elements with a movable node. */
+static inline double pl_rms_of_movable(const pl_objective_sums *sums) {
+    return pl_rms(sums->ratio[1], sums->n[1]);
+}
+
+/** F = mu1 f1 + mu2 f2 of sums, over all valid elements. */
+double pl_objective_of_all(const planish_options *options, const pl_objective_sums *sums);
+
+/** F of the valid elements with a movable node. */
+double pl_objective_of_movable(const planish_options *options, const pl_objective_sums *sums);
+
+/** Return delta of options: min_volume, or the fraction of the volume of problem's mesh. */
+double pl_minimum_volume_of(const planish_options *options, const pl_objective_problem *problem);
 
 /** Fill state [m] with PLANISH_VOLUME_MET or _BELOW. Return how many are below. */
 int64_t pl_find_below(const pl_objective_problem *problem, uint8_t *state);

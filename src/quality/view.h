@@ -1,7 +1,10 @@
 /* view: a mesh as all measures, and the sweeps, see it.
  *
  * pl_view has pointers alone and owns nothing; coordinates are given beside it. Where a field is
- * NULL the comment says what holds then. pl_view_has_movable_node reads one of the fields.
+ * NULL the comment says what holds then.
+ *
+ *   pl_any_moves                 whether an element is movable
+ *   pl_view_of_all_elements      a view of what other processes count, too
  */
 #ifndef PL_QUALITY_VIEW_H
 #define PL_QUALITY_VIEW_H
@@ -28,12 +31,20 @@ typedef struct pl_view {
     const uint8_t *is_counted; /* [m] 0: another process counts the element; NULL: all 1 */
 } pl_view;
 
-/** Whether one of the nodes node [dim + 1] of an element is free. */
-PL_INLINE int pl_view_has_movable_node(const pl_view *view, const int32_t *node, const int dim) {
-    int is_movable = 0;
-    for (int j = 0; j <= dim; j++)
-        is_movable |= view->mobility[node[j]];
-    return is_movable != 0;
+/** Whether one of the nodes node [corners] of an element may move; mobility: as in pl_view. */
+PL_INLINE int pl_any_moves(const uint8_t *mobility, const int32_t *node, const int corners) {
+    int any = 0;
+    for (int j = 0; j < corners; j++)
+        any |= mobility[node[j]];
+    return any != 0;
+}
+
+/** Return the view without is_movable: all elements are looked at, also those that other processes
+ *  count. */
+static inline pl_view pl_view_of_all_elements(const pl_view *view) {
+    pl_view v = *view;
+    v.is_movable = NULL;
+    return v;
 }
 
 #endif

@@ -5,14 +5,12 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "geometry/simplex.h"
 #include "topology/facets.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Exponents of the scale are kept within this, so that it is a double. */
-enum { SCALE_LIMIT = 1000 };
 
 /** Facet of the surface as it is found. */
 typedef struct found {
@@ -195,7 +193,7 @@ static void place_nodes(const facet_search *s, pl_surface *surface) {
     for (int d = 0; d < dim && surface->n_nodes > 0; d++)
         width = fmax(width, 0.5 * upper[d] - 0.5 * lower[d]); /* the whole could overflow */
     frexp(width, &exponent);
-    const double scale = ldexp(1, exponent < -SCALE_LIMIT ? SCALE_LIMIT : -exponent);
+    const double scale = ldexp(1, -pl_scale_exponent(exponent));
     for (int64_t i = 0; i < surface->n_nodes; i++)
         for (int d = 0; d < dim; d++)
             surface->x[i * dim + d] =

@@ -8,12 +8,10 @@
 #define PL_STAR_KERNEL_GATHER_H
 
 #include "base/fetch.h"
+#include "geometry/simplex.h"
 #include "star/kernel_link_edges.h"
 
 #include <string.h>
-
-/* Exponents of the scale are kept within this, so that it and its inverse are doubles. */
-enum { SCALE_LIMIT = 1000 };
 
 /** Return 2^exponent, for exponents of normal doubles. */
 static inline double power_of_two(int exponent) {
@@ -67,10 +65,7 @@ static inline int choose_scale(const pl_star_problem *problem, const star *s, co
             extent[k] = lanes_max(lanes_abs(p.pack[k] * lanes_of(0.5) - at.pack[k] * lanes_of(0.5)),
                                   extent[k]);
     }
-    const int exponent = exponent_of(lanes_largest(extent));
-    return exponent > SCALE_LIMIT    ? -SCALE_LIMIT
-           : exponent < -SCALE_LIMIT ? SCALE_LIMIT
-                                     : -exponent;
+    return -pl_scale_exponent(exponent_of(lanes_largest(extent)));
 }
 
 /** Copy the ring's coordinates to ring [n_ring][PL_ROW], scaled: by 2^*exponent, or NULL, and the

@@ -20,41 +20,18 @@ enum { CHUNK_NODES = 4096 };
 
 /* ---- objective ----------------------------------------------------------------------------- */
 
-pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
-                                             const planish_options *options, const double *all,
-                                             double delta) {
-    return (pl_objective_problem){.mesh = pl_view_of_all_elements(plan->all),
-                                  .coordinates = all,
-                                  .objective = options->objective,
-                                  .min_volume = delta,
-                                  .threads = plan->threads};
-}
-
 int pl_minimum_volume(const planish_plan *plan, const planish_options *options, const double *all,
                       double *delta, planish_error *error) {
-    *delta = options->min_volume;
-    if (!(options->min_volume_fraction > 0))
-        return PLANISH_OK;
-    const pl_objective_problem problem = pl_objective_problem_of(plan, options, all, *delta);
-    pl_objective_sums sums;
-    pl_sum_objective(&problem, &sums);
-    *delta = options->min_volume_fraction * fabs(sums.domain);
-    if (*delta >= DBL_MIN && isfinite(*delta))
+    const pl_view mesh = pl_view_of_all_elements(plan->all);
+    const pl_objective_problem problem =
+        pl_objective_problem_of(&mesh, all, options, options->min_volume, plan->threads);
+    *delta = pl_minimum_volume_of(options, &problem);
+    if (!(options->min_volume_fraction > 0) || (*delta >= DBL_MIN && isfinite(*delta)))
         return PLANISH_OK;
     return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                    "options.min_volume_fraction is %g, but the domain's volume times that is %g; "
                    "scale the mesh to a size whose volumes are numbers",
                    options->min_volume_fraction, *delta);
-}
-
-double pl_objective_of_all(const planish_options *options, const pl_objective_sums *sums) {
-    const double n = sums->n[0] + sums->n[1], mu2 = options->area_weight, f1 = pl_rms_of_all(sums);
-    return mu2 > 0 ? (1 - mu2) * f1 + mu2 * pl_rms(sums->volume[0] + sums->volume[1], n) : f1;
-}
-
-double pl_objective_of_movable(const planish_options *options, const pl_objective_sums *sums) {
-    const double mu2 = options->area_weight, f1 = pl_rms_of_movable(sums);
-    return mu2 > 0 ? (1 - mu2) * f1 + mu2 * pl_rms(sums->volume[1], sums->n[1]) : f1;
 }
 
 double pl_guard_weigh(pl_guard *guard, const planish_options *options,
@@ -295,11 +272,9 @@ static int check_area_weight(const planish_plan *plan, const planish_options *op
                               " has no minimum volume; give min_volume or min_volume_fraction",
                               options->area_weight, element);
     }
-    const pl_objective_problem problem = {.mesh = pl_view_of_all_elements(&plan->work),
-                                          .coordinates = coordinates,
-                                          .objective = options->objective,
-                                          .min_volume = delta,
-                                          .threads = plan->threads};
+    const pl_view mesh = pl_view_of_all_elements(&plan->work);
+    const pl_objective_problem problem =
+        pl_objective_problem_of(&mesh, coordinates, options, delta, plan->threads);
     pl_objective_sums sums;
     pl_sum_objective(&problem, &sums);
     double g2 = (sums.volume[0] + sums.volume[1]) / fmax(sums.n[0] + sums.n[1], 1);

@@ -2,32 +2,12 @@
  *
  *   pl_guard_create, _destroy, _weigh             arrays and weights of the guarded kernel
  *   pl_minimum_volume                             options.min_volume as a volume
- *   pl_objective_problem_of                       what F is of
- *   pl_objective_of_all, _of_movable              F
- *   pl_rms, pl_rms_of_all, _of_movable            the RMS
  */
 #ifndef PL_SWEEP_GUARD_H
 #define PL_SWEEP_GUARD_H
 
 #include "quality/objective.h"
 #include "plan/plan.h"
-
-#include <math.h>
-
-/** Root mean square of n numbers from the sum of their squares; 0 without any. */
-static inline double pl_rms(double sum, double n) {
-    return n > 0 ? sqrt(sum / n) : 0;
-}
-
-/** RMS of the ratio over all elements. */
-static inline double pl_rms_of_all(const pl_objective_sums *sums) {
-    return pl_rms(sums->ratio[0] + sums->ratio[1], sums->n[0] + sums->n[1]);
-}
-
-/** RMS of the ratio over the elements with a free node. */
-static inline double pl_rms_of_movable(const pl_objective_sums *sums) {
-    return pl_rms(sums->ratio[1], sums->n[1]);
-}
 
 /** Ready for the sweeps of one call. Its arrays are owned. */
 typedef struct pl_guard {
@@ -44,12 +24,6 @@ typedef struct pl_guard {
 int pl_minimum_volume(const planish_plan *plan, const planish_options *options, const double *all,
                       double *delta, planish_error *error);
 
-/** Return the sum over the mesh, or over the plan's subset if no more is known, that options ask
- *  for. */
-pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
-                                             const planish_options *options, const double *all,
-                                             double delta);
-
 /** Make the guard for coordinates [n][dim] and delta; the plan's own coordinates are already there.
  *  Errors: _ARGUMENT (bounds that are no numbers, an area weight without a fitting minimum volume
  * for every element), _MEMORY. */
@@ -58,12 +32,6 @@ int pl_guard_create(const planish_plan *plan, const planish_options *options,
 
 /** Free the arrays of guard. */
 void pl_guard_destroy(pl_guard *guard);
-
-/** F = mu1 f1 + mu2 f2 of sums: over all valid elements, or over those with a free node. */
-double pl_objective_of_all(const planish_options *options, const pl_objective_sums *sums);
-
-/** F of the elements with a free node. */
-double pl_objective_of_movable(const planish_options *options, const pl_objective_sums *sums);
 
 /** Weigh sum AR^2 and sum g^2 of a star so that their sum, times the factor that is returned, is an
  *  upper bound of F up to a constant, and touches it at the present f1 and f2. */

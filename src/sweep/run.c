@@ -24,8 +24,8 @@ static void transfer_measured(void *context, int64_t begin, int64_t end, int thr
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         for (int d = 0; d < dim; d++)
-            plan->measured[i * dim + d] =
-                plan->coordinates[(int64_t)plan->inner[i] * dim + d] * r->unit;
+            plan->to_measure[i * dim + d] =
+                plan->coordinates[(int64_t)plan->inner[i] * dim + d] * r->measure_scale;
 }
 
 /* ---- the quality of the mesh -------------------------------------------------------------- */
@@ -45,22 +45,16 @@ pl_objective_problem pl_run_objective_problem(const pl_run *r) {
     pl_view mesh = pl_view_of_all_elements(&plan->work);
     if (r->guard.mobility)
         mesh.mobility = r->guard.mobility;
-    return (pl_objective_problem){.mesh = mesh,
-                                  .coordinates = plan->measured,
-                                  .objective = r->options->objective,
-                                  .min_volume = r->guard.min_volume,
-                                  .threads = plan->threads};
+    return pl_objective_problem_of(&mesh, plan->to_measure, r->options, r->guard.min_volume,
+                                   plan->threads);
 }
 
 /** Sum over a mesh at x: of a plain run the radius ratios alone. */
 static void sum_up(const pl_run *r, const pl_view *mesh, const double *x, pl_objective_sums *sums) {
     pl_ratio_sums plain;
     if (!r->plain) {
-        const pl_objective_problem problem = {.mesh = *mesh,
-                                              .coordinates = x,
-                                              .objective = r->options->objective,
-                                              .min_volume = r->guard.min_volume,
-                                              .threads = r->plan->threads};
+        const pl_objective_problem problem =
+            pl_objective_problem_of(mesh, x, r->options, r->guard.min_volume, r->plan->threads);
         pl_sum_objective(&problem, sums);
         return;
     }
@@ -76,16 +70,16 @@ void pl_run_measure(pl_run *r) {
     const planish_plan *plan = r->plan;
     const pl_objective_problem problem = pl_run_objective_problem(r);
     pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, transfer_measured, r);
-    sum_up(r, r->plain ? &plan->work : &problem.mesh, plan->measured, &r->sums);
-    r->measured = r->sums.ratio[1];
+    sum_up(r, r->plain ? &plan->work : &problem.mesh, plan->to_measure, &r->sums);
+    r->measured_sum = r->sums.ratio[1];
     if (plan->all == &plan->work)
         return;
-    r->sums.ratio[0] = r->rest.ratio[0];
-    r->sums.volume[0] = r->rest.volume[0];
-    r->sums.n[0] = r->rest.n[0];
+    r->sums.ratio[0] = r->sums_of_fixed.ratio[0];
+    r->sums.volume[0] = r->sums_of_fixed.volume[0];
+    r->sums.n[0] = r->sums_of_fixed.n[0];
 }
 
-void pl_run_measure_rest(pl_run *r, const double *all) {
+void pl_run_measure_fixed(pl_run *r, const double *all) {
     const planish_plan *plan = r->plan;
     const uint8_t *mobility = r->guard.mobility ? r->guard.mobility : plan->work.mobility;
     const int corners = plan->dim + 1;
@@ -94,7 +88,7 @@ void pl_run_measure_rest(pl_run *r, const double *all) {
         plan->is_movable[plan->element_of[i]] =
             (uint8_t)pl_any_moves(mobility, plan->work.elements + i * corners, corners);
     whole.is_movable = plan->is_movable;
-    sum_up(r, &whole, all, &r->rest);
+    sum_up(r, &whole, all, &r->sums_of_fixed);
 }
 
 /* ---- progress and limits ------------------------------------------------------------------- */
@@ -110,13 +104,13 @@ static planish_progress progress_of(const pl_run *r, int colour, int64_t visits)
                               .rms = pl_rms_of_all(seen),
                               .rms_movable = pl_rms_of_movable(seen),
                               .objective = pl_objective_of_all(r->options, seen),
-                              .inverted = (int64_t)(seen->inverted + r->rest.inverted),
-                              .below_min_volume = (int64_t)(seen->below + r->rest.below),
+                              .inverted = (int64_t)(seen->inverted + r->sums_of_fixed.inverted),
+                              .below_min_volume = (int64_t)(seen->below + r->sums_of_fixed.below),
                               .restoring = r->restoring && !r->shown,
                               .worst = r->is_for_worst,
                               .visits = visits,
                               .seconds = now - r->sweep_start,
-                              .elapsed = now - r->start};
+                              .elapsed = now - r->start_seconds};
 }
 
 /** Answer of the caller's progress function; 0 if there is none. */
@@ -160,6 +154,10 @@ int pl_run_sweeps_left(const pl_run *r) {
     const int uncounted =
         r->uncounted_sweeps > 0 ? r->uncounted_sweeps : r->result->untangling_sweeps;
     return r->options->max_sweeps - (r->sweep - uncounted);
+}
+
+int pl_run_has_followers(const pl_run *r) {
+    return r->options->method == PLANISH_METHOD_PLANISH && r->plan->sliding.n_followers > 0;
 }
 
 /* ---- sweeps ------------------------------------------------------------------------------- */
@@ -258,7 +256,8 @@ int pl_run_sweep(pl_run *r, int64_t *visits) {
     if (!(r->guard.star.penalty > 0)) {
         *sum -= pl_sum_value(&tally.stars.decrease);
         if (r->restoring || r->options->area_weight > 0 ||
-            r->options->method != PLANISH_METHOD_PLANISH || !(*sum > MEASURE_AGAIN * r->measured))
+            r->options->method != PLANISH_METHOD_PLANISH ||
+            !(*sum > MEASURE_AGAIN * r->measured_sum))
             pl_run_measure(r);
         if (r->restoring) /* of elements that were brought up */
             r->problem.limits.rr2 = fmax(r->sums.radius_max, r->problem.limits.rr2);

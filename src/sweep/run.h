@@ -1,6 +1,8 @@
-/* run: one call of planish_smooth: its mesh, the mesh quality, its sweeps, trials. All in run.c.
+/* run: one call of planish_smooth: its mesh, the mesh quality, its sweeps, trials.
  *
- *   pl_run_measure, _measure_rest              measure the mesh
+ *   pl_run_begin, _end                         begin_end.c: the caller's coordinates in and out
+ * run.c
+ *   pl_run_measure, _measure_fixed             measure the mesh; the rest of it
  *   pl_run_objective, _limits                  F; the worst element's measures, as limits
  *   pl_run_objective_problem                   the problem of the sums
  *   pl_run_sliding_problem                     the problem of the visits of sliding nodes
@@ -9,6 +11,7 @@
  *   pl_run_begin_sweep, _end_sweep             frame of a sweep
  *   pl_run_after_colour, _limit, _ask_all      stop: after a colour, by a limit, in any process
  *   pl_run_sweeps_left                         number of sweeps that options still allow
+ *   pl_run_has_followers                       whether nodes move with others
  *   pl_trial_begin, _end                       change the mesh, and keep the change or undo it
  */
 #ifndef PL_SWEEP_RUN_H
@@ -30,20 +33,20 @@ typedef int pl_accelerate_fn(struct pl_run *r, pl_acceleration acceleration, dou
 typedef struct pl_run {
     planish_plan *plan;
     const planish_options *options;
-    double *coordinates;    /* the caller's */
-    const double *outside;  /* [n][dim] those of the plan's nodes as they came */
-    pl_objective_sums rest; /* that do not change: ratio[0], volume[0] and n[0] over all elements
-                               without a free node, inverted and below over those outside of the
-                               plan's part; all 0 if the plan works on the whole mesh */
+    double *coordinates;             /* the caller's */
+    const double *given;             /* [n][dim] those of the plan's nodes, as they came */
+    pl_objective_sums sums_of_fixed; /* do not change: ratio[0], volume[0] and n[0] over all fixed
+                                        elements, inverted and below over those outside of the
+                                        plan's subset; all 0 if the plan works on the whole mesh */
     pl_star_problem problem;
     pl_guard guard;
     pl_star_guard sliding_guard; /* guard of the nodes that slide */
     int plain;                   /* the plain problem: the sum of RR^2, nothing else is asked */
-    double unit; /* a power of two, times which coordinates are measured: ratios are then the same
-                    bits at every scale; 1 where volumes count */
+    double measure_scale;        /* a power of two, times which coordinates are measured: ratios are
+                                    then the same bits at every scale; 1 where volumes count */
     pl_objective_sums sums; /* as measured last; ratio[1] with the improvement by the sweeps since;
                                of a plain run without radius, volume, shortfall and domain */
-    double measured;        /* the sum that is tracked, as measured last */
+    double measured_sum;    /* the sum that is tracked, as measured last */
     double factor;          /* from a star's function to F, of the last sweep's weights */
     const pl_objective_sums *shown; /* not NULL: the sweeps are a trial, and these sums stand */
     int64_t improved; /* stars that the last sweep improved by more than a hundredth */
@@ -51,9 +54,8 @@ typedef struct pl_run {
     int restoring;    /* the last sweep brought elements above their minimum volume */
     pl_star_limits
         limits_at_start; /* the worst of the mesh as it came; infinite: nothing is promised */
-    pl_objective_sums sums_at_start; /* of that mesh */
-    double start;                    /* clock */
-    double sweep_start;
+    pl_objective_sums sums_at_start;   /* of that mesh */
+    double start_seconds, sweep_start; /* clock: of the call, of the sweep */
     int sweep;
     int uncounted_sweeps; /* that max_sweeps does not count: those before nodes were put back */
     pl_accelerate_fn *accelerate; /* what sweeps call where they are slow */
@@ -61,12 +63,21 @@ typedef struct pl_run {
     planish_result *result;
 } pl_run;
 
+/** Begin a run that has plan, coordinates, options, accelerate, start_seconds and result: bring the
+ *  coordinates into the plan, make the guard, measure, and prepare the sweeps. The caller destroys
+ *  the guard in any case. Errors: those of pl_guard_create, _MEMORY. */
+int pl_run_begin(pl_run *r, planish_error *error);
+
+/** End a run: write the nodes that have moved to the caller's coordinates, unless memory was lacking
+ *  or another process is not reached, and fill the result. Errors: _MEMORY, _PARTS. */
+int pl_run_end(pl_run *r, planish_error *error);
+
 /** Measure the plan's coordinates. */
 void pl_run_measure(pl_run *r);
 
-/** Measure the rest, with the coordinates all [.][dim] of all of the mesh, scaled as they are.
- *  inverted and below are then those of all: the caller takes off those in the plan's subset. */
-void pl_run_measure_rest(pl_run *r, const double *all);
+/** Measure the rest of the mesh, whose scaled coordinates are all [.][dim]: sums_of_fixed. inverted and
+ *  below are then those of all elements: the caller takes off those in the plan's subset. */
+void pl_run_measure_fixed(pl_run *r, const double *all);
 
 /** Return F of all elements, as measured or tracked last. */
 double pl_run_objective(const pl_run *r);
@@ -78,7 +89,7 @@ double pl_run_objective(const pl_run *r);
 /** Return the measures of the worst element, as measured last, times margin. */
 pl_star_limits pl_run_worst_limits(const pl_run *r, double margin);
 
-/** Return the problem of summing over the mesh in plan->measured. */
+/** Return the problem of summing over the mesh in plan->to_measure. */
 pl_objective_problem pl_run_objective_problem(const pl_run *r);
 
 /** Return the problem of the nodes that slide, as the interior's is at present. It always has a
@@ -114,6 +125,10 @@ int pl_run_ask_all(pl_run *r, int colours_done, int64_t visits);
 
 /** Number of sweeps that may still be begun. */
 int pl_run_sweeps_left(const pl_run *r);
+
+/** Whether the plan has followers and the method visits stars. Rounding can worsen a follower's own
+ *  elements, because only the leader's star is checked. */
+int pl_run_has_followers(const pl_run *r);
 
 /** Sweep until that converges or must end: r->stop says why. */
 void pl_run_sweeps(pl_run *r);

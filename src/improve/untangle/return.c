@@ -158,7 +158,7 @@ void pl_tangle_return(pl_tangle *t) {
                      .n = {of_nodes + 2 * n, of_nodes + 3 * n, of_nodes + 4 * n}};
         int64_t n_back = 0;
         memcpy(w.now, plan->coordinates, w.bytes);
-        pl_plan_order(plan, t->run->outside, w.start);
+        pl_plan_order(plan, t->run->given, w.start);
         place(&w, w.start, BEFORE);
         place(&w, w.now, AFTER);
         for (size_t i = 0; i < sizeof rings / sizeof *rings; i++)
@@ -166,8 +166,7 @@ void pl_tangle_return(pl_tangle *t) {
         place(&w, w.now, AFTER);
         memcpy(t->best, w.now, w.bytes);
         if (n_back > 0)
-            pl_log(PLANISH_LOG_DETAIL, "%" PRId64 " nodes return, where untangling failed",
-                   n_back);
+            pl_log(PLANISH_LOG_DETAIL, "%" PRId64 " nodes return, where untangling failed", n_back);
     }
     pl_free(x);
     pl_free(tangled);

@@ -10,7 +10,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/parts.h"
-#include "improve/patch.h"
+#include "improve/lbfgs.h"
 
 #include <inttypes.h>
 #include <math.h>

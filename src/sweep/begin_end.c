@@ -1,0 +1,168 @@
+/* begin_end: begin and end of a run: the caller's coordinates into the plan, and back. */
+#include "sweep/run.h"
+
+#include "base/clock.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/parts.h"
+#include "base/status.h"
+#include "geometry/simplex.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- the beginning ------------------------------------------------------------------------- */
+
+/** Put planes and lines through their nodes as they are now. Followers keep their distance from their
+ *  leaders. */
+static void begin_sliding(planish_plan *plan) {
+    double *x = plan->coordinates;
+    const int dim = plan->dim;
+    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++)
+        memcpy(plan->slide[s].point, x + (int64_t)plan->sliding.centre[s] * dim,
+               (size_t)dim * sizeof *x);
+    for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
+        pl_follower *f = &plan->sliding.follower[k];
+        for (int d = 0; d < dim; d++) {
+            const double way = x[(int64_t)f->to * dim + d] - x[(int64_t)f->from * dim + d];
+            f->origin[d] = x[(int64_t)f->of * dim + d];
+            if (f->node >= plan->work.n_nodes)
+                x[(int64_t)f->node * dim + d] = f->origin[d] + way;
+            f->start[d] = x[(int64_t)f->node * dim + d];
+        }
+    }
+}
+
+/** Measure the mesh for the first time, with the rest of it where more than the plan's subset is
+ *  known. all [.][dim]: coordinates of all that is known then, else NULL. */
+static void measure_first(pl_run *r, double *all) {
+    const planish_plan *plan = r->plan;
+    for (int64_t i = 0; all && i < plan->all->n_nodes * plan->dim; i++)
+        all[i] *= r->measure_scale;
+    if (all)
+        pl_run_measure_fixed(r, all);
+    pl_run_measure(r);
+    if (all) {
+        r->sums_of_fixed.inverted -= r->sums.inverted;
+        r->sums_of_fixed.below -= r->sums.below;
+    }
+}
+
+int pl_run_begin(pl_run *r, planish_error *error) {
+    planish_plan *plan = r->plan;
+    const planish_options *o = r->options;
+    const pl_points points = pl_plan_points(plan, r->coordinates);
+    const pl_points all_points = pl_plan_all_points(plan, r->coordinates);
+    double *all = NULL, delta;
+    r->given = pl_plan_dense(plan, &points, plan->given);
+    if (plan->scope == PL_SUBSET_OF_ALL) {
+        all = pl_alloc(all_points.n * all_points.dim, sizeof *all);
+        if (!all)
+            return pl_fail_memory(error, "the coordinates");
+        pl_points_gather(&all_points, plan->threads, all);
+    }
+    pl_plan_order(plan, r->given, plan->coordinates);
+    begin_sliding(plan);
+    /* delta may be a fraction of the volume of all of the mesh. */
+    int status = pl_minimum_volume(plan, o, all ? all : r->given, &delta, error);
+    if (!status)
+        status = pl_guard_create(plan, o, r->given, delta, &r->guard, error);
+    if (!status) {
+        r->plain = !r->guard.wanted && o->method == PLANISH_METHOD_PLANISH;
+        r->measure_scale = r->plain ? pl_box_of_fixed(plan).scale : 1;
+        measure_first(r, all);
+    }
+    pl_free(all);
+    if (status)
+        return status;
+    r->result->objective_before = pl_run_objective(r);
+    r->sums_at_start = r->sums;
+    /* Sweeps guard neither the smallest angle, where that is promised, nor the elements of followers:
+     * the run compares them with these limits afterwards. */
+    r->limits_at_start = pl_star_no_limits();
+    if (o->method == PLANISH_METHOD_PLANISH && !(r->sums.inverted > 0) && !(r->sums.below > 0)) {
+        if (o->objective == PLANISH_RADIUS_RATIO && !(o->area_weight > 0))
+            r->limits_at_start = pl_run_worst_limits(r, 1);
+        else if (pl_run_has_followers(r))
+            r->limits_at_start.rr2 = pl_run_worst_limits(r, 1).rr2;
+    }
+    pl_run_prepare(r);
+    r->stop = PLANISH_STOP_CONVERGED;
+    return PLANISH_OK;
+}
+
+/* ---- the end ------------------------------------------------------------------------------- */
+
+enum { CHUNK_NODES = 1024 };
+
+/** Nodes on the way to the caller: how many have moved, and how far. */
+typedef struct transfer {
+    const pl_run *run;
+    pl_points points; /* of the caller */
+    int writes;       /* 0: only look */
+    int64_t moved;
+    double farthest;
+} transfer;
+
+static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    transfer *t = context;
+    const planish_plan *plan = t->run->plan;
+    const int dim = plan->dim;
+    int64_t moved = 0;
+    double farthest = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const double *start = t->run->given + i * dim;
+        const double *inside = plan->coordinates + (int64_t)plan->inner[i] * dim;
+        const double far = plan->work.mobility[i] ? pl_distance(dim, inside, start) : 0;
+        if (!(far > 0))
+            continue;
+        moved += pl_is_own(pl_part_here(), i);
+        farthest = fmax(farthest, far);
+        for (int d = 0; d < dim && t->writes; d++)
+            t->run->coordinates[pl_point_at(&t->points, i, d)] = inside[d];
+    }
+    pl_raise_double(&t->farthest, farthest);
+    __atomic_fetch_add(&t->moved, moved, __ATOMIC_RELAXED);
+}
+
+/** Write the nodes that have moved to the caller's coordinates, and tell the result how many and how
+ *  far. Write nothing if other processes are not reached any more: they would miss it. */
+static int transfer_out(const pl_run *r, planish_error *error) {
+    const planish_plan *plan = r->plan;
+    const int is_part = pl_part_here() != NULL;
+    transfer t = {.run = r, .points = pl_plan_points(plan, r->coordinates), .writes = !is_part};
+    pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, transfer_chunk, &t);
+    r->result->max_displacement = t.farthest;
+    pl_parts_add(&t.moved, 1);
+    pl_parts_largest(&r->result->max_displacement, 1);
+    r->result->moved_nodes = t.moved;
+    const int status = pl_parts_check(error);
+    t.writes = 1;
+    if (!status && is_part)
+        pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, transfer_chunk, &t);
+    return status;
+}
+
+int pl_run_end(pl_run *run, planish_error *error) {
+    planish_result *r = run->result;
+    int status = PLANISH_OK;
+    /* Phases skip work that lacks memory, and the mesh would not be the one that it is with. */
+    if (__atomic_load_n(&run->plan->context->failed, __ATOMIC_RELAXED))
+        status = pl_fail_memory(error, "the smoothing of a mesh");
+    if (!status)
+        status = pl_parts_check(error);
+    if (!status)
+        status = transfer_out(run, error);
+    r->stop = run->stop;
+    r->sweeps = run->sweep;
+    r->inverted = (int64_t)(run->sums.inverted + run->sums_of_fixed.inverted);
+    r->rms = pl_rms_of_all(&run->sums);
+    r->rms_movable = pl_rms_of_movable(&run->sums);
+    r->min_volume = run->guard.min_volume;
+    r->below_min_volume = (int64_t)(run->sums.below + run->sums_of_fixed.below);
+    r->held_outside = run->guard.held_outside;
+    r->objective = pl_run_objective(run);
+    r->seconds = pl_seconds() - run->start_seconds;
+    return status;
+}
