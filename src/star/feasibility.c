@@ -126,7 +126,8 @@ static int64_t infeasible(const pl_star_problem *problem, int64_t star_index,
     int64_t evaluations = 0, n_given_up = 0, step = 1;
     double at[3], x[3];
     derivatives derivative;
-    local here = local_of(problem, star_index, place, NULL, scratch, &evaluations, 1, dim);
+    local here;
+    local_init(&here, problem, star_index, place, NULL, scratch, &evaluations, 1, dim);
     const star *s = &here.s;
     to_star(&here, place, at, dim);
     /* the middle of the ring: a proof holds wherever the node is, and is clearest from there */

@@ -9,8 +9,9 @@ int64_t pl_star_scratch_size(int dim, int64_t max_ring, int64_t max_link) {
 }
 
 int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double *x) {
-    const bounds none = {.any = 0};
-    const bounds b = problem->guard ? bounds_of(problem, node, 1, dim) : none;
+    bounds b = {.any = 0};
+    if (problem->guard)
+        bounds_init(&b, problem, node, 1, dim);
     clamp(&b, x, dim);
     for (int d = 0; d < dim; d++)
         x[d] = pl_store(&problem->storage, x[d]);

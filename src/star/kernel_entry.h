@@ -34,7 +34,8 @@ static inline int evaluate(const pl_star_problem *problem, int64_t index, double
                            int with_derivatives, pl_star_value *value, const int dim) {
     const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
     int64_t evaluations = 0;
-    local here = local_of(problem, index, place, NULL, scratch, &evaluations, PL_GUARDED, dim);
+    local here;
+    local_init(&here, problem, index, place, NULL, scratch, &evaluations, PL_GUARDED, dim);
     double x[3];
     to_star(&here, place, x, dim);
     derivatives derivative = {{0}, {0}, 0};

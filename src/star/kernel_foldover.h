@@ -10,8 +10,8 @@
  * It is finite and smooth for inverted elements, too, and becomes a barrier as epsilon falls to 0.
  * Symbols as in docs/algorithm.md.
  *
- *   untangling_of    gather a star
- *   energy_at        its energy
+ *   untangling_init    gather a star
+ *   energy_at          its energy
  */
 #ifndef PL_STAR_KERNEL_FOLDOVER_H
 #define PL_STAR_KERNEL_FOLDOVER_H
@@ -22,16 +22,16 @@
 #define REGULAR_MEASURE_3D 0.70710678118654752
 #define REGULAR_MEASURE_2D 0.86602540378443865
 
-/** Return the star of index for untangling, with its node at place: with what the wanted sizes and
+/** Gather the star of index for untangling, with its node at place, and what the wanted sizes and
  *  the patch say of each facet. Elements that cannot be helped get no weight. */
-static inline local untangling_of(const pl_star_problem *problem, int64_t index,
-                                  const double *place, double *scratch, int64_t *evaluations,
-                                  const int dim) {
+static inline void untangling_init(local *here, const pl_star_problem *problem, int64_t index,
+                                   const double *place, double *scratch, int64_t *evaluations,
+                                   const int dim) {
     const pl_star_untangling *u = problem->untangling;
     const int64_t first = problem->link_offset[index];
     const int32_t node = problem->node[index];
-    const local here = local_of(problem, index, place, NULL, scratch, evaluations, 1, dim);
-    const star *s = &here.s;
+    local_init(here, problem, index, place, NULL, scratch, evaluations, 1, dim);
+    const star *s = &here->s;
     for (int64_t i = 0; i < s->padded; i++) {
         const int64_t facet = i < s->n_facets ? first + i : first;
         double size = u->size[node];
@@ -49,7 +49,6 @@ static inline local untangling_of(const pl_star_problem *problem, int64_t index,
         if (u->link_skip && u->link_skip[facet])
             *entry(s, WEIGHT, i) = 0;
     }
-    return here;
 }
 
 /* ---- the energy ---------------------------------------------------------------------------- */

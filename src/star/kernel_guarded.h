@@ -107,7 +107,8 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
                               double *scratch, pl_star_tally *tally, const int dim) {
     int32_t node = problem->node[index];
     double *place = problem->coordinates + (int64_t)node * dim, x[3];
-    local here = local_of(problem, index, place, NULL, scratch, &tally->evaluations, 1, dim);
+    local here;
+    local_init(&here, problem, index, place, NULL, scratch, &tally->evaluations, 1, dim);
     derivatives derivative;
     here.alone = (flags & PL_TOLD) != 0;
     to_star(&here, place, x, dim);
@@ -149,7 +150,8 @@ static inline void add_optimality(const pl_star_problem *problem, int64_t index,
     const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
     int64_t evaluations = 0;
     double x[3], direction[3];
-    local here = local_of(problem, index, place, NULL, scratch, &evaluations, 1, dim);
+    local here;
+    local_init(&here, problem, index, place, NULL, scratch, &evaluations, 1, dim);
     const star *s = &here.s;
     derivatives derivative;
     cone_point point;

@@ -1,8 +1,8 @@
 /* kernel_local: everything about the star under visit, and the bounds of its node.
  *
- *   local_of, to_star, to_mesh                          gather a star; scale to it and back
+ *   local_init, to_star, to_mesh                        gather a star; scale to it and back
  *   claim, acquit, move_node                            flags and place of its node
- *   bounds_of, within_bounds, clamp, bounds_rate        bounds of the node
+ *   bounds_init, within_bounds, clamp, bounds_rate      bounds of the node
  */
 #ifndef PL_STAR_KERNEL_LOCAL_H
 #define PL_STAR_KERNEL_LOCAL_H
@@ -45,38 +45,39 @@ typedef struct local {
 /* And is within it beyond doubt of rounding. */
 #define RADIUS_ROUNDING 0x1p-50
 
-/** Return the bounds of a node, in the star's scale. */
-static inline bounds bounds_of(const pl_star_problem *problem, int32_t node, double scale,
-                               const int dim) {
+/** Set the bounds of a node, in the star's scale. */
+static inline void bounds_init(bounds *b, const pl_star_problem *problem, int32_t node,
+                               double scale, const int dim) {
     const pl_star_guard *guard = problem->guard;
-    bounds b = {.any = guard->lower || guard->upper || guard->radius, .radius = INFINITY};
-    if (!b.any)
-        return b;
+    b->any = guard->lower || guard->upper || guard->radius;
+    if (!b->any)
+        return;
     for (int d = 0; d < dim; d++) {
         int64_t i = (int64_t)node * dim + d;
-        b.lower[d] = guard->lower ? guard->lower[i] * scale : -INFINITY;
-        b.upper[d] = guard->upper ? guard->upper[i] * scale : INFINITY;
-        b.start[d] = guard->radius ? guard->start[i] * scale : 0;
+        b->lower[d] = guard->lower ? guard->lower[i] * scale : -INFINITY;
+        b->upper[d] = guard->upper ? guard->upper[i] * scale : INFINITY;
+        b->start[d] = guard->radius ? guard->start[i] * scale : 0;
     }
-    if (guard->radius)
-        b.radius = guard->radius[node] * scale;
-    return b;
+    b->radius = guard->radius ? guard->radius[node] * scale : INFINITY;
 }
 
-/** Gather the star of index into scratch, with its node at place. */
-PL_INLINE local local_of(const pl_star_problem *problem, int64_t index, const double *place,
-                         const int *exponent, double *scratch, int64_t *evaluations,
-                         const int guarded, const int dim) {
-    local here = {.problem = problem, .kind = problem->direction, .evaluations = evaluations};
-    here.s = gather(problem, index, place, exponent, scratch, guarded, dim);
+/** Gather the star of index into scratch, with its node at place. Set up in place: a copy of what
+ *  has just been written would wait for it. */
+PL_INLINE void local_init(local *here, const pl_star_problem *problem, int64_t index,
+                          const double *place, const int *exponent, double *scratch,
+                          int64_t *evaluations, const int guarded, const int dim) {
+    here->problem = problem;
+    here->kind = problem->direction;
+    here->evaluations = evaluations;
+    here->constrained = here->alone = 0;
+    here->s = gather(problem, index, place, exponent, scratch, guarded, dim);
     if (guarded) {
         const pl_star_guard *guard = problem->guard;
-        here.q = (question){guard->measure, 1 / guard->worst_limit, guard->ratio_weight,
-                            guard->volume_weight, guard->penalty};
-        here.b = bounds_of(problem, problem->node[index], here.s.scale, dim);
-        here.slide = sliding_of(problem, index, here.s.scale, dim);
+        here->q = (question){guard->measure, 1 / guard->worst_limit, guard->ratio_weight,
+                             guard->volume_weight, guard->penalty};
+        bounds_init(&here->b, problem, problem->node[index], here->s.scale, dim);
+        sliding_init(&here->slide, problem, index, here->s.scale, dim);
     }
-    return here;
 }
 
 /* ---- the node ------------------------------------------------------------------------------ */

@@ -5,7 +5,7 @@
  * back to where the node belongs, from the place where the call began: so rounding does not add up,
  * and a coordinate in whose direction the node cannot go keeps its bits.
  *
- *   sliding_of                     directions of a node
+ *   sliding_init                   directions of a node
  *   slide_along, slide_hessian     vectors and Hessians in these directions
  *   slide_ask, slide_place         places on the plane, line or surface
  */
@@ -27,19 +27,18 @@ typedef struct sliding {
     double direction[3];     /* unit normal of the plane, or along the line */
 } sliding;
 
-/** Return the plane, line or surface of the star's node; kind PLANISH_FREE: none. */
-static inline sliding sliding_of(const pl_star_problem *problem, int64_t index, double scale,
-                                 const int dim) {
-    sliding s = {.kind = PLANISH_FREE};
+/** Set s to the plane, line or surface of the star's node; kind PLANISH_FREE: none. */
+static inline void sliding_init(sliding *s, const pl_star_problem *problem, int64_t index,
+                                double scale, const int dim) {
+    s->kind = PLANISH_FREE;
     if (!problem->slide)
-        return s;
-    s.of = &problem->slide[index];
-    s.kind = s.of->kind;
+        return;
+    s->of = &problem->slide[index];
+    s->kind = s->of->kind;
     for (int d = 0; d < dim; d++) {
-        s.point[d] = s.of->point[d] * scale;
-        s.direction[d] = s.of->direction[d];
+        s->point[d] = s->of->point[d] * scale;
+        s->direction[d] = s->of->direction[d];
     }
-    return s;
 }
 
 /** Project v on the directions that the node has. */

@@ -62,7 +62,8 @@ static inline void untangle_star(const pl_star_problem *problem, int64_t index, 
     const int32_t node = problem->node[index];
     const double epsilon = problem->untangling->epsilon;
     double *place = problem->coordinates + (int64_t)node * dim, x[3], fall = 0, size2 = 0;
-    const local here = untangling_of(problem, index, place, scratch, &tally->evaluations, dim);
+    local here;
+    untangling_init(&here, problem, index, place, scratch, &tally->evaluations, dim);
     to_star(&here, place, x, dim);
     for (int step = 0; step < UNTANGLING_STEPS; step++) {
         derivatives derivative;
@@ -116,7 +117,8 @@ static inline pl_star_energy energy_range(const pl_star_problem *problem, int64_
         if (!may_move(problem, i))
             continue;
         const double *place = problem->coordinates + (int64_t)problem->node[i] * dim;
-        const local here = untangling_of(problem, i, place, scratch, &evaluations, dim);
+        local here;
+        untangling_init(&here, problem, i, place, scratch, &evaluations, dim);
         derivatives derivative = {{0}, {0}, 0};
         double x[3];
         to_star(&here, place, x, dim);

@@ -149,7 +149,8 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
     /* a scale that is known need not be chosen and waited for */
     const int *exponent =
         kept && kept->sum != 0 && !(problem->rr2_skip > 0) ? &kept->exponent : NULL;
-    local here = local_of(problem, index, place, exponent, scratch, &tally->evaluations, 0, dim);
+    local here;
+    local_init(&here, problem, index, place, exponent, scratch, &tally->evaluations, 0, dim);
     conjugate memory = {{0, 0, 0}, 0};
     visit_state now;
     double decrease = 0;

@@ -67,7 +67,8 @@ static void visit(const pl_star_problem *problem, planish_method method, int64_t
     const int32_t node = problem->node[index];
     double *place = problem->coordinates + (int64_t)node * dim, x[3], to[3], size2;
     int64_t evaluations = 0;
-    const local here = local_of(problem, index, place, NULL, scratch, &evaluations, guarded, dim);
+    local here;
+    local_init(&here, problem, index, place, NULL, scratch, &evaluations, guarded, dim);
     to_star(&here, place, x, dim);
     if (guarded && pl_star_is_held(problem->guard, node, dim))
         return;
