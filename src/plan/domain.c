@@ -180,31 +180,18 @@ static int narrow_to_bad(pl_draft *d, planish_error *error) {
     return narrow(d, mesh, PL_SUBSET_OF_ALL, error);
 }
 
-int pl_draft_select(pl_draft *d, int *all_positive, planish_error *error) {
-    if (!d->is_selected)
-        d->is_selected = pl_alloc(d->plan->work.n_nodes, sizeof *d->is_selected);
-    if (!d->is_selected)
-        return pl_fail_memory(error, "the nodes of bad elements");
-    d->plan->is_selective = 1;
-    pl_subset_destroy(&d->subset);
-    return pl_select(d->mesh, d->boundary.sign, d->options, d->plan->threads, d->is_selected,
-                     all_positive, &d->subset, error);
-}
-
-int pl_draft_look_at_measures(pl_draft *d, planish_error *error) {
+int pl_draft_choose_scope(pl_draft *d, planish_error *error) {
     /* A subset pays if one node in so many is selected: each brings some 20 elements along. */
     enum { SHARE = 4 };
     const int threads = d->plan->threads, selective = d->options->only_worse_than > 0;
-    int all_positive = 0, status = PLANISH_OK;
-    int64_t n = 0;
-    if (selective)
-        status = pl_draft_select(d, &all_positive, error);
+    int status = selective ? pl_draft_select(d, error) : PLANISH_OK;
     if (!status)
-        status = pl_boundary_create(d->mesh, all_positive, threads, &d->boundary, error);
+        status = pl_boundary_create(d->mesh, d->all_positive, threads, &d->boundary, error);
     if (!status && selective && d->boundary.sign)
-        status = pl_draft_select(d, &all_positive, error);
-    if (status || !selective || !all_positive || d->mesh->n_periodic > 0 || d->mesh->part)
+        status = pl_draft_select(d, error);
+    if (status || !selective || !d->all_positive || d->mesh->n_periodic > 0 || d->mesh->part)
         return status;
+    int64_t n = 0;
     for (int64_t i = 0; i < d->mesh->n_nodes; i++)
         n += d->is_selected[i] != 0;
     if (n > d->mesh->n_nodes / SHARE)

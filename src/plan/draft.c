@@ -112,7 +112,7 @@ static int make_rings(pl_draft *d, planish_error *error) {
 static int find_free(pl_draft *d, planish_error *error) {
     planish_plan *plan = d->plan;
     pl_boundary *boundary = &d->boundary;
-    int status = PLANISH_OK, all_positive;
+    int status = PLANISH_OK;
     const int guessed = boundary->is_guess;
     if (guessed)
         status = make_rings(d, error);
@@ -122,7 +122,7 @@ static int find_free(pl_draft *d, planish_error *error) {
     if (!status && !boundary->is_guess) {
         pl_rings_destroy(&d->interior.rings);
         if (plan->is_selective)
-            status = pl_draft_select(d, &all_positive, error);
+            status = pl_draft_select(d, error);
         if (!status)
             status = make_rings(d, error);
     }
@@ -413,7 +413,7 @@ int pl_draft_finish(pl_draft *d, planish_error *error) {
     }
     for (int64_t i = 0; i < 2 * d->mesh->n_periodic; i++)
         d->is_paired[d->mesh->periodic[i]] = 1;
-    status = pl_draft_look_at_measures(d, error);
+    status = pl_draft_choose_scope(d, error);
     if (!status)
         status = prepare_nodes(d, error);
     if (!status)

@@ -1,8 +1,8 @@
 /* draft: data that plan creation needs only while it runs.
  *
- *   domain.c    pl_draft_begin, _look_at_measures, _select    the mesh, or the subset to work on
- *   select.c    pl_select, _around                            nodes that options select
- *   draft.c     pl_draft_finish, _destroy                     free nodes, their order and stars
+ *   domain.c    pl_draft_begin, _choose_scope         the mesh, or the subset to work on
+ *   select.c    pl_draft_select, pl_select_around     nodes that options select
+ *   draft.c     pl_draft_finish, _destroy             free nodes, their order and stars
  */
 #ifndef PL_PLAN_DRAFT_H
 #define PL_PLAN_DRAFT_H
@@ -30,6 +30,7 @@ typedef struct pl_draft {
     uint8_t *mobility;       /* [n] of plan->work, while it is made */
     uint8_t *whole_mobility; /* of plan->whole, or NULL */
     uint8_t *is_selected;    /* [n] not 0: may be free; NULL: all may */
+    int all_positive;        /* pl_draft_select has found no element that is not positive */
     uint8_t *is_paired;      /* [n] 1: periodic, to slide or to stay; NULL: none is */
     uint8_t *slides;         /* [n] 1: may slide; NULL: none may */
     pl_incidence incidence;
@@ -51,14 +52,10 @@ void pl_draft_destroy(pl_draft *d);
 /** Validate mesh, and begin with all of it, or with what is around options->around. */
 int pl_draft_begin(const planish_mesh *mesh, pl_draft *d, planish_error *error);
 
-/** Find the orientation and, if asked for, the bad elements from the measures. Most often all
- *  elements are positive as they stand, and one look is enough. Elements far from a bad one are
- *  then not looked at again: the draft is for the subset around bad elements, if they are few. */
-int pl_draft_look_at_measures(pl_draft *d, planish_error *error);
-
-/** Select the nodes that only_worse_than is about, with the boundary's sign. *all_positive: no
- *  element was found that is not. */
-int pl_draft_select(pl_draft *d, int *all_positive, planish_error *error);
+/** Find the orientation and, if asked for, the bad elements from the measures. If these are few, and
+ *  all elements are positive as they stand (most often they are), the draft is then for the subset
+ *  around them: elements far from a bad one are not looked at again. */
+int pl_draft_choose_scope(pl_draft *d, planish_error *error);
 
 /* ---- draft.c: free nodes, their order and their stars -------------------------------------- */
 
@@ -67,14 +64,11 @@ int pl_draft_finish(pl_draft *d, planish_error *error);
 
 /* ---- select.c: nodes that options select ----------------------------------------------------- */
 
-/** Choose the nodes that options->only_worse_than is about: is_selected [n] is filled with 0, or
- *  not 0 for the nodes of elements whose RR is above it, that are below their minimum volume, or
- *  not positive, and of rings of elements around these. sign: as in pl_boundary. *all_positive: no
- *  element was found that is not. subset, which is {0}, is filled if it was found on the way.
- *  Errors: _MESH (of its neighbours), _MEMORY. */
-int pl_select(const planish_mesh *mesh, const int8_t *sign, const planish_options *options,
-              int threads, uint8_t *is_selected, int *all_positive, pl_subset *subset,
-              planish_error *error);
+/** Select the nodes that options->only_worse_than is about: those of elements whose RR is above it,
+ *  that are below their minimum volume, or not positive by the boundary's sign, and of rings of
+ *  elements around these. Fill is_selected and all_positive, and subset if a walk found it. Errors:
+ *  _MESH (of its neighbours), _MEMORY. */
+int pl_draft_select(pl_draft *d, planish_error *error);
 
 /** Choose the nodes that options->around is about; is_selected [n] is 0 before. */
 void pl_select_around(const planish_mesh *mesh, const planish_options *options, int threads,

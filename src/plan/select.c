@@ -22,6 +22,7 @@ static const char WHAT[] = "the elements that are bad";
 /** Nodes being chosen. Levels are stored atomically: several threads may store the same. */
 typedef struct selection {
     const planish_mesh *mesh;
+    const planish_options *options;
     int threads;
     uint8_t *state;   /* [m] */
     int least;        /* state of elements whose nodes are wanted */
@@ -63,9 +64,9 @@ static void choose_ring(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** Choose rings around the nodes of level 1. Not all elements of a ghost are here: its process
- * tells its level. */
-static void spread_rings(selection *w, int rings) {
+/** Choose so many rings around the nodes of level 1. Not all elements of a ghost are here: its process
+ *  tells its level. */
+static void choose_rings(selection *w, int rings) {
     pl_parts_update(NULL, w->of_node, sizeof *w->of_node);
     for (int i = 1; i <= rings; i++) {
         w->level = (uint8_t)i;
@@ -74,22 +75,22 @@ static void spread_rings(selection *w, int rings) {
     }
 }
 
-/** Choose the nodes of elements of at least that state, and rings of elements around them; not 0 if
- * there are such elements. */
-static int spread(selection *w, int least, int rings) {
+/** Choose the nodes of elements of at least that state, and rings of elements around them. Return
+ *  whether there are such elements. */
+static int choose_around_bad(selection *w, int least, int rings) {
     w->least = least;
     w->any = 0;
     pl_parallel_for(w->threads, w->mesh->n_elements, CHUNK, choose_bad, w);
     w->any = pl_parts_any(w->any);
     if (w->any)
-        spread_rings(w, rings);
+        choose_rings(w, rings);
     return w->any;
 }
 
 /** Find the states of the elements: bad are also those below their minimum volume. */
-static int find_states(const selection *w, const int8_t *sign, const planish_options *options,
-                       planish_error *error) {
+static int find_states(const selection *w, const int8_t *sign, planish_error *error) {
     const planish_mesh *mesh = w->mesh;
+    const planish_options *options = w->options;
     const pl_view view = {.dim = mesh->dim,
                           .n_nodes = mesh->n_nodes,
                           .n_elements = mesh->n_elements,
@@ -120,13 +121,12 @@ static int find_states(const selection *w, const int8_t *sign, const planish_opt
 /** Walk from the bad elements to the subset around them, where the mesh has neighbours and few
  *  elements are bad: *subset is filled then, and the choice. A walk looks at every element of
  *  each node, at some LOOKS times the cost of a look in passing. */
-static int walk_from_bad(const selection *w, const planish_options *options, pl_subset *subset,
-                         planish_error *error) {
+static int walk_from_bad(const selection *w, pl_subset *subset, planish_error *error) {
     enum { LOOKS = 1000 };
     const planish_mesh *mesh = w->mesh;
     const int corners = mesh->dim + 1;
     const int64_t m = mesh->n_elements;
-    int64_t n_bad = 0, wide = 1 + 2 * options->rings;
+    int64_t n_bad = 0, wide = 1 + 2 * w->options->rings;
     for (int64_t i = 0; i < m; i++)
         n_bad += w->state[i] >= PL_WORSE;
     if (!(mesh->neighbours || mesh->neighbours64) || n_bad == 0 ||
@@ -143,7 +143,7 @@ static int walk_from_bad(const selection *w, const planish_options *options, pl_
         }
     const pl_seeds seeds = {n, node, element};
     if (!status)
-        status = pl_subset_by_walk(mesh, &seeds, options->rings, subset, error);
+        status = pl_subset_by_walk(mesh, &seeds, w->options->rings, subset, error);
     pl_free(node);
     pl_free(element);
     for (int64_t i = 0; i < subset->n_nodes; i++)
@@ -151,32 +151,37 @@ static int walk_from_bad(const selection *w, const planish_options *options, pl_
     return status;
 }
 
-int pl_select(const planish_mesh *mesh, const int8_t *sign, const planish_options *options,
-              int threads, uint8_t *is_selected, int *all_positive, pl_subset *subset,
-              planish_error *error) {
-    const int64_t n = mesh->n_nodes;
+int pl_draft_select(pl_draft *d, planish_error *error) {
+    const int64_t n = d->mesh->n_nodes;
     uint8_t *tangled = NULL;
-    selection w = {.mesh = mesh,
-                   .threads = threads,
-                   .state = pl_alloc(mesh->n_elements, sizeof *w.state),
-                   .of_node = is_selected};
-    int status = w.state ? find_states(&w, sign, options, error) : pl_fail_memory(error, WHAT);
-    *all_positive = !status && !spread(&w, PL_INVERTED, UNTANGLING_RINGS);
-    if (!status && !*all_positive) {
+    if (!d->is_selected)
+        d->is_selected = pl_alloc(n, sizeof *d->is_selected);
+    if (!d->is_selected)
+        return pl_fail_memory(error, "the nodes of bad elements");
+    d->plan->is_selective = 1;
+    pl_subset_destroy(&d->subset);
+    selection w = {.mesh = d->mesh,
+                   .options = d->options,
+                   .threads = d->plan->threads,
+                   .state = pl_alloc(d->mesh->n_elements, sizeof *w.state),
+                   .of_node = d->is_selected};
+    int status = w.state ? find_states(&w, d->boundary.sign, error) : pl_fail_memory(error, WHAT);
+    d->all_positive = !status && !choose_around_bad(&w, PL_INVERTED, UNTANGLING_RINGS);
+    if (!status && !d->all_positive) {
         tangled = pl_alloc(n, sizeof *tangled);
         status = tangled ? PLANISH_OK : pl_fail_memory(error, WHAT);
-    } else if (!status && mesh->n_periodic == 0 && !mesh->part) {
-        status = walk_from_bad(&w, options, subset, error);
+    } else if (!status && d->mesh->n_periodic == 0 && !d->mesh->part) {
+        status = walk_from_bad(&w, &d->subset, error);
     }
     /* The nodes of bad elements join those of tangled ones, which are chosen already. */
     if (!status && tangled) {
-        memcpy(tangled, is_selected, (size_t)n);
-        memset(is_selected, 0, (size_t)n);
+        memcpy(tangled, d->is_selected, (size_t)n);
+        memset(d->is_selected, 0, (size_t)n);
     }
-    if (!status && subset->n_elements == 0)
-        spread(&w, PL_WORSE, options->rings);
+    if (!status && d->subset.n_elements == 0)
+        choose_around_bad(&w, PL_WORSE, d->options->rings);
     for (int64_t i = 0; !status && tangled && i < n; i++)
-        is_selected[i] |= tangled[i];
+        d->is_selected[i] |= tangled[i];
     pl_free(tangled);
     pl_free(w.state);
     return status;
@@ -187,5 +192,5 @@ void pl_select_around(const planish_mesh *mesh, const planish_options *options, 
     selection w = {.mesh = mesh, .threads = threads, .of_node = is_selected};
     for (int64_t i = 0; i < options->n_around; i++)
         is_selected[options->around[i]] = 1;
-    spread_rings(&w, options->rings);
+    choose_rings(&w, options->rings);
 }

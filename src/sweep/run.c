@@ -7,6 +7,7 @@
 #include "base/parts.h"
 #include "geometry/angle.h"
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -298,38 +299,36 @@ void pl_run_sweeps(pl_run *r) {
     const double tolerance = r->options->tolerance;
     const int may_be_slow = r->plain && r->plan->interior.n_all > 0 &&
                             r->options->direction == PLANISH_NEWTON && !(r->problem.rr2_skip > 0);
-    pl_convergence calm = {{0}, 0};  /* of sweeps that leave the stars calm */
-    pl_convergence trend = {{0}, 0}; /* of all */
-    pl_acceleration next = PL_CENTRING;
-    int patience = SWEEPS_UNTIL_SLOW; /* sweeps until it comes */
-    int polished = 0;                 /* that was slow, and L-BFGS has had the last word */
+    pl_convergence calm = {{0}, 0};                           /* of sweeps that leave stars calm */
+    pl_convergence trend = {{0}, 0};                          /* of all */
+    int patience = may_be_slow ? SWEEPS_UNTIL_SLOW : INT_MAX; /* sweeps until a mesh is slow */
+    int n_accelerated = 0, is_polished = 0;
     r->stop = PLANISH_STOP_MAX_SWEEPS;
     while (pl_run_sweeps_left(r) > 0) {
         const double before = pl_objective_of_movable(r->options, &r->sums);
         int64_t visits;
         if (pl_run_sweep(r, &visits))
             return;
-        const int converged = has_converged(r, &calm, before, visits);
         pl_converged(&trend, before, pl_objective_of_movable(r->options, &r->sums), 0);
-        const double fall = trend.fall[PL_CALM_SWEEPS - 1];
-        /* Sweeps that have converged may still promise more than the tolerance: L-BFGS may bring
-         * it. */
-        const int polish =
-            converged && next == PL_DESCENT && !polished && pl_remainder(&trend) > tolerance;
-        if (converged && !polish) {
-            r->stop = PLANISH_STOP_CONVERGED;
-            return;
-        }
-        const int is_slow = may_be_slow && trend.n_falls >= patience && fall < SLOW_FALL &&
-                            pl_remainder(&trend) > SLOW_REMAINDER;
-        if (!is_slow && !polish)
+        double fall = trend.fall[PL_CALM_SWEEPS - 1];
+        if (has_converged(r, &calm, before, visits)) {
+            /* The sweeps of a slow mesh may still promise more: L-BFGS has the last word, once. */
+            if (n_accelerated == 0 || is_polished || !(pl_remainder(&trend) > tolerance)) {
+                r->stop = PLANISH_STOP_CONVERGED;
+                return;
+            }
+            is_polished = 1;
+            fall = tolerance;
+        } else if (trend.n_falls < patience || !(fall < SLOW_FALL) ||
+                   !(pl_remainder(&trend) > SLOW_REMAINDER)) {
             continue;
-        const int stopped = r->accelerate(r, next, polish ? tolerance : fall);
-        polished |= polish;
-        patience *= next == PL_DESCENT ? 2 : 1;
-        next = PL_DESCENT;
+        }
+        /* Centring comes first; after each L-BFGS sweeps have twice as long. */
+        const pl_acceleration next = n_accelerated == 0 ? PL_CENTRING : PL_DESCENT;
+        if (n_accelerated++ > 0)
+            patience *= 2;
         calm = trend = (pl_convergence){{0}, 0};
-        if (stopped)
+        if (r->accelerate(r, next, fall))
             return;
     }
 }
