@@ -26,12 +26,15 @@ static int complain_command(const char *word) {
     char names[128];
     const char *nearest = NULL;
     const pl_command_text *command;
+    pl_command_list(", ", " or ", names, sizeof names);
+    if (word[0] == '-')
+        return pl_complain_usage(NULL, "unexpected option '%s'; name a command first: %s", word,
+                                 names);
     for (int i = 0; (command = pl_command_at(i)); i++)
         nearest = pl_text_nearer(word, nearest, command->name);
     if (nearest)
         return pl_complain_usage(NULL, "unknown command '%s'; did you mean %s?", word, nearest);
-    return pl_complain_usage(NULL, "unknown command '%s'; it must be %s", word,
-                             pl_command_list(", ", " or ", names, sizeof names));
+    return pl_complain_usage(NULL, "unknown command '%s'; it must be %s", word, names);
 }
 
 /** The help of command, or of the program (NULL). */
@@ -83,7 +86,7 @@ static int run(int argc, char **argv) {
     const char *word = argc > 1 ? argv[1] : NULL;
     char names[128];
     if (!word)
-        return pl_complain_usage(NULL, "no command is named (%s)",
+        return pl_complain_usage(NULL, "no command is named: %s",
                                  pl_command_list(", ", " or ", names, sizeof names));
     const pl_command_text *command = pl_command_find(word);
     if (command)

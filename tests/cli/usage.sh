@@ -31,6 +31,30 @@ bad quality
 bad quality in.msh -o out.msh
 bad quality in.msh -v
 
+# The line says what is wrong and what to do.
+while IFS='|' read -r arguments text; do
+    # shellcheck disable=SC2086
+    bad $arguments
+    expect_text "$text"
+done <<'LINES'
+|no command is named: smooth, quality or report
+smoth in.msh -o out.msh|did you mean smooth?
+polish|unknown command 'polish'; it must be smooth, quality or report
+--smooth in.msh -o out.msh|name a command first: smooth, quality or report
+smooth|no mesh file is named
+smooth in.msh|give -o OUT
+smooth in.msh out.msh|did you mean -o out.msh?
+smooth in.msh -o out.msh --max-sweep|option --max-sweeps needs a value (N)
+smooth in.msh -o out.msh --max-sweeps x|--max-sweeps 'x' must be a whole number, 0 or more
+smooth in.msh -o out.msh --tolerence 0|unknown option '--tolerence'; did you mean --tolerance?
+smooth in.msh -o out.msh --objective best|must be radius-ratio, mean-ratio, edge-ratio or worst
+smooth in.msh -o out.msh --rings 2|--rings has no effect without --only-worse-than
+smooth in.msh -o out.msh --fix wall|there is no group 'wall' to hold; the file has: skin, bracket
+smooth in.msh -o out.xyz|planish converts to .vtu and .vtk only
+smooth - -o out.msh|standard input is /dev/stdin
+quality in.msh --rings 2|planish quality has no option --rings
+LINES
+
 # Values: the whole word, in range, finite.
 for value in "" x 1x " 1" "1 " -1 +1 1.5 99999999999999999999 0x10; do
     bad smooth in.msh -o out.msh --only-worse-than 2 --rings "$value"

@@ -53,7 +53,7 @@ static char *read_text(const char *path, size_t *length) {
         fclose(file);
     if (!wrong && text)
         return text;
-    pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(wrong ? wrong : ENOMEM));
+    pl_complain(PL_EXIT_FAILED, "%s: cannot be read: %s", path, strerror(wrong ? wrong : ENOMEM));
     free(text);
     return NULL;
 }

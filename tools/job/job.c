@@ -229,7 +229,8 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
                         !getenv("OMP_PROC_BIND") && !getenv("GOMP_CPU_AFFINITY");
     job->options.threads = pl_threads_to_use(arguments->library.threads);
     if (strcmp(arguments->input, "-") == 0)
-        return pl_complain(PL_EXIT_USAGE, "'-' is not a file; standard input is /dev/stdin");
+        return pl_complain_usage(pl_command_name(arguments->command),
+                                 "'-' is not a file; standard input is /dev/stdin");
     pl_signals_set_input(arguments->input);
     int status = 0;
     if (!engine->read)

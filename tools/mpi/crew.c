@@ -92,12 +92,9 @@ int pl_crew_agree(const pl_crew *crew, int code, planish_error *error) {
 }
 
 planish_options pl_crew_options(const pl_crew *crew, const planish_options *options) {
-    planish_options mine;
-    planish_options_init(&mine);
-    if (options)
-        mine = *options;
+    planish_options mine = *options;
     MPI_Bcast(&mine, sizeof mine, MPI_BYTE, 0, crew->comm);
-    if (!options) { /* what it points to is not here */
+    if (crew->rank > 0) { /* what it points to is not here */
         mine.progress = NULL;
         mine.project = NULL;
         mine.parallel = NULL;

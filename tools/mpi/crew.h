@@ -51,7 +51,7 @@ int pl_crew_listen(const pl_crew *crew);
  */
 int pl_crew_agree(const pl_crew *crew, int code, planish_error *error);
 
-/** The options of the first process (the others: NULL) for this one. Collective. */
+/** Options for this process: those that the first one gives. Collective. */
 planish_options pl_crew_options(const pl_crew *crew, const planish_options *options);
 
 /** Copy a path of the first process into path [PATH_MAX] of all. Collective. */

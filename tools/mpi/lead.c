@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** Orders of the first process. */
-typedef enum order_kind {
+/** Orders of the first process: steps of pl_engine. */
+typedef enum order {
     READ,
     CREATE_PLAN,
     DESTROY_PLAN,
@@ -22,23 +22,6 @@ typedef enum order_kind {
     SMOOTH,
     WRITE,
     END
-} order_kind;
-
-/** An order with its data: pointers are those of the first process, NULL in the others, but for
- * error. */
-typedef struct order {
-    const pl_job *job;
-    const planish_options *options;
-    pl_state_kind kind;
-    int with_state;
-    const char *path;
-    void *whole; /* values of all nodes or elements */
-    uint64_t *checksums;
-    pl_states states;
-    planish_quality quality;
-    planish_result result;
-    pl_traffic traffic;
-    planish_error *error;
 } order;
 
 static int fail_memory(planish_error *error) {
@@ -46,80 +29,105 @@ static int fail_memory(planish_error *error) {
     return PLANISH_ERROR_MEMORY;
 }
 
-/* ---- what each process does, all of them at the same time ------------------------------------ */
-
-static int read_mesh(pl_crew *crew, order *o) {
-    return pl_large_read(crew, o->path, o->error);
+static pl_crew *crew_of(const pl_job *job) {
+    return (pl_crew *)(uintptr_t)job->engine;
 }
 
-static int create_plan(pl_crew *crew, order *o) {
+/** Begin a step: the first process gives the order for it, which the others have received. */
+static pl_crew *begin_step(const pl_job *job, order step) {
+    pl_crew *crew = crew_of(job);
+    if (crew->rank == 0)
+        pl_crew_tell(crew, (int)step);
+    return crew;
+}
+
+/* ---- steps, which all processes take at the same time ----------------------------------------
+ *
+ * The first process takes them as its engine, with its job; the others when it gives the order, with
+ * a job that has an engine alone, and NULL for what the first one alone gets.
+ */
+
+static int read_mesh(pl_job *job, planish_error *error) {
+    pl_crew *crew = begin_step(job, READ);
+    const pl_plexfile *file = &crew->file;
+    const int code = pl_large_read(crew, job->arguments ? job->arguments->input : NULL, error);
+    job->mesh =
+        (planish_mesh){.dim = file->dim, .n_nodes = file->n_nodes, .n_elements = file->n_elements};
+    job->file_info.format = "dmplex";
+    return code;
+}
+
+static int create_plan(pl_job *job, planish_error *error) {
+    pl_crew *crew = begin_step(job, CREATE_PLAN);
     const pl_share *share = &crew->share;
-    const planish_options mine = pl_crew_options(crew, o->options);
+    const planish_options mine = pl_crew_options(crew, &job->options);
     int code = PLANISH_OK;
     if (!crew->is_large && mine.precision == PLANISH_ROUNDED) {
         /* The functions of planish_part cannot do that. */
-        *o->error = (planish_error){
+        *error = (planish_error){
             PLANISH_ERROR_PARTS, -1, -1,
             "only the process that read the file knows the digits of its text fields"};
         return PLANISH_ERROR_PARTS;
     }
     if (crew->is_large)
-        code = pl_large_share(crew, o->job ? o->job->arguments : NULL, o->error);
+        code = pl_large_share(crew, job->arguments, error);
     else
         code = pl_crew_agree(crew,
                              pl_share_create(&crew->share, crew->exchange_comm,
-                                             o->job ? &o->job->mesh : NULL, o->error),
-                             o->error);
+                                             crew->rank == 0 ? &job->mesh : NULL, error),
+                             error);
     if (!code) {
-        code = planish_plan_create(&share->mesh, &mine, &crew->plan, o->error);
-        code = pl_crew_agree(crew, pl_share_explain(share, code, o->error), o->error);
+        code = planish_plan_create(&share->mesh, &mine, &crew->plan, error);
+        code = pl_crew_agree(crew, pl_share_explain(share, code, error), error);
     }
     if (code)
         pl_crew_destroy_plan(crew);
     return code;
 }
 
-static int destroy_plan(pl_crew *crew, order *o) {
-    (void)o;
-    pl_crew_destroy_plan(crew);
-    return PLANISH_OK;
+static void destroy_plan(pl_job *job) {
+    if (crew_of(job)->plan)
+        pl_crew_destroy_plan(begin_step(job, DESTROY_PLAN));
 }
 
-/** Collect values in the first process, if code says that there are any: PLANISH_OK in all
- * processes, or the same error. */
+/** Collect values in whole, which the first process has, if code says that there are any:
+ * PLANISH_OK in all processes, or the same error. */
 static int collect(const pl_crew *crew, int code, const pl_collection *c, const void *values,
-                   int size, order *o) {
+                   int size, void *whole, planish_error *error) {
     void *room = code ? NULL : pl_new_array(pl_collected(c), (size_t)size);
     if (!code && !room)
-        code = fail_memory(o->error);
-    code = pl_crew_agree(crew, code, o->error);
+        code = fail_memory(error);
+    code = pl_crew_agree(crew, code, error);
     if (!code)
-        pl_collect(c, values, size, room, o->whole);
+        pl_collect(c, values, size, room, whole);
     free(room);
     return code;
 }
 
-static int get_free(pl_crew *crew, order *o) {
+static int get_free(const pl_job *job, uint8_t *is_free, planish_error *error) {
+    const pl_crew *crew = begin_step(job, GET_FREE);
     uint8_t *mine = pl_new_array(crew->share.mesh.n_nodes, 1),
             *own = pl_new_array(crew->share.own_nodes.n, 1);
-    int code = mine && own ? PLANISH_OK : fail_memory(o->error);
+    int code = mine && own ? PLANISH_OK : fail_memory(error);
     int64_t n = 0;
+    if (is_free)
+        memset(is_free, 0, (size_t)job->mesh.n_nodes); /* of a large mesh nothing is collected */
     if (!code)
         planish_plan_get_free(crew->plan, mine);
     for (int64_t i = 0; !code && i < crew->share.mesh.n_nodes; i++)
         if (crew->share.role[i] != PLANISH_GHOST)
             own[n++] = mine[i];
-    code = collect(crew, code, &crew->share.own_nodes, own, 1, o);
+    code = collect(crew, code, &crew->share.own_nodes, own, 1, is_free, error);
     free(mine);
     free(own);
     return code;
 }
 
-static int measure(pl_crew *crew, order *o) {
+static int measure(const pl_job *job, planish_quality *quality, planish_error *error) {
+    const pl_crew *crew = begin_step(job, MEASURE);
     const pl_share *share = &crew->share;
-    planish_quality *quality = &o->quality;
-    const int code = pl_crew_agree(
-        crew, planish_measure(crew->plan, share->coordinates, quality, o->error), o->error);
+    const int code =
+        pl_crew_agree(crew, planish_measure(crew->plan, share->coordinates, quality, error), error);
     if (code)
         return code;
     int64_t worst =
@@ -129,17 +137,18 @@ static int measure(pl_crew *crew, order *o) {
     return PLANISH_OK;
 }
 
-static int measure_elements(pl_crew *crew, order *o) {
+static int measure_elements(const pl_job *job, double *ratio, planish_error *error) {
+    const pl_crew *crew = begin_step(job, MEASURE_ELEMENTS);
     const pl_share *share = &crew->share;
-    double *ratio = pl_new_array(share->mesh.n_elements, sizeof *ratio);
-    int code = ratio ? planish_measure_elements(crew->plan, share->coordinates, ratio, o->error)
-                     : fail_memory(o->error);
+    double *mine = pl_new_array(share->mesh.n_elements, sizeof *mine);
+    int code = mine ? planish_measure_elements(crew->plan, share->coordinates, mine, error)
+                    : fail_memory(error);
     int64_t n = 0;
     for (int64_t i = 0; !code && i < share->mesh.n_elements; i++)
         if (share->is_counted[i])
-            ratio[n++] = ratio[i];
-    code = collect(crew, code, &share->counted_elements, ratio, sizeof *ratio, o);
-    free(ratio);
+            mine[n++] = mine[i];
+    code = collect(crew, code, &share->counted_elements, mine, sizeof *mine, ratio, error);
+    free(mine);
     return code;
 }
 
@@ -155,10 +164,11 @@ static void take_found(const found_element *list, int n, uint8_t *state) {
             state[list[i].number] = (uint8_t)list[i].state;
 }
 
-/** Gather the states that are not 0 in the first process: o->states.state, NULL if there are none;
- *  mine: of this process's elements. One process after the other, for all of them may be more than
- *  messages count. */
-static int gather_states(const pl_crew *crew, const uint8_t *mine, order *o) {
+/** Gather the states that are not 0 in the first process: found->state [n_all], NULL if there are
+ *  none, and found->n; mine: of this process's elements. One process after the other, for all of
+ *  them may be more than messages count. */
+static int gather_states(const pl_crew *crew, const uint8_t *mine, int64_t n_all, pl_states *found,
+                         planish_error *error) {
     enum { TAG = 1 };
     const pl_share *share = &crew->share;
     const int is_first = crew->rank == 0;
@@ -169,11 +179,9 @@ static int gather_states(const pl_crew *crew, const uint8_t *mine, order *o) {
     MPI_Allreduce(&n, &most, 1, MPI_INT, MPI_MAX, crew->comm);
     if (most == 0)
         return PLANISH_OK;
-    const int64_t n_all = is_first ? o->job->mesh.n_elements : 0;
     found_element *list = pl_new_array(is_first ? most : n, sizeof *list);
-    uint8_t *state = pl_new_array(n_all, 1);
-    const int code =
-        pl_crew_agree(crew, list && state ? PLANISH_OK : fail_memory(o->error), o->error);
+    uint8_t *state = pl_new_array(is_first ? n_all : 0, 1);
+    const int code = pl_crew_agree(crew, list && state ? PLANISH_OK : fail_memory(error), error);
     n = 0;
     for (int64_t i = 0; !code && i < share->mesh.n_elements; i++)
         if (mine[i])
@@ -193,41 +201,44 @@ static int gather_states(const pl_crew *crew, const uint8_t *mine, order *o) {
     MPI_Type_free(&type);
     free(list);
     if (!code && is_first)
-        o->states.state = state;
+        found->state = state;
     else
         free(state);
-    for (int64_t i = 0; o->states.state && i < n_all; i++)
-        o->states.n += state[i] != 0;
+    for (int64_t i = 0; found->state && i < n_all; i++)
+        found->n += state[i] != 0;
     return code;
 }
 
 /** n_undecided is that of all processes, some elements counted twice. */
-static int find_states(pl_crew *crew, order *o) {
+static int find_states(const pl_job *job, pl_state_kind kind, const planish_options *options,
+                       int with_state, pl_states *found, planish_error *error) {
+    const pl_crew *crew = begin_step(job, FIND_STATES);
     const pl_share *share = &crew->share;
-    int what[] = {(int)o->kind, o->with_state};
+    int what[] = {(int)kind, with_state};
     MPI_Bcast(what, 2, MPI_INT, 0, crew->comm);
-    const planish_options mine = pl_crew_options(crew, o->options);
+    const planish_options mine = pl_crew_options(crew, options);
+    *found = (pl_states){.state = NULL};
     uint8_t *state = pl_new_array(share->mesh.n_elements, 1);
     int code = state ? pl_states_find(crew->plan, &share->mesh, (pl_state_kind)what[0], &mine,
-                                      state, &o->states, o->error)
-                     : fail_memory(o->error);
-    code = pl_crew_agree(crew, code, o->error);
-    o->states.n = 0;
+                                      state, found, error)
+                     : fail_memory(error);
+    code = pl_crew_agree(crew, code, error);
+    found->n = 0;
     if (!code && what[1])
-        code = gather_states(crew, state, o);
+        code = gather_states(crew, state, job->mesh.n_elements, found, error);
     for (int64_t i = 0; !code && !what[1] && i < share->mesh.n_elements; i++)
-        o->states.n += share->is_counted[i] && state[i];
-    int64_t sums[] = {o->states.n, o->states.n_undecided};
+        found->n += share->is_counted[i] && state[i];
+    int64_t sums[] = {found->n, found->n_undecided};
     if (!code)
         MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_INT64_T, MPI_SUM, crew->comm);
-    o->states.n = sums[0];
-    o->states.n_undecided = sums[1];
+    found->n = sums[0];
+    found->n_undecided = sums[1];
     free(state);
     return code;
 }
 
 /** Coordinates of the nodes that each process moves, to whole. */
-static int collect_coordinates(pl_crew *crew, order *o) {
+static int collect_coordinates(const pl_crew *crew, double *whole, planish_error *error) {
     const pl_share *share = &crew->share;
     const int dim = share->mesh.dim;
     double *own = pl_new_array((int64_t)share->own_nodes.n * dim, sizeof *own);
@@ -235,81 +246,58 @@ static int collect_coordinates(pl_crew *crew, order *o) {
     for (int64_t i = 0; own && i < share->mesh.n_nodes; i++)
         if (share->role[i] != PLANISH_GHOST)
             memcpy(own + dim * n++, share->coordinates + dim * i, (size_t)dim * sizeof *own);
-    const int code = collect(crew, own ? PLANISH_OK : fail_memory(o->error), &share->own_nodes, own,
-                             dim * (int)sizeof *own, o);
+    const int code = collect(crew, own ? PLANISH_OK : fail_memory(error), &share->own_nodes, own,
+                             dim * (int)sizeof *own, whole, error);
     free(own);
     return code;
 }
 
-static int smooth(pl_crew *crew, order *o) {
-    const planish_options mine = pl_crew_options(crew, o->options);
+static int smooth(pl_job *job, planish_result *result, planish_error *error) {
+    pl_crew *crew = begin_step(job, SMOOTH);
+    const planish_options mine = pl_crew_options(crew, &job->options);
     pl_traffic *traffic = &crew->share.exchange.traffic;
     *traffic = (pl_traffic){0}; /* of smoothing alone */
     const int code = pl_crew_agree(
-        crew, planish_smooth(crew->plan, crew->share.coordinates, &mine, &o->result, o->error),
-        o->error);
+        crew, planish_smooth(crew->plan, crew->share.coordinates, &mine, result, error), error);
     /* What all processes have sent. */
     int64_t sums[] = {traffic->messages, traffic->nodes, traffic->bytes};
     double wait = traffic->wait_seconds;
     MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_INT64_T, MPI_SUM, crew->comm);
     MPI_Allreduce(MPI_IN_PLACE, &wait, 1, MPI_DOUBLE, MPI_MAX, crew->comm);
     *traffic = (pl_traffic){0};
-    o->traffic = (pl_traffic){crew->n_ranks, 1, sums[0], sums[1], sums[2], wait};
-    return code || crew->is_large ? code : collect_coordinates(crew, o);
+    job->traffic = (pl_traffic){crew->n_ranks, 1, sums[0], sums[1], sums[2], wait};
+    if (code || crew->is_large)
+        return code;
+    return collect_coordinates(crew, job->file ? planish_file_coordinates(job->file) : NULL, error);
 }
 
 /** Write the whole mesh as PETSc does; of a large one the coordinates alone change. */
-static int write_mesh(pl_crew *crew, order *o) {
-    const pl_job *job = o->job;
+static int write_mesh(const pl_job *job, const char *output, uint64_t *checksums,
+                      planish_error *error) {
+    pl_crew *crew = begin_step(job, WRITE);
+    const int is_first = crew->rank == 0;
     char path[PATH_MAX];
     pl_plexout out;
-    pl_crew_path(crew, o->path, path);
+    if (is_first && job->file && job->arguments->verbosity != PL_QUIET)
+        pl_note(stderr,
+                "%s: PETSc's file keeps nodes, elements and their regions; other groups and "
+                "fixed nodes are lost",
+                output);
+    pl_crew_path(crew, output, path);
     if (crew->is_large)
-        return pl_large_write(crew, path, o->checksums, o->error);
-    int code =
-        pl_crew_agree(crew,
-                      pl_plexfile_convert(crew->exchange_comm, job ? &job->mesh : NULL,
-                                          job ? planish_file_surface(job->file, NULL).region : NULL,
-                                          path, &out, o->error),
-                      o->error);
+        return pl_large_write(crew, path, is_first && job->arguments->json ? checksums : NULL,
+                              error);
+    int code = pl_crew_agree(
+        crew,
+        pl_plexfile_convert(crew->exchange_comm, is_first ? &job->mesh : NULL,
+                            is_first ? planish_file_surface(job->file, NULL).region : NULL, path,
+                            &out, error),
+        error);
     crew->is_broken = code != 0;
-    return pl_crew_agree(crew, pl_plexfile_finish(&out, code, o->error), o->error);
+    return pl_crew_agree(crew, pl_plexfile_finish(&out, code, error), error);
 }
 
-static int (*const carry_out[])(pl_crew *crew, order *o) = {
-    [READ] = read_mesh,          [CREATE_PLAN] = create_plan, [DESTROY_PLAN] = destroy_plan,
-    [GET_FREE] = get_free,       [MEASURE] = measure,         [MEASURE_ELEMENTS] = measure_elements,
-    [FIND_STATES] = find_states, [SMOOTH] = smooth,           [WRITE] = write_mesh};
-
-/* ---- the engine of the first process -------------------------------------------------------- */
-
-static pl_crew *crew_of(const pl_job *job) {
-    return (pl_crew *)(uintptr_t)job->engine;
-}
-
-/** Give the order, and carry it out here. */
-static int give_order(const pl_job *job, order_kind kind, order *o) {
-    pl_crew *crew = crew_of(job);
-    o->job = job;
-    pl_crew_tell(crew, (int)kind);
-    return carry_out[kind](crew, o);
-}
-
-static int lead_read(pl_job *job, planish_error *error) {
-    order o = {.path = job->arguments->input, .error = error};
-    const int code = give_order(job, READ, &o);
-    const pl_plexfile *file = &crew_of(job)->file;
-    job->mesh =
-        (planish_mesh){.dim = file->dim, .n_nodes = file->n_nodes, .n_elements = file->n_elements};
-    job->file_info.format = "dmplex";
-    return code;
-}
-
-static int lead_get_free(const pl_job *job, uint8_t *is_free, planish_error *error) {
-    order o = {.whole = is_free, .error = error};
-    memset(is_free, 0, (size_t)job->mesh.n_nodes);
-    return give_order(job, GET_FREE, &o);
-}
+/* ---- the first process ---------------------------------------------------------------------- */
 
 /** Whether processes can share the mesh: each part is smoothed as if it had no periodic nodes, so
  *  those must not move. */
@@ -320,7 +308,7 @@ static int check_periodic(const pl_job *job, planish_error *error) {
     uint8_t *is_free = pl_new_array(mesh->n_nodes, 1);
     if (!is_free)
         return fail_memory(error);
-    int code = lead_get_free(job, is_free, error);
+    int code = get_free(job, is_free, error);
     for (int64_t i = 0; !code && i < 2 * mesh->n_periodic; i++) {
         const int32_t node = mesh->periodic[i];
         if (is_free[node] || (mesh->constraint && mesh->constraint[node] >= PLANISH_ON_PLANE)) {
@@ -346,31 +334,12 @@ static int find_collapsed(const planish_mesh *mesh, planish_error *error) {
     return PLANISH_OK;
 }
 
-static void lead_destroy(pl_job *job) {
-    order o = {.error = NULL};
-    if (crew_of(job)->plan)
-        give_order(job, DESTROY_PLAN, &o);
-}
-
-static int lead_write(const pl_job *job, const char *path, uint64_t *checksums,
-                      planish_error *error) {
-    order o = {.path = path, .error = error};
-    if (!job->file && job->arguments->json)
-        o.checksums = checksums;
-    if (job->file && job->arguments->verbosity != PL_QUIET)
-        pl_note(stderr,
-                "%s: PETSc's file keeps nodes, elements and their regions; other groups and "
-                "fixed nodes are lost",
-                path);
-    return give_order(job, WRITE, &o);
-}
-
+/** Make the plan by all processes, or by this one alone if they cannot share the mesh. */
 static int lead_create(pl_job *job, planish_error *error) {
     pl_crew *crew = crew_of(job);
-    order o = {.options = &job->options, .error = error};
     if (find_collapsed(&job->mesh, error))
         return error->code;
-    int code = give_order(job, CREATE_PLAN, &o);
+    int code = create_plan(job, error);
     if (!code) {
         planish_plan_get_info(crew->plan, &job->plan_info);
         code = check_periodic(job, error);
@@ -381,68 +350,73 @@ static int lead_create(pl_job *job, planish_error *error) {
     if (crew->n_ranks > 1 && job->arguments->verbosity != PL_QUIET)
         pl_note(stderr, "%s: one process of %d does it all: %s", job->arguments->input,
                 crew->n_ranks, error->text);
-    lead_destroy(job);
+    destroy_plan(job);
     crew->engine = pl_engine_here;
     crew->engine.can_write = pl_plexfile_is;
-    crew->engine.write = lead_write;
+    crew->engine.write = write_mesh;
     job->traffic = (pl_traffic){.n_processes = crew->n_ranks};
     return pl_engine_here.plan_create(job, error);
 }
 
-static int lead_measure(const pl_job *job, planish_quality *quality, planish_error *error) {
-    order o = {.error = error};
-    const int code = give_order(job, MEASURE, &o);
-    *quality = o.quality;
-    return code;
-}
-
-static int lead_measure_elements(const pl_job *job, double *ratio, planish_error *error) {
-    order o = {.whole = ratio, .error = error};
-    return give_order(job, MEASURE_ELEMENTS, &o);
-}
-
-static int lead_find_states(const pl_job *job, pl_state_kind kind, const planish_options *options,
-                            int with_state, pl_states *found, planish_error *error) {
-    order o = {.kind = kind, .options = options, .with_state = with_state, .error = error};
-    const int code = give_order(job, FIND_STATES, &o);
-    *found = o.states;
-    return code;
-}
-
-static int lead_smooth(pl_job *job, planish_result *result, planish_error *error) {
-    order o = {.options = &job->options, .error = error};
-    o.whole = job->file ? planish_file_coordinates(job->file) : NULL;
-    const int code = give_order(job, SMOOTH, &o);
-    *result = o.result;
-    job->traffic = o.traffic;
-    return code;
-}
-
 int pl_crew_lead(pl_crew *crew, const pl_arguments *arguments) {
-    crew->engine = (pl_engine){.read = pl_large_can(arguments) ? lead_read : NULL,
+    crew->engine = (pl_engine){.read = pl_large_can(arguments) ? read_mesh : NULL,
                                .plan_create = lead_create,
-                               .plan_destroy = lead_destroy,
-                               .get_free = lead_get_free,
-                               .measure = lead_measure,
-                               .measure_elements = lead_measure_elements,
-                               .find_states = lead_find_states,
-                               .smooth = lead_smooth,
+                               .plan_destroy = destroy_plan,
+                               .get_free = get_free,
+                               .measure = measure,
+                               .measure_elements = measure_elements,
+                               .find_states = find_states,
+                               .smooth = smooth,
                                .can_write = pl_plexfile_is,
-                               .write = lead_write};
+                               .write = write_mesh};
     int status = pl_smooth_by(arguments, &crew->engine);
     pl_crew_tell(crew, END);
     MPI_Bcast(&status, 1, MPI_INT, 0, crew->comm);
     return status;
 }
 
+/* ---- the others ----------------------------------------------------------------------------- */
+
 int pl_crew_follow(pl_crew *crew) {
+    pl_job job = {.engine = &crew->engine};
+    planish_quality quality;
+    planish_result result;
+    pl_states states;
+    planish_error error; /* is that of all processes, and the first one tells of it */
     int status = PL_EXIT_FAILED;
-    for (int kind; (kind = pl_crew_listen(crew)) != END;) {
-        /* An error is that of all processes by now, and the first one tells of it. */
-        planish_error error;
-        order o = {.error = &error};
-        carry_out[kind](crew, &o);
-    }
+    planish_options_init(&job.options); /* those of the first process take their place */
+    for (int step; (step = pl_crew_listen(crew)) != END;)
+        switch ((order)step) {
+        case READ:
+            read_mesh(&job, &error);
+            break;
+        case CREATE_PLAN:
+            create_plan(&job, &error);
+            break;
+        case DESTROY_PLAN:
+            destroy_plan(&job);
+            break;
+        case GET_FREE:
+            get_free(&job, NULL, &error);
+            break;
+        case MEASURE:
+            measure(&job, &quality, &error);
+            break;
+        case MEASURE_ELEMENTS:
+            measure_elements(&job, NULL, &error);
+            break;
+        case FIND_STATES:
+            find_states(&job, PL_STATE_VOLUME, &job.options, 0, &states, &error);
+            break;
+        case SMOOTH:
+            smooth(&job, &result, &error);
+            break;
+        case WRITE:
+            write_mesh(&job, NULL, NULL, &error);
+            break;
+        case END:
+            break;
+        }
     MPI_Bcast(&status, 1, MPI_INT, 0, crew->comm);
     return status;
 }
