@@ -9,6 +9,10 @@ int64_t gmsh_node_tag(const struct variant *variant, int node) {
     return variant->sparse ? 1000 - 10 * node : node + 1;
 }
 
+static void put_names(file_builder *file) {
+    builder_text(file, "$PhysicalNames\n2\n3 7 \"the part\"\n2 8 \"skin\"\n$EndPhysicalNames\n");
+}
+
 file_builder gmsh_begin(const struct variant *variant, const char *version) {
     file_builder file = {.binary = variant->binary, .swapped = variant->swapped};
     file.wrap = variant->wrap;
@@ -18,50 +22,19 @@ file_builder gmsh_begin(const struct variant *variant, const char *version) {
         builder_text(&file, "\n");
     }
     builder_text(&file, "$EndMeshFormat\n$Comments\n$Nodes are below\n$EndComments\n");
-    builder_text(&file, "$PhysicalNames\n2\n3 7 \"the part\"\n2 8 \"skin\"\n$EndPhysicalNames\n");
+    put_names(&file);
     return file;
 }
 
 void gmsh_put_element2(file_builder *file, const struct variant *variant, int type, int number,
                        int physical, int elementary, int n, const int *nodes) {
-    if (variant->binary) {
-        builder_integer(file, type, 4);
-        builder_integer(file, 1, 4);
-        builder_integer(file, 2, 4);
-        builder_integer(file, number, 4);
-    } else {
-        builder_integer(file, number, 4);
-        builder_integer(file, type, 4);
-        builder_integer(file, 2, 4);
-    }
-    builder_integer(file, physical, 4);
-    builder_integer(file, elementary, 4);
+    const int binary[] = {type, 1, 2, number, physical, elementary};
+    const int text[] = {number, type, 2, physical, elementary};
+    for (int i = 0; i < (variant->binary ? 6 : 5); i++)
+        builder_integer(file, variant->binary ? binary[i] : text[i], 4);
     for (int i = 0; i < n; i++)
         builder_integer(file, gmsh_node_tag(variant, nodes[i]), 4);
     builder_line(file);
-}
-
-file_builder gmsh_make_msh2(const struct variant *variant, int64_t *place) {
-    file_builder file = gmsh_begin(variant, "2.2");
-    builder_text(&file, "$Nodes\n%d\n", N_NODES);
-    for (int i = 0; i < N_NODES; i++) {
-        builder_integer(&file, gmsh_node_tag(variant, i), 4);
-        place[i] = builder_place(&file);
-        for (int d = 0; d < 3; d++)
-            builder_real(&file, gmsh_points[i][d], 8);
-        builder_line(&file);
-    }
-    builder_text(&file, "\n$EndNodes\n$Elements\n7\n");
-    gmsh_put_element2(&file, variant, 15, 1, 0, 1, 1, (int[]){0});
-    gmsh_put_element2(&file, variant, 1, 2, 0, 2, 2, (int[]){0, 1});
-    gmsh_put_element2(&file, variant, 2, 3, 8, 3, 3, (int[]){0, 1, 2});
-    for (int i = 0; i < 4; i++)
-        gmsh_put_element2(&file, variant, 4, 10 + i * i, 7, i < 3 ? 4 : 5, 4, gmsh_tets[i]);
-    builder_text(&file, "\n$EndElements\n$Periodic\n1\n2 1 2\n");
-    builder_text(&file, "Affine 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n1\n%d %d\n$EndPeriodic\n",
-                 (int)gmsh_node_tag(variant, 3), (int)gmsh_node_tag(variant, FAR));
-    builder_text(&file, "$NodeData\n1\n\"$Elements\"\n$EndNodeData\n");
-    return file;
 }
 
 /* An element of MSH 1: number, type, groups, number of nodes, nodes. */
@@ -75,25 +48,45 @@ static void put_element1(file_builder *file, const struct variant *variant, int 
     builder_line(file);
 }
 
+/* Nodes and elements of MSH 1 and 2, from the number of nodes on; between: the lines between them. */
+static void
+put_mesh(file_builder *file, const struct variant *variant, int64_t *place, const char *between,
+         void (*put_element)(file_builder *file, const struct variant *variant, int type,
+                             int number, int physical, int elementary, int n, const int *nodes)) {
+    builder_text(file, "%d\n", N_NODES);
+    for (int i = 0; i < N_NODES; i++) {
+        builder_integer(file, gmsh_node_tag(variant, i), 4);
+        place[i] = builder_place(file);
+        for (int d = 0; d < 3; d++)
+            builder_real(file, gmsh_points[i][d], 8);
+        builder_line(file);
+    }
+    builder_text(file, "\n%s\n7\n", between);
+    put_element(file, variant, 15, 1, 0, 1, 1, (int[]){0});
+    put_element(file, variant, 1, 2, 0, 2, 2, (int[]){0, 1});
+    put_element(file, variant, 2, 3, 8, 3, 3, (int[]){0, 1, 2});
+    for (int i = 0; i < 4; i++)
+        put_element(file, variant, 4, 10 + i * i, 7, i < 3 ? 4 : 5, 4, gmsh_tets[i]);
+}
+
+file_builder gmsh_make_msh2(const struct variant *variant, int64_t *place) {
+    file_builder file = gmsh_begin(variant, "2.2");
+    builder_text(&file, "$Nodes\n");
+    put_mesh(&file, variant, place, "$EndNodes\n$Elements", gmsh_put_element2);
+    builder_text(&file, "\n$EndElements\n$Periodic\n1\n2 1 2\n");
+    builder_text(&file, "Affine 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n1\n%d %d\n$EndPeriodic\n",
+                 (int)gmsh_node_tag(variant, 3), (int)gmsh_node_tag(variant, FAR));
+    builder_text(&file, "$NodeData\n1\n\"$Elements\"\n$EndNodeData\n");
+    return file;
+}
+
 file_builder gmsh_make_msh1(const struct variant *variant, int64_t *place) {
     file_builder file = {.wrap = variant->wrap};
-    builder_text(&file, "$NOD\n%d\n", N_NODES);
-    for (int i = 0; i < N_NODES; i++) {
-        builder_integer(&file, gmsh_node_tag(variant, i), 4);
-        place[i] = builder_place(&file);
-        for (int d = 0; d < 3; d++)
-            builder_real(&file, gmsh_points[i][d], 8);
-        builder_line(&file);
-    }
-    builder_text(&file, "\n$ENDNOD\n$ELM\n7\n");
-    put_element1(&file, variant, 15, 1, 0, 1, 1, (int[]){0});
-    put_element1(&file, variant, 1, 2, 0, 2, 2, (int[]){0, 1});
-    put_element1(&file, variant, 2, 3, 8, 3, 3, (int[]){0, 1, 2});
-    for (int i = 0; i < 4; i++)
-        put_element1(&file, variant, 4, 10 + i * i, 7, i < 3 ? 4 : 5, 4, gmsh_tets[i]);
+    builder_text(&file, "$NOD\n");
+    put_mesh(&file, variant, place, "$ENDNOD\n$ELM", put_element1);
     builder_text(&file, "\n$ENDELM\n$Periodic\n1\n2 1 2\n1\n%d %d\n$EndPeriodic\n",
                  (int)gmsh_node_tag(variant, 3), (int)gmsh_node_tag(variant, FAR));
-    builder_text(&file, "$PhysicalNames\n2\n3 7 \"the part\"\n2 8 \"skin\"\n$EndPhysicalNames\n");
+    put_names(&file);
     return file;
 }
 
