@@ -17,6 +17,10 @@ enum { LABEL_SIZE = 64, TEXT_SIZE = 128 };
 
 /* ---- nodes of CGNS ------------------------------------------------------------------------ */
 
+io_hdf5_path cgns_child(cgns_reader *r, const io_hdf5_path *parent, const char *name) {
+    return io_hdf5_path_of(r->file, "%s/%s", parent->text[1] ? parent->text : "", name);
+}
+
 /** Find whether the object is a node with that label. */
 static int has_label(cgns_reader *r, const char *path, const char *label, int *has) {
     char found_label[LABEL_SIZE] = "", type[LABEL_SIZE] = "";
@@ -27,7 +31,7 @@ static int has_label(cgns_reader *r, const char *path, const char *label, int *h
     int status =
         io_hdf5_text_attribute(r->file, path, "label", found_label, sizeof found_label, &found);
     if (!status && found)
-        status = io_hdf5_text_attribute(r->file, path, "type", type, sizeof type, &found);
+        status = io_hdf5_text_attribute(r->file, path, "type", type, sizeof type, NULL);
     if (!status && strcmp(type, "LK") == 0)
         return io_hdf5_fail(r->file, path,
                             "is a link of CGNS, which is not followed; make one file without "
@@ -36,69 +40,62 @@ static int has_label(cgns_reader *r, const char *path, const char *label, int *h
     return status;
 }
 
-int cgns_children(cgns_reader *r, const char *path, const char *label, io_hdf5_names *names) {
-    char child[IO_HDF5_PATH_SIZE];
-    int status = io_hdf5_list(r->file, path, names);
-    int64_t kept = 0;
+int cgns_children(cgns_reader *r, const io_hdf5_path *path, const char *label,
+                  io_hdf5_names *names) {
+    int status = io_hdf5_list(r->file, path->text, names);
     const int64_t n = names->n;
+    names->n = 0;
     for (int64_t i = 0; i < n; i++) {
         int has = 0;
         if (!status)
-            status = io_hdf5_path(r->file, child, "%s/%s", path[1] ? path : "", names->name[i]);
-        if (!status)
-            status = has_label(r, child, label, &has);
+            status = has_label(r, cgns_child(r, path, names->name[i]).text, label, &has);
         if (has)
-            names->name[kept++] = names->name[i];
+            names->name[names->n++] = names->name[i];
         else
             pl_free(names->name[i]);
     }
-    names->n = kept;
     return status;
 }
 
-int cgns_integers(cgns_reader *r, const char *path, const char *child, io_hdf5_integers *integers) {
-    char data[IO_HDF5_PATH_SIZE];
-    *integers = (io_hdf5_integers){.n = 0};
-    int status = io_hdf5_path(r->file, data, "%s%s%s/ data", path, child[0] ? "/" : "", child);
-    return status ? status : io_hdf5_integers_read(r->file, data, integers);
+int cgns_integers(cgns_reader *r, const io_hdf5_path *path, io_hdf5_integers *integers) {
+    return io_hdf5_integers_read(r->file, cgns_child(r, path, " data").text, integers);
 }
 
-int cgns_text(cgns_reader *r, const char *path, const char *child, char *text, size_t size) {
-    char data[IO_HDF5_PATH_SIZE];
+int cgns_text(cgns_reader *r, const io_hdf5_path *path, const char *child, char *text,
+              size_t size) {
+    const io_hdf5_path data = io_hdf5_path_of(r->file, "%s/%s/ data", path->text, child);
     char *content = NULL;
     int64_t n = 0, length = 0;
     text[0] = '\0';
-    int status = io_hdf5_path(r->file, data, "%s/%s/ data", path, child);
-    if (status || io_hdf5_kind_of(r->file, data) == IO_HDF5_NONE)
+    if (io_hdf5_kind_of(r->file, data.text) == IO_HDF5_NONE)
+        return PLANISH_OK;
+    const int status = io_hdf5_strings_read(r->file, data.text, &content, &n, &length);
+    if (status)
         return status;
-    status = io_hdf5_strings_read(r->file, data, &content, &n, &length);
-    if (!status) {
-        int64_t used = n * length;
-        used = used < (int64_t)size ? used : (int64_t)size - 1;
-        memcpy(text, content, (size_t)used);
-        text[used] = '\0';
-        for (size_t end = strlen(text); end > 0 && text[end - 1] == ' '; end--)
-            text[end - 1] = '\0';
-    }
+    const int64_t used = n * length < (int64_t)size ? n * length : (int64_t)size - 1;
+    memcpy(text, content, (size_t)used);
+    text[used] = '\0';
+    for (size_t end = strlen(text); end > 0 && text[end - 1] == ' '; end--)
+        text[end - 1] = '\0';
     pl_free(content);
-    return status;
+    return PLANISH_OK;
 }
 
-/** Find the one child with a label, as path. */
-static int take_only(cgns_reader *r, const char *path, const char *label, const char *what,
-                     char *child) {
+/** Find the one child with a label. */
+static int find_only(cgns_reader *r, const io_hdf5_path *path, const char *label, const char *what,
+                     io_hdf5_path *child) {
     io_hdf5_names names;
     int status = cgns_children(r, path, label, &names);
     if (!status && names.n == 0)
         status = io_hdf5_fail(
-            r->file, path,
+            r->file, path->text,
             "there is no %s (no node with the label %s; files that meshio writes have no "
             "labels and are no CGNS files)",
             what, label);
     if (!status)
-        status = io_hdf5_check_only(r->file, path, what, &names);
+        status = io_hdf5_check_only(r->file, path->text, what, &names);
     if (!status)
-        status = io_hdf5_path(r->file, child, "%s/%s", path[1] ? path : "", names.name[0]);
+        *child = cgns_child(r, path, names.name[0]);
     io_hdf5_names_release(&names);
     return status;
 }
@@ -107,20 +104,20 @@ static int take_only(cgns_reader *r, const char *path, const char *label, const 
 
 /** Find the base, and how many coordinates nodes have. */
 static int read_base(cgns_reader *r) {
+    const io_hdf5_path root = {"/"};
     io_hdf5_integers dims = {0};
-    int status = take_only(r, "/", "CGNSBase_t", "base", r->base);
+    int status = find_only(r, &root, "CGNSBase_t", "base", &r->base);
     if (!status)
-        status = cgns_integers(r, r->base, "", &dims);
+        status = cgns_integers(r, &r->base, &dims);
     if (!status && dims.n != 2)
-        status = io_hdf5_fail(r->file, r->base, "two dimensions were expected, of cells and space");
-    if (!status) {
-        const int64_t space = io_hdf5_integer(&dims, 1);
-        r->model->columns = (int)space;
-        if (space != 2 && space != 3)
-            status = io_hdf5_fail(r->file, r->base,
-                                  "a mesh in %lld dimensions; planish smooths in 2 and 3",
-                                  (long long)space);
-    }
+        status =
+            io_hdf5_fail(r->file, r->base.text, "two dimensions were expected, of cells and space");
+    const int64_t space = status ? 0 : io_hdf5_integer(&dims, 1);
+    if (!status && space != 2 && space != 3)
+        status =
+            io_hdf5_fail(r->file, r->base.text,
+                         "a mesh in %lld dimensions; planish smooths in 2 and 3", (long long)space);
+    r->model->columns = (int)space;
     io_hdf5_integers_release(&dims);
     return status;
 }
@@ -129,18 +126,18 @@ static int read_base(cgns_reader *r) {
 static int read_zone(cgns_reader *r, int64_t *n_nodes) {
     char type[TEXT_SIZE] = "";
     io_hdf5_integers size = {0};
-    int status = take_only(r, r->base, "Zone_t", "zone", r->zone);
+    int status = find_only(r, &r->base, "Zone_t", "zone", &r->zone);
     if (!status)
-        status = cgns_text(r, r->zone, "ZoneType", type, sizeof type);
+        status = cgns_text(r, &r->zone, "ZoneType", type, sizeof type);
     if (!status && strcmp(type, "Unstructured") != 0)
-        status = io_hdf5_fail(r->file, r->zone,
+        status = io_hdf5_fail(r->file, r->zone.text,
                               "a zone of type '%s'; planish smooths unstructured zones of "
                               "tetrahedra or triangles",
                               type[0] ? type : "Structured");
     if (!status)
-        status = cgns_integers(r, r->zone, "", &size);
+        status = cgns_integers(r, &r->zone, &size);
     if (!status && (size.n < 3 || io_hdf5_integer(&size, 0) < 0))
-        status = io_hdf5_fail(r->file, r->zone,
+        status = io_hdf5_fail(r->file, r->zone.text,
                               "its size was expected: nodes, cells, nodes on the boundary");
     if (!status) {
         *n_nodes = io_hdf5_integer(&size, 0);
@@ -150,33 +147,32 @@ static int read_zone(cgns_reader *r, int64_t *n_nodes) {
     return status;
 }
 
+/** Read the coordinates of all nodes, a dataset for each direction. */
 static int read_nodes(cgns_reader *r, int64_t n_nodes) {
     io_model *model = r->model;
-    char grid[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
+    const io_hdf5_path grid = cgns_child(r, &r->zone, "GridCoordinates");
     io_hdf5_shape shape;
-    int status = io_hdf5_path(r->file, grid, "%s/GridCoordinates", r->zone);
-    if (!status && io_hdf5_kind_of(r->file, grid) != IO_HDF5_GROUP)
-        status = io_hdf5_fail(r->file, r->zone, "there are no GridCoordinates");
+    int status = PLANISH_OK;
+    if (io_hdf5_kind_of(r->file, grid.text) != IO_HDF5_GROUP)
+        return io_hdf5_fail(r->file, r->zone.text, "there are no GridCoordinates");
     for (int d = 0; d < model->columns && !status; d++) {
-        status = io_hdf5_path(r->file, path, "%s/Coordinate%c", grid, "XYZ"[d]);
-        if (!status && io_hdf5_kind_of(r->file, path) == IO_HDF5_NONE)
-            status = io_hdf5_fail(r->file, path,
-                                  "there are no such coordinates (planish reads cartesian ones: "
-                                  "CoordinateX, CoordinateY, CoordinateZ)");
-        if (!status)
-            status = io_hdf5_path(r->file, path, "%s/Coordinate%c/ data", grid, "XYZ"[d]);
+        const io_hdf5_path node = io_hdf5_path_of(r->file, "%s/Coordinate%c", grid.text, "XYZ"[d]);
+        const io_hdf5_place place = {cgns_child(r, &node, " data"), d, 1, 1, 0};
+        if (io_hdf5_kind_of(r->file, node.text) == IO_HDF5_NONE)
+            return io_hdf5_fail(r->file, node.text,
+                                "there are no such coordinates (planish reads cartesian ones: "
+                                "CoordinateX, CoordinateY, CoordinateZ)");
         /* The first ones tell whether there are as many nodes as the zone says, before room is made
          * for them. */
-        if (!status && d == 0)
-            status = io_hdf5_shape_of(r->file, path, &shape);
+        if (d == 0)
+            status = io_hdf5_shape_of(r->file, place.path.text, &shape);
         if (!status && d == 0 && shape.n != n_nodes)
-            status = io_hdf5_fail(r->file, path,
-                                  "%lld coordinates for %lld nodes (nodes beyond the zone, Rind, "
-                                  "are not read)",
-                                  (long long)shape.n, (long long)n_nodes);
+            return io_hdf5_fail(r->file, place.path.text,
+                                "%lld coordinates for %lld nodes (nodes beyond the zone, Rind, "
+                                "are not read)",
+                                (long long)shape.n, (long long)n_nodes);
         if (!status && d == 0)
             status = io_model_nodes(model, n_nodes, 0, r->error);
-        const io_hdf5_place place = {path, d, 1, 1, 0};
         if (!status)
             status = io_hdf5_coordinates(r->file, &place);
     }
@@ -188,7 +184,7 @@ static int read_nodes(cgns_reader *r, int64_t n_nodes) {
 
 /* ---- the format --------------------------------------------------------------------------- */
 
-/** Whether a file is in ADF: its mark is behind four characters with their highest bit set. */
+/** Return whether a file is in ADF: its mark is behind four characters with their highest bit set. */
 static int is_adf(const char *data, int64_t size) {
     static const char mark[] = "ADF Database Version";
     enum { BEFORE_MARK = 4, LENGTH = sizeof mark - 1 };

@@ -1,7 +1,7 @@
 /* cgns: what the parts of the reader of CGNS files share; for cgns.c, cgns_elements.c,
  * cgns_groups.c and cgns_data.c.
  *
- *   cgns_children, cgns_integers, cgns_text    nodes of CGNS and their data
+ *   cgns_child, _children, _integers, _text    nodes of CGNS and their data
  *   cgns_read_elements, cgns_release_sections  sections of elements
  *   cgns_read_groups                           boundary conditions, connections
  *   cgns_read_data                             values of cells
@@ -28,7 +28,7 @@ typedef struct cgns_reader {
     io_model *model;
     io_hdf5 *file;
     planish_error *error;
-    char base[IO_HDF5_PATH_SIZE], zone[IO_HDF5_PATH_SIZE];
+    io_hdf5_path base, zone;
     cgns_section *section; /* [n_sections] owned, in the order of their elements' numbers */
     int64_t n_sections, capacity;
     int64_t n_elements;
@@ -36,16 +36,19 @@ typedef struct cgns_reader {
 
 /* ---- cgns.c -------------------------------------------------------------------------------- */
 
-/** List the names of the nodes in a node that have the label. Release in any case. */
-int cgns_children(cgns_reader *r, const char *path, const char *label, io_hdf5_names *names);
+/** Return the path of the child called name of the node at path parent. */
+io_hdf5_path cgns_child(cgns_reader *r, const io_hdf5_path *parent, const char *name);
 
-/** Read the whole numbers of the node called child in the node at path, or of that itself where
- *  child is "". Release in any case. */
-int cgns_integers(cgns_reader *r, const char *path, const char *child, io_hdf5_integers *integers);
+/** List the names of the nodes in a node that have the label. Release in any case. */
+int cgns_children(cgns_reader *r, const io_hdf5_path *path, const char *label,
+                  io_hdf5_names *names);
+
+/** Read the whole numbers of the node at path. Release in any case. */
+int cgns_integers(cgns_reader *r, const io_hdf5_path *path, io_hdf5_integers *integers);
 
 /** Read the text of the node called child in the node at path, without blanks at its end; "" if
  *  there is no such node. */
-int cgns_text(cgns_reader *r, const char *path, const char *child, char *text, size_t size);
+int cgns_text(cgns_reader *r, const io_hdf5_path *path, const char *child, char *text, size_t size);
 
 /* ---- cgns_elements.c ----------------------------------------------------------------------- */
 

@@ -95,7 +95,7 @@ static int take_type(cgns_reader *r, const char *path, int64_t number,
 typedef struct walk {
     cgns_reader *r;
     cgns_section *section;
-    char path[IO_HDF5_PATH_SIZE]; /* of the list of nodes */
+    io_hdf5_path path; /* of the list of nodes */
     io_hdf5_integers nodes, offsets;
     int64_t n, index;            /* elements; the one that the walk came to, -1: none yet, */
     int64_t at;                  /* its nodes in the list, */
@@ -110,18 +110,18 @@ static int next_element(walk *w) {
     if (w->section->type != CGNS_MIXED)
         return PLANISH_OK;
     if (w->offsets.n > 0 && io_hdf5_integer(&w->offsets, w->index) != w->at)
-        return io_hdf5_fail(file, w->path,
+        return io_hdf5_fail(file, w->path.text,
                             "element %lld begins at %lld, and ElementStartOffset says %lld",
                             (long long)(w->section->start + w->index), (long long)w->at,
                             (long long)io_hdf5_integer(&w->offsets, w->index));
     if (w->at >= w->nodes.n)
-        return io_hdf5_fail(file, w->path,
+        return io_hdf5_fail(file, w->path.text,
                             "the list ends before element %lld of %lld (the file may be cut short)",
                             (long long)w->index + 1, (long long)w->n);
-    int status = take_type(w->r, w->path, io_hdf5_integer(&w->nodes, w->at), &w->type);
+    int status = take_type(w->r, w->path.text, io_hdf5_integer(&w->nodes, w->at), &w->type);
     w->at++;
     if (!status && w->type->nodes > w->nodes.n - w->at)
-        status = io_hdf5_fail(file, w->path, "the list ends within element %lld of %lld",
+        status = io_hdf5_fail(file, w->path.text, "the list ends within element %lld of %lld",
                               (long long)w->index + 1, (long long)w->n);
     return status;
 }
@@ -133,12 +133,13 @@ static int count_kept(walk *w, int64_t kept[4]) {
     if (w->section->type != CGNS_MIXED) {
         kept[io_element_dim(w->type)] = io_element_use(w->type) == IO_KEEP ? w->n : 0;
         if (w->nodes.n % w->type->nodes || w->nodes.n / w->type->nodes != w->n)
-            status = io_hdf5_fail(w->r->file, w->path, "%lld numbers for %lld elements of %d nodes",
-                                  (long long)w->nodes.n, (long long)w->n, w->type->nodes);
+            status =
+                io_hdf5_fail(w->r->file, w->path.text, "%lld numbers for %lld elements of %d nodes",
+                             (long long)w->nodes.n, (long long)w->n, w->type->nodes);
         return status;
     }
     if (w->offsets.n != 0 && w->offsets.n != w->n + 1)
-        return io_hdf5_fail(w->r->file, w->path, "%lld offsets for %lld elements",
+        return io_hdf5_fail(w->r->file, w->path.text, "%lld offsets for %lld elements",
                             (long long)w->offsets.n, (long long)w->n);
     for (int64_t i = 0; i < w->n && !status; i++) {
         status = next_element(w);
@@ -146,7 +147,7 @@ static int count_kept(walk *w, int64_t kept[4]) {
     }
     const int64_t end = w->at + (w->n > 0 ? w->type->nodes : 0);
     if (!status && end != w->nodes.n)
-        status = io_hdf5_fail(w->r->file, w->path,
+        status = io_hdf5_fail(w->r->file, w->path.text,
                               "%lld numbers are left behind the last of %lld elements",
                               (long long)(w->nodes.n - end), (long long)w->n);
     return status;
@@ -161,8 +162,9 @@ static int store_element(walk *w, int32_t section) {
     for (int j = 0; j < t->nodes; j++) {
         const int64_t number = io_hdf5_integer(&w->nodes, w->at + j);
         if (number < 1 || number > model->n_nodes)
-            return io_hdf5_fail(w->r->file, w->path, "element %lld: node %lld is not in 1 .. %lld",
-                                (long long)element, (long long)number, (long long)model->n_nodes);
+            return io_hdf5_fail(w->r->file, w->path.text,
+                                "element %lld: node %lld is not in 1 .. %lld", (long long)element,
+                                (long long)number, (long long)model->n_nodes);
         if (cells)
             cells->nodes[cells->n * t->nodes + j] = (int32_t)(number - 1);
         else
@@ -209,19 +211,17 @@ static int read_section(cgns_reader *r, int32_t index) {
               .n = section->end - section->start + 1,
               .index = -1,
               .type = &types[0]};
-    char path[IO_HDF5_PATH_SIZE], offsets[IO_HDF5_PATH_SIZE];
-    int status = io_hdf5_path(r->file, path, "%s/%s", r->zone, section->name);
-    if (!status && section->type != CGNS_MIXED) /* refused before its lists are looked for */
-        status = take_type(r, path, section->type, &w.type);
+    const io_hdf5_path path = cgns_child(r, &r->zone, section->name);
+    const io_hdf5_path offsets = cgns_child(r, &path, "ElementStartOffset");
+    const int is_mixed = section->type == CGNS_MIXED;
+    int status = PLANISH_OK;
+    w.path = cgns_child(r, &path, "ElementConnectivity");
+    if (!is_mixed) /* refused before its lists are looked for */
+        status = take_type(r, path.text, section->type, &w.type);
+    else if (io_hdf5_kind_of(r->file, offsets.text) == IO_HDF5_GROUP)
+        status = cgns_integers(r, &offsets, &w.offsets);
     if (!status)
-        status = io_hdf5_path(r->file, offsets, "%s/ElementStartOffset", path);
-    if (!status && section->type == CGNS_MIXED &&
-        io_hdf5_kind_of(r->file, offsets) == IO_HDF5_GROUP)
-        status = cgns_integers(r, offsets, "", &w.offsets);
-    if (!status)
-        status = io_hdf5_path(r->file, w.path, "%s/ElementConnectivity", path);
-    if (!status)
-        status = cgns_integers(r, w.path, "", &w.nodes);
+        status = cgns_integers(r, &w.path, &w.nodes);
     if (!status)
         status = store_elements(&w, index);
     io_hdf5_integers_release(&w.nodes);
@@ -231,28 +231,28 @@ static int read_section(cgns_reader *r, int32_t index) {
 
 /** Add the section called name, which is taken over, with type and range of its elements. */
 static int add_section(cgns_reader *r, char **name) {
-    char path[IO_HDF5_PATH_SIZE];
     io_hdf5_integers data = {0}, range = {0};
     const cgns_section named = {.name = *name};
     cgns_section *s = pl_append(&r->section, &r->n_sections, &r->capacity, &named, sizeof named);
     if (!s)
         return pl_fail_memory(r->error, "the sections of elements");
     *name = NULL;
-    int status = io_hdf5_path(r->file, path, "%s/%s", r->zone, s->name);
+    const io_hdf5_path path = cgns_child(r, &r->zone, s->name);
+    const io_hdf5_path numbers = cgns_child(r, &path, "ElementRange");
+    int status = cgns_integers(r, &path, &data);
     if (!status)
-        status = cgns_integers(r, path, "", &data);
-    if (!status)
-        status = cgns_integers(r, path, "ElementRange", &range);
+        status = cgns_integers(r, &numbers, &range);
     if (!status && (data.n < 1 || range.n != 2))
-        status = io_hdf5_fail(r->file, path, "type and range of its elements were expected");
+        status = io_hdf5_fail(r->file, path.text, "type and range of its elements were expected");
     if (!status) {
         const int64_t type = io_hdf5_integer(&data, 0);
         s->type = type > 0 && type < N_TYPES ? (int)type : 0;
         s->start = io_hdf5_integer(&range, 0);
         s->end = io_hdf5_integer(&range, 1);
         if (s->start < 1 || s->end < s->start - 1 || s->end == INT64_MAX)
-            status = io_hdf5_fail(r->file, path, "ElementRange: elements %lld to %lld are no range",
-                                  (long long)s->start, (long long)s->end);
+            status =
+                io_hdf5_fail(r->file, path.text, "ElementRange: elements %lld to %lld are no range",
+                             (long long)s->start, (long long)s->end);
     }
     io_hdf5_integers_release(&data);
     io_hdf5_integers_release(&range);
@@ -267,7 +267,7 @@ static int compare_sections(const void *a, const void *b) {
 
 int cgns_read_elements(cgns_reader *r) {
     io_hdf5_names names;
-    int status = cgns_children(r, r->zone, "Elements_t", &names);
+    int status = cgns_children(r, &r->zone, "Elements_t", &names);
     for (int64_t i = 0; i < names.n && !status; i++)
         status = add_section(r, &names.name[i]);
     io_hdf5_names_release(&names);
@@ -276,7 +276,7 @@ int cgns_read_elements(cgns_reader *r) {
     for (int64_t i = 1; i < r->n_sections && !status; i++)
         if (r->section[i].start <= r->section[i - 1].end)
             status = io_hdf5_fail(
-                r->file, r->zone, "element %lld is in two sections, %.60s and %.60s",
+                r->file, r->zone.text, "element %lld is in two sections, %.60s and %.60s",
                 (long long)r->section[i].start, r->section[i - 1].name, r->section[i].name);
     for (int64_t i = 0; i < r->n_sections && !status; i++)
         status = read_section(r, (int32_t)i);

@@ -176,7 +176,7 @@ static int take_list(groups *g, const char *path, int is_nodes, int is_range,
 
 /** Take all that a node of CGNS lists: points, which are nodes or elements by its GridLocation, and
  *  elements. */
-static int take_members(groups *g, const char *path, int32_t in_condition) {
+static int take_members(groups *g, const io_hdf5_path *path, int32_t in_condition) {
     static const struct {
         const char *name;
         int is_points, is_range;
@@ -185,20 +185,20 @@ static int take_members(groups *g, const char *path, int32_t in_condition) {
                  {"PointListDonor", 1, 0},
                  {"ElementList", 0, 0},
                  {"ElementRange", 0, 1}};
-    char child[IO_HDF5_PATH_SIZE], location[NAME_SIZE] = "";
+    char location[NAME_SIZE] = "";
     int status = cgns_text(g->r, path, "GridLocation", location, sizeof location);
     const int is_vertex = !location[0] || strcmp(location, "Vertex") == 0;
     for (size_t i = 0; i < sizeof lists / sizeof *lists && !status; i++) {
         io_hdf5_integers numbers = {0};
-        status = io_hdf5_path(g->r->file, child, "%s/%s", path, lists[i].name);
-        if (status || io_hdf5_kind_of(g->r->file, child) != IO_HDF5_GROUP)
+        const io_hdf5_path child = cgns_child(g->r, path, lists[i].name);
+        if (io_hdf5_kind_of(g->r->file, child.text) != IO_HDF5_GROUP)
             continue;
         const int is_nodes = lists[i].is_points && is_vertex;
-        status = cgns_integers(g->r, child, "", &numbers);
+        status = cgns_integers(g->r, &child, &numbers);
         if (!status && is_nodes)
             status = begin_nodes(g);
         if (!status)
-            status = take_list(g, child, is_nodes, lists[i].is_range, &numbers, in_condition);
+            status = take_list(g, child.text, is_nodes, lists[i].is_range, &numbers, in_condition);
         io_hdf5_integers_release(&numbers);
     }
     return status;
@@ -206,35 +206,28 @@ static int take_members(groups *g, const char *path, int32_t in_condition) {
 
 /* ---- conditions and connections ------------------------------------------------------------ */
 
-/** Add the condition called name, which is taken over. */
-static int add_condition(groups *g, const char *path, char **name) {
-    const condition named = {.name = *name};
-    condition *c =
-        pl_append(&g->condition, &g->n_conditions, &g->condition_capacity, &named, sizeof named);
-    if (!c)
-        return pl_fail_memory(g->r->error, "the groups of the file");
-    *name = NULL;
-    return cgns_text(g->r, path, "FamilyName", c->family, sizeof c->family);
-}
-
 /** Take the members of all children with a label, of children of the zone with another; these are
  *  conditions or connections. */
 static int read_lists(groups *g, const char *label, const char *of, int are_conditions) {
-    char group[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
     io_hdf5_names outer, inner;
-    int status = cgns_children(g->r, g->r->zone, of, &outer);
+    int status = cgns_children(g->r, &g->r->zone, of, &outer);
     for (int64_t i = 0; i < outer.n && !status; i++) {
-        status = io_hdf5_path(g->r->file, group, "%s/%s", g->r->zone, outer.name[i]);
-        if (status)
-            break;
-        status = cgns_children(g->r, group, label, &inner);
+        const io_hdf5_path group = cgns_child(g->r, &g->r->zone, outer.name[i]);
+        status = cgns_children(g->r, &group, label, &inner);
         for (int64_t j = 0; j < inner.n && !status; j++) {
-            status = io_hdf5_path(g->r->file, path, "%s/%s", group, inner.name[j]);
-            if (!status && are_conditions)
-                status = add_condition(g, path, &inner.name[j]);
+            const io_hdf5_path path = cgns_child(g->r, &group, inner.name[j]);
+            const condition named = {.name = inner.name[j]};
+            condition *c = are_conditions ? pl_append(&g->condition, &g->n_conditions,
+                                                      &g->condition_capacity, &named, sizeof named)
+                                          : NULL;
+            if (c) { /* which owns its name now */
+                inner.name[j] = NULL;
+                status = cgns_text(g->r, &path, "FamilyName", c->family, sizeof c->family);
+            } else if (are_conditions) {
+                status = pl_fail_memory(g->r->error, "the groups of the file");
+            }
             if (!status)
-                status =
-                    take_members(g, path, are_conditions ? (int32_t)g->n_conditions - 1 : NONE);
+                status = take_members(g, &path, c ? (int32_t)g->n_conditions - 1 : NONE);
         }
         io_hdf5_names_release(&inner);
     }

@@ -44,10 +44,14 @@ static void make_printable(char *text) {
 int io_hdf5_fail(io_hdf5 *file, const char *path, const char *format, ...) {
     char text[384], shown[256];
     va_list arguments;
+    if (file->is_too_long) {
+        path = file->unknown;
+        format = "this name is too long";
+    }
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    snprintf(shown, sizeof shown, "%s", path);
+    snprintf(shown, sizeof shown, "%.255s", path);
     make_printable(shown);
     make_printable(text);
     return pl_fail(file->error, PLANISH_ERROR_FORMAT, "%s: %s: %s", file->model->input.path, shown,
@@ -68,17 +72,25 @@ int hdf5_fail_library(io_hdf5 *file, const char *path, const char *text) {
     return io_hdf5_fail(file, path, "%s (HDF5: %s); the file may be damaged", text, reason);
 }
 
-int io_hdf5_path(io_hdf5 *file, char *path, const char *format, ...) {
+io_hdf5_path io_hdf5_path_of(io_hdf5 *file, const char *format, ...) {
+    io_hdf5_path path;
     va_list arguments;
     va_start(arguments, format);
-    int length = vsnprintf(path, IO_HDF5_PATH_SIZE, format, arguments);
+    const int length = vsnprintf(path.text, sizeof path.text, format, arguments);
     va_end(arguments);
-    if (length < IO_HDF5_PATH_SIZE)
-        return PLANISH_OK;
-    return io_hdf5_fail(file, path, "this name is too long");
+    if (length >= IO_HDF5_PATH_SIZE && !file->is_too_long) {
+        file->is_too_long = 1;
+        memcpy(file->unknown, path.text, sizeof path.text);
+    }
+    return path;
 }
 
 /* ---- the file ------------------------------------------------------------------------------ */
+
+void hdf5_release(hid_t id) {
+    if (id >= 0)
+        H5Idec_ref(id);
+}
 
 /** Refuse a link to another file. */
 static herr_t refuse_link(const char *parent_file, const char *parent_group, const char *child_file,
@@ -89,12 +101,11 @@ static herr_t refuse_link(const char *parent_file, const char *parent_group, con
 }
 
 hid_t hdf5_link_access(void) {
-    hid_t access = H5Pcreate(H5P_LINK_ACCESS);
-    if (access >= 0 && H5Pset_elink_cb(access, refuse_link, NULL) < 0) {
-        H5Pclose(access);
-        return -1;
-    }
-    return access;
+    const hid_t access = H5Pcreate(H5P_LINK_ACCESS);
+    if (access < 0 || H5Pset_elink_cb(access, refuse_link, NULL) >= 0)
+        return access;
+    hdf5_release(access);
+    return -1;
 }
 
 /** Find the kind of an object; *is_open: it could be looked at. */
@@ -103,8 +114,8 @@ static io_hdf5_kind kind_in(hid_t file, hid_t access, const char *path, int *is_
     *is_open = object >= 0;
     if (object < 0)
         return IO_HDF5_NONE;
-    H5I_type_t type = H5Iget_type(object);
-    H5Oclose(object);
+    const H5I_type_t type = H5Iget_type(object);
+    hdf5_release(object);
     return type == H5I_GROUP ? IO_HDF5_GROUP : type == H5I_DATASET ? IO_HDF5_DATASET : IO_HDF5_NONE;
 }
 
@@ -117,8 +128,7 @@ int io_hdf5_recognise(const char *data, int64_t size, const char *path) {
     int found = file >= 0 && access >= 0 && kind_in(file, access, path, &is_open) != IO_HDF5_NONE;
     if (file >= 0)
         H5Fclose(file);
-    if (access >= 0)
-        H5Pclose(access);
+    hdf5_release(access);
     hdf5_restore(voice);
     return found;
 }
@@ -127,8 +137,7 @@ int64_t hdf5_user_block(hid_t file) {
     hsize_t size = 0;
     const hid_t list = H5Fget_create_plist(file);
     const int failed = list < 0 || H5Pget_userblock(list, &size) < 0;
-    if (list >= 0)
-        H5Pclose(list);
+    hdf5_release(list);
     return failed ? -1 : (int64_t)size;
 }
 
@@ -162,8 +171,7 @@ int io_hdf5_open(io_model *model, io_hdf5 **out, planish_error *error) {
 void io_hdf5_close(io_hdf5 *file) {
     if (!file)
         return;
-    if (file->access >= 0)
-        H5Pclose(file->access);
+    hdf5_release(file->access);
     if (file->id >= 0)
         H5Fclose(file->id);
     hdf5_restore(file->voice);
@@ -198,16 +206,10 @@ io_hdf5_kind io_hdf5_kind_of(io_hdf5 *file, const char *path) {
 }
 
 int io_hdf5_check(io_hdf5 *file) {
-    return file->unknown[0] ? hdf5_fail_library(file, file->unknown, "cannot be looked at")
-                            : PLANISH_OK;
+    if (!file->unknown[0])
+        return PLANISH_OK;
+    return hdf5_fail_library(file, file->unknown, "cannot be looked at");
 }
-
-typedef struct listing {
-    io_hdf5 *file;
-    const char *path;
-    io_hdf5_names *names;
-    int status;
-} listing;
 
 int io_hdf5_names_add(io_hdf5 *file, io_hdf5_names *names, char *name) {
     if (name && pl_append(&names->name, &names->n, &names->capacity, &name, sizeof name))
@@ -216,8 +218,16 @@ int io_hdf5_names_add(io_hdf5 *file, io_hdf5_names *names, char *name) {
     return pl_fail_memory(file->error, "the names of objects");
 }
 
+/** A group whose names are listed. */
+typedef struct listed_group {
+    io_hdf5 *file;
+    const char *path;
+    io_hdf5_names *names;
+    int status;
+} listed_group;
+
 static herr_t add_name(hid_t group, const char *name, const H5L_info_t *info, void *data) {
-    listing *l = data;
+    listed_group *l = data;
     (void)group;
     if (info->type != H5L_TYPE_HARD && info->type != H5L_TYPE_SOFT)
         l->status = io_hdf5_fail(l->file, l->path,
@@ -237,17 +247,14 @@ static int compare_names(const void *a, const void *b) {
 /* In the order of the file: for any other the library makes a table first, and in a damaged file
  * releases entries of it that it has not filled in (1.10). */
 int io_hdf5_list(io_hdf5 *file, const char *path, io_hdf5_names *names) {
-    listing l = {file, path, names, PLANISH_OK};
+    listed_group l = {file, path, names, PLANISH_OK};
     *names = (io_hdf5_names){0};
-    hid_t group = H5Oopen(file->id, path, file->access);
-    if (group < 0 || H5Iget_type(group) != H5I_GROUP) {
+    const hid_t group = H5Oopen(file->id, path, file->access);
+    if (group < 0 || H5Iget_type(group) != H5I_GROUP)
         l.status = io_hdf5_fail(file, path, "there is no such group");
-    } else if (H5Literate(group, H5_INDEX_NAME, H5_ITER_NATIVE, NULL, add_name, &l) < 0 &&
-               !l.status) {
+    else if (H5Literate(group, H5_INDEX_NAME, H5_ITER_NATIVE, NULL, add_name, &l) < 0 && !l.status)
         l.status = hdf5_fail_library(file, path, "this group cannot be read");
-    }
-    if (group >= 0)
-        H5Oclose(group);
+    hdf5_release(group);
     if (names->n > 0)
         qsort(names->name, (size_t)names->n, sizeof *names->name, compare_names);
     return l.status;
@@ -274,60 +281,57 @@ int io_hdf5_check_only(io_hdf5 *file, const char *path, const char *what,
 
 /* ---- attributes --------------------------------------------------------------------------- */
 
-/** Open the attribute of one value; negative if there is none, or not of one value. */
-static hid_t open_attribute(io_hdf5 *file, const char *path, const char *name) {
-    hid_t attribute = H5Aopen_by_name(file->id, path, name, H5P_DEFAULT, file->access);
-    hid_t space = attribute < 0 ? -1 : H5Aget_space(attribute);
-    int is_single = space >= 0 && H5Sget_simple_extent_npoints(space) == 1;
-    if (space >= 0)
-        H5Sclose(space);
-    if (attribute >= 0 && !is_single) {
-        H5Aclose(attribute);
-        return -1;
-    }
-    return attribute;
+/** Open the attribute of one value, and its type; negative if there is none, or not of one value. */
+static hid_t open_attribute(io_hdf5 *file, const char *path, const char *name, hid_t *type) {
+    const hid_t attribute = H5Aopen_by_name(file->id, path, name, H5P_DEFAULT, file->access);
+    const hid_t space = attribute < 0 ? -1 : H5Aget_space(attribute);
+    const int is_single = space >= 0 && H5Sget_simple_extent_npoints(space) == 1;
+    hdf5_release(space);
+    *type = is_single ? H5Aget_type(attribute) : -1;
+    if (is_single)
+        return attribute;
+    hdf5_release(attribute);
+    return -1;
 }
 
 int io_hdf5_attribute(io_hdf5 *file, const char *path, const char *name, int64_t *value,
                       int *found) {
-    hid_t attribute = open_attribute(file, path, name);
-    *found = 0;
-    if (attribute < 0)
-        return PLANISH_OK;
-    hid_t type = H5Aget_type(attribute);
-    *found = type >= 0 && H5Tget_class(type) == H5T_INTEGER &&
-             H5Aread(attribute, H5T_NATIVE_INT64, value) >= 0;
-    if (type >= 0)
-        H5Tclose(type);
-    H5Aclose(attribute);
-    return *found ? PLANISH_OK
-                  : io_hdf5_fail(file, path, "its attribute %s is no whole number", name);
+    hid_t type, attribute = open_attribute(file, path, name, &type);
+    const int is_read = type >= 0 && H5Tget_class(type) == H5T_INTEGER &&
+                        H5Aread(attribute, H5T_NATIVE_INT64, value) >= 0;
+    hdf5_release(type);
+    hdf5_release(attribute);
+    if (found)
+        *found = is_read;
+    if (attribute >= 0 && !is_read)
+        return io_hdf5_fail(file, path, "its attribute %s is no whole number", name);
+    return PLANISH_OK;
 }
 
 int io_hdf5_text_attribute(io_hdf5 *file, const char *path, const char *name, char *text,
                            size_t size, int *found) {
     char fixed[IO_HDF5_PATH_SIZE], *variable = NULL;
-    hid_t attribute = open_attribute(file, path, name);
-    *found = 0;
-    if (attribute < 0)
-        return PLANISH_OK;
-    hid_t type = H5Aget_type(attribute);
+    hid_t type, attribute = open_attribute(file, path, name, &type);
     const int is_text = type >= 0 && H5Tget_class(type) == H5T_STRING;
     const size_t length = is_text ? H5Tget_size(type) : 0;
+    int is_read = 0;
     if (is_text && H5Tis_variable_str(type) > 0) {
-        *found = H5Aread(attribute, type, &variable) >= 0 && variable;
-        if (*found)
+        is_read = H5Aread(attribute, type, &variable) >= 0 && variable;
+        if (is_read)
             snprintf(text, size, "%s", variable);
         H5free_memory(variable);
     } else if (length > 0 && length < sizeof fixed && H5Aread(attribute, type, fixed) >= 0) {
         fixed[length] = '\0';
         snprintf(text, size, "%s", fixed);
-        *found = 1;
+        is_read = 1;
     }
-    if (type >= 0)
-        H5Tclose(type);
-    H5Aclose(attribute);
-    return *found ? PLANISH_OK : io_hdf5_fail(file, path, "its attribute %s is no text", name);
+    hdf5_release(type);
+    hdf5_release(attribute);
+    if (found)
+        *found = is_read;
+    if (attribute >= 0 && !is_read)
+        return io_hdf5_fail(file, path, "its attribute %s is no text", name);
+    return PLANISH_OK;
 }
 
 #endif

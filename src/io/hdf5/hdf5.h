@@ -2,9 +2,9 @@
  * them, and coordinates with their places in the file's bytes.
  *
  *   io_hdf5_recognise, _open, _close, _check, _fail        a file (hdf5.c)
- *   io_hdf5_path, _kind_of, _list, _names_..., _check_only    objects
+ *   io_hdf5_path_of, _kind_of, _list, _names_..., _check_only    objects
  *   io_hdf5_attribute, _text_attribute                     attributes
- *   io_hdf5_shape_of, _numbers_of, _integers_..., _strings_read, _reals_read
+ *   io_hdf5_shape_of, _integers_..., _strings_read, _reals_read, _cell_array
  *                                                          datasets (hdf5_data.c)
  *   io_hdf5_coordinates, _coordinates_again, _is_as_long, _coordinates_end, _find_rows
  *                                                          coordinates (hdf5_coordinates.c)
@@ -42,15 +42,21 @@ int io_hdf5_fail(io_hdf5 *file, const char *path, const char *format, ...) PL_PR
 
 enum { IO_HDF5_PATH_SIZE = 1024 };
 
-/** Put the path that format gives in path [IO_HDF5_PATH_SIZE]; fails if it is too long. */
-int io_hdf5_path(io_hdf5 *file, char *path, const char *format, ...) PL_PRINTF(3, 4);
+/** Path of an object. */
+typedef struct io_hdf5_path {
+    char text[IO_HDF5_PATH_SIZE];
+} io_hdf5_path;
+
+/** Return the path that format gives. One that is too long is cut off and remembered: the next
+ *  error of the file, at the latest that of io_hdf5_check, says so. */
+io_hdf5_path io_hdf5_path_of(io_hdf5 *file, const char *format, ...) PL_PRINTF(2, 3);
 
 typedef enum io_hdf5_kind { IO_HDF5_NONE, IO_HDF5_GROUP, IO_HDF5_DATASET } io_hdf5_kind;
 /** Find the kind of the object at path. */
 io_hdf5_kind io_hdf5_kind_of(io_hdf5 *file, const char *path);
 
-/** Check, after all of the file, whether io_hdf5_kind_of has called anything _NONE that is there,
- *  but could not be looked at (without memory, say): then that fails. */
+/** Check, after all of the file, whether a path was too long, or io_hdf5_kind_of has called anything
+ *  _NONE that is there, but could not be looked at (without memory, say): then that fails. */
 int io_hdf5_check(io_hdf5 *file);
 
 /** Names of the objects in a group, in the names' order. */
@@ -67,8 +73,8 @@ void io_hdf5_names_release(io_hdf5_names *names);
 int io_hdf5_check_only(io_hdf5 *file, const char *path, const char *what,
                        const io_hdf5_names *names);
 
-/** Read the attribute of an object, a whole number or text (cut off at size); *found, and value
- *  untouched without it. */
+/** Read the attribute of an object, a whole number or text (cut off at size). Without it value stays
+ *  as it is. *found: it is there; found may be NULL. */
 int io_hdf5_attribute(io_hdf5 *file, const char *path, const char *name, int64_t *value,
                       int *found);
 int io_hdf5_text_attribute(io_hdf5 *file, const char *path, const char *name, char *text,
@@ -99,11 +105,6 @@ static inline int64_t io_hdf5_integer(const io_hdf5_integers *integers, int64_t 
                                : io_load_i64(integers->data + 8 * i, integers->swapped);
 }
 
-/** Kind of the values of a dataset; _NEITHER of one that cannot be read as numbers in one or two
- *  dimensions. */
-typedef enum io_hdf5_numbers { IO_HDF5_NEITHER, IO_HDF5_WHOLE, IO_HDF5_REAL } io_hdf5_numbers;
-io_hdf5_numbers io_hdf5_numbers_of(io_hdf5 *file, const char *path, io_hdf5_shape *shape);
-
 /** Read n strings of one length, one after another, as they stand there. *text is owned by the
  *  caller. Numbers of one byte are text, too. */
 int io_hdf5_strings_read(io_hdf5 *file, const char *path, char **text, int64_t *n, int64_t *length);
@@ -111,12 +112,18 @@ int io_hdf5_strings_read(io_hdf5 *file, const char *path, char **text, int64_t *
 /** Read numbers of any kind as doubles, and their shape; *values is owned by the caller. */
 int io_hdf5_reals_read(io_hdf5 *file, const char *path, double **values, io_hdf5_shape *shape);
 
+/** Make an array called name (arrays.h) of a dataset of one number for each of n cells, in the
+ *  file's order of cells; by_element: of the elements that are smoothed, which are n. A dataset of
+ *  another length, or that cannot be read as numbers, is passed over. */
+int io_hdf5_cell_array(io_hdf5 *file, const char *path, const char *name, int64_t n,
+                       int by_element);
+
 /* ---- coordinates --------------------------------------------------------------------------- */
 
 /** Components of all nodes in a dataset: that of node i is value c * component_step +
  *  i * node_step, c = 0 .. n_components - 1, and becomes xyz[3 * i + component + c]. */
 typedef struct io_hdf5_place {
-    char *path;
+    io_hdf5_path path;
     int component, n_components;
     int64_t node_step, component_step;
 } io_hdf5_place;

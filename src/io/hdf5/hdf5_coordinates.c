@@ -20,31 +20,16 @@ enum { MOST_CHUNKS = 4096 };
 
 /** Coordinates that the library changes: io_model.of_format. */
 typedef struct amended {
-    io_hdf5_place *place; /* [n] with their paths owned */
+    io_hdf5_place *place; /* [n] */
     int64_t n, capacity;
 } amended;
 
 void io_hdf5_release(io_model *model) {
     amended *a = model->of_format;
-    for (int64_t i = 0; a && i < a->n; i++)
-        pl_free(a->place[i].path);
     if (a)
         pl_free(a->place);
     pl_free(a);
     model->of_format = NULL;
-}
-
-static int add_amended(io_hdf5 *file, const io_hdf5_place *place) {
-    io_model *model = file->model;
-    if (!model->of_format)
-        model->of_format = pl_alloc_zero(1, sizeof(amended));
-    amended *a = model->of_format;
-    io_hdf5_place copy = *place;
-    copy.path = a ? pl_copy_text(place->path) : NULL;
-    if (copy.path && pl_append(&a->place, &a->n, &a->capacity, &copy, sizeof copy))
-        return PLANISH_OK;
-    pl_free(copy.path);
-    return pl_fail_memory(file->error, "the places of coordinates");
 }
 
 /* ---- places ------------------------------------------------------------------------------- */
@@ -99,7 +84,12 @@ static int add_places(io_hdf5 *file, const io_hdf5_place *place, const hdf5_data
     if (status || is_added)
         return status;
     file->model->n_spans = before;
-    return add_amended(file, place);
+    amended *list = file->model->of_format;
+    if (!list)
+        list = file->model->of_format = pl_alloc_zero(1, sizeof *list);
+    return list && pl_append(&list->place, &list->n, &list->capacity, place, sizeof *place)
+               ? PLANISH_OK
+               : pl_fail_memory(file->error, "the places of coordinates");
 }
 
 static int compare_spans(const void *a, const void *b) {
@@ -145,7 +135,7 @@ static int take_values(io_hdf5 *file, const io_hdf5_place *place, const io_span 
                                      ? (double)io_load_f32(data + 4 * at, like->swapped)
                                      : io_load_f64(data + 8 * at, like->swapped);
             if (!isfinite(value))
-                return io_hdf5_fail(file, place->path,
+                return io_hdf5_fail(file, place->path.text,
                                     "node %lld has a coordinate that is not finite",
                                     (long long)i + 1);
             model->xyz[3 * i + place->component + c] = value;
@@ -160,17 +150,17 @@ static int read_values(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dat
     io_span like = {0};
     void *copy = NULL;
     if (d->shape.n / place->n_components != model->n_nodes || d->shape.n % place->n_components)
-        return io_hdf5_fail(file, place->path, "%lld coordinates for %lld nodes",
+        return io_hdf5_fail(file, place->path.text, "%lld coordinates for %lld nodes",
                             (long long)d->shape.n, (long long)model->n_nodes);
     if (d->shape.n == 0)
         return PLANISH_OK;
-    int status = take_encoding(file, place->path, d->type, &like);
+    int status = take_encoding(file, place->path.text, d->type, &like);
     if (status)
         return status;
     const planish_precision precision =
         like.encoding == IO_FLOAT32 ? PLANISH_FLOAT : PLANISH_DOUBLE;
     if (file->has_precision && model->precision != precision)
-        return io_hdf5_fail(file, place->path,
+        return io_hdf5_fail(file, place->path.text,
                             "this coordinate is of another precision than those before; give all "
                             "the same");
     file->has_precision = 1;
@@ -178,7 +168,8 @@ static int read_values(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dat
     if (d->offset >= 0) {
         status = take_values(file, place, &like, model->input.data + d->offset);
     } else { /* through the library, as the bytes are not at hand */
-        status = hdf5_dataset_read(file, place->path, d, H5T_NATIVE_DOUBLE, sizeof(double), &copy);
+        status =
+            hdf5_dataset_read(file, place->path.text, d, H5T_NATIVE_DOUBLE, sizeof(double), &copy);
         if (!status)
             status = take_values(file, place, &of_copy, copy);
         pl_free(copy);
@@ -188,7 +179,7 @@ static int read_values(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dat
 
 int io_hdf5_coordinates(io_hdf5 *file, const io_hdf5_place *place) {
     hdf5_dataset d;
-    int status = hdf5_dataset_open(file, place->path, &d);
+    int status = hdf5_dataset_open(file, place->path.text, &d);
     if (!status)
         status = read_values(file, place, &d);
     hdf5_dataset_close(&d);
@@ -214,45 +205,32 @@ int io_hdf5_is_as_long(io_hdf5 *file, const char *path, int64_t n) {
     return there == n;
 }
 
-/** Find whether the values are those of the model. */
-static int compare_values(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d,
-                          int *is_copy) {
-    const io_model *model = file->model;
-    void *read;
-    int status = hdf5_dataset_read(file, place->path, d, H5T_NATIVE_DOUBLE, sizeof(double), &read);
-    const double *values = read;
-    *is_copy = !status;
-    for (int c = 0; c < place->n_components && *is_copy; c++)
-        for (int64_t i = 0; i < model->n_nodes && *is_copy; i++)
-            *is_copy = values[c * place->component_step + i * place->node_step] ==
-                       model->xyz[3 * i + place->component + c];
-    pl_free(read);
-    return status;
-}
-
-/** Whether its bytes are coordinates already, by another link to them. */
-static int is_known(const io_hdf5 *file, const hdf5_dataset *d) {
-    for (int64_t i = 0; i < file->model->n_spans && d->offset >= 0; i++)
-        if (file->model->span[i].offset == d->offset)
-            return 1;
-    return 0;
-}
-
 int io_hdf5_coordinates_again(io_hdf5 *file, const io_hdf5_place *place, int *is_copy) {
     const io_model *model = file->model;
     hdf5_dataset d;
     io_span like = {0};
-    *is_copy = 0;
-    int status = open_quietly(file, place->path, &d);
+    void *values = NULL;
+    int status = open_quietly(file, place->path.text, &d);
     const int may_be = !status && H5Tget_class(d.type) == H5T_FLOAT && d.shape.n > 0 &&
                        d.shape.n == model->n_nodes * place->n_components &&
                        (d.size == sizeof(float)) == (model->precision == PLANISH_FLOAT);
-    status = may_be ? compare_values(file, place, &d, is_copy) : PLANISH_OK;
-    if (!status && *is_copy && !is_known(file, &d)) {
-        status = take_encoding(file, place->path, d.type, &like);
-        if (!status)
-            status = add_places(file, place, &d, like);
-    }
+    status = may_be ? hdf5_dataset_read(file, place->path.text, &d, H5T_NATIVE_DOUBLE,
+                                        sizeof(double), &values)
+                    : PLANISH_OK;
+    *is_copy = may_be && !status;
+    for (int c = 0; c < place->n_components && *is_copy; c++)
+        for (int64_t i = 0; i < model->n_nodes && *is_copy; i++)
+            *is_copy = ((const double *)values)[c * place->component_step + i * place->node_step] ==
+                       model->xyz[3 * i + place->component + c];
+    /* Its bytes may be coordinates already, by another link to them. */
+    int is_known = 0;
+    for (int64_t i = 0; i < model->n_spans && d.offset >= 0; i++)
+        is_known |= model->span[i].offset == d.offset;
+    if (*is_copy && !is_known)
+        status = take_encoding(file, place->path.text, d.type, &like);
+    if (!status && *is_copy && !is_known)
+        status = add_places(file, place, &d, like);
+    pl_free(values);
     hdf5_dataset_close(&d);
     return status;
 }
@@ -263,9 +241,8 @@ int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int widt
                       int64_t *n_spans, planish_error *error) {
     io_model model = {.n_nodes = n};
     io_hdf5 *file = NULL;
-    hdf5_dataset d = {.id = -1, .type = -1};
+    hdf5_dataset d = {.id = -1, .type = -1, .list = -1};
     io_span like = {0};
-    const io_hdf5_place place = {(char *)(uintptr_t)dataset, 0, width, width, 1};
     int status = io_bytes_open(path, INT64_MAX, &model.input, error);
     if (!status)
         status = io_hdf5_open(&model, &file, error);
@@ -275,8 +252,10 @@ int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int widt
     if (is_there && !status && (d.shape.rank == 1 || d.shape.dims[1] == width) &&
         d.shape.n == n * width)
         status = take_encoding(file, dataset, d.type, &like);
-    if (!status && like.encoding == IO_FLOAT64 && !like.swapped)
+    if (!status && like.encoding == IO_FLOAT64 && !like.swapped) {
+        const io_hdf5_place place = {io_hdf5_path_of(file, "%s", dataset), 0, width, width, 1};
         status = add_places(file, &place, &d, like);
+    }
     hdf5_dataset_close(&d);
     io_hdf5_close(file);
     io_hdf5_release(&model);
@@ -329,10 +308,8 @@ static int write_blocks(const hdf5_dataset *d, const double *before, const doubl
                       H5Sselect_hyperslab(there, H5S_SELECT_SET, start, NULL, count, NULL) >= 0) &&
                      H5Dwrite(d->id, H5T_NATIVE_DOUBLE, here, there, H5P_DEFAULT,
                               after + begin * width) >= 0;
-        if (there >= 0)
-            H5Sclose(there);
-        if (here >= 0)
-            H5Sclose(here);
+        hdf5_release(there);
+        hdf5_release(here);
     }
     return is_written ? 0 : -1;
 }
@@ -346,12 +323,12 @@ static int amend_place(const request *r, io_hdf5 *file, const io_hdf5_place *pla
     hdf5_dataset d;
     void *values = NULL;
     double *before = NULL;
-    int status = hdf5_dataset_open(file, place->path, &d);
+    int status = hdf5_dataset_open(file, place->path.text, &d);
     if (!status && last >= d.shape.n)
         status = io_bytes_fail_changed(&r->model->input, file->error);
     if (!status)
-        status =
-            hdf5_dataset_read(file, place->path, &d, H5T_NATIVE_DOUBLE, sizeof(double), &values);
+        status = hdf5_dataset_read(file, place->path.text, &d, H5T_NATIVE_DOUBLE, sizeof(double),
+                                   &values);
     if (!status && is_writing) {
         before = pl_alloc(d.shape.n, sizeof *before);
         if (before)
@@ -362,7 +339,7 @@ static int amend_place(const request *r, io_hdf5 *file, const io_hdf5_place *pla
     const int is_other = !status && put_values(r, place, d.size == sizeof(float), values);
     *is_changed |= is_other;
     if (is_other && is_writing && write_blocks(&d, before, values))
-        status = hdf5_fail_library(file, place->path, "its coordinates cannot be changed");
+        status = hdf5_fail_library(file, place->path.text, "its coordinates cannot be changed");
     pl_free(before);
     pl_free(values);
     hdf5_dataset_close(&d);
@@ -386,8 +363,7 @@ static int amend_bytes(const request *r, const char *data, int64_t size, char **
         status = amend_place(r, &file, &list->place[i], is_writing, is_changed);
     if (!status && is_writing)
         status = hdf5_take_bytes(&file, data, changed, n_changed);
-    if (file.access >= 0)
-        H5Pclose(file.access);
+    hdf5_release(file.access);
     if (file.id >= 0)
         H5Fclose(file.id);
     return status;
@@ -406,7 +382,7 @@ static int amend(void *data, planish_error *error) {
         status = pl_fail(error, PLANISH_ERROR_FILE,
                          "%s: its coordinates (%s) are compressed or packed, so that the result "
                          "cannot be written to a pipe or device; give the name of a file",
-                         input->path, list->place[0].path);
+                         input->path, list->place[0].path.text);
     if (!status && is_changed) {
         io_bytes finished;
         status = io_bytes_open(r->output->temporary, 0, &finished, error); /* it will be copied */

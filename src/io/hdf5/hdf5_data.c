@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "io/core/arrays.h"
 
 /* What a filter may make of the bytes of a file. */
 enum { LARGEST_EXPANSION = 256, SMALL_DATA = 1 << 20 };
@@ -16,9 +17,8 @@ static int take_shape(io_hdf5 *file, const char *path, hdf5_dataset *d) {
     int rank = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
     if (rank >= 0 && rank <= 2 && H5Sget_simple_extent_dims(space, dims, NULL) < 0)
         rank = -1;
-    H5S_class_t class = space < 0 ? H5S_NO_CLASS : H5Sget_simple_extent_type(space);
-    if (space >= 0)
-        H5Sclose(space);
+    const H5S_class_t class = space < 0 ? H5S_NO_CLASS : H5Sget_simple_extent_type(space);
+    hdf5_release(space);
     if (rank < 0 || rank > 2)
         return io_hdf5_fail(file, path, "an array of one or two dimensions was expected");
     if (dims[0] > INT64_MAX || dims[1] > INT64_MAX ||
@@ -38,8 +38,9 @@ static int fail_place(io_hdf5 *file, const char *path, const hdf5_dataset *d) {
 }
 
 /** Check that the data are in the file itself, with filters that the library has by itself. */
-static int check_layout(io_hdf5 *file, const char *path, hid_t list, hdf5_dataset *d) {
-    H5D_layout_t layout = H5Pget_layout(list);
+static int check_layout(io_hdf5 *file, const char *path, hdf5_dataset *d) {
+    const hid_t list = d->list;
+    const H5D_layout_t layout = H5Pget_layout(list);
     if (layout != H5D_COMPACT && layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
         return io_hdf5_fail(file, path,
                             "its data are put together from others (a virtual dataset), which is "
@@ -104,8 +105,7 @@ hsize_t hdf5_count_chunks(const io_hdf5 *file, const hdf5_dataset *d) {
     const hid_t space = may_tell ? H5Dget_space(d->id) : -1;
     if (space < 0 || H5Dget_num_chunks(d->id, space, &n) < 0)
         n = 0;
-    if (space >= 0)
-        H5Sclose(space);
+    hdf5_release(space);
 #else
     (void)file, (void)d;
 #endif
@@ -123,8 +123,7 @@ int64_t hdf5_chunk_place(const io_hdf5 *file, const hdf5_dataset *d, hsize_t i, 
     const hid_t space = H5Dget_space(d->id);
     if (space < 0 || H5Dget_chunk_info(d->id, space, i, at, &mask, &offset, &size) < 0)
         offset = HADDR_UNDEF;
-    if (space >= 0)
-        H5Sclose(space);
+    hdf5_release(space);
 #else
     (void)i;
 #endif
@@ -158,36 +157,28 @@ static int find_place(io_hdf5 *file, const char *path, hdf5_dataset *d) {
 }
 
 int hdf5_dataset_open(io_hdf5 *file, const char *path, hdf5_dataset *d) {
-    *d = (hdf5_dataset){.id = -1, .type = -1};
+    *d = (hdf5_dataset){.id = -1, .type = -1, .list = -1};
     if (io_hdf5_kind_of(file, path) != IO_HDF5_DATASET)
         return io_hdf5_fail(file, path, "there is no such array of data");
     d->id = H5Oopen(file->id, path, file->access);
     d->type = d->id < 0 ? -1 : H5Dget_type(d->id);
-    hid_t list = d->id < 0 ? -1 : H5Dget_create_plist(d->id);
-    int status = PLANISH_OK;
-    if (d->type < 0 || list < 0)
-        status = hdf5_fail_library(file, path, "cannot be read");
-    else
-        status = take_shape(file, path, d);
-    if (!status) {
-        d->size = (int64_t)H5Tget_size(d->type);
-        status = check_layout(file, path, list, d);
-    }
+    d->list = d->id < 0 ? -1 : H5Dget_create_plist(d->id);
+    if (d->type < 0 || d->list < 0)
+        return hdf5_fail_library(file, path, "cannot be read");
+    d->size = (int64_t)H5Tget_size(d->type);
+    int status = take_shape(file, path, d);
+    if (!status)
+        status = check_layout(file, path, d);
     if (!status)
         status = check_size(file, path, d);
-    if (!status)
-        status = find_place(file, path, d);
-    if (list >= 0)
-        H5Pclose(list);
-    return status;
+    return status ? status : find_place(file, path, d);
 }
 
 void hdf5_dataset_close(hdf5_dataset *d) {
-    if (d->type >= 0)
-        H5Tclose(d->type);
-    if (d->id >= 0)
-        H5Oclose(d->id);
-    *d = (hdf5_dataset){.id = -1, .type = -1};
+    hdf5_release(d->list);
+    hdf5_release(d->type);
+    hdf5_release(d->id);
+    *d = (hdf5_dataset){.id = -1, .type = -1, .list = -1};
 }
 
 int hdf5_dataset_read(io_hdf5 *file, const char *path, const hdf5_dataset *d, hid_t type,
@@ -221,17 +212,6 @@ int io_hdf5_shape_of(io_hdf5 *file, const char *path, io_hdf5_shape *shape) {
     return status;
 }
 
-io_hdf5_numbers io_hdf5_numbers_of(io_hdf5 *file, const char *path, io_hdf5_shape *shape) {
-    hdf5_dataset d;
-    const int status = hdf5_dataset_open(file, path, &d);
-    const H5T_class_t class = status ? H5T_NO_CLASS : H5Tget_class(d.type);
-    *shape = d.shape;
-    hdf5_dataset_close(&d);
-    return class == H5T_INTEGER ? IO_HDF5_WHOLE
-           : class == H5T_FLOAT ? IO_HDF5_REAL
-                                : IO_HDF5_NEITHER;
-}
-
 /* ---- values ------------------------------------------------------------------------------- */
 
 int io_hdf5_integers_read(io_hdf5 *file, const char *path, io_hdf5_integers *a) {
@@ -262,20 +242,15 @@ void io_hdf5_integers_release(io_hdf5_integers *a) {
     *a = (io_hdf5_integers){.size = sizeof(int64_t)};
 }
 
-/** Whether values are characters, or numbers of one byte, or a fixed number of these. */
+/** Return whether values are characters, or numbers of one byte, or a fixed number of these. */
 static int is_text(hid_t type) {
-    H5T_class_t class = H5Tget_class(type);
-    if (class == H5T_STRING)
-        return H5Tis_variable_str(type) == 0;
-    if (class == H5T_INTEGER)
-        return H5Tget_size(type) == 1;
-    if (class != H5T_ARRAY)
-        return 0;
-    hid_t base = H5Tget_super(type);
-    int result = base >= 0 && H5Tget_class(base) == H5T_INTEGER && H5Tget_size(base) == 1;
-    if (base >= 0)
-        H5Tclose(base);
-    return result;
+    const H5T_class_t class = H5Tget_class(type);
+    const hid_t base = class == H5T_ARRAY ? H5Tget_super(type) : -1;
+    const int is_bytes_array =
+        base >= 0 && H5Tget_class(base) == H5T_INTEGER && H5Tget_size(base) == 1;
+    hdf5_release(base);
+    return is_bytes_array || (class == H5T_STRING && H5Tis_variable_str(type) == 0) ||
+           (class == H5T_INTEGER && H5Tget_size(type) == 1);
 }
 
 int io_hdf5_strings_read(io_hdf5 *file, const char *path, char **text, int64_t *n,
@@ -306,6 +281,40 @@ int io_hdf5_reals_read(io_hdf5 *file, const char *path, double **values, io_hdf5
     *values = reals;
     *shape = d.shape;
     hdf5_dataset_close(&d);
+    return status;
+}
+
+int io_hdf5_cell_array(io_hdf5 *file, const char *path, const char *name, int64_t n,
+                       int by_element) {
+    hdf5_dataset d;
+    io_array_filler filler;
+    io_hdf5_integers whole = {0};
+    double *real = NULL;
+    const int is_open = !hdf5_dataset_open(file, path, &d);
+    const H5T_class_t class = is_open ? H5Tget_class(d.type) : H5T_NO_CLASS;
+    const int is_real = class == H5T_FLOAT, is_read = is_real || class == H5T_INTEGER;
+    io_hdf5_shape shape = d.shape;
+    hdf5_dataset_close(&d);
+    if (!is_read || shape.n != n)
+        return PLANISH_OK;
+    int status = is_real ? io_hdf5_reals_read(file, path, &real, &shape)
+                         : io_hdf5_integers_read(file, path, &whole);
+    if (!status)
+        status = by_element ? io_array_begin_elements(file->model, name, &filler, file->error)
+                            : io_array_begin(file->model, name, n, &filler, file->error);
+    const int is_begun = !status;
+    for (int64_t i = 0; i < n && !status && !filler.is_broken; i++) {
+        int64_t value = is_real ? 0 : io_hdf5_integer(&whole, i);
+        const int is_whole = is_real ? io_array_whole(real[i], &value) : 1;
+        status = by_element ? io_array_put_element(&filler, i, is_whole, value, file->error)
+                            : io_array_put(&filler, i, is_whole, value, file->error);
+    }
+    if (!status)
+        status = io_array_end(file->model, &filler, file->error);
+    else if (is_begun)
+        io_array_drop(&filler);
+    io_hdf5_integers_release(&whole);
+    pl_free(real);
     return status;
 }
 

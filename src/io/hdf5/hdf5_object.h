@@ -3,7 +3,7 @@
  *
  *   hdf5_silence, hdf5_restore, hdf5_fail_library    errors of the library
  *   hdf5_open_bytes, hdf5_take_bytes, hdf5_user_block    a file in memory
- *   hdf5_link_access                                 links to other files
+ *   hdf5_release, hdf5_link_access                   objects of the library, links to other files
  *   hdf5_dataset_..., hdf5_chunk_place, hdf5_match_type    an array of values
  */
 #ifndef PL_IO_HDF5_HDF5_OBJECT_H
@@ -29,12 +29,13 @@ struct io_hdf5 {
     hid_t access; /* of links: none to other files are followed */
     int has_precision;
     char unknown[IO_HDF5_PATH_SIZE]; /* an object that is there and could not be looked at; or "" */
+    int is_too_long;                 /* that is a path cut off, of a name that is too long */
     int has_user_block; /* bytes before HDF5's own: chunks are elsewhere than the library says */
 };
 
 /** An open dataset that may be read. */
 typedef struct hdf5_dataset {
-    hid_t id, type;
+    hid_t id, type, list; /* list: of the properties that it was made with */
     io_hdf5_shape shape;
     int64_t size;             /* bytes of a value in the file */
     int64_t offset;           /* of its bytes, which stand there one after another; or -1 */
@@ -59,6 +60,9 @@ int64_t hdf5_user_block(hid_t file);
 /** Take what has become of a file that was opened to be changed: *bytes [*size], to be released by
  *  pl_free. before: the bytes that it was made of. */
 int hdf5_take_bytes(io_hdf5 *file, const char *before, char **bytes, int64_t *size);
+
+/** Close an object of the library, of whatever kind but a file; a negative one is none. */
+void hdf5_release(hid_t id);
 
 /** Make access to links that stays in the file; negative on failure. */
 hid_t hdf5_link_access(void);

@@ -19,14 +19,14 @@
 
 #define MESHES "/ENS_MAA"
 
-typedef struct reader {
+typedef struct med_reader {
     io_model *model;
     io_hdf5 *file;
     planish_error *error;
-    char mesh[IO_HDF5_PATH_SIZE]; /* group of the mesh, */
-    char step[IO_HDF5_PATH_SIZE]; /* and of its nodes and elements */
-    const char *name;             /* of the mesh */
-} reader;
+    io_hdf5_path mesh; /* group of the mesh, */
+    io_hdf5_path step; /* and of its nodes and elements */
+    const char *name;  /* of the mesh */
+} med_reader;
 
 /* ---- types of elements -------------------------------------------------------------------- */
 
@@ -48,38 +48,33 @@ enum { N_TYPES = sizeof types / sizeof *types };
 /* ---- the mesh ----------------------------------------------------------------------------- */
 
 /** Fail unless there is no such attribute, or its value is the wanted one. */
-static int demand(reader *r, const char *path, const char *name, int64_t wanted,
+static int demand(med_reader *r, const char *path, const char *name, int64_t wanted,
                   const char *otherwise) {
     int64_t value = wanted;
-    int found;
-    int status = io_hdf5_attribute(r->file, path, name, &value, &found);
-    if (!status && value != wanted)
-        status = io_hdf5_fail(r->file, path, "%s", otherwise);
-    return status;
+    const int status = io_hdf5_attribute(r->file, path, name, &value, NULL);
+    return status || value == wanted ? status : io_hdf5_fail(r->file, path, "%s", otherwise);
 }
 
 /** Find the mesh called r->name, and the step of its nodes and elements. */
-static int find_mesh(reader *r) {
-    char nodes[IO_HDF5_PATH_SIZE];
-    io_hdf5_names steps = {0};
-    int status = io_hdf5_path(r->file, r->mesh, MESHES "/%s", r->name);
-    if (!status)
-        status = demand(r, r->mesh, "TYP", 0,
+static int find_mesh(med_reader *r) {
+    io_hdf5_names steps;
+    r->mesh = r->step = io_hdf5_path_of(r->file, MESHES "/%s", r->name);
+    const char *const mesh = r->mesh.text;
+    int status = demand(r, mesh, "TYP", 0,
                         "a structured mesh; planish smooths unstructured meshes of tetrahedra or "
                         "triangles");
     if (!status)
-        status = demand(r, r->mesh, "REP", 0,
+        status = demand(r, mesh, "REP", 0,
                         "its coordinates are cylindrical or spherical; planish reads cartesian "
                         "ones");
+    const io_hdf5_path nodes = io_hdf5_path_of(r->file, "%s/NOE", mesh);
+    if (status || io_hdf5_kind_of(r->file, nodes.text) == IO_HDF5_GROUP) /* before 3: no steps */
+        return status;
+    status = io_hdf5_list(r->file, mesh, &steps);
     if (!status)
-        status = io_hdf5_path(r->file, nodes, "%s/NOE", r->mesh);
-    if (status || io_hdf5_kind_of(r->file, nodes) == IO_HDF5_GROUP) /* before 3: no steps */
-        return status ? status : io_hdf5_path(r->file, r->step, "%s", r->mesh);
-    status = io_hdf5_list(r->file, r->mesh, &steps);
+        status = io_hdf5_check_only(r->file, mesh, "step of computation", &steps);
     if (!status)
-        status = io_hdf5_check_only(r->file, r->mesh, "step of computation", &steps);
-    if (!status)
-        status = io_hdf5_path(r->file, r->step, "%s/%s", r->mesh, steps.name[0]);
+        r->step = io_hdf5_path_of(r->file, "%s/%s", mesh, steps.name[0]);
     io_hdf5_names_release(&steps);
     return status;
 }
@@ -87,23 +82,22 @@ static int find_mesh(reader *r) {
 /* ---- numbers beside elements or nodes ------------------------------------------------------ */
 
 /** Read whole numbers called name in a group, n of them, or none if there is no such data. */
-static int read_optional(reader *r, const char *group, const char *name, int64_t n,
+static int read_optional(med_reader *r, const char *group, const char *name, int64_t n,
                          io_hdf5_integers *numbers) {
-    char path[IO_HDF5_PATH_SIZE];
+    const io_hdf5_path path = io_hdf5_path_of(r->file, "%s/%s", group, name);
     *numbers = (io_hdf5_integers){.n = 0};
-    int status = io_hdf5_path(r->file, path, "%s/%s", group, name);
-    if (status || io_hdf5_kind_of(r->file, path) == IO_HDF5_NONE)
-        return status;
-    status = io_hdf5_integers_read(r->file, path, numbers);
-    if (!status && numbers->n != n)
-        status = io_hdf5_fail(r->file, path, "%lld numbers for %lld", (long long)numbers->n,
-                              (long long)n);
-    return status;
+    if (io_hdf5_kind_of(r->file, path.text) == IO_HDF5_NONE)
+        return PLANISH_OK;
+    const int status = io_hdf5_integers_read(r->file, path.text, numbers);
+    return status || numbers->n == n ? status
+                                     : io_hdf5_fail(r->file, path.text, "%lld numbers for %lld",
+                                                    (long long)numbers->n, (long long)n);
 }
 
 /** Find the entities of the families of n cells or nodes; none: the family that has no entity. */
-static int take_families(reader *r, const char *group, int dim, const io_hdf5_integers *families,
-                         int64_t n, int64_t none, int32_t *entity) {
+static int take_families(med_reader *r, const char *group, int dim,
+                         const io_hdf5_integers *families, int64_t n, int64_t none,
+                         int32_t *entity) {
     for (int64_t i = 0; i < n; i++) {
         const int64_t family = families->n ? io_hdf5_integer(families, i) : 0;
         if (family < INT32_MIN || family > INT32_MAX)
@@ -116,29 +110,27 @@ static int take_families(reader *r, const char *group, int dim, const io_hdf5_in
 
 /* ---- nodes -------------------------------------------------------------------------------- */
 
-static int read_coordinates(reader *r, const char *group) {
-    char path[IO_HDF5_PATH_SIZE];
+/** Make nodes of the coordinates in their group. */
+static int read_coordinates(med_reader *r, const char *group) {
+    const io_hdf5_path path = io_hdf5_path_of(r->file, "%s/COO", group);
     int64_t dim = 3;
     int found;
     io_hdf5_shape shape = {0};
-    int status = io_hdf5_attribute(r->file, r->mesh, "ESP", &dim, &found);
+    int status = io_hdf5_attribute(r->file, r->mesh.text, "ESP", &dim, &found);
     if (!status && !found) /* older files: of space and mesh together */
-        status = io_hdf5_attribute(r->file, r->mesh, "DIM", &dim, &found);
+        status = io_hdf5_attribute(r->file, r->mesh.text, "DIM", &dim, NULL);
     if (!status && dim != 2 && dim != 3)
-        status = io_hdf5_fail(r->file, r->mesh,
-                              "a mesh in %lld dimensions; planish smooths in 2 "
-                              "and 3",
-                              (long long)dim);
+        status =
+            io_hdf5_fail(r->file, r->mesh.text,
+                         "a mesh in %lld dimensions; planish smooths in 2 and 3", (long long)dim);
     if (!status)
-        status = io_hdf5_path(r->file, path, "%s/COO", group);
-    if (!status)
-        status = io_hdf5_shape_of(r->file, path, &shape);
+        status = io_hdf5_shape_of(r->file, path.text, &shape);
     if (!status && shape.n % dim)
-        status = io_hdf5_fail(r->file, path, "%lld coordinates are no nodes of %lld",
+        status = io_hdf5_fail(r->file, path.text, "%lld coordinates are no nodes of %lld",
                               (long long)shape.n, (long long)dim);
     const int64_t n = shape.n / (dim > 0 ? dim : 1);
     if (!status)
-        status = demand(r, path, "NBR", n, "its attribute NBR is another number of nodes");
+        status = demand(r, path.text, "NBR", n, "its attribute NBR is another number of nodes");
     if (!status)
         status = io_model_nodes(r->model, n, 0, r->error);
     if (status)
@@ -151,16 +143,15 @@ static int read_coordinates(reader *r, const char *group) {
     return status ? status : io_hdf5_coordinates_end(r->file);
 }
 
-static int read_nodes(reader *r) {
+/** Read the nodes, their numbers and families. */
+static int read_nodes(med_reader *r) {
     io_model *model = r->model;
-    char group[IO_HDF5_PATH_SIZE];
+    const io_hdf5_path group = io_hdf5_path_of(r->file, "%s/NOE", r->step.text);
     io_hdf5_integers families = {0}, numbers = {0};
     int64_t counted = 0; /* first nodes with the numbers 1, 2, 3 ... */
-    int status = io_hdf5_path(r->file, group, "%s/NOE", r->step);
+    int status = read_coordinates(r, group.text);
     if (!status)
-        status = read_coordinates(r, group);
-    if (!status)
-        status = read_optional(r, group, "NUM", model->n_nodes, &numbers);
+        status = read_optional(r, group.text, "NUM", model->n_nodes, &numbers);
     model->first_number = 1;
     while (!status && counted < numbers.n && io_hdf5_integer(&numbers, counted) == counted + 1)
         counted++;
@@ -172,12 +163,12 @@ static int read_nodes(reader *r) {
             model->node_number[i] = io_hdf5_integer(&numbers, i);
     }
     if (!status)
-        status = read_optional(r, group, "FAM", model->n_nodes, &families);
+        status = read_optional(r, group.text, "FAM", model->n_nodes, &families);
     if (!status && families.n > 0) {
         model->node_entity = pl_alloc(model->n_nodes, sizeof *model->node_entity);
-        status = model->node_entity
-                     ? take_families(r, group, 0, &families, model->n_nodes, 0, model->node_entity)
-                     : pl_fail_memory(r->error, "the families of nodes");
+        status = model->node_entity ? take_families(r, group.text, 0, &families, model->n_nodes, 0,
+                                                    model->node_entity)
+                                    : pl_fail_memory(r->error, "the families of nodes");
     }
     io_hdf5_integers_release(&families);
     io_hdf5_integers_release(&numbers);
@@ -188,30 +179,30 @@ static int read_nodes(reader *r) {
 
 /** Elements of one type: node j of element i is number j * n + i of the list. */
 typedef struct block {
-    char group[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
+    io_hdf5_path group, path; /* path: of the list */
     const io_element_type *type;
     io_hdf5_integers nodes;
     int64_t n; /* elements */
 } block;
 
 /** Take number i of the list, a node: its index. */
-static int take_node(reader *r, const block *b, int64_t i, int64_t *node) {
+static int take_node(med_reader *r, const block *b, int64_t i, int64_t *node) {
     const int64_t number = io_hdf5_integer(&b->nodes, i);
     *node = number - 1;
     if (number >= 1 && number <= r->model->n_nodes)
         return PLANISH_OK;
-    return io_hdf5_fail(r->file, b->path, "element %lld: node %lld is not in 1 .. %lld",
+    return io_hdf5_fail(r->file, b->path.text, "element %lld: node %lld is not in 1 .. %lld",
                         (long long)(b->n > 0 ? i % b->n : 0) + 1, (long long)number,
                         (long long)r->model->n_nodes);
 }
 
-static int read_cells(reader *r, const block *b) {
+static int read_cells(med_reader *r, const block *b) {
     const int dim = io_element_dim(b->type), corners = dim + 1;
     io_cells *cells = io_model_cells(r->model, dim);
     io_hdf5_integers families = {0}, numbers = {0};
-    int status = read_optional(r, b->group, "FAM", b->n, &families);
+    int status = read_optional(r, b->group.text, "FAM", b->n, &families);
     if (!status)
-        status = read_optional(r, b->group, "NUM", b->n, &numbers);
+        status = read_optional(r, b->group.text, "NUM", b->n, &numbers);
     if (!status)
         status = io_cells_reserve(cells, dim, b->n, 1, numbers.n > 0, r->error);
     for (int64_t j = 0; j < corners; j++)
@@ -223,7 +214,7 @@ static int read_cells(reader *r, const block *b) {
     for (int64_t i = 0; i < numbers.n && !status; i++)
         cells->number[i] = io_hdf5_integer(&numbers, i);
     if (!status)
-        status = take_families(r, b->group, dim, &families, b->n, INT64_MIN, cells->entity);
+        status = take_families(r, b->group.text, dim, &families, b->n, INT64_MIN, cells->entity);
     if (!status) {
         cells->first_number = 1;
         cells->n = b->n;
@@ -235,7 +226,7 @@ static int read_cells(reader *r, const block *b) {
 
 /** Hold the nodes of elements that are not kept. Polygons and polyhedra list the nodes of one
  *  element after another; all are nodes. */
-static int hold_nodes(reader *r, const block *b) {
+static int hold_nodes(med_reader *r, const block *b) {
     int status = PLANISH_OK;
     io_element_count(r->model, b->type, b->n);
     for (int64_t i = 0; i < b->nodes.n && !status; i++) {
@@ -247,7 +238,8 @@ static int hold_nodes(reader *r, const block *b) {
     return status;
 }
 
-static int read_block(reader *r, const char *name) {
+/** Read the elements of the type with that name in the file. */
+static int read_block(med_reader *r, const char *name) {
     static const io_element_type other = {NULL, IO_ANY_SHAPE, 1, 0};
     block b = {.type = &other};
     for (int i = 0; i < N_TYPES; i++)
@@ -255,29 +247,26 @@ static int read_block(reader *r, const char *name) {
             b.type = &types[i];
     const io_element_treatment use = io_element_use(b.type);
     const int corners = io_element_dim(b.type) + 1;
-    int found;
-    int status = io_hdf5_path(r->file, b.group, "%s/MAI/%s", r->step, name);
-    if (!status)
-        status = io_hdf5_path(r->file, b.path, "%s/NOD", b.group);
-    if (!status && use == IO_REFUSE)
-        status = io_hdf5_fail(r->file, b.group, IO_OF_SECOND_ORDER);
-    if (!status && io_hdf5_kind_of(r->file, b.path) != IO_HDF5_DATASET)
-        status = io_hdf5_fail(r->file, b.path,
-                              "there are no nodes of these elements (descending connectivity is "
-                              "not read, only nodal)");
-    if (!status)
-        status = io_hdf5_integers_read(r->file, b.path, &b.nodes);
+    b.group = io_hdf5_path_of(r->file, "%s/MAI/%s", r->step.text, name);
+    b.path = io_hdf5_path_of(r->file, "%s/NOD", b.group.text);
+    if (use == IO_REFUSE)
+        return io_hdf5_fail(r->file, b.group.text, IO_OF_SECOND_ORDER);
+    if (io_hdf5_kind_of(r->file, b.path.text) != IO_HDF5_DATASET)
+        return io_hdf5_fail(r->file, b.path.text,
+                            "there are no nodes of these elements (descending connectivity is "
+                            "not read, only nodal)");
+    int status = io_hdf5_integers_read(r->file, b.path.text, &b.nodes);
     if (!status && use == IO_KEEP) {
         b.n = b.nodes.n / corners;
-        status =
-            b.nodes.n % corners
-                ? io_hdf5_fail(r->file, b.path, "%lld numbers are no elements of %d nodes",
-                               (long long)b.nodes.n, corners)
-                : demand(r, b.path, "NBR", b.n, "its attribute NBR is another number of elements");
+        status = b.nodes.n % corners ? io_hdf5_fail(r->file, b.path.text,
+                                                    "%lld numbers are no elements of %d nodes",
+                                                    (long long)b.nodes.n, corners)
+                                     : demand(r, b.path.text, "NBR", b.n,
+                                              "its attribute NBR is another number of elements");
         if (!status)
             status = read_cells(r, &b);
     } else if (!status) {
-        status = io_hdf5_attribute(r->file, b.path, "NBR", &b.n, &found);
+        status = io_hdf5_attribute(r->file, b.path.text, "NBR", &b.n, NULL);
         if (b.n < 0 || b.n > b.nodes.n)
             b.n = 0; /* no more than a figure to be told */
         if (!status)
@@ -287,69 +276,58 @@ static int read_block(reader *r, const char *name) {
     return status;
 }
 
-static int read_elements(reader *r) {
-    char group[IO_HDF5_PATH_SIZE];
-    io_hdf5_names names = {0};
-    int status = io_hdf5_path(r->file, group, "%s/MAI", r->step);
-    if (!status && io_hdf5_kind_of(r->file, group) == IO_HDF5_GROUP) {
-        status = io_hdf5_list(r->file, group, &names);
-        for (int64_t i = 0; i < names.n && !status; i++)
-            status = read_block(r, names.name[i]);
-    }
+/** Read the elements of all types. */
+static int read_elements(med_reader *r) {
+    const io_hdf5_path group = io_hdf5_path_of(r->file, "%s/MAI", r->step.text);
+    io_hdf5_names names;
+    if (io_hdf5_kind_of(r->file, group.text) != IO_HDF5_GROUP)
+        return PLANISH_OK;
+    int status = io_hdf5_list(r->file, group.text, &names);
+    for (int64_t i = 0; i < names.n && !status; i++)
+        status = read_block(r, names.name[i]);
     io_hdf5_names_release(&names);
     return status;
 }
 
 /* ---- groups of families ------------------------------------------------------------------- */
 
-/** Add a group of a family, for each dimension that its elements have: io_group is of one. */
-static int add_group(reader *r, int64_t family, int is_of_nodes, const char *name, int64_t length) {
-    int status = PLANISH_OK;
-    for (int dim = is_of_nodes ? 0 : 1; dim <= (is_of_nodes ? 0 : 3) && !status; dim++)
-        if (io_model_has_entity(r->model, dim, (int32_t)family))
-            status = io_model_group(r->model, dim, (int32_t)family, name, length, r->error);
-    return status;
-}
-
-/** Read the groups that a family is of. */
-static int read_family(reader *r, const char *path, int is_of_nodes) {
-    char names[IO_HDF5_PATH_SIZE];
+/** Read the groups that a family is of. io_group is of one dimension: there is one for each that the
+ *  elements of the family have. */
+static int read_family(med_reader *r, const char *path, int is_of_nodes) {
+    const io_hdf5_path names = io_hdf5_path_of(r->file, "%s/GRO/NOM", path);
     char *text = NULL;
     int64_t family = 0, n = 0, size = 0;
     int found;
     int status = io_hdf5_attribute(r->file, path, "NUM", &family, &found);
     if (!status && !found)
         status = io_hdf5_fail(r->file, path, "a family without its number (attribute NUM)");
-    if (!status)
-        status = io_hdf5_path(r->file, names, "%s/GRO/NOM", path);
     if (status || family < INT32_MIN || family > INT32_MAX ||
-        io_hdf5_kind_of(r->file, names) == IO_HDF5_NONE)
+        io_hdf5_kind_of(r->file, names.text) == IO_HDF5_NONE)
         return status;
-    status = io_hdf5_strings_read(r->file, names, &text, &n, &size);
+    status = io_hdf5_strings_read(r->file, names.text, &text, &n, &size);
     for (int64_t i = 0; i < n && !status; i++) {
         const char *name = text + i * size, *end = memchr(name, '\0', (size_t)size);
         int64_t length = end ? end - name : size;
         while (length > 0 && name[length - 1] == ' ') /* zeros or blanks fill up its place */
             length--;
-        if (length > 0)
-            status = add_group(r, family, is_of_nodes, name, length);
+        for (int dim = is_of_nodes ? 0 : 1; dim <= (is_of_nodes ? 0 : 3) && !status; dim++)
+            if (length > 0 && io_model_has_entity(r->model, dim, (int32_t)family))
+                status = io_model_group(r->model, dim, (int32_t)family, name, length, r->error);
     }
     pl_free(text);
     return status;
 }
 
-static int read_families(reader *r, const char *of) {
-    char group[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
-    io_hdf5_names names = {0};
-    int status = io_hdf5_path(r->file, group, "/FAS/%s/%s", r->name, of);
-    if (status || io_hdf5_kind_of(r->file, group) != IO_HDF5_GROUP)
-        return status;
-    status = io_hdf5_list(r->file, group, &names);
-    for (int64_t i = 0; i < names.n && !status; i++) {
-        status = io_hdf5_path(r->file, path, "%s/%s", group, names.name[i]);
-        if (!status)
-            status = read_family(r, path, strcmp(of, "NOEUD") == 0);
-    }
+/** Read the families of elements (ELEME) or nodes (NOEUD). */
+static int read_families(med_reader *r, const char *of) {
+    const io_hdf5_path group = io_hdf5_path_of(r->file, "/FAS/%s/%s", r->name, of);
+    io_hdf5_names names;
+    if (io_hdf5_kind_of(r->file, group.text) != IO_HDF5_GROUP)
+        return PLANISH_OK;
+    int status = io_hdf5_list(r->file, group.text, &names);
+    for (int64_t i = 0; i < names.n && !status; i++)
+        status = read_family(r, io_hdf5_path_of(r->file, "%s/%s", group.text, names.name[i]).text,
+                             strcmp(of, "NOEUD") == 0);
     io_hdf5_names_release(&names);
     return status;
 }
@@ -357,7 +335,7 @@ static int read_families(reader *r, const char *of) {
 /* ---- the format --------------------------------------------------------------------------- */
 
 static int med_read(io_model *model, planish_error *error) {
-    reader r = {.model = model, .error = error};
+    med_reader r = {.model = model, .error = error};
     io_hdf5_names meshes = {0};
     int status = io_hdf5_open(model, &r.file, error);
     if (!status)

@@ -19,33 +19,33 @@
 /* ---- lists ---------------------------------------------------------------------------------- */
 
 int plex_read_list(plex_reader *r, const char *group, const char *name, io_hdf5_integers *list) {
-    char path[IO_HDF5_PATH_SIZE];
-    const int status = io_hdf5_path(r->file, path, "%s/%s", group, name);
-    return status ? status : io_hdf5_integers_read(r->file, path, list);
+    const io_hdf5_path path = io_hdf5_path_of(r->file, "%s/%s", group, name);
+    return io_hdf5_integers_read(r->file, path.text, list);
 }
 
-int plex_list(plex_reader *r, const char *parent, const char *name, char *path,
+int plex_list(plex_reader *r, const char *parent, const char *name, io_hdf5_path *path,
               io_hdf5_names *names) {
     *names = (io_hdf5_names){0};
-    const int status = io_hdf5_path(r->file, path, "%s/%s", parent, name);
-    const int is_there = !status && io_hdf5_kind_of(r->file, path) == IO_HDF5_GROUP;
-    return is_there ? io_hdf5_list(r->file, path, names) : status;
+    *path = io_hdf5_path_of(r->file, "%s/%s", parent, name);
+    return io_hdf5_kind_of(r->file, path->text) == IO_HDF5_GROUP
+               ? io_hdf5_list(r->file, path->text, names)
+               : PLANISH_OK;
 }
 
 /* ---- which mesh, and where it is ------------------------------------------------------------ */
 
 /** Find the one mesh of versions 2 and 3; name is "" without it. */
 static int find_root(plex_reader *r, char *name, size_t size) {
-    char path[IO_HDF5_PATH_SIZE];
+    io_hdf5_path path;
     io_hdf5_names names;
     const char *found[2] = {NULL, NULL}; /* the first two meshes */
     int64_t n = 0;
     r->version = io_hdf5_kind_of(r->file, MESHES) == IO_HDF5_GROUP ? 2 : 1;
-    r->root[0] = name[0] = '\0';
-    int status = plex_list(r, "", "topologies", path, &names);
+    name[0] = '\0';
+    int status = plex_list(r, "", "topologies", &path, &names);
     for (int64_t i = 0; i < names.n && !status; i++) {
-        status = io_hdf5_path(r->file, path, MESHES "/%s/topology", names.name[i]);
-        if (status || io_hdf5_kind_of(r->file, path) != IO_HDF5_GROUP)
+        path = io_hdf5_path_of(r->file, MESHES "/%s/topology", names.name[i]);
+        if (io_hdf5_kind_of(r->file, path.text) != IO_HDF5_GROUP)
             continue; /* Firedrake keeps more there */
         if (n < 2)
             found[n] = names.name[i];
@@ -62,7 +62,7 @@ static int find_root(plex_reader *r, char *name, size_t size) {
         status = io_hdf5_fail(r->file, MESHES, "the name of the mesh is too long");
     if (!status && n == 1) {
         memcpy(name, found[0], strlen(found[0]) + 1);
-        status = io_hdf5_path(r->file, r->root, MESHES "/%s", name);
+        r->root = io_hdf5_path_of(r->file, MESHES "/%s", name);
     }
     io_hdf5_names_release(&names);
     return status;
@@ -70,25 +70,21 @@ static int find_root(plex_reader *r, char *name, size_t size) {
 
 /** Find the mesh, its form, and the dimension of the elements. */
 static int find_mesh(plex_reader *r, char *name, size_t size) {
-    char strata[IO_HDF5_PATH_SIZE], cells[IO_HDF5_PATH_SIZE];
     int64_t dim = 0;
     int found;
     int status = find_root(r, name, size);
-    if (!status)
-        status = io_hdf5_path(r->file, r->topology, "%s/topology", r->root);
-    if (!status)
-        status = io_hdf5_path(r->file, strata, "%s/strata", r->topology);
-    if (!status)
-        status = io_hdf5_path(r->file, cells, "%s/cells", r->topology);
     if (status)
         return status;
-    if (io_hdf5_kind_of(r->file, strata) == IO_HDF5_GROUP)
+    r->topology = io_hdf5_path_of(r->file, "%s/topology", r->root.text);
+    const io_hdf5_path strata = io_hdf5_path_of(r->file, "%s/strata", r->topology.text);
+    const io_hdf5_path cells = io_hdf5_path_of(r->file, "%s/cells", r->topology.text);
+    if (io_hdf5_kind_of(r->file, strata.text) == IO_HDF5_GROUP)
         r->version = 3;
-    else if (io_hdf5_kind_of(r->file, cells) == IO_HDF5_NONE)
-        return io_hdf5_fail(r->file, cells,
+    else if (io_hdf5_kind_of(r->file, cells.text) == IO_HDF5_NONE)
+        return io_hdf5_fail(r->file, cells.text,
                             "there is no such thing: this is no mesh that DMView of PETSc wrote "
                             "(in its own format, not for ParaView)");
-    const char *path = r->version == 3 ? r->topology : cells;
+    const char *path = r->version == 3 ? r->topology.text : cells.text;
     status = io_hdf5_attribute(r->file, path, "cell_dim", &dim, &found);
     if (!status && !found)
         return io_hdf5_fail(r->file, path, "the dimension of elements (cell_dim) is not there");
@@ -115,14 +111,14 @@ typedef struct functions {
 
 /** Find the vectors that are coordinates of the meshes of Firedrake in a topology. */
 static int find_functions(plex_reader *r, const char *topology, functions *f) {
-    char group[IO_HDF5_PATH_SIZE], mesh[IO_HDF5_PATH_SIZE], name[256];
+    char name[256];
+    io_hdf5_path group;
     io_hdf5_names meshes;
-    int found, status = plex_list(r, topology, "firedrake_meshes", group, &meshes);
+    int found, status = plex_list(r, topology, "firedrake_meshes", &group, &meshes);
     for (int64_t i = 0; i < meshes.n && !status; i++) {
-        status = io_hdf5_path(r->file, mesh, "%s/%s", group, meshes.name[i]);
-        if (!status)
-            status = io_hdf5_text_attribute(r->file, mesh, "firedrake_coordinates", name,
-                                            sizeof name, &found);
+        const io_hdf5_path mesh = io_hdf5_path_of(r->file, "%s/%s", group.text, meshes.name[i]);
+        status = io_hdf5_text_attribute(r->file, mesh.text, "firedrake_coordinates", name,
+                                        sizeof name, &found);
         if (status || !found)
             continue;
         status = io_hdf5_names_add(r->file, &f->name, pl_copy_text(name));
@@ -141,17 +137,15 @@ static void release_functions(functions *f) {
 /** Take in a vector if it is a copy. mesh: whose coordinates it is said to be, or NULL. n_more, if
  *  not NULL: count vectors as long as the coordinates, and look no closer. */
 static int take_copy(plex_reader *r, const char *path, const char *mesh, int *n_more) {
-    char copy[IO_HDF5_PATH_SIZE];
     const int columns = r->model->columns;
-    const io_hdf5_place place = {copy, 0, columns, columns, 1};
     int is_copy = 0;
-    if (strcmp(path, r->coordinates) == 0)
+    if (strcmp(path, r->coordinates.text) == 0)
         return PLANISH_OK;
     if (n_more) {
         *n_more += mesh || io_hdf5_is_as_long(r->file, path, columns * r->n_nodes);
         return PLANISH_OK;
     }
-    memcpy(copy, path, strlen(path) + 1);
+    const io_hdf5_place place = {io_hdf5_path_of(r->file, "%s", path), 0, columns, columns, 1};
     const int status = io_hdf5_coordinates_again(r->file, &place, &is_copy);
     if (status || is_copy || !mesh)
         return status;
@@ -159,36 +153,35 @@ static int take_copy(plex_reader *r, const char *path, const char *mesh, int *n_
                         "these are coordinates of '%s', too, but not the same values in the same "
                         "order as %s: they would stay behind; write a file that has the "
                         "coordinates of the nodes alone",
-                        mesh, r->coordinates);
+                        mesh, r->coordinates.text);
 }
 
 /** Visit all vectors of the mesh, of whatever section: take copies of the coordinates; or, if they
  *  are wanted still, make the first vector that Firedrake calls so the coordinates. */
 static int visit_vectors(plex_reader *r, int is_wanted, int *n_more) {
-    char group[IO_HDF5_PATH_SIZE], section[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
+    io_hdf5_path group, path;
     io_hdf5_names sections = {0}, vectors;
     functions f = {.name = {0}};
-    int found = 0, status = find_functions(r, r->root, &f);
+    int found = 0, status = find_functions(r, r->root.text, &f);
     if (!status && (f.name.n > 0 || !is_wanted))
-        status = plex_list(r, r->root, "dms", group, &sections);
+        status = plex_list(r, r->root.text, "dms", &group, &sections);
     for (int64_t i = 0; i < sections.n && !status; i++) {
-        status = io_hdf5_path(r->file, section, "%s/%s", group, sections.name[i]);
-        if (status)
-            break;
-        status = plex_list(r, section, "vecs", path, &vectors);
+        const io_hdf5_path section =
+            io_hdf5_path_of(r->file, "%s/%s", group.text, sections.name[i]);
+        status = plex_list(r, section.text, "vecs", &path, &vectors);
         for (int64_t k = 0; k < vectors.n && !status; k++) {
             const char *name = vectors.name[k], *mesh = NULL;
             for (int64_t j = f.name.n - 1; j >= 0; j--)
                 mesh = strcmp(f.name.name[j], name) == 0 ? f.mesh.name[j] : mesh;
-            status = io_hdf5_path(r->file, path, "%s/vecs/%s/%s", section, name, name);
-            if (status || io_hdf5_kind_of(r->file, path) != IO_HDF5_DATASET)
+            path = io_hdf5_path_of(r->file, "%s/vecs/%s/%s", section.text, name, name);
+            if (io_hdf5_kind_of(r->file, path.text) != IO_HDF5_DATASET)
                 continue;
-            if (!is_wanted)
-                status = take_copy(r, path, mesh, n_more);
-            else if (mesh && !found) {
+            if (!is_wanted) {
+                status = take_copy(r, path.text, mesh, n_more);
+            } else if (mesh && !found) {
                 found = 1;
-                memcpy(r->section, section, sizeof section);
-                memcpy(r->coordinates, path, sizeof path);
+                r->section = section;
+                r->coordinates = path;
             }
         }
         io_hdf5_names_release(&vectors);
@@ -201,16 +194,15 @@ static int visit_vectors(plex_reader *r, int is_wanted, int *n_more) {
 /** Check that Firedrake has made no other meshes of this one, which have coordinates of their own
  *  (extruded ones). */
 static int check_others(plex_reader *r) {
-    char topology[IO_HDF5_PATH_SIZE];
-    io_hdf5_names names = {0};
+    io_hdf5_names names;
     int status = io_hdf5_list(r->file, MESHES, &names);
     for (int64_t i = 0; i < names.n && !status; i++) {
         functions f = {.name = {0}};
-        status = io_hdf5_path(r->file, topology, MESHES "/%s", names.name[i]);
-        if (!status && strcmp(topology, r->root) != 0)
-            status = find_functions(r, topology, &f);
+        const io_hdf5_path topology = io_hdf5_path_of(r->file, MESHES "/%s", names.name[i]);
+        if (strcmp(topology.text, r->root.text) != 0)
+            status = find_functions(r, topology.text, &f);
         if (!status && f.name.n > 0)
-            status = io_hdf5_fail(r->file, topology,
+            status = io_hdf5_fail(r->file, topology.text,
                                   "another mesh ('%s') with coordinates of its own is made of this "
                                   "one (extruded, say): they would stay behind; write the mesh to "
                                   "a file of its own",
@@ -239,20 +231,19 @@ static int visit_copies(plex_reader *r, int *n_more) {
 /** Find the group of coordinates, and the coordinates; the names of both may be others. */
 static int find_coordinates(plex_reader *r) {
     char group[256] = "coordinateDM", name[256] = "coordinates";
-    int found;
+    const char *const root = r->root.text;
+    r->coordinates = io_hdf5_path_of(r->file, "/geometry/vertices");
     if (r->version == 1)
-        return io_hdf5_path(r->file, r->coordinates, "/geometry/vertices");
+        return PLANISH_OK;
     int status =
-        io_hdf5_text_attribute(r->file, r->root, "coordinateDMName", group, sizeof group, &found);
+        io_hdf5_text_attribute(r->file, root, "coordinateDMName", group, sizeof group, NULL);
     if (!status)
-        status =
-            io_hdf5_text_attribute(r->file, r->root, "coordinatesName", name, sizeof name, &found);
-    if (!status)
-        status = io_hdf5_path(r->file, r->section, "%s/dms/%s", r->root, group);
-    if (!status)
-        status = io_hdf5_path(r->file, r->coordinates, "%s/vecs/%s/%s", r->section, name, name);
-    const int is_there = !status && io_hdf5_kind_of(r->file, r->coordinates) != IO_HDF5_NONE;
-    return status || is_there ? status : visit_vectors(r, 1, NULL);
+        status = io_hdf5_text_attribute(r->file, root, "coordinatesName", name, sizeof name, NULL);
+    r->section = io_hdf5_path_of(r->file, "%s/dms/%s", root, group);
+    r->coordinates = io_hdf5_path_of(r->file, "%s/vecs/%s/%s", r->section.text, name, name);
+    if (status || io_hdf5_kind_of(r->file, r->coordinates.text) != IO_HDF5_NONE)
+        return status;
+    return visit_vectors(r, 1, NULL);
 }
 
 /** Check that there is one row for each node, in their order; others may be of edges, or be there
@@ -261,11 +252,11 @@ static int check_section(plex_reader *r) {
     io_hdf5_integers points = {0}, sizes = {0}, begins = {0};
     const int columns = r->model->columns;
     int64_t n = 0; /* rows of nodes */
-    int status = plex_read_list(r, r->section, "order", &points);
+    int status = plex_read_list(r, r->section.text, "order", &points);
     if (!status)
-        status = plex_read_list(r, r->section, "section/atlasDof", &sizes);
+        status = plex_read_list(r, r->section.text, "section/atlasDof", &sizes);
     if (!status)
-        status = plex_read_list(r, r->section, "section/atlasOff", &begins);
+        status = plex_read_list(r, r->section.text, "section/atlasOff", &begins);
     int is_good = !status && sizes.n == points.n && begins.n == points.n;
     for (int64_t i = 0; is_good && i < points.n; i++) {
         const int64_t size = io_hdf5_integer(&sizes, i);
@@ -275,7 +266,7 @@ static int check_section(plex_reader *r) {
         n += size != 0;
     }
     if (!status && (!is_good || n != r->n_nodes))
-        status = io_hdf5_fail(r->file, r->section,
+        status = io_hdf5_fail(r->file, r->section.text,
                               "coordinates are not one place for each node, in their order, as of "
                               "curved or periodic meshes");
     io_hdf5_integers_release(&points);
@@ -289,13 +280,13 @@ static int check_coordinates(plex_reader *r) {
     io_hdf5_shape shape;
     int status = find_coordinates(r);
     if (!status)
-        status = io_hdf5_shape_of(r->file, r->coordinates, &shape);
+        status = io_hdf5_shape_of(r->file, r->coordinates.text, &shape);
     if (status)
         return status;
     const int is_list = r->version > 1 && (shape.rank == 1 || shape.dims[1] == 1);
     const int64_t columns = is_list ? shape.n / r->n_nodes : shape.dims[1];
     if ((columns != 2 && columns != 3) || shape.n != columns * r->n_nodes)
-        return io_hdf5_fail(r->file, r->coordinates,
+        return io_hdf5_fail(r->file, r->coordinates.text,
                             "%lld coordinates in rows of %lld for %lld nodes; two or three each "
                             "were expected",
                             (long long)shape.n, (long long)columns, (long long)r->n_nodes);
@@ -313,16 +304,20 @@ static int end_reading(plex_reader *r, int status) {
     return status;
 }
 
+/** Open the file, and find the mesh and where its coordinates stand. */
+static int begin_reading(plex_reader *r, char *name, size_t size) {
+    int status = io_hdf5_open(r->model, &r->file, r->error);
+    if (!status)
+        status = find_mesh(r, name, size);
+    if (!status)
+        status = plex_read_topology(r);
+    return status ? status : check_coordinates(r);
+}
+
 static int plex_read(io_model *model, planish_error *error) {
     plex_reader r = {.model = model, .error = error};
     char name[256];
-    int status = io_hdf5_open(model, &r.file, error);
-    if (!status)
-        status = find_mesh(&r, name, sizeof name);
-    if (!status)
-        status = plex_read_topology(&r);
-    if (!status)
-        status = check_coordinates(&r);
+    int status = begin_reading(&r, name, sizeof name);
     if (!status)
         status = io_model_nodes(model, r.n_nodes, 0, error);
     for (int64_t i = 0; !status && model->columns < 3 && i < r.n_nodes; i++)
@@ -365,13 +360,7 @@ int io_plex_outline_of(const char *path, io_plex_outline *outline, planish_error
     int status = io_bytes_open(path, INT64_MAX, &model.input, error);
     if (status)
         return status;
-    status = io_hdf5_open(&model, &r.file, error);
-    if (!status)
-        status = find_mesh(&r, o.name, sizeof o.name);
-    if (!status)
-        status = plex_read_topology(&r);
-    if (!status)
-        status = check_coordinates(&r);
+    status = begin_reading(&r, o.name, sizeof o.name);
     if (!status)
         status = visit_copies(&r, &o.has_copies);
     if (!status)
@@ -382,7 +371,7 @@ int io_plex_outline_of(const char *path, io_plex_outline *outline, planish_error
         o.columns = model.columns;
         o.n_nodes = r.n_nodes;
         o.has_simplices_alone = plex_has_simplices_alone(&r);
-        memcpy(o.coordinates, r.coordinates, sizeof o.coordinates);
+        memcpy(o.coordinates, r.coordinates.text, sizeof o.coordinates);
     }
     status = end_reading(&r, status);
     io_bytes_close(&model.input);

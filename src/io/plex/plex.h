@@ -34,12 +34,12 @@ typedef struct plex_reader {
     io_model *model;
     io_hdf5 *file;
     planish_error *error;
-    char root[IO_HDF5_PATH_SIZE];        /* group of topology and labels: "" or /topologies/NAME */
-    char topology[IO_HDF5_PATH_SIZE];    /* group of the points */
-    char section[IO_HDF5_PATH_SIZE];     /* group that tells the layout of the coordinates, */
-    char coordinates[IO_HDF5_PATH_SIZE]; /* and their path */
-    int version;                         /* 1: root is "" */
-    int dim;                             /* of the elements */
+    io_hdf5_path root;        /* group of topology and labels: "" or /topologies/NAME */
+    io_hdf5_path topology;    /* group of the points */
+    io_hdf5_path section;     /* group that tells the layout of the coordinates, */
+    io_hdf5_path coordinates; /* and their path */
+    int version;              /* 1: root is "" */
+    int dim;                  /* of the elements */
     plex_stratum stratum[PLEX_MOST_STRATA];
     int64_t n_points, n_elements, n_nodes; /* elements and nodes are the first points */
     int64_t *start;     /* [n_points] where a point's cone begins in its stratum's, */
@@ -57,9 +57,9 @@ typedef struct plex_reader {
  *  case. */
 int plex_read_list(plex_reader *r, const char *group, const char *name, io_hdf5_integers *list);
 
-/** List the group called name in another group, path parent: its path [IO_HDF5_PATH_SIZE] and its
- *  names, none if it is not there. Released by io_hdf5_names_release in any case. */
-int plex_list(plex_reader *r, const char *parent, const char *name, char *path,
+/** List the group called name in another group, path parent: its path and its names, none if it is
+ *  not there. Released by io_hdf5_names_release in any case. */
+int plex_list(plex_reader *r, const char *parent, const char *name, io_hdf5_path *path,
               io_hdf5_names *names);
 
 /* ---- plex_topology.c ----------------------------------------------------------------------- */

@@ -48,52 +48,58 @@ static int is_note(const char *label) {
     return 0;
 }
 
-/** Add the set of one value of a label, in the group at path; value is taken over, NULL then. */
-static int add_set(labels *l, const char *path, const char *label, char **value) {
+/** Read the points of a set, in the group at path, and find its dimension. */
+static int read_set(labels *l, set *s, const char *path) {
     plex_reader *r = l->r;
-    char points[IO_HDF5_PATH_SIZE];
-    const set named = {.label = pl_copy_text(label), .value = *value};
-    set *s = named.label ? pl_append(&l->set, &l->n, &l->capacity, &named, sizeof named) : NULL;
-    if (!s) {
-        pl_free(named.label);
-        return pl_fail_memory(r->error, "the labels of the file");
-    }
-    *value = NULL;
-    int status = io_hdf5_path(r->file, points, "%s/indices", path);
-    if (!status && io_hdf5_kind_of(r->file, points) != IO_HDF5_NONE) /* else it has no points */
-        status = io_hdf5_integers_read(r->file, points, &s->points);
+    const io_hdf5_path points = io_hdf5_path_of(r->file, "%s/indices", path);
+    int status = PLANISH_OK;
+    if (io_hdf5_kind_of(r->file, points.text) != IO_HDF5_NONE) /* else it has no points */
+        status = io_hdf5_integers_read(r->file, points.text, &s->points);
     /* So many as stand in the file may be there in any case. */
     const int64_t most = MOST_LISTINGS * r->n_points + r->model->input.size / 4;
     if (!status && s->points.n > most - l->listed)
-        status = io_hdf5_fail(r->file, points,
-                              "labels up to this one list all points more than %d times over; the "
-                              "file is damaged",
-                              MOST_LISTINGS);
+        return io_hdf5_fail(r->file, points.text,
+                            "labels up to this one list all points more than %d times over; the "
+                            "file is damaged",
+                            MOST_LISTINGS);
     l->listed += s->points.n;
     for (int64_t i = 0; i < s->points.n && !status; i++) {
         const int64_t point = io_hdf5_integer(&s->points, i);
         if (point < 0 || point >= r->n_points)
-            return io_hdf5_fail(r->file, points, "point %lld is not in 0 .. %lld", (long long)point,
-                                (long long)r->n_points - 1);
+            return io_hdf5_fail(r->file, points.text, "point %lld is not in 0 .. %lld",
+                                (long long)point, (long long)r->n_points - 1);
         const int dim = plex_dim_of(r, point);
         s->dim = dim > s->dim ? dim : s->dim;
     }
     return status;
 }
 
+/** Read the sets of all labels, with or without those that programs make for themselves. */
 static int read_sets(labels *l, int with_notes) {
     plex_reader *r = l->r;
-    char group[IO_HDF5_PATH_SIZE], label[IO_HDF5_PATH_SIZE], value[IO_HDF5_PATH_SIZE];
+    io_hdf5_path group, label;
     io_hdf5_names names, values;
-    int status = plex_list(r, r->root, "labels", group, &names);
+    int status = plex_list(r, r->root.text, "labels", &group, &names);
     for (int64_t i = 0; i < names.n && !status; i++) {
         if (!with_notes && is_note(names.name[i]))
             continue;
-        status = plex_list(r, group, names.name[i], label, &values);
+        status = plex_list(r, group.text, names.name[i], &label, &values);
         for (int64_t k = 0; k < values.n && !status; k++) {
-            status = io_hdf5_path(r->file, value, "%s/%s", label, values.name[k]);
-            if (!status && io_hdf5_kind_of(r->file, value) == IO_HDF5_GROUP)
-                status = add_set(l, value, names.name[i], &values.name[k]);
+            const io_hdf5_path value =
+                io_hdf5_path_of(r->file, "%s/%s", label.text, values.name[k]);
+            if (io_hdf5_kind_of(r->file, value.text) != IO_HDF5_GROUP)
+                continue;
+            const set named = {pl_copy_text(names.name[i]), pl_copy_text(values.name[k]), {0}, 0};
+            set *s = named.label && named.value
+                         ? pl_append(&l->set, &l->n, &l->capacity, &named, sizeof named)
+                         : NULL;
+            if (s) {
+                status = read_set(l, s, value.text);
+            } else {
+                pl_free(named.label);
+                pl_free(named.value);
+                status = pl_fail_memory(r->error, "the labels of the file");
+            }
         }
         io_hdf5_names_release(&values);
     }
@@ -203,15 +209,15 @@ static int make_entities(labels *l, int dim) {
 static int name_set(const labels *l, int64_t index) {
     const plex_reader *r = l->r;
     const set *s = &l->set[index];
-    char name[IO_HDF5_PATH_SIZE];
-    const char *const names[] = {name, s->label};
+    const io_hdf5_path name = io_hdf5_path_of(r->file, "%s:%s", s->label, s->value);
+    const char *const names[] = {name.text, s->label};
     int has_cells = 0, has_nodes = 0;
     for (int64_t k = 0; k < s->points.n; k++) {
         const int64_t point = io_hdf5_integer(&s->points, k);
         if (plex_dim_of(r, point) == s->dim)
             *(r->of_point[point] >= 0 ? &has_cells : &has_nodes) = 1;
     }
-    int status = io_hdf5_path(r->file, name, "%s:%s", s->label, s->value);
+    int status = PLANISH_OK;
     for (int i = 0; i < 4 && !status; i++)
         if (i < 2 ? has_cells : has_nodes)
             status = io_model_group(r->model, i < 2 ? s->dim : 0, (int32_t)index + 1, names[i % 2],

@@ -15,7 +15,7 @@ enum { MOST_IN_CONE = 48, CHUNK = 1 << 14 };
 
 static int make_points(plex_reader *r, int64_t n) {
     if (n > INT32_MAX)
-        return io_hdf5_fail(r->file, r->topology,
+        return io_hdf5_fail(r->file, r->topology.text,
                             "%lld points (elements, nodes, faces, edges) are more than the %d that "
                             "planish can handle",
                             (long long)n, INT32_MAX);
@@ -80,38 +80,38 @@ static int read_cones(plex_reader *r, io_hdf5_integers *list) {
                                             {"permutation", "cone_sizes", "cones", "orientations"}};
     const int has_strata = r->version == 3;
     const char *const *name = names[has_strata];
-    char group[PLEX_MOST_STRATA][IO_HDF5_PATH_SIZE];
-    int status = plex_read_list(r, r->topology, name[0], list);
+    io_hdf5_path group[PLEX_MOST_STRATA];
+    int status = plex_read_list(r, r->topology.text, name[0], list);
     if (status)
         return status;
     if (has_strata && (list->n < 2 || list->n > PLEX_MOST_STRATA))
-        return io_hdf5_fail(r->file, r->topology, "%lld strata of points; 2 to %d were expected",
-                            (long long)list->n, PLEX_MOST_STRATA);
+        return io_hdf5_fail(r->file, r->topology.text,
+                            "%lld strata of points; 2 to %d were expected", (long long)list->n,
+                            PLEX_MOST_STRATA);
     const int n_strata = has_strata ? (int)list->n : 1;
     for (int d = 0; d < n_strata; d++) {
         plex_stratum *s = &r->stratum[d];
-        status = has_strata ? io_hdf5_path(r->file, group[d], "%s/strata/%d", r->topology, d)
-                            : io_hdf5_path(r->file, group[d], "%s", r->topology);
-        if (!status)
-            status = plex_read_list(r, group[d], name[1], &s->sizes);
+        group[d] = has_strata ? io_hdf5_path_of(r->file, "%s/strata/%d", r->topology.text, d)
+                              : r->topology;
+        status = plex_read_list(r, group[d].text, name[1], &s->sizes);
         const int has_cones = !has_strata || d > 0;
         if (!status && has_cones)
-            status = plex_read_list(r, group[d], name[2], &s->cones);
+            status = plex_read_list(r, group[d].text, name[2], &s->cones);
         if (!status && has_cones)
-            status = plex_read_list(r, group[d], name[3], &s->orientations);
+            status = plex_read_list(r, group[d].text, name[3], &s->orientations);
         if (status)
             return status;
         s->n = s->sizes.n;
     }
     if (!has_strata && r->stratum[0].n != list->n)
-        return io_hdf5_fail(r->file, r->topology, "%lld points, and the sizes of %lld cones",
+        return io_hdf5_fail(r->file, r->topology.text, "%lld points, and the sizes of %lld cones",
                             (long long)list->n, (long long)r->stratum[0].n);
     int64_t n = has_strata ? 0 : list->n;
     unsigned placed = 0;
     for (int64_t i = 0; has_strata && i < list->n; i++) {
         const int64_t depth = io_hdf5_integer(list, i);
         if (depth < 0 || depth >= n_strata || (placed >> depth & 1))
-            return io_hdf5_fail(r->file, r->topology, "permutation is none of the strata");
+            return io_hdf5_fail(r->file, r->topology.text, "permutation is none of the strata");
         placed |= 1u << depth;
         r->stratum[depth].first = n;
         n += r->stratum[depth].n;
@@ -119,7 +119,7 @@ static int read_cones(plex_reader *r, io_hdf5_integers *list) {
     status = make_points(r, n);
     for (int d = 0; d < n_strata && !status; d++) {
         r->stratum[d].below = d > 0 ? r->stratum[d - 1].first : 0;
-        status = take_cones(r, group[d], &r->stratum[d], has_strata ? NULL : list);
+        status = take_cones(r, group[d].text, &r->stratum[d], has_strata ? NULL : list);
     }
     return status;
 }
@@ -135,10 +135,10 @@ static int find_kinds(plex_reader *r) {
     r->n_nodes = last - first;
     for (int64_t i = last; i < r->n_points; i++)
         if (r->size[i] == 0)
-            return io_hdf5_fail(r->file, r->topology,
+            return io_hdf5_fail(r->file, r->topology.text,
                                 "nodes are not numbered one after another behind the elements");
     if (r->n_elements == 0 || r->n_nodes == 0)
-        return io_hdf5_fail(r->file, r->topology, "there are no elements, or no nodes");
+        return io_hdf5_fail(r->file, r->topology.text, "there are no elements, or no nodes");
     /* Whether all that bounds the first element is among the elements. */
     int is_bounded_by_elements = 1;
     for (int k = 0; k < r->size[0]; k++) {
@@ -146,7 +146,7 @@ static int find_kinds(plex_reader *r) {
         is_bounded_by_elements &= below >= 0 && below < r->n_elements;
     }
     if (is_bounded_by_elements)
-        return io_hdf5_fail(r->file, r->topology,
+        return io_hdf5_fail(r->file, r->topology.text,
                             "faces or edges are numbered between elements and nodes; elements are "
                             "expected first, then nodes");
     return PLANISH_OK;
@@ -283,7 +283,7 @@ int plex_has_simplices_alone(const plex_reader *r) {
 }
 
 int plex_fail_point(plex_reader *r, int64_t point) {
-    return io_hdf5_fail(r->file, r->topology,
+    return io_hdf5_fail(r->file, r->topology.text,
                         "point %lld is bounded by points that are none of its kind",
                         (long long)point);
 }

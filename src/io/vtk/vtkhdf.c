@@ -17,23 +17,22 @@
 
 #define GRID "/VTKHDF"
 
-typedef struct reader {
+typedef struct vtkhdf_reader {
     io_model *model;
     io_hdf5 *file;
     planish_error *error;
     io_hdf5_integers points, cells, ids;           /* how many each partition has, */
     io_hdf5_integers connectivity, offsets, types; /* and those of all */
     int64_t n_cells;
-} reader;
+} vtkhdf_reader;
 
 /* ---- what the file has --------------------------------------------------------------------- */
 
 /** Refuse other kinds of VTKHDF files, and a series of grids, which cannot be smoothed at once. */
-static int check_kind(reader *r) {
+static int check_kind(vtkhdf_reader *r) {
     char type[64] = "";
     int64_t n = 1;
-    int found;
-    int status = io_hdf5_text_attribute(r->file, GRID, "Type", type, sizeof type, &found);
+    int status = io_hdf5_text_attribute(r->file, GRID, "Type", type, sizeof type, NULL);
     if (status)
         return status;
     if (io_hdf5_kind_of(r->file, GRID) != IO_HDF5_GROUP)
@@ -44,7 +43,7 @@ static int check_kind(reader *r) {
                             "with ParaView's filter Append Datasets for instance",
                             type);
     if (io_hdf5_kind_of(r->file, GRID "/Steps") == IO_HDF5_GROUP)
-        status = io_hdf5_attribute(r->file, GRID "/Steps", "NSteps", &n, &found);
+        status = io_hdf5_attribute(r->file, GRID "/Steps", "NSteps", &n, NULL);
     if (!status && n != 1)
         return io_hdf5_fail(r->file, GRID "/Steps",
                             "there are %lld time steps; write the one that is to be smoothed to "
@@ -54,8 +53,8 @@ static int check_kind(reader *r) {
 }
 
 /** Check that the sum of what partitions have, and more of each, is what there is. */
-static int check_sum(reader *r, const char *path, const io_hdf5_integers *counts, int64_t more,
-                     int64_t there) {
+static int check_sum(vtkhdf_reader *r, const char *path, const io_hdf5_integers *counts,
+                     int64_t more, int64_t there) {
     int64_t sum = 0;
     for (int64_t i = 0; i < counts->n; i++) {
         const int64_t count = io_hdf5_integer(counts, i);
@@ -71,7 +70,7 @@ static int check_sum(reader *r, const char *path, const io_hdf5_integers *counts
 }
 
 /** Read the points, the lists of the cells, and how many each partition has. */
-static int read_lists(reader *r) {
+static int read_lists(vtkhdf_reader *r) {
     const struct {
         const char *path;
         io_hdf5_integers *to;
@@ -81,7 +80,7 @@ static int read_lists(reader *r) {
                  {GRID "/Connectivity", &r->connectivity},
                  {GRID "/Offsets", &r->offsets},
                  {GRID "/Types", &r->types}};
-    char path[] = GRID "/Points";
+    static const char path[] = GRID "/Points";
     io_hdf5_shape shape;
     int status = PLANISH_OK;
     for (size_t i = 0; i < sizeof lists / sizeof *lists && !status; i++)
@@ -108,7 +107,7 @@ static int read_lists(reader *r) {
         status = io_model_nodes(r->model, shape.dims[0], 0, r->error);
     if (status)
         return status;
-    const io_hdf5_place place = {path, 0, 3, 3, 1};
+    const io_hdf5_place place = {{GRID "/Points"}, 0, 3, 3, 1};
     status = io_hdf5_coordinates(r->file, &place);
     return status ? status : io_hdf5_coordinates_end(r->file);
 }
@@ -125,7 +124,7 @@ static int32_t *narrow_integers(const io_hdf5_integers *from, int64_t first, int
     return to;
 }
 
-static int read_cells(reader *r) {
+static int read_cells(vtkhdf_reader *r) {
     int64_t first_point = 0, first_cell = 0, first_id = 0;
     int status = PLANISH_OK;
     for (int64_t i = 0; i < r->cells.n && !status; i++) {
@@ -153,7 +152,8 @@ static int read_cells(reader *r) {
 
 /** Hold the nodes of all faces of polyhedra, counts of each partition, which count from its first
  *  point. */
-static int hold_faces(reader *r, const io_hdf5_integers *counts, const io_hdf5_integers *nodes) {
+static int hold_faces(vtkhdf_reader *r, const io_hdf5_integers *counts,
+                      const io_hdf5_integers *nodes) {
     static const char path[] = GRID "/FaceConnectivity";
     int64_t first = 0, first_point = 0;
     if (counts->n != r->points.n)
@@ -178,7 +178,7 @@ static int hold_faces(reader *r, const io_hdf5_integers *counts, const io_hdf5_i
     return PLANISH_OK;
 }
 
-static int read_faces(reader *r) {
+static int read_faces(vtkhdf_reader *r) {
     io_hdf5_integers counts = {0}, nodes = {0};
     if (io_hdf5_kind_of(r->file, GRID "/FaceConnectivity") != IO_HDF5_DATASET)
         return PLANISH_OK;
@@ -194,10 +194,13 @@ static int read_faces(reader *r) {
 
 /* ---- data ---------------------------------------------------------------------------------- */
 
-/** Hold the nodes that an array of point data marks. */
-static int take_point_array(reader *r, const char *path) {
+/** Hold the nodes that the point data called fixed mark. */
+static int read_fixed(vtkhdf_reader *r) {
+    static const char path[] = GRID "/PointData/fixed";
     double *values = NULL;
     io_hdf5_shape shape = {0};
+    if (io_hdf5_kind_of(r->file, path) == IO_HDF5_NONE)
+        return PLANISH_OK;
     int status = io_hdf5_reals_read(r->file, path, &values, &shape);
     if (!status && shape.dims[0] != r->model->n_nodes)
         status = io_hdf5_fail(r->file, path, "%lld values for %lld points",
@@ -209,52 +212,16 @@ static int take_point_array(reader *r, const char *path) {
     return status;
 }
 
-/** Take an array of cell data that has one number for each cell; others are passed over. */
-static int take_cell_array(reader *r, const char *path) {
-    const char *name = path + sizeof GRID "/CellData";
-    io_hdf5_shape shape;
-    io_hdf5_integers whole = {0};
-    double *real = NULL;
-    io_array_filler filler;
-    if (io_hdf5_kind_of(r->file, path) != IO_HDF5_DATASET)
-        return PLANISH_OK;
-    const io_hdf5_numbers numbers = io_hdf5_numbers_of(r->file, path, &shape);
-    if (numbers == IO_HDF5_NEITHER || shape.n != r->n_cells)
-        return PLANISH_OK;
-    int status = numbers == IO_HDF5_WHOLE ? io_hdf5_integers_read(r->file, path, &whole)
-                                          : io_hdf5_reals_read(r->file, path, &real, &shape);
-    if (!status)
-        status = io_array_begin(r->model, name, r->n_cells, &filler, r->error);
-    if (!status) {
-        for (int64_t i = 0; i < r->n_cells && !status && !filler.is_broken; i++) {
-            int64_t value = real ? 0 : io_hdf5_integer(&whole, i);
-            const int is_whole = real ? io_array_whole(real[i], &value) : 1;
-            status = io_array_put(&filler, i, is_whole, value, r->error);
-        }
-        if (status)
-            io_array_drop(&filler);
-        else
-            status = io_array_end(r->model, &filler, r->error);
-    }
-    io_hdf5_integers_release(&whole);
-    pl_free(real);
-    return status;
-}
-
-/** Take the arrays of a group of data, at most IO_MOST_ARRAYS, or those called only. */
-static int read_data(reader *r, const char *group, const char *only,
-                     int (*take)(reader *r, const char *path)) {
-    char path[IO_HDF5_PATH_SIZE];
-    io_hdf5_names names = {0};
+/** Read the cell data that may tell regions. */
+static int read_cell_data(vtkhdf_reader *r) {
+    static const char group[] = GRID "/CellData";
+    io_hdf5_names names;
     if (io_hdf5_kind_of(r->file, group) != IO_HDF5_GROUP)
         return PLANISH_OK;
     int status = io_hdf5_list(r->file, group, &names);
-    for (int64_t i = 0; i < names.n && (only || i < IO_MOST_ARRAYS) && !status; i++) {
-        if (only && strcmp(names.name[i], only) != 0)
-            continue;
-        status = io_hdf5_path(r->file, path, "%s/%s", group, names.name[i]);
-        if (!status)
-            status = take(r, path);
+    for (int64_t i = 0; i < names.n && i < IO_MOST_ARRAYS && !status; i++) {
+        const io_hdf5_path path = io_hdf5_path_of(r->file, "%s/%s", group, names.name[i]);
+        status = io_hdf5_cell_array(r->file, path.text, names.name[i], r->n_cells, 0);
     }
     io_hdf5_names_release(&names);
     return status;
@@ -263,7 +230,7 @@ static int read_data(reader *r, const char *group, const char *only,
 /* ---- the format ---------------------------------------------------------------------------- */
 
 static int vtkhdf_read(io_model *model, planish_error *error) {
-    reader r = {.model = model, .error = error};
+    vtkhdf_reader r = {.model = model, .error = error};
     int status = io_hdf5_open(model, &r.file, error);
     if (!status)
         status = check_kind(&r);
@@ -274,9 +241,9 @@ static int vtkhdf_read(io_model *model, planish_error *error) {
     if (!status)
         status = read_faces(&r);
     if (!status)
-        status = read_data(&r, GRID "/PointData", "fixed", take_point_array);
+        status = read_fixed(&r);
     if (!status)
-        status = read_data(&r, GRID "/CellData", NULL, take_cell_array);
+        status = read_cell_data(&r);
     if (!status)
         status = io_hdf5_check(r.file);
     io_hdf5_integers *const lists[] = {&r.points,       &r.cells,   &r.ids,
