@@ -64,12 +64,6 @@ static uint32_t hash_of(uint32_t number) {
     return number ^ number >> 16;
 }
 
-static uint32_t number_of(const graph *g, int32_t node) {
-    if (g->part)
-        return (uint32_t)g->part->node_number[node];
-    return (uint32_t)(g->number ? g->number[node] : node);
-}
-
 static int32_t degree(const graph *g, int64_t r) {
     return (int32_t)(g->priority[r] >> 32);
 }
@@ -99,7 +93,8 @@ static void make_graph(void *context, int64_t begin, int64_t end, int thread) {
         int32_t *neighbour = g->neighbour + rings->offset[r];
         int32_t n = 0;
         g->colour[r] = UNCOLOURED;
-        if (g->node[r] < 0)
+        const int32_t node = g->node[r];
+        if (node < 0)
             continue;
         for (int64_t i = rings->offset[r]; i < rings->offset[r + 1] && !g->moves_with; i++) {
             neighbour[n] = g->ring_of[rings->neighbour[i]];
@@ -113,7 +108,10 @@ static void make_graph(void *context, int64_t begin, int64_t end, int thread) {
             if (is_new)
                 neighbour[n++] = other;
         }
-        g->priority[r] = (uint64_t)n << 32 | hash_of(number_of(g, g->node[r]));
+        const int64_t number = g->part     ? g->part->node_number[node]
+                               : g->number ? g->number[node]
+                                           : node;
+        g->priority[r] = (uint64_t)n << 32 | hash_of((uint32_t)number);
     }
 }
 
@@ -258,19 +256,6 @@ static void colour_chunk(void *context, int64_t begin, int64_t end, int thread) 
 
 /* ---- ghosts ------------------------------------------------------------------------------- */
 
-/** Give the ghosts that take part rings, from n_rings on. */
-static void find_ghosts(graph *g) {
-    for (int64_t i = 0; i < g->n_nodes; i++)
-        g->of_nodes[i] = g->ring_of[i] >= 0;
-    pl_parts_update(NULL, g->of_nodes, sizeof *g->of_nodes);
-    for (int64_t i = 0; i < g->n_nodes; i++) {
-        if (g->part->node_role[i] != PLANISH_GHOST || !g->of_nodes[i])
-            continue;
-        g->ring_of[i] = (int32_t)g->n_all;
-        g->ghost[g->n_all++ - g->rings->n_rings] = (int32_t)i;
-    }
-}
-
 /** Keep the blocked ones of the n rings in held; returns how many there are. */
 static int64_t hold_blocked(const graph *g, int64_t n) {
     int64_t n_held = 0;
@@ -309,8 +294,16 @@ static void colour_graph(graph *g, int threads) {
     const int64_t n_rings = g->rings->n_rings;
     pl_parallel_for(threads, g->n_nodes, CHUNK_NODES, clear_ring_of, g);
     pl_parallel_for(pl_paying_threads(threads, n_rings), n_rings, CHUNK_RINGS, set_ring_of, g);
+    for (int64_t i = 0; g->of_nodes && i < g->n_nodes; i++)
+        g->of_nodes[i] = g->ring_of[i] >= 0;
     if (g->of_nodes)
-        find_ghosts(g);
+        pl_parts_update(NULL, g->of_nodes, sizeof *g->of_nodes);
+    for (int64_t i = 0; g->of_nodes && i < g->n_nodes; i++) { /* rings for ghosts that take part */
+        if (g->part->node_role[i] != PLANISH_GHOST || !g->of_nodes[i])
+            continue;
+        g->ring_of[i] = (int32_t)g->n_all;
+        g->ghost[g->n_all++ - n_rings] = (int32_t)i;
+    }
     pl_parallel_for(threads, n_rings, CHUNK_RINGS, make_graph, g);
     if (g->of_nodes) { /* priorities of ghosts */
         for (int64_t i = 0; i < g->n_nodes; i++)

@@ -63,7 +63,7 @@ static inline int has_facets(int dim, const uint8_t *is_inside, const int32_t *n
     uint32_t below = 0, inside = 0;
     for (int j = 0; j <= dim; j++) {
         const uint32_t is = is_inside ? is_inside[nodes[j]] != 0 : 0;
-        below += pl_is_less(nodes[j], node) & (is ^ 1);
+        below += (uint32_t)(nodes[j] - node) >> 31 & (is ^ 1);
         inside += is;
     }
     return (int)((below + inside - 2) >> 31); /* less than 2 of both */

@@ -1,16 +1,14 @@
 /* frame: the bounding box of a mesh, and lengths in units of it; see the header. */
 #include "topology/frame.h"
 
-#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/parts.h"
-#include "base/status.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 enum {
-    CHUNK = 1024,        /* nodes that one thread looks at at a time */
+    CHUNK = 4096,        /* nodes that one thread looks at at a time */
     MOST_EXPONENT = 1000 /* of a power of two whose inverse is a number with room to spare */
 };
 
@@ -18,61 +16,47 @@ enum {
 #define HUGE_COORDINATE 0x1p1000
 #define SHRINK          0x1p-64
 
-typedef struct box {
-    double low[3], high[3];
-} box;
-
 /** The search for the bounding box. */
 typedef struct box_search {
     const planish_mesh *mesh;
     const uint8_t *which; /* [n_nodes], or NULL: all */
-    box *boxes;           /* [chunks] */
+    double most[2 * 3];   /* largest coordinates so far, then largest of their opposites */
 } box_search;
-
-static inline box box_of_nodes(int dim, const box_search *s, int64_t begin, int64_t end) {
-    box b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    for (int64_t i = begin; i < end; i++)
-        for (int d = 0; d < dim && (!s->which || s->which[i]); d++) {
-            double x = s->mesh->coordinates[i * dim + d];
-            b.low[d] = x < b.low[d] ? x : b.low[d];
-            b.high[d] = x > b.high[d] ? x : b.high[d];
-        }
-    return b;
-}
 
 static void search_chunk(void *context, int64_t begin, int64_t end, int thread) {
     box_search *s = context;
+    const int dim = s->mesh->dim;
     (void)thread;
-    s->boxes[begin / CHUNK] =
-        s->mesh->dim == 3 ? box_of_nodes(3, s, begin, end) : box_of_nodes(2, s, begin, end);
+    for (int d = 0; d < dim; d++) {
+        double low = INFINITY, high = -INFINITY;
+        for (int64_t i = begin; i < end; i++) {
+            const double x = s->mesh->coordinates[i * dim + d];
+            if (s->which && !s->which[i])
+                continue;
+            low = x < low ? x : low;
+            high = x > high ? x : high;
+        }
+        pl_raise_double(&s->most[d], high);
+        pl_raise_double(&s->most[3 + d], -low);
+    }
 }
 
 int pl_frame_create(const planish_mesh *mesh, const uint8_t *which, int threads, pl_frame *frame,
                     planish_error *error) {
-    const int64_t chunks = (mesh->n_nodes - 1) / CHUNK + 1;
-    box_search s = {mesh, which, pl_alloc(chunks, sizeof *s.boxes)};
-    if (!s.boxes)
-        return pl_fail_memory(error, "the bounding box");
-    box whole = box_of_nodes(mesh->dim, &s, 0, 0);
+    box_search s = {.mesh = mesh, .which = which};
+    for (int i = 0; i < 2 * 3; i++)
+        s.most[i] = -INFINITY;
     pl_parallel_for(threads, mesh->n_nodes, CHUNK, search_chunk, &s);
-    for (int64_t i = 0; i < chunks && mesh->n_nodes > 0; i++)
-        for (int d = 0; d < mesh->dim; d++) {
-            const double low = s.boxes[i].low[d], high = s.boxes[i].high[d];
-            whole.low[d] = low < whole.low[d] ? low : whole.low[d];
-            whole.high[d] = high > whole.high[d] ? high : whole.high[d];
-        }
-    pl_free(s.boxes);
-    pl_parts_smallest(whole.low, mesh->dim);
-    pl_parts_largest(whole.high, mesh->dim);
+    pl_parts_largest(s.most, 2 * 3);
     *frame = (pl_frame){.shrink = 1};
     double extent = 0;
-    for (int d = 0; d < mesh->dim && whole.low[d] <= whole.high[d]; d++) /* there are nodes */
-        if (fabs(whole.low[d]) > HUGE_COORDINATE || fabs(whole.high[d]) > HUGE_COORDINATE)
+    for (int d = 0; d < mesh->dim && isfinite(s.most[d]); d++) /* there are nodes */
+        if (s.most[d] > HUGE_COORDINATE || s.most[3 + d] > HUGE_COORDINATE)
             frame->shrink = SHRINK;
-    for (int d = 0; d < mesh->dim && whole.low[d] <= whole.high[d]; d++) {
-        const double side = whole.high[d] * frame->shrink - whole.low[d] * frame->shrink;
+    for (int d = 0; d < mesh->dim && isfinite(s.most[d]); d++) {
+        const double side = s.most[d] * frame->shrink + s.most[3 + d] * frame->shrink;
         extent = side > extent ? side : extent;
-        frame->low[d] = whole.low[d];
+        frame->low[d] = -s.most[3 + d];
     }
     int exponent = 0;
     if (extent > 0)

@@ -40,7 +40,7 @@ typedef struct groups {
     int64_t pairs[MAX_SHIFTS];   /* followers of each */
     int32_t *image;              /* of the shift under way, or -1 */
     uint8_t *is_copied;          /* [m] elements, likewise */
-    int64_t image_capacity, copy_capacity;
+    int64_t image_capacity, element_capacity, source_capacity;
     pl_periodic *out;
 } groups;
 
@@ -210,28 +210,20 @@ static int32_t moved_node(groups *g, int32_t node, int32_t follower, int s) {
 static int copy_element(groups *g, int32_t element, int32_t follower, int s) {
     pl_periodic *out = g->out;
     const int corners = g->mesh->dim + 1;
-    if (out->n_elements == INT32_MAX)
-        return -1;
-    int64_t capacity = g->copy_capacity;
-    int32_t *elements = pl_grow(out->elements, out->n_elements, out->n_elements + 1, &capacity,
-                                (size_t)corners * sizeof *elements);
-    if (elements)
-        out->elements = elements;
-    int32_t *source = pl_grow(out->source, out->n_elements, out->n_elements + 1, &g->copy_capacity,
-                              sizeof *source);
-    if (source)
-        out->source = source;
-    if (!elements || !source)
-        return -1;
+    int32_t copy[4];
     for (int j = 0; j < corners; j++) {
-        const int32_t node =
-            moved_node(g, g->mesh->elements[(int64_t)element * corners + j], follower, s);
-        if (node < 0)
+        copy[j] = moved_node(g, g->mesh->elements[(int64_t)element * corners + j], follower, s);
+        if (copy[j] < 0)
             return -1;
-        out->elements[out->n_elements * corners + j] = node;
     }
-    out->source[out->n_elements++] = element;
-    return 0;
+    int64_t n = out->n_elements;
+    return out->n_elements < INT32_MAX &&
+                   pl_append(&out->elements, &n, &g->element_capacity, copy,
+                             (size_t)corners * sizeof *copy) &&
+                   pl_append(&out->source, &out->n_elements, &g->source_capacity, &element,
+                             sizeof element)
+               ? 0
+               : -1;
 }
 
 /** Copies of the elements at the followers that move, for one translation. */
@@ -261,7 +253,7 @@ static int copy_mesh(groups *g, const int8_t *sign, uint8_t *slides) {
     const int64_t n = mesh->n_nodes, m = mesh->n_elements;
     const int corners = mesh->dim + 1;
     out->n_nodes = n;
-    out->n_elements = g->copy_capacity = m;
+    out->n_elements = g->element_capacity = g->source_capacity = m;
     out->elements = pl_alloc(m * corners, sizeof *out->elements);
     out->source = pl_alloc(m, sizeof *out->source);
     if (!out->elements || !out->source)

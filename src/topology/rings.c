@@ -129,13 +129,15 @@ static inline star find_ring(const ring_maker *m, int dim, int thread, int32_t n
     for (int64_t i = 0; i < n; i++) {
         const int32_t index = m->incidence->element[begin + i];
         const int32_t *element = m->mesh->elements + (int64_t)index * (dim + 1);
-        const int place = pl_place_in_element(dim, element, node);
+        int place = 0; /* of node in element; no branch, as nothing could predict it */
+        for (int j = 1; j <= dim; j++)
+            place += j & -(element[j] == node);
         /* The order of its link facet needs the last two exchanged, or not: in a positive
          * tetrahedron the facets opposite nodes 1 and 3 are positive in the element's order, in a
          * positive triangle those opposite nodes 0 and 2. */
         const int turned = ((place + dim) % 2 != 0) != (m->sign && m->sign[index] < 0);
         for (int j = 0; j < dim; j++) {
-            const int32_t other = pl_other_node(element, place, j);
+            const int32_t other = element[j + (j >= place)];
             const int32_t position = pl_local_map_add(&map, (uint64_t)other);
             if (position < room) /* writes known nodes again: cheaper than to ask */
                 ring[position] = other;
@@ -152,6 +154,13 @@ static inline star find_ring(const ring_maker *m, int dim, int thread, int32_t n
 
 /* ---- one small ring ----------------------------------------------------------------------- */
 
+/** 1 if two nodes are the same, or else 0. No number of a node is negative. Where == gives a number,
+ *  compilers may write the low byte of a register alone: then what comes next waits for what that
+ *  held before, which can be the end of all that went before. */
+static inline uint32_t is_same_node(int32_t a, int32_t b) {
+    return ((uint32_t)(a ^ b) - 1) >> 31;
+}
+
 /** Number the nodes of node's link by the i-th hash: positions of the corners of its n facets, as
  *  if all elements were positive. No branch: nothing could predict it. */
 PL_NOINLINE void find_small_facets(const int32_t *elements, int32_t node, const int32_t *list,
@@ -162,8 +171,8 @@ PL_NOINLINE void find_small_facets(const int32_t *elements, int32_t node, const 
     uint32_t n_nodes = 0, collision = 0;
     for (const int32_t *end = list + n; list < end; list++, corner += 3) {
         const int32_t *element = elements + (int64_t)*list * 4;
-        const uint32_t is_a = pl_is_same(element[0], node), is_b = pl_is_same(element[1], node),
-                       is_d = pl_is_same(element[3], node);
+        const uint32_t is_a = is_same_node(element[0], node), is_b = is_same_node(element[1], node),
+                       is_d = is_same_node(element[3], node);
         const int32_t other[3] = {element[is_a], element[1 + is_a + is_b], element[3 - is_d]};
         uint8_t position[3];
 #pragma GCC unroll 3
@@ -196,21 +205,6 @@ PL_NOINLINE void find_small_edges(pl_small_ring *table, int64_t n, const uint8_t
     table->unrepeated = unrepeated;
 }
 
-/** Nodes of a facet of one element alone, or that its elements traverse in one direction alone, are
- *  not inside: this spares most of them that their links are looked at. Of a link of n facets, of
- *  which table has the edges. */
-static void leave_boundary(const ring_maker *m, const pl_small_ring *table, const uint8_t *corner,
-                           int64_t n) {
-    for (int64_t f = 0; f < 3 * n; f += 3)
-        for (int c = 0; c < 3; c++) {
-            const int p = corner[f + c], q = corner[f + (c + 1) % 3];
-            if (table->edge[q * PL_SMALL_RING + p] != PL_SMALL_NONE)
-                continue;
-            set_fixed(m, table->node[p]);
-            set_fixed(m, table->node[q]);
-        }
-}
-
 /** Find a ring as find_ring does, but faster: in 3-D where the ring is small and, if closed, one
  *  sphere. For an open link no ring is written, and the content of link means nothing. */
 static star find_small_ring(const ring_maker *m, int thread, int32_t node, pl_link link,
@@ -236,8 +230,16 @@ static star find_small_ring(const ring_maker *m, int thread, int32_t node, pl_li
         }
     find_small_edges(table, n, link.low, link.low + 3 * n);
     const int is_closed = 2 * table->n_edges == 3 * n && table->unrepeated == PL_SMALL_NONE;
-    if (!is_closed)
-        leave_boundary(m, table, link.low, n);
+    /* Nodes of a facet of one element alone, or that its elements traverse in one direction alone,
+     * are not inside: this spares most of them that their links are looked at. */
+    for (int64_t f = 0; !is_closed && f < 3 * n; f += 3)
+        for (int c = 0; c < 3; c++) {
+            const int p = link.low[f + c], q = link.low[f + (c + 1) % 3];
+            if (table->edge[q * PL_SMALL_RING + p] != PL_SMALL_NONE)
+                continue;
+            set_fixed(m, table->node[p]);
+            set_fixed(m, table->node[q]);
+        }
     /* A sphere of more than two facets has none twice. */
     if (!is_closed || (n > 2 && length == length_of_sphere(n)))
         found = (star){length, is_closed, is_closed};
@@ -255,25 +257,6 @@ static star find_small_ring(const ring_maker *m, int thread, int32_t node, pl_li
 /* The positions of an open link are told apart by a byte up to so many facets, and by two up to the
  * other number: three for each, at most. */
 enum { BYTE_OPEN_LINK = (UINT8_MAX + 1) / 3, MAX_OPEN_LINK = (UINT16_MAX + 1) / 3 };
-
-/** Room for links that may be open; the rings are counted. Nodes whose links are too large are free
- *  no longer. */
-static void make_room_for_open(void *context, int64_t begin, int64_t end, int thread) {
-    ring_maker *m = context;
-    int64_t max_link = 0;
-    (void)thread;
-    for (int64_t r = begin; r < end; r++) {
-        int64_t facets = degree(m->incidence, m->node[r]);
-        if (facets > MAX_OPEN_LINK) {
-            m->is_free[m->node[r]] = 0;
-            facets = 0;
-        }
-        m->rings->link_offset[r] = facets;
-        max_link = facets > max_link ? facets : max_link;
-    }
-    if (max_link > BYTE_OPEN_LINK)
-        __atomic_store_n(&m->wide, 1, __ATOMIC_RELAXED);
-}
 
 /** Whether the link of a node may be closed: so many facets that the kernels take, each of whose
  *  edges belongs to two of the triangles, which are then even in number. A large star is looked at,
@@ -296,15 +279,16 @@ static int can_be_closed(ring_maker *m, int thread, int32_t node) {
     return found.is_closed;
 }
 
-/** Lengths as of spheres, V = F in 2-D, of circles. Nodes whose links cannot be closed are free no
- *  longer. */
-static void foretell_lengths(void *context, int64_t begin, int64_t end, int thread) {
+/** Make room for links, and for rings as of spheres, V = F in 2-D, of circles; open links: the rings
+ *  are counted. Nodes whose links are too large, or have to be closed but cannot, are free no longer.
+ */
+static void make_room(void *context, int64_t begin, int64_t end, int thread) {
     ring_maker *m = context;
     int64_t max_link = 0;
     for (int64_t r = begin; r < end; r++) {
         const int32_t node = m->node[r];
         int64_t facets = degree(m->incidence, node);
-        if (!can_be_closed(m, thread, node)) {
+        if (m->open ? facets > MAX_OPEN_LINK : !can_be_closed(m, thread, node)) {
             m->is_free[node] = 0;
             facets = 0;
         }
@@ -312,7 +296,7 @@ static void foretell_lengths(void *context, int64_t begin, int64_t end, int thre
         m->rings->offset[r] = m->mesh->dim == 3 ? length_of_sphere(facets) : facets;
         m->rings->link_offset[r] = facets;
     }
-    if (max_link > PL_BYTE_LINK)
+    if (max_link > (m->open ? BYTE_OPEN_LINK : PL_BYTE_LINK))
         __atomic_store_n(&m->wide, 1, __ATOMIC_RELAXED);
 }
 
@@ -388,7 +372,7 @@ static int fill_rings(ring_maker *m, int counting, int threads) {
 static int make_rings(ring_maker *m, int threads) {
     pl_rings *rings = m->rings;
     const int64_t n = rings->n_rings;
-    pl_parallel_for(threads, n, CHUNK, m->open ? make_room_for_open : foretell_lengths, m);
+    pl_parallel_for(threads, n, CHUNK, make_room, m);
     if (pl_local_maps_failed(m->maps, threads))
         return -1;
     const int64_t total = pl_prefix_sum(threads, n, rings->link_offset);

@@ -81,46 +81,43 @@ static void list_elements(void *context, int64_t begin, int64_t end, int thread)
     }
 }
 
-/** Run the passes, with room for the subset; -1 without memory. */
-static int run_passes(passes *p, int threads) {
-    const int64_t n = p->mesh->n_nodes, m = p->mesh->n_elements;
-    pl_subset *s = p->subset;
-    for (int pass = 0; pass < 2 && s->n_elements == 0; pass++) {
-        p->none_selected = pass;
-        pl_parallel_for(threads, m, CHUNK, count_elements, p);
-        s->n_elements = pl_prefix_sum(threads, (m - 1) / CHUNK + 1, p->elements);
-    }
-    pl_parallel_for(threads, n, CHUNK, count_nodes, p);
-    s->n_nodes = pl_prefix_sum(threads, (n - 1) / CHUNK + 1, p->nodes);
-    s->node = pl_alloc(s->n_nodes, sizeof *s->node);
-    s->is_selected = pl_alloc(s->n_nodes, sizeof *s->is_selected);
-    s->element = pl_alloc(s->n_elements, sizeof *s->element);
-    s->elements = pl_alloc(s->n_elements * (p->mesh->dim + 1), sizeof *s->elements);
-    if (!s->node || !s->is_selected || !s->element || !s->elements)
-        return -1;
-    pl_parallel_for(threads, n, CHUNK, list_nodes, p);
-    pl_parallel_for(threads, m, CHUNK, list_elements, p);
-    return 0;
-}
-
-int pl_subset_by_marks(const planish_mesh *mesh, const uint8_t *selected, int threads,
-                       pl_subset *subset, planish_error *error) {
+int pl_subset_by_marks(const planish_mesh *mesh, const uint8_t *selected, int threads, pl_subset *s,
+                       planish_error *error) {
+    const int64_t n = mesh->n_nodes, m = mesh->n_elements;
     passes p = {.mesh = mesh,
                 .selected = selected,
-                .subset = subset,
-                .elements = pl_alloc(mesh->n_elements / CHUNK + 2, sizeof *p.elements),
-                .nodes = pl_alloc(mesh->n_nodes / CHUNK + 2, sizeof *p.nodes),
-                .is_in = pl_alloc_zero(mesh->n_nodes, sizeof *p.is_in),
-                .number = pl_alloc(mesh->n_nodes, sizeof *p.number)};
-    *subset = (pl_subset){0};
-    const int done = p.elements && p.nodes && p.is_in && p.number && run_passes(&p, threads) == 0;
+                .subset = s,
+                .elements = pl_alloc(m / CHUNK + 2, sizeof *p.elements),
+                .nodes = pl_alloc(n / CHUNK + 2, sizeof *p.nodes),
+                .is_in = pl_alloc_zero(n, sizeof *p.is_in),
+                .number = pl_alloc(n, sizeof *p.number)};
+    *s = (pl_subset){0};
+    int done = p.elements && p.nodes && p.is_in && p.number;
+    for (int pass = 0; done && pass < 2 && s->n_elements == 0; pass++) {
+        p.none_selected = pass;
+        pl_parallel_for(threads, m, CHUNK, count_elements, &p);
+        s->n_elements = pl_prefix_sum(threads, (m - 1) / CHUNK + 1, p.elements);
+    }
+    if (done) {
+        pl_parallel_for(threads, n, CHUNK, count_nodes, &p);
+        s->n_nodes = pl_prefix_sum(threads, (n - 1) / CHUNK + 1, p.nodes);
+        s->node = pl_alloc(s->n_nodes, sizeof *s->node);
+        s->is_selected = pl_alloc(s->n_nodes, sizeof *s->is_selected);
+        s->element = pl_alloc(s->n_elements, sizeof *s->element);
+        s->elements = pl_alloc(s->n_elements * (mesh->dim + 1), sizeof *s->elements);
+        done = s->node && s->is_selected && s->element && s->elements;
+    }
+    if (done) {
+        pl_parallel_for(threads, n, CHUNK, list_nodes, &p);
+        pl_parallel_for(threads, m, CHUNK, list_elements, &p);
+    }
     pl_free(p.elements);
     pl_free(p.nodes);
     pl_free(p.is_in);
     pl_free(p.number);
     if (done)
         return PLANISH_OK;
-    pl_subset_destroy(subset);
+    pl_subset_destroy(s);
     return pl_fail_memory(error, "the subset of the mesh that is worked on");
 }
 

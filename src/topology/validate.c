@@ -35,18 +35,14 @@ static inline uint32_t badness_of(int dim, const int32_t *element, uint32_t n_no
     return bits;
 }
 
-static inline int is_bad(uint32_t bits) {
-    return bits >> 31 != 0;
-}
-
 static inline void check_elements(lowest_search *s, int dim, int64_t begin, int64_t end) {
     const int32_t *elements = s->mesh->elements;
     const uint32_t n_nodes = (uint32_t)s->mesh->n_nodes;
     uint32_t bits = 0;
     for (int64_t i = begin; i < end; i++)
         bits |= badness_of(dim, elements + i * (dim + 1), n_nodes);
-    for (int64_t i = begin; is_bad(bits) && i < end; i++)
-        if (is_bad(badness_of(dim, elements + i * (dim + 1), n_nodes))) {
+    for (int64_t i = begin; bits >> 31 && i < end; i++)
+        if (badness_of(dim, elements + i * (dim + 1), n_nodes) >> 31) {
             pl_lower_to(&s->lowest, i);
             return;
         }
