@@ -99,7 +99,7 @@ static void make_model(io_model *model, int columns, int dim, const double *z) {
     model->columns = columns;
     io_cells *cells = dim == 3 ? &model->tetrahedron : &model->triangle;
     assert_int_equal(io_model_nodes(model, 4, 1, NULL), PLANISH_OK);
-    assert_int_equal(io_cells_reserve(cells, dim, 1, 0, 0, NULL), PLANISH_OK);
+    assert_int_equal(io_cells_reserve(model, dim, 1, 0, 0, NULL), PLANISH_OK);
     for (int i = 0; i < 4; i++) {
         model->xyz[3 * i] = i;
         model->xyz[3 * i + 1] = i * i;
@@ -133,10 +133,10 @@ static void lines_and_triangles_hold(void **state) {
     static const double z[] = {0, 0, 0, 1};
     io_model model;
     make_model(&model, 3, 3, z);
-    assert_int_equal(io_cells_reserve(&model.triangle, 2, 1, 0, 0, NULL), PLANISH_OK);
+    assert_int_equal(io_cells_reserve(&model, 2, 1, 0, 0, NULL), PLANISH_OK);
     memcpy(model.triangle.nodes, (int32_t[]){1, 2, 3}, 3 * sizeof(int32_t));
     model.triangle.n = 1;
-    assert_int_equal(io_cells_reserve(&model.line, 1, 1, 0, 0, NULL), PLANISH_OK);
+    assert_int_equal(io_cells_reserve(&model, 1, 1, 0, 0, NULL), PLANISH_OK);
     memcpy(model.line.nodes, (int32_t[]){3, 1}, 2 * sizeof(int32_t));
     model.line.n = 1;
     assert_int_equal(io_model_finish(&model, NULL, NULL), PLANISH_OK);
@@ -154,7 +154,7 @@ static void what_cannot_be_smoothed_is_refused(void **state) {
     io_model model;
     planish_error error;
     make_model(&model, 3, 2, bent);
-    assert_int_equal(io_cells_reserve(&model.triangle, 2, 1, 0, 0, NULL), PLANISH_OK);
+    assert_int_equal(io_cells_reserve(&model, 2, 1, 0, 0, NULL), PLANISH_OK);
     memcpy(model.triangle.nodes + 3, (int32_t[]){1, 2, 3}, 3 * sizeof(int32_t));
     model.triangle.n = 2;
     assert_int_equal(io_model_finish(&model, NULL, &error), PLANISH_ERROR_FORMAT);
@@ -174,10 +174,10 @@ static void counts_beyond_int32_are_refused(void **state) {
     planish_error error;
     assert_int_equal(io_model_nodes(&model, (int64_t)INT32_MAX + 1, 0, &error),
                      PLANISH_ERROR_FORMAT);
-    assert_int_equal(io_cells_reserve(&model.triangle, 2, (int64_t)INT32_MAX + 1, 0, 0, &error),
+    assert_int_equal(io_cells_reserve(&model, 2, (int64_t)INT32_MAX + 1, 0, 0, &error),
                      PLANISH_ERROR_FORMAT);
     model.triangle.n = 5;
-    assert_int_equal(io_cells_reserve(&model.triangle, 2, INT64_MAX - 2, 0, 0, &error),
+    assert_int_equal(io_cells_reserve(&model, 2, INT64_MAX - 2, 0, 0, &error),
                      PLANISH_ERROR_FORMAT);
     model.triangle.n = 0;
     io_model_destroy(&model);

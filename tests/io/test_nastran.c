@@ -198,7 +198,7 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(format, "BEGIN BULK\nENDDATA\n", "no GRID");
     reading_fails(format, "GRID,1\nGRID,2,,1.\n", "nothing to smooth");
     reading_fails(format, NINE "GRID,3,,0.,0.,2.\nGRID,77\n", "node number 3 occurs twice");
-    reading_fails(format, NINE "CTETRA,2,1,1,2,3,10\n", "test:11: CTETRA 2: there is no GRID 10");
+    reading_fails(format, NINE "CTETRA,2,1,1,2,3,10\n", "test:11: CTETRA 2: there is no node 10");
     reading_fails(format, NINE "CTETRA,2,1,1,2,3\n", "a node is missing");
     reading_fails(format, NINE "CTETRA,2,1,1,2,x,4\n", "'x'");
     reading_fails(format, NINE "CTETRA,2,1,1,2,3,4,5,6\n,7,8,9,1\n", "second order");

@@ -175,24 +175,18 @@ static int element_item(io_cursor *cursor, io_slice *line, io_slice *item) {
 
 /** Read a simplex of dim that is kept. */
 static int read_cell(abaqus_reader *r, io_cursor *cursor, io_slice line, int dim) {
-    io_cells *cells = io_model_cells(r->model, dim);
-    int status = io_cells_reserve(cells, dim, 1, 1, 1, r->error);
-    if (status)
-        return status;
-    int32_t *nodes = cells->nodes + cells->n * (dim + 1);
+    int32_t nodes[4];
     int64_t number, label;
-    status = take_number(r, &line, "where the number of an element was expected", &label);
+    const int status = take_number(r, &line, "where the number of an element was expected", &label);
     if (status)
         return status;
     for (int i = 0; i <= dim; i++) {
         io_slice item = {line.end, line.end};
         if (!element_item(cursor, &line, &item) || io_slice_integer(item, &number))
             return abaqus_fail_item(r, item, "where the number of a node was expected");
-        const int64_t index = io_node_index(r->model, number);
-        if (index < 0)
-            return io_fail_at(r->model, item.begin, r->error, "element %lld: there is no node %lld",
-                              (long long)label, (long long)number);
-        nodes[i] = (int32_t)index;
+        nodes[i] = (int32_t)io_node_index(r->model, number);
+        if (nodes[i] < 0)
+            return io_fail_no_node(r->model, item.begin, "element", label, number, r->error);
     }
     io_slice more;
     while (dim > 1 && abaqus_item(&line, &more))
@@ -200,9 +194,7 @@ static int read_cell(abaqus_reader *r, io_cursor *cursor, io_slice line, int dim
             return io_fail_at(r->model, more.begin, r->error,
                               "element %lld has more than the %d nodes of its type",
                               (long long)label, dim + 1);
-    cells->number[cells->n] = label;
-    cells->entity[cells->n++] = 0;
-    return PLANISH_OK;
+    return io_cells_add(r->model, dim, nodes, 0, label, r->error);
 }
 
 /** Hold the nodes of an element that is not kept. nodes: 0, as many as there are; the element goes
@@ -233,7 +225,7 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
     abaqus_squeeze(abaqus_unquoted(item), name);
     const io_element_type type = find_type(name, r->has_cavities);
     if (io_element_use(&type) == IO_REFUSE)
-        return io_fail_at(r->model, b->parameters.begin, r->error, "%s: " IO_OF_SECOND_ORDER, name);
+        return io_fail_order(r->model, b->parameters.begin, name, "", r->error);
     const int is_here = b->scope == r->scope;
     const io_cells *cells = is_here ? io_element_cells(r->model, &type) : NULL;
     abaqus_range range = {.dim = cells ? io_element_dim(&type) : 0, .begin = cells ? cells->n : 0};

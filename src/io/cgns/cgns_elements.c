@@ -190,7 +190,7 @@ static int store_elements(walk *w, int32_t section) {
         io_cells *cells = io_model_cells(model, dim);
         w->section->first[dim] = w->section->behind[dim] = cells->n;
         if (kept[dim] > 0)
-            status = io_cells_reserve(cells, dim, kept[dim], 1, 1, w->r->error);
+            status = io_cells_reserve(model, dim, kept[dim], 1, 1, w->r->error);
     }
     w->index = -1;
     w->at = 0;

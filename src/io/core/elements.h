@@ -49,11 +49,6 @@ typedef enum io_element_treatment {
     IO_REFUSE /* fail: a curved triangle or tetrahedron, whose corners alone must not move */
 } io_element_treatment;
 
-/** Why elements are refused (IO_REFUSE), as a format string without arguments. */
-#define IO_OF_SECOND_ORDER                                                                         \
-    "elements of second order or higher cannot be smoothed; export the mesh with straight "        \
-    "elements of first order"
-
 /** Dimension of the elements of a type, 0 to 3. */
 static inline int io_element_dim(const io_element_type *type) {
     const int shape = type->shape;

@@ -76,12 +76,13 @@ void io_edits_destroy(io_edits *edits) {
 
 /* ---- cells -------------------------------------------------------------------------------- */
 
-int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int with_number,
+int io_cells_reserve(io_model *model, int dim, int64_t n, int with_entity, int with_number,
                      planish_error *error) {
+    io_cells *cells = io_model_cells(model, dim);
     if (n > INT32_MAX || cells->n + n > INT32_MAX)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%lld elements are more than the %lld that planish can handle", (long long)n,
-                       (long long)INT32_MAX);
+                       "%s: %lld elements are more than the %lld that planish can handle",
+                       model->input.path, (long long)n, (long long)INT32_MAX);
     int64_t needed = cells->n + n, capacity = cells->capacity;
     if (needed <= capacity && cells->nodes)
         return PLANISH_OK;
@@ -101,6 +102,18 @@ int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int w
     if (!nodes || (with_entity && !entity) || (with_number && !number))
         return pl_fail_memory(error, "the elements of the file");
     cells->capacity = nodes_capacity;
+    return PLANISH_OK;
+}
+
+int io_cells_add(io_model *model, int dim, const int32_t *nodes, int32_t entity, int64_t number,
+                 planish_error *error) {
+    io_cells *cells = io_model_cells(model, dim);
+    const int status = io_cells_reserve(model, dim, 1, 1, 1, error);
+    if (status)
+        return status;
+    memcpy(cells->nodes + cells->n * (dim + 1), nodes, (size_t)(dim + 1) * sizeof *nodes);
+    cells->entity[cells->n] = entity;
+    cells->number[cells->n++] = number;
     return PLANISH_OK;
 }
 
@@ -293,6 +306,17 @@ int io_check_count(const io_model *model, io_cursor rest, int64_t n, int64_t siz
         return io_fail_at(model, rest.at, error, "%lld %s are more than planish can number",
                           (long long)n, what);
     return io_check_room(model, rest, n, size, what, error);
+}
+
+int io_fail_no_node(const io_model *model, const char *at, const char *what, int64_t element,
+                    int64_t node, planish_error *error) {
+    return io_fail_at(model, at, error, "%s %lld: there is no node %lld", what, (long long)element,
+                      (long long)node);
+}
+
+int io_fail_order(const io_model *model, const char *at, const char *what, const char *remedy,
+                  planish_error *error) {
+    return io_fail_at(model, at, error, "%s: " IO_OF_SECOND_ORDER "%s", what, remedy);
 }
 
 int io_fail_infinite(const io_model *model, int64_t node, const char *at, planish_error *error) {

@@ -275,11 +275,16 @@ static inline const io_cells *io_model_elements(const io_model *model) {
     return model->tetrahedron.n > 0 ? &model->tetrahedron : &model->triangle;
 }
 
-/** Make room for n more cells; the reader then writes nodes, entity, number at index cells->n ...;
- * and raises cells->n. with_entity/with_number must be the same in every call for the same cells.
- */
-int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int with_number,
+/** Make room for n more cells of a dimension; the reader then writes nodes, entity, number at index
+ *  cells->n ...; and raises cells->n. with_entity and with_number must be the same in every call for
+ *  the same cells. Errors: _FORMAT (too many), _MEMORY. */
+int io_cells_reserve(io_model *model, int dim, int64_t n, int with_entity, int with_number,
                      planish_error *error);
+
+/** Add a cell of nodes [dim + 1] behind the others, which have entities and numbers. Errors: as
+ *  io_cells_reserve. */
+int io_cells_add(io_model *model, int dim, const int32_t *nodes, int32_t entity, int64_t number,
+                 planish_error *error);
 
 /** Find the index of the entity (dim, tag, physical[n]), made if new; negative on failure. */
 int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
@@ -374,6 +379,21 @@ int io_check_room(const io_model *model, io_cursor rest, int64_t n, int64_t size
  *  elements by 32 bits: the error names the place of the count. */
 int io_check_count(const io_model *model, io_cursor rest, int64_t n, int64_t size, const char *what,
                    planish_error *error);
+
+/** Fail with _FORMAT at a place: element, which the format calls what, has a node of that number, and
+ *  the file has none such. */
+int io_fail_no_node(const io_model *model, const char *at, const char *what, int64_t element,
+                    int64_t node, planish_error *error);
+
+/** Why elements of second order are refused, as a format string without arguments. */
+#define IO_OF_SECOND_ORDER                                                                         \
+    "elements of second order or higher cannot be smoothed; export the mesh with straight "        \
+    "elements of first order"
+
+/** Fail with _FORMAT at a place: what is an element of second order or higher, of which planish would
+ *  move the corners alone. remedy: " (how to do so)", or "". */
+int io_fail_order(const io_model *model, const char *at, const char *what, const char *remedy,
+                  planish_error *error);
 
 /** Fail as io_check_finite does. */
 int io_fail_infinite(const io_model *model, int64_t node, const char *at, planish_error *error);

@@ -152,33 +152,28 @@ static int mark_plain(listing *l, int64_t n_tags, planish_error *error) {
 
 /** Put the plain cells of dimension dim behind the others, each in their order; they keep their
  *  numbers. */
-static int move_behind(io_cells *cells, int dim, const uint8_t *is_plain, planish_error *error) {
-    io_cells moved = {.n_plain = 0};
-    int status = io_cells_reserve(&moved, dim, cells->n, cells->entity != NULL, 1, error);
-    if (!status && cells->region && !(moved.region = pl_alloc(cells->n, sizeof *moved.region)))
+static int move_behind(io_model *model, int dim, const uint8_t *is_plain, planish_error *error) {
+    io_cells *cells = io_model_cells(model, dim), old = *cells;
+    const size_t size = (size_t)(dim + 1) * sizeof *old.nodes;
+    *cells = (io_cells){.first_number = old.first_number};
+    int status = io_cells_reserve(model, dim, old.n, old.entity != NULL, 1, error);
+    if (!status && old.region && !(cells->region = pl_alloc(old.n, sizeof *old.region)))
         status = pl_fail_memory(error, "the elements of the file");
-    if (status) {
-        io_cells_release(&moved);
-        return status;
-    }
-    const size_t size = (size_t)(dim + 1) * sizeof *moved.nodes;
-    moved.n = cells->n;
-    moved.first_number = cells->first_number;
-    for (int64_t i = 0; i < cells->n; i++)
-        moved.n_plain += is_plain[i];
-    int64_t to[2] = {0, cells->n - moved.n_plain};
-    for (int64_t i = 0; i < cells->n; i++) {
+    for (int64_t i = 0; i < old.n; i++)
+        cells->n_plain += is_plain[i];
+    int64_t to[2] = {0, old.n - cells->n_plain};
+    for (int64_t i = 0; i < old.n && !status; i++) {
         const int64_t k = to[is_plain[i]]++;
-        memcpy(moved.nodes + k * (dim + 1), cells->nodes + i * (dim + 1), size);
-        moved.number[k] = io_cell_number(cells, i);
-        if (cells->entity)
-            moved.entity[k] = cells->entity[i];
-        if (cells->region)
-            moved.region[k] = cells->region[i];
+        memcpy(cells->nodes + k * (dim + 1), old.nodes + i * (dim + 1), size);
+        cells->number[k] = io_cell_number(&old, i);
+        if (old.entity)
+            cells->entity[k] = old.entity[i];
+        if (old.region)
+            cells->region[k] = old.region[i];
     }
-    io_cells_release(cells);
-    *cells = moved;
-    return PLANISH_OK;
+    cells->n = old.n;
+    io_cells_release(&old);
+    return status;
 }
 
 /** Find plain cells of dimension dim: there are any if cells are all that elements of solid_dim
@@ -213,7 +208,7 @@ static int find_plain(io_model *model, int dim, int solid_dim, planish_error *er
             pl_parallel_for(model->threads, cells->n, CHUNK, place_cells, &l);
             status = mark_plain(&l, (int64_t)model->n_entities + 1, error);
             if (!status)
-                status = move_behind(cells, dim, l.where, error);
+                status = move_behind(model, dim, l.where, error);
         }
     }
     pl_free(l.slot);

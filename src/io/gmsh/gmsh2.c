@@ -249,7 +249,7 @@ static int lay_out_chunks(element_job *job) {
         }
     }
     for (int dim = 1; dim < 4 && !status; dim++)
-        status = io_cells_reserve(io_model_cells(model, dim), dim, n[dim], 1, 1, error);
+        status = io_cells_reserve(model, dim, n[dim], 1, 1, error);
     return status;
 }
 
@@ -317,7 +317,7 @@ static int read_binary_block(gmsh_reader *reader, int64_t total, int64_t *done) 
     block.cells = io_element_cells(reader->model, block.type);
     block.reason = io_element_reason(block.type);
     if (block.cells)
-        status = io_cells_reserve(block.cells, dim, n, 1, 1, reader->error);
+        status = io_cells_reserve(reader->model, dim, n, 1, 1, reader->error);
     else
         io_element_count(reader->model, block.type, n);
     for (int64_t i = 0; !status && i < n; i++) {

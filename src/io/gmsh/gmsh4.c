@@ -255,8 +255,8 @@ static int read_element_block(gmsh_reader *reader, const section_head *head) {
     }
     if (block.cells) {
         block.first = block.cells->n;
-        status = io_cells_reserve(block.cells, io_element_dim(block.type), head->size, 1, 1,
-                                  reader->error);
+        status =
+            io_cells_reserve(model, io_element_dim(block.type), head->size, 1, 1, reader->error);
     }
     if (!status)
         status = io_records(&reader->text, &reader->cursor, head->size, width, bytes * width,

@@ -153,11 +153,9 @@ int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
                           (long long)number);
     *type = &types[number];
     if (io_element_use(*type) == IO_REFUSE)
-        return io_fail_at(reader->model, at, error,
-                          "%s of %d nodes: only straight ones (first order) can be smoothed; mesh "
-                          "again with gmsh -order 1",
-                          (*type)->shape == IO_TRIANGLE ? "triangle" : "tetrahedron",
-                          (*type)->nodes);
+        return io_fail_order(reader->model, at,
+                             (*type)->shape == IO_TRIANGLE ? "triangles" : "tetrahedra",
+                             " (mesh again with gmsh -order 1)", error);
     return PLANISH_OK;
 }
 
@@ -317,8 +315,7 @@ int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at
                               (long long)number);
         const int64_t node = io_node_index(reader->model, node_number);
         if (node < 0)
-            return io_fail_at(reader->model, at, error, "element %lld: there is no node %lld",
-                              (long long)number, (long long)node_number);
+            return io_fail_no_node(reader->model, at, "element", number, node_number, error);
         if (block->cells)
             block->cells->nodes[index * n + i] = (int32_t)node;
         else if (block->reason != 0)

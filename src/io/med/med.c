@@ -204,7 +204,7 @@ static int read_cells(med_reader *r, const block *b) {
     if (!status)
         status = read_optional(r, b->group.text, "NUM", b->n, &numbers);
     if (!status)
-        status = io_cells_reserve(cells, dim, b->n, 1, numbers.n > 0, r->error);
+        status = io_cells_reserve(r->model, dim, b->n, 1, numbers.n > 0, r->error);
     for (int64_t j = 0; j < corners; j++)
         for (int64_t i = 0; i < b->n && !status; i++) {
             int64_t node;

@@ -73,7 +73,7 @@ static int find_keyword(const medit_reader *r, io_slice name, int64_t code, int 
     const medit_keyword *k = &medit_keywords[*keyword];
     const io_element_type *type = &k->type;
     if (io_element_use(type) == IO_REFUSE || (type->shape == IO_LINE && type->order > 1))
-        return io_fail_at(r->model, name.begin, r->error, "%s: " IO_OF_SECOND_ORDER, type->name);
+        return io_fail_order(r->model, name.begin, type->name, "", r->error);
     if (k->kind != MEDIT_VERTICES && !r->dim)
         return io_fail_at(r->model, name.begin, r->error, "%s before Dimension", type->name);
     return PLANISH_OK;

@@ -174,7 +174,7 @@ static int read_element_section(medit_reader *r, const io_section *s) {
     }
     cells->first_number = 1;
     r->first_cell = cells->n;
-    int status = io_cells_reserve(cells, dim, s->count, 1, 0, r->error);
+    int status = io_cells_reserve(r->model, dim, s->count, 1, 0, r->error);
     if (!status)
         status = read_records(r, s, read_elements);
     if (!status)

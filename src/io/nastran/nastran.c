@@ -266,7 +266,8 @@ static int64_t hold_field(reader *r, io_slice field, uint8_t reason) {
 
 static int read_cell(reader *r, const card_kind *k, nastran_card *c) {
     const int dim = k->nodes - 1;
-    io_cells *cells = io_model_cells(r->model, dim);
+    const io_cells *cells = io_model_cells(r->model, dim);
+    int32_t nodes[4];
     int64_t number, property = 0;
     io_slice field;
     int status = take_number(r, c, "its number", &number);
@@ -279,34 +280,28 @@ static int read_cell(reader *r, const card_kind *k, nastran_card *c) {
         *c = ahead;
     else if (k->first == 2)
         status = take_number(r, c, "its property", &property);
-    if (!status)
-        status = io_cells_reserve(cells, dim, 1, 1, 1, r->error);
-    if (status)
-        return status;
-    for (int j = 0; j < k->nodes; j++) {
+    for (int j = 0; j < k->nodes && !status; j++) {
         int64_t node;
         status = take_number(r, c, "a node", &node);
         if (status)
             return status;
-        const int64_t index = io_node_index(r->model, node);
-        if (index < 0)
-            return io_fail_at(r->model, c->line.text.begin, r->error,
-                              "%s %lld: there is no GRID %lld", c->name, (long long)number,
-                              (long long)node);
-        cells->nodes[cells->n * k->nodes + j] = (int32_t)index;
+        nodes[j] = (int32_t)io_node_index(r->model, node);
+        if (nodes[j] < 0)
+            status = io_fail_no_node(r->model, c->line.text.begin, c->name, number, node, r->error);
     }
+    if (status)
+        return status;
     enum { SECOND_ORDER = 10 }; /* nodes of a tetrahedron */
     while (dim == 3 && c->n < k->first + SECOND_ORDER && nastran_take_field(c, &field))
         if (field.begin < field.end)
-            return fail_card(r, c, IO_OF_SECOND_ORDER);
+            return io_fail_order(r->model, c->line.text.begin, c->name, "", r->error);
     /* Cells of one property stand together most often. */
     int32_t entity = cells->n > 0 ? cells->entity[cells->n - 1] : -1;
     if (entity < 0 || r->model->entity[entity].tag != property)
         entity = io_model_entity(r->model, dim, (int32_t)property, 0, NULL, r->error);
-    if (entity < 0)
-        return entity;
-    cells->entity[cells->n] = entity;
-    cells->number[cells->n++] = number;
+    status = entity < 0 ? entity : io_cells_add(r->model, dim, nodes, entity, number, r->error);
+    if (status)
+        return status;
     /* The field behind the nodes of CBAR, CBEAM, CBEND names a node that the cross section points
      * to, if it is no component of a vector (a real number). */
     if (c->name[1] == 'B' && nastran_take_field(c, &field))
@@ -368,7 +363,7 @@ static int read_element(reader *r, nastran_card *c) {
     if (!k)
         k = c->name[0] == 'C' ? &other_element : &other_rigid;
     if (k->kind == REFUSED)
-        return fail_card(r, c, IO_OF_SECOND_ORDER);
+        return io_fail_order(r->model, c->line.text.begin, c->name, "", r->error);
     return k->kind == CELL ? read_cell(r, k, c) : hold_fields(r, k, c);
 }
 

@@ -79,10 +79,8 @@ static int take_lead(const netgen_reader *r, io_cursor *cursor, int64_t record, 
     const int64_t of_second_order = k->dim == 2 ? 6 : 10;
     *corners = *corners == 0 ? NETGEN_LEAST_CORNERS : *corners;
     if (*corners == of_second_order)
-        return io_fail_at(r->model, cursor->at, error,
-                          "%s %lld is of second order (%lld nodes): only linear elements can be "
-                          "smoothed; save the mesh before SecondOrder()",
-                          k->name, (long long)record + 1, (long long)*corners);
+        return io_fail_order(r->model, cursor->at, k->name, " (save the mesh before SecondOrder())",
+                             error);
     if (*corners < NETGEN_LEAST_CORNERS || *corners > NETGEN_MOST_CORNERS)
         return io_fail_at(r->model, cursor->at, error, "%s %lld: %lld nodes are unknown", k->name,
                           (long long)record + 1, (long long)*corners);
@@ -246,7 +244,7 @@ static int read_element_section(netgen_reader *r, const io_section *s) {
     cells->first_number = 1;
     r->first_cell = cells->n;
     r->n_kept = s->count;
-    int status = io_cells_reserve(cells, dim, s->count, 1, 0, r->error);
+    int status = io_cells_reserve(r->model, dim, s->count, 1, 0, r->error);
     if (status)
         return status;
     /* As a rule all elements are like the first, and threads can read them. Others hold nodes: what

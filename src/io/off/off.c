@@ -204,7 +204,7 @@ static int read_all_faces(off_reader *r, int64_t n) {
     io_cells *triangles = &model->triangle;
     io_cursor cursor = r->cursor;
     planish_error ignored;
-    int status = io_cells_reserve(triangles, 2, n, 0, 1, r->error);
+    int status = io_cells_reserve(model, 2, n, 0, 1, r->error);
     if (status)
         return status;
     /* As a rule all faces of a text are triangles, which threads can read. */
@@ -218,7 +218,7 @@ static int read_all_faces(off_reader *r, int64_t n) {
     }
     if (model->is_binary || status) {
         cursor = r->cursor;
-        status = io_cells_reserve(&model->line, 1, n, 0, 0, r->error);
+        status = io_cells_reserve(model, 1, n, 0, 0, r->error);
         if (!status)
             status = read_faces(r, &cursor, 0, n, r->error);
     } else {

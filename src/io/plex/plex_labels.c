@@ -148,8 +148,7 @@ static int make_cells(labels *l, int dim) {
     int64_t n = 0;
     for (int64_t i = 0; i < l->n; i++)
         n += l->set[i].dim == dim ? l->set[i].points.n : 0;
-    int status = n > 0 ? io_cells_reserve(io_model_cells(r->model, dim), dim, n, 1, 0, r->error)
-                       : PLANISH_OK;
+    int status = n > 0 ? io_cells_reserve(r->model, dim, n, 1, 0, r->error) : PLANISH_OK;
     for (int64_t i = 0; i < l->n; i++) {
         const io_hdf5_integers *points = &l->set[i].points;
         for (int64_t k = 0; l->set[i].dim == dim && k < points->n && !status; k++)

@@ -356,7 +356,7 @@ int plex_read_elements(plex_reader *r) {
             r->of_point[i] = (int32_t)n++;
     io_cells *cells = io_model_cells(r->model, r->dim);
     r->model->n_other = r->n_elements - n;
-    const int status = io_cells_reserve(cells, r->dim, n, 1, r->model->n_other > 0, r->error);
+    const int status = io_cells_reserve(r->model, r->dim, n, 1, r->model->n_other > 0, r->error);
     if (status)
         return status;
     for (int64_t i = 0; i < r->n_elements && cells->number; i++)

@@ -248,17 +248,14 @@ static int read_ele_file(io_model *model, const io_bytes *file, int dim, planish
     if (status)
         return status;
     if (t.count[0] == (dim == 3 ? 10 : 6))
-        return io_fail_at(&t.view, file->data, error,
-                          "elements of second order (%lld nodes): only linear ones can be "
-                          "smoothed, write the mesh without -o2",
-                          (long long)t.count[0]);
+        return io_fail_order(&t.view, file->data, t.what, " (without -o2)", error);
     if (t.count[0] != dim + 1)
         return io_fail_at(&t.view, file->data, error,
                           "elements of %lld nodes: %d were expected in %d dimensions",
                           (long long)t.count[0], dim + 1, dim);
     status = check_attributes(&t, error);
     if (!status)
-        status = io_cells_reserve(cells, dim, t.n, t.count[1] > 0, 0, error);
+        status = io_cells_reserve(model, dim, t.n, t.count[1] > 0, 0, error);
     if (status)
         return status;
     t.dim = dim;
@@ -290,7 +287,7 @@ static int read_face_file(io_model *model, const io_bytes *file, int dim, planis
         return PLANISH_OK;
     }
     t.tag = pl_alloc(t.n, sizeof *t.tag);
-    status = t.tag ? io_cells_reserve(cells, dim, t.n, 1, 0, error)
+    status = t.tag ? io_cells_reserve(model, dim, t.n, 1, 0, error)
                    : pl_fail_memory(error, "boundary markers");
     t.dim = dim;
     t.nodes = cells->nodes;

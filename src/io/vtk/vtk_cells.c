@@ -191,7 +191,7 @@ int vtk_cells_store(io_model *model, const vtk_grid *grid, planish_error *error)
         io_cells *to = io_model_cells(model, dim);
         if (to->n == 0)
             to->first_number = t->first;
-        status = io_cells_reserve(to, dim, t->n, 0, has_gaps || grid->is_piece, error);
+        status = io_cells_reserve(model, dim, t->n, 0, has_gaps || grid->is_piece, error);
     }
     while (!status && walk.index < grid->n) {
         status = next_cell(&walk);
