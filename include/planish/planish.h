@@ -352,6 +352,15 @@ typedef enum planish_precision {
     PLANISH_ROUNDED = 2 /* what planish_options.round says */
 } planish_precision;
 
+/** What a sweep is for. */
+typedef enum planish_phase {
+    PLANISH_PHASE_SMOOTH = 0, /* to lower the objective */
+    PLANISH_PHASE_UNTANGLE,   /* this sweep, or the last one, untangled elements or brought them
+                                 above their minimum volume; F may have risen */
+    PLANISH_PHASE_WORST       /* to improve the worst elements (options.worst); the values are those
+                                 from before the sweep until they are known to stand */
+} planish_phase;
+
 /** Kernel variants; all of them give the same bits. */
 typedef enum planish_isa {
     PLANISH_ISA_AUTO = 0,   /* the fastest that the CPU has */
@@ -374,10 +383,7 @@ typedef struct planish_progress {
     double objective;         /* F over the valid elements after the last sweep; rms by default */
     int64_t inverted;         /* elements that are not positive, after the last sweep */
     int64_t below_min_volume; /* elements below 0.997 of their minimum volume after it */
-    int restoring;  /* not 0: this sweep, or the last one, untangled elements or brought them above
-                       their minimum volume; F may have risen */
-    int worst;      /* not 0: this sweep improves the worst elements (options.worst); the values
-                       are those from before it until they are known to stand */
+    planish_phase phase;      /* of this sweep; between two sweeps that of the last one */
     int64_t visits; /* nodes visited in this sweep; 0 until sweep_done */
     double seconds; /* time of this sweep so far */
     double elapsed; /* time of planish_smooth so far, seconds */

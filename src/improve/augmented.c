@@ -69,31 +69,30 @@ static void wake_moved(const planish_plan *plan, const double *before) {
 /** Whether the mesh is better in every respect that is promised; elements that are left below
  * cannot be helped, but must not be lower either. A trial that was cut off does not count, whatever
  * it has reached: more sweeps must not give less. */
-static int is_better(const pl_run *r, const pl_objective_sums *standing,
-                     const pl_star_limits *limits) {
-    const pl_objective_sums *now = &r->sums;
+static int is_better(const pl_run *r, const pl_trial *trial) {
+    const pl_objective_sums *now = &r->sums, *standing = &trial->standing;
     return r->stop == PLANISH_STOP_CONVERGED && pl_run_sweeps_left(r) > 0 &&
            now->below <= standing->below && now->inverted <= standing->inverted &&
            (now->below == 0 || now->shortfall <= (1 + LOWER) * standing->shortfall) &&
-           now->radius_max <= limits->rr2 * (1 + LIMIT_NOISE) &&
+           now->radius_max <= trial->problem.limits.rr2 * (1 + LIMIT_NOISE) &&
            pl_run_objective(r) < pl_objective_of_all(r->options, standing);
 }
 
 /** Sweep the augmented Lagrangian around where a minimum volume is in force, then as usual; returns
- *  whether the mesh was taken. before: room for the coordinates. */
-static int try_augmented(pl_run *r, double *before) {
+ *  whether the mesh was taken. before: memory for the coordinates, shift: for the multipliers. */
+static int try_augmented(pl_run *r, double *before, double *shift) {
     const planish_plan *plan = r->plan;
-    const pl_star_limits limits = r->problem.limits;
     const int first = r->sweep;
     int whole = 1; /* not cut short */
     int64_t visits = 1;
     double change = 1;
     pl_trial trial;
     pl_run_measure(r); /* what was tracked will not do to compare with */
-    pl_trial_begin(r, before, &trial);
+    pl_trial_begin(r, 1, before, &trial);
     r->stop = PLANISH_STOP_MAX_SWEEPS;
     memset(plan->changed, 0, (size_t)plan->work.n_nodes);
     r->guard.star.penalty = PENALTY;
+    r->guard.star.link_shift = shift;
     update_shifts(r, 1);
     while (whole && visits > 0 && change > SETTLED && r->sweep - first < MOST_SWEEPS &&
            pl_run_sweeps_left(r) > 0) {
@@ -106,12 +105,9 @@ static int try_augmented(pl_run *r, double *before) {
         pl_run_measure(r);
         r->guard.star.strict = 1; /* or F would fall at the cost of the volumes' tolerance */
         pl_run_sweeps(r);
-        r->guard.star.strict = 0;
     }
     pl_run_measure(r);
-    r->problem.limits = limits;
-    r->restoring = 0;
-    const int is_taken = is_better(r, &trial.standing, &limits);
+    const int is_taken = is_better(r, &trial);
     pl_trial_end(&trial, is_taken);
     if (!is_taken && r->stop == PLANISH_STOP_MAX_SWEEPS)
         r->stop = PLANISH_STOP_CONVERGED;
@@ -123,19 +119,15 @@ int pl_run_augmented(pl_run *r, planish_error *error) {
     const int64_t n_links = plan->interior.stars.link_offset[plan->interior.stars.n_stars];
     pl_star_optimality optimality = {0};
     (void)error;
-    if (!r->guard.wanted || r->options->method != PLANISH_METHOD_PLANISH ||
-        r->stop != PLANISH_STOP_CONVERGED || pl_run_sweeps_left(r) <= 0)
-        return PLANISH_OK;
     /* A minimum volume holds F up somewhere where its multiplier is positive. */
     if (pl_optimality(plan, &plan->interior, &r->problem, &optimality, NULL) ||
         !(optimality.multiplier > 0))
         return PLANISH_OK;
     double *before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *before);
-    r->guard.star.link_shift = pl_alloc_zero(n_links, sizeof *r->guard.star.link_shift);
-    if (before && r->guard.star.link_shift && try_augmented(r, before))
+    double *shift = pl_alloc_zero(n_links, sizeof *shift);
+    if (before && shift && try_augmented(r, before, shift))
         pl_run_sweeps(r); /* to show the improvement */
     pl_free(before);
-    pl_free(r->guard.star.link_shift);
-    r->guard.star.link_shift = NULL;
+    pl_free(shift);
     return PLANISH_OK;
 }

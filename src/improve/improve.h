@@ -7,8 +7,7 @@
  *   worst.c              pl_run_worst: improve the worst elements
  *   augmented.c          pl_run_augmented: minimum volumes by multipliers
  *
- * A phase returns at once if options do not want it. If it makes sweeps r->stop says why they
- * ended.
+ * The table in phases.c says when each phase is run. If it makes sweeps r->stop says why they ended.
  */
 #ifndef PL_IMPROVE_IMPROVE_H
 #define PL_IMPROVE_IMPROVE_H

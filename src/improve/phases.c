@@ -13,17 +13,73 @@
 
 #include <math.h>
 
+/* ---- conditions ------------------------------------------------------------------------------ */
+
+/* What may be true when the turn of a phase has come, as bits. */
+enum {
+    MOVABLE = 1 << 0,       /* some node moves */
+    INTERIOR = 1 << 1,      /* some node may go anywhere */
+    TIME = 1 << 2,          /* nothing has cut the call short */
+    CONVERGED = 1 << 3,     /* the last sweeps have converged, or there were none */
+    SWEEPS_LEFT = 1 << 4,   /* options allow more */
+    VISITS = 1 << 5,        /* the method visits stars; others take averages */
+    GUARDED = 1 << 6,       /* options ask for more than the plain problem */
+    UNTANGLES = 1 << 7,     /* options want it */
+    TANGLED = 1 << 8,       /* an element is inverted, or flat */
+    BELOW = 1 << 9,         /* an element with a movable node is below its minimum volume, */
+    BELOW_FIXED = 1 << 10,  /* or one without; */
+    BELOW_BEFORE = 1 << 11, /* or one was at the start */
+    ANGLES = 1 << 12,       /* the smallest angle, or the elements of followers, must be kept */
+    WORST = 1 << 13,        /* options want the worst elements to be improved, */
+    WORST_SWEPT = 1 << 14   /* and sweeps have done so */
+};
+
+/* RR^2 above it: an element may be so flat that its sign is nothing but rounding. */
+#define FLAT_RR2 1e20
+
 static int was_cut_short(const pl_run *r) {
     return r->stop == PLANISH_STOP_INTERRUPTED || r->stop == PLANISH_STOP_TIME_LIMIT;
 }
 
-/** Sweep; and if that leaves elements below their minimum volume, raise these and sweep again. */
-static int sweep_and_raise(pl_run *r, planish_error *error) {
-    const int before = r->result->untangling_sweeps;
+/** Return the conditions that hold. */
+static int conditions_of(const pl_run *r) {
+    const planish_plan *plan = r->plan;
+    const planish_options *o = r->options;
+    const struct {
+        int holds, bit;
+    } all[] = {
+        {plan->interior.n_all + plan->sliding.n_all > 0, MOVABLE},
+        {plan->interior.n_all > 0, INTERIOR},
+        {!was_cut_short(r), TIME},
+        {r->stop == PLANISH_STOP_CONVERGED, CONVERGED},
+        {pl_run_sweeps_left(r) > 0, SWEEPS_LEFT},
+        {o->method == PLANISH_METHOD_PLANISH, VISITS},
+        {r->guard.wanted, GUARDED},
+        {o->untangle, UNTANGLES},
+        {r->sums.inverted >= 1 || r->sums.radius_max > FLAT_RR2, TANGLED},
+        {r->sums.below > 0, BELOW},
+        {r->sums_of_fixed.below > 0, BELOW_FIXED},
+        {r->sums_at_start.below > 0, BELOW_BEFORE},
+        {r->limits_at_start.acuteness < INFINITY || pl_run_has_followers(r), ANGLES},
+        {o->worst != PLANISH_WORST_NONE, WORST},
+        {r->result->worst_sweeps > 0, WORST_SWEPT},
+    };
+    int found = 0;
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        found |= all[i].holds ? all[i].bit : 0;
+    return found;
+}
+
+/* ---- phases of a few lines ------------------------------------------------------------------- */
+
+static int sweep(pl_run *r, planish_error *error) {
+    (void)error;
     pl_run_sweeps(r);
-    if (r->options->method != PLANISH_METHOD_PLANISH || r->guard.star.keep_below ||
-        r->plan->interior.n_all == 0 || r->stop != PLANISH_STOP_CONVERGED)
-        return PLANISH_OK;
+    return PLANISH_OK;
+}
+
+static int raise_and_sweep(pl_run *r, planish_error *error) {
+    const int before = r->result->untangling_sweeps;
     const int status = pl_run_raise_volumes(r, error);
     if (!status && r->result->untangling_sweeps > before && !was_cut_short(r))
         pl_run_sweeps(r);
@@ -33,16 +89,13 @@ static int sweep_and_raise(pl_run *r, planish_error *error) {
 /** Undo bringing elements up if it has left no fewer of them below: it has only made the mesh
  * worse. Sweep once more from the start, without; or if there is no time for that and more are
  * below, go back to the start. */
-static int give_up_failed_raise(pl_run *r, planish_error *error) {
+static int undo_failed_raise(pl_run *r, planish_error *error) {
     const pl_objective_sums *start = &r->sums_at_start;
     const int over = was_cut_short(r) || pl_run_sweeps_left(r) <= 0;
     (void)error;
-    if (r->plain || r->options->method != PLANISH_METHOD_PLANISH)
-        return PLANISH_OK;
     pl_run_measure(r);
-    if (start->below == 0 || r->sums.below < start->below || r->sums.inverted < start->inverted)
-        return PLANISH_OK;
-    if (over && r->sums.below == start->below)
+    if (r->sums.below < start->below || r->sums.inverted < start->inverted ||
+        (over && r->sums.below == start->below))
         return PLANISH_OK;
     pl_plan_order(r->plan, r->given, r->plan->coordinates);
     pl_run_measure(r);
@@ -54,16 +107,14 @@ static int give_up_failed_raise(pl_run *r, planish_error *error) {
     return PLANISH_OK;
 }
 
-/** Whether the angles, and the elements of followers, are looked at after the sweeps. */
-static int looks_at_angles(const pl_run *r) {
-    return r->limits_at_start.acuteness < INFINITY || pl_run_has_followers(r);
+static int measure(pl_run *r, planish_error *error) {
+    (void)error;
+    pl_run_measure(r);
+    return PLANISH_OK;
 }
 
 /** Put back angles smaller than any of the mesh as it came, and sweep with that as a limit. */
 static int keep_angles(pl_run *r, planish_error *error) {
-    pl_run_measure(r);
-    if (!looks_at_angles(r))
-        return PLANISH_OK;
     const int status = pl_run_put_back_angles(r, error);
     if (status || r->result->put_back == 0 || was_cut_short(r) ||
         !(r->limits_at_start.acuteness < INFINITY))
@@ -77,17 +128,10 @@ static int keep_angles(pl_run *r, planish_error *error) {
     return pl_run_put_back_angles(r, error);
 }
 
-static int keep_angles_of_worst(pl_run *r, planish_error *error) {
-    return r->result->worst_sweeps > 0 && looks_at_angles(r) ? pl_run_put_back_angles(r, error)
-                                                             : PLANISH_OK;
-}
-
 /** Find how near the nodes are to a constrained optimum. */
 static int judge_optimality(pl_run *r, planish_error *error) {
     pl_star_optimality optimality = {0};
     planish_result *result = r->result;
-    if (!r->guard.wanted || r->options->method != PLANISH_METHOD_PLANISH)
-        return PLANISH_OK;
     r->factor = pl_guard_weigh(&r->guard, r->options, &r->sums);
     const pl_star_problem sliding = pl_run_sliding_problem(r);
     pl_follow(r->plan, &sliding);
@@ -105,14 +149,16 @@ static int judge_optimality(pl_run *r, planish_error *error) {
     return PLANISH_OK;
 }
 
-/** Say so if the sweeps have converged with elements that cannot reach their minimum volume. */
-static int find_infeasible(pl_run *r, planish_error *error) {
+/** Fixed elements stay as they are. */
+static int say_infeasible(pl_run *r, planish_error *error) {
+    (void)error;
+    r->stop = PLANISH_STOP_INFEASIBLE;
+    return PLANISH_OK;
+}
+
+/** Look for proofs that elements cannot reach their minimum volume. */
+static int prove_infeasible(pl_run *r, planish_error *error) {
     const planish_plan *plan = r->plan;
-    if (r->stop == PLANISH_STOP_CONVERGED &&
-        r->sums_of_fixed.below > 0) /* no node of theirs is free */
-        r->stop = PLANISH_STOP_INFEASIBLE;
-    if (r->stop != PLANISH_STOP_CONVERGED || !(r->sums.below > 0))
-        return PLANISH_OK;
     pl_infeasible found = {0, 0};
     pl_stop_check limit = pl_run_stop_check(r);
     const pl_objective_problem problem = pl_run_objective_problem(r);
@@ -130,29 +176,42 @@ static int find_infeasible(pl_run *r, planish_error *error) {
 
 /* ---- the phases of a call ------------------------------------------------------------------- */
 
-/* What a phase needs, as bits: nodes that move; time, as nothing has cut the call short; nodes that
- * may go anywhere. */
-enum { NODES = 1, TIME = 2, INTERIOR = 4 };
+/** One phase of a call. */
+typedef struct phase {
+    const char *name;
+    int when;                                    /* the conditions: all must hold */
+    int (*run)(pl_run *r, planish_error *error); /* Errors: _MEMORY */
+} phase;
+
+/* A phase takes its own result or undoes it, by a pl_trial or as its function says. */
+static const phase PHASES[] = {
+    /* taken: each rung that leaves fewer elements tangled */
+    {"untangle", INTERIOR | VISITS | UNTANGLES | TANGLED, pl_run_untangle},
+    {"sweep", MOVABLE | TIME, sweep},
+    /* taken: each rung that leaves fewer elements below */
+    {"raise volumes", INTERIOR | VISITS | UNTANGLES | CONVERGED | BELOW, raise_and_sweep},
+    /* taken: the sweeps since the start, if they leave fewer elements below; else others */
+    {"undo a failed raise", MOVABLE | VISITS | GUARDED | BELOW_BEFORE, undo_failed_raise},
+    /* taken: if F is lower, and nothing that was promised is worse */
+    {"augmented Lagrangian", INTERIOR | VISITS | GUARDED | CONVERGED | SWEEPS_LEFT,
+     pl_run_augmented},
+    {"measure", MOVABLE, measure},
+    /* taken: where no element is worse than the worst one at the start */
+    {"keep the smallest angle", MOVABLE | ANGLES, keep_angles},
+    /* taken: each stage that leaves fewer elements above its limit */
+    {"worst elements", MOVABLE | TIME | WORST, pl_run_worst},
+    {"keep the smallest angle of these", MOVABLE | ANGLES | WORST_SWEPT, pl_run_put_back_angles},
+    /* the mesh stays; only the result is completed */
+    {"optimality", VISITS | GUARDED, judge_optimality},
+    {"infeasible fixed elements", CONVERGED | BELOW_FIXED, say_infeasible},
+    {"infeasible elements", CONVERGED | BELOW, prove_infeasible},
+};
 
 int pl_run_phases(pl_run *r, planish_error *error) {
-    static const struct {
-        int needs;
-        int (*run)(pl_run *r, planish_error *error);
-    } phases[] = {
-        {INTERIOR, pl_run_untangle},   {NODES | TIME, sweep_and_raise},
-        {NODES, give_up_failed_raise}, {INTERIOR | TIME, pl_run_augmented},
-        {NODES, keep_angles},          {NODES | TIME, pl_run_worst},
-        {NODES, keep_angles_of_worst}, {0, judge_optimality},
-        {0, find_infeasible},
-    };
-    const int64_t n_interior = r->plan->interior.n_all, n = n_interior + r->plan->sliding.n_all;
     int status = PLANISH_OK;
     r->guard.star.keep_below = !r->options->untangle;
-    for (size_t i = 0; i < sizeof phases / sizeof *phases && !status; i++) {
-        const int has =
-            (n > 0 ? NODES : 0) | (n_interior > 0 ? INTERIOR : 0) | (was_cut_short(r) ? 0 : TIME);
-        if ((phases[i].needs & ~has) == 0)
-            status = phases[i].run(r, error);
-    }
+    for (const phase *p = PHASES; !status && p < PHASES + sizeof PHASES / sizeof *PHASES; p++)
+        if ((p->when & ~conditions_of(r)) == 0)
+            status = p->run(r, error);
     return status;
 }

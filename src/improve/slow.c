@@ -77,13 +77,12 @@ static double evaluate(void *context, double enough, pl_star_slope *slope) {
  */
 static int try_centring(pl_lbfgs *m) {
     pl_run *r = m->p.run;
-    const pl_star_limits limits = r->problem.limits;
     double *start = pl_alloc(r->plan->work.n_nodes * r->plan->dim, sizeof *start);
     pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
     pl_trial trial;
     if (!start)
         return 0;
-    pl_trial_begin(r, start, &trial);
+    pl_trial_begin(r, 1, start, &trial);
     r->problem.limits = pl_star_no_limits();
     pl_run_begin_anew(r);
     pl_run_begin_sweep(r);
@@ -106,11 +105,11 @@ static int try_centring(pl_lbfgs *m) {
     }
     pl_run_measure(r);
     const pl_objective_sums *before = &trial.standing, *now = &r->sums;
-    pl_trial_end(&trial, !stopped && now->inverted <= before->inverted &&
-                             now->radius_max <= before->radius_max &&
-                             now->acuteness <= fmax(before->acuteness, limits.acuteness) &&
-                             now->ratio[1] < before->ratio[1]);
-    r->problem.limits = limits;
+    pl_trial_end(&trial,
+                 !stopped && now->inverted <= before->inverted &&
+                     now->radius_max <= before->radius_max &&
+                     now->acuteness <= fmax(before->acuteness, trial.problem.limits.acuteness) &&
+                     now->ratio[1] < before->ratio[1]);
     pl_free(start);
     return stopped;
 }

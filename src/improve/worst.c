@@ -28,9 +28,10 @@ enum { FEW = 50 };
 /** Stages under way. */
 typedef struct stages {
     pl_run *run;
-    uint8_t *state; /* [n_elements] */
-    double *before; /* [n_nodes][dim] where a stage started */
-    double most;    /* F */
+    uint8_t *state;        /* [n_elements] */
+    double *before;        /* [n_nodes][dim] where a stage started */
+    double most;           /* F */
+    pl_star_limits limits; /* of all elements, in all stages */
 } stages;
 
 /** Find the elements above limit, a square; how many of them have a free node. */
@@ -66,8 +67,17 @@ static int try_stage(stages *p, double limit, int *failed) {
     for (int64_t i = 0; i < plan->work.n_elements; i++)
         for (int j = 0; p->state[i] == PL_WORSE && j <= plan->dim; j++)
             plan->changed[pl_plan_inner(plan, i, j)] = 1;
-    pl_trial_begin(r, p->before, &trial);
+    pl_trial_begin(r, 1, p->before, &trial);
+    r->phase = PLANISH_PHASE_WORST;
+    r->guard.star.measure =
+        r->options->worst == PLANISH_WORST_ANGLE ? PL_WORST_ANGLE : PL_WORST_RATIO;
     r->guard.star.worst_limit = limit;
+    r->guard.star.ratio_weight = 1;
+    r->guard.star.volume_weight = 0;
+    r->guard.star.keep_below = 1;
+    r->problem.guard = &r->guard.star;
+    r->problem.calm = r->problem.rr2_skip = 0;
+    r->problem.limits = p->limits;
     for (int i = 0; i < STAGE_SWEEPS && !stopped; i++) {
         pl_sweep_tally tally = {0};
         pl_run_begin_sweep(r);
@@ -115,26 +125,13 @@ static double worst_of(const pl_run *r) {
 
 int pl_run_worst(pl_run *r, planish_error *error) {
     const planish_plan *plan = r->plan;
-    const pl_star_guard guard = r->guard.star;
-    const pl_star_problem problem = r->problem;
-    if (r->options->worst == PLANISH_WORST_NONE)
-        return PLANISH_OK;
+    const double objective = pl_run_objective(r), before = worst_of(r);
     stages p = {.run = r,
+                .most = objective * (1 + r->options->worst_rise),
+                .limits = pl_run_worst_limits(r, PL_LIMIT_MARGIN),
                 .state = pl_alloc(plan->work.n_elements, sizeof *p.state),
                 .before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *p.before)};
     int status = p.state && p.before ? PLANISH_OK : pl_fail_memory(error, "the worst elements");
-    p.most = pl_run_objective(r) * (1 + r->options->worst_rise);
-    r->guard.star.measure =
-        r->options->worst == PLANISH_WORST_ANGLE ? PL_WORST_ANGLE : PL_WORST_RATIO;
-    r->guard.star.ratio_weight = 1;
-    r->guard.star.volume_weight = 0;
-    r->guard.star.keep_below = 1;
-    r->problem.guard = &r->guard.star;
-    r->problem.calm = r->problem.rr2_skip = 0;
-    r->problem.limits = pl_run_worst_limits(r, PL_LIMIT_MARGIN);
-    r->restoring = 0;
-    r->is_for_worst = 1;
-    const double objective = pl_run_objective(r), before = worst_of(r);
     pl_log(PLANISH_LOG_DETAIL, "improving the worst elements");
     if (!status)
         run_stages(&p);
@@ -143,9 +140,6 @@ int pl_run_worst(pl_run *r, planish_error *error) {
         r->result->worst_before = before;
         r->result->worst_after = worst_of(r);
     }
-    r->is_for_worst = 0;
-    r->guard.star = guard;
-    r->problem = problem;
     pl_free(p.state);
     pl_free(p.before);
     return status;

@@ -99,19 +99,19 @@ void pl_run_measure_fixed(pl_run *r, const double *all) {
 static planish_progress progress_of(const pl_run *r, int colour, int64_t visits) {
     const double now = pl_seconds();
     const pl_objective_sums *seen = r->shown ? r->shown : &r->sums;
-    return (planish_progress){.sweep = r->sweep,
-                              .colour = colour,
-                              .n_colours = pl_plan_colours(r->plan),
-                              .rms = pl_rms_of_all(seen),
-                              .rms_movable = pl_rms_of_movable(seen),
-                              .objective = pl_objective_of_all(r->options, seen),
-                              .inverted = (int64_t)(seen->inverted + r->sums_of_fixed.inverted),
-                              .below_min_volume = (int64_t)(seen->below + r->sums_of_fixed.below),
-                              .restoring = r->restoring && !r->shown,
-                              .worst = r->is_for_worst,
-                              .visits = visits,
-                              .seconds = now - r->sweep_start,
-                              .elapsed = now - r->start_seconds};
+    return (planish_progress){
+        .sweep = r->sweep,
+        .colour = colour,
+        .n_colours = pl_plan_colours(r->plan),
+        .rms = pl_rms_of_all(seen),
+        .rms_movable = pl_rms_of_movable(seen),
+        .objective = pl_objective_of_all(r->options, seen),
+        .inverted = (int64_t)(seen->inverted + r->sums_of_fixed.inverted),
+        .below_min_volume = (int64_t)(seen->below + r->sums_of_fixed.below),
+        .phase = r->shown && r->phase == PLANISH_PHASE_UNTANGLE ? PLANISH_PHASE_SMOOTH : r->phase,
+        .visits = visits,
+        .seconds = now - r->sweep_start,
+        .elapsed = now - r->start_seconds};
 }
 
 /** Answer of the caller's progress function; 0 if there is none. */
@@ -248,7 +248,8 @@ int pl_run_sweep(pl_run *r, int64_t *visits) {
     if (!r->plain)
         r->factor = pl_guard_weigh(&r->guard, r->options, &r->sums);
     pl_run_sweep_colours(r, &tally);
-    r->restoring = tally.stars.restored > 0;
+    const int restores = tally.stars.restored > 0;
+    r->phase = restores ? PLANISH_PHASE_UNTANGLE : PLANISH_PHASE_SMOOTH;
     r->improved = tally.stars.improved;
     *visits = tally.stars.visits;
     /* The sum of RR^2, or AR^2, over the movable elements falls by what the visits say, unless
@@ -256,11 +257,11 @@ int pl_run_sweep(pl_run *r, int64_t *visits) {
      * it is another function that falls; the sum is measured in the end. */
     if (!(r->guard.star.penalty > 0)) {
         *sum -= pl_sum_value(&tally.stars.decrease);
-        if (r->restoring || r->options->area_weight > 0 ||
+        if (restores || r->options->area_weight > 0 ||
             r->options->method != PLANISH_METHOD_PLANISH ||
             !(*sum > MEASURE_AGAIN * r->measured_sum))
             pl_run_measure(r);
-        if (r->restoring) /* of elements that were brought up */
+        if (restores) /* of elements that were brought up */
             r->problem.limits.rr2 = fmax(r->sums.radius_max, r->problem.limits.rr2);
     }
     return pl_run_end_sweep(r, &tally);
@@ -278,7 +279,7 @@ static int has_converged(const pl_run *r, pl_convergence *convergence, double be
     const int64_t n_stars = r->plan->interior.n_all + r->plan->sliding.n_all;
     if (visits == 0)
         return 1;
-    if (r->restoring || (double)r->improved > MANY_STARS * (double)n_stars) {
+    if (r->phase == PLANISH_PHASE_UNTANGLE || (double)r->improved > MANY_STARS * (double)n_stars) {
         convergence->n_falls = 0;
         return 0;
     }
@@ -339,15 +340,23 @@ static size_t size_of_coordinates(const pl_run *r) {
     return (size_t)r->plan->work.n_nodes * (size_t)r->plan->dim * sizeof *r->plan->coordinates;
 }
 
-void pl_trial_begin(pl_run *r, double *before, pl_trial *trial) {
-    *trial = (pl_trial){.run = r, .standing = r->sums, .before = before};
+void pl_trial_begin(pl_run *r, int is_hidden, double *before, pl_trial *trial) {
+    *trial = (pl_trial){.run = r,
+                        .standing = r->sums,
+                        .before = before,
+                        .problem = r->problem,
+                        .guard = r->guard.star,
+                        .phase = r->phase};
     memcpy(before, r->plan->coordinates, size_of_coordinates(r));
-    r->shown = &trial->standing;
+    r->shown = is_hidden ? &trial->standing : NULL;
 }
 
 void pl_trial_end(const pl_trial *trial, int is_taken) {
     pl_run *r = trial->run;
     r->shown = NULL;
+    r->problem = trial->problem;
+    r->guard.star = trial->guard;
+    r->phase = trial->phase;
     if (is_taken)
         return;
     memcpy(r->plan->coordinates, trial->before, size_of_coordinates(r));

@@ -49,9 +49,9 @@ typedef struct pl_run {
     double measured_sum;    /* the sum that is tracked, as measured last */
     double factor;          /* from a star's function to F, of the last sweep's weights */
     const pl_objective_sums *shown; /* not NULL: the sweeps are a trial, and these sums stand */
-    int64_t improved; /* stars that the last sweep improved by more than a hundredth */
-    int is_for_worst; /* sweeps are those of pl_run_worst */
-    int restoring;    /* the last sweep brought elements above their minimum volume */
+    int64_t improved;    /* stars that the last sweep improved by more than a hundredth */
+    planish_phase phase; /* of the sweeps; _UNTANGLE: the last one brought elements above their
+                            minimum volume */
     pl_star_limits
         limits_at_start; /* the worst of the mesh as it came; infinite: nothing is promised */
     pl_objective_sums sums_at_start;   /* of that mesh */
@@ -133,19 +133,24 @@ int pl_run_has_followers(const pl_run *r);
 /** Sweep until that converges or must end: r->stop says why. */
 void pl_run_sweeps(pl_run *r);
 
-/** A trial under way. */
+/** A trial under way, and the run as it was at the beginning. */
 typedef struct pl_trial {
     pl_run *run;
     pl_objective_sums standing; /* of the mesh that stands */
     double *before;             /* its coordinates, the caller's array */
+    pl_star_problem problem;
+    pl_star_guard guard;
+    planish_phase phase;
 } pl_trial;
 
 /** Begin a trial with the mesh as measured last. before [n_nodes][dim] is room for coordinates, and
- *  stays the caller's. Progress reports show what stands until the trial ends. */
-void pl_trial_begin(pl_run *r, double *before, pl_trial *trial);
+ *  stays the caller's. is_hidden: progress reports show what stands until the trial ends. The trial
+ *  may change the run's problem, guard and phase as it needs. */
+void pl_trial_begin(pl_run *r, int is_hidden, double *before, pl_trial *trial);
 
-/** End the trial. is_taken: the mesh as it is now, and measured, stands from now on. Else the
- *  coordinates from before come back and are measured. */
+/** End the trial; the run's problem, guard and phase are again as before. is_taken: the mesh as it
+ *  is now, and measured, stands from now on. Else the coordinates from before come back and are
+ *  measured. */
 void pl_trial_end(const pl_trial *trial, int is_taken);
 
 #endif

@@ -50,11 +50,11 @@ static int f_falls(const planish_progress *progress, void *user) {
     watch *w = user;
     if (!progress->sweep_done)
         return 0;
-    if (w->sweeps > 0 && !progress->restoring)
+    if (w->sweeps > 0 && progress->phase != PLANISH_PHASE_UNTANGLE)
         assert_true(progress->objective <= w->last);
     w->last = progress->objective;
     w->sweeps++;
-    w->restoring += progress->restoring != 0;
+    w->restoring += progress->phase == PLANISH_PHASE_UNTANGLE;
     return 0;
 }
 

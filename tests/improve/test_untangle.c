@@ -257,15 +257,16 @@ static int look(const planish_progress *progress, void *user) {
     }
     if (progress->sweep != w->sweep) {
         assert_int_equal(progress->sweep, w->sweep + 1);
-        assert_int_equal(w->done, w->sweep); /* each sweep is ended before the next */
-        if (progress->restoring)             /* untangling comes first */
+        assert_int_equal(w->done, w->sweep);           /* each sweep is ended before the next */
+        if (progress->phase == PLANISH_PHASE_UNTANGLE) /* untangling comes first */
             assert_int_equal(w->restoring_sweeps, w->sweep);
-        w->restoring_sweeps += progress->restoring != 0;
+        w->restoring_sweeps += progress->phase == PLANISH_PHASE_UNTANGLE;
         w->sweep = progress->sweep;
     } else {
-        assert_int_equal(progress->restoring != 0, w->last.restoring != 0);
+        assert_int_equal(progress->phase, w->last.phase);
     }
-    if (w->done > 0 && progress->sweep_done && !progress->restoring && !w->last.restoring)
+    if (w->done > 0 && progress->sweep_done && progress->phase != PLANISH_PHASE_UNTANGLE &&
+        w->last.phase != PLANISH_PHASE_UNTANGLE)
         assert_true(progress->rms <= w->last.rms);
     w->visits += progress->colour_visits;
     if (progress->sweep_done) {

@@ -26,6 +26,10 @@ void pl_progress_init(pl_progress *progress, const pl_arguments *arguments) {
         progress->show = PL_SHOW_BAR;
 }
 
+static const char *const phase_names[] = {[PLANISH_PHASE_SMOOTH] = "smoothing",
+                                          [PLANISH_PHASE_UNTANGLE] = "untangling",
+                                          [PLANISH_PHASE_WORST] = "worst"};
+
 static void keep_sweep(pl_progress *progress, const planish_progress *step) {
     enum { FIRST_CAPACITY = 64 };
     if (progress->n_sweeps == progress->capacity) {
@@ -45,8 +49,7 @@ static void keep_sweep(pl_progress *progress, const planish_progress *step) {
                                                        .inverted = step->inverted,
                                                        .below_min_volume = step->below_min_volume,
                                                        .visits = step->visits,
-                                                       .restoring = step->restoring,
-                                                       .worst = step->worst};
+                                                       .phase = step->phase};
 }
 
 /* ---- lines per sweep and colour: columns of 5, 12, 12, 9, (9,) 11 and 9 characters ---------- */
@@ -84,9 +87,7 @@ static void show_lines(pl_progress *progress, const planish_progress *step) {
     if (progress->has_volumes)
         fprintf(stderr, "%9" PRId64, step->below_min_volume);
     fprintf(stderr, "%11" PRId64 "%9.3f  %s\n", step->visits, step->seconds,
-            step->restoring ? "untangling"
-            : step->worst   ? "worst"
-                            : "smoothing");
+            phase_names[step->phase]);
     progress->colour_seconds = 0;
     progress->last_colour = progress->n_together = 0;
 }
@@ -144,13 +145,14 @@ static double sweeps_left(const pl_progress *progress, const planish_progress *s
                           int *is_known) {
     enum { USUAL = 12, USUAL_WORST = 25, FEWEST = 3, CALM = 3 /* sweeps that end them */ };
     const planish_options *options = &progress->arguments->library;
-    const int usual = step->worst ? USUAL_WORST : USUAL;
+    const int usual = step->phase == PLANISH_PHASE_WORST ? USUAL_WORST : USUAL;
+    const int is_smooth = step->phase == PLANISH_PHASE_SMOOTH;
     double fall[2] = {0}, value[3] = {0};
     int done = 0, in_a_row = 0;
     for (int64_t i = 0; i < progress->n_sweeps; i++) {
         const pl_sweep *sweep = &progress->sweep[i];
-        done += sweep->worst == step->worst;
-        in_a_row = sweep->restoring || sweep->worst ? 0 : in_a_row + 1;
+        done += (sweep->phase == PLANISH_PHASE_WORST) == (step->phase == PLANISH_PHASE_WORST);
+        in_a_row = sweep->phase == PLANISH_PHASE_SMOOTH ? in_a_row + 1 : 0;
         value[i % 3] = progress->plain ? sweep->rms_movable : sweep->objective;
     }
     for (int k = 0; k < 2 && in_a_row > FEWEST; k++) {
@@ -161,14 +163,12 @@ static double sweeps_left(const pl_progress *progress, const planish_progress *s
     const double most = fmax(0, (double)(options->max_sweeps - in_a_row));
     const double shrinking = fall[0] > 0 ? fall[1] / fall[0] : 1, tolerance = options->tolerance;
     /* Falls that hardly shrink say nothing of their end: such meshes are helped meanwhile. */
-    *is_known =
-        !step->restoring && !step->worst && in_a_row > FEWEST && fall[1] > 0 && shrinking < 0.95;
+    *is_known = is_smooth && in_a_row > FEWEST && fall[1] > 0 && shrinking < 0.95;
     if (*is_known && tolerance > 0)
         return fmin(most, fall[1] <= tolerance
                               ? CALM - 1
                               : ceil(log(tolerance / fall[1]) / log(shrinking)) + CALM - 1);
-    *is_known =
-        tolerance == 0 && !step->restoring && !step->worst; /* their number alone ends them */
+    *is_known = tolerance == 0 && is_smooth; /* their number alone ends them */
     return *is_known ? most
                      : fmin(done + FEWEST < usual ? usual - done : FEWEST, options->max_sweeps);
 }
@@ -185,7 +185,7 @@ static double seconds_left(const pl_progress *progress, const planish_progress *
         seconds += progress->sweep[i].seconds / (double)n;
     const double sweeps = sweeps_left(progress, step, is_known);
     double left = fmax(0, sweeps - (step->sweep_done ? 0 : part)) * seconds;
-    if (options->worst && !step->worst) {
+    if (options->worst && step->phase != PLANISH_PHASE_WORST) {
         left += WORST_SWEEPS * DEARER * seconds;
         *is_known = 0;
     }
@@ -206,12 +206,11 @@ static void show_step(pl_progress *progress, const planish_progress *step) {
     const double spent = pl_seconds() - progress->begin;
     const long long whole = (long long)ceil(left);
     const int is_long = whole >= 3600;
-    snprintf(l.part[0], sizeof l.part[0], "%s",
-             step->restoring ? "untangling"
-             : step->worst   ? "worst elements"
-                             : stages[PL_STAGE_SMOOTHING].name);
+    snprintf(l.part[0], sizeof l.part[0], "%s%s", phase_names[step->phase],
+             step->phase == PLANISH_PHASE_WORST ? " elements" : "");
     snprintf(l.part[1], sizeof l.part[1], ", sweep %d", step->sweep);
-    if (step->inverted > 0 && step->restoring) { /* the RMS would be that of the others */
+    if (step->inverted > 0 && step->phase == PLANISH_PHASE_UNTANGLE) {
+        /* the RMS would be that of the others */
         snprintf(l.part[2], sizeof l.part[2], ", %" PRId64 " inverted", step->inverted);
     } else {
         snprintf(l.part[2], sizeof l.part[2], ", RMS %.6g", step->rms);
@@ -223,7 +222,8 @@ static void show_step(pl_progress *progress, const planish_progress *step) {
                      is_long ? "h" : "min");
     }
     const double share = spent / (spent + left);
-    show_bar(progress, &l, is_known || step->worst ? share : fmin(share, MOST_GUESSED));
+    show_bar(progress, &l,
+             is_known || step->phase == PLANISH_PHASE_WORST ? share : fmin(share, MOST_GUESSED));
 }
 
 /* ---- what the others call ------------------------------------------------------------------- */

@@ -18,7 +18,7 @@ typedef enum pl_stage {
 typedef struct pl_sweep {
     double rms, rms_movable, objective, seconds;
     int64_t inverted, below_min_volume, visits;
-    int restoring, worst; /* as in planish_progress */
+    planish_phase phase;
 } pl_sweep;
 
 typedef struct pl_progress {

@@ -225,14 +225,14 @@ static void add_quality(document *json, cJSON *root, const char *name, const pl_
 }
 
 static void add_sweeps(document *json, cJSON *root, const pl_progress *progress) {
+    static const char *const phases[] = {[PLANISH_PHASE_SMOOTH] = "smooth",
+                                         [PLANISH_PHASE_UNTANGLE] = "untangle",
+                                         [PLANISH_PHASE_WORST] = "worst"};
     cJSON *sweeps = new_array(json, root, "sweeps");
     for (int64_t i = 0; i < progress->n_sweeps; i++) {
         const pl_sweep *done = &progress->sweep[i];
         cJSON *sweep = new_object(json, sweeps, NULL);
-        add_text(json, sweep, "phase",
-                 done->restoring ? "untangle"
-                 : done->worst   ? "worst"
-                                 : "smooth");
+        add_text(json, sweep, "phase", phases[done->phase]);
         add_real(json, sweep, "rms", done->rms);
         add_real(json, sweep, "rms_movable", done->rms_movable);
         add_real(json, sweep, "objective", done->objective);

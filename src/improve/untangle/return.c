@@ -118,7 +118,7 @@ static int64_t put_back(const patches *w, int is_final, double *x) {
 
 /** Return patches with so many rings; how many nodes return. */
 static int64_t return_patches(patches *w, int32_t rings) {
-    double *x = w->t->best;
+    double *x = w->t->before;
     mark_patches(w, rings);
     join_patches(w);
     count_tangled(w, BEFORE);
@@ -164,7 +164,6 @@ void pl_tangle_return(pl_tangle *t) {
         for (size_t i = 0; i < sizeof rings / sizeof *rings; i++)
             n_back += return_patches(&w, rings[i]);
         place(&w, w.now, AFTER);
-        memcpy(t->best, w.now, w.bytes);
         if (n_back > 0)
             pl_log(PLANISH_LOG_DETAIL, "%" PRId64 " nodes return, where untangling failed", n_back);
     }

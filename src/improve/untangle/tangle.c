@@ -40,15 +40,17 @@ void pl_tangle_find(pl_tangle *t) {
     count_tangled(t);
 }
 
-/** Give up elements that cannot be helped (INFEASIBLE is HOPELESS). */
+/** Give up the elements that are proved infeasible: with all nodes of a part of the mesh whose
+ *  boundary encloses nothing; without a free node; and as many of those that contradict each other
+ *  as must be. */
 static int give_up_hopeless(pl_tangle *t, planish_error *error) {
     static const char what[] = "the elements that cannot be helped";
     const planish_plan *plan = t->run->plan;
     const int64_t n_links = plan->interior.stars.link_offset[plan->interior.stars.n_stars];
     pl_infeasible found = {0, 0};
     pl_stop_check limit = pl_run_stop_check(t->run);
+    uint8_t *roles = NULL; /* [n_links] pl_proof_role */
     int status = PLANISH_OK;
-    /* Parts of the mesh whose boundary encloses nothing, with their nodes; */
     if (!(t->guard.min_volume > 0) && !t->guard.link_min_volume && !pl_part_here()) {
         t->is_lost = pl_alloc_zero(plan->work.n_nodes, sizeof *t->is_lost);
         if (!t->is_lost)
@@ -56,28 +58,24 @@ static int give_up_hopeless(pl_tangle *t, planish_error *error) {
         status = pl_mark_enclosed(plan, plan->coordinates, t->state, t->is_lost,
                                   &t->run->result->not_enclosed, error);
     }
-    /* elements without a free node, and as many of those that contradict each other as must be. */
     if (!status)
-        status =
-            pl_mark_infeasible(plan, &t->problem, t->state, &limit, &found, &t->link_skip, error);
+        status = pl_mark_infeasible(plan, &t->problem, t->state, &limit, &found, &roles, error);
     t->stopped = limit.answer;
-    if (status || t->stopped)
-        return status;
-    if (!pl_parts_any(found.n > 0)) {
-        pl_free(t->link_skip);
-        t->link_skip = NULL;
-        return PLANISH_OK;
+    if (!status && !t->stopped && pl_parts_any(found.n > 0)) {
+        status = pl_send_hopeless(plan, roles, t->state, error);
+        t->is_hopeless = pl_alloc(plan->work.n_elements, sizeof *t->is_hopeless);
+        t->link_skip = pl_alloc(n_links, sizeof *t->link_skip);
+        if (!status && (!t->is_hopeless || !t->link_skip))
+            status = pl_fail_memory(error, what);
+        for (int64_t i = 0; !status && i < n_links; i++)
+            t->link_skip[i] = roles[i] == PL_PROOF_GIVEN_UP;
+        for (int64_t i = 0; !status && i < plan->work.n_elements; i++)
+            t->is_hopeless[i] = t->state[i] == PL_HOPELESS; /* PLANISH_VOLUME_INFEASIBLE, too */
+        if (!status)
+            count_tangled(t);
     }
-    status = pl_send_hopeless(plan, t->link_skip, t->state, error);
-    t->is_hopeless = pl_alloc(plan->work.n_elements, sizeof *t->is_hopeless);
-    if (status || !t->is_hopeless)
-        return status ? status : pl_fail_memory(error, what);
-    for (int64_t i = 0; i < n_links; i++)
-        t->link_skip[i] = t->link_skip[i] == PL_PROOF_GIVEN_UP;
-    for (int64_t i = 0; i < plan->work.n_elements; i++)
-        t->is_hopeless[i] = t->state[i] == PL_HOPELESS;
-    count_tangled(t);
-    return PLANISH_OK;
+    pl_free(roles);
+    return status;
 }
 
 /* ---- the patch ----------------------------------------------------------------------------- */
@@ -234,11 +232,11 @@ int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) 
         return status;
     t->in_patch = pl_alloc_zero(plan->work.n_nodes, sizeof *t->in_patch);
     t->size = pl_alloc_zero(plan->work.n_nodes, sizeof *t->size);
-    t->best = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *t->best);
+    t->before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *t->before);
     t->star_of = pl_alloc(plan->work.n_nodes, sizeof *t->star_of);
     t->queue = pl_alloc(plan->interior.stars.n_stars, sizeof *t->queue);
     t->of_thread = pl_alloc(plan->threads, sizeof *t->of_thread);
-    if (!t->in_patch || !t->size || !t->best || !t->star_of || !t->queue || !t->of_thread ||
+    if (!t->in_patch || !t->size || !t->before || !t->star_of || !t->queue || !t->of_thread ||
         !list_ghosts(t))
         return pl_fail_memory(error, "untangling");
     pl_plan_number_stars(plan, t->star_of);
@@ -254,7 +252,7 @@ void pl_tangle_destroy(pl_tangle *t) {
     pl_free(t->link_skip);
     pl_free(t->in_patch);
     pl_free(t->size);
-    pl_free(t->best);
+    pl_free(t->before);
     pl_free(t->star_of);
     pl_free(t->is_ghost);
     pl_free(t->ghost);

@@ -31,7 +31,7 @@ typedef struct pl_tangle {
     uint8_t *is_hopeless;     /* [n_elements] to be given up, or NULL: none */
     uint8_t *is_lost;         /* [n_nodes] of pl_mark_enclosed, or NULL: none */
     uint8_t *state;           /* [n_elements] pl_tangle_state, as found last */
-    double *best;             /* [n_nodes][dim] the best coordinates so far */
+    double *before;           /* [n_nodes][dim] of the mesh that stands, while a rung is tried */
     uint8_t *is_ghost;        /* [n_nodes] of a mesh in parts; NULL: there are none */
     int32_t *ghost;           /* [n_ghosts] ghosts whose nodes may move, */
     uint8_t *was_in_patch;    /* [n_ghosts] and whether they were in the patch a ring ago */

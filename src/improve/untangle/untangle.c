@@ -60,9 +60,6 @@ enum { VAIN_PUSH_OFFS = 3 };
 /* What push-offs bring elements without a minimum volume to, relative to the volume wanted. */
 #define PUSH_OFF_VOLUME 1e-6
 
-/* RR^2 above it: an element may be so flat that its sign is nothing but rounding. */
-#define FLAT_RR2 1e20
-
 /* ---- epsilon ------------------------------------------------------------------------------- */
 
 /* The first epsilon, by the least measure; the least, at first and at last; by how much the energy
@@ -314,41 +311,37 @@ static int climb_rung(pl_tangle *t, const rung *step) {
     return solve_patch(t, QUICK, 1);
 }
 
-/** Climb the n rungs of ladder. A rung counts if fewer elements are tangled after it, and no more
- *  inverted. In a mesh that was valid F and the worst RR must not have risen either, unless it is
- *  volumes that count (floors). */
+/** Climb the n rungs of ladder, each a trial that shows. The result of a rung stands if fewer
+ *  elements are tangled after it, and no more inverted. In a mesh that was valid F and the worst RR
+ *  must not have risen either, unless it is volumes that count (floors). */
 static int climb_ladder(pl_run *r, int floors, const rung *ladder, int n, planish_error *error) {
-    const size_t size =
-        (size_t)r->plan->work.n_nodes * (size_t)r->plan->dim * sizeof *r->plan->coordinates;
     const int sweeps = r->result->untangling_sweeps;
     pl_tangle t;
     const int status = pl_tangle_create(r, floors, &t, error);
     const int climbs = !status && !t.stopped;
     int stopped = 0;
-    r->restoring = 1;
+    r->phase = PLANISH_PHASE_UNTANGLE;
     r->stop = t.stopped ? (planish_stop)t.stopped : PLANISH_STOP_CONVERGED;
     t.problem.untangling = &t.asked;
-    if (climbs && t.n_tangled > 0)
-        memcpy(t.best, r->plan->coordinates, size);
     for (int i = 0; climbs && i < n && t.n_tangled > 0 && !stopped; i++) {
-        const pl_objective_sums before = r->sums, *now = &r->sums;
         const double objective = pl_run_objective(r);
         const int64_t n_tangled = t.n_tangled;
+        pl_trial trial;
+        pl_trial_begin(r, 0, t.before, &trial);
         stopped = climb_rung(&t, &ladder[i]);
         pl_tangle_find(&t);
-        if (t.n_tangled < n_tangled && now->inverted <= before.inverted &&
-            (before.inverted > 0 || floors ||
-             (now->radius_max <= before.radius_max && pl_run_objective(r) <= objective))) {
-            memcpy(t.best, r->plan->coordinates, size);
-        } else {
-            memcpy(r->plan->coordinates, t.best, size);
-            pl_run_measure(r);
+        const pl_objective_sums *before = &trial.standing, *now = &r->sums;
+        const int is_taken =
+            t.n_tangled < n_tangled && now->inverted <= before->inverted &&
+            (before->inverted > 0 || floors ||
+             (now->radius_max <= before->radius_max && pl_run_objective(r) <= objective));
+        pl_trial_end(&trial, is_taken);
+        if (!is_taken)
             pl_tangle_find(&t);
-        }
     }
     if (climbs && !floors && t.n_tangled > 0 && r->sums.inverted > 0)
         pl_tangle_return(&t);
-    r->restoring = 0;
+    r->phase = PLANISH_PHASE_SMOOTH;
     pl_tangle_destroy(&t);
     if (!status && r->result->untangling_sweeps > sweeps) {
         pl_run_measure(r);
@@ -359,16 +352,11 @@ static int climb_ladder(pl_run *r, int floors, const rung *ladder, int n, planis
 
 int pl_run_untangle(pl_run *r, planish_error *error) {
     const int64_t inverted = (int64_t)r->sums.inverted;
-    if (!r->options->untangle || r->options->method != PLANISH_METHOD_PLANISH ||
-        (inverted == 0 && !(r->sums.radius_max > FLAT_RR2)))
-        return PLANISH_OK;
     pl_log(PLANISH_LOG_DETAIL, "untangling %" PRId64 " elements", inverted);
     return climb_ladder(r, 0, LADDER, inverted > 0 ? N_RUNGS : N_RUNGS_IF_VALID, error);
 }
 
 int pl_run_raise_volumes(pl_run *r, planish_error *error) {
-    if (!(r->sums.below > 0))
-        return PLANISH_OK;
     pl_log(PLANISH_LOG_DETAIL, "raising %" PRId64 " elements to their minimum volume",
            (int64_t)r->sums.below);
     return climb_ladder(r, 1, LADDER_OF_VOLUMES, N_RUNGS_OF_VOLUMES, error);
