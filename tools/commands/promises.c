@@ -69,27 +69,11 @@ int pl_promises_check(const pl_job *job, const pl_result *result) {
                   : 0;
 }
 
-/** Mark the nodes of elements that are worse than the worst was; not 0: there are any. */
-static int mark_worse(const pl_job *job, const pl_result *result, const double *ratio,
-                      uint8_t *back) {
-    const double most = result->before.max_radius_ratio_movable;
-    int any = 0;
-    for (int64_t i = 0; i < job->mesh.n_elements; i++) {
-        if (ratio[i] > 0 && !(was_valid(result) && ratio[i] > most))
-            continue;
-        for (int k = 0; k < 3; k++) {
-            uint8_t *of_node = &back[job->mesh.elements[3 * i + k]];
-            any |= !*of_node;
-            *of_node = 1;
-        }
-    }
-    return any;
-}
-
 /** Settle until nothing is worse. back [n_nodes], ratio [n_elements]: working space. */
 static int settle_until_kept(pl_job *job, pl_result *result, uint8_t *back, double *ratio,
                              planish_error *error) {
     enum { ROUNDS = 20 };
+    const double most = result->before.max_radius_ratio_movable;
     double *coordinates = planish_file_coordinates(job->file), from, to;
     for (int round = 0;; round++) {
         planish_quality after;
@@ -105,7 +89,16 @@ static int settle_until_kept(pl_job *job, pl_result *result, uint8_t *back, doub
         code = job->engine->measure_elements(job, ratio, error);
         if (code)
             return code;
-        if (round == ROUNDS || !mark_worse(job, result, ratio, back))
+        /* Elements that are worse than the worst was get their nodes back, or all do. */
+        int any = 0;
+        for (int64_t i = 0; i < 3 * job->mesh.n_elements; i++) {
+            uint8_t *of_node = &back[job->mesh.elements[i]];
+            if (ratio[i / 3] > 0 && !(was_valid(result) && ratio[i / 3] > most))
+                continue;
+            any |= !*of_node;
+            *of_node = 1;
+        }
+        if (round == ROUNDS || !any)
             memset(back, 1, (size_t)job->mesh.n_nodes);
     }
 }
@@ -119,8 +112,7 @@ int pl_promises_settle(pl_job *job, pl_result *result) {
     double *ratio = malloc(((size_t)job->mesh.n_elements + 1) * sizeof *ratio);
     int status = 0;
     if (!back || !ratio)
-        status = pl_complain(PL_EXIT_FAILED, "%s: out of memory for the places of nodes",
-                             job->arguments->input);
+        status = pl_job_complain_memory(job, "the places of nodes");
     else if (settle_until_kept(job, result, back, ratio, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
     result->smooth.moved_nodes -= result->returned_nodes;

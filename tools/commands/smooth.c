@@ -22,6 +22,7 @@
 
 #include "base/clock.h"
 #include "base/printf.h"
+#include "base/status.h"
 
 #include <inttypes.h>
 #include <stdarg.h>
@@ -64,11 +65,8 @@ static int convert_mesh(const pl_job *job, planish_error *error) {
     const double *coordinates = job->mesh.coordinates;
     char lost[512];
     double *ratio = malloc(((size_t)job->mesh.n_elements + 1) * sizeof *ratio);
-    if (!ratio) {
-        *error =
-            (planish_error){PLANISH_ERROR_MEMORY, -1, -1, "out of memory for the radius ratios"};
-        return error->code;
-    }
+    if (!ratio)
+        return pl_fail_memory(error, "the radius ratios");
     int code = job->engine->measure_elements(job, ratio, error);
     if (!code)
         code = planish_file_convert(job->file, output, coordinates, job->constraint, ratio,

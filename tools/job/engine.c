@@ -3,19 +3,16 @@
 
 #include "job/job.h"
 
-#include <stdlib.h>
+#include "base/status.h"
 
-static int fail_memory(planish_error *error) {
-    *error = (planish_error){PLANISH_ERROR_MEMORY, -1, -1, "out of memory for states of elements"};
-    return error->code;
-}
+#include <stdlib.h>
 
 /** Mark the elements without a radius ratio. */
 static int find_inverted(const planish_plan *plan, const planish_mesh *mesh, uint8_t *state,
                          int64_t *n, planish_error *error) {
     double *ratio = malloc(((size_t)mesh->n_elements + 1) * sizeof *ratio);
     if (!ratio)
-        return fail_memory(error);
+        return pl_fail_memory(error, "states of elements");
     const int code = planish_measure_elements(plan, mesh->coordinates, ratio, error);
     *n = 0;
     for (int64_t i = 0; !code && i < mesh->n_elements; i++) {
@@ -81,7 +78,7 @@ static int find_states(const pl_job *job, pl_state_kind kind, const planish_opti
     uint8_t *state = with_state ? malloc((size_t)job->mesh.n_elements + 1) : NULL;
     *found = (pl_states){.state = NULL};
     if (with_state && !state)
-        return fail_memory(error);
+        return pl_fail_memory(error, "states of elements");
     const int code = pl_states_find(job->plan, &job->mesh, kind, options, state, found, error);
     if (!code && found->n > 0)
         found->state = state;

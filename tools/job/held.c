@@ -117,10 +117,8 @@ int pl_held_find(const pl_job *job, uint16_t **bits) {
         return 0;
     uint16_t *found = calloc(n + 1, sizeof *found);
     uint8_t *scratch = malloc(n + 1);
-    const int status = found && scratch
-                           ? find_reasons(job, scratch, found)
-                           : pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " nodes",
-                                         job->arguments->input, job->mesh.n_nodes);
+    const int status = found && scratch ? find_reasons(job, scratch, found)
+                                        : pl_job_complain_memory(job, "values of nodes");
     free(scratch);
     if (status)
         free(found);
@@ -131,19 +129,6 @@ int pl_held_find(const pl_job *job, uint16_t **bits) {
 
 /* ---- counting ------------------------------------------------------------------------------- */
 
-static void count_node(uint16_t bits, pl_held *held) {
-    int reason = 0;
-    if (bits & PL_HELD_NOT_USED)
-        held->n_unused++;
-    if (!bits || bits & PL_HELD_NOT_USED)
-        return;
-    while (!(bits >> reason & 1))
-        reason++;
-    held->n[reason]++;
-    held->n_held++;
-    held->n_doubled += bits >> PL_HELD_BY_DOUBLED & 1;
-}
-
 int pl_held_count(pl_job *job) {
     const double begin = pl_seconds();
     uint16_t *bits;
@@ -151,13 +136,23 @@ int pl_held_count(pl_job *job) {
     const int is_asked = arguments->json || arguments->report ||
                          arguments->verbosity >= PL_VERBOSE ||
                          job->plan_info.n_free + job->plan_info.n_sliding == 0;
-    job->held = (pl_held){.is_known = 0};
+    pl_held *held = &job->held;
+    *held = (pl_held){.is_known = 0};
     if (!is_asked)
         return 0;
     const int status = pl_held_find(job, &bits);
-    for (int64_t i = 0; bits && i < job->mesh.n_nodes; i++)
-        count_node(bits[i], &job->held);
-    job->held.is_known = bits != NULL;
+    for (int64_t i = 0; bits && i < job->mesh.n_nodes; i++) {
+        int reason = 0;
+        while (reason < PL_N_HELD_BY && !(bits[i] >> reason & 1))
+            reason++;
+        held->n_unused += (bits[i] & PL_HELD_NOT_USED) != 0;
+        if (reason == PL_N_HELD_BY) /* it moves, or is of no element */
+            continue;
+        held->n[reason]++;
+        held->n_held++;
+        held->n_doubled += bits[i] >> PL_HELD_BY_DOUBLED & 1;
+    }
+    held->is_known = bits != NULL;
     free(bits);
     job->shape_seconds += pl_seconds() - begin;
     return status;

@@ -62,13 +62,10 @@ static int complain_of_arguments(const pl_job *job, const planish_error *error) 
     return pl_job_complain(job, PL_EXIT_FAILED, error);
 }
 
-static int complain_memory(const pl_job *job, int64_t n, const char *of) {
-    return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " %s",
-                       job->arguments->input, n, of);
-}
-
-static int complain_nodes(const pl_job *job) {
-    return complain_memory(job, job->mesh.n_nodes, "nodes");
+int pl_job_complain_memory(const pl_job *job, const char *of) {
+    return pl_complain(PL_EXIT_FAILED,
+                       "%s: out of memory for %s (%" PRId64 " elements, %" PRId64 " nodes)",
+                       job->arguments->input, of, job->mesh.n_elements, job->mesh.n_nodes);
 }
 
 /* ---- reading -------------------------------------------------------------------------------- */
@@ -99,7 +96,7 @@ int pl_job_find_layers(const pl_job *job, uint8_t **is_layer, int64_t *n) {
     planish_error error;
     *is_layer = malloc((size_t)job->mesh.n_elements + 1);
     if (!*is_layer)
-        return complain_memory(job, job->mesh.n_elements, "elements");
+        return pl_job_complain_memory(job, "values of elements");
     if (planish_find_layers(&job->mesh, job->options.threads, *is_layer, n, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     return 0;
@@ -115,7 +112,7 @@ void pl_job_hold_layers(const pl_job *job, uint8_t *constraint) {
 static int find_constraints(pl_job *job) {
     job->constraint = malloc(job->mesh.n_nodes ? (size_t)job->mesh.n_nodes : 1);
     if (!job->constraint)
-        return complain_nodes(job);
+        return pl_job_complain_memory(job, "values of nodes");
     const planish_hold hold = hold_of(job->arguments, job->arguments->slide, 0);
     job->mesh.constraint = job->constraint;
     int status = find_held(job, &hold, job->constraint);
@@ -133,7 +130,7 @@ static int find_min_volumes(pl_job *job) {
         return 0;
     job->min_volume = malloc((size_t)job->mesh.n_elements * sizeof *job->min_volume);
     if (!job->min_volume)
-        return complain_memory(job, job->mesh.n_elements, "elements");
+        return pl_job_complain_memory(job, "values of elements");
     if (planish_file_min_volumes(job->file, (const char *const *)arguments->min_volume_tag,
                                  arguments->min_volume_value, arguments->n_min_volumes,
                                  job->min_volume, &error))
@@ -178,23 +175,11 @@ static int find_box(pl_job *job) {
     return 0;
 }
 
-/** The tolerance is for nodes that slide, and for those of a tilted plane. */
-static int check_tolerance(const pl_job *job) {
-    const pl_arguments *arguments = job->arguments;
-    planish_plane plane;
-    planish_file_plane(job->file, &plane);
-    if (arguments->command != PL_COMMAND_SMOOTH || !(arguments->slide_tolerance > 0) ||
-        arguments->slide || plane.is_tilted)
-        return 0;
-    return pl_complain_usage(pl_command_name(arguments->command),
-                             "--slide-tolerance has no effect without --slide, except on triangles "
-                             "in a tilted plane");
-}
-
 /** Open the file, and find out what it says of nodes and elements. */
 static int open_file(pl_job *job) {
     const pl_arguments *arguments = job->arguments;
     planish_error error;
+    planish_plane plane;
     int status;
     const planish_open_options how = {.format = arguments->format,
                                       .threads = job->options.threads,
@@ -209,8 +194,13 @@ static int open_file(pl_job *job) {
     job->options.round = job->file_info.round;
     job->options.round_user = job->file_info.round_user;
     job->mesh = planish_file_mesh(job->file);
-    if ((status = check_tolerance(job)))
-        return status;
+    /* The tolerance is for nodes that slide, and for those of a tilted plane. */
+    planish_file_plane(job->file, &plane);
+    if (arguments->command == PL_COMMAND_SMOOTH && arguments->slide_tolerance > 0 &&
+        !arguments->slide && !plane.is_tilted)
+        return pl_complain_usage(pl_command_name(arguments->command),
+                                 "--slide-tolerance has no effect without --slide, except on "
+                                 "triangles in a tilted plane");
     if ((status = find_constraints(job)))
         return status;
     return find_min_volumes(job);
@@ -286,7 +276,7 @@ static int find_slides(const pl_job *job, const uint8_t *is_inside, uint8_t *con
     if (planish_file_get_marked(job->file, NULL) > 0) {
         uint8_t *marked = malloc((size_t)job->mesh.n_nodes);
         if (!marked)
-            return complain_nodes(job);
+            return pl_job_complain_memory(job, "values of nodes");
         planish_file_get_marked(job->file, marked);
         status = find_unheld(job, 1, is_inside, constraint, direction);
         is_found = status || marks_are_the_surface(job, marked, constraint);
@@ -309,7 +299,7 @@ int pl_job_find_slides(pl_job *job) {
         return 0;
     job->direction = new_directions(job);
     const int status = job->direction ? find_slides(job, NULL, job->constraint, job->direction)
-                                      : complain_nodes(job);
+                                      : pl_job_complain_memory(job, "values of nodes");
     job->mesh.direction = job->direction;
     job->shape_seconds = pl_seconds() - begin;
     return status;
@@ -326,7 +316,8 @@ int pl_job_count_parameters(pl_job *job) {
     if (planish_file_get_parametric(job->file, NULL) == 0)
         return 0;
     uint8_t *has = malloc(n), *is_free = malloc(n);
-    status = has && is_free ? pl_job_get_free(job, is_free) : complain_nodes(job);
+    status = has && is_free ? pl_job_get_free(job, is_free)
+                            : pl_job_complain_memory(job, "values of nodes");
     if (!status)
         planish_file_get_parametric(job->file, has);
     for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
@@ -347,7 +338,7 @@ int pl_job_count_slides(pl_job *job) {
     uint8_t *constraint = malloc(n), *is_inside = malloc(n);
     double *direction = new_directions(job);
     if (!constraint || !is_inside || !direction)
-        status = complain_nodes(job);
+        status = pl_job_complain_memory(job, "values of nodes");
     if (!status)
         status = pl_job_get_free(job, is_inside);
     if (!status)
@@ -378,7 +369,7 @@ int pl_job_plan(pl_job *job) {
     /* Kept, as the plan will be gone when that is told. */
     job->wrapped = calloc((size_t)job->mesh.n_elements, 1);
     if (!job->wrapped)
-        return complain_memory(job, job->mesh.n_elements, "states of elements");
+        return pl_job_complain_memory(job, "values of elements");
     planish_find_wrapped(job->plan, job->wrapped, NULL);
     return 0;
 }

@@ -4,7 +4,7 @@
  *     pl_job_find_slides, _count_slides    nodes that slide, or could
  *     pl_job_find_layers, _hold_layers     boundary layers
  *     pl_job_plan, _get_free, _measure     by the engine
- *     pl_job_complain                      messages on errors of the library
+ *     pl_job_complain, _complain_memory    messages on errors of the library, and of memory
  *
  * Every function returns 0, or an exit status after a message.
  */
@@ -140,6 +140,9 @@ int pl_job_measure(const pl_job *job, planish_quality *quality);
 
 /** Message for an error of the library: the text, and which file if it does not say so. */
 int pl_job_complain(const pl_job *job, int status, const planish_error *error);
+
+/** Message that memory is short for of. Returns PL_EXIT_FAILED. */
+int pl_job_complain_memory(const pl_job *job, const char *of);
 
 void pl_job_close(pl_job *job);
 

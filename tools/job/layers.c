@@ -22,11 +22,6 @@ static const double RATIO_OF_THIN = 2.5, MANY_OF_THIN = 0.01;
 static const double OF_GROUP = 0.8, OF_LAYERS = 0.9, OF_MESH = 0.95;
 enum { MOST_TAGS = 64, MOST_NAMED = 4, TAG_SIZE = 64 };
 
-static int complain_memory(const pl_job *job) {
-    return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " elements",
-                       job->arguments->input, job->mesh.n_elements);
-}
-
 /* ---- groups that are made of layers --------------------------------------------------------- */
 
 /** A group of the file, by its tag. */
@@ -83,7 +78,7 @@ static int find_groups(pl_job *job, const uint8_t *is_loose) {
         last = region[i] > last ? region[i] : last;
     int *group_of_region = malloc(((size_t)last + 1) * sizeof *group_of_region);
     if (!group_of_region)
-        return complain_memory(job);
+        return pl_job_complain_memory(job, "values of elements");
     for (int32_t i = 0; i <= last; i++)
         group_of_region[i] = -1;
     /* Elements of one region are in one group. */
@@ -118,7 +113,7 @@ static int keep_loose(pl_job *job, uint8_t *is_layer) {
     const int corners = job->mesh.dim + 1;
     uint8_t *moves = malloc((size_t)job->mesh.n_nodes + 1);
     if (!moves)
-        return complain_memory(job);
+        return pl_job_complain_memory(job, "values of elements");
     const int status = pl_job_get_free(job, moves);
     for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
         moves[i] |= job->constraint[i] > PLANISH_FIXED;

@@ -24,21 +24,6 @@ static int compare(const void *a, const void *b) {
     return is_worse(a, b) ? -1 : is_worse(b, a);
 }
 
-/** Put element in the place of heap [n]'s first, which is the best of them, and find its place. */
-static void replace_best(pl_bad_element *heap, int64_t n, pl_bad_element element) {
-    int64_t at = 0;
-    for (;;) {
-        int64_t child = 2 * at + 1;
-        if (child + 1 < n && is_worse(&heap[child], &heap[child + 1]))
-            child++;
-        if (child >= n || !is_worse(&element, &heap[child]))
-            break;
-        heap[at] = heap[child];
-        at = child;
-    }
-    heap[at] = element;
-}
-
 /** The n worst of ratio [n_elements], in a heap whose first is the best of them. */
 static void select_worst(const double *ratio, int64_t n_elements, pl_worst *worst) {
     pl_bad_element *heap = worst->bad;
@@ -48,15 +33,21 @@ static void select_worst(const double *ratio, int64_t n_elements, pl_worst *wors
     for (int64_t i = 0; i < n_elements; i++) {
         const pl_bad_element element = {.element = i, .radius_ratio = ratio[i]};
         worst->n_inverted += ratio[i] == 0;
-        if (is_worse(&element, &heap[0]))
-            replace_best(heap, n, element);
+        if (!is_worse(&element, &heap[0]))
+            continue;
+        int64_t at = 0; /* it takes the place of the best, and sinks to its own */
+        for (;;) {
+            int64_t child = 2 * at + 1;
+            if (child + 1 < n && is_worse(&heap[child], &heap[child + 1]))
+                child++;
+            if (child >= n || !is_worse(&element, &heap[child]))
+                break;
+            heap[at] = heap[child];
+            at = child;
+        }
+        heap[at] = element;
     }
     qsort(heap, (size_t)n, sizeof *heap, compare);
-}
-
-static int complain_memory(const pl_job *job) {
-    return pl_complain(PL_EXIT_FAILED, "%s: out of memory for the worst elements",
-                       job->arguments->input);
 }
 
 int pl_worst_select(const pl_job *job, int64_t n, pl_worst *worst) {
@@ -69,7 +60,7 @@ int pl_worst_select(const pl_job *job, int64_t n, pl_worst *worst) {
     double *ratio = malloc(((size_t)n_elements + 1) * sizeof *ratio);
     int status = 0;
     if (!worst->bad || !ratio)
-        status = complain_memory(job);
+        status = pl_job_complain_memory(job, "the worst elements");
     else if (job->engine->measure_elements(job, ratio, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
     else if (worst->n > 0)
@@ -121,18 +112,6 @@ static int find_region(const pl_job *job, const int32_t *region, pl_worst *worst
     return 0;
 }
 
-/** Add a corner's part of the middle, in the file's columns. */
-static void add_place(const pl_job *job, int64_t node, int columns, pl_bad_element *bad) {
-    const int dim = job->mesh.dim;
-    const double *at = &job->mesh.coordinates[node * dim];
-    double xyz[3];
-    if (columns > dim &&
-        planish_file_space_coordinates(job->file, node, 1, at, xyz, NULL) == PLANISH_OK)
-        at = xyz;
-    for (int d = 0; d < columns; d++)
-        bad->place[d] += at[d] / (dim + 1);
-}
-
 static void place(const pl_job *job, const uint8_t *is_free, int columns, pl_bad_element *bad) {
     const int dim = job->mesh.dim, corners = dim + 1;
     const int32_t *nodes = &job->mesh.elements[bad->element * corners];
@@ -146,7 +125,13 @@ static void place(const pl_job *job, const uint8_t *is_free, int columns, pl_bad
         bad->is_movable |=
             is_free[node] || (job->plan_info.n_sliding > 0 &&
                               (constraint == PLANISH_ON_PLANE || constraint == PLANISH_ON_LINE));
-        add_place(job, node, columns, bad);
+        /* Its part of the middle, in the file's columns. */
+        const double *at = vertex[k];
+        double xyz[3];
+        if (columns > dim && planish_file_space_coordinates(job->file, node, 1, at, xyz, NULL) == 0)
+            at = xyz;
+        for (int d = 0; d < columns; d++)
+            bad->place[d] += at[d] / corners;
     }
     find_angles(dim, vertex, bad);
 }
@@ -168,7 +153,7 @@ int pl_worst_find(const pl_job *job, int64_t n, pl_worst *worst) {
         status = find_region(job, region, worst, &worst->bad[i]);
     }
     free(is_free);
-    return status < 0 ? complain_memory(job) : status;
+    return status < 0 ? pl_job_complain_memory(job, "the worst elements") : status;
 }
 
 int pl_worst_find_asked(const pl_job *job, pl_worst *worst) {

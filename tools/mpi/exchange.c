@@ -2,6 +2,7 @@
 #include "mpi/exchange.h"
 
 #include "base/clock.h"
+#include "base/status.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -9,11 +10,6 @@
 #include <string.h>
 
 enum { TAG_LISTS = 1, TAG_VALUES = 2 };
-
-static int fail_memory(planish_error *error) {
-    *error = (planish_error){PLANISH_ERROR_MEMORY, -1, -1, "out of memory for the ghosts"};
-    return PLANISH_ERROR_MEMORY;
-}
 
 /* ---- who wants what ------------------------------------------------------------------------- */
 
@@ -110,7 +106,7 @@ int pl_exchange_create(pl_exchange *e, MPI_Comm comm, const pl_ghost *ghosts, in
         status = e->n_out ? swap_lists(e, sorted, n, n_nodes) : -1;
     }
     free(sorted);
-    return status ? fail_memory(error) : PLANISH_OK;
+    return status ? pl_fail_memory(error, "the ghosts") : PLANISH_OK;
 }
 
 void pl_exchange_destroy(pl_exchange *e) {
@@ -161,18 +157,6 @@ static int make_room(pl_exchange *e, int64_t size) {
     return e->in && e->out ? 0 : -1;
 }
 
-static void pack(pl_exchange *e, const int32_t *node, int64_t n, const char *values, int64_t size) {
-    memset(e->n_out, 0, (size_t)e->n_to * sizeof *e->n_out);
-    for (int64_t i = 0; i < n; i++)
-        for (int64_t k = e->goal_begin[node[i]]; k < e->goal_begin[node[i] + 1]; k++) {
-            const pl_goal *goal = &e->goal[k];
-            char *to =
-                e->out + (e->to_begin[goal->neighbour] + e->n_out[goal->neighbour]++) * e->entry;
-            memcpy(to, &goal->position, sizeof goal->position);
-            memcpy(to + sizeof goal->position, values + i * size, (size_t)size);
-        }
-}
-
 /** One message to each neighbour, though it may be empty: he waits for it. */
 static int send_values(const int32_t *node, int64_t n, const void *values, int64_t size,
                        void *user) {
@@ -186,7 +170,15 @@ static int send_values(const int32_t *node, int64_t n, const void *values, int64
                                      : MPI_Irecv(e->in + begin, (int)(end - begin), MPI_BYTE,
                                                  e->from[k], TAG_VALUES, e->comm, &e->request[k]);
     }
-    pack(e, node, n, values, size);
+    memset(e->n_out, 0, (size_t)e->n_to * sizeof *e->n_out);
+    for (int64_t i = 0; i < n; i++)
+        for (int64_t k = e->goal_begin[node[i]]; k < e->goal_begin[node[i] + 1]; k++) {
+            const pl_goal *goal = &e->goal[k];
+            const int64_t entry = e->to_begin[goal->neighbour] + e->n_out[goal->neighbour]++;
+            char *to = e->out + entry * e->entry;
+            memcpy(to, &goal->position, sizeof goal->position);
+            memcpy(to + sizeof goal->position, (const char *)values + i * size, (size_t)size);
+        }
     for (int k = 0; k < e->n_to && !code; k++) {
         const int64_t bytes = e->n_out[k] * e->entry;
         code = bytes > INT_MAX

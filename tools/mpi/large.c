@@ -6,16 +6,11 @@
 
 #include "terminal/message.h"
 
+#include "base/status.h"
 #include "base/system.h"
 
 #include <stdio.h>
 #include <string.h>
-
-/** Whether options need names of groups, or look at all of the mesh. */
-static int asks_for_all(const pl_arguments *a) {
-    return a->n_fix > 0 || a->fix_layers || a->n_slide_tags > 0 || a->n_min_volumes > 0 ||
-           a->n_regions > 0 || a->report || (a->format && strcmp(a->format, "dmplex") != 0);
-}
 
 int pl_large_can(const pl_arguments *a) {
     enum { SHARE = 8 }; /* of the memory: a mesh takes two to four times its file there */
@@ -31,8 +26,11 @@ int pl_large_can(const pl_arguments *a) {
                     : PETSC_FALSE;
     if (!wants)
         return 0;
+    const int asks_for_all = a->n_fix > 0 || a->fix_layers || a->n_slide_tags > 0 ||
+                             a->n_min_volumes > 0 || a->n_regions > 0 || a->report ||
+                             (a->format && strcmp(a->format, "dmplex") != 0);
     const char *why = !pl_plexfile_is(a->output) ? "the output is no .h5"
-                      : asks_for_all(a)          ? "options name groups, a page or another format"
+                      : asks_for_all             ? "options name groups, a page or another format"
                                                  : pl_plexrows_refusal(a->input, &form);
     if (why && why[0] && a->verbosity != PL_QUIET)
         pl_note(stderr, "%s: one process has all of the mesh: %s", a->input, why);
@@ -44,11 +42,8 @@ int pl_large_read(pl_crew *crew, const char *path, planish_error *error) {
     int code = PLANISH_OK;
     crew->is_large = 1;
     pl_crew_path(crew, path, crew->input);
-    if (path && pl_plexrows_refusal(path, &form)) {
-        *error = (planish_error){PLANISH_ERROR_FILE, -1, -1, ""};
-        snprintf(error->text, sizeof error->text, "%s: has been changed meanwhile", path);
-        code = error->code;
-    }
+    if (path && pl_plexrows_refusal(path, &form))
+        code = pl_fail(error, PLANISH_ERROR_FILE, "%s: has been changed meanwhile", path);
     code = pl_crew_agree(crew, code, error);
     if (code)
         return code;

@@ -6,6 +6,8 @@
 #include "commands/commands.h"
 #include "terminal/message.h"
 
+#include "base/status.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,11 +25,6 @@ typedef enum order {
     WRITE,
     END
 } order;
-
-static int fail_memory(planish_error *error) {
-    *error = (planish_error){PLANISH_ERROR_MEMORY, -1, -1, "out of memory for what is collected"};
-    return PLANISH_ERROR_MEMORY;
-}
 
 static pl_crew *crew_of(const pl_job *job) {
     return (pl_crew *)(uintptr_t)job->engine;
@@ -62,13 +59,10 @@ static int create_plan(pl_job *job, planish_error *error) {
     const pl_share *share = &crew->share;
     const planish_options mine = pl_crew_options(crew, &job->options);
     int code = PLANISH_OK;
-    if (!crew->is_large && mine.precision == PLANISH_ROUNDED) {
+    if (!crew->is_large && mine.precision == PLANISH_ROUNDED)
         /* The functions of planish_part cannot do that. */
-        *error = (planish_error){
-            PLANISH_ERROR_PARTS, -1, -1,
-            "only the process that read the file knows the digits of its text fields"};
-        return PLANISH_ERROR_PARTS;
-    }
+        return pl_fail(error, PLANISH_ERROR_PARTS,
+                       "only the process that read the file knows the digits of its text fields");
     if (crew->is_large)
         code = pl_large_share(crew, job->arguments, error);
     else
@@ -96,7 +90,7 @@ static int collect(const pl_crew *crew, int code, const pl_collection *c, const 
                    int size, void *whole, planish_error *error) {
     void *room = code ? NULL : pl_new_array(pl_collected(c), (size_t)size);
     if (!code && !room)
-        code = fail_memory(error);
+        code = pl_fail_memory(error, "values of the whole mesh");
     code = pl_crew_agree(crew, code, error);
     if (!code)
         pl_collect(c, values, size, room, whole);
@@ -108,7 +102,7 @@ static int get_free(const pl_job *job, uint8_t *is_free, planish_error *error) {
     const pl_crew *crew = begin_step(job, GET_FREE);
     uint8_t *mine = pl_new_array(crew->share.mesh.n_nodes, 1),
             *own = pl_new_array(crew->share.own_nodes.n, 1);
-    int code = mine && own ? PLANISH_OK : fail_memory(error);
+    int code = mine && own ? PLANISH_OK : pl_fail_memory(error, "values of the whole mesh");
     int64_t n = 0;
     if (is_free)
         memset(is_free, 0, (size_t)job->mesh.n_nodes); /* of a large mesh nothing is collected */
@@ -142,7 +136,7 @@ static int measure_elements(const pl_job *job, double *ratio, planish_error *err
     const pl_share *share = &crew->share;
     double *mine = pl_new_array(share->mesh.n_elements, sizeof *mine);
     int code = mine ? planish_measure_elements(crew->plan, share->coordinates, mine, error)
-                    : fail_memory(error);
+                    : pl_fail_memory(error, "values of the whole mesh");
     int64_t n = 0;
     for (int64_t i = 0; !code && i < share->mesh.n_elements; i++)
         if (share->is_counted[i])
@@ -181,7 +175,9 @@ static int gather_states(const pl_crew *crew, const uint8_t *mine, int64_t n_all
         return PLANISH_OK;
     found_element *list = pl_new_array(is_first ? most : n, sizeof *list);
     uint8_t *state = pl_new_array(is_first ? n_all : 0, 1);
-    const int code = pl_crew_agree(crew, list && state ? PLANISH_OK : fail_memory(error), error);
+    const int code = pl_crew_agree(
+        crew, list && state ? PLANISH_OK : pl_fail_memory(error, "values of the whole mesh"),
+        error);
     n = 0;
     for (int64_t i = 0; !code && i < share->mesh.n_elements; i++)
         if (mine[i])
@@ -221,7 +217,7 @@ static int find_states(const pl_job *job, pl_state_kind kind, const planish_opti
     uint8_t *state = pl_new_array(share->mesh.n_elements, 1);
     int code = state ? pl_states_find(crew->plan, &share->mesh, (pl_state_kind)what[0], &mine,
                                       state, found, error)
-                     : fail_memory(error);
+                     : pl_fail_memory(error, "values of the whole mesh");
     code = pl_crew_agree(crew, code, error);
     found->n = 0;
     if (!code && what[1])
@@ -246,8 +242,9 @@ static int collect_coordinates(const pl_crew *crew, double *whole, planish_error
     for (int64_t i = 0; own && i < share->mesh.n_nodes; i++)
         if (share->role[i] != PLANISH_GHOST)
             memcpy(own + dim * n++, share->coordinates + dim * i, (size_t)dim * sizeof *own);
-    const int code = collect(crew, own ? PLANISH_OK : fail_memory(error), &share->own_nodes, own,
-                             dim * (int)sizeof *own, whole, error);
+    const int code =
+        collect(crew, own ? PLANISH_OK : pl_fail_memory(error, "values of the whole mesh"),
+                &share->own_nodes, own, dim * (int)sizeof *own, whole, error);
     free(own);
     return code;
 }
@@ -307,14 +304,12 @@ static int check_periodic(const pl_job *job, planish_error *error) {
         return PLANISH_OK;
     uint8_t *is_free = pl_new_array(mesh->n_nodes, 1);
     if (!is_free)
-        return fail_memory(error);
+        return pl_fail_memory(error, "values of the whole mesh");
     int code = get_free(job, is_free, error);
     for (int64_t i = 0; !code && i < 2 * mesh->n_periodic; i++) {
         const int32_t node = mesh->periodic[i];
-        if (is_free[node] || (mesh->constraint && mesh->constraint[node] >= PLANISH_ON_PLANE)) {
-            *error = (planish_error){PLANISH_ERROR_PARTS, -1, -1, "its periodic sides can move"};
-            code = error->code;
-        }
+        if (is_free[node] || (mesh->constraint && mesh->constraint[node] >= PLANISH_ON_PLANE))
+            code = pl_fail(error, PLANISH_ERROR_PARTS, "its periodic sides can move");
     }
     free(is_free);
     return code;
@@ -326,11 +321,9 @@ static int find_collapsed(const planish_mesh *mesh, planish_error *error) {
     for (int64_t i = 0; mesh->elements && i < mesh->n_elements; i++)
         for (int j = 0; j < corners; j++)
             for (int k = 0; k < j; k++)
-                if (mesh->elements[i * corners + j] == mesh->elements[i * corners + k]) {
-                    *error = (planish_error){PLANISH_ERROR_MESH, i, mesh->elements[i * corners + j],
-                                             "an element has a node twice"};
-                    return error->code;
-                }
+                if (mesh->elements[i * corners + j] == mesh->elements[i * corners + k])
+                    return pl_fail_at(error, PLANISH_ERROR_MESH, i, mesh->elements[i * corners + j],
+                                      "an element has a node twice");
     return PLANISH_OK;
 }
 

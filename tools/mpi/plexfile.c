@@ -5,6 +5,7 @@
 #include "mpi/plexrows.h"
 #include "terminal/signals.h"
 
+#include "base/status.h"
 #include "base/system.h"
 
 #include <petscsf.h>
@@ -116,12 +117,6 @@ static PetscErrorCode read_all(pl_plexfile *f, const char *path) {
     return PetscViewerDestroy(&viewer);
 }
 
-static int fail(planish_error *error, int code, const char *path, const char *what) {
-    *error = (planish_error){.code = code, .element = -1, .node = -1};
-    snprintf(error->text, sizeof error->text, "%.300s: %s", path, what);
-    return code;
-}
-
 /** Whether planish can work on it: simplices in their own dimension. */
 static int check(pl_plexfile *f, const char *path, planish_error *error) {
     PetscInt space = 0, first = 0, last = 0;
@@ -135,13 +130,14 @@ static int check(pl_plexfile *f, const char *path, planish_error *error) {
     wrong |= space != f->dim;
     MPI_Allreduce(MPI_IN_PLACE, &wrong, 1, MPI_INT, MPI_MAX, f->comm);
     if (wrong)
-        return fail(error, PLANISH_ERROR_FORMAT, path,
-                    "is not a mesh of tetrahedra in space, or of triangles in the plane");
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%.300s: is not a mesh of tetrahedra in space, or of triangles in the plane",
+                       path);
     if (f->n_elements == 0)
-        return fail(error, PLANISH_ERROR_FORMAT, path, "has no elements");
-    return f->n_elements <= INT32_MAX
-               ? PLANISH_OK
-               : fail(error, PLANISH_ERROR_FORMAT, path, "has more than 2147483647 elements");
+        return pl_fail(error, PLANISH_ERROR_FORMAT, "%.300s: has no elements", path);
+    return f->n_elements <= INT32_MAX ? PLANISH_OK
+                                      : pl_fail(error, PLANISH_ERROR_FORMAT,
+                                                "%.300s: has more than 2147483647 elements", path);
 }
 
 int pl_plexfile_read(pl_plexfile *file, MPI_Comm comm, const char *path, const pl_plexform *form,
@@ -152,7 +148,7 @@ int pl_plexfile_read(pl_plexfile *file, MPI_Comm comm, const char *path, const p
     speak(before);
     file->is_broken = code != 0;
     if (code)
-        return fail(error, PLANISH_ERROR_FORMAT, path, "cannot be read by PETSc");
+        return pl_fail(error, PLANISH_ERROR_FORMAT, "%.300s: cannot be read by PETSc", path);
     return check(file, path, error);
 }
 
@@ -402,12 +398,10 @@ int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error) {
     free(l.corner);
     free(l.region);
     free(l.x);
-    if (is_damaged) {
-        *error = (planish_error){PLANISH_ERROR_MESH, -1, -1,
-                                 "an element has faces that are not those of one simplex; the file "
-                                 "is damaged"};
-        return error->code;
-    }
+    if (is_damaged)
+        return pl_fail(
+            error, PLANISH_ERROR_MESH,
+            "an element has faces that are not those of one simplex; the file is damaged");
     return code ? pl_fail_petsc(error, code) : PLANISH_OK;
 }
 
@@ -435,11 +429,12 @@ static int begin_beside(MPI_Comm comm, const char *path, pl_plexout *out, char *
         code = pl_output_open(path, temporaries(), &out->output, error);
     const char *temporary = code ? NULL : out->output.temporary;
     if (rank == 0 && !code && !temporary)
-        code = fail(error, PLANISH_ERROR_FILE, path, "is a pipe or device; HDF5 needs a file");
+        code = pl_fail(error, PLANISH_ERROR_FILE, "%.300s: is a pipe or device; HDF5 needs a file",
+                       path);
     if (rank == 0 && !code) {
         out->mode = pl_file_make_accessible(temporary);
         if (snprintf(text, (size_t)size, "%s", temporary) >= size)
-            code = fail(error, PLANISH_ERROR_FILE, path, "has too long a name");
+            code = pl_fail(error, PLANISH_ERROR_FILE, "%.300s: has too long a name", path);
     }
     MPI_Bcast(&code, 1, MPI_INT, 0, comm);
     MPI_Bcast(text, size, MPI_BYTE, 0, comm);
@@ -476,9 +471,8 @@ int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path
         return pl_fail_petsc(error, code);
     if (!reason)
         return PLANISH_OK;
-    char text[128];
-    snprintf(text, sizeof text, "cannot be written: %s", strerror(reason));
-    return fail(error, PLANISH_ERROR_FILE, path, text);
+    return pl_fail(error, PLANISH_ERROR_FILE, "%.300s: cannot be written: %s", path,
+                   strerror(reason));
 }
 
 static PetscErrorCode make_plex(MPI_Comm comm, const planish_mesh *whole, const int32_t *region,
@@ -516,7 +510,7 @@ int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const int32_t 
         status = pl_fail_petsc(error, code);
     const int before = keep_silent();
     if (!status && view(comm, dm, temporary))
-        status = fail(error, PLANISH_ERROR_FILE, path, "cannot be written");
+        status = pl_fail(error, PLANISH_ERROR_FILE, "%.300s: cannot be written", path);
     speak(before);
     DMDestroy(&dm);
     return status;

@@ -1,32 +1,19 @@
 /* share: from what DMPlex hands out to what planish wants of a part. */
 #include "mpi/share.h"
 
+#include "base/status.h"
+
 #include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static int fail(planish_error *error, int code, const char *text) {
-    *error = (planish_error){.code = code, .element = -1, .node = -1};
-    snprintf(error->text, sizeof error->text, "%s", text);
-    return code;
-}
-
-static int fail_memory(planish_error *error) {
-    return fail(error, PLANISH_ERROR_MEMORY, "out of memory for the parts of the mesh");
-}
-
 int pl_fail_petsc(planish_error *error, PetscErrorCode code) {
     const char *text = NULL;
     PetscErrorMessage(code, &text, NULL);
-    *error = (planish_error){.code = code == PETSC_ERR_MEM ? PLANISH_ERROR_MEMORY
-                                                           : PLANISH_ERROR_PROCESS,
-                             .element = -1,
-                             .node = -1};
-    snprintf(error->text, sizeof error->text, "PETSc could not distribute the mesh: %s",
-             text ? text : "unknown error");
-    return error->code;
+    return pl_fail(error, code == PETSC_ERR_MEM ? PLANISH_ERROR_MEMORY : PLANISH_ERROR_PROCESS,
+                   "PETSc could not distribute the mesh: %s", text ? text : "unknown error");
 }
 
 /* ---- which nodes and elements --------------------------------------------------------------- */
@@ -166,7 +153,7 @@ static int make_exchange(pl_share *share, MPI_Comm comm, const pl_piece *p, cons
         *at = pl_new_array(p->n_points, sizeof *at);
     pl_ghost *ghost = pl_new_array(s->n_nodes, sizeof *ghost);
     int64_t n = 0;
-    int status = at_root && at && ghost ? 0 : fail_memory(error);
+    int status = at_root && at && ghost ? 0 : pl_fail_memory(error, "the parts of the mesh");
     for (int64_t i = 0; !status && i < p->n_nodes; i++)
         at_root[p->first_point + i] = s->here[i];
     if (!status && pl_bring(p->points, MPI_INT, 1, at_root, at))
@@ -263,7 +250,7 @@ static int take_all(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
     if (from) {                                                                                    \
         (to) = pl_new_array((count), sizeof *(to));                                                \
         if (!(to))                                                                                 \
-            return fail_memory(error);                                                             \
+            return pl_fail_memory(error, "the parts of the mesh");                                 \
         memcpy((to), (from), (size_t)(count) * sizeof *(to));                                      \
     }
     COPY(share->coordinates, whole->coordinates, n * dim)
@@ -277,7 +264,7 @@ static int take_all(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
     share->node_number = pl_new_array(n, sizeof *share->node_number);
     share->element_number = pl_new_array(m, sizeof *share->element_number);
     if (!share->role || !share->is_counted || !share->node_number || !share->element_number)
-        return fail_memory(error);
+        return pl_fail_memory(error, "the parts of the mesh");
     memset(share->is_counted, 1, (size_t)m);
     for (int64_t i = 0; i < n; i++)
         share->node_number[i] = i;
@@ -293,12 +280,12 @@ static int take_piece(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
     selection s = {.n_nodes = 0};
     int status =
         select_part(p, whole, &s) || fill_share(share, whole, p, &s) || number_part(share, p, &s)
-            ? fail_memory(error)
+            ? pl_fail_memory(error, "the parts of the mesh")
             : PLANISH_OK;
     if (!status)
         status = make_exchange(share, comm, p, &s, error);
     if (!status && find_roles(share, p, &s))
-        status = fail_memory(error);
+        status = pl_fail_memory(error, "the parts of the mesh");
     share->mesh.n_nodes = s.n_nodes;
     share->mesh.n_elements = s.n_elements;
     free(s.node);
@@ -371,8 +358,8 @@ int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
                          .has_min_volume = whole->min_volume != NULL};
     MPI_Bcast(&o, sizeof o, MPI_BYTE, 0, comm);
     if (n_ranks > 1 && o.n_nodes + o.n_elements * (o.dim + 1) > PETSC_MAX_INT)
-        return fail(error, PLANISH_ERROR_PARTS,
-                    "this mesh needs a PETSc with integers of 64 bits; this PETSc has 32 bits");
+        return pl_fail(error, PLANISH_ERROR_PARTS,
+                       "this mesh needs a PETSc with integers of 64 bits; this PETSc has 32 bits");
     int status;
     if (n_ranks == 1) {
         status = take_all(share, comm, whole, error);
@@ -390,7 +377,7 @@ int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
                             share->mesh.n_nodes) ||
                    start_collection(&share->counted_elements, comm, share->element_number,
                                     share->is_counted, 0, share->mesh.n_elements)
-               ? fail_memory(error)
+               ? pl_fail_memory(error, "the parts of the mesh")
                : PLANISH_OK;
 }
 

@@ -8,6 +8,8 @@
 
 #include "topology/facets.h"
 
+#include "base/status.h"
+
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,15 +38,9 @@ typedef struct near {
     answer *answer; /* [n_nodes] */
 } near;
 
-static int fail_memory(planish_error *error) {
-    *error = (planish_error){PLANISH_ERROR_MEMORY, -1, -1, "out of memory for the surface"};
-    return error->code;
-}
-
 static int fail_size(planish_error *error) {
-    *error = (planish_error){PLANISH_ERROR_PARTS, -1, -1,
-                             "the surface has too many nodes for one process; leave out --slide"};
-    return error->code;
+    return pl_fail(error, PLANISH_ERROR_PARTS,
+                   "the surface has too many nodes for one process; leave out --slide");
 }
 
 static int near_create(near *s, int64_t n_nodes, int64_t n_elements, planish_error *error) {
@@ -53,7 +49,7 @@ static int near_create(near *s, int64_t n_nodes, int64_t n_elements, planish_err
                 .node = pl_new_array(n_nodes, sizeof *s->node),
                 .element = pl_new_array(n_elements, sizeof *s->element),
                 .answer = pl_new_array(n_nodes, sizeof *s->answer)};
-    return s->node && s->element && s->answer ? PLANISH_OK : fail_memory(error);
+    return s->node && s->element && s->answer ? PLANISH_OK : pl_fail_memory(error, "the surface");
 }
 
 static void near_destroy(near *s) {
@@ -117,8 +113,7 @@ static int update(const pl_share *share, void *values, int64_t size, int32_t *no
         }
     if (!part->send(node, n, room, size, part->user) && !part->receive(take_value, &a, part->user))
         return PLANISH_OK;
-    *error = (planish_error){PLANISH_ERROR_PROCESS, -1, -1, "another process was not reached"};
-    return error->code;
+    return pl_fail(error, PLANISH_ERROR_PROCESS, "another process was not reached");
 }
 
 /* ---- what is near it ------------------------------------------------------------------------- */
@@ -174,7 +169,7 @@ static int layout_create(const pl_crew *crew, int64_t n, layout *l, planish_erro
     int mine = (int)n;
     *l = (layout){.count = pl_new_array(crew->n_ranks, sizeof *l->count),
                   .begin = pl_new_array(crew->n_ranks, sizeof *l->begin)};
-    int code = l->count && l->begin ? PLANISH_OK : fail_memory(error);
+    int code = l->count && l->begin ? PLANISH_OK : pl_fail_memory(error, "the surface");
     code = pl_crew_agree(crew, n <= INT_MAX ? code : fail_size(error), error);
     if (code)
         return code;
@@ -260,7 +255,7 @@ static int shell_create(const near *all, int dim, shell *s) {
 static int look_at_all(const pl_crew *crew, near *all, double tolerance, planish_error *error) {
     const int dim = crew->share.mesh.dim;
     shell s;
-    int code = shell_create(all, dim, &s) ? fail_memory(error) : PLANISH_OK;
+    int code = shell_create(all, dim, &s) ? pl_fail_memory(error, "the surface") : PLANISH_OK;
     const planish_surface surface = {
         .region = s.region, .is_inside = s.is_inside, .tolerance = tolerance};
     if (!code && all->n_elements > 0)
@@ -382,7 +377,8 @@ int pl_surface_slide(pl_crew *crew, double tolerance, planish_error *error) {
               .answer = pl_new_array(n, sizeof *r.answer)};
     const int has_room = r.is_surface && r.mark && r.shared && r.values && r.answer &&
                          share->constraint && share->direction;
-    int code = pl_crew_agree(crew, has_room ? PLANISH_OK : fail_memory(error), error);
+    int code =
+        pl_crew_agree(crew, has_room ? PLANISH_OK : pl_fail_memory(error, "the surface"), error);
     if (!code)
         code = slide(crew, tolerance, &r, error);
     free(r.is_surface);

@@ -45,18 +45,6 @@ const char *pl_worst_name(planish_worst worst) {
 
 /* ---- values: strictly the whole word, in range, finite ------------------------------------- */
 
-/** The whole of text as a decimal integer in low .. high; 0, or -1. */
-static int parse_integer(const char *text, int low, int high, int *value) {
-    if (text[0] == '\0' || text[strspn(text, "0123456789")] != '\0')
-        return -1;
-    errno = 0;
-    const long number = strtol(text, NULL, 10);
-    if (errno || number < low || number > high)
-        return -1;
-    *value = (int)number;
-    return 0;
-}
-
 /** The finite decimal number that text begins with; returns what is behind it, or NULL if there is
  *  none. The program never leaves the C locale, so that the decimal point is a point. */
 static const char *take_real(const char *text, double *value) {
@@ -122,8 +110,15 @@ static const char *set_flag(pl_arguments *arguments, const option_row *row, cons
 }
 
 static const char *set_integer(pl_arguments *arguments, const option_row *row, const char *value) {
-    int *number = field_of(arguments, row);
-    return parse_integer(value, (int)row->low, (int)row->high, number) ? row->wanted : NULL;
+    int *field = field_of(arguments, row);
+    if (value[0] == '\0' || value[strspn(value, "0123456789")] != '\0')
+        return row->wanted;
+    errno = 0;
+    const long number = strtol(value, NULL, 10);
+    if (errno || (double)number < row->low || (double)number > row->high)
+        return row->wanted;
+    *field = (int)number;
+    return NULL;
 }
 
 static const char *set_real(pl_arguments *arguments, const option_row *row, const char *value) {

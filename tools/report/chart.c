@@ -65,14 +65,6 @@ static void put_x_tick(pl_markup *page, double x, double value, int digits) {
 
 /* ---- histograms ----------------------------------------------------------------------------- */
 
-static double most_of(const pl_histogram *h) {
-    double most = 10;
-    for (int s = 0; s < h->n_series; s++)
-        for (int i = 0; i < h->n_bins; i++)
-            most = fmax(most, h->count[s][i]);
-    return most;
-}
-
 /** Height of a bar: one element shows, none does not. */
 static double bar_height(double count, double most) {
     const double lowest = log10(0.5);
@@ -99,7 +91,10 @@ static void put_bar(pl_markup *page, const pl_histogram *h, int series, int bin,
 }
 
 void pl_chart_histogram(pl_markup *page, const pl_histogram *h) {
-    const double most = most_of(h);
+    double most = 10;
+    for (int s = 0; s < h->n_series; s++)
+        for (int i = 0; i < h->n_bins; i++)
+            most = fmax(most, h->count[s][i]);
     begin_drawing(page, h->title);
     for (double tick = 1; tick <= most; tick *= 10)
         put_y_tick(page, FOOT - bar_height(tick, most), tick, DIGITS);

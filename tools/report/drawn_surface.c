@@ -7,6 +7,7 @@
 #include "report/drawn_surface.h"
 
 #include "base/memory.h"
+#include "base/status.h"
 #include "topology/facets.h"
 
 #include <math.h>
@@ -16,14 +17,6 @@
 /* Cells of the finest grid along the longest side, and the share that is left from grid to grid. */
 static const double FINEST_GRID = 700;
 static const double COARSER = 0.85;
-
-static int complain_memory(planish_error *error) {
-    *error = (planish_error){.code = PLANISH_ERROR_MEMORY,
-                             .element = -1,
-                             .node = -1,
-                             .text = "out of memory for the picture"};
-    return error->code;
-}
 
 /* ---- all triangles -------------------------------------------------------------------------- */
 
@@ -93,7 +86,7 @@ static int find_facets(const planish_mesh *mesh, pl_drawn_surface *surface, plan
     if (!status)
         status = pl_facets_match(mesh, &incidence, NULL, ONE_THREAD, take_facets, &c, error);
     pl_incidence_destroy(&incidence);
-    return status || !c.failed ? status : complain_memory(error);
+    return status || !c.failed ? status : pl_fail_memory(error, "the picture");
 }
 
 /* ---- fewer ---------------------------------------------------------------------------------- */
@@ -194,14 +187,14 @@ int pl_drawn_surface_find(const planish_mesh *mesh, int64_t most, pl_drawn_surfa
         surface->element = malloc((m + 1) * sizeof *surface->element);
         surface->n_triangles = mesh->n_elements;
         if (!surface->triangle || !surface->element)
-            status = complain_memory(error);
+            status = pl_fail_memory(error, "the picture");
         for (size_t i = 0; i < m && !status; i++)
             surface->element[i] = (int32_t)i;
         if (m > 0 && !status)
             memcpy(surface->triangle, mesh->elements, 3 * m * sizeof *surface->triangle);
     }
     if (!status && (!cell || !order || !surface->point))
-        status = complain_memory(error);
+        status = pl_fail_memory(error, "the picture");
     surface->n_all = surface->n_triangles;
     if (!status) {
         find_cells(mesh, surface, most, cell);

@@ -46,10 +46,6 @@ struct pl_picture {
     int n_states;
 };
 
-static int complain_memory(const pl_job *job) {
-    return pl_complain(PL_EXIT_FAILED, "%s: out of memory for the picture", job->arguments->input);
-}
-
 static void find_box(pl_picture *picture, const planish_mesh *mesh) {
     const int dim = mesh->dim;
     for (int d = 0; d < dim; d++) {
@@ -71,7 +67,7 @@ int pl_picture_begin(const pl_job *job, pl_picture **result) {
     pl_picture *picture = calloc(1, sizeof *picture);
     *result = picture;
     if (!picture)
-        return complain_memory(job);
+        return pl_job_complain_memory(job, "the picture");
     picture->dim = job->mesh.dim;
     picture->n_nodes = job->mesh.n_nodes;
     picture->n_elements = job->mesh.n_elements;
@@ -133,7 +129,7 @@ static int take_surface(const pl_picture *picture, const pl_job *job, drawn_stat
         put_little_endian((uint32_t)lround(PLACES * sum[i] / count[i / dim]), 2, to->point + 2 * i);
     free(sum);
     free(count);
-    return failed ? complain_memory(job) : 0;
+    return failed ? pl_job_complain_memory(job, "the picture") : 0;
 }
 
 static int take_worst(const pl_picture *picture, const pl_job *job, drawn_state *to) {
@@ -143,7 +139,7 @@ static int take_worst(const pl_picture *picture, const pl_job *job, drawn_state 
     to->corner = malloc((size_t)(worst.n * corner_size) + 1);
     to->bad_ratio = malloc((size_t)(4 * worst.n) + 1);
     if (!status && (!to->corner || !to->bad_ratio))
-        status = complain_memory(job);
+        status = pl_job_complain_memory(job, "the picture");
     for (int64_t i = 0; !status && i < worst.n; i++) {
         take_corners(picture, &job->mesh, worst.bad[i].element, to->corner + i * corner_size);
         put_float(worst.bad[i].radius_ratio, to->bad_ratio + 4 * i);
@@ -164,7 +160,7 @@ static int take_ratios(const pl_picture *picture, const pl_job *job, drawn_state
     double *ratio = malloc(((size_t)picture->n_elements + 1) * sizeof *ratio);
     to->ratio = malloc((size_t)surface->n_triangles + 1);
     if (!ratio || !to->ratio)
-        status = complain_memory(job);
+        status = pl_job_complain_memory(job, "the picture");
     else if (job->engine->measure_elements(job, ratio, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
     for (int64_t i = 0; !status && i < surface->n_triangles; i++) {
@@ -232,23 +228,10 @@ static void put_triangles(pl_markup *page, const pl_drawn_surface *surface) {
     free(bytes);
 }
 
-static void put_state(pl_markup *page, const pl_picture *picture, int i) {
-    const drawn_state *s = &picture->states[i];
-    const int64_t dim = picture->dim, size = 2 * picture->surface.n_points * dim;
-    pl_markup_put(page, "{\"name\":\"%s\",\"inverted\":%" PRId64, s->name, s->n_inverted);
-    /* Surfaces before and after are most often the same. */
-    if (i == 0 || memcmp(s->point, picture->states[0].point, (size_t)size) != 0)
-        put_array(page, "points", s->point, size);
-    if (s->ratio)
-        put_array(page, "ratios", s->ratio, picture->surface.n_triangles);
-    put_array(page, "corners", s->corner, 4 * s->n_bad * (dim + 1) * dim);
-    put_array(page, "bad_ratios", s->bad_ratio, 4 * s->n_bad);
-    pl_markup_put(page, "}");
-}
-
 void pl_picture_put(pl_markup *page, const pl_picture *picture) {
     const double *low = picture->low, *high = picture->high;
-    const int solid = picture->dim == 3;
+    const int64_t dim = picture->dim, size = 2 * picture->surface.n_points * dim;
+    const int solid = dim == 3;
     pl_markup_put(page, "{\"dim\":%d,\"low\":[%.17g,%.17g,%.17g],\"high\":[%.17g,%.17g,%.17g]",
                   picture->dim, low[0], low[1], solid ? low[2] : 0, high[0], high[1],
                   solid ? high[2] : 0);
@@ -264,8 +247,17 @@ void pl_picture_put(pl_markup *page, const pl_picture *picture) {
     put_triangles(page, &picture->surface);
     pl_markup_put(page, ",\n\"states\":[");
     for (int i = 0; i < picture->n_states; i++) {
-        pl_markup_put(page, i ? ",\n" : "");
-        put_state(page, picture, i);
+        const drawn_state *s = &picture->states[i];
+        pl_markup_put(page, "%s{\"name\":\"%s\",\"inverted\":%" PRId64, i ? ",\n" : "", s->name,
+                      s->n_inverted);
+        /* Surfaces before and after are most often the same. */
+        if (i == 0 || memcmp(s->point, picture->states[0].point, (size_t)size) != 0)
+            put_array(page, "points", s->point, size);
+        if (s->ratio)
+            put_array(page, "ratios", s->ratio, picture->surface.n_triangles);
+        put_array(page, "corners", s->corner, 4 * s->n_bad * (dim + 1) * dim);
+        put_array(page, "bad_ratios", s->bad_ratio, 4 * s->n_bad);
+        pl_markup_put(page, "}");
     }
     pl_markup_put(page, "]}");
 }

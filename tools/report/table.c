@@ -11,6 +11,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 enum { LABEL_WIDTH = 31, VALUE_WIDTH = 13, UNIT_WIDTH = 4, CHANGE_WIDTH = 11, SPREAD_WIDTH = 11 };
@@ -28,15 +29,75 @@ typedef struct measure {
     enum { RELATIVE, ABSOLUTE, COUNTED, NOT_COMPARED } change;
 } measure;
 
-static const measure ratio = {"", LESS_IS_BETTER, RELATIVE};
-static const measure small_angle = {" deg", MORE_IS_BETTER, ABSOLUTE};
-static const measure large_angle = {" deg", LESS_IS_BETTER, ABSOLUTE};
-static const measure volume = {"", MORE_IS_BETTER, RELATIVE};
-/* Of other elements before than after. */
-static const measure other_ratio = {"", LESS_IS_BETTER, NOT_COMPARED};
-static const measure other_small_angle = {" deg", MORE_IS_BETTER, NOT_COMPARED};
-static const measure other_large_angle = {" deg", LESS_IS_BETTER, NOT_COMPARED};
 static const measure fault = {"", LESS_IS_BETTER, COUNTED};
+
+/** A row for a measure of planish_quality. */
+typedef struct quality_row {
+    const char *solid, *plane; /* its label in 3-D and 2-D */
+    size_t at;                 /* offset of the number */
+    measure measure;
+    enum { EVERY, WITH_FIXED } meshes; /* those that have it: with fixed elements */
+    enum { OF_ANY, OF_VALID } of;      /* valid elements may be others before than after */
+} quality_row;
+
+#define AT(field) offsetof(planish_quality, field)
+static const quality_row quality_rows[] = {
+    {"worst radius ratio",
+     "worst radius ratio",
+     AT(max_radius_ratio),
+     {"", LESS_IS_BETTER, RELATIVE},
+     EVERY,
+     OF_VALID},
+    /* Their elements stay as they are, whatever the others do. */
+    {"  floor (no node free)",
+     "  floor (no node free)",
+     AT(fixed_max_radius_ratio),
+     {"", LESS_IS_BETTER, RELATIVE},
+     WITH_FIXED,
+     OF_ANY},
+    {"smallest dihedral angle",
+     "smallest angle",
+     AT(min_angle_deg),
+     {" deg", MORE_IS_BETTER, ABSOLUTE},
+     EVERY,
+     OF_VALID},
+    {"  of elements with free nodes",
+     "  of elements with free nodes",
+     AT(min_angle_deg_movable),
+     {" deg", MORE_IS_BETTER, ABSOLUTE},
+     WITH_FIXED,
+     OF_VALID},
+    {"largest dihedral angle",
+     "largest angle",
+     AT(max_angle_deg),
+     {" deg", LESS_IS_BETTER, ABSOLUTE},
+     EVERY,
+     OF_VALID},
+    {"RMS radius ratio",
+     "RMS radius ratio",
+     AT(rms_radius_ratio),
+     {"", LESS_IS_BETTER, RELATIVE},
+     EVERY,
+     OF_VALID},
+    {"  of elements with free nodes",
+     "  of elements with free nodes",
+     AT(rms_radius_ratio_movable),
+     {"", LESS_IS_BETTER, RELATIVE},
+     EVERY,
+     OF_VALID},
+    {"mean radius ratio",
+     "mean radius ratio",
+     AT(mean_radius_ratio),
+     {"", LESS_IS_BETTER, RELATIVE},
+     EVERY,
+     OF_VALID},
+    {"smallest volume",
+     "smallest area",
+     AT(min_volume),
+     {"", MORE_IS_BETTER, RELATIVE},
+     EVERY,
+     OF_ANY},
+};
 
 static void put_label(FILE *stream, const char *label) {
     fprintf(stream, "%-*s", LABEL_WIDTH, label);
@@ -140,34 +201,22 @@ static int are_of_same(const planish_quality *before, const planish_quality *aft
     return !before || before->inverted == after->inverted;
 }
 
+static const double *number_at(const planish_quality *quality, size_t at) {
+    return quality ? (const double *)(const void *)((const char *)quality + at) : NULL;
+}
+
 static void rows_quality(FILE *stream, int dim, const planish_quality *before,
                          const planish_quality *after) {
-    const int same = are_of_same(before, after);
-    const measure *of_ratio = same ? &ratio : &other_ratio;
-    const measure *of_small_angle = same ? &small_angle : &other_small_angle;
-    const measure *of_large_angle = same ? &large_angle : &other_large_angle;
-    row_real(stream, "worst radius ratio", before ? &before->max_radius_ratio : NULL,
-             after->max_radius_ratio, of_ratio);
-    if (after->n_fixed > 0) /* their elements stay as they are, whatever the others do */
-        row_real(stream, "  floor (no node free)", before ? &before->fixed_max_radius_ratio : NULL,
-                 after->fixed_max_radius_ratio, &ratio);
-    row_real(stream, dim == 3 ? "smallest dihedral angle" : "smallest angle",
-             before ? &before->min_angle_deg : NULL, after->min_angle_deg, of_small_angle);
-    if (after->n_fixed > 0)
-        row_real(stream, "  of elements with free nodes",
-                 before ? &before->min_angle_deg_movable : NULL, after->min_angle_deg_movable,
-                 of_small_angle);
-    row_real(stream, dim == 3 ? "largest dihedral angle" : "largest angle",
-             before ? &before->max_angle_deg : NULL, after->max_angle_deg, of_large_angle);
-    row_real(stream, "RMS radius ratio", before ? &before->rms_radius_ratio : NULL,
-             after->rms_radius_ratio, of_ratio);
-    row_real(stream, "  of elements with free nodes",
-             before ? &before->rms_radius_ratio_movable : NULL, after->rms_radius_ratio_movable,
-             of_ratio);
-    row_real(stream, "mean radius ratio", before ? &before->mean_radius_ratio : NULL,
-             after->mean_radius_ratio, of_ratio);
-    row_real(stream, dim == 3 ? "smallest volume" : "smallest area",
-             before ? &before->min_volume : NULL, after->min_volume, &volume);
+    for (size_t i = 0; i < sizeof quality_rows / sizeof *quality_rows; i++) {
+        const quality_row *row = &quality_rows[i];
+        measure m = row->measure;
+        if (row->meshes == WITH_FIXED && after->n_fixed == 0)
+            continue;
+        if (row->of == OF_VALID && !are_of_same(before, after))
+            m.change = NOT_COMPARED;
+        row_real(stream, dim == 3 ? row->solid : row->plane, number_at(before, row->at),
+                 *number_at(after, row->at), &m);
+    }
     row_count(stream, "inverted elements", before ? &before->inverted : NULL, after->inverted);
     if (after->reversed > 0 || (before && before->reversed > 0))
         row_count(stream, "reversed in the file's order", before ? &before->reversed : NULL,
@@ -184,6 +233,7 @@ static void row_volumes(FILE *stream, const pl_job *job, const int64_t *before, 
 static void put_objective(FILE *stream, const pl_job *job, const pl_result *result) {
     const planish_quality *before = &result->before, *after = &result->after;
     const int same = are_of_same(before, after);
+    const measure f = {"", LESS_IS_BETTER, same ? RELATIVE : NOT_COMPARED};
     const char *name = pl_objective_name(job->options.objective);
     char label[LABEL_WIDTH + 1], text[256];
     if (job->options.area_weight > 0)
@@ -191,8 +241,7 @@ static void put_objective(FILE *stream, const pl_job *job, const pl_result *resu
     else
         snprintf(label, sizeof label, "F (%s)", name);
     if (pl_arguments_change_objective(job->arguments))
-        row_real(stream, label, &result->smooth.objective_before, result->smooth.objective,
-                 same ? &ratio : &other_ratio);
+        row_real(stream, label, &result->smooth.objective_before, result->smooth.objective, &f);
     if (same)
         return;
     snprintf(text, sizeof text,
