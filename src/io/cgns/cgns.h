@@ -1,10 +1,9 @@
-/* cgns: what the parts of the reader of CGNS files share; for cgns.c, cgns_elements.c,
- * cgns_groups.c and cgns_data.c.
+/* cgns: what the parts of the reader of CGNS files share; for cgns.c, cgns_elements.c
+ * and cgns_groups.c.
  *
  *   cgns_child, _children, _integers, _text    nodes of CGNS and their data
  *   cgns_read_elements, cgns_release_sections  sections of elements
  *   cgns_read_groups                           boundary conditions, connections
- *   cgns_read_data                             values of cells
  *
  * A node of CGNS is a group of HDF5 with a label that tells what it is; its data are the array
  * " data" in it. All functions return 0 or a negative planish_status, *reader->error filled in.
@@ -62,10 +61,5 @@ void cgns_release_sections(cgns_reader *r);
 /** Make entities and groups of sections and boundary conditions; hold the nodes where the zone is
  *  connected with itself. */
 int cgns_read_groups(cgns_reader *r);
-
-/* ---- cgns_data.c --------------------------------------------------------------------------- */
-
-/** Make arrays (arrays.h) of values of cells in solutions; groups have been read. */
-int cgns_read_data(cgns_reader *r);
 
 #endif

@@ -139,7 +139,7 @@ int io_hdf5_coordinates_again(io_hdf5 *file, const io_hdf5_place *place, int *is
 /** Whether at path there is a dataset of n numbers of which the readers can make something. */
 int io_hdf5_is_as_long(io_hdf5 *file, const char *path, int64_t n);
 
-/** Put the places in the model in order, after all coordinates. */
+/** Put the places in the model in order, after all coordinates; z of nodes that have none is 0. */
 int io_hdf5_coordinates_end(io_hdf5 *file);
 
 /** Find where rows [n][width], or [n width], of doubles stand in the HDF5 file at path, whatever it

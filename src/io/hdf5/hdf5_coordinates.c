@@ -109,6 +109,8 @@ int io_hdf5_coordinates_end(io_hdf5 *file) {
             return io_fail_at(model, model->input.data + next, file->error,
                               "two arrays of coordinates share bytes; the file is damaged");
     }
+    for (int64_t i = 0; model->columns < 3 && i < model->n_nodes; i++)
+        model->xyz[3 * i + 2] = 0;
     return PLANISH_OK;
 }
 

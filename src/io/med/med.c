@@ -136,8 +136,6 @@ static int read_coordinates(med_reader *r, const char *group) {
     if (status)
         return status;
     r->model->columns = (int)dim;
-    for (int64_t i = 0; dim < 3 && i < n; i++)
-        r->model->xyz[3 * i + 2] = 0;
     const io_hdf5_place place = {path, 0, (int)dim, 1, n};
     status = io_hdf5_coordinates(r->file, &place);
     return status ? status : io_hdf5_coordinates_end(r->file);

@@ -228,24 +228,6 @@ static int visit_copies(plex_reader *r, int *n_more) {
 
 /* ---- coordinates ---------------------------------------------------------------------------- */
 
-/** Find the group of coordinates, and the coordinates; the names of both may be others. */
-static int find_coordinates(plex_reader *r) {
-    char group[256] = "coordinateDM", name[256] = "coordinates";
-    const char *const root = r->root.text;
-    r->coordinates = io_hdf5_path_of(r->file, "/geometry/vertices");
-    if (r->version == 1)
-        return PLANISH_OK;
-    int status =
-        io_hdf5_text_attribute(r->file, root, "coordinateDMName", group, sizeof group, NULL);
-    if (!status)
-        status = io_hdf5_text_attribute(r->file, root, "coordinatesName", name, sizeof name, NULL);
-    r->section = io_hdf5_path_of(r->file, "%s/dms/%s", root, group);
-    r->coordinates = io_hdf5_path_of(r->file, "%s/vecs/%s/%s", r->section.text, name, name);
-    if (status || io_hdf5_kind_of(r->file, r->coordinates.text) != IO_HDF5_NONE)
-        return status;
-    return visit_vectors(r, 1, NULL);
-}
-
 /** Check that there is one row for each node, in their order; others may be of edges, or be there
  *  for each element (of curved and periodic meshes). */
 static int check_section(plex_reader *r) {
@@ -275,10 +257,25 @@ static int check_section(plex_reader *r) {
     return status;
 }
 
-/** Check that coordinates are rows of two or three for each node. */
-static int check_coordinates(plex_reader *r) {
+/** Find the coordinates and their group, whose names may be others, and check that they are rows of
+ *  two or three for each node. */
+static int find_coordinates(plex_reader *r) {
+    char group[256] = "coordinateDM", name[256] = "coordinates";
+    const char *const root = r->root.text;
     io_hdf5_shape shape;
-    int status = find_coordinates(r);
+    int status = PLANISH_OK;
+    r->coordinates = io_hdf5_path_of(r->file, "/geometry/vertices");
+    if (r->version > 1) {
+        status =
+            io_hdf5_text_attribute(r->file, root, "coordinateDMName", group, sizeof group, NULL);
+        if (!status)
+            status =
+                io_hdf5_text_attribute(r->file, root, "coordinatesName", name, sizeof name, NULL);
+        r->section = io_hdf5_path_of(r->file, "%s/dms/%s", root, group);
+        r->coordinates = io_hdf5_path_of(r->file, "%s/vecs/%s/%s", r->section.text, name, name);
+        if (!status && io_hdf5_kind_of(r->file, r->coordinates.text) == IO_HDF5_NONE)
+            status = visit_vectors(r, 1, NULL);
+    }
     if (!status)
         status = io_hdf5_shape_of(r->file, r->coordinates.text, &shape);
     if (status)
@@ -311,7 +308,7 @@ static int begin_reading(plex_reader *r, char *name, size_t size) {
         status = find_mesh(r, name, size);
     if (!status)
         status = plex_read_topology(r);
-    return status ? status : check_coordinates(r);
+    return status ? status : find_coordinates(r);
 }
 
 static int plex_read(io_model *model, planish_error *error) {
@@ -320,8 +317,6 @@ static int plex_read(io_model *model, planish_error *error) {
     int status = begin_reading(&r, name, sizeof name);
     if (!status)
         status = io_model_nodes(model, r.n_nodes, 0, error);
-    for (int64_t i = 0; !status && model->columns < 3 && i < r.n_nodes; i++)
-        model->xyz[3 * i + 2] = 0;
     const io_hdf5_place place = {r.coordinates, 0, model->columns, model->columns, 1};
     if (!status)
         status = io_hdf5_coordinates(r.file, &place);

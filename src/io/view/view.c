@@ -13,9 +13,6 @@ enum { VALUES_AT_ONCE = 1 << 16, N_KINDS = 3 };
 
 /* ---- cells --------------------------------------------------------------------------------- */
 
-/** Values that cells have in an array: one each, their nodes, or these led by their number. */
-typedef enum cell_values { ONE_VALUE, NODES, COUNTED_NODES } cell_values;
-
 /** A cell, or the place behind all. */
 typedef struct cell {
     const io_cells *of;
@@ -26,15 +23,17 @@ typedef struct cell {
     int value;        /* which of the cell's values */
 } cell;
 
-/** Find the cell, and which of its values, that value number i of an array is. */
-static cell find_cell(const io_view *view, cell_values values, int64_t i) {
+/** Find the cell, and which of its values, that value number i of an array is. Cells have one value
+ *  each, their nodes, or these led by their number. */
+static cell find_cell(const io_view *view, io_view_values values, int64_t i) {
     static const int types[N_KINDS] = {VTK_TETRAHEDRON, VTK_TRIANGLE, VTK_LINE};
     const io_model *model = view->model;
     const io_cells *const kinds[N_KINDS] = {&model->tetrahedron, &model->triangle, &model->line};
+    const int is_counted = values == IO_VIEW_COUNTED_NODES;
+    const int has_nodes = is_counted || values == IO_VIEW_NODES;
     int64_t n_before = 0;
     for (int k = 0;; k++) {
-        const int corners = N_KINDS + 1 - k;
-        const int n = values == ONE_VALUE ? 1 : corners + (values == COUNTED_NODES);
+        const int corners = N_KINDS + 1 - k, n = has_nodes ? corners + is_counted : 1;
         if (k + 1 == N_KINDS || i < kinds[k]->n * n) {
             const int64_t index = i / n;
             return (cell){kinds[k],    index, corners, types[k], n_before + index * corners,
@@ -47,95 +46,67 @@ static cell find_cell(const io_view *view, cell_values values, int64_t i) {
 
 /* ---- values -------------------------------------------------------------------------------- */
 
-static double coordinate(const io_view *view, int64_t i) {
+/** Return value i of the whole numbers of nodes or cells. */
+static int64_t whole_value(const io_view *view, io_view_values values, int64_t i) {
+    if (values == IO_VIEW_FIXED)
+        return view->constraint[i] == PLANISH_FIXED;
+    if (values == IO_VIEW_NODE_NUMBERS)
+        return io_node_number(view->model, i);
+    const cell c = find_cell(view, values, i);
+    const int32_t entity = c.of->entity ? c.of->entity[c.index] : -1;
+    const io_entity *const of = entity >= 0 ? &view->model->entity[entity] : NULL;
+    switch (values) {
+    case IO_VIEW_NODES:
+        return c.of->nodes[c.index * c.corners + c.value];
+    case IO_VIEW_COUNTED_NODES:
+        return c.value == 0 ? c.corners : c.of->nodes[c.index * c.corners + c.value - 1];
+    case IO_VIEW_ENDS:
+        return c.n_before + c.corners;
+    case IO_VIEW_TYPES:
+        return c.type;
+    case IO_VIEW_REGIONS:
+        return c.of->region ? c.of->region[c.index] : of ? of->tag : 0;
+    case IO_VIEW_GROUPS:
+        return of && of->n_physical > 0 ? of->physical[0] : 0;
+    default:
+        return io_cell_number(c.of, c.index);
+    }
+}
+
+/** Return value i of the coordinates, or of the radius ratios (none of cells that are not
+ *  smoothed). */
+static double real_value(const io_view *view, io_view_values values, int64_t i) {
     const io_model *model = view->model;
-    const int64_t node = i / 3;
-    const int d = (int)(i % 3);
-    if (d < model->written)
-        return view->coordinates[node * model->written + d];
-    return model->z ? model->z[node] : 0;
-}
-
-static int64_t node_of_cell(const io_view *view, int64_t i) {
-    const cell c = find_cell(view, NODES, i);
-    return c.of->nodes[c.index * c.corners + c.value];
-}
-
-static int64_t counted_node(const io_view *view, int64_t i) {
-    const cell c = find_cell(view, COUNTED_NODES, i);
-    return c.value == 0 ? c.corners : c.of->nodes[c.index * c.corners + c.value - 1];
-}
-
-static int64_t end_of_cell(const io_view *view, int64_t i) {
-    const cell c = find_cell(view, ONE_VALUE, i);
-    return c.n_before + c.corners;
-}
-
-static int64_t type_of_cell(const io_view *view, int64_t i) {
-    return find_cell(view, ONE_VALUE, i).type;
-}
-
-static int64_t is_fixed(const io_view *view, int64_t i) {
-    return view->constraint[i] == PLANISH_FIXED;
-}
-
-static int64_t number_of_node(const io_view *view, int64_t i) {
-    return io_node_number(view->model, i);
-}
-
-static int64_t number_of_cell(const io_view *view, int64_t i) {
-    const cell c = find_cell(view, ONE_VALUE, i);
-    return io_cell_number(c.of, c.index);
-}
-
-/** The entity of a cell, or NULL. */
-static const io_entity *entity_of(const io_view *view, const cell *c) {
-    const int32_t *entity = c->of->entity;
-    return entity && entity[c->index] >= 0 ? &view->model->entity[entity[c->index]] : NULL;
-}
-
-static int64_t region_of_cell(const io_view *view, int64_t i) {
-    const cell c = find_cell(view, ONE_VALUE, i);
-    const io_entity *entity = entity_of(view, &c);
-    return c.of->region ? c.of->region[c.index] : entity ? entity->tag : 0;
-}
-
-static int64_t group_of_cell(const io_view *view, int64_t i) {
-    const cell c = find_cell(view, ONE_VALUE, i);
-    const io_entity *entity = entity_of(view, &c);
-    return entity && entity->n_physical > 0 ? entity->physical[0] : 0;
-}
-
-/** Radius ratio of the elements that are smoothed; none of those of lower dimension. */
-static double ratio_of_cell(const io_view *view, int64_t i) {
-    const cell c = find_cell(view, ONE_VALUE, i);
-    return c.of == io_model_elements(view->model) ? view->radius_ratio[c.index] : (double)NAN;
+    if (values == IO_VIEW_COORDINATES) {
+        const int64_t node = i / 3;
+        const int d = (int)(i % 3);
+        if (d < model->written)
+            return view->coordinates[node * model->written + d];
+        return model->z ? model->z[node] : 0;
+    }
+    const cell c = find_cell(view, values, i);
+    return c.of == io_model_elements(model) ? view->radius_ratio[c.index] : (double)NAN;
 }
 
 /* ---- the arrays ---------------------------------------------------------------------------- */
 
 io_view io_view_of(const io_model *model, const double *coordinates, const uint8_t *constraint,
                    const double *radius_ratio) {
-    io_view view = {.model = model,
-                    .coordinates = coordinates,
-                    .constraint = constraint,
-                    .radius_ratio = radius_ratio,
-                    .n_cells = model->tetrahedron.n + model->triangle.n + model->line.n};
-    view.has_regions = model->n_entities > 0 || io_model_elements(model)->region;
-    for (int32_t i = 0; i < model->n_entities; i++)
-        view.has_groups |= model->entity[i].dim > 0 && model->entity[i].n_physical > 0;
-    return view;
+    return (io_view){.model = model,
+                     .coordinates = coordinates,
+                     .constraint = constraint,
+                     .radius_ratio = radius_ratio,
+                     .n_cells = model->tetrahedron.n + model->triangle.n + model->line.n};
 }
 
-/** The array of n numbers: of 32 bits, which all programs read, where they are no larger. */
-static io_view_array numbers_of(const io_view *view, int64_t n,
-                                int64_t (*number)(const io_view *view, int64_t i)) {
+/** Return the array of n numbers: of 32 bits, which all programs read, where they are no larger. */
+static io_view_array numbers_of(const io_view *view, io_view_values values, int64_t n) {
     int fits = 1;
     for (int64_t i = 0; i < n; i++) {
-        const int64_t value = number(view, i);
+        const int64_t value = whole_value(view, values, i);
         fits &= value >= INT32_MIN && value <= INT32_MAX;
     }
-    return (io_view_array){"number", fits ? IO_VIEW_I32 : IO_VIEW_I64, n, 1, number, NULL};
+    return (io_view_array){"number", values, fits ? IO_VIEW_I32 : IO_VIEW_I64, n, 1};
 }
 
 io_view_arrays io_view_arrays_of(const io_view *view) {
@@ -143,27 +114,28 @@ io_view_arrays io_view_arrays_of(const io_view *view) {
     const io_view_type real = model->precision == PLANISH_FLOAT ? IO_VIEW_F32 : IO_VIEW_F64;
     const int64_t n_nodes = model->n_nodes, n = view->n_cells;
     const int64_t n_corners = 4 * model->tetrahedron.n + 3 * model->triangle.n + 2 * model->line.n;
-    io_view_arrays a = {
-        .points = {"Points", real, 3 * n_nodes, 3, NULL, coordinate},
-        .connectivity = {"connectivity", IO_VIEW_I32, n_corners, 1, node_of_cell, NULL},
-        .offsets = {"offsets", IO_VIEW_I64, n, 1, end_of_cell, NULL},
-        .types = {"types", IO_VIEW_U8, n, 1, type_of_cell, NULL},
-        .wide_types = {"types", IO_VIEW_I32, n, 1, type_of_cell, NULL},
-        .counted = {"cells", IO_VIEW_I32, n_corners + n, 1, counted_node, NULL}};
+    int has_groups = 0;
+    io_view_arrays a = {.points = {"Points", IO_VIEW_COORDINATES, real, 3 * n_nodes, 3},
+                        .connectivity = {"connectivity", IO_VIEW_NODES, IO_VIEW_I32, n_corners, 1},
+                        .offsets = {"offsets", IO_VIEW_ENDS, IO_VIEW_I64, n, 1},
+                        .types = {"types", IO_VIEW_TYPES, IO_VIEW_U8, n, 1},
+                        .wide_types = {"types", IO_VIEW_TYPES, IO_VIEW_I32, n, 1},
+                        .counted = {"cells", IO_VIEW_COUNTED_NODES, IO_VIEW_I32, n_corners + n, 1}};
     if (view->constraint)
         a.point_data[a.n_point_data++] =
-            (io_view_array){"fixed", IO_VIEW_U8, n_nodes, 1, is_fixed, NULL};
-    a.point_data[a.n_point_data++] = numbers_of(view, n_nodes, number_of_node);
+            (io_view_array){"fixed", IO_VIEW_FIXED, IO_VIEW_U8, n_nodes, 1};
+    a.point_data[a.n_point_data++] = numbers_of(view, IO_VIEW_NODE_NUMBERS, n_nodes);
     if (view->radius_ratio)
         a.cell_data[a.n_cell_data++] =
-            (io_view_array){"radius_ratio", IO_VIEW_F64, n, 1, NULL, ratio_of_cell};
-    if (view->has_regions)
+            (io_view_array){"radius_ratio", IO_VIEW_RADIUS_RATIOS, IO_VIEW_F64, n, 1};
+    if (model->n_entities > 0 || io_model_elements(model)->region)
         a.cell_data[a.n_cell_data++] =
-            (io_view_array){"region", IO_VIEW_I32, n, 1, region_of_cell, NULL};
-    if (view->has_groups)
-        a.cell_data[a.n_cell_data++] =
-            (io_view_array){"group", IO_VIEW_I32, n, 1, group_of_cell, NULL};
-    a.cell_data[a.n_cell_data++] = numbers_of(view, n, number_of_cell);
+            (io_view_array){"region", IO_VIEW_REGIONS, IO_VIEW_I32, n, 1};
+    for (int32_t i = 0; i < model->n_entities; i++)
+        has_groups |= model->entity[i].dim > 0 && model->entity[i].n_physical > 0;
+    if (has_groups)
+        a.cell_data[a.n_cell_data++] = (io_view_array){"group", IO_VIEW_GROUPS, IO_VIEW_I32, n, 1};
+    a.cell_data[a.n_cell_data++] = numbers_of(view, IO_VIEW_CELL_NUMBERS, n);
     return a;
 }
 
@@ -172,10 +144,12 @@ int io_view_type_size(io_view_type type) {
     return size[type];
 }
 
-/** Store value i of an array, size bytes, at at. */
+/** Store value i of an array at at. */
 static void store_value(const io_view *view, const io_view_array *array, int64_t i, char *at) {
-    const int64_t integer = array->integer ? array->integer(view, i) : 0;
-    const double real = array->real ? array->real(view, i) : 0;
+    const int is_real =
+        array->values == IO_VIEW_COORDINATES || array->values == IO_VIEW_RADIUS_RATIOS;
+    const double real = is_real ? real_value(view, array->values, i) : 0;
+    const int64_t integer = is_real ? 0 : whole_value(view, array->values, i);
     const int32_t narrow = (int32_t)integer;
     const float single = (float)real;
     switch (array->type) {

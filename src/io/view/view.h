@@ -19,7 +19,6 @@ typedef struct io_view {
     const uint8_t *constraint;  /* [n_nodes] of planish_constraint, or NULL */
     const double *radius_ratio; /* [elements that are smoothed], or NULL */
     int64_t n_cells;
-    int has_regions, has_groups; /* cells have entities; these have physical groups */
 } io_view;
 
 typedef enum io_view_type {
@@ -30,15 +29,28 @@ typedef enum io_view_type {
     IO_VIEW_F64
 } io_view_type;
 
+/** Meaning of the values of an array. */
+typedef enum io_view_values {
+    IO_VIEW_COORDINATES,   /* real, three of each node */
+    IO_VIEW_RADIUS_RATIOS, /* real */
+    IO_VIEW_FIXED,
+    IO_VIEW_NODE_NUMBERS,
+    IO_VIEW_NODES,         /* of all cells, one cell after another, */
+    IO_VIEW_COUNTED_NODES, /* or led by how many a cell has */
+    IO_VIEW_ENDS,          /* where the nodes of each cell end */
+    IO_VIEW_TYPES,         /* VTK's */
+    IO_VIEW_REGIONS,
+    IO_VIEW_GROUPS,
+    IO_VIEW_CELL_NUMBERS
+} io_view_values;
+
 /** An array of a view. */
 typedef struct io_view_array {
     const char *name;
+    io_view_values values;
     io_view_type type;
     int64_t n;        /* values in all */
     int n_components; /* of a point or cell */
-    /** Value i: one of the two, by the type. */
-    int64_t (*integer)(const io_view *view, int64_t i);
-    double (*real)(const io_view *view, int64_t i);
 } io_view_array;
 
 enum { IO_VIEW_MOST_DATA = 4 };

@@ -156,47 +156,41 @@ static int take_cell_types(vtk_reader *reader) {
 
 /* ---- header and keywords ------------------------------------------------------------------ */
 
+/** Read the data of a keyword. */
 static int read_keyword(vtk_reader *reader, io_slice word) {
-    if (io_slice_is(word, "DATASET", 1)) {
-        word = io_next_word(&reader->cursor);
-        if (io_slice_is(word, "UNSTRUCTURED_GRID", 1))
-            return PLANISH_OK;
-        return io_fail_at(
-            reader->model, word.begin, reader->error,
-            "DATASET is not an UNSTRUCTURED_GRID; convert the file, for instance with "
-            "meshio convert IN.vtk OUT.msh");
-    }
     if (io_slice_is(word, "POINTS", 1))
         return take_points(reader);
     if (io_slice_is(word, "CELLS", 1))
         return take_cells(reader);
     if (io_slice_is(word, "CELL_TYPES", 1))
         return take_cell_types(reader);
-    return vtk_read_data(reader, word);
+    if (!io_slice_is(word, "DATASET", 1))
+        return vtk_read_data(reader, word);
+    word = io_next_word(&reader->cursor);
+    return io_slice_is(word, "UNSTRUCTURED_GRID", 1)
+               ? PLANISH_OK
+               : io_fail_at(reader->model, word.begin, reader->error,
+                            "DATASET is not an UNSTRUCTURED_GRID; convert the file, for instance "
+                            "with meshio convert IN.vtk OUT.msh");
 }
 
-/** The first three lines are version, title, ASCII or BINARY; keywords follow. */
+/** Read the first three lines (version, title, ASCII or BINARY) and the keywords behind them. */
 static int read_file(vtk_reader *reader) {
     io_model *model = reader->model;
+    int status = PLANISH_OK;
     vtk_end_line(&reader->cursor);
     vtk_end_line(&reader->cursor);
     io_slice word = io_next_word(&reader->cursor);
-    if (!io_slice_is(word, "BINARY", 1) && !io_slice_is(word, "ASCII", 1))
+    model->is_binary = io_slice_is(word, "BINARY", 1);
+    if (!model->is_binary && !io_slice_is(word, "ASCII", 1))
         return io_fail_at(model, word.begin, reader->error,
                           "ASCII or BINARY expected in the third line");
-    model->is_binary = io_slice_is(word, "BINARY", 1);
     vtk_end_line(&reader->cursor);
-    while (!reader->done) {
-        word = io_next_word(&reader->cursor);
-        if (io_slice_length(word) == 0)
-            break;
-        const int status = read_keyword(reader, word);
-        if (status)
-            return status;
-    }
-    if (!reader->have_types)
+    while (!reader->done && !status && io_slice_length(word = io_next_word(&reader->cursor)) > 0)
+        status = read_keyword(reader, word);
+    if (!status && !reader->have_types)
         return vtk_fail_here(reader, "the file ends before CELL_TYPES (it may be cut short)");
-    return PLANISH_OK;
+    return status;
 }
 
 static int vtk_read(io_model *model, planish_error *error) {

@@ -57,34 +57,28 @@ static int next_group(io_cursor *cursor, group *g) {
     return 0;
 }
 
-/** Groups that stand without a gap, as most do: as many whole ones as there are of n bytes. Returns
- *  the bytes written. */
-static int64_t read_plain(io_cursor *cursor, int64_t n, char *out) {
-    int64_t done = 0;
-    while (n - done >= 3 && cursor->end - cursor->at >= 4) {
-        const uint8_t a = value_at(cursor->at), b = value_at(cursor->at + 1);
-        const uint8_t c = value_at(cursor->at + 2), d = value_at(cursor->at + 3);
-        if ((a | b | c | d) >= PADDING)
-            break;
-        out[done] = (char)(a << 2 | b >> 4);
-        out[done + 1] = (char)(b << 4 | c >> 2);
-        out[done + 2] = (char)(c << 6 | d);
-        done += 3;
-        cursor->at += 4;
-    }
-    return done;
-}
-
 int io_base64_read(io_base64 *stream, int64_t n, char *out) {
+    io_cursor *cursor = &stream->cursor;
     while (n > 0) {
+        /* Most groups stand without a gap: as many whole ones as there are of n bytes. */
+        int64_t whole = stream->n_pending == 0 ? n / 3 : 0;
+        for (; whole > 0 && cursor->end - cursor->at >= 4; whole--) {
+            const uint8_t a = value_at(cursor->at), b = value_at(cursor->at + 1);
+            const uint8_t c = value_at(cursor->at + 2), d = value_at(cursor->at + 3);
+            if ((a | b | c | d) >= PADDING)
+                break;
+            out[0] = (char)(a << 2 | b >> 4);
+            out[1] = (char)(b << 4 | c >> 2);
+            out[2] = (char)(c << 6 | d);
+            out += 3;
+            n -= 3;
+            cursor->at += 4;
+        }
+        if (n == 0)
+            return 0;
         if (stream->n_pending == 0) {
-            const int64_t done = read_plain(&stream->cursor, n, out);
             group g;
-            out += done;
-            n -= done;
-            if (n == 0)
-                return 0;
-            if (next_group(&stream->cursor, &g))
+            if (next_group(cursor, &g))
                 return -1;
             memcpy(stream->pending, g.bytes, sizeof g.bytes);
             stream->n_pending = g.n;

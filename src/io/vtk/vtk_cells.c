@@ -112,21 +112,6 @@ static int next_cell(cell_walk *walk) {
     return PLANISH_OK;
 }
 
-static int check_cell(const cell_walk *walk) {
-    if (walk->fate == CELL_REFUSED) {
-        char text[200];
-        snprintf(text, sizeof text, "type %d (%s): " IO_OF_SECOND_ORDER,
-                 (int)walk->grid->type[walk->index - 1], walk->type->name);
-        return fail_cell(walk, text);
-    }
-    if (walk->fate == CELL_WRONG)
-        return fail_cell(walk, "it has not as many nodes as its type");
-    for (int64_t i = 0; i < walk->n && !walk->is_stream; i++)
-        if (walk->nodes[i] < 0 || walk->nodes[i] >= walk->grid->n_points)
-            return fail_cell(walk, "one of its nodes is not among the points");
-    return PLANISH_OK;
-}
-
 int vtk_nodes_hold(io_model *model, const vtk_grid *grid, const int32_t *nodes, int64_t n) {
     for (int64_t i = 0; i < n; i++) {
         if (nodes[i] < 0 || nodes[i] >= grid->n_points)
@@ -158,11 +143,20 @@ typedef struct cell_tally {
 static int survey_cells(io_model *model, cell_walk walk, cell_tally tally[4]) {
     while (walk.index < walk.grid->n) {
         const int64_t cell = walk.grid->first_cell + walk.index;
-        int status = next_cell(&walk);
-        if (!status)
-            status = check_cell(&walk);
+        const int status = next_cell(&walk);
         if (status)
             return status;
+        if (walk.fate == CELL_REFUSED) {
+            char text[200];
+            snprintf(text, sizeof text, "type %d (%s): " IO_OF_SECOND_ORDER,
+                     (int)walk.grid->type[walk.index - 1], walk.type->name);
+            return fail_cell(&walk, text);
+        }
+        if (walk.fate == CELL_WRONG)
+            return fail_cell(&walk, "it has not as many nodes as its type");
+        for (int64_t i = 0; i < walk.n && !walk.is_stream; i++)
+            if (walk.nodes[i] < 0 || walk.nodes[i] >= walk.grid->n_points)
+                return fail_cell(&walk, "one of its nodes is not among the points");
         if (walk.fate > 0) {
             cell_tally *kept = &tally[walk.fate];
             kept->first = kept->n++ == 0 ? cell : kept->first;

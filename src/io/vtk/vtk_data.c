@@ -32,31 +32,26 @@ static int skip_words(vtk_reader *reader, int64_t n) {
     return PLANISH_OK;
 }
 
-/** Bytes of a string's length and text, or more than left: the two highest bits say how many bytes
- * the length has. */
-static int64_t string_size(const char *at, int64_t left) {
-    static const int bytes_of_length[4] = {8, 4, 2, 1};
-    int bytes = bytes_of_length[(unsigned char)*at >> 6];
-    if (bytes > left)
-        return INT64_MAX;
-    uint64_t length = (unsigned char)*at & 0x3f;
-    for (int i = 1; i < bytes; i++)
-        length = length << 8 | (unsigned char)at[i];
-    return (int64_t)(length < (uint64_t)left ? length : (uint64_t)left) + bytes;
-}
-
+/** Skip n strings. The two highest bits of a binary one say how many bytes its length has. */
 static int skip_strings(vtk_reader *reader, int64_t n) {
+    static const int bytes_of_length[4] = {8, 4, 2, 1};
     io_cursor *cursor = &reader->cursor;
     for (int64_t i = 0; i < n; i++) {
+        const unsigned char *at = (const unsigned char *)cursor->at;
         const int64_t left = io_left(cursor);
-        const int64_t size =
-            reader->model->is_binary && left > 0 ? string_size(cursor->at, left) : 0;
-        if (left == 0 || size > left)
+        const int bytes = reader->model->is_binary && left > 0 ? bytes_of_length[at[0] >> 6] : 0;
+        if (left == 0 || bytes > left)
             return vtk_fail_here(reader, "attributes are cut short");
-        if (reader->model->is_binary)
-            cursor->at += size;
-        else
+        if (bytes == 0) {
             vtk_end_line(cursor);
+            continue;
+        }
+        uint64_t length = at[0] & 0x3f;
+        for (int k = 1; k < bytes; k++)
+            length = length << 8 | at[k];
+        if (length > (uint64_t)(left - bytes))
+            return vtk_fail_here(reader, "attributes are cut short");
+        cursor->at += bytes + (int64_t)length;
     }
     return PLANISH_OK;
 }
@@ -191,21 +186,6 @@ static int stop_reading(vtk_reader *reader) {
                         : vtk_fail_here(reader, "this is not understood, and no mesh came before");
 }
 
-/** Begin the attributes of points or cells. */
-static int begin_attributes(vtk_reader *reader, int on_points) {
-    int64_t n;
-    if (!reader->have_types)
-        return vtk_fail_here(reader, "attributes stand before the mesh is complete");
-    if (io_integer(&reader->cursor, &n) ||
-        n != (on_points ? reader->model->n_nodes : reader->grid.n))
-        return vtk_fail_here(reader,
-                             "POINT_DATA or CELL_DATA: as many as points or cells expected");
-    vtk_end_line(&reader->cursor);
-    reader->n_tuples = n;
-    reader->on_points = on_points;
-    return PLANISH_OK;
-}
-
 /** Skip to the empty line that ends a METADATA block. */
 static int skip_metadata(vtk_reader *reader) {
     io_slice words[MAX_WORDS];
@@ -278,8 +258,20 @@ static int read_attribute(vtk_reader *reader, const attribute *a) {
 }
 
 int vtk_read_data(vtk_reader *reader, io_slice keyword) {
-    if (io_slice_is(keyword, "POINT_DATA", 1) || io_slice_is(keyword, "CELL_DATA", 1))
-        return begin_attributes(reader, io_slice_is(keyword, "POINT_DATA", 1));
+    const int on_points = io_slice_is(keyword, "POINT_DATA", 1);
+    if (on_points || io_slice_is(keyword, "CELL_DATA", 1)) {
+        int64_t n;
+        if (!reader->have_types)
+            return vtk_fail_here(reader, "attributes stand before the mesh is complete");
+        if (io_integer(&reader->cursor, &n) ||
+            n != (on_points ? reader->model->n_nodes : reader->grid.n))
+            return vtk_fail_here(reader,
+                                 "POINT_DATA or CELL_DATA: as many as points or cells expected");
+        vtk_end_line(&reader->cursor);
+        reader->n_tuples = n;
+        reader->on_points = on_points;
+        return PLANISH_OK;
+    }
     if (io_slice_is(keyword, "FIELD", 1))
         return read_field(reader);
     if (io_slice_is(keyword, "METADATA", 1))

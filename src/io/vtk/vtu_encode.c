@@ -222,26 +222,8 @@ static int compare_edits(const void *a, const void *b) {
     return (p > q) - (p < q);
 }
 
-/** Edit the offset of an array of appended data that stands so much later; where blanks follow, in
- *  as many characters. */
-static int edit_offset(const vtu_document *document, const vtu_array *array, int64_t shift,
-                       io_edits *edits) {
-    const char *old = document->model->input.data + array->offset_begin;
-    const int64_t room = array->offset_end - array->offset_begin;
-    const int has_blanks = room > 0 && old[room - 1] == ' ';
-    char digits[24];
-    int64_t length = snprintf(digits, sizeof digits, "%lld", (long long)(array->offset + shift));
-    char *text = pl_alloc(length > room ? length : room, 1);
-    if (!text)
-        return pl_fail_memory(document->error, "the offsets of arrays");
-    memcpy(text, digits, (size_t)length);
-    while (has_blanks && length < room)
-        text[length++] = ' ';
-    return io_edits_add(edits, (io_edit){array->offset_begin, array->offset_end, text, length},
-                        document->error);
-}
-
-/** Edit the offsets of arrays behind points that became longer or shorter. */
+/** Edit the offsets of arrays behind points that became longer or shorter; where blanks follow an
+ *  offset, in as many characters. */
 static int edit_offsets(const vtu_document *document, io_edits *edits) {
     const int64_t n = edits->n;
     int64_t *shift = pl_alloc(n, sizeof *shift), sum = 0; /* by all edits up to each */
@@ -262,8 +244,25 @@ static int edit_offsets(const vtu_document *document, io_edits *edits) {
             else
                 high = middle;
         }
-        if (low > 0 && shift[low - 1] != 0)
-            status = edit_offset(document, array, shift[low - 1], edits);
+        if (low == 0 || shift[low - 1] == 0)
+            continue;
+        const char *old = document->model->input.data + array->offset_begin;
+        const int64_t room = array->offset_end - array->offset_begin;
+        const int has_blanks = room > 0 && old[room - 1] == ' ';
+        char digits[24];
+        int64_t length =
+            snprintf(digits, sizeof digits, "%lld", (long long)(array->offset + shift[low - 1]));
+        char *text = pl_alloc(length > room ? length : room, 1);
+        if (text) {
+            memcpy(text, digits, (size_t)length);
+            while (has_blanks && length < room)
+                text[length++] = ' ';
+        }
+        status = text
+                     ? io_edits_add(edits,
+                                    (io_edit){array->offset_begin, array->offset_end, text, length},
+                                    document->error)
+                     : pl_fail_memory(document->error, "the offsets of arrays");
     }
     pl_free(shift);
     return status;

@@ -67,15 +67,10 @@ static int64_t tag_end(const xml_walk *w) {
     return tag_begin(w) + XML_GetCurrentByteCount(w->parser);
 }
 
-/** Stop the walk. */
-static void fail(xml_walk *w, int status) {
-    w->status = status;
-    XML_StopParser(w->parser, XML_FALSE);
-}
-
-static void fail_here(xml_walk *w, const char *text) {
-    fail(w, io_fail_at(w->document->model, w->input->data + tag_begin(w), w->document->error, "%s",
-                       text));
+/** Fail at the tag. */
+static int fail_here(const xml_walk *w, const char *text) {
+    return io_fail_at(w->document->model, w->input->data + tag_begin(w), w->document->error, "%s",
+                      text);
 }
 
 /** Let the text of an array run from here, behind a tag, to the next '<' or the end. */
@@ -151,7 +146,9 @@ static void find_value(const xml_walk *w, const char *name, int64_t *value_begin
 
 /* ---- elements ------------------------------------------------------------------------------ */
 
-static void begin_file(xml_walk *w) {
+/* Functions of elements that begin return a status; not 0 stops the walk. */
+
+static int begin_file(xml_walk *w) {
     static const struct {
         const char *compressor, *library;
         io_compression compression;
@@ -161,57 +158,53 @@ static void begin_file(xml_walk *w) {
     const char *compressor = attribute(w, "compressor");
     const char *order = attribute(w, "byte_order"), *header = attribute(w, "header_type");
     vtu_document *document = w->document;
-    if (!same(attribute(w, "type"), "UnstructuredGrid")) {
-        fail_here(w, "type is not UnstructuredGrid: other VTK files (surfaces, structured grids, "
-                     "lists of pieces) are not read; write the mesh as one .vtu");
-        return;
-    }
+    if (!same(attribute(w, "type"), "UnstructuredGrid"))
+        return fail_here(w, "type is not UnstructuredGrid: other VTK files (surfaces, structured "
+                            "grids, lists of pieces) are not read; write the mesh as one .vtu");
     w->in_file = 1;
     document->swapped = same(order, "BigEndian") == io_machine_is_little();
     document->header_size = same(header, "UInt64") ? 8 : 4;
     if ((order && !same(order, "BigEndian") && !same(order, "LittleEndian")) ||
-        (header && !same(header, "UInt32") && !same(header, "UInt64"))) {
-        fail_here(w, "byte_order must be LittleEndian or BigEndian, header_type UInt32 or UInt64");
-        return;
-    }
+        (header && !same(header, "UInt32") && !same(header, "UInt64")))
+        return fail_here(w, "byte_order must be LittleEndian or BigEndian, header_type UInt32 or "
+                            "UInt64");
     for (int i = 0; i < 3; i++) {
         if (!same(compressor, packed[i].compressor))
             continue;
         document->compression = packed[i].compression;
         if (io_compression_is_built(document->compression))
-            return;
+            return PLANISH_OK;
         char text[160];
         snprintf(text, sizeof text,
                  "packed by %s, without which this planish was built; write the file without "
                  "compression, or build planish with it",
                  packed[i].library);
-        fail_here(w, text);
-        return;
+        return fail_here(w, text);
     }
     if (compressor && *compressor)
-        fail_here(w, "this compressor is unknown; there are vtkZLibDataCompressor, "
-                     "vtkLZ4DataCompressor and vtkLZMADataCompressor");
+        return fail_here(w, "this compressor is unknown; there are vtkZLibDataCompressor, "
+                            "vtkLZ4DataCompressor and vtkLZMADataCompressor");
+    return PLANISH_OK;
 }
 
-static void begin_piece(xml_walk *w) {
+static int begin_piece(xml_walk *w) {
     vtu_document *document = w->document;
     vtu_piece piece = {number(attribute(w, "NumberOfPoints")),
                        number(attribute(w, "NumberOfCells")), 0, 0, document->n_arrays};
     if (piece.n_points < 0 || piece.n_cells < 0 || piece.n_points > INT32_MAX ||
-        piece.n_cells > INT32_MAX) {
-        fail_here(w, "NumberOfPoints and NumberOfCells must be whole numbers below 2^31");
-        return;
-    }
+        piece.n_cells > INT32_MAX)
+        return fail_here(w, "NumberOfPoints and NumberOfCells must be whole numbers below 2^31");
     if (document->n_pieces > 0) {
         const vtu_piece *before = &document->piece[document->n_pieces - 1];
         piece.first_point = before->first_point + before->n_points;
         piece.first_cell = before->first_cell + before->n_cells;
     }
     w->in_piece = 1;
-    if (document->n_pieces == INT32_MAX ||
-        !pl_append(&document->piece, &document->n_pieces, &document->piece_capacity, &piece,
-                   sizeof piece))
-        fail(w, pl_fail_memory(document->error, "the pieces of the file"));
+    return document->n_pieces < INT32_MAX &&
+                   pl_append(&document->piece, &document->n_pieces, &document->piece_capacity,
+                             &piece, sizeof piece)
+               ? PLANISH_OK
+               : pl_fail_memory(document->error, "the pieces of the file");
 }
 
 static vtu_role role_of(const xml_walk *w, const char *name) {
@@ -232,7 +225,7 @@ static vtu_role role_of(const xml_walk *w, const char *name) {
     }
 }
 
-static void begin_array(xml_walk *w) {
+static int begin_array(xml_walk *w) {
     vtu_document *document = w->document;
     const char *components = attribute(w, "NumberOfComponents"), *name = attribute(w, "Name");
     const char *type = attribute(w, "type"), *form = attribute(w, "format");
@@ -246,38 +239,34 @@ static void begin_array(xml_walk *w) {
         array.is_appended = 1;
         array.offset = number(attribute(w, "offset"));
         find_value(w, "offset", &array.offset_begin, &array.offset_end);
-        if (array.offset < 0 || array.offset_begin < 0) {
-            fail_here(w, "offset must be a whole number");
-            return;
-        }
+        if (array.offset < 0 || array.offset_begin < 0)
+            return fail_here(w, "offset must be a whole number");
     } else if (!form || same(form, "ascii") || same(form, "binary")) {
         array.form = same(form, "binary") ? VTU_BASE64 : VTU_ASCII;
         take_text(w, &array);
     } else {
-        fail_here(w, "format must be ascii, binary or appended");
-        return;
+        return fail_here(w, "format must be ascii, binary or appended");
     }
     if (array.role == VTU_CELL_DATA)
         array.name = pl_copy_text(name);
     w->array_depth = 1;
-    if ((array.role == VTU_CELL_DATA && !array.name) ||
-        !pl_append(&document->array, &document->n_arrays, &document->array_capacity, &array,
-                   sizeof array)) {
-        pl_free(array.name);
-        fail(w, pl_fail_memory(document->error, "the arrays of the file"));
-    }
+    if ((array.role != VTU_CELL_DATA || array.name) &&
+        pl_append(&document->array, &document->n_arrays, &document->array_capacity, &array,
+                  sizeof array))
+        return PLANISH_OK;
+    pl_free(array.name);
+    return pl_fail_memory(document->error, "the arrays of the file");
 }
 
 /** Data follow its first underscore; Expat is given nothing more. */
-static void begin_appended(xml_walk *w) {
+static int begin_appended(xml_walk *w) {
     const int64_t at = skip_blank(w, tag_end(w), w->input->size);
-    if (at == w->input->size || w->input->data[at] != '_') {
-        fail_here(w, "appended data must begin with '_' (the file may be cut short)");
-        return;
-    }
+    if (at == w->input->size || w->input->data[at] != '_')
+        return fail_here(w, "appended data must begin with '_' (the file may be cut short)");
     w->document->appended = at + 1;
     w->document->appended_form = same(attribute(w, "encoding"), "base64") ? VTU_BASE64 : VTU_RAW;
     XML_StopParser(w->parser, XML_FALSE);
+    return PLANISH_OK;
 }
 
 static void XMLCALL on_start(void *data, const char *name, const char **attributes) {
@@ -289,21 +278,19 @@ static void XMLCALL on_start(void *data, const char *name, const char **attribut
         return;
     }
     w->attributes = attributes;
-    if (!w->in_file) {
-        if (same(name, "VTKFile"))
-            begin_file(w);
-        else
-            fail_here(w, "VTKFile expected: this is no VTK file");
-        return;
-    }
-    if (same(name, "UnstructuredGrid"))
+    if (!w->in_file)
+        w->status = same(name, "VTKFile") ? begin_file(w)
+                                          : fail_here(w, "VTKFile expected: this is no VTK file");
+    else if (same(name, "UnstructuredGrid"))
         w->document->is_grid = 1;
     else if (same(name, "Piece"))
-        begin_piece(w);
+        w->status = begin_piece(w);
     else if (same(name, "AppendedData"))
-        begin_appended(w);
+        w->status = begin_appended(w);
     else if (same(name, "DataArray") || same(name, "Array"))
-        begin_array(w);
+        w->status = begin_array(w);
+    if (w->status)
+        XML_StopParser(w->parser, XML_FALSE);
     for (int i = POINTS; i < N_SECTIONS && w->in_piece; i++)
         if (same(name, section_names[i]))
             w->section = (vtu_section)i;
@@ -330,12 +317,11 @@ static void XMLCALL on_end(void *data, const char *name) {
 
 static void XMLCALL on_doctype(void *data, const char *name, const char *system, const char *public,
                                int has_subset) {
-    (void)name;
-    (void)system;
-    (void)public;
-    (void)has_subset;
-    fail_here(data,
-              "a document type is declared; VTK files have none, and its entities are not read");
+    xml_walk *w = data;
+    (void)name, (void)system, (void)public, (void)has_subset;
+    w->status = fail_here(
+        w, "a document type is declared; VTK files have none, and its entities are not read");
+    XML_StopParser(w->parser, XML_FALSE);
 }
 
 /* ---- the walk ------------------------------------------------------------------------------ */
