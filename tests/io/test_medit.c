@@ -558,7 +558,7 @@ static void binary_values_that_cannot_be(void **state) {
         builder_real(&m.b, 0, 8);
     builder_integer(&m.b, INT64_C(1) << 40, 8);
     meshb_end(&m);
-    builder_expect_error(&m.b, &io_format_medit, "reference of 32 bits");
+    builder_expect_error(&m.b, &io_format_medit, "is not in -2147483648 .. 2147483647");
     builder_release(&m.b);
     meshb_begin(&m, 2, 0, 4);
     builder_expect_error(&m.b, &io_format_medit, "Dimension 4");

@@ -245,7 +245,7 @@ static void wrong_files_are_refused(void **state) {
         {HEAD NODES "volumeelements\n1\n1 2 1 2\n" TAIL, "2 nodes are unknown"},
         {HEAD NODES "volumeelements\n1\n1 99 1 2 3 4 5 6\n" TAIL, "99 nodes"},
         {HEAD NODES "volumeelements\n1\n1 -4 1 2 3 4 5 6\n" TAIL, "-4 nodes"},
-        {HEAD NODES "volumeelements\n1\n99999999999 4 1 2 3 4\n" TAIL, "out of range"},
+        {HEAD NODES "volumeelements\n1\n99999999999 4 1 2 3 4\n" TAIL, "number 99999999999 is not in"},
         {HEAD NODES "volumeelements\n4611686018427387904\n1 4 1 2 3 4\n" TAIL, "cannot be in"},
         {HEAD NODES "volumeelements\n-1\n1 4 1 2 3 4\n" TAIL, "cannot be in"},
         {HEAD "points\n2\n0 0 nan\n0 0 0\n" TET TAIL, "not finite"},

@@ -95,8 +95,8 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(f, "OFF\n4611686018427387904 1 0\n" SQUARE, "cannot be in");
     reading_fails(f, "OFF\n4 4611686018427387904 0\n" SQUARE "3 0 1 2\n", "cannot be in");
     reading_fails(f, "OFF\n4 -1 0\n" SQUARE "3 0 1 2\n", "cannot be in");
-    reading_fails(f, "OFF\n4 1 0\n" SQUARE "3 0 1 4\n", "test:7: face 0 has vertex 4 of 0 .. 3");
-    reading_fails(f, "OFF\n4 1 0\n" SQUARE "3 0 1 -1\n", "vertex -1");
+    reading_fails(f, "OFF\n4 1 0\n" SQUARE "3 0 1 4\n", "test:7: face 0: number 4 is not in 0 .. 3");
+    reading_fails(f, "OFF\n4 1 0\n" SQUARE "3 0 1 -1\n", "number -1 is not in");
     reading_fails(f, "OFF\n4 1 0\n" SQUARE "3 0 1\n", "whole number");
     reading_fails(f, "OFF\n4 1 0\n" SQUARE "-3 0 1 2\n", "cannot have -3");
     reading_fails(f, "OFF\n4 1 0\n" SQUARE "9999 0 1 2\n", "cannot have 9999");
@@ -178,8 +178,8 @@ static void binary_values_that_cannot_be(void **state) {
         {12, 0x7fc00000, "not finite"},
         {108, -3, "-3 vertices"},
         {108, INT32_MAX, "cannot have"},
-        {112, 8, "vertex 8 of 0"},
-        {112, -1, "vertex -1"},
+        {112, 8, "face 0: number 8 is not in 0 .. 7"},
+        {112, -1, "number -1 is not in"},
         {124, INT32_MAX, "a colour"},
         {124, -1, "a colour"},
     };

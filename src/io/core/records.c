@@ -228,6 +228,18 @@ int io_section_records(io_text *text, const io_section *section, const char *nam
     return PLANISH_OK;
 }
 
+int io_fail_whole(const io_record_kind *kind, const char *at, const io_cursor *cursor,
+                  int64_t record, int64_t first, int64_t last, const int64_t *value,
+                  planish_error *error) {
+    if (cursor->at == at)
+        return io_fail_at(kind->model, at, error,
+                          "%s %lld: a whole number expected (the file may be cut short)",
+                          kind->what, (long long)record);
+    return io_fail_at(kind->model, at, error, "%s %lld: number %lld is not in %lld .. %lld",
+                      kind->what, (long long)record, (long long)*value, (long long)first,
+                      (long long)last);
+}
+
 /* ---- points ------------------------------------------------------------------------------- */
 
 int io_load_point(const io_model *model, const char *at, int size, int swapped, int64_t node,

@@ -7,7 +7,8 @@
  *   io_read_point, io_load_point     coordinates of a node from text or binary
  *   io_points, io_read_points        and of many
  *   io_nodes_begin, _next, ...       nodes with numbers, counted in one walk and read in another
- *   io_left, io_number, io_hold_node small helpers of readers
+ *   io_number, io_take_whole         take a whole number, in text and in binary
+ *   io_left, io_hold_node            small helpers of readers
  *
  * A reader gives a function that reads records begin .. end-1 from a cursor that stands on the
  * first of them. Where records are many, io_text_records finds the places between (by an index of
@@ -121,6 +122,31 @@ static inline int io_number(io_cursor *cursor, int bytes, int swapped, int64_t *
     *value = bytes == 4 ? io_load_i32(cursor->at, swapped) : io_load_i64(cursor->at, swapped);
     cursor->at += bytes;
     return 0;
+}
+
+/** Records of one kind: what they are called in messages, and how whole numbers stand in them. */
+typedef struct io_record_kind {
+    const io_model *model;
+    const char *what;
+    int bytes, swapped; /* as for io_number */
+} io_record_kind;
+
+/** Fail as io_take_whole does; the cursor is still at at where there is no whole number. */
+int io_fail_whole(const io_record_kind *kind, const char *at, const io_cursor *cursor,
+                  int64_t record, int64_t first, int64_t last, const int64_t *value,
+                  planish_error *error);
+
+/** Take the whole number at the cursor, behind comments ('#') in text. It must be one of first ..
+ *  last; the error names its place and the record, by that number. */
+static inline int io_take_whole(const io_record_kind *kind, io_cursor *cursor, int64_t record,
+                                int64_t first, int64_t last, int64_t *value, planish_error *error) {
+    if (kind->bytes == 0)
+        io_skip_space_comments(cursor, '#');
+    const char *at = cursor->at;
+    return io_number(cursor, kind->bytes, kind->swapped, value) == 0 && *value >= first &&
+                   *value <= last
+               ? PLANISH_OK
+               : io_fail_whole(kind, at, cursor, record, first, last, value, error);
 }
 
 /** Let the file hold node for reason (an IO_HELD_ bit); threads may do so at the same time. */

@@ -39,6 +39,7 @@ typedef struct medit_reader {
     int version, dim;
     io_sections sections;
     const medit_keyword *current; /* of the section that is read, */
+    io_record_kind kind;          /* its records, */
     io_cells *cells;              /* what its elements become, or NULL: nodes are held, */
     int64_t first_cell;           /* and where they begin */
 } medit_reader;

@@ -5,14 +5,7 @@
 #include "base/round.h"
 #include "base/status.h"
 
-/* ---- numbers ------------------------------------------------------------------------------ */
-
-/** Take the next whole number. Return 0 or -1. */
-static inline int take_integer(const medit_reader *r, io_cursor *cursor, int64_t *value) {
-    if (!r->model->is_binary)
-        io_skip_space_comments(cursor, '#');
-    return io_number(cursor, r->model->is_binary ? r->integer_size : 0, r->swapped, value);
-}
+/* ---- records ------------------------------------------------------------------------------ */
 
 static inline int take_real(const medit_reader *r, io_cursor *cursor, double *value) {
     if (r->model->is_binary) {
@@ -25,47 +18,20 @@ static inline int take_real(const medit_reader *r, io_cursor *cursor, double *va
     return io_real(cursor, value);
 }
 
-/** Take a number from 1 to limit as an index from 0. */
-static int take_index(const medit_reader *r, io_cursor *cursor, int64_t limit, int64_t record,
-                      int64_t *index, planish_error *error) {
-    const char *at = cursor->at, *what = r->current->type.name;
-    if (take_integer(r, cursor, index))
-        return io_fail_at(r->model, cursor->at, error,
-                          "%s %lld: a whole number expected (the file may be cut short)", what,
-                          (long long)record + 1);
-    if (*index < 1 || *index > limit)
-        return io_fail_at(r->model, r->model->is_binary ? at : cursor->at, error,
-                          "%s %lld: number %lld is not in 1 .. %lld", what, (long long)record + 1,
-                          (long long)*index, (long long)limit);
-    --*index;
-    return PLANISH_OK;
-}
-
-static int take_reference(const medit_reader *r, io_cursor *cursor, int64_t record,
-                          int32_t *reference, planish_error *error) {
-    int64_t value;
-    if (take_integer(r, cursor, &value) || value < INT32_MIN || value > INT32_MAX)
-        return io_fail_at(r->model, cursor->at, error,
-                          "%s %lld: a reference of 32 bits expected (the file may be cut short)",
-                          r->current->type.name, (long long)record + 1);
-    *reference = (int32_t)value;
-    return PLANISH_OK;
-}
-
-/* ---- records ------------------------------------------------------------------------------ */
-
 static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                          planish_error *error) {
     const medit_reader *r = context;
     io_model *model = r->model;
     for (int64_t i = begin; i < end; i++) {
         double *xyz = model->xyz + 3 * i;
+        int64_t reference;
+        int status = PLANISH_OK;
         if (!model->is_binary) {
             io_skip_space_comments(cursor, '#');
             model->text_offset[i] = cursor->at - model->input.data;
         }
         xyz[2] = 0;
-        for (int d = 0; d < r->dim; d++) {
+        for (int d = 0; d < r->dim && !status; d++) {
             const char *at = cursor->at;
             double value;
             if (take_real(r, cursor, &value))
@@ -73,11 +39,14 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
                                   "vertex %lld: a coordinate expected (the file may be cut short)",
                                   (long long)i + 1);
             xyz[d] = model->precision == PLANISH_FLOAT ? pl_round_to_float(value) : value;
-            if (io_check_finite(model, xyz[d], i, model->is_binary ? at : cursor->at, error))
-                return PLANISH_ERROR_FORMAT;
+            status = io_check_finite(model, xyz[d], i, model->is_binary ? at : cursor->at, error);
         }
-        if (take_reference(r, cursor, i, &model->node_entity[i], error))
-            return PLANISH_ERROR_FORMAT;
+        if (!status)
+            status =
+                io_take_whole(&r->kind, cursor, i + 1, INT32_MIN, INT32_MAX, &reference, error);
+        if (status)
+            return status;
+        model->node_entity[i] = (int32_t)reference;
     }
     return PLANISH_OK;
 }
@@ -90,18 +59,23 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
     io_cells *cells = r->cells;
     for (int64_t i = begin; i < end; i++) {
         const int64_t cell = r->first_cell + i;
-        int64_t node;
-        int32_t ignored;
+        int64_t node, reference;
         for (int j = 0; j < type->nodes; j++) {
-            if (take_index(r, cursor, r->model->n_nodes, i, &node, error))
-                return PLANISH_ERROR_FORMAT;
+            const int status =
+                io_take_whole(&r->kind, cursor, i + 1, 1, r->model->n_nodes, &node, error);
+            if (status)
+                return status;
             if (cells)
-                cells->nodes[cell * type->nodes + j] = (int32_t)node;
+                cells->nodes[cell * type->nodes + j] = (int32_t)(node - 1);
             else
-                io_hold_node(r->model, node, io_element_reason(type));
+                io_hold_node(r->model, node - 1, io_element_reason(type));
         }
-        if (take_reference(r, cursor, i, cells ? &cells->entity[cell] : &ignored, error))
-            return PLANISH_ERROR_FORMAT;
+        const int status =
+            io_take_whole(&r->kind, cursor, i + 1, INT32_MIN, INT32_MAX, &reference, error);
+        if (status)
+            return status;
+        if (cells)
+            cells->entity[cell] = (int32_t)reference;
     }
     return PLANISH_OK;
 }
@@ -111,12 +85,14 @@ static int read_marked(void *context, io_cursor *cursor, int64_t begin, int64_t 
     const medit_reader *r = context;
     const int dim = io_element_dim(&r->current->type);
     const io_cells *cells = dim ? io_model_cells(r->model, dim) : NULL;
+    const int64_t n = cells ? cells->n : r->model->n_nodes;
     for (int64_t i = begin; i < end; i++) {
-        int64_t index;
-        if (take_index(r, cursor, cells ? cells->n : r->model->n_nodes, i, &index, error))
-            return PLANISH_ERROR_FORMAT;
+        int64_t number;
+        const int status = io_take_whole(&r->kind, cursor, i + 1, 1, n, &number, error);
+        if (status)
+            return status;
         for (int j = 0; j <= dim; j++)
-            io_hold_node(r->model, cells ? cells->nodes[index * (dim + 1) + j] : index,
+            io_hold_node(r->model, cells ? cells->nodes[(number - 1) * (dim + 1) + j] : number - 1,
                          IO_HELD_REQUIRED);
     }
     return PLANISH_OK;
@@ -126,15 +102,19 @@ static int read_pairs(const medit_reader *r, const io_section *s) {
     io_cursor cursor = {s->data, io_input_end(r->model)};
     for (int64_t i = 0; i < s->count; i++) {
         int32_t pair[2];
+        int status = PLANISH_OK;
         for (int j = 0; j < 2; j++) {
             int64_t node;
-            if (take_index(r, &cursor, r->model->n_nodes, i, &node, r->error))
-                return PLANISH_ERROR_FORMAT;
-            io_hold_node(r->model, node, IO_HELD_PERIODIC);
-            pair[j] = (int32_t)node;
+            status = io_take_whole(&r->kind, &cursor, i + 1, 1, r->model->n_nodes, &node, r->error);
+            if (status)
+                return status;
+            pair[j] = (int32_t)(node - 1);
+            io_hold_node(r->model, pair[j], IO_HELD_PERIODIC);
         }
-        if (pair[0] != pair[1] && io_model_pair(r->model, pair, r->error))
-            return PLANISH_ERROR_MEMORY;
+        if (pair[0] != pair[1])
+            status = io_model_pair(r->model, pair, r->error);
+        if (status)
+            return status;
     }
     return PLANISH_OK;
 }
@@ -186,6 +166,8 @@ static int read_element_section(medit_reader *r, const io_section *s) {
 
 int medit_read_section(medit_reader *r, const io_section *s) {
     r->current = &medit_keywords[s->keyword];
+    r->kind = (io_record_kind){r->model, r->current->type.name,
+                               r->model->is_binary ? r->integer_size : 0, r->swapped};
     switch (r->current->kind) {
     case MEDIT_VERTICES:
         return read_vertex_section(r, s);

@@ -51,7 +51,8 @@ typedef struct netgen_reader {
     io_text text;
     int dim;
     io_sections sections;
-    const netgen_keyword *current; /* of the section that is read */
+    const netgen_keyword *current; /* of the section that is read, */
+    io_record_kind kind;           /* and its records */
     int corners;                   /* of all elements of the current section; 0: they differ */
     int64_t first_cell;            /* of the current section in its io_cells */
     int64_t n_kept;                /* of them, where they differ */

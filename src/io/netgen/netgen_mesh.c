@@ -9,49 +9,22 @@ enum { PERIODIC = 2 }; /* of Netgen's types of identifications */
 
 /* ---- words of a record -------------------------------------------------------------------- */
 
-static int take_integer(const netgen_reader *r, io_cursor *cursor, int64_t record, int64_t *value,
-                        planish_error *error) {
-    if (io_integer(cursor, value))
-        return io_fail_at(r->model, cursor->at, error,
-                          "%s %lld: a whole number expected (the file may be cut short)",
-                          r->current->name, (long long)record + 1);
-    return PLANISH_OK;
-}
-
-/** Take a number from first to last of what there is, as an index from 0. */
-static int take_index(const netgen_reader *r, io_cursor *cursor, int64_t record, int64_t first,
-                      int64_t last, int64_t *index, planish_error *error) {
-    const int status = take_integer(r, cursor, record, index, error);
-    if (status)
-        return status;
-    if (*index < first || *index > last)
-        return io_fail_at(r->model, cursor->at, error,
-                          "%s %lld: number %lld is not in %lld .. %lld", r->current->name,
-                          (long long)record + 1, (long long)*index, (long long)first,
-                          (long long)last);
-    *index -= first;
-    return PLANISH_OK;
-}
-
 static int take_node(const netgen_reader *r, io_cursor *cursor, int64_t record, int32_t *node,
                      planish_error *error) {
-    int64_t index = 0;
-    const int status = take_index(r, cursor, record, 1, r->model->n_nodes, &index, error);
-    *node = (int32_t)index;
+    int64_t number = 0;
+    const int status =
+        io_take_whole(&r->kind, cursor, record + 1, 1, r->model->n_nodes, &number, error);
+    *node = (int32_t)number - 1;
     return status;
 }
 
 static int take_group(const netgen_reader *r, io_cursor *cursor, int64_t record, int32_t *group,
                       planish_error *error) {
-    int64_t value;
-    const int status = take_integer(r, cursor, record, &value, error);
-    if (status)
-        return status;
-    if (value < INT32_MIN || value > INT32_MAX - 1)
-        return io_fail_at(r->model, cursor->at, error, "%s %lld: number %lld is out of range",
-                          r->current->name, (long long)record + 1, (long long)value);
-    *group = (int32_t)value;
-    return PLANISH_OK;
+    int64_t number = 0;
+    const int status =
+        io_take_whole(&r->kind, cursor, record + 1, INT32_MIN, INT32_MAX - 1, &number, error);
+    *group = (int32_t)number;
+    return status;
 }
 
 static int skip_words(const netgen_reader *r, io_cursor *cursor, int64_t record, int64_t n,
@@ -71,11 +44,15 @@ static int skip_words(const netgen_reader *r, io_cursor *cursor, int64_t record,
 static int take_lead(const netgen_reader *r, io_cursor *cursor, int64_t record, int32_t *group,
                      int64_t *corners, planish_error *error) {
     const netgen_keyword *k = r->current;
-    if (skip_words(r, cursor, record, k->group, error) ||
-        take_group(r, cursor, record, group, error) ||
-        skip_words(r, cursor, record, k->words - k->group - 2, error) ||
-        take_integer(r, cursor, record, corners, error))
-        return PLANISH_ERROR_FORMAT;
+    int status = skip_words(r, cursor, record, k->group, error);
+    if (!status)
+        status = take_group(r, cursor, record, group, error);
+    if (!status)
+        status = skip_words(r, cursor, record, k->words - k->group - 2, error);
+    if (!status)
+        status = io_take_whole(&r->kind, cursor, record + 1, INT64_MIN, INT64_MAX, corners, error);
+    if (status)
+        return status;
     const int64_t of_second_order = k->dim == 2 ? 6 : 10;
     *corners = *corners == 0 ? NETGEN_LEAST_CORNERS : *corners;
     if (*corners == of_second_order)
@@ -97,14 +74,17 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
     for (int64_t i = begin; i < end; i++) {
         int32_t group, node;
         int64_t corners;
-        if (take_lead(r, cursor, i, &group, &corners, error) ||
-            (r->corners && corners != r->corners)) /* they differ: read again, in order */
-            return PLANISH_ERROR_FORMAT;
+        int status = take_lead(r, cursor, i, &group, &corners, error);
+        if (status)
+            return status;
+        if (r->corners && corners != r->corners)
+            return PLANISH_ERROR_FORMAT; /* they differ: read again, in order */
         const int kept = corners == k->dim + 1;
         const int64_t cell = r->first_cell + (r->corners ? i : r->n_kept);
         for (int j = 0; j < corners; j++) {
-            if (take_node(r, cursor, i, &node, error))
-                return PLANISH_ERROR_FORMAT;
+            status = take_node(r, cursor, i, &node, error);
+            if (status)
+                return status;
             if (kept)
                 cells->nodes[cell * corners + j] = node;
             else
@@ -112,8 +92,9 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
             if (k->parameter[0])
                 io_hold_node(r->model, node, IO_HAS_PARAMETERS);
         }
-        if (skip_words(r, cursor, i, k->extra * corners, error))
-            return PLANISH_ERROR_FORMAT;
+        status = skip_words(r, cursor, i, k->extra * corners, error);
+        if (status)
+            return status;
         if (kept)
             cells->entity[cell] = group;
         if (!r->corners)
@@ -166,13 +147,15 @@ static int read_held(void *context, io_cursor *cursor, int64_t begin, int64_t en
     const int of_segment = kind == NETGEN_SINGULAR_SEGMENTS;
     const uint8_t reason = kind == NETGEN_POINT_ELEMENTS ? IO_HELD_BY_POINT : IO_HELD_REQUIRED;
     for (int64_t i = begin; i < end; i++) {
-        int64_t index;
-        if (take_index(r, cursor, i, !of_segment, of_segment ? lines->n - 1 : r->model->n_nodes,
-                       &index, error) ||
-            skip_words(r, cursor, i, 1, error))
-            return PLANISH_ERROR_FORMAT;
+        int64_t number;
+        int status = io_take_whole(&r->kind, cursor, i + 1, !of_segment,
+                                   of_segment ? lines->n - 1 : r->model->n_nodes, &number, error);
+        if (!status)
+            status = skip_words(r, cursor, i, 1, error);
+        if (status)
+            return status;
         for (int j = 0; j <= of_segment; j++)
-            io_hold_node(r->model, of_segment ? lines->nodes[2 * index + j] : index, reason);
+            io_hold_node(r->model, of_segment ? lines->nodes[2 * number + j] : number - 1, reason);
     }
     return PLANISH_OK;
 }
@@ -183,8 +166,10 @@ static int read_types(void *context, io_cursor *cursor, int64_t begin, int64_t e
     netgen_reader *r = context;
     for (int64_t i = begin; i < end; i++) {
         int64_t type;
-        if (take_integer(r, cursor, i, &type, error))
-            return PLANISH_ERROR_FORMAT;
+        const int status =
+            io_take_whole(&r->kind, cursor, i + 1, INT64_MIN, INT64_MAX, &type, error);
+        if (status)
+            return status;
         r->is_periodic[i] = type == PERIODIC;
     }
     return PLANISH_OK;
@@ -198,15 +183,21 @@ static int read_pairs(void *context, io_cursor *cursor, int64_t begin, int64_t e
     for (int64_t i = begin; i < end; i++) {
         int32_t pair[2];
         int64_t number;
-        if (take_node(r, cursor, i, &pair[0], error) || take_node(r, cursor, i, &pair[1], error) ||
-            take_integer(r, cursor, i, &number, error))
-            return PLANISH_ERROR_FORMAT;
+        int status = take_node(r, cursor, i, &pair[0], error);
+        if (!status)
+            status = take_node(r, cursor, i, &pair[1], error);
+        if (!status)
+            status = io_take_whole(&r->kind, cursor, i + 1, INT64_MIN, INT64_MAX, &number, error);
+        if (status)
+            return status;
         const int periodic =
             !r->is_periodic || (number >= 1 && number <= r->n_types && r->is_periodic[number - 1]);
         for (int j = 0; j < 2; j++)
             io_hold_node(r->model, pair[j], periodic ? IO_HELD_PERIODIC : IO_HELD_REQUIRED);
-        if (periodic && pair[0] != pair[1] && io_model_pair(r->model, pair, error))
-            return PLANISH_ERROR_MEMORY;
+        if (periodic && pair[0] != pair[1])
+            status = io_model_pair(r->model, pair, error);
+        if (status)
+            return status;
     }
     return PLANISH_OK;
 }
@@ -272,6 +263,7 @@ static int read_element_section(netgen_reader *r, const io_section *s) {
 
 int netgen_read_section(netgen_reader *r, const io_section *s) {
     const netgen_keyword *k = r->current = &netgen_keywords[s->keyword];
+    r->kind = (io_record_kind){.model = r->model, .what = k->name};
     switch (k->kind) {
     case NETGEN_POINTS:
         return read_point_section(r, s);

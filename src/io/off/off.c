@@ -26,6 +26,7 @@ typedef struct off_reader {
     int swapped, word_size; /* binary: bytes of a number; text: 0 */
     int extra;              /* numbers of a vertex besides its coordinates */
     int64_t corners;        /* text: of all faces; 0: they differ */
+    io_record_kind face;
 } off_reader;
 
 /* ---- the first lines ---------------------------------------------------------------------- */
@@ -68,6 +69,7 @@ static int read_header(off_reader *r) {
         io_skip_line(&ahead);
         r->cursor = ahead;
     }
+    r->face = (io_record_kind){r->model, "face", r->word_size, r->swapped};
     return PLANISH_OK;
 }
 
@@ -103,8 +105,9 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
     const off_reader *r = context;
     for (int64_t i = begin; i < end; i++) {
         if (r->model->is_binary) {
-            if (io_load_point(r->model, cursor->at, WORD_SIZE, r->swapped, i, error))
-                return PLANISH_ERROR_FORMAT;
+            const int status = io_load_point(r->model, cursor->at, WORD_SIZE, r->swapped, i, error);
+            if (status)
+                return status;
             cursor->at += (3 + r->extra) * WORD_SIZE;
             continue;
         }
@@ -112,8 +115,9 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
         const char *row = cursor->at;
         io_cursor line = *cursor;
         io_skip_line(&line);
-        if (io_read_point(r->model, cursor, i, error))
-            return PLANISH_ERROR_FORMAT;
+        const int status = io_read_point(r->model, cursor, i, error);
+        if (status)
+            return status;
         if (cursor->at > line.at)
             return io_fail_at(r->model, row, error,
                               "vertex %lld: three coordinates expected in one line", (long long)i);
@@ -124,16 +128,6 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
 
 /* ---- faces -------------------------------------------------------------------------------- */
 
-/** Take the next whole number of a face. */
-static int take_integer(const off_reader *r, io_cursor *cursor, int64_t face, int64_t *value,
-                        planish_error *error) {
-    if (io_number(cursor, r->word_size, r->swapped, value))
-        return io_fail_at(r->model, cursor->at, error,
-                          "face %lld: a whole number expected (the file may be cut short)",
-                          (long long)face);
-    return PLANISH_OK;
-}
-
 /** Skip the colour of a face. */
 static int skip_colour(const off_reader *r, io_cursor *cursor, int64_t face, planish_error *error) {
     if (!r->model->is_binary) {
@@ -141,8 +135,9 @@ static int skip_colour(const off_reader *r, io_cursor *cursor, int64_t face, pla
         return PLANISH_OK;
     }
     int64_t n;
-    if (take_integer(r, cursor, face, &n, error))
-        return PLANISH_ERROR_FORMAT;
+    const int status = io_take_whole(&r->face, cursor, face, INT64_MIN, INT64_MAX, &n, error);
+    if (status)
+        return status;
     if (n < 0 || n > io_left(cursor) / WORD_SIZE)
         return io_fail_at(r->model, cursor->at - WORD_SIZE, error,
                           "face %lld: a colour of %lld numbers cannot be in the %lld bytes that "
@@ -164,8 +159,9 @@ static int read_faces(void *context, io_cursor *cursor, int64_t begin, int64_t e
         if (!model->is_binary)
             io_skip_space_comments(cursor, '#');
         const char *at = cursor->at;
-        if (take_integer(r, cursor, i, &corners, error))
-            return PLANISH_ERROR_FORMAT;
+        int status = io_take_whole(&r->face, cursor, i, INT64_MIN, INT64_MAX, &corners, error);
+        if (status)
+            return status;
         if (corners < 0 || corners > io_left(cursor))
             return io_fail_at(model, at, error, "face %lld cannot have %lld vertices", (long long)i,
                               (long long)corners);
@@ -177,20 +173,17 @@ static int read_faces(void *context, io_cursor *cursor, int64_t begin, int64_t e
         else if (corners == LINE)
             kept = lines->nodes + LINE * lines->n;
         for (int64_t j = 0; j < corners; j++) {
-            at = cursor->at;
-            if (take_integer(r, cursor, i, &node, error))
-                return PLANISH_ERROR_FORMAT;
-            if (node < 0 || node >= model->n_nodes)
-                return io_fail_at(model, model->is_binary ? at : cursor->at, error,
-                                  "face %lld has vertex %lld of 0 .. %lld", (long long)i,
-                                  (long long)node, (long long)model->n_nodes - 1);
+            status = io_take_whole(&r->face, cursor, i, 0, model->n_nodes - 1, &node, error);
+            if (status)
+                return status;
             if (kept)
                 kept[j] = (int32_t)node;
             else
                 io_hold_node(model, node, corners == 1 ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER);
         }
-        if (skip_colour(r, cursor, i, error))
-            return PLANISH_ERROR_FORMAT;
+        status = skip_colour(r, cursor, i, error);
+        if (status)
+            return status;
         if (!r->corners && corners == TRIANGLE)
             triangles->number[triangles->n++] = i;
         else if (!r->corners && corners > 0)
