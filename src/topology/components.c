@@ -11,10 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int fail_memory(planish_error *error) {
-    return pl_fail_memory(error, "the components of the mesh");
-}
-
 static uint32_t root_of(const uint32_t *link, int64_t element) {
     return link[element] >> 1;
 }
@@ -211,7 +207,7 @@ int pl_components_settle(const planish_mesh *mesh, const pl_incidence *incidence
     pl_free(id_of);
     pl_free(node);
     pl_free(message);
-    return done ? PLANISH_OK : fail_memory(error);
+    return done ? PLANISH_OK : pl_fail_memory(error, "the components of the mesh");
 }
 
 void pl_settlement_destroy(pl_settlement *s) {
@@ -323,28 +319,9 @@ static int64_t sum_together(partial *all, int64_t n, pl_sum *sums, double *measu
     }
 }
 
-/** Sum up all components; those that several processes share go to partials; how many these are. */
-static int64_t sum_alone(const planish_mesh *mesh, const listing *l, const pl_settlement *s,
-                         double *measure, partial *partials) {
-    const uint8_t *is_counted = mesh->part ? mesh->part->is_counted : NULL;
-    int64_t n = 0;
-    for (int64_t c = 0; c < l->n; c++) {
-        pl_sum sum;
-        memset(&sum, 0, sizeof sum);
-        for (int64_t k = l->begin[c]; k < l->begin[c + 1]; k++)
-            if (!is_counted || is_counted[l->element[k]])
-                pl_sum_add(&sum, measure[l->element[k]]);
-        const uint32_t root = l->root[c];
-        if (s && is_partial(mesh, l, c))
-            partials[n++] = (partial){.label = s->label[root], .root = root, .sum = sum};
-        else
-            measure[root] = pl_sum_value(&sum);
-    }
-    return n;
-}
-
 int pl_components_sum(const planish_mesh *mesh, const uint32_t *link, const pl_settlement *s,
                       double *measure, int64_t *n, planish_error *error) {
+    const uint8_t *is_counted = mesh->part ? mesh->part->is_counted : NULL;
     listing l = {0};
     int64_t n_partial = 0;
     int done = list_elements(mesh, link, &l) == 0;
@@ -353,8 +330,21 @@ int pl_components_sum(const planish_mesh *mesh, const uint32_t *link, const pl_s
     partial *partials = pl_alloc(n_partial, sizeof *partials);
     pl_sum *sums = pl_alloc(s ? SLOTS : 0, sizeof *sums);
     done = done && partials && sums;
+    n_partial = 0;
+    for (int64_t c = 0; done && c < l.n; c++) {
+        const uint32_t root = l.root[c];
+        pl_sum sum;
+        memset(&sum, 0, sizeof sum);
+        for (int64_t k = l.begin[c]; k < l.begin[c + 1]; k++)
+            if (!is_counted || is_counted[l.element[k]])
+                pl_sum_add(&sum, measure[l.element[k]]);
+        if (s && is_partial(mesh, &l, c))
+            partials[n_partial++] = (partial){.label = s->label[root], .root = root, .sum = sum};
+        else
+            measure[root] = pl_sum_value(&sum);
+    }
     if (done) {
-        *n = l.n - sum_alone(mesh, &l, s, measure, partials);
+        *n = l.n - n_partial;
         pl_parts_add(n, 1);
         *n += s ? sum_together(partials, n_partial, sums, measure) : 0;
     }
@@ -363,5 +353,5 @@ int pl_components_sum(const planish_mesh *mesh, const uint32_t *link, const pl_s
     pl_free(l.root);
     pl_free(l.begin);
     pl_free(l.element);
-    return done ? PLANISH_OK : fail_memory(error);
+    return done ? PLANISH_OK : pl_fail_memory(error, "the components of the mesh");
 }

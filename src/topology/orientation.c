@@ -100,10 +100,6 @@ static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
 
 /* ---- components --------------------------------------------------------------------------- */
 
-static uint32_t load(const signs *s, uint32_t element) {
-    return __atomic_load_n(s->link + element, __ATOMIC_RELAXED);
-}
-
 static int replace(signs *s, uint32_t element, uint32_t expected, uint32_t desired) {
     return __atomic_compare_exchange_n(s->link + element, &expected, desired, 0, __ATOMIC_RELAXED,
                                        __ATOMIC_RELAXED);
@@ -113,10 +109,10 @@ static int replace(signs *s, uint32_t element, uint32_t expected, uint32_t desir
  *  another thread has changed meanwhile says the same, so that losing the race does no harm. */
 static uint32_t find_root(signs *s, uint32_t element, uint32_t *parity) {
     for (;;) {
-        uint32_t up = load(s, element), parent = up >> 1;
+        const uint32_t up = __atomic_load_n(s->link + element, __ATOMIC_RELAXED), parent = up >> 1;
         if (parent == element)
             return element;
-        uint32_t next = load(s, parent);
+        const uint32_t next = __atomic_load_n(s->link + parent, __ATOMIC_RELAXED);
         if (next >> 1 != parent)
             replace(s, element, up, next ^ (up & 1));
         *parity ^= up & 1;

@@ -40,7 +40,7 @@ typedef struct groups {
     int64_t pairs[MAX_SHIFTS];   /* followers of each */
     int32_t *image;              /* of the shift under way, or -1 */
     uint8_t *is_copied;          /* [m] elements, likewise */
-    int64_t image_capacity, element_capacity, source_capacity;
+    int64_t follower_capacity, element_capacity, source_capacity;
     pl_periodic *out;
 } groups;
 
@@ -183,11 +183,6 @@ static void find_groups(groups *g, uint8_t *slides) {
 
 /* ---- copies -------------------------------------------------------------------------------- */
 
-static int add_follower(pl_periodic *out, int64_t *capacity, pl_follower follower) {
-    return pl_append(&out->follower, &out->n_followers, capacity, &follower, sizeof follower) ? 0
-                                                                                              : -1;
-}
-
 /** Find the node that stands next to a follower as node stands next to its leader: a node of the
  *  mesh, or an image; -1 without memory. */
 static int32_t moved_node(groups *g, int32_t node, int32_t follower, int s) {
@@ -199,7 +194,8 @@ static int32_t moved_node(groups *g, int32_t node, int32_t follower, int s) {
                                    .of = node,
                                    .from = follower,
                                    .to = g->leader[follower]};
-        if (g->out->n_nodes == INT32_MAX || add_follower(g->out, &g->image_capacity, image) != 0)
+        if (g->out->n_nodes == INT32_MAX || !pl_append(&g->out->follower, &g->out->n_followers,
+                                                       &g->follower_capacity, &image, sizeof image))
             return -1;
         g->image[node] = (int32_t)g->out->n_nodes++;
     }
@@ -266,7 +262,8 @@ static int copy_mesh(groups *g, const int8_t *sign, uint8_t *slides) {
         const int32_t leader = g->leader[node];
         const pl_follower follower = {.node = node, .of = leader, .from = leader, .to = node};
         if (g->shift_of[node] != NO_SHIFT && slides[node] &&
-            add_follower(out, &g->image_capacity, follower) != 0)
+            !pl_append(&out->follower, &out->n_followers, &g->follower_capacity, &follower,
+                       sizeof follower))
             return -1;
     }
     for (int s = 0; s < g->n_shifts; s++)

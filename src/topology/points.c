@@ -19,10 +19,6 @@ pl_points pl_points_of(const planish_mesh *mesh, const double *x) {
                        .apart = mesh->component_stride ? mesh->component_stride : 1};
 }
 
-int pl_points_are_dense(const pl_points *p) {
-    return !p->node_of && p->step == p->dim && p->apart == 1;
-}
-
 /** A pass over all points. */
 typedef struct points_pass {
     const pl_points *p;

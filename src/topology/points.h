@@ -28,7 +28,9 @@ static inline int64_t pl_point_at(const pl_points *p, int64_t i, int d) {
 pl_points pl_points_of(const planish_mesh *mesh, const double *x);
 
 /** Whether x is [n][dim] as it stands. */
-int pl_points_are_dense(const pl_points *p);
+static inline int pl_points_are_dense(const pl_points *p) {
+    return !p->node_of && p->step == p->dim && p->apart == 1;
+}
 
 /** Copy them to dense [n][dim]. */
 void pl_points_gather(const pl_points *p, int threads, double *dense);

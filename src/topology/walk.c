@@ -8,13 +8,17 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
+/** Number met, and what came with it. */
+typedef struct met {
+    int32_t item, other;
+} met;
+
 /** Numbers met, each once, in the order of their first appearance. */
 typedef struct list {
-    int32_t *item;  /* [map.count] */
-    int32_t *other; /* [map.count] what came with each */
-    int64_t room, other_room;
+    met *met;         /* [map.count] */
+    int64_t room;     /* of met */
     int64_t most;     /* keys that the map has room for */
-    pl_local_map map; /* of item to its place */
+    pl_local_map map; /* of items to their places */
 } list;
 
 /** The walk under way. */
@@ -36,22 +40,19 @@ static int list_empty(list *l) {
 /** Add item to the list if it is new there. */
 static void add_new(walk *w, list *l, int64_t item, int64_t other) {
     const int32_t n = l->map.count;
-    int32_t *items = pl_grow(l->item, n, n + 1, &l->room, sizeof *items);
-    l->item = items ? items : l->item;
-    int32_t *others = pl_grow(l->other, n, n + 1, &l->other_room, sizeof *others);
-    l->other = others ? others : l->other;
-    int done = items && others;
+    met *grown = pl_grow(l->met, n, n + 1, &l->room, sizeof *grown);
+    int done = grown != NULL;
+    l->met = done ? grown : l->met;
     if (done && n >= l->most) { /* a larger map */
         l->most *= 2;
         done = pl_local_map_empty(&l->map, l->most) == 0;
         for (int32_t i = 0; done && i < n; i++)
-            pl_local_map_add(&l->map, (uint64_t)(uint32_t)l->item[i]);
+            pl_local_map_add(&l->map, (uint64_t)(uint32_t)l->met[i].item);
     }
     if (!done) {
         w->status = pl_fail_memory(w->error, "the elements around a node");
     } else if (pl_local_map_add(&l->map, (uint64_t)item) == n) {
-        l->item[n] = (int32_t)item;
-        l->other[n] = (int32_t)other;
+        l->met[n] = (met){(int32_t)item, (int32_t)other};
     }
 }
 
@@ -93,7 +94,7 @@ static void visit_star(walk *w, int64_t node, int64_t element) {
     else
         add_new(w, &w->star, element, 0);
     for (int32_t i = 0; !w->status && i < w->star.map.count; i++) {
-        const int64_t e = w->star.item[i];
+        const int64_t e = w->star.met[i].item;
         w->status = pl_check_element(w->mesh, e, w->error);
         for (int j = 0; !w->status && j <= w->mesh->dim; j++)
             add_new(w, &w->nodes, pl_corner(w->mesh, e, j), e);
@@ -109,10 +110,10 @@ static int compare_numbers(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-static int32_t *sorted_copy(const int32_t *item, int64_t n) {
+static int32_t *sorted_items(const met *from, int64_t n) {
     int32_t *copy = pl_alloc(n, sizeof *copy);
     for (int64_t i = 0; copy && i < n; i++)
-        copy[i] = item[i];
+        copy[i] = from[i].item;
     if (copy)
         qsort(copy, (size_t)n, sizeof *copy, compare_numbers);
     return copy;
@@ -123,23 +124,23 @@ static int make_subset(walk *w, int64_t n_selected, pl_subset *subset) {
     const int corners = w->mesh->dim + 1;
     subset->n_nodes = w->nodes.map.count;
     subset->n_elements = w->elements.map.count;
-    subset->node = sorted_copy(w->nodes.item, subset->n_nodes);
-    subset->element = sorted_copy(w->elements.item, subset->n_elements);
+    subset->node = sorted_items(w->nodes.met, subset->n_nodes);
+    subset->element = sorted_items(w->elements.met, subset->n_elements);
     subset->elements = pl_alloc(subset->n_elements * corners, sizeof *subset->elements);
     subset->is_selected = pl_alloc_zero(subset->n_nodes, sizeof *subset->is_selected);
     if (!subset->node || !subset->element || !subset->elements || !subset->is_selected)
         return -1;
-    int32_t *number = w->nodes.other; /* by place in the list; elements are no longer wanted */
+    met *nodes = w->nodes.met; /* other becomes the number: elements are no longer wanted */
     for (int64_t i = 0; i < subset->n_nodes; i++) {
         const int32_t place = pl_local_map_add(&w->nodes.map, (uint64_t)subset->node[i]);
-        number[place] = (int32_t)i;
+        nodes[place].other = (int32_t)i;
         subset->is_selected[i] = place < n_selected;
     }
     for (int64_t i = 0; i < subset->n_elements; i++)
         for (int j = 0; j < corners; j++) {
             const int64_t node = pl_corner(w->mesh, subset->element[i], j);
             subset->elements[i * corners + j] =
-                number[pl_local_map_add(&w->nodes.map, (uint64_t)node)];
+                nodes[pl_local_map_add(&w->nodes.map, (uint64_t)node)].other;
         }
     return 0;
 }
@@ -167,7 +168,7 @@ int pl_subset_by_walk(const planish_mesh *mesh, const pl_seeds *seeds, int rings
     for (int ring = 0; ring <= rings && !w.status; ring++) {
         n_selected = w.nodes.map.count;
         for (; done < n_selected && !w.status; done++)
-            visit_star(&w, w.nodes.item[done], w.nodes.other[done]);
+            visit_star(&w, w.nodes.met[done].item, w.nodes.met[done].other);
     }
     if (!w.status && w.elements.map.count > 0 && make_subset(&w, n_selected, subset) != 0)
         w.status = pl_fail_memory(error, "the subset of the mesh that is worked on");
@@ -175,8 +176,7 @@ int pl_subset_by_walk(const planish_mesh *mesh, const pl_seeds *seeds, int rings
         pl_subset_destroy(subset);
     list *const lists[] = {&w.nodes, &w.elements, &w.star};
     for (int i = 0; i < 3; i++) {
-        pl_free(lists[i]->item);
-        pl_free(lists[i]->other);
+        pl_free(lists[i]->met);
         pl_local_map_destroy(&lists[i]->map);
     }
     return w.status;

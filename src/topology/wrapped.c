@@ -155,15 +155,13 @@ static int find_candidates(seams *s) {
             c->in[d].n_jumping += mask != 0;
         }
     }
-    for (int64_t k = 0; k < s->n_components; k++) {
-        component *c = &s->component[k];
+    for (int64_t k = 0; k < s->n_components; k++)
         for (int d = 0; d < dim; d++) {
-            direction *in = &c->in[d];
+            direction *in = &s->component[k].in[d];
             in->is_seam = in->n_divided == 0 && in->n_jumping >= FEWEST_JUMPING &&
-                          (double)in->n_jumping <= MOST_JUMPING * (double)c->n;
+                          (double)in->n_jumping <= MOST_JUMPING * (double)s->component[k].n;
             any |= in->is_seam;
         }
-    }
     return any;
 }
 
