@@ -73,17 +73,6 @@ typedef struct share {
     int64_t first, step;
 } share;
 
-/** Whether the weights are a proof: their sum of the gradients must be as good as 0. */
-static int proves(const active *a, const cone_point *point, int dim) {
-    double sum[4] = {0, 0, 0, 0}, residual = 0;
-    for (int i = 0; i < point->n_active; i++)
-        for (int d = 0; d <= dim; d++)
-            sum[d] += point->multiplier[i] * a->rows[point->active[i]][d];
-    for (int d = 0; d < dim; d++)
-        residual += fabs(sum[d]);
-    return point->n_active > 0 && sum[dim] > PROOF_REACH * residual;
-}
-
 /** Mark the members of the proof, and give up the one that is lowest at its place. */
 static void mark_members(const cone_point *point, const star *s, share part, uint8_t *state) {
     int64_t lowest = -1;
@@ -111,8 +100,16 @@ static int64_t search_share(const local *here, share of, uint8_t *state, pl_stop
         for (int64_t i = of.first; i < here->s.n_facets; i += of.step)
             if (is_wanted(state[i])) /* its minimum volume is to be met, as it is counted */
                 add_homogeneous_row(here, i, -VIOLATED_ABOVE, 0, &a, dim);
-        if (a.m == 0 || shortest_displacement(&a, displacement, &point, dim) ||
-            !proves(&a, &point, dim))
+        if (a.m == 0 || shortest_displacement(&a, displacement, &point, dim))
+            break;
+        /* the weights are a proof if their sum of the gradients is as good as 0 */
+        double sum[4] = {0, 0, 0, 0}, residual = 0;
+        for (int i = 0; i < point.n_active; i++)
+            for (int d = 0; d <= dim; d++)
+                sum[d] += point.multiplier[i] * a.rows[point.active[i]][d];
+        for (int d = 0; d < dim; d++)
+            residual += fabs(sum[d]);
+        if (!(point.n_active > 0 && sum[dim] > PROOF_REACH * residual))
             break;
         mark_members(&point, &here->s, of, state);
     }

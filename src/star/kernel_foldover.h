@@ -102,15 +102,12 @@ static inline regularised energy_at(const star *s, double epsilon, const double 
     const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
                         lanes_of(dim == 3 ? position[2] : 0)};
     const lanes zero = lanes_of(0), per_edge = lanes_of(dim == 3 ? 1.0 / 6 : 1.0 / 3);
-    lanes sum[PL_PACKS], shared[PL_PACKS], least[PL_PACKS], tangled[PL_PACKS], size2[PL_PACKS];
-    lanes g[3][PL_PACKS], h[6][PL_PACKS];
+    lanes sum[PL_PACKS], shared[PL_PACKS], least[PL_PACKS], tangled[PL_PACKS];
+    slopes slope;
+    memset(&slope, 0, sizeof slope);
     for (int k = 0; k < PL_PACKS; k++) {
-        sum[k] = shared[k] = tangled[k] = size2[k] = zero;
+        sum[k] = shared[k] = tangled[k] = zero;
         least[k] = lanes_of(-INFINITY);
-        for (int c = 0; c < 3; c++)
-            g[c][k] = zero;
-        for (int c = 0; c < 6; c++)
-            h[c][k] = zero;
     }
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
@@ -131,7 +128,7 @@ static inline regularised energy_at(const star *s, double epsilon, const double 
             shared[k] += lanes_select(counts, b.value * share, zero);
             least[k] = lanes_max(lanes_select(counts, zero - u, lanes_of(-INFINITY)), least[k]);
             tangled[k] += lanes_select(counts & ~sound, share, zero);
-            size2[k] += a.aa * weight;
+            slope.size2[k] += a.aa * weight;
             if (!derive)
                 continue;
             lanes gt[3], gu[3];
@@ -141,7 +138,7 @@ static inline regularised energy_at(const star *s, double epsilon, const double 
                     gt[d] += e.at[c][d];
                 gt[d] *= lanes_of(2) * edge2;
                 gu[d] = a.n[d] * target;
-                g[d][k] += lanes_select(counts, b.of_t * gt[d] + b.of_u * gu[d], zero);
+                slope.g[d][k] += lanes_select(counts, b.of_t * gt[d] + b.of_u * gu[d], zero);
             }
             for (int r = 0, c = 0; r < dim; r++)
                 for (int t = r; t < dim; t++, c++) {
@@ -149,16 +146,11 @@ static inline regularised energy_at(const star *s, double epsilon, const double 
                         b.of_uu * (gu[r] * gu[t]) + b.of_tu * (gt[r] * gu[t] + gu[r] * gt[t]);
                     if (r == t)
                         entry += lanes_of(2 * dim) * edge2 * b.of_t;
-                    h[c][k] += lanes_select(counts, entry, zero);
+                    slope.h[c][k] += lanes_select(counts, entry, zero);
                 }
         }
-    if (derive) {
-        for (int c = 0; c < dim; c++)
-            out->gradient[c] = lanes_sum(g[c]);
-        for (int c = 0; c < dim * (dim + 1) / 2; c++)
-            out->hessian[c] = lanes_sum(h[c]);
-        out->size2 = lanes_sum(size2) / (double)s->n_facets;
-    }
+    if (derive)
+        slopes_result(&slope, s, 1, 1, out, dim);
     return (regularised){lanes_sum(sum), lanes_sum(shared) / PL_SHARES, -lanes_largest(least),
                          lanes_sum(tangled)};
 }

@@ -1,7 +1,8 @@
 /* kernel_gather: a star from the mesh into scratch.
  *
  *   fetch_ahead                    ask for the memory of a later visit
- *   gather, scratch_doubles        the star, and the scratch that it needs
+ *   gather                         the star
+ *   column_doubles, position_doubles, padded_to_lanes    the scratch that it needs
  *   power_of_two, exponent_of      scales
  */
 #ifndef PL_STAR_KERNEL_GATHER_H
@@ -154,15 +155,6 @@ enum { EDGE_DOUBLES = EDGE_COLUMNS + 2 + PL_ROW };
 static inline int64_t position_doubles(int64_t padded, int64_t padded_edges, int dim) {
     const int64_t positions = padded * (dim == 3 ? 6 : 2) + padded_edges * 2;
     return padded_to_lanes(positions * (int64_t)sizeof(uint32_t) / (int64_t)sizeof(double) + 1);
-}
-
-/** Size of the scratch memory of a star with n_ring neighbours and n_facets facets, in doubles. */
-static inline int64_t scratch_doubles(int dim, int64_t n_ring, int64_t n_facets) {
-    const int64_t padded = padded_to_lanes(n_facets);
-    const int64_t padded_edges = padded_to_lanes(pl_link_edges(dim, n_facets));
-    const int64_t rows = (padded + SPARE_ROWS) * ROW_LENGTH, ring = n_ring * PL_ROW;
-    return column_doubles(padded) + padded_edges * EDGE_DOUBLES +
-           position_doubles(padded, padded_edges, dim) + (rows > ring ? rows : ring);
 }
 
 /* ---- the whole ----------------------------------------------------------------------------- */

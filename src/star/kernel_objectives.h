@@ -478,7 +478,7 @@ typedef struct guarded_accumulator {
     lanes penalties[PL_PACKS]; /* sum of max(0, lambda / rho + g)^2 */
     lanes shortfall[PL_PACKS]; /* sum of max(0, g)^2 */
     lanes worst[PL_PACKS];     /* largest g */
-    lanes g[3][PL_PACKS], h[6][PL_PACKS], size2[PL_PACKS];
+    slopes slope;
 } guarded_accumulator;
 
 /** Add the volumes of a pack to the function, and to its derivatives -slope n and bend n n^T.
@@ -511,14 +511,14 @@ PL_INLINE void add_guarded(guarded_accumulator *t, int k, const question *q, con
     lanes_mask positive = lanes_greater(a->D, lanes_of(0));
     lanes ratio = a->square * weight * lanes_of(q->ratio_weight);
     for (int r = 0, c = 0; r < dim; r++) {
-        t->g[r][k] += lanes_select(positive, ratio * a->l[r], lanes_of(0));
-        t->g[r][k] -= slope * a->n[r];
+        t->slope.g[r][k] += lanes_select(positive, ratio * a->l[r], lanes_of(0));
+        t->slope.g[r][k] -= slope * a->n[r];
         for (int e = r; e < dim; e++, c++) {
-            t->h[c][k] += lanes_select(positive, ratio * a->h[c], lanes_of(0));
-            t->h[c][k] += bend * (a->n[r] * a->n[e]);
+            t->slope.h[c][k] += lanes_select(positive, ratio * a->h[c], lanes_of(0));
+            t->slope.h[c][k] += bend * (a->n[r] * a->n[e]);
         }
     }
-    t->size2[k] += a->aa * weight;
+    t->slope.size2[k] += a->aa * weight;
 }
 
 /** Sum for one objective, as guarded_at does, which is constant where this is inlined. */
@@ -551,13 +551,8 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
                                a.inverse_d));
             add_guarded(&t, k, q, &a, weight, slope, bend, dim);
         }
-    if (derive) {
-        for (int c = 0; c < dim; c++)
-            out->gradient[c] = lanes_sum(t.g[c]);
-        for (int c = 0; c < dim * (dim + 1) / 2; c++)
-            out->hessian[c] = lanes_sum(t.h[c]);
-        out->size2 = lanes_sum(t.size2) / (double)s->n_facets;
-    }
+    if (derive)
+        slopes_result(&t.slope, s, 1, 1, out, dim);
     objective f = accumulator_result(&t.ratios, 1);
     f.error *= is_of_worst(q->measure) ? WORST_EXPONENT : 1;
     f.sum = q->ratio_weight * f.sum + q->volume_weight * lanes_sum(t.volumes) +

@@ -6,7 +6,8 @@
  * are applied to the sums.
  *
  *   value_at, derivatives_at                                   a star of either dimension
- *   accumulator_init, accumulate, accumulator_result           sums over the packs
+ *   accumulator_init, accumulate, accumulator_result           sums over the packs: values
+ *   slopes, slopes_result                                      and derivatives
  *   triangles_at, log_derivatives_2d                           a pack of triangles
  */
 #ifndef PL_STAR_KERNEL_RADIUS_RATIO_H
@@ -81,6 +82,22 @@ PL_INLINE objective accumulator_result(const accumulator *t, double factor) {
     return f;
 }
 
+/** Sums of the derivatives in PL_LANES lanes, and of |x - p0|^2. */
+typedef struct slopes {
+    lanes g[3][PL_PACKS], h[6][PL_PACKS], size2[PL_PACKS];
+} slopes;
+
+/** Set the derivatives of star s from the sums: gradient and Hessian times these factors; of_hessian
+ *  0: there is none. */
+PL_INLINE void slopes_result(const slopes *t, const star *s, double of_gradient, double of_hessian,
+                             derivatives *out, const int dim) {
+    for (int c = 0; c < dim; c++)
+        out->gradient[c] = lanes_sum(t->g[c]) * of_gradient;
+    for (int c = 0; of_hessian > 0 && c < dim * (dim + 1) / 2; c++)
+        out->hessian[c] = lanes_sum(t->h[c]) * of_hessian;
+    out->size2 = lanes_sum(t->size2) / (double)s->n_facets;
+}
+
 /* ---- tetrahedra --------------------------------------------------------------------------- */
 
 /** Value of the objective of a star of tetrahedra with the node at position. */
@@ -104,14 +121,15 @@ PL_INLINE objective value_3d(const star *s, const double *position, const int gu
 /** Sums over the facets under way. */
 typedef struct sums_3d {
     accumulator values;
-    lanes g[3][PL_PACKS], h[6][PL_PACKS], trace[PL_PACKS], size2[PL_PACKS];
+    slopes slope;
+    lanes trace[PL_PACKS];
 } sums_3d;
 
 /** Add g of a pack to the gradient. */
 PL_INLINE void add_gradient_3d(sums_3d *sums, int k, vec3 g) {
-    sums->g[0][k] += g.x;
-    sums->g[1][k] += g.y;
-    sums->g[2][k] += g.z;
+    sums->slope.g[0][k] += g.x;
+    sums->slope.g[1][k] += g.y;
+    sums->slope.g[2][k] += g.z;
 }
 
 /** Add a pack's values; returns RR^2 times its weight. */
@@ -119,7 +137,7 @@ PL_INLINE lanes add_values_3d(const star *s, int64_t i, int k, const tetrahedra 
                               lanes inverse_d2, sums_3d *sums) {
     const lanes rr2 = rr2_of(t, inverse_d2), weight = load(s, WEIGHT, i);
     accumulate(&sums->values, k, rr2, weight, t->D, inverse_d2, load(s, ROUNDING, i) * t->aa);
-    sums->size2[k] += t->aa * weight;
+    sums->slope.size2[k] += t->aa * weight;
     store(s, RATE, i, t->D * inverse_d2);
     return rr2 * weight;
 }
@@ -176,11 +194,11 @@ PL_INLINE void add_derivatives_3d(const star *s, sums_3d *sums) {
                                    vec3_load(s, SX, SY, SZ, j), rr2, h);
             add_gradient_3d(sums, k, vec3_scaled(l, rr2));
             for (int c = 0; c < 6; c++)
-                sums->h[c][k] += h[c];
+                sums->slope.h[c][k] += h[c];
         }
     for (int k = 0; k < PL_PACKS; k++)
         for (int d = 0; d < 3; d++)
-            sums->h[packed(d, d, 3)][k] += sums->trace[k];
+            sums->slope.h[packed(d, d, 3)][k] += sums->trace[k];
 }
 
 /** Find the derivatives of a star of tetrahedra. with_hessian 0: out->hessian is not set; the
@@ -195,15 +213,12 @@ PL_INLINE objective derivatives_3d(const star *s, const double *position, deriva
     if (with_hessian) {
         prepare_derivatives_3d(s, x, &sums);
         add_derivatives_3d(s, &sums);
-        add_bends(s, sums.h);
+        add_bends(s, sums.slope.h);
     } else {
         add_half_gradients_3d(s, x, &sums);
     }
-    for (int c = 0; c < 3; c++)
-        out->gradient[c] = lanes_sum(sums.g[c]) * ((with_hessian ? 1 : 2) * RR2_FACTOR_3D);
-    for (int c = 0; c < 6 && with_hessian; c++)
-        out->hessian[c] = lanes_sum(sums.h[c]) * RR2_FACTOR_3D;
-    out->size2 = lanes_sum(sums.size2) / (double)s->n_facets;
+    slopes_result(&sums.slope, s, (with_hessian ? 1 : 2) * RR2_FACTOR_3D,
+                  with_hessian ? RR2_FACTOR_3D : 0, out, 3);
     return accumulator_result(&sums.values, RR2_FACTOR_3D);
 }
 
@@ -280,10 +295,8 @@ static inline objective derivatives_2d(const star *s, const double *position, de
     lanes x = lanes_of(position[0]), y = lanes_of(position[1]);
     accumulator total;
     accumulator_init(&total);
-    lanes g[2][PL_PACKS], h[3][PL_PACKS], size2[PL_PACKS];
-    for (int k = 0; k < PL_PACKS; k++) {
-        g[0][k] = g[1][k] = h[0][k] = h[1][k] = h[2][k] = size2[k] = lanes_of(0);
-    }
+    slopes sums;
+    memset(&sums, 0, sizeof sums);
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
@@ -298,17 +311,13 @@ static inline objective derivatives_2d(const star *s, const double *position, de
             lanes l[2], hessian[3];
             log_derivatives_2d(s, j, &t, inverse_d, l, hessian);
             rr2 *= weight;
-            g[0][k] += rr2 * l[0];
-            g[1][k] += rr2 * l[1];
+            for (int c = 0; c < 2; c++)
+                sums.g[c][k] += rr2 * l[c];
             for (int c = 0; c < 3; c++)
-                h[c][k] += rr2 * hessian[c];
-            size2[k] += t.aa * weight;
+                sums.h[c][k] += rr2 * hessian[c];
+            sums.size2[k] += t.aa * weight;
         }
-    for (int c = 0; c < 2; c++)
-        out->gradient[c] = lanes_sum(g[c]) * RR2_FACTOR_2D;
-    for (int c = 0; c < 3; c++)
-        out->hessian[c] = lanes_sum(h[c]) * RR2_FACTOR_2D;
-    out->size2 = lanes_sum(size2) / (double)s->n_facets;
+    slopes_result(&sums, s, RR2_FACTOR_2D, RR2_FACTOR_2D, out, 2);
     return accumulator_result(&total, RR2_FACTOR_2D);
 }
 
