@@ -31,7 +31,7 @@ typedef struct settings {
     int threads[MAX_LIST], n_threads;
     planish_isa isa[MAX_LIST];
     int n_isa;
-    planish_direction direction;
+    planish_search direction;
 } settings;
 
 /** One smoothing, sweep by sweep. */
@@ -158,7 +158,7 @@ static planish_options options_of(const settings *s, int threads, planish_isa is
         options.max_sweeps = s->max_sweeps;
     options.only_worse_than = s->only_worse_than;
     options.isa = isa;
-    options.direction = s->direction;
+    options.search = s->direction;
     return options;
 }
 
@@ -292,7 +292,8 @@ static int parse(settings *s, int argc, char **argv) {
         else if (!strcmp(argv[i], "--repeat"))
             s->repeat = atoi(argv[++i]);
         else if (!strcmp(argv[i], "--direction"))
-            s->direction = strcmp(argv[++i], "newton") ? PLANISH_FLETCHER_REEVES : PLANISH_NEWTON;
+            s->direction = strcmp(argv[++i], "newton") ? PLANISH_SEARCH_FLETCHER_REEVES
+                                                       : PLANISH_SEARCH_NEWTON;
         else if (!strcmp(argv[i], "--threads") ? !parse_threads(s, argv[++i])
                  : !strcmp(argv[i], "--isa")   ? !parse_isa(s, argv[++i])
                                                : 1)

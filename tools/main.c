@@ -10,7 +10,7 @@
 #include <string.h>
 
 static const char *with(planish_feature feature) {
-    return planish_has(feature) ? "with" : "without";
+    return planish_has_feature(feature) ? "with" : "without";
 }
 
 static int print_version(void) {

@@ -13,10 +13,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int rank, n_ranks, n;               /* n: cells in a row */
-static int64_t plane, first, own, last;    /* nodes of a plane; numbers: the first one here, the first and */
-static int64_t end;                        /* the last of ours; behind the last one here */
-static char *packet[2];                    /* what goes to rank - 1 and rank + 1: numbers and values */
+static int rank, n_ranks, n; /* n: cells in a row */
+static int64_t plane, first, own,
+    last;               /* nodes of a plane; numbers: the first one here, the first and */
+static int64_t end;     /* the last of ours; behind the last one here */
+static char *packet[2]; /* what goes to rank - 1 and rank + 1: numbers and values */
 static MPI_Request request[2];
 static int n_requests;
 static int64_t value_size;
@@ -32,7 +33,8 @@ static int largest(int64_t *values, int count, void *user) {
 }
 
 /** Ours are ghosts of rank - 1 in our first plane, and of rank + 1 in our last. */
-static int send_values(const int32_t *node, int64_t count, const void *values, int64_t size, void *user) {
+static int send_values(const int32_t *node, int64_t count, const void *values, int64_t size,
+                       void *user) {
     (void)user;
     n_requests = 0;
     value_size = size;
@@ -92,7 +94,8 @@ static void place(int64_t number, double *x) {
 
 /** The 6 tetrahedra of a cell, along its diagonal: each goes to the far corner by another order of axes. */
 static void cut(int64_t cell, int32_t *elements) {
-    static const int axis[6][3] = {{0, 1, 2}, {1, 0, 2}, {1, 2, 0}, {2, 1, 0}, {2, 0, 1}, {0, 2, 1}};
+    static const int axis[6][3] = {{0, 1, 2}, {1, 0, 2}, {1, 2, 0},
+                                   {2, 1, 0}, {2, 0, 1}, {0, 2, 1}};
     const int64_t step[3] = {plane, n + 1, 1};
     const int64_t corner = cell / n / n * step[0] + cell / n % n * step[1] + cell % n * step[2];
     for (int t = 0; t < 6; t++, elements += 4) {
@@ -108,7 +111,8 @@ int main(int argc, char **argv) {
     MPI_Comm_size(MPI_COMM_WORLD, &n_ranks);
     n = argc > 1 ? atoi(argv[1]) : 20;
     plane = (int64_t)(n + 1) * (n + 1);
-    const int64_t low = (int64_t)rank * (n + 1) / n_ranks, high = (int64_t)(rank + 1) * (n + 1) / n_ranks;
+    const int64_t low = (int64_t)rank * (n + 1) / n_ranks,
+                  high = (int64_t)(rank + 1) * (n + 1) / n_ranks;
     const int64_t from = low > 0 ? low - 1 : 0, to = high < n + 1 ? high + 1 : n + 1;
     if (n < 1 || n + 1 < n_ranks)
         MPI_Abort(MPI_COMM_WORLD, 64); /* every process has a plane here */
@@ -122,7 +126,9 @@ int main(int argc, char **argv) {
         const int64_t at = (first + i) / plane; /* its plane */
         const int seen = (at == low && low > 0) || (at == high - 1 && high < n + 1);
         number[i] = first + i;
-        role[i] = (uint8_t)(at < low || at >= high ? PLANISH_GHOST : seen ? PLANISH_SHARED : PLANISH_OWN);
+        role[i] = (uint8_t)(at < low || at >= high ? PLANISH_ROLE_GHOST
+                            : seen                 ? PLANISH_ROLE_SHARED
+                                                   : PLANISH_ROLE_OWN);
         place(number[i], x + 3 * i);
     }
     for (int64_t i = 0; i < n_cells; i++) {
@@ -149,7 +155,8 @@ int main(int argc, char **argv) {
     planish_result result;
     planish_error error;
     const double start = MPI_Wtime();
-    if (planish_plan_create(&mesh, &options, &plan, &error) || planish_smooth(plan, x, &options, &result, &error)) {
+    if (planish_plan_create(&mesh, &options, &plan, &error) ||
+        planish_smooth(plan, x, &options, &result, &error)) {
         fprintf(stderr, "process %d: %s\n", rank, error.text);
         MPI_Abort(MPI_COMM_WORLD, 1); /* the others would wait for this one */
     }
@@ -157,13 +164,14 @@ int main(int argc, char **argv) {
     for (int64_t i = 0; i < 3 * n_nodes; i++) {
         uint64_t bits;
         memcpy(&bits, x + i, 8);
-        if (role[i / 3] != PLANISH_GHOST)
-            sum += (int64_t)((bits ^ (uint64_t)(3 * first + i)) * UINT64_C(0x9e3779b97f4a7c15) >> 8);
+        if (role[i / 3] != PLANISH_ROLE_GHOST)
+            sum +=
+                (int64_t)((bits ^ (uint64_t)(3 * first + i)) * UINT64_C(0x9e3779b97f4a7c15) >> 8);
     }
     add(&sum, 1, NULL);
     if (rank == 0)
-        printf("%d processes: RMS %.15g after %d sweeps, %.3f s; checksum %016" PRIx64 "\n", n_ranks,
-               result.rms, result.sweeps, MPI_Wtime() - start, (uint64_t)sum);
+        printf("%d processes: RMS %.15g after %d sweeps, %.3f s; checksum %016" PRIx64 "\n",
+               n_ranks, result.rms, result.sweeps, MPI_Wtime() - start, (uint64_t)sum);
     planish_plan_destroy(plan);
     free(x), free(elements), free(number), free(role), free(is_counted);
     return MPI_Finalize();

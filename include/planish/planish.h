@@ -47,7 +47,7 @@ typedef enum planish_feature {
 } planish_feature;
 
 /** Whether the library that is linked was built with it: 1 or 0. */
-PLANISH_API int planish_has(planish_feature feature);
+PLANISH_API int planish_has_feature(planish_feature feature);
 
 /* ---- Errors ------------------------------------------------------------------------------- */
 
@@ -75,15 +75,15 @@ typedef struct planish_error {
  * facet of more than two elements, a duplicate element or more than 21845 elements meet at it; it
  * does so while its elements are positive, and is held while they are untangled. Boundaries that
  * are planar around each sliding node, and straight along each line, keep their shape, to the
- * rounding of coordinates (of floats, with PLANISH_FLOAT); interior nodes may slide as well.
- * planish_find_slides finds such nodes. */
+ * rounding of coordinates (of floats, with PLANISH_PRECISION_FLOAT); interior nodes may slide as
+ * well. planish_find_slides finds such nodes. */
 typedef enum planish_constraint {
-    PLANISH_FREE = 0,      /* anywhere, if it is no node of the boundary */
-    PLANISH_FIXED = 1,     /* nowhere */
-    PLANISH_ON_PLANE = 2,  /* on the plane (in 2-D the line) through its place whose normal is that
-                              of planish_mesh.direction */
-    PLANISH_ON_LINE = 3,   /* on the line through its place along that direction */
-    PLANISH_ON_SURFACE = 4 /* where planish_options.project says */
+    PLANISH_CONSTRAINT_FREE = 0,      /* anywhere, if it is no node of the boundary */
+    PLANISH_CONSTRAINT_FIXED = 1,     /* nowhere */
+    PLANISH_CONSTRAINT_ON_PLANE = 2,  /* on the plane (in 2-D the line) through its place whose
+                                         normal is that of planish_mesh.direction */
+    PLANISH_CONSTRAINT_ON_LINE = 3,   /* on the line through its place along that direction */
+    PLANISH_CONSTRAINT_ON_SURFACE = 4 /* where planish_options.project says */
 } planish_constraint;
 
 /** A view of the caller's mesh; nothing in it is owned by the library. */
@@ -130,9 +130,9 @@ typedef struct planish_mesh {
 
 /** Role of a node in a process that has a part of the mesh. */
 typedef enum planish_role {
-    PLANISH_OWN = 0,    /* it moves it, and no other process has it */
-    PLANISH_SHARED = 1, /* it moves it, and others have it as a ghost */
-    PLANISH_GHOST = 2   /* another process moves it */
+    PLANISH_ROLE_OWN = 0,    /* it moves it, and no other process has it */
+    PLANISH_ROLE_SHARED = 1, /* it moves it, and others have it as a ghost */
+    PLANISH_ROLE_GHOST = 2   /* another process moves it */
 } planish_role;
 
 /** Called with the value of a ghost that has arrived. */
@@ -149,7 +149,7 @@ typedef void planish_take_fn(int32_t ghost, const void *value, void *taker);
  *  last bit. Its results (planish_result, planish_quality, planish_progress but for
  *  colour_visits, planish_plan_info but for threads and bytes) are those of the whole mesh.
  *  Results about single nodes and elements, and the counts of planish_check_volumes and
- *  planish_find_unfixable, are those of this process. The arrays given here must stay until the
+ *  planish_find_infeasible, are those of this process. The arrays given here must stay until the
  *  plan is destroyed.
  *
  *  The thread that called the library calls the functions, in the same order on all processes.
@@ -275,9 +275,9 @@ PLANISH_API int planish_combine_regions(int64_t n_elements, const planish_cell_a
 
 /** Find the nodes between regions: is_between [n_nodes] is filled with 1 for nodes whose elements
  *  have different numbers in region [n_elements], else with 0. *n_between (may be NULL) counts the
- *  ones. Hold these nodes (PLANISH_FIXED) to keep interfaces where they are. A part of a mesh finds
- *  the nodes between its own elements. threads: as in planish_options. Errors: _ARGUMENT, _MESH,
- *  _MEMORY. */
+ *  ones. Hold these nodes (PLANISH_CONSTRAINT_FIXED) to keep interfaces where they are. A part of a
+ *  mesh finds the nodes between its own elements. threads: as in planish_options. Errors:
+ *  _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_find_interfaces(const planish_mesh *mesh, const int32_t *region,
                                         int threads, uint8_t *is_between, int64_t *n_between,
                                         planish_error *error);
@@ -312,11 +312,11 @@ typedef enum planish_method {
 
 /** The aspect ratio AR of an element; 1 for the regular one and larger for any other. */
 typedef enum planish_objective {
-    PLANISH_RADIUS_RATIO = 0, /* R/(3r), R/(2r) in 2-D: the paper's */
-    PLANISH_MEAN_RATIO = 1,   /* inverse mean ratio: mean square edge to that of the regular element
-                                 of the same volume */
-    PLANISH_EDGE_RATIO = 2    /* longest edge to shortest, smoothed: 0.946 to 1 of it, see
-                                 docs/algorithm.md */
+    PLANISH_OBJECTIVE_RADIUS_RATIO = 0, /* R/(3r), R/(2r) in 2-D: the paper's */
+    PLANISH_OBJECTIVE_MEAN_RATIO = 1,   /* inverse mean ratio: mean square edge to that of the
+                                           regular element of the same volume */
+    PLANISH_OBJECTIVE_EDGE_RATIO = 2    /* longest edge to shortest, smoothed: 0.946 to 1 of it, see
+                                           docs/algorithm.md */
 } planish_objective;
 
 /** Quantity that a last phase improves after the objective has converged: the worst value in the
@@ -334,22 +334,23 @@ typedef enum planish_length_unit {
     PLANISH_UNIT_EDGE = 1  /* mean length of the node's edges at the start */
 } planish_length_unit;
 
-typedef enum planish_direction {
-    PLANISH_NEWTON = 0,         /* shifted Newton steps, mostly one or two per visit */
-    PLANISH_FLETCHER_REEVES = 1 /* conjugate directions, the paper's choice (its equation 3) */
-} planish_direction;
+/** Directions along which a node's local problem is searched. */
+typedef enum planish_search {
+    PLANISH_SEARCH_NEWTON = 0,         /* shifted Newton steps, mostly one or two per visit */
+    PLANISH_SEARCH_FLETCHER_REEVES = 1 /* conjugate directions, the paper's (its equation 3) */
+} planish_search;
 
 /** Volumes are met from 1 minus this of the minimum volume on, the paper's threshold: g = 1 -
  * V/delta above it is violated. */
 #define PLANISH_VOLUME_TOLERANCE 0.003
 
 /** Format in which a coordinate is stored in the end. The positions of moving nodes are rounded
- *  to this format before they are judged. With PLANISH_FLOAT the coordinates given should be
- *  floats, too: fixed nodes keep their coordinates unrounded. */
+ *  to this format before they are judged. With PLANISH_PRECISION_FLOAT the coordinates given should
+ *  be floats, too: fixed nodes keep their coordinates unrounded. */
 typedef enum planish_precision {
-    PLANISH_DOUBLE = 0,
-    PLANISH_FLOAT = 1,
-    PLANISH_ROUNDED = 2 /* what planish_options.round says */
+    PLANISH_PRECISION_DOUBLE = 0,
+    PLANISH_PRECISION_FLOAT = 1,
+    PLANISH_PRECISION_ROUNDED = 2 /* what planish_options.round says */
 } planish_precision;
 
 /** What a sweep is for. */
@@ -379,14 +380,14 @@ typedef struct planish_progress {
     double rms;     /* RMS of AR (RR by default) over the valid elements after the last sweep:
                        measured at first and when it has fallen much, else tracked by what
                        the visits report */
-    double rms_movable;       /* the same over the valid elements with a movable node */
-    double objective;         /* F over the valid elements after the last sweep; rms by default */
-    int64_t inverted;         /* elements that are not positive, after the last sweep */
-    int64_t below_min_volume; /* elements below 0.997 of their minimum volume after it */
-    planish_phase phase;      /* of this sweep; between two sweeps that of the last one */
-    int64_t visits; /* nodes visited in this sweep; 0 until sweep_done */
-    double seconds; /* time of this sweep so far */
-    double elapsed; /* time of planish_smooth so far, seconds */
+    double rms_movable;         /* the same over the valid elements with a movable node */
+    double objective;           /* F over the valid elements after the last sweep; rms by default */
+    int64_t n_inverted;         /* elements that are not positive, after the last sweep */
+    int64_t n_below_min_volume; /* elements below 0.997 of their minimum volume after it */
+    planish_phase phase;        /* of this sweep; between two sweeps that of the last one */
+    int64_t visits;             /* nodes visited in this sweep; 0 until sweep_done */
+    double seconds;             /* time of this sweep so far */
+    double elapsed;             /* time of planish_smooth so far, seconds */
     int64_t colour_visits; /* nodes visited in the colour that this call is after, or those that
                               were moved together; 0 on the last call of a sweep */
     int64_t reserved[3];
@@ -404,10 +405,12 @@ typedef struct planish_progress {
 typedef int planish_progress_fn(const planish_progress *progress, void *user);
 
 /** Say where a node that slides on a surface may be. point [dim] is somewhere near it: change it to
- *  the nearest place that the node may have, and fill direction [dim] with the surface's normal
- *  there (result PLANISH_ON_PLANE), or with the curve's direction (PLANISH_ON_LINE), of any length
- *  but 0. PLANISH_FIXED: the node may not be near there. Called from several threads at a time; the
- *  same bits on any number of them need answers that depend on node and point alone. */
+ *  the nearest place that the node may have. Fill direction [dim], of any length but 0, with
+ *  - the surface's normal there, and return PLANISH_CONSTRAINT_ON_PLANE
+ *  - or the curve's direction there, and return PLANISH_CONSTRAINT_ON_LINE
+ *  - or nothing, and return PLANISH_CONSTRAINT_FIXED: the node may not be near there.
+ *  Called from several threads at a time; the same bits on any number of them need answers that
+ *  depend on node and point alone. */
 typedef planish_constraint planish_project_fn(int64_t node, double *point, double *direction,
                                               void *user);
 
@@ -453,7 +456,7 @@ typedef struct planish_options {
     planish_isa isa;             /* kernel variant */
     planish_method method;       /* how nodes are moved */
     planish_objective objective; /* AR in F = mu1 RMS(AR) + mu2 RMS(g) */
-    planish_direction direction; /* search direction of the local problem */
+    planish_search search;       /* search direction of the local problem */
     double min_volume;           /* delta, the minimum volume (area in 2-D) of every element, or */
     double min_volume_fraction;  /* delta as a fraction of the domain's volume; 0: none, elements
                                     only stay positive. At most one of the two */
@@ -493,9 +496,10 @@ typedef struct planish_options {
     const int64_t *around_elements; /* [n_around] an element of each; NULL: they are looked for */
     planish_progress_fn *progress;  /* or NULL */
     void *progress_user;            /* handed to progress */
-    planish_project_fn *project;    /* of nodes with PLANISH_ON_SURFACE; NULL: these stay, but count
+    planish_project_fn
+        *project;       /* of nodes with PLANISH_CONSTRAINT_ON_SURFACE; NULL: these stay, but count
                                        as nodes that slide */
-    void *project_user;             /* handed to project */
+    void *project_user; /* handed to project */
     /* Of planish_plan_create; a plan keeps them: */
     const planish_allocator *allocator; /* copied; NULL: the system's */
     planish_parallel_fn *parallel;      /* NULL: OpenMP's threads. Else threads is the number of
@@ -503,7 +507,7 @@ typedef struct planish_options {
     void *parallel_user;                /* handed to parallel */
     planish_log_fn *log;                /* or NULL */
     void *log_user;                     /* handed to log */
-    planish_round_fn *round;            /* with PLANISH_ROUNDED */
+    planish_round_fn *round;            /* with PLANISH_PRECISION_ROUNDED */
     void *round_user;                   /* handed to round */
 } planish_options;
 
@@ -528,11 +532,11 @@ typedef struct planish_plan_info {
     int64_t n_fixed_elements; /* elements all of whose nodes are fixed */
     int64_t n_components; /* of elements joined by facets; 0: not counted, as in most meshes: all
                              measures have one sign, and no facet contradicts it */
-    int64_t n_reversed;   /* elements whose listed order contradicts the orientation that the plan
-                             has found; it does not change when nodes move (planish_quality.reversed
-                             compares signs of measures, which do). All elements of a mirrored
-                             mesh */
-    int64_t n_boundary_facets;    /* facets of one element; 0 also means not counted: with
+    int64_t n_negative_order;  /* elements whose listed order contradicts the orientation that the
+                                 plan has found; it does not change when nodes move
+                                 (planish_quality.n_reversed compares signs of measures, which do).
+                                 All elements of a mirrored mesh */
+    int64_t n_boundary_facets; /* facets of one element; 0 also means not counted: with
                                      only_worse_than or around, if all measures have one sign */
     int64_t n_nonmanifold_facets; /* facets of more than two elements, whose nodes are fixed; 0 also
                                      means not counted, as for n_boundary_facets */
@@ -587,7 +591,7 @@ PLANISH_API void planish_plan_get_free(const planish_plan *plan, uint8_t *is_fre
 /** Why a node does not move, as bits: a node may have several reasons. */
 typedef enum planish_hold_reason {
     PLANISH_HELD_BOUNDARY = 1,     /* on a facet of one element */
-    PLANISH_HELD_FIXED = 2,        /* planish_mesh.constraint is PLANISH_FIXED */
+    PLANISH_HELD_FIXED = 2,        /* planish_mesh.constraint is PLANISH_CONSTRAINT_FIXED */
     PLANISH_HELD_PERIODIC = 4,     /* in a pair of planish_mesh.periodic */
     PLANISH_HELD_DOUBLED = 8,      /* at exactly the place of another node that is not inside the
                                       mesh; never the only reason */
@@ -634,8 +638,8 @@ typedef struct planish_spread {
  *  free or slides. */
 typedef struct planish_quality {
     int64_t n_elements;
-    int64_t inverted;  /* elements whose measure is not positive, decided exactly */
-    double min_volume; /* signed; areas in 2-D; infinite where no double holds it */
+    int64_t n_inverted; /* elements whose measure is not positive, decided exactly */
+    double min_volume;  /* signed; areas in 2-D; infinite where no double holds it */
     double max_volume;
     double total_volume; /* sum of the signed volumes; NaN if some of both signs are infinite */
     double rms_radius_ratio;
@@ -647,7 +651,7 @@ typedef struct planish_quality {
     double max_angle_deg;
     double max_radius_ratio_movable;     /* over elements with a movable node, */
     double min_angle_deg_movable;        /* over these; 0 without any */
-    int64_t n_fixed;                     /* elements all of whose nodes are fixed */
+    int64_t n_fixed_elements;            /* elements all of whose nodes are fixed */
     double fixed_rms_radius_ratio;       /* 0 where there is none */
     double fixed_max_radius_ratio;       /* the floor of max_radius_ratio with these nodes fixed */
     planish_spread radius_ratio;         /* R/(3r), R/(2r) in 2-D: 1 .. inf */
@@ -664,9 +668,10 @@ typedef struct planish_quality {
                                                        0, 5, .. 75; bins begin with their edge, and
                                                        what is below it by rounding counts there */
     int64_t angle_counts[PLANISH_ANGLE_BINS];
-    int64_t reversed; /* elements whose measure in the listed order of their nodes has, at these
-                         coordinates, the other sign than most elements' (planish_find_reversed);
-                         planish_plan_info.n_reversed compares orders of nodes instead */
+    int64_t n_reversed; /* elements whose measure in the listed order of their nodes has, at these
+                           coordinates, the other sign than most elements'
+                           (planish_find_reversed); planish_plan_info.n_negative_order compares
+                           orders of nodes instead */
     int64_t reserved[7];
 } planish_quality;
 
@@ -724,20 +729,20 @@ typedef struct planish_result {
     int untangling_sweeps;   /* those of them that did nothing but untangle, */
     int worst_sweeps;        /* and those for options.worst */
     int64_t visits;          /* local problems looked at */
-    int64_t moved_nodes;     /* nodes that are not where they were */
+    int64_t n_moved_nodes;   /* nodes that are not where they were */
     double max_displacement; /* the farthest of them, in units of the coordinates */
-    int64_t put_back;        /* times that a node went back to its start, because its elements had
+    int64_t n_put_back;      /* times that a node went back to its start, because its elements had
                                 a smaller angle than the mesh before; F may have risen there, but
                                 not above that at the start */
-    int64_t inverted;        /* elements not positive in doubles; planish_measure is exact */
+    int64_t n_inverted;      /* elements not positive in doubles; planish_measure is exact */
     double rms;              /* RMS of AR over the valid elements at the end */
     double rms_movable;      /* the same over those with a movable node */
     double min_volume; /* delta that was in force where the mesh has none of its own; 0: none */
-    int64_t below_min_volume;  /* elements below 0.997 of their minimum volume at the end */
-    int64_t held_outside;      /* movable nodes that started outside of their bounds: held */
-    double objective_before;   /* F over the valid elements at the start */
-    double objective;          /* and at the end */
-    double objective_of_worst; /* F when sweeps for options.worst began; 0: there were none */
+    int64_t n_below_min_volume; /* elements below 0.997 of their minimum volume at the end */
+    int64_t n_held_outside;     /* movable nodes that started outside of their bounds: held */
+    double objective_before;    /* F over the valid elements at the start */
+    double objective;           /* and at the end */
+    double objective_of_worst;  /* F when sweeps for options.worst began; 0: there were none */
     double worst_before; /* worst element with a movable node then, by options.worst: RR, degrees */
     double worst_after;  /* and at the end */
     int64_t evaluations; /* of the function of a star, with or without derivatives */
@@ -745,13 +750,13 @@ typedef struct planish_result {
        at the end, over the nodes whose stars are feasible; else 0. P is the projection of -grad f
        on the directions that no active constraint forbids, f the function of the node's star, h the
        star's size: |P| h / f is about the relative fall of f that a move by h still promises. */
-    double kkt_residual;   /* largest |P| h / f of a node; not a number if no star is feasible */
-    double kkt_rms;        /* root mean square of these */
-    double max_multiplier; /* largest Lagrange multiplier of a g = 1 - V/delta, in units of F */
-    int64_t n_active;      /* constraints with a multiplier, counted at each node */
-    double seconds;        /* wall time of the call */
-    int64_t not_enclosed;  /* elements that untangling has given up at once, in parts of the mesh
-                              whose boundary encloses no positive volume */
+    double kkt_residual;    /* largest |P| h / f of a node; not a number if no star is feasible */
+    double kkt_rms;         /* root mean square of these */
+    double max_multiplier;  /* largest Lagrange multiplier of a g = 1 - V/delta, in units of F */
+    int64_t n_active;       /* constraints with a multiplier, counted at each node */
+    double seconds;         /* wall time of the call */
+    int64_t n_not_enclosed; /* elements that untangling has given up at once, in parts of the mesh
+                                whose boundary encloses no positive volume */
     int64_t reserved[7];
 } planish_result;
 
@@ -804,10 +809,10 @@ PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *co
  * fixed, by more than 1e-9 of their measures (docs/algorithm.md). unfixable [n_elements] (may be
  * NULL) is filled with 0 or 1; *n counts the ones. Nothing is said of elements that are merely
  * hard, or that a plan with options.around does not know. Errors: _ARGUMENT, _MESH, _MEMORY. */
-PLANISH_API int planish_find_unfixable(const planish_plan *plan, const double *coordinates,
-                                       uint8_t *unfixable, int64_t *n, planish_error *error);
+PLANISH_API int planish_find_infeasible(const planish_plan *plan, const double *coordinates,
+                                        uint8_t *unfixable, int64_t *n, planish_error *error);
 
-/** Do the work of planish_check_volumes and of planish_find_unfixable until a limit ends the search
+/** Do the work of planish_check_volumes or planish_find_infeasible until a limit ends the search
  * for proofs, which takes long around nodes with thousands of elements. options (NULL: none of
  * these) has the limits: time_limit in seconds of this call, and progress, which is called 20 times
  * a second with a planish_progress that has nothing but elapsed; a result other than 0 ends the
@@ -815,15 +820,15 @@ PLANISH_API int planish_find_unfixable(const planish_plan *plan, const double *c
  * below their minimum volume (inverted elements) about which the search would have said more: their
  * state stays _BELOW (0), and all that is said of the others holds. Of a mesh in parts all
  * processes end the search, if one does. Arguments and errors besides: those of
- * planish_check_volumes and of planish_find_unfixable; n_undecided must not be NULL. */
+ * planish_check_volumes and of planish_find_infeasible; n_undecided must not be NULL. */
 PLANISH_API int planish_check_volumes_until(const planish_plan *plan, const double *coordinates,
                                             const planish_options *options, uint8_t *state,
                                             int64_t *n_below, int64_t *n_undecided,
                                             planish_error *error);
-PLANISH_API int planish_find_unfixable_until(const planish_plan *plan, const double *coordinates,
-                                             const planish_options *options, uint8_t *unfixable,
-                                             int64_t *n, int64_t *n_undecided,
-                                             planish_error *error);
+PLANISH_API int planish_find_infeasible_until(const planish_plan *plan, const double *coordinates,
+                                              const planish_options *options, uint8_t *unfixable,
+                                              int64_t *n, int64_t *n_undecided,
+                                              planish_error *error);
 
 #ifdef __cplusplus
 }

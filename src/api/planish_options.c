@@ -12,7 +12,7 @@ const char *planish_version(void) {
     return PLANISH_VERSION;
 }
 
-int planish_has(planish_feature feature) {
+int planish_has_feature(planish_feature feature) {
     switch (feature) {
 #ifdef _OPENMP
     case PLANISH_FEATURE_OPENMP:

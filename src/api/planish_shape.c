@@ -170,11 +170,11 @@ int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface
         return status;
     status = check_tags(mesh, surface, error);
     for (int64_t i = 0; !status && mesh->constraint && i < mesh->n_nodes; i++)
-        if (mesh->constraint[i] > PLANISH_ON_SURFACE)
+        if (mesh->constraint[i] > PLANISH_CONSTRAINT_ON_SURFACE)
             status = pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
                                 "mesh.constraint of node %" PRId64
                                 " is %d; give a planish_constraint, 0 to %d",
-                                i, mesh->constraint[i], PLANISH_ON_SURFACE);
+                                i, mesh->constraint[i], PLANISH_CONSTRAINT_ON_SURFACE);
     if (!status)
         status = pl_find_slides(&call.dense.mesh, surface, call.threads, constraint, direction,
                                 &found, error);

@@ -16,19 +16,19 @@ static void say_result(const planish_result *r) {
            "%s after %d sweeps, %d of them untangling: F %.6g -> %.6g, %" PRId64
            " nodes moved, %.3g s",
            stops[r->stop], r->sweeps, r->untangling_sweeps, r->objective_before, r->objective,
-           r->moved_nodes, r->seconds);
-    if (r->inverted > 0)
-        pl_log(PLANISH_LOG_NOTE, "%" PRId64 " elements are not positive", r->inverted);
-    if (r->below_min_volume > 0)
+           r->n_moved_nodes, r->seconds);
+    if (r->n_inverted > 0)
+        pl_log(PLANISH_LOG_NOTE, "%" PRId64 " elements are not positive", r->n_inverted);
+    if (r->n_below_min_volume > 0)
         pl_log(PLANISH_LOG_NOTE, "%" PRId64 " elements are below their minimum volume",
-               r->below_min_volume);
-    if (r->held_outside > 0)
+               r->n_below_min_volume);
+    if (r->n_held_outside > 0)
         pl_log(PLANISH_LOG_NOTE, "%" PRId64 " nodes started outside of their bounds and stay",
-               r->held_outside);
-    if (r->put_back > 0)
+               r->n_held_outside);
+    if (r->n_put_back > 0)
         pl_log(PLANISH_LOG_NOTE,
                "nodes were put back %" PRId64 " times, where angles had become too small",
-               r->put_back);
+               r->n_put_back);
 }
 
 int planish_smooth(planish_plan *plan, double *coordinates, const planish_options *options,

@@ -161,8 +161,8 @@ int planish_check_volumes(const planish_plan *plan, const double *coordinates,
     return find_elements(plan, coordinates, options, 1, state, n_below, NULL, error);
 }
 
-int planish_find_unfixable(const planish_plan *plan, const double *coordinates, uint8_t *unfixable,
-                           int64_t *n, planish_error *error) {
+int planish_find_infeasible(const planish_plan *plan, const double *coordinates, uint8_t *unfixable,
+                            int64_t *n, planish_error *error) {
     if (!n)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n must not be NULL");
     return find_elements(plan, coordinates, NULL, 0, unfixable, n, NULL, error);
@@ -176,9 +176,9 @@ int planish_check_volumes_until(const planish_plan *plan, const double *coordina
     return find_elements(plan, coordinates, options, 1, state, n_below, n_undecided, error);
 }
 
-int planish_find_unfixable_until(const planish_plan *plan, const double *coordinates,
-                                 const planish_options *options, uint8_t *unfixable, int64_t *n,
-                                 int64_t *n_undecided, planish_error *error) {
+int planish_find_infeasible_until(const planish_plan *plan, const double *coordinates,
+                                  const planish_options *options, uint8_t *unfixable, int64_t *n,
+                                  int64_t *n_undecided, planish_error *error) {
     if (!n || !n_undecided)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n and n_undecided must not be NULL");
     return find_elements(plan, coordinates, options, 0, unfixable, n, n_undecided, error);

@@ -108,7 +108,7 @@ int pl_parts_begin(int64_t n_nodes, planish_error *error) {
     const planish_part *part = context->part;
     int64_t n = 0;
     for (int64_t i = 0; part && i < n_nodes; i++)
-        n += part->node_role[i] == PLANISH_SHARED;
+        n += part->node_role[i] == PLANISH_ROLE_SHARED;
     if (!part)
         return PLANISH_OK;
     context->shared = pl_alloc(n, sizeof *context->shared);
@@ -116,7 +116,7 @@ int pl_parts_begin(int64_t n_nodes, planish_error *error) {
     if (!context->shared || !context->shared_values)
         return pl_fail_memory(error, "the shared nodes");
     for (int64_t i = 0; i < n_nodes; i++)
-        if (part->node_role[i] == PLANISH_SHARED)
+        if (part->node_role[i] == PLANISH_ROLE_SHARED)
             context->shared[context->n_shared++] = (int32_t)i;
     return PLANISH_OK;
 }
@@ -133,7 +133,7 @@ int64_t pl_parts_ghosts(int64_t n_nodes) {
     const planish_part *part = pl_part_here();
     int64_t n = 0;
     for (int64_t i = 0; part && i < n_nodes; i++)
-        n += part->node_role[i] == PLANISH_GHOST;
+        n += part->node_role[i] == PLANISH_ROLE_GHOST;
     return n;
 }
 

@@ -40,7 +40,7 @@ int pl_parts_any(int value);
 
 /** Whether this process is the one whose say counts for node: it is no ghost. */
 static inline int pl_is_own(const planish_part *part, int64_t node) {
-    return !part || part->node_role[node] != PLANISH_GHOST;
+    return !part || part->node_role[node] != PLANISH_ROLE_GHOST;
 }
 
 enum { PL_LARGEST_VALUE = 3 * sizeof(double) + 1 };

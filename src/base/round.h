@@ -12,7 +12,7 @@
 /** Format in which coordinates are stored. */
 typedef struct pl_storage {
     planish_precision precision;
-    planish_round_fn *round; /* with PLANISH_ROUNDED */
+    planish_round_fn *round; /* with PLANISH_PRECISION_ROUNDED */
     void *user;
 } pl_storage;
 
@@ -30,9 +30,10 @@ static inline int pl_is_same(double a, double b) {
 
 /** The value that will be stored in the place of value. */
 static inline double pl_store(const pl_storage *storage, double value) {
-    if (storage->precision == PLANISH_FLOAT)
+    if (storage->precision == PLANISH_PRECISION_FLOAT)
         return pl_round_to_float(value);
-    return storage->precision == PLANISH_ROUNDED ? storage->round(value, storage->user) : value;
+    return storage->precision == PLANISH_PRECISION_ROUNDED ? storage->round(value, storage->user)
+                                                           : value;
 }
 
 /** Storage that options ask for. */

@@ -83,7 +83,7 @@ int pl_run_put_back_angles(pl_run *r, planish_error *error) {
         return pl_fail_memory(error, "the states of the elements");
     for (int64_t i = 0, n = 1; i < ROUNDS && n > 0; i++) {
         n = put_back_bad(r, state);
-        r->result->put_back += n;
+        r->result->n_put_back += n;
     }
     pl_free(state);
     if (is_worse(r) || r->sums.below > r->sums_at_start.below || has_risen(r)) {
@@ -91,7 +91,7 @@ int pl_run_put_back_angles(pl_run *r, planish_error *error) {
         for (int64_t i = 0; i < r->plan->work.n_elements; i++)
             n += put_back_nodes(r, i);
         pl_parts_add(&n, 1);
-        r->result->put_back += n;
+        r->result->n_put_back += n;
         pl_run_measure(r);
     }
     return PLANISH_OK;

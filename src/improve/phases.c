@@ -116,7 +116,7 @@ static int measure(pl_run *r, planish_error *error) {
 /** Put back angles smaller than any of the mesh as it came, and sweep with that as a limit. */
 static int keep_angles(pl_run *r, planish_error *error) {
     const int status = pl_run_put_back_angles(r, error);
-    if (status || r->result->put_back == 0 || was_cut_short(r) ||
+    if (status || r->result->n_put_back == 0 || was_cut_short(r) ||
         !(r->limits_at_start.acuteness < INFINITY))
         return status;
     pl_run_prepare(r);

@@ -19,10 +19,10 @@ static int check_ranges(const planish_options *o, planish_error *error) {
         int value, last;
     } choices[] = {
         {"method", (int)o->method, PLANISH_METHOD_LENGTH_LAPLACIAN},
-        {"objective", (int)o->objective, PLANISH_EDGE_RATIO},
+        {"objective", (int)o->objective, PLANISH_OBJECTIVE_EDGE_RATIO},
         {"worst", (int)o->worst, PLANISH_WORST_ANGLE},
-        {"direction", (int)o->direction, PLANISH_FLETCHER_REEVES},
-        {"precision", (int)o->precision, PLANISH_ROUNDED},
+        {"direction", (int)o->search, PLANISH_SEARCH_FLETCHER_REEVES},
+        {"precision", (int)o->precision, PLANISH_PRECISION_ROUNDED},
         {"displacement_unit", (int)o->displacement_unit, PLANISH_UNIT_EDGE},
     };
     const struct {
@@ -66,9 +66,9 @@ int pl_options_check(const planish_options *options, planish_error *error) {
     if (options->worst != PLANISH_WORST_NONE && options->method != PLANISH_METHOD_PLANISH)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.worst is for the method PLANISH_METHOD_PLANISH alone");
-    if (options->precision == PLANISH_ROUNDED && !options->round)
+    if (options->precision == PLANISH_PRECISION_ROUNDED && !options->round)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.precision is PLANISH_ROUNDED: give options.round");
+                       "options.precision is PLANISH_PRECISION_ROUNDED: give options.round");
     if (options->min_volume > 0 && options->min_volume_fraction > 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.min_volume and min_volume_fraction are both set; give one of them");

@@ -126,7 +126,7 @@ static int begin_around(const planish_mesh *mesh, pl_draft *d, planish_error *er
     for (int64_t i = 0; i < 2 * mesh->n_periodic; i++) {
         const int64_t node = pl_subset_find_node(&subset, mesh->periodic[i]);
         if (node >= 0)
-            submesh->constraint[node] = PLANISH_FIXED;
+            submesh->constraint[node] = PLANISH_CONSTRAINT_FIXED;
     }
     return PLANISH_OK;
 }
@@ -176,7 +176,7 @@ static int narrow_to_bad(pl_draft *d, planish_error *error) {
     plan->all = &plan->whole;
     if (!d->whole_mobility || !plan->is_movable)
         return pl_fail_memory(error, "the subset of the mesh that is worked on");
-    plan->info.n_reversed = d->boundary.n_reversed;
+    plan->info.n_negative_order = d->boundary.n_reversed;
     return narrow(d, mesh, PL_SUBSET_OF_ALL, error);
 }
 

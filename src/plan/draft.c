@@ -54,13 +54,14 @@ static void mark_candidates(void *context, int64_t begin, int64_t end, int threa
         const int used = d->incidence.offset[i + 1] > d->incidence.offset[i];
         const int is_chosen = !d->is_selected || d->is_selected[i];
         const int is_paired = d->is_paired && d->is_paired[i];
-        const int of_caller = constraint ? constraint[i] : PLANISH_FREE;
+        const int of_caller = constraint ? constraint[i] : PLANISH_CONSTRAINT_FREE;
         d->plan->is_used[i] =
-            used ? (uint8_t)(PL_USED | (of_caller == PLANISH_FIXED ? PL_FIXED_BY_CALLER : 0) |
+            used ? (uint8_t)(PL_USED |
+                             (of_caller == PLANISH_CONSTRAINT_FIXED ? PL_FIXED_BY_CALLER : 0) |
                              (is_paired ? PL_IN_PAIR : 0) | (is_chosen ? 0 : PL_NOT_CHOSEN))
                  : 0;
         d->mobility[i] = used && pl_is_own(d->mesh->part, i) && is_chosen && !is_paired &&
-                         of_caller == PLANISH_FREE && !d->boundary.on_boundary[i];
+                         of_caller == PLANISH_CONSTRAINT_FREE && !d->boundary.on_boundary[i];
         unused += !used;
     }
     __atomic_fetch_add(&d->plan->info.n_unused, unused, __ATOMIC_RELAXED);
@@ -160,7 +161,7 @@ typedef struct arrangement {
 /** Group of ring r: within a colour, nodes that other processes wait for come first. */
 static int group_of(const arrangement *a, int64_t r) {
     const planish_part *part = a->part;
-    const int waits = !part || part->node_role[a->c->node[r]] != PLANISH_SHARED;
+    const int waits = !part || part->node_role[a->c->node[r]] != PLANISH_ROLE_SHARED;
     return 2 * a->c->colour[r] + waits;
 }
 
@@ -232,7 +233,7 @@ static int order_visits(const planish_plan *plan, const pl_periodic *periodic, p
 /* ---- nodes that slide --------------------------------------------------------------------- */
 
 static int may_slide(const planish_mesh *mesh, int64_t node) {
-    return mesh->constraint && mesh->constraint[node] >= PLANISH_ON_PLANE;
+    return mesh->constraint && mesh->constraint[node] >= PLANISH_CONSTRAINT_ON_PLANE;
 }
 
 /** Check how the nodes may move; count those that slide. */
@@ -242,13 +243,14 @@ static int check_constraints(const pl_draft *d, int64_t *n_sliding, planish_erro
     double unit[3];
     for (int64_t i = 0; mesh->constraint && i < mesh->n_nodes; i++) {
         const int constraint = mesh->constraint[i];
-        if (constraint > PLANISH_ON_SURFACE)
+        if (constraint > PLANISH_CONSTRAINT_ON_SURFACE)
             return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, pl_plan_node(plan, i),
                               "mesh.constraint of node %" PRId64
                               " is %d; give a planish_constraint, 0 to %d",
-                              pl_plan_node(plan, i), constraint, PLANISH_ON_SURFACE);
+                              pl_plan_node(plan, i), constraint, PLANISH_CONSTRAINT_ON_SURFACE);
         *n_sliding += may_slide(mesh, i);
-        if ((constraint == PLANISH_ON_PLANE || constraint == PLANISH_ON_LINE) &&
+        if ((constraint == PLANISH_CONSTRAINT_ON_PLANE ||
+             constraint == PLANISH_CONSTRAINT_ON_LINE) &&
             !(mesh->direction && pl_unit(mesh->dim, mesh->direction + i * mesh->dim, unit)))
             return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, pl_plan_node(plan, i),
                               "node %" PRId64
@@ -326,7 +328,7 @@ static void keep_slides(pl_draft *d) {
         pl_star_slide *slide = &plan->slide[s];
         *slide = (pl_star_slide){.kind = (planish_constraint)mesh->constraint[node],
                                  .node = (int32_t)pl_plan_node(plan, node)};
-        if (slide->kind != PLANISH_ON_SURFACE)
+        if (slide->kind != PLANISH_CONSTRAINT_ON_SURFACE)
             pl_unit(mesh->dim, mesh->direction + (int64_t)node * mesh->dim, slide->direction);
     }
 }

@@ -30,8 +30,8 @@ static int find_neighbours(const planish_plan *plan, const planish_mesh *mesh, p
         for (int64_t i = 0; i < mesh->n_elements * corners; i++) {
             const int32_t ghost = mesh->elements[i];
             const int32_t *node = mesh->elements + i / corners * corners;
-            for (int k = 0; role[ghost] == PLANISH_GHOST && k < corners; k++) {
-                if (role[node[k]] == PLANISH_GHOST)
+            for (int k = 0; role[ghost] == PLANISH_ROLE_GHOST && k < corners; k++) {
+                if (role[node[k]] == PLANISH_ROLE_GHOST)
                     continue;
                 if (pass == 1)
                     g->neighbour[g->offset[ghost]] = plan->inner[node[k]];

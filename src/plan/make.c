@@ -54,7 +54,7 @@ static void fill_info(planish_plan *plan, pl_draft *d) {
     if (plan->is_selective || plan->scope == PL_SUBSET_ALONE) /* in a subset nobody knows of them */
         info->n_unused = 0;
     if (plan->scope != PL_SUBSET_OF_ALL)
-        info->n_reversed = d->boundary.n_reversed;
+        info->n_negative_order = d->boundary.n_reversed;
     info->n_boundary_facets = d->boundary.n_boundary_facets;
     info->n_nonmanifold_facets = d->boundary.n_nonmanifold_facets;
     info->n_duplicate_elements = d->boundary.n_duplicate_elements;
@@ -66,7 +66,7 @@ static void fill_info(planish_plan *plan, pl_draft *d) {
     int64_t *const count[] = {&info->n_free,
                               &info->n_sliding,
                               &info->n_fixed_elements,
-                              &info->n_reversed,
+                              &info->n_negative_order,
                               &info->n_boundary_facets,
                               &info->n_nonmanifold_facets,
                               &info->n_duplicate_elements,

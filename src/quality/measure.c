@@ -265,11 +265,11 @@ static const double DEGREES = 57.295779513082320877; /* of a radian */
 
 static void fill_ratios(const pl_ratio_sums *basic, const pl_full_sums *full, planish_quality *q) {
     int64_t n_valid = basic->n_movable + basic->n_fixed;
-    q->inverted = basic->inverted;
+    q->n_inverted = basic->inverted;
     q->rms_radius_ratio = root_mean(basic->movable + basic->fixed, n_valid);
     q->rms_radius_ratio_movable = root_mean(basic->movable, basic->n_movable);
     q->fixed_rms_radius_ratio = root_mean(basic->fixed, basic->n_fixed);
-    q->n_fixed = full->count[PL_UNMOVABLE];
+    q->n_fixed_elements = full->count[PL_UNMOVABLE];
     q->worst_element = -1;
     if (n_valid == 0)
         return;
@@ -348,7 +348,7 @@ int pl_measure(const pl_view *view, const double *coordinates, int threads,
     for (int i = 0; i <= PLANISH_ANGLE_BINS; i++)
         q.angle_edges_deg[i] = PL_ANGLE_BIN_DEGREES * i;
     memcpy(q.angle_counts, full.count + PL_BY_ANGLE, sizeof q.angle_counts);
-    q.reversed = count_reversed(full.count[PL_POSITIVE], full.count[PL_NEGATIVE]);
+    q.n_reversed = count_reversed(full.count[PL_POSITIVE], full.count[PL_NEGATIVE]);
     if (n > 0) {
         q.min_volume = full.min[PL_VOLUME] + 0.0; /* one zero, not one of two */
         q.max_volume = full.max[PL_VOLUME] + 0.0;

@@ -148,8 +148,8 @@ static inline void add_element(const pl_objective_problem *problem, int64_t inde
         }
     }
     double aspect = radius;
-    if (problem->objective != PLANISH_RADIUS_RATIO) {
-        const double ratio = problem->objective == PLANISH_MEAN_RATIO
+    if (problem->objective != PLANISH_OBJECTIVE_RADIUS_RATIO) {
+        const double ratio = problem->objective == PLANISH_OBJECTIVE_MEAN_RATIO
                                  ? 1 / fabs(pl_mean_ratio(dim, x))
                                  : pl_smoothed_edge_ratio(dim, x);
         aspect = ratio * ratio;

@@ -56,24 +56,24 @@ static planish_constraint decide(const decision *d, int32_t node, const double *
     /* other sheets may touch at the node without sharing an edge there */
     int is_one_plane = d->planes && d->lines->n_ridges[node] == 0;
     if (d->is_fixed[s->node[node]])
-        return PLANISH_FIXED;
+        return PLANISH_CONSTRAINT_FIXED;
     for (int64_t i = begin; i < end; i++) {
         const pl_label *label = &s->label[s->facet_of[i]];
         if ((d->planes && plane_at(d, i) < 0) || (d->tagged_only && !label->is_tagged) ||
             label->n_elements > 2)
-            return PLANISH_FIXED;
+            return PLANISH_CONSTRAINT_FIXED;
         is_one_plane &= d->planes && plane_at(d, i) == plane_at(d, begin);
     }
     if (d->lines->of_node[node] >= 0) {
         if (!planes_hold_line(d, node))
-            return PLANISH_FIXED;
+            return PLANISH_CONSTRAINT_FIXED;
         *direction = d->lines->direction + 3 * (int64_t)d->lines->of_node[node];
-        return PLANISH_ON_LINE;
+        return PLANISH_CONSTRAINT_ON_LINE;
     }
     if (!is_one_plane)
-        return PLANISH_FIXED;
+        return PLANISH_CONSTRAINT_FIXED;
     *direction = d->planes->normal + 3 * (int64_t)plane_at(d, begin);
-    return PLANISH_ON_PLANE;
+    return PLANISH_CONSTRAINT_ON_PLANE;
 }
 
 /** Write constraints and directions: first the mesh's own, then those of its surface. Nothing can
@@ -83,7 +83,7 @@ static void write_outputs(const decision *d, const planish_mesh *mesh) {
     const int dim = s->dim;
     const size_t n = (size_t)mesh->n_nodes, size = n * (size_t)dim * sizeof *d->direction;
     if (!mesh->constraint)
-        memset(d->constraint, PLANISH_FREE, n);
+        memset(d->constraint, PLANISH_CONSTRAINT_FREE, n);
     else if (mesh->constraint != d->constraint)
         memcpy(d->constraint, mesh->constraint, n);
     if (!mesh->direction)
@@ -93,17 +93,17 @@ static void write_outputs(const decision *d, const planish_mesh *mesh) {
     for (int32_t node = 0; node < s->n_nodes; node++) {
         const int64_t i = s->node[node];
         const double *direction = NULL;
-        if (d->constraint[i] != PLANISH_FREE)
+        if (d->constraint[i] != PLANISH_CONSTRAINT_FREE)
             continue;
         d->constraint[i] = (uint8_t)decide(d, node, &direction);
-        d->info->n_on_plane += d->constraint[i] == PLANISH_ON_PLANE;
-        d->info->n_on_line += d->constraint[i] == PLANISH_ON_LINE;
+        d->info->n_on_plane += d->constraint[i] == PLANISH_CONSTRAINT_ON_PLANE;
+        d->info->n_on_line += d->constraint[i] == PLANISH_CONSTRAINT_ON_LINE;
         for (int k = 0; direction && k < dim; k++)
             d->direction[i * dim + k] = direction[k];
     }
     for (int64_t i = 0; i < mesh->n_nodes; i++)
-        if (d->is_fixed[i] && d->constraint[i] == PLANISH_FREE)
-            d->constraint[i] = PLANISH_FIXED;
+        if (d->is_fixed[i] && d->constraint[i] == PLANISH_CONSTRAINT_FREE)
+            d->constraint[i] = PLANISH_CONSTRAINT_FIXED;
 }
 
 /** Fix nodes of the surface at the place of another one. Parts of a mesh that were written side by

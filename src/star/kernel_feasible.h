@@ -82,7 +82,7 @@ static inline double *add_row(active *a, const double *gradient, const int dim) 
     double *row = a->rows[a->m++];
     for (int d = 0; d < ROW_LENGTH; d++)
         row[d] = d < dim ? gradient[d] : 0;
-    if (!a->slide || a->slide->kind == PLANISH_FREE)
+    if (!a->slide || a->slide->kind == PLANISH_CONSTRAINT_FREE)
         return row;
     slide_along(a->slide, row, dim);
     const int nothing = dot(row, row, dim) < SLIDE_NOTHING * SLIDE_NOTHING;
@@ -194,7 +194,7 @@ static inline int constrained_direction(const local *here, const double *x,
                                         const derivatives *derivative, double *direction,
                                         const int dim) {
     const double *gradient = derivative->gradient;
-    const int is_newton = here->kind == PLANISH_NEWTON;
+    const int is_newton = here->kind == PLANISH_SEARCH_NEWTON;
     factors f = {.pivot = {1, 1, 1}, .inverse = {1, 1, 1}};
     if (is_newton && !factorise_shifted(derivative->hessian, &f, dim))
         return 0;
@@ -418,7 +418,7 @@ static inline int lessen_shortfall(const local *here, const double *x, const obj
                 hessian[k] += steepness * steepness * n[r] * n[c];
         }
     }
-    if (here->slide.kind != PLANISH_FREE) {
+    if (here->slide.kind != PLANISH_CONSTRAINT_FREE) {
         slide_along(&here->slide, gradient, dim);
         slide_hessian(&here->slide, hessian, dim);
     }

@@ -25,12 +25,12 @@ PL_INLINE objective find_derivatives(local *here, const double *x, derivatives *
                                      const int dim) {
     ++*here->evaluations;
     const objective now = guarded_at(&here->s, &here->q, x, derivative, 1, dim);
-    if (here->slide.kind == PLANISH_FREE)
+    if (here->slide.kind == PLANISH_CONSTRAINT_FREE)
         return now;
     double place[3];
     for (int d = 0; d < dim; d++)
         place[d] = x[d] * here->s.unscale;
-    if (here->slide.of->kind == PLANISH_ON_SURFACE &&
+    if (here->slide.of->kind == PLANISH_CONSTRAINT_ON_SURFACE &&
         !slide_ask(here->problem, &here->slide, place, NULL, dim)) {
         for (int d = 0; d < dim; d++)
             derivative->gradient[d] = 0; /* no direction is downhill */
@@ -49,7 +49,7 @@ static inline int worth_a_step(const local *here, const double *x, const objecti
         return 0;
     if (is_of_worst(here->q.measure))
         return now->max > 1;
-    if (here->q.measure == PLANISH_RADIUS_RATIO || !(skip > 0))
+    if (here->q.measure == PLANISH_OBJECTIVE_RADIUS_RATIO || !(skip > 0))
         return now->max > skip;
     return value_at(&here->s, x, 1, dim).max > skip;
 }
@@ -62,7 +62,7 @@ static inline void move_to_trial(const trial *t, double *x, objective *now, cons
 }
 
 /** Take one step of cases 1 and 2 in a direction of this kind. */
-static inline int step_by(local *here, planish_direction kind, conjugate *memory, double *x,
+static inline int step_by(local *here, planish_search kind, conjugate *memory, double *x,
                           objective *now, const derivatives *derivative, const int dim) {
     double direction[3];
     trial best;
@@ -79,7 +79,7 @@ static inline int step_by(local *here, planish_direction kind, conjugate *memory
 /** Step until nothing improves or the steps are used up; returns how many steps were taken. */
 static inline int guarded_steps(local *here, double *x, objective *now, derivatives *derivative,
                                 const int dim) {
-    const planish_direction kind = here->problem->direction;
+    const planish_search kind = here->problem->search;
     conjugate memory = {{0, 0, 0}, 0};
     int moves = 0, wanted;
     do {
@@ -90,8 +90,8 @@ static inline int guarded_steps(local *here, double *x, objective *now, derivati
          * run into it: then that of steepest descent is tried. */
         conjugate none = {{0, 0, 0}, 0};
         if (!step_by(here, kind, &memory, x, now, derivative, dim) &&
-            !(kind == PLANISH_NEWTON && here->q.measure != PLANISH_RADIUS_RATIO &&
-              step_by(here, PLANISH_FLETCHER_REEVES, &none, x, now, derivative, dim)))
+            !(kind == PLANISH_SEARCH_NEWTON && here->q.measure != PLANISH_OBJECTIVE_RADIUS_RATIO &&
+              step_by(here, PLANISH_SEARCH_FLETCHER_REEVES, &none, x, now, derivative, dim)))
             break;
         /* With a weight of the volumes, the function is F's only next to where it was weighed. */
         const double fall = here->q.volume_weight > 0 ? 0 : before - now->sum;
@@ -113,7 +113,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
     here.alone = (flags & PL_TOLD) != 0;
     to_star(&here, place, x, dim);
     objective now = find_derivatives(&here, x, &derivative, dim);
-    if (here.slide.kind != PLANISH_FREE && !now.positive)
+    if (here.slide.kind != PLANISH_CONSTRAINT_FREE && !now.positive)
         return; /* no facet of the surface can fold over only while the elements are positive */
     double size2 = derivative.size2;
     int restored = 0; /* moves that bring violated elements up */

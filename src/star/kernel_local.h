@@ -28,9 +28,9 @@ typedef struct local {
     question q;
     bounds b;
     sliding slide;
-    planish_direction kind; /* of the direction under way */
-    int constrained;        /* constraints were active in the last step */
-    int alone;              /* nothing around has changed since the last visit */
+    planish_search kind; /* of the direction under way */
+    int constrained;     /* constraints were active in the last step */
+    int alone;           /* nothing around has changed since the last visit */
     int64_t *evaluations;
 } local;
 
@@ -67,7 +67,7 @@ PL_INLINE void local_init(local *here, const pl_star_problem *problem, int64_t i
                           const double *place, const int *exponent, double *scratch,
                           int64_t *evaluations, const int guarded, const int dim) {
     here->problem = problem;
-    here->kind = problem->direction;
+    here->kind = problem->search;
     here->evaluations = evaluations;
     here->constrained = here->alone = 0;
     here->s = gather(problem, index, place, exponent, scratch, guarded, dim);

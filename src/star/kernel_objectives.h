@@ -443,7 +443,7 @@ PL_INLINE void measure_at(const star *s, int64_t i, const lanes *x, aspect *a, c
 PL_INLINE void aspect_at(const star *s, int64_t i, const lanes *x, aspect *a, const question *q,
                          const int kind, const int derive, const int dim) {
     measure_at(s, i, x, a, dim);
-    if (kind == PLANISH_RADIUS_RATIO)
+    if (kind == PLANISH_OBJECTIVE_RADIUS_RATIO)
         radius_ratio(s, i, x, a, derive, dim);
     else if (kind == PL_WORST_RATIO)
         worst_ratio(s, i, x, a, q->inverse_limit, derive, dim);
@@ -451,7 +451,7 @@ PL_INLINE void aspect_at(const star *s, int64_t i, const lanes *x, aspect *a, co
         worst_angle_3d(s, i, x, a, lanes_of(q->inverse_limit), derive);
     else if (kind == PL_WORST_ANGLE)
         worst_angle_2d(s, i, x, a, lanes_of(q->inverse_limit), derive);
-    else if (kind == PLANISH_MEAN_RATIO)
+    else if (kind == PLANISH_OBJECTIVE_MEAN_RATIO)
         mean_ratio(s, i, x, a, derive, dim);
     else
         edge_ratio(s, i, x, a, derive, dim);
@@ -565,12 +565,12 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
 /** Sum as guarded_at does, inlined where derive and dim are constant. */
 PL_INLINE objective guarded_sums_of(const star *s, const question *q, const double *position,
                                     derivatives *out, const int derive, const int dim) {
-    if (q->measure == PLANISH_RADIUS_RATIO)
-        return guarded_sums(s, q, position, out, PLANISH_RADIUS_RATIO, derive, dim);
-    if (q->measure == PLANISH_MEAN_RATIO)
-        return guarded_sums(s, q, position, out, PLANISH_MEAN_RATIO, derive, dim);
-    if (q->measure == PLANISH_EDGE_RATIO)
-        return guarded_sums(s, q, position, out, PLANISH_EDGE_RATIO, derive, dim);
+    if (q->measure == PLANISH_OBJECTIVE_RADIUS_RATIO)
+        return guarded_sums(s, q, position, out, PLANISH_OBJECTIVE_RADIUS_RATIO, derive, dim);
+    if (q->measure == PLANISH_OBJECTIVE_MEAN_RATIO)
+        return guarded_sums(s, q, position, out, PLANISH_OBJECTIVE_MEAN_RATIO, derive, dim);
+    if (q->measure == PLANISH_OBJECTIVE_EDGE_RATIO)
+        return guarded_sums(s, q, position, out, PLANISH_OBJECTIVE_EDGE_RATIO, derive, dim);
     if (q->measure == PL_WORST_RATIO)
         return guarded_sums(s, q, position, out, PL_WORST_RATIO, derive, dim);
     return guarded_sums(s, q, position, out, PL_WORST_ANGLE, derive, dim);

@@ -21,16 +21,16 @@
 
 /** The directions that a node has, in the star's scale. */
 typedef struct sliding {
-    planish_constraint kind; /* PLANISH_FREE: all, and the rest is not set; _FIXED: none */
+    planish_constraint kind; /* _FREE: all, and the rest is not set; _FIXED: none */
     const pl_star_slide *of; /* the mesh's */
     double point[3];         /* on the plane or line */
     double direction[3];     /* unit normal of the plane, or along the line */
 } sliding;
 
-/** Set s to the plane, line or surface of the star's node; kind PLANISH_FREE: none. */
+/** Set s to the plane, line or surface of the star's node; kind PLANISH_CONSTRAINT_FREE: none. */
 static inline void sliding_init(sliding *s, const pl_star_problem *problem, int64_t index,
                                 double scale, const int dim) {
-    s->kind = PLANISH_FREE;
+    s->kind = PLANISH_CONSTRAINT_FREE;
     if (!problem->slide)
         return;
     s->of = &problem->slide[index];
@@ -46,7 +46,7 @@ static inline void slide_along(const sliding *s, double *v, const int dim) {
     const double along = dot(s->direction, v, dim);
     for (int d = 0; d < dim; d++) {
         const double part = s->direction[d] * along;
-        v[d] = s->kind == PLANISH_ON_LINE ? part : v[d] - part;
+        v[d] = s->kind == PLANISH_CONSTRAINT_ON_LINE ? part : v[d] - part;
     }
 }
 
@@ -77,7 +77,7 @@ static inline void slide_hessian(const sliding *s, double *hessian, const int di
 static inline int slide_ask(const pl_star_problem *problem, sliding *s, const double *x,
                             double *place, const int dim) {
     double at[3] = {0, 0, 0}, direction[3] = {0, 0, 0};
-    s->kind = PLANISH_FIXED;
+    s->kind = PLANISH_CONSTRAINT_FIXED;
     if (!problem->project)
         return 0;
     for (int d = 0; d < dim; d++)
@@ -94,9 +94,9 @@ static inline int slide_ask(const pl_star_problem *problem, sliding *s, const do
             direction[d] /= largest;
         length = sqrt(dot(direction, direction, dim));
     }
-    if ((s->kind != PLANISH_ON_PLANE && s->kind != PLANISH_ON_LINE) ||
+    if ((s->kind != PLANISH_CONSTRAINT_ON_PLANE && s->kind != PLANISH_CONSTRAINT_ON_LINE) ||
         !(length > 0 && length < INFINITY)) {
-        s->kind = PLANISH_FIXED;
+        s->kind = PLANISH_CONSTRAINT_FIXED;
         return 0;
     }
     for (int d = 0; d < dim; d++) {
@@ -111,9 +111,9 @@ static inline int slide_ask(const pl_star_problem *problem, sliding *s, const do
  *  nowhere. */
 static inline void slide_place(const pl_star_problem *problem, const sliding *s, const star *of,
                                double *position, const int dim) {
-    if (s->kind == PLANISH_FREE)
+    if (s->kind == PLANISH_CONSTRAINT_FREE)
         return;
-    if (s->of->kind == PLANISH_ON_SURFACE) {
+    if (s->of->kind == PLANISH_CONSTRAINT_ON_SURFACE) {
         sliding there = *s;
         double x[3];
         for (int d = 0; d < dim; d++)

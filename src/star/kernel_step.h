@@ -43,9 +43,8 @@ enum { STEP_BACKTRACKS = 10, STEP_EXPANSIONS = 60 };
 /** Steps of one visit, after one that brought fall of sum: one Newton step (more sweeps beat more
  *  steps) or two, but as many conjugate directions as there are coordinates, or they would never be
  *  conjugate. */
-static inline int steps_of_visit(planish_direction direction, double fall, double sum,
-                                 const int dim) {
-    if (direction != PLANISH_NEWTON)
+static inline int steps_of_visit(planish_search direction, double fall, double sum, const int dim) {
+    if (direction != PLANISH_SEARCH_NEWTON)
         return dim;
     return fall > STEP_AGAIN * sum ? 2 : 1;
 }
@@ -65,9 +64,9 @@ static inline void limit_length(double *direction, double size2, const int dim) 
 }
 
 /** Find a direction of descent; returns 0 if there is none. */
-static inline int find_direction(planish_direction kind, const derivatives *derivative,
+static inline int find_direction(planish_search kind, const derivatives *derivative,
                                  conjugate *memory, double *direction, const int dim) {
-    int found = kind == PLANISH_NEWTON
+    int found = kind == PLANISH_SEARCH_NEWTON
                     ? newton_direction(derivative->gradient, derivative->hessian, direction, dim)
                     : fletcher_reeves_direction(derivative->gradient, derivative->hessian,
                                                 derivative->size2, memory, direction, dim);
@@ -130,7 +129,7 @@ static inline void place_along(const local *here, const double *x0, const double
     }
     for (int d = 0; d < dim; d++) {
         double stored = position[d] * here->s.unscale;
-        if (storage->precision != PLANISH_DOUBLE)
+        if (storage->precision != PLANISH_PRECISION_DOUBLE)
             stored = pl_store(storage, stored);
         position[d] = stored * here->s.scale;
     }
@@ -153,7 +152,7 @@ static inline int within_limits(const local *here, const trial *t, const int gua
                                 const int dim) {
     const pl_star_limits *limits = &here->problem->limits;
     double max = t->value.max, error = t->value.error;
-    if (guarded && here->q.measure != PLANISH_RADIUS_RATIO) {
+    if (guarded && here->q.measure != PLANISH_OBJECTIVE_RADIUS_RATIO) {
         if (!(limits->rr2 < INFINITY))
             return 1;
         objective rr = value_at(&here->s, t->position, 1, dim);
@@ -225,7 +224,8 @@ static inline void expand(const local *here, const double *x0, const objective *
 static inline int search(const local *here, const double *x0, const objective *now,
                          const double *direction, double slope, trial *best, const int guarded,
                          const int dim) {
-    const int is_relaxed = here->kind == PLANISH_NEWTON && !here->constrained && !here->alone;
+    const int is_relaxed =
+        here->kind == PLANISH_SEARCH_NEWTON && !here->constrained && !here->alone;
     const int is_near = -slope < STEP_NEAR * now->sum && !(guarded && here->q.penalty > 0);
     double rate = limiting_rate(here, x0, direction, guarded, dim);
     double wanted = !is_relaxed ? 1 : is_near ? STEP_OVER_RELAXATION_NEAR : STEP_OVER_RELAXATION;

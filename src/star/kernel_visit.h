@@ -130,7 +130,7 @@ static inline double one_step(const local *here, int32_t node, pl_star_kept *kep
         check_scale(here, node, kept, &f);
         return 0;
     }
-    if (!find_direction(problem->direction, &derivative, memory, direction, dim))
+    if (!find_direction(problem->search, &derivative, memory, direction, dim))
         return 0;
     fall = step_along(here, now, &f, &derivative, direction, dim);
     if (kept && kept->sum == 0)
@@ -170,7 +170,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
         if (!(fall > 0))
             break;
         decrease += fall;
-        wanted = steps_of_visit(problem->direction, fall, now.sum, dim);
+        wanted = steps_of_visit(problem->search, fall, now.sum, dim);
     } while (++steps < wanted);
     if (!(decrease > 0))
         return;

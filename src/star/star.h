@@ -41,7 +41,7 @@ enum { PL_LANES = 4 };
 /** Measures of which only the worst count: the sum is of high powers of RR^2 / worst_limit, or, of
  *  all angles, of 1 / (sin^2 worst_limit). Stars without anything above the limit are left alone.
  */
-enum pl_star_worst { PL_WORST_RATIO = PLANISH_EDGE_RATIO + 1, PL_WORST_ANGLE };
+enum pl_star_worst { PL_WORST_RATIO = PLANISH_OBJECTIVE_EDGE_RATIO + 1, PL_WORST_ANGLE };
 
 /** Further input of the guarded kernel, which serves every objective, minimum volumes and bounds.
  *  The arrays over nodes are by inner numbers; any array may be NULL: nothing asked. */
@@ -80,7 +80,7 @@ typedef struct pl_star_untangling {
 
 /** Plane or line on which a node slides. */
 typedef struct pl_star_slide {
-    planish_constraint kind; /* PLANISH_ON_PLANE, _ON_LINE or _ON_SURFACE */
+    planish_constraint kind; /* PLANISH_CONSTRAINT_ON_PLANE, _ON_LINE or _ON_SURFACE */
     int32_t node;            /* its number, the caller's */
     double point[3];         /* of the plane or line: where the node was, */
     double direction[3];     /* and its unit normal, or direction */
@@ -119,7 +119,7 @@ typedef struct pl_star_problem {
     pl_link link;               /* of all stars, see pl_stars */
     uint8_t *changed;           /* [n_nodes] flags of the node's star, see PL_CHANGED */
     pl_star_kept *kept;         /* [n_stars], for Newton's direction without a guard; NULL: none */
-    planish_direction direction;
+    planish_search search;
     pl_star_limits limits;      /* a move that makes an element worse is refused */
     double still;               /* a move shorter than this fraction of the star's size changes
                                    nothing for the stars around, */

@@ -81,7 +81,7 @@ int pl_run_begin(pl_run *r, planish_error *error) {
      * the run compares them with these limits afterwards. */
     r->limits_at_start = pl_star_no_limits();
     if (o->method == PLANISH_METHOD_PLANISH && !(r->sums.inverted > 0) && !(r->sums.below > 0)) {
-        if (o->objective == PLANISH_RADIUS_RATIO && !(o->area_weight > 0))
+        if (o->objective == PLANISH_OBJECTIVE_RADIUS_RATIO && !(o->area_weight > 0))
             r->limits_at_start = pl_run_worst_limits(r, 1);
         else if (pl_run_has_followers(r))
             r->limits_at_start.rr2 = pl_run_worst_limits(r, 1).rr2;
@@ -136,7 +136,7 @@ static int transfer_out(const pl_run *r, planish_error *error) {
     r->result->max_displacement = t.farthest;
     pl_parts_add(&t.moved, 1);
     pl_parts_largest(&r->result->max_displacement, 1);
-    r->result->moved_nodes = t.moved;
+    r->result->n_moved_nodes = t.moved;
     const int status = pl_parts_check(error);
     t.writes = 1;
     if (!status && is_part)
@@ -156,12 +156,12 @@ int pl_run_end(pl_run *run, planish_error *error) {
         status = transfer_out(run, error);
     r->stop = run->stop;
     r->sweeps = run->sweep;
-    r->inverted = (int64_t)(run->sums.inverted + run->sums_of_fixed.inverted);
+    r->n_inverted = (int64_t)(run->sums.inverted + run->sums_of_fixed.inverted);
     r->rms = pl_rms_of_all(&run->sums);
     r->rms_movable = pl_rms_of_movable(&run->sums);
     r->min_volume = run->guard.min_volume;
-    r->below_min_volume = (int64_t)(run->sums.below + run->sums_of_fixed.below);
-    r->held_outside = run->guard.held_outside;
+    r->n_below_min_volume = (int64_t)(run->sums.below + run->sums_of_fixed.below);
+    r->n_held_outside = run->guard.held_outside;
     r->objective = pl_run_objective(run);
     r->seconds = pl_seconds() - run->start_seconds;
     return status;

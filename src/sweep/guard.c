@@ -302,8 +302,9 @@ int pl_guard_create(const planish_plan *plan, const planish_options *options,
         status = make_bounds(plan, options, coordinates, guard, error);
     if (status)
         pl_guard_destroy(guard);
-    guard->wanted = options->objective != PLANISH_RADIUS_RATIO || options->area_weight > 0 ||
-                    delta > 0 || plan->work.min_volume || guard->star.lower || guard->star.radius;
+    guard->wanted = options->objective != PLANISH_OBJECTIVE_RADIUS_RATIO ||
+                    options->area_weight > 0 || delta > 0 || plan->work.min_volume ||
+                    guard->star.lower || guard->star.radius;
     return status;
 }
 

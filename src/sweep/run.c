@@ -106,8 +106,8 @@ static planish_progress progress_of(const pl_run *r, int colour, int64_t visits)
         .rms = pl_rms_of_all(seen),
         .rms_movable = pl_rms_of_movable(seen),
         .objective = pl_objective_of_all(r->options, seen),
-        .inverted = (int64_t)(seen->inverted + r->sums_of_fixed.inverted),
-        .below_min_volume = (int64_t)(seen->below + r->sums_of_fixed.below),
+        .n_inverted = (int64_t)(seen->inverted + r->sums_of_fixed.inverted),
+        .n_below_min_volume = (int64_t)(seen->below + r->sums_of_fixed.below),
         .phase = r->shown && r->phase == PLANISH_PHASE_UNTANGLE ? PLANISH_PHASE_SMOOTH : r->phase,
         .visits = visits,
         .seconds = now - r->sweep_start,
@@ -171,14 +171,14 @@ void pl_run_prepare(pl_run *r) {
     const planish_plan *plan = r->plan;
     const double worse = r->options->only_worse_than;
     r->problem = pl_plan_problem(plan, &plan->interior);
-    r->problem.direction = r->options->direction;
+    r->problem.search = r->options->search;
     r->problem.limits.rr2 = pl_run_worst_limits(r, PL_LIMIT_MARGIN).rr2;
     /* In rings around bad elements good stars are meant, too. */
     r->problem.rr2_skip = plan->is_selective && r->options->rings > 0 ? 0 : worse * worse;
     r->problem.calm = plan->is_selective ? 0 : CALM * r->options->tolerance;
     r->problem.storage = pl_storage_of(r->options);
     r->problem.guard = r->guard.wanted ? &r->guard.star : NULL;
-    if (!r->guard.wanted && r->options->direction == PLANISH_NEWTON)
+    if (!r->guard.wanted && r->options->search == PLANISH_SEARCH_NEWTON)
         r->problem.kept = plan->kept;
     pl_run_begin_anew(r);
 }
@@ -188,7 +188,7 @@ pl_star_problem pl_run_sliding_problem(pl_run *r) {
     r->sliding_guard = r->guard.star;
     r->sliding_guard.link_min_volume = r->plan->sliding.stars.min_volume;
     problem.guard = &r->sliding_guard;
-    problem.direction = r->problem.direction;
+    problem.search = r->problem.search;
     problem.limits = r->problem.limits;
     problem.calm = r->problem.calm;
     problem.rr2_skip = r->problem.rr2_skip;
@@ -299,7 +299,8 @@ enum { SWEEPS_UNTIL_SLOW = 20 };
 void pl_run_sweeps(pl_run *r) {
     const double tolerance = r->options->tolerance;
     const int may_be_slow = r->plain && r->plan->interior.n_all > 0 &&
-                            r->options->direction == PLANISH_NEWTON && !(r->problem.rr2_skip > 0);
+                            r->options->search == PLANISH_SEARCH_NEWTON &&
+                            !(r->problem.rr2_skip > 0);
     pl_convergence calm = {{0}, 0};                           /* of sweeps that leave stars calm */
     pl_convergence trend = {{0}, 0};                          /* of all */
     int patience = may_be_slow ? SWEEPS_UNTIL_SLOW : INT_MAX; /* sweeps until a mesh is slow */

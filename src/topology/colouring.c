@@ -299,7 +299,7 @@ static void colour_graph(graph *g, int threads) {
     if (g->of_nodes)
         pl_parts_update(NULL, g->of_nodes, sizeof *g->of_nodes);
     for (int64_t i = 0; g->of_nodes && i < g->n_nodes; i++) { /* rings for ghosts that take part */
-        if (g->part->node_role[i] != PLANISH_GHOST || !g->of_nodes[i])
+        if (g->part->node_role[i] != PLANISH_ROLE_GHOST || !g->of_nodes[i])
             continue;
         g->ring_of[i] = (int32_t)g->n_all;
         g->ghost[g->n_all++ - n_rings] = (int32_t)i;

@@ -50,7 +50,7 @@ static int has_ghost(const planish_mesh *mesh, int64_t element) {
     const int32_t *node = mesh->elements + element * (mesh->dim + 1);
     int any = 0;
     for (int j = 0; j <= mesh->dim; j++)
-        any |= mesh->part->node_role[node[j]] == PLANISH_GHOST;
+        any |= mesh->part->node_role[node[j]] == PLANISH_ROLE_GHOST;
     return any;
 }
 

@@ -88,7 +88,8 @@ static double along(const groups *g, int32_t node) {
 static int move_alike(const planish_mesh *mesh, int32_t a, int32_t b) {
     const int dim = mesh->dim;
     double u[3], v[3], same = 0, opposite = 0;
-    if (mesh->constraint[a] != mesh->constraint[b] || mesh->constraint[a] == PLANISH_ON_SURFACE ||
+    if (mesh->constraint[a] != mesh->constraint[b] ||
+        mesh->constraint[a] == PLANISH_CONSTRAINT_ON_SURFACE ||
         !pl_unit(dim, mesh->direction + (int64_t)a * dim, u) ||
         !pl_unit(dim, mesh->direction + (int64_t)b * dim, v))
         return 0;

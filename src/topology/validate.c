@@ -143,23 +143,24 @@ int pl_check_part(const planish_mesh *mesh, planish_error *error) {
                               "mesh.part.node_number of node %" PRId64 " is %" PRId64
                               ", behind %" PRId64 "; give ascending numbers, below 2^32",
                               i, number, before);
-        if (part->node_role[i] > PLANISH_GHOST)
+        if (part->node_role[i] > PLANISH_ROLE_GHOST)
             return pl_fail_at(error, PLANISH_ERROR_MESH, -1, i,
                               "mesh.part.node_role of node %" PRId64
                               " is %d; give a planish_role, 0 to %d",
-                              i, part->node_role[i], PLANISH_GHOST);
+                              i, part->node_role[i], PLANISH_ROLE_GHOST);
     }
     /* A process shares the nodes next to its ghosts. */
     for (int64_t i = 0; i < mesh->n_elements; i++) {
-        int n[PLANISH_GHOST + 1] = {0};
+        int n[PLANISH_ROLE_GHOST + 1] = {0};
         for (int j = 0; j < corners; j++)
             n[part->node_role[mesh->elements[i * corners + j]]]++;
-        if (n[PLANISH_GHOST] == corners || (n[PLANISH_GHOST] > 0 && n[PLANISH_OWN] > 0))
-            return pl_fail_at(error, PLANISH_ERROR_MESH, i, -1,
-                              "element %" PRId64
-                              " of mesh.part has %s; nodes at a GHOST are SHARED "
-                              "or GHOSTs, not all of them GHOSTs",
-                              i, n[PLANISH_OWN] > 0 ? "both GHOST and OWN nodes" : "GHOSTs only");
+        if (n[PLANISH_ROLE_GHOST] == corners ||
+            (n[PLANISH_ROLE_GHOST] > 0 && n[PLANISH_ROLE_OWN] > 0))
+            return pl_fail_at(
+                error, PLANISH_ERROR_MESH, i, -1,
+                "element %" PRId64 " of mesh.part has %s; nodes at a GHOST are SHARED "
+                "or GHOSTs, not all of them GHOSTs",
+                i, n[PLANISH_ROLE_OWN] > 0 ? "both GHOST and OWN nodes" : "GHOSTs only");
     }
     return PLANISH_OK;
 }

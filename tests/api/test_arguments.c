@@ -34,8 +34,8 @@ static void nothing_is_an_argument(void **state) {
                             planish_measure_mesh(&box.mesh, NULL, NULL, NULL),
                             planish_check_volumes(NULL, x, NULL, NULL, &n, NULL),
                             planish_check_volumes(plan, x, NULL, NULL, NULL, NULL),
-                            planish_find_unfixable(NULL, x, NULL, &n, NULL),
-                            planish_find_unfixable(plan, NULL, NULL, &n, NULL),
+                            planish_find_infeasible(NULL, x, NULL, &n, NULL),
+                            planish_find_infeasible(plan, NULL, NULL, &n, NULL),
                             planish_find_slides(NULL, NULL, 1, NULL, NULL, NULL, NULL),
                             planish_find_slides(&box.mesh, NULL, 1, NULL, x, NULL, NULL)};
     for (size_t i = 0; i < sizeof refusals / sizeof refusals[0]; i++)
@@ -76,9 +76,9 @@ SPOIL(method_large, method = (planish_method)4)
 SPOIL(method_small, method = (planish_method)-1)
 SPOIL(objective_large, objective = (planish_objective)3)
 SPOIL(objective_small, objective = (planish_objective)-1)
-SPOIL(direction_large, direction = (planish_direction)2)
+SPOIL(search_large, search = (planish_search)2)
 SPOIL(precision_large, precision = (planish_precision)3)
-SPOIL(precision_without_round, precision = PLANISH_ROUNDED)
+SPOIL(precision_without_round, precision = PLANISH_PRECISION_ROUNDED)
 SPOIL(unit_large, displacement_unit = (planish_length_unit)2)
 SPOIL(volume_negative, min_volume = -1)
 SPOIL(volume_nan, min_volume = NAN)
@@ -120,7 +120,7 @@ static void wrong_options_are_refused(void **state) {
         {"method", BY_SMOOTH, method_small},
         {"objective", BY_SMOOTH, objective_large},
         {"objective", BY_SMOOTH, objective_small},
-        {"direction", BY_SMOOTH, direction_large},
+        {"direction", BY_SMOOTH, search_large},
         {"precision", BY_SMOOTH, precision_large},
         {"round", BY_SMOOTH, precision_without_round},
         {"unit", BY_SMOOTH, unit_large},
@@ -199,13 +199,13 @@ static void defaults_are_as_documented(void **state) {
     planish_options_init(&o);
     assert_int_equal(o.struct_size, sizeof o);
     assert_true(o.threads == 0 && o.bind == 0 && o.isa == PLANISH_ISA_AUTO);
-    assert_true(o.method == PLANISH_METHOD_PLANISH && o.objective == PLANISH_RADIUS_RATIO &&
-                o.direction == PLANISH_NEWTON);
+    assert_true(o.method == PLANISH_METHOD_PLANISH &&
+                o.objective == PLANISH_OBJECTIVE_RADIUS_RATIO && o.search == PLANISH_SEARCH_NEWTON);
     assert_true(o.min_volume == 0 && o.min_volume_fraction == 0 && o.area_weight == 0);
     assert_true(!o.lower && !o.upper && o.max_displacement == 0);
     for (int d = 0; d < 3; d++)
         assert_true(o.box_lower[d] == -INFINITY && o.box_upper[d] == INFINITY);
-    assert_true(o.precision == PLANISH_DOUBLE && o.untangle);
+    assert_true(o.precision == PLANISH_PRECISION_DOUBLE && o.untangle);
     assert_true(o.worst == PLANISH_WORST_NONE && o.worst_rise == 0.01);
     assert_true(o.max_sweeps == 200 && o.tolerance == 1e-5 && o.time_limit == 0);
     assert_true(o.only_worse_than == 0 && o.rings == 0 && o.n_around == 0 && !o.around);

@@ -164,7 +164,7 @@ static void solve_in_all(test_wish wish, int dim, int exponent) {
     test_problem_scale(&p, exponent);
     test_arithmetic_reset();
     test_outcome usual = test_problem_solve(&p);
-    assert_true(exponent || usual.result.moved_nodes > 0);
+    assert_true(exponent || usual.result.n_moved_nodes > 0);
     int turn = (int)wish;
     for (const test_arithmetic *a = test_arithmetics; a->name; a++, turn++)
         for (int t = 0; t < TEAMS; t++)

@@ -133,7 +133,7 @@ static int check_bounds(const test_mesh *mesh, const planish_options *options, c
             reached += far > 0.9999 * most;
         }
     }
-    assert_int_equal(s->result.held_outside, held);
+    assert_int_equal(s->result.n_held_outside, held);
     return reached;
 }
 
@@ -149,8 +149,8 @@ static void bounds_are_kept(void **state) {
             bounded b = set_bounds(&mesh, kind, &options);
             options.method = i % 4 < 2 ? PLANISH_METHOD_PLANISH : (planish_method)(1 + i % 3);
             options.objective = (planish_objective)(i / 2 % 3);
-            options.direction = (planish_direction)(i % 2);
-            options.precision = i / 12 ? PLANISH_FLOAT : PLANISH_DOUBLE;
+            options.search = (planish_search)(i % 2);
+            options.precision = i / 12 ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE;
             options.min_volume = i % 3 ? 0 : 0.5 * test_regular_volume(dim);
             s = test_smooth(&mesh.mesh, &options);
             reached += check_bounds(&mesh, &options, &s);
@@ -172,8 +172,8 @@ static void compare(const planish_mesh *mesh, const test_run *a, const test_run 
     assert_true(a->result.max_multiplier == b->result.max_multiplier);
     assert_int_equal(a->result.n_active, b->result.n_active);
     assert_int_equal(a->result.evaluations, b->result.evaluations);
-    assert_int_equal(a->result.below_min_volume, b->result.below_min_volume);
-    assert_int_equal(a->result.held_outside, b->result.held_outside);
+    assert_int_equal(a->result.n_below_min_volume, b->result.n_below_min_volume);
+    assert_int_equal(a->result.n_held_outside, b->result.n_held_outside);
 }
 
 static void compare_teams(const test_mesh *mesh, planish_options options) {
@@ -182,7 +182,7 @@ static void compare_teams(const test_mesh *mesh, planish_options options) {
     test_run first, other;
     options.isa = PLANISH_ISA_PLAIN;
     first = test_smooth(&mesh->mesh, &options);
-    assert_true(first.result.moved_nodes > 0);
+    assert_true(first.result.n_moved_nodes > 0);
     for (int i = 0; i < 3; i++) {
         options.threads = threads[i];
         options.isa = test_has_isa(&mesh->mesh, isas[i]) ? isas[i] : PLANISH_ISA_AUTO;
@@ -205,7 +205,7 @@ static void bits_do_not_depend_on_threads_or_kernel(void **state) {
                 bounded b = set_bounds(&mesh, kind, &options);
                 options.method = (planish_method)method;
                 options.objective = (planish_objective)((objective + kind) % 3);
-                options.direction = (planish_direction)(kind % 2);
+                options.search = (planish_search)(kind % 2);
                 options.area_weight = kind % 3 == 1 ? 0.3 : 0;
                 options.min_volume = 0.6 * test_regular_volume(dim);
                 options.max_sweeps = 3;
@@ -319,7 +319,7 @@ static void a_largest_displacement_holds_at_every_size(void **state) {
         }
         assert_true(farthest > 0 && farthest <= 0.25);
         assert_true(fabs(ldexp(result.max_displacement, -exponents[k]) - farthest) < 1e-14);
-        moved[k] = result.moved_nodes;
+        moved[k] = result.n_moved_nodes;
         assert_int_equal(moved[k], moved[0]);
         planish_plan_destroy(plan);
         free(x);

@@ -126,7 +126,7 @@ static planish_constraint project(int64_t node, double *point, double *direction
     point[1] -= off;
     memset(direction, 0, (size_t)s->mesh.dim * sizeof *direction);
     direction[0] = direction[1] = 1;
-    return PLANISH_ON_PLANE;
+    return PLANISH_CONSTRAINT_ON_PLANE;
 }
 
 static void slide(subject *s) {
@@ -204,10 +204,11 @@ static const struct {
 };
 
 static void set_objective(planish_options *options, unsigned how) {
-    options->direction = how & FLETCHER_REEVES ? PLANISH_FLETCHER_REEVES : PLANISH_NEWTON;
-    options->objective = how & MEAN_RATIO   ? PLANISH_MEAN_RATIO
-                         : how & EDGE_RATIO ? PLANISH_EDGE_RATIO
-                                            : PLANISH_RADIUS_RATIO;
+    options->search =
+        how & FLETCHER_REEVES ? PLANISH_SEARCH_FLETCHER_REEVES : PLANISH_SEARCH_NEWTON;
+    options->objective = how & MEAN_RATIO   ? PLANISH_OBJECTIVE_MEAN_RATIO
+                         : how & EDGE_RATIO ? PLANISH_OBJECTIVE_EDGE_RATIO
+                                            : PLANISH_OBJECTIVE_RADIUS_RATIO;
     options->worst = how & WORST         ? PLANISH_WORST_RADIUS_RATIO
                      : how & WORST_ANGLE ? PLANISH_WORST_ANGLE
                                          : PLANISH_WORST_NONE;
@@ -249,9 +250,9 @@ static int set_way(subject *s, unsigned how, planish_options *options) {
     if (how & MIN_VOLUMES)
         s->mesh.min_volume = s->min_volume;
     if (how & FLOATS)
-        options->precision = PLANISH_FLOAT;
+        options->precision = PLANISH_PRECISION_FLOAT;
     if (how & ROUNDED) {
-        options->precision = PLANISH_ROUNDED;
+        options->precision = PLANISH_PRECISION_ROUNDED;
         options->round = to_hundredths;
     }
     if (how & (SELECT | SELECT_LATER))
@@ -275,8 +276,9 @@ static int set_way(subject *s, unsigned how, planish_options *options) {
 /** Turn the nodes that slide on planes into those of a surface. */
 static void to_surface(subject *s, uint8_t *constraint) {
     for (int64_t i = 0; i < s->mesh.n_nodes; i++)
-        constraint[i] =
-            s->constraint[i] == PLANISH_FREE && i % 4 == 0 ? PLANISH_ON_SURFACE : s->constraint[i];
+        constraint[i] = s->constraint[i] == PLANISH_CONSTRAINT_FREE && i % 4 == 0
+                            ? PLANISH_CONSTRAINT_ON_SURFACE
+                            : s->constraint[i];
     s->mesh.constraint = constraint;
 }
 
@@ -288,10 +290,10 @@ static uint64_t hash_result(const planish_result *r) {
                              r->min_volume,       r->objective,   r->objective_before,
                              r->worst_before,     r->worst_after, r->objective_of_worst,
                              r->kkt_residual,     r->kkt_rms,     r->max_multiplier};
-    const int64_t counts[] = {(int64_t)r->stop, r->sweeps,      r->untangling_sweeps,
-                              r->worst_sweeps,  r->visits,      r->moved_nodes,
-                              r->put_back,      r->inverted,    r->below_min_volume,
-                              r->held_outside,  r->evaluations, r->n_active};
+    const int64_t counts[] = {(int64_t)r->stop,  r->sweeps,      r->untangling_sweeps,
+                              r->worst_sweeps,   r->visits,      r->n_moved_nodes,
+                              r->n_put_back,     r->n_inverted,  r->n_below_min_volume,
+                              r->n_held_outside, r->evaluations, r->n_active};
     uint64_t hash = 0xcbf29ce484222325u, word;
     for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
         const double value = isnan(values[i]) ? -1 : values[i]; /* NaNs have many forms */

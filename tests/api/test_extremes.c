@@ -61,8 +61,8 @@ static void what_cannot_be_met_destroys_nothing(void **state) {
     mesh.mesh.min_volume = least;
     start(&w, &mesh.mesh);
     smooth(&w, &result, &quality);
-    assert_int_equal(quality.inverted, 0);
-    assert_true(dim == 2 || result.below_min_volume > 0);
+    assert_int_equal(quality.n_inverted, 0);
+    assert_true(dim == 2 || result.n_below_min_volume > 0);
     assert_true(quality.max_radius_ratio < 5000 && result.objective < 200);
     finish(&w);
     free(least);
@@ -86,9 +86,9 @@ static void elements_next_to_nothing_stay_positive(void **state) {
         mesh.mesh.min_volume = least;
         start(&w, &mesh.mesh);
         assert_int_equal(planish_measure(w.plan, w.coordinates, &quality, NULL), 0);
-        assert_int_equal(quality.inverted, 0);
+        assert_int_equal(quality.n_inverted, 0);
         smooth(&w, &result, &quality);
-        assert_int_equal(quality.inverted, 0);
+        assert_int_equal(quality.n_inverted, 0);
         finish(&w);
         free(least);
         test_mesh_destroy(&mesh);
@@ -114,10 +114,11 @@ static void any_delta_has_a_meaning(void **state) {
                                  PLANISH_ERROR_ARGUMENT); /* g^2 of 1e60 and more */
             } else {
                 smooth(&w, &result, &quality);
-                assert_int_equal(quality.inverted, 0);
+                assert_int_equal(quality.n_inverted, 0);
                 assert_true(isfinite(result.objective));
                 assert_true(isfinite(result.kkt_rms) == (deltas[i] < 1));
-                assert_int_equal(result.below_min_volume, deltas[i] > 1 ? mesh.mesh.n_elements : 0);
+                assert_int_equal(result.n_below_min_volume,
+                                 deltas[i] > 1 ? mesh.mesh.n_elements : 0);
                 if (deltas[i] < 1)
                     assert_true(quality.rms_radius_ratio < (dim == 3 ? 1.4 : 1.21));
             }
@@ -177,7 +178,7 @@ static void averages_have_no_size(void **state) {
             w.options.max_sweeps = other.options.max_sweeps = 3;
             smooth(&w, &result, &quality);
             smooth(&other, &result, &quality);
-            assert_true(result.moved_nodes > 0);
+            assert_true(result.n_moved_nodes > 0);
             for (size_t i = 0; i < w.size / sizeof(double); i++)
                 assert_true(other.coordinates[i] == ldexp(w.coordinates[i], exponent));
             finish(&w);
@@ -203,8 +204,8 @@ static void averages_do_not_care_for_volumes(void **state) {
         with.options.min_volume = 1; /* more than any has */
         smooth(&w, &result, &quality);
         smooth(&with, &result, &quality);
-        assert_true(result.moved_nodes > 0);
-        assert_int_equal(result.below_min_volume, mesh.mesh.n_elements);
+        assert_true(result.n_moved_nodes > 0);
+        assert_int_equal(result.n_below_min_volume, mesh.mesh.n_elements);
         assert_memory_equal(w.coordinates, with.coordinates, w.size);
         finish(&w);
         finish(&with);

@@ -80,7 +80,7 @@ static void measure(const test_world *w, faults *f, const planish_plan *plan, co
     free(ratio);
 }
 
-/** planish_check_volumes and planish_find_unfixable. */
+/** planish_check_volumes and planish_find_infeasible. */
 static void check(const test_world *w, faults *f, const planish_options *options,
                   const planish_plan *plan, const double *x) {
     const size_t n = (size_t)w->mesh.n_elements;
@@ -98,7 +98,7 @@ static void check(const test_world *w, faults *f, const planish_options *options
     count = -1;
     do {
         faults_mark(state, n);
-        status = planish_find_unfixable(plan, x, state, &count, &error);
+        status = planish_find_infeasible(plan, x, state, &count, &error);
         assert_true(!status || (faults_is_marked(state, n) && count == -1));
     } while (faults_refused(f, status, &error));
     faults_add(f, state, n);

@@ -105,10 +105,10 @@ static void compare_before(const pair *t) {
     expect_equal(t, "n_fixed_elements", a->n_fixed_elements, b->n_fixed_elements);
     if (t->wish != WISH_ONLY_WORSE && t->wish != WISH_AROUND) /* counted there only if needed */
         expect_equal(t, "n_boundary_facets", a->n_boundary_facets, b->n_boundary_facets);
-    expect_equal(t, "n_fixed", p->n_fixed, q->n_fixed);
+    expect_equal(t, "n_fixed", p->n_fixed_elements, q->n_fixed_elements);
     if (t->form->kind > FORM_SHIFTED && t->wish == WISH_HOPELESS)
         return; /* flat elements, and proofs that need more than rounding */
-    expect_equal(t, "inverted", p->inverted, q->inverted);
+    expect_equal(t, "inverted", p->n_inverted, q->n_inverted);
     if (t->wish == WISH_HOPELESS) /* which ones of several proofs: that hangs on their order */
         expect_equal(t, "anything unfixable", t->a.unfixable > 0, t->b.unfixable > 0);
     else
@@ -129,14 +129,14 @@ static int asks_for_volumes(test_wish wish) {
 static double compare_after(const pair *t) {
     const planish_quality *before = &t->b.before, *q = &t->b.after;
     if (t->wish == WISH_HOPELESS) {
-        assert_true(q->inverted <= before->inverted);
+        assert_true(q->n_inverted <= before->n_inverted);
         return 0;
     }
-    expect_equal(t, "inverted in the end", t->a.after.inverted, q->inverted);
+    expect_equal(t, "inverted in the end", t->a.after.n_inverted, q->n_inverted);
     expect_equal(t, "below minimum volumes", t->a.below > 0, t->b.below > 0);
     expect_near(t, "the objective", t->a.result.objective, t->b.result.objective, APART);
     const int may_be_worse = t->wish >= WISH_LAPLACIAN || asks_for_volumes(t->wish);
-    if (before->inverted == 0 && !may_be_worse && q->max_radius_ratio > before->max_radius_ratio)
+    if (before->n_inverted == 0 && !may_be_worse && q->max_radius_ratio > before->max_radius_ratio)
         differ(t, "the worst", before->max_radius_ratio, q->max_radius_ratio);
     return fabs(t->b.result.objective / t->a.result.objective - 1);
 }

@@ -70,7 +70,7 @@ static void f_never_rises(void **state) {
                 planish_options options = test_options(1);
                 options.objective = (planish_objective)objective;
                 options.area_weight = 0.5 * weight;
-                options.direction = (planish_direction)direction;
+                options.search = (planish_search)direction;
                 options.min_volume = 0.75 * test_regular_volume(dim);
                 options.progress = f_falls;
                 options.progress_user = &w;
@@ -99,7 +99,7 @@ static void fewer_are_below_whenever_it_ends(void **state) {
             s = test_smooth(&mesh.mesh, &options);
             const int64_t after = count_below(&mesh.mesh, s.coordinates, options.min_volume);
             assert_true(after <= before);
-            n_back += s.result.moved_nodes == 0;
+            n_back += s.result.n_moved_nodes == 0;
             free(s.coordinates);
             test_mesh_destroy(&mesh);
         }
@@ -164,7 +164,7 @@ static void minimum_volumes_are_reached(void **state) {
             assert_true(check_volumes(&mesh.mesh, mesh.coordinates, &options, NULL) > 0);
             s = test_smooth(&mesh.mesh, &options);
             assert_int_equal(s.result.stop, PLANISH_STOP_CONVERGED);
-            assert_int_equal(s.result.below_min_volume, 0);
+            assert_int_equal(s.result.n_below_min_volume, 0);
             assert_int_equal(count_below(&mesh.mesh, s.coordinates, volume), 0);
             assert_int_equal(check_volumes(&mesh.mesh, s.coordinates, &options, NULL), 0);
             assert_true(fabs(s.result.min_volume - (kind == OWN ? 0 : volume)) < 1e-12 * volume);
@@ -216,7 +216,7 @@ static void fixed_elements_are_infeasible(void **state) {
         assert_int_equal(found[i], own[i] > 0 ? PLANISH_VOLUME_INFEASIBLE : PLANISH_VOLUME_MET);
     s = test_smooth(&mesh.mesh, &options);
     assert_int_equal(s.result.stop, PLANISH_STOP_INFEASIBLE);
-    assert_int_equal(s.result.below_min_volume, n_fixed);
+    assert_int_equal(s.result.n_below_min_volume, n_fixed);
     assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
     free(found);
     free(own);
@@ -239,7 +239,7 @@ static void crowded_stars_are_infeasible(void **state) {
         assert_int_not_equal(found[i], PLANISH_VOLUME_INFEASIBLE);
     s = test_smooth(&mesh.mesh, &options);
     assert_int_equal(s.result.stop, PLANISH_STOP_CONVERGED);
-    assert_int_equal(s.result.below_min_volume, 0);
+    assert_int_equal(s.result.n_below_min_volume, 0);
     free(s.coordinates);
 
     options.min_volume = 1.1 * test_regular_volume(dim);
@@ -304,8 +304,8 @@ static void tangled_boxes_become_valid(void **state) {
             options.objective = (planish_objective)objective;
             options.min_volume = 0.2 * test_regular_volume(dim);
             s = test_smooth(&mesh.mesh, &options);
-            assert_true(s.before.inverted > 0);
-            assert_int_equal(s.after.inverted, 0);
+            assert_true(s.before.n_inverted > 0);
+            assert_int_equal(s.after.n_inverted, 0);
             assert_int_equal(count_below(&mesh.mesh, s.coordinates, options.min_volume), 0);
             free(s.coordinates);
             test_mesh_destroy(&mesh);
@@ -322,20 +322,20 @@ static void nothing_becomes_worse(void **state) {
         planish_options options = test_options(1);
         test_bad_box(&mesh, dim, dim == 3 ? 4 : 8, seed);
         options.objective = (planish_objective)(seed % 3);
-        options.direction = (planish_direction)(seed / 3 % 2);
+        options.search = (planish_search)(seed / 3 % 2);
         options.min_volume = 0.3 * (seed / 6 % 3) * test_regular_volume(dim);
         options.area_weight = options.min_volume > 0 ? 0.5 * (seed / 18) : 0;
-        options.precision = seed % 5 == 0 ? PLANISH_FLOAT : PLANISH_DOUBLE;
+        options.precision = seed % 5 == 0 ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE;
         for (int64_t i = 0; i < mesh.mesh.n_nodes * dim; i++)
             mesh.coordinates[i] = (double)(float)mesh.coordinates[i];
         s = test_smooth(&mesh.mesh, &options);
-        assert_int_equal(s.before.inverted, 0);
-        assert_int_equal(s.after.inverted, 0);
+        assert_int_equal(s.before.n_inverted, 0);
+        assert_int_equal(s.after.n_inverted, 0);
         if (count_below(&mesh.mesh, mesh.coordinates, options.min_volume) == 0) {
             assert_true(s.after.max_radius_ratio <= s.before.max_radius_ratio);
             limited++;
         }
-        assert_true(s.result.moved_nodes > 0);
+        assert_true(s.result.n_moved_nodes > 0);
         for (int64_t i = 0; seed % 5 == 0 && i < mesh.mesh.n_nodes * dim; i++)
             assert_true(s.coordinates[i] == (double)(float)s.coordinates[i]);
         free(s.coordinates);
@@ -361,8 +361,8 @@ static void an_inverted_star_excuses_nobody(void **state) {
         options.objective = (planish_objective)objective;
         options.untangle = 0;
         s = test_smooth(&mesh.mesh, &options);
-        assert_true(s.before.inverted > 0);
-        assert_int_equal(s.after.inverted, s.before.inverted);
+        assert_true(s.before.n_inverted > 0);
+        assert_int_equal(s.after.n_inverted, s.before.n_inverted);
         assert_true(s.after.max_radius_ratio <= s.before.max_radius_ratio);
         free(s.coordinates);
         test_mesh_destroy(&mesh);
@@ -386,7 +386,7 @@ static void optimality_is_reported(void **state) {
         own[i] = (i % 11 == 5 ? 1.15 : 0.1) * test_regular_volume(dim);
     mesh.mesh.min_volume = own;
     for (int direction = 0; direction < 2; direction++) {
-        options.direction = (planish_direction)direction;
+        options.search = (planish_search)direction;
         options.tolerance = 1e-10;
         options.max_sweeps = 2000;
         s = test_smooth(&mesh.mesh, &options);
@@ -504,7 +504,7 @@ static void none_comes_below(void **state) {
         test_bad_box(&box, dim, 6, (unsigned)i);
         options.untangle = 0;
         options.min_volume = 0.95 * test_regular_volume(dim);
-        options.precision = PLANISH_ROUNDED;
+        options.precision = PLANISH_PRECISION_ROUNDED;
         options.round = to_multiple;
         options.round_user = &unit;
         s = test_smooth(&box.mesh, &options);
@@ -519,7 +519,7 @@ static void none_comes_below(void **state) {
             assert_true(before[k] != PLANISH_VOLUME_MET || after[k] == PLANISH_VOLUME_MET);
             kept += before[k] != PLANISH_VOLUME_MET;
         }
-        moved += s.result.moved_nodes;
+        moved += s.result.n_moved_nodes;
         planish_plan_destroy(plan);
         free(before);
         free(after);

@@ -89,7 +89,7 @@ static void a_node_has_all_its_reasons(void **state) {
         test_mesh box;
         test_mesh_box(&box, dim, CELLS);
         uint8_t *constraint = calloc((size_t)box.mesh.n_nodes, 1);
-        constraint[0] = constraint[middle(dim)] = PLANISH_FIXED;
+        constraint[0] = constraint[middle(dim)] = PLANISH_CONSTRAINT_FIXED;
         box.mesh.constraint = constraint;
         uint8_t *reason = reasons_of(&box.mesh, &options);
         assert_int_equal(reason[0], PLANISH_HELD_BOUNDARY | PLANISH_HELD_FIXED);
@@ -114,7 +114,7 @@ static void nodes_that_slide_have_no_reason(void **state) {
     box.mesh.direction = direction;
     uint8_t *reason = reasons_of(&box.mesh, &options);
     for (size_t i = 0; i < n; i++)
-        assert_int_equal(reason[i] != 0, constraint[i] == PLANISH_FIXED);
+        assert_int_equal(reason[i] != 0, constraint[i] == PLANISH_CONSTRAINT_FIXED);
     assert_int_equal(count(reason, box.mesh.n_nodes, PLANISH_HELD_BOUNDARY), 8);
     free(reason);
     free(direction);

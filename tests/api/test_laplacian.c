@@ -67,7 +67,7 @@ static void averages_are_those_that_they_are_called(void **state) {
         options.max_sweeps = 1;
         expected_mean(&mesh.mesh, options.method, to);
         s = test_smooth(&mesh.mesh, &options);
-        assert_int_equal(s.result.moved_nodes, 1);
+        assert_int_equal(s.result.n_moved_nodes, 1);
         for (int d = 0; d < dim; d++)
             assert_true(fabs(s.coordinates[d] - to[d]) < 1e-14);
         free(s.coordinates);
@@ -100,7 +100,7 @@ static void averages_converge_on_convex_boxes(void **state) {
         options.method = (planish_method)method;
         s = test_smooth(&mesh.mesh, &options);
         assert_int_equal(s.result.stop, PLANISH_STOP_CONVERGED);
-        assert_int_equal(s.after.inverted, 0);
+        assert_int_equal(s.after.n_inverted, 0);
         assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
         free(s.coordinates);
         test_mesh_destroy(&mesh);
@@ -118,8 +118,8 @@ static void averages_invert_at_reentrant_corners(void **state) {
     planish_options options = test_options(1);
     options.method = PLANISH_METHOD_LAPLACIAN;
     s = test_smooth(&mesh.mesh, &options);
-    assert_int_equal(s.before.inverted, 0);
-    assert_int_equal(s.after.inverted, 2);
+    assert_int_equal(s.before.n_inverted, 0);
+    assert_int_equal(s.after.n_inverted, 2);
     assert_true(fabs(s.coordinates[0] - 22.0 / 6) < 1e-14);
     free(s.coordinates);
     test_mesh_destroy(&mesh);

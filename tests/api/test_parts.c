@@ -52,13 +52,13 @@ static planish_options options_of(int which) {
     o.threads = 1;
     switch (which) {
     case FLETCHER_REEVES:
-        o.direction = PLANISH_FLETCHER_REEVES;
+        o.search = PLANISH_SEARCH_FLETCHER_REEVES;
         break;
     case MEAN_RATIO:
-        o.objective = PLANISH_MEAN_RATIO;
+        o.objective = PLANISH_OBJECTIVE_MEAN_RATIO;
         break;
     case EDGE_RATIO:
-        o.objective = PLANISH_EDGE_RATIO;
+        o.objective = PLANISH_OBJECTIVE_EDGE_RATIO;
         break;
     case MIN_VOLUME:
         o.min_volume = 0.12;
@@ -77,7 +77,7 @@ static planish_options options_of(int which) {
         o.max_displacement = 0.03;
         break;
     case FLOAT:
-        o.precision = PLANISH_FLOAT;
+        o.precision = PLANISH_PRECISION_FLOAT;
         break;
     case LAPLACIAN:
         o.method = PLANISH_METHOD_LAPLACIAN;
@@ -163,10 +163,10 @@ static void assert_same_result(const planish_result *a, const planish_result *b)
     assert_int_equal(a->sweeps, b->sweeps);
     assert_int_equal(a->visits, b->visits);
     assert_int_equal(a->evaluations, b->evaluations);
-    assert_int_equal(a->moved_nodes, b->moved_nodes);
-    assert_int_equal(a->inverted, b->inverted);
-    assert_int_equal(a->below_min_volume, b->below_min_volume);
-    assert_int_equal(a->held_outside, b->held_outside);
+    assert_int_equal(a->n_moved_nodes, b->n_moved_nodes);
+    assert_int_equal(a->n_inverted, b->n_inverted);
+    assert_int_equal(a->n_below_min_volume, b->n_below_min_volume);
+    assert_int_equal(a->n_held_outside, b->n_held_outside);
     assert_int_equal(a->n_active, b->n_active);
     assert_int_equal(a->worst_sweeps, b->worst_sweeps);
     assert_same(a->worst_before, b->worst_before);
@@ -192,7 +192,7 @@ static void assert_same_info(const planish_plan_info *a, const planish_plan_info
     assert_int_equal(a->n_boundary_facets, b->n_boundary_facets);
     assert_int_equal(a->n_nonmanifold_facets, b->n_nonmanifold_facets);
     assert_int_equal(a->n_duplicate_elements, b->n_duplicate_elements);
-    assert_int_equal(a->n_reversed, b->n_reversed);
+    assert_int_equal(a->n_negative_order, b->n_negative_order);
     assert_int_equal(a->n_components, b->n_components);
     assert_int_equal(a->n_unused, b->n_unused);
 }
@@ -204,9 +204,9 @@ static int is_near(double a, double b) {
 /** Means are sums of the processes' sums: they may differ by rounding. */
 static void assert_same_quality(const planish_quality *a, const planish_quality *b) {
     assert_int_equal(a->n_elements, b->n_elements);
-    assert_int_equal(a->inverted, b->inverted);
-    assert_int_equal(a->reversed, b->reversed);
-    assert_int_equal(a->n_fixed, b->n_fixed);
+    assert_int_equal(a->n_inverted, b->n_inverted);
+    assert_int_equal(a->n_reversed, b->n_reversed);
+    assert_int_equal(a->n_fixed_elements, b->n_fixed_elements);
     assert_same(a->rms_radius_ratio, b->rms_radius_ratio);
     assert_same(a->rms_radius_ratio_movable, b->rms_radius_ratio_movable);
     assert_same(a->max_radius_ratio, b->max_radius_ratio);
@@ -414,9 +414,9 @@ static void parts_that_are_none_are_refused(void **state) {
         if (faults[i].which == 5)
             role[2] = 3;
         if (faults[i].which == 6)
-            memset(role, PLANISH_GHOST, sizeof role);
+            memset(role, PLANISH_ROLE_GHOST, sizeof role);
         if (faults[i].which == 7)
-            role[4] = PLANISH_GHOST;
+            role[4] = PLANISH_ROLE_GHOST;
         p->mesh.part = &part;
         const outcome o = smooth(&p->mesh, &options, NULL, NULL, p->coordinates);
         assert_int_equal(o.status, faults[i].status);
@@ -487,8 +487,8 @@ static void tangled_meshes_have_those_bits_too(void **state) {
                 memcpy(m.coordinates, x, (size_t)(m.mesh.n_nodes * dim) * sizeof *x);
             const outcome o = compare_from(&m.mesh, from_the_start ? NULL : x, &options, n, owner);
             sweeps += o.result.untangling_sweeps;
-            left += o.quality.inverted;
-            raised += options.min_volume > 0 && o.result.below_min_volume == 0;
+            left += o.quality.n_inverted;
+            raised += options.min_volume > 0 && o.result.n_below_min_volume == 0;
             free(x);
             test_mesh_destroy(&m);
         }
@@ -536,8 +536,8 @@ static void bodies_have_signs_of_their_own(void **state) {
             processes_own(&mesh, owning, n, (uint64_t)n, owner);
             const outcome o = compare_from(&mesh, NULL, &options, n, owner);
             assert_int_equal(o.info.n_components, BODIES);
-            assert_int_equal(o.info.n_reversed, box.mesh.n_elements);
-            assert_int_equal(o.quality.inverted, 0);
+            assert_int_equal(o.info.n_negative_order, box.mesh.n_elements);
+            assert_int_equal(o.quality.n_inverted, 0);
             free((void *)(uintptr_t)mesh.coordinates);
             free((void *)(uintptr_t)mesh.elements);
             test_mesh_destroy(&box);
@@ -632,7 +632,7 @@ static void disorder_is_seen_together(void **state) {
                                                               where the whole mesh is known */
             const outcome o = compare_from(&mesh, NULL, &options, n, owner);
             n_components += o.info.n_components;
-            n_reversed += o.info.n_reversed;
+            n_reversed += o.info.n_negative_order;
             n_held += how == ONE_SIDED && o.info.n_free == 0;
             free(owner);
             free(x);

@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-/** States of the elements of a mesh, as planish_check_volumes, planish_find_unfixable and
+/** States of the elements of a mesh, as planish_check_volumes, planish_find_infeasible and
  *  planish_find_reversed say. */
 typedef struct states {
     const double *spoilt;       /* coordinates, of the whole mesh */
@@ -37,7 +37,7 @@ static void find_states(const planish_mesh *mesh, const int64_t *node_number,
                (size_t)dim * sizeof *x);
     assert_int_equal(planish_plan_create(mesh, &s->options, &plan, NULL), 0);
     assert_int_equal(planish_check_volumes(plan, x, &s->options, below, &n, NULL), 0);
-    assert_int_equal(planish_find_unfixable(plan, x, unfixable, &n, NULL), 0);
+    assert_int_equal(planish_find_infeasible(plan, x, unfixable, &n, NULL), 0);
     assert_int_equal(planish_find_reversed(plan, x, reversed, &s->n_reversed, NULL), 0);
     for (int64_t i = 0; i < mesh->n_elements; i++) {
         const int64_t at = element_number ? element_number[i] : i;

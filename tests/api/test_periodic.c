@@ -144,7 +144,7 @@ static void expect_walls(const planish_mesh *mesh, const double *x) {
 
 static void expect_together(const planish_mesh *mesh, const run *r) {
     int64_t moved;
-    assert_int_equal(r->after.inverted, 0);
+    assert_int_equal(r->after.n_inverted, 0);
     assert_true(mismatch(mesh, r->coordinates, &moved) < 1e-14 * CELLS);
     assert_true(moved > mesh->n_periodic / 3);
     expect_walls(mesh, r->coordinates);
@@ -200,18 +200,20 @@ static void pairs_end_at_their_common_optimum(void **state) {
     periodic_box p;
     planish_options options = test_options(1);
     options.tolerance = 1e-10;
-    options.objective = PLANISH_MEAN_RATIO; /* by RR the smallest angle would be a limit */
+    options.objective =
+        PLANISH_OBJECTIVE_MEAN_RATIO; /* by RR the smallest angle would be a limit */
     create(&p, dim, 1, 0.13);
     unsigned seed = 5;
     for (int64_t i = 0; i < p.mesh.n_nodes; i++) /* or all would be even in the end */
-        if (p.constraint[i] == PLANISH_FREE && test_random(&seed) < 0.4)
-            p.constraint[i] = PLANISH_FIXED;
+        if (p.constraint[i] == PLANISH_CONSTRAINT_FREE && test_random(&seed) < 0.4)
+            p.constraint[i] = PLANISH_CONSTRAINT_FIXED;
     run r = smooth(&p.mesh, &options);
     int checked = 0;
     double alone = 0;
     for (int64_t i = 0; i < p.mesh.n_periodic; i++) {
         const int32_t a = p.pair[2 * i], b = p.pair[2 * i + 1];
-        if (p.constraint[a] != (dim == 3 ? PLANISH_ON_PLANE : PLANISH_ON_LINE))
+        if (p.constraint[a] !=
+            (dim == 3 ? PLANISH_CONSTRAINT_ON_PLANE : PLANISH_CONSTRAINT_ON_LINE))
             continue; /* corners and edges */
         for (int d = 1; d < dim; d++) {
             const double h = 1e-5;
@@ -278,7 +280,7 @@ static void strangers_change_nothing(void **state) {
     strange.constraint = constraint;
     strange.direction = direction;
     run other = smooth(&strange, &options);
-    assert_int_equal(other.result.moved_nodes, alone.result.moved_nodes);
+    assert_int_equal(other.result.n_moved_nodes, alone.result.n_moved_nodes);
     for (int64_t i = 0; i < n * dim; i++)
         assert_true(fabs(other.coordinates[i] - alone.coordinates[i]) < 1e-3);
     assert_true(fabs(other.after.rms_radius_ratio / alone.after.rms_radius_ratio - 1) < 1e-6);
@@ -304,7 +306,7 @@ static void long_groups_are_chosen_whole(void **state) {
         for (int j = 0; j < 3; j++) {
             x[2 * (3 * i + j)] = i;
             x[2 * (3 * i + j) + 1] = j;
-            constraint[3 * i + j] = j == 0 ? PLANISH_ON_LINE : PLANISH_FIXED;
+            constraint[3 * i + j] = j == 0 ? PLANISH_CONSTRAINT_ON_LINE : PLANISH_CONSTRAINT_FIXED;
             direction[2 * (3 * i + j)] = 1;
         }
     for (int i = 0; i < LONG; i++)
@@ -362,14 +364,14 @@ static void other_options_hold(void **state) {
         if (which == DISTANCE)
             options.max_displacement = 0.05;
         if (which == MEAN_RATIO)
-            options.objective = PLANISH_MEAN_RATIO;
+            options.objective = PLANISH_OBJECTIVE_MEAN_RATIO;
         if (which == FLOATS) {
-            options.precision = PLANISH_FLOAT;
+            options.precision = PLANISH_PRECISION_FLOAT;
             for (int64_t i = 0; i < p.mesh.n_nodes * dim; i++)
                 p.box.coordinates[i] = (float)p.box.coordinates[i];
         }
         run r = smooth(&p.mesh, &options);
-        assert_int_equal(r.after.inverted, 0);
+        assert_int_equal(r.after.n_inverted, 0);
         assert_true(mismatch(&p.mesh, r.coordinates, &moved) < (which == FLOATS ? 1e-6 : 1e-13));
         assert_true(moved > 0);
         expect_walls(&p.mesh, r.coordinates);
@@ -409,7 +411,8 @@ static void turn(const periodic_box *p, double angle) {
  *  those around that one are: they have to be looked at. */
 static void rounding_harms_no_follower(void **state) {
     const int dim = *(int *)*state;
-    static const planish_objective objectives[] = {PLANISH_RADIUS_RATIO, PLANISH_MEAN_RATIO};
+    static const planish_objective objectives[] = {PLANISH_OBJECTIVE_RADIUS_RATIO,
+                                                   PLANISH_OBJECTIVE_MEAN_RATIO};
     int64_t moved = 0;
     for (int i = 0; i < 20; i++) {
         periodic_box p;
@@ -418,15 +421,15 @@ static void rounding_harms_no_follower(void **state) {
         create(&p, dim, dim, 0.13);
         turn(&p, 0.05 + 0.07 * i);
         options.objective = objectives[i % 2];
-        options.precision = PLANISH_ROUNDED;
+        options.precision = PLANISH_PRECISION_ROUNDED;
         options.round = to_multiple;
         options.round_user = &unit;
         run r = smooth(&p.mesh, &options);
-        assert_int_equal(r.before.inverted, 0);
-        assert_int_equal(r.after.inverted, 0);
+        assert_int_equal(r.before.n_inverted, 0);
+        assert_int_equal(r.after.n_inverted, 0);
         assert_true(r.after.max_radius_ratio <= r.before.max_radius_ratio);
         assert_true(r.result.objective <= r.result.objective_before);
-        moved += r.result.moved_nodes;
+        moved += r.result.n_moved_nodes;
         free(r.coordinates);
         destroy(&p);
     }
@@ -497,11 +500,11 @@ static void flat_elements_are_left_alone(void **state) {
         for (int64_t k = 0; k < p.mesh.n_elements; k++) {
             const int32_t *node = p.mesh.elements + k * (dim + 1);
             for (int j = 0; j < dim; j++)
-                if ((p.constraint[node[j]] == PLANISH_FREE) !=
-                        (p.constraint[node[j + 1]] == PLANISH_FREE) &&
+                if ((p.constraint[node[j]] == PLANISH_CONSTRAINT_FREE) !=
+                        (p.constraint[node[j + 1]] == PLANISH_CONSTRAINT_FREE) &&
                     n++ % 37 == i % 37)
-                    flatten(&p, k, j + (p.constraint[node[j]] == PLANISH_FREE),
-                            j + (p.constraint[node[j]] != PLANISH_FREE));
+                    flatten(&p, k, j + (p.constraint[node[j]] == PLANISH_CONSTRAINT_FREE),
+                            j + (p.constraint[node[j]] != PLANISH_CONSTRAINT_FREE));
         }
         options.untangle = 0;
         run r = smooth(&p.mesh, &options);
@@ -511,7 +514,7 @@ static void flat_elements_are_left_alone(void **state) {
                     const int64_t at = (int64_t)p.mesh.elements[k * (dim + 1) + j] * dim + d;
                     assert_true(r.coordinates[at] == p.mesh.coordinates[at]);
                 }
-        moved += r.result.moved_nodes;
+        moved += r.result.n_moved_nodes;
         free(r.coordinates);
         destroy(&p);
     }
@@ -530,8 +533,8 @@ static void what_is_not_alike_is_held(void **state) {
         for (int64_t i = 0; i < p.mesh.n_periodic; i++) {
             const int32_t a = p.pair[2 * i];
             if (which == HELD)
-                p.constraint[a] = PLANISH_FIXED;
-            if (which == TURNED && p.constraint[a] == PLANISH_ON_PLANE) {
+                p.constraint[a] = PLANISH_CONSTRAINT_FIXED;
+            if (which == TURNED && p.constraint[a] == PLANISH_CONSTRAINT_ON_PLANE) {
                 p.direction[a * dim] = 1; /* of another plane: wrong, but not to be moved by */
                 p.direction[a * dim + 1] = 1;
             }
@@ -539,8 +542,8 @@ static void what_is_not_alike_is_held(void **state) {
                 p.pair[2 * i + 1] = (int32_t)((a * 7919 + i * i) % p.mesh.n_nodes);
         }
         for (int64_t i = 0; which == SURFACE && i < p.mesh.n_nodes; i++)
-            if (p.constraint[i] >= PLANISH_ON_PLANE)
-                p.constraint[i] = PLANISH_ON_SURFACE;
+            if (p.constraint[i] >= PLANISH_CONSTRAINT_ON_PLANE)
+                p.constraint[i] = PLANISH_CONSTRAINT_ON_SURFACE;
         if (which == SURFACE)
             p.mesh.direction = NULL;
         if (which == ROTATED) /* the side is joined to itself upside down */
@@ -556,12 +559,12 @@ static void what_is_not_alike_is_held(void **state) {
             p.mesh.n_periodic = 1;
         }
         run r = smooth(&p.mesh, &options);
-        assert_int_equal(r.after.inverted, 0);
-        assert_true(r.result.moved_nodes > 0);
+        assert_int_equal(r.after.n_inverted, 0);
+        assert_true(r.result.n_moved_nodes > 0);
         for (int64_t i = 0; i < p.mesh.n_periodic; i++)
             for (int j = 0; j < 2 && which != ROTATED && which != NONSENSE; j++) {
                 const int64_t node = p.pair[2 * i + j];
-                if (which != TURNED || p.constraint[node] == PLANISH_ON_PLANE)
+                if (which != TURNED || p.constraint[node] == PLANISH_CONSTRAINT_ON_PLANE)
                     assert_memory_equal(r.coordinates + node * dim, p.mesh.coordinates + node * dim,
                                         (size_t)dim * sizeof(double));
             }
@@ -578,11 +581,11 @@ static void pairs_inside_are_held(void **state) {
     create(&p, dim, 1, 0.13);
     int64_t n = 0;
     for (int64_t i = 0; i < p.mesh.n_nodes; i++)
-        if (p.constraint[i] == PLANISH_FREE && n < p.mesh.n_periodic)
+        if (p.constraint[i] == PLANISH_CONSTRAINT_FREE && n < p.mesh.n_periodic)
             p.pair[n++] = (int32_t)i;
     p.mesh.n_periodic = n / 2;
     run r = smooth(&p.mesh, &options);
-    assert_true(n > 3 && r.result.moved_nodes > 0);
+    assert_true(n > 3 && r.result.n_moved_nodes > 0);
     for (int64_t i = 0; i < 2 * p.mesh.n_periodic; i++)
         assert_memory_equal(r.coordinates + (int64_t)p.pair[i] * dim,
                             p.mesh.coordinates + (int64_t)p.pair[i] * dim,
@@ -607,11 +610,11 @@ static void thin_meshes_are_held(void **state) {
     mesh.constraint = constraint;
     mesh.direction = direction;
     run alone = smooth(&mesh, &options);
-    assert_true(alone.result.moved_nodes > 0);
+    assert_true(alone.result.n_moved_nodes > 0);
     mesh.n_periodic = 4;
     mesh.periodic = pairs;
     run r = smooth(&mesh, &options);
-    assert_int_equal(r.result.moved_nodes, 0);
+    assert_int_equal(r.result.n_moved_nodes, 0);
     free(alone.coordinates);
     free(r.coordinates);
     test_mesh_destroy(&box);

@@ -109,7 +109,7 @@ static int smooth(trial *t, const planish_options *options) {
     if (broken)
         complain(t, broken);
     t->sums->calls++;
-    t->sums->moved += result.moved_nodes;
+    t->sums->moved += result.n_moved_nodes;
     t->sums->stopped += result.stop == PLANISH_STOP_INTERRUPTED;
     return 1;
 }
@@ -228,7 +228,7 @@ static void repeat_case(int64_t number, tally *sums) {
     make_room(&t);
     repeat(&t, 1, PLANISH_ISA_AUTO, &first);
     random_call_get(&t.call, t.before);
-    sums->moved += first.moved_nodes;
+    sums->moved += first.n_moved_nodes;
     for (int i = 1; i < THREADS + repetitions; i++) {
         const int isa = (int)random_below(&state, PLANISH_ISA_AVX512 + 1);
         repeat(&t, i < THREADS ? threads[i] : 3, has_isa(isa) ? (planish_isa)isa : PLANISH_ISA_AUTO,
@@ -303,7 +303,7 @@ static void delaunay_meshes_are_such(void **state) {
                 assert_true(delaunay_depth(&d, i, d.point + 3 * k) <= 0);
         delaunay_take(&d, &mesh);
         assert_int_equal(planish_measure_mesh(&mesh.mesh, NULL, &quality, NULL), 0);
-        assert_int_equal(quality.inverted, 0);
+        assert_int_equal(quality.n_inverted, 0);
         assert_true(quality.total_volume > 1 - 1e-12 && quality.total_volume < 1 + 1e-12);
         test_mesh_destroy(&mesh);
         delaunay_end(&d);

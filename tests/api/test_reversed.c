@@ -1,4 +1,4 @@
-/* planish_find_reversed and planish_quality.reversed: the elements that are numbered the other way
+/* planish_find_reversed and planish_quality.n_reversed: elements that are numbered the other way
  * round than most, against signs by the textbook's determinant. */
 #include "support/both.h"
 #include "support/meshes.h"
@@ -57,7 +57,7 @@ static int64_t check(const planish_mesh *mesh, const double *x) {
     assert_int_equal(planish_find_reversed(plan, x, NULL, &n, NULL), 0);
     assert_int_equal(n, n_expected);
     assert_int_equal(planish_measure(plan, x, &quality, NULL), 0);
-    assert_int_equal(quality.reversed, n_expected);
+    assert_int_equal(quality.n_reversed, n_expected);
     planish_plan_destroy(plan);
     free(expected);
     free(found);
@@ -150,7 +150,7 @@ static void repaired_elements_are_reversed(void **state) {
     assert_int_equal(check(&m.mesh, m.coordinates), 0);
     assert_int_equal(planish_plan_create(&m.mesh, NULL, &plan, NULL), 0);
     assert_int_equal(planish_smooth(plan, m.coordinates, NULL, &result, NULL), 0);
-    assert_int_equal(result.inverted, 0);
+    assert_int_equal(result.n_inverted, 0);
     reversed = malloc((size_t)m.mesh.n_elements);
     assert_int_equal(planish_find_reversed(plan, m.coordinates, reversed, &n, NULL), 0);
     assert_int_equal(n, n_folded);
@@ -239,7 +239,6 @@ static void errors_leave_everything(void **state) {
     planish_plan_destroy(plan);
     test_mesh_destroy(&m);
 }
-
 
 int main(void) {
     const struct CMUnitTest tests[] = {

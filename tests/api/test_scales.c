@@ -104,7 +104,7 @@ static int scale_one(int dim, test_wish wish, unsigned seed, int step) {
     make(&p, dim, wish, seed);
     p.options.isa = PLANISH_ISA_PLAIN;
     test_outcome one = test_problem_solve(&p);
-    assert_true(one.result.moved_nodes > 0);
+    assert_true(one.result.n_moved_nodes > 0);
     for (int exponent = -most; exponent <= most; exponent += step, sizes++) {
         test_problem scaled;
         make(&scaled, dim, wish, seed);
@@ -148,8 +148,8 @@ static void the_largest_and_smallest_are_as_others(void **state) {
         p.options.tolerance = scaled.options.tolerance = 1e-12;
         test_problem_move(&scaled, sizes[i], 0);
         test_outcome a = test_problem_solve(&p), b = test_problem_solve(&scaled);
-        assert_int_equal(a.before.inverted, b.before.inverted);
-        assert_int_equal(b.after.inverted, 0);
+        assert_int_equal(a.before.n_inverted, b.before.n_inverted);
+        assert_int_equal(b.after.n_inverted, 0);
         assert_true(fabs(b.after.rms_radius_ratio / a.after.rms_radius_ratio - 1) < 1e-8);
         test_outcome_destroy(&a);
         test_outcome_destroy(&b);
@@ -174,9 +174,9 @@ static void subnormal_meshes_are_measured_exactly(void **state) {
             test_outcome a = test_problem_solve(&large), b = test_problem_solve(&small);
             for (int64_t i = 0; i < small.mesh.n_elements; i++)
                 expect(a.ratio_before[i], b.ratio_before[i], "RR before", &small, exponent);
-            assert_int_equal(a.before.inverted, b.before.inverted);
-            assert_true(b.after.inverted <= b.before.inverted);
-            if (b.before.inverted == 0) {
+            assert_int_equal(a.before.n_inverted, b.before.n_inverted);
+            assert_true(b.after.n_inverted <= b.before.n_inverted);
+            if (b.before.n_inverted == 0) {
                 assert_true(b.after.max_radius_ratio <= b.before.max_radius_ratio);
                 assert_true(b.after.rms_radius_ratio <= b.before.rms_radius_ratio);
             }
@@ -211,7 +211,7 @@ static void differences_may_overflow(void **state) {
     assert_true(isinf(large.coordinates[3 * 1 + 2] - large.coordinates[3 * 2 + 2]));
     assert_true(isinf(large.coordinates[3 * 4 + 1] - large.coordinates[3 * 5 + 1]));
     test_outcome a = test_problem_solve(&p), b = test_problem_solve(&large);
-    assert_int_equal(a.result.moved_nodes, 1);
+    assert_int_equal(a.result.n_moved_nodes, 1);
     expect_scaled(&p, &a, &b, 1023);
     test_outcome_destroy(&a);
     test_outcome_destroy(&b);
@@ -250,7 +250,7 @@ static void sizes_may_be_mixed(void **state) {
     assert_int_equal(planish_measure(plan, all.coordinates, &before, NULL), 0);
     assert_int_equal(planish_smooth(plan, all.coordinates, &one.options, NULL, NULL), 0);
     assert_int_equal(planish_measure(plan, all.coordinates, &after, NULL), 0);
-    assert_int_equal(before.inverted + after.inverted, 0);
+    assert_int_equal(before.n_inverted + after.n_inverted, 0);
     assert_true(fabs(after.rms_radius_ratio / alone.after.rms_radius_ratio - 1) < 1e-4);
     planish_plan_destroy(plan);
     free(ratio);

@@ -42,13 +42,13 @@ static void constrain(sliding_box *b) {
     for (int64_t i = 0; i < b->mesh.n_nodes; i++) {
         int side = 0, rest = 0;
         const int sides = sides_of(b->base.coordinates + i * dim, dim, &side, &rest);
-        b->constraint[i] = sides == 0     ? PLANISH_FREE
-                           : sides == dim ? PLANISH_FIXED
-                           : sides == 1   ? PLANISH_ON_PLANE
-                                          : PLANISH_ON_LINE;
-        if (b->constraint[i] == PLANISH_ON_PLANE)
+        b->constraint[i] = sides == 0     ? PLANISH_CONSTRAINT_FREE
+                           : sides == dim ? PLANISH_CONSTRAINT_FIXED
+                           : sides == 1   ? PLANISH_CONSTRAINT_ON_PLANE
+                                          : PLANISH_CONSTRAINT_ON_LINE;
+        if (b->constraint[i] == PLANISH_CONSTRAINT_ON_PLANE)
             b->direction[i * dim + side] = -3;
-        if (b->constraint[i] == PLANISH_ON_LINE)
+        if (b->constraint[i] == PLANISH_CONSTRAINT_ON_LINE)
             b->direction[i * dim + rest] = 0.7;
     }
 }
@@ -107,8 +107,8 @@ static void smooth(sliding_box *b, const planish_options *options) {
 }
 
 static void assert_never_worse(const sliding_box *b) {
-    assert_int_equal(b->before.inverted, 0);
-    assert_int_equal(b->after.inverted, 0);
+    assert_int_equal(b->before.n_inverted, 0);
+    assert_int_equal(b->after.n_inverted, 0);
     assert_true(b->after.max_radius_ratio <= b->before.max_radius_ratio);
     assert_true(b->after.rms_radius_ratio < b->before.rms_radius_ratio);
     assert_true(fabs(b->after.total_volume / b->before.total_volume - 1) < 1e-13);
@@ -133,8 +133,8 @@ static void sides_keep_their_place(void **state) {
                     assert_memory_equal(&x, &y, sizeof x);
                 same &= x == y;
             }
-            sliding += b.constraint[i] >= PLANISH_ON_PLANE;
-            moved += b.constraint[i] >= PLANISH_ON_PLANE && !same;
+            sliding += b.constraint[i] >= PLANISH_CONSTRAINT_ON_PLANE;
+            moved += b.constraint[i] >= PLANISH_CONSTRAINT_ON_PLANE && !same;
         }
         assert_int_equal(b.info.n_sliding, sliding);
         assert_true(moved > sliding / 2);
@@ -175,7 +175,7 @@ static double distance_left(const sliding_box *b, int64_t i) {
         const double off = to[d] - from[d] - along * direction[d] / sqrt(length);
         square += off * off;
     }
-    return b->constraint[i] == PLANISH_ON_PLANE ? fabs(along) : sqrt(square);
+    return b->constraint[i] == PLANISH_CONSTRAINT_ON_PLANE ? fabs(along) : sqrt(square);
 }
 
 static void slanting_sides_are_left_by_rounding_only(void **state) {
@@ -186,9 +186,10 @@ static void slanting_sides_are_left_by_rounding_only(void **state) {
     turn(&b);
     smooth(&b, &options);
     assert_never_worse(&b);
-    assert_true(b.result.moved_nodes > b.mesh.n_nodes / 2);
+    assert_true(b.result.n_moved_nodes > b.mesh.n_nodes / 2);
     for (int64_t i = 0; i < b.mesh.n_nodes; i++)
-        if (b.constraint[i] == PLANISH_ON_PLANE || b.constraint[i] == PLANISH_ON_LINE)
+        if (b.constraint[i] == PLANISH_CONSTRAINT_ON_PLANE ||
+            b.constraint[i] == PLANISH_CONSTRAINT_ON_LINE)
             assert_true(distance_left(&b, i) <= 4 * 0x1p-52 * CELLS);
     box_destroy(&b);
 }
@@ -230,22 +231,22 @@ static void other_options_go_with_it(void **state) {
         if (which == 1)
             options.min_volume = 0.09;
         if (which == 2)
-            options.objective = PLANISH_MEAN_RATIO;
+            options.objective = PLANISH_OBJECTIVE_MEAN_RATIO;
         if (which == 3)
-            options.direction = PLANISH_FLETCHER_REEVES;
+            options.search = PLANISH_SEARCH_FLETCHER_REEVES;
         if (which == 4)
             options.max_displacement = 0.03;
         if (which == 5)
             options.box_upper[0] = 2.5;
         if (which == 6) {
-            options.precision = PLANISH_FLOAT;
+            options.precision = PLANISH_PRECISION_FLOAT;
             for (int64_t i = 0; i < 3 * b.mesh.n_nodes; i++)
                 b.base.coordinates[i] = (double)(float)b.base.coordinates[i];
         }
         smooth(&b, &options);
-        assert_int_equal(b.after.inverted, 0);
+        assert_int_equal(b.after.n_inverted, 0);
         assert_true(b.result.objective <= b.result.objective_before * (1 + 1e-12) || which == 1);
-        assert_true(b.result.moved_nodes > 0);
+        assert_true(b.result.n_moved_nodes > 0);
         for (int64_t i = 0; i < b.mesh.n_nodes; i++) {
             const double *from = b.base.coordinates + 3 * i, *to = b.coordinates + 3 * i;
             double square = 0;
@@ -274,8 +275,8 @@ static void sides_slide_alone(void **state) {
     const planish_options options = test_options(1);
     box_create(&b, 3);
     for (int64_t i = 0; i < b.mesh.n_nodes; i++)
-        if (b.constraint[i] == PLANISH_FREE)
-            b.constraint[i] = PLANISH_FIXED;
+        if (b.constraint[i] == PLANISH_CONSTRAINT_FREE)
+            b.constraint[i] = PLANISH_CONSTRAINT_FIXED;
     smooth(&b, &options);
     assert_int_equal(b.info.n_free, 0);
     assert_never_worse(&b);
@@ -290,11 +291,11 @@ static void tangled_meshes_are_mended(void **state) {
     unsigned random = 9;
     box_create(&b, 3);
     for (int64_t i = 0; i < b.mesh.n_nodes; i++)
-        for (int d = 0; b.constraint[i] == PLANISH_FREE && d < 3; d++)
+        for (int d = 0; b.constraint[i] == PLANISH_CONSTRAINT_FREE && d < 3; d++)
             b.base.coordinates[3 * i + d] += 1.6 * (test_random(&random) - 0.5);
     smooth(&b, &options);
-    assert_true(b.before.inverted > 0);
-    assert_int_equal(b.after.inverted, 0);
+    assert_true(b.before.n_inverted > 0);
+    assert_int_equal(b.after.n_inverted, 0);
     assert_true(fabs(b.after.total_volume - CELLS * CELLS * CELLS) < 1e-10);
     box_destroy(&b);
 }
@@ -317,18 +318,18 @@ static planish_constraint on_roof(int64_t node, double *point, double *direction
     const double dx = 0.4 * cos(point[0]) * cos(1.3 * point[1]);
     const double dy = -0.4 * 1.3 * sin(point[0]) * sin(1.3 * point[1]);
     if (r->refuses)
-        return PLANISH_FIXED;
+        return PLANISH_CONSTRAINT_FIXED;
     point[2] = height(point[0], point[1]);
-    if (r->constraint[node] == PLANISH_ON_LINE) {
+    if (r->constraint[node] == PLANISH_CONSTRAINT_ON_LINE) {
         const int along = r->direction[3 * node] != 0 ? 0 : 1;
         direction[along] = 5; /* not of unit length */
         direction[2] = 5 * (along == 0 ? dx : dy);
-        return PLANISH_ON_LINE;
+        return PLANISH_CONSTRAINT_ON_LINE;
     }
     direction[0] = -dx;
     direction[1] = -dy;
     direction[2] = 1;
-    return PLANISH_ON_PLANE;
+    return PLANISH_CONSTRAINT_ON_PLANE;
 }
 
 /** Raise the roof; its nodes slide on it, but for the corners, and those of the other sides stay.
@@ -336,10 +337,10 @@ static planish_constraint on_roof(int64_t node, double *point, double *direction
 static void raise_roof(sliding_box *b) {
     for (int64_t i = 0; i < b->mesh.n_nodes; i++) {
         double *x = b->base.coordinates + 3 * i;
-        if (x[2] == CELLS && b->constraint[i] != PLANISH_FIXED)
-            b->constraint[i] = PLANISH_ON_SURFACE;
-        else if (b->constraint[i] != PLANISH_FREE)
-            b->constraint[i] = PLANISH_FIXED;
+        if (x[2] == CELLS && b->constraint[i] != PLANISH_CONSTRAINT_FIXED)
+            b->constraint[i] = PLANISH_CONSTRAINT_ON_SURFACE;
+        else if (b->constraint[i] != PLANISH_CONSTRAINT_FREE)
+            b->constraint[i] = PLANISH_CONSTRAINT_FIXED;
         x[2] *= height(x[0], x[1]) / CELLS;
     }
 }
@@ -358,15 +359,15 @@ static void a_surface_is_asked_for(void **state) {
     options.project = on_roof;
     options.project_user = &user;
     smooth(&b, &options);
-    assert_int_equal(b.before.inverted, 0);
-    assert_int_equal(b.after.inverted, 0);
+    assert_int_equal(b.before.n_inverted, 0);
+    assert_int_equal(b.after.n_inverted, 0);
     assert_true(b.after.max_radius_ratio <= b.before.max_radius_ratio);
     int64_t moved[2] = {0, 0}, all[2] = {0, 0};
     for (size_t i = 0; i < n; i++) {
         const double *x = b.coordinates + 3 * i, *from = b.base.coordinates + 3 * i;
-        if (b.constraint[i] != PLANISH_ON_SURFACE)
+        if (b.constraint[i] != PLANISH_CONSTRAINT_ON_SURFACE)
             continue;
-        const int eaves = flat[i] == PLANISH_ON_LINE;
+        const int eaves = flat[i] == PLANISH_CONSTRAINT_ON_LINE;
         all[eaves]++;
         moved[eaves] += memcmp(x, from, 3 * sizeof *x) != 0;
         assert_true(fabs(x[2] - height(x[0], x[1])) < 1e-14);
@@ -379,7 +380,7 @@ static void a_surface_is_asked_for(void **state) {
     smooth(&b, &options);
     assert_true(b.after.rms_radius_ratio > slid);
     for (size_t i = 0; i < n; i++)
-        if (b.constraint[i] == PLANISH_ON_SURFACE)
+        if (b.constraint[i] == PLANISH_CONSTRAINT_ON_SURFACE)
             assert_memory_equal(b.coordinates + 3 * i, b.base.coordinates + 3 * i,
                                 3 * sizeof(double));
     double *refused = malloc(bytes_of(&b));
@@ -411,18 +412,19 @@ static planish_constraint on_side(int64_t node, double *point, double *direction
         if (start[d] == 0 || start[d] == CELLS) {
             direction[d] = r->length;
             point[d] = start[d];
-            return PLANISH_ON_PLANE;
+            return PLANISH_CONSTRAINT_ON_PLANE;
         }
-    return PLANISH_FIXED;
+    return PLANISH_CONSTRAINT_FIXED;
 }
 
 /** A box whose sides only the caller knows; edges stay. */
 static void box_of_surfaces(sliding_box *b) {
     box_create(b, 3);
     for (int64_t i = 0; i < b->mesh.n_nodes; i++)
-        b->constraint[i] = b->constraint[i] == PLANISH_ON_PLANE ? PLANISH_ON_SURFACE
-                           : b->constraint[i] != PLANISH_FREE   ? PLANISH_FIXED
-                                                                : PLANISH_FREE;
+        b->constraint[i] = b->constraint[i] == PLANISH_CONSTRAINT_ON_PLANE
+                               ? PLANISH_CONSTRAINT_ON_SURFACE
+                           : b->constraint[i] != PLANISH_CONSTRAINT_FREE ? PLANISH_CONSTRAINT_FIXED
+                                                                         : PLANISH_CONSTRAINT_FREE;
     b->mesh.direction = NULL;
 }
 
@@ -433,7 +435,7 @@ static void surfaces_are_asked_for_by_number(void **state) {
     box_of_surfaces(&b);
     roll user = {.start = b.base.coordinates, .length = 1};
     const int64_t middle = (CELLS + 1) * (CELLS + 1) * 2 + (CELLS + 1) * 2;
-    assert_int_equal(b.constraint[middle], PLANISH_ON_SURFACE);
+    assert_int_equal(b.constraint[middle], PLANISH_CONSTRAINT_ON_SURFACE);
     for (int which = 0; which < 3; which++) {
         planish_options options = test_options(1);
         options.project = on_side;
@@ -449,7 +451,7 @@ static void surfaces_are_asked_for_by_number(void **state) {
         int moved = 0;
         for (int64_t i = 0; i < b.mesh.n_nodes; i++)
             moved +=
-                b.constraint[i] == PLANISH_ON_SURFACE &&
+                b.constraint[i] == PLANISH_CONSTRAINT_ON_SURFACE &&
                 memcmp(b.coordinates + 3 * i, b.base.coordinates + 3 * i, 3 * sizeof(double)) != 0;
         if (moved == 0)
             fail_msg("plan %d: %d nodes slide, none moved", which, (int)b.info.n_sliding);
@@ -473,7 +475,7 @@ static void lengths_of_normals_do_not_matter(void **state) {
         if (k == 0)
             memcpy(first, b.coordinates, bytes_of(&b));
         assert_true(b.after.rms_radius_ratio < b.before.rms_radius_ratio);
-        assert_true(b.result.moved_nodes > b.info.n_free + b.info.n_sliding / 2);
+        assert_true(b.result.n_moved_nodes > b.info.n_free + b.info.n_sliding / 2);
         assert_memory_equal(first, b.coordinates, bytes_of(&b));
     }
     free(first);
@@ -492,8 +494,8 @@ static void limits_on_elements_of_a_node(void **state) {
         double *x = calloc(2 * n_nodes, sizeof *x), *direction = calloc(2 * n_nodes, sizeof *x);
         int32_t *elements = malloc(3 * (size_t)n * sizeof *elements);
         uint8_t *constraint = malloc(n_nodes);
-        memset(constraint, PLANISH_FIXED, n_nodes);
-        constraint[0] = fans[k].is_closed ? PLANISH_FREE : PLANISH_ON_LINE;
+        memset(constraint, PLANISH_CONSTRAINT_FIXED, n_nodes);
+        constraint[0] = fans[k].is_closed ? PLANISH_CONSTRAINT_FREE : PLANISH_CONSTRAINT_ON_LINE;
         direction[0] = 1;
         for (int i = 0; i <= n; i++) {
             const double angle = 3.141592653589793 * (fans[k].is_closed + 1) * i / n;
@@ -538,8 +540,8 @@ static void separate_pieces_are_one_star(void **state) {
         double *directions = calloc(2 * n_nodes, sizeof *x);
         int32_t *elements = malloc(3 * (size_t)n * sizeof *elements);
         uint8_t *constraint = malloc(n_nodes);
-        memset(constraint, PLANISH_FIXED, n_nodes);
-        constraint[0] = PLANISH_ON_LINE;
+        memset(constraint, PLANISH_CONSTRAINT_FIXED, n_nodes);
+        constraint[0] = PLANISH_CONSTRAINT_ON_LINE;
         memcpy(directions, direction, sizeof direction);
         x[0] = -0.5;
         for (int i = 0; i < n; i++) {
@@ -568,7 +570,7 @@ static void separate_pieces_are_one_star(void **state) {
         planish_plan_get_info(plan, &info);
         assert_int_equal(info.n_sliding, 1);
         assert_int_equal(planish_smooth(plan, x, &options, &result, NULL), 0);
-        assert_int_equal(result.inverted, 0);
+        assert_int_equal(result.n_inverted, 0);
         assert_true(x[0] > -0.45 && x[0] < -0.2 && x[1] == 0);
         planish_plan_destroy(plan);
         free(x);
@@ -583,7 +585,7 @@ static void nodes_of_inverted_elements_stay(void **state) {
     (void)state;
     static const double valid[] = {-1, 0, 1, 0, 0, 2, -3, 2, 3, 2, 0, -1};
     static const int32_t elements[] = {0, 1, 2, 0, 2, 3, 1, 4, 2, 5, 1, 0};
-    static const uint8_t constraint[] = {1, 1, 1, 1, 1, PLANISH_ON_LINE};
+    static const uint8_t constraint[] = {1, 1, 1, 1, 1, PLANISH_CONSTRAINT_ON_LINE};
     static const double direction[12] = {[11] = 1};
     const planish_mesh mesh = {.dim = 2,
                                .n_nodes = 6,
@@ -602,7 +604,7 @@ static void nodes_of_inverted_elements_stay(void **state) {
         x[11] = 0.5;
         assert_int_equal(planish_plan_create(&mesh, &options, &plan, NULL), 0);
         assert_int_equal(planish_smooth(plan, x, &options, &result, NULL), 0);
-        assert_int_equal(result.inverted, 1);
+        assert_int_equal(result.n_inverted, 1);
         assert_true(x[10] == 0 && x[11] == 0.5);
         planish_plan_destroy(plan);
     }
@@ -624,7 +626,7 @@ static void nonmanifold_nodes_stay(void **state) {
     double direction[6][3];
     test_mesh_create(&base, 3, 6, &x[0][0], 3, &elements[0][0]);
     for (int i = 0; i < 6; i++) {
-        constraint[i] = PLANISH_ON_PLANE;
+        constraint[i] = PLANISH_CONSTRAINT_ON_PLANE;
         direction[i][0] = direction[i][1] = direction[i][2] = 1;
     }
     planish_mesh mesh = base.mesh;
@@ -645,7 +647,7 @@ static void wrong_constraints_are_refused(void **state) {
     const planish_options options = test_options(1);
     box_create(&b, 3);
     int64_t node = 0;
-    while (b.constraint[node] != PLANISH_ON_LINE)
+    while (b.constraint[node] != PLANISH_CONSTRAINT_ON_LINE)
         node++;
     double *direction = b.direction + 3 * node;
     const double wrong[][3] = {{0, 0, 0}, {NAN, 1, 0}, {INFINITY, 0, 0}};

@@ -37,14 +37,14 @@ static void the_mesh_becomes_better(void **state) {
         test_bad_box(&mesh, dim, CELLS, 0);
         double last = INFINITY;
         planish_options options = test_options(1);
-        options.direction = (planish_direction)direction;
+        options.search = (planish_search)direction;
         options.progress = rms_falls;
         options.progress_user = &last;
         s = test_smooth(&mesh.mesh, &options);
         assert_int_equal(s.result.stop, PLANISH_STOP_CONVERGED);
         assert_true(s.after.rms_radius_ratio < 0.98 * s.before.rms_radius_ratio);
         assert_true(s.after.max_radius_ratio <= s.before.max_radius_ratio);
-        assert_int_equal(s.after.inverted, 0);
+        assert_int_equal(s.after.n_inverted, 0);
         assert_true(fabs(s.after.total_volume / s.before.total_volume - 1) < 1e-12);
         assert_true(fabs(s.result.rms / s.after.rms_radius_ratio - 1) < 1e-12);
         assert_int_equal(s.info.n_free, dim == 3 ? 7 * 7 * 7 : 7 * 7);
@@ -60,7 +60,7 @@ static void only_free_nodes_move(void **state) {
     test_bad_box(&mesh, dim, CELLS, 0);
     uint8_t *constraint = calloc((size_t)mesh.mesh.n_nodes, 1);
     for (int64_t i = 0; i < mesh.mesh.n_nodes; i += 3)
-        constraint[i] = PLANISH_FIXED;
+        constraint[i] = PLANISH_CONSTRAINT_FIXED;
     mesh.mesh.constraint = constraint;
     planish_options options = test_options(1);
     s = test_smooth(&mesh.mesh, &options);
@@ -77,7 +77,7 @@ static void only_free_nodes_move(void **state) {
         farthest = distance > farthest ? distance : farthest;
     }
     assert_true(moved > s.info.n_free / 2);
-    assert_int_equal(moved, s.result.moved_nodes);
+    assert_int_equal(moved, s.result.n_moved_nodes);
     assert_true(fabs(s.result.max_displacement - sqrt(farthest)) < 1e-14);
     free(constraint);
     free(s.coordinates);
@@ -93,7 +93,7 @@ static void bits_do_not_depend_on_threads_or_kernel(void **state) {
     test_bad_box(&mesh, dim, CELLS, 0);
     for (int direction = 0; direction < 2; direction++) {
         planish_options options = test_options(1);
-        options.direction = (planish_direction)direction;
+        options.search = (planish_search)direction;
         options.isa = PLANISH_ISA_PLAIN;
         first = test_smooth(&mesh.mesh, &options);
         static const int threads[] = {1, 2, 3, 4, 7};
@@ -150,7 +150,7 @@ static void far_from_the_origin_it_works(void **state) {
     test_mesh_transform(&far, 1e-3, 1e6);
     a = test_smooth(&near.mesh, &options);
     b = test_smooth(&far.mesh, &options);
-    assert_int_equal(b.after.inverted, 0);
+    assert_int_equal(b.after.n_inverted, 0);
     assert_true(fabs(a.after.rms_radius_ratio / b.after.rms_radius_ratio - 1) < 1e-5);
     free(a.coordinates);
     free(b.coordinates);
@@ -168,8 +168,8 @@ static void element_order_does_not_invert(void **state) {
     test_mesh_reverse_some(&mixed, 2, 5);
     a = test_smooth(&mesh.mesh, &options);
     b = test_smooth(&mixed.mesh, &options);
-    assert_int_equal(b.before.inverted, 0);
-    assert_true(b.info.n_reversed > 0);
+    assert_int_equal(b.before.n_inverted, 0);
+    assert_true(b.info.n_negative_order > 0);
     assert_true(fabs(a.after.rms_radius_ratio / b.after.rms_radius_ratio - 1) < 1e-6);
     free(a.coordinates);
     free(b.coordinates);
@@ -187,14 +187,14 @@ static void floats_stay_floats(void **state) {
         mesh.coordinates[i] = rounded;
     }
     planish_options options = test_options(1);
-    options.precision = PLANISH_FLOAT;
+    options.precision = PLANISH_PRECISION_FLOAT;
     s = test_smooth(&mesh.mesh, &options);
     for (int64_t i = 0; i < mesh.mesh.n_nodes * dim; i++) {
         volatile float rounded = (float)s.coordinates[i];
         assert_true(s.coordinates[i] == rounded);
     }
-    assert_true(s.result.moved_nodes > s.info.n_free / 2);
-    assert_int_equal(s.after.inverted, 0);
+    assert_true(s.result.n_moved_nodes > s.info.n_free / 2);
+    assert_int_equal(s.after.n_inverted, 0);
     assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
     free(s.coordinates);
     test_mesh_destroy(&mesh);
@@ -247,7 +247,7 @@ static void ratios_of_inverted_elements_are_none(void **state) {
     for (int64_t i = 0; i < box.mesh.n_elements; i++)
         none += ratio[i] == 0;
     assert_true(none > 0);
-    assert_int_equal(none, quality.inverted);
+    assert_int_equal(none, quality.n_inverted);
     assert_int_equal(planish_measure_elements(NULL, box.coordinates, ratio, NULL),
                      PLANISH_ERROR_ARGUMENT);
     assert_int_equal(planish_measure_elements(plan, NULL, ratio, NULL), PLANISH_ERROR_ARGUMENT);
@@ -271,15 +271,15 @@ static void coordinates_are_rounded_as_the_caller_says(void **state) {
     test_run s, alone, bounded;
     test_bad_box(&mesh, dim, CELLS, 0);
     planish_options options = test_options(1);
-    options.precision = PLANISH_ROUNDED;
+    options.precision = PLANISH_PRECISION_ROUNDED;
     options.round = to_thousandths;
     options.round_user = &asked;
     s = test_smooth(&mesh.mesh, &options);
     for (int64_t i = 0; i < mesh.mesh.n_nodes * dim; i++)
         assert_true(s.coordinates[i] == mesh.coordinates[i] ||
                     s.coordinates[i] == to_thousandths(s.coordinates[i], &asked));
-    assert_true(asked > 0 && s.result.moved_nodes > s.info.n_free / 2);
-    assert_int_equal(s.after.inverted, 0);
+    assert_true(asked > 0 && s.result.n_moved_nodes > s.info.n_free / 2);
+    assert_int_equal(s.after.n_inverted, 0);
     assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
     options.threads = 1;
     alone = test_smooth(&mesh.mesh, &options);
@@ -294,7 +294,7 @@ static void coordinates_are_rounded_as_the_caller_says(void **state) {
     for (int64_t i = 0; i < mesh.mesh.n_nodes * dim; i++)
         assert_true(bounded.coordinates[i] == mesh.coordinates[i] ||
                     (bounded.coordinates[i] >= 0.9004 && bounded.coordinates[i] <= CELLS - 0.9004));
-    assert_true(bounded.result.moved_nodes > 0);
+    assert_true(bounded.result.n_moved_nodes > 0);
     free(s.coordinates);
     free(alone.coordinates);
     free(bounded.coordinates);
@@ -318,7 +318,7 @@ static void sizes_do_not_disturb_one_another(void **state) {
     int64_t n = large.mesh.n_nodes * dim;
     for (int64_t i = 0; i < n; i++) /* the small one has the numbers, so the colours, of alone */
         assert_true(s.coordinates[i] == ldexp(alone.coordinates[i], -400));
-    assert_int_equal(s.result.moved_nodes, 2 * alone.result.moved_nodes);
+    assert_int_equal(s.result.n_moved_nodes, 2 * alone.result.n_moved_nodes);
     free(alone.coordinates);
     free(s.coordinates);
     test_mesh_destroy(&large);
@@ -337,8 +337,8 @@ static void subnormal_meshes_stay_valid(void **state) {
         test_mesh_perturb(&mesh, 0.14, seed);
         test_mesh_transform(&mesh, ldexp(1, -1070), 0);
         s = test_smooth(&mesh.mesh, &options);
-        assert_int_equal(s.after.inverted, s.before.inverted);
-        assert_int_equal(s.result.inverted, s.after.inverted);
+        assert_int_equal(s.after.n_inverted, s.before.n_inverted);
+        assert_int_equal(s.result.n_inverted, s.after.n_inverted);
         assert_true(s.after.max_radius_ratio <= s.before.max_radius_ratio);
         assert_true(s.after.rms_radius_ratio <= s.before.rms_radius_ratio);
         free(s.coordinates);
@@ -354,7 +354,7 @@ static void flat_meshes_keep_the_promises(void **state) {
     for (unsigned seed = 0; seed < 20; seed++) {
         test_mesh mesh;
         test_run s, again;
-        options.direction = (planish_direction)(seed % 2);
+        options.search = (planish_search)(seed % 2);
         test_mesh_box(&mesh, dim, 4);
         test_mesh_perturb(&mesh, 0.14, seed);
         for (int64_t i = 0; i < mesh.mesh.n_nodes; i++) {
@@ -365,7 +365,7 @@ static void flat_meshes_keep_the_promises(void **state) {
         memcpy(mesh.coordinates, s.coordinates,
                (size_t)mesh.mesh.n_nodes * (size_t)dim * sizeof(double));
         again = test_smooth(&mesh.mesh, &options);
-        assert_int_equal(s.after.inverted, s.before.inverted);
+        assert_int_equal(s.after.n_inverted, s.before.n_inverted);
         assert_true(s.after.max_radius_ratio <= s.before.max_radius_ratio);
         assert_true(s.after.rms_radius_ratio <= s.before.rms_radius_ratio);
         assert_true(again.after.max_radius_ratio <= again.before.max_radius_ratio);
@@ -396,9 +396,9 @@ static void inverted_stars_are_left_alone(void **state) {
     planish_options options = test_options(1);
     options.untangle = 0;
     s = test_smooth(&mesh.mesh, &options);
-    assert_true(s.before.inverted > 0);
-    assert_int_equal(s.after.inverted, s.before.inverted);
-    assert_int_equal(s.result.inverted, s.before.inverted);
+    assert_true(s.before.n_inverted > 0);
+    assert_int_equal(s.after.n_inverted, s.before.n_inverted);
+    assert_int_equal(s.result.n_inverted, s.before.n_inverted);
     assert_memory_equal(s.coordinates + middle * dim, mesh.coordinates + middle * dim,
                         (size_t)dim * sizeof(double));
     assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
@@ -417,9 +417,9 @@ static void only_worse_stars_are_touched(void **state) {
     some = test_smooth(&mesh.mesh, &options);
     options.only_worse_than = all.before.max_radius_ratio * 1.01;
     none = test_smooth(&mesh.mesh, &options);
-    assert_true(some.result.moved_nodes > 0);
-    assert_true(some.result.moved_nodes < all.result.moved_nodes);
-    assert_int_equal(none.result.moved_nodes, 0);
+    assert_true(some.result.n_moved_nodes > 0);
+    assert_true(some.result.n_moved_nodes < all.result.n_moved_nodes);
+    assert_int_equal(none.result.n_moved_nodes, 0);
     free(all.coordinates);
     free(some.coordinates);
     free(none.coordinates);
@@ -436,7 +436,7 @@ static void without_free_nodes_nothing_happens(void **state) {
     assert_int_equal(s.info.n_free, 0);
     assert_int_equal(s.result.stop, PLANISH_STOP_CONVERGED);
     assert_int_equal(s.result.visits, 0);
-    assert_int_equal(s.after.n_fixed, s.after.n_elements);
+    assert_int_equal(s.after.n_fixed_elements, s.after.n_elements);
     assert_true(s.after.fixed_max_radius_ratio == s.after.max_radius_ratio);
     free(s.coordinates);
     test_mesh_destroy(&mesh);
@@ -505,8 +505,8 @@ static void a_callback_stops_after_a_colour(void **state) {
     options.progress_user = &calls;
     s = test_smooth(&mesh.mesh, &options);
     assert_int_equal(s.result.stop, PLANISH_STOP_INTERRUPTED);
-    assert_true(s.result.moved_nodes > 0 && s.result.moved_nodes < s.info.n_free);
-    assert_int_equal(s.after.inverted, 0);
+    assert_true(s.result.n_moved_nodes > 0 && s.result.n_moved_nodes < s.info.n_free);
+    assert_int_equal(s.after.n_inverted, 0);
     assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
     free(s.coordinates);
     test_mesh_destroy(&mesh);
@@ -592,7 +592,7 @@ static void limits_stop(void **state) {
     free(s.coordinates);
     options.max_sweeps = 0;
     s = test_smooth(&mesh.mesh, &options);
-    assert_int_equal(s.result.moved_nodes, 0);
+    assert_int_equal(s.result.n_moved_nodes, 0);
     free(s.coordinates);
     options.max_sweeps = 100;
     options.time_limit = 1e-9;

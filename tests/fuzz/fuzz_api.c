@@ -90,10 +90,10 @@ static void find_slides(work *w) {
         return;
     int64_t n = 0;
     for (int64_t i = 0; i < mesh->n_nodes; i++) {
-        const int before = mesh->constraint ? mesh->constraint[i] : PLANISH_FREE;
-        fuzz_require(before == PLANISH_FREE || constraint[i] == before,
+        const int before = mesh->constraint ? mesh->constraint[i] : PLANISH_CONSTRAINT_FREE;
+        fuzz_require(before == PLANISH_CONSTRAINT_FREE || constraint[i] == before,
                      "nodes that are not free stay what they are");
-        n += before == PLANISH_FREE && constraint[i] > PLANISH_FIXED;
+        n += before == PLANISH_CONSTRAINT_FREE && constraint[i] > PLANISH_CONSTRAINT_FIXED;
     }
     fuzz_require(n <= info.n_on_plane + info.n_on_line && info.n_surface <= mesh->n_nodes,
                  "nodes that slide are counted");
@@ -107,7 +107,7 @@ static int measure(const work *w, const planish_plan *plan, planish_quality *qua
     planish_error error;
     if (!succeeded(planish_measure(plan, w->x, quality, &error), &error))
         return 0;
-    fuzz_require(quality->inverted >= 0 && quality->inverted <= quality->n_elements,
+    fuzz_require(quality->n_inverted >= 0 && quality->n_inverted <= quality->n_elements,
                  "inverted elements are some of all");
     fuzz_require(!isnan(quality->rms_radius_ratio) && !isnan(quality->min_angle_deg),
                  "measures are numbers");
@@ -127,8 +127,8 @@ static void look_at_elements(const work *w) {
         succeeded(planish_measure_elements(w->plan, w->x, ratio, &error), &error)) {
         for (int64_t i = 0; i < n; i++)
             ones += ratio[i] == 0;
-        fuzz_require(ones == quality.inverted, "elements that are not positive have ratio 0");
-        if (succeeded(planish_find_unfixable(w->plan, w->x, state, &counted, &error), &error)) {
+        fuzz_require(ones == quality.n_inverted, "elements that are not positive have ratio 0");
+        if (succeeded(planish_find_infeasible(w->plan, w->x, state, &counted, &error), &error)) {
             fuzz_require(count_ones(state, n) == counted, "unfixable elements are counted");
             for (int64_t i = 0; i < n; i++)
                 fuzz_require(!state[i] || ratio[i] == 0, "a positive element needs no mending");
@@ -149,7 +149,7 @@ static void look_at_elements(const work *w) {
 
 static int may_move(const work *w, int64_t node) {
     const uint8_t *constraint = w->mesh.mesh.constraint;
-    return w->is_free[node] || (constraint && constraint[node] > PLANISH_FIXED);
+    return w->is_free[node] || (constraint && constraint[node] > PLANISH_CONSTRAINT_FIXED);
 }
 
 /** Nodes that may not move, and gaps between coordinates, have their bits; others are finite. */
@@ -191,12 +191,13 @@ static void check_gain(const work *w, const planish_quality *before, const plani
                        const planish_result *result) {
     const planish_options *o = &w->options;
     /* The result goes by doubles, and planish_measure decides exactly. */
-    if (after->inverted == 0 && after->max_radius_ratio < FUZZ_NEARLY_FLAT)
-        fuzz_require(result->inverted == 0, "the result counts what is inverted");
-    fuzz_require(after->inverted <= before->inverted, "no more elements are inverted than were");
+    if (after->n_inverted == 0 && after->max_radius_ratio < FUZZ_NEARLY_FLAT)
+        fuzz_require(result->n_inverted == 0, "the result counts what is inverted");
+    fuzz_require(after->n_inverted <= before->n_inverted,
+                 "no more elements are inverted than were");
     const int asks_volumes =
         o->min_volume > 0 || o->min_volume_fraction > 0 || w->mesh.mesh.min_volume;
-    if (before->inverted > 0 || asks_volumes)
+    if (before->n_inverted > 0 || asks_volumes)
         return;
     fuzz_require(after->max_radius_ratio_movable <= before->max_radius_ratio_movable * (1 + 1e-9),
                  "no element gets worse than the worst");
@@ -266,7 +267,7 @@ static void use_plan(work *w) {
     planish_plan_get_free(w->plan, w->is_free);
     fuzz_require(count_ones(w->is_free, n) == info.n_free, "free nodes are counted");
     for (int i = 0; i < n && w->mesh.mesh.constraint; i++)
-        fuzz_require(!w->is_free[i] || w->mesh.mesh.constraint[i] == PLANISH_FREE,
+        fuzz_require(!w->is_free[i] || w->mesh.mesh.constraint[i] == PLANISH_CONSTRAINT_FREE,
                      "free nodes were called free");
     for (int k = 1 + take_below(&w->bytes, 3); k > 0; k--) {
         const int what = take_below(&w->bytes, 4);

@@ -49,18 +49,18 @@ static planish_constraint fuzz_project(int64_t node, double *point, double *dire
     const int last = *(const int *)user - 1;
     direction[0] = direction[1] = direction[last] = 0;
     if (node % 8 == 7)
-        return PLANISH_FIXED;
+        return PLANISH_CONSTRAINT_FIXED;
     if (node % 2) {
         const double length = hypot(point[0], point[1]);
         direction[0] = point[0];
         direction[1] = point[1];
         point[0] /= length;
         point[1] /= length;
-        return PLANISH_ON_PLANE;
+        return PLANISH_CONSTRAINT_ON_PLANE;
     }
     point[last] = 0;
     direction[node % 4 ? 0 : last] = 1;
-    return node % 4 ? PLANISH_ON_LINE : PLANISH_ON_PLANE;
+    return node % 4 ? PLANISH_CONSTRAINT_ON_LINE : PLANISH_CONSTRAINT_ON_PLANE;
 }
 
 /** To 1/1024 as long as that makes a difference. */
@@ -82,7 +82,7 @@ static inline void fuzz_choose(fuzz_bytes *bytes, planish_options *o) {
     o->method = take_chance(bytes, 4) ? (planish_method)take_below(bytes, 5) : o->method;
     o->objective = (planish_objective)(take_below(bytes, 4) % 3);
     o->worst = take_chance(bytes, 4) ? (planish_worst)take_below(bytes, 3) : o->worst;
-    o->direction = (planish_direction)(take_below(bytes, 3) / 2);
+    o->search = (planish_search)(take_below(bytes, 3) / 2);
     o->precision = (planish_precision)(take_below(bytes, 8) % 3);
     if (!take_chance(bytes, 16))
         o->round = fuzz_round;

@@ -107,9 +107,9 @@ static inline double *fuzz_move(const planish_file *file) {
     for (int64_t i = 0; i < n; i++) {
         double value = mesh.coordinates[i] / 3 + 0.1;
         volatile float single = (float)value;
-        value = info.precision == PLANISH_FLOAT     ? (double)single
-                : info.precision == PLANISH_ROUNDED ? info.round(value, info.round_user)
-                                                    : value;
+        value = info.precision == PLANISH_PRECISION_FLOAT     ? (double)single
+                : info.precision == PLANISH_PRECISION_ROUNDED ? info.round(value, info.round_user)
+                                                              : value;
         moved[i] = i % 3 || !isfinite(value) ? mesh.coordinates[i] : value;
     }
     return moved;

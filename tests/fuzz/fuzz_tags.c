@@ -69,7 +69,7 @@ static void check_constraints(const planish_file *file, const planish_hold *hold
                      memcmp(constraint[0], constraint[1], (size_t)mesh.n_nodes) == 0,
                  "the same nodes are held again");
     for (int64_t i = 0; i < mesh.n_nodes; i++)
-        fuzz_require(constraint[0][i] <= PLANISH_FIXED, "nodes are held or not");
+        fuzz_require(constraint[0][i] <= PLANISH_CONSTRAINT_FIXED, "nodes are held or not");
     const planish_surface surface = planish_file_surface(file, hold);
     double direction[24];
     fuzz_require(surface.n_facets >= 0 && surface.n_edges >= 0, "the surface has its counts");

@@ -274,7 +274,7 @@ static void compare_report(const element *e, figures *seen) {
         seen->of_measure = fmaxl(seen->of_measure, (long double)error / (U * e->kappa));
     }
     assert_true(seen->of_measure <= 6);
-    assert_int_equal(q.inverted, 0);
+    assert_int_equal(q.n_inverted, 0);
 }
 
 static void check(element *e, figures *seen) {

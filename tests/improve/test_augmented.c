@@ -76,7 +76,7 @@ static void the_trial_wins(void **state) {
     int trial = trial_begins(&h);
     assert_true(trial > 1);
     assert_int_equal(result.stop, PLANISH_STOP_CONVERGED);
-    assert_int_equal(result.below_min_volume, 0);
+    assert_int_equal(result.n_below_min_volume, 0);
     assert_true(result.n_active > 0 && result.max_multiplier > 0);
     assert_true(result.objective < h.objective[trial - 1] * (1 - 1e-5));
     assert_true(h.objective[h.n_sweeps - 1] == result.objective ||

@@ -102,8 +102,8 @@ static void help_comes_and_brings_it_home(void **state) {
     options.progress_user = &h;
     squeezed_box(&mesh, dim);
     smooth(&mesh.mesh, &options, &s);
-    assert_int_equal(s.before.inverted, 0);
-    assert_int_equal(s.after.inverted, 0);
+    assert_int_equal(s.before.n_inverted, 0);
+    assert_int_equal(s.after.n_inverted, 0);
     assert_int_equal(s.result.stop, PLANISH_STOP_CONVERGED);
     assert_true(s.before.rms_radius_ratio > 1.5 * wanted);
     for (int i = 1; i < h.n; i++)
@@ -130,13 +130,13 @@ static void cut_short_it_leaves_what_stood(void **state) {
         options.progress_user = &h;
         smooth(&mesh.mesh, &options, &s);
         assert_int_equal(s.result.stop, PLANISH_STOP_INTERRUPTED);
-        assert_int_equal(s.after.inverted, 0);
+        assert_int_equal(s.after.n_inverted, 0);
         assert_true(s.after.min_angle_deg >= s.before.min_angle_deg);
-        if (s.result.put_back > 0)
+        if (s.result.n_put_back > 0)
             assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
         else
             assert_true(s.after.rms_radius_ratio <= h.rms[stop_at - 2] * (1 + 1e-12));
-        put_back += s.result.put_back > 0;
+        put_back += s.result.n_put_back > 0;
         free(s.coordinates);
     }
     assert_true(put_back < WITH_HELP - PATIENCE);
@@ -152,10 +152,10 @@ static void the_most_sweeps_are_the_most(void **state) {
         planish_options options = test_options(1);
         options.max_sweeps = most;
         smooth(&mesh.mesh, &options, &s);
-        assert_true(s.result.sweeps <= (s.result.put_back > 0 ? 2 : 1) * most);
-        assert_int_equal(s.after.inverted, 0);
+        assert_true(s.result.sweeps <= (s.result.n_put_back > 0 ? 2 : 1) * most);
+        assert_int_equal(s.after.n_inverted, 0);
         assert_true(s.result.sweeps == most || s.result.stop == PLANISH_STOP_CONVERGED ||
-                    s.result.put_back > 0);
+                    s.result.n_put_back > 0);
         free(s.coordinates);
     }
     test_mesh_destroy(&mesh);
@@ -227,7 +227,7 @@ static void what_slides_stays_where_it_slides(void **state) {
         smoothed s;
         test_mesh_transform(&mesh, scale, 0);
         smooth(&sliding, &options, &s);
-        assert_true(s.result.moved_nodes > 0);
+        assert_true(s.result.n_moved_nodes > 0);
         for (int64_t i = 0; i < n * dim; i++)
             if (mesh.coordinates[i] == near || mesh.coordinates[i] == far)
                 assert_true(s.coordinates[i] == mesh.coordinates[i]);
@@ -255,7 +255,7 @@ static void strangers_change_nothing(void **state) {
     test_mesh_create(&strange, dim, n + 1, x, mesh.mesh.n_elements, mesh.elements);
     smooth(&strange.mesh, &options, &other);
     assert_true(fabs(one.result.rms / other.result.rms - 1) < 1e-6);
-    assert_int_equal(other.result.inverted, 0);
+    assert_int_equal(other.result.n_inverted, 0);
     free(x);
     free(one.coordinates);
     free(other.coordinates);
@@ -271,7 +271,7 @@ static void floats_stay_valid(void **state) {
     planish_options options = test_options(1);
     options.tolerance = 1e-9;
     options.max_sweeps = 4 * PATIENCE;
-    options.precision = PLANISH_FLOAT;
+    options.precision = PLANISH_PRECISION_FLOAT;
     squeezed_box(&mesh, dim);
     for (int64_t i = 0; i < mesh.mesh.n_nodes * dim; i++)
         mesh.coordinates[i] = (float)mesh.coordinates[i];
@@ -279,8 +279,8 @@ static void floats_stay_valid(void **state) {
     test_mesh_transform(&small, 0x1p-30, 1 + 2.0 * CELLS_2D);
     test_mesh_append(&mesh, &small, 0);
     smooth(&mesh.mesh, &options, &s);
-    assert_int_equal(s.before.inverted, 0);
-    assert_int_equal(s.after.inverted, 0);
+    assert_int_equal(s.before.n_inverted, 0);
+    assert_int_equal(s.after.n_inverted, 0);
     assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
     free(s.coordinates);
     test_mesh_destroy(&mesh);
@@ -306,7 +306,7 @@ static void without_memory_there_is_no_help(void **state) {
         if (status == PLANISH_ERROR_MEMORY)
             assert_memory_equal(x, mesh.coordinates, bytes);
         else
-            assert_true(status == PLANISH_OK && result.inverted == 0);
+            assert_true(status == PLANISH_OK && result.n_inverted == 0);
     }
     free(x);
     planish_plan_destroy(plan);

@@ -1,5 +1,5 @@
-/* Elements that cannot be made positive: what planish_find_unfixable says, against half-spaces, and
- * that everything else is untangled all the same. */
+/* Elements that cannot be made positive: the result of planish_find_infeasible against half-spaces;
+ * everything else is untangled all the same. */
 #include "support/allocations.h"
 #include "support/both.h"
 #include "support/halfspaces.h"
@@ -21,7 +21,7 @@
 typedef struct held {
     test_tangle t;
     uint8_t *is_held; /* [n_nodes] of planish_constraint, the mesh's */
-    uint8_t *found;   /* [n_elements] what planish_find_unfixable said */
+    uint8_t *found;   /* [n_elements] what planish_find_infeasible said */
     int64_t n_found;
 } held;
 
@@ -87,7 +87,7 @@ static int is_inverted(const held *h, const double *coordinates, int64_t element
 static void find(held *h, const double *coordinates) {
     planish_plan *plan;
     assert_int_equal(planish_plan_create(&h->t.mesh.mesh, NULL, &plan, NULL), 0);
-    assert_int_equal(planish_find_unfixable(plan, coordinates, h->found, &h->n_found, NULL), 0);
+    assert_int_equal(planish_find_infeasible(plan, coordinates, h->found, &h->n_found, NULL), 0);
     planish_plan_destroy(plan);
     int64_t n = 0;
     for (int64_t i = 0; i < h->t.mesh.mesh.n_elements; i++) {
@@ -210,7 +210,7 @@ static void hold_around(held *h, int32_t node, double amount, unsigned *random) 
             const int32_t other = nodes_of(h, i)[j];
             if (other == node || !is_free(h, other))
                 continue;
-            h->is_held[other] = PLANISH_FIXED;
+            h->is_held[other] = PLANISH_CONSTRAINT_FIXED;
             for (int d = 0; d < dim; d++)
                 h->t.mesh.coordinates[other * dim + d] +=
                     amount * h->t.size[other] * (2 * test_random(random) - 1);
@@ -246,8 +246,8 @@ static double *smooth(const held *h) {
     assert_int_equal(planish_smooth(plan, x, &options, &result, NULL), 0);
     assert_int_equal(planish_measure(plan, x, &after, NULL), 0);
     planish_plan_destroy(plan);
-    assert_int_equal(result.inverted, after.inverted);
-    assert_true(after.inverted <= before.inverted);
+    assert_int_equal(result.n_inverted, after.n_inverted);
+    assert_true(after.n_inverted <= before.n_inverted);
     for (int32_t i = 0; i < h->t.mesh.mesh.n_nodes; i++)
         if (!is_free(h, i))
             assert_memory_equal(x + i * dim, h->t.mesh.coordinates + i * dim,
@@ -274,7 +274,7 @@ static void elements_without_free_nodes_are_unfixable(void **state) {
         create(&h, dim, TEST_BOX, seed);
         const int32_t node = random_inner_node(&h, &random);
         hold_around(&h, node, 0, &random);
-        h.is_held[node] = PLANISH_FIXED;
+        h.is_held[node] = PLANISH_CONSTRAINT_FIXED;
         h.t.mesh.coordinates[node * dim] += 1.7 * h.t.size[node];
         move_some(&h, &random);
         find(&h, h.t.mesh.coordinates);
@@ -326,8 +326,8 @@ static void a_place_that_exists_is_found(void **state) {
         create(&h, dim, TEST_BOX, seed);
         const int32_t node = random_inner_node(&h, &random);
         hold_around(&h, node, (dim == 3 ? 0.6 : 1.2) * test_random(&random), &random);
-        memset(h.is_held, PLANISH_FIXED, (size_t)h.t.mesh.mesh.n_nodes);
-        h.is_held[node] = PLANISH_FREE;
+        memset(h.is_held, PLANISH_CONSTRAINT_FIXED, (size_t)h.t.mesh.mesh.n_nodes);
+        h.is_held[node] = PLANISH_CONSTRAINT_FREE;
         h.t.mesh.coordinates[node * dim] += h.t.size[node];
         const int64_t tangled = inverted_around(&h, h.t.mesh.coordinates, node);
         const verdict v = look_at_star(&h, node, 1);
@@ -420,11 +420,11 @@ static void flat_stars_contradict_themselves(void **state) {
                                    .coordinates = coordinates,
                                    .elements = dim == 3 ? tetrahedra : triangles};
         assert_int_equal(planish_plan_create(&mesh, NULL, &plan, NULL), 0);
-        assert_int_equal(planish_find_unfixable(plan, coordinates, NULL, &n_found, NULL), 0);
+        assert_int_equal(planish_find_infeasible(plan, coordinates, NULL, &n_found, NULL), 0);
         assert_true(n_found >= mesh.n_elements / 2); /* all that are in proofs */
         assert_int_equal(planish_smooth(plan, coordinates, NULL, &result, NULL), 0);
-        assert_int_equal(result.inverted, mesh.n_elements / 2);
-        assert_int_equal(planish_find_unfixable(plan, coordinates, NULL, &n_found, NULL), 0);
+        assert_int_equal(result.n_inverted, mesh.n_elements / 2);
+        assert_int_equal(planish_find_infeasible(plan, coordinates, NULL, &n_found, NULL), 0);
         assert_int_equal(n_found, mesh.n_elements / 2);
         planish_plan_destroy(plan);
     }
@@ -447,7 +447,7 @@ static void areas_next_to_rounding_prove_nothing(void **state) {
                                    .coordinates = coordinates,
                                    .elements = triangles};
         assert_int_equal(planish_plan_create(&mesh, NULL, &plan, NULL), 0);
-        assert_int_equal(planish_find_unfixable(plan, coordinates, found, &n_found, NULL), 0);
+        assert_int_equal(planish_find_infeasible(plan, coordinates, found, &n_found, NULL), 0);
         assert_int_equal(n_found, is_flat ? 4 : 0);
         assert_true(!found[1] && !found[4]);
         planish_plan_destroy(plan);
@@ -468,18 +468,18 @@ static void without_memory_nothing_is_said(void **state) {
         planish_plan_destroy(plan); /* it keeps the memory of its last call */
         assert_int_equal(planish_plan_create(&h.t.mesh.mesh, NULL, &plan, NULL), 0);
         allocations_permit(failures);
-        status = planish_find_unfixable(plan, h.t.mesh.coordinates, h.found, &n, &error);
+        status = planish_find_infeasible(plan, h.t.mesh.coordinates, h.found, &n, &error);
         allocations_permit(-1);
     }
     assert_int_equal(status, 0);
     assert_true(failures > 5);
-    assert_int_equal(planish_find_unfixable(NULL, h.t.mesh.coordinates, NULL, &n, &error),
+    assert_int_equal(planish_find_infeasible(NULL, h.t.mesh.coordinates, NULL, &n, &error),
                      PLANISH_ERROR_ARGUMENT);
-    assert_int_equal(planish_find_unfixable(plan, h.t.mesh.coordinates, NULL, NULL, &error),
+    assert_int_equal(planish_find_infeasible(plan, h.t.mesh.coordinates, NULL, NULL, &error),
                      PLANISH_ERROR_ARGUMENT);
-    assert_int_equal(planish_find_unfixable(plan, h.t.mesh.coordinates, NULL, &n, &error), 0);
+    assert_int_equal(planish_find_infeasible(plan, h.t.mesh.coordinates, NULL, &n, &error), 0);
     h.t.mesh.coordinates[0] = NAN;
-    assert_int_equal(planish_find_unfixable(plan, h.t.mesh.coordinates, NULL, &n, &error),
+    assert_int_equal(planish_find_infeasible(plan, h.t.mesh.coordinates, NULL, &n, &error),
                      PLANISH_ERROR_MESH);
     planish_plan_destroy(plan);
     destroy(&h);

@@ -36,7 +36,7 @@ static double rms_of_original(const test_tangle *t, const planish_options *optio
     planish_mesh valid = t->mesh.mesh;
     valid.coordinates = t->valid;
     s = test_smooth(&valid, options);
-    assert_int_equal(s.before.inverted, 0);
+    assert_int_equal(s.before.n_inverted, 0);
     assert_int_equal(s.result.untangling_sweeps, 0);
     free(s.coordinates);
     return s.after.rms_radius_ratio;
@@ -65,8 +65,8 @@ static void all_is_untangled(void **state) {
                 continue;
             test_tangle_apply(&t, (test_tangling)tangling, (unsigned)i);
             s = test_smooth(&t.mesh.mesh, &options);
-            assert_true(s.before.inverted > 0);
-            assert_int_equal(s.after.inverted, 0);
+            assert_true(s.before.n_inverted > 0);
+            assert_int_equal(s.after.n_inverted, 0);
             assert_true(s.result.untangling_sweeps > 0);
             if (!forgets_grading(shape, tangling))
                 assert_true(s.after.rms_radius_ratio < AS_GOOD * wanted);
@@ -90,8 +90,8 @@ static void deformed_shapes_are_untangled(void **state) {
         test_tangle_apply(&t, TEST_LEFT_BEHIND, 1);
         options.max_sweeps = 5;
         s = test_smooth(&t.mesh.mesh, &options);
-        assert_true(s.before.inverted > 0);
-        assert_int_equal(s.after.inverted, 0);
+        assert_true(s.before.n_inverted > 0);
+        assert_int_equal(s.after.n_inverted, 0);
         expect_fixed_nodes(&t, s.coordinates);
         free(s.coordinates);
         test_tangle_destroy(&t);
@@ -178,7 +178,7 @@ static void far_from_the_origin_it_works(void **state) {
         near = test_smooth(&t.mesh.mesh, &options);
         test_mesh_transform(&t.mesh, 1e-3, shift);
         far = test_smooth(&t.mesh.mesh, &options);
-        assert_int_equal(far.after.inverted, 0);
+        assert_int_equal(far.after.n_inverted, 0);
         if (cases[i].shape != TEST_GRADED)
             assert_true(fabs(far.after.rms_radius_ratio / near.after.rms_radius_ratio - 1) < 1e-3);
         free(near.coordinates);
@@ -201,7 +201,7 @@ static void without_untangling_nothing_tangled_moves(void **state) {
             test_tangle_apply(&t, (test_tangling)tangling, 1);
             s = test_smooth(&t.mesh.mesh, &options);
             assert_int_equal(s.result.untangling_sweeps, 0);
-            assert_int_equal(s.after.inverted, s.before.inverted);
+            assert_int_equal(s.after.n_inverted, s.before.n_inverted);
             for (int64_t i = 0; i < t.mesh.mesh.n_elements; i++)
                 for (int j = 0;
                      test_measure_of(&t.mesh.mesh, t.mesh.coordinates, i) < 0 && j <= dim; j++) {
@@ -209,7 +209,7 @@ static void without_untangling_nothing_tangled_moves(void **state) {
                     assert_memory_equal(s.coordinates + node * dim, t.mesh.coordinates + node * dim,
                                         (size_t)dim * sizeof(double));
                 }
-            some_moved += s.result.moved_nodes > 0;
+            some_moved += s.result.n_moved_nodes > 0;
             free(s.coordinates);
             test_tangle_destroy(&t);
         }
@@ -226,9 +226,9 @@ static void valid_meshes_need_no_untangling(void **state) {
         with = test_smooth(&t.mesh.mesh, &options);
         options.untangle = 0;
         without = test_smooth(&t.mesh.mesh, &options);
-        assert_int_equal(with.before.inverted, 0);
+        assert_int_equal(with.before.n_inverted, 0);
         assert_int_equal(with.result.untangling_sweeps, 0);
-        assert_true(with.result.moved_nodes > 0);
+        assert_true(with.result.n_moved_nodes > 0);
         assert_memory_equal(with.coordinates, without.coordinates, test_bytes_of(&t.mesh.mesh));
         free(with.coordinates);
         free(without.coordinates);
@@ -300,7 +300,7 @@ static void progress_says_what_is_done(void **state) {
         watch_run(&t, &w, &s);
         assert_true(s.result.untangling_sweeps > 0);
         assert_true(s.result.sweeps > s.result.untangling_sweeps);
-        assert_int_equal(w.last.inverted, 0);
+        assert_int_equal(w.last.n_inverted, 0);
         assert_true(fabs(w.last.rms / s.result.rms - 1) < 1e-12);
         free(s.coordinates);
         test_tangle_destroy(&t);
@@ -320,7 +320,7 @@ static void any_call_can_stop(void **state) {
             watch w = {.stop_at = call};
             watch_run(&t, &w, &s);
             ended = w.calls < call;
-            assert_true(s.after.inverted <= s.before.inverted);
+            assert_true(s.after.n_inverted <= s.before.n_inverted);
             assert_true(w.calls_after <= 1);
             assert_true(ended || s.result.stop == PLANISH_STOP_INTERRUPTED);
             expect_fixed_nodes(&t, s.coordinates);
@@ -342,7 +342,7 @@ static void time_limits_stop(void **state) {
         assert_int_equal(s.result.stop, PLANISH_STOP_TIME_LIMIT);
         assert_int_equal(s.result.sweeps, 1);
         assert_int_equal(s.result.untangling_sweeps, 1);
-        assert_true(s.after.inverted <= s.before.inverted);
+        assert_true(s.after.n_inverted <= s.before.n_inverted);
         expect_fixed_nodes(&t, s.coordinates);
         free(s.coordinates);
         test_tangle_destroy(&t);
@@ -371,7 +371,7 @@ static int without_one_allocation(const test_tangle *t, double *copy, int64_t pe
     const int failed = allocations_failed();
     assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
     assert_int_equal(planish_measure(plan, copy, &after, NULL), 0);
-    assert_true(after.inverted <= inverted);
+    assert_true(after.n_inverted <= inverted);
     planish_plan_destroy(plan);
     expect_fixed_nodes(t, copy);
     if (status == PLANISH_ERROR_MEMORY)
@@ -391,11 +391,11 @@ static void without_memory_nothing_is_spoilt(void **state) {
         assert_int_equal(planish_plan_create(&t.mesh.mesh, &options, &plan, NULL), 0);
         assert_int_equal(planish_measure(plan, t.mesh.coordinates, &before, NULL), 0);
         int64_t n = 0;
-        while (without_one_allocation(&t, copy, n, 1, before.inverted))
+        while (without_one_allocation(&t, copy, n, 1, before.n_inverted))
             n++;
         assert_true(n > 10);
         for (int64_t k = 0; k < n; k += effort_step(3))
-            without_one_allocation(&t, copy, k, 0, before.inverted);
+            without_one_allocation(&t, copy, k, 0, before.n_inverted);
         planish_plan_destroy(plan);
         free(copy);
         test_tangle_destroy(&t);
@@ -414,10 +414,10 @@ static void every_objective_and_direction_untangles(void **state) {
                 test_run s;
                 create_case(&t, dim, i, 1);
                 options.objective = (planish_objective)objective;
-                options.direction = (planish_direction)direction;
+                options.search = (planish_search)direction;
                 options.max_sweeps = 20;
                 s = test_smooth(&t.mesh.mesh, &options);
-                assert_int_equal(s.after.inverted, 0);
+                assert_int_equal(s.after.n_inverted, 0);
                 assert_true(s.result.untangling_sweeps > 0);
                 expect_fixed_nodes(&t, s.coordinates);
                 free(s.coordinates);
@@ -440,7 +440,7 @@ static void averages_do_not_untangle(void **state) {
             s = test_smooth(&t.mesh.mesh, &options);
             assert_int_equal(s.result.untangling_sweeps, 0);
             assert_int_equal(s.result.sweeps, 1);
-            assert_true(s.after.inverted > 0);
+            assert_true(s.after.n_inverted > 0);
             free(s.coordinates);
             test_tangle_destroy(&t);
         }
@@ -469,9 +469,9 @@ static void minimum_volumes_are_reached(void **state) {
             else
                 options.min_volume_fraction = least / pow(dim == 3 ? 6 : 12, dim);
             s = test_smooth(&t.mesh.mesh, &options);
-            assert_true(s.before.inverted > 0);
-            assert_int_equal(s.after.inverted, 0);
-            assert_int_equal(s.result.below_min_volume, 0);
+            assert_true(s.before.n_inverted > 0);
+            assert_int_equal(s.after.n_inverted, 0);
+            assert_int_equal(s.result.n_below_min_volume, 0);
             assert_int_equal(count_below(&t, s.coordinates, least), 0);
             expect_fixed_nodes(&t, s.coordinates);
             free(s.coordinates);
@@ -490,9 +490,9 @@ static void hopeless_volumes_come_to_an_end(void **state) {
         test_tangle_apply(&t, (test_tangling)tangling, 3);
         options.min_volume = 3 * test_regular_volume(dim);
         s = test_smooth(&t.mesh.mesh, &options);
-        assert_int_equal(s.after.inverted, 0);
-        assert_true(s.result.below_min_volume > 0);
-        assert_int_equal(s.result.below_min_volume,
+        assert_int_equal(s.after.n_inverted, 0);
+        assert_true(s.result.n_below_min_volume > 0);
+        assert_int_equal(s.result.n_below_min_volume,
                          count_below(&t, s.coordinates, options.min_volume));
         free(s.coordinates);
         test_tangle_destroy(&t);
@@ -536,7 +536,7 @@ static int64_t smooth_within(const test_tangle *t, int by_distance, double low, 
     expect_bounds(t, &options, s.coordinates);
     expect_fixed_nodes(t, s.coordinates);
     free(s.coordinates);
-    return s.before.inverted - s.after.inverted;
+    return s.before.n_inverted - s.after.n_inverted;
 }
 
 static int64_t count_inverted(const test_tangle *t) {
@@ -545,7 +545,7 @@ static int64_t count_inverted(const test_tangle *t) {
     assert_int_equal(planish_plan_create(&t->mesh.mesh, NULL, &plan, NULL), 0);
     assert_int_equal(planish_measure(plan, t->mesh.coordinates, &quality, NULL), 0);
     planish_plan_destroy(plan);
-    return quality.inverted;
+    return quality.n_inverted;
 }
 
 static void wide_bounds_leave_room(void **state) {
@@ -593,14 +593,14 @@ static void floats_are_valid(void **state) {
                 volatile float rounded = (float)t.mesh.coordinates[i];
                 t.mesh.coordinates[i] = rounded;
             }
-            options.precision = PLANISH_FLOAT;
+            options.precision = PLANISH_PRECISION_FLOAT;
             options.max_sweeps = 20;
             s = test_smooth(&t.mesh.mesh, &options);
             for (int64_t i = 0; i < n; i++) {
                 volatile float rounded = (float)s.coordinates[i];
                 assert_true(s.coordinates[i] == rounded);
             }
-            assert_int_equal(s.after.inverted, 0);
+            assert_int_equal(s.after.n_inverted, 0);
             free(s.coordinates);
             test_tangle_destroy(&t);
         }

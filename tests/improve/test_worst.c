@@ -58,7 +58,7 @@ static void release(run *r) {
 }
 
 static void expect_no_worse(const planish_quality *before, const planish_quality *after) {
-    assert_int_equal(after->inverted, 0);
+    assert_int_equal(after->n_inverted, 0);
     assert_true(after->max_radius_ratio <= before->max_radius_ratio * (1 + RATIO_ROUNDING));
     assert_true(after->min_angle_deg >= before->min_angle_deg - ANGLE_ROUNDING);
     assert_true(after->max_radius_ratio_movable <=
@@ -91,7 +91,8 @@ static void uneven_box_of(test_mesh *mesh, int dim, double amount, double held, 
     shake(mesh, amount, seed);
     uint8_t *constraint = calloc((size_t)mesh->mesh.n_nodes, 1);
     for (int64_t i = 0; i < mesh->mesh.n_nodes; i++)
-        constraint[i] = test_random(&seed) < held ? PLANISH_FIXED : PLANISH_FREE;
+        constraint[i] =
+            test_random(&seed) < held ? PLANISH_CONSTRAINT_FIXED : PLANISH_CONSTRAINT_FREE;
     mesh->mesh.constraint = constraint;
 }
 
@@ -240,9 +241,9 @@ static void other_options_hold(void **state) {
         if (which == VOLUME)
             least = options.min_volume = dim == 3 ? 0.1 : 0.35;
         if (which == MEAN_RATIO)
-            options.objective = PLANISH_MEAN_RATIO;
+            options.objective = PLANISH_OBJECTIVE_MEAN_RATIO;
         if (which == FLOATS) {
-            options.precision = PLANISH_FLOAT;
+            options.precision = PLANISH_PRECISION_FLOAT;
             for (int64_t i = 0; i < mesh.n_nodes * dim; i++)
                 box.coordinates[i] = (float)box.coordinates[i];
         }
@@ -256,7 +257,7 @@ static void other_options_hold(void **state) {
             options.only_worse_than = dim == 3 ? 1.6 : 1.2;
         run r = smooth(&mesh, &options);
         assert_true(r.result.worst_sweeps > 0);
-        assert_int_equal(r.after.inverted, 0);
+        assert_int_equal(r.after.n_inverted, 0);
         assert_true(r.after.max_radius_ratio <= r.before.max_radius_ratio);
         if (which != MEAN_RATIO)
             assert_true(r.after.min_angle_deg >= r.before.min_angle_deg - ANGLE_ROUNDING);
@@ -414,9 +415,9 @@ static void no_angle_becomes_smaller_than_the_smallest(void **state) {
         test_mesh box;
         uneven_box_of(&box, dim, 0.14 + 0.2 * seed / MESHES, 0.5, seed);
         run r = smooth(&box.mesh, &options);
-        if (r.before.inverted == 0) {
+        if (r.before.n_inverted == 0) {
             valid++;
-            put_back += r.result.put_back > 0;
+            put_back += r.result.n_put_back > 0;
             expect_no_worse(&r.before, &r.after);
             assert_true(r.after.rms_radius_ratio <= r.before.rms_radius_ratio);
         }

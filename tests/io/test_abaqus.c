@@ -50,7 +50,7 @@ static void everything_is_read(void **state) {
     assert_memory_equal(mesh.elements, elements, sizeof elements);
     assert_int_equal(planish_file_node_number(file, 4), 50);
     assert_int_equal(planish_file_element_number(file, 3), 14);
-    assert_int_equal(info.precision, PLANISH_ROUNDED);
+    assert_int_equal(info.precision, PLANISH_PRECISION_ROUNDED);
     assert_true(info.round(1.0 / 300, info.round_user) == 1.0 / 300);
     assert_true(info.round(-1.0 / 3e7, info.round_user) == -3.33333333333333e-8);
     assert_int_equal(info.n_regions, 2);

@@ -174,7 +174,7 @@ static void a_mesh_is_read(void **state) {
         m.is_float = i >> 2;
         m.is_packed = m.is_float;
         planish_file *file = read_mesh(&m);
-        check_solid(file, 2, m.is_float ? PLANISH_FLOAT : PLANISH_DOUBLE);
+        check_solid(file, 2, m.is_float ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE);
         planish_file_close(file);
     }
 }

@@ -120,7 +120,8 @@ static void check_round_trip(const char *name, const char *path) {
         const planish_hold hold = {.tags = &tags, .n_tags = 1, .ignore_regions = 1};
         assert_int_equal(planish_file_constraints(file, &hold, constraint, &error), 0);
         for (int k = 0; k <= mesh.dim; k++)
-            assert_int_equal(constraint[mesh.elements[i * (mesh.dim + 1) + k]], PLANISH_FIXED);
+            assert_int_equal(constraint[mesh.elements[i * (mesh.dim + 1) + k]],
+                             PLANISH_CONSTRAINT_FIXED);
     }
     free(constraint);
     free(least);

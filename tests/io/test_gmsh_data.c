@@ -320,8 +320,8 @@ static void data_add_to_entities(void **state) {
         expect_region(file, N_TRIANGLES - 1, "upper");
         expect_held_with(file, &none, 0, 0);
         assert_int_equal(planish_file_constraints(file, &fix, constraint, NULL), PLANISH_OK);
-        assert_int_equal(constraint[SIDE + 2], PLANISH_FREE);
-        assert_int_equal(constraint[N_NODES - SIDE - 3], PLANISH_FIXED);
+        assert_int_equal(constraint[SIDE + 2], PLANISH_CONSTRAINT_FREE);
+        assert_int_equal(constraint[N_NODES - SIDE - 3], PLANISH_CONSTRAINT_FIXED);
         assert_int_equal(choose(file, "nothing", &error), PLANISH_ERROR_ARGUMENT);
         assert_non_null(strstr(error.text, "the file has: numbers, color"));
         assert_int_equal(choose(file, "color", &error), PLANISH_OK);

@@ -36,7 +36,7 @@ static void a_solid_is_read(void **state) {
     assert_memory_equal(mesh.elements, elements, sizeof elements);
     assert_int_equal(info.n_regions, 2);
     assert_int_equal(info.n_lower_elements, 2);
-    assert_int_equal(info.precision, PLANISH_DOUBLE);
+    assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
     assert_int_equal(planish_file_element_number(file, 1), 2);
     assert_int_equal(planish_file_node_number(file, 5), 6);
     assert_int_equal(file->model.hold[0], IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE);
@@ -86,7 +86,7 @@ static void a_text_may_have_version_0(void **state) {
                                        "1 0 0 0.1 1 0 Triangles 1 1 2 3 1 End");
     planish_file_info info;
     planish_file_get_info(file, &info);
-    assert_int_equal(info.precision, PLANISH_DOUBLE);
+    assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
     assert_true(planish_file_mesh(file).coordinates[4] == 0.1);
     planish_file_close(file);
     reading_fails(&io_format_medit, "MeshVersionFormatted -1 Dimension 2 End", "-1 is unknown");
@@ -104,7 +104,7 @@ static void a_plane_is_read(void **state) {
     planish_file_get_info(file, &info);
     assert_int_equal(mesh.dim, 2);
     assert_int_equal(mesh.n_elements, 2);
-    assert_int_equal(info.precision, PLANISH_FLOAT); /* version 1 */
+    assert_int_equal(info.precision, PLANISH_PRECISION_FLOAT); /* version 1 */
     volatile float tenth = 0.1f;
     assert_true(mesh.coordinates[6] == tenth);
     assert_int_equal(info.n_other_elements, 1);
@@ -413,7 +413,8 @@ static void check_solid(const planish_file *file, int version) {
         assert_true(mesh.coordinates[i] == (version == 1 ? (double)single : points[i]));
     }
     assert_memory_equal(file->model.hold, held, sizeof held);
-    assert_int_equal(info.precision, version == 1 ? PLANISH_FLOAT : PLANISH_DOUBLE);
+    assert_int_equal(info.precision,
+                     version == 1 ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE);
     assert_int_equal(info.n_regions, 2);
     assert_int_equal(info.n_lower_elements, 2);
     assert_int_equal(info.n_other_elements, 1);

@@ -54,7 +54,7 @@ static void every_kind_of_field_is_read(void **state) {
     assert_memory_equal(mesh.elements, elements, sizeof elements);
     assert_int_equal(planish_file_node_number(file, 4), 20);
     assert_int_equal(planish_file_element_number(file, 3), 14);
-    assert_int_equal(info.precision, PLANISH_ROUNDED);
+    assert_int_equal(info.precision, PLANISH_PRECISION_ROUNDED);
     assert_true(info.round(1.0 / 3, info.round_user) == .3333333);
     assert_int_equal(info.n_regions, 2);
     assert_int_equal(info.n_lower_elements, 2);
@@ -151,7 +151,7 @@ static void regions_are_properties(void **state) {
     uint8_t constraint[5];
     planish_error error;
     assert_int_equal(planish_file_constraints(file, NULL, constraint, &error), 0);
-    assert_int_equal(constraint[4], PLANISH_FIXED);
+    assert_int_equal(constraint[4], PLANISH_CONSTRAINT_FIXED);
     planish_file_close(file);
     /* None is one. */
     file = reading_text(format, NINE "CTETRA,2,,2,3,4,5\nCTETRA,3,,2,4,5,6\n");

@@ -70,7 +70,7 @@ static void a_solid_is_read(void **state) {
     assert_int_equal(mesh.n_elements, 2);
     assert_memory_equal(mesh.elements, elements, sizeof elements);
     assert_true(mesh.coordinates[14] == 1.5);
-    assert_int_equal(info.precision, PLANISH_DOUBLE);
+    assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
     assert_int_equal(info.n_regions, 2);
     assert_int_equal(info.n_other_elements, 2);
     assert_int_equal(info.n_lower_elements, 1 + 2 + 1);
@@ -245,7 +245,8 @@ static void wrong_files_are_refused(void **state) {
         {HEAD NODES "volumeelements\n1\n1 2 1 2\n" TAIL, "2 nodes are unknown"},
         {HEAD NODES "volumeelements\n1\n1 99 1 2 3 4 5 6\n" TAIL, "99 nodes"},
         {HEAD NODES "volumeelements\n1\n1 -4 1 2 3 4 5 6\n" TAIL, "-4 nodes"},
-        {HEAD NODES "volumeelements\n1\n99999999999 4 1 2 3 4\n" TAIL, "number 99999999999 is not in"},
+        {HEAD NODES "volumeelements\n1\n99999999999 4 1 2 3 4\n" TAIL,
+         "number 99999999999 is not in"},
         {HEAD NODES "volumeelements\n4611686018427387904\n1 4 1 2 3 4\n" TAIL, "cannot be in"},
         {HEAD NODES "volumeelements\n-1\n1 4 1 2 3 4\n" TAIL, "cannot be in"},
         {HEAD "points\n2\n0 0 nan\n0 0 0\n" TET TAIL, "not finite"},

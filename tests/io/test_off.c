@@ -37,7 +37,7 @@ static void a_file_is_read(void **state) {
     assert_int_equal(mesh.n_elements, 2);
     assert_memory_equal(mesh.elements, elements, sizeof elements);
     assert_true(mesh.coordinates[5] == 1.5);
-    assert_int_equal(info.precision, PLANISH_DOUBLE);
+    assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
     assert_int_equal(info.n_regions, 1);
     assert_int_equal(info.n_other_elements, 1);
     assert_int_equal(info.n_lower_elements, 2);
@@ -95,7 +95,8 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(f, "OFF\n4611686018427387904 1 0\n" SQUARE, "cannot be in");
     reading_fails(f, "OFF\n4 4611686018427387904 0\n" SQUARE "3 0 1 2\n", "cannot be in");
     reading_fails(f, "OFF\n4 -1 0\n" SQUARE "3 0 1 2\n", "cannot be in");
-    reading_fails(f, "OFF\n4 1 0\n" SQUARE "3 0 1 4\n", "test:7: face 0: number 4 is not in 0 .. 3");
+    reading_fails(f, "OFF\n4 1 0\n" SQUARE "3 0 1 4\n",
+                  "test:7: face 0: number 4 is not in 0 .. 3");
     reading_fails(f, "OFF\n4 1 0\n" SQUARE "3 0 1 -1\n", "number -1 is not in");
     reading_fails(f, "OFF\n4 1 0\n" SQUARE "3 0 1\n", "whole number");
     reading_fails(f, "OFF\n4 1 0\n" SQUARE "-3 0 1 2\n", "cannot have -3");
@@ -105,7 +106,8 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(f, "OFF\n4 1 0\n0 0 0\n1 0\n1 1 0\n0 1 0\n3 0 1 2\n", "test:4: vertex 1");
     reading_fails(f, "OFF\n3 1 0\n0 0 0\n1 nan 0\n1 1 0\n3 0 1 2\n", "test:4");
     reading_fails(f, "OFF\n3 1 0\n0 0 0\n1 1e999 0\n1 1 0\n3 0 1 2\n", "not finite");
-    reading_fails(f, "OFF\n4 2 0\n0 0 0\n1 1 1\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n", "surfaces cannot");
+    reading_fails(f, "OFF\n4 2 0\n0 0 0\n1 1 1\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n",
+                  "surfaces cannot");
     assert_false(io_format_off.recognise("OFFICE\n", 7));
     assert_false(io_format_off.recognise("CONOFF\n", 7));
 }
@@ -145,7 +147,7 @@ static void binary_files_are_read_and_written(void **state) {
         planish_mesh mesh = planish_file_mesh(file);
         planish_file_info info;
         planish_file_get_info(file, &info);
-        assert_int_equal(info.precision, PLANISH_FLOAT);
+        assert_int_equal(info.precision, PLANISH_PRECISION_FLOAT);
         assert_int_equal(info.n_other_elements, 1);
         assert_int_equal(mesh.n_elements, 2);
         assert_memory_equal(mesh.elements, elements, sizeof elements);

@@ -140,7 +140,7 @@ static void settling_takes_nodes_back(void **state) {
     assert_int_equal(n, 1);
     assert_memory_equal(uv, before, sizeof before);
     /* Triangles so thin that many have another sign in floats. */
-    file->model.precision = PLANISH_FLOAT;
+    file->model.precision = PLANISH_PRECISION_FLOAT;
     const double *a = uv + 2 * (NODES / 2 - N - 1), *b = uv + 2 * (NODES / 2 - N);
     double *moved = uv + 2 * (NODES / 2), place[3];
     int64_t n_back = 0;

@@ -67,7 +67,7 @@ static int count_held(planish_file *file, const planish_hold *hold, uint8_t *con
     if (planish_file_constraints(file, hold, constraint, &error))
         return -1;
     for (int i = 0; i < N_NODES; i++)
-        n += constraint[i] == PLANISH_FIXED;
+        n += constraint[i] == PLANISH_CONSTRAINT_FIXED;
     return n;
 }
 
@@ -103,7 +103,7 @@ static void labels_are_surfaces_lines_and_groups(void **state) {
     hold.tags = tip;
     hold.n_tags = 1;
     assert_int_equal(count_held(file, &hold, constraint), 1);
-    assert_int_equal(constraint[6], PLANISH_FIXED);
+    assert_int_equal(constraint[6], PLANISH_CONSTRAINT_FIXED);
     hold.tags = wall;
     assert_int_equal(count_held(file, &hold, constraint), 3);
     assert_true(constraint[0] && constraint[2] && constraint[5]);

@@ -110,7 +110,7 @@ static void floats_in_as_many_digits_as_they_need(void **state) {
     planish_file *file = open_file(test_path(path, *state, "in.mesh"), 1);
     planish_file_info info;
     planish_file_get_info(file, &info);
-    if (info.precision == PLANISH_FLOAT) {
+    if (info.precision == PLANISH_PRECISION_FLOAT) {
         volatile float tenth = 0.1f;
         planish_file_coordinates(file)[4] = tenth;
         write_file(file, test_path(path, *state, "out.mesh"), planish_file_coordinates(file), 1);
@@ -172,7 +172,7 @@ static int64_t move_nodes(planish_file *file) {
         if (i % 7 < 3)
             coordinates[i] = before * 1.01 + 1.0 / 128;
         volatile float single = (float)coordinates[i];
-        if (info.precision == PLANISH_FLOAT)
+        if (info.precision == PLANISH_PRECISION_FLOAT)
             coordinates[i] = single;
         changed += coordinates[i] != before;
     }

@@ -164,7 +164,8 @@ static void expect_mesh(const planish_file *file, const struct variant *variant)
     const io_model *model = &file->model;
     assert_int_equal(model->dim, 3);
     assert_int_equal(model->n_nodes, N_NODES);
-    assert_int_equal(model->precision, variant->is_float ? PLANISH_FLOAT : PLANISH_DOUBLE);
+    assert_int_equal(model->precision,
+                     variant->is_float ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE);
     for (int i = 0; i < 3 * N_NODES; i++) {
         volatile float rounded = (float)points[i / 3][i % 3];
         double expected = variant->is_float ? (double)rounded : points[i / 3][i % 3];

@@ -138,7 +138,7 @@ static void a_grid_is_read(void **state) {
     assert_int_equal(info.n_regions, 2);
     assert_int_equal(info.n_other_elements, 1);
     assert_int_equal(info.n_lower_elements, 1);
-    assert_int_equal(info.precision, PLANISH_DOUBLE);
+    assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
     assert_int_equal(planish_file_node_number(file, 6), 6);
     assert_int_equal(file->model.hold[5], IO_HELD_BY_OTHER);
     assert_int_equal(file->model.hold[6], IO_HELD_MARKED);

@@ -26,7 +26,8 @@ static void expect_mesh(const planish_file *file, const variant *v) {
     const io_model *model = &file->model;
     assert_int_equal(model->dim, 3);
     assert_int_equal(model->n_nodes, N_NODES);
-    assert_int_equal(model->precision, v->is_float ? PLANISH_FLOAT : PLANISH_DOUBLE);
+    assert_int_equal(model->precision,
+                     v->is_float ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE);
     assert_int_equal(model->tetrahedron.n, 4);
     assert_int_equal(model->triangle.n, 1);
     assert_int_equal(model->line.n, 1);
@@ -369,7 +370,7 @@ static void empty_pieces_may_be_of_any_type(void **state) {
                                                         "</UnstructuredGrid></VTKFile>",
                  last ? "" : empty, last ? empty : "");
         planish_file *file = reading_text(&io_format_vtu, text);
-        assert_int_equal(file->model.precision, PLANISH_DOUBLE);
+        assert_int_equal(file->model.precision, PLANISH_PRECISION_DOUBLE);
         assert_int_equal(file->model.triangle.n, 1);
         planish_file_close(file);
     }

@@ -130,7 +130,7 @@ static void expect_same_as_fixed(const planish_mesh *mesh, const uint8_t *chosen
     planish_options options = test_options(2);
     uint8_t *constraint = malloc((size_t)mesh->n_nodes);
     for (int64_t i = 0; i < mesh->n_nodes; i++)
-        constraint[i] = chosen[i] ? PLANISH_FREE : PLANISH_FIXED;
+        constraint[i] = chosen[i] ? PLANISH_CONSTRAINT_FREE : PLANISH_CONSTRAINT_FIXED;
     other.constraint = constraint;
     test_run all = test_smooth(&other, &options);
     assert_int_equal(all.info.n_free, r->info.n_free);
@@ -168,7 +168,7 @@ static void only_nodes_around_move(void **state) {
                 n_in += any != 0;
             }
             assert_int_equal(r.info.n_free, n_free);
-            assert_int_equal(r.result.moved_nodes, n_moved);
+            assert_int_equal(r.result.n_moved_nodes, n_moved);
             assert_true(n_moved > 1);
             assert_int_equal(r.before.n_elements, n_in);
             assert_true(r.after.rms_radius_ratio < r.before.rms_radius_ratio);
@@ -239,7 +239,7 @@ static void neighbours_of_bad_elements(void **state) {
     mesh.neighbours = neighbours;
     test_run r = test_smooth(&mesh, &options);
     assert_true(expected.info.n_free > 0 && expected.info.n_free < 30);
-    assert_true(r.result.moved_nodes > 0);
+    assert_true(r.result.n_moved_nodes > 0);
     assert_memory_equal(r.coordinates, expected.coordinates,
                         (size_t)(mesh.n_nodes * 3) * sizeof(double));
     assert_true(memcmp(&r.after, &expected.after, sizeof r.after) == 0);
@@ -320,7 +320,7 @@ static void check_ratios(const planish_plan *plan, const double *x, int64_t n_el
         largest = fmax(largest, ratio[i]);
         assert_true(ratio[i] == 0 || ratio[i] >= 1);
     }
-    assert_int_equal(inverted, quality->inverted);
+    assert_int_equal(inverted, quality->n_inverted);
     assert_true(fabs(largest / quality->max_radius_ratio - 1) < 1e-14);
     assert_true(ratio[quality->worst_element] == largest);
     const double rms = sqrt(squares / (double)(known - inverted));
@@ -373,7 +373,7 @@ static void forms_do_not_matter(void **state) {
                 check_ratios(plan, x, mesh.n_elements, &quality);
                 assert_int_equal(
                     planish_check_volumes(plan, x, &options, state_of, &n_below, &error), 0);
-                assert_int_equal(planish_find_unfixable(plan, x, state_of, &n_unfixable, &error),
+                assert_int_equal(planish_find_infeasible(plan, x, state_of, &n_unfixable, &error),
                                  0);
                 assert_int_equal(n_below + n_unfixable, 0);
                 int64_t others = 0;
@@ -478,7 +478,7 @@ static void what_is_outside_is_infeasible(void **state) {
     assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
     options.min_volume = 1;
     assert_int_equal(planish_smooth(plan, box.coordinates, &options, &result, NULL), 0);
-    assert_int_equal(result.below_min_volume, box.mesh.n_elements);
+    assert_int_equal(result.n_below_min_volume, box.mesh.n_elements);
     assert_int_equal(result.stop, PLANISH_STOP_INFEASIBLE);
     planish_plan_destroy(plan);
     test_mesh_destroy(&box);

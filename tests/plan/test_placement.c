@@ -36,7 +36,7 @@ static int has_hwloc(void) {
 
 static void threads_asked_for_are_given(void **state) {
     (void)state;
-    if (!planish_has(PLANISH_FEATURE_OPENMP))
+    if (!planish_has_feature(PLANISH_FEATURE_OPENMP))
         skip();
     for (int threads = 1; threads < 9; threads++) {
         pl_placement *placement = pl_placement_create(threads, 0);
@@ -50,7 +50,7 @@ static void threads_asked_for_are_given(void **state) {
  *  socket before the other; and only if there are as many threads as cores. */
 static void cores_come_before_hardware_threads(void **state) {
     (void)state;
-    if (!planish_has(PLANISH_FEATURE_OPENMP))
+    if (!planish_has_feature(PLANISH_FEATURE_OPENMP))
         skip();
     const int hwloc = has_hwloc();
     change_machine("package:2 numanode:1 core:4 pu:2");
@@ -97,7 +97,7 @@ static void memory_is_near(void **state) {
                 {"package:2 numanode:1 core:4 pu:2", 0},
                 {"package:1 numanode:4 core:2 pu:1", 0},
                 {"core:8 pu:1", 1}};
-    if (!planish_has(PLANISH_FEATURE_OPENMP))
+    if (!planish_has_feature(PLANISH_FEATURE_OPENMP))
         skip();
     const int hwloc = has_hwloc();
     for (size_t i = 0; i < sizeof some / sizeof *some; i++) {

@@ -89,7 +89,7 @@ static void only_nodes_of_bad_elements_move(void **state) {
             const int64_t moved = expect_chosen(&box.mesh, &r, chosen);
             if (moved <= 3)
                 fail_msg("dim %d rings %d: %d of %d", dim, rings, (int)moved, (int)r.info.n_free);
-            assert_int_equal(r.after.inverted, 0);
+            assert_int_equal(r.after.n_inverted, 0);
             assert_true(r.after.max_radius_ratio <= r.before.max_radius_ratio);
             assert_true(r.after.rms_radius_ratio < r.before.rms_radius_ratio);
             assert_int_equal(r.result.stop, PLANISH_STOP_CONVERGED);
@@ -115,7 +115,7 @@ static void nothing_bad_nothing_done(void **state) {
     options.only_worse_than = 1e6;
     test_run r = test_smooth(&box.mesh, &options);
     assert_int_equal(r.info.n_free, 0);
-    assert_int_equal(r.result.moved_nodes, 0);
+    assert_int_equal(r.result.n_moved_nodes, 0);
     assert_int_equal(r.result.stop, PLANISH_STOP_CONVERGED);
     free(r.coordinates);
     test_mesh_destroy(&box);
@@ -139,7 +139,7 @@ static void orientation_does_not_matter(void **state) {
                 test_mesh_reverse(&box, i);
         test_run r = test_smooth(&box.mesh, &options);
         assert_int_equal(r.info.n_free, expected.info.n_free);
-        assert_int_equal(r.before.inverted, 0);
+        assert_int_equal(r.before.n_inverted, 0);
         assert_true(fabs(r.after.rms_radius_ratio / expected.after.rms_radius_ratio - 1) < 1e-6);
         free(r.coordinates);
         test_mesh_destroy(&box);
@@ -164,8 +164,8 @@ static void tangles_are_chosen(void **state) {
         choose(&box.mesh, 1e6, 4, chosen);
         options.only_worse_than = 1e5;
         test_run r = test_smooth(&box.mesh, &options);
-        assert_true(r.before.inverted > 0);
-        assert_int_equal(r.after.inverted, 0);
+        assert_true(r.before.n_inverted > 0);
+        assert_int_equal(r.after.n_inverted, 0);
         assert_true(expect_chosen(&box.mesh, &r, chosen) > 0);
         free(r.coordinates);
         free(chosen);
@@ -192,7 +192,7 @@ static void low_elements_are_chosen(void **state) {
         mesh.min_volume = which == 2 ? least : NULL;
         test_run r = test_smooth(&mesh, &options);
         assert_true(r.info.n_free > 10 && r.info.n_free < 6 * 6 * 6);
-        assert_true(r.result.moved_nodes > 0);
+        assert_true(r.result.n_moved_nodes > 0);
         free(r.coordinates);
     }
     free(least);
@@ -217,7 +217,7 @@ static void judge_volumes(int dim) {
     assert_true(info.n_free > 0 && info.n_free < mesh.mesh.n_nodes / 4);
     planish_plan_get_free(plan[0], constraint);
     for (size_t i = 0; i < n_nodes; i++)
-        constraint[i] = constraint[i] ? PLANISH_FREE : PLANISH_FIXED;
+        constraint[i] = constraint[i] ? PLANISH_CONSTRAINT_FREE : PLANISH_CONSTRAINT_FIXED;
     mesh.mesh.constraint = constraint;
     options.only_worse_than = 0;
     assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan[1], NULL), 0);
@@ -363,7 +363,7 @@ static void sliding_nodes_are_chosen_too(void **state) {
     test_run r = test_smooth(&mesh, &options);
     int64_t sliding = 0;
     for (size_t i = 0; i < n; i++)
-        sliding += chosen[i] && constraint[i] >= PLANISH_ON_PLANE;
+        sliding += chosen[i] && constraint[i] >= PLANISH_CONSTRAINT_ON_PLANE;
     assert_true(sliding > 0);
     assert_int_equal(r.info.n_sliding, sliding);
     for (size_t i = 0; i < n; i++)
@@ -413,7 +413,7 @@ static void memory_may_run_out(void **state) {
 }
 
 static int note_inverted(const planish_progress *progress, void *user) {
-    *(int64_t *)user = progress->inverted;
+    *(int64_t *)user = progress->n_inverted;
     return 0;
 }
 
@@ -453,9 +453,9 @@ static void inverted_elements_elsewhere_are_counted(void **state) {
     options.progress_user = &told;
     assert_int_equal(planish_smooth(plan, x, &options, &result, NULL), 0);
     assert_int_equal(planish_measure(plan, x, &quality, NULL), 0);
-    assert_true(quality.inverted > pushed);
-    assert_int_equal(result.inverted, quality.inverted);
-    assert_int_equal(told, quality.inverted);
+    assert_true(quality.n_inverted > pushed);
+    assert_int_equal(result.n_inverted, quality.n_inverted);
+    assert_int_equal(told, quality.n_inverted);
     free(x);
     free(is_free);
     planish_plan_destroy(plan);
@@ -492,7 +492,7 @@ static void errors_name_what_the_mesh_calls_it(void **state) {
     assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error),
                      PLANISH_ERROR_ARGUMENT);
     assert_int_equal(error.node, inside);
-    constraint[inside] = PLANISH_FREE;
+    constraint[inside] = PLANISH_CONSTRAINT_FREE;
     assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error), 0);
     double *lower = malloc(3 * n * sizeof *lower);
     for (size_t i = 0; i < 3 * n; i++)

@@ -238,7 +238,7 @@ static void check_measure(const batch *b) {
         least = fminl(least, volume(b, i) - tolerance(b, i));
         most = fminl(most, volume(b, i) + tolerance(b, i));
     }
-    assert_int_equal(quality.inverted, inverted);
+    assert_int_equal(quality.n_inverted, inverted);
     assert_true(quality.min_volume >= clamped(least) && quality.min_volume <= clamped(most));
     assert_true(inverted == 0 || !(quality.min_volume > 0));
 }
@@ -274,7 +274,7 @@ static void check_volumes(batch *b) {
 static void check_unfixable(batch *b) {
     static uint8_t unfixable[BATCH];
     int64_t n;
-    assert_int_equal(planish_find_unfixable(b->plan, b->coordinates, unfixable, &n, NULL),
+    assert_int_equal(planish_find_infeasible(b->plan, b->coordinates, unfixable, &n, NULL),
                      PLANISH_OK);
     for (int i = 0; i < BATCH; i++)
         expect(unfixable[i] == (b->of[i].sign <= 0), "what cannot be positive is wrong", b->dim,

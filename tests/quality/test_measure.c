@@ -101,7 +101,7 @@ static int64_t angles_total(const planish_quality *q) {
 /** The sums say of the mesh what its quality says. */
 static void assert_agreement(const planish_quality *q, const pl_ratio_sums *s) {
     int64_t n = s->n_movable + s->n_fixed;
-    assert_int_equal(s->inverted, q->inverted);
+    assert_int_equal(s->inverted, q->n_inverted);
     assert_int_equal(n + s->inverted, q->n_elements);
     assert_int_equal(histogram_total(q), n);
     assert_int_equal(angles_total(q), n);
@@ -196,8 +196,8 @@ static void agrees_with_a_naive_evaluation(void **state) {
             bins[bin]++;
         }
         long double n = (long double)mesh->n_elements;
-        assert_int_equal(q.inverted, 0);
-        assert_int_equal(q.n_fixed, count[0]);
+        assert_int_equal(q.n_inverted, 0);
+        assert_int_equal(q.n_fixed_elements, count[0]);
         assert_true(count[0] > 0 && count[1] > 0);
         assert_true(near(q.rms_radius_ratio, (double)sqrtl((square[0] + square[1]) / n), 1e-13));
         assert_true(near(q.rms_radius_ratio_movable,
@@ -222,7 +222,7 @@ static void knows_a_regular_tetrahedron(void **state) {
     measured_mesh m;
     create_one(&m, 3, x);
     planish_quality q = measure(&m, NULL, 1);
-    assert_int_equal(q.inverted, 0);
+    assert_int_equal(q.n_inverted, 0);
     assert_true(near(q.rms_radius_ratio, 1, 1e-15) && near(q.max_radius_ratio, 1, 1e-15));
     assert_true(near(q.mean_radius_ratio, 1, 1e-15));
     assert_true(near(q.min_volume, 8.0 / 3, 1e-15) && q.max_volume == q.min_volume);
@@ -232,7 +232,7 @@ static void knows_a_regular_tetrahedron(void **state) {
     assert_int_equal(q.histogram_counts[0], 1);
     assert_int_equal(q.angle_counts[PLANISH_ANGLE_BINS - 1], 1);
     assert_true(q.angle_edges_deg[PLANISH_ANGLE_BINS - 1] == 70);
-    assert_int_equal(q.n_fixed, 0);
+    assert_int_equal(q.n_fixed_elements, 0);
     destroy(&m);
 }
 
@@ -246,8 +246,8 @@ static void knows_the_box(void **state) {
         planish_quality q = measure(&m, NULL, 1);
         int64_t n = m.box.mesh.n_elements;
         double size = dim == 3 ? 1.0 / 6 : 0.5;
-        assert_int_equal(q.inverted, 0);
-        assert_int_equal(q.n_fixed, n);
+        assert_int_equal(q.n_inverted, 0);
+        assert_int_equal(q.n_fixed_elements, n);
         assert_true(near(q.min_volume, size, 1e-15) && near(q.max_volume, size, 1e-15));
         assert_true(near(q.total_volume, dim == 3 ? 64 : 16, 1e-14));
         assert_true(near(q.min_angle_deg, 45, 1e-14) && near(q.max_angle_deg, 90, 1e-14));
@@ -306,13 +306,13 @@ static void counts_inverted_elements(void **state) {
         }
         planish_quality q = measure(&m, NULL, 1);
         pl_ratio_sums s = sum(&m, NULL, 1);
-        assert_int_equal(q.inverted, (n + 3) / 5);
-        assert_int_equal(q.n_fixed, straight.n_fixed);
+        assert_int_equal(q.n_inverted, (n + 3) / 5);
+        assert_int_equal(q.n_fixed_elements, straight.n_fixed_elements);
         assert_true(q.min_volume < 0);
         assert_agreement(&q, &s);
         q = measure(&m, sign, 1);
         s = sum(&m, sign, 1);
-        assert_int_equal(q.inverted, 0);
+        assert_int_equal(q.n_inverted, 0);
         assert_true(near(q.rms_radius_ratio, straight.rms_radius_ratio, 1e-14));
         assert_true(near(q.total_volume, straight.total_volume, 1e-14));
         assert_agreement(&q, &s);
@@ -330,16 +330,16 @@ static void validity_is_exact(void **state) {
     create_one(&m, 3, flat);
     double *z = &m.box.coordinates[11];
     planish_quality q = measure(&m, NULL, 1);
-    assert_int_equal(q.inverted, 1);
+    assert_int_equal(q.n_inverted, 1);
     assert_true(q.max_volume == 0 && q.max_radius_ratio == 0 && q.worst_element == -1);
     *z = nextafter(1e6, 0);
     q = measure(&m, NULL, 1);
-    assert_int_equal(q.inverted, 1);
+    assert_int_equal(q.n_inverted, 1);
     assert_true(q.max_volume < 0);
     *z = nextafter(1e6, INFINITY);
     q = measure(&m, NULL, 1);
     pl_ratio_sums s = sum(&m, NULL, 1);
-    assert_int_equal(q.inverted, 0);
+    assert_int_equal(q.n_inverted, 0);
     assert_true(near(q.min_volume, 0x1p-33 / 6, 1e-15));
     const double *x = m.box.coordinates;
     const double *const vertex[4] = {x, x + 3, x + 6, x + 9};
@@ -367,7 +367,7 @@ static void nearly_flat_elements_are_certified(void **state) {
     }
     planish_quality q = measure(&m, NULL, 1);
     pl_ratio_sums s = sum(&m, NULL, 1);
-    assert_int_equal(q.inverted, inverted);
+    assert_int_equal(q.n_inverted, inverted);
     assert_true(inverted > n / 10 && inverted < n - n / 10);
     assert_true(q.rms_radius_ratio > 1e3 && q.rms_radius_ratio < INFINITY);
     assert_agreement(&q, &s);
@@ -382,7 +382,7 @@ static void not_finite_is_inverted(void **state) {
     m.box.coordinates[3 * 42 + 1] = INFINITY;
     planish_quality q = measure(&m, NULL, 1);
     pl_ratio_sums s = sum(&m, NULL, 1);
-    assert_true(q.inverted > 0 && q.inverted < q.n_elements);
+    assert_true(q.n_inverted > 0 && q.n_inverted < q.n_elements);
     assert_true(q.rms_radius_ratio < 3 && q.max_angle_deg < 180);
     assert_agreement(&q, &s);
     destroy(&m);
@@ -447,7 +447,7 @@ static void any_scale_is_measured(void **state) {
             test_mesh_transform(&scaled.box, ldexp(1, exponent), 0);
             planish_quality p = measure(&scaled, NULL, 1);
             pl_ratio_sums s = sum(&scaled, NULL, 1);
-            assert_int_equal(p.inverted, 0);
+            assert_int_equal(p.n_inverted, 0);
             assert_true(near(p.rms_radius_ratio, q.rms_radius_ratio, 1e-14));
             assert_true(near(p.max_radius_ratio, q.max_radius_ratio, 1e-14));
             assert_true(near(p.min_angle_deg, q.min_angle_deg, 1e-13));
@@ -468,7 +468,7 @@ static void extreme_ratios_are_measured(void **state) {
     measured_mesh m;
     create_one(&m, 3, x);
     planish_quality q = measure(&m, NULL, 1);
-    assert_int_equal(q.inverted, 0);
+    assert_int_equal(q.n_inverted, 0);
     assert_true(q.max_radius_ratio > 1e178 && q.max_radius_ratio < 1e182);
     assert_true(isinf(q.rms_radius_ratio));
     assert_int_equal(q.histogram_counts[PLANISH_HISTOGRAM_BINS - 1], 1);

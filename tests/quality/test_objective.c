@@ -98,9 +98,9 @@ static long double smoothed_edge_ratio(const element *e) {
 }
 
 static long double aspect(const element *e, planish_objective objective) {
-    return objective == PLANISH_RADIUS_RATIO ? radius_ratio(e)
-           : objective == PLANISH_MEAN_RATIO ? mean_ratio(e)
-                                             : smoothed_edge_ratio(e);
+    return objective == PLANISH_OBJECTIVE_RADIUS_RATIO ? radius_ratio(e)
+           : objective == PLANISH_OBJECTIVE_MEAN_RATIO ? mean_ratio(e)
+                                                       : smoothed_edge_ratio(e);
 }
 
 /* ---- a random mesh and its sums ------------------------------------------------------------ */

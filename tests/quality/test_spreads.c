@@ -102,7 +102,7 @@ static void spreads_are_those_of_the_textbook(void **state) {
         const planish_quality q = measure(&box.mesh, 2);
         planish_spread spread[N_SPREADS];
         list(&q, spread);
-        assert_true((real)(n - q.inverted) == n_valid && q.inverted > n / 8);
+        assert_true((real)(n - q.n_inverted) == n_valid && q.n_inverted > n / 8);
         for (int m = 0; m < N_SPREADS; m++) {
             assert_true(min[m] < sum[m] / n_valid && sum[m] / n_valid < max[m]);
             assert_near(spread[m].min, min[m], 1e-13);
@@ -139,7 +139,7 @@ static void nothing_is_over_no_valid_element(void **state) {
     const planish_quality q = measure_one(3, reversed);
     planish_spread spread[N_SPREADS];
     list(&q, spread);
-    assert_int_equal(q.inverted, 1);
+    assert_int_equal(q.n_inverted, 1);
     for (int m = 0; m < N_SPREADS; m++)
         assert_memory_equal(&spread[m], &none, sizeof none);
 }
@@ -155,7 +155,7 @@ static void nearly_flat_elements_are_right(void **state) {
         const double x[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0.25, 0.375, h};
         const double *const v[4] = {x, x + 3, x + 6, x + 9};
         const planish_quality q = measure_one(3, x);
-        assert_int_equal(q.inverted, 0);
+        assert_int_equal(q.n_inverted, 0);
         const real edges = sqrtl(2) / reference_distance(3, v[0], v[3]);
         assert_near(q.edge_ratio.mean, edges, 1e-14);
         assert_near(q.mean_ratio.mean, reference_mean_ratio(3, v), 1e-14);
@@ -181,7 +181,7 @@ static void short_edges_are_right(void **state) {
         const planish_quality q = measure_one(3, x);
         planish_spread spread[N_SPREADS];
         list(&q, spread);
-        assert_int_equal(q.inverted, 0);
+        assert_int_equal(q.n_inverted, 0);
         assert_near(q.edge_ratio.mean, sqrtl(2) / h, 1e-14);
         /* D = h; edges 1, 1, sqrt(2) are left of the sum; sqrt(2) D / product at the far vertices
          */
@@ -209,8 +209,8 @@ static void whatever_is_valid_has_measures(void **state) {
             const planish_quality q = measure_one(dim, x);
             planish_spread spread[N_SPREADS];
             list(&q, spread);
-            valid += q.inverted == 0;
-            if (q.inverted != 0)
+            valid += q.n_inverted == 0;
+            if (q.n_inverted != 0)
                 continue;
             for (int m = 0; m < 4; m++)
                 assert_true(spread[m].mean >= (m == 1 ? 0.81 : 1 - 1e-10));

@@ -69,14 +69,14 @@ static void expect_node(const found *f, int64_t i, int dim, const int *crosses) 
         rest = crosses[d] ? rest : d;
     }
     if (n == 0) {
-        assert_int_equal(f->constraint[i], PLANISH_FREE);
+        assert_int_equal(f->constraint[i], PLANISH_CONSTRAINT_FREE);
     } else if (n == dim) {
-        assert_int_equal(f->constraint[i], PLANISH_FIXED);
+        assert_int_equal(f->constraint[i], PLANISH_CONSTRAINT_FIXED);
     } else if (n == dim - 1) {
-        assert_int_equal(f->constraint[i], PLANISH_ON_LINE);
+        assert_int_equal(f->constraint[i], PLANISH_CONSTRAINT_ON_LINE);
         expect_axis(f->direction + i * dim, dim, rest);
     } else {
-        assert_int_equal(f->constraint[i], PLANISH_ON_PLANE);
+        assert_int_equal(f->constraint[i], PLANISH_CONSTRAINT_ON_PLANE);
         expect_axis(f->direction + i * dim, dim, axis);
     }
 }
@@ -93,8 +93,8 @@ static void expect_box(const planish_mesh *mesh, const found *f, double cut) {
             any |= crosses[d];
         }
         expect_node(f, i, dim, crosses);
-        planes += f->constraint[i] == PLANISH_ON_PLANE;
-        lines += f->constraint[i] == PLANISH_ON_LINE;
+        planes += f->constraint[i] == PLANISH_CONSTRAINT_ON_PLANE;
+        lines += f->constraint[i] == PLANISH_CONSTRAINT_ON_LINE;
         surface += any;
     }
     assert_int_equal(f->info.n_on_plane, planes);
@@ -233,9 +233,10 @@ static void tags_make_edges(void **state) {
         const double *x = mesh->coordinates + 3 * i;
         const int bottom = x[2] == 0 && !is_side(x[0]) && !is_side(x[1]);
         const int side = is_side(x[0]) || is_side(x[1]) || is_side(x[2]);
-        assert_int_equal(f.constraint[i], bottom ? x[0] == 2 ? PLANISH_ON_LINE : PLANISH_ON_PLANE
-                                          : side ? PLANISH_FIXED
-                                                 : PLANISH_FREE);
+        assert_int_equal(f.constraint[i], bottom ? x[0] == 2 ? PLANISH_CONSTRAINT_ON_LINE
+                                                             : PLANISH_CONSTRAINT_ON_PLANE
+                                          : side ? PLANISH_CONSTRAINT_FIXED
+                                                 : PLANISH_CONSTRAINT_FREE);
     }
     release(&f);
     /* A facet that the mesh has not holds its nodes. */
@@ -246,7 +247,7 @@ static void tags_make_edges(void **state) {
     surface.tagged_only = 0;
     f = find(mesh, &surface);
     for (int j = 0; j < 3; j++)
-        assert_int_equal(f.constraint[stranger[j]], PLANISH_FIXED);
+        assert_int_equal(f.constraint[stranger[j]], PLANISH_CONSTRAINT_FIXED);
     release(&f);
     test_mesh_destroy(&box);
 }
@@ -268,19 +269,19 @@ static void tagged_edges_are_lines(void **state) {
     planish_surface surface = {.n_edges = 5, .edges = &edges[0][0], .edge_tag = tags};
     found f = find(mesh, &surface);
     for (int k = 1; k < CELLS; k++) {
-        assert_int_equal(f.constraint[edges[k][1]], PLANISH_ON_LINE);
+        assert_int_equal(f.constraint[edges[k][1]], PLANISH_CONSTRAINT_ON_LINE);
         expect_axis(f.direction + 3 * edges[k][1], 3, 0);
     }
-    assert_int_equal(f.constraint[edges[3][0]], PLANISH_FIXED); /* it meets the rim */
-    assert_int_equal(f.constraint[edges[4][0]], PLANISH_FIXED);
-    assert_int_equal(f.constraint[edges[4][1]], PLANISH_FIXED);
-    assert_int_equal(f.constraint[node_at(mesh, 1, 2, 0)], PLANISH_ON_PLANE);
+    assert_int_equal(f.constraint[edges[3][0]], PLANISH_CONSTRAINT_FIXED); /* it meets the rim */
+    assert_int_equal(f.constraint[edges[4][0]], PLANISH_CONSTRAINT_FIXED);
+    assert_int_equal(f.constraint[edges[4][1]], PLANISH_CONSTRAINT_FIXED);
+    assert_int_equal(f.constraint[node_at(mesh, 1, 2, 0)], PLANISH_CONSTRAINT_ON_PLANE);
     release(&f);
     tags[2] = tags[3] = 5;
     f = find(mesh, &surface);
-    assert_int_equal(f.constraint[edges[1][1]], PLANISH_ON_LINE);
-    assert_int_equal(f.constraint[edges[2][1]], PLANISH_FIXED);
-    assert_int_equal(f.constraint[edges[3][1]], PLANISH_ON_LINE);
+    assert_int_equal(f.constraint[edges[1][1]], PLANISH_CONSTRAINT_ON_LINE);
+    assert_int_equal(f.constraint[edges[2][1]], PLANISH_CONSTRAINT_FIXED);
+    assert_int_equal(f.constraint[edges[3][1]], PLANISH_CONSTRAINT_ON_LINE);
     release(&f);
     test_mesh_destroy(&box);
 }
@@ -293,14 +294,14 @@ static void nodes_that_are_held_stay_held(void **state) {
     uint8_t *held = calloc((size_t)mesh.n_nodes, 1);
     const int64_t side = node_at(&mesh, 2, 2, 0), inner = node_at(&mesh, 2, 2, 2);
     const int64_t own = node_at(&mesh, 1, 1, 0);
-    held[side] = held[inner] = PLANISH_FIXED;
-    held[own] = PLANISH_ON_SURFACE;
+    held[side] = held[inner] = PLANISH_CONSTRAINT_FIXED;
+    held[own] = PLANISH_CONSTRAINT_ON_SURFACE;
     mesh.constraint = held;
     found f = find(&mesh, NULL);
-    assert_int_equal(f.constraint[side], PLANISH_FIXED);
-    assert_int_equal(f.constraint[inner], PLANISH_FIXED);
-    assert_int_equal(f.constraint[own], PLANISH_ON_SURFACE);
-    assert_int_equal(f.constraint[node_at(&mesh, 3, 3, 0)], PLANISH_ON_PLANE);
+    assert_int_equal(f.constraint[side], PLANISH_CONSTRAINT_FIXED);
+    assert_int_equal(f.constraint[inner], PLANISH_CONSTRAINT_FIXED);
+    assert_int_equal(f.constraint[own], PLANISH_CONSTRAINT_ON_SURFACE);
+    assert_int_equal(f.constraint[node_at(&mesh, 3, 3, 0)], PLANISH_CONSTRAINT_ON_PLANE);
     assert_int_equal(planish_find_slides(&mesh, NULL, 1, held, f.direction, NULL, NULL), 0);
     assert_memory_equal(held, f.constraint, (size_t)mesh.n_nodes); /* in place */
     release(&f);
@@ -324,11 +325,11 @@ static void curved_sides_stay(void **state) {
         const int top = x[2] > CELLS - 0.5;
         const int sides = is_side(x[0]) + is_side(x[1]) + (x[2] == 0);
         if (top)
-            assert_int_equal(f.constraint[i], PLANISH_FIXED);
+            assert_int_equal(f.constraint[i], PLANISH_CONSTRAINT_FIXED);
         else if (sides == 1)
-            assert_int_equal(f.constraint[i], PLANISH_ON_PLANE);
+            assert_int_equal(f.constraint[i], PLANISH_CONSTRAINT_ON_PLANE);
         else if (sides == 2)
-            assert_int_equal(f.constraint[i], PLANISH_ON_LINE);
+            assert_int_equal(f.constraint[i], PLANISH_CONSTRAINT_ON_LINE);
     }
     release(&f);
     test_mesh_destroy(&box);
@@ -350,7 +351,7 @@ static void gentle_curves_are_no_planes(void **state) {
         for (int64_t i = 0; i < box.mesh.n_nodes; i++) {
             const double *x = box.mesh.coordinates + i * dim;
             if (x[dim - 1] >= 12)
-                assert_int_equal(f.constraint[i], PLANISH_FIXED);
+                assert_int_equal(f.constraint[i], PLANISH_CONSTRAINT_FIXED);
         }
         release(&f);
         surface.tolerance = 1e-4;
@@ -358,7 +359,7 @@ static void gentle_curves_are_no_planes(void **state) {
         int64_t sliding = 0;
         for (int64_t i = 0; i < box.mesh.n_nodes; i++)
             sliding += box.mesh.coordinates[i * dim + dim - 1] >= 12 &&
-                       f.constraint[i] >= PLANISH_ON_PLANE;
+                       f.constraint[i] >= PLANISH_CONSTRAINT_ON_PLANE;
         assert_true(sliding > 10);
         release(&f);
         test_mesh_destroy(&box);
@@ -415,11 +416,12 @@ static void nodes_at_one_place_stay(void **state) {
         for (int64_t i = 0; i < n; i++) {
             const double x = box.coordinates[i * dim];
             shared += x == CELLS;
-            assert_int_equal(f.constraint[i], x == CELLS ? PLANISH_FIXED : of_one.constraint[i]);
+            assert_int_equal(f.constraint[i],
+                             x == CELLS ? PLANISH_CONSTRAINT_FIXED : of_one.constraint[i]);
         }
         for (int64_t i = n; i < 2 * n; i++)
             if (box.coordinates[i * dim] == CELLS)
-                assert_int_equal(f.constraint[i], PLANISH_FIXED);
+                assert_int_equal(f.constraint[i], PLANISH_CONSTRAINT_FIXED);
             else
                 assert_int_equal(f.constraint[i], of_one.constraint[i - n]);
         assert_true(shared > 4);
@@ -453,7 +455,7 @@ static void touching_sheets_stay(void **state) {
                                    .coordinates = &x[0][0],
                                    .elements = &elements[0][0]};
         found f = find(&mesh, NULL);
-        assert_int_equal(f.constraint[0], PLANISH_FIXED);
+        assert_int_equal(f.constraint[0], PLANISH_CONSTRAINT_FIXED);
         release(&f);
     }
 }

@@ -82,7 +82,7 @@ static void memory_and_results_stay(void **state) {
             pages = resident_pages();
             bytes = info.bytes;
             checksum = planish_checksum(&moved);
-            assert_true(result.moved_nodes > 0);
+            assert_true(result.n_moved_nodes > 0);
         }
         if (call > SETTLED) {
             assert_true(planish_checksum(&moved) == checksum);

@@ -374,7 +374,8 @@ static void compare_variant(planish_isa isa, int dim, unsigned seed) {
         if (seed & 1)
             tangled_ask_for_more(both[i], seed);
         bound(both[i], seed / 3);
-        both[i]->s.problem.storage.precision = seed % 7 == 0 ? PLANISH_FLOAT : PLANISH_DOUBLE;
+        both[i]->s.problem.storage.precision =
+            seed % 7 == 0 ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE;
     }
     for (int i = 0; i < 5; i++) {
         const pl_star_energy a = tangled_energy(&plain, PLANISH_ISA_PLAIN, &p),
@@ -474,7 +475,8 @@ static void bounds_are_kept(void **state) {
         t.asked.epsilon = epsilons[seed % N_EPSILONS];
         bound(&t, 2 + seed % 6);
         t.s.problem.storage.precision =
-            seed % 3 == 0 ? PLANISH_FLOAT : PLANISH_DOUBLE; /* the bounds are no floats */
+            seed % 3 == 0 ? PLANISH_PRECISION_FLOAT
+                          : PLANISH_PRECISION_DOUBLE; /* the bounds are no floats */
         const tangled_star before = t;
         for (int i = 0; i < 10; i++) {
             check_visit(&t);
@@ -503,7 +505,7 @@ static void positions_are_floats_where_asked(void **state) {
         tangled_star t;
         tangled_create(&t, dim, seed);
         t.asked.epsilon = epsilons[seed % N_EPSILONS];
-        t.s.problem.storage.precision = PLANISH_FLOAT;
+        t.s.problem.storage.precision = PLANISH_PRECISION_FLOAT;
         assert_true(are_floats(t.s.coordinates, dim));
         for (int i = 0; i < 10; i++) {
             check_visit(&t);
@@ -528,7 +530,7 @@ static void places_are_admitted(void **state) {
     assert_true(pl_star_admit(&t.s.problem, 0, dim, x));
     for (int d = 0; d < dim; d++)
         assert_true(x[d] == t.upper[d]);
-    t.s.problem.storage.precision = PLANISH_FLOAT;
+    t.s.problem.storage.precision = PLANISH_PRECISION_FLOAT;
     for (int d = 0; d < dim; d++) {
         t.lower[d] = 1 + 0x1p-40;
         t.upper[d] = 1 + 0x1p-39;

@@ -47,12 +47,12 @@ static const char *const function_name[FUNCTIONS] = {
     "plain",       "guarded radius ratio", "mean ratio", "edge ratio",
     "worst ratio", "worst angle",          "energy"};
 static const int measure_of[FUNCTIONS] = {0,
-                                          PLANISH_RADIUS_RATIO,
-                                          PLANISH_MEAN_RATIO,
-                                          PLANISH_EDGE_RATIO,
+                                          PLANISH_OBJECTIVE_RADIUS_RATIO,
+                                          PLANISH_OBJECTIVE_MEAN_RATIO,
+                                          PLANISH_OBJECTIVE_EDGE_RATIO,
                                           PL_WORST_RATIO,
                                           PL_WORST_ANGLE,
-                                          PLANISH_RADIUS_RATIO};
+                                          PLANISH_OBJECTIVE_RADIUS_RATIO};
 /* The multiples of value, gradient and Hessian; 32nd powers, and so the shares of edges in the
  * smoothed ratio, have 32 times the error. */
 static const double allowed[FUNCTIONS][3] = {

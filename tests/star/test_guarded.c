@@ -138,7 +138,7 @@ static void set_scene(guarded_star *g, int scene, unsigned seed) {
     const int dim = g->s.dim;
     g->guard.measure = (int)(seed % MEASURES);
     g->guard.volume_weight = seed % 2 ? 0.1 : 0;
-    g->s.problem.direction = seed / 2 % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
+    g->s.problem.search = seed / 2 % 2 ? PLANISH_SEARCH_NEWTON : PLANISH_SEARCH_FLETCHER_REEVES;
     g->guard.min_volume = (double)guarded_mean_measure(g) * (scene == ACTIVE ? 0.7 : 0.3);
     if (scene == VIOLATED || scene == INVERTED)
         g->s.coordinates[0] += scene == INVERTED ? 1.2 : 0.6;
@@ -158,7 +158,8 @@ static void set_scene(guarded_star *g, int scene, unsigned seed) {
         memcpy(g->start, g->s.coordinates, sizeof g->start);
         g->radius[0] = 0.02;
     }
-    g->s.problem.storage.precision = scene == TO_FLOAT ? PLANISH_FLOAT : PLANISH_DOUBLE;
+    g->s.problem.storage.precision =
+        scene == TO_FLOAT ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE;
 }
 
 static void compare_variant(planish_isa isa, int dim, int scene, unsigned seed) {
@@ -267,11 +268,11 @@ static int create_forbidden(guarded_star *g, int dim, int objective, int most, d
     return forbid_the_optimum(g, most);
 }
 
-static void check_optimum(guarded_star *g, planish_direction direction, long double best) {
+static void check_optimum(guarded_star *g, planish_search direction, long double best) {
     double from[3];
     long double x[3];
     memcpy(from, g->s.coordinates, sizeof from);
-    g->s.problem.direction = direction;
+    g->s.problem.search = direction;
     guarded_visits(g, 300);
     guarded_position(g, x);
     pl_star_optimality o = guarded_optimality(g, PLANISH_ISA_AUTO);
@@ -295,8 +296,8 @@ static void visits_reach_the_constrained_optimum(void **state) {
             double volume_weight = seed == 3 ? 0.01 : 0;
             assert_true(create_forbidden(&g, dim, objective, dim, volume_weight, seed) > 0);
             long double best = search_all(&g, x, 1);
-            check_optimum(&g, PLANISH_NEWTON, best);
-            check_optimum(&g, PLANISH_FLETCHER_REEVES, best);
+            check_optimum(&g, PLANISH_SEARCH_NEWTON, best);
+            check_optimum(&g, PLANISH_SEARCH_FLETCHER_REEVES, best);
             guarded_destroy(&g);
         }
 }
@@ -378,7 +379,7 @@ static void create_lost(guarded_star *g, int dim, unsigned seed, double part) {
     unsigned random = test_mixed_seed(seed);
     guarded_create(g, dim, 0.4, seed);
     g->guard.measure = (int)(seed % MEASURES);
-    g->s.problem.direction = seed / 3 % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
+    g->s.problem.search = seed / 3 % 2 ? PLANISH_SEARCH_NEWTON : PLANISH_SEARCH_FLETCHER_REEVES;
     g->guard.link_min_volume = g->floors;
     for (int64_t f = 0; f < guarded_facets(g); f++)
         g->floors[f] = (double)guarded_mean_measure(g) * part * (0.5 + test_random(&random));
@@ -522,8 +523,8 @@ static void create_away(guarded_star *g, int dim, unsigned seed, double *optimum
     double from[3];
     unsigned random = test_mixed_seed(seed);
     guarded_create(g, dim, 0.2, seed);
-    g->guard.measure = seed % 2 ? PLANISH_MEAN_RATIO : PLANISH_RADIUS_RATIO;
-    g->s.problem.direction = seed / 2 % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
+    g->guard.measure = seed % 2 ? PLANISH_OBJECTIVE_MEAN_RATIO : PLANISH_OBJECTIVE_RADIUS_RATIO;
+    g->s.problem.search = seed / 2 % 2 ? PLANISH_SEARCH_NEWTON : PLANISH_SEARCH_FLETCHER_REEVES;
     for (int d = 0; d < dim; d++)
         from[d] = g->s.coordinates[d] += 0.6 * (test_random(&random) - 0.5);
     guarded_visits(g, 100);
@@ -633,7 +634,7 @@ static void nodes_move_along_the_sphere(void **state) {
         assert_true(distance(g.s.coordinates, g.start, dim) > (1 - 1e-4L) * g.radius[0]);
         /* Fletcher-Reeves goes along constraints by steepest descent, which takes longer. */
         assert_true(guarded_optimality(&g, PLANISH_ISA_AUTO).residual <
-                    (g.s.problem.direction == PLANISH_NEWTON ? 1e-3 : 1e-2));
+                    (g.s.problem.search == PLANISH_SEARCH_NEWTON ? 1e-3 : 1e-2));
         check_ball(&g, seed);
         guarded_destroy(&g);
     }

@@ -109,8 +109,8 @@ static void variants_give_the_same_bits(void **state) {
             pl_star_value a, b;
             hand_star_create(&plain, dim, 0.5 * seed / STARS, seed);
             hand_star_create(&other, dim, 0.5 * seed / STARS, seed);
-            plain.problem.direction = other.problem.direction =
-                seed % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
+            plain.problem.search = other.problem.search =
+                seed % 2 ? PLANISH_SEARCH_NEWTON : PLANISH_SEARCH_FLETCHER_REEVES;
             evaluate(&plain, PLANISH_ISA_PLAIN, &a);
             evaluate(&other, variants[v], &b);
             assert_memory_equal(&a, &b, sizeof a);
@@ -160,7 +160,7 @@ static void visits_reach_a_minimum(void **state) {
     for (unsigned seed = 0; seed < STARS; seed++) {
         hand_star s;
         hand_star_create(&s, dim, 0.2, seed);
-        s.problem.direction = seed % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
+        s.problem.search = seed % 2 ? PLANISH_SEARCH_NEWTON : PLANISH_SEARCH_FLETCHER_REEVES;
         move_to_the_brink(&s);
         pl_star_value before, after;
         evaluate(&s, PLANISH_ISA_AUTO, &before);
@@ -386,7 +386,7 @@ static void float_positions_are_floats(void **state) {
     int dim = *(int *)*state;
     hand_star s;
     hand_star_create(&s, dim, 0.3, 3);
-    s.problem.storage.precision = PLANISH_FLOAT;
+    s.problem.storage.precision = PLANISH_PRECISION_FLOAT;
     double before = s.coordinates[0];
     visit(&s, PLANISH_ISA_AUTO);
     assert_true(s.coordinates[0] != before);

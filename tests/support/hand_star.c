@@ -179,7 +179,7 @@ static void corners_of(const hand_star *s, int64_t facet, const long double *x,
 long double hand_star_sum(const hand_star *s, const long double *x) {
     long double sum = 0;
     for (int64_t f = 0; f < s->link_offset[1]; f++) {
-        long double ratio = hand_star_aspect(s, f, x, PLANISH_RADIUS_RATIO);
+        long double ratio = hand_star_aspect(s, f, x, PLANISH_OBJECTIVE_RADIUS_RATIO);
         sum += ratio * ratio;
     }
     return sum;
@@ -265,7 +265,7 @@ static long double part_of_worst(const hand_star *s, int64_t facet, const long d
     const long double limit = s->problem.guard->worst_limit;
     long double sum = 0;
     if (measure == PL_WORST_RATIO) {
-        const long double ratio = hand_star_aspect(s, facet, x, PLANISH_RADIUS_RATIO);
+        const long double ratio = hand_star_aspect(s, facet, x, PLANISH_OBJECTIVE_RADIUS_RATIO);
         return powl(ratio * ratio / limit, 16);
     }
     for (int i = 0; i < n_angles(s->dim); i++) {
@@ -283,7 +283,7 @@ long double hand_star_aspect(const hand_star *s, int64_t facet, const long doubl
     corners_of(s, facet, x, corner);
     if (objective == PL_WORST_RATIO || objective == PL_WORST_ANGLE)
         return part_of_worst(s, facet, x, objective);
-    if (objective == PLANISH_RADIUS_RATIO)
+    if (objective == PLANISH_OBJECTIVE_RADIUS_RATIO)
         return s->dim == 3 ? tetrahedron_ratio(p) : triangle_ratio(p);
     for (int i = 0; i < s->dim; i++)
         for (int j = i + 1; j <= s->dim; j++) {
@@ -294,7 +294,7 @@ long double hand_star_aspect(const hand_star *s, int64_t facet, const long doubl
             large += power / n;
             small += 1 / power / n;
         }
-    if (objective == PLANISH_MEAN_RATIO)
+    if (objective == PLANISH_OBJECTIVE_MEAN_RATIO)
         return mean_ratio(s, hand_star_measure(s, facet, x), squares);
     return powl(large * small, 1.0L / 64);
 }

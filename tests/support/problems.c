@@ -139,9 +139,10 @@ static void ask(test_problem *p, int cells, test_wish wish) {
     planish_options_init(options);
     options->threads = 1;
     if (wish == WISH_CONJUGATE)
-        options->direction = PLANISH_FLETCHER_REEVES;
+        options->search = PLANISH_SEARCH_FLETCHER_REEVES;
     if (wish == WISH_MEAN_RATIO || wish == WISH_EDGE_RATIO)
-        options->objective = wish == WISH_MEAN_RATIO ? PLANISH_MEAN_RATIO : PLANISH_EDGE_RATIO;
+        options->objective =
+            wish == WISH_MEAN_RATIO ? PLANISH_OBJECTIVE_MEAN_RATIO : PLANISH_OBJECTIVE_EDGE_RATIO;
     if (wish == WISH_WORST_RATIO || wish == WISH_WORST_ANGLE)
         options->worst =
             wish == WISH_WORST_RATIO ? PLANISH_WORST_RADIUS_RATIO : PLANISH_WORST_ANGLE;
@@ -163,7 +164,7 @@ static void ask(test_problem *p, int cells, test_wish wish) {
         options->rings = 1;
     }
     if (wish == WISH_FLOAT)
-        options->precision = PLANISH_FLOAT;
+        options->precision = PLANISH_PRECISION_FLOAT;
     if (wish >= WISH_LAPLACIAN) {
         options->method = (planish_method)(PLANISH_METHOD_LAPLACIAN + (wish - WISH_LAPLACIAN));
         options->max_sweeps = 5;
@@ -222,7 +223,7 @@ test_outcome test_problem_solve(const test_problem *p) {
     planish_plan_get_info(plan, &o.info);
     expect(planish_measure(plan, x, &o.before, &error), &error);
     o.ratio_before = ratios(p, plan, x);
-    expect(planish_find_unfixable(plan, x, NULL, &o.unfixable, &error), &error);
+    expect(planish_find_infeasible(plan, x, NULL, &o.unfixable, &error), &error);
     expect(planish_smooth(plan, x, &p->options, &o.result, &error), &error);
     expect(planish_measure(plan, x, &o.after, &error), &error);
     o.ratio = ratios(p, plan, x);

@@ -69,7 +69,7 @@ static int send_values(const int32_t *node, int64_t n, const void *values, int64
                        void *user) {
     process *p = user;
     for (int64_t i = 0; i < n; i++)
-        if (p->node_role[node[i]] != PLANISH_SHARED)
+        if (p->node_role[node[i]] != PLANISH_ROLE_SHARED)
             abort();
     p->sent_node = node;
     p->n_sent = n;
@@ -156,9 +156,9 @@ static void take_nodes(process *p, const planish_mesh *mesh, const int *owner, c
         if (!has[i])
             continue;
         p->node_number[n] = i;
-        p->node_role[n] = (uint8_t)(owner[i] != p->rank ? PLANISH_GHOST
-                                    : shared[i]         ? PLANISH_SHARED
-                                                        : PLANISH_OWN);
+        p->node_role[n] = (uint8_t)(owner[i] != p->rank ? PLANISH_ROLE_GHOST
+                                    : shared[i]         ? PLANISH_ROLE_SHARED
+                                                        : PLANISH_ROLE_OWN);
         p->constraint[n] = mesh->constraint ? mesh->constraint[i] : 0;
         memcpy(p->coordinates + n * dim, mesh->coordinates + i * dim,
                (size_t)dim * sizeof *p->coordinates);
@@ -301,7 +301,7 @@ void processes_gather(const processes *w, int dim, double *coordinates) {
     for (int k = 0; k < w->n; k++) {
         const process *p = &w->parts[k];
         for (int64_t i = 0; i < p->mesh.n_nodes; i++)
-            if (p->node_role[i] != PLANISH_GHOST)
+            if (p->node_role[i] != PLANISH_ROLE_GHOST)
                 memcpy(coordinates + p->node_number[i] * dim, p->coordinates + i * dim,
                        (size_t)dim * sizeof *coordinates);
     }

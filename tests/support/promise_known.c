@@ -106,11 +106,12 @@ static void find_movable(promise *p, const double *x) {
     for (int64_t i = 0; i < mesh->n_periodic * 2; i++)
         inside[mesh->periodic[i]] = 0; /* these slide or stay */
     for (int64_t i = 0; i < mesh->n_nodes; i++) {
-        const int kind = mesh->constraint ? mesh->constraint[i] : PLANISH_FREE;
-        const int slides = kind == PLANISH_ON_PLANE || kind == PLANISH_ON_LINE ||
-                           (kind == PLANISH_ON_SURFACE && o->project);
-        p->may_move[i] = selected[i] && (slides || (kind == PLANISH_FREE && inside[i]));
-        if (p->is_free[i] && (kind != PLANISH_FREE || !p->may_move[i]))
+        const int kind = mesh->constraint ? mesh->constraint[i] : PLANISH_CONSTRAINT_FREE;
+        const int slides = kind == PLANISH_CONSTRAINT_ON_PLANE ||
+                           kind == PLANISH_CONSTRAINT_ON_LINE ||
+                           (kind == PLANISH_CONSTRAINT_ON_SURFACE && o->project);
+        p->may_move[i] = selected[i] && (slides || (kind == PLANISH_CONSTRAINT_FREE && inside[i]));
+        if (p->is_free[i] && (kind != PLANISH_CONSTRAINT_FREE || !p->may_move[i]))
             promise_break(p, "node %lld is free, but must not be", (long long)i);
     }
     free(inside);
@@ -202,7 +203,8 @@ int promise_refusal(const random_call *call) {
     /* Fractions of no domain, weights of volumes that differ by orders of magnitude; floats far
        from the origin may leave nothing of a mesh. */
     const int *l = call->level;
-    const int may_be_nothing = l[OF_TANGLE] != RANDOM_VALID || l[OF_SHAPE] == RANDOM_GARBAGE ||
-                               (l[OF_PLACE] == RANDOM_FAR && l[OF_PRECISION] == PLANISH_FLOAT);
+    const int may_be_nothing =
+        l[OF_TANGLE] != RANDOM_VALID || l[OF_SHAPE] == RANDOM_GARBAGE ||
+        (l[OF_PLACE] == RANDOM_FAR && l[OF_PRECISION] == PLANISH_PRECISION_FLOAT);
     return may_be_nothing ? -1 : 0;
 }

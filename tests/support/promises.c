@@ -50,7 +50,7 @@ static double largest_coordinate(const trial *t) {
 static double off_course(const trial *t, int64_t node) {
     const int dim = t->mesh->dim, kind = t->mesh->constraint[node];
     double along = 0, length = 0, square = 0;
-    if (kind == PLANISH_ON_SURFACE)
+    if (kind == PLANISH_CONSTRAINT_ON_SURFACE)
         return random_surface_distance(&t->p->call->surface, node, t->after + node * dim);
     for (int d = 0; d < dim; d++)
         length += t->mesh->direction[node * dim + d] * t->mesh->direction[node * dim + d];
@@ -62,15 +62,15 @@ static double off_course(const trial *t, int64_t node) {
         const double off = way - along * t->mesh->direction[node * dim + d] / sqrt(length);
         square += off * off;
     }
-    return kind == PLANISH_ON_PLANE ? fabs(along) : sqrt(square);
+    return kind == PLANISH_CONSTRAINT_ON_PLANE ? fabs(along) : sqrt(square);
 }
 
 /** Whether a coordinate is one that can be stored. */
 static int is_storable(const trial *t, double x) {
     volatile float narrow = (float)x;
-    if (t->options->precision == PLANISH_FLOAT)
+    if (t->options->precision == PLANISH_PRECISION_FLOAT)
         return (double)narrow == x;
-    return t->options->precision == PLANISH_DOUBLE ||
+    return t->options->precision == PLANISH_PRECISION_DOUBLE ||
            t->options->round(x, t->options->round_user) == x;
 }
 
@@ -90,7 +90,7 @@ static int check_coordinate(const trial *t, int64_t node, int d) {
 static int check_moved(const trial *t, int64_t node) {
     const int dim = t->mesh->dim;
     const planish_options *o = t->options;
-    const int kind = t->mesh->constraint ? t->mesh->constraint[node] : PLANISH_FREE;
+    const int kind = t->mesh->constraint ? t->mesh->constraint[node] : PLANISH_CONSTRAINT_FREE;
     double square = 0;
     if (!t->is_movable[node] || !t->p->may_move[node])
         return promise_break(t->p, "node %lld moved, but must not", (long long)node);
@@ -106,7 +106,7 @@ static int check_moved(const trial *t, int64_t node) {
         sqrt(square) > o->max_displacement * (1 + 1e-12) + 4 * t->ulp)
         return promise_break(t->p, "node %lld went %g, farther than %g", (long long)node,
                              sqrt(square), o->max_displacement);
-    if (kind != PLANISH_FREE && off_course(t, node) > 4 * t->ulp)
+    if (kind != PLANISH_CONSTRAINT_FREE && off_course(t, node) > 4 * t->ulp)
         return promise_break(t->p, "node %lld slid off by %g, %g ulp", (long long)node,
                              off_course(t, node), off_course(t, node) / t->ulp);
     return 1;
@@ -126,9 +126,9 @@ static int check_count(const trial *t) {
         moved += square > 0;
         farthest = fmaxl(farthest, sqrtl(square));
     }
-    if (moved != t->result->moved_nodes)
+    if (moved != t->result->n_moved_nodes)
         return promise_break(t->p, "%lld nodes moved, not %lld", (long long)moved,
-                             (long long)t->result->moved_nodes);
+                             (long long)t->result->n_moved_nodes);
     if (fabsl(farthest - t->result->max_displacement) > REPORTED * farthest)
         return promise_break(t->p, "the farthest node went %Lg, not %g", farthest,
                              t->result->max_displacement);
@@ -188,7 +188,7 @@ static int check_no_worse(const trial *t) {
     if (t->is.worst > t->was.worst * (1 + SLACK))
         return promise_break(t->p, "the worst RR rose from %.18Lg to %.18Lg", t->was.worst,
                              t->is.worst);
-    if (o->objective == PLANISH_RADIUS_RATIO && !(o->area_weight > 0) &&
+    if (o->objective == PLANISH_OBJECTIVE_RADIUS_RATIO && !(o->area_weight > 0) &&
         t->is.smallest_angle < t->was.smallest_angle - ANGLE_SLACK)
         return promise_break(t->p, "the smallest angle fell from %.18Lg to %.18Lg",
                              t->was.smallest_angle, t->is.smallest_angle);
@@ -225,12 +225,12 @@ static int check_stop(const trial *t) {
     const int stopped = w->has_stopped && o->progress && r->stop != PLANISH_STOP_TIME_LIMIT;
     if ((r->stop == PLANISH_STOP_INTERRUPTED) != stopped ||
         (r->stop == PLANISH_STOP_TIME_LIMIT && !(o->time_limit > 0)) ||
-        (r->stop == PLANISH_STOP_INFEASIBLE && r->below_min_volume == 0) ||
+        (r->stop == PLANISH_STOP_INFEASIBLE && r->n_below_min_volume == 0) ||
         r->stop < PLANISH_STOP_CONVERGED || r->stop > PLANISH_STOP_INFEASIBLE)
         return promise_break(t->p, "stop is %d", (int)r->stop);
     if (r->sweeps < r->untangling_sweeps + r->worst_sweeps ||
         r->sweeps - r->untangling_sweeps - r->worst_sweeps >
-            o->max_sweeps * (r->put_back > 0 ? 2 : 1))
+            o->max_sweeps * (r->n_put_back > 0 ? 2 : 1))
         return promise_break(t->p, "%d sweeps, %d untangling, %d for the worst", r->sweeps,
                              r->untangling_sweeps, r->worst_sweeps);
     if (o->progress && w->is_wrong)
@@ -243,12 +243,12 @@ static int check_result(const trial *t) {
     const planish_options *o = t->options;
     if (!check_stop(t))
         return 0;
-    if (r->inverted != t->is.inverted)
+    if (r->n_inverted != t->is.inverted)
         return promise_break(t->p, "%lld elements are inverted, not %lld",
-                             (long long)t->is.inverted, (long long)r->inverted);
-    if (r->below_min_volume < t->is.below || r->below_min_volume > t->is.nearly)
+                             (long long)t->is.inverted, (long long)r->n_inverted);
+    if (r->n_below_min_volume < t->is.below || r->n_below_min_volume > t->is.nearly)
         return promise_break(t->p, "%lld elements are below, not %lld", (long long)t->is.below,
-                             (long long)r->below_min_volume);
+                             (long long)r->n_below_min_volume);
     if (!(isnan(r->kkt_residual) || r->kkt_residual >= 0) || !(r->seconds >= 0) ||
         !(r->max_multiplier >= 0) || r->visits < 0 || r->evaluations < 0 || r->n_active < 0)
         return promise_break(t->p, "numbers of the result make no sense");
@@ -282,16 +282,16 @@ static int check_looks(const trial *t) {
     planish_quality q;
     int64_t n;
     if (planish_measure(t->p->plan, t->p->call->coordinates, &q, NULL) ||
-        q.inverted != t->is.inverted || q.n_elements != t->is.n_elements)
+        q.n_inverted != t->is.inverted || q.n_elements != t->is.n_elements)
         return promise_break(t->p, "planish_measure: %lld inverted elements, not %lld",
-                             (long long)q.inverted, (long long)t->is.inverted);
+                             (long long)q.n_inverted, (long long)t->is.inverted);
     if (!agree(t, "RR", t->is.rms_ratio, t->is.loss_ratio, q.rms_radius_ratio))
         return 0;
     if (!check_volumes(t))
         return 0;
-    if (planish_find_unfixable(t->p->plan, t->p->call->coordinates, NULL, &n, NULL) || n < 0 ||
+    if (planish_find_infeasible(t->p->plan, t->p->call->coordinates, NULL, &n, NULL) || n < 0 ||
         n > t->is.inverted)
-        return promise_break(t->p, "planish_find_unfixable: %lld", (long long)n);
+        return promise_break(t->p, "planish_find_infeasible: %lld", (long long)n);
     return 1;
 }
 
@@ -300,9 +300,10 @@ static int check_looks(const trial *t) {
 static void find_movable_now(trial *t) {
     const planish_options *o = t->options;
     const int dim = t->mesh->dim;
-    t->is_sure = o->precision == PLANISH_DOUBLE;
+    t->is_sure = o->precision == PLANISH_PRECISION_DOUBLE;
     for (int64_t i = 0; i < t->mesh->n_nodes; i++) {
-        const int slides = t->mesh->constraint && t->mesh->constraint[i] >= PLANISH_ON_PLANE;
+        const int slides =
+            t->mesh->constraint && t->mesh->constraint[i] >= PLANISH_CONSTRAINT_ON_PLANE;
         int outside = 0;
         for (int d = 0; d < dim; d++) {
             const double x = t->before[i * dim + d];
@@ -311,7 +312,7 @@ static void find_movable_now(trial *t) {
                        (o->upper && x > o->upper[i * dim + d]);
         }
         t->is_movable[i] = (slides || t->p->is_free[i]) && !outside;
-        t->is_sure &= !t->mesh->constraint || t->mesh->constraint[i] < PLANISH_ON_PLANE;
+        t->is_sure &= !t->mesh->constraint || t->mesh->constraint[i] < PLANISH_CONSTRAINT_ON_PLANE;
     }
 }
 
@@ -328,9 +329,9 @@ const char *promise_broken(promise *p, const planish_options *options, const dou
         abort();
     find_movable_now(&t);
     t.ulp = largest_coordinate(&t) * DBL_EPSILON;
-    if (options->precision == PLANISH_FLOAT)
+    if (options->precision == PLANISH_PRECISION_FLOAT)
         t.ulp = largest_coordinate(&t) * (double)FLT_EPSILON;
-    if (options->precision == PLANISH_ROUNDED)
+    if (options->precision == PLANISH_PRECISION_ROUNDED)
         t.ulp += p->call->quantum;
     t.problem = (worth_problem){.mesh = t.mesh,
                                 .sign = p->sign,

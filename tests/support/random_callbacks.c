@@ -44,7 +44,7 @@ int random_call_progress(const planish_progress *p, void *user) {
     planish_quality quality;
     w->is_wrong |= w->has_stopped && !p->sweep_done; /* only the last call of the sweep is left */
     w->is_wrong |= p->sweep < w->sweep || p->sweep > w->sweep + 1 || p->colour < 0 ||
-                   p->colour > p->n_colours || p->inverted < 0 || p->below_min_volume < 0 ||
+                   p->colour > p->n_colours || p->n_inverted < 0 || p->n_below_min_volume < 0 ||
                    !(p->seconds >= 0) || !(p->elapsed >= 0);
     w->sweep = p->sweep;
     if (w->coordinates)
@@ -71,12 +71,12 @@ static planish_constraint project(int64_t node, double *point, double *direction
     const double wanted = radius_of(s, s->start + node * s->dim, way);
     const double radius = radius_of(s, point, way);
     if (!(wanted > 0) || !(radius > 0) || node % EVERY == 0)
-        return PLANISH_FIXED;
+        return PLANISH_CONSTRAINT_FIXED;
     for (int d = 0; d < s->dim; d++) {
         direction[d] = way[d] / radius;
         point[d] = s->centre[d] + direction[d] * wanted;
     }
-    return PLANISH_ON_PLANE;
+    return PLANISH_CONSTRAINT_ON_PLANE;
 }
 
 double random_surface_distance(const random_surface *s, int64_t node, const double *x) {
@@ -109,7 +109,7 @@ void random_callbacks_draw(random_call *call, uint64_t *state) {
         o->allocator = &call->allocator;
     if (l[OF_PARALLEL])
         o->parallel = backwards;
-    o->round = o->precision == PLANISH_ROUNDED ? to_quanta : NULL;
+    o->round = o->precision == PLANISH_PRECISION_ROUNDED ? to_quanta : NULL;
     o->round_user = &call->quantum;
     if (l[OF_LOG])
         o->log = count_lines;

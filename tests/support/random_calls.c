@@ -148,14 +148,15 @@ static void draw_mesh(random_call *call, int n_points, uint64_t *state) {
                                   .is_periodic = l[OF_PERIODIC],
                                   .n_points = n_points};
     random_mesh_create(&call->mesh, &choice, state);
-    if (l[OF_PRECISION] == PLANISH_FLOAT)
+    if (l[OF_PRECISION] == PLANISH_PRECISION_FLOAT)
         random_mesh_to_floats(&call->mesh);
     call->dense = call->mesh.base.mesh;
 }
 
 static void draw_slide(planish_constraint *kind, double *direction, int dim, uint64_t *state) {
-    static const planish_constraint kinds[] = {PLANISH_FREE, PLANISH_FIXED, PLANISH_ON_PLANE,
-                                               PLANISH_ON_LINE};
+    static const planish_constraint kinds[] = {PLANISH_CONSTRAINT_FREE, PLANISH_CONSTRAINT_FIXED,
+                                               PLANISH_CONSTRAINT_ON_PLANE,
+                                               PLANISH_CONSTRAINT_ON_LINE};
     *kind = kinds[random_below(state, 4)];
     for (int d = 0; d < dim; d++)
         direction[d] = random_between(state, -3, 3);
@@ -168,12 +169,12 @@ static void draw_slide(planish_constraint *kind, double *direction, int dim, uin
 static planish_constraint constraint_of(int how, planish_constraint any, uint64_t *state) {
     const int some = random_below(state, 4) == 0;
     if (how == CONSTRAINT_ALL)
-        return PLANISH_FIXED;
+        return PLANISH_CONSTRAINT_FIXED;
     if (how == CONSTRAINT_ANY)
         return any;
     if (how == CONSTRAINT_SOME)
-        return some ? PLANISH_FIXED : PLANISH_FREE;
-    return some ? PLANISH_FREE : PLANISH_ON_SURFACE;
+        return some ? PLANISH_CONSTRAINT_FIXED : PLANISH_CONSTRAINT_FREE;
+    return some ? PLANISH_CONSTRAINT_FREE : PLANISH_CONSTRAINT_ON_SURFACE;
 }
 
 static void draw_constraints(random_call *call, uint64_t *state) {
@@ -348,7 +349,7 @@ static void draw_choices(random_call *call) {
     o->isa = (planish_isa)l[OF_ISA];
     o->method = (planish_method)l[OF_METHOD];
     o->objective = (planish_objective)l[OF_OBJECTIVE];
-    o->direction = (planish_direction)l[OF_DIRECTION];
+    o->search = (planish_search)l[OF_DIRECTION];
     o->precision = (planish_precision)l[OF_PRECISION];
     o->untangle = l[OF_UNTANGLE];
     o->worst = (planish_worst)l[OF_WORST];

@@ -31,7 +31,7 @@ static inline void expect_held_with(const planish_file *file, const planish_hold
     assert_int_equal(planish_file_constraints(file, hold, constraint, NULL), PLANISH_OK);
     for (int y = 1; y < SQUARE_SIDE; y++)
         for (int x = 1; x < SQUARE_SIDE; x++)
-            assert_int_equal(constraint[y * (SQUARE_SIDE + 1) + x] == PLANISH_FIXED,
+            assert_int_equal(constraint[y * (SQUARE_SIDE + 1) + x] == PLANISH_CONSTRAINT_FIXED,
                              (column && x == SQUARE_SIDE / 2) || (row && y == SQUARE_SIDE / 2));
 }
 

@@ -31,15 +31,15 @@ static void left_alone(test_world *w) {
 }
 
 static void mean_ratio(test_world *w) {
-    w->options.objective = PLANISH_MEAN_RATIO;
+    w->options.objective = PLANISH_OBJECTIVE_MEAN_RATIO;
 }
 
 static void edge_ratio(test_world *w) {
-    w->options.objective = PLANISH_EDGE_RATIO;
+    w->options.objective = PLANISH_OBJECTIVE_EDGE_RATIO;
 }
 
 static void fletcher_reeves(test_world *w) {
-    w->options.direction = PLANISH_FLETCHER_REEVES;
+    w->options.search = PLANISH_SEARCH_FLETCHER_REEVES;
 }
 
 static void min_volume(test_world *w) {
@@ -84,7 +84,7 @@ static void bounds(test_world *w) {
 static void floats(test_world *w) {
     for (int64_t i = 0; i < w->n_doubles; i++)
         w->box.coordinates[i] = (float)w->box.coordinates[i];
-    w->options.precision = PLANISH_FLOAT;
+    w->options.precision = PLANISH_PRECISION_FLOAT;
 }
 
 static double to_thousandths(double value, void *user) {
@@ -95,7 +95,7 @@ static double to_thousandths(double value, void *user) {
 static void rounded(test_world *w) {
     for (int64_t i = 0; i < w->n_doubles; i++)
         w->box.coordinates[i] = to_thousandths(w->box.coordinates[i], NULL);
-    w->options.precision = PLANISH_ROUNDED;
+    w->options.precision = PLANISH_PRECISION_ROUNDED;
     w->options.round = to_thousandths;
 }
 
@@ -208,7 +208,7 @@ static planish_constraint onto_side(int64_t node, double *point, double *directi
     for (int d = 0; d < w->mesh.dim; d++)
         direction[d] = d == 0;
     point[0] = 0;
-    return PLANISH_ON_PLANE;
+    return PLANISH_CONSTRAINT_ON_PLANE;
 }
 
 /** Those within the side x = 0. */
@@ -216,10 +216,10 @@ static void on_surface(test_world *w) {
     sliding(w);
     uint8_t *constraint = own(w, w->mesh.n_nodes, 1);
     for (int64_t i = 0; i < w->mesh.n_nodes; i++)
-        constraint[i] =
-            w->mesh.constraint[i] == PLANISH_ON_PLANE && w->box.coordinates[i * w->mesh.dim] == 0
-                ? PLANISH_ON_SURFACE
-                : w->mesh.constraint[i];
+        constraint[i] = w->mesh.constraint[i] == PLANISH_CONSTRAINT_ON_PLANE &&
+                                w->box.coordinates[i * w->mesh.dim] == 0
+                            ? PLANISH_CONSTRAINT_ON_SURFACE
+                            : w->mesh.constraint[i];
     w->mesh.constraint = constraint;
     w->options.project = onto_side;
     w->options.project_user = w;

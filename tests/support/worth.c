@@ -123,9 +123,9 @@ static real edge_ratio(const shape *s) {
 }
 
 static real aspect_ratio(const shape *s, planish_objective objective) {
-    return objective == PLANISH_RADIUS_RATIO ? radius_ratio(s)
-           : objective == PLANISH_MEAN_RATIO ? mean_ratio(s)
-                                             : edge_ratio(s);
+    return objective == PLANISH_OBJECTIVE_RADIUS_RATIO ? radius_ratio(s)
+           : objective == PLANISH_OBJECTIVE_MEAN_RATIO ? mean_ratio(s)
+                                                       : edge_ratio(s);
 }
 
 /** Between facets, from their normals: Kahan's formula, exact near 0 and 180 degrees. */

@@ -18,7 +18,7 @@ static const double F_ROUNDING = 1e-12;
 
 /** Whether the mesh was valid, so that its worst element counts. */
 static int was_valid(const pl_result *result) {
-    return result->before.inverted == 0 && result->below_before == 0;
+    return result->before.n_inverted == 0 && result->below_before == 0;
 }
 
 /** Name of the first measure that after has worse than the promises allow, or NULL; its values
@@ -26,9 +26,9 @@ static int was_valid(const pl_result *result) {
 static const char *find_broken(const pl_job *job, const pl_result *result,
                                const planish_quality *after, double *from, double *to) {
     const planish_quality *before = &result->before;
-    *from = (double)before->inverted;
-    *to = (double)after->inverted;
-    if (after->inverted > before->inverted)
+    *from = (double)before->n_inverted;
+    *to = (double)after->n_inverted;
+    if (after->n_inverted > before->n_inverted)
         return "the number of inverted elements";
     if (!was_valid(result) || job->options.method != PLANISH_METHOD_PLANISH)
         return NULL;
@@ -115,7 +115,7 @@ int pl_promises_settle(pl_job *job, pl_result *result) {
         status = pl_job_complain_memory(job, "the places of nodes");
     else if (settle_until_kept(job, result, back, ratio, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
-    result->smooth.moved_nodes -= result->returned_nodes;
+    result->smooth.n_moved_nodes -= result->returned_nodes;
     if (!status && result->returned_nodes > 0 && job->arguments->verbosity != PL_QUIET)
         pl_note(stderr,
                 "%" PRId64 " nodes stay where they were: in the tilted plane, rounding to the "

@@ -72,7 +72,7 @@ static void print_table(quality_run *r, const pl_job *job, const pl_measured *me
     pl_table_quality(r->stream, job, &measured->quality, &measured->volumes);
     pl_table_worst(r->stream, &measured->worst, r->arguments->n_worst);
     pl_volumes_print(stderr, job, &measured->volumes);
-    pl_reversed_print(stderr, job, measured->reversed, measured->quality.reversed);
+    pl_reversed_print(stderr, job, measured->reversed, measured->quality.n_reversed);
     pl_table_reversed(stderr, &measured->quality);
     pl_layers_print(stderr, job);
     pl_held_note(stderr, job);
@@ -101,7 +101,7 @@ static int measure_job(quality_run *r, pl_job *job, pl_compared *mesh) {
     if ((status = pl_volumes_find(job, least, NULL, &measured->volumes)))
         return status;
     if (pl_job_is_told(job) &&
-        (status = pl_reversed_find(job, measured->quality.reversed, &measured->reversed)))
+        (status = pl_reversed_find(job, measured->quality.n_reversed, &measured->reversed)))
         return status;
     if ((status = pl_worst_find_asked(job, &measured->worst)))
         return status;

@@ -129,16 +129,16 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
                                                      "hold fewer groups to repair them",
                                                      "--ignore-regions lets them move"};
     const pl_unfixable *unfixable = &result->unfixable;
-    const int64_t inverted = result->after.inverted;
+    const int64_t inverted = result->after.n_inverted;
     const int64_t n_others = unfixable->n - pl_unfixable_held(unfixable);
     const planish_method method = job->options.method;
     if (inverted == 0)
         return;
     if (method != PLANISH_METHOD_PLANISH)
-        add_reason(result,
-                   "%" PRId64 " element%s inverted, %" PRId64
-                   " before: the method %s may invert elements",
-                   inverted, is_or_are(inverted), result->before.inverted, pl_method_name(method));
+        add_reason(
+            result,
+            "%" PRId64 " element%s inverted, %" PRId64 " before: the method %s may invert elements",
+            inverted, is_or_are(inverted), result->before.n_inverted, pl_method_name(method));
     else
         add_reason(result, "%" PRId64 " inverted element%s left", inverted, is_or_are(inverted));
     for (int i = 0; i < PL_N_HOLDERS; i++)
@@ -156,9 +156,9 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
                    job->plan_info.n_wrapped);
     if (unfixable->n_undecided > 0)
         add_reason(result, "there was no time to check all inverted elements for that");
-    if (result->smooth.not_enclosed > 0)
+    if (result->smooth.n_not_enclosed > 0)
         add_reason(result, "%" PRId64 " are in components whose boundary encloses no positive %s",
-                   result->smooth.not_enclosed, job->mesh.dim == 3 ? "volume" : "area");
+                   result->smooth.n_not_enclosed, job->mesh.dim == 3 ? "volume" : "area");
     if (!job->options.untangle)
         add_reason(result, "untangling was switched off by --no-untangle");
 }
@@ -217,7 +217,7 @@ static void print_table(const pl_job *job, const pl_result *result, int status) 
         pl_table_smooth(pl_output_takes_stdout(arguments) ? stderr : stdout, job, result);
         pl_volumes_print(stderr, job, &result->volumes);
         pl_unfixable_print(stderr, job, &result->unfixable);
-        pl_reversed_print(stderr, job, result->reversed.state, result->after.reversed);
+        pl_reversed_print(stderr, job, result->reversed.state, result->after.n_reversed);
         if (result->reversed.n_new == 0)
             pl_table_reversed(stderr, &result->after);
     }
@@ -286,7 +286,7 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
         pl_layers_print(stderr, job);
     if ((status = pl_volumes_count(job, &result->below_before)))
         return status;
-    if ((status = pl_reversed_find(job, result->before.reversed, &result->reversed.before)))
+    if ((status = pl_reversed_find(job, result->before.n_reversed, &result->reversed.before)))
         return status;
     return take_for_reports(job, "before", &result->input_checksum, &result->worst_before,
                             &result->picture);
@@ -330,7 +330,7 @@ static int check_result(pl_job *job, pl_result *result) {
         return status;
     if ((status = pl_volumes_find(job, smooth->min_volume, smooth, &result->volumes)))
         return status;
-    if ((status = pl_unfixable_find(job, result->after.inverted, smooth, &result->unfixable)))
+    if ((status = pl_unfixable_find(job, result->after.n_inverted, smooth, &result->unfixable)))
         return status;
     if ((status = pl_reversed_compare(job, &result->after, &result->reversed)))
         return status;

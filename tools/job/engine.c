@@ -33,8 +33,8 @@ int pl_states_find(const planish_plan *plan, const planish_mesh *mesh, pl_state_
         return planish_check_volumes_until(plan, x, options, state, &found->n, &found->n_undecided,
                                            error);
     case PL_STATE_UNFIXABLE:
-        return planish_find_unfixable_until(plan, x, options, state, &found->n, &found->n_undecided,
-                                            error);
+        return planish_find_infeasible_until(plan, x, options, state, &found->n,
+                                             &found->n_undecided, error);
     case PL_STATE_REVERSED:
         return planish_find_reversed(plan, x, state, &found->n, error);
     case PL_STATE_INVERTED:

@@ -95,10 +95,10 @@ static int find_reasons(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
         if (bits[i])
             bits[i] |= translate(of_file, sizeof of_file / sizeof *of_file, scratch[i]);
     for (int64_t i = 0; i < n; i++)
-        scratch[i] = PLANISH_FREE;
+        scratch[i] = PLANISH_CONSTRAINT_FREE;
     pl_job_hold_layers(job, scratch);
     for (int64_t i = 0; i < n; i++) {
-        if (bits[i] && scratch[i] == PLANISH_FIXED)
+        if (bits[i] && scratch[i] == PLANISH_CONSTRAINT_FIXED)
             bits[i] |= 1 << PL_HELD_BY_LAYERS;
         /* The slides hold some that nobody has a reason for. */
         if ((bits[i] & PL_HELD_TOLD) && !(bits[i] & all))

@@ -106,7 +106,7 @@ void pl_job_hold_layers(const pl_job *job, uint8_t *constraint) {
     const int corners = job->mesh.dim + 1;
     for (int64_t i = 0; job->is_layer && i < job->mesh.n_elements; i++)
         for (int j = 0; job->is_layer[i] && j < corners; j++)
-            constraint[job->mesh.elements[i * corners + j]] = PLANISH_FIXED;
+            constraint[job->mesh.elements[i * corners + j]] = PLANISH_CONSTRAINT_FIXED;
 }
 
 static int find_constraints(pl_job *job) {
@@ -260,11 +260,11 @@ static int find_unheld(const pl_job *job, int ignore_marked, const uint8_t *is_i
  *  they are there; those inside are fixed then. constraint: found without heeding the marks. */
 static int marks_are_the_surface(const pl_job *job, const uint8_t *marked, uint8_t *constraint) {
     for (int64_t i = 0; i < job->mesh.n_nodes; i++)
-        if (!marked[i] && constraint[i] != PLANISH_FREE)
+        if (!marked[i] && constraint[i] != PLANISH_CONSTRAINT_FREE)
             return 0;
     for (int64_t i = 0; i < job->mesh.n_nodes; i++)
-        if (marked[i] && constraint[i] == PLANISH_FREE)
-            constraint[i] = PLANISH_FIXED;
+        if (marked[i] && constraint[i] == PLANISH_CONSTRAINT_FREE)
+            constraint[i] = PLANISH_CONSTRAINT_FIXED;
     return 1;
 }
 
@@ -321,7 +321,8 @@ int pl_job_count_parameters(pl_job *job) {
     if (!status)
         planish_file_get_parametric(job->file, has);
     for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
-        job->n_with_parameters += has[i] && (is_free[i] || job->constraint[i] > PLANISH_FIXED);
+        job->n_with_parameters +=
+            has[i] && (is_free[i] || job->constraint[i] > PLANISH_CONSTRAINT_FIXED);
     free(has);
     free(is_free);
     return status;
@@ -344,7 +345,7 @@ int pl_job_count_slides(pl_job *job) {
     if (!status)
         status = find_slides(job, is_inside, constraint, direction);
     for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
-        n_sliding += constraint[i] > PLANISH_FIXED;
+        n_sliding += constraint[i] > PLANISH_CONSTRAINT_FIXED;
     if (!status)
         job->could_slide = n_sliding;
     free(constraint);

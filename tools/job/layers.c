@@ -116,7 +116,7 @@ static int keep_loose(pl_job *job, uint8_t *is_layer) {
         return pl_job_complain_memory(job, "values of elements");
     const int status = pl_job_get_free(job, moves);
     for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
-        moves[i] |= job->constraint[i] > PLANISH_FIXED;
+        moves[i] |= job->constraint[i] > PLANISH_CONSTRAINT_FIXED;
     for (int64_t i = 0; !status && i < job->mesh.n_elements; i++) {
         int is_loose = 0;
         for (int j = 0; is_layer[i] && j < corners; j++)
@@ -139,7 +139,7 @@ static int are_many(const pl_job *job) {
 int pl_layers_count(pl_job *job, const planish_quality *quality) {
     const double begin = pl_seconds();
     uint8_t *is_layer = NULL;
-    int64_t n_thin = quality->inverted; /* none of these is in the histogram */
+    int64_t n_thin = quality->n_inverted; /* none of these is in the histogram */
     for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++)
         n_thin += quality->histogram_edges[i] >= RATIO_OF_THIN ? quality->histogram_counts[i] : 0;
     if (job->arguments->fix_layers || !job->file ||

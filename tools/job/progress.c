@@ -46,8 +46,8 @@ static void keep_sweep(pl_progress *progress, const planish_progress *step) {
                                                        .rms_movable = step->rms_movable,
                                                        .objective = step->objective,
                                                        .seconds = step->seconds,
-                                                       .inverted = step->inverted,
-                                                       .below_min_volume = step->below_min_volume,
+                                                       .inverted = step->n_inverted,
+                                                       .below_min_volume = step->n_below_min_volume,
                                                        .visits = step->visits,
                                                        .phase = step->phase};
 }
@@ -83,9 +83,9 @@ static void show_lines(pl_progress *progress, const planish_progress *step) {
     if (!step->sweep_done)
         return;
     fprintf(stderr, "%5d%12.6g%12.6g%9" PRId64, step->sweep, step->rms,
-            progress->plain ? step->rms_movable : step->objective, step->inverted);
+            progress->plain ? step->rms_movable : step->objective, step->n_inverted);
     if (progress->has_volumes)
-        fprintf(stderr, "%9" PRId64, step->below_min_volume);
+        fprintf(stderr, "%9" PRId64, step->n_below_min_volume);
     fprintf(stderr, "%11" PRId64 "%9.3f  %s\n", step->visits, step->seconds,
             phase_names[step->phase]);
     progress->colour_seconds = 0;
@@ -209,9 +209,9 @@ static void show_step(pl_progress *progress, const planish_progress *step) {
     snprintf(l.part[0], sizeof l.part[0], "%s%s", phase_names[step->phase],
              step->phase == PLANISH_PHASE_WORST ? " elements" : "");
     snprintf(l.part[1], sizeof l.part[1], ", sweep %d", step->sweep);
-    if (step->inverted > 0 && step->phase == PLANISH_PHASE_UNTANGLE) {
+    if (step->n_inverted > 0 && step->phase == PLANISH_PHASE_UNTANGLE) {
         /* the RMS would be that of the others */
-        snprintf(l.part[2], sizeof l.part[2], ", %" PRId64 " inverted", step->inverted);
+        snprintf(l.part[2], sizeof l.part[2], ", %" PRId64 " inverted", step->n_inverted);
     } else {
         snprintf(l.part[2], sizeof l.part[2], ", RMS %.6g", step->rms);
         if (is_known && whole < 60)

@@ -183,8 +183,8 @@ int pl_reversed_find(const pl_job *job, int64_t n, uint8_t **state) {
 int pl_reversed_compare(const pl_job *job, const planish_quality *after, pl_reversed *reversed) {
     const uint8_t *before = reversed->before;
     pl_states inverted = {0}; /* these are not new: they are told of as inverted */
-    int status = pl_reversed_find(job, after->reversed, &reversed->state);
-    if (!status && reversed->state && after->inverted > 0)
+    int status = pl_reversed_find(job, after->n_reversed, &reversed->state);
+    if (!status && reversed->state && after->n_inverted > 0)
         status = find(job, PL_STATE_INVERTED, &job->options, 1, &inverted);
     for (int64_t i = 0; !status && reversed->state && i < job->mesh.n_elements; i++)
         if (reversed->state[i] && !(before && before[i]) &&

@@ -122,9 +122,9 @@ static void place(const pl_job *job, const uint8_t *is_free, int columns, pl_bad
         const uint8_t constraint = job->constraint[node];
         vertex[k] = &job->mesh.coordinates[node * dim];
         bad->node[k] = planish_file_node_number(job->file, node);
-        bad->is_movable |=
-            is_free[node] || (job->plan_info.n_sliding > 0 &&
-                              (constraint == PLANISH_ON_PLANE || constraint == PLANISH_ON_LINE));
+        bad->is_movable |= is_free[node] || (job->plan_info.n_sliding > 0 &&
+                                             (constraint == PLANISH_CONSTRAINT_ON_PLANE ||
+                                              constraint == PLANISH_CONSTRAINT_ON_LINE));
         /* Its part of the middle, in the file's columns. */
         const double *at = vertex[k];
         double xyz[3];

@@ -59,7 +59,7 @@ static int create_plan(pl_job *job, planish_error *error) {
     const pl_share *share = &crew->share;
     const planish_options mine = pl_crew_options(crew, &job->options);
     int code = PLANISH_OK;
-    if (!crew->is_large && mine.precision == PLANISH_ROUNDED)
+    if (!crew->is_large && mine.precision == PLANISH_PRECISION_ROUNDED)
         /* The functions of planish_part cannot do that. */
         return pl_fail(error, PLANISH_ERROR_PARTS,
                        "only the process that read the file knows the digits of its text fields");
@@ -109,7 +109,7 @@ static int get_free(const pl_job *job, uint8_t *is_free, planish_error *error) {
     if (!code)
         planish_plan_get_free(crew->plan, mine);
     for (int64_t i = 0; !code && i < crew->share.mesh.n_nodes; i++)
-        if (crew->share.role[i] != PLANISH_GHOST)
+        if (crew->share.role[i] != PLANISH_ROLE_GHOST)
             own[n++] = mine[i];
     code = collect(crew, code, &crew->share.own_nodes, own, 1, is_free, error);
     free(mine);
@@ -240,7 +240,7 @@ static int collect_coordinates(const pl_crew *crew, double *whole, planish_error
     double *own = pl_new_array((int64_t)share->own_nodes.n * dim, sizeof *own);
     int64_t n = 0;
     for (int64_t i = 0; own && i < share->mesh.n_nodes; i++)
-        if (share->role[i] != PLANISH_GHOST)
+        if (share->role[i] != PLANISH_ROLE_GHOST)
             memcpy(own + dim * n++, share->coordinates + dim * i, (size_t)dim * sizeof *own);
     const int code =
         collect(crew, own ? PLANISH_OK : pl_fail_memory(error, "values of the whole mesh"),
@@ -308,7 +308,8 @@ static int check_periodic(const pl_job *job, planish_error *error) {
     int code = get_free(job, is_free, error);
     for (int64_t i = 0; !code && i < 2 * mesh->n_periodic; i++) {
         const int32_t node = mesh->periodic[i];
-        if (is_free[node] || (mesh->constraint && mesh->constraint[node] >= PLANISH_ON_PLANE))
+        if (is_free[node] ||
+            (mesh->constraint && mesh->constraint[node] >= PLANISH_CONSTRAINT_ON_PLANE))
             code = pl_fail(error, PLANISH_ERROR_PARTS, "its periodic sides can move");
     }
     free(is_free);

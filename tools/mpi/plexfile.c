@@ -301,7 +301,8 @@ static PetscErrorCode hold_interfaces(DM dm, pl_piece *p) {
         known[i] = between[i] = low[i] < high[i];
     PetscCall(pl_bring(p->points, MPI_UNSIGNED_CHAR, 1, between, known));
     for (int64_t i = 0; i < p->n_nodes; i++)
-        p->constraint[i] = known[p->first_point + i] ? PLANISH_FIXED : PLANISH_FREE;
+        p->constraint[i] =
+            known[p->first_point + i] ? PLANISH_CONSTRAINT_FIXED : PLANISH_CONSTRAINT_FREE;
     free(low);
     free(high);
     free(between);

@@ -200,7 +200,7 @@ static PetscErrorCode fill_rows(const pl_plexfile *f, const pl_share *share, row
     double *x = pl_new_array(share->mesh.n_nodes * f->dim, sizeof *x);
     PetscCheck(node && x, PETSC_COMM_SELF, PETSC_ERR_MEM, "Rows");
     for (int64_t i = 0; i < share->mesh.n_nodes; i++) {
-        if (share->role[i] == PLANISH_GHOST)
+        if (share->role[i] == PLANISH_ROLE_GHOST)
             continue;
         memcpy(x + n * f->dim, share->coordinates + i * f->dim, (size_t)f->dim * sizeof *x);
         node[n++] = share->node_number[i];

@@ -198,16 +198,16 @@ static int find_roles(pl_share *share, const pl_piece *p, const selection *s) {
         return -1;
     for (int64_t i = 0; i < s->n_nodes; i++) {
         const int is_ghost = s->node[i] >= 0 && p->owner[s->node[i]] != p->rank;
-        share->role[i] = (uint8_t)(is_ghost                                  ? PLANISH_GHOST
-                                   : pl_exchange_shares(&share->exchange, i) ? PLANISH_SHARED
-                                                                             : PLANISH_OWN);
+        share->role[i] = (uint8_t)(is_ghost                                  ? PLANISH_ROLE_GHOST
+                                   : pl_exchange_shares(&share->exchange, i) ? PLANISH_ROLE_SHARED
+                                                                             : PLANISH_ROLE_OWN);
     }
     for (int64_t i = 0; i < s->n_elements; i++) {
         const int32_t *node = share->elements + i * corners;
         int32_t first = node[0];
         for (int j = 1; j < corners; j++)
             first = node[j] < first ? node[j] : first;
-        share->is_counted[i] = share->role[first] != PLANISH_GHOST;
+        share->is_counted[i] = share->role[first] != PLANISH_ROLE_GHOST;
     }
     return 0;
 }
@@ -259,7 +259,7 @@ static int take_all(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
     COPY(share->direction, whole->direction, n * dim)
     COPY(share->min_volume, whole->min_volume, m)
 #undef COPY
-    share->role = pl_new_array(n, 1); /* PLANISH_OWN */
+    share->role = pl_new_array(n, 1); /* PLANISH_ROLE_OWN */
     share->is_counted = pl_new_array(m, 1);
     share->node_number = pl_new_array(n, sizeof *share->node_number);
     share->element_number = pl_new_array(m, sizeof *share->element_number);
@@ -373,8 +373,8 @@ int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
         return status;
     finish(share, o.dim);
     /* How values are collected in the first process. */
-    return start_collection(&share->own_nodes, comm, share->node_number, share->role, PLANISH_GHOST,
-                            share->mesh.n_nodes) ||
+    return start_collection(&share->own_nodes, comm, share->node_number, share->role,
+                            PLANISH_ROLE_GHOST, share->mesh.n_nodes) ||
                    start_collection(&share->counted_elements, comm, share->element_number,
                                     share->is_counted, 0, share->mesh.n_elements)
                ? pl_fail_memory(error, "the parts of the mesh")

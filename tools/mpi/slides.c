@@ -68,7 +68,7 @@ typedef struct marking {
 } marking;
 
 static int is_own(const pl_share *share, int32_t node) {
-    return node >= 0 && share->role[node] != PLANISH_GHOST;
+    return node >= 0 && share->role[node] != PLANISH_ROLE_GHOST;
 }
 
 /** Mark the nodes of surface facets. A facet whose nodes all belong to others may lack an element
@@ -107,7 +107,7 @@ static int update(const pl_share *share, void *values, int64_t size, int32_t *no
     arrival a = {values, size};
     int64_t n = 0;
     for (int64_t i = 0; i < share->mesh.n_nodes; i++)
-        if (share->role[i] == PLANISH_SHARED) {
+        if (share->role[i] == PLANISH_ROLE_SHARED) {
             memcpy(room + n * size, a.values + i * size, (size_t)size);
             node[n++] = (int32_t)i;
         }

@@ -26,9 +26,9 @@ static const char *const method_names[] = {
     [PLANISH_METHOD_LENGTH_LAPLACIAN] = "length-laplacian",
 };
 static const char *const objective_names[] = {
-    [PLANISH_RADIUS_RATIO] = "radius-ratio",
-    [PLANISH_MEAN_RATIO] = "mean-ratio",
-    [PLANISH_EDGE_RATIO] = "edge-ratio",
+    [PLANISH_OBJECTIVE_RADIUS_RATIO] = "radius-ratio",
+    [PLANISH_OBJECTIVE_MEAN_RATIO] = "mean-ratio",
+    [PLANISH_OBJECTIVE_EDGE_RATIO] = "edge-ratio",
 };
 
 const char *pl_method_name(planish_method method) {
@@ -160,7 +160,7 @@ static const char *set_format(pl_arguments *arguments, const option_row *row, co
 static const char *set_objective(pl_arguments *arguments, const option_row *row,
                                  const char *value) {
     arguments->worst = strcmp(value, "worst") == 0;
-    const int i = arguments->worst ? PLANISH_RADIUS_RATIO : find_value(row, value);
+    const int i = arguments->worst ? PLANISH_OBJECTIVE_RADIUS_RATIO : find_value(row, value);
     arguments->library.objective = (planish_objective)i;
     return i < 0 ? NOT_LISTED : NULL;
 }
@@ -302,7 +302,7 @@ static const option_row option_table[] = {
      "allow a relative RMS increase of R for the worst\n"
      "elements (default 0.01)",
      NULL},
-    {0, "direction", "NAME", SMOOTH | OPTIMISES, set_choice, AT(library.direction), 0, 0, NULL,
+    {0, "direction", "NAME", SMOOTH | OPTIMISES, set_choice, AT(library.search), 0, 0, NULL,
      "use the search direction newton (default) or\n"
      "fletcher-reeves",
      "newton fletcher-reeves"},
@@ -546,7 +546,7 @@ int pl_arguments_bound_volumes(const pl_arguments *arguments) {
 }
 
 int pl_arguments_change_objective(const pl_arguments *arguments) {
-    return arguments->library.objective != PLANISH_RADIUS_RATIO ||
+    return arguments->library.objective != PLANISH_OBJECTIVE_RADIUS_RATIO ||
            arguments->library.area_weight > 0;
 }
 

@@ -28,8 +28,8 @@ static const column columns[N_COLUMNS] = {
 static double value_of(const pl_compared *mesh, int c) {
     const planish_quality *q = &mesh->measured.quality;
     const double values[N_COLUMNS] = {
-        (double)mesh->n_elements, (double)q->inverted, (double)mesh->measured.volumes.n_below,
-        q->max_radius_ratio,      q->min_angle_deg,    q->rms_radius_ratio,
+        (double)mesh->n_elements, (double)q->n_inverted, (double)mesh->measured.volumes.n_below,
+        q->max_radius_ratio,      q->min_angle_deg,      q->rms_radius_ratio,
         q->mean_radius_ratio};
     return values[c];
 }

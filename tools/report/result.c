@@ -195,8 +195,8 @@ static void add_worst_elements(document *json, cJSON *quality, const pl_job *job
 static void add_quality(document *json, cJSON *root, const char *name, const pl_job *job,
                         const planish_quality *q, int64_t below_min_volume, const pl_worst *worst) {
     cJSON *quality = new_object(json, root, name);
-    add_integer(json, quality, "inverted", q->inverted);
-    add_integer(json, quality, "reversed_elements", q->reversed);
+    add_integer(json, quality, "inverted", q->n_inverted);
+    add_integer(json, quality, "reversed_elements", q->n_reversed);
     add_integer(json, quality, "below_min_volume", below_min_volume);
     add_real(json, quality, "min_volume", q->min_volume);
     add_real(json, quality, "max_volume", q->max_volume);
@@ -388,7 +388,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_text(&json, root, "input", job->arguments->input);
     add_text(&json, root, "output", job->arguments->output);
     add_text(&json, root, "format", job->file_info.format);
-    add_mesh(&json, root, job, result->before.reversed);
+    add_mesh(&json, root, job, result->before.n_reversed);
     add_text(&json, root, "method", pl_method_name(job->options.method));
     add_objective(&json, root, job, &result->smooth);
     add_quality(&json, root, "before", job, &result->before, result->below_before,
@@ -398,21 +398,21 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_sweeps(&json, root, progress);
     add_integer(&json, root, "untangling_sweeps", result->smooth.untangling_sweeps);
     add_text(&json, root, "stop", stop_names[result->smooth.stop]);
-    add(&json, root, "certified", cJSON_CreateBool(result->after.inverted == 0));
+    add(&json, root, "certified", cJSON_CreateBool(result->after.n_inverted == 0));
     add_checksum(&json, root, "input_checksum", result->input_checksum);
     add_checksum(&json, root, "checksum", result->checksum);
     add_real(&json, root, "max_displacement", result->smooth.max_displacement);
-    add_integer(&json, root, "put_back", result->smooth.put_back);
-    add_integer(&json, root, "moved_nodes", result->smooth.moved_nodes);
+    add_integer(&json, root, "put_back", result->smooth.n_put_back);
+    add_integer(&json, root, "moved_nodes", result->smooth.n_moved_nodes);
     add_integer(&json, root, "returned_nodes", result->returned_nodes);
     add_integer(&json, root, "node_visits", result->smooth.visits);
     add_integer(&json, root, "evaluations", result->smooth.evaluations);
-    add_integer(&json, root, "held_outside", result->smooth.held_outside);
+    add_integer(&json, root, "held_outside", result->smooth.n_held_outside);
     add_worst(&json, root, job, &result->smooth);
     add_optimality(&json, root, job, &result->smooth);
     add_run(&json, root, job, result);
     cJSON *fixed = new_object(&json, root, "fixed");
-    add_integer(&json, fixed, "count", result->after.n_fixed);
+    add_integer(&json, fixed, "count", result->after.n_fixed_elements);
     add_real(&json, fixed, "rms_radius_ratio", result->after.fixed_rms_radius_ratio);
     add_real(&json, fixed, "max_radius_ratio", result->after.fixed_max_radius_ratio);
     add_volumes(&json, root, job, &result->volumes, result->unfixable.state);
@@ -438,7 +438,7 @@ void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
     add_text(&json, mesh, "planish", planish_version());
     add_text(&json, mesh, "input", job->arguments->input);
     add_text(&json, mesh, "format", job->file_info.format);
-    add_mesh(&json, mesh, job, measured->quality.reversed);
+    add_mesh(&json, mesh, job, measured->quality.n_reversed);
     add_quality(&json, mesh, "quality", job, &measured->quality, measured->volumes.n_below,
                 &measured->worst);
     add_checksum(&json, mesh, "checksum", pl_job_checksum(job));

@@ -198,7 +198,7 @@ static void row_free(FILE *stream, const pl_job *job) {
 /** Whether ratios and angles are of the same elements before (NULL: no matter) and after: they are
  *  those of the valid ones. */
 static int are_of_same(const planish_quality *before, const planish_quality *after) {
-    return !before || before->inverted == after->inverted;
+    return !before || before->n_inverted == after->n_inverted;
 }
 
 static const double *number_at(const planish_quality *quality, size_t at) {
@@ -210,17 +210,17 @@ static void rows_quality(FILE *stream, int dim, const planish_quality *before,
     for (size_t i = 0; i < sizeof quality_rows / sizeof *quality_rows; i++) {
         const quality_row *row = &quality_rows[i];
         measure m = row->measure;
-        if (row->meshes == WITH_FIXED && after->n_fixed == 0)
+        if (row->meshes == WITH_FIXED && after->n_fixed_elements == 0)
             continue;
         if (row->of == OF_VALID && !are_of_same(before, after))
             m.change = NOT_COMPARED;
         row_real(stream, dim == 3 ? row->solid : row->plane, number_at(before, row->at),
                  *number_at(after, row->at), &m);
     }
-    row_count(stream, "inverted elements", before ? &before->inverted : NULL, after->inverted);
-    if (after->reversed > 0 || (before && before->reversed > 0))
-        row_count(stream, "reversed in the file's order", before ? &before->reversed : NULL,
-                  after->reversed);
+    row_count(stream, "inverted elements", before ? &before->n_inverted : NULL, after->n_inverted);
+    if (after->n_reversed > 0 || (before && before->n_reversed > 0))
+        row_count(stream, "reversed in the file's order", before ? &before->n_reversed : NULL,
+                  after->n_reversed);
 }
 
 /** Elements below their minimum volume, where there is one. */
@@ -247,7 +247,7 @@ static void put_objective(FILE *stream, const pl_job *job, const pl_result *resu
     snprintf(text, sizeof text,
              "Ratios and angles are those of the valid elements, %" PRId64 " before and %" PRId64
              " after, so they are not compared.",
-             before->n_elements - before->inverted, after->n_elements - after->inverted);
+             before->n_elements - before->n_inverted, after->n_elements - after->n_inverted);
     pl_text_wrap(stream, text);
 }
 
@@ -267,7 +267,7 @@ static void put_end(FILE *stream, const planish_result *smooth) {
                  smooth->untangling_sweeps);
     snprintf(text, sizeof text, "%s after %d sweep%s%s, %" PRId64 " %s moved by up to %.3g",
              stop_texts[smooth->stop], sweeps, sweeps == 1 ? "" : "s", untangling,
-             smooth->moved_nodes, word_for(smooth->moved_nodes, "node", "nodes"),
+             smooth->n_moved_nodes, word_for(smooth->n_moved_nodes, "node", "nodes"),
              smooth->max_displacement);
     pl_text_wrap(stream, text);
 }
@@ -294,7 +294,7 @@ static void put_worst(FILE *stream, const pl_job *job, const planish_result *smo
 }
 
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
-    const int64_t n_outside = result->smooth.held_outside, n_back = result->smooth.put_back;
+    const int64_t n_outside = result->smooth.n_held_outside, n_back = result->smooth.n_put_back;
     char text[256];
     row_mesh(stream, job);
     fprintf(stream, "%s%-*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), LABEL_WIDTH,
@@ -416,8 +416,8 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
 }
 
 void pl_table_reversed(FILE *stream, const planish_quality *quality) {
-    const int64_t n = quality->reversed;
-    if (n > 0 && n > quality->inverted)
+    const int64_t n = quality->n_reversed;
+    if (n > 0 && n > quality->n_inverted)
         pl_note(stream,
                 "%" PRId64
                 " %s numbered the other way round than most; planish does not renumber them, "

@@ -52,8 +52,8 @@ void pl_histogram_print(FILE *stream, const planish_quality *before, const plani
               .most = 1};
     for (int s = first; s < 2; s++) {
         const int64_t *counts = states[s]->histogram_counts;
-        inverted += states[s]->inverted;
-        b.most = states[s]->inverted > b.most ? states[s]->inverted : b.most;
+        inverted += states[s]->n_inverted;
+        b.most = states[s]->n_inverted > b.most ? states[s]->n_inverted : b.most;
         for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++) {
             last = counts[i] > 0 && i > last ? i : last;
             b.most = counts[i] > b.most ? counts[i] : b.most;
@@ -79,5 +79,5 @@ void pl_histogram_print(FILE *stream, const planish_quality *before, const plani
     if (inverted > 0)
         fprintf(stream, "%-*s", LABEL_WIDTH, "inverted");
     for (int s = first; s < 2 && inverted > 0; s++)
-        put_cell(&b, states[s]->inverted, s == 1);
+        put_cell(&b, states[s]->n_inverted, s == 1);
 }

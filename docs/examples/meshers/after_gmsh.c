@@ -39,7 +39,8 @@ int main(int argc, char **argv) {
     const double meshing = now() - begin;
     gmshModelMeshGetNodes(&tag, &n, &xyz, &k, &other, &k, -1, -1, 0, 0, &error);
     gmshModelMeshGetNodes(&inner, &n_inner, &other, &k, &other, &k, 3, -1, 0, 0, &error);
-    gmshModelMeshGetElementsByType(4, &of_element, &n_elements, &corners, &n_corners, -1, 0, 1, &error);
+    gmshModelMeshGetElementsByType(4, &of_element, &n_elements, &corners, &n_corners, -1, 0, 1,
+                                   &error);
     if (error || n_elements == 0)
         return fprintf(stderr, "%s: Gmsh made no tetrahedra\n", argv[1]), 2;
 
@@ -48,15 +49,19 @@ int main(int argc, char **argv) {
         last = tag[i] > last ? tag[i] : last;
     int64_t *index = calloc(last + 1, sizeof *index), *element = calloc(n_corners, sizeof *element);
     uint8_t *constraint = calloc(n, 1);
-    for (size_t i = 0; i < n; constraint[i++] = PLANISH_FIXED)
+    for (size_t i = 0; i < n; constraint[i++] = PLANISH_CONSTRAINT_FIXED)
         index[tag[i]] = (int64_t)i;
     for (size_t i = 0; i < n_inner; i++)
-        constraint[index[inner[i]]] = PLANISH_FREE;
+        constraint[index[inner[i]]] = PLANISH_CONSTRAINT_FREE;
     for (size_t i = 0; i < n_corners; i++)
         element[i] = index[corners[i]];
 
-    const planish_mesh mesh = {.dim = 3, .n_nodes = (int64_t)n, .n_elements = (int64_t)n_elements,
-                               .coordinates = xyz, .elements64 = element, .constraint = constraint};
+    const planish_mesh mesh = {.dim = 3,
+                               .n_nodes = (int64_t)n,
+                               .n_elements = (int64_t)n_elements,
+                               .coordinates = xyz,
+                               .elements64 = element,
+                               .constraint = constraint};
     planish_quality before, after;
     planish_error failure;
     planish_plan *plan = NULL;
@@ -71,7 +76,7 @@ int main(int argc, char **argv) {
     show("before", &before, meshing);
     show("after", &after, smoothing);
     for (size_t i = 0; i < n; i++)
-        if (constraint[i] == PLANISH_FREE)
+        if (constraint[i] == PLANISH_CONSTRAINT_FREE)
             gmshModelMeshSetNode(tag[i], xyz + 3 * i, 3, NULL, 0, &error);
     gmshWrite(argv[2], &error);
     return error ? 2 : 0;

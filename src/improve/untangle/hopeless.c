@@ -61,7 +61,7 @@ static int32_t list_mine(messages *w, const uint8_t *of_facet) {
             const int32_t star = star_of[plan->inner[node]];
             if (star < 0 ||
                 of_facet[stars->link_offset[star] + seen[star]++] != PL_PROOF_GIVEN_UP ||
-                w->part->node_role[node] != PLANISH_SHARED)
+                w->part->node_role[node] != PLANISH_ROLE_SHARED)
                 continue;
             w->mine[w->n_mine++] = (given_up){node, rounds[star]++, i};
             most_rounds = rounds[star] > most_rounds ? rounds[star] : most_rounds;

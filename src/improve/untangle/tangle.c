@@ -56,7 +56,7 @@ static int give_up_hopeless(pl_tangle *t, planish_error *error) {
         if (!t->is_lost)
             return pl_fail_memory(error, what);
         status = pl_mark_enclosed(plan, plan->coordinates, t->state, t->is_lost,
-                                  &t->run->result->not_enclosed, error);
+                                  &t->run->result->n_not_enclosed, error);
     }
     if (!status)
         status = pl_mark_infeasible(plan, &t->problem, t->state, &limit, &found, &roles, error);
@@ -203,7 +203,7 @@ static int list_ghosts(pl_tangle *t) {
     if (!t->is_ghost || !t->ghost || !t->was_in_patch)
         return 0;
     for (int64_t i = 0; i < plan->work.n_nodes; i++) {
-        if (part->node_role[i] != PLANISH_GHOST)
+        if (part->node_role[i] != PLANISH_ROLE_GHOST)
             continue;
         t->is_ghost[plan->inner[i]] = 1;
         if (plan->work.mobility[i] == PL_INTERIOR)

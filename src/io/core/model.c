@@ -46,7 +46,7 @@ int io_model_points(io_model *model, int64_t n, int size, int64_t stride, int sw
                          .swapped = swapped,
                          .offset = at - model->input.data,
                          .stride = stride};
-    model->precision = size == 4 ? PLANISH_FLOAT : PLANISH_DOUBLE;
+    model->precision = size == 4 ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE;
     const int status = io_model_nodes(model, n, !model->is_binary, error);
     return status ? status : io_model_span(model, span, error);
 }

@@ -195,11 +195,12 @@ typedef struct io_model {
     int threads;
     double flatness; /* how far off their plane nodes may be, of the diagonal; 0: by the digits */
     int is_isolated; /* the HDF5 library is to be called where its crash does no harm (child.h) */
-    planish_precision precision; /* PLANISH_FLOAT: values are rounded to float; _ROUNDED: to
+    planish_precision
+        precision;        /* PLANISH_PRECISION_FLOAT: values are rounded to float; _ROUNDED: to
                                     field_width characters */
-    int field_width;             /* of the narrowest field of a coordinate */
-    int implied_exponent;        /* exponents are written without an e (Nastran) */
-    int columns;                 /* coordinates of a node in the file: 2, or 3 by default */
+    int field_width;      /* of the narrowest field of a coordinate */
+    int implied_exponent; /* exponents are written without an e (Nastran) */
+    int columns;          /* coordinates of a node in the file: 2, or 3 by default */
     int64_t n_nodes;
     double *xyz;          /* [n_nodes][3] (z = 0 where columns is 2); NULL once it is known that the
                              mesh is in the plane of x and y */

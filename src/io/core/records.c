@@ -264,7 +264,7 @@ int io_read_point(io_model *model, io_cursor *cursor, int64_t node, planish_erro
             return io_fail_at(model, cursor->at, error,
                               "node %lld: coordinate expected (the file may be cut short)",
                               (long long)io_node_number(model, node));
-        xyz[d] = model->precision == PLANISH_FLOAT ? pl_round_to_float(value) : value;
+        xyz[d] = model->precision == PLANISH_PRECISION_FLOAT ? pl_round_to_float(value) : value;
         const int status = io_check_finite(model, xyz[d], node, cursor->at, error);
         if (status)
             return status;
@@ -294,7 +294,7 @@ int io_nodes_begin(io_model *model, int64_t n, int field_width, planish_error *e
     const int status = io_model_points(model, n, 8, 0, 0, NULL, error);
     if (status)
         return status;
-    model->precision = PLANISH_ROUNDED;
+    model->precision = PLANISH_PRECISION_ROUNDED;
     model->field_width = field_width;
     model->n_nodes = 0; /* so far; the span has all */
     model->node_number = pl_alloc(n, sizeof *model->node_number);

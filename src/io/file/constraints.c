@@ -190,7 +190,8 @@ static int hold_unchosen(const io_model *model, const planish_hold *hold, uint8_
     for (int32_t i = 0; i < model->n_entities && !status; i++)
         chosen[i] = !chosen[i];
     if (!status)
-        hold_cells(cells, io_cells_telling(cells), model->dim, chosen, PLANISH_FIXED, constraint);
+        hold_cells(cells, io_cells_telling(cells), model->dim, chosen, PLANISH_CONSTRAINT_FIXED,
+                   constraint);
     pl_free(chosen);
     return status;
 }
@@ -235,13 +236,13 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
     uint8_t *found = pl_alloc(model->n_nodes, 1);
     int status = found ? PLANISH_OK : pl_fail_memory(error, "the constraints of nodes");
     for (int64_t i = 0; i < model->n_nodes && !status; i++)
-        found[i] = model->hold[i] & ~undecided ? PLANISH_FIXED : PLANISH_FREE;
+        found[i] = model->hold[i] & ~undecided ? PLANISH_CONSTRAINT_FIXED : PLANISH_CONSTRAINT_FREE;
     if (!status && slide && hold->n_slide_tags > 0)
         status = hold_unchosen(model, hold, found, error);
     if (!status && !slide)
-        status = hold_interfaces(file, hold, PLANISH_FIXED, found, error);
+        status = hold_interfaces(file, hold, PLANISH_CONSTRAINT_FIXED, found, error);
     if (!status)
-        status = hold_tags(model, hold, PLANISH_FIXED, found, error);
+        status = hold_tags(model, hold, PLANISH_CONSTRAINT_FIXED, found, error);
     if (!status)
         memcpy(constraint, found, (size_t)model->n_nodes);
     pl_free(found);

@@ -302,15 +302,16 @@ void planish_file_get_info(const planish_file *file, planish_file_info *info) {
     const io_model *model = &file->model;
     /* Coordinates in a tilted plane are none of those in the file. */
     const int is_tilted = model->dim == 2 && model->plane.is_tilted;
-    *info = (planish_file_info){.format = file->format->name,
-                                .precision = is_tilted ? PLANISH_DOUBLE : model->precision,
-                                .round = round_to_field,
-                                .round_user = (void *)(uintptr_t)model,
-                                .n_other_elements = model->n_other,
-                                .n_lower_elements = model->n_lower,
-                                .n_regions = file->n_regions,
-                                .bytes = model->input.size,
-                                .is_unterminated = planish_file_unterminated_path(file) != NULL};
+    *info =
+        (planish_file_info){.format = file->format->name,
+                            .precision = is_tilted ? PLANISH_PRECISION_DOUBLE : model->precision,
+                            .round = round_to_field,
+                            .round_user = (void *)(uintptr_t)model,
+                            .n_other_elements = model->n_other,
+                            .n_lower_elements = model->n_lower,
+                            .n_regions = file->n_regions,
+                            .bytes = model->input.size,
+                            .is_unterminated = planish_file_unterminated_path(file) != NULL};
 }
 
 planish_mesh planish_file_mesh(const planish_file *file) {

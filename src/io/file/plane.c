@@ -41,8 +41,8 @@ void io_plane_project(const io_plane *plane, const double xyz[3], double uv[2]) 
 
 /** Round a value to what the file holds of it. */
 static double store(const io_model *model, double value) {
-    return model->precision == PLANISH_FLOAT ? pl_round_to_float(value)
-           : model->precision == PLANISH_ROUNDED
+    return model->precision == PLANISH_PRECISION_FLOAT ? pl_round_to_float(value)
+           : model->precision == PLANISH_PRECISION_ROUNDED
                ? io_round_to_field(value, model->field_width, model->implied_exponent)
                : value;
 }
@@ -221,7 +221,7 @@ static void place_nodes(void *context, int64_t begin, int64_t end, int thread) {
     for (int64_t i = begin; i < end; i++) {
         double *uv = s->uv + 2 * i, *place = s->places + 3 * i, again[3];
         io_model_place(s->model, i, uv, place);
-        if (s->model->precision == PLANISH_DOUBLE || !has_moved(s->model, i, uv))
+        if (s->model->precision == PLANISH_PRECISION_DOUBLE || !has_moved(s->model, i, uv))
             continue;
         const double before[2] = {uv[0], uv[1]};
         int same = 1;

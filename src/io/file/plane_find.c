@@ -58,7 +58,7 @@ double io_tolerance_of_digits(const io_model *model, const io_format *format) {
     /* Single-precision coordinates have 24 bits. Whole numbers and the like may be exact with few
      * digits, so that there is a limit. */
     const double of_float = 1e-6, smallest = 1e-8, largest = 1e-5;
-    if (model->precision == PLANISH_FLOAT)
+    if (model->precision == PLANISH_PRECISION_FLOAT)
         return of_float;
     int most = 0, most_of_few = 0;
     int64_t n = 0, n_few = 0;
@@ -261,7 +261,7 @@ static double tolerance_of(const io_model *model, const io_format *format) {
         return model->flatness;
     double tolerance = format ? io_tolerance_of_digits(model, format) : 0;
     tolerance = tolerance > 0 ? tolerance : usual;
-    return model->precision == PLANISH_ROUNDED && model->field_width <= narrow_field
+    return model->precision == PLANISH_PRECISION_ROUNDED && model->field_width <= narrow_field
                ? fmax(tolerance, of_narrow_field)
                : tolerance;
 }

@@ -113,7 +113,7 @@ static int next_field(const splice *s, io_cursor *cursor, int d, io_field *field
 static void put_number(const splice *s, const io_field *field, double value, sink *to) {
     char text[IO_REAL_SIZE];
     if (field->width == 0) {
-        put(to, text, io_format_real(text, value, s->model->precision == PLANISH_FLOAT));
+        put(to, text, io_format_real(text, value, s->model->precision == PLANISH_PRECISION_FLOAT));
         return;
     }
     const int64_t length = io_format_field(text, value, field->width, s->model->implied_exponent);
@@ -168,7 +168,8 @@ static void splice_text_node(const splice *s, int64_t node, sink *to) {
             before.length = 0;
         line_end = field.end;
         gap_add(&before, field.lead, field.n_lead, 0);
-        const int is_float = model->precision == PLANISH_FLOAT; /* and was rounded to that */
+        const int is_float =
+            model->precision == PLANISH_PRECISION_FLOAT; /* and was rounded to that */
         if (!is_kept(model, is_float ? pl_round_to_float(field.value) : field.value, wanted)) {
             copy_to(to, field.begin, field.end);
             put(to, before.text, before.length);

@@ -160,7 +160,7 @@ static int read_values(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dat
     if (status)
         return status;
     const planish_precision precision =
-        like.encoding == IO_FLOAT32 ? PLANISH_FLOAT : PLANISH_DOUBLE;
+        like.encoding == IO_FLOAT32 ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE;
     if (file->has_precision && model->precision != precision)
         return io_hdf5_fail(file, place->path.text,
                             "this coordinate is of another precision than those before; give all "
@@ -215,7 +215,7 @@ int io_hdf5_coordinates_again(io_hdf5 *file, const io_hdf5_place *place, int *is
     int status = open_quietly(file, place->path.text, &d);
     const int may_be = !status && H5Tget_class(d.type) == H5T_FLOAT && d.shape.n > 0 &&
                        d.shape.n == model->n_nodes * place->n_components &&
-                       (d.size == sizeof(float)) == (model->precision == PLANISH_FLOAT);
+                       (d.size == sizeof(float)) == (model->precision == PLANISH_PRECISION_FLOAT);
     status = may_be ? hdf5_dataset_read(file, place->path.text, &d, H5T_NATIVE_DOUBLE,
                                         sizeof(double), &values)
                     : PLANISH_OK;

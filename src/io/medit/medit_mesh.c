@@ -38,7 +38,7 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
                 return io_fail_at(model, cursor->at, error,
                                   "vertex %lld: a coordinate expected (the file may be cut short)",
                                   (long long)i + 1);
-            xyz[d] = model->precision == PLANISH_FLOAT ? pl_round_to_float(value) : value;
+            xyz[d] = model->precision == PLANISH_PRECISION_FLOAT ? pl_round_to_float(value) : value;
             status = io_check_finite(model, xyz[d], i, model->is_binary ? at : cursor->at, error);
         }
         if (!status)

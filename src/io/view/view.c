@@ -49,7 +49,7 @@ static cell find_cell(const io_view *view, io_view_values values, int64_t i) {
 /** Return value i of the whole numbers of nodes or cells. */
 static int64_t whole_value(const io_view *view, io_view_values values, int64_t i) {
     if (values == IO_VIEW_FIXED)
-        return view->constraint[i] == PLANISH_FIXED;
+        return view->constraint[i] == PLANISH_CONSTRAINT_FIXED;
     if (values == IO_VIEW_NODE_NUMBERS)
         return io_node_number(view->model, i);
     const cell c = find_cell(view, values, i);
@@ -111,7 +111,8 @@ static io_view_array numbers_of(const io_view *view, io_view_values values, int6
 
 io_view_arrays io_view_arrays_of(const io_view *view) {
     const io_model *model = view->model;
-    const io_view_type real = model->precision == PLANISH_FLOAT ? IO_VIEW_F32 : IO_VIEW_F64;
+    const io_view_type real =
+        model->precision == PLANISH_PRECISION_FLOAT ? IO_VIEW_F32 : IO_VIEW_F64;
     const int64_t n_nodes = model->n_nodes, n = view->n_cells;
     const int64_t n_corners = 4 * model->tetrahedron.n + 3 * model->triangle.n + 2 * model->line.n;
     int has_groups = 0;

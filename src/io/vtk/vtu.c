@@ -46,7 +46,7 @@ static int read_piece_points(io_model *model, vtu_document *document, vtu_array 
     if (find_array(document, array->piece, VTU_POINTS, NULL) != array)
         return vtu_fail(document, array, "there is a second array of points");
     const int size = array->type->size;
-    if (n > 0 && (size == 4) != (model->precision == PLANISH_FLOAT))
+    if (n > 0 && (size == 4) != (model->precision == PLANISH_PRECISION_FLOAT))
         return vtu_fail(document, array,
                         "some pieces are of Float32 and some of Float64: write them as one");
     io_span span = {.first_node = first, .n_nodes = n, .encoding = IO_TEXT, .offset = array->begin};
@@ -100,14 +100,14 @@ static int read_points(io_model *model, vtu_document *document) {
                        "or it is cut short)",
                        model->input.path, (long long)n);
     int status = io_model_nodes(model, n, with_text, document->error);
-    model->precision = PLANISH_DOUBLE;
+    model->precision = PLANISH_PRECISION_DOUBLE;
     for (int64_t i = 0; i < document->n_arrays && !status; i++) {
         vtu_array *array = &document->array[i];
         if (array->role != VTU_POINTS || array->piece < 0)
             continue;
         const int64_t here = document->piece[array->piece].n_points;
         if (n_points == 0 && here > 0 && array->type && array->type->size == 4)
-            model->precision = PLANISH_FLOAT;
+            model->precision = PLANISH_PRECISION_FLOAT;
         n_points += here;
         n_found++;
         status = read_piece_points(model, document, array);

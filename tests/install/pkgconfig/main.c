@@ -23,5 +23,5 @@ int main(void) {
     }
     printf("planish %s: RMS %.4f -> %.4f\n", planish_version(), result.objective_before,
            result.objective);
-    return !(result.objective < result.objective_before && result.moved_nodes == 1);
+    return !(result.objective < result.objective_before && result.n_moved_nodes == 1);
 }

@@ -79,7 +79,7 @@ static void *call(void *data) {
     for (int way = 0; way < 4; way++) {
         planish_options options;
         planish_plan *plan = NULL;
-        planish_result result = {.inverted = -1};
+        planish_result result = {.n_inverted = -1};
         planish_error error = {.text = ""};
         make(xyz, elements);
         const planish_mesh mesh = {.dim = 3,
@@ -96,7 +96,7 @@ static void *call(void *data) {
             planish_smooth(plan, xyz, &options, &result, &error))
             fprintf(stderr, "%s\n", error.text);
         planish_plan_destroy(plan);
-        *failed += result.inverted != 0;
+        *failed += result.n_inverted != 0;
     }
     free(xyz);
     free(elements);
