@@ -211,7 +211,7 @@ static void wrong_files_are_refused(void **state) {
     refuse(((void)(p = plex_right, p.order = N_POINTS), &p), "point 51");
     refuse(((void)(p = plex_right, p.version = 2, p.row = 7), &p), "one place for each node");
     refuse(((void)(p = plex_right, p.version = 2, p.meshes = 2), &p),
-           "2 meshes (mine, other, ...)");
+           "one mesh: 2 (mine, other, ...)");
     p = plex_right;
     p.version = 3;
     p.has_no_copy = 1;

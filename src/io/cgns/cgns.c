@@ -46,14 +46,11 @@ int cgns_children(cgns_reader *r, const io_hdf5_path *path, const char *label,
     int status = io_hdf5_list(r->file, path->text, names);
     const int64_t n = names->n;
     names->n = 0;
-    for (int64_t i = 0; i < n; i++) {
-        int has = 0;
-        if (!status)
-            status = has_label(r, cgns_child(r, path, names->name[i]).text, label, &has);
+    for (int64_t i = 0; i < n && !status; i++) {
+        int has;
+        status = has_label(r, cgns_child(r, path, names->name[i]).text, label, &has);
         if (has)
             names->name[names->n++] = names->name[i];
-        else
-            pl_free(names->name[i]);
     }
     return status;
 }
@@ -88,7 +85,7 @@ static int find_only(cgns_reader *r, const io_hdf5_path *path, const char *label
     io_hdf5_names names;
     int status = cgns_children(r, path, label, &names);
     if (!status && names.n == 0)
-        status = io_hdf5_fail(
+        return io_hdf5_fail(
             r->file, path->text,
             "there is no %s (no node with the label %s; files that meshio writes have no "
             "labels and are no CGNS files)",
@@ -97,7 +94,6 @@ static int find_only(cgns_reader *r, const io_hdf5_path *path, const char *label
         status = io_hdf5_check_only(r->file, path->text, what, &names);
     if (!status)
         *child = cgns_child(r, path, names.name[0]);
-    io_hdf5_names_release(&names);
     return status;
 }
 
@@ -207,9 +203,7 @@ static int read_solution(cgns_reader *r, const char *name, io_hdf5_names *seen) 
         if (status && status != PLANISH_ERROR_FORMAT)
             break;
         status = io_hdf5_names_add(r->file, seen, arrays.name[i]);
-        arrays.name[i] = NULL;
     }
-    io_hdf5_names_release(&arrays);
     /* What cannot be read is passed over: solutions need not be for the mesh to be. */
     return status == PLANISH_ERROR_FORMAT ? PLANISH_OK : status;
 }
@@ -223,8 +217,6 @@ static int read_solutions(cgns_reader *r) {
     int status = cgns_children(r, &r->zone, "FlowSolution_t", &solutions);
     for (int64_t i = 0; i < solutions.n && !status; i++)
         status = read_solution(r, solutions.name[i], &seen);
-    io_hdf5_names_release(&solutions);
-    io_hdf5_names_release(&seen);
     return status;
 }
 
@@ -259,11 +251,8 @@ static int cgns_read(io_model *model, planish_error *error) {
         status = cgns_read_groups(&r);
     if (!status)
         status = read_solutions(&r);
-    if (!status)
-        status = io_hdf5_check(r.file);
-    cgns_release_sections(&r);
-    io_hdf5_close(r.file);
-    return status;
+    pl_free(r.section);
+    return io_hdf5_end(r.file, status);
 }
 
 static int cgns_recognise(const char *data, int64_t size) {

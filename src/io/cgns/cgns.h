@@ -2,7 +2,7 @@
  * and cgns_groups.c.
  *
  *   cgns_child, _children, _integers, _text    nodes of CGNS and their data
- *   cgns_read_elements, cgns_release_sections  sections of elements
+ *   cgns_read_elements                         sections of elements
  *   cgns_read_groups                           boundary conditions, connections
  *
  * A node of CGNS is a group of HDF5 with a label that tells what it is; its data are the array
@@ -16,7 +16,7 @@
 
 /** Elements of consecutive numbers. */
 typedef struct cgns_section {
-    char *name;         /* in the zone, owned */
+    const char *name;   /* in the zone */
     int64_t start, end; /* numbers of the first and the last element */
     int type;           /* of all elements, or MIXED */
     int64_t first[4];   /* by dimension: cells of this section in their io_cells, */
@@ -38,7 +38,7 @@ typedef struct cgns_reader {
 /** Return the path of the child called name of the node at path parent. */
 io_hdf5_path cgns_child(cgns_reader *r, const io_hdf5_path *parent, const char *name);
 
-/** List the names of the nodes in a node that have the label. Release in any case. */
+/** List the names of the nodes in a node that have the label. */
 int cgns_children(cgns_reader *r, const io_hdf5_path *path, const char *label,
                   io_hdf5_names *names);
 
@@ -54,7 +54,6 @@ int cgns_text(cgns_reader *r, const io_hdf5_path *path, const char *child, char 
 /** Read all sections of the zone: cells with their numbers, and as entity the index of their
  *  section. */
 int cgns_read_elements(cgns_reader *r);
-void cgns_release_sections(cgns_reader *r);
 
 /* ---- cgns_groups.c ------------------------------------------------------------------------- */
 

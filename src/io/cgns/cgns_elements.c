@@ -229,14 +229,13 @@ static int read_section(cgns_reader *r, int32_t index) {
     return status;
 }
 
-/** Add the section called name, which is taken over, with type and range of its elements. */
-static int add_section(cgns_reader *r, char **name) {
+/** Add the section called name, with type and range of its elements. */
+static int add_section(cgns_reader *r, const char *name) {
     io_hdf5_integers data = {0}, range = {0};
-    const cgns_section named = {.name = *name};
+    const cgns_section named = {.name = name};
     cgns_section *s = pl_append(&r->section, &r->n_sections, &r->capacity, &named, sizeof named);
     if (!s)
         return pl_fail_memory(r->error, "the sections of elements");
-    *name = NULL;
     const io_hdf5_path path = cgns_child(r, &r->zone, s->name);
     const io_hdf5_path numbers = cgns_child(r, &path, "ElementRange");
     int status = cgns_integers(r, &path, &data);
@@ -269,8 +268,7 @@ int cgns_read_elements(cgns_reader *r) {
     io_hdf5_names names;
     int status = cgns_children(r, &r->zone, "Elements_t", &names);
     for (int64_t i = 0; i < names.n && !status; i++)
-        status = add_section(r, &names.name[i]);
-    io_hdf5_names_release(&names);
+        status = add_section(r, names.name[i]);
     if (!status && r->n_sections > 0)
         qsort(r->section, (size_t)r->n_sections, sizeof *r->section, compare_sections);
     for (int64_t i = 1; i < r->n_sections && !status; i++)
@@ -281,14 +279,6 @@ int cgns_read_elements(cgns_reader *r) {
     for (int64_t i = 0; i < r->n_sections && !status; i++)
         status = read_section(r, (int32_t)i);
     return status;
-}
-
-void cgns_release_sections(cgns_reader *r) {
-    for (int64_t i = 0; i < r->n_sections; i++)
-        pl_free(r->section[i].name);
-    pl_free(r->section);
-    r->section = NULL;
-    r->n_sections = 0;
 }
 
 #endif

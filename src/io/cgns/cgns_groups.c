@@ -26,7 +26,7 @@ typedef struct cell_class {
 } cell_class;
 
 typedef struct condition {
-    char *name;             /* owned */
+    const char *name;
     char family[NAME_SIZE]; /* or "" */
 } condition;
 
@@ -220,18 +220,14 @@ static int read_lists(groups *g, const char *label, const char *of, int are_cond
             condition *c = are_conditions ? pl_append(&g->condition, &g->n_conditions,
                                                       &g->condition_capacity, &named, sizeof named)
                                           : NULL;
-            if (c) { /* which owns its name now */
-                inner.name[j] = NULL;
+            if (are_conditions && !c)
+                return pl_fail_memory(g->r->error, "the groups of the file");
+            if (c)
                 status = cgns_text(g->r, &path, "FamilyName", c->family, sizeof c->family);
-            } else if (are_conditions) {
-                status = pl_fail_memory(g->r->error, "the groups of the file");
-            }
             if (!status)
                 status = take_members(g, &path, c ? (int32_t)g->n_conditions - 1 : NONE);
         }
-        io_hdf5_names_release(&inner);
     }
-    io_hdf5_names_release(&outer);
     return status;
 }
 
@@ -292,8 +288,6 @@ int cgns_read_groups(cgns_reader *r) {
         status = read_lists(&g, "GridConnectivity_t", "ZoneGridConnectivity_t", 0);
     if (!status)
         status = make_entities(&g);
-    for (int64_t i = 0; i < g.n_conditions; i++)
-        pl_free(g.condition[i].name);
     pl_free(g.condition);
     pl_free(g.class);
     return status;

@@ -162,20 +162,25 @@ int io_hdf5_open(io_model *model, io_hdf5 **out, planish_error *error) {
     else
         file->has_user_block = hdf5_user_block(file->id) != 0;
     if (status)
-        io_hdf5_close(file);
-    else
-        *out = file;
-    return status;
+        return io_hdf5_end(file, status);
+    *out = file;
+    return PLANISH_OK;
 }
 
-void io_hdf5_close(io_hdf5 *file) {
+int io_hdf5_end(io_hdf5 *file, int status) {
     if (!file)
-        return;
+        return status;
+    if (!status && file->unknown[0])
+        status = hdf5_fail_library(file, file->unknown, "cannot be looked at");
     hdf5_release(file->access);
     if (file->id >= 0)
         H5Fclose(file->id);
     hdf5_restore(file->voice);
+    for (int64_t i = 0; i < file->n_kept; i++)
+        pl_free(file->kept[i]);
+    pl_free(file->kept);
     pl_free(file);
+    return status;
 }
 
 /* ---- objects ------------------------------------------------------------------------------ */
@@ -205,17 +210,31 @@ io_hdf5_kind io_hdf5_kind_of(io_hdf5 *file, const char *path) {
     return kind;
 }
 
-int io_hdf5_check(io_hdf5 *file) {
-    if (!file->unknown[0])
-        return PLANISH_OK;
-    return hdf5_fail_library(file, file->unknown, "cannot be looked at");
+/** Let the file own memory until it is closed; NULL: there is none. */
+static void *keep_memory(io_hdf5 *file, void *memory) {
+    if (memory &&
+        pl_append(&file->kept, &file->n_kept, &file->kept_capacity, &memory, sizeof memory))
+        return memory;
+    pl_free(memory);
+    return NULL;
 }
 
-int io_hdf5_names_add(io_hdf5 *file, io_hdf5_names *names, char *name) {
-    if (name && pl_append(&names->name, &names->n, &names->capacity, &name, sizeof name))
-        return PLANISH_OK;
-    pl_free(name);
-    return pl_fail_memory(file->error, "the names of objects");
+int io_hdf5_names_add(io_hdf5 *file, io_hdf5_names *names, const char *name) {
+    enum { FIRST_CAPACITY = 16 };
+    char *const text = keep_memory(file, pl_copy_text(name));
+    if (names->n == names->capacity) {
+        names->capacity = names->n > 0 ? 2 * names->n : FIRST_CAPACITY;
+        const char **larger = keep_memory(file, pl_alloc(names->capacity, sizeof *larger));
+        if (!larger)
+            return pl_fail_memory(file->error, "the names of objects");
+        if (names->n > 0)
+            memcpy(larger, names->name, (size_t)names->n * sizeof *larger);
+        names->name = larger;
+    }
+    if (!text)
+        return pl_fail_memory(file->error, "the names of objects");
+    names->name[names->n++] = text;
+    return PLANISH_OK;
 }
 
 /** A group whose names are listed. */
@@ -235,12 +254,12 @@ static herr_t add_name(hid_t group, const char *name, const H5L_info_t *info, vo
                                  "file of them, with h5copy for instance",
                                  name);
     else
-        l->status = io_hdf5_names_add(l->file, l->names, pl_copy_text(name));
+        l->status = io_hdf5_names_add(l->file, l->names, name);
     return l->status ? -1 : 0;
 }
 
 static int compare_names(const void *a, const void *b) {
-    char *const *x = a, *const *y = b;
+    const char *const *x = a, *const *y = b;
     return strcmp(*x, *y);
 }
 
@@ -260,13 +279,6 @@ int io_hdf5_list(io_hdf5 *file, const char *path, io_hdf5_names *names) {
     return l.status;
 }
 
-void io_hdf5_names_release(io_hdf5_names *names) {
-    for (int64_t i = 0; i < names->n; i++)
-        pl_free(names->name[i]);
-    pl_free(names->name);
-    *names = (io_hdf5_names){0};
-}
-
 int io_hdf5_check_only(io_hdf5 *file, const char *path, const char *what,
                        const io_hdf5_names *names) {
     if (names->n == 1)
@@ -274,9 +286,9 @@ int io_hdf5_check_only(io_hdf5 *file, const char *path, const char *what,
     if (names->n == 0)
         return io_hdf5_fail(file, path, "there is no %s", what);
     return io_hdf5_fail(file, path,
-                        "there are %lld of them (%.40s, %.40s, ...); planish reads files with one "
-                        "%s: write each to a file of its own",
-                        (long long)names->n, names->name[0], names->name[1], what);
+                        "there is more than one %s: %lld (%.60s, %.60s, ...); planish reads files "
+                        "with one: write each to a file of its own",
+                        what, (long long)names->n, names->name[0], names->name[1]);
 }
 
 /* ---- attributes --------------------------------------------------------------------------- */

@@ -1,7 +1,7 @@
 /* hdf5: what the readers of formats in HDF5 share: objects by their path, numbers and text of
  * them, and coordinates with their places in the file's bytes.
  *
- *   io_hdf5_recognise, _open, _close, _check, _fail        a file (hdf5.c)
+ *   io_hdf5_recognise, _open, _end, _fail                  a file (hdf5.c)
  *   io_hdf5_path_of, _kind_of, _list, _names_..., _check_only    objects
  *   io_hdf5_attribute, _text_attribute                     attributes
  *   io_hdf5_shape_of, _integers_..., _strings_read, _reals_read, _cell_array
@@ -33,7 +33,10 @@ int io_hdf5_recognise(const char *data, int64_t size, const char *path);
 
 /** Open model->input; is_binary is set. All functions fail with *error of here, which must stay. */
 int io_hdf5_open(io_model *model, io_hdf5 **file, planish_error *error);
-void io_hdf5_close(io_hdf5 *file);
+/** Close the file, which may be NULL, after a reader has come to status; return that. Where it is 0
+ *  fail if a path was too long, or if io_hdf5_kind_of has called anything _NONE that is there, but
+ *  could not be looked at (without memory, say). */
+int io_hdf5_end(io_hdf5 *file, int status);
 
 /** Fail with "FILE: PATH: text" as a _FORMAT error. */
 int io_hdf5_fail(io_hdf5 *file, const char *path, const char *format, ...) PL_PRINTF(3, 4);
@@ -48,27 +51,23 @@ typedef struct io_hdf5_path {
 } io_hdf5_path;
 
 /** Return the path that format gives. One that is too long is cut off and remembered: the next
- *  error of the file, at the latest that of io_hdf5_check, says so. */
+ *  error of the file, at the latest that of io_hdf5_end, says so. */
 io_hdf5_path io_hdf5_path_of(io_hdf5 *file, const char *format, ...) PL_PRINTF(2, 3);
 
 typedef enum io_hdf5_kind { IO_HDF5_NONE, IO_HDF5_GROUP, IO_HDF5_DATASET } io_hdf5_kind;
 /** Find the kind of the object at path. */
 io_hdf5_kind io_hdf5_kind_of(io_hdf5 *file, const char *path);
 
-/** Check, after all of the file, whether a path was too long, or io_hdf5_kind_of has called anything
- *  _NONE that is there, but could not be looked at (without memory, say): then that fails. */
-int io_hdf5_check(io_hdf5 *file);
-
-/** Names of the objects in a group, in the names' order. */
+/** Names of the objects in a group, in the names' order. They belong to the file until it is closed.
+ */
 typedef struct io_hdf5_names {
-    char **name; /* [n] owned */
+    const char **name; /* [n] */
     int64_t n, capacity;
 } io_hdf5_names;
-/** List the names in the group at path. Fails on a link to another file. Release in any case. */
+/** List the names in the group at path. Fails on a link to another file. */
 int io_hdf5_list(io_hdf5 *file, const char *path, io_hdf5_names *names);
-/** Add a name, which is taken over, or released on failure; NULL: without memory. */
-int io_hdf5_names_add(io_hdf5 *file, io_hdf5_names *names, char *name);
-void io_hdf5_names_release(io_hdf5_names *names);
+/** Add a copy of a name. */
+int io_hdf5_names_add(io_hdf5 *file, io_hdf5_names *names, const char *name);
 /** Check that there is one name in the group at path, of what (a mesh, say). */
 int io_hdf5_check_only(io_hdf5 *file, const char *path, const char *what,
                        const io_hdf5_names *names);

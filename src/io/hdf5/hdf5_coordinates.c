@@ -259,7 +259,7 @@ int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int widt
         status = add_places(file, &place, &d, like);
     }
     hdf5_dataset_close(&d);
-    io_hdf5_close(file);
+    io_hdf5_end(file, status); /* what cannot be looked at stands nowhere, too */
     io_hdf5_release(&model);
     *span = model.span;
     *n_spans = model.n_spans;

@@ -30,6 +30,8 @@ struct io_hdf5 {
     int has_precision;
     char unknown[IO_HDF5_PATH_SIZE]; /* an object that is there and could not be looked at; or "" */
     int is_too_long;                 /* that is a path cut off, of a name that is too long */
+    void **kept;                     /* [n_kept] memory that io_hdf5_end releases */
+    int64_t n_kept, kept_capacity;
     int has_user_block; /* bytes before HDF5's own: chunks are elsewhere than the library says */
 };
 

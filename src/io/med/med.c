@@ -75,7 +75,6 @@ static int find_mesh(med_reader *r) {
         status = io_hdf5_check_only(r->file, mesh, "step of computation", &steps);
     if (!status)
         r->step = io_hdf5_path_of(r->file, "%s/%s", mesh, steps.name[0]);
-    io_hdf5_names_release(&steps);
     return status;
 }
 
@@ -283,7 +282,6 @@ static int read_elements(med_reader *r) {
     int status = io_hdf5_list(r->file, group.text, &names);
     for (int64_t i = 0; i < names.n && !status; i++)
         status = read_block(r, names.name[i]);
-    io_hdf5_names_release(&names);
     return status;
 }
 
@@ -326,7 +324,6 @@ static int read_families(med_reader *r, const char *of) {
     for (int64_t i = 0; i < names.n && !status; i++)
         status = read_family(r, io_hdf5_path_of(r->file, "%s/%s", group.text, names.name[i]).text,
                              strcmp(of, "NOEUD") == 0);
-    io_hdf5_names_release(&names);
     return status;
 }
 
@@ -352,11 +349,7 @@ static int med_read(io_model *model, planish_error *error) {
         status = read_families(&r, "ELEME");
     if (!status)
         status = read_families(&r, "NOEUD");
-    if (!status)
-        status = io_hdf5_check(r.file);
-    io_hdf5_names_release(&meshes);
-    io_hdf5_close(r.file);
-    return status;
+    return io_hdf5_end(r.file, status);
 }
 
 static int med_recognise(const char *data, int64_t size) {

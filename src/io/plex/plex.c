@@ -34,47 +34,27 @@ int plex_list(plex_reader *r, const char *parent, const char *name, io_hdf5_path
 
 /* ---- which mesh, and where it is ------------------------------------------------------------ */
 
-/** Find the one mesh of versions 2 and 3; name is "" without it. */
-static int find_root(plex_reader *r, char *name, size_t size) {
+/** Find the mesh, its form, and the dimension of the elements. */
+static int find_mesh(plex_reader *r) {
     io_hdf5_path path;
     io_hdf5_names names;
-    const char *found[2] = {NULL, NULL}; /* the first two meshes */
-    int64_t n = 0;
-    r->version = io_hdf5_kind_of(r->file, MESHES) == IO_HDF5_GROUP ? 2 : 1;
-    name[0] = '\0';
-    int status = plex_list(r, "", "topologies", &path, &names);
-    for (int64_t i = 0; i < names.n && !status; i++) {
-        path = io_hdf5_path_of(r->file, MESHES "/%s/topology", names.name[i]);
-        if (io_hdf5_kind_of(r->file, path.text) != IO_HDF5_GROUP)
-            continue; /* Firedrake keeps more there */
-        if (n < 2)
-            found[n] = names.name[i];
-        n++;
-    }
-    if (!status && r->version > 1 && n == 0)
-        status = io_hdf5_fail(r->file, MESHES, "there is no mesh");
-    if (!status && n > 1)
-        status = io_hdf5_fail(r->file, MESHES,
-                              "there are %lld meshes (%.60s, %.60s, ...); planish reads files with "
-                              "one: write each to a file of its own",
-                              (long long)n, found[0], found[1]);
-    if (!status && n == 1 && strlen(found[0]) >= size)
-        status = io_hdf5_fail(r->file, MESHES, "the name of the mesh is too long");
-    if (!status && n == 1) {
-        memcpy(name, found[0], strlen(found[0]) + 1);
-        r->root = io_hdf5_path_of(r->file, MESHES "/%s", name);
-    }
-    io_hdf5_names_release(&names);
-    return status;
-}
-
-/** Find the mesh, its form, and the dimension of the elements. */
-static int find_mesh(plex_reader *r, char *name, size_t size) {
-    int64_t dim = 0;
+    int64_t dim = 0, n_meshes = 0;
     int found;
-    int status = find_root(r, name, size);
+    r->version = io_hdf5_kind_of(r->file, MESHES) == IO_HDF5_GROUP ? 2 : 1;
+    int status = plex_list(r, "", "topologies", &path, &names);
+    for (int64_t i = 0; i < names.n; i++) {
+        path = io_hdf5_path_of(r->file, MESHES "/%s/topology", names.name[i]);
+        if (io_hdf5_kind_of(r->file, path.text) == IO_HDF5_GROUP) /* Firedrake keeps more there */
+            names.name[n_meshes++] = names.name[i];
+    }
+    names.n = n_meshes;
+    if (!status && r->version > 1)
+        status = io_hdf5_check_only(r->file, MESHES, "mesh", &names);
     if (status)
         return status;
+    r->name = r->version > 1 ? names.name[0] : "";
+    if (r->version > 1)
+        r->root = io_hdf5_path_of(r->file, MESHES "/%s", r->name);
     r->topology = io_hdf5_path_of(r->file, "%s/topology", r->root.text);
     const io_hdf5_path strata = io_hdf5_path_of(r->file, "%s/strata", r->topology.text);
     const io_hdf5_path cells = io_hdf5_path_of(r->file, "%s/cells", r->topology.text);
@@ -84,12 +64,12 @@ static int find_mesh(plex_reader *r, char *name, size_t size) {
         return io_hdf5_fail(r->file, cells.text,
                             "there is no such thing: this is no mesh that DMView of PETSc wrote "
                             "(in its own format, not for ParaView)");
-    const char *path = r->version == 3 ? r->topology.text : cells.text;
-    status = io_hdf5_attribute(r->file, path, "cell_dim", &dim, &found);
+    const char *at = r->version == 3 ? r->topology.text : cells.text;
+    status = io_hdf5_attribute(r->file, at, "cell_dim", &dim, &found);
     if (!status && !found)
-        return io_hdf5_fail(r->file, path, "the dimension of elements (cell_dim) is not there");
+        return io_hdf5_fail(r->file, at, "the dimension of elements (cell_dim) is not there");
     if (!status && dim != 2 && dim != 3)
-        return io_hdf5_fail(r->file, path,
+        return io_hdf5_fail(r->file, at,
                             "elements of dimension %lld; planish smooths tetrahedra or triangles",
                             (long long)dim);
     r->dim = (int)dim;
@@ -121,17 +101,11 @@ static int find_functions(plex_reader *r, const char *topology, functions *f) {
                                         sizeof name, &found);
         if (status || !found)
             continue;
-        status = io_hdf5_names_add(r->file, &f->name, pl_copy_text(name));
+        status = io_hdf5_names_add(r->file, &f->name, name);
         if (!status)
-            status = io_hdf5_names_add(r->file, &f->mesh, pl_copy_text(meshes.name[i]));
+            status = io_hdf5_names_add(r->file, &f->mesh, meshes.name[i]);
     }
-    io_hdf5_names_release(&meshes);
     return status;
-}
-
-static void release_functions(functions *f) {
-    io_hdf5_names_release(&f->name);
-    io_hdf5_names_release(&f->mesh);
 }
 
 /** Take in a vector if it is a copy. mesh: whose coordinates it is said to be, or NULL. n_more, if
@@ -184,10 +158,7 @@ static int visit_vectors(plex_reader *r, int is_wanted, int *n_more) {
                 r->coordinates = path;
             }
         }
-        io_hdf5_names_release(&vectors);
     }
-    io_hdf5_names_release(&sections);
-    release_functions(&f);
     return status;
 }
 
@@ -207,9 +178,7 @@ static int check_others(plex_reader *r) {
                                   "one (extruded, say): they would stay behind; write the mesh to "
                                   "a file of its own",
                                   f.mesh.name[0]);
-        release_functions(&f);
     }
-    io_hdf5_names_release(&names);
     return status;
 }
 
@@ -293,19 +262,11 @@ static int find_coordinates(plex_reader *r) {
 
 /* ---- the format ----------------------------------------------------------------------------- */
 
-/** Release all that a reader holds, after it has come to a status; return the status. */
-static int end_reading(plex_reader *r, int status) {
-    status = status ? status : io_hdf5_check(r->file);
-    plex_release_topology(r);
-    io_hdf5_close(r->file);
-    return status;
-}
-
 /** Open the file, and find the mesh and where its coordinates stand. */
-static int begin_reading(plex_reader *r, char *name, size_t size) {
+static int begin_reading(plex_reader *r) {
     int status = io_hdf5_open(r->model, &r->file, r->error);
     if (!status)
-        status = find_mesh(r, name, size);
+        status = find_mesh(r);
     if (!status)
         status = plex_read_topology(r);
     return status ? status : find_coordinates(r);
@@ -313,8 +274,7 @@ static int begin_reading(plex_reader *r, char *name, size_t size) {
 
 static int plex_read(io_model *model, planish_error *error) {
     plex_reader r = {.model = model, .error = error};
-    char name[256];
-    int status = begin_reading(&r, name, sizeof name);
+    int status = begin_reading(&r);
     if (!status)
         status = io_model_nodes(model, r.n_nodes, 0, error);
     const io_hdf5_place place = {r.coordinates, 0, model->columns, model->columns, 1};
@@ -328,7 +288,8 @@ static int plex_read(io_model *model, planish_error *error) {
         status = plex_read_elements(&r);
     if (!status)
         status = plex_read_labels(&r);
-    return end_reading(&r, status);
+    plex_release_topology(&r);
+    return io_hdf5_end(r.file, status);
 }
 
 static int plex_recognise(const char *data, int64_t size) {
@@ -350,12 +311,14 @@ const io_format io_format_plex = {.name = "dmplex",
 int io_plex_outline_of(const char *path, io_plex_outline *outline, planish_error *error) {
     io_model model = {.n_nodes = 0};
     plex_reader r = {.model = &model, .error = error};
-    io_plex_outline o = {.version = 0};
-    *outline = o;
+    *outline = (io_plex_outline){.version = 0};
     int status = io_bytes_open(path, INT64_MAX, &model.input, error);
     if (status)
         return status;
-    status = begin_reading(&r, o.name, sizeof o.name);
+    io_plex_outline o = {.version = 0};
+    status = begin_reading(&r);
+    if (!status && strlen(r.name) >= sizeof o.name)
+        status = io_hdf5_fail(r.file, MESHES, "the name of the mesh is too long");
     if (!status)
         status = visit_copies(&r, &o.has_copies);
     if (!status)
@@ -366,11 +329,14 @@ int io_plex_outline_of(const char *path, io_plex_outline *outline, planish_error
         o.columns = model.columns;
         o.n_nodes = r.n_nodes;
         o.has_simplices_alone = plex_has_simplices_alone(&r);
+        memcpy(o.name, r.name, strlen(r.name));
         memcpy(o.coordinates, r.coordinates.text, sizeof o.coordinates);
     }
-    status = end_reading(&r, status);
+    plex_release_topology(&r);
+    status = io_hdf5_end(r.file, status);
     io_bytes_close(&model.input);
-    *outline = o;
+    if (!status)
+        *outline = o;
     return status;
 }
 

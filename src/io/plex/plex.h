@@ -34,6 +34,7 @@ typedef struct plex_reader {
     io_model *model;
     io_hdf5 *file;
     planish_error *error;
+    const char *name;         /* of the mesh; "": version 1 has none */
     io_hdf5_path root;        /* group of topology and labels: "" or /topologies/NAME */
     io_hdf5_path topology;    /* group of the points */
     io_hdf5_path section;     /* group that tells the layout of the coordinates, */
@@ -58,7 +59,7 @@ typedef struct plex_reader {
 int plex_read_list(plex_reader *r, const char *group, const char *name, io_hdf5_integers *list);
 
 /** List the group called name in another group, path parent: its path and its names, none if it is
- *  not there. Released by io_hdf5_names_release in any case. */
+ *  not there. */
 int plex_list(plex_reader *r, const char *parent, const char *name, io_hdf5_path *path,
               io_hdf5_names *names);
 

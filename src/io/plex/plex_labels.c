@@ -27,7 +27,7 @@ enum { MOST_LISTINGS = 64 };
 
 /** Points with one value of a label. */
 typedef struct set {
-    char *label, *value; /* owned */
+    const char *label, *value;
     io_hdf5_integers points;
     int dim; /* the highest of its points */
 } set;
@@ -89,30 +89,18 @@ static int read_sets(labels *l, int with_notes) {
                 io_hdf5_path_of(r->file, "%s/%s", label.text, values.name[k]);
             if (io_hdf5_kind_of(r->file, value.text) != IO_HDF5_GROUP)
                 continue;
-            const set named = {pl_copy_text(names.name[i]), pl_copy_text(values.name[k]), {0}, 0};
-            set *s = named.label && named.value
-                         ? pl_append(&l->set, &l->n, &l->capacity, &named, sizeof named)
-                         : NULL;
-            if (s) {
-                status = read_set(l, s, value.text);
-            } else {
-                pl_free(named.label);
-                pl_free(named.value);
-                status = pl_fail_memory(r->error, "the labels of the file");
-            }
+            const set named = {.label = names.name[i], .value = values.name[k]};
+            set *s = pl_append(&l->set, &l->n, &l->capacity, &named, sizeof named);
+            status =
+                s ? read_set(l, s, value.text) : pl_fail_memory(r->error, "the labels of the file");
         }
-        io_hdf5_names_release(&values);
     }
-    io_hdf5_names_release(&names);
     return status;
 }
 
 static void release_sets(labels *l) {
-    for (int64_t i = 0; i < l->n; i++) {
-        pl_free(l->set[i].label);
-        pl_free(l->set[i].value);
+    for (int64_t i = 0; i < l->n; i++)
         io_hdf5_integers_release(&l->set[i].points);
-    }
     pl_free(l->set);
 }
 

@@ -223,7 +223,6 @@ static int read_cell_data(vtkhdf_reader *r) {
         const io_hdf5_path path = io_hdf5_path_of(r->file, "%s/%s", group, names.name[i]);
         status = io_hdf5_cell_array(r->file, path.text, names.name[i], r->n_cells, 0);
     }
-    io_hdf5_names_release(&names);
     return status;
 }
 
@@ -244,14 +243,11 @@ static int vtkhdf_read(io_model *model, planish_error *error) {
         status = read_fixed(&r);
     if (!status)
         status = read_cell_data(&r);
-    if (!status)
-        status = io_hdf5_check(r.file);
     io_hdf5_integers *const lists[] = {&r.points,       &r.cells,   &r.ids,
                                        &r.connectivity, &r.offsets, &r.types};
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
         io_hdf5_integers_release(lists[i]);
-    io_hdf5_close(r.file);
-    return status;
+    return io_hdf5_end(r.file, status);
 }
 
 static int vtkhdf_recognise(const char *data, int64_t size) {
