@@ -58,8 +58,11 @@ static int read_header(gmsh_reader *reader) {
     model->is_binary = type == 1;
     if (!model->is_binary)
         return PLANISH_OK;
-    if (gmsh_end_line(reader) || gmsh_take(reader, 4, &one, "byte order mark"))
-        return PLANISH_ERROR_FORMAT;
+    int status = gmsh_end_line(reader);
+    if (!status)
+        status = gmsh_take(reader, 4, &one, "byte order mark");
+    if (status)
+        return status;
     reader->swapped = one != 1;
     if (one != 1 && io_load_i32(cursor->at - 4, 1) != 1)
         return io_fail_at(model, cursor->at - 4, reader->error,

@@ -293,14 +293,16 @@ static int read_text_elements(gmsh_reader *reader, int64_t n, const char *end, i
  *  total. An element is its number, tags and nodes, all of them int32. */
 static int read_binary_block(gmsh_reader *reader, int64_t total, int64_t *done) {
     const char *at = reader->cursor.at;
-    int64_t type, n, n_tags, number = 0, tag[2] = {0, 0}, ignored;
+    int64_t type = 0, n = 0, n_tags = 0, number = 0, tag[2] = {0, 0}, ignored;
     element_owner last = {-1, 0, 0};
     gmsh_block block = {.reader = reader, .bytes = 4};
-    if (gmsh_take(reader, 4, &type, "element type") ||
-        gmsh_take(reader, 4, &n, "number of elements of a block") ||
-        gmsh_take(reader, 4, &n_tags, "number of tags"))
-        return PLANISH_ERROR_FORMAT;
-    int status = gmsh_find_type(reader, type, at, &block.type, reader->error);
+    int status = gmsh_take(reader, 4, &type, "element type");
+    if (!status)
+        status = gmsh_take(reader, 4, &n, "number of elements of a block");
+    if (!status)
+        status = gmsh_take(reader, 4, &n_tags, "number of tags");
+    if (!status)
+        status = gmsh_find_type(reader, type, at, &block.type, reader->error);
     if (status)
         return status;
     if (n < 0 || n_tags < 0 ||

@@ -37,14 +37,17 @@ static int short_size(const gmsh_reader *reader) {
 /** Add an entity, which in the model has that tag; at the cursor are its box (a point: its
  *  coordinates), physical groups and boundary. */
 static int add_entity(gmsh_reader *reader, gmsh_entity entity, int32_t tag) {
-    int64_t n, group, ignored;
-    int32_t *groups;
-    if (gmsh_skip_reals(reader, entity.dim == 0 && !is_40(reader) ? 3 : 6, "box of an entity") ||
-        gmsh_take(reader, 8, &n, "number of physical groups") ||
-        gmsh_check_count(reader, n, 2, 4, "physical groups"))
-        return PLANISH_ERROR_FORMAT;
-    groups = pl_alloc(n, sizeof *groups);
-    int status = groups ? PLANISH_OK : pl_fail_memory(reader->error, "entities");
+    int64_t n, group;
+    int status =
+        gmsh_skip_reals(reader, entity.dim == 0 && !is_40(reader) ? 3 : 6, "box of an entity");
+    if (!status)
+        status = gmsh_take(reader, 8, &n, "number of physical groups");
+    if (!status)
+        status = gmsh_check_count(reader, n, 2, 4, "physical groups");
+    if (status)
+        return status;
+    int32_t *groups = pl_alloc(n, sizeof *groups);
+    status = groups ? PLANISH_OK : pl_fail_memory(reader->error, "entities");
     for (int64_t i = 0; !status && i < n; i++) {
         status = gmsh_take(reader, 4, &group, "physical group");
         /* The sign is the orientation of the entity in the group. */
@@ -60,48 +63,49 @@ static int add_entity(gmsh_reader *reader, gmsh_entity entity, int32_t tag) {
     if (!status && !pl_append(&reader->entity, &reader->n_entities, &reader->entity_capacity,
                               &entity, sizeof entity))
         status = pl_fail_memory(reader->error, "entities");
+    if (status || entity.dim == 0)
+        return status;
+    status = gmsh_take(reader, 8, &n, "number of bounding entities");
+    return status ? status : gmsh_skip_integers(reader, 4, n, "bounding entity");
+}
+
+/** Take the parent and the parts of a partitioned entity; *tag becomes that of the parent, unless the
+ *  entity is between parts. */
+static int take_parent(gmsh_reader *reader, gmsh_entity *entity, int64_t *tag) {
+    int64_t dim, parent, n_parts;
+    int status = gmsh_take(reader, 4, &dim, "dimension of a parent entity");
+    if (!status)
+        status = gmsh_take(reader, 4, &parent, "tag of a parent entity");
+    if (!status)
+        status = gmsh_take(reader, short_size(reader), &n_parts, "number of parts");
     if (status)
         return status;
-    if (entity.dim == 0)
-        return PLANISH_OK;
-    status = gmsh_take(reader, 8, &n, "number of bounding entities");
-    for (int64_t i = 0; !status && i < n; i++)
-        status = gmsh_take(reader, 4, &ignored, "bounding entity");
-    return status;
+    entity->interface = dim > entity->dim;
+    *tag = entity->interface ? *tag : parent;
+    return gmsh_skip_integers(reader, 4, n_parts, "part");
 }
 
 /** Read the numbers of points, curves, surfaces and volumes, and then all of these. In a
  *  partitioned mesh each has a parent and parts. */
 static int read_entities(gmsh_reader *reader, int is_partitioned) {
-    int64_t n[N_KINDS], tag, parent_dim, parent_tag, n_parts, part;
-    for (int dim = 0; dim < N_KINDS; dim++)
-        if (gmsh_take(reader, 8, &n[dim], "number of entities"))
-            return PLANISH_ERROR_FORMAT;
+    int64_t n[N_KINDS] = {0}, tag = 0;
+    int status = PLANISH_OK;
+    for (int dim = 0; dim < N_KINDS && !status; dim++)
+        status = gmsh_take(reader, 8, &n[dim], "number of entities");
     for (int dim = 0; dim < N_KINDS; dim++) {
-        for (int64_t i = 0; i < n[dim]; i++) {
-            if (gmsh_take(reader, 4, &tag, "tag of an entity"))
-                return PLANISH_ERROR_FORMAT;
+        for (int64_t i = 0; i < n[dim] && !status; i++) {
+            status = gmsh_take(reader, 4, &tag, "tag of an entity");
             gmsh_entity entity = {.dim = dim, .tag = (int32_t)tag};
-            if (is_partitioned) {
-                if (gmsh_take(reader, 4, &parent_dim, "dimension of a parent entity") ||
-                    gmsh_take(reader, 4, &parent_tag, "tag of a parent entity") ||
-                    gmsh_take(reader, short_size(reader), &n_parts, "number of parts"))
-                    return PLANISH_ERROR_FORMAT;
-                for (int64_t k = 0; k < n_parts; k++)
-                    if (gmsh_take(reader, 4, &part, "part"))
-                        return PLANISH_ERROR_FORMAT;
-                entity.interface = parent_dim > dim;
-                tag = entity.interface ? tag : parent_tag;
-            }
-            const int status = add_entity(reader, entity, (int32_t)tag);
-            if (status)
-                return status;
+            if (!status && is_partitioned)
+                status = take_parent(reader, &entity, &tag);
+            if (!status)
+                status = add_entity(reader, entity, (int32_t)tag);
         }
     }
-    if (reader->n_entities > 0)
+    if (!status && reader->n_entities > 0)
         qsort(reader->entity, (size_t)reader->n_entities, sizeof *reader->entity,
               gmsh_compare_entities);
-    return PLANISH_OK;
+    return status;
 }
 
 int gmsh4_entities(gmsh_reader *reader) {
@@ -111,16 +115,15 @@ int gmsh4_entities(gmsh_reader *reader) {
 
 /** Read $PartitionedEntities: number of parts, ghost entities (tag and part of each), entities. */
 int gmsh4_partitioned_entities(gmsh_reader *reader) {
-    int64_t n_parts, n_ghosts, ignored;
-    if (gmsh_end_line(reader) ||
-        gmsh_take(reader, short_size(reader), &n_parts, "number of parts") ||
-        gmsh_take(reader, short_size(reader), &n_ghosts, "number of ghost entities"))
-        return PLANISH_ERROR_FORMAT;
-    for (int64_t i = 0; i < n_ghosts; i++)
-        if (gmsh_take(reader, 4, &ignored, "tag of a ghost entity") ||
-            gmsh_take(reader, 4, &ignored, "part of a ghost entity"))
-            return PLANISH_ERROR_FORMAT;
-    return read_entities(reader, 1);
+    int64_t n_ghosts;
+    int status = gmsh_end_line(reader);
+    if (!status)
+        status = gmsh_skip_integers(reader, short_size(reader), 1, "number of parts");
+    if (!status)
+        status = gmsh_take(reader, short_size(reader), &n_ghosts, "number of ghost entities");
+    for (int64_t i = 0; !status && i < n_ghosts; i++)
+        status = gmsh_skip_integers(reader, 4, 2, "tag and part of a ghost entity");
+    return status ? status : read_entities(reader, 1);
 }
 
 /* ---- blocks ------------------------------------------------------------------------------- */
@@ -136,17 +139,14 @@ typedef struct section_head {
 } section_head;
 
 static int take_section_head(gmsh_reader *reader, section_head *head) {
-    int64_t ignored;
     *head = (section_head){.n = 0};
-    if (gmsh_end_line(reader) || gmsh_take(reader, 8, &head->n_blocks, "number of blocks") ||
-        gmsh_take(reader, 8, &head->n, "number of nodes or elements"))
-        return PLANISH_ERROR_FORMAT;
-    if (is_40(reader))
-        return PLANISH_OK;
-    if (gmsh_take(reader, 8, &ignored, "smallest tag") ||
-        gmsh_take(reader, 8, &ignored, "largest tag"))
-        return PLANISH_ERROR_FORMAT;
-    return PLANISH_OK;
+    int status = gmsh_end_line(reader);
+    if (!status)
+        status = gmsh_take(reader, 8, &head->n_blocks, "number of blocks");
+    if (!status)
+        status = gmsh_take(reader, 8, &head->n, "number of nodes or elements");
+    return status || is_40(reader) ? status
+                                   : gmsh_skip_integers(reader, 8, 2, "smallest and largest tag");
 }
 
 static int take_block_head(gmsh_reader *reader, section_head *head) {
@@ -155,11 +155,14 @@ static int take_block_head(gmsh_reader *reader, section_head *head) {
     if (!reader->model->is_binary)
         io_skip_space(&reader->cursor);
     head->at = reader->cursor.at;
-    if (gmsh_take(reader, 4, is_40(reader) ? &tag : &dim, "dimension and entity of a block") ||
-        gmsh_take(reader, 4, is_40(reader) ? &dim : &tag, "dimension and entity of a block") ||
-        gmsh_take(reader, 4, &head->kind, "kind of a block") ||
-        gmsh_take(reader, 8, &head->size, "size of a block"))
-        return PLANISH_ERROR_FORMAT;
+    int64_t *number[] = {is_40(reader) ? &tag : &dim, is_40(reader) ? &dim : &tag, &head->kind,
+                         &head->size};
+    for (int i = 0; i < 4; i++) {
+        const int status = gmsh_take(reader, i < 3 ? 4 : 8, number[i],
+                                     "dimension, entity, kind and size of a block");
+        if (status)
+            return status;
+    }
     if (dim < 0 || dim > 3)
         return io_fail_at(reader->model, head->at, reader->error, "block of dimension %lld",
                           (long long)dim);
@@ -220,8 +223,9 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
         if (io_number(cursor, block->bytes, block->reader->swapped, &number))
             return io_fail_at(block->reader->model, at, error,
                               "number of an element expected (the file may be cut short)");
-        if (gmsh_read_element(block, cursor, at, number, block->first + i, error))
-            return PLANISH_ERROR_FORMAT;
+        const int status = gmsh_read_element(block, cursor, at, number, block->first + i, error);
+        if (status)
+            return status;
     }
     return PLANISH_OK;
 }

@@ -173,6 +173,14 @@ int gmsh_take(gmsh_reader *reader, int bytes, int64_t *value, const char *what) 
     return PLANISH_OK;
 }
 
+int gmsh_skip_integers(gmsh_reader *reader, int bytes, int64_t n, const char *what) {
+    int64_t ignored;
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < n && !status; i++)
+        status = gmsh_take(reader, bytes, &ignored, what);
+    return status;
+}
+
 int gmsh_skip_reals(gmsh_reader *reader, int64_t n, const char *what) {
     const int is_binary = reader->model->is_binary;
     double value;
@@ -233,13 +241,13 @@ static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t 
     double ignored;
     for (int64_t i = begin; i < end; i++) {
         const int64_t node = block->first + i;
-        if (!block->is_apart && read_numbers(context, cursor, i, i + 1, error))
-            return PLANISH_ERROR_FORMAT;
-        if (!model->is_binary && io_read_point(model, cursor, node, error))
-            return PLANISH_ERROR_FORMAT;
-        if (model->is_binary &&
-            io_load_point(model, cursor->at, 8, block->reader->swapped, node, error))
-            return PLANISH_ERROR_FORMAT;
+        int status = block->is_apart ? PLANISH_OK : read_numbers(context, cursor, i, i + 1, error);
+        if (!status)
+            status = model->is_binary
+                         ? io_load_point(model, cursor->at, 8, block->reader->swapped, node, error)
+                         : io_read_point(model, cursor, node, error);
+        if (status)
+            return status;
         if (model->is_binary)
             cursor->at += 8 * (3 + block->extra);
         for (int k = 0; !model->is_binary && k < block->extra; k++)
@@ -334,10 +342,12 @@ int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at
 static int hold_pairs(gmsh_reader *reader, int64_t n, int bytes) {
     for (int64_t i = 0; i < n; i++) {
         int32_t pair[2];
+        int status = PLANISH_OK;
         for (int j = 0; j < 2; j++) {
             int64_t number;
-            if (gmsh_take(reader, bytes, &number, "node of a periodic pair"))
-                return PLANISH_ERROR_FORMAT;
+            status = gmsh_take(reader, bytes, &number, "node of a periodic pair");
+            if (status)
+                return status;
             pair[j] = (int32_t)io_node_index(reader->model, number);
         }
         /* Gmsh lists pairs of the whole geometry, also where only some groups were saved: a node
@@ -347,8 +357,10 @@ static int hold_pairs(gmsh_reader *reader, int64_t n, int bytes) {
             if (pair[j] >= 0)
                 io_hold_node(reader->model, pair[j],
                              is_whole ? IO_HELD_PERIODIC : IO_HELD_REQUIRED);
-        if (is_whole && io_model_pair(reader->model, pair, reader->error))
-            return PLANISH_ERROR_MEMORY;
+        if (is_whole)
+            status = io_model_pair(reader->model, pair, reader->error);
+        if (status)
+            return status;
     }
     return PLANISH_OK;
 }
@@ -358,37 +370,35 @@ int gmsh_periodic(gmsh_reader *reader) {
     const int is_old = reader->version < 40, is_40 = reader->version == 40;
     const int is_binary = reader->model->is_binary && !is_old;
     const int tag = is_old ? 0 : 4, count = is_old ? 0 : 8, bytes = is_40 ? tag : count;
-    int64_t links, n, ignored, size = TRANSFORM_40;
-    if ((is_binary && gmsh_end_line(reader)) ||
-        gmsh_take(reader, bytes, &links, "number of periodic entities"))
-        return PLANISH_ERROR_FORMAT;
-    for (int64_t i = 0; i < links; i++) {
-        for (int k = 0; k < 3; k++)
-            if (gmsh_take(reader, tag, &ignored, "dimension and tags of a periodic entity"))
-                return PLANISH_ERROR_FORMAT;
+    int64_t links = 0, n = 0, size = TRANSFORM_40;
+    int status = is_binary ? gmsh_end_line(reader) : PLANISH_OK;
+    if (!status)
+        status = gmsh_take(reader, bytes, &links, "number of periodic entities");
+    for (int64_t i = 0; i < links && !status; i++) {
+        status = gmsh_skip_integers(reader, tag, 3, "dimension and tags of a periodic entity");
         /* The transform. MSH 4.1: its size and that many numbers; before: in text a line that
          * begins with a word, in binary a count below 0 and 16 numbers; or none. */
-        if (is_old || is_40) {
-            io_cursor line = reader->cursor;
-            if (io_slice_is(io_next_word(&line), "Affine", 0)) {
-                io_skip_line(&line);
-                reader->cursor = line;
-            }
-        } else if (gmsh_take(reader, 8, &size, "size of a periodic transform") ||
-                   gmsh_skip_reals(reader, size, "periodic transform")) {
-            return PLANISH_ERROR_FORMAT;
+        io_cursor line = reader->cursor;
+        const int is_41 = !is_old && !is_40;
+        if (!is_41 && io_slice_is(io_next_word(&line), "Affine", 0)) {
+            io_skip_line(&line);
+            reader->cursor = line;
         }
-        if (gmsh_take(reader, count, &n, "number of periodic nodes"))
-            return PLANISH_ERROR_FORMAT;
-        if (is_40 && is_binary && n < 0 &&
-            (gmsh_skip_reals(reader, size, "periodic transform") ||
-             gmsh_take(reader, count, &n, "number of periodic nodes")))
-            return PLANISH_ERROR_FORMAT;
-        int status = gmsh_check_count(reader, n, 4, is_old ? 4 : 2 * bytes, "periodic nodes");
+        if (!status && is_41)
+            status = gmsh_take(reader, 8, &size, "size of a periodic transform");
+        if (!status && is_41)
+            status = gmsh_skip_reals(reader, size, "periodic transform");
+        if (!status)
+            status = gmsh_take(reader, count, &n, "number of periodic nodes");
+        if (!status && is_40 && is_binary && n < 0) {
+            status = gmsh_skip_reals(reader, size, "periodic transform");
+            if (!status)
+                status = gmsh_take(reader, count, &n, "number of periodic nodes");
+        }
+        if (!status)
+            status = gmsh_check_count(reader, n, 4, is_old ? 4 : 2 * bytes, "periodic nodes");
         if (!status)
             status = hold_pairs(reader, n, is_binary ? bytes : 0);
-        if (status)
-            return status;
     }
-    return PLANISH_OK;
+    return status;
 }

@@ -73,7 +73,8 @@ int gmsh_compare_entities(const void *left, const void *right);
  *  there, too. Numbers of 4 bytes must fit into 32 bits in text. what: for the message. */
 int gmsh_take(gmsh_reader *reader, int bytes, int64_t *value, const char *what);
 
-/** Skip n reals. */
+/** Skip n numbers as gmsh_take takes them, or n reals. */
+int gmsh_skip_integers(gmsh_reader *reader, int bytes, int64_t n, const char *what);
 int gmsh_skip_reals(gmsh_reader *reader, int64_t n, const char *what);
 
 /** Skip the end of this line, behind which binary data begin. Nothing in text. */

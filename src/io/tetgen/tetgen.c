@@ -194,11 +194,12 @@ static int read_rows(void *context, io_cursor *cursor, int64_t begin, int64_t en
         if (io_integer(cursor, &number) || (uint64_t)number - (uint64_t)t->first != (uint64_t)row)
             return io_fail_at(&t->view, at, error, "%s number %lld was expected", t->what,
                               (long long)((uint64_t)t->first + (uint64_t)row));
-        if (t->nodes ? read_corners(t, cursor, row, error)
-                     : read_coordinates(t, cursor, row, error))
-            return PLANISH_ERROR_FORMAT;
-        if (t->tag && read_tag(t, cursor, row, error))
-            return PLANISH_ERROR_FORMAT;
+        int status = t->nodes ? read_corners(t, cursor, row, error)
+                              : read_coordinates(t, cursor, row, error);
+        if (!status && t->tag)
+            status = read_tag(t, cursor, row, error);
+        if (status)
+            return status;
         io_skip_line(cursor);
     }
     return PLANISH_OK;
