@@ -92,6 +92,14 @@ PL_INLINE edges edges_at(const star *s, int64_t i, const lanes *x, const int is_
     return e;
 }
 
+/** Sum of a [n]. */
+PL_INLINE lanes sum_of(const lanes *a, int n) {
+    lanes sum = a[0];
+    for (int k = 1; k < n; k++)
+        sum += a[k];
+    return sum;
+}
+
 /** Square a so many times. */
 PL_INLINE lanes squared(lanes a, int times) {
     for (int i = 0; i < times; i++)
@@ -111,9 +119,7 @@ static inline int n_edges(const int dim) {
 PL_INLINE void mean_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
                           const int dim) {
     edges e = edges_at(s, i, x, 0, dim);
-    lanes sum = e.square[0];
-    for (int k = 1; k < n_edges(dim); k++)
-        sum += e.square[k];
+    const lanes sum = sum_of(e.square, n_edges(dim));
     if (dim == 3) {
         lanes root = lanes_inverse_cube_root(a->D), root2 = root * root;
         a->square = sum * sum * (root2 * root2) * lanes_of(MEAN_FACTOR_3D);
@@ -141,14 +147,6 @@ PL_INLINE void mean_ratio(const star *s, int64_t i, const lanes *x, aspect *a, c
 }
 
 /* ---- edge ratio ---------------------------------------------------------------------------- */
-
-/** Sum of a [n]. */
-PL_INLINE lanes sum_of(const lanes *a, int n) {
-    lanes sum = a[0];
-    for (int k = 1; k < n; k++)
-        sum += a[k];
-    return sum;
-}
 
 /** Add the derivatives of (1/q) log sum (square_k)^(sign q) to l and h, q = 2^SHARPNESS: with the
  *  shares w_k = share_k / total of the edges at x and c_k = sign grad square_k / square_k,

@@ -61,7 +61,17 @@ PL_INLINE point_row row_plus(point_row a, point_row b) {
     return a;
 }
 
+/** Row of a point p [dim]; the rest is 0. */
+PL_INLINE point_row row_of(const double *p, const int dim) {
+    const double z = dim == 3 ? p[2] : 0;
 #if PL_PACK == 4
+    return (point_row){{{p[0], p[1], z, 0}}};
+#elif PL_PACK == 2
+    return (point_row){{{p[0], p[1]}, {z, 0}}};
+#else
+    return (point_row){{p[0], p[1], z, 0}};
+#endif
+}
 
 #if defined(__clang__) || __GNUC__ >= 12
 #define PL_SHUFFLE(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
@@ -69,13 +79,9 @@ PL_INLINE point_row row_plus(point_row a, point_row b) {
 #define PL_SHUFFLE(a, b, i, j, k, l) __builtin_shuffle(a, b, (lanes_mask){i, j, k, l})
 #endif
 
-/** Row of a point p [dim]; the rest is 0. */
-PL_INLINE point_row row_of(const double *p, const int dim) {
-    return (point_row){{{p[0], p[1], dim == 3 ? p[2] : 0, 0}}};
-}
-
-/** The transpose of four rows, or of four columns. */
-PL_INLINE void exchange(const lanes in[4], lanes out[4]) {
+/** Transpose PL_PACK packs. */
+PL_INLINE void exchange(const lanes in[PL_PACK], lanes out[PL_PACK]) {
+#if PL_PACK == 4
     lanes even01 = PL_SHUFFLE(in[0], in[1], 0, 4, 2, 6);
     lanes odd01 = PL_SHUFFLE(in[0], in[1], 1, 5, 3, 7);
     lanes even23 = PL_SHUFFLE(in[2], in[3], 0, 4, 2, 6);
@@ -84,67 +90,33 @@ PL_INLINE void exchange(const lanes in[4], lanes out[4]) {
     out[1] = PL_SHUFFLE(odd01, odd23, 0, 1, 4, 5);
     out[2] = PL_SHUFFLE(even01, even23, 2, 3, 6, 7);
     out[3] = PL_SHUFFLE(odd01, odd23, 2, 3, 6, 7);
-}
-
-/** Columns of PL_PACK rows. */
-PL_INLINE void rows_to_columns(const point_row rows[PL_PACK], lanes column[PL_ROW]) {
-    const lanes in[4] = {rows[0].pack[0], rows[1].pack[0], rows[2].pack[0], rows[3].pack[0]};
-    exchange(in, column);
-}
-
-/** Exchange columns of lanes to the rows of PL_PACK points. */
-PL_INLINE void columns_to_rows(const lanes column[PL_ROW], point_row rows[PL_PACK]) {
-    lanes out[4];
-    exchange(column, out);
-    for (int k = 0; k < PL_PACK; k++)
-        rows[k].pack[0] = out[k];
-}
-
 #elif PL_PACK == 2
-
-/** Row of a point p [dim]; the rest is 0. */
-PL_INLINE point_row row_of(const double *p, const int dim) {
-    return (point_row){{{p[0], p[1]}, {dim == 3 ? p[2] : 0, 0}}};
-}
-
-/** Exchange the rows of PL_PACK points to columns of lanes. */
-PL_INLINE void rows_to_columns(const point_row rows[PL_PACK], lanes column[PL_ROW]) {
-    for (int k = 0; k < PL_PACKS; k++) {
-        lanes a = rows[0].pack[k], b = rows[1].pack[k];
-        column[2 * k] = (lanes){a[0], b[0]};
-        column[2 * k + 1] = (lanes){a[1], b[1]};
-    }
-}
-
-/** Exchange columns of lanes to the rows of PL_PACK points. */
-PL_INLINE void columns_to_rows(const lanes column[PL_ROW], point_row rows[PL_PACK]) {
-    for (int k = 0; k < PL_PACKS; k++) {
-        lanes a = column[2 * k], b = column[2 * k + 1];
-        rows[0].pack[k] = (lanes){a[0], b[0]};
-        rows[1].pack[k] = (lanes){a[1], b[1]};
-    }
-}
-
+    out[0] = (lanes){in[0][0], in[1][0]};
+    out[1] = (lanes){in[0][1], in[1][1]};
 #else
-
-/** Row of a point p [dim]; the rest is 0. */
-PL_INLINE point_row row_of(const double *p, const int dim) {
-    return (point_row){{p[0], p[1], dim == 3 ? p[2] : 0, 0}};
+    out[0] = in[0];
+#endif
 }
 
 /** Exchange the rows of PL_PACK points to columns of lanes. */
 PL_INLINE void rows_to_columns(const point_row rows[PL_PACK], lanes column[PL_ROW]) {
-    for (int k = 0; k < PL_ROW; k++)
-        column[k] = rows[0].pack[k];
+    for (int k = 0; k < PL_PACKS; k++) {
+        lanes in[PL_PACK];
+        for (int i = 0; i < PL_PACK; i++)
+            in[i] = rows[i].pack[k];
+        exchange(in, column + PL_PACK * k);
+    }
 }
 
 /** Exchange columns of lanes to the rows of PL_PACK points. */
 PL_INLINE void columns_to_rows(const lanes column[PL_ROW], point_row rows[PL_PACK]) {
-    for (int k = 0; k < PL_ROW; k++)
-        rows[0].pack[k] = column[k];
+    for (int k = 0; k < PL_PACKS; k++) {
+        lanes out[PL_PACK];
+        exchange(column + PL_PACK * k, out);
+        for (int i = 0; i < PL_PACK; i++)
+            rows[i].pack[k] = out[i];
+    }
 }
-
-#endif
 
 #if PL_PACK == 4 && defined(__AVX__)
 /** The pairs at a and b. By intrinsics: left to themselves compilers load both and shuffle, for
