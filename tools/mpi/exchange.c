@@ -225,3 +225,47 @@ void pl_exchange_serve(pl_exchange *exchange, planish_part *part) {
     part->receive = receive_values;
     part->user = exchange;
 }
+
+/* ---- values of all processes in the first one ----------------------------------------------- */
+
+int pl_gathering_create(pl_gathering *g, MPI_Comm comm, int64_t n, planish_error *error) {
+    int rank, n_ranks;
+    MPI_Comm_rank(comm, &rank);
+    MPI_Comm_size(comm, &n_ranks);
+    *g = (pl_gathering){.comm = comm,
+                        .n = (int)n,
+                        .count = calloc((size_t)n_ranks, sizeof *g->count),
+                        .begin = calloc((size_t)n_ranks, sizeof *g->begin)};
+    if (!g->count || !g->begin)
+        return pl_fail_memory(error, "values of all processes");
+    MPI_Gather(&g->n, 1, MPI_INT, g->count, 1, MPI_INT, 0, comm);
+    for (int k = 0; rank == 0 && k < n_ranks; k++) {
+        g->begin[k] = (int)g->n_all;
+        g->n_all += g->count[k];
+    }
+    return n <= INT_MAX && g->n_all <= INT_MAX
+               ? PLANISH_OK
+               : pl_fail(error, PLANISH_ERROR_PARTS, "there are more values than MPI counts");
+}
+
+void pl_gathering_destroy(pl_gathering *g) {
+    free(g->count);
+    free(g->begin);
+    *g = (pl_gathering){.n = 0};
+}
+
+void pl_gather(const pl_gathering *g, const void *mine, int size, void *all) {
+    MPI_Datatype row;
+    MPI_Type_contiguous(size, MPI_BYTE, &row);
+    MPI_Type_commit(&row);
+    MPI_Gatherv(mine, g->n, row, all, g->count, g->begin, row, 0, g->comm);
+    MPI_Type_free(&row);
+}
+
+void pl_scatter(const pl_gathering *g, const void *all, int size, void *mine) {
+    MPI_Datatype row;
+    MPI_Type_contiguous(size, MPI_BYTE, &row);
+    MPI_Type_commit(&row);
+    MPI_Scatterv(all, g->count, g->begin, row, mine, g->n, row, 0, g->comm);
+    MPI_Type_free(&row);
+}

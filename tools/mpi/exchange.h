@@ -1,5 +1,9 @@
 /* exchange: what processes that share a mesh tell one another while planish works, by MPI: the four
- * functions of planish_part.
+ * functions of planish_part; and values that they collect in the first one.
+ *
+ *     pl_exchange_*             values of ghosts
+ *     pl_gathering_*            how many values of each process the first one gets
+ *     pl_gather, pl_scatter     these values, there and back
  */
 #ifndef PL_TOOLS_MPI_EXCHANGE_H
 #define PL_TOOLS_MPI_EXCHANGE_H
@@ -45,12 +49,26 @@ int pl_exchange_create(pl_exchange *e, MPI_Comm comm, const pl_ghost *ghosts, in
                        int64_t n_nodes, planish_error *error);
 void pl_exchange_destroy(pl_exchange *exchange);
 
-/** Whether another process has a node of ours as a ghost. */
-static inline int pl_exchange_shares(const pl_exchange *exchange, int64_t node) {
-    return exchange->goal_begin[node + 1] > exchange->goal_begin[node];
-}
-
 /** The functions of part, whose user becomes exchange. */
 void pl_exchange_serve(pl_exchange *exchange, planish_part *part);
+
+/** How many records of each process the first one gets, and where they are there. */
+typedef struct pl_gathering {
+    MPI_Comm comm;
+    int n;              /* of this process */
+    int *count, *begin; /* [ranks] in the first process; owned */
+    int64_t n_all;      /* in the first process; 0 in the others */
+} pl_gathering;
+
+/** Create it for n records of this process. Collective. Returns 0, or a negative planish_status with
+ *  *error filled in (PLANISH_ERROR_PARTS: more than MPI counts); to be destroyed in any case. */
+int pl_gathering_create(pl_gathering *gathering, MPI_Comm comm, int64_t n, planish_error *error);
+void pl_gathering_destroy(pl_gathering *gathering);
+
+/** Gather records [n][size] of each process as all [n_all][size] of the first one. Collective. */
+void pl_gather(const pl_gathering *gathering, const void *mine, int size, void *all);
+
+/** Scatter all of the first process, as they were gathered. Collective. */
+void pl_scatter(const pl_gathering *gathering, const void *all, int size, void *mine);
 
 #endif

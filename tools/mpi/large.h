@@ -1,6 +1,10 @@
 /* large: meshes in PETSc's files that no process has all of: the steps of lead.h that differ. All
  * but pl_large_can are collective, and return PLANISH_OK or the same planish_status with *error in
- * all processes. */
+ * all processes.
+ *
+ *     pl_large_can                         whether this mesh goes this way
+ *     pl_large_read, _share, _write        its steps
+ */
 #ifndef PL_TOOLS_MPI_LARGE_H
 #define PL_TOOLS_MPI_LARGE_H
 

@@ -88,7 +88,7 @@ static void destroy_plan(pl_job *job) {
  * PLANISH_OK in all processes, or the same error. */
 static int collect(const pl_crew *crew, int code, const pl_collection *c, const void *values,
                    int size, void *whole, planish_error *error) {
-    void *room = code ? NULL : pl_new_array(pl_collected(c), (size_t)size);
+    void *room = code ? NULL : pl_new_array(c->gathering.n_all, (size_t)size);
     if (!code && !room)
         code = pl_fail_memory(error, "values of the whole mesh");
     code = pl_crew_agree(crew, code, error);
@@ -101,11 +101,9 @@ static int collect(const pl_crew *crew, int code, const pl_collection *c, const 
 static int get_free(const pl_job *job, uint8_t *is_free, planish_error *error) {
     const pl_crew *crew = begin_step(job, GET_FREE);
     uint8_t *mine = pl_new_array(crew->share.mesh.n_nodes, 1),
-            *own = pl_new_array(crew->share.own_nodes.n, 1);
+            *own = pl_new_array(crew->share.own_nodes.gathering.n, 1);
     int code = mine && own ? PLANISH_OK : pl_fail_memory(error, "values of the whole mesh");
     int64_t n = 0;
-    if (is_free)
-        memset(is_free, 0, (size_t)job->mesh.n_nodes); /* of a large mesh nothing is collected */
     if (!code)
         planish_plan_get_free(crew->plan, mine);
     for (int64_t i = 0; !code && i < crew->share.mesh.n_nodes; i++)
@@ -237,7 +235,7 @@ static int find_states(const pl_job *job, pl_state_kind kind, const planish_opti
 static int collect_coordinates(const pl_crew *crew, double *whole, planish_error *error) {
     const pl_share *share = &crew->share;
     const int dim = share->mesh.dim;
-    double *own = pl_new_array((int64_t)share->own_nodes.n * dim, sizeof *own);
+    double *own = pl_new_array((int64_t)share->own_nodes.gathering.n * dim, sizeof *own);
     int64_t n = 0;
     for (int64_t i = 0; own && i < share->mesh.n_nodes; i++)
         if (share->role[i] != PLANISH_ROLE_GHOST)

@@ -22,7 +22,7 @@
 /** Elements beyond the facets of each. */
 typedef struct graph {
     int64_t n;           /* elements of this process */
-    PetscInt *begin;     /* [ranks + 1] the first element of each process, by global numbers */
+    int64_t *begin;      /* [ranks + 1] the first element of each process, by global numbers */
     PetscInt *start;     /* [n + 1] */
     PetscInt *neighbour; /* [start[n]] global numbers */
 } graph;
@@ -126,7 +126,7 @@ static PetscErrorCode send_sides(MPI_Comm comm, int dim, const graph *g, const i
     PetscCall(post_create(sides, g->n * corners, sizeof(side)));
     for (int64_t i = 0; i < g->n * corners; i++) {
         const int32_t *of = corner + i / corners * corners;
-        side s = {{-1, -1, -1}, (int32_t)(g->begin[rank] + (PetscInt)(i / corners))};
+        side s = {{-1, -1, -1}, (int32_t)(g->begin[rank] + i / corners)};
         int n = 0;
         for (int j = 0; j < corners; j++) { /* but the opposite one, sorted */
             int place = n;
@@ -140,19 +140,6 @@ static PetscErrorCode send_sides(MPI_Comm comm, int dim, const graph *g, const i
         post_add(sides, &s, sizeof s, (int)(hash_of(&s) % (unsigned)n_ranks));
     }
     return post_exchange(comm, sides, sizeof(side));
-}
-
-/** The process that has an element. */
-static int owner_of(const graph *g, int n_ranks, int32_t element) {
-    int low = 0, high = n_ranks;
-    while (high - low > 1) {
-        const int middle = (low + high) / 2;
-        if (g->begin[middle] <= element)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
 }
 
 /** Sides that have met: the first two of a facet, of different elements. */
@@ -182,8 +169,8 @@ static PetscErrorCode match_sides(MPI_Comm comm, const graph *g, const post *sid
         if (element == MET || element == s->element)
             continue;
         const pair there = {element, s->element}, back = {s->element, element};
-        post_add(pairs, &there, sizeof there, owner_of(g, n_ranks, element));
-        post_add(pairs, &back, sizeof back, owner_of(g, n_ranks, s->element));
+        post_add(pairs, &there, sizeof there, pl_owner_of(g->begin, n_ranks, element));
+        post_add(pairs, &back, sizeof back, pl_owner_of(g->begin, n_ranks, s->element));
         ((side *)(void *)sides->record)[other].element = MET;
     }
     free(first);
@@ -199,22 +186,18 @@ static PetscErrorCode make_graph(MPI_Comm comm, int dim, const int32_t *corner, 
     const int64_t mine = g->n;
     MPI_Comm_rank(comm, &rank);
     MPI_Comm_size(comm, &n_ranks);
-    PetscCall(PetscCalloc1((size_t)n_ranks + 1, &g->begin));
-    int64_t *count = pl_new_array(n_ranks, sizeof *count), sum = 0;
-    PetscCheck(count, PETSC_COMM_SELF, PETSC_ERR_MEM, "Counts");
-    MPI_Allgather(&mine, 1, MPI_INT64_T, count, 1, MPI_INT64_T, comm);
-    for (int k = 0; k < n_ranks; k++) {
-        sum += count[k];
-        PetscCheck(sum <= INT32_MAX, PETSC_COMM_SELF, PETSC_ERR_SUP, "Too many elements");
-        g->begin[k + 1] = (PetscInt)sum;
-    }
-    free(count);
+    g->begin = pl_new_array(n_ranks + 1, sizeof *g->begin);
+    PetscCheck(g->begin, PETSC_COMM_SELF, PETSC_ERR_MEM, "Counts");
+    MPI_Allgather(&mine, 1, MPI_INT64_T, g->begin + 1, 1, MPI_INT64_T, comm);
+    for (int k = 0; k < n_ranks; k++)
+        g->begin[k + 1] += g->begin[k];
+    PetscCheck(g->begin[n_ranks] <= INT32_MAX, PETSC_COMM_SELF, PETSC_ERR_SUP, "Too many elements");
     PetscCall(send_sides(comm, dim, g, corner, &sides));
     PetscCall(match_sides(comm, g, &sides, &pairs));
     post_destroy(&sides);
     /* Lists of neighbours from pairs of elements of this process and others. */
     const pair *all = (const pair *)(const void *)pairs.record;
-    const PetscInt first = g->begin[rank];
+    const int64_t first = g->begin[rank];
     PetscCall(PetscCalloc1((size_t)g->n + 2, &g->start));
     PetscCall(PetscMalloc1((size_t)pairs.n + 1, &g->neighbour));
     PetscInt *next = g->start + 1; /* becomes the beginning of the element after */
@@ -225,7 +208,8 @@ static PetscErrorCode make_graph(MPI_Comm comm, int dim, const int32_t *corner, 
     for (int64_t i = 0; i < pairs.n; i++)
         g->neighbour[next[all[i].element - first]++] = all[i].neighbour;
     post_destroy(&pairs);
-    return PetscFree(g->begin);
+    free(g->begin);
+    return 0;
 }
 
 /** The pieces of the graph, one process after the other. */

@@ -11,6 +11,18 @@ void *pl_new_array(int64_t n, size_t size) {
     return calloc((size_t)n + 1, size);
 }
 
+int pl_owner_of(const int64_t *begin, int n_ranks, int64_t i) {
+    int low = 0, high = n_ranks;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        if (begin[middle] <= i)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 /** Room for values of a piece. */
 static PetscErrorCode make_room(void *array, int64_t n, size_t size) {
     void **to = array;

@@ -59,6 +59,9 @@ PetscErrorCode pl_bring(PetscSF sf, MPI_Datatype type, int count, const void *fr
 
 void pl_piece_destroy(pl_piece *piece);
 
+/** The process that has item i of all, of which process k has begin[k] ... begin[k + 1]. */
+int pl_owner_of(const int64_t *begin, int n_ranks, int64_t i);
+
 /** An array of n values, all 0; at least one, so that NULL is want of memory. */
 void *pl_new_array(int64_t n, size_t size);
 

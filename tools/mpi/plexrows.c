@@ -141,19 +141,6 @@ static int move_rows(const pl_plexfile *f, const rows *r, const char *path, int 
 
 /* ---- what is in them ------------------------------------------------------------------------ */
 
-/** The process that has a row. */
-static int owner_of(const rows *r, int n_ranks, int64_t row) {
-    int low = 0, high = n_ranks;
-    while (high - low > 1) {
-        const int middle = (low + high) / 2;
-        if (r->begin[middle] <= row)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 /** Coordinates [n][dim] of nodes to their rows. */
 static PetscErrorCode put_rows(const pl_plexfile *f, const rows *r, int64_t n, const int64_t *node,
                                const double *x, double *row) {
@@ -164,7 +151,7 @@ static PetscErrorCode put_rows(const pl_plexfile *f, const rows *r, int64_t n, c
     MPI_Comm_size(f->comm, &n_ranks);
     PetscCall(PetscMalloc1((size_t)n + 1, &root));
     for (int64_t i = 0; i < n; i++) {
-        const int rank = owner_of(r, n_ranks, node[i]);
+        const int rank = pl_owner_of(r->begin, n_ranks, node[i]);
         root[i] = (PetscSFNode){.rank = rank, .index = (PetscInt)(node[i] - r->begin[rank])};
     }
     PetscCall(PetscSFCreate(f->comm, &sf));

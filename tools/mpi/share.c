@@ -119,20 +119,6 @@ static int32_t *find_unused(const planish_mesh *whole, int64_t *n) {
     return unused;
 }
 
-/** 0, or -1 without memory. */
-static int select_part(pl_piece *p, const planish_mesh *whole, selection *s) {
-    int64_t n_unused;
-    numbered *nodes = sort_numbers(p->node, p->n_nodes);
-    int32_t *unused = find_unused(whole, &n_unused);
-    const int status = nodes && unused && !select_elements(p, nodes, s) &&
-                               !select_nodes(p, nodes, unused, n_unused, s)
-                           ? 0
-                           : -1;
-    free(nodes);
-    free(unused);
-    return status;
-}
-
 /** Values [.][size] of nodes or elements of the part, which are at [n] in those of the piece; of a
  *  node that the piece has not (at -1) in whole, by its number. NULL without memory. */
 static void *take_values(int64_t n, const int64_t *at, const int32_t *number, const void *of_piece,
@@ -171,42 +157,33 @@ static int make_exchange(pl_share *share, MPI_Comm comm, const pl_piece *p, cons
     return status;
 }
 
-/** elements, node_number and element_number. */
+/** Fill in elements, numbers and roles; an element is counted where its first node by number is
+ *  moved. 0, or -1 without memory. */
 static int number_part(pl_share *share, const pl_piece *p, const selection *s) {
     const int corners = p->dim + 1;
+    const int64_t *goal_begin = share->exchange.goal_begin;
     share->elements = pl_new_array(s->n_elements * corners, sizeof *share->elements);
     share->element_number = pl_new_array(s->n_elements, sizeof *share->element_number);
     share->node_number = pl_new_array(s->n_nodes, sizeof *share->node_number);
-    if (!share->elements || !share->element_number || !share->node_number)
-        return -1;
-    for (int64_t i = 0; i < s->n_elements; i++) {
-        share->element_number[i] = p->element[s->element[i]];
-        for (int j = 0; j < corners; j++)
-            share->elements[i * corners + j] = s->here[p->corner[s->element[i] * corners + j]];
-    }
-    for (int64_t i = 0; i < s->n_nodes; i++)
-        share->node_number[i] = s->number[i];
-    return 0;
-}
-
-/** An element is counted where its first node by number is moved. */
-static int find_roles(pl_share *share, const pl_piece *p, const selection *s) {
-    const int corners = p->dim + 1;
     share->role = pl_new_array(s->n_nodes, 1);
     share->is_counted = pl_new_array(s->n_elements, 1);
-    if (!share->role || !share->is_counted)
+    if (!share->elements || !share->element_number || !share->node_number || !share->role ||
+        !share->is_counted)
         return -1;
     for (int64_t i = 0; i < s->n_nodes; i++) {
         const int is_ghost = s->node[i] >= 0 && p->owner[s->node[i]] != p->rank;
-        share->role[i] = (uint8_t)(is_ghost                                  ? PLANISH_ROLE_GHOST
-                                   : pl_exchange_shares(&share->exchange, i) ? PLANISH_ROLE_SHARED
-                                                                             : PLANISH_ROLE_OWN);
+        share->node_number[i] = s->number[i];
+        share->role[i] = (uint8_t)(is_ghost                            ? PLANISH_ROLE_GHOST
+                                   : goal_begin[i + 1] > goal_begin[i] ? PLANISH_ROLE_SHARED
+                                                                       : PLANISH_ROLE_OWN);
     }
     for (int64_t i = 0; i < s->n_elements; i++) {
-        const int32_t *node = share->elements + i * corners;
-        int32_t first = node[0];
-        for (int j = 1; j < corners; j++)
+        int32_t *node = share->elements + i * corners, first = INT32_MAX;
+        for (int j = 0; j < corners; j++) {
+            node[j] = s->here[p->corner[s->element[i] * corners + j]];
             first = node[j] < first ? node[j] : first;
+        }
+        share->element_number[i] = p->element[s->element[i]];
         share->is_counted[i] = share->role[first] != PLANISH_ROLE_GHOST;
     }
     return 0;
@@ -275,17 +252,23 @@ static int take_all(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
     return pl_exchange_create(&share->exchange, comm, NULL, 0, n, error);
 }
 
+/** Take the part of this process from its piece. */
 static int take_piece(pl_share *share, MPI_Comm comm, const planish_mesh *whole, pl_piece *p,
                       planish_error *error) {
     selection s = {.n_nodes = 0};
-    int status =
-        select_part(p, whole, &s) || fill_share(share, whole, p, &s) || number_part(share, p, &s)
-            ? pl_fail_memory(error, "the parts of the mesh")
-            : PLANISH_OK;
+    int64_t n_unused;
+    numbered *nodes = sort_numbers(p->node, p->n_nodes);
+    int32_t *unused = find_unused(whole, &n_unused);
+    int status = PLANISH_OK;
+    if (!nodes || !unused || select_elements(p, nodes, &s) ||
+        select_nodes(p, nodes, unused, n_unused, &s) || fill_share(share, whole, p, &s))
+        status = pl_fail_memory(error, "the parts of the mesh");
     if (!status)
         status = make_exchange(share, comm, p, &s, error);
-    if (!status && find_roles(share, p, &s))
+    if (!status && number_part(share, p, &s))
         status = pl_fail_memory(error, "the parts of the mesh");
+    free(nodes);
+    free(unused);
     share->mesh.n_nodes = s.n_nodes;
     share->mesh.n_elements = s.n_elements;
     free(s.node);
@@ -295,37 +278,22 @@ static int take_piece(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
     return status;
 }
 
-static int start_collection(pl_collection *c, MPI_Comm comm, const int64_t *number,
-                            const uint8_t *out, int without, int64_t n) {
-    int rank, n_ranks, status = 0;
-    MPI_Comm_rank(comm, &rank);
-    MPI_Comm_size(comm, &n_ranks);
+/** Collect the numbers [n] of those whose value in out is another than without. */
+static int collection_create(pl_collection *c, MPI_Comm comm, const int64_t *number,
+                             const uint8_t *out, int without, int64_t n, planish_error *error) {
     int32_t *mine = pl_new_array(n, sizeof *mine);
-    *c = (pl_collection){.comm = comm};
+    int64_t n_mine = 0;
     for (int64_t i = 0; mine && i < n; i++)
         if (out[i] != without)
-            mine[c->n++] = (int32_t)number[i];
-    if (rank == 0) {
-        c->count = pl_new_array(n_ranks, sizeof *c->count);
-        c->at = pl_new_array(n_ranks, sizeof *c->at);
-    }
-    if (!mine || (rank == 0 && (!c->count || !c->at)))
-        status = -1;
-    if (!status)
-        MPI_Gather(&c->n, 1, MPI_INT, c->count, 1, MPI_INT, 0, comm);
-    int64_t sum = 0;
-    for (int k = 1; !status && rank == 0 && k <= n_ranks; k++) {
-        sum += c->count[k - 1];
-        c->at[k] = sum <= INT_MAX ? (int)sum : 0;
-    }
-    if (sum > INT_MAX)
-        status = -1;
-    if (!status && rank == 0 && !(c->number = pl_new_array(c->at[n_ranks], sizeof *c->number)))
-        status = -1;
-    if (!status)
-        MPI_Gatherv(mine, c->n, MPI_INT32_T, c->number, c->count, c->at, MPI_INT32_T, 0, comm);
+            mine[n_mine++] = (int32_t)number[i];
+    int code = mine ? pl_gathering_create(&c->gathering, comm, n_mine, error)
+                    : pl_fail_memory(error, "the parts of the mesh");
+    if (!code && !(c->number = pl_new_array(c->gathering.n_all, sizeof *c->number)))
+        code = pl_fail_memory(error, "the parts of the mesh");
+    if (!code)
+        pl_gather(&c->gathering, mine, sizeof *mine, c->number);
     free(mine);
-    return status;
+    return code;
 }
 
 /** The part as planish wants it. */
@@ -373,12 +341,11 @@ int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
         return status;
     finish(share, o.dim);
     /* How values are collected in the first process. */
-    return start_collection(&share->own_nodes, comm, share->node_number, share->role,
-                            PLANISH_ROLE_GHOST, share->mesh.n_nodes) ||
-                   start_collection(&share->counted_elements, comm, share->element_number,
-                                    share->is_counted, 0, share->mesh.n_elements)
-               ? pl_fail_memory(error, "the parts of the mesh")
-               : PLANISH_OK;
+    status = collection_create(&share->own_nodes, comm, share->node_number, share->role,
+                               PLANISH_ROLE_GHOST, share->mesh.n_nodes, error);
+    return status ? status
+                  : collection_create(&share->counted_elements, comm, share->element_number,
+                                      share->is_counted, 0, share->mesh.n_elements, error);
 }
 
 int pl_share_take(pl_share *share, MPI_Comm comm, pl_piece *piece, planish_error *error) {
@@ -388,16 +355,12 @@ int pl_share_take(pl_share *share, MPI_Comm comm, pl_piece *piece, planish_error
     return status;
 }
 
-static void destroy_collection(pl_collection *c) {
-    free(c->count);
-    free(c->at);
-    free(c->number);
-}
-
 void pl_share_destroy(pl_share *share) {
     pl_exchange_destroy(&share->exchange);
-    destroy_collection(&share->own_nodes);
-    destroy_collection(&share->counted_elements);
+    pl_gathering_destroy(&share->own_nodes.gathering);
+    pl_gathering_destroy(&share->counted_elements.gathering);
+    free(share->own_nodes.number);
+    free(share->counted_elements.number);
     free(share->coordinates);
     free(share->direction);
     free(share->min_volume);
@@ -429,20 +392,9 @@ int pl_share_explain(const pl_share *share, int code, planish_error *error) {
     return code;
 }
 
-int64_t pl_collected(const pl_collection *c) {
-    int n_ranks;
-    MPI_Comm_size(c->comm, &n_ranks);
-    return c->at ? c->at[n_ranks] : 0;
-}
-
 void pl_collect(const pl_collection *c, const void *values, int size, void *room, void *whole) {
-    const int64_t n = pl_collected(c);
     char *all = room, *to = whole;
-    MPI_Datatype row;
-    MPI_Type_contiguous(size, MPI_BYTE, &row);
-    MPI_Type_commit(&row);
-    MPI_Gatherv(values, c->n, row, all, c->count, c->at, row, 0, c->comm);
-    MPI_Type_free(&row);
-    for (int64_t i = 0; i < n; i++)
+    pl_gather(&c->gathering, values, size, all);
+    for (int64_t i = 0; i < c->gathering.n_all; i++)
         memcpy(to + (int64_t)c->number[i] * size, all + i * size, (size_t)size);
 }

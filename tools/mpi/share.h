@@ -14,12 +14,10 @@
 #include "mpi/exchange.h"
 #include "mpi/piece.h"
 
-/** Numbers of what each process has, in the first one: to collect values there. */
+/** Values of all processes in the first one, and their numbers in the whole mesh. */
 typedef struct pl_collection {
-    MPI_Comm comm;
-    int n;           /* of this process */
-    int *count, *at; /* [ranks], in the first process; owned */
-    int32_t *number; /* [at[last] + count[last]] likewise, in the whole mesh */
+    pl_gathering gathering;
+    int32_t *number; /* [gathering.n_all]; owned */
 } pl_collection;
 
 /** The part of this process. Everything is owned. */
@@ -51,11 +49,9 @@ int pl_share_explain(const pl_share *share, int code, planish_error *error);
 /** A planish_status, with *error filled in, for what PETSc says. */
 int pl_fail_petsc(planish_error *error, PetscErrorCode code);
 
-/** How many values are collected here: of all processes in the first one, 0 in the others. */
-int64_t pl_collected(const pl_collection *collection);
-
 /** Collect values [n][size] of all processes: the first one puts them to whole [.][size], in the
- * order of the whole mesh. room: for pl_collected of them. */
+ * order of the whole mesh. room: for
+ * gathering.n_all of them. */
 void pl_collect(const pl_collection *collection, const void *values, int size, void *room,
                 void *whole);
 

@@ -38,11 +38,6 @@ typedef struct near {
     answer *answer; /* [n_nodes] */
 } near;
 
-static int fail_size(planish_error *error) {
-    return pl_fail(error, PLANISH_ERROR_PARTS,
-                   "the surface has too many nodes for one process; leave out --slide");
-}
-
 static int near_create(near *s, int64_t n_nodes, int64_t n_elements, planish_error *error) {
     *s = (near){.n_nodes = n_nodes,
                 .n_elements = n_elements,
@@ -159,42 +154,6 @@ static int list_near(const pl_share *share, const uint8_t *is_surface, const uin
 
 /* ---- together in the first process ----------------------------------------------------------- */
 
-/** How many records of each process the first one gets, and where they are there; owned. */
-typedef struct layout {
-    int *count, *begin; /* [ranks] */
-    int64_t n;          /* in all; 0 in the others */
-} layout;
-
-static int layout_create(const pl_crew *crew, int64_t n, layout *l, planish_error *error) {
-    int mine = (int)n;
-    *l = (layout){.count = pl_new_array(crew->n_ranks, sizeof *l->count),
-                  .begin = pl_new_array(crew->n_ranks, sizeof *l->begin)};
-    int code = l->count && l->begin ? PLANISH_OK : pl_fail_memory(error, "the surface");
-    code = pl_crew_agree(crew, n <= INT_MAX ? code : fail_size(error), error);
-    if (code)
-        return code;
-    MPI_Gather(&mine, 1, MPI_INT, l->count, 1, MPI_INT, 0, crew->comm);
-    for (int k = 0; crew->rank == 0 && k < crew->n_ranks; k++) {
-        l->begin[k] = (int)l->n;
-        l->n += l->count[k];
-    }
-    return pl_crew_agree(crew, l->n <= INT_MAX ? PLANISH_OK : fail_size(error), error);
-}
-
-static void layout_destroy(layout *l) {
-    free(l->count);
-    free(l->begin);
-}
-
-static void gather(const pl_crew *crew, const layout *l, const void *mine, int64_t n, int size,
-                   void *all) {
-    MPI_Datatype type;
-    MPI_Type_contiguous(size, MPI_BYTE, &type);
-    MPI_Type_commit(&type);
-    MPI_Gatherv(mine, (int)n, type, all, l->count, l->begin, type, 0, crew->comm);
-    MPI_Type_free(&type);
-}
-
 /** A node's number, and where it is among those that were gathered. */
 typedef struct place {
     int32_t number, at;
@@ -278,31 +237,29 @@ static int look_at_all(const pl_crew *crew, near *all, double tolerance, planish
 
 /** Send what is near to the first process, and bring its answers. */
 static int ask(const pl_crew *crew, near *mine, double tolerance, planish_error *error) {
-    layout nodes = {0}, elements = {0};
+    pl_gathering nodes = {0}, elements = {0};
     near all = {0};
-    int code = layout_create(crew, mine->n_nodes, &nodes, error);
+    int code =
+        pl_crew_agree(crew, pl_gathering_create(&nodes, crew->comm, mine->n_nodes, error), error);
     if (!code)
-        code = layout_create(crew, mine->n_elements, &elements, error);
+        code = pl_crew_agree(
+            crew, pl_gathering_create(&elements, crew->comm, mine->n_elements, error), error);
+    if (code == PLANISH_ERROR_PARTS)
+        pl_fail(error, PLANISH_ERROR_PARTS,
+                "the surface has too many nodes for one process; leave out --slide");
     if (!code)
-        code = pl_crew_agree(crew, near_create(&all, nodes.n, elements.n, error), error);
+        code = pl_crew_agree(crew, near_create(&all, nodes.n_all, elements.n_all, error), error);
     if (!code) {
-        gather(crew, &nodes, mine->node, mine->n_nodes, sizeof *mine->node, all.node);
-        gather(crew, &elements, mine->element, mine->n_elements, sizeof *mine->element,
-               all.element);
+        pl_gather(&nodes, mine->node, sizeof *mine->node, all.node);
+        pl_gather(&elements, mine->element, sizeof *mine->element, all.element);
         code = pl_crew_agree(
             crew, crew->rank == 0 ? look_at_all(crew, &all, tolerance, error) : PLANISH_OK, error);
     }
-    if (!code) {
-        MPI_Datatype type;
-        MPI_Type_contiguous(sizeof *mine->answer, MPI_BYTE, &type);
-        MPI_Type_commit(&type);
-        MPI_Scatterv(all.answer, nodes.count, nodes.begin, type, mine->answer, (int)mine->n_nodes,
-                     type, 0, crew->comm);
-        MPI_Type_free(&type);
-    }
+    if (!code)
+        pl_scatter(&nodes, all.answer, sizeof *mine->answer, mine->answer);
     near_destroy(&all);
-    layout_destroy(&nodes);
-    layout_destroy(&elements);
+    pl_gathering_destroy(&nodes);
+    pl_gathering_destroy(&elements);
     return code;
 }
 
