@@ -109,19 +109,6 @@ void pl_job_hold_layers(const pl_job *job, uint8_t *constraint) {
             constraint[job->mesh.elements[i * corners + j]] = PLANISH_CONSTRAINT_FIXED;
 }
 
-static int find_constraints(pl_job *job) {
-    job->constraint = malloc(job->mesh.n_nodes ? (size_t)job->mesh.n_nodes : 1);
-    if (!job->constraint)
-        return pl_job_complain_memory(job, "values of nodes");
-    const planish_hold hold = hold_of(job->arguments, job->arguments->slide, 0);
-    job->mesh.constraint = job->constraint;
-    int status = find_held(job, &hold, job->constraint);
-    if (!status && job->arguments->fix_layers)
-        status = pl_job_find_layers(job, &job->is_layer, &job->layers.n);
-    pl_job_hold_layers(job, job->constraint);
-    return status;
-}
-
 static int find_min_volumes(pl_job *job) {
     const pl_arguments *arguments = job->arguments;
     const planish_options *options = &job->options;
@@ -201,8 +188,16 @@ static int open_file(pl_job *job) {
         return pl_complain_usage(pl_command_name(arguments->command),
                                  "--slide-tolerance has no effect without --slide, except on "
                                  "triangles in a tilted plane");
-    if ((status = find_constraints(job)))
+    job->constraint = malloc(job->mesh.n_nodes ? (size_t)job->mesh.n_nodes : 1);
+    if (!job->constraint)
+        return pl_job_complain_memory(job, "values of nodes");
+    job->mesh.constraint = job->constraint;
+    const planish_hold hold = hold_of(arguments, arguments->slide, 0);
+    if ((status = find_held(job, &hold, job->constraint)))
         return status;
+    if (arguments->fix_layers && (status = pl_job_find_layers(job, &job->is_layer, &job->layers.n)))
+        return status;
+    pl_job_hold_layers(job, job->constraint);
     return find_min_volumes(job);
 }
 

@@ -39,18 +39,16 @@ static int same_place(const char *a, const char *b) {
            pl_file_find(in_b, &folder_b) == 0 && pl_file_is_same(&folder_a, &folder_b);
 }
 
-/** Compare likewise the files that links lead to, which need not be there yet either. */
-static int same_target(const char *a, const char *b) {
+int pl_output_same_file(const char *a, const char *b) {
+    pl_file_status status_a, status_b;
+    if (strcmp(a, b) == 0 || same_place(a, b))
+        return 1;
+    /* Links lead to files that need not be there yet either. */
     char *target_a = pl_output_target(a), *target_b = pl_output_target(b);
     const int same = target_a && target_b && same_place(target_a, target_b);
     pl_free(target_a);
     pl_free(target_b);
-    return same;
-}
-
-int pl_output_same_file(const char *a, const char *b) {
-    pl_file_status status_a, status_b;
-    if (strcmp(a, b) == 0 || same_place(a, b) || same_target(a, b))
+    if (same)
         return 1;
     return pl_file_find(a, &status_a) == 0 && pl_file_find(b, &status_b) == 0 &&
            status_a.kind == PL_FILE_REGULAR && pl_file_is_same(&status_a, &status_b);

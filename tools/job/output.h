@@ -2,6 +2,11 @@
  *
  * The mesh itself is written by planish_file_write; here are the checks that can be made before the
  * work begins, and the writing of the report.
+ *
+ *     pl_output_check, _check_all                         whether files can be written
+ *     pl_output_is_stdout, _takes_stdout                  what goes to standard output
+ *     pl_output_same_file, _hits_mesh                     files that would be overwritten
+ *     pl_output_write_text                                a report
  */
 #ifndef PL_TOOLS_OUTPUT_H
 #define PL_TOOLS_OUTPUT_H

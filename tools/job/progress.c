@@ -54,22 +54,8 @@ static void keep_sweep(pl_progress *progress, const planish_progress *step) {
 
 /* ---- lines per sweep and colour: columns of 5, 12, 12, 9, (9,) 11 and 9 characters ---------- */
 
-/** Show a line for each colour; many nodes that move together are of no colour. */
-static void show_colour(pl_progress *progress, const planish_progress *step) {
-    char name[64];
-    if (step->colour == progress->last_colour + 1) {
-        progress->last_colour = step->colour;
-        snprintf(name, sizeof name, "colour %d/%d", step->colour, step->n_colours);
-    } else {
-        progress->n_together++;
-        snprintf(name, sizeof name, "step %d", progress->n_together);
-    }
-    fprintf(stderr, "%5s  %-*s%11" PRId64 "%9.3f\n", "", progress->has_volumes ? 40 : 31, name,
-            step->colour_visits, step->seconds - progress->colour_seconds);
-    progress->colour_seconds = step->seconds;
-}
-
-/** Show a line for each sweep that is done, under the names of the columns. */
+/** Show a line for each sweep that is done, and if asked for each colour, under the names of the
+ *  columns. */
 static void show_lines(pl_progress *progress, const planish_progress *step) {
     if (!progress->has_head)
         fprintf(stderr, "%s%5s%12s%12s%9s%s%11s%9s  phase%s\n",
@@ -78,8 +64,19 @@ static void show_lines(pl_progress *progress, const planish_progress *step) {
                 progress->has_volumes ? "    below" : "", "visits", "seconds",
                 pl_style_end(stderr, PL_STYLE_HEADING));
     progress->has_head = 1;
-    if (!step->sweep_done && step->colour > 0 && progress->show == PL_SHOW_COLOURS)
-        show_colour(progress, step);
+    if (!step->sweep_done && step->colour > 0 && progress->show == PL_SHOW_COLOURS) {
+        const int is_next = step->colour == progress->last_colour + 1;
+        char name[64];
+        if (is_next)
+            snprintf(name, sizeof name, "colour %d/%d", step->colour, step->n_colours);
+        else /* many nodes that move together are of no colour */
+            snprintf(name, sizeof name, "step %d", ++progress->n_together);
+        if (is_next)
+            progress->last_colour = step->colour;
+        fprintf(stderr, "%5s  %-*s%11" PRId64 "%9.3f\n", "", progress->has_volumes ? 40 : 31, name,
+                step->colour_visits, step->seconds - progress->colour_seconds);
+        progress->colour_seconds = step->seconds;
+    }
     if (!step->sweep_done)
         return;
     fprintf(stderr, "%5d%12.6g%12.6g%9" PRId64, step->sweep, step->rms,

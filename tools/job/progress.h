@@ -1,4 +1,9 @@
-/* progress: what is told while a command works: on standard error, and kept for the report. */
+/* progress: what is told while a command works: on standard error, and kept for the report.
+ *
+ *     pl_progress_init, _free       the history of the sweeps
+ *     pl_progress_stage, _step      what is done now, and the sweeps: the callback of the library
+ *     pl_progress_clear             before something else is printed
+ */
 #ifndef PL_TOOLS_PROGRESS_H
 #define PL_TOOLS_PROGRESS_H
 

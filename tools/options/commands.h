@@ -2,6 +2,10 @@
  *
  * Help, manual page and completion are made from this table and that of the options (options.c). A
  * new command is a row here, and one in main.c.
+ *
+ *     pl_command_at, _row, _find, _list           the table
+ *     pl_help_print, pl_help_print_command        help
+ *     pl_generate_command                         manual page and completion (manual.c)
  */
 #ifndef PL_TOOLS_OPTIONS_COMMANDS_H
 #define PL_TOOLS_OPTIONS_COMMANDS_H

@@ -63,18 +63,6 @@ static int parse_real(const char *text, double *value) {
     return end && *end == '\0' ? 0 : -1;
 }
 
-/** Numbers between commas, at most most of them; their number, or -1. */
-static int parse_reals(const char *text, int most, double *values) {
-    for (int n = 0; n < most; text++) {
-        text = take_real(text, &values[n++]);
-        if (!text || *text == '\0')
-            return text ? n : -1;
-        if (*text != ',')
-            return -1;
-    }
-    return -1;
-}
-
 /* ---- setters: each takes the value, or says what it must be --------------------------------- */
 
 /* What it must be are the words of its row. */
@@ -196,8 +184,12 @@ static const char *set_min_volume(pl_arguments *arguments, const option_row *row
 
 static const char *set_box(pl_arguments *arguments, const option_row *row, const char *value) {
     double *box = arguments->box;
-    const int n = parse_reals(value, 6, box), dim = n / 2;
-    if (n != 4 && n != 6)
+    int n = 0;
+    const char *end = take_real(value, &box[n++]);
+    while (n < 6 && end && *end == ',')
+        end = take_real(end + 1, &box[n++]);
+    const int dim = n / 2;
+    if (!end || *end || (n != 4 && n != 6))
         return row->wanted;
     for (int d = 0; d < dim; d++)
         if (box[d] > box[dim + d])

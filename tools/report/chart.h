@@ -3,6 +3,8 @@
  * Drawings have no size of their own (they fill what holds them) and no colours: classes of the
  * page's style sheet (page.css) give them, in light, dark and print. What a drawing shows is said
  * in words by its title, and in figures by a table that the page puts beside it.
+ *
+ *     pl_chart_histogram, pl_chart_curves
  */
 #ifndef PL_REPORT_CHART_H
 #define PL_REPORT_CHART_H

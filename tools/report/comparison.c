@@ -110,17 +110,6 @@ static int make_names(const pl_compared *mesh, int n, int least, int most, names
     return of->shown ? 0 : -1;
 }
 
-/** Whether the name of row i was cut, and another one looks the same. */
-static int is_ambiguous(const pl_compared *mesh, int n, const names *of, int i) {
-    const char *name = mesh[i].name + of->folder;
-    if (pl_text_columns(name) <= of->width)
-        return 0;
-    for (int j = 0; j < n; j++)
-        if (strcmp(of->shown[j], of->shown[i]) == 0 && strcmp(mesh[j].name, mesh[i].name) != 0)
-            return 1;
-    return 0;
-}
-
 /* ---- rows ------------------------------------------------------------------------------------ */
 
 /** Put the name in its column, or if it would say too little there on a line before; and the
@@ -128,9 +117,12 @@ static int is_ambiguous(const pl_compared *mesh, int n, const names *of, int i) 
  */
 static void put_row(FILE *stream, const pl_compared *mesh, int n, int i, const names *of,
                     const double *best, int has_volumes) {
-    const char *shown = of->shown[i];
-    if (is_ambiguous(mesh, n, of, i)) {
-        pl_text_put(stream, mesh[i].name + of->folder);
+    const char *name = mesh[i].name + of->folder, *shown = of->shown[i];
+    int is_ambiguous = 0; /* cut, and another one looks the same */
+    for (int j = 0; j < n && pl_text_columns(name) > of->width; j++)
+        is_ambiguous |= strcmp(of->shown[j], shown) == 0 && strcmp(mesh[j].name, mesh[i].name) != 0;
+    if (is_ambiguous) {
+        pl_text_put(stream, name);
         fputc('\n', stream);
         shown = "";
     }

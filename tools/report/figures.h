@@ -1,5 +1,9 @@
 /* figures: the figures of a page, from the JSON of a run. Whatever is missing, or of another type,
- * has no value: pages of reports that were made elsewhere are as complete as these. */
+ * has no value: pages of reports that were made elsewhere are as complete as these.
+ *
+ *     pl_figures_find, _last                          the states of the mesh
+ *     pl_figure, _count, _whole, _text, _list         values by their keys
+ */
 #ifndef PL_REPORT_FIGURES_H
 #define PL_REPORT_FIGURES_H
 

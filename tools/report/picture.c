@@ -93,18 +93,6 @@ static void put_float(double value, uint8_t *out) {
     put_little_endian(bits, 4, out);
 }
 
-/** Corners of element i relative to the middle of the box, whose longest side is 1. */
-static void take_corners(const pl_picture *picture, const planish_mesh *mesh, int64_t element,
-                         uint8_t *out) {
-    const int dim = picture->dim;
-    for (int j = 0; j <= dim; j++) {
-        const double *x =
-            mesh->coordinates + (int64_t)mesh->elements[element * (dim + 1) + j] * dim;
-        for (int d = 0; d < dim; d++, out += 4)
-            put_float((x[d] - (picture->low[d] + picture->high[d]) / 2) / picture->size, out);
-    }
-}
-
 /** Take the points of the surface, which lie in the middle of their nodes. */
 static int take_surface(const pl_picture *picture, const pl_job *job, drawn_state *to) {
     const int dim = picture->dim;
@@ -133,7 +121,8 @@ static int take_surface(const pl_picture *picture, const pl_job *job, drawn_stat
 }
 
 static int take_worst(const pl_picture *picture, const pl_job *job, drawn_state *to) {
-    const int corner_size = 4 * picture->dim * (picture->dim + 1);
+    const int dim = picture->dim, corner_size = 4 * dim * (dim + 1);
+    const double *x = job->mesh.coordinates;
     pl_worst worst = {0};
     int status = pl_worst_select(job, MOST_BAD, &worst);
     to->corner = malloc((size_t)(worst.n * corner_size) + 1);
@@ -141,7 +130,14 @@ static int take_worst(const pl_picture *picture, const pl_job *job, drawn_state 
     if (!status && (!to->corner || !to->bad_ratio))
         status = pl_job_complain_memory(job, "the picture");
     for (int64_t i = 0; !status && i < worst.n; i++) {
-        take_corners(picture, &job->mesh, worst.bad[i].element, to->corner + i * corner_size);
+        /* Corners relative to the middle of the box, whose longest side is 1. */
+        const int32_t *node = job->mesh.elements + worst.bad[i].element * (dim + 1);
+        uint8_t *out = to->corner + i * corner_size;
+        for (int j = 0; j <= dim; j++)
+            for (int d = 0; d < dim; d++, out += 4) {
+                const double middle = (picture->low[d] + picture->high[d]) / 2;
+                put_float((x[(int64_t)node[j] * dim + d] - middle) / picture->size, out);
+            }
         put_float(worst.bad[i].radius_ratio, to->bad_ratio + 4 * i);
     }
     to->n_bad = worst.n;

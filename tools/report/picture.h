@@ -3,6 +3,10 @@
  *
  * A surface of many triangles is drawn coarsely, so that a page stays small whatever the mesh:
  * nodes that lie in one cell of a grid become one.
+ *
+ *     pl_picture_begin, _take, _free           a mesh, and its states
+ *     pl_picture_fits, _n_states, _count       questions about it
+ *     pl_picture_put                           the data for viewer.js
  */
 #ifndef PL_REPORT_PICTURE_H
 #define PL_REPORT_PICTURE_H

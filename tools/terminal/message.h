@@ -1,4 +1,8 @@
-/* message: exit statuses and the one-line messages on standard error. */
+/* message: exit statuses and the one-line messages on standard error.
+ *
+ *     pl_complain, pl_complain_usage, pl_note        messages
+ *     pl_flush_stdout                                the end of standard output
+ */
 #ifndef PL_TOOLS_MESSAGE_H
 #define PL_TOOLS_MESSAGE_H
 

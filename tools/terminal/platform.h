@@ -1,5 +1,10 @@
 /* platform: what the program asks of the operating system beside files and signals. One of
  * platform_posix.c and platform_windows.c is built; what the libraries ask is in base/system.h.
+ *
+ *     pl_platform_begin             streams, environment and arguments
+ *     pl_console_*                  what a terminal can do
+ *     pl_peak_memory_bytes          memory of this process
+ *     pl_memory_stream_*            text that is printed into memory
  */
 #ifndef PL_TOOLS_PLATFORM_H
 #define PL_TOOLS_PLATFORM_H

@@ -67,16 +67,6 @@ static void handle_if_default(int signal_number, void (*handler)(int)) {
         handle(signal_number, handler);
 }
 
-/** Whatever ends the program, no temporary file stays. */
-static void handle_others(void) {
-    static const int ends[] = {SIGQUIT, SIGXCPU, SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2};
-    static const int crashes[] = {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGSYS, SIGTRAP};
-    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
-        handle_if_default(ends[i], on_end);
-    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++)
-        handle_if_default(crashes[i], on_crash);
-}
-
 /** A signal that the parent had ignored (a job in the background, say) stays ignored. */
 static void handle_unless_ignored(int signal_number, void (*handler)(int)) {
     struct sigaction present;
@@ -91,12 +81,18 @@ static void handle_ends(void (*handler)(int)) {
 }
 
 void pl_signals_install_ends(void) {
+    static const int ends[] = {SIGQUIT, SIGXCPU, SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2};
+    static const int crashes[] = {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGSYS, SIGTRAP};
     handle(SIGPIPE, SIG_IGN);
     handle(SIGXFSZ, SIG_IGN); /* a limit on the size of files is an error like a full disk */
     main_thread = pthread_self();
     handle(SIGBUS, on_bus_error);
     handle_ends(on_end);
-    handle_others();
+    /* Whatever else ends the program, no temporary file stays. */
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
+        handle_if_default(ends[i], on_end);
+    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++)
+        handle_if_default(crashes[i], on_crash);
 }
 
 void pl_signals_install_stop(void) {

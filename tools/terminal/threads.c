@@ -12,21 +12,6 @@ static void *wait_for_gate(void *gate) {
     return NULL;
 }
 
-/** Start threads - 1 threads beside this one, all alive at the same time, and end them again; how
- *  many there were with this one. */
-static int count_startable(int threads) {
-    pthread_t started[PL_MAX_THREADS];
-    pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
-    int n = 0;
-    pthread_mutex_lock(&gate);
-    while (n < threads - 1 && pthread_create(&started[n], NULL, wait_for_gate, &gate) == 0)
-        n++;
-    pthread_mutex_unlock(&gate);
-    for (int i = 0; i < n; i++)
-        pthread_join(started[i], NULL);
-    return n + 1;
-}
-
 static void do_nothing(void *context, int64_t begin, int64_t end, int thread) {
     (void)context;
     (void)begin;
@@ -41,10 +26,20 @@ int pl_threads_to_use(int wanted) {
     const long n = told && wanted == 0 ? strtol(told, NULL, 10) : 0;
     if (n > 0 && n <= PL_MAX_THREADS)
         wanted = (int)n;
+    /* Start as many beside this one, all alive at the same time, and end them again. */
+    pthread_t started[PL_MAX_THREADS];
+    pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
     const int threads = pl_thread_count(wanted);
-    const int startable = count_startable(threads);
-    if (startable < threads)
-        wanted = startable;
+    int n_started = 0;
+    pthread_mutex_lock(&gate);
+    while (n_started < threads - 1 &&
+           pthread_create(&started[n_started], NULL, wait_for_gate, &gate) == 0)
+        n_started++;
+    pthread_mutex_unlock(&gate);
+    for (int i = 0; i < n_started; i++)
+        pthread_join(started[i], NULL);
+    if (n_started + 1 < threads)
+        wanted = n_started + 1;
     pl_on_each_thread(pl_thread_count(wanted), do_nothing,
                       NULL); /* OpenMP keeps them from now on */
     return wanted;
