@@ -153,36 +153,10 @@ static int count_kept(walk *w, int64_t kept[4]) {
     return status;
 }
 
-/** Store the element that the walk came to, of the section of that index. */
-static int store_element(walk *w, int32_t section) {
-    io_model *model = w->r->model;
-    const io_element_type *t = w->type;
-    io_cells *cells = io_element_cells(model, t);
-    const int64_t element = w->section->start + w->index;
-    for (int j = 0; j < t->nodes; j++) {
-        const int64_t number = io_hdf5_integer(&w->nodes, w->at + j);
-        if (number < 1 || number > model->n_nodes)
-            return io_hdf5_fail(w->r->file, w->path.text,
-                                "element %lld: node %lld is not in 1 .. %lld", (long long)element,
-                                (long long)number, (long long)model->n_nodes);
-        if (cells)
-            cells->nodes[cells->n * t->nodes + j] = (int32_t)(number - 1);
-        else
-            io_hold_node(model, number - 1, io_element_reason(t));
-    }
-    if (cells) {
-        cells->entity[cells->n] = section;
-        cells->number[cells->n++] = element;
-    } else {
-        io_element_count(model, t, 1);
-    }
-    return PLANISH_OK;
-}
-
 /* ---- sections ----------------------------------------------------------------------------- */
 
-/** Store the elements of a section whose lists have been read. */
-static int store_elements(walk *w, int32_t section) {
+/** Store the elements of a section whose lists have been read; index: of the section. */
+static int store_elements(walk *w, int32_t index) {
     io_model *model = w->r->model;
     int64_t kept[4];
     int status = count_kept(w, kept);
@@ -196,11 +170,30 @@ static int store_elements(walk *w, int32_t section) {
     w->at = 0;
     for (int64_t i = 0; i < w->n && !status; i++) {
         status = next_element(w);
-        if (!status)
-            status = store_element(w, section);
+        if (status)
+            break;
+        const io_element_type *t = w->type;
+        const int64_t element = w->section->start + i;
+        io_cells *cells = io_element_cells(model, t);
+        for (int j = 0; j < t->nodes; j++) {
+            const int64_t number = io_hdf5_integer(&w->nodes, w->at + j);
+            if (number < 1 || number > model->n_nodes)
+                return io_hdf5_fail(
+                    w->r->file, w->path.text, "element %lld: node %lld is not in 1 .. %lld",
+                    (long long)element, (long long)number, (long long)model->n_nodes);
+            if (cells)
+                cells->nodes[cells->n * t->nodes + j] = (int32_t)(number - 1);
+            else
+                io_hold_node(model, number - 1, io_element_reason(t));
+        }
+        if (cells) {
+            cells->entity[cells->n] = index;
+            cells->number[cells->n++] = element;
+            w->section->behind[io_element_dim(t)] = cells->n;
+        } else {
+            io_element_count(model, t, 1);
+        }
     }
-    for (int dim = 1; dim <= 3; dim++)
-        w->section->behind[dim] = io_model_cells(model, dim)->n;
     return status;
 }
 

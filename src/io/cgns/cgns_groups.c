@@ -53,35 +53,17 @@ static int add_class(groups *g, int32_t before, int32_t in_condition, int32_t *i
 
 /** Move a member of *class to the one whose members are in the condition, too. */
 static int move_member(groups *g, int32_t in_condition, int32_t *class) {
-    cell_class *now = &g->class[*class];
-    if (now->condition == in_condition) /* listed twice */
+    int32_t index = g->class[*class].moved;
+    if (g->class[*class].condition == in_condition) /* listed twice */
         return PLANISH_OK;
-    if (now->moved_by != in_condition) {
-        int32_t index;
-        int status = add_class(g, *class, in_condition, &index);
+    if (g->class[*class].moved_by != in_condition) {
+        const int status = add_class(g, *class, in_condition, &index);
         if (status)
             return status;
-        now = &g->class[*class]; /* the array may have moved */
-        now->moved = index;
-        now->moved_by = in_condition;
+        g->class[*class].moved = index;
+        g->class[*class].moved_by = in_condition;
     }
-    *class = now->moved;
-    return PLANISH_OK;
-}
-
-/** Begin the classes of nodes, once there is a condition of nodes. */
-static int begin_nodes(groups *g) {
-    io_model *model = g->r->model;
-    if (model->node_entity)
-        return PLANISH_OK;
-    int status = add_class(g, NONE, NONE, &g->other_nodes);
-    if (status)
-        return status;
-    model->node_entity = pl_alloc(model->n_nodes, sizeof *model->node_entity);
-    if (!model->node_entity)
-        return pl_fail_memory(g->r->error, "the groups of nodes");
-    for (int64_t i = 0; i < model->n_nodes; i++)
-        model->node_entity[i] = g->other_nodes;
+    *class = index;
     return PLANISH_OK;
 }
 
@@ -185,6 +167,7 @@ static int take_members(groups *g, const io_hdf5_path *path, int32_t in_conditio
                  {"PointListDonor", 1, 0},
                  {"ElementList", 0, 0},
                  {"ElementRange", 0, 1}};
+    io_model *model = g->r->model;
     char location[NAME_SIZE] = "";
     int status = cgns_text(g->r, path, "GridLocation", location, sizeof location);
     const int is_vertex = !location[0] || strcmp(location, "Vertex") == 0;
@@ -195,8 +178,13 @@ static int take_members(groups *g, const io_hdf5_path *path, int32_t in_conditio
             continue;
         const int is_nodes = lists[i].is_points && is_vertex;
         status = cgns_integers(g->r, &child, &numbers);
-        if (!status && is_nodes)
-            status = begin_nodes(g);
+        if (!status && is_nodes && !model->node_entity) { /* classes of nodes begin */
+            model->node_entity = pl_alloc(model->n_nodes, sizeof *model->node_entity);
+            status = model->node_entity ? add_class(g, NONE, NONE, &g->other_nodes)
+                                        : pl_fail_memory(g->r->error, "the groups of nodes");
+            for (int64_t k = 0; k < model->n_nodes && !status; k++)
+                model->node_entity[k] = g->other_nodes;
+        }
         if (!status)
             status = take_list(g, child.text, is_nodes, lists[i].is_range, &numbers, in_condition);
         io_hdf5_integers_release(&numbers);

@@ -130,22 +130,6 @@ int plex_check_labels(plex_reader *r, int *has_regions_alone) {
 
 /* ---- cells, entities and groups ------------------------------------------------------------- */
 
-/** Make cells of the points of the sets of dimension dim. */
-static int make_cells(labels *l, int dim) {
-    plex_reader *r = l->r;
-    int64_t n = 0;
-    for (int64_t i = 0; i < l->n; i++)
-        n += l->set[i].dim == dim ? l->set[i].points.n : 0;
-    int status = n > 0 ? io_cells_reserve(r->model, dim, n, 1, 0, r->error) : PLANISH_OK;
-    for (int64_t i = 0; i < l->n; i++) {
-        const io_hdf5_integers *points = &l->set[i].points;
-        for (int64_t k = 0; l->set[i].dim == dim && k < points->n && !status; k++)
-            if (plex_dim_of(r, io_hdf5_integer(points, k)) == dim)
-                status = plex_add_cell(r, io_hdf5_integer(points, k));
-    }
-    return status;
-}
-
 /** Add the members of a set: its points of the highest dimension, as far as they are cells of dim;
  *  with dim 0 the nodes of those that are no cells. */
 static int add_members(const labels *l, int64_t index, int dim, io_memberships *m) {
@@ -216,8 +200,17 @@ int plex_read_labels(plex_reader *r) {
     labels l = {.r = r};
     int status = read_sets(&l, 0);
     r->model->groups_by_name = 1;
-    for (int dim = r->dim - 1; dim > 0 && !status; dim--)
-        status = make_cells(&l, dim);
+    /* Points of sets of lower dimension become cells. */
+    for (int64_t i = 0; i < l.n && !status; i++) {
+        const int dim = l.set[i].dim;
+        const io_hdf5_integers *points = &l.set[i].points;
+        if (dim == 0 || dim == r->dim)
+            continue;
+        status = io_cells_reserve(r->model, dim, points->n, 1, 0, r->error);
+        for (int64_t k = 0; k < points->n && !status; k++)
+            if (plex_dim_of(r, io_hdf5_integer(points, k)) == dim)
+                status = plex_add_cell(r, io_hdf5_integer(points, k));
+    }
     for (int dim = r->dim; dim > 0 && !status; dim--)
         if (io_model_cells(r->model, dim)->n > 0)
             status = make_entities(&l, dim);

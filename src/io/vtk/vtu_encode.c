@@ -174,19 +174,8 @@ static int find_packed(point_rewrite *r) {
 
 /* ---- arrays -------------------------------------------------------------------------------- */
 
-/** Edit the text of an array where bytes changed; all other characters stay. */
-static int edit_base64(const point_rewrite *r, io_edits *edits) {
-    const vtu_array *array = r->array;
-    const int64_t length = array->data_end - array->begin;
-    char *text = pl_alloc(length, 1);
-    if (!text)
-        return pl_fail_memory(r->document->error, "the points to be written");
-    memcpy(text, r->document->model->input.data + array->begin, (size_t)length);
-    io_base64_replace(text, length, r->document->header_size, r->size, r->bytes);
-    return io_edits_add(edits, (io_edit){array->begin, array->data_end, text, length},
-                        r->document->error);
-}
-
+/** Edit an array of points: packed ones block by block; of base64 only characters of bytes that
+ *  changed. */
 static int edit_points(vtu_document *document, vtu_array *array, const double *coordinates,
                        int threads, io_edits *edits) {
     const int64_t n = document->piece[array->piece].n_points;
@@ -203,8 +192,19 @@ static int edit_points(vtu_document *document, vtu_array *array, const double *c
         status = find_packed(&r);
     if (!status)
         pl_parallel_for(threads, n, CHUNK_POINTS, replace_chunk, &r);
-    if (!status && r.is_changed)
-        status = is_packed ? edit_packed(&r, threads, edits) : edit_base64(&r, edits);
+    if (!status && r.is_changed && is_packed) {
+        status = edit_packed(&r, threads, edits);
+    } else if (!status && r.is_changed) {
+        const int64_t length = array->data_end - array->begin;
+        char *text = pl_alloc(length, 1);
+        if (text) {
+            memcpy(text, document->model->input.data + array->begin, (size_t)length);
+            io_base64_replace(text, length, document->header_size, r.size, r.bytes);
+        }
+        status = text ? io_edits_add(edits, (io_edit){array->begin, array->data_end, text, length},
+                                     document->error)
+                      : pl_fail_memory(document->error, "the points to be written");
+    }
     for (int64_t i = 0; r.packed && i < r.blocks.n; i++)
         pl_free(r.packed[i]);
     pl_free(r.packed);
