@@ -98,7 +98,7 @@ static void make_model(io_model *model, int columns, int dim, const double *z) {
     model->threads = 1;
     model->columns = columns;
     io_cells *cells = dim == 3 ? &model->tetrahedron : &model->triangle;
-    assert_int_equal(io_model_nodes(model, 4, 1, NULL), PLANISH_OK);
+    assert_int_equal(io_model_alloc_nodes(model, 4, 1, NULL), PLANISH_OK);
     assert_int_equal(io_cells_reserve(model, dim, 1, 0, 0, NULL), PLANISH_OK);
     for (int i = 0; i < 4; i++) {
         model->xyz[3 * i] = i;
@@ -172,7 +172,7 @@ static void counts_beyond_int32_are_refused(void **state) {
     (void)state;
     io_model model = {.n_nodes = 0};
     planish_error error;
-    assert_int_equal(io_model_nodes(&model, (int64_t)INT32_MAX + 1, 0, &error),
+    assert_int_equal(io_model_alloc_nodes(&model, (int64_t)INT32_MAX + 1, 0, &error),
                      PLANISH_ERROR_FORMAT);
     assert_int_equal(io_cells_reserve(&model, 2, (int64_t)INT32_MAX + 1, 0, 0, &error),
                      PLANISH_ERROR_FORMAT);
@@ -234,9 +234,9 @@ static void coordinates_are_finite(void **state) {
                             .first_number = 7,
                             .xyz = room};
     planish_error error;
-    assert_int_equal(io_load_point(&model, data, 4, 0, 0, &error), PLANISH_OK);
+    assert_int_equal(io_load_node(&model, data, 4, 0, 0, &error), PLANISH_OK);
     assert_true(room[2] == 3);
-    assert_int_equal(io_load_point(&model, data + 12, 4, 0, 1, &error), PLANISH_ERROR_FORMAT);
+    assert_int_equal(io_load_node(&model, data + 12, 4, 0, 1, &error), PLANISH_ERROR_FORMAT);
     assert_string_equal(error.text, "mesh: byte 16: node 8 has a coordinate that is not finite");
 }
 

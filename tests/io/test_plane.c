@@ -123,7 +123,7 @@ static void axes_are_told(void **state) {
 }
 
 /** A node that inverts triangles as it is placed goes back, and so does one that is told to. */
-static void settling_takes_nodes_back(void **state) {
+static void rounding_takes_nodes_back(void **state) {
     (void)state;
     planish_file *file =
         read_grid((const double[]){15, 12, 16}, (const double[]){-20, 9, 12}, 0, "", 0);
@@ -195,7 +195,7 @@ int main(void) {
         cmocka_unit_test(frames_are_orthonormal),
         cmocka_unit_test(nodes_of_no_triangle_are_elsewhere),
         cmocka_unit_test(axes_are_told),
-        cmocka_unit_test(settling_takes_nodes_back),
+        cmocka_unit_test(rounding_takes_nodes_back),
         cmocka_unit_test(wrong_arguments),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -261,7 +261,7 @@ static int abaqus_read(io_model *model, planish_error *error) {
     if (!status)
         status = abaqus_read_sets(&r);
     for (int dim = 1; dim <= 3; dim++)
-        io_settle_cell_numbers(io_model_cells(model, dim));
+        io_reduce_cell_numbers(io_model_cells(model, dim));
     for (int64_t i = 0; i < r.n_sets; i++)
         pl_free(r.set[i].member);
     for (int i = 0; i < 2; i++) {

@@ -169,7 +169,7 @@ static int read_nodes(cgns_reader *r, int64_t n_nodes) {
                                 "are not read)",
                                 (long long)shape.n, (long long)n_nodes);
         if (!status && d == 0)
-            status = io_model_nodes(model, n_nodes, 0, r->error);
+            status = io_model_alloc_nodes(model, n_nodes, 0, r->error);
         if (!status)
             status = io_hdf5_coordinates(r->file, &place);
     }

@@ -287,7 +287,7 @@ static int list_names(io_model *model, planish_error *error) {
 
 /** Ask the library which arrays tell regions. What is no mesh has none to find: the caller is told
  *  so when it makes a plan. */
-static int find_regions(io_model *model, array_view *v, planish_error *error) {
+static int find_region_arrays(io_model *model, array_view *v, planish_error *error) {
     const io_cells *cells = io_model_elements(model);
     const planish_mesh mesh = {.dim = cells == &model->triangle ? 2 : 3,
                                .n_nodes = model->n_nodes,
@@ -307,20 +307,26 @@ static int find_regions(io_model *model, array_view *v, planish_error *error) {
     return PLANISH_OK;
 }
 
-int io_arrays_settle(io_model *model, planish_error *error) {
+/** Make regions, and the lists of names, by the arrays that are chosen, of which first is the one
+ *  that groups are named by; or (is_chosen 0) by those that the library finds. */
+static int apply_arrays(io_model *model, int is_chosen, int first, planish_error *error) {
     array_view v = {.of = NULL};
-    if (model->n_arrays == 0 || io_model_elements(model)->n == 0)
-        return PLANISH_OK;
-    model->has_entities = io_model_elements(model)->entity != NULL;
     int status = make_view(model, &v, error);
+    if (!status && !is_chosen)
+        status = find_region_arrays(model, &v, error);
     if (!status)
-        status = find_regions(model, &v, error);
-    if (!status)
-        status = make_regions(model, &v, find_primary(model), error);
+        status = make_regions(model, &v, is_chosen ? first : find_primary(model), error);
     if (!status)
         status = list_names(model, error);
     release_view(model, &v);
     return status;
+}
+
+int io_arrays_find_regions(io_model *model, planish_error *error) {
+    if (model->n_arrays == 0 || io_model_elements(model)->n == 0)
+        return PLANISH_OK;
+    model->has_entities = io_model_elements(model)->entity != NULL;
+    return apply_arrays(model, 0, -1, error);
 }
 
 /* ---- choosing ----------------------------------------------------------------------------- */
@@ -341,7 +347,6 @@ static int fail_name(const io_model *model, const char *name, planish_error *err
 static int choose_names(io_model *model, const char *const *names, int n_names,
                         planish_error *error) {
     int first = -1;
-    array_view v = {.of = NULL};
     for (int i = 0; i < model->n_arrays; i++)
         model->array[i].is_region = 0;
     for (int k = 0; k < n_names; k++)
@@ -350,13 +355,7 @@ static int choose_names(io_model *model, const char *const *names, int n_names,
                 first = first < 0 ? i : first;
                 model->array[i].is_region = 1;
             }
-    int status = make_view(model, &v, error);
-    if (!status)
-        status = make_regions(model, &v, first, error);
-    if (!status)
-        status = list_names(model, error);
-    release_view(model, &v);
-    return status;
+    return apply_arrays(model, 1, first, error);
 }
 
 int io_arrays_choose(io_model *model, const char *const *names, int n_names, planish_error *error) {

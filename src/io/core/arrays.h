@@ -2,7 +2,7 @@
  *
  *   io_array_begin, _put, _end, _drop           an array of values by cell
  *   io_array_begin_elements, _put_element ...   or by element
- *   io_arrays_settle, io_arrays_choose          arrays make regions
+ *   io_arrays_find_regions, io_arrays_choose    arrays make regions
  *
  * A reader fills in those whose values are whole numbers at all elements that are smoothed. When
  * all has been read, planish_find_regions says which of them tell regions, or the user does. They
@@ -36,7 +36,7 @@ int io_array_begin(const io_model *model, const char *name, int64_t n_cells,
 int io_array_put(io_array_filler *filler, int64_t cell, int is_whole, int64_t value,
                  planish_error *error);
 
-/** Begin an array whose values are put by element, in any order; the elements' numbers are settled.
+/** Begin an array whose values are put by element, in any order; the elements' numbers are reduced.
  */
 int io_array_begin_elements(const io_model *model, const char *name, io_array_filler *filler,
                             planish_error *error);
@@ -59,7 +59,7 @@ void io_array_drop(io_array_filler *filler);
 
 /** Let the arrays that tell regions make the regions of cells. All has been read, and the model is
  *  to be finished. */
-int io_arrays_settle(io_model *model, planish_error *error);
+int io_arrays_find_regions(io_model *model, planish_error *error);
 
 /** Let the arrays called names [n_names], along with the file's own entities, make the regions, and
  *  release the values of all. Error: _ARGUMENT (no such array; the text lists those that there

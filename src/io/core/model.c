@@ -15,7 +15,7 @@ enum { CHUNK_NODES = 1 << 16 };
 
 /* ---- nodes -------------------------------------------------------------------------------- */
 
-int io_model_nodes(io_model *model, int64_t n_nodes, int text, planish_error *error) {
+int io_model_alloc_nodes(io_model *model, int64_t n_nodes, int text, planish_error *error) {
     if (n_nodes > INT32_MAX)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: %lld nodes are more than the %lld that planish can handle",
@@ -37,8 +37,8 @@ int io_model_span(io_model *model, io_span span, planish_error *error) {
                : pl_fail_memory(error, "the places of the nodes");
 }
 
-int io_model_points(io_model *model, int64_t n, int size, int64_t stride, int swapped,
-                    const char *at, planish_error *error) {
+int io_model_make_nodes(io_model *model, int64_t n, int size, int64_t stride, int swapped,
+                        const char *at, planish_error *error) {
     io_span span = {.n_nodes = n, .encoding = IO_TEXT};
     if (model->is_binary)
         span = (io_span){.n_nodes = n,
@@ -47,7 +47,7 @@ int io_model_points(io_model *model, int64_t n, int size, int64_t stride, int sw
                          .offset = at - model->input.data,
                          .stride = stride};
     model->precision = size == 4 ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE;
-    const int status = io_model_nodes(model, n, !model->is_binary, error);
+    const int status = io_model_alloc_nodes(model, n, !model->is_binary, error);
     return status ? status : io_model_span(model, span, error);
 }
 

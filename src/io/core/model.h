@@ -4,8 +4,8 @@
  *   io_cursor, io_bytes                 places in the input, and its bytes
  *   io_span, io_field, io_edit          places of coordinates, and their replacement
  *   io_cells, io_entity, io_group       cells, regions and names
- *   io_model_nodes, _points, _span ...  what readers call to fill it in
- *   io_numbers, io_settle_...           the file's numbers of nodes and cells
+ *   io_model_make_nodes, _span ...      what readers call to fill it in
+ *   io_numbers, io_reduce_...           the file's numbers of nodes and cells
  *   io_fail_at, io_check_...            errors at a place, and checks
  *
  * A reader walks the bytes of its format once and tells the model: the nodes (value and place of
@@ -253,15 +253,15 @@ typedef struct io_model {
 
 /** Allocate the arrays of n_nodes nodes: xyz, hold (zeroed), text_offset if text. The reader has
  *  already checked that the file is large enough for that many. */
-int io_model_nodes(io_model *model, int64_t n_nodes, int text, planish_error *error);
+int io_model_alloc_nodes(io_model *model, int64_t n_nodes, int text, planish_error *error);
 
 /** Note a run of nodes behind the others. */
 int io_model_span(io_model *model, io_span span, planish_error *error);
 
 /** Make n nodes whose coordinates stand at at, size bytes (4, 8) each, a node every stride bytes,
  * or in text (then stride, swapped and at do not matter); note their place and their precision. */
-int io_model_points(io_model *model, int64_t n, int size, int64_t stride, int swapped,
-                    const char *at, planish_error *error);
+int io_model_make_nodes(io_model *model, int64_t n, int size, int64_t stride, int swapped,
+                        const char *at, planish_error *error);
 
 /** Note a pair of periodic nodes. */
 int io_model_pair(io_model *model, const int32_t pair[2], planish_error *error);
@@ -324,9 +324,9 @@ int io_numbers_create(const char *path, const char *what, const int64_t *numbers
  * is one more than that before. Make the table of those that are kept, for io_node_index. A node
  * that is given again with the same coordinates becomes one (place_node), at other ones it is an
  * error; no array of nodes but xyz, hold and node_number may be there yet. */
-int io_settle_node_numbers(io_model *model, planish_error *error);
+int io_reduce_node_numbers(io_model *model, planish_error *error);
 /** Keep the numbers of cells in the same way, without a table. */
-void io_settle_cell_numbers(io_cells *cells);
+void io_reduce_cell_numbers(io_cells *cells);
 /** Return the index of number, or -1. */
 int64_t io_numbers_find(const io_numbers *table, int64_t number);
 /** Release the table; NULL is none. */
@@ -342,7 +342,7 @@ static inline int64_t io_cell_number(const io_cells *cells, int64_t i) {
 }
 
 /** Return the index of the node with that number in the file, or -1. Where nodes have numbers of
- *  their own these are settled. */
+ *  their own these are reduced. */
 static inline int64_t io_node_index(const io_model *model, int64_t number) {
     if (model->numbers)
         return io_numbers_find(model->numbers, number);

@@ -46,7 +46,7 @@ static numbered *sort_numbers(const int64_t *numbers, int64_t n) {
 
 struct io_numbers {
     int64_t n, first, last; /* numbers first .. last occur */
-    int32_t *place;         /* [last - first + 1] index or -1; NULL: see sorted */
+    int32_t *index;         /* [last - first + 1] index or -1; NULL: see sorted */
     numbered *sorted;       /* [n] by number */
 };
 
@@ -62,13 +62,13 @@ int io_numbers_create(const char *path, const char *what, const int64_t *numbers
     }
     const uint64_t range = (uint64_t)last - (uint64_t)first;
     if (range < (uint64_t)n * PLACES_PER_NUMBER + PLACES_AT_LEAST) {
-        table->place = pl_alloc((int64_t)range + 1, sizeof *table->place);
-        for (int64_t i = 0; table->place && i <= last - first; i++)
-            table->place[i] = -1;
-        for (int64_t i = 0; table->place && i < n && twice < 0; i++) {
-            int32_t *place = &table->place[numbers[i] - first];
-            twice = *place < 0 ? -1 : i;
-            *place = (int32_t)i;
+        table->index = pl_alloc((int64_t)range + 1, sizeof *table->index);
+        for (int64_t i = 0; table->index && i <= last - first; i++)
+            table->index[i] = -1;
+        for (int64_t i = 0; table->index && i < n && twice < 0; i++) {
+            int32_t *index = &table->index[numbers[i] - first];
+            twice = *index < 0 ? -1 : i;
+            *index = (int32_t)i;
         }
     } else {
         table->sorted = sort_numbers(numbers, n);
@@ -80,7 +80,7 @@ int io_numbers_create(const char *path, const char *what, const int64_t *numbers
     table->first = first;
     table->last = last;
     int status = PLANISH_OK;
-    if (!table->place && !table->sorted)
+    if (!table->index && !table->sorted)
         status = pl_fail_memory(error, "node numbers");
     else if (twice >= 0)
         status = pl_fail(error, PLANISH_ERROR_FORMAT, "%s: %s number %lld occurs twice", path, what,
@@ -95,8 +95,8 @@ int io_numbers_create(const char *path, const char *what, const int64_t *numbers
 int64_t io_numbers_find(const io_numbers *table, int64_t number) {
     if (number < table->first || number > table->last)
         return -1;
-    if (table->place)
-        return table->place[number - table->first];
+    if (table->index)
+        return table->index[number - table->first];
     const numbered key = {number, 0};
     const numbered *found =
         bsearch(&key, table->sorted, (size_t)table->n, sizeof key, compare_numbers);
@@ -106,21 +106,20 @@ int64_t io_numbers_find(const io_numbers *table, int64_t number) {
 void io_numbers_destroy(io_numbers *table) {
     if (!table)
         return;
-    pl_free(table->place);
+    pl_free(table->index);
     pl_free(table->sorted);
     pl_free(table);
 }
 
 /* ---- copies of nodes ----------------------------------------------------------------------- */
 
-/** Find for each place the first one of the same number: first [n]. Fails if the coordinates of
- *  places of a number differ. */
-static int find_first(const io_model *model, int32_t *first, planish_error *error) {
+/** Make one node of all that have the same number: model->place_node. Fail if their coordinates
+ *  differ. */
+static int unite_copies(io_model *model, planish_error *error) {
     const int64_t n = model->n_nodes;
+    int32_t *first = pl_alloc(n, sizeof *first), kept = 0; /* place of the same number, the first */
     numbered *sorted = sort_numbers(model->node_number, n);
-    if (!sorted)
-        return pl_fail_memory(error, "node numbers");
-    int status = PLANISH_OK;
+    int status = first && sorted ? PLANISH_OK : pl_fail_memory(error, "node numbers");
     for (int64_t i = 0, begin = 0; i < n && !status; i++) {
         if (sorted[i].number != sorted[begin].number)
             begin = i;
@@ -133,16 +132,6 @@ static int find_first(const io_model *model, int32_t *first, planish_error *erro
                              model->input.path, (long long)sorted[i].number);
     }
     pl_free(sorted);
-    return status;
-}
-
-/** Make one node of all that have the same number: model->place_node. */
-static int unite_copies(io_model *model, planish_error *error) {
-    const int64_t n = model->n_nodes;
-    int32_t *first = pl_alloc(n, sizeof *first), kept = 0;
-    if (!first)
-        return pl_fail_memory(error, "node numbers");
-    const int status = find_first(model, first, error);
     if (status) {
         pl_free(first);
         return status;
@@ -176,7 +165,7 @@ static int are_consecutive(const int64_t *number, int64_t n) {
     return 1;
 }
 
-int io_settle_node_numbers(io_model *model, planish_error *error) {
+int io_reduce_node_numbers(io_model *model, planish_error *error) {
     if (!are_consecutive(model->node_number, model->n_nodes)) {
         planish_error twice = {.text = ""};
         int status = io_numbers_create(model->input.path, "node", model->node_number,
@@ -199,7 +188,7 @@ int io_settle_node_numbers(io_model *model, planish_error *error) {
     return PLANISH_OK;
 }
 
-void io_settle_cell_numbers(io_cells *cells) {
+void io_reduce_cell_numbers(io_cells *cells) {
     if (!cells->number || !are_consecutive(cells->number, cells->n))
         return;
     cells->first_number = cells->number[0];

@@ -242,8 +242,8 @@ int io_fail_whole(const io_record_kind *kind, const char *at, const io_cursor *c
 
 /* ---- points ------------------------------------------------------------------------------- */
 
-int io_load_point(const io_model *model, const char *at, int size, int swapped, int64_t node,
-                  planish_error *error) {
+int io_load_node(const io_model *model, const char *at, int size, int swapped, int64_t node,
+                 planish_error *error) {
     for (int d = 0; d < 3; d++, at += size) {
         double *x = &model->xyz[3 * node + d];
         *x = size == 4 ? (double)io_load_f32(at, swapped) : io_load_f64(at, swapped);
@@ -254,7 +254,7 @@ int io_load_point(const io_model *model, const char *at, int size, int swapped, 
     return PLANISH_OK;
 }
 
-int io_read_point(io_model *model, io_cursor *cursor, int64_t node, planish_error *error) {
+int io_read_node(io_model *model, io_cursor *cursor, int64_t node, planish_error *error) {
     double *xyz = model->xyz + 3 * node;
     io_skip_space(cursor);
     model->text_offset[node] = cursor->at - model->input.data;
@@ -272,14 +272,14 @@ int io_read_point(io_model *model, io_cursor *cursor, int64_t node, planish_erro
     return PLANISH_OK;
 }
 
-int io_read_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
-                   planish_error *error) {
-    const io_points *points = context;
+int io_read_nodes(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                  planish_error *error) {
+    const io_node_records *points = context;
     io_model *model = points->model;
     for (int64_t node = points->first + begin; node < points->first + end; node++) {
-        const int status = model->is_binary ? io_load_point(model, cursor->at, points->size,
-                                                            points->swapped, node, error)
-                                            : io_read_point(model, cursor, node, error);
+        const int status = model->is_binary ? io_load_node(model, cursor->at, points->size,
+                                                           points->swapped, node, error)
+                                            : io_read_node(model, cursor, node, error);
         if (status)
             return status;
         if (model->is_binary)
@@ -291,7 +291,7 @@ int io_read_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
 /* ---- nodes with numbers ------------------------------------------------------------------- */
 
 int io_nodes_begin(io_model *model, int64_t n, int field_width, planish_error *error) {
-    const int status = io_model_points(model, n, 8, 0, 0, NULL, error);
+    const int status = io_model_make_nodes(model, n, 8, 0, 0, NULL, error);
     if (status)
         return status;
     model->precision = PLANISH_PRECISION_ROUNDED;
@@ -322,6 +322,6 @@ int io_nodes_coordinate(io_model *model, int d, io_slice field, planish_error *e
 }
 
 int io_nodes_end(io_model *model, planish_error *error) {
-    return model->n_nodes == model->span->n_nodes ? io_settle_node_numbers(model, error)
+    return model->n_nodes == model->span->n_nodes ? io_reduce_node_numbers(model, error)
                                                   : io_bytes_fail_changed(&model->input, error);
 }

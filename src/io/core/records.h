@@ -4,8 +4,8 @@
  *   io_records                       read records of a text or binary file
  *   io_text_records, io_binary_...   read records of the one or the other
  *   io_section, io_sections_add ...  places of records that a first walk over a file notes
- *   io_read_point, io_load_point     coordinates of a node from text or binary
- *   io_points, io_read_points        and of many
+ *   io_read_node, io_load_node       coordinates of a node from text or binary
+ *   io_node_records, io_read_nodes   and of many
  *   io_nodes_begin, _next, ...       nodes with numbers, counted in one walk and read in another
  *   io_number, io_take_whole         take a whole number, in text and in binary
  *   io_left, io_hold_node            small helpers of readers
@@ -81,23 +81,23 @@ int io_section_records(io_text *text, const io_section *section, const char *nam
 
 /** Read the three coordinates of node from binary reals at at, size bytes (4, 8) each, one behind
  *  the other; an error if one is not finite. error may be NULL. */
-int io_load_point(const io_model *model, const char *at, int size, int swapped, int64_t node,
-                  planish_error *error);
+int io_load_node(const io_model *model, const char *at, int size, int swapped, int64_t node,
+                 planish_error *error);
 
 /** Read the three coordinates of node from text, note their place, round them to the model's
  *  precision; an error (of text) if they are no finite numbers. */
-int io_read_point(io_model *model, io_cursor *cursor, int64_t node, planish_error *error);
+int io_read_node(io_model *model, io_cursor *cursor, int64_t node, planish_error *error);
 
 /** Points that are records of their own: three coordinates, and nothing else. */
-typedef struct io_points {
+typedef struct io_node_records {
     io_model *model;
     int64_t first;     /* node of the first record */
     int size, swapped; /* binary: bytes of a coordinate; its byte order is the other one */
-} io_points;
+} io_node_records;
 
-/** Read points of an io_points, the context, from text or binary: io_records_fn. */
-int io_read_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
-                   planish_error *error);
+/** Read points of an io_node_records, the context, from text or binary: io_records_fn. */
+int io_read_nodes(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                  planish_error *error);
 
 /** Begin n nodes of text, which have numbers and coordinates of field_width characters. */
 int io_nodes_begin(io_model *model, int64_t n, int field_width, planish_error *error);
@@ -105,7 +105,7 @@ int io_nodes_begin(io_model *model, int64_t n, int field_width, planish_error *e
 int io_nodes_next(io_model *model, int64_t number, const char *at, planish_error *error);
 /** Take coordinate d of that node, 0 where field is empty. */
 int io_nodes_coordinate(io_model *model, int d, io_slice field, planish_error *error);
-/** End the nodes: fail if there are fewer, settle their numbers. */
+/** End the nodes: fail if there are fewer, reduce their numbers. */
 int io_nodes_end(io_model *model, planish_error *error);
 
 /** Return the bytes from the cursor to the end. */

@@ -138,7 +138,7 @@ static int read_model(planish_file *file, planish_error *error) {
     io_numbers_destroy(file->model.numbers);
     file->model.numbers = NULL;
     if (!status)
-        status = io_arrays_settle(&file->model, error);
+        status = io_arrays_find_regions(&file->model, error);
     if (!status)
         status = io_model_finish(&file->model, file->format, error);
     return status ? status : count_regions(file, error);
@@ -161,8 +161,7 @@ static int try_file(void *data, planish_error *error) {
         status = read_model(file, error);
     pl_output none = {.fd = -1}; /* nothing differs that would be written */
     if (!status && file->format->amend)
-        status =
-            file->format->amend(&file->model, io_model_places_read(&file->model), &none, error);
+        status = file->format->amend(&file->model, io_written_as_read(&file->model), &none, error);
     return status;
 }
 

@@ -53,7 +53,7 @@ static int has_moved(const io_model *model, int64_t node, const double *uv) {
     return !pl_is_same(uv[0], before[0]) || !pl_is_same(uv[1], before[1]);
 }
 
-void io_model_place(const io_model *model, int64_t node, const double *at, double xyz[3]) {
+void io_space_coordinates(const io_model *model, int64_t node, const double *at, double xyz[3]) {
     const io_plane *plane = &model->plane;
     const int *axis = plane->axis;
     const double *read = model->xyz ? model->xyz + 3 * node : NULL;
@@ -92,13 +92,14 @@ static void place_chunk(void *context, int64_t begin, int64_t end, int thread) {
     for (int64_t i = begin; i < end; i++) {
         const int64_t node = p->place_node ? p->place_node[i] : i;
         double xyz[3];
-        io_model_place(p->model, node, p->coordinates + dim * node, xyz);
+        io_space_coordinates(p->model, node, p->coordinates + dim * node, xyz);
         memcpy(p->places + written * i, xyz, (size_t)written * sizeof *xyz);
     }
 }
 
-int io_model_places(const io_model *model, const double *coordinates, const int32_t *place_node,
-                    int threads, const double **places, double **owned, planish_error *error) {
+int io_written_coordinates(const io_model *model, const double *coordinates,
+                           const int32_t *place_node, int threads, const double **places,
+                           double **owned, planish_error *error) {
     const int64_t n = place_node ? model->n_places : model->n_nodes;
     *owned = NULL;
     *places = coordinates;
@@ -112,7 +113,7 @@ int io_model_places(const io_model *model, const double *coordinates, const int3
     return PLANISH_OK;
 }
 
-const double *io_model_places_read(const io_model *model) {
+const double *io_written_as_read(const io_model *model) {
     return model->xyz ? model->xyz : model->coordinates;
 }
 
@@ -128,7 +129,8 @@ int planish_file_space_coordinates(const planish_file *file, int64_t first, int6
                        (long long)file->model.n_nodes);
     const pl_outside outside = pl_call_enter(NULL);
     for (int64_t i = 0; i < n; i++)
-        io_model_place(&file->model, first + i, coordinates + file->model.dim * i, xyz + 3 * i);
+        io_space_coordinates(&file->model, first + i, coordinates + file->model.dim * i,
+                             xyz + 3 * i);
     pl_call_leave(&outside);
     return PLANISH_OK;
 }
@@ -195,7 +197,7 @@ static int sign_in_plane(const double *uv, const int32_t *nodes) {
 
 /* ---- signs after smoothing ------------------------------------------------------------------- */
 
-typedef struct settling {
+typedef struct rounding {
     const io_model *model;
     double *uv;     /* [n_nodes][2] */
     double *places; /* [n_nodes][3] as written, owned */
@@ -204,10 +206,10 @@ typedef struct settling {
     column_view views[MOST_VIEWS];
     int n_views;
     int any; /* node has to go back */
-} settling;
+} rounding;
 
 static void find_signs(void *context, int64_t begin, int64_t end, int thread) {
-    settling *s = context;
+    rounding *s = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         s->sign[i] = (int8_t)sign_in_plane(s->uv, s->model->triangle.nodes + 3 * i);
@@ -215,18 +217,18 @@ static void find_signs(void *context, int64_t begin, int64_t end, int thread) {
 
 /** Place nodes; where a file holds less, coordinates become those of what it holds, if they lead
  *  back to it. */
-static void place_nodes(void *context, int64_t begin, int64_t end, int thread) {
-    settling *s = context;
+static void round_nodes(void *context, int64_t begin, int64_t end, int thread) {
+    rounding *s = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         double *uv = s->uv + 2 * i, *place = s->places + 3 * i, again[3];
-        io_model_place(s->model, i, uv, place);
+        io_space_coordinates(s->model, i, uv, place);
         if (s->model->precision == PLANISH_PRECISION_DOUBLE || !has_moved(s->model, i, uv))
             continue;
         const double before[2] = {uv[0], uv[1]};
         int same = 1;
         io_plane_project(&s->model->plane, place, uv);
-        io_model_place(s->model, i, uv, again);
+        io_space_coordinates(s->model, i, uv, again);
         for (int d = 0; d < 3; d++)
             same &= pl_is_same(place[d], again[d]);
         if (!same) /* what is held has nearly the digits of doubles */
@@ -236,7 +238,7 @@ static void place_nodes(void *context, int64_t begin, int64_t end, int thread) {
 
 /** Whether a triangle has another sign as written. Seen along a column as near as the plane's it
  *  may have had one before. */
-static int is_harmed(const settling *s, int64_t element) {
+static int is_harmed(const rounding *s, int64_t element) {
     const int32_t *nodes = s->model->triangle.nodes + 3 * element;
     const int sign = s->sign[element];
     if (sign_in_space(s->places, nodes, s->views[0]) != sign || sign_in_plane(s->uv, nodes) != sign)
@@ -250,7 +252,7 @@ static int is_harmed(const settling *s, int64_t element) {
 
 /** Let the moved nodes of harmed triangles go back. */
 static void find_harm(void *context, int64_t begin, int64_t end, int thread) {
-    settling *s = context;
+    rounding *s = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         const int32_t *nodes = s->model->triangle.nodes + 3 * i;
@@ -266,14 +268,14 @@ static void find_harm(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** Settle coordinates in a tilted plane; *n counts the nodes that go back. Ends, as each round
+/** Round coordinates in a tilted plane; *n counts the nodes that go back. Ends, as each round
  *  takes nodes back. */
-static void settle(settling *s, int64_t *n) {
+static void round_in_plane(rounding *s, int64_t *n) {
     const io_model *model = s->model;
     const int64_t n_elements = model->triangle.n;
     s->n_views = find_views(&model->plane, s->views);
     pl_parallel_for(model->threads, n_elements, CHUNK, find_signs, s);
-    pl_parallel_for(model->threads, model->n_nodes, CHUNK, place_nodes, s);
+    pl_parallel_for(model->threads, model->n_nodes, CHUNK, round_nodes, s);
     do {
         for (int64_t i = 0; i < model->n_nodes; i++) {
             if (s->back[i] != 1)
@@ -295,7 +297,7 @@ int planish_file_round_in_plane(const planish_file *file, double *coordinates, u
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and coordinates must not be NULL");
     const pl_outside outside = pl_call_enter(NULL);
     const io_model *model = &file->model;
-    settling s = {.model = model, .uv = coordinates};
+    rounding s = {.model = model, .uv = coordinates};
     int status = PLANISH_OK;
     if (model->uv_read) {
         s.places = pl_alloc(model->n_nodes, 3 * sizeof *s.places);
@@ -307,7 +309,7 @@ int planish_file_round_in_plane(const planish_file *file, double *coordinates, u
     if (!status && model->uv_read) {
         for (int64_t i = 0; back && i < model->n_nodes; i++)
             s.back[i] = back[i] != 0;
-        settle(&s, &n);
+        round_in_plane(&s, &n);
         for (int64_t i = 0; back && i < model->n_nodes; i++)
             back[i] = s.back[i] != 0;
     }

@@ -1,9 +1,10 @@
 /* plane: the plane that a mesh of triangles lies in, and the coordinates that it has there.
  *
- *   io_plane_find, io_tolerance_of_digits     find the plane; how exact a file is (plane_find.c)
- *   io_plane_keep                             signs of triangles as in the file
- *   io_plane_project, io_model_place(s)       from the file's columns to the plane, and back
- *   io_plane_is_xy                            whether these are the same
+ *   io_plane_find, io_tolerance_of_digits        find the plane; how exact a file is (plane_find.c)
+ *   io_plane_keep                                signs of triangles as in the file
+ *   io_plane_project, io_space_coordinates       from the file's columns to the plane, and back
+ *   io_written_coordinates, io_written_as_read   what a writer takes
+ *   io_plane_is_xy                               whether these are the same
  */
 #ifndef PL_IO_FILE_PLANE_H
 #define PL_IO_FILE_PLANE_H
@@ -31,15 +32,16 @@ static inline int io_plane_is_xy(const io_plane *plane) {
 void io_plane_project(const io_plane *plane, const double xyz[3], double uv[2]);
 
 /** Find where node is with coordinates at [dim], in the file's columns. */
-void io_model_place(const io_model *model, int64_t node, const double *at, double xyz[3]);
+void io_space_coordinates(const io_model *model, int64_t node, const double *at, double xyz[3]);
 
 /** Find what a writer takes for coordinates [n_nodes][dim]: *places [n_nodes][written], or, of
  *  model->place_node where that is given, [n_places][written]. They are coordinates themselves
  *  where *owned is NULL, else *owned, to be released by pl_free. */
-int io_model_places(const io_model *model, const double *coordinates, const int32_t *place_node,
-                    int threads, const double **places, double **owned, planish_error *error);
+int io_written_coordinates(const io_model *model, const double *coordinates,
+                           const int32_t *place_node, int threads, const double **places,
+                           double **owned, planish_error *error);
 
 /** Return what a writer takes for the coordinates that were read, borrowed. */
-const double *io_model_places_read(const io_model *model);
+const double *io_written_as_read(const io_model *model);
 
 #endif

@@ -248,8 +248,8 @@ int planish_file_write(const planish_file *file, const char *path, const double 
                                 "coordinate %d of node %lld is not finite", (int)(i % dim),
                                 (long long)(i / dim));
     if (!status)
-        status = io_model_places(&file->model, coordinates, file->model.place_node, threads,
-                                 &places, &owned, error);
+        status = io_written_coordinates(&file->model, coordinates, file->model.place_node, threads,
+                                        &places, &owned, error);
     if (!status)
         status = check_strangers(file, path, error);
     if (!status)
@@ -335,8 +335,8 @@ int planish_file_convert(const planish_file *file, const char *path, const doubl
                        "%s: meshes are converted to .vtu and .vtk only", path);
     const pl_outside outside = pl_call_enter(NULL);
     pl_output output = {.fd = -1};
-    int status = io_model_places(&file->model, coordinates, NULL, file->model.threads, &places,
-                                 &owned, error);
+    int status = io_written_coordinates(&file->model, coordinates, NULL, file->model.threads,
+                                        &places, &owned, error);
     const io_view view = io_view_of(&file->model, places, constraint, radius_ratio);
     if (!status)
         status = pl_output_open(path, temporaries, &output, error);

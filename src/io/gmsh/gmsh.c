@@ -17,9 +17,9 @@
 #include "base/status.h"
 
 /** Keep the numbers of cells only where they say more than the first of them. */
-static int settle_numbers(gmsh_reader *reader, io_cells *cells) {
+static int check_numbers(gmsh_reader *reader, io_cells *cells) {
     io_numbers *table; /* made only to find a number that occurs twice */
-    io_settle_cell_numbers(cells);
+    io_reduce_cell_numbers(cells);
     if (!cells->number)
         return PLANISH_OK;
     const int status = io_numbers_create(reader->model->input.path, "element", cells->number,
@@ -205,11 +205,11 @@ static int gmsh_read(io_model *model, planish_error *error) {
     io_text_init(&reader.text, model);
     int status = read_sections(&reader);
     if (!status)
-        status = settle_numbers(&reader, &model->triangle);
+        status = check_numbers(&reader, &model->triangle);
     if (!status)
-        status = settle_numbers(&reader, &model->tetrahedron);
+        status = check_numbers(&reader, &model->tetrahedron);
     if (!status)
-        status = gmsh_settle_names(&reader);
+        status = gmsh_complete_names(&reader);
     if (!status)
         status = gmsh_read_data(&reader);
     io_text_release(&reader.text);

@@ -74,8 +74,8 @@ static gmsh_entity *list_used(const io_model *model, int64_t *n) {
 
 /** Give the name of group index the dimensions in which its number is used; where there is none,
  * that of the elements. */
-static int settle_name(io_model *model, int32_t index, const gmsh_entity *used, int64_t n,
-                       planish_error *error) {
+static int complete_name(io_model *model, int32_t index, const gmsh_entity *used, int64_t n,
+                         planish_error *error) {
     const int32_t tag = model->group[index].tag;
     for (int dim = 0; dim < N_DIMS; dim++) {
         const gmsh_entity key = {.dim = dim, .tag = tag};
@@ -95,7 +95,7 @@ static int settle_name(io_model *model, int32_t index, const gmsh_entity *used, 
     return PLANISH_OK;
 }
 
-int gmsh_settle_names(gmsh_reader *reader) {
+int gmsh_complete_names(gmsh_reader *reader) {
     io_model *model = reader->model;
     gmsh_entity *used = NULL;
     int64_t n_used = 0;
@@ -106,7 +106,7 @@ int gmsh_settle_names(gmsh_reader *reader) {
             continue;
         if (!used && !(used = list_used(model, &n_used)))
             return pl_fail_memory(reader->error, "the names of groups");
-        status = settle_name(model, i, used, n_used, reader->error);
+        status = complete_name(model, i, used, n_used, reader->error);
     }
     pl_free(used);
     return status;

@@ -244,8 +244,8 @@ static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t 
         int status = block->is_apart ? PLANISH_OK : read_numbers(context, cursor, i, i + 1, error);
         if (!status)
             status = model->is_binary
-                         ? io_load_point(model, cursor->at, 8, block->reader->swapped, node, error)
-                         : io_read_point(model, cursor, node, error);
+                         ? io_load_node(model, cursor->at, 8, block->reader->swapped, node, error)
+                         : io_read_node(model, cursor, node, error);
         if (status)
             return status;
         if (model->is_binary)
@@ -266,8 +266,8 @@ int gmsh_make_nodes(gmsh_reader *reader, int64_t n) {
     int status =
         gmsh_check_count(reader, n, TEXT_SIZE, (reader->version == 41 ? 8 : 4) + 3 * 8, "nodes");
     if (!status)
-        status = model->is_binary ? io_model_nodes(model, n, 0, reader->error)
-                                  : io_model_points(model, n, 8, 0, 0, NULL, reader->error);
+        status = model->is_binary ? io_model_alloc_nodes(model, n, 0, reader->error)
+                                  : io_model_make_nodes(model, n, 8, 0, 0, NULL, reader->error);
     if (status)
         return status;
     model->node_number = pl_alloc(n, sizeof *model->node_number);
@@ -305,7 +305,7 @@ int gmsh_read_nodes(gmsh_reader *reader, int64_t first, int64_t n, int extra) {
 
 int gmsh_end_nodes(gmsh_reader *reader) {
     reader->have_nodes = 1;
-    return io_settle_node_numbers(reader->model, reader->error);
+    return io_reduce_node_numbers(reader->model, reader->error);
 }
 
 /* ---- elements and pairs ------------------------------------------------------------------- */

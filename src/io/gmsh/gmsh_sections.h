@@ -11,7 +11,7 @@
 
 /** Read $PhysicalNames; and, when all is read, give names without a dimension theirs. */
 int gmsh_names(gmsh_reader *reader);
-int gmsh_settle_names(gmsh_reader *reader);
+int gmsh_complete_names(gmsh_reader *reader);
 
 /** Skip the binary values of $NodeData and the like, by their count. with_nodes: each value is of
  *  as many nodes as it says. Return 0, or -1: they are not what they should be; the cursor has not
@@ -23,7 +23,7 @@ int gmsh_skip_data(gmsh_reader *reader, int with_nodes);
 int gmsh_note_data(gmsh_reader *reader, const char *begin, const char *end);
 
 /** Make arrays (arrays.h) of the sections that gmsh_note_data has kept, when all has been read and
- *  the elements' numbers are settled. What is malformed is passed over. */
+ *  the elements' numbers are reduced. What is malformed is passed over. */
 int gmsh_read_data(gmsh_reader *reader);
 
 /** Read sections of MSH 1 and 2, and of MSH 4; gmsh2_merge_copies follows the elements of MSH 2. */

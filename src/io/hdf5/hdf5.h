@@ -127,7 +127,7 @@ typedef struct io_hdf5_place {
     int64_t node_step, component_step;
 } io_hdf5_place;
 
-/** Read coordinates, and tell the model their places; io_model_nodes has been called. The dataset
+/** Read coordinates, and tell the model their places; io_model_alloc_nodes has been called. The dataset
  * must have as many values as nodes and components say. */
 int io_hdf5_coordinates(io_hdf5 *file, const io_hdf5_place *place);
 

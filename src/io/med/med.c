@@ -131,7 +131,7 @@ static int read_coordinates(med_reader *r, const char *group) {
     if (!status)
         status = demand(r, path.text, "NBR", n, "its attribute NBR is another number of nodes");
     if (!status)
-        status = io_model_nodes(r->model, n, 0, r->error);
+        status = io_model_alloc_nodes(r->model, n, 0, r->error);
     if (status)
         return status;
     r->model->columns = (int)dim;

@@ -131,8 +131,9 @@ static int read_vertex_section(medit_reader *r, const io_section *s) {
     io_model *model = r->model;
     if (model->xyz)
         return io_fail_at(model, s->data, r->error, "Vertices for the second time");
-    int status = io_model_points(model, s->count, r->version == 1 ? 4 : 8,
-                                 medit_record_size(r, r->current), r->swapped, s->data, r->error);
+    int status =
+        io_model_make_nodes(model, s->count, r->version == 1 ? 4 : 8,
+                            medit_record_size(r, r->current), r->swapped, s->data, r->error);
     if (status)
         return status;
     model->first_number = 1;

@@ -470,7 +470,7 @@ static int nastran_read(io_model *model, planish_error *error) {
         status = read_names(&r);
     }
     for (int dim = 1; dim <= 3; dim++)
-        io_settle_cell_numbers(io_model_cells(model, dim));
+        io_reduce_cell_numbers(io_model_cells(model, dim));
     pl_free(r.range);
     return status;
 }

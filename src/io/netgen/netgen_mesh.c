@@ -214,12 +214,12 @@ static int read_point_section(netgen_reader *r, const io_section *s) {
     io_model *model = r->model;
     if (model->xyz)
         return io_fail_at(model, s->data, r->error, "points for the second time");
-    const int status = io_model_points(model, s->count, 8, 0, 0, s->data, r->error);
+    const int status = io_model_make_nodes(model, s->count, 8, 0, 0, s->data, r->error);
     if (status)
         return status;
     model->first_number = 1;
-    io_points points = {.model = model};
-    return io_section_records(&r->text, s, r->current->name, r->current->words, 0, io_read_points,
+    io_node_records points = {.model = model};
+    return io_section_records(&r->text, s, r->current->name, r->current->words, 0, io_read_nodes,
                               &points, r->error);
 }
 

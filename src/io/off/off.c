@@ -105,7 +105,7 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
     const off_reader *r = context;
     for (int64_t i = begin; i < end; i++) {
         if (r->model->is_binary) {
-            const int status = io_load_point(r->model, cursor->at, WORD_SIZE, r->swapped, i, error);
+            const int status = io_load_node(r->model, cursor->at, WORD_SIZE, r->swapped, i, error);
             if (status)
                 return status;
             cursor->at += (3 + r->extra) * WORD_SIZE;
@@ -115,7 +115,7 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
         const char *row = cursor->at;
         io_cursor line = *cursor;
         io_skip_line(&line);
-        const int status = io_read_point(r->model, cursor, i, error);
+        const int status = io_read_node(r->model, cursor, i, error);
         if (status)
             return status;
         if (cursor->at > line.at)
@@ -241,8 +241,8 @@ static int read_parts(off_reader *r) {
         status = io_check_count(model, r->cursor, counts[0], model->is_binary ? stride : 2 * 3,
                                 "vertices", r->error);
     if (!status)
-        status = io_model_points(model, counts[0], model->is_binary ? WORD_SIZE : 8, stride,
-                                 r->swapped, r->cursor.at, r->error);
+        status = io_model_make_nodes(model, counts[0], model->is_binary ? WORD_SIZE : 8, stride,
+                                     r->swapped, r->cursor.at, r->error);
     if (status)
         return status;
     if (!model->is_binary)

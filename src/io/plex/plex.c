@@ -276,7 +276,7 @@ static int plex_read(io_model *model, planish_error *error) {
     plex_reader r = {.model = model, .error = error};
     int status = begin_reading(&r);
     if (!status)
-        status = io_model_nodes(model, r.n_nodes, 0, error);
+        status = io_model_alloc_nodes(model, r.n_nodes, 0, error);
     const io_hdf5_place place = {r.coordinates, 0, model->columns, model->columns, 1};
     if (!status)
         status = io_hdf5_coordinates(r.file, &place);

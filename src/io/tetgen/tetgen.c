@@ -230,7 +230,7 @@ static int read_node_file(io_model *model, int *dim, planish_error *error) {
     t.skipped = t.count[1];
     status = check_attributes(&t, error);
     if (!status)
-        status = io_model_points(model, t.n, 8, 0, 0, NULL, error);
+        status = io_model_make_nodes(model, t.n, 8, 0, 0, NULL, error);
     if (!status && has_marker) {
         t.tag = model->node_entity = pl_alloc(t.n, sizeof *model->node_entity);
         status = t.tag ? PLANISH_OK : pl_fail_memory(error, "boundary markers");

@@ -56,14 +56,14 @@ static int take_points(vtk_reader *reader) {
     int status = io_check_count(model, reader->cursor, n, model->is_binary ? stride : 6, "points",
                                 reader->error);
     if (!status)
-        status = io_model_points(model, n, type->size, stride, reader->swapped, reader->cursor.at,
-                                 reader->error);
+        status = io_model_make_nodes(model, n, type->size, stride, reader->swapped,
+                                     reader->cursor.at, reader->error);
     if (status)
         return status;
     reader->have_points = 1;
     reader->grid.n_points = n;
-    io_points points = {model, 0, type->size, reader->swapped};
-    return io_records(&reader->text, &reader->cursor, n, 3, stride, io_read_points, &points,
+    io_node_records points = {model, 0, type->size, reader->swapped};
+    return io_records(&reader->text, &reader->cursor, n, 3, stride, io_read_nodes, &points,
                       reader->error);
 }
 

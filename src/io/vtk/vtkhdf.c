@@ -104,7 +104,7 @@ static int read_lists(vtkhdf_reader *r) {
     if (!status)
         status = check_sum(r, GRID "/NumberOfCells", &r->cells, 1, r->offsets.n);
     if (!status)
-        status = io_model_nodes(r->model, shape.dims[0], 0, r->error);
+        status = io_model_alloc_nodes(r->model, shape.dims[0], 0, r->error);
     if (status)
         return status;
     const io_hdf5_place place = {{GRID "/Points"}, 0, 3, 3, 1};

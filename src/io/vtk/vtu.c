@@ -51,8 +51,8 @@ static int read_piece_points(io_model *model, vtu_document *document, vtu_array 
                         "some pieces are of Float32 and some of Float64: write them as one");
     io_span span = {.first_node = first, .n_nodes = n, .encoding = IO_TEXT, .offset = array->begin};
     if (array->form == VTU_ASCII) {
-        io_points points = {.model = model, .first = first};
-        const int status = vtu_read_text(document, array, n, 3, io_read_points, &points);
+        io_node_records points = {.model = model, .first = first};
+        const int status = vtu_read_text(document, array, n, 3, io_read_nodes, &points);
         return status ? status : io_model_span(model, span, document->error);
     }
     vtu_values values;
@@ -99,7 +99,7 @@ static int read_points(io_model *model, vtu_document *document) {
                        "%s: %lld points cannot be in this file (a wrong NumberOfPoints, no Points, "
                        "or it is cut short)",
                        model->input.path, (long long)n);
-    int status = io_model_nodes(model, n, with_text, document->error);
+    int status = io_model_alloc_nodes(model, n, with_text, document->error);
     model->precision = PLANISH_PRECISION_DOUBLE;
     for (int64_t i = 0; i < document->n_arrays && !status; i++) {
         vtu_array *array = &document->array[i];
