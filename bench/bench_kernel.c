@@ -150,7 +150,7 @@ static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
     problem.kept = NULL;
     problem.guard = &guard;
     for (int i = 0; i < N_OBJECTIVES; i++) {
-        guard.measure = i;
+        guard.objective = i;
         measure_variants(plan, &problem, names[i], start, repeat, &separator);
     }
     printf(" ],\n  \"ns_per_term\": { \"exact_sum\": %.2f, \"plain_sum\": %.2f }\n}\n",

@@ -58,7 +58,7 @@ static int create_plan(const planish_mesh *mesh, const planish_options *options,
         pl_context_destroy(context);
         return status;
     }
-    pl_context_settle(context);
+    pl_context_keep_blocks(context);
     *out = plan;
     return PLANISH_OK;
 }

@@ -88,7 +88,7 @@ void pl_arena_give(pl_arena *arena, void *taken) {
     pl_spin_unlock(&arena->lock);
 }
 
-void pl_arena_settle(pl_arena *arena) {
+void pl_arena_stop_holding(pl_arena *arena) {
     if (!arena->holds)
         return;
     pl_spin_lock(&arena->lock);
@@ -100,9 +100,4 @@ void pl_arena_settle(pl_arena *arena) {
     give_back(gap, end, end);
     arena->holds = 0;
     pl_spin_unlock(&arena->lock);
-}
-
-int pl_arena_has(const pl_arena *arena, const void *place) {
-    const uintptr_t begin = (uintptr_t)arena->begin, at = (uintptr_t)place;
-    return at >= begin && at - begin < arena->bytes;
 }

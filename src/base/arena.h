@@ -9,8 +9,7 @@
  *
  *   pl_arena_begin, _end      reserve the memory, release it
  *   pl_arena_take, _give      take memory for an array, give it back
- *   pl_arena_settle           hold given-back pages no longer
- *   pl_arena_has              whether a place is in the arena
+ *   pl_arena_stop_holding     hold given-back pages no longer
  *   pl_spin_lock, _unlock     a lock
  */
 #ifndef PL_BASE_ARENA_H
@@ -44,10 +43,7 @@ void *pl_arena_take(pl_arena *arena, size_t bytes);
 void pl_arena_give(pl_arena *arena, void *taken);
 
 /** Hold given-back pages no longer: they go back to the system. */
-void pl_arena_settle(pl_arena *arena);
-
-/** Whether place is in the arena. */
-int pl_arena_has(const pl_arena *arena, const void *place);
+void pl_arena_stop_holding(pl_arena *arena);
 
 /* ---- a lock that is held for microseconds, and seldom wanted by two threads; 0: nobody has it --
  */

@@ -94,9 +94,9 @@ void pl_context_pool_pages(pl_context *context, int64_t n_elements, int all) {
     context->largest_shared = all ? (size_t)bytes : PL_LARGE_ARRAY - 1;
 }
 
-void pl_context_settle(pl_context *context) {
+void pl_context_keep_blocks(pl_context *context) {
     context->keeps = 1;
-    pl_arena_settle(&context->arena);
+    pl_arena_stop_holding(&context->arena);
 }
 
 void pl_context_destroy(pl_context *context) {

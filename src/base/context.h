@@ -1,4 +1,5 @@
-/* context: the services that a call of the library uses: memory, threads, log and process share.
+/* context: the services that a call of the library uses: memory, threads, log and the part
+ * of the mesh that this process has.
  *
  * Each plan owns a context, and each call on the plan enters it. The context is then *current*: a
  * thread-local variable (context.c) names it, on the calling thread and on the threads that work
@@ -7,7 +8,7 @@
  *   the allocator        pl_alloc and pl_free       memory.h, arena.h
  *   the threads          pl_parallel_for            parallel.h
  *   the log              pl_log                     below
- *   the process share    pl_parts_*                 parts.h
+ *   the process' part    pl_parts_*                 parts.h
  *
  * Without a current context, as in the file formats, memory is the system's, threads are OpenMP's,
  * nobody listens, and the whole mesh is in this process. While the caller's functions run there is
@@ -25,7 +26,7 @@
  * only read; it decides on which cores threads run.
  *
  *   pl_context_create, _destroy              make and free a context
- *   pl_context_pool_pages, _settle          how its arrays share pages, and until when
+ *   pl_context_pool_pages, _keep_blocks      how its arrays share pages, and until when
  *   pl_context_enter, pl_context_current     set and read the current context
  *   pl_call_enter, _leave                    a thread works for a call
  *   pl_context_begin, _end                   a call works on the plan
@@ -91,13 +92,13 @@ pl_context *pl_context_create(const planish_options *options);
 #endif
 
 /** Let the arrays of context, which works on so many elements, share their pages: the smaller ones,
- *  or with all each of them, and then what is given back is held until the context settles. Not
+ *  or with all each of them, and then what is given back is held until pl_context_keep_blocks. Not
  *  those of few elements, and not where memory is the caller's. */
 void pl_context_pool_pages(pl_context *context, int64_t n_elements, int all);
 
-/** Settle: from now on keep released arrays for later ones of their size, and hold nothing else.
+/** Keep, from now on, released arrays for later ones of their size, and hold nothing else.
  *  Call it when the arrays that stay have been made. */
-void pl_context_settle(pl_context *context);
+void pl_context_keep_blocks(pl_context *context);
 
 /** Free context, once all arrays allocated in it have been released. context may be NULL. */
 void pl_context_destroy(pl_context *context);

@@ -205,7 +205,7 @@ int pl_output_write(pl_output *output, const char *data, int64_t size, planish_e
 
 int pl_output_finish(pl_output *output, planish_error *error) {
     /* What it replaces may be the only copy: the bytes must be on the disk before the rename. */
-    int failed = output->replaces && pl_file_settle(output->fd);
+    int failed = output->replaces && pl_file_sync(output->fd);
     const int reason = errno;
     if (pl_file_close(output->fd) == 0)
         errno = reason;

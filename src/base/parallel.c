@@ -30,30 +30,30 @@ static void run_chunk(int64_t index, int64_t n, int64_t chunk, pl_chunk_fn *body
 }
 
 /** Most stretches; more threads share them: the stack of a caller's thread may be small. */
-enum { MOST_SHARES = 64 };
+enum { MOST_STRETCHES = 64 };
 
 /** Stretch of chunks: next is the first that nobody has taken. */
-typedef struct share {
+typedef struct stretch {
     int64_t next, end;
-    char padding[48]; /* shares of different threads share no cache line */
-} share;
+    char padding[48]; /* stretches of different threads share no cache line */
+} stretch;
 
 /** Loop under way. */
 typedef struct loop {
-    share shares[MOST_SHARES];
-    int n_shares;
+    stretch stretches[MOST_STRETCHES];
+    int n_stretches;
     int64_t n, chunk;
     pl_chunk_fn *body;
     void *body_context;
     pl_context *context; /* of the calling thread */
 } loop;
 
-/** Run the share of one thread, and then the chunks of the others' that nobody else does. */
+/** Run the stretch of one thread, and then the chunks of the others' that nobody else does. */
 static void run_thread(void *a_loop, int thread) {
     loop *l = a_loop;
     const pl_outside outside = pl_call_enter(l->context);
-    for (int i = 0; i < l->n_shares; i++) {
-        share *s = &l->shares[(thread + i) % l->n_shares];
+    for (int i = 0; i < l->n_stretches; i++) {
+        stretch *s = &l->stretches[(thread + i) % l->n_stretches];
         while (__atomic_load_n(&s->next, __ATOMIC_RELAXED) < s->end) {
             int64_t index = __atomic_fetch_add(&s->next, 1, __ATOMIC_RELAXED);
             if (index < s->end)
@@ -85,15 +85,15 @@ void pl_parallel_for(int threads, int64_t n, int64_t chunk, pl_chunk_fn *body, v
     /* Always the whole team, also for few chunks: libgomp ends the threads that a smaller team
      * leaves over, and those it makes later have lost their places. */
     if (threads > 1 && chunks > 1) {
-        loop l = {.n_shares = threads < MOST_SHARES ? threads : MOST_SHARES,
+        loop l = {.n_stretches = threads < MOST_STRETCHES ? threads : MOST_STRETCHES,
                   .n = n,
                   .chunk = chunk,
                   .body = body,
                   .body_context = context,
                   .context = pl_context_current()};
-        for (int s = 0; s < l.n_shares; s++) {
-            l.shares[s].next = chunks * s / l.n_shares;
-            l.shares[s].end = chunks * (s + 1) / l.n_shares;
+        for (int s = 0; s < l.n_stretches; s++) {
+            l.stretches[s].next = chunks * s / l.n_stretches;
+            l.stretches[s].end = chunks * (s + 1) / l.n_stretches;
         }
         run_threads(l.context, threads, run_thread, &l);
         return;

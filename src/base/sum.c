@@ -19,7 +19,7 @@ void pl_sum_add_special(pl_sum *sum, double term) {
     sum->n_negative += term < 0;
 }
 
-static void share(int64_t *shared, int64_t part) {
+static void add_atomically(int64_t *shared, int64_t part) {
     if (part != 0)
         __atomic_fetch_add(shared, part, __ATOMIC_RELAXED);
 }
@@ -27,10 +27,10 @@ static void share(int64_t *shared, int64_t part) {
 void pl_sum_merge(pl_sum *shared, pl_sum *part) {
     pl_sum_carry(part);
     for (int i = 0; i < PL_SUM_DIGITS; i++)
-        share(&shared->digit[i], part->digit[i]);
-    share(&shared->n_positive, part->n_positive);
-    share(&shared->n_negative, part->n_negative);
-    share(&shared->n_nan, part->n_nan);
+        add_atomically(&shared->digit[i], part->digit[i]);
+    add_atomically(&shared->n_positive, part->n_positive);
+    add_atomically(&shared->n_negative, part->n_negative);
+    add_atomically(&shared->n_nan, part->n_nan);
 }
 
 /** Carry so that no digit but the last is negative: that has the sum's sign. */

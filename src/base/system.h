@@ -131,7 +131,7 @@ void pl_file_unmap(const char *data, int64_t size);
 void pl_file_rest(const char *data, int64_t size);
 
 /** Wait until what was written is on the disk, where the file system knows of that: 0, or errno. */
-int pl_file_settle(int fd);
+int pl_file_sync(int fd);
 
 /** Allow to read and write the file at path: what it was before, for pl_file_set_mode; -1: nothing
  * is to do, or can be done. */

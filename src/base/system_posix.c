@@ -204,7 +204,7 @@ void pl_file_rest(const char *data, int64_t size) {
 }
 
 /** EINVAL: this file system knows no such thing. */
-int pl_file_settle(int fd) {
+int pl_file_sync(int fd) {
     int status;
     do
         status = fsync(fd);

@@ -253,7 +253,7 @@ void pl_file_rest(const char *data, int64_t size) {
     (void)size;
 }
 
-int pl_file_settle(int fd) {
+int pl_file_sync(int fd) {
     return _commit(fd);
 }
 

@@ -1,4 +1,4 @@
-/* simplex: measure, radius ratio, its derivatives and angles of one triangle or tetrahedron.
+/* simplex: measure, radius ratio and angles of one triangle or tetrahedron.
  *
  * The plain reference: scalar, written for reading, one body for both dimensions. Vertices go in,
  * numbers come out; nothing is allocated and nothing is decided. What decides where nodes go is
@@ -9,10 +9,10 @@
  * signed volume, or twice the signed area. Facet j is the one opposite vertex j, and its normal
  * n_j = dD/dv_j points inwards where D > 0; |n_j| is twice a face's area, or an edge's length.
  *
- *   pl_edges, pl_determinant_of_edges, pl_simplex_measure        measure
+ *   pl_edges, pl_determinant_of_edges                            measure
  *   pl_shape_of, pl_radius_ratio_square                          radius ratio and angles
- *   pl_radius_ratio_derivatives                                  its derivatives by one vertex
- *   pl_edge_squares_of, pl_edge_ratio, pl_mean_ratio ...         other measures
+ *   pl_edge_squares_of, pl_mean_ratio, pl_scaled_jacobian_of ... other measures
+ *   pl_simplex_measure, pl_edge_ratio, pl_angle_cosines          for tests
  *   pl_dot, pl_cross, pl_subtract, pl_unit, pl_distance          vectors
  *   pl_scale_exponent                                            of the scale of a mesh or element
  */
@@ -124,21 +124,13 @@ PL_INLINE double pl_determinant_of_edges(int dim, const double edges[3][3]) {
     return pl_dot(3, edges[0], normal);
 }
 
-/** Signed measure: area, positive counter-clockwise, or volume, positive where v1 v2 v3 turn
- *  right-handed seen from v0. */
-PL_INLINE double pl_simplex_measure(int dim, const double *const vertex[]) {
-    double edges[3][3];
-    pl_edges(dim, vertex, edges);
-    return pl_determinant_of_edges(dim, edges) / (dim == 3 ? 6 : 2);
-}
-
 /* ---- Radius ratio ------------------------------------------------------------------------- */
 
 /** Components of the radius ratio and the angles of an element. */
 typedef struct pl_shape {
     double determinant;         /* D */
     double circumradius_square; /* N = (2 R D)^2, R the circumradius; 0 only if edges are */
-    double surface;         /* S: sum of the facets' areas, or perimeter; r = D / (2 S), D / S */
+    double facet_sum;       /* S: sum of the facets' areas, or perimeter; r = D / (2 S), D / S */
     double smallest_cosine; /* of the angles between facets: that of the largest angle */
     double largest_cosine;
     double acute_square;  /* least sine of the acute ones of these angles, squared; 1 without any */
@@ -224,7 +216,7 @@ PL_INLINE pl_shape pl_shape_of(int dim, const double edges[3][3], double determi
     pl_shape shape;
     shape.determinant = determinant;
     shape.circumradius_square = pl_circumradius_square(dim, edges, normals, squares);
-    shape.surface = dim == 3 ? sum / 2 : sum;
+    shape.facet_sum = dim == 3 ? sum / 2 : sum;
     pl_extreme_angles(dim, edges, normals, lengths, &shape);
     return shape;
 }
@@ -237,14 +229,14 @@ PL_INLINE pl_shape pl_shape_of_edges(int dim, const double edges[3][3]) {
 /** RR^2 = N S^2 / (9 D^4) or N S^2 / (16 D^4); in range for sizes from 1e-20 to 1e20. */
 PL_INLINE double pl_radius_ratio_square_of_shape(int dim, const pl_shape *shape) {
     double d2 = shape->determinant * shape->determinant;
-    double s2 = shape->surface * shape->surface;
+    double s2 = shape->facet_sum * shape->facet_sum;
     return shape->circumradius_square * s2 / ((dim == 3 ? 9 : 16) * (d2 * d2));
 }
 
 /** RR in an order of operations that overflows only where RR does. */
 PL_INLINE double pl_radius_ratio_of_shape(int dim, const pl_shape *shape) {
     double d = fabs(shape->determinant);
-    return sqrt(shape->circumradius_square) / d * (shape->surface / ((dim == 3 ? 3 : 4) * d));
+    return sqrt(shape->circumradius_square) / d * (shape->facet_sum / ((dim == 3 ? 3 : 4) * d));
 }
 
 /** RR^2 of an element; D < 0 makes no difference, infinite or NaN where D is 0. */
@@ -253,157 +245,6 @@ PL_INLINE double pl_radius_ratio_square(int dim, const double *const vertex[]) {
     pl_edges(dim, vertex, edges);
     pl_shape shape = pl_shape_of_edges(dim, edges);
     return pl_radius_ratio_square_of_shape(dim, &shape);
-}
-
-/* ---- Derivatives of RR^2 with respect to one vertex --------------------------------------- */
-
-/** Value and derivatives of a function of the vertex x. */
-typedef struct pl_derivatives {
-    double value;
-    double gradient[3];   /* [dim] */
-    double hessian[3][3]; /* [dim][dim], symmetric */
-} pl_derivatives;
-
-/** Constants of a link facet while x moves: D = n . a and the circumcentre p0 + alpha / (2 D)
- *  with alpha = |a|^2 n + M a, where a = x - p0. */
-typedef struct pl_opposite_facet {
-    double n[3];    /* [dim] dD/dx */
-    double m[3][3]; /* [dim][dim] M: [w]x in space, |b|^2 times a quarter turn in the plane */
-} pl_opposite_facet;
-
-/** Return the constants of the link facet with vertices facet [dim]. */
-static inline pl_opposite_facet pl_facet_of(int dim, const double *const facet[]) {
-    pl_opposite_facet f = {{0}, {{0}}};
-    double b[3] = {0}, c[3] = {0}, w[3];
-    pl_subtract(dim, facet[1], facet[0], b);
-    double b2 = pl_dot(dim, b, b);
-    if (dim == 2) {
-        f.n[0] = -b[1];
-        f.n[1] = b[0];
-        f.m[0][1] = b2;
-        f.m[1][0] = -b2;
-        return f;
-    }
-    pl_subtract(dim, facet[2], facet[0], c);
-    double c2 = pl_dot(dim, c, c);
-    pl_cross(b, c, f.n);
-    for (int d = 0; d < 3; d++)
-        w[d] = b2 * c[d] - c2 * b[d];
-    for (int d = 0; d < 3; d++) {
-        int next = (d + 1) % 3, last = (d + 2) % 3;
-        f.m[d][next] = -w[last];
-        f.m[d][last] = w[next];
-    }
-    return f;
-}
-
-/** Return N = |alpha|^2 = (2 R D)^2 and its derivatives, with J = dalpha/dx = 2 n a^T + M: grad N =
- * 2 J^T alpha, hess N = 2 J^T J + 4 (alpha . n) I. */
-static inline pl_derivatives pl_circumradius_derivatives(int dim, const pl_opposite_facet *f,
-                                                         const double a[]) {
-    double alpha[3], j[3][3];
-    double a2 = pl_dot(dim, a, a);
-    for (int r = 0; r < dim; r++) {
-        alpha[r] = a2 * f->n[r] + pl_dot(dim, f->m[r], a);
-        for (int s = 0; s < dim; s++)
-            j[r][s] = 2 * f->n[r] * a[s] + f->m[r][s];
-    }
-    pl_derivatives n = {.value = pl_dot(dim, alpha, alpha)};
-    double diagonal = 4 * pl_dot(dim, alpha, f->n);
-    for (int s = 0; s < dim; s++) {
-        for (int r = 0; r < dim; r++)
-            n.gradient[s] += 2 * j[r][s] * alpha[r];
-        for (int t = 0; t < dim; t++) {
-            for (int r = 0; r < dim; r++)
-                n.hessian[s][t] += 2 * j[r][s] * j[r][t];
-            n.hessian[s][t] += s == t ? diagonal : 0;
-        }
-    }
-    return n;
-}
-
-/** Add weight times the distance of x from a line through p along the unit vector e, or from the
- *  point p (e = 0): grad h = u, hess h = (I - e e^T - u u^T) / h. */
-static inline void pl_add_distance(int dim, double weight, const double x[], const double p[],
-                                   const double e[], pl_derivatives *sum) {
-    double u[3];
-    pl_subtract(dim, x, p, u);
-    double along = pl_dot(dim, u, e);
-    for (int d = 0; d < dim; d++)
-        u[d] -= along * e[d];
-    double h = sqrt(pl_dot(dim, u, u));
-    sum->value += weight * h;
-    for (int d = 0; d < dim; d++)
-        u[d] /= h;
-    for (int s = 0; s < dim; s++) {
-        sum->gradient[s] += weight * u[s];
-        for (int t = 0; t < dim; t++)
-            sum->hessian[s][t] += weight / h * ((s == t) - e[s] * e[t] - u[s] * u[t]);
-    }
-}
-
-/** Return S and its derivatives: the facet's own measure, constant, and those of the facets at x:
- * half an edge times the distance of x from it, or the distances from the ends. */
-static inline pl_derivatives pl_surface_derivatives(int dim, const double n[], const double x[],
-                                                    const double *const facet[]) {
-    double own = sqrt(pl_dot(dim, n, n));
-    pl_derivatives s = {.value = dim == 3 ? own / 2 : own};
-    for (int i = 0; i < dim; i++) {
-        double e[3] = {0}, weight = 1;
-        if (dim == 3) {
-            pl_subtract(dim, facet[(i + 1) % 3], facet[i], e);
-            double length = sqrt(pl_dot(dim, e, e));
-            for (int d = 0; d < dim; d++)
-                e[d] /= length;
-            weight = length / 2;
-        }
-        pl_add_distance(dim, weight, x, facet[i], e, &s);
-    }
-    return s;
-}
-
-/** RR^2 and its derivatives with respect to vertex x; facet [dim] are pointers to the other
- *  vertices, so oriented that D = (x - p0) . ((p1 - p0) x (p2 - p0)), or (p1 - p0) x (x - p0).
- *  From the derivatives of the logarithm: RR^2 = N S^2 / (c D^4) (docs/algorithm.md). */
-static inline pl_derivatives pl_radius_ratio_derivatives(int dim, const double x[],
-                                                         const double *const facet[]) {
-    double a[3] = {0}, l[3];
-    pl_subtract(dim, x, facet[0], a);
-    pl_opposite_facet f = pl_facet_of(dim, facet);
-    pl_derivatives n = pl_circumradius_derivatives(dim, &f, a);
-    pl_derivatives s = pl_surface_derivatives(dim, f.n, x, facet);
-    pl_shape shape = {
-        .determinant = pl_dot(dim, a, f.n), .circumradius_square = n.value, .surface = s.value};
-    double d = shape.determinant;
-    pl_derivatives rr = {.value = pl_radius_ratio_square_of_shape(dim, &shape)};
-    for (int i = 0; i < dim; i++) {
-        l[i] = n.gradient[i] / n.value + 2 * s.gradient[i] / s.value - 4 * f.n[i] / d;
-        rr.gradient[i] = rr.value * l[i];
-    }
-    for (int i = 0; i < dim; i++) {
-        for (int j = 0; j < dim; j++) {
-            double of_n =
-                n.hessian[i][j] / n.value - n.gradient[i] / n.value * (n.gradient[j] / n.value);
-            double of_s =
-                s.hessian[i][j] / s.value - s.gradient[i] / s.value * (s.gradient[j] / s.value);
-            double of_d = f.n[i] / d * (f.n[j] / d);
-            rr.hessian[i][j] = rr.value * (of_n + 2 * of_s + 4 * of_d + l[i] * l[j]);
-        }
-    }
-    return rr;
-}
-
-/* ---- Angles ------------------------------------------------------------------------------- */
-
-/** Smallest and largest cosine of the dihedral angles of a tetrahedron, or of the angles of a
- *  triangle: those of the largest and the smallest angle. */
-static inline void pl_angle_cosines(int dim, const double *const vertex[], double *smallest,
-                                    double *largest) {
-    double edges[3][3];
-    pl_edges(dim, vertex, edges);
-    pl_shape shape = pl_shape_of_edges(dim, edges);
-    *smallest = shape.smallest_cosine;
-    *largest = shape.largest_cosine;
 }
 
 /* ---- Other measures (docs/measures.md) ---------------------------------------------------- */
@@ -451,12 +292,6 @@ static inline pl_edge_squares pl_edge_squares_at(int dim, const double *const ve
     return pl_edge_squares_of(dim, x);
 }
 
-/** Longest edge by shortest; infinite if two vertices are one. */
-static inline double pl_edge_ratio(int dim, const double *const vertex[]) {
-    pl_edge_squares squares = pl_edge_squares_at(dim, vertex);
-    return sqrt(squares.longest / squares.shortest);
-}
-
 /* Extremes of the squared edges are means of the power 2^this: the smoothed ratio is at most the
  * ratio, and at least 6^(-1/32) = 0.946 of it (triangles: 3^(-1/32) = 0.966). */
 enum { PL_EDGE_SHARPNESS = 5 };
@@ -501,7 +336,7 @@ PL_INLINE double pl_circumradius_to_edge(int dim, const pl_shape *shape, double 
 
 /** Longest edge by inradius: h / r, r = D / (2 S) or D / S. */
 PL_INLINE double pl_edge_to_inradius(int dim, const pl_shape *shape, double longest) {
-    return PL_INRADIUS_SCALE[dim] * (longest * (shape->surface / fabs(shape->determinant)));
+    return PL_INRADIUS_SCALE[dim] * (longest * (shape->facet_sum / fabs(shape->determinant)));
 }
 
 /** Mean ratio from |D| and the sum of the edges' squares: 12 (3 V)^(2/3) or 4 sqrt(3) A by it. */
@@ -526,6 +361,33 @@ static inline double pl_mean_ratio(int dim, const double *const vertex[]) {
  *  sizes from 1e-50 to 1e50. */
 PL_INLINE double pl_scaled_jacobian_of(int dim, double determinant, double corner) {
     return PL_JACOBIAN_SCALE[dim] * (determinant / sqrt(corner));
+}
+
+/* ---- For tests ----------------------------------------------------------------------------- */
+
+/** Signed measure: area, positive counter-clockwise, or volume, positive where v1 v2 v3 turn
+ *  right-handed seen from v0. */
+PL_INLINE double pl_simplex_measure(int dim, const double *const vertex[]) {
+    double edges[3][3];
+    pl_edges(dim, vertex, edges);
+    return pl_determinant_of_edges(dim, edges) / (dim == 3 ? 6 : 2);
+}
+
+/** Longest edge by shortest; infinite if two vertices are one. */
+static inline double pl_edge_ratio(int dim, const double *const vertex[]) {
+    pl_edge_squares squares = pl_edge_squares_at(dim, vertex);
+    return sqrt(squares.longest / squares.shortest);
+}
+
+/** Smallest and largest cosine of the dihedral angles of a tetrahedron, or of the angles of a
+ *  triangle: those of the largest and the smallest angle. */
+static inline void pl_angle_cosines(int dim, const double *const vertex[], double *smallest,
+                                    double *largest) {
+    double edges[3][3];
+    pl_edges(dim, vertex, edges);
+    pl_shape shape = pl_shape_of_edges(dim, edges);
+    *smallest = shape.smallest_cosine;
+    *largest = shape.largest_cosine;
 }
 
 #endif

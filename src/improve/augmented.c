@@ -20,8 +20,8 @@
 enum { MOST_SWEEPS = 40 };
 /* rho, in units of AR^2 by g^2. */
 #define PENALTY 100.0
-/* Multipliers have settled where no lambda / rho changes by more. */
-#define SETTLED 1e-3
+/* Multipliers have converged where no lambda / rho changes by more. */
+#define CONVERGED 1e-3
 /* RR^2 of an element depends a little on the node that it is seen from. */
 #define LIMIT_NOISE 1e-9
 /* By how much the elements that are left below may be lower than before, relative. */
@@ -94,7 +94,7 @@ static int try_augmented(pl_run *r, double *before, double *shift) {
     r->guard.star.penalty = PENALTY;
     r->guard.star.link_shift = shift;
     update_shifts(r, 1);
-    while (whole && visits > 0 && change > SETTLED && r->sweep - first < MOST_SWEEPS &&
+    while (whole && visits > 0 && change > CONVERGED && r->sweep - first < MOST_SWEEPS &&
            pl_run_sweeps_left(r) > 0) {
         whole = !pl_run_sweep(r, &visits);
         change = update_shifts(r, 0);

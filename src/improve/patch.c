@@ -160,7 +160,7 @@ static void difference(const pl_patch *p, double *a, const double *field) {
 }
 
 /** Set a to b / number of neighbours. */
-static void share_chunk(void *context, int64_t begin, int64_t end, int thread) {
+static void divide_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const vector_operation *o = context;
     const int64_t *offset = o->p->run->plan->interior.stars.ring_offset;
     (void)thread;
@@ -170,9 +170,9 @@ static void share_chunk(void *context, int64_t begin, int64_t end, int thread) {
                                       (double)(offset[o->p->star[i] + 1] - offset[o->p->star[i]]);
 }
 
-static void share(const pl_patch *p, double *a, const double *b) {
+static void divide_by_neighbours(const pl_patch *p, double *a, const double *b) {
     vector_operation o = {.p = p, .a = a, .b = b};
-    pl_patch_for(p, share_chunk, &o);
+    pl_patch_for(p, divide_chunk, &o);
 }
 
 /** Solve sum over the neighbours of (x_i - x_j) = 0, preconditioned by the diagonal. All but start
@@ -192,7 +192,7 @@ void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally) {
     difference(p, residual, r->plan->coordinates);
     pl_patch_combine(p, x, NULL, fixed.scale, x);
     pl_patch_combine(p, residual, NULL, -fixed.scale, residual);
-    share(p, z, residual);
+    divide_by_neighbours(p, z, residual);
     pl_patch_combine(p, way, z, 0, z);
     double square = pl_patch_product(p, residual, z), goal = CENTRED * CENTRED * square;
     for (int i = 0; i < CENTRE_STEPS && square > goal && !tally->stopped; i++) {
@@ -203,7 +203,7 @@ void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally) {
             break;
         pl_patch_combine(p, x, x, step, way);
         pl_patch_combine(p, residual, residual, -step, image);
-        share(p, z, residual);
+        divide_by_neighbours(p, z, residual);
         square = pl_patch_product(p, residual, z);
         pl_patch_combine(p, way, z, square / last, way);
         tally->stars.visits += p->n_all;

@@ -69,7 +69,7 @@ static int try_stage(stages *p, double limit, int *failed) {
             plan->changed[pl_plan_inner(plan, i, j)] = 1;
     pl_trial_begin(r, 1, p->before, &trial);
     r->phase = PLANISH_PHASE_WORST;
-    r->guard.star.measure =
+    r->guard.star.objective =
         r->options->worst == PLANISH_WORST_ANGLE ? PL_WORST_ANGLE : PL_WORST_RATIO;
     r->guard.star.worst_limit = limit;
     r->guard.star.ratio_weight = 1;

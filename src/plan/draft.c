@@ -1,7 +1,7 @@
 /* draft: find the free nodes of a plan, order and colour them, gather their stars. */
 #include "plan/draft.h"
 
-#include "base/fetch.h"
+#include "geometry/fetch.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/parts.h"

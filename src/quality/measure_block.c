@@ -6,7 +6,7 @@
  * edges, carries its exponent along.
  */
 #include "quality/measure_block.h"
-#include "base/fetch.h"
+#include "geometry/fetch.h"
 #include "quality/certificate.h"
 #include "quality/measure.h"
 

@@ -235,7 +235,7 @@ static inline int guarded_direction(local *here, const double *x, const objectiv
                                     const derivatives *derivative, conjugate *memory,
                                     double *direction, const int dim) {
     here->constrained = 0;
-    if (now->worst > ACTIVE_ABOVE || here->b.any)
+    if (now->largest_g > ACTIVE_ABOVE || here->b.any)
         here->constrained =
             active_within(here, x, -ACTIVE_ABOVE, sqrt(derivative->size2), dim).m > 0;
     if (!here->constrained)

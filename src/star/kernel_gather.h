@@ -8,7 +8,7 @@
 #ifndef PL_STAR_KERNEL_GATHER_H
 #define PL_STAR_KERNEL_GATHER_H
 
-#include "base/fetch.h"
+#include "geometry/fetch.h"
 #include "geometry/simplex.h"
 #include "star/kernel_link_edges.h"
 

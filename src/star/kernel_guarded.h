@@ -47,9 +47,9 @@ static inline int worth_a_step(const local *here, const double *x, const objecti
     const double skip = here->problem->rr2_skip;
     if (!now->positive || !(now->sum < INFINITY))
         return 0;
-    if (is_of_worst(here->q.measure))
+    if (is_of_worst(here->q.objective))
         return now->max > 1;
-    if (here->q.measure == PLANISH_OBJECTIVE_RADIUS_RATIO || !(skip > 0))
+    if (here->q.objective == PLANISH_OBJECTIVE_RADIUS_RATIO || !(skip > 0))
         return now->max > skip;
     return value_at(&here->s, x, 1, dim).max > skip;
 }
@@ -90,7 +90,8 @@ static inline int guarded_steps(local *here, double *x, objective *now, derivati
          * run into it: then that of steepest descent is tried. */
         conjugate none = {{0, 0, 0}, 0};
         if (!step_by(here, kind, &memory, x, now, derivative, dim) &&
-            !(kind == PLANISH_SEARCH_NEWTON && here->q.measure != PLANISH_OBJECTIVE_RADIUS_RATIO &&
+            !(kind == PLANISH_SEARCH_NEWTON &&
+              here->q.objective != PLANISH_OBJECTIVE_RADIUS_RATIO &&
               step_by(here, PLANISH_SEARCH_FLETCHER_REEVES, &none, x, now, derivative, dim)))
             break;
         /* With a weight of the volumes, the function is F's only next to where it was weighed. */
@@ -118,7 +119,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
     double size2 = derivative.size2;
     int restored = 0; /* moves that bring violated elements up */
     while (!problem->guard->keep_below && restored < RESTORING_STEPS &&
-           now.worst > violated_above(&here)) {
+           now.largest_g > violated_above(&here)) {
         trial best;
         if (!restore(&here, x, &now, &derivative, &best, dim))
             break;
@@ -128,7 +129,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
     }
     int moved = restored;
     const double before = now.sum;
-    if (problem->guard->keep_below || !(now.worst > violated_above(&here)))
+    if (problem->guard->keep_below || !(now.largest_g > violated_above(&here)))
         moved += guarded_steps(&here, x, &now, &derivative, dim);
     if (moved) {
         const int for_more =
@@ -157,7 +158,7 @@ static inline void add_optimality(const pl_star_problem *problem, int64_t index,
     cone_point point;
     to_star(&here, place, x, dim);
     objective now = find_derivatives(&here, x, &derivative, dim);
-    if (!now.positive || now.worst > violated_above(&here) || !(now.sum < INFINITY))
+    if (!now.positive || now.largest_g > violated_above(&here) || !(now.sum < INFINITY))
         return;
     const double size = sqrt(derivative.size2);
     const factors identity = {.pivot = {1, 1, 1}, .inverse = {1, 1, 1}};

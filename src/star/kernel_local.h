@@ -73,7 +73,7 @@ PL_INLINE void local_init(local *here, const pl_star_problem *problem, int64_t i
     here->s = gather(problem, index, place, exponent, scratch, guarded, dim);
     if (guarded) {
         const pl_star_guard *guard = problem->guard;
-        here->q = (question){guard->measure, 1 / guard->worst_limit, guard->ratio_weight,
+        here->q = (question){guard->objective, 1 / guard->worst_limit, guard->ratio_weight,
                              guard->volume_weight, guard->penalty};
         bounds_init(&here->b, problem, problem->node[index], here->s.scale, dim);
         sliding_init(&here->slide, problem, index, here->s.scale, dim);

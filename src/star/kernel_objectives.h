@@ -36,9 +36,9 @@ enum { WORST_POWER = 5 };
 
 _Static_assert(PL_WORST_RATIO == 3, "aspect_at and guarded_sums_of know each objective by name");
 
-/** Whether measure is one of which only the worst counts. */
-static inline int is_of_worst(int measure) {
-    return measure == PL_WORST_RATIO || measure == PL_WORST_ANGLE;
+/** Whether only the worst values count in an objective. */
+static inline int is_of_worst(int kind) {
+    return kind == PL_WORST_RATIO || kind == PL_WORST_ANGLE;
 }
 
 /** Pack of elements at x. */
@@ -51,7 +51,7 @@ typedef struct aspect {
 
 /** Objective of a star besides its position. */
 typedef struct question {
-    int measure;          /* as that of pl_star_guard */
+    int objective;        /* as that of pl_star_guard */
     double inverse_limit; /* 1 / worst_limit */
     double ratio_weight, volume_weight;
     double penalty; /* rho of the augmented Lagrangian, 0: none */
@@ -475,7 +475,7 @@ typedef struct guarded_accumulator {
     lanes volumes[PL_PACKS];   /* sum of g^2 */
     lanes penalties[PL_PACKS]; /* sum of max(0, lambda / rho + g)^2 */
     lanes shortfall[PL_PACKS]; /* sum of max(0, g)^2 */
-    lanes worst[PL_PACKS];     /* largest g */
+    lanes largest_g[PL_PACKS];
     slopes slope;
 } guarded_accumulator;
 
@@ -500,7 +500,7 @@ PL_INLINE void add_volumes(guarded_accumulator *t, int k, const star *s, int64_t
     *slope *= weight * inverse;
     *bend *= weight * inverse * inverse;
     t->shortfall[k] += above * above * weight;
-    t->worst[k] = lanes_max(*g, t->worst[k]);
+    t->largest_g[k] = lanes_max(*g, t->largest_g[k]);
 }
 
 /** Add the derivatives of a pack; elements that are not positive have no part in them. */
@@ -529,7 +529,7 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
     memset(&t, 0, sizeof t);
     accumulator_init(&t.ratios);
     for (int k = 0; k < PL_PACKS; k++)
-        t.worst[k] = lanes_of(NEVER_ACTIVE);
+        t.largest_g[k] = lanes_of(NEVER_ACTIVE);
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
@@ -552,24 +552,24 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
     if (derive)
         slopes_result(&t.slope, s, 1, 1, out, dim);
     objective f = accumulator_result(&t.ratios, 1);
-    f.error *= is_of_worst(q->measure) ? WORST_EXPONENT : 1;
+    f.error *= is_of_worst(q->objective) ? WORST_EXPONENT : 1;
     f.sum = q->ratio_weight * f.sum + q->volume_weight * lanes_sum(t.volumes) +
             0.5 * q->penalty * lanes_sum(t.penalties);
     f.shortfall = lanes_sum(t.shortfall);
-    f.worst = lanes_largest(t.worst);
+    f.largest_g = lanes_largest(t.largest_g);
     return f;
 }
 
 /** Sum as guarded_at does, inlined where derive and dim are constant. */
 PL_INLINE objective guarded_sums_of(const star *s, const question *q, const double *position,
                                     derivatives *out, const int derive, const int dim) {
-    if (q->measure == PLANISH_OBJECTIVE_RADIUS_RATIO)
+    if (q->objective == PLANISH_OBJECTIVE_RADIUS_RATIO)
         return guarded_sums(s, q, position, out, PLANISH_OBJECTIVE_RADIUS_RATIO, derive, dim);
-    if (q->measure == PLANISH_OBJECTIVE_MEAN_RATIO)
+    if (q->objective == PLANISH_OBJECTIVE_MEAN_RATIO)
         return guarded_sums(s, q, position, out, PLANISH_OBJECTIVE_MEAN_RATIO, derive, dim);
-    if (q->measure == PLANISH_OBJECTIVE_EDGE_RATIO)
+    if (q->objective == PLANISH_OBJECTIVE_EDGE_RATIO)
         return guarded_sums(s, q, position, out, PLANISH_OBJECTIVE_EDGE_RATIO, derive, dim);
-    if (q->measure == PL_WORST_RATIO)
+    if (q->objective == PL_WORST_RATIO)
         return guarded_sums(s, q, position, out, PL_WORST_RATIO, derive, dim);
     return guarded_sums(s, q, position, out, PL_WORST_ANGLE, derive, dim);
 }

@@ -26,7 +26,7 @@ typedef struct objective {
     double error;    /* relative, of sum and max: what the rounding of D can have done, see below */
     int positive;    /* all D > 0 */
     int certain;     /* all D > 0 beyond doubt of rounding */
-    double shortfall, worst; /* sum of max(0, g)^2 and largest g; guarded only */
+    double shortfall, largest_g; /* sum of max(0, g)^2, and the largest g; guarded only */
 } objective;
 
 /* The relative error of RR^2 ~ N / D^4 is at most that of D, sqrt(ROUNDING) |x - p0| / D, times

@@ -152,7 +152,7 @@ static inline int within_limits(const local *here, const trial *t, const int gua
                                 const int dim) {
     const pl_star_limits *limits = &here->problem->limits;
     double max = t->value.max, error = t->value.error;
-    if (guarded && here->q.measure != PLANISH_OBJECTIVE_RADIUS_RATIO) {
+    if (guarded && here->q.objective != PLANISH_OBJECTIVE_RADIUS_RATIO) {
         if (!(limits->rr2 < INFINITY))
             return 1;
         objective rr = value_at(&here->s, t->position, 1, dim);
@@ -198,10 +198,11 @@ static inline int acceptable(const local *here, const trial *t, const objective 
         now->sum - (STEP_NOISE + now->error) * now->sum - value->error * value->sum;
     if (!(value->certain && value->sum < bound && value->sum < below))
         return 0;
-    if (guarded && !(value->worst <= (now->worst > GRAZE ? now->worst : GRAZE) &&
+    if (guarded && !(value->largest_g <= (now->largest_g > GRAZE ? now->largest_g : GRAZE) &&
                      within_bounds(&here->b, t->position, dim)))
         return 0;
-    if (guarded && now->worst > PLANISH_VOLUME_TOLERANCE && !lowers_none(here, t->position, dim))
+    if (guarded && now->largest_g > PLANISH_VOLUME_TOLERANCE &&
+        !lowers_none(here, t->position, dim))
         return 0;
     return within_limits(here, t, guarded, dim);
 }

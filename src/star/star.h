@@ -27,7 +27,7 @@
 #define PL_STAR_H
 
 #include "base/clock.h"
-#include "base/link.h"
+#include "geometry/link.h"
 #include "base/round.h"
 #include "base/sum.h"
 
@@ -38,7 +38,7 @@
 /** Lanes of every sum over link facets: facet i goes to lane i % 4, whatever the CPU has. */
 enum { PL_LANES = 4 };
 
-/** Measures of which only the worst count: the sum is of high powers of RR^2 / worst_limit, or, of
+/** Objectives of the worst elements alone: the sum is of high powers of RR^2 / worst_limit, or, of
  *  all angles, of 1 / (sin^2 worst_limit). Stars without anything above the limit are left alone.
  */
 enum pl_star_worst { PL_WORST_RATIO = PLANISH_OBJECTIVE_EDGE_RATIO + 1, PL_WORST_ANGLE };
@@ -46,7 +46,7 @@ enum pl_star_worst { PL_WORST_RATIO = PLANISH_OBJECTIVE_EDGE_RATIO + 1, PL_WORST
 /** Further input of the guarded kernel, which serves every objective, minimum volumes and bounds.
  *  The arrays over nodes are by inner numbers; any array may be NULL: nothing asked. */
 typedef struct pl_star_guard {
-    int measure;                        /* a planish_objective, or one of pl_star_worst */
+    int objective;                      /* a planish_objective, or one of pl_star_worst */
     double worst_limit;                 /* for these: what no element shall have more of */
     double ratio_weight, volume_weight; /* of sum AR^2 and sum g^2 in a star's function */
     double min_volume;                  /* of elements without their own; 0: none */

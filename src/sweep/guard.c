@@ -291,7 +291,7 @@ int pl_guard_create(const planish_plan *plan, const planish_options *options,
                     const double *coordinates, double delta, pl_guard *guard,
                     planish_error *error) {
     *guard = (pl_guard){.min_volume = delta,
-                        .star = {.measure = (int)options->objective,
+                        .star = {.objective = (int)options->objective,
                                  .ratio_weight = 1,
                                  .min_volume = delta,
                                  .link_min_volume = plan->interior.stars.min_volume}};

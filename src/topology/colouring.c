@@ -13,7 +13,7 @@
  */
 #include "topology/topology.h"
 
-#include "base/fetch.h"
+#include "geometry/fetch.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/parts.h"

@@ -10,7 +10,7 @@
 #ifndef PL_TOPOLOGY_ELEMENT_WALK_H
 #define PL_TOPOLOGY_ELEMENT_WALK_H
 
-#include "base/fetch.h"
+#include "geometry/fetch.h"
 #include "topology/topology.h"
 
 /** Numbers of nodes ahead to fetch the elements, the list of their numbers, where that begins, and

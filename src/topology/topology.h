@@ -9,7 +9,7 @@
 #ifndef PL_TOPOLOGY_H
 #define PL_TOPOLOGY_H
 
-#include "base/link.h"
+#include "geometry/link.h"
 
 #include <planish/planish.h>
 

@@ -30,6 +30,7 @@
 
 #ifdef PLANISH_HAVE_QUADMATH
 #define REFERENCE_IN_QUAD
+#include "geometry/derivatives.h"
 #include "geometry/reference.h"
 #include "support/element_jets.h"
 

@@ -2,6 +2,7 @@
  * differences of an independent formula in higher precision. */
 #include "geometry/simplex.h"
 
+#include "geometry/derivatives.h"
 #include "support/meshes.h"
 
 #include <float.h>

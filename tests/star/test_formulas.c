@@ -317,7 +317,7 @@ static void compare_error(const star_case *c, int function, const expected *e,
 static pl_star_value evaluate(star_case *c, int function, int with_derivatives) {
     pl_star_value value;
     const pl_star_kernel *kernel = pl_star_kernel_select(PLANISH_ISA_AUTO);
-    c->guard.measure = measure_of[function];
+    c->guard.objective = measure_of[function];
     c->s.problem.guard = function == PLAIN ? NULL : &c->guard;
     (function == PLAIN ? kernel->evaluate : kernel->guarded->evaluate)[c->s.dim - 2](
         &c->s.problem, 0, c->s.scratch, with_derivatives, &value);

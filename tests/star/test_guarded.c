@@ -88,7 +88,7 @@ static void derivatives_match_differences(void **state) {
             guarded_star g;
             unsigned random = test_mixed_seed(seed);
             guarded_create(&g, dim, 0.4 * seed / STARS, seed);
-            g.guard.measure = objective;
+            g.guard.objective = objective;
             g.guard.ratio_weight = 0.3 + test_random(&random);
             check_derivatives(&g);
             guarded_random_floors(&g, &random);
@@ -136,7 +136,7 @@ static void ask_of_some(guarded_star *g, unsigned seed) {
 /** Set a star up in the way that scene says. */
 static void set_scene(guarded_star *g, int scene, unsigned seed) {
     const int dim = g->s.dim;
-    g->guard.measure = (int)(seed % MEASURES);
+    g->guard.objective = (int)(seed % MEASURES);
     g->guard.volume_weight = seed % 2 ? 0.1 : 0;
     g->s.problem.search = seed / 2 % 2 ? PLANISH_SEARCH_NEWTON : PLANISH_SEARCH_FLETCHER_REEVES;
     g->guard.min_volume = (double)guarded_mean_measure(g) * (scene == ACTIVE ? 0.7 : 0.3);
@@ -262,7 +262,7 @@ static int create_forbidden(guarded_star *g, int dim, int objective, int most, d
     unsigned random = test_mixed_seed(seed);
     for (int d = 0; d < dim; d++)
         g->s.coordinates[d] += 0.5 * (test_random(&random) - 0.5);
-    g->guard.measure = objective;
+    g->guard.objective = objective;
     g->guard.volume_weight = volume_weight;
     g->guard.min_volume = volume_weight > 0 ? 0.3 * (double)guarded_mean_measure(g) : 0;
     return forbid_the_optimum(g, most);
@@ -378,7 +378,7 @@ static void polytope(const guarded_star *g, const uint8_t *wanted, int box, long
 static void create_lost(guarded_star *g, int dim, unsigned seed, double part) {
     unsigned random = test_mixed_seed(seed);
     guarded_create(g, dim, 0.4, seed);
-    g->guard.measure = (int)(seed % MEASURES);
+    g->guard.objective = (int)(seed % MEASURES);
     g->s.problem.search = seed / 3 % 2 ? PLANISH_SEARCH_NEWTON : PLANISH_SEARCH_FLETCHER_REEVES;
     g->guard.link_min_volume = g->floors;
     for (int64_t f = 0; f < guarded_facets(g); f++)
@@ -523,7 +523,7 @@ static void create_away(guarded_star *g, int dim, unsigned seed, double *optimum
     double from[3];
     unsigned random = test_mixed_seed(seed);
     guarded_create(g, dim, 0.2, seed);
-    g->guard.measure = seed % 2 ? PLANISH_OBJECTIVE_MEAN_RATIO : PLANISH_OBJECTIVE_RADIUS_RATIO;
+    g->guard.objective = seed % 2 ? PLANISH_OBJECTIVE_MEAN_RATIO : PLANISH_OBJECTIVE_RADIUS_RATIO;
     g->s.problem.search = seed / 2 % 2 ? PLANISH_SEARCH_NEWTON : PLANISH_SEARCH_FLETCHER_REEVES;
     for (int d = 0; d < dim; d++)
         from[d] = g->s.coordinates[d] += 0.6 * (test_random(&random) - 0.5);

@@ -303,7 +303,7 @@ long double hand_star_function(const hand_star *s, const long double *x) {
     const pl_star_guard *guard = s->problem.guard;
     long double ratios = 0, volumes = 0;
     for (int64_t f = 0; f < s->link_offset[1]; f++) {
-        long double ratio = hand_star_aspect(s, f, x, guard->measure);
+        long double ratio = hand_star_aspect(s, f, x, guard->objective);
         long double least = hand_star_floor(s, f);
         long double g = least > 0 ? 1 - hand_star_measure(s, f, x) / least : 0;
         ratios += ratio * ratio;

@@ -212,11 +212,11 @@ static int list_ghosts(pl_tangle *t) {
     return 1;
 }
 
-int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) {
+int pl_tangle_create(pl_run *r, int raises, pl_tangle *t, planish_error *error) {
     const planish_plan *plan = r->plan;
     *t = (pl_tangle){.run = r, .problem = r->problem, .guard = r->guard.star};
     t->guard.ratio_weight = 1;
-    if (!floors) {
+    if (!raises) {
         t->guard.min_volume = 0;
         t->guard.link_min_volume = NULL;
     }

@@ -23,7 +23,7 @@ typedef enum pl_tangle_state {
 typedef struct pl_tangle {
     pl_run *run;
     pl_star_problem problem;  /* of visits that untangle */
-    pl_star_guard guard;      /* bounds, and floors if elements are to be brought above them */
+    pl_star_guard guard;      /* bounds, and minimum volumes if elements are to be raised to them */
     pl_star_untangling asked; /* in_patch, size and link_skip point to what follows */
     uint8_t *in_patch;        /* [n_nodes] */
     double *size;             /* [n_nodes] */
@@ -50,9 +50,9 @@ typedef struct pl_tangle {
 /* ---- tangle.c ------------------------------------------------------------------------------ */
 
 /** Look at the mesh as the run has measured it: what is tangled, and what of that cannot be helped?
- *  floors: elements are to be above their minimum volumes, else just positive. n_tangled 0: there
+ *  raises: elements are to be raised to their minimum volumes, else just made positive. n_tangled 0: there
  *  is nothing to be done, and nothing else is set. Errors: _MEMORY. To be destroyed in any case. */
-int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error);
+int pl_tangle_create(pl_run *r, int raises, pl_tangle *t, planish_error *error);
 
 /** Free the arrays of t. */
 void pl_tangle_destroy(pl_tangle *t);
@@ -80,7 +80,7 @@ void pl_tangle_find_sizes(pl_tangle *t);
 
 /* ---- hopeless.c ---------------------------------------------------------------------------- */
 
-/** Share given-up elements in a mesh in parts. state [n_elements] becomes PL_HOPELESS where it
+/** Tell the other processes of given-up elements, and hear of theirs. state [n_elements] becomes PL_HOPELESS where it
  *  is PL_TANGLED and the star of a ghost has given the element up in its process. of_facet:
  *  pl_proof_role of the stars here. Errors: _MEMORY. */
 int pl_send_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,

@@ -143,14 +143,14 @@ static int centre_patch(pl_tangle *t) {
 
 /* ---- push-off ------------------------------------------------------------------------------ */
 
-/** The floors of elements without a minimum volume: next to nothing, by the sizes wanted. */
-typedef struct flooring {
+/** Minimum volumes of push-offs for elements without one: next to nothing, by the sizes wanted. */
+typedef struct small_volumes {
     const pl_tangle *t;
-    double *floor; /* [link facets of all stars] */
-} flooring;
+    double *volume; /* [link facets of all stars] */
+} small_volumes;
 
-static void floor_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const flooring *f = context;
+static void small_volumes_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const small_volumes *f = context;
     const planish_plan *plan = f->t->run->plan;
     const int dim = plan->dim;
     (void)thread;
@@ -159,7 +159,7 @@ static void floor_chunk(void *context, int64_t begin, int64_t end, int thread) {
         const double volume = PUSH_OFF_VOLUME * h * h * (dim == 3 ? h : 1) / (dim == 3 ? 6 : 2);
         for (int64_t i = plan->interior.stars.link_offset[s];
              i < plan->interior.stars.link_offset[s + 1]; i++)
-            f->floor[i] = f->t->link_skip && f->t->link_skip[i] ? 0 : volume;
+            f->volume[i] = f->t->link_skip && f->t->link_skip[i] ? 0 : volume;
     }
 }
 
@@ -169,15 +169,15 @@ static int push_offs(pl_tangle *t, int most) {
     int stopped = 0, vain = 0;
     pl_star_guard guard = t->guard;
     pl_star_problem problem = t->problem;
-    flooring f = {t, NULL};
+    small_volumes f = {t, NULL};
     if (most > 0 && !(guard.min_volume > 0) && !guard.link_min_volume) {
-        f.floor = pl_alloc(plan->interior.stars.link_offset[plan->interior.stars.n_stars],
-                           sizeof *f.floor);
-        if (!f.floor)
+        f.volume = pl_alloc(plan->interior.stars.link_offset[plan->interior.stars.n_stars],
+                            sizeof *f.volume);
+        if (!f.volume)
             return 0;
-        pl_parallel_for(plan->threads, plan->interior.stars.n_stars, PL_CHUNK_STARS, floor_chunk,
-                        &f);
-        guard.link_min_volume = f.floor;
+        pl_parallel_for(plan->threads, plan->interior.stars.n_stars, PL_CHUNK_STARS,
+                        small_volumes_chunk, &f);
+        guard.link_min_volume = f.volume;
     }
     problem.guard = &guard;
     problem.untangling = NULL;
@@ -189,7 +189,7 @@ static int push_offs(pl_tangle *t, int most) {
         pl_tangle_find(t);
         vain = t->n_tangled < before ? 0 : vain + 1;
     }
-    pl_free(f.floor);
+    pl_free(f.volume);
     return stopped;
 }
 
@@ -313,11 +313,11 @@ static int climb_rung(pl_tangle *t, const rung *step) {
 
 /** Climb the n rungs of ladder, each a trial that shows. The result of a rung stands if fewer
  *  elements are tangled after it, and no more inverted. In a mesh that was valid F and the worst RR
- *  must not have risen either, unless it is volumes that count (floors). */
-static int climb_ladder(pl_run *r, int floors, const rung *ladder, int n, planish_error *error) {
+ *  must not have risen either, unless it is volumes that count (raises). */
+static int climb_ladder(pl_run *r, int raises, const rung *ladder, int n, planish_error *error) {
     const int sweeps = r->result->untangling_sweeps;
     pl_tangle t;
-    const int status = pl_tangle_create(r, floors, &t, error);
+    const int status = pl_tangle_create(r, raises, &t, error);
     const int climbs = !status && !t.stopped;
     int stopped = 0;
     r->phase = PLANISH_PHASE_UNTANGLE;
@@ -333,13 +333,13 @@ static int climb_ladder(pl_run *r, int floors, const rung *ladder, int n, planis
         const pl_objective_sums *before = &trial.standing, *now = &r->sums;
         const int is_taken =
             t.n_tangled < n_tangled && now->inverted <= before->inverted &&
-            (before->inverted > 0 || floors ||
+            (before->inverted > 0 || raises ||
              (now->radius_max <= before->radius_max && pl_run_objective(r) <= objective));
         pl_trial_end(&trial, is_taken);
         if (!is_taken)
             pl_tangle_find(&t);
     }
-    if (climbs && !floors && t.n_tangled > 0 && r->sums.inverted > 0)
+    if (climbs && !raises && t.n_tangled > 0 && r->sums.inverted > 0)
         pl_tangle_return(&t);
     r->phase = PLANISH_PHASE_SMOOTH;
     pl_tangle_destroy(&t);

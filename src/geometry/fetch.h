@@ -6,8 +6,8 @@
  *   pl_fetch_to_write, pl_fetch_all_to_write     memory that will be written
  *   pl_fetch_node, pl_fetch_nodes                coordinates that will be read
  */
-#ifndef PL_BASE_FETCH_H
-#define PL_BASE_FETCH_H
+#ifndef PL_GEOMETRY_FETCH_H
+#define PL_GEOMETRY_FETCH_H
 
 #include <stdint.h>
 

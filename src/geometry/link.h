@@ -10,8 +10,8 @@
  *   pl_link_positions, _positions_kept, pl_link_edges     sizes
  *   pl_link_alloc, _free, _at, _get, _set                 positions
  */
-#ifndef PL_BASE_LINK_H
-#define PL_BASE_LINK_H
+#ifndef PL_GEOMETRY_LINK_H
+#define PL_GEOMETRY_LINK_H
 
 #include "base/memory.h"
 
