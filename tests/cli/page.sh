@@ -44,7 +44,7 @@ grep -q "$checksum" alone.html || fail "the checksum of a page without JSON"
 expect_status 0 "$program" quality tangled.mesh --worst 1100 --report many.html -q
 grep -q "These are the first 1000 of 1100" many.html || fail "a long list"
 expect_status 64 bash -c "\"$program\" report /dev/stdin <run.json"
-expect_text "name the page by -o"
+expect_text "name the HTML report by -o"
 
 # Regular elements, whose radius ratio rounding might take below 1.
 python3 - >regular.mesh <<'END'

@@ -222,10 +222,10 @@ static int find_output(const pl_arguments *arguments, char *path, size_t size) {
     if (length < 0 || (size_t)length >= size)
         return pl_complain(PL_EXIT_FAILED, "%s: the name is too long", json);
     if (!output && pl_output_is_stream(json))
-        return pl_complain_usage("report", "'%s' is no regular file; name the page by -o FILE",
-                                 json);
+        return pl_complain_usage(
+            "report", "'%s' is not a regular file; name the HTML report by -o FILE", json);
     if (pl_output_same_file(path, json))
-        return pl_complain_usage("report", "the page would overwrite '%s'", json);
+        return pl_complain_usage("report", "the HTML report would overwrite '%s'", json);
     return pl_output_check(path);
 }
 
@@ -238,7 +238,8 @@ static int check_meshes(const drawing *d, const char *output) {
         for (int place = 0; place < N_PLACES; place++)
             if (find_place(d, file, place, path, sizeof path) &&
                 pl_output_hits_mesh(output, path, NULL))
-                return pl_complain_usage("report", "the page would overwrite the mesh '%s'", path);
+                return pl_complain_usage("report", "the HTML report would overwrite the mesh '%s'",
+                                         path);
     }
     return 0;
 }

@@ -30,7 +30,7 @@ static const char *const words[PL_N_HELD_BY] = {"on the boundary",
                                                 "in groups of --fix",
                                                 "required by the file",
                                                 "at the place of other nodes",
-                                                "where the mesh is no manifold",
+                                                "where the mesh is not manifold",
                                                 "on thin layers (--fix-layers)",
                                                 "on elements that wrap around the domain",
                                                 "not chosen by --only-worse-than"};

@@ -29,9 +29,9 @@ int pl_large_can(const pl_arguments *a) {
     const int asks_for_all = a->n_fix > 0 || a->fix_layers || a->n_slide_tags > 0 ||
                              a->n_min_volumes > 0 || a->n_regions > 0 || a->report ||
                              (a->format && strcmp(a->format, "dmplex") != 0);
-    const char *why = !pl_plexfile_is(a->output) ? "the output is no .h5"
-                      : asks_for_all             ? "options name groups, a page or another format"
-                                                 : pl_plexrows_refusal(a->input, &form);
+    const char *why = !pl_plexfile_is(a->output) ? "the output is not a .h5 file"
+                      : asks_for_all ? "the options name groups, an HTML report or another format"
+                                     : pl_plexrows_refusal(a->input, &form);
     if (why && why[0] && a->verbosity != PL_QUIET)
         pl_note(stderr, "%s: one process has all of the mesh: %s", a->input, why);
     return !why;
@@ -43,7 +43,8 @@ int pl_large_read(pl_crew *crew, const char *path, planish_error *error) {
     crew->is_large = 1;
     pl_crew_path(crew, path, crew->input);
     if (path && pl_plexrows_refusal(path, &form))
-        code = pl_fail(error, PLANISH_ERROR_FILE, "%s: has been changed meanwhile", path);
+        code = pl_fail(error, PLANISH_ERROR_FILE,
+                       "%s: was changed while it was read; run again when it is complete", path);
     code = pl_crew_agree(crew, code, error);
     if (code)
         return code;

@@ -31,9 +31,9 @@ static const pl_command_text command_table[] = {
     {PL_COMMAND_REPORT, "report", "RESULT.json [-o FILE.html]", "result", 0,
      "create an HTML report from a JSON result",
      "Create an HTML report from RESULT.json, which smooth or quality wrote by --json.\n"
-     "The page has tables, histograms, the convergence of the sweeps, and a picture of\n"
-     "the mesh if its files are unchanged.",
-     "0 if the page was written; 2 if not; 64 bad usage."},
+     "It has tables, histograms, the convergence of the sweeps, and a picture of the\n"
+     "mesh if its files are unchanged.",
+     "0 if the HTML report was written; 2 if not; 64 bad usage."},
 };
 
 enum { N_COMMANDS = sizeof command_table / sizeof command_table[0] };

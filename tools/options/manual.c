@@ -112,7 +112,7 @@ static void put_man(void) {
         ".TP\n.BR OMP_PROC_BIND \", \" OMP_PLACES \", \" GOMP_CPU_AFFINITY\nif one of them is "
         "set, planish binds no thread\n"
         ".TP\n.B NO_COLOR\nif it is set and not empty, planish prints no colours; nor does it if"
-        "\nTERM is dumb, or the output is no terminal\n"
+        "\nTERM is dumb, or the output is not a terminal\n"
         ".SH EXAMPLES\n"
         ".EX\nplanish smooth in.msh \\-o out.msh \\-\\-report page.html\n"
         "planish smooth in.mesh \\-o out.mesh \\-\\-slide auto \\-\\-objective worst\n"

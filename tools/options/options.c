@@ -265,7 +265,7 @@ static const option_row option_table[] = {
      "a copy for viewing if OUT ends in .vtu or .vtk",
      "file"},
     {'o', "output", "FILE", REPORT, set_text, AT(output), 0, 0, "must be the name of a file",
-     "write the page to FILE, - for standard output\n"
+     "write the HTML report to FILE, - for standard output\n"
      "(default: RESULT.html beside RESULT.json)",
      "file"},
     {0, "format", "NAME", BOTH, set_format, 0, 0, 0, NULL,
@@ -417,7 +417,7 @@ enum { N_OPTIONS = sizeof option_table / sizeof option_table[0] };
 
 /* ---- parsing -------------------------------------------------------------------------------- */
 
-/** Code that getopt_long returns for row i: its letter, or a number that is no character. */
+/** Code that getopt_long returns for row i: its letter, or a number beyond all characters. */
 static int option_code(int i) {
     return option_table[i].letter ? option_table[i].letter : UCHAR_MAX + 1 + i;
 }

@@ -26,7 +26,7 @@ void pl_markup_put(pl_markup *markup, const char *format, ...) PL_PRINTF(2, 3);
 void pl_markup_put_bytes(pl_markup *markup, const char *bytes, size_t size);
 
 /** Add text so that it reads as itself in HTML, in attributes as well: <, >, &, " and ' are
- *  escaped; what is no UTF-8, control characters and those that turn the direction of writing
+ *  escaped; bytes that are not UTF-8, control characters and those that turn the direction of writing
  * become U+FFFD. */
 void pl_markup_put_text(pl_markup *markup, const char *text);
 

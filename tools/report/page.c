@@ -287,9 +287,9 @@ int pl_page_write(const char *path, const pl_figures *figures, const pl_picture 
     int status = 0;
     pl_page_make(&page, figures, picture, no_picture);
     if (page.failed)
-        status = pl_complain(failed, "the page: %s: out of memory", shown(path));
+        status = pl_complain(failed, "the HTML report: %s: out of memory", shown(path));
     else if (pl_output_write_text(path, PL_TEMPORARY_PAGE, page.text, page.length, &error))
-        status = pl_complain(failed, "the page: %s", error.text);
+        status = pl_complain(failed, "the HTML report: %s", error.text);
     pl_markup_free(&page);
     return status;
 }
@@ -303,12 +303,13 @@ int pl_reports_write(const pl_arguments *arguments, const char *json, const pl_p
                            shown(arguments->json ? arguments->json : arguments->report));
     if (arguments->json &&
         pl_output_write_text(arguments->json, PL_TEMPORARY_REPORT, json, strlen(json), &error))
-        status = pl_complain(failed, "the report: %s", error.text);
+        status = pl_complain(failed, "the JSON report: %s", error.text);
     if (arguments->report) {
         pl_figures figures;
         cJSON *result = cJSON_Parse(json);
         if (!result || pl_figures_find(result, &figures)) /* it is ours: only memory can be short */
-            page = pl_complain(failed, "the page: %s: out of memory", shown(arguments->report));
+            page =
+                pl_complain(failed, "the HTML report: %s: out of memory", shown(arguments->report));
         else
             page = pl_page_write(arguments->report, &figures, picture, NULL, failed);
         cJSON_Delete(result);

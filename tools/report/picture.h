@@ -27,7 +27,7 @@ int pl_picture_begin(const pl_job *job, pl_picture **picture);
 int pl_picture_fits(const pl_picture *picture, const pl_job *job);
 
 /** Take the state that the mesh of job, of the same elements as the first one, is in now; but not
- * of a mesh so large that its size is no number. name: a word for it, kept as it is ("before"). */
+ * of a mesh whose size overflows. name: a word for it, kept as it is ("before"). */
 int pl_picture_take(pl_picture *picture, const pl_job *job, const char *name);
 
 /** How many states the picture, which may be NULL, shows, and their names. */

@@ -61,7 +61,7 @@ static void add_real(document *json, cJSON *parent, const char *name, double val
     add(json, parent, name, cJSON_CreateRaw(text));
 }
 
-/** JSON is UTF-8, names of files are any bytes: what is no UTF-8 becomes U+FFFD. */
+/** Add text to JSON, which is UTF-8: other bytes, in names of files, become U+FFFD. */
 static void add_text(document *json, cJSON *parent, const char *name, const char *text) {
     char *clean = malloc(3 * strlen(text) + 1), *to = clean;
     if (!clean) {

@@ -43,7 +43,7 @@ static int is_among(const range *ranges, size_t n, uint32_t code) {
     return 0;
 }
 
-/** The code that text begins with, and its bytes in *length; a byte that is no part of UTF-8 is
+/** The code that text begins with, and its bytes in *length; a byte outside of UTF-8 is
  *  taken for one of Latin-1. */
 static uint32_t decode(const char *text, int *length) {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};

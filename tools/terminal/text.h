@@ -15,7 +15,7 @@
 enum { PL_TEXT_WIDTH = 80 }; /* of all that is printed for people */
 
 /** Columns that text takes: two for each wide character (of Chinese, say), none for an accent of
- * its own; bytes that are no UTF-8 are characters of Latin-1. */
+ * its own; bytes that are not UTF-8 are characters of Latin-1. */
 int pl_text_columns(const char *text);
 
 /** Replace each control character of text, C1 (U+0080 to U+009F) too, by '?', in place. */
@@ -40,7 +40,7 @@ int pl_text_control(const char *text, uint32_t *code);
  *  nearest. */
 const char *pl_text_nearer(const char *typed, const char *nearest, const char *word);
 
-/** Replacement of bytes that are no UTF-8: U+FFFD. */
+/** Replacement of bytes that are not UTF-8: U+FFFD. */
 #define PL_UTF8_REPLACEMENT "\xEF\xBF\xBD"
 
 /** Length of the well-formed UTF-8 sequence at text, or 0; 1 for '\0'. Names of files and groups
