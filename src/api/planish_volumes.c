@@ -1,6 +1,6 @@
 /* planish_volumes: elements below their minimum volumes, and those that nothing can repair. */
 #include "improve/untangle/proofs.h"
-#include "sweep/guard.h"
+#include "sweep/run.h"
 
 #include "base/clock.h"
 #include "base/context.h"
@@ -30,12 +30,7 @@ static int ask_caller(void *context) {
     const planish_progress progress = {.elapsed = pl_seconds() - c->start};
     if (c->options->time_limit > 0 && progress.elapsed >= c->options->time_limit)
         return PLANISH_STOP_TIME_LIMIT;
-    if (!c->options->progress)
-        return 0;
-    pl_context *before = pl_context_enter(NULL);
-    const int stops = c->options->progress(&progress, c->options->progress_user);
-    pl_context_enter(before);
-    return stops ? PLANISH_STOP_INTERRUPTED : 0;
+    return pl_ask_caller(c->options, &progress) ? PLANISH_STOP_INTERRUPTED : 0;
 }
 
 /** Turn _BELOW into _INFEASIBLE where that is so: in the plan's subset by proofs, and outside of it,

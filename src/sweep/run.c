@@ -114,13 +114,12 @@ static planish_progress progress_of(const pl_run *r, int colour, int64_t visits)
         .elapsed = now - r->start_seconds};
 }
 
-/** Answer of the caller's progress function; 0 if there is none. */
-static int ask(const pl_run *r, const planish_progress *progress) {
-    if (!r->options->progress)
+int pl_ask_caller(const planish_options *options, const planish_progress *progress) {
+    if (!options->progress)
         return 0;
     pl_context *before = pl_context_enter(NULL);
     const int failed = before->failed; /* not what the caller asks of the plan meanwhile */
-    const int answer = r->options->progress(progress, r->options->progress_user);
+    const int answer = options->progress(progress, options->progress_user);
     before->failed = failed;
     pl_context_enter(before);
     return answer;
@@ -130,7 +129,7 @@ int pl_run_after_colour(void *run, int colours_done, int64_t visits) {
     const pl_run *r = run;
     planish_progress progress = progress_of(r, colours_done, 0);
     progress.colour_visits = visits;
-    if (ask(r, &progress))
+    if (pl_ask_caller(r->options, &progress))
         return PLANISH_STOP_INTERRUPTED;
     if (r->options->time_limit > 0 && progress.elapsed >= r->options->time_limit)
         return PLANISH_STOP_TIME_LIMIT;
@@ -223,7 +222,7 @@ int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally) {
     r->result->evaluations += tally->stars.evaluations;
     planish_progress progress = progress_of(r, tally->colours, tally->stars.visits);
     progress.sweep_done = 1;
-    const int stopped = pl_parts_any(ask(r, &progress));
+    const int stopped = pl_parts_any(pl_ask_caller(r->options, &progress));
     if (!tally->stopped && !stopped)
         return 0;
     /* The reason to stop that there was before stands, whatever the answer. */

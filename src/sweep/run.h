@@ -9,7 +9,8 @@
  *   pl_run_prepare, _begin_anew                set up the problem of the visits
  *   pl_run_sweeps, _sweep, _sweep_colours      sweep until convergence, once, or over the colours
  *   pl_run_begin_sweep, _end_sweep             frame of a sweep
- *   pl_run_after_colour, _limit, _ask_all      stop: after a colour, by a limit, in any process
+ *   pl_ask_caller                              the progress function
+ *   pl_run_after_colour, _stop_check, _ask_all stop: after a colour, in long work, in any process
  *   pl_run_sweeps_left                         number of sweeps that options still allow
  *   pl_run_has_followers                       whether nodes move with others
  *   pl_trial_begin, _end                       change the mesh, and keep the change or undo it
@@ -113,6 +114,10 @@ void pl_run_begin_sweep(pl_run *r);
 
 /** End a sweep with its tally; returns not 0 if the run is to end: r->stop says why. */
 int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally);
+
+/** Return the answer of the caller's progress function; 0 if there is none. Memory that the caller's
+ *  calls on the plan lack does not count as missing here. */
+int pl_ask_caller(const planish_options *options, const planish_progress *progress);
 
 /** Ask the caller after a colour of the sweep; returns not 0 if the run is to end. */
 int pl_run_after_colour(void *run, int colours_done, int64_t visits);
