@@ -22,11 +22,11 @@ enum { ROUNDS = 50 };
  */
 static int64_t put_back_nodes(const pl_run *r, int64_t element) {
     const planish_plan *plan = r->plan;
-    const size_t size = (size_t)plan->dim * sizeof *plan->coordinates;
+    const size_t size = (size_t)plan->dim * sizeof *plan->scratch.coordinates;
     int64_t n = 0;
     for (int j = 0; j <= plan->dim; j++) {
         const int64_t node = plan->work.elements[element * (plan->dim + 1) + j];
-        double *now = plan->coordinates + (int64_t)plan->inner[node] * plan->dim;
+        double *now = plan->scratch.coordinates + (int64_t)plan->inner[node] * plan->dim;
         const double *start = r->given + node * plan->dim;
         n += pl_is_own(pl_part_here(), node) && memcmp(now, start, size) != 0;
         memcpy(now, start, size);
@@ -38,10 +38,10 @@ static int64_t put_back_nodes(const pl_run *r, int64_t element) {
  */
 static int64_t put_back_bad(pl_run *r, uint8_t *state) {
     const planish_plan *plan = r->plan;
-    const size_t size = (size_t)plan->dim * sizeof *plan->coordinates;
+    const size_t size = (size_t)plan->dim * sizeof *plan->scratch.coordinates;
     const pl_view all = pl_view_of_all_elements(&plan->work);
     int64_t n = 0;
-    pl_find_worse(&all, plan->to_measure, sqrt(r->limits_at_start.rr2),
+    pl_find_worse(&all, plan->scratch.to_measure, sqrt(r->limits_at_start.rr2),
                   r->limits_at_start.acuteness, plan->threads, state);
     for (int64_t i = 0; i < plan->work.n_elements; i++)
         if (state[i] != PL_FINE)
@@ -49,12 +49,14 @@ static int64_t put_back_bad(pl_run *r, uint8_t *state) {
     /* Nodes that move together go back together. */
     for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
         const pl_follower *f = &plan->sliding.follower[k];
+        const pl_follower_places *places = &plan->scratch.places[k];
         if (f->node < plan->work.n_nodes &&
-            memcmp(plan->coordinates + (int64_t)f->node * plan->dim, f->start, size) == 0)
-            memcpy(plan->coordinates + (int64_t)f->of * plan->dim, f->origin, size);
+            memcmp(plan->scratch.coordinates + (int64_t)f->node * plan->dim, places->start, size) ==
+                0)
+            memcpy(plan->scratch.coordinates + (int64_t)f->of * plan->dim, places->origin, size);
     }
     pl_follow(plan, &r->problem);
-    pl_ghosts_update(plan, plan->coordinates, (int64_t)size);
+    pl_ghosts_update(plan, plan->scratch.coordinates, (int64_t)size);
     pl_run_measure(r);
     pl_parts_add(&n, 1);
     return n;

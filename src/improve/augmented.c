@@ -37,9 +37,9 @@ typedef struct shift_update {
 static void update_chunk(void *context, int64_t begin, int64_t end, int thread) {
     shift_update *u = context;
     const planish_plan *plan = u->run->plan;
-    pl_raise_double(&u->largest,
-                    pl_star_update_shifts(&u->run->problem, plan->dim, u->wake, begin, end,
-                                          plan->scratch + plan->scratch_stride * thread));
+    pl_raise_double(&u->largest, pl_star_update_shifts(
+                                     &u->run->problem, plan->dim, u->wake, begin, end,
+                                     plan->scratch.kernels + plan->scratch.kernel_stride * thread));
 }
 
 /** Update the multipliers of all elements; returns the largest change. */
@@ -56,12 +56,12 @@ static void wake_moved(const planish_plan *plan, const double *before) {
     const int dim = plan->dim;
     for (int64_t s = 0; s < plan->interior.stars.n_stars; s++) {
         const int64_t at = (int64_t)plan->interior.centre[s] * dim;
-        if (memcmp(plan->coordinates + at, before + at, (size_t)dim * sizeof *before) == 0)
+        if (memcmp(plan->scratch.coordinates + at, before + at, (size_t)dim * sizeof *before) == 0)
             continue;
-        plan->changed[plan->interior.centre[s]] = 1;
+        plan->scratch.changed[plan->interior.centre[s]] = 1;
         for (int64_t i = plan->interior.stars.ring_offset[s];
              i < plan->interior.stars.ring_offset[s + 1]; i++)
-            plan->changed[plan->interior.stars.ring[i]] = 1;
+            plan->scratch.changed[plan->interior.stars.ring[i]] = 1;
     }
     pl_ghosts_wake(plan, before);
 }
@@ -90,7 +90,7 @@ static int try_augmented(pl_run *r, double *before, double *shift) {
     pl_run_measure(r); /* what was tracked will not do to compare with */
     pl_trial_begin(r, 1, before, &trial);
     r->stop = PLANISH_STOP_MAX_SWEEPS;
-    memset(plan->changed, 0, (size_t)plan->work.n_nodes);
+    memset(plan->scratch.changed, 0, (size_t)plan->work.n_nodes);
     r->guard.star.penalty = PENALTY;
     r->guard.star.link_shift = shift;
     update_shifts(r, 1);

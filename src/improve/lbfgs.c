@@ -92,7 +92,7 @@ int pl_lbfgs_iterate(pl_lbfgs *m, pl_sweep_tally *tally) {
     double step = 1;
     find_direction(m);
     const double slope = pl_patch_product(&m->p, m->gradient, m->direction);
-    pl_patch_take(&m->p, m->start, r->plan->coordinates);
+    pl_patch_take(&m->p, m->start, r->plan->scratch.coordinates);
     pl_patch_combine(&m->p, m->last_gradient, m->gradient, 0, m->gradient);
     for (int i = 0; slope < 0 && i < BACKTRACKS && !tally->stopped; i++) {
         const double enough = before + ARMIJO * slope * step;
@@ -109,7 +109,7 @@ int pl_lbfgs_iterate(pl_lbfgs *m, pl_sweep_tally *tally) {
         const double next = rise < INFINITY ? -0.5 * slope * step * step / rise : 0;
         step = fmin(fmax(next, 0.1 * step), 0.5 * step);
     }
-    pl_patch_put(&m->p, r->plan->coordinates, m->start);
+    pl_patch_put(&m->p, r->plan->scratch.coordinates, m->start);
     evaluate(m, INFINITY);
     return 0;
 }

@@ -115,7 +115,7 @@ void pl_patch_put(const pl_patch *p, double *field, const double *a) {
 
 static void admit_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const vector_operation *o = context;
-    double *coordinates = o->p->run->plan->coordinates;
+    double *coordinates = o->p->run->plan->scratch.coordinates;
     const int dim = o->p->dim;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
@@ -128,7 +128,7 @@ static void admit_chunk(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 void pl_patch_admit(const pl_patch *p, double *x, const double *start) {
-    double *coordinates = p->run->plan->coordinates;
+    double *coordinates = p->run->plan->scratch.coordinates;
     vector_operation o = {.p = p, .a = x, .b = start};
     pl_patch_for(p, admit_chunk, &o);
     pl_ghosts_update(p->run->plan, coordinates, p->dim * (int64_t)sizeof *coordinates);
@@ -183,13 +183,13 @@ void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally) {
     double *x = pl_patch_vector(p, 0), *residual = pl_patch_vector(p, 1),
            *z = pl_patch_vector(p, 2), *way = pl_patch_vector(p, 3);
     double *image = pl_patch_vector(p, 4), *start = pl_patch_vector(p, 5);
-    pl_patch_take(p, start, r->plan->coordinates);
+    pl_patch_take(p, start, r->plan->scratch.coordinates);
     /* Within the box of the fixed nodes: from far away the way back would be lost in rounding. */
     for (int64_t i = 0; i < p->n; i++)
         for (int d = 0; d < p->dim; d++)
             x[i * p->dim + d] = fmin(fmax(start[i * p->dim + d], fixed.lower[d]), fixed.upper[d]);
-    pl_patch_put(p, r->plan->coordinates, x);
-    difference(p, residual, r->plan->coordinates);
+    pl_patch_put(p, r->plan->scratch.coordinates, x);
+    difference(p, residual, r->plan->scratch.coordinates);
     pl_patch_combine(p, x, NULL, fixed.scale, x);
     pl_patch_combine(p, residual, NULL, -fixed.scale, residual);
     divide_by_neighbours(p, z, residual);

@@ -97,7 +97,7 @@ static int undo_failed_raise(pl_run *r, planish_error *error) {
     if (r->sums.below < start->below || r->sums.inverted < start->inverted ||
         (over && r->sums.below == start->below))
         return PLANISH_OK;
-    pl_plan_order(r->plan, r->given, r->plan->coordinates);
+    pl_plan_order(r->plan, r->given, r->plan->scratch.coordinates);
     pl_run_measure(r);
     if (over)
         return PLANISH_OK;

@@ -35,7 +35,7 @@ typedef struct objective_of_all {
 static void slope_chunk(void *context, int64_t begin, int64_t end, int thread) {
     objective_of_all *f = context;
     const planish_plan *plan = f->run->plan;
-    double *scratch = plan->scratch + plan->scratch_stride * thread;
+    double *scratch = plan->scratch.kernels + plan->scratch.kernel_stride * thread;
     for (int64_t i = begin; i < end; i++) {
         pl_star_value value;
         if (!f->in_patch[plan->interior.centre[i]])
@@ -88,7 +88,7 @@ static int try_centring(pl_lbfgs *m) {
     pl_run_begin_sweep(r);
     pl_patch_centre(&m->p, &tally);
     pl_patch_take(&m->p, m->start, start);
-    pl_patch_take(&m->p, m->direction, r->plan->coordinates);
+    pl_patch_take(&m->p, m->direction, r->plan->scratch.coordinates);
     pl_patch_combine(&m->p, m->direction, m->direction, -1, m->start);
     for (int i = 0; i < PARTS && !tally.stopped; i++) {
         pl_patch_combine(&m->p, m->position, m->start, ldexp(1, -i), m->direction);
@@ -152,7 +152,7 @@ static int try_acceleration(pl_run *r, pl_acceleration acceleration, double fall
      * the worst there is. */
     for (int64_t i = 0; i < plan->interior.stars.n_stars; i++) {
         pl_star_value value;
-        plan->kernel->evaluate[plan->dim - 2](&r->problem, i, plan->scratch, 1, &value);
+        plan->kernel->evaluate[plan->dim - 2](&r->problem, i, plan->scratch.kernels, 1, &value);
         f.in_patch[plan->interior.centre[i]] = value.certain != 0;
         if (value.certain)
             f.rr2_limit = fmax(f.rr2_limit, value.max * (1 + value.error));
@@ -172,7 +172,7 @@ static int try_acceleration(pl_run *r, pl_acceleration acceleration, double fall
 /** Multiply all coordinates, and see to it that they are measured as before. */
 static void rescale(pl_run *r, double factor) {
     for (int64_t i = 0; i < r->plan->work.n_nodes * r->plan->dim; i++)
-        r->plan->coordinates[i] *= factor;
+        r->plan->scratch.coordinates[i] *= factor;
     r->measure_scale /= factor;
 }
 

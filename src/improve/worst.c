@@ -41,7 +41,7 @@ static int64_t find_bad(const stages *p, double limit) {
     const int of_angle = p->run->options->worst == PLANISH_WORST_ANGLE, corners = plan->dim + 1;
     int64_t n = 0;
     const pl_view all = pl_view_of_all_elements(&plan->work);
-    pl_find_worse(&all, plan->to_measure, of_angle ? INFINITY : sqrt(limit),
+    pl_find_worse(&all, plan->scratch.to_measure, of_angle ? INFINITY : sqrt(limit),
                   of_angle ? limit : INFINITY, plan->threads, p->state);
     for (int64_t i = 0; i < plan->work.n_elements; i++)
         n += p->state[i] == PL_WORSE && (!is_counted || is_counted[i]) &&
@@ -63,10 +63,10 @@ static int try_stage(stages *p, double limit, int *failed) {
     *failed = 0;
     if (n_bad == 0)
         return 0;
-    memset(plan->changed, 0, (size_t)plan->work.n_nodes);
+    memset(plan->scratch.changed, 0, (size_t)plan->work.n_nodes);
     for (int64_t i = 0; i < plan->work.n_elements; i++)
         for (int j = 0; p->state[i] == PL_WORSE && j <= plan->dim; j++)
-            plan->changed[pl_plan_inner(plan, i, j)] = 1;
+            plan->scratch.changed[pl_plan_inner(plan, i, j)] = 1;
     pl_trial_begin(r, 1, p->before, &trial);
     r->phase = PLANISH_PHASE_WORST;
     r->guard.star.objective =

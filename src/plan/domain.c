@@ -172,9 +172,9 @@ static int narrow_to_bad(pl_draft *d, planish_error *error) {
     plan->work.min_volume = NULL;
     d->boundary.sign = NULL;
     plan->whole.mobility = d->whole_mobility = pl_alloc_zero(mesh->n_nodes, 1);
-    plan->is_movable = pl_alloc_zero(mesh->n_elements, 1);
+    plan->scratch.is_movable = pl_alloc_zero(mesh->n_elements, 1);
     plan->all = &plan->whole;
-    if (!d->whole_mobility || !plan->is_movable)
+    if (!d->whole_mobility || !plan->scratch.is_movable)
         return pl_fail_memory(error, "the subset of the mesh that is worked on");
     plan->info.n_negative_order = d->boundary.n_reversed;
     return narrow(d, mesh, PL_SUBSET_OF_ALL, error);

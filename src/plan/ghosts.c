@@ -54,6 +54,7 @@ static int64_t message_size(const planish_plan *plan) {
 int pl_ghosts_create(planish_plan *plan, const planish_mesh *mesh, const int32_t *order,
                      planish_error *error) {
     pl_ghosts *g = &plan->ghosts;
+    pl_plan_scratch *scratch = &plan->scratch;
     if (!mesh->part)
         return PLANISH_OK;
     const pl_visits *visits[] = {&plan->interior, &plan->sliding};
@@ -65,10 +66,10 @@ int pl_ghosts_create(planish_plan *plan, const planish_mesh *mesh, const int32_t
         }
     g->node = pl_alloc(mesh->n_nodes, sizeof *g->node);
     g->is_movable = pl_alloc(mesh->n_elements, sizeof *g->is_movable);
-    g->before = pl_alloc(most * mesh->dim, sizeof *g->before);
-    g->moved = pl_alloc(most, sizeof *g->moved);
-    g->message = pl_alloc(most, (size_t)message_size(plan));
-    if (!g->node || !g->is_movable || !g->before || !g->moved || !g->message)
+    scratch->before = pl_alloc(most * mesh->dim, sizeof *scratch->before);
+    scratch->moved = pl_alloc(most, sizeof *scratch->moved);
+    scratch->message = pl_alloc(most, (size_t)message_size(plan));
+    if (!g->node || !g->is_movable || !scratch->before || !scratch->moved || !scratch->message)
         return pl_fail_memory(error, "the ghosts");
     memcpy(g->node, order, (size_t)mesh->n_nodes * sizeof *g->node);
     for (int64_t i = 0; i < mesh->n_elements; i++) {
@@ -84,40 +85,37 @@ void pl_ghosts_destroy(pl_ghosts *g) {
     pl_free(g->offset);
     pl_free(g->neighbour);
     pl_free(g->is_movable);
-    pl_free(g->before);
-    pl_free(g->moved);
-    pl_free(g->message);
     *g = (pl_ghosts){0};
 }
 
 /* ---- news ------------------------------------------------------------------------------------ */
 
 static double *place_of(const planish_plan *plan, int64_t inner) {
-    return plan->coordinates + inner * plan->dim;
+    return plan->scratch.coordinates + inner * plan->dim;
 }
 
 void pl_ghosts_note(const planish_plan *plan, const pl_visits *visits, int64_t begin, int64_t end) {
-    const size_t size = (size_t)plan->dim * sizeof(double);
+    const int dim = plan->dim;
     for (int64_t s = begin; s < end; s++)
-        memcpy(plan->ghosts.before + (s - begin) * plan->dim, place_of(plan, visits->centre[s]),
-               size);
+        memcpy(plan->scratch.before + (s - begin) * dim, place_of(plan, visits->centre[s]),
+               (size_t)dim * sizeof(double));
 }
 
 void pl_ghosts_send(const planish_plan *plan, const pl_visits *visits, int64_t begin, int64_t end) {
     const size_t size = (size_t)plan->dim * sizeof(double);
-    const pl_ghosts *g = &plan->ghosts;
+    const pl_plan_scratch *scratch = &plan->scratch;
     int64_t n = 0;
     for (int64_t s = begin; s < end; s++) {
         const int32_t inner = visits->centre[s];
         const double *place = place_of(plan, inner);
-        if (memcmp(place, g->before + (s - begin) * plan->dim, size) == 0)
+        if (memcmp(place, scratch->before + (s - begin) * plan->dim, size) == 0)
             continue;
-        char *message = g->message + n * message_size(plan);
+        char *message = scratch->message + n * message_size(plan);
         memcpy(message, place, size);
-        message[size] = (char)plan->changed[inner];
-        g->moved[n++] = g->node[inner];
+        message[size] = (char)scratch->changed[inner];
+        scratch->moved[n++] = plan->ghosts.node[inner];
     }
-    pl_parts_send(g->moved, n, g->message, message_size(plan));
+    pl_parts_send(scratch->moved, n, scratch->message, message_size(plan));
 }
 
 /** Wake the neighbours of a ghost; other nodes have no list of neighbours. is_bad: its star is
@@ -125,8 +123,8 @@ void pl_ghosts_send(const planish_plan *plan, const pl_visits *visits, int64_t b
 static void wake_neighbours(const planish_plan *plan, int32_t ghost, int is_bad) {
     const pl_ghosts *g = &plan->ghosts;
     for (int64_t k = g->offset[ghost]; k < g->offset[ghost + 1]; k++)
-        if (is_bad || plan->changed[g->neighbour[k]] & PL_BAD)
-            plan->changed[g->neighbour[k]] = PL_CHANGED;
+        if (is_bad || plan->scratch.changed[g->neighbour[k]] & PL_BAD)
+            plan->scratch.changed[g->neighbour[k]] = PL_CHANGED;
 }
 
 /** Take the news of a ghost. */

@@ -84,27 +84,29 @@ static int64_t larger(int64_t a, int64_t b) {
     return a > b ? a : b;
 }
 
+/** Make the working space, but for that of ghosts. */
 static int prepare_scratch(planish_plan *plan, planish_error *error) {
-    int64_t values = plan->work.n_nodes * plan->dim;
+    const int64_t values = plan->work.n_nodes * plan->dim;
     const pl_stars *interior = &plan->interior.stars, *sliding = &plan->sliding.stars;
-    int64_t bytes = pl_star_scratch_size(plan->dim, larger(interior->max_ring, sliding->max_ring),
-                                         larger(interior->max_link, sliding->max_link));
-    plan->scratch_stride = bytes / (int64_t)sizeof(double);
-    plan->coordinates = pl_alloc(values + plan->n_images * plan->dim, sizeof(double));
-    plan->to_measure = pl_alloc(values, sizeof(double));
-    plan->changed = pl_alloc_zero(plan->work.n_nodes + plan->n_images, 1);
-    plan->scratch = pl_alloc(plan->scratch_stride * plan->threads, sizeof(double));
-    plan->tally = pl_alloc(plan->threads, sizeof *plan->tally);
-    if (plan->dim == 3)
-        plan->kept = pl_alloc(interior->n_stars, sizeof *plan->kept);
-    if (!plan->coordinates || !plan->to_measure || !plan->changed || !plan->scratch ||
-        !plan->tally || (plan->dim == 3 && !plan->kept))
-        return pl_fail_memory(error, "the working space of a plan");
-    const pl_points points = pl_plan_points(plan, plan->coordinates);
-    if (pl_points_are_dense(&points))
-        return PLANISH_OK;
-    plan->given = pl_alloc(values, sizeof *plan->given);
-    return plan->given ? PLANISH_OK : pl_fail_memory(error, "the working space of a plan");
+    const int64_t bytes =
+        pl_star_scratch_size(plan->dim, larger(interior->max_ring, sliding->max_ring),
+                             larger(interior->max_link, sliding->max_link));
+    pl_plan_scratch *s = &plan->scratch;
+    s->kernel_stride = bytes / (int64_t)sizeof(double);
+    s->coordinates = pl_alloc(values + plan->n_images * plan->dim, sizeof *s->coordinates);
+    s->to_measure = pl_alloc(values, sizeof *s->to_measure);
+    s->changed = pl_alloc_zero(plan->work.n_nodes + plan->n_images, 1);
+    s->kernels = pl_alloc(s->kernel_stride * plan->threads, sizeof *s->kernels);
+    s->tally = pl_alloc(plan->threads, sizeof *s->tally);
+    s->places = pl_alloc(plan->sliding.n_followers, sizeof *s->places);
+    s->kept = plan->dim == 3 ? pl_alloc(interior->n_stars, sizeof *s->kept) : NULL;
+    const pl_points points = pl_plan_points(plan, s->coordinates);
+    const int is_dense = pl_points_are_dense(&points);
+    s->given = is_dense ? NULL : pl_alloc(values, sizeof *s->given);
+    return s->coordinates && s->to_measure && s->changed && s->kernels && s->tally && s->places &&
+                   (s->kept || plan->dim == 2) && (s->given || is_dense)
+               ? PLANISH_OK
+               : pl_fail_memory(error, "the working space of a plan");
 }
 
 static int fill_plan(planish_plan *plan, const planish_mesh *mesh, pl_draft *d,

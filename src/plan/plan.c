@@ -28,6 +28,21 @@ static void release_view(pl_view *view) {
     pl_free((void *)view->mobility);
 }
 
+static void release_scratch(pl_plan_scratch *scratch) {
+    pl_free(scratch->given);
+    pl_free(scratch->coordinates);
+    pl_free(scratch->to_measure);
+    pl_free(scratch->changed);
+    pl_free(scratch->kept);
+    pl_free(scratch->is_movable);
+    pl_free(scratch->places);
+    pl_free(scratch->kernels);
+    pl_free(scratch->tally);
+    pl_free(scratch->before);
+    pl_free(scratch->moved);
+    pl_free(scratch->message);
+}
+
 void pl_plan_destroy(planish_plan *plan) {
     pl_ghosts_destroy(&plan->ghosts);
     pl_parts_end(plan->context);
@@ -39,19 +54,12 @@ void pl_plan_destroy(planish_plan *plan) {
     pl_free(plan->node_of);
     pl_free(plan->element_of);
     pl_free(plan->own_whole_elements);
-    pl_free(plan->is_movable);
     release_view(&plan->work);
     release_view(&plan->whole);
-    pl_free(plan->given);
     pl_free(plan->wrapped);
     pl_free(plan->is_used);
     pl_free(plan->inner);
-    pl_free(plan->coordinates);
-    pl_free(plan->to_measure);
-    pl_free(plan->changed);
-    pl_free(plan->kept);
-    pl_free(plan->scratch);
-    pl_free(plan->tally);
+    release_scratch(&plan->scratch);
     pl_free(plan);
 }
 
@@ -61,13 +69,13 @@ void pl_plan_destroy(planish_plan *plan) {
 #define STILL_OF_FEW 1e-2
 
 pl_star_problem pl_plan_problem(const planish_plan *plan, const pl_visits *visits) {
-    return (pl_star_problem){.coordinates = plan->coordinates,
+    return (pl_star_problem){.coordinates = plan->scratch.coordinates,
                              .node = visits->centre,
                              .ring_offset = visits->stars.ring_offset,
                              .ring = visits->stars.ring,
                              .link_offset = visits->stars.link_offset,
                              .link = visits->stars.link,
-                             .changed = plan->changed,
+                             .changed = plan->scratch.changed,
                              .limits = pl_star_no_limits(),
                              .still = plan->is_selective ? STILL_OF_FEW : STILL,
                              .slide = visits == &plan->sliding ? plan->slide : NULL};
@@ -136,7 +144,7 @@ pl_box pl_box_of_fixed(const planish_plan *plan) {
     }
     for (int64_t i = 0; i < plan->work.n_nodes; i++)
         for (int d = 0; d < dim && plan->is_used[i] && plan->work.mobility[i] != PL_INTERIOR; d++) {
-            const double x = plan->coordinates[(int64_t)plan->inner[i] * dim + d];
+            const double x = plan->scratch.coordinates[(int64_t)plan->inner[i] * dim + d];
             b.lower[d] = fmin(b.lower[d], x);
             b.upper[d] = fmax(b.upper[d], x);
         }

@@ -46,9 +46,6 @@ typedef struct pl_ghosts {
     int64_t *offset;     /* [n_nodes + 1] by the mesh's numbers: where a ghost's neighbours begin */
     int32_t *neighbour;  /* inner numbers of those that are no ghosts */
     uint8_t *is_movable; /* [n_elements] see pl_view.is_movable */
-    double *before;      /* [most SHARED nodes of a colour][dim] where they were */
-    int32_t *moved;      /* [likewise] those of them that have moved, and */
-    char *message;       /* what is said of them: coordinates, and whether neighbours were told */
 } pl_ghosts;
 
 /** Scope of a plan, and of its measurements. */
@@ -62,6 +59,30 @@ typedef enum pl_scope {
 typedef struct pl_thread_tally {
     _Alignas(64) pl_star_tally of;
 } pl_thread_tally;
+
+/** Places of a follower and of its leader when the call began. */
+typedef struct pl_follower_places {
+    double start[3];  /* of the follower, */
+    double origin[3]; /* and of its leader */
+} pl_follower_places;
+
+/** Working space of planish_smooth, which a plan keeps from call to call; n nodes. Calls change it on a
+ *  plan that is const. Owned. */
+typedef struct pl_plan_scratch {
+    double *given;       /* [n][dim] the coordinates it starts with, unless the caller's are such */
+    double *coordinates; /* [n + n_images][dim] by inner numbers */
+    double *to_measure;  /* [n][dim] in the mesh's order, in units of its size: for measuring */
+    uint8_t *changed;    /* [n + n_images] by inner numbers, see pl_star_problem */
+    pl_star_kept *kept;  /* [interior.stars.n_stars] likewise; NULL in 2-D */
+    uint8_t *is_movable; /* [elements of whole] 1: has a free node in the call that is served */
+    pl_follower_places *places; /* [sliding.n_followers] */
+    double *kernels;            /* [threads][kernel_stride] */
+    int64_t kernel_stride;
+    pl_thread_tally *tally; /* [threads] of the sweep under way */
+    double *before;         /* [most SHARED nodes of a colour][dim] where they were */
+    int32_t *moved;         /* [likewise] those of them that have moved, and */
+    char *message; /* what is said of them: coordinates, and whether neighbours were told */
+} pl_plan_scratch;
 
 /** n nodes, m elements: those of the mesh, or of the subset of it that is worked on; "inner"
  * numbers run along the space-filling curve. Everything is owned, with the arrays of the views, but
@@ -91,16 +112,7 @@ struct planish_plan {
     int threads;
     const pl_star_kernel *kernel;
     planish_plan_info info;
-    /* Scratch of planish_smooth: */
-    double *given;       /* [n][dim] the coordinates it starts with, unless the caller's are such */
-    double *coordinates; /* [n + n_images][dim] by inner numbers */
-    double *to_measure;  /* [n][dim] in the mesh's order, in units of its size: for measuring */
-    uint8_t *changed;    /* [n + n_images] by inner numbers, see pl_star_problem */
-    pl_star_kept *kept;  /* [interior.stars.n_stars] likewise; NULL in 2-D */
-    uint8_t *is_movable; /* [elements of whole] 1: has a free node in the call that is served */
-    double *scratch;     /* [threads][scratch_stride] of the kernels */
-    int64_t scratch_stride;
-    pl_thread_tally *tally; /* [threads] of the sweep under way */
+    pl_plan_scratch scratch;
 };
 
 /* ---- plan.c --------------------------------------------------------------------------------- */

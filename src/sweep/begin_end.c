@@ -16,19 +16,20 @@
 /** Put planes and lines through their nodes as they are now. Followers keep their distance from their
  *  leaders. */
 static void begin_sliding(planish_plan *plan) {
-    double *x = plan->coordinates;
+    double *x = plan->scratch.coordinates;
     const int dim = plan->dim;
     for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++)
         memcpy(plan->slide[s].point, x + (int64_t)plan->sliding.centre[s] * dim,
                (size_t)dim * sizeof *x);
     for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
-        pl_follower *f = &plan->sliding.follower[k];
+        const pl_follower *f = &plan->sliding.follower[k];
+        pl_follower_places *places = &plan->scratch.places[k];
         for (int d = 0; d < dim; d++) {
             const double way = x[(int64_t)f->to * dim + d] - x[(int64_t)f->from * dim + d];
-            f->origin[d] = x[(int64_t)f->of * dim + d];
+            places->origin[d] = x[(int64_t)f->of * dim + d];
             if (f->node >= plan->work.n_nodes)
-                x[(int64_t)f->node * dim + d] = f->origin[d] + way;
-            f->start[d] = x[(int64_t)f->node * dim + d];
+                x[(int64_t)f->node * dim + d] = places->origin[d] + way;
+            places->start[d] = x[(int64_t)f->node * dim + d];
         }
     }
 }
@@ -54,14 +55,14 @@ int pl_run_begin(pl_run *r, planish_error *error) {
     const pl_points points = pl_plan_points(plan, r->coordinates);
     const pl_points all_points = pl_plan_all_points(plan, r->coordinates);
     double *all = NULL, delta;
-    r->given = pl_plan_dense(plan, &points, plan->given);
+    r->given = pl_plan_dense(plan, &points, plan->scratch.given);
     if (plan->scope == PL_SUBSET_OF_ALL) {
         all = pl_alloc(all_points.n * all_points.dim, sizeof *all);
         if (!all)
             return pl_fail_memory(error, "the coordinates");
         pl_points_gather(&all_points, plan->threads, all);
     }
-    pl_plan_order(plan, r->given, plan->coordinates);
+    pl_plan_order(plan, r->given, plan->scratch.coordinates);
     begin_sliding(plan);
     /* delta may be a fraction of the volume of all of the mesh. */
     int status = pl_minimum_volume(plan, o, all ? all : r->given, &delta, error);
@@ -113,7 +114,7 @@ static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         const double *start = t->run->given + i * dim;
-        const double *inside = plan->coordinates + (int64_t)plan->inner[i] * dim;
+        const double *inside = plan->scratch.coordinates + (int64_t)plan->inner[i] * dim;
         const double far = plan->work.mobility[i] ? pl_distance(dim, inside, start) : 0;
         if (!(far > 0))
             continue;

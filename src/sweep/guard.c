@@ -113,10 +113,10 @@ static void limit_stars(void *context, int64_t begin, int64_t end, int thread) {
     for (int64_t s = begin; s < end; s++) {
         const int64_t node = visits->centre[s];
         const int64_t first = visits->stars.ring_offset[s], last = visits->stars.ring_offset[s + 1];
-        const double *x = w->plan->coordinates + node * dim;
+        const double *x = w->plan->scratch.coordinates + node * dim;
         double unit = by_edge ? 0 : 1; /* or the mean distance of the ring from the node */
         for (int64_t i = first; by_edge && i < last; i++) {
-            const double *y = w->plan->coordinates + (int64_t)visits->stars.ring[i] * dim;
+            const double *y = w->plan->scratch.coordinates + (int64_t)visits->stars.ring[i] * dim;
             unit += pl_distance(dim, x, y) / (double)(last - first);
         }
         w->radius[node] = w->options->max_displacement * unit;
@@ -187,16 +187,17 @@ static int check_bounds(const planish_plan *plan, const planish_options *options
 /** Translate the bound (sign 1: the lower one, -1: the upper) of a follower to the node that it
  *  follows. The follower's place, rounded as pl_follow does, is then never beyond its bound, and
  *  exact at the bound. */
-static double bound_of_leader(const pl_follower *f, int d, double bound, int sign) {
+static double bound_of_leader(const pl_follower_places *places, int d, double bound, int sign) {
     enum { TRIES = 8 };
-    double limit = f->origin[d] + (bound - f->start[d]);
+    double limit = places->origin[d] + (bound - places->start[d]);
     for (int i = 0; i < TRIES; i++) {
-        const double place = f->start[d] + (limit - f->origin[d]), beyond = sign * (bound - place);
+        const double place = places->start[d] + (limit - places->origin[d]),
+                     beyond = sign * (bound - place);
         if (!(beyond > 0))
             return limit;
         limit = nextafter(limit + sign * beyond, sign > 0 ? INFINITY : -INFINITY);
     }
-    return f->origin[d];
+    return places->origin[d];
 }
 
 /** Bound nodes that others follow by what bounds these, too; all are held if one is. */
@@ -208,11 +209,12 @@ static void bound_leaders(const bounding *w) {
         if (f->node >= plan->work.n_nodes)
             continue;
         double *lower = w->lower + (int64_t)f->of * dim, *upper = w->upper + (int64_t)f->of * dim;
+        const pl_follower_places *places = &plan->scratch.places[k];
         const double *low = w->lower + (int64_t)f->node * dim;
         const double *high = w->upper + (int64_t)f->node * dim;
         for (int d = 0; d < dim; d++) {
-            lower[d] = fmax(lower[d], bound_of_leader(f, d, low[d], 1));
-            upper[d] = fmin(upper[d], bound_of_leader(f, d, high[d], -1));
+            lower[d] = fmax(lower[d], bound_of_leader(places, d, low[d], 1));
+            upper[d] = fmin(upper[d], bound_of_leader(places, d, high[d], -1));
         }
     }
 }

@@ -25,8 +25,8 @@ static void transfer_measured(void *context, int64_t begin, int64_t end, int thr
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         for (int d = 0; d < dim; d++)
-            plan->to_measure[i * dim + d] =
-                plan->coordinates[(int64_t)plan->inner[i] * dim + d] * r->measure_scale;
+            plan->scratch.to_measure[i * dim + d] =
+                plan->scratch.coordinates[(int64_t)plan->inner[i] * dim + d] * r->measure_scale;
 }
 
 /* ---- the quality of the mesh -------------------------------------------------------------- */
@@ -46,7 +46,7 @@ pl_objective_problem pl_run_objective_problem(const pl_run *r) {
     pl_view mesh = pl_view_of_all_elements(&plan->work);
     if (r->guard.mobility)
         mesh.mobility = r->guard.mobility;
-    return pl_objective_problem_of(&mesh, plan->to_measure, r->options, r->guard.min_volume,
+    return pl_objective_problem_of(&mesh, plan->scratch.to_measure, r->options, r->guard.min_volume,
                                    plan->threads);
 }
 
@@ -71,7 +71,7 @@ void pl_run_measure(pl_run *r) {
     const planish_plan *plan = r->plan;
     const pl_objective_problem problem = pl_run_objective_problem(r);
     pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, transfer_measured, r);
-    sum_up(r, r->plain ? &plan->work : &problem.mesh, plan->to_measure, &r->sums);
+    sum_up(r, r->plain ? &plan->work : &problem.mesh, plan->scratch.to_measure, &r->sums);
     r->measured_sum = r->sums.ratio[1];
     if (plan->all == &plan->work)
         return;
@@ -86,9 +86,9 @@ void pl_run_measure_fixed(pl_run *r, const double *all) {
     const int corners = plan->dim + 1;
     pl_view whole = plan->whole;
     for (int64_t i = 0; i < plan->work.n_elements; i++)
-        plan->is_movable[plan->element_of[i]] =
+        plan->scratch.is_movable[plan->element_of[i]] =
             (uint8_t)pl_any_moves(mobility, plan->work.elements + i * corners, corners);
-    whole.is_movable = plan->is_movable;
+    whole.is_movable = plan->scratch.is_movable;
     sum_up(r, &whole, all, &r->sums_of_fixed);
 }
 
@@ -178,7 +178,7 @@ void pl_run_prepare(pl_run *r) {
     r->problem.storage = pl_storage_of(r->options);
     r->problem.guard = r->guard.wanted ? &r->guard.star : NULL;
     if (!r->guard.wanted && r->options->search == PLANISH_SEARCH_NEWTON)
-        r->problem.kept = plan->kept;
+        r->problem.kept = plan->scratch.kept;
     pl_run_begin_anew(r);
 }
 
@@ -206,7 +206,7 @@ static void forget(void *context, int64_t begin, int64_t end, int thread) {
 
 void pl_run_begin_anew(pl_run *r) {
     const planish_plan *plan = r->plan;
-    memset(plan->changed, 1, (size_t)plan->work.n_nodes);
+    memset(plan->scratch.changed, 1, (size_t)plan->work.n_nodes);
     if (r->problem.kept)
         pl_parallel_for(plan->threads, plan->interior.stars.n_stars, CHUNK_NODES, forget,
                         r->problem.kept);
@@ -337,7 +337,8 @@ void pl_run_sweeps(pl_run *r) {
 /* ---- trials ------------------------------------------------------------------------------- */
 
 static size_t size_of_coordinates(const pl_run *r) {
-    return (size_t)r->plan->work.n_nodes * (size_t)r->plan->dim * sizeof *r->plan->coordinates;
+    return (size_t)r->plan->work.n_nodes * (size_t)r->plan->dim *
+           sizeof *r->plan->scratch.coordinates;
 }
 
 void pl_trial_begin(pl_run *r, int is_hidden, double *before, pl_trial *trial) {
@@ -347,7 +348,7 @@ void pl_trial_begin(pl_run *r, int is_hidden, double *before, pl_trial *trial) {
                         .problem = r->problem,
                         .guard = r->guard.star,
                         .phase = r->phase};
-    memcpy(before, r->plan->coordinates, size_of_coordinates(r));
+    memcpy(before, r->plan->scratch.coordinates, size_of_coordinates(r));
     r->shown = is_hidden ? &trial->standing : NULL;
 }
 
@@ -359,6 +360,6 @@ void pl_trial_end(const pl_trial *trial, int is_taken) {
     r->phase = trial->phase;
     if (is_taken)
         return;
-    memcpy(r->plan->coordinates, trial->before, size_of_coordinates(r));
+    memcpy(r->plan->scratch.coordinates, trial->before, size_of_coordinates(r));
     pl_run_measure(r);
 }

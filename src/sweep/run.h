@@ -90,7 +90,7 @@ double pl_run_objective(const pl_run *r);
 /** Return the measures of the worst element, as measured last, times margin. */
 pl_star_limits pl_run_worst_limits(const pl_run *r, double margin);
 
-/** Return the problem of summing over the mesh in plan->to_measure. */
+/** Return the problem of summing over the mesh in plan->scratch.to_measure. */
 pl_objective_problem pl_run_objective_problem(const pl_run *r);
 
 /** Return the problem of the nodes that slide, as the interior's is at present. It always has a

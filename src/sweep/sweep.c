@@ -26,8 +26,8 @@ static void visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const colour_pass *pass = context;
     const planish_plan *plan = pass->plan;
     const pl_star_problem *problem = pass->problem;
-    double *scratch = plan->scratch + plan->scratch_stride * thread;
-    pl_star_tally *tally = &plan->tally[thread].of;
+    double *scratch = plan->scratch.kernels + plan->scratch.kernel_stride * thread;
+    pl_star_tally *tally = &plan->scratch.tally[thread].of;
     const pl_star_guarded *guarded = plan->kernel->guarded;
     pl_star_visit_fn *visit =
         problem->guard ? guarded->visit[plan->dim - 2] : plan->kernel->visit[plan->dim - 2];
@@ -44,19 +44,20 @@ static void visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
 void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
     for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
         const pl_follower *f = &plan->sliding.follower[k];
-        const double *of = plan->coordinates + (int64_t)f->of * plan->dim;
-        double *x = plan->coordinates + (int64_t)f->node * plan->dim;
+        const pl_follower_places *places = &plan->scratch.places[k];
+        const double *of = plan->scratch.coordinates + (int64_t)f->of * plan->dim;
+        double *x = plan->scratch.coordinates + (int64_t)f->node * plan->dim;
         const int is_stored = f->node < plan->work.n_nodes; /* images are in no result */
         /* If the node that it follows has not moved, it keeps its first coordinates, unrounded. */
         for (int d = 0; d < plan->dim; d++) {
-            const double way = of[d] - f->origin[d], place = f->start[d] + way;
+            const double way = of[d] - places->origin[d], place = places->start[d] + way;
             x[d] = way != 0 && is_stored ? pl_store(&problem->storage, place) : place;
         }
-        uint8_t *changed = &plan->changed[f->of];
-        *changed |= plan->changed[f->node];
-        if (plan->changed[f->node] & PL_CHANGED)
-            *changed &= (uint8_t)~PL_TOLD; /* a star around has moved since */
-        plan->changed[f->node] = PL_BAD;   /* so that it is told */
+        uint8_t *changed = &plan->scratch.changed[f->of];
+        *changed |= plan->scratch.changed[f->node];
+        if (plan->scratch.changed[f->node] & PL_CHANGED)
+            *changed &= (uint8_t)~PL_TOLD;       /* a star around has moved since */
+        plan->scratch.changed[f->node] = PL_BAD; /* so that it is told */
     }
 }
 
@@ -108,7 +109,7 @@ void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_p
     int64_t visited = 0;
     if (tally->stopped)
         return;
-    memset(plan->tally, 0, (size_t)plan->threads * sizeof *plan->tally);
+    memset(plan->scratch.tally, 0, (size_t)plan->threads * sizeof *plan->scratch.tally);
     if (visits->n_followers > 0)
         pl_follow(plan, problem);
     for (int c = 0; c < visits->n_colours && (!(stopped > 0) || together); c++) {
@@ -116,14 +117,14 @@ void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_p
         visit_colour(&pass, visits, c);
         visited = 0;
         for (int t = 0; t < plan->threads; t++)
-            visited += plan->tally[t].of.visits;
+            visited += plan->scratch.tally[t].of.visits;
         tally->colours++;
         if (visits->n_followers > 0)
             pl_follow(plan, problem);
         stopped = fmax(stopped, after_colour(context, tally->colours, visited - before));
     }
     for (int t = 0; t < plan->threads; t++)
-        add_tally(&mine, &plan->tally[t].of);
+        add_tally(&mine, &plan->scratch.tally[t].of);
     int64_t counts[] = {mine.visits, mine.evaluations, mine.improved, mine.restored};
     pl_parts_add_sums(&mine.decrease, 1);
     pl_parts_add(counts, sizeof counts / sizeof *counts);
@@ -150,9 +151,9 @@ typedef struct optimality_pass {
 static void judge_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const optimality_pass *pass = context;
     const planish_plan *plan = pass->plan;
-    plan->kernel->guarded->optimality[plan->dim - 2](pass->problem, begin, end,
-                                                     plan->scratch + plan->scratch_stride * thread,
-                                                     &pass->of_thread[thread]);
+    plan->kernel->guarded->optimality[plan->dim - 2](
+        pass->problem, begin, end, plan->scratch.kernels + plan->scratch.kernel_stride * thread,
+        &pass->of_thread[thread]);
 }
 
 static void add_optimality(pl_star_optimality *all, pl_star_optimality *part) {

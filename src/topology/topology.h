@@ -198,12 +198,10 @@ void pl_rings_destroy(pl_rings *rings);
 
 /* ---- periodic.c: nodes that move together -------------------------------------------------- */
 
-/** Node that is where another one is, but for a constant: start + (x[of] - start of that). */
+/** Node that is where another one, its leader, is, but for a constant. */
 typedef struct pl_follower {
-    int32_t node, of;
-    int32_t from, to; /* nodes: the constant is start[to] - start[from] */
-    double start[3];  /* of node, */
-    double origin[3]; /* and of of, once they are known */
+    int32_t node, of; /* of: the leader */
+    int32_t from, to; /* nodes: the constant is the way from the one to the other at the start */
 } pl_follower;
 
 /** The mesh with a layer of copies, see periodic.c. Everything is owned. */

@@ -258,7 +258,8 @@ typedef struct watch {
 
 static double worst_of(const watch *w, int64_t star) {
     pl_star_value value;
-    w->plan->kernel->evaluate[w->plan->dim - 2](&w->problem, star, w->plan->scratch, 0, &value);
+    w->plan->kernel->evaluate[w->plan->dim - 2](&w->problem, star, w->plan->scratch.kernels, 0,
+                                                &value);
     return value.max;
 }
 
@@ -270,11 +271,11 @@ static void note_visit(watch *w, int64_t star) {
     const int64_t at = (int64_t)node * w->plan->dim;
     if (!(w->flags[node] & PL_CHANGED))
         return;
-    const int moved = memcmp(w->before + at, w->plan->coordinates + at, size) != 0;
+    const int moved = memcmp(w->before + at, w->plan->scratch.coordinates + at, size) != 0;
     w->wakes[node] = 0;
     w->was_bad[node] = worst_of(w, star) > w->problem.rr2_skip;
-    memcpy(w->before + at, w->plan->coordinates + at, size);
-    if (!(w->problem.still > 0 ? w->plan->changed[node] & PL_TOLD : moved))
+    memcpy(w->before + at, w->plan->scratch.coordinates + at, size);
+    if (!(w->problem.still > 0 ? w->plan->scratch.changed[node] & PL_TOLD : moved))
         return;
     w->wakes[node] = 1;
     for (int64_t i = stars->ring_offset[star]; i < stars->ring_offset[star + 1]; i++)
@@ -293,12 +294,12 @@ static int after_colour(void *context, int colours, int64_t visits) {
         /* What came with moves that nobody was told of may be overlooked. */
         const int is_bad =
             w->problem.still > 0 ? w->was_bad[node] : worst_of(w, s) > w->problem.rr2_skip;
-        const int is_wanted = (w->plan->changed[node] & PL_CHANGED) != 0;
+        const int is_wanted = (w->plan->scratch.changed[node] & PL_CHANGED) != 0;
         assert_true(is_wanted || !w->wakes[node] || !is_bad);
         w->n_bad += is_wanted;
         w->n_good += !is_wanted && w->wakes[node];
     }
-    memcpy(w->flags, w->plan->changed, (size_t)w->plan->work.n_nodes);
+    memcpy(w->flags, w->plan->scratch.changed, (size_t)w->plan->work.n_nodes);
     return 0;
 }
 
@@ -319,12 +320,12 @@ static void watch_sweeps(int dim, double still) {
     w.flags = malloc(n);
     w.problem.rr2_skip = dim == 3 ? 4 : 1.6;
     w.problem.still = still;
-    pl_plan_order(plan, box.coordinates, plan->coordinates);
-    memcpy(w.before, plan->coordinates, size);
+    pl_plan_order(plan, box.coordinates, plan->scratch.coordinates);
+    memcpy(w.before, plan->scratch.coordinates, size);
     memset(w.wakes, 1, n);
     memset(w.was_bad, 1, n);
-    memset(plan->changed, PL_CHANGED, n);
-    memcpy(w.flags, plan->changed, n);
+    memset(plan->scratch.changed, PL_CHANGED, n);
+    memcpy(w.flags, plan->scratch.changed, n);
     for (int sweep = 0; sweep < 5; sweep++) {
         pl_sweep_tally tally = {.stopped = 0};
         pl_sweep(plan, &plan->interior, &w.problem, PLANISH_METHOD_PLANISH, after_colour, &w,

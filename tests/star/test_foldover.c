@@ -565,7 +565,7 @@ static void patch_create(patch *p, int dim, unsigned seed) {
             p->plan->work.mobility[i] && test_random(&seed) * every < 1;
         p->size[p->plan->inner[i]] = 0.5 + test_random(&seed);
     }
-    pl_plan_order(p->plan, p->box.coordinates, p->plan->coordinates);
+    pl_plan_order(p->plan, p->box.coordinates, p->plan->scratch.coordinates);
     p->guard = (pl_star_guard){.ratio_weight = 1, .min_volume = seed % 2 ? 0.05 : 0};
     p->asked = (pl_star_untangling){.in_patch = p->in_patch, .size = p->size, .epsilon = 0.1};
     p->problem = pl_plan_problem(p->plan, &p->plan->interior);
@@ -621,7 +621,7 @@ static pl_star_energy plain_energy(const patch *p) {
 
 static pl_star_energy energy_of_stars(const patch *p, int64_t begin, int64_t end) {
     return p->plan->kernel->guarded->energy[p->box.mesh.dim - 2](&p->problem, begin, end,
-                                                                 p->plan->scratch, NULL);
+                                                                 p->plan->scratch.kernels, NULL);
 }
 
 static void patches_count_each_element_once(void **state) {

@@ -32,7 +32,7 @@ typedef struct patches {
 /** Move the nodes to x, and find what is tangled there. */
 static void place(patches *w, const double *x, int at) {
     const planish_plan *plan = w->t->run->plan;
-    memcpy(plan->coordinates, x, w->bytes);
+    memcpy(plan->scratch.coordinates, x, w->bytes);
     pl_run_measure(w->t->run);
     pl_tangle_find(w->t);
     for (int64_t i = 0; i < plan->work.n_elements; i++)
@@ -157,7 +157,7 @@ void pl_tangle_return(pl_tangle *t) {
                      .parent = of_nodes + n,
                      .n = {of_nodes + 2 * n, of_nodes + 3 * n, of_nodes + 4 * n}};
         int64_t n_back = 0;
-        memcpy(w.now, plan->coordinates, w.bytes);
+        memcpy(w.now, plan->scratch.coordinates, w.bytes);
         pl_plan_order(plan, t->run->given, w.start);
         place(&w, w.start, BEFORE);
         place(&w, w.now, AFTER);

@@ -60,10 +60,11 @@ static void add_measures(const sizing *s) {
         double e[3][3];
         for (int j = 0; j <= plan->dim; j++)
             node[j] = pl_plan_inner(plan, i, j);
-        const double *x0 = plan->coordinates + (int64_t)node[0] * dim;
+        const double *x0 = plan->scratch.coordinates + (int64_t)node[0] * dim;
         for (int j = 0; j < dim; j++)
             for (int d = 0; d < dim; d++)
-                e[j][d] = (plan->coordinates[(int64_t)node[j + 1] * dim + d] - x0[d]) * s->scale;
+                e[j][d] =
+                    (plan->scratch.coordinates[(int64_t)node[j + 1] * dim + d] - x0[d]) * s->scale;
         double D = pl_determinant_of_edges(dim, (const double(*)[3])e);
         D = plan->work.sign ? D * plan->work.sign[i] : D;
         for (int j = 0; j <= dim; j++) {

@@ -55,7 +55,7 @@ static int give_up_hopeless(pl_tangle *t, planish_error *error) {
         t->is_lost = pl_alloc_zero(plan->work.n_nodes, sizeof *t->is_lost);
         if (!t->is_lost)
             return pl_fail_memory(error, what);
-        status = pl_mark_enclosed(plan, plan->coordinates, t->state, t->is_lost,
+        status = pl_mark_enclosed(plan, plan->scratch.coordinates, t->state, t->is_lost,
                                   &t->run->result->n_not_enclosed, error);
     }
     if (!status)
@@ -164,7 +164,7 @@ static void measure_chunk(void *context, int64_t begin, int64_t end, int thread)
     pl_tangle *t = context;
     const planish_plan *plan = t->run->plan;
     pl_star_energy found = plan->kernel->guarded->energy[plan->dim - 2](
-        &t->problem, begin, end, plan->scratch + plan->scratch_stride * thread,
+        &t->problem, begin, end, plan->scratch.kernels + plan->scratch.kernel_stride * thread,
         t->slope ? t->slope + begin : NULL);
     add_energy(&t->of_thread[thread], &found);
 }

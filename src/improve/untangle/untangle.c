@@ -184,7 +184,7 @@ static int push_offs(pl_tangle *t, int most) {
     for (int i = 0; i < most && t->n_tangled > 0 && vain < VAIN_PUSH_OFFS && !stopped; i++) {
         const int64_t before = t->n_tangled;
         pl_tangle_mark(t, 0);
-        memcpy(plan->changed, t->in_patch, (size_t)plan->work.n_nodes);
+        memcpy(plan->scratch.changed, t->in_patch, (size_t)plan->work.n_nodes);
         stopped = sweep(t->run, &problem);
         pl_tangle_find(t);
         vain = t->n_tangled < before ? 0 : vain + 1;
