@@ -57,7 +57,7 @@ static void measure(const planish_plan *plan, const pl_star_kernel *kernel,
         pl_star_value value;
         double begin = seconds_now();
         for (int64_t i = 0; i < plan->interior.stars.n_stars; i++)
-            evaluate(problem, i, plan->scratch, derivatives, &value);
+            evaluate(problem, i, plan->scratch.kernels, derivatives, &value);
         double *figure = derivatives ? &best->derivatives : &best->value;
         *figure = least(seconds_now() - begin, *figure);
     }
@@ -70,7 +70,7 @@ static void measure(const planish_plan *plan, const pl_star_kernel *kernel,
         double begin = seconds_now();
         for (int c = 0; c < plan->interior.n_colours; c++)
             visit(problem, plan->interior.colour_begin[c], plan->interior.colour_begin[c + 1],
-                  plan->scratch, &plan->tally->of);
+                  plan->scratch.kernels, &plan->scratch.tally->of);
         const double seconds = seconds_now() - begin;
         if (sweep == 0)
             best->visit = least(seconds, best->visit);
@@ -137,7 +137,7 @@ static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
     for (int64_t i = 0; i < plan->work.n_nodes; i++)
         for (int d = 0; d < plan->dim; d++)
             start[(int64_t)plan->inner[i] * plan->dim + d] = mesh->coordinates[i * plan->dim + d];
-    memcpy(plan->coordinates, start, (size_t)values * sizeof *start);
+    memcpy(plan->scratch.coordinates, start, (size_t)values * sizeof *start);
     static const char *const names[] = {"guarded, radius ratio", "guarded, mean ratio",
                                         "guarded, edge ratio"};
     enum { N_OBJECTIVES = sizeof names / sizeof *names };
@@ -145,7 +145,7 @@ static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
     pl_star_guard guard = {.ratio_weight = 1, .min_volume = far_volume(plan, mesh)};
     const char *separator = "";
     printf("  \"ns_per_star\": [");
-    problem.kept = plan->kept;
+    problem.kept = plan->scratch.kept;
     measure_variants(plan, &problem, "plain", start, repeat, &separator);
     problem.kept = NULL;
     problem.guard = &guard;
