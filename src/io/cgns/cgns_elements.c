@@ -92,7 +92,7 @@ static int take_type(cgns_reader *r, const char *path, int64_t number,
 
 /* ---- a walk over the elements of a section ------------------------------------------------- */
 
-typedef struct walk {
+typedef struct section_walk {
     cgns_reader *r;
     cgns_section *section;
     io_hdf5_path path; /* of the list of nodes */
@@ -100,10 +100,10 @@ typedef struct walk {
     int64_t n, index;            /* elements; the one that the walk came to, -1: none yet, */
     int64_t at;                  /* its nodes in the list, */
     const io_element_type *type; /* and its type: the section's, or in a mixed one its own */
-} walk;
+} section_walk;
 
 /** Go to the next element; not behind the last. In a mixed section its type leads its nodes. */
-static int next_element(walk *w) {
+static int next_element(section_walk *w) {
     io_hdf5 *file = w->r->file;
     w->at += w->index >= 0 ? w->type->nodes : 0;
     w->index++;
@@ -127,7 +127,7 @@ static int next_element(walk *w) {
 }
 
 /** Count the elements of each dimension that are kept, and check the length of the list. */
-static int count_kept(walk *w, int64_t kept[4]) {
+static int count_kept(section_walk *w, int64_t kept[4]) {
     int status = PLANISH_OK;
     memset(kept, 0, 4 * sizeof *kept);
     if (w->section->type != CGNS_MIXED) {
@@ -156,7 +156,7 @@ static int count_kept(walk *w, int64_t kept[4]) {
 /* ---- sections ----------------------------------------------------------------------------- */
 
 /** Store the elements of a section whose lists have been read; index: of the section. */
-static int store_elements(walk *w, int32_t index) {
+static int store_elements(section_walk *w, int32_t index) {
     io_model *model = w->r->model;
     int64_t kept[4];
     int status = count_kept(w, kept);
@@ -199,11 +199,11 @@ static int store_elements(walk *w, int32_t index) {
 
 static int read_section(cgns_reader *r, int32_t index) {
     cgns_section *section = &r->section[index];
-    walk w = {.r = r,
-              .section = section,
-              .n = section->end - section->start + 1,
-              .index = -1,
-              .type = &types[0]};
+    section_walk w = {.r = r,
+                      .section = section,
+                      .n = section->end - section->start + 1,
+                      .index = -1,
+                      .type = &types[0]};
     const io_hdf5_path path = cgns_child(r, &r->zone, section->name);
     const io_hdf5_path offsets = cgns_child(r, &path, "ElementStartOffset");
     const int is_mixed = section->type == CGNS_MIXED;

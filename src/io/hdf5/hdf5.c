@@ -185,7 +185,7 @@ int io_hdf5_end(io_hdf5 *file, int status) {
 
 /* ---- objects ------------------------------------------------------------------------------ */
 
-/** Whether there is nothing at path for sure: no link of that name in some group above. */
+/** Return whether there is nothing at path for sure: no link of that name in some group above. */
 static int is_missing(const io_hdf5 *file, const char *path) {
     char part[IO_HDF5_PATH_SIZE];
     for (const char *end = path; end;) {

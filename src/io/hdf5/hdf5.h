@@ -28,7 +28,7 @@
 
 typedef struct io_hdf5 io_hdf5;
 
-/** Whether the bytes are an HDF5 file that has an object at path. */
+/** Return whether the bytes are an HDF5 file that has an object at path. */
 int io_hdf5_recognise(const char *data, int64_t size, const char *path);
 
 /** Open model->input; is_binary is set. All functions fail with *error of here, which must stay. */
@@ -135,7 +135,7 @@ int io_hdf5_coordinates(io_hdf5 *file, const io_hdf5_place *place);
  *  *is_copy: it has the same values, of the same precision. */
 int io_hdf5_coordinates_again(io_hdf5 *file, const io_hdf5_place *place, int *is_copy);
 
-/** Whether at path there is a dataset of n numbers of which the readers can make something. */
+/** Return whether there is a dataset of n numbers at path that the readers can read. */
 int io_hdf5_is_as_long(io_hdf5 *file, const char *path, int64_t n);
 
 /** Put the places in the model in order, after all coordinates; z of nodes that have none is 0. */

@@ -270,14 +270,15 @@ int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int widt
 /* ---- changing a finished copy -------------------------------------------------------------- */
 
 /** Arguments of io_hdf5_amend. */
-typedef struct request {
+typedef struct amend_request {
     const io_model *model;
     const double *coordinates; /* [n_nodes][written] */
     pl_output *output;
-} request;
+} amend_request;
 
 /** Put the coordinates that differ among the dataset's values; not 0: there are any. */
-static int put_values(const request *r, const io_hdf5_place *place, int is_float, double *values) {
+static int put_values(const amend_request *r, const io_hdf5_place *place, int is_float,
+                      double *values) {
     const io_model *model = r->model;
     int changed = 0;
     for (int c = 0; c < place->n_components && place->component + c < model->written; c++) {
@@ -317,8 +318,8 @@ static int write_blocks(const hdf5_dataset *d, const double *before, const doubl
 }
 
 /** Change the coordinates in a dataset, or only look whether any differ: *is_changed then. */
-static int amend_place(const request *r, io_hdf5 *file, const io_hdf5_place *place, int is_writing,
-                       int *is_changed) {
+static int amend_place(const amend_request *r, io_hdf5 *file, const io_hdf5_place *place,
+                       int is_writing, int *is_changed) {
     /* Where in the dataset the last coordinate of the last node is. */
     const int64_t last = (place->n_components - 1) * place->component_step +
                          (r->model->n_nodes - 1) * place->node_step;
@@ -350,7 +351,7 @@ static int amend_place(const request *r, io_hdf5 *file, const io_hdf5_place *pla
 
 /** Find whether coordinates in the file in the bytes at data [size] differ: *is_changed. If changed
  *  is not NULL, change them all: *changed [*n_changed], to be released by pl_free. */
-static int amend_bytes(const request *r, const char *data, int64_t size, char **changed,
+static int amend_bytes(const amend_request *r, const char *data, int64_t size, char **changed,
                        int64_t *n_changed, int *is_changed, planish_error *error) {
     const amended *list = r->model->of_format;
     const int is_writing = changed != NULL;
@@ -372,7 +373,7 @@ static int amend_bytes(const request *r, const char *data, int64_t size, char **
 }
 
 static int amend(void *data, planish_error *error) {
-    const request *r = data;
+    const amend_request *r = data;
     const io_bytes *input = &r->model->input;
     const amended *list = r->model->of_format;
     char *bytes = NULL;
@@ -404,7 +405,7 @@ static int amend(void *data, planish_error *error) {
 int io_hdf5_amend(const io_model *model, const double *coordinates, pl_output *output,
                   planish_error *error) {
     const amended *list = model->of_format;
-    request r = {model, coordinates, output};
+    amend_request r = {model, coordinates, output};
     if (!list || list->n == 0)
         return PLANISH_OK;
     return model->is_isolated ? io_child_run(amend, &r, &model->input, error) : amend(&r, error);

@@ -242,23 +242,19 @@ void io_hdf5_integers_release(io_hdf5_integers *a) {
     *a = (io_hdf5_integers){.size = sizeof(int64_t)};
 }
 
-/** Return whether values are characters, or numbers of one byte, or a fixed number of these. */
-static int is_text(hid_t type) {
-    const H5T_class_t class = H5Tget_class(type);
-    const hid_t base = class == H5T_ARRAY ? H5Tget_super(type) : -1;
-    const int is_bytes_array =
-        base >= 0 && H5Tget_class(base) == H5T_INTEGER && H5Tget_size(base) == 1;
-    hdf5_release(base);
-    return is_bytes_array || (class == H5T_STRING && H5Tis_variable_str(type) == 0) ||
-           (class == H5T_INTEGER && H5Tget_size(type) == 1);
-}
-
 int io_hdf5_strings_read(io_hdf5 *file, const char *path, char **text, int64_t *n,
                          int64_t *length) {
     hdf5_dataset d;
     void *values = NULL;
     int status = hdf5_dataset_open(file, path, &d);
-    if (!status && !is_text(d.type))
+    /* Text is characters, or numbers of one byte, or a fixed number of these. */
+    const H5T_class_t class = status ? H5T_NO_CLASS : H5Tget_class(d.type);
+    const hid_t of = class == H5T_ARRAY ? H5Tget_super(d.type) : -1;
+    const int is_list = of >= 0 && H5Tget_class(of) == H5T_INTEGER && H5Tget_size(of) == 1;
+    const int is_text = is_list || (class == H5T_STRING && H5Tis_variable_str(d.type) == 0) ||
+                        (class == H5T_INTEGER && d.size == 1);
+    hdf5_release(of);
+    if (!status && !is_text)
         status = io_hdf5_fail(file, path, "text was expected");
     if (!status)
         status = hdf5_dataset_read(file, path, &d, d.type, (size_t)d.size, &values);

@@ -175,15 +175,15 @@ static int read_nodes(med_reader *r) {
 /* ---- elements ----------------------------------------------------------------------------- */
 
 /** Elements of one type: node j of element i is number j * n + i of the list. */
-typedef struct block {
+typedef struct element_block {
     io_hdf5_path group, path; /* path: of the list */
     const io_element_type *type;
     io_hdf5_integers nodes;
     int64_t n; /* elements */
-} block;
+} element_block;
 
 /** Take number i of the list, a node: its index. */
-static int take_node(med_reader *r, const block *b, int64_t i, int64_t *node) {
+static int take_node(med_reader *r, const element_block *b, int64_t i, int64_t *node) {
     const int64_t number = io_hdf5_integer(&b->nodes, i);
     *node = number - 1;
     if (number >= 1 && number <= r->model->n_nodes)
@@ -193,7 +193,7 @@ static int take_node(med_reader *r, const block *b, int64_t i, int64_t *node) {
                         (long long)r->model->n_nodes);
 }
 
-static int read_cells(med_reader *r, const block *b) {
+static int read_cells(med_reader *r, const element_block *b) {
     const int dim = io_element_dim(b->type), corners = dim + 1;
     io_cells *cells = io_model_cells(r->model, dim);
     io_hdf5_integers families = {0}, numbers = {0};
@@ -223,7 +223,7 @@ static int read_cells(med_reader *r, const block *b) {
 
 /** Hold the nodes of elements that are not kept. Polygons and polyhedra list the nodes of one
  *  element after another; all are nodes. */
-static int hold_nodes(med_reader *r, const block *b) {
+static int hold_nodes(med_reader *r, const element_block *b) {
     int status = PLANISH_OK;
     io_element_count(r->model, b->type, b->n);
     for (int64_t i = 0; i < b->nodes.n && !status; i++) {
@@ -238,7 +238,7 @@ static int hold_nodes(med_reader *r, const block *b) {
 /** Read the elements of the type with that name in the file. */
 static int read_block(med_reader *r, const char *name) {
     static const io_element_type other = {NULL, IO_ANY_SHAPE, 1, 0};
-    block b = {.type = &other};
+    element_block b = {.type = &other};
     for (int i = 0; i < N_TYPES; i++)
         if (strcmp(types[i].name, name) == 0)
             b.type = &types[i];

@@ -18,13 +18,14 @@
 
 /* ---- lists ---------------------------------------------------------------------------------- */
 
-int plex_read_list(plex_reader *r, const char *group, const char *name, io_hdf5_integers *list) {
+int plex_read_integers(plex_reader *r, const char *group, const char *name,
+                       io_hdf5_integers *list) {
     const io_hdf5_path path = io_hdf5_path_of(r->file, "%s/%s", group, name);
     return io_hdf5_integers_read(r->file, path.text, list);
 }
 
-int plex_list(plex_reader *r, const char *parent, const char *name, io_hdf5_path *path,
-              io_hdf5_names *names) {
+int plex_list_group(plex_reader *r, const char *parent, const char *name, io_hdf5_path *path,
+                    io_hdf5_names *names) {
     *names = (io_hdf5_names){0};
     *path = io_hdf5_path_of(r->file, "%s/%s", parent, name);
     return io_hdf5_kind_of(r->file, path->text) == IO_HDF5_GROUP
@@ -41,7 +42,7 @@ static int find_mesh(plex_reader *r) {
     int64_t dim = 0, n_meshes = 0;
     int found;
     r->version = io_hdf5_kind_of(r->file, MESHES) == IO_HDF5_GROUP ? 2 : 1;
-    int status = plex_list(r, "", "topologies", &path, &names);
+    int status = plex_list_group(r, "", "topologies", &path, &names);
     for (int64_t i = 0; i < names.n; i++) {
         path = io_hdf5_path_of(r->file, MESHES "/%s/topology", names.name[i]);
         if (io_hdf5_kind_of(r->file, path.text) == IO_HDF5_GROUP) /* Firedrake keeps more there */
@@ -84,17 +85,17 @@ static int find_mesh(plex_reader *r) {
  * refused, as it would stay behind. */
 
 /** Vectors that Firedrake calls coordinates. */
-typedef struct functions {
+typedef struct coordinate_functions {
     io_hdf5_names name; /* of the vectors, */
     io_hdf5_names mesh; /* and of which of its meshes they are the coordinates */
-} functions;
+} coordinate_functions;
 
 /** Find the vectors that are coordinates of the meshes of Firedrake in a topology. */
-static int find_functions(plex_reader *r, const char *topology, functions *f) {
+static int find_functions(plex_reader *r, const char *topology, coordinate_functions *f) {
     char name[256];
     io_hdf5_path group;
     io_hdf5_names meshes;
-    int found, status = plex_list(r, topology, "firedrake_meshes", &group, &meshes);
+    int found, status = plex_list_group(r, topology, "firedrake_meshes", &group, &meshes);
     for (int64_t i = 0; i < meshes.n && !status; i++) {
         const io_hdf5_path mesh = io_hdf5_path_of(r->file, "%s/%s", group.text, meshes.name[i]);
         status = io_hdf5_text_attribute(r->file, mesh.text, "firedrake_coordinates", name,
@@ -135,14 +136,14 @@ static int take_copy(plex_reader *r, const char *path, const char *mesh, int *n_
 static int visit_vectors(plex_reader *r, int is_wanted, int *n_more) {
     io_hdf5_path group, path;
     io_hdf5_names sections = {0}, vectors;
-    functions f = {.name = {0}};
+    coordinate_functions f = {.name = {0}};
     int found = 0, status = find_functions(r, r->root.text, &f);
     if (!status && (f.name.n > 0 || !is_wanted))
-        status = plex_list(r, r->root.text, "dms", &group, &sections);
+        status = plex_list_group(r, r->root.text, "dms", &group, &sections);
     for (int64_t i = 0; i < sections.n && !status; i++) {
         const io_hdf5_path section =
             io_hdf5_path_of(r->file, "%s/%s", group.text, sections.name[i]);
-        status = plex_list(r, section.text, "vecs", &path, &vectors);
+        status = plex_list_group(r, section.text, "vecs", &path, &vectors);
         for (int64_t k = 0; k < vectors.n && !status; k++) {
             const char *name = vectors.name[k], *mesh = NULL;
             for (int64_t j = f.name.n - 1; j >= 0; j--)
@@ -168,7 +169,7 @@ static int check_others(plex_reader *r) {
     io_hdf5_names names;
     int status = io_hdf5_list(r->file, MESHES, &names);
     for (int64_t i = 0; i < names.n && !status; i++) {
-        functions f = {.name = {0}};
+        coordinate_functions f = {.name = {0}};
         const io_hdf5_path topology = io_hdf5_path_of(r->file, MESHES "/%s", names.name[i]);
         if (strcmp(topology.text, r->root.text) != 0)
             status = find_functions(r, topology.text, &f);
@@ -203,11 +204,11 @@ static int check_section(plex_reader *r) {
     io_hdf5_integers points = {0}, sizes = {0}, begins = {0};
     const int columns = r->model->columns;
     int64_t n = 0; /* rows of nodes */
-    int status = plex_read_list(r, r->section.text, "order", &points);
+    int status = plex_read_integers(r, r->section.text, "order", &points);
     if (!status)
-        status = plex_read_list(r, r->section.text, "section/atlasDof", &sizes);
+        status = plex_read_integers(r, r->section.text, "section/atlasDof", &sizes);
     if (!status)
-        status = plex_read_list(r, r->section.text, "section/atlasOff", &begins);
+        status = plex_read_integers(r, r->section.text, "section/atlasOff", &begins);
     int is_good = !status && sizes.n == points.n && begins.n == points.n;
     for (int64_t i = 0; is_good && i < points.n; i++) {
         const int64_t size = io_hdf5_integer(&sizes, i);

@@ -2,7 +2,7 @@
  * io_plex_outline_of.
  *
  *   plex_reader                             a file while it is read
- *   plex_read_list, plex_list               lists of numbers and names (plex.c)
+ *   plex_read_integers, plex_list_group     lists of numbers and names (plex.c)
  *   plex_read_topology, plex_nodes_of, ...  points, cones and elements (plex_topology.c)
  *   plex_read_labels, plex_check_labels     regions, surfaces, lines, groups (plex_labels.c)
  *   io_plex_outline_of                      a file for those who load it with PETSc (plex.c)
@@ -56,12 +56,12 @@ typedef struct plex_reader {
 
 /** Read the whole numbers called name in a group; released by io_hdf5_integers_release in any
  *  case. */
-int plex_read_list(plex_reader *r, const char *group, const char *name, io_hdf5_integers *list);
+int plex_read_integers(plex_reader *r, const char *group, const char *name, io_hdf5_integers *list);
 
 /** List the group called name in another group, path parent: its path and its names, none if it is
  *  not there. */
-int plex_list(plex_reader *r, const char *parent, const char *name, io_hdf5_path *path,
-              io_hdf5_names *names);
+int plex_list_group(plex_reader *r, const char *parent, const char *name, io_hdf5_path *path,
+                    io_hdf5_names *names);
 
 /* ---- plex_topology.c ----------------------------------------------------------------------- */
 

@@ -26,15 +26,15 @@ static const char regions[] = "Cell Sets";
 enum { MOST_LISTINGS = 64 };
 
 /** Points with one value of a label. */
-typedef struct set {
+typedef struct label_set {
     const char *label, *value;
     io_hdf5_integers points;
     int dim; /* the highest of its points */
-} set;
+} label_set;
 
 typedef struct labels {
     plex_reader *r;
-    set *set; /* [n] */
+    label_set *set; /* [n] */
     int64_t n, capacity;
     int64_t listed; /* points in all sets */
 } labels;
@@ -49,7 +49,7 @@ static int is_note(const char *label) {
 }
 
 /** Read the points of a set, in the group at path, and find its dimension. */
-static int read_set(labels *l, set *s, const char *path) {
+static int read_set(labels *l, label_set *s, const char *path) {
     plex_reader *r = l->r;
     const io_hdf5_path points = io_hdf5_path_of(r->file, "%s/indices", path);
     int status = PLANISH_OK;
@@ -79,18 +79,18 @@ static int read_sets(labels *l, int with_notes) {
     plex_reader *r = l->r;
     io_hdf5_path group, label;
     io_hdf5_names names, values;
-    int status = plex_list(r, r->root.text, "labels", &group, &names);
+    int status = plex_list_group(r, r->root.text, "labels", &group, &names);
     for (int64_t i = 0; i < names.n && !status; i++) {
         if (!with_notes && is_note(names.name[i]))
             continue;
-        status = plex_list(r, group.text, names.name[i], &label, &values);
+        status = plex_list_group(r, group.text, names.name[i], &label, &values);
         for (int64_t k = 0; k < values.n && !status; k++) {
             const io_hdf5_path value =
                 io_hdf5_path_of(r->file, "%s/%s", label.text, values.name[k]);
             if (io_hdf5_kind_of(r->file, value.text) != IO_HDF5_GROUP)
                 continue;
-            const set named = {.label = names.name[i], .value = values.name[k]};
-            set *s = pl_append(&l->set, &l->n, &l->capacity, &named, sizeof named);
+            const label_set named = {.label = names.name[i], .value = values.name[k]};
+            label_set *s = pl_append(&l->set, &l->n, &l->capacity, &named, sizeof named);
             status =
                 s ? read_set(l, s, value.text) : pl_fail_memory(r->error, "the labels of the file");
         }
@@ -110,7 +110,7 @@ int plex_check_labels(plex_reader *r, int *has_regions_alone) {
     const int status = seen ? read_sets(&l, 1) : pl_fail_memory(r->error, "the labels of the file");
     int is_good = 1;
     for (int64_t i = 0; i < l.n && !status && is_good; i++) {
-        const set *s = &l.set[i];
+        const label_set *s = &l.set[i];
         if (is_note(s->label))
             continue;
         /* PETSc reads nothing of -1, as that is no set. */
@@ -134,7 +134,7 @@ int plex_check_labels(plex_reader *r, int *has_regions_alone) {
  *  with dim 0 the nodes of those that are no cells. */
 static int add_members(const labels *l, int64_t index, int dim, io_memberships *m) {
     plex_reader *r = l->r;
-    const set *s = &l->set[index];
+    const label_set *s = &l->set[index];
     const int32_t tag = (int32_t)index + 1;
     for (int64_t k = 0; k < s->points.n; k++) {
         int32_t node[PLEX_MOST_NODES];
@@ -179,7 +179,7 @@ static int make_entities(labels *l, int dim) {
  *  0. */
 static int name_set(const labels *l, int64_t index) {
     const plex_reader *r = l->r;
-    const set *s = &l->set[index];
+    const label_set *s = &l->set[index];
     const io_hdf5_path name = io_hdf5_path_of(r->file, "%s:%s", s->label, s->value);
     const char *const names[] = {name.text, s->label};
     int has_cells = 0, has_nodes = 0;

@@ -81,7 +81,7 @@ static int read_cones(plex_reader *r, io_hdf5_integers *list) {
     const int has_strata = r->version == 3;
     const char *const *name = names[has_strata];
     io_hdf5_path group[PLEX_MOST_STRATA];
-    int status = plex_read_list(r, r->topology.text, name[0], list);
+    int status = plex_read_integers(r, r->topology.text, name[0], list);
     if (status)
         return status;
     if (has_strata && (list->n < 2 || list->n > PLEX_MOST_STRATA))
@@ -93,12 +93,12 @@ static int read_cones(plex_reader *r, io_hdf5_integers *list) {
         plex_stratum *s = &r->stratum[d];
         group[d] = has_strata ? io_hdf5_path_of(r->file, "%s/strata/%d", r->topology.text, d)
                               : r->topology;
-        status = plex_read_list(r, group[d].text, name[1], &s->sizes);
+        status = plex_read_integers(r, group[d].text, name[1], &s->sizes);
         const int has_cones = !has_strata || d > 0;
         if (!status && has_cones)
-            status = plex_read_list(r, group[d].text, name[2], &s->cones);
+            status = plex_read_integers(r, group[d].text, name[2], &s->cones);
         if (!status && has_cones)
-            status = plex_read_list(r, group[d].text, name[3], &s->orientations);
+            status = plex_read_integers(r, group[d].text, name[3], &s->orientations);
         if (status)
             return status;
         s->n = s->sizes.n;
@@ -183,13 +183,13 @@ int plex_dim_of(const plex_reader *r, int64_t point) {
 }
 
 /** Nodes as they are met, each once. */
-typedef struct nodes {
+typedef struct node_list {
     int32_t *node; /* [PLEX_MOST_NODES] */
     int n;
     int is_broken;
-} nodes;
+} node_list;
 
-static void add_node(const plex_reader *r, int64_t point, nodes *to) {
+static void add_node(const plex_reader *r, int64_t point, node_list *to) {
     const int32_t node = (int32_t)(point - r->n_elements);
     to->is_broken |= !is_node(r, point);
     for (int i = 0; i < to->n; i++)
@@ -202,7 +202,7 @@ static void add_node(const plex_reader *r, int64_t point, nodes *to) {
 }
 
 /** Add the nodes of a cone of nodes, in its order or the other one. */
-static void add_cone(const plex_reader *r, int64_t point, int is_reversed, nodes *to) {
+static void add_cone(const plex_reader *r, int64_t point, int is_reversed, node_list *to) {
     const int size = r->size[point];
     for (int k = 0; k < size; k++)
         add_node(r, in_cone(r, point, is_reversed ? size - 1 - k : k, NULL), to);
@@ -214,7 +214,7 @@ static int is_orientation(int64_t o, int size) {
 }
 
 /** Add the nodes of a cone of edges. */
-static void add_face(const plex_reader *r, int64_t face, nodes *to) {
+static void add_face(const plex_reader *r, int64_t face, node_list *to) {
     for (int k = 0; k < r->size[face]; k++) {
         int64_t o;
         const int64_t edge = in_cone(r, face, k, &o);
@@ -227,7 +227,7 @@ static void add_face(const plex_reader *r, int64_t face, nodes *to) {
 
 /** Add the nodes of a cone of faces, in the order of simplices; elements of other faces than
  *  triangles are none. */
-static void add_faces(const plex_reader *r, int64_t element, nodes *to) {
+static void add_faces(const plex_reader *r, int64_t element, node_list *to) {
     for (int k = 0; k < r->size[element] && !to->is_broken; k++) {
         int64_t o;
         const int64_t face = in_cone(r, element, k, &o);
@@ -250,7 +250,7 @@ static void add_faces(const plex_reader *r, int64_t element, nodes *to) {
 }
 
 int plex_nodes_of(const plex_reader *r, int64_t point, int32_t *node) {
-    nodes to = {.node = node};
+    node_list to = {.node = node};
     const int dim = plex_dim_of(r, point);
     if (dim == 0)
         add_node(r, point, &to);

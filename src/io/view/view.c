@@ -14,18 +14,18 @@ enum { VALUES_AT_ONCE = 1 << 16, N_KINDS = 3 };
 /* ---- cells --------------------------------------------------------------------------------- */
 
 /** A cell, or the place behind all. */
-typedef struct cell {
+typedef struct view_cell {
     const io_cells *of;
     int64_t index;    /* in it */
     int corners;      /* nodes of a cell of the kind, */
     int type;         /* and VTK's type of it */
     int64_t n_before; /* nodes of all cells before it */
     int value;        /* which of the cell's values */
-} cell;
+} view_cell;
 
 /** Find the cell, and which of its values, that value number i of an array is. Cells have one value
  *  each, their nodes, or these led by their number. */
-static cell find_cell(const io_view *view, io_view_values values, int64_t i) {
+static view_cell find_cell(const io_view *view, io_view_values values, int64_t i) {
     static const int types[N_KINDS] = {VTK_TETRAHEDRON, VTK_TRIANGLE, VTK_LINE};
     const io_model *model = view->model;
     const io_cells *const kinds[N_KINDS] = {&model->tetrahedron, &model->triangle, &model->line};
@@ -36,8 +36,8 @@ static cell find_cell(const io_view *view, io_view_values values, int64_t i) {
         const int corners = N_KINDS + 1 - k, n = has_nodes ? corners + is_counted : 1;
         if (k + 1 == N_KINDS || i < kinds[k]->n * n) {
             const int64_t index = i / n;
-            return (cell){kinds[k],    index, corners, types[k], n_before + index * corners,
-                          (int)(i % n)};
+            return (view_cell){kinds[k],    index, corners, types[k], n_before + index * corners,
+                               (int)(i % n)};
         }
         i -= kinds[k]->n * n;
         n_before += kinds[k]->n * corners;
@@ -52,7 +52,7 @@ static int64_t whole_value(const io_view *view, io_view_values values, int64_t i
         return view->constraint[i] == PLANISH_CONSTRAINT_FIXED;
     if (values == IO_VIEW_NODE_NUMBERS)
         return io_node_number(view->model, i);
-    const cell c = find_cell(view, values, i);
+    const view_cell c = find_cell(view, values, i);
     const int32_t entity = c.of->entity ? c.of->entity[c.index] : -1;
     const io_entity *const of = entity >= 0 ? &view->model->entity[entity] : NULL;
     switch (values) {
@@ -84,7 +84,7 @@ static double real_value(const io_view *view, io_view_values values, int64_t i) 
             return view->coordinates[node * model->written + d];
         return model->z ? model->z[node] : 0;
     }
-    const cell c = find_cell(view, values, i);
+    const view_cell c = find_cell(view, values, i);
     return c.of == io_model_elements(model) ? view->radius_ratio[c.index] : (double)NAN;
 }
 

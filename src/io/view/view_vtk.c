@@ -20,7 +20,7 @@ static int put(const io_view *view, const char *text, const io_view_array *array
     return status ? status : pl_output_write(output, "\n", 1, error);
 }
 
-/** The title: 0 if not all groups are in it. */
+/** Make the title; return 0 if not all groups are in it. */
 static int make_title(const io_model *model, char title[MOST_TITLE]) {
     size_t length = (size_t)snprintf(title, MOST_TITLE, "planish");
     for (int32_t i = 0; i < model->n_groups; i++) {

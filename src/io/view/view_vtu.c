@@ -61,7 +61,7 @@ static void put_section(markup *m, const char *name, const io_view_array *arrays
     put(m, "</%s>\n", name);
 }
 
-/** Bytes of the UTF-8 character at text, 0 if there is none (RFC 3629). */
+/** Return the bytes of the UTF-8 character at text, 0 if there is none (RFC 3629). */
 static int utf8_length(const unsigned char *text) {
     const int length = text[0] < 0x80   ? 1
                        : text[0] < 0xC2 ? 0
@@ -78,8 +78,8 @@ static int utf8_length(const unsigned char *text) {
     return length;
 }
 
-/** A name as an attribute's value. What is no UTF-8 is taken for Latin-1, which older files have.
- */
+/** Put a name as an attribute's value. Bytes that are no UTF-8 are taken for Latin-1, which older
+ *  files have. */
 static void put_name(markup *m, const char *name) {
     static const char special[] = "\"<>&", *const texts[] = {"&quot;", "&lt;", "&gt;", "&amp;"};
     const unsigned char *c = (const unsigned char *)name;
@@ -99,7 +99,7 @@ static void put_name(markup *m, const char *name) {
     }
 }
 
-/** Groups as field data called by their names, with tag and dimension, as meshio has them. */
+/** Put groups as field data called by their names, with tag and dimension, as meshio has them. */
 static void put_groups(markup *m) {
     const io_model *model = m->view->model;
     if (model->n_groups == 0)

@@ -27,17 +27,17 @@ static const uint8_t value_of[256] = {
 #undef S
 
 /** A group of four characters: where they stand, and the bytes that they are. */
-typedef struct group {
+typedef struct base64_group {
     const char *place[4];
     unsigned char bytes[3];
     int n; /* of the bytes: 1 to 3 */
-} group;
+} base64_group;
 
 static uint8_t value_at(const char *at) {
     return value_of[(unsigned char)*at];
 }
 
-static int next_group(io_cursor *cursor, group *g) {
+static int next_group(io_cursor *cursor, base64_group *g) {
     uint8_t value[4];
     for (int k = 0; k < 4; k++) {
         while (cursor->at < cursor->end && value_at(cursor->at) == SPACE)
@@ -77,7 +77,7 @@ int io_base64_read(io_base64 *stream, int64_t n, char *out) {
         if (n == 0)
             return 0;
         if (stream->n_pending == 0) {
-            group g;
+            base64_group g;
             if (next_group(cursor, &g))
                 return -1;
             memcpy(stream->pending, g.bytes, sizeof g.bytes);
@@ -95,7 +95,7 @@ int io_base64_read(io_base64 *stream, int64_t n, char *out) {
 
 int64_t io_base64_replace(char *text, int64_t length, int64_t first, int64_t n, const char *data) {
     io_cursor cursor = {text, text + length};
-    group g;
+    base64_group g;
     for (int64_t at = 0; at < first + n && next_group(&cursor, &g) == 0; at += g.n) {
         unsigned char bytes[3];
         char written[4];

@@ -36,8 +36,8 @@ static const io_element_type types[] = {
     [78] = {"Bezier tetrahedron", IO_TETRAHEDRON, 2, 0},
 };
 
-/** The row of a type; of one that is not in the table, a cell of any shape. NULL: no type at all.
- */
+/** Return the row of a type; a cell of any shape for one that is not in the table; NULL for a number
+ *  that is no type. */
 static const io_element_type *find_type(int32_t type) {
     static const io_element_type other = {NULL, IO_ANY_SHAPE, 1, 0};
     const int32_t n = sizeof types / sizeof *types;
@@ -49,8 +49,8 @@ static const io_element_type *find_type(int32_t type) {
 /** Fates of cells that the model does not keep; of others their dimension. */
 enum { CELL_HELD = 0, CELL_REFUSED = -1, CELL_WRONG = -2 };
 
-/** The fate of a cell of n nodes. A type whose cells say how many nodes they have (and each line)
- *  is straight if these are its corners. */
+/** Find the fate of a cell of n nodes. A type whose cells say how many nodes they have (each line
+ *  does) is straight if these are its corners. */
 static int fate_of(const io_element_type *type, int64_t n) {
     const int dim = io_element_dim(type), has_corners = n == dim + 1;
     if (type->shape == IO_LINE || type->shape == IO_POLYGON)

@@ -124,7 +124,7 @@ static int hexadecimal(char c) {
                                   : -1;
 }
 
-/** The text of a name: VTK writes blanks and the like as %20. To be released by pl_free. */
+/** Make the text of a name: VTK writes blanks and the like as %20. To be released by pl_free. */
 static char *name_of(io_slice name) {
     const int64_t length = io_slice_length(name);
     char *text = pl_alloc(length + 1, 1);

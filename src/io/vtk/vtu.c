@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** The array of a piece with that role (and name, if not NULL), or NULL. */
+/** Find the array of a piece with that role (and name, if not NULL), or NULL. */
 static vtu_array *find_array(const vtu_document *document, int64_t piece, vtu_role role,
                              const char *name) {
     const int64_t end = piece + 1 < document->n_pieces ? document->piece[piece + 1].first_array
@@ -370,7 +370,7 @@ static int vtu_read(io_model *model, planish_error *error) {
     return status ? status : check_overlaps(document);
 }
 
-static void release_vtu(io_model *model) {
+static void vtu_release(io_model *model) {
     if (model->of_format)
         vtu_document_release(model->of_format);
     pl_free(model->of_format);
@@ -394,4 +394,4 @@ const io_format io_format_vtu = {.name = "vtu",
                                  .recognise = vtu_recognise,
                                  .read = vtu_read,
                                  .encode = vtu_encode_points,
-                                 .release = release_vtu};
+                                 .release = vtu_release};

@@ -89,7 +89,7 @@ static int take_header(byte_stream *s, uint64_t *value) {
     return 0;
 }
 
-/** Bytes that the rest of a stream may be at most. */
+/** Return the bytes that the rest of a stream may be at most. */
 static int64_t most_bytes(const byte_stream *s) {
     const int64_t left = io_left(&s->text.cursor);
     return s->form == VTU_BASE64 ? left / 4 * 3 : left;

@@ -92,7 +92,7 @@ static int64_t skip_blank(const xml_walk *w, int64_t at, int64_t end) {
 
 /* ---- attributes ---------------------------------------------------------------------------- */
 
-/** The attribute called name, or NULL. */
+/** Return the attribute called name, or NULL. */
 static const char *attribute(const xml_walk *w, const char *name) {
     for (int i = 0; w->attributes[i]; i += 2)
         if (strcmp(w->attributes[i], name) == 0)
@@ -104,7 +104,7 @@ static int same(const char *a, const char *b) {
     return a && strcmp(a, b) == 0;
 }
 
-/** A whole number, at least 0, else -1. */
+/** Return the whole number that text is, at least 0, else -1. */
 static int64_t number(const char *text) {
     int64_t value;
     io_cursor cursor = {text, text ? text + strlen(text) : text};
