@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "io/abaqus/ucd.h"
+#include "io/core/format.h"
 
 /** The text in memory of its own size, so that a sanitizer sees any look behind its end. */
 static int is_ucd(const char *text) {

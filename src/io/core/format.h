@@ -4,7 +4,7 @@
  *   planish_file, io_file_elements              a file that has been read
  *   io_format_has_extension, io_extension       extensions of paths
  *   io_companion_path, io_plain_companion_path  files beside the mesh
- *   io_is_hdf5                                  the mark of HDF5
+ *   io_is_hdf5, io_is_ucd                       formats by their content
  */
 #ifndef PL_IO_CORE_FORMAT_H
 #define PL_IO_CORE_FORMAT_H
@@ -36,11 +36,11 @@ typedef struct io_format {
     int has_no_end;                                     /* text that nothing tells the end of */
     const char *const *companions; /* extensions of files that may lie beside, NULL-terminated; or
                                       NULL: there are none */
-    /** Whether the content of a file with such an extension is of a mesh as a companion is; NULL:
-     *  always. */
+    /** Return whether the content of a file with such an extension is of a mesh as a companion is;
+     *  NULL: always. */
     int (*is_companion)(const io_model *model, const io_bytes *file);
-    /** Whether what is written may have that name, whose extension is one of the format's; NULL: it
-     *  may. */
+    /** Return whether what is written may have that name, whose extension is one of the format's;
+     *  NULL: it may. */
     int (*may_be_called)(const io_model *model, const char *path);
     /** Find the field of coordinate d of a node in text, and leave the cursor behind it. 0 or -1.
      *  NULL: numbers are apart by white space and comments ('#'). */
@@ -89,5 +89,10 @@ char *io_plain_companion_path(const io_format *format, const char *path, const c
 
 /** Return whether the bytes are an HDF5 file: its mark is at the start, or behind a user block. */
 int io_is_hdf5(const char *data, int64_t size);
+
+/** Return whether the bytes are a text file of AVS UCD, which is told from others but not read:
+ *  comments ('#'), a line of five counts (nodes, cells, data of each kind), a line for each node,
+ *  and cells that name their type. */
+int io_is_ucd(const char *data, int64_t size);
 
 #endif

@@ -277,8 +277,8 @@ static inline const io_cells *io_model_elements(const io_model *model) {
 }
 
 /** Make room for n more cells of a dimension; the reader then writes nodes, entity, number at index
- *  cells->n ...; and raises cells->n. with_entity and with_number must be the same in every call for
- *  the same cells. Errors: _FORMAT (too many), _MEMORY. */
+ *  cells->n ...; and raises cells->n. with_entity and with_number must be the same in every call
+ *  for the same cells. Errors: _FORMAT (too many), _MEMORY. */
 int io_cells_reserve(io_model *model, int dim, int64_t n, int with_entity, int with_number,
                      planish_error *error);
 
@@ -381,8 +381,8 @@ int io_check_room(const io_model *model, io_cursor rest, int64_t n, int64_t size
 int io_check_count(const io_model *model, io_cursor rest, int64_t n, int64_t size, const char *what,
                    planish_error *error);
 
-/** Fail with _FORMAT at a place: element, which the format calls what, has a node of that number, and
- *  the file has none such. */
+/** Fail with _FORMAT at a place: element, which the format calls what, has a node of that number,
+ *  and the file has none such. */
 int io_fail_no_node(const io_model *model, const char *at, const char *what, int64_t element,
                     int64_t node, planish_error *error);
 
@@ -391,8 +391,8 @@ int io_fail_no_node(const io_model *model, const char *at, const char *what, int
     "elements of second order or higher cannot be smoothed; export the mesh with straight "        \
     "elements of first order"
 
-/** Fail with _FORMAT at a place: what is an element of second order or higher, of which planish would
- *  move the corners alone. remedy: " (how to do so)", or "". */
+/** Fail with _FORMAT at a place: what is an element of second order or higher, of which planish
+ *  would move the corners alone. remedy: " (how to do so)", or "". */
 int io_fail_order(const io_model *model, const char *at, const char *what, const char *remedy,
                   planish_error *error);
 

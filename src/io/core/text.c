@@ -100,7 +100,7 @@ int io_slice_real(io_slice s, int implied_exponent, double *value) {
     return marks == 1 && io_parse_real(&at, copy + n, value) == 0 && at == copy + n ? 0 : -1;
 }
 
-/** Whether a number that ends at at is whole: white space or the end must follow. */
+/** Return whether a number that ends at at is whole: white space or the end must follow. */
 static int ends_here(const io_cursor *cursor, const char *at) {
     return at == cursor->end || io_is_space(*at);
 }

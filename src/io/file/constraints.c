@@ -249,17 +249,6 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
     return status;
 }
 
-/** Return the reason of planish_file_get_held for bits of io_model.hold. */
-static uint8_t reason_of_bits(unsigned bits, int ignore_marked) {
-    const unsigned required = IO_HELD_REQUIRED | (ignore_marked ? 0 : IO_HELD_MARKED);
-    return (
-        uint8_t)((bits & (IO_HELD_BY_POINT | IO_HELD_BY_LINE) ? PLANISH_FILE_LINE_OR_POINT : 0) |
-                 (bits & IO_HELD_BY_TRIANGLE ? PLANISH_FILE_FACE : 0) |
-                 (bits & IO_HELD_BY_OTHER ? PLANISH_FILE_OTHER_ELEMENT : 0) |
-                 (bits & IO_HELD_PERIODIC ? PLANISH_FILE_PERIODIC : 0) |
-                 (bits & required ? PLANISH_FILE_REQUIRED : 0));
-}
-
 int planish_file_get_held(const planish_file *file, const planish_hold *hold, uint8_t *reason,
                           planish_error *error) {
     if (!file || !reason)
@@ -269,8 +258,17 @@ int planish_file_get_held(const planish_file *file, const planish_hold *hold, ui
                        "hold: there are fewer tags than n_tags says");
     uint8_t *found = pl_alloc(file->model.n_nodes, 1);
     int status = found ? PLANISH_OK : pl_fail_memory(error, "the reasons of nodes");
-    for (int64_t i = 0; i < file->model.n_nodes && !status; i++)
-        found[i] = reason_of_bits(file->model.hold[i], hold && hold->ignore_marked);
+    const unsigned required = IO_HELD_REQUIRED | (hold && hold->ignore_marked ? 0 : IO_HELD_MARKED);
+    for (int64_t i = 0; i < file->model.n_nodes && !status; i++) {
+        const unsigned bits = file->model.hold[i];
+        found[i] =
+            (uint8_t)((bits & (IO_HELD_BY_POINT | IO_HELD_BY_LINE) ? PLANISH_FILE_LINE_OR_POINT
+                                                                   : 0) |
+                      (bits & IO_HELD_BY_TRIANGLE ? PLANISH_FILE_FACE : 0) |
+                      (bits & IO_HELD_BY_OTHER ? PLANISH_FILE_OTHER_ELEMENT : 0) |
+                      (bits & IO_HELD_PERIODIC ? PLANISH_FILE_PERIODIC : 0) |
+                      (bits & required ? PLANISH_FILE_REQUIRED : 0));
+    }
     if (!status)
         status = hold_interfaces(file, hold, PLANISH_FILE_INTERFACE, found, error);
     if (!status)

@@ -1,7 +1,6 @@
 /* file: open a mesh file of any format, and what can be asked of it. */
 #include "io/file/file.h"
 
-#include "io/abaqus/ucd.h"
 #include "io/core/arrays.h"
 #include "io/core/bytes.h"
 #include "io/core/child.h"
@@ -274,7 +273,7 @@ static double round_to_field(double value, void *user) {
     return io_round_to_field(value, model->field_width, model->implied_exponent);
 }
 
-/** Whether the last line of a text has no end. */
+/** Return whether the last line of a text has no end. */
 static int is_unterminated(const io_bytes *bytes) {
     const char last = bytes->data[bytes->size - 1];
     return last != '\n' && last != '\r';

@@ -47,7 +47,7 @@ static double store(const io_model *model, double value) {
                : value;
 }
 
-/** Whether a node of a tilted plane with coordinates uv is not where it was. */
+/** Return whether a node of a tilted plane with coordinates uv is not where it was. */
 static int has_moved(const io_model *model, int64_t node, const double *uv) {
     const double *before = model->uv_read + 2 * node;
     return !pl_is_same(uv[0], before[0]) || !pl_is_same(uv[1], before[1]);
@@ -236,8 +236,8 @@ static void round_nodes(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** Whether a triangle has another sign as written. Seen along a column as near as the plane's it
- *  may have had one before. */
+/** Return whether a triangle has another sign as written. Seen along a column as near as the
+ *  plane's it may have had one before. */
 static int is_harmed(const rounding *s, int64_t element) {
     const int32_t *nodes = s->model->triangle.nodes + 3 * element;
     const int sign = s->sign[element];
@@ -338,8 +338,8 @@ typedef struct flat_search {
     int32_t *around; /* [3 n_elements] owned */
 } flat_search;
 
-/** Whether a triangle has another sign than in the file. Flat ones are as good with the sign that
- * is not usual: they count as inverted. */
+/** Return whether a triangle has another sign than in the file. Flat ones are as good with the sign
+ *  that is not usual: they count as inverted. */
 static int is_wrong(const flat_search *f, int64_t element) {
     const int32_t *nodes = f->model->triangle.nodes + 3 * element;
     const int wanted = sign_in_space(f->model->xyz, nodes, f->along);

@@ -23,7 +23,7 @@ double io_tolerance_of_digits(const io_model *model, const io_format *format);
  *  tilted plane. */
 int io_plane_keep(io_model *model, planish_error *error);
 
-/** Whether coordinates in the plane are x and y, so that a writer takes them as they are. */
+/** Return whether coordinates in the plane are x and y, so that a writer takes them as they are. */
 static inline int io_plane_is_xy(const io_plane *plane) {
     return plane->axis[2] == 2 && !plane->is_tilted;
 }

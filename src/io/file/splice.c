@@ -53,8 +53,8 @@ typedef struct splice {
     int64_t next_edit;     /* the first that has not been written */
 } splice;
 
-/** Whether a component keeps its bytes. Of a node with several places some may have -0 where others
- *  have 0: all of these stay. */
+/** Return whether a component keeps its bytes. Of a node with several places some may have -0 where
+ *  others have 0: all of these stay. */
 static int is_kept(const io_model *model, double before, double wanted) {
     return pl_is_same(before, wanted) || (model->place_node && before == wanted);
 }

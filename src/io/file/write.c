@@ -49,7 +49,7 @@ char *io_mesh_file(const char *path, const char *format, int i) {
                  : io_companion_path(of, path, extension);
 }
 
-/** Whether the file at path would be read as a companion; unreadable files would. */
+/** Return whether the file at path would be read as a companion; unreadable files would. */
 static int is_companion(const planish_file *file, const char *path) {
     io_bytes bytes;
     planish_error ignored;
@@ -142,7 +142,8 @@ int planish_file_check_output(const planish_file *file, const char *path, planis
     return check_strangers(file, path, error);
 }
 
-/** Whether the files are still what was read; where the input is replaced, those beside it stay. */
+/** Return whether the files are still what was read; where the input is replaced, those beside it
+ *  stay. */
 static int check_inputs_unchanged(const planish_file *file, planish_error *error) {
     int status = io_bytes_check_unchanged(&file->model.input, error);
     for (int i = 0; i < file->model.n_companions && !status; i++)

@@ -69,8 +69,8 @@ static int add_entity(gmsh_reader *reader, gmsh_entity entity, int32_t tag) {
     return status ? status : gmsh_skip_integers(reader, 4, n, "bounding entity");
 }
 
-/** Take the parent and the parts of a partitioned entity; *tag becomes that of the parent, unless the
- *  entity is between parts. */
+/** Take the parent and the parts of a partitioned entity; *tag becomes that of the parent, unless
+ *  the entity is between parts. */
 static int take_parent(gmsh_reader *reader, gmsh_entity *entity, int64_t *tag) {
     int64_t dim, parent, n_parts;
     int status = gmsh_take(reader, 4, &dim, "dimension of a parent entity");

@@ -73,20 +73,6 @@ static int read_header(off_reader *r) {
     return PLANISH_OK;
 }
 
-/** Read the numbers of vertices, faces and edges. */
-static int read_counts(off_reader *r, int64_t counts[N_COUNTS]) {
-    io_cursor *cursor = &r->cursor;
-    for (int i = 0; i < N_COUNTS; i++) {
-        if (!r->model->is_binary)
-            io_skip_space_comments(cursor, '#');
-        if (io_number(cursor, r->word_size, r->swapped, &counts[i]))
-            return io_fail_at(r->model, cursor->at, r->error,
-                              "the numbers of vertices, faces and edges are expected (the file may "
-                              "be cut short)");
-    }
-    return PLANISH_OK;
-}
-
 /* ---- vertices ----------------------------------------------------------------------------- */
 
 /** Count the words from the cursor to the end of the line or a comment. */
@@ -234,12 +220,19 @@ static int read_parts(off_reader *r) {
     io_model *model = r->model;
     int64_t counts[N_COUNTS];
     int status = read_header(r);
+    if (status)
+        return status;
     const int64_t stride = (3 + r->extra) * WORD_SIZE;
-    if (!status)
-        status = read_counts(r, counts);
-    if (!status)
-        status = io_check_count(model, r->cursor, counts[0], model->is_binary ? stride : 2 * 3,
-                                "vertices", r->error);
+    for (int i = 0; i < N_COUNTS; i++) { /* of vertices, faces and edges */
+        if (!model->is_binary)
+            io_skip_space_comments(&r->cursor, '#');
+        if (io_number(&r->cursor, r->word_size, r->swapped, &counts[i]))
+            return io_fail_at(model, r->cursor.at, r->error,
+                              "the numbers of vertices, faces and edges are expected (the file may "
+                              "be cut short)");
+    }
+    status = io_check_count(model, r->cursor, counts[0], model->is_binary ? stride : 2 * 3,
+                            "vertices", r->error);
     if (!status)
         status = io_model_make_nodes(model, counts[0], model->is_binary ? WORD_SIZE : 8, stride,
                                      r->swapped, r->cursor.at, r->error);
