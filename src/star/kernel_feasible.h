@@ -318,34 +318,29 @@ static inline int push_off_direction(const local *here, const double *x,
     return point.point[dim] > WEIGHT_LEAST * phi;
 }
 
-/** The step along direction that brings the last violated element to its floor, but none below. */
-static inline double restoring_step(const local *here, const double *x, const double *direction,
-                                    double size, const int dim) {
-    const star *s = &here->s;
-    double far = sqrt(dot(direction, direction, dim)), goal = 0, n[3];
-    for (int64_t i = 0; i < s->n_facets; i++) {
-        if (!(*entry(s, GVALUE, i) > violated_above(here)) || !facet_normal(s, i, n, dim))
-            continue;
-        double rise = dot(n, direction, dim) * *entry(s, LENGTH, i);
-        double missing = missing_measure(here, i, restore_margin(here), size);
-        double step = rise > 0 ? missing / rise : 0;
-        goal = step > goal ? step : goal;
-    }
-    double rate = limiting_rate(here, x, direction, 1, dim), limit = STEP_LIMIT * size / far;
-    goal = goal < limit ? goal : limit;
-    return goal * rate > FLOOR_FRACTION ? FLOOR_FRACTION / rate : goal;
-}
-
-/** The paper's way: push-off with growing phi. */
+/** Restore by the paper's way: push-off with growing phi. The step along each direction brings the
+ *  last violated element to its floor, but none below. */
 static inline int push_off(const local *here, const double *x, const objective *now,
                            const derivatives *derivative, trial *best, const int dim) {
-    double size = sqrt(derivative->size2);
+    const star *s = &here->s;
+    const double size = sqrt(derivative->size2);
     for (double phi = PHI_FIRST; phi <= PHI_LAST; phi *= PHI_FACTOR) {
-        double direction[3];
+        double direction[3], n[3], goal = 0;
         if (!push_off_direction(here, x, derivative, phi, direction, dim))
             continue;
-        double step = restoring_step(here, x, direction, size, dim);
-        if (restoring_search(here, x, now, direction, step, size, best, dim))
+        for (int64_t i = 0; i < s->n_facets; i++) {
+            if (!(*entry(s, GVALUE, i) > violated_above(here)) || !facet_normal(s, i, n, dim))
+                continue;
+            double rise = dot(n, direction, dim) * *entry(s, LENGTH, i);
+            double missing = missing_measure(here, i, restore_margin(here), size);
+            double step = rise > 0 ? missing / rise : 0;
+            goal = step > goal ? step : goal;
+        }
+        const double far = sqrt(dot(direction, direction, dim)), limit = STEP_LIMIT * size / far;
+        const double rate = limiting_rate(here, x, direction, 1, dim);
+        goal = goal < limit ? goal : limit;
+        goal = goal * rate > FLOOR_FRACTION ? FLOOR_FRACTION / rate : goal;
+        if (restoring_search(here, x, now, direction, goal, size, best, dim))
             return 1;
     }
     return 0;
