@@ -33,8 +33,8 @@ static int ask_caller(void *context) {
     return pl_ask_caller(c->options, &progress) ? PLANISH_STOP_INTERRUPTED : 0;
 }
 
-/** Turn _BELOW into _INFEASIBLE where that is so: in the plan's subset by proofs, and outside of it,
- *  where no node is free. */
+/** Turn _BELOW into _INFEASIBLE where that is so: in the plan's subset by proofs, and outside of
+ *  it, where no node is free. */
 static int mark_infeasible(const volume_check *c, const double *coordinates,
                            const pl_star_guard *guard, pl_infeasible *found, planish_error *error) {
     const planish_plan *plan = c->plan;

@@ -47,8 +47,8 @@ PL_INLINE void pl_cross(const double a[], const double b[], double product[]) {
     product[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/** Return exponent, of a size, as near as a scale may have it: 2^exponent and its inverse are normal
- *  doubles. */
+/** Return exponent, of a size, as near as a scale may have it: 2^exponent and its inverse are
+ *  normal doubles. */
 PL_INLINE int pl_scale_exponent(int exponent) {
     enum { LIMIT = 1000 };
     return exponent > LIMIT ? LIMIT : exponent < -LIMIT ? -LIMIT : exponent;

@@ -1,5 +1,5 @@
-/* lbfgs: L-BFGS (Nocedal 1980): minimise a function of all nodes of a patch. The nodes' own Hessians
- * are the first guess.
+/* lbfgs: L-BFGS (Nocedal 1980): minimise a function of all nodes of a patch. The nodes' own
+ * Hessians are the first guess.
  *
  *   pl_lbfgs_create, _destroy     a minimisation over a patch
  *   pl_lbfgs_begin, _iterate      evaluate, and lower the value

@@ -52,9 +52,9 @@ void pl_draft_destroy(pl_draft *d);
 /** Validate mesh, and begin with all of it, or with what is around options->around. */
 int pl_draft_begin(const planish_mesh *mesh, pl_draft *d, planish_error *error);
 
-/** Find the orientation and, if asked for, the bad elements from the measures. If these are few, and
- *  all elements are positive as they stand (most often they are), the draft is then for the subset
- *  around them: elements far from a bad one are not looked at again. */
+/** Find the orientation and, if asked for, the bad elements from the measures. If these are few,
+ *  and all elements are positive as they stand (most often they are), the draft is then for the
+ *  subset around them: elements far from a bad one are not looked at again. */
 int pl_draft_choose_scope(pl_draft *d, planish_error *error);
 
 /* ---- draft.c: free nodes, their order and their stars -------------------------------------- */

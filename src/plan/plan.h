@@ -66,8 +66,8 @@ typedef struct pl_follower_places {
     double origin[3]; /* and of its leader */
 } pl_follower_places;
 
-/** Working space of planish_smooth, which a plan keeps from call to call; n nodes. Calls change it on a
- *  plan that is const. Owned. */
+/** Working space of planish_smooth, which a plan keeps from call to call; n nodes. Calls change it
+ *  on a plan that is const. Owned. */
 typedef struct pl_plan_scratch {
     double *given;       /* [n][dim] the coordinates it starts with, unless the caller's are such */
     double *coordinates; /* [n + n_images][dim] by inner numbers */

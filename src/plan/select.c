@@ -64,8 +64,8 @@ static void choose_ring(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** Choose so many rings around the nodes of level 1. Not all elements of a ghost are here: its process
- *  tells its level. */
+/** Choose so many rings around the nodes of level 1. Not all elements of a ghost are here: its
+ *  process tells its level. */
 static void choose_rings(selection *w, int rings) {
     pl_parts_update(NULL, w->of_node, sizeof *w->of_node);
     for (int i = 1; i <= rings; i++) {

@@ -13,8 +13,8 @@
 
 /* ---- the beginning ------------------------------------------------------------------------- */
 
-/** Put planes and lines through their nodes as they are now. Followers keep their distance from their
- *  leaders. */
+/** Put planes and lines through their nodes as they are now. Followers keep their distance from
+ *  their leaders. */
 static void begin_sliding(planish_plan *plan) {
     double *x = plan->scratch.coordinates;
     const int dim = plan->dim;
@@ -78,8 +78,8 @@ int pl_run_begin(pl_run *r, planish_error *error) {
         return status;
     r->result->objective_before = pl_run_objective(r);
     r->sums_at_start = r->sums;
-    /* Sweeps guard neither the smallest angle, where that is promised, nor the elements of followers:
-     * the run compares them with these limits afterwards. */
+    /* Sweeps guard neither the smallest angle, where that is promised, nor the elements of
+     * followers: the run compares them with these limits afterwards. */
     r->limits_at_start = pl_star_no_limits();
     if (o->method == PLANISH_METHOD_PLANISH && !(r->sums.inverted > 0) && !(r->sums.below > 0)) {
         if (o->objective == PLANISH_OBJECTIVE_RADIUS_RATIO && !(o->area_weight > 0))
@@ -127,8 +127,8 @@ static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread
     __atomic_fetch_add(&t->moved, moved, __ATOMIC_RELAXED);
 }
 
-/** Write the nodes that have moved to the caller's coordinates, and tell the result how many and how
- *  far. Write nothing if other processes are not reached any more: they would miss it. */
+/** Write the nodes that have moved to the caller's coordinates, and tell the result how many and
+ *  how far. Write nothing if other processes are not reached any more: they would miss it. */
 static int transfer_out(const pl_run *r, planish_error *error) {
     const planish_plan *plan = r->plan;
     const int is_part = pl_part_here() != NULL;

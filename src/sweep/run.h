@@ -69,15 +69,15 @@ typedef struct pl_run {
  *  the guard in any case. Errors: those of pl_guard_create, _MEMORY. */
 int pl_run_begin(pl_run *r, planish_error *error);
 
-/** End a run: write the nodes that have moved to the caller's coordinates, unless memory was lacking
- *  or another process is not reached, and fill the result. Errors: _MEMORY, _PARTS. */
+/** End a run: write the nodes that have moved to the caller's coordinates, unless memory was
+ *  lacking or another process is not reached, and fill the result. Errors: _MEMORY, _PARTS. */
 int pl_run_end(pl_run *r, planish_error *error);
 
 /** Measure the plan's coordinates. */
 void pl_run_measure(pl_run *r);
 
-/** Measure the rest of the mesh, whose scaled coordinates are all [.][dim]: sums_of_fixed. inverted and
- *  below are then those of all elements: the caller takes off those in the plan's subset. */
+/** Measure the rest of the mesh, whose scaled coordinates are all [.][dim]: sums_of_fixed. inverted
+ *  and below are then those of all elements: the caller takes off those in the plan's subset. */
 void pl_run_measure_fixed(pl_run *r, const double *all);
 
 /** Return F of all elements, as measured or tracked last. */
@@ -115,8 +115,8 @@ void pl_run_begin_sweep(pl_run *r);
 /** End a sweep with its tally; returns not 0 if the run is to end: r->stop says why. */
 int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally);
 
-/** Return the answer of the caller's progress function; 0 if there is none. Memory that the caller's
- *  calls on the plan lack does not count as missing here. */
+/** Return the answer of the caller's progress function; 0 if there is none. Memory that the
+ *  caller's calls on the plan lack does not count as missing here. */
 int pl_ask_caller(const planish_options *options, const planish_progress *progress);
 
 /** Ask the caller after a colour of the sweep; returns not 0 if the run is to end. */
