@@ -2,9 +2,9 @@
 
     floors.py BUILD     BUILD has object files of the libraries and the program
 
-A room is NAME.c with NAME.h. A room knows another one if it includes its header, or if its object file
-needs a function or array that the other's defines. No room knows one of a higher floor, or one that its
-floor may not know; rooms that know one another are of one folder and at most MOST.
+A module is NAME.c with NAME.h. A module knows another one if it includes its header, or if its object file
+needs a function or array that the other's defines. No module knows one of a higher floor, or one that its
+floor may not know; modules that know one another are of one folder and at most MOST.
 """
 import collections
 import os
@@ -13,7 +13,7 @@ import subprocess
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-MOST = 4  # rooms of a circle
+MOST = 4  # modules of a circle
 
 # What each folder may know beside itself and what its neighbours below know.
 KNOWS = {
@@ -43,7 +43,7 @@ KNOWS = {
     "tools/mpi": ["tools/commands"],
 }
 
-# Single arrows that are allowed beside these: from and to are beginnings of rooms.
+# Single arrows that are allowed beside these: from and to are beginnings of modules.
 ALLOWED = [
     ("tools/job/output", "src/io/file/", "names of the files of a mesh"),
     ("tools/job/worst", "src/geometry/", "angles"),
@@ -53,9 +53,9 @@ ALLOWED = [
 ]
 
 
-def floor_of(room):
-    """The folder of KNOWS that a room is in."""
-    return max((f for f in KNOWS if room.startswith(f + "/")), key=len, default=None)
+def floor_of(module):
+    """The folder of KNOWS that a module is in."""
+    return max((f for f in KNOWS if module.startswith(f + "/")), key=len, default=None)
 
 
 def all_below(folder, found=None):
@@ -67,7 +67,7 @@ def all_below(folder, found=None):
     return found
 
 
-def room_of(path):
+def module_of(path):
     return os.path.splitext(path)[0]
 
 
@@ -85,7 +85,7 @@ def arrows_of_includes(files):
             for name in re.findall(r'^ *# *include *"([^"]+)"', text.read(), re.M):
                 for top in ("src", "tools"):
                     if os.path.exists(os.path.join(ROOT, top, name)):
-                        yield room_of(path), room_of(os.path.join(top, name)), name
+                        yield module_of(path), module_of(os.path.join(top, name)), name
                         break
 
 
@@ -97,24 +97,24 @@ def objects(build):
             path = os.path.join(match[2], name)
             source = re.sub(r"\.o(bj)?$", "", path)
             if source != path and os.path.exists(os.path.join(ROOT, source)):
-                yield os.path.join(folder, name), room_of(source)
+                yield os.path.join(folder, name), module_of(source)
 
 
 def arrows_of_calls(build):
     defined, needed = {}, collections.defaultdict(set)
-    for path, room in objects(build):
+    for path, module in objects(build):
         for line in subprocess.run(["nm", "-P", path], capture_output=True, text=True, check=True).stdout.splitlines():
             name, kind = line.split()[:2]
             if kind in "TRDB":
-                defined[name] = room
+                defined[name] = module
             elif kind == "U":
-                needed[room].add(name)
+                needed[module].add(name)
     if not defined:
         sys.exit(f"no object files in {build}")
-    for room, names in needed.items():
+    for module, names in needed.items():
         for name in names:
-            if name in defined and defined[name] != room:
-                yield room, defined[name], name
+            if name in defined and defined[name] != module:
+                yield module, defined[name], name
 
 
 def is_allowed(a, b, names):
@@ -128,7 +128,7 @@ def is_allowed(a, b, names):
 
 
 def circles(graph):
-    """Strongly connected rooms (Tarjan)."""
+    """Strongly connected modules (Tarjan)."""
     index, low, stack, found = {}, {}, [], []
 
     def visit(v):
@@ -165,7 +165,7 @@ def main():
         graph[a].add(b)
         graph[b]  # pylint: disable=pointless-statement
     for circle in circles(graph):
-        across = len({os.path.dirname(room) for room in circle}) > 1
+        across = len({os.path.dirname(module) for module in circle}) > 1
         if across or len(circle) > MOST:
             bad.append(circle)
             print(f"a circle{' across folders' if across else ''} of {len(circle)}: {', '.join(circle)}")
