@@ -447,7 +447,7 @@ typedef enum planish_log_level {
 typedef void planish_log_fn(planish_log_level level, const char *text, void *user);
 
 typedef struct planish_options {
-    size_t struct_size; /* set by planish_options_init */
+    size_t struct_size; /* set by planish_options_init; calls refuse another size than theirs */
     int threads; /* 1 .. 1024; 0: as many as OpenMP would use and as the mesh is large enough for,
                     with bind at most as many as there are cores. If the system cannot start that
                     many, libgomp ends the process: see docs/architecture.md */
@@ -509,13 +509,18 @@ typedef struct planish_options {
     void *log_user;                     /* handed to log */
     planish_round_fn *round;            /* with PLANISH_PRECISION_ROUNDED */
     void *round_user;                   /* handed to round */
+    const void *reserved[8];            /* NULL */
 } planish_options;
 
 /** Fill in the defaults: as many threads as OpenMP would use and as the mesh is large enough for,
  * not bound; the fastest kernel; radius ratio by constrained optimisation, Newton, volumes only
  * positive, no bounds; doubles; untangling; nothing for the worst, worst_rise 0.01; 200 sweeps,
  * tolerance 1e-5, no time limit; all nodes; no callback. */
-PLANISH_API void planish_options_init(planish_options *options);
+#define planish_options_init(options) planish_options_init_sized((options), sizeof *(options))
+
+/** Do the work of planish_options_init for a structure of size bytes: the caller's sizeof. No byte
+ *  beyond is written, whatever size the library's structure has. options may be NULL. */
+PLANISH_API void planish_options_init_sized(planish_options *options, size_t size);
 
 /* ---- Plan --------------------------------------------------------------------------------- */
 
@@ -523,25 +528,23 @@ PLANISH_API void planish_options_init(planish_options *options);
  *  no later result. const does not mean that two threads may use the plan. */
 typedef struct planish_plan planish_plan;
 
-/** Figures of a plan. Counts of components and facets are 0 where they were not counted, as a plan
- *  counts only those that it needs. */
+/** Figures of a plan. -1: not counted, as a plan counts only what it needs. */
 typedef struct planish_plan_info {
     int64_t n_free;           /* nodes that may move anywhere */
     int64_t n_sliding;        /* nodes that may move on a plane, line or surface */
-    int64_t n_unused;         /* nodes of no element; with only_worse_than or around 0 */
+    int64_t n_unused;         /* nodes of no element; -1 with only_worse_than or around */
     int64_t n_fixed_elements; /* elements all of whose nodes are fixed */
-    int64_t n_components; /* of elements joined by facets; 0: not counted, as in most meshes: all
-                             measures have one sign, and no facet contradicts it */
-    int64_t n_negative_order;  /* elements whose listed order contradicts the orientation that the
+    int64_t n_components;     /* of elements joined by facets; -1 in most meshes: all measures have
+                                 one sign, and no facet contradicts it */
+    int64_t n_negative_order; /* elements whose listed order contradicts the orientation that the
                                  plan has found; it does not change when nodes move
                                  (planish_quality.n_reversed compares signs of measures, which do).
                                  All elements of a mirrored mesh */
-    int64_t n_boundary_facets; /* facets of one element; 0 also means not counted: with
-                                     only_worse_than or around, if all measures have one sign */
-    int64_t n_nonmanifold_facets; /* facets of more than two elements, whose nodes are fixed; 0 also
-                                     means not counted, as for n_boundary_facets */
+    /* These are -1 with only_worse_than or around, if all measures have one sign: */
+    int64_t n_boundary_facets;    /* facets of one element */
+    int64_t n_nonmanifold_facets; /* facets of more than two elements, whose nodes are fixed */
     int64_t n_duplicate_elements; /* elements with the nodes of an earlier one, whose nodes are
-                                     fixed; 0 also means not counted, as above */
+                                     fixed */
     int n_colours;
     int threads;
     const char *isa;     /* name of the kernel variant in use; static text */
@@ -795,40 +798,35 @@ typedef enum planish_volume_state {
                                      node, a free one */
 } planish_volume_state;
 
-/** Compare the elements of coordinates [n_nodes][dim] with their minimum volumes, those of options
- * and of the plan's mesh; of elements that a plan with options.around does not know nothing is said
- * (MET). state [n_elements] (may be NULL) is filled with planish_volume_state;
- * *n_below counts those that are not MET. Errors: _ARGUMENT, _MESH, _MEMORY. */
+/** Compare the elements of coordinates [n_nodes][dim] with their minimum volumes: those of options
+ *  (NULL: defaults) and of the plan's mesh. state [n_elements] (may be NULL) is filled with
+ *  planish_volume_state; elements that a plan with options.around does not know are MET. *n_below
+ *  counts the elements that are not MET.
+ *
+ *  The search for proofs that elements are infeasible takes long around nodes with thousands of
+ *  elements. Limits of options end it: time_limit in seconds of this call, and progress, which is
+ *  called 20 times a second with a planish_progress that has nothing but elapsed; a result other
+ *  than 0 ends the search. The search is never shorter than 0.05 seconds. *n_undecided (may be NULL)
+ *  is the number of elements about which the search would have said more, 0 without limits: their
+ *  state stays _BELOW, and all that is said of the others holds. If one process ends the search in
+ *  a mesh in parts, all do. Without state and n_undecided there is no search.
+ *  Errors: _ARGUMENT, _MESH, _MEMORY; all outputs are then untouched. */
 PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *coordinates,
                                       const planish_options *options, uint8_t *state,
-                                      int64_t *n_below, planish_error *error);
+                                      int64_t *n_below, int64_t *n_undecided, planish_error *error);
 
-/** Find the elements of coordinates [n_nodes][dim] that are not positive and cannot all be made so,
- * wherever the movable nodes are. These are elements without a movable node or with two fixed nodes
- * at one place, and elements that contradict each other around one free node whose link there is
- * fixed, by more than 1e-9 of their measures (docs/algorithm.md). unfixable [n_elements] (may be
- * NULL) is filled with 0 or 1; *n counts the ones. Nothing is said of elements that are merely
- * hard, or that a plan with options.around does not know. Errors: _ARGUMENT, _MESH, _MEMORY. */
+/** Find the infeasible elements of coordinates [n_nodes][dim]: those that are not positive and are
+ *  proved not to become so all together, wherever the movable nodes are. These are elements without
+ *  a movable node or with two fixed nodes at one place, and elements that contradict each other
+ *  around one free node whose link there is fixed, by more than 1e-9 of their measures
+ *  (docs/algorithm.md). infeasible [n_elements] (may be NULL) is filled with 0 or 1; *n counts the
+ *  ones. Nothing is said of elements that are merely hard, or that a plan with options.around does
+ *  not know. options (NULL: defaults) limit the search as in planish_check_volumes, and
+ *  *n_undecided (may be NULL) counts the inverted elements that it left.
+ *  Errors: _ARGUMENT, _MESH, _MEMORY; all outputs are then untouched. */
 PLANISH_API int planish_find_infeasible(const planish_plan *plan, const double *coordinates,
-                                        uint8_t *unfixable, int64_t *n, planish_error *error);
-
-/** Do the work of planish_check_volumes or planish_find_infeasible until a limit ends the search
- * for proofs, which takes long around nodes with thousands of elements. options (NULL: none of
- * these) has the limits: time_limit in seconds of this call, and progress, which is called 20 times
- * a second with a planish_progress that has nothing but elapsed; a result other than 0 ends the
- * search. The search is never shorter than 0.05 seconds. *n_undecided is the number of elements
- * below their minimum volume (inverted elements) about which the search would have said more: their
- * state stays _BELOW (0), and all that is said of the others holds. Of a mesh in parts all
- * processes end the search, if one does. Arguments and errors besides: those of
- * planish_check_volumes and of planish_find_infeasible; n_undecided must not be NULL. */
-PLANISH_API int planish_check_volumes_until(const planish_plan *plan, const double *coordinates,
-                                            const planish_options *options, uint8_t *state,
-                                            int64_t *n_below, int64_t *n_undecided,
-                                            planish_error *error);
-PLANISH_API int planish_find_infeasible_until(const planish_plan *plan, const double *coordinates,
-                                              const planish_options *options, uint8_t *unfixable,
-                                              int64_t *n, int64_t *n_undecided,
-                                              planish_error *error);
+                                        const planish_options *options, uint8_t *infeasible,
+                                        int64_t *n, int64_t *n_undecided, planish_error *error);
 
 #ifdef __cplusplus
 }

@@ -87,6 +87,7 @@ typedef struct planish_file_info {
     int64_t bytes;               /* size of the input */
     int is_unterminated;         /* not 0: the format has no mark at its end, and the last line has
                                     no end: if the file was cut short there, nothing tells */
+    int64_t reserved[4];
 } planish_file_info;
 
 /** Fill in *info. */
@@ -168,6 +169,7 @@ typedef struct planish_hold {
                   regions are not held: planish_find_slides is to decide about them */
     const char *const *slide_tags; /* [n_slide_tags] groups of triangles (2-D: lines) that alone */
     int n_slide_tags;              /* may be slid on; 0: all may */
+    const void *reserved[4];       /* NULL */
 } planish_hold;
 
 /** Find the nodes that the file (and hold, may be NULL) fixes: constraint [n_nodes] is filled with

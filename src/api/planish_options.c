@@ -31,17 +31,16 @@ int planish_has_feature(planish_feature feature) {
     }
 }
 
-void planish_options_init(planish_options *options) {
+void planish_options_init_sized(planish_options *options, size_t size) {
+    const planish_options defaults = {.struct_size = size,
+                                      .max_sweeps = DEFAULT_MAX_SWEEPS,
+                                      .tolerance = DEFAULT_TOLERANCE,
+                                      .untangle = 1,
+                                      .worst_rise = DEFAULT_WORST_RISE,
+                                      .box_lower = {-INFINITY, -INFINITY, -INFINITY},
+                                      .box_upper = {INFINITY, INFINITY, INFINITY}};
     if (!options)
         return;
-    memset(options, 0, sizeof *options);
-    options->struct_size = sizeof *options;
-    options->max_sweeps = DEFAULT_MAX_SWEEPS;
-    options->tolerance = DEFAULT_TOLERANCE;
-    options->untangle = 1;
-    options->worst_rise = DEFAULT_WORST_RISE;
-    for (int d = 0; d < 3; d++) {
-        options->box_lower[d] = -INFINITY;
-        options->box_upper[d] = INFINITY;
-    }
+    memset(options, 0, size); /* what a later header has beyond this one */
+    memcpy(options, &defaults, size < sizeof defaults ? size : sizeof defaults);
 }

@@ -62,8 +62,9 @@ static int mark_infeasible(const volume_check *c, const double *coordinates,
     return status;
 }
 
-/** Find the states; is_asked: which elements it is counts. *n: those below their minimum volume, or
- *  those that nothing can make positive; *n_undecided: those that the limit has left. */
+/** Find the states. is_asked: proofs are wanted of elements below their minimum volume. *n: those
+ *  below their minimum volume, or the infeasible ones. *n_undecided: those that the limit has left.
+ *  With a limit all processes search, since one of them may end the search of all. */
 static int find_states(const volume_check *c, const double *coordinates, int is_asked, int64_t *n,
                        int64_t *n_undecided, planish_error *error) {
     const planish_plan *plan = c->plan;
@@ -87,7 +88,7 @@ static int find_states(const volume_check *c, const double *coordinates, int is_
         problem.mesh.min_volume = NULL;
         *n = pl_find_inverted(&problem, c->state);
     }
-    if (c->limit || (*n > 0 && (is_asked || !c->by_volume)))
+    if ((is_asked || !c->by_volume) && (c->limit || *n > 0))
         status = mark_infeasible(c, coordinates, &guard, &found, error);
     if (!c->by_volume)
         *n = found.n;
@@ -95,8 +96,8 @@ static int find_states(const volume_check *c, const double *coordinates, int is_
     return status;
 }
 
-/** Serve all calls: minimum volumes with by_volume, else positive elements; n_undecided: until
- *  options say so, or NULL. *n and *n_undecided change with success alone. */
+/** Serve both calls: minimum volumes with by_volume, else positive elements. *n and *n_undecided (may
+ *  be NULL) change with success alone. */
 static int find_elements(const planish_plan *plan, const double *coordinates,
                          const planish_options *options, int by_volume, uint8_t *out, int64_t *n,
                          int64_t *n_undecided, planish_error *error) {
@@ -111,7 +112,8 @@ static int find_elements(const planish_plan *plan, const double *coordinates,
                       .by_volume = by_volume,
                       .start = pl_seconds()};
     pl_stop_check limit = pl_limit_of(ask_caller, &c);
-    c.limit = n_undecided ? &limit : NULL;
+    if (c.options->time_limit > 0 || c.options->progress)
+        c.limit = &limit;
     int status = pl_plan_check_call(plan, coordinates, c.options, error);
     if (!status) {
         const pl_points all = pl_plan_all_points(plan, coordinates);
@@ -123,7 +125,7 @@ static int find_elements(const planish_plan *plan, const double *coordinates,
         c.of_work =
             plan->all == &plan->work ? c.state : pl_alloc(plan->work.n_elements, sizeof *c.of_work);
         status = c.all && c.own && c.ordered && c.state && c.of_work
-                     ? find_states(&c, coordinates, out != NULL, &n_found, &n_left, error)
+                     ? find_states(&c, coordinates, out || n_undecided, &n_found, &n_left, error)
                      : pl_fail_memory(error, "the states of elements");
         if (!status)
             status = pl_parts_check(error);
@@ -150,31 +152,16 @@ static int find_elements(const planish_plan *plan, const double *coordinates,
 
 int planish_check_volumes(const planish_plan *plan, const double *coordinates,
                           const planish_options *options, uint8_t *state, int64_t *n_below,
-                          planish_error *error) {
+                          int64_t *n_undecided, planish_error *error) {
     if (!n_below)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n_below must not be NULL");
-    return find_elements(plan, coordinates, options, 1, state, n_below, NULL, error);
-}
-
-int planish_find_infeasible(const planish_plan *plan, const double *coordinates, uint8_t *unfixable,
-                            int64_t *n, planish_error *error) {
-    if (!n)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n must not be NULL");
-    return find_elements(plan, coordinates, NULL, 0, unfixable, n, NULL, error);
-}
-
-int planish_check_volumes_until(const planish_plan *plan, const double *coordinates,
-                                const planish_options *options, uint8_t *state, int64_t *n_below,
-                                int64_t *n_undecided, planish_error *error) {
-    if (!n_below || !n_undecided)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n_below and n_undecided must not be NULL");
     return find_elements(plan, coordinates, options, 1, state, n_below, n_undecided, error);
 }
 
-int planish_find_infeasible_until(const planish_plan *plan, const double *coordinates,
-                                  const planish_options *options, uint8_t *unfixable, int64_t *n,
-                                  int64_t *n_undecided, planish_error *error) {
-    if (!n || !n_undecided)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n and n_undecided must not be NULL");
-    return find_elements(plan, coordinates, options, 0, unfixable, n, n_undecided, error);
+int planish_find_infeasible(const planish_plan *plan, const double *coordinates,
+                            const planish_options *options, uint8_t *infeasible, int64_t *n,
+                            int64_t *n_undecided, planish_error *error) {
+    if (!n)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n must not be NULL");
+    return find_elements(plan, coordinates, options, 0, infeasible, n, n_undecided, error);
 }

@@ -50,9 +50,6 @@ static void fill_info(planish_plan *plan, pl_draft *d) {
     pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK_ELEMENTS, count_chunk, d);
     if (plan->scope == PL_SUBSET_OF_ALL)
         info->n_fixed_elements += plan->whole.n_elements - plan->work.n_elements;
-    info->n_components = d->boundary.n_components;
-    if (plan->is_selective || plan->scope == PL_SUBSET_ALONE) /* in a subset nobody knows of them */
-        info->n_unused = 0;
     if (plan->scope != PL_SUBSET_OF_ALL)
         info->n_negative_order = d->boundary.n_reversed;
     info->n_boundary_facets = d->boundary.n_boundary_facets;
@@ -78,6 +75,12 @@ static void fill_info(planish_plan *plan, pl_draft *d) {
     pl_parts_add(values, N);
     for (int i = 0; i < N; i++)
         *count[i] = values[i];
+    /* Figures that were not counted: draft.c says when the facets were not looked at. */
+    info->n_components = d->boundary.n_components > 0 ? d->boundary.n_components : -1;
+    if (plan->is_selective || plan->scope == PL_SUBSET_ALONE) /* in a subset nobody knows of them */
+        info->n_unused = -1;
+    if (d->boundary.is_guess && d->is_selected)
+        info->n_boundary_facets = info->n_nonmanifold_facets = info->n_duplicate_elements = -1;
 }
 
 static int64_t larger(int64_t a, int64_t b) {

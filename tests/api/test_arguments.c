@@ -32,10 +32,10 @@ static void nothing_is_an_argument(void **state) {
                             planish_measure(plan, x, NULL, NULL),
                             planish_measure_mesh(NULL, NULL, &quality, NULL),
                             planish_measure_mesh(&box.mesh, NULL, NULL, NULL),
-                            planish_check_volumes(NULL, x, NULL, NULL, &n, NULL),
-                            planish_check_volumes(plan, x, NULL, NULL, NULL, NULL),
-                            planish_find_infeasible(NULL, x, NULL, &n, NULL),
-                            planish_find_infeasible(plan, NULL, NULL, &n, NULL),
+                            planish_check_volumes(NULL, x, NULL, NULL, &n, NULL, NULL),
+                            planish_check_volumes(plan, x, NULL, NULL, NULL, NULL, NULL),
+                            planish_find_infeasible(NULL, x, NULL, NULL, &n, NULL, NULL),
+                            planish_find_infeasible(plan, NULL, NULL, NULL, &n, NULL, NULL),
                             planish_find_slides(NULL, NULL, 1, NULL, NULL, NULL, NULL),
                             planish_find_slides(&box.mesh, NULL, 1, NULL, x, NULL, NULL)};
     for (size_t i = 0; i < sizeof refusals / sizeof refusals[0]; i++)
@@ -45,7 +45,7 @@ static void nothing_is_an_argument(void **state) {
     planish_plan_get_info(plan, NULL);
     planish_plan_get_free(plan, NULL);
     planish_plan_get_free(NULL, (uint8_t *)x);
-    planish_options_init(NULL);
+    planish_options_init_sized(NULL, sizeof(planish_options));
     planish_plan_destroy(NULL);
     planish_plan_destroy(plan);
     test_mesh_destroy(&box);
@@ -212,6 +212,34 @@ static void defaults_are_as_documented(void **state) {
     assert_true(!o.progress && !o.project && !o.allocator && !o.parallel && !o.log && !o.round);
 }
 
+/** A program whose header has fewer fields is not overrun, and its options are refused. */
+static void smaller_options_are_not_overrun(void **state) {
+    (void)state;
+    enum { GUARD = 0x5a };
+    planish_options o;
+    test_mesh box;
+    planish_plan *plan = NULL;
+    test_mesh_box(&box, 2, 3);
+    for (size_t size = 0; size <= sizeof o; size += 4) {
+        planish_error error = {0};
+        unsigned char bytes[sizeof o];
+        memset(bytes, GUARD, sizeof bytes);
+        memcpy(&o, bytes, sizeof o);
+        planish_options_init_sized(&o, size);
+        memcpy(bytes, &o, sizeof o);
+        for (size_t i = size; i < sizeof o; i++)
+            assert_int_equal(bytes[i], GUARD);
+        if (size < sizeof o.struct_size)
+            continue;
+        assert_int_equal(o.struct_size, size);
+        const int status = planish_plan_create(&box.mesh, &o, &plan, &error);
+        assert_int_equal(status, size == sizeof o ? PLANISH_OK : PLANISH_ERROR_ARGUMENT);
+        assert_true(!status || strstr(error.text, "planish_options_init"));
+    }
+    planish_plan_destroy(plan);
+    test_mesh_destroy(&box);
+}
+
 int main(void) {
     static int dims[] = {2, 3};
     const struct CMUnitTest tests[] = {
@@ -221,6 +249,7 @@ int main(void) {
         cmocka_unit_test_prestate(coordinates_are_numbers, &dims[0]),
         cmocka_unit_test_prestate(coordinates_are_numbers, &dims[1]),
         cmocka_unit_test(defaults_are_as_documented),
+        cmocka_unit_test(smaller_options_are_not_overrun),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

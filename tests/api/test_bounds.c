@@ -358,7 +358,8 @@ static void without_memory_nothing_changes(void **state) {
     for (failures = 0; status == PLANISH_ERROR_MEMORY; failures++) {
         assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan, NULL), 0);
         allocations_permit(failures);
-        status = planish_check_volumes(plan, mesh.coordinates, &options, below, &n_below, &error);
+        status =
+            planish_check_volumes(plan, mesh.coordinates, &options, below, &n_below, NULL, &error);
         allocations_permit(-1);
         planish_plan_destroy(plan);
     }

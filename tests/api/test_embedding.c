@@ -279,7 +279,7 @@ static int ask_without_memory(const planish_progress *progress, void *user) {
     int64_t n;
     (void)progress;
     a->heap->left = 0;
-    a->failures += planish_check_volumes(a->plan, a->coordinates, NULL, NULL, &n, NULL) != 0;
+    a->failures += planish_check_volumes(a->plan, a->coordinates, NULL, NULL, &n, NULL, NULL) != 0;
     a->heap->left = INT64_MAX;
     return 0;
 }
@@ -365,7 +365,8 @@ static int ask_on_the_way(const planish_progress *progress, void *user) {
     planish_quality quality;
     assert_true(pthread_equal(a->thread, pthread_self()));
     assert_int_equal(
-        planish_check_volumes(a->plan, a->coordinates, a->volumes, a->state, &a->below, NULL), 0);
+        planish_check_volumes(a->plan, a->coordinates, a->volumes, a->state, &a->below, NULL, NULL),
+        0);
     assert_true(a->below > 0);
     assert_int_equal(planish_measure(a->plan, a->coordinates, &quality, NULL), 0);
     assert_memory_equal(a->coordinates, a->start, a->bytes);

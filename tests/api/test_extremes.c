@@ -133,7 +133,7 @@ static int check_meanwhile(const planish_progress *progress, void *user) {
     planish_quality quality;
     (void)progress;
     assert_int_equal(
-        planish_check_volumes(w->plan, w->coordinates, &w->options, NULL, &n_below, NULL), 0);
+        planish_check_volumes(w->plan, w->coordinates, &w->options, NULL, &n_below, NULL, NULL), 0);
     assert_true(n_below > 0);
     assert_int_equal(planish_measure(w->plan, w->coordinates, &quality, NULL), 0);
     return 0;

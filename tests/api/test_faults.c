@@ -90,7 +90,7 @@ static void check(const test_world *w, faults *f, const planish_options *options
     int status;
     do {
         faults_mark(state, n);
-        status = planish_check_volumes(plan, x, options, state, &count, &error);
+        status = planish_check_volumes(plan, x, options, state, &count, NULL, &error);
         assert_true(!status || (faults_is_marked(state, n) && count == -1));
     } while (faults_refused(f, status, &error));
     faults_add(f, state, n);
@@ -98,7 +98,7 @@ static void check(const test_world *w, faults *f, const planish_options *options
     count = -1;
     do {
         faults_mark(state, n);
-        status = planish_find_infeasible(plan, x, state, &count, &error);
+        status = planish_find_infeasible(plan, x, NULL, state, &count, NULL, &error);
         assert_true(!status || (faults_is_marked(state, n) && count == -1));
     } while (faults_refused(f, status, &error));
     faults_add(f, state, n);

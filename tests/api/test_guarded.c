@@ -33,7 +33,8 @@ static int64_t check_volumes(const planish_mesh *mesh, const double *coordinates
     planish_plan *plan;
     int64_t n_below = -1;
     assert_int_equal(planish_plan_create(mesh, options, &plan, NULL), 0);
-    assert_int_equal(planish_check_volumes(plan, coordinates, options, state, &n_below, NULL), 0);
+    assert_int_equal(planish_check_volumes(plan, coordinates, options, state, &n_below, NULL, NULL),
+                     0);
     planish_plan_destroy(plan);
     return n_below;
 }
@@ -512,9 +513,10 @@ static void none_comes_below(void **state) {
         uint8_t *after = malloc((size_t)box.mesh.n_elements);
         int64_t n;
         assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
-        assert_int_equal(planish_check_volumes(plan, box.coordinates, &options, before, &n, NULL),
-                         0);
-        assert_int_equal(planish_check_volumes(plan, s.coordinates, &options, after, &n, NULL), 0);
+        assert_int_equal(
+            planish_check_volumes(plan, box.coordinates, &options, before, &n, NULL, NULL), 0);
+        assert_int_equal(
+            planish_check_volumes(plan, s.coordinates, &options, after, &n, NULL, NULL), 0);
         for (int64_t k = 0; k < box.mesh.n_elements; k++) {
             assert_true(before[k] != PLANISH_VOLUME_MET || after[k] == PLANISH_VOLUME_MET);
             kept += before[k] != PLANISH_VOLUME_MET;

@@ -36,8 +36,8 @@ static void find_states(const planish_mesh *mesh, const int64_t *node_number,
         memcpy(x + i * dim, s->spoilt + (node_number ? node_number[i] : i) * dim,
                (size_t)dim * sizeof *x);
     assert_int_equal(planish_plan_create(mesh, &s->options, &plan, NULL), 0);
-    assert_int_equal(planish_check_volumes(plan, x, &s->options, below, &n, NULL), 0);
-    assert_int_equal(planish_find_infeasible(plan, x, unfixable, &n, NULL), 0);
+    assert_int_equal(planish_check_volumes(plan, x, &s->options, below, &n, NULL, NULL), 0);
+    assert_int_equal(planish_find_infeasible(plan, x, NULL, unfixable, &n, NULL, NULL), 0);
     assert_int_equal(planish_find_reversed(plan, x, reversed, &s->n_reversed, NULL), 0);
     for (int64_t i = 0; i < mesh->n_elements; i++) {
         const int64_t at = element_number ? element_number[i] : i;

@@ -128,14 +128,15 @@ static void look_at_elements(const work *w) {
         for (int64_t i = 0; i < n; i++)
             ones += ratio[i] == 0;
         fuzz_require(ones == quality.n_inverted, "elements that are not positive have ratio 0");
-        if (succeeded(planish_find_infeasible(w->plan, w->x, state, &counted, &error), &error)) {
+        if (succeeded(planish_find_infeasible(w->plan, w->x, NULL, state, &counted, NULL, &error),
+                      &error)) {
             fuzz_require(count_ones(state, n) == counted, "unfixable elements are counted");
             for (int64_t i = 0; i < n; i++)
                 fuzz_require(!state[i] || ratio[i] == 0, "a positive element needs no mending");
         }
     }
     ones = 0;
-    if (succeeded(planish_check_volumes(w->plan, w->x, &w->options, state, &counted, &error),
+    if (succeeded(planish_check_volumes(w->plan, w->x, &w->options, state, &counted, NULL, &error),
                   &error)) {
         for (int64_t i = 0; i < n; i++)
             ones += state[i] != PLANISH_VOLUME_MET;

@@ -87,7 +87,8 @@ static int is_inverted(const held *h, const double *coordinates, int64_t element
 static void find(held *h, const double *coordinates) {
     planish_plan *plan;
     assert_int_equal(planish_plan_create(&h->t.mesh.mesh, NULL, &plan, NULL), 0);
-    assert_int_equal(planish_find_infeasible(plan, coordinates, h->found, &h->n_found, NULL), 0);
+    assert_int_equal(
+        planish_find_infeasible(plan, coordinates, NULL, h->found, &h->n_found, NULL, NULL), 0);
     planish_plan_destroy(plan);
     int64_t n = 0;
     for (int64_t i = 0; i < h->t.mesh.mesh.n_elements; i++) {
@@ -420,11 +421,13 @@ static void flat_stars_contradict_themselves(void **state) {
                                    .coordinates = coordinates,
                                    .elements = dim == 3 ? tetrahedra : triangles};
         assert_int_equal(planish_plan_create(&mesh, NULL, &plan, NULL), 0);
-        assert_int_equal(planish_find_infeasible(plan, coordinates, NULL, &n_found, NULL), 0);
+        assert_int_equal(
+            planish_find_infeasible(plan, coordinates, NULL, NULL, &n_found, NULL, NULL), 0);
         assert_true(n_found >= mesh.n_elements / 2); /* all that are in proofs */
         assert_int_equal(planish_smooth(plan, coordinates, NULL, &result, NULL), 0);
         assert_int_equal(result.n_inverted, mesh.n_elements / 2);
-        assert_int_equal(planish_find_infeasible(plan, coordinates, NULL, &n_found, NULL), 0);
+        assert_int_equal(
+            planish_find_infeasible(plan, coordinates, NULL, NULL, &n_found, NULL, NULL), 0);
         assert_int_equal(n_found, mesh.n_elements / 2);
         planish_plan_destroy(plan);
     }
@@ -447,7 +450,8 @@ static void areas_next_to_rounding_prove_nothing(void **state) {
                                    .coordinates = coordinates,
                                    .elements = triangles};
         assert_int_equal(planish_plan_create(&mesh, NULL, &plan, NULL), 0);
-        assert_int_equal(planish_find_infeasible(plan, coordinates, found, &n_found, NULL), 0);
+        assert_int_equal(
+            planish_find_infeasible(plan, coordinates, NULL, found, &n_found, NULL, NULL), 0);
         assert_int_equal(n_found, is_flat ? 4 : 0);
         assert_true(!found[1] && !found[4]);
         planish_plan_destroy(plan);
@@ -468,19 +472,24 @@ static void without_memory_nothing_is_said(void **state) {
         planish_plan_destroy(plan); /* it keeps the memory of its last call */
         assert_int_equal(planish_plan_create(&h.t.mesh.mesh, NULL, &plan, NULL), 0);
         allocations_permit(failures);
-        status = planish_find_infeasible(plan, h.t.mesh.coordinates, h.found, &n, &error);
+        status =
+            planish_find_infeasible(plan, h.t.mesh.coordinates, NULL, h.found, &n, NULL, &error);
         allocations_permit(-1);
     }
     assert_int_equal(status, 0);
     assert_true(failures > 5);
-    assert_int_equal(planish_find_infeasible(NULL, h.t.mesh.coordinates, NULL, &n, &error),
-                     PLANISH_ERROR_ARGUMENT);
-    assert_int_equal(planish_find_infeasible(plan, h.t.mesh.coordinates, NULL, NULL, &error),
-                     PLANISH_ERROR_ARGUMENT);
-    assert_int_equal(planish_find_infeasible(plan, h.t.mesh.coordinates, NULL, &n, &error), 0);
+    assert_int_equal(
+        planish_find_infeasible(NULL, h.t.mesh.coordinates, NULL, NULL, &n, NULL, &error),
+        PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(
+        planish_find_infeasible(plan, h.t.mesh.coordinates, NULL, NULL, NULL, NULL, &error),
+        PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(
+        planish_find_infeasible(plan, h.t.mesh.coordinates, NULL, NULL, &n, NULL, &error), 0);
     h.t.mesh.coordinates[0] = NAN;
-    assert_int_equal(planish_find_infeasible(plan, h.t.mesh.coordinates, NULL, &n, &error),
-                     PLANISH_ERROR_MESH);
+    assert_int_equal(
+        planish_find_infeasible(plan, h.t.mesh.coordinates, NULL, NULL, &n, NULL, &error),
+        PLANISH_ERROR_MESH);
     planish_plan_destroy(plan);
     destroy(&h);
 }

@@ -372,9 +372,10 @@ static void forms_do_not_matter(void **state) {
                 assert_memory_equal(&quality, &expected.after, sizeof quality);
                 check_ratios(plan, x, mesh.n_elements, &quality);
                 assert_int_equal(
-                    planish_check_volumes(plan, x, &options, state_of, &n_below, &error), 0);
-                assert_int_equal(planish_find_infeasible(plan, x, state_of, &n_unfixable, &error),
-                                 0);
+                    planish_check_volumes(plan, x, &options, state_of, &n_below, NULL, &error), 0);
+                assert_int_equal(
+                    planish_find_infeasible(plan, x, NULL, state_of, &n_unfixable, NULL, &error),
+                    0);
                 assert_int_equal(n_below + n_unfixable, 0);
                 int64_t others = 0;
                 for (int64_t i = 0; i < n * dim; i++)
@@ -432,8 +433,9 @@ static void numbers_are_the_callers(void **state) {
         planish_plan_info info;
         planish_plan_get_info(plan, &info);
         assert_int_equal(n_free, info.n_free);
-        assert_int_equal(
-            planish_check_volumes(plan, mesh->coordinates, &options, states, &n_below, &error), 0);
+        assert_int_equal(planish_check_volumes(plan, mesh->coordinates, &options, states, &n_below,
+                                               NULL, &error),
+                         0);
         for (int64_t i = 0; i < m; i++) {
             const int32_t *v = mesh->elements + 4 * i;
             const double *x = mesh->coordinates;

@@ -257,8 +257,9 @@ static void check_ratios(batch *b) {
 static void check_volumes(batch *b) {
     static uint8_t state[BATCH];
     int64_t n_below, n = 0;
-    assert_int_equal(planish_check_volumes(b->plan, b->coordinates, NULL, state, &n_below, NULL),
-                     PLANISH_OK);
+    assert_int_equal(
+        planish_check_volumes(b->plan, b->coordinates, NULL, state, &n_below, NULL, NULL),
+        PLANISH_OK);
     for (int i = 0; i < BATCH; i++) {
         const long double doubt = tolerance(b, i), least = b->least[i];
         n += state[i] != PLANISH_VOLUME_MET;
@@ -274,8 +275,9 @@ static void check_volumes(batch *b) {
 static void check_unfixable(batch *b) {
     static uint8_t unfixable[BATCH];
     int64_t n;
-    assert_int_equal(planish_find_infeasible(b->plan, b->coordinates, unfixable, &n, NULL),
-                     PLANISH_OK);
+    assert_int_equal(
+        planish_find_infeasible(b->plan, b->coordinates, NULL, unfixable, &n, NULL, NULL),
+        PLANISH_OK);
     for (int i = 0; i < BATCH; i++)
         expect(unfixable[i] == (b->of[i].sign <= 0), "what cannot be positive is wrong", b->dim,
                b->x[i]);

@@ -223,11 +223,11 @@ test_outcome test_problem_solve(const test_problem *p) {
     planish_plan_get_info(plan, &o.info);
     expect(planish_measure(plan, x, &o.before, &error), &error);
     o.ratio_before = ratios(p, plan, x);
-    expect(planish_find_infeasible(plan, x, NULL, &o.unfixable, &error), &error);
+    expect(planish_find_infeasible(plan, x, NULL, NULL, &o.unfixable, NULL, &error), &error);
     expect(planish_smooth(plan, x, &p->options, &o.result, &error), &error);
     expect(planish_measure(plan, x, &o.after, &error), &error);
     o.ratio = ratios(p, plan, x);
-    expect(planish_check_volumes(plan, x, &p->options, NULL, &o.below, &error), &error);
+    expect(planish_check_volumes(plan, x, &p->options, NULL, &o.below, NULL, &error), &error);
     planish_plan_destroy(plan);
     for (int64_t i = 0; i < n; i++)
         memcpy(o.coordinates + i * dim, x + p->node_now[i] * dim, (size_t)dim * sizeof *x);

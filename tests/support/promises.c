@@ -270,7 +270,8 @@ static int check_volumes(const trial *t) {
     if (t->options->min_volume_fraction > 0)
         problem.min_volume = (double)(t->options->min_volume_fraction * fabsl(t->is.domain));
     const worth now = worth_of(&problem, t->after);
-    if (planish_check_volumes(t->p->plan, t->p->call->coordinates, t->options, NULL, &n, NULL) ||
+    if (planish_check_volumes(t->p->plan, t->p->call->coordinates, t->options, NULL, &n, NULL,
+                              NULL) ||
         n < now.below || n > now.nearly)
         return promise_break(t->p, "planish_check_volumes: %lld, not %lld", (long long)n,
                              (long long)now.below);
@@ -289,8 +290,8 @@ static int check_looks(const trial *t) {
         return 0;
     if (!check_volumes(t))
         return 0;
-    if (planish_find_infeasible(t->p->plan, t->p->call->coordinates, NULL, &n, NULL) || n < 0 ||
-        n > t->is.inverted)
+    if (planish_find_infeasible(t->p->plan, t->p->call->coordinates, NULL, NULL, &n, NULL, NULL) ||
+        n < 0 || n > t->is.inverted)
         return promise_break(t->p, "planish_find_infeasible: %lld", (long long)n);
     return 1;
 }

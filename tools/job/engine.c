@@ -30,11 +30,11 @@ int pl_states_find(const planish_plan *plan, const planish_mesh *mesh, pl_state_
     found->n = found->n_undecided = 0;
     switch (kind) {
     case PL_STATE_VOLUME:
-        return planish_check_volumes_until(plan, x, options, state, &found->n, &found->n_undecided,
-                                           error);
+        return planish_check_volumes(plan, x, options, state, &found->n, &found->n_undecided,
+                                     error);
     case PL_STATE_UNFIXABLE:
-        return planish_find_infeasible_until(plan, x, options, state, &found->n,
-                                             &found->n_undecided, error);
+        return planish_find_infeasible(plan, x, options, state, &found->n, &found->n_undecided,
+                                       error);
     case PL_STATE_REVERSED:
         return planish_find_reversed(plan, x, state, &found->n, error);
     case PL_STATE_INVERTED:

@@ -139,6 +139,7 @@ class _Options(ctypes.Structure):
         ("log_user", c_void_p),
         ("round", c_void_p),
         ("round_user", c_void_p),
+        ("reserved", c_void_p * 8),
     ]
 
 
@@ -302,7 +303,7 @@ def _load() -> ctypes.CDLL:
 
 _library = _load()
 _library.planish_checksum.restype = ctypes.c_uint64
-_library.planish_options_init.restype = None
+_library.planish_options_init_sized.restype = None
 _library.planish_plan_destroy.restype = None
 _library.planish_plan_destroy.argtypes = [c_void_p]
 _library.planish_plan_get_free.restype = None
@@ -813,7 +814,7 @@ class Plan:
         self._view = _View(points, cells, fixed, min_volumes, regions, threads)
         self._view.own_cells()  # the plan reads them as long as it lives
         self._options = _Options()
-        _library.planish_options_init(byref(self._options))
+        _library.planish_options_init_sized(byref(self._options), c_size_t(ctypes.sizeof(_Options)))
         self._options.threads = _threads(threads)
         self._process = os.getpid()
         self._options.only_worse_than = only_worse_than
@@ -1029,7 +1030,7 @@ def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
 def quality(points: Any, cells: Any = None, *, fixed: Any = None, regions: Any = _BY_RULE) -> Quality:
     """What a mesh is worth: points, cells, fixed and regions as for Plan."""
     view, error, found, options = _View(points, cells, fixed, None, regions), _Error(), Quality(), _Options()
-    _library.planish_options_init(byref(options))
+    _library.planish_options_init_sized(byref(options), c_size_t(ctypes.sizeof(_Options)))
     options.threads = _threads(0)
     _check(_library.planish_measure_mesh(byref(view.mesh), byref(options), byref(found), byref(error)), error)
     return found
