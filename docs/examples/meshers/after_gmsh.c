@@ -22,8 +22,8 @@ static void show(const char *when, const planish_quality *q, double seconds) {
 }
 
 int main(int argc, char **argv) {
-    size_t *tag, *inner, *of_element, *corners, n, n_inner, n_elements, n_corners, k, last = 0;
-    double *xyz, *other, begin;
+    size_t *tag, *inner, *cell, *corners, n, n_inner, n_elements, n_corners, k, last = 0;
+    double *xyz, *other;
     int error;
     if (argc < 3)
         return fprintf(stderr, "usage: after_gmsh IN.geo OUT.msh [SIZE_FACTOR [ALGORITHM]]\n"), 64;
@@ -34,13 +34,12 @@ int main(int argc, char **argv) {
     gmshOptionSetNumber("Mesh.Optimize", 1, &error);
     gmshOptionSetNumber("Mesh.MeshSizeFactor", argc > 3 ? atof(argv[3]) : 1, &error);
     gmshOptionSetNumber("Mesh.Algorithm3D", argc > 4 ? atof(argv[4]) : 1, &error);
-    begin = now();
+    double begin = now();
     gmshModelMeshGenerate(3, &error);
     const double meshing = now() - begin;
     gmshModelMeshGetNodes(&tag, &n, &xyz, &k, &other, &k, -1, -1, 0, 0, &error);
     gmshModelMeshGetNodes(&inner, &n_inner, &other, &k, &other, &k, 3, -1, 0, 0, &error);
-    gmshModelMeshGetElementsByType(4, &of_element, &n_elements, &corners, &n_corners, -1, 0, 1,
-                                   &error);
+    gmshModelMeshGetElementsByType(4, &cell, &n_elements, &corners, &n_corners, -1, 0, 1, &error);
     if (error || n_elements == 0)
         return fprintf(stderr, "%s: Gmsh made no tetrahedra\n", argv[1]), 2;
 
@@ -56,12 +55,10 @@ int main(int argc, char **argv) {
     for (size_t i = 0; i < n_corners; i++)
         element[i] = index[corners[i]];
 
-    const planish_mesh mesh = {.dim = 3,
-                               .n_nodes = (int64_t)n,
-                               .n_elements = (int64_t)n_elements,
-                               .coordinates = xyz,
-                               .elements64 = element,
-                               .constraint = constraint};
+    planish_mesh mesh = {.dim = 3, .coordinates = xyz, .elements64 = element};
+    mesh.n_nodes = (int64_t)n;
+    mesh.n_elements = (int64_t)n_elements;
+    mesh.constraint = constraint;
     planish_quality before, after;
     planish_error failure;
     planish_plan *plan = NULL;
@@ -75,9 +72,8 @@ int main(int argc, char **argv) {
     planish_plan_destroy(plan);
     show("before", &before, meshing);
     show("after", &after, smoothing);
-    for (size_t i = 0; i < n; i++)
-        if (constraint[i] == PLANISH_CONSTRAINT_FREE)
-            gmshModelMeshSetNode(tag[i], xyz + 3 * i, 3, NULL, 0, &error);
+    for (size_t i = 0; i < n_inner; i++)
+        gmshModelMeshSetNode(inner[i], xyz + 3 * index[inner[i]], 3, NULL, 0, &error);
     gmshWrite(argv[2], &error);
     return error ? 2 : 0;
 }
