@@ -191,7 +191,8 @@ static const phase PHASES[] = {
     /* taken: each rung that leaves fewer elements below */
     {"raise volumes", INTERIOR | VISITS | UNTANGLES | CONVERGED | BELOW, raise_and_sweep},
     /* taken: the sweeps since the start, if they leave fewer elements below; else others */
-    {"undo a failed raise", MOVABLE | VISITS | GUARDED | BELOW_BEFORE, undo_failed_raise},
+    {"undo a failed raise", MOVABLE | VISITS | GUARDED | UNTANGLES | BELOW_BEFORE,
+     undo_failed_raise},
     /* taken: if F is lower, and nothing that was promised is worse */
     {"augmented Lagrangian", INTERIOR | VISITS | GUARDED | CONVERGED | SWEEPS_LEFT,
      pl_run_augmented},

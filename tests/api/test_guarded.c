@@ -370,6 +370,23 @@ static void an_inverted_star_excuses_nobody(void **state) {
     }
 }
 
+/** Without untangling nothing is raised, so there is nothing to undo: the sweeps run once. */
+static void what_is_left_below_is_swept_once(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    test_run s;
+    test_bad_box(&mesh, dim, 4, 6);
+    planish_options options = test_options(1);
+    options.untangle = 0;
+    options.min_volume = 3; /* of cells whose volume is 1 */
+    s = test_smooth(&mesh.mesh, &options);
+    assert_int_equal(s.result.n_below_min_volume, mesh.mesh.n_elements);
+    assert_int_equal(s.result.n_moved_nodes, 0);
+    assert_int_equal(s.result.sweeps, 2);
+    free(s.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
 /* ---- optimality ---------------------------------------------------------------------------- */
 
 static void optimality_is_reported(void **state) {
@@ -545,6 +562,7 @@ int main(void) {
         BOTH(tangled_boxes_become_valid),
         BOTH(nothing_becomes_worse),
         BOTH(an_inverted_star_excuses_nobody),
+        BOTH(what_is_left_below_is_swept_once),
         BOTH(optimality_is_reported),
         BOTH(the_multiplier_is_that_of_f),
         BOTH(weights_need_volumes),
