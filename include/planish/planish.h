@@ -13,10 +13,32 @@
  * traps. Each thread has its own environment again, flags included, when the call or task returns.
  * Callbacks run in the library's environment and must keep it. They must return: no longjmp, no C++
  * exception.
+ * Names: n_ begins the number of nodes, elements, facets or other things. Plain nouns count work:
+ * sweeps, visits, evaluations, threads. -1 stands for "not counted". The enumerators of a type
+ * have a common prefix: PLANISH_ROLE_OWN is a planish_role. *Infeasible* means proved impossible,
+ * *given up* means left out of the energy of untangling.
  * Structures are to be zeroed before they are filled in ({0}, or designated initialisers; options
- * by planish_options_init): what is reserved in them is for later versions of the library.
+ * by planish_options_init). Their sizes do not change: later versions use what is reserved.
+ * planish_options begins with its size besides, so that options which were not initialised, or
+ * which another header describes, are refused.
  * "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
  * circumradius and r the inradius; 1 for the equilateral element and larger for any other.
+ *
+ * Sections:
+ *   Version, errors            planish_version, planish_has_feature, planish_status, planish_error
+ *   Mesh                       planish_mesh, planish_constraint
+ *   Mesh in several processes  planish_part, planish_role
+ *   Nodes that can slide       planish_find_slides
+ *   Regions                    planish_region_name, planish_find_regions, _combine_regions,
+ *                              _find_interfaces
+ *   Elements thin in layers    planish_find_layers
+ *   Options                    planish_options, planish_options_init, callbacks, planish_progress
+ *   Plan                       planish_plan_create, _destroy, _get_info, _get_free, _get_held,
+ *                              planish_find_wrapped
+ *   Quality                    planish_measure, _measure_elements, _measure_mesh,
+ *                              planish_find_reversed, planish_checksum
+ *   Smoothing                  planish_smooth, planish_result, planish_check_volumes,
+ *                              planish_find_infeasible
  */
 #ifndef PLANISH_H
 #define PLANISH_H
@@ -545,12 +567,12 @@ typedef struct planish_plan_info {
     int64_t n_nonmanifold_facets; /* facets of more than two elements, whose nodes are fixed */
     int64_t n_duplicate_elements; /* elements with the nodes of an earlier one, whose nodes are
                                      fixed */
-    int n_colours;
-    int threads;
-    const char *isa;     /* name of the kernel variant in use; static text */
-    const char *binding; /* where the threads are; text of the plan */
-    int64_t bytes;       /* memory the plan holds, with what it keeps for the next call */
-    int64_t n_wrapped;   /* elements that wrap around a periodic domain; their nodes are fixed */
+    int n_colours;                /* sets of free or sliding nodes that do not share an element */
+    int threads;                  /* number that works for the plan */
+    const char *isa;              /* name of the kernel variant in use; static text */
+    const char *binding;          /* where the threads are; text of the plan */
+    int64_t bytes;                /* memory the plan holds, with what it keeps for the next call */
+    int64_t n_wrapped; /* elements that wrap around a periodic domain; their nodes are fixed */
     int64_t reserved[7];
 } planish_plan_info;
 
@@ -806,10 +828,10 @@ typedef enum planish_volume_state {
  *  The search for proofs that elements are infeasible takes long around nodes with thousands of
  *  elements. Limits of options end it: time_limit in seconds of this call, and progress, which is
  *  called 20 times a second with a planish_progress that has nothing but elapsed; a result other
- *  than 0 ends the search. The search is never shorter than 0.05 seconds. *n_undecided (may be NULL)
- *  is the number of elements about which the search would have said more, 0 without limits: their
- *  state stays _BELOW, and all that is said of the others holds. If one process ends the search in
- *  a mesh in parts, all do. Without state and n_undecided there is no search.
+ *  than 0 ends the search. The search is never shorter than 0.05 seconds. *n_undecided (may be
+ *  NULL) is the number of elements about which the search would have said more, 0 without limits:
+ *  their state stays _BELOW, and all that is said of the others holds. If one process ends the
+ *  search in a mesh in parts, all do. Without state and n_undecided there is no search.
  *  Errors: _ARGUMENT, _MESH, _MEMORY; all outputs are then untouched. */
 PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *coordinates,
                                       const planish_options *options, uint8_t *state,

@@ -8,8 +8,8 @@ struct pl_job;
 
 /** Which state of an element is asked for, and the values of that state: 0 is the plain one. */
 typedef enum pl_state_kind {
-    PL_STATE_VOLUME,    /* planish_volume_state, by planish_check_volumes_until */
-    PL_STATE_UNFIXABLE, /* 1: planish_find_infeasible_until found it */
+    PL_STATE_VOLUME,    /* planish_volume_state, by planish_check_volumes */
+    PL_STATE_UNFIXABLE, /* 1: planish_find_infeasible found it */
     PL_STATE_REVERSED,  /* 1: planish_find_reversed found it */
     PL_STATE_INVERTED   /* 1: it has no radius ratio */
 } pl_state_kind;
