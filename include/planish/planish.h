@@ -831,7 +831,8 @@ typedef enum planish_volume_state {
  *  than 0 ends the search. The search is never shorter than 0.05 seconds. *n_undecided (may be
  *  NULL) is the number of elements about which the search would have said more, 0 without limits:
  *  their state stays _BELOW, and all that is said of the others holds. If one process ends the
- *  search in a mesh in parts, all do. Without state and n_undecided there is no search.
+ *  search in a mesh in parts, all do. In one process there is no search without state or
+ *  n_undecided.
  *  Errors: _ARGUMENT, _MESH, _MEMORY; all outputs are then untouched. */
 PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *coordinates,
                                       const planish_options *options, uint8_t *state,

@@ -64,7 +64,8 @@ static int mark_infeasible(const volume_check *c, const double *coordinates,
 
 /** Find the states. is_asked: proofs are wanted of elements below their minimum volume. *n: those
  *  below their minimum volume, or the infeasible ones. *n_undecided: those that the limit has left.
- *  With a limit all processes search, since one of them may end the search of all. */
+ *  In a mesh in parts all processes search with a limit, whatever they have and are asked for: one
+ *  of them may end the search of all, and perhaps only that one has a callback. */
 static int find_states(const volume_check *c, const double *coordinates, int is_asked, int64_t *n,
                        int64_t *n_undecided, planish_error *error) {
     const planish_plan *plan = c->plan;
@@ -88,7 +89,7 @@ static int find_states(const volume_check *c, const double *coordinates, int is_
         problem.mesh.min_volume = NULL;
         *n = pl_find_inverted(&problem, c->state);
     }
-    if ((is_asked || !c->by_volume) && (c->limit || *n > 0))
+    if (pl_part_here() || (*n > 0 && (is_asked || !c->by_volume)))
         status = mark_infeasible(c, coordinates, &guard, &found, error);
     if (!c->by_volume)
         *n = found.n;
@@ -112,7 +113,7 @@ static int find_elements(const planish_plan *plan, const double *coordinates,
                       .by_volume = by_volume,
                       .start = pl_seconds()};
     pl_stop_check limit = pl_limit_of(ask_caller, &c);
-    if (c.options->time_limit > 0 || c.options->progress)
+    if (pl_part_here() || c.options->time_limit > 0 || c.options->progress)
         c.limit = &limit;
     int status = pl_plan_check_call(plan, coordinates, c.options, error);
     if (!status) {

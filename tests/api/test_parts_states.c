@@ -31,13 +31,15 @@ static void find_states(const planish_mesh *mesh, const int64_t *node_number,
             *unfixable = malloc((size_t)mesh->n_elements),
             *reversed = malloc((size_t)mesh->n_elements);
     planish_plan *plan;
-    int64_t n;
+    int64_t n, n_undecided = -1;
     for (int64_t i = 0; i < mesh->n_nodes; i++)
         memcpy(x + i * dim, s->spoilt + (node_number ? node_number[i] : i) * dim,
                (size_t)dim * sizeof *x);
     assert_int_equal(planish_plan_create(mesh, &s->options, &plan, NULL), 0);
     assert_int_equal(planish_check_volumes(plan, x, &s->options, below, &n, NULL, NULL), 0);
-    assert_int_equal(planish_find_infeasible(plan, x, NULL, unfixable, &n, NULL, NULL), 0);
+    assert_int_equal(
+        planish_find_infeasible(plan, x, &s->options, unfixable, &n, &n_undecided, NULL), 0);
+    assert_int_equal(n_undecided, 0);
     assert_int_equal(planish_find_reversed(plan, x, reversed, &s->n_reversed, NULL), 0);
     for (int64_t i = 0; i < mesh->n_elements; i++) {
         const int64_t at = element_number ? element_number[i] : i;
@@ -54,6 +56,14 @@ static void find_states(const planish_mesh *mesh, const int64_t *node_number,
     free(reversed);
 }
 
+static int go_on(const planish_progress *progress, void *user) {
+    (void)progress;
+    (void)user;
+    return 0;
+}
+
+/** Find the states of a part. As with planish-mpi only one process has a callback: all search with
+ *  a limit all the same, or they would wait for each other for ever. */
 static void find_states_of_part(process *part, void *user) {
     static pthread_mutex_t turn = PTHREAD_MUTEX_INITIALIZER;
     states *all = user, mine = *all;
@@ -61,6 +71,7 @@ static void find_states_of_part(process *part, void *user) {
     mine.below = calloc(n, 1);
     mine.unfixable = calloc(n, 1);
     mine.reversed = calloc(n, 1);
+    mine.options.progress = part->rank == 0 ? go_on : NULL;
     find_states(&part->mesh, part->node_number, part->element_number, &mine);
     pthread_mutex_lock(&turn);
     for (int64_t i = 0; i < part->mesh.n_elements; i++) {
