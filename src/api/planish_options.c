@@ -13,22 +13,17 @@ const char *planish_version(void) {
 }
 
 int planish_has_feature(planish_feature feature) {
-    switch (feature) {
+    int has = 0;
 #ifdef _OPENMP
-    case PLANISH_FEATURE_OPENMP:
-        return 1;
+    has |= feature == PLANISH_FEATURE_OPENMP;
 #endif
 #ifdef PL_HWLOC
-    case PLANISH_FEATURE_HWLOC:
-        return 1;
+    has |= feature == PLANISH_FEATURE_HWLOC;
 #endif
 #ifdef PL_X86_KERNELS
-    case PLANISH_FEATURE_X86_KERNELS:
-        return 1;
+    has |= feature == PLANISH_FEATURE_X86_KERNELS;
 #endif
-    default:
-        return 0;
-    }
+    return has;
 }
 
 void planish_options_init_sized(planish_options *options, size_t size) {
