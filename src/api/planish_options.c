@@ -14,6 +14,7 @@ const char *planish_version(void) {
 
 int planish_has_feature(planish_feature feature) {
     int has = 0;
+    (void)feature;
 #ifdef _OPENMP
     has |= feature == PLANISH_FEATURE_OPENMP;
 #endif
