@@ -56,7 +56,7 @@ extern "C" {
 #define PLANISH_API
 #endif
 
-#define PLANISH_VERSION "0.1.0"
+#define PLANISH_VERSION "0.2.0"
 
 /** Version of the library that is linked, "MAJOR.MINOR.PATCH"; static text. */
 PLANISH_API const char *planish_version(void);
@@ -406,7 +406,9 @@ typedef struct planish_progress {
     double objective;           /* F over the valid elements after the last sweep; rms by default */
     int64_t n_inverted;         /* elements that are not positive, after the last sweep */
     int64_t n_below_min_volume; /* elements below 0.997 of their minimum volume after it */
-    planish_phase phase;        /* of this sweep; between two sweeps that of the last one */
+    planish_phase phase;        /* known when the sweep is done; until then, and between two sweeps,
+                                   that of the sweep before, or _SMOOTH once untangling or
+                                   options.worst has ended */
     int64_t visits;             /* nodes visited in this sweep; 0 until sweep_done */
     double seconds;             /* time of this sweep so far */
     double elapsed;             /* time of planish_smooth so far, seconds */
@@ -420,8 +422,8 @@ typedef struct planish_progress {
  * result other than 0 ends the smoothing there: the mesh that planish_smooth returns is then no
  * worse than before, and valid if it was. A sweep that is cut short (by this or the time limit)
  * still gets its last call, whose result does not matter. The caller's coordinates change only when
- * planish_smooth returns. The plan must not be used in here, but for planish_measure and
- * planish_check_volumes. With bind, the calling thread is bound meanwhile, and threads made in here
+ * planish_smooth returns. The plan must not be used in here, but for planish_measure and, with
+ * options whose progress is NULL, planish_check_volumes. With bind, the calling thread is bound meanwhile, and threads made in here
  * inherit that.
  */
 typedef int planish_progress_fn(const planish_progress *progress, void *user);
@@ -555,7 +557,7 @@ typedef struct planish_plan_info {
     int64_t n_free;           /* nodes that may move anywhere */
     int64_t n_sliding;        /* nodes that may move on a plane, line or surface */
     int64_t n_unused;         /* nodes of no element; -1 with only_worse_than or around */
-    int64_t n_fixed_elements; /* elements all of whose nodes are fixed */
+    int64_t n_fixed_elements; /* elements without a movable node */
     int64_t n_components;     /* of elements joined by facets; -1 in most meshes: all measures have
                                  one sign, and no facet contradicts it */
     int64_t n_negative_order; /* elements whose listed order contradicts the orientation that the
@@ -564,15 +566,15 @@ typedef struct planish_plan_info {
                                  All elements of a mirrored mesh */
     /* These are -1 with only_worse_than or around, if all measures have one sign: */
     int64_t n_boundary_facets;    /* facets of one element */
-    int64_t n_nonmanifold_facets; /* facets of more than two elements, whose nodes are fixed */
+    int64_t n_nonmanifold_facets; /* facets of more than two elements, whose nodes are held */
     int64_t n_duplicate_elements; /* elements with the nodes of an earlier one, whose nodes are
-                                     fixed */
+                                     held */
     int n_colours;                /* sets of free or sliding nodes that do not share an element */
     int threads;                  /* number that works for the plan */
     const char *isa;              /* name of the kernel variant in use; static text */
     const char *binding;          /* where the threads are; text of the plan */
     int64_t bytes;                /* memory the plan holds, with what it keeps for the next call */
-    int64_t n_wrapped; /* elements that wrap around a periodic domain; their nodes are fixed */
+    int64_t n_wrapped; /* elements that wrap around a periodic domain; their nodes are held */
     int64_t reserved[7];
 } planish_plan_info;
 
@@ -676,7 +678,7 @@ typedef struct planish_quality {
     double max_angle_deg;
     double max_radius_ratio_movable;     /* over elements with a movable node, */
     double min_angle_deg_movable;        /* over these; 0 without any */
-    int64_t n_fixed_elements;            /* elements all of whose nodes are fixed */
+    int64_t n_fixed_elements;            /* elements without a movable node */
     double fixed_rms_radius_ratio;       /* 0 where there is none */
     double fixed_max_radius_ratio;       /* the floor of max_radius_ratio with these nodes fixed */
     planish_spread radius_ratio;         /* R/(3r), R/(2r) in 2-D: 1 .. inf */
@@ -827,11 +829,11 @@ typedef enum planish_volume_state {
  *
  *  The search for proofs that elements are infeasible takes long around nodes with thousands of
  *  elements. Limits of options end it: time_limit in seconds of this call, and progress, which is
- *  called 20 times a second with a planish_progress that has nothing but elapsed; a result other
- *  than 0 ends the search. The search is never shorter than 0.05 seconds. *n_undecided (may be
- *  NULL) is the number of elements about which the search would have said more, 0 without limits:
- *  their state stays _BELOW, and all that is said of the others holds. If one process ends the
- *  search in a mesh in parts, all do. In one process there is no search without state or
+ *  called 20 times a second with a planish_progress that has nothing but elapsed and n_colours; a
+ *  result other than 0 ends the search. The search is never shorter than 0.05 seconds.
+ *  *n_undecided (may be NULL) is the number of elements about which the search would have said
+ *  more, 0 without limits: their state stays _BELOW, and all that is said of the others holds. If
+ *  one process ends the search in a mesh in parts, all do. In one process there is no search without state or
  *  n_undecided.
  *  Errors: _ARGUMENT, _MESH, _MEMORY; all outputs are then untouched. */
 PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *coordinates,

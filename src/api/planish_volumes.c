@@ -27,7 +27,8 @@ typedef struct volume_check {
 /** Ask the caller and the time limit; returns the planish_stop, or 0 to continue. */
 static int ask_caller(void *context) {
     const volume_check *c = context;
-    const planish_progress progress = {.elapsed = pl_seconds() - c->start};
+    const planish_progress progress = {.n_colours = pl_plan_colours(c->plan),
+                                       .elapsed = pl_seconds() - c->start};
     if (c->options->time_limit > 0 && progress.elapsed >= c->options->time_limit)
         return PLANISH_STOP_TIME_LIMIT;
     return pl_ask_caller(c->options, &progress) ? PLANISH_STOP_INTERRUPTED : 0;

@@ -21,7 +21,7 @@ static int check_ranges(const planish_options *o, planish_error *error) {
         {"method", (int)o->method, PLANISH_METHOD_LENGTH_LAPLACIAN},
         {"objective", (int)o->objective, PLANISH_OBJECTIVE_EDGE_RATIO},
         {"worst", (int)o->worst, PLANISH_WORST_ANGLE},
-        {"direction", (int)o->search, PLANISH_SEARCH_FLETCHER_REEVES},
+        {"search", (int)o->search, PLANISH_SEARCH_FLETCHER_REEVES},
         {"precision", (int)o->precision, PLANISH_PRECISION_ROUNDED},
         {"displacement_unit", (int)o->displacement_unit, PLANISH_UNIT_EDGE},
     };

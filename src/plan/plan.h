@@ -121,7 +121,7 @@ struct planish_plan {
 void pl_plan_destroy(planish_plan *plan);
 
 /** Return the local problem of the plan's interior or sliding stars, whose visits are given, in the
- *  plan's arrays, with the first direction and no limits. */
+ *  plan's arrays, with Newton's search and no limits. */
 pl_star_problem pl_plan_problem(const planish_plan *plan, const pl_visits *visits);
 
 /** Number of colours, of the interior and of the nodes that slide. */

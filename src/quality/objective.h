@@ -78,8 +78,8 @@ double pl_minimum_volume_of(const planish_options *options, const pl_objective_p
 /** Fill state [m] with PLANISH_VOLUME_MET or _BELOW. Return how many are below. */
 int64_t pl_find_below(const pl_objective_problem *problem, uint8_t *state);
 
-/** Fill state [m] as pl_find_below does; elements that are not positive are below, too. Return how
- *  many are below. */
+/** Fill state [m] as pl_find_below does, with minimum volumes if the problem has any; elements that
+ *  are not positive are below, too. Return how many are below, for whichever reason. */
 int64_t pl_find_inverted(const pl_objective_problem *problem, uint8_t *state);
 
 /** Fill state [m] as pl_find_below does; elements that are not positive, or positive only within

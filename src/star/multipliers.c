@@ -9,7 +9,7 @@
  * it would sink, but the multiplier of what cannot be met would grow for ever. */
 #define GIVEN_UP (-0x1p-1000)
 /* Below by as much as this after everything else was tried: it cannot be met. */
-#define HOPELESS (4 * PLANISH_VOLUME_TOLERANCE)
+#define OUT_OF_REACH (4 * PLANISH_VOLUME_TOLERANCE)
 
 static double update_star(const pl_star_problem *problem, int64_t index, int wake, double *scratch,
                           const int dim) {
@@ -25,7 +25,7 @@ static double update_star(const pl_star_problem *problem, int64_t index, int wak
         measure_at(&s, i, x, &a, dim);
         double g = volume_constraint(&s, i, a.D);
         closest = g > closest ? g : closest;
-        if (wake && g > HOPELESS)
+        if (wake && g > OUT_OF_REACH)
             shift[i] = GIVEN_UP;
         if (shift[i] < 0)
             continue;

@@ -3,7 +3,7 @@
  *   pl_run_begin, _end                         begin_end.c: the caller's coordinates in and out
  * run.c
  *   pl_run_measure, _measure_fixed             measure the mesh; the rest of it
- *   pl_run_objective, _limits                  F; the worst element's measures, as limits
+ *   pl_run_objective, _worst_limits            F; the worst element's measures, as limits
  *   pl_run_objective_problem                   the problem of the sums
  *   pl_run_sliding_problem                     the problem of the visits of sliding nodes
  *   pl_run_prepare, _begin_anew                set up the problem of the visits
@@ -70,7 +70,7 @@ typedef struct pl_run {
 int pl_run_begin(pl_run *r, planish_error *error);
 
 /** End a run: write the nodes that have moved to the caller's coordinates, unless memory was
- *  lacking or another process is not reached, and fill the result. Errors: _MEMORY, _PARTS. */
+ *  lacking or another process is not reached, and fill the result. Errors: _MEMORY, _PROCESS. */
 int pl_run_end(pl_run *r, planish_error *error);
 
 /** Measure the plan's coordinates. */
@@ -97,7 +97,8 @@ pl_objective_problem pl_run_objective_problem(const pl_run *r);
  *  guard. */
 pl_star_problem pl_run_sliding_problem(pl_run *r);
 
-/** Set up the problem of the plain sweeps for the mesh as measured last; all stars have changed. */
+/** Set up the problem of the ordinary sweeps, with the guard if one is wanted, for the mesh as
+ *  measured last; all stars have changed. */
 void pl_run_prepare(pl_run *r);
 
 /** Mark all stars as changed, and forget all that they have kept. */

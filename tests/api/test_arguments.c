@@ -120,7 +120,7 @@ static void wrong_options_are_refused(void **state) {
         {"method", BY_SMOOTH, method_small},
         {"objective", BY_SMOOTH, objective_large},
         {"objective", BY_SMOOTH, objective_small},
-        {"direction", BY_SMOOTH, search_large},
+        {"search", BY_SMOOTH, search_large},
         {"precision", BY_SMOOTH, precision_large},
         {"round", BY_SMOOTH, precision_without_round},
         {"unit", BY_SMOOTH, unit_large},

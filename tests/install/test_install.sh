@@ -38,7 +38,7 @@ if $python -c 'import numpy' 2>/dev/null; then
 import planish, sys
 here = [line.split()[-1] for line in open("/proc/self/maps") if "libplanish.so" in line]
 assert here and all(path.startswith(sys.argv[1]) for path in here), here
-assert planish.version() == "0.1.0"' "$(cd "$prefix" && pwd -P)"
+assert planish.version() == "0.2.0"' "$(cd "$prefix" && pwd -P)"
 else
     echo "without numpy: the installed module is not tried"
 fi
@@ -48,7 +48,7 @@ for name in planish planish_io; do
     library=$lib/lib$name.so
     others=$(nm -D --defined-only "$library" | awk '{ print $3 }' | grep -v '^planish_')
     [ -z "$others" ] || fail "lib$name.so exports $others"
-    readelf -d "$library" | grep -q "SONAME.*lib$name\.so\.0\.1\]" || fail "SONAME of lib$name.so"
+    readelf -d "$library" | grep -q "SONAME.*lib$name\.so\.0\.2\]" || fail "SONAME of lib$name.so"
 done
 needed=$(readelf -d "$lib/libplanish.so" | sed -n 's/.*NEEDED.*\[\(.*\)\]/\1/p')
 for library in $needed; do
@@ -73,7 +73,7 @@ if command -v pkg-config >/dev/null; then
     # shellcheck disable=SC2086
     run cc -std=c99 -Wall -Wextra -pedantic -Werror "$here/pkgconfig/main.c" -o "$work/c" $flags
     expect_run "$work/c"
-    grep -q "planish 0.1.0: RMS 2.* -> 1" "$work/out" || fail "$(cat "$work/out")"
+    grep -q "planish 0.2.0: RMS 2.* -> 1" "$work/out" || fail "$(cat "$work/out")"
     private=$(pkg-config --cflags --libs --static planish | sed 's/-lplanish /-l:libplanish.a /')
     # shellcheck disable=SC2086
     run cc "$here/pkgconfig/main.c" -o "$work/c_static" $private
@@ -104,11 +104,11 @@ run cmake -S "$here/c_alone" -B "$work/c_alone" -DCMAKE_PREFIX_PATH="$prefix"
 run cmake --build "$work/c_alone"
 expect_run "$work/c_alone/consumer" "$source_dir/docs/examples/bracket.msh"
 mkdir "$work/newer"
-sed 's/planish 0.1/planish 0.2/' "$here/find_package/CMakeLists.txt" >"$work/newer/CMakeLists.txt"
+sed 's/planish 0.2/planish 0.3/' "$here/find_package/CMakeLists.txt" >"$work/newer/CMakeLists.txt"
 cp "$here/find_package/main.cpp" "$work/newer/"
 cmake -S "$work/newer" -B "$work/cpp2" -DCMAKE_PREFIX_PATH="$prefix" >"$work/log" 2>&1 &&
-    fail "version 0.1 passes for 0.2"
-grep -q "version: 0.1.0" "$work/log" || fail "version 0.2 is refused for another reason"
+    fail "version 0.2 passes for 0.3"
+grep -q "version: 0.2.0" "$work/log" || fail "version 0.3 is refused for another reason"
 
 run cmake -S "$here/subdirectory" -B "$work/sub" -DPLANISH_SOURCE="$source_dir" \
     -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS="-O1 -Werror -Werror=float-equal" \
@@ -120,7 +120,7 @@ expect_run "$work/sub/consumer"
 
 # ---- the program, its manual and completion -----------------------------------------------------
 expect_run "$prefix/bin/planish" --version
-grep -q "planish 0.1.0" "$work/out" || fail "version of the program"
+grep -q "planish 0.2.0" "$work/out" || fail "version of the program"
 for option in $("$prefix/bin/planish" smooth --help | grep -o '^ .\{4\} --[a-z-]*' |
     sed 's/.*--//'); do
     grep -qF -- "--$option" "$prefix/share/bash-completion/completions/planish" ||

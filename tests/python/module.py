@@ -77,7 +77,7 @@ class Processes(unittest.TestCase):
     def test_a_wrong_library_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             for name, code in (("other", "int other(void) { return 0; }"),
-                               ("later", 'const char *planish_version(void) { return "0.2.0"; }')):
+                               ("later", 'const char *planish_version(void) { return "0.3.0"; }')):
                 source, library = (os.path.join(folder, name + end) for end in (".c", ".so"))
                 pathlib.Path(source).write_text(code)
                 subprocess.run(["cc", "-shared", "-fPIC", source, "-o", library], check=True)
@@ -403,7 +403,7 @@ class Plans(unittest.TestCase):
         self.assertNotIn("reserved", values)
         self.assertEqual(planish.smooth(points, cells).as_dict()["stop"], "converged")
         self.assertGreater(values["smallest_angle_deg"]["min"], 0)
-        self.assertEqual(planish.version(), "0.1.0")
+        self.assertEqual(planish.version(), "0.2.0")
 
 
 class Refusals(unittest.TestCase):

@@ -103,7 +103,7 @@ static int settle_until_kept(pl_job *job, pl_result *result, uint8_t *back, doub
     }
 }
 
-int pl_promises_settle(pl_job *job, pl_result *result) {
+int pl_promises_keep(pl_job *job, pl_result *result) {
     planish_error error;
     planish_plane plane;
     if (!job->file || !planish_file_plane(job->file, &plane) || !plane.is_tilted)

@@ -7,7 +7,7 @@
 
 /** In a tilted plane, let nodes return to their old places where the file's rounding would make the
  *  mesh worse than it was: result->returned_nodes. Nothing happens to meshes in other planes. */
-int pl_promises_settle(pl_job *job, pl_result *result);
+int pl_promises_keep(pl_job *job, pl_result *result);
 
 /** The library promises not to make anything worse; a mesh that says otherwise is not written.
  *  Laplacian methods promise nothing; F and the ratios are over the valid elements, and to untangle

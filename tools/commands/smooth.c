@@ -324,7 +324,7 @@ static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
 static int check_result(pl_job *job, pl_result *result) {
     const planish_result *smooth = &result->smooth;
     int status;
-    if ((status = pl_promises_settle(job, result)))
+    if ((status = pl_promises_keep(job, result)))
         return status;
     if ((status = pl_job_measure(job, &result->after)))
         return status;

@@ -262,7 +262,7 @@ class Error(ValueError):
 
 # ---- the library ---------------------------------------------------------------------------------
 
-_NAME, _VERSION = "libplanish.so.0.1", "0.1."
+_NAME, _VERSION = "libplanish.so.0.2", "0.2."
 
 
 # How the installed library is reached from this file's folder; cmake --install fills it in.
@@ -277,7 +277,7 @@ def _candidates() -> list[str]:
 
 
 def _open(path: str) -> ctypes.CDLL:
-    """The library at path, if its structures are those of this module: of any 0.1."""
+    """The library at path, if its structures are those of this module: of any 0.2."""
     library = ctypes.CDLL(path)
     if not hasattr(library, "planish_version"):
         raise OSError(f"{path}: is no library of planish")

@@ -18,7 +18,7 @@ typedef struct pl_result {
     uint64_t input_checksum; /* of the coordinates as read, */
     uint64_t checksum;       /* and as written */
     pl_picture *picture;     /* for a page, owned, or NULL */
-    int64_t returned_nodes;  /* nodes of a tilted plane that went back (settle.h) */
+    int64_t returned_nodes;  /* nodes of a tilted plane that went back (promises.h) */
     int64_t below_before;    /* elements below their minimum volume in the input */
     pl_volumes volumes;      /* those of the result */
     pl_unfixable unfixable;

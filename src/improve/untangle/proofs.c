@@ -139,7 +139,7 @@ static void add_element(enclosures *s, int64_t element, enclosure *of) {
 }
 
 /** Mark elements that are joined and cannot all be positive, if they are below, and their nodes. */
-static int64_t mark_lost(const enclosures *s, uint8_t *state, uint8_t *lost) {
+static int64_t give_up(const enclosures *s, uint8_t *state, uint8_t *given_up) {
     int64_t n_marked = 0;
     for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
         int n;
@@ -148,9 +148,9 @@ static int64_t mark_lost(const enclosures *s, uint8_t *state, uint8_t *lost) {
         if (!of || of->is_open || of->n_several == 0 ||
             !(of->sum + ROUNDING * of->products <= MARGIN * of->size))
             continue;
-        for (int j = 0; j <= s->plan->dim && lost; j++)
+        for (int j = 0; j <= s->plan->dim && given_up; j++)
             if (is_free(s, corner(s, i, j)))
-                lost[s->plan->inner[corner(s, i, j)]] = 1;
+                given_up[s->plan->inner[corner(s, i, j)]] = 1;
         if (state[i] != PLANISH_VOLUME_BELOW)
             continue;
         state[i] = PLANISH_VOLUME_INFEASIBLE;
@@ -159,7 +159,7 @@ static int64_t mark_lost(const enclosures *s, uint8_t *state, uint8_t *lost) {
     return n_marked;
 }
 
-int pl_mark_enclosed(const planish_plan *plan, const double *x, uint8_t *state, uint8_t *lost,
+int pl_mark_enclosed(const planish_plan *plan, const double *x, uint8_t *state, uint8_t *given_up,
                      int64_t *n, planish_error *error) {
     enclosures s = {.plan = plan, .x = x};
     *n = 0;
@@ -177,7 +177,7 @@ int pl_mark_enclosed(const planish_plan *plan, const double *x, uint8_t *state, 
             if (n_free == 1 && s.of[root].anchor >= 0)
                 add_element(&s, i, &s.of[root]);
         }
-        *n = mark_lost(&s, state, lost);
+        *n = give_up(&s, state, given_up);
     }
     pl_free(s.parent);
     pl_free(s.of);

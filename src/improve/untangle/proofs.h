@@ -17,9 +17,9 @@ typedef struct pl_infeasible {
 /** Turn PLANISH_VOLUME_BELOW into _INFEASIBLE in state [n_elements] for elements that are not
  *  positive and among those that free nodes join, if what the held nodes around these enclose is
  *  not positive: not all of them can be, wherever the free nodes are. x: coordinates by inner
- *  numbers. lost [n_nodes] by inner numbers (may be NULL) becomes 1 at their free nodes. *n: how
+ *  numbers. given_up [n_nodes] by inner numbers (may be NULL) becomes 1 at their free nodes. *n: how
  *  many elements it were; none in a mesh in parts. Errors: _MEMORY. */
-int pl_mark_enclosed(const planish_plan *plan, const double *x, uint8_t *state, uint8_t *lost,
+int pl_mark_enclosed(const planish_plan *plan, const double *x, uint8_t *state, uint8_t *given_up,
                      int64_t *n, planish_error *error);
 
 /** Turn _BELOW into _INFEASIBLE in state [m] where the element cannot reach its minimum volume: it

@@ -34,16 +34,16 @@ void pl_tangle_find(pl_tangle *t) {
     if (!t->guard.link_min_volume)
         problem.mesh.min_volume = NULL;
     pl_find_tangled(&problem, t->state);
-    for (int64_t i = 0; t->is_hopeless && i < plan->work.n_elements; i++)
-        if (t->is_hopeless[i] && t->state[i] == PL_TANGLED)
-            t->state[i] = PL_HOPELESS;
+    for (int64_t i = 0; t->is_given_up && i < plan->work.n_elements; i++)
+        if (t->is_given_up[i] && t->state[i] == PL_TANGLED)
+            t->state[i] = PL_GIVEN_UP;
     count_tangled(t);
 }
 
 /** Give up the elements that are proved infeasible: with all nodes of a part of the mesh whose
  *  boundary encloses nothing; without a free node; and as many of those that contradict each other
  *  as must be. */
-static int give_up_hopeless(pl_tangle *t, planish_error *error) {
+static int give_up(pl_tangle *t, planish_error *error) {
     static const char what[] = "the elements that cannot be helped";
     const planish_plan *plan = t->run->plan;
     const int64_t n_links = plan->interior.stars.link_offset[plan->interior.stars.n_stars];
@@ -52,25 +52,25 @@ static int give_up_hopeless(pl_tangle *t, planish_error *error) {
     uint8_t *roles = NULL; /* [n_links] pl_proof_role */
     int status = PLANISH_OK;
     if (!(t->guard.min_volume > 0) && !t->guard.link_min_volume && !pl_part_here()) {
-        t->is_lost = pl_alloc_zero(plan->work.n_nodes, sizeof *t->is_lost);
-        if (!t->is_lost)
+        t->node_is_given_up = pl_alloc_zero(plan->work.n_nodes, sizeof *t->node_is_given_up);
+        if (!t->node_is_given_up)
             return pl_fail_memory(error, what);
-        status = pl_mark_enclosed(plan, plan->scratch.coordinates, t->state, t->is_lost,
+        status = pl_mark_enclosed(plan, plan->scratch.coordinates, t->state, t->node_is_given_up,
                                   &t->run->result->n_not_enclosed, error);
     }
     if (!status)
         status = pl_mark_infeasible(plan, &t->problem, t->state, &limit, &found, &roles, error);
     t->stopped = limit.answer;
     if (!status && !t->stopped && pl_parts_any(found.n > 0)) {
-        status = pl_send_hopeless(plan, roles, t->state, error);
-        t->is_hopeless = pl_alloc(plan->work.n_elements, sizeof *t->is_hopeless);
+        status = pl_send_given_up(plan, roles, t->state, error);
+        t->is_given_up = pl_alloc(plan->work.n_elements, sizeof *t->is_given_up);
         t->link_skip = pl_alloc(n_links, sizeof *t->link_skip);
-        if (!status && (!t->is_hopeless || !t->link_skip))
+        if (!status && (!t->is_given_up || !t->link_skip))
             status = pl_fail_memory(error, what);
         for (int64_t i = 0; !status && i < n_links; i++)
             t->link_skip[i] = roles[i] == PL_PROOF_GIVEN_UP;
         for (int64_t i = 0; !status && i < plan->work.n_elements; i++)
-            t->is_hopeless[i] = t->state[i] == PL_HOPELESS; /* PLANISH_VOLUME_INFEASIBLE, too */
+            t->is_given_up[i] = t->state[i] == PL_GIVEN_UP; /* PLANISH_VOLUME_INFEASIBLE, too */
         if (!status)
             count_tangled(t);
     }
@@ -146,7 +146,7 @@ void pl_tangle_mark(pl_tangle *t, int rings) {
         const int32_t node = plan->inner[i];
         t->in_patch[node] = t->in_patch[node] && plan->work.mobility[i] == PL_INTERIOR &&
                             !pl_star_is_held(&t->guard, node, plan->dim) &&
-                            !(t->is_lost && t->is_lost[node]);
+                            !(t->node_is_given_up && t->node_is_given_up[node]);
         t->n_patch += t->in_patch[node] && !(t->is_ghost && t->is_ghost[node]);
     }
     pl_parts_add(&t->n_patch, 1);
@@ -227,7 +227,7 @@ int pl_tangle_create(pl_run *r, int raises, pl_tangle *t, planish_error *error) 
     if (!t->state)
         return pl_fail_memory(error, "the tangled elements");
     pl_tangle_find(t);
-    const int status = t->n_tangled > 0 ? give_up_hopeless(t, error) : PLANISH_OK;
+    const int status = t->n_tangled > 0 ? give_up(t, error) : PLANISH_OK;
     if (status || t->n_tangled == 0 || t->stopped)
         return status;
     t->in_patch = pl_alloc_zero(plan->work.n_nodes, sizeof *t->in_patch);
@@ -247,8 +247,8 @@ int pl_tangle_create(pl_run *r, int raises, pl_tangle *t, planish_error *error) 
 
 void pl_tangle_destroy(pl_tangle *t) {
     pl_free(t->state);
-    pl_free(t->is_hopeless);
-    pl_free(t->is_lost);
+    pl_free(t->is_given_up);
+    pl_free(t->node_is_given_up);
     pl_free(t->link_skip);
     pl_free(t->in_patch);
     pl_free(t->size);

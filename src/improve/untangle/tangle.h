@@ -2,7 +2,7 @@
  *
  *   tangle.c      pl_tangle_create, _find, _mark, _measure ...    elements, patch and its energy
  *   sizes.c       pl_tangle_find_sizes                 how large elements should be
- *   hopeless.c    pl_send_hopeless                    elements given up in another process
+ *   given_up.c    pl_send_given_up                    elements given up in another process
  *   return.c      pl_tangle_return                     nodes back to where the call began
  *   here          pl_root_of, pl_join                  nodes that are joined, one to the next
  *
@@ -16,7 +16,7 @@
 /** State of an element that is not PLANISH_VOLUME_MET. */
 typedef enum pl_tangle_state {
     PL_TANGLED = PLANISH_VOLUME_BELOW,
-    PL_HOPELESS = 2 /* tangled, and given up */
+    PL_GIVEN_UP = 2 /* tangled, and given up */
 } pl_tangle_state;
 
 /** Working state of untangling. Arrays are owned, and by inner numbers but for state. */
@@ -28,13 +28,13 @@ typedef struct pl_tangle {
     uint8_t *in_patch;        /* [n_nodes] */
     double *size;             /* [n_nodes] */
     uint8_t *link_skip;       /* [link facets of all stars], or NULL: none is skipped */
-    uint8_t *is_hopeless;     /* [n_elements] to be given up, or NULL: none */
-    uint8_t *is_lost;         /* [n_nodes] of pl_mark_enclosed, or NULL: none */
-    uint8_t *state;           /* [n_elements] pl_tangle_state, as found last */
-    double *before;           /* [n_nodes][dim] of the mesh that stands, while a rung is tried */
-    uint8_t *is_ghost;        /* [n_nodes] of a mesh in parts; NULL: there are none */
-    int32_t *ghost;           /* [n_ghosts] ghosts whose nodes may move, */
-    uint8_t *was_in_patch;    /* [n_ghosts] and whether they were in the patch a ring ago */
+    uint8_t *is_given_up;     /* [n_elements] to be given up, or NULL: none */
+    uint8_t *node_is_given_up; /* [n_nodes] of pl_mark_enclosed, or NULL: none */
+    uint8_t *state;            /* [n_elements] pl_tangle_state, as found last */
+    double *before;            /* [n_nodes][dim] of the mesh that stands, while a rung is tried */
+    uint8_t *is_ghost;         /* [n_nodes] of a mesh in parts; NULL: there are none */
+    int32_t *ghost;            /* [n_ghosts] ghosts whose nodes may move, */
+    uint8_t *was_in_patch;     /* [n_ghosts] and whether they were in the patch a ring ago */
     int64_t n_ghosts;
     int32_t *star_of;          /* [n_nodes] the star of each free node; else -1 */
     int32_t *queue;            /* [n_stars] */
@@ -78,12 +78,12 @@ double pl_tangle_energy(const pl_tangle *t);
  * ones counting negative. Without memory they are what they were. */
 void pl_tangle_find_sizes(pl_tangle *t);
 
-/* ---- hopeless.c ---------------------------------------------------------------------------- */
+/* ---- given_up.c ---------------------------------------------------------------------------- */
 
-/** Tell the other processes of given-up elements, and hear of theirs. state [n_elements] becomes PL_HOPELESS where it
+/** Tell the other processes of given-up elements, and hear of theirs. state [n_elements] becomes PL_GIVEN_UP where it
  *  is PL_TANGLED and the star of a ghost has given the element up in its process. of_facet:
  *  pl_proof_role of the stars here. Errors: _MEMORY. */
-int pl_send_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
+int pl_send_given_up(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
                      planish_error *error);
 
 /* ---- return.c ------------------------------------------------------------------------------ */

@@ -249,7 +249,7 @@ typedef struct io_model {
     int written;         /* columns that are written: 2 in the plane of x and y, else 3 */
 } io_model;
 
-/* ---- for the readers (all return 0 or a negative planish_status with *error filled in) ----- */
+/* ---- for the readers (what they return: see the top of this file) --------------------------- */
 
 /** Allocate the arrays of n_nodes nodes: xyz, hold (zeroed), text_offset if text. The reader has
  *  already checked that the file is large enough for that many. */
@@ -258,8 +258,9 @@ int io_model_alloc_nodes(io_model *model, int64_t n_nodes, int text, planish_err
 /** Note a run of nodes behind the others. */
 int io_model_span(io_model *model, io_span span, planish_error *error);
 
-/** Make n nodes whose coordinates stand at at, size bytes (4, 8) each, a node every stride bytes,
- * or in text (then stride, swapped and at do not matter); note their place and their precision. */
+/** Make n nodes whose coordinates stand at at, size bytes (4, 8) each, a node every stride bytes;
+ *  note their place and their precision. Binary if model->is_binary (set it first), else text: then
+ *  stride, swapped and at do not matter. size 4: values are floats, in text too. */
 int io_model_make_nodes(io_model *model, int64_t n, int size, int64_t stride, int swapped,
                         const char *at, planish_error *error);
 

@@ -1,4 +1,4 @@
-/* hopeless: of a mesh in parts, the elements that other processes have given up.
+/* given_up: of a mesh in parts, the elements that other processes have given up.
  *
  * What a star proves, the process of its node finds. It tells the others, of each such node, one
  * element after another: by the numbers of the element's other nodes, as elements have no numbers
@@ -104,7 +104,7 @@ static void note_theirs(int32_t ghost, const void *value, void *taker) {
     w->failed |= !pl_append(&w->theirs, &w->n_theirs, &w->capacity, &k, sizeof k);
 }
 
-int pl_send_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
+int pl_send_given_up(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
                      planish_error *error) {
     const int dim = plan->dim;
     messages w = {.plan = plan, .part = pl_part_here()};
@@ -138,7 +138,7 @@ int pl_send_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t 
         memcpy(k.node, plan->work.elements + i * (dim + 1), (size_t)(dim + 1) * sizeof *k.node);
         qsort(k.node, (size_t)dim + 1, sizeof *k.node, compare_nodes);
         if (bsearch(&k, w.theirs, (size_t)w.n_theirs, sizeof k, compare_keys))
-            state[i] = PL_HOPELESS;
+            state[i] = PL_GIVEN_UP;
     }
     pl_free(w.mine);
     pl_free(w.node);
