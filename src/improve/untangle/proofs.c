@@ -106,7 +106,7 @@ static void find_anchors(enclosures *s) {
 
 /** Return the sum of the products that a determinant is made of, without signs. */
 static double products_of(int dim, const double (*e)[3]) {
-    double a[3][3];
+    double a[3][3] = {{0}};
     for (int i = 0; i < dim; i++)
         for (int j = 0; j < dim; j++)
             a[i][j] = fabs(e[i][j]);
