@@ -108,6 +108,29 @@ typedef enum planish_constraint {
     PLANISH_CONSTRAINT_ON_SURFACE = 4 /* where planish_options.project says */
 } planish_constraint;
 
+/** Type of an element. The numbers, and the order of nodes, are VTK's. */
+typedef enum planish_cell_type {
+    PLANISH_CELL_VERTEX = 1,
+    PLANISH_CELL_LINE = 3,
+    PLANISH_CELL_TRIANGLE = 5,
+    PLANISH_CELL_QUADRILATERAL = 9,
+    PLANISH_CELL_TETRAHEDRON = 10,
+    PLANISH_CELL_HEXAHEDRON = 12,
+    PLANISH_CELL_WEDGE = 13,
+    PLANISH_CELL_PYRAMID = 14,
+    PLANISH_CELL_LINE3 = 21,
+    PLANISH_CELL_TRIANGLE6 = 22,
+    PLANISH_CELL_QUADRILATERAL8 = 23,
+    PLANISH_CELL_TETRAHEDRON10 = 24,
+    PLANISH_CELL_HEXAHEDRON20 = 25,
+    PLANISH_CELL_WEDGE15 = 26,
+    PLANISH_CELL_PYRAMID13 = 27,
+    PLANISH_CELL_QUADRILATERAL9 = 28,
+    PLANISH_CELL_HEXAHEDRON27 = 29,
+    PLANISH_CELL_WEDGE18 = 32,
+    PLANISH_CELL_PYRAMID14 = 128 /* VTK has none: PYRAMID13 and the middle of the base */
+} planish_cell_type;
+
 /** A view of the caller's mesh; nothing in it is owned by the library. */
 typedef struct planish_mesh {
     int dim;                   /* 2: triangles in the plane, 3: tetrahedra */

@@ -1,4 +1,4 @@
-/* exact: integers as long as the determinant of any four points needs. Schoolbook methods, sign and
+/* exact: integers as long as determinants of coordinates need. Schoolbook methods, sign and
  * magnitude. */
 #include "base/exact.h"
 

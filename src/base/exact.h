@@ -1,4 +1,4 @@
-/* exact: integers as long as the determinant of any four points needs.
+/* exact: integers as long as determinants of coordinates need.
  *
  * Doubles are integers times a power of two, so that differences, products and sums of integers
  * give the sign of a determinant exactly, whatever the exponents. Used where the rounding error
@@ -14,8 +14,9 @@
 #include <stdint.h>
 
 /** Doubles are 2^-1074 times integers below 2^2098. A difference of two has at most 2099 bits, a
- * sum of six products of three at most 6300: 197 limbs, and one that a product may leave at 0. */
-enum { PL_EXACT_LIMBS = 200 };
+ * sum of six products of three at most 6300; those of order 2 (quality/validity.c) have weights of
+ * 150 bits more, and a product may leave a limb at 0. */
+enum { PL_EXACT_LIMBS = 208 };
 
 /** Integer: sign * sum of limb[i] 2^(32 i), i < n; limb[n - 1] is not 0, and n is 0 for 0. */
 typedef struct pl_exact {

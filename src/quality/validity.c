@@ -1,0 +1,370 @@
+/* validity: coefficients in doubles, bisections, and the same in integers. */
+#include "quality/validity.h"
+#include "base/exact.h"
+#include "base/memory.h"
+#include "geometry/inline.h"
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+
+enum { LANES = PL_JACOBIAN_LANES };
+
+typedef double pack[LANES];
+
+/* ---- Doubles ------------------------------------------------------------------------------- */
+
+static const double ROUNDING = 0x1p-53;
+static const double UNDERFLOW_ERROR = 0x1p-960; /* as in certificate.c */
+
+/** Find the controls of a block of order 2, and the bound of what rounding did to them. */
+static void find_controls(const pl_jacobian_rule *rule, const pl_jacobian_block *b,
+                          double control[][3][LANES], pack rounding) {
+    const int dim = rule->type->shape->dim;
+    pack largest = {0};
+    for (int i = 0; i < rule->n_nodes; i++)
+        for (int d = 0; d < dim; d++)
+            for (int l = 0; l < LANES; l++) {
+                const double a = fabs(b->x[i][d][l]);
+                largest[l] = a > largest[l] ? a : largest[l];
+            }
+    for (int l = 0; l < LANES; l++) /* of differences, of products and of their sum */
+        rounding[l] = largest[l] * rule->control_weight * (rule->n_nodes + 2) * ROUNDING;
+    for (int c = 0; c < rule->n_controls; c++)
+        for (int d = 0; d < 3; d++)
+            for (int l = 0; l < LANES; l++)
+                control[c][d][l] = 0;
+    for (int t = 0; t < rule->n_control_terms; t++) {
+        const pl_jacobian_term *term = &rule->control_term[t];
+        for (int d = 0; d < dim; d++)
+            for (int l = 0; l < LANES; l++)
+                control[term->to][d][l] += term->weight * b->x[term->from][d][l];
+    }
+}
+
+/** Bound of what rounding does to a coefficient: it is common times a mean of determinants. A
+ *  determinant has dim! products of components, which are at most size [dim]; each is off by
+ *  2 rounding, and each product and sum is rounded. */
+static double error_bound(const pl_jacobian_rule *rule, const double size[3], double rounding) {
+    const int dim = rule->type->shape->dim;
+    const double last = dim == 3 ? size[2] : 1, rounded = (rule->n_products_each + 12) * ROUNDING;
+    double product = size[0] * size[1] * last, mixed = (size[0] + size[1]) * last;
+    mixed = dim == 3 ? mixed + size[0] * size[1] : mixed;
+    /* 1.01 pays for products of roundings, and for those of this formula. */
+    return 1.01 * (dim == 3 ? 6 : 2) * rule->common *
+               (rounded * product + 2 * rounding * mixed +
+                (dim == 3 ? 4 * rounding * rounding * (size[0] + size[1] + size[2] + 2 * rounding)
+                          : 4 * rounding * rounding)) +
+           UNDERFLOW_ERROR;
+}
+
+PL_INLINE void evaluate(const pl_jacobian_rule *rule, const double sign[], pl_jacobian_block *b,
+                        const int dim) {
+    double control[PL_CELL_NODES][3][LANES];
+    double derivative[3][PL_JACOBIAN_DERIVATIVES][3][LANES];
+    double size[3][LANES] = {{0}};
+    pack rounding = {0};
+    if (rule->n_control_terms > 0)
+        find_controls(rule, b, control, rounding);
+    double(*const from)[3][LANES] = rule->n_control_terms > 0 ? control : b->x;
+    for (int m = 0; m < dim; m++)
+        for (int i = 0; i < rule->n_derivatives[m]; i++) {
+            const pl_jacobian_derivative *of = &rule->derivative[m][i];
+            for (int d = 0; d < dim; d++)
+                for (int l = 0; l < LANES; l++) {
+                    const double difference = from[of->plus][d][l] - from[of->minus][d][l];
+                    const double a = fabs(difference);
+                    derivative[m][i][d][l] = difference;
+                    size[m][l] = a > size[m][l] ? a : size[m][l];
+                }
+        }
+    for (int c = 0; c < rule->n_coefficients; c++)
+        for (int l = 0; l < LANES; l++)
+            b->coefficient[c][l] = 0;
+    double normal[3][LANES] = {{0}};
+    for (int p = 0; p < rule->n_products; p++) {
+        const pl_jacobian_product *product = &rule->product[p];
+        const double(*v)[LANES] = derivative[1][product->j], (*w)[LANES] = derivative[2][product->k];
+        const double(*u)[LANES] = derivative[0][product->i];
+        double *const sum = b->coefficient[product->coefficient];
+        const double weight = product->weight;
+        if (dim == 2) {
+            for (int l = 0; l < LANES; l++)
+                sum[l] += weight * (u[0][l] * v[1][l] - u[1][l] * v[0][l]);
+            continue;
+        }
+        if (p == 0 || product->j != product[-1].j || product->k != product[-1].k)
+            for (int l = 0; l < LANES; l++) {
+                normal[0][l] = v[1][l] * w[2][l] - v[2][l] * w[1][l];
+                normal[1][l] = v[2][l] * w[0][l] - v[0][l] * w[2][l];
+                normal[2][l] = v[0][l] * w[1][l] - v[1][l] * w[0][l];
+            }
+        for (int l = 0; l < LANES; l++)
+            sum[l] += weight *
+                      (u[0][l] * normal[0][l] + u[1][l] * normal[1][l] + u[2][l] * normal[2][l]);
+    }
+    pack least, total = {0};
+    for (int l = 0; l < LANES; l++)
+        least[l] = INFINITY;
+    for (int c = 0; c < rule->n_coefficients; c++)
+        for (int l = 0; l < LANES; l++) {
+            const double value = b->coefficient[c][l] * (rule->factor[c] * sign[l]);
+            b->coefficient[c][l] = value;
+            least[l] = value < least[l] ? value : least[l];
+            total[l] += value;
+        }
+    for (int l = 0; l < LANES; l++) {
+        const double sizes[3] = {size[0][l], size[1][l], size[2][l]};
+        b->error[l] = error_bound(rule, sizes, rounding[l]);
+        b->mean[l] = total[l] / rule->n_coefficients;
+        b->least[l] = total[l] - total[l] == 0 ? least[l] : NAN;
+    }
+}
+
+void pl_jacobian_evaluate(const pl_jacobian_rule *rule, const double sign[], pl_jacobian_block *b) {
+    if (rule->type->shape->dim == 3)
+        evaluate(rule, sign, b, 3);
+    else
+        evaluate(rule, sign, b, 2);
+}
+
+/** Decide by the coefficients b [n_coefficients] of an element or of a piece of it, if they do. */
+static int decides(const pl_jacobian_rule *rule, const double b[], double error,
+                   pl_validity *validity) {
+    double least = INFINITY;
+    for (int c = 0; c < rule->n_coefficients; c++)
+        least = b[c] > least ? least : b[c]; /* NaN stays */
+    if (least > error) {
+        *validity = PL_VALID;
+        return 1;
+    }
+    for (int c = 0; c < rule->n_corners; c++)
+        if (b[rule->corner[c]] < -error) {
+            *validity = PL_INVALID;
+            return 1;
+        }
+    return 0;
+}
+
+/** Decide one lane by bisections in doubles, depth first. */
+static pl_validity bisect(const pl_jacobian_rule *rule, const pl_jacobian_block *b, int l) {
+    double piece[PL_VALIDITY_DEPTH + 2][PL_JACOBIAN_COEFFICIENTS];
+    int depth[PL_VALIDITY_DEPTH + 2], n = 1, n_boxes = 0;
+    double largest = 0;
+    for (int c = 0; c < rule->n_coefficients; c++) {
+        piece[0][c] = b->coefficient[c][l];
+        largest = fmax(largest, fabs(piece[0][c]));
+    }
+    /* A bisection takes means of up to degree + 1 coefficients, at most 6. */
+    const double rounding = 8 * ROUNDING * largest;
+    depth[0] = 0;
+    while (n > 0) {
+        const int at = n - 1;
+        pl_validity validity;
+        if (decides(rule, piece[at], b->error[l] + depth[at] * rounding, &validity)) {
+            if (validity == PL_INVALID)
+                return PL_INVALID;
+            n--;
+            continue;
+        }
+        if (rule->n_turns == 0 || depth[at] == PL_VALIDITY_DEPTH || ++n_boxes > PL_VALIDITY_BOXES)
+            return PL_UNCERTIFIED;
+        const int h = rule->turn[depth[at] % rule->n_turns];
+        double whole[PL_JACOBIAN_COEFFICIENTS];
+        for (int c = 0; c < rule->n_coefficients; c++)
+            whole[c] = piece[at][c];
+        for (int half = 0; half < 2; half++) {
+            double *const to = piece[at + half];
+            for (int c = 0; c < rule->n_coefficients; c++)
+                to[c] = 0;
+            for (int t = 0; t < rule->n_half_terms[h][half]; t++) {
+                const pl_jacobian_term *term = &rule->half_term[h][half][t];
+                to[term->to] += term->weight * whole[term->from];
+            }
+            for (int c = 0; c < rule->n_coefficients; c++)
+                to[c] *= 1.0 / (1 << rule->half_shift[h]);
+        }
+        depth[at + 1] = ++depth[at];
+        n++;
+    }
+    return PL_VALID;
+}
+
+/* ---- Integers ------------------------------------------------------------------------------ */
+
+/** Memory of an exact decision. */
+typedef struct exact_element {
+    pl_exact node[PL_CELL_NODES][3]; /* [n_nodes][dim] twice their difference to the first one */
+    pl_exact control[PL_CELL_NODES][3];
+    pl_exact derivative[3][PL_JACOBIAN_DERIVATIVES][3];
+} exact_element;
+
+/** Add weight * from to *to. */
+static void add_times(int weight, const pl_exact *from, pl_exact *to) {
+    const uint32_t size = (uint32_t)(weight < 0 ? -weight : weight);
+    const pl_exact factor = {.sign = weight < 0 ? -1 : 1, .n = size > 0, .limb = {size}};
+    pl_exact product, before = *to;
+    pl_exact_multiply(&factor, from, &product);
+    pl_exact_add(&before, &product, 1, to);
+}
+
+/** Subtract b c from a. */
+static void minor(const pl_exact *a, const pl_exact *b, const pl_exact *c, const pl_exact *d,
+                  pl_exact *result) {
+    pl_exact ab, cd;
+    pl_exact_multiply(a, b, &ab);
+    pl_exact_multiply(c, d, &cd);
+    pl_exact_add(&ab, &cd, -1, result);
+}
+
+/** Find e->node of coordinates whose unit is that of pl_exact_unit or below. */
+static void find_exact_nodes(const pl_jacobian_rule *rule, const int32_t node[],
+                             const double *coordinates, int unit, exact_element *e) {
+    const int dim = rule->type->shape->dim;
+    for (int i = 0; i < rule->n_nodes; i++)
+        for (int d = 0; d < dim; d++) {
+            pl_exact half[2];
+            for (int end = 0; end < 2; end++) {
+                const int at = node[i] >= 0 ? i : rule->type->between[i][end];
+                pl_exact_difference(coordinates[(int64_t)node[at] * dim + d],
+                                    coordinates[(int64_t)node[0] * dim + d], unit, &half[end]);
+            }
+            pl_exact_add(&half[0], &half[1], 1, &e->node[i][d]);
+        }
+}
+
+static void find_exact_derivatives(const pl_jacobian_rule *rule, exact_element *e) {
+    const int dim = rule->type->shape->dim;
+    pl_exact(*from)[3] = e->node;
+    if (rule->n_control_terms > 0) {
+        for (int c = 0; c < rule->n_controls; c++)
+            for (int d = 0; d < dim; d++)
+                e->control[c][d].n = 0;
+        for (int t = 0; t < rule->n_control_terms; t++)
+            for (int d = 0; d < dim; d++)
+                add_times(rule->control_term[t].weight, &e->node[rule->control_term[t].from][d],
+                          &e->control[rule->control_term[t].to][d]);
+        from = e->control;
+    }
+    for (int m = 0; m < dim; m++)
+        for (int i = 0; i < rule->n_derivatives[m]; i++)
+            for (int d = 0; d < dim; d++)
+                pl_exact_add(&from[rule->derivative[m][i].plus][d],
+                             &from[rule->derivative[m][i].minus][d], -1, &e->derivative[m][i][d]);
+}
+
+/** Find the coefficients b [n_coefficients] from e's derivatives. */
+static void find_exact_coefficients(const pl_jacobian_rule *rule, const exact_element *e,
+                                    double sign, pl_exact b[]) {
+    const int dim = rule->type->shape->dim;
+    for (int c = 0; c < rule->n_coefficients; c++)
+        b[c].n = 0;
+    for (int p = 0; p < rule->n_products; p++) {
+        const pl_jacobian_product *product = &rule->product[p];
+        const int weight = product->weight * rule->factor[product->coefficient] * (int)sign;
+        const pl_exact *u = e->derivative[0][product->i], *v = e->derivative[1][product->j];
+        const pl_exact *w = e->derivative[2][product->k];
+        pl_exact determinant;
+        if (dim == 2) {
+            minor(&u[0], &v[1], &u[1], &v[0], &determinant);
+            add_times(weight, &determinant, &b[product->coefficient]);
+            continue;
+        }
+        for (int d = 0; d < 3; d++) {
+            const int next = (d + 1) % 3, last = (d + 2) % 3;
+            pl_exact normal;
+            minor(&v[next], &w[last], &v[last], &w[next], &normal);
+            pl_exact_multiply(&u[d], &normal, &determinant);
+            add_times(weight, &determinant, &b[product->coefficient]);
+        }
+    }
+}
+
+static int exact_sign(const pl_exact *a) {
+    return a->n == 0 ? 0 : a->sign;
+}
+
+/** Decide by the exact coefficients of a piece, if they do. Coefficients of 0 leave det J positive,
+ *  because a corner of whatever part of the piece a point is inside of has a positive one. */
+static int decides_exactly(const pl_jacobian_rule *rule, const pl_exact b[],
+                           pl_validity *validity) {
+    *validity = PL_INVALID;
+    for (int c = 0; c < rule->n_corners; c++)
+        if (exact_sign(&b[rule->corner[c]]) <= 0)
+            return 1;
+    *validity = PL_VALID;
+    for (int c = 0; c < rule->n_coefficients; c++)
+        if (exact_sign(&b[c]) < 0)
+            return 0;
+    return 1;
+}
+
+/** Decide by bisections of the coefficients in piece [PL_VALIDITY_DEPTH + 2][n_coefficients], of
+ *  which the first is filled in and one more is for use. */
+static pl_validity bisect_exactly(const pl_jacobian_rule *rule, pl_exact *piece) {
+    const int n_coefficients = rule->n_coefficients;
+    pl_exact *const whole = piece + (PL_VALIDITY_DEPTH + 1) * n_coefficients;
+    int depth[PL_VALIDITY_DEPTH + 1] = {0}, n = 1, n_boxes = 0;
+    while (n > 0) {
+        const int at = n - 1;
+        pl_validity validity;
+        if (decides_exactly(rule, piece + at * n_coefficients, &validity)) {
+            if (validity == PL_INVALID)
+                return PL_INVALID;
+            n--;
+            continue;
+        }
+        if (rule->n_turns == 0 || depth[at] == PL_VALIDITY_DEPTH || ++n_boxes > PL_VALIDITY_BOXES)
+            return PL_UNCERTIFIED;
+        const int h = rule->turn[depth[at] % rule->n_turns];
+        for (int c = 0; c < n_coefficients; c++)
+            whole[c] = piece[at * n_coefficients + c];
+        for (int half = 0; half < 2; half++) {
+            pl_exact *const to = piece + (at + half) * n_coefficients;
+            for (int c = 0; c < n_coefficients; c++)
+                to[c].n = 0;
+            for (int t = 0; t < rule->n_half_terms[h][half]; t++) {
+                const pl_jacobian_term *term = &rule->half_term[h][half][t];
+                add_times(term->weight, &whole[term->from], &to[term->to]);
+            }
+        }
+        depth[at + 1] = ++depth[at];
+        n++;
+    }
+    return PL_VALID;
+}
+
+static pl_validity decide_exactly(const pl_jacobian_rule *rule, const int32_t node[],
+                                  const double *coordinates, double sign) {
+    const int dim = rule->type->shape->dim;
+    int unit = INT_MAX;
+    for (int i = 0; i < rule->n_nodes; i++)
+        for (int d = 0; d < dim && node[i] >= 0; d++) {
+            const double a = coordinates[(int64_t)node[i] * dim + d];
+            const int own = a != 0 ? pl_exact_unit(a) : INT_MAX;
+            unit = own < unit ? own : unit;
+        }
+    if (unit == INT_MAX)
+        return PL_INVALID; /* all at one place */
+    exact_element *e = pl_alloc(1, sizeof *e);
+    pl_exact *piece =
+        pl_alloc((PL_VALIDITY_DEPTH + 2) * (int64_t)rule->n_coefficients, sizeof *piece);
+    pl_validity validity = PL_UNCERTIFIED;
+    if (e && piece) {
+        find_exact_nodes(rule, node, coordinates, unit, e);
+        find_exact_derivatives(rule, e);
+        find_exact_coefficients(rule, e, sign, piece);
+        validity = bisect_exactly(rule, piece);
+    }
+    pl_free(e);
+    pl_free(piece);
+    return validity;
+}
+
+pl_validity pl_validity_of_lane(const pl_jacobian_rule *rule, const pl_jacobian_block *b, int l,
+                                const int32_t node[], const double *coordinates, double sign) {
+    if (b->least[l] > b->error[l])
+        return PL_VALID;
+    const pl_validity validity = bisect(rule, b, l);
+    return validity != PL_UNCERTIFIED ? validity : decide_exactly(rule, node, coordinates, sign);
+}
