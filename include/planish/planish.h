@@ -131,6 +131,17 @@ typedef enum planish_cell_type {
     PLANISH_CELL_PYRAMID14 = 128 /* VTK has none: PYRAMID13 and the middle of the base */
 } planish_cell_type;
 
+/** Elements of any types. Those of the highest dimension count; others are passed over. Within a
+ *  type elements may have either handedness: that of most is taken for the right one. */
+typedef struct planish_cells {
+    int64_t n;             /* elements */
+    const uint8_t *type;   /* [n] of planish_cell_type */
+    const int64_t *offset; /* [n + 1] nodes of element i are node[offset[i]] .. node[offset[i + 1] -
+                              1] */
+    const int32_t *node;   /* [offset[n]] -1: a mid in the middle of its straight edge */
+    const void *reserved[4]; /* NULL */
+} planish_cells;
+
 /** A view of the caller's mesh; nothing in it is owned by the library. */
 typedef struct planish_mesh {
     int dim;                   /* 2: triangles in the plane, 3: tetrahedra */
@@ -756,6 +767,48 @@ PLANISH_API int planish_find_reversed(const planish_plan *plan, const double *co
  *  options (NULL: defaults). Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_measure_mesh(const planish_mesh *mesh, const planish_options *options,
                                      planish_quality *quality, planish_error *error);
+
+/** Measures of elements of one type, or of all types. Ratios are over the valid elements. */
+typedef struct planish_cell_measures {
+    int64_t n_elements;
+    int64_t n_inverted;        /* elements that are not valid: det J <= 0 somewhere. Decided, not
+                                  sampled (docs/measures.md) */
+    int64_t n_uncertified;     /* elements of which that is not decided; they count as not valid */
+    int64_t n_inverted_corners; /* corners with det J <= 0, decided exactly */
+    int64_t n_curved;          /* elements with a node off the middle of its corners */
+    double rms_aspect_ratio;   /* AR: root of the mean over the corners of the squared mean ratio,
+                                  1 for the ideal element */
+    double mean_aspect_ratio;
+    double max_aspect_ratio;
+    int64_t worst_element;      /* where that is, or -1 */
+    double min_scaled_jacobian; /* over the corners of all elements: det J over the product of the
+                                   edges' lengths, over that of the ideal corner */
+    double min_jacobian_ratio;  /* over curved elements: least Bezier coefficient of det J over
+                                   their mean; 1 without any */
+    double max_edge_ratio;      /* longest edge / shortest, between corners */
+    double reserved[4];
+} planish_cell_measures;
+
+enum { PLANISH_N_CELL_TYPES = 16 };
+
+/** Quality of a mesh of any types of elements. */
+typedef struct planish_cell_quality {
+    planish_cell_measures all;
+    int n_types;
+    planish_cell_type type[PLANISH_N_CELL_TYPES];             /* [n_types] ascending, */
+    planish_cell_measures by_type[PLANISH_N_CELL_TYPES]; /* and their measures */
+    int64_t reserved[8];
+} planish_cell_quality;
+
+/** Measure elements of any types at coordinates [n_nodes][dim]. rounding: how far a node may be off
+ *  the middle of its corners, in units of the coordinates, in an element that is not curved; 1e-6
+ *  of an edge is allowed anyway. threads: as in planish_options. aspect_ratio [cells->n] (may be
+ *  NULL) is filled with AR of each element, 0 of those that are not valid or do not count.
+ *  Errors: _ARGUMENT, _MESH, _MEMORY. */
+PLANISH_API int planish_measure_cells(const planish_cells *cells, int dim, int64_t n_nodes,
+                                      const double *coordinates, double rounding, int threads,
+                                      planish_cell_quality *quality, double *aspect_ratio,
+                                      planish_error *error);
 
 /** A number of 64 bits for the bits of mesh->coordinates in the order of the nodes, whatever the
  *  strides: equal if they are, and, but for one chance in 2^64 or so, different if they are not. 0

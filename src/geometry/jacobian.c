@@ -180,6 +180,16 @@ static void find_control(const pl_cell_type *type, const lattice *l, point p, in
     }
 }
 
+/** Find the corners of the edge, face or cell that each node is in the middle of. */
+static void find_straight(const pl_cell_type *type, const lattice *controls,
+                          pl_jacobian_rule *rule) {
+    for (int node = 0; node < type->n_nodes; node++)
+        for (int c = 0; c < type->shape->n_corners; c++)
+            if (is_around(controls, type->shape, point_of_node(type, controls->of, c),
+                          point_of_node(type, controls->of, node)))
+                rule->straight[node] |= (uint8_t)(1 << c);
+}
+
 static void make_controls(const pl_cell_type *type, const lattice *controls,
                           pl_jacobian_rule *rule) {
     rule->n_controls = controls->n;
@@ -340,6 +350,7 @@ void pl_jacobian_rule_make(const pl_cell_type *type, pl_jacobian_rule *rule) {
     } else {
         make_controls(type, &controls, rule);
     }
+    find_straight(type, &controls, rule);
     for (int d = 0; d < shape->dim; d++)
         make_derivatives(&controls, d, &derivatives[d], rule);
     make_products(derivatives, &coefficients, rule);

@@ -12,6 +12,7 @@
  *   derivatives   differences of two controls, in each of dim directions
  *   products      coefficient += weight * det(derivatives i, j, k)
  *   bisections    coefficients of half of the shape: sums of coefficients
+ *   straight      the corners in the middle of which a node is if the element is straight
  * Weights are whole numbers, so that exact arithmetic follows the same rule. Of a pyramid det J is
  * that of the 4 corners of its base, blended, whatever the height; nodes other than corners are not
  * looked at.
@@ -54,6 +55,7 @@ typedef struct pl_jacobian_product {
 typedef struct pl_jacobian_rule {
     const pl_cell_type *type;
     int n_nodes; /* that are looked at: the first ones of an element */
+    uint8_t straight[PL_CELL_NODES]; /* bit c: corner c is one of these */
     int n_controls;
     int n_control_terms;   /* 0: controls are nodes */
     int control_weight;    /* largest sum of absolute weights of a control */

@@ -1,0 +1,45 @@
+/* cell_measure: the quality of elements of every type.
+ *
+ * Where pl_measure (measure.h) knows simplices alone, by their radius ratio, this one knows all
+ * types, by what they have in common: validity everywhere (validity.h) and the corner mean ratio
+ * (docs/measures.md). Elements are taken in blocks of one type.
+ *
+ *   pl_cell_rules_make, _free    rules of the types that a mesh has
+ *   pl_measure_cells             sums over all elements, and what each one is
+ */
+#ifndef PL_QUALITY_CELL_MEASURE_H
+#define PL_QUALITY_CELL_MEASURE_H
+
+#include "quality/validity.h"
+
+#include <planish/planish.h>
+
+/** Elements of any types, as planish_mesh has them, and where their nodes are. */
+typedef struct pl_cell_mesh {
+    int dim;                   /* of the elements that count; others are passed over */
+    const planish_cells *cells;
+    const double *coordinates; /* [n_nodes][dim] */
+    double rounding;           /* of coordinates: mids that are no farther off are straight */
+} pl_cell_mesh;
+
+/** Rules of the types of a mesh that count. */
+typedef struct pl_cell_rules {
+    int n;
+    pl_jacobian_rule *rule[PLANISH_N_CELL_TYPES]; /* [n] by ascending numbers of types */
+    double sign[PLANISH_N_CELL_TYPES];            /* [n] +1 or -1: of most elements of the type */
+    int8_t index[UINT8_MAX + 1];                  /* of a type's rule, -1: it does not count */
+} pl_cell_rules;
+
+/** Make the rules of the types of mesh, and find the sign of each. Returns PLANISH_OK or
+ *  PLANISH_ERROR_MEMORY; rules is to be freed in either case. */
+int pl_cell_rules_make(const pl_cell_mesh *mesh, int threads, pl_cell_rules *rules);
+
+/** Free the rules. */
+void pl_cell_rules_free(pl_cell_rules *rules);
+
+/** Measure mesh. aspect_ratio [n] (may be NULL) is filled with the aspect ratio of each element, 0
+ *  of those that are not valid. Returns PLANISH_OK or PLANISH_ERROR_MEMORY. */
+int pl_measure_cells(const pl_cell_mesh *mesh, const pl_cell_rules *rules, int threads,
+                     planish_cell_quality *quality, double *aspect_ratio);
+
+#endif
