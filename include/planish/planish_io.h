@@ -107,6 +107,12 @@ PLANISH_API int64_t planish_file_get_parametric(const planish_file *file, uint8_
  *  planish_file_constraints fills in. */
 PLANISH_API planish_mesh planish_file_mesh(const planish_file *file);
 
+/** Find all elements of the file's highest dimension for planish_measure_cells: the n_elements of
+ *  planish_file_mesh, in their order, and then the others in the file's order. Their nodes are in
+ *  VTK's order. Elements that no planish_cell_type stands for are left out (polyhedra, third
+ *  order). The file owns the arrays, which are made at the first call. Errors: _MEMORY. */
+PLANISH_API int planish_file_cells(planish_file *file, planish_cells *cells, planish_error *error);
+
 /** Coordinates [n_nodes][dim] of planish_file_mesh, in the file's units, to be changed in place. */
 PLANISH_API double *planish_file_coordinates(planish_file *file);
 
@@ -217,8 +223,8 @@ PLANISH_API int planish_file_min_volumes(const planish_file *file, const char *c
                                          const double *values, int n_tags, double *min_volume,
                                          planish_error *error);
 
-/** Return the number that the file gives an element or node, by its index in planish_file_mesh,
- *  which is not checked. */
+/** Return the number that the file gives an element or node, by its index in planish_file_mesh or
+ *  planish_file_cells, which is not checked. */
 PLANISH_API int64_t planish_file_element_number(const planish_file *file, int64_t element);
 PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t node);
 

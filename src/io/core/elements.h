@@ -4,6 +4,7 @@
  *   io_element_dim               dimension of a type
  *   io_element_use               whether planish keeps, holds or refuses elements of a type
  *   io_element_cells             the cells of the model that elements of a type become
+ *   io_cell_type, _nodes         the planish_cell_type of a shape; its number of nodes
  *   io_element_reason            why elements that are not kept hold their nodes
  *   io_element_count             count elements that are not kept
  *
@@ -46,7 +47,7 @@ typedef struct io_element_type {
 typedef enum io_element_treatment {
     IO_HOLD,  /* hold the nodes, count the elements */
     IO_KEEP,  /* a cell of the model */
-    IO_REFUSE /* fail: a curved triangle or tetrahedron, whose corners alone must not move */
+    IO_REFUSE /* fail: a triangle or tetrahedron of third order or higher */
 } io_element_treatment;
 
 /** Dimension of the elements of a type, 0 to 3. */
@@ -56,18 +57,57 @@ static inline int io_element_dim(const io_element_type *type) {
 }
 
 /** Treatment of the elements of a type: lines, triangles and tetrahedra of first order are kept,
- *  triangles and tetrahedra of higher order are refused, all others hold their nodes. */
+ *  triangles and tetrahedra of third order or higher are refused, all others hold their nodes. */
 static inline io_element_treatment io_element_use(const io_element_type *type) {
     if (type->shape == IO_LINE)
         return type->order == 1 ? IO_KEEP : IO_HOLD;
     if (type->shape != IO_TRIANGLE && type->shape != IO_TETRAHEDRON)
         return IO_HOLD;
-    return type->order == 1 ? IO_KEEP : type->order > 1 ? IO_REFUSE : IO_HOLD;
+    return type->order == 1 ? IO_KEEP : type->order > 2 ? IO_REFUSE : IO_HOLD;
 }
 
 /** Cells of the model that elements of a type become, borrowed; NULL: they are not kept. */
 static inline io_cells *io_element_cells(io_model *model, const io_element_type *type) {
     return io_element_use(type) == IO_KEEP ? io_model_cells(model, io_element_dim(type)) : NULL;
+}
+
+/** Number of nodes of a planish_cell_type of two or three dimensions; else 0. */
+static inline int io_cell_type_nodes(int type) {
+    static const uint8_t nodes[] = {
+        [PLANISH_CELL_TRIANGLE] = 3,       [PLANISH_CELL_TRIANGLE6] = 6,
+        [PLANISH_CELL_QUADRILATERAL] = 4,  [PLANISH_CELL_QUADRILATERAL8] = 8,
+        [PLANISH_CELL_QUADRILATERAL9] = 9, [PLANISH_CELL_TETRAHEDRON] = 4,
+        [PLANISH_CELL_TETRAHEDRON10] = 10, [PLANISH_CELL_HEXAHEDRON] = 8,
+        [PLANISH_CELL_HEXAHEDRON20] = 20,  [PLANISH_CELL_HEXAHEDRON27] = 27,
+        [PLANISH_CELL_WEDGE] = 6,          [PLANISH_CELL_WEDGE15] = 15,
+        [PLANISH_CELL_WEDGE18] = 18,       [PLANISH_CELL_PYRAMID] = 5,
+        [PLANISH_CELL_PYRAMID13] = 13,     [PLANISH_CELL_PYRAMID14] = 14};
+    return type >= 0 && type < (int)sizeof nodes ? nodes[type] : 0;
+}
+
+/** Return the planish_cell_type of that shape (io_shape) with that many nodes; 0: none is
+ *  measured. */
+static inline int io_cell_type(int shape, int n_nodes) {
+    static const uint8_t types[][3] = {{IO_TRIANGLE, 3, PLANISH_CELL_TRIANGLE},
+                                       {IO_TRIANGLE, 6, PLANISH_CELL_TRIANGLE6},
+                                       {IO_QUADRILATERAL, 4, PLANISH_CELL_QUADRILATERAL},
+                                       {IO_QUADRILATERAL, 8, PLANISH_CELL_QUADRILATERAL8},
+                                       {IO_QUADRILATERAL, 9, PLANISH_CELL_QUADRILATERAL9},
+                                       {IO_TETRAHEDRON, 4, PLANISH_CELL_TETRAHEDRON},
+                                       {IO_TETRAHEDRON, 10, PLANISH_CELL_TETRAHEDRON10},
+                                       {IO_HEXAHEDRON, 8, PLANISH_CELL_HEXAHEDRON},
+                                       {IO_HEXAHEDRON, 20, PLANISH_CELL_HEXAHEDRON20},
+                                       {IO_HEXAHEDRON, 27, PLANISH_CELL_HEXAHEDRON27},
+                                       {IO_PRISM, 6, PLANISH_CELL_WEDGE},
+                                       {IO_PRISM, 15, PLANISH_CELL_WEDGE15},
+                                       {IO_PRISM, 18, PLANISH_CELL_WEDGE18},
+                                       {IO_PYRAMID, 5, PLANISH_CELL_PYRAMID},
+                                       {IO_PYRAMID, 13, PLANISH_CELL_PYRAMID13},
+                                       {IO_PYRAMID, 14, PLANISH_CELL_PYRAMID14}};
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
+        if (types[i][0] == shape && types[i][1] == n_nodes)
+            return types[i][2];
+    return 0;
 }
 
 /** Reason (an IO_HELD_ bit) why an element that is not kept holds its nodes. */

@@ -66,6 +66,7 @@ struct planish_file {
     io_model model;
     const io_format *format;
     int64_t n_regions; /* distinct ones among the elements smoothed */
+    planish_cells cells; /* all elements, once they were asked for; the file owns their arrays */
 };
 
 /** Return the simplices that are smoothed. */

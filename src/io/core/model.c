@@ -2,6 +2,7 @@
 #include "io/core/arrays.h"
 #include "io/core/bytes.h"
 #include "io/core/model.h"
+#include "io/core/elements.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -236,6 +237,53 @@ int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int6
 
 /* ---- the end --------------------------------------------------------------------------------- */
 
+/* ---- elements of other types ----------------------------------------------------------------- */
+
+int io_model_add_other(io_model *model, int type, const int32_t *nodes, int64_t number,
+                       planish_error *error) {
+    io_others *o = &model->other;
+    const int n = io_cell_type_nodes(type);
+    const uint8_t *at = NULL;
+    if (n == 0)
+        return PLANISH_OK;
+    if (o->n == INT32_MAX)
+        return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: more than %d elements", model->input.path,
+                       INT32_MAX);
+    for (const io_node_order *order = model->node_order; order && order->type; order++)
+        at = order->type == type ? order->at : at;
+    if (o->n == o->capacity) { /* three arrays of one capacity */
+        int64_t capacity[3] = {o->capacity, o->capacity, o->capacity};
+        uint8_t *types = pl_grow(o->type, o->n, o->n + 1, &capacity[0], sizeof *types);
+        o->type = types ? types : o->type;
+        int64_t *numbers = pl_grow(o->number, o->n, o->n + 1, &capacity[1], sizeof *numbers);
+        o->number = numbers ? numbers : o->number;
+        int64_t *offsets = pl_grow(o->offset, o->n, o->n + 1, &capacity[2], sizeof *offsets);
+        o->offset = offsets ? offsets : o->offset;
+        if (!types || !numbers || !offsets)
+            return pl_fail_memory(error, "elements");
+        o->capacity = capacity[0] < capacity[1] ? capacity[0] : capacity[1];
+        o->capacity = capacity[2] < o->capacity ? capacity[2] : o->capacity;
+    }
+    int32_t *node = pl_grow(o->node, o->n_nodes, o->n_nodes + n, &o->node_capacity, sizeof *node);
+    if (!node)
+        return pl_fail_memory(error, "elements");
+    o->node = node;
+    for (int i = 0; i < n; i++)
+        o->node[o->n_nodes++] = nodes[at ? at[i] : i];
+    o->type[o->n] = (uint8_t)type;
+    o->number[o->n] = number;
+    o->offset[o->n++] = o->n_nodes;
+    return PLANISH_OK;
+}
+
+static void release_others(io_others *o) {
+    pl_free(o->type);
+    pl_free(o->number);
+    pl_free(o->offset);
+    pl_free(o->node);
+    *o = (io_others){.n = 0};
+}
+
 void io_model_destroy(io_model *model) {
     io_bytes_close(&model->input);
     for (int i = 0; i < model->n_companions; i++)
@@ -256,6 +304,7 @@ void io_model_destroy(io_model *model) {
     io_cells_release(&model->line);
     io_cells_release(&model->triangle);
     io_cells_release(&model->tetrahedron);
+    release_others(&model->other);
     io_arrays_destroy(model);
     for (int32_t i = 0; i < model->n_entities; i++)
         pl_free(model->entity[i].physical);

@@ -3,7 +3,8 @@
  *   io_model                            a file that is read: its input, nodes, cells, groups
  *   io_cursor, io_bytes                 places in the input, and its bytes
  *   io_span, io_field, io_edit          places of coordinates, and their replacement
- *   io_cells, io_entity, io_group       cells, regions and names
+ *   io_cells, io_others                 elements that are smoothed, and others
+ *   io_entity, io_group                 regions and names
  *   io_model_make_nodes, _span ...      what readers call to fill it in
  *   io_numbers, io_reduce_...           the file's numbers of nodes and cells
  *   io_fail_at, io_check_...            errors at a place, and checks
@@ -121,6 +122,24 @@ typedef struct io_cells {
     int64_t n_plain; /* the last of them say nothing of their nodes (finish.c) */
 } io_cells;
 
+/** Elements that are measured but not smoothed, in the file's order: all but straight triangles and
+ *  tetrahedra. Their nodes are held. */
+typedef struct io_others {
+    int64_t n, capacity;
+    uint8_t *type;   /* [n] planish_cell_type */
+    int64_t *number; /* [n] the file's element numbers */
+    int64_t *offset; /* [n] the end of their nodes */
+    int64_t n_nodes, node_capacity;
+    int32_t *node; /* [n_nodes] indices of nodes in VTK's order; -1: a mid that is missing */
+} io_others;
+
+/** Order of the nodes of a type in a format, where it is not VTK's: node i of VTK is the format's
+ *  node at[i]. */
+typedef struct io_node_order {
+    uint8_t type; /* planish_cell_type; 0: end of a table */
+    uint8_t at[27];
+} io_node_order;
+
 /** Return the number of cells that say something of their nodes: the first ones. */
 static inline int64_t io_cells_telling(const io_cells *cells) {
     return cells->n - cells->n_plain;
@@ -229,6 +248,8 @@ typedef struct io_model {
     io_group *group;      /* [n_groups] */
     int64_t n_groups, group_capacity;
     int groups_by_name; /* numbers of entities and groups are none of the file's (Abaqus) */
+    io_others other;
+    const io_node_order *node_order; /* of the format, ended by a row of type 0; NULL: VTK's */
     int64_t n_other, n_lower;
     io_array *array; /* [n_arrays] arrays that may tell regions, in the file's order */
     int n_arrays;
@@ -272,9 +293,10 @@ static inline io_cells *io_model_cells(io_model *model, int dim) {
     return dim == 3 ? &model->tetrahedron : dim == 2 ? &model->triangle : &model->line;
 }
 
-/** Return the elements that are smoothed: the tetrahedra, or the triangles where there is none. */
+/** Return the elements that are smoothed: the tetrahedra, or the triangles where there is no solid
+ *  element. */
 static inline const io_cells *io_model_elements(const io_model *model) {
-    return model->tetrahedron.n > 0 ? &model->tetrahedron : &model->triangle;
+    return model->tetrahedron.n > 0 || model->dim == 3 ? &model->tetrahedron : &model->triangle;
 }
 
 /** Make room for n more cells of a dimension; the reader then writes nodes, entity, number at index
@@ -287,6 +309,12 @@ int io_cells_reserve(io_model *model, int dim, int64_t n, int with_entity, int w
  *  io_cells_reserve. */
 int io_cells_add(io_model *model, int dim, const int32_t *nodes, int32_t entity, int64_t number,
                  planish_error *error);
+
+/** Add an element of a type to model->other behind the others: its nodes, indices in the format's
+ *  order. type PLANISH_CELL_LINE3 and below two dimensions, and 0, are passed over. Errors: _FORMAT
+ *  (too many), _MEMORY. */
+int io_model_add_other(io_model *model, int type, const int32_t *nodes, int64_t number,
+                       planish_error *error);
 
 /** Find the index of the entity (dim, tag, physical[n]), made if new; negative on failure. */
 int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,

@@ -257,12 +257,20 @@ int io_file_from_memory(const io_format *format, const char *path, const char *d
     return status;
 }
 
+static void release_cells(planish_file *file) {
+    pl_free((void *)(uintptr_t)file->cells.type);
+    pl_free((void *)(uintptr_t)file->cells.offset);
+    pl_free((void *)(uintptr_t)file->cells.node);
+    file->cells = (planish_cells){.n = 0};
+}
+
 void planish_file_close(planish_file *file) {
     if (!file)
         return;
     if (file->format && file->format->release)
         file->format->release(&file->model);
     io_model_destroy(&file->model);
+    release_cells(file);
     pl_free(file);
 }
 
@@ -326,12 +334,56 @@ planish_mesh planish_file_mesh(const planish_file *file) {
                           .periodic = file->model.periodic};
 }
 
+/** Make the arrays of file->cells: elements, then others. */
+static int make_cells(planish_file *file, planish_error *error) {
+    const io_cells *elements = io_file_elements(file);
+    const io_others *others = &file->model.other;
+    const int dim = file->model.dim;
+    const int64_t n = elements->n + others->n, n_own = elements->n * (dim + 1);
+    uint8_t *type = pl_alloc(n, sizeof *type);
+    int64_t *offset = pl_alloc(n + 1, sizeof *offset);
+    int32_t *node = pl_alloc(n_own + others->n_nodes, sizeof *node);
+    file->cells = (planish_cells){.n = n, .type = type, .offset = offset, .node = node};
+    if (!type || !offset || !node)
+        return pl_fail_memory(error, "elements");
+    memset(type, dim == 3 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TRIANGLE, (size_t)elements->n);
+    for (int64_t i = 0; i <= elements->n; i++)
+        offset[i] = i * (dim + 1);
+    for (int64_t i = 0; i < others->n; i++) {
+        type[elements->n + i] = others->type[i];
+        offset[elements->n + i + 1] = n_own + others->offset[i];
+    }
+    if (n_own > 0)
+        memcpy(node, elements->nodes, (size_t)n_own * sizeof *node);
+    if (others->n > 0)
+        memcpy(node + n_own, others->node, (size_t)others->n_nodes * sizeof *node);
+    return PLANISH_OK;
+}
+
+int planish_file_cells(planish_file *file, planish_cells *cells, planish_error *error) {
+    if (!file || !cells)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and cells must not be NULL");
+    if (!file->cells.offset) {
+        const int status = make_cells(file, error);
+        if (status) {
+            release_cells(file);
+            return status;
+        }
+    }
+    *cells = file->cells;
+    return PLANISH_OK;
+}
+
 double *planish_file_coordinates(planish_file *file) {
     return file ? file->model.coordinates : NULL;
 }
 
 int64_t planish_file_element_number(const planish_file *file, int64_t element) {
-    return file ? io_cell_number(io_file_elements(file), element) : -1;
+    if (!file)
+        return -1;
+    const io_cells *cells = io_file_elements(file);
+    return element < cells->n ? io_cell_number(cells, element)
+                              : file->model.other.number[element - cells->n];
 }
 
 int64_t planish_file_node_number(const planish_file *file, int64_t node) {

@@ -258,8 +258,35 @@ static int finish_plane(io_model *model, const io_format *format, planish_error 
     return PLANISH_OK;
 }
 
+static int is_solid(int type) {
+    return type != PLANISH_CELL_TRIANGLE6 && type != PLANISH_CELL_QUADRILATERAL &&
+           type != PLANISH_CELL_QUADRILATERAL8 && type != PLANISH_CELL_QUADRILATERAL9;
+}
+
+/** Keep those of the other elements that are of dimension dim. */
+static void keep_others(io_others *o, int dim) {
+    int64_t n = 0, n_nodes = 0, begin = 0;
+    for (int64_t i = 0; i < o->n; i++) {
+        const int64_t from = begin, length = o->offset[i] - from;
+        begin = o->offset[i];
+        if (is_solid(o->type[i]) != (dim == 3))
+            continue;
+        memmove(o->node + n_nodes, o->node + from, (size_t)length * sizeof *o->node);
+        n_nodes += length;
+        o->type[n] = o->type[i];
+        o->number[n] = o->number[i];
+        o->offset[n++] = n_nodes;
+    }
+    o->n = n;
+    o->n_nodes = n_nodes;
+}
+
 int io_model_finish(io_model *model, const io_format *format, planish_error *error) {
-    const int dim = model->tetrahedron.n > 0 ? 3 : 2;
+    int dim = model->tetrahedron.n > 0 ? 3 : 2;
+    for (int64_t i = 0; i < model->other.n && dim == 2; i++)
+        dim = is_solid(model->other.type[i]) ? 3 : 2;
+    keep_others(&model->other, dim);
+    model->dim = dim;
     int status = PLANISH_OK;
     for (int d = 1; d < dim && !status; d++)
         status = find_plain(model, d, dim, error);
@@ -274,15 +301,15 @@ int io_model_finish(io_model *model, const io_format *format, planish_error *err
         model->hold[i] &= (uint8_t)~IO_HELD_BY_POINT;
     model->n_lower += model->line.n;
     hold_nodes(model, 1, IO_HELD_BY_LINE);
-    if (dim == 2 && model->triangle.n > 0)
+    if (dim == 2 && (model->triangle.n > 0 || model->other.n > 0))
         return finish_plane(model, format, error);
     if (dim == 2)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: no tetrahedron and no triangle in it: there is nothing to smooth",
+                       "%s: no element of two or three dimensions in it: there is nothing to smooth",
                        model->input.path);
     if (model->columns < 3)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: tetrahedra in two dimensions; a third coordinate is missing",
+                       "%s: solid elements in two dimensions; a third coordinate is missing",
                        model->input.path);
     model->dim = model->written = 3;
     model->coordinates = model->xyz;
