@@ -226,10 +226,15 @@ static void hold_nodes(io_model *model, int dim, uint8_t reason) {
         model->hold[cells->nodes[i]] |= reason;
 }
 
-/** Find the plane of a mesh of triangles and the coordinates there. The file's own places are kept
- *  where its columns are not those of the coordinates. */
+/** Find the plane of a mesh in two dimensions and the coordinates there. The file's own places are
+ *  kept where its columns are not those of the coordinates. Other elements that are not in one plane
+ *  with the triangles are passed over. */
 static int finish_plane(io_model *model, const io_format *format, planish_error *error) {
-    const int status = io_plane_find(model, format, error);
+    int status = io_plane_find(model, format, error);
+    if (status == PLANISH_ERROR_FORMAT && model->triangle.n > 0 && model->other.n > 0) {
+        model->other.n = model->other.n_nodes = 0;
+        status = io_plane_find(model, format, error);
+    }
     if (status)
         return status;
     model->dim = 2;

@@ -11,8 +11,8 @@
 
 #include "io/core/format.h"
 
-/** Find the plane of the triangles' nodes, model->plane. Fails where they lie in none. format: as
- *  for io_model_finish. */
+/** Find the plane of the nodes of triangles and other elements, model->plane. Fails where they lie
+ *  in none. format: as for io_model_finish. */
 int io_plane_find(io_model *model, const io_format *format, planish_error *error);
 
 /** Distance that nodes of a plane may be off it by the digits that the file gives them, as a part

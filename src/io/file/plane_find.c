@@ -1,4 +1,4 @@
-/* plane_find: the plane that a mesh of triangles lies in.
+/* plane_find: the plane that a mesh of elements of two dimensions lies in.
  *
  * Of planes across an axis the other two columns of the file are the coordinates, in the order in
  * which they turn as x and y do: y z, z x. The column across stays as it is in the file.
@@ -85,9 +85,22 @@ double io_tolerance_of_digits(const io_model *model, const io_format *format) {
     return tolerance > largest ? largest : tolerance < smallest ? 0 : tolerance;
 }
 
+/* ---- nodes of elements ---------------------------------------------------------------------- */
+
+/** Count the corners of triangles and the nodes of other elements. */
+static int64_t n_listed(const io_model *model) {
+    return 3 * model->triangle.n + model->other.n_nodes;
+}
+
+/** Return number i of these; -1: a missing mid. */
+static int64_t listed_node(const io_model *model, int64_t i) {
+    const int64_t n = 3 * model->triangle.n;
+    return i < n ? model->triangle.nodes[i] : model->other.node[i - n];
+}
+
 /* ---- a tilted plane ------------------------------------------------------------------------- */
 
-/** The nodes of triangles about the middle of their box, in units of its diagonal. */
+/** The nodes of elements about the middle of their box, in units of its diagonal. */
 typedef struct cloud {
     const io_model *model;
     uint8_t *is_used; /* [n_nodes] owned */
@@ -220,7 +233,7 @@ static void set_plane(const cloud *c, const double n[3], io_plane *plane) {
     plane->off = most_off * c->size;
 }
 
-/** Find the tilted plane that fits the nodes of the triangles, within the box from low to high,
+/** Find the tilted plane that fits the nodes of the elements, within the box from low to high,
  *  best; *is_thin: they are along a line, as far as can be told. */
 static int fit_plane(io_model *model, const double low[3], const double high[3], int *is_thin,
                      planish_error *error) {
@@ -238,9 +251,10 @@ static int fit_plane(io_model *model, const double low[3], const double high[3],
         return PLANISH_OK;
     c.is_used = pl_alloc_zero(model->n_nodes, 1);
     if (!c.is_used)
-        return pl_fail_memory(error, "the plane of the triangles");
-    for (int64_t i = 0; i < 3 * model->triangle.n; i++)
-        c.is_used[model->triangle.nodes[i]] = 1;
+        return pl_fail_memory(error, "the plane of the mesh");
+    for (int64_t i = 0; i < n_listed(model); i++)
+        if (listed_node(model, i) >= 0)
+            c.is_used[listed_node(model, i)] = 1;
     for (int64_t node = 0; node < model->n_nodes; node++)
         c.n += c.is_used[node];
     const double width = find_normal(&c, normal);
@@ -271,17 +285,17 @@ int io_plane_find(io_model *model, const io_format *format, planish_error *error
     /* What geometry kernels and roundings leave of a constant column, as a part of the longer side
      */
     const double noise = 1e-8;
-    const int32_t *nodes = model->triangle.nodes;
+    const char *what = model->other.n > 0 ? "elements" : "triangles";
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (int64_t i = 0; i < 3 * model->triangle.n; i++)
-        for (int d = 0; d < 3; d++) {
-            const double x = model->xyz[3 * (int64_t)nodes[i] + d];
+    for (int64_t i = 0; i < n_listed(model); i++)
+        for (int d = 0; d < 3 && listed_node(model, i) >= 0; d++) {
+            const double x = model->xyz[3 * listed_node(model, i) + d];
             low[d] = x < low[d] ? x : low[d];
             high[d] = x > high[d] ? x : high[d];
         }
     for (int i = 0; i < 3; i++) {
         const int across = order[i], p = (across + 1) % 3, q = (across + 2) % 3;
-        const double first = model->xyz[3 * (int64_t)nodes[0] + across];
+        const double first = model->xyz[3 * listed_node(model, 0) + across];
         const double most =
             fmax(noise * high[p] - noise * low[p], noise * high[q] - noise * low[q]);
         if (fabs(low[across] - first) <= most && fabs(high[across] - first) <= most) {
@@ -298,13 +312,13 @@ int io_plane_find(io_model *model, const io_format *format, planish_error *error
         return status;
     if (is_flat)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: triangles in space whose nodes lie along a line, as far as can be told "
+                       "%s: %s in space whose nodes lie along a line, as far as can be told "
                        "(they are up to %.3g off it): no plane can be found for them",
-                       model->input.path, plane->off);
+                       model->input.path, what, plane->off);
     return pl_fail(error, PLANISH_ERROR_FORMAT,
-                   "%s: triangles in space (nodes are up to %.3g off the plane that fits them "
+                   "%s: %s in space (nodes are up to %.3g off the plane that fits them "
                    "best, and %.3g is allowed, %.3g of the size): only meshes in one plane can be "
                    "smoothed, surfaces cannot (a larger tolerance is given by "
                    "--slide-tolerance)",
-                   model->input.path, plane->off, tolerance * plane->size, tolerance);
+                   model->input.path, what, plane->off, tolerance * plane->size, tolerance);
 }

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "io/core/elements.h"
 #include "io/vtk/vtk_cells.h"
 
 #include <math.h>
@@ -15,67 +16,135 @@ enum { VALUES_AT_ONCE = 1 << 16, N_KINDS = 3 };
 
 /** A cell, or the place behind all. */
 typedef struct view_cell {
-    const io_cells *of;
-    int64_t index;    /* in it */
-    int corners;      /* nodes of a cell of the kind, */
-    int type;         /* and VTK's type of it */
-    int64_t n_before; /* nodes of all cells before it */
-    int value;        /* which of the cell's values */
+    const io_cells *of;  /* NULL: it is one of model->other */
+    int64_t index;       /* in it */
+    int size;            /* nodes of it, */
+    int type;            /* and VTK's type of it */
+    const int32_t *node; /* [size] */
+    int64_t n_before;    /* nodes of all cells before it */
+    int64_t first_value; /* of the array that it was found in */
+    int value;           /* which of the cell's values */
 } view_cell;
 
+/** Return VTK's type of an element with those nodes. It is straight where a mid is missing. */
+static int other_type(int type, const int32_t *node) {
+    static const uint8_t straight[] = {
+        [PLANISH_CELL_TRIANGLE6] = PLANISH_CELL_TRIANGLE,
+        [PLANISH_CELL_QUADRILATERAL8] = PLANISH_CELL_QUADRILATERAL,
+        [PLANISH_CELL_QUADRILATERAL9] = PLANISH_CELL_QUADRILATERAL,
+        [PLANISH_CELL_TETRAHEDRON10] = PLANISH_CELL_TETRAHEDRON,
+        [PLANISH_CELL_HEXAHEDRON20] = PLANISH_CELL_HEXAHEDRON,
+        [PLANISH_CELL_HEXAHEDRON27] = PLANISH_CELL_HEXAHEDRON,
+        [PLANISH_CELL_WEDGE15] = PLANISH_CELL_WEDGE,
+        [PLANISH_CELL_WEDGE18] = PLANISH_CELL_WEDGE,
+        [PLANISH_CELL_PYRAMID13] = PLANISH_CELL_PYRAMID,
+        [PLANISH_CELL_PYRAMID14] = PLANISH_CELL_PYRAMID};
+    const int as = type == PLANISH_CELL_PYRAMID14 ? PLANISH_CELL_PYRAMID13 : type;
+    for (int i = 0; i < io_cell_type_nodes(as); i++)
+        if (node[i] < 0)
+            return straight[type];
+    return as;
+}
+
+/** Find how element i of model->other is written; first_value and n_before are left as they are. */
+static void set_other(const io_others *others, int64_t i, view_cell *cell) {
+    cell->of = NULL;
+    cell->index = i;
+    if (i == others->n)
+        return;
+    cell->node = others->node + (i > 0 ? others->offset[i - 1] : 0);
+    cell->type = other_type(others->type[i], cell->node);
+    cell->size = io_cell_type_nodes(cell->type);
+}
+
 /** Find the cell, and which of its values, that value number i of an array is. Cells have one value
- *  each, their nodes, or these led by their number. */
-static view_cell find_cell(const io_view *view, io_view_values values, int64_t i) {
+ *  each, their nodes, or these led by their number. cell: the cell of a value of that array before,
+ *  or zeroed. */
+static void find_cell(const io_view *view, io_view_values values, int64_t i, view_cell *cell) {
     static const int types[N_KINDS] = {VTK_TETRAHEDRON, VTK_TRIANGLE, VTK_LINE};
     const io_model *model = view->model;
     const io_cells *const kinds[N_KINDS] = {&model->tetrahedron, &model->triangle, &model->line};
     const int is_counted = values == IO_VIEW_COUNTED_NODES;
     const int has_nodes = is_counted || values == IO_VIEW_NODES;
-    int64_t n_before = 0;
-    for (int k = 0;; k++) {
-        const int corners = N_KINDS + 1 - k, n = has_nodes ? corners + is_counted : 1;
-        if (k + 1 == N_KINDS || i < kinds[k]->n * n) {
-            const int64_t index = i / n;
-            return (view_cell){kinds[k],    index, corners, types[k], n_before + index * corners,
-                               (int)(i % n)};
+    int64_t n_before = 0, first_value = 0;
+    for (int k = 0; k < N_KINDS; k++) {
+        const int size = N_KINDS + 1 - k, n = has_nodes ? size + is_counted : 1;
+        if (i < first_value + kinds[k]->n * n) {
+            const int64_t index = (i - first_value) / n;
+            *cell = (view_cell){.of = kinds[k],
+                                .index = index,
+                                .size = size,
+                                .type = types[k],
+                                .node = kinds[k]->nodes + index * size,
+                                .n_before = n_before + index * size,
+                                .value = (int)((i - first_value) % n)};
+            return;
         }
-        i -= kinds[k]->n * n;
-        n_before += kinds[k]->n * corners;
+        first_value += kinds[k]->n * n;
+        n_before += kinds[k]->n * size;
     }
+    /* Others have different numbers of nodes: go on from the last one. */
+    if (cell->of || cell->size == 0) {
+        cell->first_value = first_value;
+        cell->n_before = n_before;
+        set_other(&model->other, 0, cell);
+    }
+    for (;;) {
+        const int64_t n = has_nodes ? cell->size + is_counted : 1;
+        cell->value = (int)(i - cell->first_value);
+        if (cell->index == model->other.n || cell->value < n)
+            return;
+        cell->first_value += n;
+        cell->n_before += cell->size;
+        set_other(&model->other, cell->index + 1, cell);
+    }
+}
+
+/** Count the nodes of all cells. */
+static int64_t count_nodes(const io_model *model) {
+    int64_t n = 4 * model->tetrahedron.n + 3 * model->triangle.n + 2 * model->line.n;
+    view_cell cell = {0};
+    for (int64_t i = 0; i < model->other.n; i++) {
+        set_other(&model->other, i, &cell);
+        n += cell.size;
+    }
+    return n;
 }
 
 /* ---- values -------------------------------------------------------------------------------- */
 
-/** Return value i of the whole numbers of nodes or cells. */
-static int64_t whole_value(const io_view *view, io_view_values values, int64_t i) {
+/** Return value i of the whole numbers of nodes or cells. cell: as in find_cell. */
+static int64_t whole_value(const io_view *view, io_view_values values, int64_t i,
+                           view_cell *cell) {
     if (values == IO_VIEW_FIXED)
         return view->constraint[i] == PLANISH_CONSTRAINT_FIXED;
     if (values == IO_VIEW_NODE_NUMBERS)
         return io_node_number(view->model, i);
-    const view_cell c = find_cell(view, values, i);
-    const int32_t entity = c.of->entity ? c.of->entity[c.index] : -1;
-    const io_entity *const of = entity >= 0 ? &view->model->entity[entity] : NULL;
+    find_cell(view, values, i, cell);
+    const io_cells *of = cell->of;
+    const int32_t at = of && of->entity ? of->entity[cell->index] : -1;
+    const io_entity *const entity = at >= 0 ? &view->model->entity[at] : NULL;
     switch (values) {
     case IO_VIEW_NODES:
-        return c.of->nodes[c.index * c.corners + c.value];
+        return cell->node[cell->value];
     case IO_VIEW_COUNTED_NODES:
-        return c.value == 0 ? c.corners : c.of->nodes[c.index * c.corners + c.value - 1];
+        return cell->value == 0 ? cell->size : cell->node[cell->value - 1];
     case IO_VIEW_ENDS:
-        return c.n_before + c.corners;
+        return cell->n_before + cell->size;
     case IO_VIEW_TYPES:
-        return c.type;
+        return cell->type;
     case IO_VIEW_REGIONS:
-        return c.of->region ? c.of->region[c.index] : of ? of->tag : 0;
+        return of && of->region ? of->region[cell->index] : entity ? entity->tag : 0;
     case IO_VIEW_GROUPS:
-        return of && of->n_physical > 0 ? of->physical[0] : 0;
+        return entity && entity->n_physical > 0 ? entity->physical[0] : 0;
     default:
-        return io_cell_number(c.of, c.index);
+        return of ? io_cell_number(of, cell->index) : view->model->other.number[cell->index];
     }
 }
 
 /** Return value i of the coordinates, or of the radius ratios (none of cells that are not
- *  smoothed). */
-static double real_value(const io_view *view, io_view_values values, int64_t i) {
+ *  smoothed). cell: as in find_cell. */
+static double real_value(const io_view *view, io_view_values values, int64_t i, view_cell *cell) {
     const io_model *model = view->model;
     if (values == IO_VIEW_COORDINATES) {
         const int64_t node = i / 3;
@@ -84,8 +153,8 @@ static double real_value(const io_view *view, io_view_values values, int64_t i) 
             return view->coordinates[node * model->written + d];
         return model->z ? model->z[node] : 0;
     }
-    const view_cell c = find_cell(view, values, i);
-    return c.of == io_model_elements(model) ? view->radius_ratio[c.index] : (double)NAN;
+    find_cell(view, values, i, cell);
+    return cell->of == io_model_elements(model) ? view->radius_ratio[cell->index] : (double)NAN;
 }
 
 /* ---- the arrays ---------------------------------------------------------------------------- */
@@ -96,14 +165,16 @@ io_view io_view_of(const io_model *model, const double *coordinates, const uint8
                      .coordinates = coordinates,
                      .constraint = constraint,
                      .radius_ratio = radius_ratio,
-                     .n_cells = model->tetrahedron.n + model->triangle.n + model->line.n};
+                     .n_cells = model->tetrahedron.n + model->triangle.n + model->line.n +
+                                model->other.n};
 }
 
 /** Return the array of n numbers: of 32 bits, which all programs read, where they are no larger. */
 static io_view_array numbers_of(const io_view *view, io_view_values values, int64_t n) {
     int fits = 1;
+    view_cell cell = {0};
     for (int64_t i = 0; i < n; i++) {
-        const int64_t value = whole_value(view, values, i);
+        const int64_t value = whole_value(view, values, i, &cell);
         fits &= value >= INT32_MIN && value <= INT32_MAX;
     }
     return (io_view_array){"number", values, fits ? IO_VIEW_I32 : IO_VIEW_I64, n, 1};
@@ -114,14 +185,14 @@ io_view_arrays io_view_arrays_of(const io_view *view) {
     const io_view_type real =
         model->precision == PLANISH_PRECISION_FLOAT ? IO_VIEW_F32 : IO_VIEW_F64;
     const int64_t n_nodes = model->n_nodes, n = view->n_cells;
-    const int64_t n_corners = 4 * model->tetrahedron.n + 3 * model->triangle.n + 2 * model->line.n;
+    const int64_t n_of_cells = count_nodes(model);
     int has_groups = 0;
     io_view_arrays a = {.points = {"Points", IO_VIEW_COORDINATES, real, 3 * n_nodes, 3},
-                        .connectivity = {"connectivity", IO_VIEW_NODES, IO_VIEW_I32, n_corners, 1},
+                        .connectivity = {"connectivity", IO_VIEW_NODES, IO_VIEW_I32, n_of_cells, 1},
                         .offsets = {"offsets", IO_VIEW_ENDS, IO_VIEW_I64, n, 1},
                         .types = {"types", IO_VIEW_TYPES, IO_VIEW_U8, n, 1},
                         .wide_types = {"types", IO_VIEW_TYPES, IO_VIEW_I32, n, 1},
-                        .counted = {"cells", IO_VIEW_COUNTED_NODES, IO_VIEW_I32, n_corners + n, 1}};
+                        .counted = {"cells", IO_VIEW_COUNTED_NODES, IO_VIEW_I32, n_of_cells + n, 1}};
     if (view->constraint)
         a.point_data[a.n_point_data++] =
             (io_view_array){"fixed", IO_VIEW_FIXED, IO_VIEW_U8, n_nodes, 1};
@@ -145,12 +216,13 @@ int io_view_type_size(io_view_type type) {
     return size[type];
 }
 
-/** Store value i of an array at at. */
-static void store_value(const io_view *view, const io_view_array *array, int64_t i, char *at) {
+/** Store value i of an array at at. cell: as in find_cell. */
+static void store_value(const io_view *view, const io_view_array *array, int64_t i,
+                        view_cell *cell, char *at) {
     const int is_real =
         array->values == IO_VIEW_COORDINATES || array->values == IO_VIEW_RADIUS_RATIOS;
-    const double real = is_real ? real_value(view, array->values, i) : 0;
-    const int64_t integer = is_real ? 0 : whole_value(view, array->values, i);
+    const double real = is_real ? real_value(view, array->values, i, cell) : 0;
+    const int64_t integer = is_real ? 0 : whole_value(view, array->values, i, cell);
     const int32_t narrow = (int32_t)integer;
     const float single = (float)real;
     switch (array->type) {
@@ -176,13 +248,14 @@ int io_view_write(const io_view *view, const io_view_array *array, int swapped, 
                   planish_error *error) {
     const int size = io_view_type_size(array->type);
     char *block = pl_alloc(VALUES_AT_ONCE, (size_t)size);
+    view_cell cell = {0};
     int status = block ? PLANISH_OK : pl_fail_memory(error, "the values to be written");
     for (int64_t begin = 0; begin < array->n && !status; begin += VALUES_AT_ONCE) {
         const int64_t left = array->n - begin;
         const int64_t n = left < VALUES_AT_ONCE ? left : VALUES_AT_ONCE;
         for (int64_t i = 0; i < n; i++) {
             char *at = block + i * size;
-            store_value(view, array, begin + i, at);
+            store_value(view, array, begin + i, &cell, at);
             for (int k = 0; k < size / 2 && swapped; k++) {
                 const char t = at[k];
                 at[k] = at[size - 1 - k];

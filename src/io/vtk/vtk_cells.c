@@ -9,7 +9,8 @@
 #include <stdio.h>
 
 /** By VTK's number of the type; nodes 0: cells say how many they have. A cell of any type that is
- *  not here, known to VTK or not, holds its nodes. */
+ *  not here, known to VTK or not, holds its nodes and is not measured. Bezier cells are measured
+ *  only as straight simplices, as their nodes do not lie on them. */
 static const io_element_type types[] = {
     [VTK_VERTEX] = {"vertex", IO_POINT, 1, 1},
     [VTK_POLY_VERTEX] = {"polyvertex", IO_POINT, 1, 0},
@@ -18,10 +19,23 @@ static const io_element_type types[] = {
     [VTK_TRIANGLE] = {"triangle", IO_TRIANGLE, 1, 3},
     [VTK_TRIANGLE_STRIP] = {"triangle strip", IO_POLYGON, 1, 0},
     [VTK_POLYGON] = {"polygon", IO_POLYGON, 1, 0},
+    [VTK_PIXEL] = {"pixel", IO_QUADRILATERAL, 1, 4},
+    [9] = {"quadrilateral", IO_QUADRILATERAL, 1, 4},
     [VTK_TETRAHEDRON] = {"tetrahedron", IO_TETRAHEDRON, 1, 4},
+    [VTK_VOXEL] = {"voxel", IO_HEXAHEDRON, 1, 8},
+    [12] = {"hexahedron", IO_HEXAHEDRON, 1, 8},
+    [13] = {"wedge", IO_PRISM, 1, 6},
+    [14] = {"pyramid", IO_PYRAMID, 1, 5},
     [21] = {"quadratic edge", IO_LINE, 2, 3},
     [22] = {"quadratic triangle", IO_TRIANGLE, 2, 6},
+    [23] = {"quadratic quadrilateral", IO_QUADRILATERAL, 2, 8},
     [24] = {"quadratic tetrahedron", IO_TETRAHEDRON, 2, 10},
+    [25] = {"quadratic hexahedron", IO_HEXAHEDRON, 2, 20},
+    [26] = {"quadratic wedge", IO_PRISM, 2, 15},
+    [27] = {"quadratic pyramid", IO_PYRAMID, 2, 13},
+    [28] = {"biquadratic quadrilateral", IO_QUADRILATERAL, 2, 9},
+    [29] = {"triquadratic hexahedron", IO_HEXAHEDRON, 2, 27},
+    [32] = {"biquadratic quadratic wedge", IO_PRISM, 2, 18},
     [34] = {"biquadratic triangle", IO_TRIANGLE, 2, 7},
     [35] = {"cubic line", IO_LINE, 3, 4},
     [51] = {"parametric curve", IO_LINE, 2, 0},
@@ -29,8 +43,11 @@ static const io_element_type types[] = {
     [61] = {"higher order triangle", IO_TRIANGLE, 3, 10},
     [64] = {"higher order tetrahedron", IO_TETRAHEDRON, 3, 20},
     [68] = {"Lagrange curve", IO_LINE, 2, 0},
-    [69] = {"Lagrange triangle", IO_TRIANGLE, 2, 0},
+    [VTK_LAGRANGE_TRIANGLE] = {"Lagrange triangle", IO_TRIANGLE, 2, 0},
+    [70] = {"Lagrange quadrilateral", IO_QUADRILATERAL, 2, 0},
     [71] = {"Lagrange tetrahedron", IO_TETRAHEDRON, 2, 0},
+    [72] = {"Lagrange hexahedron", IO_HEXAHEDRON, 2, 0},
+    [VTK_LAGRANGE_WEDGE] = {"Lagrange wedge", IO_PRISM, 2, 0},
     [75] = {"Bezier curve", IO_LINE, 2, 0},
     [76] = {"Bezier triangle", IO_TRIANGLE, 2, 0},
     [78] = {"Bezier tetrahedron", IO_TETRAHEDRON, 2, 0},
@@ -46,20 +63,24 @@ static const io_element_type *find_type(int32_t type) {
     return type < n && types[type].shape != IO_NO_SHAPE ? &types[type] : &other;
 }
 
+enum { MOST_NODES = 27 }; /* of a cell that is measured */
+
 /** Fates of cells that the model does not keep; of others their dimension. */
 enum { CELL_HELD = 0, CELL_REFUSED = -1, CELL_WRONG = -2 };
 
 /** Find the fate of a cell of n nodes. A type whose cells say how many nodes they have (each line
  *  does) is straight if these are its corners. */
 static int fate_of(const io_element_type *type, int64_t n) {
-    const int dim = io_element_dim(type), has_corners = n == dim + 1;
+    const int dim = io_element_dim(type), is_straight = n == dim + 1;
+    const io_element_treatment use = io_element_use(type);
     if (type->shape == IO_LINE || type->shape == IO_POLYGON)
-        return has_corners ? dim : CELL_HELD;
-    if (io_element_use(type) == IO_HOLD)
-        return CELL_HELD;
-    if (has_corners && (type->nodes == 0 || type->order == 1))
-        return dim;
-    return type->order == 1 ? CELL_WRONG : CELL_REFUSED;
+        return is_straight ? dim : CELL_HELD;
+    if (use == IO_REFUSE)
+        return CELL_REFUSED;
+    if (dim > 1 && type->nodes > 0 && n != type->nodes)
+        return CELL_WRONG;
+    const int is_simplex = type->shape == IO_TRIANGLE || type->shape == IO_TETRAHEDRON;
+    return use == IO_KEEP || (is_simplex && type->nodes == 0 && is_straight) ? dim : CELL_HELD;
 }
 
 /** A walk over the cells; what is behind index is of the cell that next_cell came to. */
@@ -174,6 +195,45 @@ static int survey_cells(io_model *model, cell_walk walk, cell_tally tally[4]) {
     return PLANISH_OK;
 }
 
+/** Return the planish_cell_type of the cell that next_cell came to; 0: it is not measured. Of
+ *  Lagrange cells those are whose order follows from their number of nodes, and whose nodes are in
+ *  the order of the type with that many in every version of VTK. */
+static int measured_type(const cell_walk *walk) {
+    const int32_t type = walk->grid->type[walk->index - 1];
+    const int as = walk->n <= MOST_NODES ? io_cell_type(walk->type->shape, (int)walk->n) : 0;
+    if (walk->type->nodes > 0)
+        return as;
+    if (type < VTK_LAGRANGE_TRIANGLE || type > VTK_LAGRANGE_WEDGE)
+        return 0;
+    switch (as) {
+    case PLANISH_CELL_QUADRILATERAL:
+    case PLANISH_CELL_HEXAHEDRON:
+    case PLANISH_CELL_WEDGE:
+    case PLANISH_CELL_TRIANGLE6:
+    case PLANISH_CELL_QUADRILATERAL9:
+    case PLANISH_CELL_TETRAHEDRON10:
+        return as;
+    default:
+        return 0;
+    }
+}
+
+/** Hand over the held cell that next_cell came to, if it is of a type that is measured. The nodes
+ *  of pixels and voxels stand row by row. */
+static int add_other(io_model *model, const cell_walk *walk) {
+    static const uint8_t rows[] = {0, 1, 3, 2, 4, 5, 7, 6};
+    const vtk_grid *grid = walk->grid;
+    const int64_t cell = walk->index - 1;
+    const int has_rows = grid->type[cell] == VTK_PIXEL || grid->type[cell] == VTK_VOXEL;
+    const int type = measured_type(walk);
+    int32_t nodes[MOST_NODES];
+    if (type == 0)
+        return PLANISH_OK;
+    for (int64_t k = 0; k < walk->n; k++)
+        nodes[k] = (int32_t)(grid->first_point + walk->nodes[has_rows ? rows[k] : k]);
+    return io_model_add_other(model, type, nodes, grid->first_cell + cell, walk->error);
+}
+
 int vtk_cells_store(io_model *model, const vtk_grid *grid, planish_error *error) {
     cell_tally tally[4] = {{0}};
     cell_walk walk = {.model = model, .grid = grid, .error = error};
@@ -189,6 +249,8 @@ int vtk_cells_store(io_model *model, const vtk_grid *grid, planish_error *error)
     }
     while (!status && walk.index < grid->n) {
         status = next_cell(&walk);
+        if (!status && walk.fate == CELL_HELD)
+            status = add_other(model, &walk);
         if (status || walk.fate <= 0)
             continue;
         io_cells *to = io_model_cells(model, walk.fate);

@@ -1,7 +1,8 @@
 /* vtk_cells: the cells of VTK's grids, whatever file they stand in.
  *
  *   vtk_grid, vtk_grid_release         cells as a file lists them
- *   vtk_cells_store                    simplices go to the model, others hold their nodes
+ *   vtk_cells_store                    simplices go to the model, others hold their nodes and are
+ *                                      measured
  *   vtk_nodes_hold, vtk_faces_hold     nodes of polyhedra
  *
  * Cells and points are numbered from 0, as VTK does.
@@ -19,8 +20,12 @@ enum {
     VTK_TRIANGLE = 5,
     VTK_TRIANGLE_STRIP = 6,
     VTK_POLYGON = 7,
+    VTK_PIXEL = 8,
     VTK_TETRAHEDRON = 10,
+    VTK_VOXEL = 11,
     VTK_POLYHEDRON = 42,
+    VTK_LAGRANGE_TRIANGLE = 69,
+    VTK_LAGRANGE_WEDGE = 73,
     VTK_LAST_TYPE = 255 /* VTK keeps types in bytes */
 };
 
@@ -42,8 +47,9 @@ typedef struct vtk_grid {
 /** Release the lists of a grid; NULL then. */
 void vtk_grid_release(vtk_grid *grid);
 
-/** Store the lines, triangles and tetrahedra, hold the nodes of all other cells, of whatever type.
- *  Called for each piece of a file. Error: _FORMAT, names the cell; offsets are checked, too. */
+/** Store the lines, triangles and tetrahedra, hold the nodes of all other cells, of whatever type,
+ *  and hand over those that are measured (io_model_add_other). Called for each piece of a file.
+ *  Error: _FORMAT, names the cell; offsets are checked, too. */
 int vtk_cells_store(io_model *model, const vtk_grid *grid, planish_error *error);
 
 /** Hold nodes [n] of the grid. 0; -1: one is not among its points. */
