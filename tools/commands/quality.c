@@ -69,7 +69,7 @@ static void print_table(quality_run *r, const pl_job *job, const pl_measured *me
         return;
     pl_progress_clear(&r->progress);
     pl_table_oddities(stderr, job);
-    pl_table_quality(r->stream, job, &measured->quality, &measured->volumes);
+    pl_table_quality(r->stream, job, measured);
     pl_table_worst(r->stream, &measured->worst, r->arguments->n_worst);
     pl_volumes_print(stderr, job, &measured->volumes);
     pl_reversed_print(stderr, job, measured->reversed, measured->quality.n_reversed);
@@ -78,8 +78,8 @@ static void print_table(quality_run *r, const pl_job *job, const pl_measured *me
     pl_held_note(stderr, job);
 }
 
-static int measure_job(quality_run *r, pl_job *job, pl_compared *mesh) {
-    pl_measured *measured = &mesh->measured;
+/** Measure the straight simplices, and find out what is odd about them. */
+static int measure_simplices(quality_run *r, pl_job *job, pl_measured *measured) {
     int status;
     pl_progress_stage(&r->progress, PL_STAGE_PLANNING);
     if ((status = pl_job_plan(job)))
@@ -100,10 +100,21 @@ static int measure_job(quality_run *r, pl_job *job, pl_compared *mesh) {
         fraction > 0 ? fraction * fabs(measured->quality.total_volume) : job->options.min_volume;
     if ((status = pl_volumes_find(job, least, NULL, &measured->volumes)))
         return status;
-    if (pl_job_is_told(job) &&
-        (status = pl_reversed_find(job, measured->quality.n_reversed, &measured->reversed)))
+    return pl_job_is_told(job)
+               ? pl_reversed_find(job, measured->quality.n_reversed, &measured->reversed)
+               : 0;
+}
+
+static int measure_job(quality_run *r, pl_job *job, pl_compared *mesh) {
+    pl_measured *measured = &mesh->measured;
+    int status = job->mesh.n_elements > 0 ? measure_simplices(r, job, measured)
+                                          : pl_job_measure(job, &measured->quality);
+    if (status)
         return status;
-    if ((status = pl_worst_find_asked(job, &measured->worst)))
+    pl_progress_stage(&r->progress, PL_STAGE_MEASURING);
+    if ((status = pl_cells_measure(job, &measured->cells)))
+        return status;
+    if ((status = pl_worst_find_asked(job, &measured->cells, &measured->worst)))
         return status;
     print_table(r, job, measured);
     if ((status = keep_notes(r, job, mesh)))
@@ -132,8 +143,10 @@ static int measure_file(quality_run *r, const char *input) {
     int status = pl_job_read(&job, &arguments, &pl_engine_here);
     if (!status)
         status = measure_job(r, &job, mesh);
-    mesh->n_elements = job.mesh.n_elements;
+    mesh->n_elements = mesh->measured.cells.has_others ? mesh->measured.cells.cells.n
+                                                       : job.mesh.n_elements;
     pl_job_close(&job);
+    pl_cells_free(&mesh->measured.cells);
     pl_volumes_free(&mesh->measured.volumes);
     free(mesh->measured.reversed);
     mesh->measured.reversed = NULL;

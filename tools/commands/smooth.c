@@ -7,6 +7,7 @@
 #include "commands/commands.h"
 
 #include "commands/promises.h"
+#include "job/cells.h"
 #include "job/held.h"
 #include "job/job.h"
 #include "job/layers.h"
@@ -255,7 +256,7 @@ static int take_for_reports(const pl_job *job, const char *name, uint64_t *check
         return 0; /* the engine has the mesh */
     if (job->arguments->json || job->arguments->report)
         *checksum = pl_job_checksum(job);
-    const int status = pl_worst_find_asked(job, worst);
+    const int status = pl_worst_find_asked(job, NULL, worst);
     return status ? status : pl_report_draw(job, name, picture);
 }
 
@@ -354,8 +355,24 @@ static int report_result(const pl_job *job, pl_result *result, const pl_progress
     return pl_flush_stdout(status ? status : report, PL_EXIT_PARTLY);
 }
 
+/** Complain of a mesh without any element that is smoothed, and say what it has. */
+static int complain_of_types(const pl_job *job) {
+    planish_error error;
+    planish_cells cells;
+    char counts[256];
+    if (planish_file_cells(job->file, &cells, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    pl_cells_count(&cells, counts, sizeof counts);
+    return pl_complain(PL_EXIT_FAILED,
+                       "%s: %s: 'planish quality' measures these elements, but planish does not "
+                       "smooth them yet; their nodes stay",
+                       job->arguments->input, counts);
+}
+
 static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     int status;
+    if (job->file && job->mesh.n_elements == 0)
+        return complain_of_types(job);
     if ((status = check_output(job)))
         return status;
     if ((status = prepare(job, result, progress)))

@@ -97,7 +97,9 @@ int pl_job_find_layers(const pl_job *job, uint8_t **is_layer, int64_t *n) {
     *is_layer = malloc((size_t)job->mesh.n_elements + 1);
     if (!*is_layer)
         return pl_job_complain_memory(job, "values of elements");
-    if (planish_find_layers(&job->mesh, job->options.threads, *is_layer, n, &error))
+    *n = 0;
+    if (job->mesh.n_elements > 0 &&
+        planish_find_layers(&job->mesh, job->options.threads, *is_layer, n, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     return 0;
 }
@@ -115,7 +117,7 @@ static int find_min_volumes(pl_job *job) {
     planish_error error;
     if (arguments->n_min_volumes == 0)
         return 0;
-    job->min_volume = malloc((size_t)job->mesh.n_elements * sizeof *job->min_volume);
+    job->min_volume = malloc(((size_t)job->mesh.n_elements + 1) * sizeof *job->min_volume);
     if (!job->min_volume)
         return pl_job_complain_memory(job, "values of elements");
     if (planish_file_min_volumes(job->file, (const char *const *)arguments->min_volume_tag,
@@ -399,7 +401,9 @@ int pl_angle_is_smaller(double after, double before) {
 
 int pl_job_measure(const pl_job *job, planish_quality *quality) {
     planish_error error;
-    if (job->engine->measure(job, quality, &error))
+    *quality = (planish_quality){.worst_element = -1, .min_volume = NAN, .max_volume = NAN};
+    /* Without a straight simplex there is no plan. */
+    if ((!job->file || job->mesh.n_elements > 0) && job->engine->measure(job, quality, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     /* A measure over no element has no value; 0 would read as better than perfect. */
     if (quality->max_radius_ratio == 0) {

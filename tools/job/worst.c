@@ -12,7 +12,7 @@
 
 /** Larger is worse; an inverted element is worse than any other. */
 static double badness(const pl_bad_element *element) {
-    return element->radius_ratio > 0 ? element->radius_ratio : INFINITY;
+    return element->ratio > 0 ? element->ratio : INFINITY;
 }
 
 static int is_worse(const pl_bad_element *a, const pl_bad_element *b) {
@@ -29,9 +29,9 @@ static void select_worst(const double *ratio, int64_t n_elements, pl_worst *wors
     pl_bad_element *heap = worst->bad;
     const int64_t n = worst->n;
     for (int64_t i = 0; i < n; i++) /* elements that any other replaces */
-        heap[i] = (pl_bad_element){.element = INT64_MAX, .radius_ratio = 1e-300};
+        heap[i] = (pl_bad_element){.element = INT64_MAX, .ratio = 1e-300};
     for (int64_t i = 0; i < n_elements; i++) {
-        const pl_bad_element element = {.element = i, .radius_ratio = ratio[i]};
+        const pl_bad_element element = {.element = i, .ratio = ratio[i]};
         worst->n_inverted += ratio[i] == 0;
         if (!is_worse(&element, &heap[0]))
             continue;
@@ -50,22 +50,36 @@ static void select_worst(const double *ratio, int64_t n_elements, pl_worst *wors
     qsort(heap, (size_t)n, sizeof *heap, compare);
 }
 
-int pl_worst_select(const pl_job *job, int64_t n, pl_worst *worst) {
-    planish_error error;
-    const int64_t n_elements = job->mesh.n_elements;
+/** Prepare worst for the n worst of n_elements. */
+static int begin(const pl_job *job, int64_t n, int64_t n_elements, pl_worst *worst) {
     worst->n = n < n_elements ? n : n_elements;
     worst->dim = job->mesh.dim;
     worst->columns = job->file && planish_file_plane(job->file, NULL) ? 3 : job->mesh.dim;
     worst->bad = calloc((size_t)worst->n + 1, sizeof *worst->bad);
+    return worst->bad ? 0 : pl_job_complain_memory(job, "the worst elements");
+}
+
+int pl_worst_select(const pl_job *job, int64_t n, pl_worst *worst) {
+    planish_error error;
+    const int64_t n_elements = job->mesh.n_elements;
+    int status = begin(job, n, n_elements, worst);
     double *ratio = malloc(((size_t)n_elements + 1) * sizeof *ratio);
-    int status = 0;
-    if (!worst->bad || !ratio)
+    if (!status && !ratio)
         status = pl_job_complain_memory(job, "the worst elements");
-    else if (job->engine->measure_elements(job, ratio, &error))
+    else if (!status && job->engine->measure_elements(job, ratio, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
-    else if (worst->n > 0)
+    else if (!status && worst->n > 0)
         select_worst(ratio, n_elements, worst);
     free(ratio);
+    return status;
+}
+
+/** Find the n worst of cells; of each only which it is and its aspect ratio. */
+static int select_cells(const pl_job *job, const pl_cells *cells, int64_t n, pl_worst *worst) {
+    const int status = begin(job, n, cells->cells.n, worst);
+    worst->is_aspect_ratio = 1;
+    if (!status && worst->n > 0)
+        select_worst(cells->aspect_ratio, cells->cells.n, worst);
     return status;
 }
 
@@ -96,7 +110,7 @@ static void find_angles(int dim, const double *const vertex[], pl_bad_element *b
 static int find_region(const pl_job *job, const int32_t *region, pl_worst *worst,
                        pl_bad_element *bad) {
     char first[1];
-    if (!region || region[bad->element] < 0)
+    if (!region || bad->element >= job->mesh.n_elements || region[bad->element] < 0)
         return 0;
     char **tag = &worst->tag[region[bad->element]];
     if (!*tag) {
@@ -112,62 +126,99 @@ static int find_region(const pl_job *job, const int32_t *region, pl_worst *worst
     return 0;
 }
 
-static void place(const pl_job *job, const uint8_t *is_free, int columns, pl_bad_element *bad) {
-    const int dim = job->mesh.dim, corners = dim + 1;
-    const int32_t *nodes = &job->mesh.elements[bad->element * corners];
-    const double *vertex[4];
-    bad->number = planish_file_element_number(job->file, bad->element);
-    for (int k = 0; k < corners; k++) {
-        const int64_t node = nodes[k];
-        const uint8_t constraint = job->constraint[node];
-        vertex[k] = &job->mesh.coordinates[node * dim];
-        bad->node[k] = planish_file_node_number(job->file, node);
-        bad->is_movable |= is_free[node] || (job->plan_info.n_sliding > 0 &&
-                                             (constraint == PLANISH_CONSTRAINT_ON_PLANE ||
-                                              constraint == PLANISH_CONSTRAINT_ON_LINE));
-        /* Its part of the middle, in the file's columns. */
-        const double *at = vertex[k];
-        double xyz[3];
-        if (columns > dim && planish_file_space_coordinates(job->file, node, 1, at, xyz, NULL) == 0)
-            at = xyz;
-        for (int d = 0; d < columns; d++)
-            bad->place[d] += at[d] / corners;
+/** Nodes of an element, by its index in job->mesh or cells, as they are there. */
+static const int32_t *nodes_of(const pl_job *job, const pl_cells *cells, int64_t element, int *n) {
+    const int corners = job->mesh.dim + 1;
+    if (!cells) {
+        *n = corners;
+        return &job->mesh.elements[element * corners];
     }
-    find_angles(dim, vertex, bad);
+    const int64_t *offset = cells->cells.offset + element;
+    *n = (int)(offset[1] - offset[0]);
+    return cells->cells.node + offset[0];
 }
 
-int pl_worst_find(const pl_job *job, int64_t n, pl_worst *worst) {
+/** Fill in the numbers and the middle of an element, and its angles if it is one of the simplices.
+ *  node [n_nodes] takes the numbers of its nodes. is_free [n_nodes of the mesh], or NULL: nothing
+ *  moves. */
+static void place(const pl_job *job, const pl_cells *cells, const uint8_t *is_free, int columns,
+                  int64_t *node, pl_bad_element *bad) {
+    const int dim = job->mesh.dim;
+    const double *vertex[4] = {NULL};
+    int n;
+    const int32_t *nodes = nodes_of(job, cells, bad->element, &n);
+    bad->number = planish_file_element_number(job->file, bad->element);
+    bad->type = cells      ? (planish_cell_type)cells->cells.type[bad->element]
+                : dim == 3 ? PLANISH_CELL_TETRAHEDRON
+                           : PLANISH_CELL_TRIANGLE;
+    bad->node = node;
+    for (int k = 0; k < n; k++) {
+        if (nodes[k] < 0)
+            continue;
+        const uint8_t constraint = job->constraint[nodes[k]];
+        const double *at = &job->mesh.coordinates[(int64_t)nodes[k] * dim];
+        double xyz[3];
+        if (k <= dim)
+            vertex[k] = at;
+        node[bad->n_nodes++] = planish_file_node_number(job->file, nodes[k]);
+        bad->is_movable |= is_free && (is_free[nodes[k]] ||
+                                       (job->plan_info.n_sliding > 0 &&
+                                        (constraint == PLANISH_CONSTRAINT_ON_PLANE ||
+                                         constraint == PLANISH_CONSTRAINT_ON_LINE)));
+        /* Its part of the middle, in the file's columns. */
+        if (columns > dim &&
+            planish_file_space_coordinates(job->file, nodes[k], 1, at, xyz, NULL) == 0)
+            at = xyz;
+        for (int d = 0; d < columns; d++)
+            bad->place[d] += at[d] / n;
+    }
+    bad->smallest_angle_deg = bad->largest_angle_deg = NAN;
+    if (!cells)
+        find_angles(dim, vertex, bad);
+}
+
+/** Find the n worst elements with all that there is to know of them. */
+static int find_worst(const pl_job *job, const pl_cells *cells, int64_t n, pl_worst *worst) {
+    enum { MOST_NODES = 27 };
     const int32_t *region = planish_file_surface(job->file, NULL).region;
+    const int64_t most_nodes = cells ? MOST_NODES : job->mesh.dim + 1;
     int32_t last = -1;
-    int status = pl_worst_select(job, n, worst);
+    int status =
+        cells ? select_cells(job, cells, n, worst) : pl_worst_select(job, n, worst);
     if (status)
         return status;
     for (int64_t i = 0; region && i < job->mesh.n_elements; i++)
         last = region[i] > last ? region[i] : last;
     uint8_t *is_free = malloc((size_t)job->mesh.n_nodes + 1);
+    worst->node = malloc((size_t)(worst->n * most_nodes + 1) * sizeof *worst->node);
     worst->tag = calloc((size_t)last + 2, sizeof *worst->tag);
     worst->n_tags = worst->tag ? (int64_t)last + 1 : 0;
-    status = is_free && worst->tag ? pl_job_get_free(job, is_free) : -1;
+    if (!is_free || !worst->node || !worst->tag)
+        status = -1;
+    else if (job->mesh.n_elements > 0)
+        status = pl_job_get_free(job, is_free);
     for (int64_t i = 0; i < worst->n && !status; i++) {
-        place(job, is_free, worst->columns, &worst->bad[i]);
+        place(job, cells, job->mesh.n_elements > 0 ? is_free : NULL, worst->columns,
+              worst->node + i * most_nodes, &worst->bad[i]);
         status = find_region(job, region, worst, &worst->bad[i]);
     }
     free(is_free);
     return status < 0 ? pl_job_complain_memory(job, "the worst elements") : status;
 }
 
-int pl_worst_find_asked(const pl_job *job, pl_worst *worst) {
+int pl_worst_find_asked(const pl_job *job, const pl_cells *cells, pl_worst *worst) {
     const pl_arguments *arguments = job->arguments;
     int64_t n = arguments->n_worst;
     if (n == 0 && (arguments->json || arguments->report))
         n = PL_USUAL_WORST;
-    return n > 0 ? pl_worst_find(job, n, worst) : 0;
+    return n > 0 ? find_worst(job, cells && cells->has_others ? cells : NULL, n, worst) : 0;
 }
 
 void pl_worst_free(pl_worst *worst) {
     for (int64_t i = 0; i < worst->n_tags; i++)
         free(worst->tag[i]);
     free(worst->tag);
+    free(worst->node);
     free(worst->bad);
     *worst = (pl_worst){0};
 }

@@ -11,26 +11,65 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COUNT_WIDTH = 10, FAULT_WIDTH = 9, REAL_WIDTH = 10, N_COLUMNS = 7, BELOW = 2 };
+enum { COUNT_WIDTH = 10, FAULT_WIDTH = 9, REAL_WIDTH = 10, N_COLUMNS = 11, BELOW = 2 };
+
+/* Meshes that have a column: any; those compared where all have straight simplices alone; those
+ * compared where some have elements of other types. */
+typedef enum column_use { ALWAYS, OF_SIMPLICES, OF_TYPES } column_use;
 
 typedef struct column {
     const char *head[2];
     int width, is_count, more_is_better;
+    column_use use;
 } column;
 
 static const column columns[N_COLUMNS] = {
-    {{"", "elements"}, COUNT_WIDTH, 1, 0},     {{"", "inverted"}, FAULT_WIDTH, 1, 0},
-    {{"below", "minimum"}, FAULT_WIDTH, 1, 0}, {{"worst", "RR"}, REAL_WIDTH, 0, 0},
-    {{"smallest", "angle"}, REAL_WIDTH, 0, 1}, {{"RMS", "RR"}, REAL_WIDTH, 0, 0},
-    {{"mean", "RR"}, REAL_WIDTH, 0, 0},
+    {{"", "elements"}, COUNT_WIDTH, 1, 0, ALWAYS},
+    {{"", "inverted"}, FAULT_WIDTH, 1, 0, ALWAYS},
+    {{"below", "minimum"}, FAULT_WIDTH, 1, 0, ALWAYS},
+    {{"worst", "RR"}, REAL_WIDTH, 0, 0, OF_SIMPLICES},
+    {{"smallest", "angle"}, REAL_WIDTH, 0, 1, OF_SIMPLICES},
+    {{"RMS", "RR"}, REAL_WIDTH, 0, 0, OF_SIMPLICES},
+    {{"mean", "RR"}, REAL_WIDTH, 0, 0, OF_SIMPLICES},
+    {{"worst", "AR"}, REAL_WIDTH, 0, 0, OF_TYPES},
+    {{"least", "SJ"}, REAL_WIDTH, 0, 1, OF_TYPES},
+    {{"RMS", "AR"}, REAL_WIDTH, 0, 0, OF_TYPES},
+    {{"mean", "AR"}, REAL_WIDTH, 0, 0, OF_TYPES},
 };
 
+/** Which columns a comparison has. */
+typedef struct selection {
+    int is_shown[N_COLUMNS];
+} selection;
+
+static selection select_columns(const pl_compared *mesh, int n, int has_volumes) {
+    selection of;
+    int has_others = 0;
+    for (int i = 0; i < n; i++)
+        has_others |= mesh[i].measured.cells.has_others;
+    for (int c = 0; c < N_COLUMNS; c++)
+        of.is_shown[c] = (c != BELOW || has_volumes) &&
+                         columns[c].use != (has_others ? OF_SIMPLICES : OF_TYPES);
+    return of;
+}
+
+/** Value of a column; NAN: the mesh has none. AR of a simplex is 1 / mean ratio. */
 static double value_of(const pl_compared *mesh, int c) {
     const planish_quality *q = &mesh->measured.quality;
+    const planish_cell_measures *all = &mesh->measured.cells.quality.all;
+    const int has_others = mesh->measured.cells.has_others;
     const double values[N_COLUMNS] = {
-        (double)mesh->n_elements, (double)q->n_inverted, (double)mesh->measured.volumes.n_below,
-        q->max_radius_ratio,      q->min_angle_deg,      q->rms_radius_ratio,
-        q->mean_radius_ratio};
+        (double)mesh->n_elements,
+        (double)(has_others ? all->n_inverted + all->n_uncertified : q->n_inverted),
+        (double)mesh->measured.volumes.n_below,
+        q->max_radius_ratio,
+        q->min_angle_deg,
+        q->rms_radius_ratio,
+        q->mean_radius_ratio,
+        has_others ? all->max_aspect_ratio : 1 / q->mean_ratio.min,
+        has_others ? all->min_scaled_jacobian : q->scaled_jacobian.min,
+        has_others ? all->rms_aspect_ratio : NAN,
+        has_others ? all->mean_aspect_ratio : NAN};
     return values[c];
 }
 
@@ -49,12 +88,12 @@ static double best_of(const pl_compared *mesh, int n, int c) {
     return columns[c].more_is_better ? most : least;
 }
 
-static void put_head(FILE *stream, int name_width, int has_volumes) {
+static void put_head(FILE *stream, int name_width, const selection *shown) {
     for (int line = 0; line < 2; line++) {
         fprintf(stream, "%s%-*s", pl_style_begin(stream, PL_STYLE_HEADING), name_width,
                 line ? "file" : "");
         for (int c = 0; c < N_COLUMNS; c++)
-            if (c != BELOW || has_volumes)
+            if (shown->is_shown[c])
                 fprintf(stream, "%*s", columns[c].width, columns[c].head[line]);
         fprintf(stream, "%s\n", pl_style_end(stream, PL_STYLE_HEADING));
     }
@@ -116,7 +155,7 @@ static int make_names(const pl_compared *mesh, int n, int least, int most, names
  * values.
  */
 static void put_row(FILE *stream, const pl_compared *mesh, int n, int i, const names *of,
-                    const double *best, int has_volumes) {
+                    const double *best, const selection *columns_shown) {
     const char *name = mesh[i].name + of->folder, *shown = of->shown[i];
     int is_ambiguous = 0; /* cut, and another one looks the same */
     for (int j = 0; j < n && pl_text_columns(name) > of->width; j++)
@@ -128,12 +167,13 @@ static void put_row(FILE *stream, const pl_compared *mesh, int n, int i, const n
     }
     fprintf(stream, "%s%*s", shown, of->width - pl_text_columns(shown), "");
     for (int c = 0; c < N_COLUMNS; c++)
-        if (c != BELOW || has_volumes)
+        if (columns_shown->is_shown[c])
             put_value(stream, c, value_of(&mesh[i], c), best[c]);
     fputc('\n', stream);
 }
 
 int pl_comparison_print(FILE *stream, const pl_compared *mesh, int n, int has_volumes) {
+    const selection columns_shown = select_columns(mesh, n, has_volumes);
     double best[N_COLUMNS];
     int width = 0; /* of the values */
     names of;
@@ -141,14 +181,14 @@ int pl_comparison_print(FILE *stream, const pl_compared *mesh, int n, int has_vo
         return 0;
     for (int c = 0; c < N_COLUMNS; c++) {
         best[c] = best_of(mesh, n, c);
-        width += c != BELOW || has_volumes ? columns[c].width : 0;
+        width += columns_shown.is_shown[c] ? columns[c].width : 0;
     }
     const int room = pl_terminal_room(stream), least = PL_TEXT_WIDTH - width;
     const int status = make_names(mesh, n, least, room > PL_TEXT_WIDTH ? room - width : least, &of);
     if (!status)
-        put_head(stream, of.width, has_volumes);
+        put_head(stream, of.width, &columns_shown);
     for (int i = 0; i < n && !status; i++)
-        put_row(stream, mesh, n, i, &of, best, has_volumes);
+        put_row(stream, mesh, n, i, &of, best, &columns_shown);
     for (int i = 0; i < n && of.shown; i++)
         free(of.shown[i]);
     free(of.shown);

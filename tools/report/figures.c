@@ -16,6 +16,12 @@ static int is_quality(const cJSON *object) {
            cJSON_IsObject(cJSON_GetObjectItemCaseSensitive(object, "histogram"));
 }
 
+/** Whether object is the quality of elements of every type. */
+static int is_quality_of_types(const cJSON *object) {
+    return cJSON_IsObject(object) && isfinite(pl_figure(object, "inverted")) &&
+           cJSON_IsObject(cJSON_GetObjectItemCaseSensitive(object, "counts"));
+}
+
 const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
     const cJSON *mesh = cJSON_GetObjectItemCaseSensitive(result, "mesh");
     const cJSON *before = cJSON_GetObjectItemCaseSensitive(result, "before");
@@ -26,9 +32,11 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
         return "is not a JSON object";
     if (cJSON_IsArray(cJSON_GetObjectItemCaseSensitive(result, "meshes")))
         return "compares several meshes; run 'planish quality FILE --report PAGE' for one";
-    if (!cJSON_IsObject(mesh) || pl_figure_count(mesh, "elements") <= 0)
+    figures->has_types = is_quality_of_types(quality);
+    if (!cJSON_IsObject(mesh) || (pl_figure_count(mesh, "elements") <= 0 && !figures->has_types))
         return "has no 'mesh' with its elements";
     if (is_quality(before) && is_quality(after)) {
+        figures->has_types = 0;
         figures->n_states = 2;
         figures->state[0] = before;
         figures->name[0] = "before";
@@ -36,7 +44,7 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
         figures->name[1] = "after";
         return NULL;
     }
-    if (!is_quality(quality))
+    if (!figures->has_types && !is_quality(quality))
         return "has neither 'before' and 'after' nor 'quality'";
     figures->n_states = 1;
     figures->state[0] = quality;
@@ -46,6 +54,27 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
 
 const cJSON *pl_figures_last(const pl_figures *figures) {
     return figures->state[figures->n_states - 1];
+}
+
+pl_figures pl_figures_simplices(const pl_figures *figures) {
+    pl_figures alone = *figures;
+    if (!figures->has_types)
+        return alone;
+    const cJSON *simplices = cJSON_GetObjectItemCaseSensitive(figures->state[0], "simplices");
+    alone.has_types = 0;
+    alone.state[0] = simplices;
+    alone.n_states = is_quality(simplices);
+    return alone;
+}
+
+int64_t pl_figures_elements(const pl_figures *figures) {
+    const cJSON *mesh = cJSON_GetObjectItemCaseSensitive(figures->result, "mesh"), *of_type;
+    double n = 0;
+    if (!figures->has_types)
+        return pl_figure_count(mesh, "elements");
+    cJSON_ArrayForEach(of_type, cJSON_GetObjectItemCaseSensitive(figures->state[0], "counts"))
+        n += fmax(value_of(of_type), 0); /* 0 also for NAN */
+    return pl_figure_whole(n);
 }
 
 double pl_figure(const cJSON *object, const char *key) {

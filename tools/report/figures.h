@@ -1,7 +1,7 @@
 /* figures: the figures of a page, from the JSON of a run. Whatever is missing, or of another type,
  * has no value: pages of reports that were made elsewhere are as complete as these.
  *
- *     pl_figures_find, _last                          the states of the mesh
+ *     pl_figures_find, _last, _simplices              the states of the mesh
  *     pl_figure, _count, _whole, _text, _list         values by their keys
  */
 #ifndef PL_REPORT_FIGURES_H
@@ -18,6 +18,7 @@ typedef struct pl_figures {
     const cJSON *state[2]; /* the objects of quality */
     const char *name[2];   /* "before", "after"; "mesh" */
     int is_solid;          /* tetrahedra */
+    int has_types;         /* the state is that of elements of every type */
 } pl_figures;
 
 /** Find the states in result. NULL, or what is wrong with it, in words. */
@@ -25,6 +26,12 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures);
 
 /** The last state: the result. */
 const cJSON *pl_figures_last(const pl_figures *figures);
+
+/** The states of the straight simplices alone; n_states is 0 if there are none. */
+pl_figures pl_figures_simplices(const pl_figures *figures);
+
+/** Number of the elements of a result. */
+int64_t pl_figures_elements(const pl_figures *figures);
 
 /** The number that key of object is, or NAN if there is none, or one beyond 1e200; object may be
  *  NULL. */

@@ -46,10 +46,11 @@ static void put_head(pl_markup *page, const pl_figures *figures) {
 
 /* ---- what was done -------------------------------------------------------------------------- */
 
-static void put_mesh(pl_markup *page, const pl_figures *figures, const cJSON *mesh) {
-    pl_markup_put_number_of(page, pl_figure_count(mesh, "elements"),
-                            figures->is_solid ? "tetrahedron" : "triangle",
-                            figures->is_solid ? "tetrahedra" : "triangles");
+static void put_mesh(pl_markup *page, const pl_figures *figures) {
+    const int is_solid = figures->is_solid, has_types = figures->has_types;
+    pl_markup_put_number_of(page, pl_figures_elements(figures),
+                            has_types ? "element" : is_solid ? "tetrahedron" : "triangle",
+                            has_types ? "elements" : is_solid ? "tetrahedra" : "triangles");
 }
 
 /** Put who moved, how far, and what that brought. */
@@ -131,7 +132,9 @@ static void put_remarks(pl_markup *page, const pl_figures *figures, const cJSON 
 
 static void put_summary(pl_markup *page, const pl_figures *figures) {
     const cJSON *mesh = cJSON_GetObjectItemCaseSensitive(figures->result, "mesh");
-    const int valid = pl_figure_count(pl_figures_last(figures), "inverted") == 0;
+    const cJSON *last = pl_figures_last(figures);
+    const int64_t n_inverted = pl_figure_count(last, "inverted");
+    const int valid = n_inverted == 0 && pl_figure_count(last, "uncertified") == 0;
     pl_markup_put(page, "<header>\n<h1>");
     pl_markup_put_text(page, input_of(figures));
     pl_markup_put(page, "</h1>\n<p class=\"lead\">");
@@ -139,14 +142,16 @@ static void put_summary(pl_markup *page, const pl_figures *figures) {
         put_change(page, figures, mesh);
     } else {
         pl_markup_put(page, "Quality of a mesh of ");
-        put_mesh(page, figures, mesh);
+        put_mesh(page, figures);
         pl_markup_put(page, " and ");
         pl_markup_put_number_of(page, pl_figure_count(mesh, "nodes"), "node.", "nodes.");
     }
     pl_markup_put(page, "</p>\n<p class=\"verdict%s\">%s: ", valid ? "" : " bad",
                   valid ? "Valid" : "Not valid");
-    put_mesh(page, figures, mesh);
-    pl_markup_put(page, valid ? ", all positive, decided exactly." : ", some inverted.");
+    put_mesh(page, figures);
+    pl_markup_put(page, valid            ? ", all positive, decided exactly."
+                        : n_inverted > 0 ? ", some inverted."
+                                         : ", some undecided.");
     pl_markup_put(page, "</p>\n");
     put_remarks(page, figures, mesh);
     pl_markup_put(page, "</header>\n");
@@ -156,7 +161,8 @@ static void put_summary(pl_markup *page, const pl_figures *figures) {
 
 /** Put the place of a view, with a description for those who do not see the picture. */
 static void put_view(pl_markup *page, const pl_figures *figures, const char *name) {
-    const cJSON *state = cJSON_GetObjectItemCaseSensitive(figures->result, name);
+    const cJSON *state =
+        figures->has_types ? NULL : cJSON_GetObjectItemCaseSensitive(figures->result, name);
     const char *shown = figures->n_states == 2 ? name : "";
     state = state ? state : pl_figures_last(figures);
     pl_markup_put(page,
@@ -176,6 +182,7 @@ static void put_view(pl_markup *page, const pl_figures *figures, const char *nam
 
 static void put_views(pl_markup *page, const pl_figures *figures, const pl_picture *picture) {
     int64_t n_all, n_drawn;
+    const pl_figures alone = pl_figures_simplices(figures);
     pl_markup_put(
         page, "<p class=\"quiet help\" id=\"picture-help\" hidden>%s",
         figures->is_solid
@@ -186,6 +193,9 @@ static void put_views(pl_markup *page, const pl_figures *figures, const pl_pictu
             : "The colour of each triangle is its radius ratio. Drag to move the mesh; click it "
               "and use the wheel to zoom. On a touch screen tap it first, then move and zoom it "
               "with fingers. Keys: arrows, + and \xE2\x88\x92; 0 shows all.");
+    if (figures->has_types)
+        pl_markup_put(page, " The picture has the straight %s alone.",
+                      figures->is_solid ? "tetrahedra" : "triangles");
     pl_picture_count(picture, &n_all, &n_drawn);
     if (n_drawn < n_all) {
         pl_markup_put(page, " The picture is coarse: it has ");
@@ -200,7 +210,7 @@ static void put_views(pl_markup *page, const pl_figures *figures, const pl_pictu
                   "<label><input type=\"checkbox\"> mesh lines</label>\n"
                   "<button type=\"button\">whole mesh</button>\n</div>\n<div class=\"views\">\n");
     for (int s = 0; s < pl_picture_n_states(picture); s++)
-        put_view(page, figures, pl_picture_state_name(picture, s));
+        put_view(page, alone.n_states > 0 ? &alone : figures, pl_picture_state_name(picture, s));
     pl_markup_put(page, "</div>\n<p class=\"colours\" hidden>radius ratio: </p>\n"
                         "<script type=\"application/json\" id=\"picture-data\">\n");
     pl_picture_put(page, picture);
@@ -214,6 +224,11 @@ static void put_picture(pl_markup *page, const pl_figures *figures, const pl_pic
         no_picture = "This planish draws no picture: it was built without three.js.";
     else if (pl_picture_n_states(picture) > 0)
         put_views(page, figures, picture);
+    else if (!no_picture && figures->has_types)
+        no_picture = figures->is_solid ? "There is no picture: planish draws straight tetrahedra "
+                                         "alone, and there are none."
+                                       : "There is no picture: planish draws straight triangles "
+                                         "alone, and there are none.";
     else if (!no_picture)
         no_picture = "There is no picture: the coordinates are too large.";
     if (no_picture && no_picture[0]) {
@@ -318,7 +333,7 @@ int pl_reports_write(const pl_arguments *arguments, const char *json, const pl_p
 }
 
 int pl_report_draw(const pl_job *job, const char *name, pl_picture **picture) {
-    if (!job->arguments->report || !pl_page_can_draw())
+    if (!job->arguments->report || !pl_page_can_draw() || (job->file && job->mesh.n_elements == 0))
         return 0;
     const int status = *picture ? 0 : pl_picture_begin(job, picture);
     return status ? status : pl_picture_take(*picture, job, name);

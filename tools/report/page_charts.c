@@ -77,9 +77,16 @@ static void put_histogram(pl_markup *page, const pl_figures *figures, const char
     pl_markup_put(page, "</figure>\n");
 }
 
-void pl_page_put_histograms(pl_markup *page, const pl_figures *figures) {
-    pl_markup_put(page, "<section id=\"histograms\"><h2>Elements by quality</h2>\n"
-                        "<p class=\"quiet\">The axis of the numbers is logarithmic, so that a "
+void pl_page_put_histograms(pl_markup *page, const pl_figures *all) {
+    const pl_figures alone = pl_figures_simplices(all), *figures = &alone;
+    if (figures->n_states == 0)
+        return;
+    pl_markup_put(page,
+                  "<section id=\"histograms\"><h2>%s by quality</h2>\n",
+                  !all->has_types      ? "Elements"
+                  : figures->is_solid ? "Straight tetrahedra"
+                                      : "Straight triangles");
+    pl_markup_put(page, "<p class=\"quiet\">The axis of the numbers is logarithmic, so that a "
                         "few bad elements show beside many good ones. Inverted elements have "
                         "no quality and are not counted.</p>\n<div class=\"charts\">\n");
     put_histogram(page, figures, "histogram", "Radius ratio",

@@ -134,15 +134,23 @@ static void put_list(pl_markup *page, const pl_figures *figures, const char *key
 void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
     const cJSON *result = figures->result;
     const int64_t inverted = pl_figure_count(pl_figures_last(figures), "inverted");
+    const int64_t undecided = pl_figure_count(pl_figures_last(figures), "uncertified");
     pl_markup_put(page, "<section id=\"certificate\" class=\"whole\"><h2>Certificate</h2>\n<p>");
-    if (inverted == 0) {
+    if (inverted == 0 && undecided == 0) {
         pl_markup_put(page, "Every element is positive: none is inverted or flat.");
     } else {
         pl_markup_put_number_of(page, inverted, "element is", "elements are");
-        pl_markup_put(page, " inverted or flat.");
+        pl_markup_put(page, " inverted or flat%s.", figures->has_types ? " somewhere" : "");
     }
-    pl_markup_put(page, " planish decided the sign of each exactly, on the coordinates %s.</p>\n",
-                  figures->n_states == 2 ? "as written" : "in the file");
+    if (undecided > 0) {
+        pl_markup_put(page, " The sign of ");
+        pl_markup_put_number_of(page, undecided, "element is", "elements are");
+        pl_markup_put(page, " not decided.");
+    } else {
+        pl_markup_put(page, " planish decided the sign of each exactly, on the coordinates %s.",
+                      figures->n_states == 2 ? "as written" : "in the file");
+    }
+    pl_markup_put(page, "</p>\n");
     if (figures->n_states == 2) {
         pl_markup_put(page,
                       "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">not worse than "

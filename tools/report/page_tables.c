@@ -48,6 +48,24 @@ static const measure measures[] = {
 
 enum { N_MEASURES = sizeof measures / sizeof *measures };
 
+/** Those of elements of every type. */
+static const measure cell_measures[] = {
+    {"inverted", "inverted elements", "inverted elements", "", LESS_IS_BETTER, "main", 1},
+    {"corner_inverted", "inverted corners", "inverted corners", "", LESS_IS_BETTER, "", 1},
+    {"uncertified", "uncertified elements", "uncertified elements", "", LESS_IS_BETTER, "", 1},
+    {"curved", "curved elements", "curved elements", "", NEITHER, "", 1},
+    {"max_aspect_ratio", "worst aspect ratio", "worst aspect ratio", "", LESS_IS_BETTER, "main", 0},
+    {"rms_aspect_ratio", "RMS aspect ratio", "RMS aspect ratio", "", LESS_IS_BETTER, "main", 0},
+    {"mean_aspect_ratio", "mean aspect ratio", "mean aspect ratio", "", LESS_IS_BETTER, "", 0},
+    {"min_scaled_jacobian", "least scaled Jacobian", "least scaled Jacobian", "", MORE_IS_BETTER,
+     "main", 0},
+    {"min_jacobian_ratio", "least Jacobian coefficient / mean, curved elements",
+     "least Jacobian coefficient / mean, curved elements", "", MORE_IS_BETTER, "", 0},
+    {"max_edge_ratio", "largest edge ratio", "largest edge ratio", "", LESS_IS_BETTER, "", 0},
+};
+
+enum { N_CELL_MEASURES = sizeof cell_measures / sizeof *cell_measures };
+
 /** An angle in degrees; one of almost 180 is rounded down, as 180 would be flat. */
 static void put_angle(pl_markup *page, double degrees) {
     const double wide = 179, hundredths = 100;
@@ -189,19 +207,18 @@ static void put_spreads(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "</tbody></table></div></details>\n");
 }
 
-void pl_page_put_measures(pl_markup *page, const pl_figures *figures) {
-    pl_markup_put(page,
-                  "<section id=\"measures\" class=\"whole\"><h2>%s</h2>\n<div "
-                  "class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">measure</th>",
-                  figures->n_states == 2 ? "Before and after" : "Quality");
+/** Put a table of the measures [n]. */
+static void put_table(pl_markup *page, const pl_figures *figures, const measure *of, int n) {
+    pl_markup_put(
+        page, "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">measure</th>");
     for (int s = 0; s < figures->n_states; s++)
         pl_markup_put(page, "<th scope=\"col\">%s</th>", figures->name[s]);
     if (figures->n_states == 2)
         pl_markup_put(page, "<th scope=\"col\" class=\"change\">change</th><th scope=\"col\" "
                             "class=\"word\">verdict</th>");
     pl_markup_put(page, "</tr></thead>\n<tbody>\n");
-    for (int i = 0; i < N_MEASURES; i++) {
-        const measure *m = &measures[i];
+    for (int i = 0; i < n; i++) {
+        const measure *m = &of[i];
         if (!is_asked(figures, m))
             continue;
         pl_markup_put(page, "<tr%s%s%s><th scope=\"row\">%s</th>", m->style[0] ? " class=\"" : "",
@@ -213,19 +230,61 @@ void pl_page_put_measures(pl_markup *page, const pl_figures *figures) {
         pl_markup_put(page, "</tr>\n");
     }
     pl_markup_put(page, "</tbody></table></div>\n");
+}
+
+/** Put the measures of elements of every type, and of each type. */
+static void put_types(pl_markup *page, const pl_figures *figures) {
+    enum { MOST_TYPES = 64 };
+    const cJSON *state = figures->state[0], *of;
+    const cJSON *counts = cJSON_GetObjectItemCaseSensitive(state, "counts");
+    int n = 0;
+    put_table(page, figures, cell_measures, N_CELL_MEASURES);
+    pl_markup_put(page, "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">type</th>"
+                        "<th scope=\"col\">elements</th>");
+    for (int i = 0; i < N_CELL_MEASURES; i++)
+        pl_markup_put(page, "<th scope=\"col\">%s</th>", cell_measures[i].solid);
+    pl_markup_put(page, "</tr></thead>\n<tbody>\n");
+    cJSON_ArrayForEach(of, cJSON_GetObjectItemCaseSensitive(state, "by_type")) {
+        if (n++ == MOST_TYPES)
+            break;
+        const char *name = of->string ? of->string : "";
+        pl_markup_put(page, "<tr><th scope=\"row\">");
+        pl_markup_put_text(page, name);
+        pl_markup_put(page, "</th><td>");
+        pl_markup_put_count(page, pl_figure_count(counts, name));
+        pl_markup_put(page, "</td>");
+        for (int i = 0; i < N_CELL_MEASURES; i++)
+            put_value(page, &cell_measures[i], of);
+        pl_markup_put(page, "</tr>\n");
+    }
+    pl_markup_put(page, "</tbody></table></div>\n");
+}
+
+void pl_page_put_measures(pl_markup *page, const pl_figures *figures) {
+    const pl_figures alone = pl_figures_simplices(figures);
+    pl_markup_put(page, "<section id=\"measures\" class=\"whole\"><h2>%s</h2>\n",
+                  figures->n_states == 2 ? "Before and after" : "Quality");
+    if (figures->has_types)
+        put_types(page, figures);
+    if (figures->has_types && alone.n_states > 0)
+        pl_markup_put(page, "<h3>Straight %s alone</h3>\n",
+                      figures->is_solid ? "tetrahedra" : "triangles");
+    if (alone.n_states > 0)
+        put_table(page, &alone, measures, N_MEASURES);
     put_floor(page, figures);
     put_held(page, figures);
-    put_spreads(page, figures);
+    if (alone.n_states > 0)
+        put_spreads(page, &alone);
     pl_markup_put(page, "</section>\n");
 }
 
 /* ---- the worst elements --------------------------------------------------------------------- */
 
-/** A list of up to four numbers, with that many significant digits; between: what stands between
+/** A list of numbers, at most those of the largest element, with that many significant digits; between: what stands between
  *  two. */
 static void put_numbers(pl_markup *page, const cJSON *object, const char *key, int digits,
                         const char *between) {
-    enum { MOST = 4 };
+    enum { MOST = 27 };
     double number[MOST];
     const int listed = pl_figure_list(object, key, number, MOST);
     for (int i = 0; i < listed && i < MOST; i++) {
@@ -234,14 +293,22 @@ static void put_numbers(pl_markup *page, const cJSON *object, const char *key, i
     }
 }
 
-static void put_element(pl_markup *page, const cJSON *element) {
+static void put_element(pl_markup *page, const cJSON *element, int has_types) {
     enum { SOME = 5, ALL = 17 }; /* digits */
-    const int is_inverted = cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(element, "radius_ratio"));
+    const char *ratio = has_types ? "aspect_ratio" : "radius_ratio";
+    const int is_inverted = cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(element, ratio));
     const double number = pl_figure(element, "element");
     const cJSON *movable = cJSON_GetObjectItemCaseSensitive(element, "movable");
     pl_markup_put(page, "<tr><th scope=\"row\">");
     pl_markup_put_digits(page, number, ALL);
-    pl_markup_put(page, "</th><td><button type=\"button\" hidden aria-label=\"show element ");
+    if (has_types) {
+        pl_markup_put(page, "</th><td class=\"word\">");
+        pl_markup_put_text(page, pl_figure_text(element, "type"));
+        pl_markup_put(page, "</td>");
+    } else {
+        pl_markup_put(page, "</th>");
+    }
+    pl_markup_put(page, "<td><button type=\"button\" hidden aria-label=\"show element ");
     pl_markup_put_digits(page, number, ALL);
     pl_markup_put(page, "\" data-place=\"");
     put_numbers(page, element, "place", ALL, ",");
@@ -249,11 +316,13 @@ static void put_element(pl_markup *page, const cJSON *element) {
     if (is_inverted)
         pl_markup_put(page, "inverted");
     else
-        pl_markup_put_real(page, pl_figure(element, "radius_ratio"));
-    pl_markup_put(page, "</td><td>");
-    put_angle(page, pl_figure(element, "min_angle_deg"));
-    pl_markup_put(page, "</td><td>");
-    put_angle(page, pl_figure(element, "max_angle_deg"));
+        pl_markup_put_real(page, pl_figure(element, ratio));
+    if (!has_types) {
+        pl_markup_put(page, "</td><td>");
+        put_angle(page, pl_figure(element, "min_angle_deg"));
+        pl_markup_put(page, "</td><td>");
+        put_angle(page, pl_figure(element, "max_angle_deg"));
+    }
     pl_markup_put(page, "</td><td class=\"word\">%s</td><td class=\"word\">",
                   cJSON_IsFalse(movable) ? "no" : "yes");
     put_numbers(page, element, "place", SOME, ", ");
@@ -265,20 +334,23 @@ static void put_element(pl_markup *page, const cJSON *element) {
     pl_markup_put(page, "</td></tr>\n");
 }
 
-static void put_bad_elements(pl_markup *page, const cJSON *state) {
+static void put_bad_elements(pl_markup *page, const cJSON *state, int has_types) {
     enum { MOST_ROWS = 1000 };
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(state, "worst_elements"), *element;
-    pl_markup_put(page, "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">element</th>"
-                        "<th scope=\"col\">picture</th>"
-                        "<th scope=\"col\">radius ratio</th><th scope=\"col\">smallest angle</th>"
-                        "<th scope=\"col\">largest</th><th scope=\"col\" class=\"word\">free node"
-                        "</th><th scope=\"col\" class=\"word\">middle</th><th scope=\"col\" "
+    pl_markup_put(page,
+                  "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">element</th>"
+                  "%s<th scope=\"col\">picture</th>%s",
+                  has_types ? "<th scope=\"col\" class=\"word\">type</th>" : "",
+                  has_types ? "<th scope=\"col\">aspect ratio</th>"
+                            : "<th scope=\"col\">radius ratio</th><th scope=\"col\">smallest "
+                              "angle</th><th scope=\"col\">largest</th>");
+    pl_markup_put(page, "<th scope=\"col\" class=\"word\">free node</th><th scope=\"col\" class=\"word\">middle</th><th scope=\"col\" "
                         "class=\"word\">nodes</th><th scope=\"col\" "
                         "class=\"word\">region</th></tr></thead><tbody>\n");
     int n = 0;
     cJSON_ArrayForEach(element, list) {
         if (n++ < MOST_ROWS)
-            put_element(page, element);
+            put_element(page, element, has_types);
     }
     pl_markup_put(page, "</tbody></table></div>\n");
     if (n > MOST_ROWS)
@@ -296,10 +368,10 @@ void pl_page_put_worst(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "<section id=\"worst\"><h2>Where the worst elements are</h2>\n"
                         "<p class=\"quiet\">Numbers of elements and nodes are those of the file; "
                         "angles are in degrees.</p>\n");
-    put_bad_elements(page, last);
+    put_bad_elements(page, last, figures->has_types);
     if (figures->n_states == 2 && lists_elements(figures->state[0])) {
         pl_markup_put(page, "<details><summary>The worst before</summary>\n");
-        put_bad_elements(page, figures->state[0]);
+        put_bad_elements(page, figures->state[0], 0);
         pl_markup_put(page, "</details>\n");
     }
     pl_markup_put(page, "</section>\n");

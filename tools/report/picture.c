@@ -138,7 +138,7 @@ static int take_worst(const pl_picture *picture, const pl_job *job, drawn_state 
                 const double middle = (picture->low[d] + picture->high[d]) / 2;
                 put_float((x[(int64_t)node[j] * dim + d] - middle) / picture->size, out);
             }
-        put_float(worst.bad[i].radius_ratio, to->bad_ratio + 4 * i);
+        put_float(worst.bad[i].ratio, to->bad_ratio + 4 * i);
     }
     to->n_bad = worst.n;
     to->n_inverted = worst.n_inverted;

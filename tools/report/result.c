@@ -173,16 +173,21 @@ static void add_worst_elements(document *json, cJSON *quality, const pl_job *job
     cJSON *list = new_array(json, quality, "worst_elements");
     for (int64_t i = 0; i < worst->n && !json->failed; i++) {
         const pl_bad_element *bad = &worst->bad[i];
+        const double ratio = bad->ratio > 0 ? bad->ratio : NAN;
         cJSON *element = new_object(json, list, NULL);
         add_integer(json, element, "element", bad->number);
-        add_real(json, element, "radius_ratio", bad->radius_ratio > 0 ? bad->radius_ratio : NAN);
+        if (worst->is_aspect_ratio) {
+            add_text(json, element, "type", pl_cell_type_name(bad->type));
+            add_real(json, element, "aspect_ratio", ratio);
+        }
+        add_real(json, element, "radius_ratio", worst->is_aspect_ratio ? NAN : ratio);
         add_real(json, element, "min_angle_deg", bad->smallest_angle_deg);
         add_real(json, element, "max_angle_deg", bad->largest_angle_deg);
         cJSON *place = new_array(json, element, "place");
         for (int d = 0; d < worst->columns; d++)
             add_real(json, place, NULL, bad->place[d]);
         cJSON *nodes = new_array(json, element, "nodes");
-        for (int k = 0; k <= worst->dim; k++)
+        for (int k = 0; k < bad->n_nodes; k++)
             add_integer(json, nodes, NULL, bad->node[k]);
         if (bad->region)
             add_text(json, element, "region", bad->region);
@@ -192,9 +197,9 @@ static void add_worst_elements(document *json, cJSON *quality, const pl_job *job
     }
 }
 
-static void add_quality(document *json, cJSON *root, const char *name, const pl_job *job,
-                        const planish_quality *q, int64_t below_min_volume, const pl_worst *worst) {
-    cJSON *quality = new_object(json, root, name);
+/** Add the measures of simplices to quality. */
+static void add_measures(document *json, cJSON *quality, const planish_quality *q,
+                         int64_t below_min_volume) {
     add_integer(json, quality, "inverted", q->n_inverted);
     add_integer(json, quality, "reversed_elements", q->n_reversed);
     add_integer(json, quality, "below_min_volume", below_min_volume);
@@ -221,7 +226,59 @@ static void add_quality(document *json, cJSON *root, const char *name, const pl_
                   q->histogram_counts);
     add_histogram(json, quality, "angle_histogram", PLANISH_ANGLE_BINS, q->angle_edges_deg,
                   q->angle_counts);
+}
+
+static void add_quality(document *json, cJSON *root, const char *name, const pl_job *job,
+                        const planish_quality *q, int64_t below_min_volume, const pl_worst *worst) {
+    cJSON *quality = new_object(json, root, name);
+    add_measures(json, quality, q, below_min_volume);
     add_worst_elements(json, quality, job, worst);
+}
+
+/** Add the measures of elements of any type. */
+static void add_cell_measures(document *json, cJSON *to, const planish_cell_measures *of) {
+    add_integer(json, to, "inverted", of->n_inverted);
+    add_integer(json, to, "corner_inverted", of->n_inverted_corners);
+    add_integer(json, to, "uncertified", of->n_uncertified);
+    add_integer(json, to, "curved", of->n_curved);
+    add_real(json, to, "rms_aspect_ratio", of->rms_aspect_ratio);
+    add_real(json, to, "mean_aspect_ratio", of->mean_aspect_ratio);
+    add_real(json, to, "max_aspect_ratio", of->max_aspect_ratio);
+    add_real(json, to, "min_scaled_jacobian", of->min_scaled_jacobian);
+    add_real(json, to, "min_jacobian_ratio", of->min_jacobian_ratio);
+    add_real(json, to, "max_edge_ratio", of->max_edge_ratio);
+}
+
+/** Add the quality of a mesh with elements of other types. The keys of simplices are null, as these
+ *  measures do not exist of all elements; the object `simplices` has them. */
+static void add_cells(document *json, cJSON *root, const pl_job *job, const pl_measured *measured) {
+    static const char *const of_simplices[] = {
+        "reversed_elements",        "below_min_volume",     "min_volume",
+        "max_volume",               "total_volume",         "rms_radius_ratio",
+        "rms_radius_ratio_movable", "mean_radius_ratio",    "max_radius_ratio",
+        "min_dihedral_deg",         "max_dihedral_deg",     "max_radius_ratio_movable",
+        "min_dihedral_movable_deg", "radius_ratio",         "circumradius_to_edge",
+        "edge_to_inradius",         "edge_ratio",           "mean_ratio",
+        "scaled_jacobian",          "smallest_angle_deg",   "largest_angle_deg",
+        "histogram",                "angle_histogram"};
+    const planish_cell_quality *q = &measured->cells.quality;
+    cJSON *quality = new_object(json, root, "quality");
+    cJSON *counts = new_object(json, quality, "counts");
+    for (int i = 0; i < q->n_types; i++)
+        add_integer(json, counts, pl_cell_type_name(q->type[i]), q->by_type[i].n_elements);
+    add_cell_measures(json, quality, &q->all);
+    cJSON *by_type = new_object(json, quality, "by_type");
+    for (int i = 0; i < q->n_types; i++)
+        add_cell_measures(json, new_object(json, by_type, pl_cell_type_name(q->type[i])),
+                          &q->by_type[i]);
+    for (size_t i = 0; i < sizeof of_simplices / sizeof *of_simplices; i++)
+        add(json, quality, of_simplices[i], cJSON_CreateNull());
+    if (job->mesh.n_elements > 0)
+        add_measures(json, new_object(json, quality, "simplices"), &measured->quality,
+                     measured->volumes.n_below);
+    else
+        add(json, quality, "simplices", cJSON_CreateNull());
+    add_worst_elements(json, quality, job, &measured->worst);
 }
 
 static void add_sweeps(document *json, cJSON *root, const pl_progress *progress) {
@@ -439,8 +496,11 @@ void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
     add_text(&json, mesh, "input", job->arguments->input);
     add_text(&json, mesh, "format", job->file_info.format);
     add_mesh(&json, mesh, job, measured->quality.n_reversed);
-    add_quality(&json, mesh, "quality", job, &measured->quality, measured->volumes.n_below,
-                &measured->worst);
+    if (measured->cells.has_others)
+        add_cells(&json, mesh, job, measured);
+    else
+        add_quality(&json, mesh, "quality", job, &measured->quality, measured->volumes.n_below,
+                    &measured->worst);
     add_checksum(&json, mesh, "checksum", pl_job_checksum(job));
     add_volumes(&json, mesh, job, &measured->volumes, NULL);
     add_elements(&json, mesh, "reversed", job, NULL, PLANISH_VOLUME_MET, measured->reversed);

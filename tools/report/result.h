@@ -6,6 +6,7 @@
 #ifndef PL_TOOLS_RESULT_H
 #define PL_TOOLS_RESULT_H
 
+#include "job/cells.h"
 #include "job/job.h"
 #include "job/progress.h"
 #include "report/picture.h"
@@ -38,7 +39,8 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
 
 /** Findings of the command quality on a mesh. */
 typedef struct pl_measured {
-    planish_quality quality;
+    planish_quality quality; /* of the straight simplices */
+    pl_cells cells;          /* where there are others: of all elements */
     pl_volumes volumes;
     uint8_t *reversed; /* [mesh.n_elements] as of pl_reversed_find, owned, or NULL */
     pl_worst worst;

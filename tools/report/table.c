@@ -171,16 +171,32 @@ static const char *word_for(int64_t n, const char *one, const char *many) {
     return n == 1 ? one : many;
 }
 
-static void row_mesh(FILE *stream, const pl_job *job) {
-    char counts[128], name[4 * PL_TEXT_WIDTH + 1];
-    const int64_t n = job->mesh.n_elements;
-    const int width = snprintf(counts, sizeof counts, ": %s, %" PRId64 " %s, %" PRId64 " %s",
-                               job->file_info.format, n,
-                               job->mesh.dim == 3 ? word_for(n, "tetrahedron", "tetrahedra")
-                                                  : word_for(n, "triangle", "triangles"),
-                               job->mesh.n_nodes, word_for(job->mesh.n_nodes, "node", "nodes"));
-    fprintf(stream, "%s%s\n",
-            pl_text_fit(job->arguments->input, PL_TEXT_WIDTH - width, name, sizeof name), counts);
+/** Put the first line: file and format, elements in words, nodes. Elements of many types have
+ * further lines. */
+static void row_mesh(FILE *stream, const pl_job *job, const char *elements) {
+    enum { NAME_ROOM = 20 };
+    char counts[512], name[4 * PL_TEXT_WIDTH + 1];
+    const int width = snprintf(counts, sizeof counts, ": %s, %s, %" PRId64 " %s",
+                               job->file_info.format, elements, job->mesh.n_nodes,
+                               word_for(job->mesh.n_nodes, "node", "nodes"));
+    if (width <= PL_TEXT_WIDTH - NAME_ROOM) {
+        fprintf(stream, "%s%s\n",
+                pl_text_fit(job->arguments->input, PL_TEXT_WIDTH - width, name, sizeof name),
+                counts);
+        return;
+    }
+    fprintf(stream, "%s: %s\n",
+            pl_text_fit(job->arguments->input, PL_TEXT_WIDTH / 2, name, sizeof name),
+            job->file_info.format);
+    pl_text_wrap(stream, counts + strlen(": ") + strlen(job->file_info.format) + strlen(", "));
+}
+
+/** Put the first line of a mesh whose simplices alone matter. */
+static void row_simplices(FILE *stream, const pl_job *job) {
+    char counts[64];
+    pl_cell_type_count(job->mesh.dim == 3 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TRIANGLE,
+                       job->mesh.n_elements, counts, sizeof counts);
+    row_mesh(stream, job, counts);
 }
 
 /** Put how many nodes may move, or could. */
@@ -296,7 +312,7 @@ static void put_worst(FILE *stream, const pl_job *job, const planish_result *smo
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
     const int64_t n_outside = result->smooth.n_held_outside, n_back = result->smooth.n_put_back;
     char text[256];
-    row_mesh(stream, job);
+    row_simplices(stream, job);
     fprintf(stream, "%s%-*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), LABEL_WIDTH,
             "", VALUE_WIDTH, "before", VALUE_WIDTH, "after", UNIT_WIDTH + CHANGE_WIDTH, "change",
             pl_style_end(stream, PL_STYLE_HEADING));
@@ -329,18 +345,69 @@ static void row_spread(FILE *stream, const char *label, const planish_spread *sp
     fprintf(stream, "  %s\n", range);
 }
 
-void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *q,
-                      const pl_volumes *volumes) {
-    const int solid = job->mesh.dim == 3;
-    row_mesh(stream, job);
-    rows_quality(stream, job->mesh.dim, NULL, q);
-    row_volumes(stream, job, NULL, volumes->n_below);
-    if (q->worst_element >= 0)
-        fprintf(stream, "the worst element is %" PRId64 "\n",
-                planish_file_element_number(job->file, q->worst_element));
-    row_free(stream, job);
-    /* All measures (docs/measures.md); the range begins with the value of the regular element, but
-     * for R / longest edge, where that is 1. */
+/* ---- elements of every type ----------------------------------------------------------------- */
+
+enum { TYPE_WIDTH = 15, ELEMENTS_WIDTH = 10, FAULTS_WIDTH = 9, AR_WIDTH = 9, SJ_WIDTH = 11 };
+
+static void put_heading(FILE *stream, const char *text) {
+    fprintf(stream, "%s%s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), text,
+            pl_style_end(stream, PL_STYLE_HEADING));
+}
+
+/** Put a line for each type. */
+static void put_types(FILE *stream, const planish_cell_quality *q) {
+    char heading[128];
+    snprintf(heading, sizeof heading, "%-*s%*s%*s%*s%*s%*s%*s%*s", TYPE_WIDTH, "type",
+             ELEMENTS_WIDTH, "elements", FAULTS_WIDTH, "inverted", FAULTS_WIDTH, "corners",
+             AR_WIDTH, "worst AR", AR_WIDTH, "RMS", AR_WIDTH, "mean", SJ_WIDTH, "least SJ");
+    put_heading(stream, heading);
+    for (int i = 0; i < q->n_types; i++) {
+        const planish_cell_measures *of = &q->by_type[i];
+        const double ratios[] = {of->max_aspect_ratio, of->rms_aspect_ratio,
+                                 of->mean_aspect_ratio};
+        fprintf(stream, "%-*s%*" PRId64 "%*" PRId64 "%*" PRId64, TYPE_WIDTH,
+                pl_cell_type_name(q->type[i]), ELEMENTS_WIDTH, of->n_elements, FAULTS_WIDTH,
+                of->n_inverted, FAULTS_WIDTH, of->n_inverted_corners);
+        for (size_t k = 0; k < sizeof ratios / sizeof *ratios; k++)
+            if (isfinite(ratios[k]))
+                fprintf(stream, " %*.4g", AR_WIDTH - 1, ratios[k]);
+            else
+                fprintf(stream, "%*s", AR_WIDTH, "-");
+        fprintf(stream, " %*.4g\n", SJ_WIDTH - 1, of->min_scaled_jacobian);
+    }
+}
+
+/** Put the measures of elements of every type. */
+static void put_cells(FILE *stream, const pl_job *job, const pl_cells *cells) {
+    static const measure real = {"", LESS_IS_BETTER, NOT_COMPARED};
+    const planish_cell_measures *all = &cells->quality.all;
+    row_real(stream, "worst aspect ratio (AR)", NULL, all->max_aspect_ratio, &real);
+    row_real(stream, "RMS aspect ratio", NULL, all->rms_aspect_ratio, &real);
+    row_real(stream, "mean aspect ratio", NULL, all->mean_aspect_ratio, &real);
+    row_real(stream, "least scaled Jacobian (SJ)", NULL, all->min_scaled_jacobian, &real);
+    if (all->n_curved > 0)
+        row_real(stream, "least Jacobian / mean, curved", NULL, all->min_jacobian_ratio, &real);
+    row_real(stream, "largest edge ratio", NULL, all->max_edge_ratio, &real);
+    row_count(stream, "inverted elements", NULL, all->n_inverted);
+    row_count(stream, "inverted corners", NULL, all->n_inverted_corners);
+    row_count(stream, "uncertified elements", NULL, all->n_uncertified);
+    if (all->n_curved > 0) { /* no fault */
+        put_label(stream, "curved elements");
+        fprintf(stream, "%*" PRId64 "\n", VALUE_WIDTH, all->n_curved);
+    }
+    if (all->worst_element >= 0)
+        fprintf(stream, "the worst valid element is %" PRId64 " (%s)\n",
+                planish_file_element_number(job->file, all->worst_element),
+                pl_cell_type_name(
+                    (planish_cell_type)cells->cells.type[all->worst_element]));
+    put_types(stream, &cells->quality);
+}
+
+/* ---- one mesh ------------------------------------------------------------------------------- */
+
+/** Put all measures of simplices (docs/measures.md); the range begins with the value of the regular
+ *  element, but for R / longest edge, where that is 1. */
+static void put_spreads(FILE *stream, int solid, const planish_quality *q) {
     fprintf(stream, "%s%-*s%*s%*s%*s  %s%s\n", pl_style_begin(stream, PL_STYLE_HEADING),
             LABEL_WIDTH, "over the elements", SPREAD_WIDTH, "smallest", SPREAD_WIDTH, "mean",
             SPREAD_WIDTH, "largest", "best .. worst", pl_style_end(stream, PL_STYLE_HEADING));
@@ -356,6 +423,30 @@ void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *q,
                &q->smallest_angle_deg, solid ? "70.53 .. 0" : "60 .. 0");
     row_spread(stream, solid ? "largest dihedral angle, deg" : "largest angle, deg",
                &q->largest_angle_deg, solid ? "70.53 .. 180" : "60 .. 180");
+}
+
+void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measured) {
+    const planish_quality *q = &measured->quality;
+    const pl_cells *cells = &measured->cells;
+    const int solid = job->mesh.dim == 3;
+    if (cells->has_others) {
+        char counts[256];
+        pl_cells_count(&cells->cells, counts, sizeof counts);
+        row_mesh(stream, job, counts);
+        put_cells(stream, job, cells);
+        if (job->mesh.n_elements == 0)
+            return;
+        put_heading(stream, solid ? "straight tetrahedra alone" : "straight triangles alone");
+    } else {
+        row_simplices(stream, job);
+    }
+    rows_quality(stream, job->mesh.dim, NULL, q);
+    row_volumes(stream, job, NULL, measured->volumes.n_below);
+    if (q->worst_element >= 0)
+        fprintf(stream, "the worst element is %" PRId64 "\n",
+                planish_file_element_number(job->file, q->worst_element));
+    row_free(stream, job);
+    put_spreads(stream, solid, q);
     pl_histogram_print(stream, NULL, q);
 }
 
@@ -438,20 +529,24 @@ static void put_angle(FILE *stream, double degrees) {
 
 /** Put two lines: the measures and the place of an element; its nodes, its region and whether it
  * can change. */
-static void put_bad_element(FILE *stream, const pl_bad_element *bad, int dim, int columns) {
+static void put_bad_element(FILE *stream, const pl_bad_element *bad, const pl_worst *worst) {
     char region[4 * PL_TEXT_WIDTH + 1];
     fprintf(stream, "%*" PRId64, NUMBER_WIDTH, bad->number);
-    if (bad->radius_ratio > 0)
-        fprintf(stream, "%*.5g", RATIO_WIDTH, bad->radius_ratio);
+    if (worst->is_aspect_ratio)
+        fprintf(stream, "  %-*s", TYPE_WIDTH, pl_cell_type_name(bad->type));
+    if (bad->ratio > 0)
+        fprintf(stream, "%*.5g", RATIO_WIDTH, bad->ratio);
     else
         fprintf(stream, "%s%*s%s", pl_style_begin(stream, PL_STYLE_WORSE), RATIO_WIDTH, "inverted",
                 pl_style_end(stream, PL_STYLE_WORSE));
-    put_angle(stream, bad->smallest_angle_deg);
-    put_angle(stream, bad->largest_angle_deg);
-    for (int d = 0; d < columns; d++)
+    if (!worst->is_aspect_ratio) {
+        put_angle(stream, bad->smallest_angle_deg);
+        put_angle(stream, bad->largest_angle_deg);
+    }
+    for (int d = 0; d < worst->columns; d++)
         fprintf(stream, "%*.5g", PLACE_WIDTH, bad->place[d]);
     int width = fprintf(stream, "\n%*s  nodes", NUMBER_WIDTH, "") - 1;
-    for (int k = 0; k <= dim; k++)
+    for (int k = 0; k < bad->n_nodes; k++)
         width += fprintf(stream, " %" PRId64, bad->node[k]);
     if (!bad->is_movable)
         width += fprintf(stream, ", all fixed");
@@ -469,12 +564,16 @@ void pl_table_worst(FILE *stream, const pl_worst *worst, int64_t n) {
         n = worst->n;
     if (n == 0)
         return;
-    fprintf(stream, "%s%*s%*s%*s%*s%*s", pl_style_begin(stream, PL_STYLE_HEADING), NUMBER_WIDTH,
-            "element", RATIO_WIDTH, "radius ratio", 2 * ANGLE_WIDTH,
-            worst->dim == 3 ? "dihedral angles" : "angles", PLACE_WIDTH, "x", PLACE_WIDTH, "y");
+    fprintf(stream, "%s%*s", pl_style_begin(stream, PL_STYLE_HEADING), NUMBER_WIDTH, "element");
+    if (worst->is_aspect_ratio)
+        fprintf(stream, "  %-*s%*s", TYPE_WIDTH, "type", RATIO_WIDTH, "aspect ratio");
+    else
+        fprintf(stream, "%*s%*s", RATIO_WIDTH, "radius ratio", 2 * ANGLE_WIDTH,
+                worst->dim == 3 ? "dihedral angles" : "angles");
+    fprintf(stream, "%*s%*s", PLACE_WIDTH, "x", PLACE_WIDTH, "y");
     if (worst->columns == 3)
         fprintf(stream, "%*s", PLACE_WIDTH, "z");
     fprintf(stream, "%s\n", pl_style_end(stream, PL_STYLE_HEADING));
     for (int64_t i = 0; i < n; i++)
-        put_bad_element(stream, &worst->bad[i], worst->dim, worst->columns);
+        put_bad_element(stream, &worst->bad[i], worst);
 }

@@ -17,8 +17,7 @@
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result);
 
 /** Print the measures of one mesh. */
-void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *quality,
-                      const pl_volumes *volumes);
+void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measured);
 
 /** Print the first n of the worst elements, two lines each. */
 void pl_table_worst(FILE *stream, const pl_worst *worst, int64_t n);

@@ -1,0 +1,126 @@
+/* cells: the elements of every type that a mesh file has, for the command quality. */
+#include "job/cells.h"
+
+#include "terminal/message.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** Names of a type: in tables, and of one and several elements in sentences. */
+typedef struct type_name {
+    planish_cell_type type;
+    const char *name, *one, *many;
+    int n_nodes; /* that are said; 0: the usual ones */
+} type_name;
+
+static const type_name names[] = {
+    {PLANISH_CELL_TETRAHEDRON, "tetrahedron", "tetrahedron", "tetrahedra", 0},
+    {PLANISH_CELL_TETRAHEDRON10, "tetrahedron10", "tetrahedron", "tetrahedra", 10},
+    {PLANISH_CELL_HEXAHEDRON, "hexahedron", "hexahedron", "hexahedra", 0},
+    {PLANISH_CELL_HEXAHEDRON20, "hexahedron20", "hexahedron", "hexahedra", 20},
+    {PLANISH_CELL_HEXAHEDRON27, "hexahedron27", "hexahedron", "hexahedra", 27},
+    {PLANISH_CELL_WEDGE, "wedge", "wedge", "wedges", 0},
+    {PLANISH_CELL_WEDGE15, "wedge15", "wedge", "wedges", 15},
+    {PLANISH_CELL_WEDGE18, "wedge18", "wedge", "wedges", 18},
+    {PLANISH_CELL_PYRAMID, "pyramid", "pyramid", "pyramids", 0},
+    {PLANISH_CELL_PYRAMID13, "pyramid13", "pyramid", "pyramids", 13},
+    {PLANISH_CELL_PYRAMID14, "pyramid14", "pyramid", "pyramids", 14},
+    {PLANISH_CELL_TRIANGLE, "triangle", "triangle", "triangles", 0},
+    {PLANISH_CELL_TRIANGLE6, "triangle6", "triangle", "triangles", 6},
+    {PLANISH_CELL_QUADRILATERAL, "quadrilateral", "quadrilateral", "quadrilaterals", 0},
+    {PLANISH_CELL_QUADRILATERAL8, "quadrilateral8", "quadrilateral", "quadrilaterals", 8},
+    {PLANISH_CELL_QUADRILATERAL9, "quadrilateral9", "quadrilateral", "quadrilaterals", 9},
+};
+
+enum { N_NAMES = sizeof names / sizeof *names };
+
+static const type_name *name_of(planish_cell_type type) {
+    static const type_name unknown = {PLANISH_CELL_VERTEX, "element", "element", "elements", 0};
+    for (int i = 0; i < N_NAMES; i++)
+        if (names[i].type == type)
+            return &names[i];
+    return &unknown;
+}
+
+const char *pl_cell_type_name(planish_cell_type type) {
+    return name_of(type)->name;
+}
+
+void pl_cell_type_count(planish_cell_type type, int64_t n, char *text, size_t size) {
+    const type_name *name = name_of(type);
+    const int length = snprintf(text, size, "%" PRId64 " %s", n, n == 1 ? name->one : name->many);
+    if (name->n_nodes > 0 && (size_t)length < size)
+        snprintf(text + length, size - (size_t)length, " of %d nodes", name->n_nodes);
+}
+
+void pl_cells_count(const planish_cells *cells, char *text, size_t size) {
+    int64_t n[UINT8_MAX + 1] = {0};
+    for (int64_t i = 0; i < cells->n; i++)
+        n[cells->type[i]]++;
+    text[0] = '\0';
+    for (int i = 0; i < N_NAMES; i++) {
+        const size_t used = strlen(text);
+        if (n[names[i].type] == 0)
+            continue;
+        char part[64];
+        pl_cell_type_count(names[i].type, n[names[i].type], part, sizeof part);
+        snprintf(text + used, size - used, "%s%s", used ? ", " : "", part);
+    }
+}
+
+/** Distance that rounding in the file explains, in its units. */
+static double rounding_of(const pl_job *job) {
+    const int dim = job->mesh.dim;
+    double square = 0;
+    for (int d = 0; d < dim; d++) {
+        double low = INFINITY, high = -INFINITY;
+        for (int64_t i = 0; i < job->mesh.n_nodes; i++) {
+            low = fmin(low, job->mesh.coordinates[i * dim + d]);
+            high = fmax(high, job->mesh.coordinates[i * dim + d]);
+        }
+        const double extent = high > low ? high - low : 0;
+        square += extent * extent;
+    }
+    const double rounding = planish_file_surface(job->file, NULL).tolerance * sqrt(square);
+    return isfinite(rounding) ? rounding : 0;
+}
+
+/** Replace measures over no valid element by NAN: 0 would read as better than perfect. */
+static void mark_missing(planish_cell_measures *of) {
+    if (of->max_aspect_ratio == 0)
+        of->rms_aspect_ratio = of->mean_aspect_ratio = of->max_aspect_ratio = NAN;
+    if (of->n_curved == 0)
+        of->min_jacobian_ratio = NAN;
+}
+
+int pl_cells_measure(const pl_job *job, pl_cells *cells) {
+    planish_error error;
+    *cells = (pl_cells){.has_others = 0};
+    if (!job->file || job->file_info.n_other_elements == 0)
+        return 0;
+    if (planish_file_cells(job->file, &cells->cells, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    if (cells->cells.n == job->mesh.n_elements) /* no type that is measured */
+        return 0;
+    cells->has_others = 1;
+    cells->aspect_ratio = malloc(((size_t)cells->cells.n + 1) * sizeof *cells->aspect_ratio);
+    if (!cells->aspect_ratio)
+        return pl_job_complain_memory(job, "values of elements");
+    if (planish_measure_cells(&cells->cells, job->mesh.dim, job->mesh.n_nodes,
+                              job->mesh.coordinates, rounding_of(job), job->options.threads,
+                              &cells->quality, cells->aspect_ratio, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    mark_missing(&cells->quality.all);
+    for (int i = 0; i < cells->quality.n_types; i++)
+        mark_missing(&cells->quality.by_type[i]);
+    return 0;
+}
+
+void pl_cells_free(pl_cells *cells) {
+    free(cells->aspect_ratio);
+    cells->aspect_ratio = NULL;
+    cells->cells = (planish_cells){.n = cells->cells.n};
+}

@@ -1,0 +1,38 @@
+/* cells: the elements of every type that a mesh file has, for the command quality.
+ *
+ *     pl_cells_measure, _free     their quality, where some are no straight simplices
+ *     pl_cells_count              their number by type, as text
+ *     pl_cell_type_name           name of a type
+ *
+ * Functions that return an int return 0, or an exit status after a message.
+ */
+#ifndef PL_TOOLS_CELLS_H
+#define PL_TOOLS_CELLS_H
+
+#include "job/job.h"
+
+/** Quality of the elements of every type. */
+typedef struct pl_cells {
+    int has_others;      /* 0: the mesh has straight simplices alone, and nothing else is set */
+    planish_cells cells; /* the file's */
+    planish_cell_quality quality; /* ratios over no element are NAN */
+    double *aspect_ratio; /* [cells.n] 0: the element is not valid; owned */
+} pl_cells;
+
+/** Measure all elements of the file, if it has others than straight simplices. cells is to be freed
+ *  also after an error. */
+int pl_cells_measure(const pl_job *job, pl_cells *cells);
+
+/** Free what cells owns; the quality stays. The file may be closed afterwards. */
+void pl_cells_free(pl_cells *cells);
+
+/** Name of a type of two or three dimensions in tables and reports: "hexahedron", "hexahedron20". */
+const char *pl_cell_type_name(planish_cell_type type);
+
+/** Put n elements of a type into text: "1 hexahedron", "12 hexahedra of 20 nodes". */
+void pl_cell_type_count(planish_cell_type type, int64_t n, char *text, size_t size);
+
+/** Put the numbers of the elements by type into text: "703 tetrahedra, 560 hexahedra". */
+void pl_cells_count(const planish_cells *cells, char *text, size_t size);
+
+#endif
