@@ -28,17 +28,16 @@ typedef struct view_cell {
 
 /** Return VTK's type of an element with those nodes. It is straight where a mid is missing. */
 static int other_type(int type, const int32_t *node) {
-    static const uint8_t straight[] = {
-        [PLANISH_CELL_TRIANGLE6] = PLANISH_CELL_TRIANGLE,
-        [PLANISH_CELL_QUADRILATERAL8] = PLANISH_CELL_QUADRILATERAL,
-        [PLANISH_CELL_QUADRILATERAL9] = PLANISH_CELL_QUADRILATERAL,
-        [PLANISH_CELL_TETRAHEDRON10] = PLANISH_CELL_TETRAHEDRON,
-        [PLANISH_CELL_HEXAHEDRON20] = PLANISH_CELL_HEXAHEDRON,
-        [PLANISH_CELL_HEXAHEDRON27] = PLANISH_CELL_HEXAHEDRON,
-        [PLANISH_CELL_WEDGE15] = PLANISH_CELL_WEDGE,
-        [PLANISH_CELL_WEDGE18] = PLANISH_CELL_WEDGE,
-        [PLANISH_CELL_PYRAMID13] = PLANISH_CELL_PYRAMID,
-        [PLANISH_CELL_PYRAMID14] = PLANISH_CELL_PYRAMID};
+    static const uint8_t straight[] = {[PLANISH_CELL_TRIANGLE6] = PLANISH_CELL_TRIANGLE,
+                                       [PLANISH_CELL_QUADRILATERAL8] = PLANISH_CELL_QUADRILATERAL,
+                                       [PLANISH_CELL_QUADRILATERAL9] = PLANISH_CELL_QUADRILATERAL,
+                                       [PLANISH_CELL_TETRAHEDRON10] = PLANISH_CELL_TETRAHEDRON,
+                                       [PLANISH_CELL_HEXAHEDRON20] = PLANISH_CELL_HEXAHEDRON,
+                                       [PLANISH_CELL_HEXAHEDRON27] = PLANISH_CELL_HEXAHEDRON,
+                                       [PLANISH_CELL_WEDGE15] = PLANISH_CELL_WEDGE,
+                                       [PLANISH_CELL_WEDGE18] = PLANISH_CELL_WEDGE,
+                                       [PLANISH_CELL_PYRAMID13] = PLANISH_CELL_PYRAMID,
+                                       [PLANISH_CELL_PYRAMID14] = PLANISH_CELL_PYRAMID};
     const int as = type == PLANISH_CELL_PYRAMID14 ? PLANISH_CELL_PYRAMID13 : type;
     for (int i = 0; i < io_cell_type_nodes(as); i++)
         if (node[i] < 0)
@@ -114,8 +113,7 @@ static int64_t count_nodes(const io_model *model) {
 /* ---- values -------------------------------------------------------------------------------- */
 
 /** Return value i of the whole numbers of nodes or cells. cell: as in find_cell. */
-static int64_t whole_value(const io_view *view, io_view_values values, int64_t i,
-                           view_cell *cell) {
+static int64_t whole_value(const io_view *view, io_view_values values, int64_t i, view_cell *cell) {
     if (values == IO_VIEW_FIXED)
         return view->constraint[i] == PLANISH_CONSTRAINT_FIXED;
     if (values == IO_VIEW_NODE_NUMBERS)
@@ -165,8 +163,8 @@ io_view io_view_of(const io_model *model, const double *coordinates, const uint8
                      .coordinates = coordinates,
                      .constraint = constraint,
                      .radius_ratio = radius_ratio,
-                     .n_cells = model->tetrahedron.n + model->triangle.n + model->line.n +
-                                model->other.n};
+                     .n_cells =
+                         model->tetrahedron.n + model->triangle.n + model->line.n + model->other.n};
 }
 
 /** Return the array of n numbers: of 32 bits, which all programs read, where they are no larger. */
@@ -187,12 +185,13 @@ io_view_arrays io_view_arrays_of(const io_view *view) {
     const int64_t n_nodes = model->n_nodes, n = view->n_cells;
     const int64_t n_of_cells = count_nodes(model);
     int has_groups = 0;
-    io_view_arrays a = {.points = {"Points", IO_VIEW_COORDINATES, real, 3 * n_nodes, 3},
-                        .connectivity = {"connectivity", IO_VIEW_NODES, IO_VIEW_I32, n_of_cells, 1},
-                        .offsets = {"offsets", IO_VIEW_ENDS, IO_VIEW_I64, n, 1},
-                        .types = {"types", IO_VIEW_TYPES, IO_VIEW_U8, n, 1},
-                        .wide_types = {"types", IO_VIEW_TYPES, IO_VIEW_I32, n, 1},
-                        .counted = {"cells", IO_VIEW_COUNTED_NODES, IO_VIEW_I32, n_of_cells + n, 1}};
+    io_view_arrays a = {
+        .points = {"Points", IO_VIEW_COORDINATES, real, 3 * n_nodes, 3},
+        .connectivity = {"connectivity", IO_VIEW_NODES, IO_VIEW_I32, n_of_cells, 1},
+        .offsets = {"offsets", IO_VIEW_ENDS, IO_VIEW_I64, n, 1},
+        .types = {"types", IO_VIEW_TYPES, IO_VIEW_U8, n, 1},
+        .wide_types = {"types", IO_VIEW_TYPES, IO_VIEW_I32, n, 1},
+        .counted = {"cells", IO_VIEW_COUNTED_NODES, IO_VIEW_I32, n_of_cells + n, 1}};
     if (view->constraint)
         a.point_data[a.n_point_data++] =
             (io_view_array){"fixed", IO_VIEW_FIXED, IO_VIEW_U8, n_nodes, 1};
@@ -217,8 +216,8 @@ int io_view_type_size(io_view_type type) {
 }
 
 /** Store value i of an array at at. cell: as in find_cell. */
-static void store_value(const io_view *view, const io_view_array *array, int64_t i,
-                        view_cell *cell, char *at) {
+static void store_value(const io_view *view, const io_view_array *array, int64_t i, view_cell *cell,
+                        char *at) {
     const int is_real =
         array->values == IO_VIEW_COORDINATES || array->values == IO_VIEW_RADIUS_RATIOS;
     const double real = is_real ? real_value(view, array->values, i, cell) : 0;

@@ -1,0 +1,508 @@
+/* Tests of all types of cells in VTK's files: an element of each type, bent so that it is valid in one
+ * order of its nodes alone, is read from each format, measured, and kept by copies for viewing. */
+#include <inttypes.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "support/file_builder.h"
+#include "support/files.h"
+#include "support/hdf5_builder.h"
+
+/* ---- elements ------------------------------------------------------------------------------- */
+
+/** An element of a type. The places of nodes are those of VTK's GetParametricCoords (the mids of a
+ *  pyramid's upright edges halfway). */
+typedef struct unit_element {
+    int type; /* planish_cell_type */
+    int dim, n_nodes, n_corners;
+    const char *places; /* of its nodes, in VTK's order: x y z in quarters, and a blank */
+} unit_element;
+
+#define TRIANGLE  "000 400 040 "
+#define SQUARE    "000 400 440 040 "
+#define TETRA     "000 400 040 004 "
+#define CUBE      "000 400 440 040 004 404 444 044 "
+#define WEDGE     "000 400 040 004 404 044 "
+#define PYRAMID   "000 400 440 040 004 "
+#define CUBE20    CUBE "200 420 240 020 204 424 244 024 002 402 442 042 "
+#define WEDGE15   WEDGE "200 220 020 204 224 024 002 402 042 "
+#define PYRAMID13 PYRAMID "200 420 240 020 002 202 222 022 "
+
+static const unit_element elements[] = {
+    {PLANISH_CELL_QUADRILATERAL, 2, 4, 4, SQUARE},
+    {PLANISH_CELL_HEXAHEDRON, 3, 8, 8, CUBE},
+    {PLANISH_CELL_WEDGE, 3, 6, 6, WEDGE},
+    {PLANISH_CELL_PYRAMID, 3, 5, 5, PYRAMID},
+    {PLANISH_CELL_TRIANGLE6, 2, 6, 3, TRIANGLE "200 220 020 "},
+    {PLANISH_CELL_QUADRILATERAL8, 2, 8, 4, SQUARE "200 420 240 020 "},
+    {PLANISH_CELL_TETRAHEDRON10, 3, 10, 4, TETRA "200 220 020 002 202 022 "},
+    {PLANISH_CELL_HEXAHEDRON20, 3, 20, 8, CUBE20},
+    {PLANISH_CELL_WEDGE15, 3, 15, 6, WEDGE15},
+    {PLANISH_CELL_PYRAMID13, 3, 13, 5, PYRAMID13},
+    {PLANISH_CELL_QUADRILATERAL9, 2, 9, 4, SQUARE "200 420 240 020 220 "},
+    {PLANISH_CELL_HEXAHEDRON27, 3, 27, 8, CUBE20 "022 422 202 242 220 224 222 "},
+    {PLANISH_CELL_WEDGE18, 3, 18, 6, WEDGE15 "202 222 022 "},
+};
+
+/** Find the place of node i of the bent element. */
+static void unit_element_place(const unit_element *element, int i, double place[3]) {
+    const double bend = 0.1;
+    double x[3];
+    for (int d = 0; d < 3; d++)
+        x[d] = (element->places[4 * i + d] - '0') / 4.0;
+    place[0] = x[0] + bend * (x[1] * x[1] + x[0] * x[2]);
+    place[1] = x[1] + bend * (x[2] * x[2] + x[0] * x[1]);
+    place[2] = element->dim == 2 ? 0 : x[2] + bend * (x[0] * x[0] + x[1] * x[2]);
+}
+
+/** Count the inverted elements of cells, measured at the coordinates of the file. */
+static int64_t count_inverted(const planish_file *file, const planish_cells *cells) {
+    const planish_mesh mesh = planish_file_mesh(file);
+    planish_cell_quality quality;
+    planish_error error = {.text = ""};
+    if (planish_measure_cells(cells, mesh.dim, mesh.n_nodes, mesh.coordinates, 0, 1, &quality, NULL,
+                              &error))
+        fail_msg("%s", error.text);
+    assert_int_equal(quality.all.n_uncertified, 0);
+    return quality.all.n_inverted;
+}
+
+/** Whether an element may stay valid when nodes i < k are exchanged: unless both are mids, or
+ *  corners at the ends of an edge along an axis. Pyramids are measured by their base. */
+static int may_be_exchanged(const unit_element *e, int i, int k) {
+    int n_apart = 0;
+    if (k >= (e->n_corners == 5 ? 4 : e->n_corners))
+        return i < e->n_corners || e->n_corners == 5;
+    for (int d = 0; d < 3; d++)
+        n_apart += e->places[4 * i + d] != e->places[4 * k + d];
+    return n_apart != 1;
+}
+
+/** Expect that element number at (in planish_file_cells) of the file is of the type and valid, and
+ *  that it is not when two of its nodes are exchanged. All elements of the file must be valid. */
+static void check_element(planish_file *file, int64_t at, const unit_element *element) {
+    planish_cells cells;
+    planish_error error = {.text = ""};
+    if (planish_file_cells(file, &cells, &error))
+        fail_msg("%s", error.text);
+    assert_in_range(at, 0, cells.n - 1);
+    assert_int_equal(cells.type[at], element->type);
+    assert_int_equal(cells.offset[at + 1] - cells.offset[at], element->n_nodes);
+    if (count_inverted(file, &cells) != 0)
+        fail_msg("an element is not valid where that of type %d is expected to be", element->type);
+    const int64_t size = cells.offset[cells.n] * (int64_t)sizeof(int32_t);
+    int32_t *nodes = malloc((size_t)size);
+    assert_non_null(nodes);
+    memcpy(nodes, cells.node, (size_t)size);
+    int32_t *own = nodes + cells.offset[at];
+    cells.node = nodes;
+    for (int k = 1; k < element->n_nodes; k++)
+        for (int i = 0; i < k; i++) {
+            if (may_be_exchanged(element, i, k))
+                continue;
+            const int32_t kept[2] = {own[i], own[k]};
+            own[i] = kept[1];
+            own[k] = kept[0];
+            if (count_inverted(file, &cells) == 0)
+                fail_msg("type %d is valid with nodes %d and %d exchanged", element->type, i, k);
+            own[i] = kept[0];
+            own[k] = kept[1];
+        }
+    free(nodes);
+}
+
+/* ---- files ---------------------------------------------------------------------------------- */
+
+enum { MOST_NODES = 27, N_TYPES = sizeof elements / sizeof *elements };
+
+/** Cells of a file, each with nodes of its own. */
+typedef struct cell_list {
+    int n;
+    struct listed_cell {
+        const unit_element *element;
+        int type;             /* VTK's number in the file */
+        const uint8_t *order; /* node i of the file is the element's node order[i]; NULL: i */
+    } cell[N_TYPES + 8];
+    int n_nodes; /* of all */
+} cell_list;
+
+static void list_cell(cell_list *list, const unit_element *element, int type,
+                      const uint8_t *order) {
+    list->cell[list->n++] = (struct listed_cell){element, type, order};
+    list->n_nodes += element->n_nodes;
+}
+
+/** Find the place of node i of a cell of the list, apart from the other cells. */
+static void listed_place(const cell_list *list, int cell, int i, double place[3]) {
+    const struct listed_cell *c = &list->cell[cell];
+    unit_element_place(c->element, c->order ? c->order[i] : i, place);
+    place[0] += 2 * cell;
+}
+
+static void put_places(file_builder *b, const cell_list *list) {
+    for (int c = 0; c < list->n; c++)
+        for (int i = 0; i < list->cell[c].element->n_nodes; i++) {
+            double place[3];
+            listed_place(list, c, i, place);
+            for (int d = 0; d < 3; d++)
+                builder_real(b, place[d], 8);
+        }
+}
+
+/** A legacy file, or one of version 5. */
+static file_builder make_vtk(const cell_list *list, int version) {
+    file_builder b = {.binary = 0};
+    int at = 0;
+    builder_text(&b, "# vtk DataFile Version %d.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n", version);
+    builder_text(&b, "POINTS %d double\n", list->n_nodes);
+    put_places(&b, list);
+    if (version == 3)
+        builder_text(&b, "\nCELLS %d %d\n", list->n, list->n + list->n_nodes);
+    else
+        builder_text(&b, "\nCELLS %d %d\nOFFSETS vtktypeint64\n", list->n + 1, list->n_nodes);
+    for (int c = 0; c <= list->n && version == 5; c++) {
+        builder_integer(&b, at, 8);
+        at += c < list->n ? list->cell[c].element->n_nodes : 0;
+    }
+    if (version == 5)
+        builder_text(&b, "\nCONNECTIVITY vtktypeint64\n");
+    at = 0;
+    for (int c = 0; c < list->n; c++) {
+        if (version == 3)
+            builder_integer(&b, list->cell[c].element->n_nodes, 4);
+        for (int i = 0; i < list->cell[c].element->n_nodes; i++)
+            builder_integer(&b, at++, 4);
+    }
+    builder_text(&b, "\nCELL_TYPES %d\n", list->n);
+    for (int c = 0; c < list->n; c++)
+        builder_integer(&b, list->cell[c].type, 4);
+    return b;
+}
+
+/** Put a piece of an XML file with the cells from begin to end. */
+static void put_piece(file_builder *b, const cell_list *list, int begin, int end) {
+    cell_list piece = {.n = 0};
+    for (int c = begin; c < end; c++)
+        list_cell(&piece, list->cell[c].element, list->cell[c].type, list->cell[c].order);
+    builder_text(b,
+                 "<Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\"><Points><DataArray "
+                 "type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">",
+                 piece.n_nodes, piece.n);
+    put_places(b, &piece);
+    builder_text(b, "</DataArray></Points><Cells><DataArray type=\"Int64\" Name=\"connectivity\" "
+                    "format=\"ascii\">");
+    for (int i = 0; i < piece.n_nodes; i++)
+        builder_integer(b, i, 8);
+    builder_text(b, "</DataArray><DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">");
+    for (int c = 0, at = 0; c < piece.n; c++)
+        builder_integer(b, at += piece.cell[c].element->n_nodes, 8);
+    builder_text(b, "</DataArray><DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">");
+    for (int c = 0; c < piece.n; c++)
+        builder_integer(b, piece.cell[c].type, 1);
+    builder_text(b, "</DataArray></Cells></Piece>");
+}
+
+static file_builder make_vtu(const cell_list *list) {
+    file_builder b = {.binary = 0};
+    builder_text(&b, "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+                     "byte_order=\"LittleEndian\"><UnstructuredGrid>");
+    put_piece(&b, list, 0, list->n / 2);
+    put_piece(&b, list, list->n / 2, list->n);
+    builder_text(&b, "</UnstructuredGrid></VTKFile>");
+    return b;
+}
+
+#ifdef PL_HDF5
+static file_builder make_vtkhdf(const cell_list *list) {
+    hdf5_builder b;
+    double xyz[3 * MOST_NODES * N_TYPES];
+    int nodes[MOST_NODES * N_TYPES], offsets[N_TYPES + 9] = {0}, types[N_TYPES + 8], n = 0;
+    assert_in_range(list->n_nodes, 1, MOST_NODES * N_TYPES);
+    for (int c = 0; c < list->n; c++) {
+        for (int i = 0; i < list->cell[c].element->n_nodes; i++, n++) {
+            listed_place(list, c, i, xyz + 3 * n);
+            nodes[n] = n;
+        }
+        offsets[c + 1] = n;
+        types[c] = list->cell[c].type;
+    }
+    hdf5_begin(&b, 0);
+    hdf5_group(&b, "/VTKHDF");
+    hdf5_text_attribute(&b, "/VTKHDF", "Type", "UnstructuredGrid");
+    hdf5_array(&b, "/VTKHDF/Points", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, (hsize_t)n, 3, xyz);
+    hdf5_integers(&b, "/VTKHDF/NumberOfPoints", 1, &n);
+    hdf5_integers(&b, "/VTKHDF/NumberOfCells", 1, &list->n);
+    hdf5_integers(&b, "/VTKHDF/NumberOfConnectivityIds", 1, &n);
+    hdf5_integers(&b, "/VTKHDF/Connectivity", (hsize_t)n, nodes);
+    hdf5_integers(&b, "/VTKHDF/Offsets", (hsize_t)list->n + 1, offsets);
+    hdf5_integers(&b, "/VTKHDF/Types", (hsize_t)list->n, types);
+    return hdf5_end(&b);
+}
+#endif
+
+/** Write a file to the folder, open it by its path, and release it. */
+static planish_file *open_file(const char *folder, const char *name, file_builder *b) {
+    char path[TEST_PATH_SIZE];
+    planish_file *file = NULL;
+    planish_error error = {.text = ""};
+    test_write(folder, name, b->data, (size_t)b->size);
+    builder_release(b);
+    if (planish_file_open(test_path(path, folder, name), NULL, 1, &file, &error))
+        fail_msg("%s", error.text);
+    return file;
+}
+
+/** Whether this build reads VTU, for which it needs Expat. */
+static int reads_vtu(void) {
+    char text[] = "<VTKFile>";
+    const file_builder b = {.data = text, .size = (int64_t)strlen(text)};
+    planish_file *file = NULL;
+    planish_error error = {.text = ""};
+    assert_int_not_equal(builder_read(&b, &io_format_vtu, 1, &file, &error), 0);
+    return strstr(error.text, "libexpat1-dev") == NULL;
+}
+
+/** Open the list in format number f; NULL: there is no such format, or not in this build. */
+static planish_file *open_list(const char *folder, const cell_list *list, int f) {
+    file_builder b = {.binary = 0};
+    if (f < 2)
+        b = make_vtk(list, f == 0 ? 3 : 5);
+    else if (f == 2 && reads_vtu())
+        b = make_vtu(list);
+#ifdef PL_HDF5
+    else if (f == 3)
+        b = make_vtkhdf(list);
+#endif
+    static const char *const names[] = {"a.vtk", "b.vtk", "c.vtu", "d.vtkhdf"};
+    return b.data ? open_file(folder, names[f], &b) : NULL;
+}
+
+enum { N_FORMATS = 4 };
+
+/* ---- reading -------------------------------------------------------------------------------- */
+
+/** List an element of each type of that dimension (0: none). */
+static cell_list list_types(int dim) {
+    cell_list list = {.n = 0};
+    for (int i = 0; i < N_TYPES; i++)
+        if (elements[i].dim == dim)
+            list_cell(&list, &elements[i], elements[i].type, NULL);
+    return list;
+}
+
+/** Expect that all cells of the list are in the file, with their numbers, and are right. */
+static void check_list(planish_file *file, const cell_list *list) {
+    planish_cells cells;
+    assert_int_equal(planish_file_cells(file, &cells, NULL), 0);
+    assert_int_equal(cells.n, list->n);
+    for (int c = 0; c < list->n; c++) {
+        check_element(file, c, list->cell[c].element);
+        assert_int_equal(planish_file_element_number(file, c), c);
+    }
+}
+
+static void all_types_are_read(void **state) {
+    for (int f = 0; f < N_FORMATS; f++)
+        for (int dim = 2; dim <= 3; dim++) {
+            const cell_list list = list_types(dim);
+            planish_file *file = open_list(*state, &list, f);
+            if (!file)
+                continue;
+            check_list(file, &list);
+            for (int i = 0; i < list.n_nodes; i++)
+                assert_int_equal(file->model.hold[i], IO_HELD_BY_OTHER);
+            assert_int_equal(file->model.n_other, list.n);
+            planish_file_close(file);
+        }
+}
+
+/** Pixels and voxels have their nodes row by row; Lagrange cells of low order are as others. */
+static void other_names_of_types_are_read(void **state) {
+    static const uint8_t rows[] = {0, 1, 3, 2, 4, 5, 7, 6};
+    static const int lagrange[][2] = {
+        {PLANISH_CELL_QUADRILATERAL, 70},  {PLANISH_CELL_TRIANGLE6, 69},
+        {PLANISH_CELL_QUADRILATERAL9, 70}, {PLANISH_CELL_TETRAHEDRON10, 71},
+        {PLANISH_CELL_HEXAHEDRON, 72},     {PLANISH_CELL_WEDGE, 73}};
+    for (int f = 0; f < N_FORMATS; f++)
+        for (int dim = 2; dim <= 3; dim++) {
+            cell_list list = {.n = 0};
+            for (int i = 0; i < N_TYPES; i++) {
+                const unit_element *e = &elements[i];
+                if (e->dim != dim)
+                    continue;
+                if (e->n_nodes == 1 << dim)
+                    list_cell(&list, e, dim == 2 ? 8 : 11, rows);
+                for (size_t k = 0; k < sizeof lagrange / sizeof *lagrange; k++)
+                    if (lagrange[k][0] == e->type)
+                        list_cell(&list, e, lagrange[k][1], NULL);
+            }
+            planish_file *file = open_list(*state, &list, f);
+            if (!file)
+                continue;
+            check_list(file, &list);
+            planish_file_close(file);
+        }
+}
+
+/** Types that planish does not measure hold their nodes, beside others. */
+static void unmeasured_types_are_held(void **state) {
+    static const struct {
+        int type, nodes; /* VTK's, and those of an element of that type here */
+    } held[] = {{7, PLANISH_CELL_QUADRILATERAL},   {30, PLANISH_CELL_WEDGE},
+                {31, PLANISH_CELL_QUADRILATERAL8}, {36, PLANISH_CELL_QUADRILATERAL8},
+                {72, PLANISH_CELL_HEXAHEDRON27},   {73, PLANISH_CELL_WEDGE18},
+                {74, PLANISH_CELL_PYRAMID},        {77, PLANISH_CELL_QUADRILATERAL9},
+                {79, PLANISH_CELL_HEXAHEDRON},     {71, PLANISH_CELL_WEDGE}};
+    for (size_t i = 0; i < sizeof held / sizeof *held; i++)
+        for (int f = 0; f < N_FORMATS; f++) {
+            cell_list list = list_types(3);
+            const int n = list.n, n_nodes = list.n_nodes;
+            for (int k = 0; k < N_TYPES; k++)
+                if (elements[k].type == held[i].nodes)
+                    list_cell(&list, &elements[k], held[i].type, NULL);
+            planish_file *file = open_list(*state, &list, f);
+            if (!file)
+                continue;
+            planish_cells cells;
+            assert_int_equal(planish_file_cells(file, &cells, NULL), 0);
+            assert_int_equal(cells.n, n);
+            assert_int_equal(file->model.n_other, n + 1);
+            assert_int_equal(file->model.hold[n_nodes], IO_HELD_BY_OTHER);
+            planish_file_close(file);
+        }
+}
+
+/* ---- copies for viewing --------------------------------------------------------------------- */
+
+/** Convert file to name in folder, and open that. */
+static planish_file *convert(const char *folder, const planish_file *file, const char *name,
+                             char lost[256]) {
+    char path[TEST_PATH_SIZE];
+    planish_file *copy = NULL;
+    planish_error error = {.text = ""};
+    test_path(path, folder, name);
+    if (planish_file_convert(file, path, file->model.coordinates, NULL, NULL, NULL, 0, lost, 256,
+                             &error) ||
+        planish_file_open(path, NULL, 1, &copy, &error))
+        fail_msg("%s", error.text);
+    return copy;
+}
+
+/** Expect the same cells in both. */
+static void check_same_cells(planish_file *a, planish_file *b) {
+    planish_cells p, q;
+    assert_int_equal(planish_file_cells(a, &p, NULL), 0);
+    assert_int_equal(planish_file_cells(b, &q, NULL), 0);
+    assert_int_equal(p.n, q.n);
+    assert_memory_equal(p.type, q.type, (size_t)p.n);
+    assert_memory_equal(p.offset, q.offset, (size_t)(p.n + 1) * sizeof *p.offset);
+    assert_memory_equal(p.node, q.node, (size_t)p.offset[p.n] * sizeof *p.node);
+}
+
+static void copies_keep_all_types(void **state) {
+    for (int dim = 2; dim <= 3; dim++) {
+        char lost[256];
+        const cell_list list = list_types(dim);
+        planish_file *file = open_list(*state, &list, 3);
+        file = file ? file : open_list(*state, &list, 2);
+        if (!file)
+            skip();
+        planish_file *vtk = convert(*state, file, "copy.vtk", lost);
+        assert_null(strstr(lost, "elements"));
+        check_same_cells(file, vtk);
+        check_list(vtk, &list);
+        if (reads_vtu()) {
+            planish_file *vtu = convert(*state, vtk, "copy.vtu", lost);
+            assert_null(strstr(lost, "elements"));
+            check_same_cells(file, vtu);
+            planish_file_close(vtu);
+        }
+        planish_file_close(vtk);
+        planish_file_close(file);
+    }
+}
+
+/** Without a mid an element is straight, as VTK has none of it with fewer nodes; the middle of a
+ *  pyramid's base is left out. Polygons are lost. */
+static void copies_do_without_missing_nodes(void **state) {
+    static const int32_t pyramid[] = {0, 1, 2, 3, 4, 8, 9, 10, 11, 12, 13, 14, 15, 16};
+    char lost[256];
+    cell_list list = list_types(3);
+    for (int k = 0; k < N_TYPES; k++)
+        if (elements[k].type == PLANISH_CELL_QUADRILATERAL)
+            list_cell(&list, &elements[k], 7, NULL);
+    file_builder b = make_vtk(&list, 3);
+    planish_file *file = open_file(*state, "in.vtk", &b);
+    if (!reads_vtu()) {
+        planish_file_close(file);
+        skip();
+    }
+    io_others *others = &file->model.other;
+    const int n = (int)others->n;
+    for (int i = 0; i < n; i++) {
+        const int64_t end = others->offset[i];
+        if (list.cell[i].element->n_nodes > list.cell[i].element->n_corners)
+            others->node[end - 1] = -1;
+    }
+    assert_int_equal(io_model_add_other(&file->model, PLANISH_CELL_PYRAMID14, pyramid, 99, NULL),
+                     0);
+    file->model.n_other++;
+    planish_file *vtu = convert(*state, file, "copy.vtu", lost);
+    assert_int_equal(strncmp(lost, "1 elements of other types", 25), 0);
+    planish_cells p, q;
+    assert_int_equal(planish_file_cells(file, &p, NULL), 0);
+    assert_int_equal(planish_file_cells(vtu, &q, NULL), 0);
+    assert_int_equal(q.n, n + 1);
+    for (int i = 0, next = 1; i < n; i++) { /* the tetrahedron comes first */
+        const unit_element *e = list.cell[i].element;
+        const int at = e->type == PLANISH_CELL_TETRAHEDRON10 ? 0 : next++;
+        assert_int_equal(q.offset[at + 1] - q.offset[at], e->n_corners);
+        assert_memory_equal(q.node + q.offset[at], p.node + p.offset[i],
+                            (size_t)e->n_corners * sizeof *q.node);
+    }
+    assert_int_equal(q.type[n], PLANISH_CELL_PYRAMID13);
+    assert_memory_equal(q.node + q.offset[n], pyramid, 13 * sizeof *pyramid);
+    planish_file_close(vtu);
+    planish_file_close(file);
+}
+
+/* ---- quadrilaterals beside triangles -------------------------------------------------------- */
+
+/** Quadrilaterals that are not in one plane with the triangles are passed over. */
+static void a_plane_is_for_all_elements(void **state) {
+    for (int is_off = 0; is_off < 2; is_off++) {
+        file_builder b = {.binary = 0};
+        planish_cells cells;
+        builder_text(&b,
+                     "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                     "POINTS 5 double\n0 0 1 1 0 2 1 1 2 0 1 1 2 0 %d\n"
+                     "CELLS 2 9\n4 0 1 2 3\n3 1 4 2\nCELL_TYPES 2\n9 5\n",
+                     is_off ? 4 : 3);
+        planish_file *file = open_file(*state, "in.vtk", &b);
+        assert_int_equal(planish_file_cells(file, &cells, NULL), 0);
+        assert_int_equal(cells.n, is_off ? 1 : 2);
+        assert_int_equal(file->model.n_other, 1);
+        planish_file_close(file);
+    }
+}
+
+#define IN_A_FOLDER(test)                                                                          \
+    cmocka_unit_test_setup_teardown(test, test_folder_create, test_folder_remove)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        IN_A_FOLDER(all_types_are_read),
+        IN_A_FOLDER(other_names_of_types_are_read),
+        IN_A_FOLDER(unmeasured_types_are_held),
+        IN_A_FOLDER(copies_keep_all_types),
+        IN_A_FOLDER(copies_do_without_missing_nodes),
+        IN_A_FOLDER(a_plane_is_for_all_elements),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
