@@ -4,7 +4,7 @@
  *   io_element_dim               dimension of a type
  *   io_element_use               whether planish keeps, holds or refuses elements of a type
  *   io_element_cells             the cells of the model that elements of a type become
- *   io_cell_type, _nodes         the planish_cell_type of a shape; its number of nodes
+ *   io_cell_type                 the planish_cell_type of a shape
  *   io_element_reason            why elements that are not kept hold their nodes
  *   io_element_count             count elements that are not kept
  *
@@ -19,6 +19,7 @@
 #ifndef PL_IO_CORE_ELEMENTS_H
 #define PL_IO_CORE_ELEMENTS_H
 
+#include "io/core/cell_types.h"
 #include "io/core/text.h"
 
 typedef enum io_shape {
@@ -69,20 +70,6 @@ static inline io_element_treatment io_element_use(const io_element_type *type) {
 /** Cells of the model that elements of a type become, borrowed; NULL: they are not kept. */
 static inline io_cells *io_element_cells(io_model *model, const io_element_type *type) {
     return io_element_use(type) == IO_KEEP ? io_model_cells(model, io_element_dim(type)) : NULL;
-}
-
-/** Number of nodes of a planish_cell_type of two or three dimensions; else 0. */
-static inline int io_cell_type_nodes(int type) {
-    static const uint8_t nodes[] = {
-        [PLANISH_CELL_TRIANGLE] = 3,       [PLANISH_CELL_TRIANGLE6] = 6,
-        [PLANISH_CELL_QUADRILATERAL] = 4,  [PLANISH_CELL_QUADRILATERAL8] = 8,
-        [PLANISH_CELL_QUADRILATERAL9] = 9, [PLANISH_CELL_TETRAHEDRON] = 4,
-        [PLANISH_CELL_TETRAHEDRON10] = 10, [PLANISH_CELL_HEXAHEDRON] = 8,
-        [PLANISH_CELL_HEXAHEDRON20] = 20,  [PLANISH_CELL_HEXAHEDRON27] = 27,
-        [PLANISH_CELL_WEDGE] = 6,          [PLANISH_CELL_WEDGE15] = 15,
-        [PLANISH_CELL_WEDGE18] = 18,       [PLANISH_CELL_PYRAMID] = 5,
-        [PLANISH_CELL_PYRAMID13] = 13,     [PLANISH_CELL_PYRAMID14] = 14};
-    return type >= 0 && type < (int)sizeof nodes ? nodes[type] : 0;
 }
 
 /** Return the planish_cell_type of that shape (io_shape) with that many nodes; 0: none is

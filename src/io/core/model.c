@@ -2,7 +2,7 @@
 #include "io/core/arrays.h"
 #include "io/core/bytes.h"
 #include "io/core/model.h"
-#include "io/core/elements.h"
+#include "io/core/cell_types.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
