@@ -1,0 +1,107 @@
+"""Write an element of each type of VTK, bent so that a wrong order of its nodes is not valid, by VTK
+and by meshio; or compare the cells of pairs of files as VTK reads them.
+
+usage: cell_types.py write DIM; prints the names of files, and how many elements each has
+       cell_types.py compare A B ...
+"""
+import sys
+
+import meshio
+import numpy
+import vtk
+
+TYPES = {
+    2: ("Triangle", "Quad", "Pixel", "QuadraticTriangle", "QuadraticQuad", "BiQuadraticQuad"),
+    3: ("Tetra", "Hexahedron", "Voxel", "Wedge", "Pyramid", "QuadraticTetra", "QuadraticHexahedron",
+        "QuadraticWedge", "QuadraticPyramid", "TriQuadraticHexahedron",
+        "BiQuadraticQuadraticWedge"),
+}
+ROWS = {8: [0, 1, 3, 2], 11: [0, 1, 3, 2, 4, 5, 7, 6]}  # pixels and voxels, by other types' order
+
+
+def bent(x, dim):
+    """The places of nodes, where those of a straight element are at x."""
+    out = x + 0.1 * numpy.stack([x[:, 1] ** 2 + x[:, 0] * x[:, 2], x[:, 2] ** 2 + x[:, 0] * x[:, 1],
+                                 x[:, 0] ** 2 + x[:, 1] * x[:, 2]], axis=1)
+    if dim == 2:
+        out[:, 2] = 0
+    return out
+
+
+def elements(dim):
+    """VTK's type and the places of the nodes of each element."""
+    for number, name in enumerate(TYPES[dim]):
+        cell = getattr(vtk, "vtk" + name)()
+        n = cell.GetNumberOfPoints()
+        x = numpy.array(cell.GetParametricCoords()[:3 * n]).reshape(-1, 3)
+        if "Pyramid" in name and n > 5:  # where all parametric mids at the apex are one place
+            x[9:] = (x[:4] + x[4]) / 2
+        x = bent(x, dim)
+        x[:, 0] += 3 * number
+        yield cell.GetCellType(), x
+
+
+def grid_of(dim):
+    """All elements as VTK's grid."""
+    grid, points = vtk.vtkUnstructuredGrid(), vtk.vtkPoints()
+    points.SetDataType(vtk.VTK_DOUBLE)
+    for kind, places in elements(dim):
+        ids = [points.InsertNextPoint(p) for p in places]
+        grid.InsertNextCell(kind, len(ids), ids)
+    grid.SetPoints(points)
+    return grid
+
+
+def write(dim):
+    """Write files by VTK (old and new legacy versions, XML) and meshio."""
+    grid = grid_of(dim)
+    for version in (42, 51):
+        for binary in (0, 1):
+            writer = vtk.vtkUnstructuredGridWriter()
+            writer.SetFileVersion(version)
+            writer.SetFileType(vtk.VTK_BINARY if binary else vtk.VTK_ASCII)
+            name = f"types{dim}_{version}_{binary}.vtk"
+            writer.SetFileName(name)
+            writer.SetInputData(grid)
+            assert writer.Write()
+            print(name, grid.GetNumberOfCells())
+    writer = vtk.vtkXMLUnstructuredGridWriter()
+    writer.SetFileName(f"types{dim}.vtu")
+    writer.SetInputData(grid)
+    assert writer.Write()
+    print(f"types{dim}.vtu", grid.GetNumberOfCells())
+    names = {v: k for k, v in meshio._vtk_common.meshio_to_vtk_type.items()}
+    points, cells = [], []
+    for kind, places in elements(dim):
+        if kind in ROWS or names[kind] not in meshio._mesh.topological_dimension:
+            continue
+        cells.append((names[kind], [list(range(len(points), len(points) + len(places)))]))
+        points += list(places)
+    mesh = meshio.Mesh(numpy.array(points), cells)
+    for name in (f"meshio{dim}.vtk", f"meshio{dim}.vtu"):
+        mesh.write(name)
+        print(name, len(cells))
+
+
+def cells_of(path):
+    """Type and points of each cell; pixels and voxels as quadrilaterals and hexahedra."""
+    reader = vtk.vtkXMLUnstructuredGridReader() if path.endswith("u") else \
+        vtk.vtkUnstructuredGridReader()
+    reader.SetFileName(path)
+    reader.Update()
+    grid = reader.GetOutput()
+    found = []
+    for i in range(grid.GetNumberOfCells()):
+        kind, ids = grid.GetCellType(i), grid.GetCell(i).GetPointIds()
+        ids = [ids.GetId(k) for k in range(ids.GetNumberOfIds())]
+        if kind in ROWS:
+            kind, ids = kind + 1, [ids[k] for k in ROWS[kind]]
+        found.append((kind, [grid.GetPoint(k) for k in ids]))
+    return found
+
+
+if sys.argv[1] == "write":
+    write(int(sys.argv[2]))
+else:
+    for a, b in zip(sys.argv[2::2], sys.argv[3::2]):
+        assert cells_of(a) == cells_of(b), f"{a} and {b} have different cells"

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Elements of all types as VTK and meshio write them: the nodes of each are read in the right order, and
+# VTK finds the same elements in a copy for viewing. Needs python3-vtk9 and meshio.
+. "$(dirname "$0")/common.sh"
+
+python=/usr/bin/python3
+"$python" -c "import meshio, vtk" 2>/dev/null || { echo "skipped: no meshio or VTK"; exit 77; }
+if lacks "$source_folder/tests/data/ascii.vtu"; then
+    echo "skipped: planish was built without Expat"
+    exit 77
+fi
+pairs=()
+for dim in 2 3; do
+    "$python" "$cli/cell_types.py" write "$dim" >names || fail "no files"
+    while read -r name n; do
+        expect_status 0 "$program" quality "$name" --json quality.json -q
+        "$python" - "$n" <<'END' || fail "$name"
+import json, sys
+quality = json.load(open("quality.json"))["quality"]
+assert sum(quality["counts"].values()) == int(sys.argv[1]), quality["counts"]
+assert quality["inverted"] == quality["uncertified"] == quality["corner_inverted"] == 0, quality
+END
+        [ "${name##*.}" = vtu ] && copy=$name.copy.vtk || copy=$name.copy.vtu
+        expect_status 0 "$program" smooth "$name" -o "$copy"
+        expect_text "it lacks data, parameters and comments"
+        pairs+=("$name" "$copy")
+    done <names
+    [ "$(wc -l <names)" = 7 ] || fail "not all files"
+done
+"$python" "$cli/cell_types.py" compare "${pairs[@]}" || fail "copies for viewing"
+finish
