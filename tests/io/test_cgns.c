@@ -257,7 +257,9 @@ static void wrong_files_are_refused(void **state) {
     m = right;
     refuse(((void)(m.type = 5), m), "4 numbers for 1 elements of 3");
     m = right;
-    refuse(((void)(m.type = 11), m), "second order");
+    refuse(((void)(m.type = 11), m), "4 numbers for 1 elements of 10");
+    m = right;
+    refuse(((void)(m.type = 30), m), "or higher"); /* third order */
     m = right;
     refuse(((void)(m.type = 22), m), "NGON_n");
     m = right;

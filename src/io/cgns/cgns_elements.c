@@ -1,5 +1,6 @@
 /* cgns_elements: the sections of elements of CGNS files, of one type or MIXED, with numbers of
- * nodes from 1. Lines, triangles and tetrahedra are kept, all others hold their nodes.
+ * nodes from 1. Lines, triangles and tetrahedra are kept. All others hold their nodes; those of two
+ * or three dimensions are handed over to be measured.
  */
 #ifdef PL_HDF5
 #include "io/cgns/cgns.h"
@@ -14,7 +15,7 @@
 
 /* ---- types of elements -------------------------------------------------------------------- */
 
-enum { CGNS_MIXED = 20 };
+enum { CGNS_MIXED = 20, MOST_NODES = 125 };
 
 /** Types by CGNS's numbers. */
 static const io_element_type types[] = {
@@ -74,6 +75,19 @@ static const io_element_type types[] = {
     [56] = {NULL, IO_HEXAHEDRON, 4, 125},
 };
 enum { N_TYPES = sizeof types / sizeof *types };
+
+/** Types whose nodes stand in another order than VTK's, by the conventions of SIDS: the mids of
+ *  upright edges come before those of the top, and the middles of faces from the bottom to the
+ *  top. */
+static const io_node_order node_order[] = {
+    {PLANISH_CELL_WEDGE15, {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11}},
+    {PLANISH_CELL_WEDGE18, {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11, 15, 16, 17}},
+    {PLANISH_CELL_HEXAHEDRON20,
+     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15}},
+    {PLANISH_CELL_HEXAHEDRON27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 16, 17,
+                                 18, 19, 12, 13, 14, 15, 24, 22, 21, 23, 20, 25, 26}},
+    {0, {0}},
+};
 
 /** Find the type of that number, which must be one of elements that can be read. */
 static int take_type(cgns_reader *r, const char *path, int64_t number,
@@ -155,6 +169,35 @@ static int count_kept(section_walk *w, int64_t kept[4]) {
 
 /* ---- sections ----------------------------------------------------------------------------- */
 
+/** Take node j of the element that the walk came to: its index. */
+static int take_node(section_walk *w, int j, int32_t *node) {
+    const int64_t number = io_hdf5_integer(&w->nodes, w->at + j), most = w->r->model->n_nodes;
+    *node = (int32_t)(number - 1);
+    if (number >= 1 && number <= most)
+        return PLANISH_OK;
+    return io_hdf5_fail(w->r->file, w->path.text, "element %lld: node %lld is not in 1 .. %lld",
+                        (long long)(w->section->start + w->index), (long long)number,
+                        (long long)most);
+}
+
+/** Hold the nodes of the element that the walk came to, and hand it over. */
+static int add_other(section_walk *w) {
+    io_model *model = w->r->model;
+    const io_element_type *t = w->type;
+    int32_t node[MOST_NODES];
+    int status = PLANISH_OK;
+    for (int j = 0; j < t->nodes && !status; j++) {
+        status = take_node(w, j, &node[j]);
+        if (!status)
+            io_hold_node(model, node[j], io_element_reason(t));
+    }
+    if (status)
+        return status;
+    io_element_count(model, t, 1);
+    return io_model_add_other(model, io_cell_type(t->shape, t->nodes), node,
+                              w->section->start + w->index, w->r->error);
+}
+
 /** Store the elements of a section whose lists have been read; index: of the section. */
 static int store_elements(section_walk *w, int32_t index) {
     io_model *model = w->r->model;
@@ -173,26 +216,16 @@ static int store_elements(section_walk *w, int32_t index) {
         if (status)
             break;
         const io_element_type *t = w->type;
-        const int64_t element = w->section->start + i;
         io_cells *cells = io_element_cells(model, t);
-        for (int j = 0; j < t->nodes; j++) {
-            const int64_t number = io_hdf5_integer(&w->nodes, w->at + j);
-            if (number < 1 || number > model->n_nodes)
-                return io_hdf5_fail(
-                    w->r->file, w->path.text, "element %lld: node %lld is not in 1 .. %lld",
-                    (long long)element, (long long)number, (long long)model->n_nodes);
-            if (cells)
-                cells->nodes[cells->n * t->nodes + j] = (int32_t)(number - 1);
-            else
-                io_hold_node(model, number - 1, io_element_reason(t));
+        if (!cells) {
+            status = add_other(w);
+            continue;
         }
-        if (cells) {
-            cells->entity[cells->n] = index;
-            cells->number[cells->n++] = element;
-            w->section->behind[io_element_dim(t)] = cells->n;
-        } else {
-            io_element_count(model, t, 1);
-        }
+        for (int j = 0; j < t->nodes && !status; j++)
+            status = take_node(w, j, &cells->nodes[cells->n * t->nodes + j]);
+        cells->entity[cells->n] = index;
+        cells->number[cells->n++] = w->section->start + i;
+        w->section->behind[io_element_dim(t)] = cells->n;
     }
     return status;
 }
@@ -259,6 +292,7 @@ static int compare_sections(const void *a, const void *b) {
 
 int cgns_read_elements(cgns_reader *r) {
     io_hdf5_names names;
+    r->model->node_order = node_order;
     int status = cgns_children(r, &r->zone, "Elements_t", &names);
     for (int64_t i = 0; i < names.n && !status; i++)
         status = add_section(r, names.name[i]);

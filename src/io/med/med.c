@@ -3,7 +3,8 @@
  *
  * Nodes and elements are numbered by their place, from 1; all nodes' x stand before all y. Read are
  * nodes, lines, triangles and tetrahedra with their families and the groups of these. Elements of
- * other types hold their nodes. All else of the file (fields, profiles, other properties) is not
+ * other types hold their nodes; those of two or three dimensions are handed over to be measured.
+ * Solid elements are mirrored to VTK's; the mids of their edges follow in VTK's order. All else of the file (fields, profiles, other properties) is not
  * looked at.
  */
 #ifdef PL_HDF5
@@ -43,7 +44,15 @@ static const io_element_type types[] = {
     {"HE8", IO_HEXAHEDRON, 1, 8},    {"H20", IO_HEXAHEDRON, 2, 20},
     {"H27", IO_HEXAHEDRON, 2, 27},
 };
-enum { N_TYPES = sizeof types / sizeof *types };
+enum { N_TYPES = sizeof types / sizeof *types, MOST_NODES = 27 };
+
+/** Types whose nodes stand in another order than VTK's: the middles of faces come from the bottom to
+ *  the top. */
+static const io_node_order node_order[] = {
+    {PLANISH_CELL_HEXAHEDRON27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
+                                 14, 15, 16, 17, 18, 19, 24, 22, 21, 23, 20, 25, 26}},
+    {0, {0}},
+};
 
 /* ---- the mesh ----------------------------------------------------------------------------- */
 
@@ -235,6 +244,31 @@ static int hold_nodes(med_reader *r, const element_block *b) {
     return status;
 }
 
+/** Hand over elements that are not kept, once the numbers of their nodes are known to be right. */
+static int add_others(med_reader *r, const element_block *b, int type) {
+    io_hdf5_integers numbers = {0};
+    int status = read_optional(r, b->group.text, "NUM", b->n, &numbers);
+    for (int64_t i = 0; i < b->n && !status; i++) {
+        int32_t node[MOST_NODES];
+        for (int64_t j = 0; j < b->type->nodes; j++)
+            node[j] = (int32_t)(io_hdf5_integer(&b->nodes, j * b->n + i) - 1);
+        status = io_model_add_other(r->model, type, node,
+                                    numbers.n > 0 ? io_hdf5_integer(&numbers, i) : i + 1, r->error);
+    }
+    io_hdf5_integers_release(&numbers);
+    return status;
+}
+
+/** Find the number of elements in a list of nodes of which each has the same number. */
+static int count_elements(med_reader *r, element_block *b) {
+    const int nodes = b->type->nodes;
+    b->n = b->nodes.n / nodes;
+    if (b->nodes.n % nodes)
+        return io_hdf5_fail(r->file, b->path.text, "%lld numbers are no elements of %d nodes",
+                            (long long)b->nodes.n, nodes);
+    return demand(r, b->path.text, "NBR", b->n, "its attribute NBR is another number of elements");
+}
+
 /** Read the elements of the type with that name in the file. */
 static int read_block(med_reader *r, const char *name) {
     static const io_element_type other = {NULL, IO_ANY_SHAPE, 1, 0};
@@ -242,33 +276,26 @@ static int read_block(med_reader *r, const char *name) {
     for (int i = 0; i < N_TYPES; i++)
         if (strcmp(types[i].name, name) == 0)
             b.type = &types[i];
-    const io_element_treatment use = io_element_use(b.type);
-    const int corners = io_element_dim(b.type) + 1;
+    const int is_kept = io_element_use(b.type) == IO_KEEP; /* MED has none of third order */
+    const int type = is_kept ? 0 : io_cell_type(b.type->shape, b.type->nodes);
     b.group = io_hdf5_path_of(r->file, "%s/MAI/%s", r->step.text, name);
     b.path = io_hdf5_path_of(r->file, "%s/NOD", b.group.text);
-    if (use == IO_REFUSE)
-        return io_hdf5_fail(r->file, b.group.text, IO_OF_SECOND_ORDER);
     if (io_hdf5_kind_of(r->file, b.path.text) != IO_HDF5_DATASET)
         return io_hdf5_fail(r->file, b.path.text,
                             "there are no nodes of these elements (descending connectivity is "
                             "not read, only nodal)");
     int status = io_hdf5_integers_read(r->file, b.path.text, &b.nodes);
-    if (!status && use == IO_KEEP) {
-        b.n = b.nodes.n / corners;
-        status = b.nodes.n % corners ? io_hdf5_fail(r->file, b.path.text,
-                                                    "%lld numbers are no elements of %d nodes",
-                                                    (long long)b.nodes.n, corners)
-                                     : demand(r, b.path.text, "NBR", b.n,
-                                              "its attribute NBR is another number of elements");
-        if (!status)
-            status = read_cells(r, &b);
+    if (!status && (is_kept || type)) {
+        status = count_elements(r, &b);
     } else if (!status) {
         status = io_hdf5_attribute(r->file, b.path.text, "NBR", &b.n, NULL);
         if (b.n < 0 || b.n > b.nodes.n)
             b.n = 0; /* no more than a figure to be told */
-        if (!status)
-            status = hold_nodes(r, &b);
     }
+    if (!status)
+        status = is_kept ? read_cells(r, &b) : hold_nodes(r, &b);
+    if (!status && type)
+        status = add_others(r, &b, type);
     io_hdf5_integers_release(&b.nodes);
     return status;
 }
@@ -277,6 +304,7 @@ static int read_block(med_reader *r, const char *name) {
 static int read_elements(med_reader *r) {
     const io_hdf5_path group = io_hdf5_path_of(r->file, "%s/MAI", r->step.text);
     io_hdf5_names names;
+    r->model->node_order = node_order;
     if (io_hdf5_kind_of(r->file, group.text) != IO_HDF5_GROUP)
         return PLANISH_OK;
     int status = io_hdf5_list(r->file, group.text, &names);

@@ -71,8 +71,8 @@ int plex_read_topology(plex_reader *r);
 /** Release all that plex_read_topology and plex_read_elements have made. */
 void plex_release_topology(plex_reader *r);
 
-/** Make elements cells of the model; those that are no simplices hold their nodes. Then
- *  plex_nodes_of knows triangles. */
+/** Make elements cells of the model; those that are no simplices hold their nodes and
+ *  are handed over to be measured. Then plex_nodes_of knows triangles. */
 int plex_read_elements(plex_reader *r);
 
 /** Return the dimension of a point. */

@@ -1,6 +1,7 @@
 /* plex_topology: points of a DMPlex and their cones; its elements by their nodes. */
 #ifdef PL_HDF5
 #include "io/plex/plex.h"
+#include "io/core/elements.h"
 #include "io/core/records.h"
 
 #include "base/memory.h"
@@ -288,6 +289,155 @@ int plex_fail_point(plex_reader *r, int64_t point) {
                         (long long)point);
 }
 
+/* ---- elements that are no simplices ---------------------------------------------------------- */
+
+/** Nodes of a triangle or quadrilateral, in the order round it. */
+typedef struct ring {
+    int32_t node[4];
+    int n;
+} ring;
+
+/** Find the ring of a face that is bounded by edges, in the sense of its first edge; n = 0: it has
+ *  none. The other edges may stand in any order, as in the faces of extruded meshes. */
+static ring ring_of(const plex_reader *r, int64_t face) {
+    ring to = {.n = r->size[face]};
+    int32_t ends[4][2];
+    if (to.n < 3 || to.n > 4)
+        return (ring){.n = 0};
+    for (int k = 0; k < to.n; k++) {
+        int64_t o;
+        const int64_t edge = in_cone(r, face, k, &o);
+        if (edge < r->n_elements || plex_dim_of(r, edge) != 1)
+            return (ring){.n = 0};
+        for (int j = 0; j < 2; j++)
+            ends[k][j] = (int32_t)(in_cone(r, edge, o < 0 ? 1 - j : j, NULL) - r->n_elements);
+    }
+    memcpy(to.node, ends[0], sizeof ends[0]);
+    ends[0][0] = ends[0][1] = -1;
+    for (int i = 2; i <= to.n; i++) { /* the last edge leads to the first node */
+        int next = -1;
+        for (int k = 1; k < to.n && next < 0; k++)
+            for (int j = 0; j < 2 && next < 0; j++)
+                if (ends[k][j] == to.node[i - 1]) {
+                    next = ends[k][1 - j];
+                    ends[k][0] = ends[k][1] = -1;
+                }
+        if (next < 0 || (i == to.n && next != to.node[0]))
+            return (ring){.n = 0};
+        if (i < to.n)
+            to.node[i] = next;
+    }
+    return to;
+}
+
+static int is_in(const ring *of, int32_t node) {
+    for (int i = 0; i < of->n; i++)
+        if (of->node[i] == node)
+            return 1;
+    return 0;
+}
+
+/** Find the node that an edge from node leads to, away from the base; -1: there is none. */
+static int32_t node_above(const ring *rings, int n, const ring *base, int32_t node) {
+    for (const ring *f = rings; f < rings + n; f++)
+        for (int i = 0; i < f->n && f != base; i++)
+            for (int side = 1; side < f->n && f->node[i] == node; side += f->n - 2) {
+                const int32_t other = f->node[(i + side) % f->n];
+                if (!is_in(base, other))
+                    return other;
+            }
+    return -1;
+}
+
+/** Find the nodes of a solid element that is bounded by faces, in VTK's order. Cones of faces go
+ *  round them with the normal outwards, so that the base is gone round the other way. Of extruded
+ *  elements ("tensor prisms") the first face has its normal inwards, and the sides have their
+ *  edges in another order: the base is the second face, the last triangle. Returns the type, 0: none that is measured. */
+static int find_solid(const plex_reader *r, int64_t element, int32_t *node) {
+    ring rings[6];
+    const int n = r->size[element];
+    int n_triangles = 0, of_triangle = 0, of_quadrilateral = 0;
+    if (n < 5 || n > 6)
+        return 0;
+    for (int k = 0; k < n; k++) {
+        int64_t o;
+        const int64_t face = in_cone(r, element, k, &o);
+        if (face < r->n_elements || plex_dim_of(r, face) != 2)
+            return 0;
+        rings[k] = ring_of(r, face);
+        if (rings[k].n == 0)
+            return 0;
+        if (o < 0) {
+            const int32_t second = rings[k].node[1];
+            rings[k].node[1] = rings[k].node[rings[k].n - 1];
+            rings[k].node[rings[k].n - 1] = second;
+        }
+        n_triangles += rings[k].n == 3;
+        *(rings[k].n == 3 ? &of_triangle : &of_quadrilateral) = k;
+    }
+    const int shape = n == 6 && n_triangles == 0   ? IO_HEXAHEDRON
+                      : n == 5 && n_triangles == 2 ? IO_PRISM
+                      : n == 5 && n_triangles == 4 ? IO_PYRAMID
+                                                   : IO_NO_SHAPE;
+    if (shape == IO_NO_SHAPE)
+        return 0;
+    const ring *base = &rings[shape == IO_HEXAHEDRON ? 1
+                              : shape == IO_PRISM    ? of_triangle
+                                                     : of_quadrilateral];
+    int n_nodes = base->n;
+    for (int i = 0; i < base->n; i++)
+        node[i] = base->node[i == 0 ? 0 : base->n - i];
+    for (int i = 0; i < (shape == IO_PYRAMID ? 1 : base->n); i++) {
+        node[n_nodes] = node_above(rings, n, base, node[i]);
+        if (node[n_nodes++] < 0)
+            return 0;
+    }
+    for (int i = 0; i < n_nodes; i++)
+        for (int j = 0; j < i; j++)
+            if (node[i] == node[j])
+                return 0;
+    return io_cell_type(shape, n_nodes);
+}
+
+/** Find the nodes of an element that is bounded by nodes, in VTK's order: hexahedra, prisms and
+ *  pyramids turn the other way round, and PETSc's order of the top of a hexahedron or prism starts
+ *  over the same node as the base and goes round in the other sense. Returns the type, or 0. */
+static int find_flat(const plex_reader *r, int64_t element, int32_t *node) {
+    static const uint8_t orders[][8] = {
+        [5] = {0, 3, 2, 1, 4}, [6] = {0, 2, 1, 3, 4, 5}, [8] = {0, 3, 2, 1, 4, 5, 6, 7}};
+    const int n = r->size[element];
+    const int shape = r->dim == 2 && n == 4   ? IO_QUADRILATERAL
+                      : r->dim == 3 && n == 5 ? IO_PYRAMID
+                      : r->dim == 3 && n == 6 ? IO_PRISM
+                      : r->dim == 3 && n == 8 ? IO_HEXAHEDRON
+                                              : IO_NO_SHAPE;
+    for (int i = 0; i < n && shape != IO_NO_SHAPE; i++)
+        node[i] = (int32_t)(in_cone(r, element, n > 4 ? orders[n][i] : i, NULL) - r->n_elements);
+    return io_cell_type(shape, n);
+}
+
+/** Hand over the elements that are no simplices. */
+static int add_others(plex_reader *r) {
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < r->n_elements && r->model->n_other > 0 && !status; i++) {
+        int32_t node[PLEX_MOST_NODES];
+        int type = 0;
+        if (r->of_point[i] >= 0)
+            continue;
+        if (is_node(r, in_cone(r, i, 0, NULL))) {
+            type = find_flat(r, i, node);
+        } else if (r->dim == 3) {
+            type = find_solid(r, i, node);
+        } else {
+            const ring of = ring_of(r, i);
+            memcpy(node, of.node, sizeof of.node);
+            type = of.n == 4 ? PLANISH_CELL_QUADRILATERAL : 0;
+        }
+        status = io_model_add_other(r->model, type, node, i, r->error);
+    }
+    return status;
+}
+
 /* ---- cells of the model --------------------------------------------------------------------- */
 
 int plex_add_cell(plex_reader *r, int64_t point) {
@@ -375,7 +525,7 @@ int plex_read_elements(plex_reader *r) {
         return pl_fail_memory(r->error, "the faces of the file");
     pl_parallel_for(r->model->threads, n_faces, CHUNK, find_triangle_chunk, r);
     pl_parallel_for(r->model->threads, r->n_elements, CHUNK, fill_chunk, &f);
-    return f.first_wrong < INT64_MAX ? plex_fail_point(r, f.first_wrong) : PLANISH_OK;
+    return f.first_wrong < INT64_MAX ? plex_fail_point(r, f.first_wrong) : add_others(r);
 }
 
 #endif
