@@ -1,5 +1,6 @@
 /* Medit: what is read, what is held, what is refused. */
 #include "io/core/binary.h"
+#include "support/elements.h"
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/reading.h"
@@ -215,6 +216,89 @@ static void comments_are_no_keywords(void **state) {
     planish_file_close(file);
 }
 
+/** Nodes of the elements that hold theirs, and the same order as an ..Ordering says it. */
+static const struct {
+    const char *name, *nodes;
+    int dim, type;
+    const char *ordering;
+} others[] = {
+    {"Quadrilaterals", "1 2 3 4", 2, PLANISH_CELL_QUADRILATERAL, NULL},
+    {"Pyramids", "1 2 3 4 5", 3, PLANISH_CELL_PYRAMID, NULL},
+    {"Prisms", "1 2 3 4 5 6", 3, PLANISH_CELL_WEDGE, NULL},
+    {"Hexahedra", "1 2 3 4 5 6 7 8", 3, PLANISH_CELL_HEXAHEDRON, NULL},
+    {"TrianglesP2", "1 2 3 12 23 31", 2, PLANISH_CELL_TRIANGLE6, NULL},
+    {"TrianglesP2", "1 12 2 23 3 31", 2, PLANISH_CELL_TRIANGLE6, "200 110 020 011 002 101"},
+    {"QuadrilateralsQ2", "1 2 3 4 12 23 34 41 1234", 2, PLANISH_CELL_QUADRILATERAL9, NULL},
+    {"QuadrilateralsQ2", "1 12 2 41 1234 23 4 34 3", 2, PLANISH_CELL_QUADRILATERAL9,
+     "00 10 20 01 11 21 02 12 22"},
+    {"TetrahedraP2", "1 2 3 4 12 23 31 14 24 34", 3, PLANISH_CELL_TETRAHEDRON10, NULL},
+    {"TetrahedraP2", "1 2 3 4 12 23 31 14 34 24", 3, PLANISH_CELL_TETRAHEDRON10,
+     "2000 0200 0020 0002 1100 0110 1010 1001 0011 0101"},
+    {"HexahedraQ2",
+     "1 2 3 4 5 6 7 8 12 23 34 41 56 67 78 85 15 26 37 48 1234 1265 2376 3487 4158 5678 12345678", 3,
+     PLANISH_CELL_HEXAHEDRON27, NULL},
+    {"HexahedraQ2",
+     "1 2 3 4 5 6 7 8 12 23 34 41 56 67 78 85 15 26 37 48 1234 5678 1265 2376 3487 4158 12345678", 3,
+     PLANISH_CELL_HEXAHEDRON27,
+     "000 200 220 020 002 202 222 022 100 210 120 010 102 212 122 012 001 201 221 021 110 112 101 211 "
+     "121 011 111"},
+    {"PrismsP2", "1 2 3 4 5 6 12 23 31 45 56 64 14 25 36 1254 2365 3146", 3, PLANISH_CELL_WEDGE18,
+     NULL},
+    {"PrismsP2", "1 2 3 12 23 31 14 25 36 1254 2365 3146 4 5 6 45 56 64", 3, PLANISH_CELL_WEDGE18,
+     "2000 0200 0020 1100 0110 1010 2001 0201 0021 1101 0111 1011 2002 0202 0022 1102 0112 1012"},
+    {"PyramidsP2", "1 2 3 4 5 12 23 34 41 15 25 35 45 1234", 3, PLANISH_CELL_PYRAMID14, NULL},
+};
+
+/** Write a file of one element. */
+static void write_element(char *text, size_t size, size_t i, const elements_places *p) {
+    int length = snprintf(text, size, "MeshVersionFormatted 2\nDimension %d\n%s\n1\n", p->dim,
+                          others[i].name);
+    for (int j = 0; j < p->n; j++)
+        length += snprintf(text + length, size - (size_t)length, "%d ", j + 1);
+    length += snprintf(text + length, size - (size_t)length, "5\nVertices\n%d\n", p->n);
+    for (int j = 0; j < p->n; j++)
+        for (int d = 0; d <= p->dim; d++)
+            length += snprintf(text + length, size - (size_t)length, d < p->dim ? "%.8f " : "1\n",
+                               p->xyz[j][d % 3]);
+    if (others[i].ordering) {
+        length += snprintf(text + length, size - (size_t)length, "%sOrdering\n%d\n", others[i].name,
+                           p->n);
+        for (const char *c = others[i].ordering; *c; c++)
+            length += snprintf(text + length, size - (size_t)length, *c == ' ' ? "\n" : "%c ", *c);
+    }
+    snprintf(text + length, size - (size_t)length, "\nEnd\n");
+}
+
+static void other_types_are_measured(void **state) {
+    (void)state;
+    char text[4096];
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        for (int swapped = 0; swapped < 2; swapped++) {
+            const elements_places p = elements_find(others[i].dim, others[i].nodes, swapped);
+            write_element(text, sizeof text, i, &p);
+            elements_check(reading_text(&io_format_medit, text), others[i].type, 1, p.n, !swapped);
+            reading_every_beginning(&io_format_medit, text, (int64_t)strlen(text));
+        }
+}
+
+/** Places that no node has, or two have, and edges of second order. */
+static void orders_are_checked(void **state) {
+    (void)state;
+    const io_format *f = &io_format_medit;
+    reading_fails(f, HEAD NODES "TrianglesP2Ordering 5 2 0 0 0 2 0 0 0 2 1 1 0 0 1 1\n",
+                  "5 places, but the elements have 6 nodes");
+    reading_fails(f, HEAD NODES "TrianglesP2Ordering 6 2 0 0 0 2 0 0 0 2 1 1 0 0 1 1 1 1 0\n",
+                  "TrianglesP2Ordering 6: there is a node at that place already");
+    reading_fails(f, HEAD NODES "TrianglesP2Ordering 6 2 0 0 0 2 0 0 0 2 1 1 0 0 1 1 1 1 1\n",
+                  "TrianglesP2Ordering 6: there is no node at that place");
+    reading_fails(f, HEAD NODES "TrianglesP2Ordering 6 2 0 0 0 2 0 0 0 2 1 1 0 0 1 1 1 0 3\n",
+                  "number 3 is not in 0 .. 2");
+    planish_file *file = reading_text(f, HEAD NODES "Tetrahedra 1 1 2 3 4 0 EdgesP2 1 1 2 3 0 End");
+    assert_int_equal(file->model.hold[2], IO_HELD_BY_OTHER);
+    assert_int_equal(file->model.hold[3], 0);
+    planish_file_close(file);
+}
+
 static void wrong_files_are_refused(void **state) {
     (void)state;
     const io_format *f = &io_format_medit;
@@ -232,7 +316,9 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(f, HEAD "Vertices\n2\n0 0 nan 0 0 0 0 0 Tetrahedra 0", "not finite");
     reading_fails(f, HEAD "Vertices\n1\n0 0 1e999 0\n", "not finite");
     reading_fails(f, HEAD NODES NODES, "second time");
-    reading_fails(f, HEAD "TetrahedraP2 1 1\n", "first order");
+    reading_fails(f, HEAD NODES "TetrahedraP2 1 1 2 3 4 1 2 3 4 1 5 0\n", "not in 1 .. 4");
+    reading_fails(f, HEAD NODES "TetrahedraP2 1 1 2 3 4 1 2 3 4 1 1 0 2\n", "more than 1");
+    reading_fails(f, HEAD "TetrahedraP3 1 1\n", "first order");
     reading_fails(f, "MeshVersionFormatted 9\n", "unknown");
     reading_fails(f, "MeshVersionFormatted 2\nDimension 4\n", "unknown");
     reading_fails(f, HEAD, "no Vertices");
@@ -533,7 +619,8 @@ static void wrong_binary_files_are_refused(void **state) {
     refused(2, 60, 20, 1, "not behind this one"); /* and by what is passed over */
     refused(2, 60, -1, 1, "not behind this one");
     refused(2, 4, 0, 1, "second time");
-    refused(2, 30, 0, 1, "first order");
+    refused(2, 30, 0, 1, "1 TetrahedraP2 cannot be in");
+    refused(2, 96, 0, 1, "first order");
     refused(2, 97, 0, 1, "TetrahedraP4");
     refused(2, 54, 0, 1, "nothing to smooth");
     refused(2, 99999, 0, 1, "nothing to smooth");
@@ -621,6 +708,8 @@ int main(void) {
         cmocka_unit_test(all_facets_are_no_surface),
         cmocka_unit_test(sections_may_stand_in_any_order),
         cmocka_unit_test(comments_are_no_keywords),
+        cmocka_unit_test(other_types_are_measured),
+        cmocka_unit_test(orders_are_checked),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(every_beginning_is_survived),
         cmocka_unit_test(many_threads_read_the_same),

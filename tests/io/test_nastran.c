@@ -1,4 +1,5 @@
 /* Nastran bulk data: fields of every kind, what is held, what is refused, what is written. */
+#include "support/elements.h"
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/reading.h"
@@ -192,6 +193,108 @@ static void systems_are_looked_at(void **state) {
                   "no CORD1R or CORD2R");
 }
 
+/** Nodes of the elements that hold theirs, as the Quick Reference Guide numbers them. */
+static const struct {
+    const char *nodes;
+    int dim, type;
+    const char *names[8];
+} others[] = {
+    {"1 2 3 4", 2, PLANISH_CELL_QUADRILATERAL,
+     {"CQUAD4", "CQUADR", "CSHEAR", "CQUAD8", "CQUAD", "CPLSTN4", "CPLSTS4"}},
+    {"1 2 3 12 23 31", 2, PLANISH_CELL_TRIANGLE6, {"CTRIA6", "CPLSTN6", "CPLSTS6", "CTRIAX"}},
+    {"1 12 2 23 3 31", 2, PLANISH_CELL_TRIANGLE6, {"CTRIAX6", "CTRAX6"}},
+    {"1 2 3 4 12 23 34 41", 2, PLANISH_CELL_QUADRILATERAL8, {"CQUAD8", "CQUAD", "CPLSTN8", "CPLSTS8"}},
+    {"1 2 3 4 12 23 34 41 1234", 2, PLANISH_CELL_QUADRILATERAL9, {"CQUAD", "CQUADX"}},
+    {"1 2 3 4 12 23 31 14 24 34", 3, PLANISH_CELL_TETRAHEDRON10, {"CTETRA"}},
+    {"1 2 3 4 5", 3, PLANISH_CELL_PYRAMID, {"CPYRAM", "CPYRA"}},
+    {"1 2 3 4 5 12 23 34 41 15 25 35 45", 3, PLANISH_CELL_PYRAMID13, {"CPYRAM", "CPYRA"}},
+    {"1 2 3 4 5 6", 3, PLANISH_CELL_WEDGE, {"CPENTA"}},
+    {"1 2 3 4 5 6 7 8", 3, PLANISH_CELL_HEXAHEDRON, {"CHEXA"}},
+    {"1 2 3 4 5 6 12 23 31 14 25 36 45 56 64", 3, PLANISH_CELL_WEDGE15, {"CPENTA"}},
+    {"1 2 3 4 5 6 7 8 12 23 34 41 15 26 37 48 56 67 78 85", 3, PLANISH_CELL_HEXAHEDRON20, {"CHEXA"}},
+};
+
+/** Write an element of number 7; without node number missing. Return its length. */
+static int write_element(char *text, size_t size, const char *name, const elements_places *p,
+                         int missing) {
+    int length = 0;
+    for (int i = 0; i < p->n; i++)
+        length += snprintf(text + length, size - (size_t)length, "GRID,%d,,%.5f,%.5f,%.5f\n", i + 1,
+                           p->xyz[i][0], p->xyz[i][1], p->xyz[i][2]);
+    length += snprintf(text + length, size - (size_t)length, "%s,7,1", name);
+    for (int i = 0; i < p->n; i++) {
+        const char *before = i > 0 && (i + 2) % 8 == 0 ? "\n," : ",";
+        length += i + 1 == missing
+                      ? snprintf(text + length, size - (size_t)length, "%s", before)
+                      : snprintf(text + length, size - (size_t)length, "%s%d", before, i + 1);
+    }
+    return length + snprintf(text + length, size - (size_t)length, "\n");
+}
+
+static void other_types_are_measured(void **state) {
+    (void)state;
+    char text[4096];
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        for (int j = 0; j < 8 && others[i].names[j]; j++)
+            for (int swapped = 0; swapped < 2; swapped++) {
+                const elements_places p = elements_find(others[i].dim, others[i].nodes, swapped);
+                const int length = write_element(text, sizeof text, others[i].names[j], &p, 0);
+                elements_check(reading_text(format, text), others[i].type, 7, p.n, !swapped);
+                reading_every_beginning(format, text, length);
+            }
+}
+
+/** A mid that is missing is in the middle of its edge; 0 says the same, and so does a word. */
+static void mids_may_be_missing(void **state) {
+    (void)state;
+    char text[4096];
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        const elements_places p = elements_find(others[i].dim, others[i].nodes, 0);
+        for (int node = 1; node <= p.n; node++) {
+            const char *at = others[i].nodes;
+            for (int word = 1; word < node; word++)
+                at = strchr(at, ' ') + 1;
+            if (at[1] == '\0' || at[1] == ' ' || at[2] == '3') /* a corner; the inside */
+                continue;
+            write_element(text, sizeof text, others[i].names[0], &p, node);
+            elements_check(reading_text(format, text), others[i].type, 7, p.n - 1, 1);
+        }
+    }
+    static const char *const straight[] = {
+        "CTETRA,1,1,1,2,3,4\n", "CTETRA,1,1,1,2,3,4,0,0\n,0,0\n", "CTETRA,1,1,1,2,3,4\n,CORDM,1\n",
+        "CTETRA,1,1,1,2,3,4,,\n,,\n"};
+    for (size_t i = 0; i < sizeof straight / sizeof *straight; i++) {
+        char whole[512];
+        snprintf(whole, sizeof whole, "GRID,1\nGRID,2,,1.\nGRID,3,,0.,1.\nGRID,4,,0.,0.,1.\n%s",
+                 straight[i]);
+        planish_file *file = reading_text(format, whole);
+        assert_int_equal(planish_file_mesh(file).n_elements, 1);
+        assert_int_equal(file->model.hold[0], 0);
+        planish_file_close(file);
+    }
+    planish_file *file = reading_text(format, NINE "CTRIA3,2,1,1,2,3\nCTRIA6,3,1,1,2,4\n");
+    assert_int_equal(file->model.triangle.n, 2);
+    planish_file_close(file);
+}
+
+/** Elements that are smoothed come first, then the others in the order of the file. */
+static void both_orders_may_be_in_a_file(void **state) {
+    (void)state;
+    planish_file *file = reading_text(
+        format, "GRID,10,,.5,.5,.0\nCTETRA,5,1,1,2,3,4,10\n" NINE "CQUAD4,8,1,1,2,3,4\n");
+    static const int32_t nodes[] = {1, 2, 3, 4, 1, 2, 3, 4, 0, -1, -1, -1, -1, -1};
+    planish_cells cells;
+    planish_error error;
+    assert_int_equal(planish_file_cells(file, &cells, &error), 0);
+    assert_int_equal(cells.n, 2);
+    assert_int_equal(cells.type[0], PLANISH_CELL_TETRAHEDRON);
+    assert_int_equal(cells.type[1], PLANISH_CELL_TETRAHEDRON10);
+    assert_memory_equal(cells.node, nodes, sizeof nodes);
+    assert_int_equal(planish_file_element_number(file, 0), 1);
+    assert_int_equal(planish_file_element_number(file, 1), 5);
+    planish_file_close(file);
+}
+
 static void wrong_files_are_refused(void **state) {
     (void)state;
     reading_fails(format, "", "no GRID");
@@ -201,8 +304,12 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(format, NINE "CTETRA,2,1,1,2,3,10\n", "test:11: CTETRA 2: there is no node 10");
     reading_fails(format, NINE "CTETRA,2,1,1,2,3\n", "a node is missing");
     reading_fails(format, NINE "CTETRA,2,1,1,2,x,4\n", "'x'");
-    reading_fails(format, NINE "CTETRA,2,1,1,2,3,4,5,6\n,7,8,9,1\n", "second order");
-    reading_fails(format, NINE "CTRIA6,2,1,1,2,3,4,5,6\n", "second order");
+    reading_fails(format, NINE "CTETRA,2,1,1,2,3,4,5,6\n,7,8,9,10\n",
+                  "test:12: CTETRA 2: there is no node 10");
+    reading_fails(format, NINE "CTETRA,2,1,1,2,3,4,5,-6\n", "'-6' is not the number of a mid-side");
+    reading_fails(format, NINE "CTRIA6,2,1,1,2\n", "a node is missing");
+    reading_fails(format, NINE "CHEXA,2,1,1,2,3,4,5,6\n,7\n", "a node is missing");
+    reading_fails(format, NINE "CHEXA,2,1,1,2,3,4,5,6\n,7,11\n", "CHEXA 2: there is no node 11");
     reading_fails(format, NINE "GRID,x\n", "'x'");
     reading_fails(format, NINE "GRID,-1\n", "'-1'");
     reading_fails(format, NINE "GRID,99999999999\n", "'99999999999'");
@@ -417,6 +524,9 @@ int main(void) {
         cmocka_unit_test(regions_are_properties),
         cmocka_unit_test(properties_may_be_many),
         cmocka_unit_test(systems_are_looked_at),
+        cmocka_unit_test(other_types_are_measured),
+        cmocka_unit_test(mids_may_be_missing),
+        cmocka_unit_test(both_orders_may_be_in_a_file),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(contents_are_recognised),
         cmocka_unit_test(bad_files_do_no_harm),

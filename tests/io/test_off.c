@@ -1,5 +1,6 @@
 /* OFF: what is read, what is held, what is refused, what is written. */
 #include "io/core/binary.h"
+#include "support/elements.h"
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/reading.h"
@@ -79,6 +80,26 @@ static void first_lines_of_every_kind(void **state) {
         rewriting_keeps_the_rest(&io_format_off, texts[i], (int64_t)strlen(texts[i]), *state);
     }
     rewriting_keeps_the_rest(&io_format_off, mixed, sizeof mixed - 1, *state);
+}
+
+static void quadrilaterals_are_measured(void **state) {
+    (void)state;
+    elements_check(reading_text(&io_format_off, "OFF\n4 1 0\n" SQUARE "4 0 1 2 3\n"),
+                   PLANISH_CELL_QUADRILATERAL, 0, 4, 1);
+    elements_check(reading_text(&io_format_off, "OFF\n4 1 0\n" SQUARE "4 0 1 3 2\n"),
+                   PLANISH_CELL_QUADRILATERAL, 0, 4, 0);
+    planish_file *file = reading_text(&io_format_off, mixed);
+    static const int32_t nodes[] = {0, 1, 9, 1, 2, 9, 4, 5, 6, 7};
+    planish_cells cells;
+    planish_error error;
+    assert_int_equal(planish_file_cells(file, &cells, &error), 0);
+    assert_int_equal(cells.n, 3);
+    assert_int_equal(cells.type[2], PLANISH_CELL_QUADRILATERAL);
+    assert_memory_equal(cells.node, nodes, sizeof nodes);
+    assert_int_equal(planish_file_element_number(file, 2), 2);
+    planish_file_close(file);
+    /* Polygons hold their nodes, and nothing measures them. */
+    reading_fails(&io_format_off, "OFF\n5 1 0\n" SQUARE "2 2 0\n5 0 1 2 4 3\n", "nothing to smooth");
 }
 
 static void wrong_files_are_refused(void **state) {
@@ -232,6 +253,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_is_read),
         cmocka_unit_test(first_lines_of_every_kind),
+        cmocka_unit_test(quadrilaterals_are_measured),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(binary_files_are_read_and_written),
         cmocka_unit_test(binary_values_that_cannot_be),

@@ -104,7 +104,8 @@ static int read_nodes(abaqus_reader *r) {
 
 /* ---- types of elements -------------------------------------------------------------------- */
 
-/** Names of types begin with the prefix; the number of nodes follows. */
+/** Names of types begin with the prefix; the number of nodes follows. COH..., which most often have
+ *  no thickness, are not among them: their nodes are held, but they are not measured. */
 typedef struct family {
     const char *prefix;
     int dim;
@@ -114,13 +115,37 @@ enum { BEAM = -1, FACET = -2, FLUID = -3 }; /* the digits behind the prefix say 
 
 static const family families[] = {
     {"C3D", 3},      {"AC3D", 3},     {"DC3D", 3},      {"DCC3D", 3},    {"EMC3D", 3},
-    {"FC3D", 3},     {"Q3D", 3},      {"SC", 3},        {"COH3D", 3},    {"CPS", 2},
-    {"CPE", 2},      {"CPEG", 2},     {"CAX", 2},       {"CGAX", 2},     {"DCAX", 2},
-    {"ACAX", 2},     {"DC2D", 2},     {"AC2D", 2},      {"EMC2D", 2},    {"M3D", 2},
-    {"SFM3D", 2},    {"R3D", 2},      {"US", 2},        {"WARP2D", 2},   {"S", 2},
-    {"DS", 2},       {"T2D", 1},      {"T3D", 1},       {"R2D", 1},      {"DC1D", 1},
-    {"AC1D", 1},     {"RB2D", 1},     {"RB3D", 1},      {"B2", BEAM},    {"B3", BEAM},
-    {"PIPE2", BEAM}, {"PIPE3", BEAM}, {"ELBOW3", BEAM}, {"STRI", FACET}, {"F3D", FLUID},
+    {"FC3D", 3},     {"Q3D", 3},       {"SC", 3},       {"CPS", 2},      {"CPE", 2},
+    {"CPEG", 2},     {"CAX", 2},       {"CGAX", 2},     {"DCAX", 2},     {"ACAX", 2},
+    {"DC2D", 2},     {"AC2D", 2},      {"EMC2D", 2},    {"M3D", 2},      {"SFM3D", 2},
+    {"R3D", 2},      {"US", 2},        {"WARP2D", 2},   {"S", 2},        {"DS", 2},
+    {"T2D", 1},      {"T3D", 1},       {"R2D", 1},      {"DC1D", 1},     {"AC1D", 1},
+    {"RB2D", 1},     {"RB3D", 1},      {"B2", BEAM},    {"B3", BEAM},    {"PIPE2", BEAM},
+    {"PIPE3", BEAM}, {"ELBOW3", BEAM}, {"STRI", FACET}, {"F3D", FLUID},
+};
+
+/** Shapes by dimension and number of nodes. */
+static const struct {
+    int dim;
+    io_element_type type;
+} shapes[] = {
+    {1, {NULL, IO_LINE, 1, 2}},          {1, {NULL, IO_LINE, 2, 3}},
+    {2, {NULL, IO_TRIANGLE, 1, 3}},      {2, {NULL, IO_QUADRILATERAL, 1, 4}},
+    {2, {NULL, IO_TRIANGLE, 2, 6}},      {2, {NULL, IO_QUADRILATERAL, 2, 8}},
+    {2, {NULL, IO_QUADRILATERAL, 2, 9}}, {3, {NULL, IO_TETRAHEDRON, 1, 4}},
+    {3, {NULL, IO_PYRAMID, 1, 5}},       {3, {NULL, IO_PRISM, 1, 6}},
+    {3, {NULL, IO_HEXAHEDRON, 1, 8}},    {3, {NULL, IO_TETRAHEDRON, 2, 10}},
+    {3, {NULL, IO_PYRAMID, 2, 13}},      {3, {NULL, IO_PRISM, 2, 15}},
+    {3, {NULL, IO_PRISM, 2, 18}},        {3, {NULL, IO_HEXAHEDRON, 2, 20}},
+    {3, {NULL, IO_HEXAHEDRON, 2, 27}},
+};
+
+/** C3D27 has the node of its inside before those of its faces, which begin with that of the first
+ *  four corners. */
+static const io_node_order node_order[] = {
+    {PLANISH_CELL_HEXAHEDRON27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
+                                 14, 15, 16, 17, 18, 19, 26, 24, 23, 25, 21, 22, 20}},
+    {0, {0}},
 };
 
 static int is_digit(char c) {
@@ -156,11 +181,12 @@ static io_element_type find_type(const char *name, int has_cavities) {
     default:
         nodes = is_digit(digits[1]) ? 10 * nodes + digits[1] - '0' : nodes;
     }
-    static const uint8_t simplex[] = {IO_POINT, IO_LINE, IO_TRIANGLE, IO_TETRAHEDRON};
-    const int order = nodes == dim + 1 ? 1 : nodes == (dim + 1) * (dim + 2) / 2 ? 2 : 0;
-    return (io_element_type){.shape = order ? simplex[dim] : IO_ANY_SHAPE,
-                             .order = (uint8_t)order,
-                             .nodes = (uint16_t)nodes};
+    if (nodes == 15 && digits[2] == 'V') /* C3D15V: with nodes of faces */
+        nodes = 18;
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++)
+        if (shapes[i].dim == dim && shapes[i].type.nodes == nodes)
+            return shapes[i].type;
+    return (io_element_type){.shape = IO_ANY_SHAPE, .nodes = (uint16_t)nodes};
 }
 
 /* ---- elements ----------------------------------------------------------------------------- */
@@ -197,23 +223,57 @@ static int read_cell(abaqus_reader *r, io_cursor *cursor, io_slice line, int dim
     return io_cells_add(r->model, dim, nodes, 0, label, r->error);
 }
 
-/** Hold the nodes of an element that is not kept. nodes: 0, as many as there are; the element goes
- *  on in the next line where one ends in a comma. */
-static void hold_element(abaqus_reader *r, const abaqus_block *b, io_cursor *cursor, io_slice line,
-                         int nodes) {
-    io_slice item;
-    int64_t number;
-    abaqus_item(&line, &item); /* its own number */
-    for (int i = 0; nodes == 0 || i < nodes; i++) {
-        if ((nodes == 0 && !line.begin) || !element_item(cursor, &line, &item))
+/** Read an element that is not kept: hold its nodes, and add it to the others where it has a
+ *  planish_cell_type, cell_type. An element of type->nodes 0 has as many as there are; it goes on in
+ *  the next line where one ends in a comma. So do nodes of faces, which may be left out. */
+static int read_other(abaqus_reader *r, const abaqus_block *b, io_cursor *cursor, io_slice line,
+                      const io_element_type *type, int cell_type) {
+    const int n_given = io_cell_type_nodes(io_cell_type_without_faces(cell_type));
+    int32_t nodes[IO_CELL_NODES] = {0};
+    io_slice item = {line.end, line.end};
+    int64_t number, label = 0;
+    if (cell_type) {
+        const int status =
+            take_number(r, &line, "where the number of an element was expected", &label);
+        if (status)
+            return status;
+    } else {
+        abaqus_item(&line, &item); /* its own number */
+    }
+    for (int i = 0; type->nodes == 0 || i < type->nodes; i++) {
+        const int is_last = !line.begin && (type->nodes == 0 || (cell_type && i >= n_given));
+        const int is_there = !is_last && element_item(cursor, &line, &item);
+        int64_t index = -1;
+        number = 0;
+        if (!is_there && !cell_type)
             break;
-        if (!abaqus_local(r, b, &item) || io_slice_integer(item, &number))
-            continue;
-        const int64_t index = io_node_index(r->model, number);
+        if (!is_there)
+            item = (io_slice){line.end, line.end};
+        const int is_number =
+            is_there && abaqus_local(r, b, &item) && !io_slice_integer(item, &number);
+        const int is_missing = (is_number && number == 0) || io_slice_length(item) == 0;
+        if (is_number)
+            index = io_node_index(r->model, number);
+        if (cell_type && index < 0 && !(is_missing && i >= n_given)) {
+            if (is_number)
+                return io_fail_no_node(r->model, item.begin, "element", label, number, r->error);
+            return abaqus_fail_item(r, item, "where the number of a node was expected");
+        }
         if (index >= 0)
             io_hold_node(r->model, index, IO_HELD_BY_OTHER);
+        if (cell_type)
+            nodes[i] = (int32_t)index;
     }
+    while (cell_type && abaqus_item(&line, &item))
+        if (io_slice_length(item) > 0)
+            return io_fail_at(r->model, item.begin, r->error,
+                              "element %lld has more than the %d nodes of its type",
+                              (long long)label, type->nodes);
     r->model->n_other++;
+    for (int i = n_given; cell_type && i < type->nodes; i++)
+        if (nodes[i] < 0)
+            cell_type = io_cell_type_without_faces(cell_type);
+    return io_model_add_other(r->model, cell_type, nodes, label, r->error);
 }
 
 static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
@@ -224,17 +284,15 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
         return abaqus_fail(r, b, "*ELEMENT without TYPE=");
     abaqus_squeeze(abaqus_unquoted(item), name);
     const io_element_type type = find_type(name, r->has_cavities);
-    if (io_element_use(&type) == IO_REFUSE)
-        return io_fail_order(r->model, b->parameters.begin, name, "", r->error);
     const int is_here = b->scope == r->scope;
     const io_cells *cells = is_here ? io_element_cells(r->model, &type) : NULL;
     abaqus_range range = {.dim = cells ? io_element_dim(&type) : 0, .begin = cells ? cells->n : 0};
+    const int cell_type = is_here ? io_cell_type(type.shape, type.nodes) : 0;
     while (abaqus_line(&cursor, &line)) {
-        const int status = cells ? read_cell(r, &cursor, line, range.dim) : PLANISH_OK;
+        const int status = cells ? read_cell(r, &cursor, line, range.dim)
+                                 : read_other(r, b, &cursor, line, &type, cell_type);
         if (status)
             return status;
-        if (!cells)
-            hold_element(r, b, &cursor, line, type.nodes);
     }
     if (!is_here)
         return PLANISH_OK;
@@ -249,6 +307,7 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
 
 static int abaqus_read(io_model *model, planish_error *error) {
     abaqus_reader r = {.model = model, .error = error};
+    model->node_order = node_order;
     int status = abaqus_find_blocks(&r);
     if (!status)
         status = find_scope(&r);

@@ -5,13 +5,13 @@
  *   io_element_use               whether planish keeps, holds or refuses elements of a type
  *   io_element_cells             the cells of the model that elements of a type become
  *   io_cell_type                 the planish_cell_type of a shape
+ *   io_cell_type_without_faces   what is left of a type where nodes of faces are missing
  *   io_element_reason            why elements that are not kept hold their nodes
  *   io_element_count             count elements that are not kept
  *
  * Readers of formats with a list of types use the table: Abaqus, CGNS, Gmsh, MED, Medit, VTK. Each
  * keeps its own rows and asks here what planish does with a type. The other readers (DMPlex,
- * Netgen, OFF, Nastran, TetGen) decide by the number of nodes. Medit also refuses lines of higher
- * order, of which other formats hold the nodes.
+ * Netgen, OFF, Nastran, TetGen) decide by the number of nodes.
  *
  * To smooth another type, change io_element_use and io_element_cells, and see to the readers that
  * decide for themselves.
@@ -36,6 +36,8 @@ typedef enum io_shape {
     IO_POLYHEDRON,
     IO_ANY_SHAPE /* of no known shape; it counts as one of three dimensions */
 } io_shape;
+
+enum { IO_CELL_NODES = 27 }; /* of a planish_cell_type, at most */
 
 /** Element type of a format. Tables by number have the row of type N at index N. */
 typedef struct io_element_type {
@@ -95,6 +97,23 @@ static inline int io_cell_type(int shape, int n_nodes) {
         if (types[i][0] == shape && types[i][1] == n_nodes)
             return types[i][2];
     return 0;
+}
+
+/** Return the planish_cell_type of the same shape and order without nodes of faces and of the
+ *  inside, which are the last ones; other types as they are. */
+static inline int io_cell_type_without_faces(int type) {
+    switch (type) {
+    case PLANISH_CELL_QUADRILATERAL9:
+        return PLANISH_CELL_QUADRILATERAL8;
+    case PLANISH_CELL_HEXAHEDRON27:
+        return PLANISH_CELL_HEXAHEDRON20;
+    case PLANISH_CELL_WEDGE18:
+        return PLANISH_CELL_WEDGE15;
+    case PLANISH_CELL_PYRAMID14:
+        return PLANISH_CELL_PYRAMID13;
+    default:
+        return type;
+    }
 }
 
 /** Reason (an IO_HELD_ bit) why an element that is not kept holds its nodes. */

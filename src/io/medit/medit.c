@@ -1,9 +1,9 @@
 /* medit: Medit's meshes, ASCII (.mesh) and binary (.meshb), versions 1 to 4.
  *
- * Read are vertices, edges, triangles and tetrahedra with their references, and which nodes
- * anything else names: nodes of edges, of other elements and of Corners, Ridges and Required...
- * are held. All other keywords are passed over. Coordinates of version 1 are single precision by
- * definition (and read so by Mmg).
+ * Read are vertices, edges, triangles and tetrahedra with their references, elements of other types,
+ * and which nodes anything else names: nodes of edges, of other elements and of Corners, Ridges and
+ * Required... are held. All other keywords are passed over. Coordinates of version 1 are single
+ * precision by definition (and read so by Mmg).
  *
  * Text: keywords, each with a count and that many records; '#' begins a comment.
  *
@@ -56,9 +56,20 @@ const medit_keyword medit_keywords[] = {
     {{"RequiredTriangles", IO_TRIANGLE, 1, 1}, 17, MEDIT_MARKED},
     {{"RequiredTetrahedra", IO_TETRAHEDRON, 1, 1}, 12, MEDIT_MARKED},
     /* Ridges number edges, RequiredQuadrilaterals quadrilaterals: all held. */
+    {{"QuadrilateralsQ2Ordering", IO_QUADRILATERAL, 2, 2}, 131, MEDIT_ORDERING},
+    {{"HexahedraQ2Ordering", IO_HEXAHEDRON, 2, 3}, 139, MEDIT_ORDERING},
+    {{"PrismsP2Ordering", IO_PRISM, 2, 4}, 137, MEDIT_ORDERING},
+    {{"TrianglesP2Ordering", IO_TRIANGLE, 2, 3}, 129, MEDIT_ORDERING},
+    {{"TetrahedraP2Ordering", IO_TETRAHEDRON, 2, 4}, 133, MEDIT_ORDERING},
     {{"PeriodicVertices", IO_POINT, 1, 2}, 82, MEDIT_PAIRS},
 };
 enum { N_KEYWORDS = sizeof medit_keywords / sizeof *medit_keywords };
+
+/** The order of files that say nothing of it: that of the faces of hexahedra is the one of libMesh5's
+ *  users (SALOME), round from below to above. */
+static const io_node_order usual_order =
+    {PLANISH_CELL_HEXAHEDRON27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
+                                 14, 15, 16, 17, 18, 19, 24, 22, 21, 23, 20, 25, 26}};
 
 /** Find the keyword of that name in text, or of that code in binary, and check that it may stand
  *  at that place. *keyword is -1 if it means nothing to planish. */
@@ -72,7 +83,7 @@ static int find_keyword(const medit_reader *r, io_slice name, int64_t code, int 
         return PLANISH_OK;
     const medit_keyword *k = &medit_keywords[*keyword];
     const io_element_type *type = &k->type;
-    if (io_element_use(type) == IO_REFUSE || (type->shape == IO_LINE && type->order > 1))
+    if (io_element_use(type) == IO_REFUSE)
         return io_fail_order(r->model, name.begin, type->name, "", r->error);
     if (k->kind != MEDIT_VERTICES && !r->dim)
         return io_fail_at(r->model, name.begin, r->error, "%s before Dimension", type->name);
@@ -258,7 +269,9 @@ static int is_medit_binary(const char *data, int64_t size) {
 }
 
 static int medit_read(io_model *model, planish_error *error) {
-    medit_reader r = {.model = model, .error = error};
+    medit_reader r = {.model = model, .error = error, .n_orders = 1};
+    r.order[0] = usual_order;
+    model->node_order = r.order;
     model->is_binary = is_medit_binary(model->input.data, model->input.size);
     io_text_init(&r.text, model);
     int status = model->is_binary ? walk_binary(&r) : walk_text(&r);
@@ -270,6 +283,7 @@ static int medit_read(io_model *model, planish_error *error) {
             status = io_fail_at(model, io_input_end(model), error,
                                 "there are no Vertices (the file may be cut short)");
     }
+    model->node_order = NULL; /* it is the reader's */
     io_text_release(&r.text);
     io_sections_release(&r.sections);
     return status;

@@ -14,6 +14,7 @@
 /** Kinds of sections, in the order in which they are read. */
 typedef enum medit_kind {
     MEDIT_VERTICES,
+    MEDIT_ORDERING, /* places of the nodes of elements of second order */
     MEDIT_ELEMENTS,
     MEDIT_MARKED, /* indices of vertices, edges, triangles, tetrahedra: their nodes are held */
     MEDIT_PAIRS,  /* of periodic vertices */
@@ -29,6 +30,8 @@ typedef struct medit_keyword {
 /** Keywords by the numbers of io_section. */
 extern const medit_keyword medit_keywords[];
 
+enum { MEDIT_N_ORDERS = 5 }; /* of types whose order of nodes an ..Ordering may say */
+
 typedef struct medit_reader {
     io_model *model;
     planish_error *error;
@@ -42,6 +45,8 @@ typedef struct medit_reader {
     io_record_kind kind;          /* its records, */
     io_cells *cells;              /* what its elements become, or NULL: nodes are held, */
     int64_t first_cell;           /* and where they begin */
+    io_node_order order[MEDIT_N_ORDERS + 1]; /* what model->node_order is meanwhile */
+    int n_orders;
 } medit_reader;
 
 /** Reals and integers of a record: vertices have dim reals; vertices and elements a reference. */
@@ -58,7 +63,7 @@ static inline int64_t medit_record_size(const medit_reader *r, const medit_keywo
     return medit_reals(r, k) * r->real_size + medit_integers(k) * r->integer_size;
 }
 
-/** Read a section: vertices come first, then elements, then what refers to them. */
+/** Read a section: vertices come first, then orders of nodes, elements, and what refers to them. */
 int medit_read_section(medit_reader *reader, const io_section *section);
 
 #endif

@@ -5,6 +5,8 @@
 #include "base/round.h"
 #include "base/status.h"
 
+#include <string.h>
+
 /* ---- records ------------------------------------------------------------------------------ */
 
 static inline int take_real(const medit_reader *r, io_cursor *cursor, double *value) {
@@ -51,31 +53,53 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
     return PLANISH_OK;
 }
 
-/** Store elements, or hold their nodes. */
+/** Store elements of first order. */
 static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                          planish_error *error) {
     const medit_reader *r = context;
-    const io_element_type *type = &r->current->type;
-    io_cells *cells = r->cells;
+    const int n_nodes = r->current->type.nodes;
     for (int64_t i = begin; i < end; i++) {
         const int64_t cell = r->first_cell + i;
+        int64_t node, reference;
+        for (int j = 0; j < n_nodes; j++) {
+            const int status =
+                io_take_whole(&r->kind, cursor, i + 1, 1, r->model->n_nodes, &node, error);
+            if (status)
+                return status;
+            r->cells->nodes[cell * n_nodes + j] = (int32_t)(node - 1);
+        }
+        const int status =
+            io_take_whole(&r->kind, cursor, i + 1, INT32_MIN, INT32_MAX, &reference, error);
+        if (status)
+            return status;
+        r->cells->entity[cell] = (int32_t)reference;
+    }
+    return PLANISH_OK;
+}
+
+/** Read elements of other types, of which the nodes are held. They are read in order. */
+static int read_others(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                       planish_error *error) {
+    const medit_reader *r = context;
+    const io_element_type *type = &r->current->type;
+    const int cell_type = io_cell_type(type->shape, type->nodes);
+    for (int64_t i = begin; i < end; i++) {
+        int32_t nodes[IO_CELL_NODES];
         int64_t node, reference;
         for (int j = 0; j < type->nodes; j++) {
             const int status =
                 io_take_whole(&r->kind, cursor, i + 1, 1, r->model->n_nodes, &node, error);
             if (status)
                 return status;
-            if (cells)
-                cells->nodes[cell * type->nodes + j] = (int32_t)(node - 1);
-            else
-                io_hold_node(r->model, node - 1, io_element_reason(type));
+            io_hold_node(r->model, node - 1, io_element_reason(type));
+            nodes[j] = (int32_t)(node - 1);
         }
-        const int status =
+        int status =
             io_take_whole(&r->kind, cursor, i + 1, INT32_MIN, INT32_MAX, &reference, error);
+        if (!status)
+            status = io_model_add_other(r->model, cell_type, nodes, i + 1, error);
         if (status)
             return status;
-        if (cells)
-            cells->entity[cell] = (int32_t)reference;
     }
     return PLANISH_OK;
 }
@@ -94,6 +118,75 @@ static int read_marked(void *context, io_cursor *cursor, int64_t begin, int64_t 
         for (int j = 0; j <= dim; j++)
             io_hold_node(r->model, cells ? cells->nodes[(number - 1) * (dim + 1) + j] : number - 1,
                          IO_HELD_REQUIRED);
+    }
+    return PLANISH_OK;
+}
+
+/* ---- orders of nodes ---------------------------------------------------------------------- */
+
+/** Places of the nodes of elements of second order, in VTK's order. Of triangles and tetrahedra:
+ *  barycentric coordinates; of quadrilaterals and hexahedra: coordinates; of prisms: barycentric
+ *  coordinates and the height. */
+typedef struct place_list {
+    uint8_t shape, type;
+    const char *place[IO_CELL_NODES];
+} place_list;
+
+static const place_list lists[] = {
+    {IO_TRIANGLE, PLANISH_CELL_TRIANGLE6, {"200", "020", "002", "110", "011", "101"}},
+    {IO_QUADRILATERAL,
+     PLANISH_CELL_QUADRILATERAL9,
+     {"00", "20", "22", "02", "10", "21", "12", "01", "11"}},
+    {IO_TETRAHEDRON,
+     PLANISH_CELL_TETRAHEDRON10,
+     {"2000", "0200", "0020", "0002", "1100", "0110", "1010", "1001", "0101", "0011"}},
+    {IO_HEXAHEDRON,
+     PLANISH_CELL_HEXAHEDRON27,
+     {"000", "200", "220", "020", "002", "202", "222", "022", "100", "210", "120", "010", "102", "212",
+      "122", "012", "001", "201", "221", "021", "011", "211", "101", "121", "110", "112", "111"}},
+    {IO_PRISM,
+     PLANISH_CELL_WEDGE18,
+     {"2000", "0200", "0020", "2002", "0202", "0022", "1100", "0110", "1010", "1102", "0112", "1012",
+      "2001", "0201", "0021", "1101", "0111", "1011"}},
+};
+
+enum { NO_NODE = 255 };
+
+static const place_list *places_of(int shape) {
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
+        if (lists[i].shape == shape)
+            return &lists[i];
+    return NULL;
+}
+
+/** Read the places of the nodes of an element, each once. */
+static int read_places(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                       planish_error *error) {
+    medit_reader *r = context;
+    const place_list *places = places_of(r->current->type.shape);
+    const int n = io_cell_type_nodes(places->type);
+    io_node_order *order = r->order;
+    while (order->type != places->type)
+        order++;
+    for (int64_t i = begin; i < end; i++) {
+        const char *at = cursor->at;
+        char place[5] = "";
+        for (int j = 0; j < r->current->type.nodes; j++) {
+            int64_t value;
+            const int status = io_take_whole(&r->kind, cursor, i + 1, 0, 2, &value, error);
+            if (status)
+                return status;
+            place[j] = (char)('0' + value);
+        }
+        int node = 0;
+        while (node < n && strcmp(places->place[node], place) != 0)
+            node++;
+        if (node == n || order->at[node] != NO_NODE)
+            return io_fail_at(r->model, at, error, "%s %lld: %s", r->current->type.name,
+                              (long long)i + 1,
+                              node == n ? "there is no node at that place"
+                                        : "there is a node at that place already");
+        order->at[node] = (uint8_t)i;
     }
     return PLANISH_OK;
 }
@@ -127,6 +220,14 @@ static int read_records(medit_reader *r, const io_section *s, io_records_fn *rea
                               medit_record_size(r, k), read, r, r->error);
 }
 
+/** Read the records of a section one after the other. */
+static int read_in_order(medit_reader *r, const io_section *s, io_records_fn *read) {
+    io_cursor cursor = {s->data, s->end};
+    return r->model->is_binary
+               ? read(r, &cursor, 0, s->count, r->error)
+               : io_section_records(&r->text, s, r->current->type.name, 0, 0, read, r, r->error);
+}
+
 static int read_vertex_section(medit_reader *r, const io_section *s) {
     io_model *model = r->model;
     if (model->xyz)
@@ -145,13 +246,28 @@ static int read_vertex_section(medit_reader *r, const io_section *s) {
     return status ? status : io_model_index_tags(model, 0, model->node_entity, s->count, r->error);
 }
 
+static int read_order_section(medit_reader *r, const io_section *s) {
+    const place_list *places = places_of(r->current->type.shape);
+    if (s->count != io_cell_type_nodes(places->type))
+        return io_fail_at(r->model, s->data, r->error, "%s: %lld places, but the elements have %d nodes",
+                          r->current->type.name, (long long)s->count,
+                          io_cell_type_nodes(places->type));
+    io_node_order *order = NULL;
+    for (int i = 0; i < r->n_orders && !order; i++)
+        order = r->order[i].type == places->type ? &r->order[i] : NULL;
+    order = order ? order : &r->order[r->n_orders++];
+    memset(order->at, NO_NODE, sizeof order->at);
+    order->type = places->type;
+    return read_in_order(r, s, read_places);
+}
+
 static int read_element_section(medit_reader *r, const io_section *s) {
     const io_element_type *type = &r->current->type;
     const int dim = io_element_dim(type);
     io_cells *cells = r->cells = io_element_cells(r->model, type);
     if (!cells) {
         io_element_count(r->model, type, s->count);
-        return read_records(r, s, read_elements);
+        return read_in_order(r, s, read_others);
     }
     cells->first_number = 1;
     r->first_cell = cells->n;
@@ -172,6 +288,8 @@ int medit_read_section(medit_reader *r, const io_section *s) {
     switch (r->current->kind) {
     case MEDIT_VERTICES:
         return read_vertex_section(r, s);
+    case MEDIT_ORDERING:
+        return read_order_section(r, s);
     case MEDIT_ELEMENTS:
         return read_element_section(r, s);
     case MEDIT_MARKED:

@@ -43,42 +43,94 @@ typedef int visit_fn(reader *r, nastran_card *c);
 /* ---- kinds of cards ------------------------------------------------------------------------ */
 
 typedef enum kind {
-    CELL,     /* kept: lines, triangles, tetrahedra by the number of nodes */
+    CELL,     /* kept: lines, triangles by the number of nodes */
+    SHAPE,    /* corners, and mids that may be missing */
+    RING,     /* the same, as one goes round a triangle: each mid behind a corner */
     NODES,    /* its nodes are held: those from field first on, */
     LISTED,   /* that and all behind it, whole numbers as far as they go */
     PAIRS,    /* fields first and first + 2, each with a component behind it */
     RIGID,    /* LISTED, with components of nodes among them */
     SYSTEM,   /* systems of four fields each: its number and three nodes */
-    EQUATION, /* MPC: nodes are fields 1 and 4 of each row */
-    REFUSED
+    EQUATION /* MPC: nodes are fields 1 and 4 of each row */
 } kind;
 
 typedef struct card_kind {
     const char *name;
     kind kind;
     int first; /* field of the first node; for cells all nodes are side by side */
-    int nodes; /* how many; 0: as many as there are */
+    int nodes; /* how many; 0: as many as there are. Of a shape at most: mids may be missing */
+    int corners; /* of a shape */
+    io_shape shape;
 } card_kind;
 
 static const card_kind kinds[] = {
-    {"CTETRA", CELL, 2, 4},     {"CTRIA3", CELL, 2, 3},     {"CTRIAR", CELL, 2, 3},
-    {"CTRAX3", CELL, 2, 3},     {"CPLSTN3", CELL, 2, 3},    {"CPLSTS3", CELL, 2, 3},
-    {"CBAR", CELL, 2, 2},       {"CBEAM", CELL, 2, 2},      {"CROD", CELL, 2, 2},
-    {"CTUBE", CELL, 2, 2},      {"CBEND", CELL, 2, 2},      {"CVISC", CELL, 2, 2},
-    {"CONROD", CELL, 1, 2},     {"PLOTEL", CELL, 1, 2},     {"CTRIA6", REFUSED, 0, 0},
-    {"CTRAX6", REFUSED, 0, 0},  {"CTRIAX6", REFUSED, 0, 0}, {"CPLSTN6", REFUSED, 0, 0},
-    {"CPLSTS6", REFUSED, 0, 0}, {"CQUAD4", NODES, 2, 4},    {"CQUADR", NODES, 2, 4},
-    {"CSHEAR", NODES, 2, 4},    {"CPLSTN4", NODES, 2, 4},   {"CPLSTS4", NODES, 2, 4},
-    {"CQUAD8", NODES, 2, 8},    {"CPLSTN8", NODES, 2, 8},   {"CPLSTS8", NODES, 2, 8},
-    {"CQUAD", NODES, 2, 9},     {"CTRIAX", NODES, 2, 6},    {"CGAP", NODES, 2, 3},
-    {"CBUSH", NODES, 2, 3},     {"CBEAM3", NODES, 2, 4},    {"CONM1", NODES, 1, 1},
-    {"CONM2", NODES, 1, 1},     {"CELAS1", PAIRS, 2, 0},    {"CELAS2", PAIRS, 2, 0},
-    {"CDAMP1", PAIRS, 2, 0},    {"CDAMP2", PAIRS, 2, 0},    {"CMASS1", PAIRS, 2, 0},
-    {"CMASS2", PAIRS, 2, 0},    {"RROD", NODES, 1, 2},      {"RBAR", NODES, 1, 2},
-    {"RBE1", LISTED, 1, 0},     {"RBE2", RIGID, 1, 0},      {"RBE3", RIGID, 2, 0},
-    {"RSPLINE", LISTED, 1, 0},  {"RTRPLT", LISTED, 1, 0},   {"MPC", EQUATION, 1, 0},
-    {"RBAR1", NODES, 1, 2},     {"RJOINT", NODES, 1, 2},    {"CORD1R", SYSTEM, 0, 8},
-    {"CORD1C", SYSTEM, 0, 8},   {"CORD1S", SYSTEM, 0, 8},   {"CORD3R", SYSTEM, 0, 8},
+    {"CTRIA3", CELL, 2, 3, 0, 0},
+    {"CTRIAR", CELL, 2, 3, 0, 0},
+    {"CTRAX3", CELL, 2, 3, 0, 0},
+    {"CPLSTN3", CELL, 2, 3, 0, 0},
+    {"CPLSTS3", CELL, 2, 3, 0, 0},
+    {"CBAR", CELL, 2, 2, 0, 0},
+    {"CBEAM", CELL, 2, 2, 0, 0},
+    {"CROD", CELL, 2, 2, 0, 0},
+    {"CTUBE", CELL, 2, 2, 0, 0},
+    {"CBEND", CELL, 2, 2, 0, 0},
+    {"CVISC", CELL, 2, 2, 0, 0},
+    {"CONROD", CELL, 1, 2, 0, 0},
+    {"PLOTEL", CELL, 1, 2, 0, 0},
+    {"CTETRA", SHAPE, 2, 10, 4, IO_TETRAHEDRON},
+    {"CHEXA", SHAPE, 2, 20, 8, IO_HEXAHEDRON},
+    {"CPENTA", SHAPE, 2, 15, 6, IO_PRISM},
+    {"CPYRAM", SHAPE, 2, 13, 5, IO_PYRAMID},
+    {"CPYRA", SHAPE, 2, 13, 5, IO_PYRAMID},
+    {"CTRIA6", SHAPE, 2, 6, 3, IO_TRIANGLE},
+    {"CPLSTN6", SHAPE, 2, 6, 3, IO_TRIANGLE},
+    {"CPLSTS6", SHAPE, 2, 6, 3, IO_TRIANGLE},
+    {"CTRIAX", SHAPE, 2, 6, 3, IO_TRIANGLE},
+    {"CTRIAX6", RING, 2, 6, 3, IO_TRIANGLE},
+    {"CTRAX6", RING, 2, 6, 3, IO_TRIANGLE},
+    {"CQUAD4", SHAPE, 2, 4, 4, IO_QUADRILATERAL},
+    {"CQUADR", SHAPE, 2, 4, 4, IO_QUADRILATERAL},
+    {"CSHEAR", SHAPE, 2, 4, 4, IO_QUADRILATERAL},
+    {"CPLSTN4", SHAPE, 2, 4, 4, IO_QUADRILATERAL},
+    {"CPLSTS4", SHAPE, 2, 4, 4, IO_QUADRILATERAL},
+    {"CQUAD8", SHAPE, 2, 8, 4, IO_QUADRILATERAL},
+    {"CPLSTN8", SHAPE, 2, 8, 4, IO_QUADRILATERAL},
+    {"CPLSTS8", SHAPE, 2, 8, 4, IO_QUADRILATERAL},
+    {"CQUAD", SHAPE, 2, 9, 4, IO_QUADRILATERAL},
+    {"CQUADX", SHAPE, 2, 9, 4, IO_QUADRILATERAL},
+    {"CGAP", NODES, 2, 3, 0, 0},
+    {"CBUSH", NODES, 2, 3, 0, 0},
+    {"CBEAM3", NODES, 2, 4, 0, 0},
+    {"CONM1", NODES, 1, 1, 0, 0},
+    {"CONM2", NODES, 1, 1, 0, 0},
+    {"CELAS1", PAIRS, 2, 0, 0, 0},
+    {"CELAS2", PAIRS, 2, 0, 0, 0},
+    {"CDAMP1", PAIRS, 2, 0, 0, 0},
+    {"CDAMP2", PAIRS, 2, 0, 0, 0},
+    {"CMASS1", PAIRS, 2, 0, 0, 0},
+    {"CMASS2", PAIRS, 2, 0, 0, 0},
+    {"RROD", NODES, 1, 2, 0, 0},
+    {"RBAR", NODES, 1, 2, 0, 0},
+    {"RBE1", LISTED, 1, 0, 0, 0},
+    {"RBE2", RIGID, 1, 0, 0, 0},
+    {"RBE3", RIGID, 2, 0, 0, 0},
+    {"RSPLINE", LISTED, 1, 0, 0, 0},
+    {"RTRPLT", LISTED, 1, 0, 0, 0},
+    {"MPC", EQUATION, 1, 0, 0, 0},
+    {"RBAR1", NODES, 1, 2, 0, 0},
+    {"RJOINT", NODES, 1, 2, 0, 0},
+    {"CORD1R", SYSTEM, 0, 8, 0, 0},
+    {"CORD1C", SYSTEM, 0, 8, 0, 0},
+    {"CORD1S", SYSTEM, 0, 8, 0, 0},
+    {"CORD3R", SYSTEM, 0, 8, 0, 0},
+};
+
+/** CHEXA and CPENTA have the mids of the uprights before those of the upper edges. */
+static const io_node_order node_order[] = {
+    {PLANISH_CELL_HEXAHEDRON20,
+     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15}},
+    {PLANISH_CELL_WEDGE15, {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11}},
+    {0, {0}},
 };
 
 /** Beginnings of names of cards that are no elements. */
@@ -264,49 +316,112 @@ static int64_t hold_field(reader *r, io_slice field, uint8_t reason) {
     return number;
 }
 
-static int read_cell(reader *r, const card_kind *k, nastran_card *c) {
-    const int dim = k->nodes - 1;
-    const io_cells *cells = io_model_cells(r->model, dim);
-    int32_t nodes[4];
-    int64_t number, property = 0;
+/** Take the number of an element and its property, 0 if it is left out: Nastran takes one of the
+ *  element's number then, but who leaves it out means one region. */
+static int take_numbers(const reader *r, const card_kind *k, nastran_card *c, int64_t *number,
+                        int64_t *property) {
     io_slice field;
-    int status = take_number(r, c, "its number", &number);
-    if (status)
+    *property = 0;
+    const int status = take_number(r, c, "its number", number);
+    if (status || k->first != 2)
         return status;
-    /* Without a property Nastran takes one of the element's number, but who leaves it out means one
-     * region. */
     nastran_card ahead = *c;
-    if (k->first == 2 && nastran_take_field(&ahead, &field) && field.begin == field.end)
+    if (nastran_take_field(&ahead, &field) && field.begin == field.end) {
         *c = ahead;
-    else if (k->first == 2)
-        status = take_number(r, c, "its property", &property);
-    for (int j = 0; j < k->nodes && !status; j++) {
-        int64_t node;
-        status = take_number(r, c, "a node", &node);
-        if (status)
-            return status;
-        nodes[j] = (int32_t)io_node_index(r->model, node);
-        if (nodes[j] < 0)
-            status = io_fail_no_node(r->model, c->line.text.begin, c->name, number, node, r->error);
+        return PLANISH_OK;
     }
+    return take_number(r, c, "its property", property);
+}
+
+/** Take a field that must name a node of element number. */
+static int take_node(const reader *r, nastran_card *c, int64_t number, int32_t *index) {
+    int64_t node;
+    const int status = take_number(r, c, "a node", &node);
     if (status)
         return status;
-    enum { SECOND_ORDER = 10 }; /* nodes of a tetrahedron */
-    while (dim == 3 && c->n < k->first + SECOND_ORDER && nastran_take_field(c, &field))
-        if (field.begin < field.end)
-            return io_fail_order(r->model, c->line.text.begin, c->name, "", r->error);
+    *index = (int32_t)io_node_index(r->model, node);
+    return *index < 0
+               ? io_fail_no_node(r->model, c->line.text.begin, c->name, number, node, r->error)
+               : PLANISH_OK;
+}
+
+/** Take a field that may name a mid of element number; -1: it is empty or 0. *is_over: the card
+ *  ends, or goes on with a word (CORDM behind the nodes of solids). */
+static int take_mid(const reader *r, nastran_card *c, int64_t number, int32_t *index,
+                    int *is_over) {
+    io_slice field;
+    int64_t node;
+    *index = -1;
+    *is_over = !nastran_take_field(c, &field) ||
+               (field.begin < field.end && isalpha((unsigned char)*field.begin));
+    if (*is_over)
+        return PLANISH_OK;
+    if (parse_number(field, &node) || node < 0)
+        return io_fail_at(r->model, field.begin, r->error,
+                          "%s %lld: '%.*s' is not the number of a mid-side node", c->name,
+                          (long long)number, IO_QUOTED(field));
+    *index = node ? (int32_t)io_node_index(r->model, node) : -1;
+    return node && *index < 0
+               ? io_fail_no_node(r->model, c->line.text.begin, c->name, number, node, r->error)
+               : PLANISH_OK;
+}
+
+/** Add a line, triangle or tetrahedron of nodes [dim + 1]. */
+static int add_cell(const reader *r, int dim, const int32_t *nodes, int64_t number,
+                    int64_t property) {
     /* Cells of one property stand together most often. */
+    const io_cells *cells = io_model_cells(r->model, dim);
     int32_t entity = cells->n > 0 ? cells->entity[cells->n - 1] : -1;
     if (entity < 0 || r->model->entity[entity].tag != property)
         entity = io_model_entity(r->model, dim, (int32_t)property, 0, NULL, r->error);
-    status = entity < 0 ? entity : io_cells_add(r->model, dim, nodes, entity, number, r->error);
-    if (status)
-        return status;
+    return entity < 0 ? entity : io_cells_add(r->model, dim, nodes, entity, number, r->error);
+}
+
+static int read_cell(reader *r, const card_kind *k, nastran_card *c) {
+    int32_t nodes[3];
+    int64_t number, property;
+    io_slice field;
+    int status = take_numbers(r, k, c, &number, &property);
+    for (int j = 0; j < k->nodes && !status; j++)
+        status = take_node(r, c, number, &nodes[j]);
+    if (!status)
+        status = add_cell(r, k->nodes - 1, nodes, number, property);
     /* The field behind the nodes of CBAR, CBEAM, CBEND names a node that the cross section points
      * to, if it is no component of a vector (a real number). */
-    if (c->name[1] == 'B' && nastran_take_field(c, &field))
+    if (!status && c->name[1] == 'B' && nastran_take_field(c, &field))
         hold_field(r, field, IO_HELD_REQUIRED);
-    return PLANISH_OK;
+    return status;
+}
+
+/** Read an element with mids, which is measured but not smoothed; triangles and tetrahedra without
+ *  any are kept. */
+static int read_shape(reader *r, const card_kind *k, nastran_card *c) {
+    int32_t nodes[IO_CELL_NODES];
+    int64_t number, property;
+    int has_mids = 0, is_over = 0;
+    int status = take_numbers(r, k, c, &number, &property);
+    for (int j = 0; j < k->nodes && !status; j++) {
+        const int place = k->kind == SHAPE ? j : j / 2 + (j % 2) * k->corners;
+        nodes[place] = -1;
+        if (place < k->corners)
+            status = take_node(r, c, number, &nodes[place]);
+        else if (!is_over)
+            status = take_mid(r, c, number, &nodes[place], &is_over);
+        has_mids |= place >= k->corners && nodes[place] >= 0;
+    }
+    if (status)
+        return status;
+    if (!has_mids && (k->shape == IO_TRIANGLE || k->shape == IO_TETRAHEDRON))
+        return add_cell(r, k->corners - 1, nodes, number, property);
+    const int n = has_mids ? k->nodes : k->corners;
+    int type = io_cell_type(k->shape, n);
+    if (nodes[n - 1] < 0) /* CQUAD without a node inside */
+        type = io_cell_type_without_faces(type);
+    for (int j = 0; j < n; j++)
+        if (nodes[j] >= 0)
+            io_hold_node(r->model, nodes[j], IO_HELD_BY_OTHER);
+    r->model->n_other++;
+    return io_model_add_other(r->model, type, nodes, number, r->error);
 }
 
 /** Return whether the field at place names a node; follows_real: the one before it is a real
@@ -350,10 +465,9 @@ static int hold_fields(reader *r, const card_kind *k, nastran_card *c) {
 }
 
 static int read_element(reader *r, nastran_card *c) {
-    /* Elements that are not in the table, solids among them: number, property, nodes; and rigid
-     * ones: number, nodes. */
-    static const card_kind other_element = {"C...", LISTED, 2, 0},
-                           other_rigid = {"R...", LISTED, 1, 0};
+    /* Elements that are not in the table: number, property, nodes; and rigid ones: number, nodes. */
+    static const card_kind other_element = {"C...", LISTED, 2, 0, 0, 0},
+                           other_rigid = {"R...", LISTED, 1, 0, 0, 0};
     const card_kind *k = find_kind(c->name);
     if (!k && c->name[0] != 'C' && c->name[0] != 'R')
         return PLANISH_OK;
@@ -362,8 +476,8 @@ static int read_element(reader *r, nastran_card *c) {
             return PLANISH_OK;
     if (!k)
         k = c->name[0] == 'C' ? &other_element : &other_rigid;
-    if (k->kind == REFUSED)
-        return io_fail_order(r->model, c->line.text.begin, c->name, "", r->error);
+    if (k->kind == SHAPE || k->kind == RING)
+        return read_shape(r, k, c);
     return k->kind == CELL ? read_cell(r, k, c) : hold_fields(r, k, c);
 }
 
@@ -445,6 +559,7 @@ static const char *find_line(io_cursor cursor, const char *word, const char **af
 
 static int nastran_read(io_model *model, planish_error *error) {
     reader r = {.model = model, .error = error};
+    model->node_order = node_order;
     const char *end = io_input_end(model), *after;
     r.bulk = io_begin_text(model->input.data, model->input.size);
     if (find_line(r.bulk, "BEGIN", &after) < end)

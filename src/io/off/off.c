@@ -1,10 +1,11 @@
-/* off: Geomview's OFF, text and binary: plane meshes of triangles.
+/* off: Geomview's OFF, text and binary: plane meshes of triangles and quadrilaterals.
  *
  * A first word such as OFF or STCNOFF, whose letters say what follows the coordinates of a vertex;
  * numbers of vertices, faces and edges; a line for each vertex and for each face: how many
  * vertices it has, these (from 0), and a colour of some numbers. What is behind coordinates and
  * vertices on a line is not looked at. '#' begins a comment. Faces of two vertices are lines,
- * others hold their nodes. Vertices and faces are numbered from 0.
+ * those of more than three hold their nodes; those of four are measured. Vertices and faces are
+ * numbered from 0.
  *
  * Behind OFF BINARY are integers and floats of 32 bits, big-endian.
  */
@@ -16,7 +17,7 @@
 
 #include <string.h>
 
-enum { WORD_SIZE = 4, N_COUNTS = 3, TRIANGLE = 3, LINE = 2 };
+enum { WORD_SIZE = 4, N_COUNTS = 3, TRIANGLE = 3, QUADRILATERAL = 4, LINE = 2 };
 
 typedef struct off_reader {
     io_model *model;
@@ -153,7 +154,7 @@ static int read_faces(void *context, io_cursor *cursor, int64_t begin, int64_t e
                               (long long)corners);
         if (r->corners && corners != r->corners)
             return PLANISH_ERROR_FORMAT; /* they differ: read again, in order */
-        int32_t *kept = NULL;
+        int32_t *kept = NULL, quadrilateral[QUADRILATERAL];
         if (corners == TRIANGLE)
             kept = triangles->nodes + TRIANGLE * (r->corners ? i : triangles->n);
         else if (corners == LINE)
@@ -166,7 +167,13 @@ static int read_faces(void *context, io_cursor *cursor, int64_t begin, int64_t e
                 kept[j] = (int32_t)node;
             else
                 io_hold_node(model, node, corners == 1 ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER);
+            if (corners == QUADRILATERAL)
+                quadrilateral[j] = (int32_t)node;
         }
+        if (corners == QUADRILATERAL)
+            status = io_model_add_other(model, PLANISH_CELL_QUADRILATERAL, quadrilateral, i, error);
+        if (status)
+            return status;
         status = skip_colour(r, cursor, i, error);
         if (status)
             return status;
