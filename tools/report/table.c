@@ -347,7 +347,14 @@ static void row_spread(FILE *stream, const char *label, const planish_spread *sp
 
 /* ---- elements of every type ----------------------------------------------------------------- */
 
-enum { TYPE_WIDTH = 15, ELEMENTS_WIDTH = 10, FAULTS_WIDTH = 9, AR_WIDTH = 9, SJ_WIDTH = 11 };
+enum {
+    TYPE_WIDTH = 15,
+    ELEMENTS_WIDTH = 10,
+    FAULTS_WIDTH = 9,
+    CORNERS_WIDTH = 8,
+    AR_WIDTH = 9,
+    SJ_WIDTH = 11
+};
 
 static void put_heading(FILE *stream, const char *text) {
     fprintf(stream, "%s%s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), text,
@@ -358,7 +365,7 @@ static void put_heading(FILE *stream, const char *text) {
 static void put_types(FILE *stream, const planish_cell_quality *q) {
     char heading[128];
     snprintf(heading, sizeof heading, "%-*s%*s%*s%*s%*s%*s%*s%*s", TYPE_WIDTH, "type",
-             ELEMENTS_WIDTH, "elements", FAULTS_WIDTH, "inverted", FAULTS_WIDTH, "corners",
+             ELEMENTS_WIDTH, "elements", FAULTS_WIDTH, "inverted", CORNERS_WIDTH, "corners",
              AR_WIDTH, "worst AR", AR_WIDTH, "RMS", AR_WIDTH, "mean", SJ_WIDTH, "least SJ");
     put_heading(stream, heading);
     for (int i = 0; i < q->n_types; i++) {
@@ -367,7 +374,7 @@ static void put_types(FILE *stream, const planish_cell_quality *q) {
                                  of->mean_aspect_ratio};
         fprintf(stream, "%-*s%*" PRId64 "%*" PRId64 "%*" PRId64, TYPE_WIDTH,
                 pl_cell_type_name(q->type[i]), ELEMENTS_WIDTH, of->n_elements, FAULTS_WIDTH,
-                of->n_inverted, FAULTS_WIDTH, of->n_inverted_corners);
+                of->n_inverted, CORNERS_WIDTH, of->n_inverted_corners);
         for (size_t k = 0; k < sizeof ratios / sizeof *ratios; k++)
             if (isfinite(ratios[k]))
                 fprintf(stream, " %*.4g", AR_WIDTH - 1, ratios[k]);
@@ -527,7 +534,16 @@ static void put_angle(FILE *stream, double degrees) {
         fprintf(stream, "%*s", ANGLE_WIDTH, "-");
 }
 
-/** Put two lines: the measures and the place of an element; its nodes, its region and whether it
+/** Put text behind width columns, on a new line if there is no room. Returns the columns then. */
+static int put_further(FILE *stream, const char *text, int width) {
+    enum { INDENT = NUMBER_WIDTH + 7 };
+    if (width + pl_text_columns(text) > PL_TEXT_WIDTH)
+        width = fprintf(stream, "\n%*s", INDENT, "") - 1;
+    fputs(text, stream);
+    return width + pl_text_columns(text);
+}
+
+/** Put two lines or, of elements of many nodes, more: the measures and the place of an element; its nodes, its region and whether it
  * can change. */
 static void put_bad_element(FILE *stream, const pl_bad_element *bad, const pl_worst *worst) {
     char region[4 * PL_TEXT_WIDTH + 1];
@@ -546,10 +562,13 @@ static void put_bad_element(FILE *stream, const pl_bad_element *bad, const pl_wo
     for (int d = 0; d < worst->columns; d++)
         fprintf(stream, "%*.5g", PLACE_WIDTH, bad->place[d]);
     int width = fprintf(stream, "\n%*s  nodes", NUMBER_WIDTH, "") - 1;
-    for (int k = 0; k < bad->n_nodes; k++)
-        width += fprintf(stream, " %" PRId64, bad->node[k]);
+    for (int k = 0; k < bad->n_nodes; k++) {
+        char number[32];
+        snprintf(number, sizeof number, " %" PRId64, bad->node[k]);
+        width = put_further(stream, number, width);
+    }
     if (!bad->is_movable)
-        width += fprintf(stream, ", all fixed");
+        width = put_further(stream, ", all fixed", width);
     if (bad->region) {
         const char *word = ", in ";
         const int room = PL_TEXT_WIDTH - width - (int)strlen(word);

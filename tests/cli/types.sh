@@ -1,0 +1,87 @@
+#!/usr/bin/env bash
+# Elements of every type: what quality says of them against formulas of a script, and what smooth does about them.
+. "$(dirname "$0")/common.sh"
+
+python3 "$cli/types_mesh.py" types.vtk types.json tetrahedra.vtk || fail "no mesh"
+expect_status 0 "$program" quality types.vtk --worst 9 --json report.json --report types.html
+cp out table
+python3 - <<'END' || fail "figures differ"
+import json, math
+report, wanted = json.load(open("report.json")), json.load(open("types.json"))
+quality = report["quality"]
+assert quality["counts"] == wanted["counts"], quality["counts"]
+for name, of in [("all", quality)] + list(quality["by_type"].items()):
+    expected = wanted["all"] if name == "all" else wanted["by_type"][name]
+    for key, value in expected.items():
+        assert math.isclose(of[key], value, rel_tol=1e-9), (name, key, of[key], value)
+    assert (of["min_jacobian_ratio"] is None) == (of["curved"] == 0), name
+    assert of["curved"] == 0 or of["min_jacobian_ratio"] < 0, name
+assert list(quality["by_type"]) == list(quality["counts"])
+# What simplices alone have is null, and stands beside.
+tetrahedra = quality["simplices"]
+assert tetrahedra["max_radius_ratio"] >= 1 and tetrahedra["inverted"] == 0
+for key in tetrahedra:
+    assert key == "inverted" or quality[key] is None, key
+# The worst ones: inverted ones first, in the file's order.
+worst = quality["worst_elements"]
+assert len(worst) == 9 and all(e["radius_ratio"] is None for e in worst)
+assert [e["element"] for e in worst] == sorted(e["element"] for e in worst)
+assert worst[0]["type"] == "hexahedron" and worst[0]["aspect_ratio"] is None
+assert len(worst[0]["nodes"]) == 8
+END
+grep -q "^8 hexahedra of 20 nodes\|, 8 hexahedra of 20 nodes" table || fail "counts: $(cat table)"
+grep -q "^hexahedron27  *8  *2 " table || fail "a row for a type: $(cat table)"
+grep -q "^straight tetrahedra alone" table || fail "no part for tetrahedra: $(cat table)"
+awk 'length($0) > 80 { exit 1 }' table || fail "the table is wider than 80 columns"
+! grep -q ' $' table || fail "trailing blanks"
+expect_status 0 "$program" report report.json -o again.html
+cmp types.html again.html || fail "the page of the JSON is another one"
+grep -q "hexahedron27" types.html && grep -q "Straight tetrahedra alone" types.html || fail "the page"
+
+# The tetrahedra alone have the same measures, and no key of elements of other types.
+cp report.json all.json
+expect_status 0 "$program" quality tetrahedra.vtk --json report.json -q
+expect_json "'counts' not in r['quality'] and 'by_type' not in r['quality']"
+python3 - <<'END' || fail "simplices differ from the tetrahedra by themselves"
+import json
+alone, among = json.load(open("report.json"))["quality"], json.load(open("all.json"))["quality"]["simplices"]
+assert set(alone) - set(among) == {"worst_elements"} and all(alone[key] == among[key] for key in among)
+END
+
+# Nothing to smooth: measured, by itself and beside others, and not smoothed.
+python3 - <<'END'
+points = [(x, y, z) for z in range(3) for y in range(3) for x in range(3)]
+cells = [[p, p + 1, p + 4, p + 3, p + 9, p + 10, p + 13, p + 12] for p in (0, 1, 3, 4, 9, 10, 12, 13)]
+with open("hexahedra.vtk", "w") as out:
+    print("# vtk DataFile Version 3.0\nhexahedra\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 27 double", file=out)
+    for p in points:
+        print(*p, file=out)
+    print("CELLS 8 72", file=out)
+    for cell in cells:
+        print(8, *cell, file=out)
+    print("CELL_TYPES 8", *[12] * 8, sep="\n", file=out)
+with open("squares.vtk", "w") as out:
+    print("# vtk DataFile Version 3.0\nsquares\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 9 double", file=out)
+    for p in points[:9]:
+        print(*p, file=out)
+    print("CELLS 4 20", file=out)
+    for p in (0, 1, 3, 4):
+        print(4, p, p + 1, p + 4, p + 3, file=out)
+    print("CELL_TYPES 4", *[9] * 4, sep="\n", file=out)
+END
+for mesh in hexahedra squares; do
+    expect_status 0 "$program" quality $mesh.vtk --json report.json --report $mesh.html --worst 2 --min-volume 0.1
+    expect_json "r['quality']['max_aspect_ratio'] == r['quality']['min_scaled_jacobian'] == 1"
+    expect_json "r['quality']['simplices'] is None and r['quality']['inverted'] == 0 and r['mesh']['elements'] == 0"
+    expect_status 0 "$program" quality $mesh.vtk --fix-layers -q
+    expect_status 2 "$program" smooth $mesh.vtk -o new.vtk --json new.json
+    expect_one_line
+    expect_text "planish quality"
+    expect_no_file new.vtk new.json
+done
+expect_status 0 "$program" quality hexahedra.vtk
+grep -q "^hexahedra.vtk: vtk, 8 hexahedra, 27 nodes" out || fail "counts: $(cat out)"
+expect_status 0 "$program" quality hexahedra.vtk tetrahedra.vtk types.vtk
+[ "$(awk 'NR > 2 { print $2 }' out | tr '\n' ' ')" = "8 5 63 " ] || fail "elements: $(cat out)"
+grep -q "^tetrahedra.vtk  *5  *0 .* -  *-$" out || fail "simplices beside others: $(cat out)"
+finish
