@@ -187,6 +187,16 @@ void builder_expect_same_on_threads(const file_builder *builder, const io_format
         assert_memory_equal(a->node_number, b->node_number, n * sizeof *a->node_number);
     expect_same_cells(&a->triangle, &b->triangle, 2);
     expect_same_cells(&a->tetrahedron, &b->tetrahedron, 3);
+    assert_int_equal(a->n_other, b->n_other);
+    assert_int_equal(a->other.n, b->other.n);
+    if (a->other.n > 0) {
+        n = (size_t)a->other.n;
+        assert_memory_equal(a->other.type, b->other.type, n);
+        assert_memory_equal(a->other.number, b->other.number, n * sizeof *a->other.number);
+        assert_memory_equal(a->other.offset, b->other.offset, n * sizeof *a->other.offset);
+        n = (size_t)a->other.n_nodes;
+        assert_memory_equal(a->other.node, b->other.node, n * sizeof *a->other.node);
+    }
     assert_int_equal(a->n_entities, b->n_entities);
     planish_file_close(one);
     planish_file_close(three);

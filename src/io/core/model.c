@@ -239,40 +239,58 @@ int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int6
 
 /* ---- elements of other types ----------------------------------------------------------------- */
 
-int io_model_add_other(io_model *model, int type, const int32_t *nodes, int64_t number,
-                       planish_error *error) {
+int io_others_reserve(io_model *model, int64_t n, int64_t n_nodes, planish_error *error) {
     io_others *o = &model->other;
-    const int n = io_cell_type_nodes(type);
-    const uint8_t *at = NULL;
-    if (n == 0)
-        return PLANISH_OK;
-    if (o->n == INT32_MAX)
+    if (n > INT32_MAX - o->n)
         return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: more than %d elements", model->input.path,
                        INT32_MAX);
-    for (const io_node_order *order = model->node_order; order && order->type; order++)
-        at = order->type == type ? order->at : at;
-    if (o->n == o->capacity) { /* three arrays of one capacity */
+    if (o->n + n > o->capacity) { /* three arrays of one capacity */
         int64_t capacity[3] = {o->capacity, o->capacity, o->capacity};
-        uint8_t *types = pl_grow(o->type, o->n, o->n + 1, &capacity[0], sizeof *types);
+        uint8_t *types = pl_grow(o->type, o->n, o->n + n, &capacity[0], sizeof *types);
         o->type = types ? types : o->type;
-        int64_t *numbers = pl_grow(o->number, o->n, o->n + 1, &capacity[1], sizeof *numbers);
+        int64_t *numbers = pl_grow(o->number, o->n, o->n + n, &capacity[1], sizeof *numbers);
         o->number = numbers ? numbers : o->number;
-        int64_t *offsets = pl_grow(o->offset, o->n, o->n + 1, &capacity[2], sizeof *offsets);
+        int64_t *offsets = pl_grow(o->offset, o->n, o->n + n, &capacity[2], sizeof *offsets);
         o->offset = offsets ? offsets : o->offset;
         if (!types || !numbers || !offsets)
             return pl_fail_memory(error, "elements");
         o->capacity = capacity[0] < capacity[1] ? capacity[0] : capacity[1];
         o->capacity = capacity[2] < o->capacity ? capacity[2] : o->capacity;
     }
-    int32_t *node = pl_grow(o->node, o->n_nodes, o->n_nodes + n, &o->node_capacity, sizeof *node);
+    int32_t *node =
+        pl_grow(o->node, o->n_nodes, o->n_nodes + n_nodes, &o->node_capacity, sizeof *node);
     if (!node)
         return pl_fail_memory(error, "elements");
     o->node = node;
-    for (int i = 0; i < n; i++)
-        o->node[o->n_nodes++] = nodes[at ? at[i] : i];
-    o->type[o->n] = (uint8_t)type;
-    o->number[o->n] = number;
-    o->offset[o->n++] = o->n_nodes;
+    return PLANISH_OK;
+}
+
+void io_others_set(io_model *model, int64_t i, int64_t begin, int type, const int32_t *nodes,
+                   int64_t number) {
+    io_others *o = &model->other;
+    const int n = io_cell_type_nodes(type);
+    const uint8_t *at = NULL;
+    for (const io_node_order *order = model->node_order; order && order->type; order++)
+        at = order->type == type ? order->at : at;
+    for (int k = 0; k < n; k++)
+        o->node[begin + k] = nodes[at ? at[k] : k];
+    o->type[i] = (uint8_t)type;
+    o->number[i] = number;
+    o->offset[i] = begin + n;
+}
+
+int io_model_add_other(io_model *model, int type, const int32_t *nodes, int64_t number,
+                       planish_error *error) {
+    io_others *o = &model->other;
+    const int n = io_cell_type_nodes(type);
+    if (n == 0)
+        return PLANISH_OK;
+    const int status = io_others_reserve(model, 1, n, error);
+    if (status)
+        return status;
+    io_others_set(model, o->n, o->n_nodes, type, nodes, number);
+    o->n++;
+    o->n_nodes += n;
     return PLANISH_OK;
 }
 

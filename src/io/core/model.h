@@ -316,6 +316,16 @@ int io_cells_add(io_model *model, int dim, const int32_t *nodes, int32_t entity,
 int io_model_add_other(io_model *model, int type, const int32_t *nodes, int64_t number,
                        planish_error *error);
 
+/** Make room in model->other for n more elements of n_nodes nodes together; the reader then sets
+ *  them by io_others_set and raises other.n and other.n_nodes. Errors: as io_model_add_other. */
+int io_others_reserve(io_model *model, int64_t n, int64_t n_nodes, planish_error *error);
+
+/** Set element i of model->other, of a type of two or three dimensions, as io_model_add_other does;
+ *  its nodes begin at other.node[begin], behind those of the element before. Threads may set
+ *  different elements at the same time. */
+void io_others_set(io_model *model, int64_t i, int64_t begin, int type, const int32_t *nodes,
+                   int64_t number);
+
 /** Find the index of the entity (dim, tag, physical[n]), made if new; negative on failure. */
 int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
                         const int32_t *physical, planish_error *error);

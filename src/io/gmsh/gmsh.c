@@ -203,6 +203,7 @@ static int gmsh_read(io_model *model, planish_error *error) {
                           .error = error,
                           .cursor = io_begin_text(model->input.data, model->input.size)};
     io_text_init(&reader.text, model);
+    model->node_order = gmsh_node_orders;
     int status = read_sections(&reader);
     if (!status)
         status = check_numbers(&reader, &model->triangle);

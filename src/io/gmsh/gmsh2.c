@@ -97,8 +97,12 @@ typedef struct element_chunk {
     int64_t limit;        /* elements at most */
     int64_t n;            /* elements; by dimension: */
     int64_t n_cells[4];   /* those that are kept, */
-    int64_t n_held[4];    /* and those that hold their nodes; */
-    int64_t first[4];     /* index of the first cell in the model */
+    int64_t n_held[4];    /* those that hold their nodes; */
+    int64_t n_others;     /* those of model->other, */
+    int64_t n_nodes;      /* and the number of their nodes */
+    int64_t first[4];     /* index of the first cell in the model, */
+    int64_t first_other;  /* of the first element of model->other, */
+    int64_t first_node;   /* and of its first node there */
     element_owner *owner; /* [n_owners] one for each run of elements of the same owner */
     int32_t *entity;      /* [n_owners] index into io_model.entity */
     int64_t n_owners, owner_capacity;
@@ -149,6 +153,9 @@ static int count_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
             return fail_element(reader, head.at, error);
         const int is_kept = io_element_use(head.type) == IO_KEEP;
         (is_kept ? chunk->n_cells : chunk->n_held)[io_element_dim(head.type)]++;
+        const int n_nodes = io_cell_type_nodes(gmsh_other_type(head.type));
+        chunk->n_others += n_nodes > 0;
+        chunk->n_nodes += n_nodes;
     }
     chunk->lines.end = cursor.at;
     return PLANISH_OK;
@@ -159,7 +166,7 @@ static int count_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
 static int store_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_error *error) {
     io_model *model = reader->model;
     io_cursor cursor = chunk->lines;
-    int64_t run = 0, next[4];
+    int64_t run = 0, next[4], other = chunk->first_other, node = chunk->first_node;
     element_head head;
     memcpy(next, chunk->first, sizeof next);
     for (int64_t i = 0; i < chunk->n; i++) {
@@ -173,19 +180,31 @@ static int store_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
         const gmsh_block block = {.reader = reader,
                                   .type = head.type,
                                   .cells = io_element_cells(model, head.type),
+                                  .other = gmsh_other_type(head.type),
+                                  .first = other,
+                                  .first_node = node,
                                   .entity = chunk->entity[run],
                                   .reason = io_element_reason(head.type)};
-        if (block.cells && next[dim] == chunk->first[dim] + chunk->n_cells[dim])
+        const int n_nodes = io_cell_type_nodes(block.other);
+        if ((block.cells && next[dim] == chunk->first[dim] + chunk->n_cells[dim]) ||
+            (block.other && (other == chunk->first_other + chunk->n_others ||
+                             n_nodes > chunk->first_node + chunk->n_nodes - node)))
             return io_bytes_fail_changed(&model->input, error);
-        status = gmsh_read_element(&block, &cursor, head.at, head.number, next[dim], error);
+        status = gmsh_read_element(&block, &cursor, head.at, head.number,
+                                   block.cells ? next[dim] : other, error);
         if (status)
             return status;
         next[dim] += block.cells != NULL;
+        other += n_nodes > 0;
+        node += n_nodes;
     }
     for (int dim = 1; dim < 4; dim++)
         if (next[dim] != chunk->first[dim] + chunk->n_cells[dim])
             return io_bytes_fail_changed(&model->input, error);
-    return PLANISH_OK;
+    return other == chunk->first_other + chunk->n_others &&
+                   node == chunk->first_node + chunk->n_nodes
+               ? PLANISH_OK
+               : io_bytes_fail_changed(&model->input, error);
 }
 
 static void read_chunks(void *context, int64_t begin, int64_t end, int thread) {
@@ -231,7 +250,7 @@ static int make_chunks(element_job *job, const char *end, int64_t limit, int in_
 static int lay_out_chunks(element_job *job) {
     io_model *model = job->reader->model;
     planish_error *error = job->reader->error;
-    int64_t n[4] = {0, 0, 0, 0};
+    int64_t n[4] = {0, 0, 0, 0}, n_others = 0, n_nodes = 0;
     int status = PLANISH_OK;
     for (int64_t i = 0; i < job->n; i++) {
         element_chunk *chunk = &job->chunk[i];
@@ -247,9 +266,15 @@ static int lay_out_chunks(element_job *job) {
             chunk->first[dim] = n[dim];
             n[dim] += chunk->n_cells[dim];
         }
+        chunk->first_other = model->other.n + n_others;
+        chunk->first_node = model->other.n_nodes + n_nodes;
+        n_others += chunk->n_others;
+        n_nodes += chunk->n_nodes;
     }
     for (int dim = 1; dim < 4 && !status; dim++)
         status = io_cells_reserve(model, dim, n[dim], 1, 1, error);
+    if (!status && n_others > 0)
+        status = io_others_reserve(model, n_others, n_nodes, error);
     return status;
 }
 
@@ -278,6 +303,8 @@ static int read_text_elements(gmsh_reader *reader, int64_t n, const char *end, i
         if (!status) {
             model->n_lower += chunk->n_held[0] + chunk->n_held[1];
             model->n_other += chunk->n_held[2] + chunk->n_held[3];
+            model->other.n += chunk->n_others;
+            model->other.n_nodes += chunk->n_nodes;
             reader->cursor.at = chunk->lines.end;
         }
         pl_free(chunk->owner);
@@ -295,6 +322,7 @@ static int read_binary_block(gmsh_reader *reader, int64_t total, int64_t *done) 
     const char *at = reader->cursor.at;
     int64_t type = 0, n = 0, n_tags = 0, number = 0, tag[2] = {0, 0}, ignored;
     element_owner last = {-1, 0, 0};
+    io_others *others = &reader->model->other;
     gmsh_block block = {.reader = reader, .bytes = 4};
     int status = gmsh_take(reader, 4, &type, "element type");
     if (!status)
@@ -318,10 +346,15 @@ static int read_binary_block(gmsh_reader *reader, int64_t total, int64_t *done) 
     const int dim = io_element_dim(block.type);
     block.cells = io_element_cells(reader->model, block.type);
     block.reason = io_element_reason(block.type);
+    block.other = gmsh_other_type(block.type);
+    block.first = others->n;
+    block.first_node = others->n_nodes;
     if (block.cells)
         status = io_cells_reserve(reader->model, dim, n, 1, 1, reader->error);
     else
         io_element_count(reader->model, block.type, n);
+    if (block.other)
+        status = io_others_reserve(reader->model, n, n * block.type->nodes, reader->error);
     for (int64_t i = 0; !status && i < n; i++) {
         at = reader->cursor.at;
         io_number(&reader->cursor, 4, reader->swapped, &number);
@@ -333,9 +366,10 @@ static int read_binary_block(gmsh_reader *reader, int64_t total, int64_t *done) 
         if (block.entity < 0)
             return block.entity;
         last = owner;
-        status = gmsh_read_element(&block, &reader->cursor, at, number,
-                                   block.cells ? block.cells->n++ : 0, reader->error);
+        const int64_t index = block.cells ? block.cells->n++ : block.other ? others->n++ : 0;
+        status = gmsh_read_element(&block, &reader->cursor, at, number, index, reader->error);
     }
+    others->n_nodes += n * io_cell_type_nodes(block.other);
     return status;
 }
 

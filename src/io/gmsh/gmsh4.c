@@ -254,20 +254,30 @@ static int read_element_block(gmsh_reader *reader, const section_head *head) {
     } else {
         block.reason = io_element_reason(block.type);
         block.cells = io_element_cells(model, block.type);
+        block.other = gmsh_other_type(block.type);
         if (!block.cells)
             io_element_count(model, block.type, head->size);
     }
+    const int64_t n_other_nodes = head->size * io_cell_type_nodes(block.other);
     if (block.cells) {
         block.first = block.cells->n;
         status =
             io_cells_reserve(model, io_element_dim(block.type), head->size, 1, 1, reader->error);
+    } else if (block.other) {
+        block.first = model->other.n;
+        block.first_node = model->other.n_nodes;
+        status = io_others_reserve(model, head->size, n_other_nodes, reader->error);
     }
     if (!status)
         status = io_records(&reader->text, &reader->cursor, head->size, width, bytes * width,
                             read_elements, &block, reader->error);
-    if (!status && block.cells)
+    if (status)
+        return status;
+    if (block.cells)
         block.cells->n += head->size;
-    return status;
+    model->other.n += block.other ? head->size : 0;
+    model->other.n_nodes += n_other_nodes;
+    return PLANISH_OK;
 }
 
 int gmsh4_elements(gmsh_reader *reader) {

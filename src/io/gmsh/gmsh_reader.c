@@ -1,4 +1,4 @@
-/* gmsh_reader: what the readers of MSH 1, 2 and 4 share: the table of element types, single
+/* gmsh_reader: what the readers of MSH 1, 2 and 4 share: the tables of element types and node orders, single
  * numbers, nodes, elements and periodic pairs. */
 #include "io/gmsh/gmsh_reader.h"
 
@@ -159,6 +159,19 @@ int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
     return PLANISH_OK;
 }
 
+/* Gmsh lists the edges of a corner before those of the next one, and then faces. */
+const io_node_order gmsh_node_orders[] = {
+    {PLANISH_CELL_TETRAHEDRON10, {0, 1, 2, 3, 4, 5, 6, 7, 9, 8}},
+    {PLANISH_CELL_HEXAHEDRON20,
+     {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15}},
+    {PLANISH_CELL_HEXAHEDRON27, {0, 1,  2,  3,  4,  5,  6,  7,  8,  11, 13, 9,  16, 18,
+                                 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26}},
+    {PLANISH_CELL_WEDGE15, {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11}},
+    {PLANISH_CELL_WEDGE18, {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11, 15, 17, 16}},
+    {PLANISH_CELL_PYRAMID13, {0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12}},
+    {PLANISH_CELL_PYRAMID14, {0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12, 13}},
+    {0, {0}}};
+
 /* ---- single numbers and counts ------------------------------------------------------------ */
 
 int gmsh_fail_expected(const gmsh_reader *reader, const char *what) {
@@ -314,6 +327,7 @@ int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at
                       int64_t index, planish_error *error) {
     const gmsh_reader *reader = block->reader;
     const int n = block->type->nodes;
+    int32_t other[27];
     int64_t node_number;
     for (int i = 0; i < n; i++) {
         if (io_number(cursor, block->bytes, reader->swapped, &node_number))
@@ -328,11 +342,16 @@ int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at
             block->cells->nodes[index * n + i] = (int32_t)node;
         else if (block->reason != 0)
             io_hold_node(reader->model, node, block->reason);
+        if (block->other)
+            other[i] = (int32_t)node;
     }
     if (block->cells) {
         block->cells->number[index] = number;
         block->cells->entity[index] = block->entity;
     }
+    if (block->other)
+        io_others_set(reader->model, index, block->first_node + (index - block->first) * n,
+                      block->other, other, number);
     return PLANISH_OK;
 }
 

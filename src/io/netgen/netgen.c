@@ -8,6 +8,9 @@
  * A group is: of volume elements the material; of triangles the boundary condition (in two
  * dimensions the domain, which is where materials are), of segments the edge (in two dimensions the
  * boundary condition).
+ *
+ * Elements of second order list the mids of their edges behind the corners. Curved elements of any
+ * order (curvedelements) have their shape apart from the nodes, and are refused.
  */
 #include "io/core/format.h"
 #include "io/netgen/netgen.h"
@@ -149,6 +152,7 @@ static int walk_file(netgen_reader *r) {
 static int netgen_read(io_model *model, planish_error *error) {
     netgen_reader r = {.model = model, .error = error, .dim = 3};
     io_text_init(&r.text, model);
+    model->node_order = netgen_node_orders;
     int status = walk_file(&r);
     for (int kind = 0; kind < NETGEN_N_READ && !status; kind++) {
         for (int64_t i = 0; i < r.sections.n && !status; i++)
@@ -158,6 +162,8 @@ static int netgen_read(io_model *model, planish_error *error) {
             status = io_fail_at(model, io_input_end(model), error,
                                 "there are no points (the file may be cut short)");
     }
+    io_reduce_cell_numbers(&model->triangle);
+    io_reduce_cell_numbers(&model->tetrahedron);
     io_text_release(&r.text);
     pl_free(r.is_periodic);
     io_sections_release(&r.sections);

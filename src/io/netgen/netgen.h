@@ -8,6 +8,7 @@
 #ifndef PL_IO_NETGEN_NETGEN_H
 #define PL_IO_NETGEN_NETGEN_H
 
+#include "io/core/elements.h"
 #include "io/core/records.h"
 
 typedef enum netgen_kind {
@@ -42,6 +43,9 @@ enum {
     NETGEN_MOST_CORNERS = 32
 };
 
+/** Orders of nodes that are not VTK's, for io_model.node_order. */
+extern const io_node_order netgen_node_orders[];
+
 /** Keywords by the numbers of io_section. */
 extern const netgen_keyword netgen_keywords[];
 
@@ -55,6 +59,8 @@ typedef struct netgen_reader {
     io_record_kind kind;           /* and its records */
     int corners;                   /* of all elements of the current section; 0: they differ */
     int64_t first_cell;            /* of the current section in its io_cells */
+    int64_t first_number;          /* of its elements: those of a dimension are counted from 1 */
+    int64_t n_elements[4];         /* by dimension, of the sections before */
     int64_t n_kept;                /* of them, where they differ */
     int8_t *is_periodic;           /* [n_types] owned: by number of identification, from 1 */
     int64_t n_types;

@@ -38,6 +38,41 @@ static int skip_words(const netgen_reader *r, io_cursor *cursor, int64_t record,
     return PLANISH_OK;
 }
 
+/* ---- elements that are measured only ------------------------------------------------------ */
+
+/* Of MakeSecondOrder in Netgen's secondorder.cpp. */
+const io_node_order netgen_node_orders[] = {
+    {PLANISH_CELL_TRIANGLE6, {0, 1, 2, 5, 3, 4}},
+    {PLANISH_CELL_QUADRILATERAL8, {0, 1, 2, 3, 4, 7, 5, 6}},
+    {PLANISH_CELL_TETRAHEDRON10, {0, 1, 2, 3, 4, 7, 5, 6, 8, 9}},
+    {PLANISH_CELL_PYRAMID13, {0, 1, 2, 3, 4, 5, 8, 6, 7, 9, 10, 11, 12}},
+    {PLANISH_CELL_WEDGE15, {0, 1, 2, 3, 4, 5, 6, 8, 7, 12, 14, 13, 9, 10, 11}},
+    {PLANISH_CELL_HEXAHEDRON20,
+     {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 9, 10, 12, 15, 13, 14, 16, 17, 18, 19}},
+    {0, {0}}};
+
+/** Add an element of n nodes to model->other. Prisms of 12 nodes are those of 15 without the mids
+ *  of upright edges, but with the first two mids of each triangle the other way round. */
+static int add_other(const netgen_reader *r, int64_t n, const int32_t *nodes, int64_t number,
+                     planish_error *error) {
+    static const io_shape solids[] = {[5] = IO_PYRAMID,      [6] = IO_PRISM,    [8] = IO_HEXAHEDRON,
+                                      [10] = IO_TETRAHEDRON, [13] = IO_PYRAMID, [15] = IO_PRISM,
+                                      [20] = IO_HEXAHEDRON};
+    static const uint8_t prism12[15] = {0, 1, 2, 3, 4, 5, 7, 6, 8, 12, 12, 12, 10, 9, 11};
+    const int is_solid = r->current->dim == 3;
+    int32_t prism15[15];
+    if (is_solid && n == 12) {
+        for (int i = 0; i < 15; i++)
+            prism15[i] = prism12[i] < 12 ? nodes[prism12[i]] : -1;
+        nodes = prism15;
+        n = 15;
+    }
+    const io_shape flat = n == 6 ? IO_TRIANGLE : IO_QUADRILATERAL;
+    const io_shape solid = n < (int64_t)(sizeof solids / sizeof *solids) ? solids[n] : IO_NO_SHAPE;
+    return io_model_add_other(r->model, io_cell_type((int)(is_solid ? solid : flat), (int)n), nodes,
+                              number, error);
+}
+
 /* ---- elements and segments ---------------------------------------------------------------- */
 
 /** Take the words before the nodes of an element: the group, and last the number of nodes. */
@@ -53,26 +88,23 @@ static int take_lead(const netgen_reader *r, io_cursor *cursor, int64_t record, 
         status = io_take_whole(&r->kind, cursor, record + 1, INT64_MIN, INT64_MAX, corners, error);
     if (status)
         return status;
-    const int64_t of_second_order = k->dim == 2 ? 6 : 10;
     *corners = *corners == 0 ? NETGEN_LEAST_CORNERS : *corners;
-    if (*corners == of_second_order)
-        return io_fail_order(r->model, cursor->at, k->name, " (save the mesh before SecondOrder())",
-                             error);
     if (*corners < NETGEN_LEAST_CORNERS || *corners > NETGEN_MOST_CORNERS)
         return io_fail_at(r->model, cursor->at, error, "%s %lld: %lld nodes are unknown", k->name,
                           (long long)record + 1, (long long)*corners);
     return PLANISH_OK;
 }
 
-/** Read elements: triangles and tetrahedra are kept, others hold their nodes. Elements that differ
- *  are read in order; r->n_kept of them are kept so far. */
+/** Read elements: triangles and tetrahedra are kept, others hold their nodes and are added to
+ *  model->other. Elements that differ are read in order; r->n_kept of them are kept so far. */
 static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                          planish_error *error) {
     netgen_reader *r = context;
     const netgen_keyword *k = r->current;
     io_cells *cells = io_model_cells(r->model, k->dim);
     for (int64_t i = begin; i < end; i++) {
-        int32_t group, node;
+        const int64_t number = r->first_number + i;
+        int32_t group, node, other[NETGEN_MOST_CORNERS];
         int64_t corners;
         int status = take_lead(r, cursor, i, &group, &corners, error);
         if (status)
@@ -88,15 +120,19 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
             if (kept)
                 cells->nodes[cell * corners + j] = node;
             else
-                io_hold_node(r->model, node, IO_HELD_BY_OTHER);
+                io_hold_node(r->model, other[j] = node, IO_HELD_BY_OTHER);
             if (k->parameter[0])
                 io_hold_node(r->model, node, IO_HAS_PARAMETERS);
         }
         status = skip_words(r, cursor, i, k->extra * corners, error);
+        if (!status && !kept)
+            status = add_other(r, corners, other, number, error);
         if (status)
             return status;
         if (kept)
             cells->entity[cell] = group;
+        if (kept && cells->number)
+            cells->number[cell] = number;
         if (!r->corners)
             r->n_kept += kept;
     }
@@ -223,6 +259,18 @@ static int read_point_section(netgen_reader *r, const io_section *s) {
                               &points, r->error);
 }
 
+/** Give the cells numbers of their own, as others may stand between them. */
+static int number_cells(io_cells *cells, planish_error *error) {
+    if (cells->number)
+        return PLANISH_OK;
+    cells->number = pl_alloc(cells->capacity, sizeof *cells->number);
+    if (!cells->number)
+        return pl_fail_memory(error, "the elements");
+    for (int64_t i = 0; i < cells->n; i++)
+        cells->number[i] = cells->first_number + i;
+    return PLANISH_OK;
+}
+
 /** Read elements or segments. */
 static int read_element_section(netgen_reader *r, const io_section *s) {
     const netgen_keyword *k = r->current;
@@ -234,8 +282,10 @@ static int read_element_section(netgen_reader *r, const io_section *s) {
     int64_t corners;
     cells->first_number = 1;
     r->first_cell = cells->n;
+    r->first_number = 1 + r->n_elements[dim];
+    r->n_elements[dim] += s->count;
     r->n_kept = s->count;
-    int status = io_cells_reserve(r->model, dim, s->count, 1, 0, r->error);
+    int status = io_cells_reserve(r->model, dim, s->count, 1, cells->number != NULL, r->error);
     if (status)
         return status;
     /* As a rule all elements are like the first, and threads can read them. Others hold nodes: what
@@ -250,7 +300,9 @@ static int read_element_section(netgen_reader *r, const io_section *s) {
                                            read_elements, &ignored)) {
         r->corners = 0;
         r->n_kept = 0;
-        status = read_records(r, s, 0, read_elements, r->error);
+        status = number_cells(cells, r->error);
+        if (!status)
+            status = read_records(r, s, 0, read_elements, r->error);
     }
     if (!status)
         status = io_model_index_tags(r->model, dim, cells->entity + cells->n, r->n_kept, r->error);

@@ -12,7 +12,8 @@
  * A .face or .edge file may list every face or edge of the mesh: only those
  * with a marker that is not zero hold their nodes. The first attribute of
  * elements tells regions apart if all its values are integers; other attributes
- * may be any quantity.
+ * may be any quantity. Elements of second order (-o2) are measured, and hold their nodes; they have
+ * no regions.
  */
 #include "io/core/bytes.h"
 #include "io/core/format.h"
@@ -36,6 +37,15 @@ static const char *const companions[] = {".ele", ".face", ".edge", ".neigh", ".t
                                          ".var", ".vol",  ".poly", ".smesh", NULL};
 enum { N_READ = 3, N_COMPANIONS = sizeof companions / sizeof *companions - 1 };
 
+enum { MOST_NODES = 10 }; /* of an element */
+
+/* Elements of second order (-o2): TetGen's mids are of the edges 23, 03, 01, 12, 13, 02; Triangle's
+ * are opposite their corners. */
+static const io_node_order node_orders[] = {
+    {PLANISH_CELL_TRIANGLE6, {0, 1, 2, 5, 3, 4}},
+    {PLANISH_CELL_TETRAHEDRON10, {0, 1, 2, 3, 6, 7, 9, 5, 8, 4}},
+    {0, {0}}};
+
 /** One of the files, and where its rows go. */
 typedef struct table {
     io_model *model;
@@ -47,7 +57,8 @@ typedef struct table {
     const char *what;      /* of a row, for messages */
     int dim;               /* nodes: number of coordinates; else nodes of an element less one */
     int64_t skipped;       /* words between coordinates or corners and the tag */
-    int32_t *nodes;        /* [n][dim + 1] elements only, owned by the model */
+    int32_t *nodes;        /* [n][dim + 1] elements only, owned by the model; or */
+    int other;             /* their planish_cell_type if they go into model->other */
     int32_t *tag;          /* [n] marker or attribute, or NULL: rows have none */
     int real_tag;          /* attributes are written as reals */
     atomic_int fractional; /* not 0: a real tag is no integer */
@@ -126,7 +137,8 @@ static int read_coordinates(const table *t, io_cursor *cursor, int64_t node, pla
 
 /** Read the corners of an element, face or edge as indices of nodes. */
 static int read_corners(const table *t, io_cursor *cursor, int64_t row, planish_error *error) {
-    const io_model *model = t->model;
+    io_model *model = t->model;
+    int32_t other[MOST_NODES], *nodes = t->other ? other : t->nodes + row * (t->dim + 1);
     int64_t number;
     for (int i = 0; i <= t->dim; i++) {
         if (line_integer(cursor, &number))
@@ -139,8 +151,10 @@ static int read_corners(const table *t, io_cursor *cursor, int64_t row, planish_
                               t->what, (long long)(t->first + row), (long long)number,
                               (long long)model->first_number,
                               (long long)(model->first_number + model->n_nodes - 1));
-        t->nodes[row * (t->dim + 1) + i] = (int32_t)node;
+        nodes[i] = (int32_t)node;
     }
+    if (t->other)
+        io_others_set(model, row, row * (t->dim + 1), t->other, other, t->first + row);
     return PLANISH_OK;
 }
 
@@ -194,8 +208,8 @@ static int read_rows(void *context, io_cursor *cursor, int64_t begin, int64_t en
         if (io_integer(cursor, &number) || (uint64_t)number - (uint64_t)t->first != (uint64_t)row)
             return io_fail_at(&t->view, at, error, "%s number %lld was expected", t->what,
                               (long long)((uint64_t)t->first + (uint64_t)row));
-        int status = t->nodes ? read_corners(t, cursor, row, error)
-                              : read_coordinates(t, cursor, row, error);
+        int status = t->nodes || t->other ? read_corners(t, cursor, row, error)
+                                          : read_coordinates(t, cursor, row, error);
         if (!status && t->tag)
             status = read_tag(t, cursor, row, error);
         if (status)
@@ -242,19 +256,39 @@ static int read_node_file(io_model *model, int *dim, planish_error *error) {
     return status;
 }
 
+/** Read the elements of a table of second order into model->other. */
+static int read_second_order(table *t, planish_error *error) {
+    io_model *model = t->model;
+    const int n_nodes = (int)t->count[0];
+    int status = io_others_reserve(model, t->n, t->n * n_nodes, error);
+    if (status)
+        return status;
+    t->dim = n_nodes - 1;
+    t->other = n_nodes == MOST_NODES ? PLANISH_CELL_TETRAHEDRON10 : PLANISH_CELL_TRIANGLE6;
+    status = read_table(t, 1 + n_nodes + t->count[1], error);
+    if (status)
+        return status;
+    model->other.n = model->n_other = t->n;
+    model->other.n_nodes = t->n * n_nodes;
+    for (int64_t i = 0; i < model->other.n_nodes; i++)
+        io_hold_node(model, model->other.node[i], IO_HELD_BY_OTHER);
+    return PLANISH_OK;
+}
+
 static int read_ele_file(io_model *model, const io_bytes *file, int dim, planish_error *error) {
     table t;
     io_cells *cells = io_model_cells(model, dim);
     int status = begin_table(&t, model, file, "element", dim + 2, error);
     if (status)
         return status;
-    if (t.count[0] == (dim == 3 ? 10 : 6))
-        return io_fail_order(&t.view, file->data, t.what, " (without -o2)", error);
-    if (t.count[0] != dim + 1)
+    const int of_second_order = dim == 3 ? MOST_NODES : 6;
+    if (t.count[0] != dim + 1 && t.count[0] != of_second_order)
         return io_fail_at(&t.view, file->data, error,
-                          "elements of %lld nodes: %d were expected in %d dimensions",
-                          (long long)t.count[0], dim + 1, dim);
+                          "elements of %lld nodes: %d or %d were expected in %d dimensions",
+                          (long long)t.count[0], dim + 1, of_second_order, dim);
     status = check_attributes(&t, error);
+    if (!status && t.count[0] == of_second_order)
+        return read_second_order(&t, error);
     if (!status)
         status = io_cells_reserve(model, dim, t.n, t.count[1] > 0, 0, error);
     if (status)
@@ -275,6 +309,19 @@ static int read_ele_file(io_model *model, const io_bytes *file, int dim, planish
     return cells->entity ? io_model_index_tags(model, dim, cells->entity, t.n, error) : PLANISH_OK;
 }
 
+/** Return the number of mids that stand behind the corners of a face or edge: in meshes of second
+ *  order TetGen writes them with all edges, but not with all faces. Behind them stands the marker,
+ *  and perhaps elements around. */
+static int64_t count_mids(const table *t, int dim) {
+    const int least = dim == 2 ? 8 : 5; /* words of a row with mids and a marker */
+    io_cursor cursor = t->rows;
+    int n = 0;
+    io_skip_space_comments(&cursor, '#');
+    for (; line_goes_on(&cursor); n++)
+        io_next_word(&cursor);
+    return t->model->other.n == 0 || n < least ? 0 : dim == 2 ? 3 : 1;
+}
+
 /** Read .face (dim 2) or .edge (dim 1): those with a marker are kept, and hold their nodes. */
 static int read_face_file(io_model *model, const io_bytes *file, int dim, planish_error *error) {
     table t;
@@ -292,8 +339,9 @@ static int read_face_file(io_model *model, const io_bytes *file, int dim, planis
                    : pl_fail_memory(error, "boundary markers");
     t.dim = dim;
     t.nodes = cells->nodes;
+    t.skipped = count_mids(&t, dim);
     if (!status)
-        status = read_table(&t, dim + 3, error);
+        status = read_table(&t, dim + 3 + t.skipped, error);
     for (int64_t i = 0; i < t.n && !status; i++) {
         if (t.tag[i] == 0)
             continue;
@@ -349,13 +397,14 @@ static int is_companion(const io_model *model, const io_bytes *file) {
     if (io_integer(&cursor, &count))
         return 0;
     const io_cells *elements = model->tetrahedron.n > 0 ? &model->tetrahedron : &model->triangle;
-    return count == (is_boundary ? 0 : elements->n);
+    return count == (is_boundary ? 0 : elements->n + model->other.n);
 }
 
 /** Read .node, which becomes model->input, and the files beside it: model->companion. */
 static int tetgen_read(io_model *model, planish_error *error) {
     static const int dims[N_READ] = {0, 2, 1}; /* of .face and .edge */
     const io_bytes named = model->input;
+    model->node_order = node_orders;
     const int is_ele = io_format_has_extension(&io_format_tetgen, named.path) &&
                        strcasecmp(io_extension(named.path), ".ele") == 0;
     io_bytes other;
