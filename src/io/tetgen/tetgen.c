@@ -396,8 +396,10 @@ static int is_companion(const io_model *model, const io_bytes *file) {
     io_skip_space_comments(&cursor, '#');
     if (io_integer(&cursor, &count))
         return 0;
-    const io_cells *elements = model->tetrahedron.n > 0 ? &model->tetrahedron : &model->triangle;
-    return count == (is_boundary ? 0 : elements->n + model->other.n);
+    const int64_t n_elements = model->other.n > 0         ? model->other.n
+                               : model->tetrahedron.n > 0 ? model->tetrahedron.n
+                                                          : model->triangle.n;
+    return count == (is_boundary ? 0 : n_elements);
 }
 
 /** Read .node, which becomes model->input, and the files beside it: model->companion. */
