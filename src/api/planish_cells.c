@@ -19,8 +19,8 @@ int planish_measure_cells(const planish_cells *cells, int dim, int64_t n_nodes,
     if (dim != 2 && dim != 3)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "dim is %d; give 2 or 3", dim);
     if (n_nodes < 0 || n_nodes > INT32_MAX)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "n_nodes is %" PRId64 "; give 0 to %d", n_nodes, INT32_MAX);
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n_nodes is %" PRId64 "; give 0 to %d",
+                       n_nodes, INT32_MAX);
     if (!(rounding >= 0))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "rounding is %g; give 0 or more", rounding);
     if (threads < 0 || threads > PL_MAX_THREADS)

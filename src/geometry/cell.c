@@ -67,10 +67,23 @@ static const pl_cell_shape HEXAHEDRON = {
     .n_facets = 6,
     .n_simplices = 3,
     .n_vertices = {2, 2, 2},
-    .vertex = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}},
-    .edge = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}},
+    .vertex =
+        {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}},
+    .edge = {{0, 1},
+             {1, 2},
+             {2, 3},
+             {3, 0},
+             {4, 5},
+             {5, 6},
+             {6, 7},
+             {7, 4},
+             {0, 4},
+             {1, 5},
+             {2, 6},
+             {3, 7}},
     .facet = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}},
-    .neighbour = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7}, {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}},
+    .neighbour =
+        {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7}, {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}},
     .to_corner = {1, 1, 1},
     .determinant = 1,
 };
@@ -108,42 +121,54 @@ static const pl_cell_shape PYRAMID = {
     .determinant = 0.7071067811865476,
 };
 
-static const uint8_t CORNERS[][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}, {6, 6}, {7, 7}};
+static const uint8_t CORNERS[][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3},
+                                     {4, 4}, {5, 5}, {6, 6}, {7, 7}};
 static const uint8_t TRIANGLE6[][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
 static const uint8_t QUADRILATERAL9[][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 1},
                                             {1, 2}, {2, 3}, {3, 0}, {0, 2}};
 static const uint8_t TETRAHEDRON10[][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 1},
                                            {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
-static const uint8_t HEXAHEDRON27[][2] = {
-    {0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}, {6, 6}, {7, 7}, {0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
-    {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}, {0, 7}, {1, 6}, {0, 5}, {3, 6}, {0, 2}, {4, 6}, {0, 6}};
-static const uint8_t WEDGE18[][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}, {0, 1}, {1, 2}, {2, 0},
-                                     {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}, {0, 4}, {1, 5}, {2, 3}};
+static const uint8_t HEXAHEDRON27[][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}, {6, 6},
+                                          {7, 7}, {0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
+                                          {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}, {0, 7},
+                                          {1, 6}, {0, 5}, {3, 6}, {0, 2}, {4, 6}, {0, 6}};
+static const uint8_t WEDGE18[][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5},
+                                     {0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3},
+                                     {0, 3}, {1, 4}, {2, 5}, {0, 4}, {1, 5}, {2, 3}};
 static const uint8_t PYRAMID14[][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {0, 1}, {1, 2},
                                        {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}, {0, 2}};
 
+/* By their numbers. */
 static const pl_cell_type TYPES[] = {
-    {&TRIANGLE, PLANISH_CELL_TRIANGLE, 1, 3, CORNERS, "triangles"},
-    {&TRIANGLE, PLANISH_CELL_TRIANGLE6, 2, 6, TRIANGLE6, "quadratic triangles"},
-    {&QUADRILATERAL, PLANISH_CELL_QUADRILATERAL, 1, 4, CORNERS, "quadrilaterals"},
-    {&QUADRILATERAL, PLANISH_CELL_QUADRILATERAL8, 2, 8, QUADRILATERAL9, "quadratic quadrilaterals"},
-    {&QUADRILATERAL, PLANISH_CELL_QUADRILATERAL9, 2, 9, QUADRILATERAL9, "biquadratic quadrilaterals"},
-    {&TETRAHEDRON, PLANISH_CELL_TETRAHEDRON, 1, 4, CORNERS, "tetrahedra"},
-    {&TETRAHEDRON, PLANISH_CELL_TETRAHEDRON10, 2, 10, TETRAHEDRON10, "quadratic tetrahedra"},
-    {&HEXAHEDRON, PLANISH_CELL_HEXAHEDRON, 1, 8, CORNERS, "hexahedra"},
-    {&HEXAHEDRON, PLANISH_CELL_HEXAHEDRON20, 2, 20, HEXAHEDRON27, "quadratic hexahedra"},
-    {&HEXAHEDRON, PLANISH_CELL_HEXAHEDRON27, 2, 27, HEXAHEDRON27, "triquadratic hexahedra"},
-    {&WEDGE, PLANISH_CELL_WEDGE, 1, 6, CORNERS, "wedges"},
-    {&WEDGE, PLANISH_CELL_WEDGE15, 2, 15, WEDGE18, "quadratic wedges"},
-    {&WEDGE, PLANISH_CELL_WEDGE18, 2, 18, WEDGE18, "biquadratic wedges"},
-    {&PYRAMID, PLANISH_CELL_PYRAMID, 1, 5, CORNERS, "pyramids"},
-    {&PYRAMID, PLANISH_CELL_PYRAMID13, 2, 13, PYRAMID14, "quadratic pyramids"},
-    {&PYRAMID, PLANISH_CELL_PYRAMID14, 2, 14, PYRAMID14, "biquadratic pyramids"},
+    [PLANISH_CELL_TRIANGLE] = {&TRIANGLE, PLANISH_CELL_TRIANGLE, 1, 3, CORNERS, "triangles"},
+    [PLANISH_CELL_TRIANGLE6] = {&TRIANGLE, PLANISH_CELL_TRIANGLE6, 2, 6, TRIANGLE6,
+                                "quadratic triangles"},
+    [PLANISH_CELL_QUADRILATERAL] = {&QUADRILATERAL, PLANISH_CELL_QUADRILATERAL, 1, 4, CORNERS,
+                                    "quadrilaterals"},
+    [PLANISH_CELL_QUADRILATERAL8] = {&QUADRILATERAL, PLANISH_CELL_QUADRILATERAL8, 2, 8,
+                                     QUADRILATERAL9, "quadratic quadrilaterals"},
+    [PLANISH_CELL_QUADRILATERAL9] = {&QUADRILATERAL, PLANISH_CELL_QUADRILATERAL9, 2, 9,
+                                     QUADRILATERAL9, "biquadratic quadrilaterals"},
+    [PLANISH_CELL_TETRAHEDRON] = {&TETRAHEDRON, PLANISH_CELL_TETRAHEDRON, 1, 4, CORNERS,
+                                  "tetrahedra"},
+    [PLANISH_CELL_TETRAHEDRON10] = {&TETRAHEDRON, PLANISH_CELL_TETRAHEDRON10, 2, 10, TETRAHEDRON10,
+                                    "quadratic tetrahedra"},
+    [PLANISH_CELL_HEXAHEDRON] = {&HEXAHEDRON, PLANISH_CELL_HEXAHEDRON, 1, 8, CORNERS, "hexahedra"},
+    [PLANISH_CELL_HEXAHEDRON20] = {&HEXAHEDRON, PLANISH_CELL_HEXAHEDRON20, 2, 20, HEXAHEDRON27,
+                                   "quadratic hexahedra"},
+    [PLANISH_CELL_HEXAHEDRON27] = {&HEXAHEDRON, PLANISH_CELL_HEXAHEDRON27, 2, 27, HEXAHEDRON27,
+                                   "triquadratic hexahedra"},
+    [PLANISH_CELL_WEDGE] = {&WEDGE, PLANISH_CELL_WEDGE, 1, 6, CORNERS, "wedges"},
+    [PLANISH_CELL_WEDGE15] = {&WEDGE, PLANISH_CELL_WEDGE15, 2, 15, WEDGE18, "quadratic wedges"},
+    [PLANISH_CELL_WEDGE18] = {&WEDGE, PLANISH_CELL_WEDGE18, 2, 18, WEDGE18, "biquadratic wedges"},
+    [PLANISH_CELL_PYRAMID] = {&PYRAMID, PLANISH_CELL_PYRAMID, 1, 5, CORNERS, "pyramids"},
+    [PLANISH_CELL_PYRAMID13] = {&PYRAMID, PLANISH_CELL_PYRAMID13, 2, 13, PYRAMID14,
+                                "quadratic pyramids"},
+    [PLANISH_CELL_PYRAMID14] = {&PYRAMID, PLANISH_CELL_PYRAMID14, 2, 14, PYRAMID14,
+                                "biquadratic pyramids"},
 };
 
 const pl_cell_type *pl_cell_type_of(int type) {
-    for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++)
-        if (TYPES[i].type == type)
-            return &TYPES[i];
-    return NULL;
+    enum { N = sizeof TYPES / sizeof *TYPES };
+    return type >= 0 && type < N && TYPES[type].shape ? &TYPES[type] : NULL;
 }

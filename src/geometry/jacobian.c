@@ -220,9 +220,9 @@ static void make_derivatives(const lattice *controls, int d, lattice *derivative
     for (int i = 0; i < derivatives->n; i++) {
         point plus = derivatives->point[i];
         plus.along[d]++;
-        rule->derivative[d][i] = (pl_jacobian_derivative){
-            .plus = (uint8_t)find(controls, plus),
-            .minus = (uint8_t)find(controls, derivatives->point[i])};
+        rule->derivative[d][i] =
+            (pl_jacobian_derivative){.plus = (uint8_t)find(controls, plus),
+                                     .minus = (uint8_t)find(controls, derivatives->point[i])};
     }
 }
 
@@ -242,7 +242,8 @@ static void make_products(const lattice derivatives[3], const lattice *coefficie
     rule->n_coefficients = coefficients->n;
     rule->common = 1;
     for (int c = 0; c < coefficients->n; c++)
-        rule->common = common_multiple(rule->common, multinomial(coefficients, coefficients->point[c]));
+        rule->common =
+            common_multiple(rule->common, multinomial(coefficients, coefficients->point[c]));
     for (int c = 0; c < coefficients->n; c++)
         rule->factor[c] =
             (uint16_t)(rule->common / multinomial(coefficients, coefficients->point[c]));
@@ -260,10 +261,14 @@ static void make_products(const lattice derivatives[3], const lattice *coefficie
                 }
                 const int c = find(coefficients, p);
                 rule->product[rule->n_products++] =
-                    (pl_jacobian_product){.i = (uint8_t)i, .j = (uint8_t)j, .k = (uint8_t)k,
-                                          .coefficient = (uint16_t)c, .weight = (uint16_t)weight};
+                    (pl_jacobian_product){.i = (uint8_t)i,
+                                          .j = (uint8_t)j,
+                                          .k = (uint8_t)k,
+                                          .coefficient = (uint16_t)c,
+                                          .weight = (uint16_t)weight};
                 n_of[c]++;
-                rule->n_products_each = n_of[c] > rule->n_products_each ? n_of[c] : rule->n_products_each;
+                rule->n_products_each =
+                    n_of[c] > rule->n_products_each ? n_of[c] : rule->n_products_each;
             }
 }
 
@@ -287,8 +292,7 @@ static void make_halves(const pl_cell_shape *shape, const lattice *coefficients,
                                 (v < last ? exponent(coefficients, p, s, v + 1) : 0) -
                                     exponent(coefficients, p, s, v));
             if (half == 1) /* what vertex 0 has, last has, too */
-                add_to_exponent(coefficients->of, &from, s, last,
-                                exponent(coefficients, p, s, 0));
+                add_to_exponent(coefficients->of, &from, s, last, exponent(coefficients, p, s, 0));
             int ways = 1;
             for (int k = 0; k <= at_middle; k++) { /* k of the exponents of m become last's */
                 point source = from;

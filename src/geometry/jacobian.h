@@ -54,18 +54,18 @@ typedef struct pl_jacobian_product {
  *  elements of the type. */
 typedef struct pl_jacobian_rule {
     const pl_cell_type *type;
-    int n_nodes; /* that are looked at: the first ones of an element */
+    int n_nodes;                     /* that are looked at: the first ones of an element */
     uint8_t straight[PL_CELL_NODES]; /* bit c: corner c is one of these */
     int n_controls;
-    int n_control_terms;   /* 0: controls are nodes */
-    int control_weight;    /* largest sum of absolute weights of a control */
-    int n_derivatives[3];  /* of each direction */
+    int n_control_terms;  /* 0: controls are nodes */
+    int control_weight;   /* largest sum of absolute weights of a control */
+    int n_derivatives[3]; /* of each direction */
     int n_coefficients;
-    int n_products;        /* in the order of j, k, i */
-    int n_products_each;   /* most products of a coefficient */
-    int common;            /* sum of weight * factor over the products of any coefficient */
+    int n_products;      /* in the order of j, k, i */
+    int n_products_each; /* most products of a coefficient */
+    int common;          /* sum of weight * factor over the products of any coefficient */
     int n_corners;
-    int n_turns;           /* bisections take turns: of simplex turn [0], [1], ..; 0: corners decide */
+    int n_turns; /* bisections take turns: of simplex turn [0], [1], ..; 0: corners decide */
     uint8_t turn[3];
     pl_jacobian_term control_term[PL_JACOBIAN_CONTROL_TERMS];
     pl_jacobian_derivative derivative[3][PL_JACOBIAN_DERIVATIVES];

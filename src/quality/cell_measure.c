@@ -19,27 +19,34 @@ enum {
 /* An element is straight if its nodes are no farther off than this, in longest edges. */
 static const double STRAIGHT = 1e-6;
 
-/* Sizes of elements that are measured as they are. */
-static const double SMALL = 0x1p-60, LARGE = 0x1p60;
+/* Elements in this range are measured as they are, others scaled by a power of two. */
+static const double SMALL = 0x1p-40, LARGE = 0x1p40;
+
+typedef double pack[LANES];
 
 /** Sums over the elements of one type. */
 typedef struct type_sums {
     planish_cell_measures of; /* counts, least and largest values */
-    pl_sum square, ratio;     /* of AR^2 and AR over the valid elements */
+    int64_t n_ratios;         /* elements that have an AR */
+    pl_sum square, ratio;     /* of AR^2 and AR over these */
 } type_sums;
 
 /** Block of elements of one type, and their measures. */
 typedef struct cell_block {
     const pl_jacobian_rule *rule;
-    int n;                  /* elements; the other lanes repeat the first */
-    int64_t element[LANES]; /* their numbers, */
-    double sign[LANES];
+    int n;                      /* elements; the other lanes repeat the first */
+    int64_t element[LANES];     /* their numbers, */
+    const int32_t *node[LANES]; /* nodes */
+    pack sign;
     pl_jacobian_block jacobian;
-    double square[LANES];          /* AR^2 */
-    double scaled_jacobian[LANES]; /* least of the corners */
-    double edge_ratio[LANES];
-    int n_inverted_corners[LANES];
-    int is_curved[LANES];
+    int exponent[LANES]; /* places are multiplied by 2^-exponent */
+    pack longest;        /* square of the longest edge, so scaled */
+    pack edge_ratio;
+    pack is_certain;      /* 1: the signs of all corners are right; 0: look at them one by one */
+    pack square;          /* AR^2, if no corner is inverted */
+    pack scaled_jacobian; /* least of the corners */
+    pack n_inverted_corners;
+    pack is_curved;
 } cell_block;
 
 /** A measurement under way. */
@@ -49,11 +56,8 @@ typedef struct measurement {
     type_sums *sums;      /* [threads][rules->n] */
     double *aspect_ratio; /* [n] or NULL */
     int64_t (*signs)[2];  /* [threads * rules->n] elements of negative and positive sign; or NULL */
+    int failed;           /* no memory; shared by threads */
 } measurement;
-
-static const int32_t *nodes_of(const pl_cell_mesh *mesh, int64_t element) {
-    return mesh->cells->node + mesh->cells->offset[element];
-}
 
 static const double *place_of(const pl_cell_mesh *mesh, int32_t node) {
     return mesh->coordinates + (int64_t)node * mesh->dim;
@@ -61,87 +65,152 @@ static const double *place_of(const pl_cell_mesh *mesh, int32_t node) {
 
 /* ---- Gathering ------------------------------------------------------------------------------ */
 
-/** Find the places of the nodes of an element, less that of the first. Mids that are missing are in
- *  the middle. Returns the largest component. */
-static double gather_element(const pl_cell_mesh *mesh, const pl_jacobian_rule *rule,
-                             const int32_t node[], double x[][3]) {
-    const double *first = place_of(mesh, node[0]);
-    double size = 0;
-    for (int i = 0; i < rule->n_nodes; i++)
-        for (int d = 0; d < mesh->dim; d++) {
-            const uint8_t *pair = rule->type->between[i];
-            x[i][d] = node[i] >= 0 ? place_of(mesh, node[i])[d] - first[d]
-                                   : 0.5 * (x[pair[0]][d] + x[pair[1]][d]);
-            size = pl_larger(fabs(x[i][d]), size);
+/** Put the mids of lane l that are missing in the middle. */
+static void fill_missing(const pl_cell_mesh *mesh, int l, cell_block *b) {
+    double(*const x)[3][LANES] = b->jacobian.x;
+    for (int i = 0; i < b->rule->n_nodes; i++)
+        for (int d = 0; d < mesh->dim && b->node[l][i] < 0; d++) {
+            const uint8_t *pair = b->rule->type->between[i];
+            x[i][d][l] = 0.5 * (x[pair[0]][d][l] + x[pair[1]][d][l]);
         }
-    return size;
 }
 
-/** Whether a node of the element at x is off the middle of its corners. */
-static int is_curved(const pl_cell_mesh *mesh, const pl_jacobian_rule *rule, double x[][3],
-                     double scale) {
-    double longest = 0;
-    for (int e = 0; e < rule->type->shape->n_edges; e++) {
-        const uint8_t *edge = rule->type->shape->edge[e];
-        double square = 0;
-        for (int d = 0; d < mesh->dim; d++)
-            square += (x[edge[1]][d] - x[edge[0]][d]) * (x[edge[1]][d] - x[edge[0]][d]);
-        longest = pl_larger(square, longest);
-    }
-    const double limit = pl_larger(STRAIGHT * sqrt(longest), mesh->rounding * scale);
-    for (int i = rule->type->shape->n_corners; i < rule->n_nodes; i++) {
-        double square = 0;
-        for (int d = 0; d < mesh->dim; d++) {
-            double sum = 0;
-            int n = 0;
-            for (int c = 0; c < rule->type->shape->n_corners; c++)
-                if (rule->straight[i] >> c & 1) {
-                    sum += x[c][d];
-                    n++;
-                }
-            square += (x[i][d] - sum / n) * (x[i][d] - sum / n);
-        }
-        if (square > limit * limit)
-            return 1;
-    }
-    return 0;
-}
-
-/** Put an element into lane l of b. Elements whose size is out of range are scaled to about 1. */
-static void gather_lane(const pl_cell_mesh *mesh, int64_t element, int l, cell_block *b) {
-    const pl_jacobian_rule *rule = b->rule;
-    const int32_t *node = nodes_of(mesh, element);
-    double x[PL_CELL_NODES][3];
-    const double size = gather_element(mesh, rule, node, x);
-    int exponent = 0;
-    if (size > 0 && (size < SMALL || size > LARGE) && size <= DBL_MAX)
+/** Scale lane l, whose largest difference to the first node is size, to a size of about 1. */
+static void scale_lane(const pl_cell_mesh *mesh, double size, int l, cell_block *b) {
+    enum { OVERFLOWN = 1000 };
+    double(*const x)[3][LANES] = b->jacobian.x;
+    const int n = b->rule->n_nodes, is_relative = b->rule->n_control_terms > 0;
+    int exponent = OVERFLOWN;
+    if (size <= DBL_MAX)
         frexp(size, &exponent);
-    const double scale = ldexp(1, -pl_scale_exponent(exponent));
-    for (int i = 0; i < rule->n_nodes; i++)
+    b->exponent[l] = exponent = pl_scale_exponent(exponent);
+    for (int i = 0; i < n; i++)
         for (int d = 0; d < mesh->dim; d++) {
-            /* Differences of nodes are exact to a rounding only if nothing was subtracted before. */
-            const int as_it_is = rule->n_control_terms == 0 && node[i] >= 0;
-            const double from = as_it_is ? place_of(mesh, node[i])[d] : x[i][d];
-            b->jacobian.x[i][d][l] = from * scale;
-            x[i][d] *= scale;
+            if (size <= DBL_MAX) {
+                x[i][d][l] = ldexp(x[i][d][l], -exponent);
+            } else if (b->node[l][i] >= 0) { /* before differences are taken */
+                const double place = ldexp(place_of(mesh, b->node[l][i])[d], -exponent);
+                const double first = ldexp(place_of(mesh, b->node[l][0])[d], -exponent);
+                x[i][d][l] = is_relative ? place - first : place;
+            }
         }
-    b->element[l] = element;
-    b->is_curved[l] = rule->n_control_terms > 0 && is_curved(mesh, rule, x, scale);
+    fill_missing(mesh, l, b);
+}
+
+/** Find the places of the nodes of all lanes, those of order 2 less that of the first node: linear
+ *  elements have exact coordinates, so that differences are rounded once. */
+PL_INLINE void gather(const pl_cell_mesh *mesh, cell_block *b, const int dim) {
+    double(*const x)[3][LANES] = b->jacobian.x;
+    const int n = b->rule->n_nodes, is_relative = b->rule->n_control_terms > 0;
+    int n_missing = 0;
+    pack size = {0};
+    for (int l = 0; l < LANES; l++)
+        for (int i = 0; i < n; i++) {
+            const int32_t node = b->node[l][i];
+            const double *place = place_of(mesh, node >= 0 ? node : b->node[l][0]);
+            n_missing += node < 0;
+            for (int d = 0; d < dim; d++)
+                x[i][d][l] = place[d];
+        }
+    double first[3][LANES];
+    memcpy(first, x[0], sizeof first);
+    for (int i = 0; is_relative && i < n; i++)
+        for (int d = 0; d < dim; d++)
+            for (int l = 0; l < LANES; l++)
+                x[i][d][l] -= first[d][l];
+    for (int l = 0; n_missing > 0 && l < LANES; l++)
+        fill_missing(mesh, l, b);
+    memcpy(first, x[0], sizeof first);
+    for (int i = 1; i < n; i++)
+        for (int d = 0; d < dim; d++) {
+            pack place;
+            memcpy(place, x[i][d], sizeof place);
+            for (int l = 0; l < LANES; l++)
+                size[l] = pl_larger(fabs(place[l] - first[d][l]), size[l]);
+        }
+    for (int l = 0; l < LANES; l++) {
+        b->exponent[l] = 0;
+        if (size[l] > 0 && (size[l] < SMALL || size[l] > LARGE))
+            scale_lane(mesh, size[l], l, b);
+    }
+}
+
+/* ---- Edges ----------------------------------------------------------------------------------- */
+
+PL_INLINE void measure_edges(cell_block *b, const int dim) {
+    const pl_cell_shape *shape = b->rule->type->shape;
+    pack longest = {0}, shortest;
+    double from[3][LANES], to[3][LANES];
+    for (int l = 0; l < LANES; l++)
+        shortest[l] = INFINITY;
+    for (int e = 0; e < shape->n_edges; e++) {
+        memcpy(from, b->jacobian.x[shape->edge[e][0]], sizeof from);
+        memcpy(to, b->jacobian.x[shape->edge[e][1]], sizeof to);
+        for (int l = 0; l < LANES; l++) {
+            const double x = to[0][l] - from[0][l], y = to[1][l] - from[1][l];
+            const double z = dim == 3 ? to[2][l] - from[2][l] : 0;
+            const double square = dim == 3 ? x * x + y * y + z * z : x * x + y * y;
+            longest[l] = pl_larger(square, longest[l]);
+            shortest[l] = pl_smaller(square, shortest[l]);
+        }
+    }
+    for (int l = 0; l < LANES; l++) {
+        b->longest[l] = longest[l];
+        b->edge_ratio[l] = sqrt(longest[l] / shortest[l]);
+    }
+}
+
+/** Find the elements with a node that is off the middle of its corners. */
+PL_INLINE void find_curved(const pl_cell_mesh *mesh, cell_block *b, const int dim) {
+    const pl_cell_shape *shape = b->rule->type->shape;
+    pack largest = {0}; /* square of the distance */
+    for (int i = shape->n_corners; i < b->rule->n_nodes; i++) {
+        double middle[3][LANES] = {{0}};
+        int n = 0;
+        for (int c = 0; c < shape->n_corners; c++) {
+            if (!(b->rule->straight[i] >> c & 1))
+                continue;
+            n++;
+            for (int d = 0; d < dim; d++)
+                for (int l = 0; l < LANES; l++)
+                    middle[d][l] += b->jacobian.x[c][d][l];
+        }
+        const double share = 1.0 / n; /* of a power of two */
+        double place[3][LANES];
+        memcpy(place, b->jacobian.x[i], sizeof place);
+        for (int l = 0; l < LANES; l++) {
+            const double x = place[0][l] - middle[0][l] * share;
+            const double y = place[1][l] - middle[1][l] * share;
+            const double z = dim == 3 ? place[2][l] - middle[2][l] * share : 0;
+            const double square = dim == 3 ? x * x + y * y + z * z : x * x + y * y;
+            largest[l] = pl_larger(square, largest[l]);
+        }
+    }
+    for (int l = 0; l < LANES; l++) {
+        const double rounding = ldexp(mesh->rounding, -b->exponent[l]);
+        const double limit = pl_larger(STRAIGHT * sqrt(b->longest[l]), rounding);
+        b->is_curved[l] = largest[l] > limit * limit ? 1 : 0;
+    }
 }
 
 /* ---- Corners ---------------------------------------------------------------------------------- */
 
-/** Sign of det J at a corner of lane l, exactly. */
-static int exact_corner_sign(const pl_cell_mesh *mesh, const cell_block *b, int corner, int l) {
-    const pl_jacobian_rule *rule = b->rule;
-    const int32_t *node = nodes_of(mesh, b->element[l]);
-    const double *vertex[4] = {place_of(mesh, node[corner])};
-    for (int j = 0; j < mesh->dim; j++)
-        vertex[j + 1] = place_of(mesh, node[rule->type->shape->neighbour[corner][j]]);
-    return (int)b->sign[l] * pl_measure_sign(mesh->dim, vertex);
+/** Copy the places of corner c [0] and its neighbours, as loops over lanes become vectors only with
+ *  arrays of their own. */
+PL_INLINE void find_corner(const cell_block *b, int c, double corner[4][3][LANES], const int dim) {
+    const uint8_t *neighbour = b->rule->type->shape->neighbour[c];
+    for (int j = 0; j <= dim; j++)
+        memcpy(corner[j], b->jacobian.x[j > 0 ? neighbour[j - 1] : c], sizeof corner[j]);
 }
 
-/** Squared mean ratio of the ideal corner's kind: E over dim det^(2/dim), both relative to it. */
+/** Edges of a corner in lane l. */
+PL_INLINE void find_edges(double corner[4][3][LANES], int l, double edges[3][3], const int dim) {
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++)
+            edges[j][d] = corner[j + 1][d][l] - corner[0][d][l];
+}
+
+/** Square of a corner's mean ratio (docs/measures.md), with the determinant D > 0 of edges. */
 PL_INLINE double mean_ratio_square(const pl_cell_shape *shape, double edges[3][3],
                                    double determinant, const int dim) {
     double e = 0;
@@ -152,87 +221,165 @@ PL_INLINE double mean_ratio_square(const pl_cell_shape *shape, double edges[3][3
         pl_subtract(dim, edges[(pair + 3) / 2], edges[pair / 2], between); /* 01, 02, 12 */
         e += shape->between[pair] * pl_dot(dim, between, between);
     }
-    const double d = fabs(determinant) / shape->determinant;
+    const double d = determinant / shape->determinant;
     if (dim == 2)
         return e * e / (4 * d * d);
     const double root = pl_cube_root(d);
     return e * e / (9 * root * root * root * root);
 }
 
-/** Measure the corners of all lanes, whatever their signs: of det J <= 0 AR is no number. */
-PL_INLINE void measure_corners(const pl_cell_mesh *mesh, cell_block *b, const int dim) {
+/** Measure the corners of all lanes. */
+PL_INLINE void measure_corners(cell_block *b, const int dim) {
     const pl_cell_shape *shape = b->rule->type->shape;
+    const pl_cell_shape ideal = *shape;
+    const double share = 1.0 / shape->n_measured;
+    double corner[4][3][LANES];
+    pack sign, is_certain, sum, n_inverted, least;
     for (int l = 0; l < LANES; l++) {
-        b->square[l] = 0;
-        b->scaled_jacobian[l] = INFINITY;
-        b->n_inverted_corners[l] = 0;
+        sign[l] = b->sign[l];
+        is_certain[l] = 1;
+        sum[l] = n_inverted[l] = 0;
+        least[l] = INFINITY;
     }
-    for (int c = 0; c < shape->n_measured; c++)
+    for (int c = 0; c < shape->n_measured; c++) {
+        find_corner(b, c, corner, dim);
         for (int l = 0; l < LANES; l++) {
-            double edges[3][3], product = 1;
-            for (int j = 0; j < dim; j++) {
-                for (int d = 0; d < dim; d++)
-                    edges[j][d] = b->jacobian.x[shape->neighbour[c][j]][d][l] - b->jacobian.x[c][d][l];
-                product *= sqrt(pl_dot(dim, edges[j], edges[j]));
-            }
-            const double determinant = b->sign[l] * pl_determinant_of_edges(dim, edges);
+            double edges[3][3], squares = 1;
+            find_edges(corner, l, edges, dim);
+            for (int j = 0; j < dim; j++)
+                squares *= pl_dot(dim, edges[j], edges[j]);
+            const double determinant = sign[l] * pl_determinant_of_edges(dim, edges);
             const double error =
                 (dim == 3 ? PL_ERROR_3D : PL_ERROR_2D) * pl_permanent_bound(dim, edges);
-            const int sign = fabs(determinant) > error ? (determinant > 0 ? 1 : -1)
-                                                       : exact_corner_sign(mesh, b, c, l);
-            b->n_inverted_corners[l] += sign <= 0;
-            const double scaled =
-                product > 0 ? determinant / product / shape->determinant : 0;
-            b->scaled_jacobian[l] = pl_smaller(scaled, b->scaled_jacobian[l]);
-            b->square[l] += sign > 0 ? mean_ratio_square(shape, edges, determinant, dim) : NAN;
+            const double square = mean_ratio_square(&ideal, edges, fabs(determinant), dim);
+            const double scaled = determinant / (sqrt(squares) * ideal.determinant);
+            is_certain[l] = fabs(determinant) > error ? is_certain[l] : 0;
+            n_inverted[l] += determinant > 0 ? 0 : 1;
+            sum[l] += square;
+            least[l] = pl_smaller(scaled, least[l]);
         }
-    for (int l = 0; l < LANES; l++)
-        b->square[l] /= shape->n_measured;
+    }
+    for (int l = 0; l < LANES; l++) {
+        b->is_certain[l] = is_certain[l];
+        b->n_inverted_corners[l] = n_inverted[l];
+        b->scaled_jacobian[l] = least[l];
+        b->square[l] = sum[l] * share;
+    }
 }
 
-static void measure_edges(cell_block *b, int dim) {
+/** Measure the corners of lane l anew, with exact determinants. */
+static void resolve_corners(const pl_cell_mesh *mesh, int l, cell_block *b) {
     const pl_cell_shape *shape = b->rule->type->shape;
-    double longest[LANES] = {0}, shortest[LANES];
+    const int dim = mesh->dim;
+    double sum = 0, least = INFINITY;
+    int n_inverted = 0;
+    for (int c = 0; c < shape->n_measured; c++) {
+        const double *vertex[4] = {place_of(mesh, b->node[l][c])};
+        double corner[4][3][LANES], edges[3][3] = {{0}};
+        int exponent;
+        for (int j = 0; j < dim; j++)
+            vertex[j + 1] = place_of(mesh, b->node[l][shape->neighbour[c][j]]);
+        const double m = b->sign[l] * pl_certified_determinant(dim, vertex, &exponent);
+        const double determinant = ldexp(m, exponent - dim * b->exponent[l]);
+        double scaled = determinant / shape->determinant;
+        find_corner(b, c, corner, dim);
+        find_edges(corner, l, edges, dim);
+        for (int j = 0; j < dim; j++)
+            scaled /= sqrt(pl_dot(dim, edges[j], edges[j]));
+        n_inverted += !(m > 0);
+        sum += m > 0 ? mean_ratio_square(shape, edges, determinant, dim) : NAN;
+        least = pl_smaller(m != 0 ? scaled : 0, least);
+    }
+    b->n_inverted_corners[l] = n_inverted;
+    b->square[l] = sum / shape->n_measured;
+    b->scaled_jacobian[l] = least;
+}
+
+/** Measure all lanes, but for corners that are not certain. */
+PL_INLINE void evaluate(const pl_cell_mesh *mesh, cell_block *b, const int dim) {
+    gather(mesh, b, dim);
+    measure_edges(b, dim);
+    measure_corners(b, dim);
     for (int l = 0; l < LANES; l++)
-        shortest[l] = INFINITY;
-    for (int e = 0; e < shape->n_edges; e++)
+        b->is_curved[l] = 0;
+    if (b->rule->n_control_terms > 0)
+        find_curved(mesh, b, dim);
+}
+
+/** Sum of the determinants at all corners, which tells an element's handedness. */
+PL_INLINE void sum_determinants(const pl_cell_mesh *mesh, cell_block *b, pack sum, const int dim) {
+    gather(mesh, b, dim);
+    for (int l = 0; l < LANES; l++)
+        sum[l] = 0;
+    for (int c = 0; c < b->rule->type->shape->n_measured; c++) {
+        double corner[4][3][LANES];
+        find_corner(b, c, corner, dim);
         for (int l = 0; l < LANES; l++) {
-            double square = 0;
-            for (int d = 0; d < dim; d++) {
-                const double difference = b->jacobian.x[shape->edge[e][1]][d][l] -
-                                          b->jacobian.x[shape->edge[e][0]][d][l];
-                square += difference * difference;
-            }
-            longest[l] = pl_larger(square, longest[l]);
-            shortest[l] = pl_smaller(square, shortest[l]);
+            double edges[3][3];
+            find_edges(corner, l, edges, dim);
+            sum[l] += pl_determinant_of_edges(dim, edges);
         }
-    for (int l = 0; l < LANES; l++)
-        b->edge_ratio[l] = sqrt(longest[l] / shortest[l]);
+    }
+}
+
+/** Evaluate b, or only add up its determinants if sum is not NULL. */
+PL_INLINE void inline_block(const pl_cell_mesh *mesh, cell_block *b, double *sum) {
+    if (mesh->dim == 3 && sum)
+        sum_determinants(mesh, b, sum, 3);
+    else if (mesh->dim == 3)
+        evaluate(mesh, b, 3);
+    else if (sum)
+        sum_determinants(mesh, b, sum, 2);
+    else
+        evaluate(mesh, b, 2);
+}
+
+/* With wider vectors, as in measure.c; the bits are the same. */
+#if defined(__x86_64__) && defined(__GNUC__)
+__attribute__((target("avx2"))) static void wide_block(const pl_cell_mesh *mesh, cell_block *b,
+                                                       double *sum) {
+    inline_block(mesh, b, sum);
+}
+#endif
+
+static void any_block(const pl_cell_mesh *mesh, cell_block *b, double *sum) {
+    for (int l = b->n; l < LANES; l++) /* something to compute with */
+        b->node[l] = b->node[0];
+#if defined(__x86_64__) && defined(__GNUC__)
+    if (__builtin_cpu_supports("avx2")) {
+        wide_block(mesh, b, sum);
+        return;
+    }
+#endif
+    inline_block(mesh, b, sum);
 }
 
 /* ---- Sums ----------------------------------------------------------------------------------- */
 
-static void add_lane(const measurement *m, const cell_block *b, int l, type_sums *sums) {
+static void add_lane(measurement *m, const cell_block *b, int l, type_sums *sums) {
     planish_cell_measures *of = &sums->of;
     const int64_t element = b->element[l];
-    const pl_validity validity = pl_validity_of_lane(
-        b->rule, &b->jacobian, l, nodes_of(m->mesh, element), m->mesh->coordinates, b->sign[l]);
-    const int is_valid = validity == PL_VALID;
-    const double ratio = is_valid ? sqrt(b->square[l]) : 0;
+    const pl_validity validity =
+        pl_validity_of_lane(b->rule, &b->jacobian, l, b->node[l], m->mesh->coordinates, b->sign[l]);
+    const int has_ratio = validity == PL_VALID && b->n_inverted_corners[l] == 0;
+    const double ratio = has_ratio ? sqrt(b->square[l]) : 0;
+    if (validity == PL_OUT_OF_MEMORY)
+        __atomic_store_n(&m->failed, 1, __ATOMIC_RELAXED);
     of->n_elements++;
     of->n_inverted += validity == PL_INVALID;
     of->n_uncertified += validity == PL_UNCERTIFIED;
-    of->n_inverted_corners += b->n_inverted_corners[l];
-    of->n_curved += b->is_curved[l];
+    of->n_inverted_corners += (int64_t)b->n_inverted_corners[l];
+    of->n_curved += (int64_t)b->is_curved[l];
     of->min_scaled_jacobian = pl_smaller(b->scaled_jacobian[l], of->min_scaled_jacobian);
     of->max_edge_ratio = pl_larger(b->edge_ratio[l], of->max_edge_ratio);
-    if (b->is_curved[l])
+    if (b->is_curved[l] > 0)
         of->min_jacobian_ratio =
             pl_smaller(b->jacobian.least[l] / b->jacobian.mean[l], of->min_jacobian_ratio);
     if (m->aspect_ratio)
         m->aspect_ratio[element] = ratio;
-    if (!is_valid)
+    if (!has_ratio)
         return;
+    sums->n_ratios++;
     pl_sum_add(&sums->square, b->square[l]);
     pl_sum_add(&sums->ratio, ratio);
     if (ratio > of->max_aspect_ratio ||
@@ -242,48 +389,60 @@ static void add_lane(const measurement *m, const cell_block *b, int l, type_sums
     }
 }
 
-static void measure_block(const measurement *m, cell_block *b, type_sums *sums) {
-    const int n = b->n;
-    for (int l = n; l < LANES; l++) /* something to compute with */
-        gather_lane(m->mesh, b->element[0], l, b);
+static void measure_block(measurement *m, cell_block *b, type_sums *sums) {
+    any_block(m->mesh, b, NULL);
     pl_jacobian_evaluate(b->rule, b->sign, &b->jacobian);
-    if (m->mesh->dim == 3)
-        measure_corners(m->mesh, b, 3);
-    else
-        measure_corners(m->mesh, b, 2);
-    measure_edges(b, m->mesh->dim);
-    for (int l = 0; l < n; l++)
+    for (int l = 0; l < b->n; l++) {
+        if (b->is_certain[l] == 0)
+            resolve_corners(m->mesh, l, b);
         add_lane(m, b, l, sums);
+    }
+}
+
+/** Count the handedness of the elements of b: signs [0] negative, [1] positive. */
+static void count_signs(const measurement *m, cell_block *b, int64_t signs[2]) {
+    pack sum;
+    any_block(m->mesh, b, sum);
+    for (int l = 0; l < b->n; l++)
+        if (sum[l] > 0 || sum[l] < 0) /* flat elements have none */
+            signs[sum[l] > 0]++;
+}
+
+static void finish_block(measurement *m, cell_block *b, int at) {
+    if (b->n > 0 && m->signs)
+        count_signs(m, b, m->signs[at]);
+    else if (b->n > 0)
+        measure_block(m, b, &m->sums[at]);
     b->n = 0;
 }
 
 static void measure_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const measurement *m = context;
+    measurement *m = context;
+    const planish_cells *cells = m->mesh->cells;
     cell_block b;
     for (int r = 0; r < m->rules->n; r++) { /* one type after the other */
+        const int at = thread * m->rules->n + r;
         b.rule = m->rules->rule[r];
         b.n = 0;
         for (int l = 0; l < LANES; l++)
             b.sign[l] = m->rules->sign[r];
-        type_sums *sums = &m->sums[thread * m->rules->n + r];
         for (int64_t i = begin; i < end; i++) {
-            if (m->mesh->cells->type[i] != b.rule->type->type)
+            if (cells->type[i] != b.rule->type->type)
                 continue;
-            gather_lane(m->mesh, i, b.n++, &b);
+            b.element[b.n] = i;
+            b.node[b.n++] = cells->node + cells->offset[i];
             if (b.n == LANES)
-                measure_block(m, &b, sums);
+                finish_block(m, &b, at);
         }
-        if (b.n > 0)
-            measure_block(m, &b, sums);
+        finish_block(m, &b, at);
     }
     for (int64_t i = begin; m->aspect_ratio && i < end; i++)
         if (m->rules->index[m->mesh->cells->type[i]] < 0)
             m->aspect_ratio[i] = 0;
 }
 
-static const type_sums NO_SUMS = {.of = {.worst_element = -1,
-                                         .min_scaled_jacobian = INFINITY,
-                                         .min_jacobian_ratio = 1}};
+static const type_sums NO_SUMS = {
+    .of = {.worst_element = -1, .min_scaled_jacobian = INFINITY, .min_jacobian_ratio = 1}};
 
 /** Add a part to the sums of all. */
 static void merge(const type_sums *part, type_sums *all) {
@@ -295,6 +454,7 @@ static void merge(const type_sums *part, type_sums *all) {
     of->n_uncertified += more->n_uncertified;
     of->n_inverted_corners += more->n_inverted_corners;
     of->n_curved += more->n_curved;
+    all->n_ratios += part->n_ratios;
     of->min_scaled_jacobian = pl_smaller(more->min_scaled_jacobian, of->min_scaled_jacobian);
     of->min_jacobian_ratio = pl_smaller(more->min_jacobian_ratio, of->min_jacobian_ratio);
     of->max_edge_ratio = pl_larger(more->max_edge_ratio, of->max_edge_ratio);
@@ -308,10 +468,10 @@ static void merge(const type_sums *part, type_sums *all) {
 
 static planish_cell_measures result_of(const type_sums *sums) {
     planish_cell_measures of = sums->of;
-    const double n_valid = (double)(of.n_elements - of.n_inverted - of.n_uncertified);
-    if (n_valid > 0) {
-        of.rms_aspect_ratio = sqrt(pl_sum_value(&sums->square) / n_valid);
-        of.mean_aspect_ratio = pl_sum_value(&sums->ratio) / n_valid;
+    const double n_ratios = (double)sums->n_ratios;
+    if (n_ratios > 0) {
+        of.rms_aspect_ratio = sqrt(pl_sum_value(&sums->square) / n_ratios);
+        of.mean_aspect_ratio = pl_sum_value(&sums->ratio) / n_ratios;
     }
     if (of.n_elements == 0)
         of.min_scaled_jacobian = 0;
@@ -340,32 +500,10 @@ int pl_measure_cells(const pl_cell_mesh *mesh, const pl_cell_rules *rules, int t
     }
     quality->all = result_of(&all);
     pl_free(sums);
-    return PLANISH_OK;
+    return m.failed ? PLANISH_ERROR_MEMORY : PLANISH_OK;
 }
 
 /* ---- Rules ----------------------------------------------------------------------------------- */
-
-/** Count the signs of elements, each by its corners together. */
-static void count_signs(void *context, int64_t begin, int64_t end, int thread) {
-    const measurement *m = context;
-    for (int64_t i = begin; i < end; i++) {
-        const int r = m->rules->index[m->mesh->cells->type[i]];
-        if (r < 0)
-            continue;
-        const pl_cell_shape *shape = m->rules->rule[r]->type->shape;
-        const int32_t *node = nodes_of(m->mesh, i);
-        double sum = 0;
-        for (int c = 0; c < shape->n_measured; c++) {
-            double edges[3][3];
-            for (int j = 0; j < shape->dim; j++)
-                pl_subtract(shape->dim, place_of(m->mesh, node[shape->neighbour[c][j]]),
-                            place_of(m->mesh, node[c]), edges[j]);
-            sum += pl_determinant_of_edges(shape->dim, edges);
-        }
-        if (sum != 0)
-            m->signs[thread * m->rules->n + r][sum > 0]++;
-    }
-}
 
 int pl_cell_rules_make(const pl_cell_mesh *mesh, int threads, pl_cell_rules *rules) {
     const int n_threads = pl_thread_count(threads);
@@ -388,7 +526,7 @@ int pl_cell_rules_make(const pl_cell_mesh *mesh, int threads, pl_cell_rules *rul
     m.signs = pl_alloc_zero((int64_t)n_threads * rules->n, sizeof *m.signs);
     if (!m.signs)
         return PLANISH_ERROR_MEMORY;
-    pl_parallel_for(n_threads, mesh->cells->n, CHUNK, count_signs, &m);
+    pl_parallel_for(n_threads, mesh->cells->n, CHUNK, measure_chunk, &m);
     for (int r = 0; r < rules->n; r++) {
         int64_t surplus = 0; /* of positive ones */
         for (int t = 0; t < n_threads; t++)

@@ -16,7 +16,7 @@
 
 /** Elements of any types, as planish_mesh has them, and where their nodes are. */
 typedef struct pl_cell_mesh {
-    int dim;                   /* of the elements that count; others are passed over */
+    int dim; /* of the elements that count; others are passed over */
     const planish_cells *cells;
     const double *coordinates; /* [n_nodes][dim] */
     double rounding;           /* of coordinates: mids that are no farther off are straight */

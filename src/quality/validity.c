@@ -15,12 +15,42 @@ typedef double pack[LANES];
 /* ---- Doubles ------------------------------------------------------------------------------- */
 
 static const double ROUNDING = 0x1p-53;
-static const double UNDERFLOW_ERROR = 0x1p-960; /* as in certificate.c */
 
-/** Find the controls of a block of order 2, and the bound of what rounding did to them. */
-static void find_controls(const pl_jacobian_rule *rule, const pl_jacobian_block *b,
-                          double control[][3][LANES], pack rounding) {
-    const int dim = rule->type->shape->dim;
+/* Underflow loses at most 2^-1074 each time. What is lost meets two derivatives afterwards, which
+ * are below 2^75 (validity.h), and whole numbers below 2^24, less than 2^20 times in all. */
+static const double UNDERFLOW_ERROR = 0x1p-850;
+
+/* Coefficients that are larger are left to integers, as halves of the shape could overflow. */
+static const double LARGEST_COEFFICIENT = 0x1p1000;
+
+/* How far a coefficient can be from the one of the element itself, with u = 2^-53 = ROUNDING.
+ *
+ * Nodes (order 2 only). Differences to the first node are off by u of themselves, and mids that are
+ * missing by u more. With X the largest of them, and W the largest sum of the absolute weights of a
+ * control, a control of n nodes is off by rounding = (n + 2) u W X: u or 2 u from its terms, u from
+ * each product, (n - 1) u from their sum. Linear elements have no controls: rounding = 0.
+ *
+ * Derivatives. The difference of two controls is off by 2 rounding, and by u of itself.
+ *
+ * Determinants. Let s_m be the largest component of the derivatives as computed, in direction m. A
+ * determinant has dim! products of one component in each direction. With components off by 2 r,
+ * r = rounding, these dim! products are off by at most
+ *     dim! (product of (s_m + 2 r) - product of s_m)
+ *       = 6 (2 r (s0 s1 + s0 s2 + s1 s2) + 4 r^2 (s0 + s1 + s2) + 8 r^3)   or   2 (2 r (s0 + s1) + 4 r^2).
+ * Besides each product carries factors 1 + u: 3 of its components, 1 of the product in a component
+ * of the normal, 1 of their difference, 1 of the product with it, 2 of the sum of three, 1 of the
+ * weight, n - 1 of the sum of the n products of the coefficient, 1 of its factor: n + 9, of which
+ * u (n + 12) is more than enough.
+ *
+ * Coefficients. Weights times factors add up to common, as Bernstein polynomials add up to 1. So
+ * the bound of a coefficient is common times that of a determinant.
+ *
+ * Terms of u^2 and r u are below 2^-40 of those above, like the roundings of the bound itself. The
+ * factor of 1.01 pays for them. Scaling by powers of two changes nothing but underflow. */
+
+/** Find the controls of a block of order 2, and the bound of their rounding. */
+PL_INLINE void find_controls(const pl_jacobian_rule *rule, const pl_jacobian_block *b,
+                             double control[][3][LANES], pack rounding, const int dim) {
     pack largest = {0};
     for (int i = 0; i < rule->n_nodes; i++)
         for (int d = 0; d < dim; d++)
@@ -28,7 +58,7 @@ static void find_controls(const pl_jacobian_rule *rule, const pl_jacobian_block 
                 const double a = fabs(b->x[i][d][l]);
                 largest[l] = a > largest[l] ? a : largest[l];
             }
-    for (int l = 0; l < LANES; l++) /* of differences, of products and of their sum */
+    for (int l = 0; l < LANES; l++)
         rounding[l] = largest[l] * rule->control_weight * (rule->n_nodes + 2) * ROUNDING;
     for (int c = 0; c < rule->n_controls; c++)
         for (int d = 0; d < 3; d++)
@@ -42,20 +72,17 @@ static void find_controls(const pl_jacobian_rule *rule, const pl_jacobian_block 
     }
 }
 
-/** Bound of what rounding does to a coefficient: it is common times a mean of determinants. A
- *  determinant has dim! products of components, which are at most size [dim]; each is off by
- *  2 rounding, and each product and sum is rounded. */
-static double error_bound(const pl_jacobian_rule *rule, const double size[3], double rounding) {
-    const int dim = rule->type->shape->dim;
-    const double last = dim == 3 ? size[2] : 1, rounded = (rule->n_products_each + 12) * ROUNDING;
-    double product = size[0] * size[1] * last, mixed = (size[0] + size[1]) * last;
-    mixed = dim == 3 ? mixed + size[0] * size[1] : mixed;
-    /* 1.01 pays for products of roundings, and for those of this formula. */
-    return 1.01 * (dim == 3 ? 6 : 2) * rule->common *
-               (rounded * product + 2 * rounding * mixed +
-                (dim == 3 ? 4 * rounding * rounding * (size[0] + size[1] + size[2] + 2 * rounding)
-                          : 4 * rounding * rounding)) +
-           UNDERFLOW_ERROR;
+/** Bound of the error of a coefficient, as derived above. */
+PL_INLINE double error_bound(const pl_jacobian_rule *rule, const double size[3], double rounding,
+                             const int dim) {
+    const double *s = size, r = rounding;
+    const double rounded = (rule->n_products_each + 12) * ROUNDING;
+    const double bound = dim == 3
+                             ? 6 * (rounded * (s[0] * s[1] * s[2]) +
+                                    2 * r * (s[0] * s[1] + s[0] * s[2] + s[1] * s[2]) +
+                                    4 * r * r * (s[0] + s[1] + s[2] + 2 * r))
+                             : 2 * (rounded * (s[0] * s[1]) + 2 * r * (s[0] + s[1]) + 4 * r * r);
+    return 1.01 * rule->common * bound + UNDERFLOW_ERROR;
 }
 
 PL_INLINE void evaluate(const pl_jacobian_rule *rule, const double sign[], pl_jacobian_block *b,
@@ -65,7 +92,7 @@ PL_INLINE void evaluate(const pl_jacobian_rule *rule, const double sign[], pl_ja
     double size[3][LANES] = {{0}};
     pack rounding = {0};
     if (rule->n_control_terms > 0)
-        find_controls(rule, b, control, rounding);
+        find_controls(rule, b, control, rounding, dim);
     double(*const from)[3][LANES] = rule->n_control_terms > 0 ? control : b->x;
     for (int m = 0; m < dim; m++)
         for (int i = 0; i < rule->n_derivatives[m]; i++) {
@@ -84,7 +111,8 @@ PL_INLINE void evaluate(const pl_jacobian_rule *rule, const double sign[], pl_ja
     double normal[3][LANES] = {{0}};
     for (int p = 0; p < rule->n_products; p++) {
         const pl_jacobian_product *product = &rule->product[p];
-        const double(*v)[LANES] = derivative[1][product->j], (*w)[LANES] = derivative[2][product->k];
+        const double(*v)[LANES] = derivative[1][product->j],
+              (*w)[LANES] = derivative[2][product->k];
         const double(*u)[LANES] = derivative[0][product->i];
         double *const sum = b->coefficient[product->coefficient];
         const double weight = product->weight;
@@ -100,8 +128,8 @@ PL_INLINE void evaluate(const pl_jacobian_rule *rule, const double sign[], pl_ja
                 normal[2][l] = v[0][l] * w[1][l] - v[1][l] * w[0][l];
             }
         for (int l = 0; l < LANES; l++)
-            sum[l] += weight *
-                      (u[0][l] * normal[0][l] + u[1][l] * normal[1][l] + u[2][l] * normal[2][l]);
+            sum[l] +=
+                weight * (u[0][l] * normal[0][l] + u[1][l] * normal[1][l] + u[2][l] * normal[2][l]);
     }
     pack least, total = {0};
     for (int l = 0; l < LANES; l++)
@@ -115,25 +143,45 @@ PL_INLINE void evaluate(const pl_jacobian_rule *rule, const double sign[], pl_ja
         }
     for (int l = 0; l < LANES; l++) {
         const double sizes[3] = {size[0][l], size[1][l], size[2][l]};
-        b->error[l] = error_bound(rule, sizes, rounding[l]);
+        b->error[l] = error_bound(rule, sizes, rounding[l], dim);
         b->mean[l] = total[l] / rule->n_coefficients;
         b->least[l] = total[l] - total[l] == 0 ? least[l] : NAN;
     }
 }
 
-void pl_jacobian_evaluate(const pl_jacobian_rule *rule, const double sign[], pl_jacobian_block *b) {
+PL_INLINE void inline_evaluate(const pl_jacobian_rule *rule, const double sign[],
+                               pl_jacobian_block *b) {
     if (rule->type->shape->dim == 3)
         evaluate(rule, sign, b, 3);
     else
         evaluate(rule, sign, b, 2);
 }
 
-/** Decide by the coefficients b [n_coefficients] of an element or of a piece of it, if they do. */
+/* With wider vectors, as in measure.c; the bits are the same. */
+#if defined(__x86_64__) && defined(__GNUC__)
+__attribute__((target("avx2"))) static void
+wide_evaluate(const pl_jacobian_rule *rule, const double sign[], pl_jacobian_block *b) {
+    inline_evaluate(rule, sign, b);
+}
+#endif
+
+void pl_jacobian_evaluate(const pl_jacobian_rule *rule, const double sign[], pl_jacobian_block *b) {
+#if defined(__x86_64__) && defined(__GNUC__)
+    if (__builtin_cpu_supports("avx2")) {
+        wide_evaluate(rule, sign, b);
+        return;
+    }
+#endif
+    inline_evaluate(rule, sign, b);
+}
+
+/** Decide by the coefficients b [n_coefficients] of an element or of a piece of it, if they do. All
+ *  are finite. */
 static int decides(const pl_jacobian_rule *rule, const double b[], double error,
                    pl_validity *validity) {
     double least = INFINITY;
     for (int c = 0; c < rule->n_coefficients; c++)
-        least = b[c] > least ? least : b[c]; /* NaN stays */
+        least = b[c] < least ? b[c] : least;
     if (least > error) {
         *validity = PL_VALID;
         return 1;
@@ -155,7 +203,10 @@ static pl_validity bisect(const pl_jacobian_rule *rule, const pl_jacobian_block 
         piece[0][c] = b->coefficient[c][l];
         largest = fmax(largest, fabs(piece[0][c]));
     }
-    /* A bisection takes means of up to degree + 1 coefficients, at most 6. */
+    if (!(b->least[l] >= -largest && largest < LARGEST_COEFFICIENT)) /* some may be no numbers */
+        return PL_UNCERTIFIED;
+    /* A bisection takes weighted means of at most 6 coefficients. Each product and sum is rounded;
+       errors of the coefficients themselves get no larger. */
     const double rounding = 8 * ROUNDING * largest;
     depth[0] = 0;
     while (n > 0) {
@@ -208,7 +259,7 @@ static void add_times(int weight, const pl_exact *from, pl_exact *to) {
     pl_exact_add(&before, &product, 1, to);
 }
 
-/** Subtract b c from a. */
+/** Compute a b - c d. */
 static void minor(const pl_exact *a, const pl_exact *b, const pl_exact *c, const pl_exact *d,
                   pl_exact *result) {
     pl_exact ab, cd;
@@ -217,7 +268,7 @@ static void minor(const pl_exact *a, const pl_exact *b, const pl_exact *c, const
     pl_exact_add(&ab, &cd, -1, result);
 }
 
-/** Find e->node of coordinates whose unit is that of pl_exact_unit or below. */
+/** Find e->node of coordinates, of none of which pl_exact_unit is below unit. */
 static void find_exact_nodes(const pl_jacobian_rule *rule, const int32_t node[],
                              const double *coordinates, int unit, exact_element *e) {
     const int dim = rule->type->shape->dim;
@@ -284,8 +335,9 @@ static int exact_sign(const pl_exact *a) {
     return a->n == 0 ? 0 : a->sign;
 }
 
-/** Decide by the exact coefficients of a piece, if they do. Coefficients of 0 leave det J positive,
- *  because a corner of whatever part of the piece a point is inside of has a positive one. */
+/** Decide by the exact coefficients of a piece, if they do. Coefficients of 0 leave det J positive:
+ *  a point is inside of the piece, or of a face or an edge of it, where the polynomial of each
+ *  corner is positive, and so is the corner's coefficient. */
 static int decides_exactly(const pl_jacobian_rule *rule, const pl_exact b[],
                            pl_validity *validity) {
     *validity = PL_INVALID;
@@ -334,8 +386,8 @@ static pl_validity bisect_exactly(const pl_jacobian_rule *rule, pl_exact *piece)
     return PL_VALID;
 }
 
-static pl_validity decide_exactly(const pl_jacobian_rule *rule, const int32_t node[],
-                                  const double *coordinates, double sign) {
+pl_validity pl_validity_exactly(const pl_jacobian_rule *rule, const int32_t node[],
+                                const double *coordinates, double sign) {
     const int dim = rule->type->shape->dim;
     int unit = INT_MAX;
     for (int i = 0; i < rule->n_nodes; i++)
@@ -349,7 +401,7 @@ static pl_validity decide_exactly(const pl_jacobian_rule *rule, const int32_t no
     exact_element *e = pl_alloc(1, sizeof *e);
     pl_exact *piece =
         pl_alloc((PL_VALIDITY_DEPTH + 2) * (int64_t)rule->n_coefficients, sizeof *piece);
-    pl_validity validity = PL_UNCERTIFIED;
+    pl_validity validity = PL_OUT_OF_MEMORY;
     if (e && piece) {
         find_exact_nodes(rule, node, coordinates, unit, e);
         find_exact_derivatives(rule, e);
@@ -366,5 +418,6 @@ pl_validity pl_validity_of_lane(const pl_jacobian_rule *rule, const pl_jacobian_
     if (b->least[l] > b->error[l])
         return PL_VALID;
     const pl_validity validity = bisect(rule, b, l);
-    return validity != PL_UNCERTIFIED ? validity : decide_exactly(rule, node, coordinates, sign);
+    return validity != PL_UNCERTIFIED ? validity
+                                      : pl_validity_exactly(rule, node, coordinates, sign);
 }

@@ -2,12 +2,17 @@
  *
  * A block of elements of one type is evaluated at once, in doubles with a bound of their rounding
  * (geometry/jacobian.h). Where the bound does not decide, the shape is bisected up to
- * PL_VALIDITY_DEPTH times; where that does not decide either, all is done again by integers as long
- * as needed. What is open then is uncertified, which is not valid: elements whose det J touches 0
- * somewhere in between, but none that is wrong by more than rounding.
+ * PL_VALIDITY_DEPTH times. Where doubles do not decide either, integers as long as needed do the
+ * same. Elements that are open then are uncertified: their det J touches 0 between the corners, or
+ * comes so near to 0 that pieces of the last bisection do not tell.
+ *
+ * The error bound holds for elements whose nodes are no farther from the first one than
+ * PL_VALIDITY_SIZE. Larger ones are to be scaled by a power of two, and very small ones, too:
+ * below 2^-300 nothing is decided in doubles.
  *
  *   pl_jacobian_evaluate   coefficients of a block
  *   pl_validity_of_lane    decide one of its elements
+ *   pl_validity_exactly    the same by integers alone: the reference
  */
 #ifndef PL_QUALITY_VALIDITY_H
 #define PL_QUALITY_VALIDITY_H
@@ -18,15 +23,19 @@
 
 enum {
     PL_JACOBIAN_LANES = 8,
-    PL_VALIDITY_DEPTH = 30,   /* bisections of bisections: 10 in each direction of a hexahedron */
+    PL_VALIDITY_DEPTH = 30,   /* bisections of a piece: 10 in each direction of a hexahedron */
     PL_VALIDITY_BOXES = 20000 /* pieces that are looked at */
 };
 
-/** What is known of an element. */
+/* Largest distance of a node from the first one, in any direction. */
+static const double PL_VALIDITY_SIZE = 0x1p60;
+
+/** Verdict on an element. */
 typedef enum pl_validity {
-    PL_INVALID = 0,    /* det J is 0 or negative somewhere */
-    PL_VALID = 1,      /* positive everywhere */
-    PL_UNCERTIFIED = 2 /* not decided, or there was no memory for it */
+    PL_INVALID = 0,      /* det J is 0 or negative somewhere */
+    PL_VALID = 1,        /* positive everywhere */
+    PL_UNCERTIFIED = 2,  /* not decided */
+    PL_OUT_OF_MEMORY = 3 /* there was no memory to decide */
 } pl_validity;
 
 /** Block of elements of one type, one per lane. */
@@ -35,7 +44,7 @@ typedef struct pl_jacobian_block {
                                                       less those of the first node */
     double coefficient[PL_JACOBIAN_COEFFICIENTS][PL_JACOBIAN_LANES]; /* times the mesh's sign of the
                                                                         lane */
-    double error[PL_JACOBIAN_LANES]; /* bound of what rounding did to any of them */
+    double error[PL_JACOBIAN_LANES]; /* bound of the error of any of them */
     double least[PL_JACOBIAN_LANES]; /* of the coefficients; NaN where one of them is */
     double mean[PL_JACOBIAN_LANES];
 } pl_jacobian_block;
@@ -48,5 +57,9 @@ void pl_jacobian_evaluate(const pl_jacobian_rule *rule, const double sign[], pl_
  *  middle of its edge; coordinates [][dim]: of all nodes of the mesh; sign as above. */
 pl_validity pl_validity_of_lane(const pl_jacobian_rule *rule, const pl_jacobian_block *b, int l,
                                 const int32_t node[], const double *coordinates, double sign);
+
+/** Decide an element as pl_validity_of_lane does, by integers alone. */
+pl_validity pl_validity_exactly(const pl_jacobian_rule *rule, const int32_t node[],
+                                const double *coordinates, double sign);
 
 #endif

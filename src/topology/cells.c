@@ -31,7 +31,8 @@ static int may_be_missing(const pl_cell_type *type, int i) {
         return 0;
     for (int e = 0; e < type->shape->n_edges; e++) {
         const uint8_t *edge = type->shape->edge[e], *pair = type->between[i];
-        if ((edge[0] == pair[0] && edge[1] == pair[1]) || (edge[0] == pair[1] && edge[1] == pair[0]))
+        if ((edge[0] == pair[0] && edge[1] == pair[1]) ||
+            (edge[0] == pair[1] && edge[1] == pair[0]))
             return 1;
     }
     return 0;
@@ -55,7 +56,8 @@ static int check_cell(const planish_cells *cells, int64_t n_nodes, int64_t eleme
                           element, type);
     if (given != n)
         return pl_fail_at(error, PLANISH_ERROR_MESH, element, -1,
-                          "element %" PRId64 " of type %d has %" PRId64 " nodes by its offsets, but "
+                          "element %" PRId64 " of type %d has %" PRId64
+                          " nodes by its offsets, but "
                           "elements of that type have %d; correct type or offsets",
                           element, type, given, n);
     for (int i = 0; i < n; i++) {
