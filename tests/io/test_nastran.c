@@ -199,11 +199,16 @@ static const struct {
     int dim, type;
     const char *names[8];
 } others[] = {
-    {"1 2 3 4", 2, PLANISH_CELL_QUADRILATERAL,
+    {"1 2 3 4",
+     2,
+     PLANISH_CELL_QUADRILATERAL,
      {"CQUAD4", "CQUADR", "CSHEAR", "CQUAD8", "CQUAD", "CPLSTN4", "CPLSTS4"}},
     {"1 2 3 12 23 31", 2, PLANISH_CELL_TRIANGLE6, {"CTRIA6", "CPLSTN6", "CPLSTS6", "CTRIAX"}},
     {"1 12 2 23 3 31", 2, PLANISH_CELL_TRIANGLE6, {"CTRIAX6", "CTRAX6"}},
-    {"1 2 3 4 12 23 34 41", 2, PLANISH_CELL_QUADRILATERAL8, {"CQUAD8", "CQUAD", "CPLSTN8", "CPLSTS8"}},
+    {"1 2 3 4 12 23 34 41",
+     2,
+     PLANISH_CELL_QUADRILATERAL8,
+     {"CQUAD8", "CQUAD", "CPLSTN8", "CPLSTS8"}},
     {"1 2 3 4 12 23 34 41 1234", 2, PLANISH_CELL_QUADRILATERAL9, {"CQUAD", "CQUADX"}},
     {"1 2 3 4 12 23 31 14 24 34", 3, PLANISH_CELL_TETRAHEDRON10, {"CTETRA"}},
     {"1 2 3 4 5", 3, PLANISH_CELL_PYRAMID, {"CPYRAM", "CPYRA"}},
@@ -211,7 +216,10 @@ static const struct {
     {"1 2 3 4 5 6", 3, PLANISH_CELL_WEDGE, {"CPENTA"}},
     {"1 2 3 4 5 6 7 8", 3, PLANISH_CELL_HEXAHEDRON, {"CHEXA"}},
     {"1 2 3 4 5 6 12 23 31 14 25 36 45 56 64", 3, PLANISH_CELL_WEDGE15, {"CPENTA"}},
-    {"1 2 3 4 5 6 7 8 12 23 34 41 15 26 37 48 56 67 78 85", 3, PLANISH_CELL_HEXAHEDRON20, {"CHEXA"}},
+    {"1 2 3 4 5 6 7 8 12 23 34 41 15 26 37 48 56 67 78 85",
+     3,
+     PLANISH_CELL_HEXAHEDRON20,
+     {"CHEXA"}},
 };
 
 /** Write an element of number 7; without node number missing. Return its length. */
@@ -260,9 +268,9 @@ static void mids_may_be_missing(void **state) {
             elements_check(reading_text(format, text), others[i].type, 7, p.n - 1, 1);
         }
     }
-    static const char *const straight[] = {
-        "CTETRA,1,1,1,2,3,4\n", "CTETRA,1,1,1,2,3,4,0,0\n,0,0\n", "CTETRA,1,1,1,2,3,4\n,CORDM,1\n",
-        "CTETRA,1,1,1,2,3,4,,\n,,\n"};
+    static const char *const straight[] = {"CTETRA,1,1,1,2,3,4\n", "CTETRA,1,1,1,2,3,4,0,0\n,0,0\n",
+                                           "CTETRA,1,1,1,2,3,4\n,CORDM,1\n",
+                                           "CTETRA,1,1,1,2,3,4,,\n,,\n"};
     for (size_t i = 0; i < sizeof straight / sizeof *straight; i++) {
         char whole[512];
         snprintf(whole, sizeof whole, "GRID,1\nGRID,2,,1.\nGRID,3,,0.,1.\nGRID,4,,0.,0.,1.\n%s",
@@ -280,8 +288,8 @@ static void mids_may_be_missing(void **state) {
 /** Elements that are smoothed come first, then the others in the order of the file. */
 static void both_orders_may_be_in_a_file(void **state) {
     (void)state;
-    planish_file *file = reading_text(
-        format, "GRID,10,,.5,.5,.0\nCTETRA,5,1,1,2,3,4,10\n" NINE "CQUAD4,8,1,1,2,3,4\n");
+    planish_file *file = reading_text(format, "GRID,10,,.5,.5,.0\nCTETRA,5,1,1,2,3,4,10\n" NINE
+                                              "CQUAD4,8,1,1,2,3,4\n");
     static const int32_t nodes[] = {1, 2, 3, 4, 1, 2, 3, 4, 0, -1, -1, -1, -1, -1};
     planish_cells cells;
     planish_error error;

@@ -99,7 +99,8 @@ static void quadrilaterals_are_measured(void **state) {
     assert_int_equal(planish_file_element_number(file, 2), 2);
     planish_file_close(file);
     /* Polygons hold their nodes, and nothing measures them. */
-    reading_fails(&io_format_off, "OFF\n5 1 0\n" SQUARE "2 2 0\n5 0 1 2 4 3\n", "nothing to smooth");
+    reading_fails(&io_format_off, "OFF\n5 1 0\n" SQUARE "2 2 0\n5 0 1 2 4 3\n",
+                  "nothing to smooth");
 }
 
 static void wrong_files_are_refused(void **state) {

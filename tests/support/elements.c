@@ -15,10 +15,18 @@ static const double wedge[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1
 static const double pyramid[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {.5, .5, .7}};
 
 static const double (*corners_of(int dim, int n_corners))[3] {
-    return n_corners == 5   ? pyramid
-           : n_corners == 6 ? wedge
-           : n_corners == 8 || dim == 2 ? (n_corners == 3 ? simplex : box)
-                                        : simplex;
+    switch (n_corners) {
+    case 3:
+        return simplex;
+    case 4:
+        return dim == 2 ? box : simplex;
+    case 5:
+        return pyramid;
+    case 6:
+        return wedge;
+    default:
+        return box;
+    }
 }
 
 static void swap(double a[3], double b[3]) {

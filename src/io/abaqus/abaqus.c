@@ -114,13 +114,13 @@ typedef struct family {
 enum { BEAM = -1, FACET = -2, FLUID = -3 }; /* the digits behind the prefix say something else */
 
 static const family families[] = {
-    {"C3D", 3},      {"AC3D", 3},     {"DC3D", 3},      {"DCC3D", 3},    {"EMC3D", 3},
-    {"FC3D", 3},     {"Q3D", 3},       {"SC", 3},       {"CPS", 2},      {"CPE", 2},
-    {"CPEG", 2},     {"CAX", 2},       {"CGAX", 2},     {"DCAX", 2},     {"ACAX", 2},
-    {"DC2D", 2},     {"AC2D", 2},      {"EMC2D", 2},    {"M3D", 2},      {"SFM3D", 2},
-    {"R3D", 2},      {"US", 2},        {"WARP2D", 2},   {"S", 2},        {"DS", 2},
-    {"T2D", 1},      {"T3D", 1},       {"R2D", 1},      {"DC1D", 1},     {"AC1D", 1},
-    {"RB2D", 1},     {"RB3D", 1},      {"B2", BEAM},    {"B3", BEAM},    {"PIPE2", BEAM},
+    {"C3D", 3},      {"AC3D", 3},      {"DC3D", 3},     {"DCC3D", 3},   {"EMC3D", 3},
+    {"FC3D", 3},     {"Q3D", 3},       {"SC", 3},       {"CPS", 2},     {"CPE", 2},
+    {"CPEG", 2},     {"CAX", 2},       {"CGAX", 2},     {"DCAX", 2},    {"ACAX", 2},
+    {"DC2D", 2},     {"AC2D", 2},      {"EMC2D", 2},    {"M3D", 2},     {"SFM3D", 2},
+    {"R3D", 2},      {"US", 2},        {"WARP2D", 2},   {"S", 2},       {"DS", 2},
+    {"T2D", 1},      {"T3D", 1},       {"R2D", 1},      {"DC1D", 1},    {"AC1D", 1},
+    {"RB2D", 1},     {"RB3D", 1},      {"B2", BEAM},    {"B3", BEAM},   {"PIPE2", BEAM},
     {"PIPE3", BEAM}, {"ELBOW3", BEAM}, {"STRI", FACET}, {"F3D", FLUID},
 };
 

@@ -65,11 +65,11 @@ const medit_keyword medit_keywords[] = {
 };
 enum { N_KEYWORDS = sizeof medit_keywords / sizeof *medit_keywords };
 
-/** The order of files that say nothing of it: that of the faces of hexahedra is the one of libMesh5's
- *  users (SALOME), round from below to above. */
-static const io_node_order usual_order =
-    {PLANISH_CELL_HEXAHEDRON27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
-                                 14, 15, 16, 17, 18, 19, 24, 22, 21, 23, 20, 25, 26}};
+/** Order of the nodes where a file gives none, as SALOME reads it: VTK's, but for the faces of
+ *  hexahedra, which go round from the one below to the one above. */
+static const io_node_order usual_order = {PLANISH_CELL_HEXAHEDRON27,
+                                          {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
+                                           14, 15, 16, 17, 18, 19, 24, 22, 21, 23, 20, 25, 26}};
 
 /** Find the keyword of that name in text, or of that code in binary, and check that it may stand
  *  at that place. *keyword is -1 if it means nothing to planish. */

@@ -140,14 +140,14 @@ static const place_list lists[] = {
     {IO_TETRAHEDRON,
      PLANISH_CELL_TETRAHEDRON10,
      {"2000", "0200", "0020", "0002", "1100", "0110", "1010", "1001", "0101", "0011"}},
-    {IO_HEXAHEDRON,
-     PLANISH_CELL_HEXAHEDRON27,
-     {"000", "200", "220", "020", "002", "202", "222", "022", "100", "210", "120", "010", "102", "212",
-      "122", "012", "001", "201", "221", "021", "011", "211", "101", "121", "110", "112", "111"}},
+    {IO_HEXAHEDRON, PLANISH_CELL_HEXAHEDRON27, {"000", "200", "220", "020", "002", "202", "222",
+                                                "022", "100", "210", "120", "010", "102", "212",
+                                                "122", "012", "001", "201", "221", "021", "011",
+                                                "211", "101", "121", "110", "112", "111"}},
     {IO_PRISM,
      PLANISH_CELL_WEDGE18,
-     {"2000", "0200", "0020", "2002", "0202", "0022", "1100", "0110", "1010", "1102", "0112", "1012",
-      "2001", "0201", "0021", "1101", "0111", "1011"}},
+     {"2000", "0200", "0020", "2002", "0202", "0022", "1100", "0110", "1010", "1102", "0112",
+      "1012", "2001", "0201", "0021", "1101", "0111", "1011"}},
 };
 
 enum { NO_NODE = 255 };
@@ -249,9 +249,9 @@ static int read_vertex_section(medit_reader *r, const io_section *s) {
 static int read_order_section(medit_reader *r, const io_section *s) {
     const place_list *places = places_of(r->current->type.shape);
     if (s->count != io_cell_type_nodes(places->type))
-        return io_fail_at(r->model, s->data, r->error, "%s: %lld places, but the elements have %d nodes",
-                          r->current->type.name, (long long)s->count,
-                          io_cell_type_nodes(places->type));
+        return io_fail_at(r->model, s->data, r->error,
+                          "%s: %lld places, but the elements have %d nodes", r->current->type.name,
+                          (long long)s->count, io_cell_type_nodes(places->type));
     io_node_order *order = NULL;
     for (int i = 0; i < r->n_orders && !order; i++)
         order = r->order[i].type == places->type ? &r->order[i] : NULL;

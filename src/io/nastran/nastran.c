@@ -43,22 +43,22 @@ typedef int visit_fn(reader *r, nastran_card *c);
 /* ---- kinds of cards ------------------------------------------------------------------------ */
 
 typedef enum kind {
-    CELL,     /* kept: lines, triangles by the number of nodes */
-    SHAPE,    /* corners, and mids that may be missing */
-    RING,     /* the same, as one goes round a triangle: each mid behind a corner */
-    NODES,    /* its nodes are held: those from field first on, */
-    LISTED,   /* that and all behind it, whole numbers as far as they go */
-    PAIRS,    /* fields first and first + 2, each with a component behind it */
-    RIGID,    /* LISTED, with components of nodes among them */
-    SYSTEM,   /* systems of four fields each: its number and three nodes */
+    CELL,    /* kept: lines, triangles by the number of nodes */
+    SHAPE,   /* corners, and mids that may be missing */
+    RING,    /* the same, as one goes round a triangle: each mid behind a corner */
+    NODES,   /* its nodes are held: those from field first on, */
+    LISTED,  /* that and all behind it, whole numbers as far as they go */
+    PAIRS,   /* fields first and first + 2, each with a component behind it */
+    RIGID,   /* LISTED, with components of nodes among them */
+    SYSTEM,  /* systems of four fields each: its number and three nodes */
     EQUATION /* MPC: nodes are fields 1 and 4 of each row */
 } kind;
 
 typedef struct card_kind {
     const char *name;
     kind kind;
-    int first; /* field of the first node; for cells all nodes are side by side */
-    int nodes; /* how many; 0: as many as there are. Of a shape at most: mids may be missing */
+    int first;   /* field of the first node; for cells all nodes are side by side */
+    int nodes;   /* how many; 0: as many as there are. Of a shape at most: mids may be missing */
     int corners; /* of a shape */
     io_shape shape;
 } card_kind;
