@@ -39,4 +39,19 @@ if [ -n "${PLANISH_MESHES-}" ]; then
     compare "$PLANISH_MESHES/msq_tire.vtk"
     compare "$PLANISH_MESHES/part_100k.mesh"
 fi
+# Hexahedra among elements of every type: corners alone where VTK also looks at the centre, which is better here.
+"$python" "$cli/types_mesh.py" types.vtk types.json tetrahedra.vtk
+expect_status 0 "$program" quality types.vtk --json quality.json -q
+"$python" - <<'END' || fail "scaled Jacobians of hexahedra"
+import json, math, vtk
+reader = vtk.vtkUnstructuredGridReader()
+reader.SetFileName("types.vtk")
+reader.Update()
+grid, least = reader.GetOutput(), math.inf
+for i in range(grid.GetNumberOfCells()):
+    if grid.GetCellType(i) == vtk.VTK_HEXAHEDRON:
+        least = min(least, vtk.vtkMeshQuality.HexScaledJacobian(grid.GetCell(i)))
+found = json.load(open("quality.json"))["quality"]["by_type"]["hexahedron"]["min_scaled_jacobian"]
+assert math.isclose(found, least, rel_tol=1e-10), (found, least)
+END
 finish

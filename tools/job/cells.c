@@ -13,32 +13,35 @@
 typedef struct type_name {
     planish_cell_type type;
     const char *name, *one, *many;
-    int n_nodes; /* that are said; 0: the usual ones */
 } type_name;
 
+/* In the order of tables and sentences. */
 static const type_name names[] = {
-    {PLANISH_CELL_TETRAHEDRON, "tetrahedron", "tetrahedron", "tetrahedra", 0},
-    {PLANISH_CELL_TETRAHEDRON10, "tetrahedron10", "tetrahedron", "tetrahedra", 10},
-    {PLANISH_CELL_HEXAHEDRON, "hexahedron", "hexahedron", "hexahedra", 0},
-    {PLANISH_CELL_HEXAHEDRON20, "hexahedron20", "hexahedron", "hexahedra", 20},
-    {PLANISH_CELL_HEXAHEDRON27, "hexahedron27", "hexahedron", "hexahedra", 27},
-    {PLANISH_CELL_WEDGE, "wedge", "wedge", "wedges", 0},
-    {PLANISH_CELL_WEDGE15, "wedge15", "wedge", "wedges", 15},
-    {PLANISH_CELL_WEDGE18, "wedge18", "wedge", "wedges", 18},
-    {PLANISH_CELL_PYRAMID, "pyramid", "pyramid", "pyramids", 0},
-    {PLANISH_CELL_PYRAMID13, "pyramid13", "pyramid", "pyramids", 13},
-    {PLANISH_CELL_PYRAMID14, "pyramid14", "pyramid", "pyramids", 14},
-    {PLANISH_CELL_TRIANGLE, "triangle", "triangle", "triangles", 0},
-    {PLANISH_CELL_TRIANGLE6, "triangle6", "triangle", "triangles", 6},
-    {PLANISH_CELL_QUADRILATERAL, "quadrilateral", "quadrilateral", "quadrilaterals", 0},
-    {PLANISH_CELL_QUADRILATERAL8, "quadrilateral8", "quadrilateral", "quadrilaterals", 8},
-    {PLANISH_CELL_QUADRILATERAL9, "quadrilateral9", "quadrilateral", "quadrilaterals", 9},
+    {PLANISH_CELL_TETRAHEDRON, "tetrahedron", "tetrahedron", "tetrahedra"},
+    {PLANISH_CELL_TETRAHEDRON10, "tetrahedron10", "quadratic tetrahedron", "quadratic tetrahedra"},
+    {PLANISH_CELL_HEXAHEDRON, "hexahedron", "hexahedron", "hexahedra"},
+    {PLANISH_CELL_HEXAHEDRON20, "hexahedron20", "quadratic hexahedron", "quadratic hexahedra"},
+    {PLANISH_CELL_HEXAHEDRON27, "hexahedron27", "triquadratic hexahedron",
+     "triquadratic hexahedra"},
+    {PLANISH_CELL_WEDGE, "wedge", "wedge", "wedges"},
+    {PLANISH_CELL_WEDGE15, "wedge15", "quadratic wedge", "quadratic wedges"},
+    {PLANISH_CELL_WEDGE18, "wedge18", "biquadratic wedge", "biquadratic wedges"},
+    {PLANISH_CELL_PYRAMID, "pyramid", "pyramid", "pyramids"},
+    {PLANISH_CELL_PYRAMID13, "pyramid13", "quadratic pyramid", "quadratic pyramids"},
+    {PLANISH_CELL_PYRAMID14, "pyramid14", "biquadratic pyramid", "biquadratic pyramids"},
+    {PLANISH_CELL_TRIANGLE, "triangle", "triangle", "triangles"},
+    {PLANISH_CELL_TRIANGLE6, "triangle6", "quadratic triangle", "quadratic triangles"},
+    {PLANISH_CELL_QUADRILATERAL, "quadrilateral", "quadrilateral", "quadrilaterals"},
+    {PLANISH_CELL_QUADRILATERAL8, "quadrilateral8", "quadratic quadrilateral",
+     "quadratic quadrilaterals"},
+    {PLANISH_CELL_QUADRILATERAL9, "quadrilateral9", "biquadratic quadrilateral",
+     "biquadratic quadrilaterals"},
 };
 
 enum { N_NAMES = sizeof names / sizeof *names };
 
 static const type_name *name_of(planish_cell_type type) {
-    static const type_name unknown = {PLANISH_CELL_VERTEX, "element", "element", "elements", 0};
+    static const type_name unknown = {PLANISH_CELL_VERTEX, "element", "element", "elements"};
     for (int i = 0; i < N_NAMES; i++)
         if (names[i].type == type)
             return &names[i];
@@ -51,9 +54,7 @@ const char *pl_cell_type_name(planish_cell_type type) {
 
 void pl_cell_type_count(planish_cell_type type, int64_t n, char *text, size_t size) {
     const type_name *name = name_of(type);
-    const int length = snprintf(text, size, "%" PRId64 " %s", n, n == 1 ? name->one : name->many);
-    if (name->n_nodes > 0 && (size_t)length < size)
-        snprintf(text + length, size - (size_t)length, " of %d nodes", name->n_nodes);
+    snprintf(text, size, "%" PRId64 " %s", n, n == 1 ? name->one : name->many);
 }
 
 void pl_cells_count(const planish_cells *cells, char *text, size_t size) {

@@ -29,7 +29,7 @@ void pl_cells_free(pl_cells *cells);
 /** Name of a type of two or three dimensions in tables and reports: "hexahedron", "hexahedron20". */
 const char *pl_cell_type_name(planish_cell_type type);
 
-/** Put n elements of a type into text: "1 hexahedron", "12 hexahedra of 20 nodes". */
+/** Put n elements of a type into text: "1 hexahedron", "12 quadratic hexahedra". */
 void pl_cell_type_count(planish_cell_type type, int64_t n, char *text, size_t size);
 
 /** Put the numbers of the elements by type into text: "703 tetrahedra, 560 hexahedra". */
