@@ -673,6 +673,8 @@ static void threads_read_binary_files(void **state) {
         meshb_vertices(&m, N, 3, xyz);
         meshb_integers(&m, 8, N, 5, nodes);
         meshb_integers(&m, 6, N, 4, nodes);
+        meshb_integers(&m, 10, N / 2, 9, nodes);
+        meshb_integers(&m, 9, N / 2, 7, nodes);
         meshb_end(&m);
         builder_expect_same_on_threads(&m.b, &io_format_medit);
         builder_release(&m.b);

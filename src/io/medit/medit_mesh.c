@@ -77,7 +77,7 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
     return PLANISH_OK;
 }
 
-/** Read elements of other types, of which the nodes are held. They are read in order. */
+/** Read elements of other types, of which the nodes are held. */
 static int read_others(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                        planish_error *error) {
     const medit_reader *r = context;
@@ -94,12 +94,13 @@ static int read_others(void *context, io_cursor *cursor, int64_t begin, int64_t 
             io_hold_node(r->model, node - 1, io_element_reason(type));
             nodes[j] = (int32_t)(node - 1);
         }
-        int status =
+        const int status =
             io_take_whole(&r->kind, cursor, i + 1, INT32_MIN, INT32_MAX, &reference, error);
-        if (!status)
-            status = io_model_add_other(r->model, cell_type, nodes, i + 1, error);
         if (status)
             return status;
+        if (cell_type)
+            io_others_set(r->model, r->first_cell + i, r->first_node + i * type->nodes, cell_type,
+                          nodes, i + 1);
     }
     return PLANISH_OK;
 }
@@ -261,13 +262,30 @@ static int read_order_section(medit_reader *r, const io_section *s) {
     return read_in_order(r, s, read_places);
 }
 
+static int read_other_section(medit_reader *r, const io_section *s) {
+    const io_element_type *type = &r->current->type;
+    io_others *others = &r->model->other;
+    if (!io_cell_type(type->shape, type->nodes))
+        return read_records(r, s, read_others);
+    r->first_cell = others->n;
+    r->first_node = others->n_nodes;
+    int status = io_others_reserve(r->model, s->count, s->count * type->nodes, r->error);
+    if (!status)
+        status = read_records(r, s, read_others);
+    if (status)
+        return status;
+    others->n += s->count;
+    others->n_nodes += s->count * type->nodes;
+    return PLANISH_OK;
+}
+
 static int read_element_section(medit_reader *r, const io_section *s) {
     const io_element_type *type = &r->current->type;
     const int dim = io_element_dim(type);
     io_cells *cells = r->cells = io_element_cells(r->model, type);
     if (!cells) {
         io_element_count(r->model, type, s->count);
-        return read_in_order(r, s, read_others);
+        return read_other_section(r, s);
     }
     cells->first_number = 1;
     r->first_cell = cells->n;
