@@ -50,6 +50,8 @@ static const unit_element elements[] = {
     {PLANISH_CELL_WEDGE18, 3, 18, 6, WEDGE15 "202 222 022 "},
 };
 
+enum { MOST_NODES = 27, N_TYPES = sizeof elements / sizeof *elements };
+
 /** Find the place of node i of the bent element. */
 static void unit_element_place(const unit_element *element, int i, double place[3]) {
     const double bend = 0.1;
@@ -61,13 +63,12 @@ static void unit_element_place(const unit_element *element, int i, double place[
     place[2] = element->dim == 2 ? 0 : x[2] + bend * (x[0] * x[0] + x[1] * x[2]);
 }
 
-/** Count the inverted elements of cells, measured at the coordinates of the file. */
-static int64_t count_inverted(const planish_file *file, const planish_cells *cells) {
-    const planish_mesh mesh = planish_file_mesh(file);
+/** Count the inverted elements of cells at coordinates [n_nodes][dim]. */
+static int64_t count_inverted(const planish_cells *cells, int dim, int64_t n_nodes,
+                              const double *coordinates) {
     planish_cell_quality quality;
     planish_error error = {.text = ""};
-    if (planish_measure_cells(cells, mesh.dim, mesh.n_nodes, mesh.coordinates, 0, 1, &quality, NULL,
-                              &error))
+    if (planish_measure_cells(cells, dim, n_nodes, coordinates, 0, 1, &quality, NULL, &error))
         fail_msg("%s", error.text);
     assert_int_equal(quality.all.n_uncertified, 0);
     return quality.all.n_inverted;
@@ -84,42 +85,38 @@ static int may_be_exchanged(const unit_element *e, int i, int k) {
     return n_apart != 1;
 }
 
-/** Expect that element number at (in planish_file_cells) of the file is of the type and valid, and
- *  that it is not when two of its nodes are exchanged. All elements of the file must be valid. */
-static void check_element(planish_file *file, int64_t at, const unit_element *element) {
-    planish_cells cells;
-    planish_error error = {.text = ""};
-    if (planish_file_cells(file, &cells, &error))
-        fail_msg("%s", error.text);
-    assert_in_range(at, 0, cells.n - 1);
-    assert_int_equal(cells.type[at], element->type);
-    assert_int_equal(cells.offset[at + 1] - cells.offset[at], element->n_nodes);
-    if (count_inverted(file, &cells) != 0)
-        fail_msg("an element is not valid where that of type %d is expected to be", element->type);
-    const int64_t size = cells.offset[cells.n] * (int64_t)sizeof(int32_t);
-    int32_t *nodes = malloc((size_t)size);
-    assert_non_null(nodes);
-    memcpy(nodes, cells.node, (size_t)size);
-    int32_t *own = nodes + cells.offset[at];
-    cells.node = nodes;
-    for (int k = 1; k < element->n_nodes; k++)
-        for (int i = 0; i < k; i++) {
-            if (may_be_exchanged(element, i, k))
-                continue;
-            const int32_t kept[2] = {own[i], own[k]};
-            own[i] = kept[1];
-            own[k] = kept[0];
-            if (count_inverted(file, &cells) == 0)
-                fail_msg("type %d is valid with nodes %d and %d exchanged", element->type, i, k);
-            own[i] = kept[0];
-            own[k] = kept[1];
+/** The elements are valid, and are not when two of their nodes are exchanged. */
+static void another_order_is_not_valid(void **state) {
+    (void)state;
+    for (int t = 0; t < N_TYPES; t++) {
+        const unit_element *e = &elements[t];
+        const uint8_t type = (uint8_t)e->type;
+        const int64_t offset[] = {0, e->n_nodes};
+        int32_t node[MOST_NODES];
+        double x[3 * MOST_NODES];
+        const planish_cells cells = {.n = 1, .type = &type, .offset = offset, .node = node};
+        for (int i = 0; i < e->n_nodes; i++) {
+            double place[3];
+            node[i] = i;
+            unit_element_place(e, i, place);
+            memcpy(x + e->dim * i, place, (size_t)e->dim * sizeof *x);
         }
-    free(nodes);
+        assert_int_equal(count_inverted(&cells, e->dim, e->n_nodes, x), 0);
+        for (int k = 1; k < e->n_nodes; k++)
+            for (int i = 0; i < k; i++) {
+                if (may_be_exchanged(e, i, k))
+                    continue;
+                node[i] = k;
+                node[k] = i;
+                if (count_inverted(&cells, e->dim, e->n_nodes, x) == 0)
+                    fail_msg("type %d is valid with nodes %d and %d exchanged", type, i, k);
+                node[i] = i;
+                node[k] = k;
+            }
+    }
 }
 
 /* ---- files ---------------------------------------------------------------------------------- */
-
-enum { MOST_NODES = 27, N_TYPES = sizeof elements / sizeof *elements };
 
 /** Cells of a file, each with nodes of its own. */
 typedef struct cell_list {
@@ -302,9 +299,11 @@ static void check_list(planish_file *file, const cell_list *list) {
     assert_int_equal(planish_file_cells(file, &cells, NULL), 0);
     assert_int_equal(cells.n, list->n);
     for (int c = 0; c < list->n; c++) {
-        check_element(file, c, list->cell[c].element);
+        assert_int_equal(cells.type[c], list->cell[c].element->type);
         assert_int_equal(planish_file_element_number(file, c), c);
     }
+    const planish_mesh mesh = planish_file_mesh(file);
+    assert_int_equal(count_inverted(&cells, mesh.dim, mesh.n_nodes, mesh.coordinates), 0);
 }
 
 static void all_types_are_read(void **state) {
@@ -497,11 +496,9 @@ static void a_plane_is_for_all_elements(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        IN_A_FOLDER(all_types_are_read),
-        IN_A_FOLDER(other_names_of_types_are_read),
-        IN_A_FOLDER(unmeasured_types_are_held),
-        IN_A_FOLDER(copies_keep_all_types),
-        IN_A_FOLDER(copies_do_without_missing_nodes),
+        cmocka_unit_test(another_order_is_not_valid), IN_A_FOLDER(all_types_are_read),
+        IN_A_FOLDER(other_names_of_types_are_read),   IN_A_FOLDER(unmeasured_types_are_held),
+        IN_A_FOLDER(copies_keep_all_types),           IN_A_FOLDER(copies_do_without_missing_nodes),
         IN_A_FOLDER(a_plane_is_for_all_elements),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
