@@ -122,9 +122,12 @@ for a, b in pairs:
     assert abs(abs(b[0] - a[0]) - 1) < 1e-9 and a[1:] == b[1:], (a, b)
 END
 
+expect_status 0 "$program" quality second.vol --json report.json
+expect_json "r['quality']['counts']['tetrahedron10'] > 0"
+expect_json "r['quality']['inverted'] == r['quality']['uncertified'] == 0"
 expect_status 2 "$program" smooth second.vol -o no.vol
 expect_one_line
-expect_text "SecondOrder()"
+expect_text "10 nodes"
 gzip -k ball.vol
 expect_status 2 "$program" smooth ball.vol.gz -o no.vol
 expect_one_line
