@@ -73,6 +73,9 @@ for mesh in hexahedra squares; do
     expect_status 0 "$program" quality $mesh.vtk --json report.json --report $mesh.html --worst 2 --min-volume 0.1
     expect_json "r['quality']['max_aspect_ratio'] == r['quality']['min_scaled_jacobian'] == 1"
     expect_json "r['quality']['simplices'] is None and r['quality']['inverted'] == 0 and r['mesh']['elements'] == 0"
+    expect_status 0 "$program" report report.json -o again.html
+    [ ! -s err ] || fail "notes of a page without a picture: $(cat err)"
+    cmp $mesh.html again.html || fail "the page of the JSON of $mesh"
     expect_status 0 "$program" quality $mesh.vtk --fix-layers -q
     expect_status 2 "$program" smooth $mesh.vtk -o new.vtk --json new.json
     expect_one_line

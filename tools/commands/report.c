@@ -203,7 +203,7 @@ static int draw(drawing *d) {
                           pl_figure_text(result, is_one ? "checksum" : "input_checksum")};
     const wanted output = {"after", pl_figure_text(result, "output"), NULL,
                            pl_figure_text(result, "checksum")};
-    if (!pl_page_can_draw())
+    if (!pl_page_can_draw() || pl_figures_simplices(d->figures).n_states == 0)
         return 0;
     const int status = draw_state(d, &input);
     return status || is_one ? status : draw_state(d, &output);
@@ -259,7 +259,7 @@ int pl_report_command(const pl_arguments *arguments) {
     if (!status && d.lacks[0] && arguments->verbosity != PL_QUIET)
         pl_note(stderr, "%s", d.lacks);
     if (!status)
-        status = pl_page_write(output, &figures, d.picture, d.lacks, PL_EXIT_FAILED);
+        status = pl_page_write(output, &figures, d.picture, d.lacks[0] ? d.lacks : NULL, PL_EXIT_FAILED);
     pl_picture_free(d.picture);
     cJSON_Delete(result);
     return status;
