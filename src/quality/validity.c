@@ -308,8 +308,10 @@ static void find_exact_derivatives(const pl_jacobian_rule *rule, exact_element *
 static void find_exact_coefficients(const pl_jacobian_rule *rule, const exact_element *e,
                                     double sign, pl_exact b[]) {
     const int dim = rule->type->shape->dim;
-    for (int c = 0; c < rule->n_coefficients; c++)
+    for (int c = 0; c < rule->n_coefficients; c++) {
         b[c].n = 0;
+        b[c].sign = 1;
+    }
     for (int p = 0; p < rule->n_products; p++) {
         const pl_jacobian_product *product = &rule->product[p];
         const int weight = product->weight * rule->factor[product->coefficient] * (int)sign;
