@@ -131,8 +131,8 @@ typedef enum planish_cell_type {
     PLANISH_CELL_PYRAMID14 = 128 /* VTK has none: PYRAMID13 and the middle of the base */
 } planish_cell_type;
 
-/** Elements of any types. Those of the highest dimension count; others are passed over. Within a
- *  type elements may have either handedness: that of most is taken for the right one. */
+/** Elements of any types. Elements of the mesh's dimension count, others are passed over. Elements
+ *  may have either handedness: most elements of a type are taken to have the right one. */
 typedef struct planish_cells {
     int64_t n;             /* elements */
     const uint8_t *type;   /* [n] of planish_cell_type */
@@ -768,13 +768,15 @@ PLANISH_API int planish_find_reversed(const planish_plan *plan, const double *co
 PLANISH_API int planish_measure_mesh(const planish_mesh *mesh, const planish_options *options,
                                      planish_quality *quality, planish_error *error);
 
-/** Measures of elements of one type, or of all types. Ratios are over the valid elements. */
+/** Measures of elements of one type, or of all types. Aspect ratios are those of the valid elements
+ *  without inverted corners. Without any the mean and the largest are 0. */
 typedef struct planish_cell_measures {
     int64_t n_elements;
     int64_t n_inverted;        /* elements that are not valid: det J <= 0 somewhere. Decided, not
                                   sampled (docs/measures.md) */
     int64_t n_uncertified;     /* elements of which that is not decided; they count as not valid */
-    int64_t n_inverted_corners; /* corners with det J <= 0, decided exactly */
+    int64_t n_inverted_corners; /* corners whose edges, taken as straight, have a determinant <= 0;
+                                   decided exactly */
     int64_t n_curved;          /* elements with a node off the middle of its corners */
     double rms_aspect_ratio;   /* AR: root of the mean over the corners of the squared mean ratio,
                                   1 for the ideal element */
@@ -800,11 +802,12 @@ typedef struct planish_cell_quality {
     int64_t reserved[8];
 } planish_cell_quality;
 
-/** Measure elements of any types at coordinates [n_nodes][dim]. rounding: how far a node may be off
- *  the middle of its corners, in units of the coordinates, in an element that is not curved; 1e-6
- *  of an edge is allowed anyway. threads: as in planish_options. aspect_ratio [cells->n] (may be
- *  NULL) is filled with AR of each element, 0 of those that are not valid or do not count.
- *  Errors: _ARGUMENT, _MESH, _MEMORY. */
+/** Measure elements of any types at coordinates [n_nodes][dim]; those of dimension dim, 2 or 3,
+ *  count. rounding: distance, in units of the coordinates, by which a node of an element that is not
+ *  curved may be off the middle of its corners; 1e-6 of the longest edge is always allowed. threads:
+ *  as in planish_options. aspect_ratio [cells->n] (may be NULL) is filled with AR of each element, 0
+ *  of those that have none or do not count. On failure quality is as before, and aspect_ratio
+ *  unspecified. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_measure_cells(const planish_cells *cells, int dim, int64_t n_nodes,
                                       const double *coordinates, double rounding, int threads,
                                       planish_cell_quality *quality, double *aspect_ratio,

@@ -38,7 +38,7 @@ int planish_measure_cells(const planish_cells *cells, int dim, int64_t n_nodes,
     pl_cell_mesh mesh = {dim, cells, coordinates, rounding};
     int status = pl_check_cells(cells, n_nodes, n_threads, error);
     if (!status) {
-        status = pl_cell_rules_make(&mesh, n_threads, &rules);
+        status = pl_cell_rules_make(&mesh, &rules);
         if (!status)
             status = pl_measure_cells(&mesh, &rules, n_threads, quality, aspect_ratio);
         pl_cell_rules_free(&rules);

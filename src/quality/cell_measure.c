@@ -27,6 +27,7 @@ typedef double pack[LANES];
 /** Sums over the elements of one type. */
 typedef struct type_sums {
     planish_cell_measures of; /* counts, least and largest values */
+    int64_t surplus;          /* of elements of positive handedness over those of negative */
     int64_t n_ratios;         /* elements that have an AR */
     pl_sum square, ratio;     /* of AR^2 and AR over these */
 } type_sums;
@@ -45,6 +46,7 @@ typedef struct cell_block {
     pack is_certain;      /* 1: the signs of all corners are right; 0: look at them one by one */
     pack square;          /* AR^2, if no corner is inverted */
     pack scaled_jacobian; /* least of the corners */
+    pack determinants;    /* sum over the corners, times sign */
     pack n_inverted_corners;
     pack is_curved;
 } cell_block;
@@ -52,10 +54,9 @@ typedef struct cell_block {
 /** A measurement under way. */
 typedef struct measurement {
     const pl_cell_mesh *mesh;
-    const pl_cell_rules *rules;
+    pl_cell_rules *rules;
     type_sums *sums;      /* [threads][rules->n] */
     double *aspect_ratio; /* [n] or NULL */
-    int64_t (*signs)[2];  /* [threads * rules->n] elements of negative and positive sign; or NULL */
     int failed;           /* no memory; shared by threads */
 } measurement;
 
@@ -234,11 +235,11 @@ PL_INLINE void measure_corners(cell_block *b, const int dim) {
     const pl_cell_shape ideal = *shape;
     const double share = 1.0 / shape->n_measured;
     double corner[4][3][LANES];
-    pack sign, is_certain, sum, n_inverted, least;
+    pack sign, is_certain, sum, n_inverted, least, determinants;
     for (int l = 0; l < LANES; l++) {
         sign[l] = b->sign[l];
         is_certain[l] = 1;
-        sum[l] = n_inverted[l] = 0;
+        sum[l] = n_inverted[l] = determinants[l] = 0;
         least[l] = INFINITY;
     }
     for (int c = 0; c < shape->n_measured; c++) {
@@ -256,6 +257,7 @@ PL_INLINE void measure_corners(cell_block *b, const int dim) {
             is_certain[l] = fabs(determinant) > error ? is_certain[l] : 0;
             n_inverted[l] += determinant > 0 ? 0 : 1;
             sum[l] += square;
+            determinants[l] += determinant;
             least[l] = pl_smaller(scaled, least[l]);
         }
     }
@@ -264,6 +266,7 @@ PL_INLINE void measure_corners(cell_block *b, const int dim) {
         b->n_inverted_corners[l] = n_inverted[l];
         b->scaled_jacobian[l] = least[l];
         b->square[l] = sum[l] * share;
+        b->determinants[l] = determinants[l];
     }
 }
 
@@ -306,52 +309,31 @@ PL_INLINE void evaluate(const pl_cell_mesh *mesh, cell_block *b, const int dim) 
         find_curved(mesh, b, dim);
 }
 
-/** Sum of the determinants at all corners, which tells an element's handedness. */
-PL_INLINE void sum_determinants(const pl_cell_mesh *mesh, cell_block *b, pack sum, const int dim) {
-    gather(mesh, b, dim);
-    for (int l = 0; l < LANES; l++)
-        sum[l] = 0;
-    for (int c = 0; c < b->rule->type->shape->n_measured; c++) {
-        double corner[4][3][LANES];
-        find_corner(b, c, corner, dim);
-        for (int l = 0; l < LANES; l++) {
-            double edges[3][3];
-            find_edges(corner, l, edges, dim);
-            sum[l] += pl_determinant_of_edges(dim, edges);
-        }
-    }
-}
-
-/** Evaluate b, or only add up its determinants if sum is not NULL. */
-PL_INLINE void inline_block(const pl_cell_mesh *mesh, cell_block *b, double *sum) {
-    if (mesh->dim == 3 && sum)
-        sum_determinants(mesh, b, sum, 3);
-    else if (mesh->dim == 3)
+PL_INLINE void inline_block(const pl_cell_mesh *mesh, cell_block *b) {
+    if (mesh->dim == 3)
         evaluate(mesh, b, 3);
-    else if (sum)
-        sum_determinants(mesh, b, sum, 2);
     else
         evaluate(mesh, b, 2);
 }
 
 /* With wider vectors, as in measure.c; the bits are the same. */
 #if defined(__x86_64__) && defined(__GNUC__)
-__attribute__((target("avx2"))) static void wide_block(const pl_cell_mesh *mesh, cell_block *b,
-                                                       double *sum) {
-    inline_block(mesh, b, sum);
+__attribute__((target("avx2"))) static void wide_block(const pl_cell_mesh *mesh, cell_block *b) {
+    inline_block(mesh, b);
 }
 #endif
 
-static void any_block(const pl_cell_mesh *mesh, cell_block *b, double *sum) {
-    for (int l = b->n; l < LANES; l++) /* something to compute with */
+/** Evaluate b. The lanes past the last element have something to compute with. */
+static void any_block(const pl_cell_mesh *mesh, cell_block *b) {
+    for (int l = b->n; l < LANES; l++)
         b->node[l] = b->node[0];
 #if defined(__x86_64__) && defined(__GNUC__)
     if (__builtin_cpu_supports("avx2")) {
-        wide_block(mesh, b, sum);
+        wide_block(mesh, b);
         return;
     }
 #endif
-    inline_block(mesh, b, sum);
+    inline_block(mesh, b);
 }
 
 /* ---- Sums ----------------------------------------------------------------------------------- */
@@ -390,29 +372,14 @@ static void add_lane(measurement *m, const cell_block *b, int l, type_sums *sums
 }
 
 static void measure_block(measurement *m, cell_block *b, type_sums *sums) {
-    any_block(m->mesh, b, NULL);
+    any_block(m->mesh, b);
     pl_jacobian_evaluate(b->rule, b->sign, &b->jacobian);
     for (int l = 0; l < b->n; l++) {
         if (b->is_certain[l] == 0)
             resolve_corners(m->mesh, l, b);
+        sums->surplus += (int64_t)(b->sign[l] * pl_sign_of(b->determinants[l]));
         add_lane(m, b, l, sums);
     }
-}
-
-/** Count the handedness of the elements of b: signs [0] negative, [1] positive. */
-static void count_signs(const measurement *m, cell_block *b, int64_t signs[2]) {
-    pack sum;
-    any_block(m->mesh, b, sum);
-    for (int l = 0; l < b->n; l++)
-        if (sum[l] > 0 || sum[l] < 0) /* flat elements have none */
-            signs[sum[l] > 0]++;
-}
-
-static void finish_block(measurement *m, cell_block *b, int at) {
-    if (b->n > 0 && m->signs)
-        count_signs(m, b, m->signs[at]);
-    else if (b->n > 0)
-        measure_block(m, b, &m->sums[at]);
     b->n = 0;
 }
 
@@ -421,7 +388,7 @@ static void measure_chunk(void *context, int64_t begin, int64_t end, int thread)
     const planish_cells *cells = m->mesh->cells;
     cell_block b;
     for (int r = 0; r < m->rules->n; r++) { /* one type after the other */
-        const int at = thread * m->rules->n + r;
+        type_sums *sums = &m->sums[thread * m->rules->n + r];
         b.rule = m->rules->rule[r];
         b.n = 0;
         for (int l = 0; l < LANES; l++)
@@ -432,9 +399,10 @@ static void measure_chunk(void *context, int64_t begin, int64_t end, int thread)
             b.element[b.n] = i;
             b.node[b.n++] = cells->node + cells->offset[i];
             if (b.n == LANES)
-                finish_block(m, &b, at);
+                measure_block(m, &b, sums);
         }
-        finish_block(m, &b, at);
+        if (b.n > 0)
+            measure_block(m, &b, sums);
     }
     for (int64_t i = begin; m->aspect_ratio && i < end; i++)
         if (m->rules->index[m->mesh->cells->type[i]] < 0)
@@ -455,6 +423,7 @@ static void merge(const type_sums *part, type_sums *all) {
     of->n_inverted_corners += more->n_inverted_corners;
     of->n_curved += more->n_curved;
     all->n_ratios += part->n_ratios;
+    all->surplus += part->surplus;
     of->min_scaled_jacobian = pl_smaller(more->min_scaled_jacobian, of->min_scaled_jacobian);
     of->min_jacobian_ratio = pl_smaller(more->min_jacobian_ratio, of->min_jacobian_ratio);
     of->max_edge_ratio = pl_larger(more->max_edge_ratio, of->max_edge_ratio);
@@ -478,35 +447,78 @@ static planish_cell_measures result_of(const type_sums *sums) {
     return of;
 }
 
-int pl_measure_cells(const pl_cell_mesh *mesh, const pl_cell_rules *rules, int threads,
+/** Sum over all threads of what each has of type r. */
+static type_sums sums_of(const measurement *m, int n_threads, int r) {
+    type_sums all = NO_SUMS;
+    for (int t = 0; t < n_threads; t++)
+        merge(&m->sums[t * m->rules->n + r], &all);
+    return all;
+}
+
+/** Measure all elements with the signs of rules. Returns whether these are the signs of most. */
+static int measure_all(measurement *m, int n_threads) {
+    int are_right = 1;
+    for (int i = 0; i < n_threads * m->rules->n; i++)
+        m->sums[i] = NO_SUMS;
+    pl_parallel_for(n_threads, m->mesh->cells->n, CHUNK, measure_chunk, m);
+    for (int r = 0; r < m->rules->n; r++) {
+        const double sign = sums_of(m, n_threads, r).surplus >= 0 ? 1 : -1;
+        are_right &= sign == m->rules->sign[r];
+        m->rules->sign[r] = sign;
+    }
+    return are_right;
+}
+
+int pl_measure_cells(const pl_cell_mesh *mesh, pl_cell_rules *rules, int threads,
                      planish_cell_quality *quality, double *aspect_ratio) {
-    const int n_threads = pl_thread_count(threads), n_sums = n_threads * rules->n;
-    type_sums all = NO_SUMS, *sums = pl_alloc(n_sums, sizeof *sums);
-    measurement m = {.mesh = mesh, .rules = rules, .sums = sums, .aspect_ratio = aspect_ratio};
-    if (!sums)
+    const int n_threads = pl_thread_count(threads);
+    measurement m = {.mesh = mesh, .rules = rules, .aspect_ratio = aspect_ratio};
+    type_sums all = NO_SUMS;
+    m.sums = pl_alloc((int64_t)n_threads * rules->n, sizeof *m.sums);
+    if (!m.sums)
         return PLANISH_ERROR_MEMORY;
-    for (int i = 0; i < n_sums; i++)
-        sums[i] = NO_SUMS;
-    pl_parallel_for(n_threads, mesh->cells->n, CHUNK, measure_chunk, &m);
+    if (!measure_all(&m, n_threads)) /* the signs were a guess */
+        measure_all(&m, n_threads);
+    if (m.failed) {
+        pl_free(m.sums);
+        return PLANISH_ERROR_MEMORY;
+    }
     memset(quality, 0, sizeof *quality);
     quality->n_types = rules->n;
     for (int r = 0; r < rules->n; r++) {
-        type_sums of_type = NO_SUMS;
-        for (int t = 0; t < n_threads; t++)
-            merge(&sums[t * rules->n + r], &of_type);
+        const type_sums of_type = sums_of(&m, n_threads, r);
         quality->type[r] = rules->rule[r]->type->type;
         quality->by_type[r] = result_of(&of_type);
         merge(&of_type, &all);
     }
     quality->all = result_of(&all);
-    pl_free(sums);
-    return m.failed ? PLANISH_ERROR_MEMORY : PLANISH_OK;
+    pl_free(m.sums);
+    return PLANISH_OK;
 }
 
 /* ---- Rules ----------------------------------------------------------------------------------- */
 
-int pl_cell_rules_make(const pl_cell_mesh *mesh, int threads, pl_cell_rules *rules) {
-    const int n_threads = pl_thread_count(threads);
+/** Take the signs of most of the first elements of each type. pl_measure_cells corrects them. */
+static void guess_signs(const pl_cell_mesh *mesh, pl_cell_rules *rules) {
+    enum { FIRST = 4096 };
+    int surplus[PLANISH_N_CELL_TYPES] = {0};
+    for (int64_t i = 0; i < mesh->cells->n && i < FIRST; i++) {
+        const int r = rules->index[mesh->cells->type[i]];
+        if (r < 0)
+            continue;
+        const int32_t *node = mesh->cells->node + mesh->cells->offset[i];
+        const uint8_t *neighbour = rules->rule[r]->type->shape->neighbour[0];
+        double edges[3][3];
+        for (int j = 0; j < mesh->dim; j++)
+            pl_subtract(mesh->dim, place_of(mesh, node[neighbour[j]]), place_of(mesh, node[0]),
+                        edges[j]);
+        surplus[r] += (int)pl_sign_of(pl_determinant_of_edges(mesh->dim, edges));
+    }
+    for (int r = 0; r < rules->n; r++)
+        rules->sign[r] = surplus[r] >= 0 ? 1 : -1;
+}
+
+int pl_cell_rules_make(const pl_cell_mesh *mesh, pl_cell_rules *rules) {
     uint8_t is_there[UINT8_MAX + 1] = {0};
     memset(rules, 0, sizeof *rules);
     memset(rules->index, -1, sizeof rules->index);
@@ -520,20 +532,10 @@ int pl_cell_rules_make(const pl_cell_mesh *mesh, int threads, pl_cell_rules *rul
         if (!rule)
             return PLANISH_ERROR_MEMORY;
         pl_jacobian_rule_make(of, rule);
+        rules->sign[rules->n] = 1;
         rules->index[type] = (int8_t)rules->n++;
     }
-    measurement m = {.mesh = mesh, .rules = rules};
-    m.signs = pl_alloc_zero((int64_t)n_threads * rules->n, sizeof *m.signs);
-    if (!m.signs)
-        return PLANISH_ERROR_MEMORY;
-    pl_parallel_for(n_threads, mesh->cells->n, CHUNK, measure_chunk, &m);
-    for (int r = 0; r < rules->n; r++) {
-        int64_t surplus = 0; /* of positive ones */
-        for (int t = 0; t < n_threads; t++)
-            surplus += m.signs[t * rules->n + r][1] - m.signs[t * rules->n + r][0];
-        rules->sign[r] = surplus >= 0 ? 1 : -1;
-    }
-    pl_free(m.signs);
+    guess_signs(mesh, rules);
     return PLANISH_OK;
 }
 

@@ -30,16 +30,16 @@ typedef struct pl_cell_rules {
     int8_t index[UINT8_MAX + 1];                  /* of a type's rule, -1: it does not count */
 } pl_cell_rules;
 
-/** Make the rules of the types of mesh, and find the sign of each. Returns PLANISH_OK or
+/** Make the rules of the types of mesh, and guess the sign of each. Returns PLANISH_OK or
  *  PLANISH_ERROR_MEMORY; rules is to be freed in either case. */
-int pl_cell_rules_make(const pl_cell_mesh *mesh, int threads, pl_cell_rules *rules);
+int pl_cell_rules_make(const pl_cell_mesh *mesh, pl_cell_rules *rules);
 
 /** Free the rules. */
 void pl_cell_rules_free(pl_cell_rules *rules);
 
-/** Measure mesh. aspect_ratio [n] (may be NULL) is filled with the aspect ratio of each element, 0
+/** Measure mesh, and correct the signs of rules: those of most elements of each type. aspect_ratio [n] (may be NULL) is filled with the aspect ratio of each element, 0
  *  of those that are not valid. Returns PLANISH_OK or PLANISH_ERROR_MEMORY. */
-int pl_measure_cells(const pl_cell_mesh *mesh, const pl_cell_rules *rules, int threads,
+int pl_measure_cells(const pl_cell_mesh *mesh, pl_cell_rules *rules, int threads,
                      planish_cell_quality *quality, double *aspect_ratio);
 
 #endif

@@ -1,0 +1,560 @@
+/* Tests of planish_measure_cells against plain loops in long double, and of what its comments say:
+ * elements that count, handedness, sizes, threads, errors, memory. */
+#include "geometry/cell.h"
+#include "geometry/simplex.h"
+#include "support/effort.h"
+#include "support/faults.h"
+
+#include <planish/planish.h>
+
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const int TYPES[] = {5, 22, 9, 23, 28, 10, 24, 12, 25, 29, 13, 26, 32, 14, 27, 128};
+enum { N_TYPES = sizeof TYPES / sizeof *TYPES, MAX_CELLS = 20000 };
+
+/* ---- Meshes ---------------------------------------------------------------------------------- */
+
+/** Elements that share no nodes. */
+typedef struct mesh {
+    int dim;
+    planish_cells cells;
+    int64_t n_nodes;
+    uint8_t *type;
+    int64_t *offset;
+    int32_t *node;
+    double *x;
+} mesh;
+
+static mesh empty_mesh(int dim) {
+    mesh m = {.dim = dim};
+    m.type = malloc(MAX_CELLS);
+    m.offset = calloc(MAX_CELLS + 1, sizeof *m.offset);
+    m.node = malloc(MAX_CELLS * PL_CELL_NODES * sizeof *m.node);
+    m.x = malloc((size_t)(MAX_CELLS * PL_CELL_NODES * dim) * sizeof *m.x);
+    m.cells = (planish_cells){.type = m.type, .offset = m.offset, .node = m.node};
+    return m;
+}
+
+static void free_mesh(mesh *m) {
+    free(m->type);
+    free(m->offset);
+    free(m->node);
+    free(m->x);
+}
+
+/** Corners of the ideal element of a type. */
+static const double (*ideal_corners(int type))[3] {
+    static const double TRIANGLE[][3] = {{0}, {1}, {0.5, 0.8660254037844386}};
+    static const double QUADRILATERAL[][3] = {{0}, {1}, {1, 1}, {0, 1}};
+    static const double TETRAHEDRON[][3] = {{1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1}};
+    static const double HEXAHEDRON[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                           {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+    static const double WEDGE[][3] = {{0, 0, 0}, {1, 0, 0}, {0.5, 0.8660254037844386, 0},
+                                      {0, 0, 1}, {1, 0, 1}, {0.5, 0.8660254037844386, 1}};
+    static const double PYRAMID[][3] = {{0}, {1}, {1, 1}, {0, 1}, {0.5, 0.5, 0.7071067811865476}};
+    switch (pl_cell_type_of(type)->shape->n_corners) {
+    case 3:
+        return TRIANGLE;
+    case 4:
+        return pl_cell_type_of(type)->shape->dim == 2 ? QUADRILATERAL : TETRAHEDRON;
+    case 5:
+        return PYRAMID;
+    case 6:
+        return WEDGE;
+    default:
+        return HEXAHEDRON;
+    }
+}
+
+/** Add the ideal element of a type, its corners pushed, its mids off their middles by bend, mirrored
+ *  if side is -1. Return the first of its nodes. */
+static int32_t add(mesh *m, int type, double push, double bend, double side, uint64_t *random) {
+    const pl_cell_type *of = pl_cell_type_of(type);
+    const int32_t first = (int32_t)m->n_nodes;
+    double *x = m->x + m->n_nodes * m->dim;
+    for (int i = 0; i < of->n_nodes; i++)
+        for (int d = 0; d < m->dim; d++) {
+            const double a = x[of->between[i][0] * m->dim + d],
+                         b = x[of->between[i][1] * m->dim + d];
+            const double off = 2 * random_unit(random) - 1;
+            x[i * m->dim + d] = i < of->shape->n_corners
+                                    ? (d == 0 ? side : 1) * ideal_corners(type)[i][d] + push * off
+                                    : (a + b) / 2 + bend * off;
+        }
+    for (int i = 0; i < of->n_nodes; i++)
+        m->node[m->offset[m->cells.n] + i] = first + i;
+    m->type[m->cells.n++] = (uint8_t)type;
+    m->offset[m->cells.n] = m->offset[m->cells.n - 1] + of->n_nodes;
+    m->n_nodes += of->n_nodes;
+    return first;
+}
+
+/** Add a line between the first two nodes. */
+static void add_line(mesh *m) {
+    m->node[m->offset[m->cells.n]] = 0;
+    m->node[m->offset[m->cells.n] + 1] = 1;
+    m->type[m->cells.n++] = PLANISH_CELL_LINE;
+    m->offset[m->cells.n] = m->offset[m->cells.n - 1] + 2;
+}
+
+static planish_cell_quality measure(const mesh *m, int threads, double *aspect_ratio) {
+    planish_cell_quality quality;
+    planish_error error;
+    memset(&quality, 0xff, sizeof quality);
+    if (planish_measure_cells(&m->cells, m->dim, m->n_nodes, m->x, 0, threads, &quality,
+                              aspect_ratio, &error))
+        fail_msg("%s", error.text);
+    return quality;
+}
+
+/** A mesh of elements of all types of dimension dim, valid and invalid, and lines. */
+static mesh mixed_mesh(int dim, int64_t n, uint64_t seed) {
+    mesh m = empty_mesh(dim);
+    uint64_t random = effort_seed(seed);
+    while (m.cells.n < n) {
+        const int type = TYPES[random_below(&random, N_TYPES)];
+        if (pl_cell_type_of(type)->shape->dim == dim)
+            add(&m, type, 0.7 * random_unit(&random), 0.1 * random_unit(&random), 1, &random);
+        else if (m.n_nodes > 1)
+            add_line(&m);
+    }
+    return m;
+}
+
+/* ---- Plain formulas -------------------------------------------------------------------------- */
+
+typedef long double real;
+
+static real determinant3(real a[3][3]) {
+    return a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) -
+           a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
+           a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
+}
+
+/** |A B^-1|^2, with rows that are edges; in the plane both have the third unit vector, and 1 is
+ *  taken off. */
+static real norm_square(real a[3][3], real b[3][3], int dim) {
+    real sum = 0;
+    const real d = determinant3(b);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            real t = 0; /* of B^-1 A, of the same norm up to rotations of the ideal corner */
+            for (int k = 0; k < 3; k++) {
+                const int r = (k + 1) % 3, s = (k + 2) % 3, p = (i + 1) % 3, q = (i + 2) % 3;
+                t += (b[r][p] * b[s][q] - b[r][q] * b[s][p]) / d * a[k][j];
+            }
+            sum += t * t;
+        }
+    return dim == 2 ? sum - 1 : sum;
+}
+
+/** Edges of corner c as rows; returns the product of their lengths. */
+static real edges_of(const pl_cell_shape *shape, int c, const double *x, int stride, real a[3][3]) {
+    real product = 1;
+    memset(a, 0, 9 * sizeof a[0][0]);
+    a[2][2] = 1;
+    for (int j = 0; j < shape->dim; j++) {
+        real square = 0;
+        for (int d = 0; d < shape->dim; d++) {
+            a[j][d] = (real)x[shape->neighbour[c][j] * stride + d] - (real)x[c * stride + d];
+            square += a[j][d] * a[j][d];
+        }
+        product *= sqrtl(square);
+    }
+    return product;
+}
+
+/** AR of the element whose corners come first at x; *least: its least scaled Jacobian. */
+static real plain_ratio(int type, const double *x, int dim, real *least) {
+    const pl_cell_shape *shape = pl_cell_type_of(type)->shape;
+    real sum = 0;
+    *least = INFINITY;
+    for (int c = 0; c < shape->n_measured; c++) {
+        real a[3][3], w[3][3];
+        const real lengths = edges_of(shape, c, x, dim, a);
+        const real ideal_lengths = edges_of(shape, c, ideal_corners(type)[0], 3, w);
+        const real d = determinant3(a) / determinant3(w), e = norm_square(a, w, dim);
+        const real mu = e / (dim * powl(fabsl(d), 2.0L / dim));
+        sum += mu * mu;
+        *least = fminl(*least, d * ideal_lengths / lengths);
+    }
+    return sqrtl(sum / shape->n_measured);
+}
+
+/* ---- Tests ----------------------------------------------------------------------------------- */
+
+static void ideal_elements_have_an_aspect_ratio_of_1(void **state) {
+    (void)state;
+    uint64_t random = 1;
+    for (int k = 0; k < 2 * N_TYPES; k++) {
+        const int type = TYPES[k / 2];
+        mesh m = empty_mesh(pl_cell_type_of(type)->shape->dim);
+        double ratio;
+        add(&m, type, 0, 0, k % 2 ? -1 : 1, &random);
+        const planish_cell_quality q = measure(&m, 1, &ratio);
+        assert_int_equal(q.n_types, 1);
+        assert_int_equal(q.type[0], type);
+        assert_memory_equal(&q.by_type[0], &q.all, sizeof q.all);
+        assert_int_equal(q.all.n_elements, 1);
+        assert_int_equal(q.all.n_inverted, 0);
+        assert_int_equal(q.all.n_uncertified, 0);
+        assert_int_equal(q.all.n_inverted_corners, 0);
+        assert_int_equal(q.all.n_curved, 0);
+        assert_int_equal(q.all.worst_element, 0);
+        assert_true(ratio == q.all.max_aspect_ratio && ratio == q.all.mean_aspect_ratio);
+        assert_true(fabs(ratio - 1) < 1e-14 && fabs(q.all.rms_aspect_ratio - 1) < 1e-14);
+        assert_true(fabs(q.all.min_scaled_jacobian - 1) < 1e-14);
+        assert_true(fabs(q.all.max_edge_ratio - 1) < 1e-14 && q.all.min_jacobian_ratio == 1);
+        free_mesh(&m);
+    }
+}
+
+static void simplices_have_their_mean_ratio(void **state) {
+    (void)state;
+    uint64_t random = effort_seed(11);
+    for (int dim = 2; dim <= 3; dim++)
+        for (int64_t repeat = effort(100, 10000); repeat > 0; repeat--) {
+            mesh m = empty_mesh(dim);
+            double ratio;
+            add(&m, dim == 3 ? 10 : 5, 0.3, 0, 1, &random);
+            measure(&m, 1, &ratio);
+            const double *vertex[4];
+            for (int j = 0; j <= dim; j++)
+                vertex[j] = m.x + j * dim;
+            if (ratio > 0)
+                assert_true(fabs(ratio * fabs(pl_mean_ratio(dim, vertex)) - 1) < 1e-12);
+            free_mesh(&m);
+        }
+}
+
+static void measures_agree_with_plain_loops(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        mesh m = mixed_mesh(dim, effort(3000, MAX_CELLS), 12);
+        double *ratio = malloc((size_t)m.cells.n * sizeof *ratio);
+        const planish_cell_quality q = measure(&m, 2, ratio);
+        planish_cell_measures sums = {.n_elements = 0};
+        int64_t n_all[5] = {0}, n_ratios = 0;
+        for (int r = 0; r < q.n_types; r++) {
+            const planish_cell_measures *of = &q.by_type[r];
+            assert_true(r == 0 || q.type[r] > q.type[r - 1]);
+            real square = 0, sum = 0, least = INFINITY;
+            double largest = 0;
+            int64_t n = 0, n_type = 0, worst = -1;
+            for (int64_t i = 0; i < m.cells.n; i++) {
+                real scaled;
+                if (m.type[i] != q.type[r])
+                    continue;
+                const real plain =
+                    plain_ratio(m.type[i], m.x + m.node[m.offset[i]] * dim, dim, &scaled);
+                n_type++;
+                least = fminl(least, scaled);
+                if (ratio[i] == 0)
+                    continue;
+                assert_true(scaled > 0 && fabsl(plain - ratio[i]) < 1e-10L * plain);
+                worst = ratio[i] > largest ? i : worst;
+                largest = fmax(ratio[i], largest);
+                square += plain * plain;
+                sum += plain;
+                n++;
+            }
+            assert_int_equal(n_type, of->n_elements);
+            assert_true(n <= n_type - of->n_inverted);
+            if (pl_cell_type_of(q.type[r])->order == 1)
+                assert_int_equal(n, n_type - of->n_inverted);
+            assert_true(of->max_aspect_ratio == largest);
+            assert_int_equal(of->worst_element, worst);
+            assert_true(fabsl(of->min_scaled_jacobian - least) < 1e-12L);
+            assert_true(fabsl(of->rms_aspect_ratio - sqrtl(square / n)) <
+                        1e-10L * sqrtl(square / n));
+            assert_true(fabsl(of->mean_aspect_ratio - sum / n) < 1e-10L * sum / n);
+            n_all[0] += of->n_elements;
+            n_all[1] += of->n_inverted;
+            n_all[2] += of->n_inverted_corners;
+            n_all[3] += of->n_curved;
+            n_all[4] += of->n_uncertified;
+            n_ratios += n;
+            sums.mean_aspect_ratio += of->mean_aspect_ratio * (double)n;
+            sums.max_aspect_ratio = fmax(sums.max_aspect_ratio, of->max_aspect_ratio);
+            sums.max_edge_ratio = fmax(sums.max_edge_ratio, of->max_edge_ratio);
+        }
+        assert_true(q.n_types > 4);
+        assert_int_equal(q.all.n_elements, n_all[0]);
+        assert_int_equal(q.all.n_inverted, n_all[1]);
+        assert_int_equal(q.all.n_inverted_corners, n_all[2]);
+        assert_int_equal(q.all.n_curved, n_all[3]);
+        assert_int_equal(q.all.n_uncertified, 0);
+        assert_int_equal(n_all[4], 0);
+        assert_true(n_all[1] > 0 && n_all[2] > 0 && n_all[3] > 0);
+        assert_true(q.all.max_aspect_ratio == sums.max_aspect_ratio);
+        assert_true(q.all.max_edge_ratio == sums.max_edge_ratio);
+        assert_true(ratio[q.all.worst_element] == q.all.max_aspect_ratio);
+        assert_true(fabs(q.all.mean_aspect_ratio - sums.mean_aspect_ratio / (double)n_ratios) <
+                    1e-10);
+        free(ratio);
+        free_mesh(&m);
+    }
+}
+
+static void any_number_of_threads_gives_the_same_bits(void **state) {
+    (void)state;
+    static const int THREADS[] = {2, 3, 5, 8, 0};
+    for (int dim = 2; dim <= 3; dim++) {
+        mesh m = mixed_mesh(dim, 9000, 13);
+        const size_t bytes = (size_t)m.cells.n * sizeof(double);
+        double *ratio = malloc(bytes), *other = malloc(bytes);
+        const planish_cell_quality q = measure(&m, 1, ratio);
+        for (int i = 0; i < 5; i++) {
+            const planish_cell_quality more = measure(&m, THREADS[i], other);
+            assert_memory_equal(&more, &q, sizeof q);
+            assert_memory_equal(other, ratio, bytes);
+        }
+        const planish_cell_quality without = measure(&m, 2, NULL);
+        assert_memory_equal(&without, &q, sizeof q);
+        free(ratio);
+        free(other);
+        free_mesh(&m);
+    }
+}
+
+/** Also where the first elements are the ones that are mirrored. */
+static void most_elements_of_a_type_have_the_right_handedness(void **state) {
+    (void)state;
+    enum { N = 12001, MIRRORED = 6000 };
+    uint64_t random = effort_seed(14);
+    for (int part = 0; part < 2; part++) { /* positive: the majority, or the minority */
+        mesh m = empty_mesh(2);
+        double *ratio = malloc(2 * N * sizeof *ratio);
+        for (int i = 0; i < N; i++)
+            add(&m, 9, 0.1, 0, (part == 0) == (i < MIRRORED) ? -1 : 1, &random);
+        const planish_cell_quality q = measure(&m, 2, ratio);
+        assert_int_equal(q.all.n_inverted, MIRRORED);
+        for (int i = 0; i < N; i++)
+            assert_true((ratio[i] > 0) == (i >= MIRRORED));
+        for (int i = 0; i < 100; i++) /* another type has a handedness of its own */
+            add(&m, 5, 0.1, 0, part == 0 ? -1 : 1, &random);
+        assert_int_equal(measure(&m, 2, NULL).all.n_inverted, MIRRORED);
+        free(ratio);
+        free_mesh(&m);
+    }
+}
+
+static void other_dimensions_do_not_count(void **state) {
+    (void)state;
+    uint64_t random = effort_seed(15);
+    mesh m = empty_mesh(3);
+    double ratio[4];
+    add(&m, 12, 0.1, 0, 1, &random);
+    add_line(&m);
+    m.type[m.cells.n++] = PLANISH_CELL_TRIANGLE;
+    for (int i = 0; i < 3; i++)
+        m.node[m.offset[m.cells.n - 1] + i] = i;
+    m.offset[m.cells.n] = m.offset[m.cells.n - 1] + 3;
+    m.type[m.cells.n++] = PLANISH_CELL_VERTEX;
+    m.node[m.offset[m.cells.n - 1]] = 7;
+    m.offset[m.cells.n] = m.offset[m.cells.n - 1] + 1;
+    planish_cell_quality q = measure(&m, 1, ratio);
+    assert_int_equal(q.all.n_elements, 1);
+    assert_int_equal(q.n_types, 1);
+    assert_true(ratio[0] > 1 && ratio[1] == 0 && ratio[2] == 0 && ratio[3] == 0);
+    m.cells.n = 0;
+    q = measure(&m, 1, ratio);
+    assert_int_equal(q.all.n_elements, 0);
+    assert_int_equal(q.all.worst_element, -1);
+    assert_true(q.all.rms_aspect_ratio == 0 && q.all.min_scaled_jacobian == 0);
+    free_mesh(&m);
+}
+
+/** Sizes that are powers of two change no bit, whatever they are; offsets change little. */
+static void size_and_place_do_not_matter(void **state) {
+    (void)state;
+    static const int EXPONENTS[] = {-600, -100, -61, -41, -40, -39, 39, 40, 41, 61, 300, 664, 1015};
+    uint64_t random = effort_seed(16);
+    for (int k = 0; k < N_TYPES; k++) {
+        mesh m = empty_mesh(pl_cell_type_of(TYPES[k])->shape->dim);
+        const int64_t n = m.dim * PL_CELL_NODES;
+        double x[3 * PL_CELL_NODES], ratio, other;
+        add(&m, TYPES[k], 0.1, 0.02, 1, &random);
+        memcpy(x, m.x, (size_t)n * sizeof *x);
+        const planish_cell_quality q = measure(&m, 1, &ratio);
+        for (size_t i = 0; i < sizeof EXPONENTS / sizeof *EXPONENTS; i++) {
+            for (int64_t j = 0; j < n; j++)
+                m.x[j] = ldexp(x[j], EXPONENTS[i]);
+            const planish_cell_quality scaled = measure(&m, 1, &other);
+            assert_true(ratio == other);
+            assert_memory_equal(&scaled, &q, sizeof q);
+        }
+        for (int64_t j = 0; j < n; j++) /* of 1.5 2^1023 or more, so that differences overflow */
+            m.x[j] = ldexp(x[j] - 0.5, 1023) *
+                     (pl_cell_type_of(TYPES[k])->shape->n_corners == 4 && m.dim == 3 ? 1 : 1.5);
+        const planish_cell_quality huge = measure(&m, 1, &other);
+        assert_int_equal(huge.all.n_inverted, q.all.n_inverted);
+        assert_true(fabs(ratio - other) < 1e-12);
+        for (int64_t j = 0; j < n; j++)
+            m.x[j] = x[j] + 1e8;
+        assert_int_equal(measure(&m, 1, &other).all.n_inverted, q.all.n_inverted);
+        assert_true(fabs(ratio - other) < 1e-6);
+        free_mesh(&m);
+    }
+}
+
+static void nodes_off_the_middle_make_an_element_curved(void **state) {
+    (void)state;
+    uint64_t random = 1;
+    for (int k = 0; k < N_TYPES; k++) {
+        const pl_cell_type *of = pl_cell_type_of(TYPES[k]);
+        if (of->order == 1 || of->shape->n_simplices == 0)
+            continue;
+        planish_cell_quality q;
+        planish_error error;
+        mesh m = empty_mesh(of->shape->dim);
+        double *off;
+        add(&m, TYPES[k], 0, 0, 1, &random);
+        off = &m.x[(of->n_nodes - 1) * m.dim];
+        *off += 1e-7;
+        assert_int_equal(measure(&m, 1, NULL).all.n_curved, 0);
+        *off += 1e-3;
+        q = measure(&m, 1, NULL);
+        assert_int_equal(q.all.n_curved, 1);
+        assert_true(q.all.min_jacobian_ratio < 1 && q.all.min_jacobian_ratio > 0.9);
+        assert_int_equal(
+            planish_measure_cells(&m.cells, m.dim, m.n_nodes, m.x, 2e-3, 1, &q, NULL, &error),
+            PLANISH_OK);
+        assert_int_equal(q.all.n_curved, 0);
+        assert_true(q.all.min_jacobian_ratio == 1);
+        m.node[of->shape->n_corners] = -1; /* a missing mid is in the middle */
+        m.x[of->shape->n_corners * m.dim] += 100;
+        assert_int_equal(measure(&m, 1, NULL).all.n_inverted, 0);
+        free_mesh(&m);
+    }
+}
+
+/** A hexahedron of which det J touches 0 inside, and a valid one. */
+static void touching_zero_is_not_valid(void **state) {
+    (void)state;
+    uint64_t random = 1;
+    mesh m = empty_mesh(3);
+    double ratio[2];
+    add(&m, 12, 0, 0, 1, &random);
+    add(&m, 12, 0, 0, 1, &random);
+    for (int i = 4; i < 8; i++) /* the top is turned by 180 degrees */
+        for (int d = 0; d < 2; d++)
+            m.x[3 * i + d] = 1 - m.x[3 * i + d];
+    const planish_cell_quality q = measure(&m, 1, ratio);
+    assert_int_equal(q.all.n_inverted + q.all.n_uncertified, 1);
+    assert_true(ratio[0] == 0 && ratio[1] > 0);
+    free_mesh(&m);
+}
+
+static void wrong_arguments_are_refused(void **state) {
+    (void)state;
+    enum { ARGUMENT = PLANISH_ERROR_ARGUMENT, MESH = PLANISH_ERROR_MESH };
+    uint64_t random = 1;
+    mesh m = empty_mesh(2);
+    planish_cell_quality q, before;
+    planish_error error;
+    add(&m, 9, 0, 0, 1, &random);
+    const struct {
+        const char *name;
+        const planish_cells *cells;
+        int dim;
+        int64_t n_nodes;
+        const double *x;
+        double rounding;
+        int threads;
+        planish_cell_quality *quality;
+        int code;
+    } CASES[] = {
+        {"no cells", NULL, 2, 4, m.x, 0, 1, &q, ARGUMENT},
+        {"no coordinates", &m.cells, 2, 4, NULL, 0, 1, &q, ARGUMENT},
+        {"no quality", &m.cells, 2, 4, m.x, 0, 1, NULL, ARGUMENT},
+        {"dim 1", &m.cells, 1, 4, m.x, 0, 1, &q, ARGUMENT},
+        {"dim 4", &m.cells, 4, 4, m.x, 0, 1, &q, ARGUMENT},
+        {"negative nodes", &m.cells, 2, -1, m.x, 0, 1, &q, ARGUMENT},
+        {"too many nodes", &m.cells, 2, (int64_t)INT32_MAX + 1, m.x, 0, 1, &q, ARGUMENT},
+        {"negative rounding", &m.cells, 2, 4, m.x, -1, 1, &q, ARGUMENT},
+        {"rounding is no number", &m.cells, 2, 4, m.x, NAN, 1, &q, ARGUMENT},
+        {"negative threads", &m.cells, 2, 4, m.x, 0, -1, &q, ARGUMENT},
+        {"too many threads", &m.cells, 2, 4, m.x, 0, 1 << 20, &q, ARGUMENT},
+        {"too few nodes", &m.cells, 2, 3, m.x, 0, 1, &q, MESH},
+        {"no nodes", &m.cells, 2, 0, NULL, 0, 1, &q, MESH},
+    };
+    memset(&q, 0x5a, sizeof q);
+    before = q;
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
+        const int status = planish_measure_cells(CASES[i].cells, CASES[i].dim, CASES[i].n_nodes,
+                                                 CASES[i].x, CASES[i].rounding, CASES[i].threads,
+                                                 CASES[i].quality, NULL, &error);
+        if (status != CASES[i].code || error.code != status || strlen(error.text) < 10)
+            fail_msg("%s: %d, %s", CASES[i].name, status, error.text);
+        assert_memory_equal(&q, &before, sizeof q);
+        assert_int_equal(planish_measure_cells(CASES[i].cells, CASES[i].dim, CASES[i].n_nodes,
+                                               CASES[i].x, CASES[i].rounding, CASES[i].threads,
+                                               CASES[i].quality, NULL, NULL),
+                         status);
+    }
+    static const double WRONG[] = {NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < 3; i++) {
+        m.x[5] = WRONG[i];
+        assert_int_equal(planish_measure_cells(&m.cells, 2, 4, m.x, 0, 1, &q, NULL, &error), MESH);
+        assert_int_equal(error.node, 2);
+        assert_int_equal(error.element, -1);
+    }
+    free_mesh(&m);
+}
+
+/** Elements of several types; one is decided by integers, which need memory of their own. */
+static void measure_with_faults(const void *world, faults *f) {
+    const mesh *m = world;
+    planish_cell_quality q;
+    planish_error error;
+    double *ratio = malloc((size_t)m->cells.n * sizeof *ratio);
+    int status;
+    do {
+        faults_mark(&q, sizeof q);
+        status =
+            planish_measure_cells(&m->cells, m->dim, m->n_nodes, m->x, 0, 2, &q, ratio, &error);
+        assert_true(!status || faults_is_marked(&q, sizeof q));
+    } while (faults_refused(f, status, &error));
+    faults_add(f, &q, sizeof q);
+    faults_add(f, ratio, (size_t)m->cells.n * sizeof *ratio);
+    free(ratio);
+}
+
+static void failed_allocations_are_refused(void **state) {
+    (void)state;
+    mesh m = mixed_mesh(3, 60, 17);
+    uint64_t random = 1;
+    const int32_t first = add(&m, 12, 0, 0, 1, &random);
+    for (int i = 4; i < 8; i++)
+        for (int d = 0; d < 2; d++)
+            m.x[3 * (first + i) + d] = 1 - m.x[3 * (first + i) + d];
+    assert_true(faults_try("planish_measure_cells", measure_with_faults, &m, 30) > 3 * 10);
+    free_mesh(&m);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ideal_elements_have_an_aspect_ratio_of_1),
+        cmocka_unit_test(simplices_have_their_mean_ratio),
+        cmocka_unit_test(measures_agree_with_plain_loops),
+        cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
+        cmocka_unit_test(most_elements_of_a_type_have_the_right_handedness),
+        cmocka_unit_test(other_dimensions_do_not_count),
+        cmocka_unit_test(size_and_place_do_not_matter),
+        cmocka_unit_test(nodes_off_the_middle_make_an_element_curved),
+        cmocka_unit_test(touching_zero_is_not_valid),
+        cmocka_unit_test(wrong_arguments_are_refused),
+        cmocka_unit_test(failed_allocations_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
