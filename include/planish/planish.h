@@ -772,13 +772,13 @@ PLANISH_API int planish_measure_mesh(const planish_mesh *mesh, const planish_opt
  *  without inverted corners. Without any the mean and the largest are 0. */
 typedef struct planish_cell_measures {
     int64_t n_elements;
-    int64_t n_inverted;        /* elements that are not valid: det J <= 0 somewhere. Decided, not
+    int64_t n_inverted;         /* elements that are not valid: det J <= 0 somewhere. Decided, not
                                   sampled (docs/measures.md) */
-    int64_t n_uncertified;     /* elements of which that is not decided; they count as not valid */
+    int64_t n_uncertified;      /* elements of which that is not decided; they count as not valid */
     int64_t n_inverted_corners; /* corners whose edges, taken as straight, have a determinant <= 0;
                                    decided exactly */
-    int64_t n_curved;          /* elements with a node off the middle of its corners */
-    double rms_aspect_ratio;   /* AR: root of the mean over the corners of the squared mean ratio,
+    int64_t n_curved;           /* elements with a node off the middle of its corners */
+    double rms_aspect_ratio;    /* AR: root of the mean over the corners of the squared mean ratio,
                                   1 for the ideal element */
     double mean_aspect_ratio;
     double max_aspect_ratio;
@@ -797,7 +797,7 @@ enum { PLANISH_N_CELL_TYPES = 16 };
 typedef struct planish_cell_quality {
     planish_cell_measures all;
     int n_types;
-    planish_cell_type type[PLANISH_N_CELL_TYPES];             /* [n_types] ascending, */
+    planish_cell_type type[PLANISH_N_CELL_TYPES];        /* [n_types] ascending, */
     planish_cell_measures by_type[PLANISH_N_CELL_TYPES]; /* and their measures */
     int64_t reserved[8];
 } planish_cell_quality;
