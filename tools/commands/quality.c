@@ -143,8 +143,8 @@ static int measure_file(quality_run *r, const char *input) {
     int status = pl_job_read(&job, &arguments, &pl_engine_here);
     if (!status)
         status = measure_job(r, &job, mesh);
-    mesh->n_elements = mesh->measured.cells.has_others ? mesh->measured.cells.cells.n
-                                                       : job.mesh.n_elements;
+    mesh->n_elements =
+        mesh->measured.cells.has_others ? mesh->measured.cells.cells.n : job.mesh.n_elements;
     pl_job_close(&job);
     pl_cells_free(&mesh->measured.cells);
     pl_volumes_free(&mesh->measured.volumes);

@@ -259,7 +259,8 @@ int pl_report_command(const pl_arguments *arguments) {
     if (!status && d.lacks[0] && arguments->verbosity != PL_QUIET)
         pl_note(stderr, "%s", d.lacks);
     if (!status)
-        status = pl_page_write(output, &figures, d.picture, d.lacks[0] ? d.lacks : NULL, PL_EXIT_FAILED);
+        status =
+            pl_page_write(output, &figures, d.picture, d.lacks[0] ? d.lacks : NULL, PL_EXIT_FAILED);
     pl_picture_free(d.picture);
     cJSON_Delete(result);
     return status;

@@ -16,7 +16,7 @@ typedef struct pl_cells {
     int has_others;      /* 0: the mesh has straight simplices alone, and nothing else is set */
     planish_cells cells; /* the file's */
     planish_cell_quality quality; /* ratios over no element are NAN */
-    double *aspect_ratio; /* [cells.n] 0: the element is not valid; owned */
+    double *aspect_ratio;         /* [cells.n] 0: the element is not valid; owned */
 } pl_cells;
 
 /** Measure all elements of the file, if it has others than straight simplices. cells is to be freed

@@ -161,10 +161,10 @@ static void place(const pl_job *job, const pl_cells *cells, const uint8_t *is_fr
         if (k <= dim)
             vertex[k] = at;
         node[bad->n_nodes++] = planish_file_node_number(job->file, nodes[k]);
-        bad->is_movable |= is_free && (is_free[nodes[k]] ||
-                                       (job->plan_info.n_sliding > 0 &&
-                                        (constraint == PLANISH_CONSTRAINT_ON_PLANE ||
-                                         constraint == PLANISH_CONSTRAINT_ON_LINE)));
+        bad->is_movable |=
+            is_free && (is_free[nodes[k]] || (job->plan_info.n_sliding > 0 &&
+                                              (constraint == PLANISH_CONSTRAINT_ON_PLANE ||
+                                               constraint == PLANISH_CONSTRAINT_ON_LINE)));
         /* Its part of the middle, in the file's columns. */
         if (columns > dim &&
             planish_file_space_coordinates(job->file, nodes[k], 1, at, xyz, NULL) == 0)
@@ -183,8 +183,7 @@ static int find_worst(const pl_job *job, const pl_cells *cells, int64_t n, pl_wo
     const int32_t *region = planish_file_surface(job->file, NULL).region;
     const int64_t most_nodes = cells ? MOST_NODES : job->mesh.dim + 1;
     int32_t last = -1;
-    int status =
-        cells ? select_cells(job, cells, n, worst) : pl_worst_select(job, n, worst);
+    int status = cells ? select_cells(job, cells, n, worst) : pl_worst_select(job, n, worst);
     if (status)
         return status;
     for (int64_t i = 0; region && i < job->mesh.n_elements; i++)

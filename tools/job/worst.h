@@ -16,8 +16,8 @@ enum { PL_USUAL_WORST = 10 };
 
 /** An element, what it is worth, and where it is: as it was when it was found. */
 typedef struct pl_bad_element {
-    int64_t element;                              /* index in job->mesh, or the file's cells */
-    double ratio;                                 /* 0: inverted, or flat */
+    int64_t element; /* index in job->mesh, or the file's cells */
+    double ratio;    /* 0: inverted, or flat */
     planish_cell_type type;
     int64_t number;                               /* the file's */
     double smallest_angle_deg, largest_angle_deg; /* dihedral in 3-D; NAN where it is too
@@ -36,11 +36,11 @@ typedef struct pl_worst {
     int64_t n;
     int is_aspect_ratio; /* 1: elements of every type and their aspect ratios; 0: simplices and
                             their radius ratios */
-    int64_t n_inverted; /* in the mesh, also where these are fewer */
+    int64_t n_inverted;  /* in the mesh, also where these are fewer */
     int dim;
-    int columns; /* of places: 2 in the plane of x and y, else 3 */
+    int columns;   /* of places: 2 in the plane of x and y, else 3 */
     int64_t *node; /* nodes of the elements, owned */
-    char **tag;  /* [n_tags] of the file's regions, owned; NULL: not looked for, or none */
+    char **tag;    /* [n_tags] of the file's regions, owned; NULL: not looked for, or none */
     int64_t n_tags;
 } pl_worst;
 

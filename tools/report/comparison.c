@@ -48,8 +48,8 @@ static selection select_columns(const pl_compared *mesh, int n, int has_volumes)
     for (int i = 0; i < n; i++)
         has_others |= mesh[i].measured.cells.has_others;
     for (int c = 0; c < N_COLUMNS; c++)
-        of.is_shown[c] = (c != BELOW || has_volumes) &&
-                         columns[c].use != (has_others ? OF_SIMPLICES : OF_TYPES);
+        of.is_shown[c] =
+            (c != BELOW || has_volumes) && columns[c].use != (has_others ? OF_SIMPLICES : OF_TYPES);
     return of;
 }
 

@@ -72,8 +72,8 @@ int64_t pl_figures_elements(const pl_figures *figures) {
     double n = 0;
     if (!figures->has_types)
         return pl_figure_count(mesh, "elements");
-    cJSON_ArrayForEach(of_type, cJSON_GetObjectItemCaseSensitive(figures->state[0], "counts"))
-        n += fmax(value_of(of_type), 0); /* 0 also for NAN */
+    cJSON_ArrayForEach(of_type, cJSON_GetObjectItemCaseSensitive(figures->state[0], "counts")) n +=
+        fmax(value_of(of_type), 0); /* 0 also for NAN */
     return pl_figure_whole(n);
 }
 

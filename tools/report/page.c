@@ -49,8 +49,12 @@ static void put_head(pl_markup *page, const pl_figures *figures) {
 static void put_mesh(pl_markup *page, const pl_figures *figures) {
     const int is_solid = figures->is_solid, has_types = figures->has_types;
     pl_markup_put_number_of(page, pl_figures_elements(figures),
-                            has_types ? "element" : is_solid ? "tetrahedron" : "triangle",
-                            has_types ? "elements" : is_solid ? "tetrahedra" : "triangles");
+                            has_types  ? "element"
+                            : is_solid ? "tetrahedron"
+                                       : "triangle",
+                            has_types  ? "elements"
+                            : is_solid ? "tetrahedra"
+                                       : "triangles");
 }
 
 /** Put who moved, how far, and what that brought. */

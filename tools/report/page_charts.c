@@ -81,9 +81,8 @@ void pl_page_put_histograms(pl_markup *page, const pl_figures *all) {
     const pl_figures alone = pl_figures_simplices(all), *figures = &alone;
     if (figures->n_states == 0)
         return;
-    pl_markup_put(page,
-                  "<section id=\"histograms\"><h2>%s by quality</h2>\n",
-                  !all->has_types      ? "Elements"
+    pl_markup_put(page, "<section id=\"histograms\"><h2>%s by quality</h2>\n",
+                  !all->has_types     ? "Elements"
                   : figures->is_solid ? "Straight tetrahedra"
                                       : "Straight triangles");
     pl_markup_put(page, "<p class=\"quiet\">The axis of the numbers is logarithmic, so that a "

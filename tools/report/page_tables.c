@@ -209,8 +209,7 @@ static void put_spreads(pl_markup *page, const pl_figures *figures) {
 
 /** Put a table of the measures [n]. */
 static void put_table(pl_markup *page, const pl_figures *figures, const measure *of, int n) {
-    pl_markup_put(
-        page, "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">measure</th>");
+    pl_markup_put(page, "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">measure</th>");
     for (int s = 0; s < figures->n_states; s++)
         pl_markup_put(page, "<th scope=\"col\">%s</th>", figures->name[s]);
     if (figures->n_states == 2)
@@ -344,7 +343,8 @@ static void put_bad_elements(pl_markup *page, const cJSON *state, int has_types)
                   has_types ? "<th scope=\"col\">aspect ratio</th>"
                             : "<th scope=\"col\">radius ratio</th><th scope=\"col\">smallest "
                               "angle</th><th scope=\"col\">largest</th>");
-    pl_markup_put(page, "<th scope=\"col\" class=\"word\">free node</th><th scope=\"col\" class=\"word\">middle</th><th scope=\"col\" "
+    pl_markup_put(page, "<th scope=\"col\" class=\"word\">free node</th><th scope=\"col\" "
+                        "class=\"word\">middle</th><th scope=\"col\" "
                         "class=\"word\">nodes</th><th scope=\"col\" "
                         "class=\"word\">region</th></tr></thead><tbody>\n");
     int n = 0;

@@ -252,15 +252,29 @@ static void add_cell_measures(document *json, cJSON *to, const planish_cell_meas
 /** Add the quality of a mesh with elements of other types. The keys of simplices are null, as these
  *  measures do not exist of all elements; the object `simplices` has them. */
 static void add_cells(document *json, cJSON *root, const pl_job *job, const pl_measured *measured) {
-    static const char *const of_simplices[] = {
-        "reversed_elements",        "below_min_volume",     "min_volume",
-        "max_volume",               "total_volume",         "rms_radius_ratio",
-        "rms_radius_ratio_movable", "mean_radius_ratio",    "max_radius_ratio",
-        "min_dihedral_deg",         "max_dihedral_deg",     "max_radius_ratio_movable",
-        "min_dihedral_movable_deg", "radius_ratio",         "circumradius_to_edge",
-        "edge_to_inradius",         "edge_ratio",           "mean_ratio",
-        "scaled_jacobian",          "smallest_angle_deg",   "largest_angle_deg",
-        "histogram",                "angle_histogram"};
+    static const char *const of_simplices[] = {"reversed_elements",
+                                               "below_min_volume",
+                                               "min_volume",
+                                               "max_volume",
+                                               "total_volume",
+                                               "rms_radius_ratio",
+                                               "rms_radius_ratio_movable",
+                                               "mean_radius_ratio",
+                                               "max_radius_ratio",
+                                               "min_dihedral_deg",
+                                               "max_dihedral_deg",
+                                               "max_radius_ratio_movable",
+                                               "min_dihedral_movable_deg",
+                                               "radius_ratio",
+                                               "circumradius_to_edge",
+                                               "edge_to_inradius",
+                                               "edge_ratio",
+                                               "mean_ratio",
+                                               "scaled_jacobian",
+                                               "smallest_angle_deg",
+                                               "largest_angle_deg",
+                                               "histogram",
+                                               "angle_histogram"};
     const planish_cell_quality *q = &measured->cells.quality;
     cJSON *quality = new_object(json, root, "quality");
     cJSON *counts = new_object(json, quality, "counts");

@@ -176,9 +176,9 @@ static const char *word_for(int64_t n, const char *one, const char *many) {
 static void row_mesh(FILE *stream, const pl_job *job, const char *elements) {
     enum { NAME_ROOM = 20 };
     char counts[512], name[4 * PL_TEXT_WIDTH + 1];
-    const int width = snprintf(counts, sizeof counts, ": %s, %s, %" PRId64 " %s",
-                               job->file_info.format, elements, job->mesh.n_nodes,
-                               word_for(job->mesh.n_nodes, "node", "nodes"));
+    const int width =
+        snprintf(counts, sizeof counts, ": %s, %s, %" PRId64 " %s", job->file_info.format, elements,
+                 job->mesh.n_nodes, word_for(job->mesh.n_nodes, "node", "nodes"));
     if (width <= PL_TEXT_WIDTH - NAME_ROOM) {
         fprintf(stream, "%s%s\n",
                 pl_text_fit(job->arguments->input, PL_TEXT_WIDTH - width, name, sizeof name),
@@ -370,8 +370,7 @@ static void put_types(FILE *stream, const planish_cell_quality *q) {
     put_heading(stream, heading);
     for (int i = 0; i < q->n_types; i++) {
         const planish_cell_measures *of = &q->by_type[i];
-        const double ratios[] = {of->max_aspect_ratio, of->rms_aspect_ratio,
-                                 of->mean_aspect_ratio};
+        const double ratios[] = {of->max_aspect_ratio, of->rms_aspect_ratio, of->mean_aspect_ratio};
         fprintf(stream, "%-*s%*" PRId64 "%*" PRId64 "%*" PRId64, TYPE_WIDTH,
                 pl_cell_type_name(q->type[i]), ELEMENTS_WIDTH, of->n_elements, FAULTS_WIDTH,
                 of->n_inverted, CORNERS_WIDTH, of->n_inverted_corners);
@@ -405,8 +404,7 @@ static void put_cells(FILE *stream, const pl_job *job, const pl_cells *cells) {
     if (all->worst_element >= 0)
         fprintf(stream, "the worst valid element is %" PRId64 " (%s)\n",
                 planish_file_element_number(job->file, all->worst_element),
-                pl_cell_type_name(
-                    (planish_cell_type)cells->cells.type[all->worst_element]));
+                pl_cell_type_name((planish_cell_type)cells->cells.type[all->worst_element]));
     put_types(stream, &cells->quality);
 }
 
