@@ -59,6 +59,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         fuzz_require(error.code == status && error.text[0], "a failure has a code and a text");
     } else {
         fuzz_check_mesh(file);
+        fuzz_check_cells(file);
         fuzz_check_questions(file);
         fuzz_check_converted(file);
         fuzz_path(output, "-out.node");

@@ -2,7 +2,8 @@
  * under different numbers. The first is kept, in all of these groups, as MSH 4 would have it;
  * otherwise it would overlap itself and its nodes would lie between regions.
  *
- * Elements that are repeated in the same group are no such copies and stay.
+ * Elements that are repeated in the same group are no such copies and stay. Elements of model->other
+ * have no groups: where others have copies, they are not repeated.
  */
 #include "io/gmsh/gmsh_sections.h"
 
@@ -121,6 +122,73 @@ static int merge_cells(io_model *model, io_cells *cells, int dim, const uint8_t 
     return status;
 }
 
+/** An element of model->other. */
+typedef struct other_candidate {
+    const int32_t *node; /* [n] borrowed */
+    int n;
+    int32_t index;
+} other_candidate;
+
+static int compare_others(const void *left, const void *right) {
+    const other_candidate *a = left, *b = right;
+    if (a->n != b->n)
+        return a->n < b->n ? -1 : 1;
+    for (int i = 0; i < a->n; i++)
+        if (a->node[i] != b->node[i])
+            return a->node[i] < b->node[i] ? -1 : 1;
+    return (a->index > b->index) - (a->index < b->index);
+}
+
+/** Close the gaps that dropped elements of model->other leave. */
+static void compact_others(io_model *model, const uint8_t *is_dropped) {
+    io_others *o = &model->other;
+    int64_t n = 0, n_nodes = 0, begin = 0;
+    for (int64_t i = 0; i < o->n; i++) {
+        const int64_t from = begin, length = o->offset[i] - from;
+        begin = o->offset[i];
+        if (is_dropped[i])
+            continue;
+        memmove(o->node + n_nodes, o->node + from, (size_t)length * sizeof *o->node);
+        n_nodes += length;
+        o->type[n] = o->type[i];
+        o->number[n] = o->number[i];
+        o->offset[n++] = n_nodes;
+    }
+    model->n_other -= o->n - n;
+    o->n = n;
+    o->n_nodes = n_nodes;
+}
+
+/** Keep the first of elements of model->other that have the same nodes in the same order, whatever
+ *  their groups, as these have no entities. */
+static int merge_others(io_model *model, planish_error *error) {
+    const io_others *o = &model->other;
+    if (o->n == 0)
+        return PLANISH_OK;
+    other_candidate *candidate = pl_alloc(o->n, sizeof *candidate);
+    uint8_t *is_dropped = pl_alloc_zero(o->n, sizeof *is_dropped);
+    const int status =
+        candidate && is_dropped ? PLANISH_OK : pl_fail_memory(error, "the elements");
+    if (!status) {
+        for (int64_t i = 0; i < o->n; i++) {
+            const int64_t begin = i > 0 ? o->offset[i - 1] : 0;
+            candidate[i] =
+                (other_candidate){o->node + begin, (int)(o->offset[i] - begin), (int32_t)i};
+        }
+        qsort(candidate, (size_t)o->n, sizeof *candidate, compare_others);
+        for (int64_t i = 1; i < o->n; i++) {
+            const other_candidate *a = &candidate[i - 1], *b = &candidate[i];
+            is_dropped[b->index] =
+                a->n == b->n && o->type[a->index] == o->type[b->index] &&
+                memcmp(a->node, b->node, (size_t)a->n * sizeof *a->node) == 0;
+        }
+        compact_others(model, is_dropped);
+    }
+    pl_free(candidate);
+    pl_free(is_dropped);
+    return status;
+}
+
 int gmsh2_merge_copies(gmsh_reader *reader) {
     io_model *model = reader->model;
     const int32_t n = model->n_entities;
@@ -141,6 +209,8 @@ int gmsh2_merge_copies(gmsh_reader *reader) {
     }
     for (int dim = 2; dim < 4 && any && !status; dim++)
         status = merge_cells(model, io_model_cells(model, dim), dim, shared, reader->error);
+    if (any && !status)
+        status = merge_others(model, reader->error);
     pl_free(list);
     pl_free(shared);
     return status;
