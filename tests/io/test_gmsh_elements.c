@@ -30,8 +30,7 @@ static const unit_element elements[] = {
     {PLANISH_CELL_WEDGE, 6, "0 1 2 3 4 5"},
     {PLANISH_CELL_PYRAMID, 7, "0 1 2 3 4"},
     {PLANISH_CELL_TETRAHEDRON10, 11, "0 1 2 3 01 12 02 03 23 13"},
-    {PLANISH_CELL_HEXAHEDRON27, 12,
-     HEXAHEDRON20 " 0321 0154 0473 1265 2376 4567 01234567"},
+    {PLANISH_CELL_HEXAHEDRON27, 12, HEXAHEDRON20 " 0321 0154 0473 1265 2376 4567 01234567"},
     {PLANISH_CELL_WEDGE18, 13, WEDGE15 " 0143 0352 1254"},
     {PLANISH_CELL_PYRAMID14, 14, PYRAMID13 " 0123"},
     {PLANISH_CELL_HEXAHEDRON20, 17, HEXAHEDRON20},
@@ -95,8 +94,8 @@ static void put_section(file_builder *file, const encoding *e, int of_elements) 
         double x[UNIT_NODES][3];
         if (unit_dim(elements[i].type) != e->dim)
             continue;
-        total += of_elements ? e->times
-                             : e->times * unit_places(elements[i].type, elements[i].nodes, x);
+        total +=
+            of_elements ? e->times : e->times * unit_places(elements[i].type, elements[i].nodes, x);
         blocks += e->times;
     }
     builder_text(file, "\n$%s\n", name);

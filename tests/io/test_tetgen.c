@@ -302,9 +302,9 @@ static void nodes_of_second_order_are_in_order(void **state) {
         planish_file *on[2];
         char path[TEST_PATH_SIZE];
         for (int k = 0; k < 2; k++)
-            assert_int_equal(planish_file_open(test_path(path, *state, "a.ele"), NULL, 1 + 2 * k,
-                                               &on[k], NULL),
-                             PLANISH_OK);
+            assert_int_equal(
+                planish_file_open(test_path(path, *state, "a.ele"), NULL, 1 + 2 * k, &on[k], NULL),
+                PLANISH_OK);
         const io_others *a = &on[0]->model.other, *b = &on[1]->model.other;
         assert_int_equal(a->n, 30000);
         assert_int_equal(b->n, 30000);

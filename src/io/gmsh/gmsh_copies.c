@@ -167,8 +167,7 @@ static int merge_others(io_model *model, planish_error *error) {
         return PLANISH_OK;
     other_candidate *candidate = pl_alloc(o->n, sizeof *candidate);
     uint8_t *is_dropped = pl_alloc_zero(o->n, sizeof *is_dropped);
-    const int status =
-        candidate && is_dropped ? PLANISH_OK : pl_fail_memory(error, "the elements");
+    const int status = candidate && is_dropped ? PLANISH_OK : pl_fail_memory(error, "the elements");
     if (!status) {
         for (int64_t i = 0; i < o->n; i++) {
             const int64_t begin = i > 0 ? o->offset[i - 1] : 0;
@@ -178,9 +177,8 @@ static int merge_others(io_model *model, planish_error *error) {
         qsort(candidate, (size_t)o->n, sizeof *candidate, compare_others);
         for (int64_t i = 1; i < o->n; i++) {
             const other_candidate *a = &candidate[i - 1], *b = &candidate[i];
-            is_dropped[b->index] =
-                a->n == b->n && o->type[a->index] == o->type[b->index] &&
-                memcmp(a->node, b->node, (size_t)a->n * sizeof *a->node) == 0;
+            is_dropped[b->index] = a->n == b->n && o->type[a->index] == o->type[b->index] &&
+                                   memcmp(a->node, b->node, (size_t)a->n * sizeof *a->node) == 0;
         }
         compact_others(model, is_dropped);
     }

@@ -164,7 +164,7 @@ const io_node_order gmsh_node_orders[] = {
     {PLANISH_CELL_TETRAHEDRON10, {0, 1, 2, 3, 4, 5, 6, 7, 9, 8}},
     {PLANISH_CELL_HEXAHEDRON20,
      {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15}},
-    {PLANISH_CELL_HEXAHEDRON27, {0, 1,  2,  3,  4,  5,  6,  7,  8,  11, 13, 9,  16, 18,
+    {PLANISH_CELL_HEXAHEDRON27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  11, 13, 9,  16, 18,
                                  19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26}},
     {PLANISH_CELL_WEDGE15, {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11}},
     {PLANISH_CELL_WEDGE18, {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11, 15, 17, 16}},

@@ -55,9 +55,9 @@ const io_node_order netgen_node_orders[] = {
  *  of upright edges, but with the first two mids of each triangle the other way round. */
 static int add_other(const netgen_reader *r, int64_t n, const int32_t *nodes, int64_t number,
                      planish_error *error) {
-    static const io_shape solids[] = {[5] = IO_PYRAMID,      [6] = IO_PRISM,    [8] = IO_HEXAHEDRON,
-                                      [10] = IO_TETRAHEDRON, [13] = IO_PYRAMID, [15] = IO_PRISM,
-                                      [20] = IO_HEXAHEDRON};
+    static const io_shape solids[] = {
+        [5] = IO_PYRAMID,  [6] = IO_PRISM,  [8] = IO_HEXAHEDRON, [10] = IO_TETRAHEDRON,
+        [13] = IO_PYRAMID, [15] = IO_PRISM, [20] = IO_HEXAHEDRON};
     static const uint8_t prism12[15] = {0, 1, 2, 3, 4, 5, 7, 6, 8, 12, 12, 12, 10, 9, 11};
     const int is_solid = r->current->dim == 3;
     int32_t prism15[15];
