@@ -72,6 +72,9 @@ void pl_cells_count(const planish_cells *cells, char *text, size_t size) {
     }
 }
 
+/* Rounding in a field that is wide, and tolerance of a narrow one, of the diagonal. */
+static const double WIDE_FIELD = 1e-8, OF_NARROW_FIELD = 1e-5;
+
 /** Distance that rounding in the file explains, in its units. */
 static double rounding_of(const pl_job *job) {
     const int dim = job->mesh.dim;
@@ -85,8 +88,14 @@ static double rounding_of(const pl_job *job) {
         const double extent = high > low ? high - low : 0;
         square += extent * extent;
     }
-    const double rounding = planish_file_surface(job->file, NULL).tolerance * sqrt(square);
-    return isfinite(rounding) ? rounding : 0;
+    const double size = sqrt(square), third = size / 3;
+    const planish_file_info *info = &job->file_info;
+    double tolerance = planish_file_surface(job->file, NULL).tolerance;
+    /* In a narrow field some numbers have fewer digits than others. */
+    if (info->precision == PLANISH_PRECISION_ROUNDED &&
+        fabs(info->round(third, info->round_user) - third) > WIDE_FIELD * size)
+        tolerance = fmax(tolerance, OF_NARROW_FIELD);
+    return isfinite(tolerance * size) ? tolerance * size : 0;
 }
 
 /** Replace measures over no valid element by NAN: 0 would read as better than perfect. */
