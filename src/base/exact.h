@@ -15,7 +15,7 @@
 
 /** Doubles are 2^-1074 times integers below 2^2098. A difference of two has at most 2099 bits, a
  * sum of six products of three at most 6300; those of order 2 (quality/validity.c) have weights of
- * 150 bits more, and a product may leave a limb at 0. */
+ * 280 bits more, and a product may leave a limb at 0. */
 enum { PL_EXACT_LIMBS = 208 };
 
 /** Integer: sign * sum of limb[i] 2^(32 i), i < n; limb[n - 1] is not 0, and n is 0 for 0. */

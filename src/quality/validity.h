@@ -23,7 +23,7 @@
 
 enum {
     PL_JACOBIAN_LANES = 8,
-    PL_VALIDITY_DEPTH = 30,   /* bisections of a piece: 10 in each direction of a hexahedron */
+    PL_VALIDITY_DEPTH = 45,   /* bisections of a piece: 15 in each direction of a hexahedron */
     PL_VALIDITY_BOXES = 20000 /* pieces that are looked at */
 };
 
