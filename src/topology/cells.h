@@ -1,6 +1,7 @@
-/* cells: checks of elements of any types.
+/* cells: checks and orientation of elements of any types.
  *
- *   pl_check_cells    whether planish_cells are what their comments say
+ *   pl_check_cells     whether planish_cells are what their comments say
+ *   pl_orient_cells    the sign of a valid element's det J (cell_orientation.c)
  */
 #ifndef PL_TOPOLOGY_CELLS_H
 #define PL_TOPOLOGY_CELLS_H
@@ -11,5 +12,11 @@
  *  Simplices with a node twice are refused. In other elements a node may be there twice, as in
  *  hexahedra that have been collapsed to wedges. Errors: _ARGUMENT, _MESH. */
 int pl_check_cells(const planish_cells *cells, int64_t n_nodes, int threads, planish_error *error);
+
+/** Find the sign of det J that each element has where the mesh is valid: elements that facets join
+ *  agree, and so do most signs that corners have. sign [n] is +1 or -1, whatever of elements of
+ *  another dimension than dim. coordinates [][dim]. Errors: _MEMORY. */
+int pl_orient_cells(const planish_cells *cells, int dim, const double *coordinates, int8_t *sign,
+                    planish_error *error);
 
 #endif
