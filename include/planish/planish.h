@@ -132,7 +132,8 @@ typedef enum planish_cell_type {
 } planish_cell_type;
 
 /** Elements of any types. Elements of the mesh's dimension count, others are passed over. Elements
- *  may have either handedness: most elements of a type are taken to have the right one. */
+ *  may have either handedness: that of most elements that facets join is the right one, or that of
+ *  most of its type for an element that nothing joins. */
 typedef struct planish_cells {
     int64_t n;             /* elements */
     const uint8_t *type;   /* [n] of planish_cell_type */

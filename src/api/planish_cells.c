@@ -1,5 +1,6 @@
 /* planish_cells: elements of every type: check, enter, measure. */
 #include "base/context.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
 #include "quality/cell_measure.h"
@@ -34,10 +35,15 @@ int planish_measure_cells(const planish_cells *cells, int dim, int64_t n_nodes,
                               coordinates[i]);
     const pl_outside outside = pl_call_enter(NULL);
     const int n_threads = pl_thread_count(threads);
+    int8_t *sign = NULL;
     pl_cell_rules rules = {.n = 0};
-    pl_cell_mesh mesh = {dim, cells, coordinates, rounding};
     int status = pl_check_cells(cells, n_nodes, n_threads, error);
+    if (!status && !(sign = pl_alloc(cells->n, sizeof *sign)))
+        status = pl_fail_memory(error, "the measures of elements");
+    if (!status)
+        status = pl_orient_cells(cells, dim, coordinates, sign, error);
     if (!status) {
+        const pl_cell_mesh mesh = {dim, cells, coordinates, sign, rounding};
         status = pl_cell_rules_make(&mesh, &rules);
         if (!status)
             status = pl_measure_cells(&mesh, &rules, n_threads, quality, aspect_ratio);
@@ -45,6 +51,7 @@ int planish_measure_cells(const planish_cells *cells, int dim, int64_t n_nodes,
         if (status)
             pl_fail_memory(error, "the measures of elements");
     }
+    pl_free(sign);
     pl_call_leave(&outside);
     return status;
 }

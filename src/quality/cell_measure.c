@@ -27,7 +27,6 @@ typedef double pack[LANES];
 /** Sums over the elements of one type. */
 typedef struct type_sums {
     planish_cell_measures of; /* counts, least and largest values */
-    int64_t surplus;          /* of elements of positive handedness over those of negative */
     int64_t n_ratios;         /* elements that have an AR */
     pl_sum square, ratio;     /* of AR^2 and AR over these */
 } type_sums;
@@ -46,7 +45,6 @@ typedef struct cell_block {
     pack is_certain;      /* 1: the signs of all corners are right; 0: look at them one by one */
     pack square;          /* AR^2, if no corner is inverted */
     pack scaled_jacobian; /* least of the corners */
-    pack determinants;    /* sum over the corners, times sign */
     pack n_inverted_corners;
     pack is_curved;
 } cell_block;
@@ -54,7 +52,7 @@ typedef struct cell_block {
 /** A measurement under way. */
 typedef struct measurement {
     const pl_cell_mesh *mesh;
-    pl_cell_rules *rules;
+    const pl_cell_rules *rules;
     type_sums *sums;      /* [threads][rules->n] */
     double *aspect_ratio; /* [n] or NULL */
     int failed;           /* no memory; shared by threads */
@@ -235,11 +233,11 @@ PL_INLINE void measure_corners(cell_block *b, const int dim) {
     const pl_cell_shape ideal = *shape;
     const double share = 1.0 / shape->n_measured;
     double corner[4][3][LANES];
-    pack sign, is_certain, sum, n_inverted, least, determinants;
+    pack sign, is_certain, sum, n_inverted, least;
     for (int l = 0; l < LANES; l++) {
         sign[l] = b->sign[l];
         is_certain[l] = 1;
-        sum[l] = n_inverted[l] = determinants[l] = 0;
+        sum[l] = n_inverted[l] = 0;
         least[l] = INFINITY;
     }
     for (int c = 0; c < shape->n_measured; c++) {
@@ -257,7 +255,6 @@ PL_INLINE void measure_corners(cell_block *b, const int dim) {
             is_certain[l] = fabs(determinant) > error ? is_certain[l] : 0;
             n_inverted[l] += determinant > 0 ? 0 : 1;
             sum[l] += square;
-            determinants[l] += determinant;
             least[l] = pl_smaller(scaled, least[l]);
         }
     }
@@ -266,7 +263,6 @@ PL_INLINE void measure_corners(cell_block *b, const int dim) {
         b->n_inverted_corners[l] = n_inverted[l];
         b->scaled_jacobian[l] = least[l];
         b->square[l] = sum[l] * share;
-        b->determinants[l] = determinants[l];
     }
 }
 
@@ -325,8 +321,10 @@ __attribute__((target("avx2"))) static void wide_block(const pl_cell_mesh *mesh,
 
 /** Evaluate b. The lanes past the last element have something to compute with. */
 static void any_block(const pl_cell_mesh *mesh, cell_block *b) {
-    for (int l = b->n; l < LANES; l++)
+    for (int l = b->n; l < LANES; l++) {
         b->node[l] = b->node[0];
+        b->sign[l] = b->sign[0];
+    }
 #if defined(__x86_64__) && defined(__GNUC__)
     if (__builtin_cpu_supports("avx2")) {
         wide_block(mesh, b);
@@ -377,7 +375,6 @@ static void measure_block(measurement *m, cell_block *b, type_sums *sums) {
     for (int l = 0; l < b->n; l++) {
         if (b->is_certain[l] == 0)
             resolve_corners(m->mesh, l, b);
-        sums->surplus += (int64_t)(b->sign[l] * pl_sign_of(b->determinants[l]));
         add_lane(m, b, l, sums);
     }
     b->n = 0;
@@ -391,12 +388,11 @@ static void measure_chunk(void *context, int64_t begin, int64_t end, int thread)
         type_sums *sums = &m->sums[thread * m->rules->n + r];
         b.rule = m->rules->rule[r];
         b.n = 0;
-        for (int l = 0; l < LANES; l++)
-            b.sign[l] = m->rules->sign[r];
         for (int64_t i = begin; i < end; i++) {
             if (cells->type[i] != b.rule->type->type)
                 continue;
             b.element[b.n] = i;
+            b.sign[b.n] = m->mesh->sign[i];
             b.node[b.n++] = cells->node + cells->offset[i];
             if (b.n == LANES)
                 measure_block(m, &b, sums);
@@ -423,7 +419,6 @@ static void merge(const type_sums *part, type_sums *all) {
     of->n_inverted_corners += more->n_inverted_corners;
     of->n_curved += more->n_curved;
     all->n_ratios += part->n_ratios;
-    all->surplus += part->surplus;
     of->min_scaled_jacobian = pl_smaller(more->min_scaled_jacobian, of->min_scaled_jacobian);
     of->min_jacobian_ratio = pl_smaller(more->min_jacobian_ratio, of->min_jacobian_ratio);
     of->max_edge_ratio = pl_larger(more->max_edge_ratio, of->max_edge_ratio);
@@ -455,21 +450,7 @@ static type_sums sums_of(const measurement *m, int n_threads, int r) {
     return all;
 }
 
-/** Measure all elements with the signs of rules. Returns whether these are the signs of most. */
-static int measure_all(measurement *m, int n_threads) {
-    int are_right = 1;
-    for (int i = 0; i < n_threads * m->rules->n; i++)
-        m->sums[i] = NO_SUMS;
-    pl_parallel_for(n_threads, m->mesh->cells->n, CHUNK, measure_chunk, m);
-    for (int r = 0; r < m->rules->n; r++) {
-        const double sign = sums_of(m, n_threads, r).surplus >= 0 ? 1 : -1;
-        are_right &= sign == m->rules->sign[r];
-        m->rules->sign[r] = sign;
-    }
-    return are_right;
-}
-
-int pl_measure_cells(const pl_cell_mesh *mesh, pl_cell_rules *rules, int threads,
+int pl_measure_cells(const pl_cell_mesh *mesh, const pl_cell_rules *rules, int threads,
                      planish_cell_quality *quality, double *aspect_ratio) {
     const int n_threads = pl_thread_count(threads);
     measurement m = {.mesh = mesh, .rules = rules, .aspect_ratio = aspect_ratio};
@@ -477,8 +458,9 @@ int pl_measure_cells(const pl_cell_mesh *mesh, pl_cell_rules *rules, int threads
     m.sums = pl_alloc((int64_t)n_threads * rules->n, sizeof *m.sums);
     if (!m.sums)
         return PLANISH_ERROR_MEMORY;
-    if (!measure_all(&m, n_threads)) /* the signs were a guess */
-        measure_all(&m, n_threads);
+    for (int i = 0; i < n_threads * rules->n; i++)
+        m.sums[i] = NO_SUMS;
+    pl_parallel_for(n_threads, mesh->cells->n, CHUNK, measure_chunk, &m);
     if (m.failed) {
         pl_free(m.sums);
         return PLANISH_ERROR_MEMORY;
@@ -498,26 +480,6 @@ int pl_measure_cells(const pl_cell_mesh *mesh, pl_cell_rules *rules, int threads
 
 /* ---- Rules ----------------------------------------------------------------------------------- */
 
-/** Take the signs of most of the first elements of each type. pl_measure_cells corrects them. */
-static void guess_signs(const pl_cell_mesh *mesh, pl_cell_rules *rules) {
-    enum { FIRST = 4096 };
-    int surplus[PLANISH_N_CELL_TYPES] = {0};
-    for (int64_t i = 0; i < mesh->cells->n && i < FIRST; i++) {
-        const int r = rules->index[mesh->cells->type[i]];
-        if (r < 0)
-            continue;
-        const int32_t *node = mesh->cells->node + mesh->cells->offset[i];
-        const uint8_t *neighbour = rules->rule[r]->type->shape->neighbour[0];
-        double edges[3][3];
-        for (int j = 0; j < mesh->dim; j++)
-            pl_subtract(mesh->dim, place_of(mesh, node[neighbour[j]]), place_of(mesh, node[0]),
-                        edges[j]);
-        surplus[r] += (int)pl_sign_of(pl_determinant_of_edges(mesh->dim, edges));
-    }
-    for (int r = 0; r < rules->n; r++)
-        rules->sign[r] = surplus[r] >= 0 ? 1 : -1;
-}
-
 int pl_cell_rules_make(const pl_cell_mesh *mesh, pl_cell_rules *rules) {
     uint8_t is_there[UINT8_MAX + 1] = {0};
     memset(rules, 0, sizeof *rules);
@@ -532,10 +494,8 @@ int pl_cell_rules_make(const pl_cell_mesh *mesh, pl_cell_rules *rules) {
         if (!rule)
             return PLANISH_ERROR_MEMORY;
         pl_jacobian_rule_make(of, rule);
-        rules->sign[rules->n] = 1;
         rules->index[type] = (int8_t)rules->n++;
     }
-    guess_signs(mesh, rules);
     return PLANISH_OK;
 }
 

@@ -19,6 +19,7 @@ typedef struct pl_cell_mesh {
     int dim; /* of the elements that count; others are passed over */
     const planish_cells *cells;
     const double *coordinates; /* [n_nodes][dim] */
+    const int8_t *sign;        /* [n] +1 or -1: det J times that is positive in a valid mesh */
     double rounding;           /* of coordinates: mids that are no farther off are straight */
 } pl_cell_mesh;
 
@@ -26,20 +27,19 @@ typedef struct pl_cell_mesh {
 typedef struct pl_cell_rules {
     int n;
     pl_jacobian_rule *rule[PLANISH_N_CELL_TYPES]; /* [n] by ascending numbers of types */
-    double sign[PLANISH_N_CELL_TYPES];            /* [n] +1 or -1: of most elements of the type */
     int8_t index[UINT8_MAX + 1];                  /* of a type's rule, -1: it does not count */
 } pl_cell_rules;
 
-/** Make the rules of the types of mesh, and guess the sign of each. Returns PLANISH_OK or
- *  PLANISH_ERROR_MEMORY; rules is to be freed in either case. */
+/** Make the rules of the types of mesh. Returns PLANISH_OK or PLANISH_ERROR_MEMORY; rules is to be
+ *  freed in either case. */
 int pl_cell_rules_make(const pl_cell_mesh *mesh, pl_cell_rules *rules);
 
 /** Free the rules. */
 void pl_cell_rules_free(pl_cell_rules *rules);
 
-/** Measure mesh, and correct the signs of rules: those of most elements of each type. aspect_ratio [n] (may be NULL) is filled with the aspect ratio of each element, 0
+/** Measure mesh. aspect_ratio [n] (may be NULL) is filled with the aspect ratio of each element, 0
  *  of those that are not valid. Returns PLANISH_OK or PLANISH_ERROR_MEMORY. */
-int pl_measure_cells(const pl_cell_mesh *mesh, pl_cell_rules *rules, int threads,
+int pl_measure_cells(const pl_cell_mesh *mesh, const pl_cell_rules *rules, int threads,
                      planish_cell_quality *quality, double *aspect_ratio);
 
 #endif

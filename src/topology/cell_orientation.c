@@ -4,7 +4,8 @@
  * handedness. So elements that facets join have one handedness relative to one another, whatever
  * the order of their nodes and wherever these are; where signs alone were asked, an inverted element
  * would be one of the other handedness. Of each set of joined elements the sign of most is the right
- * one.
+ * one. Elements that nothing joins, as where each has nodes of its own, have that of most of their
+ * type.
  */
 #include "base/memory.h"
 #include "base/status.h"
@@ -139,17 +140,28 @@ static int sign_by_corners(const cell_sets *s, const double *coordinates, int64_
     return sum > 0 ? 1 : sum < 0 ? -1 : 0;
 }
 
-/** Find the sign of each element: surplus [n] is for the sets. */
-static void find_signs(cell_sets *s, const double *coordinates, int64_t *surplus, int8_t *sign) {
+/** Surplus of positive signs among the elements of a set, and their number. */
+typedef struct set_count {
+    int64_t surplus, n;
+} set_count;
+
+/** Find the sign of each element. count [n], zeroed, is for the sets. */
+static void find_signs(cell_sets *s, const double *coordinates, set_count *count, int8_t *sign) {
+    int64_t of_type[UINT8_MAX + 1] = {0};
     int flip;
     for (int64_t i = 0; i < s->cells->n; i++)
         if (counted_type(s, i)) {
+            const int own = sign_by_corners(s, coordinates, i);
             const int32_t set = find_set(s, (int32_t)i, &flip);
-            surplus[set] += flip * sign_by_corners(s, coordinates, i);
+            of_type[s->cells->type[i]] += own;
+            count[set].surplus += flip * own;
+            count[set].n++;
         }
     for (int64_t i = 0; i < s->cells->n; i++) {
         const int32_t set = find_set(s, (int32_t)i, &flip);
-        sign[i] = (int8_t)(surplus[set] >= 0 ? flip : -flip);
+        const int is_alone = count[set].n == 1;
+        const int64_t surplus = is_alone ? of_type[s->cells->type[i]] : count[set].surplus;
+        sign[i] = (int8_t)(surplus >= 0 ? flip : -flip);
     }
 }
 
@@ -167,8 +179,8 @@ int pl_orient_cells(const planish_cells *cells, int dim, const double *coordinat
     s.slot = pl_alloc(n_slots, sizeof *s.slot);
     s.parent = pl_alloc(cells->n, sizeof *s.parent);
     s.flip = pl_alloc(cells->n, sizeof *s.flip);
-    int64_t *surplus = pl_alloc_zero(cells->n, sizeof *surplus);
-    const int is_there = s.slot && s.parent && s.flip && surplus;
+    set_count *count = pl_alloc_zero(cells->n, sizeof *count);
+    const int is_there = s.slot && s.parent && s.flip && count;
     if (is_there) {
         memset(s.slot, -1, (size_t)n_slots * sizeof *s.slot);
         for (int64_t i = 0; i < cells->n; i++) {
@@ -180,11 +192,11 @@ int pl_orient_cells(const planish_cells *cells, int dim, const double *coordinat
             for (int k = 0; type && k < type->shape->n_facets; k++)
                 add_facet(&s, i, k);
         }
-        find_signs(&s, coordinates, surplus, sign);
+        find_signs(&s, coordinates, count, sign);
     }
     pl_free(s.slot);
     pl_free(s.parent);
     pl_free(s.flip);
-    pl_free(surplus);
+    pl_free(count);
     return is_there ? PLANISH_OK : pl_fail_memory(error, "the orientation of elements");
 }

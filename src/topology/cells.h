@@ -13,8 +13,8 @@
  *  hexahedra that have been collapsed to wedges. Errors: _ARGUMENT, _MESH. */
 int pl_check_cells(const planish_cells *cells, int64_t n_nodes, int threads, planish_error *error);
 
-/** Find the sign of det J that each element has where the mesh is valid: elements that facets join
- *  agree, and so do most signs that corners have. sign [n] is +1 or -1, whatever of elements of
+/** Find the sign of det J that each element has where the mesh is valid: that of most elements that
+ *  facets join, or of its type if nothing joins it. sign [n] is +1 or -1, whatever of elements of
  *  another dimension than dim. coordinates [][dim]. Errors: _MEMORY. */
 int pl_orient_cells(const planish_cells *cells, int dim, const double *coordinates, int8_t *sign,
                     planish_error *error);

@@ -1,0 +1,128 @@
+/* Tests of src/topology/cell_orientation.c: grids of mixed types whose elements are turned over at
+ * random. */
+#include "topology/cells.h"
+
+#include "support/effort.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h>
+
+enum { SIDE = 4, NODES = (SIDE + 1) * (SIDE + 1) * (SIDE + 1), MOST = 2 * SIDE * SIDE * SIDE };
+
+/** A mesh, and whether each element is turned over. */
+typedef struct turned_mesh {
+    planish_cells cells;
+    int dim;
+    uint8_t type[MOST];
+    int64_t offset[MOST + 1];
+    int32_t node[8 * MOST];
+    int8_t turned[MOST]; /* -1: it is, else 1 */
+    double coordinates[NODES * 3];
+} turned_mesh;
+
+/** Add an element of n nodes; turned over: its two halves, or the order around, change places. */
+static void add(turned_mesh *m, int type, int n, const int32_t node[], int turn) {
+    const int64_t i = m->cells.n++;
+    int32_t *to = m->node + m->offset[i];
+    m->type[i] = (uint8_t)type;
+    m->turned[i] = turn ? -1 : 1;
+    for (int k = 0; k < n; k++)
+        to[k] = node[!turn ? k : m->dim == 3 ? (k + n / 2) % n : n - 1 - k];
+    m->offset[i + 1] = m->offset[i] + n;
+}
+
+static int32_t number(int x, int y, int z) {
+    return x + (SIDE + 1) * (y + (SIDE + 1) * z);
+}
+
+/** A grid of squares and triangles, or of hexahedra and wedges, each turned over with a chance of
+ *  share; its places are moved by at most push. */
+static void make(turned_mesh *m, int dim, double share, double push, uint64_t *random) {
+    memset(m, 0, sizeof *m);
+    m->dim = dim;
+    m->cells = (planish_cells){.type = m->type, .offset = m->offset, .node = m->node};
+    for (int z = 0; z < (dim == 3 ? SIDE : 1); z++)
+        for (int y = 0; y < SIDE; y++)
+            for (int x = 0; x < SIDE; x++) {
+                int32_t at[8];
+                for (int k = 0; k < 8; k++)
+                    at[k] = number(x + (k % 4 == 1 || k % 4 == 2), y + k % 4 / 2, z + k / 4);
+                const int turn = random_unit(random) < share, split = (x + y) % 3 == 0;
+                if (!split) {
+                    add(m, dim == 3 ? PLANISH_CELL_HEXAHEDRON : PLANISH_CELL_QUADRILATERAL,
+                        dim == 3 ? 8 : 4, at, turn);
+                    continue;
+                }
+                const int32_t first[6] = {at[0], at[1], at[2], at[4], at[5], at[6]};
+                const int32_t second[6] = {at[0], at[2], at[3], at[4], at[6], at[7]};
+                const int type = dim == 3 ? PLANISH_CELL_WEDGE : PLANISH_CELL_TRIANGLE;
+                add(m, type, dim == 3 ? 6 : 3, first, turn);
+                add(m, type, dim == 3 ? 6 : 3, second, random_unit(random) < share);
+            }
+    for (int z = 0; z <= SIDE; z++)
+        for (int y = 0; y <= SIDE; y++)
+            for (int x = 0; x <= SIDE; x++) {
+                const double place[3] = {x, y, z};
+                for (int d = 0; d < dim; d++)
+                    if (dim == 3 || z == 0)
+                        m->coordinates[number(x, y, z) * dim + d] =
+                            place[d] + push * (2 * random_unit(random) - 1);
+            }
+}
+
+static void signs_are_those_of_turned_elements(void **state) {
+    (void)state;
+    static turned_mesh m;
+    int8_t sign[MOST];
+    uint64_t random = effort_seed(1);
+    const int64_t n = effort(200, 20000);
+    for (int64_t repeat = 0; repeat < n; repeat++) {
+        make(&m, repeat % 2 ? 3 : 2, random_unit(&random), 0.2, &random);
+        assert_int_equal(pl_orient_cells(&m.cells, m.dim, m.coordinates, sign, NULL), PLANISH_OK);
+        assert_memory_equal(sign, m.turned, (size_t)m.cells.n);
+    }
+}
+
+/* Whatever a few nodes do, neighbours say which handedness an element has. */
+static void inverted_elements_do_not_change_signs(void **state) {
+    (void)state;
+    static turned_mesh m;
+    int8_t sign[MOST];
+    uint64_t random = effort_seed(2);
+    for (int repeat = 0; repeat < 100; repeat++) {
+        make(&m, repeat % 2 ? 3 : 2, 0.5, 0.1, &random);
+        const int32_t middle = number(SIDE / 2, SIDE / 2, m.dim == 3 ? SIDE / 2 : 0);
+        m.coordinates[middle * m.dim] += 1.8;
+        assert_int_equal(pl_orient_cells(&m.cells, m.dim, m.coordinates, sign, NULL), PLANISH_OK);
+        assert_memory_equal(sign, m.turned, (size_t)m.cells.n);
+    }
+}
+
+static void elements_that_nothing_joins_have_the_sign_of_their_type(void **state) {
+    (void)state;
+    static const uint8_t type[] = {PLANISH_CELL_LINE, PLANISH_CELL_QUADRILATERAL,
+                                   PLANISH_CELL_QUADRILATERAL, PLANISH_CELL_QUADRILATERAL,
+                                   PLANISH_CELL_TRIANGLE};
+    static const int64_t offset[] = {0, 2, 6, 10, 14, 17};
+    static const int32_t node[] = {0, 1, 0, 3, 2, 1, 4, 7, 6, 5, 0, 0, 0, 0, 0, 5, 2};
+    static const double coordinates[] = {0, 0, 1, 0, 1, 1, 0, 1, 2, 0, 3, 0, 3, 1, 2, 1};
+    const planish_cells cells = {.n = 5, .type = type, .offset = offset, .node = node};
+    int8_t sign[5];
+    assert_int_equal(pl_orient_cells(&cells, 2, coordinates, sign, NULL), PLANISH_OK);
+    for (int i = 1; i < 4; i++)
+        assert_int_equal(sign[i], -1);
+    assert_int_equal(sign[4], 1);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(signs_are_those_of_turned_elements),
+        cmocka_unit_test(inverted_elements_do_not_change_signs),
+        cmocka_unit_test(elements_that_nothing_joins_have_the_sign_of_their_type),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
