@@ -105,6 +105,15 @@ static void join(cell_sets *s, int32_t a, int32_t b, int same) {
     s->flip[high] = (int8_t)(same * flip_a * flip_b);
 }
 
+/** Whether an element is listed twice. */
+static int is_same(const cell_sets *s, int64_t a, int64_t b) {
+    const int64_t *offset = s->cells->offset;
+    const int64_t n = offset[a + 1] - offset[a];
+    return s->cells->type[a] == s->cells->type[b] &&
+           memcmp(s->cells->node + offset[a], s->cells->node + offset[b],
+                  (size_t)n * sizeof *s->cells->node) == 0;
+}
+
 /** Put facet k of an element into the table, or join the element with the one that has it. */
 static void add_facet(cell_sets *s, int64_t element, int k) {
     facet own, other;
@@ -117,8 +126,9 @@ static void add_facet(cell_sets *s, int64_t element, int k) {
         }
         find_facet(s, s->slot[at] / FACETS, (int)(s->slot[at] % FACETS), &other);
         if (memcmp(own.node, other.node, sizeof own.node) == 0) {
-            join(s, (int32_t)(s->slot[at] / FACETS), (int32_t)element,
-                 own.direction == other.direction ? -1 : 1);
+            if (!is_same(s, s->slot[at] / FACETS, element))
+                join(s, (int32_t)(s->slot[at] / FACETS), (int32_t)element,
+                     own.direction == other.direction ? -1 : 1);
             return;
         }
     }
