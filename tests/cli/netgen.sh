@@ -127,7 +127,7 @@ expect_json "r['quality']['counts']['tetrahedron10'] > 0"
 expect_json "r['quality']['inverted'] == r['quality']['uncertified'] == 0"
 expect_status 2 "$program" smooth second.vol -o no.vol
 expect_one_line
-expect_text "10 nodes"
+expect_text "857 quadratic tetrahedra"
 gzip -k ball.vol
 expect_status 2 "$program" smooth ball.vol.gz -o no.vol
 expect_one_line
