@@ -414,7 +414,7 @@ static int read_shape(reader *r, const card_kind *k, nastran_card *c) {
     if (!has_mids && (k->shape == IO_TRIANGLE || k->shape == IO_TETRAHEDRON))
         return add_cell(r, k->corners - 1, nodes, number, property);
     const int n = has_mids ? k->nodes : k->corners;
-    int type = io_cell_type(k->shape, n);
+    int type = io_cell_type((int)k->shape, n);
     if (nodes[n - 1] < 0) /* CQUAD without a node inside */
         type = io_cell_type_without_faces(type);
     for (int j = 0; j < n; j++)
