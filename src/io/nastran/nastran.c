@@ -400,9 +400,10 @@ static int read_shape(reader *r, const card_kind *k, nastran_card *c) {
     int64_t number, property;
     int has_mids = 0, is_over = 0;
     int status = take_numbers(r, k, c, &number, &property);
+    for (int j = 0; j < IO_CELL_NODES; j++)
+        nodes[j] = -1;
     for (int j = 0; j < k->nodes && !status; j++) {
         const int place = k->kind == SHAPE ? j : j / 2 + (j % 2) * k->corners;
-        nodes[place] = -1;
         if (place < k->corners)
             status = take_node(r, c, number, &nodes[place]);
         else if (!is_over)
