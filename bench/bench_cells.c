@@ -155,6 +155,11 @@ int main(int argc, char **argv) {
         const pl_cell_type *type = pl_cell_type_of(TYPES[k]);
         const grid g = grid_of(type, wanted);
         const int64_t n_blocks = (g.cells.n + LANES - 1) / LANES;
+        const planish_mesh mesh = {.dim = g.dim,
+                                   .n_nodes = g.n_nodes,
+                                   .n_elements = g.cells.n,
+                                   .coordinates = g.coordinates,
+                                   .cells = &g.cells};
         planish_cell_quality quality;
         planish_error error;
         double certificate = 0, measure = 0;
@@ -162,8 +167,7 @@ int main(int argc, char **argv) {
         for (int r = 0; r < repeat; r++) {
             certificate = least(time_certificate(&rule, &g, n_blocks), certificate);
             const double begin = seconds_now();
-            if (planish_measure_cells(&g.cells, g.dim, g.n_nodes, g.coordinates, 0, 1, &quality,
-                                      NULL, &error)) {
+            if (planish_measure_cells(&mesh, 0, 1, &quality, NULL, &error)) {
                 fprintf(stderr, "bench_cells: %s\n", error.text);
                 return 2;
             }

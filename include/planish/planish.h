@@ -180,7 +180,22 @@ typedef struct planish_mesh {
                                     planish_plan_create for what they save */
     const int64_t *neighbours64; /* the same, in place of neighbours */
     const struct planish_part *part; /* what this process has of the mesh; NULL: all of it */
-    const void *reserved[7];         /* NULL */
+    const planish_cells
+        *cells;              /* elements of any types, in place of elements (which are NULL then);
+                                   n_elements is cells->n, and arrays per element go by these.
+                                   Triangles (dim 2) or tetrahedra (dim 3) of order 1 and 2 are
+                                   smoothed by their corners, and are what is said of elements.
+                                   Other elements have entries of 0 in results, and hold their
+                                   nodes. A mid of an edge follows: by half of the way of both ends,
+                                   so that a straight edge stays straight and a curved one keeps its
+                                   offset. Held are
+                                   - both ends of an edge whose mid is FIXED, a node of an element
+                                     that holds it, or a corner or another edge's mid elsewhere
+                                   - nodes that slide at an edge that is curved (see
+                                     planish_options.rounding) and has its other end on the
+                                     boundary, too
+                                   neighbours and part are for elements alone. */
+    const void *reserved[6]; /* NULL */
 } planish_mesh;
 
 /* ---- A mesh that several processes have ----------------------------------------------------- */
@@ -256,7 +271,12 @@ typedef struct planish_surface {
     int tagged_only;          /* not 0: only nodes all of whose facets bear tags slide */
     double tolerance;         /* how far off a plane or line its nodes may be, as a fraction of the
                                  diagonal of the bounding box, 0 .. 1e-3; 0: 1e-8 */
-    const void *reserved[4];  /* NULL */
+    const int64_t
+        *facet_offset;       /* [n_facets + 1] the nodes of facet i are facets[facet_offset[i]] ..
+                                    facets[facet_offset[i + 1] - 1]: its corners, and mids, which are
+                                    not looked at; those of facets that are no facet of a smoothed
+                                    element are held. NULL: dim nodes each */
+    const void *reserved[3]; /* NULL */
 } planish_surface;
 
 typedef struct planish_slide_info {
@@ -525,6 +545,9 @@ typedef struct planish_options {
     double box_lower[3];         /* bounds for all nodes, -INFINITY and INFINITY: none; a node */
     double box_upper[3];         /* that starts outside of its bounds stays where it is */
     double max_displacement;     /* how far from its start a node may go; 0: any distance */
+    double rounding; /* of elements of order 2: an edge is curved if its mid is farther off the
+                               middle of its ends than this (in units of the coordinates) and than
+                               1e-6 of the edge; 0: the rounding of doubles */
     planish_length_unit displacement_unit; /* of max_displacement */
     planish_precision precision;           /* what coordinates are stored as in the end */
     int untangle;           /* not 0 (the default): elements that are not positive are repaired
@@ -568,7 +591,7 @@ typedef struct planish_options {
     void *log_user;                     /* handed to log */
     planish_round_fn *round;            /* with PLANISH_PRECISION_ROUNDED */
     void *round_user;                   /* handed to round */
-    const void *reserved[8];            /* NULL */
+    const void *reserved[7];            /* NULL */
 } planish_options;
 
 /** Fill in the defaults: as many threads as OpenMP would use and as the mesh is large enough for,
@@ -803,16 +826,35 @@ typedef struct planish_cell_quality {
     int64_t reserved[8];
 } planish_cell_quality;
 
-/** Measure elements of any types at coordinates [n_nodes][dim]; those of dimension dim, 2 or 3,
- *  count. rounding: distance, in units of the coordinates, by which a node of an element that is not
- *  curved may be off the middle of its corners; 1e-6 of the longest edge is always allowed. threads:
- *  as in planish_options. aspect_ratio [cells->n] (may be NULL) is filled with AR of each element, 0
- *  of those that have none or do not count. On failure quality is as before, and aspect_ratio
- *  unspecified. Errors: _ARGUMENT, _MESH, _MEMORY. */
-PLANISH_API int planish_measure_cells(const planish_cells *cells, int dim, int64_t n_nodes,
-                                      const double *coordinates, double rounding, int threads,
-                                      planish_cell_quality *quality, double *aspect_ratio,
-                                      planish_error *error);
+/** State of an element of any type. */
+typedef enum planish_cell_state {
+    PLANISH_CELL_STATE_NONE = 0,       /* of another dimension than the mesh: not measured */
+    PLANISH_CELL_STATE_VALID = 1,      /* det J > 0 everywhere */
+    PLANISH_CELL_STATE_INVERTED = 2,   /* not so */
+    PLANISH_CELL_STATE_UNCERTIFIED = 3 /* not decided */
+} planish_cell_state;
+
+/** Measures of single elements, as arrays of the caller's to be filled; each may be NULL. 0 stands
+ *  for a measure that an element does not have. */
+typedef struct planish_cell_values {
+    uint8_t *state;          /* [n_elements] of planish_cell_state */
+    uint8_t *is_curved;      /* [n_elements] 1: a node is off the middle of its corners */
+    double *aspect_ratio;    /* [n_elements] AR of valid elements without inverted corners */
+    double *scaled_jacobian; /* [n_elements] least of the corners */
+    double *jacobian_ratio; /* [n_elements] least Bezier coefficient of det J over their mean; 1 for
+                                elements that are not curved */
+    double *edge_ratio;     /* [n_elements] longest edge / shortest, between corners */
+    void *reserved[4];      /* NULL */
+} planish_cell_values;
+
+/** Measure the elements of mesh, of any types (mesh->cells) or simplices alone; those of dimension
+ *  mesh->dim count. rounding: distance, in units of the coordinates, by which a node of an element
+ *  that is not curved may be off the middle of its corners; 1e-6 of the longest edge is always
+ *  allowed. threads: as in planish_options. values (may be NULL) are filled. On failure quality is
+ *  as before, and values are unspecified. Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part). */
+PLANISH_API int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads,
+                                      planish_cell_quality *quality,
+                                      const planish_cell_values *values, planish_error *error);
 
 /** A number of 64 bits for the bits of mesh->coordinates in the order of the nodes, whatever the
  *  strides: equal if they are, and, but for one chance in 2^64 or so, different if they are not. 0
@@ -864,7 +906,12 @@ typedef struct planish_result {
     double seconds;         /* wall time of the call */
     int64_t n_not_enclosed; /* elements that untangling has given up at once, in parts of the mesh
                                 whose boundary encloses no positive volume */
-    int64_t reserved[7];
+    int64_t n_curved;       /* curved elements of order 2 at the start */
+    int64_t
+        n_inverted_inside; /* those of n_inverted that are curved and have positive corners: they
+                                  are inverted elsewhere, and corners alone did not repair them */
+    int64_t n_refused;     /* moves that would have inverted a curved element */
+    int64_t reserved[4];
 } planish_result;
 
 /** Smooth coordinates [n_nodes][dim] (or as the mesh's strides say) in place, after untangling them

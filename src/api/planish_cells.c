@@ -5,53 +5,116 @@
 #include "base/status.h"
 #include "quality/cell_measure.h"
 #include "topology/cells.h"
+#include "topology/points.h"
+#include "topology/topology.h"
 
-#include <inttypes.h>
-#include <float.h>
-#include <math.h>
+#include <string.h>
 
-int planish_measure_cells(const planish_cells *cells, int dim, int64_t n_nodes,
-                          const double *coordinates, double rounding, int threads,
-                          planish_cell_quality *quality, double *aspect_ratio,
+/** A measurement, and what it owns. */
+typedef struct cells_call {
+    int threads;
+    planish_cells cells; /* those of the mesh, or its simplices */
+    uint8_t *type;       /* of simplices, or NULL */
+    int64_t *offset;
+    int32_t *node;
+    double *coordinates; /* without strides, or NULL: the mesh's are such */
+    int8_t *sign;
+    pl_cell_rules rules;
+} cells_call;
+
+static void release(cells_call *c) {
+    pl_free(c->type);
+    pl_free(c->offset);
+    pl_free(c->node);
+    pl_free(c->coordinates);
+    pl_free(c->sign);
+    pl_cell_rules_free(&c->rules);
+}
+
+/** Make cells of the mesh's simplices. */
+static int take_simplices(const planish_mesh *mesh, cells_call *c, planish_error *error) {
+    const int64_t n = mesh->n_elements, k = mesh->dim + 1;
+    int status = pl_check_counts(mesh, error);
+    if (status)
+        return status;
+    c->type = pl_alloc(n, sizeof *c->type);
+    c->offset = pl_alloc(n + 1, sizeof *c->offset);
+    c->node = pl_alloc(n * k, sizeof *c->node);
+    if (!c->type || !c->offset || !c->node)
+        return pl_fail_memory(error, "the measures of elements");
+    memset(c->type, mesh->dim == 3 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TRIANGLE, (size_t)n);
+    for (int64_t i = 0; i <= n; i++)
+        c->offset[i] = i * k;
+    for (int64_t i = 0; i < n; i++) {
+        status = pl_check_element(mesh, i, error);
+        if (status)
+            return status;
+        for (int j = 0; j < k; j++)
+            c->node[i * k + j] = (int32_t)pl_corner(mesh, i, j);
+    }
+    c->cells = (planish_cells){.n = n, .type = c->type, .offset = c->offset, .node = c->node};
+    return PLANISH_OK;
+}
+
+/** Check the mesh, and take its elements and coordinates. */
+static int take_mesh(const planish_mesh *mesh, cells_call *c, planish_error *error) {
+    int status = mesh->cells ? pl_check_nodes(mesh, error) : take_simplices(mesh, c, error);
+    if (status)
+        return status;
+    const pl_points points = pl_points_of(mesh, mesh->coordinates);
+    status = pl_points_check(&points, c->threads, error);
+    if (!status && mesh->cells) {
+        c->cells = *mesh->cells;
+        status = pl_check_cells(&c->cells, mesh->n_nodes, c->threads, error);
+    }
+    if (status || pl_points_are_dense(&points))
+        return status;
+    c->coordinates = pl_alloc(mesh->n_nodes * mesh->dim, sizeof *c->coordinates);
+    if (!c->coordinates)
+        return pl_fail_memory(error, "the coordinates");
+    pl_points_gather(&points, c->threads, c->coordinates);
+    return PLANISH_OK;
+}
+
+/** Measure the cells that have been taken. */
+static int measure(const planish_mesh *mesh, double rounding, cells_call *c,
+                   planish_cell_quality *quality, const planish_cell_values *values,
+                   planish_error *error) {
+    const double *coordinates = c->coordinates ? c->coordinates : mesh->coordinates;
+    c->sign = pl_alloc(c->cells.n, sizeof *c->sign);
+    if (!c->sign)
+        return pl_fail_memory(error, "the measures of elements");
+    int status = pl_orient_cells(&c->cells, mesh->dim, coordinates, c->sign, error);
+    if (status)
+        return status;
+    const pl_cell_mesh cells = {mesh->dim, &c->cells, coordinates, c->sign, rounding};
+    status = pl_cell_rules_make(&cells, &c->rules);
+    if (!status)
+        status = pl_measure_cells(&cells, &c->rules, c->threads, quality, values);
+    return status ? pl_fail_memory(error, "the measures of elements") : PLANISH_OK;
+}
+
+int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads,
+                          planish_cell_quality *quality, const planish_cell_values *values,
                           planish_error *error) {
-    if (!cells || !quality || (n_nodes > 0 && !coordinates))
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "cells, coordinates and quality must not be NULL");
-    if (dim != 2 && dim != 3)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "dim is %d; give 2 or 3", dim);
-    if (n_nodes < 0 || n_nodes > INT32_MAX)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n_nodes is %" PRId64 "; give 0 to %d",
-                       n_nodes, INT32_MAX);
+    cells_call c = {.cells = {.n = 0}};
+    if (!mesh || !quality)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh and quality must not be NULL");
+    if (mesh->part)
+        return pl_fail(error, PLANISH_ERROR_PARTS,
+                       "elements of any type are measured in the whole mesh, not in a part of it");
     if (!(rounding >= 0))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "rounding is %g; give 0 or more", rounding);
     if (threads < 0 || threads > PL_MAX_THREADS)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
                        PL_MAX_THREADS);
-    for (int64_t i = 0; i < n_nodes * dim; i++)
-        if (!(fabs(coordinates[i]) <= DBL_MAX))
-            return pl_fail_at(error, PLANISH_ERROR_MESH, -1, i / dim,
-                              "node %" PRId64 " has the coordinate %g; give finite ones", i / dim,
-                              coordinates[i]);
     const pl_outside outside = pl_call_enter(NULL);
-    const int n_threads = pl_thread_count(threads);
-    int8_t *sign = NULL;
-    pl_cell_rules rules = {.n = 0};
-    int status = pl_check_cells(cells, n_nodes, n_threads, error);
-    if (!status && !(sign = pl_alloc(cells->n, sizeof *sign)))
-        status = pl_fail_memory(error, "the measures of elements");
+    c.threads = pl_thread_count(threads);
+    int status = take_mesh(mesh, &c, error);
     if (!status)
-        status = pl_orient_cells(cells, dim, coordinates, sign, error);
-    if (!status) {
-        const pl_cell_mesh mesh = {dim, cells, coordinates, sign, rounding};
-        status = pl_cell_rules_make(&mesh, &rules);
-        if (!status)
-            status = pl_measure_cells(&mesh, &rules, n_threads, quality, aspect_ratio);
-        pl_cell_rules_free(&rules);
-        if (status)
-            pl_fail_memory(error, "the measures of elements");
-    }
-    pl_free(sign);
+        status = measure(mesh, rounding, &c, quality, values, error);
+    release(&c);
     pl_call_leave(&outside);
     return status;
 }

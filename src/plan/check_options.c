@@ -34,6 +34,7 @@ static int check_ranges(const planish_options *o, planish_error *error) {
         {"min_volume_fraction", o->min_volume_fraction, BELOW_1, "0 (none) or more, below 1"},
         {"area_weight", o->area_weight, 1, "0 to 1"},
         {"max_displacement", o->max_displacement, DBL_MAX, "a finite length, or 0 for none"},
+        {"rounding", o->rounding, DBL_MAX, "a finite length, or 0 for that of doubles"},
         {"tolerance", o->tolerance, BELOW_1, "0 or more, below 1"},
         {"time_limit", o->time_limit, INFINITY, "seconds, or 0 for none"},
         {"worst_rise", o->worst_rise, DBL_MAX, "a finite fraction, 0 or more"},

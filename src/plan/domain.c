@@ -147,8 +147,13 @@ int pl_draft_begin(const planish_mesh *mesh, pl_draft *d, planish_error *error) 
         return status;
     d->mesh = &d->dense.mesh;
     plan->work.elements = d->mesh->elements;
+    plan->work.n_elements = plan->whole.n_elements = d->mesh->n_elements;
     plan->own_elements = d->dense.elements;
+    plan->cell_of = d->dense.cell_of;
+    if (mesh->cells)
+        plan->cells = *mesh->cells;
     d->dense.elements = NULL;
+    d->dense.cell_of = NULL;
     status = pl_check_part(d->mesh, error);
     return status ? status : copy_min_volumes(d, error);
 }

@@ -100,6 +100,8 @@ struct planish_plan {
     int is_selective; /* only nodes of bad elements are free, see pl_draft_select */
     int32_t *node_of; /* [n] the caller's number of each node of the plan's mesh; NULL: the same */
     int32_t *element_of; /* [m] the caller's number of each element */
+    planish_cells cells; /* the mesh's, if it has any: n above 0 */
+    int32_t *cell_of;    /* of these cells, see pl_dense */
     pl_scope scope;
     int64_t node_stride, component_stride; /* of the caller's coordinates */
     pl_visits interior;                    /* of the nodes that may go anywhere, */

@@ -53,9 +53,9 @@ typedef struct cell_block {
 typedef struct measurement {
     const pl_cell_mesh *mesh;
     const pl_cell_rules *rules;
-    type_sums *sums;      /* [threads][rules->n] */
-    double *aspect_ratio; /* [n] or NULL */
-    int failed;           /* no memory; shared by threads */
+    type_sums *sums; /* [threads][rules->n] */
+    planish_cell_values values;
+    int failed; /* no memory; shared by threads */
 } measurement;
 
 static const double *place_of(const pl_cell_mesh *mesh, int32_t node) {
@@ -336,6 +336,48 @@ static void any_block(const pl_cell_mesh *mesh, cell_block *b) {
 
 /* ---- Sums ----------------------------------------------------------------------------------- */
 
+static planish_cell_state state_of(pl_validity validity) {
+    return validity == PL_VALID     ? PLANISH_CELL_STATE_VALID
+           : validity == PL_INVALID ? PLANISH_CELL_STATE_INVERTED
+                                    : PLANISH_CELL_STATE_UNCERTIFIED;
+}
+
+/** Return least/mean coefficient of lane l; 1 if it is not curved. */
+static double jacobian_ratio(const cell_block *b, int l) {
+    return b->is_curved[l] > 0 ? b->jacobian.least[l] / b->jacobian.mean[l] : 1;
+}
+
+/** Give the caller the values of lane l. */
+static void give_values(const planish_cell_values *v, const cell_block *b, int l,
+                        planish_cell_state state, double aspect_ratio) {
+    const int64_t i = b->element[l];
+    if (v->state)
+        v->state[i] = (uint8_t)state;
+    if (v->is_curved)
+        v->is_curved[i] = b->is_curved[l] > 0;
+    if (v->aspect_ratio)
+        v->aspect_ratio[i] = aspect_ratio;
+    if (v->scaled_jacobian)
+        v->scaled_jacobian[i] = b->scaled_jacobian[l];
+    if (v->jacobian_ratio)
+        v->jacobian_ratio[i] = jacobian_ratio(b, l);
+    if (v->edge_ratio)
+        v->edge_ratio[i] = b->edge_ratio[l];
+}
+
+/** Give 0 for an element that does not count. */
+static void give_none(const planish_cell_values *v, int64_t i) {
+    double *const measure[] = {v->aspect_ratio, v->scaled_jacobian, v->jacobian_ratio,
+                               v->edge_ratio};
+    if (v->state)
+        v->state[i] = PLANISH_CELL_STATE_NONE;
+    if (v->is_curved)
+        v->is_curved[i] = 0;
+    for (size_t k = 0; k < sizeof measure / sizeof *measure; k++)
+        if (measure[k])
+            measure[k][i] = 0;
+}
+
 static void add_lane(measurement *m, const cell_block *b, int l, type_sums *sums) {
     planish_cell_measures *of = &sums->of;
     const int64_t element = b->element[l];
@@ -352,11 +394,8 @@ static void add_lane(measurement *m, const cell_block *b, int l, type_sums *sums
     of->n_curved += (int64_t)b->is_curved[l];
     of->min_scaled_jacobian = pl_smaller(b->scaled_jacobian[l], of->min_scaled_jacobian);
     of->max_edge_ratio = pl_larger(b->edge_ratio[l], of->max_edge_ratio);
-    if (b->is_curved[l] > 0)
-        of->min_jacobian_ratio =
-            pl_smaller(b->jacobian.least[l] / b->jacobian.mean[l], of->min_jacobian_ratio);
-    if (m->aspect_ratio)
-        m->aspect_ratio[element] = ratio;
+    of->min_jacobian_ratio = pl_smaller(jacobian_ratio(b, l), of->min_jacobian_ratio);
+    give_values(&m->values, b, l, state_of(validity), ratio);
     if (!has_ratio)
         return;
     sums->n_ratios++;
@@ -400,9 +439,9 @@ static void measure_chunk(void *context, int64_t begin, int64_t end, int thread)
         if (b.n > 0)
             measure_block(m, &b, sums);
     }
-    for (int64_t i = begin; m->aspect_ratio && i < end; i++)
+    for (int64_t i = begin; i < end; i++)
         if (m->rules->index[m->mesh->cells->type[i]] < 0)
-            m->aspect_ratio[i] = 0;
+            give_none(&m->values, i);
 }
 
 static const type_sums NO_SUMS = {
@@ -451,9 +490,11 @@ static type_sums sums_of(const measurement *m, int n_threads, int r) {
 }
 
 int pl_measure_cells(const pl_cell_mesh *mesh, const pl_cell_rules *rules, int threads,
-                     planish_cell_quality *quality, double *aspect_ratio) {
+                     planish_cell_quality *quality, const planish_cell_values *values) {
     const int n_threads = pl_thread_count(threads);
-    measurement m = {.mesh = mesh, .rules = rules, .aspect_ratio = aspect_ratio};
+    measurement m = {.mesh = mesh, .rules = rules};
+    if (values)
+        m.values = *values;
     type_sums all = NO_SUMS;
     m.sums = pl_alloc((int64_t)n_threads * rules->n, sizeof *m.sums);
     if (!m.sums)

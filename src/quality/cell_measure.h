@@ -37,9 +37,8 @@ int pl_cell_rules_make(const pl_cell_mesh *mesh, pl_cell_rules *rules);
 /** Free the rules. */
 void pl_cell_rules_free(pl_cell_rules *rules);
 
-/** Measure mesh. aspect_ratio [n] (may be NULL) is filled with the aspect ratio of each element, 0
- *  of those that are not valid. Returns PLANISH_OK or PLANISH_ERROR_MEMORY. */
+/** Measure mesh; values (may be NULL) are filled. Returns PLANISH_OK or PLANISH_ERROR_MEMORY. */
 int pl_measure_cells(const pl_cell_mesh *mesh, const pl_cell_rules *rules, int threads,
-                     planish_cell_quality *quality, double *aspect_ratio);
+                     planish_cell_quality *quality, const planish_cell_values *values);
 
 #endif

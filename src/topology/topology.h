@@ -15,12 +15,14 @@
 
 /* ---- validate.c: is this a mesh? ---------------------------------------------------------- */
 
-/** A mesh of elements of 32 bits and coordinates [n_nodes][dim]: the caller's arrays where they are
+/** A mesh of simplices of 32 bits and coordinates [n_nodes][dim]: the caller's arrays where they are
  *  such, else copies. */
 typedef struct pl_dense {
-    planish_mesh mesh;
+    planish_mesh mesh;   /* cells is NULL */
     int32_t *elements;   /* copy or NULL */
     double *coordinates; /* copy or NULL */
+    int32_t *cell_of;    /* [mesh.n_elements] of a mesh with cells: the cell of each element, whose
+                            corners it has; NULL: the same numbers */
 } pl_dense;
 
 /** Check dim, counts and strides of mesh, and which arrays there are. */

@@ -106,12 +106,25 @@ static void add_line(mesh *m) {
     m->offset[m->cells.n] = m->offset[m->cells.n - 1] + 2;
 }
 
+/** Call planish_measure_cells with a mesh of these cells. */
+static int measure_cells(const planish_cells *cells, int dim, int64_t n_nodes, const double *x,
+                         double rounding, int threads, planish_cell_quality *quality,
+                         double *aspect_ratio, planish_error *error) {
+    const planish_mesh of = {.dim = dim,
+                             .n_nodes = n_nodes,
+                             .n_elements = cells ? cells->n : 0,
+                             .coordinates = x,
+                             .cells = cells};
+    const planish_cell_values values = {.aspect_ratio = aspect_ratio};
+    return planish_measure_cells(&of, rounding, threads, quality, &values, error);
+}
+
 static planish_cell_quality measure(const mesh *m, int threads, double *aspect_ratio) {
     planish_cell_quality quality;
     planish_error error;
     memset(&quality, 0xff, sizeof quality);
-    if (planish_measure_cells(&m->cells, m->dim, m->n_nodes, m->x, 0, threads, &quality,
-                              aspect_ratio, &error))
+    if (measure_cells(&m->cells, m->dim, m->n_nodes, m->x, 0, threads, &quality, aspect_ratio,
+                      &error))
         fail_msg("%s", error.text);
     return quality;
 }
@@ -426,9 +439,8 @@ static void nodes_off_the_middle_make_an_element_curved(void **state) {
         q = measure(&m, 1, NULL);
         assert_int_equal(q.all.n_curved, 1);
         assert_true(q.all.min_jacobian_ratio < 1 && q.all.min_jacobian_ratio > 0.9);
-        assert_int_equal(
-            planish_measure_cells(&m.cells, m.dim, m.n_nodes, m.x, 2e-3, 1, &q, NULL, &error),
-            PLANISH_OK);
+        assert_int_equal(measure_cells(&m.cells, m.dim, m.n_nodes, m.x, 2e-3, 1, &q, NULL, &error),
+                         PLANISH_OK);
         assert_int_equal(q.all.n_curved, 0);
         assert_true(q.all.min_jacobian_ratio == 1);
         m.node[of->shape->n_corners] = -1; /* a missing mid is in the middle */
@@ -474,7 +486,7 @@ static void wrong_arguments_are_refused(void **state) {
         planish_cell_quality *quality;
         int code;
     } CASES[] = {
-        {"no cells", NULL, 2, 4, m.x, 0, 1, &q, ARGUMENT},
+        {"no cells", NULL, 2, 4, m.x, 0, 1, &q, MESH},
         {"no coordinates", &m.cells, 2, 4, NULL, 0, 1, &q, ARGUMENT},
         {"no quality", &m.cells, 2, 4, m.x, 0, 1, NULL, ARGUMENT},
         {"dim 1", &m.cells, 1, 4, m.x, 0, 1, &q, ARGUMENT},
@@ -491,21 +503,21 @@ static void wrong_arguments_are_refused(void **state) {
     memset(&q, 0x5a, sizeof q);
     before = q;
     for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
-        const int status = planish_measure_cells(CASES[i].cells, CASES[i].dim, CASES[i].n_nodes,
-                                                 CASES[i].x, CASES[i].rounding, CASES[i].threads,
-                                                 CASES[i].quality, NULL, &error);
+        const int status =
+            measure_cells(CASES[i].cells, CASES[i].dim, CASES[i].n_nodes, CASES[i].x,
+                          CASES[i].rounding, CASES[i].threads, CASES[i].quality, NULL, &error);
         if (status != CASES[i].code || error.code != status || strlen(error.text) < 10)
             fail_msg("%s: %d, %s", CASES[i].name, status, error.text);
         assert_memory_equal(&q, &before, sizeof q);
-        assert_int_equal(planish_measure_cells(CASES[i].cells, CASES[i].dim, CASES[i].n_nodes,
-                                               CASES[i].x, CASES[i].rounding, CASES[i].threads,
-                                               CASES[i].quality, NULL, NULL),
+        assert_int_equal(measure_cells(CASES[i].cells, CASES[i].dim, CASES[i].n_nodes, CASES[i].x,
+                                       CASES[i].rounding, CASES[i].threads, CASES[i].quality, NULL,
+                                       NULL),
                          status);
     }
     static const double WRONG[] = {NAN, INFINITY, -INFINITY};
     for (int i = 0; i < 3; i++) {
         m.x[5] = WRONG[i];
-        assert_int_equal(planish_measure_cells(&m.cells, 2, 4, m.x, 0, 1, &q, NULL, &error), MESH);
+        assert_int_equal(measure_cells(&m.cells, 2, 4, m.x, 0, 1, &q, NULL, &error), MESH);
         assert_int_equal(error.node, 2);
         assert_int_equal(error.element, -1);
     }
@@ -521,8 +533,7 @@ static void measure_with_faults(const void *world, faults *f) {
     int status;
     do {
         faults_mark(&q, sizeof q);
-        status =
-            planish_measure_cells(&m->cells, m->dim, m->n_nodes, m->x, 0, 2, &q, ratio, &error);
+        status = measure_cells(&m->cells, m->dim, m->n_nodes, m->x, 0, 2, &q, ratio, &error);
         assert_true(!status || faults_is_marked(&q, sizeof q));
     } while (faults_refused(f, status, &error));
     faults_add(f, &q, sizeof q);

@@ -55,8 +55,11 @@ static inline void fuzz_check_cells(planish_file *file) {
     }
     for (int64_t i = 0; i < cells.offset[cells.n]; i++)
         fuzz_require(cells.node[i] >= -1 && cells.node[i] < mesh.n_nodes, "nodes in range");
-    const int status = planish_measure_cells(&cells, mesh.dim, mesh.n_nodes, mesh.coordinates, 0, 1,
-                                             &quality, NULL, &error);
+    planish_mesh all = mesh;
+    all.elements = NULL;
+    all.cells = &cells;
+    all.n_elements = all.cells->n;
+    const int status = planish_measure_cells(&all, 0, 1, &quality, NULL, &error);
     fuzz_require(status == 0 || (status == PLANISH_ERROR_MESH && error.text[0]),
                  "cells are measured, or one is wrong");
 }

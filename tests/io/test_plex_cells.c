@@ -215,8 +215,11 @@ static void measure(const planish_file *file, const planish_cells *cells,
                     planish_cell_quality *quality) {
     const planish_mesh mesh = planish_file_mesh(file);
     planish_error error = {.text = ""};
-    if (planish_measure_cells(cells, mesh.dim, mesh.n_nodes, mesh.coordinates, 0, 1, quality, NULL,
-                              &error))
+    planish_mesh all = mesh;
+    all.elements = NULL;
+    all.cells = cells;
+    all.n_elements = all.cells->n;
+    if (planish_measure_cells(&all, 0, 1, quality, NULL, &error))
         fail_msg("%s", error.text);
 }
 

@@ -249,9 +249,11 @@ static void tetrahedra_of_second_order(void **state) {
         assert_true(file->model.hold[i] & IO_HELD_BY_OTHER);
     unit_expect_valid(file, 2);
     assert_int_equal(planish_file_cells(file, &cells, NULL), PLANISH_OK);
-    assert_int_equal(planish_measure_cells(&cells, 3, mesh.n_nodes, mesh.coordinates, 0, 1,
-                                           &quality, NULL, NULL),
-                     PLANISH_OK);
+    planish_mesh all = mesh;
+    all.elements = NULL;
+    all.cells = &cells;
+    all.n_elements = all.cells->n;
+    assert_int_equal(planish_measure_cells(&all, 0, 1, &quality, NULL, NULL), PLANISH_OK);
     assert_int_equal(quality.all.n_curved, 0);
     assert_int_equal(planish_file_element_number(file, 1), 2);
     planish_file_close(file);

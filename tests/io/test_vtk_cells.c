@@ -68,7 +68,12 @@ static int64_t count_inverted(const planish_cells *cells, int dim, int64_t n_nod
                               const double *coordinates) {
     planish_cell_quality quality;
     planish_error error = {.text = ""};
-    if (planish_measure_cells(cells, dim, n_nodes, coordinates, 0, 1, &quality, NULL, &error))
+    const planish_mesh mesh = {.dim = dim,
+                               .n_nodes = n_nodes,
+                               .n_elements = cells->n,
+                               .coordinates = coordinates,
+                               .cells = cells};
+    if (planish_measure_cells(&mesh, 0, 1, &quality, NULL, &error))
         fail_msg("%s", error.text);
     assert_int_equal(quality.all.n_uncertified, 0);
     return quality.all.n_inverted;

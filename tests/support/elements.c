@@ -76,8 +76,11 @@ void elements_check(planish_file *file, int type, int64_t number, int n_held, in
     assert_int_equal(cells.n, 1);
     assert_int_equal(cells.type[0], type);
     assert_int_equal(planish_file_element_number(file, 0), number);
-    int status = planish_measure_cells(&cells, mesh.dim, mesh.n_nodes, mesh.coordinates, 0, 1,
-                                       &quality, NULL, &error);
+    planish_mesh all = mesh;
+    all.elements = NULL;
+    all.cells = &cells;
+    all.n_elements = all.cells->n;
+    int status = planish_measure_cells(&all, 0, 1, &quality, NULL, &error);
     if (status)
         print_error("%s\n", error.text);
     assert_int_equal(status, 0);

@@ -93,8 +93,11 @@ void unit_cell_check(planish_file *file, const unit_cell *cell, int n) {
         for (int i = 0; i < type->n_nodes; i++)
             check_node(&mesh, cells.node + cells.offset[k], i, type->between[i]);
     }
-    if (planish_measure_cells(&cells, mesh.dim, mesh.n_nodes, mesh.coordinates, 0, 1, &quality,
-                              NULL, &error))
+    planish_mesh all = mesh;
+    all.elements = NULL;
+    all.cells = &cells;
+    all.n_elements = all.cells->n;
+    if (planish_measure_cells(&all, 0, 1, &quality, NULL, &error))
         fail_msg("%s", error.text);
     assert_int_equal(quality.all.n_elements, n);
     assert_int_equal(quality.all.n_inverted, 0);

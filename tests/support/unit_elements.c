@@ -116,8 +116,11 @@ void unit_expect_valid(planish_file *file, int64_t n) {
     planish_error error = {.text = ""};
     assert_int_equal(planish_file_cells(file, &cells, NULL), PLANISH_OK);
     assert_int_equal(cells.n, n);
-    if (planish_measure_cells(&cells, mesh.dim, mesh.n_nodes, mesh.coordinates, 0, 1, &quality,
-                              NULL, &error))
+    planish_mesh all = mesh;
+    all.elements = NULL;
+    all.cells = &cells;
+    all.n_elements = all.cells->n;
+    if (planish_measure_cells(&all, 0, 1, &quality, NULL, &error))
         fail_msg("%s", error.text);
     assert_int_equal(quality.all.n_elements, n);
     assert_int_equal(quality.all.n_inverted, 0);

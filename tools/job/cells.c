@@ -119,9 +119,13 @@ int pl_cells_measure(const pl_job *job, pl_cells *cells) {
     cells->aspect_ratio = malloc(((size_t)cells->cells.n + 1) * sizeof *cells->aspect_ratio);
     if (!cells->aspect_ratio)
         return pl_job_complain_memory(job, "values of elements");
-    if (planish_measure_cells(&cells->cells, job->mesh.dim, job->mesh.n_nodes,
-                              job->mesh.coordinates, rounding_of(job), job->options.threads,
-                              &cells->quality, cells->aspect_ratio, &error))
+    planish_mesh all = job->mesh;
+    all.elements = NULL;
+    all.cells = &cells->cells;
+    all.n_elements = cells->cells.n;
+    const planish_cell_values values = {.aspect_ratio = cells->aspect_ratio};
+    if (planish_measure_cells(&all, rounding_of(job), job->options.threads, &cells->quality,
+                              &values, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     mark_missing(&cells->quality.all);
     for (int i = 0; i < cells->quality.n_types; i++)

@@ -59,7 +59,8 @@ class _Mesh(ctypes.Structure):
         ("neighbours", c_void_p),
         ("neighbours64", c_void_p),
         ("part", c_void_p),
-        ("reserved", c_void_p * 7),
+        ("cells", c_void_p),
+        ("reserved", c_void_p * 6),
     ]
 
 
@@ -115,6 +116,7 @@ class _Options(ctypes.Structure):
         ("box_lower", c_double * 3),
         ("box_upper", c_double * 3),
         ("max_displacement", c_double),
+        ("rounding", c_double),
         ("displacement_unit", c_int),
         ("precision", c_int),
         ("untangle", c_int),
@@ -139,7 +141,7 @@ class _Options(ctypes.Structure):
         ("log_user", c_void_p),
         ("round", c_void_p),
         ("round_user", c_void_p),
-        ("reserved", c_void_p * 8),
+        ("reserved", c_void_p * 7),
     ]
 
 
@@ -238,7 +240,10 @@ class Result(_Printed):
         ("n_active", c_int64),
         ("seconds", c_double),
         ("n_not_enclosed", c_int64),
-        ("reserved", c_int64 * 7),
+        ("n_curved", c_int64),
+        ("n_inverted_inside", c_int64),
+        ("n_refused", c_int64),
+        ("reserved", c_int64 * 4),
     ]
 
     @property
