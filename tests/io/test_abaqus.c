@@ -1,9 +1,9 @@
 /* Abaqus input files: nodes, elements, sets, what is held, what is refused, what is written. */
-#include "support/elements.h"
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/reading.h"
 #include "support/rewriting.h"
+#include "support/unit_elements.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -232,60 +232,51 @@ static void types_are_known(void **state) {
 /** Nodes of the elements that hold theirs, as the manuals of Abaqus and CalculiX number them. */
 static const struct {
     const char *nodes;
-    int dim, type;
+    int type;
     const char *names[16];
 } others[] = {
     {"1 2 3 4",
-     2,
      PLANISH_CELL_QUADRILATERAL,
      {"CPS4", "CPE4R", "CAX4", "S4", "S4R", "M3D4", "R3D4", "cpe4h", "DC2D4", "CGAX4R", "CPEG4",
       "DCAX4", "AC2D4", "SFM3D4", "S4R5"}},
     {"1 2 3 12 23 31",
-     2,
      PLANISH_CELL_TRIANGLE6,
      {"CPS6", "CPE6M", "CAX6M", "STRI65", "S6", "M3D6", "DC2D6", "cpe6h"}},
     {"1 2 3 4 12 23 34 41",
-     2,
      PLANISH_CELL_QUADRILATERAL8,
      {"CPS8", "CPE8R", "CAX8", "S8R", "S8R5", "DC2D8", "M3D8R", "S8"}},
-    {"1 2 3 4 12 23 34 41 1234", 2, PLANISH_CELL_QUADRILATERAL9, {"S9R5", "M3D9", "M3D9R"}},
+    {"1 2 3 4 12 23 34 41 1234", PLANISH_CELL_QUADRILATERAL9, {"S9R5", "M3D9", "M3D9R"}},
     {"1 2 3 4 12 23 31 14 24 34",
-     3,
      PLANISH_CELL_TETRAHEDRON10,
      {"C3D10", "C3D10M", "C3D10HS", "DC3D10", "C3D10T", "AC3D10", "c3d10mh"}},
-    {"1 2 3 4 5", 3, PLANISH_CELL_PYRAMID, {"C3D5", "AC3D5"}},
-    {"1 2 3 4 5 6", 3, PLANISH_CELL_WEDGE, {"C3D6", "DC3D6", "F3D6", "SC6R", "C3D6E"}},
+    {"1 2 3 4 5", PLANISH_CELL_PYRAMID, {"C3D5", "AC3D5"}},
+    {"1 2 3 4 5 6", PLANISH_CELL_WEDGE, {"C3D6", "DC3D6", "F3D6", "SC6R", "C3D6E"}},
     {"1 2 3 4 5 6 7 8",
-     3,
      PLANISH_CELL_HEXAHEDRON,
      {"C3D8", "C3D8R", "C3D8I", "C3D8IH", "DC3D8", "DCC3D8", "F3D8", "SC8R", "AC3D8R", "EMC3D8"}},
     {"1 2 3 4 5 6 12 23 31 45 56 64 14 25 36",
-     3,
      PLANISH_CELL_WEDGE15,
      {"C3D15", "DC3D15", "C3D15H", "C3D15V"}},
     {"1 2 3 4 5 6 12 23 31 45 56 64 14 25 36 1254 2365 3146",
-     3,
      PLANISH_CELL_WEDGE18,
      {"C3D15V", "C3D15VH"}},
     {"1 2 3 4 5 6 7 8 12 23 34 41 56 67 78 85 15 26 37 48",
-     3,
      PLANISH_CELL_HEXAHEDRON20,
      {"C3D20", "C3D20R", "DC3D20", "C3D20RHT", "AC3D20"}},
     {"1 2 3 4 5 6 7 8 12 23 34 41 56 67 78 85 15 26 37 48 12345678 1234 5876 1562 2673 3784 4851",
-     3,
      PLANISH_CELL_HEXAHEDRON27,
      {"C3D27", "C3D27RH"}},
 };
 
 /** Write an element of number 7 with the last nodes left out, 15 nodes in the first line. */
-static void write_element(char *text, size_t size, const char *name, const elements_places *p,
+static void write_element(char *text, size_t size, const char *name, int n, double x[UNIT_NODES][3],
                           int n_left_out) {
     int length = snprintf(text, size, "*NODE\n");
-    for (int i = 0; i < p->n; i++)
+    for (int i = 0; i < n; i++)
         length += snprintf(text + length, size - (size_t)length, "%d, %.8f, %.8f, %.8f\n", i + 1,
-                           p->xyz[i][0], p->xyz[i][1], p->xyz[i][2]);
+                           x[i][0], x[i][1], x[i][2]);
     length += snprintf(text + length, size - (size_t)length, "*ELEMENT, TYPE=%s\n7", name);
-    for (int i = 0; i < p->n - n_left_out; i++)
+    for (int i = 0; i < n - n_left_out; i++)
         length += snprintf(text + length, size - (size_t)length, i == 15 ? ",\n%d" : ", %d", i + 1);
     snprintf(text + length, size - (size_t)length, "\n");
 }
@@ -296,9 +287,12 @@ static void other_types_are_measured(void **state) {
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
         for (int j = 0; j < 16 && others[i].names[j]; j++)
             for (int swapped = 0; swapped < 2; swapped++) {
-                const elements_places p = elements_find(others[i].dim, others[i].nodes, swapped);
-                write_element(text, sizeof text, others[i].names[j], &p, 0);
-                elements_check(reading_text(format, text), others[i].type, 7, p.n, !swapped);
+                double x[UNIT_NODES][3];
+                const int n = unit_places(others[i].type, others[i].nodes, x);
+                if (swapped)
+                    unit_swap(others[i].type, n, x);
+                write_element(text, sizeof text, others[i].names[j], n, x, 0);
+                unit_expect_alone(reading_text(format, text), others[i].type, 7, n, !swapped);
                 reading_every_beginning(format, text, j == 0 ? (int64_t)strlen(text) : 0);
             }
 }
@@ -307,20 +301,22 @@ static void other_types_are_measured(void **state) {
 static void nodes_of_faces_may_be_missing(void **state) {
     (void)state;
     char text[4096];
-    const elements_places p =
-        elements_find(3, "1 2 3 4 5 6 7 8 12 23 34 41 56 67 78 85 15 26 37 48 12345678", 0);
-    write_element(text, sizeof text, "C3D27R", &p, 0);
-    elements_check(reading_text(format, text), PLANISH_CELL_HEXAHEDRON20, 7, p.n, 1);
+    double x[UNIT_NODES][3];
+    const int n = unit_places(PLANISH_CELL_HEXAHEDRON20,
+                              "1 2 3 4 5 6 7 8 12 23 34 41 56 67 78 85 15 26 37 48 12345678", x);
+    write_element(text, sizeof text, "C3D27R", n, x, 0);
+    unit_expect_alone(reading_text(format, text), PLANISH_CELL_HEXAHEDRON20, 7, n, 1);
     snprintf(text + strlen(text) - 1, 32, ",0,0,0,0,0,0\n");
-    elements_check(reading_text(format, text), PLANISH_CELL_HEXAHEDRON20, 7, p.n, 1);
+    unit_expect_alone(reading_text(format, text), PLANISH_CELL_HEXAHEDRON20, 7, n, 1);
 }
 
 /** Nodes of other elements must be there, and be numbers. */
 static void nodes_of_other_elements_are_checked(void **state) {
     (void)state;
     char text[4096];
-    const elements_places p = elements_find(3, "1 2 3 4 12 23 31 14 24 34", 0);
-    write_element(text, sizeof text, "C3D10", &p, 1);
+    double x[UNIT_NODES][3];
+    const int n = unit_places(PLANISH_CELL_TETRAHEDRON10, "1 2 3 4 12 23 31 14 24 34", x);
+    write_element(text, sizeof text, "C3D10", n, x, 1);
     reading_fails(format, text, "where the number of a node was expected");
     reading_fails(format, PAIR "*ELEMENT,TYPE=C3D8\n3,1,2,3,4,6,7,8,99\n",
                   "element 3: there is no node 99");

@@ -1,10 +1,10 @@
 /* Medit: what is read, what is held, what is refused. */
 #include "io/core/binary.h"
-#include "support/elements.h"
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/reading.h"
 #include "support/rewriting.h"
+#include "support/unit_elements.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -219,51 +219,52 @@ static void comments_are_no_keywords(void **state) {
 /** Nodes of the elements that hold theirs, and the same order as an ..Ordering says it. */
 static const struct {
     const char *name, *nodes;
-    int dim, type;
+    int type;
     const char *ordering;
 } others[] = {
-    {"Quadrilaterals", "1 2 3 4", 2, PLANISH_CELL_QUADRILATERAL, NULL},
-    {"Pyramids", "1 2 3 4 5", 3, PLANISH_CELL_PYRAMID, NULL},
-    {"Prisms", "1 2 3 4 5 6", 3, PLANISH_CELL_WEDGE, NULL},
-    {"Hexahedra", "1 2 3 4 5 6 7 8", 3, PLANISH_CELL_HEXAHEDRON, NULL},
-    {"TrianglesP2", "1 2 3 12 23 31", 2, PLANISH_CELL_TRIANGLE6, NULL},
-    {"TrianglesP2", "1 12 2 23 3 31", 2, PLANISH_CELL_TRIANGLE6, "200 110 020 011 002 101"},
-    {"QuadrilateralsQ2", "1 2 3 4 12 23 34 41 1234", 2, PLANISH_CELL_QUADRILATERAL9, NULL},
-    {"QuadrilateralsQ2", "1 12 2 41 1234 23 4 34 3", 2, PLANISH_CELL_QUADRILATERAL9,
+    {"Quadrilaterals", "1 2 3 4", PLANISH_CELL_QUADRILATERAL, NULL},
+    {"Pyramids", "1 2 3 4 5", PLANISH_CELL_PYRAMID, NULL},
+    {"Prisms", "1 2 3 4 5 6", PLANISH_CELL_WEDGE, NULL},
+    {"Hexahedra", "1 2 3 4 5 6 7 8", PLANISH_CELL_HEXAHEDRON, NULL},
+    {"TrianglesP2", "1 2 3 12 23 31", PLANISH_CELL_TRIANGLE6, NULL},
+    {"TrianglesP2", "1 12 2 23 3 31", PLANISH_CELL_TRIANGLE6, "200 110 020 011 002 101"},
+    {"QuadrilateralsQ2", "1 2 3 4 12 23 34 41 1234", PLANISH_CELL_QUADRILATERAL9, NULL},
+    {"QuadrilateralsQ2", "1 12 2 41 1234 23 4 34 3", PLANISH_CELL_QUADRILATERAL9,
      "00 10 20 01 11 21 02 12 22"},
-    {"TetrahedraP2", "1 2 3 4 12 23 31 14 24 34", 3, PLANISH_CELL_TETRAHEDRON10, NULL},
-    {"TetrahedraP2", "1 2 3 4 12 23 31 14 34 24", 3, PLANISH_CELL_TETRAHEDRON10,
+    {"TetrahedraP2", "1 2 3 4 12 23 31 14 24 34", PLANISH_CELL_TETRAHEDRON10, NULL},
+    {"TetrahedraP2", "1 2 3 4 12 23 31 14 34 24", PLANISH_CELL_TETRAHEDRON10,
      "2000 0200 0020 0002 1100 0110 1010 1001 0011 0101"},
     {"HexahedraQ2",
      "1 2 3 4 5 6 7 8 12 23 34 41 56 67 78 85 15 26 37 48 1234 1265 2376 3487 4158 5678 12345678",
-     3, PLANISH_CELL_HEXAHEDRON27, NULL},
+     PLANISH_CELL_HEXAHEDRON27, NULL},
     {"HexahedraQ2",
      "1 2 3 4 5 6 7 8 12 23 34 41 56 67 78 85 15 26 37 48 1234 5678 1265 2376 3487 4158 12345678",
-     3, PLANISH_CELL_HEXAHEDRON27,
+     PLANISH_CELL_HEXAHEDRON27,
      "000 200 220 020 002 202 222 022 100 210 120 010 102 212 122 012 001 201 221 021 110 112 101 "
      "211 "
      "121 011 111"},
-    {"PrismsP2", "1 2 3 4 5 6 12 23 31 45 56 64 14 25 36 1254 2365 3146", 3, PLANISH_CELL_WEDGE18,
+    {"PrismsP2", "1 2 3 4 5 6 12 23 31 45 56 64 14 25 36 1254 2365 3146", PLANISH_CELL_WEDGE18,
      NULL},
-    {"PrismsP2", "1 2 3 12 23 31 14 25 36 1254 2365 3146 4 5 6 45 56 64", 3, PLANISH_CELL_WEDGE18,
+    {"PrismsP2", "1 2 3 12 23 31 14 25 36 1254 2365 3146 4 5 6 45 56 64", PLANISH_CELL_WEDGE18,
      "2000 0200 0020 1100 0110 1010 2001 0201 0021 1101 0111 1011 2002 0202 0022 1102 0112 1012"},
-    {"PyramidsP2", "1 2 3 4 5 12 23 34 41 15 25 35 45 1234", 3, PLANISH_CELL_PYRAMID14, NULL},
+    {"PyramidsP2", "1 2 3 4 5 12 23 34 41 15 25 35 45 1234", PLANISH_CELL_PYRAMID14, NULL},
 };
 
 /** Write a file of one element. */
-static void write_element(char *text, size_t size, size_t i, const elements_places *p) {
-    int length = snprintf(text, size, "MeshVersionFormatted 2\nDimension %d\n%s\n1\n", p->dim,
-                          others[i].name);
-    for (int j = 0; j < p->n; j++)
+static void write_element(char *text, size_t size, size_t i, int n, double x[UNIT_NODES][3]) {
+    const int dim = unit_dim(others[i].type);
+    int length =
+        snprintf(text, size, "MeshVersionFormatted 2\nDimension %d\n%s\n1\n", dim, others[i].name);
+    for (int j = 0; j < n; j++)
         length += snprintf(text + length, size - (size_t)length, "%d ", j + 1);
-    length += snprintf(text + length, size - (size_t)length, "5\nVertices\n%d\n", p->n);
-    for (int j = 0; j < p->n; j++)
-        for (int d = 0; d <= p->dim; d++)
-            length += snprintf(text + length, size - (size_t)length, d < p->dim ? "%.8f " : "1\n",
-                               p->xyz[j][d % 3]);
+    length += snprintf(text + length, size - (size_t)length, "5\nVertices\n%d\n", n);
+    for (int j = 0; j < n; j++)
+        for (int d = 0; d <= dim; d++)
+            length += snprintf(text + length, size - (size_t)length, d < dim ? "%.8f " : "1\n",
+                               x[j][d % 3]);
     if (others[i].ordering) {
-        length += snprintf(text + length, size - (size_t)length, "%sOrdering\n%d\n", others[i].name,
-                           p->n);
+        length +=
+            snprintf(text + length, size - (size_t)length, "%sOrdering\n%d\n", others[i].name, n);
         for (const char *c = others[i].ordering; *c; c++)
             length += snprintf(text + length, size - (size_t)length, *c == ' ' ? "\n" : "%c ", *c);
     }
@@ -275,9 +276,12 @@ static void other_types_are_measured(void **state) {
     char text[4096];
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
         for (int swapped = 0; swapped < 2; swapped++) {
-            const elements_places p = elements_find(others[i].dim, others[i].nodes, swapped);
-            write_element(text, sizeof text, i, &p);
-            elements_check(reading_text(&io_format_medit, text), others[i].type, 1, p.n, !swapped);
+            double x[UNIT_NODES][3];
+            const int n = unit_places(others[i].type, others[i].nodes, x);
+            if (swapped)
+                unit_swap(others[i].type, n, x);
+            write_element(text, sizeof text, i, n, x);
+            unit_expect_alone(reading_text(&io_format_medit, text), others[i].type, 1, n, !swapped);
             reading_every_beginning(&io_format_medit, text, (int64_t)strlen(text));
         }
 }

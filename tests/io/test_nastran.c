@@ -1,9 +1,9 @@
 /* Nastran bulk data: fields of every kind, what is held, what is refused, what is written. */
-#include "support/elements.h"
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/reading.h"
 #include "support/rewriting.h"
+#include "support/unit_elements.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -196,41 +196,34 @@ static void systems_are_looked_at(void **state) {
 /** Nodes of the elements that hold theirs, as the Quick Reference Guide numbers them. */
 static const struct {
     const char *nodes;
-    int dim, type;
+    int type;
     const char *names[8];
 } others[] = {
     {"1 2 3 4",
-     2,
      PLANISH_CELL_QUADRILATERAL,
      {"CQUAD4", "CQUADR", "CSHEAR", "CQUAD8", "CQUAD", "CPLSTN4", "CPLSTS4"}},
-    {"1 2 3 12 23 31", 2, PLANISH_CELL_TRIANGLE6, {"CTRIA6", "CPLSTN6", "CPLSTS6", "CTRIAX"}},
-    {"1 12 2 23 3 31", 2, PLANISH_CELL_TRIANGLE6, {"CTRIAX6", "CTRAX6"}},
-    {"1 2 3 4 12 23 34 41",
-     2,
-     PLANISH_CELL_QUADRILATERAL8,
-     {"CQUAD8", "CQUAD", "CPLSTN8", "CPLSTS8"}},
-    {"1 2 3 4 12 23 34 41 1234", 2, PLANISH_CELL_QUADRILATERAL9, {"CQUAD", "CQUADX"}},
-    {"1 2 3 4 12 23 31 14 24 34", 3, PLANISH_CELL_TETRAHEDRON10, {"CTETRA"}},
-    {"1 2 3 4 5", 3, PLANISH_CELL_PYRAMID, {"CPYRAM", "CPYRA"}},
-    {"1 2 3 4 5 12 23 34 41 15 25 35 45", 3, PLANISH_CELL_PYRAMID13, {"CPYRAM", "CPYRA"}},
-    {"1 2 3 4 5 6", 3, PLANISH_CELL_WEDGE, {"CPENTA"}},
-    {"1 2 3 4 5 6 7 8", 3, PLANISH_CELL_HEXAHEDRON, {"CHEXA"}},
-    {"1 2 3 4 5 6 12 23 31 14 25 36 45 56 64", 3, PLANISH_CELL_WEDGE15, {"CPENTA"}},
-    {"1 2 3 4 5 6 7 8 12 23 34 41 15 26 37 48 56 67 78 85",
-     3,
-     PLANISH_CELL_HEXAHEDRON20,
-     {"CHEXA"}},
+    {"1 2 3 12 23 31", PLANISH_CELL_TRIANGLE6, {"CTRIA6", "CPLSTN6", "CPLSTS6", "CTRIAX"}},
+    {"1 12 2 23 3 31", PLANISH_CELL_TRIANGLE6, {"CTRIAX6", "CTRAX6"}},
+    {"1 2 3 4 12 23 34 41", PLANISH_CELL_QUADRILATERAL8, {"CQUAD8", "CQUAD", "CPLSTN8", "CPLSTS8"}},
+    {"1 2 3 4 12 23 34 41 1234", PLANISH_CELL_QUADRILATERAL9, {"CQUAD", "CQUADX"}},
+    {"1 2 3 4 12 23 31 14 24 34", PLANISH_CELL_TETRAHEDRON10, {"CTETRA"}},
+    {"1 2 3 4 5", PLANISH_CELL_PYRAMID, {"CPYRAM", "CPYRA"}},
+    {"1 2 3 4 5 12 23 34 41 15 25 35 45", PLANISH_CELL_PYRAMID13, {"CPYRAM", "CPYRA"}},
+    {"1 2 3 4 5 6", PLANISH_CELL_WEDGE, {"CPENTA"}},
+    {"1 2 3 4 5 6 7 8", PLANISH_CELL_HEXAHEDRON, {"CHEXA"}},
+    {"1 2 3 4 5 6 12 23 31 14 25 36 45 56 64", PLANISH_CELL_WEDGE15, {"CPENTA"}},
+    {"1 2 3 4 5 6 7 8 12 23 34 41 15 26 37 48 56 67 78 85", PLANISH_CELL_HEXAHEDRON20, {"CHEXA"}},
 };
 
 /** Write an element of number 7; without node number missing. Return its length. */
-static int write_element(char *text, size_t size, const char *name, const elements_places *p,
+static int write_element(char *text, size_t size, const char *name, int n, double x[UNIT_NODES][3],
                          int missing) {
     int length = 0;
-    for (int i = 0; i < p->n; i++)
+    for (int i = 0; i < n; i++)
         length += snprintf(text + length, size - (size_t)length, "GRID,%d,,%.5f,%.5f,%.5f\n", i + 1,
-                           p->xyz[i][0], p->xyz[i][1], p->xyz[i][2]);
+                           x[i][0], x[i][1], x[i][2]);
     length += snprintf(text + length, size - (size_t)length, "%s,7,1", name);
-    for (int i = 0; i < p->n; i++) {
+    for (int i = 0; i < n; i++) {
         const char *before = i > 0 && (i + 2) % 8 == 0 ? "\n," : ",";
         length += i + 1 == missing
                       ? snprintf(text + length, size - (size_t)length, "%s", before)
@@ -245,9 +238,12 @@ static void other_types_are_measured(void **state) {
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
         for (int j = 0; j < 8 && others[i].names[j]; j++)
             for (int swapped = 0; swapped < 2; swapped++) {
-                const elements_places p = elements_find(others[i].dim, others[i].nodes, swapped);
-                const int length = write_element(text, sizeof text, others[i].names[j], &p, 0);
-                elements_check(reading_text(format, text), others[i].type, 7, p.n, !swapped);
+                double x[UNIT_NODES][3];
+                const int n = unit_places(others[i].type, others[i].nodes, x);
+                if (swapped)
+                    unit_swap(others[i].type, n, x);
+                const int length = write_element(text, sizeof text, others[i].names[j], n, x, 0);
+                unit_expect_alone(reading_text(format, text), others[i].type, 7, n, !swapped);
                 reading_every_beginning(format, text, length);
             }
 }
@@ -257,15 +253,16 @@ static void mids_may_be_missing(void **state) {
     (void)state;
     char text[4096];
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
-        const elements_places p = elements_find(others[i].dim, others[i].nodes, 0);
-        for (int node = 1; node <= p.n; node++) {
+        double x[UNIT_NODES][3];
+        const int n = unit_places(others[i].type, others[i].nodes, x);
+        for (int node = 1; node <= n; node++) {
             const char *at = others[i].nodes;
             for (int word = 1; word < node; word++)
                 at = strchr(at, ' ') + 1;
             if (at[1] == '\0' || at[1] == ' ' || at[2] == '3') /* a corner; the inside */
                 continue;
-            write_element(text, sizeof text, others[i].names[0], &p, node);
-            elements_check(reading_text(format, text), others[i].type, 7, p.n - 1, 1);
+            write_element(text, sizeof text, others[i].names[0], n, x, node);
+            unit_expect_alone(reading_text(format, text), others[i].type, 7, n - 1, 1);
         }
     }
     static const char *const straight[] = {"CTETRA,1,1,1,2,3,4\n", "CTETRA,1,1,1,2,3,4,0,0\n,0,0\n",

@@ -1,10 +1,10 @@
 /* OFF: what is read, what is held, what is refused, what is written. */
 #include "io/core/binary.h"
-#include "support/elements.h"
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/reading.h"
 #include "support/rewriting.h"
+#include "support/unit_elements.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -84,10 +84,10 @@ static void first_lines_of_every_kind(void **state) {
 
 static void quadrilaterals_are_measured(void **state) {
     (void)state;
-    elements_check(reading_text(&io_format_off, "OFF\n4 1 0\n" SQUARE "4 0 1 2 3\n"),
-                   PLANISH_CELL_QUADRILATERAL, 0, 4, 1);
-    elements_check(reading_text(&io_format_off, "OFF\n4 1 0\n" SQUARE "4 0 1 3 2\n"),
-                   PLANISH_CELL_QUADRILATERAL, 0, 4, 0);
+    unit_expect_alone(reading_text(&io_format_off, "OFF\n4 1 0\n" SQUARE "4 0 1 2 3\n"),
+                      PLANISH_CELL_QUADRILATERAL, 0, 4, 1);
+    unit_expect_alone(reading_text(&io_format_off, "OFF\n4 1 0\n" SQUARE "4 0 1 3 2\n"),
+                      PLANISH_CELL_QUADRILATERAL, 0, 4, 0);
     planish_file *file = reading_text(&io_format_off, mixed);
     static const int32_t nodes[] = {0, 1, 9, 1, 2, 9, 4, 5, 6, 7};
     planish_cells cells;

@@ -1,7 +1,7 @@
 /* DMPlex: quadrilaterals, hexahedra, prisms and pyramids, bounded by nodes or by faces and edges, as
  * DMView of PETSc 3.18 has written them. */
 #include "support/hdf5_builder.h"
-#include "support/reading.h"
+#include "support/unit_elements.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -211,18 +211,6 @@ static file_builder make(const sample *m) {
     return hdf5_end(&b);
 }
 
-static void measure(const planish_file *file, const planish_cells *cells,
-                    planish_cell_quality *quality) {
-    const planish_mesh mesh = planish_file_mesh(file);
-    planish_error error = {.text = ""};
-    planish_mesh all = mesh;
-    all.elements = NULL;
-    all.cells = cells;
-    all.n_elements = all.cells->n;
-    if (planish_measure_cells(&all, 0, 1, quality, NULL, &error))
-        fail_msg("%s", error.text);
-}
-
 static void elements_of_every_type_are_read(void **state) {
     (void)state;
     double aspect_ratio = 0;
@@ -230,21 +218,17 @@ static void elements_of_every_type_are_read(void **state) {
         const sample *m = &meshes[i];
         planish_file *file;
         planish_cells cells;
-        planish_cell_quality quality;
-        planish_file_info info;
         planish_error error = {.text = ""};
         file_builder b = make(m);
         if (builder_read(&b, &io_format_plex, 1, &file, &error))
             fail_msg("mesh %d: %s", i, error.text);
         assert_int_equal(planish_file_cells(file, &cells, &error), 0);
-        assert_int_equal(cells.n, N_ELEMENTS);
         assert_int_equal(planish_file_mesh(file).dim, m->dim);
         for (int k = 0; k < N_ELEMENTS; k++) {
             assert_int_equal(cells.type[k], m->type[k]);
             assert_int_equal(planish_file_element_number(file, k), k);
         }
-        measure(file, &cells, &quality);
-        assert_int_equal(quality.all.n_elements, N_ELEMENTS);
+        const planish_cell_quality quality = unit_measure(file, N_ELEMENTS);
         assert_int_equal(quality.all.n_inverted, 0);
         assert_int_equal(quality.all.n_inverted_corners, 0);
         assert_true(quality.all.min_scaled_jacobian > 0.75);
@@ -252,10 +236,7 @@ static void elements_of_every_type_are_read(void **state) {
         if (i < 6 && i % 2)
             assert_true(fabs(quality.all.rms_aspect_ratio - aspect_ratio) < 1e-14);
         aspect_ratio = quality.all.rms_aspect_ratio;
-        planish_file_get_info(file, &info);
-        assert_int_equal(info.n_other_elements, N_ELEMENTS);
-        for (int k = 0; k < m->n_nodes; k++)
-            assert_int_equal(file->model.hold[k], IO_HELD_BY_OTHER);
+        unit_expect_others(file, N_ELEMENTS, m->n_nodes);
         planish_file_close(file);
         builder_release(&b);
     }
@@ -272,7 +253,6 @@ static void wrong_cones_do_no_harm(void **state) {
             const int at = k / 2, *from = k % 2 ? m.turns : m.cones;
             planish_file *file;
             planish_cells cells;
-            planish_cell_quality quality;
             planish_error error = {.text = ""};
             if (from)
                 memcpy(changed, from, (size_t)m.n_cones * sizeof *changed);
@@ -282,7 +262,7 @@ static void wrong_cones_do_no_harm(void **state) {
             if (builder_read(&b, &io_format_plex, 1, &file, &error) == 0) {
                 assert_int_equal(planish_file_cells(file, &cells, &error), 0);
                 assert_in_range(cells.n, 0, N_ELEMENTS);
-                measure(file, &cells, &quality);
+                unit_measure(file, cells.n);
                 planish_file_close(file);
             } else {
                 assert_true(error.text[0] != 0);

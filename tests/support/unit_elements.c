@@ -71,24 +71,51 @@ int unit_dim(int type) {
 /** Bend space by so little that every element stays valid; planes of constant z stay planes where
  *  dim is 2. */
 static void bend(int dim, const double at[3], double x[3]) {
-    x[0] = at[0] + 0.1 * at[1] * at[1] + (dim == 3 ? 0.05 * at[2] : 0);
-    x[1] = at[1] - 0.06 * at[0] * at[0] + (dim == 3 ? 0.1 * at[2] * at[2] : 0);
-    x[2] = dim == 3 ? at[2] + 0.08 * at[0] * at[0] : 0;
+    x[0] = at[0] + 0.1 * at[1] * at[1] + 0.15 * at[1] * at[2];
+    x[1] = at[1] + 0.1 * at[0] * at[0] + 0.1 * at[0] * at[2];
+    x[2] = at[2] + (dim == 3 ? 0.15 * at[0] * at[1] : 0);
 }
 
 int unit_places(int type, const char *nodes, double x[UNIT_NODES][3]) {
     const int row = row_of(type);
+    const char first = *nodes;
     int n = 0;
+    assert_true(first == '0' || first == '1');
     for (const char *at = nodes; *at; at += strspn(at, " "), n++) {
         const size_t length = strcspn(at, " ");
         double middle[3] = {0, 0, 0};
         for (size_t i = 0; i < length; i++)
             for (int d = 0; d < 3; d++)
-                middle[d] += vtk_types[row].corner[at[i] - '0'][d] / (double)length;
+                middle[d] += vtk_types[row].corner[at[i] - first][d] / (double)length;
         assert_true(n < UNIT_NODES);
         bend(vtk_types[row].dim, middle, x[n]);
         at += length;
     }
+    return n;
+}
+
+void unit_swap(int type, int n, double x[UNIT_NODES][3]) {
+    const int is_pyramid = vtk_types[row_of(type)].corner == pyramid;
+    double *a = is_pyramid ? x[2] : x[n - 2], *b = is_pyramid ? x[3] : x[n - 1];
+    for (int d = 0; d < 3; d++) {
+        const double kept = a[d];
+        a[d] = b[d];
+        b[d] = kept;
+    }
+}
+
+void unit_mirror(int n, double x[UNIT_NODES][3]) {
+    for (int i = 0; i < n; i++)
+        x[i][0] = -x[i][0];
+}
+
+/** Return the first of n nodes that is not at its place x, or n. */
+static int misplaced(const planish_mesh *mesh, const int32_t *nodes, int n,
+                     double x[UNIT_NODES][3]) {
+    for (int k = 0; k < n; k++)
+        for (int d = 0; nodes[k] >= 0 && d < mesh->dim; d++)
+            if (!(fabs(mesh->coordinates[mesh->dim * nodes[k] + d] - x[k][d]) < 1e-6))
+                return k;
     return n;
 }
 
@@ -98,31 +125,87 @@ void unit_expect(planish_file *file, int64_t i, int type) {
     const planish_mesh mesh = planish_file_mesh(file);
     planish_cells cells;
     assert_int_equal(planish_file_cells(file, &cells, NULL), PLANISH_OK);
+    assert_int_equal(mesh.dim, unit_dim(type));
     assert_true(i < cells.n);
     assert_int_equal(cells.type[i], type);
     assert_int_equal(cells.offset[i + 1] - cells.offset[i], n);
-    for (int k = 0; k < n; k++) {
-        const int32_t node = cells.node[cells.offset[i] + k];
-        for (int d = 0; node >= 0 && d < mesh.dim; d++)
-            if (!(fabs(mesh.coordinates[mesh.dim * node + d] - expected[k][d]) < 1e-6))
-                fail_msg("type %d: node %d is not where VTK has it", type, k);
-    }
+    const int32_t *nodes = cells.node + cells.offset[i];
+    const int node = misplaced(&mesh, nodes, n, expected);
+    unit_mirror(n, expected);
+    if (node < n && misplaced(&mesh, nodes, n, expected) < n)
+        fail_msg("type %d: node %d is not where VTK has it", type, node);
 }
 
-void unit_expect_valid(planish_file *file, int64_t n) {
-    const planish_mesh mesh = planish_file_mesh(file);
+planish_cell_quality unit_measure(planish_file *file, int64_t n) {
+    planish_mesh all = planish_file_mesh(file);
     planish_cells cells;
     planish_cell_quality quality;
     planish_error error = {.text = ""};
     assert_int_equal(planish_file_cells(file, &cells, NULL), PLANISH_OK);
     assert_int_equal(cells.n, n);
-    planish_mesh all = mesh;
     all.elements = NULL;
     all.cells = &cells;
-    all.n_elements = all.cells->n;
+    all.n_elements = cells.n;
     if (planish_measure_cells(&all, 0, 1, &quality, NULL, &error))
         fail_msg("%s", error.text);
     assert_int_equal(quality.all.n_elements, n);
-    assert_int_equal(quality.all.n_inverted, 0);
     assert_int_equal(quality.all.n_uncertified, 0);
+    return quality;
+}
+
+void unit_expect_valid(planish_file *file, int64_t n) {
+    assert_int_equal(unit_measure(file, n).all.n_inverted, 0);
+}
+
+void unit_expect_others(planish_file *file, int64_t n, int64_t n_held) {
+    const planish_mesh mesh = planish_file_mesh(file);
+    planish_cells cells;
+    planish_file_info info;
+    int64_t held = 0;
+    planish_file_get_info(file, &info);
+    assert_int_equal(planish_file_cells(file, &cells, NULL), PLANISH_OK);
+    assert_int_equal(info.n_other_elements, n);
+    assert_int_equal(mesh.n_elements, cells.n - n);
+    for (int64_t i = 0; i < mesh.n_nodes; i++)
+        held += file->model.hold[i] == IO_HELD_BY_OTHER;
+    assert_int_equal(held, n_held);
+}
+
+void unit_expect_alone(planish_file *file, int type, int64_t number, int n_held, int is_valid) {
+    planish_cells cells;
+    assert_int_equal(unit_measure(file, 1).all.n_inverted, !is_valid);
+    assert_int_equal(planish_file_cells(file, &cells, NULL), PLANISH_OK);
+    assert_int_equal(cells.type[0], type);
+    assert_int_equal(planish_file_element_number(file, 0), number);
+    unit_expect_others(file, n_held > 0, n_held);
+    planish_file_close(file);
+}
+
+/** Return whether planish smooths a type. */
+static int is_smoothed(int type) {
+    return type == PLANISH_CELL_TRIANGLE || type == PLANISH_CELL_TETRAHEDRON;
+}
+
+void unit_expect_types(const io_format *format, const unit_element *elements, int n,
+                       unit_make *make) {
+    for (int i = 0; i < 4 * n; i++) {
+        const int type = elements[i / 4].type, is_other = !is_smoothed(type);
+        double x[UNIT_NODES][3];
+        planish_file *file;
+        planish_error error = {.text = ""};
+        int64_t number = -1;
+        const int m = unit_places(type, elements[i / 4].nodes, x);
+        if (i & 1)
+            unit_mirror(m, x);
+        file_builder b = make(i / 4, m, x, i >> 1 & 1, &number);
+        if (builder_read(&b, format, 1, &file, &error))
+            fail_msg("type %d: %s", type, error.text);
+        for (int k = 0; k < 2; k++)
+            unit_expect(file, k, type);
+        unit_expect_valid(file, 2);
+        unit_expect_others(file, is_other ? 2 : 0, is_other ? m : 0);
+        assert_int_equal(planish_file_element_number(file, 1), number);
+        planish_file_close(file);
+        builder_release(&b);
+    }
 }

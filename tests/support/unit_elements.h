@@ -1,14 +1,14 @@
 /* unit_elements: one element of each type, deformed so that a wrong order of its nodes shows.
  *
  * A format lists the corners of an element, and mids of edges, faces and the cell. A test says what
- * each mid is between, as the documentation of the format does; nodes stand there, before a smooth
- * map that bends all edges. What is read must then have its nodes where VTK's order has them, and
- * be valid.
+ * each mid is between, as the documentation of the format does; nodes stand there, before a
+ * polynomial map that bends edges. What is read must then have its nodes where VTK's order has
+ * them, and be valid.
  */
 #ifndef TEST_SUPPORT_UNIT_ELEMENTS_H
 #define TEST_SUPPORT_UNIT_ELEMENTS_H
 
-#include <planish/planish_io.h>
+#include "support/file_builder.h"
 
 enum { UNIT_NODES = 27 };
 
@@ -17,7 +17,9 @@ typedef struct unit_element {
     int type;          /* planish_cell_type */
     int code;          /* of the format */
     const char *nodes; /* in the format's order, apart by blanks: the VTK corners that each is
-                          between, "0" a corner, "01" the mid of an edge, "0123" that of a face */
+                          between, "0" a corner, "01" the mid of an edge, "0123" that of a face;
+                          or counted from 1: "1", "12", "1234". The first node is the first
+                          corner. */
 } unit_element;
 
 /** The nodes of a type in VTK's order, as in unit_element. */
@@ -29,11 +31,36 @@ int unit_dim(int type);
 /** Find the places x of the nodes of an element in the order of nodes. Returns their number. */
 int unit_places(int type, const char *nodes, double x[UNIT_NODES][3]);
 
+/** Let two of n nodes change places, so that an element of any type is invalid. */
+void unit_swap(int type, int n, double x[UNIT_NODES][3]);
+
+/** Mirror n nodes, so that the element is of the other handedness. */
+void unit_mirror(int n, double x[UNIT_NODES][3]);
+
 /** Check that cell i of the file's cells is of that type, with its nodes where VTK's order has
- *  them. */
+ *  them, or mirrored. */
 void unit_expect(planish_file *file, int64_t i, int type);
+
+/** Measure all n cells of the file; none may be undecided. */
+planish_cell_quality unit_measure(planish_file *file, int64_t n);
 
 /** Check that the file has n cells of its dimension, and that all of them are valid. */
 void unit_expect_valid(planish_file *file, int64_t n);
+
+/** Check that n elements of the file are not smoothed, that its other cells are, and that n_held
+ *  nodes are held for that. */
+void unit_expect_others(planish_file *file, int64_t n, int64_t n_held);
+
+/** Check the one element of a file, and close it: its type, its number, that its n_held nodes are
+ *  held and it is not smoothed (0: it is), and whether it is valid. */
+void unit_expect_alone(planish_file *file, int type, int64_t number, int n_held, int is_valid);
+
+/** Check that a reader understands n types: make writes a file of two elements with the nodes x [m]
+ *  of row i, the second with a number of its own; in two variants, from which its number follows.
+ *  Both handednesses are tried. */
+typedef file_builder unit_make(int i, int m, double x[UNIT_NODES][3], int variant,
+                               int64_t *second_number);
+void unit_expect_types(const io_format *format, const unit_element *elements, int n,
+                       unit_make *make);
 
 #endif
