@@ -92,7 +92,7 @@ static int settle_until_kept(pl_job *job, pl_result *result, uint8_t *back, doub
         /* Elements that are worse than the worst was get their nodes back, or all do. */
         int any = 0;
         for (int64_t i = 0; i < 3 * job->mesh.n_elements; i++) {
-            uint8_t *of_node = &back[job->mesh.elements[i]];
+            uint8_t *of_node = &back[pl_job_corners(job, i / 3)[i % 3]];
             if (ratio[i / 3] > 0 && !(was_valid(result) && ratio[i / 3] > most))
                 continue;
             any |= !*of_node;

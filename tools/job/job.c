@@ -18,6 +18,12 @@ const char *const *pl_job_region_arrays(const pl_job *job) {
     return planish_file_region_arrays(job->arguments->ignore_regions ? NULL : job->file);
 }
 
+const int32_t *pl_job_corners(const pl_job *job, int64_t element) {
+    const planish_cells *cells = job->mesh.cells;
+    return cells ? cells->node + cells->offset[element]
+                 : job->mesh.elements + element * (job->mesh.dim + 1);
+}
+
 int64_t pl_job_element_number(const pl_job *job, int64_t element) {
     return job->file ? planish_file_element_number(job->file, element) : element;
 }
@@ -27,7 +33,7 @@ static int is_collapsed(const pl_job *job, const planish_error *error) {
     if (error->code != PLANISH_ERROR_MESH || !job->file || error->element < 0 ||
         error->element >= job->mesh.n_elements)
         return 0;
-    const int32_t *corner = job->mesh.elements + error->element * (job->mesh.dim + 1);
+    const int32_t *corner = pl_job_corners(job, error->element);
     int n = 0;
     for (int i = 0; i <= job->mesh.dim; i++)
         n += corner[i] == error->node;
@@ -108,7 +114,7 @@ void pl_job_hold_layers(const pl_job *job, uint8_t *constraint) {
     const int corners = job->mesh.dim + 1;
     for (int64_t i = 0; job->is_layer && i < job->mesh.n_elements; i++)
         for (int j = 0; job->is_layer[i] && j < corners; j++)
-            constraint[job->mesh.elements[i * corners + j]] = PLANISH_CONSTRAINT_FIXED;
+            constraint[pl_job_corners(job, i)[j]] = PLANISH_CONSTRAINT_FIXED;
 }
 
 static int find_min_volumes(pl_job *job) {

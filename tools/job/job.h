@@ -71,7 +71,8 @@ typedef struct pl_job {
     planish_options options;       /* those of the arguments, and what file and machine say */
     planish_file *file;
     planish_file_info file_info;
-    planish_mesh mesh;   /* its arrays are those of file, but for those that follow */
+    planish_mesh mesh;   /* its arrays are those of file, but for those that follow. It has cells
+                            in place of elements where simplices of second order are among them */
     uint8_t *constraint; /* [mesh.n_nodes] of planish_constraint, owned */
     double *direction;   /* [mesh.n_nodes][dim] of nodes that slide, owned, or NULL: none does */
     uint8_t *is_layer; /* [mesh.n_elements] thin in layers, owned, or NULL: without --fix-layers */
@@ -109,6 +110,9 @@ void pl_job_hold_layers(const pl_job *job, uint8_t *constraint);
 
 /** Names of the arrays between whose values nodes are held, NULL at the end. */
 const char *const *pl_job_region_arrays(const pl_job *job);
+
+/** The dim + 1 corners of an element of job->mesh, of either order. */
+const int32_t *pl_job_corners(const pl_job *job, int64_t element);
 
 /** The file's number of an element; without a file its index. */
 int64_t pl_job_element_number(const pl_job *job, int64_t element);

@@ -120,7 +120,7 @@ static int keep_loose(pl_job *job, uint8_t *is_layer) {
     for (int64_t i = 0; !status && i < job->mesh.n_elements; i++) {
         int is_loose = 0;
         for (int j = 0; is_layer[i] && j < corners; j++)
-            is_loose |= moves[job->mesh.elements[i * corners + j]];
+            is_loose |= moves[pl_job_corners(job, i)[j]];
         is_layer[i] = (uint8_t)is_loose;
         job->layers.n_loose += is_loose;
     }

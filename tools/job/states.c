@@ -110,7 +110,7 @@ static int holder_of(const pl_job *job, const uint16_t *bits, int64_t element) {
     for (int i = 0; i < PL_N_HOLDERS; i++)
         all |= of[i];
     for (int j = 0; j < corners; j++) {
-        const unsigned here = bits[job->mesh.elements[element * corners + j]];
+        const unsigned here = bits[pl_job_corners(job, element)[j]];
         found |= here & ~all ? 0 : here;
     }
     for (int i = 0; i < PL_N_HOLDERS; i++)

@@ -126,16 +126,17 @@ static int find_region(const pl_job *job, const int32_t *region, pl_worst *worst
     return 0;
 }
 
-/** Nodes of an element, by its index in job->mesh or cells, as they are there. */
+/** Cells that elements are numbered by: all that the file has, those of the mesh, or NULL: all are
+ *  simplices of order 1. */
+static const planish_cells *cells_of(const pl_job *job, const pl_cells *cells) {
+    return cells ? &cells->cells : job->mesh.cells;
+}
+
+/** Nodes of an element, as they are in the mesh. */
 static const int32_t *nodes_of(const pl_job *job, const pl_cells *cells, int64_t element, int *n) {
-    const int corners = job->mesh.dim + 1;
-    if (!cells) {
-        *n = corners;
-        return &job->mesh.elements[element * corners];
-    }
-    const int64_t *offset = cells->cells.offset + element;
-    *n = (int)(offset[1] - offset[0]);
-    return cells->cells.node + offset[0];
+    const planish_cells *of = cells_of(job, cells);
+    *n = of ? (int)(of->offset[element + 1] - of->offset[element]) : job->mesh.dim + 1;
+    return of ? of->node + of->offset[element] : pl_job_corners(job, element);
 }
 
 /** Fill in the numbers and the middle of an element, and its angles if it is one of the simplices.
@@ -145,10 +146,13 @@ static void place(const pl_job *job, const pl_cells *cells, const uint8_t *is_fr
                   int64_t *node, pl_bad_element *bad) {
     const int dim = job->mesh.dim;
     const double *vertex[4] = {NULL};
-    int n;
+    const planish_cells *of = cells_of(job, cells);
+    int n, n_present = 0;
     const int32_t *nodes = nodes_of(job, cells, bad->element, &n);
+    for (int k = 0; k < n; k++)
+        n_present += nodes[k] >= 0;
     bad->number = planish_file_element_number(job->file, bad->element);
-    bad->type = cells      ? (planish_cell_type)cells->cells.type[bad->element]
+    bad->type = of         ? (planish_cell_type)of->type[bad->element]
                 : dim == 3 ? PLANISH_CELL_TETRAHEDRON
                            : PLANISH_CELL_TRIANGLE;
     bad->node = node;
@@ -170,7 +174,7 @@ static void place(const pl_job *job, const pl_cells *cells, const uint8_t *is_fr
             planish_file_space_coordinates(job->file, nodes[k], 1, at, xyz, NULL) == 0)
             at = xyz;
         for (int d = 0; d < columns; d++)
-            bad->place[d] += at[d] / n;
+            bad->place[d] += at[d] / n_present;
     }
     bad->smallest_angle_deg = bad->largest_angle_deg = NAN;
     if (!cells)
@@ -181,7 +185,7 @@ static void place(const pl_job *job, const pl_cells *cells, const uint8_t *is_fr
 static int find_worst(const pl_job *job, const pl_cells *cells, int64_t n, pl_worst *worst) {
     enum { MOST_NODES = 27 };
     const int32_t *region = planish_file_surface(job->file, NULL).region;
-    const int64_t most_nodes = cells ? MOST_NODES : job->mesh.dim + 1;
+    const int64_t most_nodes = cells_of(job, cells) ? MOST_NODES : job->mesh.dim + 1;
     int32_t last = -1;
     int status = cells ? select_cells(job, cells, n, worst) : pl_worst_select(job, n, worst);
     if (status)

@@ -173,8 +173,9 @@ static void number_points(const planish_mesh *mesh, pl_drawn_surface *s, const i
         s->triangle[i] = s->point[s->triangle[i]];
 }
 
-int pl_drawn_surface_find(const planish_mesh *mesh, int64_t most, pl_drawn_surface *surface,
-                          planish_error *error) {
+/** The surface of a mesh that has elements. */
+static int find_surface(const planish_mesh *mesh, int64_t most, pl_drawn_surface *surface,
+                        planish_error *error) {
     const size_t n = (size_t)mesh->n_nodes + 1, m = (size_t)mesh->n_elements;
     int64_t *cell = malloc(n * sizeof *cell);
     cell_node *order = malloc(n * sizeof *order);
@@ -204,6 +205,26 @@ int pl_drawn_surface_find(const planish_mesh *mesh, int64_t most, pl_drawn_surfa
     }
     free(cell);
     free(order);
+    return status;
+}
+
+int pl_drawn_surface_find(const planish_mesh *mesh, int64_t most, pl_drawn_surface *surface,
+                          planish_error *error) {
+    const planish_cells *cells = mesh->cells;
+    const int k = mesh->dim + 1;
+    planish_mesh of_corners = *mesh;
+    if (!cells)
+        return find_surface(mesh, most, surface, error);
+    int32_t *corner = malloc(((size_t)cells->n * (size_t)k + 1) * sizeof *corner);
+    *surface = (pl_drawn_surface){.n_all = 0};
+    if (!corner)
+        return pl_fail_memory(error, "the picture");
+    for (int64_t i = 0; i < cells->n; i++)
+        memcpy(corner + i * k, cells->node + cells->offset[i], (size_t)k * sizeof *corner);
+    of_corners.cells = NULL;
+    of_corners.elements = corner;
+    const int status = find_surface(&of_corners, most, surface, error);
+    free(corner);
     return status;
 }
 

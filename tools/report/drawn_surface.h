@@ -16,8 +16,8 @@ typedef struct pl_drawn_surface {
     int32_t *point; /* [n_nodes of the mesh] their point, or -1; owned */
 } pl_drawn_surface;
 
-/** Find the surface of mesh (elements of 32 bits, coordinates without strides), of at most most
- *  triangles. 0 or a negative planish_status. */
+/** Find the surface of mesh (elements of 32 bits, or cells that are all simplices, of which the
+ *  corners are drawn; coordinates without strides), of at most most triangles. 0 or a negative planish_status. */
 int pl_drawn_surface_find(const planish_mesh *mesh, int64_t most, pl_drawn_surface *surface,
                           planish_error *error);
 

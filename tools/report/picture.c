@@ -131,7 +131,7 @@ static int take_worst(const pl_picture *picture, const pl_job *job, drawn_state 
         status = pl_job_complain_memory(job, "the picture");
     for (int64_t i = 0; !status && i < worst.n; i++) {
         /* Corners relative to the middle of the box, whose longest side is 1. */
-        const int32_t *node = job->mesh.elements + worst.bad[i].element * (dim + 1);
+        const int32_t *node = pl_job_corners(job, worst.bad[i].element);
         uint8_t *out = to->corner + i * corner_size;
         for (int j = 0; j <= dim; j++)
             for (int d = 0; d < dim; d++, out += 4) {
