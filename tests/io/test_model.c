@@ -110,6 +110,40 @@ static void make_model(io_model *model, int columns, int dim, const double *z) {
     cells->n = 1;
 }
 
+/** Mids of edges come from the format's order, by the corners that the edges are between, and only
+ *  edges that have one get one. */
+static void mids_are_those_of_the_edges(void **state) {
+    (void)state;
+    /* Corners 0 and 1 are swapped, and mids stand in the reverse order. */
+    static const io_node_order orders[] = {
+        {PLANISH_CELL_TETRAHEDRON10, {1, 0, 2, 3, 9, 8, 7, 6, 5, 4}}, {0, {0}}};
+    static const int32_t straight[] = {0, 1, 2, 3};
+    static const int32_t nodes[] = {20, 21, 22, 23, 4,
+                                    5,  6,  -1, 8,  9}; /* of VTK: 21 20 22 23 ... */
+    static const int32_t mids[] = {9, -1, 8,
+                                   5, 6,  4}; /* 01 12 20 03 13 23, of the cell's corners */
+    io_model model = {.node_order = orders};
+    const io_cells *cells = &model.tetrahedron;
+    assert_int_equal(io_model_add_simplex(&model, PLANISH_CELL_TETRAHEDRON, straight, 0, 1, NULL),
+                     0);
+    assert_null(cells->mid);
+    for (int i = 0; i < 100; i++) { /* beyond what there was room for at first */
+        const int type = i % 2 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TETRAHEDRON10;
+        assert_int_equal(io_model_add_simplex(&model, type, nodes, 0, 2, NULL), 0);
+    }
+    assert_int_equal(cells->n, 101);
+    for (int i = 0; i < 101; i++)
+        for (int k = 0; k < 6; k++)
+            assert_int_equal(cells->mid[6 * i + k], i % 2 ? mids[k] : -1);
+    assert_memory_equal(cells->nodes + 4, nodes, 4 * sizeof *nodes);
+    static const int32_t triangle[] = {1, 2, 3, 4, 5, 6}, line[] = {1, 2, 3};
+    assert_int_equal(io_model_add_simplex(&model, PLANISH_CELL_TRIANGLE6, triangle, 0, 1, NULL), 0);
+    assert_int_equal(io_model_add_simplex(&model, PLANISH_CELL_LINE3, line, 0, 1, NULL), 0);
+    assert_memory_equal(model.triangle.mid, triangle + 3, 3 * sizeof *triangle); /* VTK's order */
+    assert_int_equal(model.line.mid[0], 3);
+    io_model_destroy(&model);
+}
+
 static void dimension_is_that_of_the_cells(void **state) {
     (void)state;
     static const double flat[] = {2, 2, 2, 5};
@@ -247,6 +281,7 @@ int main(void) {
         cmocka_unit_test(numbers_at_the_limits),
         cmocka_unit_test(numbers_that_occur_twice),
         cmocka_unit_test(entities_are_told_apart),
+        cmocka_unit_test(mids_are_those_of_the_edges),
         cmocka_unit_test(dimension_is_that_of_the_cells),
         cmocka_unit_test(lines_and_triangles_hold),
         cmocka_unit_test(what_cannot_be_smoothed_is_refused),

@@ -1,4 +1,9 @@
-/* cell_types: what the model knows of a planish_cell_type. */
+/* cell_types: what the model knows of a planish_cell_type.
+ *
+ *   io_cell_type_nodes             number of nodes
+ *   io_simplex_dim, io_has_mids    simplices of order 1 and 2
+ *   io_n_mids, io_edge_of          edges of simplices, in VTK's order
+ */
 #ifndef PL_IO_CORE_CELL_TYPES_H
 #define PL_IO_CORE_CELL_TYPES_H
 
@@ -18,6 +23,40 @@ static inline int io_cell_type_nodes(int type) {
         [PLANISH_CELL_WEDGE18] = 18,       [PLANISH_CELL_PYRAMID] = 5,
         [PLANISH_CELL_PYRAMID13] = 13,     [PLANISH_CELL_PYRAMID14] = 14};
     return type >= 0 && type < (int)sizeof nodes ? nodes[type] : 0;
+}
+
+/** Dimension, 1 to 3, of simplices of order 1 or 2; of other types 0. */
+static inline int io_simplex_dim(int type) {
+    switch (type) {
+    case PLANISH_CELL_LINE:
+    case PLANISH_CELL_LINE3:
+        return 1;
+    case PLANISH_CELL_TRIANGLE:
+    case PLANISH_CELL_TRIANGLE6:
+        return 2;
+    case PLANISH_CELL_TETRAHEDRON:
+    case PLANISH_CELL_TETRAHEDRON10:
+        return 3;
+    default:
+        return 0;
+    }
+}
+
+/** Whether a type is a simplex of second order. */
+static inline int io_has_mids(int type) {
+    return type == PLANISH_CELL_LINE3 || type == PLANISH_CELL_TRIANGLE6 ||
+           type == PLANISH_CELL_TETRAHEDRON10;
+}
+
+/** Number of edges of a simplex. */
+static inline int io_n_mids(int dim) {
+    return dim * (dim + 1) / 2;
+}
+
+/** Number of the edge between corners a and b of a simplex: 01 12 20 03 13 23. */
+static inline int io_edge_of(int a, int b) {
+    static const int8_t edges[4][4] = {{-1, 0, 2, 3}, {0, -1, 1, 4}, {2, 1, -1, 5}, {3, 4, 5, -1}};
+    return edges[a][b];
 }
 
 #endif

@@ -65,8 +65,9 @@ extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format
 struct planish_file {
     io_model model;
     const io_format *format;
-    int64_t n_regions; /* distinct ones among the elements smoothed */
-    planish_cells cells; /* all elements, once they were asked for; the file owns their arrays */
+    int64_t n_regions;   /* distinct ones among the elements smoothed */
+    planish_cells cells; /* all elements, once they were asked for or if any is of second order */
+    planish_cells elements; /* those that are smoothed, the first of them, in the same arrays */
 };
 
 /** Return the simplices that are smoothed. */

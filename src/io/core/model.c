@@ -77,6 +77,22 @@ void io_edits_destroy(io_edits *edits) {
 
 /* ---- cells -------------------------------------------------------------------------------- */
 
+/** Give cells of dimension dim mids for that many: those of the first n stay, the others are
+ *  missing. */
+static int grow_mids(io_cells *cells, int dim, int64_t capacity, planish_error *error) {
+    const int64_t n_kept = cells->mid ? cells->n * io_n_mids(dim) : 0;
+    int32_t *mid = pl_alloc(capacity * io_n_mids(dim), sizeof *mid);
+    if (!mid)
+        return pl_fail_memory(error, "the elements of the file");
+    for (int64_t i = n_kept; i < capacity * io_n_mids(dim); i++)
+        mid[i] = -1;
+    if (n_kept > 0)
+        memcpy(mid, cells->mid, (size_t)n_kept * sizeof *mid);
+    pl_free(cells->mid);
+    cells->mid = mid;
+    return PLANISH_OK;
+}
+
 int io_cells_reserve(io_model *model, int dim, int64_t n, int with_entity, int with_number,
                      planish_error *error) {
     io_cells *cells = io_model_cells(model, dim);
@@ -102,8 +118,36 @@ int io_cells_reserve(io_model *model, int dim, int64_t n, int with_entity, int w
         cells->number = number;
     if (!nodes || (with_entity && !entity) || (with_number && !number))
         return pl_fail_memory(error, "the elements of the file");
+    if (cells->mid && grow_mids(cells, dim, nodes_capacity, error))
+        return PLANISH_ERROR_MEMORY;
     cells->capacity = nodes_capacity;
     return PLANISH_OK;
+}
+
+int io_cells_reserve_mids(io_model *model, int dim, planish_error *error) {
+    io_cells *cells = io_model_cells(model, dim);
+    return cells->mid ? PLANISH_OK : grow_mids(cells, dim, cells->capacity, error);
+}
+
+/** Find the format's order of the nodes of a type; NULL: VTK's. */
+static const uint8_t *order_of(const io_model *model, int type) {
+    for (const io_node_order *order = model->node_order; order && order->type; order++)
+        if (order->type == type)
+            return order->at;
+    return NULL;
+}
+
+void io_cells_set_mids(io_model *model, int dim, int64_t cell, const int32_t *nodes) {
+    static const uint8_t types[] = {0, PLANISH_CELL_LINE3, PLANISH_CELL_TRIANGLE6,
+                                    PLANISH_CELL_TETRAHEDRON10};
+    static const uint8_t ends[][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
+    const uint8_t *at = order_of(model, types[dim]);
+    const int n = io_n_mids(dim);
+    int32_t *mid = io_model_cells(model, dim)->mid + cell * n;
+    for (int k = 0; k < n; k++) {
+        const int a = ends[k][0], b = ends[k][1]; /* corners in VTK's order */
+        mid[at ? io_edge_of(at[a], at[b]) : k] = nodes[at ? at[dim + 1 + k] : dim + 1 + k];
+    }
 }
 
 int io_cells_add(io_model *model, int dim, const int32_t *nodes, int32_t entity, int64_t number,
@@ -118,12 +162,24 @@ int io_cells_add(io_model *model, int dim, const int32_t *nodes, int32_t entity,
     return PLANISH_OK;
 }
 
+int io_model_add_simplex(io_model *model, int type, const int32_t *nodes, int32_t entity,
+                         int64_t number, planish_error *error) {
+    const int dim = io_simplex_dim(type), has_mids = io_has_mids(type);
+    int status = io_cells_add(model, dim, nodes, entity, number, error);
+    if (!status && has_mids)
+        status = io_cells_reserve_mids(model, dim, error);
+    if (!status && has_mids)
+        io_cells_set_mids(model, dim, io_model_cells(model, dim)->n - 1, nodes);
+    return status;
+}
+
 void io_cells_release(io_cells *cells) {
     pl_free(cells->nodes);
+    pl_free(cells->mid);
     pl_free(cells->entity);
     pl_free(cells->number);
     pl_free(cells->region);
-    cells->nodes = cells->entity = cells->region = NULL;
+    cells->nodes = cells->mid = cells->entity = cells->region = NULL;
     cells->number = NULL;
 }
 
@@ -269,9 +325,7 @@ void io_others_set(io_model *model, int64_t i, int64_t begin, int type, const in
                    int64_t number) {
     io_others *o = &model->other;
     const int n = io_cell_type_nodes(type);
-    const uint8_t *at = NULL;
-    for (const io_node_order *order = model->node_order; order && order->type; order++)
-        at = order->type == type ? order->at : at;
+    const uint8_t *at = order_of(model, type);
     for (int k = 0; k < n; k++)
         o->node[begin + k] = nodes[at ? at[k] : k];
     o->type[i] = (uint8_t)type;

@@ -3,7 +3,8 @@
  *   io_model                            a file that is read: its input, nodes, cells, groups
  *   io_cursor, io_bytes                 places in the input, and its bytes
  *   io_span, io_field, io_edit          places of coordinates, and their replacement
- *   io_cells, io_others                 elements that are smoothed, and others
+ *   io_cells, io_others                 simplices of order 1 and 2, and other elements
+ *   io_model_add_simplex, _add_other    elements by their types, one by one
  *   io_entity, io_group                 regions and names
  *   io_model_make_nodes, _span ...      what readers call to fill it in
  *   io_numbers, io_reduce_...           the file's numbers of nodes and cells
@@ -109,10 +110,12 @@ typedef struct io_edits {
     int64_t n, capacity;
 } io_edits;
 
-/** Simplices of one dimension in the file's order. */
+/** Simplices of one dimension, of order 1 or 2, in the file's order. */
 typedef struct io_cells {
     int64_t n, capacity;
-    int32_t *nodes;  /* [n][dim + 1], indices of nodes (not the file's numbers) */
+    int32_t *nodes;  /* [n][dim + 1] corners, indices of nodes (not the file's numbers) */
+    int32_t *mid;    /* [n][edges: 1, 3, 6] mids of the edges between corners 01 12 20 03 13 23;
+                        -1: the edge has none. NULL: no edge has, of any cell */
     int32_t *entity; /* [n] index into io_model.entity, or NULL: the file has none. A reader may
                         put the file's tags here first, for io_model_index_tags */
     int64_t *number; /* [n] the file's element numbers, or NULL: 1, 2, 3 ... from first_number */
@@ -122,8 +125,8 @@ typedef struct io_cells {
     int64_t n_plain; /* the last of them say nothing of their nodes (finish.c) */
 } io_cells;
 
-/** Elements that are measured but not smoothed, in the file's order: all but straight triangles and
- *  tetrahedra. Their nodes are held. */
+/** Elements that are measured but not smoothed, in the file's order: all but simplices of order 1 and
+ *  2. Their nodes are held. */
 typedef struct io_others {
     int64_t n, capacity;
     uint8_t *type;   /* [n] planish_cell_type */
@@ -182,7 +185,7 @@ typedef struct io_array {
 enum {
     IO_HELD_BY_POINT = 1,     /* on an element that is a point */
     IO_HELD_BY_OTHER = 2,     /* on an element of a type that is not smoothed, or a line of more
-                                 than two nodes */
+                                 than three nodes */
     IO_HELD_REQUIRED = 4,     /* marked in the file */
     IO_HELD_PERIODIC = 8,     /* one of a periodic pair */
     IO_HELD_BY_LINE = 16,     /* on a line, */
@@ -239,7 +242,7 @@ typedef struct io_model {
                              hold tags, as io_cells.entity may */
     int32_t *periodic;    /* [n_periodic][2] pairs of periodic nodes, indices */
     int64_t n_periodic, periodic_capacity;
-    io_cells line, triangle, tetrahedron; /* lines of two nodes; in no order that means anything */
+    io_cells line, triangle, tetrahedron; /* in no order that means anything */
     io_entity *entity;                    /* [n_entities] */
     int32_t n_entities;
     int64_t entity_capacity;
@@ -310,9 +313,24 @@ int io_cells_reserve(io_model *model, int dim, int64_t n, int with_entity, int w
 int io_cells_add(io_model *model, int dim, const int32_t *nodes, int32_t entity, int64_t number,
                  planish_error *error);
 
+/** Make room for the mids of all cells of a dimension that io_cells_reserve has made room for. They
+ *  are missing until io_cells_set_mids is called. Errors: _MEMORY. */
+int io_cells_reserve_mids(io_model *model, int dim, planish_error *error);
+
+/** Set the mids of a cell, for which there is room, from all nodes [corners + mids] of an element of
+ *  second order: indices in the format's order (model->node_order), the corners as cells->nodes has
+ *  them; a mid of -1 is missing. Threads may set different cells at the same time. */
+void io_cells_set_mids(io_model *model, int dim, int64_t cell, const int32_t *nodes);
+
+/** Add an element of a type behind the cells of its dimension: its nodes as for io_cells_add, with
+ *  mids as for io_cells_set_mids. type: PLANISH_CELL_LINE, _LINE3 .. _TETRAHEDRON10. Errors: as
+ *  io_cells_reserve. */
+int io_model_add_simplex(io_model *model, int type, const int32_t *nodes, int32_t entity,
+                         int64_t number, planish_error *error);
+
 /** Add an element of a type to model->other behind the others: its nodes, indices in the format's
- *  order. type PLANISH_CELL_LINE3 and below two dimensions, and 0, are passed over. Errors: _FORMAT
- *  (too many), _MEMORY. */
+ *  order. Types below two dimensions, and 0, are passed over. Errors: _FORMAT (too many),
+ *  _MEMORY. */
 int io_model_add_other(io_model *model, int type, const int32_t *nodes, int64_t number,
                        planish_error *error);
 

@@ -2,6 +2,7 @@
  * the minimum volumes of the elements of named groups; and the tag by which an element's group is
  * named.
  */
+#include "io/core/cell_types.h"
 #include "io/file/plane.h"
 
 #include "base/context.h"
@@ -148,12 +149,20 @@ static int are_given(const char *const *tags, int n) {
 
 /* Functions that hold nodes set a bit in flags [n_nodes]. */
 
-/** Hold the nodes of the first n cells that are of a chosen entity. */
-static void hold_cells(const io_cells *cells, int64_t n, int corners, const uint8_t *chosen,
+/** Hold the nodes, mids among them, of the first n cells of dimension dim that are of a chosen
+ *  entity. */
+static void hold_cells(const io_cells *cells, int64_t n, int dim, const uint8_t *chosen,
                        uint8_t bit, uint8_t *flags) {
-    for (int64_t i = 0; cells->entity && i < n; i++)
-        for (int j = 0; chosen[cells->entity[i]] && j < corners; j++)
+    const int corners = dim + 1, mids = cells->mid ? io_n_mids(dim) : 0;
+    for (int64_t i = 0; cells->entity && i < n; i++) {
+        if (!chosen[cells->entity[i]])
+            continue;
+        for (int j = 0; j < corners; j++)
             flags[cells->nodes[i * corners + j]] |= bit;
+        for (int j = 0; j < mids; j++)
+            if (cells->mid[i * mids + j] >= 0)
+                flags[cells->mid[i * mids + j]] |= bit;
+    }
 }
 
 /** Hold the nodes of the groups that hold names. */
@@ -164,9 +173,9 @@ static int hold_tags(const io_model *model, const planish_hold *hold, uint8_t bi
         return PLANISH_OK;
     const int status = choose_tags(model, hold->tags, hold->n_tags, -1, &chosen, error);
     if (!status) {
-        hold_cells(&model->tetrahedron, model->tetrahedron.n, 4, chosen, bit, flags);
-        hold_cells(&model->triangle, model->triangle.n, 3, chosen, bit, flags);
-        hold_cells(&model->line, model->line.n, 2, chosen, bit, flags);
+        hold_cells(&model->tetrahedron, model->tetrahedron.n, 3, chosen, bit, flags);
+        hold_cells(&model->triangle, model->triangle.n, 2, chosen, bit, flags);
+        hold_cells(&model->line, model->line.n, 1, chosen, bit, flags);
         for (int64_t i = 0; model->node_entity && i < model->n_nodes; i++)
             if (model->node_entity[i] >= 0 && chosen[model->node_entity[i]])
                 flags[i] |= bit;
@@ -190,13 +199,14 @@ static int hold_unchosen(const io_model *model, const planish_hold *hold, uint8_
     for (int32_t i = 0; i < model->n_entities && !status; i++)
         chosen[i] = !chosen[i];
     if (!status)
-        hold_cells(cells, io_cells_telling(cells), model->dim, chosen, PLANISH_CONSTRAINT_FIXED,
+        hold_cells(cells, io_cells_telling(cells), model->dim - 1, chosen, PLANISH_CONSTRAINT_FIXED,
                    constraint);
     pl_free(chosen);
     return status;
 }
 
-/** Hold the nodes of elements of different regions, unless regions are to be ignored. */
+/** Hold the corners of elements of different regions, unless regions are to be ignored: mids between
+ *  held corners stay. */
 static int hold_interfaces(const planish_file *file, const planish_hold *hold, uint8_t bit,
                            uint8_t *flags, planish_error *error) {
     const io_cells *cells = io_file_elements(file);

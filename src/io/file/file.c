@@ -3,6 +3,7 @@
 
 #include "io/core/arrays.h"
 #include "io/core/bytes.h"
+#include "io/core/cell_types.h"
 #include "io/core/child.h"
 #include "io/core/number.h"
 #include "io/file/plane.h"
@@ -106,6 +107,57 @@ static int choose_format(planish_file *file, const char *name, planish_error *er
                    path, names);
 }
 
+/** Set the type of element i, and its nodes at node; return their number. It is straight where all
+ *  mids are missing. */
+static int take_element(const io_cells *elements, int dim, int64_t i, uint8_t *type,
+                        int32_t *node) {
+    static const uint8_t types[][2] = {{PLANISH_CELL_TRIANGLE, PLANISH_CELL_TRIANGLE6},
+                                       {PLANISH_CELL_TETRAHEDRON, PLANISH_CELL_TETRAHEDRON10}};
+    const int n_mids = io_n_mids(dim), corners = dim + 1;
+    int has_mids = 0;
+    for (int k = 0; elements->mid && k < n_mids; k++) {
+        node[corners + k] = elements->mid[i * n_mids + k];
+        has_mids |= node[corners + k] >= 0;
+    }
+    memcpy(node, elements->nodes + i * corners, (size_t)corners * sizeof *node);
+    *type = types[dim - 2][has_mids];
+    return corners + (has_mids ? n_mids : 0);
+}
+
+/** Make the arrays of file->cells: elements, which file->elements is, too, then others. */
+static int make_cells(planish_file *file, planish_error *error) {
+    const io_cells *elements = io_file_elements(file);
+    const io_others *others = &file->model.other;
+    const int dim = file->model.dim;
+    const int64_t n = elements->n + others->n;
+    const int64_t most = dim + 1 + (elements->mid ? io_n_mids(dim) : 0);
+    uint8_t *type = pl_alloc(n, sizeof *type);
+    int64_t *offset = pl_alloc(n + 1, sizeof *offset), n_own = 0;
+    int32_t *node = pl_alloc(elements->n * most + others->n_nodes, sizeof *node);
+    file->cells = (planish_cells){.n = n, .type = type, .offset = offset, .node = node};
+    if (!type || !offset || !node)
+        return pl_fail_memory(error, "elements");
+    offset[0] = 0;
+    for (int64_t i = 0; i < elements->n; i++)
+        offset[i + 1] = n_own += take_element(elements, dim, i, &type[i], node + n_own);
+    for (int64_t i = 0; i < others->n; i++) {
+        type[elements->n + i] = others->type[i];
+        offset[elements->n + i + 1] = n_own + others->offset[i];
+    }
+    if (others->n > 0)
+        memcpy(node + n_own, others->node, (size_t)others->n_nodes * sizeof *node);
+    file->elements = file->cells;
+    file->elements.n = elements->n;
+    return PLANISH_OK;
+}
+
+static void release_cells(planish_file *file) {
+    pl_free((void *)(uintptr_t)file->cells.type);
+    pl_free((void *)(uintptr_t)file->cells.offset);
+    pl_free((void *)(uintptr_t)file->cells.node);
+    file->cells = file->elements = (planish_cells){.n = 0};
+}
+
 /** Count the distinct regions of the elements: file->n_regions. */
 static int count_regions(planish_file *file, planish_error *error) {
     const io_cells *cells = io_file_elements(file);
@@ -140,6 +192,8 @@ static int read_model(planish_file *file, planish_error *error) {
         status = io_arrays_find_regions(&file->model, error);
     if (!status)
         status = io_model_finish(&file->model, file->format, error);
+    if (!status && io_file_elements(file)->mid)
+        status = make_cells(file, error);
     return status ? status : count_regions(file, error);
 }
 
@@ -257,13 +311,6 @@ int io_file_from_memory(const io_format *format, const char *path, const char *d
     return status;
 }
 
-static void release_cells(planish_file *file) {
-    pl_free((void *)(uintptr_t)file->cells.type);
-    pl_free((void *)(uintptr_t)file->cells.offset);
-    pl_free((void *)(uintptr_t)file->cells.node);
-    file->cells = (planish_cells){.n = 0};
-}
-
 void planish_file_close(planish_file *file) {
     if (!file)
         return;
@@ -328,36 +375,11 @@ planish_mesh planish_file_mesh(const planish_file *file) {
                           .n_nodes = file->model.n_nodes,
                           .n_elements = cells->n,
                           .coordinates = file->model.coordinates,
-                          .elements = cells->nodes,
+                          .elements = cells->mid ? NULL : cells->nodes,
+                          .cells = cells->mid ? &file->elements : NULL,
                           .constraint = NULL,
                           .n_periodic = file->model.n_periodic,
                           .periodic = file->model.periodic};
-}
-
-/** Make the arrays of file->cells: elements, then others. */
-static int make_cells(planish_file *file, planish_error *error) {
-    const io_cells *elements = io_file_elements(file);
-    const io_others *others = &file->model.other;
-    const int dim = file->model.dim;
-    const int64_t n = elements->n + others->n, n_own = elements->n * (dim + 1);
-    uint8_t *type = pl_alloc(n, sizeof *type);
-    int64_t *offset = pl_alloc(n + 1, sizeof *offset);
-    int32_t *node = pl_alloc(n_own + others->n_nodes, sizeof *node);
-    file->cells = (planish_cells){.n = n, .type = type, .offset = offset, .node = node};
-    if (!type || !offset || !node)
-        return pl_fail_memory(error, "elements");
-    memset(type, dim == 3 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TRIANGLE, (size_t)elements->n);
-    for (int64_t i = 0; i <= elements->n; i++)
-        offset[i] = i * (dim + 1);
-    for (int64_t i = 0; i < others->n; i++) {
-        type[elements->n + i] = others->type[i];
-        offset[elements->n + i + 1] = n_own + others->offset[i];
-    }
-    if (n_own > 0)
-        memcpy(node, elements->nodes, (size_t)n_own * sizeof *node);
-    if (others->n > 0)
-        memcpy(node + n_own, others->node, (size_t)others->n_nodes * sizeof *node);
-    return PLANISH_OK;
 }
 
 int planish_file_cells(planish_file *file, planish_cells *cells, planish_error *error) {

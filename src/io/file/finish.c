@@ -10,6 +10,7 @@
  * facets of several tags are held. Facets on the boundary stay what they are. If lines are all
  * edges of tetrahedra, the rule holds for lines inside, and for lines on the boundary.
  */
+#include "io/core/cell_types.h"
 #include "io/file/file.h"
 #include "io/file/plane.h"
 
@@ -156,7 +157,10 @@ static int move_behind(io_model *model, int dim, const uint8_t *is_plain, planis
     io_cells *cells = io_model_cells(model, dim), old = *cells;
     const size_t size = (size_t)(dim + 1) * sizeof *old.nodes;
     *cells = (io_cells){.first_number = old.first_number};
+    const size_t mids = (size_t)io_n_mids(dim);
     int status = io_cells_reserve(model, dim, old.n, old.entity != NULL, 1, error);
+    if (!status && old.mid)
+        status = io_cells_reserve_mids(model, dim, error);
     if (!status && old.region && !(cells->region = pl_alloc(old.n, sizeof *old.region)))
         status = pl_fail_memory(error, "the elements of the file");
     for (int64_t i = 0; i < old.n; i++)
@@ -165,6 +169,9 @@ static int move_behind(io_model *model, int dim, const uint8_t *is_plain, planis
     for (int64_t i = 0; i < old.n && !status; i++) {
         const int64_t k = to[is_plain[i]]++;
         memcpy(cells->nodes + k * (dim + 1), old.nodes + i * (dim + 1), size);
+        if (old.mid)
+            memcpy(cells->mid + (size_t)k * mids, old.mid + (size_t)i * mids,
+                   mids * sizeof *old.mid);
         cells->number[k] = io_cell_number(&old, i);
         if (old.entity)
             cells->entity[k] = old.entity[i];
@@ -219,11 +226,14 @@ static int find_plain(io_model *model, int dim, int solid_dim, planish_error *er
 
 /* ---- the mesh ------------------------------------------------------------------------------- */
 
-/** Let the cells of dimension dim hold their nodes for reason. */
+/** Let the cells of dimension dim hold their nodes, mids among them, for reason. */
 static void hold_nodes(io_model *model, int dim, uint8_t reason) {
     const io_cells *cells = io_model_cells(model, dim);
     for (int64_t i = 0; i < (dim + 1) * io_cells_telling(cells); i++)
         model->hold[cells->nodes[i]] |= reason;
+    for (int64_t i = 0; cells->mid && i < io_n_mids(dim) * io_cells_telling(cells); i++)
+        if (cells->mid[i] >= 0)
+            model->hold[cells->mid[i]] |= reason;
 }
 
 /** Find the plane of a mesh in two dimensions and the coordinates there. The file's own places are
@@ -309,9 +319,10 @@ int io_model_finish(io_model *model, const io_format *format, planish_error *err
     if (dim == 2 && (model->triangle.n > 0 || model->other.n > 0))
         return finish_plane(model, format, error);
     if (dim == 2)
-        return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: no element of two or three dimensions in it: there is nothing to smooth",
-                       model->input.path);
+        return pl_fail(
+            error, PLANISH_ERROR_FORMAT,
+            "%s: no element of two or three dimensions in it: there is nothing to smooth",
+            model->input.path);
     if (model->columns < 3)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: solid elements in two dimensions; a third coordinate is missing",

@@ -215,25 +215,27 @@ static void find_signs(void *context, int64_t begin, int64_t end, int thread) {
         s->sign[i] = (int8_t)sign_in_plane(s->uv, s->model->triangle.nodes + 3 * i);
 }
 
-/** Place nodes; where a file holds less, coordinates become those of what it holds, if they lead
+/** Place a node; where a file holds less, coordinates become those of what it holds, if they lead
  *  back to it. */
+static void round_node(const rounding *s, int64_t i) {
+    double *uv = s->uv + 2 * i, *place = s->places + 3 * i, again[3];
+    io_space_coordinates(s->model, i, uv, place);
+    if (s->model->precision == PLANISH_PRECISION_DOUBLE || !has_moved(s->model, i, uv))
+        return;
+    const double before[2] = {uv[0], uv[1]};
+    int same = 1;
+    io_plane_project(&s->model->plane, place, uv);
+    io_space_coordinates(s->model, i, uv, again);
+    for (int d = 0; d < 3; d++)
+        same &= pl_is_same(place[d], again[d]);
+    if (!same) /* what is held has nearly the digits of doubles */
+        memcpy(uv, before, sizeof before);
+}
+
 static void round_nodes(void *context, int64_t begin, int64_t end, int thread) {
-    rounding *s = context;
     (void)thread;
-    for (int64_t i = begin; i < end; i++) {
-        double *uv = s->uv + 2 * i, *place = s->places + 3 * i, again[3];
-        io_space_coordinates(s->model, i, uv, place);
-        if (s->model->precision == PLANISH_PRECISION_DOUBLE || !has_moved(s->model, i, uv))
-            continue;
-        const double before[2] = {uv[0], uv[1]};
-        int same = 1;
-        io_plane_project(&s->model->plane, place, uv);
-        io_space_coordinates(s->model, i, uv, again);
-        for (int d = 0; d < 3; d++)
-            same &= pl_is_same(place[d], again[d]);
-        if (!same) /* what is held has nearly the digits of doubles */
-            memcpy(uv, before, sizeof before);
-    }
+    for (int64_t i = begin; i < end; i++)
+        round_node(context, i);
 }
 
 /** Return whether a triangle has another sign as written. Seen along a column as near as the
@@ -268,6 +270,25 @@ static void find_harm(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
+/** Let mids follow corners that have gone back, as planish_smooth does: by half of the way of both
+ *  ends. */
+static void follow_back(const rounding *s) {
+    const io_cells *triangles = &s->model->triangle;
+    const double *before = s->model->uv_read;
+    for (int64_t i = 0; triangles->mid && i < 3 * triangles->n; i++) {
+        const int64_t mid = triangles->mid[i];
+        const int64_t a = triangles->nodes[i], b = triangles->nodes[i % 3 == 2 ? i - 2 : i + 1];
+        if (mid < 0 || s->back[mid] || (!s->back[a] && !s->back[b]))
+            continue;
+        for (int d = 0; d < 2; d++) {
+            const double way_a = s->uv[2 * a + d] - before[2 * a + d];
+            const double way_b = s->uv[2 * b + d] - before[2 * b + d];
+            s->uv[2 * mid + d] = before[2 * mid + d] + (way_a + way_b) / 2;
+        }
+        round_node(s, mid);
+    }
+}
+
 /** Round coordinates in a tilted plane; *n counts the nodes that go back. Ends, as each round
  *  takes nodes back. */
 static void round_in_plane(rounding *s, int64_t *n) {
@@ -288,6 +309,7 @@ static void round_in_plane(rounding *s, int64_t *n) {
         s->any = 0;
         pl_parallel_for(model->threads, n_elements, CHUNK, find_harm, s);
     } while (s->any);
+    follow_back(s);
 }
 
 int planish_file_round_in_plane(const planish_file *file, double *coordinates, uint8_t *back,

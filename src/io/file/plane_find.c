@@ -87,15 +87,18 @@ double io_tolerance_of_digits(const io_model *model, const io_format *format) {
 
 /* ---- nodes of elements ---------------------------------------------------------------------- */
 
-/** Count the corners of triangles and the nodes of other elements. */
+/** Count the corners and mids of triangles and the nodes of other elements. */
 static int64_t n_listed(const io_model *model) {
-    return 3 * model->triangle.n + model->other.n_nodes;
+    return (model->triangle.mid ? 6 : 3) * model->triangle.n + model->other.n_nodes;
 }
 
 /** Return number i of these; -1: a missing mid. */
 static int64_t listed_node(const io_model *model, int64_t i) {
-    const int64_t n = 3 * model->triangle.n;
-    return i < n ? model->triangle.nodes[i] : model->other.node[i - n];
+    const io_cells *triangles = &model->triangle;
+    const int64_t n = 3 * triangles->n, n_mids = triangles->mid ? n : 0;
+    return i < n            ? triangles->nodes[i]
+           : i < n + n_mids ? triangles->mid[i - n]
+                            : model->other.node[i - n - n_mids];
 }
 
 /* ---- a tilted plane ------------------------------------------------------------------------- */

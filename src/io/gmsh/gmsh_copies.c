@@ -77,12 +77,16 @@ static int merge_copies(io_model *model, io_cells *cells, int dim, const copy_ca
 
 /** Close the gaps that dropped cells leave. */
 static void compact(io_cells *cells, int corners) {
+    const int mids = io_n_mids(corners - 1);
     int64_t n = 0;
     for (int64_t i = 0; i < cells->n; i++) {
         if (cells->entity[i] == DROPPED)
             continue;
         memmove(cells->nodes + n * corners, cells->nodes + i * corners,
                 (size_t)corners * sizeof *cells->nodes);
+        if (cells->mid)
+            memmove(cells->mid + n * mids, cells->mid + i * mids,
+                    (size_t)mids * sizeof *cells->mid);
         cells->entity[n] = cells->entity[i];
         cells->number[n] = cells->number[i];
         n++;
