@@ -281,15 +281,23 @@ PLANISH_API int planish_file_write(const planish_file *file, const char *path,
  *  These are .vtu and .vtk, except that of the file's own format (planish_file_can_write). */
 PLANISH_API int planish_file_can_convert(const planish_file *file, const char *path);
 
+/** Values of elements for a copy for viewing, which calls them by the names of these fields. Each
+ *  array may be NULL. */
+typedef struct planish_view_data {
+    const double *radius_ratio; /* [n_elements of planish_file_mesh] planish_measure_elements */
+    planish_cell_values cells;  /* [n of planish_file_cells] planish_measure_cells; `state` is
+                                   called `cell_state` */
+    const void *reserved[4];    /* NULL */
+} planish_view_data;
+
 /** Write what planish understands of the file, at coordinates [n_nodes][dim], to path in the format
- *  of its extension, for viewing: nodes, tetrahedra, triangles and lines with their numbers,
- *  regions and groups (docs/formats.md), `fixed` where constraint [n_nodes] (may be NULL) says so,
- *  and radius_ratio [n_elements] (may be NULL; planish_measure_elements). temporary as for
- *  planish_file_write. lost [lost_size] (may be NULL) is filled with what is left out, as a list in
- *  words. Errors: _FILE, _MEMORY, _ARGUMENT; nothing is left behind then. */
+ *  of its extension, for viewing: nodes and elements with their numbers, regions and groups
+ *  (docs/formats.md), `fixed` where constraint [n_nodes] (may be NULL) says so, and data (may be
+ *  NULL). temporary as for planish_file_write. lost [lost_size] (may be NULL) is filled with what is
+ *  left out, as a list in words. Errors: _FILE, _MEMORY, _ARGUMENT; nothing is left behind then. */
 PLANISH_API int planish_file_convert(const planish_file *file, const char *path,
                                      const double *coordinates, const uint8_t *constraint,
-                                     const double *radius_ratio, char *temporary,
+                                     const planish_view_data *data, char *temporary,
                                      size_t temporary_size, char *lost, size_t lost_size,
                                      planish_error *error);
 

@@ -46,7 +46,8 @@ static int is_no_region(const char *name) {
         "elementnumbers globalid globalids globalelementid globalcellid globalelementids "
         "globalcellids originalid originalids originalcellids vtkoriginalcellids "
         "originalelementids vtkoriginalpointids pedigreeid pedigreeids pedigreeelementid "
-        "objectidelement ";
+        "objectidelement radiusratio aspectratio scaledjacobian jacobianratio edgeratio "
+        "cellstate iscurved ";
     /* its letters and digits alone, in small letters, between blanks; a long one is cut */
     char plain[66] = " ";
     size_t n = 1;

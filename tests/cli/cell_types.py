@@ -3,12 +3,16 @@ and by meshio; or compare the cells of pairs of files as VTK reads them.
 
 usage: cell_types.py write DIM; prints the names of files, and how many elements each has
        cell_types.py compare A B ...
+       cell_types.py measures COPY REPORT.json; the cell data of a copy for viewing against a report
 """
+import json
+import math
 import sys
 
 import meshio
 import numpy
 import vtk
+from vtk.util.numpy_support import vtk_to_numpy
 
 TYPES = {
     2: ("Triangle", "Quad", "Pixel", "QuadraticTriangle", "QuadraticQuad", "BiQuadraticQuad"),
@@ -83,13 +87,19 @@ def write(dim):
         print(name, len(cells))
 
 
-def cells_of(path):
-    """Type and points of each cell; pixels and voxels as quadrilaterals and hexahedra."""
+def read_grid(path):
     reader = vtk.vtkXMLUnstructuredGridReader() if path.endswith("u") else \
         vtk.vtkUnstructuredGridReader()
     reader.SetFileName(path)
+    if not path.endswith("u"):
+        reader.ReadAllFieldsOn()
     reader.Update()
-    grid = reader.GetOutput()
+    return reader.GetOutput()
+
+
+def cells_of(path):
+    """Type and points of each cell; pixels and voxels as quadrilaterals and hexahedra."""
+    grid = read_grid(path)
     found = []
     for i in range(grid.GetNumberOfCells()):
         kind, ids = grid.GetCellType(i), grid.GetCell(i).GetPointIds()
@@ -100,7 +110,34 @@ def cells_of(path):
     return found
 
 
-if sys.argv[1] == "write":
+def check_measures(path, report):
+    """The values of all elements give the figures of the report."""
+    grid = read_grid(path)
+    value = {name: vtk_to_numpy(grid.GetCellData().GetArray(name)) for name in
+             ("radius_ratio", "aspect_ratio", "scaled_jacobian", "jacobian_ratio", "edge_ratio", "cell_state",
+              "is_curved")}
+    with open(report) as text:
+        quality = json.load(text)["quality"]
+    n = sum(quality["counts"].values())
+    assert grid.GetNumberOfCells() == n and all(len(v) == n for v in value.values())
+    assert (value["cell_state"] == 2).sum() == quality["inverted"] > 0
+    assert (value["cell_state"] == 1).sum() == n - quality["inverted"]
+    assert value["is_curved"].sum() == quality["curved"] > 0
+    ratios = value["aspect_ratio"][value["aspect_ratio"] > 0]
+    assert math.isclose(math.sqrt((ratios ** 2).mean()), quality["rms_aspect_ratio"], rel_tol=1e-12)
+    curved = value["jacobian_ratio"][value["is_curved"] == 1]
+    assert ratios.max() == quality["max_aspect_ratio"] and curved.min() == quality["min_jacobian_ratio"]
+    assert value["scaled_jacobian"].min() == quality["min_scaled_jacobian"]
+    assert value["edge_ratio"].max() == quality["max_edge_ratio"]
+    simplices = numpy.isfinite(value["radius_ratio"])
+    assert math.isclose(value["radius_ratio"][simplices].max(), quality["simplices"]["max_radius_ratio"], rel_tol=1e-12)
+    kinds = vtk_to_numpy(grid.GetCellTypesArray())
+    assert set(kinds[simplices]) <= {10, 24} and simplices[kinds == 10].all()
+
+
+if sys.argv[1] == "measures":
+    check_measures(*sys.argv[2:])
+elif sys.argv[1] == "write":
     write(int(sys.argv[2]))
 else:
     for a, b in zip(sys.argv[2::2], sys.argv[3::2]):

@@ -28,4 +28,15 @@ END
     [ "$(wc -l <names)" = 7 ] || fail "not all files"
 done
 "$python" "$cli/cell_types.py" compare "${pairs[@]}" || fail "copies for viewing"
+
+# The measures in a copy are those of the report; a copy is no mesh with regions.
+"$python" "$cli/types_mesh.py" types.vtk types.json tetrahedra.vtk || fail "no mesh"
+for copy in types.vtu types.copy.vtk; do
+    expect_status 0 "$program" quality types.vtk --json report.json -o "$copy" -q
+    [ ! -s err ] || fail "notes of -q: $(cat err)"
+    "$python" "$cli/cell_types.py" measures "$copy" report.json || fail "measures in $copy"
+    expect_status 0 "$program" quality "$copy" --json again.json -q
+    python3 -c 'import json; assert json.load(open("again.json"))["mesh"]["region_arrays"] == ["number"]' ||
+        fail "a measure in $copy is taken for regions"
+done
 finish

@@ -111,7 +111,7 @@ done
 grep -q "$(wc -w <<<"$formats") formats" "$source_folder/README.md" || fail "README.md has another number of formats"
 [ "$(completions planish quality a_f)" = a_file ] || fail "completion of a file"
 [ "$(completions planish smooth --json a_f)" = a_file ] || fail "completion of a file of an option"
-! completions planish quality --o | grep -q . || fail "options of another command are offered"
+! completions planish quality --obj | grep -q . || fail "options of another command are offered"
 if command -v zsh >/dev/null; then
     zsh -n zsh || fail "zsh does not understand its completion"
 fi

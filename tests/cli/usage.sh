@@ -29,6 +29,13 @@ bad --generate html
 bad --generate man more
 bad quality
 bad quality in.msh -o out.msh
+expect_text "must end in .vtu or .vtk"
+bad quality in.msh in.msh -o view.vtu
+expect_text "takes one mesh"
+cp in.msh in.vtk
+bad quality in.vtk --format gmsh -o ./in.vtk
+expect_text "would overwrite the mesh"
+rm in.vtk
 bad quality in.msh -v
 
 # The line says what is wrong and what to do.

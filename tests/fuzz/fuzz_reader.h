@@ -250,7 +250,8 @@ static inline void fuzz_check_converted(planish_file *file) {
     fuzz_require(constraint && ratio, "memory");
     fuzz_path(path, to_legacy ? ".vtk" : ".vtu");
     if (planish_file_constraints(file, NULL, constraint, &error) ||
-        planish_file_convert(file, path, mesh.coordinates, constraint, ratio, NULL, 0, lost,
+        planish_file_convert(file, path, mesh.coordinates, constraint,
+                             &(planish_view_data){.radius_ratio = ratio}, NULL, 0, lost,
                              sizeof lost, &error))
         fuzz_require(0, error.text);
     fuzz_require(strlen(lost) < sizeof lost, "what is lost is a text");

@@ -121,6 +121,8 @@ static int measure_job(quality_run *r, pl_job *job, pl_compared *mesh) {
         return status;
     if ((status = pl_report_draw(job, "mesh", &r->picture)))
         return status;
+    if (r->arguments->output && (status = pl_cells_convert(job, r->arguments->output)))
+        return status;
     if (r->arguments->json || r->arguments->report)
         pl_quality_report_add(&r->report, job, measured);
     return 0;

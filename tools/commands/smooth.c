@@ -60,47 +60,30 @@ static int check_output(const pl_job *job) {
     return pl_complain_usage("smooth", "%s; planish converts to .vtu and .vtk only", error.text);
 }
 
-/** To another format: what is left out is said. */
-static int convert_mesh(const pl_job *job, planish_error *error) {
-    const char *output = job->arguments->output;
-    const double *coordinates = job->mesh.coordinates;
-    char lost[512];
-    double *ratio = malloc(((size_t)job->mesh.n_elements + 1) * sizeof *ratio);
-    if (!ratio)
-        return pl_fail_memory(error, "the radius ratios");
-    int code = job->engine->measure_elements(job, ratio, error);
-    if (!code)
-        code = planish_file_convert(job->file, output, coordinates, job->constraint, ratio,
-                                    pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE,
-                                    lost, sizeof lost, error);
-    free(ratio);
-    if (!code && job->arguments->verbosity != PL_QUIET)
-        pl_note(stderr, "%s is a copy for viewing; it lacks %s", output, lost);
-    return code;
-}
-
 static int write_mesh(pl_job *job, pl_result *result) {
     const char *output = job->arguments->output;
     uint64_t checksums[] = {result->input_checksum, result->checksum};
     planish_error error;
-    int code;
+    int status;
     const double begin = pl_seconds();
     const int by_engine = engine_writes(job);
     if (!by_engine && !planish_file_can_write(job->file, output)) {
-        code = convert_mesh(job, &error);
+        status = pl_cells_convert(job, output);
     } else {
         /* Its memory is better used for the file's pages: what is written to fresh ones takes
          * longer. */
         job->engine->plan_destroy(job);
-        code = by_engine ? job->engine->write(job, output, checksums, &error)
-                         : planish_file_write(
-                               job->file, output, job->mesh.coordinates, job->options.threads,
-                               pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE, &error);
+        const int code = by_engine ? job->engine->write(job, output, checksums, &error)
+                                   : planish_file_write(job->file, output, job->mesh.coordinates,
+                                                        job->options.threads,
+                                                        pl_signals_temporary(PL_TEMPORARY_MESH),
+                                                        PL_TEMPORARY_SIZE, &error);
+        status = code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : 0;
     }
     result->input_checksum = checksums[0];
     result->checksum = checksums[1];
     result->write_seconds = pl_seconds() - begin;
-    return code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : 0;
+    return status;
 }
 
 /* ---- whether all was reached ---------------------------------------------------------------- */

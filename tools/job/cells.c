@@ -1,7 +1,10 @@
-/* cells: the elements of every type that a mesh file has, for the command quality. */
+/* cells: the elements of every type that a mesh file has: measures, and copies for viewing. */
 #include "job/cells.h"
 
 #include "terminal/message.h"
+#include "terminal/signals.h"
+
+#include "base/status.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -75,8 +78,7 @@ void pl_cells_count(const planish_cells *cells, char *text, size_t size) {
 /* Rounding in a field that is wide, and tolerance of a narrow one, of the diagonal. */
 static const double WIDE_FIELD = 1e-8, OF_NARROW_FIELD = 1e-5;
 
-/** Distance that rounding in the file explains, in its units. */
-static double rounding_of(const pl_job *job) {
+double pl_cells_rounding(const pl_job *job) {
     const int dim = job->mesh.dim;
     double square = 0;
     for (int d = 0; d < dim; d++) {
@@ -106,6 +108,17 @@ static void mark_missing(planish_cell_measures *of) {
         of->min_jacobian_ratio = NAN;
 }
 
+/** Measure cells, which have the nodes of the mesh, as it is now. */
+static int measure(const pl_job *job, const planish_cells *cells, planish_cell_quality *quality,
+                   const planish_cell_values *values, planish_error *error) {
+    planish_mesh all = job->mesh;
+    all.elements = NULL;
+    all.cells = cells;
+    all.n_elements = cells->n;
+    return planish_measure_cells(&all, pl_cells_rounding(job), job->options.threads, quality,
+                                 values, error);
+}
+
 int pl_cells_measure(const pl_job *job, pl_cells *cells) {
     planish_error error;
     *cells = (pl_cells){.has_others = 0};
@@ -119,17 +132,59 @@ int pl_cells_measure(const pl_job *job, pl_cells *cells) {
     cells->aspect_ratio = malloc(((size_t)cells->cells.n + 1) * sizeof *cells->aspect_ratio);
     if (!cells->aspect_ratio)
         return pl_job_complain_memory(job, "values of elements");
-    planish_mesh all = job->mesh;
-    all.elements = NULL;
-    all.cells = &cells->cells;
-    all.n_elements = cells->cells.n;
     const planish_cell_values values = {.aspect_ratio = cells->aspect_ratio};
-    if (planish_measure_cells(&all, rounding_of(job), job->options.threads, &cells->quality,
-                              &values, &error))
+    if (measure(job, &cells->cells, &cells->quality, &values, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     mark_missing(&cells->quality.all);
     for (int i = 0; i < cells->quality.n_types; i++)
         mark_missing(&cells->quality.by_type[i]);
+    return 0;
+}
+
+/* ---- copies for viewing --------------------------------------------------------------------- */
+
+enum { N_MEASURES = 4 }; /* arrays of planish_cell_values of real numbers */
+
+/** Write the copy; memory is where the arrays of data are to be. */
+static int convert(const pl_job *job, const char *path, const planish_cells *cells, double *memory,
+                   char lost[512], planish_error *error) {
+    planish_cell_quality quality;
+    double *ratio = memory + N_MEASURES * cells->n;
+    planish_view_data data = {
+        .cells = {.aspect_ratio = memory,
+                  .scaled_jacobian = memory + cells->n,
+                  .jacobian_ratio = memory + 2 * cells->n,
+                  .edge_ratio = memory + 3 * cells->n,
+                  .state = (uint8_t *)(ratio + job->mesh.n_elements),
+                  .is_curved = (uint8_t *)(ratio + job->mesh.n_elements) + cells->n}};
+    int code = measure(job, cells, &quality, &data.cells, error);
+    if (!code && job->mesh.n_elements > 0) {
+        data.radius_ratio = ratio;
+        code = job->engine->measure_elements(job, ratio, error);
+    }
+    return code ? code
+                : planish_file_convert(job->file, path, job->mesh.coordinates, job->constraint,
+                                       &data, pl_signals_temporary(PL_TEMPORARY_MESH),
+                                       PL_TEMPORARY_SIZE, lost, 512, error);
+}
+
+int pl_cells_convert(const pl_job *job, const char *path) {
+    planish_error error;
+    planish_cells cells;
+    char lost[512];
+    int code = planish_file_cells(job->file, &cells, &error);
+    if (!code) {
+        const size_t n = (size_t)cells.n;
+        double *memory =
+            malloc((N_MEASURES * n + (size_t)job->mesh.n_elements + 1) * sizeof *memory + 2 * n);
+        code = memory ? convert(job, path, &cells, memory, lost, &error)
+                      : pl_fail_memory(&error, "the measures of elements");
+        free(memory);
+    }
+    if (code)
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    if (job->arguments->verbosity != PL_QUIET)
+        pl_note(stderr, "%s is a copy for viewing; it lacks %s", path, lost);
     return 0;
 }
 

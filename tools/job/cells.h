@@ -1,6 +1,8 @@
 /* cells: the elements of every type that a mesh file has, for the command quality.
  *
  *     pl_cells_measure, _free     their quality, where some are no straight simplices
+ *     pl_cells_convert            a copy for viewing, with their measures
+ *     pl_cells_rounding           how far off rounding takes nodes
  *     pl_cells_count              their number by type, as text
  *     pl_cell_type_name           name of a type
  *
@@ -22,6 +24,13 @@ typedef struct pl_cells {
 /** Measure all elements of the file, if it has others than straight simplices. cells is to be freed
  *  also after an error. */
 int pl_cells_measure(const pl_job *job, pl_cells *cells);
+
+/** Write a copy of the mesh as it is now for viewing, with the measures of all elements, and say what
+ *  it lacks. Returns 0, or an exit status after a message. */
+int pl_cells_convert(const pl_job *job, const char *path);
+
+/** Distance that rounding in the file explains, in its units. */
+double pl_cells_rounding(const pl_job *job);
 
 /** Free what cells owns; the quality stays. The file may be closed afterwards. */
 void pl_cells_free(pl_cells *cells);

@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* ---- words for choices ---------------------------------------------------------------------- */
 
@@ -263,6 +264,10 @@ static const option_row option_table[] = {
      "write the smoothed mesh to OUT, which may be IN; keep\n"
      "the format of IN and change coordinates only; write\n"
      "a copy for viewing if OUT ends in .vtu or .vtk",
+     "file"},
+    {'o', "output", "VIEW", QUALITY, set_text, AT(output), 0, 0, "must be the name of a file",
+     "write a copy for viewing to VIEW, which ends in .vtu\n"
+     "or .vtk, with the measures of all elements",
      "file"},
     {'o', "output", "FILE", REPORT, set_text, AT(output), 0, 0, "must be the name of a file",
      "write the HTML report to FILE, - for standard output\n"
@@ -542,6 +547,19 @@ int pl_arguments_change_objective(const pl_arguments *arguments) {
            arguments->library.area_weight > 0;
 }
 
+/** The copy for viewing of the command quality. */
+static int check_view(const pl_arguments *arguments) {
+    const char *path = arguments->output;
+    const size_t length = strlen(path), n = strlen(".vtu");
+    const char *end = path + (length > n ? length - n : 0);
+    if (strcasecmp(end, ".vtu") != 0 && strcasecmp(end, ".vtk") != 0)
+        return pl_complain_usage("quality", "--output '%s' must end in .vtu or .vtk", path);
+    if (arguments->n_inputs > 1)
+        return pl_complain_usage("quality", "--output takes one mesh, but %d are named",
+                                 arguments->n_inputs);
+    return 0;
+}
+
 /** Options that exclude or need one another. */
 static int check_combinations(const pl_arguments *arguments) {
     const planish_options *library = &arguments->library;
@@ -557,6 +575,8 @@ static int check_combinations(const pl_arguments *arguments) {
     if (arguments->of_worst && !arguments->worst)
         return pl_complain_usage(command, "--%s has no effect without --objective worst",
                                  arguments->of_worst);
+    if (arguments->command == PL_COMMAND_QUALITY && arguments->output && check_view(arguments))
+        return PL_EXIT_USAGE;
     if (arguments->report && arguments->n_inputs > 1)
         return pl_complain_usage(command, "--report takes one mesh, but %d are named",
                                  arguments->n_inputs);

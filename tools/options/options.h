@@ -41,7 +41,7 @@ typedef struct pl_arguments {
     const char *input;   /* the first of inputs */
     const char **inputs; /* [n_inputs] owned */
     int n_inputs;        /* 1, but for commands that take many */
-    const char *output;  /* smooth: always there; report: or NULL; quality: NULL */
+    const char *output;  /* smooth: always there; report, quality: or NULL */
     const char *format;  /* or NULL: find out */
     const char *json;    /* a path, "-" for standard output, or NULL: no report */
     const char *report;  /* path of the page for people, or NULL: none */

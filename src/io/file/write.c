@@ -271,15 +271,16 @@ static const struct target {
     int (*write)(const io_view *view, pl_output *output, const char **lost, planish_error *error);
 } targets[] = {{&io_format_vtu, io_view_write_vtu}, {&io_format_vtk, io_view_write_vtk}};
 
-static const struct target *find_target(const planish_file *file, const char *path) {
+static const struct target *find_target(const char *path) {
     for (size_t i = 0; i < sizeof targets / sizeof *targets; i++)
-        if (targets[i].format != file->format && io_format_has_extension(targets[i].format, path))
+        if (io_format_has_extension(targets[i].format, path))
             return &targets[i];
     return NULL;
 }
 
 int planish_file_can_convert(const planish_file *file, const char *path) {
-    return file && path && find_target(file, path) != NULL;
+    const struct target *target = file && path ? find_target(path) : NULL;
+    return target && target->format != file->format;
 }
 
 /** A list of what is not written. */
@@ -320,7 +321,7 @@ static void list_losses(const io_model *model, const char *of_writer, char *text
 }
 
 int planish_file_convert(const planish_file *file, const char *path, const double *coordinates,
-                         const uint8_t *constraint, const double *radius_ratio, char *temporary,
+                         const uint8_t *constraint, const planish_view_data *data, char *temporary,
                          size_t temporary_size, char *lost, size_t lost_size,
                          planish_error *error) {
     const pl_temporaries temporaries = {temporary, temporary_size};
@@ -330,7 +331,7 @@ int planish_file_convert(const planish_file *file, const char *path, const doubl
     if (!file || !path || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "file, path and coordinates must not be NULL");
-    const struct target *target = find_target(file, path);
+    const struct target *target = find_target(path);
     if (!target)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "%s: meshes are converted to .vtu and .vtk only", path);
@@ -338,7 +339,7 @@ int planish_file_convert(const planish_file *file, const char *path, const doubl
     pl_output output = {.fd = -1};
     int status = io_written_coordinates(&file->model, coordinates, NULL, file->model.threads,
                                         &places, &owned, error);
-    const io_view view = io_view_of(&file->model, places, constraint, radius_ratio);
+    const io_view view = io_view_of(&file->model, places, constraint, data);
     if (!status)
         status = pl_output_open(path, temporaries, &output, error);
     if (!status)

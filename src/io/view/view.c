@@ -112,6 +112,12 @@ static int64_t count_nodes(const io_model *model) {
 
 /* ---- values -------------------------------------------------------------------------------- */
 
+/** Return the index of a cell in planish_file_cells, or -1: it is of a lower dimension. */
+static int64_t index_of(const io_view *view, const view_cell *cell) {
+    const io_cells *elements = io_model_elements(view->model);
+    return cell->of == elements ? cell->index : cell->of ? -1 : elements->n + cell->index;
+}
+
 /** Return value i of the whole numbers of nodes or cells. cell: as in find_cell. */
 static int64_t whole_value(const io_view *view, io_view_values values, int64_t i, view_cell *cell) {
     if (values == IO_VIEW_FIXED)
@@ -120,6 +126,7 @@ static int64_t whole_value(const io_view *view, io_view_values values, int64_t i
         return io_node_number(view->model, i);
     find_cell(view, values, i, cell);
     const io_cells *of = cell->of;
+    const int64_t index = index_of(view, cell);
     const int32_t at = of && of->entity ? of->entity[cell->index] : -1;
     const io_entity *const entity = at >= 0 ? &view->model->entity[at] : NULL;
     switch (values) {
@@ -133,6 +140,10 @@ static int64_t whole_value(const io_view *view, io_view_values values, int64_t i
         return cell->type;
     case IO_VIEW_REGIONS:
         return of && of->region ? of->region[cell->index] : entity ? entity->tag : 0;
+    case IO_VIEW_STATES:
+        return index >= 0 ? view->data.cells.state[index] : PLANISH_CELL_STATE_NONE;
+    case IO_VIEW_CURVED:
+        return index >= 0 && view->data.cells.is_curved[index];
     case IO_VIEW_GROUPS:
         return entity && entity->n_physical > 0 ? entity->physical[0] : 0;
     default:
@@ -140,8 +151,27 @@ static int64_t whole_value(const io_view *view, io_view_values values, int64_t i
     }
 }
 
-/** Return value i of the coordinates, or of the radius ratios (none of cells that are not
- *  smoothed). cell: as in find_cell. */
+/** Return a measure of elements, by their index in planish_file_cells; NULL: values are not real. */
+static const double *measures_of(const io_view *view, io_view_values values) {
+    const planish_view_data *data = &view->data;
+    switch (values) {
+    case IO_VIEW_RADIUS_RATIOS:
+        return data->radius_ratio;
+    case IO_VIEW_ASPECT_RATIOS:
+        return data->cells.aspect_ratio;
+    case IO_VIEW_SCALED_JACOBIANS:
+        return data->cells.scaled_jacobian;
+    case IO_VIEW_JACOBIAN_RATIOS:
+        return data->cells.jacobian_ratio;
+    case IO_VIEW_EDGE_RATIOS:
+        return data->cells.edge_ratio;
+    default:
+        return NULL;
+    }
+}
+
+/** Return value i of the coordinates, or of a measure: NAN of cells that do not have it. cell: as
+ *  in find_cell. */
 static double real_value(const io_view *view, io_view_values values, int64_t i, view_cell *cell) {
     const io_model *model = view->model;
     if (values == IO_VIEW_COORDINATES) {
@@ -152,19 +182,45 @@ static double real_value(const io_view *view, io_view_values values, int64_t i, 
         return model->z ? model->z[node] : 0;
     }
     find_cell(view, values, i, cell);
-    return cell->of == io_model_elements(model) ? view->radius_ratio[cell->index] : (double)NAN;
+    const int64_t index = index_of(view, cell);
+    const int is_measured =
+        index >= 0 && (values != IO_VIEW_RADIUS_RATIOS || cell->of == io_model_elements(model));
+    return is_measured ? measures_of(view, values)[index] : (double)NAN;
 }
 
 /* ---- the arrays ---------------------------------------------------------------------------- */
 
 io_view io_view_of(const io_model *model, const double *coordinates, const uint8_t *constraint,
-                   const double *radius_ratio) {
+                   const planish_view_data *data) {
     return (io_view){.model = model,
                      .coordinates = coordinates,
                      .constraint = constraint,
-                     .radius_ratio = radius_ratio,
+                     .data = data ? *data : (planish_view_data){.radius_ratio = NULL},
                      .n_cells =
                          model->tetrahedron.n + model->triangle.n + model->line.n + model->other.n};
+}
+
+/** Add the measures that there are to the cell data of a. */
+static void add_measures(const io_view *view, io_view_arrays *a) {
+    static const struct {
+        const char *name;
+        io_view_values values;
+    } measures[] = {{"radius_ratio", IO_VIEW_RADIUS_RATIOS},
+                    {"aspect_ratio", IO_VIEW_ASPECT_RATIOS},
+                    {"scaled_jacobian", IO_VIEW_SCALED_JACOBIANS},
+                    {"jacobian_ratio", IO_VIEW_JACOBIAN_RATIOS},
+                    {"edge_ratio", IO_VIEW_EDGE_RATIOS}};
+    const int64_t n = view->n_cells;
+    for (size_t i = 0; i < sizeof measures / sizeof *measures; i++)
+        if (measures_of(view, measures[i].values))
+            a->cell_data[a->n_cell_data++] =
+                (io_view_array){measures[i].name, measures[i].values, IO_VIEW_F64, n, 1};
+    if (view->data.cells.state)
+        a->cell_data[a->n_cell_data++] =
+            (io_view_array){"cell_state", IO_VIEW_STATES, IO_VIEW_U8, n, 1};
+    if (view->data.cells.is_curved)
+        a->cell_data[a->n_cell_data++] =
+            (io_view_array){"is_curved", IO_VIEW_CURVED, IO_VIEW_U8, n, 1};
 }
 
 /** Return the array of n numbers: of 32 bits, which all programs read, where they are no larger. */
@@ -196,9 +252,7 @@ io_view_arrays io_view_arrays_of(const io_view *view) {
         a.point_data[a.n_point_data++] =
             (io_view_array){"fixed", IO_VIEW_FIXED, IO_VIEW_U8, n_nodes, 1};
     a.point_data[a.n_point_data++] = numbers_of(view, IO_VIEW_NODE_NUMBERS, n_nodes);
-    if (view->radius_ratio)
-        a.cell_data[a.n_cell_data++] =
-            (io_view_array){"radius_ratio", IO_VIEW_RADIUS_RATIOS, IO_VIEW_F64, n, 1};
+    add_measures(view, &a);
     if (model->n_entities > 0 || io_model_elements(model)->region)
         a.cell_data[a.n_cell_data++] =
             (io_view_array){"region", IO_VIEW_REGIONS, IO_VIEW_I32, n, 1};
@@ -218,8 +272,7 @@ int io_view_type_size(io_view_type type) {
 /** Store value i of an array at at. cell: as in find_cell. */
 static void store_value(const io_view *view, const io_view_array *array, int64_t i, view_cell *cell,
                         char *at) {
-    const int is_real =
-        array->values == IO_VIEW_COORDINATES || array->values == IO_VIEW_RADIUS_RATIOS;
+    const int is_real = array->values == IO_VIEW_COORDINATES || measures_of(view, array->values);
     const double real = is_real ? real_value(view, array->values, i, cell) : 0;
     const int64_t integer = is_real ? 0 : whole_value(view, array->values, i, cell);
     const int32_t narrow = (int32_t)integer;

@@ -16,9 +16,9 @@
 /** A mesh to be shown. */
 typedef struct io_view {
     const io_model *model;
-    const double *coordinates;  /* [n_nodes][written] */
-    const uint8_t *constraint;  /* [n_nodes] of planish_constraint, or NULL */
-    const double *radius_ratio; /* [elements that are smoothed], or NULL */
+    const double *coordinates; /* [n_nodes][written] */
+    const uint8_t *constraint; /* [n_nodes] of planish_constraint, or NULL */
+    planish_view_data data;    /* all NULL: none */
     int64_t n_cells;
 } io_view;
 
@@ -33,7 +33,13 @@ typedef enum io_view_type {
 /** Meaning of the values of an array. */
 typedef enum io_view_values {
     IO_VIEW_COORDINATES,   /* real, three of each node */
-    IO_VIEW_RADIUS_RATIOS, /* real */
+    IO_VIEW_RADIUS_RATIOS, /* real, as the others of elements: view->data */
+    IO_VIEW_ASPECT_RATIOS,
+    IO_VIEW_SCALED_JACOBIANS,
+    IO_VIEW_JACOBIAN_RATIOS,
+    IO_VIEW_EDGE_RATIOS,
+    IO_VIEW_STATES, /* view->data, as is */
+    IO_VIEW_CURVED,
     IO_VIEW_FIXED,
     IO_VIEW_NODE_NUMBERS,
     IO_VIEW_NODES,         /* of all cells, one cell after another, */
@@ -54,7 +60,7 @@ typedef struct io_view_array {
     int n_components; /* of a point or cell */
 } io_view_array;
 
-enum { IO_VIEW_MOST_DATA = 4 };
+enum { IO_VIEW_MOST_DATA = 10 };
 
 /** All arrays of a view; data that there is not is left out. */
 typedef struct io_view_arrays {
@@ -65,9 +71,9 @@ typedef struct io_view_arrays {
     int n_point_data, n_cell_data;
 } io_view_arrays;
 
-/** Return a view of a mesh; all arrays are borrowed. */
+/** Return a view of a mesh; all arrays are borrowed. data may be NULL. */
 io_view io_view_of(const io_model *model, const double *coordinates, const uint8_t *constraint,
-                   const double *radius_ratio);
+                   const planish_view_data *data);
 /** Return the arrays of a view, which must stay while they are used. */
 io_view_arrays io_view_arrays_of(const io_view *view);
 
