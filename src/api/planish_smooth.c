@@ -19,6 +19,11 @@ static void say_result(const planish_result *r) {
            r->n_moved_nodes, r->seconds);
     if (r->n_inverted > 0)
         pl_log(PLANISH_LOG_NOTE, "%" PRId64 " elements are not positive", r->n_inverted);
+    if (r->n_inverted_inside > 0)
+        pl_log(PLANISH_LOG_NOTE,
+               "%" PRId64 " of these are curved, with positive corners: to move corners did not "
+               "repair them",
+               r->n_inverted_inside);
     if (r->n_below_min_volume > 0)
         pl_log(PLANISH_LOG_NOTE, "%" PRId64 " elements are below their minimum volume",
                r->n_below_min_volume);
@@ -58,7 +63,7 @@ int planish_smooth(planish_plan *plan, double *coordinates, const planish_option
     }
     if (!status)
         say_result(&found);
-    pl_guard_destroy(&r.guard);
+    pl_run_destroy(&r);
     pl_context_end(plan->context);
     pl_call_leave(&outside);
     if (!status && result)

@@ -1,4 +1,5 @@
-/* angles: no angle smaller than the smallest one the mesh had.
+/* angles: no angle smaller than the smallest one the mesh had, and no element of order 2 that was
+ * valid and is not.
  *
  * Sweeps look at radius ratios, which seldom leaves a smaller angle than there was. Where it did,
  * the nodes around go back, and are swept again with the angle as a limit. In all sweeps that limit
@@ -34,15 +35,25 @@ static int64_t put_back_nodes(const pl_run *r, int64_t element) {
     return n;
 }
 
-/** Put back the nodes of elements that are worse than the worst at the start; how many had moved.
- */
+/** Mark in state the elements that are worse than the worst at the start, or of order 2 and not valid
+ *  any more. */
+static void find_bad(const pl_run *r, uint8_t *state) {
+    const planish_plan *plan = r->plan;
+    const pl_view all = pl_view_of_all_elements(&plan->work);
+    memset(state, PL_FINE, (size_t)plan->work.n_elements);
+    if (r->limits_at_start.rr2 < INFINITY || pl_run_has_followers(r))
+        pl_find_worse(&all, plan->scratch.to_measure, sqrt(r->limits_at_start.rr2),
+                      r->limits_at_start.acuteness, plan->threads, state);
+    if (pl_has_order_2(&r->curved))
+        pl_curved_find_broken(&r->curved, state);
+}
+
+/** Put back the nodes of elements that are worse than they may be; how many had moved. */
 static int64_t put_back_bad(pl_run *r, uint8_t *state) {
     const planish_plan *plan = r->plan;
     const size_t size = (size_t)plan->dim * sizeof *plan->scratch.coordinates;
-    const pl_view all = pl_view_of_all_elements(&plan->work);
     int64_t n = 0;
-    pl_find_worse(&all, plan->scratch.to_measure, sqrt(r->limits_at_start.rr2),
-                  r->limits_at_start.acuteness, plan->threads, state);
+    find_bad(r, state);
     for (int64_t i = 0; i < plan->work.n_elements; i++)
         if (state[i] != PL_FINE)
             n += put_back_nodes(r, i);
@@ -64,7 +75,7 @@ static int64_t put_back_bad(pl_run *r, uint8_t *state) {
 
 /** Whether F has risen, where it must not. */
 static int has_risen(const pl_run *r) {
-    return r->sums_at_start.inverted == 0 && r->sums_at_start.below == 0 &&
+    return pl_tangled(&r->sums_at_start) == 0 && r->sums_at_start.below == 0 &&
            r->result->worst_sweeps == 0 && pl_run_objective(r) > r->result->objective_before;
 }
 
@@ -77,19 +88,27 @@ static int is_worse(const pl_run *r) {
            (pl_run_has_followers(r) && (r->sums.below > r->sums_at_start.below || has_risen(r)));
 }
 
+/** Whether elements of order 2 were valid and are not; state is room. */
+static int is_broken(const pl_run *r, uint8_t *state) {
+    return pl_has_order_2(&r->curved) && pl_curved_find_broken(&r->curved, state) > 0;
+}
+
 int pl_run_put_back_angles(pl_run *r, planish_error *error) {
-    if (!is_worse(r))
+    if (!is_worse(r) && !pl_has_order_2(&r->curved))
         return PLANISH_OK;
     uint8_t *state = pl_alloc(r->plan->work.n_elements, sizeof *state);
     if (!state)
         return pl_fail_memory(error, "the states of the elements");
-    for (int64_t i = 0, n = 1; i < ROUNDS && n > 0; i++) {
+    int64_t n = is_worse(r) || is_broken(r, state);
+    const int goes_back = n > 0;
+    for (int64_t i = 0; i < ROUNDS && n > 0; i++) {
         n = put_back_bad(r, state);
         r->result->n_put_back += n;
     }
+    const int is_left = goes_back && (is_worse(r) || is_broken(r, state) ||
+                                      r->sums.below > r->sums_at_start.below || has_risen(r));
     pl_free(state);
-    if (is_worse(r) || r->sums.below > r->sums_at_start.below || has_risen(r)) {
-        int64_t n = 0;
+    if (is_left) {
         for (int64_t i = 0; i < r->plan->work.n_elements; i++)
             n += put_back_nodes(r, i);
         pl_parts_add(&n, 1);

@@ -29,7 +29,8 @@ enum {
     BELOW = 1 << 9,         /* an element with a movable node is below its minimum volume, */
     BELOW_FIXED = 1 << 10,  /* or one without; */
     BELOW_BEFORE = 1 << 11, /* or one was at the start */
-    ANGLES = 1 << 12,       /* the smallest angle, or the elements of followers, must be kept */
+    ANGLES = 1 << 12,       /* the smallest angle, the elements of followers, or the validity of
+                               elements of order 2 must be kept */
     WORST = 1 << 13,        /* options want the worst elements to be improved, */
     WORST_SWEPT = 1 << 14   /* and sweeps have done so */
 };
@@ -56,11 +57,13 @@ static int conditions_of(const pl_run *r) {
         {o->method == PLANISH_METHOD_PLANISH, VISITS},
         {r->guard.wanted, GUARDED},
         {o->untangle, UNTANGLES},
-        {r->sums.inverted >= 1 || r->sums.radius_max > FLAT_RR2, TANGLED},
+        {pl_tangled(&r->sums) >= 1 || r->sums.radius_max > FLAT_RR2, TANGLED},
         {r->sums.below > 0, BELOW},
         {r->sums_of_fixed.below > 0, BELOW_FIXED},
         {r->sums_at_start.below > 0, BELOW_BEFORE},
-        {r->limits_at_start.acuteness < INFINITY || pl_run_has_followers(r), ANGLES},
+        {r->limits_at_start.acuteness < INFINITY || pl_run_has_followers(r) ||
+             (pl_has_order_2(&r->curved) && o->method == PLANISH_METHOD_PLANISH),
+         ANGLES},
         {o->worst != PLANISH_WORST_NONE, WORST},
         {r->result->worst_sweeps > 0, WORST_SWEPT},
     };

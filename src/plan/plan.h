@@ -66,6 +66,8 @@ typedef struct pl_follower_places {
     double origin[3]; /* and of its leader */
 } pl_follower_places;
 
+struct pl_curved;
+
 /** Working space of planish_smooth, which a plan keeps from call to call; n nodes. Calls change it
  *  on a plan that is const. Owned. */
 typedef struct pl_plan_scratch {
@@ -82,6 +84,7 @@ typedef struct pl_plan_scratch {
     double *before;         /* [most SHARED nodes of a colour][dim] where they were */
     int32_t *moved;         /* [likewise] those of them that have moved, and */
     char *message; /* what is said of them: coordinates, and whether neighbours were told */
+    struct pl_curved *curved; /* curved elements of the call under way (sweep/curved.h); NULL: none */
 } pl_plan_scratch;
 
 /** n nodes, m elements: those of the mesh, or of the subset of it that is worked on; "inner"

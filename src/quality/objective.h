@@ -5,6 +5,7 @@
  *
  *   pl_objective_problem_of                          what to sum over
  *   pl_sum_objective                                 the sums
+ *   pl_tangled                                       elements with inverted corners
  *   pl_rms, pl_rms_of_all, _of_movable               the RMS of sums
  *   pl_objective_of_all, _of_movable                 F of sums
  *   pl_minimum_volume_of                             options.min_volume as a volume
@@ -36,6 +37,8 @@ typedef struct pl_objective_sums {
     double radius_max; /* largest RR^2 of those with a movable node */
     double acuteness;  /* of the smallest angle of these, see geometry/angle.h */
     double inverted;   /* elements that are not valid */
+    double inside;     /* those of them that are curved and have positive corners; pl_sum_objective
+                          knows none */
     double below; /* elements with a minimum volume and g above PLANISH_VOLUME_TOLERANCE, valid or
                      not */
     double shortfall; /* sum of max(0, g)^2, valid or not */
@@ -50,6 +53,11 @@ pl_objective_problem pl_objective_problem_of(const pl_view *mesh, const double *
 
 /** Sum over all elements of the problem's mesh, and over all processes that have parts of it. */
 void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *sums);
+
+/** Number of elements whose corners are not positive. */
+static inline double pl_tangled(const pl_objective_sums *sums) {
+    return sums->inverted - sums->inside;
+}
 
 /** Root mean square of n numbers from the sum of their squares; 0 without any. */
 static inline double pl_rms(double sum, double n) {

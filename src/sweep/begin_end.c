@@ -44,7 +44,7 @@ static void measure_first(pl_run *r, double *all) {
         pl_run_measure_fixed(r, all);
     pl_run_measure(r);
     if (all) {
-        r->sums_of_fixed.inverted -= r->sums.inverted;
+        r->sums_of_fixed.inverted -= pl_tangled(&r->sums);
         r->sums_of_fixed.below -= r->sums.below;
     }
 }
@@ -68,6 +68,9 @@ int pl_run_begin(pl_run *r, planish_error *error) {
     int status = pl_minimum_volume(plan, o, all ? all : r->given, &delta, error);
     if (!status)
         status = pl_guard_create(plan, o, r->given, delta, &r->guard, error);
+    if (!status)
+        status = pl_curved_create(plan, o, r->given, r->coordinates, &r->curved, error);
+    plan->scratch.curved = r->curved.n > 0 ? &r->curved : NULL;
     if (!status) {
         r->plain = !r->guard.wanted && o->method == PLANISH_METHOD_PLANISH;
         r->measure_scale = r->plain ? pl_box_of_fixed(plan).scale : 1;
@@ -81,7 +84,7 @@ int pl_run_begin(pl_run *r, planish_error *error) {
     /* Sweeps guard neither the smallest angle, where that is promised, nor the elements of
      * followers: the run compares them with these limits afterwards. */
     r->limits_at_start = pl_star_no_limits();
-    if (o->method == PLANISH_METHOD_PLANISH && !(r->sums.inverted > 0) && !(r->sums.below > 0)) {
+    if (o->method == PLANISH_METHOD_PLANISH && !(pl_tangled(&r->sums) > 0) && !(r->sums.below > 0)) {
         if (o->objective == PLANISH_OBJECTIVE_RADIUS_RATIO && !(o->area_weight > 0))
             r->limits_at_start = pl_run_worst_limits(r, 1);
         else if (pl_run_has_followers(r))
@@ -133,6 +136,8 @@ static int transfer_out(const pl_run *r, planish_error *error) {
     const planish_plan *plan = r->plan;
     const int is_part = pl_part_here() != NULL;
     transfer t = {.run = r, .points = pl_plan_points(plan, r->coordinates), .writes = !is_part};
+    if (pl_has_order_2(&r->curved)) /* before their ends, which may be what they were given by */
+        pl_mids_write(&r->curved.mids, t.writes, r->coordinates, &t.moved, &t.farthest);
     pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, transfer_chunk, &t);
     r->result->max_displacement = t.farthest;
     pl_parts_add(&t.moved, 1);
@@ -163,7 +168,16 @@ int pl_run_end(pl_run *run, planish_error *error) {
     r->min_volume = run->guard.min_volume;
     r->n_below_min_volume = (int64_t)(run->sums.below + run->sums_of_fixed.below);
     r->n_held_outside = run->guard.held_outside;
+    r->n_curved = run->curved.n;
+    r->n_inverted_inside = (int64_t)run->sums.inside;
+    r->n_refused = run->curved.n_refused;
     r->objective = pl_run_objective(run);
     r->seconds = pl_seconds() - run->start_seconds;
     return status;
+}
+
+void pl_run_destroy(pl_run *r) {
+    r->plan->scratch.curved = NULL;
+    pl_curved_destroy(&r->curved);
+    pl_guard_destroy(&r->guard);
 }

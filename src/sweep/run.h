@@ -1,6 +1,6 @@
 /* run: one call of planish_smooth: its mesh, the mesh quality, its sweeps, trials.
  *
- *   pl_run_begin, _end                         begin_end.c: the caller's coordinates in and out
+ *   pl_run_begin, _end, _destroy               begin_end.c: the caller's coordinates in and out
  * run.c
  *   pl_run_measure, _measure_fixed             measure the mesh; the rest of it
  *   pl_run_objective, _worst_limits            F; the worst element's measures, as limits
@@ -19,6 +19,7 @@
 #define PL_SWEEP_RUN_H
 
 #include "quality/measure.h"
+#include "sweep/curved.h"
 #include "sweep/guard.h"
 #include "sweep/sweep.h"
 
@@ -41,6 +42,7 @@ typedef struct pl_run {
                                         plan's subset; all 0 if the plan works on the whole mesh */
     pl_star_problem problem;
     pl_guard guard;
+    pl_curved curved; /* elements of order 2 */
     pl_star_guard sliding_guard; /* guard of the nodes that slide */
     int plain;                   /* the plain problem: the sum of RR^2, nothing else is asked */
     double measure_scale;        /* a power of two, times which coordinates are measured: ratios are
@@ -65,13 +67,16 @@ typedef struct pl_run {
 } pl_run;
 
 /** Begin a run that has plan, coordinates, options, accelerate, start_seconds and result: bring the
- *  coordinates into the plan, make the guard, measure, and prepare the sweeps. The caller destroys
- *  the guard in any case. Errors: those of pl_guard_create, _MEMORY. */
+ *  coordinates into the plan, make the guard and curved, measure, and prepare the sweeps. Errors:
+ *  those of pl_guard_create and pl_curved_create, _MEMORY. */
 int pl_run_begin(pl_run *r, planish_error *error);
 
 /** End a run: write the nodes that have moved to the caller's coordinates, unless memory was
  *  lacking or another process is not reached, and fill the result. Errors: _MEMORY, _PROCESS. */
 int pl_run_end(pl_run *r, planish_error *error);
+
+/** Free what a run owns, also after an error. */
+void pl_run_destroy(pl_run *r);
 
 /** Measure the plan's coordinates. */
 void pl_run_measure(pl_run *r);

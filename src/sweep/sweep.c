@@ -8,6 +8,7 @@
 #include "base/parts.h"
 #include "base/status.h"
 #include "plan/ghosts.h"
+#include "sweep/curved.h"
 
 #include <math.h>
 #include <string.h>
@@ -22,23 +23,108 @@ typedef struct colour_pass {
     int64_t first; /* star */
 } colour_pass;
 
+/** Visit stars begin .. end - 1, which have no curved elements. */
+static void visit_straight(const colour_pass *pass, int64_t begin, int64_t end, double *scratch,
+                           pl_star_tally *tally) {
+    const pl_star_kernel *kernel = pass->plan->kernel;
+    const int of_dim = pass->plan->dim - 2;
+    pl_star_visit_fn *visit =
+        pass->problem->guard ? kernel->guarded->visit[of_dim] : kernel->visit[of_dim];
+    if (begin < end)
+        visit(pass->problem, begin, end, scratch, tally);
+}
+
+/** Try shorter moves of a star whose curved elements refuse the one from before [dim] to where its
+ *  node is. Where none is admitted the node is at before then. Returns by how much the star's
+ *  function fell. */
+static double shorten(const colour_pass *pass, int64_t star, const double *before,
+                      double *scratch) {
+    enum { HALVINGS = 4 };
+    const planish_plan *plan = pass->plan;
+    const pl_star_problem *problem = pass->problem;
+    const int dim = plan->dim;
+    const int32_t node = problem->node[star];
+    const size_t size = (size_t)dim * sizeof *before;
+    pl_star_evaluate_fn *evaluate = problem->guard ? plan->kernel->guarded->evaluate[dim - 2]
+                                                   : plan->kernel->evaluate[dim - 2];
+    double *x = problem->coordinates + (int64_t)node * dim, after[3], way[3];
+    pl_star_value start, now;
+    memcpy(after, x, size);
+    memcpy(x, before, size);
+    /* Elsewhere a part of the way may be no place for the node. */
+    if (problem->slide || problem->limits.acuteness < INFINITY ||
+        !evaluate(problem, star, scratch, 0, &start))
+        return 0;
+    for (int k = 1; k <= HALVINGS; k++) {
+        for (int d = 0; d < dim; d++)
+            x[d] = before[d] + ldexp(after[d] - before[d], -k);
+        if (!pl_star_admit(problem, node, dim, x))
+            break;
+        for (int d = 0; d < dim; d++)
+            way[d] = x[d] - before[d];
+        if (evaluate(problem, star, scratch, 0, &now) && now.certain && now.sum < start.sum &&
+            now.max * (1 + now.error) <= fmax(problem->limits.rr2, start.max) &&
+            pl_curved_admit(plan->scratch.curved, node, way))
+            return start.sum - now.sum;
+    }
+    memcpy(x, before, size);
+    return 0;
+}
+
+/** Visit a star with curved elements: a move that would make one invalid is shortened, or
+ *  refused. */
+static void visit_curved(const colour_pass *pass, int64_t star, double *scratch,
+                         pl_star_tally *tally) {
+    const planish_plan *plan = pass->plan;
+    const int32_t node = pass->problem->node[star];
+    const double *x = pass->problem->coordinates + (int64_t)node * plan->dim;
+    const pl_star_tally was = *tally;
+    double before[3], way[3], moves = 0;
+    memcpy(before, x, (size_t)plan->dim * sizeof *x);
+    visit_straight(pass, star, star + 1, scratch, tally);
+    for (int d = 0; d < plan->dim; d++) {
+        way[d] = x[d] - before[d];
+        moves += way[d] != 0;
+    }
+    if (!(moves > 0) || pl_curved_admit(plan->scratch.curved, node, way))
+        return;
+    const double fall = shorten(pass, star, before, scratch);
+    tally->decrease = was.decrease;
+    tally->improved = was.improved;
+    tally->restored = was.restored;
+    pl_sum_add(&tally->decrease, fall);
+    __atomic_fetch_add(&plan->scratch.curved->n_refused, fall > 0 ? 0 : 1, __ATOMIC_RELAXED);
+}
+
+/** Visit stars begin .. end - 1 of a mesh with curved elements. */
+static void visit_watched(const colour_pass *pass, int64_t begin, int64_t end, double *scratch,
+                          pl_star_tally *tally) {
+    for (int64_t i = begin; i < end; i++) {
+        if (!pl_curved_watches(pass->plan->scratch.curved, pass->problem->node[i]))
+            continue;
+        visit_straight(pass, begin, i, scratch, tally);
+        visit_curved(pass, i, scratch, tally);
+        begin = i + 1;
+    }
+    visit_straight(pass, begin, end, scratch, tally);
+}
+
 static void visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const colour_pass *pass = context;
     const planish_plan *plan = pass->plan;
     const pl_star_problem *problem = pass->problem;
     double *scratch = plan->scratch.kernels + plan->scratch.kernel_stride * thread;
     pl_star_tally *tally = &plan->scratch.tally[thread].of;
-    const pl_star_guarded *guarded = plan->kernel->guarded;
-    pl_star_visit_fn *visit =
-        problem->guard ? guarded->visit[plan->dim - 2] : plan->kernel->visit[plan->dim - 2];
     begin += pass->first;
     end += pass->first;
     if (problem->untangling)
-        guarded->untangle[plan->dim - 2](problem, begin, end, scratch, tally);
+        plan->kernel->guarded->untangle[plan->dim - 2](problem, begin, end, scratch, tally);
     else if (pass->method != PLANISH_METHOD_PLANISH)
         pl_star_average(problem, pass->method, plan->dim, begin, end, scratch, tally);
+    else if (plan->scratch.curved)
+        visit_watched(pass, begin, end, scratch, tally);
     else
-        visit(problem, begin, end, scratch, tally);
+        visit_straight(pass, begin, end, scratch, tally);
 }
 
 void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {

@@ -333,13 +333,13 @@ static int climb_ladder(pl_run *r, int raises, const rung *ladder, int n, planis
         const pl_objective_sums *before = &trial.standing, *now = &r->sums;
         const int is_taken =
             t.n_tangled < n_tangled && now->inverted <= before->inverted &&
-            (before->inverted > 0 || raises ||
+            (pl_tangled(before) > 0 || raises ||
              (now->radius_max <= before->radius_max && pl_run_objective(r) <= objective));
         pl_trial_end(&trial, is_taken);
         if (!is_taken)
             pl_tangle_find(&t);
     }
-    if (climbs && !raises && t.n_tangled > 0 && r->sums.inverted > 0)
+    if (climbs && !raises && t.n_tangled > 0 && pl_tangled(&r->sums) > 0)
         pl_tangle_return(&t);
     r->phase = PLANISH_PHASE_SMOOTH;
     pl_tangle_destroy(&t);
@@ -351,7 +351,7 @@ static int climb_ladder(pl_run *r, int raises, const rung *ladder, int n, planis
 }
 
 int pl_run_untangle(pl_run *r, planish_error *error) {
-    const int64_t inverted = (int64_t)r->sums.inverted;
+    const int64_t inverted = (int64_t)pl_tangled(&r->sums);
     pl_log(PLANISH_LOG_DETAIL, "untangling %" PRId64 " elements", inverted);
     return climb_ladder(r, 0, LADDER, inverted > 0 ? N_RUNGS : N_RUNGS_IF_VALID, error);
 }

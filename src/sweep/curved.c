@@ -1,0 +1,462 @@
+/* curved: which elements are curved, and whether they are valid. */
+#include "sweep/curved.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+#include "geometry/simplex.h"
+#include "quality/certificate.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum {
+    LANES = PL_JACOBIAN_LANES,
+    NODES = 10, /* most nodes of a simplex of order 2 */
+    CHUNK = 256 /* elements that one thread takes at a time */
+};
+
+/* An edge is straight if its mid is no farther off than this, in longest edges (cell_measure.c). */
+static const double STRAIGHT = 1e-6;
+
+/* Elements whose size is in this range are decided as they are, others scaled by a power of two. */
+static const double SMALL = 0x1p-40, LARGE = 0x1p40;
+
+/** Elements whose validity is asked for, one per lane. */
+typedef struct block {
+    int n;
+    double x[LANES][NODES * 3]; /* [n_nodes][dim] */
+    int32_t node[LANES][NODES]; /* places in x; -1: a missing mid */
+    double sign[LANES];
+    int exponent[LANES]; /* of the scale */
+    pl_jacobian_block jacobian;
+} block;
+
+/* ---- places --------------------------------------------------------------------------------- */
+
+static double sign_of(const pl_curved *c, int64_t element) {
+    return c->plan->work.sign ? c->plan->work.sign[element] : 1;
+}
+
+static int is_order_2(const pl_curved *c, int64_t element) {
+    return c->plan->cells.type[pl_cell_of(c->plan, element)] == c->rule->type->type;
+}
+
+/** Find the places of the nodes of an element, as they are or (at_start) were when the run began:
+ *  x [n_nodes][dim]. node: see block. */
+static void find_places(const pl_curved *c, int64_t element, int at_start, double *x,
+                        int32_t *node) {
+    const planish_plan *plan = c->plan;
+    const int dim = plan->dim, corners = dim + 1;
+    const int64_t cell = pl_cell_of(plan, element);
+    const int32_t *of_cell = plan->cells.node + plan->cells.offset[cell];
+    for (int i = 0; i < c->rule->n_nodes; i++) {
+        const int32_t corner = i < corners ? plan->work.elements[element * corners + i] : -1;
+        node[i] = of_cell[i] >= 0 ? i : -1;
+        if (corner >= 0)
+            memcpy(x + i * dim,
+                   at_start ? c->mids.given + (int64_t)corner * dim
+                            : plan->scratch.coordinates + (int64_t)plan->inner[corner] * dim,
+                   (size_t)dim * sizeof *x);
+        else if (of_cell[i] < 0)
+            for (int d = 0; d < dim; d++)
+                x[i * dim + d] = 0.5 * x[c->rule->type->between[i][0] * dim + d] +
+                                 0.5 * x[c->rule->type->between[i][1] * dim + d];
+        else if (at_start)
+            for (int d = 0; d < dim; d++)
+                x[i * dim + d] = c->mids.start.x[pl_point_at(&c->mids.start, of_cell[i], d)];
+        else
+            pl_mid_place(&c->mids, of_cell[i], x + i * dim);
+    }
+}
+
+/** Add an element to the block. */
+static void add(const pl_curved *c, int64_t element, int at_start, block *b) {
+    const int dim = c->plan->dim, l = b->n++, n = c->rule->n_nodes;
+    double *x = b->x[l], size = 0;
+    find_places(c, element, at_start, x, b->node[l]);
+    b->sign[l] = sign_of(c, element);
+    for (int i = dim; i < n * dim; i++)
+        size = fmax(size, fabs(x[i] - x[i % dim]));
+    b->exponent[l] = 0;
+    if (size > 0 && size <= DBL_MAX && (size < SMALL || size > LARGE))
+        frexp(size, &b->exponent[l]);
+    for (int i = 0; i < n * dim; i++)
+        b->jacobian.x[i / dim][i % dim][l] = ldexp(x[i] - x[i % dim], -b->exponent[l]);
+}
+
+/** Evaluate the block. Lanes past the last element repeat the first. */
+static void evaluate(const pl_curved *c, block *b) {
+    const int dim = c->plan->dim;
+    for (int l = b->n; l < LANES; l++) {
+        b->sign[l] = b->sign[0];
+        for (int i = 0; i < c->rule->n_nodes; i++)
+            for (int d = 0; d < dim; d++)
+                b->jacobian.x[i][d][l] = b->jacobian.x[i][d][0];
+    }
+    pl_jacobian_evaluate(c->rule, b->sign, &b->jacobian);
+}
+
+static int is_valid(const pl_curved *c, const block *b, int l) {
+    return pl_validity_of_lane(c->rule, &b->jacobian, l, b->node[l], b->x[l], b->sign[l]) ==
+           PL_VALID;
+}
+
+/* ---- bounds --------------------------------------------------------------------------------- */
+
+/** Longest derivative of lane l. */
+static double reach_of(const pl_curved *c, const block *b, int l) {
+    const pl_jacobian_rule *rule = c->rule;
+    const int dim = c->plan->dim;
+    double control[NODES][3] = {{0}}, longest = 0;
+    for (int t = 0; t < rule->n_control_terms; t++) {
+        const pl_jacobian_term *term = &rule->control_term[t];
+        for (int d = 0; d < dim; d++)
+            control[term->to][d] += term->weight * b->jacobian.x[term->from][d][l];
+    }
+    for (int k = 0; k < dim; k++)
+        for (int i = 0; i < rule->n_derivatives[k]; i++) {
+            const pl_jacobian_derivative *of = &rule->derivative[k][i];
+            longest = fmax(longest, pl_distance(dim, control[of->plus], control[of->minus]));
+        }
+    return longest;
+}
+
+/** Keep the bounds of a curved element, which is valid and in lane l. They tell nothing of one that
+ *  was scaled, or that bisections have decided. */
+static void keep_bounds(pl_curved *c, int32_t w, const block *b, int l) {
+    const double least = b->jacobian.least[l] - b->jacobian.error[l];
+    c->bound[w] = least > 0 && b->exponent[l] == 0 ? least : 0;
+    c->reach[w] = reach_of(c, b, l);
+}
+
+/** Whether the bounds alone admit a move of a corner by length: they are lowered by it. Derivatives
+ *  are sums of nodes; where all weights of a control add up to w, one changes by w / 2 times the
+ *  length, as the corner moves by all of it and the mids beside it by half, and by what mids stray.
+ *  det is linear in each of its columns, and at most the product of their lengths. */
+static int bound_admits(pl_curved *c, int32_t w, double length) {
+    enum { SUM_OF_WEIGHTS = 2 };
+    const double change =
+        0.5 * SUM_OF_WEIGHTS * length + 2 * c->rule->control_weight * c->stray;
+    const double reach = c->reach[w] + change;
+    const double less = 1.0001 * c->rule->common * c->plan->dim * change * reach *
+                        (c->plan->dim == 3 ? reach : 1);
+    if (!(less < c->bound[w]))
+        return 0;
+    c->bound[w] -= less;
+    c->reach[w] = reach;
+    return 1;
+}
+
+/* ---- after a move --------------------------------------------------------------------------- */
+
+/** Decide the elements of b, curved elements w [b->n] that were valid; 0 if one is not. */
+static int keep_valid(pl_curved *c, block *b, const int32_t *w) {
+    if (b->n > 0)
+        evaluate(c, b);
+    for (int l = 0; l < b->n; l++) {
+        if (!is_valid(c, b, l))
+            return 0;
+        keep_bounds(c, w[l], b, l);
+    }
+    b->n = 0;
+    return 1;
+}
+
+/** Decide anew the curved elements at node that were not valid: they may be now. */
+static void look_again(pl_curved *c, int32_t node, block *b) {
+    for (int64_t k = c->begin[node]; k < c->begin[node + 1]; k++) {
+        const int32_t w = c->watched[k];
+        if (c->is_valid[w])
+            continue;
+        b->n = 0;
+        add(c, c->element[w], 0, b);
+        evaluate(c, b);
+        if (is_valid(c, b, 0)) {
+            c->is_valid[w] = 1;
+            keep_bounds(c, w, b, 0);
+        }
+    }
+}
+
+int pl_curved_admit(pl_curved *c, int32_t node, const double *way) {
+    static const double origin[3] = {0, 0, 0};
+    const double length = pl_distance(c->plan->dim, way, origin);
+    int32_t w[LANES];
+    block b;
+    int is_fine = 1;
+    b.n = 0;
+    for (int64_t k = c->begin[node]; k < c->begin[node + 1] && is_fine; k++) {
+        if (!c->is_valid[c->watched[k]] || bound_admits(c, c->watched[k], length))
+            continue;
+        w[b.n] = c->watched[k];
+        add(c, c->element[c->watched[k]], 0, &b);
+        if (b.n == LANES)
+            is_fine = keep_valid(c, &b, w);
+    }
+    is_fine = is_fine && keep_valid(c, &b, w);
+    for (int64_t k = c->begin[node]; k < c->begin[node + 1] && !is_fine; k++)
+        c->bound[c->watched[k]] = 0; /* the node goes back */
+    if (is_fine)
+        look_again(c, node, &b);
+    return is_fine;
+}
+
+/* ---- all of them ---------------------------------------------------------------------------- */
+
+/** A look at all curved elements, or at all elements. */
+typedef struct look {
+    pl_curved *curved;
+    uint8_t *state;
+    int64_t n;   /* found; shared */
+    int of_all; /* elements of order 1, too */
+} look;
+
+/** Exact sign of the corners of an element. */
+static int has_positive_corners(const pl_curved *c, int64_t element, int at_start) {
+    const planish_plan *plan = c->plan;
+    const double *vertex[4];
+    for (int j = 0; j <= plan->dim; j++) {
+        const int32_t node = plan->work.elements[element * (plan->dim + 1) + j];
+        vertex[j] = at_start ? c->mids.given + (int64_t)node * plan->dim
+                             : plan->scratch.coordinates + (int64_t)plan->inner[node] * plan->dim;
+    }
+    return pl_measure_sign(plan->dim, vertex) * sign_of(c, element) > 0;
+}
+
+static void measure_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    look *s = context;
+    pl_curved *c = s->curved;
+    int64_t n = 0;
+    block b;
+    (void)thread;
+    for (int64_t w = begin; w < end; w += LANES) {
+        b.n = 0;
+        for (int64_t i = w; i < end && i < w + LANES; i++)
+            add(c, c->element[i], 0, &b);
+        evaluate(c, &b);
+        for (int l = 0; l < b.n; l++) {
+            const int32_t i = (int32_t)w + l;
+            c->is_valid[i] = (uint8_t)is_valid(c, &b, l);
+            keep_bounds(c, i, &b, l);
+            n += !c->is_valid[i] && has_positive_corners(c, c->element[i], 0);
+        }
+    }
+    __atomic_fetch_add(&s->n, n, __ATOMIC_RELAXED);
+}
+
+int64_t pl_curved_measure(pl_curved *c) {
+    look s = {.curved = c};
+    if (c->n > 0)
+        pl_parallel_for(c->plan->threads, c->n, CHUNK, measure_chunk, &s);
+    return s.n;
+}
+
+static int has_moved(const pl_curved *c, int64_t element) {
+    const planish_plan *plan = c->plan;
+    const size_t size = (size_t)plan->dim * sizeof(double);
+    for (int j = 0; j <= plan->dim; j++) {
+        const int64_t node = plan->work.elements[element * (plan->dim + 1) + j];
+        if (memcmp(plan->scratch.coordinates + (int64_t)plan->inner[node] * plan->dim,
+                   c->mids.given + node * plan->dim, size) != 0)
+            return 1;
+    }
+    return 0;
+}
+
+static int is_valid_alone(const pl_curved *c, int64_t element, int at_start, block *b) {
+    b->n = 0;
+    add(c, element, at_start, b);
+    evaluate(c, b);
+    return is_valid(c, b, 0);
+}
+
+/** Mark elements [n] of b that are not valid and were. */
+static int64_t mark_broken(look *s, block *b, const int64_t *element) {
+    block alone;
+    int64_t n = 0;
+    if (b->n > 0)
+        evaluate(s->curved, b);
+    for (int l = 0; l < b->n; l++)
+        if (!is_valid(s->curved, b, l) && is_valid_alone(s->curved, element[l], 1, &alone)) {
+            s->state[element[l]] = 1;
+            n++;
+        }
+    b->n = 0;
+    return n;
+}
+
+static void broken_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    look *s = context;
+    const pl_curved *c = s->curved;
+    int64_t element[LANES], n = 0;
+    block b;
+    (void)thread;
+    b.n = 0;
+    for (int64_t e = begin; e < end; e++) {
+        if (!has_moved(c, e))
+            continue;
+        if (is_order_2(c, e)) {
+            element[b.n] = e;
+            add(c, e, 0, &b);
+        } else if (s->of_all && !has_positive_corners(c, e, 0) && has_positive_corners(c, e, 1)) {
+            s->state[e] = 1;
+            n++;
+        }
+        if (b.n == LANES)
+            n += mark_broken(s, &b, element);
+    }
+    n += mark_broken(s, &b, element);
+    __atomic_fetch_add(&s->n, n, __ATOMIC_RELAXED);
+}
+
+int64_t pl_curved_find_broken(const pl_curved *c, uint8_t *state) {
+    look s = {.curved = (pl_curved *)(uintptr_t)c, .state = state};
+    pl_parallel_for(c->plan->threads, c->plan->work.n_elements, CHUNK, broken_chunk, &s);
+    if (s.n == 0)
+        return 0;
+    s = (look){.curved = s.curved, .state = state, .of_all = 1};
+    pl_parallel_for(c->plan->threads, c->plan->work.n_elements, CHUNK, broken_chunk, &s);
+    return s.n;
+}
+
+/* ---- the beginning -------------------------------------------------------------------------- */
+
+/** A search for curved elements. */
+typedef struct search {
+    const pl_curved *curved;
+    double rounding;
+    uint8_t *is_curved; /* [n_elements of the plan] */
+    int64_t n;          /* shared */
+} search;
+
+/** Whether a mid is off the middle of its edge. */
+static int is_curved(const search *s, int64_t element) {
+    const pl_curved *c = s->curved;
+    const int dim = c->plan->dim, corners = dim + 1;
+    double x[NODES * 3], longest = 0, off = 0;
+    int32_t node[NODES];
+    find_places(c, element, 1, x, node);
+    for (int i = corners; i < c->rule->n_nodes; i++) {
+        const double *a = x + c->rule->type->between[i][0] * dim;
+        const double *b = x + c->rule->type->between[i][1] * dim;
+        double middle[3];
+        for (int d = 0; d < dim; d++)
+            middle[d] = 0.5 * a[d] + 0.5 * b[d];
+        longest = fmax(longest, pl_distance(dim, a, b));
+        if (node[i] >= 0)
+            off = fmax(off, pl_distance(dim, x + i * dim, middle));
+    }
+    return off > STRAIGHT * longest && off > s->rounding;
+}
+
+static void search_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    search *s = context;
+    int64_t n = 0;
+    (void)thread;
+    for (int64_t e = begin; e < end; e++) {
+        s->is_curved[e] = is_order_2(s->curved, e) && is_curved(s, e);
+        n += s->is_curved[e];
+    }
+    __atomic_fetch_add(&s->n, n, __ATOMIC_RELAXED);
+}
+
+/** List the curved elements at each movable node. */
+static void list_watched(pl_curved *c, int fills) {
+    const planish_plan *plan = c->plan;
+    for (int64_t w = 0; w < c->n; w++)
+        for (int j = 0; j <= plan->dim; j++) {
+            const int64_t node = plan->work.elements[c->element[w] * (plan->dim + 1) + j];
+            if (!plan->work.mobility[node])
+                continue;
+            int64_t *at = &c->begin[plan->inner[node] + 1];
+            if (fills)
+                c->watched[*at] = (int32_t)w;
+            ++*at;
+        }
+}
+
+/** Make the lists of the curved elements that have been found. */
+static int make_lists(pl_curved *c, const search *s) {
+    const int64_t n_nodes = c->plan->work.n_nodes;
+    int64_t n = 0;
+    c->element = pl_alloc(s->n, sizeof *c->element);
+    c->bound = pl_alloc(s->n, sizeof *c->bound);
+    c->reach = pl_alloc(s->n, sizeof *c->reach);
+    c->is_valid = pl_alloc(s->n, sizeof *c->is_valid);
+    c->begin = pl_alloc_zero(n_nodes + 1, sizeof *c->begin);
+    if (!c->element || !c->bound || !c->reach || !c->is_valid || !c->begin)
+        return 0;
+    for (int64_t e = 0; e < c->plan->work.n_elements; e++)
+        if (s->is_curved[e])
+            c->element[c->n++] = (int32_t)e;
+    list_watched(c, 0);
+    for (int64_t i = 1; i <= n_nodes; i++) { /* begin[i + 1]: where those of node i begin */
+        const int64_t of_node = c->begin[i];
+        c->begin[i] = n;
+        n += of_node;
+    }
+    c->watched = pl_alloc(n, sizeof *c->watched);
+    if (!c->watched)
+        return 0;
+    list_watched(c, 1);
+    return 1;
+}
+
+/** Type of the plan's elements of order 2, or NULL. */
+static const pl_cell_type *find_order_2(const planish_plan *plan) {
+    const int type = plan->dim == 3 ? PLANISH_CELL_TETRAHEDRON10 : PLANISH_CELL_TRIANGLE6;
+    for (int64_t e = 0; plan->cells.n > 0 && e < plan->work.n_elements; e++)
+        if (plan->cells.type[pl_cell_of(plan, e)] == type)
+            return pl_cell_type_of(type);
+    return NULL;
+}
+
+/** How far a mid may stray from half of the way of its ends. */
+static double stray_of(const pl_curved *c, const planish_options *options) {
+    double largest = c->mids.largest;
+    for (int64_t i = 0; i < c->plan->work.n_nodes * c->plan->dim; i++)
+        largest = fmax(largest, fabs(c->mids.given[i]));
+    /* Nodes may go beyond where nodes were, but not far. */
+    enum { BEYOND = 4, ROUNDINGS = 8 };
+    const double unit = options->precision == PLANISH_PRECISION_DOUBLE ? DBL_EPSILON : FLT_EPSILON;
+    return options->precision == PLANISH_PRECISION_ROUNDED ? INFINITY
+                                                           : BEYOND * ROUNDINGS * unit * largest;
+}
+
+int pl_curved_create(const planish_plan *plan, const planish_options *options, const double *given,
+                     const double *start, pl_curved *c, planish_error *error) {
+    const pl_cell_type *type = find_order_2(plan);
+    *c = (pl_curved){.plan = plan};
+    if (!type)
+        return PLANISH_OK;
+    c->rule = pl_alloc(1, sizeof *c->rule);
+    if (!c->rule)
+        return pl_fail_memory(error, "the curved elements");
+    pl_jacobian_rule_make(type, c->rule);
+    const int status = pl_mids_create(plan, options, given, start, &c->mids, error);
+    if (status)
+        return status;
+    c->stray = stray_of(c, options);
+    search s = {.curved = c,
+                .rounding = options->rounding,
+                .is_curved = pl_alloc(plan->work.n_elements, sizeof *s.is_curved)};
+    if (s.is_curved)
+        pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, search_chunk, &s);
+    const int is_made = s.is_curved && make_lists(c, &s);
+    pl_free(s.is_curved);
+    return is_made ? PLANISH_OK : pl_fail_memory(error, "the curved elements");
+}
+
+void pl_curved_destroy(pl_curved *c) {
+    pl_mids_destroy(&c->mids);
+    pl_free(c->rule);
+    pl_free(c->element);
+    pl_free(c->bound);
+    pl_free(c->reach);
+    pl_free(c->is_valid);
+    pl_free(c->begin);
+    pl_free(c->watched);
+    *c = (pl_curved){.n = 0};
+}

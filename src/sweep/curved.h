@@ -1,0 +1,106 @@
+/* curved: elements of order 2 in a run. Sweeps know their corners alone.
+ *
+ * A mid's place follows from those of its two ends: its start, and half of the way of both, stored
+ * as coordinates are. So mids have no state, and are written once, at the end.
+ *
+ * Curved elements may be invalid with positive corners. They are watched: after each visit that
+ * moves a corner of one, its validity is decided (quality/validity.h), unless a bound says that the
+ * move was too short to matter. A move that would invert a curved element is halved, or refused.
+ * Elements of one colour share no node, so that each is watched by one thread at a time.
+ *
+ * mids.c
+ *   pl_mids_create, _destroy      find mids and their ends
+ *   pl_mid_place, _count_moved    where a mid is; how many have moved
+ *   pl_mids_write                 to the caller's coordinates
+ * curved.c
+ *   pl_curved_create, _destroy    find curved elements
+ *   pl_curved_measure             decide all of them
+ *   pl_curved_watches, _admit     of one node, after its move
+ *   pl_curved_find_broken         elements that were valid and are not any more
+ */
+#ifndef PL_SWEEP_CURVED_H
+#define PL_SWEEP_CURVED_H
+
+#include "base/round.h"
+#include "plan/plan.h"
+#include "quality/validity.h"
+
+/** Mids of a plan's elements. Arrays are owned. */
+typedef struct pl_mids {
+    const planish_plan *plan;
+    const double *given; /* [n][dim] where the plan's nodes were when the run began, */
+    pl_points start;     /* and all nodes of the mesh: the caller's, which change at the end alone */
+    pl_storage storage;
+    int32_t (*end)[2]; /* [nodes of the mesh] both ends of each mid, nodes of the plan; -1: no mid */
+    double largest;    /* largest coordinate of mids, absolute */
+} pl_mids;
+
+/** Curved elements of a run. Arrays are owned. */
+typedef struct pl_curved {
+    const planish_plan *plan;
+    pl_mids mids;
+    pl_jacobian_rule *rule; /* of the elements of order 2; NULL: the plan has none */
+    double stray;           /* how far a mid may be off half of the way, by rounding; infinite: not
+                               known */
+    int64_t n;              /* curved elements */
+    int32_t *element;       /* [n] of the plan's mesh */
+    double *bound;          /* [n] at most the least coefficient of det J; 0: not known, */
+    double *reach;          /* [n] at least the longest derivative */
+    uint8_t *is_valid;      /* [n] decided where the nodes are */
+    int64_t *begin;         /* [n_nodes + 1] by inner numbers: where watched of each node begins */
+    int32_t *watched;       /* curved elements of each movable node */
+    int64_t n_refused;      /* moves; shared by threads */
+} pl_curved;
+
+/** Whether elements of order 2 are in the plan. */
+static inline int pl_has_order_2(const pl_curved *c) {
+    return c->rule != NULL;
+}
+
+/** Find the mids of plan's elements of order 2. start: the caller's coordinates of all nodes of the
+ *  mesh; given [n][dim]: those of the plan's nodes. Errors: _MESH (a mid that is not finite),
+ *  _MEMORY. */
+int pl_mids_create(const planish_plan *plan, const planish_options *options, const double *given,
+                   const double *start, pl_mids *mids, planish_error *error);
+
+/** Free the arrays of mids. */
+void pl_mids_destroy(pl_mids *mids);
+
+/** Number of the cell that an element of the plan's mesh is the corners of. */
+int64_t pl_cell_of(const planish_plan *plan, int64_t element);
+
+/** Set x [dim] to the place of a node of the mesh, a mid, at the plan's present coordinates. */
+void pl_mid_place(const pl_mids *mids, int32_t node, double *x);
+
+/** Write mids that have moved to coordinates, the caller's, if writes. Add how many have, and raise
+ *  *farthest to how far. */
+void pl_mids_write(const pl_mids *mids, int writes, double *coordinates, int64_t *moved,
+                   double *farthest);
+
+/** Find the curved elements of plan, if its mesh has elements of order 2; arguments as for
+ *  pl_mids_create. *curved is to be destroyed in any case. Errors: _MESH, _MEMORY. */
+int pl_curved_create(const planish_plan *plan, const planish_options *options, const double *given,
+                     const double *start, pl_curved *curved, planish_error *error);
+
+/** Free the arrays of curved. */
+void pl_curved_destroy(pl_curved *curved);
+
+/** Decide all curved elements at the plan's present coordinates; returns how many are invalid with
+ *  positive corners. */
+int64_t pl_curved_measure(pl_curved *curved);
+
+/** Whether curved elements are at the node of this inner number. */
+static inline int pl_curved_watches(const pl_curved *c, int32_t node) {
+    return c->begin[node + 1] > c->begin[node];
+}
+
+/** Whether the curved elements at a node that has moved by way [dim] may be as they are: none of
+ *  those that were valid is invalid now. If not, the node is to go back. */
+int pl_curved_admit(pl_curved *curved, int32_t node, const double *way);
+
+/** Mark in state [n_elements of the plan] with 1 the elements that were valid when the run began
+ *  and are not any more, and leave the other entries; returns their number. Elements of order 1
+ *  count only if there is one of order 2 that is marked. */
+int64_t pl_curved_find_broken(const pl_curved *curved, uint8_t *state);
+
+#endif

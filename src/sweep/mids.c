@@ -1,0 +1,151 @@
+/* mids: nodes in the middle of edges: their ends, places, and the way to the caller. */
+#include "sweep/curved.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+#include "geometry/cell.h"
+#include "geometry/simplex.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+enum { CHUNK = 4096 }; /* elements or nodes that one thread takes at a time */
+
+int64_t pl_cell_of(const planish_plan *plan, int64_t element) {
+    const int64_t whole = plan->element_of ? plan->element_of[element] : element;
+    return plan->cell_of ? plan->cell_of[whole] : whole;
+}
+
+static const double *start_of(const pl_mids *m, int32_t node, double *room) {
+    for (int d = 0; d < m->start.dim; d++)
+        room[d] = m->start.x[pl_point_at(&m->start, node, d)];
+    return room;
+}
+
+/** A search for mids. */
+typedef struct search {
+    pl_mids *mids;
+    int64_t lowest; /* mid that is not finite, or INT64_MAX; shared */
+} search;
+
+/** Note the ends of the mids of an element of order 2. Elements that share a mid say the same. */
+static void note_mids(search *s, int64_t element, const pl_cell_type *type, const int32_t *node) {
+    const planish_plan *plan = s->mids->plan;
+    const int corners = plan->dim + 1;
+    const int32_t *corner = plan->work.elements + element * corners;
+    for (int i = corners; i < type->n_nodes; i++) {
+        const int32_t a = corner[type->between[i][0]], b = corner[type->between[i][1]];
+        double x[3], largest = 0;
+        if (node[i] < 0)
+            continue;
+        __atomic_store_n(&s->mids->end[node[i]][0], a < b ? a : b, __ATOMIC_RELAXED);
+        __atomic_store_n(&s->mids->end[node[i]][1], a < b ? b : a, __ATOMIC_RELAXED);
+        start_of(s->mids, node[i], x);
+        for (int d = 0; d < plan->dim; d++) {
+            largest = fmax(largest, fabs(x[d]));
+            if (!isfinite(x[d]))
+                pl_lower_to(&s->lowest, node[i]);
+        }
+        pl_raise_double(&s->mids->largest, largest);
+    }
+}
+
+static void note_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    search *s = context;
+    const planish_plan *plan = s->mids->plan;
+    (void)thread;
+    for (int64_t e = begin; e < end; e++) {
+        const int64_t cell = pl_cell_of(plan, e);
+        const pl_cell_type *type = pl_cell_type_of(plan->cells.type[cell]);
+        if (type->order == 2)
+            note_mids(s, e, type, plan->cells.node + plan->cells.offset[cell]);
+    }
+}
+
+int pl_mids_create(const planish_plan *plan, const planish_options *options, const double *given,
+                   const double *start, pl_mids *mids, planish_error *error) {
+    const int64_t n = plan->whole.n_nodes;
+    *mids = (pl_mids){.plan = plan,
+                      .given = given,
+                      .start = {.x = start,
+                                .n = n,
+                                .dim = plan->dim,
+                                .step = plan->node_stride,
+                                .apart = plan->component_stride},
+                      .storage = pl_storage_of(options),
+                      .end = pl_alloc(n, sizeof *mids->end)};
+    if (!mids->end)
+        return pl_fail_memory(error, "the mids of edges");
+    memset(mids->end, -1, (size_t)n * sizeof *mids->end);
+    search s = {.mids = mids, .lowest = INT64_MAX};
+    pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, note_chunk, &s);
+    if (s.lowest < INT64_MAX)
+        return pl_fail_at(error, PLANISH_ERROR_MESH, -1, s.lowest,
+                          "node %" PRId64 " has a coordinate that is not a finite number",
+                          s.lowest);
+    return PLANISH_OK;
+}
+
+void pl_mids_destroy(pl_mids *mids) {
+    pl_free(mids->end);
+    mids->end = NULL;
+}
+
+void pl_mid_place(const pl_mids *m, int32_t node, double *x) {
+    const planish_plan *plan = m->plan;
+    const int dim = plan->dim;
+    const int32_t *end = m->end[node];
+    start_of(m, node, x);
+    if (end[0] < 0)
+        return;
+    const double *from[2], *to[2];
+    for (int k = 0; k < 2; k++) {
+        from[k] = m->given + (int64_t)end[k] * dim;
+        to[k] = plan->scratch.coordinates + (int64_t)plan->inner[end[k]] * dim;
+    }
+    for (int d = 0; d < dim; d++) {
+        const double way = 0.5 * ((to[0][d] - from[0][d]) + (to[1][d] - from[1][d]));
+        if (way != 0) /* others keep their coordinates, unrounded */
+            x[d] = pl_store(&m->storage, x[d] + way);
+    }
+}
+
+/** Mids on the way to the caller. */
+typedef struct transfer {
+    const pl_mids *mids;
+    double *coordinates; /* NULL: only look */
+    int64_t moved;
+    double farthest;
+} transfer;
+
+static void write_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    transfer *t = context;
+    const pl_mids *m = t->mids;
+    int64_t moved = 0;
+    double farthest = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        double before[3], now[3];
+        if (m->end[i][0] < 0)
+            continue;
+        start_of(m, (int32_t)i, before);
+        pl_mid_place(m, (int32_t)i, now);
+        const double far = pl_distance(m->start.dim, now, before);
+        moved += far > 0;
+        farthest = fmax(farthest, far);
+        for (int d = 0; d < m->start.dim && far > 0 && t->coordinates; d++)
+            t->coordinates[pl_point_at(&m->start, i, d)] = now[d];
+    }
+    pl_raise_double(&t->farthest, farthest);
+    __atomic_fetch_add(&t->moved, moved, __ATOMIC_RELAXED);
+}
+
+void pl_mids_write(const pl_mids *mids, int writes, double *coordinates, int64_t *moved,
+                   double *farthest) {
+    transfer t = {.mids = mids, .coordinates = writes ? coordinates : NULL};
+    pl_parallel_for(mids->plan->threads, mids->start.n, CHUNK, write_chunk, &t);
+    *moved += t.moved;
+    *farthest = fmax(*farthest, t.farthest);
+}
