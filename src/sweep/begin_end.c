@@ -84,7 +84,8 @@ int pl_run_begin(pl_run *r, planish_error *error) {
     /* Sweeps guard neither the smallest angle, where that is promised, nor the elements of
      * followers: the run compares them with these limits afterwards. */
     r->limits_at_start = pl_star_no_limits();
-    if (o->method == PLANISH_METHOD_PLANISH && !(pl_tangled(&r->sums) > 0) && !(r->sums.below > 0)) {
+    if (o->method == PLANISH_METHOD_PLANISH && !(pl_tangled(&r->sums) > 0) &&
+        !(r->sums.below > 0)) {
         if (o->objective == PLANISH_OBJECTIVE_RADIUS_RATIO && !(o->area_weight > 0))
             r->limits_at_start = pl_run_worst_limits(r, 1);
         else if (pl_run_has_followers(r))

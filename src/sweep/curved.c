@@ -131,17 +131,17 @@ static void keep_bounds(pl_curved *c, int32_t w, const block *b, int l) {
     c->reach[w] = reach_of(c, b, l);
 }
 
-/** Whether the bounds alone admit a move of a corner by length: they are lowered by it. Derivatives
- *  are sums of nodes; where all weights of a control add up to w, one changes by w / 2 times the
- *  length, as the corner moves by all of it and the mids beside it by half, and by what mids stray.
- *  det is linear in each of its columns, and at most the product of their lengths. */
+/** Whether the bounds alone admit a move of a corner by length: they are lowered by it. Where the
+ *  weights of each control add up to w (the first control is w times the first corner), the controls
+ *  of the corner and of the edges at it change by w and w / 2 times the move, so that a derivative
+ *  changes by w / 2 of it, and by what mids stray. det is linear in each of its columns, and at most
+ *  the product of their lengths. */
 static int bound_admits(pl_curved *c, int32_t w, double length) {
-    enum { SUM_OF_WEIGHTS = 2 };
     const double change =
-        0.5 * SUM_OF_WEIGHTS * length + 2 * c->rule->control_weight * c->stray;
+        0.5 * c->rule->control_term[0].weight * length + 2 * c->rule->control_weight * c->stray;
     const double reach = c->reach[w] + change;
-    const double less = 1.0001 * c->rule->common * c->plan->dim * change * reach *
-                        (c->plan->dim == 3 ? reach : 1);
+    const double less =
+        1.0001 * c->rule->common * c->plan->dim * change * reach * (c->plan->dim == 3 ? reach : 1);
     if (!(less < c->bound[w]))
         return 0;
     c->bound[w] -= less;
@@ -209,7 +209,7 @@ int pl_curved_admit(pl_curved *c, int32_t node, const double *way) {
 typedef struct look {
     pl_curved *curved;
     uint8_t *state;
-    int64_t n;   /* found; shared */
+    int64_t n;  /* found; shared */
     int of_all; /* elements of order 1, too */
 } look;
 

@@ -29,10 +29,11 @@
 typedef struct pl_mids {
     const planish_plan *plan;
     const double *given; /* [n][dim] where the plan's nodes were when the run began, */
-    pl_points start;     /* and all nodes of the mesh: the caller's, which change at the end alone */
+    pl_points start; /* and all nodes of the mesh: the caller's, which change at the end alone */
     pl_storage storage;
-    int32_t (*end)[2]; /* [nodes of the mesh] both ends of each mid, nodes of the plan; -1: no mid */
-    double largest;    /* largest coordinate of mids, absolute */
+    int32_t (
+        *end)[2];   /* [nodes of the mesh] both ends of each mid, nodes of the plan; -1: no mid */
+    double largest; /* largest coordinate of mids, absolute */
 } pl_mids;
 
 /** Curved elements of a run. Arrays are owned. */

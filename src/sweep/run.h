@@ -42,7 +42,7 @@ typedef struct pl_run {
                                         plan's subset; all 0 if the plan works on the whole mesh */
     pl_star_problem problem;
     pl_guard guard;
-    pl_curved curved; /* elements of order 2 */
+    pl_curved curved;            /* elements of order 2 */
     pl_star_guard sliding_guard; /* guard of the nodes that slide */
     int plain;                   /* the plain problem: the sum of RR^2, nothing else is asked */
     double measure_scale;        /* a power of two, times which coordinates are measured: ratios are

@@ -45,8 +45,8 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
     const int dim = plan->dim;
     const int32_t node = problem->node[star];
     const size_t size = (size_t)dim * sizeof *before;
-    pl_star_evaluate_fn *evaluate = problem->guard ? plan->kernel->guarded->evaluate[dim - 2]
-                                                   : plan->kernel->evaluate[dim - 2];
+    pl_star_evaluate_fn *evaluate =
+        problem->guard ? plan->kernel->guarded->evaluate[dim - 2] : plan->kernel->evaluate[dim - 2];
     double *x = problem->coordinates + (int64_t)node * dim, after[3], way[3];
     pl_star_value start, now;
     memcpy(after, x, size);
