@@ -229,7 +229,7 @@ static void types_are_known(void **state) {
     }
 }
 
-/** Nodes of the elements that hold theirs, as the manuals of Abaqus and CalculiX number them. */
+/** Nodes of elements, as the manuals of Abaqus and CalculiX number them. */
 static const struct {
     const char *nodes;
     int type;
@@ -281,7 +281,7 @@ static void write_element(char *text, size_t size, const char *name, int n, doub
     snprintf(text + length, size - (size_t)length, "\n");
 }
 
-static void other_types_are_measured(void **state) {
+static void elements_of_every_type_are_read(void **state) {
     (void)state;
     char text[4096];
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
@@ -292,9 +292,56 @@ static void other_types_are_measured(void **state) {
                 if (swapped)
                     unit_swap(others[i].type, n, x);
                 write_element(text, sizeof text, others[i].names[j], n, x, 0);
-                unit_expect_alone(reading_text(format, text), others[i].type, 7, n, !swapped);
+                planish_file *file = reading_text(format, text);
+                if (!swapped)
+                    unit_expect(file, 0, others[i].type);
+                unit_expect_alone(file, others[i].type, 7, unit_is_smoothed(others[i].type) ? 0 : n,
+                                  !swapped);
                 reading_every_beginning(format, text, j == 0 ? (int64_t)strlen(text) : 0);
             }
+}
+
+/* Tetrahedra of both orders, a triangle and a line: unit_expect_both_orders. */
+#define MIDS                                                                                       \
+    "1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n6,.5,.5,0\n7,0,.5,.5\n8,.5,0,.5\n"               \
+    "9,1,.5,.5\n10,.5,1,.5\n11,.5,.5,1\n"
+#define ORDERS                                                                                     \
+    "*ELEMENT,TYPE=C3D10,ELSET=B\n2,2,3,4,5,6,7,8,\n9,10,11\n*ELEMENT,TYPE=C3D4,ELSET=A\n"         \
+    "1,1,2,3,4\n*ELEMENT,TYPE=STRI65,ELSET=T\n3,3,4,5,7,11,10\n"
+#define BOTH_ORDERS "*NODE\n" MIDS ORDERS "*ELEMENT,TYPE=B32,ELSET=L\n4,4,11,5\n"
+
+static void both_orders_may_be_in_a_file(void **state) {
+    /* The mid of a line is its second node, or its third; behind these there may be another. */
+    static const char *const lines[] = {"B32\n4,4,11,5\n", "T3D3\n4,4,5,11\n", "B32\n4,4,11,5,1\n"};
+    static const struct {
+        const char *text, *tag, *held;
+    } cases[] = {
+        {BOTH_ORDERS, NULL, "00111010011"},
+        {BOTH_ORDERS, "L", "00111010011"},
+        {BOTH_ORDERS, "B", "01111111111"},
+        {BOTH_ORDERS, "A", "11111010011"},
+        {BOTH_ORDERS "*NSET,NSET=N,ELSET=B\n", "N", "01111111111"},
+        {BOTH_ORDERS "*NSET,NSET=N,ELSET=L\n", "N", "00111010011"},
+        {BOTH_ORDERS "*NSET,NSET=N\n6,9\n", "N", "00111110111"},
+        {BOTH_ORDERS "*EQUATION\n2\n9,1,1.,6,1,1.\n", NULL, "00111110111"},
+    };
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        char text[1024];
+        snprintf(text, sizeof text, "*NODE\n" MIDS ORDERS "*ELEMENT,TYPE=%s", lines[i]);
+        planish_file *file = reading_text(format, text);
+        unit_expect_both_orders(file, 1);
+        assert_int_equal(planish_file_element_number(file, 0), 2);
+        planish_file_close(file);
+    }
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        check_held(cases[i].text, cases[i].tag, 1, cases[i].held);
+    /* Node 12 is a mid, and the first node. */
+    rewriting_gives(
+        format, "*NODE\n12, .5, 0., .01 \n" MIDS "*ELEMENT,TYPE=C3D10\n1,1,2,3,4,12,6,3,4,8,7\n",
+        "xyz",
+        "*NODE\n12, .125, -.3333333333333333, 123456.789 \n" MIDS
+        "*ELEMENT,TYPE=C3D10\n1,1,2,3,4,12,6,3,4,8,7\n",
+        *state);
 }
 
 /** C3D27 may have no nodes of faces; that of the inside says nothing then. */
@@ -680,7 +727,9 @@ int main(void) {
         cmocka_unit_test(members_are_counted_once),
         cmocka_unit_test(names_are_listed),
         cmocka_unit_test(types_are_known),
-        cmocka_unit_test(other_types_are_measured),
+        cmocka_unit_test(elements_of_every_type_are_read),
+        cmocka_unit_test_setup_teardown(both_orders_may_be_in_a_file, test_folder_create,
+                                        test_folder_remove),
         cmocka_unit_test(nodes_of_faces_may_be_missing),
         cmocka_unit_test(nodes_of_other_elements_are_checked),
         cmocka_unit_test(fluid_is_of_first_order),

@@ -1,6 +1,8 @@
 /* CGNS: elements of every type, with the order of nodes of the SIDS (conventions for unstructured
  * grids). */
+#include "support/files.h"
 #include "support/hdf5_builder.h"
+#include "support/rewriting.h"
 #include "support/unit_elements.h"
 
 #include <setjmp.h>
@@ -48,7 +50,7 @@ static const unit_element elements[] = {
 
 enum { MIXED = 20, N_TYPES = sizeof elements / sizeof *elements };
 
-static void put_nodes(hdf5_builder *b, int dim, int n, double places[UNIT_NODES][3]) {
+static void put_nodes(hdf5_builder *b, int dim, int n, const double places[][3]) {
     double x[UNIT_NODES];
     char path[128];
     cgns_put_integers(b, "/Base", "CGNSBase_t", 2, (const int[]){dim, dim});
@@ -91,6 +93,77 @@ static void elements_of_every_type_are_read(void **state) {
     unit_expect_types(&io_format_cgns, elements, N_TYPES, make);
 }
 
+static void put_section(const hdf5_builder *b, const char *name, int type, int first, int last,
+                        int n, const int *nodes) {
+    char path[200], place[256];
+    snprintf(path, sizeof path, ZONE "/%s", name);
+    cgns_put_integers(b, path, "Elements_t", 2, (const int[]){type, 0});
+    snprintf(place, sizeof place, "%s/ElementRange", path);
+    cgns_put_integers(b, place, "IndexRange_t", 2, (const int[]){first, last});
+    snprintf(place, sizeof place, "%s/ElementConnectivity", path);
+    cgns_put_integers(b, place, "DataArray_t", n, nodes);
+}
+
+/** Make a file of tetrahedra of both orders, a triangle and a line, in sections of their own or in
+ *  a mixed one; the triangle is a boundary condition, too. */
+static file_builder make_both_orders(int is_mixed) {
+    static const int straight[] = {1, 2, 3, 4}, curved[] = {2, 3, 4, 5, 6, 7, 8, 9, 10, 11},
+                     triangle[] = {3, 4, 5, 7, 11, 10}, line[] = {4, 5, 11};
+    static const int mixed[] = {11, 2, 3,  4,  5,  6, 7, 8, 9, 10, 11, 6, 3, 4,
+                                5,  7, 11, 10, 10, 1, 2, 3, 4, 4,  4,  5, 11};
+    hdf5_builder b;
+    hdf5_begin(&b, 0);
+    cgns_put_node(&b, "/CGNSLibraryVersion", "CGNSLibraryVersion_t");
+    put_nodes(&b, 3, UNIT_BOTH_NODES, unit_both_places);
+    if (is_mixed) {
+        put_section(&b, "all", MIXED, 1, 4, sizeof mixed / sizeof *mixed, mixed);
+    } else {
+        put_section(&b, "b", 11, 1, 1, 10, curved);
+        put_section(&b, "t", 6, 2, 2, 6, triangle);
+        put_section(&b, "a", 10, 3, 3, 4, straight);
+        put_section(&b, "l", 4, 4, 4, 3, line);
+    }
+    cgns_put_node(&b, ZONE "/ZoneBC", "ZoneBC_t");
+    cgns_put_text(&b, ZONE "/ZoneBC/wall", "BC_t", "BCWall");
+    cgns_put_text(&b, ZONE "/ZoneBC/wall/GridLocation", "GridLocation_t", "FaceCenter");
+    cgns_put_integers(&b, ZONE "/ZoneBC/wall/PointList", "IndexArray_t", 1, (const int[]){2});
+    return hdf5_end(&b);
+}
+
+static void both_orders_may_be_in_a_file(void **state) {
+    (void)state;
+    for (int is_mixed = 0; is_mixed < 2; is_mixed++) {
+        file_builder b = make_both_orders(is_mixed);
+        planish_file *file;
+        planish_error error = {.text = ""};
+        if (builder_read(&b, &io_format_cgns, 1, &file, &error))
+            fail_msg("%s", error.text);
+        unit_expect_both_orders(file, 1);
+        unit_expect_held(file, NULL, "00111010011");
+        unit_expect_held(file, "wall", "00111010011");
+        if (!is_mixed)
+            unit_expect_held(file, "b", "01111111111");
+        assert_int_equal(planish_file_element_number(file, 1), 3);
+        planish_file_close(file);
+        builder_let_allocations_fail(&b, &io_format_cgns);
+        builder_release(&b);
+    }
+}
+
+/** A moved mid is written: node 5 of TETRA_10. */
+static void mids_come_back(void **state) {
+    double x[UNIT_NODES][3];
+    int64_t second;
+    for (int i = 0; i < N_TYPES; i++) {
+        if (elements[i].type != PLANISH_CELL_TETRAHEDRON10)
+            continue;
+        file_builder b =
+            make(i, unit_places(elements[i].type, elements[i].nodes, x), x, 0, &second);
+        rewriting_in_place(b.data, b.size, 0, *state, "in.cgns");
+        builder_release(&b);
+    }
+}
+
 static void nothing_breaks_it(void **state) {
     (void)state;
     double x[UNIT_NODES][3];
@@ -108,6 +181,8 @@ static void nothing_breaks_it(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(elements_of_every_type_are_read),
+        cmocka_unit_test(both_orders_may_be_in_a_file),
+        cmocka_unit_test_setup_teardown(mids_come_back, test_folder_create, test_folder_remove),
         cmocka_unit_test(nothing_breaks_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,8 @@
 /* MED: elements of every type, with the order of nodes of MED's document: solid elements are
  * mirrored to VTK's. */
+#include "support/files.h"
 #include "support/hdf5_builder.h"
+#include "support/rewriting.h"
 #include "support/unit_elements.h"
 
 #include <setjmp.h>
@@ -51,30 +53,34 @@ static const unit_element elements[] = {
 
 enum { N_TYPES = sizeof elements / sizeof *elements };
 
-/** Make a file of two elements of row i with the same n nodes; all x stand before all y, and the
- *  first nodes of all elements before the second. n_said: elements that the file says it has;
- *  surplus: nodes too many. */
+/** Begin a file of n nodes: all x stand before all y. */
+static void begin(hdf5_builder *b, int dim, int n, const double x[][3]) {
+    double columns[3 * UNIT_NODES];
+    for (int node = 0; node < n; node++)
+        for (int d = 0; d < dim; d++)
+            columns[d * n + node] = x[node][d];
+    hdf5_begin(b, 0);
+    hdf5_group(b, MESH "/NOE");
+    hdf5_attribute(b, MESH, "DIM", dim);
+    hdf5_attribute(b, MESH, "REP", 0);
+    hdf5_attribute(b, MESH, "TYP", 0);
+    hdf5_reals(b, MESH "/NOE/COO", (hsize_t)(dim * n), columns);
+    hdf5_attribute(b, MESH "/NOE/COO", "NBR", n);
+}
+
+/** Make a file of two elements of row i with the same n nodes; the first nodes of all elements stand
+ *  before the second. n_said: elements that the file says it has; surplus: nodes too many. */
 static file_builder make_wrong(int i, int n, double x[UNIT_NODES][3], int with_numbers, int n_said,
                                int surplus) {
     const int dim = unit_dim(elements[i].type);
     const char *name = names[elements[i].code];
     hdf5_builder b;
-    double columns[3 * UNIT_NODES];
     int list[2 * UNIT_NODES + 1];
     char path[128];
-    for (int node = 0; node < n; node++) {
-        for (int d = 0; d < dim; d++)
-            columns[d * n + node] = x[node][d];
+    for (int node = 0; node < n; node++)
         list[2 * node] = list[2 * node + 1] = node + 1;
-    }
     list[2 * n] = 1;
-    hdf5_begin(&b, 0);
-    hdf5_group(&b, MESH "/NOE");
-    hdf5_attribute(&b, MESH, "DIM", dim);
-    hdf5_attribute(&b, MESH, "REP", 0);
-    hdf5_attribute(&b, MESH, "TYP", 0);
-    hdf5_reals(&b, MESH "/NOE/COO", (hsize_t)(dim * n), columns);
-    hdf5_attribute(&b, MESH "/NOE/COO", "NBR", n);
+    begin(&b, dim, n, x);
     snprintf(path, sizeof path, MESH "/MAI/%s", name);
     hdf5_group(&b, path);
     snprintf(path, sizeof path, MESH "/MAI/%s/NOD", name);
@@ -94,6 +100,71 @@ static file_builder make(int i, int n, double x[UNIT_NODES][3], int with_numbers
 static void elements_of_every_type_are_read(void **state) {
     (void)state;
     unit_expect_types(&io_format_med, elements, N_TYPES, make);
+}
+
+/** Put an element of a family, with a number if it is not 0. */
+static void put_element(const hdf5_builder *b, const char *name, int n, const int *nodes,
+                        int family, int number) {
+    char path[128];
+    snprintf(path, sizeof path, MESH "/MAI/%s", name);
+    hdf5_group(b, path);
+    snprintf(path, sizeof path, MESH "/MAI/%s/NOD", name);
+    hdf5_integers(b, path, (hsize_t)n, nodes);
+    hdf5_attribute(b, path, "NBR", 1);
+    snprintf(path, sizeof path, MESH "/MAI/%s/FAM", name);
+    hdf5_integers(b, path, 1, &family);
+    snprintf(path, sizeof path, MESH "/MAI/%s/NUM", name);
+    if (number)
+        hdf5_integers(b, path, 1, &number);
+}
+
+/** Make a file of unit_expect_both_orders. Families: the straight tetrahedron -1, the other -2, the
+ *  triangle -3, the line -4. Numbers of tetrahedra; 0: they have none. */
+static file_builder make_both_orders(const char *curved_name, int curved_number,
+                                     int straight_number) {
+    static const int straight[] = {1, 2, 3, 4}, curved[] = {2, 3, 4, 5, 6, 7, 8, 9, 10, 11},
+                     triangle[] = {3, 4, 5, 7, 11, 10}, line[] = {4, 5, 11};
+    hdf5_builder b;
+    begin(&b, 3, UNIT_BOTH_NODES, unit_both_places);
+    put_element(&b, curved_name, 10, curved, -2, curved_number);
+    put_element(&b, "TE4", 4, straight, -1, straight_number);
+    put_element(&b, "TR6", 6, triangle, -3, 0);
+    put_element(&b, "SE3", 3, line, -4, 0);
+    return hdf5_end(&b);
+}
+
+static void both_orders_may_be_in_a_file(void **state) {
+    (void)state;
+    for (int i = 0; i < 8; i++) {
+        const int curved_number = i & 1 ? 5 : 0, straight_number = i & 2 ? 7 : 0;
+        planish_file *file;
+        planish_error error = {.text = ""};
+        file_builder b = make_both_orders(i & 4 ? "TE10" : "T10", curved_number, straight_number);
+        if (builder_read(&b, &io_format_med, 1, &file, &error))
+            fail_msg("%s", error.text);
+        unit_expect_both_orders(file, 1);
+        unit_expect_held(file, NULL, "00111010011");
+        unit_expect_held(file, "3:-2", "01111111111");
+        unit_expect_held(file, "3:-1", "11111010011");
+        unit_expect_held(file, "1:-4", "00111010011");
+        const io_cells *cells = &file->model.tetrahedron;
+        const int is_first = cells->nodes[0] == 1;
+        assert_int_equal(io_cell_number(cells, !is_first), curved_number ? curved_number : 1);
+        assert_int_equal(io_cell_number(cells, is_first), straight_number ? straight_number : 1);
+        planish_file_close(file);
+        builder_let_allocations_fail(&b, &io_format_med);
+        builder_release(&b);
+    }
+}
+
+/** A moved mid is written: node 5 of T10. */
+static void mids_come_back(void **state) {
+    double x[UNIT_NODES][3];
+    const int i = 6, n = unit_places(elements[i].type, elements[i].nodes, x);
+    assert_int_equal(elements[i].type, PLANISH_CELL_TETRAHEDRON10);
+    file_builder b = make_wrong(i, n, x, 0, 2, 0);
+    rewriting_in_place(b.data, b.size, 0, *state, "in.med");
+    builder_release(&b);
 }
 
 static void wrong_counts_are_refused(void **state) {
@@ -126,6 +197,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(elements_of_every_type_are_read),
         cmocka_unit_test(wrong_counts_are_refused),
+        cmocka_unit_test(both_orders_may_be_in_a_file),
+        cmocka_unit_test_setup_teardown(mids_come_back, test_folder_create, test_folder_remove),
         cmocka_unit_test(nothing_breaks_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -193,7 +193,7 @@ static void systems_are_looked_at(void **state) {
                   "no CORD1R or CORD2R");
 }
 
-/** Nodes of the elements that hold theirs, as the Quick Reference Guide numbers them. */
+/** Nodes of elements, as the Quick Reference Guide numbers them. */
 static const struct {
     const char *nodes;
     int type;
@@ -220,7 +220,7 @@ static int write_element(char *text, size_t size, const char *name, int n, doubl
                          int missing) {
     int length = 0;
     for (int i = 0; i < n; i++)
-        length += snprintf(text + length, size - (size_t)length, "GRID,%d,,%.5f,%.5f,%.5f\n", i + 1,
+        length += snprintf(text + length, size - (size_t)length, "GRID,%d,,%.8f,%.8f,%.8f\n", i + 1,
                            x[i][0], x[i][1], x[i][2]);
     length += snprintf(text + length, size - (size_t)length, "%s,7,1", name);
     for (int i = 0; i < n; i++) {
@@ -232,7 +232,7 @@ static int write_element(char *text, size_t size, const char *name, int n, doubl
     return length + snprintf(text + length, size - (size_t)length, "\n");
 }
 
-static void other_types_are_measured(void **state) {
+static void elements_of_every_type_are_read(void **state) {
     (void)state;
     char text[4096];
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
@@ -243,7 +243,11 @@ static void other_types_are_measured(void **state) {
                 if (swapped)
                     unit_swap(others[i].type, n, x);
                 const int length = write_element(text, sizeof text, others[i].names[j], n, x, 0);
-                unit_expect_alone(reading_text(format, text), others[i].type, 7, n, !swapped);
+                planish_file *file = reading_text(format, text);
+                if (!swapped)
+                    unit_expect(file, 0, others[i].type);
+                unit_expect_alone(file, others[i].type, 7, unit_is_smoothed(others[i].type) ? 0 : n,
+                                  !swapped);
                 reading_every_beginning(format, text, length);
             }
 }
@@ -262,7 +266,10 @@ static void mids_may_be_missing(void **state) {
             if (at[1] == '\0' || at[1] == ' ' || at[2] == '3') /* a corner; the inside */
                 continue;
             write_element(text, sizeof text, others[i].names[0], n, x, node);
-            unit_expect_alone(reading_text(format, text), others[i].type, 7, n - 1, 1);
+            planish_file *file = reading_text(format, text);
+            unit_expect(file, 0, others[i].type);
+            unit_expect_alone(file, others[i].type, 7, unit_is_smoothed(others[i].type) ? 0 : n - 1,
+                              1);
         }
     }
     static const char *const straight[] = {"CTETRA,1,1,1,2,3,4\n", "CTETRA,1,1,1,2,3,4,0,0\n,0,0\n",
@@ -282,22 +289,36 @@ static void mids_may_be_missing(void **state) {
     planish_file_close(file);
 }
 
-/** Elements that are smoothed come first, then the others in the order of the file. */
+/* Tetrahedra of both orders and a triangle: unit_expect_both_orders. */
+#define BOTH_ORDERS                                                                                \
+    "GRID,1\nGRID,2,,1.\nGRID,3,,0.,1.\nGRID,4,,0.,0.,1.\nGRID,5,,1.,1.,1.\nGRID,6,,.5,.5\n"       \
+    "GRID,7,,,.5,.5\nGRID,8,,.5,,.5\nGRID,9,,1.,.5,.5\nGRID,10,,.5,1.,.5\nGRID,11,,.5,.5,1.\n"     \
+    "CTETRA,2,2,2,3,4,5,6,7\n,8,9,10,11\nCTETRA,1,1,1,2,3,4\nCTRIA6,3,3,3,4,5,7,11,10\n"
+
+/** Simplices come first, then the others in the order of the file. */
 static void both_orders_may_be_in_a_file(void **state) {
-    (void)state;
     planish_file *file = reading_text(format, "GRID,10,,.5,.5,.0\nCTETRA,5,1,1,2,3,4,10\n" NINE
                                               "CQUAD4,8,1,1,2,3,4\n");
-    static const int32_t nodes[] = {1, 2, 3, 4, 1, 2, 3, 4, 0, -1, -1, -1, -1, -1};
+    static const int32_t nodes[] = {1, 2, 3, 4, 0, -1, -1, -1, -1, -1, 1, 2, 3, 4};
     planish_cells cells;
     planish_error error;
     assert_int_equal(planish_file_cells(file, &cells, &error), 0);
     assert_int_equal(cells.n, 2);
-    assert_int_equal(cells.type[0], PLANISH_CELL_TETRAHEDRON);
-    assert_int_equal(cells.type[1], PLANISH_CELL_TETRAHEDRON10);
+    assert_int_equal(cells.type[0], PLANISH_CELL_TETRAHEDRON10);
+    assert_int_equal(cells.type[1], PLANISH_CELL_TETRAHEDRON);
     assert_memory_equal(cells.node, nodes, sizeof nodes);
-    assert_int_equal(planish_file_element_number(file, 0), 1);
-    assert_int_equal(planish_file_element_number(file, 1), 5);
+    assert_int_equal(planish_file_element_number(file, 0), 5);
+    assert_int_equal(planish_file_element_number(file, 1), 1);
     planish_file_close(file);
+    file = reading_text(format, BOTH_ORDERS);
+    unit_expect_both_orders(file, 0);
+    assert_int_equal(file->model.entity[file->model.triangle.entity[0]].tag, 3);
+    unit_expect_held(file, NULL, "00111010011");
+    planish_file_close(file);
+    /* Node 12 is a mid, and the first node. */
+    rewriting_gives(format, "GRID,12,,.5,.0,.0\n" BOTH_ORDERS "CTETRA,7,1,1,2,3,4,12\n", "xyz",
+                    "GRID,12,,.125,-.333333,123456.8\n" BOTH_ORDERS "CTETRA,7,1,1,2,3,4,12\n",
+                    *state);
 }
 
 static void wrong_files_are_refused(void **state) {
@@ -529,9 +550,9 @@ int main(void) {
         cmocka_unit_test(regions_are_properties),
         cmocka_unit_test(properties_may_be_many),
         cmocka_unit_test(systems_are_looked_at),
-        cmocka_unit_test(other_types_are_measured),
+        cmocka_unit_test(elements_of_every_type_are_read),
         cmocka_unit_test(mids_may_be_missing),
-        cmocka_unit_test(both_orders_may_be_in_a_file),
+        IN_A_FOLDER(both_orders_may_be_in_a_file),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(contents_are_recognised),
         cmocka_unit_test(bad_files_do_no_harm),

@@ -68,6 +68,11 @@ int unit_dim(int type) {
     return vtk_types[row_of(type)].dim;
 }
 
+int unit_is_smoothed(int type) {
+    const int row = row_of(type);
+    return vtk_types[row].corner == tetrahedron;
+}
+
 /** Bend space by so little that every element stays valid; planes of constant z stay planes where
  *  dim is 2. */
 static void bend(int dim, const double at[3], double x[3]) {
@@ -181,15 +186,59 @@ void unit_expect_alone(planish_file *file, int type, int64_t number, int n_held,
     planish_file_close(file);
 }
 
-/** Return whether planish smooths a type. */
-static int is_smoothed(int type) {
-    return type == PLANISH_CELL_TRIANGLE || type == PLANISH_CELL_TETRAHEDRON;
+static void expect_cell(const io_cells *cells, int dim, int64_t i, const int32_t *corners,
+                        const int32_t *mids) {
+    const int n_mids = dim * (dim + 1) / 2;
+    assert_non_null(cells->mid);
+    assert_memory_equal(cells->nodes + i * (dim + 1), corners, (size_t)(dim + 1) * sizeof *corners);
+    assert_memory_equal(cells->mid + i * n_mids, mids, (size_t)n_mids * sizeof *mids);
+}
+
+const double unit_both_places[UNIT_BOTH_NODES][3] = {
+    {0, 0, 0},   {1, 0, 0},   {0, 1, 0},   {0, 0, 1},   {1, 1, 1},  {.5, .5, 0},
+    {0, .5, .5}, {.5, 0, .5}, {1, .5, .5}, {.5, 1, .5}, {.5, .5, 1}};
+
+void unit_expect_held(const planish_file *file, const char *tag, const char *expected) {
+    uint8_t constraint[UNIT_NODES];
+    char held[UNIT_NODES + 1] = "";
+    planish_error error = {.text = ""};
+    const planish_hold hold = {.tags = &tag, .n_tags = tag != NULL, .ignore_regions = 1};
+    const int64_t n = planish_file_mesh(file).n_nodes;
+    assert_in_range(n, 0, UNIT_NODES);
+    if (planish_file_constraints(file, &hold, constraint, &error))
+        fail_msg("%s", error.text);
+    for (int64_t i = 0; i < n; i++)
+        held[i] = (char)('0' + constraint[i]);
+    assert_string_equal(held, expected);
+}
+
+void unit_expect_both_orders(const planish_file *file, int has_line) {
+    static const int32_t straight[] = {0, 1, 2, 3}, none[] = {-1, -1, -1, -1, -1, -1},
+                         curved[] = {1, 2, 3, 4}, mids[] = {5, 6, 7, 8, 9, 10},
+                         triangle[] = {2, 3, 4}, triangle_mids[] = {6, 10, 9}, line[] = {3, 4},
+                         line_mid[] = {10};
+    const io_model *model = &file->model;
+    const planish_mesh mesh = planish_file_mesh(file);
+    assert_int_equal(mesh.n_nodes, 11);
+    assert_int_equal(mesh.n_elements, 2);
+    assert_non_null(mesh.cells);
+    assert_int_equal(model->tetrahedron.n, 2);
+    assert_int_equal(model->triangle.n, 1);
+    assert_int_equal(model->line.n, has_line);
+    const int is_first = model->tetrahedron.nodes[0] == 1; /* the one of second order */
+    expect_cell(&model->tetrahedron, 3, is_first, straight, none);
+    expect_cell(&model->tetrahedron, 3, !is_first, curved, mids);
+    expect_cell(&model->triangle, 2, 0, triangle, triangle_mids);
+    if (has_line)
+        expect_cell(&model->line, 1, 0, line, line_mid);
+    assert_int_equal(mesh.cells->type[is_first], PLANISH_CELL_TETRAHEDRON);
+    assert_int_equal(mesh.cells->type[!is_first], PLANISH_CELL_TETRAHEDRON10);
 }
 
 void unit_expect_types(const io_format *format, const unit_element *elements, int n,
                        unit_make *make) {
     for (int i = 0; i < 4 * n; i++) {
-        const int type = elements[i / 4].type, is_other = !is_smoothed(type);
+        const int type = elements[i / 4].type, is_other = !unit_is_smoothed(type);
         double x[UNIT_NODES][3];
         planish_file *file;
         planish_error error = {.text = ""};

@@ -28,6 +28,9 @@ const char *unit_vtk_nodes(int type);
 /** Dimension of a type: 2 or 3. */
 int unit_dim(int type);
 
+/** Return whether planish smooths elements of a type. */
+int unit_is_smoothed(int type);
+
 /** Find the places x of the nodes of an element in the order of nodes. Returns their number. */
 int unit_places(int type, const char *nodes, double x[UNIT_NODES][3]);
 
@@ -54,6 +57,16 @@ void unit_expect_others(planish_file *file, int64_t n, int64_t n_held);
 /** Check the one element of a file, and close it: its type, its number, that its n_held nodes are
  *  held and it is not smoothed (0: it is), and whether it is valid. */
 void unit_expect_alone(planish_file *file, int type, int64_t number, int n_held, int is_valid);
+
+/** Check the simplices of a file of nodes 1 .. 11 in any format: a straight tetrahedron 1 2 3 4; one
+ *  of second order, 2 3 4 5 with the mids 6 .. 11 in VTK's order; on it a triangle of second order,
+ *  3 4 5 with the mids 7 11 10, and has_line a line 4 5 with the mid 11. */
+void unit_expect_both_orders(const planish_file *file, int has_line);
+enum { UNIT_BOTH_NODES = 11 };
+extern const double unit_both_places[UNIT_BOTH_NODES][3];
+
+/** Check the nodes that the file holds, and that a group holds: digits, 1 for held. tag: or NULL. */
+void unit_expect_held(const planish_file *file, const char *tag, const char *expected);
 
 /** Check that a reader understands n types: make writes a file of two elements with the nodes x [m]
  *  of row i, the second with a number of its own; in two variants, from which its number follows.

@@ -199,14 +199,38 @@ static int element_item(io_cursor *cursor, io_slice *line, io_slice *item) {
     return 1;
 }
 
-/** Read a simplex of dim that is kept. */
-static int read_cell(abaqus_reader *r, io_cursor *cursor, io_slice line, int dim) {
-    int32_t nodes[4];
+/** Return the squared distance of node m from the middle between nodes a and b. */
+static double off_middle(const io_model *model, int32_t m, int32_t a, int32_t b) {
+    double sum = 0;
+    for (int64_t d = 0; d < 3; d++) {
+        const double *x = model->xyz + d;
+        const double off = x[3 * (int64_t)m] - (x[3 * (int64_t)a] + x[3 * (int64_t)b]) / 2;
+        sum += off * off;
+    }
+    return sum;
+}
+
+/** Put the mid of a line, which programs write second or third, behind its ends. */
+static void order_line(const io_model *model, int32_t nodes[3]) {
+    const int32_t second = nodes[1];
+    if (off_middle(model, second, nodes[0], nodes[2]) <
+        off_middle(model, nodes[2], nodes[0], second)) {
+        nodes[1] = nodes[2];
+        nodes[2] = second;
+    }
+}
+
+/** Read a simplex of a type that is kept. */
+static int read_cell(abaqus_reader *r, io_cursor *cursor, io_slice line,
+                     const io_element_type *type) {
+    enum { LINE_NODES = 3, MOST_NODES = 10 };
+    int32_t nodes[MOST_NODES];
     int64_t number, label;
+    const int dim = io_element_dim(type), n = type->nodes;
     const int status = take_number(r, &line, "where the number of an element was expected", &label);
     if (status)
         return status;
-    for (int i = 0; i <= dim; i++) {
+    for (int i = 0; i < n; i++) {
         io_slice item = {line.end, line.end};
         if (!element_item(cursor, &line, &item) || io_slice_integer(item, &number))
             return abaqus_fail_item(r, item, "where the number of a node was expected");
@@ -219,8 +243,11 @@ static int read_cell(abaqus_reader *r, io_cursor *cursor, io_slice line, int dim
         if (io_slice_length(more) > 0)
             return io_fail_at(r->model, more.begin, r->error,
                               "element %lld has more than the %d nodes of its type",
-                              (long long)label, dim + 1);
-    return io_cells_add(r->model, dim, nodes, 0, label, r->error);
+                              (long long)label, n);
+    if (dim == 1 && n == LINE_NODES)
+        order_line(r->model, nodes);
+    return io_model_add_simplex(r->model, io_simplex_type(dim, n > dim + 1), nodes, 0, label,
+                                r->error);
 }
 
 /** Read an element that is not kept: hold its nodes, and add it to the others where it has a
@@ -285,11 +312,11 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
     abaqus_squeeze(abaqus_unquoted(item), name);
     const io_element_type type = find_type(name, r->has_cavities);
     const int is_here = b->scope == r->scope;
-    const io_cells *cells = is_here ? io_element_cells(r->model, &type) : NULL;
+    const io_cells *cells = is_here ? io_element_cells_mids(r->model, &type) : NULL;
     abaqus_range range = {.dim = cells ? io_element_dim(&type) : 0, .begin = cells ? cells->n : 0};
     const int cell_type = is_here ? io_cell_type(type.shape, type.nodes) : 0;
     while (abaqus_line(&cursor, &line)) {
-        const int status = cells ? read_cell(r, &cursor, line, range.dim)
+        const int status = cells ? read_cell(r, &cursor, line, &type)
                                  : read_other(r, b, &cursor, line, &type, cell_type);
         if (status)
             return status;

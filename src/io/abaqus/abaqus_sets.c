@@ -7,6 +7,7 @@
  */
 #include "io/abaqus/abaqus.h"
 
+#include "io/core/cell_types.h"
 #include "io/core/number.h"
 #include "io/core/records.h"
 
@@ -250,9 +251,14 @@ static int add_nodes_of(abaqus_reader *r, const abaqus_block *b, int32_t set, io
     for (int64_t i = 0; i < r->set[from].n && !status; i++) {
         int64_t local;
         const int dim = abaqus_dim_of(r, r->set[from].member[i], &local);
-        const int32_t *nodes = io_model_cells(r->model, dim)->nodes + local * (dim + 1);
+        const io_cells *cells = io_model_cells(r->model, dim);
+        const int32_t *nodes = cells->nodes + local * (dim + 1);
         for (int j = 0; j <= dim && !status; j++)
             status = add_member(r, set, nodes[j]);
+        const int n_mids = cells->mid ? io_n_mids(dim) : 0;
+        for (int j = 0; j < n_mids && !status; j++)
+            if (cells->mid[local * n_mids + j] >= 0)
+                status = add_member(r, set, cells->mid[local * n_mids + j]);
     }
     return status;
 }

@@ -1,6 +1,6 @@
 /* cgns_elements: the sections of elements of CGNS files, of one type or MIXED, with numbers of
- * nodes from 1. Lines, triangles and tetrahedra are kept. All others hold their nodes; those of two
- * or three dimensions are handed over to be measured.
+ * nodes from 1. Lines, triangles and tetrahedra of first and second order are kept. All others hold
+ * their nodes; those of two or three dimensions are handed over to be measured.
  */
 #ifdef PL_HDF5
 #include "io/cgns/cgns.h"
@@ -145,7 +145,7 @@ static int count_kept(section_walk *w, int64_t kept[4]) {
     int status = PLANISH_OK;
     memset(kept, 0, 4 * sizeof *kept);
     if (w->section->type != CGNS_MIXED) {
-        kept[io_element_dim(w->type)] = io_element_use(w->type) == IO_KEEP ? w->n : 0;
+        kept[io_element_dim(w->type)] = io_element_use_mids(w->type) == IO_KEEP ? w->n : 0;
         if (w->nodes.n % w->type->nodes || w->nodes.n / w->type->nodes != w->n)
             status =
                 io_hdf5_fail(w->r->file, w->path.text, "%lld numbers for %lld elements of %d nodes",
@@ -157,7 +157,7 @@ static int count_kept(section_walk *w, int64_t kept[4]) {
                             (long long)w->offsets.n, (long long)w->n);
     for (int64_t i = 0; i < w->n && !status; i++) {
         status = next_element(w);
-        kept[io_element_dim(w->type)] += !status && io_element_use(w->type) == IO_KEEP;
+        kept[io_element_dim(w->type)] += !status && io_element_use_mids(w->type) == IO_KEEP;
     }
     const int64_t end = w->at + (w->n > 0 ? w->type->nodes : 0);
     if (!status && end != w->nodes.n)
@@ -198,6 +198,29 @@ static int add_other(section_walk *w) {
                               w->section->start + w->index, w->r->error);
 }
 
+/** Take the nodes of the element that the walk came to, for which there is room behind the others of
+ *  dimension dim. */
+static int add_kept(section_walk *w, int dim, int32_t section) {
+    io_model *model = w->r->model;
+    io_cells *cells = io_model_cells(model, dim);
+    const int n = w->type->nodes, corners = dim + 1;
+    int32_t node[MOST_NODES];
+    int status = PLANISH_OK;
+    for (int j = 0; j < n && !status; j++)
+        status = take_node(w, j, &node[j]);
+    if (!status && n > corners)
+        status = io_cells_reserve_mids(model, dim, w->r->error);
+    if (status)
+        return status;
+    memcpy(cells->nodes + cells->n * corners, node, (size_t)corners * sizeof *node);
+    if (n > corners)
+        io_cells_set_mids(model, dim, cells->n, node);
+    cells->entity[cells->n] = section;
+    cells->number[cells->n++] = w->section->start + w->index;
+    w->section->behind[dim] = cells->n;
+    return PLANISH_OK;
+}
+
 /** Store the elements of a section whose lists have been read; index: of the section. */
 static int store_elements(section_walk *w, int32_t index) {
     io_model *model = w->r->model;
@@ -213,19 +236,10 @@ static int store_elements(section_walk *w, int32_t index) {
     w->at = 0;
     for (int64_t i = 0; i < w->n && !status; i++) {
         status = next_element(w);
-        if (status)
-            break;
-        const io_element_type *t = w->type;
-        io_cells *cells = io_element_cells(model, t);
-        if (!cells) {
+        if (!status && io_element_use_mids(w->type) == IO_KEEP)
+            status = add_kept(w, io_element_dim(w->type), index);
+        else if (!status)
             status = add_other(w);
-            continue;
-        }
-        for (int j = 0; j < t->nodes && !status; j++)
-            status = take_node(w, j, &cells->nodes[cells->n * t->nodes + j]);
-        cells->entity[cells->n] = index;
-        cells->number[cells->n++] = w->section->start + i;
-        w->section->behind[io_element_dim(t)] = cells->n;
     }
     return status;
 }

@@ -1,7 +1,7 @@
 /* cell_types: what the model knows of a planish_cell_type.
  *
  *   io_cell_type_nodes             number of nodes
- *   io_simplex_dim, io_has_mids    simplices of order 1 and 2
+ *   io_simplex_type, io_simplex_dim, io_has_mids   simplices of order 1 and 2
  *   io_n_mids, io_edge_of          edges of simplices, in VTK's order
  */
 #ifndef PL_IO_CORE_CELL_TYPES_H
@@ -23,6 +23,15 @@ static inline int io_cell_type_nodes(int type) {
         [PLANISH_CELL_WEDGE18] = 18,       [PLANISH_CELL_PYRAMID] = 5,
         [PLANISH_CELL_PYRAMID13] = 13,     [PLANISH_CELL_PYRAMID14] = 14};
     return type >= 0 && type < (int)sizeof nodes ? nodes[type] : 0;
+}
+
+/** Type of a simplex of dimension 1 to 3, of order 2 or 1. */
+static inline int io_simplex_type(int dim, int has_mids) {
+    static const uint8_t types[][2] = {
+        [1] = {PLANISH_CELL_LINE, PLANISH_CELL_LINE3},
+        [2] = {PLANISH_CELL_TRIANGLE, PLANISH_CELL_TRIANGLE6},
+        [3] = {PLANISH_CELL_TETRAHEDRON, PLANISH_CELL_TETRAHEDRON10}};
+    return types[dim][has_mids != 0];
 }
 
 /** Dimension, 1 to 3, of simplices of order 1 or 2; of other types 0. */

@@ -2,10 +2,10 @@
  * one step, with nodal connectivity.
  *
  * Nodes and elements are numbered by their place, from 1; all nodes' x stand before all y. Read are
- * nodes, lines, triangles and tetrahedra with their families and the groups of these. Elements of
- * other types hold their nodes; those of two or three dimensions are handed over to be measured.
- * Solid elements are mirrored to VTK's; the mids of their edges follow in VTK's order. All else of the file (fields, profiles, other properties) is not
- * looked at.
+ * nodes, lines, triangles and tetrahedra of first and second order with their families and the
+ * groups of these. Elements of other types hold their nodes; those of two or three dimensions are
+ * handed over to be measured. Solid elements are mirrored to VTK's; the mids of their edges follow
+ * in VTK's order. All else of the file (fields, profiles, other properties) is not looked at.
  */
 #ifdef PL_HDF5
 #include "io/core/elements.h"
@@ -202,28 +202,61 @@ static int take_node(med_reader *r, const element_block *b, int64_t i, int64_t *
                         (long long)r->model->n_nodes);
 }
 
+/** Make room for n cells of a dimension behind those of another type, which get numbers, too. */
+static int reserve_more(med_reader *r, int dim, int64_t n, int with_number) {
+    io_cells *cells = io_model_cells(r->model, dim);
+    if (cells->nodes && !cells->number && (cells->n > 0 || with_number)) {
+        cells->number = pl_alloc(cells->capacity, sizeof *cells->number);
+        if (!cells->number)
+            return pl_fail_memory(r->error, "the numbers of elements");
+        for (int64_t i = 0; i < cells->n; i++)
+            cells->number[i] = cells->first_number + i;
+    }
+    return io_cells_reserve(r->model, dim, n, 1, with_number || cells->number, r->error);
+}
+
+/** Read the mids of elements of second order, cells from first on. */
+static int read_mids(med_reader *r, const element_block *b, int dim, int64_t first) {
+    int status = io_cells_reserve_mids(r->model, dim, r->error);
+    for (int64_t i = 0; i < b->n && !status; i++) {
+        int32_t nodes[MOST_NODES] = {0};
+        for (int64_t j = 0; j < b->type->nodes && !status; j++) {
+            int64_t node;
+            status = take_node(r, b, j * b->n + i, &node);
+            nodes[j] = (int32_t)node;
+        }
+        if (!status)
+            io_cells_set_mids(r->model, dim, first + i, nodes);
+    }
+    return status;
+}
+
 static int read_cells(med_reader *r, const element_block *b) {
     const int dim = io_element_dim(b->type), corners = dim + 1;
     io_cells *cells = io_model_cells(r->model, dim);
+    const int64_t first = cells->n;
     io_hdf5_integers families = {0}, numbers = {0};
     int status = read_optional(r, b->group.text, "FAM", b->n, &families);
     if (!status)
         status = read_optional(r, b->group.text, "NUM", b->n, &numbers);
     if (!status)
-        status = io_cells_reserve(r->model, dim, b->n, 1, numbers.n > 0, r->error);
+        status = reserve_more(r, dim, b->n, numbers.n > 0);
     for (int64_t j = 0; j < corners; j++)
         for (int64_t i = 0; i < b->n && !status; i++) {
             int64_t node;
             status = take_node(r, b, j * b->n + i, &node);
-            cells->nodes[i * corners + j] = status ? 0 : (int32_t)node;
+            cells->nodes[(first + i) * corners + j] = status ? 0 : (int32_t)node;
         }
-    for (int64_t i = 0; i < numbers.n && !status; i++)
-        cells->number[i] = io_hdf5_integer(&numbers, i);
+    if (!status && io_element_mids(b->type))
+        status = read_mids(r, b, dim, first);
+    for (int64_t i = 0; cells->number && i < b->n && !status; i++)
+        cells->number[first + i] = numbers.n > 0 ? io_hdf5_integer(&numbers, i) : i + 1;
     if (!status)
-        status = take_families(r, b->group.text, dim, &families, b->n, INT64_MIN, cells->entity);
+        status =
+            take_families(r, b->group.text, dim, &families, b->n, INT64_MIN, cells->entity + first);
     if (!status) {
         cells->first_number = 1;
-        cells->n = b->n;
+        cells->n = first + b->n;
     }
     io_hdf5_integers_release(&families);
     io_hdf5_integers_release(&numbers);
@@ -276,7 +309,7 @@ static int read_block(med_reader *r, const char *name) {
     for (int i = 0; i < N_TYPES; i++)
         if (strcmp(types[i].name, name) == 0)
             b.type = &types[i];
-    const int is_kept = io_element_use(b.type) == IO_KEEP; /* MED has none of third order */
+    const int is_kept = io_element_use_mids(b.type) == IO_KEEP; /* MED has none of third order */
     const int type = is_kept ? 0 : io_cell_type(b.type->shape, b.type->nodes);
     b.group = io_hdf5_path_of(r->file, "%s/MAI/%s", r->step.text, name);
     b.path = io_hdf5_path_of(r->file, "%s/NOD", b.group.text);

@@ -366,15 +366,17 @@ static int take_mid(const reader *r, nastran_card *c, int64_t number, int32_t *i
                : PLANISH_OK;
 }
 
-/** Add a line, triangle or tetrahedron of nodes [dim + 1]. */
-static int add_cell(const reader *r, int dim, const int32_t *nodes, int64_t number,
+/** Add a line, triangle or tetrahedron: its corners, and its mids if it has any. */
+static int add_cell(const reader *r, int dim, int has_mids, const int32_t *nodes, int64_t number,
                     int64_t property) {
     /* Cells of one property stand together most often. */
     const io_cells *cells = io_model_cells(r->model, dim);
     int32_t entity = cells->n > 0 ? cells->entity[cells->n - 1] : -1;
     if (entity < 0 || r->model->entity[entity].tag != property)
         entity = io_model_entity(r->model, dim, (int32_t)property, 0, NULL, r->error);
-    return entity < 0 ? entity : io_cells_add(r->model, dim, nodes, entity, number, r->error);
+    return entity < 0 ? entity
+                      : io_model_add_simplex(r->model, io_simplex_type(dim, has_mids), nodes,
+                                             entity, number, r->error);
 }
 
 static int read_cell(reader *r, const card_kind *k, nastran_card *c) {
@@ -385,7 +387,7 @@ static int read_cell(reader *r, const card_kind *k, nastran_card *c) {
     for (int j = 0; j < k->nodes && !status; j++)
         status = take_node(r, c, number, &nodes[j]);
     if (!status)
-        status = add_cell(r, k->nodes - 1, nodes, number, property);
+        status = add_cell(r, k->nodes - 1, 0, nodes, number, property);
     /* The field behind the nodes of CBAR, CBEAM, CBEND names a node that the cross section points
      * to, if it is no component of a vector (a real number). */
     if (!status && c->name[1] == 'B' && nastran_take_field(c, &field))
@@ -393,8 +395,8 @@ static int read_cell(reader *r, const card_kind *k, nastran_card *c) {
     return status;
 }
 
-/** Read an element with mids, which is measured but not smoothed; triangles and tetrahedra without
- *  any are kept. */
+/** Read an element of which mids may be missing: triangles and tetrahedra are kept, others measured
+ *  but not smoothed. */
 static int read_shape(reader *r, const card_kind *k, nastran_card *c) {
     int32_t nodes[IO_CELL_NODES];
     int64_t number, property;
@@ -412,8 +414,8 @@ static int read_shape(reader *r, const card_kind *k, nastran_card *c) {
     }
     if (status)
         return status;
-    if (!has_mids && (k->shape == IO_TRIANGLE || k->shape == IO_TETRAHEDRON))
-        return add_cell(r, k->corners - 1, nodes, number, property);
+    if (k->shape == IO_TRIANGLE || k->shape == IO_TETRAHEDRON)
+        return add_cell(r, k->corners - 1, has_mids, nodes, number, property);
     const int n = has_mids ? k->nodes : k->corners;
     int type = io_cell_type((int)k->shape, n);
     if (nodes[n - 1] < 0) /* CQUAD without a node inside */
