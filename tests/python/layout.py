@@ -7,6 +7,10 @@ import planish
 STRUCTURES = {
     "planish_error": planish._Error,
     "planish_mesh": planish._Mesh,
+    "planish_cells": planish._CellsOfTypes,
+    "planish_cell_measures": planish.CellMeasures,
+    "planish_cell_quality": planish.CellQuality,
+    "planish_cell_values": planish._CellValues,
     "planish_cell_array": planish._CellArray,
     "planish_progress": planish.Progress,
     "planish_options": planish._Options,

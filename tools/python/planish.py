@@ -1,11 +1,13 @@
-"""planish: smooth and untangle meshes of tetrahedra or triangles, in place.
+"""planish: smooth and untangle meshes of tetrahedra or triangles, in place; measure elements of any
+type.
 
-A thin module over the shared library: arrays of numpy go to it as they are, nothing is built.
+A thin module over the shared library: arrays of simplices go to it as they are, nothing is built.
 
     import planish
     result = planish.smooth(points, cells)      # points [n, 2 or 3], cells [m, 3 or 4]: in place
     result = planish.smooth(mesh)               # a mesh of meshio or pyvista: its points, in place
     print(planish.quality(points, cells).min_angle_deg)
+    print(planish.quality(points, {"tetra10": a, "hexahedron": b}).cells.all.n_inverted)
 
     with planish.Plan(points, cells) as plan:   # once for a connectivity, for many positions
         for points in positions:
@@ -31,8 +33,8 @@ from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence
 
 import numpy as np
 
-__all__ = ["Error", "Plan", "Progress", "Quality", "Result", "checksum", "find_layers", "quality",
-           "smooth", "version"]
+__all__ = ["CellMeasures", "CellQuality", "CellValues", "Error", "Plan", "Progress", "Quality", "Result",
+           "checksum", "find_layers", "quality", "smooth", "version"]
 
 # ---- the library's structures, as in include/planish/planish.h --------------------------------
 
@@ -61,6 +63,23 @@ class _Mesh(ctypes.Structure):
         ("part", c_void_p),
         ("cells", c_void_p),
         ("reserved", c_void_p * 6),
+    ]
+
+
+class _CellsOfTypes(ctypes.Structure):
+    _fields_ = [("n", c_int64), ("type", c_void_p), ("offset", c_void_p), ("node", c_void_p),
+                ("reserved", c_void_p * 4)]
+
+
+class _CellValues(ctypes.Structure):
+    _fields_ = [
+        ("state", c_void_p),
+        ("is_curved", c_void_p),
+        ("aspect_ratio", c_void_p),
+        ("scaled_jacobian", c_void_p),
+        ("jacobian_ratio", c_void_p),
+        ("edge_ratio", c_void_p),
+        ("reserved", c_void_p * 4),
     ]
 
 
@@ -172,8 +191,80 @@ class Spread(_Printed):
     _fields_ = [("min", c_double), ("mean", c_double), ("max", c_double)]
 
 
+class CellMeasures(_Printed):
+    """Measures of elements of one type or of all: planish_cell_measures of planish.h, field by field."""
+
+    _fields_ = [
+        ("n_elements", c_int64),
+        ("n_inverted", c_int64),
+        ("n_uncertified", c_int64),
+        ("n_inverted_corners", c_int64),
+        ("n_curved", c_int64),
+        ("rms_aspect_ratio", c_double),
+        ("mean_aspect_ratio", c_double),
+        ("max_aspect_ratio", c_double),
+        ("worst_element", c_int64),
+        ("min_scaled_jacobian", c_double),
+        ("min_jacobian_ratio", c_double),
+        ("max_edge_ratio", c_double),
+        ("reserved", c_double * 4),
+    ]
+
+
+class CellQuality(_Printed):
+    """Quality of elements of any types: all are the measures of all elements, by_type those of each
+    type by its name. planish_cell_quality of planish.h."""
+
+    _fields_ = [
+        ("all", CellMeasures),
+        ("_n_types", c_int),
+        ("_type", c_int * 16),
+        ("_by_type", CellMeasures * 16),
+        ("reserved", c_int64 * 8),
+    ]
+
+    @property
+    def by_type(self) -> dict[str, CellMeasures]:
+        """Measures of the elements of each type."""
+        return {_KNOWN[self._type[i]].name: self._by_type[i] for i in range(self._n_types)}
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of elements of each type."""
+        return {name: measures.n_elements for name, measures in self.by_type.items()}
+
+    def as_dict(self) -> dict[str, Any]:
+        """Its values by name."""
+        return {"all": self.all.as_dict(), "by_type": {name: of.as_dict() for name, of in self.by_type.items()}}
+
+
+class CellValues(NamedTuple):
+    """Measures of single elements, arrays [m]: planish_cell_values of planish.h. 0 stands for a
+    measure that an element does not have."""
+
+    number: np.ndarray  # place of the element among all cells given, those of lower dimension included
+    state: np.ndarray  # 1 valid, 2 inverted, 3 uncertified
+    is_curved: np.ndarray
+    aspect_ratio: np.ndarray
+    scaled_jacobian: np.ndarray
+    jacobian_ratio: np.ndarray
+    edge_ratio: np.ndarray
+
+
 class Quality(_Printed):
-    """What a mesh is worth: planish_quality of planish.h, field by field."""
+    """Quality of a mesh: planish_quality of planish.h, field by field. These fields are about
+    triangles or tetrahedra, by their corners, and 0 without any.
+
+    cells is the CellQuality of elements of all types; None for straight simplices alone, of which the
+    fields say more, unless elements was asked for: the CellValues. Plan.quality gives neither.
+    """
+
+    cells: Optional[CellQuality] = None
+    elements: Optional[CellValues] = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Its values by name; arrays as lists."""
+        return {**super().as_dict(), **({"cells": self.cells.as_dict()} if self.cells else {})}
 
     _fields_ = [
         ("n_elements", c_int64),
@@ -314,7 +405,7 @@ _library.planish_plan_destroy.argtypes = [c_void_p]
 _library.planish_plan_get_free.restype = None
 _library.planish_plan_get_free.argtypes = [c_void_p, c_void_p]
 for _name in ("planish_plan_create", "planish_smooth", "planish_measure", "planish_measure_elements",
-              "planish_measure_mesh", "planish_find_layers", "planish_find_regions", "planish_combine_regions",
+              "planish_measure_mesh", "planish_measure_cells", "planish_find_layers", "planish_find_regions", "planish_combine_regions",
               "planish_find_interfaces"):
     getattr(_library, _name).restype = c_int
 
@@ -354,10 +445,56 @@ def version() -> str:
 
 _OBJECTIVES = {"radius-ratio": 0, "mean-ratio": 1, "edge-ratio": 2, "worst": 0}
 _WORST = {"radius-ratio": 1, "dihedral": 2}
-_TETRAHEDRON, _TRIANGLE, _LINE, _POINT = "tetra", "triangle", "line", "vertex"
-_VTK_NAMES = {10: _TETRAHEDRON, 5: _TRIANGLE, 3: _LINE, 1: _POINT, 2: _POINT}
 _NUMBERS = {"int32": 0, "int64": 1, "int8": 2, "int16": 3, "uint8": 4, "uint16": 5, "uint32": 6, "uint64": 7,
             "float32": 8, "float64": 9}  # planish_number
+
+
+class _Type(NamedTuple):
+    """Type of cells that the library knows."""
+
+    number: int  # planish_cell_type
+    name: str  # meshio's
+    dim: int
+    n_nodes: int
+    n_corners: int
+
+
+_TYPES = [_Type(*row) for row in (
+    (1, "vertex", 0, 1, 1), (3, "line", 1, 2, 2), (21, "line3", 1, 3, 2),
+    (5, "triangle", 2, 3, 3), (22, "triangle6", 2, 6, 3),
+    (9, "quad", 2, 4, 4), (23, "quad8", 2, 8, 4), (28, "quad9", 2, 9, 4),
+    (10, "tetra", 3, 4, 4), (24, "tetra10", 3, 10, 4),
+    (12, "hexahedron", 3, 8, 8), (25, "hexahedron20", 3, 20, 8), (29, "hexahedron27", 3, 27, 8),
+    (13, "wedge", 3, 6, 6), (26, "wedge15", 3, 15, 6), (32, "wedge18", 3, 18, 6),
+    (14, "pyramid", 3, 5, 5), (27, "pyramid13", 3, 13, 5), (128, "pyramid14", 3, 14, 5))]
+_KNOWN: dict[Any, _Type] = {key: kind for kind in _TYPES for key in (kind.number, kind.name)}
+_SMOOTHED = {2: (5, 22), 3: (10, 24)}
+# Other orders of nodes: pixels and voxels by VTK's number or meshio's name, wedges by meshio's name.
+_PIXEL, _VOXEL = (_KNOWN["quad"], [0, 1, 3, 2]), (_KNOWN["hexahedron"], [0, 1, 3, 2, 4, 5, 7, 6])
+_REORDERED: dict[Any, tuple[_Type, list[int]]] = {
+    8: _PIXEL, "pixel": _PIXEL, 11: _VOXEL, "voxel": _VOXEL, "wedge": (_KNOWN["wedge"], [0, 2, 1, 3, 5, 4])}
+_POLYVERTEX, _POLYLINE, _STRIP, _POLYGON = 2, 4, 6, 7
+
+
+def _type_of(name: Any) -> tuple[Optional[_Type], Optional[list[int]]]:
+    """The type that meshio's name or VTK's number means, None if the library does not know it, and the
+    order of its nodes if it is not VTK's."""
+    return _REORDERED.get(name, (_KNOWN.get(name), None))
+
+
+_WIDTHS = np.zeros(256, dtype=np.int64)  # nodes of cells by VTK's number; 0: any number
+for _number in range(256):
+    _WIDTHS[_number] = getattr(_type_of(_number)[0], "n_nodes", 0)
+
+
+class _Block(NamedTuple):
+    """Cells of one type, and the values that arrays of cells have there, by the arrays' names."""
+
+    kind: Optional[_Type]  # None: the library does not know it
+    name: Any  # meshio's name or VTK's number
+    nodes: np.ndarray  # [n, kind.n_nodes] in VTK's order, or all nodes of cells without a kind
+    at: np.ndarray  # [n] places among all cells
+    data: dict[str, Any]
 
 
 def _flat(nodes: Any) -> list[int]:
@@ -376,28 +513,77 @@ def _nodes_of(data: Any) -> np.ndarray:
     return nodes if nodes.dtype != object else np.array(_flat(data), dtype=np.int64)
 
 
-def _listed(cells: Any, what: str) -> tuple[np.ndarray, int]:
-    """The nodes of VTK's lists (a count, so many nodes, a count, ...), and how many cells they are."""
-    flat = np.zeros(0, dtype=np.int64) if cells is None else np.asarray(cells).ravel()
-    is_node = np.ones(len(flat), dtype=bool)
-    at = n_cells = 0
-    while at < len(flat):
-        count = int(flat[at])
-        if not 0 <= count < len(flat) - at:
-            raise ValueError(f"{what} of the mesh has the count {count} at {at}, which is negative or more than "
-                             "there are nodes behind it")
-        is_node[at] = False
+def _block(name: Any, data: Any, at: np.ndarray, values: dict[str, Any]) -> _Block:
+    """Cells of a type by its name or number."""
+    nodes, (kind, order) = _nodes_of(data), _type_of(name)
+    if nodes.size and nodes.dtype.kind not in "iu":
+        raise TypeError(f"cells of type {name} must be integers, not {nodes.dtype}")
+    if kind is None:
+        return _Block(None, name, nodes.ravel(), at, values)
+    if nodes.ndim != 2 or nodes.shape[1] != kind.n_nodes:
+        raise ValueError(f"cells of type {name} must be [m, {kind.n_nodes}], not {nodes.shape}")
+    return _Block(kind, name, nodes if order is None else nodes[:, order], at, values)
+
+
+def _blocks_of_pairs(pairs: Any, data: dict[str, Any]) -> list[_Block]:
+    """Cells of (type, nodes) pairs; data has one array for each pair, by its name."""
+    blocks, n = [], 0
+    for i, (name, nodes) in enumerate(pairs):
+        at = np.arange(n, n + len(nodes))
+        blocks.append(_block(name if isinstance(name, str) else operator.index(name), nodes, at,
+                             {key: values[i] for key, values in data.items()}))
+        n += len(nodes)
+    return blocks
+
+
+def _blocks_of_arrays(nodes: np.ndarray, offsets: np.ndarray, types: np.ndarray,
+                      data: dict[str, Any]) -> list[_Block]:
+    """Cells of VTK's arrays: the nodes of cell i are nodes[offsets[i]:offsets[i + 1]]."""
+    widths, blocks = np.diff(offsets), []
+    if len(offsets) != len(types) + 1 or offsets[0] != 0 or offsets[-1] != len(nodes) or (widths < 0).any():
+        raise ValueError(f"the offsets of {len(types)} cells must be {len(types) + 1} numbers that ascend from 0 to "
+                         f"{len(nodes)}, the number of nodes in cells")
+    if len(types) and not (0 <= types.min() and types.max() < len(_WIDTHS)):
+        raise ValueError("types has a number that is not in 0 .. 255")
+    wrong = np.flatnonzero((_WIDTHS[types] != 0) & (_WIDTHS[types] != widths))
+    if len(wrong):
+        i = wrong[0]
+        raise ValueError(f"cell {i} of type {types[i]} has {widths[i]} nodes, not {_WIDTHS[types[i]]}")
+    for number in map(int, np.unique(types)):
+        is_of = types == number
+        of_cells = nodes if is_of.all() else nodes[np.repeat(is_of, widths)]
+        at = np.flatnonzero(is_of)
+        blocks.append(_block(number, of_cells.reshape(-1, _WIDTHS[number]) if _WIDTHS[number] else of_cells, at,
+                             _rows(data, at)))
+    return blocks
+
+
+def _counted(lists: Any, what: str, types: Optional[np.ndarray] = None) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and offsets of VTK's lists: a count, so many nodes, a count, ..."""
+    lists = np.zeros(0, dtype=np.int64) if lists is None else np.asarray(lists).ravel()
+    starts = np.zeros(0, dtype=np.int64)
+    if types is not None and len(types) and 0 <= types.min() and types.max() < len(_WIDTHS):
+        starts = np.cumsum(_WIDTHS[types] + 1) - _WIDTHS[types] - 1
+    if not len(starts) or starts[-1] >= len(lists) or not np.array_equal(
+            np.append(starts, len(lists)), np.append(0, np.cumsum(lists[starts] + 1))):
+        starts = _walked(lists, what)
+    if types is not None and len(starts) != len(types):
+        raise ValueError(f"{what} has {len(starts)} cells, but there are {len(types)} types")
+    nodes = np.delete(lists, starts)
+    return nodes, np.append(starts - np.arange(len(starts)), len(nodes))
+
+
+def _walked(lists: np.ndarray, what: str) -> np.ndarray:
+    """Where the counts of VTK's lists stand."""
+    starts, at = [], 0
+    while at < len(lists):
+        count = int(lists[at])
+        if not 0 <= count < len(lists) - at:
+            raise ValueError(f"{what} has the count {count} at {at}, which is negative or more than there are nodes "
+                             "behind it")
+        starts.append(at)
         at += 1 + count
-        n_cells += 1
-    return flat[is_node], n_cells
-
-
-class _Block(NamedTuple):
-    """Cells of one kind, and the values that arrays of cells have there, by the arrays' names."""
-
-    kind: str
-    nodes: np.ndarray
-    data: dict[str, Any]
+    return np.array(starts, dtype=np.int64)
 
 
 def _cell_data(mesh: Any) -> dict[str, Any]:
@@ -410,49 +596,71 @@ def _rows(data: dict[str, Any], rows: Any) -> dict[str, Any]:
     return {name: np.asarray(values)[rows] for name, values in data.items()}
 
 
-def _blocks_of_grid(mesh: Any) -> list[_Block]:
-    """Those of an UnstructuredGrid of pyvista."""
-    kinds, data = getattr(mesh, "celltypes", None), _cell_data(mesh)
-    return [_Block(_VTK_NAMES.get(int(kind), "other"), np.asarray(cells),
-                   {} if kinds is None else _rows(data, np.asarray(kinds) == int(kind)))
-            for kind, cells in mesh.cells_dict.items()]
-
-
 def _blocks_of_surface(mesh: Any) -> list[_Block]:
-    """Those of a PolyData of pyvista: its arrays have points first, then lines, then faces."""
-    faces = np.asarray(mesh.regular_faces)
-    kind = _TRIANGLE if faces.ndim == 2 and faces.shape[1] == 3 else "polygon"
-    verts, n_verts = _listed(getattr(mesh, "verts", None), "verts")
-    lines, n_lines = _listed(getattr(mesh, "lines", None), "lines")
-    first = n_verts + n_lines
-    blocks = [_Block(kind, faces, _rows(_cell_data(mesh), slice(first, first + len(faces))))]
-    if 0 < len(lines) == 2 * n_lines and (np.asarray(mesh.lines)[::3] == 2).all():
-        lines = lines.reshape(-1, 2)
-    others = (_Block(_POINT, verts, {}), _Block(_LINE if lines.ndim == 2 else "other", lines, {}))
-    return blocks + [block for block in others if len(block.nodes)]
+    """Cells of a PolyData of pyvista: its arrays have points first, then lines, faces and strips."""
+    parts, first = [], 0
+    for name, usual, other in (("verts", {1: 1}, _POLYVERTEX), ("lines", {2: 3}, _POLYLINE),
+                               ("faces", {3: 5, 4: 9}, _POLYGON), ("strips", {}, _STRIP)):
+        nodes, offsets = _counted(getattr(mesh, name, None), f"{name} of the mesh")
+        types = np.array([usual.get(width, other) for width in np.diff(offsets).tolist()], dtype=np.uint8)
+        parts.append((nodes, offsets[:-1] + first, types))
+        first += len(nodes)
+    nodes, offsets, types = (np.concatenate(arrays) for arrays in zip(*parts))
+    return _blocks_of_arrays(nodes, np.append(offsets, first), types, _cell_data(mesh))
 
 
 def _blocks(mesh: Any) -> list[_Block]:
-    """The cells of a mesh of meshio or of pyvista."""
-    if hasattr(mesh, "cells_dict") and not isinstance(getattr(mesh, "cells", None), list):
-        return _blocks_of_grid(mesh)
-    if isinstance(getattr(mesh, "cells", None), list):
-        data = _cell_data(mesh)
-        return [_Block(block.type, _nodes_of(block.data), {name: values[i] for name, values in data.items()})
-                for i, block in enumerate(mesh.cells)]
-    if hasattr(mesh, "regular_faces"):
+    """Cells of a mesh of meshio or of pyvista."""
+    cells = getattr(mesh, "cells", None)
+    if hasattr(mesh, "celltypes"):
+        types = np.asarray(mesh.celltypes)
+        return _blocks_of_arrays(*_counted(cells, "cells of the mesh", types), types, _cell_data(mesh))
+    if isinstance(cells, list):
+        return _blocks_of_pairs([(block.type, block.data) for block in cells], _cell_data(mesh))
+    if hasattr(mesh, "faces"):
         return _blocks_of_surface(mesh)
     raise TypeError("give points and cells as arrays, or a mesh of meshio or pyvista")
+
+
+def _is_by_type(cells: Any) -> bool:
+    """Whether cells are a dict by types, (type, nodes) pairs, blocks of meshio or VTK's arrays."""
+    if isinstance(cells, tuple) and len(cells) in (2, 3) and all(
+            isinstance(array, np.ndarray) and array.ndim == 1 for array in cells):
+        return len({len(array) for array in cells}) > 1
+    return isinstance(cells, dict) or (isinstance(cells, (list, tuple)) and len(cells) > 0 and all(
+        hasattr(part, "type") or (isinstance(part, (list, tuple)) and len(part) == 2 and np.ndim(part[0]) == 0
+                                  and hasattr(part[1], "__len__")) for part in cells))
+
+
+def _blocks_by_type(cells: Any) -> list[_Block]:
+    """Cells that a caller gives by their types."""
+    if isinstance(cells, tuple) and isinstance(cells[0], np.ndarray):
+        types = cells[-1]
+        if any(array.dtype.kind not in "iu" for array in cells):
+            raise TypeError("arrays of cells must be integers")
+        taken = _counted(cells[0], "cells", types) if len(cells) == 2 else cells[:2]
+        blocks = _blocks_of_arrays(*taken, types, {})
+    else:
+        pairs = cells.items() if isinstance(cells, dict) else [
+            (part.type, part.data) if hasattr(part, "type") else part for part in cells]
+        blocks = _blocks_of_pairs(pairs, {})
+    if not blocks:
+        raise ValueError("cells is empty; give an array of nodes for each type")
+    for block in blocks:
+        if block.kind is None:
+            raise ValueError(f"planish does not know cells of type {block.name!r}; leave them out and give their "
+                             f"nodes as fixed. It knows {', '.join(kind.name for kind in _TYPES)}")
+    return blocks
 
 
 def _joined(parts: list[Any]) -> np.ndarray:
     return np.asarray(parts[0]) if len(parts) == 1 else np.concatenate([np.asarray(part) for part in parts])
 
 
-def _tags(block: _Block) -> np.ndarray:
-    """One number for each cell of a block; cells with the same whole numbers in its arrays have the same."""
-    tags = np.zeros(len(block.nodes), dtype=np.int64)
-    for values in map(np.asarray, block.data.values()):
+def _tags(data: dict[str, Any], n: int) -> np.ndarray:
+    """One number for each of n cells; cells with the same whole numbers in arrays have the same."""
+    tags = np.zeros(n, dtype=np.int64)
+    for values in map(np.asarray, data.values()):
         if values.shape == tags.shape and values.dtype.kind in "biuf" and np.all(values == np.floor(values)):
             codes = np.unique(values, return_inverse=True)[1]
             tags = np.unique(tags * (codes.max(initial=0) + 1) + codes, return_inverse=True)[1]
@@ -502,16 +710,27 @@ def _holders(listed: np.ndarray, tags: np.ndarray, elements: np.ndarray) -> np.n
 
 def _without_complete(blocks: list[_Block], elements: np.ndarray) -> list[_Block]:
     """Blocks without the edges and facets that are listed only because all are."""
-    kept = [block for block in blocks if block.kind not in (_LINE, _TRIANGLE)]
-    for kind in (_LINE, _TRIANGLE):
-        of_kind = [block for block in blocks if block.kind == kind and len(block.nodes)]
+    corners = [getattr(block.kind, "n_corners", 0) for block in blocks]
+    kept = [block for block, n in zip(blocks, corners) if n not in (2, 3)]
+    for n_corners in (2, 3):
+        of_kind = [block for block, n in zip(blocks, corners) if n == n_corners and len(block.nodes)]
         if of_kind:
             names = set.intersection(*(set(block.data) for block in of_kind))
-            joined = _Block(kind, _joined([block.nodes for block in of_kind]),
-                            {name: _joined([block.data[name] for block in of_kind]) for name in names})
-            holds = _holders(joined.nodes, _tags(joined), elements)
-            kept.append(_Block(kind, joined.nodes[holds], {}))
+            listed = _joined([block.nodes[:, :n_corners] for block in of_kind])
+            tags = _tags({name: _joined([block.data[name] for block in of_kind]) for name in names}, len(listed))
+            holds = np.split(_holders(listed, tags, elements), np.cumsum([len(block.nodes) for block in of_kind])[:-1])
+            kept += [block._replace(nodes=block.nodes[rows]) for block, rows in zip(of_kind, holds)]
     return kept
+
+
+def _check_nodes(block: _Block, n_points: int) -> None:
+    """Refuse nodes that are none; -1 is a mid that is missing."""
+    n_corners = getattr(block.kind, "n_corners", None)
+    for nodes, least in ((block.nodes, 0),) if n_corners is None else (
+            (block.nodes[:, :n_corners], 0), (block.nodes[:, n_corners:], -1)):
+        if nodes.size and not (least <= nodes.min() and nodes.max() < n_points):
+            wrong = nodes.max() if nodes.max() >= n_points else nodes.min()
+            raise ValueError(f"cells of type {block.name} have node {wrong}, which is not in 0 .. {n_points - 1}")
 
 
 def _hold(blocks: list[_Block], n_points: int) -> np.ndarray:
@@ -519,27 +738,73 @@ def _hold(blocks: list[_Block], n_points: int) -> np.ndarray:
     held = np.zeros(n_points, dtype=np.uint8)
     for of_points in (True, False):
         for block in blocks:
-            if (block.kind == _POINT) == of_points:
-                held[block.nodes.ravel()] = 1
+            if (block.name == _POLYVERTEX or getattr(block.kind, "dim", -1) == 0) == of_points:
+                nodes = block.nodes.ravel()
+                held[nodes[nodes >= 0]] = 1
         if of_points and held.all():
             held[:] = 0
     return held
 
 
-def _take_mesh(mesh: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, np.ndarray]]:
-    """Points (the mesh's own array), cells, which nodes other cells hold, and arrays of the cells."""
-    blocks = _blocks(mesh)
-    kinds = {block.kind for block in blocks}
-    kind = _TETRAHEDRON if _TETRAHEDRON in kinds else _TRIANGLE
-    if kind not in kinds:
-        raise ValueError("the mesh has neither tetrahedra nor triangles")
-    chosen = [block for block in blocks if block.kind == kind]
-    elements = _joined([block.nodes for block in chosen])
-    others = _without_complete([block for block in blocks if block.kind != kind], elements)
-    held = _hold(others, len(mesh.points))
-    data = {name: _joined([block.data[name] for block in chosen])
-            for name in chosen[0].data if all(name in block.data for block in chosen)}
-    return mesh.points, elements, held, data
+class _Elements:
+    """Elements, which are the cells of the mesh's dimension in the order given, and the nodes that other
+    cells hold.
+
+    Of straight simplices of one type nodes is [m, dim + 1], and types and offsets are None. Else they are
+    those of planish_cells. corners [.., dim + 1] are those of the elements rows, which are smoothed; rows
+    None: all. at [m] are the places of elements among all cells, data arrays [m] by their names.
+    """
+
+    def __init__(self, blocks: list[_Block], n_points: int) -> None:
+        known = [block for block in blocks if block.kind is not None and len(block.nodes)]
+        self.dim = max((block.kind.dim for block in known if block.kind), default=0)
+        if self.dim < 2:
+            raise ValueError("the mesh has no elements; planish knows "
+                             + ", ".join(kind.name for kind in _TYPES if kind.dim >= 2))
+        chosen = [block for block in known if block.kind and block.kind.dim == self.dim]
+        others = [block for block in blocks if block.kind is None or block.kind.dim < self.dim]
+        at = _joined([block.at for block in chosen])
+        order = np.argsort(at, kind="stable")
+        self.at = at[order]
+        self.data = {name: _joined([block.data[name] for block in chosen])[order]
+                     for name in chosen[0].data if all(name in block.data for block in chosen)}
+        self.types: Optional[np.ndarray] = None
+        self.offsets: Optional[np.ndarray] = None
+        self.rows: Optional[np.ndarray] = None
+        self.held: Optional[np.ndarray] = None
+        if len({block.name for block in chosen}) == 1 and chosen[0].kind.n_nodes == self.dim + 1:  # type: ignore
+            self.nodes = self.corners = _cells(_joined([block.nodes for block in chosen]))
+        else:
+            self._lay_out(chosen, order)
+        for block in others:
+            _check_nodes(block, n_points)
+        others = _without_complete(others, self.corners) if len(self.corners) else others
+        self.held = _hold(others + [block for block in chosen if block.kind.number not in _SMOOTHED[self.dim]],
+                          n_points)
+
+    def _lay_out(self, chosen: list[_Block], order: np.ndarray) -> None:
+        """Make the arrays of planish_cells."""
+        self.types = np.concatenate([np.full(len(block.nodes), block.kind.number, np.uint8) for block in chosen])[order]
+        self.offsets = np.append(0, np.cumsum(_WIDTHS[self.types]))
+        self.nodes = np.empty(self.offsets[-1], dtype=np.int32)
+        rank, first = np.empty(len(order), dtype=np.int64), 0
+        rank[order] = np.arange(len(order))
+        for block in chosen:
+            places = self.offsets[rank[first:first + len(block.nodes)]]
+            self.nodes[places[:, None] + np.arange(block.nodes.shape[1])] = _narrow(block.nodes)
+            first += len(block.nodes)
+        self.rows = np.flatnonzero(np.isin(self.types, _SMOOTHED[self.dim]))
+        self.corners = self.nodes[self.offsets[self.rows][:, None] + np.arange(self.dim + 1)]
+
+    @classmethod
+    def of_simplices(cls, cells: np.ndarray) -> _Elements:
+        """Elements of an array [m, 3 or 4] alone."""
+        made = cls.__new__(cls)
+        made.nodes = made.corners = _cells(cells)
+        made.dim = made.nodes.shape[1] - 1
+        made.types = made.offsets = made.rows = made.held = None
+        made.at, made.data = np.arange(len(made.nodes)), {}
+        return made
 
 
 class _Points:
@@ -605,6 +870,14 @@ def _cells(cells: Any) -> np.ndarray:
                       else np.int64, "CA")
 
 
+def _narrow(nodes: np.ndarray) -> np.ndarray:
+    """Nodes as int32."""
+    for node in (nodes.min(initial=0), nodes.max(initial=0)):
+        if not -(2**31) <= node < 2**31:
+            raise ValueError(f"cells has node {node}, which is out of range")
+    return nodes.astype(np.int32, copy=False)
+
+
 def _nodes(nodes: Any, n: int, what: str) -> np.ndarray:
     """Numbers of nodes, from numbers or a mask [n]."""
     nodes = np.asarray(nodes)
@@ -660,15 +933,15 @@ class _Regions:
         self.view = view
         self.values: list[np.ndarray] = []
         self.names: list[str] = []
-        n = len(view.cells)
-        wanted = self._wanted(data, regions)
+        n = view.mesh.n_elements
+        wanted = self._wanted(data, regions) if len(view.elements.corners) else {}
         for name, values in wanted.items():
             numbers = _numbers(values, n)
             if numbers is not None:
                 self.names.append(name)
-                self.values.append(numbers)
+                self.values.append(numbers if view.elements.rows is None else numbers[view.elements.rows])
             elif regions is not _BY_RULE:
-                raise ValueError(f"regions: array {name!r} has not one number for each of {n} cells")
+                raise ValueError(f"regions: array {name!r} has not one number for each of {n} elements")
         self.arrays = (_CellArray * len(self.names))(*(
             _CellArray(name=name.encode(), values=_address(values), type=_NUMBERS[values.dtype.name], is_region=1)
             for name, values in zip(self.names, self.values)))
@@ -693,7 +966,7 @@ class _Regions:
         """Decide by the rule which arrays tell regions; names of those that do."""
         error = _Error()
         if self.names:
-            _check(_library.planish_find_regions(byref(self.view.mesh), self.arrays, c_int(len(self.names)),
+            _check(_library.planish_find_regions(byref(self.view.straight), self.arrays, c_int(len(self.names)),
                                                  c_int(_threads(self.view.threads)), byref(error)), error)
         return self.used()
 
@@ -706,30 +979,42 @@ class _Regions:
         view, error = self.view, _Error()
         if not self.used():
             return None
-        region = np.zeros(len(view.cells), dtype=np.int32)
+        region = np.zeros(len(view.elements.corners), dtype=np.int32)
         between = np.zeros(view.n, dtype=np.uint8)
         _check(_library.planish_combine_regions(c_int64(len(region)), self.arrays, c_int(len(self.names)),
                                                 c_void_p(_address(region)), None, byref(error)), error)
-        _check(_library.planish_find_interfaces(byref(view.mesh), c_void_p(_address(region)),
+        _check(_library.planish_find_interfaces(byref(view.straight), c_void_p(_address(region)),
                                                 c_int(_threads(view.threads)), c_void_p(_address(between)), None,
                                                 byref(error)), error)
         return between.astype(bool)
 
 
+def _rounding(points: _Points, wanted: Optional[float]) -> float:
+    """How far off the middle of its edge a mid of a straight one may be: by default, as in files, by
+    what floats leave."""
+    if wanted is not None or not points.is_float or not len(points.points):
+        return wanted or 0.0
+    return 1e-6 * float(np.linalg.norm(np.ptp(points.array, axis=0)))
+
+
 class _View:
-    """A planish_mesh, and the arrays that it points to."""
+    """A planish_mesh, and the arrays that it points to. straight: one of the corners of the elements that
+    are smoothed."""
 
     def __init__(self, points: Any, cells: Any, fixed: Any, min_volumes: Any, regions: Any = None,
                  threads: int = 0) -> None:
-        held, data = None, {}
         if cells is None:
-            points, cells, held, data = _take_mesh(points)
-        self.cells = _cells(cells)
-        self.dim = self.cells.shape[1] - 1
+            blocks: Optional[list[_Block]] = _blocks(points)
+            points = points.points
+        else:
+            blocks = _blocks_by_type(cells) if _is_by_type(cells) else None
+        n = len(points) if hasattr(points, "__len__") else 0
+        self.elements = _Elements.of_simplices(cells) if blocks is None else _Elements(blocks, n)
+        self.dim = self.elements.dim
         self.given = points
         self.points = _Points(points, self.dim)
-        n = len(points)
         self.n = n
+        held = self.elements.held
         self.constraint = None
         if fixed is not None or (held is not None and held.any()):
             self.constraint = held if held is not None else np.zeros(n, dtype=np.uint8)
@@ -738,24 +1023,37 @@ class _View:
         self.min_volumes = None
         if min_volumes is not None:
             self.min_volumes = np.require(min_volumes, np.float64, "CA")
-            if self.min_volumes.shape != (len(self.cells),):
-                raise ValueError("min_volumes must have one value for each cell")
-        wide = self.cells.dtype == np.int64
-        self.mesh = _Mesh(
+            if self.min_volumes.shape != (len(self.elements.at),):
+                raise ValueError(f"min_volumes must have one value for each of {len(self.elements.at)} elements")
+        self.straight = self._mesh_of(self.elements.corners)
+        self.mesh = self.straight if self.elements.types is None else self._mesh_of(None)
+        self.threads = threads
+        self.region_arrays: list[str] = []
+        self._hold_interfaces(self.elements.data, regions)
+
+    def _mesh_of(self, simplices: Optional[np.ndarray]) -> _Mesh:
+        """A mesh of simplices, or (None) of the cells."""
+        mesh = _Mesh(
             dim=self.dim,
-            n_nodes=n,
-            n_elements=len(self.cells),
+            n_nodes=self.n,
+            n_elements=len(self.elements.at if simplices is None else simplices),
             coordinates=_address(self.points.array),
-            elements=None if wide else _address(self.cells),
-            elements64=_address(self.cells) if wide else None,
             constraint=_address(self.constraint),
-            min_volume=_address(self.min_volumes),
             node_stride=self.points.strides[0],
             component_stride=self.points.strides[1],
         )
-        self.threads = threads
-        self.region_arrays: list[str] = []
-        self._hold_interfaces(data, regions)
+        if simplices is None or simplices is self.elements.nodes:
+            mesh.min_volume = _address(self.min_volumes)
+        if simplices is None:
+            cells = self.elements
+            self.cells = _CellsOfTypes(n=len(cells.at), type=_address(cells.types), offset=_address(cells.offsets),
+                                       node=_address(cells.nodes))
+            mesh.cells = ctypes.addressof(self.cells)
+        elif simplices.dtype == np.int64:
+            mesh.elements64 = _address(simplices)
+        else:
+            mesh.elements = _address(simplices)
+        return mesh
 
     def _hold_interfaces(self, data: dict[str, Any], regions: Any) -> None:
         """Fix the nodes between regions."""
@@ -770,10 +1068,10 @@ class _View:
         self.mesh.constraint = _address(self.constraint)
 
     def own_cells(self) -> None:
-        """Make the cells a copy that nobody changes; of 64 bits the library has its own."""
-        if self.cells.dtype == np.int32:
-            self.cells = self.cells.copy()
-            self.mesh.elements = _address(self.cells)
+        """Make the elements a copy that nobody changes; of 64 bits the library has its own."""
+        if self.elements.types is None and self.elements.nodes.dtype == np.int32:
+            self.elements.nodes = self.elements.nodes.copy()
+            self.mesh.elements = _address(self.elements.nodes)
 
 
 # ---- what people call ----------------------------------------------------------------------------
@@ -782,10 +1080,18 @@ class _View:
 class Plan:
     """Stars, colours and memory of one connectivity, for many positions of its nodes.
 
-    points [n, 2 or 3] and cells [m, 3 or 4] are arrays of numpy, or points is a mesh of meshio or
-    pyvista (cells is None then), whose nodes on cells of other kinds are held. fixed: numbers, or a
-    mask, of nodes that stay besides those of the boundary. min_volumes [m]: minimum volume of each
-    cell, 0 for none.
+    points [n, 2 or 3] is an array of numpy, and cells are one of
+    - an array [m, 3 or 4] of triangles or tetrahedra
+    - a dict, or pairs, of types and arrays [m, k]: meshio's names ("tetra10") with meshio's order of
+      nodes, or VTK's numbers with VTK's
+    - a tuple of VTK's arrays, (cells, celltypes) as in pyvista, or (nodes, offsets, types)
+    Or points is a mesh of meshio or of pyvista, and cells None. Elements are the cells of the highest
+    dimension, 2 or 3, in the order given; [m] below means these. Triangles and tetrahedra of order 1
+    and 2 are smoothed, and the mid of an edge follows its ends; -1 is a mid that is missing. All other
+    cells hold their nodes.
+    fixed: numbers, or a mask, of nodes that stay besides those of the boundary. min_volumes [m]:
+    minimum volume of each element, 0 for none. rounding: how far off the middle of its edge a mid of a
+    straight edge may be, in units of the points; None: what floats leave, if points are floats.
     regions: nodes between regions (materials) are held. Left out: those of all arrays of the mesh's
     cell data that look like regions, by the program's rule (docs/algorithm.md). An array [m] of whole
     numbers, the name or names of arrays of the cell data, or None: let these nodes move. region_arrays
@@ -811,6 +1117,7 @@ class Plan:
         rings: int = 0,
         around: Optional[Sequence[int]] = None,
         regions: Any = _BY_RULE,
+        rounding: Optional[float] = None,
     ) -> None:
         self._plan = c_void_p()
         self._lock = threading.RLock()
@@ -824,6 +1131,7 @@ class Plan:
         self._process = os.getpid()
         self._options.only_worse_than = only_worse_than
         self._options.rings = _whole(rings, "rings")
+        self._options.rounding = _rounding(self._view.points, rounding)
         self._around = None if around is None else _nodes(around, self._view.n, "around")
         if self._around is not None:
             self._options.around = _address(self._around) or 1
@@ -924,7 +1232,7 @@ class Plan:
     def radius_ratios(self, points: Any = None) -> np.ndarray:
         """Radius ratio [m] of each element at points: 1 is best, 0 inverted or flat; nan of those
         that a plan around some nodes does not know."""
-        error, ratios = _Error(), np.empty(self._view.mesh.n_elements)
+        error, ratios = _Error(), np.zeros(self._view.mesh.n_elements)
         with self._use(measures=True):
             taken = self._coordinates(points)
             _check(
@@ -1019,7 +1327,7 @@ class Plan:
             return result
 
 
-_OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "rings", "around", "regions")
+_OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "rings", "around", "regions", "rounding")
 
 
 def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
@@ -1032,20 +1340,39 @@ def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
         return plan.smooth(**options)
 
 
-def quality(points: Any, cells: Any = None, *, fixed: Any = None, regions: Any = _BY_RULE) -> Quality:
-    """What a mesh is worth: points, cells, fixed and regions as for Plan."""
+def quality(points: Any, cells: Any = None, *, fixed: Any = None, regions: Any = _BY_RULE,
+            rounding: Optional[float] = None, per_element: bool = False) -> Quality:
+    """Quality of a mesh: points, cells, fixed, regions and rounding as for Plan. Its cells tell of
+    elements of all types; per_element gives it elements, the measures of each one, too."""
     view, error, found, options = _View(points, cells, fixed, None, regions), _Error(), Quality(), _Options()
     _library.planish_options_init_sized(byref(options), c_size_t(ctypes.sizeof(_Options)))
     options.threads = _threads(0)
-    _check(_library.planish_measure_mesh(byref(view.mesh), byref(options), byref(found), byref(error)), error)
+    is_simple = view.elements.types is None
+    if is_simple or len(view.elements.corners):
+        _check(_library.planish_measure_mesh(byref(view.mesh), byref(options), byref(found), byref(error)), error)
+    if per_element or not is_simple:
+        _measure_cells(view, rounding, per_element, found)
     return found
 
 
+def _measure_cells(view: _View, rounding: Optional[float], per_element: bool, found: Quality) -> None:
+    """Measure elements of all types."""
+    m, error = view.mesh.n_elements if per_element else 0, _Error()
+    arrays = CellValues(view.elements.at, *(np.zeros(m, dtype) for dtype in (np.uint8, np.uint8) + 4 * (float,)))
+    values = _CellValues(**{name: _address(array) for name, array in arrays._asdict().items() if name != "number"})
+    found.cells = CellQuality()
+    _check(_library.planish_measure_cells(byref(view.mesh), c_double(_rounding(view.points, rounding)),
+                                          c_int(_threads(0)), byref(found.cells),
+                                          byref(values) if per_element else None, byref(error)), error)
+    if per_element:
+        found.elements = arrays._replace(is_curved=arrays.is_curved.astype(bool))
+
+
 def find_layers(points: Any, cells: Any = None, *, threads: int = 0) -> np.ndarray:
-    """Mask [m] of the cells that are thin in layers, as those of a boundary layer: smoothing would
+    """Mask [m] of the elements that are thin in layers, as those of a boundary layer: smoothing would
     make them regular, unless their nodes are fixed. points and cells as for Plan."""
     view, error = _View(points, cells, None, None), _Error()
-    mask = np.zeros(len(view.cells), dtype=np.uint8)
+    mask = np.zeros(view.mesh.n_elements, dtype=np.uint8)
     _check(
         _library.planish_find_layers(
             byref(view.mesh), c_int(_threads(threads)), c_void_p(_address(mask)), None, byref(error)
