@@ -751,8 +751,8 @@ class _Elements:
     cells hold.
 
     Of straight simplices of one type nodes is [m, dim + 1], and types and offsets are None. Else they are
-    those of planish_cells. corners [.., dim + 1] are those of the elements rows, which are smoothed; rows
-    None: all. at [m] are the places of elements among all cells, data arrays [m] by their names.
+    those of planish_cells. corners [.., dim + 1] are those of simplices, straight or not. at [m] are the
+    places of elements among all cells, data arrays [m] by their names.
     """
 
     def __init__(self, blocks: list[_Block], n_points: int) -> None:
@@ -770,7 +770,6 @@ class _Elements:
                      for name in chosen[0].data if all(name in block.data for block in chosen)}
         self.types: Optional[np.ndarray] = None
         self.offsets: Optional[np.ndarray] = None
-        self.rows: Optional[np.ndarray] = None
         self.held: Optional[np.ndarray] = None
         if len({block.name for block in chosen}) == 1 and chosen[0].kind.n_nodes == self.dim + 1:  # type: ignore
             self.nodes = self.corners = _cells(_joined([block.nodes for block in chosen]))
@@ -793,8 +792,8 @@ class _Elements:
             places = self.offsets[rank[first:first + len(block.nodes)]]
             self.nodes[places[:, None] + np.arange(block.nodes.shape[1])] = _narrow(block.nodes)
             first += len(block.nodes)
-        self.rows = np.flatnonzero(np.isin(self.types, _SMOOTHED[self.dim]))
-        self.corners = self.nodes[self.offsets[self.rows][:, None] + np.arange(self.dim + 1)]
+        smoothed = np.isin(self.types, _SMOOTHED[self.dim])
+        self.corners = self.nodes[self.offsets[:-1][smoothed][:, None] + np.arange(self.dim + 1)]
 
     @classmethod
     def of_simplices(cls, cells: np.ndarray) -> _Elements:
@@ -802,7 +801,7 @@ class _Elements:
         made = cls.__new__(cls)
         made.nodes = made.corners = _cells(cells)
         made.dim = made.nodes.shape[1] - 1
-        made.types = made.offsets = made.rows = made.held = None
+        made.types = made.offsets = made.held = None
         made.at, made.data = np.arange(len(made.nodes)), {}
         return made
 
@@ -939,7 +938,7 @@ class _Regions:
             numbers = _numbers(values, n)
             if numbers is not None:
                 self.names.append(name)
-                self.values.append(numbers if view.elements.rows is None else numbers[view.elements.rows])
+                self.values.append(numbers)
             elif regions is not _BY_RULE:
                 raise ValueError(f"regions: array {name!r} has not one number for each of {n} elements")
         self.arrays = (_CellArray * len(self.names))(*(
@@ -966,7 +965,7 @@ class _Regions:
         """Decide by the rule which arrays tell regions; names of those that do."""
         error = _Error()
         if self.names:
-            _check(_library.planish_find_regions(byref(self.view.straight), self.arrays, c_int(len(self.names)),
+            _check(_library.planish_find_regions(byref(self.view.mesh), self.arrays, c_int(len(self.names)),
                                                  c_int(_threads(self.view.threads)), byref(error)), error)
         return self.used()
 
@@ -979,27 +978,26 @@ class _Regions:
         view, error = self.view, _Error()
         if not self.used():
             return None
-        region = np.zeros(len(view.elements.corners), dtype=np.int32)
+        region = np.zeros(view.mesh.n_elements, dtype=np.int32)
         between = np.zeros(view.n, dtype=np.uint8)
         _check(_library.planish_combine_regions(c_int64(len(region)), self.arrays, c_int(len(self.names)),
                                                 c_void_p(_address(region)), None, byref(error)), error)
-        _check(_library.planish_find_interfaces(byref(view.straight), c_void_p(_address(region)),
+        _check(_library.planish_find_interfaces(byref(view.mesh), c_void_p(_address(region)),
                                                 c_int(_threads(view.threads)), c_void_p(_address(between)), None,
                                                 byref(error)), error)
         return between.astype(bool)
 
 
 def _rounding(points: _Points, wanted: Optional[float]) -> float:
-    """How far off the middle of its edge a mid of a straight one may be: by default, as in files, by
-    what floats leave."""
+    """How far off the middle of a straight edge its mid may be: by default, as in files, by what floats
+    leave."""
     if wanted is not None or not points.is_float or not len(points.points):
         return wanted or 0.0
-    return 1e-6 * float(np.linalg.norm(np.ptp(points.array, axis=0)))
+    return max(1e-6 * float(np.linalg.norm(np.ptp(points.array, axis=0))), 2.0**-22 * float(np.abs(points.array).max()))
 
 
 class _View:
-    """A planish_mesh, and the arrays that it points to. straight: one of the corners of the elements that
-    are smoothed."""
+    """A planish_mesh, and the arrays that it points to."""
 
     def __init__(self, points: Any, cells: Any, fixed: Any, min_volumes: Any, regions: Any = None,
                  threads: int = 0) -> None:
@@ -1025,35 +1023,27 @@ class _View:
             self.min_volumes = np.require(min_volumes, np.float64, "CA")
             if self.min_volumes.shape != (len(self.elements.at),):
                 raise ValueError(f"min_volumes must have one value for each of {len(self.elements.at)} elements")
-        self.straight = self._mesh_of(self.elements.corners)
-        self.mesh = self.straight if self.elements.types is None else self._mesh_of(None)
-        self.threads = threads
-        self.region_arrays: list[str] = []
-        self._hold_interfaces(self.elements.data, regions)
-
-    def _mesh_of(self, simplices: Optional[np.ndarray]) -> _Mesh:
-        """A mesh of simplices, or (None) of the cells."""
-        mesh = _Mesh(
+        wide = self.elements.types is None and self.elements.nodes.dtype == np.int64
+        self.mesh = _Mesh(
             dim=self.dim,
-            n_nodes=self.n,
-            n_elements=len(self.elements.at if simplices is None else simplices),
+            n_nodes=n,
+            n_elements=len(self.elements.at),
             coordinates=_address(self.points.array),
+            elements64=_address(self.elements.nodes) if wide else None,
             constraint=_address(self.constraint),
+            min_volume=_address(self.min_volumes),
             node_stride=self.points.strides[0],
             component_stride=self.points.strides[1],
         )
-        if simplices is None or simplices is self.elements.nodes:
-            mesh.min_volume = _address(self.min_volumes)
-        if simplices is None:
-            cells = self.elements
-            self.cells = _CellsOfTypes(n=len(cells.at), type=_address(cells.types), offset=_address(cells.offsets),
-                                       node=_address(cells.nodes))
-            mesh.cells = ctypes.addressof(self.cells)
-        elif simplices.dtype == np.int64:
-            mesh.elements64 = _address(simplices)
-        else:
-            mesh.elements = _address(simplices)
-        return mesh
+        if self.elements.types is not None:
+            self.cells = _CellsOfTypes(n=len(self.elements.at), type=_address(self.elements.types),
+                                       offset=_address(self.elements.offsets), node=_address(self.elements.nodes))
+            self.mesh.cells = ctypes.addressof(self.cells)
+        elif not wide:
+            self.mesh.elements = _address(self.elements.nodes)
+        self.threads = threads
+        self.region_arrays: list[str] = []
+        self._hold_interfaces(self.elements.data, regions)
 
     def _hold_interfaces(self, data: dict[str, Any], regions: Any) -> None:
         """Fix the nodes between regions."""
