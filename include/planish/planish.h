@@ -180,21 +180,21 @@ typedef struct planish_mesh {
                                     planish_plan_create for what they save */
     const int64_t *neighbours64; /* the same, in place of neighbours */
     const struct planish_part *part; /* what this process has of the mesh; NULL: all of it */
-    const planish_cells
-        *cells;              /* elements of any types, in place of elements (which are NULL then);
-                                   n_elements is cells->n, and arrays per element go by these.
-                                   Triangles (dim 2) or tetrahedra (dim 3) of order 1 and 2 are
-                                   smoothed by their corners, and are what is said of elements.
-                                   Other elements have entries of 0 in results, and hold their
-                                   nodes. A mid of an edge follows: by half of the way of both ends,
-                                   so that a straight edge stays straight and a curved one keeps its
-                                   offset. Held are
-                                   - both ends of an edge whose mid is FIXED, a node of an element
-                                     that holds it, or a corner or another edge's mid elsewhere
-                                   - nodes that slide at an edge that is curved (see
-                                     planish_options.rounding) and has its other end on the
-                                     boundary, too
-                                   neighbours and part are for elements alone. */
+    /* Elements of any types, in place of elements, which are NULL then; NULL: none. n_elements is
+       cells->n. Arrays per element and planish_error.element go by cells. Triangles (dim 2) or
+       tetrahedra (dim 3) of order 1 and 2 are smoothed by their corners; at least one is needed.
+       Counts and measures of elements are theirs. Other elements, those of another dimension
+       included, hold their nodes. Their entries are not looked at on input, and 0 on output.
+       A mid follows its edge, by half of the way of both ends: a straight edge stays straight, a
+       curved one keeps its offset. Orders may be mixed: an edge has a mid if one of its elements
+       has. Of constraints of mids FIXED alone counts, and bounds are for corners. Held are
+       - corners that are nodes of another element
+       - both ends of an edge whose mid is FIXED, a node of another element, a corner elsewhere or
+         the mid of another edge
+       - nodes that slide at a curved edge (planish_options.rounding) whose other end is not free.
+       Pairs of mids in periodic are passed over: mids follow. neighbours and part are for elements
+       alone. */
+    const planish_cells *cells;
     const void *reserved[6]; /* NULL */
 } planish_mesh;
 
@@ -271,11 +271,10 @@ typedef struct planish_surface {
     int tagged_only;          /* not 0: only nodes all of whose facets bear tags slide */
     double tolerance;         /* how far off a plane or line its nodes may be, as a fraction of the
                                  diagonal of the bounding box, 0 .. 1e-3; 0: 1e-8 */
-    const int64_t
-        *facet_offset;       /* [n_facets + 1] the nodes of facet i are facets[facet_offset[i]] ..
-                                    facets[facet_offset[i + 1] - 1]: its corners, and mids, which are
-                                    not looked at; those of facets that are no facet of a smoothed
-                                    element are held. NULL: dim nodes each */
+    /* [n_facets + 1] from 0: the nodes of facet i are facets[facet_offset[i]] ..
+       facets[facet_offset[i + 1] - 1], in the order of VTK: 3, 4, 6, 8 or 9, in 2-D 2 or 3. Mids
+       are not looked at. Corners of quadrilaterals become FIXED. NULL: dim nodes each. */
+    const int64_t *facet_offset;
     const void *reserved[3]; /* NULL */
 } planish_surface;
 
@@ -292,8 +291,11 @@ typedef struct planish_slide_info {
  *  planish_mesh asks for. Nodes that mesh->constraint (NULL: all FREE) does not call FREE stay what
  *  they are there; nodes of the surface that cannot slide, among them those of interfaces and of
  *  tagged facets and edges that the mesh has not, and those at the place of another one (of parts
- *  side by side that have the nodes between them twice), become FIXED. surface and info may be
- *  NULL. threads: as in planish_options. Errors: _ARGUMENT, _MESH, _MEMORY. */
+ *  side by side that have the nodes between them twice), become FIXED. With mesh->cells so do
+ *  corners that cells hold, ends of a curved edge of the surface, and corners of a triangle that
+ *  such an edge makes curved. Mids stay what they are; that of a curved edge is off its middle by
+ *  more than tolerance. surface and info may be NULL. threads: as in planish_options. Errors:
+ *  _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface,
                                     int threads, uint8_t *constraint, double *direction,
                                     planish_slide_info *info, planish_error *error);
@@ -639,9 +641,9 @@ typedef struct planish_plan_info {
 /** Make a plan for mesh: validate it, find its orientation and its boundary, order and colour its
  *  movable nodes. Uses threads, bind and isa of options (NULL: defaults), its allocator, parallel
  *  and log, and only_worse_than, around, rings and minimum volumes to choose the nodes. The plan
- *  refers to mesh->elements (not to elements64), and to mesh->part with all that it points to:
- *  these must stay as they are until planish_plan_destroy; the other arrays are not read after the
- *  return.
+ *  refers to mesh->elements (not to elements64) or the arrays of mesh->cells, and to mesh->part with
+ *  all that it points to: these must stay as they are until planish_plan_destroy; the other arrays
+ *  are not read after the return.
  *  The plan decides the orientation of elements from these coordinates: for a mirrored copy of them
  *  make another plan. Nodes with more than 43690 elements are held. A mesh
  *  without elements is an error.
@@ -670,13 +672,14 @@ PLANISH_API void planish_plan_destroy(planish_plan *plan);
 /** Fill *info with the figures of plan. For NULL every field is 0. */
 PLANISH_API void planish_plan_get_info(const planish_plan *plan, planish_plan_info *info);
 /** Fill is_free [n_nodes of the mesh] with 1 for free nodes, which may move anywhere, and with 0
- *  for all others, sliding nodes included. */
+ *  for all others: sliding nodes and mids (which follow) included. */
 PLANISH_API void planish_plan_get_free(const planish_plan *plan, uint8_t *is_free);
 
 /** Why a node does not move, as bits: a node may have several reasons. */
 typedef enum planish_hold_reason {
     PLANISH_HELD_BOUNDARY = 1,     /* on a facet of one element */
-    PLANISH_HELD_FIXED = 2,        /* planish_mesh.constraint is PLANISH_CONSTRAINT_FIXED */
+    PLANISH_HELD_FIXED = 2,        /* planish_mesh.constraint is PLANISH_CONSTRAINT_FIXED, or
+                                      planish_mesh.cells hold the node */
     PLANISH_HELD_PERIODIC = 4,     /* in a pair of planish_mesh.periodic */
     PLANISH_HELD_DOUBLED = 8,      /* at exactly the place of another node that is not inside the
                                       mesh; never the only reason */
@@ -693,9 +696,9 @@ typedef enum planish_hold_reason {
  *  [n_nodes][dim] (or as the mesh's strides say) are needed for PLANISH_HELD_DOUBLED alone; NULL:
  *  no node has that bit. The call costs about as much as the search for the boundary in
  *  planish_plan_create. With options.around the reasons of nodes outside the plan are
- *  PLANISH_HELD_NOT_CHOSEN. With a mesh in parts the reasons are those of the nodes that this
- *  process moves; the call does not wait for other processes. The result is the same for any number
- *  of threads. Errors: _ARGUMENT, _MEMORY; reason is then untouched. */
+ *  PLANISH_HELD_NOT_CHOSEN. A mid has no reason if an end of its edge moves, else those of both.
+ *  With a mesh in parts the reasons are those of the nodes that this process moves; the call does
+ *  not wait for other processes. The result is the same for any number of threads. Errors: _ARGUMENT, _MEMORY; reason is then untouched. */
 PLANISH_API int planish_plan_get_held(const planish_plan *plan, const double *coordinates,
                                       uint8_t *reason, planish_error *error);
 

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
+#include "geometry/cell.h"
 #include "topology/facets.h"
 
 #include <string.h>
@@ -112,6 +113,28 @@ static uint8_t reason_of(const hold_search *s, int64_t node) {
     return reason & (uint8_t)~PLANISH_HELD_DOUBLED ? reason : reason | PLANISH_HELD_NONMANIFOLD;
 }
 
+/** Give mids the reasons of their ends, or none if an end moves, and nodes of other elements that of
+ *  fixed nodes. */
+static void give_reasons_of_cells(const planish_plan *plan, uint8_t *reason) {
+    const planish_cells *cells = &plan->cells;
+    const int k = plan->dim + 1;
+    for (int64_t i = 0; i < plan->whole.n_nodes; i++)
+        if (pl_follows(plan->role[i]))
+            reason[i] = 0;
+        else if ((plan->role[i] & PL_OF_OTHER) && reason[i] == PLANISH_HELD_UNUSED)
+            reason[i] = PLANISH_HELD_FIXED;
+    for (int64_t i = 0; i < cells->n; i++) {
+        const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
+        const int32_t *node = cells->node + cells->offset[i];
+        for (int j = k; pl_is_smoothed(cells->type[i], plan->dim) && j < type->n_nodes; j++) {
+            const uint8_t a = reason[node[type->between[j][0]]];
+            const uint8_t b = reason[node[type->between[j][1]]];
+            if (node[j] >= 0 && pl_follows(plan->role[node[j]]) && a && b)
+                reason[node[j]] |= a | b;
+        }
+    }
+}
+
 int planish_plan_get_held(const planish_plan *plan, const double *coordinates, uint8_t *reason,
                           planish_error *error) {
     if (!plan || !reason)
@@ -147,6 +170,8 @@ int planish_plan_get_held(const planish_plan *plan, const double *coordinates, u
         memset(reason, PLANISH_HELD_NOT_CHOSEN, (size_t)plan->whole.n_nodes);
     for (int64_t i = 0; !status && i < n; i++)
         reason[s.node_of ? s.node_of[i] : i] = s.moves[i] ? 0 : reason_of(&s, i);
+    if (!status && plan->role)
+        give_reasons_of_cells(plan, reason);
     pl_incidence_destroy(&s.incidence);
     pl_free(s.facts);
     pl_free(s.is_inside);

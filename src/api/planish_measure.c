@@ -7,6 +7,7 @@
 #include "base/parts.h"
 #include "base/status.h"
 #include "quality/measure.h"
+#include "topology/subset.h"
 
 #include <string.h>
 
@@ -53,9 +54,15 @@ int planish_measure(const planish_plan *plan, const double *coordinates, planish
     int status = begin_measuring(plan, coordinates, &m, error);
     if (!status)
         status = pl_measure(plan->all, m.x, plan->threads, quality, error);
-    if (!status && plan->all == &plan->work && quality->worst_element >= 0)
-        quality->worst_element = pl_plan_element(plan, quality->worst_element);
+    const int32_t *row = pl_plan_rows(plan);
+    if (!status && row && quality->worst_element >= 0)
+        quality->worst_element = row[quality->worst_element];
     return end_measuring(&m, status, error);
+}
+
+/** Whether an element of the caller is one that plans measure. */
+static int has_ratio(const planish_plan *plan, int64_t element) {
+    return plan->cells.n == 0 || pl_is_smoothed(plan->cells.type[element], plan->dim);
 }
 
 int planish_measure_elements(const planish_plan *plan, const double *coordinates,
@@ -65,20 +72,20 @@ int planish_measure_elements(const planish_plan *plan, const double *coordinates
                        "plan, coordinates and radius_ratio must not be NULL");
     measuring m;
     const pl_view all = pl_view_of_all_elements(plan->all);
-    const int is_alone = plan->scope == PL_SUBSET_ALONE;
+    const int32_t *row = pl_plan_rows(plan);
     double *ratio = radius_ratio;
     int status = begin_measuring(plan, coordinates, &m, error);
-    if (!status && is_alone) {
+    if (!status && row) {
         ratio = pl_alloc(all.n_elements, sizeof *ratio);
         status = ratio ? PLANISH_OK : pl_fail_memory(error, "the radius ratios");
     }
     if (!status)
         pl_find_ratios(&all, m.x, plan->threads, ratio);
-    /* Elements that the plan does not know have none. */
-    for (int64_t i = 0; !status && is_alone && i < plan->whole.n_elements; i++)
-        radius_ratio[i] = (double)NAN;
-    for (int64_t i = 0; !status && is_alone && i < all.n_elements; i++)
-        radius_ratio[pl_plan_element(plan, i)] = ratio[i];
+    /* Elements that are not known to the plan have none. */
+    for (int64_t i = 0; !status && row && i < pl_plan_given(plan); i++)
+        radius_ratio[i] = has_ratio(plan, i) ? (double)NAN : 0;
+    if (!status && row)
+        pl_rows_put(ratio, row, all.n_elements, sizeof *ratio, plan->threads, radius_ratio);
     if (ratio != radius_ratio)
         pl_free(ratio);
     return end_measuring(&m, status, error);
@@ -99,13 +106,13 @@ int planish_find_reversed(const planish_plan *plan, const double *coordinates, u
         else
             n_found = pl_find_reversed(plan->all, m.x, plan->threads, state);
     }
-    const int64_t n_elements = plan->all->n_elements;
     if (!status)
         status = pl_parts_check(error);
-    if (!status && reversed)
-        memset(reversed, 0, (size_t)plan->whole.n_elements);
-    for (int64_t i = 0; !status && reversed && i < n_elements; i++)
-        reversed[plan->scope == PL_SUBSET_ALONE ? pl_plan_element(plan, i) : i] = state[i];
+    if (!status && reversed) {
+        memset(reversed, 0, (size_t)pl_plan_given(plan));
+        pl_rows_put(state, pl_plan_rows(plan), plan->all->n_elements, sizeof *state, plan->threads,
+                    reversed);
+    }
     if (!status && n)
         *n = n_found;
     pl_free(state);

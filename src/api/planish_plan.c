@@ -100,7 +100,7 @@ void planish_find_wrapped(const planish_plan *plan, uint8_t *wrapped, int64_t *n
         *n = plan ? plan->n_wrapped : 0;
     if (!plan || !wrapped)
         return;
-    memset(wrapped, 0, (size_t)plan->whole.n_elements);
+    memset(wrapped, 0, (size_t)pl_plan_given(plan));
     for (int64_t i = 0; i < plan->n_wrapped; i++)
         wrapped[pl_plan_element(plan, plan->wrapped[i])] = 1;
 }

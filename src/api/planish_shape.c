@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "base/status.h"
 #include "topology/points.h"
+#include "topology/subset.h"
 #include "topology/topology.h"
 
 #include <inttypes.h>
@@ -16,6 +17,7 @@
 
 /** A call on a mesh. */
 typedef struct shape_call {
+    const planish_mesh *mesh; /* the caller's */
     int threads;
     pl_outside outside;
     pl_dense dense; /* the mesh, owned */
@@ -28,6 +30,7 @@ static int begin_call(const planish_mesh *mesh, int threads, shape_call *call,
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
                        PL_MAX_THREADS);
+    call->mesh = mesh;
     call->threads = pl_thread_count(threads);
     call->outside = pl_call_enter(NULL);
     const int status = pl_dense_create(mesh, call->threads, &call->dense, error);
@@ -43,6 +46,23 @@ static void end_call(shape_call *call) {
 
 /* ---- layers ------------------------------------------------------------------------------- */
 
+static int find_layers(const shape_call *call, uint8_t *is_layer, int64_t *n,
+                       planish_error *error) {
+    const planish_mesh *mesh = &call->dense.mesh;
+    if (!call->dense.cell_of)
+        return pl_find_layers(mesh, call->threads, is_layer, n, error);
+    uint8_t *found = pl_alloc(mesh->n_elements, sizeof *found);
+    const int status = found ? pl_find_layers(mesh, call->threads, found, n, error)
+                             : pl_fail_memory(error, "the elements of layers");
+    if (!status) {
+        memset(is_layer, 0, (size_t)call->mesh->n_elements);
+        pl_rows_put(found, call->dense.cell_of, mesh->n_elements, sizeof *found, call->threads,
+                    is_layer);
+    }
+    pl_free(found);
+    return status;
+}
+
 int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer, int64_t *n_layer,
                         planish_error *error) {
     shape_call call;
@@ -52,7 +72,7 @@ int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer
     int status = begin_call(mesh, threads, &call, error);
     if (status)
         return status;
-    status = pl_find_layers(&call.dense.mesh, call.threads, is_layer, &n, error);
+    status = find_layers(&call, is_layer, &n, error);
     end_call(&call);
     if (!status && n_layer)
         *n_layer = n;
@@ -63,6 +83,29 @@ int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer
 
 int planish_region_name(const char *name) {
     return pl_region_name(name);
+}
+
+/** Find regions with the values of the mesh's elements alone. */
+static int find_regions(const shape_call *call, planish_cell_array *arrays, int n_arrays,
+                        planish_error *error) {
+    const planish_mesh *mesh = &call->dense.mesh;
+    if (!call->dense.cell_of)
+        return pl_find_regions(mesh, arrays, n_arrays, call->threads, error);
+    planish_cell_array *taken = pl_alloc_zero(n_arrays, sizeof *taken);
+    int failed = !taken;
+    for (int i = 0; taken && i < n_arrays; i++) {
+        taken[i] = arrays[i];
+        taken[i].values = pl_rows_take(arrays[i].values, call->dense.cell_of, mesh->n_elements,
+                                       pl_number_size(arrays[i].type), call->threads, &failed);
+    }
+    const int status = failed ? pl_fail_memory(error, "the arrays of elements")
+                              : pl_find_regions(mesh, taken, n_arrays, call->threads, error);
+    for (int i = 0; !status && i < n_arrays; i++)
+        arrays[i].is_region = taken[i].is_region;
+    for (int i = 0; taken && i < n_arrays; i++)
+        pl_free((void *)taken[i].values);
+    pl_free(taken);
+    return status;
 }
 
 int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_arrays,
@@ -76,7 +119,7 @@ int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, i
         return status;
     status = pl_check_cell_arrays(arrays, n_arrays, mesh->n_elements, error);
     if (!status)
-        status = pl_find_regions(&call.dense.mesh, arrays, n_arrays, call.threads, error);
+        status = find_regions(&call, arrays, n_arrays, error);
     end_call(&call);
     return status;
 }
@@ -104,6 +147,19 @@ int planish_combine_regions(int64_t n_elements, const planish_cell_array *arrays
     return status;
 }
 
+/** Make *region, by the caller's elements, one by the mesh's: *taken, owned, is set if it is a copy.
+ *  NULL stays. */
+static int take_regions(const shape_call *call, const int32_t **region, int32_t **taken,
+                        planish_error *error) {
+    int failed = 0;
+    if (!call->dense.cell_of)
+        return PLANISH_OK;
+    *taken = pl_rows_take(*region, call->dense.cell_of, call->dense.mesh.n_elements, sizeof **taken,
+                          call->threads, &failed);
+    *region = *taken;
+    return failed ? pl_fail_memory(error, "the regions of elements") : PLANISH_OK;
+}
+
 int planish_find_interfaces(const planish_mesh *mesh, const int32_t *region, int threads,
                             uint8_t *is_between, int64_t *n_between, planish_error *error) {
     shape_call call;
@@ -113,7 +169,11 @@ int planish_find_interfaces(const planish_mesh *mesh, const int32_t *region, int
     int status = begin_call(mesh, threads, &call, error);
     if (status)
         return status;
-    status = pl_find_interfaces(&call.dense.mesh, region, is_between, &n, error);
+    int32_t *taken = NULL;
+    status = take_regions(&call, &region, &taken, error);
+    if (!status)
+        status = pl_find_interfaces(&call.dense.mesh, region, is_between, &n, error);
+    pl_free(taken);
     end_call(&call);
     if (!status && n_between)
         *n_between = n;
@@ -139,6 +199,36 @@ static int check_nodes(const planish_mesh *mesh, const int32_t *nodes, int64_t n
 /** Facets and edges that are listed: more than any mesh of INT32_MAX nodes has. */
 static const int64_t MOST_LISTED = (int64_t)8 * INT32_MAX;
 
+/** Number of corners of a facet of n nodes; 0: no facet has so many. */
+static int corners_of(int dim, int64_t n) {
+    if (dim == 2)
+        return n == 2 || n == 3 ? 2 : 0;
+    return n == 3 || n == 6 ? 3 : n == 4 || n == 8 || n == 9 ? 4 : 0;
+}
+
+/** Check facets of any numbers of nodes: offsets, and corners. */
+static int check_facets(const planish_mesh *mesh, const planish_surface *tags,
+                        planish_error *error) {
+    const int64_t *offset = tags->facet_offset;
+    if (!offset)
+        return check_nodes(mesh, tags->facets, tags->n_facets * mesh->dim, "facets", error);
+    if (tags->n_facets > 0 && !tags->facets)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "surface.facets must not be NULL");
+    for (int64_t i = 0; i < tags->n_facets; i++) {
+        const int n = corners_of(mesh->dim, offset[i + 1] - offset[i]);
+        if (offset[0] != 0 || n == 0)
+            return pl_fail(
+                error, PLANISH_ERROR_ARGUMENT,
+                "surface.facet_offset of facet %" PRId64 " is %" PRId64 ", of the next one %" PRId64
+                "; offsets begin at 0, and facets have %s nodes",
+                i, offset[i], offset[i + 1], mesh->dim == 3 ? "3, 4, 6, 8 or 9" : "2 or 3");
+        const int status = check_nodes(mesh, tags->facets + offset[i], n, "facets", error);
+        if (status)
+            return status;
+    }
+    return PLANISH_OK;
+}
+
 static int check_tags(const planish_mesh *mesh, const planish_surface *tags, planish_error *error) {
     if (!tags)
         return PLANISH_OK;
@@ -154,8 +244,21 @@ static int check_tags(const planish_mesh *mesh, const planish_surface *tags, pla
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "surface.tolerance is %g; give 0 to %g of the diagonal of the bounding box",
                        tags->tolerance, LARGEST_TOLERANCE);
-    int status = check_nodes(mesh, tags->facets, tags->n_facets * mesh->dim, "facets", error);
+    const int status = check_facets(mesh, tags, error);
     return status ? status : check_nodes(mesh, tags->edges, tags->n_edges * 2, "edges", error);
+}
+
+static int find_slides(shape_call *call, const planish_surface *surface, uint8_t *constraint,
+                       double *direction, planish_slide_info *info, planish_error *error) {
+    planish_surface tags = surface ? *surface : (planish_surface){0};
+    int32_t *taken = NULL;
+    call->dense.mesh.constraint = call->mesh->constraint;
+    int status = take_regions(call, &tags.region, &taken, error);
+    if (!status)
+        status = pl_find_slides(&call->dense, call->mesh, surface ? &tags : NULL, call->threads,
+                                constraint, direction, info, error);
+    pl_free(taken);
+    return status;
 }
 
 int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface, int threads,
@@ -176,8 +279,7 @@ int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface
                                 " is %d; give a planish_constraint, 0 to %d",
                                 i, mesh->constraint[i], PLANISH_CONSTRAINT_ON_SURFACE);
     if (!status)
-        status = pl_find_slides(&call.dense.mesh, surface, call.threads, constraint, direction,
-                                &found, error);
+        status = find_slides(&call, surface, constraint, direction, &found, error);
     end_call(&call);
     if (!status && info)
         *info = found;

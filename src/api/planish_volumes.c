@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/parts.h"
 #include "base/status.h"
+#include "topology/subset.h"
 
 #include <string.h>
 
@@ -132,12 +133,13 @@ static int find_elements(const planish_plan *plan, const double *coordinates,
         if (!status)
             status = pl_parts_check(error);
     }
-    const int is_alone = plan->scope == PL_SUBSET_ALONE;
-    if (!status && out && is_alone)
-        memset(out, PLANISH_VOLUME_MET, (size_t)plan->whole.n_elements);
-    for (int64_t i = 0; !status && out && i < plan->all->n_elements; i++)
-        out[is_alone ? plan->element_of[i] : i] =
-            by_volume ? c.state[i] : c.state[i] == PLANISH_VOLUME_INFEASIBLE;
+    for (int64_t i = 0; !status && !by_volume && i < plan->all->n_elements; i++)
+        c.state[i] = c.state[i] == PLANISH_VOLUME_INFEASIBLE;
+    if (!status && out) {
+        memset(out, 0, (size_t)pl_plan_given(plan)); /* or PLANISH_VOLUME_MET */
+        pl_rows_put(c.state, pl_plan_rows(plan), plan->all->n_elements, sizeof *out, plan->threads,
+                    out);
+    }
     if (!status)
         *n = n_found;
     if (!status && n_undecided)

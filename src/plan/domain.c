@@ -79,6 +79,15 @@ static int check_around(const planish_mesh *mesh, const planish_options *options
     return PLANISH_OK;
 }
 
+/** Keep what the plan has to know of cells of several types. */
+static void keep_cells(pl_draft *d, const planish_mesh *mesh, pl_dense *dense) {
+    if (!dense->role)
+        return;
+    d->plan->cells = *mesh->cells;
+    d->plan->role = dense->role;
+    dense->role = NULL;
+}
+
 /** Find the subset around options->around by passes over the mesh. */
 static int find_around(const planish_mesh *mesh, pl_draft *d, planish_error *error) {
     const int threads = d->plan->threads;
@@ -94,6 +103,11 @@ static int find_around(const planish_mesh *mesh, pl_draft *d, planish_error *err
         status = pl_fail_memory(error, "the nodes that are worked on");
     }
     pl_free(selected);
+    for (int64_t i = 0; dense.cell_of && i < d->subset.n_elements; i++)
+        d->subset.element[i] = dense.cell_of[d->subset.element[i]];
+    d->dense.constraint = dense.constraint;
+    keep_cells(d, mesh, &dense);
+    dense.constraint = NULL;
     pl_dense_destroy(&dense);
     return status;
 }
@@ -113,7 +127,10 @@ static int begin_around(const planish_mesh *mesh, pl_draft *d, planish_error *er
     if (status)
         return status;
     const pl_subset subset = d->subset;
-    status = narrow(d, mesh, PL_SUBSET_ALONE, error);
+    planish_mesh whole = *mesh;
+    if (d->dense.constraint)
+        whole.constraint = d->dense.constraint;
+    status = narrow(d, &whole, PL_SUBSET_ALONE, error);
     if (!status)
         status = pl_check_periodic(mesh, error);
     if (status || mesh->n_periodic == 0)
@@ -135,6 +152,7 @@ static int begin_around(const planish_mesh *mesh, pl_draft *d, planish_error *er
 
 int pl_draft_begin(const planish_mesh *mesh, pl_draft *d, planish_error *error) {
     planish_plan *plan = d->plan;
+    d->given = mesh;
     /* So far these options do not work where other processes have parts of the mesh. */
     if (mesh->part && (d->options->around || mesh->n_periodic > 0))
         return pl_fail(error, PLANISH_ERROR_PARTS,
@@ -150,8 +168,7 @@ int pl_draft_begin(const planish_mesh *mesh, pl_draft *d, planish_error *error) 
     plan->work.n_elements = plan->whole.n_elements = d->mesh->n_elements;
     plan->own_elements = d->dense.elements;
     plan->cell_of = d->dense.cell_of;
-    if (mesh->cells)
-        plan->cells = *mesh->cells;
+    keep_cells(d, mesh, &d->dense);
     d->dense.elements = NULL;
     d->dense.cell_of = NULL;
     status = pl_check_part(d->mesh, error);

@@ -1,14 +1,16 @@
 /* draft: find the free nodes of a plan, order and colour them, gather their stars. */
 #include "plan/draft.h"
 
-#include "geometry/fetch.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
+#include "geometry/cell.h"
+#include "geometry/fetch.h"
 #include "geometry/simplex.h"
 
 #include <inttypes.h>
+#include <string.h>
 
 enum {
     CHUNK_NODES = 1024,
@@ -47,7 +49,7 @@ void pl_draft_destroy(pl_draft *d) {
  *  selected, is not known to be on the boundary, and its constraint says so. */
 static void mark_candidates(void *context, int64_t begin, int64_t end, int thread) {
     const pl_draft *d = context;
-    const uint8_t *constraint = d->mesh->constraint;
+    const uint8_t *constraint = d->mesh->constraint, *role = d->plan->role;
     int64_t unused = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
@@ -62,7 +64,7 @@ static void mark_candidates(void *context, int64_t begin, int64_t end, int threa
                  : 0;
         d->mobility[i] = used && pl_is_own(d->mesh->part, i) && is_chosen && !is_paired &&
                          of_caller == PLANISH_CONSTRAINT_FREE && !d->boundary.on_boundary[i];
-        unused += !used;
+        unused += !used && !(role && role[pl_plan_node(d->plan, i)]);
     }
     __atomic_fetch_add(&d->plan->info.n_unused, unused, __ATOMIC_RELAXED);
 }
@@ -261,6 +263,36 @@ static int check_constraints(const pl_draft *d, int64_t *n_sliding, planish_erro
     return PLANISH_OK;
 }
 
+/** Hold the ends of a curved edge that may slide: the boundary would change its shape. An end that
+ *  goes anywhere is inside, and does not matter. */
+static void hold_ends(pl_draft *d, const int32_t end[2]) {
+    for (int j = 0; j < 2; j++)
+        if (d->slides[end[j]] && d->mobility[end[1 - j]] != PL_INTERIOR) {
+            d->slides[end[j]] = 0;
+            d->plan->is_used[end[j]] |= PL_FIXED_BY_CALLER;
+        }
+}
+
+/** Hold the nodes that cannot slide because of curved edges. */
+static void hold_curved(pl_draft *d) {
+    const planish_plan *plan = d->plan;
+    const int k = plan->dim + 1;
+    for (int64_t i = 0; plan->cells.n > 0 && i < plan->work.n_elements; i++) {
+        const int32_t *node = d->mesh->elements + i * k;
+        const int64_t cell = pl_plan_element(plan, i);
+        const pl_cell_type *type = pl_cell_type_of(plan->cells.type[cell]);
+        if (type->order == 1 || !pl_any_moves(d->slides, node, k))
+            continue;
+        const int curved = pl_curved_edges(d->given, cell, d->options->rounding);
+        for (int e = 0; curved >> e; e++) {
+            const uint8_t *between = type->between[k + e];
+            const int32_t end[2] = {node[between[0]], node[between[1]]};
+            if (curved >> e & 1)
+                hold_ends(d, end);
+        }
+    }
+}
+
 /** Find the nodes that may slide, and the mesh that they are in: with copies where some of them
  * move together. */
 static int prepare_periodic(pl_draft *d, planish_mesh *around, planish_error *error) {
@@ -283,6 +315,7 @@ static int prepare_periodic(pl_draft *d, planish_mesh *around, planish_error *er
     for (int64_t i = 0; i < plan->n_wrapped; i++)
         for (int j = 0; j <= plan->dim; j++)
             d->slides[mesh->elements[(int64_t)plan->wrapped[i] * (plan->dim + 1) + j]] = 0;
+    hold_curved(d);
     *around = *mesh;
     if (mesh->n_periodic == 0)
         return PLANISH_OK;
@@ -403,6 +436,26 @@ static int prepare_nodes(pl_draft *d, planish_error *error) {
     return status;
 }
 
+/** Put mids behind the other nodes of the order: what sweeps read stays together. */
+static int put_mids_last(pl_draft *d, planish_error *error) {
+    const int64_t n = d->plan->work.n_nodes;
+    const uint8_t *role = d->plan->role;
+    if (!role || d->plan->scope != PL_ALL)
+        return PLANISH_OK;
+    int32_t *mid = pl_alloc(n, sizeof *mid);
+    int64_t n_mids = 0;
+    if (!mid)
+        return pl_fail_memory(error, "nodes");
+    for (int64_t i = 0; i < n; i++)
+        if (pl_follows(role[d->order[i]]))
+            mid[n_mids++] = d->order[i];
+        else
+            d->order[i - n_mids] = d->order[i];
+    memcpy(d->order + n - n_mids, mid, (size_t)n_mids * sizeof *mid);
+    pl_free(mid);
+    return PLANISH_OK;
+}
+
 int pl_draft_finish(pl_draft *d, planish_error *error) {
     planish_plan *plan = d->plan;
     int status = pl_check_periodic(d->mesh, error);
@@ -420,6 +473,8 @@ int pl_draft_finish(pl_draft *d, planish_error *error) {
         status = prepare_nodes(d, error);
     if (!status)
         status = pl_curve_order(d->mesh, plan->threads, d->order, error);
+    if (!status)
+        status = put_mids_last(d, error);
     if (!status)
         status = find_free(d, error);
     if (!status)

@@ -21,11 +21,12 @@ typedef struct pl_candidates {
 
 /** Working data of plan creation. */
 typedef struct pl_draft {
-    planish_plan *plan;       /* that is made */
-    pl_dense dense;           /* the caller's mesh, */
-    pl_subset subset;         /* what of it is worked on, if not all, */
-    pl_submesh submesh;       /* as a mesh, */
-    const planish_mesh *mesh; /* and the one of them that the plan is for */
+    planish_plan *plan;        /* that is made */
+    pl_dense dense;            /* the caller's mesh, */
+    pl_subset subset;          /* what of it is worked on, if not all, */
+    pl_submesh submesh;        /* as a mesh, */
+    const planish_mesh *mesh;  /* and the one of them that the plan is for */
+    const planish_mesh *given; /* the caller's itself */
     const planish_options *options;
     uint8_t *mobility;       /* [n] of plan->work, while it is made */
     uint8_t *whole_mobility; /* of plan->whole, or NULL */

@@ -54,6 +54,7 @@ void pl_plan_destroy(planish_plan *plan) {
     pl_free(plan->node_of);
     pl_free(plan->element_of);
     pl_free(plan->cell_of);
+    pl_free(plan->role);
     pl_free(plan->own_whole_elements);
     release_view(&plan->work);
     release_view(&plan->whole);

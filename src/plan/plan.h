@@ -5,7 +5,7 @@
  *   pl_plan_problem                            the local problem of its stars
  *   pl_plan_colours, _order, _number_stars     colours; coordinates along the curve; stars
  *   pl_plan_points, _all_points, _dense        the caller's coordinates
- *   pl_plan_element, _node, _inner             the caller's numbers; inner ones
+ *   pl_plan_element, _rows, _given, _node, _inner   the caller's numbers; inner ones
  *   pl_box_of_fixed                            extent of the nodes that do not move freely
  *   pl_plan_check_call                         what every call on coordinates checks
  * check_options.c
@@ -103,8 +103,9 @@ struct planish_plan {
     int is_selective; /* only nodes of bad elements are free, see pl_draft_select */
     int32_t *node_of; /* [n] the caller's number of each node of the plan's mesh; NULL: the same */
     int32_t *element_of; /* [m] the caller's number of each element */
-    planish_cells cells; /* the mesh's, if it has any: n above 0 */
-    int32_t *cell_of;    /* of these cells, see pl_dense */
+    planish_cells cells; /* the mesh's, if they are not linear simplices alone: n above 0 */
+    int32_t *cell_of;    /* the cell of each element of all, unless element_of has cells; or NULL */
+    uint8_t *role;       /* [nodes of the mesh] see pl_dense */
     pl_scope scope;
     int64_t node_stride, component_stride; /* of the caller's coordinates */
     pl_visits interior;                    /* of the nodes that may go anywhere, */
@@ -150,7 +151,18 @@ const double *pl_plan_dense(const planish_plan *plan, const pl_points *points, d
 
 /** Return the caller's number of an element of the plan's mesh. */
 static inline int64_t pl_plan_element(const planish_plan *plan, int64_t element) {
-    return plan->element_of ? plan->element_of[element] : element;
+    const int64_t known = plan->element_of ? plan->element_of[element] : element;
+    return plan->cell_of ? plan->cell_of[known] : known;
+}
+
+/** Return the caller's numbers of the elements of plan->all; NULL: the same. */
+static inline const int32_t *pl_plan_rows(const planish_plan *plan) {
+    return plan->cell_of || plan->all != &plan->work ? plan->cell_of : plan->element_of;
+}
+
+/** Return the number of elements of the caller's mesh. */
+static inline int64_t pl_plan_given(const planish_plan *plan) {
+    return plan->cells.n > 0 ? plan->cells.n : plan->whole.n_elements;
 }
 
 /** Return the caller's number of a node of the plan's mesh. */

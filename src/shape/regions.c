@@ -126,6 +126,11 @@ static int take_value(const planish_cell_array *array, int64_t i, int64_t *value
     return -1;
 }
 
+size_t pl_number_size(planish_number type) {
+    static const size_t size[] = {4, 8, 1, 2, 1, 2, 4, 8, 4, 8}; /* in the order of the enum */
+    return size[type];
+}
+
 int pl_check_cell_arrays(const planish_cell_array *arrays, int n_arrays, int64_t n_elements,
                          planish_error *error) {
     if (n_arrays < 0 || (n_arrays > 0 && !arrays))

@@ -11,12 +11,13 @@
 #ifndef PL_SHAPE_H
 #define PL_SHAPE_H
 
-#include <planish/planish.h>
+#include "topology/topology.h"
 
-/** Find the constraint and direction of each node. mesh is dense; tags may be NULL. See
- *  planish_find_slides. Errors: _MESH, _MEMORY. */
-int pl_find_slides(const planish_mesh *mesh, const planish_surface *tags, int threads,
-                   uint8_t *constraint, double *direction, planish_slide_info *info,
+/** Find the constraint and direction of each node of dense, which given is the caller's of. tags may
+ *  be NULL; its regions go by the elements of dense. See planish_find_slides. Errors: _MESH,
+ *  _MEMORY. */
+int pl_find_slides(const pl_dense *dense, const planish_mesh *given, const planish_surface *tags,
+                   int threads, uint8_t *constraint, double *direction, planish_slide_info *info,
                    planish_error *error);
 
 /** Find the elements of layers: is_layer [n_elements] becomes 1 for them, 0 for the others, and
@@ -32,6 +33,9 @@ int pl_region_name(const char *name);
  */
 int pl_check_cell_arrays(const planish_cell_array *arrays, int n_arrays, int64_t n_elements,
                          planish_error *error);
+
+/** Return the size of a number of type in bytes. */
+size_t pl_number_size(planish_number type);
 
 /** Decide which of the checked arrays tell regions, and set their is_region. mesh is dense. See
  *  planish_find_regions. Errors: _MESH, _MEMORY. */

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "geometry/cell.h"
 #include "shape/surface.h"
 #include "topology/points.h"
 
@@ -135,9 +136,74 @@ static int list_ridges(const pl_surface *surface, pl_ridges *ridges, planish_err
     return PLANISH_OK;
 }
 
-int pl_find_slides(const planish_mesh *mesh, const planish_surface *tags, int threads,
-                   uint8_t *constraint, double *direction, planish_slide_info *info,
+/* ---- cells ---------------------------------------------------------------------------------- */
+
+/** A mesh of cells: corners, mids and their surface. */
+typedef struct cell_surface {
+    const planish_mesh *given; /* the caller's */
+    const planish_mesh *dense; /* its corners */
+    const pl_surface *surface;
+    double tolerance; /* in the surface's units */
+    uint8_t *is_fixed;
+} cell_surface;
+
+/** Compute the vector between two nodes, in the surface's units. */
+static void way_between(const cell_surface *c, int32_t from, int32_t to, double way[3]) {
+    const int dim = c->dense->dim;
+    const double *x = c->dense->coordinates;
+    for (int d = 0; d < 3; d++)
+        way[d] = d < dim
+                     ? (x[(int64_t)to * dim + d] - x[(int64_t)from * dim + d]) * c->surface->scale
+                     : 0;
+}
+
+/** Whether node is off the plane of a triangle, which is then part of a curved surface. */
+static int is_off_plane(const cell_surface *c, const int32_t triangle[3], int32_t node) {
+    double side[2][3], normal[3], way[3];
+    way_between(c, triangle[0], triangle[1], side[0]);
+    way_between(c, triangle[0], triangle[2], side[1]);
+    way_between(c, triangle[0], node, way);
+    pl_cross(side[0], side[1], normal);
+    return !(fabs(pl_dot(3, normal, way)) <= c->tolerance * pl_length(normal));
+}
+
+/** Fix the ends of a curved edge of a cell if both are on the surface, and the other corners there
+ *  of whose triangles the edge makes curved ones. node: of the cell; a, b: corners; mid: their mid. */
+static void fix_curved(const cell_surface *c, const int32_t *node, int a, int b, int mid) {
+    const int32_t *number = c->surface->number;
+    if (number[node[a]] < 0 || number[node[b]] < 0)
+        return;
+    c->is_fixed[node[a]] = c->is_fixed[node[b]] = 1;
+    for (int j = 0; c->dense->dim == 3 && j < 4; j++) {
+        const int32_t triangle[3] = {node[a], node[b], node[j]};
+        if (j != a && j != b && number[node[j]] >= 0 && is_off_plane(c, triangle, node[mid]))
+            c->is_fixed[node[j]] = 1;
+    }
+}
+
+/** Fix the nodes of the surface at its curved edges, and those that cells hold. Mids follow. */
+static void fix_by_cells(const cell_surface *c, const uint8_t *role) {
+    const planish_cells *cells = c->given->cells;
+    const int k = c->dense->dim + 1;
+    const double rounding = c->tolerance / c->surface->scale;
+    for (int64_t i = 0; i < cells->n; i++) {
+        const int curved = pl_curved_edges(c->given, i, rounding);
+        const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
+        for (int e = 0; curved >> e; e++)
+            if (curved >> e & 1)
+                fix_curved(c, cells->node + cells->offset[i], type->between[k + e][0],
+                           type->between[k + e][1], k + e);
+    }
+    for (int64_t i = 0; i < c->dense->n_nodes; i++)
+        c->is_fixed[i] = pl_follows(role[i]) ? 0 : c->is_fixed[i] || role[i] & PL_STAYS;
+}
+
+/* ---- all of it ------------------------------------------------------------------------------ */
+
+int pl_find_slides(const pl_dense *dense, const planish_mesh *given, const planish_surface *tags,
+                   int threads, uint8_t *constraint, double *direction, planish_slide_info *info,
                    planish_error *error) {
+    const planish_mesh *mesh = &dense->mesh;
     double tolerance = tags && tags->tolerance > 0 ? tags->tolerance : TOLERANCE;
     pl_surface surface = {0};
     pl_planes planes = {0};
@@ -155,6 +221,10 @@ int pl_find_slides(const planish_mesh *mesh, const planish_surface *tags, int th
                                 : list_ridges(&surface, &ridges, error);
     if (!status)
         status = pl_lines_create(&surface, &ridges, tolerance, &lines, error);
+    if (!status && dense->role) {
+        const cell_surface cells = {given, mesh, &surface, tolerance, is_fixed};
+        fix_by_cells(&cells, dense->role);
+    }
     if (!status) {
         const decision d = {.surface = &surface,
                             .planes = mesh->dim == 3 ? &planes : NULL,

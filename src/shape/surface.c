@@ -77,16 +77,30 @@ pl_tagged *pl_tags_find(const pl_tags *tags, const int32_t *node) {
     return NULL;
 }
 
-/** List the facets that the caller has tagged, and their nodes. */
-static void list_tagged(facet_search *s) {
+/** Whether a facet of n nodes is a quadrilateral: no facet of a simplex. */
+static int is_quadrilateral(int dim, int64_t n) {
+    return dim == 3 && n != 3 && n != 6;
+}
+
+/** List the facets that the caller has tagged, and their corners. Those of quadrilaterals are fixed.
+ */
+static void list_tagged(facet_search *s, uint8_t *is_fixed) {
+    const planish_surface *tags = s->tags;
     const int dim = s->mesh->dim;
-    s->tagged.n = s->tags ? s->tags->n_facets : 0;
-    for (int64_t i = 0; i < s->tagged.n; i++) {
-        pl_tagged *t = &s->tagged.item[i];
-        *t = (pl_tagged){{-1, -1, -1}, s->tags->facet_tag ? s->tags->facet_tag[i] : 0, 0};
+    for (int64_t i = 0; tags && i < tags->n_facets; i++) {
+        const int64_t first = tags->facet_offset ? tags->facet_offset[i] : i * dim;
+        const int64_t n = tags->facet_offset ? tags->facet_offset[i + 1] - first : dim;
+        const int32_t *node = tags->facets + first;
+        if (is_quadrilateral(dim, n)) {
+            for (int j = 0; j < 4; j++)
+                is_fixed[node[j]] = 1;
+            continue;
+        }
+        pl_tagged *t = &s->tagged.item[s->tagged.n++];
+        *t = (pl_tagged){{-1, -1, -1}, tags->facet_tag ? tags->facet_tag[i] : 0, 0};
         for (int j = 0; j < dim; j++) {
-            t->node[j] = s->tags->facets[i * dim + j];
-            s->has_tagged[t->node[j]] = 1;
+            t->node[j] = node[j];
+            s->has_tagged[node[j]] = 1;
         }
     }
     pl_tags_sort(&s->tagged);
@@ -193,7 +207,7 @@ static void place_nodes(const facet_search *s, pl_surface *surface) {
     for (int d = 0; d < dim && surface->n_nodes > 0; d++)
         width = fmax(width, 0.5 * upper[d] - 0.5 * lower[d]); /* the whole could overflow */
     frexp(width, &exponent);
-    const double scale = ldexp(1, -pl_scale_exponent(exponent));
+    const double scale = surface->scale = ldexp(1, -pl_scale_exponent(exponent));
     for (int64_t i = 0; i < surface->n_nodes; i++)
         for (int d = 0; d < dim; d++)
             surface->x[i * dim + d] =
@@ -262,7 +276,7 @@ int pl_surface_create(const planish_mesh *mesh, const planish_surface *tags, int
         status = pl_fail_memory(error, "the surface");
     } else {
         memset(s.elsewhere, 1, (size_t)n);
-        list_tagged(&s);
+        list_tagged(&s, is_fixed);
         status = find_facets(&s, threads, error);
     }
     if (!status)

@@ -56,11 +56,12 @@ typedef struct pl_surface {
     int64_t *offset;   /* [n_nodes + 1] into facet_of */
     int32_t *facet_of; /* the facets of each node, ascending */
     double size;       /* diagonal of the bounding box */
+    double scale;      /* of x: x is that times the mesh's coordinates */
     int32_t *number;   /* [nodes of the mesh] own number, -1: not on the surface */
 } pl_surface;
 
 /** Find the facets of one element, those between regions, and the tagged ones. is_fixed [nodes of
- *  the mesh] becomes 1 for nodes of tagged facets that the mesh has not. Errors: _MEMORY. */
+ *  the mesh] becomes 1 for corners of tagged facets that the mesh has not. Errors: _MEMORY. */
 int pl_surface_create(const planish_mesh *mesh, const planish_surface *tags, int threads,
                       pl_surface *surface, uint8_t *is_fixed, planish_error *error);
 

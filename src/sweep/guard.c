@@ -267,7 +267,8 @@ static int check_area_weight(const planish_plan *plan, const planish_options *op
         return PLANISH_OK;
     const double *min_volume = plan->all->min_volume;
     for (int64_t i = 0; i < plan->all->n_elements && !(delta > 0); i++) {
-        const int64_t element = plan->all == &plan->work ? pl_plan_element(plan, i) : i;
+        const int32_t *row = pl_plan_rows(plan);
+        const int64_t element = row ? row[i] : i;
         if (!min_volume || !(min_volume[i] > 0))
             return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, element, -1,
                               "options.area_weight is %g, but element %" PRId64

@@ -88,13 +88,20 @@ static void check_chunk(void *context, int64_t begin, int64_t end, int thread) {
         }
 }
 
-int pl_check_cells(const planish_cells *cells, int64_t n_nodes, int threads, planish_error *error) {
+int pl_check_cell_fields(const planish_cells *cells, planish_error *error) {
     if (cells->n < 0 || cells->n > INT32_MAX)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "cells.n is %" PRId64 "; give 0 to %d elements", cells->n, INT32_MAX);
     if (cells->n > 0 && (!cells->type || !cells->offset || !cells->node))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "cells has no array of types, offsets or nodes; give all three");
+    return PLANISH_OK;
+}
+
+int pl_check_cells(const planish_cells *cells, int64_t n_nodes, int threads, planish_error *error) {
+    const int status = pl_check_cell_fields(cells, error);
+    if (status)
+        return status;
     for (int64_t i = 0; i < cells->n; i++)
         if (cells->offset[i + 1] < cells->offset[i] || cells->offset[0] != 0)
             return pl_fail_at(error, PLANISH_ERROR_MESH, i, -1,

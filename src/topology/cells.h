@@ -1,12 +1,15 @@
 /* cells: checks and orientation of elements of any types.
  *
- *   pl_check_cells     whether planish_cells are what their comments say
- *   pl_orient_cells    the sign of a valid element's det J (cell_orientation.c)
+ *   pl_check_cell_fields, pl_check_cells     whether planish_cells are what their comments say
+ *   pl_orient_cells                          the sign of a valid element's det J (cell_orientation.c)
  */
 #ifndef PL_TOPOLOGY_CELLS_H
 #define PL_TOPOLOGY_CELLS_H
 
 #include <planish/planish.h>
+
+/** Check the number of cells, and that all arrays are there. Errors: _ARGUMENT. */
+int pl_check_cell_fields(const planish_cells *cells, planish_error *error);
 
 /** Check cells, whose nodes are 0 .. n_nodes - 1: types, numbers of nodes, nodes, missing mids.
  *  Simplices with a node twice are refused. In other elements a node may be there twice, as in

@@ -141,35 +141,51 @@ int64_t pl_subset_find_node(const pl_subset *subset, int64_t node) {
     return begin < subset->n_nodes && subset->node[begin] == node ? begin : -1;
 }
 
-/* ---- as a mesh ----------------------------------------------------------------------------- */
+/* ---- rows of arrays ------------------------------------------------------------------------ */
 
-/** The work on the subset's nodes or elements: rows of size bytes from one array to another. */
+/** Rows of size bytes on their way from one array to another. */
 typedef struct copying {
-    const int32_t *from_row;
+    const int32_t *row;
     const char *from;
     char *to;
     size_t size;
 } copying;
 
-static void copy_rows(void *context, int64_t begin, int64_t end, int thread) {
+static void take_rows(void *context, int64_t begin, int64_t end, int thread) {
     const copying *c = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
-        memcpy(c->to + (size_t)i * c->size, c->from + (size_t)c->from_row[i] * c->size, c->size);
+        memcpy(c->to + (size_t)i * c->size, c->from + (size_t)c->row[i] * c->size, c->size);
 }
 
-/** The rows of an array of the mesh (NULL: no array), or NULL, which is a failure if from is not.
- */
-static void *rows(const void *from, const int32_t *from_row, int64_t n, size_t size, int threads,
-                  int *failed) {
+static void put_rows(void *context, int64_t begin, int64_t end, int thread) {
+    const copying *c = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        memcpy(c->to + (size_t)c->row[i] * c->size, c->from + (size_t)i * c->size, c->size);
+}
+
+void pl_rows_put(const void *from, const int32_t *row, int64_t n, size_t size, int threads,
+                 void *to) {
+    copying c = {row, from, to, size};
+    if (row)
+        pl_parallel_for(pl_paying_threads(threads, n), n, CHUNK, put_rows, &c);
+    else
+        memcpy(to, from, (size_t)n * size);
+}
+
+void *pl_rows_take(const void *from, const int32_t *row, int64_t n, size_t size, int threads,
+                   int *failed) {
     if (!from)
         return NULL;
-    copying c = {from_row, from, pl_alloc(n, size), size};
+    copying c = {row, from, pl_alloc(n, size), size};
     if (c.to)
-        pl_parallel_for(threads, n, CHUNK, copy_rows, &c);
+        pl_parallel_for(threads, n, CHUNK, take_rows, &c);
     *failed |= !c.to;
     return c.to;
 }
+
+/* ---- as a mesh ----------------------------------------------------------------------------- */
 
 int pl_submesh_create(const planish_mesh *whole, const pl_subset *subset, int threads,
                       pl_submesh *mesh, planish_error *error) {
@@ -179,10 +195,10 @@ int pl_submesh_create(const planish_mesh *whole, const pl_subset *subset, int th
     int failed = 0;
     points.n = subset->n_nodes;
     points.node_of = node;
-    mesh->constraint = rows(whole->constraint, node, points.n, 1, threads, &failed);
-    mesh->direction = rows(whole->direction, node, points.n, point, threads, &failed);
-    mesh->min_volume =
-        rows(whole->min_volume, element, subset->n_elements, sizeof(double), threads, &failed);
+    mesh->constraint = pl_rows_take(whole->constraint, node, points.n, 1, threads, &failed);
+    mesh->direction = pl_rows_take(whole->direction, node, points.n, point, threads, &failed);
+    mesh->min_volume = pl_rows_take(whole->min_volume, element, subset->n_elements, sizeof(double),
+                                    threads, &failed);
     mesh->coordinates = pl_alloc(points.n, point);
     mesh->mesh = (planish_mesh){.dim = whole->dim,
                                 .n_nodes = subset->n_nodes,

@@ -23,6 +23,11 @@ typedef struct pl_dense {
     double *coordinates; /* copy or NULL */
     int32_t *cell_of;    /* [mesh.n_elements] of a mesh with cells: the cell of each element, whose
                             corners it has; NULL: the same numbers */
+    uint8_t *role;       /* [n_nodes] of a mesh with cells: PL_OF_CORNER, ...; NULL: all nodes of
+                            elements are corners */
+    uint8_t *constraint; /* [n_nodes] with role: the mesh's, FIXED for corners that cells hold */
+    double *min_volume;  /* copies by element, */
+    int32_t *periodic;   /* and without pairs of mids, or NULL */
 } pl_dense;
 
 /** Check dim, counts and strides of mesh, and which arrays there are. */
@@ -43,7 +48,7 @@ int pl_dense_create(const planish_mesh *mesh, int threads, pl_dense *dense, plan
 /** Free the copies of dense. */
 void pl_dense_destroy(pl_dense *dense);
 
-/** Check the nodes of one element. */
+/** Check the nodes of one element, of a mesh without cells. */
 int pl_check_element(const planish_mesh *mesh, int64_t element, planish_error *error);
 
 /** Node of a corner of an element of either width. */
@@ -51,6 +56,37 @@ static inline int64_t pl_corner(const planish_mesh *mesh, int64_t element, int c
     const int64_t i = element * (mesh->dim + 1) + corner;
     return mesh->elements ? mesh->elements[i] : mesh->elements64[i];
 }
+
+/* ---- corners.c: a mesh of any elements as one of simplices --------------------------------- */
+
+/** Bits of the role of a node in cells. */
+enum {
+    PL_OF_CORNER = 1, /* corner of a smoothed element */
+    PL_OF_MID = 2,    /* mid of an edge of one, */
+    PL_OF_EDGES = 4,  /* of several edges */
+    PL_OF_OTHER = 8,  /* node of an element that is not smoothed */
+    PL_STAYS = 16     /* corner that cells hold */
+};
+
+/** Whether a node of that role is a mid and nothing else: it follows the ends of its edge. */
+static inline int pl_follows(uint8_t role) {
+    return (role & PL_OF_MID) && !(role & (PL_OF_CORNER | PL_OF_OTHER));
+}
+
+/** Whether elements of type are smoothed in a mesh of dimension dim. */
+static inline int pl_is_smoothed(int type, int dim) {
+    return dim == 3 ? type == PLANISH_CELL_TETRAHEDRON || type == PLANISH_CELL_TETRAHEDRON10
+                    : type == PLANISH_CELL_TRIANGLE || type == PLANISH_CELL_TRIANGLE6;
+}
+
+/** Check mesh->cells, and make dense, which is mesh, one of the corners of the smoothed elements.
+ *  Errors: _ARGUMENT, _MESH, _MEMORY. */
+int pl_corners_take(const planish_mesh *mesh, int threads, pl_dense *dense, planish_error *error);
+
+/** Find the curved edges of a cell of mesh, whose coordinates are finite: bit e is set if the mid of
+ *  edge e, node dim + 1 + e of the cell, is farther off the middle of its ends than
+ *  planish_options.rounding says. 0 for a cell that is not smoothed. */
+int pl_curved_edges(const planish_mesh *mesh, int64_t cell, double rounding);
 
 /* ---- incidence.c: the elements of every node ---------------------------------------------- */
 

@@ -1,6 +1,5 @@
 /* validate: is this a mesh? Everything behind it relies on what is checked here, and on 32 bits and
  * coordinates without gaps: where the caller has others, on a copy. */
-#include "topology/cells.h"
 #include "topology/points.h"
 #include "topology/topology.h"
 
@@ -106,6 +105,31 @@ int pl_check_nodes(const planish_mesh *mesh, planish_error *error) {
     return PLANISH_OK;
 }
 
+/** Check the fields that do not go with cells. */
+static int check_beside_cells(const planish_mesh *mesh, planish_error *error) {
+    if (mesh->part)
+        return pl_fail(error, PLANISH_ERROR_PARTS,
+                       "mesh.cells is not possible with a mesh in parts; give elements, or the "
+                       "whole mesh in one process");
+    if (mesh->elements || mesh->elements64)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh.cells and mesh.%s are both set; give one",
+                       mesh->elements ? "elements" : "elements64");
+    if (mesh->neighbours || mesh->neighbours64)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh.%s is set beside mesh.cells; neighbours are for elements alone, leave "
+                       "them out",
+                       mesh->neighbours ? "neighbours" : "neighbours64");
+    if (mesh->cells->n != mesh->n_elements)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh.n_elements is %" PRId64 ", but mesh.cells has %" PRId64
+                       " elements; give the same number",
+                       mesh->n_elements, mesh->cells->n);
+    return mesh->n_elements > 0 ? PLANISH_OK
+                                : pl_fail(error, PLANISH_ERROR_MESH,
+                                          "the mesh has no elements; give at least one");
+}
+
 int pl_check_counts(const planish_mesh *mesh, planish_error *error) {
     const int status = pl_check_nodes(mesh, error);
     if (status)
@@ -114,15 +138,10 @@ int pl_check_counts(const planish_mesh *mesh, planish_error *error) {
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "mesh.n_elements is %" PRId64 "; it must lie between 0 and %" PRId32,
                        mesh->n_elements, INT32_MAX);
+    if (mesh->cells)
+        return check_beside_cells(mesh, error);
     if (mesh->n_elements == 0 && !mesh->part)
         return pl_fail(error, PLANISH_ERROR_MESH, "the mesh has no elements; give at least one");
-    if (mesh->cells && (mesh->elements || mesh->elements64 || mesh->neighbours ||
-                        mesh->neighbours64 || mesh->part || mesh->cells->n != mesh->n_elements))
-        return pl_fail(error, mesh->part ? PLANISH_ERROR_PARTS : PLANISH_ERROR_ARGUMENT,
-                       "mesh.cells is set; give no elements, neighbours or part beside it, and its "
-                       "number of elements as n_elements");
-    if (mesh->cells)
-        return PLANISH_OK;
     if (!mesh->elements == !mesh->elements64)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        mesh->elements ? "mesh.elements and mesh.elements64 are both set; give one"
@@ -188,56 +207,15 @@ static void narrow_chunk(void *context, int64_t begin, int64_t end, int thread) 
     }
 }
 
-/** Type of simplices of dimension dim and order 1 or 2. */
-static int is_smoothed(int type, int dim) {
-    return dim == 3 ? type == PLANISH_CELL_TETRAHEDRON || type == PLANISH_CELL_TETRAHEDRON10
-                    : type == PLANISH_CELL_TRIANGLE || type == PLANISH_CELL_TRIANGLE6;
-}
-
-/** Make the corners of the smoothed cells the elements of dense. */
-static int take_corners(const planish_mesh *mesh, int threads, pl_dense *dense,
-                        planish_error *error) {
-    const planish_cells *cells = mesh->cells;
-    const int k = mesh->dim + 1;
-    const int status = pl_check_cells(cells, mesh->n_nodes, threads, error);
-    int64_t n = 0, m = 0;
-    if (status)
-        return status;
-    for (int64_t i = 0; i < cells->n; i++)
-        n += is_smoothed(cells->type[i], mesh->dim);
-    if (n == 0)
-        return pl_fail(
-            error, PLANISH_ERROR_MESH,
-            "mesh.cells has no %s; elements of other types are measured, but not smoothed",
-            mesh->dim == 3 ? "tetrahedron" : "triangle");
-    dense->elements = pl_alloc(n * k, sizeof *dense->elements);
-    dense->cell_of = n < cells->n ? pl_alloc(n, sizeof *dense->cell_of) : NULL;
-    if (!dense->elements || (n < cells->n && !dense->cell_of))
-        return pl_fail_memory(error, "the elements");
-    for (int64_t i = 0; i < cells->n; i++) {
-        if (!is_smoothed(cells->type[i], mesh->dim))
-            continue;
-        memcpy(dense->elements + m * k, cells->node + cells->offset[i],
-               (size_t)k * sizeof *dense->elements);
-        if (dense->cell_of)
-            dense->cell_of[m] = (int32_t)i;
-        m++;
-    }
-    dense->mesh.elements = dense->elements;
-    dense->mesh.n_elements = n;
-    dense->mesh.cells = NULL;
-    return PLANISH_OK;
-}
-
 /** Check the elements and coordinates of mesh, and make the copies that dense needs; dense->mesh is
  *  mesh at first. */
 static int make_dense(const planish_mesh *mesh, int threads, pl_dense *dense,
                       planish_error *error) {
     const pl_points points = pl_points_of(mesh, mesh->coordinates);
     const int64_t m = mesh->n_elements;
-    const int corners = mesh->cells ? take_corners(mesh, threads, dense, error) : PLANISH_OK;
-    if (corners)
-        return corners;
+    int status = mesh->cells ? pl_corners_take(mesh, threads, dense, error) : PLANISH_OK;
+    if (status)
+        return status;
     if (mesh->elements64) {
         dense->elements = pl_alloc(m * (mesh->dim + 1), sizeof *dense->elements);
         if (!dense->elements)
@@ -247,11 +225,11 @@ static int make_dense(const planish_mesh *mesh, int threads, pl_dense *dense,
         dense->mesh.elements64 = NULL;
     }
     lowest_search s = {.mesh = &dense->mesh, .lowest = INT64_MAX};
-    if (!mesh->cells)
+    if (!dense->role)
         pl_parallel_for(threads, m, CHUNK, check_chunk, &s);
     if (s.lowest < INT64_MAX)
-        return pl_check_element(mesh, s.lowest, error);
-    const int status = pl_points_check(&points, threads, error);
+        return pl_check_element(mesh->elements64 ? mesh : &dense->mesh, s.lowest, error);
+    status = pl_points_check(&points, threads, error);
     if (status || pl_points_are_dense(&points))
         return status;
     dense->coordinates = pl_alloc(mesh->n_nodes * mesh->dim, sizeof *dense->coordinates);
@@ -278,7 +256,9 @@ void pl_dense_destroy(pl_dense *dense) {
     pl_free(dense->elements);
     pl_free(dense->coordinates);
     pl_free(dense->cell_of);
-    dense->elements = NULL;
-    dense->coordinates = NULL;
-    dense->cell_of = NULL;
+    pl_free(dense->role);
+    pl_free(dense->constraint);
+    pl_free(dense->min_volume);
+    pl_free(dense->periodic);
+    *dense = (pl_dense){.elements = NULL};
 }
