@@ -1098,6 +1098,8 @@ class Elements(unittest.TestCase):
         refuse(r"cells of type 12 must be \[m, 8\], not \(32,\)", {12: np.arange(32)})
         refuse(r"cells of type tetra must be \[m, 4\]", {"tetra": [[0, 1, 2, 3], [4, 5]]})
         refuse("cells is empty", {})
+        for bad in ({None: tetra}, {2.5: tetra}, {"tetra": None}, {"tetra": 3}):
+            refuse("names or VTK's numbers and arrays, not", bad, TypeError)
         refuse("no elements", {"line": [[0, 1]]})
         refuse("no elements", {"tetra": np.zeros((0, 4), dtype=int)})
         refuse("type tetra must be integers", {"tetra": tetra.astype(float)}, TypeError)
@@ -1128,6 +1130,30 @@ class Elements(unittest.TestCase):
         self.assertEqual(planish.quality(points, hexahedra).n_elements, 0)
         with self.assertRaisesRegex(planish.Error, "no tetrahedron"):
             planish.smooth(points, hexahedra)
+
+    def test_random_damage(self):
+        """Damaged cells give an error or a result, and an error leaves the points alone."""
+        refused = 0
+        for seed in range(150):
+            random = np.random.default_rng(seed)
+            points, blocks = self.filled(seed, is_raised=seed % 2 > 0, dim=2 + seed % 3 % 2)
+            rows = [row.astype(np.int64) for _, cells in blocks for row in cells]
+            types = np.concatenate([np.full(len(cells), planish._KNOWN[kind].number) for kind, cells in blocks])
+            arrays = [np.concatenate(rows), np.append(0, np.cumsum([len(row) for row in rows])), types]
+            if seed % 3 > 0:
+                arrays = [lists_of(rows), types]
+            for _ in range(random.integers(1, 4)):
+                array = arrays[random.integers(len(arrays))]
+                array[random.integers(len(array))] = random.choice([-2, -1, 0, 1, 4, 8, 10, 12, len(points), 1 << 31, 1 << 62])
+            given, start = tuple(arrays), points.copy()
+            for call in planish.quality, planish.find_layers, planish.smooth:
+                try:
+                    call(points, given)
+                except ValueError as error:
+                    self.assertIn(" ", str(error))
+                    np.testing.assert_array_equal(points, start)
+                    refused += 1
+        self.assertGreater(refused, 200)
 
     @unittest.skipIf(meshio is None or not PROGRAM, "without meshio, or the program")
     def test_the_program_measures_the_same(self):

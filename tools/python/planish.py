@@ -529,9 +529,11 @@ def _blocks_of_pairs(pairs: Any, data: dict[str, Any]) -> list[_Block]:
     """Cells of (type, nodes) pairs; data has one array for each pair, by its name."""
     blocks, n = [], 0
     for i, (name, nodes) in enumerate(pairs):
+        if not isinstance(name, (str, int, np.integer)) or not hasattr(nodes, "__len__"):
+            raise TypeError(f"cells by type must be meshio's names or VTK's numbers and arrays, not {name!r} and "
+                            f"{type(nodes).__name__}")
         at = np.arange(n, n + len(nodes))
-        blocks.append(_block(name if isinstance(name, str) else operator.index(name), nodes, at,
-                             {key: values[i] for key, values in data.items()}))
+        blocks.append(_block(name, nodes, at, {key: values[i] for key, values in data.items()}))
         n += len(nodes)
     return blocks
 
@@ -740,7 +742,7 @@ def _hold(blocks: list[_Block], n_points: int) -> np.ndarray:
         for block in blocks:
             if (block.name == _POLYVERTEX or getattr(block.kind, "dim", -1) == 0) == of_points:
                 nodes = block.nodes.ravel()
-                held[nodes[nodes >= 0]] = 1
+                held[nodes[(nodes >= 0) & (nodes < n_points)]] = 1  # the library refuses other nodes of elements
         if of_points and held.all():
             held[:] = 0
     return held
