@@ -1008,7 +1008,8 @@ class Elements(unittest.TestCase):
         planish.smooth(expected, cells, fixed=hexahedron[0, :2])
         halves = np.where(np.round(points[cells]).min(axis=1)[:, 0] >= 3, 5, -2)
         least = np.full(m, 0.1)
-        for blocks, joined in (([("tetra", cells), ("hexahedron", hexahedron)], lambda a, b: np.append(a, b)),):
+        for blocks, joined in (([("tetra", cells), ("hexahedron", hexahedron)], lambda a, b: np.append(a, b)),
+                               ([("hexahedron", hexahedron), ("tetra", cells)], lambda a, b: np.append(b, a))):
             moved = more.copy()
             planish.smooth(moved, blocks)
             np.testing.assert_array_equal(moved, expected)
@@ -1023,9 +1024,11 @@ class Elements(unittest.TestCase):
             planish.smooth(alone, cells, min_volumes=least, fixed=hexahedron[0, :2])
             np.testing.assert_array_equal(low, alone)
             with planish.Plan(more.copy(), blocks) as plan:
-                ratios = plan.radius_ratios()
+                ratios, found = plan.radius_ratios(), plan.quality()
             with planish.Plan(more.copy(), cells) as plan:
                 np.testing.assert_array_equal(ratios, joined(plan.radius_ratios(), 0))
+            self.assertEqual((found.n_elements, found.worst_element), (m, np.argmax(ratios)))
+            self.assertEqual(planish.quality(more, blocks).worst_element, np.argmax(ratios))
             self.assertEqual(planish.find_layers(more, blocks).shape, (m + 1,))
 
     def test_cells_of_lower_dimension_hold(self):
@@ -1154,6 +1157,22 @@ class Elements(unittest.TestCase):
                     np.testing.assert_array_equal(points, start)
                     refused += 1
         self.assertGreater(refused, 200)
+
+    @unittest.skipIf(meshio is None or not PROGRAM, "without meshio, or the program")
+    def test_the_program_smooths_the_same(self):
+        """Hexahedra, wedges and pyramids beside tetrahedra."""
+        meshes = []
+        mixed, blocks = self.filled(1)
+        meshes.append((mixed, blocks, {"m": [np.arange(len(cells)) % 2 for _, cells in blocks]}))
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder)
+            for points, blocks, data in meshes:
+                meshio.Mesh(points, blocks, cell_data=data).write(path / "in.vtu")
+                subprocess.run([PROGRAM, "smooth", path / "in.vtu", "-o", path / "out.vtu", "-q"], check=True)
+                other = meshio.read(path / "in.vtu")
+                result = planish.smooth(other)
+                self.assertGreater(result.n_moved_nodes, 0)
+                np.testing.assert_array_equal(other.points, meshio.read(path / "out.vtu").points)
 
     @unittest.skipIf(meshio is None or not PROGRAM, "without meshio, or the program")
     def test_the_program_measures_the_same(self):
