@@ -6,8 +6,10 @@
 #include "base/status.h"
 #include "geometry/simplex.h"
 #include "quality/certificate.h"
+#include "quality/measure_block.h"
 
 #include <float.h>
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
@@ -80,10 +82,15 @@ static void add(const pl_curved *c, int64_t element, int at_start, block *b) {
     for (int i = dim; i < n * dim; i++)
         size = fmax(size, fabs(x[i] - x[i % dim]));
     b->exponent[l] = 0;
-    if (size > 0 && size <= DBL_MAX && (size < SMALL || size > LARGE))
-        frexp(size, &b->exponent[l]);
-    for (int i = 0; i < n * dim; i++)
-        b->jacobian.x[i / dim][i % dim][l] = ldexp(x[i] - x[i % dim], -b->exponent[l]);
+    for (int i = 0; i < n; i++)
+        for (int d = 0; d < dim; d++)
+            b->jacobian.x[i][d][l] = x[i * dim + d] - x[d];
+    if (!(size > 0 && size <= DBL_MAX && (size < SMALL || size > LARGE)))
+        return;
+    frexp(size, &b->exponent[l]);
+    for (int i = 0; i < n; i++)
+        for (int d = 0; d < dim; d++)
+            b->jacobian.x[i][d][l] = ldexp(b->jacobian.x[i][d][l], -b->exponent[l]);
 }
 
 /** Evaluate the block. Lanes past the last element repeat the first. */
@@ -105,7 +112,7 @@ static int is_valid(const pl_curved *c, const block *b, int l) {
 
 /* ---- bounds --------------------------------------------------------------------------------- */
 
-/** Longest derivative of lane l. */
+/** Longest derivative of lane l along any edge. */
 static double reach_of(const pl_curved *c, const block *b, int l) {
     const pl_jacobian_rule *rule = c->rule;
     const int dim = c->plan->dim;
@@ -119,6 +126,9 @@ static double reach_of(const pl_curved *c, const block *b, int l) {
         for (int i = 0; i < rule->n_derivatives[k]; i++) {
             const pl_jacobian_derivative *of = &rule->derivative[k][i];
             longest = fmax(longest, pl_distance(dim, control[of->plus], control[of->minus]));
+            for (int j = 0; j < k; j++) /* differences of two are derivatives along other edges */
+                longest = fmax(longest, pl_distance(dim, control[of->plus],
+                                                    control[rule->derivative[j][i].plus]));
         }
     return longest;
 }
@@ -135,13 +145,15 @@ static void keep_bounds(pl_curved *c, int32_t w, const block *b, int l) {
  *  weights of each control add up to w (the first control is w times the first corner), the controls
  *  of the corner and of the edges at it change by w and w / 2 times the move, so that a derivative
  *  changes by w / 2 of it, and by what mids stray. det is linear in each of its columns, and at most
- *  the product of their lengths. */
+ *  the product of their lengths. Along edges of which only one is at the corner a move changes one
+ *  column; mids that stray change all. */
 static int bound_admits(pl_curved *c, int32_t w, double length) {
-    const double change =
-        0.5 * c->rule->control_term[0].weight * length + 2 * c->rule->control_weight * c->stray;
-    const double reach = c->reach[w] + change;
+    const int dim = c->plan->dim;
+    const double moved = 0.5 * c->rule->control_term[0].weight * length;
+    const double strayed = 2 * c->rule->control_weight * c->stray;
+    const double reach = c->reach[w] + moved + strayed;
     const double less =
-        1.0001 * c->rule->common * c->plan->dim * change * reach * (c->plan->dim == 3 ? reach : 1);
+        1.0001 * c->rule->common * (moved + dim * strayed) * reach * (dim == 3 ? reach : 1);
     if (!(less < c->bound[w]))
         return 0;
     c->bound[w] -= less;
@@ -164,20 +176,31 @@ static int keep_valid(pl_curved *c, block *b, const int32_t *w) {
     return 1;
 }
 
-/** Decide anew the curved elements at node that were not valid: they may be now. */
-static void look_again(pl_curved *c, int32_t node, block *b) {
-    for (int64_t k = c->begin[node]; k < c->begin[node + 1]; k++) {
-        const int32_t w = c->watched[k];
-        if (c->is_valid[w])
-            continue;
-        b->n = 0;
-        add(c, c->element[w], 0, b);
+/** Note which of the elements of b, curved elements w [b->n] that were not valid, are beyond doubt
+ *  now. */
+static void note_valid(pl_curved *c, block *b, const int32_t *w) {
+    if (b->n > 0)
         evaluate(c, b);
-        if (is_valid(c, b, 0)) {
-            c->is_valid[w] = 1;
-            keep_bounds(c, w, b, 0);
-        }
+    for (int l = 0; l < b->n; l++) {
+        keep_bounds(c, w[l], b, l);
+        c->is_valid[w[l]] = b->jacobian.least[l] > b->jacobian.error[l];
     }
+    b->n = 0;
+}
+
+/** Look again at the curved elements at node that were not valid. */
+static void look_again(pl_curved *c, int32_t node, block *b) {
+    int32_t w[LANES];
+    b->n = 0;
+    for (int64_t k = c->begin[node]; k < c->begin[node + 1]; k++) {
+        if (c->is_valid[c->watched[k]])
+            continue;
+        w[b->n] = c->watched[k];
+        add(c, c->element[c->watched[k]], 0, b);
+        if (b->n == LANES)
+            note_valid(c, b, w);
+    }
+    note_valid(c, b, w);
 }
 
 int pl_curved_admit(pl_curved *c, int32_t node, const double *way) {
@@ -265,6 +288,28 @@ static int has_moved(const pl_curved *c, int64_t element) {
     return 0;
 }
 
+/** Whether the corners alone say that an element which is not curved is valid: its coefficients are
+ *  those of the straight one, but for mids that are off by rounding. */
+static int is_plainly_valid(const pl_curved *c, int64_t element) {
+    const planish_plan *plan = c->plan;
+    const int dim = plan->dim, scale = c->rule->control_term[0].weight / 2;
+    const double *vertex[4];
+    double edges[3][3], longest = 0;
+    if (c->is_curved[element])
+        return 0;
+    for (int j = 0; j <= dim; j++) {
+        const int64_t node = plan->work.elements[element * (dim + 1) + j];
+        vertex[j] = plan->scratch.coordinates + (int64_t)plan->inner[node] * dim;
+        for (int k = 0; k < j; k++)
+            longest = pl_larger(pl_distance(dim, vertex[j], vertex[k]), longest);
+    }
+    pl_edges(dim, vertex, edges);
+    const double off = pl_larger(STRAIGHT * longest, c->rounding) + c->stray;
+    const double strayed = 2 * c->rule->control_weight * off, reach = scale * longest + strayed;
+    return sign_of(c, element) * pl_determinant_of_edges(dim, edges) * pow(scale, dim) >
+           1.0001 * dim * strayed * pow(reach, dim - 1);
+}
+
 static int is_valid_alone(const pl_curved *c, int64_t element, int at_start, block *b) {
     b->n = 0;
     add(c, element, at_start, b);
@@ -295,7 +340,7 @@ static void broken_chunk(void *context, int64_t begin, int64_t end, int thread) 
     (void)thread;
     b.n = 0;
     for (int64_t e = begin; e < end; e++) {
-        if (!has_moved(c, e))
+        if ((is_order_2(c, e) && is_plainly_valid(c, e)) || !has_moved(c, e))
             continue;
         if (is_order_2(c, e)) {
             element[b.n] = e;
@@ -323,17 +368,19 @@ int64_t pl_curved_find_broken(const pl_curved *c, uint8_t *state) {
 
 /* ---- the beginning -------------------------------------------------------------------------- */
 
-/** A search for curved elements. */
+/** A search for curved elements; what threads share. */
 typedef struct search {
-    const pl_curved *curved;
-    double rounding;
-    uint8_t *is_curved; /* [n_elements of the plan] */
-    int64_t n;          /* shared */
+    pl_curved *curved;
+    int64_t n;
+    int64_t lowest; /* mid that is not finite, or INT64_MAX */
+    double largest; /* coordinate of mids, absolute */
 } search;
 
-/** Whether a mid is off the middle of its edge. */
-static int is_curved(const search *s, int64_t element) {
-    const pl_curved *c = s->curved;
+/** Whether a mid is off the middle of its edge. Raises *largest to the largest coordinate of mids;
+ *  lowers *lowest to the lowest that is not finite. */
+static int is_curved(const pl_curved *c, int64_t element, double *largest, int64_t *lowest) {
+    const int32_t *of_cell =
+        c->plan->cells.node + c->plan->cells.offset[pl_cell_of(c->plan, element)];
     const int dim = c->plan->dim, corners = dim + 1;
     double x[NODES * 3], longest = 0, off = 0;
     int32_t node[NODES];
@@ -345,20 +392,34 @@ static int is_curved(const search *s, int64_t element) {
         for (int d = 0; d < dim; d++)
             middle[d] = 0.5 * a[d] + 0.5 * b[d];
         longest = fmax(longest, pl_distance(dim, a, b));
-        if (node[i] >= 0)
-            off = fmax(off, pl_distance(dim, x + i * dim, middle));
+        if (node[i] < 0)
+            continue;
+        off = fmax(off, pl_distance(dim, x + i * dim, middle));
+        for (int d = 0; d < dim; d++) {
+            *largest = fmax(*largest, fabs(x[i * dim + d]));
+            if (!isfinite(x[i * dim + d]) && of_cell[i] < *lowest)
+                *lowest = of_cell[i];
+        }
     }
-    return off > STRAIGHT * longest && off > s->rounding;
+    return off > STRAIGHT * longest && off > c->rounding;
 }
 
 static void search_chunk(void *context, int64_t begin, int64_t end, int thread) {
     search *s = context;
-    int64_t n = 0;
+    pl_curved *c = s->curved;
+    int64_t n = 0, lowest = INT64_MAX;
+    double largest = 0;
     (void)thread;
     for (int64_t e = begin; e < end; e++) {
-        s->is_curved[e] = is_order_2(s->curved, e) && is_curved(s, e);
-        n += s->is_curved[e];
+        c->is_curved[e] = 0;
+        if (!is_order_2(c, e))
+            continue;
+        pl_mids_note(&c->mids, e, c->rule->type);
+        c->is_curved[e] = (uint8_t)is_curved(c, e, &largest, &lowest);
+        n += c->is_curved[e];
     }
+    pl_raise_double(&s->largest, largest);
+    pl_lower_to(&s->lowest, lowest);
     __atomic_fetch_add(&s->n, n, __ATOMIC_RELAXED);
 }
 
@@ -389,7 +450,7 @@ static int make_lists(pl_curved *c, const search *s) {
     if (!c->element || !c->bound || !c->reach || !c->is_valid || !c->begin)
         return 0;
     for (int64_t e = 0; e < c->plan->work.n_elements; e++)
-        if (s->is_curved[e])
+        if (c->is_curved[e])
             c->element[c->n++] = (int32_t)e;
     list_watched(c, 0);
     for (int64_t i = 1; i <= n_nodes; i++) { /* begin[i + 1]: where those of node i begin */
@@ -413,9 +474,8 @@ static const pl_cell_type *find_order_2(const planish_plan *plan) {
     return NULL;
 }
 
-/** How far a mid may stray from half of the way of its ends. */
-static double stray_of(const pl_curved *c, const planish_options *options) {
-    double largest = c->mids.largest;
+/** How far a mid may stray from half of the way of its ends; largest: coordinate of mids. */
+static double stray_of(const pl_curved *c, const planish_options *options, double largest) {
     for (int64_t i = 0; i < c->plan->work.n_nodes * c->plan->dim; i++)
         largest = fmax(largest, fabs(c->mids.given[i]));
     /* Nodes may go beyond where nodes were, but not far. */
@@ -438,20 +498,24 @@ int pl_curved_create(const planish_plan *plan, const planish_options *options, c
     const int status = pl_mids_create(plan, options, given, start, &c->mids, error);
     if (status)
         return status;
-    c->stray = stray_of(c, options);
-    search s = {.curved = c,
-                .rounding = options->rounding,
-                .is_curved = pl_alloc(plan->work.n_elements, sizeof *s.is_curved)};
-    if (s.is_curved)
-        pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, search_chunk, &s);
-    const int is_made = s.is_curved && make_lists(c, &s);
-    pl_free(s.is_curved);
-    return is_made ? PLANISH_OK : pl_fail_memory(error, "the curved elements");
+    c->rounding = options->rounding;
+    c->is_curved = pl_alloc(plan->work.n_elements, sizeof *c->is_curved);
+    if (!c->is_curved)
+        return pl_fail_memory(error, "the curved elements");
+    search s = {.curved = c, .lowest = INT64_MAX};
+    pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, search_chunk, &s);
+    if (s.lowest < INT64_MAX)
+        return pl_fail_at(error, PLANISH_ERROR_MESH, -1, s.lowest,
+                          "node %" PRId64 " has a coordinate that is not a finite number",
+                          s.lowest);
+    c->stray = stray_of(c, options, s.largest);
+    return make_lists(c, &s) ? PLANISH_OK : pl_fail_memory(error, "the curved elements");
 }
 
 void pl_curved_destroy(pl_curved *c) {
     pl_mids_destroy(&c->mids);
     pl_free(c->rule);
+    pl_free(c->is_curved);
     pl_free(c->element);
     pl_free(c->bound);
     pl_free(c->reach);

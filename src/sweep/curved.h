@@ -9,8 +9,9 @@
  * Elements of one colour share no node, so that each is watched by one thread at a time.
  *
  * mids.c
- *   pl_mids_create, _destroy      find mids and their ends
- *   pl_mid_place, _count_moved    where a mid is; how many have moved
+ *   pl_mids_create, _destroy      mids and their ends,
+ *   pl_mids_note                  to be noted for each element
+ *   pl_mid_place                  where a mid is
  *   pl_mids_write                 to the caller's coordinates
  * curved.c
  *   pl_curved_create, _destroy    find curved elements
@@ -32,8 +33,7 @@ typedef struct pl_mids {
     pl_points start; /* and all nodes of the mesh: the caller's, which change at the end alone */
     pl_storage storage;
     int32_t (
-        *end)[2];   /* [nodes of the mesh] both ends of each mid, nodes of the plan; -1: no mid */
-    double largest; /* largest coordinate of mids, absolute */
+        *end)[2]; /* [nodes of the mesh] both ends of each mid, nodes of the plan; -1: no mid */
 } pl_mids;
 
 /** Curved elements of a run. Arrays are owned. */
@@ -43,6 +43,8 @@ typedef struct pl_curved {
     pl_jacobian_rule *rule; /* of the elements of order 2; NULL: the plan has none */
     double stray;           /* how far a mid may be off half of the way, by rounding; infinite: not
                                known */
+    double rounding;        /* of coordinates, as options say */
+    uint8_t *is_curved;     /* [n_elements of the plan] */
     int64_t n;              /* curved elements */
     int32_t *element;       /* [n] of the plan's mesh */
     double *bound;          /* [n] at most the least coefficient of det J; 0: not known, */
@@ -58,11 +60,14 @@ static inline int pl_has_order_2(const pl_curved *c) {
     return c->rule != NULL;
 }
 
-/** Find the mids of plan's elements of order 2. start: the caller's coordinates of all nodes of the
- *  mesh; given [n][dim]: those of the plan's nodes. Errors: _MESH (a mid that is not finite),
- *  _MEMORY. */
+/** Make mids of plan without any. start: the caller's coordinates of all nodes of the mesh; given
+ *  [n][dim]: those of the plan's nodes. Errors: _MEMORY. */
 int pl_mids_create(const planish_plan *plan, const planish_options *options, const double *given,
                    const double *start, pl_mids *mids, planish_error *error);
+
+/** Note the ends of the mids of an element, which is of order 2 and type. Elements that share a mid
+ *  say the same; several threads may do so. */
+void pl_mids_note(pl_mids *mids, int64_t element, const pl_cell_type *type);
 
 /** Free the arrays of mids. */
 void pl_mids_destroy(pl_mids *mids);
@@ -79,7 +84,8 @@ void pl_mids_write(const pl_mids *mids, int writes, double *coordinates, int64_t
                    double *farthest);
 
 /** Find the curved elements of plan, if its mesh has elements of order 2; arguments as for
- *  pl_mids_create. *curved is to be destroyed in any case. Errors: _MESH, _MEMORY. */
+ *  pl_mids_create. *curved is to be destroyed in any case. Errors: _MESH (a mid that is not finite),
+ *  _MEMORY. */
 int pl_curved_create(const planish_plan *plan, const planish_options *options, const double *given,
                      const double *start, pl_curved *curved, planish_error *error);
 

@@ -4,14 +4,12 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
-#include "geometry/cell.h"
 #include "geometry/simplex.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
-enum { CHUNK = 4096 }; /* elements or nodes that one thread takes at a time */
+enum { CHUNK = 4096 }; /* nodes that one thread takes at a time */
 
 int64_t pl_cell_of(const planish_plan *plan, int64_t element) {
     const int64_t whole = plan->element_of ? plan->element_of[element] : element;
@@ -24,43 +22,17 @@ static const double *start_of(const pl_mids *m, int32_t node, double *room) {
     return room;
 }
 
-/** A search for mids. */
-typedef struct search {
-    pl_mids *mids;
-    int64_t lowest; /* mid that is not finite, or INT64_MAX; shared */
-} search;
-
-/** Note the ends of the mids of an element of order 2. Elements that share a mid say the same. */
-static void note_mids(search *s, int64_t element, const pl_cell_type *type, const int32_t *node) {
-    const planish_plan *plan = s->mids->plan;
+void pl_mids_note(pl_mids *m, int64_t element, const pl_cell_type *type) {
+    const planish_plan *plan = m->plan;
     const int corners = plan->dim + 1;
     const int32_t *corner = plan->work.elements + element * corners;
+    const int32_t *node = plan->cells.node + plan->cells.offset[pl_cell_of(plan, element)];
     for (int i = corners; i < type->n_nodes; i++) {
         const int32_t a = corner[type->between[i][0]], b = corner[type->between[i][1]];
-        double x[3], largest = 0;
         if (node[i] < 0)
             continue;
-        __atomic_store_n(&s->mids->end[node[i]][0], a < b ? a : b, __ATOMIC_RELAXED);
-        __atomic_store_n(&s->mids->end[node[i]][1], a < b ? b : a, __ATOMIC_RELAXED);
-        start_of(s->mids, node[i], x);
-        for (int d = 0; d < plan->dim; d++) {
-            largest = fmax(largest, fabs(x[d]));
-            if (!isfinite(x[d]))
-                pl_lower_to(&s->lowest, node[i]);
-        }
-        pl_raise_double(&s->mids->largest, largest);
-    }
-}
-
-static void note_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    search *s = context;
-    const planish_plan *plan = s->mids->plan;
-    (void)thread;
-    for (int64_t e = begin; e < end; e++) {
-        const int64_t cell = pl_cell_of(plan, e);
-        const pl_cell_type *type = pl_cell_type_of(plan->cells.type[cell]);
-        if (type->order == 2)
-            note_mids(s, e, type, plan->cells.node + plan->cells.offset[cell]);
+        __atomic_store_n(&m->end[node[i]][0], a < b ? a : b, __ATOMIC_RELAXED);
+        __atomic_store_n(&m->end[node[i]][1], a < b ? b : a, __ATOMIC_RELAXED);
     }
 }
 
@@ -79,12 +51,6 @@ int pl_mids_create(const planish_plan *plan, const planish_options *options, con
     if (!mids->end)
         return pl_fail_memory(error, "the mids of edges");
     memset(mids->end, -1, (size_t)n * sizeof *mids->end);
-    search s = {.mids = mids, .lowest = INT64_MAX};
-    pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, note_chunk, &s);
-    if (s.lowest < INT64_MAX)
-        return pl_fail_at(error, PLANISH_ERROR_MESH, -1, s.lowest,
-                          "node %" PRId64 " has a coordinate that is not a finite number",
-                          s.lowest);
     return PLANISH_OK;
 }
 
