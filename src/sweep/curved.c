@@ -42,7 +42,7 @@ static double sign_of(const pl_curved *c, int64_t element) {
 }
 
 static int is_order_2(const pl_curved *c, int64_t element) {
-    return c->plan->cells.type[pl_cell_of(c->plan, element)] == c->rule->type->type;
+    return c->plan->cells.type[pl_plan_element(c->plan, element)] == c->rule->type->type;
 }
 
 /** Find the places of the nodes of an element, as they are or (at_start) were when the run began:
@@ -51,7 +51,7 @@ static void find_places(const pl_curved *c, int64_t element, int at_start, doubl
                         int32_t *node) {
     const planish_plan *plan = c->plan;
     const int dim = plan->dim, corners = dim + 1;
-    const int64_t cell = pl_cell_of(plan, element);
+    const int64_t cell = pl_plan_element(plan, element);
     const int32_t *of_cell = plan->cells.node + plan->cells.offset[cell];
     for (int i = 0; i < c->rule->n_nodes; i++) {
         const int32_t corner = i < corners ? plan->work.elements[element * corners + i] : -1;
@@ -380,7 +380,7 @@ typedef struct search {
  *  lowers *lowest to the lowest that is not finite. */
 static int is_curved(const pl_curved *c, int64_t element, double *largest, int64_t *lowest) {
     const int32_t *of_cell =
-        c->plan->cells.node + c->plan->cells.offset[pl_cell_of(c->plan, element)];
+        c->plan->cells.node + c->plan->cells.offset[pl_plan_element(c->plan, element)];
     const int dim = c->plan->dim, corners = dim + 1;
     double x[NODES * 3], longest = 0, off = 0;
     int32_t node[NODES];
@@ -469,7 +469,7 @@ static int make_lists(pl_curved *c, const search *s) {
 static const pl_cell_type *find_order_2(const planish_plan *plan) {
     const int type = plan->dim == 3 ? PLANISH_CELL_TETRAHEDRON10 : PLANISH_CELL_TRIANGLE6;
     for (int64_t e = 0; plan->cells.n > 0 && e < plan->work.n_elements; e++)
-        if (plan->cells.type[pl_cell_of(plan, e)] == type)
+        if (plan->cells.type[pl_plan_element(plan, e)] == type)
             return pl_cell_type_of(type);
     return NULL;
 }

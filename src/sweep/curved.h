@@ -72,9 +72,6 @@ void pl_mids_note(pl_mids *mids, int64_t element, const pl_cell_type *type);
 /** Free the arrays of mids. */
 void pl_mids_destroy(pl_mids *mids);
 
-/** Number of the cell that an element of the plan's mesh is the corners of. */
-int64_t pl_cell_of(const planish_plan *plan, int64_t element);
-
 /** Set x [dim] to the place of a node of the mesh, a mid, at the plan's present coordinates. */
 void pl_mid_place(const pl_mids *mids, int32_t node, double *x);
 

@@ -11,11 +11,6 @@
 
 enum { CHUNK = 4096 }; /* nodes that one thread takes at a time */
 
-int64_t pl_cell_of(const planish_plan *plan, int64_t element) {
-    const int64_t whole = plan->element_of ? plan->element_of[element] : element;
-    return plan->cell_of ? plan->cell_of[whole] : whole;
-}
-
 static const double *start_of(const pl_mids *m, int32_t node, double *room) {
     for (int d = 0; d < m->start.dim; d++)
         room[d] = m->start.x[pl_point_at(&m->start, node, d)];
@@ -26,7 +21,7 @@ void pl_mids_note(pl_mids *m, int64_t element, const pl_cell_type *type) {
     const planish_plan *plan = m->plan;
     const int corners = plan->dim + 1;
     const int32_t *corner = plan->work.elements + element * corners;
-    const int32_t *node = plan->cells.node + plan->cells.offset[pl_cell_of(plan, element)];
+    const int32_t *node = plan->cells.node + plan->cells.offset[pl_plan_element(plan, element)];
     for (int i = corners; i < type->n_nodes; i++) {
         const int32_t a = corner[type->between[i][0]], b = corner[type->between[i][1]];
         if (node[i] < 0)
