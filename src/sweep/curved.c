@@ -51,25 +51,26 @@ static void find_places(const pl_curved *c, int64_t element, int at_start, doubl
                         int32_t *node) {
     const planish_plan *plan = c->plan;
     const int dim = plan->dim, corners = dim + 1;
-    const int64_t cell = pl_plan_element(plan, element);
-    const int32_t *of_cell = plan->cells.node + plan->cells.offset[cell];
-    for (int i = 0; i < c->rule->n_nodes; i++) {
-        const int32_t corner = i < corners ? plan->work.elements[element * corners + i] : -1;
+    const int32_t *corner = plan->work.elements + element * corners;
+    const int32_t *of_cell = plan->cells.node + plan->cells.offset[pl_plan_element(plan, element)];
+    double way[4][3];
+    for (int j = 0; j < corners; j++) {
+        const double *from = c->mids.given + (int64_t)corner[j] * dim;
+        const double *to =
+            at_start ? from : plan->scratch.coordinates + (int64_t)plan->inner[corner[j]] * dim;
+        node[j] = j;
+        for (int d = 0; d < dim; d++) {
+            x[j * dim + d] = to[d];
+            way[j][d] = to[d] - from[d];
+        }
+    }
+    for (int i = corners; i < c->rule->n_nodes; i++) {
+        const int p = c->rule->type->between[i][0], q = c->rule->type->between[i][1];
         node[i] = of_cell[i] >= 0 ? i : -1;
-        if (corner >= 0)
-            memcpy(x + i * dim,
-                   at_start ? c->mids.given + (int64_t)corner * dim
-                            : plan->scratch.coordinates + (int64_t)plan->inner[corner] * dim,
-                   (size_t)dim * sizeof *x);
-        else if (of_cell[i] < 0)
-            for (int d = 0; d < dim; d++)
-                x[i * dim + d] = 0.5 * x[c->rule->type->between[i][0] * dim + d] +
-                                 0.5 * x[c->rule->type->between[i][1] * dim + d];
-        else if (at_start)
-            for (int d = 0; d < dim; d++)
-                x[i * dim + d] = c->mids.start.x[pl_point_at(&c->mids.start, of_cell[i], d)];
-        else
-            pl_mid_place(&c->mids, of_cell[i], x + i * dim);
+        for (int d = 0; d < dim; d++)
+            x[i * dim + d] = node[i] < 0
+                                 ? 0.5 * x[p * dim + d] + 0.5 * x[q * dim + d]
+                                 : pl_mid_coordinate(&c->mids, of_cell[i], d, way[p][d], way[q][d]);
     }
 }
 
@@ -290,9 +291,9 @@ static int has_moved(const pl_curved *c, int64_t element) {
 
 /** Whether the corners alone say that an element which is not curved is valid: its coefficients are
  *  those of the straight one, but for mids that are off by rounding. */
-static int is_plainly_valid(const pl_curved *c, int64_t element) {
+PL_INLINE int is_plainly_valid(const pl_curved *c, int64_t element, const int dim) {
     const planish_plan *plan = c->plan;
-    const int dim = plan->dim, scale = c->rule->control_term[0].weight / 2;
+    const double scale = 0.5 * c->rule->control_term[0].weight;
     const double *vertex[4];
     double edges[3][3], longest = 0;
     if (c->is_curved[element])
@@ -306,8 +307,9 @@ static int is_plainly_valid(const pl_curved *c, int64_t element) {
     pl_edges(dim, vertex, edges);
     const double off = pl_larger(STRAIGHT * longest, c->rounding) + c->stray;
     const double strayed = 2 * c->rule->control_weight * off, reach = scale * longest + strayed;
-    return sign_of(c, element) * pl_determinant_of_edges(dim, edges) * pow(scale, dim) >
-           1.0001 * dim * strayed * pow(reach, dim - 1);
+    const double determinant = sign_of(c, element) * pl_determinant_of_edges(dim, edges);
+    return scale * scale * (dim == 3 ? scale : 1) * determinant >
+           1.0001 * dim * strayed * reach * (dim == 3 ? reach : 1);
 }
 
 static int is_valid_alone(const pl_curved *c, int64_t element, int at_start, block *b) {
@@ -340,7 +342,9 @@ static void broken_chunk(void *context, int64_t begin, int64_t end, int thread) 
     (void)thread;
     b.n = 0;
     for (int64_t e = begin; e < end; e++) {
-        if ((is_order_2(c, e) && is_plainly_valid(c, e)) || !has_moved(c, e))
+        if ((is_order_2(c, e) &&
+             (c->plan->dim == 3 ? is_plainly_valid(c, e, 3) : is_plainly_valid(c, e, 2))) ||
+            !has_moved(c, e))
             continue;
         if (is_order_2(c, e)) {
             element[b.n] = e;
@@ -378,30 +382,31 @@ typedef struct search {
 
 /** Whether a mid is off the middle of its edge. Raises *largest to the largest coordinate of mids;
  *  lowers *lowest to the lowest that is not finite. */
-static int is_curved(const pl_curved *c, int64_t element, double *largest, int64_t *lowest) {
-    const int32_t *of_cell =
-        c->plan->cells.node + c->plan->cells.offset[pl_plan_element(c->plan, element)];
-    const int dim = c->plan->dim, corners = dim + 1;
-    double x[NODES * 3], longest = 0, off = 0;
-    int32_t node[NODES];
-    find_places(c, element, 1, x, node);
+PL_INLINE int find_curved(const pl_curved *c, int64_t element, double *largest, int64_t *lowest,
+                          const int dim) {
+    const planish_plan *plan = c->plan;
+    const int corners = dim + 1;
+    const int32_t *corner = plan->work.elements + element * corners;
+    const int32_t *of_cell = plan->cells.node + plan->cells.offset[pl_plan_element(plan, element)];
+    double longest = 0, off = 0;
     for (int i = corners; i < c->rule->n_nodes; i++) {
-        const double *a = x + c->rule->type->between[i][0] * dim;
-        const double *b = x + c->rule->type->between[i][1] * dim;
-        double middle[3];
-        for (int d = 0; d < dim; d++)
-            middle[d] = 0.5 * a[d] + 0.5 * b[d];
-        longest = fmax(longest, pl_distance(dim, a, b));
-        if (node[i] < 0)
-            continue;
-        off = fmax(off, pl_distance(dim, x + i * dim, middle));
+        const double *a = c->mids.given + (int64_t)corner[c->rule->type->between[i][0]] * dim;
+        const double *b = c->mids.given + (int64_t)corner[c->rule->type->between[i][1]] * dim;
+        double edge = 0, square = 0;
         for (int d = 0; d < dim; d++) {
-            *largest = fmax(*largest, fabs(x[i * dim + d]));
-            if (!isfinite(x[i * dim + d]) && of_cell[i] < *lowest)
+            const double middle = 0.5 * a[d] + 0.5 * b[d];
+            const double x =
+                of_cell[i] >= 0 ? pl_mid_coordinate(&c->mids, of_cell[i], d, 0, 0) : middle;
+            edge += (b[d] - a[d]) * (b[d] - a[d]);
+            square += (x - middle) * (x - middle);
+            *largest = pl_larger(fabs(x), *largest);
+            if (!isfinite(x) && of_cell[i] < *lowest)
                 *lowest = of_cell[i];
         }
+        longest = pl_larger(edge, longest);
+        off = pl_larger(square, off);
     }
-    return off > STRAIGHT * longest && off > c->rounding;
+    return off > STRAIGHT * STRAIGHT * longest && off > c->rounding * c->rounding;
 }
 
 static void search_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -415,7 +420,8 @@ static void search_chunk(void *context, int64_t begin, int64_t end, int thread) 
         if (!is_order_2(c, e))
             continue;
         pl_mids_note(&c->mids, e, c->rule->type);
-        c->is_curved[e] = (uint8_t)is_curved(c, e, &largest, &lowest);
+        c->is_curved[e] = (uint8_t)(c->plan->dim == 3 ? find_curved(c, e, &largest, &lowest, 3)
+                                                      : find_curved(c, e, &largest, &lowest, 2));
         n += c->is_curved[e];
     }
     pl_raise_double(&s->largest, largest);

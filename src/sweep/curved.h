@@ -11,7 +11,7 @@
  * mids.c
  *   pl_mids_create, _destroy      mids and their ends,
  *   pl_mids_note                  to be noted for each element
- *   pl_mid_place                  where a mid is
+ *   pl_mid_place, _coordinate     where a mid is
  *   pl_mids_write                 to the caller's coordinates
  * curved.c
  *   pl_curved_create, _destroy    find curved elements
@@ -71,6 +71,14 @@ void pl_mids_note(pl_mids *mids, int64_t element, const pl_cell_type *type);
 
 /** Free the arrays of mids. */
 void pl_mids_destroy(pl_mids *mids);
+
+/** Coordinate d of a mid whose ends have moved by way_a and way_b in this direction. */
+static inline double pl_mid_coordinate(const pl_mids *mids, int32_t node, int d, double way_a,
+                                       double way_b) {
+    const double start = mids->start.x[pl_point_at(&mids->start, node, d)];
+    const double way = 0.5 * (way_a + way_b);
+    return way != 0 ? pl_store(&mids->storage, start + way) : start; /* what stays is not rounded */
+}
 
 /** Set x [dim] to the place of a node of the mesh, a mid, at the plan's present coordinates. */
 void pl_mid_place(const pl_mids *mids, int32_t node, double *x);

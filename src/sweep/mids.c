@@ -61,16 +61,13 @@ void pl_mid_place(const pl_mids *m, int32_t node, double *x) {
     start_of(m, node, x);
     if (end[0] < 0)
         return;
-    const double *from[2], *to[2];
-    for (int k = 0; k < 2; k++) {
-        from[k] = m->given + (int64_t)end[k] * dim;
-        to[k] = plan->scratch.coordinates + (int64_t)plan->inner[end[k]] * dim;
-    }
-    for (int d = 0; d < dim; d++) {
-        const double way = 0.5 * ((to[0][d] - from[0][d]) + (to[1][d] - from[1][d]));
-        if (way != 0) /* others keep their coordinates, unrounded */
-            x[d] = pl_store(&m->storage, x[d] + way);
-    }
+    double way[2][3];
+    for (int k = 0; k < 2; k++)
+        for (int d = 0; d < dim; d++)
+            way[k][d] = plan->scratch.coordinates[(int64_t)plan->inner[end[k]] * dim + d] -
+                        m->given[(int64_t)end[k] * dim + d];
+    for (int d = 0; d < dim; d++)
+        x[d] = pl_mid_coordinate(m, node, d, way[0][d], way[1][d]);
 }
 
 /** Mids on the way to the caller. */
