@@ -468,7 +468,7 @@ _TYPES = [_Type(*row) for row in (
     (13, "wedge", 3, 6, 6), (26, "wedge15", 3, 15, 6), (32, "wedge18", 3, 18, 6),
     (14, "pyramid", 3, 5, 5), (27, "pyramid13", 3, 13, 5), (128, "pyramid14", 3, 14, 5))]
 _KNOWN: dict[Any, _Type] = {key: kind for kind in _TYPES for key in (kind.number, kind.name)}
-_SMOOTHED = {2: (5, 22), 3: (10, 24)}
+_SMOOTHED = {2: (5, 22), 3: (10, 24)}  # straight, second order
 # Other orders of nodes: pixels and voxels by VTK's number or meshio's name, wedges by meshio's name.
 _PIXEL, _VOXEL = (_KNOWN["quad"], [0, 1, 3, 2]), (_KNOWN["hexahedron"], [0, 1, 3, 2, 4, 5, 7, 6])
 _REORDERED: dict[Any, tuple[_Type, list[int]]] = {
@@ -563,11 +563,12 @@ def _blocks_of_arrays(nodes: np.ndarray, offsets: np.ndarray, types: np.ndarray,
 def _counted(lists: Any, what: str, types: Optional[np.ndarray] = None) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and offsets of VTK's lists: a count, so many nodes, a count, ..."""
     lists = np.zeros(0, dtype=np.int64) if lists is None else np.asarray(lists).ravel()
-    starts = np.zeros(0, dtype=np.int64)
     if types is not None and len(types) and 0 <= types.min() and types.max() < len(_WIDTHS):
         starts = np.cumsum(_WIDTHS[types] + 1) - _WIDTHS[types] - 1
-    if not len(starts) or starts[-1] >= len(lists) or not np.array_equal(
-            np.append(starts, len(lists)), np.append(0, np.cumsum(lists[starts] + 1))):
+    else:  # all cells may have as many nodes as the first
+        starts = np.arange(0, len(lists), max(int(lists[0]), 0) + 1 if len(lists) else 1)
+    ends = lists[starts] + starts + 1 if len(starts) and starts[-1] < len(lists) else starts
+    if not np.array_equal(np.append(starts, len(lists)), np.append(0, ends)):
         starts = _walked(lists, what)
     if types is not None and len(starts) != len(types):
         raise ValueError(f"{what} has {len(starts)} cells, but there are {len(types)} types")
@@ -768,12 +769,13 @@ class _Elements:
         at = _joined([block.at for block in chosen])
         order = np.argsort(at, kind="stable")
         self.at = at[order]
-        self.data = {name: _joined([block.data[name] for block in chosen])[order]
+        self.data = {name: _joined([block.data[name] for block in chosen])
                      for name in chosen[0].data if all(name in block.data for block in chosen)}
+        self.data = {name: values[order] if len(values) == len(order) else values for name, values in self.data.items()}
         self.types: Optional[np.ndarray] = None
         self.offsets: Optional[np.ndarray] = None
         self.held: Optional[np.ndarray] = None
-        if len({block.name for block in chosen}) == 1 and chosen[0].kind.n_nodes == self.dim + 1:  # type: ignore
+        if all(block.kind.number == _SMOOTHED[self.dim][0] for block in chosen if block.kind):
             self.nodes = self.corners = _cells(_joined([block.nodes for block in chosen]))
         else:
             self._lay_out(chosen, order)
