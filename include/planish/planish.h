@@ -813,7 +813,7 @@ typedef struct planish_cell_measures {
     double min_scaled_jacobian; /* over the corners of all elements: det J over the product of the
                                    edges' lengths, over that of the ideal corner */
     double min_jacobian_ratio;  /* over curved elements: least Bezier coefficient of det J over
-                                   their mean; 1 without any */
+                                   the absolute value of their mean; 1 without any */
     double max_edge_ratio;      /* longest edge / shortest, between corners */
     double reserved[4];
 } planish_cell_measures;
@@ -844,8 +844,8 @@ typedef struct planish_cell_values {
     uint8_t *is_curved;      /* [n_elements] 1: a node is off the middle of its corners */
     double *aspect_ratio;    /* [n_elements] AR of valid elements without inverted corners */
     double *scaled_jacobian; /* [n_elements] least of the corners */
-    double *jacobian_ratio; /* [n_elements] least Bezier coefficient of det J over their mean; 1 for
-                                elements that are not curved */
+    double *jacobian_ratio; /* [n_elements] least Bezier coefficient of det J over the absolute value
+                               of their mean; 1 for elements that are not curved */
     double *edge_ratio;     /* [n_elements] longest edge / shortest, between corners */
     void *reserved[4];      /* NULL */
 } planish_cell_values;

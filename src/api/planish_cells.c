@@ -34,31 +34,33 @@ static void release(cells_call *c) {
 /** Make cells of the mesh's simplices. */
 static int take_simplices(const planish_mesh *mesh, cells_call *c, planish_error *error) {
     const int64_t n = mesh->n_elements, k = mesh->dim + 1;
-    int status = pl_check_counts(mesh, error);
-    if (status)
-        return status;
+    const int is_wide = mesh->elements == NULL;
     c->type = pl_alloc(n, sizeof *c->type);
     c->offset = pl_alloc(n + 1, sizeof *c->offset);
-    c->node = pl_alloc(n * k, sizeof *c->node);
-    if (!c->type || !c->offset || !c->node)
+    c->node = is_wide ? pl_alloc(n * k, sizeof *c->node) : NULL;
+    if (!c->type || !c->offset || (is_wide && !c->node))
         return pl_fail_memory(error, "the measures of elements");
     memset(c->type, mesh->dim == 3 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TRIANGLE, (size_t)n);
     for (int64_t i = 0; i <= n; i++)
         c->offset[i] = i * k;
     for (int64_t i = 0; i < n; i++) {
-        status = pl_check_element(mesh, i, error);
+        const int status = pl_check_element(mesh, i, error);
         if (status)
             return status;
-        for (int j = 0; j < k; j++)
+        for (int j = 0; is_wide && j < k; j++)
             c->node[i * k + j] = (int32_t)pl_corner(mesh, i, j);
     }
-    c->cells = (planish_cells){.n = n, .type = c->type, .offset = c->offset, .node = c->node};
+    c->cells = (planish_cells){
+        .n = n, .type = c->type, .offset = c->offset, .node = is_wide ? c->node : mesh->elements};
     return PLANISH_OK;
 }
 
 /** Check the mesh, and take its elements and coordinates. */
 static int take_mesh(const planish_mesh *mesh, cells_call *c, planish_error *error) {
-    int status = mesh->cells ? pl_check_nodes(mesh, error) : take_simplices(mesh, c, error);
+    const int is_empty = mesh->cells && mesh->cells->n == 0 && mesh->n_elements == 0;
+    int status = is_empty ? pl_check_nodes(mesh, error) : pl_check_counts(mesh, error);
+    if (!status && !mesh->cells)
+        status = take_simplices(mesh, c, error);
     if (status)
         return status;
     const pl_points points = pl_points_of(mesh, mesh->coordinates);

@@ -342,9 +342,13 @@ static planish_cell_state state_of(pl_validity validity) {
                                     : PLANISH_CELL_STATE_UNCERTIFIED;
 }
 
-/** Return least/mean coefficient of lane l; 1 if it is not curved. */
+/** Return the least coefficient of lane l over the absolute mean of all: below 0 also where the mean
+ *  is. 1 if it is not curved. */
 static double jacobian_ratio(const cell_block *b, int l) {
-    return b->is_curved[l] > 0 ? b->jacobian.least[l] / b->jacobian.mean[l] : 1;
+    const double least = b->jacobian.least[l], mean = fabs(b->jacobian.mean[l]);
+    if (!(b->is_curved[l] > 0))
+        return 1;
+    return mean > 0 ? least / mean : least < 0 ? -INFINITY : 0;
 }
 
 /** Give the caller the values of lane l. */

@@ -339,6 +339,201 @@ static void any_number_of_threads_gives_the_same_bits(void **state) {
     }
 }
 
+/** Arrays of all values, and their planish_cell_values. */
+typedef struct all_values {
+    int64_t n;
+    uint8_t *bytes;
+    double *doubles;
+    planish_cell_values of;
+} all_values;
+
+static all_values values_of(int64_t n) {
+    const size_t m = (size_t)n;
+    all_values v = {.n = n, .bytes = malloc(2 * m), .doubles = malloc(4 * m * sizeof(double))};
+    faults_mark(v.bytes, 2 * m);
+    faults_mark(v.doubles, 4 * m * sizeof(double));
+    v.of = (planish_cell_values){.state = v.bytes,
+                                 .is_curved = v.bytes + m,
+                                 .aspect_ratio = v.doubles,
+                                 .scaled_jacobian = v.doubles + m,
+                                 .jacobian_ratio = v.doubles + 2 * m,
+                                 .edge_ratio = v.doubles + 3 * m};
+    return v;
+}
+
+static void free_values(all_values *v) {
+    free(v->bytes);
+    free(v->doubles);
+}
+
+static void assert_same_values(const all_values *a, const all_values *b) {
+    assert_memory_equal(a->bytes, b->bytes, 2 * (size_t)a->n);
+    assert_memory_equal(a->doubles, b->doubles, 4 * (size_t)a->n * sizeof(double));
+}
+
+static planish_mesh mesh_of(const mesh *m) {
+    return (planish_mesh){.dim = m->dim,
+                          .n_nodes = m->n_nodes,
+                          .n_elements = m->cells.n,
+                          .coordinates = m->x,
+                          .cells = &m->cells};
+}
+
+/** Element i alone, with the values of all; 0 if it is of no measured type. */
+static int has_values_of_one(const mesh *m, int64_t i, const planish_cell_values *v) {
+    const int64_t offset[] = {0, m->offset[i + 1] - m->offset[i]};
+    const planish_cells one = {
+        .n = 1, .type = m->type + i, .offset = offset, .node = m->node + m->offset[i]};
+    planish_mesh alone = mesh_of(m);
+    planish_cell_quality q;
+    alone.cells = &one;
+    alone.n_elements = 1;
+    assert_int_equal(planish_measure_cells(&alone, 0, 1, &q, NULL, NULL), PLANISH_OK);
+    if (q.all.n_elements == 0) {
+        assert_true(v->state[i] == PLANISH_CELL_STATE_NONE && v->is_curved[i] == 0);
+        assert_true(v->aspect_ratio[i] == 0 && v->scaled_jacobian[i] == 0);
+        assert_true(v->jacobian_ratio[i] == 0 && v->edge_ratio[i] == 0);
+        return 0;
+    }
+    const planish_cell_state state = q.all.n_inverted      ? PLANISH_CELL_STATE_INVERTED
+                                     : q.all.n_uncertified ? PLANISH_CELL_STATE_UNCERTIFIED
+                                                           : PLANISH_CELL_STATE_VALID;
+    assert_int_equal(v->is_curved[i], q.all.n_curved);
+    assert_true(v->edge_ratio[i] == q.all.max_edge_ratio);
+    if (v->scaled_jacobian[i] <= 0) { /* alone its sign could be another one */
+        assert_true(v->is_curved[i] || v->state[i] == PLANISH_CELL_STATE_INVERTED);
+        assert_true(v->aspect_ratio[i] == 0);
+        assert_true(v->is_curved[i] ? v->jacobian_ratio[i] < 1 : v->jacobian_ratio[i] == 1);
+        return 1;
+    }
+    assert_int_equal(v->state[i], state);
+    assert_true(v->aspect_ratio[i] == q.all.max_aspect_ratio);
+    assert_true(v->scaled_jacobian[i] == q.all.min_scaled_jacobian);
+    assert_true(v->jacobian_ratio[i] == q.all.min_jacobian_ratio);
+    return 1;
+}
+
+static void values_are_those_of_each_element(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        mesh m = mixed_mesh(dim, effort(2000, MAX_CELLS), 18);
+        const planish_mesh of = mesh_of(&m);
+        all_values v = values_of(m.cells.n);
+        planish_cell_quality q;
+        int64_t n[4] = {0}, n_curved = 0, n_measured = 0;
+        assert_int_equal(planish_measure_cells(&of, 0, 2, &q, &v.of, NULL), PLANISH_OK);
+        for (int64_t i = 0; i < m.cells.n; i++) {
+            n_measured += has_values_of_one(&m, i, &v.of);
+            n[v.of.state[i]]++;
+            n_curved += v.of.is_curved[i];
+        }
+        assert_int_equal(n_measured, q.all.n_elements);
+        assert_int_equal(n[PLANISH_CELL_STATE_NONE], m.cells.n - n_measured);
+        assert_int_equal(n[PLANISH_CELL_STATE_INVERTED], q.all.n_inverted);
+        assert_int_equal(n[PLANISH_CELL_STATE_UNCERTIFIED], q.all.n_uncertified);
+        assert_int_equal(n_curved, q.all.n_curved);
+        assert_true(n[0] > 0 && n[1] > 0 && n[2] > 0 && n_curved > 0);
+        for (int k = 0; k < 6; k++) { /* each array alone */
+            all_values some = values_of(m.cells.n);
+            const planish_cell_values given = {
+                .state = k == 0 ? some.of.state : NULL,
+                .is_curved = k == 1 ? some.of.is_curved : NULL,
+                .aspect_ratio = k == 2 ? some.of.aspect_ratio : NULL,
+                .scaled_jacobian = k == 3 ? some.of.scaled_jacobian : NULL,
+                .jacobian_ratio = k == 4 ? some.of.jacobian_ratio : NULL,
+                .edge_ratio = k == 5 ? some.of.edge_ratio : NULL};
+            const size_t bytes = (size_t)m.cells.n;
+            assert_int_equal(planish_measure_cells(&of, 0, 3, &q, &given, NULL), PLANISH_OK);
+            for (size_t j = 0; j < 2; j++)
+                assert_true((int)j == k
+                                ? !memcmp(some.bytes + j * bytes, v.bytes + j * bytes, bytes)
+                                : faults_is_marked(some.bytes + j * bytes, bytes));
+            for (size_t j = 0; j < 4; j++)
+                assert_true((int)j + 2 == k ? !memcmp(some.doubles + j * bytes,
+                                                      v.doubles + j * bytes, bytes * sizeof(double))
+                                            : faults_is_marked(some.doubles + j * bytes,
+                                                               bytes * sizeof(double)));
+            free_values(&some);
+        }
+        free_values(&v);
+        free_mesh(&m);
+    }
+}
+
+static void strides_change_nothing(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        mesh m = mixed_mesh(dim, 500, 19);
+        planish_mesh of = mesh_of(&m);
+        planish_cell_quality q[2];
+        all_values v = values_of(m.cells.n), other = values_of(m.cells.n);
+        double *x = malloc((size_t)(5 * m.n_nodes) * sizeof *x);
+        assert_int_equal(planish_measure_cells(&of, 0, 2, &q[0], &v.of, NULL), PLANISH_OK);
+        for (int padded = 0; padded < 2; padded++) {
+            of.node_stride = padded ? 5 : 1;
+            of.component_stride = padded ? 1 : m.n_nodes;
+            of.coordinates = x;
+            for (int64_t i = 0; i < m.n_nodes; i++)
+                for (int d = 0; d < dim; d++)
+                    x[i * of.node_stride + d * of.component_stride] = m.x[i * dim + d];
+            assert_int_equal(planish_measure_cells(&of, 0, 2, &q[1], &other.of, NULL), PLANISH_OK);
+            assert_memory_equal(&q[0], &q[1], sizeof q[0]);
+            assert_same_values(&v, &other);
+        }
+        free(x);
+        free_values(&v);
+        free_values(&other);
+        free_mesh(&m);
+    }
+}
+
+/** A mesh of simplices: as cells, as elements of either width; and what is refused of these. */
+static void simplices_need_no_cells(void **state) {
+    (void)state;
+    enum { N = 200 };
+    uint64_t random = effort_seed(20);
+    for (int dim = 2; dim <= 3; dim++) {
+        mesh m = empty_mesh(dim);
+        for (int i = 0; i < N; i++)
+            add(&m, dim == 3 ? 10 : 5, 0.5, 0, 1, &random);
+        const int64_t n = m.offset[N];
+        int64_t *wide = malloc((size_t)n * sizeof *wide);
+        for (int64_t i = 0; i < n; i++)
+            wide[i] = m.node[i];
+        planish_mesh of = mesh_of(&m);
+        planish_cell_quality q[2];
+        planish_error error;
+        all_values v = values_of(N), other = values_of(N);
+        assert_int_equal(planish_measure_cells(&of, 0, 2, &q[0], &v.of, NULL), PLANISH_OK);
+        of.cells = NULL;
+        for (int is_wide = 0; is_wide < 2; is_wide++) {
+            of.elements = is_wide ? NULL : m.node;
+            of.elements64 = is_wide ? wide : NULL;
+            assert_int_equal(planish_measure_cells(&of, 0, 2, &q[1], &other.of, NULL), PLANISH_OK);
+            assert_memory_equal(&q[0], &q[1], sizeof q[0]);
+            assert_same_values(&v, &other);
+        }
+        wide[5] = (int64_t)1 << 40;
+        assert_int_equal(planish_measure_cells(&of, 0, 2, &q[1], NULL, &error), PLANISH_ERROR_MESH);
+        assert_true(error.element == 1 && error.node == wide[5]);
+        of.cells = &m.cells; /* beside elements */
+        assert_int_equal(planish_measure_cells(&of, 0, 2, &q[1], NULL, &error),
+                         PLANISH_ERROR_ARGUMENT);
+        of.elements64 = NULL;
+        of.n_elements = N - 1; /* the caller's arrays would be too short */
+        assert_int_equal(planish_measure_cells(&of, 0, 2, &q[1], NULL, &error),
+                         PLANISH_ERROR_ARGUMENT);
+        const planish_part part = {.node_number = NULL};
+        of.part = &part;
+        assert_int_equal(planish_measure_cells(&of, 0, 2, &q[1], NULL, &error),
+                         PLANISH_ERROR_PARTS);
+        free(wide);
+        free_values(&v);
+        free_values(&other);
+        free_mesh(&m);
+    }
+}
+
 /** Also where the first elements are the ones that are mirrored. */
 static void most_elements_of_a_type_have_the_right_handedness(void **state) {
     (void)state;
@@ -558,6 +753,9 @@ int main(void) {
         cmocka_unit_test(ideal_elements_have_an_aspect_ratio_of_1),
         cmocka_unit_test(simplices_have_their_mean_ratio),
         cmocka_unit_test(measures_agree_with_plain_loops),
+        cmocka_unit_test(values_are_those_of_each_element),
+        cmocka_unit_test(strides_change_nothing),
+        cmocka_unit_test(simplices_need_no_cells),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
         cmocka_unit_test(most_elements_of_a_type_have_the_right_handedness),
         cmocka_unit_test(other_dimensions_do_not_count),
