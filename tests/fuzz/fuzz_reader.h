@@ -31,10 +31,23 @@ static inline const char *fuzz_path(char *text, const char *ending) {
     return text;
 }
 
+/** The corners of an element; mids stand behind them where the mesh has cells. */
+static inline const int32_t *fuzz_corners(const planish_mesh *mesh, int64_t element) {
+    return mesh->cells ? mesh->cells->node + mesh->cells->offset[element]
+                       : mesh->elements + element * (mesh->dim + 1);
+}
+
 static inline void fuzz_check_mesh(const planish_file *file) {
     planish_mesh mesh = planish_file_mesh(file);
-    for (int64_t i = 0; i < mesh.n_elements * (mesh.dim + 1); i++)
-        fuzz_require(mesh.elements[i] >= 0 && mesh.elements[i] < mesh.n_nodes, "nodes in range");
+    fuzz_require(!mesh.cells != !mesh.elements || mesh.n_elements == 0, "elements or cells");
+    for (int64_t i = 0; i < mesh.n_elements; i++) {
+        const int32_t *corners = fuzz_corners(&mesh, i);
+        const int64_t n = mesh.cells ? mesh.cells->offset[i + 1] - mesh.cells->offset[i] : 0;
+        for (int k = 0; k <= mesh.dim; k++)
+            fuzz_require(corners[k] >= 0 && corners[k] < mesh.n_nodes, "nodes in range");
+        for (int64_t k = mesh.dim + 1; k < n; k++)
+            fuzz_require(corners[k] >= -1 && corners[k] < mesh.n_nodes, "mids in range");
+    }
     for (int64_t i = 0; i < mesh.n_nodes * mesh.dim; i++)
         fuzz_require(isfinite(mesh.coordinates[i]), "coordinates are finite");
 }
@@ -55,6 +68,7 @@ static inline void fuzz_check_cells(planish_file *file) {
     }
     for (int64_t i = 0; i < cells.offset[cells.n]; i++)
         fuzz_require(cells.node[i] >= -1 && cells.node[i] < mesh.n_nodes, "nodes in range");
+    fuzz_require(!mesh.cells || mesh.cells->node == cells.node, "elements are the first cells");
     planish_mesh all = mesh;
     all.elements = NULL;
     all.cells = &cells;
@@ -214,9 +228,17 @@ static inline void fuzz_check_moved(const planish_file *file, const char *path) 
                      "the written coordinates are those given");
     fuzz_require(!is_plane || fuzz_same_places(file, moved, again),
                  "the written places are those given");
-    const size_t size = (size_t)(mesh.n_elements * (mesh.dim + 1)) * sizeof *mesh.elements;
-    fuzz_require(size == 0 || memcmp(other.elements, mesh.elements, size) == 0,
-                 "the written mesh has the same elements");
+    fuzz_require(!mesh.cells == !other.cells, "the written mesh has the same order");
+    for (int64_t i = 0; i < mesh.n_elements; i++) {
+        const int64_t n =
+            mesh.cells ? mesh.cells->offset[i + 1] - mesh.cells->offset[i] : mesh.dim + 1;
+        fuzz_require(!mesh.cells || (mesh.cells->type[i] == other.cells->type[i] &&
+                                     mesh.cells->offset[i + 1] == other.cells->offset[i + 1]),
+                     "the written elements have the same types");
+        fuzz_require(memcmp(fuzz_corners(&mesh, i), fuzz_corners(&other, i),
+                            (size_t)n * sizeof(int32_t)) == 0,
+                     "the written mesh has the same elements");
+    }
     planish_file_close(again);
     unlink(path);
     free(moved);
@@ -231,8 +253,17 @@ static inline void fuzz_check_same_mesh(planish_file *of_a, planish_file *of_b) 
     for (int64_t i = 0; i < a.n_nodes * a.dim; i++)
         fuzz_require(a.coordinates[i] == b.coordinates[i],
                      "the converted mesh has the same coordinates");
-    for (int64_t i = 0; i < a.n_elements * (a.dim + 1); i++)
-        fuzz_require(a.elements[i] == b.elements[i], "the converted mesh has the same elements");
+    for (int64_t i = 0; i < a.n_elements; i++) {
+        const int32_t *of = fuzz_corners(&a, i), *to = fuzz_corners(&b, i);
+        const int64_t n = b.cells ? b.cells->offset[i + 1] - b.cells->offset[i] : b.dim + 1;
+        int is_missing = 0;
+        for (int64_t k = 0; k < n; k++)
+            fuzz_require(of[k] == to[k], "the converted mesh has the same elements");
+        for (int64_t k = n; a.cells && k < a.cells->offset[i + 1] - a.cells->offset[i]; k++)
+            is_missing |= of[k] < 0;
+        fuzz_require(!a.cells || is_missing || a.cells->offset[i + 1] - a.cells->offset[i] == n,
+                     "an element is straight only where a mid is missing");
+    }
     fuzz_require(planish_file_cells(of_a, &all, NULL) == 0 &&
                      planish_file_cells(of_b, &copied, NULL) == 0 && all.n == copied.n,
                  "the converted mesh has all elements");

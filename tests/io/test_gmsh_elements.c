@@ -1,5 +1,5 @@
-/* Tests of the elements of MSH files that are measured only: every type in every encoding, on any
- * number of threads. */
+/* Tests of the elements of MSH files: every type in every encoding, on any number of threads; and
+ * what a mesh of second order is. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,8 +10,10 @@
 #include <cmocka.h>
 
 #include "support/file_builder.h"
+#include "support/files.h"
 #include "support/gmsh_builder.h"
 #include "support/reading.h"
+#include "support/rewriting.h"
 #include "support/unit_elements.h"
 
 /* Types and the order of nodes as the figures of Gmsh's manual have them ("Node ordering"). */
@@ -136,10 +138,10 @@ static file_builder make_file(const encoding *e) {
     return file;
 }
 
-/** Check what was read: straight triangles or tetrahedra first, then the others in the file's
- *  order, each with its number. */
+/** Check what was read: triangles or tetrahedra of order 1 and 2 first, then the others, both in the
+ *  file's order, each with its number. */
 static void expect_elements(planish_file *file, const encoding *e) {
-    const int straight = e->dim == 3 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TRIANGLE;
+    enum { ORDERS = 2 };
     int64_t cell = 0;
     for (int pass = 0; pass < 2; pass++) {
         int number = 100;
@@ -147,7 +149,7 @@ static void expect_elements(planish_file *file, const encoding *e) {
             const int type = elements[i % N_ELEMENTS].type;
             if (unit_dim(type) != e->dim)
                 continue;
-            if ((type == straight) == (pass == 0)) {
+            if (unit_is_smoothed(type) == (pass == 0)) {
                 unit_expect(file, cell, type);
                 assert_int_equal(planish_file_element_number(file, cell++), number);
             }
@@ -155,7 +157,11 @@ static void expect_elements(planish_file *file, const encoding *e) {
         }
     }
     unit_expect_valid(file, cell);
-    assert_int_equal(file->model.n_other, cell - e->times);
+    assert_int_equal(file->model.n_other, cell - ORDERS * e->times);
+    const planish_mesh mesh = planish_file_mesh(file);
+    assert_int_equal(mesh.n_elements, ORDERS * e->times);
+    assert_null(mesh.elements);
+    assert_int_equal(mesh.cells->n, mesh.n_elements);
 }
 
 static const encoding encodings[] = {
@@ -240,8 +246,10 @@ static void threads_read_a_block(void **state) {
         planish_file *read;
         planish_error error;
         assert_int_equal(builder_read(&file, &io_format_gmsh, 3, &read, &error), 0);
-        assert_int_equal(read->model.other.n, N);
-        assert_int_equal(read->model.other.node[10 * (N - 1) + 9], N + 7); /* the last two swap */
+        assert_int_equal(read->model.tetrahedron.n, N);
+        assert_int_equal(read->model.tetrahedron.nodes[4 * (N - 1) + 3], N + 2);
+        assert_int_equal(read->model.tetrahedron.mid[6 * (N - 1) + 5],
+                         N + 7); /* the last two swap */
         planish_file_close(read);
         builder_release(&file);
     }
@@ -266,12 +274,123 @@ static void copies_are_one_element(void **state) {
     planish_file_close(file);
 }
 
+/* Two tetrahedra of second order in regions 1 and 2, a triangle in group 5, and a line in group 6.
+ */
+#define HEAD                                                                                       \
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n14\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"       \
+    "5 1.5 1.5 1.5\n6 .5 0 0\n7 .5 .5 0\n8 0 .5 0\n9 0 0 .5\n10 .5 0 .5\n11 0 .5 .5\n"             \
+    "12 1.25 .75 .75\n13 .75 1.25 .75\n14 .75 .75 1.25\n$EndNodes\n$Elements\n"
+#define TWO                                                                                        \
+    HEAD "4\n1 8 2 6 6 4 5 14\n2 9 2 5 5 1 2 3 6 7 8\n3 11 2 1 1 1 2 3 4 6 7 8 9 11 10\n"          \
+         "4 11 2 2 2 2 3 4 5 7 11 10 12 14 13\n$EndElements\n"
+
+/** Check that constraint is 1 of the nodes that text names, "1 2 14", and 0 of all others. */
+static void expect_fixed(const uint8_t *constraint, int n, const char *text) {
+    char named[64], number[16];
+    snprintf(named, sizeof named, " %s ", text);
+    for (int i = 0; i < n; i++) {
+        snprintf(number, sizeof number, " %d ", i + 1);
+        if (constraint[i] != (strstr(named, number) ? PLANISH_CONSTRAINT_FIXED : 0))
+            fail_msg("node %d with '%s' fixed: %d", i + 1, text, constraint[i]);
+    }
+}
+
+/** Lines and triangles hold their mids, and so do groups; regions hold corners alone, as mids between
+ *  these stay anyway. Facets are given by their corners. */
+static void mids_are_held_with_their_ends(void **state) {
+    (void)state;
+    static const char *const six[] = {"6"}, *const five[] = {"2:5"}, *const two[] = {"3:2"};
+    static const struct {
+        planish_hold hold;
+        const char *fixed;
+    } cases[] = {
+        {{.tags = NULL}, "1 2 3 4 5 6 7 8 14"},
+        {{.ignore_regions = 1}, "1 2 3 4 5 6 7 8 14"},
+        {{.slide = 1}, ""},
+        {{.slide = 1, .tags = six, .n_tags = 1}, "4 5 14"},
+        {{.slide = 1, .tags = five, .n_tags = 1}, "1 2 3 6 7 8"},
+        {{.slide = 1, .tags = two, .n_tags = 1}, "2 3 4 5 7 11 10 12 13 14"},
+        {{.slide = 1, .slide_tags = five, .n_slide_tags = 1}, ""},
+    };
+    planish_file *file = reading_text(&io_format_gmsh, TWO);
+    uint8_t constraint[14];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_int_equal(planish_file_constraints(file, &cases[i].hold, constraint, NULL), 0);
+        expect_fixed(constraint, 14, cases[i].fixed);
+    }
+    static const int32_t facet[] = {0, 1, 2}, edge[] = {3, 4};
+    const planish_surface surface = planish_file_surface(file, NULL);
+    assert_int_equal(surface.n_facets, 1);
+    assert_memory_equal(surface.facets, facet, sizeof facet);
+    assert_null(surface.facet_offset);
+    assert_int_equal(surface.n_edges, 1);
+    assert_memory_equal(surface.edges, edge, sizeof edge);
+    assert_true(surface.region[0] != surface.region[1]);
+    planish_file_close(file);
+    /* Where the line is missing, region 2 has no node that is held but those of the interface. */
+    file =
+        reading_text(&io_format_gmsh, HEAD "2\n3 11 2 1 1 1 2 3 4 6 7 8 9 11 10\n"
+                                           "4 11 2 2 2 2 3 4 5 7 11 10 12 14 13\n$EndElements\n");
+    assert_int_equal(planish_file_constraints(file, NULL, constraint, NULL), 0);
+    expect_fixed(constraint, 14, "2 3 4");
+    planish_file_close(file);
+}
+
+/** Straight and quadratic elements are in one mesh, in the file's order; mids that no element has
+ *  are missing. */
+static void orders_are_mixed(void **state) {
+    (void)state;
+    static const int32_t first[] = {0, 1, 2, 3}, second[] = {1, 2, 3, 4, 6, 10, 9, 11, 12, 13};
+    planish_file *file =
+        reading_text(&io_format_gmsh, HEAD "2\n3 4 2 1 1 1 2 3 4\n"
+                                           "4 11 2 1 1 2 3 4 5 7 11 10 12 14 13\n$EndElements\n");
+    const planish_mesh mesh = planish_file_mesh(file);
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    assert_int_equal(info.n_other_elements, 0);
+    assert_int_equal(mesh.n_elements, 2);
+    assert_null(mesh.elements);
+    assert_int_equal(mesh.cells->n, 2);
+    assert_int_equal(mesh.cells->type[0], PLANISH_CELL_TETRAHEDRON);
+    assert_int_equal(mesh.cells->type[1], PLANISH_CELL_TETRAHEDRON10);
+    assert_memory_equal(mesh.cells->node, first, sizeof first);
+    assert_memory_equal(mesh.cells->node + mesh.cells->offset[1], second, sizeof second);
+    assert_int_equal(mesh.cells->offset[2], 14);
+    assert_int_equal(planish_file_element_number(file, 1), 4);
+    planish_file_close(file);
+    file = reading_text(&io_format_gmsh, HEAD "1\n3 4 2 1 1 1 2 3 4\n$EndElements\n");
+    assert_null(planish_file_mesh(file).cells);
+    assert_null(file->cells.offset);
+    planish_file_close(file);
+}
+
+/** An element that is there in two groups keeps its mids, and so does the one behind it. */
+static void copies_keep_their_mids(void **state) {
+    (void)state;
+    static const int32_t mids[] = {5, 6, 7, 8, 9, 10, 6, 10, 9, 11, 12, 13};
+    planish_file *file =
+        reading_text(&io_format_gmsh, HEAD "3\n3 11 2 1 1 1 2 3 4 6 7 8 9 11 10\n"
+                                           "4 11 2 2 1 1 2 3 4 6 7 8 9 11 10\n"
+                                           "5 11 2 1 1 2 3 4 5 7 11 10 12 14 13\n$EndElements\n");
+    assert_int_equal(planish_file_mesh(file).n_elements, 2);
+    assert_memory_equal(file->model.tetrahedron.mid, mids, sizeof mids);
+    planish_file_close(file);
+}
+
+static void mids_are_written_as_other_nodes(void **state) {
+    rewriting_keeps_the_rest(&io_format_gmsh, TWO, (int64_t)sizeof TWO - 1, *state);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_type_has_its_nodes_in_order),
         cmocka_unit_test(threads_read_the_same),
         cmocka_unit_test(threads_read_a_block),
         cmocka_unit_test(copies_are_one_element),
+        cmocka_unit_test(mids_are_held_with_their_ends),
+        cmocka_unit_test(orders_are_mixed),
+        cmocka_unit_test(copies_keep_their_mids),
+        cmocka_unit_test(mids_are_written_as_other_nodes),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, test_folder_create, test_folder_remove);
 }

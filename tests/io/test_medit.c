@@ -323,7 +323,7 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(f, HEAD NODES NODES, "second time");
     reading_fails(f, HEAD NODES "TetrahedraP2 1 1 2 3 4 1 2 3 4 1 5 0\n", "not in 1 .. 4");
     reading_fails(f, HEAD NODES "TetrahedraP2 1 1 2 3 4 1 2 3 4 1 1 0 2\n", "more than 1");
-    reading_fails(f, HEAD "TetrahedraP3 1 1\n", "first order");
+    reading_fails(f, HEAD "TetrahedraP3 1 1\n", "first or second order");
     reading_fails(f, "MeshVersionFormatted 9\n", "unknown");
     reading_fails(f, "MeshVersionFormatted 2\nDimension 4\n", "unknown");
     reading_fails(f, HEAD, "no Vertices");
@@ -625,7 +625,7 @@ static void wrong_binary_files_are_refused(void **state) {
     refused(2, 60, -1, 1, "not behind this one");
     refused(2, 4, 0, 1, "second time");
     refused(2, 30, 0, 1, "1 TetrahedraP2 cannot be in");
-    refused(2, 96, 0, 1, "first order");
+    refused(2, 96, 0, 1, "first or second order");
     refused(2, 97, 0, 1, "TetrahedraP4");
     refused(2, 54, 0, 1, "nothing to smooth");
     refused(2, 99999, 0, 1, "nothing to smooth");

@@ -298,14 +298,37 @@ static cell_list list_types(int dim) {
     return list;
 }
 
-/** Expect that all cells of the list are in the file, with their numbers, and are right. */
-static void check_list(planish_file *file, const cell_list *list) {
+static int is_smoothed(const cell_list *list, int cell) {
+    const int type = list->cell[cell].element->type;
+    return type == PLANISH_CELL_TRIANGLE6 || type == PLANISH_CELL_TETRAHEDRON10;
+}
+
+/** Put the cells of the list in the order that the file has them in: triangles and tetrahedra first.
+ *  Returns how many these are. */
+static int order_list(const cell_list *list, int order[N_TYPES + 8]) {
+    int n_smoothed = 0, n = 0;
+    for (int pass = 1; pass >= 0; pass--)
+        for (int c = 0; c < list->n; c++)
+            if (is_smoothed(list, c) == pass) {
+                order[n++] = c;
+                n_smoothed += pass;
+            }
+    return n_smoothed;
+}
+
+/** Expect that all cells of the list are in the file, with their numbers, and are right. A copy has
+ *  them in the order of the file's. */
+static void check_list(planish_file *file, const cell_list *list, int is_copy) {
     planish_cells cells;
+    int order[N_TYPES + 8];
+    const int n_smoothed = order_list(list, order);
+    assert_int_equal(planish_file_mesh(file).n_elements, n_smoothed);
+    assert_int_equal(file->model.n_other, list->n - n_smoothed);
     assert_int_equal(planish_file_cells(file, &cells, NULL), 0);
     assert_int_equal(cells.n, list->n);
     for (int c = 0; c < list->n; c++) {
-        assert_int_equal(cells.type[c], list->cell[c].element->type);
-        assert_int_equal(planish_file_element_number(file, c), c);
+        assert_int_equal(cells.type[c], list->cell[order[c]].element->type);
+        assert_int_equal(planish_file_element_number(file, c), is_copy ? c : order[c]);
     }
     const planish_mesh mesh = planish_file_mesh(file);
     assert_int_equal(count_inverted(&cells, mesh.dim, mesh.n_nodes, mesh.coordinates), 0);
@@ -318,10 +341,11 @@ static void all_types_are_read(void **state) {
             planish_file *file = open_list(*state, &list, f);
             if (!file)
                 continue;
-            check_list(file, &list);
-            for (int i = 0; i < list.n_nodes; i++)
-                assert_int_equal(file->model.hold[i], IO_HELD_BY_OTHER);
-            assert_int_equal(file->model.n_other, list.n);
+            check_list(file, &list, 0);
+            for (int c = 0, node = 0; c < list.n; c++)
+                for (int i = 0; i < list.cell[c].element->n_nodes; i++)
+                    assert_int_equal(file->model.hold[node++],
+                                     is_smoothed(&list, c) ? 0 : IO_HELD_BY_OTHER);
             planish_file_close(file);
         }
 }
@@ -349,7 +373,7 @@ static void other_names_of_types_are_read(void **state) {
             planish_file *file = open_list(*state, &list, f);
             if (!file)
                 continue;
-            check_list(file, &list);
+            check_list(file, &list, 0);
             planish_file_close(file);
         }
 }
@@ -376,7 +400,7 @@ static void unmeasured_types_are_held(void **state) {
             planish_cells cells;
             assert_int_equal(planish_file_cells(file, &cells, NULL), 0);
             assert_int_equal(cells.n, n);
-            assert_int_equal(file->model.n_other, n + 1);
+            assert_int_equal(file->model.n_other, n); /* but for the tetrahedron */
             assert_int_equal(file->model.hold[n_nodes], IO_HELD_BY_OTHER);
             planish_file_close(file);
         }
@@ -420,7 +444,7 @@ static void copies_keep_all_types(void **state) {
         planish_file *vtk = convert(*state, file, "copy.vtk", lost);
         assert_null(strstr(lost, "elements"));
         check_same_cells(file, vtk);
-        check_list(vtk, &list);
+        check_list(vtk, &list, 1);
         if (reads_vtu()) {
             planish_file *vtu = convert(*state, vtk, "copy.vtu", lost);
             assert_null(strstr(lost, "elements"));
@@ -448,10 +472,13 @@ static void copies_do_without_missing_nodes(void **state) {
         skip();
     }
     io_others *others = &file->model.other;
-    const int n = (int)others->n;
-    for (int i = 0; i < n; i++) {
-        const int64_t end = others->offset[i];
-        if (list.cell[i].element->n_nodes > list.cell[i].element->n_corners)
+    int order[N_TYPES + 8];
+    const int n_smoothed = order_list(&list, order), n = n_smoothed + (int)others->n;
+    file->model.tetrahedron.mid[5] = -1;
+    for (int i = n_smoothed; i < n; i++) {
+        const int64_t end = others->offset[i - n_smoothed];
+        const unit_element *e = list.cell[order[i]].element;
+        if (e->n_nodes > e->n_corners)
             others->node[end - 1] = -1;
     }
     assert_int_equal(io_model_add_other(&file->model, PLANISH_CELL_PYRAMID14, pyramid, 99, NULL),
@@ -463,16 +490,49 @@ static void copies_do_without_missing_nodes(void **state) {
     assert_int_equal(planish_file_cells(file, &p, NULL), 0);
     assert_int_equal(planish_file_cells(vtu, &q, NULL), 0);
     assert_int_equal(q.n, n + 1);
-    for (int i = 0, next = 1; i < n; i++) { /* the tetrahedron comes first */
-        const unit_element *e = list.cell[i].element;
-        const int at = e->type == PLANISH_CELL_TETRAHEDRON10 ? 0 : next++;
-        assert_int_equal(q.offset[at + 1] - q.offset[at], e->n_corners);
-        assert_memory_equal(q.node + q.offset[at], p.node + p.offset[i],
+    for (int i = 0; i < n; i++) {
+        const unit_element *e = list.cell[order[i]].element;
+        assert_int_equal(q.offset[i + 1] - q.offset[i], e->n_corners);
+        assert_memory_equal(q.node + q.offset[i], p.node + p.offset[i],
                             (size_t)e->n_corners * sizeof *q.node);
     }
     assert_int_equal(q.type[n], PLANISH_CELL_PYRAMID13);
     assert_memory_equal(q.node + q.offset[n], pyramid, 13 * sizeof *pyramid);
     planish_file_close(vtu);
+    planish_file_close(file);
+}
+
+/** Lines and triangles of second order beside tetrahedra are kept with their mids, among straight
+ *  ones, and so do copies; a polyline of three nodes is no line of second order. */
+static void lower_cells_have_mids(void **state) {
+    static const char head[] =
+        "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 11 double\n"
+        "0 0 0 1 0 0 0 1 0 0 0 1 .5 0 0 .5 .5 0 0 .5 0 0 0 .5 .5 0 .5 0 .5 .5 2 2 2\n";
+    static const char cells[] =
+        "CELLS 7 38\n3 0 1 4\n6 0 1 2 4 5 6\n10 0 1 2 3 4 5 6 7 8 9\n2 1 2\n3 1 2 3\n"
+        "3 0 2 10\n4 1 2 3 10\nCELL_TYPES 7\n21 22 24 3 5 4 10\n";
+    static const int32_t line[] = {4, -1}, triangle[] = {4, 5, 6, -1, -1, -1};
+    static const int32_t tetrahedron[] = {4, 5, 6, 7, 8, 9, -1, -1, -1, -1, -1, -1};
+    char lost[256];
+    file_builder b = {.binary = 0};
+    builder_text(&b, "%s", head);
+    builder_text(&b, "%s", cells);
+    planish_file *file = open_file(*state, "in.vtk", &b), *copy = NULL;
+    for (int i = 0; i < 2 && file; i++) {
+        const io_model *m = &file->model;
+        assert_int_equal(m->line.n, 2);
+        assert_int_equal(m->triangle.n, 2);
+        assert_int_equal(m->tetrahedron.n, 2);
+        assert_memory_equal(m->line.mid, line, sizeof line);
+        assert_memory_equal(m->triangle.mid, triangle, sizeof triangle);
+        assert_memory_equal(m->tetrahedron.mid, tetrahedron, sizeof tetrahedron);
+        assert_int_equal(m->hold[4], IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE);
+        assert_int_equal(m->hold[9], 0);
+        assert_int_equal(m->hold[10], i == 0 ? IO_HELD_BY_OTHER : 0); /* the polyline is lost */
+        copy = reads_vtu() && i == 0 ? convert(*state, file, "copy.vtu", lost) : NULL;
+        planish_file_close(file);
+        file = copy;
+    }
     planish_file_close(file);
 }
 
@@ -504,7 +564,7 @@ int main(void) {
         cmocka_unit_test(another_order_is_not_valid), IN_A_FOLDER(all_types_are_read),
         IN_A_FOLDER(other_names_of_types_are_read),   IN_A_FOLDER(unmeasured_types_are_held),
         IN_A_FOLDER(copies_keep_all_types),           IN_A_FOLDER(copies_do_without_missing_nodes),
-        IN_A_FOLDER(a_plane_is_for_all_elements),
+        IN_A_FOLDER(lower_cells_have_mids),           IN_A_FOLDER(a_plane_is_for_all_elements),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -204,7 +204,7 @@ static void wrong_files_are_refused(void **state) {
     (void)state;
     grid g = right;
     refuse(((void)(g = right, g.node = N_POINTS), &g), "not among the points");
-    refuse(((void)(g = right, g.type = 64), &g), "second order or higher");
+    refuse(((void)(g = right, g.type = 64), &g), "third order or higher");
     refuse(((void)(g = right, g.offset = 2), &g), "rise");
     refuse(((void)(g = right, g.offset = 17), &g), "rise");
     refuse(((void)(g = right, g.points = 8), &g), "NumberOfPoints");

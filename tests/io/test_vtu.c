@@ -484,7 +484,7 @@ static void what_is_wrong_is_said(void **state) {
         {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2", "3", "22") END,
          "it has not as many nodes as its type"},
         {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2", "3", "61") END,
-         "type 61 (higher order triangle): elements of second order or higher"},
+         "type 61 (higher order triangle): elements of third order or higher"},
         {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2", "3", "300") END,
          "type 300 is none of VTK's"},
         {POLYHEDRON("", "-1 13") END, "cut short"},

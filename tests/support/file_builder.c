@@ -156,6 +156,9 @@ static void expect_same_cells(const io_cells *a, const io_cells *b, int dim) {
     if (n == 0)
         return;
     assert_memory_equal(a->nodes, b->nodes, n * (size_t)(dim + 1) * sizeof *a->nodes);
+    assert_int_equal(a->mid == NULL, b->mid == NULL);
+    if (a->mid != NULL)
+        assert_memory_equal(a->mid, b->mid, n * (size_t)(dim * (dim + 1) / 2) * sizeof *a->mid);
     assert_int_equal(a->entity == NULL, b->entity == NULL);
     if (a->entity != NULL)
         assert_memory_equal(a->entity, b->entity, n * sizeof *a->entity);
@@ -185,6 +188,7 @@ void builder_expect_same_on_threads(const file_builder *builder, const io_format
     assert_int_equal(a->node_number == NULL, b->node_number == NULL);
     if (a->node_number != NULL)
         assert_memory_equal(a->node_number, b->node_number, n * sizeof *a->node_number);
+    expect_same_cells(&a->line, &b->line, 1);
     expect_same_cells(&a->triangle, &b->triangle, 2);
     expect_same_cells(&a->tetrahedron, &b->tetrahedron, 3);
     assert_int_equal(a->n_other, b->n_other);

@@ -96,7 +96,7 @@ static int take_type(cgns_reader *r, const char *path, int64_t number,
     if ((*type)->shape == IO_NO_SHAPE)
         return io_hdf5_fail(r->file, path, "elements of type %lld are unknown", (long long)number);
     if (io_element_use(*type) == IO_REFUSE)
-        return io_hdf5_fail(r->file, path, "type %lld: " IO_OF_SECOND_ORDER, (long long)number);
+        return io_hdf5_fail(r->file, path, "type %lld: " IO_OF_THIRD_ORDER, (long long)number);
     if ((*type)->nodes == 0)
         return io_hdf5_fail(r->file, path,
                             "polygons and polyhedra (NGON_n, NFACE_n) are not read; export the "

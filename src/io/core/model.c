@@ -437,7 +437,7 @@ int io_fail_no_node(const io_model *model, const char *at, const char *what, int
 
 int io_fail_order(const io_model *model, const char *at, const char *what, const char *remedy,
                   planish_error *error) {
-    return io_fail_at(model, at, error, "%s: " IO_OF_SECOND_ORDER "%s", what, remedy);
+    return io_fail_at(model, at, error, "%s: " IO_OF_THIRD_ORDER "%s", what, remedy);
 }
 
 int io_fail_infinite(const io_model *model, int64_t node, const char *at, planish_error *error) {

@@ -443,12 +443,12 @@ int io_check_count(const io_model *model, io_cursor rest, int64_t n, int64_t siz
 int io_fail_no_node(const io_model *model, const char *at, const char *what, int64_t element,
                     int64_t node, planish_error *error);
 
-/** Why elements of second order are refused, as a format string without arguments. */
-#define IO_OF_SECOND_ORDER                                                                         \
-    "elements of second order or higher cannot be smoothed; export the mesh with straight "        \
-    "elements of first order"
+/** Why elements of third order are refused, as a format string without arguments. */
+#define IO_OF_THIRD_ORDER                                                                          \
+    "elements of third order or higher cannot be smoothed; export the mesh with elements of "      \
+    "first or second order"
 
-/** Fail with _FORMAT at a place: what is an element of second order or higher, of which planish
+/** Fail with _FORMAT at a place: what is an element of third order or higher, of which planish
  *  would move the corners alone. remedy: " (how to do so)", or "". */
 int io_fail_order(const io_model *model, const char *at, const char *what, const char *remedy,
                   planish_error *error);

@@ -98,6 +98,7 @@ typedef struct element_chunk {
     int64_t n;            /* elements; by dimension: */
     int64_t n_cells[4];   /* those that are kept, */
     int64_t n_held[4];    /* those that hold their nodes; */
+    unsigned has_mids;    /* bit DIM: of those that are kept some are of second order */
     int64_t n_others;     /* those of model->other, */
     int64_t n_nodes;      /* and the number of their nodes */
     int64_t first[4];     /* index of the first cell in the model, */
@@ -151,8 +152,10 @@ static int count_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
             return pl_fail_memory(error, "the elements' tags");
         if (!skip_tokens(&cursor, head.type->nodes))
             return fail_element(reader, head.at, error);
-        const int is_kept = io_element_use(head.type) == IO_KEEP;
-        (is_kept ? chunk->n_cells : chunk->n_held)[io_element_dim(head.type)]++;
+        const int is_kept = io_element_use_mids(head.type) == IO_KEEP;
+        const int dim = io_element_dim(head.type);
+        (is_kept ? chunk->n_cells : chunk->n_held)[dim]++;
+        chunk->has_mids |= (unsigned)(io_element_mids(head.type) > 0) << dim;
         const int n_nodes = io_cell_type_nodes(gmsh_other_type(head.type));
         chunk->n_others += n_nodes > 0;
         chunk->n_nodes += n_nodes;
@@ -179,7 +182,8 @@ static int store_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
         const int dim = io_element_dim(head.type);
         const gmsh_block block = {.reader = reader,
                                   .type = head.type,
-                                  .cells = io_element_cells(model, head.type),
+                                  .cells = io_element_cells_mids(model, head.type),
+                                  .mids = io_element_mids(head.type),
                                   .other = gmsh_other_type(head.type),
                                   .first = other,
                                   .first_node = node,
@@ -187,6 +191,7 @@ static int store_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
                                   .reason = io_element_reason(head.type)};
         const int n_nodes = io_cell_type_nodes(block.other);
         if ((block.cells && next[dim] == chunk->first[dim] + chunk->n_cells[dim]) ||
+            (block.mids > 0 && !(chunk->has_mids >> dim & 1)) ||
             (block.other && (other == chunk->first_other + chunk->n_others ||
                              n_nodes > chunk->first_node + chunk->n_nodes - node)))
             return io_bytes_fail_changed(&model->input, error);
@@ -251,6 +256,7 @@ static int lay_out_chunks(element_job *job) {
     io_model *model = job->reader->model;
     planish_error *error = job->reader->error;
     int64_t n[4] = {0, 0, 0, 0}, n_others = 0, n_nodes = 0;
+    unsigned has_mids = 0;
     int status = PLANISH_OK;
     for (int64_t i = 0; i < job->n; i++) {
         element_chunk *chunk = &job->chunk[i];
@@ -266,13 +272,17 @@ static int lay_out_chunks(element_job *job) {
             chunk->first[dim] = n[dim];
             n[dim] += chunk->n_cells[dim];
         }
+        has_mids |= chunk->has_mids;
         chunk->first_other = model->other.n + n_others;
         chunk->first_node = model->other.n_nodes + n_nodes;
         n_others += chunk->n_others;
         n_nodes += chunk->n_nodes;
     }
-    for (int dim = 1; dim < 4 && !status; dim++)
+    for (int dim = 1; dim < 4 && !status; dim++) {
         status = io_cells_reserve(model, dim, n[dim], 1, 1, error);
+        if (!status && (has_mids >> dim & 1))
+            status = io_cells_reserve_mids(model, dim, error);
+    }
     if (!status && n_others > 0)
         status = io_others_reserve(model, n_others, n_nodes, error);
     return status;
@@ -344,7 +354,8 @@ static int read_binary_block(gmsh_reader *reader, int64_t total, int64_t *done) 
                           (long long)total);
     *done += n;
     const int dim = io_element_dim(block.type);
-    block.cells = io_element_cells(reader->model, block.type);
+    block.cells = io_element_cells_mids(reader->model, block.type);
+    block.mids = io_element_mids(block.type);
     block.reason = io_element_reason(block.type);
     block.other = gmsh_other_type(block.type);
     block.first = others->n;
@@ -353,7 +364,9 @@ static int read_binary_block(gmsh_reader *reader, int64_t total, int64_t *done) 
         status = io_cells_reserve(reader->model, dim, n, 1, 1, reader->error);
     else
         io_element_count(reader->model, block.type, n);
-    if (block.other)
+    if (!status && block.mids > 0)
+        status = io_cells_reserve_mids(reader->model, dim, reader->error);
+    if (!status && block.other)
         status = io_others_reserve(reader->model, n, n * block.type->nodes, reader->error);
     for (int64_t i = 0; !status && i < n; i++) {
         at = reader->cursor.at;

@@ -253,7 +253,8 @@ static int read_element_block(gmsh_reader *reader, const section_head *head) {
         model->n_lower += head->size;
     } else {
         block.reason = io_element_reason(block.type);
-        block.cells = io_element_cells(model, block.type);
+        block.cells = io_element_cells_mids(model, block.type);
+        block.mids = io_element_mids(block.type);
         block.other = gmsh_other_type(block.type);
         if (!block.cells)
             io_element_count(model, block.type, head->size);
@@ -261,8 +262,10 @@ static int read_element_block(gmsh_reader *reader, const section_head *head) {
     const int64_t n_other_nodes = head->size * io_cell_type_nodes(block.other);
     if (block.cells) {
         block.first = block.cells->n;
-        status =
-            io_cells_reserve(model, io_element_dim(block.type), head->size, 1, 1, reader->error);
+        const int dim = io_element_dim(block.type);
+        status = io_cells_reserve(model, dim, head->size, 1, 1, reader->error);
+        if (!status && block.mids > 0)
+            status = io_cells_reserve_mids(model, dim, reader->error);
     } else if (block.other) {
         block.first = model->other.n;
         block.first_node = model->other.n_nodes;

@@ -152,10 +152,10 @@ int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
         return io_fail_at(reader->model, at, error, "element type %lld is not known",
                           (long long)number);
     *type = &types[number];
-    if (io_element_use(*type) == IO_REFUSE)
+    if (io_element_use_mids(*type) == IO_REFUSE)
         return io_fail_order(reader->model, at,
                              (*type)->shape == IO_TRIANGLE ? "triangles" : "tetrahedra",
-                             " (mesh again with gmsh -order 1)", error);
+                             " (mesh again with gmsh -order 1 or 2)", error);
     return PLANISH_OK;
 }
 
@@ -327,7 +327,11 @@ int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at
                       int64_t index, planish_error *error) {
     const gmsh_reader *reader = block->reader;
     const int n = block->type->nodes;
-    int32_t other[27];
+    io_cells *cells = block->cells;
+    int32_t all[IO_CELL_NODES];
+    int32_t *to = cells && block->mids == 0     ? cells->nodes + index * n
+                  : block->mids || block->other ? all
+                                                : NULL;
     int64_t node_number;
     for (int i = 0; i < n; i++) {
         if (io_number(cursor, block->bytes, reader->swapped, &node_number))
@@ -338,20 +342,23 @@ int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at
         const int64_t node = io_node_index(reader->model, node_number);
         if (node < 0)
             return io_fail_no_node(reader->model, at, "element", number, node_number, error);
-        if (block->cells)
-            block->cells->nodes[index * n + i] = (int32_t)node;
-        else if (block->reason != 0)
+        if (to)
+            to[i] = (int32_t)node;
+        if (!cells && block->reason != 0)
             io_hold_node(reader->model, node, block->reason);
-        if (block->other)
-            other[i] = (int32_t)node;
     }
-    if (block->cells) {
-        block->cells->number[index] = number;
-        block->cells->entity[index] = block->entity;
+    if (cells) {
+        cells->number[index] = number;
+        cells->entity[index] = block->entity;
+    }
+    if (block->mids > 0) {
+        const int corners = n - block->mids;
+        memcpy(cells->nodes + index * corners, all, (size_t)corners * sizeof *all);
+        io_cells_set_mids(reader->model, corners - 1, index, all);
     }
     if (block->other)
         io_others_set(reader->model, index, block->first_node + (index - block->first) * n,
-                      block->other, other, number);
+                      block->other, all, number);
     return PLANISH_OK;
 }
 

@@ -55,6 +55,8 @@ typedef struct gmsh_block {
     const gmsh_reader *reader;
     const io_element_type *type;
     io_cells *cells;    /* NULL: nodes are held */
+    int mids;           /* of an element of second order that goes into cells, for which there is
+                           room; else 0 */
     int other;          /* their planish_cell_type if they go into model->other, else 0 */
     int64_t first;      /* index of the first in cells or in model->other, */
     int64_t first_node; /* and there of its first node */
@@ -64,7 +66,7 @@ typedef struct gmsh_block {
 } gmsh_block;
 
 /** Find the row of an element type by its number, borrowed. Fail at a place in the file if the type
- *  is unknown, or if planish refuses it (a triangle or tetrahedron of higher order). error may be
+ *  is unknown, or if planish refuses it (a triangle or tetrahedron of third order or higher). error may be
  *  NULL. */
 int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
                    const io_element_type **type, planish_error *error);
@@ -75,7 +77,7 @@ extern const io_node_order gmsh_node_orders[];
 /** Return the planish_cell_type of elements that are not kept as cells, or 0: they are not
  *  measured. */
 static inline int gmsh_other_type(const io_element_type *type) {
-    return io_element_use(type) == IO_HOLD ? io_cell_type(type->shape, type->nodes) : 0;
+    return io_element_use_mids(type) == IO_HOLD ? io_cell_type(type->shape, type->nodes) : 0;
 }
 
 /** Compare two gmsh_entity by dimension and tag, for qsort and bsearch. */

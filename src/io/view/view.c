@@ -10,21 +10,35 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { VALUES_AT_ONCE = 1 << 16, N_KINDS = 3 };
+enum { VALUES_AT_ONCE = 1 << 16, N_KINDS = 4 };
 
 /* ---- cells --------------------------------------------------------------------------------- */
 
-/** A cell, or the place behind all. */
+/* Cells stand in the order of their kinds: tetrahedra, triangles, lines, model->other. */
+
+/** A cell, or the place behind those of its kind; zeroed: before all. */
 typedef struct view_cell {
-    const io_cells *of;  /* NULL: it is one of model->other */
-    int64_t index;       /* in it */
-    int size;            /* nodes of it, */
-    int type;            /* and VTK's type of it */
-    const int32_t *node; /* [size] */
-    int64_t n_before;    /* nodes of all cells before it */
-    int64_t first_value; /* of the array that it was found in */
-    int value;           /* which of the cell's values */
+    int kind, is_found;
+    const io_cells *of;         /* NULL: it is one of model->other */
+    int64_t index;              /* in it */
+    int size;                   /* nodes of it, */
+    int type;                   /* and VTK's type of it */
+    int n_first;                /* how many of the nodes are in first */
+    const int32_t *first, *mid; /* [n_first], [size - n_first] */
+    int64_t n_before;           /* nodes of all cells before it */
+    int64_t first_value;        /* of the array that it was found in */
+    int value;                  /* which of the cell's values */
 } view_cell;
+
+static const io_cells *cells_of(const io_model *model, int kind) {
+    const io_cells *const kinds[N_KINDS] = {&model->tetrahedron, &model->triangle, &model->line};
+    return kinds[kind];
+}
+
+static int64_t count_kind(const io_model *model, int kind) {
+    const io_cells *of = cells_of(model, kind);
+    return of ? of->n : model->other.n;
+}
 
 /** Return VTK's type of an element with those nodes. It is straight where a mid is missing. */
 static int other_type(int type, const int32_t *node) {
@@ -45,67 +59,90 @@ static int other_type(int type, const int32_t *node) {
     return as;
 }
 
-/** Find how element i of model->other is written; first_value and n_before are left as they are. */
 static void set_other(const io_others *others, int64_t i, view_cell *cell) {
-    cell->of = NULL;
+    cell->first = others->node + (i > 0 ? others->offset[i - 1] : 0);
+    cell->type = other_type(others->type[i], cell->first);
+    cell->n_first = cell->size = io_cell_type_nodes(cell->type);
+}
+
+/** As for others, a simplex is straight where a mid is missing. */
+static void set_simplex(const io_cells *of, int dim, int64_t i, view_cell *cell) {
+    static const uint8_t types[][2] = {{VTK_LINE, PLANISH_CELL_LINE3},
+                                       {VTK_TRIANGLE, PLANISH_CELL_TRIANGLE6},
+                                       {VTK_TETRAHEDRON, PLANISH_CELL_TETRAHEDRON10}};
+    const int n_mids = io_n_mids(dim);
+    int has_mids = of->mid != NULL;
+    cell->first = of->nodes + i * (dim + 1);
+    cell->mid = of->mid ? of->mid + i * n_mids : NULL;
+    for (int k = 0; has_mids && k < n_mids; k++)
+        has_mids = cell->mid[k] >= 0;
+    cell->type = types[dim - 1][has_mids];
+    cell->n_first = dim + 1;
+    cell->size = dim + 1 + (has_mids ? n_mids : 0);
+}
+
+/** Go to cell i of a kind, but for first_value and n_before. */
+static void set_cell(const io_model *model, int kind, int64_t i, view_cell *cell) {
+    cell->is_found = 1;
+    cell->kind = kind;
+    cell->of = cells_of(model, kind);
     cell->index = i;
-    if (i == others->n)
+    if (i == count_kind(model, kind))
         return;
-    cell->node = others->node + (i > 0 ? others->offset[i - 1] : 0);
-    cell->type = other_type(others->type[i], cell->node);
-    cell->size = io_cell_type_nodes(cell->type);
+    if (cell->of)
+        set_simplex(cell->of, 3 - kind, i, cell);
+    else
+        set_other(&model->other, i, cell);
 }
 
 /** Find the cell, and which of its values, that value number i of an array is. Cells have one value
  *  each, their nodes, or these led by their number. cell: the cell of a value of that array before,
  *  or zeroed. */
 static void find_cell(const io_view *view, io_view_values values, int64_t i, view_cell *cell) {
-    static const int types[N_KINDS] = {VTK_TETRAHEDRON, VTK_TRIANGLE, VTK_LINE};
     const io_model *model = view->model;
-    const io_cells *const kinds[N_KINDS] = {&model->tetrahedron, &model->triangle, &model->line};
     const int is_counted = values == IO_VIEW_COUNTED_NODES;
     const int has_nodes = is_counted || values == IO_VIEW_NODES;
-    int64_t n_before = 0, first_value = 0;
-    for (int k = 0; k < N_KINDS; k++) {
-        const int size = N_KINDS + 1 - k, n = has_nodes ? size + is_counted : 1;
-        if (i < first_value + kinds[k]->n * n) {
-            const int64_t index = (i - first_value) / n;
-            *cell = (view_cell){.of = kinds[k],
-                                .index = index,
-                                .size = size,
-                                .type = types[k],
-                                .node = kinds[k]->nodes + index * size,
-                                .n_before = n_before + index * size,
-                                .value = (int)((i - first_value) % n)};
-            return;
-        }
-        first_value += kinds[k]->n * n;
-        n_before += kinds[k]->n * size;
-    }
-    /* Others have different numbers of nodes: go on from the last one. */
-    if (cell->of || cell->size == 0) {
-        cell->first_value = first_value;
-        cell->n_before = n_before;
-        set_other(&model->other, 0, cell);
-    }
+    if (!cell->is_found)
+        set_cell(model, 0, 0, cell);
     for (;;) {
+        const int64_t n_kind = count_kind(model, cell->kind), ahead = i - cell->first_value;
         const int64_t n = has_nodes ? cell->size + is_counted : 1;
-        cell->value = (int)(i - cell->first_value);
-        if (cell->index == model->other.n || cell->value < n)
+        const int is_end = cell->index == n_kind;
+        if (is_end && cell->kind < N_KINDS - 1) {
+            set_cell(model, cell->kind + 1, 0, cell);
+            continue;
+        }
+        cell->value = (int)ahead;
+        if (is_end || ahead < n)
             return;
-        cell->first_value += n;
-        cell->n_before += cell->size;
-        set_other(&model->other, cell->index + 1, cell);
+        /* Cells of one size are passed at once. */
+        const int64_t left = n_kind - cell->index, many = ahead / n < left ? ahead / n : left;
+        const int64_t passed = cell->of && !cell->of->mid ? many : 1;
+        cell->first_value += passed * n;
+        cell->n_before += passed * cell->size;
+        set_cell(model, cell->kind, cell->index + passed, cell);
     }
+}
+
+/** Return node k of a cell. */
+static int32_t node_of(const view_cell *cell, int k) {
+    return k < cell->n_first ? cell->first[k] : cell->mid[k - cell->n_first];
 }
 
 /** Count the nodes of all cells. */
 static int64_t count_nodes(const io_model *model) {
-    int64_t n = 4 * model->tetrahedron.n + 3 * model->triangle.n + 2 * model->line.n;
+    int64_t n = 0;
     view_cell cell = {0};
-    for (int64_t i = 0; i < model->other.n; i++) {
-        set_other(&model->other, i, &cell);
-        n += cell.size;
+    for (int kind = 0; kind < N_KINDS; kind++) {
+        const io_cells *of = cells_of(model, kind);
+        if (of && !of->mid) {
+            n += (N_KINDS - kind) * of->n;
+            continue;
+        }
+        for (int64_t i = 0; i < count_kind(model, kind); i++) {
+            set_cell(model, kind, i, &cell);
+            n += cell.size;
+        }
     }
     return n;
 }
@@ -131,9 +168,9 @@ static int64_t whole_value(const io_view *view, io_view_values values, int64_t i
     const io_entity *const entity = at >= 0 ? &view->model->entity[at] : NULL;
     switch (values) {
     case IO_VIEW_NODES:
-        return cell->node[cell->value];
+        return node_of(cell, cell->value);
     case IO_VIEW_COUNTED_NODES:
-        return cell->value == 0 ? cell->size : cell->node[cell->value - 1];
+        return cell->value == 0 ? cell->size : node_of(cell, cell->value - 1);
     case IO_VIEW_ENDS:
         return cell->n_before + cell->size;
     case IO_VIEW_TYPES:

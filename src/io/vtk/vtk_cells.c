@@ -42,10 +42,10 @@ static const io_element_type types[] = {
     [60] = {"higher order edge", IO_LINE, 2, 0},
     [61] = {"higher order triangle", IO_TRIANGLE, 3, 10},
     [64] = {"higher order tetrahedron", IO_TETRAHEDRON, 3, 20},
-    [68] = {"Lagrange curve", IO_LINE, 2, 0},
+    [VTK_LAGRANGE_CURVE] = {"Lagrange curve", IO_LINE, 2, 0},
     [VTK_LAGRANGE_TRIANGLE] = {"Lagrange triangle", IO_TRIANGLE, 2, 0},
     [70] = {"Lagrange quadrilateral", IO_QUADRILATERAL, 2, 0},
-    [71] = {"Lagrange tetrahedron", IO_TETRAHEDRON, 2, 0},
+    [VTK_LAGRANGE_TETRAHEDRON] = {"Lagrange tetrahedron", IO_TETRAHEDRON, 2, 0},
     [72] = {"Lagrange hexahedron", IO_HEXAHEDRON, 2, 0},
     [VTK_LAGRANGE_WEDGE] = {"Lagrange wedge", IO_PRISM, 2, 0},
     [75] = {"Bezier curve", IO_LINE, 2, 0},
@@ -68,11 +68,23 @@ enum { MOST_NODES = 27 }; /* of a cell that is measured */
 /** Fates of cells that the model does not keep; of others their dimension. */
 enum { CELL_HELD = 0, CELL_REFUSED = -1, CELL_WRONG = -2 };
 
-/** Find the fate of a cell of n nodes. A type whose cells say how many nodes they have (each line
- *  does) is straight if these are its corners. */
+/** Return the number of mids of a cell of n nodes, if it is a line, triangle or tetrahedron of second
+ *  order, quadratic or Lagrange's, whose mids stand in the same order; else 0. */
+static int mids_of(int32_t type, int64_t n) {
+    const int is_lagrange = type == VTK_LAGRANGE_CURVE || type == VTK_LAGRANGE_TRIANGLE ||
+                            type == VTK_LAGRANGE_TETRAHEDRON;
+    const int dim = is_lagrange
+                        ? 1 + (type != VTK_LAGRANGE_CURVE) + (type == VTK_LAGRANGE_TETRAHEDRON)
+                    : io_has_mids(type) ? io_simplex_dim(type)
+                                        : 0;
+    return n == dim + 1 + io_n_mids(dim) ? io_n_mids(dim) : 0;
+}
+
+/** Find the fate of a cell of n nodes without mids. A type whose cells say how many nodes they have
+ *  (each line does) is straight if these are its corners. */
 static int fate_of(const io_element_type *type, int64_t n) {
     const int dim = io_element_dim(type), is_straight = n == dim + 1;
-    const io_element_treatment use = io_element_use(type);
+    const io_element_treatment use = io_element_use_mids(type);
     if (type->shape == IO_LINE || type->shape == IO_POLYGON)
         return is_straight ? dim : CELL_HELD;
     if (use == IO_REFUSE)
@@ -93,7 +105,8 @@ typedef struct cell_walk {
     const int32_t *nodes;
     int64_t n;
     const io_element_type *type;
-    int fate; /* CELL_... or the dimension */
+    int fate; /* CELL_... or the dimension, */
+    int mids; /* and how many of the nodes are mids of a cell that is kept */
     int is_stream;
 } cell_walk;
 
@@ -129,7 +142,8 @@ static int next_cell(cell_walk *walk) {
                  (int)grid->type[cell]);
         return fail_cell(walk, text);
     }
-    walk->fate = fate_of(walk->type, walk->n);
+    walk->mids = mids_of(grid->type[cell], walk->n);
+    walk->fate = walk->mids > 0 ? io_element_dim(walk->type) : fate_of(walk->type, walk->n);
     return PLANISH_OK;
 }
 
@@ -155,9 +169,10 @@ int vtk_faces_hold(io_model *model, const vtk_grid *grid, const int32_t *stream,
     return at == n ? 0 : -1;
 }
 
-/** How many cells of one dimension are kept, and the first and last of them. */
+/** How many cells of one dimension are kept, the first and last of them, and whether any has mids. */
 typedef struct cell_tally {
     int64_t n, first, last;
+    int has_mids;
 } cell_tally;
 
 /** Check all cells, count those that are kept by their dimension, hold the nodes of all others. */
@@ -169,7 +184,7 @@ static int survey_cells(io_model *model, cell_walk walk, cell_tally tally[4]) {
             return status;
         if (walk.fate == CELL_REFUSED) {
             char text[200];
-            snprintf(text, sizeof text, "type %d (%s): " IO_OF_SECOND_ORDER,
+            snprintf(text, sizeof text, "type %d (%s): " IO_OF_THIRD_ORDER,
                      (int)walk.grid->type[walk.index - 1], walk.type->name);
             return fail_cell(&walk, text);
         }
@@ -182,6 +197,7 @@ static int survey_cells(io_model *model, cell_walk walk, cell_tally tally[4]) {
             cell_tally *kept = &tally[walk.fate];
             kept->first = kept->n++ == 0 ? cell : kept->first;
             kept->last = cell;
+            kept->has_mids |= walk.mids > 0;
             continue;
         }
         io_element_count(model, walk.type, 1);
@@ -209,9 +225,7 @@ static int measured_type(const cell_walk *walk) {
     case PLANISH_CELL_QUADRILATERAL:
     case PLANISH_CELL_HEXAHEDRON:
     case PLANISH_CELL_WEDGE:
-    case PLANISH_CELL_TRIANGLE6:
     case PLANISH_CELL_QUADRILATERAL9:
-    case PLANISH_CELL_TETRAHEDRON10:
         return as;
     default:
         return 0;
@@ -234,6 +248,25 @@ static int add_other(io_model *model, const cell_walk *walk) {
     return io_model_add_other(model, type, nodes, grid->first_cell + cell, walk->error);
 }
 
+/** Store the cell that next_cell came to behind those of its dimension, for which there is room. */
+static void store_cell(io_model *model, const cell_walk *walk) {
+    const vtk_grid *grid = walk->grid;
+    io_cells *to = io_model_cells(model, walk->fate);
+    const int corners = walk->fate + 1;
+    int32_t *nodes = to->nodes + to->n * corners;
+    for (int k = 0; k < corners; k++)
+        nodes[k] = (int32_t)(grid->first_point + walk->nodes[k]);
+    if (walk->mids > 0) {
+        int32_t all[MOST_NODES];
+        for (int64_t k = 0; k < walk->n; k++)
+            all[k] = (int32_t)(grid->first_point + walk->nodes[k]);
+        io_cells_set_mids(model, walk->fate, to->n, all);
+    }
+    if (to->number)
+        to->number[to->n] = grid->first_cell + walk->index - 1;
+    to->n++;
+}
+
 int vtk_cells_store(io_model *model, const vtk_grid *grid, planish_error *error) {
     cell_tally tally[4] = {{0}};
     cell_walk walk = {.model = model, .grid = grid, .error = error};
@@ -246,20 +279,15 @@ int vtk_cells_store(io_model *model, const vtk_grid *grid, planish_error *error)
         if (to->n == 0)
             to->first_number = t->first;
         status = io_cells_reserve(model, dim, t->n, 0, has_gaps || grid->is_piece, error);
+        if (!status && t->has_mids)
+            status = io_cells_reserve_mids(model, dim, error);
     }
     while (!status && walk.index < grid->n) {
         status = next_cell(&walk);
         if (!status && walk.fate == CELL_HELD)
             status = add_other(model, &walk);
-        if (status || walk.fate <= 0)
-            continue;
-        io_cells *to = io_model_cells(model, walk.fate);
-        int32_t *nodes = to->nodes + to->n * walk.n;
-        for (int64_t k = 0; k < walk.n; k++)
-            nodes[k] = (int32_t)(grid->first_point + walk.nodes[k]);
-        if (to->number)
-            to->number[to->n] = grid->first_cell + walk.index - 1;
-        to->n++;
+        if (!status && walk.fate > 0)
+            store_cell(model, &walk);
     }
     return status;
 }

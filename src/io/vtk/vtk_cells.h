@@ -24,7 +24,9 @@ enum {
     VTK_TETRAHEDRON = 10,
     VTK_VOXEL = 11,
     VTK_POLYHEDRON = 42,
+    VTK_LAGRANGE_CURVE = 68,
     VTK_LAGRANGE_TRIANGLE = 69,
+    VTK_LAGRANGE_TETRAHEDRON = 71,
     VTK_LAGRANGE_WEDGE = 73,
     VTK_LAST_TYPE = 255 /* VTK keeps types in bytes */
 };
@@ -47,7 +49,7 @@ typedef struct vtk_grid {
 /** Release the lists of a grid; NULL then. */
 void vtk_grid_release(vtk_grid *grid);
 
-/** Store the lines, triangles and tetrahedra, hold the nodes of all other cells, of whatever type,
+/** Store the lines, triangles and tetrahedra of order 1 and 2, hold the nodes of all other cells, of whatever type,
  *  and hand over those that are measured (io_model_add_other). Called for each piece of a file.
  *  Error: _FORMAT, names the cell; offsets are checked, too. */
 int vtk_cells_store(io_model *model, const vtk_grid *grid, planish_error *error);
