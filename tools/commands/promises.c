@@ -18,18 +18,31 @@ static const double F_ROUNDING = 1e-12;
 
 /** Whether the mesh was valid, so that its worst element counts. */
 static int was_valid(const pl_result *result) {
-    return result->before.n_inverted == 0 && result->below_before == 0;
+    return pl_validity_faults(&result->validity_before, &result->before) == 0 &&
+           result->below_before == 0;
+}
+
+/** Whether an element was valid with its mid-side nodes, and is not so now. */
+static int is_newly_invalid(const pl_validity *before, const pl_validity *after, int64_t element) {
+    return after->is_known && before->state[element] == PLANISH_CELL_STATE_VALID &&
+           after->state[element] != PLANISH_CELL_STATE_VALID;
 }
 
 /** Name of the first measure that after has worse than the promises allow, or NULL; its values
  *  *from and *to. */
 static const char *find_broken(const pl_job *job, const pl_result *result,
-                               const planish_quality *after, double *from, double *to) {
+                               const planish_quality *after, const pl_validity *validity,
+                               double *from, double *to) {
     const planish_quality *before = &result->before;
     *from = (double)before->n_inverted;
     *to = (double)after->n_inverted;
     if (after->n_inverted > before->n_inverted)
         return "the number of inverted elements";
+    *from = 0;
+    *to = 1;
+    for (int64_t i = 0; validity->is_known && i < job->mesh.n_elements; i++)
+        if (is_newly_invalid(&result->validity_before, validity, i))
+            return "the number of elements that mid-side nodes have inverted";
     if (!was_valid(result) || job->options.method != PLANISH_METHOD_PLANISH)
         return NULL;
     *from = before->max_radius_ratio_movable;
@@ -54,7 +67,8 @@ int pl_promises_check(const pl_job *job, const pl_result *result) {
     double from, to;
     if (job->options.method != PLANISH_METHOD_PLANISH)
         return 0;
-    const char *broken = find_broken(job, result, &result->after, &from, &to);
+    const char *broken =
+        find_broken(job, result, &result->after, &result->validity_after, &from, &to);
     if (!broken && was_valid(result)) {
         from = smooth->objective_of_worst > 0
                    ? smooth->objective_of_worst * (1 + job->options.worst_rise)
@@ -69,42 +83,61 @@ int pl_promises_check(const pl_job *job, const pl_result *result) {
                   : 0;
 }
 
-/** Settle until nothing is worse. back [n_nodes], ratio [n_elements]: working space. */
-static int settle_until_kept(pl_job *job, pl_result *result, uint8_t *back, double *ratio,
-                             planish_error *error) {
+/** Whether an element breaks a promise: it is inverted, newly invalid, or worse than the worst
+ *  was. */
+static int breaks(const pl_result *result, const pl_validity *now, const double *ratio,
+                  int64_t element) {
+    return ratio[element] == 0 || is_newly_invalid(&result->validity_before, now, element) ||
+           (was_valid(result) && ratio[element] > result->before.max_radius_ratio_movable);
+}
+
+/** Let the corners of elements that break promises go back, or all nodes if that changes nothing or
+ *  is_last; mids follow. */
+static void mark_back(const pl_job *job, const pl_result *result, const pl_validity *now,
+                      const double *ratio, int is_last, uint8_t *back) {
+    int any = 0;
+    for (int64_t i = 0; i < 3 * job->mesh.n_elements; i++) {
+        uint8_t *of_node = &back[pl_job_corners(job, i / 3)[i % 3]];
+        if (!breaks(result, now, ratio, i / 3))
+            continue;
+        any |= !*of_node;
+        *of_node = 1;
+    }
+    if (is_last || !any)
+        memset(back, 1, (size_t)job->mesh.n_nodes);
+}
+
+/** Settle until nothing is worse. back [n_nodes], ratio [n_elements]: working space. Returns 0, or an
+ *  exit status after a message. */
+static int settle_until_kept(pl_job *job, pl_result *result, uint8_t *back, double *ratio) {
     enum { ROUNDS = 20 };
-    const double most = result->before.max_radius_ratio_movable;
     double *coordinates = planish_file_coordinates(job->file), from, to;
     for (int round = 0;; round++) {
+        planish_error error;
         planish_quality after;
+        pl_validity now = {.is_known = 0};
         int64_t n = 0;
-        int code = planish_file_round_in_plane(job->file, coordinates, back, &n, error);
+        int code = planish_file_round_in_plane(job->file, coordinates, back, &n, &error);
         if (!code)
-            code = job->engine->measure(job, &after, error);
-        if (code)
-            return code;
+            code = job->engine->measure(job, &after, &error);
+        int status =
+            code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : pl_validity_find(job, &now);
+        const int is_kept = !status && !find_broken(job, result, &after, &now, &from, &to);
         result->returned_nodes += n;
-        if (!find_broken(job, result, &after, &from, &to) || round > ROUNDS)
-            return PLANISH_OK;
-        code = job->engine->measure_elements(job, ratio, error);
-        if (code)
-            return code;
-        /* Elements that are worse than the worst was get their nodes back, or all do. */
-        int any = 0;
-        for (int64_t i = 0; i < 3 * job->mesh.n_elements; i++) {
-            uint8_t *of_node = &back[pl_job_corners(job, i / 3)[i % 3]];
-            if (ratio[i / 3] > 0 && !(was_valid(result) && ratio[i / 3] > most))
-                continue;
-            any |= !*of_node;
-            *of_node = 1;
+        if (!status && !is_kept && round <= ROUNDS) {
+            code = job->engine->measure_elements(job, ratio, &error);
+            if (code)
+                status = pl_job_complain(job, PL_EXIT_FAILED, &error);
+            else
+                mark_back(job, result, &now, ratio, round == ROUNDS, back);
         }
-        if (round == ROUNDS || !any)
-            memset(back, 1, (size_t)job->mesh.n_nodes);
+        pl_validity_free(&now);
+        if (status || is_kept || round > ROUNDS)
+            return status;
     }
 }
 
 int pl_promises_keep(pl_job *job, pl_result *result) {
-    planish_error error;
     planish_plane plane;
     if (!job->file || !planish_file_plane(job->file, &plane) || !plane.is_tilted)
         return 0;
@@ -113,8 +146,8 @@ int pl_promises_keep(pl_job *job, pl_result *result) {
     int status = 0;
     if (!back || !ratio)
         status = pl_job_complain_memory(job, "the places of nodes");
-    else if (settle_until_kept(job, result, back, ratio, &error))
-        status = pl_job_complain(job, PL_EXIT_FAILED, &error);
+    else
+        status = settle_until_kept(job, result, back, ratio);
     result->smooth.n_moved_nodes -= result->returned_nodes;
     if (!status && result->returned_nodes > 0 && job->arguments->verbosity != PL_QUIET)
         pl_note(stderr,

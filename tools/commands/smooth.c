@@ -113,7 +113,8 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
                                                      "hold fewer groups to repair them",
                                                      "--ignore-regions lets them move"};
     const pl_unfixable *unfixable = &result->unfixable;
-    const int64_t inverted = result->after.n_inverted;
+    const pl_validity *validity = &result->validity_after;
+    const int64_t inverted = pl_validity_faults(validity, &result->after);
     const int64_t n_others = unfixable->n - pl_unfixable_held(unfixable);
     const planish_method method = job->options.method;
     if (inverted == 0)
@@ -122,7 +123,8 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
         add_reason(
             result,
             "%" PRId64 " element%s inverted, %" PRId64 " before: the method %s may invert elements",
-            inverted, is_or_are(inverted), result->before.n_inverted, pl_method_name(method));
+            inverted, is_or_are(inverted),
+            pl_validity_faults(&result->validity_before, &result->before), pl_method_name(method));
     else
         add_reason(result, "%" PRId64 " inverted element%s left", inverted, is_or_are(inverted));
     for (int i = 0; i < PL_N_HOLDERS; i++)
@@ -134,6 +136,12 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
     if (n_others > 0)
         add_reason(result, "%" PRId64 " of these cannot be made valid by moving free nodes",
                    n_others);
+    if (validity->n_inside > 0)
+        add_reason(result,
+                   "%" PRId64 " of these %s inverted inside by mid-side nodes, though the corners "
+                   "are right: moving corners alone did not repair %s",
+                   validity->n_inside, validity->n_inside == 1 ? "is" : "are",
+                   validity->n_inside == 1 ? "it" : "them");
     if (job->plan_info.n_wrapped > 0)
         add_reason(result,
                    "elements that wrap around a periodic domain (%" PRId64 ") look inverted",
@@ -201,6 +209,7 @@ static void print_table(const pl_job *job, const pl_result *result, int status) 
         pl_table_smooth(pl_output_takes_stdout(arguments) ? stderr : stdout, job, result);
         pl_volumes_print(stderr, job, &result->volumes);
         pl_unfixable_print(stderr, job, &result->unfixable);
+        pl_inside_print(stderr, job, &result->validity_after);
         pl_reversed_print(stderr, job, result->reversed.state, result->after.n_reversed);
         if (result->reversed.n_new == 0)
             pl_table_reversed(stderr, &result->after);
@@ -250,6 +259,8 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
     const int is_told = pl_job_is_told(job);
     int status;
     pl_progress_stage(progress, PL_STAGE_PLANNING);
+    if (job->mesh.cells)
+        job->options.rounding = pl_cells_rounding(job);
     if ((status = pl_job_find_slides(job)))
         return status;
     if ((status = pl_job_plan(job)))
@@ -263,6 +274,8 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
     if (is_told && (status = pl_job_count_slides(job)))
         return status;
     if ((status = pl_job_measure(job, &result->before)))
+        return status;
+    if ((status = pl_validity_find(job, &result->validity_before)))
         return status;
     if (is_told && (status = pl_layers_count(job, &result->before)))
         return status;
@@ -311,6 +324,8 @@ static int check_result(pl_job *job, pl_result *result) {
     if ((status = pl_promises_keep(job, result)))
         return status;
     if ((status = pl_job_measure(job, &result->after)))
+        return status;
+    if ((status = pl_validity_find(job, &result->validity_after)))
         return status;
     if ((status = pl_volumes_find(job, smooth->min_volume, smooth, &result->volumes)))
         return status;
@@ -392,6 +407,8 @@ int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine) {
     if (!status)
         status = smooth_job(&job, &result, &progress);
     pl_progress_free(&progress);
+    pl_validity_free(&result.validity_before);
+    pl_validity_free(&result.validity_after);
     pl_volumes_free(&result.volumes);
     pl_unfixable_free(&result.unfixable);
     pl_reversed_free(&result.reversed);

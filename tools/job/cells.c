@@ -108,6 +108,12 @@ static void mark_missing(planish_cell_measures *of) {
         of->min_jacobian_ratio = NAN;
 }
 
+static void mark_all_missing(planish_cell_quality *quality) {
+    mark_missing(&quality->all);
+    for (int i = 0; i < quality->n_types; i++)
+        mark_missing(&quality->by_type[i]);
+}
+
 /** Measure cells, which have the nodes of the mesh, as it is now. */
 static int measure(const pl_job *job, const planish_cells *cells, planish_cell_quality *quality,
                    const planish_cell_values *values, planish_error *error) {
@@ -115,18 +121,19 @@ static int measure(const pl_job *job, const planish_cells *cells, planish_cell_q
     all.elements = NULL;
     all.cells = cells;
     all.n_elements = cells->n;
-    return planish_measure_cells(&all, pl_cells_rounding(job), job->options.threads, quality,
-                                 values, error);
+    const double rounding =
+        job->options.rounding > 0 ? job->options.rounding : pl_cells_rounding(job);
+    return planish_measure_cells(&all, rounding, job->options.threads, quality, values, error);
 }
 
 int pl_cells_measure(const pl_job *job, pl_cells *cells) {
     planish_error error;
     *cells = (pl_cells){.has_others = 0};
-    if (!job->file || job->file_info.n_other_elements == 0)
+    if (!job->file || (job->file_info.n_other_elements == 0 && !job->mesh.cells))
         return 0;
     if (planish_file_cells(job->file, &cells->cells, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    if (cells->cells.n == job->mesh.n_elements) /* no type that is measured */
+    if (cells->cells.n == job->mesh.n_elements && !job->mesh.cells) /* no type that is measured */
         return 0;
     cells->has_others = 1;
     cells->aspect_ratio = malloc(((size_t)cells->cells.n + 1) * sizeof *cells->aspect_ratio);
@@ -135,10 +142,58 @@ int pl_cells_measure(const pl_job *job, pl_cells *cells) {
     const planish_cell_values values = {.aspect_ratio = cells->aspect_ratio};
     if (measure(job, &cells->cells, &cells->quality, &values, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    mark_missing(&cells->quality.all);
-    for (int i = 0; i < cells->quality.n_types; i++)
-        mark_missing(&cells->quality.by_type[i]);
+    mark_all_missing(&cells->quality);
     return 0;
+}
+
+/* ---- second order --------------------------------------------------------------------------- */
+
+int pl_validity_find(const pl_job *job, pl_validity *validity) {
+    const size_t n = (size_t)job->mesh.n_elements;
+    planish_error error;
+    *validity = (pl_validity){.is_known = job->mesh.cells != NULL};
+    if (!validity->is_known)
+        return 0;
+    double *ratio = malloc((n + 1) * sizeof *ratio);
+    const planish_cell_values values = {.state = validity->state = malloc(n + 1)};
+    int code = ratio && values.state ? PLANISH_OK : pl_fail_memory(&error, "states of elements");
+    if (!code)
+        code = measure(job, job->mesh.cells, &validity->quality, &values, &error);
+    if (!code)
+        code = job->engine->measure_elements(job, ratio, &error);
+    for (size_t i = 0; i < n && !code; i++)
+        if (values.state[i] != PLANISH_CELL_STATE_VALID && ratio[i] > 0) {
+            values.state[i] = PL_INVERTED_INSIDE;
+            validity->n_inside++;
+        }
+    free(ratio);
+    mark_all_missing(&validity->quality);
+    return code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : 0;
+}
+
+void pl_validity_free(pl_validity *validity) {
+    free(validity->state);
+    validity->state = NULL;
+}
+
+int64_t pl_validity_faults(const pl_validity *validity, const planish_quality *quality) {
+    const planish_cell_measures *all = &validity->quality.all;
+    return validity->is_known ? all->n_inverted + all->n_uncertified : quality->n_inverted;
+}
+
+int pl_cells_measure_elements(const pl_job *job, double *ratio, planish_error *error) {
+    planish_cell_quality quality;
+    const int64_t n = job->mesh.n_elements;
+    int code = job->engine->measure_elements(job, ratio, error);
+    if (code || !job->mesh.cells)
+        return code;
+    const planish_cell_values values = {.state = malloc((size_t)n + 1)};
+    code = values.state ? measure(job, job->mesh.cells, &quality, &values, error)
+                        : pl_fail_memory(error, "states of elements");
+    for (int64_t i = 0; i < n && !code; i++)
+        ratio[i] = values.state[i] == PLANISH_CELL_STATE_VALID ? ratio[i] : 0;
+    free(values.state);
+    return code;
 }
 
 /* ---- copies for viewing --------------------------------------------------------------------- */
@@ -160,7 +215,7 @@ static int convert(const pl_job *job, const char *path, const planish_cells *cel
     int code = measure(job, cells, &quality, &data.cells, error);
     if (!code && job->mesh.n_elements > 0) {
         data.radius_ratio = ratio;
-        code = job->engine->measure_elements(job, ratio, error);
+        code = pl_cells_measure_elements(job, ratio, error);
     }
     return code ? code
                 : planish_file_convert(job->file, path, job->mesh.coordinates, job->constraint,

@@ -1,6 +1,8 @@
 /* cells: the elements of every type that a mesh file has, for the command quality.
  *
  *     pl_cells_measure, _free     their quality, where some are no straight simplices
+ *     pl_validity_find, _free     which elements are valid, in a mesh with some of second order
+ *     pl_cells_measure_elements   radius ratios
  *     pl_cells_convert            a copy for viewing, with their measures
  *     pl_cells_rounding           how far off rounding takes nodes
  *     pl_cells_count              their number by type, as text
@@ -24,6 +26,33 @@ typedef struct pl_cells {
 /** Measure all elements of the file, if it has others than straight simplices. cells is to be freed
  *  also after an error. */
 int pl_cells_measure(const pl_job *job, pl_cells *cells);
+
+/** State of an element beside those of planish_cell_state: not valid, though its corners are
+ *  positive. */
+enum { PL_INVERTED_INSIDE = 4 };
+
+/** Validity of the smoothed elements of a mesh that has some of second order: decided with their
+ *  mid-side nodes. */
+typedef struct pl_validity {
+    int is_known;                 /* 0: all elements are of first order, and nothing else is set */
+    planish_cell_quality quality; /* ratios over no element are NAN */
+    uint8_t *state;               /* [mesh.n_elements] of planish_cell_state, or
+                                     PL_INVERTED_INSIDE; owned */
+    int64_t n_inside;             /* of PL_INVERTED_INSIDE */
+} pl_validity;
+
+/** Find out which elements of the mesh are valid as it is now. validity is to be freed also after an
+ *  error. */
+int pl_validity_find(const pl_job *job, pl_validity *validity);
+
+void pl_validity_free(pl_validity *validity);
+
+/** Elements that are inverted, or not known to be valid: quality is of the same mesh. */
+int64_t pl_validity_faults(const pl_validity *validity, const planish_quality *quality);
+
+/** Find the radius ratios of the smoothed elements [mesh.n_elements] by their corners; 0: the element
+ *  is inverted, perhaps by its mid-side nodes. Returns a planish_status. */
+int pl_cells_measure_elements(const pl_job *job, double *ratio, planish_error *error);
 
 /** Write a copy of the mesh as it is now for viewing, with the measures of all elements, and say what
  *  it lacks. Returns 0, or an exit status after a message. */

@@ -171,6 +171,12 @@ void pl_unfixable_print(FILE *stream, const pl_job *job, const pl_unfixable *unf
     free(others);
 }
 
+void pl_inside_print(FILE *stream, const pl_job *job, const pl_validity *validity) {
+    if (validity->n_inside > 0)
+        print_elements(stream, job, validity->state, PL_INVERTED_INSIDE, validity->n_inside,
+                       "inverted inside, though their corners are right");
+}
+
 /* ---- reversed ------------------------------------------------------------------------------- */
 
 int pl_reversed_find(const pl_job *job, int64_t n, uint8_t **state) {

@@ -2,6 +2,7 @@
  *
  *     pl_volumes_*      elements below their minimum volume, and which of them cannot reach it
  *     pl_unfixable_*    inverted elements that no position of the movable nodes makes valid
+ *     pl_inside_print   elements that are inverted by their mid-side nodes
  *     pl_reversed_*     elements that are negative in the file's order of their nodes, while most
  *                       are positive (or the other way round)
  *
@@ -10,6 +11,7 @@
 #ifndef PL_TOOLS_STATES_H
 #define PL_TOOLS_STATES_H
 
+#include "job/cells.h"
 #include "job/job.h"
 
 #include <stdio.h>
@@ -70,6 +72,9 @@ void pl_unfixable_free(pl_unfixable *unfixable);
 
 /** Name the first of them. */
 void pl_unfixable_print(FILE *stream, const pl_job *job, const pl_unfixable *unfixable);
+
+/** Name the first of the elements that are inverted though their corners are positive. */
+void pl_inside_print(FILE *stream, const pl_job *job, const pl_validity *validity);
 
 /** Values of pl_reversed.state. */
 enum {

@@ -66,7 +66,7 @@ int pl_worst_select(const pl_job *job, int64_t n, pl_worst *worst) {
     double *ratio = malloc(((size_t)n_elements + 1) * sizeof *ratio);
     if (!status && !ratio)
         status = pl_job_complain_memory(job, "the worst elements");
-    else if (!status && job->engine->measure_elements(job, ratio, &error))
+    else if (!status && pl_cells_measure_elements(job, ratio, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
     else if (!status && worst->n > 0)
         select_worst(ratio, n_elements, worst);

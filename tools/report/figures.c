@@ -56,6 +56,11 @@ const cJSON *pl_figures_last(const pl_figures *figures) {
     return figures->state[figures->n_states - 1];
 }
 
+int pl_figures_have_mids(const pl_figures *figures) {
+    const cJSON *counts = cJSON_GetObjectItemCaseSensitive(figures->state[0], "counts");
+    return pl_figure(counts, "tetrahedron10") > 0 || pl_figure(counts, "triangle6") > 0;
+}
+
 pl_figures pl_figures_simplices(const pl_figures *figures) {
     pl_figures alone = *figures;
     if (!figures->has_types)

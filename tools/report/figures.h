@@ -27,7 +27,10 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures);
 /** The last state: the result. */
 const cJSON *pl_figures_last(const pl_figures *figures);
 
-/** The states of the straight simplices alone; n_states is 0 if there are none. */
+/** Whether simplices have mid-side nodes, of which the picture and most measures know nothing. */
+int pl_figures_have_mids(const pl_figures *figures);
+
+/** The states of the simplices alone, by their corners; n_states is 0 if there are none. */
 pl_figures pl_figures_simplices(const pl_figures *figures);
 
 /** Number of the elements of a result. */

@@ -55,6 +55,8 @@ static void put_mesh(pl_markup *page, const pl_figures *figures) {
                             has_types  ? "elements"
                             : is_solid ? "tetrahedra"
                                        : "triangles");
+    if (!has_types && pl_figures_have_mids(figures))
+        pl_markup_put(page, " with mid-side nodes");
 }
 
 /** Put who moved, how far, and what that brought. */
@@ -197,7 +199,10 @@ static void put_views(pl_markup *page, const pl_figures *figures, const pl_pictu
             : "The colour of each triangle is its radius ratio. Drag to move the mesh; click it "
               "and use the wheel to zoom. On a touch screen tap it first, then move and zoom it "
               "with fingers. Keys: arrows, + and \xE2\x88\x92; 0 shows all.");
-    if (figures->has_types)
+    if (pl_figures_have_mids(figures))
+        pl_markup_put(page, " The picture has the %s alone, without their mid-side nodes.",
+                      figures->is_solid ? "tetrahedra" : "triangles");
+    else if (figures->has_types)
         pl_markup_put(page, " The picture has the straight %s alone.",
                       figures->is_solid ? "tetrahedra" : "triangles");
     pl_picture_count(picture, &n_all, &n_drawn);

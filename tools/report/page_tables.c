@@ -27,6 +27,10 @@ static const measure measures[] = {
     {"inverted", "inverted elements", "inverted elements", "", LESS_IS_BETTER, "main", 1},
     {"reversed_elements", "reversed in the file's order", "reversed in the file's order", "",
      LESS_IS_BETTER, "", 1},
+    {"inverted_inside", "though their corners are right", "though their corners are right", "",
+     LESS_IS_BETTER, "part", 1},
+    {"uncertified", "uncertified elements", "uncertified elements", "", LESS_IS_BETTER, "", 1},
+    {"curved", "curved elements", "curved elements", "", NEITHER, "", 1},
     {"below_min_volume", "elements below their minimum volume", "elements below their minimum area",
      "", LESS_IS_BETTER, "", 1},
     {"max_radius_ratio", "worst radius ratio", "worst radius ratio", "", LESS_IS_BETTER, "main", 0},
@@ -41,6 +45,8 @@ static const measure measures[] = {
     {"rms_radius_ratio_movable", "of elements with a free node", "of elements with a free node", "",
      LESS_IS_BETTER, "part", 0},
     {"mean_radius_ratio", "mean radius ratio", "mean radius ratio", "", LESS_IS_BETTER, "", 0},
+    {"min_jacobian_ratio", "least Jacobian coefficient / mean, curved elements",
+     "least Jacobian coefficient / mean, curved elements", "", MORE_IS_BETTER, "", 0},
     {"min_volume", "smallest volume", "smallest area", "", MORE_IS_BETTER, "", 0},
     {"max_volume", "largest volume", "largest area", "", NEITHER, "", 0},
     {"total_volume", "volume of the mesh", "area of the mesh", "", NEITHER, "", 0},
@@ -87,6 +93,12 @@ static void put_value(pl_markup *page, const measure *m, const cJSON *state) {
     pl_markup_put(page, "%s</td>", isfinite(value) ? m->unit : "");
 }
 
+/** Count what leaves elements without ratios and angles: inverted corners, where they are told. */
+static int64_t count_of_inverted(const cJSON *state) {
+    const int has_corners = isfinite(pl_figure(state, "corner_inverted"));
+    return pl_figure_count(state, has_corners ? "corner_inverted" : "inverted");
+}
+
 /** Put by how much a measure changed, as a percentage or where that says little as a factor, and in
  *  words whether for the better. */
 static void put_change(pl_markup *page, const measure *m, const pl_figures *figures) {
@@ -95,9 +107,9 @@ static void put_change(pl_markup *page, const measure *m, const pl_figures *figu
     const double change = after - before, factor = after / before, large = 10;
     const int differs = m->is_count ? change != 0 : fabs(change / fabs(before)) >= NOTABLE;
     /* Ratios and angles are those of the valid elements, others before than after. */
-    const int is_of_same = m->is_count || strstr(m->key, "volume") ||
-                           pl_figure_count(figures->state[0], "inverted") ==
-                               pl_figure_count(figures->state[1], "inverted");
+    const int is_of_same =
+        m->is_count || strstr(m->key, "volume") ||
+        count_of_inverted(figures->state[0]) == count_of_inverted(figures->state[1]);
     const int better = (change < 0) == (m->sense == LESS_IS_BETTER);
     if (!isfinite(change) || !differs || m->sense == NEITHER || !is_of_same) {
         pl_markup_put(page, "<td class=\"change\"></td><td class=\"word\"></td>");
@@ -116,12 +128,20 @@ static void put_change(pl_markup *page, const measure *m, const pl_figures *figu
                   better ? "better" : "worse");
 }
 
-/** Minimum volumes have a row only where some were asked for, reversed elements where there are
- * any.
- */
+/** Minimum volumes have a row only where some were asked for, reversed elements, and what elements
+ *  of second order alone have, where there are any. */
 static int is_asked(const pl_figures *figures, const measure *m) {
+    static const char *const where_any[] = {"reversed_elements", "inverted_inside", "uncertified",
+                                            "curved"};
     const int is_volume = strcmp(m->key, "below_min_volume") == 0;
-    if (!is_volume && strcmp(m->key, "reversed_elements") != 0)
+    int is_where_any = is_volume;
+    if (figures->has_types)
+        return 1;
+    for (size_t i = 0; i < sizeof where_any / sizeof *where_any; i++)
+        is_where_any |= strcmp(m->key, where_any[i]) == 0;
+    if (strcmp(m->key, "min_jacobian_ratio") == 0)
+        return pl_figure(pl_figures_last(figures), "curved") > 0;
+    if (!is_where_any)
         return 1;
     for (int s = 0; s < figures->n_states; s++)
         if (pl_figure(figures->state[s], m->key) > 0)
@@ -261,13 +281,15 @@ static void put_types(pl_markup *page, const pl_figures *figures) {
 
 void pl_page_put_measures(pl_markup *page, const pl_figures *figures) {
     const pl_figures alone = pl_figures_simplices(figures);
+    const int has_mids = pl_figures_have_mids(figures);
     pl_markup_put(page, "<section id=\"measures\" class=\"whole\"><h2>%s</h2>\n",
                   figures->n_states == 2 ? "Before and after" : "Quality");
     if (figures->has_types)
         put_types(page, figures);
     if (figures->has_types && alone.n_states > 0)
-        pl_markup_put(page, "<h3>Straight %s alone</h3>\n",
-                      figures->is_solid ? "tetrahedra" : "triangles");
+        pl_markup_put(page, "<h3>%s %s alone%s</h3>\n", has_mids ? "All" : "Straight",
+                      figures->is_solid ? "tetrahedra" : "triangles",
+                      has_mids ? ", by their corners" : "");
     if (alone.n_states > 0)
         put_table(page, &alone, measures, N_MEASURES);
     put_floor(page, figures);

@@ -157,7 +157,7 @@ static int take_ratios(const pl_picture *picture, const pl_job *job, drawn_state
     to->ratio = malloc((size_t)surface->n_triangles + 1);
     if (!ratio || !to->ratio)
         status = pl_job_complain_memory(job, "the picture");
-    else if (job->engine->measure_elements(job, ratio, &error))
+    else if (pl_cells_measure_elements(job, ratio, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
     for (int64_t i = 0; !status && i < surface->n_triangles; i++) {
         const double value = ratio[surface->element[i]];

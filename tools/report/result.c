@@ -199,8 +199,8 @@ static void add_worst_elements(document *json, cJSON *quality, const pl_job *job
 
 /** Add the measures of simplices to quality. */
 static void add_measures(document *json, cJSON *quality, const planish_quality *q,
-                         int64_t below_min_volume) {
-    add_integer(json, quality, "inverted", q->n_inverted);
+                         int64_t n_inverted, int64_t below_min_volume) {
+    add_integer(json, quality, "inverted", n_inverted);
     add_integer(json, quality, "reversed_elements", q->n_reversed);
     add_integer(json, quality, "below_min_volume", below_min_volume);
     add_real(json, quality, "min_volume", q->min_volume);
@@ -228,16 +228,8 @@ static void add_measures(document *json, cJSON *quality, const planish_quality *
                   q->angle_counts);
 }
 
-static void add_quality(document *json, cJSON *root, const char *name, const pl_job *job,
-                        const planish_quality *q, int64_t below_min_volume, const pl_worst *worst) {
-    cJSON *quality = new_object(json, root, name);
-    add_measures(json, quality, q, below_min_volume);
-    add_worst_elements(json, quality, job, worst);
-}
-
-/** Add the measures of elements of any type. */
+/** Add the measures of elements of any type beside the number of inverted ones. */
 static void add_cell_measures(document *json, cJSON *to, const planish_cell_measures *of) {
-    add_integer(json, to, "inverted", of->n_inverted);
     add_integer(json, to, "corner_inverted", of->n_inverted_corners);
     add_integer(json, to, "uncertified", of->n_uncertified);
     add_integer(json, to, "curved", of->n_curved);
@@ -247,6 +239,36 @@ static void add_cell_measures(document *json, cJSON *to, const planish_cell_meas
     add_real(json, to, "min_scaled_jacobian", of->min_scaled_jacobian);
     add_real(json, to, "min_jacobian_ratio", of->min_jacobian_ratio);
     add_real(json, to, "max_edge_ratio", of->max_edge_ratio);
+}
+
+/** Add the number of elements of each type, and their measures. */
+static void add_types(document *json, cJSON *quality, const planish_cell_quality *q) {
+    cJSON *counts = new_object(json, quality, "counts");
+    for (int i = 0; i < q->n_types; i++)
+        add_integer(json, counts, pl_cell_type_name(q->type[i]), q->by_type[i].n_elements);
+    add_cell_measures(json, quality, &q->all);
+    cJSON *by_type = new_object(json, quality, "by_type");
+    for (int i = 0; i < q->n_types; i++) {
+        cJSON *of = new_object(json, by_type, pl_cell_type_name(q->type[i]));
+        add_integer(json, of, "inverted", q->by_type[i].n_inverted);
+        add_cell_measures(json, of, &q->by_type[i]);
+    }
+}
+
+/** Add the quality of simplices: by their corners, and where validity is known also by their
+ *  mid-side nodes. edge_ratio and scaled_jacobian are those of the corners. */
+static void add_quality(document *json, cJSON *root, const char *name, const pl_job *job,
+                        const planish_quality *q, const pl_validity *validity,
+                        int64_t below_min_volume, const pl_worst *worst) {
+    cJSON *quality = new_object(json, root, name);
+    add_measures(json, quality, q,
+                 validity->is_known ? validity->quality.all.n_inverted : q->n_inverted,
+                 below_min_volume);
+    if (validity->is_known) {
+        add_types(json, quality, &validity->quality);
+        add_integer(json, quality, "inverted_inside", validity->n_inside);
+    }
+    add_worst_elements(json, quality, job, worst);
 }
 
 /** Add the quality of a mesh with elements of other types. The keys of simplices are null, as these
@@ -277,19 +299,13 @@ static void add_cells(document *json, cJSON *root, const pl_job *job, const pl_m
                                                "angle_histogram"};
     const planish_cell_quality *q = &measured->cells.quality;
     cJSON *quality = new_object(json, root, "quality");
-    cJSON *counts = new_object(json, quality, "counts");
-    for (int i = 0; i < q->n_types; i++)
-        add_integer(json, counts, pl_cell_type_name(q->type[i]), q->by_type[i].n_elements);
-    add_cell_measures(json, quality, &q->all);
-    cJSON *by_type = new_object(json, quality, "by_type");
-    for (int i = 0; i < q->n_types; i++)
-        add_cell_measures(json, new_object(json, by_type, pl_cell_type_name(q->type[i])),
-                          &q->by_type[i]);
+    add_integer(json, quality, "inverted", q->all.n_inverted);
+    add_types(json, quality, q);
     for (size_t i = 0; i < sizeof of_simplices / sizeof *of_simplices; i++)
         add(json, quality, of_simplices[i], cJSON_CreateNull());
     if (job->mesh.n_elements > 0)
         add_measures(json, new_object(json, quality, "simplices"), &measured->quality,
-                     measured->volumes.n_below);
+                     measured->quality.n_inverted, measured->volumes.n_below);
     else
         add(json, quality, "simplices", cJSON_CreateNull());
     add_worst_elements(json, quality, job, &measured->worst);
@@ -395,7 +411,7 @@ static void add_optimality(document *json, cJSON *root, const pl_job *job,
 /** The file's numbers of the elements whose state is at least least, or whose second state is not
  *  0; either may be NULL. */
 static void add_elements(document *json, cJSON *root, const char *name, const pl_job *job,
-                         const uint8_t *state, planish_volume_state least, const uint8_t *second) {
+                         const uint8_t *state, int least, const uint8_t *second) {
     cJSON *list = new_array(json, root, name);
     for (int64_t i = 0; (state || second) && i < job->mesh.n_elements && !json->failed; i++)
         if ((state && state[i] >= least) || (second && second[i]))
@@ -462,14 +478,15 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_mesh(&json, root, job, result->before.n_reversed);
     add_text(&json, root, "method", pl_method_name(job->options.method));
     add_objective(&json, root, job, &result->smooth);
-    add_quality(&json, root, "before", job, &result->before, result->below_before,
-                &result->worst_before);
-    add_quality(&json, root, "after", job, &result->after, result->volumes.n_below,
-                &result->worst_after);
+    add_quality(&json, root, "before", job, &result->before, &result->validity_before,
+                result->below_before, &result->worst_before);
+    add_quality(&json, root, "after", job, &result->after, &result->validity_after,
+                result->volumes.n_below, &result->worst_after);
     add_sweeps(&json, root, progress);
     add_integer(&json, root, "untangling_sweeps", result->smooth.untangling_sweeps);
     add_text(&json, root, "stop", stop_names[result->smooth.stop]);
-    add(&json, root, "certified", cJSON_CreateBool(result->after.n_inverted == 0));
+    add(&json, root, "certified",
+        cJSON_CreateBool(pl_validity_faults(&result->validity_after, &result->after) == 0));
     add_checksum(&json, root, "input_checksum", result->input_checksum);
     add_checksum(&json, root, "checksum", result->checksum);
     add_real(&json, root, "max_displacement", result->smooth.max_displacement);
@@ -479,6 +496,11 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_integer(&json, root, "node_visits", result->smooth.visits);
     add_integer(&json, root, "evaluations", result->smooth.evaluations);
     add_integer(&json, root, "held_outside", result->smooth.n_held_outside);
+    if (result->validity_after.is_known) {
+        add_integer(&json, root, "refused_moves", result->smooth.n_refused);
+        add_elements(&json, root, "inverted_inside", job, result->validity_after.state,
+                     PL_INVERTED_INSIDE, NULL);
+    }
     add_worst(&json, root, job, &result->smooth);
     add_optimality(&json, root, job, &result->smooth);
     add_run(&json, root, job, result);
@@ -505,6 +527,7 @@ void pl_quality_report_begin(pl_quality_report *report) {
 void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
                            const pl_measured *measured) {
     document json = {report->failed};
+    const pl_validity none = {.is_known = 0};
     cJSON *mesh = new_object(&json, report->meshes, NULL);
     add_text(&json, mesh, "planish", planish_version());
     add_text(&json, mesh, "input", job->arguments->input);
@@ -513,8 +536,8 @@ void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
     if (measured->cells.has_others)
         add_cells(&json, mesh, job, measured);
     else
-        add_quality(&json, mesh, "quality", job, &measured->quality, measured->volumes.n_below,
-                    &measured->worst);
+        add_quality(&json, mesh, "quality", job, &measured->quality, &none,
+                    measured->volumes.n_below, &measured->worst);
     add_checksum(&json, mesh, "checksum", pl_job_checksum(job));
     add_volumes(&json, mesh, job, &measured->volumes, NULL);
     add_elements(&json, mesh, "reversed", job, NULL, PLANISH_VOLUME_MET, measured->reversed);

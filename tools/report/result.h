@@ -15,13 +15,14 @@
 
 /** Everything that smooth can say about a run. */
 typedef struct pl_result {
-    planish_quality before, after;
-    uint64_t input_checksum; /* of the coordinates as read, */
-    uint64_t checksum;       /* and as written */
-    pl_picture *picture;     /* for a page, owned, or NULL */
-    int64_t returned_nodes;  /* nodes of a tilted plane that went back (promises.h) */
-    int64_t below_before;    /* elements below their minimum volume in the input */
-    pl_volumes volumes;      /* those of the result */
+    planish_quality before, after;               /* by the corners of elements, */
+    pl_validity validity_before, validity_after; /* and with their mid-side nodes */
+    uint64_t input_checksum;                     /* of the coordinates as read, */
+    uint64_t checksum;                           /* and as written */
+    pl_picture *picture;                         /* for a page, owned, or NULL */
+    int64_t returned_nodes; /* nodes of a tilted plane that went back (promises.h) */
+    int64_t below_before;   /* elements below their minimum volume in the input */
+    pl_volumes volumes;     /* those of the result */
     pl_unfixable unfixable;
     pl_reversed reversed;
     pl_worst worst_before, worst_after; /* empty if there is no report */

@@ -191,6 +191,19 @@ static void row_mesh(FILE *stream, const pl_job *job, const char *elements) {
     pl_text_wrap(stream, counts + strlen(": ") + strlen(job->file_info.format) + strlen(", "));
 }
 
+/** Put the first lines of a mesh with elements of second order: what follows their corners. */
+static void rows_second_order(FILE *stream, const pl_job *job, const pl_validity *validity) {
+    char counts[256], text[512], name[4 * PL_TEXT_WIDTH + 1];
+    const int64_t n = job->mesh.n_nodes;
+    fprintf(stream, "%s: %s, %" PRId64 " %s\n",
+            pl_text_fit(job->arguments->input, PL_TEXT_WIDTH / 2, name, sizeof name),
+            job->file_info.format, n, word_for(n, "node", "nodes"));
+    pl_cells_count(job->mesh.cells, counts, sizeof counts);
+    snprintf(text, sizeof text, "%s, %" PRId64 " curved; mid-side nodes follow", counts,
+             validity->quality.all.n_curved);
+    pl_text_wrap(stream, text);
+}
+
 /** Put the first line of a mesh whose simplices alone matter. */
 static void row_simplices(FILE *stream, const pl_job *job) {
     char counts[64];
@@ -221,8 +234,28 @@ static const double *number_at(const planish_quality *quality, size_t at) {
     return quality ? (const double *)(const void *)((const char *)quality + at) : NULL;
 }
 
+/** Put the rows of elements that are inverted: by their corners, or by their mid-side nodes. Where
+ *  validity is not known, quality tells. */
+static void rows_inverted(FILE *stream, const planish_quality *before, const planish_quality *after,
+                          const pl_validity *validity_before, const pl_validity *validity) {
+    const measure ratio = {"", MORE_IS_BETTER, ABSOLUTE};
+    const planish_cell_measures *was = &validity_before->quality.all, *is = &validity->quality.all;
+    const int64_t n = before ? pl_validity_faults(validity_before, before) : 0;
+    if (is->n_curved > 0)
+        row_real(stream, "least Jacobian / mean, curved", before ? &was->min_jacobian_ratio : NULL,
+                 is->min_jacobian_ratio, &ratio);
+    row_count(stream, "inverted elements", before ? &n : NULL, pl_validity_faults(validity, after));
+    if (validity->n_inside > 0 || validity_before->n_inside > 0)
+        row_count(stream, "  though their corners are right",
+                  before ? &validity_before->n_inside : NULL, validity->n_inside);
+    if (is->n_uncertified > 0 || was->n_uncertified > 0)
+        row_count(stream, "  uncertified", before ? &was->n_uncertified : NULL, is->n_uncertified);
+}
+
+/** Put the measures of simplices; validity_before, validity: with their mid-side nodes. */
 static void rows_quality(FILE *stream, int dim, const planish_quality *before,
-                         const planish_quality *after) {
+                         const planish_quality *after, const pl_validity *validity_before,
+                         const pl_validity *validity) {
     for (size_t i = 0; i < sizeof quality_rows / sizeof *quality_rows; i++) {
         const quality_row *row = &quality_rows[i];
         measure m = row->measure;
@@ -233,7 +266,7 @@ static void rows_quality(FILE *stream, int dim, const planish_quality *before,
         row_real(stream, dim == 3 ? row->solid : row->plane, number_at(before, row->at),
                  *number_at(after, row->at), &m);
     }
-    row_count(stream, "inverted elements", before ? &before->n_inverted : NULL, after->n_inverted);
+    rows_inverted(stream, before, after, validity_before, validity);
     if (after->n_reversed > 0 || (before && before->n_reversed > 0))
         row_count(stream, "reversed in the file's order", before ? &before->n_reversed : NULL,
                   after->n_reversed);
@@ -312,11 +345,15 @@ static void put_worst(FILE *stream, const pl_job *job, const planish_result *smo
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
     const int64_t n_outside = result->smooth.n_held_outside, n_back = result->smooth.n_put_back;
     char text[256];
-    row_simplices(stream, job);
+    if (result->validity_after.is_known)
+        rows_second_order(stream, job, &result->validity_before);
+    else
+        row_simplices(stream, job);
     fprintf(stream, "%s%-*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), LABEL_WIDTH,
             "", VALUE_WIDTH, "before", VALUE_WIDTH, "after", UNIT_WIDTH + CHANGE_WIDTH, "change",
             pl_style_end(stream, PL_STYLE_HEADING));
-    rows_quality(stream, job->mesh.dim, &result->before, &result->after);
+    rows_quality(stream, job->mesh.dim, &result->before, &result->after, &result->validity_before,
+                 &result->validity_after);
     row_volumes(stream, job, &result->below_before, result->volumes.n_below);
     put_objective(stream, job, result);
     pl_histogram_print(stream, &result->before, &result->after);
@@ -433,6 +470,7 @@ static void put_spreads(FILE *stream, int solid, const planish_quality *q) {
 void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measured) {
     const planish_quality *q = &measured->quality;
     const pl_cells *cells = &measured->cells;
+    const pl_validity none = {.is_known = 0}; /* simplices are measured by their corners */
     const int solid = job->mesh.dim == 3;
     if (cells->has_others) {
         char counts[256];
@@ -441,11 +479,14 @@ void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measur
         put_cells(stream, job, cells);
         if (job->mesh.n_elements == 0)
             return;
-        put_heading(stream, solid ? "straight tetrahedra alone" : "straight triangles alone");
+        put_heading(stream, job->mesh.cells ? solid ? "tetrahedra alone, by their corners"
+                                                    : "triangles alone, by their corners"
+                            : solid         ? "straight tetrahedra alone"
+                                            : "straight triangles alone");
     } else {
         row_simplices(stream, job);
     }
-    rows_quality(stream, job->mesh.dim, NULL, q);
+    rows_quality(stream, job->mesh.dim, NULL, q, &none, &none);
     row_volumes(stream, job, NULL, measured->volumes.n_below);
     if (q->worst_element >= 0)
         fprintf(stream, "the worst element is %" PRId64 "\n",
