@@ -19,7 +19,7 @@ MESH = {"dimension": int, "plane": (dict, type(None)), "nodes": int, "elements":
         "free_layer_elements": (int, type(None)),
         "fixed_elements": int, "colours": int, "nodes_with_parameters": int,
         "reversed_elements": int, "wrapped_elements": int, "held": dict.fromkeys(HELD, int),
-        "unused_nodes": int, "doubled_nodes": int}
+        "mid_side_nodes": int, "unused_nodes": int, "doubled_nodes": int}
 VOLUMES = {"min_volume": (int, float, type(None)), "unfixable": list, "below_min": list,
            "reversed": list, "wrapped": list}
 SMOOTH = {
@@ -90,6 +90,7 @@ for state in (before, after, quality["quality"]):
     assert same(state["worst_elements"][0]["radius_ratio"], state["max_radius_ratio"])
 assert before["worst_elements"] != after["worst_elements"]
 assert mesh == quality["mesh"] and mesh["dimension"] == 3
+assert mesh["mid_side_nodes"] == 0
 assert (mesh["free_nodes"] + mesh["sliding_nodes"] + mesh["unused_nodes"]
         + sum(mesh["held"].values()) == mesh["nodes"])
 assert 0 < mesh["free_nodes"] < mesh["nodes"] and 0 < mesh["colours"] <= 14

@@ -74,6 +74,18 @@ static uint16_t translate(const translation *table, size_t n, uint8_t bits) {
     return result;
 }
 
+/** Tell mid-side nodes from those of no element. */
+static void mark_mids(const pl_job *job, uint16_t *bits) {
+    const planish_cells *cells = job->mesh.cells;
+    const int64_t corners = job->mesh.dim + 1;
+    for (int64_t i = 0; cells && i < cells->n; i++)
+        for (int64_t k = cells->offset[i] + corners; k < cells->offset[i + 1]; k++) {
+            const int32_t mid = cells->node[k];
+            if (mid >= 0 && bits[mid] == PL_HELD_NOT_USED)
+                bits[mid] = PL_HELD_FOLLOWS;
+        }
+}
+
 /** Fill bits with all reasons; scratch [n_nodes]. */
 static int find_reasons(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
     const planish_hold hold = pl_job_hold(job);
@@ -107,6 +119,7 @@ static int find_reasons(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
             bits[i] = PL_HELD_NOT_USED;
         bits[i] &= (uint16_t)~PL_HELD_TOLD;
     }
+    mark_mids(job, bits);
     return 0;
 }
 
@@ -145,6 +158,7 @@ int pl_held_count(pl_job *job) {
         int reason = 0;
         while (reason < PL_N_HELD_BY && !(bits[i] >> reason & 1))
             reason++;
+        held->n_mids += (bits[i] & PL_HELD_FOLLOWS) != 0;
         held->n_unused += (bits[i] & PL_HELD_NOT_USED) != 0;
         if (reason == PL_N_HELD_BY) /* it moves, or is of no element */
             continue;
@@ -201,6 +215,9 @@ void pl_held_print(FILE *stream, const pl_job *job) {
         append(text, sizeof text, "no node");
     add_counts(&job->held, text, sizeof text);
     add_doubled(job, text, sizeof text);
+    if (job->held.n_mids > 0)
+        append(text, sizeof text, "; %" PRId64 " mid-side %s", job->held.n_mids,
+               job->held.n_mids == 1 ? "node follows" : "nodes follow");
     if (job->held.n_unused > 0)
         append(text, sizeof text, "; %" PRId64 " more %s in no element", job->held.n_unused,
                job->held.n_unused == 1 ? "node is" : "nodes are");

@@ -130,6 +130,7 @@ static void add_mesh(document *json, cJSON *root, const pl_job *job, int64_t n_r
     } else {
         add(json, mesh, "held", cJSON_CreateNull());
     }
+    add_known(json, mesh, "mid_side_nodes", held->is_known ? held->n_mids : -1);
     add_known(json, mesh, "unused_nodes", held->is_known ? held->n_unused : -1);
     add_known(json, mesh, "doubled_nodes", held->is_known ? held->n_doubled : -1);
     add_known(json, mesh, "layer_elements", layers->n);
