@@ -921,8 +921,9 @@ typedef struct planish_result {
  *  where need be.
  *
  *  Promised:
- *  - Only movable nodes move, and within their bounds.
- *  - No more elements are inverted than were. A mesh without inverted elements stays so.
+ *  - Only movable nodes move, and within their bounds; mids follow their ends.
+ *  - No more elements are inverted than were. A mesh without inverted elements stays so. No element
+ *    of order 2 that was valid (det J > 0 everywhere, decided) is not so in the end.
  *  - In a mesh without inverted elements no element gets a worse RR than the worst element with a
  *    movable node had, nor (with RR alone as objective) a smaller angle, dihedral in 3-D. Bringing
  *    elements above their minimum volume may cost both.
