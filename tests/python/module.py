@@ -1160,8 +1160,15 @@ class Elements(unittest.TestCase):
 
     @unittest.skipIf(meshio is None or not PROGRAM, "without meshio, or the program")
     def test_the_program_smooths_the_same(self):
-        """Hexahedra, wedges and pyramids beside tetrahedra."""
-        meshes = []
+        """Second order with bent edges, regions and lines; hexahedra beside tetrahedra."""
+        straight, cells, inside = box(3, amount=0.2)
+        points, quadratic = raised(straight, cells, "tetra10")
+        mids = np.unique(quadratic[:, 4:])
+        points[mids[::7]] += np.random.default_rng(3).uniform(-0.05, 0.05, (len(mids[::7]), 3))
+        halves = np.where(np.round(straight[cells]).min(axis=1)[:, 0] >= 3, 5, -2)
+        stay = np.flatnonzero(inside)[:2].reshape(1, 2)
+        meshes = [(points, [("tetra10", quadratic)], {}),
+                  (points, [("line", stay), ("tetra10", quadratic)], {"m": [[1], halves]})]
         mixed, blocks = self.filled(1)
         meshes.append((mixed, blocks, {"m": [np.arange(len(cells)) % 2 for _, cells in blocks]}))
         with tempfile.TemporaryDirectory() as folder:
