@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "topology/cells.h"
 #include "topology/points.h"
 #include "topology/subset.h"
 #include "topology/topology.h"
@@ -23,17 +24,25 @@ typedef struct shape_call {
     pl_dense dense; /* the mesh, owned */
 } shape_call;
 
-/** Check threads and the mesh, and enter; end_call follows unless that fails. */
-static int begin_call(const planish_mesh *mesh, int threads, shape_call *call,
+/** Check threads, and enter; end_call follows unless that fails. */
+static int enter_call(const planish_mesh *mesh, int threads, shape_call *call,
                       planish_error *error) {
     if (threads < 0 || threads > PL_MAX_THREADS)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
                        PL_MAX_THREADS);
-    call->mesh = mesh;
-    call->threads = pl_thread_count(threads);
-    call->outside = pl_call_enter(NULL);
-    const int status = pl_dense_create(mesh, call->threads, &call->dense, error);
+    *call = (shape_call){
+        .mesh = mesh, .threads = pl_thread_count(threads), .outside = pl_call_enter(NULL)};
+    return PLANISH_OK;
+}
+
+/** Check threads and the mesh, and enter; end_call follows unless that fails. */
+static int begin_call(const planish_mesh *mesh, int threads, shape_call *call,
+                      planish_error *error) {
+    int status = enter_call(mesh, threads, call, error);
+    if (status)
+        return status;
+    status = pl_dense_create(mesh, call->threads, &call->dense, error);
     if (status)
         pl_call_leave(&call->outside);
     return status;
@@ -46,20 +55,74 @@ static void end_call(shape_call *call) {
 
 /* ---- layers ------------------------------------------------------------------------------- */
 
-static int find_layers(const shape_call *call, uint8_t *is_layer, int64_t *n,
-                       planish_error *error) {
-    const planish_mesh *mesh = &call->dense.mesh;
-    if (!call->dense.cell_of)
-        return pl_find_layers(mesh, call->threads, is_layer, n, error);
-    uint8_t *found = pl_alloc(mesh->n_elements, sizeof *found);
-    const int status = found ? pl_find_layers(mesh, call->threads, found, n, error)
-                             : pl_fail_memory(error, "the elements of layers");
-    if (!status) {
-        memset(is_layer, 0, (size_t)call->mesh->n_elements);
-        pl_rows_put(found, call->dense.cell_of, mesh->n_elements, sizeof *found, call->threads,
-                    is_layer);
-    }
-    pl_free(found);
+/* Elements that are no simplices are in layers only if they are valid and their least scaled
+ * Jacobian is so much: those of tangled meshes are thin by chance. */
+static const double LEAST_SCALED_JACOBIAN = 0.3;
+
+/** Elements of any types, thin ones among which are sought. */
+typedef struct cells_call {
+    planish_mesh mesh;   /* with dense coordinates */
+    double *coordinates; /* copy or NULL */
+    uint8_t *thinness;   /* [cells->n] */
+    uint8_t *state;      /* [cells->n] or NULL */
+    double *scaled_jacobian;
+} cells_call;
+
+/** Check a mesh of cells. */
+static int take_cells(const planish_mesh *mesh, int threads, cells_call *c, planish_error *error) {
+    int status = pl_check_counts(mesh, error);
+    if (!status)
+        status = pl_check_cells(mesh->cells, mesh->n_nodes, threads, error);
+    if (status)
+        return status;
+    const pl_points points = pl_points_of(mesh, mesh->coordinates);
+    status = pl_points_check(&points, threads, error);
+    c->mesh = *mesh;
+    if (status || pl_points_are_dense(&points))
+        return status;
+    c->mesh.coordinates = c->coordinates =
+        pl_alloc(mesh->n_nodes * mesh->dim, sizeof *c->coordinates);
+    if (!c->coordinates)
+        return pl_fail_memory(error, "the coordinates");
+    pl_points_gather(&points, threads, c->coordinates);
+    c->mesh.node_stride = c->mesh.component_stride = 0;
+    return PLANISH_OK;
+}
+
+/** Leave out thin elements that are not valid, or badly shaped. */
+static int keep_well_shaped(int threads, cells_call *c, planish_error *error) {
+    const int64_t n = c->mesh.cells->n;
+    planish_cell_quality quality;
+    c->state = pl_alloc(n, sizeof *c->state);
+    c->scaled_jacobian = pl_alloc(n, sizeof *c->scaled_jacobian);
+    if (!c->state || !c->scaled_jacobian)
+        return pl_fail_memory(error, "thin elements");
+    const planish_cell_values values = {.state = c->state, .scaled_jacobian = c->scaled_jacobian};
+    const int status = planish_measure_cells(&c->mesh, 0, threads, &quality, &values, error);
+    for (int64_t i = 0; !status && i < n; i++)
+        if (c->thinness[i] && !(c->state[i] == PLANISH_CELL_STATE_VALID &&
+                                c->scaled_jacobian[i] >= LEAST_SCALED_JACOBIAN))
+            c->thinness[i] = PL_BADLY_SHAPED;
+    return status;
+}
+
+static int find_layers_of_cells(const planish_mesh *mesh, int threads, uint8_t *is_layer,
+                                int64_t *n_layer, planish_error *error) {
+    cells_call c = {.coordinates = NULL};
+    int64_t n_thin = 0;
+    int status = take_cells(mesh, threads, &c, error);
+    if (!status && !(c.thinness = pl_alloc(mesh->cells->n, sizeof *c.thinness)))
+        status = pl_fail_memory(error, "thin elements");
+    if (!status)
+        status = pl_find_thinness(&c.mesh, threads, c.thinness, &n_thin, error);
+    if (!status && n_thin > 0)
+        status = keep_well_shaped(threads, &c, error);
+    if (!status)
+        status = pl_find_layers_of_cells(&c.mesh, c.thinness, threads, is_layer, n_layer, error);
+    pl_free(c.coordinates);
+    pl_free(c.thinness);
+    pl_free(c.state);
+    pl_free(c.scaled_jacobian);
     return status;
 }
 
@@ -69,10 +132,13 @@ int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer
     int64_t n = 0;
     if (!is_layer)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "is_layer must not be NULL");
-    int status = begin_call(mesh, threads, &call, error);
+    const int has_cells = mesh && mesh->cells;
+    int status = has_cells ? enter_call(mesh, threads, &call, error)
+                           : begin_call(mesh, threads, &call, error);
     if (status)
         return status;
-    status = find_layers(&call, is_layer, &n, error);
+    status = has_cells ? find_layers_of_cells(mesh, call.threads, is_layer, &n, error)
+                       : pl_find_layers(&call.dense.mesh, call.threads, is_layer, &n, error);
     end_call(&call);
     if (!status && n_layer)
         *n_layer = n;

@@ -1,7 +1,8 @@
 /* shape: the surface of a mesh, its regions and its boundary layers.
  *
  *   slides.c    pl_find_slides                               nodes that slide on planes and lines
- *   layers.c    pl_find_layers                               thin elements of layers
+ *   layers.c    pl_find_layers, pl_find_layers_of_cells      thin elements of layers
+ *               pl_find_thinness                             thin elements
  *   regions.c   pl_region_name, pl_check_cell_arrays         arrays of cells
  *               pl_find_regions, pl_combine_regions          regions of elements
  *               pl_find_interfaces                           nodes between regions
@@ -24,6 +25,20 @@ int pl_find_slides(const pl_dense *dense, const planish_mesh *given, const plani
  *  *n_layer their number. mesh is dense. See planish_find_layers. Errors: _MESH, _MEMORY. */
 int pl_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer, int64_t *n_layer,
                    planish_error *error);
+
+/** Find how thin the elements of mesh->cells are that are no simplices: thinness [cells->n], 0 for
+ *  all others, and the number of thin ones. mesh has dense coordinates. Errors: _PROCESS. */
+int pl_find_thinness(const planish_mesh *mesh, int threads, uint8_t *thinness, int64_t *n_thin,
+                     planish_error *error);
+
+/** Thinness to be given to elements that are no simplices and are not valid, or badly shaped: they
+ *  are in no layer, nor are many elements next to them. */
+enum { PL_BADLY_SHAPED = 64 };
+
+/** Find the elements of layers as pl_find_layers does, in mesh->cells; is_layer [cells->n]. mesh has
+ *  dense coordinates. Errors: _MESH, _MEMORY. */
+int pl_find_layers_of_cells(const planish_mesh *mesh, const uint8_t *thinness, int threads,
+                            uint8_t *is_layer, int64_t *n_layer, planish_error *error);
 
 /** Return the rank of an array's name among those that tell regions, from 1 for the most telling
  *  one; 0: unknown; -1: the array tells no regions. */
