@@ -364,15 +364,20 @@ PLANISH_API int planish_find_interfaces(const planish_mesh *mesh, const int32_t 
 /* ---- Elements thin in layers ---------------------------------------------------------------- */
 
 /** Find the elements that are thin in layers, as in a boundary layer or in a stretched mesh. Such
- * elements are thin on purpose, and smoothing would make them regular. Their shortest edge is at
- * most a quarter of their longest. The shortest edges of elements around go along with it, and
- * some of these are beside it. Slivers, elements that are bad by chance, and slices around an axis
- * do not pass. Elements of the rows before and behind belong to the layer as long as their shortest
- * edge continues across the layer and is shorter than their other edges by a factor of 1.2. In a
- * mesh that is stretched throughout in one direction, all elements count that are thin in that
- * direction (docs/algorithm.md). is_layer [n_elements] is filled with 0 or 1; *n_layer (may be
- * NULL) counts the ones. The call costs little where few elements are thin. threads: as in
- * planish_options. Errors: _ARGUMENT, _MESH, _MEMORY. */
+ * elements are thin on purpose, and smoothing would make them regular. The shortest edge of a
+ * simplex in a layer is at most a quarter of its longest. The shortest edges of elements around go
+ * along with it, and some of these are beside it. Slivers, elements that are bad by chance, and
+ * slices around an axis do not pass. Elements of the rows before and behind belong to the layer as
+ * long as their shortest edge continues across the layer and is shorter than their other edges by a
+ * factor of 1.2. In a mesh that is stretched throughout in one direction, all simplices count that
+ * are thin in that direction (docs/algorithm.md).
+ * Of mesh->cells, wedges, hexahedra and quadrilaterals of order 1 and 2 count, too: the edges
+ * between the triangles of a wedge, or one of the families of parallel edges of the others, are at
+ * most a quarter of all others. These elements are valid with a scaled Jacobian of at least 0.3. A
+ * layer that touches more than one element per twenty which is not so does not count.
+ * is_layer [n_elements] is filled with 0 or 1; *n_layer (may be NULL) counts the ones. The call
+ * costs little where few elements are thin. threads: as in planish_options. Errors: _ARGUMENT,
+ * _MESH, _MEMORY, _PARTS (mesh->cells and part). */
 PLANISH_API int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer,
                                     int64_t *n_layer, planish_error *error);
 

@@ -138,7 +138,7 @@ int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer
     if (status)
         return status;
     status = has_cells ? find_layers_of_cells(mesh, call.threads, is_layer, &n, error)
-                       : pl_find_layers(&call.dense.mesh, call.threads, is_layer, &n, error);
+                       : pl_find_layers(&call.dense.mesh, NULL, call.threads, is_layer, &n, error);
     end_call(&call);
     if (!status && n_layer)
         *n_layer = n;

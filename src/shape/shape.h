@@ -1,8 +1,8 @@
 /* shape: the surface of a mesh, its regions and its boundary layers.
  *
  *   slides.c    pl_find_slides                               nodes that slide on planes and lines
- *   layers.c    pl_find_layers, pl_find_layers_of_cells      thin elements of layers
- *               pl_find_thinness                             thin elements
+ *   layers.c    pl_find_layers                               thin elements of layers
+ *   cell_layers.c    pl_find_thinness, pl_find_layers_of_cells    the same for any types
  *   regions.c   pl_region_name, pl_check_cell_arrays         arrays of cells
  *               pl_find_regions, pl_combine_regions          regions of elements
  *               pl_find_interfaces                           nodes between regions
@@ -21,22 +21,40 @@ int pl_find_slides(const pl_dense *dense, const planish_mesh *given, const plani
                    int threads, uint8_t *constraint, double *direction, planish_slide_info *info,
                    planish_error *error);
 
-/** Find the elements of layers: is_layer [n_elements] becomes 1 for them, 0 for the others, and
- *  *n_layer their number. mesh is dense. See planish_find_layers. Errors: _MESH, _MEMORY. */
-int pl_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer, int64_t *n_layer,
-                   planish_error *error);
+/* An element is thin if its longest edge is at least so many times its shortest: beyond what
+ * unstructured meshes of any quality have often, below what layers are made for. */
+static const double PL_THIN = 4;
+/* Rows go on while the shortest edge of an element is shorter than all others of it by this factor:
+ * they are by how much a row is wider than high. */
+static const double PL_WIDE = 1.2;
+/* Shortest edges go along with each other if they are within such a factor of each other, as those
+ * of layers that grow. */
+static const double PL_ALIKE = 2.5;
 
-/** Find how thin the elements of mesh->cells are that are no simplices: thinness [cells->n], 0 for
- *  all others, and the number of thin ones. mesh has dense coordinates. Errors: _PROCESS. */
+/** Facts about an element that layers are sought by. */
+enum {
+    PL_SHORTEST_EDGE = 7, /* number of the shortest edge of a simplex: 01, 02, 12, 03, 13, 23 */
+    PL_IS_THIN = 8,       /* by PL_THIN */
+    PL_IS_WIDE = 16,      /* by PL_WIDE */
+    PL_IS_GIVEN = 32,     /* this is given, not to be found */
+    PL_BADLY_SHAPED = 64  /* the element is to be in no layer, nor are many of them near one */
+};
+
+/** Find the elements of layers: is_layer [n_elements] becomes 1 for them, 0 for the others, and
+ *  *n_layer their number. mesh is dense. given [n_elements]: facts about elements, 0 for those that
+ *  are to be found; NULL: all are. See planish_find_layers. Errors: _MESH, _MEMORY. */
+int pl_find_layers(const planish_mesh *mesh, const uint8_t *given, int threads, uint8_t *is_layer,
+                   int64_t *n_layer, planish_error *error);
+
+/** Find how thin the elements of mesh->cells are: thinness [cells->n], 0 for simplices, pyramids and
+ *  those that do not count, and the number of thin ones. mesh has dense coordinates. Errors:
+ *  _PROCESS. */
 int pl_find_thinness(const planish_mesh *mesh, int threads, uint8_t *thinness, int64_t *n_thin,
                      planish_error *error);
 
-/** Thinness to be given to elements that are no simplices and are not valid, or badly shaped: they
- *  are in no layer, nor are many elements next to them. */
-enum { PL_BADLY_SHAPED = 64 };
-
-/** Find the elements of layers as pl_find_layers does, in mesh->cells; is_layer [cells->n]. mesh has
- *  dense coordinates. Errors: _MESH, _MEMORY. */
+/** Find the elements of layers as pl_find_layers does, in mesh->cells; is_layer [cells->n]. thinness:
+ *  from pl_find_thinness, or PL_BADLY_SHAPED where that is not 0. mesh has dense coordinates.
+ *  Errors: _MESH, _MEMORY. */
 int pl_find_layers_of_cells(const planish_mesh *mesh, const uint8_t *thinness, int threads,
                             uint8_t *is_layer, int64_t *n_layer, planish_error *error);
 

@@ -454,123 +454,19 @@ static void nodes_may_have_many_elements(void **state) {
 
 /* ---- elements of any types ------------------------------------------------------------------ */
 
-enum { MOST_NODES = (CELLS + 1) * (CELLS + 1) * (CELLS + 1) };
-
-/** A mesh of elements of any types. */
-typedef struct cell_mesh {
-    planish_mesh mesh;
-    planish_cells cells;
-    double *coordinates;
-    uint8_t *type;
-    int64_t *offset;
-    int32_t *node;
-    int *row; /* [cells.n] of the box */
-} cell_mesh;
-
-static void add_cell(cell_mesh *m, int type, int row, int n_nodes, int n, const int32_t *node) {
-    const int64_t i = m->cells.n++, begin = m->offset[i];
-    m->type[i] = (uint8_t)type;
-    m->row[i] = row;
-    for (int j = 0; j < n_nodes; j++)
-        m->node[begin + j] = j < n ? node[j] : -1; /* mids of straight edges */
-    m->offset[i + 1] = begin + n_nodes;
-    m->mesh.n_elements = m->cells.n;
-}
-
-/** Add the elements of a type that fill the cube or square with corners c: by bits of x, y, z. */
-static void add_cube(cell_mesh *m, int type, int row, const int32_t c[8]) {
-    const int32_t hexahedron[] = {c[0], c[1], c[3], c[2], c[4], c[5], c[7], c[6]};
-    const int32_t wedges[2][6] = {{c[0], c[1], c[3], c[4], c[5], c[7]},
-                                  {c[0], c[3], c[2], c[4], c[7], c[6]}};
-    const int32_t tetrahedra[6][4] = {{c[0], c[1], c[3], c[7]}, {c[0], c[3], c[2], c[7]},
-                                      {c[0], c[2], c[6], c[7]}, {c[0], c[6], c[4], c[7]},
-                                      {c[0], c[4], c[5], c[7]}, {c[0], c[5], c[1], c[7]}};
-    const int32_t triangles[2][3] = {{c[0], c[1], c[3]}, {c[0], c[3], c[2]}};
-    switch (type) {
-    case PLANISH_CELL_HEXAHEDRON:
-    case PLANISH_CELL_HEXAHEDRON20:
-        add_cell(m, type, row, type == PLANISH_CELL_HEXAHEDRON ? 8 : 20, 8, hexahedron);
-        break;
-    case PLANISH_CELL_WEDGE:
-    case PLANISH_CELL_WEDGE15:
-        for (int i = 0; i < 2; i++)
-            add_cell(m, type, row, type == PLANISH_CELL_WEDGE ? 6 : 15, 6, wedges[i]);
-        break;
-    case PLANISH_CELL_QUADRILATERAL:
-    case PLANISH_CELL_QUADRILATERAL8:
-        add_cell(m, type, row, type == PLANISH_CELL_QUADRILATERAL ? 4 : 8, 4, hexahedron);
-        break;
-    case PLANISH_CELL_TETRAHEDRON:
-        for (int i = 0; i < 6; i++)
-            add_cell(m, type, row, 4, 4, tetrahedra[i]);
-        break;
-    default:
-        for (int i = 0; i < 2; i++)
-            add_cell(m, type, row, 3, 3, triangles[i]);
-    }
-}
-
 static const int layer_types[] = {PLANISH_CELL_QUADRILATERAL, PLANISH_CELL_QUADRILATERAL8,
                                   PLANISH_CELL_HEXAHEDRON,    PLANISH_CELL_HEXAHEDRON20,
                                   PLANISH_CELL_WEDGE,         PLANISH_CELL_WEDGE15};
 enum { N_LAYER_TYPES = sizeof layer_types / sizeof *layer_types };
 
-static int dim_of(int type) {
-    return type == PLANISH_CELL_QUADRILATERAL || type == PLANISH_CELL_QUADRILATERAL8 ? 2 : 3;
-}
-
-/** The box of unit cubes (squares) that an element type fills, with uprights in the last direction,
- *  simplices in the rows from n_rows on, and a line. */
-static void create_cells(cell_mesh *m, int type, int n_rows) {
-    enum { MOST = CELLS * CELLS * CELLS * 6 + 1, MOST_CELL = 20 };
-    const int dim = dim_of(type), side = CELLS + 1, n = dim == 3 ? CELLS : 1;
-    const int simplex = dim == 3 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TRIANGLE;
-    const int64_t n_nodes = dim == 3 ? MOST_NODES : side * side;
-    *m = (cell_mesh){.coordinates = calloc((size_t)(n_nodes * dim), sizeof *m->coordinates),
-                     .type = calloc(MOST, 1),
-                     .offset = calloc(MOST + 1, sizeof *m->offset),
-                     .node = calloc((size_t)MOST * MOST_CELL, sizeof *m->node),
-                     .row = calloc(MOST, sizeof *m->row)};
-    assert_non_null(m->coordinates);
-    assert_non_null(m->node);
-    m->mesh = (planish_mesh){.dim = dim, .n_nodes = n_nodes, .coordinates = m->coordinates};
-    for (int i = 0; i < n_nodes; i++)
-        for (int d = 0, left = i; d < dim; d++, left /= side)
-            m->coordinates[i * dim + d] = left % side;
-    const int32_t line[] = {0, 1};
-    add_cell(m, PLANISH_CELL_LINE, CELLS, 2, 2, line);
-    for (int k = 0; k < CELLS; k++)
-        for (int j = 0; j < n; j++)
-            for (int i = 0; i < CELLS; i++) {
-                int32_t corner[8];
-                for (int c = 0; c < 8; c++) {
-                    const int x = i + (c & 1), y = j + (c >> 1 & 1), z = k + (c >> 2);
-                    corner[c] =
-                        dim == 3 ? (z * side + y) * side + x : (k + (c >> 1 & 1)) * side + x;
-                }
-                add_cube(m, k < n_rows ? type : simplex, k, corner);
-            }
-    m->cells.type = m->type;
-    m->cells.offset = m->offset;
-    m->cells.node = m->node;
-}
-
-static void destroy_cells(cell_mesh *m) {
-    free(m->coordinates);
-    free(m->type);
-    free(m->offset);
-    free(m->node);
-    free(m->row);
-}
-
-static uint8_t *find_in_cells(const cell_mesh *m, int threads, int64_t *n) {
+static uint8_t *find_in_cells(const test_cells *m, int threads, int64_t *n) {
     planish_mesh mesh = m->mesh;
     mesh.cells = &m->cells;
     return find(&mesh, threads, n);
 }
 
 /** Give the rows heights, as set_heights does for simplices. */
-static void set_rows(cell_mesh *m, int d, const double *height) {
+static void set_rows(test_cells *m, int d, const double *height) {
     test_mesh box = {.mesh = m->mesh, .coordinates = m->coordinates};
     set_heights(&box, d, height);
 }
@@ -589,15 +485,15 @@ static void layers_of_other_elements_are_found(void **state) {
         for (int i = 0; i < 4; i++)
             for (int k = 0; k < 2; k++)
                 for (int n_rows = 1; n_rows <= CELLS; n_rows += 3) {
-                    cell_mesh m;
-                    create_cells(&m, layer_types[t], n_rows);
+                    test_cells m;
+                    test_cells_box(&m, CELLS, layer_types[t], n_rows);
                     fill_heights(height, n_rows, firsts[i], growths[k]);
                     set_rows(&m, m.mesh.dim - 1, height);
                     uint8_t *is_layer = find_in_cells(&m, 1, NULL);
                     for (int64_t e = 0; e < m.cells.n; e++)
                         assert_int_equal(is_layer[e], is_in_layer(height, m.row[e]));
                     free(is_layer);
-                    destroy_cells(&m);
+                    test_cells_destroy(&m);
                 }
 }
 
@@ -606,15 +502,15 @@ static void rows_go_on_into_simplices(void **state) {
     (void)state;
     double height[CELLS];
     for (int t = 0; t < N_LAYER_TYPES; t++) {
-        cell_mesh m;
-        create_cells(&m, layer_types[t], 2);
+        test_cells m;
+        test_cells_box(&m, CELLS, layer_types[t], 2);
         fill_heights(height, CELLS, 0.1, 1.3);
         set_rows(&m, m.mesh.dim - 1, height);
         uint8_t *is_layer = find_in_cells(&m, 1, NULL);
         for (int64_t e = 0; e < m.cells.n; e++)
             assert_int_equal(is_layer[e], is_in_layer(height, m.row[e]));
         free(is_layer);
-        destroy_cells(&m);
+        test_cells_destroy(&m);
     }
 }
 
@@ -626,33 +522,34 @@ static void layers_of_other_elements_go_around_corners(void **state) {
     double height[CELLS];
     for (int t = 0; t < N_LAYER_TYPES; t++)
         for (int turns = 1; turns <= 2; turns++) {
-            cell_mesh m;
+            test_cells m;
             int64_t n;
-            create_cells(&m, layer_types[t], CELLS);
+            test_cells_box(&m, CELLS, layer_types[t], CELLS);
             fill_heights(height, CELLS, 0.06, 1.2);
             set_rows(&m, m.mesh.dim - 1, height);
             test_mesh box = {.mesh = m.mesh, .coordinates = m.coordinates};
             bend(&box, turns * PI);
             free(find_in_cells(&m, 1, &n));
             assert_int_equal(n, m.cells.n - 1); /* but the line */
-            destroy_cells(&m);
+            test_cells_destroy(&m);
         }
     fill_heights(height, LAYERS, 0.1, 1);
     for (int dim = 2; dim <= 3; dim++) {
-        cell_mesh m;
-        create_cells(&m, dim == 3 ? PLANISH_CELL_HEXAHEDRON : PLANISH_CELL_QUADRILATERAL, CELLS);
+        test_cells m;
+        test_cells_box(&m, CELLS, dim == 3 ? PLANISH_CELL_HEXAHEDRON : PLANISH_CELL_QUADRILATERAL,
+                       CELLS);
         for (int d = 0; d < dim; d += dim - 1)
             set_rows(&m, d, height);
         uint8_t *is_layer = find_in_cells(&m, 1, NULL);
         for (int64_t e = 1; e < m.cells.n; e++)
             assert_int_equal(is_layer[e], ((e - 1) % CELLS < LAYERS) != (m.row[e] < LAYERS));
         free(is_layer);
-        destroy_cells(&m);
+        test_cells_destroy(&m);
     }
 }
 
 /** Move the inner nodes at random, by amount of a unit in each direction. */
-static void perturb_cells(cell_mesh *m, double amount, double amount_across, unsigned seed) {
+static void perturb_cells(test_cells *m, double amount, double amount_across, unsigned seed) {
     const int dim = m->mesh.dim;
     for (int64_t i = 0; i < m->mesh.n_nodes; i++)
         for (int d = 0; d < dim; d++)
@@ -667,9 +564,9 @@ static void badly_shaped_elements_are_in_no_layers(void **state) {
     fill_heights(height, CELLS, 0.1, 1);
     for (int t = 0; t < N_LAYER_TYPES; t++)
         for (int how = 0; how < 8; how++) {
-            cell_mesh m;
+            test_cells m;
             int64_t n;
-            create_cells(&m, layer_types[t], CELLS);
+            test_cells_box(&m, CELLS, layer_types[t], CELLS);
             const int dim = m.mesh.dim;
             if (how < 2) {
                 set_rows(&m, dim - 1, height);
@@ -684,7 +581,7 @@ static void badly_shaped_elements_are_in_no_layers(void **state) {
                 perturb_cells(&m, 0.25 * how, 0.25 * how, 3 + (unsigned)how);
             free(find_in_cells(&m, 1, &n));
             assert_int_equal(n, 0);
-            destroy_cells(&m);
+            test_cells_destroy(&m);
         }
 }
 
@@ -693,8 +590,8 @@ static void one_bad_element_leaves_a_layer(void **state) {
     (void)state;
     double height[CELLS];
     fill_heights(height, CELLS, 0.1, 1);
-    cell_mesh m;
-    create_cells(&m, PLANISH_CELL_HEXAHEDRON, CELLS);
+    test_cells m;
+    test_cells_box(&m, CELLS, PLANISH_CELL_HEXAHEDRON, CELLS);
     set_rows(&m, 2, height);
     const int64_t middle = 5 * CELLS * CELLS + 5 * CELLS + 5 + 1;
     const int32_t node = m.node[m.offset[middle] + 6];
@@ -704,7 +601,7 @@ static void one_bad_element_leaves_a_layer(void **state) {
     assert_int_equal(is_layer[middle], 0);
     assert_true(n >= m.cells.n - 1 - 8 && n < m.cells.n - 1);
     free(is_layer);
-    destroy_cells(&m);
+    test_cells_destroy(&m);
 }
 
 /** Reverse the handedness of every third element, or all; rotate and scale; more threads. */
@@ -716,9 +613,9 @@ static void cells_are_judged_alike_in_any_place(void **state) {
     fill_heights(height, 4, 0.15, 1.3);
     for (int t = 0; t < N_LAYER_TYPES; t += 2)
         for (int how = 0; how < 6; how++) {
-            cell_mesh m;
+            test_cells m;
             int64_t n, n_before;
-            create_cells(&m, layer_types[t], 6);
+            test_cells_box(&m, CELLS, layer_types[t], 6);
             const int dim = m.mesh.dim;
             set_rows(&m, dim - 1, height);
             perturb_cells(&m, 0.02, 0.01, 2);
@@ -746,7 +643,7 @@ static void cells_are_judged_alike_in_any_place(void **state) {
             assert_memory_equal(before, after, (size_t)m.cells.n);
             free(before);
             free(after);
-            destroy_cells(&m);
+            test_cells_destroy(&m);
         }
 }
 
@@ -758,27 +655,13 @@ static void simplices_may_be_cells(void **state) {
             test_mesh box;
             create_uneven(&box, dim);
             const int64_t n = box.mesh.n_elements;
-            const int type =
-                dim == 3     ? order == 1 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TETRAHEDRON10
-                : order == 1 ? PLANISH_CELL_TRIANGLE
-                             : PLANISH_CELL_TRIANGLE6;
-            cell_mesh m = {.mesh = box.mesh,
-                           .type = calloc((size_t)n, 1),
-                           .offset = calloc((size_t)n + 1, sizeof *m.offset),
-                           .node = calloc((size_t)n * 10, sizeof *m.node),
-                           .row = calloc((size_t)n, sizeof *m.row)};
-            for (int64_t i = 0; i < n; i++)
-                add_cell(&m, type, 0, order == 1 ? dim + 1 : (dim + 1) * (dim + 2) / 2, dim + 1,
-                         box.elements + i * (dim + 1));
-            m.cells.type = m.type;
-            m.cells.offset = m.offset;
-            m.cells.node = m.node;
-            m.mesh.elements = NULL;
+            test_cells m;
+            test_cells_of_simplices(&m, &box, order);
             uint8_t *is_layer = find(&box.mesh, 1, NULL), *other = find_in_cells(&m, 2, NULL);
             assert_memory_equal(is_layer, other, (size_t)n);
             free(is_layer);
             free(other);
-            destroy_cells(&m);
+            test_cells_destroy(&m);
             test_mesh_destroy(&box);
         }
 }
@@ -857,18 +740,18 @@ static void no_memory_is_an_error(void **state) {
     (void)state;
     double height[CELLS];
     test_mesh box;
-    cell_mesh m;
+    test_cells m;
     create_uneven(&box, 3);
     find_without_memory(&box.mesh);
     test_mesh_destroy(&box);
-    create_cells(&m, PLANISH_CELL_HEXAHEDRON, CELLS);
+    test_cells_box(&m, CELLS, PLANISH_CELL_HEXAHEDRON, CELLS);
     fill_heights(height, CELLS, 0.1, 1);
     set_rows(&m, 2, height);
-    m.coordinates[MOST_NODES * 3 - 1] = 0; /* the last element is tangled */
+    m.coordinates[m.mesh.n_nodes * 3 - 1] = 0; /* the last element is tangled */
     planish_mesh mesh = m.mesh;
     mesh.cells = &m.cells;
     find_without_memory(&mesh);
-    destroy_cells(&m);
+    test_cells_destroy(&m);
 }
 
 int main(void) {

@@ -278,3 +278,109 @@ void test_tangled_box_for_threads(test_mesh *mesh, int dim) {
     test_box_for_threads(mesh, dim);
     test_mesh_perturb(mesh, 0.7, 12345);
 }
+
+/* ---- elements of any types ------------------------------------------------------------------ */
+
+static void allocate_cells(test_cells *m, int dim, int64_t n_nodes, int64_t n_cells) {
+    enum { MOST = 20 }; /* nodes of an element */
+    *m = (test_cells){.coordinates = checked(calloc((size_t)(n_nodes * dim), sizeof(double))),
+                      .type = checked(calloc((size_t)n_cells, 1)),
+                      .offset = checked(calloc((size_t)n_cells + 1, sizeof(int64_t))),
+                      .node = checked(calloc((size_t)n_cells * MOST, sizeof(int32_t))),
+                      .row = checked(calloc((size_t)n_cells, sizeof(int)))};
+    m->mesh = (planish_mesh){.dim = dim, .n_nodes = n_nodes, .coordinates = m->coordinates};
+    m->cells = (planish_cells){.type = m->type, .offset = m->offset, .node = m->node};
+}
+
+void test_cells_destroy(test_cells *m) {
+    free(m->coordinates);
+    free(m->type);
+    free(m->offset);
+    free(m->node);
+    free(m->row);
+    *m = (test_cells){0};
+}
+
+/** Add an element with the corners node [n] and n_mids missing mids. */
+static void add_cell(test_cells *m, int type, int row, int n, int n_mids, const int32_t *node) {
+    const int64_t i = m->cells.n++, begin = m->offset[i];
+    m->type[i] = (uint8_t)type;
+    m->row[i] = row;
+    memcpy(m->node + begin, node, (size_t)n * sizeof *node);
+    memset(m->node + begin + n, -1, (size_t)n_mids * sizeof *node);
+    m->offset[i + 1] = begin + n + n_mids;
+    m->mesh.n_elements = m->cells.n;
+}
+
+/** Add the elements of a type that fill the cube or square with corners c: bits are x, y, z. */
+static void add_cube(test_cells *m, int type, int row, const int32_t c[8]) {
+    const int32_t hexahedron[] = {c[0], c[1], c[3], c[2], c[4], c[5], c[7], c[6]};
+    const int32_t wedges[2][6] = {{c[0], c[1], c[3], c[4], c[5], c[7]},
+                                  {c[0], c[3], c[2], c[4], c[7], c[6]}};
+    const int32_t triangles[2][3] = {{c[0], c[1], c[3]}, {c[0], c[3], c[2]}};
+    switch (type) {
+    case PLANISH_CELL_HEXAHEDRON:
+    case PLANISH_CELL_HEXAHEDRON20:
+        add_cell(m, type, row, 8, type == PLANISH_CELL_HEXAHEDRON ? 0 : 12, hexahedron);
+        break;
+    case PLANISH_CELL_WEDGE:
+    case PLANISH_CELL_WEDGE15:
+        for (int i = 0; i < 2; i++)
+            add_cell(m, type, row, 6, type == PLANISH_CELL_WEDGE ? 0 : 9, wedges[i]);
+        break;
+    case PLANISH_CELL_QUADRILATERAL:
+    case PLANISH_CELL_QUADRILATERAL8:
+        add_cell(m, type, row, 4, type == PLANISH_CELL_QUADRILATERAL ? 0 : 4, hexahedron);
+        break;
+    case PLANISH_CELL_TETRAHEDRON:
+        for (int i = 0; i < 6; i++) {
+            const int *path = paths_3d[i];
+            const int32_t tetrahedron[] = {c[0], c[1 << path[0]], c[1 << path[0] | 1 << path[1]],
+                                           c[7]};
+            add_cell(m, type, row, 4, 0, tetrahedron);
+        }
+        break;
+    default:
+        for (int i = 0; i < 2; i++)
+            add_cell(m, PLANISH_CELL_TRIANGLE, row, 3, 0, triangles[i]);
+    }
+}
+
+void test_cells_box(test_cells *m, int cells, int type, int n_rows) {
+    const int dim = type == PLANISH_CELL_TRIANGLE || type == PLANISH_CELL_QUADRILATERAL ||
+                            type == PLANISH_CELL_QUADRILATERAL8
+                        ? 2
+                        : 3;
+    const int side = cells + 1, depth = dim == 3 ? cells : 1;
+    const int64_t n_nodes = dim == 3 ? side * side * side : side * side;
+    const int32_t line[] = {0, 1};
+    allocate_cells(m, dim, n_nodes, 6 * n_nodes);
+    for (int i = 0; i < n_nodes; i++)
+        for (int d = 0, left = i; d < dim; d++, left /= side)
+            m->coordinates[i * dim + d] = left % side;
+    add_cell(m, PLANISH_CELL_LINE, cells, 2, 0, line);
+    for (int k = 0; k < cells; k++)
+        for (int j = 0; j < depth; j++)
+            for (int i = 0; i < cells; i++) {
+                int32_t c[8];
+                for (int bits = 0; bits < 8; bits++) {
+                    const int x = i + (bits & 1), y = (bits >> 1 & 1), z = k + (bits >> 2);
+                    c[bits] = dim == 3 ? (z * side + j + y) * side + x : (k + y) * side + x;
+                }
+                const int simplex = dim == 3 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TRIANGLE;
+                add_cube(m, k < n_rows ? type : simplex, k, c);
+            }
+}
+
+void test_cells_of_simplices(test_cells *m, const test_mesh *simplices, int order) {
+    const planish_mesh *mesh = &simplices->mesh;
+    const int dim = mesh->dim, k = dim + 1;
+    const int type = dim == 3 ? order == 1 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TETRAHEDRON10
+                     : order == 1 ? PLANISH_CELL_TRIANGLE
+                                  : PLANISH_CELL_TRIANGLE6;
+    allocate_cells(m, dim, mesh->n_nodes, mesh->n_elements);
+    memcpy(m->coordinates, simplices->coordinates,
+           (size_t)(mesh->n_nodes * dim) * sizeof *m->coordinates);
+    for (int64_t i = 0; i < mesh->n_elements; i++)
+        add_cell(m, type, 0, k, order == 1 ? 0 : k * dim / 2, simplices->elements + i * k);
+}

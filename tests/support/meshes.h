@@ -53,6 +53,30 @@ void test_mesh_reverse_some(test_mesh *mesh, unsigned every, unsigned seed);
 /** Multiply the coordinates by scale, then add shift. */
 void test_mesh_transform(test_mesh *mesh, double scale, double shift);
 
+/* ---- elements of any types ------------------------------------------------------------------ */
+
+/** A mesh of elements of any types that owns its arrays; mesh.cells is NULL: the caller sets it. */
+typedef struct test_cells {
+    planish_mesh mesh;
+    planish_cells cells;
+    double *coordinates;
+    uint8_t *type;
+    int64_t *offset;
+    int32_t *node;
+    int *row; /* [cells.n] of the box */
+} test_cells;
+
+/** Make the box [0, cells] in each direction of elements of a type, a triangle or tetrahedron or
+ *  with edges in the last direction, whose mids are missing. From row n_rows of that direction on
+ *  they are simplices. Element 0 is a line. */
+void test_cells_box(test_cells *m, int cells, int type, int n_rows);
+
+/** Make cells of order 1 or 2, without mids, of simplices. */
+void test_cells_of_simplices(test_cells *m, const test_mesh *simplices, int order);
+void test_cells_destroy(test_cells *m);
+
+/* ---- helpers -------------------------------------------------------------------------------- */
+
 /** The next of a sequence of random numbers in [0, 1). */
 double test_random(unsigned *state);
 
