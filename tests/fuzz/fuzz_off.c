@@ -1,4 +1,0 @@
-/* Any bytes as an OFF file. */
-#include "fuzz_reader.h"
-
-FUZZ_READER(io_format_off)
