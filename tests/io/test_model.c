@@ -141,6 +141,13 @@ static void mids_are_those_of_the_edges(void **state) {
     assert_int_equal(io_model_add_simplex(&model, PLANISH_CELL_LINE3, line, 0, 1, NULL), 0);
     assert_memory_equal(model.triangle.mid, triangle + 3, 3 * sizeof *triangle); /* VTK's order */
     assert_int_equal(model.line.mid[0], 3);
+    /* Corners may stand among mids. */
+    static const io_node_order around[] = {{PLANISH_CELL_TRIANGLE6, {0, 2, 4, 1, 3, 5}}, {0, {0}}};
+    static const int32_t corners[] = {1, 3, 5}, between[] = {2, 4, 6};
+    model.node_order = around;
+    assert_int_equal(io_model_add_simplex(&model, PLANISH_CELL_TRIANGLE6, triangle, 0, 2, NULL), 0);
+    assert_memory_equal(model.triangle.nodes + 3, corners, sizeof corners);
+    assert_memory_equal(model.triangle.mid + 3, between, sizeof between);
     io_model_destroy(&model);
 }
 

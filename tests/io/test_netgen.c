@@ -377,7 +377,6 @@ static void every_type_has_its_nodes_in_order(void **state) {
     (void)state;
     enum { TIMES = 3 };
     for (int dim = 2; dim <= 3; dim++) {
-        const int straight = dim == 3 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TRIANGLE;
         file_builder b = make_elements(dim, TIMES);
         planish_file *file;
         planish_error error;
@@ -390,7 +389,7 @@ static void every_type_has_its_nodes_in_order(void **state) {
                 const int type = elements[i % N_ELEMENTS].type;
                 if (unit_dim(type) != dim)
                     continue;
-                if ((type == straight) == (pass == 0)) {
+                if (unit_is_smoothed(type) == (pass == 0)) {
                     unit_expect(file, cell, type);
                     assert_int_equal(planish_file_element_number(file, cell++), number);
                 }
@@ -398,12 +397,43 @@ static void every_type_has_its_nodes_in_order(void **state) {
             }
         }
         unit_expect_valid(file, cell);
-        assert_int_equal(file->model.n_other, cell - TIMES);
+        assert_int_equal(file->model.n_other, cell - 2 * TIMES);
         planish_file_close(file);
         builder_let_allocations_fail(&b, &io_format_netgen);
         builder_release(&b);
         b = make_elements(dim, 4000);
         builder_expect_same_on_threads(&b, &io_format_netgen);
+        builder_release(&b);
+    }
+}
+
+/** Elements of second order for the parallel path, all of them or with a straight one at the end, which
+ *  needs the serial one: it has no mids. */
+static void threads_read_mids(void **state) {
+    (void)state;
+    enum { N = 40000 };
+    static const char *const last[] = {"", "1 4 5 6 7 8\n"};
+    for (int mixed = 0; mixed < 2; mixed++) {
+        file_builder b = {0};
+        planish_file *file;
+        planish_error error;
+        builder_text(&b, HEAD "volumeelements\n%d\n", N + mixed);
+        for (int i = 0; i < N; i++)
+            builder_text(&b, "1 10 %d %d %d %d %d %d %d %d %d %d\n", i + 1, i + 2, i + 3, i + 4,
+                         i + 5, i + 6, i + 7, i + 8, i + 9, i + 10);
+        builder_text(&b, "%spoints\n%d\n", last[mixed], N + 10);
+        for (int i = 0; i < N + 10; i++)
+            builder_text(&b, "%d.5 %d 1e-%d\n", i, i * 7 % 1000, i % 20);
+        builder_text(&b, TAIL);
+        builder_expect_same_on_threads(&b, &io_format_netgen);
+        assert_int_equal(builder_read(&b, &io_format_netgen, 3, &file, &error), 0);
+        const planish_mesh mesh = planish_file_mesh(file);
+        assert_int_equal(mesh.n_elements, N + mixed);
+        for (int i = 0; i < N + mixed; i++)
+            assert_int_equal(mesh.cells->type[i],
+                             i < N ? PLANISH_CELL_TETRAHEDRON10 : PLANISH_CELL_TETRAHEDRON);
+        assert_int_equal(file->model.n_other, 0);
+        planish_file_close(file);
         builder_release(&b);
     }
 }
@@ -503,6 +533,7 @@ int main(void) {
         cmocka_unit_test(files_may_lack_endmesh),
         cmocka_unit_test(nothing_but_coordinates_changes),
         cmocka_unit_test(every_type_has_its_nodes_in_order),
+        cmocka_unit_test(threads_read_mids),
         cmocka_unit_test(threads_read_the_same),
         cmocka_unit_test(threads_part_words_alike),
         cmocka_unit_test(lines_without_a_name_are_lines),

@@ -238,15 +238,18 @@ static void tetrahedra_of_second_order(void **state) {
     const planish_mesh mesh = planish_file_mesh(file);
     planish_cells cells;
     planish_cell_quality quality;
-    assert_int_equal(mesh.n_elements, 0);
-    assert_int_equal(file->model.n_other, 2);
+    assert_int_equal(mesh.n_elements, 2);
+    assert_int_equal(mesh.cells->type[0], PLANISH_CELL_TETRAHEDRON10);
+    assert_int_equal(file->model.n_other, 0);
     assert_int_equal(file->model.triangle.n, 1);
     assert_int_equal(file->model.triangle.nodes[0], 0);
     assert_int_equal(file->model.entity[file->model.triangle.entity[0]].tag, 4);
     assert_int_equal(file->model.entity[file->model.line.entity[0]].tag, 2);
     assert_int_equal(file->model.n_companions, 4);
+    /* The face and the edge that bear markers, 1 3 2 and 3 1; mids between held corners stay. */
     for (int i = 0; i < 14; i++)
-        assert_true(file->model.hold[i] & IO_HELD_BY_OTHER);
+        assert_int_equal(file->model.hold[i], (i == 0 || i == 2 ? IO_HELD_BY_LINE : 0) |
+                                                  (i < 3 ? IO_HELD_BY_TRIANGLE : 0));
     unit_expect_valid(file, 2);
     assert_int_equal(planish_file_cells(file, &cells, NULL), PLANISH_OK);
     planish_mesh all = mesh;
@@ -258,7 +261,10 @@ static void tetrahedra_of_second_order(void **state) {
     assert_int_equal(planish_file_element_number(file, 1), 2);
     planish_file_close(file);
     put(state, "a.face", "2 1\n1  3 4 5  0\n2  1 3 2  4\n");
+    put(state, "a.ele",
+        "2  10  1\n 1  1 3 4 2  6 7 8 9 10 11  7\n 2  4 3 5 2  12 6 9 13 10 14  8\n");
     file = open_mesh(state, "a.ele");
+    assert_int_equal(file->n_regions, 2);
     assert_int_equal(file->model.triangle.n, 1);
     assert_int_equal(file->model.entity[file->model.triangle.entity[0]].tag, 4);
     planish_file_close(file);
@@ -299,6 +305,7 @@ static void nodes_of_second_order_are_in_order(void **state) {
         for (int k = 0; k < 3; k++)
             unit_expect(file, k, elements[i].type);
         unit_expect_valid(file, 3);
+        unit_expect_others(file, 0, 0);
         planish_file_close(file);
         put_elements(state, &elements[i], 30000); /* threads */
         planish_file *on[2];
@@ -307,11 +314,12 @@ static void nodes_of_second_order_are_in_order(void **state) {
             assert_int_equal(
                 planish_file_open(test_path(path, *state, "a.ele"), NULL, 1 + 2 * k, &on[k], NULL),
                 PLANISH_OK);
-        const io_others *a = &on[0]->model.other, *b = &on[1]->model.other;
-        assert_int_equal(a->n, 30000);
-        assert_int_equal(b->n, 30000);
-        assert_memory_equal(a->node, b->node, (size_t)a->n_nodes * sizeof *a->node);
-        assert_memory_equal(a->number, b->number, (size_t)a->n * sizeof *a->number);
+        const planish_mesh a = planish_file_mesh(on[0]), b = planish_file_mesh(on[1]);
+        assert_int_equal(a.n_elements, 30000);
+        assert_int_equal(b.n_elements, 30000);
+        assert_memory_equal(a.cells->type, b.cells->type, 30000);
+        assert_memory_equal(a.cells->node, b.cells->node,
+                            (size_t)a.cells->offset[30000] * sizeof *a.cells->node);
         planish_file_close(on[0]);
         planish_file_close(on[1]);
     }

@@ -142,11 +142,17 @@ void io_cells_set_mids(io_model *model, int dim, int64_t cell, const int32_t *no
                                     PLANISH_CELL_TETRAHEDRON10};
     static const uint8_t ends[][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
     const uint8_t *at = order_of(model, types[dim]);
+    const io_cells *cells = io_model_cells(model, dim);
     const int n = io_n_mids(dim);
-    int32_t *mid = io_model_cells(model, dim)->mid + cell * n;
+    int32_t *mid = cells->mid + cell * n;
+    int has_order = at != NULL; /* of corners, as in cells->nodes */
+    for (int k = 0; at && k <= dim; k++)
+        has_order &= at[k] <= dim;
+    for (int k = 0; at && !has_order && k <= dim; k++)
+        cells->nodes[cell * (dim + 1) + k] = nodes[at[k]];
     for (int k = 0; k < n; k++) {
         const int a = ends[k][0], b = ends[k][1]; /* corners in VTK's order */
-        mid[at ? io_edge_of(at[a], at[b]) : k] = nodes[at ? at[dim + 1 + k] : dim + 1 + k];
+        mid[has_order ? io_edge_of(at[a], at[b]) : k] = nodes[at ? at[dim + 1 + k] : dim + 1 + k];
     }
 }
 

@@ -41,9 +41,9 @@ const medit_keyword medit_keywords[] = {
     {{"HexahedraQ2", IO_HEXAHEDRON, 2, 27}, 33, MEDIT_ELEMENTS},
     {{"PrismsP2", IO_PRISM, 2, 18}, 86, MEDIT_ELEMENTS},
     {{"PyramidsP2", IO_PYRAMID, 2, 14}, 87, MEDIT_ELEMENTS},
-    {{"EdgesP2", IO_LINE, 2, 3}, 25, MEDIT_ELEMENTS},
-    {{"TrianglesP2", IO_TRIANGLE, 2, 6}, 24, MEDIT_ELEMENTS},
-    {{"TetrahedraP2", IO_TETRAHEDRON, 2, 10}, 30, MEDIT_ELEMENTS},
+    {{"EdgesP2", IO_LINE, 2, 3}, 25, MEDIT_CURVED},
+    {{"TrianglesP2", IO_TRIANGLE, 2, 6}, 24, MEDIT_CURVED},
+    {{"TetrahedraP2", IO_TETRAHEDRON, 2, 10}, 30, MEDIT_CURVED},
     {{"EdgesP3", IO_LINE, 3, 4}, 92, MEDIT_ELEMENTS},
     {{"TrianglesP3", IO_TRIANGLE, 3, 10}, 90, MEDIT_ELEMENTS},
     {{"TetrahedraP3", IO_TETRAHEDRON, 3, 20}, 96, MEDIT_ELEMENTS},
@@ -59,6 +59,7 @@ const medit_keyword medit_keywords[] = {
     {{"QuadrilateralsQ2Ordering", IO_QUADRILATERAL, 2, 2}, 131, MEDIT_ORDERING},
     {{"HexahedraQ2Ordering", IO_HEXAHEDRON, 2, 3}, 139, MEDIT_ORDERING},
     {{"PrismsP2Ordering", IO_PRISM, 2, 4}, 137, MEDIT_ORDERING},
+    {{"EdgesP2Ordering", IO_LINE, 2, 1}, 127, MEDIT_ORDERING},
     {{"TrianglesP2Ordering", IO_TRIANGLE, 2, 3}, 129, MEDIT_ORDERING},
     {{"TetrahedraP2Ordering", IO_TETRAHEDRON, 2, 4}, 133, MEDIT_ORDERING},
     {{"PeriodicVertices", IO_POINT, 1, 2}, 82, MEDIT_PAIRS},
@@ -83,7 +84,7 @@ static int find_keyword(const medit_reader *r, io_slice name, int64_t code, int 
         return PLANISH_OK;
     const medit_keyword *k = &medit_keywords[*keyword];
     const io_element_type *type = &k->type;
-    if (io_element_use(type) == IO_REFUSE)
+    if (io_element_use_mids(type) == IO_REFUSE)
         return io_fail_order(r->model, name.begin, type->name, "", r->error);
     if (k->kind != MEDIT_VERTICES && !r->dim)
         return io_fail_at(r->model, name.begin, r->error, "%s before Dimension", type->name);

@@ -16,6 +16,7 @@ typedef enum medit_kind {
     MEDIT_VERTICES,
     MEDIT_ORDERING, /* places of the nodes of elements of second order */
     MEDIT_ELEMENTS,
+    MEDIT_CURVED, /* of second order, behind those of first order, whose indices others have */
     MEDIT_MARKED, /* indices of vertices, edges, triangles, tetrahedra: their nodes are held */
     MEDIT_PAIRS,  /* of periodic vertices */
     MEDIT_N_KINDS
@@ -30,7 +31,7 @@ typedef struct medit_keyword {
 /** Keywords by the numbers of io_section. */
 extern const medit_keyword medit_keywords[];
 
-enum { MEDIT_N_ORDERS = 5 }; /* of types whose order of nodes an ..Ordering may say */
+enum { MEDIT_N_ORDERS = 6 }; /* of types whose order of nodes an ..Ordering may say */
 
 typedef struct medit_reader {
     io_model *model;
@@ -56,7 +57,8 @@ static inline int medit_reals(const medit_reader *r, const medit_keyword *k) {
 }
 
 static inline int medit_integers(const medit_keyword *k) {
-    return k->type.nodes + (k->kind == MEDIT_VERTICES || k->kind == MEDIT_ELEMENTS);
+    return k->type.nodes +
+           (k->kind == MEDIT_VERTICES || k->kind == MEDIT_ELEMENTS || k->kind == MEDIT_CURVED);
 }
 
 /** Bytes of a record; in text at least. */

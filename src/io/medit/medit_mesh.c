@@ -77,6 +77,33 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
     return PLANISH_OK;
 }
 
+/** Store elements of second order. */
+static int read_curved(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                       planish_error *error) {
+    const medit_reader *r = context;
+    const int n_nodes = r->current->type.nodes, corners = io_element_dim(&r->current->type) + 1;
+    for (int64_t i = begin; i < end; i++) {
+        const int64_t cell = r->first_cell + i;
+        int32_t nodes[IO_CELL_NODES];
+        int64_t node, reference;
+        for (int j = 0; j < n_nodes; j++) {
+            const int status =
+                io_take_whole(&r->kind, cursor, i + 1, 1, r->model->n_nodes, &node, error);
+            if (status)
+                return status;
+            nodes[j] = (int32_t)(node - 1);
+        }
+        const int status =
+            io_take_whole(&r->kind, cursor, i + 1, INT32_MIN, INT32_MAX, &reference, error);
+        if (status)
+            return status;
+        memcpy(r->cells->nodes + cell * corners, nodes, (size_t)corners * sizeof *nodes);
+        io_cells_set_mids(r->model, corners - 1, cell, nodes);
+        r->cells->entity[cell] = (int32_t)reference;
+    }
+    return PLANISH_OK;
+}
+
 /** Read elements of other types, of which the nodes are held. */
 static int read_others(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                        planish_error *error) {
@@ -119,14 +146,18 @@ static int read_marked(void *context, io_cursor *cursor, int64_t begin, int64_t 
         for (int j = 0; j <= dim; j++)
             io_hold_node(r->model, cells ? cells->nodes[(number - 1) * (dim + 1) + j] : number - 1,
                          IO_HELD_REQUIRED);
+        const int n_mids = cells && cells->mid ? io_n_mids(dim) : 0;
+        for (int j = 0; j < n_mids; j++)
+            if (cells->mid[(number - 1) * n_mids + j] >= 0)
+                io_hold_node(r->model, cells->mid[(number - 1) * n_mids + j], IO_HELD_REQUIRED);
     }
     return PLANISH_OK;
 }
 
 /* ---- orders of nodes ---------------------------------------------------------------------- */
 
-/** Places of the nodes of elements of second order, in VTK's order. Of triangles and tetrahedra:
- *  barycentric coordinates; of quadrilaterals and hexahedra: coordinates; of prisms: barycentric
+/** Places of the nodes of elements of second order, in VTK's order. Of edges: a coordinate; of
+ *  triangles and tetrahedra: barycentric coordinates; of quadrilaterals and hexahedra: coordinates; of prisms: barycentric
  *  coordinates and the height. */
 typedef struct place_list {
     uint8_t shape, type;
@@ -134,6 +165,7 @@ typedef struct place_list {
 } place_list;
 
 static const place_list lists[] = {
+    {IO_LINE, PLANISH_CELL_LINE3, {"0", "2", "1"}},
     {IO_TRIANGLE, PLANISH_CELL_TRIANGLE6, {"200", "020", "002", "110", "011", "101"}},
     {IO_QUADRILATERAL,
      PLANISH_CELL_QUADRILATERAL9,
@@ -160,12 +192,19 @@ static const place_list *places_of(int shape) {
     return NULL;
 }
 
+static int count_places(const place_list *places) {
+    int n = 0;
+    while (n < IO_CELL_NODES && places->place[n])
+        n++;
+    return n;
+}
+
 /** Read the places of the nodes of an element, each once. */
 static int read_places(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                        planish_error *error) {
     medit_reader *r = context;
     const place_list *places = places_of(r->current->type.shape);
-    const int n = io_cell_type_nodes(places->type);
+    const int n = count_places(places);
     io_node_order *order = r->order;
     while (order->type != places->type)
         order++;
@@ -249,10 +288,10 @@ static int read_vertex_section(medit_reader *r, const io_section *s) {
 
 static int read_order_section(medit_reader *r, const io_section *s) {
     const place_list *places = places_of(r->current->type.shape);
-    if (s->count != io_cell_type_nodes(places->type))
+    if (s->count != count_places(places))
         return io_fail_at(r->model, s->data, r->error,
                           "%s: %lld places, but the elements have %d nodes", r->current->type.name,
-                          (long long)s->count, io_cell_type_nodes(places->type));
+                          (long long)s->count, count_places(places));
     io_node_order *order = NULL;
     for (int i = 0; i < r->n_orders && !order; i++)
         order = r->order[i].type == places->type ? &r->order[i] : NULL;
@@ -282,16 +321,19 @@ static int read_other_section(medit_reader *r, const io_section *s) {
 static int read_element_section(medit_reader *r, const io_section *s) {
     const io_element_type *type = &r->current->type;
     const int dim = io_element_dim(type);
-    io_cells *cells = r->cells = io_element_cells(r->model, type);
+    io_cells *cells = r->cells = io_element_cells_mids(r->model, type);
     if (!cells) {
         io_element_count(r->model, type, s->count);
         return read_other_section(r, s);
     }
     cells->first_number = 1;
     r->first_cell = cells->n;
+    const int has_mids = io_element_mids(type) > 0;
     int status = io_cells_reserve(r->model, dim, s->count, 1, 0, r->error);
+    if (!status && has_mids)
+        status = io_cells_reserve_mids(r->model, dim, r->error);
     if (!status)
-        status = read_records(r, s, read_elements);
+        status = read_records(r, s, has_mids ? read_curved : read_elements);
     if (!status)
         status = io_model_index_tags(r->model, dim, cells->entity + cells->n, s->count, r->error);
     if (!status)
@@ -309,6 +351,7 @@ int medit_read_section(medit_reader *r, const io_section *s) {
     case MEDIT_ORDERING:
         return read_order_section(r, s);
     case MEDIT_ELEMENTS:
+    case MEDIT_CURVED:
         return read_element_section(r, s);
     case MEDIT_MARKED:
         return read_records(r, s, read_marked);

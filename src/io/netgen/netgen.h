@@ -57,12 +57,12 @@ typedef struct netgen_reader {
     io_sections sections;
     const netgen_keyword *current; /* of the section that is read, */
     io_record_kind kind;           /* and its records */
-    int corners;                   /* of all elements of the current section; 0: they differ */
-    int64_t first_cell;            /* of the current section in its io_cells */
-    int64_t first_number;          /* of its elements: those of a dimension are counted from 1 */
-    int64_t n_elements[4];         /* by dimension, of the sections before */
-    int64_t n_kept;                /* of them, where they differ */
-    int8_t *is_periodic;           /* [n_types] owned: by number of identification, from 1 */
+    int corners;           /* nodes of all elements of the current section; 0: they differ */
+    int64_t first_cell;    /* of the current section in its io_cells */
+    int64_t first_number;  /* of its elements: those of a dimension are counted from 1 */
+    int64_t n_elements[4]; /* by dimension, of the sections before */
+    int64_t n_kept;        /* of them, where they differ */
+    int8_t *is_periodic;   /* [n_types] owned: by number of identification, from 1 */
     int64_t n_types;
 } netgen_reader;
 

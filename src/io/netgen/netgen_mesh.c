@@ -38,7 +38,7 @@ static int skip_words(const netgen_reader *r, io_cursor *cursor, int64_t record,
     return PLANISH_OK;
 }
 
-/* ---- elements that are measured only ------------------------------------------------------ */
+/* ---- elements that are no simplices ------------------------------------------------------ */
 
 /* Of MakeSecondOrder in Netgen's secondorder.cpp. */
 const io_node_order netgen_node_orders[] = {
@@ -95,6 +95,31 @@ static int take_lead(const netgen_reader *r, io_cursor *cursor, int64_t record, 
     return PLANISH_OK;
 }
 
+/** Return the number of mids of an element of n nodes that is a simplex of order 1 or 2; -1: it is
+ *  none. */
+static int mids_of(int dim, int64_t n) {
+    return n == dim + 1 ? 0 : n == dim + 1 + io_n_mids(dim) ? io_n_mids(dim) : -1;
+}
+
+/** Keep a simplex of nodes [dim + 1 + mids] as that cell. */
+static int keep_element(const netgen_reader *r, int64_t cell, const int32_t *nodes, int mids,
+                        planish_error *error) {
+    const int dim = r->current->dim;
+    io_cells *cells = io_model_cells(r->model, dim);
+    for (int j = 0; j <= dim; j++)
+        cells->nodes[cell * (dim + 1) + j] = nodes[j];
+    if (mids > 0 && !cells->mid) { /* elements differ */
+        const int status = io_cells_reserve_mids(r->model, dim, error);
+        if (status)
+            return status;
+    }
+    if (mids > 0)
+        io_cells_set_mids(r->model, dim, cell, nodes);
+    for (int j = 0; cells->mid && mids == 0 && j < io_n_mids(dim); j++)
+        cells->mid[cell * io_n_mids(dim) + j] = -1; /* threads may have begun to read */
+    return PLANISH_OK;
+}
+
 /** Read elements: triangles and tetrahedra are kept, others hold their nodes and are added to
  *  model->other. Elements that differ are read in order; r->n_kept of them are kept so far. */
 static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_t end,
@@ -104,29 +129,28 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
     io_cells *cells = io_model_cells(r->model, k->dim);
     for (int64_t i = begin; i < end; i++) {
         const int64_t number = r->first_number + i;
-        int32_t group, node, other[NETGEN_MOST_CORNERS];
+        int32_t group, nodes[NETGEN_MOST_CORNERS];
         int64_t corners;
         int status = take_lead(r, cursor, i, &group, &corners, error);
         if (status)
             return status;
         if (r->corners && corners != r->corners)
             return PLANISH_ERROR_FORMAT; /* they differ: read again, in order */
-        const int kept = corners == k->dim + 1;
+        const int mids = mids_of(k->dim, corners), kept = mids >= 0;
         const int64_t cell = r->first_cell + (r->corners ? i : r->n_kept);
         for (int j = 0; j < corners; j++) {
-            status = take_node(r, cursor, i, &node, error);
+            status = take_node(r, cursor, i, &nodes[j], error);
             if (status)
                 return status;
-            if (kept)
-                cells->nodes[cell * corners + j] = node;
-            else
-                io_hold_node(r->model, other[j] = node, IO_HELD_BY_OTHER);
+            if (!kept)
+                io_hold_node(r->model, nodes[j], IO_HELD_BY_OTHER);
             if (k->parameter[0])
-                io_hold_node(r->model, node, IO_HAS_PARAMETERS);
+                io_hold_node(r->model, nodes[j], IO_HAS_PARAMETERS);
         }
         status = skip_words(r, cursor, i, k->extra * corners, error);
-        if (!status && !kept)
-            status = add_other(r, corners, other, number, error);
+        if (!status)
+            status = kept ? keep_element(r, cell, nodes, mids, error)
+                          : add_other(r, corners, nodes, number, error);
         if (status)
             return status;
         if (kept)
@@ -292,8 +316,12 @@ static int read_element_section(netgen_reader *r, const io_section *s) {
      * a thread would hold that begins in the middle of one could not be taken back. */
     r->corners = 0;
     if (dim > 1 && s->count > 0 && !take_lead(r, &first, 0, &group, &corners, &ignored) &&
-        corners == dim + 1)
-        r->corners = dim + 1;
+        mids_of(dim, corners) >= 0)
+        r->corners = (int)corners;
+    if (r->corners > dim + 1)
+        status = io_cells_reserve_mids(r->model, dim, r->error);
+    if (status)
+        return status;
     if (dim == 1) {
         status = read_records(r, s, k->words, read_segments, r->error);
     } else if (!r->corners || read_records(r, s, k->words + (1 + k->extra) * (int64_t)r->corners,

@@ -12,10 +12,11 @@
  * A .face or .edge file may list every face or edge of the mesh: only those
  * with a marker that is not zero hold their nodes. The first attribute of
  * elements tells regions apart if all its values are integers; other attributes
- * may be any quantity. Elements of second order (-o2) are measured, and hold their nodes; they have
- * no regions.
+ * may be any quantity. Of elements of second order (-o2) mids are read; those of faces and edges are
+ * not, as they stay where corners do.
  */
 #include "io/core/bytes.h"
+#include "io/core/cell_types.h"
 #include "io/core/format.h"
 #include "io/core/records.h"
 
@@ -55,10 +56,10 @@ typedef struct table {
     int64_t count[3];      /* what follows n in the first line; 0 where it ends before */
     int64_t first;         /* number of the first row */
     const char *what;      /* of a row, for messages */
-    int dim;               /* nodes: number of coordinates; else nodes of an element less one */
-    int64_t skipped;       /* words between coordinates or corners and the tag */
-    int32_t *nodes;        /* [n][dim + 1] elements only, owned by the model; or */
-    int other;             /* their planish_cell_type if they go into model->other */
+    int dim;               /* nodes: number of coordinates; else corners of an element less one */
+    int64_t skipped;       /* words between coordinates or nodes and the tag */
+    int32_t *nodes;        /* [n][dim + 1] elements only, owned by the model; and */
+    int mids;              /* how many mids of each go into the model, behind the corners */
     int32_t *tag;          /* [n] marker or attribute, or NULL: rows have none */
     int real_tag;          /* attributes are written as reals */
     atomic_int fractional; /* not 0: a real tag is no integer */
@@ -135,12 +136,12 @@ static int read_coordinates(const table *t, io_cursor *cursor, int64_t node, pla
     return PLANISH_OK;
 }
 
-/** Read the corners of an element, face or edge as indices of nodes. */
+/** Read the corners and mids of an element, face or edge as indices of nodes. */
 static int read_corners(const table *t, io_cursor *cursor, int64_t row, planish_error *error) {
     io_model *model = t->model;
-    int32_t other[MOST_NODES], *nodes = t->other ? other : t->nodes + row * (t->dim + 1);
+    int32_t nodes[MOST_NODES];
     int64_t number;
-    for (int i = 0; i <= t->dim; i++) {
+    for (int i = 0; i <= t->dim + t->mids; i++) {
         if (line_integer(cursor, &number))
             return io_fail_at(&t->view, cursor->at, error, "a node of %s %lld was expected",
                               t->what, (long long)(t->first + row));
@@ -153,8 +154,10 @@ static int read_corners(const table *t, io_cursor *cursor, int64_t row, planish_
                               (long long)(model->first_number + model->n_nodes - 1));
         nodes[i] = (int32_t)node;
     }
-    if (t->other)
-        io_others_set(model, row, row * (t->dim + 1), t->other, other, t->first + row);
+    for (int i = 0; i <= t->dim; i++)
+        t->nodes[row * (t->dim + 1) + i] = nodes[i];
+    if (t->mids > 0)
+        io_cells_set_mids(model, t->dim, row, nodes);
     return PLANISH_OK;
 }
 
@@ -208,8 +211,8 @@ static int read_rows(void *context, io_cursor *cursor, int64_t begin, int64_t en
         if (io_integer(cursor, &number) || (uint64_t)number - (uint64_t)t->first != (uint64_t)row)
             return io_fail_at(&t->view, at, error, "%s number %lld was expected", t->what,
                               (long long)((uint64_t)t->first + (uint64_t)row));
-        int status = t->nodes || t->other ? read_corners(t, cursor, row, error)
-                                          : read_coordinates(t, cursor, row, error);
+        int status = t->nodes ? read_corners(t, cursor, row, error)
+                              : read_coordinates(t, cursor, row, error);
         if (!status && t->tag)
             status = read_tag(t, cursor, row, error);
         if (status)
@@ -256,48 +259,30 @@ static int read_node_file(io_model *model, int *dim, planish_error *error) {
     return status;
 }
 
-/** Read the elements of a table of second order into model->other. */
-static int read_second_order(table *t, planish_error *error) {
-    io_model *model = t->model;
-    const int n_nodes = (int)t->count[0];
-    int status = io_others_reserve(model, t->n, t->n * n_nodes, error);
-    if (status)
-        return status;
-    t->dim = n_nodes - 1;
-    t->other = n_nodes == MOST_NODES ? PLANISH_CELL_TETRAHEDRON10 : PLANISH_CELL_TRIANGLE6;
-    status = read_table(t, 1 + n_nodes + t->count[1], error);
-    if (status)
-        return status;
-    model->other.n = model->n_other = t->n;
-    model->other.n_nodes = t->n * n_nodes;
-    for (int64_t i = 0; i < model->other.n_nodes; i++)
-        io_hold_node(model, model->other.node[i], IO_HELD_BY_OTHER);
-    return PLANISH_OK;
-}
-
 static int read_ele_file(io_model *model, const io_bytes *file, int dim, planish_error *error) {
     table t;
     io_cells *cells = io_model_cells(model, dim);
     int status = begin_table(&t, model, file, "element", dim + 2, error);
     if (status)
         return status;
-    const int of_second_order = dim == 3 ? MOST_NODES : 6;
+    const int of_second_order = dim + 1 + io_n_mids(dim);
     if (t.count[0] != dim + 1 && t.count[0] != of_second_order)
         return io_fail_at(&t.view, file->data, error,
                           "elements of %lld nodes: %d or %d were expected in %d dimensions",
                           (long long)t.count[0], dim + 1, of_second_order, dim);
     status = check_attributes(&t, error);
-    if (!status && t.count[0] == of_second_order)
-        return read_second_order(&t, error);
     if (!status)
         status = io_cells_reserve(model, dim, t.n, t.count[1] > 0, 0, error);
+    t.mids = t.count[0] == of_second_order ? io_n_mids(dim) : 0;
+    if (!status && t.mids > 0)
+        status = io_cells_reserve_mids(model, dim, error);
     if (status)
         return status;
     t.dim = dim;
     t.nodes = cells->nodes;
     t.tag = cells->entity;
     t.real_tag = 1;
-    status = read_table(&t, dim + 2 + t.count[1], error);
+    status = read_table(&t, dim + 2 + t.mids + t.count[1], error);
     if (status)
         return status;
     cells->n = t.n;
@@ -319,7 +304,7 @@ static int64_t count_mids(const table *t, int dim) {
     io_skip_space_comments(&cursor, '#');
     for (; line_goes_on(&cursor); n++)
         io_next_word(&cursor);
-    return t->model->other.n == 0 || n < least ? 0 : dim == 2 ? 3 : 1;
+    return !io_model_elements(t->model)->mid || n < least ? 0 : io_n_mids(dim);
 }
 
 /** Read .face (dim 2) or .edge (dim 1): those with a marker are kept, and hold their nodes. */
@@ -396,9 +381,7 @@ static int is_companion(const io_model *model, const io_bytes *file) {
     io_skip_space_comments(&cursor, '#');
     if (io_integer(&cursor, &count))
         return 0;
-    const int64_t n_elements = model->other.n > 0         ? model->other.n
-                               : model->tetrahedron.n > 0 ? model->tetrahedron.n
-                                                          : model->triangle.n;
+    const int64_t n_elements = model->tetrahedron.n > 0 ? model->tetrahedron.n : model->triangle.n;
     return count == (is_boundary ? 0 : n_elements);
 }
 
