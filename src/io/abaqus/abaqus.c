@@ -312,7 +312,7 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
     abaqus_squeeze(abaqus_unquoted(item), name);
     const io_element_type type = find_type(name, r->has_cavities);
     const int is_here = b->scope == r->scope;
-    const io_cells *cells = is_here ? io_element_cells_mids(r->model, &type) : NULL;
+    const io_cells *cells = is_here ? io_element_cells(r->model, &type) : NULL;
     abaqus_range range = {.dim = cells ? io_element_dim(&type) : 0, .begin = cells ? cells->n : 0};
     const int cell_type = is_here ? io_cell_type(type.shape, type.nodes) : 0;
     while (abaqus_line(&cursor, &line)) {

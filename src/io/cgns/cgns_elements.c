@@ -145,7 +145,7 @@ static int count_kept(section_walk *w, int64_t kept[4]) {
     int status = PLANISH_OK;
     memset(kept, 0, 4 * sizeof *kept);
     if (w->section->type != CGNS_MIXED) {
-        kept[io_element_dim(w->type)] = io_element_use_mids(w->type) == IO_KEEP ? w->n : 0;
+        kept[io_element_dim(w->type)] = io_element_use(w->type) == IO_KEEP ? w->n : 0;
         if (w->nodes.n % w->type->nodes || w->nodes.n / w->type->nodes != w->n)
             status =
                 io_hdf5_fail(w->r->file, w->path.text, "%lld numbers for %lld elements of %d nodes",
@@ -157,7 +157,7 @@ static int count_kept(section_walk *w, int64_t kept[4]) {
                             (long long)w->offsets.n, (long long)w->n);
     for (int64_t i = 0; i < w->n && !status; i++) {
         status = next_element(w);
-        kept[io_element_dim(w->type)] += !status && io_element_use_mids(w->type) == IO_KEEP;
+        kept[io_element_dim(w->type)] += !status && io_element_use(w->type) == IO_KEEP;
     }
     const int64_t end = w->at + (w->n > 0 ? w->type->nodes : 0);
     if (!status && end != w->nodes.n)
@@ -236,7 +236,7 @@ static int store_elements(section_walk *w, int32_t index) {
     w->at = 0;
     for (int64_t i = 0; i < w->n && !status; i++) {
         status = next_element(w);
-        if (!status && io_element_use_mids(w->type) == IO_KEEP)
+        if (!status && io_element_use(w->type) == IO_KEEP)
             status = add_kept(w, io_element_dim(w->type), index);
         else if (!status)
             status = add_other(w);

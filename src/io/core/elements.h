@@ -3,8 +3,8 @@
  *   io_shape, io_element_type    a row: shape, order, number of nodes
  *   io_element_dim               dimension of a type
  *   io_element_use               whether planish keeps, holds or refuses elements of a type
+ *   io_element_mids              mids of simplices of second order
  *   io_element_cells             the cells of the model that elements of a type become
- *   io_element_mids, _use_mids, _cells_mids   the same where the reader hands over mids
  *   io_cell_type                 the planish_cell_type of a shape
  *   io_cell_type_without_faces   what is left of a type where nodes of faces are missing
  *   io_element_reason            why elements that are not kept hold their nodes
@@ -60,21 +60,6 @@ static inline int io_element_dim(const io_element_type *type) {
     return shape >= IO_TETRAHEDRON ? 3 : shape >= IO_TRIANGLE ? 2 : shape == IO_LINE ? 1 : 0;
 }
 
-/** Treatment of the elements of a type: lines, triangles and tetrahedra of first order are kept,
- *  triangles and tetrahedra of third order or higher are refused, all others hold their nodes. */
-static inline io_element_treatment io_element_use(const io_element_type *type) {
-    if (type->shape == IO_LINE)
-        return type->order == 1 ? IO_KEEP : IO_HOLD;
-    if (type->shape != IO_TRIANGLE && type->shape != IO_TETRAHEDRON)
-        return IO_HOLD;
-    return type->order == 1 ? IO_KEEP : type->order > 2 ? IO_REFUSE : IO_HOLD;
-}
-
-/** Cells of the model that elements of a type become, borrowed; NULL: they are not kept. */
-static inline io_cells *io_element_cells(io_model *model, const io_element_type *type) {
-    return io_element_use(type) == IO_KEEP ? io_model_cells(model, io_element_dim(type)) : NULL;
-}
-
 /** Number of mids of a type that is a line, triangle or tetrahedron of second order with a node on
  *  each edge and no other; else 0. */
 static inline int io_element_mids(const io_element_type *type) {
@@ -84,16 +69,21 @@ static inline int io_element_mids(const io_element_type *type) {
     return is_simplex && type->order == 2 && type->nodes == dim + 1 + n ? n : 0;
 }
 
-/** Treatment of the elements of a type by a reader that hands over mids (io_cells_set_mids): those
- *  with mids are kept, too. */
-static inline io_element_treatment io_element_use_mids(const io_element_type *type) {
-    return io_element_mids(type) > 0 ? IO_KEEP : io_element_use(type);
+/** Treatment of the elements of a type: lines, triangles and tetrahedra of first order, and of second
+ *  order with mids (io_cells_set_mids), are kept, triangles and tetrahedra of third order or higher
+ *  are refused, all others hold their nodes. */
+static inline io_element_treatment io_element_use(const io_element_type *type) {
+    const int is_flat = type->shape == IO_TRIANGLE, is_solid = type->shape == IO_TETRAHEDRON;
+    if (type->shape != IO_LINE && !is_flat && !is_solid)
+        return IO_HOLD;
+    if (type->order == 1 || io_element_mids(type) > 0)
+        return IO_KEEP;
+    return type->order > 2 && type->shape != IO_LINE ? IO_REFUSE : IO_HOLD;
 }
 
-/** Cells of the model that elements of a type become in such a reader, borrowed, or NULL. */
-static inline io_cells *io_element_cells_mids(io_model *model, const io_element_type *type) {
-    return io_element_use_mids(type) == IO_KEEP ? io_model_cells(model, io_element_dim(type))
-                                                : NULL;
+/** Cells of the model that elements of a type become, borrowed; NULL: they are not kept. */
+static inline io_cells *io_element_cells(io_model *model, const io_element_type *type) {
+    return io_element_use(type) == IO_KEEP ? io_model_cells(model, io_element_dim(type)) : NULL;
 }
 
 /** Return the planish_cell_type of that shape (io_shape) with that many nodes; 0: none is

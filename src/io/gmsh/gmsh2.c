@@ -152,7 +152,7 @@ static int count_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
             return pl_fail_memory(error, "the elements' tags");
         if (!skip_tokens(&cursor, head.type->nodes))
             return fail_element(reader, head.at, error);
-        const int is_kept = io_element_use_mids(head.type) == IO_KEEP;
+        const int is_kept = io_element_use(head.type) == IO_KEEP;
         const int dim = io_element_dim(head.type);
         (is_kept ? chunk->n_cells : chunk->n_held)[dim]++;
         chunk->has_mids |= (unsigned)(io_element_mids(head.type) > 0) << dim;
@@ -182,7 +182,7 @@ static int store_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
         const int dim = io_element_dim(head.type);
         const gmsh_block block = {.reader = reader,
                                   .type = head.type,
-                                  .cells = io_element_cells_mids(model, head.type),
+                                  .cells = io_element_cells(model, head.type),
                                   .mids = io_element_mids(head.type),
                                   .other = gmsh_other_type(head.type),
                                   .first = other,
@@ -354,7 +354,7 @@ static int read_binary_block(gmsh_reader *reader, int64_t total, int64_t *done) 
                           (long long)total);
     *done += n;
     const int dim = io_element_dim(block.type);
-    block.cells = io_element_cells_mids(reader->model, block.type);
+    block.cells = io_element_cells(reader->model, block.type);
     block.mids = io_element_mids(block.type);
     block.reason = io_element_reason(block.type);
     block.other = gmsh_other_type(block.type);

@@ -253,7 +253,7 @@ static int read_element_block(gmsh_reader *reader, const section_head *head) {
         model->n_lower += head->size;
     } else {
         block.reason = io_element_reason(block.type);
-        block.cells = io_element_cells_mids(model, block.type);
+        block.cells = io_element_cells(model, block.type);
         block.mids = io_element_mids(block.type);
         block.other = gmsh_other_type(block.type);
         if (!block.cells)

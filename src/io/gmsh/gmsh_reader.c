@@ -152,7 +152,7 @@ int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
         return io_fail_at(reader->model, at, error, "element type %lld is not known",
                           (long long)number);
     *type = &types[number];
-    if (io_element_use_mids(*type) == IO_REFUSE)
+    if (io_element_use(*type) == IO_REFUSE)
         return io_fail_order(reader->model, at,
                              (*type)->shape == IO_TRIANGLE ? "triangles" : "tetrahedra",
                              " (mesh again with gmsh -order 1 or 2)", error);

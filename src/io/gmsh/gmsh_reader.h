@@ -77,7 +77,7 @@ extern const io_node_order gmsh_node_orders[];
 /** Return the planish_cell_type of elements that are not kept as cells, or 0: they are not
  *  measured. */
 static inline int gmsh_other_type(const io_element_type *type) {
-    return io_element_use_mids(type) == IO_HOLD ? io_cell_type(type->shape, type->nodes) : 0;
+    return io_element_use(type) == IO_HOLD ? io_cell_type(type->shape, type->nodes) : 0;
 }
 
 /** Compare two gmsh_entity by dimension and tag, for qsort and bsearch. */

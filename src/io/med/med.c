@@ -309,7 +309,7 @@ static int read_block(med_reader *r, const char *name) {
     for (int i = 0; i < N_TYPES; i++)
         if (strcmp(types[i].name, name) == 0)
             b.type = &types[i];
-    const int is_kept = io_element_use_mids(b.type) == IO_KEEP; /* MED has none of third order */
+    const int is_kept = io_element_use(b.type) == IO_KEEP; /* MED has none of third order */
     const int type = is_kept ? 0 : io_cell_type(b.type->shape, b.type->nodes);
     b.group = io_hdf5_path_of(r->file, "%s/MAI/%s", r->step.text, name);
     b.path = io_hdf5_path_of(r->file, "%s/NOD", b.group.text);

@@ -84,7 +84,7 @@ static int find_keyword(const medit_reader *r, io_slice name, int64_t code, int 
         return PLANISH_OK;
     const medit_keyword *k = &medit_keywords[*keyword];
     const io_element_type *type = &k->type;
-    if (io_element_use_mids(type) == IO_REFUSE)
+    if (io_element_use(type) == IO_REFUSE)
         return io_fail_order(r->model, name.begin, type->name, "", r->error);
     if (k->kind != MEDIT_VERTICES && !r->dim)
         return io_fail_at(r->model, name.begin, r->error, "%s before Dimension", type->name);

@@ -321,7 +321,7 @@ static int read_other_section(medit_reader *r, const io_section *s) {
 static int read_element_section(medit_reader *r, const io_section *s) {
     const io_element_type *type = &r->current->type;
     const int dim = io_element_dim(type);
-    io_cells *cells = r->cells = io_element_cells_mids(r->model, type);
+    io_cells *cells = r->cells = io_element_cells(r->model, type);
     if (!cells) {
         io_element_count(r->model, type, s->count);
         return read_other_section(r, s);

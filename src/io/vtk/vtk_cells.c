@@ -84,7 +84,7 @@ static int mids_of(int32_t type, int64_t n) {
  *  (each line does) is straight if these are its corners. */
 static int fate_of(const io_element_type *type, int64_t n) {
     const int dim = io_element_dim(type), is_straight = n == dim + 1;
-    const io_element_treatment use = io_element_use_mids(type);
+    const io_element_treatment use = io_element_use(type);
     if (type->shape == IO_LINE || type->shape == IO_POLYGON)
         return is_straight ? dim : CELL_HELD;
     if (use == IO_REFUSE)
