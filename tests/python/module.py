@@ -1031,6 +1031,17 @@ class Elements(unittest.TestCase):
             self.assertEqual(planish.quality(more, blocks).worst_element, np.argmax(ratios))
             self.assertEqual(planish.find_layers(more, blocks).shape, (m + 1,))
 
+    def test_layers_of_hexahedra_and_wedges(self):
+        points = np.array(list(itertools.product(range(7), repeat=3)), dtype=float)
+        cells = np.array([[np.ravel_multi_index(tuple(np.array(corner) + unit), (7,) * 3)
+                           for unit in np.array(UNITS["hexahedron"])] for corner in itertools.product(range(6), repeat=3)])
+        low = points[cells][:, :, 2].max(axis=1) <= 2
+        wedges = np.concatenate([cells[~low][:, [0, 1, 2, 4, 5, 6]], cells[low][:, [0, 2, 3, 4, 6, 7]]])
+        self.assertFalse(planish.find_layers(points, {"hexahedron": cells}).any())
+        points[:, 2] *= np.where(points[:, 2] <= 2, 0.1, 1)
+        np.testing.assert_array_equal(planish.find_layers(points, {"hexahedron": cells}), low)
+        np.testing.assert_array_equal(planish.find_layers(points, {"wedge": wedges}), np.sort(low))
+
     def test_cells_of_lower_dimension_hold(self):
         """Lines and triangles hold their nodes, mids too."""
         points, cells, inside = box(3)
