@@ -531,8 +531,9 @@ static void straight_edges_let_nodes_slide(void **state) {
             }
 }
 
-/** The sides x = 0 and x = size of both meshes in pairs; mids in the pairs of mesh, too. */
-static void add_pairs(pair *p, double size) {
+/** The sides x = 0 and x = size of both meshes in pairs; mids in the pairs of mesh, too. At most most
+ *  pairs of corners. */
+static void add_pairs(pair *p, double size, int64_t most) {
     const int64_t n = p->mesh.n_nodes;
     int32_t *list = zeroed(2 * n, sizeof *list);
     int64_t n_plain = 0, n_all = 0;
@@ -541,7 +542,8 @@ static void add_pairs(pair *p, double size) {
             double off = fabs(*place(p, k, 0) - size);
             for (int d = 1; d < p->mesh.dim; d++)
                 off += fabs(*place(p, k, d) - *place(p, i, d));
-            if (off > 0 || (i < p->plain.n_nodes) != (k < p->plain.n_nodes))
+            if (off > 0 || (i < p->plain.n_nodes) != (k < p->plain.n_nodes) ||
+                (i < p->plain.n_nodes && n_plain == most))
                 continue;
             list[2 * n_all] = (int32_t)i;
             list[2 * n_all++ + 1] = (int32_t)k;
@@ -550,26 +552,27 @@ static void add_pairs(pair *p, double size) {
     p->plain.periodic = p->mesh.periodic = list; /* corners come first */
     p->plain.n_periodic = n_plain;
     p->mesh.n_periodic = n_all;
-    assert_true(n_plain > 4);
 }
 
 static void periodic_pairs_of_mids_are_passed_over(void **state) {
     (void)state;
     for (int dim = 2; dim <= 3; dim++)
-        for (int h = 0; h < N_HOWS; h++) {
-            planish_options options = defaults();
-            test_mesh box = box_of(dim, 4, 0.15);
-            pair p = pair_of(&box, HOWS[h]);
-            fasten(&p);
-            let_slide(&p, NULL, NULL);
-            add_pairs(&p, 4);
-            assert_true((p.mesh.n_periodic > p.plain.n_periodic) == ((HOWS[h] & ORDER_2) != 0));
-            assert_true(assert_smoothed_alike(&p, &options) > 0);
-            free((void *)p.mesh.periodic);
-            stop_sliding(&p);
-            release(&p);
-            test_mesh_destroy(&box);
-        }
+        for (int h = 0; h < N_HOWS; h++)
+            for (int one = 0; one < 2; one++) { /* a translation needs two pairs of corners */
+                planish_options options = defaults();
+                test_mesh box = box_of(dim, 4, 0.15);
+                pair p = pair_of(&box, HOWS[h]);
+                fasten(&p);
+                let_slide(&p, NULL, NULL);
+                add_pairs(&p, 4, one ? 1 : INT32_MAX);
+                assert_true(p.plain.n_periodic == 1 ? one : p.plain.n_periodic > 4);
+                assert_true((p.mesh.n_periodic > p.plain.n_periodic) == ((HOWS[h] & ORDER_2) != 0));
+                assert_true(assert_smoothed_alike(&p, &options) > 0);
+                free((void *)p.mesh.periodic);
+                stop_sliding(&p);
+                release(&p);
+                test_mesh_destroy(&box);
+            }
 }
 
 /* ---- facets ----------------------------------------------------------------------------------- */
@@ -796,15 +799,18 @@ static void cells_hold_nodes(void **state) {
 }
 
 /** Fill slides [n_nodes] with 1 for nodes that slide in a plan of p, and moves for those that move
- *  otherwise. */
+ *  otherwise. Others on the boundary, but those that constraints fix, are told to be held by cells. */
 static void find_moving(const pair *p, const planish_options *options, uint8_t *slides,
                         uint8_t *moves) {
     planish_plan *plan;
     assert_int_equal(planish_plan_create(&p->mesh, options, &plan, NULL), 0);
     assert_int_equal(planish_plan_get_held(plan, NULL, slides, NULL), 0);
     planish_plan_get_free(plan, moves);
-    for (int64_t i = 0; i < p->mesh.n_nodes; i++)
+    for (int64_t i = 0; i < p->mesh.n_nodes; i++) {
+        assert_true(i >= p->plain.n_nodes || !(slides[i] & PLANISH_HELD_BOUNDARY) ||
+                    (slides[i] & PLANISH_HELD_FIXED));
         slides[i] = !slides[i] && !moves[i] && i < p->plain.n_nodes;
+    }
     planish_plan_destroy(plan);
 }
 
@@ -863,6 +869,13 @@ static void find_constraints(const pair *p, double tolerance, uint8_t *out) {
     free(direction);
 }
 
+static int is_on_box(const pair *p, int32_t node) {
+    int is_on = 0;
+    for (int d = 0; d < p->mesh.dim; d++)
+        is_on |= *place(p, node, d) == 0 || *place(p, node, d) == 6;
+    return is_on;
+}
+
 /** Ends of a curved edge of the surface do not slide, nor do corners of triangles that it curves. */
 static void curved_surfaces_are_no_planes(void **state) {
     (void)state;
@@ -893,12 +906,56 @@ static void curved_surfaces_are_no_planes(void **state) {
             assert_int_equal(n_fixed, dim == 3 && off ? 4 : 2);
             find_constraints(&p, 1e-3, after);
             assert_memory_equal(before, after, n);
+            /* curved edges that go inside */
+            for (int64_t i = p.plain.n_nodes; i < p.mesh.n_nodes; i++)
+                for (int d = 0; d < dim; d++)
+                    *place(&p, i, d) +=
+                        is_on_box(&p, p.end[i][0]) && is_on_box(&p, p.end[i][1]) ? 0 : 0.01;
+            for (int d = 0; d < dim; d++)
+                *place(&p, e.mid, d) = (*place(&p, e.a, d) + *place(&p, e.b, d)) / 2;
+            find_constraints(&p, 0, after);
+            assert_memory_equal(before, after, n);
             free(before);
             free(after);
             free(on_side);
             release(&p);
             test_mesh_destroy(&box);
         }
+}
+
+/** Constraints of the caller's stay, and mids are never fixed, by an edge with a tag neither. */
+static void given_constraints_stay(void **state) {
+    (void)state;
+    test_mesh box = box_of(3, 4, 0);
+    pair p = pair_of(&box, ORDER_2 | OTHERS);
+    uint8_t *constraint = zeroed(p.mesh.n_nodes, 1), *out = zeroed(p.mesh.n_nodes, 1);
+    double *direction = zeroed(p.mesh.n_nodes * 3, sizeof *direction);
+    int32_t edge_of[2] = {0, 0};
+    int64_t n_held = 0;
+    fasten(&p);
+    for (int64_t i = 0; i < p.plain.n_nodes; i++)
+        constraint[i] = p.constraint[i] ? PLANISH_CONSTRAINT_ON_SURFACE : 0;
+    for (int32_t i = (int32_t)p.plain.n_nodes; i < p.mesh.n_nodes; i++)
+        if (p.end[i][0] >= 0) {
+            edge_of[0] = p.end[i][0];
+            edge_of[1] = i;
+            constraint[i] = i % 2 ? PLANISH_CONSTRAINT_FREE : PLANISH_CONSTRAINT_FIXED;
+        }
+    constraint[edge_of[1]] = PLANISH_CONSTRAINT_FREE;
+    const planish_surface surface = {.n_edges = 1, .edges = edge_of};
+    p.mesh.constraint = constraint;
+    assert_int_equal(planish_find_slides(&p.mesh, &surface, 1, out, direction, NULL, NULL), 0);
+    for (int64_t i = 0; i < p.mesh.n_nodes; i++) {
+        if (constraint[i] != PLANISH_CONSTRAINT_FREE || p.end[i][0] >= 0)
+            assert_int_equal(out[i], constraint[i]);
+        n_held += constraint[i] == PLANISH_CONSTRAINT_ON_SURFACE;
+    }
+    assert_true(n_held > 0);
+    free(constraint);
+    free(out);
+    free(direction);
+    release(&p);
+    test_mesh_destroy(&box);
 }
 
 /* ---- refusals --------------------------------------------------------------------------------- */
@@ -1164,7 +1221,7 @@ static void failed_allocations_are_refused(void **state) {
         double *least = zeroed(p.plain.n_elements, sizeof *least);
         fasten(&p);
         let_slide(&p, NULL, NULL);
-        add_pairs(&p, 4);
+        add_pairs(&p, 4, INT32_MAX);
         for (int64_t i = 0; i < p.plain.n_elements; i++)
             least[i] = 0.01;
         p.mesh.min_volume = by_cells(&p, least, sizeof *least);
@@ -1192,6 +1249,7 @@ int main(void) {
         cmocka_unit_test(cells_hold_nodes),
         cmocka_unit_test(curved_edges_hold_nodes_that_slide),
         cmocka_unit_test(curved_surfaces_are_no_planes),
+        cmocka_unit_test(given_constraints_stay),
         cmocka_unit_test(wrong_meshes_are_refused),
         cmocka_unit_test(wrong_linear_cells_are_refused),
         cmocka_unit_test(wrong_facets_are_refused),
