@@ -246,20 +246,24 @@ static void assert_measures_agree(const pair *p, planish_plan *const plan[2], co
     assert_int_equal(planish_measure_elements(plan[0], x, ratio, NULL), 0);
     assert_int_equal(planish_measure_elements(plan[1], p->x, ratio_by_cell, NULL), 0);
     assert_by_cell(p, ratio, ratio_by_cell, sizeof *ratio);
+    memset(state_by_cell, 0x7f, (size_t)p->cells.n);
     assert_int_equal(planish_find_reversed(plan[0], x, state, &n[0], NULL), 0);
     assert_int_equal(planish_find_reversed(plan[1], p->x, state_by_cell, &n[1], NULL), 0);
     assert_by_cell(p, state, state_by_cell, 1);
     assert_int_equal(n[0], n[1]);
+    memset(state_by_cell, 0x7f, (size_t)p->cells.n);
     planish_find_wrapped(plan[0], state, &n[0]);
     planish_find_wrapped(plan[1], state_by_cell, &n[1]);
     assert_by_cell(p, state, state_by_cell, 1);
     assert_int_equal(n[0], n[1]);
+    memset(state_by_cell, 0x7f, (size_t)p->cells.n);
     for (int i = 0; i < 2; i++)
         assert_int_equal(planish_check_volumes(plan[i], i ? p->x : x, options,
                                                i ? state_by_cell : state, &n[i], &n_left[i], NULL),
                          0);
     assert_by_cell(p, state, state_by_cell, 1);
     assert_true(n[0] == n[1] && n_left[0] == n_left[1]);
+    memset(state_by_cell, 0x7f, (size_t)p->cells.n);
     for (int i = 0; i < 2; i++)
         assert_int_equal(planish_find_infeasible(plan[i], i ? p->x : x, options,
                                                  i ? state_by_cell : state, &n[i], &n_left[i],
@@ -958,6 +962,22 @@ static void given_constraints_stay(void **state) {
     test_mesh_destroy(&box);
 }
 
+/** Elements of another type with as many nodes are no simplices. */
+static void nodes_alone_make_no_simplex(void **state) {
+    (void)state;
+    static const double X[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
+    static const int64_t OFFSET[] = {0, 4, 8};
+    static const uint8_t TYPE[] = {10, 9};
+    static const int32_t NODE[] = {0, 1, 2, 3, 4, 1, 2, 3};
+    const planish_cells cells = {.n = 2, .type = TYPE, .offset = OFFSET, .node = NODE};
+    const planish_mesh mesh = {
+        .dim = 3, .n_nodes = 5, .n_elements = 2, .coordinates = X, .cells = &cells};
+    planish_quality quality;
+    assert_int_equal(planish_measure_mesh(&mesh, NULL, &quality, NULL), 0);
+    assert_int_equal(quality.n_elements, 1);
+    assert_int_equal(quality.worst_element, 0);
+}
+
 /* ---- refusals --------------------------------------------------------------------------------- */
 
 /** Fields of a mesh of the cells below that are changed. */
@@ -1087,6 +1107,37 @@ static void wrong_meshes_are_refused(void **state) {
                                    .part = c->field == WITH_PART ? &part : NULL};
         assert_refused(c, &mesh);
     }
+}
+
+/** Errors name the cell of an element. */
+static void errors_name_cells(void **state) {
+    (void)state;
+    const int64_t wrong = 20;
+    test_mesh box = box_of(3, 4, 0);
+    pair p = pair_of(&box, ORDER_2 | OTHERS);
+    double *least = zeroed(p.cells.n, sizeof *least), *x = malloc(3 * (size_t)p.mesh.n_nodes * 8);
+    planish_options options = defaults();
+    planish_plan *plan;
+    planish_error error;
+    fasten(&p);
+    memcpy(x, p.x, 3 * (size_t)p.mesh.n_nodes * 8);
+    assert_true(p.cell_of[wrong] != wrong);
+    for (int64_t i = 0; i < p.cells.n; i++)
+        least[i] = 0.01;
+    p.mesh.min_volume = least;
+    least[p.cell_of[wrong]] = -1;
+    assert_int_equal(planish_plan_create(&p.mesh, &options, &plan, &error), PLANISH_ERROR_MESH);
+    assert_int_equal(error.element, p.cell_of[wrong]);
+    least[p.cell_of[wrong]] = 0;
+    options.area_weight = 0.5;
+    assert_int_equal(planish_plan_create(&p.mesh, &options, &plan, &error), 0);
+    assert_int_equal(planish_smooth(plan, x, &options, NULL, &error), PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(error.element, p.cell_of[wrong]);
+    planish_plan_destroy(plan);
+    free(least);
+    free(x);
+    release(&p);
+    test_mesh_destroy(&box);
 }
 
 /** Cells that are elements as they stand are refused with the same words as elements. */
@@ -1250,6 +1301,8 @@ int main(void) {
         cmocka_unit_test(curved_edges_hold_nodes_that_slide),
         cmocka_unit_test(curved_surfaces_are_no_planes),
         cmocka_unit_test(given_constraints_stay),
+        cmocka_unit_test(nodes_alone_make_no_simplex),
+        cmocka_unit_test(errors_name_cells),
         cmocka_unit_test(wrong_meshes_are_refused),
         cmocka_unit_test(wrong_linear_cells_are_refused),
         cmocka_unit_test(wrong_facets_are_refused),
