@@ -74,16 +74,19 @@ static uint16_t translate(const translation *table, size_t n, uint8_t bits) {
     return result;
 }
 
-/** Tell mid-side nodes from those of no element. */
+/** Mark the mid-side nodes that nothing holds. One that is also a corner is none. */
 static void mark_mids(const pl_job *job, uint16_t *bits) {
     const planish_cells *cells = job->mesh.cells;
-    const int64_t corners = job->mesh.dim + 1;
+    const int corners = job->mesh.dim + 1;
     for (int64_t i = 0; cells && i < cells->n; i++)
         for (int64_t k = cells->offset[i] + corners; k < cells->offset[i + 1]; k++) {
             const int32_t mid = cells->node[k];
-            if (mid >= 0 && bits[mid] == PL_HELD_NOT_USED)
+            if (mid >= 0 && bits[mid] == 0)
                 bits[mid] = PL_HELD_FOLLOWS;
         }
+    for (int64_t i = 0; cells && i < cells->n; i++)
+        for (int j = 0; j < corners; j++)
+            bits[pl_job_corners(job, i)[j]] &= (uint16_t)~PL_HELD_FOLLOWS;
 }
 
 /** Fill bits with all reasons; scratch [n_nodes]. */

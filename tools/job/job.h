@@ -42,7 +42,7 @@ typedef enum pl_held_by {
     PL_N_HELD_BY
 } pl_held_by;
 
-/* Bits beside those: the node is a mid-side node alone, and follows; it is of no element; its
+/* Bits beside those: the node is a mid-side node, and follows; it is of no element; its
  * constraint fixes it. */
 enum { PL_HELD_FOLLOWS = 1 << 13, PL_HELD_NOT_USED = 1 << 14, PL_HELD_TOLD = 1 << 15 };
 
@@ -52,7 +52,7 @@ typedef struct pl_held {
     int is_known; /* 0: nobody asked, or several processes have the mesh */
     int64_t n[PL_N_HELD_BY];
     int64_t n_held;    /* their sum */
-    int64_t n_mids;    /* mid-side nodes, which follow */
+    int64_t n_mids;    /* mid-side nodes that nothing holds: they follow */
     int64_t n_unused;  /* nodes of no element */
     int64_t n_doubled; /* held nodes at the place of another one, whatever they count as */
 } pl_held;
