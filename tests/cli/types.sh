@@ -22,23 +22,24 @@ tetrahedra = quality["simplices"]
 assert tetrahedra["max_radius_ratio"] >= 1 and tetrahedra["inverted"] == 0
 for key in tetrahedra:
     assert key == "inverted" or quality[key] is None, key
-# The worst ones: inverted ones first, in the file's order.
+# The worst ones: inverted ones first, simplices and then the others, in the file's order.
 worst = quality["worst_elements"]
 assert len(worst) == 9 and all(e["radius_ratio"] is None for e in worst)
-assert [e["element"] for e in worst] == sorted(e["element"] for e in worst)
-assert worst[0]["type"] == "hexahedron" and worst[0]["aspect_ratio"] is None
-assert len(worst[0]["nodes"]) == 8
+place = [("tetrahedron" not in e["type"], e["element"]) for e in worst]
+assert place == sorted(place) and {e["type"] for e in worst} > {"tetrahedron10", "hexahedron", "wedge"}
+assert worst[0]["type"] == "tetrahedron10" and worst[0]["aspect_ratio"] is None
+assert len(worst[0]["nodes"]) == 10
 END
 tr '\n' ' ' <table | grep -q ", 8 quadratic hexahedra, 8 triquadratic hexahedra, " || fail "counts: $(cat table)"
 grep -q "^hexahedron27  *8  *2 " table || fail "a row for a type: $(cat table)"
-grep -q "tetrahedra alone" table || fail "no part for tetrahedra: $(cat table)"
+grep -q "^tetrahedra alone, by their corners" table || fail "no part for tetrahedra: $(cat table)"
 awk 'length($0) > 80 { exit 1 }' table || fail "the table is wider than 80 columns"
 ! grep -q ' $' table || fail "trailing blanks"
 expect_status 0 "$program" report report.json -o again.html
 cmp types.html again.html || fail "the page of the JSON is another one"
-grep -q "hexahedron27" types.html && grep -q "etrahedra alone" types.html || fail "the page"
+grep -q "hexahedron27" types.html && grep -q "All tetrahedra alone, by their corners" types.html || fail "the page"
 
-# The tetrahedra alone have the same measures, and no key of elements of other types.
+# The tetrahedra alone, by their corners, have the same measures, and no key of elements of other types.
 cp report.json all.json
 expect_status 0 "$program" quality tetrahedra.vtk --json report.json -q
 expect_json "'counts' not in r['quality'] and 'by_type' not in r['quality']"
@@ -82,9 +83,42 @@ for mesh in hexahedra squares; do
     expect_text "planish quality"
     expect_no_file new.vtk new.json
 done
+# Second order: the corners are smoothed and the mids follow; elements that mids have inverted are listed.
+for case in "2 plain" "2 folded" "2 tilted" "3 plain" "3 folded"; do
+    # shellcheck disable=SC2086
+    python3 "$cli/types_mesh.py" second $case second.vtk || fail "no mesh"
+    status=0
+    [ "${case#* }" = folded ] && status=1
+    for slide in none auto; do
+        expect_status $status "$program" smooth second.vtk -o new.vtk --slide $slide --json report.json --report new.html
+        python3 "$cli/types_mesh.py" check second.vtk new.vtk report.json || fail "$case, --slide $slide"
+        grep -q "^[0-9]* quadratic t.*, [0-9]* curved; mid-side nodes follow" out || fail "counts: $(cat out)"
+        grep -q "^least Jacobian / mean, curved " out || fail "no least Jacobian: $(cat out)"
+        [ $status = 0 ] || grep -q "^inverted inside, though their corners are right: elements 0, " err ||
+            fail "inverted ones are not listed: $(cat err)"
+        [ $status = 0 ] || expect_text "moving corners alone did not repair them"
+        expect_status 0 "$program" report report.json -o again.html
+        [ "$case" = "2 tilted" ] || cmp new.html again.html || fail "the page of the JSON of $case"
+        grep -q "with mid-side nodes" new.html || fail "the page does not tell of mids"
+    done
+    # In place, by several threads, and a copy for viewing have the same places.
+    cp second.vtk place.vtk
+    expect_status $status "$program" smooth place.vtk -o place.vtk --slide auto -j 3 -q
+    cmp place.vtk new.vtk || fail "$case in place"
+    expect_status $status "$program" smooth second.vtk -o view.vtu --slide auto -q
+    # Without sweeps nothing changes; quality has the same figures of what was written.
+    expect_status $status "$program" smooth second.vtk -o held.vtk --max-sweeps 0 -q
+    cmp second.vtk held.vtk || fail "nothing was asked for: $case"
+    mv report.json smoothed.json
+    expect_status 0 "$program" quality new.vtk --json report.json
+    expect_json "r['quality']['counts'] == json.load(open('smoothed.json'))['after']['counts']"
+    expect_json "abs(r['quality']['min_jacobian_ratio'] - json.load(open('smoothed.json'))['after']['min_jacobian_ratio']) < 1e-12"
+    expect_json "r['quality']['inverted'] == json.load(open('smoothed.json'))['after']['inverted']"
+    expect_json "r['checksum'] == json.load(open('smoothed.json'))['checksum']"
+done
 expect_status 0 "$program" quality hexahedra.vtk
 grep -q "^hexahedra.vtk: vtk, 8 hexahedra, 27 nodes" out || fail "counts: $(cat out)"
 expect_status 0 "$program" quality hexahedra.vtk tetrahedra.vtk types.vtk
-[ "$(awk 'NR > 2 { print $2 }' out | tr '\n' ' ')" = "8 5 63 " ] || fail "elements: $(cat out)"
-grep -q "^tetrahedra.vtk  *5  *0 .* -  *-$" out || fail "simplices beside others: $(cat out)"
+[ "$(awk 'NR > 2 { print $2 }' out | tr '\n' ' ')" = "8 13 63 " ] || fail "elements: $(cat out)"
+grep -q "^tetrahedra.vtk  *13  *0 .* -  *-$" out || fail "simplices beside others: $(cat out)"
 finish

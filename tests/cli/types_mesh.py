@@ -1,5 +1,10 @@
-"""types_mesh.py OUT.vtk OUT.json TETRAHEDRA.vtk: a mesh with elements of every type in three dimensions, each with points of
-its own, and their measures by formulas that share no code with planish; and the straight tetrahedra alone."""
+"""types_mesh.py OUT.vtk OUT.json SIMPLICES.vtk: a mesh with elements of every type in three dimensions, each with points of
+its own, and their measures by formulas that share no code with planish; and the tetrahedra of both orders alone, by their
+corners.
+
+types_mesh.py second DIM KIND OUT.vtk: a square (DIM 2) or cube (3) of elements of second order with curved edges on its
+boundary. KIND: plain, folded (two mids of the boundary turn elements inside out), tilted (in a tilted plane, as floats).
+types_mesh.py check BEFORE.vtk AFTER.vtk REPORT.json: what smoothing promises of such a mesh."""
 import itertools
 import json
 import math
@@ -74,6 +79,151 @@ def measure(shape, x):
     lengths = [length(minus(x[a], x[b])) for a, b in EDGES[shape]]
     return bad, sum(squares) / len(squares) if not bad else None, min(scaled), max(lengths) / min(lengths)
 
+# ---- second order: smoothed with its mid-side nodes ----------------------------------------------------------------
+
+MIDS = {2: [(0, 1), (1, 2), (2, 0)], 3: [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]}
+DATA_TYPES = {"plain": "double", "folded": "double", "tilted": "float"}
+
+
+def second(dim, kind, path):
+    """Write a mesh whose inner corners are pushed by up to a quarter of a cell."""
+    n = 3 if dim == 3 else 7
+    x, number, mid_of = [], {}, {}
+    for at in itertools.product(range(n + 1), repeat=dim):
+        inside = all(0 < c < n for c in at)
+        number[at] = len(x)
+        x.append([(c + inside * random.uniform(-0.25, 0.25)) / n for c in at] + [0.0] * (3 - dim))
+    elements = []
+    for at in itertools.product(range(n), repeat=dim):
+        for order in itertools.permutations(range(dim)):
+            steps = [at]
+            for d in order:
+                steps.append(tuple(c + (d == e) for e, c in enumerate(steps[-1])))
+            if sum(a > b for a, b in itertools.combinations(order, 2)) % 2 == 1:
+                steps[1:3] = steps[2:0:-1]  # all have one orientation
+            elements.append([number[s] for s in steps])
+    n_curved = n_folded = 0
+    on_ground = {p for at, p in number.items() if at[-1] == 0}
+    for nodes in elements:
+        for a, b in MIDS[dim]:
+            edge = tuple(sorted((nodes[a], nodes[b])))
+            if edge in mid_of:
+                continue
+            mid = middle([x[edge[0]], x[edge[1]]])
+            if on_ground.issuperset(edge) and n_curved < 6:  # the ends stay, and so does the curve
+                mid[dim - 1] += 0.04 / n
+                n_curved += 1
+                if kind == "folded" and n_folded < 2:
+                    mid = [p + 0.6 * (q - p) for p, q in zip(mid, x[edge[1]])]
+                    n_folded += 1
+            mid_of[edge] = len(x)
+            x.append(mid)
+        nodes += [mid_of[tuple(sorted((nodes[a], nodes[b])))] for a, b in MIDS[dim]]
+    if kind == "tilted":
+        x = [[0.8 * p[0] - 0.6 * p[1], 0.6 * p[0] + 0.8 * p[1] - 1, 0.3 * p[0] + 0.2 * p[1]] for p in x]
+    write(path, x, [(24 if dim == 3 else 22, nodes) for nodes in elements], DATA_TYPES[kind])
+
+
+def read_second(path):
+    """Points and elements of a file that second() has written, or planish from it."""
+    words = open(path).read().split()
+    at = words.index("POINTS")
+    n, at = int(words[at + 1]), at + 3
+    x = [[float(w) for w in words[at + 3 * i:at + 3 * i + 3]] for i in range(n)]
+    at = words.index("CELLS")
+    m, at, elements = int(words[at + 1]), at + 3, []
+    for _ in range(m):
+        size = int(words[at])
+        elements.append([int(w) for w in words[at + 1:at + 1 + size]])
+        at += 1 + size
+    return x, elements
+
+
+def least_det(before, x, nodes):
+    """The least determinant of an element at the points of a grid, in units of that of its corners before."""
+    dim, steps = (2, 6) if len(nodes) == 6 else (3, 4)
+    p, normals = [x[i] for i in nodes], []
+    if dim == 2:
+        u, v = (minus(before[nodes[i]], before[nodes[0]]) for i in (1, 2))
+        normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+        normals = [[c / length(normal) for c in normal]]
+    least = math.inf
+    for share in itertools.product(range(steps + 1), repeat=dim):
+        if sum(share) > steps:
+            continue
+        at = [1 - sum(share) / steps] + [s / steps for s in share]
+        # dx / d(at[j]) - dx / d(at[0]), of x = sum at_i (2 at_i - 1) p_i + sum 4 at_i at_j mid_ij
+        rates = [[(4 * at[j] - 1) * p[j][d] for d in range(3)] for j in range(dim + 1)]
+        for k, (a, b) in enumerate(MIDS[dim]):
+            for d in range(3):
+                rates[a][d] += 4 * at[b] * p[dim + 1 + k][d]
+                rates[b][d] += 4 * at[a] * p[dim + 1 + k][d]
+        rows = [minus(rates[j], rates[0]) for j in range(1, dim + 1)] + normals
+        corners = [minus(before[nodes[j]], before[nodes[0]]) for j in range(1, dim + 1)]
+        least = min(least, det(rows) / det(corners + normals))
+    return least
+
+
+def check(before, after, report):
+    with open(report) as text:
+        r = json.load(text)
+    (x, elements), (y, _) = read_second(before), read_second(after)
+    dim = 2 if len(elements[0]) == 6 else 3
+    rounding = 4e-6 if r["mesh"]["plane"] and r["mesh"]["plane"]["tilted"] else 1e-12
+    faces = {}
+    for e in elements:
+        for face in itertools.combinations(sorted(e[:dim + 1]), dim):
+            faces[face] = faces.get(face, 0) + 1
+    boundary = {p for face, n in faces.items() if n == 1 for p in face}
+    slides = r["mesh"]["sliding_nodes"] > 0
+    n_moved = 0
+    for e in elements:
+        for k, (a, b) in enumerate(MIDS[dim]):
+            mid, ends = e[dim + 1 + k], (e[a], e[b])
+            ways = [minus(y[p], x[p]) for p in ends]
+            wanted = [c + (u + v) / 2 for c, u, v in zip(x[mid], *ways)]
+            assert math.dist(y[mid], wanted) <= rounding, "a mid follows by half of the way of both ends"
+            n_moved += any(ways[0]) or any(ways[1])
+    assert n_moved > 10 and (slides or all(x[p] == y[p] for p in boundary))
+    states = [[least_det(x, z, e) > 0 for e in elements] for z in (x, y)]
+    assert all(new or not old for old, new in zip(*states)), "an element that was valid is not"
+    assert r["before"]["inverted"] == states[0].count(False), (r["before"]["inverted"], states[0].count(False))
+    assert r["after"]["inverted"] == states[1].count(False)
+    left = [i for i, valid in enumerate(states[1]) if not valid]
+    assert r["inverted_inside"] == left and r["after"]["inverted_inside"] == len(left)
+    assert r["certified"] == (not left) and r["after"]["uncertified"] == 0 and r["refused_moves"] >= 0
+    assert [w["element"] for w in r["after"]["worst_elements"] if w["radius_ratio"] is None] == left[:10]
+    name = "tetrahedron10" if dim == 3 else "triangle6"
+    assert r["after"]["counts"] == {name: len(elements)} and list(r["after"]["by_type"]) == [name]
+    n_curved = sum(any(math.dist(x[e[dim + 1 + k]], middle([x[e[a]], x[e[b]]])) > 1e-3 for k, (a, b) in
+                       enumerate(MIDS[dim])) for e in elements)
+    assert r["before"]["curved"] == r["after"]["curved"] == n_curved > 2, (r["after"]["curved"], n_curved)
+    mesh = r["mesh"]
+    assert (mesh["free_nodes"] + mesh["sliding_nodes"] + mesh["mid_side_nodes"] + sum(mesh["held"].values())
+            == mesh["nodes"] and mesh["unused_nodes"] == 0 < mesh["mid_side_nodes"])
+    assert r["after"]["rms_radius_ratio"] < r["before"]["rms_radius_ratio"]
+
+
+def write(path, points, cells, data_type="double"):
+    with open(path, "w") as out:
+        print("# vtk DataFile Version 3.0\ntypes\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS", len(points), data_type,
+              file=out)
+        for p in points:
+            print(*(map("%.9g".__mod__, p) if data_type == "float" else map(repr, p)), file=out)
+        print("CELLS", len(cells), sum(len(n) + 1 for _, n in cells), file=out)
+        for _, nodes in cells:
+            print(len(nodes), *nodes, file=out)
+        print("CELL_TYPES", len(cells), file=out)
+        for number, _ in cells:
+            print(number, file=out)
+
+
+if sys.argv[1] == "second":
+    second(int(sys.argv[2]), *sys.argv[3:])
+    sys.exit()
+if sys.argv[1] == "check":
+    check(*sys.argv[2:])
+    sys.exit()
 
 points, cells, expected = [], [], {}
 for name, (number, shape, has_mids, has_faces, has_middle) in TYPES.items():
@@ -128,22 +278,8 @@ def total(parts):
             "max_edge_ratio": max(v for p in parts for v in p["edges"])}
 
 
-def write(path, cells):
-    with open(path, "w") as out:
-        print("# vtk DataFile Version 3.0\ntypes\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS", len(points), "double",
-              file=out)
-        for p in points:
-            print(*map(repr, p), file=out)
-        print("CELLS", len(cells), sum(len(n) + 1 for _, n in cells), file=out)
-        for _, nodes in cells:
-            print(len(nodes), *nodes, file=out)
-        print("CELL_TYPES", len(cells), file=out)
-        for number, _ in cells:
-            print(number, file=out)
-
-
-write(sys.argv[1], cells)
-write(sys.argv[3], [c for c in cells if c[0] == 10])
+write(sys.argv[1], points, cells)
+write(sys.argv[3], points, [(10, c[1][:4]) for c in cells if c[0] in (10, 24)])
 with open(sys.argv[2], "w") as out:
     json.dump({"counts": {name: of["elements"] for name, of in expected.items()}, "all": total(expected.values()),
                "by_type": {name: total([of]) for name, of in expected.items()}}, out)
