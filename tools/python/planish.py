@@ -405,8 +405,8 @@ _library.planish_plan_destroy.argtypes = [c_void_p]
 _library.planish_plan_get_free.restype = None
 _library.planish_plan_get_free.argtypes = [c_void_p, c_void_p]
 for _name in ("planish_plan_create", "planish_smooth", "planish_measure", "planish_measure_elements",
-              "planish_measure_mesh", "planish_measure_cells", "planish_find_layers", "planish_find_regions", "planish_combine_regions",
-              "planish_find_interfaces"):
+              "planish_measure_mesh", "planish_measure_cells", "planish_find_layers", "planish_find_regions",
+              "planish_combine_regions", "planish_find_interfaces"):
     getattr(_library, _name).restype = c_int
 
 
