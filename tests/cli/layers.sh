@@ -7,7 +7,7 @@
 # which 1728 have a node that is not on the surface. layered.mesh has one region, parts.mesh and
 # parts.msh one more for the layers, mixed.mesh for a quarter of the others, too. In folded.mesh they
 # lie over the others, inverted. In flat.mesh all cells are low; in grown.mesh four rows grow by 1.5,
-# of which the last two are not thin any more.
+# of which the last two are not thin any more. bricks.msh has hexahedra in the lowest three rows.
 python3 "$cli/make_mesh.py" 10 0.01 cube.mesh
 python3 - <<'END'
 import mesh_file
@@ -43,6 +43,17 @@ write("flat", flat, cube.elements, cube.regions)
 grown = [(x, y, 0.02 * (1.5 ** round(10 * z) - 1) / 0.5 if z < 0.45 else z - 0.2375)
          for x, y, z in cube.points]
 write("grown", grown, cube.elements, cube.regions)
+cell = {tuple(round(N * c) for c in p): i for i, p in enumerate(cube.points)}
+CORNERS = (0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)
+bricks = [[cell[x + a, y + b, z + c] + 1 for a, b, c in CORNERS]
+          for x in range(N) for y in range(N) for z in range(ROWS)]
+with open("bricks.msh", "w") as file:
+    file.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%d\n" % len(points))
+    file.writelines("%d %r %r %r\n" % (i + 1, *p) for i, p in enumerate(points))
+    others = [(5, b) for b in bricks] + [(4, [n + 1 for n in e]) for e, t in zip(cube.elements, is_thin) if not t]
+    file.write("$EndNodes\n$Elements\n%d\n" % len(others))
+    file.writelines("%d %d 2 0 1 %s\n" % (i + 1, t, " ".join(map(str, e))) for i, (t, e) in enumerate(others))
+    file.write("$EndElements\n")
 with open("parts.msh", "w") as file:
     file.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n3 1 \"far\"\n"
                "3 2 \"near the wall\"\n$EndPhysicalNames\n$Nodes\n%d\n" % len(points))
@@ -103,6 +114,15 @@ could_slide() {
     "$program" quality layered.mesh "$@" -q --json - | python3 -c "import json, sys; print(json.load(sys.stdin)['mesh']['could_slide'])"
 }
 [ "$(could_slide --fix-layers)" -lt "$(could_slide)" ] || fail "what is held cannot slide"
+
+# ---- hexahedra: counted; their nodes are held anyway
+
+expect_status 0 "$program" quality bricks.msh --json report.json
+! grep -q "thin in layers" err || fail "no node of hexahedra moves"
+expect_json "(r['mesh']['layer_elements'], r['mesh']['free_layer_elements']) == (300, 0)"
+expect_status 0 "$program" smooth bricks.msh -o out.msh --fix-layers --json report.json
+expect_text "note: 300 elements (6.7 %) are thin in layers, and held"
+expect_json "r['mesh']['layer_elements'] == 300"
 
 # ---- a group that is the layers is named, and holding it is enough
 

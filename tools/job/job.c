@@ -99,13 +99,23 @@ static int find_held(const pl_job *job, const planish_hold *hold, uint8_t *const
 }
 
 int pl_job_find_layers(const pl_job *job, uint8_t **is_layer, int64_t *n) {
+    planish_mesh mesh = job->mesh;
+    planish_cells cells;
     planish_error error;
-    *is_layer = malloc((size_t)job->mesh.n_elements + 1);
+    *is_layer = NULL;
+    *n = 0;
+    if (job->file && job->file_info.n_other_elements > 0) {
+        if (planish_file_cells(job->file, &cells, &error))
+            return pl_job_complain(job, PL_EXIT_FAILED, &error);
+        mesh.cells = &cells;
+        mesh.elements = NULL;
+        mesh.n_elements = cells.n;
+    }
+    *is_layer = malloc((size_t)mesh.n_elements + 1);
     if (!*is_layer)
         return pl_job_complain_memory(job, "values of elements");
-    *n = 0;
-    if (job->mesh.n_elements > 0 &&
-        planish_find_layers(&job->mesh, job->options.threads, *is_layer, n, &error))
+    if (mesh.n_elements > 0 &&
+        planish_find_layers(&mesh, job->options.threads, *is_layer, n, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     return 0;
 }

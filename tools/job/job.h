@@ -103,8 +103,9 @@ int pl_job_find_slides(pl_job *job);
 /** How the options hold nodes of the file, without slides. */
 planish_hold pl_job_hold(const pl_job *job);
 
-/** Find the elements that are thin in layers: is_layer [mesh.n_elements], owned by the caller also
- *  after an error, and their number *n. */
+/** Find the elements of any type that are thin in layers, and their number *n: is_layer
+ *  [mesh.n_elements, and one for each other element of planish_file_cells], owned by the caller also
+ *  after an error. */
 int pl_job_find_layers(const pl_job *job, uint8_t **is_layer, int64_t *n);
 
 /** Fix the nodes of the elements in job->is_layer, if there are any, in constraint [n_nodes]. */

@@ -142,8 +142,9 @@ int pl_layers_count(pl_job *job, const planish_quality *quality) {
     int64_t n_thin = quality->n_inverted; /* none of these is in the histogram */
     for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++)
         n_thin += quality->histogram_edges[i] >= RATIO_OF_THIN ? quality->histogram_counts[i] : 0;
-    if (job->arguments->fix_layers || !job->file ||
-        (double)n_thin < MANY_OF_THIN * (double)quality->n_elements)
+    const int may_have = job->file_info.n_other_elements > 0 ||
+                         (double)n_thin >= MANY_OF_THIN * (double)quality->n_elements;
+    if (job->arguments->fix_layers || !job->file || !may_have)
         return 0;
     int status = pl_job_find_layers(job, &is_layer, &job->layers.n);
     if (!status && job->layers.n > 0)
@@ -160,7 +161,7 @@ int pl_layers_count(pl_job *job, const planish_quality *quality) {
 void pl_layers_print(FILE *stream, const pl_job *job) {
     const pl_layers *layers = &job->layers;
     const int64_t n = job->arguments->fix_layers ? layers->n : layers->n_loose;
-    const int64_t of = job->mesh.n_elements;
+    const int64_t of = job->mesh.n_elements + job->file_info.n_other_elements;
     const double percent = of > 0 ? 100 * (double)n / (double)of : 0;
     char part[16];
     if (n > 0 && percent < 0.1)
