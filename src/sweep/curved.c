@@ -15,8 +15,9 @@
 
 enum {
     LANES = PL_JACOBIAN_LANES,
-    NODES = 10, /* most nodes of a simplex of order 2 */
-    CHUNK = 256 /* elements that one thread takes at a time */
+    NODES = 10,        /* most nodes of a simplex of order 2 */
+    CHUNK = 256,       /* elements that one thread takes at a time, */
+    CHUNK_NODES = 4096 /* or nodes */
 };
 
 /* An edge is straight if its mid is no farther off than this, in longest edges (cell_measure.c). */
@@ -372,61 +373,115 @@ int64_t pl_curved_find_broken(const pl_curved *c, uint8_t *state) {
 
 /* ---- the beginning -------------------------------------------------------------------------- */
 
-/** A search for curved elements; what threads share. */
+/** A search for curved elements. */
 typedef struct search {
     pl_curved *curved;
-    int64_t n;
-    int64_t lowest; /* mid that is not finite, or INT64_MAX */
-    double largest; /* coordinate of mids, absolute */
+    uint8_t *is_off; /* [nodes of the mesh] mids that are off the middle of their edge */
+    int64_t n;       /* curved elements; shared, as are these: */
+    int64_t lowest;  /* mid that is not finite, or INT64_MAX */
+    double largest;  /* coordinate of mids, absolute */
 } search;
 
-/** Whether a mid is off the middle of its edge. Raises *largest to the largest coordinate of mids;
- *  lowers *lowest to the lowest that is not finite. */
-PL_INLINE int find_curved(const pl_curved *c, int64_t element, double *largest, int64_t *lowest,
-                          const int dim) {
+/** Find by how much a mid is off the middle of a and b, and the length of that edge: squares. */
+PL_INLINE void measure_mid(const pl_mids *mids, int32_t node, const double *a, const double *b,
+                           double *off, double *edge, const int dim) {
+    *off = *edge = 0;
+    for (int d = 0; d < dim; d++) {
+        const double x = pl_mid_coordinate(mids, node, d, 0, 0) - (0.5 * a[d] + 0.5 * b[d]);
+        *off += x * x;
+        *edge += (b[d] - a[d]) * (b[d] - a[d]);
+    }
+}
+
+static int is_off(const pl_curved *c, double off, double longest) {
+    return off > STRAIGHT * STRAIGHT * longest && off > c->rounding * c->rounding;
+}
+
+/** Find the mids that are off by more than a part of their own edge. */
+static void mids_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    search *s = context;
+    const pl_mids *m = &s->curved->mids;
+    const int dim = m->start.dim;
+    int64_t lowest = INT64_MAX;
+    double largest = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        double off, edge;
+        s->is_off[i] = 0;
+        if (m->end[i][0] < 0)
+            continue;
+        measure_mid(m, (int32_t)i, m->given + (int64_t)m->end[i][0] * dim,
+                    m->given + (int64_t)m->end[i][1] * dim, &off, &edge, dim);
+        s->is_off[i] = (uint8_t)is_off(s->curved, off, edge);
+        for (int d = 0; d < dim; d++) {
+            const double x = pl_mid_coordinate(m, (int32_t)i, d, 0, 0);
+            largest = pl_larger(fabs(x), largest);
+            if (!isfinite(x) && i < lowest)
+                lowest = i;
+        }
+    }
+    pl_raise_double(&s->largest, largest);
+    pl_lower_to(&s->lowest, lowest);
+}
+
+/** Whether a mid of the element is off by more than a part of its longest edge. */
+static int is_element_curved(const search *s, int64_t element) {
+    const pl_curved *c = s->curved;
     const planish_plan *plan = c->plan;
-    const int corners = dim + 1;
+    const int dim = plan->dim, corners = dim + 1;
     const int32_t *corner = plan->work.elements + element * corners;
     const int32_t *of_cell = plan->cells.node + plan->cells.offset[pl_plan_element(plan, element)];
-    double longest = 0, off = 0;
-    for (int i = corners; i < c->rule->n_nodes; i++) {
+    double longest = 0, farthest = 0, off, edge;
+    int any = 0;
+    for (int i = corners; i < c->rule->n_nodes; i++)
+        any |= of_cell[i] >= 0 && s->is_off[of_cell[i]];
+    for (int i = corners; any && i < c->rule->n_nodes; i++) {
         const double *a = c->mids.given + (int64_t)corner[c->rule->type->between[i][0]] * dim;
         const double *b = c->mids.given + (int64_t)corner[c->rule->type->between[i][1]] * dim;
-        double edge = 0, square = 0;
-        for (int d = 0; d < dim; d++) {
-            const double middle = 0.5 * a[d] + 0.5 * b[d];
-            const double x =
-                of_cell[i] >= 0 ? pl_mid_coordinate(&c->mids, of_cell[i], d, 0, 0) : middle;
-            edge += (b[d] - a[d]) * (b[d] - a[d]);
-            square += (x - middle) * (x - middle);
-            *largest = pl_larger(fabs(x), *largest);
-            if (!isfinite(x) && of_cell[i] < *lowest)
-                *lowest = of_cell[i];
-        }
+        measure_mid(&c->mids, of_cell[i] >= 0 ? of_cell[i] : 0, a, b, &off, &edge, dim);
         longest = pl_larger(edge, longest);
-        off = pl_larger(square, off);
+        if (of_cell[i] >= 0)
+            farthest = pl_larger(off, farthest);
     }
-    return off > STRAIGHT * STRAIGHT * longest && off > c->rounding * c->rounding;
+    return any && is_off(c, farthest, longest);
+}
+
+static void note_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const search *s = context;
+    (void)thread;
+    for (int64_t e = begin; e < end; e++)
+        if (is_order_2(s->curved, e))
+            pl_mids_note(&s->curved->mids, e, s->curved->rule->type);
 }
 
 static void search_chunk(void *context, int64_t begin, int64_t end, int thread) {
     search *s = context;
-    pl_curved *c = s->curved;
-    int64_t n = 0, lowest = INT64_MAX;
-    double largest = 0;
+    int64_t n = 0;
     (void)thread;
     for (int64_t e = begin; e < end; e++) {
-        c->is_curved[e] = 0;
-        if (!is_order_2(c, e))
-            continue;
-        pl_mids_note(&c->mids, e, c->rule->type);
-        c->is_curved[e] = (uint8_t)(c->plan->dim == 3 ? find_curved(c, e, &largest, &lowest, 3)
-                                                      : find_curved(c, e, &largest, &lowest, 2));
-        n += c->is_curved[e];
+        const int is_found = is_order_2(s->curved, e) && is_element_curved(s, e);
+        s->curved->is_curved[e] = (uint8_t)is_found;
+        n += is_found;
     }
-    pl_raise_double(&s->largest, largest);
-    pl_lower_to(&s->lowest, lowest);
     __atomic_fetch_add(&s->n, n, __ATOMIC_RELAXED);
+}
+
+/** Find mids and curved elements, all at once. */
+static int find_all(search *s, planish_error *error) {
+    pl_curved *c = s->curved;
+    const int threads = c->plan->threads;
+    s->is_off = pl_alloc(c->mids.start.n, sizeof *s->is_off);
+    c->is_curved = pl_alloc(c->plan->work.n_elements, sizeof *c->is_curved);
+    if (!s->is_off || !c->is_curved)
+        return pl_fail_memory(error, "the curved elements");
+    pl_parallel_for(threads, c->plan->work.n_elements, CHUNK, note_chunk, s);
+    pl_parallel_for(threads, c->mids.start.n, CHUNK_NODES, mids_chunk, s);
+    if (s->lowest < INT64_MAX)
+        return pl_fail_at(error, PLANISH_ERROR_MESH, -1, s->lowest,
+                          "node %" PRId64 " has a coordinate that is not a finite number",
+                          s->lowest);
+    pl_parallel_for(threads, c->plan->work.n_elements, CHUNK, search_chunk, s);
+    return PLANISH_OK;
 }
 
 /** List the curved elements at each movable node. */
@@ -501,19 +556,15 @@ int pl_curved_create(const planish_plan *plan, const planish_options *options, c
     if (!c->rule)
         return pl_fail_memory(error, "the curved elements");
     pl_jacobian_rule_make(type, c->rule);
-    const int status = pl_mids_create(plan, options, given, start, &c->mids, error);
+    int status = pl_mids_create(plan, options, given, start, &c->mids, error);
     if (status)
         return status;
     c->rounding = options->rounding;
-    c->is_curved = pl_alloc(plan->work.n_elements, sizeof *c->is_curved);
-    if (!c->is_curved)
-        return pl_fail_memory(error, "the curved elements");
     search s = {.curved = c, .lowest = INT64_MAX};
-    pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, search_chunk, &s);
-    if (s.lowest < INT64_MAX)
-        return pl_fail_at(error, PLANISH_ERROR_MESH, -1, s.lowest,
-                          "node %" PRId64 " has a coordinate that is not a finite number",
-                          s.lowest);
+    status = find_all(&s, error);
+    pl_free(s.is_off);
+    if (status)
+        return status;
     c->stray = stray_of(c, options, s.largest);
     return make_lists(c, &s) ? PLANISH_OK : pl_fail_memory(error, "the curved elements");
 }
