@@ -50,6 +50,12 @@ awk '/^Tetrahedra/ { t = 1 } t && NF == 5 && ++n % 3 == 0 { a = $1; $1 = $2; $2 
 compare "$work/mixed.mesh" parts
 compare "$PLANISH_SOURCE/tests/data/square.msh" parts
 compare "$PLANISH_SOURCE/tests/data/nastran.bdf" alone
+# Mid-side nodes: one process lets them follow. There is no .h5 of them.
+python3 "$PLANISH_SOURCE/tests/cli/types_mesh.py" second 3 plain "$work/second.vtk" || fail "no mesh with mid-side nodes"
+compare "$work/second.vtk" alone
+together 2 "$work/second.vtk" -o "$work/second.h5" 2>"$work/err"
+[ $? = 64 ] || fail "a .h5 of second order"
+grep -q "planish converts to .vtu and .vtk only" "$work/err" || fail "a .h5 of second order: $(cat "$work/err")"
 # Periodic sides: one process moves them.
 python3 - "$work/valid.mesh" "$work/periodic.msh" <<'PERIODIC' || fail "no periodic mesh"
 import sys

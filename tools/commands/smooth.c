@@ -34,11 +34,12 @@
 /* ---- the mesh that is written --------------------------------------------------------------- */
 
 /** Whether the engine writes the output: of a mesh that it has read, or one that no format of
- *  planish_io writes, of coordinates as they are. */
+ *  planish_io writes, of coordinates as they are and elements of first order. */
 static int engine_writes(const pl_job *job) {
     const char *output = job->arguments->output;
-    return !job->file || (!planish_file_can_write(job->file, output) && job->engine->can_write &&
-                          job->engine->can_write(output) && !planish_file_plane(job->file, NULL));
+    return !job->file || (!planish_file_can_write(job->file, output) && !job->mesh.cells &&
+                          job->engine->can_write && job->engine->can_write(output) &&
+                          !planish_file_plane(job->file, NULL));
 }
 
 /** Check before the work what can be known of writing. Another extension than the input's asks for

@@ -331,7 +331,9 @@ static int lead_create(pl_job *job, planish_error *error) {
     pl_crew *crew = crew_of(job);
     if (find_collapsed(&job->mesh, error))
         return error->code;
-    int code = create_plan(job, error);
+    int code = job->mesh.cells
+                   ? pl_fail(error, PLANISH_ERROR_PARTS, "its elements have mid-side nodes")
+                   : create_plan(job, error);
     if (!code) {
         planish_plan_get_info(crew->plan, &job->plan_info);
         code = check_periodic(job, error);
