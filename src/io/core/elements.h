@@ -63,10 +63,12 @@ static inline int io_element_dim(const io_element_type *type) {
 /** Number of mids of a type that is a line, triangle or tetrahedron of second order with a node on
  *  each edge and no other; else 0. */
 static inline int io_element_mids(const io_element_type *type) {
+    if (type->order != 2) /* called for each element of large files */
+        return 0;
     const int dim = io_element_dim(type), n = io_n_mids(dim);
     const int is_simplex =
         type->shape == IO_LINE || type->shape == IO_TRIANGLE || type->shape == IO_TETRAHEDRON;
-    return is_simplex && type->order == 2 && type->nodes == dim + 1 + n ? n : 0;
+    return is_simplex && type->nodes == dim + 1 + n ? n : 0;
 }
 
 /** Treatment of the elements of a type: lines, triangles and tetrahedra of first order, and of second

@@ -104,6 +104,7 @@ typedef struct cell_walk {
     int64_t index; /* of the next cell */
     const int32_t *nodes;
     int64_t n;
+    int32_t number; /* of its type */
     const io_element_type *type;
     int fate; /* CELL_... or the dimension, */
     int mids; /* and how many of the nodes are mids of a cell that is kept */
@@ -115,6 +116,21 @@ static int fail_cell(const cell_walk *walk, const char *text) {
     const int64_t cell = walk->grid->first_cell + walk->index - 1;
     return pl_fail_at(walk->error, PLANISH_ERROR_FORMAT, cell, -1, "%s: cell %lld (from 0): %s",
                       walk->model->input.path, (long long)cell, text);
+}
+
+/** Find out about the type of the cell that next_cell has come to. */
+static int take_type(cell_walk *walk, int32_t number) {
+    walk->number = number;
+    walk->type = find_type(number);
+    walk->is_stream = walk->grid->has_streams && number == VTK_POLYHEDRON;
+    if (!walk->type) {
+        char text[80];
+        snprintf(text, sizeof text, "type %d is none of VTK's, which are 0 to 255", (int)number);
+        return fail_cell(walk, text);
+    }
+    walk->mids = walk->type->order == 2 ? mids_of(number, walk->n) : 0;
+    walk->fate = walk->mids > 0 ? io_element_dim(walk->type) : fate_of(walk->type, walk->n);
+    return PLANISH_OK;
 }
 
 static int next_cell(cell_walk *walk) {
@@ -132,19 +148,10 @@ static int next_cell(cell_walk *walk) {
         return fail_cell(walk, grid->offset
                                    ? "offsets do not rise from 0 to the size of the connectivity"
                                    : "its nodes are not in the list of CELLS");
+    const int is_alike = walk->type && grid->type[cell] == walk->number && end - begin == walk->n;
     walk->nodes = grid->connectivity + begin;
     walk->n = end - begin;
-    walk->type = find_type(grid->type[cell]);
-    walk->is_stream = grid->has_streams && grid->type[cell] == VTK_POLYHEDRON;
-    if (!walk->type) {
-        char text[80];
-        snprintf(text, sizeof text, "type %d is none of VTK's, which are 0 to 255",
-                 (int)grid->type[cell]);
-        return fail_cell(walk, text);
-    }
-    walk->mids = mids_of(grid->type[cell], walk->n);
-    walk->fate = walk->mids > 0 ? io_element_dim(walk->type) : fate_of(walk->type, walk->n);
-    return PLANISH_OK;
+    return is_alike ? PLANISH_OK : take_type(walk, grid->type[cell]);
 }
 
 int vtk_nodes_hold(io_model *model, const vtk_grid *grid, const int32_t *nodes, int64_t n) {
