@@ -275,6 +275,11 @@ class Elements(unittest.TestCase):
             planish.smooth(by_regions, blocks, regions=joined(halves, 7))
             planish.smooth(alone, cells, regions=halves, fixed=hexahedron[0, :2])
             np.testing.assert_array_equal(by_regions, alone)
+            rows = [row for _, nodes in blocks for row in nodes]
+            grid = Mesh(more.copy(), cells=lists_of(rows), celltypes=joined(np.full(m, 10), 12),
+                        cell_data={"m": joined(halves, 7)})
+            planish.smooth(grid)
+            np.testing.assert_array_equal(grid.points, by_regions)
             with self.assertRaisesRegex(ValueError, f"each of {m + 1} elements"):
                 planish.smooth(more.copy(), blocks, regions=halves)
             low, alone = more.copy(), more.copy()

@@ -681,6 +681,10 @@ class Regions(unittest.TestCase):
         np.testing.assert_array_equal(self.moved(mesh), self.inside)
         mesh = Mesh(self.points.copy(), cells=[Block("vertex", vertices[:-1]), Block("tetra", self.cells)])
         self.assertFalse(self.moved(mesh).any())
+        for nodes, expected in ((vertices.ravel(), self.inside), (vertices.ravel()[:-1], self.inside & False)):
+            mesh = Mesh(self.points.copy(), cells=lists_of([nodes, *self.cells]),
+                        celltypes=np.append(2, np.full(len(self.cells), 10)))
+            np.testing.assert_array_equal(self.moved(mesh), expected)
 
     def test_all_edges_or_facets_hold_none(self):
         """Lists of all of them say nothing; those with a tag of their own do."""

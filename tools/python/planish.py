@@ -743,15 +743,15 @@ def _hold(blocks: list[_Block], n_points: int) -> np.ndarray:
         for block in blocks:
             if (block.name == _POLYVERTEX or getattr(block.kind, "dim", -1) == 0) == of_points:
                 nodes = block.nodes.ravel()
-                held[nodes[(nodes >= 0) & (nodes < n_points)]] = 1  # the library refuses other nodes of elements
+                held[nodes[nodes >= 0]] = 1
         if of_points and held.all():
             held[:] = 0
     return held
 
 
 class _Elements:
-    """Elements, which are the cells of the mesh's dimension in the order given, and the nodes that other
-    cells hold.
+    """Elements, which are the cells of the mesh's dimension in the order given, and the nodes that all
+    other cells hold.
 
     Of straight simplices of one type nodes is [m, dim + 1], and types and offsets are None. Else they are
     those of planish_cells. corners [.., dim + 1] are those of simplices, straight or not. at [m] are the
@@ -782,8 +782,7 @@ class _Elements:
         for block in others:
             _check_nodes(block, n_points)
         others = _without_complete(others, self.corners) if len(self.corners) else others
-        self.held = _hold(others + [block for block in chosen if block.kind.number not in _SMOOTHED[self.dim]],
-                          n_points)
+        self.held = _hold(others, n_points)
 
     def _lay_out(self, chosen: list[_Block], order: np.ndarray) -> None:
         """Make the arrays of planish_cells."""
