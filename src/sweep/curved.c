@@ -235,7 +235,7 @@ typedef struct look {
     pl_curved *curved;
     uint8_t *state;
     int64_t n;  /* found; shared */
-    int of_all; /* elements of order 1, too */
+    int of_all; /* elements of order 1, too, and corners that have turned */
 } look;
 
 /** Exact sign of the corners of an element. */
@@ -320,6 +320,11 @@ static int is_valid_alone(const pl_curved *c, int64_t element, int at_start, blo
     return is_valid(c, b, 0);
 }
 
+/** Whether corners of an element were positive and are not any more. */
+static int has_turned(const pl_curved *c, int64_t element) {
+    return !has_positive_corners(c, element, 0) && has_positive_corners(c, element, 1);
+}
+
 /** Mark elements [n] of b that are not valid and were. */
 static int64_t mark_broken(look *s, block *b, const int64_t *element) {
     block alone;
@@ -327,7 +332,8 @@ static int64_t mark_broken(look *s, block *b, const int64_t *element) {
     if (b->n > 0)
         evaluate(s->curved, b);
     for (int l = 0; l < b->n; l++)
-        if (!is_valid(s->curved, b, l) && is_valid_alone(s->curved, element[l], 1, &alone)) {
+        if (!is_valid(s->curved, b, l) && (is_valid_alone(s->curved, element[l], 1, &alone) ||
+                                           (s->of_all && has_turned(s->curved, element[l])))) {
             s->state[element[l]] = 1;
             n++;
         }
@@ -350,7 +356,7 @@ static void broken_chunk(void *context, int64_t begin, int64_t end, int thread) 
         if (is_order_2(c, e)) {
             element[b.n] = e;
             add(c, e, 0, &b);
-        } else if (s->of_all && !has_positive_corners(c, e, 0) && has_positive_corners(c, e, 1)) {
+        } else if (s->of_all && has_turned(c, e)) {
             s->state[e] = 1;
             n++;
         }

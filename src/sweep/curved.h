@@ -111,8 +111,8 @@ static inline int pl_curved_watches(const pl_curved *c, int32_t node) {
 int pl_curved_admit(pl_curved *curved, int32_t node, const double *way);
 
 /** Mark in state [n_elements of the plan] with 1 the elements that were valid when the run began
- *  and are not any more, and leave the other entries; returns their number. Elements of order 1
- *  count only if there is one of order 2 that is marked. */
+ *  and are not any more, and leave the other entries; returns their number. If there is one of order
+ *  2, elements of order 1 and those whose corners have turned count, too. */
 int64_t pl_curved_find_broken(const pl_curved *curved, uint8_t *state);
 
 #endif
