@@ -86,7 +86,8 @@ static int measure(const planish_mesh *mesh, double rounding, cells_call *c,
     c->sign = pl_alloc(c->cells.n, sizeof *c->sign);
     if (!c->sign)
         return pl_fail_memory(error, "the measures of elements");
-    int status = pl_orient_cells(&c->cells, mesh->dim, coordinates, c->sign, error);
+    int status = pl_orient_cells(&c->cells, mesh->dim, mesh->n_nodes, coordinates, c->threads,
+                                 c->sign, error);
     if (status)
         return status;
     const pl_cell_mesh cells = {mesh->dim, &c->cells, coordinates, c->sign, rounding};

@@ -6,8 +6,12 @@
  * would be one of the other handedness. Of each set of joined elements the sign of most is the right
  * one. Elements that nothing joins, as where each has nodes of its own, have that of most of their
  * type.
+ *
+ * Facets are listed at their lowest nodes, and compared there, on all threads. Then elements are
+ * joined one after the other: in a mesh that has no orientation their order decides.
  */
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "base/status.h"
 #include "geometry/cell.h"
 #include "geometry/simplex.h"
@@ -15,7 +19,13 @@
 
 #include <string.h>
 
-enum { FACET_NODES = 4, FACETS = 8 /* numbers of facets of an element, for numbering all */ };
+enum {
+    FACET_NODES = 4,
+    FACETS = 8,       /* numbers of facets of an element, for numbering all */
+    FEW = 64,         /* facets at a node that are compared one by one; more are sorted */
+    CHUNK = 4096,     /* elements, */
+    NODE_CHUNK = 1024 /* or nodes, that one thread looks at at a time */
+};
 
 /** Facet as it is compared: the lowest node, the lower one beside it, and so on around; -1: none. */
 typedef struct facet {
@@ -27,11 +37,15 @@ typedef struct facet {
 /** Sets of elements with one handedness (union-find with parity). */
 typedef struct cell_sets {
     const planish_cells *cells;
+    const double *coordinates;
     int dim;
     int32_t *parent; /* [n] an element of the same set; itself: it stands for the set */
     int8_t *flip;    /* [n] -1: of the other handedness than parent, else 1 */
-    int64_t *slot;   /* [mask + 1] FACETS * element + facet, or -1 */
-    int64_t mask;
+    int64_t *end;    /* [n_nodes + 1] where the facets of each lowest node end in listed */
+    int64_t *listed; /* [number of facets] FACETS * element + facet */
+    uint32_t
+        *joins;   /* [FACETS * n] 0, or 1 + (element to join << 1 | it has the same handedness) */
+    int8_t *sign; /* [n] the result */
 } cell_sets;
 
 static const pl_cell_type *counted_type(const cell_sets *s, int64_t element) {
@@ -64,15 +78,6 @@ static int find_facet(const cell_sets *s, int64_t element, int k, facet *f) {
     for (int i = 0; i < n; i++)
         f->node[i] = around[(lowest + (n == 2 ? i : f->direction * i) + n) % n];
     return 1;
-}
-
-static uint64_t hash_of(const facet *f) {
-    uint64_t hash = 0;
-    for (int i = 0; i < FACET_NODES; i++) {
-        hash = (hash ^ (uint32_t)f->node[i]) * 0x9e3779b97f4a7c15u;
-        hash ^= hash >> 29;
-    }
-    return hash;
 }
 
 /** Return what stands for the set of an element; *flip: the element's handedness against it. */
@@ -114,37 +119,162 @@ static int is_same(const cell_sets *s, int64_t a, int64_t b) {
                   (size_t)n * sizeof *s->cells->node) == 0;
 }
 
-/** Put facet k of an element into the table, or join the element with the one that has it. */
-static void add_facet(cell_sets *s, int64_t element, int k) {
-    facet own, other;
-    if (!find_facet(s, element, k, &own))
-        return;
-    for (int64_t at = (int64_t)(hash_of(&own) & (uint64_t)s->mask);; at = (at + 1) & s->mask) {
-        if (s->slot[at] < 0) {
-            s->slot[at] = FACETS * element + k;
-            return;
-        }
-        find_facet(s, s->slot[at] / FACETS, (int)(s->slot[at] % FACETS), &other);
-        if (memcmp(own.node, other.node, sizeof own.node) == 0) {
-            if (!is_same(s, s->slot[at] / FACETS, element))
-                join(s, (int32_t)(s->slot[at] / FACETS), (int32_t)element,
-                     own.direction == other.direction ? -1 : 1);
-            return;
+/* ---- facets by their lowest nodes --------------------------------------------------------------- */
+
+/** Lowest node of facet k of an element. */
+static int32_t lowest_of(const cell_sets *s, const pl_cell_shape *shape, int64_t element, int k) {
+    const int32_t *node = s->cells->node + s->cells->offset[element];
+    int32_t lowest = node[shape->facet[k][0]];
+    for (int i = 1; i < FACET_NODES && shape->facet[k][i] >= 0; i++) {
+        const int32_t next = node[shape->facet[k][i]];
+        lowest = next < lowest ? next : lowest;
+    }
+    return lowest;
+}
+
+static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const cell_sets *s = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const pl_cell_type *type = counted_type(s, i);
+        for (int k = 0; type && k < type->shape->n_facets; k++)
+            __atomic_fetch_add(&s->end[lowest_of(s, type->shape, i, k)], 1, __ATOMIC_RELAXED);
+    }
+}
+
+/** List the facets, in any order; end becomes what it says from where the lists begin. */
+static void list_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const cell_sets *s = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const pl_cell_type *type = counted_type(s, i);
+        for (int k = 0; type && k < type->shape->n_facets; k++) {
+            int64_t *at = &s->end[lowest_of(s, type->shape, i, k)];
+            s->listed[__atomic_fetch_add(at, 1, __ATOMIC_RELAXED)] = FACETS * i + k;
         }
     }
 }
 
+static int find_listed(const cell_sets *s, int64_t listed, facet *f) {
+    return find_facet(s, listed / FACETS, (int)(listed % FACETS), f);
+}
+
+/** Note that a facet is that of an earlier one, the first of its kind. */
+static void note_join(const cell_sets *s, int64_t first, const facet *of_first, int64_t later,
+                      const facet *of_later) {
+    if (is_same(s, first / FACETS, later / FACETS))
+        return;
+    const uint32_t same = of_first->direction != of_later->direction;
+    s->joins[later] = 1 + ((uint32_t)(first / FACETS) << 1 | same);
+}
+
+/** Compare the facets of a node, a few. */
+static void compare_few(const cell_sets *s, int64_t *listed, int n) {
+    facet facets[FEW];
+    int is_there[FEW];
+    for (int i = 0; i < n; i++) { /* in order */
+        const int64_t own = listed[i];
+        int k = i;
+        for (; k > 0 && listed[k - 1] > own; k--)
+            listed[k] = listed[k - 1];
+        listed[k] = own;
+    }
+    for (int i = 0; i < n; i++) {
+        is_there[i] = find_listed(s, listed[i], &facets[i]);
+        for (int k = 0; is_there[i] && k < i; k++)
+            if (is_there[k] && memcmp(facets[i].node, facets[k].node, sizeof facets[i].node) == 0) {
+                note_join(s, listed[k], &facets[k], listed[i], &facets[i]);
+                break;
+            }
+    }
+}
+
+/** Order of facets by nodes, then as they are numbered; those that are none come first. */
+static int is_before(const cell_sets *s, int64_t a, int64_t b) {
+    facet of_a = {.n = 0}, of_b = {.n = 0};
+    const int has_a = find_listed(s, a, &of_a), has_b = find_listed(s, b, &of_b);
+    const int order =
+        has_a && has_b ? memcmp(of_a.node, of_b.node, sizeof of_a.node) : has_a - has_b;
+    return order != 0 ? order < 0 : a < b;
+}
+
+/** Let listed[top] sink in the heap listed [n]. */
+static void sink(const cell_sets *s, int64_t *listed, int64_t n, int64_t top) {
+    for (int64_t next = 2 * top + 1; next < n; next = 2 * top + 1) {
+        if (next + 1 < n && is_before(s, listed[next], listed[next + 1]))
+            next++;
+        if (is_before(s, listed[next], listed[top]))
+            return;
+        const int64_t own = listed[top];
+        listed[top] = listed[next];
+        listed[next] = own;
+        top = next;
+    }
+}
+
+/** Compare the facets of a node with many: they are sorted first. */
+static void compare_many(const cell_sets *s, int64_t *listed, int64_t n) {
+    for (int64_t top = n / 2; top-- > 0;)
+        sink(s, listed, n, top);
+    for (int64_t last = n; last-- > 1;) {
+        const int64_t own = listed[last];
+        listed[last] = listed[0];
+        listed[0] = own;
+        sink(s, listed, last, 0);
+    }
+    facet first, later;
+    int64_t i = 0;
+    while (i < n && !find_listed(s, listed[i], &first))
+        i++;
+    for (int64_t k = i + 1; k < n; k++) {
+        find_listed(s, listed[k], &later);
+        if (memcmp(first.node, later.node, sizeof first.node) == 0) {
+            note_join(s, listed[i], &first, listed[k], &later);
+        } else {
+            first = later;
+            i = k;
+        }
+    }
+}
+
+static void compare_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const cell_sets *s = context;
+    (void)thread;
+    for (int64_t node = begin; node < end; node++) {
+        const int64_t from = node > 0 ? s->end[node - 1] : 0, n = s->end[node] - from;
+        if (n <= FEW)
+            compare_few(s, s->listed + from, (int)n);
+        else
+            compare_many(s, s->listed + from, n);
+    }
+}
+
+/** Join the elements at both sides of all facets. */
+static void join_all(cell_sets *s) {
+    for (int64_t i = 0; i < s->cells->n; i++) {
+        s->parent[i] = (int32_t)i;
+        s->flip[i] = 1;
+        for (int k = 0; k < FACETS; k++) {
+            const uint32_t join_with = s->joins[FACETS * i + k];
+            if (join_with > 0)
+                join(s, (int32_t)((join_with - 1) >> 1), (int32_t)i, (join_with - 1) & 1 ? 1 : -1);
+        }
+    }
+}
+
+/* ---- signs ------------------------------------------------------------------------------------- */
+
 /** Sign of an element by its corners together; 0: flat. */
-static int sign_by_corners(const cell_sets *s, const double *coordinates, int64_t element) {
+static int sign_by_corners(const cell_sets *s, int64_t element) {
     const pl_cell_shape *shape = counted_type(s, element)->shape;
     const int32_t *node = s->cells->node + s->cells->offset[element];
     double sum = 0;
     for (int c = 0; c < shape->n_measured; c++) {
         double edges[3][3] = {{0}};
-        const double *from = coordinates + (int64_t)node[c] * s->dim;
+        const double *from = s->coordinates + (int64_t)node[c] * s->dim;
         for (int j = 0; j < s->dim; j++)
-            pl_subtract(s->dim, coordinates + (int64_t)node[shape->neighbour[c][j]] * s->dim, from,
-                        edges[j]);
+            pl_subtract(s->dim, s->coordinates + (int64_t)node[shape->neighbour[c][j]] * s->dim,
+                        from, edges[j]);
         sum += pl_determinant_of_edges(s->dim, edges);
     }
     return sum > 0 ? 1 : sum < 0 ? -1 : 0;
@@ -155,56 +285,63 @@ typedef struct set_count {
     int64_t surplus, n;
 } set_count;
 
-/** Find the sign of each element. count [n], zeroed, is for the sets. */
-static void find_signs(cell_sets *s, const double *coordinates, set_count *count, int8_t *sign) {
+static void find_own_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const cell_sets *s = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        s->sign[i] = (int8_t)(counted_type(s, i) ? sign_by_corners(s, i) : 0);
+}
+
+/** Find the sign of each element from its own. count [n], zeroed, is for the sets. */
+static void find_signs(cell_sets *s, set_count *count) {
     int64_t of_type[UINT8_MAX + 1] = {0};
     int flip;
     for (int64_t i = 0; i < s->cells->n; i++)
         if (counted_type(s, i)) {
-            const int own = sign_by_corners(s, coordinates, i);
             const int32_t set = find_set(s, (int32_t)i, &flip);
-            of_type[s->cells->type[i]] += own;
-            count[set].surplus += flip * own;
+            of_type[s->cells->type[i]] += s->sign[i];
+            count[set].surplus += flip * s->sign[i];
             count[set].n++;
         }
     for (int64_t i = 0; i < s->cells->n; i++) {
         const int32_t set = find_set(s, (int32_t)i, &flip);
         const int is_alone = count[set].n == 1;
         const int64_t surplus = is_alone ? of_type[s->cells->type[i]] : count[set].surplus;
-        sign[i] = (int8_t)(surplus >= 0 ? flip : -flip);
+        s->sign[i] = (int8_t)(surplus >= 0 ? flip : -flip);
     }
 }
 
-int pl_orient_cells(const planish_cells *cells, int dim, const double *coordinates, int8_t *sign,
-                    planish_error *error) {
-    cell_sets s = {.cells = cells, .dim = dim};
-    int64_t n_facets = 0, n_slots = 1;
-    for (int64_t i = 0; i < cells->n; i++) {
-        const pl_cell_type *type = counted_type(&s, i);
-        n_facets += type ? type->shape->n_facets : 0;
-    }
-    while (n_slots < n_facets + n_facets / 2)
-        n_slots *= 2;
-    s.mask = n_slots - 1;
-    s.slot = pl_alloc(n_slots, sizeof *s.slot);
-    s.parent = pl_alloc(cells->n, sizeof *s.parent);
-    s.flip = pl_alloc(cells->n, sizeof *s.flip);
-    set_count *count = pl_alloc_zero(cells->n, sizeof *count);
-    const int is_there = s.slot && s.parent && s.flip && count;
+/** Find out which elements facets join; s->end is zero. */
+static int find_joins(cell_sets *s, int64_t n_nodes, int threads) {
+    const int64_t n = s->cells->n;
+    pl_parallel_for(threads, n, CHUNK, count_chunk, s);
+    s->listed = pl_alloc(pl_prefix_sum(threads, n_nodes, s->end), sizeof *s->listed);
+    if (!s->listed)
+        return 0;
+    pl_parallel_for(threads, n, CHUNK, list_chunk, s);
+    pl_parallel_for(threads, n_nodes, NODE_CHUNK, compare_chunk, s);
+    return 1;
+}
+
+int pl_orient_cells(const planish_cells *cells, int dim, int64_t n_nodes, const double *coordinates,
+                    int threads, int8_t *sign, planish_error *error) {
+    const int64_t n = cells->n;
+    cell_sets s = {.cells = cells, .coordinates = coordinates, .dim = dim, .sign = sign};
+    s.end = pl_alloc_zero(n_nodes + 1, sizeof *s.end);
+    s.joins = pl_alloc_zero(FACETS * n, sizeof *s.joins);
+    int is_there = s.end && s.joins && find_joins(&s, n_nodes, threads);
+    pl_free(s.end);
+    pl_free(s.listed);
+    s.parent = pl_alloc(is_there ? n : -1, sizeof *s.parent);
+    s.flip = pl_alloc(is_there ? n : -1, sizeof *s.flip);
+    set_count *count = pl_alloc_zero(is_there ? n : -1, sizeof *count);
+    is_there = s.parent && s.flip && count;
     if (is_there) {
-        memset(s.slot, -1, (size_t)n_slots * sizeof *s.slot);
-        for (int64_t i = 0; i < cells->n; i++) {
-            s.parent[i] = (int32_t)i;
-            s.flip[i] = 1;
-        }
-        for (int64_t i = 0; i < cells->n; i++) {
-            const pl_cell_type *type = counted_type(&s, i);
-            for (int k = 0; type && k < type->shape->n_facets; k++)
-                add_facet(&s, i, k);
-        }
-        find_signs(&s, coordinates, count, sign);
+        join_all(&s);
+        pl_parallel_for(threads, n, CHUNK, find_own_chunk, &s);
+        find_signs(&s, count);
     }
-    pl_free(s.slot);
+    pl_free(s.joins);
     pl_free(s.parent);
     pl_free(s.flip);
     pl_free(count);

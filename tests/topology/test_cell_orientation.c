@@ -4,12 +4,15 @@
 
 #include "support/effort.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
 #include <stdint.h>
 #include <string.h>
 #include <cmocka.h>
+
+static const double PI = 3.14159265358979323846;
 
 enum { SIDE = 4, NODES = (SIDE + 1) * (SIDE + 1) * (SIDE + 1), MOST = 2 * SIDE * SIDE * SIDE };
 
@@ -82,7 +85,9 @@ static void signs_are_those_of_turned_elements(void **state) {
     const int64_t n = effort(200, 20000);
     for (int64_t repeat = 0; repeat < n; repeat++) {
         make(&m, repeat % 2 ? 3 : 2, random_unit(&random), 0.2, &random);
-        assert_int_equal(pl_orient_cells(&m.cells, m.dim, m.coordinates, sign, NULL), PLANISH_OK);
+        assert_int_equal(pl_orient_cells(&m.cells, m.dim, NODES, m.coordinates,
+                                         1 + (int)(repeat % 3), sign, NULL),
+                         PLANISH_OK);
         assert_memory_equal(sign, m.turned, (size_t)m.cells.n);
     }
 }
@@ -97,7 +102,9 @@ static void inverted_elements_do_not_change_signs(void **state) {
         make(&m, repeat % 2 ? 3 : 2, 0.5, 0.1, &random);
         const int32_t middle = number(SIDE / 2, SIDE / 2, m.dim == 3 ? SIDE / 2 : 0);
         m.coordinates[middle * m.dim] += 1.8;
-        assert_int_equal(pl_orient_cells(&m.cells, m.dim, m.coordinates, sign, NULL), PLANISH_OK);
+        assert_int_equal(pl_orient_cells(&m.cells, m.dim, NODES, m.coordinates,
+                                         1 + (int)(repeat % 3), sign, NULL),
+                         PLANISH_OK);
         assert_memory_equal(sign, m.turned, (size_t)m.cells.n);
     }
 }
@@ -112,10 +119,71 @@ static void elements_that_nothing_joins_have_the_sign_of_their_type(void **state
     static const double coordinates[] = {0, 0, 1, 0, 1, 1, 0, 1, 2, 0, 3, 0, 3, 1, 2, 1};
     const planish_cells cells = {.n = 5, .type = type, .offset = offset, .node = node};
     int8_t sign[5];
-    assert_int_equal(pl_orient_cells(&cells, 2, coordinates, sign, NULL), PLANISH_OK);
+    assert_int_equal(pl_orient_cells(&cells, 2, 8, coordinates, 1, sign, NULL), PLANISH_OK);
     for (int i = 1; i < 4; i++)
         assert_int_equal(sign[i], -1);
     assert_int_equal(sign[4], 1);
+}
+
+/* Wedges around an axis: all of their facets but the outer ones have its lower node. */
+static void many_elements_may_be_around_a_node(void **state) {
+    (void)state;
+    enum { N = 100, RING = 2 + 2 * N };
+    static uint8_t type[N];
+    static int64_t offset[N + 1];
+    static int32_t node[6 * N];
+    static double coordinates[RING * 3];
+    int8_t turned[N], sign[N];
+    uint64_t random = effort_seed(3);
+    for (int i = 0; i < RING; i++) { /* the axis, then pairs around it */
+        coordinates[i * 3] = i < 2 ? 0 : cos(2 * PI * (i / 2) / N);
+        coordinates[i * 3 + 1] = i < 2 ? 0 : sin(2 * PI * (i / 2) / N);
+        coordinates[i * 3 + 2] = i % 2;
+    }
+    for (int i = 0; i < N; i++) {
+        const int32_t a = 2 + 2 * i, b = 2 + 2 * ((i + 1) % N), at[] = {0, a, b, 1, a + 1, b + 1};
+        const int turn = random_unit(&random) < 0.4;
+        type[i] = PLANISH_CELL_WEDGE;
+        offset[i + 1] = offset[i] + 6;
+        turned[i] = turn ? -1 : 1;
+        for (int k = 0; k < 6; k++)
+            node[6 * i + k] = at[turn ? (k + 3) % 6 : k];
+    }
+    coordinates[2 * 3] = -0.5; /* two elements are inverted, and turned[] is what it was */
+    const planish_cells cells = {.n = N, .type = type, .offset = offset, .node = node};
+    for (int threads = 1; threads <= 3; threads++) {
+        assert_int_equal(pl_orient_cells(&cells, 3, RING, coordinates, threads, sign, NULL), 0);
+        assert_memory_equal(sign, turned, N);
+    }
+}
+
+/* A Moebius strip has no orientation: some is found, the same for any number of threads. */
+static void strips_without_orientation_are_taken(void **state) {
+    (void)state;
+    enum { N = 50 };
+    static uint8_t type[N];
+    static int64_t offset[N + 1];
+    static int32_t node[4 * N];
+    static double coordinates[4 * N];
+    int8_t first[N], sign[N];
+    for (int i = 0; i < N; i++) {
+        const int next = (i + 1) % N, is_last = i + 1 == N;
+        const int32_t at[] = {2 * i, 2 * next + is_last, 2 * next + !is_last, 2 * i + 1};
+        type[i] = PLANISH_CELL_QUADRILATERAL;
+        offset[i + 1] = offset[i] + 4;
+        memcpy(node + 4 * i, at, sizeof at);
+        coordinates[4 * i] = coordinates[4 * i + 2] = i;
+        coordinates[4 * i + 3] = 1;
+    }
+    const planish_cells cells = {.n = N, .type = type, .offset = offset, .node = node};
+    for (int threads = 1; threads <= 3; threads++) {
+        assert_int_equal(pl_orient_cells(&cells, 2, 2 * N, coordinates, threads, sign, NULL), 0);
+        if (threads == 1)
+            memcpy(first, sign, sizeof first);
+        assert_memory_equal(sign, first, N);
+    }
+    for (int i = 0; i < N - 1; i++)
+        assert_int_equal(sign[i], 1);
 }
 
 int main(void) {
@@ -123,6 +191,8 @@ int main(void) {
         cmocka_unit_test(signs_are_those_of_turned_elements),
         cmocka_unit_test(inverted_elements_do_not_change_signs),
         cmocka_unit_test(elements_that_nothing_joins_have_the_sign_of_their_type),
+        cmocka_unit_test(many_elements_may_be_around_a_node),
+        cmocka_unit_test(strips_without_orientation_are_taken),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
