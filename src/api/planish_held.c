@@ -113,8 +113,8 @@ static uint8_t reason_of(const hold_search *s, int64_t node) {
     return reason & (uint8_t)~PLANISH_HELD_DOUBLED ? reason : reason | PLANISH_HELD_NONMANIFOLD;
 }
 
-/** Give mids the reasons of their ends, or none if an end moves, and nodes of other elements that of
- *  fixed nodes. */
+/** Give mids the reasons of their ends, or none if an end moves. Nodes of other elements are fixed.
+ */
 static void give_reasons_of_cells(const planish_plan *plan, uint8_t *reason) {
     const planish_cells *cells = &plan->cells;
     const int k = plan->dim + 1;

@@ -1,8 +1,8 @@
 /* corners: a mesh of any elements as one of simplices.
  *
- * In goes a mesh with cells. Out come the corners of its smoothed elements, arrays that go by these,
- * and what cells say of nodes: which are mids of edges, and which corners stay. Cells that are
- * linear simplices in order are elements as they stand.
+ * In goes a mesh with cells. Out come the corners of its smoothed elements, arrays that go by these
+ * elements, and the roles of nodes: mids of edges, corners that stay. Cells that are linear simplices
+ * in order are elements as they stand.
  */
 #include "topology/cells.h"
 #include "topology/points.h"

@@ -282,7 +282,7 @@ static void measures_agree_with_plain_loops(void **state) {
             }
             assert_int_equal(n_type, of->n_elements);
             assert_true(n <= n_type - of->n_inverted);
-            if (pl_cell_type_of(q.type[r])->order == 1)
+            if (pl_cell_type_of((int)q.type[r])->order == 1)
                 assert_int_equal(n, n_type - of->n_inverted);
             assert_true(of->max_aspect_ratio == largest);
             assert_int_equal(of->worst_element, worst);
