@@ -1194,6 +1194,134 @@ static void wrong_facets_are_refused(void **state) {
     }
 }
 
+/* ---- anything --------------------------------------------------------------------------------- */
+
+enum { MOST_RANDOM = 40, RANDOM_NODES = 24 };
+
+/** A copy of exactly n bytes, so that sanitizers see what is read beyond. */
+static void *exactly(const void *bytes, size_t n) {
+    void *copy = malloc(n > 0 ? n : 1);
+    assert_non_null(copy);
+    memcpy(copy, bytes, n);
+    return copy;
+}
+
+/** Draw elements, most of which are right: of any types, nodes anywhere. */
+static planish_cells random_cells(uint64_t *random, int is_damaged) {
+    static const int TYPES[][2] = {{1, 1},   {3, 2},   {5, 3},   {9, 4},  {10, 4},  {12, 8},
+                                   {13, 6},  {14, 5},  {21, 3},  {22, 6}, {23, 8},  {24, 10},
+                                   {25, 20}, {26, 15}, {27, 13}, {28, 9}, {29, 27}, {32, 18},
+                                   {10, 4},  {24, 10}, {5, 3},   {22, 6}, {24, 10}, {22, 6}};
+    enum { N_TYPES = sizeof TYPES / sizeof *TYPES, SIMPLICES = 18 };
+    uint8_t type[MOST_RANDOM];
+    int64_t offset[MOST_RANDOM + 1] = {0};
+    int32_t node[27 * MOST_RANDOM];
+    const int64_t n = random_below(random, MOST_RANDOM + 1);
+    for (int64_t i = 0; i < n; i++) {
+        const int64_t t = random_below(random, 3) ? SIMPLICES + random_below(random, 6)
+                                                  : random_below(random, N_TYPES);
+        type[i] = (uint8_t)TYPES[t][0];
+        offset[i + 1] = offset[i] + TYPES[t][1];
+        const int64_t first = random_below(random, RANDOM_NODES);
+        for (int j = 0; j < TYPES[t][1]; j++) /* 5 and 24 have no common divisor: none twice */
+            node[offset[i] + j] = (int32_t)((first + 5 * j) % RANDOM_NODES);
+        if (TYPES[t][1] == 10 && random_below(random, 4) == 0)
+            node[offset[i] + 4 + random_below(random, 6)] = -1;
+    }
+    if (is_damaged && n > 0) {
+        const int64_t i = random_below(random, n), k = random_below(random, 4);
+        type[i] = k == 0 ? (uint8_t)random_below(random, 256) : type[i];
+        offset[i] += k == 1 ? random_below(random, 5) - 2 : 0;
+        node[random_below(random, offset[n])] =
+            (int32_t)random_below(random, RANDOM_NODES + 6) - (k == 2 ? 3 : 0);
+    }
+    const int64_t last = offset[n] > 27 * MOST_RANDOM ? 0 : offset[n];
+    return (planish_cells){.n = n,
+                           .type = exactly(type, (size_t)n),
+                           .offset = exactly(offset, (size_t)(n + 1) * sizeof *offset),
+                           .node = exactly(node, (size_t)last * sizeof *node)};
+}
+
+/** Whether a call said yes, or what is wrong with the mesh. */
+static int is_answer(int status, const planish_error *error) {
+    assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MESH ||
+                status == PLANISH_ERROR_ARGUMENT);
+    assert_true(!status || error->text[0]);
+    return status == PLANISH_OK;
+}
+
+/** All calls on a mesh, x its coordinates. */
+static int call_everything(planish_mesh *mesh, double *x) {
+    const size_t n = (size_t)mesh->n_nodes, m = (size_t)mesh->n_elements;
+    uint8_t *of_nodes = malloc(n + 1), *of_cells = malloc(m + 1), *slides = malloc(n + 1);
+    double *direction = malloc((3 * n + 1) * sizeof *direction);
+    double *ratio = malloc((m + 1) * sizeof *ratio);
+    int32_t *region = calloc(m + 1, sizeof *region);
+    planish_options options = defaults();
+    planish_plan *plan = NULL;
+    planish_cell_quality quality;
+    planish_error error;
+    int64_t count;
+    for (size_t i = 0; i < m; i++)
+        region[i] = (int32_t)(i % 3);
+    options.max_sweeps = 2;
+    const planish_surface surface = {.region = region};
+    is_answer(planish_measure_cells(mesh, 0, 1, &quality, NULL, &error), &error);
+    is_answer(planish_find_layers(mesh, 1, of_cells, &count, &error), &error);
+    is_answer(planish_find_interfaces(mesh, region, 1, of_nodes, &count, &error), &error);
+    if (is_answer(planish_find_slides(mesh, &surface, 1, slides, direction, NULL, &error),
+                  &error)) {
+        mesh->constraint = slides;
+        mesh->direction = direction;
+    }
+    const int is_made = is_answer(planish_plan_create(mesh, &options, &plan, &error), &error);
+    if (is_made) {
+        assert_int_equal(planish_plan_get_held(plan, x, of_nodes, &error), 0);
+        assert_int_equal(planish_measure_elements(plan, x, ratio, &error), 0);
+        assert_int_equal(planish_smooth(plan, x, &options, NULL, &error), 0);
+        assert_int_equal(planish_check_volumes(plan, x, &options, of_cells, &count, NULL, &error),
+                         0);
+        for (size_t i = 0; i < n; i++) /* what has a reason is where it was */
+            for (int d = 0; d < mesh->dim && of_nodes[i]; d++)
+                assert_true(x[i * (size_t)mesh->dim + (size_t)d] ==
+                            mesh->coordinates[i * (size_t)mesh->dim + (size_t)d]);
+    }
+    planish_plan_destroy(plan);
+    free(of_nodes);
+    free(of_cells);
+    free(slides);
+    free(direction);
+    free(ratio);
+    free(region);
+    return is_made;
+}
+
+static void any_cells_are_taken_or_refused(void **state) {
+    (void)state;
+    uint64_t random = effort_seed(31);
+    int64_t n_made = 0, n = effort(600, 60000);
+    for (int64_t i = 0; i < n; i++) {
+        const int dim = 2 + (int)(i % 2);
+        planish_cells cells = random_cells(&random, i % 3 == 0);
+        double x[3 * RANDOM_NODES];
+        for (int k = 0; k < dim * RANDOM_NODES; k++)
+            x[k] = i % 5 == 0 ? (double)random_below(&random, 3) : random_unit(&random);
+        double *start = exactly(x, (size_t)(dim * RANDOM_NODES) * sizeof *x);
+        planish_mesh mesh = {.dim = dim,
+                             .n_nodes = RANDOM_NODES,
+                             .n_elements = cells.n,
+                             .coordinates = start,
+                             .cells = &cells};
+        n_made += call_everything(&mesh, x);
+        free(start);
+        free((void *)cells.type);
+        free((void *)cells.offset);
+        free((void *)cells.node);
+    }
+    assert_true(n_made > n / 4 && n_made < n);
+    figure("%d random meshes of cells, plans of %d", (int)n, (int)n_made);
+}
+
 /* ---- memory ----------------------------------------------------------------------------------- */
 
 static void look_at_shape(const pair *p, faults *f) {
@@ -1306,6 +1434,7 @@ int main(void) {
         cmocka_unit_test(wrong_meshes_are_refused),
         cmocka_unit_test(wrong_linear_cells_are_refused),
         cmocka_unit_test(wrong_facets_are_refused),
+        cmocka_unit_test(any_cells_are_taken_or_refused),
         cmocka_unit_test(failed_allocations_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
