@@ -529,7 +529,8 @@ class Meshes(unittest.TestCase):
     def test_polyhedra_and_lines(self):
         nodes = self.held.ravel().tolist()
         uneven = [[nodes, nodes[:2]], [nodes[:1], nodes[1:]]]
-        self.check(Mesh(self.points, cells=[Block("tetra", self.cells), Block("polyhedron6", uneven)]))
+        self.check(Mesh(self.points, cells=[Block("tetra", self.cells), Block("polyhedron6", uneven),
+                                            Block("polygon", []), Block("line", np.zeros((0, 2)))]))
 
     def test_faces_of_others(self):
         points, cells, inside = box(2)

@@ -516,7 +516,9 @@ def _nodes_of(data: Any) -> np.ndarray:
 def _block(name: Any, data: Any, at: np.ndarray, values: dict[str, Any]) -> _Block:
     """Cells of a type by its name or number."""
     nodes, (kind, order) = _nodes_of(data), _type_of(name)
-    if nodes.size and nodes.dtype.kind not in "iu":
+    if not nodes.size:
+        nodes = nodes.astype(np.int64)
+    if nodes.dtype.kind not in "iu":
         raise TypeError(f"cells of type {name} must be integers, not {nodes.dtype}")
     if kind is None:
         return _Block(None, name, nodes.ravel(), at, values)
