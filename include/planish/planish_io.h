@@ -102,15 +102,17 @@ PLANISH_API const char *planish_file_unterminated_path(const planish_file *file)
  *  [n_nodes] (may be NULL) is filled with 0 or 1. Returns the number of these nodes. */
 PLANISH_API int64_t planish_file_get_parametric(const planish_file *file, uint8_t *parametric);
 
-/** Return the mesh. The file owns its arrays. Triangles have coordinates in their plane
- *  (planish_file_plane). constraint is NULL: the caller sets it to the array that
- *  planish_file_constraints fills in. */
+/** Return the mesh. The file owns its arrays. Its elements are the triangles or tetrahedra of order 1
+ *  and 2; if any is of order 2 they are mesh.cells, in place of mesh.elements. Triangles have
+ *  coordinates in their plane (planish_file_plane). constraint is NULL: the caller sets it to the
+ *  array that planish_file_constraints fills in. */
 PLANISH_API planish_mesh planish_file_mesh(const planish_file *file);
 
 /** Find all elements of the file's highest dimension for planish_measure_cells: the n_elements of
  *  planish_file_mesh, in their order, and then the others in the file's order. Their nodes are in
  *  VTK's order. Elements that no planish_cell_type stands for are left out (polyhedra, third
- *  order). The file owns the arrays, which are made at the first call. Errors: _MEMORY. */
+ *  order). The file owns the arrays, which are made at the first call or, of a mesh with elements of
+ *  order 2, when it is opened. Errors: _MEMORY. */
 PLANISH_API int planish_file_cells(planish_file *file, planish_cells *cells, planish_error *error);
 
 /** Coordinates [n_nodes][dim] of planish_file_mesh, in the file's units, to be changed in place. */
@@ -208,7 +210,7 @@ PLANISH_API int planish_file_get_held(const planish_file *file, const planish_ho
 PLANISH_API int64_t planish_file_get_marked(const planish_file *file, uint8_t *marked);
 
 /** Return the file's surface for planish_find_slides: regions, the triangles (2-D: lines) and
- *  lines with their groups as tags, and a tolerance that fits the digits of the file. Use it
+ *  lines, by their corners, with their groups as tags, and a tolerance that fits the digits of the file. Use it
  *  together with the constraints that planish_file_constraints finds for the same hold (with
  *  slide). The file owns the arrays. */
 PLANISH_API planish_surface planish_file_surface(const planish_file *file,

@@ -41,6 +41,54 @@ static planish_file *read_grid(const double u[3], const double v[3], double orig
     return file;
 }
 
+/* Six triangles of second order with corners A B C D P Q, tilted by z = x / 2 + y / 4. */
+static const char curved[] =
+    "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 17 double\n"
+    "0 0 0 4 0 2 4 4 3 0 4 1 1 2 1 3 2 2 2 0 1 2.5 1 1.5 .5 1 .5 3.5 1 2 2 2 1.5 4 2 2.5\n"
+    "3.5 3 2.5 2.5 3 2 2 4 2 .5 3 1 0 2 .5\n";
+static const char curved_cells[] =
+    "CELLS 6 42\n6 0 1 4 6 7 8\n6 1 5 4 9 10 7\n6 1 2 5 11 12 9\n6 2 4 5 13 10 12\n"
+    "6 2 3 4 14 15 13\n6 3 0 4 16 8 15\nCELL_TYPES 6\n22 22 22 22 22 22\n";
+
+/** Where a corner goes back, mids of its edges are half the way of the other end from their places. */
+static void mids_follow_a_corner_that_goes_back(void **state) {
+    (void)state;
+    enum { B = 1, P = 4, Q = 5, NODES_HERE = 17, MID_BP = 7, MID_BQ = 9, MID_PQ = 10 };
+    char text[1024];
+    planish_file *file;
+    planish_error error;
+    uint8_t back[NODES_HERE] = {0};
+    double start[2 * NODES_HERE], way[2] = {0.0625, 0.125};
+    int64_t n = 0;
+    const int length = snprintf(text, sizeof text, "%s%s", curved, curved_cells);
+    if (io_file_from_memory(&io_format_vtk, "test", text, length, 1, &file, &error))
+        fail_msg("%s", error.text);
+    double *uv = planish_file_coordinates(file);
+    const planish_mesh mesh = planish_file_mesh(file);
+    assert_true(mesh.dim == 2 && file->model.plane.is_tilted);
+    memcpy(start, uv, sizeof start);
+    for (int d = 0; d < 2; d++) {
+        uv[2 * P + d] += way[d];
+        uv[2 * Q + d] += way[d];
+        for (int mid = MID_BP; mid < NODES_HERE; mid++) { /* as planish_smooth does */
+            const int n_moved = mid == MID_PQ ? 2 : mid != 11 && mid != 14 && mid != 16;
+            uv[2 * mid + d] += n_moved * way[d] / 2;
+        }
+    }
+    back[P] = 1;
+    assert_int_equal(planish_file_round_in_plane(file, uv, back, &n, &error), PLANISH_OK);
+    assert_int_equal(n, 1);
+    for (int d = 0; d < 2; d++) {
+        const double q = uv[2 * Q + d] - start[2 * Q + d];
+        assert_true(q != 0);
+        assert_true(uv[2 * P + d] == start[2 * P + d]);
+        assert_true(uv[2 * MID_BP + d] == start[2 * MID_BP + d]);
+        assert_true(uv[2 * MID_PQ + d] == start[2 * MID_PQ + d] + q / 2);
+        assert_true(fabs(uv[2 * MID_BQ + d] - start[2 * MID_BQ + d] - way[d] / 2) < 1e-12);
+    }
+    planish_file_close(file);
+}
+
 static void turns_are_exact(void **state) {
     (void)state;
     const double a[2] = {0.1, 0.1}, b[2] = {0.7, 0.7}, c[2] = {0.3, 0.3};
@@ -191,6 +239,7 @@ static void wrong_arguments(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(mids_follow_a_corner_that_goes_back),
         cmocka_unit_test(turns_are_exact),
         cmocka_unit_test(frames_are_orthonormal),
         cmocka_unit_test(nodes_of_no_triangle_are_elsewhere),
