@@ -377,8 +377,36 @@ static void copies_keep_their_mids(void **state) {
     planish_file_close(file);
 }
 
+/** Where all facets are listed, the one inside holds nothing; it goes behind the others with its
+ *  mids. */
+static void listed_facets_keep_their_mids(void **state) {
+    (void)state;
+    static const int32_t mids[] = {5,  6,  7,  5,  9, 8,  7,  10, 8,  6, 12,
+                                   11, 10, 13, 12, 9, 13, 11, 6,  10, 9};
+    planish_file *file =
+        reading_text(&io_format_gmsh, HEAD
+                     "9\n1 9 2 5 5 1 2 3 6 7 8\n2 9 2 5 5 1 2 4 6 10 9\n3 9 2 5 5 2 3 4 7 11 10\n"
+                     "4 9 2 5 5 1 3 4 8 11 9\n5 9 2 5 5 2 3 5 7 13 12\n6 9 2 5 5 3 4 5 11 14 13\n"
+                     "7 9 2 5 5 2 4 5 10 14 12\n8 11 2 1 1 1 2 3 4 6 7 8 9 11 10\n"
+                     "9 11 2 2 2 2 3 4 5 7 11 10 12 14 13\n$EndElements\n");
+    const io_cells *triangles = &file->model.triangle;
+    assert_int_equal(triangles->n, 7);
+    assert_int_equal(triangles->n_plain, 1);
+    assert_int_equal(triangles->number[6], 3);
+    assert_memory_equal(triangles->mid, mids, sizeof mids);
+    planish_file_close(file);
+}
+
 static void mids_are_written_as_other_nodes(void **state) {
     rewriting_keeps_the_rest(&io_format_gmsh, TWO, (int64_t)sizeof TWO - 1, *state);
+    for (int i = 0; i < N_ENCODINGS; i++) {
+        encoding e = encodings[i];
+        e.dim = 3;
+        e.times = 1;
+        file_builder builder = make_file(&e);
+        rewriting_keeps_the_rest(&io_format_gmsh, builder.data, builder.size, *state);
+        builder_release(&builder);
+    }
 }
 
 int main(void) {
@@ -390,6 +418,7 @@ int main(void) {
         cmocka_unit_test(mids_are_held_with_their_ends),
         cmocka_unit_test(orders_are_mixed),
         cmocka_unit_test(copies_keep_their_mids),
+        cmocka_unit_test(listed_facets_keep_their_mids),
         cmocka_unit_test(mids_are_written_as_other_nodes),
     };
     return cmocka_run_group_tests(tests, test_folder_create, test_folder_remove);

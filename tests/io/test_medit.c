@@ -312,6 +312,34 @@ static void orders_are_checked(void **state) {
     }
 }
 
+#define TEN                                                                                        \
+    HEAD "Vertices\n10\n0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 0 .5 0 0 0 .5 .5 0 0 0 .5 0 0 0 0 .5 0 "     \
+         ".5 0 .5 0 0 .5 .5 0\nTetrahedraP2 1 1 2 3 4 5 6 7 8 9 10 0\n"
+
+/** Required elements of second order hold mids; indices are of elements of first order where there are
+ *  any, wherever these stand. */
+static void required_elements_have_mids(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *held;
+        uint8_t bit;
+    } cases[] = {{TEN "RequiredTetrahedra 1 1 End", "1111111111", IO_HELD_REQUIRED},
+                 {TEN "RequiredTriangles 1 1 TrianglesP2 1 2 3 4 6 10 9 0 Triangles 1 1 2 3 0 End",
+                  "1110000000", IO_HELD_REQUIRED},
+                 {TEN "TrianglesP2 1 1 2 3 5 6 7 0 End", "1110111000", IO_HELD_BY_TRIANGLE}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        planish_file *file = reading_text(&io_format_medit, cases[i].text);
+        for (int k = 0; cases[i].held[k]; k++)
+            assert_int_equal((file->model.hold[k] & cases[i].bit) != 0, cases[i].held[k] == '1');
+        planish_file_close(file);
+    }
+}
+
+static void mids_are_written_as_other_nodes(void **state) {
+    static const char text[] = TEN "TrianglesP2 1 1 2 3 5 6 7 0 End\n";
+    rewriting_keeps_the_rest(&io_format_medit, text, sizeof text - 1, *state);
+}
+
 static void wrong_files_are_refused(void **state) {
     (void)state;
     const io_format *f = &io_format_medit;
@@ -725,6 +753,8 @@ int main(void) {
         cmocka_unit_test(comments_are_no_keywords),
         cmocka_unit_test(every_type_has_its_nodes_in_order),
         cmocka_unit_test(orders_are_checked),
+        cmocka_unit_test(required_elements_have_mids),
+        cmocka_unit_test(mids_are_written_as_other_nodes),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(every_beginning_is_survived),
         cmocka_unit_test(many_threads_read_the_same),
