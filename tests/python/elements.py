@@ -325,7 +325,7 @@ class Elements(unittest.TestCase):
         """What an UnstructuredGrid of pyvista has: views of VTK's own arrays."""
         points, blocks = self.filled(5)
         numbers = {"tetra": 10, "hexahedron": 12, "wedge": 13, "pyramid": 14}
-        grid, numbered = vtk.vtkUnstructuredGrid(), []
+        grid = vtk.vtkUnstructuredGrid()
         coordinates = vtk.vtkPoints()
         coordinates.SetData(numpy_to_vtk(points, deep=True))
         grid.SetPoints(coordinates)

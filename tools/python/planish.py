@@ -28,7 +28,7 @@ import os
 import pathlib
 import sys
 import threading
-from ctypes import POINTER, byref, c_char, c_double, c_int, c_int64, c_size_t, c_uint8, c_void_p
+from ctypes import POINTER, byref, c_char, c_double, c_int, c_int64, c_size_t, c_void_p
 from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence
 
 import numpy as np
