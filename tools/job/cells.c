@@ -78,6 +78,10 @@ void pl_cells_count(const planish_cells *cells, char *text, size_t size) {
 /* Rounding in a field that is wide, and tolerance of a narrow one, of the diagonal. */
 static const double WIDE_FIELD = 1e-8, OF_NARROW_FIELD = 1e-5;
 
+/* Distance from the middle, in those that rounding takes nodes off a plane: three nodes are rounded,
+ * in two directions. */
+static const double OF_OFF = 4;
+
 double pl_cells_rounding(const pl_job *job) {
     const int dim = job->mesh.dim;
     double square = 0;
@@ -97,7 +101,12 @@ double pl_cells_rounding(const pl_job *job) {
     if (info->precision == PLANISH_PRECISION_ROUNDED &&
         fabs(info->round(third, info->round_user) - third) > WIDE_FIELD * size)
         tolerance = fmax(tolerance, OF_NARROW_FIELD);
-    return isfinite(tolerance * size) ? tolerance * size : 0;
+    /* Coordinates in a tilted plane are none of those that were rounded; it took nodes off it. */
+    planish_plane plane;
+    planish_file_plane(job->file, &plane);
+    const double off = job->mesh.dim == 2 && plane.is_tilted ? OF_OFF * plane.off : 0;
+    const double rounding = fmax(tolerance * size, off);
+    return isfinite(rounding) ? rounding : 0;
 }
 
 /** Replace measures over no valid element by NAN: 0 would read as better than perfect. */
