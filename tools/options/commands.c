@@ -19,13 +19,15 @@ static const pl_command_text command_table[] = {
      "radius ratios. Inverted elements are repaired first. Valid elements stay valid.\n"
      "By default the worst element with a movable node never gets worse, and the\n"
      "smallest angle never smaller; minimum volumes and other objectives relax this.\n"
-     "The result has the same bits on any number of threads. OUT differs from IN in\n"
-     "the coordinates of moved nodes only.",
+     "Mid-side nodes of second-order elements follow their corners. The result has the\n"
+     "same bits on any number of threads. OUT differs from IN in the coordinates of\n"
+     "moved nodes only.",
      "0 done; 1 a usable mesh was written, but it has elements that are inverted or\n"
      "below their minimum volume, smoothing stopped early, or a report could not be\n"
      "written; 2 failed, nothing was written; 64 bad usage."},
     {PL_COMMAND_QUALITY, "quality", "FILE...", "mesh file", 1, "measure meshes",
-     "Report mesh quality; compare several files, one row each. No file is changed.",
+     "Report mesh quality of elements of every type; compare several files, one row\n"
+     "each. No file is changed.",
      "0 if all files were read; 2 if a file could not be read, or a report could not\n"
      "be written; 64 bad usage."},
     {PL_COMMAND_REPORT, "report", "RESULT.json [-o FILE.html]", "result", 0,
