@@ -35,7 +35,7 @@ static int fail(planish_error *error, planish_status code, int64_t element, int6
     return code;
 }
 
-int pl_fail(planish_error *error, planish_status code, const char *format, ...) {
+int(pl_fail)(planish_error *error, planish_status code, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     fail(error, code, -1, -1, format, arguments);
@@ -43,8 +43,8 @@ int pl_fail(planish_error *error, planish_status code, const char *format, ...) 
     return code;
 }
 
-int pl_fail_at(planish_error *error, planish_status code, int64_t element, int64_t node,
-               const char *format, ...) {
+int(pl_fail_at)(planish_error *error, planish_status code, int64_t element, int64_t node,
+                const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     fail(error, code, element, node, format, arguments);

@@ -17,6 +17,11 @@ int pl_fail(planish_error *error, planish_status code, const char *format, ...) 
 int pl_fail_at(planish_error *error, planish_status code, int64_t element, int64_t node,
                const char *format, ...) PL_PRINTF(5, 6);
 
+#ifdef __clang_analyzer__ /* It sees one file at a time. Here it learns that these return code. */
+#define pl_fail(error, code, ...)    ((pl_fail)(error, code, __VA_ARGS__), (int)(code))
+#define pl_fail_at(error, code, ...) ((pl_fail_at)(error, code, __VA_ARGS__), (int)(code))
+#endif
+
 /** The usual error of a failed allocation of what. */
 static inline int pl_fail_memory(planish_error *error, const char *what) {
     pl_fail(error, PLANISH_ERROR_MEMORY, "out of memory for %s", what);

@@ -149,7 +149,7 @@ static void add_map(const pl_cell_type *type, const lattice *l, point p, int tim
         if (!is_around(l, type->shape, own, p))
             continue;
         const int kind = n_middles(l, type->shape, own);
-        other[node] = kind == 0 ? -1 : kind == 1 ? 4 >> (middles - 1) : 0;
+        other[node] = kind == 0 ? -1 : kind > 1 ? 0 : middles == 2 ? 2 : 1;
     }
     for (int node = 0; node < type->n_nodes; node++)
         sum[node] += times * other[node];
@@ -339,7 +339,7 @@ void pl_jacobian_rule_make(const pl_cell_type *type, pl_jacobian_rule *rule) {
         return;
     }
     const directions of = directions_of(shape);
-    lattice controls = {.of = &of}, derivatives[3], coefficients = {.of = &of};
+    lattice controls = {.of = &of}, derivatives[3] = {{.n = 0}}, coefficients = {.of = &of};
     for (int s = 0; s < shape->n_simplices; s++) {
         controls.degree[s] = type->order;
         coefficients.degree[s] = shape->dim * type->order - (shape->n_vertices[s] - 1);

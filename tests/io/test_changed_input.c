@@ -335,7 +335,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test_setup_teardown(shorter_file_is_named, test_folder_create,
                                         test_folder_remove),
     };
-    n_opens = argc > 1 ? atoll(argv[1]) : effort(75, 10000);
+    n_opens = argc > 1 ? strtoll(argv[1], NULL, 10) : effort(75, 10000);
     only_one = argc > 2 ? argv[2] : NULL;
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

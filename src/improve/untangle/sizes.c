@@ -56,9 +56,9 @@ static void add_measures(const sizing *s) {
     const planish_plan *plan = s->plan;
     const int dim = plan->dim;
     for (int64_t i = 0; i < plan->work.n_elements; i++) {
-        int32_t node[4];
+        int32_t node[4] = {0};
         double e[3][3];
-        for (int j = 0; j <= plan->dim; j++)
+        for (int j = 0; j <= dim; j++)
             node[j] = pl_plan_inner(plan, i, j);
         const double *x0 = plan->scratch.coordinates + (int64_t)node[0] * dim;
         for (int j = 0; j < dim; j++)

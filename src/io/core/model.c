@@ -396,8 +396,8 @@ void io_model_destroy(io_model *model) {
 
 /* ---- checks and errors --------------------------------------------------------------------- */
 
-int io_fail_at(const io_model *model, const char *at, planish_error *error, const char *format,
-               ...) {
+int(io_fail_at)(const io_model *model, const char *at, planish_error *error, const char *format,
+                ...) {
     char text[384];
     if (!error)
         return PLANISH_ERROR_FORMAT;

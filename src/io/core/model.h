@@ -425,6 +425,9 @@ void io_model_destroy(io_model *model);
  *  "FILE: byte N: text" where model->is_binary. error may be NULL: then nothing is written. */
 int io_fail_at(const io_model *model, const char *at, planish_error *error, const char *format, ...)
     PL_PRINTF(4, 5);
+#ifdef __clang_analyzer__ /* as for pl_fail */
+#define io_fail_at(...) ((io_fail_at)(__VA_ARGS__), PLANISH_ERROR_FORMAT)
+#endif
 
 /** Check a declared count before anything is allocated: n things of size bytes each at least must
  *  fit into rest, where the first of them stands. In text the last byte of the last thing may be

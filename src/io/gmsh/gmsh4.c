@@ -150,7 +150,7 @@ static int take_section_head(gmsh_reader *reader, section_head *head) {
 }
 
 static int take_block_head(gmsh_reader *reader, section_head *head) {
-    int64_t dim, tag;
+    int64_t dim = 0, tag = 0;
     head->done += head->size;
     if (!reader->model->is_binary)
         io_skip_space(&reader->cursor);

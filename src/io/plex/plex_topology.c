@@ -301,7 +301,7 @@ typedef struct ring {
  *  none. The other edges may stand in any order, as in the faces of extruded meshes. */
 static ring ring_of(const plex_reader *r, int64_t face) {
     ring to = {.n = r->size[face]};
-    int32_t ends[4][2];
+    int32_t ends[4][2] = {{0}};
     if (to.n < 3 || to.n > 4)
         return (ring){.n = 0};
     for (int k = 0; k < to.n; k++) {
