@@ -39,19 +39,50 @@ if [ -n "${PLANISH_MESHES-}" ]; then
     compare "$PLANISH_MESHES/msq_tire.vtk"
     compare "$PLANISH_MESHES/part_100k.mesh"
 fi
-# Hexahedra among elements of every type: corners alone where VTK also looks at the centre, which is better here.
+# Elements of every type, and triangles and quadrilaterals in one plane: what VTK has of each. Of hexahedra VTK also
+# looks at the centre, which is better here.
 "$python" "$cli/types_mesh.py" types.vtk types.json tetrahedra.vtk
-expect_status 0 "$program" quality types.vtk --json quality.json -q
-"$python" - <<'END' || fail "scaled Jacobians of hexahedra"
-import json, math, vtk
-reader = vtk.vtkUnstructuredGridReader()
-reader.SetFileName("types.vtk")
-reader.Update()
-grid, least = reader.GetOutput(), math.inf
-for i in range(grid.GetNumberOfCells()):
-    if grid.GetCellType(i) == vtk.VTK_HEXAHEDRON:
-        least = min(least, vtk.vtkMeshQuality.HexScaledJacobian(grid.GetCell(i)))
-found = json.load(open("quality.json"))["quality"]["by_type"]["hexahedron"]["min_scaled_jacobian"]
-assert math.isclose(found, least, rel_tol=1e-10), (found, least)
+"$python" - flat.vtk <<'END'
+import math, random, sys
+random.seed(51)
+n, cells = 12, []
+print("# vtk DataFile Version 3.0\nflat\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS", (n + 1) ** 2, "double",
+      file=(out := open(sys.argv[1], "w")))
+for j in range(n + 1):
+    for i in range(n + 1):
+        print(repr(i / n + 0.2 * math.sin(j / n)), repr(((j + 2) / n) ** 2 + random.uniform(0, 0.3) / n), 0, file=out)
+for a in (i + (n + 1) * j for j in range(n) for i in range(n)):
+    ring = [a, a + 1, a + n + 2, a + n + 1]
+    cells += [ring] if a % 3 else [ring[:3], ring[:1] + ring[2:]]
+print("CELLS", len(cells), sum(len(c) + 1 for c in cells), file=out)
+for c in cells:
+    print(len(c), *c, file=out)
+print("CELL_TYPES", len(cells), *(9 if len(c) == 4 else 5 for c in cells), sep="\n", file=out)
 END
+for mesh in types flat; do
+    expect_status 0 "$program" quality $mesh.vtk --json quality.json -q
+    "$python" - $mesh.vtk quality.json <<'END' || fail "$mesh.vtk: measures of each type"
+import json, math, sys, vtk
+NAMES = {vtk.VTK_TRIANGLE: ("triangle", "Triangle"), vtk.VTK_QUAD: ("quadrilateral", "Quad"),
+         vtk.VTK_TETRA: ("tetrahedron", "Tet"), vtk.VTK_HEXAHEDRON: ("hexahedron", "Hex")}
+reader = vtk.vtkUnstructuredGridReader()
+reader.SetFileName(sys.argv[1])
+reader.Update()
+grid, found = reader.GetOutput(), json.load(open(sys.argv[2]))["quality"]["by_type"]
+by_type = {}
+for i in range(grid.GetNumberOfCells()):
+    by_type.setdefault(grid.GetCellType(i), []).append(i)
+n = 0
+for number, (name, prefix) in NAMES.items():
+    measures = [("min_scaled_jacobian", "ScaledJacobian", min), ("max_edge_ratio", "EdgeRatio", max)]
+    if number in (vtk.VTK_TRIANGLE, vtk.VTK_TETRA):
+        measures.append(("max_aspect_ratio", "AspectFrobenius", max))
+    for key, measure, choose in measures if number in by_type else ():
+        of_cell = getattr(vtk.vtkMeshQuality, prefix + measure)
+        value = choose(of_cell(grid.GetCell(i)) for i in by_type[number])
+        assert math.isclose(found[name][key], value, rel_tol=1e-10), (name, key, found[name][key], value)
+        n += 1
+assert n == 5, n
+END
+done
 finish
