@@ -1,6 +1,7 @@
 /* Tests of all types of cells in VTK's files: an element of each type, bent so that it is valid in one
  * order of its nodes alone, is read from each format, measured, and kept by copies for viewing. */
 #include <inttypes.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -536,6 +537,79 @@ static void lower_cells_have_mids(void **state) {
     planish_file_close(file);
 }
 
+/** Find the values of an array of a legacy file with n cells: name, type, size bytes each. */
+static const uint8_t *find_values(const char *data, size_t length, const char *name, int n,
+                                  const char *type, size_t size) {
+    char head[64];
+    const size_t of_head = (size_t)snprintf(head, sizeof head, "%s 1 %d %s\n", name, n, type);
+    for (size_t i = 0; i + of_head + (size_t)n * size <= length; i++)
+        if (memcmp(data + i, head, of_head) == 0)
+            return (const uint8_t *)data + i + of_head;
+    fail_msg("no array %s", name);
+    return NULL;
+}
+
+/** Copies have the values of elements at these, and none at lower ones between them. */
+static void copies_have_values(void **state) {
+    enum {
+        N = 5,
+        N_CELLS = 8
+    }; /* two tetrahedra, of which one has mids, before others in a copy */
+    static const int index_of[N_CELLS] = {0, 1, -1, -1, -1, 2, 3, 4};
+    double value[5][N], bits_of_value;
+    uint8_t small[2][N];
+    char path[TEST_PATH_SIZE];
+    size_t length;
+    for (int i = 0; i < N; i++) {
+        for (int k = 0; k < 5; k++)
+            value[k][i] = 100 * k + i + 0.5;
+        small[0][i] = (uint8_t)(1 + i % 3);
+        small[1][i] = i & 1;
+    }
+    file_builder b = {.binary = 0};
+    builder_text(&b,
+                 "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                 "POINTS 18 double\n0 0 0 4 0 0 0 4 0 0 0 4 2 0 0 2 2 0 0 2 0 0 0 2 2 0 2 0 2 2\n"
+                 "4 4 4 9 0 0 9 1 0 8 1 0 8 0 1 9 0 1 9 1 1 8 1 1\n");
+    builder_text(&b, "CELLS 8 47\n6 11 12 13 14 15 16\n3 0 1 2\n10 0 1 2 3 4 5 6 7 8 9\n2 1 2\n"
+                     "4 1 2 3 10\n3 1 2 3\n6 17 12 13 14 15 16\n5 11 12 13 14 16\n"
+                     "CELL_TYPES 8\n13 5 24 3 10 5 13 14\n");
+    planish_file *file = open_file(*state, "in.vtk", &b);
+    const planish_view_data data = {.radius_ratio = value[0],
+                                    .cells = {.aspect_ratio = value[1],
+                                              .scaled_jacobian = value[2],
+                                              .jacobian_ratio = value[3],
+                                              .edge_ratio = value[4],
+                                              .state = small[0],
+                                              .is_curved = small[1]}};
+    static const char *const names[] = {"radius_ratio", "aspect_ratio", "scaled_jacobian",
+                                        "jacobian_ratio", "edge_ratio"};
+    assert_int_equal(planish_file_convert(file, test_path(path, *state, "values.vtk"),
+                                          file->model.coordinates, NULL, &data, NULL, 0, NULL, 0,
+                                          NULL),
+                     0);
+    char *copy = test_read(path, &length);
+    for (int k = 0; k < 5; k++) {
+        const uint8_t *at = find_values(copy, length, names[k], N_CELLS, "double", 8);
+        for (int i = 0; i < N_CELLS; i++, at += 8) {
+            uint64_t bits = 0;
+            for (int j = 0; j < 8; j++)
+                bits = bits << 8 | at[j];
+            memcpy(&bits_of_value, &bits, sizeof bits);
+            const int of = k == 0 && index_of[i] > 1 ? -1 : index_of[i]; /* of simplices alone */
+            assert_true(of < 0 ? isnan(bits_of_value) : bits_of_value == value[k][of]);
+        }
+    }
+    const uint8_t *states = find_values(copy, length, "cell_state", N_CELLS, "unsigned_char", 1);
+    const uint8_t *curved = find_values(copy, length, "is_curved", N_CELLS, "unsigned_char", 1);
+    for (int i = 0; i < N_CELLS; i++) {
+        assert_int_equal(states[i], index_of[i] < 0 ? 0 : small[0][index_of[i]]);
+        assert_int_equal(curved[i], index_of[i] < 0 ? 0 : small[1][index_of[i]]);
+    }
+    free(copy);
+    planish_file_close(file);
+}
+
 /* ---- quadrilaterals beside triangles -------------------------------------------------------- */
 
 /** Quadrilaterals that are not in one plane with the triangles are passed over. */
@@ -564,7 +638,8 @@ int main(void) {
         cmocka_unit_test(another_order_is_not_valid), IN_A_FOLDER(all_types_are_read),
         IN_A_FOLDER(other_names_of_types_are_read),   IN_A_FOLDER(unmeasured_types_are_held),
         IN_A_FOLDER(copies_keep_all_types),           IN_A_FOLDER(copies_do_without_missing_nodes),
-        IN_A_FOLDER(lower_cells_have_mids),           IN_A_FOLDER(a_plane_is_for_all_elements),
+        IN_A_FOLDER(lower_cells_have_mids),           IN_A_FOLDER(copies_have_values),
+        IN_A_FOLDER(a_plane_is_for_all_elements),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
