@@ -849,10 +849,11 @@ typedef struct planish_cell_values {
     uint8_t *is_curved;      /* [n_elements] 1: a node is off the middle of its corners */
     double *aspect_ratio;    /* [n_elements] AR of valid elements without inverted corners */
     double *scaled_jacobian; /* [n_elements] least of the corners */
-    double *jacobian_ratio; /* [n_elements] least Bezier coefficient of det J over the absolute value
+    double
+        *jacobian_ratio; /* [n_elements] least Bezier coefficient of det J over the absolute value
                                of their mean; 1 for elements that are not curved */
-    double *edge_ratio;     /* [n_elements] longest edge / shortest, between corners */
-    void *reserved[4];      /* NULL */
+    double *edge_ratio;  /* [n_elements] longest edge / shortest, between corners */
+    void *reserved[4];   /* NULL */
 } planish_cell_values;
 
 /** Measure the elements of mesh, of any types (mesh->cells) or simplices alone; those of dimension
@@ -891,7 +892,8 @@ typedef struct planish_result {
     int64_t n_put_back;      /* times that a node went back to its start, because its elements had
                                 a smaller angle than the mesh before; F may have risen there, but
                                 not above that at the start */
-    int64_t n_inverted;      /* elements not positive in doubles; planish_measure is exact */
+    int64_t n_inverted;      /* elements not positive in doubles, where planish_measure is exact; of
+                                order 2: not valid */
     double rms;              /* RMS of AR over the valid elements at the end */
     double rms_movable;      /* the same over those with a movable node */
     double min_volume; /* delta that was in force where the mesh has none of its own; 0: none */

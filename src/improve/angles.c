@@ -45,7 +45,7 @@ static void find_bad(const pl_run *r, uint8_t *state) {
         pl_find_worse(&all, plan->scratch.to_measure, sqrt(r->limits_at_start.rr2),
                       r->limits_at_start.acuteness, plan->threads, state);
     if (pl_has_order_2(&r->curved))
-        pl_curved_find_broken(&r->curved, state);
+        pl_curved_find_broken(&r->curved, 1, state);
 }
 
 /** Put back the nodes of elements that are worse than they may be; how many had moved. */
@@ -88,9 +88,10 @@ static int is_worse(const pl_run *r) {
            (pl_run_has_followers(r) && (r->sums.below > r->sums_at_start.below || has_risen(r)));
 }
 
-/** Whether elements of order 2 were valid and are not; state is room. */
-static int is_broken(const pl_run *r, uint8_t *state) {
-    return pl_has_order_2(&r->curved) && pl_curved_find_broken(&r->curved, state) > 0;
+/** Whether elements of order 2 were valid and are not, or of_all whether corners have turned; state is
+ *  room. */
+static int is_broken(const pl_run *r, int of_all, uint8_t *state) {
+    return pl_has_order_2(&r->curved) && pl_curved_find_broken(&r->curved, of_all, state) > 0;
 }
 
 int pl_run_put_back_angles(pl_run *r, planish_error *error) {
@@ -99,13 +100,13 @@ int pl_run_put_back_angles(pl_run *r, planish_error *error) {
     uint8_t *state = pl_alloc(r->plan->work.n_elements, sizeof *state);
     if (!state)
         return pl_fail_memory(error, "the states of the elements");
-    int64_t n = is_worse(r) || is_broken(r, state);
+    int64_t n = is_worse(r) || is_broken(r, 0, state);
     const int goes_back = n > 0;
     for (int64_t i = 0; i < ROUNDS && n > 0; i++) {
         n = put_back_bad(r, state);
         r->result->n_put_back += n;
     }
-    const int is_left = goes_back && (is_worse(r) || is_broken(r, state) ||
+    const int is_left = goes_back && (is_worse(r) || is_broken(r, 1, state) ||
                                       r->sums.below > r->sums_at_start.below || has_risen(r));
     pl_free(state);
     if (is_left) {

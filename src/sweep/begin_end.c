@@ -163,7 +163,8 @@ int pl_run_end(pl_run *run, planish_error *error) {
         status = transfer_out(run, error);
     r->stop = run->stop;
     r->sweeps = run->sweep;
-    r->n_inverted = (int64_t)(run->sums.inverted + run->sums_of_fixed.inverted);
+    r->n_inverted =
+        (int64_t)(run->sums.inverted + run->sums_of_fixed.inverted) - run->curved.n_turned;
     r->rms = pl_rms_of_all(&run->sums);
     r->rms_movable = pl_rms_of_movable(&run->sums);
     r->min_volume = run->guard.min_volume;

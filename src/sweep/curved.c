@@ -253,7 +253,7 @@ static int has_positive_corners(const pl_curved *c, int64_t element, int at_star
 static void measure_chunk(void *context, int64_t begin, int64_t end, int thread) {
     look *s = context;
     pl_curved *c = s->curved;
-    int64_t n = 0;
+    int64_t n = 0, n_turned = 0;
     block b;
     (void)thread;
     for (int64_t w = begin; w < end; w += LANES) {
@@ -265,14 +265,18 @@ static void measure_chunk(void *context, int64_t begin, int64_t end, int thread)
             const int32_t i = (int32_t)w + l;
             c->is_valid[i] = (uint8_t)is_valid(c, &b, l);
             keep_bounds(c, i, &b, l);
-            n += !c->is_valid[i] && has_positive_corners(c, c->element[i], 0);
+            const int is_positive = has_positive_corners(c, c->element[i], 0);
+            n += !c->is_valid[i] && is_positive;
+            n_turned += c->is_valid[i] && !is_positive;
         }
     }
     __atomic_fetch_add(&s->n, n, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&c->n_turned, n_turned, __ATOMIC_RELAXED);
 }
 
 int64_t pl_curved_measure(pl_curved *c) {
     look s = {.curved = c};
+    c->n_turned = 0;
     if (c->n > 0)
         pl_parallel_for(c->plan->threads, c->n, CHUNK, measure_chunk, &s);
     return s.n;
@@ -367,12 +371,8 @@ static void broken_chunk(void *context, int64_t begin, int64_t end, int thread) 
     __atomic_fetch_add(&s->n, n, __ATOMIC_RELAXED);
 }
 
-int64_t pl_curved_find_broken(const pl_curved *c, uint8_t *state) {
-    look s = {.curved = (pl_curved *)(uintptr_t)c, .state = state};
-    pl_parallel_for(c->plan->threads, c->plan->work.n_elements, CHUNK, broken_chunk, &s);
-    if (s.n == 0)
-        return 0;
-    s = (look){.curved = s.curved, .state = state, .of_all = 1};
+int64_t pl_curved_find_broken(const pl_curved *c, int of_all, uint8_t *state) {
+    look s = {.curved = (pl_curved *)(uintptr_t)c, .state = state, .of_all = of_all};
     pl_parallel_for(c->plan->threads, c->plan->work.n_elements, CHUNK, broken_chunk, &s);
     return s.n;
 }

@@ -52,6 +52,7 @@ typedef struct pl_curved {
     uint8_t *is_valid;      /* [n] decided where the nodes are */
     int64_t *begin;         /* [n_nodes + 1] by inner numbers: where watched of each node begins */
     int32_t *watched;       /* curved elements of each movable node */
+    int64_t n_turned;       /* valid ones whose corners are not positive, as measured last */
     int64_t n_refused;      /* moves; shared by threads */
 } pl_curved;
 
@@ -110,9 +111,9 @@ static inline int pl_curved_watches(const pl_curved *c, int32_t node) {
  *  those that were valid is invalid now. If not, the node is to go back. */
 int pl_curved_admit(pl_curved *curved, int32_t node, const double *way);
 
-/** Mark in state [n_elements of the plan] with 1 the elements that were valid when the run began
- *  and are not any more, and leave the other entries; returns their number. If there is one of order
- *  2, elements of order 1 and those whose corners have turned count, too. */
-int64_t pl_curved_find_broken(const pl_curved *curved, uint8_t *state);
+/** Mark in state [n_elements of the plan] with 1 the elements of order 2 that were valid when the run
+ *  began and are not any more, and if of_all all elements whose corners have turned; leave the other
+ *  entries. Returns their number. */
+int64_t pl_curved_find_broken(const pl_curved *curved, int of_all, uint8_t *state);
 
 #endif
