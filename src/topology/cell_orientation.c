@@ -65,7 +65,7 @@ static int find_facet(const cell_sets *s, int64_t element, int k, facet *f) {
         if (n == 0 || (around[n - 1] != next && (around[0] != next)))
             around[n++] = next;
     }
-    if (n < s->dim)
+    if (n < 2 || n < s->dim)
         return 0;
     for (int i = 1; i < n; i++)
         lowest = around[i] < around[lowest] ? i : lowest;

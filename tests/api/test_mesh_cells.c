@@ -175,7 +175,7 @@ static void assert_by_cell(const pair *p, const void *plain, const void *by_cell
         memcpy(of_cell + (size_t)p->cell_of[i] * size, (const char *)plain + (size_t)i * size,
                size);
     for (int64_t i = 0; i < p->cells.n; i++)
-        if (memcmp(of_cell + (size_t)i * size, (const char *)by_cell + (size_t)i * size, size))
+        if (memcmp(of_cell + (size_t)i * size, (const char *)by_cell + (size_t)i * size, size) != 0)
             fail_msg("cell %d of type %d differs", (int)i, p->type[i]);
     for (int64_t i = 0, k = 0; i < p->cells.n; i++)
         if (k < p->plain.n_elements && p->cell_of[k] == i)
