@@ -2,6 +2,7 @@
  * elements that count, handedness, sizes, threads, errors, memory. */
 #include "geometry/cell.h"
 #include "geometry/simplex.h"
+#include "quality/cell_measure.h"
 #include "support/effort.h"
 #include "support/faults.h"
 
@@ -17,6 +18,39 @@
 #include <string.h>
 
 #include <cmocka.h>
+
+/* The sources of measure and certificate once more, as on a machine without AVX2. */
+#define __builtin_cpu_supports(feature) 0
+#define pl_jacobian_evaluate            plain_jacobian_evaluate
+#define pl_validity_of_lane             plain_validity_of_lane
+#define pl_validity_exactly             plain_validity_exactly
+#define pl_measure_cells                plain_measure_cells
+#define pl_cell_rules_make              plain_rules_make
+#define pl_cell_rules_free              plain_rules_free
+void plain_jacobian_evaluate(const pl_jacobian_rule *, const double[], pl_jacobian_block *);
+pl_validity plain_validity_of_lane(const pl_jacobian_rule *, const pl_jacobian_block *, int,
+                                   const int32_t[], const double *, double);
+pl_validity plain_validity_exactly(const pl_jacobian_rule *, const int32_t[], const double *,
+                                   double);
+int plain_measure_cells(const pl_cell_mesh *, const pl_cell_rules *, int, planish_cell_quality *,
+                        const planish_cell_values *);
+int plain_rules_make(const pl_cell_mesh *, pl_cell_rules *);
+void plain_rules_free(pl_cell_rules *);
+#include "quality/cell_measure.c"
+#define LANES    VALIDITY_LANES
+#define pack     validity_pack
+#define evaluate evaluate_validity
+#include "quality/validity.c"
+#undef evaluate
+#undef pack
+#undef LANES
+#undef pl_cell_rules_free
+#undef pl_cell_rules_make
+#undef pl_measure_cells
+#undef pl_validity_exactly
+#undef pl_validity_of_lane
+#undef pl_jacobian_evaluate
+#undef __builtin_cpu_supports
 
 static const int TYPES[] = {5, 22, 9, 23, 28, 10, 24, 12, 25, 29, 13, 26, 32, 14, 27, 128};
 enum { N_TYPES = sizeof TYPES / sizeof *TYPES, MAX_CELLS = 20000 };
@@ -460,6 +494,32 @@ static void values_are_those_of_each_element(void **state) {
     }
 }
 
+/** Measure and certificate have the same bits with AVX2 and without. */
+static void wide_and_plain_vectors_give_the_same_bits(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        mesh m = mixed_mesh(dim, 2000, 17);
+        int8_t *sign = malloc((size_t)m.cells.n);
+        memset(sign, 1, (size_t)m.cells.n);
+        const pl_cell_mesh of = {
+            .dim = dim, .cells = &m.cells, .coordinates = m.x, .sign = sign, .rounding = 1e-3};
+        pl_cell_rules rules;
+        planish_cell_quality wide, plain;
+        all_values wide_values = values_of(m.cells.n), plain_values = values_of(m.cells.n);
+        assert_int_equal(pl_cell_rules_make(&of, &rules), PLANISH_OK);
+        assert_int_equal(pl_measure_cells(&of, &rules, 1, &wide, &wide_values.of), PLANISH_OK);
+        assert_int_equal(plain_measure_cells(&of, &rules, 1, &plain, &plain_values.of), PLANISH_OK);
+        assert_memory_equal(&wide, &plain, sizeof wide);
+        assert_same_values(&wide_values, &plain_values);
+        assert_true(wide.all.n_inverted > 0 && wide.all.n_inverted < wide.all.n_elements);
+        pl_cell_rules_free(&rules);
+        free_values(&wide_values);
+        free_values(&plain_values);
+        free(sign);
+        free_mesh(&m);
+    }
+}
+
 static void strides_change_nothing(void **state) {
     (void)state;
     for (int dim = 2; dim <= 3; dim++) {
@@ -645,6 +705,36 @@ static void nodes_off_the_middle_make_an_element_curved(void **state) {
     }
 }
 
+/** The straight edges at a corner turn the wrong way, the curved ones do not. */
+static void curved_edges_can_make_an_inverted_corner_valid(void **state) {
+    (void)state;
+    static const int MIDS[][2] = {{5, 1}, {6, 0}}; /* node, its smaller coordinate */
+    uint64_t random = 1;
+    mesh m = empty_mesh(2);
+    double ratio;
+    add(&m, PLANISH_CELL_QUADRILATERAL8, 0, 0, 1, &random);
+    m.x[2 * 2] = m.x[2 * 2 + 1] = 0.48;
+    for (int i = 0; i < 2; i++) {
+        m.x[2 * MIDS[i][0] + MIDS[i][1]] = 0.24;
+        m.x[2 * MIDS[i][0] + !MIDS[i][1]] = 0.74;
+    }
+    planish_cell_quality q = measure(&m, 1, &ratio);
+    assert_int_equal(q.all.n_inverted_corners, 1);
+    assert_int_equal(q.all.n_curved, 0);
+    assert_int_equal(q.all.n_inverted, 1);
+    for (int i = 0; i < 2; i++) {
+        m.x[2 * MIDS[i][0] + MIDS[i][1]] = 0.2;
+        m.x[2 * MIDS[i][0] + !MIDS[i][1]] = 0.7;
+    }
+    q = measure(&m, 1, &ratio);
+    assert_int_equal(q.all.n_inverted_corners, 1);
+    assert_int_equal(q.all.n_curved, 1);
+    assert_int_equal(q.all.n_inverted + q.all.n_uncertified, 0);
+    assert_true(q.all.min_jacobian_ratio > 0 && q.all.min_scaled_jacobian < 0);
+    assert_true(ratio == 0 && q.all.rms_aspect_ratio == 0); /* no corner ratio exists */
+    free_mesh(&m);
+}
+
 /** A hexahedron of which det J touches 0 inside, and a valid one. */
 static void touching_zero_is_not_valid(void **state) {
     (void)state;
@@ -754,6 +844,7 @@ int main(void) {
         cmocka_unit_test(simplices_have_their_mean_ratio),
         cmocka_unit_test(measures_agree_with_plain_loops),
         cmocka_unit_test(values_are_those_of_each_element),
+        cmocka_unit_test(wide_and_plain_vectors_give_the_same_bits),
         cmocka_unit_test(strides_change_nothing),
         cmocka_unit_test(simplices_need_no_cells),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
@@ -761,6 +852,7 @@ int main(void) {
         cmocka_unit_test(other_dimensions_do_not_count),
         cmocka_unit_test(size_and_place_do_not_matter),
         cmocka_unit_test(nodes_off_the_middle_make_an_element_curved),
+        cmocka_unit_test(curved_edges_can_make_an_inverted_corner_valid),
         cmocka_unit_test(touching_zero_is_not_valid),
         cmocka_unit_test(wrong_arguments_are_refused),
         cmocka_unit_test(failed_allocations_are_refused),
