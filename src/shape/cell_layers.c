@@ -6,7 +6,7 @@
  * Pyramids are in none.
  *
  * Many elements of tangled meshes are thin by chance. Badly shaped ones are in no layer, and nor are
- * their neighbours where there are many of them.
+ * their neighbours where there are many of them. A few thin ones are no layer.
  */
 #include "shape/shape.h"
 
@@ -21,8 +21,9 @@
 
 enum { CHUNK = 4096 }; /* elements that one thread looks at at a time */
 
-/* Layers of which more than one in so many elements are badly shaped are thin by chance. */
-enum { FEW_BADLY_SHAPED = 20 };
+/* Layers of fewer elements, and those of which more than one in so many are badly shaped, are thin by
+ * chance. */
+enum { LEAST_OF_LAYER = 8, FEW_BADLY_SHAPED = 20 };
 
 /* ---- thin elements --------------------------------------------------------------------------- */
 
@@ -263,7 +264,7 @@ static void count_bad(layer_sets *s, const int32_t *node, int n) {
     }
 }
 
-/** Remove the marks of layers with too many badly shaped elements. */
+/** Remove the marks of layers with too few elements, or too many badly shaped ones. */
 static void drop_bad_layers(const planish_mesh *mesh, const uint8_t *thinness, layer_sets *s,
                             uint8_t *is_layer) {
     const planish_cells *cells = mesh->cells;
@@ -278,7 +279,8 @@ static void drop_bad_layers(const planish_mesh *mesh, const uint8_t *thinness, l
     for (int64_t i = 0; i < cells->n; i++)
         if (is_layer[i] && thinness[i]) {
             const int32_t layer = layer_of(s, cells->node[cells->offset[i]]);
-            is_layer[i] = (int64_t)FEW_BADLY_SHAPED * s->n_bad[layer] <= s->n[layer];
+            is_layer[i] = s->n[layer] >= LEAST_OF_LAYER &&
+                          (int64_t)FEW_BADLY_SHAPED * s->n_bad[layer] <= s->n[layer];
         }
 }
 
@@ -317,7 +319,7 @@ int pl_find_layers_of_cells(const planish_mesh *mesh, const uint8_t *thinness, i
             n_in += is_in[k];
         marked[i] = n_in > 0 && 2 * n_in >= m.first[i + 1] - m.first[i];
     }
-    if (!status && memchr(thinness, PL_BADLY_SHAPED, (size_t)n))
+    if (!status && memchr(marked, 1, (size_t)n))
         status = drop_chance(mesh, thinness, marked, error);
     *n_layer = 0;
     for (int64_t i = 0; !status && i < n; i++)

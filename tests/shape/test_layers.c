@@ -585,6 +585,21 @@ static void badly_shaped_elements_are_in_no_layers(void **state) {
         }
 }
 
+/** Four thin squares are none, nine are. */
+static void a_layer_has_some_elements(void **state) {
+    (void)state;
+    for (int cells = 2; cells <= 3; cells++) {
+        test_cells m;
+        int64_t n;
+        test_cells_box(&m, cells, PLANISH_CELL_QUADRILATERAL, cells);
+        for (int64_t i = 0; i < m.mesh.n_nodes; i++)
+            m.coordinates[i * 2 + 1] *= 0.1;
+        free(find_in_cells(&m, 1, &n));
+        assert_int_equal(n, cells == 3 ? 9 : 0);
+        test_cells_destroy(&m);
+    }
+}
+
 /** A badly shaped element of a layer is not in it; others are. */
 static void one_bad_element_leaves_a_layer(void **state) {
     (void)state;
@@ -776,6 +791,7 @@ int main(void) {
         cmocka_unit_test(rows_go_on_into_simplices),
         cmocka_unit_test(layers_of_other_elements_go_around_corners),
         cmocka_unit_test(badly_shaped_elements_are_in_no_layers),
+        cmocka_unit_test(a_layer_has_some_elements),
         cmocka_unit_test(one_bad_element_leaves_a_layer),
         cmocka_unit_test(cells_are_judged_alike_in_any_place),
         cmocka_unit_test(simplices_may_be_cells),
