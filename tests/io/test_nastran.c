@@ -198,7 +198,7 @@ static const struct {
     const char *nodes;
     int type;
     const char *names[8];
-} others[] = {
+} types[] = {
     {"1 2 3 4",
      PLANISH_CELL_QUADRILATERAL,
      {"CQUAD4", "CQUADR", "CSHEAR", "CQUAD8", "CQUAD", "CPLSTN4", "CPLSTS4"}},
@@ -235,18 +235,18 @@ static int write_element(char *text, size_t size, const char *name, int n, doubl
 static void elements_of_every_type_are_read(void **state) {
     (void)state;
     char text[4096];
-    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
-        for (int j = 0; j < 8 && others[i].names[j]; j++)
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
+        for (int j = 0; j < 8 && types[i].names[j]; j++)
             for (int swapped = 0; swapped < 2; swapped++) {
                 double x[UNIT_NODES][3];
-                const int n = unit_places(others[i].type, others[i].nodes, x);
+                const int n = unit_places(types[i].type, types[i].nodes, x);
                 if (swapped)
-                    unit_swap(others[i].type, n, x);
-                const int length = write_element(text, sizeof text, others[i].names[j], n, x, 0);
+                    unit_swap(types[i].type, n, x);
+                const int length = write_element(text, sizeof text, types[i].names[j], n, x, 0);
                 planish_file *file = reading_text(format, text);
                 if (!swapped)
-                    unit_expect(file, 0, others[i].type);
-                unit_expect_alone(file, others[i].type, 7, unit_is_smoothed(others[i].type) ? 0 : n,
+                    unit_expect(file, 0, types[i].type);
+                unit_expect_alone(file, types[i].type, 7, unit_is_smoothed(types[i].type) ? 0 : n,
                                   !swapped);
                 reading_every_beginning(format, text, length);
             }
@@ -256,19 +256,19 @@ static void elements_of_every_type_are_read(void **state) {
 static void mids_may_be_missing(void **state) {
     (void)state;
     char text[4096];
-    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
         double x[UNIT_NODES][3];
-        const int n = unit_places(others[i].type, others[i].nodes, x);
+        const int n = unit_places(types[i].type, types[i].nodes, x);
         for (int node = 1; node <= n; node++) {
-            const char *at = others[i].nodes;
+            const char *at = types[i].nodes;
             for (int word = 1; word < node; word++)
                 at = strchr(at, ' ') + 1;
             if (at[1] == '\0' || at[1] == ' ' || at[2] == '3') /* a corner; the inside */
                 continue;
-            write_element(text, sizeof text, others[i].names[0], n, x, node);
+            write_element(text, sizeof text, types[i].names[0], n, x, node);
             planish_file *file = reading_text(format, text);
-            unit_expect(file, 0, others[i].type);
-            unit_expect_alone(file, others[i].type, 7, unit_is_smoothed(others[i].type) ? 0 : n - 1,
+            unit_expect(file, 0, types[i].type);
+            unit_expect_alone(file, types[i].type, 7, unit_is_smoothed(types[i].type) ? 0 : n - 1,
                               1);
         }
     }
