@@ -107,37 +107,33 @@ static void mark_back(const pl_job *job, const pl_result *result, const pl_valid
         memset(back, 1, (size_t)job->mesh.n_nodes);
 }
 
-/** Settle until nothing is worse. back [n_nodes], ratio [n_elements]: working space. Returns 0, or an
- *  exit status after a message. */
-static int settle_until_kept(pl_job *job, pl_result *result, uint8_t *back, double *ratio) {
-    enum { ROUNDS = 20 };
+/** Round, and find out whether a promise is broken; if so, mark what is to go back. back [n_nodes],
+ *  ratio [n_elements]: working space. */
+static int settle_once(pl_job *job, pl_result *result, int is_last, uint8_t *back, double *ratio,
+                       int *is_broken) {
     double *coordinates = planish_file_coordinates(job->file), from, to;
-    for (int round = 0;; round++) {
-        planish_error error;
-        planish_quality after;
-        pl_validity now = {.is_known = 0};
-        int64_t n = 0;
-        int code = planish_file_round_in_plane(job->file, coordinates, back, &n, &error);
-        if (!code)
-            code = job->engine->measure(job, &after, &error);
-        int status =
-            code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : pl_validity_find(job, &now);
-        const int is_kept = !status && !find_broken(job, result, &after, &now, &from, &to);
-        result->returned_nodes += n;
-        if (!status && !is_kept && round <= ROUNDS) {
-            code = job->engine->measure_elements(job, ratio, &error);
-            if (code)
-                status = pl_job_complain(job, PL_EXIT_FAILED, &error);
-            else
-                mark_back(job, result, &now, ratio, round == ROUNDS, back);
-        }
-        pl_validity_free(&now);
-        if (status || is_kept || round > ROUNDS)
-            return status;
-    }
+    planish_error error;
+    planish_quality after;
+    pl_validity now = {.is_known = 0};
+    int64_t n = 0;
+    int code = planish_file_round_in_plane(job->file, coordinates, back, &n, &error);
+    result->returned_nodes += n;
+    if (!code)
+        code = job->engine->measure(job, &after, &error);
+    int status = code ? 0 : pl_validity_find(job, &now);
+    *is_broken = !code && !status && find_broken(job, result, &after, &now, &from, &to);
+    if (*is_broken)
+        code = job->engine->measure_elements(job, ratio, &error);
+    if (code)
+        status = pl_job_complain(job, PL_EXIT_FAILED, &error);
+    else if (*is_broken)
+        mark_back(job, result, &now, ratio, is_last, back);
+    pl_validity_free(&now);
+    return status;
 }
 
 int pl_promises_keep(pl_job *job, pl_result *result) {
+    enum { ROUNDS = 20 };
     planish_plane plane;
     if (!job->file || !planish_file_plane(job->file, &plane) || !plane.is_tilted)
         return 0;
@@ -146,8 +142,9 @@ int pl_promises_keep(pl_job *job, pl_result *result) {
     int status = 0;
     if (!back || !ratio)
         status = pl_job_complain_memory(job, "the places of nodes");
-    else
-        status = settle_until_kept(job, result, back, ratio);
+    /* In the end all nodes are back. */
+    for (int round = 0, is_broken = 1; !status && is_broken && round <= ROUNDS + 1; round++)
+        status = settle_once(job, result, round >= ROUNDS, back, ratio, &is_broken);
     result->smooth.n_moved_nodes -= result->returned_nodes;
     if (!status && result->returned_nodes > 0 && job->arguments->verbosity != PL_QUIET)
         pl_note(stderr,
