@@ -2,8 +2,9 @@
 its own, and their measures by formulas that share no code with planish; and the tetrahedra of both orders alone, by their
 corners.
 
-types_mesh.py second DIM KIND OUT.vtk: a square (DIM 2) or cube (3) of elements of second order with curved edges on its
-boundary. KIND: plain, folded (two mids of the boundary turn elements inside out), tilted (in a tilted plane, as floats).
+types_mesh.py second DIM KIND OUT [SEED]: a square (DIM 2) or cube (3) of elements of second order with curved edges on its
+boundary. KIND: plain, folded (two mids of the boundary turn elements inside out), tilted (in a tilted plane, as floats), or
+rough (2 alone; in a tilted plane, all mids far off, in Nastran's fields of eight characters, to which results are rounded).
 types_mesh.py check BEFORE.vtk AFTER.vtk REPORT.json: what smoothing promises of such a mesh."""
 import itertools
 import json
@@ -85,8 +86,9 @@ MIDS = {2: [(0, 1), (1, 2), (2, 0)], 3: [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3),
 DATA_TYPES = {"plain": "double", "folded": "double", "tilted": "float"}
 
 
-def second(dim, kind, path):
+def second(dim, kind, path, seed="51"):
     """Write a mesh whose inner corners are pushed by up to a quarter of a cell."""
+    random.seed(int(seed))
     n = 3 if dim == 3 else 7
     x, number, mid_of = [], {}, {}
     for at in itertools.product(range(n + 1), repeat=dim):
@@ -119,9 +121,25 @@ def second(dim, kind, path):
             mid_of[edge] = len(x)
             x.append(mid)
         nodes += [mid_of[tuple(sorted((nodes[a], nodes[b])))] for a, b in MIDS[dim]]
-    if kind == "tilted":
+    if kind == "rough":
+        for mid in mid_of.values():
+            x[mid][:2] = [c + random.uniform(-0.25, 0.25) / n for c in x[mid][:2]]
+    if kind in ("tilted", "rough"):
         x = [[0.8 * p[0] - 0.6 * p[1], 0.6 * p[0] + 0.8 * p[1] - 1, 0.3 * p[0] + 0.2 * p[1]] for p in x]
-    write(path, x, [(24 if dim == 3 else 22, nodes) for nodes in elements], DATA_TYPES[kind])
+    if kind == "rough":
+        write_nastran(path, [[p[0] + 3, p[1] + 3, p[2] + 1] for p in x], elements)
+    else:
+        write(path, x, [(24 if dim == 3 else 22, nodes) for nodes in elements], DATA_TYPES[kind])
+
+
+def write_nastran(path, x, elements):
+    with open(path, "w") as out:
+        print("BEGIN BULK", file=out)
+        for i, p in enumerate(x, 1):
+            print("GRID    %8d%8s%8.5f%8.5f%8.5f" % (i, "", *p), file=out)
+        for i, nodes in enumerate(elements, 1):
+            print("CTRIA6  %8d%8d" % (i, 1) + "".join("%8d" % (p + 1) for p in nodes), file=out)
+        print("ENDDATA", file=out)
 
 
 def read_second(path):
