@@ -125,9 +125,27 @@ END
 expect_status 0 "$program" quality second.vol --json report.json
 expect_json "r['quality']['counts']['tetrahedron10'] > 0"
 expect_json "r['quality']['inverted'] == r['quality']['uncertified'] == 0"
-expect_status 2 "$program" smooth second.vol -o no.vol
-expect_one_line
-expect_text "857 quadratic tetrahedra"
+# Second order: corners are smoothed, mids follow, and Netgen finds the same elements in what is written.
+expect_status 0 "$program" smooth second.vol -o second_smooth.vol --json report.json
+grep -q "^857 quadratic tetrahedra, [0-9]* curved; mid-side nodes follow" out || fail "counts: $(cat out)"
+expect_json "r['before']['counts'] == r['after']['counts'] == {'tetrahedron10': 857}"
+expect_json "r['before']['inverted'] == r['after']['inverted'] == 0 and r['certified']"
+expect_json "r['after']['rms_radius_ratio'] < r['before']['rms_radius_ratio'] and r['mesh']['mid_side_nodes'] > 0"
+mv report.json smoothed.json
+expect_status 0 "$program" quality second_smooth.vol --json report.json
+expect_json "r['checksum'] == json.load(open('smoothed.json'))['checksum']"
+"$python" - <<'END' >/dev/null || fail "Netgen reads another mesh"
+import json
+from netgen.meshing import Mesh
+old, new = Mesh(), Mesh()
+old.Load("second.vol")
+new.Load("second_smooth.vol")
+assert [[v.nr for v in e.vertices] for e in old.Elements3D()] == [[v.nr for v in e.vertices] for e in new.Elements3D()]
+assert [[p.nr for p in e.points] for e in old.Elements3D()] == [[p.nr for p in e.points] for e in new.Elements3D()]
+moved = sum(a.p != b.p for a, b in zip(old.Points(), new.Points()))
+assert len(old.Points()) == len(new.Points())
+assert moved == json.load(open("smoothed.json"))["moved_nodes"] > 100, moved
+END
 gzip -k ball.vol
 expect_status 2 "$program" smooth ball.vol.gz -o no.vol
 expect_one_line
