@@ -24,24 +24,23 @@ typedef struct shape_call {
     pl_dense dense; /* the mesh, owned */
 } shape_call;
 
-/** Check threads, and enter; end_call follows unless that fails. */
-static int enter_call(const planish_mesh *mesh, int threads, shape_call *call,
-                      planish_error *error) {
+static int check_threads(int threads, planish_error *error) {
     if (threads < 0 || threads > PL_MAX_THREADS)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
                        PL_MAX_THREADS);
-    *call = (shape_call){
-        .mesh = mesh, .threads = pl_thread_count(threads), .outside = pl_call_enter(NULL)};
     return PLANISH_OK;
 }
 
 /** Check threads and the mesh, and enter; end_call follows unless that fails. */
 static int begin_call(const planish_mesh *mesh, int threads, shape_call *call,
                       planish_error *error) {
-    int status = enter_call(mesh, threads, call, error);
+    int status = check_threads(threads, error);
     if (status)
         return status;
+    call->mesh = mesh;
+    call->threads = pl_thread_count(threads);
+    call->outside = pl_call_enter(NULL);
     status = pl_dense_create(mesh, call->threads, &call->dense, error);
     if (status)
         pl_call_leave(&call->outside);
@@ -110,7 +109,12 @@ static int find_layers_of_cells(const planish_mesh *mesh, int threads, uint8_t *
                                 int64_t *n_layer, planish_error *error) {
     cells_call c = {.coordinates = NULL};
     int64_t n_thin = 0;
-    int status = take_cells(mesh, threads, &c, error);
+    int status = check_threads(threads, error);
+    if (status)
+        return status;
+    threads = pl_thread_count(threads);
+    const pl_outside outside = pl_call_enter(NULL);
+    status = take_cells(mesh, threads, &c, error);
     if (!status && !(c.thinness = pl_alloc(mesh->cells->n, sizeof *c.thinness)))
         status = pl_fail_memory(error, "thin elements");
     if (!status)
@@ -123,6 +127,7 @@ static int find_layers_of_cells(const planish_mesh *mesh, int threads, uint8_t *
     pl_free(c.thinness);
     pl_free(c.state);
     pl_free(c.scaled_jacobian);
+    pl_call_leave(&outside);
     return status;
 }
 
@@ -132,14 +137,13 @@ int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer
     int64_t n = 0;
     if (!is_layer)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "is_layer must not be NULL");
-    const int has_cells = mesh && mesh->cells;
-    int status = has_cells ? enter_call(mesh, threads, &call, error)
-                           : begin_call(mesh, threads, &call, error);
-    if (status)
-        return status;
-    status = has_cells ? find_layers_of_cells(mesh, call.threads, is_layer, &n, error)
-                       : pl_find_layers(&call.dense.mesh, NULL, call.threads, is_layer, &n, error);
-    end_call(&call);
+    int status = PLANISH_OK;
+    if (mesh && mesh->cells) {
+        status = find_layers_of_cells(mesh, threads, is_layer, &n, error);
+    } else if (!(status = begin_call(mesh, threads, &call, error))) {
+        status = pl_find_layers(&call.dense.mesh, NULL, call.threads, is_layer, &n, error);
+        end_call(&call);
+    }
     if (!status && n_layer)
         *n_layer = n;
     return status;

@@ -179,7 +179,7 @@ static int given_at(const pl_cell_shape *shape, int c, int thinness) {
     int j = 0;
     if (!(thinness & PL_IS_WIDE))
         return PL_IS_GIVEN;
-    while (factor_of(shape, c, shape->neighbour[c][j]) != (thinness & PL_SHORTEST_EDGE))
+    while (j < 2 && factor_of(shape, c, shape->neighbour[c][j]) != (thinness & PL_SHORTEST_EDGE))
         j++;
     return (thinness & ~PL_SHORTEST_EDGE) | numbers[j];
 }
@@ -209,11 +209,15 @@ static int make_simplices(const planish_mesh *mesh, const uint8_t *thinness, cor
     const int64_t n_cells = mesh->cells->n;
     uint8_t *is_near = pl_alloc_zero(mesh->n_nodes, 1);
     m->first = pl_alloc(n_cells + 1, sizeof *m->first);
-    const int64_t n = is_near && m->first ? count_simplices(mesh, thinness, is_near, m->first) : -1;
+    if (!is_near || !m->first) {
+        pl_free(is_near);
+        return pl_fail_memory(error, "thin elements");
+    }
+    const int64_t n = count_simplices(mesh, thinness, is_near, m->first);
     pl_free(is_near);
     if (n > INT32_MAX)
         return pl_fail(error, PLANISH_ERROR_MESH, "the mesh is too large to find its layers");
-    m->node = pl_alloc(n < 0 ? n : n * (mesh->dim + 1), sizeof *m->node);
+    m->node = pl_alloc(n * (mesh->dim + 1), sizeof *m->node);
     m->given = pl_alloc(n, 1);
     if (!m->node || !m->given)
         return pl_fail_memory(error, "thin elements");

@@ -89,7 +89,7 @@ static int32_t find_set(cell_sets *s, int32_t element, int *flip) {
     *flip = total;
     while (s->parent[element] != top && element != top) { /* straight to the top from now on */
         const int32_t next = s->parent[element];
-        const int own = s->flip[element];
+        const int own = s->flip[element] < 0 ? -1 : 1;
         s->parent[element] = top;
         s->flip[element] = (int8_t)total;
         total *= own;
@@ -335,7 +335,7 @@ int pl_orient_cells(const planish_cells *cells, int dim, int64_t n_nodes, const 
     s.parent = pl_alloc(is_there ? n : -1, sizeof *s.parent);
     s.flip = pl_alloc(is_there ? n : -1, sizeof *s.flip);
     set_count *count = pl_alloc_zero(is_there ? n : -1, sizeof *count);
-    is_there = s.parent && s.flip && count;
+    is_there = is_there && s.parent && s.flip && count;
     if (is_there) {
         join_all(&s);
         pl_parallel_for(threads, n, CHUNK, find_own_chunk, &s);
