@@ -1,7 +1,8 @@
 /* Bytes decide on a mesh, options and a few calls of planish.h. Whatever they are, a call fails
  * with a code and a text and leaves its outputs alone, or does what the header promises: only free
  * nodes move, within their bounds; no more elements are inverted than were; no element gets worse
- * than the worst; the same bits on any number of threads and by any kernel.
+ * than the worst; the same bits on any number of threads and by any kernel. Elements are given as
+ * cells, too, some of second order.
  */
 #include "fuzz_options.h"
 
@@ -284,6 +285,169 @@ static void use_plan(work *w) {
     free(w->is_free);
 }
 
+/* ---- cells ---------------------------------------------------------------------------------- */
+
+/** Cells of the mesh in the place of its elements, being filled. */
+typedef struct making {
+    work *w;
+    planish_mesh mesh; /* which has the cells, and a node for each mid */
+    double *x;         /* [n_nodes][dim] */
+    uint8_t *type;
+    int64_t *offset;
+    int32_t *node;
+    planish_cells cells;
+} making;
+
+enum { MOST_OF_CELL = 27 };
+
+/** Add an element as a cell, of order 2 where the bytes want it: mids are missing, in the middle,
+ *  or off it. */
+static void add_element(making *m, int64_t element) {
+    static const uint8_t ends[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
+    const planish_mesh *plain = &m->w->mesh.mesh;
+    fuzz_bytes *bytes = &m->w->bytes;
+    const int dim = plain->dim, kind = take_below(bytes, 4);
+    int32_t *to = m->node + m->offset[m->cells.n];
+    int n = dim + 1;
+    for (int j = 0; j <= dim; j++)
+        to[j] = plain->elements ? plain->elements[element * (dim + 1) + j]
+                                : (int32_t)plain->elements64[element * (dim + 1) + j];
+    for (int e = 0; kind > 0 && e < (dim == 3 ? 6 : 3); e++) {
+        const int64_t a = to[ends[e][0]], b = to[ends[e][1]];
+        const int is_known = a >= 0 && b >= 0 && a < plain->n_nodes && b < plain->n_nodes;
+        const double bend = kind == 3 ? take_finite(bytes) / 16 : 0;
+        to[n++] = is_known && !take_chance(bytes, 16) ? (int32_t)m->mesh.n_nodes : -1;
+        for (int d = 0; d < dim && to[n - 1] >= 0; d++)
+            m->x[m->mesh.n_nodes * dim + d] =
+                (m->x[a * dim + d] + m->x[b * dim + d]) / 2 + (d == 0 ? bend : 0);
+        m->mesh.n_nodes += to[n - 1] >= 0;
+    }
+    m->type[m->cells.n++] =
+        (uint8_t)(dim == 3 ? (kind > 0 ? PLANISH_CELL_TETRAHEDRON10 : PLANISH_CELL_TETRAHEDRON)
+                           : (kind > 0 ? PLANISH_CELL_TRIANGLE6 : PLANISH_CELL_TRIANGLE));
+    m->offset[m->cells.n] = m->offset[m->cells.n - 1] + n;
+}
+
+/** Add a cell of some type, or of one that there is not, with any nodes. */
+static void add_other(making *m) {
+    static const uint8_t types[][2] = {{12, 8},  {13, 6}, {14, 5},  {25, 20}, {26, 15}, {9, 4},
+                                       {3, 2},   {1, 1},  {29, 27}, {32, 18}, {27, 13}, {23, 8},
+                                       {42, 12}, {7, 5},  {28, 9},  {10, 4}};
+    fuzz_bytes *bytes = &m->w->bytes;
+    const uint8_t *of = types[take_below(bytes, 16)];
+    const int64_t from = m->offset[m->cells.n];
+    const int first = take_byte(bytes), step = 1 + take_below(bytes, 7);
+    for (int i = 0; i < of[1]; i++)
+        m->node[from + i] = (int32_t)((first + i * step) % m->mesh.n_nodes);
+    m->type[m->cells.n++] = of[0];
+    m->offset[m->cells.n] = from + of[1];
+}
+
+/** Whether a mesh has the arrays that its numbers say. */
+static int is_whole(const fuzz_mesh *m) {
+    const planish_mesh *mesh = &m->mesh;
+    return mesh->n_nodes > 0 && (mesh->elements || mesh->elements64) &&
+           m->n_coordinates == fuzz_at(mesh, mesh->n_nodes - 1, mesh->dim - 1) + 1;
+}
+
+/** Make cells of the elements, some others, and something wrong at times. */
+static void make_cells(making *m) {
+    work *w = m->w;
+    const planish_mesh *plain = &w->mesh.mesh;
+    const int64_t n = plain->n_elements, most = n + 4;
+    m->mesh = *plain;
+    m->type = fuzz_block(&w->mesh, most, 1);
+    m->offset = fuzz_block(&w->mesh, most + 1, sizeof *m->offset);
+    m->node = fuzz_block(&w->mesh, most * MOST_OF_CELL, sizeof *m->node);
+    m->x = fuzz_block(&w->mesh, (plain->n_nodes + 6 * n) * plain->dim, sizeof *m->x);
+    for (int64_t i = 0; i < plain->n_nodes; i++)
+        for (int d = 0; d < plain->dim; d++)
+            m->x[i * plain->dim + d] = plain->coordinates[fuzz_at(plain, i, d)];
+    for (int64_t i = 0; i < n; i++)
+        add_element(m, i);
+    for (int k = take_below(&w->bytes, 4); k > 0; k--)
+        add_other(m);
+    if (take_chance(&w->bytes, 8))
+        m->type[take_byte(&w->bytes) % m->cells.n] = take_byte(&w->bytes);
+    if (take_chance(&w->bytes, 8)) {
+        const int64_t at = take_byte(&w->bytes) % (m->cells.n + 1);
+        if (at < m->cells.n) /* the last one says how many nodes there are */
+            m->offset[at] = take_integer(&w->bytes);
+    }
+    if (take_chance(&w->bytes, 8)) {
+        const int64_t at = take_byte(&w->bytes) % m->offset[m->cells.n];
+        m->node[at] = (int32_t)take_integer(&w->bytes);
+    }
+    m->cells.type = m->type;
+    m->cells.offset = m->offset;
+    m->cells.node = m->node;
+    m->mesh.cells = &m->cells;
+    m->mesh.elements = NULL;
+    m->mesh.elements64 = NULL;
+    m->mesh.n_elements = m->cells.n;
+    m->mesh.coordinates = m->x;
+    m->mesh.node_stride = m->mesh.component_stride = 0;
+    m->mesh.constraint = NULL;
+    m->mesh.direction = NULL;
+    m->mesh.min_volume = NULL;
+    m->mesh.neighbours = NULL;
+    m->mesh.neighbours64 = NULL;
+}
+
+static int measure_cells(const making *m, const double *x, planish_cell_quality *quality) {
+    planish_mesh mesh = m->mesh;
+    planish_error error;
+    mesh.coordinates = x;
+    if (!succeeded(planish_measure_cells(&mesh, 0, 1, quality, NULL, &error), &error))
+        return 0;
+    fuzz_require(quality->all.n_elements <= m->cells.n &&
+                     quality->all.n_inverted + quality->all.n_uncertified <=
+                         quality->all.n_elements,
+                 "elements are counted");
+    return 1;
+}
+
+/** Smooth x [n_nodes][dim] with so many threads. Returns 0 if that is refused, 1 if some elements
+ *  were inverted, 2 if none was, by the plan's orientation. */
+static int smooth_cells(const making *m, int threads, double *x) {
+    planish_options options;
+    planish_plan *plan;
+    planish_result result;
+    planish_quality before, after;
+    planish_error error;
+    planish_options_init(&options);
+    options.threads = threads;
+    if (!succeeded(planish_plan_create(&m->mesh, &options, &plan, &error), &error))
+        return 0;
+    fuzz_require(planish_measure(plan, x, &before, &error) == 0, "what has a plan is measured");
+    const int done = succeeded(planish_smooth(plan, x, &options, &result, &error), &error);
+    fuzz_require(planish_measure(plan, x, &after, &error) == 0, "what is smoothed is measured");
+    fuzz_require(after.n_inverted <= before.n_inverted, "no more elements are inverted than were");
+    planish_plan_destroy(plan);
+    return !done ? 0 : before.n_inverted > 0 ? 1 : 2;
+}
+
+/** Cells are refused in a line, or smoothed with the same bits on other threads; where all elements
+ *  were valid they stay so, curved ones as well. */
+static void use_cells(work *w) {
+    making m = {.w = w};
+    planish_cell_quality before, after;
+    make_cells(&m);
+    const int64_t n = m.mesh.n_nodes * m.mesh.dim;
+    const int known = measure_cells(&m, m.x, &before);
+    double *x = copy_of(m.x, n, sizeof *x), *again = copy_of(m.x, n, sizeof *again);
+    const int done = smooth_cells(&m, 1, x);
+    fuzz_require(smooth_cells(&m, 2, again) == done, "other threads can do the same");
+    fuzz_require(memcmp(x, again, (size_t)n * sizeof *x) == 0, "the same bits on two threads");
+    fuzz_require(done || memcmp(x, m.x, (size_t)n * sizeof *x) == 0, "a failure moves nothing");
+    fuzz_require(!done || known, "what is smoothed can be measured");
+    if (done && measure_cells(&m, x, &after) && done == 2 &&
+        before.all.n_inverted + before.all.n_uncertified == 0)
+        fuzz_require(after.all.n_inverted == 0, "valid elements stay valid");
+    free(x);
+    free(again);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     work w = {.bytes = {data, data + size}};
@@ -294,6 +458,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const int is_counted = w.mesh.mesh.n_nodes <= 1000 && w.mesh.mesh.n_nodes >= 0 &&
                            w.mesh.mesh.n_elements > 0 && w.mesh.mesh.n_elements <= 1000 &&
                            w.mesh.mesh.coordinates && (w.mesh.mesh.dim | 1) == 3;
+    if (is_counted && (first & 192) == 192 && is_whole(&w.mesh))
+        use_cells(&w);
     if (is_counted && (first & 3) == 3)
         find_slides(&w);
     if (is_counted && (first & 12) == 12)
