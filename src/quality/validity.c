@@ -250,6 +250,12 @@ typedef struct exact_element {
     pl_exact derivative[3][PL_JACOBIAN_DERIVATIVES][3];
 } exact_element;
 
+/** Set a to 0. Its sign is read, too. */
+static void set_to_zero(pl_exact *a) {
+    a->sign = 1;
+    a->n = 0;
+}
+
 /** Add weight * from to *to. */
 static void add_times(int weight, const pl_exact *from, pl_exact *to) {
     const uint32_t size = (uint32_t)(weight < 0 ? -weight : weight);
@@ -290,7 +296,7 @@ static void find_exact_derivatives(const pl_jacobian_rule *rule, exact_element *
     if (rule->n_control_terms > 0) {
         for (int c = 0; c < rule->n_controls; c++)
             for (int d = 0; d < dim; d++)
-                e->control[c][d].n = 0;
+                set_to_zero(&e->control[c][d]);
         for (int t = 0; t < rule->n_control_terms; t++)
             for (int d = 0; d < dim; d++)
                 add_times(rule->control_term[t].weight, &e->node[rule->control_term[t].from][d],
@@ -308,10 +314,8 @@ static void find_exact_derivatives(const pl_jacobian_rule *rule, exact_element *
 static void find_exact_coefficients(const pl_jacobian_rule *rule, const exact_element *e,
                                     double sign, pl_exact b[]) {
     const int dim = rule->type->shape->dim;
-    for (int c = 0; c < rule->n_coefficients; c++) {
-        b[c].n = 0;
-        b[c].sign = 1;
-    }
+    for (int c = 0; c < rule->n_coefficients; c++)
+        set_to_zero(&b[c]);
     for (int p = 0; p < rule->n_products; p++) {
         const pl_jacobian_product *product = &rule->product[p];
         const int weight = product->weight * rule->factor[product->coefficient] * (int)sign;
@@ -376,7 +380,7 @@ static pl_validity bisect_exactly(const pl_jacobian_rule *rule, pl_exact *piece)
         for (int half = 0; half < 2; half++) {
             pl_exact *const to = piece + (at + half) * n_coefficients;
             for (int c = 0; c < n_coefficients; c++)
-                to[c].n = 0;
+                set_to_zero(&to[c]);
             for (int t = 0; t < rule->n_half_terms[h][half]; t++) {
                 const pl_jacobian_term *term = &rule->half_term[h][half][t];
                 add_times(term->weight, &whole[term->from], &to[term->to]);

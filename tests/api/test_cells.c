@@ -73,7 +73,7 @@ static mesh empty_mesh(int dim) {
     m.type = malloc(MAX_CELLS);
     m.offset = calloc(MAX_CELLS + 1, sizeof *m.offset);
     m.node = malloc(MAX_CELLS * PL_CELL_NODES * sizeof *m.node);
-    m.x = malloc((size_t)(MAX_CELLS * PL_CELL_NODES * dim) * sizeof *m.x);
+    m.x = calloc((size_t)(MAX_CELLS * PL_CELL_NODES * dim), sizeof *m.x);
     m.cells = (planish_cells){.type = m.type, .offset = m.offset, .node = m.node};
     return m;
 }
