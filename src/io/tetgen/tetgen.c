@@ -139,7 +139,7 @@ static int read_coordinates(const table *t, io_cursor *cursor, int64_t node, pla
 /** Read the corners and mids of an element, face or edge as indices of nodes. */
 static int read_corners(const table *t, io_cursor *cursor, int64_t row, planish_error *error) {
     io_model *model = t->model;
-    int32_t nodes[MOST_NODES];
+    int32_t nodes[MOST_NODES] = {0};
     int64_t number;
     for (int i = 0; i <= t->dim + t->mids; i++) {
         if (line_integer(cursor, &number))
