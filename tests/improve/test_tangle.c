@@ -229,8 +229,15 @@ static void move_some(held *h, unsigned *random) {
     }
 }
 
-/** Smooth: fewer elements are inverted or as many. The coordinates, to be freed. */
-static double *smooth(const held *h) {
+/** Count the calls of smooth in which nodes returned. */
+static void count_returns(planish_log_level level, const char *text, void *user) {
+    if (level == PLANISH_LOG_DETAIL && strstr(text, " nodes return, "))
+        ++*(int *)user;
+}
+
+/** Smooth: fewer elements are inverted or as many. The coordinates, to be freed. n_returns (may be
+ *  NULL): one more if nodes returned where untangling failed. */
+static double *smooth(const held *h, int *n_returns) {
     const int dim = h->t.mesh.mesh.dim;
     const size_t bytes = (size_t)(h->t.mesh.mesh.n_nodes * dim) * sizeof(double);
     planish_options options;
@@ -240,6 +247,8 @@ static double *smooth(const held *h) {
     planish_options_init(&options);
     options.threads = 1;
     options.max_sweeps = 5;
+    options.log = n_returns ? count_returns : NULL;
+    options.log_user = n_returns;
     double *x = malloc(bytes);
     memcpy(x, h->t.mesh.coordinates, bytes);
     assert_int_equal(planish_plan_create(&h->t.mesh.mesh, &options, &plan, NULL), 0);
@@ -258,7 +267,7 @@ static double *smooth(const held *h) {
 
 /** Those that are still inverted can be shown to have to be. */
 static void check_rest(held *h) {
-    double *x = smooth(h);
+    double *x = smooth(h, NULL);
     find(h, x);
     for (int64_t i = 0; i < h->t.mesh.mesh.n_elements; i++)
         assert_int_equal(h->found[i], is_inverted(h, x, i));
@@ -304,7 +313,7 @@ static void held_links_may_leave_no_place(void **state) {
         impossible += n > 0;
         possible += n == 0;
         if (seed < 4) /* what is hard, but not shown to be impossible, takes long */
-            free(smooth(&h));
+            free(smooth(&h, NULL));
         destroy(&h);
     }
     assert_true(possible > 3 && impossible > 10);
@@ -332,7 +341,7 @@ static void a_place_that_exists_is_found(void **state) {
         h.t.mesh.coordinates[node * dim] += h.t.size[node];
         const int64_t tangled = inverted_around(&h, h.t.mesh.coordinates, node);
         const verdict v = look_at_star(&h, node, 1);
-        double *x = smooth(&h);
+        double *x = smooth(&h, NULL);
         find(&h, x);
         if (v == POSSIBLE)
             assert_int_equal(inverted_around(&h, x, node), 0);
@@ -395,6 +404,29 @@ static void the_rest_is_mended(void **state) {
         destroy(&h);
     }
     assert_true(impossible > 5);
+}
+
+/** Held nodes out of place leave elements that nothing untangles; what was moved for them in vain is
+ *  put back. */
+static void nodes_return_where_untangling_fails(void **state) {
+    (void)state;
+    int n_returns = 0;
+    for (unsigned seed = 0; seed < 8; seed++) {
+        held h;
+        unsigned random = seed * 2654435761u + 1;
+        create(&h, 2, TEST_BOX, seed);
+        for (int i = 0; i < 2; i++) {
+            const int32_t node = random_inner_node(&h, &random);
+            h.is_held[node] = PLANISH_CONSTRAINT_FIXED;
+            for (int d = 0; d < 2; d++)
+                h.t.mesh.coordinates[node * 2 + d] +=
+                    2 * h.t.size[node] * (2 * test_random(&random) - 1);
+        }
+        move_some(&h, &random);
+        free(smooth(&h, &n_returns));
+        destroy(&h);
+    }
+    assert_in_range(n_returns, 1, 8);
 }
 
 /** A star whose elements are all flat, in one plane or line: those that want its node on the one
@@ -502,6 +534,7 @@ int main(void) {
         BOTH(meshes_that_can_be_mended_have_none),
         BOTH(the_rest_is_mended),
         BOTH(flat_stars_contradict_themselves),
+        cmocka_unit_test(nodes_return_where_untangling_fails),
         cmocka_unit_test(areas_next_to_rounding_prove_nothing),
         BOTH(without_memory_nothing_is_said),
     };
