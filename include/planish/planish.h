@@ -133,7 +133,8 @@ typedef enum planish_cell_type {
 
 /** Elements of any types. Elements of the mesh's dimension count, others are passed over. Elements
  *  may have either handedness: that of most elements that facets join is the right one, or that of
- *  most of its type for an element that nothing joins. */
+ *  most of its type for an element that nothing joins. A triangle or tetrahedron that nothing joins
+ *  is right in either. */
 typedef struct planish_cells {
     int64_t n;             /* elements */
     const uint8_t *type;   /* [n] of planish_cell_type */

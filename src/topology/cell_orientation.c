@@ -305,7 +305,8 @@ static void find_signs(cell_sets *s, set_count *count) {
         }
     for (int64_t i = 0; i < s->cells->n; i++) {
         const int32_t set = find_set(s, (int32_t)i, &flip);
-        const int is_alone = count[set].n == 1;
+        const pl_cell_type *type = counted_type(s, i);
+        const int is_alone = count[set].n == 1 && type && type->shape->n_simplices != 1;
         const int64_t surplus = is_alone ? of_type[s->cells->type[i]] : count[set].surplus;
         s->sign[i] = (int8_t)(surplus >= 0 ? flip : -flip);
     }

@@ -301,8 +301,15 @@ static void measures_agree_with_plain_loops(void **state) {
                 real scaled;
                 if (m.type[i] != q.type[r])
                     continue;
-                const real plain =
-                    plain_ratio(m.type[i], m.x + m.node[m.offset[i]] * dim, dim, &scaled);
+                double *x = m.x + m.node[m.offset[i]] * dim;
+                real plain = plain_ratio(m.type[i], x, dim, &scaled);
+                /* A simplex that nothing joins is right in either handedness. */
+                if (scaled < 0 && pl_cell_type_of(m.type[i])->shape->n_simplices == 1) {
+                    double mirrored[4 * 3];
+                    for (int k = 0; k < (dim + 1) * dim; k++)
+                        mirrored[k] = k % dim == 0 ? -x[k] : x[k];
+                    plain = plain_ratio(m.type[i], mirrored, dim, &scaled);
+                }
                 n_type++;
                 least = fminl(least, scaled);
                 if (ratio[i] == 0)

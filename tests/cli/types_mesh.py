@@ -247,9 +247,9 @@ points, cells, expected = [], [], {}
 for name, (number, shape, has_mids, has_faces, has_middle) in TYPES.items():
     of = {"elements": 0, "inverted": 0, "corner_inverted": 0, "curved": 0, "squares": [], "scaled": [], "edges": []}
     expected[name] = of
-    # A tangled one (of straight tetrahedra in no other the orientation is open), and one with a mid that is a little or
-    # much off the middle of its edge.
-    for kind in ["plain"] * 5 + ["tangled"] * (number != 10) + (["curved", "folded"] if has_mids else []):
+    # A tangled one (of single tetrahedra the orientation is open), and one with a mid that is a little or much off the
+    # middle of its edge.
+    for kind in ["plain"] * 5 + ["tangled"] * (shape != "tetrahedron") + (["curved", "folded"] if has_mids else []):
         shift = [3.0 * len(cells), 0, 0]
         noise = 0 if kind in ("curved", "folded") else 0.14
         ideal = [[v + random.uniform(-noise, noise) for v in p] for p in CORNERS[shape]]
