@@ -52,7 +52,7 @@ static int is_simplex(const pl_cell_type *type) {
     return type->shape->n_simplices == 1;
 }
 
-/** Of two corners at an edge, which simplex of the product goes from one vertex to another. */
+/** Return the simplex of the product that differs between corners a and b of an edge. */
 static int factor_of(const pl_cell_shape *shape, int a, int b) {
     int f = 0;
     while (shape->vertex[a][f] == shape->vertex[b][f])
@@ -173,7 +173,7 @@ static int64_t count_simplices(const planish_mesh *mesh, const uint8_t *thinness
     return first[cells->n] = n;
 }
 
-/** What is given of corner c of an element: its upright is its shortest edge. */
+/** Return what is given of corner c of an element: its upright is its shortest edge. */
 static int given_at(const pl_cell_shape *shape, int c, int thinness) {
     static const int numbers[3] = {0, 1, 3}; /* of the edges from the corner */
     int j = 0;

@@ -54,7 +54,7 @@ static const measure measures[] = {
 
 enum { N_MEASURES = sizeof measures / sizeof *measures };
 
-/** Those of elements of every type. */
+/** Measures of elements of every type. */
 static const measure cell_measures[] = {
     {"inverted", "inverted elements", "inverted elements", "", LESS_IS_BETTER, "main", 1},
     {"corner_inverted", "inverted corners", "inverted corners", "", LESS_IS_BETTER, "", 1},

@@ -65,7 +65,7 @@ static void set_other(const io_others *others, int64_t i, view_cell *cell) {
     cell->n_first = cell->size = io_cell_type_nodes(cell->type);
 }
 
-/** As for others, a simplex is straight where a mid is missing. */
+/** Fill in a simplex. Like other elements it is written as straight where a mid is missing. */
 static void set_simplex(const io_cells *of, int dim, int64_t i, view_cell *cell) {
     static const uint8_t types[][2] = {{VTK_LINE, PLANISH_CELL_LINE3},
                                        {VTK_TRIANGLE, PLANISH_CELL_TRIANGLE6},
