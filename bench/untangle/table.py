@@ -51,12 +51,16 @@ def print_names(title, lines, show):
         print("\n".join(f"- {line['name']}: {show(line)}" for line in lines) + "\n")
 
 
+def why_none(line):
+    return line["no_case"]
+
+
 def show_failed(line):
     if "inverted" not in line:
         return "timed out" if line["timed_out"] else f"status {line['status']}"
-    return (f"{line['inverted_elsewhere']} of {line['inverted_before']} inverted left, "
-            f"false reports {line['false_reports']}, "
-            f"flaws found {line['flaws_found']} of {line['flaws']}"
+    return (f"{line['inverted_elsewhere']} of {line['inverted_before']} inverted left"
+            + (f", false reports {line['false_reports']}" if line["false_reports"] else "")
+            + (f", flaws found {line['flaws_found']} of {line['flaws']}" if line["flaws"] else "")
             + (", planish fails on the known solution" if line["reference_failed"] else "")
             + (f", held nodes moved: {line['held_moved']}" if line["held_moved"] else "")
             + (", timed out" if line["timed_out"] else ""))
@@ -84,7 +88,8 @@ def show_lists(real, none):
     failed = [line for line in real if not line["passed"]]
     print(f"{len(real) - len(failed)} of {len(real)} cases passed.\n")
     print_names("Failed", failed, show_failed)
-    print_names("No case", none, lambda line: line["no_case"])
+    for reason, lines in groupby(sorted(none, key=why_none), key=why_none):
+        print(f"No case ({reason}): {len(list(lines))}\n")
     disputed = [line for line in real if line.get("inverted") != line.get("inverted_by_numpy")]
     print_names("planish and numpy disagree on the inverted elements", disputed,
                 lambda line: f"{line['inverted']} and {line['inverted_by_numpy']}")
