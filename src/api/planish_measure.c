@@ -7,7 +7,7 @@
 #include "base/parts.h"
 #include "base/status.h"
 #include "quality/measure.h"
-#include "topology/subset.h"
+#include "topology/points.h"
 
 #include <string.h>
 

@@ -7,7 +7,6 @@
 #include "base/status.h"
 #include "topology/cells.h"
 #include "topology/points.h"
-#include "topology/subset.h"
 #include "topology/topology.h"
 
 #include <inttypes.h>

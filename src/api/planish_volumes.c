@@ -7,7 +7,7 @@
 #include "base/memory.h"
 #include "base/parts.h"
 #include "base/status.h"
-#include "topology/subset.h"
+#include "topology/points.h"
 
 #include <string.h>
 

@@ -6,7 +6,6 @@
  */
 #include "topology/cells.h"
 #include "topology/points.h"
-#include "topology/subset.h"
 #include "topology/topology.h"
 
 #include "base/memory.h"

@@ -1,4 +1,4 @@
-/* points: coordinates as the caller has them: any stride, all nodes or some. */
+/* points: coordinates as the caller has them: any stride, all nodes or some; and rows of arrays. */
 #include "topology/points.h"
 
 #include "base/memory.h"
@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { CHUNK = 4096 }; /* points that one thread takes at a time */
+enum { CHUNK = 4096 }; /* points or rows that one thread takes at a time */
 
 pl_points pl_points_of(const planish_mesh *mesh, const double *x) {
     return (pl_points){.x = x,
@@ -112,4 +112,48 @@ int pl_points_find_doubled(const pl_points *points, uint8_t *is_doubled, planish
     }
     pl_free(slot);
     return PLANISH_OK;
+}
+
+/* ---- rows of arrays ------------------------------------------------------------------------ */
+
+/** Rows of size bytes on their way from one array to another. */
+typedef struct copying {
+    const int32_t *row;
+    const char *from;
+    char *to;
+    size_t size;
+} copying;
+
+static void take_rows(void *context, int64_t begin, int64_t end, int thread) {
+    const copying *c = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        memcpy(c->to + (size_t)i * c->size, c->from + (size_t)c->row[i] * c->size, c->size);
+}
+
+static void put_rows(void *context, int64_t begin, int64_t end, int thread) {
+    const copying *c = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        memcpy(c->to + (size_t)c->row[i] * c->size, c->from + (size_t)i * c->size, c->size);
+}
+
+void pl_rows_put(const void *from, const int32_t *row, int64_t n, size_t size, int threads,
+                 void *to) {
+    copying c = {row, from, to, size};
+    if (row)
+        pl_parallel_for(pl_paying_threads(threads, n), n, CHUNK, put_rows, &c);
+    else
+        memcpy(to, from, (size_t)n * size);
+}
+
+void *pl_rows_take(const void *from, const int32_t *row, int64_t n, size_t size, int threads,
+                   int *failed) {
+    if (!from)
+        return NULL;
+    copying c = {row, from, pl_alloc(n, size), size};
+    if (c.to)
+        pl_parallel_for(threads, n, CHUNK, take_rows, &c);
+    *failed |= !c.to;
+    return c.to;
 }

@@ -1,8 +1,9 @@
-/* points: coordinates as the caller has them: any stride, all nodes or some.
+/* points: coordinates as the caller has them: any stride, all nodes or some; and rows of arrays.
  *
  *   pl_points_of, pl_point_at                    where the coordinates are
  *   pl_points_check, _are_dense, _gather         check them, copy them
  *   pl_points_find_doubled                       points at the place of another one
+ *   pl_rows_take, pl_rows_put                    rows of any arrays by numbers
  */
 #ifndef PL_TOPOLOGY_POINTS_H
 #define PL_TOPOLOGY_POINTS_H
@@ -43,5 +44,14 @@ int pl_points_check(const pl_points *p, int threads, planish_error *error);
  *  crack has its nodes twice, and some programs give each element its own points. At most INT32_MAX
  *  points. Errors: _MEMORY. */
 int pl_points_find_doubled(const pl_points *points, uint8_t *is_doubled, planish_error *error);
+
+/** Return the rows row [n], of size bytes, of from, as an array of their own. NULL if from is; if it
+ *  is not, *failed becomes 1. */
+void *pl_rows_take(const void *from, const int32_t *row, int64_t n, size_t size, int threads,
+                   int *failed);
+
+/** Copy the n rows of from, of size bytes, to the rows row [n] of to; NULL: to the same. */
+void pl_rows_put(const void *from, const int32_t *row, int64_t n, size_t size, int threads,
+                 void *to);
 
 #endif

@@ -141,50 +141,6 @@ int64_t pl_subset_find_node(const pl_subset *subset, int64_t node) {
     return begin < subset->n_nodes && subset->node[begin] == node ? begin : -1;
 }
 
-/* ---- rows of arrays ------------------------------------------------------------------------ */
-
-/** Rows of size bytes on their way from one array to another. */
-typedef struct copying {
-    const int32_t *row;
-    const char *from;
-    char *to;
-    size_t size;
-} copying;
-
-static void take_rows(void *context, int64_t begin, int64_t end, int thread) {
-    const copying *c = context;
-    (void)thread;
-    for (int64_t i = begin; i < end; i++)
-        memcpy(c->to + (size_t)i * c->size, c->from + (size_t)c->row[i] * c->size, c->size);
-}
-
-static void put_rows(void *context, int64_t begin, int64_t end, int thread) {
-    const copying *c = context;
-    (void)thread;
-    for (int64_t i = begin; i < end; i++)
-        memcpy(c->to + (size_t)c->row[i] * c->size, c->from + (size_t)i * c->size, c->size);
-}
-
-void pl_rows_put(const void *from, const int32_t *row, int64_t n, size_t size, int threads,
-                 void *to) {
-    copying c = {row, from, to, size};
-    if (row)
-        pl_parallel_for(pl_paying_threads(threads, n), n, CHUNK, put_rows, &c);
-    else
-        memcpy(to, from, (size_t)n * size);
-}
-
-void *pl_rows_take(const void *from, const int32_t *row, int64_t n, size_t size, int threads,
-                   int *failed) {
-    if (!from)
-        return NULL;
-    copying c = {row, from, pl_alloc(n, size), size};
-    if (c.to)
-        pl_parallel_for(threads, n, CHUNK, take_rows, &c);
-    *failed |= !c.to;
-    return c.to;
-}
-
 /* ---- as a mesh ----------------------------------------------------------------------------- */
 
 int pl_submesh_create(const planish_mesh *whole, const pl_subset *subset, int threads,

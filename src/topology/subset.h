@@ -3,7 +3,6 @@
  *
  *   pl_subset_by_marks, pl_subset_by_walk, pl_subset_destroy     the elements of a subset
  *   pl_submesh_create, _destroy, pl_subset_find_node       the subset as a mesh
- *   pl_rows_take, pl_rows_put                              entries of arrays
  */
 #ifndef PL_TOPOLOGY_SUBSET_H
 #define PL_TOPOLOGY_SUBSET_H
@@ -55,15 +54,6 @@ int pl_submesh_create(const planish_mesh *whole, const pl_subset *subset, int th
 
 /** Free the arrays of mesh. */
 void pl_submesh_destroy(pl_submesh *mesh);
-
-/** Return the rows row [n], of size bytes, of from, as an array of their own. NULL if from is; if it
- *  is not, *failed becomes 1. */
-void *pl_rows_take(const void *from, const int32_t *row, int64_t n, size_t size, int threads,
-                   int *failed);
-
-/** Copy the n rows of from, of size bytes, to the rows row [n] of to; NULL: to the same. */
-void pl_rows_put(const void *from, const int32_t *row, int64_t n, size_t size, int threads,
-                 void *to);
 
 /** Number here of a node of the mesh, or -1. */
 int64_t pl_subset_find_node(const pl_subset *subset, int64_t node);
