@@ -299,18 +299,22 @@ static int has_moved(const pl_curved *c, int64_t element) {
 PL_INLINE int is_plainly_valid(const pl_curved *c, int64_t element, const int dim) {
     const planish_plan *plan = c->plan;
     const double scale = 0.5 * c->rule->control_term[0].weight;
-    const double *vertex[4];
-    double edges[3][3], longest = 0;
+    const double *vertex[4], *start[4];
+    double edges[3][3], longest = 0, longest_at_start = 0;
     if (c->is_curved[element])
         return 0;
     for (int j = 0; j <= dim; j++) {
         const int64_t node = plan->work.elements[element * (dim + 1) + j];
         vertex[j] = plan->scratch.coordinates + (int64_t)plan->inner[node] * dim;
-        for (int k = 0; k < j; k++)
+        start[j] = c->mids.given + node * dim;
+        for (int k = 0; k < j; k++) {
             longest = pl_larger(pl_distance(dim, vertex[j], vertex[k]), longest);
+            longest_at_start = pl_larger(pl_distance(dim, start[j], start[k]), longest_at_start);
+        }
     }
     pl_edges(dim, vertex, edges);
-    const double off = pl_larger(STRAIGHT * longest, c->rounding) + c->stray;
+    /* Mids keep how far they are off, also where the element has become smaller. */
+    const double off = pl_larger(STRAIGHT * longest_at_start, c->rounding) + c->stray;
     const double strayed = 2 * c->rule->control_weight * off, reach = scale * longest + strayed;
     const double determinant = sign_of(c, element) * pl_determinant_of_edges(dim, edges);
     return scale * scale * (dim == 3 ? scale : 1) * determinant >
@@ -418,7 +422,8 @@ static void mids_chunk(void *context, int64_t begin, int64_t end, int thread) {
             continue;
         measure_mid(m, (int32_t)i, m->given + (int64_t)m->end[i][0] * dim,
                     m->given + (int64_t)m->end[i][1] * dim, &off, &edge, dim);
-        s->is_off[i] = (uint8_t)is_off(s->curved, off, edge);
+        /* Of a mid of several edges any may be noted: its elements decide each by its own. */
+        s->is_off[i] = is_off(s->curved, off, edge) || m->plan->role[i] & PL_OF_EDGES;
         for (int d = 0; d < dim; d++) {
             const double x = pl_mid_coordinate(m, (int32_t)i, d, 0, 0);
             largest = pl_larger(fabs(x), largest);

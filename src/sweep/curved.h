@@ -66,8 +66,8 @@ static inline int pl_has_order_2(const pl_curved *c) {
 int pl_mids_create(const planish_plan *plan, const planish_options *options, const double *given,
                    const double *start, pl_mids *mids, planish_error *error);
 
-/** Note the ends of the mids of an element, which is of order 2 and type. Elements that share a mid
- *  say the same; several threads may do so. */
+/** Note the ends of the mids of an element, which is of order 2 and type. Several threads may do so:
+ *  elements that share a mid say the same, or its ends are held (PL_OF_EDGES). */
 void pl_mids_note(pl_mids *mids, int64_t element, const pl_cell_type *type);
 
 /** Free the arrays of mids. */

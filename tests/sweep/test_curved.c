@@ -364,6 +364,28 @@ static void invalid_elements_are_told(void **state) {
     destroy(&b);
 }
 
+/** A node that is the mid of two edges: of one it is in the middle, of the other it is not. Which
+ *  elements are curved does not depend on their order. */
+static void mids_of_several_edges_are_judged_by_each(void **state) {
+    const int dim = **(int **)state;
+    curved_box b;
+    const planish_options o = usual();
+    planish_result result;
+    make_box(&b, dim, 0, 0, 1);
+    const int64_t last = b.mesh.n_elements - 1;
+    const int corners = dim + 1;
+    for (int way = 0; way < 2; way++) {
+        const int64_t own = way ? last : 0, other = way ? 0 : last;
+        int32_t *mid = &b.node[b.offset[other] + corners], before = *mid;
+        *mid = b.node[b.offset[own] + corners];
+        double *x = smooth(&b, &o, &result);
+        assert_int_equal(result.n_curved, 1);
+        free(x);
+        *mid = before;
+    }
+    destroy(&b);
+}
+
 static void smooth_with_faults(const void *world, faults *f) {
     const curved_box *b = world;
     const planish_options o = usual();
@@ -402,6 +424,7 @@ int main(void) {
         BOTH(every_option_keeps_elements_valid),
         BOTH(tangled_corners_come_first),
         BOTH(invalid_elements_are_told),
+        BOTH(mids_of_several_edges_are_judged_by_each),
         BOTH(failed_allocations_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
