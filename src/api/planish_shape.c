@@ -284,8 +284,10 @@ static int check_facets(const planish_mesh *mesh, const planish_surface *tags,
     if (tags->n_facets > 0 && !tags->facets)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "surface.facets must not be NULL");
     for (int64_t i = 0; i < tags->n_facets; i++) {
-        const int n = corners_of(mesh->dim, offset[i + 1] - offset[i]);
-        if (offset[0] != 0 || n == 0)
+        const int n = offset[0] == 0 && offset[i + 1] > offset[i]
+                          ? corners_of(mesh->dim, offset[i + 1] - offset[i])
+                          : 0;
+        if (n == 0)
             return pl_fail(
                 error, PLANISH_ERROR_ARGUMENT,
                 "surface.facet_offset of facet %" PRId64 " is %" PRId64 ", of the next one %" PRId64
