@@ -8,7 +8,6 @@
 #include "base/status.h"
 
 #include <inttypes.h>
-#include <string.h>
 
 enum { CHUNK = 4096 }; /* elements or nodes that one thread checks at a time */
 
@@ -125,24 +124,22 @@ static int check_beside_cells(const planish_mesh *mesh, planish_error *error) {
                        "mesh.n_elements is %" PRId64 ", but mesh.cells has %" PRId64
                        " elements; give the same number",
                        mesh->n_elements, mesh->cells->n);
-    return mesh->n_elements > 0 ? PLANISH_OK
-                                : pl_fail(error, PLANISH_ERROR_MESH,
-                                          "the mesh has no elements; give at least one");
+    return PLANISH_OK;
 }
 
 int pl_check_counts(const planish_mesh *mesh, planish_error *error) {
-    const int status = pl_check_nodes(mesh, error);
+    int status = pl_check_nodes(mesh, error);
     if (status)
         return status;
     if (mesh->n_elements < 0 || mesh->n_elements > INT32_MAX)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "mesh.n_elements is %" PRId64 "; it must lie between 0 and %" PRId32,
                        mesh->n_elements, INT32_MAX);
-    if (mesh->cells)
-        return check_beside_cells(mesh, error);
+    if (mesh->cells && (status = check_beside_cells(mesh, error)))
+        return status;
     if (mesh->n_elements == 0 && !mesh->part)
         return pl_fail(error, PLANISH_ERROR_MESH, "the mesh has no elements; give at least one");
-    if (!mesh->elements == !mesh->elements64)
+    if (!mesh->cells && !mesh->elements == !mesh->elements64)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        mesh->elements ? "mesh.elements and mesh.elements64 are both set; give one"
                                       : "mesh.elements must not be NULL");
