@@ -704,7 +704,8 @@ typedef enum planish_hold_reason {
  *  planish_plan_create. With options.around the reasons of nodes outside the plan are
  *  PLANISH_HELD_NOT_CHOSEN. A mid has no reason if an end of its edge moves, else those of both.
  *  With a mesh in parts the reasons are those of the nodes that this process moves; the call does
- *  not wait for other processes. The result is the same for any number of threads. Errors: _ARGUMENT, _MEMORY; reason is then untouched. */
+ *  not wait for other processes. The result is the same for any number of threads. Errors:
+ *  _ARGUMENT, _MEMORY; reason is then untouched. */
 PLANISH_API int planish_plan_get_held(const planish_plan *plan, const double *coordinates,
                                       uint8_t *reason, planish_error *error);
 

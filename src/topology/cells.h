@@ -17,8 +17,8 @@ int pl_check_cell_fields(const planish_cells *cells, planish_error *error);
 int pl_check_cells(const planish_cells *cells, int64_t n_nodes, int threads, planish_error *error);
 
 /** Find the sign of det J that each element has where the mesh is valid: that of most elements that
- *  facets join, or of its type if nothing joins it; a simplex that nothing joins is right. sign [n] is +1 or -1, whatever of elements of
- *  another dimension than dim. coordinates [n_nodes][dim]. Errors: _MEMORY. */
+ *  facets join, or of its type if nothing joins it; a simplex that nothing joins is right. sign [n] is
+ *  +1 or -1, whatever of elements of another dimension than dim. coordinates [n_nodes][dim]. Errors: _MEMORY. */
 int pl_orient_cells(const planish_cells *cells, int dim, int64_t n_nodes, const double *coordinates,
                     int threads, int8_t *sign, planish_error *error);
 

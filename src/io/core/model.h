@@ -319,7 +319,8 @@ int io_cells_reserve_mids(io_model *model, int dim, planish_error *error);
 
 /** Set the mids of a cell, for which there is room, from all nodes [corners + mids] of an element of
  *  second order: indices in the format's order (model->node_order), the corners as cells->nodes has
- *  them; a mid of -1 is missing. Where corners are not the first nodes they are set, too. Threads may set different cells at the same time. */
+ *  them; a mid of -1 is missing. Where corners are not the first nodes they are set, too. Threads may
+ *  set different cells at the same time. */
 void io_cells_set_mids(io_model *model, int dim, int64_t cell, const int32_t *nodes);
 
 /** Add an element of a type behind the cells of its dimension: its nodes as for io_cells_add, with
