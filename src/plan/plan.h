@@ -84,7 +84,7 @@ typedef struct pl_plan_scratch {
     double *before;         /* [most SHARED nodes of a colour][dim] where they were */
     int32_t *moved;         /* [likewise] those of them that have moved, and */
     char *message; /* what is said of them: coordinates, and whether neighbours were told */
-    struct pl_curved *curved; /* curved elements of the call under way (sweep/curved.h); NULL: none */
+    struct pl_curved *curved; /* curved elements of the call under way (sweep/curved.h), or NULL */
 } pl_plan_scratch;
 
 /** n nodes, m elements: those of the mesh, or of the subset of it that is worked on; "inner"
