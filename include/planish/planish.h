@@ -438,7 +438,7 @@ typedef enum planish_precision {
     PLANISH_PRECISION_ROUNDED = 2 /* what planish_options.round says */
 } planish_precision;
 
-/** What a sweep is for. */
+/** Purpose of a sweep. */
 typedef enum planish_phase {
     PLANISH_PHASE_SMOOTH = 0, /* to lower the objective */
     PLANISH_PHASE_UNTANGLE,   /* this sweep, or the last one, untangled elements or brought them
@@ -553,9 +553,9 @@ typedef struct planish_options {
     double box_lower[3];         /* bounds for all nodes, -INFINITY and INFINITY: none; a node */
     double box_upper[3];         /* that starts outside of its bounds stays where it is */
     double max_displacement;     /* how far from its start a node may go; 0: any distance */
-    double rounding; /* of elements of order 2: an edge is curved if its mid is farther off the
-                               middle of its ends than this (in units of the coordinates) and than
-                               1e-6 of the edge; 0: the rounding of doubles */
+    double rounding; /* of elements of order 2: the farthest that a mid of a straight one
+                                    is off the middle of its edge; 1e-6 of the element's longest edge
+                                    is always allowed. The same for plan and call */
     planish_length_unit displacement_unit; /* of max_displacement */
     planish_precision precision;           /* what coordinates are stored as in the end */
     int untangle;           /* not 0 (the default): elements that are not positive are repaired
