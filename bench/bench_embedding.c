@@ -197,8 +197,8 @@ static void patches(const char *path, int repeat) {
     if (planish_file_open(path, NULL, 0, &file, &error))
         quit(error.text);
     planish_mesh mesh = planish_file_mesh(file);
-    if (mesh.dim != 3)
-        quit("a mesh of tetrahedra is wanted");
+    if (mesh.dim != 3 || mesh.cells)
+        quit("a mesh of straight tetrahedra is wanted");
     int32_t *neighbours = find_neighbours(&mesh);
     int64_t node, element;
     choose(&mesh, &node, &element);

@@ -294,7 +294,9 @@ int main(int argc, char **argv) {
     if (planish_file_open(argv[1], NULL, 0, &file, &error))
         return fail(error.text);
     int status = 0;
-    if (!spoil(file, &asked))
+    if (planish_file_mesh(file).cells)
+        status = fail("the mesh must be of straight elements");
+    else if (!spoil(file, &asked))
         status = fail("out of memory");
     else if (planish_file_write(file, argv[2], planish_file_coordinates(file), 0, NULL, 0, &error))
         status = fail(error.text);

@@ -216,8 +216,8 @@ int main(int argc, char **argv) {
         return fail(error.text);
     b.tile = planish_file_mesh(file);
     int status = 0;
-    if (b.tile.dim != 3)
-        status = fail("the tile must be of tetrahedra");
+    if (b.tile.dim != 3 || b.tile.cells)
+        status = fail("the tile must be of straight tetrahedra");
     else if (b.tile.n_elements > INT32_MAX / tiles)
         status = fail("the box would have more elements than 32 bits can number");
     else

@@ -120,12 +120,14 @@ typedef struct use {
     int64_t n_opened, n_written;
 } use;
 
-/** Numbers of nodes are of nodes that there are. */
+/** Numbers of nodes are of nodes that there are, or of mids that are missing. A change may have made
+ *  elements of second order. */
 static void check_elements(const planish_mesh *mesh) {
-    const int64_t n = mesh->n_elements * (mesh->dim + 1);
-    const int32_t *node = mesh->elements;
+    const planish_cells *cells = mesh->cells;
+    const int64_t n = cells ? cells->offset[cells->n] : mesh->n_elements * (mesh->dim + 1);
+    const int32_t *node = cells ? cells->node : mesh->elements;
     for (int64_t i = 0; i < n; i++)
-        assert_true(node[i] >= 0 && node[i] < mesh->n_nodes);
+        assert_true(node[i] >= (cells ? -1 : 0) && node[i] < mesh->n_nodes);
 }
 
 static void ask(const planish_file *file, const planish_mesh *mesh, int is_sliding) {
