@@ -66,10 +66,8 @@ const io_format *io_format_find(const char *path, const char *data, int64_t size
 
 /* ---- opening ------------------------------------------------------------------------------ */
 
-/** Choose the format called name, or that of content and extension. Bytes that no reader takes are
- *  refused. */
-static int choose_format(planish_file *file, const char *name, planish_error *error) {
-    const io_bytes *input = &file->model.input;
+/** Refuse bytes that no reader takes, whatever the format is called. */
+static int refuse_others(const io_bytes *input, planish_error *error) {
     const char *path = input->path;
     if (io_is_ucd(input->data, input->size))
         return pl_fail(error, PLANISH_ERROR_FORMAT,
@@ -85,6 +83,16 @@ static int choose_format(planish_file *file, const char *name, planish_error *er
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: is text in UTF-16; convert it first: iconv -f UTF-16 -t UTF-8 %s > OUT",
                        path, path);
+    return PLANISH_OK;
+}
+
+/** Choose the format called name, or that of content and extension. */
+static int choose_format(planish_file *file, const char *name, planish_error *error) {
+    const io_bytes *input = &file->model.input;
+    const char *path = input->path;
+    const int status = refuse_others(input, error);
+    if (status)
+        return status;
     file->format = name ? io_format_by_name(name) : io_format_find(path, input->data, input->size);
     if (file->format)
         return PLANISH_OK;
@@ -302,6 +310,8 @@ int io_file_from_memory(const io_format *format, const char *path, const char *d
     file->model.largest_copy = IO_LARGEST_COPY;
     file->format = format;
     int status = io_bytes_borrow(path, data, size, &file->model.input, error);
+    if (!status)
+        status = refuse_others(&file->model.input, error);
     if (!status)
         status = read_model(file, error);
     if (status)
