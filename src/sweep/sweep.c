@@ -34,27 +34,43 @@ static void visit_straight(const colour_pass *pass, int64_t begin, int64_t end, 
         visit(pass->problem, begin, end, scratch, tally);
 }
 
+/** Evaluate a star where its node is: RR by *ratio, and the star's function by *sum. 0 if an element is
+ *  not positive. */
+static int evaluate_star(const colour_pass *pass, int64_t star, double *scratch,
+                         pl_star_value *ratio, double *sum) {
+    const pl_star_kernel *kernel = pass->plan->kernel;
+    const int of_dim = pass->plan->dim - 2;
+    pl_star_value guarded;
+    if (!kernel->evaluate[of_dim](pass->problem, star, scratch, 0, ratio))
+        return 0;
+    *sum = ratio->sum;
+    if (!pass->problem->guard)
+        return 1;
+    const int is_positive =
+        kernel->guarded->evaluate[of_dim](pass->problem, star, scratch, 0, &guarded);
+    *sum = guarded.sum;
+    return is_positive;
+}
+
 /** Try shorter moves of a star whose curved elements refuse the one from before [dim] to where its
  *  node is. Where none is admitted the node is at before then. Returns by how much the star's
  *  function fell. */
 static double shorten(const colour_pass *pass, int64_t star, const double *before,
                       double *scratch) {
     enum { HALVINGS = 4 };
-    const planish_plan *plan = pass->plan;
     const pl_star_problem *problem = pass->problem;
-    const int dim = plan->dim;
+    const int dim = pass->plan->dim;
     const int32_t node = problem->node[star];
     const size_t size = (size_t)dim * sizeof *before;
-    pl_star_evaluate_fn *evaluate =
-        problem->guard ? plan->kernel->guarded->evaluate[dim - 2] : plan->kernel->evaluate[dim - 2];
-    double *x = problem->coordinates + (int64_t)node * dim, after[3], way[3];
-    pl_star_value start, now;
+    double *x = problem->coordinates + (int64_t)node * dim, after[3], way[3], start, now;
+    pl_star_value ratio;
     memcpy(after, x, size);
     memcpy(x, before, size);
     /* Elsewhere a part of the way may be no place for the node. */
     if (problem->slide || problem->limits.acuteness < INFINITY ||
-        !evaluate(problem, star, scratch, 0, &start))
+        !evaluate_star(pass, star, scratch, &ratio, &start))
         return 0;
+    const double worst = fmax(problem->limits.rr2, ratio.max);
     for (int k = 1; k <= HALVINGS; k++) {
         for (int d = 0; d < dim; d++)
             x[d] = before[d] + ldexp(after[d] - before[d], -k);
@@ -62,10 +78,10 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
             break;
         for (int d = 0; d < dim; d++)
             way[d] = x[d] - before[d];
-        if (evaluate(problem, star, scratch, 0, &now) && now.certain && now.sum < start.sum &&
-            now.max * (1 + now.error) <= fmax(problem->limits.rr2, start.max) &&
-            pl_curved_admit(plan->scratch.curved, node, way))
-            return start.sum - now.sum;
+        if (evaluate_star(pass, star, scratch, &ratio, &now) && ratio.certain && now < start &&
+            ratio.max * (1 + ratio.error) <= worst &&
+            pl_curved_admit(pass->plan->scratch.curved, node, way))
+            return start - now;
     }
     memcpy(x, before, size);
     return 0;
