@@ -409,8 +409,10 @@ typedef enum planish_objective {
 typedef enum planish_worst {
     PLANISH_WORST_NONE = 0,         /* no such phase */
     PLANISH_WORST_RADIUS_RATIO = 1, /* the largest radius ratios */
-    PLANISH_WORST_ANGLE = 2         /* the smallest and largest angles, dihedral in 3-D, by their
-                                       sines */
+    PLANISH_WORST_ANGLE = 2,        /* the smallest and largest angles, dihedral in 3-D, by their
+                                       sines. For a mesh of simplices alone, as the radius ratio */
+    PLANISH_WORST_ASPECT_RATIO = 3, /* the largest mean ratios of corners */
+    PLANISH_WORST_SCALED_JACOBIAN = 4 /* the smallest scaled Jacobians of corners */
 } planish_worst;
 
 /** Unit of a length. */
@@ -599,7 +601,10 @@ typedef struct planish_options {
     void *log_user;                     /* handed to log */
     planish_round_fn *round;            /* with PLANISH_PRECISION_ROUNDED */
     void *round_user;                   /* handed to round */
-    const void *reserved[7];            /* NULL */
+    double curve_quality;    /* 0 .. 1: mids of curved elements whose least Bezier coefficient of
+                                det J is below so much of their mean move by themselves, on the
+                                boundary alone with their edges; 0.3 by default, 0: none */
+    const void *reserved[6]; /* NULL */
 } planish_options;
 
 /** Fill in the defaults: as many threads as OpenMP would use and as the mesh is large enough for,

@@ -6,6 +6,7 @@
 
 #define DEFAULT_TOLERANCE  1e-5 /* relative fall of the RMS per sweep that is not worth a sweep */
 #define DEFAULT_WORST_RISE 0.01
+#define DEFAULT_CURVE_QUALITY 0.3
 enum { DEFAULT_MAX_SWEEPS = 200 };
 
 const char *planish_version(void) {
@@ -33,6 +34,7 @@ void planish_options_init_sized(planish_options *options, size_t size) {
                                       .tolerance = DEFAULT_TOLERANCE,
                                       .untangle = 1,
                                       .worst_rise = DEFAULT_WORST_RISE,
+                                      .curve_quality = DEFAULT_CURVE_QUALITY,
                                       .box_lower = {-INFINITY, -INFINITY, -INFINITY},
                                       .box_upper = {INFINITY, INFINITY, INFINITY}};
     if (!options)

@@ -20,7 +20,7 @@ static int check_ranges(const planish_options *o, planish_error *error) {
     } choices[] = {
         {"method", (int)o->method, PLANISH_METHOD_LENGTH_LAPLACIAN},
         {"objective", (int)o->objective, PLANISH_OBJECTIVE_EDGE_RATIO},
-        {"worst", (int)o->worst, PLANISH_WORST_ANGLE},
+        {"worst", (int)o->worst, PLANISH_WORST_SCALED_JACOBIAN},
         {"search", (int)o->search, PLANISH_SEARCH_FLETCHER_REEVES},
         {"precision", (int)o->precision, PLANISH_PRECISION_ROUNDED},
         {"displacement_unit", (int)o->displacement_unit, PLANISH_UNIT_EDGE},
@@ -38,6 +38,7 @@ static int check_ranges(const planish_options *o, planish_error *error) {
         {"tolerance", o->tolerance, BELOW_1, "0 or more, below 1"},
         {"time_limit", o->time_limit, INFINITY, "seconds, or 0 for none"},
         {"worst_rise", o->worst_rise, DBL_MAX, "a finite fraction, 0 or more"},
+        {"curve_quality", o->curve_quality, 1, "0 (none) to 1"},
         {"only_worse_than", o->only_worse_than, INFINITY, "a radius ratio, or 0 for all stars"},
         {"threads", o->threads, PL_MAX_THREADS, "0 (automatic) to 1024"},
         {"max_sweeps", o->max_sweeps, INFINITY, "0 or more"},

@@ -24,6 +24,8 @@ static void visits_destroy(pl_visits *visits) {
 /** Free the arrays that a plan has made for a view. */
 static void release_view(pl_view *view) {
     pl_free((void *)view->sign);
+    pl_free((void *)view->corner);
+    pl_free((void *)view->cell_begin);
     pl_free((void *)view->min_volume);
     pl_free((void *)view->mobility);
 }
@@ -77,6 +79,8 @@ pl_star_problem pl_plan_problem(const planish_plan *plan, const pl_visits *visit
                              .ring = visits->stars.ring,
                              .link_offset = visits->stars.link_offset,
                              .link = visits->stars.link,
+                             .link_form = visits->stars.form,
+                             .form = plan->form,
                              .changed = plan->scratch.changed,
                              .limits = pl_star_no_limits(),
                              .still = plan->is_selective ? STILL_OF_FEW : STILL,

@@ -15,6 +15,7 @@
 #define PL_PLAN_PLAN_H
 
 #include "base/context.h"
+#include "geometry/corner.h"
 #include "plan/placement.h"
 #include "quality/view.h"
 #include "star/star.h"
@@ -95,6 +96,7 @@ struct planish_plan {
     pl_view work;       /* the mesh, or the subset of it that is worked on */
     pl_view whole;      /* all of the mesh, for PL_SUBSET_OF_ALL; else its counts alone */
     const pl_view *all; /* all that is known: &work or &whole */
+    pl_corner_form form[PL_N_FORMS];            /* with work.corner */
     int32_t *own_elements, *own_whole_elements; /* those of work and whole, or NULL: the caller's */
     int32_t *wrapped; /* [n_wrapped] elements that wrap around: their nodes are held */
     int64_t n_wrapped;

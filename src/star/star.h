@@ -27,6 +27,7 @@
 #define PL_STAR_H
 
 #include "base/clock.h"
+#include "geometry/corner.h"
 #include "geometry/link.h"
 #include "base/round.h"
 #include "base/sum.h"
@@ -109,6 +110,18 @@ typedef struct pl_star_kept {
 /* As sum: there is no Hessian, but the scale that the star had. */
 #define PL_SCALE_ALONE (-1)
 
+/** Row besides those of link facets: if the node, and what follows it, moves by d,
+ *  E = e + 2 slope_e . d + c |d|^2 and D = D0 + slope_d . d, and mu^2 = factor E^2 D^-k counts with
+ *  this weight in the sum. weight 0: D is to stay positive, no more. In the scale of the mesh. */
+typedef struct pl_star_row {
+    double weight, factor;
+    double e, slope_e[3], c;
+    double D0, slope_d[3];
+} pl_star_row;
+
+/** Fill row with the further rows of a star, where its node is; returns how many there are. */
+typedef int64_t pl_star_more_fn(const void *user, int64_t star, pl_star_row *row);
+
 /** Data that all visits of one sweep share. Nodes are numbered along the plan's curve. */
 typedef struct pl_star_problem {
     double *coordinates;        /* [n_nodes][dim] */
@@ -117,6 +130,14 @@ typedef struct pl_star_problem {
     const int32_t *ring;        /* neighbours, see pl_stars */
     const int64_t *link_offset; /* [n_stars + 1] */
     pl_link link;               /* of all stars, see pl_stars */
+    const uint8_t *link_form;   /* [link_offset[n_stars]] codes of the facets, whose elements are
+                                   corners (geometry/corner.h): ratios are mean ratios then; NULL:
+                                   simplices */
+    const pl_corner_form *form; /* [PL_N_FORMS] by codes */
+    pl_star_more_fn *more;      /* rows besides those of the facets, at most max_more of a star; */
+    const void *more_user;      /* NULL: none */
+    const uint8_t *has_more;    /* [n_stars] 1: the star has such rows */
+    int64_t max_more;
     uint8_t *changed;           /* [n_nodes] flags of the node's star, see PL_CHANGED */
     pl_star_kept *kept;         /* [n_stars], for Newton's direction without a guard; NULL: none */
     planish_search search;

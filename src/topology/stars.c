@@ -151,5 +151,6 @@ void pl_stars_destroy(pl_stars *stars) {
     pl_free(stars->link_offset);
     pl_link_free(&stars->link);
     pl_free(stars->min_volume);
+    pl_free(stars->form);
     *stars = (pl_stars){0};
 }

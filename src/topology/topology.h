@@ -23,6 +23,10 @@ typedef struct pl_dense {
     double *coordinates; /* copy or NULL */
     int32_t *cell_of;    /* [mesh.n_elements] of a mesh with cells: the cell of each element, whose
                             corners it has; NULL: the same numbers */
+    uint8_t *corner;     /* [mesh.n_elements] where elements are corners (geometry/corner.h), those
+                            of a cell one after the other; NULL: they are simplices */
+    int64_t n_cells;     /* then: cells, */
+    int32_t *cell_begin; /* [n_cells + 1] and the first corner of each */
     uint8_t *role;       /* [n_nodes] of a mesh with cells: PL_OF_CORNER, ...; NULL: all nodes of
                             elements are corners */
     uint8_t *constraint; /* [n_nodes] with role: the mesh's, FIXED for corners that cells hold */
@@ -291,6 +295,8 @@ typedef struct pl_stars {
                              p and q as its last facet with that edge traverses it */
     double *min_volume;   /* [link_offset[n_stars]] mesh->min_volume of the facets' elements, or
                              NULL */
+    uint8_t *form;              /* [link_offset[n_stars]] the facets' codes (geometry/corner.h), where
+                                   elements are corners; or NULL */
     int64_t max_ring, max_link; /* of one star */
 } pl_stars;
 

@@ -160,7 +160,8 @@ class _Options(ctypes.Structure):
         ("log_user", c_void_p),
         ("round", c_void_p),
         ("round_user", c_void_p),
-        ("reserved", c_void_p * 7),
+        ("curve_quality", c_double),
+        ("reserved", c_void_p * 6),
     ]
 
 

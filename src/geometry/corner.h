@@ -1,0 +1,74 @@
+/* corner: elements of every type as corners.
+ *
+ * Where dim edges meet, an element has a corner: a simplex of the corner and its dim neighbours. An
+ * element's AR^2 is the mean of its corners' mu^2, mu the mean ratio against the ideal corner of the
+ * element's shape (docs/measures.md). A simplex has one corner, which is itself. In the star of a
+ * node x a corner is the facet opposite x, with a form: how x and the facet's nodes, p0 to p2, enter
+ *
+ *     E = sum of weights * squared edges,    mu^2 = factor * E^2 * D^-k,  k = 4/3, in 2-D 2
+ *
+ * D is the determinant of the corner's edges, positive in a valid mesh. So E = c |x - o|^2 + e0 with
+ * constants of the facet, and D is affine in x.
+ *
+ *   pl_corner_code, _kind, _index         the byte that says which corner of which shape
+ *   pl_form_code                          the byte of a link facet: the corner, and where x is in it
+ *   pl_corner_form, pl_corner_forms_make  the forms of all codes
+ *   pl_opposite_corner                    the corner of a hexahedron that shares no face
+ */
+#ifndef PL_GEOMETRY_CORNER_H
+#define PL_GEOMETRY_CORNER_H
+
+#include "geometry/cell.h"
+
+/** Shapes by their ideal corners. */
+enum { PL_KIND_SIMPLEX = 0, PL_KIND_BRICK = 1, PL_KIND_WEDGE = 2, PL_KIND_PYRAMID = 3 };
+
+enum { PL_N_FORMS = 32 }; /* codes of link facets */
+
+/** Code of corner index of an element of kind; of its nodes, the corner comes first, then its
+ *  neighbours, right-handed (pl_cell_shape.neighbour). BRICK: hexahedra, in 2-D quadrilaterals. The
+ *  nodes of a simplex stand as they are listed. */
+static inline uint8_t pl_corner_code(int kind, int index) {
+    return (uint8_t)(kind << 3 | index);
+}
+
+/** Kind of a code. */
+static inline int pl_corner_kind(uint8_t code) {
+    return code >> 3;
+}
+
+/** Corner of its element that a code means. */
+static inline int pl_corner_index(uint8_t code) {
+    return code & 7;
+}
+
+/** Code of a link facet, which lies opposite node place (0 .. dim) of a corner. turned: its nodes
+ *  are those that are left, but for the last two of them in 3-D, the first two in 2-D, which are
+ *  exchanged (topology/rings.c). */
+static inline uint8_t pl_form_code(uint8_t corner, int place, int turned) {
+    return (uint8_t)(pl_corner_kind(corner) << 3 | place << 1 | (turned != 0));
+}
+
+/** Form of a link facet. */
+typedef struct pl_corner_form {
+    double weight[6];   /* of |x - p0|^2, |x - p1|^2, |x - p2|^2, then of the facet's edges p0 p1,
+                           p0 p2, p1 p2; in 2-D of |x - p0|^2, |x - p1|^2, p0 p1 */
+    double factor;      /* mu^2 = factor E^2 D^-k */
+    double share;       /* of the corner in its element: 1 / its corners */
+    double determinant; /* of the ideal corner with edges of 1 */
+    double volume;      /* D times it counts as the element's volume: what a minimum volume is of */
+    int corner;         /* which node is the corner: 0 .. 2 for p0 .. p2; -1: x */
+} pl_corner_form;
+
+/** Make the forms of all codes for elements of dimension dim. */
+void pl_corner_forms_make(int dim, pl_corner_form form[PL_N_FORMS]);
+
+/** Kind of a shape. */
+int pl_kind_of_shape(const pl_cell_shape *shape);
+
+/** The corner of a hexahedron that shares no face with corner index. */
+static inline int pl_opposite_corner(int index) {
+    return index < 4 ? (index + 2) % 4 + 4 : (index + 2) % 4;
+}
+
+#endif
