@@ -3,6 +3,7 @@
     box_asis_move-5-10        the box, 10 % of its inner nodes moved by 5 edge lengths
     bar_bend-80_left          the bar bent to 80 % of what it stands, its inner nodes left behind
     box_flaw-ear_asis         the box with planted elements that nothing can repair (flaws.py)
+    hexes_pinch-95_left       a grid of hexahedra: bases.GRIDS are of other elements than simplices
 
 The random numbers are seeded by the name."""
 import zlib
@@ -12,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 import bases
+import cells
 import deform
 import flaws
 import simplex
@@ -25,9 +27,13 @@ AS_IS = ([f"move-{lengths}-{percent}" for lengths in (0.5, 1, 2, 5, 20) for perc
          + ["mixed-1", "mixed-10", "mixed-50"])
 AS_IS_BIG = ["move-1-1", "move-0.5-100", "move-2-10", "move-20-50", "pairs-10", "patches-50",
              "centre", "swapnear-10", "swapfar-50", "throw-3-10", "mixed-10"]
+AS_IS_GRID = ["move-0.5-100", "move-1-10", "move-2-50", "move-5-100", "pairs-10", "pairs-50",
+              "patches-30", "centre", "swapnear-10", "swapfar-10", "throw-3-10", "mixed-10"]
 SHARES = (50, 80, 95)  # percent of the largest strength
 DEFORMED = ["left", "move-2-50", "patches-30"]
 HARDEST = "99_left"
+DEFORMED_GRID = [*[f"{share}_{spoiler}" for spoiler in DEFORMED[:2] for share in SHARES],
+                 "80_patches-30", HARDEST]
 DEFORMED_BIG = [f"{name}-80_left" for name in ("bend", "twist", "wave", "shear")]
 FLAWED = ["asis", "move-1-10"]  # what else happens to a mesh with flaws
 RAISES = 8
@@ -48,9 +54,15 @@ def is_big(base):
 
 
 def catalogue():
-    """All names."""
+    """All names; those of grids first."""
     found = []
+    for base, recipe in bases.GRIDS.items():
+        found += [f"{base}_asis_{spoiler}" for spoiler in AS_IS_GRID]
+        found += [f"{base}_{name}-{deformed}" for name in deform.names(recipe)
+                  for deformed in DEFORMED_GRID]
     for base, recipe in bases.RECIPES.items():
+        if base in bases.GRIDS:
+            continue
         if is_big(base):
             found += [f"{base}_asis_{spoiler}" for spoiler in AS_IS_BIG]
             found += [f"{base}_{deformed}" for deformed in DEFORMED_BIG]
@@ -64,7 +76,8 @@ def catalogue():
 
 
 def family_of(name):
-    """What the table sums up: dimension, and the spoiler, the map or the kind of flaw."""
+    """What the table sums up: dimension, and the spoiler, the map or the kind of flaw; of a grid its
+    elements, and whether it is deformed."""
     base, shape, spoiler = name.split("_")
     kind = shape.split("-")
     if shape == "narrow":
@@ -75,6 +88,8 @@ def family_of(name):
         what = f"unfixable: {kind[1]}"
     else:
         what = f"deformed: {kind[0]}"
+    if base in bases.GRIDS:
+        return f"{bases.GRIDS[base].argument} {'spoilt' if shape == 'asis' else 'deformed'}"
     return f"{bases.RECIPES[base].dim}-D {what}"
 
 
@@ -90,7 +105,7 @@ def valid_points(base, shape):
 
 def spoilt(random, spoiler, valid, free, elements, original=None):
     """The points after the spoiler; its first amount doubled until something is inverted."""
-    pairs = simplex.edges(elements)
+    pairs = cells.edges(elements)
     kind, *amounts = spoiler.split("-")
     amounts = [float(amount) for amount in amounts]
     for _ in range(RAISES if kind in RAISABLE else 1):
@@ -100,7 +115,7 @@ def spoilt(random, spoiler, valid, free, elements, original=None):
             mesh = Mesh(valid, free, pairs, simplex.local_lengths(valid, pairs))
             SPOILERS[kind](random, mesh, *amounts)
             points = mesh.points
-        if simplex.n_inverted(points, elements):
+        if cells.n_inverted(points, elements):
             return points
         amounts = [2 * amount if i == 0 else amount for i, amount in enumerate(amounts)]
     raise NoCase(f"{spoiler} inverts nothing")
@@ -114,7 +129,7 @@ def build(name):
     if shape == "narrow" or shape.startswith("flaw-"):
         return flawed(name, random, mesh, shape.split("-")[-1], spoiler)
     valid = valid_points(base, shape)
-    if not simplex.is_valid(valid, mesh.elements):
+    if not cells.is_valid(valid, mesh.elements):
         raise NoCase("the solution is not valid")
     points = spoilt(random, spoiler, valid, ~mesh.fixed, mesh.elements, mesh.points)
     return Case(name, family_of(name), points, valid, mesh.elements, mesh.fixed, None, [])
@@ -127,7 +142,7 @@ def flawed(name, random, mesh, kind, spoiler):
     points, held = planted.points, planted.held()
     if spoiler != "asis":
         points = spoilt(random, spoiler, points, ~held, planted.elements)
-    elif not simplex.n_inverted(points, planted.elements):
+    elif not cells.n_inverted(points, planted.elements):
         raise NoCase("nothing is inverted")
     return Case(name, family_of(name), points, planted.solved, planted.elements, held,
                 planted.fixed if planted.fixed.any() else None, planted.flaws)

@@ -5,7 +5,7 @@ from collections import namedtuple
 
 import numpy as np
 
-import simplex
+import cells
 
 GROWTH = 1.15     # from one strength tried to the next, until one is invalid
 FIRST = 0.01
@@ -127,7 +127,7 @@ def names(base):
 def largest_strength(base, domain, name):
     """Up to it, as far as was tried, the image of the whole mesh is valid."""
     def valid(strength):
-        return simplex.is_valid(MAPS[name].at(domain, strength), base.elements)
+        return cells.is_valid(MAPS[name].at(domain, strength), base.elements)
 
     limit, good = MAPS[name].limit, 0
     bad = FIRST

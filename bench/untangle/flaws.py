@@ -12,7 +12,6 @@ And what looks like it but can be repaired, for false reports:
 
     narrow   a free node and fixed ones around it that can be seen from a small place only"""
 import numpy as np
-from scipy.optimize import linprog
 
 import simplex
 
@@ -192,6 +191,7 @@ def is_sphere(surface):
 def best_view(points, surface):
     """The point that is highest over the lowest facet, and this height in sizes of the surface:
     negative where no point sees all facets. A linear program."""
+    from scipy.optimize import linprog  # other cases do without
     corner = points[surface]
     if surface.shape[1] == 2:
         along = corner[:, 1] - corner[:, 0]

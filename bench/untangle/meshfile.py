@@ -2,6 +2,8 @@
 eyes, as Medit (.mesh; from 1), and reads the points of a VTK file that planish has written back."""
 import numpy as np
 
+from cells import KINDS, blocks_of
+
 
 def in_space(points):
     """With z = 0 in 2-D."""
@@ -11,19 +13,19 @@ def in_space(points):
 
 
 def write_vtk(path, points, elements, fixed=None):
-    corners = elements.shape[1]
-    cells = np.hstack([np.full((len(elements), 1), corners), elements])
-    kind = {3: 5, 4: 10}[corners]
+    blocks = blocks_of(elements)
+    rows = [np.insert(nodes, 0, nodes.shape[1], axis=1).ravel() for _, nodes in blocks]
+    types = [np.full(len(nodes), KINDS[name].vtk) for name, nodes in blocks]
     with open(path, "wb") as file:
         def line(text):
             file.write(text.encode("ascii") + b"\n")
         line("# vtk DataFile Version 3.0\na tangled mesh\nBINARY\nDATASET UNSTRUCTURED_GRID")
         line(f"POINTS {len(points)} double")
         file.write(in_space(points).astype(">f8").tobytes())
-        line(f"\nCELLS {len(cells)} {cells.size}")
-        file.write(cells.astype(">i4").tobytes())
-        line(f"\nCELL_TYPES {len(cells)}")
-        file.write(np.full(len(cells), kind, ">i4").tobytes())
+        line(f"\nCELLS {len(elements)} {sum(map(len, rows))}")
+        file.write(np.concatenate(rows).astype(">i4").tobytes())
+        line(f"\nCELL_TYPES {len(elements)}")
+        file.write(np.concatenate(types).astype(">i4").tobytes())
         if fixed is not None:
             line(f"\nPOINT_DATA {len(points)}\nSCALARS fixed int 1\nLOOKUP_TABLE default")
             file.write(fixed.astype(">i4").tobytes())
@@ -38,8 +40,9 @@ def write_medit(path, points, elements, fixed=None):
         if fixed is not None:
             file.write(f"RequiredVertices\n{int(fixed.sum())}\n")
             file.writelines(f"{node + 1}\n" for node in np.flatnonzero(fixed))
-        file.write(f"{ {2: 'Triangles', 3: 'Tetrahedra'}[dim]}\n{len(elements)}\n")
-        file.writelines(" ".join(map(str, row)) + " 1\n" for row in (elements + 1).tolist())
+        for name, nodes in blocks_of(elements):
+            file.write(f"{KINDS[name].medit}\n{len(nodes)}\n")
+            file.writelines(" ".join(map(str, row)) + " 1\n" for row in (nodes + 1).tolist())
         file.write("End\n")
 
 

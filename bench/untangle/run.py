@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """run: smooth the tangled cases by planish; a line of JSON for each, and the tables.
 
-   run.py PLANISH FOLDER [--quick] [--only PATTERN]... [--time-limit S]
+   run.py PLANISH FOLDER [--quick] [--cells] [--only PATTERN]... [--time-limit S]
 
 FOLDER gets results.jsonl, and NAME.vtk of each case that failed (write_case.py makes the known
 solution beside it). Patterns are the shell's, of names or of families."""
@@ -15,9 +15,10 @@ import sys
 
 import numpy as np
 
+import bases
 import cases
+import cells
 import meshfile
-import simplex
 import table
 
 EVERY = 20     # --quick: one case of so many
@@ -60,7 +61,7 @@ class Bench:
             if report is None or status not in (0, 1):
                 print(f"{case.name}: status {status} on the known solution", file=sys.stderr)
                 return None
-            self.known[key] = report["after"]["rms_radius_ratio_movable"]
+            self.known[key] = rms_of(report)
             remove(path, f"{path}.out.vtk")
             with open(self.references, "w", encoding="ascii") as file:
                 json.dump(self.known, file, indent=0)
@@ -78,7 +79,7 @@ class Bench:
         meshfile.write(tangled, case.points, case.elements, case.fixed)
         status, report = self.smooth(tangled, out)
         line = {"name": name, "family": case.family, "elements": len(case.elements),
-                "inverted_before": simplex.n_inverted(case.points, case.elements),
+                "inverted_before": cells.n_inverted(case.points, case.elements),
                 "status": status, "timed_out": status == TIMED_OUT}
         if report and status in (0, 1):
             line["timed_out"] = report["stop"] == "time-limit"
@@ -99,18 +100,25 @@ def remove(*paths):
             os.remove(path)
 
 
+def rms_of(report):
+    """Of radius ratios; of aspect ratios where there are other elements than simplices."""
+    after = report["after"]
+    return after.get("rms_radius_ratio_movable", after.get("rms_aspect_ratio_movable"))
+
+
 def worth(report):
     untangle = [sweep for sweep in report["sweeps"] if sweep["phase"] == "untangle"]
-    return {"inverted": report["after"]["inverted"], "stop": report["stop"],
+    inside = report["after"].get("inverted_inside", 0)
+    return {"inverted": report["after"]["inverted"] + inside, "stop": report["stop"],
             "untangle_sweeps": len(untangle), "sweeps": len(report["sweeps"]),
             "seconds": report["seconds"]["smooth"], "unfixable": report["unfixable"],
-            "rms": report["after"]["rms_radius_ratio_movable"]}
+            "rms": rms_of(report)}
 
 
 def judgement(case, points, report):
     """What planish says against what numpy finds, and against what was planted. planish numbers
     the elements of VTK files from 0."""
-    bad = set(np.flatnonzero(simplex.inverted(points, case.elements)).tolist())
+    bad = set(np.flatnonzero(cells.inverted(points, case.elements)).tolist())
     said, planted = set(report["unfixable"]), set().union(*map(set, case.flaws))
     return {"inverted_by_numpy": len(bad), "inverted_elsewhere": len(bad - planted),
             "held_moved": int((points != case.points)[case.held].any(axis=1).sum()),
@@ -136,6 +144,8 @@ def matches(name, patterns):
 
 def chosen(arguments):
     names = cases.catalogue()
+    if arguments.cells:
+        names = [name for name in names if name.split("_")[0] in bases.GRIDS]
     if arguments.only:
         names = [name for name in names if matches(name, arguments.only)]
     return names[::EVERY] if arguments.quick else names
@@ -158,6 +168,7 @@ def main():
     parser.add_argument("planish")
     parser.add_argument("folder")
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--cells", action="store_true")
     parser.add_argument("--only", action="append", metavar="PATTERN")
     parser.add_argument("--time-limit", type=int, default=300, metavar="SECONDS")
     arguments = parser.parse_args()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """table: the results of run.py as Markdown.
 
-   table.py RESULTS.jsonl [PART]    families, deformed, unfixable or lists; without PART all of them"""
+   table.py RESULTS.jsonl [PART]    families, cells, deformed, unfixable or lists; without PART all of them"""
 import json
 import statistics
 import sys
@@ -70,8 +70,16 @@ def is_unfixable(line):
     return " unfixable: " in line["family"]
 
 
+def is_grid(line):
+    return not line["family"].startswith(("2-D", "3-D"))
+
+
 def show_families(real):
-    print_table("family", [line for line in real if not is_unfixable(line)])
+    print_table("family", [line for line in real if not is_unfixable(line) and not is_grid(line)])
+
+
+def show_cells(real):
+    print_table("elements of a grid", [line for line in real if is_grid(line)])
 
 
 def show_deformed(real):
@@ -95,7 +103,7 @@ def show_lists(real, none):
                 lambda line: f"{line['inverted']} and {line['inverted_by_numpy']}")
 
 
-PARTS = {"families": show_families, "deformed": show_deformed, "unfixable": show_unfixable}
+PARTS = {"families": show_families, "cells": show_cells, "deformed": show_deformed, "unfixable": show_unfixable}
 
 
 def show(lines, part=None):
