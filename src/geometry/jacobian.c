@@ -330,6 +330,12 @@ static void make_pyramid(pl_jacobian_rule *rule) {
     }
 }
 
+static void note_points(const lattice *l, uint8_t to[][3]) {
+    for (int i = 0; i < l->n; i++)
+        for (int d = 0; d < 3; d++)
+            to[i][d] = (uint8_t)l->point[i].along[d];
+}
+
 void pl_jacobian_rule_make(const pl_cell_type *type, pl_jacobian_rule *rule) {
     const pl_cell_shape *shape = type->shape;
     memset(rule, 0, sizeof *rule);
@@ -354,6 +360,10 @@ void pl_jacobian_rule_make(const pl_cell_type *type, pl_jacobian_rule *rule) {
     } else {
         make_controls(type, &controls, rule);
     }
+    note_points(&controls, rule->control_point);
+    note_points(&coefficients, rule->coefficient_point);
+    for (int s = 0; s < shape->n_simplices; s++)
+        rule->degree[s] = (uint8_t)coefficients.degree[s];
     find_straight(type, &controls, rule);
     for (int d = 0; d < shape->dim; d++)
         make_derivatives(&controls, d, &derivatives[d], rule);

@@ -64,6 +64,11 @@ typedef struct pl_jacobian_rule {
     int n_products;      /* in the order of j, k, i */
     int n_products_each; /* most products of a coefficient */
     int common;          /* sum of weight * factor over the products of any coefficient */
+    /* Points of the lattices: exponents along each direction; not of a pyramid. A coefficient's point
+       is where its polynomial is largest. */
+    uint8_t control_point[PL_CELL_NODES][3];
+    uint8_t coefficient_point[PL_JACOBIAN_COEFFICIENTS][3];
+    uint8_t degree[PL_CELL_SIMPLICES]; /* of det J in each simplex */
     int n_corners;
     int n_turns; /* bisections take turns: of simplex turn [0], [1], ..; 0: corners decide */
     uint8_t turn[3];
