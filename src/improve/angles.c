@@ -44,8 +44,8 @@ static void find_bad(const pl_run *r, uint8_t *state) {
     if (r->limits_at_start.rr2 < INFINITY || pl_run_has_followers(r))
         pl_find_worse(&all, plan->scratch.to_measure, sqrt(r->limits_at_start.rr2),
                       r->limits_at_start.acuteness, plan->threads, state);
-    if (pl_has_order_2(&r->curved))
-        pl_curved_find_broken(&r->curved, 1, state);
+    if (pl_has_order_2(&r->watch))
+        pl_watch_find_broken(&r->watch, 1, state);
 }
 
 /** Put back the nodes of elements that are worse than they may be; how many had moved. */
@@ -91,11 +91,11 @@ static int is_worse(const pl_run *r) {
 /** Whether elements of order 2 were valid and are not, or of_all whether corners have turned; state is
  *  room. */
 static int is_broken(const pl_run *r, int of_all, uint8_t *state) {
-    return pl_has_order_2(&r->curved) && pl_curved_find_broken(&r->curved, of_all, state) > 0;
+    return pl_has_order_2(&r->watch) && pl_watch_find_broken(&r->watch, of_all, state) > 0;
 }
 
 int pl_run_put_back_angles(pl_run *r, planish_error *error) {
-    if (!is_worse(r) && !pl_has_order_2(&r->curved))
+    if (!is_worse(r) && !pl_has_order_2(&r->watch))
         return PLANISH_OK;
     uint8_t *state = pl_alloc(r->plan->work.n_elements, sizeof *state);
     if (!state)

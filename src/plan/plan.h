@@ -67,7 +67,7 @@ typedef struct pl_follower_places {
     double origin[3]; /* and of its leader */
 } pl_follower_places;
 
-struct pl_curved;
+struct pl_watch;
 
 /** Working space of planish_smooth, which a plan keeps from call to call; n nodes. Calls change it
  *  on a plan that is const. Owned. */
@@ -85,7 +85,7 @@ typedef struct pl_plan_scratch {
     double *before;         /* [most SHARED nodes of a colour][dim] where they were */
     int32_t *moved;         /* [likewise] those of them that have moved, and */
     char *message; /* what is said of them: coordinates, and whether neighbours were told */
-    struct pl_curved *curved; /* curved elements of the call under way (sweep/curved.h), or NULL */
+    struct pl_watch *watch; /* of the call under way (sweep/watch.h), or NULL: nothing is watched */
 } pl_plan_scratch;
 
 /** n nodes, m elements: those of the mesh, or of the subset of it that is worked on; "inner"

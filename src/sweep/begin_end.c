@@ -69,8 +69,8 @@ int pl_run_begin(pl_run *r, planish_error *error) {
     if (!status)
         status = pl_guard_create(plan, o, r->given, delta, &r->guard, error);
     if (!status)
-        status = pl_curved_create(plan, o, r->given, r->coordinates, &r->curved, error);
-    plan->scratch.curved = r->curved.n > 0 ? &r->curved : NULL;
+        status = pl_watch_create(plan, o, r->given, r->coordinates, &r->watch, error);
+    plan->scratch.watch = r->watch.n > 0 ? &r->watch : NULL;
     if (!status) {
         r->plain = !r->guard.wanted && o->method == PLANISH_METHOD_PLANISH;
         r->measure_scale = r->plain ? pl_box_of_fixed(plan).scale : 1;
@@ -137,8 +137,8 @@ static int transfer_out(const pl_run *r, planish_error *error) {
     const planish_plan *plan = r->plan;
     const int is_part = pl_part_here() != NULL;
     transfer t = {.run = r, .points = pl_plan_points(plan, r->coordinates), .writes = !is_part};
-    if (pl_has_order_2(&r->curved)) /* before their ends, which may be what they were given by */
-        pl_mids_write(&r->curved.mids, t.writes, r->coordinates, &t.moved, &t.farthest);
+    if (pl_has_order_2(&r->watch)) /* before their ends, which may be what they were given by */
+        pl_mids_write(&r->watch.mids, t.writes, r->coordinates, &t.moved, &t.farthest);
     pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, transfer_chunk, &t);
     r->result->max_displacement = t.farthest;
     pl_parts_add(&t.moved, 1);
@@ -164,22 +164,22 @@ int pl_run_end(pl_run *run, planish_error *error) {
     r->stop = run->stop;
     r->sweeps = run->sweep;
     r->n_inverted =
-        (int64_t)(run->sums.inverted + run->sums_of_fixed.inverted) - run->curved.n_turned;
+        (int64_t)(run->sums.inverted + run->sums_of_fixed.inverted) - run->watch.n_turned;
     r->rms = pl_rms_of_all(&run->sums);
     r->rms_movable = pl_rms_of_movable(&run->sums);
     r->min_volume = run->guard.min_volume;
     r->n_below_min_volume = (int64_t)(run->sums.below + run->sums_of_fixed.below);
     r->n_held_outside = run->guard.held_outside;
-    r->n_curved = run->curved.n;
+    r->n_curved = run->watch.n_curved;
     r->n_inverted_inside = (int64_t)run->sums.inside;
-    r->n_refused = run->curved.n_refused;
+    r->n_refused = run->watch.n_refused;
     r->objective = pl_run_objective(run);
     r->seconds = pl_seconds() - run->start_seconds;
     return status;
 }
 
 void pl_run_destroy(pl_run *r) {
-    r->plan->scratch.curved = NULL;
-    pl_curved_destroy(&r->curved);
+    r->plan->scratch.watch = NULL;
+    pl_watch_destroy(&r->watch);
     pl_guard_destroy(&r->guard);
 }

@@ -1,5 +1,5 @@
 /* mids: nodes in the middle of edges: their ends, places, and the way to the caller. */
-#include "sweep/curved.h"
+#include "sweep/watch.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"

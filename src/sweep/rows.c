@@ -295,9 +295,9 @@ void pl_rows_halve(const pl_row_rule *rule, int simplex, int half, int n,
 
 /* ---- marked elements of a plan -------------------------------------------------------------- */
 
-const pl_cell_type *pl_places_of_element(const pl_curved *curved, int64_t element, double *x,
+const pl_cell_type *pl_places_of_element(const pl_watch *watch, int64_t element, double *x,
                                          int32_t *node) {
-    const planish_plan *plan = curved->plan;
+    const planish_plan *plan = watch->plan;
     const int dim = plan->dim;
     const int64_t cell = pl_plan_element(plan, element);
     const pl_cell_type *type = pl_cell_type_of(plan->cells.type[cell]);
@@ -313,7 +313,7 @@ const pl_cell_type *pl_places_of_element(const pl_curved *curved, int64_t elemen
             memcpy(to, plan->scratch.coordinates + (int64_t)plan->inner[own] * dim,
                    (size_t)dim * sizeof *to);
         } else if (given[i] >= 0) {
-            pl_mid_place(&curved->mids, given[i], to);
+            pl_mid_place(&watch->mids, given[i], to);
         } else {
             for (int d = 0; d < dim; d++)
                 to[d] = 0.5 * x[p * dim + d] + 0.5 * x[q * dim + d];
@@ -336,7 +336,7 @@ static int32_t corner_of(const planish_plan *plan, int64_t element, int i) {
 
 /** List the marked elements at each movable node. */
 static void list_places(pl_marked *m, int fills) {
-    const planish_plan *plan = m->curved->plan;
+    const planish_plan *plan = m->watch->plan;
     for (int64_t i = 0; i < m->n; i++) {
         const int n = type_of(plan, m->element[i])->shape->n_corners;
         for (int j = 0; j < n; j++) {
@@ -361,7 +361,7 @@ static int has_rows(const planish_plan *plan, int64_t element) {
 /** Make the rule of each type that is marked. */
 static int make_rules(pl_marked *m) {
     for (int64_t i = 0; i < m->n; i++) {
-        const pl_cell_type *type = type_of(m->curved->plan, m->element[i]);
+        const pl_cell_type *type = type_of(m->watch->plan, m->element[i]);
         if (!m->rule[type->type])
             m->rule[type->type] = pl_row_rule_make(type);
         if (!m->rule[type->type])
@@ -372,12 +372,12 @@ static int make_rules(pl_marked *m) {
 
 /** Find which stars have marked elements, and how many rows at most. */
 static void find_stars(pl_marked *m) {
-    const pl_visits *visits = &m->curved->plan->interior;
+    const pl_visits *visits = &m->watch->plan->interior;
     for (int64_t s = 0; s < visits->stars.n_stars; s++) {
         const int32_t node = visits->centre[s];
         int64_t n = 0;
         for (int64_t k = m->begin[node]; k < m->begin[node + 1]; k++)
-            n += m->rule[type_of(m->curved->plan, m->element[m->place[k]])->type]
+            n += m->rule[type_of(m->watch->plan, m->element[m->place[k]])->type]
                      ->jacobian.n_coefficients;
         m->has_more[s] = n > 0;
         m->max_more = n > m->max_more ? n : m->max_more;
@@ -386,7 +386,7 @@ static void find_stars(pl_marked *m) {
 
 /** Make the lists of the elements that are marked. */
 static int make_lists(pl_marked *m, const uint8_t *is_marked) {
-    const planish_plan *plan = m->curved->plan;
+    const planish_plan *plan = m->watch->plan;
     const int64_t n_nodes = plan->work.n_nodes;
     int64_t n = 0;
     for (int64_t e = 0; e < plan->work.n_elements; e++)
@@ -413,9 +413,9 @@ static int make_lists(pl_marked *m, const uint8_t *is_marked) {
     return make_rules(m);
 }
 
-int pl_marked_make(const pl_curved *curved, const uint8_t *is_marked, double weight, pl_marked *m,
+int pl_marked_make(const pl_watch *watch, const uint8_t *is_marked, double weight, pl_marked *m,
                    planish_error *error) {
-    *m = (pl_marked){.curved = curved, .weight = weight};
+    *m = (pl_marked){.watch = watch, .weight = weight};
     if (!make_lists(m, is_marked))
         return pl_fail_memory(error, "the coefficients of elements");
     find_stars(m);
@@ -441,13 +441,13 @@ void pl_marked_use(const pl_marked *m, pl_star_problem *problem) {
 
 int64_t pl_marked_rows(const void *marked, int64_t star, pl_star_row *row) {
     const pl_marked *m = marked;
-    const planish_plan *plan = m->curved->plan;
+    const planish_plan *plan = m->watch->plan;
     const int32_t node = plan->interior.centre[star];
     int64_t n = 0;
     for (int64_t k = m->begin[node]; k < m->begin[node + 1]; k++) {
         const int64_t element = m->element[m->place[k]];
         double x[NODES * 3], rate[NODES] = {0};
-        const pl_cell_type *type = pl_places_of_element(m->curved, element, x, NULL);
+        const pl_cell_type *type = pl_places_of_element(m->watch, element, x, NULL);
         const pl_row_rule *rule = m->rule[type->type];
         for (int j = 0; j < type->shape->n_corners; j++)
             if (plan->inner[corner_of(plan, element, j)] == node)

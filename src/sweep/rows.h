@@ -26,7 +26,7 @@
 
 #include "geometry/jacobian.h"
 #include "star/star.h"
-#include "sweep/curved.h"
+#include "sweep/watch.h"
 
 /** Type of elements as rows know it; not of pyramids. */
 typedef struct pl_row_rule {
@@ -69,12 +69,12 @@ void pl_rows_halve(const pl_row_rule *rule, int simplex, int half, int n,
 
 /** Elements of a plan whose rows the stars of its interior heed. Arrays are owned. */
 typedef struct pl_marked {
-    const pl_curved *curved; /* where nodes are */
-    double weight;           /* of an element's rows together; 0: constraints alone */
-    int64_t n;               /* elements; of one of corners, its first corner */
-    int32_t *element;        /* [n] of the plan's mesh */
-    int64_t *begin;          /* [n_nodes + 1] by inner numbers: where place of each node begins */
-    int32_t *place;          /* marked elements of each node, by their place in element */
+    const pl_watch *watch; /* where nodes are */
+    double weight;         /* of an element's rows together; 0: constraints alone */
+    int64_t n;             /* elements; of one of corners, its first corner */
+    int32_t *element;      /* [n] of the plan's mesh */
+    int64_t *begin;        /* [n_nodes + 1] by inner numbers: where place of each node begins */
+    int32_t *place;        /* marked elements of each node, by their place in element */
     uint8_t *has_more; /* [n_stars] of the interior: 1: a marked element is at the star's node */
     int64_t max_more;  /* most rows of a star */
     pl_row_rule *rule[PLANISH_N_CELL_TYPES]; /* by types; NULL: no such element is marked */
@@ -83,7 +83,7 @@ typedef struct pl_marked {
 /** Mark the elements whose entry in is_marked is not 0: [n_elements of the plan], of elements of
  *  corners that of the first corner. Pyramids are passed over: their corners say all. marked is to
  *  be destroyed in any case. Errors: _MEMORY. */
-int pl_marked_make(const pl_curved *curved, const uint8_t *is_marked, double weight,
+int pl_marked_make(const pl_watch *watch, const uint8_t *is_marked, double weight,
                    pl_marked *marked, planish_error *error);
 
 /** Free the arrays of marked. */
@@ -99,7 +99,7 @@ int64_t pl_marked_rows(const void *marked, int64_t star, pl_star_row *row);
 /** Find the places of the nodes of an element (of corners: its first one) at the plan's present
  *  coordinates: x [n_nodes][dim]; returns its type. node [n_nodes] (or NULL): the caller's numbers,
  *  -1: a missing mid. */
-const pl_cell_type *pl_places_of_element(const pl_curved *curved, int64_t element, double *x,
+const pl_cell_type *pl_places_of_element(const pl_watch *watch, int64_t element, double *x,
                                          int32_t *node);
 
 #endif

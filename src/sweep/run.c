@@ -72,7 +72,7 @@ void pl_run_measure(pl_run *r) {
     const pl_objective_problem problem = pl_run_objective_problem(r);
     pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, transfer_measured, r);
     sum_up(r, r->plain ? &plan->work : &problem.mesh, plan->scratch.to_measure, &r->sums);
-    r->sums.inside = (double)pl_curved_measure(&r->curved);
+    r->sums.inside = (double)pl_watch_measure(&r->watch);
     r->sums.inverted += r->sums.inside;
     r->measured_sum = r->sums.ratio[1];
     if (plan->all == &plan->work)
@@ -209,7 +209,7 @@ static void forget(void *context, int64_t begin, int64_t end, int thread) {
 void pl_run_begin_anew(pl_run *r) {
     const planish_plan *plan = r->plan;
     memset(plan->scratch.changed, 1, (size_t)plan->work.n_nodes);
-    pl_curved_measure(&r->curved); /* nodes may have moved otherwise than by visits */
+    pl_watch_measure(&r->watch); /* nodes may have moved otherwise than by visits */
     if (r->problem.kept)
         pl_parallel_for(plan->threads, plan->interior.stars.n_stars, CHUNK_NODES, forget,
                         r->problem.kept);

@@ -19,7 +19,7 @@
 #define PL_SWEEP_RUN_H
 
 #include "quality/measure.h"
-#include "sweep/curved.h"
+#include "sweep/watch.h"
 #include "sweep/guard.h"
 #include "sweep/sweep.h"
 
@@ -42,7 +42,7 @@ typedef struct pl_run {
                                         plan's subset; all 0 if the plan works on the whole mesh */
     pl_star_problem problem;
     pl_guard guard;
-    pl_curved curved;            /* elements of order 2 */
+    pl_watch watch;              /* elements of order 2 */
     pl_star_guard sliding_guard; /* guard of the nodes that slide */
     int plain;                   /* the plain problem: the sum of RR^2, nothing else is asked */
     double measure_scale;        /* a power of two, times which coordinates are measured: ratios are
@@ -67,8 +67,8 @@ typedef struct pl_run {
 } pl_run;
 
 /** Begin a run that has plan, coordinates, options, accelerate, start_seconds and result: bring the
- *  coordinates into the plan, make the guard and curved, measure, and prepare the sweeps. Errors:
- *  those of pl_guard_create and pl_curved_create, _MEMORY. */
+ *  coordinates into the plan, make the guard and the watch, measure, and prepare the sweeps. Errors:
+ *  those of pl_guard_create and pl_watch_create, _MEMORY. */
 int pl_run_begin(pl_run *r, planish_error *error);
 
 /** End a run: write the nodes that have moved to the caller's coordinates, unless memory was

@@ -8,7 +8,7 @@
 #include "base/parts.h"
 #include "base/status.h"
 #include "plan/ghosts.h"
-#include "sweep/curved.h"
+#include "sweep/watch.h"
 
 #include <math.h>
 #include <string.h>
@@ -80,7 +80,7 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
             way[d] = x[d] - before[d];
         if (evaluate_star(pass, star, scratch, &ratio, &now) && ratio.certain && now < start &&
             ratio.max * (1 + ratio.error) <= worst &&
-            pl_curved_admit(pass->plan->scratch.curved, node, way))
+            pl_watch_admit(pass->plan->scratch.watch, node, way))
             return start - now;
     }
     memcpy(x, before, size);
@@ -89,8 +89,8 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
 
 /** Visit a star with curved elements: a move that would make one invalid is shortened, or
  *  refused. */
-static void visit_curved(const colour_pass *pass, int64_t star, double *scratch,
-                         pl_star_tally *tally) {
+static void visit_one_watched(const colour_pass *pass, int64_t star, double *scratch,
+                              pl_star_tally *tally) {
     const planish_plan *plan = pass->plan;
     const int32_t node = pass->problem->node[star];
     const double *x = pass->problem->coordinates + (int64_t)node * plan->dim;
@@ -102,24 +102,24 @@ static void visit_curved(const colour_pass *pass, int64_t star, double *scratch,
         way[d] = x[d] - before[d];
         moves += way[d] != 0;
     }
-    if (!(moves > 0) || pl_curved_admit(plan->scratch.curved, node, way))
+    if (!(moves > 0) || pl_watch_admit(plan->scratch.watch, node, way))
         return;
     const double fall = shorten(pass, star, before, scratch);
     tally->decrease = was.decrease;
     tally->improved = was.improved;
     tally->restored = was.restored;
     pl_sum_add(&tally->decrease, fall);
-    __atomic_fetch_add(&plan->scratch.curved->n_refused, fall > 0 ? 0 : 1, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&plan->scratch.watch->n_refused, fall > 0 ? 0 : 1, __ATOMIC_RELAXED);
 }
 
 /** Visit stars begin .. end - 1 of a mesh with curved elements. */
 static void visit_watched(const colour_pass *pass, int64_t begin, int64_t end, double *scratch,
                           pl_star_tally *tally) {
     for (int64_t i = begin; i < end; i++) {
-        if (!pl_curved_watches(pass->plan->scratch.curved, pass->problem->node[i]))
+        if (!pl_watch_has(pass->plan->scratch.watch, pass->problem->node[i]))
             continue;
         visit_straight(pass, begin, i, scratch, tally);
-        visit_curved(pass, i, scratch, tally);
+        visit_one_watched(pass, i, scratch, tally);
         begin = i + 1;
     }
     visit_straight(pass, begin, end, scratch, tally);
@@ -137,7 +137,7 @@ static void visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
         plan->kernel->guarded->untangle[plan->dim - 2](problem, begin, end, scratch, tally);
     else if (pass->method != PLANISH_METHOD_PLANISH)
         pl_star_average(problem, pass->method, plan->dim, begin, end, scratch, tally);
-    else if (plan->scratch.curved)
+    else if (plan->scratch.watch)
         visit_watched(pass, begin, end, scratch, tally);
     else
         visit_straight(pass, begin, end, scratch, tally);

@@ -1,4 +1,4 @@
-/* curved: elements of order 2 in a run. Sweeps know their corners alone.
+/* watch: elements that their corners alone do not certify. Sweeps know corners alone.
  *
  * A mid's place follows from those of its two ends: its start, and half of the way of both, stored
  * as coordinates are. So mids have no state, and are written once, at the end.
@@ -13,14 +13,14 @@
  *   pl_mids_note                  to be noted for each element
  *   pl_mid_place, _coordinate     where a mid is
  *   pl_mids_write                 to the caller's coordinates
- * curved.c
- *   pl_curved_create, _destroy    find curved elements
- *   pl_curved_measure             decide all of them
- *   pl_curved_watches, _admit     of one node, after its move
- *   pl_curved_find_broken         elements that were valid and are not any more
+ * watch.c
+ *   pl_watch_create, _destroy    find curved elements
+ *   pl_watch_measure             decide all of them
+ *   pl_watch_has, _admit     of one node, after its move
+ *   pl_watch_find_broken         elements that were valid and are not any more
  */
-#ifndef PL_SWEEP_CURVED_H
-#define PL_SWEEP_CURVED_H
+#ifndef PL_SWEEP_WATCH_H
+#define PL_SWEEP_WATCH_H
 
 #include "base/round.h"
 #include "plan/plan.h"
@@ -37,7 +37,7 @@ typedef struct pl_mids {
 } pl_mids;
 
 /** Curved elements of a run. Arrays are owned. */
-typedef struct pl_curved {
+typedef struct pl_watch {
     const planish_plan *plan;
     pl_mids mids;
     pl_jacobian_rule *rule; /* of the elements of order 2; NULL: the plan has none */
@@ -45,7 +45,7 @@ typedef struct pl_curved {
                                known */
     double rounding;        /* of coordinates, as options say */
     uint8_t *is_curved;     /* [n_elements of the plan] */
-    int64_t n;              /* curved elements */
+    int64_t n, n_curved;    /* watched elements; curved ones */
     int32_t *element;       /* [n] of the plan's mesh */
     double *bound;          /* [n] at most the least coefficient of det J; 0: not known, */
     double *reach;          /* [n] at least the longest derivative */
@@ -54,10 +54,10 @@ typedef struct pl_curved {
     int32_t *watched;       /* curved elements of each movable node */
     int64_t n_turned;       /* valid ones whose corners are not positive, as measured last */
     int64_t n_refused;      /* moves; shared by threads */
-} pl_curved;
+} pl_watch;
 
 /** Whether elements of order 2 are in the plan. */
-static inline int pl_has_order_2(const pl_curved *c) {
+static inline int pl_has_order_2(const pl_watch *c) {
     return c->rule != NULL;
 }
 
@@ -92,28 +92,28 @@ void pl_mids_write(const pl_mids *mids, int writes, double *coordinates, int64_t
 /** Find the curved elements of plan, if its mesh has elements of order 2; arguments as for
  *  pl_mids_create. *curved is to be destroyed in any case. Errors: _MESH (a mid that is not finite),
  *  _MEMORY. */
-int pl_curved_create(const planish_plan *plan, const planish_options *options, const double *given,
-                     const double *start, pl_curved *curved, planish_error *error);
+int pl_watch_create(const planish_plan *plan, const planish_options *options, const double *given,
+                    const double *start, pl_watch *curved, planish_error *error);
 
 /** Free the arrays of curved. */
-void pl_curved_destroy(pl_curved *curved);
+void pl_watch_destroy(pl_watch *curved);
 
 /** Decide all curved elements at the plan's present coordinates; returns how many are invalid with
  *  positive corners. */
-int64_t pl_curved_measure(pl_curved *curved);
+int64_t pl_watch_measure(pl_watch *curved);
 
 /** Whether curved elements are at the node of this inner number. */
-static inline int pl_curved_watches(const pl_curved *c, int32_t node) {
+static inline int pl_watch_has(const pl_watch *c, int32_t node) {
     return c->begin[node + 1] > c->begin[node];
 }
 
 /** Whether the curved elements at a node that has moved by way [dim] may be as they are: none of
  *  those that were valid is invalid now. If not, the node is to go back. */
-int pl_curved_admit(pl_curved *curved, int32_t node, const double *way);
+int pl_watch_admit(pl_watch *curved, int32_t node, const double *way);
 
 /** Mark in state [n_elements of the plan] with 1 the elements of order 2 that were valid when the run
  *  began and are not any more, and if of_all all elements whose corners have turned; leave the other
  *  entries. Returns their number. */
-int64_t pl_curved_find_broken(const pl_curved *curved, int of_all, uint8_t *state);
+int64_t pl_watch_find_broken(const pl_watch *curved, int of_all, uint8_t *state);
 
 #endif

@@ -1,5 +1,5 @@
-/* curved: which elements are curved, and whether they are valid. */
-#include "sweep/curved.h"
+/* watch: which elements are watched, and whether they are valid. */
+#include "sweep/watch.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -38,17 +38,17 @@ typedef struct block {
 
 /* ---- places --------------------------------------------------------------------------------- */
 
-static double sign_of(const pl_curved *c, int64_t element) {
+static double sign_of(const pl_watch *c, int64_t element) {
     return c->plan->work.sign ? c->plan->work.sign[element] : 1;
 }
 
-static int is_order_2(const pl_curved *c, int64_t element) {
+static int is_order_2(const pl_watch *c, int64_t element) {
     return c->plan->cells.type[pl_plan_element(c->plan, element)] == c->rule->type->type;
 }
 
 /** Find the places of the nodes of an element, as they are or (at_start) were when the run began:
  *  x [n_nodes][dim]. node: see block. */
-static void find_places(const pl_curved *c, int64_t element, int at_start, double *x,
+static void find_places(const pl_watch *c, int64_t element, int at_start, double *x,
                         int32_t *node) {
     const planish_plan *plan = c->plan;
     const int dim = plan->dim, corners = dim + 1;
@@ -76,7 +76,7 @@ static void find_places(const pl_curved *c, int64_t element, int at_start, doubl
 }
 
 /** Add an element to the block. */
-static void add(const pl_curved *c, int64_t element, int at_start, block *b) {
+static void add(const pl_watch *c, int64_t element, int at_start, block *b) {
     const int dim = c->plan->dim, l = b->n++, n = c->rule->n_nodes;
     double *x = b->x[l], size = 0;
     find_places(c, element, at_start, x, b->node[l]);
@@ -96,7 +96,7 @@ static void add(const pl_curved *c, int64_t element, int at_start, block *b) {
 }
 
 /** Evaluate the block. Lanes past the last element repeat the first. */
-static void evaluate(const pl_curved *c, block *b) {
+static void evaluate(const pl_watch *c, block *b) {
     const int dim = c->plan->dim;
     for (int l = b->n; l < LANES; l++) {
         b->sign[l] = b->sign[0];
@@ -107,7 +107,7 @@ static void evaluate(const pl_curved *c, block *b) {
     pl_jacobian_evaluate(c->rule, b->sign, &b->jacobian);
 }
 
-static int is_valid(const pl_curved *c, const block *b, int l) {
+static int is_valid(const pl_watch *c, const block *b, int l) {
     return pl_validity_of_lane(c->rule, &b->jacobian, l, b->node[l], b->x[l], b->sign[l]) ==
            PL_VALID;
 }
@@ -115,7 +115,7 @@ static int is_valid(const pl_curved *c, const block *b, int l) {
 /* ---- bounds --------------------------------------------------------------------------------- */
 
 /** Longest derivative of lane l along any edge. */
-static double reach_of(const pl_curved *c, const block *b, int l) {
+static double reach_of(const pl_watch *c, const block *b, int l) {
     const pl_jacobian_rule *rule = c->rule;
     const int dim = c->plan->dim;
     double control[NODES][3] = {{0}}, longest = 0;
@@ -137,7 +137,7 @@ static double reach_of(const pl_curved *c, const block *b, int l) {
 
 /** Keep the bounds of a curved element, which is valid and in lane l. They tell nothing of one that
  *  was scaled, or that bisections have decided. */
-static void keep_bounds(pl_curved *c, int32_t w, const block *b, int l) {
+static void keep_bounds(pl_watch *c, int32_t w, const block *b, int l) {
     const double least = b->jacobian.least[l] - b->jacobian.error[l];
     c->bound[w] = least > 0 && b->exponent[l] == 0 ? least : 0;
     c->reach[w] = reach_of(c, b, l);
@@ -149,7 +149,7 @@ static void keep_bounds(pl_curved *c, int32_t w, const block *b, int l) {
  *  changes by w / 2 of it, and by what mids stray. det is linear in each of its columns, and at most
  *  the product of their lengths. Along edges of which only one is at the corner a move changes one
  *  column; mids that stray change all. */
-static int bound_admits(pl_curved *c, int32_t w, double length) {
+static int bound_admits(pl_watch *c, int32_t w, double length) {
     const int dim = c->plan->dim;
     const double moved = 0.5 * c->rule->control_term[0].weight * length;
     const double strayed = 2 * c->rule->control_weight * c->stray;
@@ -166,7 +166,7 @@ static int bound_admits(pl_curved *c, int32_t w, double length) {
 /* ---- after a move --------------------------------------------------------------------------- */
 
 /** Decide the elements of b, curved elements w [b->n] that were valid; 0 if one is not. */
-static int keep_valid(pl_curved *c, block *b, const int32_t *w) {
+static int keep_valid(pl_watch *c, block *b, const int32_t *w) {
     if (b->n > 0)
         evaluate(c, b);
     for (int l = 0; l < b->n; l++) {
@@ -180,7 +180,7 @@ static int keep_valid(pl_curved *c, block *b, const int32_t *w) {
 
 /** Note which of the elements of b, curved elements w [b->n] that were not valid, are beyond doubt
  *  now. */
-static void note_valid(pl_curved *c, block *b, const int32_t *w) {
+static void note_valid(pl_watch *c, block *b, const int32_t *w) {
     if (b->n > 0)
         evaluate(c, b);
     for (int l = 0; l < b->n; l++) {
@@ -191,7 +191,7 @@ static void note_valid(pl_curved *c, block *b, const int32_t *w) {
 }
 
 /** Look again at the curved elements at node that were not valid. */
-static void look_again(pl_curved *c, int32_t node, block *b) {
+static void look_again(pl_watch *c, int32_t node, block *b) {
     int32_t w[LANES];
     b->n = 0;
     for (int64_t k = c->begin[node]; k < c->begin[node + 1]; k++) {
@@ -205,7 +205,7 @@ static void look_again(pl_curved *c, int32_t node, block *b) {
     note_valid(c, b, w);
 }
 
-int pl_curved_admit(pl_curved *c, int32_t node, const double *way) {
+int pl_watch_admit(pl_watch *c, int32_t node, const double *way) {
     static const double origin[3] = {0, 0, 0};
     const double length = pl_distance(c->plan->dim, way, origin);
     int32_t w[LANES];
@@ -232,14 +232,14 @@ int pl_curved_admit(pl_curved *c, int32_t node, const double *way) {
 
 /** A look at all curved elements, or at all elements. */
 typedef struct look {
-    pl_curved *curved;
+    pl_watch *curved;
     uint8_t *state;
     int64_t n;  /* found; shared */
     int of_all; /* elements of order 1, too, and corners that have turned */
 } look;
 
 /** Exact sign of the corners of an element. */
-static int has_positive_corners(const pl_curved *c, int64_t element, int at_start) {
+static int has_positive_corners(const pl_watch *c, int64_t element, int at_start) {
     const planish_plan *plan = c->plan;
     const double *vertex[4];
     for (int j = 0; j <= plan->dim; j++) {
@@ -252,7 +252,7 @@ static int has_positive_corners(const pl_curved *c, int64_t element, int at_star
 
 static void measure_chunk(void *context, int64_t begin, int64_t end, int thread) {
     look *s = context;
-    pl_curved *c = s->curved;
+    pl_watch *c = s->curved;
     int64_t n = 0, n_turned = 0;
     block b;
     (void)thread;
@@ -274,7 +274,7 @@ static void measure_chunk(void *context, int64_t begin, int64_t end, int thread)
     __atomic_fetch_add(&c->n_turned, n_turned, __ATOMIC_RELAXED);
 }
 
-int64_t pl_curved_measure(pl_curved *c) {
+int64_t pl_watch_measure(pl_watch *c) {
     look s = {.curved = c};
     c->n_turned = 0;
     if (c->n > 0)
@@ -282,7 +282,7 @@ int64_t pl_curved_measure(pl_curved *c) {
     return s.n;
 }
 
-static int has_moved(const pl_curved *c, int64_t element) {
+static int has_moved(const pl_watch *c, int64_t element) {
     const planish_plan *plan = c->plan;
     const size_t size = (size_t)plan->dim * sizeof(double);
     for (int j = 0; j <= plan->dim; j++) {
@@ -296,7 +296,7 @@ static int has_moved(const pl_curved *c, int64_t element) {
 
 /** Whether the corners alone say that an element which is not curved is valid: its coefficients are
  *  those of the straight one, but for mids that are off by rounding. */
-PL_INLINE int is_plainly_valid(const pl_curved *c, int64_t element, const int dim) {
+PL_INLINE int is_plainly_valid(const pl_watch *c, int64_t element, const int dim) {
     const planish_plan *plan = c->plan;
     const double scale = 0.5 * c->rule->control_term[0].weight;
     const double *vertex[4], *start[4];
@@ -321,7 +321,7 @@ PL_INLINE int is_plainly_valid(const pl_curved *c, int64_t element, const int di
            1.0001 * dim * strayed * reach * (dim == 3 ? reach : 1);
 }
 
-static int is_valid_alone(const pl_curved *c, int64_t element, int at_start, block *b) {
+static int is_valid_alone(const pl_watch *c, int64_t element, int at_start, block *b) {
     b->n = 0;
     add(c, element, at_start, b);
     evaluate(c, b);
@@ -329,7 +329,7 @@ static int is_valid_alone(const pl_curved *c, int64_t element, int at_start, blo
 }
 
 /** Whether corners of an element were positive and are not any more. */
-static int has_turned(const pl_curved *c, int64_t element) {
+static int has_turned(const pl_watch *c, int64_t element) {
     return !has_positive_corners(c, element, 0) && has_positive_corners(c, element, 1);
 }
 
@@ -351,7 +351,7 @@ static int64_t mark_broken(look *s, block *b, const int64_t *element) {
 
 static void broken_chunk(void *context, int64_t begin, int64_t end, int thread) {
     look *s = context;
-    const pl_curved *c = s->curved;
+    const pl_watch *c = s->curved;
     int64_t element[LANES], n = 0;
     block b;
     (void)thread;
@@ -375,8 +375,8 @@ static void broken_chunk(void *context, int64_t begin, int64_t end, int thread) 
     __atomic_fetch_add(&s->n, n, __ATOMIC_RELAXED);
 }
 
-int64_t pl_curved_find_broken(const pl_curved *c, int of_all, uint8_t *state) {
-    look s = {.curved = (pl_curved *)(uintptr_t)c, .state = state, .of_all = of_all};
+int64_t pl_watch_find_broken(const pl_watch *c, int of_all, uint8_t *state) {
+    look s = {.curved = (pl_watch *)(uintptr_t)c, .state = state, .of_all = of_all};
     pl_parallel_for(c->plan->threads, c->plan->work.n_elements, CHUNK, broken_chunk, &s);
     return s.n;
 }
@@ -385,7 +385,7 @@ int64_t pl_curved_find_broken(const pl_curved *c, int of_all, uint8_t *state) {
 
 /** A search for curved elements. */
 typedef struct search {
-    pl_curved *curved;
+    pl_watch *curved;
     uint8_t *is_off; /* [nodes of the mesh] mids that are off the middle of their edge */
     int64_t n;       /* curved elements; shared, as are these: */
     int64_t lowest;  /* mid that is not finite, or INT64_MAX */
@@ -403,7 +403,7 @@ PL_INLINE void measure_mid(const pl_mids *mids, int32_t node, const double *a, c
     }
 }
 
-static int is_off(const pl_curved *c, double off, double longest) {
+static int is_off(const pl_watch *c, double off, double longest) {
     return off > STRAIGHT * STRAIGHT * longest && off > c->rounding * c->rounding;
 }
 
@@ -437,7 +437,7 @@ static void mids_chunk(void *context, int64_t begin, int64_t end, int thread) {
 
 /** Whether a mid of the element is off by more than a part of its longest edge. */
 static int is_element_curved(const search *s, int64_t element) {
-    const pl_curved *c = s->curved;
+    const pl_watch *c = s->curved;
     const planish_plan *plan = c->plan;
     const int dim = plan->dim, corners = dim + 1;
     const int32_t *corner = plan->work.elements + element * corners;
@@ -479,7 +479,7 @@ static void search_chunk(void *context, int64_t begin, int64_t end, int thread) 
 
 /** Find mids and curved elements, all at once. */
 static int find_all(search *s, planish_error *error) {
-    pl_curved *c = s->curved;
+    pl_watch *c = s->curved;
     const int threads = c->plan->threads;
     s->is_off = pl_alloc(c->mids.start.n, sizeof *s->is_off);
     c->is_curved = pl_alloc(c->plan->work.n_elements, sizeof *c->is_curved);
@@ -496,7 +496,7 @@ static int find_all(search *s, planish_error *error) {
 }
 
 /** List the curved elements at each movable node. */
-static void list_watched(pl_curved *c, int fills) {
+static void list_watched(pl_watch *c, int fills) {
     const planish_plan *plan = c->plan;
     for (int64_t w = 0; w < c->n; w++)
         for (int j = 0; j <= plan->dim; j++) {
@@ -511,7 +511,7 @@ static void list_watched(pl_curved *c, int fills) {
 }
 
 /** Make the lists of the curved elements that have been found. */
-static int make_lists(pl_curved *c, const search *s) {
+static int make_lists(pl_watch *c, const search *s) {
     const int64_t n_nodes = c->plan->work.n_nodes;
     int64_t n = 0;
     c->element = pl_alloc(s->n, sizeof *c->element);
@@ -524,6 +524,7 @@ static int make_lists(pl_curved *c, const search *s) {
     for (int64_t e = 0; e < c->plan->work.n_elements; e++)
         if (c->is_curved[e])
             c->element[c->n++] = (int32_t)e;
+    c->n_curved = c->n;
     list_watched(c, 0);
     for (int64_t i = 1; i <= n_nodes; i++) { /* begin[i + 1]: where those of node i begin */
         const int64_t of_node = c->begin[i];
@@ -547,7 +548,7 @@ static const pl_cell_type *find_order_2(const planish_plan *plan) {
 }
 
 /** How far a mid may stray from half of the way of its ends; largest: coordinate of mids. */
-static double stray_of(const pl_curved *c, const planish_options *options, double largest) {
+static double stray_of(const pl_watch *c, const planish_options *options, double largest) {
     for (int64_t i = 0; i < c->plan->work.n_nodes * c->plan->dim; i++)
         largest = fmax(largest, fabs(c->mids.given[i]));
     /* Nodes may go beyond where nodes were, but not far. */
@@ -557,10 +558,10 @@ static double stray_of(const pl_curved *c, const planish_options *options, doubl
                                                            : BEYOND * ROUNDINGS * unit * largest;
 }
 
-int pl_curved_create(const planish_plan *plan, const planish_options *options, const double *given,
-                     const double *start, pl_curved *c, planish_error *error) {
+int pl_watch_create(const planish_plan *plan, const planish_options *options, const double *given,
+                    const double *start, pl_watch *c, planish_error *error) {
     const pl_cell_type *type = find_order_2(plan);
-    *c = (pl_curved){.plan = plan};
+    *c = (pl_watch){.plan = plan};
     if (!type)
         return PLANISH_OK;
     c->rule = pl_alloc(1, sizeof *c->rule);
@@ -580,7 +581,7 @@ int pl_curved_create(const planish_plan *plan, const planish_options *options, c
     return make_lists(c, &s) ? PLANISH_OK : pl_fail_memory(error, "the curved elements");
 }
 
-void pl_curved_destroy(pl_curved *c) {
+void pl_watch_destroy(pl_watch *c) {
     pl_mids_destroy(&c->mids);
     pl_free(c->rule);
     pl_free(c->is_curved);
@@ -590,5 +591,5 @@ void pl_curved_destroy(pl_curved *c) {
     pl_free(c->is_valid);
     pl_free(c->begin);
     pl_free(c->watched);
-    *c = (pl_curved){.n = 0};
+    *c = (pl_watch){.n = 0};
 }
