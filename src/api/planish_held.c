@@ -117,7 +117,6 @@ static uint8_t reason_of(const hold_search *s, int64_t node) {
  */
 static void give_reasons_of_cells(const planish_plan *plan, uint8_t *reason) {
     const planish_cells *cells = &plan->cells;
-    const int k = plan->dim + 1;
     for (int64_t i = 0; i < plan->whole.n_nodes; i++)
         if (pl_follows(plan->role[i]))
             reason[i] = 0;
@@ -126,7 +125,9 @@ static void give_reasons_of_cells(const planish_plan *plan, uint8_t *reason) {
     for (int64_t i = 0; i < cells->n; i++) {
         const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
         const int32_t *node = cells->node + cells->offset[i];
-        for (int j = k; pl_is_smoothed(cells->type[i], plan->dim) && j < type->n_nodes; j++) {
+        const int is_smoothed = pl_is_smoothed(cells, i, plan->dim);
+        for (int j = is_smoothed ? type->shape->n_corners : 0; is_smoothed && j < type->n_nodes;
+             j++) {
             const uint8_t a = reason[node[type->between[j][0]]];
             const uint8_t b = reason[node[type->between[j][1]]];
             if (node[j] >= 0 && pl_follows(plan->role[node[j]]) && a && b)

@@ -62,7 +62,7 @@ int planish_measure(const planish_plan *plan, const double *coordinates, planish
 
 /** Whether an element of the caller is one that plans measure. */
 static int has_ratio(const planish_plan *plan, int64_t element) {
-    return plan->cells.n == 0 || pl_is_smoothed(plan->cells.type[element], plan->dim);
+    return plan->cells.n == 0 || pl_is_smoothed(&plan->cells, element, plan->dim);
 }
 
 int planish_measure_elements(const planish_plan *plan, const double *coordinates,

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "topology/cells.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -97,7 +98,7 @@ static int find_around(const planish_mesh *mesh, pl_draft *d, planish_error *err
         return status;
     uint8_t *selected = pl_alloc_zero(mesh->n_nodes, sizeof *selected);
     if (selected) {
-        pl_select_around(&dense.mesh, d->options, threads, selected);
+        pl_select_around(&dense.mesh, &d->plan->work, d->options, threads, selected);
         status = pl_subset_by_marks(&dense.mesh, selected, threads, &d->subset, error);
     } else {
         status = pl_fail_memory(error, "the nodes that are worked on");
@@ -110,6 +111,18 @@ static int find_around(const planish_mesh *mesh, pl_draft *d, planish_error *err
     dense.constraint = NULL;
     pl_dense_destroy(&dense);
     return status;
+}
+
+/** Choose the nodes of options.around in all of the mesh, whose elements are corners: cells are not
+ *  taken apart. */
+static int select_around(const planish_mesh *mesh, pl_draft *d, planish_error *error) {
+    const int status = check_around(mesh, d->options, error);
+    d->is_selected = status ? NULL : pl_alloc_zero(mesh->n_nodes, sizeof *d->is_selected);
+    if (d->is_selected)
+        pl_select_around(&d->dense.mesh, &d->plan->work, d->options, d->plan->threads,
+                         d->is_selected);
+    return status || d->is_selected ? status
+                                    : pl_fail_memory(error, "the nodes that are worked on");
 }
 
 /** Begin with the subset around the nodes of options.around. */
@@ -158,9 +171,13 @@ int pl_draft_begin(const planish_mesh *mesh, pl_draft *d, planish_error *error) 
         return pl_fail(error, PLANISH_ERROR_PARTS,
                        "%s is not possible with a mesh in parts; do without it, or in one process",
                        d->options->around ? "options.around" : "mesh.periodic");
-    if (d->options->around)
+    int status = PLANISH_OK;
+    if (!d->options->around || mesh->cells)
+        status = pl_dense_create(mesh, plan->threads, &d->dense, error);
+    if (!status && d->options->around && !d->dense.corner) {
+        pl_dense_destroy(&d->dense);
         return begin_around(mesh, d, error);
-    int status = pl_dense_create(mesh, plan->threads, &d->dense, error);
+    }
     if (status)
         return status;
     d->mesh = &d->dense.mesh;
@@ -169,9 +186,18 @@ int pl_draft_begin(const planish_mesh *mesh, pl_draft *d, planish_error *error) 
     plan->own_elements = d->dense.elements;
     plan->cell_of = d->dense.cell_of;
     keep_cells(d, mesh, &d->dense);
+    plan->work.corner = d->dense.corner;
+    plan->work.cell_begin = d->dense.cell_begin;
+    plan->work.n_cells = d->dense.n_cells;
+    if (plan->work.corner)
+        pl_corner_forms_make(plan->dim, plan->form);
     d->dense.elements = NULL;
     d->dense.cell_of = NULL;
+    d->dense.corner = NULL;
+    d->dense.cell_begin = NULL;
     status = pl_check_part(d->mesh, error);
+    if (!status && d->options->around)
+        status = select_around(mesh, d, error);
     return status ? status : copy_min_volumes(d, error);
 }
 
@@ -202,10 +228,38 @@ static int narrow_to_bad(pl_draft *d, planish_error *error) {
     return narrow(d, mesh, PL_SUBSET_OF_ALL, error);
 }
 
+/** Find the boundary and the orientation of a mesh whose elements are corners, by its cells. */
+static int find_boundary_of_cells(pl_draft *d, planish_error *error) {
+    const planish_mesh *mesh = d->mesh;
+    planish_plan *plan = d->plan;
+    pl_boundary *b = &d->boundary;
+    pl_cell_census census;
+    const int status = pl_cell_census_find(&plan->cells, plan->dim, mesh->n_nodes,
+                                           mesh->coordinates, plan->threads, &census, error);
+    if (status)
+        return status;
+    *b = (pl_boundary){.on_boundary = census.on_boundary,
+                       .n_boundary_facets = census.n_boundary_facets,
+                       .n_nonmanifold_facets = census.n_nonmanifold_facets,
+                       .n_duplicate_elements = census.n_duplicate_elements};
+    census.on_boundary = NULL;
+    b->sign = pl_alloc(mesh->n_elements, sizeof *b->sign);
+    for (int64_t e = 0; b->sign && e < mesh->n_elements; e++) {
+        b->sign[e] = census.sign[plan->cell_of[e]];
+        b->n_reversed += b->sign[e] < 0 && pl_corner_index(plan->work.corner[e]) == 0;
+    }
+    pl_cell_census_destroy(&census);
+    return b->sign ? PLANISH_OK : pl_fail_memory(error, "the orientation of elements");
+}
+
 int pl_draft_choose_scope(pl_draft *d, planish_error *error) {
     /* A subset pays if one node in so many is selected: each brings some 20 elements along. */
     enum { SHARE = 4 };
     const int threads = d->plan->threads, selective = d->options->only_worse_than > 0;
+    if (d->plan->work.corner) {
+        const int found = find_boundary_of_cells(d, error);
+        return found || !selective ? found : pl_draft_select(d, error);
+    }
     int status = selective ? pl_draft_select(d, error) : PLANISH_OK;
     if (!status)
         status = pl_boundary_create(d->mesh, d->all_positive, threads, &d->boundary, error);

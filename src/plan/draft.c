@@ -102,9 +102,9 @@ static int make_rings(pl_draft *d, planish_error *error) {
     pl_parallel_for(pl_paying_threads(plan->threads, n), n, CHUNK_NODES, number_nodes, d);
     d->interior.n = pl_prefix_sum(plan->threads, (n + CHUNK_NODES - 1) / CHUNK_NODES, d->count);
     pl_parallel_for(plan->threads, n, CHUNK_NODES, list_candidates, d);
-    const int status =
-        pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, d->mobility, d->interior.node,
-                        d->interior.n, 0, plan->threads, &d->interior.rings, error);
+    const int status = pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, plan->work.corner,
+                                       d->mobility, d->interior.node, d->interior.n, 0,
+                                       plan->threads, &d->interior.rings, error);
     pl_parts_update(NULL, d->mobility, sizeof *d->mobility);
     return status ? status : pl_parts_check(error);
 }
@@ -119,7 +119,8 @@ static int find_free(pl_draft *d, planish_error *error) {
     const int guessed = boundary->is_guess;
     if (guessed)
         status = make_rings(d, error);
-    if (!status && !(guessed && d->is_selected)) /* of a subset not all facets are known */
+    if (!status && !plan->work.corner &&
+        !(guessed && d->is_selected)) /* of a subset not all facets are known */
         status = pl_boundary_find(d->mesh, &d->incidence, guessed ? d->mobility : NULL,
                                   plan->threads, boundary, error);
     if (!status && !boundary->is_guess) {
@@ -276,16 +277,18 @@ static void hold_ends(pl_draft *d, const int32_t end[2]) {
 /** Hold the nodes that cannot slide because of curved edges. */
 static void hold_curved(pl_draft *d) {
     const planish_plan *plan = d->plan;
-    const int k = plan->dim + 1;
     for (int64_t i = 0; plan->cells.n > 0 && i < plan->work.n_elements; i++) {
-        const int32_t *node = d->mesh->elements + i * k;
         const int64_t cell = pl_plan_element(plan, i);
         const pl_cell_type *type = pl_cell_type_of(plan->cells.type[cell]);
-        if (type->order == 1 || !pl_any_moves(d->slides, node, k))
+        const int n_corners = type->shape->n_corners;
+        const int32_t *node = plan->work.corner ? plan->cells.node + plan->cells.offset[cell]
+                                                : d->mesh->elements + i * (plan->dim + 1);
+        if (type->order == 1 || (plan->work.corner && pl_corner_index(plan->work.corner[i]) > 0) ||
+            !pl_any_moves(d->slides, node, n_corners))
             continue;
         const int curved = pl_curved_edges(d->given, cell, d->options->rounding);
         for (int e = 0; curved >> e; e++) {
-            const uint8_t *between = type->between[k + e];
+            const uint8_t *between = type->between[n_corners + e];
             const int32_t end[2] = {node[between[0]], node[between[1]]};
             if (curved >> e & 1)
                 hold_ends(d, end);
@@ -319,8 +322,8 @@ static int prepare_periodic(pl_draft *d, planish_mesh *around, planish_error *er
     *around = *mesh;
     if (mesh->n_periodic == 0)
         return PLANISH_OK;
-    const int status =
-        pl_periodic_create(mesh, &d->incidence, plan->work.sign, d->slides, periodic, error);
+    const int status = pl_periodic_create(mesh, &d->incidence, plan->work.sign, plan->work.corner,
+                                          d->slides, periodic, error);
     if (status)
         return status;
     plan->n_images = periodic->n_nodes - plan->work.n_nodes;
@@ -394,7 +397,8 @@ static int prepare_sliding(pl_draft *d, planish_error *error) {
         c->node[c->n++] = node;
     }
     status = pl_rings_create(&around, incidence, periodic ? periodic->sign : plan->work.sign,
-                             d->mobility, c->node, c->n, 1, plan->threads, &c->rings, error);
+                             periodic ? periodic->corner : plan->work.corner, d->mobility, c->node,
+                             c->n, 1, plan->threads, &c->rings, error);
     pl_parts_update(NULL, d->mobility, sizeof *d->mobility);
     if (!status)
         status = order_visits(plan, periodic, c, &plan->sliding, error);

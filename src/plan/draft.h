@@ -71,8 +71,9 @@ int pl_draft_finish(pl_draft *d, planish_error *error);
  *  _MESH (of its neighbours), _MEMORY. */
 int pl_draft_select(pl_draft *d, planish_error *error);
 
-/** Choose the nodes that options->around is about; is_selected [n] is 0 before. */
-void pl_select_around(const planish_mesh *mesh, const planish_options *options, int threads,
-                      uint8_t *is_selected);
+/** Choose the nodes that options->around is about; is_selected [n] is 0 before. corners has those of
+ *  mesh, if its elements are corners. */
+void pl_select_around(const planish_mesh *mesh, const pl_view *corners,
+                      const planish_options *options, int threads, uint8_t *is_selected);
 
 #endif

@@ -23,6 +23,7 @@ static const char WHAT[] = "the elements that are bad";
 typedef struct selection {
     const planish_mesh *mesh;
     const planish_options *options;
+    const pl_view *corners; /* has those of the mesh, if its elements are corners */
     int threads;
     uint8_t *state;   /* [m] */
     int least;        /* state of elements whose nodes are wanted */
@@ -46,19 +47,29 @@ static void choose_bad(void *context, int64_t begin, int64_t end, int thread) {
         __atomic_store_n(&w->any, 1, __ATOMIC_RELAXED);
 }
 
-/** Choose one more ring: the nodes of elements that have a chosen one. */
+/** Range of the elements of cell i: the corners that it has, or element i itself. */
+static void find_range(const selection *w, int64_t i, int64_t *begin, int64_t *end) {
+    const int32_t *cell_begin = w->corners->cell_begin;
+    *begin = cell_begin ? cell_begin[i] : i;
+    *end = cell_begin ? cell_begin[i + 1] : i + 1;
+}
+
+/** Choose one more ring: the nodes of elements, or cells, that have a chosen one. */
 static void choose_ring(void *context, int64_t begin, int64_t end, int thread) {
     const selection *w = context;
     const int corners = w->mesh->dim + 1;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const int32_t *node = w->mesh->elements + i * corners;
+        int64_t first, last;
+        find_range(w, i, &first, &last);
+        const int32_t *node = w->mesh->elements + first * corners;
+        const int64_t n = (last - first) * corners;
         int has_chosen = 0;
-        for (int j = 0; j < corners; j++) {
+        for (int64_t j = 0; j < n; j++) {
             const uint8_t level = __atomic_load_n(&w->of_node[node[j]], __ATOMIC_RELAXED);
             has_chosen |= level > 0 && level <= w->level;
         }
-        for (int j = 0; has_chosen && j < corners; j++)
+        for (int64_t j = 0; has_chosen && j < n; j++)
             if (__atomic_load_n(&w->of_node[node[j]], __ATOMIC_RELAXED) == 0)
                 __atomic_store_n(&w->of_node[node[j]], (uint8_t)(w->level + 1), __ATOMIC_RELAXED);
     }
@@ -70,7 +81,8 @@ static void choose_rings(selection *w, int rings) {
     pl_parts_update(NULL, w->of_node, sizeof *w->of_node);
     for (int i = 1; i <= rings; i++) {
         w->level = (uint8_t)i;
-        pl_parallel_for(w->threads, w->mesh->n_elements, CHUNK, choose_ring, w);
+        pl_parallel_for(w->threads, w->corners->corner ? w->corners->n_cells : w->mesh->n_elements,
+                        CHUNK, choose_ring, w);
         pl_parts_update(NULL, w->of_node, sizeof *w->of_node);
     }
 }
@@ -92,6 +104,9 @@ static int find_states(const selection *w, const int8_t *sign, planish_error *er
     const planish_mesh *mesh = w->mesh;
     const planish_options *options = w->options;
     const pl_view view = {.dim = mesh->dim,
+                          .corner = w->corners->corner,
+                          .n_cells = w->corners->n_cells,
+                          .cell_begin = w->corners->cell_begin,
                           .n_nodes = mesh->n_nodes,
                           .n_elements = mesh->n_elements,
                           .elements = mesh->elements,
@@ -162,6 +177,7 @@ int pl_draft_select(pl_draft *d, planish_error *error) {
     pl_subset_destroy(&d->subset);
     selection w = {.mesh = d->mesh,
                    .options = d->options,
+                   .corners = &d->plan->work,
                    .threads = d->plan->threads,
                    .state = pl_alloc(d->mesh->n_elements, sizeof *w.state),
                    .of_node = d->is_selected};
@@ -187,9 +203,9 @@ int pl_draft_select(pl_draft *d, planish_error *error) {
     return status;
 }
 
-void pl_select_around(const planish_mesh *mesh, const planish_options *options, int threads,
-                      uint8_t *is_selected) {
-    selection w = {.mesh = mesh, .threads = threads, .of_node = is_selected};
+void pl_select_around(const planish_mesh *mesh, const pl_view *corners,
+                      const planish_options *options, int threads, uint8_t *is_selected) {
+    selection w = {.mesh = mesh, .corners = corners, .threads = threads, .of_node = is_selected};
     for (int64_t i = 0; i < options->n_around; i++)
         is_selected[options->around[i]] = 1;
     choose_rings(&w, options->rings);

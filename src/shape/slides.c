@@ -186,7 +186,7 @@ static int may_have_edge(const cell_surface *c, int64_t cell) {
     const int type = c->given->cells->type[cell], dim = c->dense->dim;
     const int32_t *node = c->given->cells->node + c->given->cells->offset[cell];
     int n = 0;
-    if (!pl_is_smoothed(type, dim) || pl_cell_type_of(type)->order == 1)
+    if (!pl_is_smoothed(c->given->cells, cell, dim) || pl_cell_type_of(type)->order == 1)
         return 0;
     for (int j = 0; j <= dim; j++)
         n += c->surface->number[node[j]] >= 0;
@@ -196,13 +196,13 @@ static int may_have_edge(const cell_surface *c, int64_t cell) {
 /** Fix the nodes of the surface at its curved edges, and those that cells hold. Mids follow. */
 static void fix_by_cells(const cell_surface *c, const uint8_t *role) {
     const planish_cells *cells = c->given->cells;
-    const int k = c->dense->dim + 1;
     const double rounding = c->tolerance / c->surface->scale;
     for (int64_t i = 0; i < cells->n; i++) {
         if (!may_have_edge(c, i))
             continue;
         const int curved = pl_curved_edges(c->given, i, rounding);
         const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
+        const int k = type->shape->n_corners;
         for (int e = 0; curved >> e; e++)
             if (curved >> e & 1)
                 fix_curved(c, cells->node + cells->offset[i], type->between[k + e][0],

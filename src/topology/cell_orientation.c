@@ -21,7 +21,7 @@
 
 enum {
     FACET_NODES = 4,
-    FACETS = 8,       /* numbers of facets of an element, for numbering all */
+    FACETS = PL_CELL_FACET_PLACES,
     FEW = 64,         /* facets at a node that are compared one by one; more are sorted */
     CHUNK = 4096,     /* elements, */
     NODE_CHUNK = 1024 /* or nodes, that one thread looks at at a time */
@@ -46,6 +46,9 @@ typedef struct cell_sets {
     uint32_t
         *joins;   /* [FACETS * n] 0, or 1 + (element to join << 1 | it has the same handedness) */
     int8_t *sign; /* [n] the result */
+    pl_cell_census *census;     /* NULL: not asked for */
+    uint8_t *is_duplicate;      /* [n] for it */
+    int64_t n_alone, n_crowded; /* facets of one element, of more than two; shared */
 } cell_sets;
 
 static const pl_cell_type *counted_type(const cell_sets *s, int64_t element) {
@@ -162,16 +165,28 @@ static int find_listed(const cell_sets *s, int64_t listed, facet *f) {
 /** Note that a facet is that of an earlier one, the first of its kind. */
 static void note_join(const cell_sets *s, int64_t first, const facet *of_first, int64_t later,
                       const facet *of_later) {
-    if (is_same(s, first / FACETS, later / FACETS))
+    if (is_same(s, first / FACETS, later / FACETS)) {
+        if (s->is_duplicate)
+            pl_set_flag(&s->is_duplicate[later / FACETS], 1);
         return;
+    }
     const uint32_t same = of_first->direction != of_later->direction;
     s->joins[later] = 1 + ((uint32_t)(first / FACETS) << 1 | same);
+}
+
+/** Note that the facets listed [n] are one: how many elements share it. */
+static void note_sharing(const cell_sets *s, const int64_t *listed, int64_t n) {
+    cell_sets *shared = (cell_sets *)(uintptr_t)s;
+    for (int64_t i = 0; s->census && i < n; i++)
+        s->census->n_sharing[listed[i]] = (uint8_t)(n < 3 ? n : 3);
+    if (s->census && n != 2)
+        __atomic_fetch_add(n == 1 ? &shared->n_alone : &shared->n_crowded, 1, __ATOMIC_RELAXED);
 }
 
 /** Compare the facets of a node, a few. */
 static void compare_few(const cell_sets *s, int64_t *listed, int n) {
     facet facets[FEW];
-    int is_there[FEW];
+    int is_there[FEW], first[FEW];
     for (int i = 0; i < n; i++) { /* in order */
         const int64_t own = listed[i];
         int k = i;
@@ -181,11 +196,22 @@ static void compare_few(const cell_sets *s, int64_t *listed, int n) {
     }
     for (int i = 0; i < n; i++) {
         is_there[i] = find_listed(s, listed[i], &facets[i]);
+        first[i] = i;
         for (int k = 0; is_there[i] && k < i; k++)
             if (is_there[k] && memcmp(facets[i].node, facets[k].node, sizeof facets[i].node) == 0) {
                 note_join(s, listed[k], &facets[k], listed[i], &facets[i]);
+                first[i] = k;
                 break;
             }
+    }
+    for (int i = 0; s->census && i < n; i++) {
+        int64_t alike[FEW];
+        int64_t n_alike = 0;
+        for (int k = i; is_there[i] && first[i] == i && k < n; k++)
+            if (is_there[k] && first[k] == i)
+                alike[n_alike++] = listed[k];
+        if (n_alike > 0)
+            note_sharing(s, alike, n_alike);
     }
 }
 
@@ -231,10 +257,13 @@ static void compare_many(const cell_sets *s, int64_t *listed, int64_t n) {
         if (memcmp(first.node, later.node, sizeof first.node) == 0) {
             note_join(s, listed[i], &first, listed[k], &later);
         } else {
+            note_sharing(s, listed + i, k - i);
             first = later;
             i = k;
         }
     }
+    if (i < n)
+        note_sharing(s, listed + i, n - i);
 }
 
 static void compare_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -324,27 +353,92 @@ static int find_joins(cell_sets *s, int64_t n_nodes, int threads) {
     return 1;
 }
 
-int pl_orient_cells(const planish_cells *cells, int dim, int64_t n_nodes, const double *coordinates,
-                    int threads, int8_t *sign, planish_error *error) {
-    const int64_t n = cells->n;
-    cell_sets s = {.cells = cells, .coordinates = coordinates, .dim = dim, .sign = sign};
-    s.end = pl_alloc_zero(n_nodes + 1, sizeof *s.end);
-    s.joins = pl_alloc_zero(FACETS * n, sizeof *s.joins);
-    int is_there = s.end && s.joins && find_joins(&s, n_nodes, threads);
-    pl_free(s.end);
-    pl_free(s.listed);
-    s.parent = pl_alloc(is_there ? n : -1, sizeof *s.parent);
-    s.flip = pl_alloc(is_there ? n : -1, sizeof *s.flip);
+/** Find the signs, and the census if there is one. */
+static int orient(cell_sets *s, int64_t n_nodes, int threads, planish_error *error) {
+    const int64_t n = s->cells->n;
+    s->end = pl_alloc_zero(n_nodes + 1, sizeof *s->end);
+    s->joins = pl_alloc_zero(FACETS * n, sizeof *s->joins);
+    int is_there = s->end && s->joins && find_joins(s, n_nodes, threads);
+    pl_free(s->end);
+    pl_free(s->listed);
+    s->parent = pl_alloc(is_there ? n : -1, sizeof *s->parent);
+    s->flip = pl_alloc(is_there ? n : -1, sizeof *s->flip);
     set_count *count = pl_alloc_zero(is_there ? n : -1, sizeof *count);
-    is_there = is_there && s.parent && s.flip && count;
+    is_there = is_there && s->parent && s->flip && count;
     if (is_there) {
-        join_all(&s);
-        pl_parallel_for(threads, n, CHUNK, find_own_chunk, &s);
-        find_signs(&s, count);
+        join_all(s);
+        pl_parallel_for(threads, n, CHUNK, find_own_chunk, s);
+        find_signs(s, count);
     }
-    pl_free(s.joins);
-    pl_free(s.parent);
-    pl_free(s.flip);
+    pl_free(s->parent);
+    pl_free(s->flip);
     pl_free(count);
     return is_there ? PLANISH_OK : pl_fail_memory(error, "the orientation of elements");
+}
+
+int pl_orient_cells(const planish_cells *cells, int dim, int64_t n_nodes, const double *coordinates,
+                    int threads, int8_t *sign, planish_error *error) {
+    cell_sets s = {.cells = cells, .coordinates = coordinates, .dim = dim, .sign = sign};
+    const int status = orient(&s, n_nodes, threads, error);
+    pl_free(s.joins);
+    return status;
+}
+
+/* ---- the census -------------------------------------------------------------------------------- */
+
+/** Whether the elements at facet k of an element, the later of two, contradict each other. */
+static int is_contradicted(const cell_sets *s, int64_t element, int k) {
+    const uint32_t with = s->joins[FACETS * element + k];
+    return with > 0 && s->sign[(with - 1) >> 1] * s->sign[element] != ((with - 1) & 1 ? 1 : -1);
+}
+
+/** Hold the corners of facets that two elements do not share as they should. */
+static void hold_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const cell_sets *s = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const pl_cell_type *type = counted_type(s, i);
+        const int32_t *node = s->cells->node + s->cells->offset[i];
+        for (int k = 0; type && k < type->shape->n_facets; k++) {
+            const int n = s->census->n_sharing[FACETS * i + k];
+            for (int j = 0; (n == 1 || n > 2 || is_contradicted(s, i, k)) && j < FACET_NODES; j++)
+                if (type->shape->facet[k][j] >= 0)
+                    pl_set_flag(&s->census->on_boundary[node[type->shape->facet[k][j]]], 1);
+        }
+    }
+}
+
+int pl_cell_census_find(const planish_cells *cells, int dim, int64_t n_nodes,
+                        const double *coordinates, int threads, pl_cell_census *census,
+                        planish_error *error) {
+    *census = (pl_cell_census){.sign = pl_alloc(cells->n, sizeof *census->sign),
+                               .n_sharing = pl_alloc_zero(FACETS * cells->n, 1),
+                               .on_boundary = pl_alloc_zero(n_nodes, 1)};
+    cell_sets s = {.cells = cells,
+                   .coordinates = coordinates,
+                   .dim = dim,
+                   .sign = census->sign,
+                   .census = census,
+                   .is_duplicate = pl_alloc_zero(cells->n, 1)};
+    int status = census->sign && census->n_sharing && census->on_boundary && s.is_duplicate
+                     ? orient(&s, n_nodes, threads, error)
+                     : pl_fail_memory(error, "the facets of elements");
+    if (!status)
+        pl_parallel_for(threads, cells->n, CHUNK, hold_chunk, &s);
+    census->n_boundary_facets = s.n_alone;
+    census->n_nonmanifold_facets = s.n_crowded;
+    for (int64_t i = 0; !status && i < cells->n; i++)
+        census->n_duplicate_elements += s.is_duplicate[i];
+    pl_free(s.joins);
+    pl_free(s.is_duplicate);
+    if (status)
+        pl_cell_census_destroy(census);
+    return status;
+}
+
+void pl_cell_census_destroy(pl_cell_census *census) {
+    pl_free(census->sign);
+    pl_free(census->n_sharing);
+    pl_free(census->on_boundary);
+    *census = (pl_cell_census){.n_boundary_facets = 0};
 }

@@ -2,6 +2,7 @@
  *
  *   pl_check_cell_fields, pl_check_cells     whether planish_cells are what their comments say
  *   pl_orient_cells                          the sign of a valid element's det J (cell_orientation.c)
+ *   pl_cell_census_find, _destroy            and how many elements share each facet
  */
 #ifndef PL_TOPOLOGY_CELLS_H
 #define PL_TOPOLOGY_CELLS_H
@@ -21,5 +22,27 @@ int pl_check_cells(const planish_cells *cells, int64_t n_nodes, int threads, pla
  *  +1 or -1, whatever of elements of another dimension than dim. coordinates [n_nodes][dim]. Errors: _MEMORY. */
 int pl_orient_cells(const planish_cells *cells, int dim, int64_t n_nodes, const double *coordinates,
                     int threads, int8_t *sign, planish_error *error);
+
+enum { PL_CELL_FACET_PLACES = 8 }; /* of each element in arrays by facets */
+
+/** How elements share facets. Owned. */
+typedef struct pl_cell_census {
+    int8_t *sign;         /* [n] as of pl_orient_cells */
+    uint8_t *n_sharing;   /* [n * PL_CELL_FACET_PLACES] elements that have facet k of element i, 3 for
+                             more than two: at i * PL_CELL_FACET_PLACES + k; 0: there is no such
+                             facet */
+    uint8_t *on_boundary; /* [n_nodes] 1: corner of a facet of one element, of more than two, or that
+                             contradicts the orientation */
+    int64_t n_boundary_facets, n_nonmanifold_facets; /* of one element, of more than two */
+    int64_t n_duplicate_elements;                    /* with the nodes of an earlier one in its order */
+} pl_cell_census;
+
+/** Find the signs as pl_orient_cells does, and how facets are shared. Errors: _MEMORY. */
+int pl_cell_census_find(const planish_cells *cells, int dim, int64_t n_nodes,
+                        const double *coordinates, int threads, pl_cell_census *census,
+                        planish_error *error);
+
+/** Free the arrays of census. */
+void pl_cell_census_destroy(pl_cell_census *census);
 
 #endif

@@ -1,8 +1,9 @@
 /* corners: a mesh of any elements as one of simplices.
  *
- * In goes a mesh with cells. Out come the corners of its smoothed elements, arrays that go by these
- * elements, and the roles of nodes: mids of edges, corners that stay. Cells that are linear simplices
- * in order are elements as they stand.
+ * In goes a mesh with cells. Out come the simplices that its smoothed elements are, or if there are
+ * elements of other types the corners of all of them (geometry/corner.h), arrays that go by these, and
+ * the roles of nodes: mids of edges, corners that stay. Cells that are linear simplices in order are
+ * elements as they stand.
  */
 #include "topology/cells.h"
 #include "topology/points.h"
@@ -12,8 +13,10 @@
 #include "base/parallel.h"
 #include "base/status.h"
 #include "geometry/cell.h"
+#include "geometry/corner.h"
 #include "geometry/simplex.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
@@ -26,13 +29,37 @@ typedef struct passes {
     const planish_mesh *mesh;
     const planish_cells *cells;
     pl_dense *dense;
-    int64_t *first;       /* [chunks + 1] smoothed elements of each chunk, then before it */
-    uint64_t *edge;       /* [n_nodes] edge that a node is the mid of, 0: none; shared */
-    uint8_t is_irregular; /* shared */
+    int64_t *first;        /* [chunks + 1] smoothed cells of each chunk, then before it, */
+    int64_t *first_corner; /* and their corners */
+    uint64_t *edge;        /* [n_nodes] edge that a node is the mid of, 0: none; shared */
+    uint8_t is_irregular;  /* shared */
+    uint8_t has_corners;   /* a smoothed cell is no simplex; shared */
 } passes;
 
+int pl_is_smoothed(const planish_cells *cells, int64_t cell, int dim) {
+    const pl_cell_type *type = pl_cell_type_of(cells->type[cell]);
+    const int32_t *node = cells->node + cells->offset[cell];
+    if (!type || type->shape->dim != dim || (type->shape->n_simplices == 0 && type->order > 1))
+        return 0;
+    int repeated = 0;
+    for (int i = 1; type->shape->n_simplices != 1 && i < type->shape->n_corners; i++)
+        for (int j = 0; j < i; j++)
+            repeated |= node[i] == node[j];
+    return !repeated;
+}
+
 static int is_smoothed(const passes *p, int64_t cell) {
-    return pl_is_smoothed(p->cells->type[cell], p->mesh->dim);
+    return pl_is_smoothed(p->cells, cell, p->mesh->dim);
+}
+
+/** Type of a cell that is smoothed. */
+static const pl_cell_type *type_of(const passes *p, int64_t cell) {
+    return pl_cell_type_of(p->cells->type[cell]);
+}
+
+/** Number of corners of a smoothed cell: of simplices there is one. */
+static int corners_of(const pl_cell_type *type) {
+    return type->shape->n_simplices == 1 ? 1 : type->shape->n_measured;
 }
 
 /* ---- cells that are elements as they stand -------------------------------------------------- */
@@ -61,51 +88,99 @@ static int is_regular(passes *p, int threads) {
 /* ---- elements ------------------------------------------------------------------------------- */
 
 static void count_smoothed(void *context, int64_t begin, int64_t end, int thread) {
-    const passes *p = context;
-    int64_t n = 0;
+    passes *p = context;
+    int64_t n = 0, n_corners = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
-        n += is_smoothed(p, i);
+        if (is_smoothed(p, i)) {
+            n++;
+            n_corners += corners_of(type_of(p, i));
+        }
     p->first[begin / CHUNK] = n;
+    p->first_corner[begin / CHUNK] = n_corners;
+    for (int64_t i = begin; i < end && !p->has_corners; i++)
+        if (is_smoothed(p, i) && type_of(p, i)->shape->n_simplices != 1)
+            pl_set_flag(&p->has_corners, 1);
+}
+
+/** Write corner index of a cell, or the simplex that it is, as element e. */
+static void write_corner(const passes *p, int64_t cell, int index, int64_t e) {
+    const pl_cell_shape *shape = type_of(p, cell)->shape;
+    const int32_t *node = p->cells->node + p->cells->offset[cell];
+    const int dim = p->mesh->dim, is_simplex = shape->n_simplices == 1;
+    int32_t *element = p->dense->elements + e * (dim + 1);
+    element[0] = node[index];
+    for (int j = 0; j < dim; j++)
+        element[j + 1] = node[is_simplex ? j + 1 : shape->neighbour[index][j]];
+    if (p->dense->cell_of)
+        p->dense->cell_of[e] = (int32_t)cell;
+    if (p->dense->corner)
+        p->dense->corner[e] = pl_corner_code(pl_kind_of_shape(shape), index);
 }
 
 static void list_smoothed(void *context, int64_t begin, int64_t end, int thread) {
     const passes *p = context;
-    const int k = p->mesh->dim + 1;
-    int64_t n = p->first[begin / CHUNK];
+    int64_t n = p->first[begin / CHUNK], e = p->first_corner[begin / CHUNK];
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         if (!is_smoothed(p, i))
             continue;
-        for (int j = 0; j < k; j++)
-            p->dense->elements[n * k + j] = p->cells->node[p->cells->offset[i] + j];
-        if (p->dense->cell_of)
-            p->dense->cell_of[n] = (int32_t)i;
-        n++;
+        if (p->dense->cell_begin)
+            p->dense->cell_begin[n++] = (int32_t)e;
+        for (int c = 0; c < corners_of(type_of(p, i)); c++)
+            write_corner(p, i, c, e++);
     }
 }
 
-/** Make the corners of the smoothed cells the elements. */
+/** Count the smoothed cells and their corners. */
+static int count_all(passes *p, int threads, int64_t *n, int64_t *n_corners, planish_error *error) {
+    const int64_t n_cells = p->cells->n, n_chunks = (n_cells - 1) / CHUNK + 1;
+    p->first = pl_alloc(n_chunks + 1, sizeof *p->first);
+    p->first_corner = pl_alloc(n_chunks + 1, sizeof *p->first_corner);
+    if (!p->first || !p->first_corner)
+        return pl_fail_memory(error, "the elements");
+    pl_parallel_for(threads, n_cells, CHUNK, count_smoothed, p);
+    *n = pl_prefix_sum(threads, n_chunks, p->first);
+    *n_corners = pl_prefix_sum(threads, n_chunks, p->first_corner);
+    if (*n == 0)
+        return pl_fail(error, PLANISH_ERROR_MESH,
+                       "mesh.cells has no %s; other elements are measured (planish_measure_cells), "
+                       "but not smoothed",
+                       p->mesh->dim == 3
+                           ? "tetrahedron, hexahedron or wedge, and no pyramid of order 1"
+                           : "triangle or quadrilateral");
+    if (*n_corners >= INT32_MAX)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "the elements of mesh.cells have %" PRId64
+                       " corners; at most %d can be smoothed",
+                       *n_corners, INT32_MAX - 1);
+    return PLANISH_OK;
+}
+
+/** Make the smoothed cells the elements: as simplices, or by their corners. */
 static int make_elements(passes *p, int threads, planish_error *error) {
     pl_dense *dense = p->dense;
     const int64_t n_cells = p->cells->n;
-    p->first = pl_alloc(n_cells / CHUNK + 2, sizeof *p->first);
-    if (!p->first)
+    int64_t n, n_elements;
+    int status = count_all(p, threads, &n, &n_elements, error);
+    if (status)
+        return status;
+    const int maps = p->has_corners || n < n_cells;
+    dense->elements = pl_alloc(n_elements * (p->mesh->dim + 1), sizeof *dense->elements);
+    dense->cell_of = maps ? pl_alloc(n_elements, sizeof *dense->cell_of) : NULL;
+    if (p->has_corners) {
+        dense->n_cells = n;
+        dense->corner = pl_alloc(n_elements, sizeof *dense->corner);
+        dense->cell_begin = pl_alloc(n + 1, sizeof *dense->cell_begin);
+    }
+    if (!dense->elements || (maps && !dense->cell_of) ||
+        (p->has_corners && (!dense->corner || !dense->cell_begin)))
         return pl_fail_memory(error, "the elements");
-    pl_parallel_for(threads, n_cells, CHUNK, count_smoothed, p);
-    const int64_t n = pl_prefix_sum(threads, (n_cells - 1) / CHUNK + 1, p->first);
-    if (n == 0)
-        return pl_fail(error, PLANISH_ERROR_MESH,
-                       "mesh.cells has no %s; elements of other types are measured "
-                       "(planish_measure_cells), but not smoothed",
-                       p->mesh->dim == 3 ? "tetrahedron" : "triangle");
-    dense->elements = pl_alloc(n * (p->mesh->dim + 1), sizeof *dense->elements);
-    dense->cell_of = n < n_cells ? pl_alloc(n, sizeof *dense->cell_of) : NULL;
-    if (!dense->elements || (n < n_cells && !dense->cell_of))
-        return pl_fail_memory(error, "the elements");
+    if (dense->cell_begin)
+        dense->cell_begin[n] = (int32_t)n_elements;
     pl_parallel_for(threads, n_cells, CHUNK, list_smoothed, p);
     dense->mesh.elements = dense->elements;
-    dense->mesh.n_elements = n;
+    dense->mesh.n_elements = n_elements;
     return PLANISH_OK;
 }
 
@@ -120,15 +195,54 @@ static void add_role(const passes *p, int32_t node, uint8_t role) {
         __atomic_fetch_or(&p->dense->role[node], role, __ATOMIC_RELAXED);
 }
 
-/** Note whose mid a node is: of one edge, or of several. */
-static void note_mid(const passes *p, int32_t mid, int32_t a, int32_t b) {
-    const uint64_t edge = (uint64_t)(a < b ? a : b) << 32 | (uint64_t)(a < b ? b : a);
+/** Find the corners of a cell that node place of it, which is no corner, is in the middle of: both
+ *  ends of an edge, the corners of a face, or all. Returns how many. */
+static int find_parents(const pl_cell_type *type, int place, uint8_t parent[PL_CELL_CORNERS]) {
+    const pl_cell_shape *shape = type->shape;
+    const uint8_t *pair = type->between[place];
+    for (int e = 0; e < shape->n_edges; e++)
+        if ((shape->edge[e][0] == pair[0] && shape->edge[e][1] == pair[1]) ||
+            (shape->edge[e][0] == pair[1] && shape->edge[e][1] == pair[0])) {
+            memcpy(parent, pair, 2);
+            return 2;
+        }
+    for (int k = 0; shape->dim == 3 && k < shape->n_facets; k++) {
+        const int8_t *facet = shape->facet[k];
+        int n = 0;
+        for (int i = 0; i < 4 && facet[3] >= 0; i++)
+            n += facet[i] == pair[0] || facet[i] == pair[1];
+        if (n == 2) {
+            for (int i = 0; i < 4; i++)
+                parent[i] = (uint8_t)facet[i];
+            return 4;
+        }
+    }
+    for (int i = 0; i < shape->n_corners; i++)
+        parent[i] = (uint8_t)i;
+    return shape->n_corners;
+}
+
+/** Key of what the corners parent [n] of a cell make: of an edge both ends; of a face its lowest
+ *  node and the opposite one; of a cell its first node. */
+static uint64_t key_of(const int32_t *node, const uint8_t *parent, int n) {
+    int lowest = 0;
+    for (int i = 1; n <= 4 && i < n; i++)
+        lowest = node[parent[i]] < node[parent[lowest]] ? i : lowest;
+    const int other = n == 2 ? 1 - lowest : (lowest + 2) % n;
+    return (uint64_t)node[parent[lowest]] << 32 | (uint64_t)(uint32_t)node[parent[other]];
+}
+
+/** Note whose mid a node is: of one edge, face or cell, or of several. */
+static void note_mid(const passes *p, const pl_cell_type *type, const int32_t *node, int place) {
+    uint8_t parent[PL_CELL_CORNERS];
+    const int n = find_parents(type, place, parent);
+    const uint64_t key = key_of(node, parent, n);
     uint64_t before = 0;
-    add_role(p, mid, PL_OF_MID);
-    if (!__atomic_compare_exchange_n(&p->edge[mid], &before, edge, 0, __ATOMIC_RELAXED,
+    add_role(p, node[place], PL_OF_MID);
+    if (!__atomic_compare_exchange_n(&p->edge[node[place]], &before, key, 0, __ATOMIC_RELAXED,
                                      __ATOMIC_RELAXED) &&
-        before != edge)
-        add_role(p, mid, PL_OF_EDGES);
+        before != key)
+        add_role(p, node[place], PL_OF_EDGES);
 }
 
 /** Note the roles that nodes have in a cell. */
@@ -141,28 +255,33 @@ static void note_cell(const passes *p, int64_t cell) {
             add_role(p, node[j], PL_OF_OTHER);
         return;
     }
-    const pl_cell_type *type = pl_cell_type_of(cells->type[cell]);
-    for (int j = 0; j <= p->mesh->dim; j++)
+    const pl_cell_type *type = type_of(p, cell);
+    for (int j = 0; j < type->shape->n_corners; j++)
         add_role(p, node[j], PL_OF_CORNER);
-    for (int64_t j = p->mesh->dim + 1; j < n; j++)
+    for (int j = type->shape->n_corners; j < n; j++)
         if (node[j] >= 0)
-            note_mid(p, node[j], node[type->between[j][0]], node[type->between[j][1]]);
+            note_mid(p, type, node, j);
+}
+
+/** Whether corners stay because of the node in their middle. */
+static int holds_parents(const passes *p, int32_t mid) {
+    const uint8_t *constraint = p->mesh->constraint;
+    return (role_of(p, mid) & (PL_OF_CORNER | PL_OF_OTHER | PL_OF_EDGES)) ||
+           (constraint && constraint[mid] == PLANISH_CONSTRAINT_FIXED);
 }
 
 /** Note which corners of a smoothed cell stay. */
 static void hold_corners(const passes *p, int64_t cell) {
-    const planish_cells *cells = p->cells;
-    const pl_cell_type *type = pl_cell_type_of(cells->type[cell]);
-    const int32_t *node = cells->node + cells->offset[cell];
-    const uint8_t *constraint = p->mesh->constraint;
-    for (int j = 0; j <= p->mesh->dim; j++)
+    const pl_cell_type *type = type_of(p, cell);
+    const int32_t *node = p->cells->node + p->cells->offset[cell];
+    uint8_t parent[PL_CELL_CORNERS];
+    for (int j = 0; j < type->shape->n_corners; j++)
         if (role_of(p, node[j]) & PL_OF_OTHER)
             add_role(p, node[j], PL_STAYS);
-    for (int j = p->mesh->dim + 1; j < type->n_nodes; j++)
-        if (node[j] >= 0 && ((role_of(p, node[j]) & (PL_OF_CORNER | PL_OF_OTHER | PL_OF_EDGES)) ||
-                             (constraint && constraint[node[j]] == PLANISH_CONSTRAINT_FIXED)))
-            for (int end = 0; end < 2; end++)
-                add_role(p, node[type->between[j][end]], PL_STAYS);
+    for (int j = type->shape->n_corners; j < type->n_nodes; j++)
+        if (node[j] >= 0 && holds_parents(p, node[j]))
+            for (int k = find_parents(type, j, parent); k-- > 0;)
+                add_role(p, node[parent[k]], PL_STAYS);
 }
 
 static void note_cells(void *context, int64_t begin, int64_t end, int thread) {
@@ -252,12 +371,12 @@ int pl_curved_edges(const planish_mesh *mesh, int64_t cell, double rounding) {
     const planish_cells *cells = mesh->cells;
     const int32_t *node = cells->node + cells->offset[cell];
     const pl_cell_type *type = pl_cell_type_of(cells->type[cell]);
-    const int k = mesh->dim + 1;
     const pl_points points = pl_points_of(mesh, mesh->coordinates);
-    double x[10][3] = {{0}};
+    double x[PL_CELL_NODES][3] = {{0}};
     int curved = 0;
-    if (!pl_is_smoothed(cells->type[cell], mesh->dim))
+    if (!pl_is_smoothed(cells, cell, mesh->dim))
         return 0;
+    const int k = type->shape->n_corners;
     for (int j = 0; j < type->n_nodes; j++)
         for (int d = 0; d < mesh->dim && node[j] >= 0; d++)
             x[j][d] = mesh->coordinates[pl_point_at(&points, node[j], d)];
@@ -301,6 +420,7 @@ int pl_corners_take(const planish_mesh *mesh, int threads, pl_dense *dense, plan
     if (!status)
         status = make_copies(&p, threads, error);
     pl_free(p.first);
+    pl_free(p.first_corner);
     pl_free(p.edge);
     return status;
 }

@@ -10,6 +10,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "geometry/corner.h"
 #include "geometry/simplex.h"
 
 #include <inttypes.h>
@@ -31,10 +32,11 @@ enum {
 typedef struct groups {
     const planish_mesh *mesh;
     const pl_incidence *incidence;
-    double tolerance;  /* of lengths */
-    int32_t *next;     /* circular lists of groups */
-    int32_t *leader;   /* of each node, itself outside of groups */
-    uint8_t *shift_of; /* followers: their translation, else NO_SHIFT */
+    const uint8_t *corner; /* [m] or NULL */
+    double tolerance;      /* of lengths */
+    int32_t *next;         /* circular lists of groups */
+    int32_t *leader;       /* of each node, itself outside of groups */
+    uint8_t *shift_of;     /* followers: their translation, else NO_SHIFT */
     int n_shifts;
     double shift[MAX_SHIFTS][3]; /* from leader to follower */
     int64_t pairs[MAX_SHIFTS];   /* followers of each */
@@ -223,6 +225,21 @@ static int copy_element(groups *g, int32_t element, int32_t follower, int s) {
                : -1;
 }
 
+/** Append copies of an element, or of all corners of its cell, unless there are some. */
+static int copy_cell(groups *g, int32_t element, int32_t follower, int s) {
+    int32_t e = element;
+    if (g->is_copied[element])
+        return 0;
+    if (g->corner)
+        e -= pl_corner_index(g->corner[element]);
+    do {
+        if (copy_element(g, e, follower, s) != 0)
+            return -1;
+        g->is_copied[e++] = 1;
+    } while (g->corner && e < g->mesh->n_elements && pl_corner_index(g->corner[e]) > 0);
+    return 0;
+}
+
 /** Copies of the elements at the followers that move, for one translation. */
 static int copy_layer(groups *g, const uint8_t *slides, int s) {
     const pl_incidence *incidence = g->incidence;
@@ -232,12 +249,9 @@ static int copy_layer(groups *g, const uint8_t *slides, int s) {
     for (int64_t i = 0; i < g->mesh->n_nodes; i++) {
         if (g->shift_of[i] != s || !slides[i])
             continue;
-        for (int64_t k = incidence->offset[i]; k < incidence->offset[i + 1]; k++) {
-            const int32_t element = incidence->element[k];
-            if (!g->is_copied[element] && copy_element(g, element, (int32_t)i, s) != 0)
+        for (int64_t k = incidence->offset[i]; k < incidence->offset[i + 1]; k++)
+            if (copy_cell(g, incidence->element[k], (int32_t)i, s) != 0)
                 return -1;
-            g->is_copied[element] = 1;
-        }
     }
     return 0;
 }
@@ -273,23 +287,29 @@ static int copy_mesh(groups *g, const int8_t *sign, uint8_t *slides) {
     out->moves_with = pl_alloc(out->n_nodes, sizeof *out->moves_with);
     out->sign = sign ? pl_alloc(out->n_elements, sizeof *out->sign) : NULL;
     out->min_volume = mesh->min_volume ? pl_alloc(out->n_elements, sizeof *out->min_volume) : NULL;
-    if (!out->moves_with || (sign && !out->sign) || (mesh->min_volume && !out->min_volume))
+    out->corner = g->corner ? pl_alloc(out->n_elements, sizeof *out->corner) : NULL;
+    if (!out->moves_with || (sign && !out->sign) || (mesh->min_volume && !out->min_volume) ||
+        (g->corner && !out->corner))
         return -1;
     memcpy(out->moves_with, g->leader, (size_t)n * sizeof *g->leader);
     for (int64_t k = 0; k < out->n_followers; k++) /* an image: with the leader of its source */
         out->moves_with[out->follower[k].node] = g->leader[out->follower[k].of];
     for (int64_t i = 0; sign && i < out->n_elements; i++)
         out->sign[i] = sign[out->source[i]];
+    for (int64_t i = 0; g->corner && i < out->n_elements; i++)
+        out->corner[i] = g->corner[out->source[i]];
     for (int64_t i = 0; mesh->min_volume && i < out->n_elements; i++)
         out->min_volume[i] = mesh->min_volume[out->source[i]];
     return 0;
 }
 
 int pl_periodic_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
-                       uint8_t *slides, pl_periodic *out, planish_error *error) {
+                       const uint8_t *corner, uint8_t *slides, pl_periodic *out,
+                       planish_error *error) {
     *out = (pl_periodic){0};
     groups g = {.mesh = mesh,
                 .incidence = incidence,
+                .corner = corner,
                 .next = pl_alloc(mesh->n_nodes, sizeof *g.next),
                 .leader = pl_alloc(mesh->n_nodes, sizeof *g.leader),
                 .shift_of = pl_alloc(mesh->n_nodes, 1),
@@ -322,6 +342,7 @@ void pl_periodic_destroy(pl_periodic *periodic) {
     pl_free(periodic->source);
     pl_free(periodic->sign);
     pl_free(periodic->min_volume);
+    pl_free(periodic->corner);
     pl_free(periodic->moves_with);
     pl_free(periodic->follower);
     *periodic = (pl_periodic){0};

@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "geometry/corner.h"
 #include "geometry/inline.h"
 #include "topology/element_walk.h"
 #include "topology/local_map.h"
@@ -25,8 +26,9 @@ typedef struct ring_maker {
     const planish_mesh *mesh;
     const pl_incidence *incidence;
     const int8_t *sign;
-    int32_t *node;    /* [n_rings] */
-    uint8_t *is_free; /* [n_nodes] */
+    const uint8_t *corner; /* [m] or NULL */
+    int32_t *node;         /* [n_rings] */
+    uint8_t *is_free;      /* [n_nodes] */
     pl_rings *rings;
     pl_local_map *maps;    /* [threads] the ring of one node */
     pl_small_ring *tables; /* [threads] the same, where it is small */
@@ -118,9 +120,15 @@ static inline int is_link_sound(pl_local_map *map, int dim, const pl_link *link,
 _Static_assert(2 * (UINT8_MAX + 1) > 3 * PL_BYTE_LINK && 2 * (UINT16_MAX + 1) > 3 * PL_MAX_LINK,
                "positions that are cut off could look like those of a closed link");
 
-/** Put the ring of node, or its first room nodes, into ring, and write its link. */
+/** The node of the hexahedron of corner index that shares no face with it. */
+static int32_t opposite_node(const ring_maker *m, int64_t index) {
+    const int own = pl_corner_index(m->corner[index]);
+    return m->mesh->elements[(index - own + pl_opposite_corner(own)) * 4];
+}
+
+/** Put the ring of node, or its first room nodes, into ring, and write its link, and form. */
 static inline star find_ring(const ring_maker *m, int dim, int thread, int32_t node, pl_link link,
-                             int32_t *ring, int64_t room) {
+                             uint8_t *form, int32_t *ring, int64_t room) {
     pl_local_map *thread_map = m->maps + thread;
     const int64_t begin = m->incidence->offset[node], n = degree(m->incidence, node);
     if (pl_local_map_empty(thread_map, 4 * n * dim) != 0)
@@ -143,8 +151,19 @@ static inline star find_ring(const ring_maker *m, int dim, int thread, int32_t n
                 ring[position] = other;
             pl_link_set(&link, i * dim + corner_of(dim, j, turned), position);
         }
+        if (m->corner)
+            form[i] = pl_form_code(m->corner[index], place, turned);
+        if (m->corner && dim == 3 && place == 0 &&
+            pl_corner_kind(m->corner[index]) == PL_KIND_BRICK) {
+            const int32_t opposite = opposite_node(m, index);
+            const int32_t position = pl_local_map_add(&map, (uint64_t)opposite);
+            if (position < room)
+                ring[position] = opposite;
+        }
     }
     const int64_t length = map.count;
+    if (m->corner)
+        return (star){length, 1, 1};
     const int two_each = dim == 3 ? 2 * write_edges(&map, &link, n) == 3 * n : length == n;
     if (!two_each && !m->open)
         return (star){length, 0, 0};
@@ -272,7 +291,7 @@ static int can_be_closed(ring_maker *m, int thread, int32_t node) {
     star found = {-1, 0, 0};
     pl_link link = {NULL, NULL};
     if (pl_link_alloc(&link, pl_link_positions_kept(dim), n, 1) == 0)
-        found = find_ring(m, dim, thread, node, link, NULL, 0);
+        found = find_ring(m, dim, thread, node, link, NULL, NULL, 0);
     pl_link_free(&link);
     if (found.length < 0)
         m->maps[thread].failed = 1;
@@ -328,7 +347,8 @@ static inline void find_rings(ring_maker *m, int dim, int64_t begin, int64_t end
         else if (dim == 3 && !m->open)
             found = find_small_ring(m, thread, m->node[r], link, ring, room);
         if (found.length < 0)
-            found = find_ring(m, dim, thread, m->node[r], link, ring, room);
+            found = find_ring(m, dim, thread, m->node[r], link,
+                              m->corner ? rings->form + rings->link_offset[r] : NULL, ring, room);
         const int keeps = m->open ? found.is_sound : found.is_closed;
         if (!keeps)
             set_fixed(m, m->node[r]);
@@ -376,8 +396,9 @@ static int make_rings(ring_maker *m, int threads) {
     if (pl_local_maps_failed(m->maps, threads))
         return -1;
     const int64_t total = pl_prefix_sum(threads, n, rings->link_offset);
+    rings->form = m->corner ? pl_alloc(total, sizeof *rings->form) : NULL;
     if (pl_link_alloc(&rings->link, pl_link_positions_kept(m->mesh->dim), total, m->wide) != 0 ||
-        fill_rings(m, m->open, threads) != 0)
+        (m->corner && !rings->form) || fill_rings(m, m->open, threads) != 0)
         return -1;
     return m->foretold_wrong ? fill_rings(m, 1, threads) : 0;
 }
@@ -397,16 +418,17 @@ static void drop_open(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
-                    uint8_t *is_free, int32_t *node, int64_t n, int open, int threads,
-                    pl_rings *rings, planish_error *error) {
+                    const uint8_t *corner, uint8_t *is_free, int32_t *node, int64_t n, int open,
+                    int threads, pl_rings *rings, planish_error *error) {
     *rings = (pl_rings){.n_rings = n};
     ring_maker m = {.mesh = mesh,
                     .incidence = incidence,
                     .sign = sign,
+                    .corner = corner,
                     .node = node,
                     .is_free = is_free,
                     .rings = rings,
-                    .open = open,
+                    .open = open || corner,
                     .is_shared = threads > 1,
                     .maps = pl_local_maps_create(threads),
                     .tables = pl_alloc(mesh->dim == 3 ? threads : 0, sizeof *m.tables)};
@@ -431,5 +453,6 @@ void pl_rings_destroy(pl_rings *rings) {
     pl_free(rings->neighbour);
     pl_free(rings->link_offset);
     pl_link_free(&rings->link);
+    pl_free(rings->form);
     *rings = (pl_rings){0};
 }

@@ -92,7 +92,9 @@ static void copy_links(void *context, int64_t begin, int64_t end, int thread) {
         memcpy(target.low, source.low, (size_t)(n * n_kept));
         if (target.high) /* then source.high, too */
             memcpy(target.high, source.high, (size_t)(n * n_kept));
-        if (dim == 3 && target.high)
+        if (copy->stars->form)
+            memcpy(copy->stars->form + to, copy->rings->form + from, (size_t)n);
+        else if (dim == 3 && target.high)
             write_ends(source, target, n);
         else if (dim == 3)
             write_ends((pl_link){source.low, NULL}, (pl_link){target.low, NULL}, n);
@@ -132,9 +134,10 @@ int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_
         rings->neighbour = NULL;
         if (mesh->min_volume)
             stars->min_volume = pl_alloc(n_link, sizeof *stars->min_volume);
+        stars->form = rings->form ? pl_alloc(n_link, sizeof *stars->form) : NULL;
         done = pl_link_alloc(&stars->link, pl_link_positions(mesh->dim), n_link,
                              rings->link.high != NULL) == 0 &&
-               (!mesh->min_volume || stars->min_volume);
+               (!mesh->min_volume || stars->min_volume) && (!rings->form || stars->form);
     }
     if (done)
         pl_parallel_for(threads, n_rings, CHUNK, copy_links, &copy);

@@ -77,19 +77,19 @@ static inline int pl_follows(uint8_t role) {
     return (role & PL_OF_MID) && !(role & (PL_OF_CORNER | PL_OF_OTHER));
 }
 
-/** Whether elements of type are smoothed in a mesh of dimension dim. */
-static inline int pl_is_smoothed(int type, int dim) {
-    return dim == 3 ? type == PLANISH_CELL_TETRAHEDRON || type == PLANISH_CELL_TETRAHEDRON10
-                    : type == PLANISH_CELL_TRIANGLE || type == PLANISH_CELL_TRIANGLE6;
-}
+/** Whether a cell, whose nodes are valid, is smoothed in a mesh of dimension dim: it is of that
+ *  dimension, no pyramid of order 2, and has no corner twice. */
+int pl_is_smoothed(const planish_cells *cells, int64_t cell, int dim);
 
-/** Check mesh->cells, and make dense, which is mesh, one of the corners of the smoothed elements.
+/** Check mesh->cells, and make dense, which is mesh, one of the smoothed elements, by their corners if
+ *  not all are simplices.
  *  Errors: _ARGUMENT, _MESH, _MEMORY. */
 int pl_corners_take(const planish_mesh *mesh, int threads, pl_dense *dense, planish_error *error);
 
-/** Find the curved edges of a cell of mesh, whose coordinates are finite: bit e is set if the mid of
- *  edge e, node dim + 1 + e of the cell, is farther off the middle of its ends than
- *  planish_options.rounding says. 0 for a cell that is not smoothed. */
+/** Find the curved edges of a cell of mesh, whose coordinates are finite: bit e is set if the node
+ *  that comes e after the corners, the mid of an edge (of a face, of the cell), is farther off the
+ *  middle of its ends (of two opposite corners) than planish_options.rounding says. 0 for a cell that
+ *  is not smoothed. */
 int pl_curved_edges(const planish_mesh *mesh, int64_t cell, double rounding);
 
 /* ---- incidence.c: the elements of every node ---------------------------------------------- */
@@ -223,6 +223,7 @@ typedef struct pl_rings {
                      oriented so that the measure of (facet, node) is positive in a valid mesh: with
                      x the node, 3-D (x - p0) . ((p1 - p0) x (p2 - p0)) > 0, 2-D
                      (p0 - x) x (p1 - x) > 0; their edges: p0 p1, p1 p2, p2 p0 */
+    uint8_t *form; /* [link facets] their codes, where elements are corners; or NULL */
 } pl_rings;
 
 /** Make the rings of the free nodes. is_free [n]: not 0 for the nodes that may move, node
@@ -230,9 +231,11 @@ typedef struct pl_rings {
  * than PL_MAX_LINK elements (open: half as many); of the others is_free becomes 0, and node -1.
  * Inside: the link is closed, every facet at the node belongs to two elements, no duplicates, which
  * traverse it in opposite directions. open: links may be, as on the boundary: facets of one element
- * will do. The edges of such links are not in rings->link. sign: as in pl_boundary. */
+ * will do. The edges of such links are not in rings->link. sign: as in pl_boundary. corner [m]: the
+ * elements are corners (geometry/corner.h), each with the opposite one of its hexahedron as a
+ * neighbour: links are open, and the caller knows which nodes are inside; NULL: they are not. */
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
-                    uint8_t *is_free, int32_t *node, int64_t n_rings, int open, int threads,
+                    const uint8_t *corner, uint8_t *is_free, int32_t *node, int64_t n_rings, int open, int threads,
                     pl_rings *rings, planish_error *error);
 
 /** Free the arrays of rings. */
@@ -253,6 +256,7 @@ typedef struct pl_periodic {
     int32_t *source;             /* [n_elements] element that each is a copy of, or itself */
     int8_t *sign;                /* [n_elements] or NULL, */
     double *min_volume;          /* [n_elements] or NULL */
+    uint8_t *corner;             /* [n_elements] or NULL */
     int32_t *moves_with;         /* [n_nodes] the leader of its group, or itself */
     int64_t n_followers;
     pl_follower *follower; /* nodes that follow their leaders, then images */
@@ -263,9 +267,10 @@ int pl_check_periodic(const planish_mesh *mesh, planish_error *error);
 
 /** Find the nodes that move together, and copy the elements around them. slides [n]: 1 for the
  *  nodes that may slide; of groups of which some may not, or not alike, or
- *  that are no translations of one another, it becomes 0. Errors: _MEMORY. */
+ *  that are no translations of one another, it becomes 0. corner: as for pl_rings_create; cells are
+ *  copied whole. Errors: _MEMORY. */
 int pl_periodic_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
-                       uint8_t *slides, pl_periodic *periodic, planish_error *error);
+                       const uint8_t *corner, uint8_t *slides, pl_periodic *periodic, planish_error *error);
 
 /** Free the arrays of periodic. */
 void pl_periodic_destroy(pl_periodic *periodic);

@@ -253,6 +253,8 @@ void pl_dense_destroy(pl_dense *dense) {
     pl_free(dense->elements);
     pl_free(dense->coordinates);
     pl_free(dense->cell_of);
+    pl_free(dense->corner);
+    pl_free(dense->cell_begin);
     pl_free(dense->role);
     pl_free(dense->constraint);
     pl_free(dense->min_volume);

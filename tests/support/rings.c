@@ -37,7 +37,7 @@ void test_rings_create(test_rings *rings, const planish_mesh *mesh, int all, int
     rings->sign = boundary.sign;
     boundary.sign = NULL;
     pl_boundary_destroy(&boundary);
-    assert_int_equal(pl_rings_create(mesh, &rings->incidence, rings->sign, rings->is_free,
+    assert_int_equal(pl_rings_create(mesh, &rings->incidence, rings->sign, NULL, rings->is_free,
                                      rings->node, n, 0, threads, &rings->rings, NULL),
                      PLANISH_OK);
     if (!all) /* all of them are inside */

@@ -40,7 +40,7 @@ static int create_by_links(const planish_mesh *mesh, int threads, pl_boundary *b
             rings.is_free[rings.node[i]] = 0;
         else
             rings.node[n++] = rings.node[i];
-    assert_int_equal(pl_rings_create(mesh, &rings.incidence, boundary->sign, rings.is_free,
+    assert_int_equal(pl_rings_create(mesh, &rings.incidence, boundary->sign, NULL, rings.is_free,
                                      rings.node, n, 0, threads, &links, NULL),
                      PLANISH_OK);
     assert_int_equal(

@@ -200,7 +200,7 @@ static void check_inside(const planish_mesh *mesh) {
     test_rings_define(&rings, mesh);
     int64_t n = rings.rings.n_rings;
     pl_rings_destroy(&rings.rings);
-    assert_int_equal(pl_rings_create(mesh, &rings.incidence, NULL, rings.is_free, rings.node, n, 0,
+    assert_int_equal(pl_rings_create(mesh, &rings.incidence, NULL, NULL, rings.is_free, rings.node, n, 0,
                                      1, &rings.rings, NULL),
                      PLANISH_OK);
     for (int32_t i = 0; i < mesh->n_nodes; i++)
@@ -441,7 +441,7 @@ static void survives_without_memory(void **state) {
             base.is_free[node[i]] = 1;
         memcpy(base.node, node, bytes);
         allocations_permit(permitted);
-        status = pl_rings_create(&mesh.mesh, &base.incidence, base.sign, base.is_free, base.node, n,
+        status = pl_rings_create(&mesh.mesh, &base.incidence, base.sign, NULL, base.is_free, base.node, n,
                                  0, 1, &rings, NULL);
         allocations_permit(-1);
         assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);

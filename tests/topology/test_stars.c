@@ -312,7 +312,7 @@ static void fixture_open(fixture *f) {
         f->rings.is_free[i] = 1;
         f->rings.node[i] = i;
     }
-    assert_int_equal(pl_rings_create(&f->mesh.mesh, &f->rings.incidence, f->rings.sign,
+    assert_int_equal(pl_rings_create(&f->mesh.mesh, &f->rings.incidence, f->rings.sign, NULL,
                                      f->rings.is_free, f->rings.node, n, 1, 1, &f->rings.rings,
                                      NULL),
                      PLANISH_OK);
