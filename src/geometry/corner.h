@@ -14,11 +14,16 @@
  *   pl_form_code                          the byte of a link facet: the corner, and where x is in it
  *   pl_corner_form, pl_corner_forms_make  the forms of all codes
  *   pl_opposite_corner                    the corner of a hexahedron that shares no face
+ *   pl_mean_square                        mu^2 of a corner
+ *   pl_blunt_mean_square                  mu^2 up to which no corner is sharp
  */
 #ifndef PL_GEOMETRY_CORNER_H
 #define PL_GEOMETRY_CORNER_H
 
 #include "geometry/cell.h"
+#include "geometry/cube_root.h"
+
+#include <math.h>
 
 /** Shapes by their ideal corners. */
 enum { PL_KIND_SIMPLEX = 0, PL_KIND_BRICK = 1, PL_KIND_WEDGE = 2, PL_KIND_PYRAMID = 3 };
@@ -65,6 +70,35 @@ void pl_corner_forms_make(int dim, pl_corner_form form[PL_N_FORMS]);
 
 /** Kind of a shape. */
 int pl_kind_of_shape(const pl_cell_shape *shape);
+
+/** mu^2 from E and D, divided by the determinant of the ideal corner: the same bits at every scale
+ *  that is a power of two. E^3 and D^2 must be in a double's range. */
+PL_INLINE double pl_mean_square(int dim, double e, double d) {
+    if (dim == 2)
+        return e / (2 * d) * (e / (2 * d));
+    const double root = pl_cube_root(e * e * e / (27 * (d * d)));
+    return root * root;
+}
+
+/** mu^2 up to which no corner has a larger 1 / SJ^2 than acuteness; kinds: bit 1 << kind of those
+ *  that there are.
+ *
+ * With T = J W^-1, W the ideal corner, edge i of the corner is T w_i, and SJ = det T / prod |T w_i|.
+ * The product is at most the power dim / 2 of the mean of the squares, which is trace(T W W^T T^T) /
+ * dim <= lambda |T|^2 / dim = lambda mu det(T)^(2 / dim), lambda the largest eigenvalue of W W^T.
+ * Hence 1 / SJ^2 <= (lambda mu)^dim. */
+static inline double pl_blunt_mean_square(int dim, unsigned kinds, double acuteness) {
+    /* Triangle 3/2, quadrilateral 1; tetrahedron 2, hexahedron 1, wedge 3/2, pyramid 1 + sqrt(1/2). */
+    static const double LAMBDA[2][4] = {{1.5, 1, 0, 0}, {2, 1, 1.5, 1.70710678118654753}};
+    double lambda = 1;
+    for (int kind = 0; kind < 4; kind++)
+        if (kinds >> kind & 1)
+            lambda = fmax(lambda, LAMBDA[dim - 2][kind]);
+    if (!(acuteness < INFINITY))
+        return INFINITY;
+    const double root = dim == 3 ? pl_cube_root(acuteness) : sqrt(acuteness);
+    return (1 - 1e-9) * (root / lambda * (root / lambda));
+}
 
 /** The corner of a hexahedron that shares no face with corner index. */
 static inline int pl_opposite_corner(int index) {

@@ -267,3 +267,204 @@ double pl_block_acuteness(const pl_block *b, int l, int dim) {
     }
     return pl_acuteness(dim, edges, determinant);
 }
+
+/* ---- corners --------------------------------------------------------------------------------- */
+
+/** Product of the squares of the edges at the corner; of a simplex the largest at a vertex. */
+PL_INLINE double product_of_edges(int dim, const double square[6], double is_simplex) {
+    double own, most;
+    if (dim == 2) {
+        own = square[0] * square[1];
+        most = pl_larger(square[0] * square[2], square[1] * square[2]);
+    } else {
+        own = square[0] * square[1] * square[2];
+        most = pl_larger(square[0] * square[3] * square[4], square[1] * square[3] * square[5]);
+        most = pl_larger(most, square[2] * square[4] * square[5]);
+    }
+    return is_simplex != 0 ? pl_larger(own, most) : own;
+}
+
+/** Gather corners, and what is ideal for them. */
+PL_INLINE void gather_corners(const pl_mesh_state *mesh, const pl_corner_form *form, int64_t first,
+                              int count, pl_corner_block *b) {
+    pl_block_gather(mesh, first, count, &b->of);
+    for (int l = 0; l < PL_SUM_LANES; l++) {
+        const int kind = pl_corner_kind(mesh->of->corner[first + (l < count ? l : 0)]);
+        const pl_corner_form *f = &form[pl_form_code(pl_corner_code(kind, 0), 0, 0)];
+        for (int k = 0; k < 6; k++)
+            b->weight[k][l] = f->weight[k];
+        b->determinant[l] = f->determinant;
+        b->unit[l] = f->volume;
+        b->is_simplex[l] = kind == PL_KIND_SIMPLEX ? 1 : 0;
+    }
+}
+
+/** Evaluate all lanes by the plain formulas. */
+PL_INLINE void evaluate_corners(pl_corner_block *b, const int dim) {
+    pl_block *of = &b->of;
+    for (int l = 0; l < PL_SUM_LANES; l++) {
+        double edges[3][3], square[6], between[3], e = 0;
+        for (int j = 0; j < dim; j++)
+            for (int d = 0; d < dim; d++)
+                edges[j][d] = of->x[j + 1][d][l] - of->x[0][d][l];
+        for (int j = 0; j < dim; j++)
+            square[j] = pl_dot(dim, edges[j], edges[j]);
+        for (int pair = 0; pair < (dim == 3 ? 3 : 1); pair++) { /* 01, 02, 12 */
+            pl_subtract(dim, edges[(pair + 3) / 2], edges[pair / 2], between);
+            square[dim + pair] = pl_dot(dim, between, between);
+        }
+        for (int k = 0; k < (dim == 3 ? 6 : 3); k++) {
+            e += b->weight[k][l] * square[k];
+            b->edge[k][l] = square[k];
+        }
+        const double determinant = pl_determinant_of_edges(dim, edges);
+        const double error =
+            (dim == 3 ? PL_ERROR_3D : PL_ERROR_2D) * pl_permanent_bound(dim, edges);
+        const double oriented = of->sign[l] * determinant;
+        const double d = fabs(determinant) / b->determinant[l];
+        of->certain[l] = fabs(determinant) > error ? 1 : 0;
+        of->valid[l] = oriented > 0 ? of->present[l] : 0;
+        of->listed[l] = pl_sign_of(determinant) * of->present[l];
+        of->volume[l] = oriented * b->unit[l];
+        of->square[l] = pl_mean_square(dim, e, d);
+        b->acuteness[l] = product_of_edges(dim, square, b->is_simplex[l]) / (d * d);
+    }
+}
+
+PL_INLINE void inline_corners(const pl_mesh_state *mesh, pl_corner_block *b) {
+    if (mesh->of->dim == 3)
+        evaluate_corners(b, 3);
+    else
+        evaluate_corners(b, 2);
+}
+
+/* With wider vectors; the bits are the same. */
+#if defined(__x86_64__) && defined(__GNUC__)
+__attribute__((target("avx2"))) static void wide_corners(const pl_mesh_state *mesh,
+                                                         pl_corner_block *b) {
+    inline_corners(mesh, b);
+}
+#endif
+
+static void any_corners(const pl_mesh_state *mesh, pl_corner_block *b) {
+#if defined(__x86_64__) && defined(__GNUC__)
+    if (__builtin_cpu_supports("avx2")) {
+        wide_corners(mesh, b);
+        return;
+    }
+#endif
+    inline_corners(mesh, b);
+}
+
+/** Put corner number into lane l in a size of about 1, relative to its first node. Returns the
+ *  exponent of the power of two by which it is larger. */
+static int scale_corner(const pl_mesh_state *mesh, int64_t number, int l, pl_corner_block *b) {
+    const int dim = mesh->of->dim;
+    const int32_t *node = mesh->of->elements + number * (dim + 1);
+    double half = 0; /* of the longest component of an edge, because the whole could overflow */
+    int exponent;
+    for (int j = 1; j <= dim; j++)
+        for (int d = 0; d < dim; d++)
+            half = pl_larger(half, fabs(mesh->coordinates[(int64_t)node[j] * dim + d] / 2 -
+                                        mesh->coordinates[(int64_t)node[0] * dim + d] / 2));
+    frexp(half, &exponent);
+    exponent = pl_scale_exponent(exponent);
+    const double scale = ldexp(1, -exponent);
+    for (int j = 0; j <= dim; j++)
+        for (int d = 0; d < dim; d++)
+            b->of.x[j][d][l] = mesh->coordinates[(int64_t)node[j] * dim + d] * scale -
+                               mesh->coordinates[(int64_t)node[0] * dim + d] * scale;
+    return exponent;
+}
+
+/** Finish lane l, corner number, of which the plain formulas are not certain in its own scale of
+ *  2^exponent: by the exact determinant. */
+static void resolve_corner(const pl_mesh_state *mesh, int64_t number, int l, int exponent,
+                           pl_corner_block *b) {
+    const int dim = mesh->of->dim, n_edges = dim == 3 ? 6 : 3;
+    const double *vertex[4];
+    double square[6], e = 0;
+    int of_exact;
+    for (int j = 0; j <= dim; j++)
+        vertex[j] = mesh->coordinates + (int64_t)mesh->of->elements[number * (dim + 1) + j] * dim;
+    const double m = pl_certified_determinant(dim, vertex, &of_exact);
+    b->of.valid[l] = b->of.sign[l] * m > 0 ? b->of.present[l] : 0;
+    b->of.listed[l] = pl_sign_of(m) * b->of.present[l];
+    b->of.volume[l] = ldexp(b->of.sign[l] * m * b->unit[l], of_exact);
+    if (!(b->of.valid[l] != 0))
+        return;
+    for (int k = 0; k < n_edges; k++) {
+        square[k] = b->edge[k][l];
+        e += b->weight[k][l] * square[k];
+    }
+    /* As flat as can be said without an overflow. */
+    const double least = 0x1p-500, d = ldexp(fabs(m), of_exact - dim * exponent);
+    const double ideal = pl_larger(d / b->determinant[l], least);
+    b->of.square[l] = pl_mean_square(dim, e, ideal);
+    b->acuteness[l] = product_of_edges(dim, square, b->is_simplex[l]) / (ideal * ideal);
+}
+
+void pl_corners_evaluate(const pl_mesh_state *mesh, const pl_corner_form *form, int64_t first,
+                         int count, pl_corner_block *b) {
+    int exponent[PL_SUM_LANES];
+    double certain[PL_SUM_LANES], volume[PL_SUM_LANES], n_certain = 0;
+    gather_corners(mesh, form, first, count, b);
+    any_corners(mesh, b);
+    for (int l = 0; l < PL_SUM_LANES; l++)
+        n_certain += b->of.certain[l];
+    if (n_certain == PL_SUM_LANES)
+        return;
+    for (int l = 0; l < PL_SUM_LANES; l++) {
+        certain[l] = b->of.certain[l];
+        volume[l] = b->of.volume[l];
+        if (!(certain[l] != 0))
+            exponent[l] = scale_corner(mesh, first + (l < count ? l : 0), l, b);
+    }
+    any_corners(mesh, b);
+    for (int l = 0; l < count; l++) {
+        if (certain[l] != 0)
+            b->of.volume[l] = volume[l];
+        else if (b->of.certain[l] != 0)
+            b->of.volume[l] = ldexp(b->of.volume[l], mesh->of->dim * exponent[l]);
+        else
+            resolve_corner(mesh, first + l, l, exponent[l], b);
+    }
+}
+
+int pl_corner_edges(const pl_corner_block *b, int l, int dim, uint8_t code, int real[6],
+                    double *shortest, double *longest) {
+    /* The edges of corners: of a wedge those of the triangle, of a pyramid those to the apex. */
+    static const uint8_t REAL[2][4] = {{7, 3, 0, 0}, {63, 7, 15, 55}};
+    const int bits = REAL[dim - 2][pl_corner_kind(code)];
+    int n = 0;
+    *shortest = INFINITY;
+    *longest = 0;
+    for (int k = 0; k < 6; k++) {
+        if (!(bits >> k & 1))
+            continue;
+        real[n++] = k;
+        *shortest = pl_smaller(b->edge[k][l], *shortest);
+        *longest = pl_larger(b->edge[k][l], *longest);
+    }
+    return n;
+}
+
+double pl_corner_edge_ratio_square(const pl_corner_block *b, int l, int dim, uint8_t code) {
+    int real[6];
+    double shortest, longest, large = 0, small = 0;
+    const int n = pl_corner_edges(b, l, dim, code, real, &shortest, &longest);
+    for (int i = 0; i < n; i++) {
+        const double square = b->edge[real[i]][l];
+        double up = square / longest, down = shortest / square;
+        for (int k = 0; k < PL_EDGE_SHARPNESS; k++) {
+            up *= up;
+            down *= down;
+        }
+        large += up;
+        small += down;
+    }
+    double means = large / n * (small / n);
+    for (int k = 0; k < PL_EDGE_SHARPNESS; k++)
+        means = sqrt(means);
+    return longest / shortest * means;
+}

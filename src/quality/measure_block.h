@@ -5,13 +5,18 @@
  * Elements whose orientation rounding could hide, or whose size could over- or underflow, are not
  * certain. measure_block.c evaluates these one by one, scaled and with the exact sign.
  *
+ * Corners of elements of every type (geometry/corner.h) come in blocks of their own.
+ *
  *   pl_block_gather, _evaluate, _resolve      fill a block
  *   pl_block_acuteness                        read a block
+ *   pl_corners_evaluate                       fill a block of corners
+ *   pl_corner_edges, _edge_ratio_square       read it
  */
 #ifndef PL_QUALITY_MEASURE_BLOCK_H
 #define PL_QUALITY_MEASURE_BLOCK_H
 
 #include "geometry/angle.h"
+#include "geometry/corner.h"
 #include "geometry/simplex.h"
 #include "quality/view.h"
 
@@ -146,5 +151,33 @@ void pl_block_resolve(const pl_mesh_state *mesh, int64_t first, int count, pl_bl
 
 /** Acuteness of the smallest angle of lane l, of a valid element. */
 double pl_block_acuteness(const pl_block *b, int l, int dim);
+
+/* ---- corners --------------------------------------------------------------------------------- */
+
+/** Block of PL_SUM_LANES corners of a mesh whose elements are corners. */
+typedef struct pl_corner_block {
+    pl_block of;                    /* places; then certain, valid, listed, volume: that of an
+                                       element with such corners; square: mu^2 */
+    double weight[6][PL_SUM_LANES]; /* of the edges to the neighbours, and of those between them */
+    double determinant[PL_SUM_LANES]; /* of the ideal corner */
+    double unit[PL_SUM_LANES];        /* volume of an element whose corners have D = 1 */
+    double is_simplex[PL_SUM_LANES];  /* 1: all its vertices are corners */
+    double edge[6][PL_SUM_LANES];     /* squares of the edges, each lane in a scale of its own */
+    double acuteness[PL_SUM_LANES];   /* 1 / SJ^2, SJ the scaled Jacobian */
+} pl_corner_block;
+
+/** Gather and evaluate corners first .. first + count - 1 of a mesh with corners, the uncertain ones
+ *  exactly. form [PL_N_FORMS]: of its dimension. Values but volumes are the same bits at every scale
+ *  that is a power of two. */
+void pl_corners_evaluate(const pl_mesh_state *mesh, const pl_corner_form *form, int64_t first,
+                         int count, pl_corner_block *b);
+
+/** Extremes of the real edges of a corner of that code in lane l, squared: a pyramid's base has a
+ *  diagonal that is none. Returns their number; real [6] is which (pl_corner_block.edge). */
+int pl_corner_edges(const pl_corner_block *b, int l, int dim, uint8_t code, int real[6],
+                    double *shortest, double *longest);
+
+/** Square of the smoothed ratio of these edges (pl_smoothed_edge_ratio). */
+double pl_corner_edge_ratio_square(const pl_corner_block *b, int l, int dim, uint8_t code);
 
 #endif

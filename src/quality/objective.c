@@ -1,5 +1,5 @@
 /* objective: the paper's F of a mesh and what it is made of. One element after another, each in its
- * own scale, by the plain formulas of geometry/simplex.h. */
+ * own scale, by the plain formulas of geometry/simplex.h; corners of cells in blocks. */
 #include "quality/objective.h"
 
 #include "base/parallel.h"
@@ -7,6 +7,7 @@
 #include "base/sum.h"
 #include "geometry/angle.h"
 #include "quality/certificate.h"
+#include "quality/measure_block.h"
 
 #include <string.h>
 
@@ -37,16 +38,17 @@ enum { VALID = 0, INVERTED = 2, BELOW, N_COUNTS };
 typedef struct exact_sums {
     pl_sum sum[N_SUMS];
     int64_t n[N_COUNTS];
-    double radius_max, acuteness;
+    double radius_max, corner_max, acuteness;
 } exact_sums;
 
 /** A pass over all chunks. */
 typedef struct objective_pass {
     const pl_objective_problem *problem;
-    exact_sums *sums; /* shared */
-    uint8_t *state;   /* [m] or NULL */
-    double flat;      /* for state: D not above this times the permanent is below, too; -1: no */
-    int64_t n_below;  /* for state; shared */
+    exact_sums *sums;           /* shared */
+    const pl_corner_form *form; /* with corners: [PL_N_FORMS] */
+    uint8_t *state;             /* [m] or NULL */
+    double flat;     /* for state: D not above this times the permanent is below, too; -1: no */
+    int64_t n_below; /* for state; shared */
 } objective_pass;
 
 /** One element: its vertices relative to the first, times 2^-exponent, and its measure. */
@@ -69,7 +71,17 @@ static double permanent_bound(const element *e, const int dim) {
     return product;
 }
 
-static element element_at(const pl_objective_problem *problem, int64_t index, const int dim) {
+/** Measure of an element from its D; of a corner the volume of an element with such corners. */
+static double measure_of(const objective_pass *pass, int64_t index, double determinant,
+                         const int dim) {
+    const uint8_t *corner = pass->problem->mesh.corner;
+    if (!corner)
+        return determinant / (dim == 3 ? 6 : 2);
+    return determinant * pass->form[pl_form_code(corner[index], 0, 0)].volume;
+}
+
+static element element_at(const objective_pass *pass, int64_t index, const int dim) {
+    const pl_objective_problem *problem = pass->problem;
     element e;
     const int32_t *node = problem->mesh.elements + index * (dim + 1);
     const double *vertex[4], *scaled[4];
@@ -89,15 +101,14 @@ static element element_at(const pl_objective_problem *problem, int64_t index, co
     double edges[3][3] = {{0}}, sign = problem->mesh.sign ? problem->mesh.sign[index] : 1;
     pl_edges(dim, scaled, edges);
     e.determinant = sign * pl_determinant_of_edges(dim, edges);
-    const double per_measure = dim == 3 ? 6 : 2;
-    e.measure = ldexp(e.determinant / per_measure, dim * e.exponent);
+    e.measure = ldexp(measure_of(pass, index, e.determinant, dim), dim * e.exponent);
     if (!(fabs(e.determinant) > CERTAIN * permanent_bound(&e, dim) + UNDERFLOW_ERROR)) {
         int exponent;
         double exact = sign * pl_certified_determinant(dim, vertex, &exponent);
         e.determinant = ldexp(exact, exponent - dim * e.exponent);
         if (exact > 0 && !(e.determinant > 0))
             e.determinant = 0x1p-1022; /* as flat as can be said */
-        e.measure = ldexp(exact / per_measure, exponent);
+        e.measure = ldexp(measure_of(pass, index, exact, dim), exponent);
     }
     return e;
 }
@@ -105,21 +116,23 @@ static element element_at(const pl_objective_problem *problem, int64_t index, co
 /* g of volumes that are huge multiples of delta: so that its square is finite. */
 static const double LOWEST_G = -1e100;
 
-/** Constraint g = 1 - V / delta, or -infinity for elements without a minimum volume. */
+/** Constraint g = 1 - V / delta of element index with measure V, or -infinity for elements without a
+ *  minimum volume. */
 static double volume_constraint(const pl_objective_problem *problem, int64_t index,
-                                const element *e) {
+                                double measure) {
     const double own = problem->mesh.min_volume ? problem->mesh.min_volume[index] : 0;
     const double least = own > 0 ? own : problem->min_volume;
-    return least > 0 ? fmax(1 - e->measure / least, LOWEST_G) : -INFINITY;
+    return least > 0 ? fmax(1 - measure / least, LOWEST_G) : -INFINITY;
 }
 
 /** Add an element to sums. blunt: RR^2 up to which an element has no smaller angle than those added
  *  so far. */
-static inline void add_element(const pl_objective_problem *problem, int64_t index, exact_sums *sums,
+static inline void add_element(const objective_pass *pass, int64_t index, exact_sums *sums,
                                double *blunt, const int dim) {
+    const pl_objective_problem *problem = pass->problem;
     const pl_view *mesh = &problem->mesh;
-    const element e = element_at(problem, index, dim);
-    const double g = volume_constraint(problem, index, &e);
+    const element e = element_at(pass, index, dim);
+    const double g = volume_constraint(problem, index, e.measure);
     pl_sum_add(&sums->sum[WHOLE], e.measure);
     sums->n[BELOW] += g > PLANISH_VOLUME_TOLERANCE;
     if (g > 0)
@@ -159,9 +172,20 @@ static inline void add_element(const pl_objective_problem *problem, int64_t inde
         pl_sum_add(&sums->sum[VOLUME + movable], g * g);
 }
 
+/** Add the sums of a chunk to those of all. */
+static void merge_sums(exact_sums *part, exact_sums *sums) {
+    for (int i = 0; i < N_SUMS; i++)
+        pl_sum_merge(&sums->sum[i], &part->sum[i]);
+    for (int i = 0; i < N_COUNTS; i++)
+        __atomic_fetch_add(&sums->n[i], part->n[i], __ATOMIC_RELAXED);
+    pl_raise_double(&sums->radius_max, part->radius_max);
+    pl_raise_double(&sums->corner_max, part->corner_max);
+    pl_raise_double(&sums->acuteness, part->acuteness);
+}
+
 static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
     objective_pass *pass = context;
-    exact_sums part, *sums = pass->sums;
+    exact_sums part;
     double blunt = 0;
     (void)thread;
     memset(&part, 0, sizeof part);
@@ -170,16 +194,95 @@ static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
         if (is_counted && !is_counted[i])
             continue;
         if (pass->problem->mesh.dim == 3)
-            add_element(pass->problem, i, &part, &blunt, 3);
+            add_element(pass, i, &part, &blunt, 3);
         else
-            add_element(pass->problem, i, &part, &blunt, 2);
+            add_element(pass, i, &part, &blunt, 2);
     }
-    for (int i = 0; i < N_SUMS; i++)
-        pl_sum_merge(&sums->sum[i], &part.sum[i]);
-    for (int i = 0; i < N_COUNTS; i++)
-        __atomic_fetch_add(&sums->n[i], part.n[i], __ATOMIC_RELAXED);
-    pl_raise_double(&sums->radius_max, part.radius_max);
-    pl_raise_double(&sums->acuteness, part.acuteness);
+    merge_sums(&part, pass->sums);
+}
+
+/* ---- cells by their corners ------------------------------------------------------------------ */
+
+/** Sums over the corners of a cell. */
+typedef struct cell_sums {
+    int n_positive, is_movable, is_below;
+    double ratio, radius;   /* of AR^2, and of mu^2 */
+    double most, acuteness; /* largest mu^2, 1 / SJ^2 */
+    double volume;          /* of cells with such corners */
+    double g2, excess2;     /* of g^2, and of max(0, g)^2 */
+} cell_sums;
+
+static void add_corner(const pl_objective_problem *problem, int64_t index, const pl_corner_block *b,
+                       int l, cell_sums *cell) {
+    const double square = b->of.square[l];
+    const double g = volume_constraint(problem, index, b->of.volume[l]);
+    cell->n_positive += b->of.valid[l] != 0;
+    cell->is_movable |= b->of.is_movable[l] != 0;
+    cell->volume += b->of.volume[l];
+    cell->radius += square;
+    if (problem->objective == PLANISH_OBJECTIVE_EDGE_RATIO)
+        cell->ratio +=
+            pl_corner_edge_ratio_square(b, l, problem->mesh.dim, problem->mesh.corner[index]);
+    cell->most = pl_larger(square, cell->most);
+    cell->acuteness = pl_larger(b->acuteness[l], cell->acuteness);
+    if (!(g > -INFINITY))
+        return;
+    cell->is_below |= g > PLANISH_VOLUME_TOLERANCE;
+    cell->g2 += g * g;
+    cell->excess2 += g > 0 ? g * g : 0;
+}
+
+/** Add a cell of n corners to sums, whose radius is left to the end where it is the ratio. */
+static void add_cell(const pl_objective_problem *problem, const cell_sums *cell, int n,
+                     exact_sums *sums) {
+    const int by_edges = problem->objective == PLANISH_OBJECTIVE_EDGE_RATIO;
+    const int movable = cell->is_movable;
+    const double share = 1.0 / n, radius = cell->radius * share;
+    pl_sum_add(&sums->sum[WHOLE], cell->volume * share);
+    sums->n[BELOW] += cell->is_below;
+    if (cell->excess2 > 0)
+        pl_sum_add(&sums->sum[SHORTFALL], cell->excess2 * share);
+    if (cell->n_positive < n) {
+        sums->n[INVERTED]++;
+        return;
+    }
+    sums->n[VALID + movable]++;
+    pl_sum_add(&sums->sum[RATIO + movable], by_edges ? cell->ratio * share : radius);
+    if (by_edges)
+        pl_sum_add(&sums->sum[RADIUS + movable], radius);
+    if (cell->g2 > 0)
+        pl_sum_add(&sums->sum[VOLUME + movable], cell->g2 * share);
+    if (!movable)
+        return;
+    sums->radius_max = pl_larger(radius, sums->radius_max);
+    sums->corner_max = pl_larger(cell->most, sums->corner_max);
+    sums->acuteness = pl_larger(cell->acuteness, sums->acuteness);
+}
+
+static void add_cells_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    objective_pass *pass = context;
+    const pl_objective_problem *problem = pass->problem;
+    const pl_mesh_state mesh = {&problem->mesh, problem->coordinates};
+    const int32_t *first_of = problem->mesh.cell_begin;
+    const int64_t last = first_of[end];
+    exact_sums part;
+    pl_corner_block b;
+    cell_sums cell = {.volume = 0};
+    (void)thread;
+    memset(&part, 0, sizeof part);
+    for (int64_t first = first_of[begin]; first < last; first += PL_SUM_LANES) {
+        const int count = last - first < PL_SUM_LANES ? (int)(last - first) : PL_SUM_LANES;
+        pl_corners_evaluate(&mesh, pass->form, first, count, &b);
+        for (int l = 0; l < count; l++) {
+            add_corner(problem, first + l, &b, l, &cell);
+            if (first + l + 1 < first_of[begin + 1])
+                continue;
+            add_cell(problem, &cell, first_of[begin + 1] - first_of[begin], &part);
+            cell = (cell_sums){.volume = 0};
+            begin++;
+        }
+    }
+    merge_sums(&part, pass->sums);
 }
 
 pl_objective_problem pl_objective_problem_of(const pl_view *mesh, const double *coordinates,
@@ -189,16 +292,27 @@ pl_objective_problem pl_objective_problem_of(const pl_view *mesh, const double *
 }
 
 void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *sums) {
+    enum { LEAST_CELLS = MIN_CHUNK / PL_CELL_CORNERS };
     exact_sums all;
-    int64_t n = problem->mesh.n_elements, chunk = (n + MAX_CHUNKS - 1) / MAX_CHUNKS;
-    objective_pass pass = {.problem = problem, .sums = &all};
+    pl_corner_form form[PL_N_FORMS];
+    const int has_corners = problem->mesh.corner != NULL;
+    const int64_t n = has_corners ? problem->mesh.n_cells : problem->mesh.n_elements;
+    const int64_t chunk = (n + MAX_CHUNKS - 1) / MAX_CHUNKS;
+    const int64_t least = has_corners ? LEAST_CELLS : MIN_CHUNK;
+    objective_pass pass = {.problem = problem, .sums = &all, .form = form};
     memset(&all, 0, sizeof all);
-    pl_parallel_for(problem->threads, n, chunk < MIN_CHUNK ? MIN_CHUNK : chunk, add_chunk, &pass);
+    if (has_corners)
+        pl_corner_forms_make(problem->mesh.dim, form);
+    pl_parallel_for(problem->threads, n, chunk < least ? least : chunk,
+                    has_corners ? add_cells_chunk : add_chunk, &pass);
+    if (has_corners && problem->objective != PLANISH_OBJECTIVE_EDGE_RATIO)
+        memcpy(&all.sum[RADIUS], &all.sum[RATIO], 2 * sizeof *all.sum);
     double most[] = {all.radius_max, all.acuteness};
     pl_parts_add_sums(all.sum, N_SUMS);
     pl_parts_add(all.n, N_COUNTS);
     pl_parts_largest(most, 2);
     *sums = (pl_objective_sums){.radius_max = most[0],
+                                .corner_max = all.corner_max,
                                 .acuteness = most[1],
                                 .inverted = (double)all.n[INVERTED],
                                 .below = (double)all.n[BELOW],
@@ -235,8 +349,8 @@ static void classify_chunk(void *context, int64_t begin, int64_t end, int thread
     int64_t n_below = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        element e = element_at(pass->problem, i, pass->problem->mesh.dim);
-        int below = volume_constraint(pass->problem, i, &e) > PLANISH_VOLUME_TOLERANCE;
+        element e = element_at(pass, i, pass->problem->mesh.dim);
+        int below = volume_constraint(pass->problem, i, e.measure) > PLANISH_VOLUME_TOLERANCE;
         if (pass->flat >= 0)
             below |= !(e.determinant > pass->flat * permanent_bound(&e, pass->problem->mesh.dim));
         pass->state[i] = below ? PLANISH_VOLUME_BELOW : PLANISH_VOLUME_MET;
@@ -246,7 +360,10 @@ static void classify_chunk(void *context, int64_t begin, int64_t end, int thread
 }
 
 static int64_t classify(const pl_objective_problem *problem, double flat, uint8_t *state) {
-    objective_pass pass = {.problem = problem, .state = state, .flat = flat};
+    pl_corner_form form[PL_N_FORMS];
+    objective_pass pass = {.problem = problem, .state = state, .flat = flat, .form = form};
+    if (problem->mesh.corner)
+        pl_corner_forms_make(problem->mesh.dim, form);
     pl_parallel_for(problem->threads, problem->mesh.n_elements, 8 * MIN_CHUNK, classify_chunk,
                     &pass);
     return pass.n_below;

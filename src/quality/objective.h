@@ -28,21 +28,27 @@ typedef struct pl_objective_problem {
 } pl_objective_problem;
 
 /** Sums over the valid elements (positive measure, decided exactly), by [movable]: 1 for those with
- * a movable node, 0 for the others. */
+ * a movable node, 0 for the others. Of a mesh with corners they are over cells, valid ones with
+ * positive corners; RR^2 then stands for the AR^2 of mean ratios, the mean of the corners' mu^2, and
+ * the volume of a corner for that of a cell with such corners (pl_corner_form.volume). */
 typedef struct pl_objective_sums {
     double ratio[2];   /* of AR^2 */
     double radius[2];  /* of RR^2 */
-    double volume[2];  /* of g^2, of elements with a minimum volume */
+    double volume[2];  /* of g^2, of elements with a minimum volume; of a cell the mean of its
+                          corners' g^2 */
     double n[2];       /* how many there are */
     double radius_max; /* largest RR^2 of those with a movable node */
-    double acuteness;  /* of the smallest angle of these, see geometry/angle.h */
+    double corner_max; /* with corners: largest mu^2 of a corner of these */
+    double acuteness;  /* of the smallest angle of these, see geometry/angle.h; with corners the
+                          largest 1 / SJ^2, SJ the scaled Jacobian */
     double inverted;   /* elements that are not valid */
     double inside;     /* those of them that are curved and have positive corners; pl_sum_objective
                           knows none */
     double below; /* elements with a minimum volume and g above PLANISH_VOLUME_TOLERANCE, valid or
-                     not */
-    double shortfall; /* sum of max(0, g)^2, valid or not */
-    double domain;    /* sum of the signed measures of all */
+                     not; cells with such a corner */
+    double shortfall; /* sum of max(0, g)^2, valid or not; of a cell the mean */
+    double domain;    /* sum of the signed measures of all; of a cell the mean of its corners, which
+                         is exact but for hexahedra and wedges that are no parallelepipeds or prisms */
 } pl_objective_sums;
 
 /** Return the problem of what options ask of mesh at coordinates [n][dim]; min_volume as in
@@ -83,7 +89,8 @@ double pl_objective_of_movable(const planish_options *options, const pl_objectiv
 /** Return delta of options: min_volume, or the fraction of the volume of problem's mesh. */
 double pl_minimum_volume_of(const planish_options *options, const pl_objective_problem *problem);
 
-/** Fill state [m] with PLANISH_VOLUME_MET or _BELOW. Return how many are below. */
+/** Fill state [m] with PLANISH_VOLUME_MET or _BELOW, of corners each by its own volume. Return how
+ *  many are below. */
 int64_t pl_find_below(const pl_objective_problem *problem, uint8_t *state);
 
 /** Fill state [m] as pl_find_below does, with minimum volumes if the problem has any; elements that

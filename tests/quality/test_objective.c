@@ -1,4 +1,7 @@
-/* F's sums and the minimum volumes of random meshes against brute force in long double. */
+/* F's sums and the minimum volumes of random meshes against brute force in long double; of simplices,
+ * and of cells of every type by their corners. */
+#include "geometry/corner.h"
+#include "quality/certificate.h"
 #include "quality/objective.h"
 #include "support/both.h"
 #include "support/meshes.h"
@@ -412,6 +415,396 @@ static void flat_elements_are_not_valid(void **state) {
     test_mesh_destroy(&s.mesh);
 }
 
+/* ---- cells by their corners ------------------------------------------------------------------ */
+
+enum { CELLS = 700, MOST_CORNERS = CELLS * PL_CELL_CORNERS };
+
+/** A mesh of cells, each with nodes of its own: ideal ones, pushed about, stretched and turned over. */
+typedef struct cell_sample {
+    double x[MOST_CORNERS * 3];
+    int32_t elements[MOST_CORNERS * 4], cell_begin[CELLS + 1];
+    uint8_t corner[MOST_CORNERS], mobility[MOST_CORNERS];
+    int8_t sign[MOST_CORNERS];
+    double own[MOST_CORNERS];
+    int n_nodes, type[CELLS], first_node[CELLS];
+    pl_objective_problem problem;
+} cell_sample;
+
+static const int CELL_TYPES[2][4] = {
+    {PLANISH_CELL_TRIANGLE, PLANISH_CELL_QUADRILATERAL, PLANISH_CELL_QUADRILATERAL,
+     PLANISH_CELL_TRIANGLE},
+    {PLANISH_CELL_TETRAHEDRON, PLANISH_CELL_HEXAHEDRON, PLANISH_CELL_WEDGE, PLANISH_CELL_PYRAMID}};
+
+/** The ideal corner of a type: column i is the edge to neighbour i. */
+static void ideal_corner(int type, long double w[3][3]) {
+    const long double h = sqrtl(3) / 2;
+    memset(w, 0, 9 * sizeof w[0][0]);
+    w[0][0] = w[1][1] = w[2][2] = 1;
+    if (type == PLANISH_CELL_TRIANGLE || type == PLANISH_CELL_TETRAHEDRON ||
+        type == PLANISH_CELL_WEDGE) {
+        w[0][1] = 0.5L;
+        w[1][1] = h;
+    }
+    if (type == PLANISH_CELL_TETRAHEDRON) {
+        w[0][2] = 0.5L;
+        w[1][2] = h / 3;
+        w[2][2] = sqrtl(2.0L / 3);
+    } else if (type == PLANISH_CELL_PYRAMID) {
+        w[0][2] = w[1][2] = 0.5L;
+        w[2][2] = sqrtl(0.5L);
+    }
+}
+
+/** Place i of an ideal element of that type. */
+static void ideal_place(int type, int i, double x[3]) {
+    static const double CUBE[8][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1},
+                                      {0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    const double h = sqrt(3) / 2;
+    const double triangle[3][2] = {{0, 0}, {1, 0}, {0.5, h}};
+    const int is_wedge = type == PLANISH_CELL_WEDGE;
+    x[2] = 0;
+    if (type == PLANISH_CELL_TRIANGLE || is_wedge || type == PLANISH_CELL_TETRAHEDRON) {
+        x[0] = i == 3 && !is_wedge ? 0.5 : triangle[i % 3][0];
+        x[1] = i == 3 && !is_wedge ? h / 3 : triangle[i % 3][1];
+        x[2] = i < 3 ? 0 : is_wedge ? 1 : sqrt(2.0 / 3);
+        return;
+    }
+    x[0] = type == PLANISH_CELL_PYRAMID && i == 4 ? 0.5 : CUBE[i][0];
+    x[1] = type == PLANISH_CELL_PYRAMID && i == 4 ? 0.5 : CUBE[i][1];
+    x[2] = i < 4 ? 0 : type == PLANISH_CELL_PYRAMID ? sqrt(0.5) : 1;
+}
+
+static void place_cell(cell_sample *s, int cell, int dim, unsigned *random, int exponent) {
+    const pl_cell_shape *shape = pl_cell_type_of(s->type[cell])->shape;
+    const double noise = test_random(random) * test_random(random) * 1.5;
+    const double mirror = test_random(random) < 0.3 ? -1 : 1;
+    const double stretch = test_random(random) < 0.3 ? 40 * test_random(random) : 1;
+    const int moves = test_random(random) < 0.6;
+    s->first_node[cell] = s->n_nodes;
+    for (int i = 0; i < shape->n_corners; i++, s->n_nodes++) {
+        double x[3];
+        ideal_place(s->type[cell], i, x);
+        for (int d = 0; d < dim; d++)
+            x[d] += noise * (2 * test_random(random) - 1);
+        x[0] *= mirror;
+        x[1] *= stretch;
+        s->mobility[s->n_nodes] = moves && test_random(random) < 0.3;
+        for (int d = 0; d < dim; d++)
+            s->x[s->n_nodes * dim + d] = ldexp(x[d] + cell % 5, exponent);
+    }
+    const double own = test_random(random) < 0.5 ? 0 : ldexp(test_random(random), dim * exponent);
+    const int first = s->cell_begin[cell];
+    const int n = shape->n_simplices == 1 ? 1 : shape->n_measured;
+    for (int c = 0; c < n; c++) {
+        int32_t *node = s->elements + (int64_t)(first + c) * (dim + 1);
+        node[0] = s->first_node[cell] + c;
+        for (int j = 0; j < dim; j++)
+            node[j + 1] = s->first_node[cell] + shape->neighbour[c][j];
+        s->corner[first + c] = pl_corner_code(pl_kind_of_shape(shape), c);
+        s->sign[first + c] = (int8_t)mirror;
+        s->own[first + c] = own;
+    }
+    s->cell_begin[cell + 1] = first + n;
+}
+
+/** types: one of CELL_TYPES, or 4 for all of them. */
+static void create_cells(cell_sample *s, int dim, int types, unsigned seed, int exponent) {
+    unsigned random = seed * 2654435761u + 11;
+    s->n_nodes = s->cell_begin[0] = 0;
+    for (int i = 0; i < CELLS; i++) {
+        s->type[i] = CELL_TYPES[dim - 2][types < 4 ? types : (int)(4 * test_random(&random)) % 4];
+        place_cell(s, i, dim, &random, exponent);
+    }
+    s->problem = (pl_objective_problem){.mesh.dim = dim,
+                                        .mesh.n_nodes = s->n_nodes,
+                                        .mesh.n_elements = s->cell_begin[CELLS],
+                                        .mesh.elements = s->elements,
+                                        .mesh.corner = s->corner,
+                                        .mesh.n_cells = CELLS,
+                                        .mesh.cell_begin = s->cell_begin,
+                                        .mesh.sign = s->sign,
+                                        .mesh.mobility = s->mobility,
+                                        .mesh.min_volume = s->own,
+                                        .coordinates = s->x,
+                                        .objective = (planish_objective)(seed % 3),
+                                        .min_volume = ldexp(0.4, dim * exponent),
+                                        .threads = 1};
+}
+
+static long double determinant_of(int dim, long double a[3][3]) {
+    if (dim == 2)
+        return a[0][0] * a[1][1] - a[0][1] * a[1][0];
+    return a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) -
+           a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
+           a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
+}
+
+/** Set x to the solution of x w = j, w upper triangular: T = J W^-1. */
+static void divide_by(int dim, long double j[3][3], long double w[3][3], long double x[3][3]) {
+    for (int row = 0; row < dim; row++)
+        for (int k = 0; k < dim; k++) {
+            x[row][k] = j[row][k];
+            for (int m = 0; m < k; m++)
+                x[row][k] -= x[row][m] * w[m][k];
+            x[row][k] /= w[k][k];
+        }
+}
+
+/** Measures of corner c of a cell by the textbook. */
+typedef struct corner_reference {
+    long double D, square, acuteness, edge2;
+} corner_reference;
+
+static long double distance2(const double *a, const double *b, int dim) {
+    long double square = 0;
+    for (int d = 0; d < dim; d++)
+        square += ((long double)a[d] - b[d]) * ((long double)a[d] - b[d]);
+    return square;
+}
+
+/** Square of the smoothed ratio of the edges between the nodes of a corner. */
+static long double edges_of(const cell_sample *s, int cell, const int *node, int dim) {
+    const pl_cell_shape *shape = pl_cell_type_of(s->type[cell])->shape;
+    long double large = 0, small = 0;
+    int n = 0;
+    for (int e = 0; e < shape->n_edges; e++) {
+        int ends = 0;
+        for (int j = 0; j <= dim; j++)
+            ends += node[j] == shape->edge[e][0] || node[j] == shape->edge[e][1];
+        if (ends < 2)
+            continue;
+        const long double square =
+            distance2(s->x + (s->first_node[cell] + shape->edge[e][0]) * dim,
+                      s->x + (s->first_node[cell] + shape->edge[e][1]) * dim, dim);
+        large += powl(square, 32);
+        small += powl(square, -32);
+        n++;
+    }
+    return powl(large / n * (small / n), 1.0L / 32);
+}
+
+static corner_reference measure_corner(const cell_sample *s, int cell, int c, int dim) {
+    const pl_cell_shape *shape = pl_cell_type_of(s->type[cell])->shape;
+    const double *x = s->x + s->first_node[cell] * dim;
+    int node[4] = {c};
+    long double j[3][3] = {{0}}, w[3][3], t[3][3] = {{0}}, norm = 0, lengths2 = 1;
+    for (int i = 0; i < dim; i++) {
+        node[i + 1] = shape->neighbour[c][i];
+        for (int d = 0; d < dim; d++)
+            j[d][i] = (long double)x[node[i + 1] * dim + d] - x[c * dim + d];
+        lengths2 *= distance2(x + node[i + 1] * dim, x + c * dim, dim);
+    }
+    ideal_corner(s->type[cell], w);
+    divide_by(dim, j, w, t);
+    const long double sign = s->sign[s->cell_begin[cell]];
+    const long double det = sign * determinant_of(dim, t), D = sign * determinant_of(dim, j);
+    for (int a = 0; a < dim * dim; a++)
+        norm += t[a / dim][a % dim] * t[a / dim][a % dim];
+    const long double mu = norm / (dim * powl(fabsl(det), 2.0L / dim));
+    return (corner_reference){D, mu * mu, lengths2 / (det * det), edges_of(s, cell, node, dim)};
+}
+
+typedef struct cell_reference {
+    reference sums;
+    long double corner_max, acuteness;
+} cell_reference;
+
+static void add_reference_cell(const cell_sample *s, int cell, cell_reference *all) {
+    static const long double VOLUME[2][4] = {{0.5L, 1, 0, 0}, {1.0L / 6, 1, 0.5L, 1.0L / 3}};
+    const pl_objective_problem *p = &s->problem;
+    const int dim = p->mesh.dim, first = s->cell_begin[cell], n = s->cell_begin[cell + 1] - first;
+    const pl_cell_shape *shape = pl_cell_type_of(s->type[cell])->shape;
+    const double own = p->mesh.min_volume ? s->own[first] : 0,
+                 least = own > 0 ? own : p->min_volume;
+    long double square = 0, edge2 = 0, most = 0, acuteness = 0, g2 = 0, excess2 = 0;
+    int n_positive = 0, is_below = 0, movable = 0;
+    for (int i = 0; i < shape->n_corners; i++)
+        movable |= s->mobility[s->first_node[cell] + i];
+    for (int c = 0; c < n; c++) {
+        const corner_reference of = measure_corner(s, cell, c, dim);
+        const long double volume = of.D * VOLUME[dim - 2][pl_kind_of_shape(shape)];
+        const long double g = least > 0 ? 1 - volume / least : 0;
+        n_positive += of.D > 0;
+        is_below |= g > PLANISH_VOLUME_TOLERANCE;
+        g2 += g * g / n;
+        excess2 += g > 0 ? g * g / n : 0;
+        square += of.square / n;
+        edge2 += of.edge2 / n;
+        most = fmaxl(of.square, most);
+        acuteness = fmaxl(of.acuteness, acuteness);
+        all->sums.domain += volume / n;
+    }
+    for (int c = n; n == 1 && c < shape->n_measured; c++) /* simplices: the other vertices */
+        acuteness = fmaxl(measure_corner(s, cell, c, dim).acuteness, acuteness);
+    all->sums.below += is_below;
+    all->sums.shortfall += excess2;
+    if (n_positive < n) {
+        all->sums.inverted++;
+        return;
+    }
+    all->sums.n[movable]++;
+    all->sums.radius[movable] += square;
+    all->sums.ratio[movable] += p->objective == PLANISH_OBJECTIVE_EDGE_RATIO ? edge2 : square;
+    all->sums.volume[movable] += g2;
+    if (!movable)
+        return;
+    all->sums.radius_max = fmaxl(square, all->sums.radius_max);
+    all->corner_max = fmaxl(most, all->corner_max);
+    all->acuteness = fmaxl(acuteness, all->acuteness);
+}
+
+/** Check the sums; at_least: cells of each sort that there are. */
+static void check_cell_sums(const cell_sample *s, int at_least) {
+    cell_reference wanted = {.sums = {.domain = 0}};
+    pl_objective_sums found;
+    for (int i = 0; i < CELLS; i++)
+        add_reference_cell(s, i, &wanted);
+    pl_sum_objective(&s->problem, &found);
+    for (int movable = 0; movable < 2; movable++) {
+        close_to(found.ratio[movable], wanted.sums.ratio[movable]);
+        close_to(found.radius[movable], wanted.sums.radius[movable]);
+        close_to(found.volume[movable], wanted.sums.volume[movable]);
+        assert_true(found.n[movable] == wanted.sums.n[movable] && found.n[movable] >= at_least);
+    }
+    close_to(found.radius_max, wanted.sums.radius_max);
+    close_to(found.corner_max, wanted.corner_max);
+    close_to(found.acuteness, wanted.acuteness);
+    close_to(found.shortfall, wanted.sums.shortfall);
+    close_to(found.domain, wanted.sums.domain);
+    assert_true(found.inverted == wanted.sums.inverted && found.inverted >= at_least);
+    assert_true(found.below == wanted.sums.below);
+}
+
+static void sums_of_cells_match_brute_force(void **state) {
+    const int dim = *(int *)*state;
+    static cell_sample s;
+    for (unsigned seed = 0; seed < 3; seed++)
+        for (int types = 0; types < 5; types++) {
+            create_cells(&s, dim, types, seed, 0);
+            check_cell_sums(&s, 20);
+            s.problem.mesh.min_volume = NULL;
+            check_cell_sums(&s, 20);
+            s.problem.min_volume = 0;
+            check_cell_sums(&s, 20);
+        }
+}
+
+static void sizes_of_cells_change_no_bit(void **state) {
+    const int dim = *(int *)*state;
+    static const int exponents[] = {-300, -150, -1, 13, 200, 300};
+    static cell_sample s;
+    for (unsigned seed = 0; seed < 3; seed++) {
+        pl_objective_sums plain;
+        create_cells(&s, dim, 4, seed, 0);
+        pl_sum_objective(&s.problem, &plain);
+        for (size_t i = 0; i < sizeof exponents / sizeof *exponents; i++) {
+            pl_objective_sums sums;
+            create_cells(&s, dim, 4, seed, exponents[i]);
+            pl_sum_objective(&s.problem, &sums);
+            assert_true(sums.domain == ldexp(plain.domain, dim * exponents[i]));
+            sums.domain = plain.domain;
+            assert_memory_equal(&sums, &plain, sizeof sums);
+        }
+    }
+}
+
+static void threads_change_no_bit_of_cells(void **state) {
+    const int dim = *(int *)*state;
+    static cell_sample s;
+    pl_objective_sums a, b;
+    create_cells(&s, dim, 4, 5, 0);
+    pl_sum_objective(&s.problem, &a);
+    for (int threads = 2; threads < 6; threads++) {
+        s.problem.threads = threads;
+        pl_sum_objective(&s.problem, &b);
+        assert_memory_equal(&a, &b, sizeof a);
+    }
+}
+
+/** Corners are below by volumes of cells, and as many cells have one as the sums say. */
+static void corners_below_are_found(void **state) {
+    const int dim = *(int *)*state;
+    static cell_sample s;
+    static uint8_t found[MOST_CORNERS];
+    for (int exponent = -300; exponent <= 300; exponent += 150) {
+        pl_objective_sums sums;
+        double n = 0, n_inverted = 0;
+        create_cells(&s, dim, 4, 7, exponent);
+        pl_sum_objective(&s.problem, &sums);
+        pl_find_below(&s.problem, found);
+        for (int i = 0; i < CELLS; i++) {
+            int any = 0;
+            for (int k = s.cell_begin[i]; k < s.cell_begin[i + 1]; k++)
+                any |= found[k] == PLANISH_VOLUME_BELOW;
+            n += any;
+        }
+        assert_true(n == sums.below && n > 20);
+        s.problem.min_volume = 0;
+        s.problem.mesh.min_volume = NULL;
+        pl_find_inverted(&s.problem, found);
+        for (int i = 0; i < CELLS; i++) {
+            int any = 0;
+            for (int k = s.cell_begin[i]; k < s.cell_begin[i + 1]; k++)
+                any |= found[k] == PLANISH_VOLUME_BELOW;
+            n_inverted += any;
+        }
+        assert_true(n_inverted == sums.inverted && n_inverted > 20);
+    }
+}
+
+/** Coordinates on a lattice, so that many corners are flat: signs are exact. */
+static void flat_corners_are_decided_exactly(void **state) {
+    const int dim = *(int *)*state;
+    static cell_sample s;
+    int n_flat = 0;
+    for (unsigned seed = 0; seed < 4; seed++) {
+        pl_objective_sums sums;
+        double inverted = 0;
+        create_cells(&s, dim, 4, seed, 0);
+        for (int i = 0; i < s.n_nodes * dim; i++)
+            s.x[i] = rint(2 * s.x[i]) / 10 + 0x1p-53 * (i % 3); /* tenths are rounded */
+        for (int i = 0; i < CELLS; i++) {
+            int any = 0;
+            for (int k = s.cell_begin[i]; k < s.cell_begin[i + 1]; k++) {
+                const double *vertex[4];
+                for (int j = 0; j <= dim; j++)
+                    vertex[j] = s.x + s.elements[k * (dim + 1) + j] * dim;
+                const int sign = pl_measure_sign(dim, vertex) * s.sign[k];
+                long double D = measure_corner(&s, i, k - s.cell_begin[i], dim).D;
+                n_flat += fabsl(D) < 1e-14L;
+                any |= sign <= 0;
+            }
+            inverted += any;
+        }
+        pl_sum_objective(&s.problem, &sums);
+        assert_true(sums.inverted == inverted);
+    }
+    assert_true(n_flat > 50);
+}
+
+/** No corner with a mu^2 up to pl_blunt_mean_square is sharper than that says, and some come near. */
+static void blunt_corners_are_not_sharp(void **state) {
+    const int dim = *(int *)*state;
+    static cell_sample s;
+    for (int types = 0; types < 4; types++) {
+        long double nearest = 0;
+        for (unsigned seed = 0; seed < 3; seed++) {
+            create_cells(&s, dim, types, seed, 0);
+            for (int i = 0; i < CELLS; i++) {
+                const pl_cell_shape *shape = pl_cell_type_of(s.type[i])->shape;
+                const unsigned kinds = 1U << pl_kind_of_shape(shape);
+                for (int c = 0; c < shape->n_measured; c++) {
+                    const corner_reference of = measure_corner(&s, i, c, dim);
+                    const double blunt = pl_blunt_mean_square(dim, kinds, (double)of.acuteness);
+                    assert_true(blunt < of.square);
+                    nearest = fmaxl(nearest, blunt / of.square);
+                }
+            }
+        }
+        assert_true(nearest > (types == 0 ? 0.2L : 0.3L));
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         BOTH(sums_match_brute_force),
@@ -422,6 +815,12 @@ int main(void) {
         cmocka_unit_test(nearly_flat_triangles_are_decided_exactly),
         cmocka_unit_test(underflow_takes_nothing_from_volumes),
         BOTH(flat_elements_are_not_valid),
+        BOTH(sums_of_cells_match_brute_force),
+        BOTH(sizes_of_cells_change_no_bit),
+        BOTH(threads_change_no_bit_of_cells),
+        BOTH(corners_below_are_found),
+        BOTH(flat_corners_are_decided_exactly),
+        BOTH(blunt_corners_are_not_sharp),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
