@@ -32,6 +32,8 @@ static int64_t put_back_nodes(const pl_run *r, int64_t element) {
         n += pl_is_own(pl_part_here(), node) && memcmp(now, start, size) != 0;
         memcpy(now, start, size);
     }
+    if (r->watch.mids.own)
+        n += pl_mids_put_back(&r->watch.mids, element);
     return n;
 }
 

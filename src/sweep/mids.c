@@ -51,7 +51,30 @@ int pl_mids_create(const planish_plan *plan, const planish_options *options, con
 
 void pl_mids_destroy(pl_mids *mids) {
     pl_free(mids->end);
+    pl_free(mids->own);
     mids->end = NULL;
+    mids->own = NULL;
+}
+
+int pl_mids_release(pl_mids *mids, planish_error *error) {
+    if (!mids->own)
+        mids->own = pl_alloc_zero(mids->start.n * mids->start.dim, sizeof *mids->own);
+    return mids->own ? PLANISH_OK : pl_fail_memory(error, "the mids of edges");
+}
+
+int64_t pl_mids_put_back(const pl_mids *m, int64_t element) {
+    const planish_cells *cells = &m->plan->cells;
+    const int64_t cell = pl_plan_element(m->plan, element);
+    int64_t n = 0;
+    for (int64_t k = cells->offset[cell]; k < cells->offset[cell + 1]; k++) {
+        const int32_t node = cells->node[k];
+        if (node < 0 || !pl_mid_has_moved(m, node))
+            continue;
+        n++;
+        for (int d = 0; d < m->start.dim; d++)
+            m->own[(int64_t)node * m->start.dim + d] = 0;
+    }
+    return n;
 }
 
 void pl_mid_place(const pl_mids *m, int32_t node, double *x) {

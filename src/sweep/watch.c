@@ -69,8 +69,9 @@ static void find_places(const pl_watch *c, int64_t element, int at_start, double
         const int p = c->rule->type->between[i][0], q = c->rule->type->between[i][1];
         node[i] = of_cell[i] >= 0 ? i : -1;
         for (int d = 0; d < dim; d++)
-            x[i * dim + d] = node[i] < 0
-                                 ? 0.5 * x[p * dim + d] + 0.5 * x[q * dim + d]
+            x[i * dim + d] = node[i] < 0 ? 0.5 * x[p * dim + d] + 0.5 * x[q * dim + d]
+                             : at_start
+                                 ? c->mids.start.x[pl_point_at(&c->mids.start, of_cell[i], d)]
                                  : pl_mid_coordinate(&c->mids, of_cell[i], d, way[p][d], way[q][d]);
     }
 }
@@ -291,6 +292,10 @@ static int has_moved(const pl_watch *c, int64_t element) {
                    c->mids.given + node * plan->dim, size) != 0)
             return 1;
     }
+    const int64_t cell = pl_plan_element(plan, element);
+    for (int64_t k = plan->cells.offset[cell]; c->mids.own && k < plan->cells.offset[cell + 1]; k++)
+        if (plan->cells.node[k] >= 0 && pl_mid_has_moved(&c->mids, plan->cells.node[k]))
+            return 1;
     return 0;
 }
 
@@ -511,20 +516,22 @@ static void list_watched(pl_watch *c, int fills) {
 }
 
 /** Make the lists of the curved elements that have been found. */
-static int make_lists(pl_watch *c, const search *s) {
+static int make_lists(pl_watch *c) {
     const int64_t n_nodes = c->plan->work.n_nodes;
     int64_t n = 0;
-    c->element = pl_alloc(s->n, sizeof *c->element);
-    c->bound = pl_alloc(s->n, sizeof *c->bound);
-    c->reach = pl_alloc(s->n, sizeof *c->reach);
-    c->is_valid = pl_alloc(s->n, sizeof *c->is_valid);
+    for (int64_t e = 0; e < c->plan->work.n_elements; e++)
+        n += c->is_curved[e] != 0;
+    c->element = pl_alloc(n, sizeof *c->element);
+    c->bound = pl_alloc(n, sizeof *c->bound);
+    c->reach = pl_alloc(n, sizeof *c->reach);
+    c->is_valid = pl_alloc(n, sizeof *c->is_valid);
     c->begin = pl_alloc_zero(n_nodes + 1, sizeof *c->begin);
     if (!c->element || !c->bound || !c->reach || !c->is_valid || !c->begin)
         return 0;
     for (int64_t e = 0; e < c->plan->work.n_elements; e++)
         if (c->is_curved[e])
             c->element[c->n++] = (int32_t)e;
-    c->n_curved = c->n;
+    n = 0;
     list_watched(c, 0);
     for (int64_t i = 1; i <= n_nodes; i++) { /* begin[i + 1]: where those of node i begin */
         const int64_t of_node = c->begin[i];
@@ -578,18 +585,42 @@ int pl_watch_create(const planish_plan *plan, const planish_options *options, co
     if (status)
         return status;
     c->stray = stray_of(c, options, s.largest);
-    return make_lists(c, &s) ? PLANISH_OK : pl_fail_memory(error, "the curved elements");
+    if (!make_lists(c))
+        return pl_fail_memory(error, "the curved elements");
+    c->n_curved = c->n;
+    return PLANISH_OK;
 }
 
-void pl_watch_destroy(pl_watch *c) {
-    pl_mids_destroy(&c->mids);
-    pl_free(c->rule);
-    pl_free(c->is_curved);
+static void free_lists(pl_watch *c) {
     pl_free(c->element);
     pl_free(c->bound);
     pl_free(c->reach);
     pl_free(c->is_valid);
     pl_free(c->begin);
     pl_free(c->watched);
+    c->element = c->watched = NULL;
+    c->bound = c->reach = NULL;
+    c->is_valid = NULL;
+    c->begin = NULL;
+    c->n = 0;
+}
+
+int pl_watch_add(pl_watch *c, int64_t n, const int32_t *element, planish_error *error) {
+    int64_t n_new = 0;
+    for (int64_t i = 0; i < n; i++) {
+        n_new += !c->is_curved[element[i]];
+        c->is_curved[element[i]] = 1;
+    }
+    if (n_new == 0)
+        return PLANISH_OK;
+    free_lists(c);
+    return make_lists(c) ? PLANISH_OK : pl_fail_memory(error, "the curved elements");
+}
+
+void pl_watch_destroy(pl_watch *c) {
+    pl_mids_destroy(&c->mids);
+    pl_free(c->rule);
+    pl_free(c->is_curved);
+    free_lists(c);
     *c = (pl_watch){.n = 0};
 }

@@ -1,7 +1,8 @@
 /* watch: elements that their corners alone do not certify. Sweeps know corners alone.
  *
  * A mid's place follows from those of its two ends: its start, and half of the way of both, stored
- * as coordinates are. So mids have no state, and are written once, at the end.
+ * as coordinates are. So mids have no state, but for the few that have moved by themselves, and are
+ * written once, at the end.
  *
  * Curved elements may be invalid with positive corners. They are watched: after each visit that
  * moves a corner of one, its validity is decided (quality/validity.h), unless a bound says that the
@@ -12,9 +13,11 @@
  *   pl_mids_create, _destroy      mids and their ends,
  *   pl_mids_note                  to be noted for each element
  *   pl_mid_place, _coordinate     where a mid is
+ *   pl_mids_release, _put_back, pl_mid_has_moved   mids that move by themselves
  *   pl_mids_write                 to the caller's coordinates
  * watch.c
  *   pl_watch_create, _destroy    find curved elements
+ *   pl_watch_add                 further ones
  *   pl_watch_measure             decide all of them
  *   pl_watch_has, _admit     of one node, after its move
  *   pl_watch_find_broken         elements that were valid and are not any more
@@ -34,6 +37,8 @@ typedef struct pl_mids {
     pl_storage storage;
     int32_t (
         *end)[2]; /* [nodes of the mesh] both ends of each mid, nodes of the plan; -1: no mid */
+    double *own;  /* [nodes of the mesh][dim] by what mids have moved themselves (improve/curve.c);
+                     NULL: none has */
 } pl_mids;
 
 /** Curved elements of a run. Arrays are owned. */
@@ -77,9 +82,24 @@ void pl_mids_destroy(pl_mids *mids);
 static inline double pl_mid_coordinate(const pl_mids *mids, int32_t node, int d, double way_a,
                                        double way_b) {
     const double start = mids->start.x[pl_point_at(&mids->start, node, d)];
-    const double way = 0.5 * (way_a + way_b);
+    const double own = mids->own ? mids->own[(int64_t)node * mids->start.dim + d] : 0;
+    const double way = 0.5 * (way_a + way_b) + own;
     return way != 0 ? pl_store(&mids->storage, start + way) : start; /* what stays is not rounded */
 }
+
+/** Whether a mid has moved by itself. */
+static inline int pl_mid_has_moved(const pl_mids *mids, int32_t node) {
+    int any = 0;
+    for (int d = 0; mids->own && d < mids->start.dim; d++)
+        any |= mids->own[(int64_t)node * mids->start.dim + d] != 0;
+    return any;
+}
+
+/** Make mids movable by themselves. Errors: _MEMORY. */
+int pl_mids_release(pl_mids *mids, planish_error *error);
+
+/** Let the mids of an element, which have been released, move no more by themselves; how many had. */
+int64_t pl_mids_put_back(const pl_mids *mids, int64_t element);
 
 /** Set x [dim] to the place of a node of the mesh, a mid, at the plan's present coordinates. */
 void pl_mid_place(const pl_mids *mids, int32_t node, double *x);
@@ -94,6 +114,10 @@ void pl_mids_write(const pl_mids *mids, int writes, double *coordinates, int64_t
  *  _MEMORY. */
 int pl_watch_create(const planish_plan *plan, const planish_options *options, const double *given,
                     const double *start, pl_watch *curved, planish_error *error);
+
+/** Watch n more elements of order 2, whose mids move by themselves; they are to be measured. n_curved
+ *  stays. Without memory nothing may be done with the watch but to destroy it. Errors: _MEMORY. */
+int pl_watch_add(pl_watch *curved, int64_t n, const int32_t *element, planish_error *error);
 
 /** Free the arrays of curved. */
 void pl_watch_destroy(pl_watch *curved);

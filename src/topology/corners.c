@@ -311,6 +311,9 @@ static int make_roles(passes *p, int threads, planish_error *error) {
     if (p->mesh->constraint)
         memcpy(dense->constraint, p->mesh->constraint, (size_t)n);
     for (int64_t i = 0; i < n; i++)
+        if (dense->constraint[i] != PLANISH_CONSTRAINT_FREE && dense->role[i] != 0)
+            dense->role[i] |= PL_BOUND;
+    for (int64_t i = 0; i < n; i++)
         if (dense->role[i] & PL_STAYS && dense->constraint[i] <= PLANISH_CONSTRAINT_ON_SURFACE)
             dense->constraint[i] = PLANISH_CONSTRAINT_FIXED;
     dense->mesh.constraint = dense->constraint;

@@ -69,7 +69,8 @@ enum {
     PL_OF_MID = 2,    /* mid of an edge of one, */
     PL_OF_EDGES = 4,  /* of several edges */
     PL_OF_OTHER = 8,  /* node of an element that is not smoothed */
-    PL_STAYS = 16     /* corner that cells hold */
+    PL_STAYS = 16,    /* corner that cells hold */
+    PL_BOUND = 32     /* not free by planish_mesh.constraint: a mid does not move by itself */
 };
 
 /** Whether a node of that role is a mid and nothing else: it follows the ends of its edge. */
