@@ -43,6 +43,16 @@ PL_INLINE int pl_any_moves(const uint8_t *mobility, const int32_t *node, const i
     return any != 0;
 }
 
+/** Number of cells: the elements, or where these are corners what they are the corners of. */
+static inline int64_t pl_view_cells(const pl_view *view) {
+    return view->corner ? view->n_cells : view->n_elements;
+}
+
+/** First element of a cell; its last one is before that of the next cell. */
+static inline int64_t pl_first_of_cell(const pl_view *view, int64_t cell) {
+    return view->corner ? view->cell_begin[cell] : cell;
+}
+
 /** Return the view without is_movable: all elements are looked at, also those that other processes
  *  count. */
 static inline pl_view pl_view_of_all_elements(const pl_view *view) {

@@ -1,7 +1,7 @@
 /* proofs: which elements below their minimum volumes stay so for ever.
  *
  * Parts of a mesh whose boundary encloses no positive volume cannot be valid. Free nodes are
- * inside: the signed measures of all elements that free nodes join, one to the next, add up to the
+ * inside: the signed measures of all cells that free nodes join, one to the next, add up to the
  * same wherever these nodes are. It is the volume that the held nodes around enclose; 0 if there
  * are none. Where that is not positive, not all elements can be. Stars are proved by
  * star/feasibility.c.
@@ -25,16 +25,16 @@
 #define MARGIN   1e-9
 #define ROUNDING 0x1p-48
 
-/** Facts about elements that free nodes join, at the root of these nodes. */
+/** Facts about cells that free nodes join, at the root of these nodes. */
 typedef struct enclosure {
     double sum, size, products; /* of the measures of their facets with the anchor */
     int32_t anchor;             /* a held node; -1: there is none */
     int is_open;                /* a node around slides: nothing is proved */
-    int64_t n_several;          /* elements with several free nodes; 0: one star, which is proved by
+    int64_t n_several;          /* cells with several free nodes; 0: one star, which is proved by
                                    itself, as some of its elements may be repaired */
 } enclosure;
 
-/** The elements that free nodes join; nodes by inner numbers. Arrays are owned. */
+/** The cells that free nodes join; nodes by inner numbers. Arrays are owned. */
 typedef struct enclosures {
     const planish_plan *plan;
     const double *x;
@@ -47,56 +47,83 @@ static int32_t corner(const enclosures *s, int64_t element, int j) {
     return s->plan->work.elements[element * (s->plan->dim + 1) + j];
 }
 
+/** Whether the measure of the cell of an element is the weighted sum of those of its corners: not of
+ *  hexahedra and wedges. */
+static int has_measure_of_corners(const planish_plan *plan, int64_t element) {
+    const int kind = plan->work.corner ? pl_corner_kind(plan->work.corner[element]) : 0;
+    return plan->dim == 2 || kind == PL_KIND_SIMPLEX || kind == PL_KIND_PYRAMID;
+}
+
+/** That weight, relative to a simplex. */
+static double share_of(const planish_plan *plan, int64_t element) {
+    if (!plan->work.corner)
+        return 1;
+    const pl_corner_form *form = &plan->form[pl_form_code(plan->work.corner[element], 0, 0)];
+    return form->share * form->volume / plan->form[PL_KIND_SIMPLEX].volume;
+}
+
 static int is_free(const enclosures *s, int32_t node) {
     return s->plan->work.mobility[node] == PL_INTERIOR;
 }
 
-/** Root of an element's free nodes, -1 if it has none; *n counts them. */
-static int32_t root_of_element(const enclosures *s, int64_t element, int *n) {
-    int32_t root = -1;
-    *n = 0;
-    for (int j = 0; j <= s->plan->dim; j++) {
-        const int32_t node = corner(s, element, j);
+/** A cell. */
+typedef struct cell {
+    int64_t begin, end; /* its elements */
+    int32_t root;       /* of its free nodes; -1: it has none */
+    int has_several;    /* free nodes */
+} cell;
+
+static cell cell_at(const enclosures *s, int64_t index) {
+    const int corners = s->plan->dim + 1;
+    cell c = {.begin = pl_first_of_cell(&s->plan->work, index),
+              .end = pl_first_of_cell(&s->plan->work, index + 1),
+              .root = -1};
+    int32_t first = -1;
+    for (int64_t i = c.begin * corners; i < c.end * corners; i++) {
+        const int32_t node = s->plan->work.elements[i];
         if (!is_free(s, node))
             continue;
-        root = *n == 0 ? pl_root_of(s->parent, s->plan->inner[node]) : root;
-        ++*n;
+        c.has_several |= first >= 0 && node != first;
+        first = first < 0 ? node : first;
     }
-    return root;
+    if (first >= 0)
+        c.root = pl_root_of(s->parent, s->plan->inner[first]);
+    return c;
 }
 
-static void join_elements(enclosures *s) {
+static void join_cells(enclosures *s) {
+    const int corners = s->plan->dim + 1;
     for (int64_t i = 0; i < s->plan->work.n_nodes; i++) {
         s->parent[i] = (int32_t)i;
         s->of[i].anchor = -1;
     }
-    for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
-        int n;
-        int32_t root = root_of_element(s, i, &n);
-        for (int j = 0; j <= s->plan->dim && n > 1; j++)
-            if (is_free(s, corner(s, i, j)))
-                root = pl_join(s->parent, root, s->plan->inner[corner(s, i, j)]);
+    for (int64_t k = 0; k < pl_view_cells(&s->plan->work); k++) {
+        const cell c = cell_at(s, k);
+        int32_t root = c.root;
+        for (int64_t i = c.begin * corners; i < c.end * corners && c.has_several; i++)
+            if (is_free(s, s->plan->work.elements[i]))
+                root = pl_join(s->parent, root, s->plan->inner[s->plan->work.elements[i]]);
     }
 }
 
-/** Find anchors, how large coordinates are, where nodes slide, and elements with several free
- *  nodes. */
+/** Find anchors, how large coordinates are, where nodes slide, and cells with several free nodes.
+ *  Where an element's measure is not that of its corners nothing is proved either. */
 static void find_anchors(enclosures *s) {
-    const int dim = s->plan->dim;
+    const int dim = s->plan->dim, corners = dim + 1;
     double largest = 0;
-    for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
-        int n;
-        const int32_t root = root_of_element(s, i, &n);
-        if (root < 0)
+    for (int64_t k = 0; k < pl_view_cells(&s->plan->work); k++) {
+        const cell c = cell_at(s, k);
+        if (c.root < 0)
             continue;
-        s->of[root].n_several += n > 1;
-        for (int j = 0; j <= dim; j++) {
-            const int32_t node = corner(s, i, j), inner = s->plan->inner[node];
+        s->of[c.root].n_several += c.has_several;
+        s->of[c.root].is_open |= !has_measure_of_corners(s->plan, c.begin);
+        for (int64_t i = c.begin * corners; i < c.end * corners; i++) {
+            const int32_t node = s->plan->work.elements[i], inner = s->plan->inner[node];
             if (is_free(s, node))
                 continue;
-            s->of[root].is_open |= s->plan->work.mobility[node] != PL_HELD;
-            if (s->of[root].anchor < 0)
-                s->of[root].anchor = inner;
+            s->of[c.root].is_open |= s->plan->work.mobility[node] != PL_HELD;
+            if (s->of[c.root].anchor < 0)
+                s->of[c.root].anchor = inner;
             for (int d = 0; d < dim; d++)
                 largest = fmax(largest, fabs(s->x[(int64_t)inner * dim + d]));
         }
@@ -117,22 +144,24 @@ static double products_of(int dim, const double (*e)[3]) {
            a[0][2] * (a[1][0] * a[2][1] + a[1][1] * a[2][0]);
 }
 
-/** Add the measure of an element with one free node with that at the anchor; others measure 0. */
+/** Add the measure of an element with its free nodes at the anchor: 0 with several. */
 static void add_element(enclosures *s, int64_t element, enclosure *of) {
     const planish_plan *plan = s->plan;
     const int dim = plan->dim;
     const double *x[4];
     double e[3][3];
+    int n_at_anchor = 0;
     for (int j = 0; j <= dim; j++) {
         const int32_t node = corner(s, element, j), inner = plan->inner[node];
-        if (!is_free(s, node) && inner == of->anchor)
+        n_at_anchor += is_free(s, node) || inner == of->anchor;
+        if (n_at_anchor > 1)
             return;
         x[j] = s->x + (int64_t)(is_free(s, node) ? of->anchor : inner) * dim;
     }
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
             e[j][d] = ldexp(x[j + 1][d], -s->exponent) - ldexp(x[0][d], -s->exponent);
-    const double D = pl_determinant_of_edges(dim, (const double(*)[3])e);
+    const double D = share_of(plan, element) * pl_determinant_of_edges(dim, (const double(*)[3])e);
     of->sum += plan->work.sign ? D * plan->work.sign[element] : D;
     of->size += fabs(D);
     of->products += products_of(dim, (const double(*)[3])e);
@@ -141,20 +170,22 @@ static void add_element(enclosures *s, int64_t element, enclosure *of) {
 /** Mark elements that are joined and cannot all be positive, if they are below, and their nodes. */
 static int64_t give_up(const enclosures *s, uint8_t *state, uint8_t *given_up) {
     int64_t n_marked = 0;
-    for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
-        int n;
-        const int32_t root = root_of_element(s, i, &n);
-        const enclosure *of = root < 0 ? NULL : &s->of[root];
+    for (int64_t k = 0; k < pl_view_cells(&s->plan->work); k++) {
+        const cell c = cell_at(s, k);
+        const enclosure *of = c.root < 0 ? NULL : &s->of[c.root];
+        int is_below = 0;
         if (!of || of->is_open || of->n_several == 0 ||
             !(of->sum + ROUNDING * of->products <= MARGIN * of->size))
             continue;
-        for (int j = 0; j <= s->plan->dim && given_up; j++)
-            if (is_free(s, corner(s, i, j)))
-                given_up[s->plan->inner[corner(s, i, j)]] = 1;
-        if (state[i] != PLANISH_VOLUME_BELOW)
-            continue;
-        state[i] = PLANISH_VOLUME_INFEASIBLE;
-        n_marked++;
+        for (int64_t i = c.begin; i < c.end; i++) {
+            for (int j = 0; j <= s->plan->dim && given_up; j++)
+                if (is_free(s, corner(s, i, j)))
+                    given_up[s->plan->inner[corner(s, i, j)]] = 1;
+            is_below |= state[i] == PLANISH_VOLUME_BELOW;
+            if (state[i] == PLANISH_VOLUME_BELOW)
+                state[i] = PLANISH_VOLUME_INFEASIBLE;
+        }
+        n_marked += is_below;
     }
     return n_marked;
 }
@@ -169,13 +200,13 @@ int pl_mark_enclosed(const planish_plan *plan, const double *x, uint8_t *state, 
     s.of = pl_alloc_zero(plan->work.n_nodes, sizeof *s.of);
     const int done = s.parent && s.of;
     if (done) {
-        join_elements(&s);
+        join_cells(&s);
         find_anchors(&s);
-        for (int64_t i = 0; i < plan->work.n_elements; i++) {
-            int n_free;
-            const int32_t root = root_of_element(&s, i, &n_free);
-            if (n_free == 1 && s.of[root].anchor >= 0)
-                add_element(&s, i, &s.of[root]);
+        for (int64_t k = 0; k < pl_view_cells(&plan->work); k++) {
+            const cell c = cell_at(&s, k);
+            for (int64_t i = c.begin; i < c.end; i++)
+                if (c.root >= 0 && s.of[c.root].anchor >= 0)
+                    add_element(&s, i, &s.of[c.root]);
         }
         *n = give_up(&s, state, given_up);
     }

@@ -1,7 +1,7 @@
 /* return: nodes that were moved for nothing go back to where they were.
  *
- * After the ladder some elements may still be tangled, and what is around them far worse than it
- * was. A patch is such elements, those that were tangled at first, and some rings around: where it
+ * After the ladder some cells may still be tangled, and what is around them far worse than it was. A
+ * patch is such cells, those that were tangled at first, and some rings around: where it
  * has as many tangled elements as before, its nodes return, unless that tangles more with the
  * neighbours as they are now; then more rings are tried. With all rings that cannot be.
  * In: the mesh after the ladder; out: with some nodes where they were. Whole meshes only.
@@ -23,10 +23,10 @@ typedef struct patches {
     pl_tangle *t;
     size_t bytes;             /* of coordinates */
     double *start, *now;      /* [n_nodes][dim] */
-    uint8_t *tangled[PLACES]; /* [n_elements] 1: is tangled there */
+    uint8_t *tangled[PLACES]; /* [n_cells] 1: is tangled there */
     int32_t *ring;            /* [n_nodes] 0: in no patch, else the ring in which it was marked */
     int32_t *parent;          /* [n_nodes] of a union-find structure over nodes of patches */
-    int32_t *n[PLACES];       /* [n_nodes] tangled elements there, at roots */
+    int32_t *n[PLACES];       /* [n_nodes] tangled cells there, at roots */
 } patches;
 
 /** Move the nodes to x, and find what is tangled there. */
@@ -35,8 +35,20 @@ static void place(patches *w, const double *x, int at) {
     memcpy(plan->scratch.coordinates, x, w->bytes);
     pl_run_measure(w->t->run);
     pl_tangle_find(w->t);
-    for (int64_t i = 0; i < plan->work.n_elements; i++)
-        w->tangled[at][i] = w->t->state[i] == PL_TANGLED;
+    for (int64_t c = 0; c < pl_view_cells(&plan->work); c++)
+        w->tangled[at][c] = (uint8_t)pl_tangle_is_tangled(w->t, c);
+}
+
+/** Place of the first node of a cell in the nodes of all elements; a node may be there twice. */
+static int64_t first_node(const patches *w, int64_t cell) {
+    const planish_plan *plan = w->t->run->plan;
+    return pl_first_of_cell(&plan->work, cell) * (plan->dim + 1);
+}
+
+/** Inner number of the node at a place. */
+static int32_t node_at(const patches *w, int64_t place) {
+    const planish_plan *plan = w->t->run->plan;
+    return plan->inner[plan->work.elements[place]];
 }
 
 static int has_moved(const patches *w, int32_t node) {
@@ -52,26 +64,26 @@ static void mark_patches(patches *w, int32_t rings) {
     for (int32_t i = 0; rings == PL_ALL_RINGS && i < plan->work.n_nodes; i++)
         w->ring[i] = has_moved(w, i);
     for (int32_t ring = 1; rings < PL_ALL_RINGS && ring <= rings + 1; ring++)
-        for (int64_t i = 0; i < plan->work.n_elements; i++) {
-            int is_near = ring == 1 && (w->tangled[BEFORE][i] || w->tangled[AFTER][i]);
-            for (int j = 0; ring > 1 && j <= plan->dim; j++) {
-                const int32_t k = w->ring[pl_plan_inner(plan, i, j)];
+        for (int64_t c = 0; c < pl_view_cells(&plan->work); c++) {
+            const int64_t begin = first_node(w, c), end = first_node(w, c + 1);
+            int is_near = ring == 1 && (w->tangled[BEFORE][c] || w->tangled[AFTER][c]);
+            for (int64_t j = begin; ring > 1 && j < end; j++) {
+                const int32_t k = w->ring[node_at(w, j)];
                 is_near |= k > 0 && k < ring;
             }
-            for (int j = 0; is_near && j <= plan->dim; j++) {
-                const int32_t node = pl_plan_inner(plan, i, j);
+            for (int64_t j = begin; is_near && j < end; j++) {
+                const int32_t node = node_at(w, j);
                 if (w->ring[node] == 0 && has_moved(w, node))
                     w->ring[node] = ring;
             }
         }
 }
 
-/** Return the patch of an element; -1: none. */
-static int32_t patch_of(const patches *w, int64_t element) {
-    const planish_plan *plan = w->t->run->plan;
-    for (int j = 0; j <= plan->dim; j++)
-        if (w->ring[pl_plan_inner(plan, element, j)] > 0)
-            return pl_root_of(w->parent, pl_plan_inner(plan, element, j));
+/** Return the patch of a cell; -1: none. */
+static int32_t patch_of(const patches *w, int64_t cell) {
+    for (int64_t j = first_node(w, cell); j < first_node(w, cell + 1); j++)
+        if (w->ring[node_at(w, j)] > 0)
+            return pl_root_of(w->parent, node_at(w, j));
     return -1;
 }
 
@@ -79,20 +91,20 @@ static void join_patches(patches *w) {
     const planish_plan *plan = w->t->run->plan;
     for (int32_t i = 0; i < plan->work.n_nodes; i++)
         w->parent[i] = i;
-    for (int64_t i = 0; i < plan->work.n_elements; i++) {
-        int32_t root = patch_of(w, i);
-        for (int j = 0; j <= plan->dim && root >= 0; j++)
-            if (w->ring[pl_plan_inner(plan, i, j)] > 0)
-                root = pl_join(w->parent, root, pl_plan_inner(plan, i, j));
+    for (int64_t c = 0; c < pl_view_cells(&plan->work); c++) {
+        int32_t root = patch_of(w, c);
+        for (int64_t j = first_node(w, c); j < first_node(w, c + 1) && root >= 0; j++)
+            if (w->ring[node_at(w, j)] > 0)
+                root = pl_join(w->parent, root, node_at(w, j));
     }
 }
 
-/** Count the tangled elements of each patch. */
+/** Count the tangled cells of each patch. */
 static void count_tangled(const patches *w, int at) {
     const planish_plan *plan = w->t->run->plan;
     memset(w->n[at], 0, (size_t)plan->work.n_nodes * sizeof *w->n[at]);
-    for (int64_t i = 0; i < plan->work.n_elements; i++) {
-        const int32_t root = w->tangled[at][i] ? patch_of(w, i) : -1;
+    for (int64_t c = 0; c < pl_view_cells(&plan->work); c++) {
+        const int32_t root = w->tangled[at][c] ? patch_of(w, c) : -1;
         if (root >= 0)
             w->n[at][root]++;
     }
@@ -134,14 +146,15 @@ static int64_t return_patches(patches *w, int32_t rings) {
     if (w->t->run->sums.inverted > inverted)
         return 0;
     memcpy(w->now, x, w->bytes);
-    memcpy(w->tangled[AFTER], w->tangled[TRIAL], (size_t)w->t->run->plan->work.n_elements);
+    memcpy(w->tangled[AFTER], w->tangled[TRIAL],
+           (size_t)pl_view_cells(&w->t->run->plan->work) * sizeof *w->tangled[AFTER]);
     return n;
 }
 
 void pl_tangle_return(pl_tangle *t) {
     static const int32_t rings[] = {0, 1, 2, 4, 8, 16, PL_ALL_RINGS};
     const planish_plan *plan = t->run->plan;
-    const int64_t n = plan->work.n_nodes, m = plan->work.n_elements;
+    const int64_t n = plan->work.n_nodes, m = pl_view_cells(&plan->work);
     if (pl_part_here())
         return;
     double *x = pl_alloc(2 * n * plan->dim, sizeof *x);

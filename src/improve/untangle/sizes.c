@@ -67,6 +67,9 @@ static void add_measures(const sizing *s) {
                     (plan->scratch.coordinates[(int64_t)node[j + 1] * dim + d] - x0[d]) * s->scale;
         double D = pl_determinant_of_edges(dim, (const double(*)[3])e);
         D = plan->work.sign ? D * plan->work.sign[i] : D;
+        if (plan->work.corner) /* the measure of a simplex whose edges are as long */
+            D *= plan->form[PL_KIND_SIMPLEX].determinant /
+                 plan->form[pl_form_code(plan->work.corner[i], 0, 0)].determinant;
         for (int j = 0; j <= dim; j++) {
             s->sum[node[j]] += D;
             s->absolute[node[j]] += fabs(D);

@@ -15,16 +15,26 @@
 
 enum { CHUNK = 256 }; /* stars that one thread takes at a time */
 
+static const char CANNOT_BE_HELPED[] = "the elements that cannot be helped";
+
 /* ---- elements ------------------------------------------------------------------------------ */
 
-/** Count the tangled elements of all processes. */
+/** Count the tangled cells of all processes. */
 static void count_tangled(pl_tangle *t) {
     const planish_plan *plan = t->run->plan;
     const uint8_t *is_counted = plan->work.is_counted;
     t->n_tangled = 0;
-    for (int64_t i = 0; i < plan->work.n_elements; i++)
-        t->n_tangled += t->state[i] == PL_TANGLED && (!is_counted || is_counted[i]);
+    for (int64_t c = 0; c < pl_view_cells(&plan->work); c++)
+        t->n_tangled += pl_tangle_is_tangled(t, c) && (!is_counted || is_counted[c]);
     pl_parts_add(&t->n_tangled, 1);
+}
+
+int pl_tangle_is_tangled(const pl_tangle *t, int64_t cell) {
+    const pl_view *mesh = &t->run->plan->work;
+    for (int64_t i = pl_first_of_cell(mesh, cell); i < pl_first_of_cell(mesh, cell + 1); i++)
+        if (t->state[i] == PL_TANGLED)
+            return 1;
+    return 0;
 }
 
 void pl_tangle_find(pl_tangle *t) {
@@ -40,13 +50,65 @@ void pl_tangle_find(pl_tangle *t) {
     count_tangled(t);
 }
 
+/** Give up whole cells: those that a corner is given up of, with their other corners. These are
+ *  skipped if they are not positive; the others stay as they are. */
+static int give_up_cells(pl_tangle *t) {
+    const planish_plan *plan = t->run->plan;
+    const pl_view *mesh = &plan->work;
+    int32_t *star_of = pl_alloc(mesh->n_nodes, sizeof *star_of);
+    int64_t *next = pl_alloc(plan->interior.stars.n_stars, sizeof *next); /* facet of each star */
+    if (star_of && next) {
+        pl_plan_number_stars(plan, star_of);
+        memcpy(next, plan->interior.stars.link_offset,
+               (size_t)plan->interior.stars.n_stars * sizeof *next);
+    }
+    for (int64_t c = 0; star_of && next && c < mesh->n_cells; c++) {
+        const int64_t begin = mesh->cell_begin[c], end = mesh->cell_begin[c + 1];
+        int is_any = 0;
+        for (int64_t i = begin; i < end; i++)
+            is_any |= t->is_given_up[i];
+        for (int64_t i = begin; i < end; i++)
+            for (int j = 0; j <= plan->dim; j++) {
+                const int32_t star = star_of[pl_plan_inner(plan, i, j)];
+                if (star < 0)
+                    continue;
+                if (is_any && t->state[i] == PL_TANGLED)
+                    t->link_skip[next[star]] = 1;
+                next[star]++;
+            }
+        for (int64_t i = begin; is_any && i < end; i++) {
+            t->is_given_up[i] = 1;
+            t->state[i] = t->state[i] == PL_TANGLED ? PL_GIVEN_UP : t->state[i];
+        }
+    }
+    pl_free(star_of);
+    pl_free(next);
+    return star_of && next;
+}
+
+/** Note what is given up, by the elements' states and the stars' roles [n_links]. */
+static int note_given_up(pl_tangle *t, const uint8_t *roles, planish_error *error) {
+    const planish_plan *plan = t->run->plan;
+    const int64_t n_links = plan->interior.stars.link_offset[plan->interior.stars.n_stars];
+    t->is_given_up = pl_alloc(plan->work.n_elements, sizeof *t->is_given_up);
+    t->link_skip = pl_alloc(n_links, sizeof *t->link_skip);
+    if (!t->is_given_up || !t->link_skip)
+        return pl_fail_memory(error, CANNOT_BE_HELPED);
+    for (int64_t i = 0; i < n_links; i++)
+        t->link_skip[i] = roles[i] == PL_PROOF_GIVEN_UP;
+    for (int64_t i = 0; i < plan->work.n_elements; i++)
+        t->is_given_up[i] = t->state[i] == PL_GIVEN_UP; /* PLANISH_VOLUME_INFEASIBLE, too */
+    if (plan->work.corner && !give_up_cells(t))
+        return pl_fail_memory(error, CANNOT_BE_HELPED);
+    count_tangled(t);
+    return PLANISH_OK;
+}
+
 /** Give up the elements that are proved infeasible: with all nodes of a part of the mesh whose
  *  boundary encloses nothing; without a free node; and as many of those that contradict each other
  *  as must be. */
 static int give_up(pl_tangle *t, planish_error *error) {
-    static const char what[] = "the elements that cannot be helped";
     const planish_plan *plan = t->run->plan;
-    const int64_t n_links = plan->interior.stars.link_offset[plan->interior.stars.n_stars];
     pl_infeasible found = {0, 0};
     pl_stop_check limit = pl_run_stop_check(t->run);
     uint8_t *roles = NULL; /* [n_links] pl_proof_role */
@@ -54,7 +116,7 @@ static int give_up(pl_tangle *t, planish_error *error) {
     if (!(t->guard.min_volume > 0) && !t->guard.link_min_volume && !pl_part_here()) {
         t->node_is_given_up = pl_alloc_zero(plan->work.n_nodes, sizeof *t->node_is_given_up);
         if (!t->node_is_given_up)
-            return pl_fail_memory(error, what);
+            return pl_fail_memory(error, CANNOT_BE_HELPED);
         status = pl_mark_enclosed(plan, plan->scratch.coordinates, t->state, t->node_is_given_up,
                                   &t->run->result->n_not_enclosed, error);
     }
@@ -63,16 +125,8 @@ static int give_up(pl_tangle *t, planish_error *error) {
     t->stopped = limit.answer;
     if (!status && !t->stopped && pl_parts_any(found.n > 0)) {
         status = pl_send_given_up(plan, roles, t->state, error);
-        t->is_given_up = pl_alloc(plan->work.n_elements, sizeof *t->is_given_up);
-        t->link_skip = pl_alloc(n_links, sizeof *t->link_skip);
-        if (!status && (!t->is_given_up || !t->link_skip))
-            status = pl_fail_memory(error, what);
-        for (int64_t i = 0; !status && i < n_links; i++)
-            t->link_skip[i] = roles[i] == PL_PROOF_GIVEN_UP;
-        for (int64_t i = 0; !status && i < plan->work.n_elements; i++)
-            t->is_given_up[i] = t->state[i] == PL_GIVEN_UP; /* PLANISH_VOLUME_INFEASIBLE, too */
         if (!status)
-            count_tangled(t);
+            status = note_given_up(t, roles, error);
     }
     pl_free(roles);
     return status;

@@ -6,7 +6,8 @@
  *   return.c      pl_tangle_return                     nodes back to where the call began
  *   here          pl_root_of, pl_join                  nodes that are joined, one to the next
  *
- * untangle.c has the ladder (improve.h).
+ * untangle.c has the ladder (improve.h). Where elements are corners of cells (quality/view.h), the
+ * state is that of each corner; what is counted, given up or returned is a cell.
  */
 #ifndef PL_IMPROVE_UNTANGLE_TANGLE_H
 #define PL_IMPROVE_UNTANGLE_TANGLE_H
@@ -41,7 +42,7 @@ typedef struct pl_tangle {
     double scale;              /* a power of two: times it the domain is about 1 wide */
     pl_star_energy *of_thread; /* [threads] of the stars that each has looked at */
     pl_star_slope *slope;      /* [n_stars] to be filled with the energy; NULL: not asked for */
-    int64_t n_tangled;         /* elements whose state is PL_TANGLED */
+    int64_t n_tangled;         /* cells with an element whose state is PL_TANGLED */
     int stopped;               /* a planish_stop: the run is to end before anything is done */
     int64_t n_patch;           /* nodes of the patch */
     pl_star_energy energy;     /* of the patch, as computed last */
@@ -59,6 +60,10 @@ void pl_tangle_destroy(pl_tangle *t);
 
 /** Find the tangled elements of the mesh as measured last. */
 void pl_tangle_find(pl_tangle *t);
+
+/** Whether a corner of the cell is tangled, by the states as found last; of a mesh of simplices,
+ *  which are cells, whether the element is. */
+int pl_tangle_is_tangled(const pl_tangle *t, int64_t cell);
 
 enum { PL_ALL_RINGS = INT32_MAX };
 
