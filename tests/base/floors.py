@@ -48,6 +48,7 @@ ALLOWED = [
     ("tools/job/output", "src/io/file/", "names of the files of a mesh"),
     ("tools/job/worst", "src/geometry/", "angles"),
     ("tools/report/drawn_surface", "src/topology/", "facets"),
+    ("tools/report/drawn_surface", "src/geometry/", "facets of a type"),
     ("tools/mpi/slides", "src/topology/", "facets"),
     ("tools/mpi/plexrows", "src/io/", "where coordinates stand in HDF5"),
 ]

@@ -16,6 +16,9 @@
  * within the rounding of such a sum says nothing. Relative. */
 static const double F_ROUNDING = 1e-12;
 
+/* Scaled Jacobians are at most about 1; those of nearly flat corners are rounded. */
+static const double JACOBIAN_ROUNDING = 1e-12;
+
 /** Whether the mesh was valid, so that its worst element counts. */
 static int was_valid(const pl_result *result) {
     return pl_validity_faults(&result->validity_before, &result->before) == 0 &&
@@ -34,9 +37,14 @@ static const char *find_broken(const pl_job *job, const pl_result *result,
                                const planish_quality *after, const pl_validity *validity,
                                double *from, double *to) {
     const planish_quality *before = &result->before;
-    *from = (double)before->n_inverted;
-    *to = (double)after->n_inverted;
-    if (after->n_inverted > before->n_inverted)
+    const double slack = job->has_types ? F_ROUNDING : 0; /* AR is a mean over corners */
+    *from = (double)pl_validity_faults(&result->validity_before, before);
+    *to = (double)pl_validity_faults(validity, after);
+    if (!job->has_types) {
+        *from = (double)before->n_inverted;
+        *to = (double)after->n_inverted;
+    }
+    if (*to > *from)
         return "the number of inverted elements";
     *from = 0;
     *to = 1;
@@ -47,14 +55,21 @@ static const char *find_broken(const pl_job *job, const pl_result *result,
         return NULL;
     *from = before->max_radius_ratio_movable;
     *to = after->max_radius_ratio_movable;
-    if (*to > *from)
-        return "the worst radius ratio of elements with a free node";
-    if (pl_arguments_change_objective(job->arguments))
+    if (*to > *from * (1 + slack))
+        return "the worst ratio of elements with a free node";
+    if (pl_job_changes_objective(job))
         return NULL;
-    *from = before->min_angle_deg_movable;
-    *to = after->min_angle_deg_movable;
-    if (pl_angle_is_smaller(*to, *from))
-        return "the smallest angle of elements with a free node";
+    if (job->has_types) {
+        *from = result->validity_before.quality.all.min_scaled_jacobian;
+        *to = validity->quality.all.min_scaled_jacobian;
+        if (*to < *from - JACOBIAN_ROUNDING)
+            return "the least scaled Jacobian";
+    } else {
+        *from = before->min_angle_deg_movable;
+        *to = after->min_angle_deg_movable;
+        if (pl_angle_is_smaller(*to, *from))
+            return "the smallest angle of elements with a free node";
+    }
     if (result->smooth.objective_of_worst > 0) /* the RMS may rise for the worst elements */
         return NULL;
     *from = before->rms_radius_ratio;
@@ -95,13 +110,15 @@ static int breaks(const pl_result *result, const pl_validity *now, const double 
  *  is_last; mids follow. */
 static void mark_back(const pl_job *job, const pl_result *result, const pl_validity *now,
                       const double *ratio, int is_last, uint8_t *back) {
-    int any = 0;
-    for (int64_t i = 0; i < 3 * job->mesh.n_elements; i++) {
-        uint8_t *of_node = &back[pl_job_corners(job, i / 3)[i % 3]];
-        if (!breaks(result, now, ratio, i / 3))
+    int any = 0, n;
+    for (int64_t i = 0; i < job->mesh.n_elements; i++) {
+        const int32_t *corner = pl_job_corners(job, i, &n);
+        if (!breaks(result, now, ratio, i))
             continue;
-        any |= !*of_node;
-        *of_node = 1;
+        for (int j = 0; j < n; j++) {
+            any |= !back[corner[j]];
+            back[corner[j]] = 1;
+        }
     }
     if (is_last || !any)
         memset(back, 1, (size_t)job->mesh.n_nodes);

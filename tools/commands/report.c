@@ -5,6 +5,7 @@
  */
 
 #include "commands/commands.h"
+#include "job/cells.h"
 #include "terminal/message.h"
 #include "job/output.h"
 #include "report/page.h"
@@ -156,12 +157,13 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
     if (code)
         return code == PLANISH_ERROR_MEMORY ? pl_job_complain(&job, PL_EXIT_FAILED, &error) : 0;
     job.mesh = planish_file_mesh(job.file);
+    job.has_types = job.mesh.cells && pl_cells_have_types(job.mesh.cells, job.mesh.dim);
     snprintf(checksum, sizeof checksum, "%016" PRIx64, pl_job_checksum(&job));
     if (strcmp(checksum, w->checksum) != 0) {
         *why = "has other coordinates now";
     } else {
         *why = NULL;
-        code = job.engine->plan_create(&job, &error);
+        code = job.has_types ? PLANISH_OK : job.engine->plan_create(&job, &error);
         if (code == PLANISH_ERROR_MEMORY)
             status = pl_job_complain(&job, PL_EXIT_FAILED, &error);
         else if (code)
@@ -203,7 +205,7 @@ static int draw(drawing *d) {
                           pl_figure_text(result, is_one ? "checksum" : "input_checksum")};
     const wanted output = {"after", pl_figure_text(result, "output"), NULL,
                            pl_figure_text(result, "checksum")};
-    if (!pl_page_can_draw() || pl_figures_simplices(d->figures).n_states == 0)
+    if (!pl_page_can_draw())
         return 0;
     const int status = draw_state(d, &input);
     return status || is_one ? status : draw_state(d, &output);

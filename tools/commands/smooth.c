@@ -110,7 +110,7 @@ static const char *is_or_are(int64_t n) {
 
 /** Add why inverted elements are left, and which options hold them. */
 static void judge_inverted(const pl_job *job, pl_result *result) {
-    static const char *const advice[PL_N_HOLDERS] = {"run without it to repair them",
+    static const char *const advice[PL_N_HOLDERS] = {"--layers ignore lets them move",
                                                      "hold fewer groups to repair them",
                                                      "--ignore-regions lets them move"};
     const pl_unfixable *unfixable = &result->unfixable;
@@ -139,10 +139,12 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
                    n_others);
     if (validity->n_inside > 0)
         add_reason(result,
-                   "%" PRId64 " of these %s inverted inside by mid-side nodes, though the corners "
-                   "are right: moving corners alone did not repair %s",
+                   "%" PRId64 " of these %s inverted inside%s, though the corners are right%s",
                    validity->n_inside, validity->n_inside == 1 ? "is" : "are",
-                   validity->n_inside == 1 ? "it" : "them");
+                   job->has_types ? "" : " by mid-side nodes",
+                   job->has_types            ? ""
+                   : validity->n_inside == 1 ? ": moving corners alone did not repair it"
+                                             : ": moving corners alone did not repair them");
     if (job->plan_info.n_wrapped > 0)
         add_reason(result,
                    "elements that wrap around a periodic domain (%" PRId64 ") look inverted",
@@ -243,13 +245,18 @@ static void print_plan(const pl_job *job) {
 }
 
 /** Collect for the reports the mesh as it is now, called name. */
-static int take_for_reports(const pl_job *job, const char *name, uint64_t *checksum,
-                            pl_worst *worst, pl_picture **picture) {
+static int take_for_reports(const pl_job *job, const char *name, const pl_validity *validity,
+                            uint64_t *checksum, pl_worst *worst, pl_picture **picture) {
+    pl_cells cells = {.has_others = job->has_types};
     if (!job->mesh.coordinates)
         return 0; /* the engine has the mesh */
     if (job->arguments->json || job->arguments->report)
         *checksum = pl_job_checksum(job);
-    const int status = pl_worst_find_asked(job, NULL, worst);
+    if (job->has_types) {
+        cells.cells = *job->mesh.cells;
+        cells.aspect_ratio = validity->aspect_ratio;
+    }
+    const int status = pl_worst_find_asked(job, &cells, worst);
     return status ? status : pl_report_draw(job, name, picture);
 }
 
@@ -286,8 +293,8 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = pl_reversed_find(job, result->before.n_reversed, &result->reversed.before)))
         return status;
-    return take_for_reports(job, "before", &result->input_checksum, &result->worst_before,
-                            &result->picture);
+    return take_for_reports(job, "before", &result->validity_before, &result->input_checksum,
+                            &result->worst_before, &result->picture);
 }
 
 static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
@@ -330,7 +337,10 @@ static int check_result(pl_job *job, pl_result *result) {
         return status;
     if ((status = pl_volumes_find(job, smooth->min_volume, smooth, &result->volumes)))
         return status;
-    if ((status = pl_unfixable_find(job, result->after.n_inverted, smooth, &result->unfixable)))
+    const int64_t n_inverted = job->has_types
+                                   ? pl_validity_faults(&result->validity_after, &result->after)
+                                   : result->after.n_inverted;
+    if ((status = pl_unfixable_find(job, n_inverted, smooth, &result->unfixable)))
         return status;
     if ((status = pl_reversed_compare(job, &result->after, &result->reversed)))
         return status;
@@ -364,13 +374,22 @@ static int complain_of_types(const pl_job *job) {
     pl_cells_count(&cells, counts, sizeof counts);
     return pl_complain(PL_EXIT_FAILED,
                        "%s: %s: 'planish quality' measures these elements, but planish does not "
-                       "smooth them yet; their nodes stay",
+                       "smooth them; their nodes stay",
                        job->arguments->input, counts);
+}
+
+/** Whether an element of the mesh is of a type that is smoothed. */
+static int has_smoothed(const pl_job *job) {
+    const planish_cells *cells = job->mesh.cells;
+    int has_simplex = !cells && job->mesh.n_elements > 0;
+    for (int64_t i = 0; cells && i < cells->n && !has_simplex; i++)
+        has_simplex = pl_cell_is_simplex((planish_cell_type)cells->type[i]);
+    return has_simplex || job->has_types;
 }
 
 static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     int status;
-    if (job->file && job->mesh.n_elements == 0)
+    if (job->file && !has_smoothed(job))
         return complain_of_types(job);
     if ((status = check_output(job)))
         return status;
@@ -383,10 +402,10 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     /* That takes no more memory than it did before the sweeps, and is no reason to lose the mesh.
      */
-    const int report =
-        take_for_reports(job, "after", &result->checksum, &result->worst_after, &result->picture)
-            ? PL_EXIT_PARTLY
-            : 0;
+    const int report = take_for_reports(job, "after", &result->validity_after, &result->checksum,
+                                        &result->worst_after, &result->picture)
+                           ? PL_EXIT_PARTLY
+                           : 0;
     pl_progress_stage(progress, PL_STAGE_WRITING);
     if ((status = write_mesh(job, result)))
         return status;

@@ -12,43 +12,67 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** Names of a type: in tables, and of one and several elements in sentences. */
+/** Names of a type, in tables, and of one and several elements in sentences; and how it is
+ *  smoothed. */
 typedef struct type_name {
     planish_cell_type type;
     const char *name, *one, *many;
+    int dim, n_corners;
+    int is_smoothed_type; /* smoothed, and no simplex */
 } type_name;
 
-/* In the order of tables and sentences. */
+/* In the order of tables and sentences. Quadratic pyramids are held. */
 static const type_name names[] = {
-    {PLANISH_CELL_TETRAHEDRON, "tetrahedron", "tetrahedron", "tetrahedra"},
-    {PLANISH_CELL_TETRAHEDRON10, "tetrahedron10", "quadratic tetrahedron", "quadratic tetrahedra"},
-    {PLANISH_CELL_HEXAHEDRON, "hexahedron", "hexahedron", "hexahedra"},
-    {PLANISH_CELL_HEXAHEDRON20, "hexahedron20", "quadratic hexahedron", "quadratic hexahedra"},
-    {PLANISH_CELL_HEXAHEDRON27, "hexahedron27", "triquadratic hexahedron",
-     "triquadratic hexahedra"},
-    {PLANISH_CELL_WEDGE, "wedge", "wedge", "wedges"},
-    {PLANISH_CELL_WEDGE15, "wedge15", "quadratic wedge", "quadratic wedges"},
-    {PLANISH_CELL_WEDGE18, "wedge18", "biquadratic wedge", "biquadratic wedges"},
-    {PLANISH_CELL_PYRAMID, "pyramid", "pyramid", "pyramids"},
-    {PLANISH_CELL_PYRAMID13, "pyramid13", "quadratic pyramid", "quadratic pyramids"},
-    {PLANISH_CELL_PYRAMID14, "pyramid14", "biquadratic pyramid", "biquadratic pyramids"},
-    {PLANISH_CELL_TRIANGLE, "triangle", "triangle", "triangles"},
-    {PLANISH_CELL_TRIANGLE6, "triangle6", "quadratic triangle", "quadratic triangles"},
-    {PLANISH_CELL_QUADRILATERAL, "quadrilateral", "quadrilateral", "quadrilaterals"},
+    {PLANISH_CELL_TETRAHEDRON, "tetrahedron", "tetrahedron", "tetrahedra", 3, 4, 0},
+    {PLANISH_CELL_TETRAHEDRON10, "tetrahedron10", "quadratic tetrahedron", "quadratic tetrahedra",
+     3, 4, 0},
+    {PLANISH_CELL_HEXAHEDRON, "hexahedron", "hexahedron", "hexahedra", 3, 8, 1},
+    {PLANISH_CELL_HEXAHEDRON20, "hexahedron20", "quadratic hexahedron", "quadratic hexahedra", 3, 8,
+     1},
+    {PLANISH_CELL_HEXAHEDRON27, "hexahedron27", "triquadratic hexahedron", "triquadratic hexahedra",
+     3, 8, 1},
+    {PLANISH_CELL_WEDGE, "wedge", "wedge", "wedges", 3, 6, 1},
+    {PLANISH_CELL_WEDGE15, "wedge15", "quadratic wedge", "quadratic wedges", 3, 6, 1},
+    {PLANISH_CELL_WEDGE18, "wedge18", "biquadratic wedge", "biquadratic wedges", 3, 6, 1},
+    {PLANISH_CELL_PYRAMID, "pyramid", "pyramid", "pyramids", 3, 5, 1},
+    {PLANISH_CELL_PYRAMID13, "pyramid13", "quadratic pyramid", "quadratic pyramids", 3, 5, 0},
+    {PLANISH_CELL_PYRAMID14, "pyramid14", "biquadratic pyramid", "biquadratic pyramids", 3, 5, 0},
+    {PLANISH_CELL_TRIANGLE, "triangle", "triangle", "triangles", 2, 3, 0},
+    {PLANISH_CELL_TRIANGLE6, "triangle6", "quadratic triangle", "quadratic triangles", 2, 3, 0},
+    {PLANISH_CELL_QUADRILATERAL, "quadrilateral", "quadrilateral", "quadrilaterals", 2, 4, 1},
     {PLANISH_CELL_QUADRILATERAL8, "quadrilateral8", "quadratic quadrilateral",
-     "quadratic quadrilaterals"},
+     "quadratic quadrilaterals", 2, 4, 1},
     {PLANISH_CELL_QUADRILATERAL9, "quadrilateral9", "biquadratic quadrilateral",
-     "biquadratic quadrilaterals"},
+     "biquadratic quadrilaterals", 2, 4, 1},
 };
 
 enum { N_NAMES = sizeof names / sizeof *names };
 
 static const type_name *name_of(planish_cell_type type) {
-    static const type_name unknown = {PLANISH_CELL_VERTEX, "element", "element", "elements"};
+    static const type_name unknown = {
+        PLANISH_CELL_VERTEX, "element", "element", "elements", 0, 0, 0};
     for (int i = 0; i < N_NAMES; i++)
         if (names[i].type == type)
             return &names[i];
     return &unknown;
+}
+
+int pl_cell_corners(planish_cell_type type) {
+    return name_of(type)->n_corners;
+}
+
+int pl_cell_is_simplex(planish_cell_type type) {
+    const type_name *name = name_of(type);
+    return name->dim > 0 && name->n_corners == name->dim + 1;
+}
+
+int pl_cells_have_types(const planish_cells *cells, int dim) {
+    for (int64_t i = 0; i < cells->n; i++) {
+        const type_name *name = name_of((planish_cell_type)cells->type[i]);
+        if (name->is_smoothed_type && name->dim == dim)
+            return 1;
+    }
+    return 0;
 }
 
 const char *pl_cell_type_name(planish_cell_type type) {
@@ -155,34 +179,62 @@ int pl_cells_measure(const pl_job *job, pl_cells *cells) {
     return 0;
 }
 
-/* ---- second order --------------------------------------------------------------------------- */
+/* ---- validity ------------------------------------------------------------------------------- */
+
+/** Mark the elements that are not valid though their corners are positive. corner [n_elements]: above
+ *  0 where they are. */
+static void mark_inside(const pl_job *job, const double *corner, pl_validity *validity) {
+    for (int64_t i = 0; i < job->mesh.n_elements; i++)
+        if (validity->state[i] != PLANISH_CELL_STATE_VALID && corner[i] > 0) {
+            validity->state[i] = PL_INVERTED_INSIDE;
+            validity->n_inside++;
+        }
+}
 
 int pl_validity_find(const pl_job *job, pl_validity *validity) {
-    const size_t n = (size_t)job->mesh.n_elements;
+    const size_t n = (size_t)job->mesh.n_elements + 1;
     planish_error error;
     *validity = (pl_validity){.is_known = job->mesh.cells != NULL};
     if (!validity->is_known)
         return 0;
-    double *ratio = malloc((n + 1) * sizeof *ratio);
-    const planish_cell_values values = {.state = validity->state = malloc(n + 1)};
-    int code = ratio && values.state ? PLANISH_OK : pl_fail_memory(&error, "states of elements");
+    double *corner = malloc(n * sizeof *corner);
+    validity->state = malloc(n);
+    validity->aspect_ratio = malloc(n * sizeof *validity->aspect_ratio);
+    const planish_cell_values values = {.state = validity->state,
+                                        .aspect_ratio = validity->aspect_ratio,
+                                        .scaled_jacobian = corner};
+    int code = corner && values.state && values.aspect_ratio
+                   ? PLANISH_OK
+                   : pl_fail_memory(&error, "states of elements");
     if (!code)
         code = measure(job, job->mesh.cells, &validity->quality, &values, &error);
+    if (!code && !job->has_types) /* of simplices the plan tells exactly */
+        code = job->engine->measure_elements(job, corner, &error);
     if (!code)
-        code = job->engine->measure_elements(job, ratio, &error);
-    for (size_t i = 0; i < n && !code; i++)
-        if (values.state[i] != PLANISH_CELL_STATE_VALID && ratio[i] > 0) {
-            values.state[i] = PL_INVERTED_INSIDE;
-            validity->n_inside++;
-        }
-    free(ratio);
+        mark_inside(job, corner, validity);
+    free(corner);
     mark_all_missing(&validity->quality);
     return code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : 0;
 }
 
 void pl_validity_free(pl_validity *validity) {
     free(validity->state);
+    free(validity->aspect_ratio);
     validity->state = NULL;
+    validity->aspect_ratio = NULL;
+}
+
+int pl_cells_find_states(const pl_job *job, uint8_t **state) {
+    planish_cell_quality quality;
+    planish_error error;
+    const planish_cell_values values = {.state = *state = malloc((size_t)job->mesh.n_elements + 1)};
+    if (!*state)
+        return pl_job_complain_memory(job, "states of elements");
+    if (!measure(job, job->mesh.cells, &quality, &values, &error))
+        return 0;
+    free(*state);
+    *state = NULL;
+    return pl_job_complain(job, PL_EXIT_FAILED, &error);
 }
 
 int64_t pl_validity_faults(const pl_validity *validity, const planish_quality *quality) {
@@ -193,6 +245,10 @@ int64_t pl_validity_faults(const pl_validity *validity, const planish_quality *q
 int pl_cells_measure_elements(const pl_job *job, double *ratio, planish_error *error) {
     planish_cell_quality quality;
     const int64_t n = job->mesh.n_elements;
+    if (job->has_types) {
+        const planish_cell_values of = {.aspect_ratio = ratio};
+        return measure(job, job->mesh.cells, &quality, &of, error);
+    }
     int code = job->engine->measure_elements(job, ratio, error);
     if (code || !job->mesh.cells)
         return code;

@@ -1,12 +1,15 @@
-/* cells: the elements of every type that a mesh file has, for the command quality.
+/* cells: the elements of every type that a mesh file has.
  *
  *     pl_cells_measure, _free     their quality, where some are no straight simplices
- *     pl_validity_find, _free     which elements are valid, in a mesh with some of second order
+ *     pl_validity_find, _free     which elements are valid, where not all are straight simplices
  *     pl_cells_measure_elements   radius ratios
  *     pl_cells_convert            a copy for viewing, with their measures
  *     pl_cells_rounding           how far off rounding takes nodes
  *     pl_cells_count              their number by type, as text
+ *     pl_cells_have_types         whether some are no simplices
+ *     pl_cells_find_states        planish_cell_state of each
  *     pl_cell_type_name           name of a type
+ *     pl_cell_corners, pl_cell_is_simplex   what a type has
  *
  * Functions that return an int return 0, or an exit status after a message.
  */
@@ -31,13 +34,14 @@ int pl_cells_measure(const pl_job *job, pl_cells *cells);
  *  positive. */
 enum { PL_INVERTED_INSIDE = 4 };
 
-/** Validity of the smoothed elements of a mesh that has some of second order: decided with their
- *  mid-side nodes. */
+/** Validity of the elements of a mesh that are not all straight simplices: decided for every point of
+ *  an element, with its mid-side nodes. */
 typedef struct pl_validity {
-    int is_known;                 /* 0: all elements are of first order, and nothing else is set */
+    int is_known;                 /* 0: all are straight simplices, and nothing else is set */
     planish_cell_quality quality; /* ratios over no element are NAN */
     uint8_t *state;               /* [mesh.n_elements] of planish_cell_state, or
                                      PL_INVERTED_INSIDE; owned */
+    double *aspect_ratio;         /* [mesh.n_elements] 0: not valid; owned */
     int64_t n_inside;             /* of PL_INVERTED_INSIDE */
 } pl_validity;
 
@@ -47,11 +51,16 @@ int pl_validity_find(const pl_job *job, pl_validity *validity);
 
 void pl_validity_free(pl_validity *validity);
 
+/** Find the state of each element of job->mesh, which has cells: *state [mesh.n_elements] of
+ *  planish_cell_state, to be freed by the caller. */
+int pl_cells_find_states(const pl_job *job, uint8_t **state);
+
 /** Elements that are inverted, or not known to be valid: quality is of the same mesh. */
 int64_t pl_validity_faults(const pl_validity *validity, const planish_quality *quality);
 
-/** Find the radius ratios of the smoothed elements [mesh.n_elements] by their corners; 0: the element
- *  is inverted, perhaps by its mid-side nodes. Returns a planish_status. */
+/** Find the radius ratios of the elements [mesh.n_elements] by their corners, or their aspect ratios
+ *  where job->has_types; 0: the element is inverted, perhaps by its mid-side nodes. Returns a
+ *  planish_status. */
 int pl_cells_measure_elements(const pl_job *job, double *ratio, planish_error *error);
 
 /** Write a copy of the mesh as it is now for viewing, with the measures of all elements, and say what
@@ -63,6 +72,16 @@ double pl_cells_rounding(const pl_job *job);
 
 /** Free what cells owns; the quality stays. The file may be closed afterwards. */
 void pl_cells_free(pl_cells *cells);
+
+/** Number of corners of an element of a type of two or three dimensions. */
+int pl_cell_corners(planish_cell_type type);
+
+/** Whether a type is a triangle or tetrahedron, of any order. */
+int pl_cell_is_simplex(planish_cell_type type);
+
+/** Whether cells have elements of dimension dim that are smoothed and no simplices: ratios are
+ *  aspect ratios then. */
+int pl_cells_have_types(const planish_cells *cells, int dim);
 
 /** Name of a type of two or three dimensions in tables and reports: "hexahedron", "hexahedron20". */
 const char *pl_cell_type_name(planish_cell_type type);

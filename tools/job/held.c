@@ -31,7 +31,7 @@ static const char *const words[PL_N_HELD_BY] = {"on the boundary",
                                                 "required by the file",
                                                 "at the place of other nodes",
                                                 "where the mesh is not manifold",
-                                                "on thin layers (--fix-layers)",
+                                                "on thin layers (--layers hold)",
                                                 "on elements that wrap around the domain",
                                                 "not chosen by --only-worse-than"};
 
@@ -77,16 +77,20 @@ static uint16_t translate(const translation *table, size_t n, uint8_t bits) {
 /** Mark the mid-side nodes that nothing holds. One that is also a corner is none. */
 static void mark_mids(const pl_job *job, uint16_t *bits) {
     const planish_cells *cells = job->mesh.cells;
-    const int corners = job->mesh.dim + 1;
-    for (int64_t i = 0; cells && i < cells->n; i++)
+    int corners;
+    for (int64_t i = 0; cells && i < cells->n; i++) {
+        pl_job_corners(job, i, &corners);
         for (int64_t k = cells->offset[i] + corners; k < cells->offset[i + 1]; k++) {
             const int32_t mid = cells->node[k];
             if (mid >= 0 && bits[mid] == 0)
                 bits[mid] = PL_HELD_FOLLOWS;
         }
-    for (int64_t i = 0; cells && i < cells->n; i++)
+    }
+    for (int64_t i = 0; cells && i < cells->n; i++) {
+        const int32_t *corner = pl_job_corners(job, i, &corners);
         for (int j = 0; j < corners; j++)
-            bits[pl_job_corners(job, i)[j]] &= (uint16_t)~PL_HELD_FOLLOWS;
+            bits[corner[j]] &= (uint16_t)~PL_HELD_FOLLOWS;
+    }
 }
 
 /** Fill bits with all reasons; scratch [n_nodes]. */
@@ -103,7 +107,7 @@ static int find_reasons(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
         if (scratch[i] & PLANISH_HELD_FIXED)
             bits[i] |= PL_HELD_TOLD;
     }
-    /* Those of the file, and of --fix-layers, for nodes that the plan holds. */
+    /* Those of the file, and of layers, for nodes that the plan holds. */
     if (planish_file_get_held(job->file, &hold, scratch, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     for (int64_t i = 0; i < n; i++)
@@ -240,7 +244,7 @@ void pl_held_explain(const pl_job *job, char *text, size_t size) {
     else if (job->could_slide > 0)
         append(text, size, ": --slide auto lets %" PRId64 " of them slide", job->could_slide);
     else if (held->n[PL_HELD_BY_LAYERS] > 0)
-        append(text, size, ": leave out --fix-layers");
+        append(text, size, ": --layers ignore lets those on thin layers move");
     else if (held->n[PL_HELD_BY_FIX] > 0)
         append(text, size, ": name fewer groups in --fix");
     else if (held->n[PL_HELD_BY_INTERFACE] > 0)

@@ -2,6 +2,7 @@
  */
 #include "job/job.h"
 
+#include "job/cells.h"
 #include "terminal/message.h"
 #include "terminal/signals.h"
 #include "terminal/threads.h"
@@ -18,10 +19,13 @@ const char *const *pl_job_region_arrays(const pl_job *job) {
     return planish_file_region_arrays(job->arguments->ignore_regions ? NULL : job->file);
 }
 
-const int32_t *pl_job_corners(const pl_job *job, int64_t element) {
+const int32_t *pl_job_corners(const pl_job *job, int64_t element, int *n) {
     const planish_cells *cells = job->mesh.cells;
-    return cells ? cells->node + cells->offset[element]
-                 : job->mesh.elements + element * (job->mesh.dim + 1);
+    *n = job->mesh.dim + 1;
+    if (!cells)
+        return job->mesh.elements + element * *n;
+    *n = pl_cell_corners((planish_cell_type)cells->type[element]);
+    return cells->node + cells->offset[element];
 }
 
 int64_t pl_job_element_number(const pl_job *job, int64_t element) {
@@ -33,9 +37,9 @@ static int is_collapsed(const pl_job *job, const planish_error *error) {
     if (error->code != PLANISH_ERROR_MESH || !job->file || error->element < 0 ||
         error->element >= job->mesh.n_elements)
         return 0;
-    const int32_t *corner = pl_job_corners(job, error->element);
-    int n = 0;
-    for (int i = 0; i <= job->mesh.dim; i++)
+    int n_corners, n = 0;
+    const int32_t *corner = pl_job_corners(job, error->element, &n_corners);
+    for (int i = 0; i < n_corners; i++)
         n += corner[i] == error->node;
     return n > 1;
 }
@@ -104,7 +108,8 @@ int pl_job_find_layers(const pl_job *job, uint8_t **is_layer, int64_t *n) {
     planish_error error;
     *is_layer = NULL;
     *n = 0;
-    if (job->file && job->file_info.n_other_elements > 0) {
+    if (job->file && planish_file_mesh(job->file).n_elements + job->file_info.n_other_elements >
+                         job->mesh.n_elements) {
         if (planish_file_cells(job->file, &cells, &error))
             return pl_job_complain(job, PL_EXIT_FAILED, &error);
         mesh.cells = &cells;
@@ -121,10 +126,86 @@ int pl_job_find_layers(const pl_job *job, uint8_t **is_layer, int64_t *n) {
 }
 
 void pl_job_hold_layers(const pl_job *job, uint8_t *constraint) {
+    for (int64_t i = 0; job->in_layer && i < job->mesh.n_nodes; i++)
+        if (job->in_layer[i])
+            constraint[i] = PLANISH_CONSTRAINT_FIXED;
+}
+
+/** Put value at all nodes of an element. */
+static void mark_nodes(const pl_job *job, int64_t element, uint8_t value, uint8_t *mark) {
+    const planish_cells *cells = job->mesh.cells;
     const int corners = job->mesh.dim + 1;
-    for (int64_t i = 0; job->is_layer && i < job->mesh.n_elements; i++)
-        for (int j = 0; job->is_layer[i] && j < corners; j++)
-            constraint[pl_job_corners(job, i)[j]] = PLANISH_CONSTRAINT_FIXED;
+    const int64_t begin = cells ? cells->offset[element] : element * corners;
+    const int64_t end = cells ? cells->offset[element + 1] : begin + corners;
+    const int32_t *node = cells ? cells->node : job->mesh.elements;
+    for (int64_t k = begin; k < end; k++)
+        if (node[k] >= 0)
+            mark[node[k]] = value;
+}
+
+/** Whether layers of a type are held unless an option says otherwise. has_triangles: the mesh has
+ *  some. */
+static int is_held_by_default(planish_cell_type type, int has_triangles) {
+    const int n = pl_cell_corners(type);
+    return n == 6 || n == 8 || (n == 4 && has_triangles && !pl_cell_is_simplex(type));
+}
+
+/** Mark the elements whose layers are held, all or by their types; *n: their number. */
+static void choose_types(const pl_job *job, uint8_t *is_chosen, int64_t *n) {
+    const planish_cells *cells = job->mesh.cells;
+    const int all = job->arguments->layers == PL_LAYERS_HELD;
+    int has_triangles = 0;
+    *n = 0;
+    for (int64_t i = 0; cells && i < cells->n; i++)
+        has_triangles |= pl_cell_corners((planish_cell_type)cells->type[i]) == 3;
+    for (int64_t i = 0; i < job->mesh.n_elements; i++) {
+        is_chosen[i] =
+            (uint8_t)(all || (cells && is_held_by_default((planish_cell_type)cells->type[i],
+                                                          has_triangles)));
+        *n += is_chosen[i];
+    }
+}
+
+/** Find the layers and the nodes that they hold. No element of other types that is not valid has one
+ *  of these: among tangled elements thin ones are thin by chance. is_chosen [n_elements]. */
+static int hold_layers(pl_job *job, const uint8_t *is_chosen) {
+    uint8_t *state = NULL;
+    int status = pl_job_find_layers(job, &job->is_layer, &job->layers.n);
+    if (status || job->layers.n == 0)
+        return status;
+    job->in_layer = calloc((size_t)job->mesh.n_nodes + 1, 1);
+    if (!job->in_layer)
+        return pl_job_complain_memory(job, "values of nodes");
+    for (int64_t i = 0; i < job->mesh.n_elements; i++) {
+        if (!job->is_layer[i] || !is_chosen[i])
+            continue;
+        mark_nodes(job, i, 1, job->in_layer);
+        job->layers.n_held++;
+    }
+    if (job->has_types)
+        status = pl_cells_find_states(job, &state);
+    for (int64_t i = 0; state && i < job->mesh.n_elements; i++)
+        if (state[i] != PLANISH_CELL_STATE_VALID)
+            mark_nodes(job, i, 0, job->in_layer);
+    free(state);
+    return status;
+}
+
+/** Hold the nodes of layers that are asked for, or usual. */
+static int find_held_layers(pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    int64_t n;
+    if (arguments->layers == PL_LAYERS_IGNORED ||
+        (arguments->layers == PL_LAYERS_BY_TYPE && !job->has_types))
+        return 0;
+    uint8_t *is_chosen = malloc((size_t)job->mesh.n_elements + 1);
+    if (!is_chosen)
+        return pl_job_complain_memory(job, "values of elements");
+    choose_types(job, is_chosen, &n);
+    const int status = n > 0 ? hold_layers(job, is_chosen) : 0;
+    free(is_chosen);
+    pl_job_hold_layers(job, job->constraint);
+    return status;
 }
 
 static int find_min_volumes(pl_job *job) {
@@ -133,7 +214,8 @@ static int find_min_volumes(pl_job *job) {
     planish_error error;
     if (arguments->n_min_volumes == 0)
         return 0;
-    job->min_volume = malloc(((size_t)job->mesh.n_elements + 1) * sizeof *job->min_volume);
+    const size_t n_of_file = (size_t)planish_file_mesh(job->file).n_elements;
+    job->min_volume = malloc((n_of_file + 1) * sizeof *job->min_volume);
     if (!job->min_volume)
         return pl_job_complain_memory(job, "values of elements");
     if (planish_file_min_volumes(job->file, (const char *const *)arguments->min_volume_tag,
@@ -180,6 +262,60 @@ static int find_box(pl_job *job) {
     return 0;
 }
 
+/** Leave the simplices alone in the mesh, which come first in a file's: the command quality measures
+ *  all elements by themselves (pl_cells_measure), and makes a plan of these. */
+static void keep_simplices(pl_job *job) {
+    const planish_cells *cells = job->mesh.cells;
+    if (!cells)
+        return;
+    job->simplices = *cells;
+    job->simplices.n = 0;
+    while (job->simplices.n < cells->n &&
+           pl_cell_is_simplex((planish_cell_type)cells->type[job->simplices.n]))
+        job->simplices.n++;
+    job->mesh.cells = &job->simplices;
+    job->mesh.n_elements = job->simplices.n;
+}
+
+void pl_job_take_all(pl_job *job) {
+    const planish_mesh mesh = planish_file_mesh(job->file);
+    job->mesh.elements = mesh.elements;
+    job->mesh.cells = mesh.cells;
+    job->mesh.n_elements = mesh.n_elements;
+    job->has_types = mesh.cells && pl_cells_have_types(mesh.cells, mesh.dim);
+}
+
+/** Check that the measures that were asked for are those of the mesh's elements, and choose the one
+ *  for the worst elements where none was. */
+static int check_measures(pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    const planish_worst asked = arguments->worst_measure;
+    const int is_of_types =
+        asked == PLANISH_WORST_ASPECT_RATIO || asked == PLANISH_WORST_SCALED_JACOBIAN;
+    const char *command = pl_command_name(arguments->command), *input = arguments->input;
+    if (job->has_types && arguments->has_objective && !arguments->worst &&
+        arguments->library.objective == PLANISH_OBJECTIVE_RADIUS_RATIO)
+        return pl_complain_usage(command,
+                                 "--objective radius-ratio is of triangles and tetrahedra alone, "
+                                 "but %s has other elements: choose mean-ratio or edge-ratio",
+                                 input);
+    if (!arguments->worst)
+        return 0;
+    if (asked == PLANISH_WORST_NONE && job->has_types)
+        job->options.worst = PLANISH_WORST_SCALED_JACOBIAN;
+    if (job->has_types && asked != PLANISH_WORST_NONE && !is_of_types)
+        return pl_complain_usage(command,
+                                 "--worst-measure %s is of triangles and tetrahedra alone, but %s "
+                                 "has other elements: choose scaled-jacobian or aspect-ratio",
+                                 pl_worst_name(asked), input);
+    if (!job->has_types && is_of_types)
+        return pl_complain_usage(command,
+                                 "--worst-measure %s is of other elements than those of %s: choose "
+                                 "dihedral or radius-ratio",
+                                 pl_worst_name(asked), input);
+    return 0;
+}
+
 /** Open the file, and find out what it says of nodes and elements. */
 static int open_file(pl_job *job) {
     const pl_arguments *arguments = job->arguments;
@@ -199,6 +335,11 @@ static int open_file(pl_job *job) {
     job->options.round = job->file_info.round;
     job->options.round_user = job->file_info.round_user;
     job->mesh = planish_file_mesh(job->file);
+    if (arguments->command == PL_COMMAND_QUALITY)
+        keep_simplices(job);
+    job->has_types = job->mesh.cells && pl_cells_have_types(job->mesh.cells, job->mesh.dim);
+    if ((status = check_measures(job)))
+        return status;
     /* The tolerance is for nodes that slide, and for those of a tilted plane. */
     planish_file_plane(job->file, &plane);
     if (arguments->command == PL_COMMAND_SMOOTH && arguments->slide_tolerance > 0 &&
@@ -213,9 +354,8 @@ static int open_file(pl_job *job) {
     const planish_hold hold = hold_of(arguments, arguments->slide, 0);
     if ((status = find_held(job, &hold, job->constraint)))
         return status;
-    if (arguments->fix_layers && (status = pl_job_find_layers(job, &job->is_layer, &job->layers.n)))
+    if ((status = find_held_layers(job)))
         return status;
-    pl_job_hold_layers(job, job->constraint);
     return find_min_volumes(job);
 }
 
@@ -368,6 +508,19 @@ int pl_job_count_slides(pl_job *job) {
     return status;
 }
 
+planish_objective pl_job_objective(const pl_job *job) {
+    const planish_objective objective = job->options.objective;
+    return job->has_types && objective == PLANISH_OBJECTIVE_RADIUS_RATIO
+               ? PLANISH_OBJECTIVE_MEAN_RATIO
+               : objective;
+}
+
+int pl_job_changes_objective(const pl_job *job) {
+    const planish_objective usual =
+        job->has_types ? PLANISH_OBJECTIVE_MEAN_RATIO : PLANISH_OBJECTIVE_RADIUS_RATIO;
+    return pl_job_objective(job) != usual || job->options.area_weight > 0;
+}
+
 /* ---- the plan, and measures ----------------------------------------------------------------- */
 
 int pl_job_plan(pl_job *job) {
@@ -446,6 +599,7 @@ void pl_job_close(pl_job *job) {
     free(job->min_volume);
     free(job->wrapped);
     free(job->is_layer);
+    free(job->in_layer);
     free(job->direction);
     free(job->constraint);
     planish_file_close(job->file);

@@ -19,7 +19,8 @@
 /** Elements thin in layers (layers.h). */
 typedef struct pl_layers {
     int64_t n;       /* in the input; -1: not looked for */
-    int64_t n_loose; /* those of them with a node that moves; 0 with --fix-layers */
+    int64_t n_held;  /* those of them that are held as layers */
+    int64_t n_loose; /* those of them with a node that moves; 0 where all are held */
     char fix[256];   /* options that hold them by their groups, or "" */
 } pl_layers;
 
@@ -73,11 +74,17 @@ typedef struct pl_job {
     planish_options options;       /* those of the arguments, and what file and machine say */
     planish_file *file;
     planish_file_info file_info;
-    planish_mesh mesh;   /* its arrays are those of file, but for those that follow. It has cells
-                            in place of elements where simplices of second order are among them */
+    planish_mesh mesh; /* its arrays are those of file, but for those that follow. It has cells
+                            in place of elements unless all are straight simplices */
+    planish_cells simplices; /* mesh.cells of the command quality: those of the file that are first,
+                                and simplices */
+    int has_types;       /* there are smoothed elements that are no simplices: ratios are the aspect
+                            ratios AR of docs/measures.md, of simplices, too */
     uint8_t *constraint; /* [mesh.n_nodes] of planish_constraint, owned */
     double *direction;   /* [mesh.n_nodes][dim] of nodes that slide, owned, or NULL: none does */
-    uint8_t *is_layer; /* [mesh.n_elements] thin in layers, owned, or NULL: without --fix-layers */
+    uint8_t *is_layer;   /* [mesh.n_elements] thin in layers, owned, or NULL: not looked for while
+                          reading, as none would be held */
+    uint8_t *in_layer;   /* [mesh.n_nodes] 1: held as a node of a layer; owned, or NULL: none is */
     pl_layers layers;
     pl_held held;
     int64_t could_slide;       /* nodes that would with --slide auto; -1: not looked for */
@@ -97,6 +104,9 @@ typedef struct pl_job {
 /** Read the file of arguments and find out which nodes it holds and what bounds there are. */
 int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *engine);
 
+/** Put all elements of the file in job->mesh, in a copy of a job of the command quality. */
+void pl_job_take_all(pl_job *job);
+
 /** Find the nodes that slide, if any shall. */
 int pl_job_find_slides(pl_job *job);
 
@@ -108,17 +118,23 @@ planish_hold pl_job_hold(const pl_job *job);
  *  after an error. */
 int pl_job_find_layers(const pl_job *job, uint8_t **is_layer, int64_t *n);
 
-/** Fix the nodes of the elements in job->is_layer, if there are any, in constraint [n_nodes]. */
+/** Fix the nodes of layers that are held, if there are any, in constraint [n_nodes]. */
 void pl_job_hold_layers(const pl_job *job, uint8_t *constraint);
 
 /** Names of the arrays between whose values nodes are held, NULL at the end. */
 const char *const *pl_job_region_arrays(const pl_job *job);
 
-/** The dim + 1 corners of an element of job->mesh, of either order. */
-const int32_t *pl_job_corners(const pl_job *job, int64_t element);
+/** The corners of an element of job->mesh, of any type and order, and their number *n. */
+const int32_t *pl_job_corners(const pl_job *job, int64_t element, int *n);
 
 /** The file's number of an element; without a file its index. */
 int64_t pl_job_element_number(const pl_job *job, int64_t element);
+
+/** Objective that is minimised: of a mesh with elements of other types the mean ratio by default. */
+planish_objective pl_job_objective(const pl_job *job);
+
+/** Whether F is another number than the RMS of the measure of the mesh, radius or aspect ratio. */
+int pl_job_changes_objective(const pl_job *job);
 
 /** Make the plan. */
 int pl_job_plan(pl_job *job);

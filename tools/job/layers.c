@@ -110,7 +110,7 @@ static int find_groups(pl_job *job, const uint8_t *is_loose) {
 
 /** Remove the marks of elements without a node that moves. */
 static int keep_loose(pl_job *job, uint8_t *is_layer) {
-    const int corners = job->mesh.dim + 1;
+    int corners;
     uint8_t *moves = malloc((size_t)job->mesh.n_nodes + 1);
     if (!moves)
         return pl_job_complain_memory(job, "values of elements");
@@ -119,8 +119,9 @@ static int keep_loose(pl_job *job, uint8_t *is_layer) {
         moves[i] |= job->constraint[i] > PLANISH_CONSTRAINT_FIXED;
     for (int64_t i = 0; !status && i < job->mesh.n_elements; i++) {
         int is_loose = 0;
+        const int32_t *corner = pl_job_corners(job, i, &corners);
         for (int j = 0; is_layer[i] && j < corners; j++)
-            is_loose |= moves[pl_job_corners(job, i)[j]];
+            is_loose |= moves[corner[j]];
         is_layer[i] = (uint8_t)is_loose;
         job->layers.n_loose += is_loose;
     }
@@ -142,11 +143,17 @@ int pl_layers_count(pl_job *job, const planish_quality *quality) {
     int64_t n_thin = quality->n_inverted; /* none of these is in the histogram */
     for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++)
         n_thin += quality->histogram_edges[i] >= RATIO_OF_THIN ? quality->histogram_counts[i] : 0;
-    const int may_have = job->file_info.n_other_elements > 0 ||
+    const int may_have = job->file_info.n_other_elements > 0 || job->simplices.type ||
                          (double)n_thin >= MANY_OF_THIN * (double)quality->n_elements;
-    if (job->arguments->fix_layers || !job->file || !may_have)
+    if (job->arguments->layers != PL_LAYERS_BY_TYPE || !job->file || (!may_have && !job->is_layer))
         return 0;
-    int status = pl_job_find_layers(job, &is_layer, &job->layers.n);
+    int status = 0;
+    if (job->is_layer) { /* known from reading */
+        is_layer = job->is_layer;
+        job->is_layer = NULL;
+    } else {
+        status = pl_job_find_layers(job, &is_layer, &job->layers.n);
+    }
     if (!status && job->layers.n > 0)
         status = keep_loose(job, is_layer);
     if (!status && are_many(job))
@@ -160,7 +167,9 @@ int pl_layers_count(pl_job *job, const planish_quality *quality) {
 
 void pl_layers_print(FILE *stream, const pl_job *job) {
     const pl_layers *layers = &job->layers;
-    const int64_t n = job->arguments->fix_layers ? layers->n : layers->n_loose;
+    const int is_all = job->arguments->layers == PL_LAYERS_HELD;
+    const int64_t n_nodes = job->held.n[PL_HELD_BY_LAYERS];
+    const int64_t n = is_all ? layers->n : layers->n_held > 0 ? layers->n_held : layers->n_loose;
     const int64_t of = job->mesh.n_elements + job->file_info.n_other_elements;
     const double percent = of > 0 ? 100 * (double)n / (double)of : 0;
     char part[16];
@@ -170,8 +179,13 @@ void pl_layers_print(FILE *stream, const pl_job *job) {
         snprintf(part, sizeof part, "%.2g %%", percent);
     else /* in full only if it is all */
         snprintf(part, sizeof part, "%.0f %%", n < of && percent > 99 ? 99 : percent);
-    if (job->arguments->fix_layers)
+    if (is_all)
         pl_note(stream, "%" PRId64 " elements (%s) are thin in layers, and held", n, part);
+    else if (layers->n_held > 0 && n_nodes > 0)
+        pl_note(stream,
+                "%" PRId64 " elements (%s) are thin in layers: %" PRId64
+                " %s held there; --layers ignore lets them move",
+                n, part, n_nodes, n_nodes == 1 ? "node is" : "nodes are");
     else if (are_many(job))
         pl_note(stream,
                 "%" PRId64 " elements (%s) are thin in layers (a boundary layer?): %s keeps them",

@@ -16,7 +16,8 @@ void pl_progress_init(pl_progress *progress, const pl_arguments *arguments) {
     const pl_verbosity verbosity = arguments->verbosity;
     memset(progress, 0, sizeof *progress);
     progress->arguments = arguments;
-    progress->plain = !pl_arguments_change_objective(arguments);
+    progress->plain = arguments->library.objective == PLANISH_OBJECTIVE_RADIUS_RATIO &&
+                      arguments->library.area_weight == 0;
     progress->has_volumes = pl_arguments_bound_volumes(arguments);
     progress->begin = pl_seconds();
     progress->last_shown = -1;

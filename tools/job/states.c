@@ -96,7 +96,7 @@ void pl_volumes_print(FILE *stream, const pl_job *job, const pl_volumes *volumes
 /* ---- inverted for good ---------------------------------------------------------------------- */
 
 const char *pl_holder_option(pl_holder holder) {
-    static const char *const options[PL_N_HOLDERS] = {"--fix-layers", "--fix", "regions"};
+    static const char *const options[PL_N_HOLDERS] = {"--layers hold", "--fix", "regions"};
     return options[holder];
 }
 
@@ -105,12 +105,13 @@ const char *pl_holder_option(pl_holder holder) {
 static int holder_of(const pl_job *job, const uint16_t *bits, int64_t element) {
     static const unsigned of[PL_N_HOLDERS] = {1 << PL_HELD_BY_LAYERS, 1 << PL_HELD_BY_FIX,
                                               1 << PL_HELD_BY_INTERFACE};
-    const int corners = job->mesh.dim + 1;
+    int corners;
+    const int32_t *corner = pl_job_corners(job, element, &corners);
     unsigned all = 0, found = 0;
     for (int i = 0; i < PL_N_HOLDERS; i++)
         all |= of[i];
     for (int j = 0; j < corners; j++) {
-        const unsigned here = bits[pl_job_corners(job, element)[j]];
+        const unsigned here = bits[corner[j]];
         found |= here & ~all ? 0 : here;
     }
     for (int i = 0; i < PL_N_HOLDERS; i++)

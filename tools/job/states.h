@@ -58,7 +58,7 @@ typedef struct pl_unfixable {
     uint8_t *state; /* [mesh.n_elements] PL_UNFIXABLE, ...; owned, or NULL: there are none */
 } pl_unfixable;
 
-/** Name of the option of a holder, "--fix-layers". */
+/** Name of the option of a holder, "--layers hold". */
 const char *pl_holder_option(pl_holder holder);
 
 /** Find them in the mesh as it is now, which has n_inverted inverted elements; smooth: as above. */

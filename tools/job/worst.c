@@ -136,7 +136,7 @@ static const planish_cells *cells_of(const pl_job *job, const pl_cells *cells) {
 static const int32_t *nodes_of(const pl_job *job, const pl_cells *cells, int64_t element, int *n) {
     const planish_cells *of = cells_of(job, cells);
     *n = of ? (int)(of->offset[element + 1] - of->offset[element]) : job->mesh.dim + 1;
-    return of ? of->node + of->offset[element] : pl_job_corners(job, element);
+    return of ? of->node + of->offset[element] : job->mesh.elements + element * (job->mesh.dim + 1);
 }
 
 /** Fill in the numbers and the middle of an element, and its angles if it is one of the simplices.

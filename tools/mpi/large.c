@@ -26,7 +26,7 @@ int pl_large_can(const pl_arguments *a) {
                     : PETSC_FALSE;
     if (!wants)
         return 0;
-    const int asks_for_all = a->n_fix > 0 || a->fix_layers || a->n_slide_tags > 0 ||
+    const int asks_for_all = a->n_fix > 0 || a->layers == PL_LAYERS_HELD || a->n_slide_tags > 0 ||
                              a->n_min_volumes > 0 || a->n_regions > 0 || a->report ||
                              (a->format && strcmp(a->format, "dmplex") != 0);
     const char *why = !pl_plexfile_is(a->output) ? "the output is not a .h5 file"

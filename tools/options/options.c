@@ -40,8 +40,22 @@ const char *pl_objective_name(planish_objective objective) {
     return objective_names[objective];
 }
 
+/* In the order of the option's words. */
+static const struct {
+    planish_worst worst;
+    const char *name;
+} worst_names[] = {
+    {PLANISH_WORST_ANGLE, "dihedral"},
+    {PLANISH_WORST_RADIUS_RATIO, "radius-ratio"},
+    {PLANISH_WORST_ASPECT_RATIO, "aspect-ratio"},
+    {PLANISH_WORST_SCALED_JACOBIAN, "scaled-jacobian"},
+};
+
 const char *pl_worst_name(planish_worst worst) {
-    return worst == PLANISH_WORST_ANGLE ? "dihedral" : "radius-ratio";
+    for (size_t i = 0; i < sizeof worst_names / sizeof *worst_names; i++)
+        if (worst_names[i].worst == worst)
+            return worst_names[i].name;
+    return "";
 }
 
 /* ---- values: strictly the whole word, in range, finite ------------------------------------- */
@@ -148,6 +162,7 @@ static const char *set_format(pl_arguments *arguments, const option_row *row, co
 
 static const char *set_objective(pl_arguments *arguments, const option_row *row,
                                  const char *value) {
+    arguments->has_objective = 1;
     arguments->worst = strcmp(value, "worst") == 0;
     const int i = arguments->worst ? PLANISH_OBJECTIVE_RADIUS_RATIO : find_value(row, value);
     arguments->library.objective = (planish_objective)i;
@@ -157,7 +172,15 @@ static const char *set_objective(pl_arguments *arguments, const option_row *row,
 static const char *set_worst_measure(pl_arguments *arguments, const option_row *row,
                                      const char *value) {
     const int i = find_value(row, value);
-    arguments->worst_measure = i == 0 ? PLANISH_WORST_ANGLE : PLANISH_WORST_RADIUS_RATIO;
+    arguments->worst_measure = worst_names[i < 0 ? 0 : i].worst;
+    return i < 0 ? NOT_LISTED : NULL;
+}
+
+static const char *set_layers(pl_arguments *arguments, const option_row *row, const char *value) {
+    const int i = find_value(row, value);
+    arguments->layers = i == 0 ? PL_LAYERS_HELD : PL_LAYERS_IGNORED;
+    if (value[0] && value[strspn(value, "0123456789")] == '\0')
+        return "must be hold or ignore; the rings of elements around bad ones are --rings";
     return i < 0 ? NOT_LISTED : NULL;
 }
 
@@ -285,15 +308,17 @@ static const option_row option_table[] = {
      "may invert elements",
      "planish laplacian area-laplacian length-laplacian"},
     {0, "objective", "NAME", SMOOTH | OPTIMISES, set_objective, 0, 0, 0, NULL,
-     "minimise the RMS of radius-ratio (default),\n"
-     "mean-ratio or edge-ratio; or worst: minimise\n"
-     "radius-ratio, then improve the worst elements",
+     "minimise the RMS of radius-ratio (default of\n"
+     "triangles and tetrahedra), mean-ratio (default of\n"
+     "other elements) or edge-ratio; or worst: minimise the\n"
+     "default, then improve the worst elements",
      "radius-ratio mean-ratio edge-ratio worst"},
     {0, "worst-measure", "NAME", SMOOTH | OPTIMISES | OF_WORST, set_worst_measure, 0, 0, 0, NULL,
      "improve this with --objective worst: dihedral (the\n"
-     "smallest and largest angles, default) or\n"
-     "radius-ratio",
-     "dihedral radius-ratio"},
+     "smallest and largest angles, default) or radius-ratio\n"
+     "of triangles and tetrahedra; scaled-jacobian\n"
+     "(default) or aspect-ratio of other elements",
+     "dihedral radius-ratio aspect-ratio scaled-jacobian"},
     {0, "worst-rise", "R", SMOOTH | OPTIMISES | OF_WORST, set_real, AT(library.worst_rise), 0, 1e6,
      "must be a number from 0 to 1e6",
      "allow a relative RMS increase of R for the worst\n"
@@ -348,9 +373,12 @@ static const option_row option_table[] = {
      "hold all nodes of group TAG: its NAME, N or DIM:N;\n"
      "repeatable",
      NULL},
-    {0, "fix-layers", NULL, BOTH, set_flag, AT(fix_layers), 1, 0, NULL,
-     "hold all nodes of boundary layers: elements that are\n"
-     "thin in layers",
+    {0, "layers", "HOW", BOTH, set_layers, 0, 0, 0, NULL,
+     "hold or ignore boundary layers: elements that are\n"
+     "thin in layers (default: hold those of wedges and\n"
+     "hexahedra, and of quadrilaterals beside triangles)",
+     "hold ignore"},
+    {0, "fix-layers", NULL, BOTH, set_flag, AT(fix_layers), 1, 0, NULL, "same as --layers hold",
      NULL},
     {0, "regions", "NAME", BOTH, set_regions, 0, 0, 0,
      "must be the name of an array of the file, or none",
@@ -377,9 +405,16 @@ static const option_row option_table[] = {
      "a tilted plane",
      NULL},
     {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_real, AT(library.only_worse_than), 1,
-     DBL_MAX, "must be a radius ratio, 1 or more",
-     "move only nodes of elements with a radius ratio above\n"
-     "RR (default: move all)",
+     DBL_MAX, "must be a ratio, 1 or more",
+     "move only nodes of elements with a radius ratio (with\n"
+     "other elements: aspect ratio) above RR (default: move\n"
+     "all)",
+     NULL},
+    {0, "curve-quality", "Q", SMOOTH | OPTIMISES, set_real, AT(library.curve_quality), 0, 1,
+     "must be a number from 0 to 1",
+     "let mid-side nodes move by themselves where the least\n"
+     "Jacobian of a curved element is below Q of its mean\n"
+     "(default 0.3; 0: they follow)",
      NULL},
     {0, "rings", "K", SMOOTH | OPTIMISES, set_integer, AT(library.rings), 0, 100,
      "must be a whole number from 0 to 100",
@@ -472,8 +507,6 @@ static int complain_unknown(pl_command command, const char *name, const char *wo
             used += (size_t)snprintf(others + used, sizeof others - used, "%s--%s",
                                      used ? ", " : "", row->name);
     }
-    if (strcmp(typed, "layers") == 0 && command == PL_COMMAND_SMOOTH)
-        return pl_complain_usage(name, "--layers is called --rings now");
     if (used)
         return pl_complain_usage(name, "option '--%s' is ambiguous: %s", typed, others);
     if (elsewhere)
@@ -542,11 +575,6 @@ int pl_arguments_bound_volumes(const pl_arguments *arguments) {
            arguments->n_min_volumes > 0;
 }
 
-int pl_arguments_change_objective(const pl_arguments *arguments) {
-    return arguments->library.objective != PLANISH_OBJECTIVE_RADIUS_RATIO ||
-           arguments->library.area_weight > 0;
-}
-
 /** The copy for viewing of the command quality. */
 static int check_view(const pl_arguments *arguments) {
     const char *path = arguments->output;
@@ -570,6 +598,8 @@ static int check_combinations(const pl_arguments *arguments) {
     if (library->area_weight > 0 && !pl_arguments_bound_volumes(arguments))
         return pl_complain_usage(command, "--area-weight needs a minimum volume: --min-volume or "
                                           "--min-volume-fraction");
+    if (arguments->fix_layers && arguments->layers == PL_LAYERS_IGNORED)
+        return pl_complain_usage(command, "give --fix-layers or --layers ignore, not both");
     if (library->rings > 0 && !(library->only_worse_than > 0))
         return pl_complain_usage(command, "--rings has no effect without --only-worse-than");
     if (arguments->of_worst && !arguments->worst)
@@ -633,11 +663,15 @@ int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, ch
             return 0;
     }
     status = take_operands(arguments, argc, argv);
+    if (!status)
+        status = check_combinations(arguments);
+    if (arguments->fix_layers)
+        arguments->layers = PL_LAYERS_HELD;
     if (arguments->worst)
         arguments->library.worst = arguments->worst_measure != PLANISH_WORST_NONE
                                        ? arguments->worst_measure
                                        : PLANISH_WORST_ANGLE;
-    return status ? status : check_combinations(arguments);
+    return status;
 }
 
 void pl_arguments_free(pl_arguments *arguments) {

@@ -4,7 +4,7 @@
  * the manual page and the completion of shells (manual.c).
  *
  *     pl_arguments_parse, _free                        a command line
- *     pl_arguments_bound_volumes, _change_objective    questions about it
+ *     pl_arguments_bound_volumes                       a question about it
  *     pl_option_describe                               a row of the table
  *     pl_method_name, pl_objective_name, ...           words of the command line and the report
  */
@@ -35,6 +35,13 @@ typedef enum pl_verbosity {
     PL_DETAILED = 2
 } pl_verbosity;
 
+/** Which layers of thin elements are held. */
+typedef enum pl_layers_asked {
+    PL_LAYERS_BY_TYPE = 0, /* those of some types: pl_job_holds_layer */
+    PL_LAYERS_HELD = 1,    /* all, as by --fix-layers */
+    PL_LAYERS_IGNORED = 2
+} pl_layers_asked;
+
 /** A command line that has been understood. Strings are those of argv. */
 typedef struct pl_arguments {
     pl_command command;
@@ -48,11 +55,13 @@ typedef struct pl_arguments {
     int n_worst;         /* elements that --worst lists; 0: not given */
     const char **fix;    /* [n_fix] tags, owned */
     int n_fix;
-    int fix_layers;         /* elements thin in layers are held */
+    int fix_layers;         /* given: as --layers hold, */
+    pl_layers_asked layers; /* which says so then */
     int slide;              /* boundary nodes slide, where they can */
     const char **slide_tag; /* [n_slide_tags] on these groups only; none: on all; owned */
     int n_slide_tags;
     double slide_tolerance; /* 0: what fits the file */
+    int has_objective;      /* --objective was given */
     int worst;              /* --objective worst */
     const char *of_worst;   /* an option that is for it alone, or NULL */
     planish_worst worst_measure;
@@ -73,9 +82,6 @@ typedef struct pl_arguments {
 
 /** Whether some elements have a minimum volume. */
 int pl_arguments_bound_volumes(const pl_arguments *arguments);
-
-/** Whether F is another number than the RMS of the radius ratio. */
-int pl_arguments_change_objective(const pl_arguments *arguments);
 
 /** Understand argv (argv[0] is the command's name). Returns 0, or an exit status after a message.
  *  To be released by pl_arguments_free in any case. */

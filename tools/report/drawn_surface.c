@@ -8,6 +8,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "geometry/cell.h"
 #include "topology/facets.h"
 
 #include <math.h>
@@ -20,11 +21,12 @@ static const double COARSER = 0.85;
 
 /* ---- all triangles -------------------------------------------------------------------------- */
 
-/** Facets of tetrahedra as they are found. */
+/** Facets of solid elements as they are found. */
 typedef struct collection {
     const planish_mesh *mesh;
     pl_drawn_surface *surface;
     int64_t capacity;
+    int has_sides;
     int failed;
 } collection;
 
@@ -39,7 +41,10 @@ static int make_room(collection *c) {
     int32_t *element = realloc(s->element, (size_t)capacity * sizeof *element);
     if (element)
         s->element = element;
-    if (!triangle || !element)
+    uint8_t *sides = c->has_sides ? realloc(s->sides, (size_t)capacity) : NULL;
+    if (sides)
+        s->sides = sides;
+    if (!triangle || !element || (c->has_sides && !sides))
         return !(c->failed = 1);
     c->capacity = capacity;
     return 1;
@@ -81,12 +86,168 @@ static void take_facets(void *context, int32_t node, const pl_facet *facets, int
 static int find_facets(const planish_mesh *mesh, pl_drawn_surface *surface, planish_error *error) {
     enum { ONE_THREAD = 1 }; /* so that the order is that of the nodes */
     pl_incidence incidence = {0};
-    collection c = {mesh, surface, 0, 0};
+    collection c = {mesh, surface, 0, 0, 0};
     int status = pl_incidence_create(mesh, NULL, ONE_THREAD, &incidence, error);
     if (!status)
         status = pl_facets_match(mesh, &incidence, NULL, ONE_THREAD, take_facets, &c, error);
     pl_incidence_destroy(&incidence);
     return status || !c.failed ? status : pl_fail_memory(error, "the picture");
+}
+
+/* ---- all triangles of elements of any type --------------------------------------------------- */
+
+enum { MOST_SIDES = 4, FACETS = 8 }; /* nodes of a facet; numbers of facets of an element */
+
+/** Nodes of facet k of an element, around it; returns how many. */
+static int find_facet(const planish_cells *cells, int64_t element, int k, int32_t *node) {
+    const pl_cell_shape *shape = pl_cell_type_of(cells->type[element])->shape;
+    int n = 0;
+    for (; n < MOST_SIDES && shape->facet[k][n] >= 0; n++)
+        node[n] = cells->node[cells->offset[element] + shape->facet[k][n]];
+    return n;
+}
+
+/** A facet as it is compared. */
+typedef struct cell_facet {
+    int32_t sorted[MOST_SIDES]; /* nodes, ascending; -1 in front: there are three */
+    int64_t number;             /* FACETS * element + facet */
+} cell_facet;
+
+static int compare_facets(const void *a, const void *b) {
+    const cell_facet *x = a, *y = b;
+    for (int i = 0; i < MOST_SIDES; i++)
+        if (x->sorted[i] != y->sorted[i])
+            return x->sorted[i] < y->sorted[i] ? -1 : 1;
+    return (x->number > y->number) - (x->number < y->number);
+}
+
+static cell_facet facet_of(const planish_cells *cells, int64_t number) {
+    cell_facet f = {.sorted = {-1, -1, -1, -1}, .number = number};
+    int32_t node[MOST_SIDES] = {0};
+    const int n = find_facet(cells, number / FACETS, (int)(number % FACETS), node);
+    for (int i = 0; i < n; i++) { /* the free places are in front */
+        int at = MOST_SIDES - 1 - i;
+        for (; at + 1 < MOST_SIDES && f.sorted[at + 1] < node[i]; at++)
+            f.sorted[at] = f.sorted[at + 1];
+        f.sorted[at] = node[i];
+    }
+    return f;
+}
+
+/** Add the triangles of a polygon of n nodes of an element. */
+static void add_polygon(collection *c, const int32_t *node, int n, int64_t element) {
+    static const uint8_t SIDES[2][2] = {{7, 0}, {3, 6}}; /* of a triangle; of two with a diagonal */
+    for (int i = 0; i + 2 < n && !c->failed && make_room(c); i++) {
+        pl_drawn_surface *s = c->surface;
+        int32_t *triangle = s->triangle + 3 * s->n_triangles;
+        triangle[0] = node[0];
+        triangle[1] = node[i + 1];
+        triangle[2] = node[i + 2];
+        s->element[s->n_triangles] = (int32_t)element;
+        s->sides[s->n_triangles++] = SIDES[n - 3][i];
+    }
+}
+
+/** Add a facet so that it faces outwards of its element. */
+static void add_outwards(collection *c, int64_t number) {
+    const planish_cells *cells = c->mesh->cells;
+    const int64_t element = number / FACETS;
+    const int n_corners = pl_cell_type_of(cells->type[element])->shape->n_corners;
+    const double *x = c->mesh->coordinates;
+    int32_t node[MOST_SIDES] = {0};
+    const int n = find_facet(cells, element, (int)(number % FACETS), node);
+    double middle[3] = {0}, u[3], v[3], w[3];
+    for (int i = 0; i < n_corners; i++)
+        for (int d = 0; d < 3; d++)
+            middle[d] += x[3 * (int64_t)cells->node[cells->offset[element] + i] + d] / n_corners;
+    for (int d = 0; d < 3; d++) {
+        u[d] = x[3 * (int64_t)node[2] + d] - x[3 * (int64_t)node[0] + d];
+        v[d] = x[3 * (int64_t)node[n - 1] + d] - x[3 * (int64_t)node[1] + d];
+        w[d] = x[3 * (int64_t)node[0] + d] - middle[d];
+    }
+    const double outwards = w[0] * (u[1] * v[2] - u[2] * v[1]) +
+                            w[1] * (u[2] * v[0] - u[0] * v[2]) + w[2] * (u[0] * v[1] - u[1] * v[0]);
+    for (int i = 1, j = n - 1; outwards < 0 && i < j; i++, j--) {
+        const int32_t other = node[i];
+        node[i] = node[j];
+        node[j] = other;
+    }
+    add_polygon(c, node, n, element);
+}
+
+/** Add the facets, listed by their lowest nodes, that no second element has: those of node i are
+ *  number[end[i - 1]] to number[end[i]]. */
+static void add_single(collection *c, const int64_t *end, const int64_t *number) {
+    int64_t most = 0, begin = 0;
+    for (int64_t i = 0; i < c->mesh->n_nodes; begin = end[i++])
+        most = end[i] - begin > most ? end[i] - begin : most;
+    cell_facet *facet = malloc(((size_t)most + 1) * sizeof *facet);
+    c->failed = !facet;
+    begin = 0;
+    for (int64_t i = 0; i < c->mesh->n_nodes && !c->failed; begin = end[i++]) {
+        const int64_t n = end[i] - begin;
+        for (int64_t k = 0; k < n; k++)
+            facet[k] = facet_of(c->mesh->cells, number[begin + k]);
+        qsort(facet, (size_t)n, sizeof *facet, compare_facets);
+        for (int64_t k = 0; k < n; k++) {
+            const size_t size = sizeof facet->sorted;
+            const int is_second = k > 0 && memcmp(facet[k].sorted, facet[k - 1].sorted, size) == 0;
+            const int is_first =
+                k + 1 < n && memcmp(facet[k].sorted, facet[k + 1].sorted, size) == 0;
+            if (!is_second && !is_first)
+                add_outwards(c, facet[k].number);
+        }
+    }
+    free(facet);
+}
+
+static const pl_cell_shape *shape_of(const planish_mesh *mesh, int64_t element) {
+    const pl_cell_type *type = pl_cell_type_of(mesh->cells->type[element]);
+    return type && type->shape->dim == mesh->dim ? type->shape : NULL;
+}
+
+static int32_t lowest_of(const planish_cells *cells, int64_t element, int k) {
+    int32_t node[MOST_SIDES] = {0};
+    const int n = find_facet(cells, element, k, node);
+    int32_t lowest = node[0];
+    for (int i = 1; i < n; i++)
+        lowest = node[i] < lowest ? node[i] : lowest;
+    return lowest;
+}
+
+/** Add the facets of solid elements that no second element has. */
+static void add_surface(collection *c) {
+    const planish_mesh *mesh = c->mesh;
+    int64_t n_facets = 0;
+    int64_t *end = calloc((size_t)mesh->n_nodes + 1, sizeof *end), *number = NULL;
+    c->failed = !end;
+    for (int64_t i = 0; i < mesh->n_elements && !c->failed; i++)
+        for (int k = 0; shape_of(mesh, i) && k < shape_of(mesh, i)->n_facets; k++, n_facets++)
+            end[lowest_of(mesh->cells, i, k) + 1]++;
+    if (!c->failed)
+        c->failed = !(number = malloc(((size_t)n_facets + 1) * sizeof *number));
+    for (int64_t i = 0; i < mesh->n_nodes && !c->failed; i++)
+        end[i + 1] += end[i];
+    /* end[i] is where those of node i begin, and then, one by one, where they end. */
+    for (int64_t i = 0; i < mesh->n_elements && !c->failed; i++)
+        for (int k = 0; shape_of(mesh, i) && k < shape_of(mesh, i)->n_facets; k++)
+            number[end[lowest_of(mesh->cells, i, k)]++] = FACETS * i + k;
+    if (!c->failed)
+        add_single(c, end, number);
+    free(end);
+    free(number);
+}
+
+static int find_cell_triangles(const planish_mesh *mesh, pl_drawn_surface *surface,
+                               planish_error *error) {
+    collection c = {mesh, surface, 0, 1, 0};
+    const planish_cells *cells = mesh->cells;
+    if (mesh->dim == 3)
+        add_surface(&c);
+    for (int64_t i = 0; mesh->dim == 2 && i < cells->n && !c.failed; i++)
+        if (shape_of(mesh, i))
+            add_polygon(&c, cells->node + cells->offset[i], shape_of(mesh, i)->n_corners, i);
+    return c.failed ? pl_fail_memory(error, "the picture") : PLANISH_OK;
 }
 
 /* ---- fewer ---------------------------------------------------------------------------------- */
@@ -102,6 +263,8 @@ static int64_t count_kept(pl_drawn_surface *s, const int64_t *cell, int compact)
         if (compact) {
             memmove(s->triangle + 3 * kept, t, 3 * sizeof *t);
             s->element[kept] = s->element[i];
+            if (s->sides)
+                s->sides[kept] = s->sides[i];
         }
         kept++;
     }
@@ -181,7 +344,9 @@ static int find_surface(const planish_mesh *mesh, int64_t most, pl_drawn_surface
     cell_node *order = malloc(n * sizeof *order);
     *surface = (pl_drawn_surface){.point = malloc(n * sizeof *surface->point)};
     int status = PLANISH_OK;
-    if (mesh->dim == 3) {
+    if (mesh->cells) {
+        status = find_cell_triangles(mesh, surface, error);
+    } else if (mesh->dim == 3) {
         status = find_facets(mesh, surface, error);
     } else {
         surface->triangle = malloc((3 * m + 1) * sizeof *surface->triangle);
@@ -208,12 +373,19 @@ static int find_surface(const planish_mesh *mesh, int64_t most, pl_drawn_surface
     return status;
 }
 
+static int are_simplices(const planish_mesh *mesh) {
+    for (int64_t i = 0; i < mesh->n_elements; i++)
+        if (!shape_of(mesh, i) || shape_of(mesh, i)->n_corners != mesh->dim + 1)
+            return 0;
+    return 1;
+}
+
 int pl_drawn_surface_find(const planish_mesh *mesh, int64_t most, pl_drawn_surface *surface,
                           planish_error *error) {
     const planish_cells *cells = mesh->cells;
     const int k = mesh->dim + 1;
     planish_mesh of_corners = *mesh;
-    if (!cells)
+    if (!cells || !are_simplices(mesh))
         return find_surface(mesh, most, surface, error);
     int32_t *corner = malloc(((size_t)cells->n * (size_t)k + 1) * sizeof *corner);
     *surface = (pl_drawn_surface){.n_all = 0};
@@ -231,6 +403,7 @@ int pl_drawn_surface_find(const planish_mesh *mesh, int64_t most, pl_drawn_surfa
 void pl_drawn_surface_free(pl_drawn_surface *surface) {
     free(surface->triangle);
     free(surface->element);
+    free(surface->sides);
     free(surface->point);
     memset(surface, 0, sizeof *surface);
 }

@@ -32,11 +32,12 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
         return "is not a JSON object";
     if (cJSON_IsArray(cJSON_GetObjectItemCaseSensitive(result, "meshes")))
         return "compares several meshes; run 'planish quality FILE --report PAGE' for one";
+    const int has_types = is_quality_of_types(before) && is_quality_of_types(after);
     figures->has_types = is_quality_of_types(quality);
     if (!cJSON_IsObject(mesh) || (pl_figure_count(mesh, "elements") <= 0 && !figures->has_types))
         return "has no 'mesh' with its elements";
-    if (is_quality(before) && is_quality(after)) {
-        figures->has_types = 0;
+    if ((is_quality(before) && is_quality(after)) || has_types) {
+        figures->has_types = !is_quality(before) || !is_quality(after);
         figures->n_states = 2;
         figures->state[0] = before;
         figures->name[0] = "before";
@@ -64,6 +65,9 @@ int pl_figures_have_mids(const pl_figures *figures) {
 pl_figures pl_figures_simplices(const pl_figures *figures) {
     pl_figures alone = *figures;
     if (!figures->has_types)
+        return alone;
+    alone.n_states = 0;
+    if (figures->n_states > 1)
         return alone;
     const cJSON *simplices = cJSON_GetObjectItemCaseSensitive(figures->state[0], "simplices");
     alone.has_types = 0;

@@ -18,7 +18,7 @@ typedef struct pl_figures {
     const cJSON *state[2]; /* the objects of quality */
     const char *name[2];   /* "before", "after"; "mesh" */
     int is_solid;          /* tetrahedra */
-    int has_types;         /* the state is that of elements of every type */
+    int has_types;         /* the states are those of elements of every type */
 } pl_figures;
 
 /** Find the states in result. NULL, or what is wrong with it, in words. */
@@ -30,7 +30,8 @@ const cJSON *pl_figures_last(const pl_figures *figures);
 /** Whether simplices have mid-side nodes, of which the picture and most measures know nothing. */
 int pl_figures_have_mids(const pl_figures *figures);
 
-/** The states of the simplices alone, by their corners; n_states is 0 if there are none. */
+/** The states of the simplices alone, by their corners; n_states is 0 if there are none, and before and
+ *  after smoothing, where all elements have one measure. */
 pl_figures pl_figures_simplices(const pl_figures *figures);
 
 /** Number of the elements of a result. */

@@ -55,7 +55,7 @@ static void put_mesh(pl_markup *page, const pl_figures *figures) {
                             has_types  ? "elements"
                             : is_solid ? "tetrahedra"
                                        : "triangles");
-    if (!has_types && pl_figures_have_mids(figures))
+    if (pl_figures_have_mids(figures))
         pl_markup_put(page, " with mid-side nodes");
 }
 
@@ -64,8 +64,10 @@ static void put_change(pl_markup *page, const pl_figures *figures, const cJSON *
     const cJSON *result = figures->result;
     const cJSON *seconds = cJSON_GetObjectItemCaseSensitive(result, "seconds");
     const int sweeps = cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(result, "sweeps"));
-    const double before = pl_figure(figures->state[0], "rms_radius_ratio");
-    const double after = pl_figure(figures->state[1], "rms_radius_ratio");
+    const char *key = figures->has_types ? "rms_aspect_ratio" : "rms_radius_ratio";
+    const char *ratios = figures->has_types ? "aspect" : "radius";
+    const double before = pl_figure(figures->state[0], key);
+    const double after = pl_figure(figures->state[1], key);
     const int64_t inverted = pl_figure_count(figures->state[0], "inverted");
     const int64_t left = pl_figure_count(figures->state[1], "inverted");
     pl_markup_put(page, "planish moved ");
@@ -79,9 +81,9 @@ static void put_change(pl_markup *page, const pl_figures *figures, const cJSON *
     pl_markup_put(page, " s on ");
     pl_markup_put_number_of(page, pl_figure_count(result, "threads"), "thread. ", "threads. ");
     if (before == after)
-        pl_markup_put(page, "The RMS of the radius ratios stayed at %.5g.", after);
+        pl_markup_put(page, "The RMS of the %s ratios stayed at %.5g.", ratios, after);
     else if (isfinite(before) && isfinite(after))
-        pl_markup_put(page, "The RMS of the radius ratios %s from %.5g to %.5g.",
+        pl_markup_put(page, "The RMS of the %s ratios %s from %.5g to %.5g.", ratios,
                       after < before ? "fell" : "rose", before, after);
     if (inverted > 0) {
         pl_markup_put(page, inverted == 1 ? " There was " : " There were ");
@@ -167,17 +169,18 @@ static void put_summary(pl_markup *page, const pl_figures *figures) {
 
 /** Put the place of a view, with a description for those who do not see the picture. */
 static void put_view(pl_markup *page, const pl_figures *figures, const char *name) {
-    const cJSON *state =
-        figures->has_types ? NULL : cJSON_GetObjectItemCaseSensitive(figures->result, name);
+    const cJSON *state = cJSON_GetObjectItemCaseSensitive(figures->result, name);
+    const char *ratio = figures->has_types ? "aspect" : "radius";
     const char *shown = figures->n_states == 2 ? name : "";
     state = state ? state : pl_figures_last(figures);
-    pl_markup_put(page,
-                  "<figure><div class=\"view\" data-label=\"%s the mesh%s%s: worst radius ratio ",
-                  figures->is_solid ? "The surface and the bad elements of" : "The triangles of",
-                  shown[0] ? " " : "", shown);
-    pl_markup_put_real(page, pl_figure(state, "max_radius_ratio"));
+    pl_markup_put(page, "<figure><div class=\"view\" data-label=\"%s the mesh%s%s: worst %s ratio ",
+                  figures->is_solid ? "The surface and the bad elements of" : "The elements of",
+                  shown[0] ? " " : "", shown, ratio);
+    pl_markup_put_real(
+        page, pl_figure(state, figures->has_types ? "max_aspect_ratio" : "max_radius_ratio"));
     pl_markup_put(page, ", RMS ");
-    pl_markup_put_real(page, pl_figure(state, "rms_radius_ratio"));
+    pl_markup_put_real(
+        page, pl_figure(state, figures->has_types ? "rms_aspect_ratio" : "rms_radius_ratio"));
     pl_markup_put(page, ", inverted ");
     pl_markup_put_count(page, pl_figure_count(state, "inverted"));
     pl_markup_put(page,
@@ -188,23 +191,18 @@ static void put_view(pl_markup *page, const pl_figures *figures, const char *nam
 
 static void put_views(pl_markup *page, const pl_figures *figures, const pl_picture *picture) {
     int64_t n_all, n_drawn;
-    const pl_figures alone = pl_figures_simplices(figures);
     pl_markup_put(
         page, "<p class=\"quiet help\" id=\"picture-help\" hidden>%s",
         figures->is_solid
             ? "The picture shows the surface of the mesh, and the elements that are worse than a "
-              "radius ratio of your choice. Drag to turn the mesh; drag with the right button to "
+              "ratio of your choice. Drag to turn the mesh; drag with the right button to "
               "move it; click it and use the wheel to zoom. On a touch screen tap it first: one "
               "finger turns, two move and zoom. Keys: arrows, + and \xE2\x88\x92; 0 shows all."
-            : "The colour of each triangle is its radius ratio. Drag to move the mesh; click it "
+            : "The colour of each element is its ratio. Drag to move the mesh; click it "
               "and use the wheel to zoom. On a touch screen tap it first, then move and zoom it "
               "with fingers. Keys: arrows, + and \xE2\x88\x92; 0 shows all.");
     if (pl_figures_have_mids(figures))
-        pl_markup_put(page, " The picture has the %s alone, without their mid-side nodes.",
-                      figures->is_solid ? "tetrahedra" : "triangles");
-    else if (figures->has_types)
-        pl_markup_put(page, " The picture has the straight %s alone.",
-                      figures->is_solid ? "tetrahedra" : "triangles");
+        pl_markup_put(page, " The picture has no mid-side nodes.");
     pl_picture_count(picture, &n_all, &n_drawn);
     if (n_drawn < n_all) {
         pl_markup_put(page, " The picture is coarse: it has ");
@@ -219,9 +217,11 @@ static void put_views(pl_markup *page, const pl_figures *figures, const pl_pictu
                   "<label><input type=\"checkbox\"> mesh lines</label>\n"
                   "<button type=\"button\">whole mesh</button>\n</div>\n<div class=\"views\">\n");
     for (int s = 0; s < pl_picture_n_states(picture); s++)
-        put_view(page, alone.n_states > 0 ? &alone : figures, pl_picture_state_name(picture, s));
-    pl_markup_put(page, "</div>\n<p class=\"colours\" hidden>radius ratio: </p>\n"
-                        "<script type=\"application/json\" id=\"picture-data\">\n");
+        put_view(page, figures, pl_picture_state_name(picture, s));
+    pl_markup_put(page,
+                  "</div>\n<p class=\"colours\" hidden>%s ratio: </p>\n"
+                  "<script type=\"application/json\" id=\"picture-data\">\n",
+                  figures->has_types ? "aspect" : "radius");
     pl_picture_put(page, picture);
     pl_markup_put(page, "\n</script>\n");
 }
@@ -233,11 +233,6 @@ static void put_picture(pl_markup *page, const pl_figures *figures, const pl_pic
         no_picture = "This planish draws no picture: it was built without three.js.";
     else if (pl_picture_n_states(picture) > 0)
         put_views(page, figures, picture);
-    else if (!no_picture && figures->has_types)
-        no_picture = figures->is_solid ? "There is no picture: planish draws straight tetrahedra "
-                                         "alone, and there are none."
-                                       : "There is no picture: planish draws straight triangles "
-                                         "alone, and there are none.";
     else if (!no_picture)
         no_picture = "There is no picture: the coordinates are too large.";
     if (no_picture && no_picture[0]) {
@@ -342,8 +337,13 @@ int pl_reports_write(const pl_arguments *arguments, const char *json, const pl_p
 }
 
 int pl_report_draw(const pl_job *job, const char *name, pl_picture **picture) {
-    if (!job->arguments->report || !pl_page_can_draw() || (job->file && job->mesh.n_elements == 0))
+    pl_job whole = *job;
+    if (!job->arguments->report || !pl_page_can_draw())
         return 0;
-    const int status = *picture ? 0 : pl_picture_begin(job, picture);
-    return status ? status : pl_picture_take(*picture, job, name);
+    if (job->simplices.type) /* the command quality has a plan of these alone */
+        pl_job_take_all(&whole);
+    if (whole.file && whole.mesh.n_elements == 0)
+        return 0;
+    const int status = *picture ? 0 : pl_picture_begin(&whole, picture);
+    return status ? status : pl_picture_take(*picture, &whole, name);
 }

@@ -78,16 +78,18 @@ static void put_histogram(pl_markup *page, const pl_figures *figures, const char
 }
 
 void pl_page_put_histograms(pl_markup *page, const pl_figures *all) {
-    const pl_figures alone = pl_figures_simplices(all), *figures = &alone;
+    const int is_of_types = all->has_types && all->n_states == 2;
+    const pl_figures alone = pl_figures_simplices(all), *figures = is_of_types ? all : &alone;
     if (figures->n_states == 0)
         return;
     pl_markup_put(page, "<section id=\"histograms\"><h2>%s by quality</h2>\n",
-                  !all->has_types     ? "Elements"
-                  : figures->is_solid ? "Straight tetrahedra"
-                                      : "Straight triangles");
+                  !all->has_types || is_of_types ? "Elements"
+                  : figures->is_solid            ? "Straight tetrahedra"
+                                                 : "Straight triangles");
     pl_markup_put(page, "<p class=\"quiet\">The axis of the numbers is logarithmic, so that a "
                         "few bad elements show beside many good ones. Inverted elements have "
                         "no quality and are not counted.</p>\n<div class=\"charts\">\n");
+    put_histogram(page, figures, "aspect_histogram", "Aspect ratio", "aspect ratio AR (ideal: 1)");
     put_histogram(page, figures, "histogram", "Radius ratio",
                   figures->is_solid ? "radius ratio R/(3r) (regular: 1)"
                                     : "radius ratio R/(2r) (regular: 1)");
@@ -117,7 +119,11 @@ static int read_history(const pl_figures *figures, const cJSON *sweeps, history 
     const cJSON *objective = cJSON_GetObjectItemCaseSensitive(figures->result, "objective");
     const char *name = pl_figure_text(objective, "name");
     /* What sweeps minimise is the measure of the table only if that is the objective. */
-    const int known = name[0] == '\0' || strcmp(name, "radius-ratio") == 0;
+    const int has_types = figures->has_types;
+    const int known =
+        name[0] == '\0' || strcmp(name, has_types ? "mean-ratio" : "radius-ratio") == 0;
+    const char *rms = has_types ? "rms_aspect_ratio" : "rms_radius_ratio";
+    const char *movable = has_types ? "rms_aspect_ratio_movable" : "rms_radius_ratio_movable";
     const int64_t n = (int64_t)cJSON_GetArraySize(sweeps) + 1;
     double *block = malloc((size_t)(5 * n) * sizeof *block);
     const char **phase = malloc((size_t)n * sizeof *phase);
@@ -130,8 +136,8 @@ static int read_history(const pl_figures *figures, const cJSON *sweeps, history 
     h->movable = block + 3 * n;
     h->inverted = block + 4 * n;
     h->sweep[0] = h->time[0] = 0;
-    h->rms[0] = known ? pl_figure(before, "rms_radius_ratio") : NAN;
-    h->movable[0] = known ? pl_figure(before, "rms_radius_ratio_movable") : NAN;
+    h->rms[0] = known ? pl_figure(before, rms) : NAN;
+    h->movable[0] = known ? pl_figure(before, movable) : NAN;
     h->inverted[0] = pl_figure(before, "inverted");
     cJSON_ArrayForEach(sweep, sweeps) {
         const double seconds = pl_figure(sweep, "seconds");

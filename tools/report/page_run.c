@@ -162,6 +162,12 @@ void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
         put_claim(page, figures, "smallest angle of elements with a free node",
                   "min_dihedral_movable_deg", 0);
         put_claim(page, figures, "RMS radius ratio", "rms_radius_ratio", 1);
+        if (figures->has_types) { /* these have no radius ratios and angles */
+            put_claim(page, figures, "worst aspect ratio of elements with a free node",
+                      "max_aspect_ratio_movable", 1);
+            put_claim(page, figures, "least scaled Jacobian", "min_scaled_jacobian", 0);
+            put_claim(page, figures, "RMS aspect ratio", "rms_aspect_ratio", 1);
+        }
         pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">%s</p>\n",
                       strcmp(pl_figure_text(result, "method"), "planish") == 0
                           ? "planish promises all of these for a valid mesh and the default "

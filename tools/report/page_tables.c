@@ -60,8 +60,18 @@ static const measure cell_measures[] = {
     {"corner_inverted", "inverted corners", "inverted corners", "", LESS_IS_BETTER, "", 1},
     {"uncertified", "uncertified elements", "uncertified elements", "", LESS_IS_BETTER, "", 1},
     {"curved", "curved elements", "curved elements", "", NEITHER, "", 1},
+    {"inverted_inside", "though their corners are right", "though their corners are right", "",
+     LESS_IS_BETTER, "part", 1},
+    {"reversed_elements", "reversed in the file's order", "reversed in the file's order", "",
+     LESS_IS_BETTER, "", 1},
+    {"below_min_volume", "elements below their minimum volume", "elements below their minimum area",
+     "", LESS_IS_BETTER, "", 1},
     {"max_aspect_ratio", "worst aspect ratio", "worst aspect ratio", "", LESS_IS_BETTER, "main", 0},
+    {"max_aspect_ratio_movable", "of elements with a free node", "of elements with a free node", "",
+     LESS_IS_BETTER, "part", 0},
     {"rms_aspect_ratio", "RMS aspect ratio", "RMS aspect ratio", "", LESS_IS_BETTER, "main", 0},
+    {"rms_aspect_ratio_movable", "of elements with a free node", "of elements with a free node", "",
+     LESS_IS_BETTER, "part", 0},
     {"mean_aspect_ratio", "mean aspect ratio", "mean aspect ratio", "", LESS_IS_BETTER, "", 0},
     {"min_scaled_jacobian", "least scaled Jacobian", "least scaled Jacobian", "", MORE_IS_BETTER,
      "main", 0},
@@ -128,6 +138,12 @@ static void put_change(pl_markup *page, const measure *m, const pl_figures *figu
                   better ? "better" : "worse");
 }
 
+/** Whether each type has the measure by itself. */
+static int is_of_types(const measure *m) {
+    return m->style[0] != 'p' && strcmp(m->key, "reversed_elements") != 0 &&
+           strcmp(m->key, "below_min_volume") != 0;
+}
+
 /** Minimum volumes have a row only where some were asked for, reversed elements, and what elements
  *  of second order alone have, where there are any. */
 static int is_asked(const pl_figures *figures, const measure *m) {
@@ -135,8 +151,10 @@ static int is_asked(const pl_figures *figures, const measure *m) {
                                             "curved"};
     const int is_volume = strcmp(m->key, "below_min_volume") == 0;
     int is_where_any = is_volume;
-    if (figures->has_types)
-        return 1;
+    if (figures->has_types && figures->n_states == 1)
+        return is_of_types(m);
+    if (figures->has_types && !isfinite(pl_figure(pl_figures_last(figures), m->key)) && !is_volume)
+        return 0;
     for (size_t i = 0; i < sizeof where_any / sizeof *where_any; i++)
         is_where_any |= strcmp(m->key, where_any[i]) == 0;
     if (strcmp(m->key, "min_jacobian_ratio") == 0)
@@ -153,14 +171,16 @@ static int is_asked(const pl_figures *figures, const measure *m) {
 static void put_floor(pl_markup *page, const pl_figures *figures) {
     const cJSON *fixed = cJSON_GetObjectItemCaseSensitive(figures->result, "fixed");
     const int64_t n = pl_figure_count(fixed, "count");
-    const double worst = pl_figure(fixed, "max_radius_ratio");
+    const double worst =
+        pl_figure(fixed, figures->has_types ? "max_aspect_ratio" : "max_radius_ratio");
     if (n <= 0)
         return;
     pl_markup_put(page, "<p class=\"quiet\">");
     pl_markup_put_number_of(page, n, "element has no free node and stays as it is.",
                             "elements have no free node and stay as they are.");
     if (isfinite(worst)) {
-        pl_markup_put(page, " No smoothing can bring the worst radius ratio below theirs, ");
+        pl_markup_put(page, " No smoothing can bring the worst %s ratio below theirs, ",
+                      figures->has_types ? "aspect" : "radius");
         pl_markup_put_real(page, worst);
         pl_markup_put(page, ".");
     }
@@ -254,14 +274,16 @@ static void put_table(pl_markup *page, const pl_figures *figures, const measure 
 /** Put the measures of elements of every type, and of each type. */
 static void put_types(pl_markup *page, const pl_figures *figures) {
     enum { MOST_TYPES = 64 };
-    const cJSON *state = figures->state[0], *of;
+    const cJSON *state = pl_figures_last(figures), *of;
     const cJSON *counts = cJSON_GetObjectItemCaseSensitive(state, "counts");
     int n = 0;
     put_table(page, figures, cell_measures, N_CELL_MEASURES);
     pl_markup_put(page, "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">type</th>"
                         "<th scope=\"col\">elements</th>");
     for (int i = 0; i < N_CELL_MEASURES; i++)
-        pl_markup_put(page, "<th scope=\"col\">%s</th>", cell_measures[i].solid);
+        if (is_of_types(&cell_measures[i]))
+            pl_markup_put(page, "<th scope=\"col\">%s%s</th>", cell_measures[i].solid,
+                          figures->n_states == 2 ? ", after" : "");
     pl_markup_put(page, "</tr></thead>\n<tbody>\n");
     cJSON_ArrayForEach(of, cJSON_GetObjectItemCaseSensitive(state, "by_type")) {
         if (n++ == MOST_TYPES)
@@ -273,7 +295,8 @@ static void put_types(pl_markup *page, const pl_figures *figures) {
         pl_markup_put_count(page, pl_figure_count(counts, name));
         pl_markup_put(page, "</td>");
         for (int i = 0; i < N_CELL_MEASURES; i++)
-            put_value(page, &cell_measures[i], of);
+            if (is_of_types(&cell_measures[i]))
+                put_value(page, &cell_measures[i], of);
         pl_markup_put(page, "</tr>\n");
     }
     pl_markup_put(page, "</tbody></table></div>\n");
@@ -286,6 +309,12 @@ void pl_page_put_measures(pl_markup *page, const pl_figures *figures) {
                   figures->n_states == 2 ? "Before and after" : "Quality");
     if (figures->has_types)
         put_types(page, figures);
+    if (figures->has_types && figures->n_states == 2)
+        pl_markup_put(page,
+                      "<p class=\"quiet\">All elements have the mean ratio of their corners as "
+                      "their measure, AR, and %s do, too: it does not compare with the "
+                      "radius ratio.</p>\n",
+                      figures->is_solid ? "tetrahedra" : "triangles");
     if (figures->has_types && alone.n_states > 0)
         pl_markup_put(page, "<h3>%s %s alone%s</h3>\n", has_mids ? "All" : "Straight",
                       figures->is_solid ? "tetrahedra" : "triangles",
@@ -393,7 +422,7 @@ void pl_page_put_worst(pl_markup *page, const pl_figures *figures) {
     put_bad_elements(page, last, figures->has_types);
     if (figures->n_states == 2 && lists_elements(figures->state[0])) {
         pl_markup_put(page, "<details><summary>The worst before</summary>\n");
-        put_bad_elements(page, figures->state[0], 0);
+        put_bad_elements(page, figures->state[0], figures->has_types);
         pl_markup_put(page, "</details>\n");
     }
     pl_markup_put(page, "</section>\n");

@@ -18,7 +18,7 @@
 /* What a page draws at most: with these it stays below 5 MB. */
 enum { MOST_TRIANGLES = 100000, MOST_BAD = 4000 };
 
-/* Radius ratios are kept in a byte as 1 + STEPS_PER_E ln RR; 0: inverted. */
+/* Ratios are kept in a byte as 1 + STEPS_PER_E ln RR; 0: inverted. */
 static const double STEPS_PER_E = 50;
 
 /* Places on each side of the box, for points. */
@@ -30,12 +30,15 @@ typedef struct drawn_state {
     uint8_t *ratio;     /* [n_triangles] in 2-D, else NULL */
     int64_t n_inverted; /* in the mesh, */
     int64_t n_bad;      /* and bad elements that are drawn */
-    uint8_t *corner;    /* [n_bad][dim + 1][dim] floats */
+    uint8_t *corner;    /* [n_corners][dim] floats, those of an element one after the other */
+    uint8_t *size;      /* [n_bad] corners of each */
+    int64_t n_corners;
     uint8_t *bad_ratio; /* [n_bad] floats; 0: inverted */
 } drawn_state;
 
 struct pl_picture {
     int dim;
+    int has_types; /* elements are not all simplices: ratios are aspect ratios */
     int has_plane; /* it is drawn in a plane other than that of x and y, */
     planish_plane plane;
     int64_t n_nodes, n_elements; /* of the mesh */
@@ -69,6 +72,7 @@ int pl_picture_begin(const pl_job *job, pl_picture **result) {
     if (!picture)
         return pl_job_complain_memory(job, "the picture");
     picture->dim = job->mesh.dim;
+    picture->has_types = job->has_types;
     picture->n_nodes = job->mesh.n_nodes;
     picture->n_elements = job->mesh.n_elements;
     picture->has_plane = planish_file_plane(job->file, &picture->plane);
@@ -121,19 +125,24 @@ static int take_surface(const pl_picture *picture, const pl_job *job, drawn_stat
 }
 
 static int take_worst(const pl_picture *picture, const pl_job *job, drawn_state *to) {
-    const int dim = picture->dim, corner_size = 4 * dim * (dim + 1);
+    enum { MOST_CORNERS = 8 };
+    const int dim = picture->dim, point_size = 4 * dim;
     const double *x = job->mesh.coordinates;
     pl_worst worst = {0};
     int status = pl_worst_select(job, MOST_BAD, &worst);
-    to->corner = malloc((size_t)(worst.n * corner_size) + 1);
+    to->corner = malloc((size_t)(worst.n * MOST_CORNERS * point_size) + 1);
+    to->size = malloc((size_t)worst.n + 1);
     to->bad_ratio = malloc((size_t)(4 * worst.n) + 1);
-    if (!status && (!to->corner || !to->bad_ratio))
+    if (!status && (!to->corner || !to->size || !to->bad_ratio))
         status = pl_job_complain_memory(job, "the picture");
     for (int64_t i = 0; !status && i < worst.n; i++) {
         /* Corners relative to the middle of the box, whose longest side is 1. */
-        const int32_t *node = pl_job_corners(job, worst.bad[i].element);
-        uint8_t *out = to->corner + i * corner_size;
-        for (int j = 0; j <= dim; j++)
+        int n;
+        const int32_t *node = pl_job_corners(job, worst.bad[i].element, &n);
+        uint8_t *out = to->corner + to->n_corners * point_size;
+        to->size[i] = (uint8_t)n;
+        to->n_corners += n;
+        for (int j = 0; j < n; j++)
             for (int d = 0; d < dim; d++, out += 4) {
                 const double middle = (picture->low[d] + picture->high[d]) / 2;
                 put_float((x[(int64_t)node[j] * dim + d] - middle) / picture->size, out);
@@ -146,7 +155,7 @@ static int take_worst(const pl_picture *picture, const pl_job *job, drawn_state 
     return status;
 }
 
-/** The radius ratios of the triangles drawn, in 2-D. */
+/** The ratios of the triangles drawn, in 2-D. */
 static int take_ratios(const pl_picture *picture, const pl_job *job, drawn_state *to) {
     planish_error error;
     const pl_drawn_surface *surface = &picture->surface;
@@ -221,6 +230,8 @@ static void put_triangles(pl_markup *page, const pl_drawn_surface *surface) {
         put_little_endian((uint32_t)surface->triangle[i], size, bytes + i * size);
     pl_markup_put(page, ",\n\"index_bits\":%d", 8 * size);
     put_array(page, "triangles", bytes, n * size);
+    if (surface->sides)
+        put_array(page, "sides", surface->sides, surface->n_triangles);
     free(bytes);
 }
 
@@ -251,7 +262,9 @@ void pl_picture_put(pl_markup *page, const pl_picture *picture) {
             put_array(page, "points", s->point, size);
         if (s->ratio)
             put_array(page, "ratios", s->ratio, picture->surface.n_triangles);
-        put_array(page, "corners", s->corner, 4 * s->n_bad * (dim + 1) * dim);
+        put_array(page, "corners", s->corner, 4 * s->n_corners * dim);
+        if (picture->has_types)
+            put_array(page, "sizes", s->size, s->n_bad);
         put_array(page, "bad_ratios", s->bad_ratio, 4 * s->n_bad);
         pl_markup_put(page, "}");
     }
@@ -266,6 +279,7 @@ void pl_picture_free(pl_picture *picture) {
         free(s->point);
         free(s->ratio);
         free(s->corner);
+        free(s->size);
         free(s->bad_ratio);
     }
     pl_drawn_surface_free(&picture->surface);

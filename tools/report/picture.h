@@ -1,4 +1,4 @@
-/* picture: what a page draws of a mesh: its surface (in 2-D: its triangles) and its worst elements,
+/* picture: what a page draws of a mesh: its surface (in 2-D: its elements) and its worst elements,
  * in one or two states, as data for viewer.js.
  *
  * A surface of many triangles is drawn coarsely, so that a page stays small whatever the mesh:
@@ -18,7 +18,7 @@ enum { PL_PICTURE_MOST_STATES = 2 };
 
 typedef struct pl_picture pl_picture;
 
-/** Begin a picture of the mesh of job (which has a plan): find what is to be drawn of it, and its
+/** Begin a picture of the mesh of job (which has a plan, or job->has_types): find what is to be drawn of it, and its
  *  place. To be released by pl_picture_free, also after a failure. Returns 0, or an exit status
  *  after a message. */
 int pl_picture_begin(const pl_job *job, pl_picture **picture);

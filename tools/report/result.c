@@ -135,6 +135,7 @@ static void add_mesh(document *json, cJSON *root, const pl_job *job, int64_t n_r
     add_known(json, mesh, "doubled_nodes", held->is_known ? held->n_doubled : -1);
     add_known(json, mesh, "layer_elements", layers->n);
     add_known(json, mesh, "free_layer_elements", layers->n >= 0 ? layers->n_loose : -1);
+    add_known(json, mesh, "held_layer_elements", layers->n >= 0 ? layers->n_held : -1);
     add_integer(json, mesh, "fixed_elements", job->plan_info.n_fixed_elements);
     add_integer(json, mesh, "colours", job->plan_info.n_colours);
     add_integer(json, mesh, "nodes_with_parameters", job->n_with_parameters);
@@ -272,6 +273,47 @@ static void add_quality(document *json, cJSON *root, const char *name, const pl_
     add_worst_elements(json, quality, job, worst);
 }
 
+/** Add the quality of a mesh with elements of other types before or after smoothing: by cells, and
+ *  what the plan knows of their nodes. The keys of radius ratios and angles are null. */
+static void add_smoothed_cells(document *json, cJSON *root, const char *name, const pl_job *job,
+                               const planish_quality *q, const pl_validity *validity,
+                               int64_t below_min_volume, const pl_worst *worst) {
+    static const char *const of_simplices[] = {"rms_radius_ratio",
+                                               "rms_radius_ratio_movable",
+                                               "mean_radius_ratio",
+                                               "max_radius_ratio",
+                                               "max_radius_ratio_movable",
+                                               "min_dihedral_deg",
+                                               "max_dihedral_deg",
+                                               "min_dihedral_movable_deg",
+                                               "radius_ratio",
+                                               "edge_to_inradius",
+                                               "circumradius_to_edge",
+                                               "edge_ratio",
+                                               "mean_ratio",
+                                               "scaled_jacobian",
+                                               "smallest_angle_deg",
+                                               "largest_angle_deg",
+                                               "histogram",
+                                               "angle_histogram"};
+    cJSON *quality = new_object(json, root, name);
+    add_integer(json, quality, "inverted", pl_validity_faults(validity, q));
+    add_types(json, quality, &validity->quality);
+    add_integer(json, quality, "inverted_inside", validity->n_inside);
+    add_real(json, quality, "rms_aspect_ratio_movable", q->rms_radius_ratio_movable);
+    add_real(json, quality, "max_aspect_ratio_movable", q->max_radius_ratio_movable);
+    add_histogram(json, quality, "aspect_histogram", PLANISH_HISTOGRAM_BINS, q->histogram_edges,
+                  q->histogram_counts);
+    add_integer(json, quality, "reversed_elements", q->n_reversed);
+    add_integer(json, quality, "below_min_volume", below_min_volume);
+    add_real(json, quality, "min_volume", q->min_volume);
+    add_real(json, quality, "max_volume", q->max_volume);
+    add_real(json, quality, "total_volume", q->total_volume);
+    for (size_t i = 0; i < sizeof of_simplices / sizeof *of_simplices; i++)
+        add(json, quality, of_simplices[i], cJSON_CreateNull());
+    add_worst_elements(json, quality, job, worst);
+}
+
 /** Add the quality of a mesh with elements of other types. The keys of simplices are null, as these
  *  measures do not exist of all elements; the object `simplices` has them. */
 static void add_cells(document *json, cJSON *root, const pl_job *job, const pl_measured *measured) {
@@ -366,7 +408,8 @@ static void add_objective(document *json, cJSON *root, const pl_job *job,
                           const planish_result *smooth) {
     const double before = smooth->objective_before, after = smooth->objective;
     cJSON *objective = new_object(json, root, "objective");
-    add_text(json, objective, "name", pl_objective_name(job->options.objective));
+    add_text(json, objective, "name", pl_objective_name(pl_job_objective(job)));
+    add_text(json, objective, "measure", job->has_types ? "aspect-ratio" : "radius-ratio");
     add_real(json, objective, "area_weight", job->options.area_weight);
     add_real(json, objective, "before", before > 0 ? before : NAN);
     add_real(json, objective, "after", after > 0 ? after : NAN);
@@ -392,7 +435,7 @@ static void add_worst(document *json, cJSON *root, const pl_job *job,
 int pl_result_has_optimality(const pl_job *job) {
     const pl_arguments *arguments = job->arguments;
     return job->options.method == PLANISH_METHOD_PLANISH &&
-           (pl_arguments_change_objective(arguments) || pl_arguments_bound_volumes(arguments) ||
+           (pl_job_changes_objective(job) || pl_arguments_bound_volumes(arguments) ||
             arguments->n_box > 0 || job->options.max_displacement > 0);
 }
 
@@ -426,6 +469,18 @@ static void add_volumes(document *json, cJSON *root, const pl_job *job, const pl
     add_real(json, root, "min_volume", volumes->least > 0 ? volumes->least : NAN);
     add_elements(json, root, "unfixable", job, state, PLANISH_VOLUME_INFEASIBLE, unfixable);
     add_elements(json, root, "below_min", job, state, PLANISH_VOLUME_BELOW, NULL);
+}
+
+/** Add the ratios of elements that cannot change. */
+static void add_fixed(document *json, cJSON *fixed, const pl_job *job,
+                      const planish_quality *after) {
+    const double rms = after->fixed_rms_radius_ratio, max = after->fixed_max_radius_ratio;
+    add_real(json, fixed, "rms_radius_ratio", job->has_types ? NAN : rms);
+    add_real(json, fixed, "max_radius_ratio", job->has_types ? NAN : max);
+    if (job->has_types) {
+        add_real(json, fixed, "rms_aspect_ratio", rms);
+        add_real(json, fixed, "max_aspect_ratio", max);
+    }
 }
 
 /** A copy of JSON text with a line end, in which characters that a terminal may not get are written
@@ -479,10 +534,13 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_mesh(&json, root, job, result->before.n_reversed);
     add_text(&json, root, "method", pl_method_name(job->options.method));
     add_objective(&json, root, job, &result->smooth);
-    add_quality(&json, root, "before", job, &result->before, &result->validity_before,
-                result->below_before, &result->worst_before);
-    add_quality(&json, root, "after", job, &result->after, &result->validity_after,
-                result->volumes.n_below, &result->worst_after);
+    void (*const add_state)(document *, cJSON *, const char *, const pl_job *,
+                            const planish_quality *, const pl_validity *, int64_t,
+                            const pl_worst *) = job->has_types ? add_smoothed_cells : add_quality;
+    add_state(&json, root, "before", job, &result->before, &result->validity_before,
+              result->below_before, &result->worst_before);
+    add_state(&json, root, "after", job, &result->after, &result->validity_after,
+              result->volumes.n_below, &result->worst_after);
     add_sweeps(&json, root, progress);
     add_integer(&json, root, "untangling_sweeps", result->smooth.untangling_sweeps);
     add_text(&json, root, "stop", stop_names[result->smooth.stop]);
@@ -507,8 +565,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_run(&json, root, job, result);
     cJSON *fixed = new_object(&json, root, "fixed");
     add_integer(&json, fixed, "count", result->after.n_fixed_elements);
-    add_real(&json, fixed, "rms_radius_ratio", result->after.fixed_rms_radius_ratio);
-    add_real(&json, fixed, "max_radius_ratio", result->after.fixed_max_radius_ratio);
+    add_fixed(&json, fixed, job, &result->after);
     add_volumes(&json, root, job, &result->volumes, result->unfixable.state);
     add_elements(&json, root, "reversed", job, NULL, PLANISH_VOLUME_MET, result->reversed.state);
     add_elements(&json, root, "wrapped", job, NULL, PLANISH_VOLUME_MET, job->wrapped);

@@ -191,14 +191,28 @@ static void row_mesh(FILE *stream, const pl_job *job, const char *elements) {
     pl_text_wrap(stream, counts + strlen(": ") + strlen(job->file_info.format) + strlen(", "));
 }
 
-/** Put the first lines of a mesh with elements of second order: what follows their corners. */
-static void rows_second_order(FILE *stream, const pl_job *job, const pl_validity *validity) {
-    char counts[256], text[512], name[4 * PL_TEXT_WIDTH + 1];
+/** Whether any element has mid-side nodes. */
+static int has_mids(const planish_cells *cells) {
+    for (int64_t i = 0; i < cells->n; i++)
+        if (cells->offset[i + 1] - cells->offset[i] >
+            pl_cell_corners((planish_cell_type)cells->type[i]))
+            return 1;
+    return 0;
+}
+
+/** Put the first lines of a mesh of which not all elements are straight simplices: their numbers, and
+ *  what follows their corners. */
+static void rows_cells(FILE *stream, const pl_job *job, const pl_validity *validity) {
+    char counts[512], text[640], name[4 * PL_TEXT_WIDTH + 1];
     const int64_t n = job->mesh.n_nodes;
+    pl_cells_count(job->mesh.cells, counts, sizeof counts);
+    if (!has_mids(job->mesh.cells)) {
+        row_mesh(stream, job, counts);
+        return;
+    }
     fprintf(stream, "%s: %s, %" PRId64 " %s\n",
             pl_text_fit(job->arguments->input, PL_TEXT_WIDTH / 2, name, sizeof name),
             job->file_info.format, n, word_for(n, "node", "nodes"));
-    pl_cells_count(job->mesh.cells, counts, sizeof counts);
     snprintf(text, sizeof text, "%s, %" PRId64 " curved; mid-side nodes follow", counts,
              validity->quality.all.n_curved);
     pl_text_wrap(stream, text);
@@ -272,6 +286,65 @@ static void rows_quality(FILE *stream, int dim, const planish_quality *before,
                   after->n_reversed);
 }
 
+/** Put a line for each type, where there are several: values before and after. */
+static void rows_by_type(FILE *stream, const planish_cell_quality *before,
+                         const planish_cell_quality *after) {
+    enum { TYPE = 14, ELEMENTS = 9, INVERTED = 7, RATIO = 8, RMS = 7, JACOBIAN = 7 };
+    if (after->n_types < 2)
+        return;
+    fprintf(stream, "%s%-*s%*s%*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), TYPE,
+            "before, after", ELEMENTS, "elements", 2 * INVERTED, "inverted", 2 * RATIO, "worst AR",
+            2 * RMS, "RMS AR", 2 * JACOBIAN, "least SJ", pl_style_end(stream, PL_STYLE_HEADING));
+    for (int i = 0; i < after->n_types; i++) {
+        const planish_cell_measures *was = &before->by_type[i], *is = &after->by_type[i];
+        const double value[] = {was->max_aspect_ratio,    is->max_aspect_ratio,
+                                was->rms_aspect_ratio,    is->rms_aspect_ratio,
+                                was->min_scaled_jacobian, is->min_scaled_jacobian};
+        const int width[] = {RATIO, RATIO, RMS, RMS, JACOBIAN, JACOBIAN};
+        fprintf(stream, "%-*s%*" PRId64 "%*" PRId64 "%*" PRId64, TYPE,
+                pl_cell_type_name(after->type[i]), ELEMENTS, is->n_elements, INVERTED,
+                was->n_inverted + was->n_uncertified, INVERTED, is->n_inverted + is->n_uncertified);
+        for (size_t k = 0; k < sizeof value / sizeof *value; k++)
+            if (isfinite(value[k]))
+                fprintf(stream, " %*.*g", width[k] - 1, 4, value[k]);
+            else
+                fprintf(stream, "%*s", width[k], "-");
+        fputc('\n', stream);
+    }
+}
+
+/** Put the measures of a mesh with elements of other types, by cells; what the plan knows of those
+ *  with movable nodes is its own. */
+static void rows_aspect(FILE *stream, const pl_job *job, const pl_result *result) {
+    const planish_quality *before = &result->before, *after = &result->after;
+    const planish_cell_measures *was = &result->validity_before.quality.all;
+    const planish_cell_measures *is = &result->validity_after.quality.all;
+    const int is_of_same = pl_validity_faults(&result->validity_before, before) ==
+                           pl_validity_faults(&result->validity_after, after);
+    const measure ratio = {"", LESS_IS_BETTER, is_of_same ? RELATIVE : NOT_COMPARED};
+    const measure jacobian = {"", MORE_IS_BETTER, ABSOLUTE};
+    row_real(stream, "worst aspect ratio (AR)", &was->max_aspect_ratio, is->max_aspect_ratio,
+             &ratio);
+    if (after->n_fixed_elements > 0)
+        row_real(stream, "  floor (no node free)", &before->fixed_max_radius_ratio,
+                 after->fixed_max_radius_ratio, &ratio);
+    row_real(stream, "RMS aspect ratio", &was->rms_aspect_ratio, is->rms_aspect_ratio, &ratio);
+    row_real(stream, "  of elements with free nodes", &before->rms_radius_ratio_movable,
+             after->rms_radius_ratio_movable, &ratio);
+    row_real(stream, "mean aspect ratio", &was->mean_aspect_ratio, is->mean_aspect_ratio, &ratio);
+    row_real(stream, "least scaled Jacobian (SJ)", &was->min_scaled_jacobian,
+             is->min_scaled_jacobian, &jacobian);
+    rows_inverted(stream, before, after, &result->validity_before, &result->validity_after);
+    if (after->n_reversed > 0 || before->n_reversed > 0)
+        row_count(stream, "reversed in the file's order", &before->n_reversed, after->n_reversed);
+    rows_by_type(stream, &result->validity_before.quality, &result->validity_after.quality);
+    pl_text_wrap(stream, job->mesh.dim == 3
+                             ? "AR is the mean ratio of corners, also of tetrahedra: it does not "
+                               "compare with radius ratios."
+                             : "AR is the mean ratio of corners, also of triangles: it does not "
+                               "compare with radius ratios.");
+}
+
 /** Elements below their minimum volume, where there is one. */
 static void row_volumes(FILE *stream, const pl_job *job, const int64_t *before, int64_t after) {
     if (pl_arguments_bound_volumes(job->arguments))
@@ -281,22 +354,28 @@ static void row_volumes(FILE *stream, const pl_job *job, const int64_t *before, 
 /** Put the objective, where it is not one of the measures, and why ratios are not compared. */
 static void put_objective(FILE *stream, const pl_job *job, const pl_result *result) {
     const planish_quality *before = &result->before, *after = &result->after;
-    const int same = are_of_same(before, after);
+    const int64_t valid_before =
+        before->n_elements - pl_validity_faults(&result->validity_before, before);
+    const int64_t valid_after =
+        after->n_elements - pl_validity_faults(&result->validity_after, after);
+    const int same = job->has_types ? valid_before == valid_after : are_of_same(before, after);
     const measure f = {"", LESS_IS_BETTER, same ? RELATIVE : NOT_COMPARED};
-    const char *name = pl_objective_name(job->options.objective);
+    const char *name = pl_objective_name(pl_job_objective(job));
     char label[LABEL_WIDTH + 1], text[256];
     if (job->options.area_weight > 0)
         snprintf(label, sizeof label, "F (%s, mu2 = %.4g)", name, job->options.area_weight);
     else
         snprintf(label, sizeof label, "F (%s)", name);
-    if (pl_arguments_change_objective(job->arguments))
+    if (pl_job_changes_objective(job))
         row_real(stream, label, &result->smooth.objective_before, result->smooth.objective, &f);
     if (same)
         return;
     snprintf(text, sizeof text,
-             "Ratios and angles are those of the valid elements, %" PRId64 " before and %" PRId64
+             "Ratios%s are those of the valid elements, %" PRId64 " before and %" PRId64
              " after, so they are not compared.",
-             before->n_elements - before->n_inverted, after->n_elements - after->n_inverted);
+             job->has_types ? "" : " and angles",
+             job->has_types ? valid_before : before->n_elements - before->n_inverted,
+             job->has_types ? valid_after : after->n_elements - after->n_inverted);
     pl_text_wrap(stream, text);
 }
 
@@ -324,6 +403,10 @@ static void put_end(FILE *stream, const planish_result *smooth) {
 /** Put the gain of the worst elements, and its cost. */
 static void put_worst(FILE *stream, const pl_job *job, const planish_result *smooth) {
     char text[256];
+    static const char *const names[] = {[PLANISH_WORST_RADIUS_RATIO] = "radius ratio",
+                                        [PLANISH_WORST_ANGLE] = "smallest angle",
+                                        [PLANISH_WORST_ASPECT_RATIO] = "aspect ratio",
+                                        [PLANISH_WORST_SCALED_JACOBIAN] = "scaled Jacobian"};
     const int of_angle = job->options.worst == PLANISH_WORST_ANGLE;
     if (smooth->worst_sweeps == 0)
         return;
@@ -331,8 +414,8 @@ static void put_worst(FILE *stream, const pl_job *job, const planish_result *smo
     const char *name = job->options.area_weight > 0 ? "F" : "the RMS";
     const int n = snprintf(text, sizeof text,
                            "and %d for the worst element with a free node: %s %.4g -> %.4g%s, ",
-                           smooth->worst_sweeps, of_angle ? "smallest angle" : "radius ratio",
-                           smooth->worst_before, smooth->worst_after, of_angle ? " deg" : "");
+                           smooth->worst_sweeps, names[job->options.worst], smooth->worst_before,
+                           smooth->worst_after, of_angle ? " deg" : "");
     if (fabs(rise) < MOST_TOLD)
         snprintf(text + n, sizeof text - (size_t)n, "while %s %s by %.2g %%", name,
                  rise < 0 ? "fell" : "rose", fabs(100 * rise));
@@ -346,23 +429,32 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
     const int64_t n_outside = result->smooth.n_held_outside, n_back = result->smooth.n_put_back;
     char text[256];
     if (result->validity_after.is_known)
-        rows_second_order(stream, job, &result->validity_before);
+        rows_cells(stream, job, &result->validity_before);
     else
         row_simplices(stream, job);
     fprintf(stream, "%s%-*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), LABEL_WIDTH,
             "", VALUE_WIDTH, "before", VALUE_WIDTH, "after", UNIT_WIDTH + CHANGE_WIDTH, "change",
             pl_style_end(stream, PL_STYLE_HEADING));
-    rows_quality(stream, job->mesh.dim, &result->before, &result->after, &result->validity_before,
-                 &result->validity_after);
+    if (job->has_types)
+        rows_aspect(stream, job, result);
+    else
+        rows_quality(stream, job->mesh.dim, &result->before, &result->after,
+                     &result->validity_before, &result->validity_after);
     row_volumes(stream, job, &result->below_before, result->volumes.n_below);
     put_objective(stream, job, result);
-    pl_histogram_print(stream, &result->before, &result->after);
+    pl_histogram_print(stream, job->has_types ? "aspect ratio" : "radius ratio", &result->before,
+                       &result->after);
     if (n_outside > 0)
         pl_note(stream, "%" PRId64 " %s outside the bounds and stayed there", n_outside,
                 word_for(n_outside, "node was", "nodes were"));
+    if (result->smooth.n_refused > 0 && job->mesh.cells)
+        pl_note(stream, "%" PRId64 " %s refused, which would have inverted an element",
+                result->smooth.n_refused,
+                word_for(result->smooth.n_refused, "move was", "moves were"));
     if (n_back > 0)
-        pl_note(stream, "%" PRId64 " %s put back: the smallest angle became smaller", n_back,
-                word_for(n_back, "node was", "nodes were"));
+        pl_note(stream, "%" PRId64 " %s put back: the %s became smaller", n_back,
+                word_for(n_back, "node was", "nodes were"),
+                job->has_types ? "least scaled Jacobian" : "smallest angle");
     row_free(stream, job);
     put_end(stream, &result->smooth);
     put_worst(stream, job, &result->smooth);
@@ -493,7 +585,7 @@ void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measur
                 planish_file_element_number(job->file, q->worst_element));
     row_free(stream, job);
     put_spreads(stream, solid, q);
-    pl_histogram_print(stream, NULL, q);
+    pl_histogram_print(stream, "radius ratio", NULL, q);
 }
 
 /** Arrays that were taken for regions by their values: the user is told which. */

@@ -8,7 +8,7 @@ const source = document.getElementById('picture-data');
 if (!section || !source)
     return;
 
-/* Radius ratio up to which each colour is used; from good to bad, told apart by lightness, too. */
+/* Ratio up to which each colour is used; from good to bad, told apart by lightness, too. */
 const CLASSES = [[1.1, '#e6eef6'], [1.25, '#bcd5ea'], [1.5, '#86b6da'], [2, '#fde6a9'],
     [3, '#fdbb63'], [5, '#f5853f'], [10, '#dd3d2d'], [Infinity, '#8f0d1d']];
 const INVERTED = '#d600c8';
@@ -41,12 +41,18 @@ function placesOf(base64) {
 
 function unpackState(state, first) {
     const points = state.points ? placesOf(state.points) : first.points;
+    const badRatios = new Float32Array(bytesOf(state.bad_ratios).buffer);
+    const sizes = state.sizes ? bytesOf(state.sizes) : new Uint8Array(badRatios.length).fill(dim + 1);
+    const firstCorner = [0];
+    sizes.forEach((n, i) => firstCorner.push(firstCorner[i] + n));
     return {
         name: state.name,
         points: points,
         ratios: state.ratios ? bytesOf(state.ratios) : null,
         corners: new Float32Array(bytesOf(state.corners).buffer),
-        badRatios: new Float32Array(bytesOf(state.bad_ratios).buffer),
+        sizes: sizes,              /* corners of each bad element, */
+        firstCorner: firstCorner, /* and which is its first one */
+        badRatios: badRatios,
         inverted: state.inverted
     };
 }
@@ -54,6 +60,7 @@ function unpackState(state, first) {
 const triangleBytes = bytesOf(picture.triangles);
 const triangles = picture.index_bits === 16 ? new Uint16Array(triangleBytes.buffer)
                                             : new Uint32Array(triangleBytes.buffer);
+const sides = picture.sides ? bytesOf(picture.sides) : null; /* bit j: side j is an edge */
 const states = [];
 for (const state of picture.states)
     states.push(unpackState(state, states[0]));
@@ -97,7 +104,8 @@ function normalOf(points, i) {
     return n.map(x => x / length);
 }
 
-/** Edges of the surface as pairs of points: all, and those where it has a crease or ends. */
+/** Edges of the surface as pairs of points: all, and those where it has a crease or ends. The diagonals
+ *  of quadrilaterals are none. */
 function findEdges(points) {
     const known = new Map(), n = points.length / 3;
     for (let i = 0; i < triangles.length; i += 3) {
@@ -105,6 +113,8 @@ function findEdges(points) {
         for (let j = 0; j < 3; j++) {
             const a = triangles[i + j], b = triangles[i + (j + 1) % 3];
             const key = Math.min(a, b) * n + Math.max(a, b);
+            if (sides && !(sides[i / 3] >> j & 1))
+                continue;
             const edge = known.get(key);
             if (!edge) {
                 known.set(key, {a: a, b: b, normal: normal, sharp: true});
@@ -148,41 +158,58 @@ function colouredTriangles(places, colour) {
     return geometry;
 }
 
-/** The places of corners j of the bad elements, in threes. */
+/* Triangles and edges of elements by the number of their corners, which stand in VTK's order. */
+const FACES = dim === 3 ? {
+    4: [0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2],
+    5: [0, 3, 2, 0, 2, 1, 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4],
+    6: [0, 2, 1, 3, 4, 5, 0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4, 2, 0, 3, 2, 3, 5],
+    8: [0, 3, 2, 0, 2, 1, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6,
+        3, 0, 4, 3, 4, 7]
+} : {3: [0, 1, 2], 4: [0, 1, 2, 0, 2, 3]};
+const EDGES = dim === 3 ? {
+    4: [0, 1, 0, 2, 0, 3, 1, 2, 1, 3, 2, 3],
+    5: [0, 1, 1, 2, 2, 3, 3, 0, 0, 4, 1, 4, 2, 4, 3, 4],
+    6: [0, 1, 1, 2, 2, 0, 3, 4, 4, 5, 5, 3, 0, 3, 1, 4, 2, 5],
+    8: [0, 1, 1, 2, 2, 3, 3, 0, 4, 5, 5, 6, 6, 7, 7, 4, 0, 4, 1, 5, 2, 6, 3, 7]
+} : {3: [0, 1, 1, 2, 2, 0], 4: [0, 1, 1, 2, 2, 3, 3, 0]};
+
+/** Where the corners that order has for each bad element end, and their places, three numbers each. */
 function cornerPlaces(state, order) {
-    const stride = (dim + 1) * dim, n = state.badRatios.length;
-    const places = new Float32Array(n * order.length * 3);
-    for (let i = 0, at = 0; i < n; i++)
-        for (const j of order)
+    const ends = [0];
+    state.sizes.forEach((n, i) => ends.push(ends[i] + order[n].length));
+    const places = new Float32Array(ends[state.sizes.length] * 3);
+    let at = 0;
+    for (let i = 0; i < state.sizes.length; i++)
+        for (const j of order[state.sizes[i]])
             for (let d = 0; d < 3; d++)
-                places[at++] = d < dim ? state.corners[i * stride + j * dim + d] : 0.001;
-    return places;
+                places[at++] = d < dim ? state.corners[(state.firstCorner[i] + j) * dim + d] : 0.001;
+    return {ends: ends, places: places};
 }
 
 function middlePlaces(state) {
-    const stride = (dim + 1) * dim, n = state.badRatios.length;
-    const places = new Float32Array(n * 3);
+    const n = state.badRatios.length, places = new Float32Array(n * 3);
     for (let i = 0; i < n; i++)
-        for (let j = 0; j <= dim; j++)
+        for (let j = 0; j < state.sizes[i]; j++)
             for (let d = 0; d < dim; d++)
-                places[3 * i + d] += state.corners[i * stride + j * dim + d] / (dim + 1);
+                places[3 * i + d] += state.corners[(state.firstCorner[i] + j) * dim + d] /
+                    state.sizes[i];
     return places;
 }
-
-const FACES = dim === 3 ? [0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2] : [0, 1, 2];
-const EDGES = dim === 3 ? [0, 1, 0, 2, 0, 3, 1, 2, 1, 3, 2, 3] : [0, 1, 1, 2, 2, 0];
 
 /** The bad elements of a state: solids, their edges, and dots that show them from afar. */
 function makeBad(state) {
     const group = new THREE.Group();
-    const colour = i => colourOf(state.badRatios[Math.floor(i * 3 / FACES.length)]);
+    const faces = cornerPlaces(state, FACES), lines = cornerPlaces(state, EDGES);
+    const elementOf = [];
+    state.sizes.forEach((n, i) => FACES[n].forEach((j, k) => k % 3 || elementOf.push(i)));
+    const colour = i => colourOf(state.badRatios[elementOf[i]]);
     const material = dim === 3
         ? new THREE.MeshPhongMaterial({vertexColors: THREE.VertexColors, flatShading: true,
             shininess: 0, side: THREE.DoubleSide})
         : new THREE.MeshBasicMaterial({vertexColors: THREE.VertexColors, side: THREE.DoubleSide});
-    const solids = colouredTriangles(cornerPlaces(state, FACES), colour);
+    const solids = colouredTriangles(faces.places, colour);
     const edges = new THREE.BufferGeometry();
-    edges.setAttribute('position', new THREE.BufferAttribute(cornerPlaces(state, EDGES), 3));
+    edges.setAttribute('position', new THREE.BufferAttribute(lines.places, 3));
     const dots = new THREE.BufferGeometry();
     const colours = new Float32Array(state.badRatios.length * 3), mixed = new THREE.Color();
     state.badRatios.forEach((ratio, i) => mixed.set(colourOf(ratio)).toArray(colours, 3 * i));
@@ -195,8 +222,8 @@ function makeBad(state) {
         {size: 4, sizeAttenuation: false, vertexColors: THREE.VertexColors})));
     /* The first n are the worst n. */
     group.show = n => {
-        solids.setDrawRange(0, n * FACES.length);
-        edges.setDrawRange(0, n * EDGES.length);
+        solids.setDrawRange(0, faces.ends[n]);
+        edges.setDrawRange(0, lines.ends[n]);
         dots.setDrawRange(0, dim === 3 ? n : countWorse(state, Infinity));
     };
     return group;
@@ -230,7 +257,7 @@ function makeSolid(state, edges) {
     return group;
 }
 
-/** A plane mesh, each triangle in the colour of its radius ratio. */
+/** A plane mesh, each element in the colour of its ratio. */
 function makePlane(state, edges) {
     const group = new THREE.Group();
     const places = new Float32Array(triangles.length * 3);
@@ -429,7 +456,7 @@ function applyTheme() {
 
 const slider = section.querySelector('input[type=range]');
 
-/** The range of radius ratios for which all worse elements are known, in every state: empty, from
+/** The range of ratios for which all worse elements are known, in every state: empty, from
  *  infinity, where there are more inverted ones than are drawn in all of them. */
 function findRange() {
     let low = 1, high = 1, anyFinite = false;
@@ -493,16 +520,16 @@ function visit(place) {
     const at = toDrawn(place).map((x, d) => (x - (picture.low[d] + picture.high[d]) / 2) / size);
     let best = Infinity, extentOfBest = 0.05;
     for (const state of states) {
-        const middles = middlePlaces(state), stride = (dim + 1) * dim;
+        const middles = middlePlaces(state);
         for (let i = 0; i < state.badRatios.length; i++) {
             const distance = Math.hypot(...at.map((x, d) => x - middles[3 * i + d]));
             if (distance >= best)
                 continue;
             best = distance;
             extentOfBest = 0;
-            for (let j = 0; j < stride; j++)
+            for (let j = 0; j < state.sizes[i] * dim; j++)
                 extentOfBest = Math.max(extentOfBest, 2 * Math.abs(
-                    state.corners[i * stride + j] - middles[3 * i + j % dim]));
+                    state.corners[state.firstCorner[i] * dim + j] - middles[3 * i + j % dim]));
         }
     }
     const offset = camera.position.clone().sub(target);

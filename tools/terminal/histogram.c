@@ -1,4 +1,4 @@
-/* histogram: the elements by their radius ratios, as bars of characters. */
+/* histogram: the elements by their ratios, as bars of characters. */
 #include "terminal/histogram.h"
 
 #include "terminal/terminal.h"
@@ -40,7 +40,8 @@ static void put_cell(const bars *b, int64_t count, int is_last) {
         fprintf(b->stream, "%*s", 1 + b->width - whole - (count > 0), "");
 }
 
-void pl_histogram_print(FILE *stream, const planish_quality *before, const planish_quality *after) {
+void pl_histogram_print(FILE *stream, const char *ratio, const planish_quality *before,
+                        const planish_quality *after) {
     const planish_quality *const states[] = {before, after};
     const int first = before ? 0 : 1;
     char label[LABEL_WIDTH + 20];
@@ -59,8 +60,7 @@ void pl_histogram_print(FILE *stream, const planish_quality *before, const plani
             b.most = counts[i] > b.most ? counts[i] : b.most;
         }
     }
-    fprintf(stream, "%s%-*s", pl_style_begin(stream, PL_STYLE_HEADING), LABEL_WIDTH,
-            "radius ratio");
+    fprintf(stream, "%s%-*s", pl_style_begin(stream, PL_STYLE_HEADING), LABEL_WIDTH, ratio);
     if (before)
         fprintf(stream, "%*s%*s%*s", COUNT_WIDTH, "before", 1 + b.width, "", COUNT_WIDTH, "after");
     else
