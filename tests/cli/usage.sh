@@ -79,10 +79,25 @@ bad smooth in.msh -o out.msh --time-limit 0
 bad smooth in.msh -o out.msh --only-worse-than 0.5
 bad smooth in.msh -o out.msh --rings 1
 bad smooth in.msh -o out.msh --only-worse-than 2 --rings 101
-for arguments in "--layers 1" --layers=1 --layers; do
+for arguments in "--layers 1" --layers=1; do
     # shellcheck disable=SC2086
     bad smooth in.msh -o out.msh --only-worse-than 2 $arguments
-    expect_text "--layers is called --rings now"
+    expect_text "give --rings"
+done
+for value in "" none holds "hold "; do
+    bad smooth in.msh -o out.msh --layers "$value"
+    expect_text "hold or ignore"
+done
+bad smooth in.msh -o out.msh --layers
+bad smooth in.msh -o out.msh --layers ignore --fix-layers
+expect_text "not both"
+for value in "" x -1 1.5 nan inf 0x1; do
+    bad smooth in.msh -o out.msh --curve-quality "$value"
+done
+bad smooth in.msh -o out.msh --curve-quality 0.5 --method laplacian
+for measure in aspect-ratio scaled-jacobian; do
+    bad smooth in.msh -o out.msh --objective worst --worst-measure $measure
+    expect_text "choose dihedral or radius-ratio"
 done
 bad smooth in.msh -o out.msh --direction south
 bad smooth in.msh -o out.msh --format stl

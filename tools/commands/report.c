@@ -161,6 +161,8 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
     snprintf(checksum, sizeof checksum, "%016" PRIx64, pl_job_checksum(&job));
     if (strcmp(checksum, w->checksum) != 0) {
         *why = "has other coordinates now";
+    } else if (job.mesh.n_elements == 0) {
+        *why = NULL; /* there is nothing to draw */
     } else {
         *why = NULL;
         code = job.has_types ? PLANISH_OK : job.engine->plan_create(&job, &error);

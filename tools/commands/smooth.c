@@ -110,7 +110,7 @@ static const char *is_or_are(int64_t n) {
 
 /** Add why inverted elements are left, and which options hold them. */
 static void judge_inverted(const pl_job *job, pl_result *result) {
-    static const char *const advice[PL_N_HOLDERS] = {"--layers ignore lets them move",
+    static const char *const advice[PL_N_HOLDERS] = {"run without it to repair them",
                                                      "hold fewer groups to repair them",
                                                      "--ignore-regions lets them move"};
     const pl_unfixable *unfixable = &result->unfixable;
@@ -118,6 +118,7 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
     const int64_t inverted = pl_validity_faults(validity, &result->after);
     const int64_t n_others = unfixable->n - pl_unfixable_held(unfixable);
     const planish_method method = job->options.method;
+    const int is_default = job->arguments->layers == PL_LAYERS_BY_TYPE;
     if (inverted == 0)
         return;
     if (method != PLANISH_METHOD_PLANISH)
@@ -132,8 +133,10 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
         if (unfixable->n_held[i] > 0)
             add_reason(result, "%" PRId64 " of these stay%s inverted because %s %s nodes: %s",
                        unfixable->n_held[i], unfixable->n_held[i] == 1 ? "s" : "",
-                       pl_holder_option((pl_holder)i),
-                       i == PL_HOLDER_REGIONS ? "hold their" : "holds their", advice[i]);
+                       pl_holder_option(job, (pl_holder)i),
+                       i == PL_HOLDER_REGIONS ? "hold their" : "holds their",
+                       i == PL_HOLDER_LAYERS && is_default ? "--layers ignore lets them move"
+                                                           : advice[i]);
     if (n_others > 0)
         add_reason(result, "%" PRId64 " of these cannot be made valid by moving free nodes",
                    n_others);

@@ -95,9 +95,10 @@ void pl_volumes_print(FILE *stream, const pl_job *job, const pl_volumes *volumes
 
 /* ---- inverted for good ---------------------------------------------------------------------- */
 
-const char *pl_holder_option(pl_holder holder) {
+const char *pl_holder_option(const pl_job *job, pl_holder holder) {
     static const char *const options[PL_N_HOLDERS] = {"--layers hold", "--fix", "regions"};
-    return options[holder];
+    return holder == PL_HOLDER_LAYERS && job->arguments->fix_layers ? "--fix-layers"
+                                                                    : options[holder];
 }
 
 /** The first option that alone holds a node of an element; -1: none does. bits [n_nodes] as

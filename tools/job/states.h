@@ -59,7 +59,7 @@ typedef struct pl_unfixable {
 } pl_unfixable;
 
 /** Name of the option of a holder, "--layers hold". */
-const char *pl_holder_option(pl_holder holder);
+const char *pl_holder_option(const pl_job *job, pl_holder holder);
 
 /** Find them in the mesh as it is now, which has n_inverted inverted elements; smooth: as above. */
 int pl_unfixable_find(const pl_job *job, int64_t n_inverted, const planish_result *smooth,

@@ -180,7 +180,7 @@ static const char *set_layers(pl_arguments *arguments, const option_row *row, co
     const int i = find_value(row, value);
     arguments->layers = i == 0 ? PL_LAYERS_HELD : PL_LAYERS_IGNORED;
     if (value[0] && value[strspn(value, "0123456789")] == '\0')
-        return "must be hold or ignore; the rings of elements around bad ones are --rings";
+        return "must be hold or ignore; for rings of elements around give --rings";
     return i < 0 ? NOT_LISTED : NULL;
 }
 
