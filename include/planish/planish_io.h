@@ -81,11 +81,12 @@ typedef struct planish_file_info {
     planish_precision precision; /* what the file stores coordinates as, */
     planish_round_fn *round;     /* and what that rounds to, for planish_options: of the file, */
     void *round_user;            /* as long as that is open */
-    int64_t n_other_elements;    /* elements that are passed through (hexahedra, pyramids, ...) */
-    int64_t n_lower_elements;    /* elements of lower dimension */
-    int64_t n_regions;           /* distinct regions among the elements smoothed */
-    int64_t bytes;               /* size of the input */
-    int is_unterminated;         /* not 0: the format has no mark at its end, and the last line has
+    int64_t
+        n_other_elements; /* elements that are not smoothed: pyramids of second order, polyhedra */
+    int64_t n_lower_elements; /* elements of lower dimension */
+    int64_t n_regions;        /* distinct regions among the elements */
+    int64_t bytes;            /* size of the input */
+    int is_unterminated;      /* not 0: the format has no mark at its end, and the last line has
                                     no end: if the file was cut short there, nothing tells */
     int64_t reserved[4];
 } planish_file_info;
@@ -102,23 +103,23 @@ PLANISH_API const char *planish_file_unterminated_path(const planish_file *file)
  *  [n_nodes] (may be NULL) is filled with 0 or 1. Returns the number of these nodes. */
 PLANISH_API int64_t planish_file_get_parametric(const planish_file *file, uint8_t *parametric);
 
-/** Return the mesh. The file owns its arrays. Its elements are the triangles or tetrahedra of order 1
- *  and 2; if any is of order 2 they are mesh.cells, in place of mesh.elements. Triangles have
- *  coordinates in their plane (planish_file_plane). constraint is NULL: the caller sets it to the
- *  array that planish_file_constraints fills in. */
+/** Return the mesh. The file owns its arrays. Its elements are those of the file's highest dimension,
+ *  3 or 2, that a planish_cell_type stands for: first the triangles or tetrahedra of order 1 and 2,
+ *  then the others, both in the file's order. They are mesh.cells, in VTK's order of nodes, or
+ *  mesh.elements where all are triangles or tetrahedra of order 1. Flat elements have coordinates in
+ *  their plane (planish_file_plane). constraint is NULL: the caller sets it to the array that
+ *  planish_file_constraints fills in. */
 PLANISH_API planish_mesh planish_file_mesh(const planish_file *file);
 
-/** Find all elements of the file's highest dimension for planish_measure_cells: the n_elements of
- *  planish_file_mesh, in their order, and then the others in the file's order. Their nodes are in
- *  VTK's order. Elements that no planish_cell_type stands for are left out (polyhedra, third
- *  order). The file owns the arrays, which are made at the first call or, of a mesh with elements of
- *  order 2, when it is opened. Errors: _MEMORY. */
+/** Find the elements of planish_file_mesh as cells, for planish_measure_cells; simplices of order 1
+ *  alone, too. The file owns the arrays, which are made at the first call or, where planish_file_mesh
+ *  has them, when the file is opened. Errors: _MEMORY. */
 PLANISH_API int planish_file_cells(planish_file *file, planish_cells *cells, planish_error *error);
 
 /** Coordinates [n_nodes][dim] of planish_file_mesh, in the file's units, to be changed in place. */
 PLANISH_API double *planish_file_coordinates(planish_file *file);
 
-/** The plane in which a mesh of triangles (dim 2) has its coordinates. Across an axis of the file
+/** The plane in which a mesh of flat elements (dim 2) has its coordinates. Across an axis of the file
  *  these are two of its columns, and the third stays as it is. In a tilted plane they are those of
  *  a frame whose unit vectors are direction, so that areas and angles are the triangles' own, and
  *  each triangle has the sign that it has seen along axis[2], which is exact (but for triangles so
@@ -136,7 +137,7 @@ typedef struct planish_plane {
 } planish_plane;
 
 /** Fill in *plane (may be NULL). Returns 1 where coordinates of the mesh are not the first columns
- *  of the file, else (tetrahedra, and triangles in the plane of x and y) 0. */
+ *  of the file, else (solids, and flat elements in the plane of x and y) 0. */
 PLANISH_API int planish_file_plane(const planish_file *file, planish_plane *plane);
 
 /** Compute the coordinates in space, xyz [n][3], of nodes first .. first + n - 1 from those of the
@@ -148,7 +149,7 @@ PLANISH_API int planish_file_space_coordinates(const planish_file *file, int64_t
 
 /** Names of the arrays of one whole number per element that the file has (VTK's formats,
  *  Gmsh, CGNS), in the file's order, NULL at the end; the file owns them. Values of other cells
- *  than the elements that are smoothed do not matter. At most 256 arrays are looked at. */
+ *  than the elements do not matter. At most 256 arrays are looked at. */
 PLANISH_API const char *const *planish_file_cell_arrays(const planish_file *file);
 
 /** Names of those of these arrays that tell regions, NULL at the end; the file owns them. When the
@@ -173,9 +174,9 @@ typedef struct planish_hold {
     int n_tags;
     int ignore_regions; /* not 0: nodes between regions are not held */
     int ignore_marked;  /* not 0: nodes are not held for being among planish_file_get_marked */
-    int slide; /* not 0: nodes that nothing holds but lines, triangles (beside tetrahedra) and
-                  regions are not held: planish_find_slides is to decide about them */
-    const char *const *slide_tags; /* [n_slide_tags] groups of triangles (2-D: lines) that alone */
+    int slide; /* not 0: nodes that nothing holds but lines, facets (beside solids) and regions are
+                  not held: planish_find_slides is to decide about them */
+    const char *const *slide_tags; /* [n_slide_tags] groups of facets (2-D: lines) that alone */
     int n_slide_tags;              /* may be slid on; 0: all may */
     const void *reserved[4];       /* NULL */
 } planish_hold;
@@ -189,7 +190,7 @@ PLANISH_API int planish_file_constraints(const planish_file *file, const planish
 /** Why a file holds a node, as bits: a node may have several reasons. */
 typedef enum planish_file_reason {
     PLANISH_FILE_LINE_OR_POINT = 1, /* on a line or point that the file lists */
-    PLANISH_FILE_FACE = 2,          /* on a triangle that the file lists beside tetrahedra */
+    PLANISH_FILE_FACE = 2,          /* on a facet that the file lists beside solids */
     PLANISH_FILE_INTERFACE = 4,     /* between regions */
     PLANISH_FILE_OTHER_ELEMENT = 8, /* on an element of a type that is not smoothed */
     PLANISH_FILE_PERIODIC = 16,     /* in a pair of periodic nodes */
@@ -209,24 +210,24 @@ PLANISH_API int planish_file_get_held(const planish_file *file, const planish_ho
  *  that the array may say no more than where the boundary is. */
 PLANISH_API int64_t planish_file_get_marked(const planish_file *file, uint8_t *marked);
 
-/** Return the file's surface for planish_find_slides: regions, the triangles (2-D: lines) and
- *  lines, by their corners, with their groups as tags, and a tolerance that fits the digits of the file. Use it
- *  together with the constraints that planish_file_constraints finds for the same hold (with
- *  slide). The file owns the arrays. */
+/** Return the file's surface for planish_find_slides: regions, facets (triangles and quadrilaterals
+ *  beside solids; 2-D: lines) and lines, by their corners, with their groups as tags, and a
+ *  tolerance that fits the digits of the file. Use it together with the constraints that
+ *  planish_file_constraints finds for the same hold (with slide). The file owns the arrays. */
 PLANISH_API planish_surface planish_file_surface(const planish_file *file,
                                                  const planish_hold *hold);
 
 /** Find the minimum volumes of groups, for planish_mesh.min_volume. min_volume [n_elements] is
  *  filled with the largest of values [n_tags] (positive) whose group, named by tags [n_tags] as in
  *  planish_hold, has the element, and 0 for elements in none of these groups. Groups are those of
- *  the elements that are smoothed. Errors: _ARGUMENT (a tag that the file does not have; the text
+ *  elements. Errors: _ARGUMENT (a tag that the file does not have; the text
  *  lists those it has), _MEMORY; min_volume is then untouched. */
 PLANISH_API int planish_file_min_volumes(const planish_file *file, const char *const *tags,
                                          const double *values, int n_tags, double *min_volume,
                                          planish_error *error);
 
-/** Return the number that the file gives an element or node, by its index in planish_file_mesh or
- *  planish_file_cells, which is not checked. */
+/** Return the number that the file gives an element or node, by its index in planish_file_mesh, which
+ *  is not checked. */
 PLANISH_API int64_t planish_file_element_number(const planish_file *file, int64_t element);
 PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t node);
 
@@ -242,8 +243,8 @@ PLANISH_API int planish_file_element_region(const planish_file *file, int64_t el
 /** Round coordinates [n_nodes][dim] in a tilted plane (planish_file_plane) to those that the file
  *  can hold. Writing rounds them in space, which no planish_options.round can tell planish_smooth:
  *  call this function after planish_smooth and before the result is measured. A node returns to its
- *  coordinates in the file if a triangle has another sign as written, seen along plane.axis[2]
- *  (exactly), than it has in coordinates. Nodes with back [n_nodes] (may be NULL) not 0 return,
+ *  coordinates in the file if a triangle or the corner of a quadrilateral has another sign as
+ *  written, seen along plane.axis[2] (exactly), than it has in coordinates. Nodes with back [n_nodes] (may be NULL) not 0 return,
  *  too. Where a file holds less than doubles, coordinates become those that are written. *n_back
  *  (may be NULL) is the number of nodes that returned, and back is set to 1 for these. Meshes in
  *  another plane, or in none, stay as they are. Errors: _ARGUMENT, _MEMORY. */
@@ -286,8 +287,9 @@ PLANISH_API int planish_file_can_convert(const planish_file *file, const char *p
 /** Values of elements for a copy for viewing, which calls them by the names of these fields. Each
  *  array may be NULL. */
 typedef struct planish_view_data {
-    const double *radius_ratio; /* [n_elements of planish_file_mesh] planish_measure_elements */
-    planish_cell_values cells;  /* [n of planish_file_cells] planish_measure_cells; `state` is
+    const double *radius_ratio; /* [n_elements of planish_file_mesh] planish_measure_elements; shown
+                                   of triangles or tetrahedra alone */
+    planish_cell_values cells;  /* [n_elements] planish_measure_cells; `state` is
                                    called `cell_state` */
     const void *reserved[4];    /* NULL */
 } planish_view_data;

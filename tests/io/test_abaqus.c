@@ -55,7 +55,7 @@ static void everything_is_read(void **state) {
     assert_true(info.round(-1.0 / 3e7, info.round_user) == -3.33333333333333e-8);
     assert_int_equal(info.n_regions, 2);
     assert_int_equal(info.n_lower_elements, 2);
-    assert_int_equal(file->model.hold[0], IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE);
+    assert_int_equal(file->model.hold[0], IO_HELD_BY_LINE | IO_HELD_BY_FACE);
     assert_int_equal(file->model.hold[4], 0);
     planish_file_close(file);
 }
@@ -128,8 +128,8 @@ static void nodes_are_held(void **state) {
         {PAIR "*ELEMENT,TYPE=SFM3D3\n3,6,7,8\n", "000001110"},
         {PAIR "*ELEMENT,TYPE=STRI3\n3,6,7,8\n", "000001110"},
         {PAIR "*ELEMENT,TYPE=CPS4R\n3,6,7,8,9\n", "000001111"},
-        {PAIR "*ELEMENT,TYPE=C3D8R\n3,1,2,3,4,5,\n6,7,8\n4,9,9,9,9,9,9,9,9\n", "111111111"},
-        {PAIR "*ELEMENT,TYPE=C3D6\n3,1,2,3\n6,7,8\n", "111001110"}, /* no comma: six there are */
+        {PAIR "*ELEMENT,TYPE=C3D8R\n3,1,2,3,4,5,\n6,7,8\n4,9,9,9,9,9,9,9,9\n", "000000000"},
+        {PAIR "*ELEMENT,TYPE=C3D6\n3,1,2,3\n6,7,8\n", "000000000"}, /* no comma: six there are */
         {PAIR "*ELEMENT,TYPE=T3D2\n3,6,7\n", "000001100"},
         {PAIR "*ELEMENT,TYPE=B31\n3,6,7,8\n", "000001100"}, /* 8 tells a direction */
         {PAIR "*ELEMENT,TYPE=B32\n3,6,7,8\n", "000001110"},
@@ -240,11 +240,11 @@ static void nodes_of_other_elements_are_checked(void **state) {
     reading_fails(format, PAIR "*ELEMENT,TYPE=C3D8\nx,1,2,3,4,6,7,8,9\n", "'x' where the number");
 }
 
-/* CalculiX' fluid: what is no tetrahedron holds its nodes and is not of second order. */
+/* CalculiX' fluid: a prism of six nodes is no triangle of second order. */
 static void fluid_is_of_first_order(void **state) {
     (void)state;
-    check_held(PAIR "*ELEMENT,TYPE=F3D6\n3,1,3,4,6,7,8\n", NULL, 0, "101101110");
-    check_held(PAIR "*ELEMENT,TYPE=F3D8\n3,1,2,3,4,6,7,8,\n9\n", NULL, 0, "111101111");
+    check_held(PAIR "*ELEMENT,TYPE=F3D6\n3,1,3,4,6,7,8\n", NULL, 0, "000000000");
+    check_held(PAIR "*ELEMENT,TYPE=F3D8\n3,1,2,3,4,6,7,8,\n9\n", NULL, 0, "000000000");
     planish_file *file = reading_text(format, PAIR "*ELEMENT,TYPE=F3D4\n3,2,3,4,6\n");
     assert_int_equal(planish_file_mesh(file).n_elements, 3);
     planish_file_close(file);

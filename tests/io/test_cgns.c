@@ -151,10 +151,10 @@ static void check_solid(const planish_file *file, int n_regions, int precision) 
     assert_memory_equal(got.elements, nodes, sizeof nodes);
     assert_true(got.coordinates[3] == 1 && got.coordinates[14] == 1.5 && got.coordinates[16] == 2);
     assert_int_equal(info.n_regions, n_regions);
-    assert_int_equal(info.n_lower_elements, 1);
-    assert_int_equal(info.n_other_elements, 1);
+    assert_int_equal(info.n_lower_elements, 2);
+    assert_int_equal(info.n_other_elements, 0);
     assert_int_equal(info.precision, precision);
-    assert_int_equal(file->model.hold[5], IO_HELD_BY_OTHER);
+    assert_int_equal(file->model.hold[5], IO_HELD_BY_FACE);
     assert_int_equal(file->model.hold[3], 0);
     assert_int_equal(planish_file_element_number(file, 1), 2);
     assert_int_equal(planish_file_node_number(file, 5), 6);
@@ -186,7 +186,7 @@ static void a_plane_is_read(void **state) {
     planish_file *file = read_mesh(&m);
     planish_mesh plane = planish_file_mesh(file);
     assert_int_equal(plane.dim, 2);
-    assert_int_equal(plane.n_elements, 1);
+    assert_int_equal(plane.n_elements, 2);
     assert_true(plane.coordinates[10] == 2);
     planish_file_close(file);
 }

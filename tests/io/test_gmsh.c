@@ -50,8 +50,8 @@ static void expect_mesh(const planish_file *file, const struct variant *variant)
     assert_int_equal(model->node_number == NULL, !variant->sparse);
     for (int i = 0; i < N_NODES; i++)
         assert_int_equal(planish_file_node_number(file, i), gmsh_node_tag(variant, i));
-    static const uint8_t held[] = {IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE | IO_HELD_BY_POINT,
-                                   IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE, IO_HELD_BY_TRIANGLE};
+    static const uint8_t held[] = {IO_HELD_BY_FACE | IO_HELD_BY_LINE | IO_HELD_BY_POINT,
+                                   IO_HELD_BY_FACE | IO_HELD_BY_LINE, IO_HELD_BY_FACE};
     const int with = variant->parametric ? IO_HAS_PARAMETERS : 0;
     for (int i = 0; i < N_NODES; i++)
         assert_int_equal(model->hold[i], with | (i < 3         ? held[i]
@@ -195,16 +195,20 @@ static void test_noise_of_a_plane(void **state) {
     }
 }
 
-static void test_other_elements_hold(void **state) {
+static void test_other_elements_are_read(void **state) {
     (void)state;
     planish_file *file;
     read_text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n"
               "4 0 0 1\n5 1 1 1\n6 2 2 2\n$EndNodes\n$Elements\n2\n1 4 2 0 1 1 2 3 4\n"
               "2 7 2 0 1 1 2 3 5 6\n$EndElements\n",
               &file);
-    const uint8_t other = IO_HELD_BY_OTHER;
-    const uint8_t expected[6] = {other, other, other, 0, other, other};
-    assert_int_equal(file->model.n_other, 1);
+    static const int32_t nodes[] = {0, 1, 2, 3, 0, 1, 2, 4, 5};
+    const planish_mesh mesh = planish_file_mesh(file);
+    const uint8_t expected[6] = {0};
+    assert_int_equal(file->model.n_other, 0);
+    assert_int_equal(mesh.n_elements, 2);
+    assert_int_equal(mesh.cells->type[1], PLANISH_CELL_PYRAMID);
+    assert_memory_equal(mesh.cells->node, nodes, sizeof nodes);
     assert_memory_equal(file->model.hold, expected, 6);
     planish_file_close(file);
 }
@@ -611,7 +615,7 @@ int main(void) {
         cmocka_unit_test(test_binary_data_that_lie),
         cmocka_unit_test(test_plane_mesh),
         cmocka_unit_test(test_noise_of_a_plane),
-        cmocka_unit_test(test_other_elements_hold),
+        cmocka_unit_test(test_other_elements_are_read),
         cmocka_unit_test(test_partition),
         cmocka_unit_test(test_copies),
         cmocka_unit_test(test_large_msh2),

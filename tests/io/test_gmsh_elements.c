@@ -141,15 +141,15 @@ static file_builder make_file(const encoding *e) {
 /** Check what was read: triangles or tetrahedra of order 1 and 2 first, then the others, both in the
  *  file's order, each with its number. */
 static void expect_elements(planish_file *file, const encoding *e) {
-    enum { ORDERS = 2 };
-    int64_t cell = 0;
+    int64_t cell = 0, n_held = 0;
     for (int pass = 0; pass < 2; pass++) {
         int number = 100;
         for (int i = 0; i < e->times * N_ELEMENTS; i++) {
             const int type = elements[i % N_ELEMENTS].type;
             if (unit_dim(type) != e->dim)
                 continue;
-            if (unit_is_smoothed(type) == (pass == 0)) {
+            n_held += pass == 0 && !unit_is_smoothed(type);
+            if (unit_is_simplex(type) == (pass == 0)) {
                 unit_expect(file, cell, type);
                 assert_int_equal(planish_file_element_number(file, cell++), number);
             }
@@ -157,9 +157,11 @@ static void expect_elements(planish_file *file, const encoding *e) {
         }
     }
     unit_expect_valid(file, cell);
-    assert_int_equal(file->model.n_other, cell - ORDERS * e->times);
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    assert_int_equal(info.n_other_elements, n_held);
     const planish_mesh mesh = planish_file_mesh(file);
-    assert_int_equal(mesh.n_elements, ORDERS * e->times);
+    assert_int_equal(mesh.n_elements, cell);
     assert_null(mesh.elements);
     assert_int_equal(mesh.cells->n, mesh.n_elements);
 }
@@ -264,13 +266,16 @@ static void copies_are_one_element(void **state) {
         "5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n9 2 2 2\n$EndNodes\n$Elements\n5\n"
         "1 5 2 7 1 1 2 3 4 5 6 7 8\n2 7 2 7 1 5 6 7 8 9\n3 5 2 8 1 1 2 3 4 5 6 7 8\n"
         "4 7 2 8 1 5 6 7 8 9\n5 7 2 8 2 5 6 7 8 1\n$EndElements\n");
-    assert_int_equal(file->model.other.n, 3);
-    assert_int_equal(file->model.n_other, 3);
+    assert_int_equal(file->model.solid.n, 3);
+    assert_int_equal(file->model.n_other, 0);
     static const int numbers[] = {1, 2, 5};
     for (int i = 0; i < 3; i++)
         assert_int_equal(planish_file_element_number(file, i), numbers[i]);
-    assert_int_equal(file->model.other.offset[2], 18);
-    assert_int_equal(file->model.other.node[17], 0);
+    assert_int_equal(file->model.solid.offset[3], 18);
+    assert_int_equal(file->model.solid.node[17], 0);
+    const io_entity *entity = &file->model.entity[file->model.solid.entity[0]];
+    assert_int_equal(entity->n_physical, 2);
+    assert_int_equal(entity->physical[0] + entity->physical[1], 7 + 8);
     planish_file_close(file);
 }
 

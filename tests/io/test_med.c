@@ -153,7 +153,7 @@ static void check_solid(const planish_file *file) {
     assert_true(got.coordinates[3] == 1 && got.coordinates[14] == 1.5 && got.coordinates[16] == 2);
     assert_int_equal(info.n_regions, 2);
     assert_int_equal(info.n_lower_elements, 3);
-    assert_int_equal(file->model.hold[0], IO_HELD_BY_TRIANGLE);
+    assert_int_equal(file->model.hold[0], IO_HELD_BY_FACE);
     assert_int_equal(file->model.hold[4], IO_HELD_BY_LINE);
     assert_int_equal(file->model.hold[5], IO_HELD_BY_LINE | IO_HELD_BY_POINT);
     assert_int_equal(file->model.hold[3], 0);

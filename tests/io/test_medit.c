@@ -40,7 +40,7 @@ static void a_solid_is_read(void **state) {
     assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
     assert_int_equal(planish_file_element_number(file, 1), 2);
     assert_int_equal(planish_file_node_number(file, 5), 6);
-    assert_int_equal(file->model.hold[0], IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE);
+    assert_int_equal(file->model.hold[0], IO_HELD_BY_LINE | IO_HELD_BY_FACE);
     assert_int_equal(file->model.hold[5], IO_HELD_REQUIRED);
     assert_int_equal(file->model.hold[4], 0);
     assert_memory_equal(solid + file->model.text_offset[4], "1 1 1.5e0", 9);
@@ -104,13 +104,13 @@ static void a_plane_is_read(void **state) {
     planish_file_info info;
     planish_file_get_info(file, &info);
     assert_int_equal(mesh.dim, 2);
-    assert_int_equal(mesh.n_elements, 2);
+    assert_int_equal(mesh.n_elements, 3);
     assert_int_equal(info.precision, PLANISH_PRECISION_FLOAT); /* version 1 */
     volatile float tenth = 0.1f;
     assert_true(mesh.coordinates[6] == tenth);
-    assert_int_equal(info.n_other_elements, 1);
-    assert_int_equal(file->model.hold[1], IO_HELD_BY_OTHER);
-    assert_int_equal(file->model.hold[3], IO_HELD_BY_OTHER | IO_HELD_REQUIRED);
+    assert_int_equal(info.n_other_elements, 0);
+    assert_int_equal(file->model.hold[1], 0);
+    assert_int_equal(file->model.hold[3], IO_HELD_REQUIRED);
     planish_file_close(file);
 }
 
@@ -173,8 +173,8 @@ static void all_facets_are_no_surface(void **state) {
         const char *triangles;
         int held_1, n;
     } cases[] = {
-        {"7 1 2 3 0 2 3 4 0 1 2 4 0 1 3 4 0 2 3 5 4 2 4 5 4 3 4 5 4", IO_HELD_BY_TRIANGLE, 6},
-        {"4 1 2 3 0 2 3 4 0 1 2 4 0 1 3 4 0", IO_HELD_BY_TRIANGLE, 4},
+        {"7 1 2 3 0 2 3 4 0 1 2 4 0 1 3 4 0 2 3 5 4 2 4 5 4 3 4 5 4", IO_HELD_BY_FACE, 6},
+        {"4 1 2 3 0 2 3 4 0 1 2 4 0 1 3 4 0", IO_HELD_BY_FACE, 4},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[512];
@@ -182,8 +182,8 @@ static void all_facets_are_no_surface(void **state) {
         snprintf(text, sizeof text, mesh, cases[i].triangles);
         planish_file *file = reading_text(&io_format_medit, text);
         assert_int_equal(file->model.hold[0], cases[i].held_1);
-        assert_int_equal(file->model.hold[1], IO_HELD_BY_TRIANGLE | IO_HELD_REQUIRED);
-        assert_int_equal(file->model.hold[4], i == 0 ? IO_HELD_BY_TRIANGLE : 0);
+        assert_int_equal(file->model.hold[1], IO_HELD_BY_FACE | IO_HELD_REQUIRED);
+        assert_int_equal(file->model.hold[4], i == 0 ? IO_HELD_BY_FACE : 0);
         assert_int_equal(planish_file_surface(file, NULL).n_facets, cases[i].n);
         planish_file_get_info(file, &info);
         assert_int_equal(info.n_lower_elements, i == 0 ? 7 : 4);
@@ -326,7 +326,7 @@ static void required_elements_have_mids(void **state) {
     } cases[] = {{TEN "RequiredTetrahedra 1 1 End", "1111111111", IO_HELD_REQUIRED},
                  {TEN "RequiredTriangles 1 1 TrianglesP2 1 2 3 4 6 10 9 0 Triangles 1 1 2 3 0 End",
                   "1110000000", IO_HELD_REQUIRED},
-                 {TEN "TrianglesP2 1 1 2 3 5 6 7 0 End", "1110111000", IO_HELD_BY_TRIANGLE}};
+                 {TEN "TrianglesP2 1 1 2 3 5 6 7 0 End", "1110111000", IO_HELD_BY_FACE}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         planish_file *file = reading_text(&io_format_medit, cases[i].text);
         for (int k = 0; cases[i].held[k]; k++)
@@ -518,23 +518,23 @@ static void build_solid(meshb *m, int version, int swapped) {
 
 static void check_solid(const planish_file *file, int version) {
     static const int32_t elements[] = {0, 1, 2, 3, 1, 2, 3, 4};
-    static const uint8_t held[N_POINTS] = {IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE,
-                                           IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE | IO_HELD_REQUIRED,
-                                           IO_HELD_BY_TRIANGLE | IO_HELD_REQUIRED,
+    static const uint8_t held[N_POINTS] = {IO_HELD_BY_LINE | IO_HELD_BY_FACE,
+                                           IO_HELD_BY_LINE | IO_HELD_BY_FACE | IO_HELD_REQUIRED,
+                                           IO_HELD_BY_FACE | IO_HELD_REQUIRED,
                                            IO_HELD_REQUIRED,
-                                           IO_HELD_REQUIRED | IO_HELD_BY_OTHER,
-                                           IO_HELD_REQUIRED | IO_HELD_BY_OTHER,
-                                           IO_HELD_REQUIRED | IO_HELD_BY_OTHER,
-                                           IO_HELD_BY_OTHER,
-                                           IO_HELD_BY_OTHER | IO_HELD_PERIODIC,
+                                           IO_HELD_REQUIRED,
+                                           IO_HELD_REQUIRED,
+                                           IO_HELD_REQUIRED,
+                                           0,
+                                           IO_HELD_PERIODIC,
                                            IO_HELD_PERIODIC};
     planish_mesh mesh = planish_file_mesh(file);
     planish_file_info info;
     planish_file_get_info(file, &info);
     assert_int_equal(mesh.dim, 3);
     assert_int_equal(mesh.n_nodes, N_POINTS);
-    assert_int_equal(mesh.n_elements, 2);
-    assert_memory_equal(mesh.elements, elements, sizeof elements);
+    assert_int_equal(mesh.n_elements, 3);
+    assert_memory_equal(mesh.cells->node, elements, sizeof elements);
     for (int i = 0; i < 3 * N_POINTS; i++) {
         volatile float single = (float)points[i];
         assert_true(mesh.coordinates[i] == (version == 1 ? (double)single : points[i]));
@@ -542,9 +542,9 @@ static void check_solid(const planish_file *file, int version) {
     assert_memory_equal(file->model.hold, held, sizeof held);
     assert_int_equal(info.precision,
                      version == 1 ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE);
-    assert_int_equal(info.n_regions, 2);
+    assert_int_equal(info.n_regions, 3);
     assert_int_equal(info.n_lower_elements, 2);
-    assert_int_equal(info.n_other_elements, 1);
+    assert_int_equal(info.n_other_elements, 0);
     assert_int_equal(mesh.n_periodic, 1);
     assert_int_equal(mesh.periodic[0], 8);
     assert_int_equal(mesh.periodic[1], 9);
@@ -734,7 +734,7 @@ static void elements_and_pairs_that_text_holds(void **state) {
                                                   "QuadrilateralsQ2 1 3 3 3 3 3 3 3 3 3 5 End");
     assert_int_equal(file->model.n_periodic, 1);
     assert_int_equal(file->model.hold[0], IO_HELD_PERIODIC);
-    assert_int_equal(file->model.hold[2], IO_HELD_BY_OTHER);
+    assert_int_equal(file->model.hold[2], IO_HELD_BY_FACE);
     assert_int_equal(file->model.hold[3], 0);
     planish_file_close(file);
     reading_fails(&io_format_medit, HEAD NODES "PeriodicVertices 1 1 5 End", "not in 1 .. 4");

@@ -83,7 +83,7 @@ static void references_of_medit(void **state) {
     check(file, "8=3", "03");
     check(file, "3:7=2 8=5", "25");
     check(file, "7=2 7=4 3:7=3", "40"); /* the largest, in any order */
-    refuse(file, "3=1", "'3' of tetrahedra", NULL);
+    refuse(file, "3=1", "'3' of solid elements", NULL);
     refuse(file, "0:3=1", "3:7, 3:8", "0:3,");
     refuse(file, "4=1", "3:7, 3:8", "2:4");
     refuse(file, "2:4=1", "3:7, 3:8", NULL);
@@ -98,7 +98,7 @@ static void triangles_of_the_plane(void **state) {
                                        "1 1 0 0 1 0 Triangles 2 1 2 3 1 1 3 4 6 Edges 1 1 2 9 End");
     check(file, "6=2", "02");
     check(file, "2:1=7", "70");
-    refuse(file, "9=1", "'9' of triangles", "1:9");
+    refuse(file, "9=1", "'9' of triangles or quadrilaterals", "1:9");
     refuse(file, "3:6=1", "2:1, 2:6", NULL);
     planish_file_close(file);
 }
@@ -113,8 +113,8 @@ static void groups_of_gmsh(void **state) {
     check(file, "1=1", "110");       /* physical groups first */
     check(file, "8=6 3:6=5", "506"); /* else elementary entities */
     refuse(file, "skin=1", "left, a=b", "skin,");
-    refuse(file, "9=1", "'9' of tetrahedra", NULL);
-    refuse(file, "2:1=1", "'2:1' of tetrahedra", NULL);
+    refuse(file, "9=1", "'9' of solid elements", NULL);
+    refuse(file, "2:1=1", "'2:1' of solid elements", NULL);
     planish_file_close(file);
 }
 

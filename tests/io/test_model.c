@@ -183,9 +183,9 @@ static void lines_and_triangles_hold(void **state) {
     assert_int_equal(io_model_finish(&model, NULL, NULL), PLANISH_OK);
     assert_int_equal(model.n_lower, 2);
     assert_int_equal(model.hold[0], 0);
-    assert_int_equal(model.hold[1], IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE);
-    assert_int_equal(model.hold[2], IO_HELD_BY_TRIANGLE);
-    assert_int_equal(model.hold[3], IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE);
+    assert_int_equal(model.hold[1], IO_HELD_BY_FACE | IO_HELD_BY_LINE);
+    assert_int_equal(model.hold[2], IO_HELD_BY_FACE);
+    assert_int_equal(model.hold[3], IO_HELD_BY_FACE | IO_HELD_BY_LINE);
     io_model_destroy(&model);
 }
 

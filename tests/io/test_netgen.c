@@ -68,13 +68,13 @@ static void a_solid_is_read(void **state) {
     assert_string_equal(info.format, "netgen");
     assert_int_equal(mesh.dim, 3);
     assert_int_equal(mesh.n_nodes, N_POINTS);
-    assert_int_equal(mesh.n_elements, 2);
-    assert_memory_equal(mesh.elements, elements, sizeof elements);
+    assert_int_equal(mesh.n_elements, 3);
+    assert_memory_equal(mesh.cells->node, elements, sizeof elements);
     assert_true(mesh.coordinates[14] == 1.5);
     assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
-    assert_int_equal(info.n_regions, 2);
-    assert_int_equal(info.n_other_elements, 2);
-    assert_int_equal(info.n_lower_elements, 1 + 2 + 1);
+    assert_int_equal(info.n_regions, 3);
+    assert_int_equal(info.n_other_elements, 0);
+    assert_int_equal(info.n_lower_elements, 2 + 2 + 1);
     assert_int_equal(planish_file_node_number(file, 4), 5);
     assert_int_equal(planish_file_element_number(file, 1), 2);
     assert_int_equal(tag_of(file, &model->tetrahedron, 0), 7);
@@ -109,12 +109,15 @@ static void constraints_are(const planish_file *file, const char *tag, int slide
 static void nodes_are_held(void **state) {
     (void)state;
     planish_file *file = reading_text(&io_format_netgen, solid);
-    /* 1 2 3 4: between regions, on lines, triangles; 5: free; others hold 6 to 10, a point element
-     * 11, identifications 12 and 13, a singular point 14 */
-    constraints_are(file, NULL, 0, "11110111111111");
-    constraints_are(file, "points", 0, "11111111111111");
-    /* Sliding leaves those of close surfaces (1 2), of a singular edge (2 3), of others. */
-    constraints_are(file, NULL, 1, "11100111111001");
+    /* 1 2 3 4: between regions, on lines, triangles; 5 and 10: free; a quadrilateral holds 6 to 9, a
+     * point element 11, identifications 12 and 13, a singular point 14 */
+    constraints_are(file, NULL, 0, "11110111101111");
+    constraints_are(file, "points", 0, "11111111101111");
+    constraints_are(file, "3:9", 0, "11110111111111");
+    constraints_are(file, "2:6", 0, "11110111101111");
+    /* Sliding leaves those of close surfaces (1 2), of a singular edge (2 3). */
+    constraints_are(file, NULL, 1, "11100000001001");
+    constraints_are(file, "2:6", 1, "11100111101001");
     assert_int_equal(planish_file_mesh(file).n_periodic, 1);
     assert_int_equal(planish_file_mesh(file).periodic[0], 11);
     assert_int_equal(planish_file_mesh(file).periodic[1], 12);
@@ -135,15 +138,15 @@ static void a_plane_is_read(void **state) {
     planish_file *file = reading_text(&io_format_netgen, flat);
     planish_mesh mesh = planish_file_mesh(file);
     assert_int_equal(mesh.dim, 2);
-    assert_int_equal(mesh.n_elements, 2);
-    assert_memory_equal(mesh.elements, elements, sizeof elements);
+    assert_int_equal(mesh.n_elements, 3);
+    assert_memory_equal(mesh.cells->node, elements, sizeof elements);
     assert_int_equal(tag_of(file, &file->model.triangle, 1), 2);
     assert_int_equal(tag_of(file, &file->model.line, 0), 6);
     group_is(file, "two", 2, 2);
     group_is(file, "bottom", 1, 6);
     group_is(file, "corner", 0, 1);
     assert_int_equal(file->model.n_groups, 4);
-    constraints_are(file, NULL, 0, "11101111");
+    constraints_are(file, NULL, 0, "11100000");
     constraints_are(file, "two", 0, "11111111");
     planish_file_close(file);
 }
@@ -213,7 +216,7 @@ static void line_ends_of_every_kind(void **state) {
         planish_file *file = reading_text(&io_format_netgen, text);
         assert_int_equal(file->model.n_groups, 6);
         group_is(file, "in ner", 3, 7);
-        constraints_are(file, NULL, 0, "11110111111111");
+        constraints_are(file, NULL, 0, "11110111101111");
         planish_file_close(file);
     }
 }
@@ -388,7 +391,7 @@ static void every_type_has_its_nodes_in_order(void **state) {
                 const int type = elements[i % N_ELEMENTS].type;
                 if (unit_dim(type) != dim)
                     continue;
-                if (unit_is_smoothed(type) == (pass == 0)) {
+                if (unit_is_simplex(type) == (pass == 0)) {
                     unit_expect(file, cell, type);
                     assert_int_equal(planish_file_element_number(file, cell++), number);
                 }
@@ -396,7 +399,8 @@ static void every_type_has_its_nodes_in_order(void **state) {
             }
         }
         unit_expect_valid(file, cell);
-        assert_int_equal(file->model.n_other, cell - 2 * TIMES);
+        assert_int_equal(file->model.n_other, 0);
+        assert_int_equal(planish_file_mesh(file).n_elements, cell);
         planish_file_close(file);
         rewriting_keeps_the_rest(&io_format_netgen, b.data, b.size, *state);
         builder_let_allocations_fail(&b, &io_format_netgen);
@@ -465,8 +469,8 @@ static void threads_read_the_same(void **state) {
         builder_text(&b, TAIL);
         builder_expect_same_on_threads(&b, &io_format_netgen);
         assert_int_equal(builder_read(&b, &io_format_netgen, 3, &file, &error), 0);
-        assert_int_equal(planish_file_mesh(file).n_elements, N - mixed);
-        assert_int_equal(file->model.n_other, mixed);
+        assert_int_equal(planish_file_mesh(file).n_elements, N);
+        assert_int_equal(file->model.solid.n, mixed);
         planish_file_close(file);
         builder_release(&b);
     }

@@ -35,12 +35,12 @@ static void a_file_is_read(void **state) {
     assert_string_equal(info.format, "off");
     assert_int_equal(mesh.dim, 2);
     assert_int_equal(mesh.n_nodes, 10);
-    assert_int_equal(mesh.n_elements, 2);
-    assert_memory_equal(mesh.elements, elements, sizeof elements);
+    assert_int_equal(mesh.n_elements, 3);
+    assert_memory_equal(mesh.cells->node, elements, sizeof elements);
     assert_true(mesh.coordinates[5] == 1.5);
     assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
     assert_int_equal(info.n_regions, 1);
-    assert_int_equal(info.n_other_elements, 1);
+    assert_int_equal(info.n_other_elements, 0);
     assert_int_equal(info.n_lower_elements, 2);
     assert_int_equal(planish_file_node_number(file, 4), 4);
     assert_int_equal(planish_file_element_number(file, 0), 0);
@@ -48,7 +48,7 @@ static void a_file_is_read(void **state) {
     assert_int_equal(file->model.hold[0], IO_HELD_BY_LINE);
     assert_int_equal(file->model.hold[1], IO_HELD_BY_LINE);
     assert_int_equal(file->model.hold[2], 0);
-    assert_int_equal(file->model.hold[6], IO_HELD_BY_OTHER);
+    assert_int_equal(file->model.hold[6], 0);
     assert_int_equal(file->model.hold[8], IO_HELD_BY_POINT);
     assert_int_equal(file->model.hold[9], 0);
     planish_file_close(file);
@@ -85,9 +85,9 @@ static void first_lines_of_every_kind(void **state) {
 static void quadrilaterals_are_measured(void **state) {
     (void)state;
     unit_expect_alone(reading_text(&io_format_off, "OFF\n4 1 0\n" SQUARE "4 0 1 2 3\n"),
-                      PLANISH_CELL_QUADRILATERAL, 0, 4, 1);
+                      PLANISH_CELL_QUADRILATERAL, 0, 0, 1);
     unit_expect_alone(reading_text(&io_format_off, "OFF\n4 1 0\n" SQUARE "4 0 1 3 2\n"),
-                      PLANISH_CELL_QUADRILATERAL, 0, 4, 0);
+                      PLANISH_CELL_QUADRILATERAL, 0, 0, 0);
     planish_file *file = reading_text(&io_format_off, mixed);
     static const int32_t nodes[] = {0, 1, 9, 1, 2, 9, 4, 5, 6, 7};
     planish_cells cells;
@@ -170,9 +170,9 @@ static void binary_files_are_read_and_written(void **state) {
         planish_file_info info;
         planish_file_get_info(file, &info);
         assert_int_equal(info.precision, PLANISH_PRECISION_FLOAT);
-        assert_int_equal(info.n_other_elements, 1);
-        assert_int_equal(mesh.n_elements, 2);
-        assert_memory_equal(mesh.elements, elements, sizeof elements);
+        assert_int_equal(info.n_other_elements, 0);
+        assert_int_equal(mesh.n_elements, 3);
+        assert_memory_equal(mesh.cells->node, elements, sizeof elements);
         assert_true(mesh.coordinates[14] == (double)0.1f);
         assert_int_equal(planish_file_element_number(file, 1), 2);
         planish_file_close(file);

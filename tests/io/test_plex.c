@@ -121,7 +121,7 @@ static void labels_are_surfaces_lines_and_groups(void **state) {
     planish_file_close(file);
 }
 
-static void other_elements_hold_their_nodes(void **state) {
+static void other_elements_are_read(void **state) {
     (void)state;
     plex p = plex_right;
     p.is_flat = 1;
@@ -129,12 +129,11 @@ static void other_elements_hold_their_nodes(void **state) {
     planish_mesh mesh = planish_file_mesh(file);
     planish_file_info info;
     planish_file_get_info(file, &info);
-    assert_int_equal(mesh.n_elements, N_ELEMENTS - 1);
-    assert_memory_equal(mesh.elements, plex_corners, 5 * 4 * sizeof *plex_corners);
-    assert_int_equal(info.n_other_elements, 1);
-    static const uint8_t held[N_NODES] = {1, 1, 1, 1, 0, 0, 0, 1};
+    assert_int_equal(mesh.n_elements, N_ELEMENTS);
+    assert_memory_equal(mesh.cells->node, plex_corners, 5 * 4 * sizeof *plex_corners);
+    assert_int_equal(info.n_other_elements, 0);
     for (int i = 0; i < N_NODES; i++)
-        assert_int_equal(file->model.hold[i], held[i] ? IO_HELD_BY_OTHER : 0);
+        assert_int_equal(file->model.hold[i], 0);
     planish_file_close(file);
 }
 
@@ -346,7 +345,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_forms_are_read),
         cmocka_unit_test(labels_are_surfaces_lines_and_groups),
-        cmocka_unit_test(other_elements_hold_their_nodes),
+        cmocka_unit_test(other_elements_are_read),
         cmocka_unit_test_setup_teardown(an_outline_says_what_there_is, test_folder_create,
                                         test_folder_remove),
         cmocka_unit_test(wrong_files_are_refused),

@@ -248,8 +248,8 @@ static void tetrahedra_of_second_order(void **state) {
     assert_int_equal(file->model.n_companions, 4);
     /* The face and the edge that bear markers, 1 3 2 and 3 1; mids between held corners stay. */
     for (int i = 0; i < 14; i++)
-        assert_int_equal(file->model.hold[i], (i == 0 || i == 2 ? IO_HELD_BY_LINE : 0) |
-                                                  (i < 3 ? IO_HELD_BY_TRIANGLE : 0));
+        assert_int_equal(file->model.hold[i],
+                         (i == 0 || i == 2 ? IO_HELD_BY_LINE : 0) | (i < 3 ? IO_HELD_BY_FACE : 0));
     unit_expect_valid(file, 2);
     assert_int_equal(planish_file_cells(file, &cells, NULL), PLANISH_OK);
     planish_mesh all = mesh;

@@ -204,8 +204,8 @@ static void test_mesh(void **state) {
         expect_mesh(file, &variants[i]);
         expect_places(&file->model, &variants[i], place);
         for (int k = 0; k < N_NODES; k++)
-            assert_int_equal(file->model.hold[k], k < 2    ? IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE
-                                                  : k == 2 ? IO_HELD_BY_TRIANGLE
+            assert_int_equal(file->model.hold[k], k < 2    ? IO_HELD_BY_FACE | IO_HELD_BY_LINE
+                                                  : k == 2 ? IO_HELD_BY_FACE
                                                            : 0);
         planish_file_close(file);
         builder_try_to_break(&builder, &io_format_vtk);
@@ -392,16 +392,16 @@ static void test_errors(void **state) {
     }
 }
 
-static void test_other_cells_hold(void **state) {
+static void test_other_cells_are_elements(void **state) {
     (void)state;
     static const char text[] = HEAD "POINTS 7 double\n0 0 0 1 0 0 0 1 0 0 0 1 1 1 1 2 1 1 2 2 2\n"
                                     "CELLS 2 11\n4 0 1 2 3\n5 0 1 2 4 5\nCELL_TYPES 2\n10 14\n";
-    const uint8_t other = IO_HELD_BY_OTHER;
-    const uint8_t expected[7] = {other, other, other, 0, other, other, 0};
+    const uint8_t expected[7] = {0};
     file_builder builder = {.data = (char *)(uintptr_t)text, .size = (int64_t)strlen(text)};
     planish_file *file;
     read_file(&builder, &file);
-    assert_int_equal(file->model.n_other, 1);
+    assert_int_equal(file->model.solid.n, 1);
+    assert_int_equal(planish_file_mesh(file).n_elements, 2);
     assert_memory_equal(file->model.hold, expected, 7);
     planish_file_close(file);
 }
@@ -517,7 +517,7 @@ int main(void) {
         cmocka_unit_test(test_fixed_bits),
         cmocka_unit_test(test_large),
         cmocka_unit_test(test_errors),
-        cmocka_unit_test(test_other_cells_hold),
+        cmocka_unit_test(test_other_cells_are_elements),
         cmocka_unit_test(test_simplices_by_other_names),
         cmocka_unit_test(test_polyhedra_hold),
         cmocka_unit_test(test_points_of_all_nodes),

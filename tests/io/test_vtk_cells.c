@@ -299,22 +299,27 @@ static cell_list list_types(int dim) {
     return list;
 }
 
-static int is_smoothed(const cell_list *list, int cell) {
+static int is_simplex(const cell_list *list, int cell) {
     const int type = list->cell[cell].element->type;
     return type == PLANISH_CELL_TRIANGLE6 || type == PLANISH_CELL_TETRAHEDRON10;
+}
+
+static int is_smoothed(const cell_list *list, int cell) {
+    const int type = list->cell[cell].element->type;
+    return type != PLANISH_CELL_PYRAMID13 && type != PLANISH_CELL_PYRAMID14;
 }
 
 /** Put the cells of the list in the order that the file has them in: triangles and tetrahedra first.
  *  Returns how many these are. */
 static int order_list(const cell_list *list, int order[N_TYPES + 8]) {
-    int n_smoothed = 0, n = 0;
+    int n_simplices = 0, n = 0;
     for (int pass = 1; pass >= 0; pass--)
         for (int c = 0; c < list->n; c++)
-            if (is_smoothed(list, c) == pass) {
+            if (is_simplex(list, c) == pass) {
                 order[n++] = c;
-                n_smoothed += pass;
+                n_simplices += pass;
             }
-    return n_smoothed;
+    return n_simplices;
 }
 
 /** Expect that all cells of the list are in the file, with their numbers, and are right. A copy has
@@ -322,9 +327,9 @@ static int order_list(const cell_list *list, int order[N_TYPES + 8]) {
 static void check_list(planish_file *file, const cell_list *list, int is_copy) {
     planish_cells cells;
     int order[N_TYPES + 8];
-    const int n_smoothed = order_list(list, order);
-    assert_int_equal(planish_file_mesh(file).n_elements, n_smoothed);
-    assert_int_equal(file->model.n_other, list->n - n_smoothed);
+    order_list(list, order);
+    assert_int_equal(planish_file_mesh(file).n_elements, list->n);
+    assert_int_equal(file->model.n_other, 0);
     assert_int_equal(planish_file_cells(file, &cells, NULL), 0);
     assert_int_equal(cells.n, list->n);
     for (int c = 0; c < list->n; c++) {
@@ -401,7 +406,7 @@ static void unmeasured_types_are_held(void **state) {
             planish_cells cells;
             assert_int_equal(planish_file_cells(file, &cells, NULL), 0);
             assert_int_equal(cells.n, n);
-            assert_int_equal(file->model.n_other, n); /* but for the tetrahedron */
+            assert_int_equal(file->model.n_other, 1);
             assert_int_equal(file->model.hold[n_nodes], IO_HELD_BY_OTHER);
             planish_file_close(file);
         }
@@ -472,19 +477,19 @@ static void copies_do_without_missing_nodes(void **state) {
         planish_file_close(file);
         skip();
     }
-    io_others *others = &file->model.other;
+    io_others *others = &file->model.solid;
     int order[N_TYPES + 8];
-    const int n_smoothed = order_list(&list, order), n = n_smoothed + (int)others->n;
+    const int n_simplices = order_list(&list, order), n = n_simplices + (int)others->n;
     file->model.tetrahedron.mid[5] = -1;
-    for (int i = n_smoothed; i < n; i++) {
-        const int64_t end = others->offset[i - n_smoothed];
+    for (int i = n_simplices; i < n; i++) {
+        const int64_t end = others->offset[i - n_simplices + 1];
         const unit_element *e = list.cell[order[i]].element;
         if (e->n_nodes > e->n_corners)
             others->node[end - 1] = -1;
     }
-    assert_int_equal(io_model_add_other(&file->model, PLANISH_CELL_PYRAMID14, pyramid, 99, NULL),
-                     0);
-    file->model.n_other++;
+    assert_int_equal(
+        io_model_add_other(&file->model, PLANISH_CELL_PYRAMID14, pyramid, IO_NO_ENTITY, 99, NULL),
+        0);
     planish_file *vtu = convert(*state, file, "copy.vtu", lost);
     assert_int_equal(strncmp(lost, "1 elements of other types", 25), 0);
     planish_cells p, q;
@@ -527,7 +532,7 @@ static void lower_cells_have_mids(void **state) {
         assert_memory_equal(m->line.mid, line, sizeof line);
         assert_memory_equal(m->triangle.mid, triangle, sizeof triangle);
         assert_memory_equal(m->tetrahedron.mid, tetrahedron, sizeof tetrahedron);
-        assert_int_equal(m->hold[4], IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE);
+        assert_int_equal(m->hold[4], IO_HELD_BY_LINE | IO_HELD_BY_FACE);
         assert_int_equal(m->hold[9], 0);
         assert_int_equal(m->hold[10], i == 0 ? IO_HELD_BY_OTHER : 0); /* the polyline is lost */
         copy = reads_vtu() && i == 0 ? convert(*state, file, "copy.vtu", lost) : NULL;
@@ -612,7 +617,7 @@ static void copies_have_values(void **state) {
 
 /* ---- quadrilaterals beside triangles -------------------------------------------------------- */
 
-/** Quadrilaterals that are not in one plane with the triangles are passed over. */
+/** Quadrilaterals that are not in one plane with the triangles are refused, as triangles are. */
 static void a_plane_is_for_all_elements(void **state) {
     for (int is_off = 0; is_off < 2; is_off++) {
         file_builder b = {.binary = 0};
@@ -622,10 +627,15 @@ static void a_plane_is_for_all_elements(void **state) {
                      "POINTS 5 double\n0 0 1 1 0 2 1 1 2 0 1 1 2 0 %d\n"
                      "CELLS 2 9\n4 0 1 2 3\n3 1 4 2\nCELL_TYPES 2\n9 5\n",
                      is_off ? 4 : 3);
+        if (is_off) {
+            builder_expect_error(&b, &io_format_vtk, "elements in space");
+            builder_release(&b);
+            continue;
+        }
         planish_file *file = open_file(*state, "in.vtk", &b);
         assert_int_equal(planish_file_cells(file, &cells, NULL), 0);
-        assert_int_equal(cells.n, is_off ? 1 : 2);
-        assert_int_equal(file->model.n_other, 1);
+        assert_int_equal(cells.n, 2);
+        assert_int_equal(planish_file_mesh(file).n_elements, 2);
         planish_file_close(file);
     }
 }

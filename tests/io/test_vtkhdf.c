@@ -132,15 +132,15 @@ static void a_grid_is_read(void **state) {
     assert_int_equal(mesh.dim, 3);
     assert_int_equal(mesh.n_nodes, N_POINTS);
     static const int32_t nodes[] = {0, 1, 2, 3, 1, 2, 3, 4};
-    assert_int_equal(mesh.n_elements, 2);
-    assert_memory_equal(mesh.elements, nodes, sizeof nodes);
+    assert_int_equal(mesh.n_elements, 3);
+    assert_memory_equal(mesh.cells->node, nodes, sizeof nodes);
     assert_true(mesh.coordinates[14] == 1.5 && mesh.coordinates[20] == 0.3);
-    assert_int_equal(info.n_regions, 2);
-    assert_int_equal(info.n_other_elements, 1);
+    assert_int_equal(info.n_regions, 3);
+    assert_int_equal(info.n_other_elements, 0);
     assert_int_equal(info.n_lower_elements, 1);
     assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
     assert_int_equal(planish_file_node_number(file, 6), 6);
-    assert_int_equal(file->model.hold[5], IO_HELD_BY_OTHER);
+    assert_int_equal(file->model.hold[5], 0);
     assert_int_equal(file->model.hold[6], IO_HELD_MARKED);
     assert_int_equal(file->model.hold[4], 0);
     planish_file_close(file);
@@ -159,12 +159,13 @@ static void partitions_follow_each_other(void **state) {
     b = make(&g);
     planish_file *file = read_grid(&b);
     planish_mesh mesh = planish_file_mesh(file);
-    assert_int_equal(mesh.n_elements, 1);
+    assert_int_equal(mesh.n_elements, 2);
+    assert_int_equal(file->model.flat.n, 1);
     assert_int_equal(file->model.triangle.n, 1);
     static const int32_t nodes[] = {4, 5, 6};
     assert_memory_equal(file->model.triangle.nodes, nodes, sizeof nodes);
     assert_int_equal(file->model.triangle.number[0], 2);
-    assert_int_equal(file->model.hold[4] & IO_HELD_BY_OTHER, IO_HELD_BY_OTHER);
+    assert_int_equal(file->model.hold[4] & IO_HELD_BY_FACE, IO_HELD_BY_FACE);
     planish_file_close(file);
     builder_release(&b);
 }
@@ -182,7 +183,8 @@ static void other_cells_hold_their_nodes(void **state) {
     g.type = 99;
     file_builder b = make(&g);
     planish_file *file = read_grid(&b);
-    assert_int_equal(file->model.n_other, 2);
+    assert_int_equal(file->model.n_other, 1);
+    assert_int_equal(file->model.solid.n, 1);
     assert_int_equal(file->model.hold[4], IO_HELD_BY_OTHER);
     assert_int_equal(file->model.hold[6], IO_HELD_MARKED);
     planish_file_close(file);

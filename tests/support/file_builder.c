@@ -171,6 +171,21 @@ static void expect_same_cells(const io_cells *a, const io_cells *b, int dim) {
     assert_int_equal(a->first_number, b->first_number);
 }
 
+/** Check that others are the same in both. */
+static void expect_same_others(const io_others *a, const io_others *b) {
+    assert_int_equal(a->n, b->n);
+    if (a->n == 0)
+        return;
+    const size_t n = (size_t)a->n, n_nodes = (size_t)a->n_nodes;
+    assert_memory_equal(a->type, b->type, n);
+    assert_memory_equal(a->number, b->number, n * sizeof *a->number);
+    assert_memory_equal(a->offset, b->offset, (n + 1) * sizeof *a->offset);
+    assert_memory_equal(a->node, b->node, n_nodes * sizeof *a->node);
+    assert_int_equal(a->entity == NULL, b->entity == NULL);
+    if (a->entity)
+        assert_memory_equal(a->entity, b->entity, n * sizeof *a->entity);
+}
+
 void builder_expect_same_on_threads(const file_builder *builder, const io_format *format) {
     planish_file *one, *three;
     planish_error error;
@@ -192,15 +207,8 @@ void builder_expect_same_on_threads(const file_builder *builder, const io_format
     expect_same_cells(&a->triangle, &b->triangle, 2);
     expect_same_cells(&a->tetrahedron, &b->tetrahedron, 3);
     assert_int_equal(a->n_other, b->n_other);
-    assert_int_equal(a->other.n, b->other.n);
-    if (a->other.n > 0) {
-        n = (size_t)a->other.n;
-        assert_memory_equal(a->other.type, b->other.type, n);
-        assert_memory_equal(a->other.number, b->other.number, n * sizeof *a->other.number);
-        assert_memory_equal(a->other.offset, b->other.offset, n * sizeof *a->other.offset);
-        n = (size_t)a->other.n_nodes;
-        assert_memory_equal(a->other.node, b->other.node, n * sizeof *a->other.node);
-    }
+    expect_same_others(&a->flat, &b->flat);
+    expect_same_others(&a->solid, &b->solid);
     assert_int_equal(a->n_entities, b->n_entities);
     planish_file_close(one);
     planish_file_close(three);

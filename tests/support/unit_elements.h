@@ -31,6 +31,9 @@ int unit_dim(int type);
 /** Return whether planish smooths elements of a type. */
 int unit_is_smoothed(int type);
 
+/** Return whether elements of a type are simplices, which a file has before all others. */
+int unit_is_simplex(int type);
+
 /** Find the places x of the nodes of an element in the order of nodes. Returns their number. */
 int unit_places(int type, const char *nodes, double x[UNIT_NODES][3]);
 
@@ -50,7 +53,7 @@ planish_cell_quality unit_measure(planish_file *file, int64_t n);
 /** Check that the file has n cells of its dimension, and that all of them are valid. */
 void unit_expect_valid(planish_file *file, int64_t n);
 
-/** Check that n elements of the file are not smoothed, that its other cells are, and that n_held
+/** Check that n elements of the file, all of which are the mesh's, are not smoothed, and that n_held
  *  nodes are held for that. */
 void unit_expect_others(planish_file *file, int64_t n, int64_t n_held);
 

@@ -250,8 +250,8 @@ static int read_cell(abaqus_reader *r, io_cursor *cursor, io_slice line,
                                 r->error);
 }
 
-/** Read an element that is not kept: hold its nodes, and add it to the others where it has a
- *  planish_cell_type, cell_type. An element of type->nodes 0 has as many as there are; it goes on in
+/** Read an element that is not kept: add it to the others where it has a planish_cell_type, cell_type,
+ *  else hold its nodes. An element of type->nodes 0 has as many as there are; it goes on in
  *  the next line where one ends in a comma. So do nodes of faces, which may be left out. */
 static int read_other(abaqus_reader *r, const abaqus_block *b, io_cursor *cursor, io_slice line,
                       const io_element_type *type, int cell_type) {
@@ -286,7 +286,7 @@ static int read_other(abaqus_reader *r, const abaqus_block *b, io_cursor *cursor
                 return io_fail_no_node(r->model, item.begin, "element", label, number, r->error);
             return abaqus_fail_item(r, item, "where the number of a node was expected");
         }
-        if (index >= 0)
+        if (index >= 0 && !cell_type)
             io_hold_node(r->model, index, IO_HELD_BY_OTHER);
         if (cell_type)
             nodes[i] = (int32_t)index;
@@ -300,7 +300,7 @@ static int read_other(abaqus_reader *r, const abaqus_block *b, io_cursor *cursor
     for (int i = n_given; cell_type && i < type->nodes; i++)
         if (nodes[i] < 0)
             cell_type = io_cell_type_without_faces(cell_type);
-    return io_model_add_other(r->model, cell_type, nodes, label, r->error);
+    return io_model_add_other(r->model, cell_type, nodes, 0, label, r->error);
 }
 
 static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
@@ -313,8 +313,10 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
     const io_element_type type = find_type(name, r->has_cavities);
     const int is_here = b->scope == r->scope;
     const io_cells *cells = is_here ? io_element_cells(r->model, &type) : NULL;
-    abaqus_range range = {.dim = cells ? io_element_dim(&type) : 0, .begin = cells ? cells->n : 0};
     const int cell_type = is_here ? io_cell_type(type.shape, type.nodes) : 0;
+    const int dim = io_element_dim(&type);
+    abaqus_range range = {.list = cells ? dim : cell_type ? io_others_list(dim) : 0};
+    range.begin = range.list ? io_model_list(r->model, range.list).n : 0;
     while (abaqus_line(&cursor, &line)) {
         const int status = cells ? read_cell(r, &cursor, line, &type)
                                  : read_other(r, b, &cursor, line, &type, cell_type);
@@ -323,7 +325,7 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
     }
     if (!is_here)
         return PLANISH_OK;
-    range.end = cells ? cells->n : 0;
+    range.end = range.list ? io_model_list(r->model, range.list).n : 0;
     abaqus_parameter(b, "ELSET", &range.set); /* which has a name, even if no cell is kept */
     return pl_append(&r->range, &r->n_ranges, &r->range_capacity, &range, sizeof range)
                ? PLANISH_OK

@@ -43,14 +43,14 @@ typedef struct abaqus_block {
     int has_instance; /* INSTANCE= says whose numbers they are */
 } abaqus_block;
 
-/** Cells of one dimension that an *ELEMENT puts into an ELSET. */
+/** Elements of one list of the model that an *ELEMENT puts into an ELSET. */
 typedef struct abaqus_range {
-    int dim;
-    int64_t begin, end; /* in the cells of dim */
+    int list;           /* 0: they are in none */
+    int64_t begin, end; /* in the list */
     io_slice set;       /* name as it stands there, empty: none */
 } abaqus_range;
 
-/** Things that sets have: nodes; or cells, first lines, then triangles, then tetrahedra. */
+/** Things that sets have: nodes; or elements, list by list. */
 typedef enum abaqus_things { ABAQUS_NODES, ABAQUS_ELEMENTS } abaqus_things;
 
 typedef struct abaqus_set {
@@ -79,10 +79,10 @@ typedef struct abaqus_reader {
     int32_t *slot[2]; /* [n_slots] hash tables of the names: index or -1; of names with fold the
                          first set that has it */
     int64_t n_slots;
-    int64_t n[2];          /* nodes, cells */
-    int64_t first_cell[4]; /* of each dimension among the cells */
-    int32_t *stamp[2];     /* [n] 1 + the set that had the thing last */
-    io_numbers *elements;  /* numbers of cells; NULL until a set is read that names them */
+    int64_t n[2];                   /* nodes, elements */
+    int64_t first_cell[IO_N_LISTS]; /* of each list among the elements */
+    int32_t *stamp[2];              /* [n] 1 + the set that had the thing last */
+    io_numbers *elements; /* numbers of elements; NULL until a set is read that names them */
     int64_t n_asked; /* members that sequences and sets of sets asked for, those included that were
                         there already */
 } abaqus_reader;
@@ -133,8 +133,8 @@ int abaqus_read_sets(abaqus_reader *r);
  *  letters; or -1. */
 int32_t abaqus_find_set(const abaqus_reader *r, abaqus_things things, int32_t scope, io_slice name);
 
-/** Return the dimension of a cell; *local: its index among the cells of that dimension. */
-int abaqus_dim_of(const abaqus_reader *r, int64_t cell, int64_t *local);
+/** Return the list that an element is in; *local: its index there. */
+io_list abaqus_list_of(const abaqus_reader *r, int64_t cell, int64_t *local);
 
 /** Make entities of nodes or cells, by the sets that each is in, and regions of cells. */
 int abaqus_make_entities(abaqus_reader *r, abaqus_things things);

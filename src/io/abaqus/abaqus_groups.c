@@ -21,7 +21,7 @@ static void fill_region_keys(abaqus_reader *r, int64_t *key) {
         const int64_t set =
             range->set.begin ? abaqus_find_set(r, ABAQUS_ELEMENTS, r->scope, range->set) : -1;
         for (int64_t k = range->begin; k < range->end; k++)
-            key[r->first_cell[range->dim] + k] = (set + 1) * (r->n_sets + 1);
+            key[r->first_cell[range->list] + k] = (set + 1) * (r->n_sets + 1);
     }
     /* The last section that has a cell tells: from the last to the first, so that no set is walked
      * twice. A section in the assembly is one of an instance, so that its sets are the mesh's; or
@@ -76,18 +76,20 @@ static int make_cell_entities(abaqus_reader *r, io_memberships *m, int64_t *key,
                               int64_t *different) {
     fill_region_keys(r, key);
     number_keys(key, r->n[ABAQUS_ELEMENTS], different);
-    for (int dim = 1; dim <= 3; dim++) {
-        io_cells *cells = io_model_cells(r->model, dim);
-        const int64_t first = r->first_cell[dim];
-        if (cells->n == 0)
+    for (int k = IO_FIRST_LIST; k < IO_N_LISTS; k++) {
+        const io_list list = io_model_list(r->model, k);
+        const int64_t first = r->first_cell[k];
+        if (list.n == 0)
             continue;
-        cells->region = pl_alloc(cells->n, sizeof *cells->region);
-        if (!cells->region)
+        int32_t *region = pl_alloc(list.n, sizeof *region);
+        if (!region)
             return pl_fail_memory(r->error, "the regions of the file");
-        for (int64_t i = 0; i < cells->n; i++)
-            cells->region[i] = (int32_t)key[first + i];
-        const int status = io_memberships_entities(m, r->model, dim, first, cells->n, cells->region,
-                                                   cells->entity, r->error);
+        *(list.cells ? &io_model_cells(r->model, k)->region
+                     : &io_model_others(r->model, list.dim)->region) = region;
+        for (int64_t i = 0; i < list.n; i++)
+            region[i] = (int32_t)key[first + i];
+        const int status = io_memberships_entities(m, r->model, list.dim, first, list.n, region,
+                                                   list.entity, r->error);
         if (status)
             return status;
     }
@@ -126,7 +128,7 @@ int abaqus_make_groups(abaqus_reader *r) {
         unsigned dims = 0;
         for (int64_t k = 0; set->things == ABAQUS_ELEMENTS && k < set->n; k++) {
             int64_t local;
-            dims |= 1u << abaqus_dim_of(r, set->member[k], &local);
+            dims |= 1u << abaqus_list_of(r, set->member[k], &local).dim;
         }
         dims = dims ? dims : 1; /* nodes; or elements that are not kept, which hold theirs */
         for (int dim = 0; dim <= 3 && !status; dim++)

@@ -108,12 +108,12 @@ static int add_member(abaqus_reader *r, int32_t set, int32_t member) {
     return PLANISH_OK;
 }
 
-int abaqus_dim_of(const abaqus_reader *r, int64_t cell, int64_t *local) {
-    int dim = 3;
-    while (dim > 1 && cell < r->first_cell[dim])
-        dim--;
-    *local = cell - r->first_cell[dim];
-    return dim;
+io_list abaqus_list_of(const abaqus_reader *r, int64_t cell, int64_t *local) {
+    int list = IO_N_LISTS - 1;
+    while (list > IO_FIRST_LIST && cell < r->first_cell[list])
+        list--;
+    *local = cell - r->first_cell[list];
+    return io_model_list(r->model, list);
 }
 
 /** Return the number in the file of a thing. */
@@ -121,8 +121,8 @@ static int64_t number_of(const abaqus_reader *r, abaqus_things things, int64_t t
     int64_t local;
     if (things == ABAQUS_NODES)
         return io_node_number(r->model, thing);
-    const int dim = abaqus_dim_of(r, thing, &local);
-    return io_cell_number(io_model_cells(r->model, dim), local);
+    const io_list list = abaqus_list_of(r, thing, &local);
+    return io_list_number(&list, local);
 }
 
 /** Return the index of the thing of a number, or -1: there is none, or its cell is not kept. */
@@ -250,15 +250,11 @@ static int add_nodes_of(abaqus_reader *r, const abaqus_block *b, int32_t set, io
     int status = ask_for(r, name.begin, r->set[from].n);
     for (int64_t i = 0; i < r->set[from].n && !status; i++) {
         int64_t local;
-        const int dim = abaqus_dim_of(r, r->set[from].member[i], &local);
-        const io_cells *cells = io_model_cells(r->model, dim);
-        const int32_t *nodes = cells->nodes + local * (dim + 1);
-        for (int j = 0; j <= dim && !status; j++)
-            status = add_member(r, set, nodes[j]);
-        const int n_mids = cells->mid ? io_n_mids(dim) : 0;
-        for (int j = 0; j < n_mids && !status; j++)
-            if (cells->mid[local * n_mids + j] >= 0)
-                status = add_member(r, set, cells->mid[local * n_mids + j]);
+        const io_list list = abaqus_list_of(r, r->set[from].member[i], &local);
+        int32_t node[IO_CELL_NODES];
+        const int n = io_list_nodes(&list, local, node, NULL);
+        for (int j = 0; j < n && !status; j++)
+            status = add_member(r, set, node[j]);
     }
     return status;
 }
@@ -372,9 +368,9 @@ int abaqus_read_sets(abaqus_reader *r) {
     io_model *model = r->model;
     model->groups_by_name = 1;
     r->n[ABAQUS_NODES] = model->n_nodes;
-    for (int dim = 1; dim <= 3; dim++) {
-        r->first_cell[dim] = r->n[ABAQUS_ELEMENTS];
-        r->n[ABAQUS_ELEMENTS] += io_model_cells(model, dim)->n;
+    for (int k = IO_FIRST_LIST; k < IO_N_LISTS; k++) {
+        r->first_cell[k] = r->n[ABAQUS_ELEMENTS];
+        r->n[ABAQUS_ELEMENTS] += io_model_list(model, k).n;
     }
     if (r->n[ABAQUS_ELEMENTS] > INT32_MAX)
         return pl_fail(r->error, PLANISH_ERROR_FORMAT, "%s: too many elements", model->input.path);
@@ -390,7 +386,7 @@ int abaqus_read_sets(abaqus_reader *r) {
         if (set < 0)
             return set;
         for (int64_t k = range->begin; k < range->end && !status; k++)
-            status = add_member(r, set, (int32_t)(r->first_cell[range->dim] + k));
+            status = add_member(r, set, (int32_t)(r->first_cell[range->list] + k));
     }
     for (int64_t i = 0; i < r->n_blocks && !status; i++)
         if (r->block[i].keyword == ABAQUS_NSET || r->block[i].keyword == ABAQUS_ELSET)

@@ -210,9 +210,9 @@ static int read_solution(cgns_reader *r, const char *name, io_hdf5_names *seen) 
 
 /** Read values of cells that may tell regions, after the groups. */
 static int read_solutions(cgns_reader *r) {
-    const io_cells *cells = io_model_elements(r->model);
+    const int64_t n = io_model_n_elements(r->model);
     io_hdf5_names solutions, seen = {0}; /* names of arrays that have been looked at */
-    if (cells->n == 0 || cells->n != r->n_elements)
+    if (n == 0 || n != r->n_elements)
         return PLANISH_OK;
     int status = cgns_children(r, &r->zone, "FlowSolution_t", &solutions);
     for (int64_t i = 0; i < solutions.n && !status; i++)

@@ -16,11 +16,11 @@
 
 /** Elements of consecutive numbers. */
 typedef struct cgns_section {
-    const char *name;   /* in the zone */
-    int64_t start, end; /* numbers of the first and the last element */
-    int type;           /* of all elements, or MIXED */
-    int64_t first[4];   /* by dimension: cells of this section in their io_cells, */
-    int64_t behind[4];  /* up to this one */
+    const char *name;           /* in the zone */
+    int64_t start, end;         /* numbers of the first and the last element */
+    int type;                   /* of all elements, or MIXED */
+    int64_t first[IO_N_LISTS];  /* by list: elements of this section in it, */
+    int64_t behind[IO_N_LISTS]; /* up to this one */
 } cgns_section;
 
 typedef struct cgns_reader {
@@ -51,7 +51,7 @@ int cgns_text(cgns_reader *r, const io_hdf5_path *path, const char *child, char 
 
 /* ---- cgns_elements.c ----------------------------------------------------------------------- */
 
-/** Read all sections of the zone: cells with their numbers, and as entity the index of their
+/** Read all sections of the zone: elements with their numbers, and as entity the index of their
  *  section. */
 int cgns_read_elements(cgns_reader *r);
 

@@ -1,6 +1,5 @@
 /* cgns_elements: the sections of elements of CGNS files, of one type or MIXED, with numbers of
- * nodes from 1. Lines, triangles and tetrahedra of first and second order are kept. All others hold
- * their nodes; those of two or three dimensions are handed over to be measured.
+ * nodes from 1. Those without a planish_cell_type hold their nodes.
  */
 #ifdef PL_HDF5
 #include "io/cgns/cgns.h"
@@ -180,22 +179,26 @@ static int take_node(section_walk *w, int j, int32_t *node) {
                         (long long)most);
 }
 
-/** Hold the nodes of the element that the walk came to, and hand it over. */
-static int add_other(section_walk *w) {
+/** Add the element that the walk came to, which is no simplex, or hold its nodes. */
+static int add_other(section_walk *w, int32_t section) {
     io_model *model = w->r->model;
     const io_element_type *t = w->type;
+    const int type = io_element_other(t), list = io_others_list(io_element_dim(t));
     int32_t node[MOST_NODES];
     int status = PLANISH_OK;
     for (int j = 0; j < t->nodes && !status; j++) {
         status = take_node(w, j, &node[j]);
-        if (!status)
+        if (!status && !type)
             io_hold_node(model, node[j], io_element_reason(t));
     }
     if (status)
         return status;
     io_element_count(model, t, 1);
-    return io_model_add_other(model, io_cell_type(t->shape, t->nodes), node,
-                              w->section->start + w->index, w->r->error);
+    status =
+        io_model_add_other(model, type, node, section, w->section->start + w->index, w->r->error);
+    if (!status && type)
+        w->section->behind[list] = io_model_list(model, list).n;
+    return status;
 }
 
 /** Take the nodes of the element that the walk came to, for which there is room behind the others of
@@ -226,6 +229,8 @@ static int store_elements(section_walk *w, int32_t index) {
     io_model *model = w->r->model;
     int64_t kept[4];
     int status = count_kept(w, kept);
+    for (int k = IO_FLAT_LIST; k < IO_N_LISTS; k++)
+        w->section->first[k] = w->section->behind[k] = io_model_list(model, k).n;
     for (int dim = 1; dim <= 3 && !status; dim++) {
         io_cells *cells = io_model_cells(model, dim);
         w->section->first[dim] = w->section->behind[dim] = cells->n;
@@ -239,7 +244,7 @@ static int store_elements(section_walk *w, int32_t index) {
         if (!status && io_element_use(w->type) == IO_KEEP)
             status = add_kept(w, io_element_dim(w->type), index);
         else if (!status)
-            status = add_other(w);
+            status = add_other(w, index);
     }
     return status;
 }

@@ -69,7 +69,7 @@ static int move_member(groups *g, int32_t in_condition, int32_t *class) {
 
 /* ---- elements by their number -------------------------------------------------------------- */
 
-/** Find the cell of that number: its dimension and *index, or 0 if it is not kept. */
+/** Find the element of that number: its list and *index, or 0 if it is in none. */
 static int find_cell(const cgns_reader *r, int64_t number, int64_t *index) {
     int64_t low = 0, high = r->n_sections; /* the first that begins behind number is in there */
     while (low < high) {
@@ -82,20 +82,20 @@ static int find_cell(const cgns_reader *r, int64_t number, int64_t *index) {
     if (low == 0 || number > r->section[low - 1].end)
         return 0;
     const cgns_section *s = &r->section[low - 1];
-    for (int dim = 1; dim <= 3; dim++) {
-        const io_cells *cells = io_model_cells(r->model, dim);
-        low = s->first[dim];
-        high = s->behind[dim];
+    for (int k = IO_FIRST_LIST; k < IO_N_LISTS; k++) {
+        const io_list list = io_model_list(r->model, k);
+        low = s->first[k];
+        high = s->behind[k];
         while (low < high) {
             const int64_t middle = low + (high - low) / 2;
-            if (cells->number[middle] < number)
+            if (io_list_number(&list, middle) < number)
                 low = middle + 1;
             else
                 high = middle;
         }
         *index = low;
-        if (low < s->behind[dim] && cells->number[low] == number)
-            return dim;
+        if (low < s->behind[k] && io_list_number(&list, low) == number)
+            return k;
     }
     return 0;
 }
@@ -108,21 +108,25 @@ static int take_member(groups *g, const char *path, int is_nodes, int64_t number
                        int32_t in_condition) {
     io_model *model = g->r->model;
     int64_t index = number - 1;
-    const int dim = is_nodes ? 0 : find_cell(g->r, number, &index);
+    const int list = is_nodes ? 0 : find_cell(g->r, number, &index);
     if (is_nodes && (number < 1 || number > model->n_nodes))
         return io_hdf5_fail(g->r->file, path, "node %lld is not in 1 .. %lld", (long long)number,
                             (long long)model->n_nodes);
     /* Conditions may list faces of structured or polyhedral parts that are not there. */
-    if (!is_nodes && dim == 0)
+    if (!is_nodes && list == 0)
         return PLANISH_OK;
-    const io_cells *cells = is_nodes ? NULL : io_model_cells(model, dim);
+    const io_list elements = io_model_list(model, is_nodes ? IO_FIRST_LIST : list);
     if (in_condition != NONE)
         return move_member(g, in_condition,
-                           is_nodes ? &model->node_entity[index] : &cells->entity[index]);
+                           is_nodes ? &model->node_entity[index] : &elements.entity[index]);
+    int32_t node[IO_CELL_NODES];
+    int corners = 0;
     if (is_nodes)
         io_hold_node(model, index, IO_HELD_REQUIRED);
-    for (int j = 0; !is_nodes && j <= dim; j++)
-        io_hold_node(model, cells->nodes[index * (dim + 1) + j], IO_HELD_REQUIRED);
+    else
+        io_list_nodes(&elements, index, node, &corners);
+    for (int j = 0; j < corners; j++)
+        io_hold_node(model, node[j], IO_HELD_REQUIRED);
     return PLANISH_OK;
 }
 
@@ -245,8 +249,11 @@ static int make_entities(groups *g) {
     io_model *model = g->r->model;
     int status = PLANISH_OK;
     for (int dim = 3; dim >= 1 && !status; dim--) {
-        io_cells *cells = io_model_cells(model, dim);
-        status = index_entities(g, dim, cells->entity, cells->n, NONE);
+        const io_list cells = io_model_list(model, dim);
+        const io_list others = io_model_list(model, io_others_list(dim));
+        status = index_entities(g, dim, cells.entity, cells.n, NONE);
+        if (!status && dim > 1)
+            status = index_entities(g, dim, others.entity, others.n, NONE);
     }
     if (!status && model->node_entity)
         status = index_entities(g, 0, model->node_entity, model->n_nodes, g->other_nodes);

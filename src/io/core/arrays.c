@@ -15,7 +15,7 @@ static int fail_arrays(planish_error *error) {
 
 int io_array_begin(const io_model *model, const char *name, int64_t n_cells,
                    io_array_filler *filler, planish_error *error) {
-    *filler = (io_array_filler){.elements = io_model_elements(model)};
+    *filler = (io_array_filler){.model = model};
     filler->array.n = n_cells;
     filler->array.name = pl_copy_text(name);
     filler->array.narrow = pl_alloc_zero(n_cells, sizeof *filler->array.narrow);
@@ -27,7 +27,7 @@ int io_array_begin(const io_model *model, const char *name, int64_t n_cells,
 
 int io_array_begin_elements(const io_model *model, const char *name, io_array_filler *filler,
                             planish_error *error) {
-    const int64_t n = io_model_elements(model)->n;
+    const int64_t n = io_model_n_elements(model);
     const int status = io_array_begin(model, name, n, filler, error);
     if (status)
         return status;
@@ -68,17 +68,28 @@ static int widen(io_array *array, int64_t n_done, planish_error *error) {
     return PLANISH_OK;
 }
 
+/** Whether the cell of that number, no lower than those asked before, is an element. */
+static int is_element(io_array_filler *filler, int64_t cell) {
+    const int dim = io_model_dim(filler->model), lists[] = {dim, io_others_list(dim)};
+    for (int k = 0; k < 2; k++) {
+        const io_list list = io_model_list(filler->model, lists[k]);
+        int64_t *next = &filler->next[k];
+        while (*next < list.n && io_list_number(&list, *next) < cell)
+            ++*next;
+        if (*next < list.n && io_list_number(&list, *next) == cell)
+            return 1;
+    }
+    return 0;
+}
+
 int io_array_put(io_array_filler *filler, int64_t cell, int is_whole, int64_t value,
                  planish_error *error) {
-    const io_cells *elements = filler->elements;
     io_array *array = &filler->array;
     if (is_whole && array->narrow && value >= INT32_MIN && value <= INT32_MAX) {
         array->narrow[cell] = (int32_t)value;
         return PLANISH_OK;
     }
-    while (filler->next < elements->n && io_cell_number(elements, filler->next) < cell)
-        filler->next++;
-    if (filler->next == elements->n || io_cell_number(elements, filler->next) != cell)
+    if (!is_element(filler, cell))
         return PLANISH_OK; /* what other cells have does not matter */
     filler->is_broken |= !is_whole;
     if (!is_whole)
@@ -131,11 +142,17 @@ int io_array_end(io_model *model, io_array_filler *filler, planish_error *error)
 
 /* ---- regions of cells --------------------------------------------------------------------- */
 
-/** Value of cell i of cells; elements: those that are smoothed. */
-static int64_t value_of(const io_array *array, const io_cells *elements, const io_cells *cells,
+/** Value of element i of a list; 0: it has none. */
+static int64_t value_of(const io_model *model, const io_array *array, const io_list *list,
                         int64_t i) {
-    const int64_t at = array->by_element ? i : io_cell_number(cells, i);
-    if (at >= array->n || (array->by_element && cells != elements))
+    int64_t at = i;
+    if (!array->by_element)
+        at = io_list_number(list, i);
+    else if (list->dim != io_model_dim(model))
+        return 0;
+    else if (list->others)
+        at += io_model_elements(model)->n;
+    if (at >= array->n)
         return 0;
     return array->wide ? array->wide[at] : array->narrow[at];
 }
@@ -144,21 +161,41 @@ static int64_t value_of(const io_array *array, const io_cells *elements, const i
  *  any, which tell regions in any case. */
 typedef struct array_view {
     planish_cell_array *of; /* [n_arrays + has_entities] */
-    void **owned;           /* [n_arrays] */
+    void **owned;           /* [n_arrays + 1] */
 } array_view;
 
 static void release_view(const io_model *model, array_view *v) {
-    for (int i = 0; v->owned && i < model->n_arrays; i++)
+    for (int i = 0; v->owned && i <= model->n_arrays; i++)
         pl_free(v->owned[i]);
     pl_free(v->owned);
     pl_free(v->of);
 }
 
+/** Copy the values of an array at the elements, which do not stand one after another in it; array
+ *  NULL: their entities. NULL without memory. */
+static void *copy_values(const io_model *model, const io_array *array) {
+    const size_t size = array && array->wide ? sizeof *array->wide : sizeof(int32_t);
+    const int dim = io_model_dim(model), lists[] = {dim, io_others_list(dim)};
+    void *copy = pl_alloc(io_model_n_elements(model), size);
+    int64_t n = 0;
+    for (int k = 0; copy && k < 2; k++) {
+        const io_list list = io_model_list(model, lists[k]);
+        for (int64_t i = 0; i < list.n; i++, n++) {
+            const int64_t value = array ? value_of(model, array, &list, i) : list.entity[i];
+            if (size == sizeof(int64_t))
+                ((int64_t *)copy)[n] = value;
+            else
+                ((int32_t *)copy)[n] = (int32_t)value;
+        }
+    }
+    return copy;
+}
+
 static int make_view(const io_model *model, array_view *v, planish_error *error) {
     const io_cells *cells = io_model_elements(model);
-    const int n = model->n_arrays;
+    const int n = model->n_arrays, is_plain = io_model_other_elements(model)->n == 0;
     v->of = pl_alloc_zero((int64_t)n + 1, sizeof *v->of);
-    v->owned = pl_alloc_zero(n, sizeof *v->owned);
+    v->owned = pl_alloc_zero((int64_t)n + 1, sizeof *v->owned);
     if (!v->of || !v->owned)
         return fail_arrays(error);
     for (int i = 0; i < n; i++) {
@@ -169,23 +206,21 @@ static int make_view(const io_model *model, array_view *v, planish_error *error)
         v->of[i].name = array->name;
         v->of[i].type = array->wide ? PLANISH_NUMBER_INT64 : PLANISH_NUMBER_INT32;
         v->of[i].is_region = array->is_region;
-        if (array->by_element || (!cells->number && first + cells->n <= array->n)) {
+        if (array->by_element || (is_plain && !cells->number && first + cells->n <= array->n)) {
             v->of[i].values = all + (size_t)first * size;
             continue;
         }
-        /* Elements do not stand one after another: a copy of their values does. */
-        v->of[i].values = v->owned[i] = pl_alloc(cells->n, size);
+        v->of[i].values = v->owned[i] = copy_values(model, array);
         if (!v->owned[i])
             return fail_arrays(error);
-        for (int64_t k = 0; k < cells->n; k++)
-            if (array->wide)
-                ((int64_t *)v->owned[i])[k] = value_of(array, cells, cells, k);
-            else
-                ((int32_t *)v->owned[i])[k] = (int32_t)value_of(array, cells, cells, k);
     }
-    if (model->has_entities)
-        v->of[n] = (planish_cell_array){
-            .values = cells->entity, .type = PLANISH_NUMBER_INT32, .is_region = 1};
+    if (!model->has_entities)
+        return PLANISH_OK;
+    if (!is_plain && !(v->owned[n] = copy_values(model, NULL)))
+        return fail_arrays(error);
+    v->of[n] = (planish_cell_array){.values = is_plain ? cells->entity : v->owned[n],
+                                    .type = PLANISH_NUMBER_INT32,
+                                    .is_region = 1};
     return PLANISH_OK;
 }
 
@@ -206,49 +241,82 @@ static int find_primary(const io_model *model) {
     return best;
 }
 
-/** Give the cells of a dimension the entities of their values. */
-static int store_entities(io_model *model, int dim, const io_array *array, planish_error *error) {
-    io_cells *cells = io_model_cells(model, dim);
+/** Where the entities and regions of a list are. */
+static int32_t **entities_of(io_model *model, int list) {
+    return list >= IO_FLAT_LIST ? &io_model_others(model, list - 2)->entity
+                                : &io_model_cells(model, list)->entity;
+}
+
+static int32_t **regions_of(io_model *model, int list) {
+    return list >= IO_FLAT_LIST ? &io_model_others(model, list - 2)->region
+                                : &io_model_cells(model, list)->region;
+}
+
+/** Give the elements of a list the entities of their values. */
+static int store_entities(io_model *model, int number, const io_array *array,
+                          planish_error *error) {
+    const io_list list = io_model_list(model, number);
     int32_t last = 0, entity = -1;
-    cells->entity = pl_alloc(cells->n, sizeof *cells->entity);
-    if (!cells->entity)
+    int32_t *to = *entities_of(model, number) = pl_alloc(list.n, sizeof *to);
+    if (!to)
         return pl_fail_memory(error, "the regions of cells");
-    for (int64_t i = 0; i < cells->n; i++) {
-        const int32_t value = (int32_t)value_of(array, io_model_elements(model), cells, i);
+    for (int64_t i = 0; i < list.n; i++) {
+        const int32_t value = (int32_t)value_of(model, array, &list, i);
         if (entity < 0 || value != last) {
             last = value;
-            entity = io_model_entity(model, dim, last, 0, NULL, error);
+            entity = io_model_entity(model, list.dim, last, 0, NULL, error);
             if (entity < 0)
                 return entity;
         }
-        cells->entity[i] = entity;
+        to[i] = entity;
     }
     return PLANISH_OK;
+}
+
+/** Forget the regions of all lists that arrays have made. */
+static void forget_regions(io_model *model) {
+    const int dim = io_model_dim(model);
+    for (int k = IO_FIRST_LIST; k < IO_N_LISTS; k++) {
+        const int has_elements = k == dim || k == io_others_list(dim);
+        if (model->has_entities && !has_elements)
+            continue;
+        pl_free(*regions_of(model, k));
+        *regions_of(model, k) = NULL;
+        if (model->has_entities)
+            continue;
+        pl_free(*entities_of(model, k));
+        *entities_of(model, k) = NULL;
+    }
+    if (!model->has_entities)
+        io_model_clear_entities(model);
+}
+
+/** Combine the values of v to regions of the elements. */
+static int combine_regions(io_model *model, const array_view *v, planish_error *error) {
+    const int dim = io_model_dim(model);
+    const int64_t n = io_model_elements(model)->n, n_others = io_model_other_elements(model)->n;
+    int32_t *of_others = NULL, *region = pl_alloc(n + n_others, sizeof *region);
+    if (!region || (n_others > 0 && !(of_others = pl_alloc(n_others, sizeof *of_others)))) {
+        pl_free(region);
+        return pl_fail_memory(error, "the regions of cells");
+    }
+    *regions_of(model, dim) = region;
+    *regions_of(model, io_others_list(dim)) = of_others;
+    const int status = planish_combine_regions(
+        n + n_others, v->of, model->n_arrays + model->has_entities, region, NULL, error);
+    if (of_others)
+        memcpy(of_others, region + n, (size_t)n_others * sizeof *region);
+    return status;
 }
 
 /** Make the regions of cells from the arrays whose is_region is set; primary: the one by whose
  *  values groups are named, or -1. The file's own entities stay, and regions are parts of theirs.
  */
 static int make_regions(io_model *model, const array_view *v, int primary, planish_error *error) {
-    io_cells *elements =
-        io_model_cells(model, io_model_elements(model) == &model->triangle ? 2 : 3);
     const int has_tags = !model->has_entities && primary >= 0 && !model->array[primary].wide;
-    /* Forget the regions that arrays have made. */
-    for (int dim = 1; dim <= 3; dim++) {
-        io_cells *cells = io_model_cells(model, dim);
-        if (model->has_entities && cells != elements)
-            continue;
-        pl_free(cells->region);
-        cells->region = NULL;
-        if (model->has_entities)
-            continue;
-        pl_free(cells->entity);
-        cells->entity = NULL;
-    }
-    if (!model->has_entities)
-        io_model_clear_entities(model);
-    for (int dim = 1; dim <= 3 && has_tags; dim++) {
-        const int status = store_entities(model, dim, &model->array[primary], error);
+    forget_regions(model);
+    for (int k = IO_FIRST_LIST; k < IO_N_LISTS && has_tags; k++) {
+        const int status = store_entities(model, k, &model->array[primary], error);
         if (status)
             return status;
     }
@@ -257,13 +325,7 @@ static int make_regions(io_model *model, const array_view *v, int primary, plani
     for (int i = 0; i < model->n_arrays; i++)
         is_alone &= !model->array[i].is_region ||
                     (!model->has_entities && i == primary && !model->array[i].wide);
-    if (is_alone)
-        return PLANISH_OK;
-    elements->region = pl_alloc(elements->n, sizeof *elements->region);
-    if (!elements->region)
-        return pl_fail_memory(error, "the regions of cells");
-    return planish_combine_regions(elements->n, v->of, model->n_arrays + model->has_entities,
-                                   elements->region, NULL, error);
+    return is_alone ? PLANISH_OK : combine_regions(model, v, error);
 }
 
 /** Make the lists of names that users are given. */
@@ -287,13 +349,14 @@ static int list_names(io_model *model, planish_error *error) {
 
 /** Ask the library which arrays tell regions. What is no mesh has none to find: the caller is told
  *  so when it makes a plan. */
-static int find_region_arrays(io_model *model, array_view *v, planish_error *error) {
-    const io_cells *cells = io_model_elements(model);
-    const planish_mesh mesh = {.dim = cells == &model->triangle ? 2 : 3,
+static int find_region_arrays(io_model *model, const planish_cells *cells, array_view *v,
+                              planish_error *error) {
+    const planish_mesh mesh = {.dim = io_model_dim(model),
                                .n_nodes = model->n_nodes,
-                               .n_elements = cells->n,
+                               .n_elements = io_model_n_elements(model),
                                .coordinates = model->xyz,
-                               .elements = cells->nodes,
+                               .elements = cells ? NULL : io_model_elements(model)->nodes,
+                               .cells = cells,
                                .node_stride = 3,
                                .component_stride = 1};
     const int status = planish_find_regions(&mesh, v->of, model->n_arrays, model->threads, error);
@@ -308,12 +371,14 @@ static int find_region_arrays(io_model *model, array_view *v, planish_error *err
 }
 
 /** Make regions, and the lists of names, by the arrays that are chosen, of which first is the one
- *  that groups are named by; or (is_chosen 0) by those that the library finds. */
-static int apply_arrays(io_model *model, int is_chosen, int first, planish_error *error) {
+ *  that groups are named by; or (is_chosen 0) by those that the library finds, cells as in
+ *  io_arrays_find_regions. */
+static int apply_arrays(io_model *model, const planish_cells *cells, int is_chosen, int first,
+                        planish_error *error) {
     array_view v = {.of = NULL};
     int status = make_view(model, &v, error);
     if (!status && !is_chosen)
-        status = find_region_arrays(model, &v, error);
+        status = find_region_arrays(model, cells, &v, error);
     if (!status)
         status = make_regions(model, &v, is_chosen ? first : find_primary(model), error);
     if (!status)
@@ -322,11 +387,12 @@ static int apply_arrays(io_model *model, int is_chosen, int first, planish_error
     return status;
 }
 
-int io_arrays_find_regions(io_model *model, planish_error *error) {
-    if (model->n_arrays == 0 || io_model_elements(model)->n == 0)
+int io_arrays_find_regions(io_model *model, const planish_cells *cells, planish_error *error) {
+    if (model->n_arrays == 0 || io_model_n_elements(model) == 0)
         return PLANISH_OK;
-    model->has_entities = io_model_elements(model)->entity != NULL;
-    return apply_arrays(model, 0, -1, error);
+    model->has_entities =
+        io_model_elements(model)->entity || io_model_other_elements(model)->entity;
+    return apply_arrays(model, cells, 0, -1, error);
 }
 
 /* ---- choosing ----------------------------------------------------------------------------- */
@@ -355,7 +421,7 @@ static int choose_names(io_model *model, const char *const *names, int n_names,
                 first = first < 0 ? i : first;
                 model->array[i].is_region = 1;
             }
-    return apply_arrays(model, 1, first, error);
+    return apply_arrays(model, NULL, 1, first, error);
 }
 
 int io_arrays_choose(io_model *model, const char *const *names, int n_names, planish_error *error) {

@@ -4,7 +4,8 @@
  *   io_array_begin_elements, _put_element ...   or by element
  *   io_arrays_find_regions, io_arrays_choose    arrays make regions
  *
- * A reader fills in those whose values are whole numbers at all elements that are smoothed. When
+ * A reader fills in those whose values are whole numbers at all elements (io_model_elements and
+ * io_model_other_elements, one after the other). When
  * all has been read, planish_find_regions says which of them tell regions, or the user does. They
  * split the regions that the file's entities make, if it has entities of its own (Gmsh, CGNS); a
  * reader that fills in io_cells.region itself has no arrays.
@@ -20,8 +21,8 @@ enum { IO_MOST_ARRAYS = 256 };
 /** An array while it is read: its values are put in the file's order of cells, or in any order
  *  by element. */
 typedef struct io_array_filler {
-    const io_cells *elements; /* those that are smoothed, */
-    int64_t next;             /* and the next of them */
+    const io_model *model;
+    int64_t next[2]; /* of the elements: the next simplex, and the next other one */
     io_array array;
     uint8_t *has;  /* by element: [n] whether an element has a value, */
     int64_t n_has; /* and how many have; NULL and 0 else */
@@ -41,7 +42,7 @@ int io_array_put(io_array_filler *filler, int64_t cell, int is_whole, int64_t va
 int io_array_begin_elements(const io_model *model, const char *name, io_array_filler *filler,
                             planish_error *error);
 
-/** Put the value of an element that is smoothed (its index); of several the last one counts. */
+/** Put the value of an element (its index); of several the last one counts. */
 int io_array_put_element(io_array_filler *filler, int64_t element, int is_whole, int64_t value,
                          planish_error *error);
 
@@ -58,8 +59,8 @@ int io_array_end(io_model *model, io_array_filler *filler, planish_error *error)
 void io_array_drop(io_array_filler *filler);
 
 /** Let the arrays that tell regions make the regions of cells. All has been read, and the model is
- *  to be finished. */
-int io_arrays_find_regions(io_model *model, planish_error *error);
+ *  to be finished. cells: all elements; NULL: simplices alone. */
+int io_arrays_find_regions(io_model *model, const planish_cells *cells, planish_error *error);
 
 /** Let the arrays called names [n_names], along with the file's own entities, make the regions, and
  *  release the values of all. Error: _ARGUMENT (no such array; the text lists those that there

@@ -1,6 +1,7 @@
 /* cell_types: what the model knows of a planish_cell_type.
  *
- *   io_cell_type_nodes             number of nodes
+ *   io_cell_type_nodes, _corners, _dim   number of nodes and corners, dimension
+ *   io_cell_type_is_smoothed             whether its nodes may move
  *   io_simplex_type, io_simplex_dim, io_has_mids   simplices of order 1 and 2
  *   io_n_mids, io_edge_of          edges of simplices, in VTK's order
  */
@@ -23,6 +24,51 @@ static inline int io_cell_type_nodes(int type) {
         [PLANISH_CELL_WEDGE18] = 18,       [PLANISH_CELL_PYRAMID] = 5,
         [PLANISH_CELL_PYRAMID13] = 13,     [PLANISH_CELL_PYRAMID14] = 14};
     return type >= 0 && type < (int)sizeof nodes ? nodes[type] : 0;
+}
+
+enum { IO_CELL_NODES = 27 }; /* of a planish_cell_type, at most */
+
+/** Number of corners, the first nodes, of such a type. */
+static inline int io_cell_type_corners(int type) {
+    switch (type) {
+    case PLANISH_CELL_TRIANGLE:
+    case PLANISH_CELL_TRIANGLE6:
+        return 3;
+    case PLANISH_CELL_PYRAMID:
+    case PLANISH_CELL_PYRAMID13:
+    case PLANISH_CELL_PYRAMID14:
+        return 5;
+    case PLANISH_CELL_WEDGE:
+    case PLANISH_CELL_WEDGE15:
+    case PLANISH_CELL_WEDGE18:
+        return 6;
+    case PLANISH_CELL_HEXAHEDRON:
+    case PLANISH_CELL_HEXAHEDRON20:
+    case PLANISH_CELL_HEXAHEDRON27:
+        return 8;
+    default:
+        return 4;
+    }
+}
+
+/** Dimension, 2 or 3, of such a type. */
+static inline int io_cell_type_dim(int type) {
+    switch (type) {
+    case PLANISH_CELL_TRIANGLE:
+    case PLANISH_CELL_TRIANGLE6:
+    case PLANISH_CELL_QUADRILATERAL:
+    case PLANISH_CELL_QUADRILATERAL8:
+    case PLANISH_CELL_QUADRILATERAL9:
+        return 2;
+    default:
+        return 3;
+    }
+}
+
+/** Whether the nodes of such a type may move: of pyramids of second order, whose bases differ between
+ *  programs, they are held. */
+static inline int io_cell_type_is_smoothed(int type) {
+    return type != PLANISH_CELL_PYRAMID13 && type != PLANISH_CELL_PYRAMID14;
 }
 
 /** Type of a simplex of dimension 1 to 3, of order 2 or 1. */

@@ -2,7 +2,8 @@
  *
  *   io_shape, io_element_type    a row: shape, order, number of nodes
  *   io_element_dim               dimension of a type
- *   io_element_use               whether planish keeps, holds or refuses elements of a type
+ *   io_element_use               whether elements of a type are simplices of the model, others, or
+ *                                refused
  *   io_element_mids              mids of simplices of second order
  *   io_element_cells             the cells of the model that elements of a type become
  *   io_cell_type                 the planish_cell_type of a shape
@@ -14,8 +15,8 @@
  * keeps its own rows and asks here what planish does with a type. The other readers (DMPlex,
  * Netgen, OFF, Nastran, TetGen) decide by the number of nodes.
  *
- * To smooth another type, change io_element_use and io_element_cells, and see to the readers that
- * decide for themselves.
+ * Elements that are no simplices of order 1 or 2 become other elements of the model where a
+ * planish_cell_type stands for them (io_element_other); else they hold their nodes.
  */
 #ifndef PL_IO_CORE_ELEMENTS_H
 #define PL_IO_CORE_ELEMENTS_H
@@ -38,8 +39,6 @@ typedef enum io_shape {
     IO_ANY_SHAPE /* of no known shape; it counts as one of three dimensions */
 } io_shape;
 
-enum { IO_CELL_NODES = 27 }; /* of a planish_cell_type, at most */
-
 /** Element type of a format. Tables by number have the row of type N at index N. */
 typedef struct io_element_type {
     const char *name; /* in the file, where types have names, or for messages; or NULL */
@@ -49,7 +48,7 @@ typedef struct io_element_type {
 } io_element_type;
 
 typedef enum io_element_treatment {
-    IO_HOLD,  /* hold the nodes, count the elements */
+    IO_HOLD,  /* one of the others of the model, or it holds its nodes */
     IO_KEEP,  /* a cell of the model */
     IO_REFUSE /* fail: a triangle or tetrahedron of third order or higher */
 } io_element_treatment;
@@ -73,7 +72,7 @@ static inline int io_element_mids(const io_element_type *type) {
 
 /** Treatment of the elements of a type: lines, triangles and tetrahedra of first order, and of second
  *  order with mids (io_cells_set_mids), are kept, triangles and tetrahedra of third order or higher
- *  are refused, all others hold their nodes. */
+ *  are refused, all others are others or hold their nodes. */
 static inline io_element_treatment io_element_use(const io_element_type *type) {
     const int is_flat = type->shape == IO_TRIANGLE, is_solid = type->shape == IO_TETRAHEDRON;
     if (type->shape != IO_LINE && !is_flat && !is_solid)
@@ -113,6 +112,12 @@ static inline int io_cell_type(int shape, int n_nodes) {
     return 0;
 }
 
+/** Return the planish_cell_type of elements that become others of the model; 0: they are kept, or hold
+ *  their nodes. */
+static inline int io_element_other(const io_element_type *type) {
+    return io_element_use(type) == IO_HOLD ? io_cell_type(type->shape, type->nodes) : 0;
+}
+
 /** Return the planish_cell_type of the same shape and order without nodes of faces and of the
  *  inside, which are the last ones; other types as they are. */
 static inline int io_cell_type_without_faces(int type) {
@@ -130,7 +135,7 @@ static inline int io_cell_type_without_faces(int type) {
     }
 }
 
-/** Reason (an IO_HELD_ bit) why an element that is not kept holds its nodes. */
+/** Reason (an IO_HELD_ bit) why an element that is not in the model holds its nodes. */
 static inline uint8_t io_element_reason(const io_element_type *type) {
     return type->shape == IO_POINT ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER;
 }

@@ -65,14 +65,19 @@ extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format
 struct planish_file {
     io_model model;
     const io_format *format;
-    int64_t n_regions;   /* distinct ones among the elements smoothed */
-    planish_cells cells; /* all elements, once they were asked for or if any is of second order */
-    planish_cells elements; /* those that are smoothed, the first of them, in the same arrays */
+    int64_t n_regions;   /* distinct ones among the elements */
+    planish_cells cells; /* the elements: simplices, then others; without arrays while these are
+                            linear simplices alone and nobody has asked for them */
+    /* Where there are others besides simplices, one after the other, else NULL: */
+    int32_t *region;       /* of all elements, */
+    int32_t *facet;        /* corners of facets that say something, */
+    int64_t *facet_offset; /* [n + 1] where they begin */
+    int32_t *facet_tag;    /* and their regions, or NULL */
 };
 
-/** Return the simplices that are smoothed. */
-static inline const io_cells *io_file_elements(const planish_file *file) {
-    return io_model_elements(&file->model);
+/** Return the regions of all elements, or NULL: there is one. */
+static inline const int32_t *io_file_regions(const planish_file *file) {
+    return file->region ? file->region : io_cells_regions(io_model_elements(&file->model));
 }
 
 /** Return whether path ends in one of the format's extensions, letter case ignored. */

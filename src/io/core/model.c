@@ -2,7 +2,6 @@
 #include "io/core/arrays.h"
 #include "io/core/bytes.h"
 #include "io/core/model.h"
-#include "io/core/cell_types.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -301,24 +300,41 @@ int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int6
 
 /* ---- elements of other types ----------------------------------------------------------------- */
 
-int io_others_reserve(io_model *model, int64_t n, int64_t n_nodes, planish_error *error) {
-    io_others *o = &model->other;
+/** Make room for n more elements, whose arrays have one capacity. Return 0, or -1 without memory. */
+static int grow_others(io_others *o, int64_t n, int with_entity) {
+    const int64_t needed = o->n + n;
+    int64_t capacity[4] = {o->capacity, o->capacity, o->capacity, o->capacity};
+    const int is_first = !o->offset;
+    uint8_t *types = pl_grow(o->type, o->n, needed, &capacity[0], sizeof *types);
+    o->type = types ? types : o->type;
+    int64_t *numbers = pl_grow(o->number, o->n, needed, &capacity[1], sizeof *numbers);
+    o->number = numbers ? numbers : o->number;
+    int64_t *offsets =
+        pl_grow(o->offset, o->n + !is_first, needed + 1, &capacity[2], sizeof *offsets);
+    o->offset = offsets ? offsets : o->offset;
+    int32_t *entities = NULL;
+    if (with_entity)
+        entities = pl_grow(o->entity, o->n, needed, &capacity[3], sizeof *entities);
+    o->entity = entities ? entities : o->entity;
+    if (!types || !numbers || !offsets || (with_entity && !entities))
+        return -1;
+    if (is_first)
+        offsets[0] = 0;
+    o->capacity = capacity[0];
+    capacity[2]--; /* one more than elements */
+    for (int i = 1; i < 3 + (with_entity != 0); i++)
+        o->capacity = capacity[i] < o->capacity ? capacity[i] : o->capacity;
+    return 0;
+}
+
+int io_others_reserve(io_model *model, int dim, int64_t n, int64_t n_nodes, int with_entity,
+                      planish_error *error) {
+    io_others *o = io_model_others(model, dim);
     if (n > INT32_MAX - o->n)
         return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: more than %d elements", model->input.path,
                        INT32_MAX);
-    if (o->n + n > o->capacity) { /* three arrays of one capacity */
-        int64_t capacity[3] = {o->capacity, o->capacity, o->capacity};
-        uint8_t *types = pl_grow(o->type, o->n, o->n + n, &capacity[0], sizeof *types);
-        o->type = types ? types : o->type;
-        int64_t *numbers = pl_grow(o->number, o->n, o->n + n, &capacity[1], sizeof *numbers);
-        o->number = numbers ? numbers : o->number;
-        int64_t *offsets = pl_grow(o->offset, o->n, o->n + n, &capacity[2], sizeof *offsets);
-        o->offset = offsets ? offsets : o->offset;
-        if (!types || !numbers || !offsets)
-            return pl_fail_memory(error, "elements");
-        o->capacity = capacity[0] < capacity[1] ? capacity[0] : capacity[1];
-        o->capacity = capacity[2] < o->capacity ? capacity[2] : o->capacity;
-    }
+    if ((o->n + n > o->capacity || !o->offset) && grow_others(o, n, with_entity))
+        return pl_fail_memory(error, "elements");
     int32_t *node =
         pl_grow(o->node, o->n_nodes, o->n_nodes + n_nodes, &o->node_capacity, sizeof *node);
     if (!node)
@@ -329,35 +345,87 @@ int io_others_reserve(io_model *model, int64_t n, int64_t n_nodes, planish_error
 
 void io_others_set(io_model *model, int64_t i, int64_t begin, int type, const int32_t *nodes,
                    int64_t number) {
-    io_others *o = &model->other;
+    io_others *o = io_model_others(model, io_cell_type_dim(type));
     const int n = io_cell_type_nodes(type);
     const uint8_t *at = order_of(model, type);
     for (int k = 0; k < n; k++)
         o->node[begin + k] = nodes[at ? at[k] : k];
     o->type[i] = (uint8_t)type;
     o->number[i] = number;
-    o->offset[i] = begin + n;
+    o->offset[i + 1] = begin + n;
 }
 
-int io_model_add_other(io_model *model, int type, const int32_t *nodes, int64_t number,
-                       planish_error *error) {
-    io_others *o = &model->other;
-    const int n = io_cell_type_nodes(type);
+int io_model_add_other(io_model *model, int type, const int32_t *nodes, int32_t entity,
+                       int64_t number, planish_error *error) {
+    const int n = io_cell_type_nodes(type), dim = io_cell_type_dim(type);
+    io_others *o = io_model_others(model, dim);
     if (n == 0)
         return PLANISH_OK;
-    const int status = io_others_reserve(model, 1, n, error);
+    const int status = io_others_reserve(model, dim, 1, n, entity != IO_NO_ENTITY, error);
     if (status)
         return status;
     io_others_set(model, o->n, o->n_nodes, type, nodes, number);
+    if (o->entity)
+        o->entity[o->n] = entity;
     o->n++;
     o->n_nodes += n;
     return PLANISH_OK;
+}
+
+/* ---- lists of elements ------------------------------------------------------------------------ */
+
+io_list io_model_list(const io_model *model, int list) {
+    if (list >= IO_FLAT_LIST) {
+        const io_others *o = list == IO_SOLID_LIST ? &model->solid : &model->flat;
+        return (io_list){.dim = list == IO_SOLID_LIST ? 3 : 2,
+                         .n = o->n,
+                         .entity = o->entity,
+                         .region = o->region,
+                         .others = o};
+    }
+    const io_cells *c = list == 3   ? &model->tetrahedron
+                        : list == 2 ? &model->triangle
+                                    : &model->line;
+    return (io_list){.dim = list, .n = c->n, .entity = c->entity, .region = c->region, .cells = c};
+}
+
+int64_t io_list_number(const io_list *list, int64_t i) {
+    return list->cells ? io_cell_number(list->cells, i) : list->others->number[i];
+}
+
+int io_list_nodes(const io_list *list, int64_t i, int32_t *node, int *corners) {
+    const io_others *o = list->others;
+    const int32_t *from, *mid = NULL;
+    int n, n_corners, n_mids = 0;
+    if (o) {
+        from = o->node + o->offset[i];
+        n_corners = io_cell_type_corners(o->type[i]);
+        n_mids = io_cell_type_nodes(o->type[i]) - n_corners;
+        mid = from + n_corners;
+    } else {
+        n_corners = list->dim + 1;
+        from = list->cells->nodes + i * n_corners;
+        if (list->cells->mid) {
+            n_mids = io_n_mids(list->dim);
+            mid = list->cells->mid + i * n_mids;
+        }
+    }
+    for (n = 0; n < n_corners; n++)
+        node[n] = from[n];
+    for (int k = 0; k < n_mids; k++)
+        if (mid[k] >= 0)
+            node[n++] = mid[k];
+    if (corners)
+        *corners = n_corners;
+    return n;
 }
 
 static void release_others(io_others *o) {
     pl_free(o->type);
     pl_free(o->number);
     pl_free(o->offset);
+    pl_free(o->entity);
+    pl_free(o->region);
     pl_free(o->node);
     *o = (io_others){.n = 0};
 }
@@ -371,6 +439,7 @@ void io_model_destroy(io_model *model) {
         pl_free(model->coordinates);
     pl_free(model->xyz);
     pl_free(model->uv_read);
+    pl_free(model->corner);
     pl_free(model->z);
     pl_free(model->node_number);
     pl_free(model->span);
@@ -382,7 +451,8 @@ void io_model_destroy(io_model *model) {
     io_cells_release(&model->line);
     io_cells_release(&model->triangle);
     io_cells_release(&model->tetrahedron);
-    release_others(&model->other);
+    release_others(&model->flat);
+    release_others(&model->solid);
     io_arrays_destroy(model);
     for (int32_t i = 0; i < model->n_entities; i++)
         pl_free(model->entity[i].physical);

@@ -5,6 +5,7 @@
  *   io_span, io_field, io_edit          places of coordinates, and their replacement
  *   io_cells, io_others                 simplices of order 1 and 2, and other elements
  *   io_model_add_simplex, _add_other    elements by their types, one by one
+ *   io_list_...                         all elements, in lists by dimension
  *   io_entity, io_group                 regions and names
  *   io_model_make_nodes, _span ...      what readers call to fill it in
  *   io_numbers, io_reduce_...           the file's numbers of nodes and cells
@@ -32,6 +33,7 @@
 #define PL_IO_CORE_MODEL_H
 
 #include "base/printf.h"
+#include "io/core/cell_types.h"
 
 #include <planish/planish_io.h>
 
@@ -125,13 +127,14 @@ typedef struct io_cells {
     int64_t n_plain; /* the last of them say nothing of their nodes (finish.c) */
 } io_cells;
 
-/** Elements that are measured but not smoothed, in the file's order: all but simplices of order 1 and
- *  2. Their nodes are held. */
+/** Elements of one dimension that are no simplices of order 1 or 2, in the file's order. */
 typedef struct io_others {
     int64_t n, capacity;
     uint8_t *type;   /* [n] planish_cell_type */
     int64_t *number; /* [n] the file's element numbers */
-    int64_t *offset; /* [n] the end of their nodes */
+    int64_t *offset; /* [n + 1] where their nodes begin; NULL while there is no room for any */
+    int32_t *entity; /* [n] as io_cells.entity */
+    int32_t *region; /* [n] as io_cells.region */
     int64_t n_nodes, node_capacity;
     int32_t *node; /* [n_nodes] indices of nodes in VTK's order; -1: a mid that is missing */
 } io_others;
@@ -175,22 +178,22 @@ typedef struct io_array {
     char *name;      /* owned */
     int64_t n;       /* cells of the file */
     int32_t *narrow; /* [n] owned values by the number of the cell, from 0; 0 where a cell that is
-                        not smoothed has no whole number */
+                        no element has no whole number */
     int64_t *wide;   /* [n] owned, in place of narrow where 32 bits do not do */
-    int by_element;  /* values are [n] of the elements that are smoothed, in their order, instead */
+    int by_element;  /* values are [n] of the elements, in their order, instead */
     int is_region;   /* it tells regions */
 } io_array;
 
 /** Why the file holds a node, bits of io_model.hold. */
 enum {
-    IO_HELD_BY_POINT = 1,     /* on an element that is a point */
-    IO_HELD_BY_OTHER = 2,     /* on an element of a type that is not smoothed, or a line of more
+    IO_HELD_BY_POINT = 1,   /* on an element that is a point */
+    IO_HELD_BY_OTHER = 2,   /* on an element of a type that is not smoothed, or a line of more
                                  than three nodes */
-    IO_HELD_REQUIRED = 4,     /* marked in the file */
-    IO_HELD_PERIODIC = 8,     /* one of a periodic pair */
-    IO_HELD_BY_LINE = 16,     /* on a line, */
-    IO_HELD_BY_TRIANGLE = 32, /* on a triangle of a mesh of tetrahedra */
-    IO_HELD_MARKED = 64,      /* marked in a file that may mean no more than that it is on the
+    IO_HELD_REQUIRED = 4,   /* marked in the file */
+    IO_HELD_PERIODIC = 8,   /* one of a periodic pair */
+    IO_HELD_BY_LINE = 16,   /* on a line, */
+    IO_HELD_BY_FACE = 32,   /* on a facet of a mesh of solid elements */
+    IO_HELD_MARKED = 64,    /* marked in a file that may mean no more than that it is on the
                                  boundary (VTK) */
     IO_HAS_PARAMETERS = 128 /* is not held by that: parameters of the geometry go with its place */
 };
@@ -250,10 +253,10 @@ typedef struct io_model {
     int32_t n_slots;      /* a power of two, or 0 */
     io_group *group;      /* [n_groups] */
     int64_t n_groups, group_capacity;
-    int groups_by_name; /* numbers of entities and groups are none of the file's (Abaqus) */
-    io_others other;
+    int groups_by_name;    /* numbers of entities and groups are none of the file's (Abaqus) */
+    io_others flat, solid; /* of two and of three dimensions */
     const io_node_order *node_order; /* of the format, ended by a row of type 0; NULL: VTK's */
-    int64_t n_other, n_lower;
+    int64_t n_other, n_lower;        /* elements that are not kept; lines, points and facets */
     io_array *array; /* [n_arrays] arrays that may tell regions, in the file's order */
     int n_arrays;
     int64_t array_capacity;
@@ -270,7 +273,10 @@ typedef struct io_model {
     double *coordinates; /* [n_nodes][dim] as read; in 3-D this is xyz itself */
     io_plane plane;      /* in 2-D */
     double *uv_read;     /* [n_nodes][2] coordinates as read, in a tilted plane, else NULL */
-    int written;         /* columns that are written: 2 in the plane of x and y, else 3 */
+    int32_t *corner; /* [n_corners][3] there, of a mesh with quadrilaterals: triangles, and those
+                            of the corners of quadrilaterals; else NULL */
+    int64_t n_corners;
+    int written; /* columns that are written: 2 in the plane of x and y, else 3 */
 } io_model;
 
 /* ---- for the readers (what they return: see the top of this file) --------------------------- */
@@ -296,11 +302,60 @@ static inline io_cells *io_model_cells(io_model *model, int dim) {
     return dim == 3 ? &model->tetrahedron : dim == 2 ? &model->triangle : &model->line;
 }
 
-/** Return the elements that are smoothed: the tetrahedra, or the triangles where there is no solid
- *  element. */
-static inline const io_cells *io_model_elements(const io_model *model) {
-    return model->tetrahedron.n > 0 || model->dim == 3 ? &model->tetrahedron : &model->triangle;
+/** Return the other elements of that dimension, 2 or 3. */
+static inline io_others *io_model_others(io_model *model, int dim) {
+    return dim == 3 ? &model->solid : &model->flat;
 }
+
+/** Return the dimension of the elements that are smoothed: 3 where there is a solid one, else 2. All
+ *  have been read. */
+static inline int io_model_dim(const io_model *model) {
+    return model->tetrahedron.n > 0 || model->solid.n > 0 ? 3 : 2;
+}
+
+/** The elements that are smoothed are the simplices of their dimension, and behind them the others.
+ *  Return the simplices, */
+static inline const io_cells *io_model_elements(const io_model *model) {
+    return io_model_dim(model) == 3 ? &model->tetrahedron : &model->triangle;
+}
+
+/** the others, */
+static inline const io_others *io_model_other_elements(const io_model *model) {
+    return io_model_dim(model) == 3 ? &model->solid : &model->flat;
+}
+
+/** and the number of both. */
+static inline int64_t io_model_n_elements(const io_model *model) {
+    return io_model_elements(model)->n + io_model_other_elements(model)->n;
+}
+
+/* Lists of elements: lines, triangles and tetrahedra by their dimension, then other elements of two
+ * and of three dimensions. */
+enum { IO_FIRST_LIST = 1, IO_FLAT_LIST = 4, IO_SOLID_LIST = 5, IO_N_LISTS = 6 };
+
+/** The arrays of a list, as far as lists have the same; of cells or of others. */
+typedef struct io_list {
+    int dim;
+    int64_t n;
+    int32_t *entity, *region;
+    const io_cells *cells;   /* or NULL */
+    const io_others *others; /* or NULL */
+} io_list;
+
+/** Return the list of that number; its arrays are borrowed. */
+io_list io_model_list(const io_model *model, int list);
+
+/** Return the number of the list that has the other elements of a dimension, 2 or 3. */
+static inline int io_others_list(int dim) {
+    return dim == 3 ? IO_SOLID_LIST : IO_FLAT_LIST;
+}
+
+/** Return the number in the file of element i of a list. */
+int64_t io_list_number(const io_list *list, int64_t i);
+
+/** Find the nodes of element i of a list, mids that are there among them: node [IO_CELL_NODES].
+ *  Return how many; *corners (may be NULL): the first of them are corners. */
+int io_list_nodes(const io_list *list, int64_t i, int32_t *node, int *corners);
 
 /** Make room for n more cells of a dimension; the reader then writes nodes, entity, number at index
  *  cells->n ...; and raises cells->n. with_entity and with_number must be the same in every call
@@ -329,18 +384,22 @@ void io_cells_set_mids(io_model *model, int dim, int64_t cell, const int32_t *no
 int io_model_add_simplex(io_model *model, int type, const int32_t *nodes, int32_t entity,
                          int64_t number, planish_error *error);
 
-/** Add an element of a type to model->other behind the others: its nodes, indices in the format's
- *  order. Types below two dimensions, and 0, are passed over. Errors: _FORMAT (too many),
- *  _MEMORY. */
-int io_model_add_other(io_model *model, int type, const int32_t *nodes, int64_t number,
-                       planish_error *error);
+/** Add an element of a type to the others of its dimension: its nodes, indices in the format's order,
+ *  and its entity, or IO_NO_ENTITY: none of the list has one. Types below two dimensions, and 0, are
+ *  passed over. Errors: _FORMAT (too many), _MEMORY. */
+int io_model_add_other(io_model *model, int type, const int32_t *nodes, int32_t entity,
+                       int64_t number, planish_error *error);
 
-/** Make room in model->other for n more elements of n_nodes nodes together; the reader then sets
- *  them by io_others_set and raises other.n and other.n_nodes. Errors: as io_model_add_other. */
-int io_others_reserve(io_model *model, int64_t n, int64_t n_nodes, planish_error *error);
+enum { IO_NO_ENTITY = -1 };
 
-/** Set element i of model->other, of a type of two or three dimensions, as io_model_add_other does;
- *  its nodes begin at other.node[begin], behind those of the element before. Threads may set
+/** Make room for n more other elements of a dimension, of n_nodes nodes together; the reader then
+ *  sets them by io_others_set, and entity where with_entity, and raises n and n_nodes. Errors: as
+ *  io_model_add_other. */
+int io_others_reserve(io_model *model, int dim, int64_t n, int64_t n_nodes, int with_entity,
+                      planish_error *error);
+
+/** Set element i of the others of its type's dimension, as io_model_add_other does, but for its
+ *  entity; its nodes begin at node[begin], behind those of the element before. Threads may set
  *  different elements at the same time. */
 void io_others_set(io_model *model, int64_t i, int64_t begin, int type, const int32_t *nodes,
                    int64_t number);

@@ -104,7 +104,8 @@ static void list_tags(const io_model *model, int dim, char *text, size_t size) {
  *  name, or by a number, which entities have or which only a name knows. */
 static int choose_tag(const io_model *model, const char *text, int dim, uint8_t *chosen,
                       planish_error *error) {
-    static const char *const kind[] = {"of lines", "of triangles", "of tetrahedra"};
+    static const char *const kind[] = {"of lines", "of triangles or quadrilaterals",
+                                       "of solid elements"};
     tag t = tag_parse(text, dim);
     t.has_number = t.has_number && !model->groups_by_name;
     int found = 0;
@@ -149,19 +150,16 @@ static int are_given(const char *const *tags, int n) {
 
 /* Functions that hold nodes set a bit in flags [n_nodes]. */
 
-/** Hold the nodes, mids among them, of the first n cells of dimension dim that are of a chosen
- *  entity. */
-static void hold_cells(const io_cells *cells, int64_t n, int dim, const uint8_t *chosen,
-                       uint8_t bit, uint8_t *flags) {
-    const int corners = dim + 1, mids = cells->mid ? io_n_mids(dim) : 0;
-    for (int64_t i = 0; cells->entity && i < n; i++) {
-        if (!chosen[cells->entity[i]])
+/** Hold the nodes, mids among them, of the first n elements of a list that are of a chosen entity. */
+static void hold_list(const io_list *list, int64_t n, const uint8_t *chosen, uint8_t bit,
+                      uint8_t *flags) {
+    int32_t node[IO_CELL_NODES];
+    for (int64_t i = 0; list->entity && i < n; i++) {
+        if (!chosen[list->entity[i]])
             continue;
-        for (int j = 0; j < corners; j++)
-            flags[cells->nodes[i * corners + j]] |= bit;
-        for (int j = 0; j < mids; j++)
-            if (cells->mid[i * mids + j] >= 0)
-                flags[cells->mid[i * mids + j]] |= bit;
+        const int n_nodes = io_list_nodes(list, i, node, NULL);
+        for (int j = 0; j < n_nodes; j++)
+            flags[node[j]] |= bit;
     }
 }
 
@@ -173,9 +171,10 @@ static int hold_tags(const io_model *model, const planish_hold *hold, uint8_t bi
         return PLANISH_OK;
     const int status = choose_tags(model, hold->tags, hold->n_tags, -1, &chosen, error);
     if (!status) {
-        hold_cells(&model->tetrahedron, model->tetrahedron.n, 3, chosen, bit, flags);
-        hold_cells(&model->triangle, model->triangle.n, 2, chosen, bit, flags);
-        hold_cells(&model->line, model->line.n, 1, chosen, bit, flags);
+        for (int k = IO_FIRST_LIST; k < IO_N_LISTS; k++) {
+            const io_list list = io_model_list(model, k);
+            hold_list(&list, list.n, chosen, bit, flags);
+        }
         for (int64_t i = 0; model->node_entity && i < model->n_nodes; i++)
             if (model->node_entity[i] >= 0 && chosen[model->node_entity[i]])
                 flags[i] |= bit;
@@ -184,7 +183,7 @@ static int hold_tags(const io_model *model, const planish_hold *hold, uint8_t bi
     return status;
 }
 
-/** Return the cells that facets of the mesh are. */
+/** Return the simplices that facets of the mesh are. */
 static const io_cells *facet_cells(const io_model *model) {
     return model->dim == 3 ? &model->triangle : &model->line;
 }
@@ -192,15 +191,18 @@ static const io_cells *facet_cells(const io_model *model) {
 /** Hold the nodes of facets that are in none of the groups to be slid on. */
 static int hold_unchosen(const io_model *model, const planish_hold *hold, uint8_t *constraint,
                          planish_error *error) {
-    const io_cells *cells = facet_cells(model);
+    const io_list simplices = io_model_list(model, model->dim - 1);
+    const io_list others = io_model_list(model, IO_FLAT_LIST);
     uint8_t *chosen = NULL;
     const int status =
         choose_tags(model, hold->slide_tags, hold->n_slide_tags, model->dim - 1, &chosen, error);
     for (int32_t i = 0; i < model->n_entities && !status; i++)
         chosen[i] = !chosen[i];
     if (!status)
-        hold_cells(cells, io_cells_telling(cells), model->dim - 1, chosen, PLANISH_CONSTRAINT_FIXED,
-                   constraint);
+        hold_list(&simplices, io_cells_telling(simplices.cells), chosen, PLANISH_CONSTRAINT_FIXED,
+                  constraint);
+    if (!status && model->dim == 3)
+        hold_list(&others, others.n, chosen, PLANISH_CONSTRAINT_FIXED, constraint);
     pl_free(chosen);
     return status;
 }
@@ -209,9 +211,10 @@ static int hold_unchosen(const io_model *model, const planish_hold *hold, uint8_
  *  held corners stay. */
 static int hold_interfaces(const planish_file *file, const planish_hold *hold, uint8_t bit,
                            uint8_t *flags, planish_error *error) {
-    const io_cells *cells = io_file_elements(file);
-    const int32_t *of_cell = io_cells_regions(cells);
-    const int corners = file->model.dim + 1;
+    const io_model *model = &file->model;
+    const int32_t *of_cell = io_file_regions(file);
+    const int lists[] = {model->dim, io_others_list(model->dim)};
+    int64_t element = 0;
     if (file->n_regions <= 1 || (hold && hold->ignore_regions))
         return PLANISH_OK;
     int32_t *region = pl_alloc(file->model.n_nodes, sizeof *region);
@@ -219,12 +222,19 @@ static int hold_interfaces(const planish_file *file, const planish_hold *hold, u
         return pl_fail_memory(error, "the regions of nodes");
     for (int64_t i = 0; i < file->model.n_nodes; i++)
         region[i] = -1;
-    for (int64_t i = 0; i < cells->n * corners; i++) {
-        int32_t node = cells->nodes[i], here = of_cell[i / corners];
-        if (region[node] < 0)
-            region[node] = here;
-        else if (region[node] != here)
-            flags[node] |= bit;
+    for (int k = 0; k < 2; k++) {
+        const io_list list = io_model_list(model, lists[k]);
+        for (int64_t i = 0; i < list.n; i++) {
+            int32_t node[IO_CELL_NODES], here = of_cell[element++];
+            int corners;
+            io_list_nodes(&list, i, node, &corners);
+            for (int j = 0; j < corners; j++) {
+                if (region[node[j]] < 0)
+                    region[node[j]] = here;
+                else if (region[node[j]] != here)
+                    flags[node[j]] |= bit;
+            }
+        }
     }
     pl_free(region);
     return PLANISH_OK;
@@ -240,9 +250,9 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
                        "hold: there are fewer tags than n_tags and n_slide_tags say");
     const io_model *model = &file->model;
     const int slide = hold && hold->slide;
-    const unsigned undecided =
-        (slide ? IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE | IO_HELD_PERIODIC : 0) |
-        (hold && hold->ignore_marked ? IO_HELD_MARKED : 0) | IO_HAS_PARAMETERS;
+    const unsigned undecided = (slide ? IO_HELD_BY_LINE | IO_HELD_BY_FACE | IO_HELD_PERIODIC : 0) |
+                               (hold && hold->ignore_marked ? IO_HELD_MARKED : 0) |
+                               IO_HAS_PARAMETERS;
     uint8_t *found = pl_alloc(model->n_nodes, 1);
     int status = found ? PLANISH_OK : pl_fail_memory(error, "the constraints of nodes");
     for (int64_t i = 0; i < model->n_nodes && !status; i++)
@@ -274,7 +284,7 @@ int planish_file_get_held(const planish_file *file, const planish_hold *hold, ui
         found[i] =
             (uint8_t)((bits & (IO_HELD_BY_POINT | IO_HELD_BY_LINE) ? PLANISH_FILE_LINE_OR_POINT
                                                                    : 0) |
-                      (bits & IO_HELD_BY_TRIANGLE ? PLANISH_FILE_FACE : 0) |
+                      (bits & IO_HELD_BY_FACE ? PLANISH_FILE_FACE : 0) |
                       (bits & IO_HELD_BY_OTHER ? PLANISH_FILE_OTHER_ELEMENT : 0) |
                       (bits & IO_HELD_PERIODIC ? PLANISH_FILE_PERIODIC : 0) |
                       (bits & required ? PLANISH_FILE_REQUIRED : 0));
@@ -315,13 +325,19 @@ planish_surface planish_file_surface(const planish_file *file, const planish_hol
     const pl_outside outside = pl_call_enter(NULL);
     const io_model *model = &file->model;
     const io_cells *facets = facet_cells(model);
-    planish_surface surface = {
-        .region = hold && hold->ignore_regions ? NULL : io_cells_regions(io_file_elements(file)),
-        .n_facets = io_cells_telling(facets),
-        .facets = facets->nodes,
-        .facet_tag = io_cells_regions(facets),
-        .tagged_only = hold && hold->n_slide_tags > 0,
-        .tolerance = io_tolerance_of_digits(model, file->format)};
+    planish_surface surface = {.region =
+                                   hold && hold->ignore_regions ? NULL : io_file_regions(file),
+                               .n_facets = io_cells_telling(facets),
+                               .facets = facets->nodes,
+                               .facet_tag = io_cells_regions(facets),
+                               .tagged_only = hold && hold->n_slide_tags > 0,
+                               .tolerance = io_tolerance_of_digits(model, file->format)};
+    if (file->facet_offset) {
+        surface.n_facets += model->flat.n;
+        surface.facets = file->facet;
+        surface.facet_offset = file->facet_offset;
+        surface.facet_tag = file->facet_tag;
+    }
     if (model->dim == 3) {
         surface.n_edges = io_cells_telling(&model->line);
         surface.edges = model->line.nodes;
@@ -333,6 +349,14 @@ planish_surface planish_file_surface(const planish_file *file, const planish_hol
 
 /* ---- minimum volumes ------------------------------------------------------------------------ */
 
+/** The entity of element i, or -1. */
+static int32_t entity_of(const io_model *model, int64_t i) {
+    const io_cells *cells = io_model_elements(model);
+    const io_others *others = io_model_other_elements(model);
+    const int32_t *entity = i < cells->n ? cells->entity : others->entity;
+    return entity ? entity[i < cells->n ? i : i - cells->n] : -1;
+}
+
 int planish_file_min_volumes(const planish_file *file, const char *const *tags,
                              const double *values, int n_tags, double *min_volume,
                              planish_error *error) {
@@ -341,7 +365,6 @@ int planish_file_min_volumes(const planish_file *file, const char *const *tags,
                        "file, min_volume and each of n_tags tags and values must not be NULL");
     const pl_outside outside = pl_call_enter(NULL);
     const io_model *model = &file->model;
-    const io_cells *cells = io_file_elements(file);
     double *least = pl_alloc_zero(model->n_entities, sizeof *least);
     int status = least ? PLANISH_OK : pl_fail_memory(error, "minimum volumes of groups");
     for (int i = 0; i < n_tags && !status; i++) {
@@ -357,8 +380,10 @@ int planish_file_min_volumes(const planish_file *file, const char *const *tags,
                 least[k] = values[i];
         pl_free(chosen);
     }
-    for (int64_t i = 0; i < cells->n && !status; i++)
-        min_volume[i] = cells->entity ? least[cells->entity[i]] : 0;
+    for (int64_t i = 0; i < io_model_n_elements(model) && !status; i++) {
+        const int32_t entity = entity_of(model, i);
+        min_volume[i] = entity >= 0 ? least[entity] : 0;
+    }
     pl_free(least);
     pl_call_leave(&outside);
     return status;
@@ -384,15 +409,14 @@ static const char *name_of(const io_model *model, int dim, int32_t number) {
 
 int planish_file_element_region(const planish_file *file, int64_t element, char *text,
                                 size_t size) {
-    const io_cells *cells = file ? io_file_elements(file) : NULL;
-    if (!file || element < 0 || element >= cells->n || (!text && size > 0))
+    if (!file || element < 0 || element >= io_model_n_elements(&file->model) || (!text && size > 0))
         return PLANISH_ERROR_ARGUMENT;
     if (size > 0)
         text[0] = '\0';
-    if (!cells->entity || cells->entity[element] < 0)
-        return 0;
     const io_model *model = &file->model;
-    const io_entity *entity = &model->entity[cells->entity[element]];
+    if (entity_of(model, element) < 0)
+        return 0;
+    const io_entity *entity = &model->entity[entity_of(model, element)];
     int has_tag = entity->n_physical > 0 || !model->groups_by_name;
     /* A number of its own that a physical group has, too, means that group as a tag. */
     for (int32_t i = 0; i < model->n_entities && entity->n_physical == 0 && has_tag; i++)

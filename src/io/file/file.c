@@ -115,7 +115,9 @@ static int choose_format(planish_file *file, const char *name, planish_error *er
                    path, names);
 }
 
-/** Set the type of element i, and its nodes at node; return their number. It is straight where all
+/* ---- elements ------------------------------------------------------------------------------ */
+
+/** Set the type of simplex i, and its nodes at node; return their number. It is straight where all
  *  mids are missing. */
 static int take_element(const io_cells *elements, int dim, int64_t i, uint8_t *type,
                         int32_t *node) {
@@ -132,12 +134,17 @@ static int take_element(const io_cells *elements, int dim, int64_t i, uint8_t *t
     return corners + (has_mids ? n_mids : 0);
 }
 
-/** Make the arrays of file->cells: elements, which file->elements is, too, then others. */
+/** Make the arrays of file->cells: simplices, then others. Others alone are these already. */
 static int make_cells(planish_file *file, planish_error *error) {
-    const io_cells *elements = io_file_elements(file);
-    const io_others *others = &file->model.other;
-    const int dim = file->model.dim;
+    const io_cells *elements = io_model_elements(&file->model);
+    const io_others *others = io_model_other_elements(&file->model);
+    const int dim = io_model_dim(&file->model);
     const int64_t n = elements->n + others->n;
+    if (elements->n == 0) {
+        file->cells = (planish_cells){
+            .n = n, .type = others->type, .offset = others->offset, .node = others->node};
+        return PLANISH_OK;
+    }
     const int64_t most = dim + 1 + (elements->mid ? io_n_mids(dim) : 0);
     uint8_t *type = pl_alloc(n, sizeof *type);
     int64_t *offset = pl_alloc(n + 1, sizeof *offset), n_own = 0;
@@ -150,36 +157,91 @@ static int make_cells(planish_file *file, planish_error *error) {
         offset[i + 1] = n_own += take_element(elements, dim, i, &type[i], node + n_own);
     for (int64_t i = 0; i < others->n; i++) {
         type[elements->n + i] = others->type[i];
-        offset[elements->n + i + 1] = n_own + others->offset[i];
+        offset[elements->n + i + 1] = n_own + others->offset[i + 1];
     }
     if (others->n > 0)
         memcpy(node + n_own, others->node, (size_t)others->n_nodes * sizeof *node);
-    file->elements = file->cells;
-    file->elements.n = elements->n;
     return PLANISH_OK;
 }
 
 static void release_cells(planish_file *file) {
-    pl_free((void *)(uintptr_t)file->cells.type);
-    pl_free((void *)(uintptr_t)file->cells.offset);
-    pl_free((void *)(uintptr_t)file->cells.node);
-    file->cells = file->elements = (planish_cells){.n = 0};
+    if (file->cells.type != io_model_other_elements(&file->model)->type) {
+        pl_free((void *)(uintptr_t)file->cells.type);
+        pl_free((void *)(uintptr_t)file->cells.offset);
+        pl_free((void *)(uintptr_t)file->cells.node);
+    }
+    file->cells = (planish_cells){.n = 0};
 }
 
-/** Count the distinct regions of the elements: file->n_regions. */
-static int count_regions(planish_file *file, planish_error *error) {
-    const io_cells *cells = io_file_elements(file);
-    const int32_t *region = io_cells_regions(cells);
-    int32_t last = 0;
-    file->n_regions = region ? 0 : 1;
-    if (!region)
+/* ---- regions and facets --------------------------------------------------------------------- */
+
+static void release_joined(planish_file *file) {
+    pl_free(file->region);
+    pl_free(file->facet);
+    pl_free(file->facet_offset);
+    pl_free(file->facet_tag);
+    file->region = file->facet = file->facet_tag = NULL;
+    file->facet_offset = NULL;
+}
+
+/** Put the regions of the first n cells and those of all others one after the other: *joined, which
+ *  stays NULL if these have none. */
+static int join_regions(const io_cells *cells, int64_t n, const io_others *others, int32_t **joined,
+                        planish_error *error) {
+    const int32_t *a = io_cells_regions(cells);
+    const int32_t *b = others->region ? others->region : others->entity;
+    if (!b)
         return PLANISH_OK;
-    for (int64_t i = 0; i < cells->n; i++)
+    *joined = pl_alloc_zero(n + others->n, sizeof **joined);
+    if (!*joined)
+        return pl_fail_memory(error, "the regions of elements");
+    if (a && n > 0)
+        memcpy(*joined, a, (size_t)n * sizeof **joined);
+    memcpy(*joined + n, b, (size_t)others->n * sizeof **joined);
+    return PLANISH_OK;
+}
+
+/** Put triangles and quadrilaterals that are facets one after the other. */
+static int join_facets(planish_file *file, planish_error *error) {
+    const io_cells *triangles = &file->model.triangle;
+    const io_others *others = &file->model.flat;
+    const int64_t n = io_cells_telling(triangles), m = others->n;
+    int64_t *offset = file->facet_offset = pl_alloc(n + m + 1, sizeof *offset);
+    int32_t *node = file->facet = pl_alloc(3 * n + 4 * m, sizeof *node);
+    if (!offset || !node)
+        return pl_fail_memory(error, "the facets of the file");
+    memcpy(node, triangles->nodes, (size_t)(3 * n) * sizeof *node);
+    for (int64_t i = 0; i <= n + m; i++)
+        offset[i] = i <= n ? 3 * i : 4 * i - n;
+    for (int64_t i = 0; i < m; i++)
+        memcpy(node + offset[n + i], others->node + others->offset[i], 4 * sizeof *node);
+    return join_regions(triangles, n, others, &file->facet_tag, error);
+}
+
+/** Join what is of simplices and of others, and count the distinct regions of the elements:
+ *  file->n_regions. */
+static int find_regions(planish_file *file, planish_error *error) {
+    const io_model *model = &file->model;
+    const io_cells *cells = io_model_elements(model);
+    const io_others *others = io_model_other_elements(model);
+    int32_t last = 0;
+    int status = PLANISH_OK;
+    release_joined(file);
+    if (others->n > 0)
+        status = join_regions(cells, cells->n, others, &file->region, error);
+    if (!status && model->dim == 3 && model->flat.n > 0)
+        status = join_facets(file, error);
+    const int32_t *region = io_file_regions(file);
+    const int64_t n = io_model_n_elements(model);
+    file->n_regions = region ? 0 : 1;
+    if (status || !region)
+        return status;
+    for (int64_t i = 0; i < n; i++)
         last = region[i] > last ? region[i] : last;
     uint8_t *seen = pl_alloc_zero((int64_t)last + 1, 1);
     if (!seen)
         return pl_fail_memory(error, file->model.input.path);
-    for (int64_t i = 0; i < cells->n; i++) {
+    for (int64_t i = 0; i < n; i++) {
         file->n_regions += !seen[region[i]];
         seen[region[i]] = 1;
     }
@@ -196,14 +258,17 @@ static int read_model(planish_file *file, planish_error *error) {
     int status = file->format->read(&file->model, error);
     io_numbers_destroy(file->model.numbers);
     file->model.numbers = NULL;
+    const int has_others = io_model_other_elements(&file->model)->n > 0;
+    if (!status && (has_others || io_model_elements(&file->model)->mid))
+        status = make_cells(file, error);
     if (!status)
-        status = io_arrays_find_regions(&file->model, error);
+        status = io_arrays_find_regions(&file->model, has_others ? &file->cells : NULL, error);
     if (!status)
         status = io_model_finish(&file->model, file->format, error);
-    if (!status && io_file_elements(file)->mid)
-        status = make_cells(file, error);
-    return status ? status : count_regions(file, error);
+    return status ? status : find_regions(file, error);
 }
+
+/* ---- opening -------------------------------------------------------------------------------- */
 
 /** A file that is tried. */
 typedef struct trial {
@@ -326,8 +391,9 @@ void planish_file_close(planish_file *file) {
         return;
     if (file->format && file->format->release)
         file->format->release(&file->model);
-    io_model_destroy(&file->model);
     release_cells(file);
+    release_joined(file);
+    io_model_destroy(&file->model);
     pl_free(file);
 }
 
@@ -356,6 +422,15 @@ const char *planish_file_unterminated_path(const planish_file *file) {
     return NULL;
 }
 
+/** Count the elements whose nodes do not move for their type. */
+static int64_t count_held(const planish_file *file) {
+    const io_others *others = io_model_other_elements(&file->model);
+    int64_t n = 0;
+    for (int64_t i = 0; i < others->n; i++)
+        n += !io_cell_type_is_smoothed(others->type[i]);
+    return n;
+}
+
 void planish_file_get_info(const planish_file *file, planish_file_info *info) {
     if (!info)
         return;
@@ -370,7 +445,7 @@ void planish_file_get_info(const planish_file *file, planish_file_info *info) {
                             .precision = is_tilted ? PLANISH_PRECISION_DOUBLE : model->precision,
                             .round = round_to_field,
                             .round_user = (void *)(uintptr_t)model,
-                            .n_other_elements = model->n_other,
+                            .n_other_elements = model->n_other + count_held(file),
                             .n_lower_elements = model->n_lower,
                             .n_regions = file->n_regions,
                             .bytes = model->input.size,
@@ -380,16 +455,17 @@ void planish_file_get_info(const planish_file *file, planish_file_info *info) {
 planish_mesh planish_file_mesh(const planish_file *file) {
     if (!file)
         return (planish_mesh){.dim = 0};
-    const io_cells *cells = io_file_elements(file);
-    return (planish_mesh){.dim = file->model.dim,
-                          .n_nodes = file->model.n_nodes,
-                          .n_elements = cells->n,
-                          .coordinates = file->model.coordinates,
-                          .elements = cells->mid ? NULL : cells->nodes,
-                          .cells = cells->mid ? &file->elements : NULL,
+    const io_model *model = &file->model;
+    const int is_plain = !io_model_elements(model)->mid && io_model_other_elements(model)->n == 0;
+    return (planish_mesh){.dim = model->dim,
+                          .n_nodes = model->n_nodes,
+                          .n_elements = io_model_n_elements(model),
+                          .coordinates = model->coordinates,
+                          .elements = is_plain ? io_model_elements(model)->nodes : NULL,
+                          .cells = is_plain ? NULL : &file->cells,
                           .constraint = NULL,
-                          .n_periodic = file->model.n_periodic,
-                          .periodic = file->model.periodic};
+                          .n_periodic = model->n_periodic,
+                          .periodic = model->periodic};
 }
 
 int planish_file_cells(planish_file *file, planish_cells *cells, planish_error *error) {
@@ -413,9 +489,9 @@ double *planish_file_coordinates(planish_file *file) {
 int64_t planish_file_element_number(const planish_file *file, int64_t element) {
     if (!file)
         return -1;
-    const io_cells *cells = io_file_elements(file);
+    const io_cells *cells = io_model_elements(&file->model);
     return element < cells->n ? io_cell_number(cells, element)
-                              : file->model.other.number[element - cells->n];
+                              : io_model_other_elements(&file->model)->number[element - cells->n];
 }
 
 int64_t planish_file_node_number(const planish_file *file, int64_t node) {
@@ -441,7 +517,7 @@ int planish_file_choose_regions(planish_file *file, const char *const *names, in
     const pl_outside outside = pl_call_enter(NULL);
     int status = io_arrays_choose(&file->model, names, n_names, error);
     if (!status)
-        status = count_regions(file, error);
+        status = find_regions(file, error);
     pl_call_leave(&outside);
     return status;
 }

@@ -1,7 +1,7 @@
 /* finish: a model as a reader leaves it becomes a mesh to be smoothed.
  *
- * In: nodes and cells. Out: the dimension, the plane of triangles, coordinates, and which nodes
- * lines, triangles and points hold.
+ * In: nodes and cells. Out: the dimension, the plane of flat elements, coordinates, and which nodes
+ * lines, facets, points and elements that are not smoothed hold.
  *
  * Lists of all facets, or all edges, of a mesh put no constraint on its nodes: cells that are in
  * the file only because it lists all there are become plain ones (io_cells.n_plain), behind the
@@ -236,15 +236,22 @@ static void hold_nodes(io_model *model, int dim, uint8_t reason) {
             model->hold[cells->mid[i]] |= reason;
 }
 
+/** Let others hold their nodes, but (but_smoothed) those whose nodes may move. */
+static void hold_others(io_model *model, const io_others *others, int but_smoothed,
+                        uint8_t reason) {
+    for (int64_t i = 0; i < others->n; i++) {
+        if (but_smoothed && io_cell_type_is_smoothed(others->type[i]))
+            continue;
+        for (int64_t k = others->offset[i]; k < others->offset[i + 1]; k++)
+            if (others->node[k] >= 0)
+                model->hold[others->node[k]] |= reason;
+    }
+}
+
 /** Find the plane of a mesh in two dimensions and the coordinates there. The file's own places are
- *  kept where its columns are not those of the coordinates. Other elements that are not in one plane
- *  with the triangles are passed over. */
+ *  kept where its columns are not those of the coordinates. */
 static int finish_plane(io_model *model, const io_format *format, planish_error *error) {
     int status = io_plane_find(model, format, error);
-    if (status == PLANISH_ERROR_FORMAT && model->triangle.n > 0 && model->other.n > 0) {
-        model->other.n = model->other.n_nodes = 0;
-        status = io_plane_find(model, format, error);
-    }
     if (status)
         return status;
     model->dim = 2;
@@ -273,35 +280,9 @@ static int finish_plane(io_model *model, const io_format *format, planish_error 
     return PLANISH_OK;
 }
 
-static int is_solid(int type) {
-    return type != PLANISH_CELL_TRIANGLE6 && type != PLANISH_CELL_QUADRILATERAL &&
-           type != PLANISH_CELL_QUADRILATERAL8 && type != PLANISH_CELL_QUADRILATERAL9;
-}
-
-/** Keep those of the other elements that are of dimension dim. */
-static void keep_others(io_others *o, int dim) {
-    int64_t n = 0, n_nodes = 0, begin = 0;
-    for (int64_t i = 0; i < o->n; i++) {
-        const int64_t from = begin, length = o->offset[i] - from;
-        begin = o->offset[i];
-        if (is_solid(o->type[i]) != (dim == 3))
-            continue;
-        memmove(o->node + n_nodes, o->node + from, (size_t)length * sizeof *o->node);
-        n_nodes += length;
-        o->type[n] = o->type[i];
-        o->number[n] = o->number[i];
-        o->offset[n++] = n_nodes;
-    }
-    o->n = n;
-    o->n_nodes = n_nodes;
-}
-
 int io_model_finish(io_model *model, const io_format *format, planish_error *error) {
-    int dim = model->tetrahedron.n > 0 ? 3 : 2;
-    for (int64_t i = 0; i < model->other.n && dim == 2; i++)
-        dim = is_solid(model->other.type[i]) ? 3 : 2;
-    keep_others(&model->other, dim);
-    model->dim = dim;
+    const int dim = model->dim = io_model_dim(model);
+    model->n_other -= model->flat.n + model->solid.n; /* which readers have counted, too */
     int status = PLANISH_OK;
     for (int d = 1; d < dim && !status; d++)
         status = find_plain(model, d, dim, error);
@@ -316,7 +297,7 @@ int io_model_finish(io_model *model, const io_format *format, planish_error *err
         model->hold[i] &= (uint8_t)~IO_HELD_BY_POINT;
     model->n_lower += model->line.n;
     hold_nodes(model, 1, IO_HELD_BY_LINE);
-    if (dim == 2 && (model->triangle.n > 0 || model->other.n > 0))
+    if (dim == 2 && io_model_n_elements(model) > 0)
         return finish_plane(model, format, error);
     if (dim == 2)
         return pl_fail(
@@ -329,7 +310,9 @@ int io_model_finish(io_model *model, const io_format *format, planish_error *err
                        model->input.path);
     model->dim = model->written = 3;
     model->coordinates = model->xyz;
-    model->n_lower += model->triangle.n;
-    hold_nodes(model, 2, IO_HELD_BY_TRIANGLE);
+    model->n_lower += model->triangle.n + model->flat.n;
+    hold_nodes(model, 2, IO_HELD_BY_FACE);
+    hold_others(model, &model->flat, 0, IO_HELD_BY_FACE);
+    hold_others(model, &model->solid, 1, IO_HELD_BY_OTHER);
     return PLANISH_OK;
 }

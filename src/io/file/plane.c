@@ -195,6 +195,38 @@ static int sign_in_plane(const double *uv, const int32_t *nodes) {
                          uv + 2 * (int64_t)nodes[2]);
 }
 
+/** The triangles whose signs are looked at, and their number. */
+static const int32_t *corners_of(const io_model *model) {
+    return model->corner ? model->corner : model->triangle.nodes;
+}
+
+static int64_t n_corners_of(const io_model *model) {
+    return model->corner ? model->n_corners : model->triangle.n;
+}
+
+/** Make the corners of quadrilaterals triangles, behind those that there are. */
+static int make_corners(io_model *model, planish_error *error) {
+    enum { CORNERS = 4 };
+    const io_others *flat = &model->flat;
+    const int64_t n = model->triangle.n;
+    model->n_corners = n + CORNERS * flat->n;
+    int32_t *to = model->corner = pl_alloc(3 * model->n_corners, sizeof *to);
+    if (!to)
+        return pl_fail_memory(error, "the corners of quadrilaterals");
+    if (n > 0)
+        memcpy(to, model->triangle.nodes, (size_t)(3 * n) * sizeof *to);
+    to += 3 * n;
+    for (int64_t i = 0; i < flat->n; i++) {
+        const int32_t *node = flat->node + flat->offset[i];
+        for (int k = 0; k < CORNERS; k++, to += 3) {
+            to[0] = node[k];
+            to[1] = node[(k + 1) % CORNERS];
+            to[2] = node[(k + CORNERS - 1) % CORNERS];
+        }
+    }
+    return PLANISH_OK;
+}
+
 /* ---- signs after smoothing ------------------------------------------------------------------- */
 
 typedef struct rounding {
@@ -212,7 +244,7 @@ static void find_signs(void *context, int64_t begin, int64_t end, int thread) {
     rounding *s = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
-        s->sign[i] = (int8_t)sign_in_plane(s->uv, s->model->triangle.nodes + 3 * i);
+        s->sign[i] = (int8_t)sign_in_plane(s->uv, corners_of(s->model) + 3 * i);
 }
 
 /** Place a node; where a file holds less, coordinates become those of what it holds, if they lead
@@ -241,7 +273,7 @@ static void round_nodes(void *context, int64_t begin, int64_t end, int thread) {
 /** Return whether a triangle has another sign as written. Seen along a column as near as the
  *  plane's it may have had one before. */
 static int is_harmed(const rounding *s, int64_t element) {
-    const int32_t *nodes = s->model->triangle.nodes + 3 * element;
+    const int32_t *nodes = corners_of(s->model) + 3 * element;
     const int sign = s->sign[element];
     if (sign_in_space(s->places, nodes, s->views[0]) != sign || sign_in_plane(s->uv, nodes) != sign)
         return 1;
@@ -257,7 +289,7 @@ static void find_harm(void *context, int64_t begin, int64_t end, int thread) {
     rounding *s = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const int32_t *nodes = s->model->triangle.nodes + 3 * i;
+        const int32_t *nodes = corners_of(s->model) + 3 * i;
         int moved[3];
         for (int k = 0; k < 3; k++)
             moved[k] = has_moved(s->model, nodes[k], s->uv + 2 * (int64_t)nodes[k]);
@@ -270,22 +302,41 @@ static void find_harm(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** Let mids follow corners that have gone back, as planish_smooth does: by half of the way of both
- *  ends. */
+/** Let a node follow n corners, by their mean way, if any of them has gone back. */
+static void follow_corners(const rounding *s, int64_t node, const int32_t *corner, int n) {
+    const double *before = s->model->uv_read;
+    int any = 0;
+    for (int k = 0; k < n; k++)
+        any |= s->back[corner[k]];
+    if (node < 0 || s->back[node] || !any)
+        return;
+    for (int d = 0; d < 2; d++) {
+        double way = 0;
+        for (int k = 0; k < n; k++)
+            way += s->uv[2 * (int64_t)corner[k] + d] - before[2 * (int64_t)corner[k] + d];
+        s->uv[2 * node + d] = before[2 * node + d] + way / n;
+    }
+    round_node(s, node);
+}
+
+/** Let mids and nodes inside of elements follow corners that have gone back, as planish_smooth does.
+ */
 static void follow_back(const rounding *s) {
     const io_cells *triangles = &s->model->triangle;
-    const double *before = s->model->uv_read;
+    const io_others *flat = &s->model->flat;
     for (int64_t i = 0; triangles->mid && i < 3 * triangles->n; i++) {
-        const int64_t mid = triangles->mid[i];
-        const int64_t a = triangles->nodes[i], b = triangles->nodes[i % 3 == 2 ? i - 2 : i + 1];
-        if (mid < 0 || s->back[mid] || (!s->back[a] && !s->back[b]))
-            continue;
-        for (int d = 0; d < 2; d++) {
-            const double way_a = s->uv[2 * a + d] - before[2 * a + d];
-            const double way_b = s->uv[2 * b + d] - before[2 * b + d];
-            s->uv[2 * mid + d] = before[2 * mid + d] + (way_a + way_b) / 2;
+        const int32_t ends[] = {triangles->nodes[i], triangles->nodes[i % 3 == 2 ? i - 2 : i + 1]};
+        follow_corners(s, triangles->mid[i], ends, 2);
+    }
+    for (int64_t i = 0; i < flat->n; i++) {
+        const int32_t *node = flat->node + flat->offset[i];
+        const int64_t n = flat->offset[i + 1] - flat->offset[i];
+        for (int k = 4; k < n && k < 8; k++) {
+            const int32_t ends[] = {node[k - 4], node[(k - 3) % 4]};
+            follow_corners(s, node[k], ends, 2);
         }
-        round_node(s, mid);
+        if (n > 8)
+            follow_corners(s, node[8], node, 4);
     }
 }
 
@@ -293,7 +344,7 @@ static void follow_back(const rounding *s) {
  *  takes nodes back. */
 static void round_in_plane(rounding *s, int64_t *n) {
     const io_model *model = s->model;
-    const int64_t n_elements = model->triangle.n;
+    const int64_t n_elements = n_corners_of(model);
     s->n_views = find_views(&model->plane, s->views);
     pl_parallel_for(model->threads, n_elements, CHUNK, find_signs, s);
     pl_parallel_for(model->threads, model->n_nodes, CHUNK, round_nodes, s);
@@ -323,7 +374,7 @@ int planish_file_round_in_plane(const planish_file *file, double *coordinates, u
     int status = PLANISH_OK;
     if (model->uv_read) {
         s.places = pl_alloc(model->n_nodes, 3 * sizeof *s.places);
-        s.sign = pl_alloc(model->triangle.n, sizeof *s.sign);
+        s.sign = pl_alloc(n_corners_of(model), sizeof *s.sign);
         s.back = pl_alloc_zero(model->n_nodes, 1);
         if (!s.places || !s.sign || !s.back)
             status = pl_fail_memory(error, "the places of nodes");
@@ -363,7 +414,7 @@ typedef struct flat_search {
 /** Return whether a triangle has another sign than in the file. Flat ones are as good with the sign
  *  that is not usual: they count as inverted. */
 static int is_wrong(const flat_search *f, int64_t element) {
-    const int32_t *nodes = f->model->triangle.nodes + 3 * element;
+    const int32_t *nodes = corners_of(f->model) + 3 * element;
     const int wanted = sign_in_space(f->model->xyz, nodes, f->along);
     const int sign = sign_in_plane(f->model->coordinates, nodes);
     return wanted == 0 ? sign == f->usual : sign != wanted;
@@ -374,7 +425,7 @@ static void count_usual(void *context, int64_t begin, int64_t end, int thread) {
     int64_t n[3] = {0, 0, 0};
     (void)thread;
     for (int64_t i = begin; i < end; i++)
-        n[1 + sign_in_plane(f->model->coordinates, f->model->triangle.nodes + 3 * i)]++;
+        n[1 + sign_in_plane(f->model->coordinates, corners_of(f->model) + 3 * i)]++;
     __atomic_fetch_add(&f->n_negative, n[0], __ATOMIC_RELAXED);
     __atomic_fetch_add(&f->n_positive, n[2], __ATOMIC_RELAXED);
 }
@@ -390,8 +441,8 @@ static void find_wrong(void *context, int64_t begin, int64_t end, int thread) {
 
 /** Find the elements of each node. Return 0, or -1 without memory. */
 static int find_around(flat_search *f) {
-    const int64_t n_nodes = f->model->n_nodes, n = 3 * f->model->triangle.n;
-    const int32_t *nodes = f->model->triangle.nodes;
+    const int64_t n_nodes = f->model->n_nodes, n = 3 * n_corners_of(f->model);
+    const int32_t *nodes = corners_of(f->model);
     f->first = pl_alloc_zero(n_nodes + 2, sizeof *f->first);
     f->around = pl_alloc(n, sizeof *f->around);
     if (!f->first || !f->around)
@@ -433,7 +484,7 @@ static int try_ring(flat_search *f, int64_t element, int32_t node, int distance,
 
 /** Move a node of a wrong element, as little as does it. */
 static void nudge(flat_search *f, int64_t element) {
-    const int32_t *nodes = f->model->triangle.nodes + 3 * element;
+    const int32_t *nodes = corners_of(f->model) + 3 * element;
     int before[3];
     if (!is_wrong(f, element)) /* any more */
         return;
@@ -446,7 +497,9 @@ static void nudge(flat_search *f, int64_t element) {
 }
 
 int io_plane_keep(io_model *model, planish_error *error) {
-    const int64_t n = model->triangle.n;
+    if (model->flat.n > 0 && make_corners(model, error))
+        return PLANISH_ERROR_MEMORY;
+    const int64_t n = n_corners_of(model);
     column_view views[MOST_VIEWS];
     find_views(&model->plane, views);
     flat_search f = {.model = model, .along = views[0], .wrong = pl_alloc(n, 1)};

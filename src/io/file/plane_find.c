@@ -89,7 +89,7 @@ double io_tolerance_of_digits(const io_model *model, const io_format *format) {
 
 /** Count the corners and mids of triangles and the nodes of other elements. */
 static int64_t n_listed(const io_model *model) {
-    return (model->triangle.mid ? 6 : 3) * model->triangle.n + model->other.n_nodes;
+    return (model->triangle.mid ? 6 : 3) * model->triangle.n + model->flat.n_nodes;
 }
 
 /** Return number i of these; -1: a missing mid. */
@@ -98,7 +98,7 @@ static int64_t listed_node(const io_model *model, int64_t i) {
     const int64_t n = 3 * triangles->n, n_mids = triangles->mid ? n : 0;
     return i < n            ? triangles->nodes[i]
            : i < n + n_mids ? triangles->mid[i - n]
-                            : model->other.node[i - n - n_mids];
+                            : model->flat.node[i - n - n_mids];
 }
 
 /* ---- a tilted plane ------------------------------------------------------------------------- */
@@ -288,7 +288,7 @@ int io_plane_find(io_model *model, const io_format *format, planish_error *error
     /* What geometry kernels and roundings leave of a constant column, as a part of the longer side
      */
     const double noise = 1e-8;
-    const char *what = model->other.n > 0 ? "elements" : "triangles";
+    const char *what = model->flat.n > 0 ? "elements" : "triangles";
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (int64_t i = 0; i < n_listed(model); i++)
         for (int d = 0; d < 3 && listed_node(model, i) >= 0; d++) {

@@ -94,18 +94,18 @@ static int read_head(const gmsh_reader *reader, io_cursor *cursor, element_head 
 /** A run of lines, and what was counted in it. */
 typedef struct element_chunk {
     io_cursor lines;
-    int64_t limit;        /* elements at most */
-    int64_t n;            /* elements; by dimension: */
-    int64_t n_cells[4];   /* those that are kept, */
-    int64_t n_held[4];    /* those that hold their nodes; */
-    unsigned has_mids;    /* bit DIM: of those that are kept some are of second order */
-    int64_t n_others;     /* those of model->other, */
-    int64_t n_nodes;      /* and the number of their nodes */
-    int64_t first[4];     /* index of the first cell in the model, */
-    int64_t first_other;  /* of the first element of model->other, */
-    int64_t first_node;   /* and of its first node there */
-    element_owner *owner; /* [n_owners] one for each run of elements of the same owner */
-    int32_t *entity;      /* [n_owners] index into io_model.entity */
+    int64_t limit;          /* elements at most */
+    int64_t n;              /* elements; by dimension: */
+    int64_t n_cells[4];     /* those that are kept, */
+    int64_t n_held[4];      /* those that are not; */
+    unsigned has_mids;      /* bit DIM: of those that are kept some are of second order */
+    int64_t n_others[4];    /* those of these that are others, */
+    int64_t n_nodes[4];     /* and the number of their nodes */
+    int64_t first[4];       /* index of the first cell in the model, */
+    int64_t first_other[4]; /* of the first one of the others, */
+    int64_t first_node[4];  /* and of its first node there */
+    element_owner *owner;   /* [n_owners] one for each run of elements of the same owner */
+    int32_t *entity;        /* [n_owners] index into io_model.entity */
     int64_t n_owners, owner_capacity;
     int status;
 } element_chunk;
@@ -156,9 +156,9 @@ static int count_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
         const int dim = io_element_dim(head.type);
         (is_kept ? chunk->n_cells : chunk->n_held)[dim]++;
         chunk->has_mids |= (unsigned)(io_element_mids(head.type) > 0) << dim;
-        const int n_nodes = io_cell_type_nodes(gmsh_other_type(head.type));
-        chunk->n_others += n_nodes > 0;
-        chunk->n_nodes += n_nodes;
+        const int n_nodes = io_cell_type_nodes(io_element_other(head.type));
+        chunk->n_others[dim] += n_nodes > 0;
+        chunk->n_nodes[dim] += n_nodes;
     }
     chunk->lines.end = cursor.at;
     return PLANISH_OK;
@@ -169,9 +169,11 @@ static int count_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
 static int store_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_error *error) {
     io_model *model = reader->model;
     io_cursor cursor = chunk->lines;
-    int64_t run = 0, next[4], other = chunk->first_other, node = chunk->first_node;
+    int64_t run = 0, next[4], other[4], node[4];
     element_head head;
     memcpy(next, chunk->first, sizeof next);
+    memcpy(other, chunk->first_other, sizeof other);
+    memcpy(node, chunk->first_node, sizeof node);
     for (int64_t i = 0; i < chunk->n; i++) {
         int status = read_head(reader, &cursor, &head, error);
         if (status)
@@ -184,32 +186,31 @@ static int store_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
                                   .type = head.type,
                                   .cells = io_element_cells(model, head.type),
                                   .mids = io_element_mids(head.type),
-                                  .other = gmsh_other_type(head.type),
-                                  .first = other,
-                                  .first_node = node,
+                                  .other = io_element_other(head.type),
+                                  .first = other[dim],
+                                  .first_node = node[dim],
                                   .entity = chunk->entity[run],
                                   .reason = io_element_reason(head.type)};
         const int n_nodes = io_cell_type_nodes(block.other);
         if ((block.cells && next[dim] == chunk->first[dim] + chunk->n_cells[dim]) ||
             (block.mids > 0 && !(chunk->has_mids >> dim & 1)) ||
-            (block.other && (other == chunk->first_other + chunk->n_others ||
-                             n_nodes > chunk->first_node + chunk->n_nodes - node)))
+            (block.other && (other[dim] == chunk->first_other[dim] + chunk->n_others[dim] ||
+                             n_nodes > chunk->first_node[dim] + chunk->n_nodes[dim] - node[dim])))
             return io_bytes_fail_changed(&model->input, error);
         status = gmsh_read_element(&block, &cursor, head.at, head.number,
-                                   block.cells ? next[dim] : other, error);
+                                   block.cells ? next[dim] : other[dim], error);
         if (status)
             return status;
         next[dim] += block.cells != NULL;
-        other += n_nodes > 0;
-        node += n_nodes;
+        other[dim] += n_nodes > 0;
+        node[dim] += n_nodes;
     }
     for (int dim = 1; dim < 4; dim++)
-        if (next[dim] != chunk->first[dim] + chunk->n_cells[dim])
+        if (next[dim] != chunk->first[dim] + chunk->n_cells[dim] ||
+            other[dim] != chunk->first_other[dim] + chunk->n_others[dim] ||
+            node[dim] != chunk->first_node[dim] + chunk->n_nodes[dim])
             return io_bytes_fail_changed(&model->input, error);
-    return other == chunk->first_other + chunk->n_others &&
-                   node == chunk->first_node + chunk->n_nodes
-               ? PLANISH_OK
-               : io_bytes_fail_changed(&model->input, error);
+    return PLANISH_OK;
 }
 
 static void read_chunks(void *context, int64_t begin, int64_t end, int thread) {
@@ -255,7 +256,7 @@ static int make_chunks(element_job *job, const char *end, int64_t limit, int in_
 static int lay_out_chunks(element_job *job) {
     io_model *model = job->reader->model;
     planish_error *error = job->reader->error;
-    int64_t n[4] = {0, 0, 0, 0}, n_others = 0, n_nodes = 0;
+    int64_t n[4] = {0}, n_others[4] = {0}, n_nodes[4] = {0};
     unsigned has_mids = 0;
     int status = PLANISH_OK;
     for (int64_t i = 0; i < job->n; i++) {
@@ -271,20 +272,20 @@ static int lay_out_chunks(element_job *job) {
         for (int dim = 1; dim < 4; dim++) {
             chunk->first[dim] = n[dim];
             n[dim] += chunk->n_cells[dim];
+            chunk->first_other[dim] = n_others[dim];
+            chunk->first_node[dim] = n_nodes[dim];
+            n_others[dim] += chunk->n_others[dim];
+            n_nodes[dim] += chunk->n_nodes[dim];
         }
         has_mids |= chunk->has_mids;
-        chunk->first_other = model->other.n + n_others;
-        chunk->first_node = model->other.n_nodes + n_nodes;
-        n_others += chunk->n_others;
-        n_nodes += chunk->n_nodes;
     }
     for (int dim = 1; dim < 4 && !status; dim++) {
         status = io_cells_reserve(model, dim, n[dim], 1, 1, error);
         if (!status && (has_mids >> dim & 1))
             status = io_cells_reserve_mids(model, dim, error);
+        if (!status && n_others[dim] > 0)
+            status = io_others_reserve(model, dim, n_others[dim], n_nodes[dim], 1, error);
     }
-    if (!status && n_others > 0)
-        status = io_others_reserve(model, n_others, n_nodes, error);
     return status;
 }
 
@@ -313,8 +314,10 @@ static int read_text_elements(gmsh_reader *reader, int64_t n, const char *end, i
         if (!status) {
             model->n_lower += chunk->n_held[0] + chunk->n_held[1];
             model->n_other += chunk->n_held[2] + chunk->n_held[3];
-            model->other.n += chunk->n_others;
-            model->other.n_nodes += chunk->n_nodes;
+            for (int dim = 2; dim < 4; dim++) {
+                io_model_others(model, dim)->n += chunk->n_others[dim];
+                io_model_others(model, dim)->n_nodes += chunk->n_nodes[dim];
+            }
             reader->cursor.at = chunk->lines.end;
         }
         pl_free(chunk->owner);
@@ -332,7 +335,6 @@ static int read_binary_block(gmsh_reader *reader, int64_t total, int64_t *done) 
     const char *at = reader->cursor.at;
     int64_t type = 0, n = 0, n_tags = 0, number = 0, tag[2] = {0, 0}, ignored;
     element_owner last = {-1, 0, 0};
-    io_others *others = &reader->model->other;
     gmsh_block block = {.reader = reader, .bytes = 4};
     int status = gmsh_take(reader, 4, &type, "element type");
     if (!status)
@@ -357,7 +359,8 @@ static int read_binary_block(gmsh_reader *reader, int64_t total, int64_t *done) 
     block.cells = io_element_cells(reader->model, block.type);
     block.mids = io_element_mids(block.type);
     block.reason = io_element_reason(block.type);
-    block.other = gmsh_other_type(block.type);
+    block.other = io_element_other(block.type);
+    io_others *others = io_model_others(reader->model, dim);
     block.first = others->n;
     block.first_node = others->n_nodes;
     if (block.cells)
@@ -367,7 +370,7 @@ static int read_binary_block(gmsh_reader *reader, int64_t total, int64_t *done) 
     if (!status && block.mids > 0)
         status = io_cells_reserve_mids(reader->model, dim, reader->error);
     if (!status && block.other)
-        status = io_others_reserve(reader->model, n, n * block.type->nodes, reader->error);
+        status = io_others_reserve(reader->model, dim, n, n * block.type->nodes, 1, reader->error);
     for (int64_t i = 0; !status && i < n; i++) {
         at = reader->cursor.at;
         io_number(&reader->cursor, 4, reader->swapped, &number);

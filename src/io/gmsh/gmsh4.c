@@ -255,21 +255,22 @@ static int read_element_block(gmsh_reader *reader, const section_head *head) {
         block.reason = io_element_reason(block.type);
         block.cells = io_element_cells(model, block.type);
         block.mids = io_element_mids(block.type);
-        block.other = gmsh_other_type(block.type);
+        block.other = io_element_other(block.type);
         if (!block.cells)
             io_element_count(model, block.type, head->size);
     }
     const int64_t n_other_nodes = head->size * io_cell_type_nodes(block.other);
+    const int dim = io_element_dim(block.type);
+    io_others *others = block.other ? io_model_others(model, dim) : NULL;
     if (block.cells) {
         block.first = block.cells->n;
-        const int dim = io_element_dim(block.type);
         status = io_cells_reserve(model, dim, head->size, 1, 1, reader->error);
         if (!status && block.mids > 0)
             status = io_cells_reserve_mids(model, dim, reader->error);
-    } else if (block.other) {
-        block.first = model->other.n;
-        block.first_node = model->other.n_nodes;
-        status = io_others_reserve(model, head->size, n_other_nodes, reader->error);
+    } else if (others) {
+        block.first = others->n;
+        block.first_node = others->n_nodes;
+        status = io_others_reserve(model, dim, head->size, n_other_nodes, 1, reader->error);
     }
     if (!status)
         status = io_records(&reader->text, &reader->cursor, head->size, width, bytes * width,
@@ -278,8 +279,10 @@ static int read_element_block(gmsh_reader *reader, const section_head *head) {
         return status;
     if (block.cells)
         block.cells->n += head->size;
-    model->other.n += block.other ? head->size : 0;
-    model->other.n_nodes += n_other_nodes;
+    if (others) {
+        others->n += head->size;
+        others->n_nodes += n_other_nodes;
+    }
     return PLANISH_OK;
 }
 

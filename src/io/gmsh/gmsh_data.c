@@ -122,7 +122,7 @@ int gmsh_note_data(gmsh_reader *reader, const char *begin, const char *end) {
 /** A block of values, and what finds the elements that they are of. */
 typedef struct data_values {
     gmsh_reader *reader;
-    const io_cells *elements;
+    io_list list[2];     /* the elements: simplices, others */
     io_numbers *numbers; /* made when it is needed, owned */
     int64_t next;        /* the element behind that of the last value */
     int64_t *number;     /* [BLOCK], owned, of the element as the file has it, */
@@ -154,21 +154,38 @@ static int read_values(void *context, io_cursor *cursor, int64_t begin, int64_t 
     return PLANISH_OK;
 }
 
-/** Find the smoothed element of that number: its index or -1. Mostly values are in the order of the
+static int64_t number_of(const data_values *v, int64_t element) {
+    const int64_t n = v->list[0].n;
+    return element < n ? io_list_number(&v->list[0], element)
+                       : io_list_number(&v->list[1], element - n);
+}
+
+/** Make the table of the numbers of elements. */
+static int make_numbers(data_values *v, int64_t n) {
+    int64_t *number = pl_alloc(n, sizeof *number);
+    if (!number)
+        return pl_fail_memory(v->reader->error, "the numbers of elements");
+    for (int64_t i = 0; i < n; i++)
+        number[i] = number_of(v, i);
+    const int status = io_numbers_create(v->reader->model->input.path, "element", number, n,
+                                         &v->numbers, v->reader->error);
+    pl_free(number);
+    return status;
+}
+
+/** Find the element of that number: its index or -1. Mostly values are in the order of the
  *  elements. */
 static int find_element(data_values *v, int64_t number, int64_t *element) {
-    const io_cells *cells = v->elements;
-    if (!cells->number) {
+    const io_cells *cells = v->list[0].cells;
+    const int64_t n = v->list[0].n + v->list[1].n;
+    if (!cells->number && v->list[1].n == 0) {
         const uint64_t index = (uint64_t)number - (uint64_t)cells->first_number;
         *element = index < (uint64_t)cells->n ? (int64_t)index : -1;
         return PLANISH_OK;
     }
     *element = v->next;
-    if (v->next >= cells->n || cells->number[v->next] != number) {
-        int status = PLANISH_OK;
-        if (!v->numbers)
-            status = io_numbers_create(v->reader->model->input.path, "element", cells->number,
-                                       cells->n, &v->numbers, v->reader->error);
+    if (v->next >= n || number_of(v, v->next) != number) {
+        const int status = v->numbers ? PLANISH_OK : make_numbers(v, n);
         if (status)
             return status;
         *element = io_numbers_find(v->numbers, number);
@@ -236,7 +253,6 @@ static int read_name(data_values *v, int64_t first) {
             status = io_array_end(reader->model, &filler, reader->error);
         if (!status && !filler.array.name)
             status = begin_array(reader, data, &filler);
-        v->elements = filler.elements;
         if (!status)
             status = put_section(v, data, &filler);
         if (status == PLANISH_ERROR_FORMAT) {
@@ -251,7 +267,10 @@ static int read_name(data_values *v, int64_t first) {
 }
 
 int gmsh_read_data(gmsh_reader *reader) {
-    data_values v = {.reader = reader};
+    const int dim = io_model_dim(reader->model);
+    data_values v = {.reader = reader,
+                     .list = {io_model_list(reader->model, dim),
+                              io_model_list(reader->model, io_others_list(dim))}};
     int64_t most = 0;
     for (int64_t i = 0; i < reader->n_data; i++)
         most = reader->data[i].n > most ? reader->data[i].n : most;

@@ -91,7 +91,7 @@ static int complete_name(io_model *model, int32_t index, const gmsh_entity *used
             return status;
     }
     if (model->group[index].dim == ANY)
-        model->group[index].dim = model->tetrahedron.n > 0 ? 3 : 2;
+        model->group[index].dim = io_model_dim(model);
     return PLANISH_OK;
 }
 

@@ -344,7 +344,7 @@ int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at
             return io_fail_no_node(reader->model, at, "element", number, node_number, error);
         if (to)
             to[i] = (int32_t)node;
-        if (!cells && block->reason != 0)
+        if (!cells && !block->other && block->reason != 0)
             io_hold_node(reader->model, node, block->reason);
     }
     if (cells) {
@@ -356,9 +356,11 @@ int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at
         memcpy(cells->nodes + index * corners, all, (size_t)corners * sizeof *all);
         io_cells_set_mids(reader->model, corners - 1, index, all);
     }
-    if (block->other)
+    if (block->other) {
         io_others_set(reader->model, index, block->first_node + (index - block->first) * n,
                       block->other, all, number);
+        io_model_others(reader->model, io_element_dim(block->type))->entity[index] = block->entity;
+    }
     return PLANISH_OK;
 }
 

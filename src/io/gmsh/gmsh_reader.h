@@ -2,7 +2,7 @@
  *
  *   gmsh_entity, gmsh_data, gmsh_reader   the state of a reader
  *   gmsh_find_type                        element types by their numbers
- *   gmsh_node_orders, gmsh_other_type     elements that are measured only
+ *   gmsh_node_orders                      orders of nodes
  *   gmsh_take, gmsh_skip_...              single numbers
  *   gmsh_check_count                      counts that the file can hold
  *   gmsh_make_nodes, gmsh_read_nodes      nodes of all versions
@@ -54,11 +54,11 @@ typedef struct gmsh_reader {
 typedef struct gmsh_block {
     const gmsh_reader *reader;
     const io_element_type *type;
-    io_cells *cells;    /* NULL: nodes are held */
+    io_cells *cells;    /* NULL: they are others, or hold their nodes */
     int mids;           /* of an element of second order that goes into cells, for which there is
                            room; else 0 */
-    int other;          /* their planish_cell_type if they go into model->other, else 0 */
-    int64_t first;      /* index of the first in cells or in model->other, */
+    int other;          /* their planish_cell_type if they are others, else 0 */
+    int64_t first;      /* index of the first in cells or in the others of its dimension, */
     int64_t first_node; /* and there of its first node */
     int32_t entity;
     uint8_t reason; /* why nodes are held; 0: they are not */
@@ -73,12 +73,6 @@ int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
 
 /** Orders of nodes that are not VTK's, for io_model.node_order. */
 extern const io_node_order gmsh_node_orders[];
-
-/** Return the planish_cell_type of elements that are not kept as cells, or 0: they are not
- *  measured. */
-static inline int gmsh_other_type(const io_element_type *type) {
-    return io_element_use(type) == IO_HOLD ? io_cell_type(type->shape, type->nodes) : 0;
-}
 
 /** Compare two gmsh_entity by dimension and tag, for qsort and bsearch. */
 int gmsh_compare_entities(const void *left, const void *right);
@@ -113,7 +107,7 @@ int gmsh_read_nodes(gmsh_reader *reader, int64_t first, int64_t n, int extra);
 int gmsh_end_nodes(gmsh_reader *reader);
 
 /** Read the nodes of the element with that number at the cursor, into element index of the block's
- *  cells or of model->other; hold them if the block says so. at: where the element begins, for
+ *  cells or of the others; hold them if the block says so. at: where the element begins, for
  *  messages. */
 int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at, int64_t number,
                       int64_t index, planish_error *error);

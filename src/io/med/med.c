@@ -3,8 +3,8 @@
  *
  * Nodes and elements are numbered by their place, from 1; all nodes' x stand before all y. Read are
  * nodes, lines, triangles and tetrahedra of first and second order with their families and the
- * groups of these. Elements of other types hold their nodes; those of two or three dimensions are
- * handed over to be measured. Solid elements are mirrored to VTK's; the mids of their edges follow
+ * groups of these, and other elements of two or three dimensions. Polygons and the like hold their
+ * nodes. Solid elements are mirrored to VTK's; the mids of their edges follow
  * in VTK's order. All else of the file (fields, profiles, other properties) is not looked at.
  */
 #ifdef PL_HDF5
@@ -263,7 +263,7 @@ static int read_cells(med_reader *r, const element_block *b) {
     return status;
 }
 
-/** Hold the nodes of elements that are not kept. Polygons and polyhedra list the nodes of one
+/** Hold the nodes of elements that have no planish_cell_type. Polygons and polyhedra list the nodes of one
  *  element after another; all are nodes. */
 static int hold_nodes(med_reader *r, const element_block *b) {
     int status = PLANISH_OK;
@@ -277,17 +277,32 @@ static int hold_nodes(med_reader *r, const element_block *b) {
     return status;
 }
 
-/** Hand over elements that are not kept, once the numbers of their nodes are known to be right. */
+/** Add elements that are no simplices of order 1 or 2. */
 static int add_others(med_reader *r, const element_block *b, int type) {
-    io_hdf5_integers numbers = {0};
-    int status = read_optional(r, b->group.text, "NUM", b->n, &numbers);
+    const int dim = io_element_dim(b->type);
+    io_others *others = io_model_others(r->model, dim);
+    const int64_t first = others->n;
+    io_hdf5_integers families = {0}, numbers = {0};
+    int status = read_optional(r, b->group.text, "FAM", b->n, &families);
+    if (!status)
+        status = read_optional(r, b->group.text, "NUM", b->n, &numbers);
+    io_element_count(r->model, b->type, b->n);
     for (int64_t i = 0; i < b->n && !status; i++) {
         int32_t node[MOST_NODES];
-        for (int64_t j = 0; j < b->type->nodes; j++)
-            node[j] = (int32_t)(io_hdf5_integer(&b->nodes, j * b->n + i) - 1);
-        status = io_model_add_other(r->model, type, node,
-                                    numbers.n > 0 ? io_hdf5_integer(&numbers, i) : i + 1, r->error);
+        for (int64_t j = 0; j < b->type->nodes && !status; j++) {
+            int64_t index;
+            status = take_node(r, b, j * b->n + i, &index);
+            node[j] = (int32_t)index;
+        }
+        if (!status)
+            status =
+                io_model_add_other(r->model, type, node, 0,
+                                   numbers.n > 0 ? io_hdf5_integer(&numbers, i) : i + 1, r->error);
     }
+    if (!status && b->n > 0)
+        status = take_families(r, b->group.text, dim, &families, b->n, INT64_MIN,
+                               others->entity + first);
+    io_hdf5_integers_release(&families);
     io_hdf5_integers_release(&numbers);
     return status;
 }
@@ -326,9 +341,7 @@ static int read_block(med_reader *r, const char *name) {
             b.n = 0; /* no more than a figure to be told */
     }
     if (!status)
-        status = is_kept ? read_cells(r, &b) : hold_nodes(r, &b);
-    if (!status && type)
-        status = add_others(r, &b, type);
+        status = is_kept ? read_cells(r, &b) : type ? add_others(r, &b, type) : hold_nodes(r, &b);
     io_hdf5_integers_release(&b.nodes);
     return status;
 }

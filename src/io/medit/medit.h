@@ -45,7 +45,7 @@ typedef struct medit_reader {
     const medit_keyword *current; /* of the section that is read, */
     io_record_kind kind;          /* its records, */
     io_cells *cells;              /* what its elements become, or NULL: nodes are held, */
-    int64_t first_cell;           /* and where they begin, in cells or in model->other, */
+    int64_t first_cell;           /* and where they begin, in cells or in the others, */
     int64_t first_node;           /* with the nodes of the first */
     io_node_order order[MEDIT_N_ORDERS + 1]; /* what model->node_order is meanwhile */
     int n_orders;

@@ -104,7 +104,7 @@ static int read_curved(void *context, io_cursor *cursor, int64_t begin, int64_t 
     return PLANISH_OK;
 }
 
-/** Read elements of other types, of which the nodes are held. */
+/** Read elements of other types; nodes of those without a planish_cell_type are held. */
 static int read_others(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                        planish_error *error) {
     const medit_reader *r = context;
@@ -118,16 +118,20 @@ static int read_others(void *context, io_cursor *cursor, int64_t begin, int64_t 
                 io_take_whole(&r->kind, cursor, i + 1, 1, r->model->n_nodes, &node, error);
             if (status)
                 return status;
-            io_hold_node(r->model, node - 1, io_element_reason(type));
+            if (!cell_type)
+                io_hold_node(r->model, node - 1, io_element_reason(type));
             nodes[j] = (int32_t)(node - 1);
         }
         const int status =
             io_take_whole(&r->kind, cursor, i + 1, INT32_MIN, INT32_MAX, &reference, error);
         if (status)
             return status;
-        if (cell_type)
-            io_others_set(r->model, r->first_cell + i, r->first_node + i * type->nodes, cell_type,
-                          nodes, i + 1);
+        if (!cell_type)
+            continue;
+        io_others_set(r->model, r->first_cell + i, r->first_node + i * type->nodes, cell_type,
+                      nodes, i + 1);
+        io_model_others(r->model, io_element_dim(type))->entity[r->first_cell + i] =
+            (int32_t)reference;
     }
     return PLANISH_OK;
 }
@@ -303,14 +307,17 @@ static int read_order_section(medit_reader *r, const io_section *s) {
 
 static int read_other_section(medit_reader *r, const io_section *s) {
     const io_element_type *type = &r->current->type;
-    io_others *others = &r->model->other;
+    const int dim = io_element_dim(type);
+    io_others *others = io_model_others(r->model, dim);
     if (!io_cell_type(type->shape, type->nodes))
         return read_records(r, s, read_others);
     r->first_cell = others->n;
     r->first_node = others->n_nodes;
-    int status = io_others_reserve(r->model, s->count, s->count * type->nodes, r->error);
+    int status = io_others_reserve(r->model, dim, s->count, s->count * type->nodes, 1, r->error);
     if (!status)
         status = read_records(r, s, read_others);
+    if (!status)
+        status = io_model_index_tags(r->model, dim, others->entity + others->n, s->count, r->error);
     if (status)
         return status;
     others->n += s->count;

@@ -366,14 +366,20 @@ static int take_mid(const reader *r, nastran_card *c, int64_t number, int32_t *i
                : PLANISH_OK;
 }
 
+/** Find the entity of a property for the next element of a list: those of one property stand together
+ *  most often. Negative on failure. */
+static int32_t entity_of(const reader *r, int number, int64_t property) {
+    const io_list list = io_model_list(r->model, number);
+    const int32_t entity = list.n > 0 ? list.entity[list.n - 1] : -1;
+    return entity >= 0 && r->model->entity[entity].tag == property
+               ? entity
+               : io_model_entity(r->model, list.dim, (int32_t)property, 0, NULL, r->error);
+}
+
 /** Add a line, triangle or tetrahedron: its corners, and its mids if it has any. */
 static int add_cell(const reader *r, int dim, int has_mids, const int32_t *nodes, int64_t number,
                     int64_t property) {
-    /* Cells of one property stand together most often. */
-    const io_cells *cells = io_model_cells(r->model, dim);
-    int32_t entity = cells->n > 0 ? cells->entity[cells->n - 1] : -1;
-    if (entity < 0 || r->model->entity[entity].tag != property)
-        entity = io_model_entity(r->model, dim, (int32_t)property, 0, NULL, r->error);
+    const int32_t entity = entity_of(r, dim, property);
     return entity < 0 ? entity
                       : io_model_add_simplex(r->model, io_simplex_type(dim, has_mids), nodes,
                                              entity, number, r->error);
@@ -395,8 +401,7 @@ static int read_cell(reader *r, const card_kind *k, nastran_card *c) {
     return status;
 }
 
-/** Read an element of which mids may be missing: triangles and tetrahedra are kept, others measured
- *  but not smoothed. */
+/** Read an element of which mids may be missing. */
 static int read_shape(reader *r, const card_kind *k, nastran_card *c) {
     int32_t nodes[IO_CELL_NODES];
     int64_t number, property;
@@ -420,11 +425,11 @@ static int read_shape(reader *r, const card_kind *k, nastran_card *c) {
     int type = io_cell_type((int)k->shape, n);
     if (nodes[n - 1] < 0) /* CQUAD without a node inside */
         type = io_cell_type_without_faces(type);
-    for (int j = 0; j < n; j++)
-        if (nodes[j] >= 0)
-            io_hold_node(r->model, nodes[j], IO_HELD_BY_OTHER);
+    const int32_t entity =
+        entity_of(r, io_others_list(k->shape == IO_QUADRILATERAL ? 2 : 3), property);
     r->model->n_other++;
-    return io_model_add_other(r->model, type, nodes, number, r->error);
+    return entity < 0 ? entity
+                      : io_model_add_other(r->model, type, nodes, entity, number, r->error);
 }
 
 /** Return whether the field at place names a node; follows_real: the one before it is a real

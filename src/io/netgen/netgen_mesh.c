@@ -51,10 +51,10 @@ const io_node_order netgen_node_orders[] = {
      {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 9, 10, 12, 15, 13, 14, 16, 17, 18, 19}},
     {0, {0}}};
 
-/** Add an element of n nodes to model->other. Prisms of 12 nodes are those of 15 without the mids
+/** Add an element of n nodes, of a group, to the others. Prisms of 12 nodes are those of 15 without the mids
  *  of upright edges, but with the first two mids of each triangle the other way round. */
-static int add_other(const netgen_reader *r, int64_t n, const int32_t *nodes, int64_t number,
-                     planish_error *error) {
+static int add_other(const netgen_reader *r, int64_t n, const int32_t *nodes, int32_t group,
+                     int64_t number, planish_error *error) {
     static const io_shape solids[] = {
         [5] = IO_PYRAMID,  [6] = IO_PRISM,  [8] = IO_HEXAHEDRON, [10] = IO_TETRAHEDRON,
         [13] = IO_PYRAMID, [15] = IO_PRISM, [20] = IO_HEXAHEDRON};
@@ -69,8 +69,14 @@ static int add_other(const netgen_reader *r, int64_t n, const int32_t *nodes, in
     }
     const io_shape flat = n == 6 ? IO_TRIANGLE : IO_QUADRILATERAL;
     const io_shape solid = n < (int64_t)(sizeof solids / sizeof *solids) ? solids[n] : IO_NO_SHAPE;
-    return io_model_add_other(r->model, io_cell_type((int)(is_solid ? solid : flat), (int)n), nodes,
-                              number, error);
+    const int type = io_cell_type((int)(is_solid ? solid : flat), (int)n);
+    const int status = io_model_add_other(r->model, type, nodes, 0, number, error);
+    io_others *others = io_model_others(r->model, r->current->dim);
+    if (!status && type)
+        others->entity[others->n - 1] = group; /* a tag, which any number can be */
+    for (int64_t j = 0; j < n && !type; j++)
+        io_hold_node(r->model, nodes[j], IO_HELD_BY_OTHER);
+    return status;
 }
 
 /* ---- elements and segments ---------------------------------------------------------------- */
@@ -120,8 +126,7 @@ static int keep_element(const netgen_reader *r, int64_t cell, const int32_t *nod
     return PLANISH_OK;
 }
 
-/** Read elements: triangles and tetrahedra are kept, others hold their nodes and are added to
- *  model->other. Elements that differ are read in order; r->n_kept of them are kept so far. */
+/** Read elements: triangles and tetrahedra are kept, others added to the model's. Elements that differ are read in order; r->n_kept of them are kept so far. */
 static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                          planish_error *error) {
     netgen_reader *r = context;
@@ -142,15 +147,13 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
             status = take_node(r, cursor, i, &nodes[j], error);
             if (status)
                 return status;
-            if (!kept)
-                io_hold_node(r->model, nodes[j], IO_HELD_BY_OTHER);
             if (k->parameter[0])
                 io_hold_node(r->model, nodes[j], IO_HAS_PARAMETERS);
         }
         status = skip_words(r, cursor, i, k->extra * corners, error);
         if (!status)
             status = kept ? keep_element(r, cell, nodes, mids, error)
-                          : add_other(r, corners, nodes, number, error);
+                          : add_other(r, corners, nodes, group, number, error);
         if (status)
             return status;
         if (kept)
@@ -312,8 +315,9 @@ static int read_element_section(netgen_reader *r, const io_section *s) {
     int status = io_cells_reserve(r->model, dim, s->count, 1, cells->number != NULL, r->error);
     if (status)
         return status;
-    /* As a rule all elements are like the first, and threads can read them. Others hold nodes: what
-     * a thread would hold that begins in the middle of one could not be taken back. */
+    /* As a rule all elements are like the first, and threads can read them. */
+    io_others *others = io_model_others(r->model, dim);
+    const int64_t first_other = others->n;
     r->corners = 0;
     if (dim > 1 && s->count > 0 && !take_lead(r, &first, 0, &group, &corners, &ignored) &&
         mids_of(dim, corners) >= 0)
@@ -334,6 +338,9 @@ static int read_element_section(netgen_reader *r, const io_section *s) {
     }
     if (!status)
         status = io_model_index_tags(r->model, dim, cells->entity + cells->n, r->n_kept, r->error);
+    if (!status && others->n > first_other)
+        status = io_model_index_tags(r->model, dim, others->entity + first_other,
+                                     others->n - first_other, r->error);
     if (status)
         return status;
     cells->n += r->n_kept;

@@ -4,8 +4,7 @@
  * numbers of vertices, faces and edges; a line for each vertex and for each face: how many
  * vertices it has, these (from 0), and a colour of some numbers. What is behind coordinates and
  * vertices on a line is not looked at. '#' begins a comment. Faces of two vertices are lines,
- * those of more than three hold their nodes; those of four are measured. Vertices and faces are
- * numbered from 0.
+ * those of more than four hold their nodes. Vertices and faces are numbered from 0.
  *
  * Behind OFF BINARY are integers and floats of 32 bits, big-endian.
  */
@@ -165,13 +164,14 @@ static int read_faces(void *context, io_cursor *cursor, int64_t begin, int64_t e
                 return status;
             if (kept)
                 kept[j] = (int32_t)node;
-            else
+            else if (corners != QUADRILATERAL)
                 io_hold_node(model, node, corners == 1 ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER);
             if (corners == QUADRILATERAL)
                 quadrilateral[j] = (int32_t)node;
         }
         if (corners == QUADRILATERAL)
-            status = io_model_add_other(model, PLANISH_CELL_QUADRILATERAL, quadrilateral, i, error);
+            status = io_model_add_other(model, PLANISH_CELL_QUADRILATERAL, quadrilateral,
+                                        IO_NO_ENTITY, i, error);
         if (status)
             return status;
         status = skip_colour(r, cursor, i, error);

@@ -45,8 +45,8 @@ typedef struct plex_reader {
     int64_t n_points, n_elements, n_nodes; /* elements and nodes are the first points */
     int64_t *start;     /* [n_points] where a point's cone begins in its stratum's, */
     uint8_t *size;      /* [n_points] and how many points it has; 0: a node */
-    int32_t *of_point;  /* [n_points] index among the cells of its dimension of a point that is one
-                           of the model's; else -1 */
+    int32_t *of_point;  /* [n_points] index in its list (plex_list_of) of a point that is an element
+                           of the model; else -1 */
     int64_t first_face; /* all faces are among the points from here on */
     int32_t *triangle;  /* [faces][3] nodes of those that have three edges, else -1; of meshes of
                            tetrahedra, once plex_read_elements has found them */
@@ -71,12 +71,15 @@ int plex_read_topology(plex_reader *r);
 /** Release all that plex_read_topology and plex_read_elements have made. */
 void plex_release_topology(plex_reader *r);
 
-/** Make elements cells of the model; those that are no simplices hold their nodes and
- *  are handed over to be measured. Then plex_nodes_of knows triangles. */
+/** Make elements cells of the model, or others; those of no planish_cell_type hold their nodes. Then
+ *  plex_nodes_of knows triangles. */
 int plex_read_elements(plex_reader *r);
 
 /** Return the dimension of a point. */
 int plex_dim_of(const plex_reader *r, int64_t point);
+
+/** Return the list of the model (io_model_list) that a point of that dimension is in, if in any. */
+int plex_list_of(const plex_reader *r, int64_t point);
 
 /** Return whether all elements are simplices, and all points are bounded by points of the right
  *  kind. */
@@ -89,7 +92,8 @@ int plex_nodes_of(const plex_reader *r, int64_t point, int32_t *node);
 /** Fail: a point is bounded by what it cannot be bounded by. */
 int plex_fail_point(plex_reader *r, int64_t point);
 
-/** Make an edge or face a cell of the model, if it is none yet; room has been made. */
+/** Make an edge or face an element of the model, if it is none yet; for simplices room has been made.
+ */
 int plex_add_cell(plex_reader *r, int64_t point);
 
 /* ---- plex_labels.c ------------------------------------------------------------------------- */

@@ -142,7 +142,9 @@ static int add_members(const labels *l, int64_t index, int dim, io_memberships *
         if (plex_dim_of(r, point) != s->dim)
             continue;
         if (cell >= 0 && dim == s->dim)
-            io_memberships_add(m, cell, tag);
+            io_memberships_add(
+                m, cell + (plex_list_of(r, point) == dim ? 0 : io_model_cells(r->model, dim)->n),
+                tag);
         if (cell >= 0 || dim > 0)
             continue;
         const int n = plex_nodes_of(r, point, node);
@@ -154,12 +156,14 @@ static int add_members(const labels *l, int64_t index, int dim, io_memberships *
     return PLANISH_OK;
 }
 
-/** Make the entities of all cells of a dimension, or of nodes (0), by the sets that each is in. */
+/** Make the entities of all elements of a dimension, or of nodes (0), by the sets that each is in. */
 static int make_entities(labels *l, int dim) {
     io_model *model = l->r->model;
     io_cells *cells = dim > 0 ? io_model_cells(model, dim) : NULL;
+    const io_others *others = dim > 1 ? io_model_others(model, dim) : NULL;
+    const int64_t n_others = others ? others->n : 0;
     io_memberships m = {.n = 0};
-    int status = io_memberships_begin(&m, cells ? cells->n : l->r->n_nodes, l->r->error);
+    int status = io_memberships_begin(&m, cells ? cells->n + n_others : l->r->n_nodes, l->r->error);
     for (int pass = 0; pass < 2 && !status; pass++) {
         for (int64_t i = 0; i < l->n && !status; i++)
             status = add_members(l, i, dim, &m);
@@ -171,6 +175,9 @@ static int make_entities(labels *l, int dim) {
     if (!status && cells)
         status =
             io_memberships_entities(&m, model, dim, 0, cells->n, NULL, cells->entity, l->r->error);
+    if (!status && n_others > 0)
+        status = io_memberships_entities(&m, model, dim, cells->n, n_others, NULL, others->entity,
+                                         l->r->error);
     io_memberships_destroy(&m);
     return status;
 }
@@ -212,7 +219,8 @@ int plex_read_labels(plex_reader *r) {
                 status = plex_add_cell(r, io_hdf5_integer(points, k));
     }
     for (int dim = r->dim; dim > 0 && !status; dim--)
-        if (io_model_cells(r->model, dim)->n > 0)
+        if (io_model_cells(r->model, dim)->n + (dim > 1 ? io_model_others(r->model, dim)->n : 0) >
+            0)
             status = make_entities(&l, dim);
     if (!status && l.n > 0)
         status = make_entities(&l, 0);

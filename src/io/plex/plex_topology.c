@@ -183,6 +183,11 @@ int plex_dim_of(const plex_reader *r, int64_t point) {
     return point < r->n_elements ? r->dim : is_node(r, point) ? 0 : r->size[point] == 2 ? 1 : 2;
 }
 
+int plex_list_of(const plex_reader *r, int64_t point) {
+    const int dim = plex_dim_of(r, point);
+    return dim < 2 || r->size[point] == dim + 1 ? dim : io_others_list(dim);
+}
+
 /** Nodes as they are met, each once. */
 typedef struct node_list {
     int32_t *node; /* [PLEX_MOST_NODES] */
@@ -416,7 +421,16 @@ static int find_flat(const plex_reader *r, int64_t element, int32_t *node) {
     return io_cell_type(shape, n);
 }
 
-/** Hand over the elements that are no simplices. */
+/** Add an element or face to the others of its dimension. */
+static int add_other(plex_reader *r, int64_t point, int type, const int32_t *node) {
+    const int dim = plex_dim_of(r, point);
+    const int status = io_model_add_other(r->model, type, node, 0, point, r->error);
+    if (!status)
+        r->of_point[point] = (int32_t)io_model_others(r->model, dim)->n - 1;
+    return status;
+}
+
+/** Add the elements that are no simplices; those that nothing stands for hold their nodes. */
 static int add_others(plex_reader *r) {
     int status = PLANISH_OK;
     for (int64_t i = 0; i < r->n_elements && r->model->n_other > 0 && !status; i++) {
@@ -433,7 +447,11 @@ static int add_others(plex_reader *r) {
             memcpy(node, of.node, sizeof of.node);
             type = of.n == 4 ? PLANISH_CELL_QUADRILATERAL : 0;
         }
-        status = io_model_add_other(r->model, type, node, i, r->error);
+        if (type)
+            status = add_other(r, i, type, node);
+        const int n = type ? 0 : plex_nodes_of(r, i, node);
+        for (int k = 0; k < n; k++)
+            io_hold_node(r->model, node[k], IO_HELD_BY_OTHER);
     }
     return status;
 }
@@ -449,8 +467,13 @@ int plex_add_cell(plex_reader *r, int64_t point) {
     const int n = plex_nodes_of(r, point, node);
     if (n < 0)
         return plex_fail_point(r, point);
-    if (n != dim + 1) { /* a facet of elements that are no simplices, which hold it */
-        r->model->n_lower++;
+    if (n != dim + 1) {
+        const ring of = ring_of(r, point);
+        if (of.n == 4) {
+            r->model->n_other++;
+            return add_other(r, point, PLANISH_CELL_QUADRILATERAL, of.node);
+        }
+        r->model->n_lower++; /* a polygon; its nodes may be of a group */
         return PLANISH_OK;
     }
     memcpy(cells->nodes + cells->n * n, node, (size_t)n * sizeof *node);
@@ -479,8 +502,6 @@ static void fill_chunk(void *context, int64_t begin, int64_t end, int thread) {
         }
         if (is_simplex)
             memcpy(cells->nodes + r->of_point[i] * n, node, (size_t)n * sizeof *node);
-        for (int k = 0; k < n && !is_simplex; k++)
-            io_hold_node(r->model, node[k], IO_HELD_BY_OTHER);
     }
 }
 

@@ -10,16 +10,18 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { VALUES_AT_ONCE = 1 << 16, N_KINDS = 4 };
+enum { VALUES_AT_ONCE = 1 << 16, N_KINDS = 5 };
 
 /* ---- cells --------------------------------------------------------------------------------- */
 
-/* Cells stand in the order of their kinds: tetrahedra, triangles, lines, model->other. */
+/* Cells stand in the order of their kinds: tetrahedra, triangles, lines, other solids, other flat
+ * elements. */
 
 /** A cell, or the place behind those of its kind; zeroed: before all. */
 typedef struct view_cell {
     int kind, is_found;
-    const io_cells *of;         /* NULL: it is one of model->other */
+    io_list list;               /* that it is in */
+    const io_cells *of;         /* of the list; NULL: it is one of the others */
     int64_t index;              /* in it */
     int size;                   /* nodes of it, */
     int type;                   /* and VTK's type of it */
@@ -37,7 +39,7 @@ static const io_cells *cells_of(const io_model *model, int kind) {
 
 static int64_t count_kind(const io_model *model, int kind) {
     const io_cells *of = cells_of(model, kind);
-    return of ? of->n : model->other.n;
+    return of ? of->n : kind == N_KINDS - 1 ? model->flat.n : model->solid.n;
 }
 
 /** Return VTK's type of an element with those nodes. It is straight where a mid is missing. */
@@ -60,7 +62,7 @@ static int other_type(int type, const int32_t *node) {
 }
 
 static void set_other(const io_others *others, int64_t i, view_cell *cell) {
-    cell->first = others->node + (i > 0 ? others->offset[i - 1] : 0);
+    cell->first = others->node + others->offset[i];
     cell->type = other_type(others->type[i], cell->first);
     cell->n_first = cell->size = io_cell_type_nodes(cell->type);
 }
@@ -83,16 +85,18 @@ static void set_simplex(const io_cells *of, int dim, int64_t i, view_cell *cell)
 
 /** Go to cell i of a kind, but for first_value and n_before. */
 static void set_cell(const io_model *model, int kind, int64_t i, view_cell *cell) {
+    static const uint8_t list_of[N_KINDS] = {3, 2, 1, IO_SOLID_LIST, IO_FLAT_LIST};
     cell->is_found = 1;
     cell->kind = kind;
-    cell->of = cells_of(model, kind);
+    cell->list = io_model_list(model, list_of[kind]);
+    cell->of = cell->list.cells;
     cell->index = i;
     if (i == count_kind(model, kind))
         return;
     if (cell->of)
         set_simplex(cell->of, 3 - kind, i, cell);
     else
-        set_other(&model->other, i, cell);
+        set_other(cell->list.others, i, cell);
 }
 
 /** Find the cell, and which of its values, that value number i of an array is. Cells have one value
@@ -136,7 +140,7 @@ static int64_t count_nodes(const io_model *model) {
     for (int kind = 0; kind < N_KINDS; kind++) {
         const io_cells *of = cells_of(model, kind);
         if (of && !of->mid) {
-            n += (N_KINDS - kind) * of->n;
+            n += (4 - kind) * of->n;
             continue;
         }
         for (int64_t i = 0; i < count_kind(model, kind); i++) {
@@ -151,8 +155,10 @@ static int64_t count_nodes(const io_model *model) {
 
 /** Return the index of a cell in planish_file_cells, or -1: it is of a lower dimension. */
 static int64_t index_of(const io_view *view, const view_cell *cell) {
-    const io_cells *elements = io_model_elements(view->model);
-    return cell->of == elements ? cell->index : cell->of ? -1 : elements->n + cell->index;
+    const io_model *model = view->model;
+    if (cell->list.dim != io_model_dim(model))
+        return -1;
+    return cell->of ? cell->index : io_model_elements(model)->n + cell->index;
 }
 
 /** Return value i of the whole numbers of nodes or cells. cell: as in find_cell. */
@@ -162,9 +168,9 @@ static int64_t whole_value(const io_view *view, io_view_values values, int64_t i
     if (values == IO_VIEW_NODE_NUMBERS)
         return io_node_number(view->model, i);
     find_cell(view, values, i, cell);
-    const io_cells *of = cell->of;
+    const io_list *list = &cell->list;
     const int64_t index = index_of(view, cell);
-    const int32_t at = of && of->entity ? of->entity[cell->index] : -1;
+    const int32_t at = list->entity ? list->entity[cell->index] : -1;
     const io_entity *const entity = at >= 0 ? &view->model->entity[at] : NULL;
     switch (values) {
     case IO_VIEW_NODES:
@@ -176,7 +182,7 @@ static int64_t whole_value(const io_view *view, io_view_values values, int64_t i
     case IO_VIEW_TYPES:
         return cell->type;
     case IO_VIEW_REGIONS:
-        return of && of->region ? of->region[cell->index] : entity ? entity->tag : 0;
+        return list->region ? list->region[cell->index] : entity ? entity->tag : 0;
     case IO_VIEW_STATES:
         return index >= 0 ? view->data.cells.state[index] : PLANISH_CELL_STATE_NONE;
     case IO_VIEW_CURVED:
@@ -184,7 +190,7 @@ static int64_t whole_value(const io_view *view, io_view_values values, int64_t i
     case IO_VIEW_GROUPS:
         return entity && entity->n_physical > 0 ? entity->physical[0] : 0;
     default:
-        return of ? io_cell_number(of, cell->index) : view->model->other.number[cell->index];
+        return io_list_number(list, cell->index);
     }
 }
 
@@ -220,9 +226,8 @@ static double real_value(const io_view *view, io_view_values values, int64_t i, 
     }
     find_cell(view, values, i, cell);
     const int64_t index = index_of(view, cell);
-    const int is_measured =
-        index >= 0 && (values != IO_VIEW_RADIUS_RATIOS || cell->of == io_model_elements(model));
-    return is_measured ? measures_of(view, values)[index] : (double)NAN;
+    const int has_value = index >= 0 && (values != IO_VIEW_RADIUS_RATIOS || cell->of);
+    return has_value ? measures_of(view, values)[index] : (double)NAN;
 }
 
 /* ---- the arrays ---------------------------------------------------------------------------- */
@@ -233,8 +238,8 @@ io_view io_view_of(const io_model *model, const double *coordinates, const uint8
                      .coordinates = coordinates,
                      .constraint = constraint,
                      .data = data ? *data : (planish_view_data){.radius_ratio = NULL},
-                     .n_cells =
-                         model->tetrahedron.n + model->triangle.n + model->line.n + model->other.n};
+                     .n_cells = model->tetrahedron.n + model->triangle.n + model->line.n +
+                                model->solid.n + model->flat.n};
 }
 
 /** Add the measures that there are to the cell data of a. */
@@ -290,7 +295,8 @@ io_view_arrays io_view_arrays_of(const io_view *view) {
             (io_view_array){"fixed", IO_VIEW_FIXED, IO_VIEW_U8, n_nodes, 1};
     a.point_data[a.n_point_data++] = numbers_of(view, IO_VIEW_NODE_NUMBERS, n_nodes);
     add_measures(view, &a);
-    if (model->n_entities > 0 || io_model_elements(model)->region)
+    if (model->n_entities > 0 || io_model_elements(model)->region ||
+        io_model_other_elements(model)->region)
         a.cell_data[a.n_cell_data++] =
             (io_view_array){"region", IO_VIEW_REGIONS, IO_VIEW_I32, n, 1};
     for (int32_t i = 0; i < model->n_entities; i++)

@@ -1,5 +1,6 @@
 /* view: what planish understands of a mesh file, as arrays for another file that shows it: points,
- * the cells that it keeps (tetrahedra, triangles, lines, other elements, in this order), and data of
+ * the cells that it keeps (tetrahedra, triangles, lines, other elements of three and of
+ * two dimensions, in this order), and data of
  * both.
  *
  *   io_view, io_view_of                the mesh

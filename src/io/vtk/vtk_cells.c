@@ -9,7 +9,7 @@
 #include <stdio.h>
 
 /** By VTK's number of the type; nodes 0: cells say how many they have. A cell of any type that is
- *  not here, known to VTK or not, holds its nodes and is not measured. Bezier cells are measured
+ *  not here, known to VTK or not, holds its nodes. Bezier cells are measured
  *  only as straight simplices, as their nodes do not lie on them. */
 static const io_element_type types[] = {
     [VTK_VERTEX] = {"vertex", IO_POINT, 1, 1},
@@ -176,13 +176,35 @@ int vtk_faces_hold(io_model *model, const vtk_grid *grid, const int32_t *stream,
     return at == n ? 0 : -1;
 }
 
+/** Return the planish_cell_type of the cell that next_cell came to; 0: it is not measured. Of
+ *  Lagrange cells those are whose order follows from their number of nodes, and whose nodes are in
+ *  the order of the type with that many in every version of VTK. */
+static int measured_type(const cell_walk *walk) {
+    const int32_t type = walk->grid->type[walk->index - 1];
+    const int as = walk->n <= MOST_NODES ? io_cell_type(walk->type->shape, (int)walk->n) : 0;
+    if (walk->type->nodes > 0)
+        return as;
+    if (type < VTK_LAGRANGE_TRIANGLE || type > VTK_LAGRANGE_WEDGE)
+        return 0;
+    switch (as) {
+    case PLANISH_CELL_QUADRILATERAL:
+    case PLANISH_CELL_HEXAHEDRON:
+    case PLANISH_CELL_WEDGE:
+    case PLANISH_CELL_QUADRILATERAL9:
+        return as;
+    default:
+        return 0;
+    }
+}
+
 /** How many cells of one dimension are kept, the first and last of them, and whether any has mids. */
 typedef struct cell_tally {
     int64_t n, first, last;
     int has_mids;
 } cell_tally;
 
-/** Check all cells, count those that are kept by their dimension, hold the nodes of all others. */
+/** Check all cells, count those that are kept by their dimension, hold the nodes of those that are
+ *  not measured. */
 static int survey_cells(io_model *model, cell_walk walk, cell_tally tally[4]) {
     while (walk.index < walk.grid->n) {
         const int64_t cell = walk.grid->first_cell + walk.index;
@@ -208,6 +230,8 @@ static int survey_cells(io_model *model, cell_walk walk, cell_tally tally[4]) {
             continue;
         }
         io_element_count(model, walk.type, 1);
+        if (measured_type(&walk))
+            continue;
         if (walk.is_stream && vtk_faces_hold(model, walk.grid, walk.nodes, walk.n))
             return fail_cell(&walk, "its faces are not what a polyhedron's list has: how many, and "
                                     "of each how many nodes, and which");
@@ -216,27 +240,6 @@ static int survey_cells(io_model *model, cell_walk walk, cell_tally tally[4]) {
                          io_element_reason(walk.type));
     }
     return PLANISH_OK;
-}
-
-/** Return the planish_cell_type of the cell that next_cell came to; 0: it is not measured. Of
- *  Lagrange cells those are whose order follows from their number of nodes, and whose nodes are in
- *  the order of the type with that many in every version of VTK. */
-static int measured_type(const cell_walk *walk) {
-    const int32_t type = walk->grid->type[walk->index - 1];
-    const int as = walk->n <= MOST_NODES ? io_cell_type(walk->type->shape, (int)walk->n) : 0;
-    if (walk->type->nodes > 0)
-        return as;
-    if (type < VTK_LAGRANGE_TRIANGLE || type > VTK_LAGRANGE_WEDGE)
-        return 0;
-    switch (as) {
-    case PLANISH_CELL_QUADRILATERAL:
-    case PLANISH_CELL_HEXAHEDRON:
-    case PLANISH_CELL_WEDGE:
-    case PLANISH_CELL_QUADRILATERAL9:
-        return as;
-    default:
-        return 0;
-    }
 }
 
 /** Hand over the held cell that next_cell came to, if it is of a type that is measured. The nodes
@@ -252,7 +255,8 @@ static int add_other(io_model *model, const cell_walk *walk) {
         return PLANISH_OK;
     for (int64_t k = 0; k < walk->n; k++)
         nodes[k] = (int32_t)(grid->first_point + walk->nodes[has_rows ? rows[k] : k]);
-    return io_model_add_other(model, type, nodes, grid->first_cell + cell, walk->error);
+    return io_model_add_other(model, type, nodes, IO_NO_ENTITY, grid->first_cell + cell,
+                              walk->error);
 }
 
 /** Store the cell that next_cell came to behind those of its dimension, for which there is room. */
