@@ -5,9 +5,14 @@
  * added in the chunks' order: the same bits for any number of threads and instruction set. The
  * validity of elements is decided exactly (certificate.h).
  *
+ * Of a mesh with corners cells are measured: AR by the mean ratios of their corners stands for RR,
+ * the scaled Jacobian of corners for angles, and a cell is positive if all its corners are. All its
+ * corners have its state and its ratio.
+ *
  *   pl_measure                       all measures
  *   pl_sum_radius_ratio              the radius ratio alone, faster
  *   pl_find_worse, pl_find_ratios    single elements
+ *   pl_find_worse_corners            single corners
  *   pl_find_reversed                 elements numbered the other way round than most
  */
 #ifndef PL_QUALITY_MEASURE_H
@@ -15,7 +20,7 @@
 
 #include "quality/view.h"
 
-/** Measure the mesh: *quality (planish.h). Each element is looked at in its own scale, so that any
+/** Measure the mesh: *quality (planish.h); worst_element of cells is a corner. Each element is looked at in its own scale, so that any
  *  volume that a double holds gives a finite ratio; sums that overflow are infinite. What has no
  *  value for lack of (valid) elements is 0. coordinates [n][dim]. Errors: _MEMORY; *quality is then
  *  untouched. */
@@ -46,11 +51,17 @@ enum { PL_FINE = 0, PL_WORSE = 1, PL_INVERTED = 2 };
 void pl_find_worse(const pl_view *view, const double *coordinates, double ratio, double acuteness,
                    int threads, uint8_t *state);
 
+/** Find the corners, each by itself, whose mu is above ratio, or 1 / SJ^2 above acuteness, or that are
+ *  not positive: state [m]. */
+void pl_find_worse_corners(const pl_view *view, const double *coordinates, double ratio,
+                           double acuteness, int threads, uint8_t *state);
+
 /** Find the RR of each element, 0 of those that are not positive: ratio [m]. */
 void pl_find_ratios(const pl_view *view, const double *coordinates, int threads, double *ratio);
 
 /** Find the elements whose measure in the listed order of their nodes has, exactly, the other sign
  *  than most elements' of the whole mesh: reversed [m] becomes 0 or 1. In a tie most are positive.
+ *  Of cells most are those of the same shape, and one with corners of both signs has no sign.
  *  Return their number in the whole mesh. */
 int64_t pl_find_reversed(const pl_view *view, const double *coordinates, int threads,
                          uint8_t *reversed);

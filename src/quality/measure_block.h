@@ -11,6 +11,7 @@
  *   pl_block_acuteness                        read a block
  *   pl_corners_evaluate                       fill a block of corners
  *   pl_corner_edges, _edge_ratio_square       read it
+ *   pl_cells_visit                            go through cells by such blocks
  */
 #ifndef PL_QUALITY_MEASURE_BLOCK_H
 #define PL_QUALITY_MEASURE_BLOCK_H
@@ -172,12 +173,38 @@ typedef struct pl_corner_block {
 void pl_corners_evaluate(const pl_mesh_state *mesh, const pl_corner_form *form, int64_t first,
                          int count, pl_corner_block *b);
 
-/** Extremes of the real edges of a corner of that code in lane l, squared: a pyramid's base has a
- *  diagonal that is none. Returns their number; real [6] is which (pl_corner_block.edge). */
+/** Extremes of the real edges of a corner of that code in lane l, squared: the base of a pyramid has
+ *  a diagonal that is none. Returns their number; real [6] is which (pl_corner_block.edge). */
 int pl_corner_edges(const pl_corner_block *b, int l, int dim, uint8_t code, int real[6],
                     double *shortest, double *longest);
 
 /** Square of the smoothed ratio of these edges (pl_smoothed_edge_ratio). */
 double pl_corner_edge_ratio_square(const pl_corner_block *b, int l, int dim, uint8_t code);
+
+/** Take corner index, in lane l of b. */
+typedef void pl_take_corner_fn(void *user, const pl_corner_block *b, int l, int64_t index);
+
+/** End a cell, whose n corners, from first on, have been taken. */
+typedef void pl_end_cell_fn(void *user, int64_t cell, int64_t first, int n);
+
+/** Take the corners of cells begin .. end - 1, in their order. */
+PL_INLINE void pl_cells_visit(const pl_mesh_state *mesh, const pl_corner_form *form, int64_t begin,
+                              int64_t end, pl_take_corner_fn *take, pl_end_cell_fn *end_cell,
+                              void *user) {
+    const int32_t *first_of = mesh->of->cell_begin;
+    const int64_t last = first_of[end];
+    pl_corner_block b;
+    for (int64_t first = first_of[begin]; first < last; first += PL_SUM_LANES) {
+        const int count = last - first < PL_SUM_LANES ? (int)(last - first) : PL_SUM_LANES;
+        pl_corners_evaluate(mesh, form, first, count, &b);
+        for (int l = 0; l < count; l++) {
+            take(user, &b, l, first + l);
+            if (first + l + 1 < first_of[begin + 1])
+                continue;
+            end_cell(user, begin, first_of[begin], first_of[begin + 1] - first_of[begin]);
+            begin++;
+        }
+    }
+}
 
 #endif

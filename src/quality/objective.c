@@ -212,8 +212,17 @@ typedef struct cell_sums {
     double g2, excess2;     /* of g^2, and of max(0, g)^2 */
 } cell_sums;
 
-static void add_corner(const pl_objective_problem *problem, int64_t index, const pl_corner_block *b,
-                       int l, cell_sums *cell) {
+/** Cells of a chunk being summed up. */
+typedef struct cell_pass {
+    const pl_objective_problem *problem;
+    exact_sums sums; /* of the cells so far, but for RADIUS where RATIO is the same */
+    cell_sums cell;  /* under way */
+} cell_pass;
+
+static void add_corner(void *user, const pl_corner_block *b, int l, int64_t index) {
+    cell_pass *pass = user;
+    const pl_objective_problem *problem = pass->problem;
+    cell_sums *cell = &pass->cell;
     const double square = b->of.square[l];
     const double g = volume_constraint(problem, index, b->of.volume[l]);
     cell->n_positive += b->of.valid[l] != 0;
@@ -232,7 +241,7 @@ static void add_corner(const pl_objective_problem *problem, int64_t index, const
     cell->excess2 += g > 0 ? g * g : 0;
 }
 
-/** Add a cell of n corners to sums, whose radius is left to the end where it is the ratio. */
+/** Add a cell of n corners to sums. */
 static void add_cell(const pl_objective_problem *problem, const cell_sums *cell, int n,
                      exact_sums *sums) {
     const int by_edges = problem->objective == PLANISH_OBJECTIVE_EDGE_RATIO;
@@ -259,30 +268,23 @@ static void add_cell(const pl_objective_problem *problem, const cell_sums *cell,
     sums->acuteness = pl_larger(cell->acuteness, sums->acuteness);
 }
 
+static void end_cell(void *user, int64_t cell, int64_t first, int n) {
+    cell_pass *pass = user;
+    (void)cell;
+    (void)first;
+    add_cell(pass->problem, &pass->cell, n, &pass->sums);
+    pass->cell = (cell_sums){.volume = 0};
+}
+
 static void add_cells_chunk(void *context, int64_t begin, int64_t end, int thread) {
     objective_pass *pass = context;
-    const pl_objective_problem *problem = pass->problem;
-    const pl_mesh_state mesh = {&problem->mesh, problem->coordinates};
-    const int32_t *first_of = problem->mesh.cell_begin;
-    const int64_t last = first_of[end];
-    exact_sums part;
-    pl_corner_block b;
-    cell_sums cell = {.volume = 0};
+    const pl_mesh_state mesh = {&pass->problem->mesh, pass->problem->coordinates};
+    cell_pass chunk;
     (void)thread;
-    memset(&part, 0, sizeof part);
-    for (int64_t first = first_of[begin]; first < last; first += PL_SUM_LANES) {
-        const int count = last - first < PL_SUM_LANES ? (int)(last - first) : PL_SUM_LANES;
-        pl_corners_evaluate(&mesh, pass->form, first, count, &b);
-        for (int l = 0; l < count; l++) {
-            add_corner(problem, first + l, &b, l, &cell);
-            if (first + l + 1 < first_of[begin + 1])
-                continue;
-            add_cell(problem, &cell, first_of[begin + 1] - first_of[begin], &part);
-            cell = (cell_sums){.volume = 0};
-            begin++;
-        }
-    }
-    merge_sums(&part, pass->sums);
+    memset(&chunk, 0, sizeof chunk);
+    chunk.problem = pass->problem;
+    pl_cells_visit(&mesh, pass->form, begin, end, add_corner, end_cell, &chunk);
+    merge_sums(&chunk.sums, pass->sums);
 }
 
 pl_objective_problem pl_objective_problem_of(const pl_view *mesh, const double *coordinates,

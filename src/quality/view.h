@@ -20,10 +20,10 @@ enum { PL_ELSEWHERE = 2 };
 typedef struct pl_view {
     int dim;
     int64_t n_nodes, n_elements;
-    const int32_t *elements;  /* [m][dim + 1] nodes */
-    const uint8_t *corner;    /* [m] the elements are corners (geometry/corner.h), those of a cell one
+    const int32_t *elements; /* [m][dim + 1] nodes */
+    const uint8_t *corner; /* [m] the elements are corners (geometry/corner.h), those of a cell one
                                  after the other; NULL: they are simplices, one of each cell */
-    int64_t n_cells;          /* with corner: number of cells, */
+    int64_t n_cells;       /* with corner: number of cells, */
     const int32_t *cell_begin; /* [n_cells + 1] and the first corner of each */
     const int8_t *sign;       /* [m] +1 or -1: sign * measure is positive in a valid mesh; NULL: all
                                  +1 */
