@@ -10,6 +10,7 @@
 #include "base/parts.h"
 #include "base/status.h"
 #include "geometry/cell.h"
+#include "topology/cells.h"
 #include "topology/facets.h"
 
 #include <string.h>
@@ -50,6 +51,33 @@ static void note_facets(void *context, int32_t node, const pl_facet *facets, int
             note_reason(s, s->mesh.elements[(int64_t)facet->element[0] * corners + j],
                         PLANISH_HELD_NONMANIFOLD);
     }
+}
+
+/** Note what facets of cells say: those of their corners say nothing. coordinates [n][dim] or NULL. */
+static int note_cell_facets(hold_search *s, const double *coordinates, planish_error *error) {
+    const planish_plan *plan = s->plan;
+    const planish_cells *cells = &plan->cells;
+    const pl_points points = pl_plan_all_points(plan, coordinates);
+    double *x = pl_alloc_zero(points.n * points.dim, sizeof *x);
+    pl_cell_census census = {.n_sharing = NULL};
+    if (x && coordinates)
+        pl_points_gather(&points, plan->threads, x);
+    const int status =
+        x ? pl_cell_census_find(cells, plan->dim, s->mesh.n_nodes, x, plan->threads, &census, error)
+          : pl_fail_memory(error, "held nodes");
+    for (int64_t i = 0; !status && i < cells->n; i++) {
+        const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
+        const int n_facets = type && type->shape->dim == plan->dim ? type->shape->n_facets : 0;
+        for (int k = 0; k < n_facets; k++) {
+            const int n = census.n_sharing[i * PL_CELL_FACET_PLACES + k];
+            for (int j = 0; (n == 1 || n > 2) && j < 4 && type->shape->facet[k][j] >= 0; j++)
+                note_reason(s, cells->node[cells->offset[i] + type->shape->facet[k][j]],
+                            n == 1 ? PLANISH_HELD_BOUNDARY : PLANISH_HELD_NONMANIFOLD);
+        }
+    }
+    pl_free(x);
+    pl_cell_census_destroy(&census);
+    return status;
 }
 
 static int is_used(const hold_search *s, int64_t node) {
@@ -162,7 +190,9 @@ int planish_plan_get_held(const planish_plan *plan, const double *coordinates, u
             s.is_inside[i] = s.moves[i] == PL_INTERIOR;
         status = pl_incidence_create(&s.mesh, s.is_inside, plan->threads, &s.incidence, error);
     }
-    if (!status)
+    if (!status && plan->work.corner)
+        status = note_cell_facets(&s, coordinates, error);
+    else if (!status)
         status = pl_facets_match(&s.mesh, &s.incidence, s.is_inside, plan->threads, note_facets, &s,
                                  error);
     if (!status && coordinates)

@@ -85,7 +85,7 @@ int planish_measure_elements(const planish_plan *plan, const double *coordinates
     for (int64_t i = 0; !status && row && i < pl_plan_given(plan); i++)
         radius_ratio[i] = has_ratio(plan, i) ? (double)NAN : 0;
     if (!status && row)
-        pl_rows_put(ratio, row, all.n_elements, sizeof *ratio, plan->threads, radius_ratio);
+        pl_plan_put(plan, ratio, sizeof *ratio, radius_ratio);
     if (ratio != radius_ratio)
         pl_free(ratio);
     return end_measuring(&m, status, error);
@@ -110,8 +110,7 @@ int planish_find_reversed(const planish_plan *plan, const double *coordinates, u
         status = pl_parts_check(error);
     if (!status && reversed) {
         memset(reversed, 0, (size_t)pl_plan_given(plan));
-        pl_rows_put(state, pl_plan_rows(plan), plan->all->n_elements, sizeof *state, plan->threads,
-                    reversed);
+        pl_plan_put(plan, state, sizeof *state, reversed);
     }
     if (!status && n)
         *n = n_found;

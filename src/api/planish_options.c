@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#define DEFAULT_TOLERANCE  1e-5 /* relative fall of the RMS per sweep that is not worth a sweep */
-#define DEFAULT_WORST_RISE 0.01
+#define DEFAULT_TOLERANCE     1e-5 /* relative fall of the RMS per sweep that is not worth a sweep */
+#define DEFAULT_WORST_RISE    0.01
 #define DEFAULT_CURVE_QUALITY 0.3
 enum { DEFAULT_MAX_SWEEPS = 200 };
 

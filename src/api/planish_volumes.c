@@ -21,7 +21,7 @@ typedef struct volume_check {
     double *all;          /* [.][dim] of all nodes that are known, if they are not dense, */
     double *own;          /* [n][dim] of the plan's nodes, likewise */
     double *ordered;      /* [n][dim] the latter by inner numbers */
-    uint8_t *state;       /* [elements of all], */
+    uint8_t *state;       /* [elements of all]; once proofs have been looked for, a cell's worst */
     uint8_t *of_work;     /* and of the plan's; the same array if that is all */
 } volume_check;
 
@@ -33,6 +33,22 @@ static int ask_caller(void *context) {
     if (c->options->time_limit > 0 && progress.elapsed >= c->options->time_limit)
         return PLANISH_STOP_TIME_LIMIT;
     return pl_ask_caller(c->options, &progress) ? PLANISH_STOP_INTERRUPTED : 0;
+}
+
+/** Give the corners of each cell the worst state that one of them has; return how many cells have one
+ *  of at least that state. */
+static int64_t join_corners(const pl_view *mesh, uint8_t least, uint8_t *state) {
+    int64_t n = 0;
+    for (int64_t i = 0; i < pl_view_cells(mesh); i++) {
+        const int64_t first = pl_first_of_cell(mesh, i), end = pl_first_of_cell(mesh, i + 1);
+        uint8_t worst = 0;
+        for (int64_t k = first; k < end; k++)
+            worst = state[k] > worst ? state[k] : worst;
+        if (mesh->corner)
+            memset(state + first, worst, (size_t)(end - first));
+        n += worst >= least;
+    }
+    return n;
 }
 
 /** Turn _BELOW into _INFEASIBLE where that is so: in the plan's subset by proofs, and outside of
@@ -58,9 +74,7 @@ static int mark_infeasible(const volume_check *c, const double *coordinates,
             c->state[i] = PLANISH_VOLUME_INFEASIBLE;
     for (int64_t i = 0; is_subset && i < plan->work.n_elements; i++)
         c->state[plan->element_of[i]] = c->of_work[i];
-    found->n = 0;
-    for (int64_t i = 0; i < plan->all->n_elements; i++)
-        found->n += c->state[i] == PLANISH_VOLUME_INFEASIBLE;
+    found->n = join_corners(plan->all, PLANISH_VOLUME_INFEASIBLE, c->state);
     return status;
 }
 
@@ -93,6 +107,8 @@ static int find_states(const volume_check *c, const double *coordinates, int is_
     }
     if (pl_part_here() || (*n > 0 && (is_asked || !c->by_volume)))
         status = mark_infeasible(c, coordinates, &guard, &found, error);
+    if (mesh.corner && c->by_volume)
+        *n = join_corners(&mesh, PLANISH_VOLUME_BELOW, c->state);
     if (!c->by_volume)
         *n = found.n;
     *n_undecided = found.n_undecided;
@@ -137,8 +153,7 @@ static int find_elements(const planish_plan *plan, const double *coordinates,
         c.state[i] = c.state[i] == PLANISH_VOLUME_INFEASIBLE;
     if (!status && out) {
         memset(out, 0, (size_t)pl_plan_given(plan)); /* or PLANISH_VOLUME_MET */
-        pl_rows_put(c.state, pl_plan_rows(plan), plan->all->n_elements, sizeof *out, plan->threads,
-                    out);
+        pl_plan_put(plan, c.state, sizeof *out, out);
     }
     if (!status)
         *n = n_found;

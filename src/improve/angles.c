@@ -43,7 +43,11 @@ static void find_bad(const pl_run *r, uint8_t *state) {
     const planish_plan *plan = r->plan;
     const pl_view all = pl_view_of_all_elements(&plan->work);
     memset(state, PL_FINE, (size_t)plan->work.n_elements);
-    if (r->limits_at_start.rr2 < INFINITY || pl_run_has_followers(r))
+    if (plan->work.corner && r->limits_at_start.rr2 < INFINITY)
+        pl_find_worse_corners(&all, plan->scratch.to_measure, sqrt(r->limits_at_start.rr2),
+                              r->limits_at_start.acuteness, sqrt(r->worst_at_start), plan->threads,
+                              state);
+    else if (r->limits_at_start.rr2 < INFINITY || pl_run_has_followers(r))
         pl_find_worse(&all, plan->scratch.to_measure, sqrt(r->limits_at_start.rr2),
                       r->limits_at_start.acuteness, plan->threads, state);
     if (pl_has_order_2(&r->watch))
@@ -86,6 +90,7 @@ static int has_risen(const pl_run *r) {
 static int is_worse(const pl_run *r) {
     const pl_star_limits now = pl_run_worst_limits(r, 1);
     return now.acuteness > r->limits_at_start.acuteness || now.rr2 > r->limits_at_start.rr2 ||
+           (r->plan->work.corner && r->sums.radius_max > r->worst_at_start) ||
            r->sums.inverted > r->sums_at_start.inverted ||
            (pl_run_has_followers(r) && (r->sums.below > r->sums_at_start.below || has_risen(r)));
 }

@@ -74,7 +74,9 @@ static int is_better(const pl_run *r, const pl_trial *trial) {
     return r->stop == PLANISH_STOP_CONVERGED && pl_run_sweeps_left(r) > 0 &&
            now->below <= standing->below && now->inverted <= standing->inverted &&
            (now->below == 0 || now->shortfall <= (1 + LOWER) * standing->shortfall) &&
-           now->radius_max <= trial->problem.limits.rr2 * (1 + LIMIT_NOISE) &&
+           pl_run_is_within(r, trial->problem.limits.rr2 * (1 + LIMIT_NOISE),
+                            trial->problem.limits.acuteness * (1 + LIMIT_NOISE)) &&
+           (!r->plan->work.corner || now->radius_max <= standing->radius_max) &&
            pl_run_objective(r) < pl_objective_of_all(r->options, standing);
 }
 

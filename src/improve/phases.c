@@ -9,7 +9,6 @@
 #include "base/memory.h"
 #include "base/parts.h"
 #include "base/status.h"
-#include "geometry/angle.h"
 
 #include <math.h>
 
@@ -35,8 +34,15 @@ enum {
     WORST_SWEPT = 1 << 14   /* and sweeps have done so */
 };
 
-/* RR^2 above it: an element may be so flat that its sign is nothing but rounding. */
+/* RR^2, or mu^2 of a corner, above it: an element may be so flat that its sign is nothing but
+ * rounding. */
 #define FLAT_RR2 1e20
+#define FLAT_MU2 1e16
+
+static int may_be_flat(const pl_run *r) {
+    return r->sums.corner_max > FLAT_MU2 ||
+           (!r->plan->work.corner && r->sums.radius_max > FLAT_RR2);
+}
 
 static int was_cut_short(const pl_run *r) {
     return r->stop == PLANISH_STOP_INTERRUPTED || r->stop == PLANISH_STOP_TIME_LIMIT;
@@ -57,7 +63,7 @@ static int conditions_of(const pl_run *r) {
         {o->method == PLANISH_METHOD_PLANISH, VISITS},
         {r->guard.wanted, GUARDED},
         {o->untangle, UNTANGLES},
-        {pl_tangled(&r->sums) >= 1 || r->sums.radius_max > FLAT_RR2, TANGLED},
+        {pl_tangled(&r->sums) >= 1 || may_be_flat(r), TANGLED},
         {r->sums.below > 0, BELOW},
         {r->sums_of_fixed.below > 0, BELOW_FIXED},
         {r->sums_at_start.below > 0, BELOW_BEFORE},
@@ -125,7 +131,7 @@ static int keep_angles(pl_run *r, planish_error *error) {
     pl_run_prepare(r);
     r->uncounted_sweeps = r->sweep;
     r->problem.limits.acuteness = r->limits_at_start.acuteness * PL_LIMIT_MARGIN;
-    r->problem.limits.rr2_blunt = pl_blunt_ratio_square(r->plan->dim, r->problem.limits.acuteness);
+    r->problem.limits.rr2_blunt = pl_run_blunt(r, r->problem.limits.acuteness);
     pl_run_sweeps(r);
     pl_run_measure(r);
     return pl_run_put_back_angles(r, error);

@@ -28,6 +28,7 @@ typedef struct objective_of_all {
     double rr2_limit;     /* no element may become worse, as its stars see it */
     double rr2_measured;  /* or as the mesh is measured, */
     double acuteness;     /* and so for the angles */
+    double cell_ratio;    /* and AR^2 of cells; infinite: of none */
     pl_star_slope *slope; /* of the stars under way */
     int refused;          /* by one of the stars */
 } objective_of_all;
@@ -56,8 +57,9 @@ static double evaluate(void *context, double enough, pl_star_slope *slope) {
     const pl_objective_sums before = r->sums;
     const double measured = r->measured_sum;
     pl_run_measure(r);
-    const int worse = r->sums.inverted > before.inverted || r->sums.radius_max > f->rr2_measured ||
-                      r->sums.acuteness > f->acuteness;
+    const int worse = r->sums.inverted > before.inverted ||
+                      !pl_run_is_within(r, f->rr2_measured, f->acuteness) ||
+                      r->sums.radius_max > f->cell_ratio;
     double value = worse ? INFINITY : r->sums.ratio[1];
     if (value <= enough) {
         f->slope = slope;
@@ -108,6 +110,7 @@ static int try_centring(pl_lbfgs *m) {
     pl_trial_end(&trial,
                  !stopped && now->inverted <= before->inverted &&
                      now->radius_max <= before->radius_max &&
+                     now->corner_max <= before->corner_max &&
                      now->acuteness <= fmax(before->acuteness, trial.problem.limits.acuteness) &&
                      now->ratio[1] < before->ratio[1]);
     pl_free(start);
@@ -139,11 +142,13 @@ static int try_descent(pl_lbfgs *m, double fall) {
 
 static int try_acceleration(pl_run *r, pl_acceleration acceleration, double fall) {
     const planish_plan *plan = r->plan;
+    const pl_star_limits worst = pl_run_worst_limits(r, 1);
     objective_of_all f = {.run = r,
                           .in_patch = pl_alloc_zero(plan->work.n_nodes, 1),
                           .rr2_limit = r->problem.limits.rr2,
-                          .rr2_measured = fmax(r->problem.limits.rr2, r->sums.radius_max),
-                          .acuteness = fmax(r->problem.limits.acuteness, r->sums.acuteness)};
+                          .rr2_measured = fmax(r->problem.limits.rr2, worst.rr2),
+                          .acuteness = fmax(r->problem.limits.acuteness, worst.acuteness),
+                          .cell_ratio = plan->work.corner ? r->sums.radius_max : INFINITY};
     pl_lbfgs m;
     int stopped = 0;
     if (!f.in_patch)

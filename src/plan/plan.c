@@ -163,6 +163,19 @@ pl_box pl_box_of_fixed(const planish_plan *plan) {
     return b;
 }
 
+void pl_plan_put(const planish_plan *plan, const void *from, size_t size, void *to) {
+    const pl_view *all = plan->all;
+    if (!all->corner) {
+        pl_rows_put(from, pl_plan_rows(plan), all->n_elements, size, plan->threads, to);
+        return;
+    }
+    for (int64_t i = 0; i < all->n_cells; i++) {
+        const int64_t first = all->cell_begin[i];
+        memcpy((char *)to + (size_t)plan->cell_of[first] * size,
+               (const char *)from + (size_t)first * size, size);
+    }
+}
+
 int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
                        const planish_options *options, planish_error *error) {
     int status = pl_options_check(options, error);

@@ -6,6 +6,7 @@
  *   pl_plan_colours, _order, _number_stars     colours; coordinates along the curve; stars
  *   pl_plan_points, _all_points, _dense        the caller's coordinates
  *   pl_plan_element, _rows, _given, _node, _inner   the caller's numbers; inner ones
+ *   pl_plan_put                                values by elements in the caller's order
  *   pl_box_of_fixed                            extent of the nodes that do not move freely
  *   pl_plan_check_call                         what every call on coordinates checks
  * check_options.c
@@ -161,6 +162,10 @@ static inline int64_t pl_plan_element(const planish_plan *plan, int64_t element)
 static inline const int32_t *pl_plan_rows(const planish_plan *plan) {
     return plan->cell_of || plan->all != &plan->work ? plan->cell_of : plan->element_of;
 }
+
+/** Put values from [elements of plan->all], size bytes each, where the caller's elements are: to
+ *  [pl_plan_given]. Of corners the first of each cell has its value. */
+void pl_plan_put(const planish_plan *plan, const void *from, size_t size, void *to);
 
 /** Return the number of elements of the caller's mesh. */
 static inline int64_t pl_plan_given(const planish_plan *plan) {

@@ -192,7 +192,8 @@ typedef struct cell_marks {
     double *ratio;              /* [corners] or NULL: */
     uint8_t *state;             /* [corners] */
     int of_corners;             /* each by itself */
-    double limit2, acute_limit; /* see pass */
+    double limit2, acute_limit; /* see pass, */
+    double cell_limit2;         /* and of corners the AR^2 of their cells above which they are */
     int n_positive;             /* corners of the cell under way, */
     double square, acuteness;   /* sum of its mu^2, largest 1 / SJ^2 */
 } cell_marks;
@@ -218,9 +219,12 @@ static void mark_cell(void *user, int64_t cell, int64_t first, int n) {
     const int is_valid = m->n_positive == n;
     const double square = m->square * (1.0 / n);
     const int state = state_of(m, is_valid, square, m->acuteness);
+    const int is_worse = is_valid && square > m->cell_limit2;
     (void)cell;
-    for (int64_t i = first; i < first + n && !m->of_corners; i++) {
-        if (m->ratio)
+    for (int64_t i = first; i < first + n; i++) {
+        if (m->of_corners)
+            m->state[i] = is_worse ? PL_WORSE : m->state[i];
+        else if (m->ratio)
             m->ratio[i] = is_valid ? sqrt(pl_larger(1, square)) : 0;
         else
             m->state[i] = (uint8_t)state;
@@ -244,9 +248,12 @@ static void mark_cells(const pl_view *view, const double *coordinates, int threa
 }
 
 void pl_find_worse_corners(const pl_view *view, const double *coordinates, double ratio,
-                           double acuteness, int threads, uint8_t *state) {
-    cell_marks m = {
-        .state = state, .of_corners = 1, .limit2 = ratio * ratio, .acute_limit = acuteness};
+                           double acuteness, double cell_ratio, int threads, uint8_t *state) {
+    cell_marks m = {.state = state,
+                    .of_corners = 1,
+                    .limit2 = ratio * ratio,
+                    .acute_limit = acuteness,
+                    .cell_limit2 = cell_ratio * cell_ratio};
     mark_cells(view, coordinates, threads, &m);
 }
 

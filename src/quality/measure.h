@@ -52,9 +52,9 @@ void pl_find_worse(const pl_view *view, const double *coordinates, double ratio,
                    int threads, uint8_t *state);
 
 /** Find the corners, each by itself, whose mu is above ratio, or 1 / SJ^2 above acuteness, or that are
- *  not positive: state [m]. */
+ *  not positive, or of a positive cell whose AR is above cell_ratio: state [m]. */
 void pl_find_worse_corners(const pl_view *view, const double *coordinates, double ratio,
-                           double acuteness, int threads, uint8_t *state);
+                           double acuteness, double cell_ratio, int threads, uint8_t *state);
 
 /** Find the RR of each element, 0 of those that are not positive: ratio [m]. */
 void pl_find_ratios(const pl_view *view, const double *coordinates, int threads, double *ratio);

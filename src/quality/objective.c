@@ -229,7 +229,7 @@ static void add_corner(void *user, const pl_corner_block *b, int l, int64_t inde
     cell->is_movable |= b->of.is_movable[l] != 0;
     cell->volume += b->of.volume[l];
     cell->radius += square;
-    if (problem->objective == PLANISH_OBJECTIVE_EDGE_RATIO)
+    if (!pl_is_mean(problem->objective))
         cell->ratio +=
             pl_corner_edge_ratio_square(b, l, problem->mesh.dim, problem->mesh.corner[index]);
     cell->most = pl_larger(square, cell->most);
@@ -244,7 +244,7 @@ static void add_corner(void *user, const pl_corner_block *b, int l, int64_t inde
 /** Add a cell of n corners to sums. */
 static void add_cell(const pl_objective_problem *problem, const cell_sums *cell, int n,
                      exact_sums *sums) {
-    const int by_edges = problem->objective == PLANISH_OBJECTIVE_EDGE_RATIO;
+    const int by_edges = !pl_is_mean(problem->objective);
     const int movable = cell->is_movable;
     const double share = 1.0 / n, radius = cell->radius * share;
     pl_sum_add(&sums->sum[WHOLE], cell->volume * share);
@@ -307,7 +307,7 @@ void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *su
         pl_corner_forms_make(problem->mesh.dim, form);
     pl_parallel_for(problem->threads, n, chunk < least ? least : chunk,
                     has_corners ? add_cells_chunk : add_chunk, &pass);
-    if (has_corners && problem->objective != PLANISH_OBJECTIVE_EDGE_RATIO)
+    if (has_corners && pl_is_mean(problem->objective))
         memcpy(&all.sum[RADIUS], &all.sum[RATIO], 2 * sizeof *all.sum);
     double most[] = {all.radius_max, all.acuteness};
     pl_parts_add_sums(all.sum, N_SUMS);

@@ -5,7 +5,7 @@
  *
  *   pl_objective_problem_of                          what to sum over
  *   pl_sum_objective                                 the sums
- *   pl_tangled                                       elements with inverted corners
+ *   pl_is_mean, pl_tangled                           mean ratios; elements with inverted corners
  *   pl_rms, pl_rms_of_all, _of_movable               the RMS of sums
  *   pl_objective_of_all, _of_movable                 F of sums
  *   pl_minimum_volume_of                             options.min_volume as a volume
@@ -59,6 +59,11 @@ pl_objective_problem pl_objective_problem_of(const pl_view *mesh, const double *
 
 /** Sum over all elements of the problem's mesh, and over all processes that have parts of it. */
 void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *sums);
+
+/** Whether corners of cells are measured by mean ratios: else by edges. */
+static inline int pl_is_mean(planish_objective objective) {
+    return objective != PLANISH_OBJECTIVE_EDGE_RATIO;
+}
 
 /** Number of elements whose corners are not positive. */
 static inline double pl_tangled(const pl_objective_sums *sums) {

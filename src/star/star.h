@@ -42,7 +42,11 @@ enum { PL_LANES = 4 };
 /** Objectives of the worst elements alone: the sum is of high powers of RR^2 / worst_limit, or, of
  *  all angles, of 1 / (sin^2 worst_limit). Stars without anything above the limit are left alone.
  */
-enum pl_star_worst { PL_WORST_RATIO = PLANISH_OBJECTIVE_EDGE_RATIO + 1, PL_WORST_ANGLE };
+enum pl_star_worst {
+    PL_WORST_RATIO = PLANISH_OBJECTIVE_EDGE_RATIO + 1,
+    PL_WORST_ANGLE,   /* of simplices */
+    PL_WORST_JACOBIAN /* with forms */
+};
 
 /** Further input of the guarded kernel, which serves every objective, minimum volumes and bounds.
  *  The arrays over nodes are by inner numbers; any array may be NULL: nothing asked. */

@@ -49,12 +49,62 @@ static void measure_first(pl_run *r, double *all) {
     }
 }
 
+/** Whether options.worst is a measure of the elements that the plan has. */
+static int check_worst(const pl_run *r, planish_error *error) {
+    const planish_worst worst = r->options->worst;
+    const int is_of_corners =
+        worst == PLANISH_WORST_ASPECT_RATIO || worst == PLANISH_WORST_SCALED_JACOBIAN;
+    if (worst == PLANISH_WORST_NONE || is_of_corners == (r->plan->work.corner != NULL))
+        return PLANISH_OK;
+    if (is_of_corners)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.worst is PLANISH_WORST_%s, but all elements are simplices; give "
+                       "PLANISH_WORST_RADIUS_RATIO or _ANGLE",
+                       worst == PLANISH_WORST_ASPECT_RATIO ? "ASPECT_RATIO" : "SCALED_JACOBIAN");
+    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                   "options.worst is PLANISH_WORST_%s, but not all elements are simplices; give "
+                   "PLANISH_WORST_ASPECT_RATIO or _SCALED_JACOBIAN",
+                   worst == PLANISH_WORST_ANGLE ? "ANGLE" : "RADIUS_RATIO");
+}
+
+/** Kinds of the corners of a view, as bits. */
+static unsigned kinds_of(const pl_view *view) {
+    unsigned kinds = 0;
+    for (int64_t i = 0; view->corner && i < view->n_elements; i++)
+        kinds |= 1U << pl_corner_kind(view->corner[i]);
+    return kinds;
+}
+
+/** Take what is promised of the worst element from the mesh as it came. Sweeps guard neither the
+ *  smallest angle of simplices, where that is promised, nor the elements of followers: the run
+ *  compares them with these limits afterwards. */
+static void begin_limits(pl_run *r) {
+    const planish_options *o = r->options;
+    const int has_corners = r->plan->work.corner != NULL;
+    const int of_ratio =
+        o->objective == PLANISH_OBJECTIVE_RADIUS_RATIO || (has_corners && pl_is_mean(o->objective));
+    r->limits_at_start = pl_star_no_limits();
+    r->worst_at_start = INFINITY;
+    if (o->method != PLANISH_METHOD_PLANISH || pl_tangled(&r->sums) > 0 || r->sums.below > 0)
+        return;
+    if (of_ratio && !(o->area_weight > 0))
+        r->limits_at_start = pl_run_worst_limits(r, 1);
+    else if (pl_run_has_followers(r))
+        r->limits_at_start.rr2 = pl_run_worst_limits(r, 1).rr2;
+    if (has_corners && r->limits_at_start.rr2 < INFINITY)
+        r->worst_at_start = r->sums.radius_max;
+}
+
 int pl_run_begin(pl_run *r, planish_error *error) {
     planish_plan *plan = r->plan;
     const planish_options *o = r->options;
     const pl_points points = pl_plan_points(plan, r->coordinates);
     const pl_points all_points = pl_plan_all_points(plan, r->coordinates);
     double *all = NULL, delta;
+    int status = check_worst(r, error);
+    if (status)
+        return status;
+    r->kinds = kinds_of(&plan->work);
     r->given = pl_plan_dense(plan, &points, plan->scratch.given);
     if (plan->scope == PL_SUBSET_OF_ALL) {
         all = pl_alloc(all_points.n * all_points.dim, sizeof *all);
@@ -65,7 +115,7 @@ int pl_run_begin(pl_run *r, planish_error *error) {
     pl_plan_order(plan, r->given, plan->scratch.coordinates);
     begin_sliding(plan);
     /* delta may be a fraction of the volume of all of the mesh. */
-    int status = pl_minimum_volume(plan, o, all ? all : r->given, &delta, error);
+    status = pl_minimum_volume(plan, o, all ? all : r->given, &delta, error);
     if (!status)
         status = pl_guard_create(plan, o, r->given, delta, &r->guard, error);
     if (!status)
@@ -81,16 +131,7 @@ int pl_run_begin(pl_run *r, planish_error *error) {
         return status;
     r->result->objective_before = pl_run_objective(r);
     r->sums_at_start = r->sums;
-    /* Sweeps guard neither the smallest angle, where that is promised, nor the elements of
-     * followers: the run compares them with these limits afterwards. */
-    r->limits_at_start = pl_star_no_limits();
-    if (o->method == PLANISH_METHOD_PLANISH && !(pl_tangled(&r->sums) > 0) &&
-        !(r->sums.below > 0)) {
-        if (o->objective == PLANISH_OBJECTIVE_RADIUS_RATIO && !(o->area_weight > 0))
-            r->limits_at_start = pl_run_worst_limits(r, 1);
-        else if (pl_run_has_followers(r))
-            r->limits_at_start.rr2 = pl_run_worst_limits(r, 1).rr2;
-    }
+    begin_limits(r);
     pl_run_prepare(r);
     r->stop = PLANISH_STOP_CONVERGED;
     return PLANISH_OK;

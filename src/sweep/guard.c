@@ -55,7 +55,8 @@ typedef struct bounding {
     const planish_options *options;
     const double *coordinates;
     double *lower, *upper, *start, *radius; /* by inner numbers */
-    uint8_t *group; /* likewise: of nodes that move together, and LEFT_ALONE */
+    uint8_t *is_edge; /* [ring] of visits 1: an edge of a cell leads there; NULL: one always does */
+    uint8_t *group;   /* likewise: of nodes that move together, and LEFT_ALONE */
     uint8_t *mobility;
     int64_t held, left_alone; /* shared */
 } bounding;
@@ -105,6 +106,28 @@ static void bound_nodes(void *context, int64_t begin, int64_t end, int thread) {
     __atomic_fetch_add(&w->held, held, __ATOMIC_RELAXED);
 }
 
+/** Mark to which nodes of its ring edges of cells lead from the node of star s. Return how many. */
+static int64_t mark_edges(const bounding *w, int64_t s) {
+    const pl_stars *stars = &w->visits->stars;
+    const int dim = w->plan->dim;
+    const int64_t first = stars->ring_offset[s], n = stars->ring_offset[s + 1] - first;
+    const int64_t facet = stars->link_offset[s], n_facets = stars->link_offset[s + 1] - facet;
+    const pl_link link = pl_link_at(&stars->link, pl_link_positions(dim), facet);
+    int64_t n_edges = 0;
+    if (!w->is_edge)
+        return n;
+    for (int64_t i = 0; i < n_facets; i++) {
+        const uint8_t code = stars->form[facet + i];
+        const int corner = w->plan->form[code].corner;
+        for (int j = 0; j < dim; j++)
+            if (corner < 0 || j == corner || pl_corner_kind(code) == PL_KIND_SIMPLEX)
+                w->is_edge[first + pl_link_get(&link, i * dim + j)] = 1;
+    }
+    for (int64_t i = 0; i < n; i++)
+        n_edges += w->is_edge[first + i];
+    return n_edges;
+}
+
 static void limit_stars(void *context, int64_t begin, int64_t end, int thread) {
     const bounding *w = context;
     const pl_visits *visits = w->visits;
@@ -114,10 +137,12 @@ static void limit_stars(void *context, int64_t begin, int64_t end, int thread) {
         const int64_t node = visits->centre[s];
         const int64_t first = visits->stars.ring_offset[s], last = visits->stars.ring_offset[s + 1];
         const double *x = w->plan->scratch.coordinates + node * dim;
-        double unit = by_edge ? 0 : 1; /* or the mean distance of the ring from the node */
+        double unit = by_edge ? 0 : 1; /* or the mean length of the node's edges */
+        const int64_t n_edges = by_edge ? mark_edges(w, s) : 0;
         for (int64_t i = first; by_edge && i < last; i++) {
             const double *y = w->plan->scratch.coordinates + (int64_t)visits->stars.ring[i] * dim;
-            unit += pl_distance(dim, x, y) / (double)(last - first);
+            if (!w->is_edge || w->is_edge[i])
+                unit += pl_distance(dim, x, y) / (double)n_edges;
         }
         w->radius[node] = w->options->max_displacement * unit;
         for (int d = 0; d < dim; d++)
@@ -245,15 +270,20 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
     if (w.lower)
         pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, bound_nodes, &w);
     const pl_visits *visits[] = {&plan->interior, &plan->sliding};
-    for (int i = 0; w.radius && i < 2; i++) {
+    for (int i = 0; w.radius && memory && i < 2; i++) {
+        const pl_stars *stars = &visits[i]->stars;
         w.visits = visits[i];
-        pl_parallel_for(plan->threads, visits[i]->stars.n_stars, CHUNK_NODES, limit_stars, &w);
+        w.is_edge = stars->form ? pl_alloc_zero(stars->ring_offset[stars->n_stars], 1) : NULL;
+        memory = w.is_edge || !stars->form;
+        if (memory)
+            pl_parallel_for(plan->threads, stars->n_stars, CHUNK_NODES, limit_stars, &w);
+        pl_free(w.is_edge);
     }
     pl_parts_add(&w.held, 1);
     guard->held_outside = w.held;
     bound_leaders(&w);
     pl_free(w.group);
-    return PLANISH_OK;
+    return memory ? PLANISH_OK : pl_fail_memory(error, "the bounds of the nodes");
 }
 
 /* ---- the guard ----------------------------------------------------------------------------- */
@@ -305,7 +335,8 @@ int pl_guard_create(const planish_plan *plan, const planish_options *options,
         status = make_bounds(plan, options, coordinates, guard, error);
     if (status)
         pl_guard_destroy(guard);
-    guard->wanted = options->objective != PLANISH_OBJECTIVE_RADIUS_RATIO ||
+    guard->wanted = (plan->work.corner ? !pl_is_mean(options->objective)
+                                       : options->objective != PLANISH_OBJECTIVE_RADIUS_RATIO) ||
                     options->area_weight > 0 || delta > 0 || plan->work.min_volume ||
                     guard->star.lower || guard->star.radius;
     return status;

@@ -35,10 +35,23 @@ double pl_run_objective(const pl_run *r) {
     return pl_objective_of_all(r->options, &r->sums);
 }
 
+/** Largest RR^2, with corners mu^2. */
+static double worst_ratio(const pl_run *r) {
+    return r->plan->work.corner ? r->sums.corner_max : r->sums.radius_max;
+}
+
+double pl_run_blunt(const pl_run *r, double acuteness) {
+    return r->plan->work.corner ? pl_blunt_mean_square(r->plan->dim, r->kinds, acuteness)
+                                : pl_blunt_ratio_square(r->plan->dim, acuteness);
+}
+
 pl_star_limits pl_run_worst_limits(const pl_run *r, double margin) {
     const double acuteness = r->sums.acuteness * margin;
-    return (pl_star_limits){r->sums.radius_max * margin, acuteness,
-                            pl_blunt_ratio_square(r->plan->dim, acuteness)};
+    return (pl_star_limits){worst_ratio(r) * margin, acuteness, pl_run_blunt(r, acuteness)};
+}
+
+int pl_run_is_within(const pl_run *r, double ratio, double acuteness) {
+    return worst_ratio(r) <= ratio && r->sums.acuteness <= acuteness;
 }
 
 pl_objective_problem pl_run_objective_problem(const pl_run *r) {
@@ -50,10 +63,10 @@ pl_objective_problem pl_run_objective_problem(const pl_run *r) {
                                    plan->threads);
 }
 
-/** Sum over a mesh at x: of a plain run the radius ratios alone. */
+/** Sum over a mesh at x: of a plain run of simplices the radius ratios alone. */
 static void sum_up(const pl_run *r, const pl_view *mesh, const double *x, pl_objective_sums *sums) {
     pl_ratio_sums plain;
-    if (!r->plain) {
+    if (!r->plain || mesh->corner) {
         const pl_objective_problem problem =
             pl_objective_problem_of(mesh, x, r->options, r->guard.min_volume, r->plan->threads);
         pl_sum_objective(&problem, sums);
@@ -168,12 +181,24 @@ int pl_run_has_followers(const pl_run *r) {
  * leave the gradient three times as large. */
 #define CALM 0.5
 
+/** Limits of the ordinary sweeps. Corners can be too sharp long before they are flat, and an average
+ *  over a cell hides it: their limit is in force from the first sweep on. */
+static pl_star_limits limits_of_sweeps(const pl_run *r) {
+    const planish_options *o = r->options;
+    const pl_star_limits worst = pl_run_worst_limits(r, PL_LIMIT_MARGIN);
+    if (r->plan->work.corner && pl_is_mean(o->objective) && !(o->area_weight > 0))
+        return worst;
+    pl_star_limits limits = pl_star_no_limits();
+    limits.rr2 = worst.rr2;
+    return limits;
+}
+
 void pl_run_prepare(pl_run *r) {
     const planish_plan *plan = r->plan;
     const double worse = r->options->only_worse_than;
     r->problem = pl_plan_problem(plan, &plan->interior);
     r->problem.search = r->options->search;
-    r->problem.limits.rr2 = pl_run_worst_limits(r, PL_LIMIT_MARGIN).rr2;
+    r->problem.limits = limits_of_sweeps(r);
     /* In rings around bad elements good stars are meant, too. */
     r->problem.rr2_skip = plan->is_selective && r->options->rings > 0 ? 0 : worse * worse;
     r->problem.calm = plan->is_selective ? 0 : CALM * r->options->tolerance;
@@ -243,6 +268,16 @@ void pl_run_sweep_colours(pl_run *r, pl_sweep_tally *tally) {
     }
 }
 
+/** Let the limits be no narrower than the mesh as measured. */
+static void widen_limits(pl_run *r) {
+    pl_star_limits *limits = &r->problem.limits;
+    limits->rr2 = fmax(worst_ratio(r), limits->rr2);
+    if (!r->plan->work.corner)
+        return;
+    limits->acuteness = fmax(r->sums.acuteness, limits->acuteness);
+    limits->rr2_blunt = pl_run_blunt(r, limits->acuteness);
+}
+
 int pl_run_sweep(pl_run *r, int64_t *visits) {
     double *sum = &r->sums.ratio[1];
     pl_sweep_tally tally = {0};
@@ -264,7 +299,7 @@ int pl_run_sweep(pl_run *r, int64_t *visits) {
             !(*sum > MEASURE_AGAIN * r->measured_sum))
             pl_run_measure(r);
         if (restores) /* of elements that were brought up */
-            r->problem.limits.rr2 = fmax(r->sums.radius_max, r->problem.limits.rr2);
+            widen_limits(r);
     }
     return pl_run_end_sweep(r, &tally);
 }

@@ -4,6 +4,7 @@
  * run.c
  *   pl_run_measure, _measure_fixed             measure the mesh; the rest of it
  *   pl_run_objective, _worst_limits            F; the worst element's measures, as limits
+ *   pl_run_blunt, pl_run_is_within             ratios without sharp angles; sums against limits
  *   pl_run_objective_problem                   the problem of the sums
  *   pl_run_sliding_problem                     the problem of the visits of sliding nodes
  *   pl_run_prepare, _begin_anew                set up the problem of the visits
@@ -44,11 +45,14 @@ typedef struct pl_run {
     pl_guard guard;
     pl_watch watch;              /* elements of order 2 */
     pl_star_guard sliding_guard; /* guard of the nodes that slide */
-    int plain;                   /* the plain problem: the sum of RR^2, nothing else is asked */
+    int plain;                   /* the plain problem: the sum of RR^2, with corners that of mu^2,
+                                    nothing else is asked */
+    unsigned kinds;              /* with corners: bit 1 << kind of those that there are */
     double measure_scale;        /* a power of two, times which coordinates are measured: ratios are
                                     then the same bits at every scale; 1 where volumes count */
     pl_objective_sums sums; /* as measured last; ratio[1] with the improvement by the sweeps since;
-                               of a plain run without radius, volume, shortfall and domain */
+                               of a plain run of simplices without radius, volume, shortfall and
+                               domain */
     double measured_sum;    /* the sum that is tracked, as measured last */
     double factor;          /* from a star's function to F, of the last sweep's weights */
     const pl_objective_sums *shown; /* not NULL: the sweeps are a trial, and these sums stand */
@@ -57,6 +61,9 @@ typedef struct pl_run {
                             minimum volume */
     pl_star_limits
         limits_at_start; /* the worst of the mesh as it came; infinite: nothing is promised */
+    double
+        worst_at_start; /* with corners, whose worst those limits are: largest AR^2 of a cell with
+                              a movable node; infinite: nothing is promised */
     pl_objective_sums sums_at_start;   /* of that mesh */
     double start_seconds, sweep_start; /* clock: of the call, of the sweep */
     int sweep;
@@ -92,8 +99,17 @@ double pl_run_objective(const pl_run *r);
  * slivers, whose RR depends on the node it is seen from. */
 #define PL_LIMIT_MARGIN (1 - 1e-9)
 
-/** Return the measures of the worst element, as measured last, times margin. */
+/** Return the measures of the worst element, as measured last, times margin: RR^2 and acuteness; with
+ *  corners mu^2 of one, and 1 / SJ^2. */
 pl_star_limits pl_run_worst_limits(const pl_run *r, double margin);
+
+/** Return the RR^2, or mu^2 with corners, up to which none has an angle of larger acuteness, or a
+ *  corner of larger 1 / SJ^2. */
+double pl_run_blunt(const pl_run *r, double acuteness);
+
+/** Whether the mesh as measured last has no element with a larger RR^2 than ratio, or larger
+ *  acuteness; with corners none with a larger mu^2 or 1 / SJ^2. */
+int pl_run_is_within(const pl_run *r, double ratio, double acuteness);
 
 /** Return the problem of summing over the mesh in plan->scratch.to_measure. */
 pl_objective_problem pl_run_objective_problem(const pl_run *r);
