@@ -84,15 +84,18 @@ static void append_simplex(pair *p, int64_t element, int is_quadratic, int32_t *
     append(p, is_quadratic ? (k == 4 ? 24 : 22) : (k == 4 ? 10 : 5), node, k + n_mids);
 }
 
-/** Append elements that are not smoothed: apart, and at the corners of an element. */
+/** Append elements that are not smoothed: apart, with a node twice or of another dimension, and at the
+ *  corners of an element. */
 static void append_others(pair *p, int64_t element) {
-    const int k = p->plain.dim + 1;
-    int32_t apart[MOST_NODES];
+    const int k = p->plain.dim + 1, n = k == 4 ? 8 : 4;
+    int32_t apart[MOST_NODES], collapsed[MOST_NODES];
     const int32_t *corner = p->plain.elements + element * k;
-    for (int j = 0; j < (k == 4 ? 8 : 4); j++)
+    for (int j = 0; j < n; j++)
         apart[j] = (int32_t)p->mesh.n_nodes++;
-    append(p, k == 4 ? 12 : 9, apart, k == 4 ? 8 : 4);
-    append(p, k == 4 ? 5 : 10, apart, k == 4 ? 3 : 4);
+    memcpy(collapsed, apart, sizeof collapsed);
+    collapsed[n - 1] = collapsed[n - 2];
+    append(p, k == 4 ? 12 : 9, collapsed, n);
+    append(p, k == 4 ? 5 : 10, k == 4 ? apart + 5 : apart, k == 4 ? 3 : 4);
     if (element % 3 == 0)
         append(p, 3, corner, 2);
     if (element % 5 == 0)
@@ -1031,7 +1034,7 @@ static const change CHANGES[] = {
     {"part", 0, 24, 10, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}, WITH_PART, -7, -1, -1, "parts"},
     {"types", 0, 24, 10, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}, WITHOUT_TYPES, -1, -1, -1, "types"},
     {"n_elements", 2, 24, 10, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}, NO_FIELD, -1, -1, -1, "n_elements"},
-    {"no smoothed one", 0, 14, 5, {1, 2, 3, 4, 5}, NONE_SMOOTHED, -2, -1, -1, "no tetrahedron"},
+    {"no smoothed one", 0, 14, 5, {1, 2, 3, 3, 5}, NONE_SMOOTHED, -2, -1, -1, "no tetrahedron"},
     {"unknown type", 0, 7, 5, {1, 2, 3, 4, 5}, NO_FIELD, -2, 1, -1, "type 7"},
     {"number of nodes", 0, 10, 5, {1, 2, 3, 4, 5}, NO_FIELD, -2, 1, -1, "5 nodes"},
     {"offsets", 0, 10, -1, {1, 2, 3, 4}, NO_FIELD, -2, 1, -1, "offsets"},
