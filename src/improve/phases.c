@@ -24,7 +24,7 @@ enum {
     VISITS = 1 << 5,        /* the method visits stars; others take averages */
     GUARDED = 1 << 6,       /* options ask for more than the plain problem */
     UNTANGLES = 1 << 7,     /* options want it */
-    TANGLED = 1 << 8,       /* an element is inverted, or flat */
+    TANGLED = 1 << 8,       /* an element is inverted, or flat; or a cell inside */
     BELOW = 1 << 9,         /* an element with a movable node is below its minimum volume, */
     BELOW_FIXED = 1 << 10,  /* or one without; */
     BELOW_BEFORE = 1 << 11, /* or one was at the start */
@@ -63,7 +63,8 @@ static int conditions_of(const pl_run *r) {
         {o->method == PLANISH_METHOD_PLANISH, VISITS},
         {r->guard.wanted, GUARDED},
         {o->untangle, UNTANGLES},
-        {pl_tangled(&r->sums) >= 1 || may_be_flat(r), TANGLED},
+        {pl_tangled(&r->sums) >= 1 || may_be_flat(r) || (plan->work.corner && r->sums.inside > 0),
+         TANGLED},
         {r->sums.below > 0, BELOW},
         {r->sums_of_fixed.below > 0, BELOW_FIXED},
         {r->sums_at_start.below > 0, BELOW_BEFORE},

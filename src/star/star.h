@@ -119,6 +119,7 @@ typedef struct pl_star_kept {
  *  this weight in the sum. weight 0: D is to stay positive, no more. In the scale of the mesh. */
 typedef struct pl_star_row {
     double weight, factor;
+    double share; /* of the row that the star counts in a sum over stars (pl_star_energy) */
     double e, slope_e[3], c;
     double D0, slope_d[3];
 } pl_star_row;
@@ -142,8 +143,8 @@ typedef struct pl_star_problem {
     const void *more_user;      /* NULL: none */
     const uint8_t *has_more;    /* [n_stars] 1: the star has such rows */
     int64_t max_more;
-    uint8_t *changed;           /* [n_nodes] flags of the node's star, see PL_CHANGED */
-    pl_star_kept *kept;         /* [n_stars], for Newton's direction without a guard; NULL: none */
+    uint8_t *changed;   /* [n_nodes] flags of the node's star, see PL_CHANGED */
+    pl_star_kept *kept; /* [n_stars], for Newton's direction without a guard; NULL: none */
     planish_search search;
     pl_star_limits limits;      /* a move that makes an element worse is refused */
     double still;               /* a move shorter than this fraction of the star's size changes

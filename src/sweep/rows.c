@@ -439,6 +439,20 @@ void pl_marked_use(const pl_marked *m, pl_star_problem *problem) {
     problem->max_more = m->max_more;
 }
 
+/** Share of each node of the patch in the rows of an element. */
+static double share_of(const pl_marked *m, int64_t element, const pl_cell_type *type) {
+    const planish_plan *plan = m->watch->plan;
+    int n = 0;
+    for (int j = 0; m->in_patch && j < type->shape->n_corners; j++) {
+        const int32_t node = corner_of(plan, element, j);
+        int is_first = m->in_patch[plan->inner[node]];
+        for (int k = 0; k < j; k++)
+            is_first &= corner_of(plan, element, k) != node;
+        n += is_first;
+    }
+    return n > 0 ? 1.0 / n : 1;
+}
+
 int64_t pl_marked_rows(const void *marked, int64_t star, pl_star_row *row) {
     const pl_marked *m = marked;
     const planish_plan *plan = m->watch->plan;
@@ -452,8 +466,12 @@ int64_t pl_marked_rows(const void *marked, int64_t star, pl_star_row *row) {
         for (int j = 0; j < type->shape->n_corners; j++)
             if (plan->inner[corner_of(plan, element, j)] == node)
                 pl_row_handle(rule, j, rate);
-        n += pl_rows_of_element(rule, x, plan->work.sign ? plan->work.sign[element] : 1, rate,
-                                m->weight, row + n, NULL);
+        const double share = share_of(m, element, type);
+        const int rows = pl_rows_of_element(rule, x, plan->work.sign ? plan->work.sign[element] : 1,
+                                            rate, m->weight, row + n, NULL);
+        for (int i = 0; i < rows; i++)
+            row[n + i].share = share;
+        n += rows;
     }
     return n;
 }

@@ -31,10 +31,39 @@ static void count_tangled(pl_tangle *t) {
 
 int pl_tangle_is_tangled(const pl_tangle *t, int64_t cell) {
     const pl_view *mesh = &t->run->plan->work;
-    for (int64_t i = pl_first_of_cell(mesh, cell); i < pl_first_of_cell(mesh, cell + 1); i++)
-        if (t->state[i] == PL_TANGLED)
-            return 1;
-    return 0;
+    const int64_t begin = pl_first_of_cell(mesh, cell), end = pl_first_of_cell(mesh, cell + 1);
+    int is_tangled = t->is_inside && t->is_inside[begin];
+    for (int64_t i = begin; i < end; i++)
+        is_tangled |= t->state[i] == PL_TANGLED;
+    return is_tangled;
+}
+
+/** The cell that begins with an element. */
+static int64_t cell_of(const pl_view *mesh, int64_t first) {
+    int64_t low = 0, high = mesh->n_cells;
+    while (high - low > 1) {
+        const int64_t middle = low + (high - low) / 2;
+        *(mesh->cell_begin[middle] <= first ? &low : &high) = middle;
+    }
+    return low;
+}
+
+/** Find the cells that are invalid inside: with positive corners and a node that moves. */
+static void find_inside(pl_tangle *t) {
+    const planish_plan *plan = t->run->plan;
+    const pl_watch *watch = &t->run->watch;
+    memset(t->is_inside, 0, (size_t)plan->work.n_elements);
+    for (int64_t w = 0; w < watch->n; w++) {
+        const int64_t first = watch->element[w];
+        const int64_t end = plan->work.cell_begin[cell_of(&plan->work, first) + 1];
+        int is_sound = 1, moves = 0;
+        for (int64_t i = first; !watch->is_valid[w] && i < end; i++) {
+            is_sound &= t->state[i] == PLANISH_VOLUME_MET;
+            for (int j = 0; j <= plan->dim; j++)
+                moves |= t->star_of[pl_plan_inner(plan, i, j)] >= 0;
+        }
+        t->is_inside[first] = is_sound && moves;
+    }
 }
 
 void pl_tangle_find(pl_tangle *t) {
@@ -47,6 +76,8 @@ void pl_tangle_find(pl_tangle *t) {
     for (int64_t i = 0; t->is_given_up && i < plan->work.n_elements; i++)
         if (t->is_given_up[i] && t->state[i] == PL_TANGLED)
             t->state[i] = PL_GIVEN_UP;
+    if (t->is_inside)
+        find_inside(t);
     count_tangled(t);
 }
 
@@ -132,6 +163,42 @@ static int give_up(pl_tangle *t, planish_error *error) {
     return status;
 }
 
+/* ---- rounds --------------------------------------------------------------------------------- */
+
+int pl_tangle_begin_rounds(pl_tangle *t, planish_error *error) {
+    const planish_plan *plan = t->run->plan;
+    const int64_t m = plan->work.n_elements;
+    const int64_t n_links = plan->interior.stars.link_offset[plan->interior.stars.n_stars];
+    t->is_given_up = t->is_given_up ? t->is_given_up : pl_alloc_zero(m, sizeof *t->is_given_up);
+    t->link_skip = t->link_skip ? t->link_skip : pl_alloc_zero(n_links, sizeof *t->link_skip);
+    t->is_inside = pl_alloc_zero(m, sizeof *t->is_inside);
+    t->is_marked = pl_alloc_zero(m, sizeof *t->is_marked);
+    if (!t->is_given_up || !t->link_skip || !t->is_inside || !t->is_marked)
+        return pl_fail_memory(error, "the rounds of untangling");
+    t->asked.link_skip = t->link_skip;
+    for (int64_t i = 0; i < m; i++)
+        t->is_given_up[i] |= t->state[i] == PL_TANGLED;
+    return give_up_cells(t) ? PLANISH_OK : pl_fail_memory(error, CANNOT_BE_HELPED);
+}
+
+int pl_tangle_add_rows(pl_tangle *t, int64_t *n, planish_error *error) {
+    const planish_plan *plan = t->run->plan;
+    *n = 0;
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
+        *n += t->is_inside[i] && !t->is_marked[i];
+        t->is_marked[i] |= t->is_inside[i];
+    }
+    if (*n == 0)
+        return PLANISH_OK;
+    pl_marked_destroy(&t->marked);
+    const int status = pl_marked_make(&t->run->watch, t->is_marked, 1, &t->marked, error);
+    if (status)
+        pl_marked_destroy(&t->marked);
+    t->marked.in_patch = t->in_patch;
+    pl_marked_use(&t->marked, &t->problem);
+    return status;
+}
+
 /* ---- the patch ----------------------------------------------------------------------------- */
 
 /** End a ring: ghosts are in the patch where their processes have marked them. */
@@ -192,6 +259,11 @@ void pl_tangle_mark(pl_tangle *t, int rings) {
     for (int64_t i = 0; i < plan->work.n_elements; i++)
         for (int j = 0; t->state[i] == PL_TANGLED && j <= plan->dim; j++)
             t->in_patch[pl_plan_inner(plan, i, j)] = 1;
+    for (int64_t c = 0; t->is_inside && c < plan->work.n_cells; c++)
+        for (int64_t i = plan->work.cell_begin[c];
+             t->is_inside[plan->work.cell_begin[c]] && i < plan->work.cell_begin[c + 1]; i++)
+            for (int j = 0; j <= plan->dim; j++)
+                t->in_patch[pl_plan_inner(plan, i, j)] = 1;
     pl_ghosts_update(plan, t->in_patch, 1);
     if (rings > 0)
         mark_rings(t, rings);
@@ -282,7 +354,7 @@ int pl_tangle_create(pl_run *r, int raises, pl_tangle *t, planish_error *error) 
         return pl_fail_memory(error, "the tangled elements");
     pl_tangle_find(t);
     const int status = t->n_tangled > 0 ? give_up(t, error) : PLANISH_OK;
-    if (status || t->n_tangled == 0 || t->stopped)
+    if (status || (t->n_tangled == 0 && !pl_tangle_has_rounds(t)) || t->stopped)
         return status;
     t->in_patch = pl_alloc_zero(plan->work.n_nodes, sizeof *t->in_patch);
     t->size = pl_alloc_zero(plan->work.n_nodes, sizeof *t->size);
@@ -304,6 +376,9 @@ void pl_tangle_destroy(pl_tangle *t) {
     pl_free(t->is_given_up);
     pl_free(t->node_is_given_up);
     pl_free(t->link_skip);
+    pl_free(t->is_inside);
+    pl_free(t->is_marked);
+    pl_marked_destroy(&t->marked);
     pl_free(t->in_patch);
     pl_free(t->size);
     pl_free(t->before);

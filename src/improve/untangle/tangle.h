@@ -12,6 +12,7 @@
 #ifndef PL_IMPROVE_UNTANGLE_TANGLE_H
 #define PL_IMPROVE_UNTANGLE_TANGLE_H
 
+#include "sweep/rows.h"
 #include "sweep/run.h"
 
 /** State of an element that is not PLANISH_VOLUME_MET. */
@@ -32,20 +33,25 @@ typedef struct pl_tangle {
     uint8_t *is_given_up;     /* [n_elements] to be given up, or NULL: none */
     uint8_t *node_is_given_up; /* [n_nodes] of pl_mark_enclosed, or NULL: none */
     uint8_t *state;            /* [n_elements] pl_tangle_state, as found last */
-    double *before;            /* [n_nodes][dim] of the mesh that stands, while a rung is tried */
-    uint8_t *is_ghost;         /* [n_nodes] of a mesh in parts; NULL: there are none */
-    int32_t *ghost;            /* [n_ghosts] ghosts whose nodes may move, */
-    uint8_t *was_in_patch;     /* [n_ghosts] and whether they were in the patch a ring ago */
+    uint8_t *is_inside; /* [n_elements] at the first corner of a cell that is invalid inside, with
+                           positive corners: 1, as found last; NULL: nobody asks for that */
+    uint8_t
+        *is_marked;    /* [n_elements] likewise, of cells whose coefficients are rows of problem; */
+    pl_marked marked;  /* these rows */
+    double *before;    /* [n_nodes][dim] of the mesh that stands, while a rung is tried */
+    uint8_t *is_ghost; /* [n_nodes] of a mesh in parts; NULL: there are none */
+    int32_t *ghost;    /* [n_ghosts] ghosts whose nodes may move, */
+    uint8_t *was_in_patch; /* [n_ghosts] and whether they were in the patch a ring ago */
     int64_t n_ghosts;
     int32_t *star_of;          /* [n_nodes] the star of each free node; else -1 */
     int32_t *queue;            /* [n_stars] */
     double scale;              /* a power of two: times it the domain is about 1 wide */
     pl_star_energy *of_thread; /* [threads] of the stars that each has looked at */
     pl_star_slope *slope;      /* [n_stars] to be filled with the energy; NULL: not asked for */
-    int64_t n_tangled;         /* cells with an element whose state is PL_TANGLED */
-    int stopped;               /* a planish_stop: the run is to end before anything is done */
-    int64_t n_patch;           /* nodes of the patch */
-    pl_star_energy energy;     /* of the patch, as computed last */
+    int64_t n_tangled;     /* cells with an element whose state is PL_TANGLED, or invalid inside */
+    int stopped;           /* a planish_stop: the run is to end before anything is done */
+    int64_t n_patch;       /* nodes of the patch */
+    pl_star_energy energy; /* of the patch, as computed last */
 } pl_tangle;
 
 /* ---- tangle.c ------------------------------------------------------------------------------ */
@@ -61,9 +67,23 @@ void pl_tangle_destroy(pl_tangle *t);
 /** Find the tangled elements of the mesh as measured last. */
 void pl_tangle_find(pl_tangle *t);
 
-/** Whether a corner of the cell is tangled, by the states as found last; of a mesh of simplices,
- *  which are cells, whether the element is. */
+/** Whether a corner of the cell is tangled, or the cell is invalid inside, as found last; of a mesh of
+ *  simplices, which are cells, whether the element is. */
 int pl_tangle_is_tangled(const pl_tangle *t, int64_t cell);
+
+/** Whether cells are invalid inside, which rounds may help, in the mesh as measured last. */
+static inline int pl_tangle_has_rounds(const pl_tangle *t) {
+    return t->run->plan->work.corner && t->run->sums.inside > 0 && !(t->guard.min_volume > 0) &&
+           !t->guard.link_min_volume;
+}
+
+/** Look for cells that are invalid inside, too, from now on, and give up those with corners that are
+ *  tangled now. The mesh has corners. Errors: _MEMORY. */
+int pl_tangle_begin_rounds(pl_tangle *t, planish_error *error);
+
+/** Add the coefficients of cells that are invalid inside, as found last, to the rows of the energy.
+ *  *n: how many cells were added. Errors: _MEMORY. */
+int pl_tangle_add_rows(pl_tangle *t, int64_t *n, planish_error *error);
 
 enum { PL_ALL_RINGS = INT32_MAX };
 

@@ -53,6 +53,16 @@ static const rung LADDER_OF_VOLUMES[] = {
 };
 enum { N_RUNGS_OF_VOLUMES = sizeof LADDER_OF_VOLUMES / sizeof *LADDER_OF_VOLUMES };
 
+/* Cells that are invalid inside with positive corners, which coefficients as rows mend. */
+static const rung LADDER_OF_ROUNDS[] = {
+    {.rings = 0, .sweeps = 10},    {.rings = 1, .sweeps = 10},
+    {.rings = 3, .sweeps = 10},    {.rings = 4, .solve = QUICK},
+    {.rings = 16, .solve = QUICK}, {.rings = PL_ALL_RINGS, .solve = QUICK},
+};
+enum { N_RUNGS_OF_ROUNDS = sizeof LADDER_OF_ROUNDS / sizeof *LADDER_OF_ROUNDS };
+/* A rung may invalidate cells beside; these get rows and it is climbed again, at most so often. */
+enum { CLIMBS_OF_RUNG = 12 };
+
 /* Rings of elements around tangled ones that are evened out after these were solved. */
 enum { EVENED_RINGS = 40 };
 /* Push-offs end when so many sweeps in a row have left no fewer elements tangled. */
@@ -165,7 +175,8 @@ static void small_volumes_chunk(void *context, int64_t begin, int64_t end, int t
 
 /** Push off (the paper's case 3) the nodes of tangled elements, as often as it helps. */
 static int push_offs(pl_tangle *t, int most) {
-    const planish_plan *plan = t->run->plan;
+    planish_plan *plan = t->run->plan;
+    struct pl_watch *watch = plan->scratch.watch;
     int stopped = 0, vain = 0;
     pl_star_guard guard = t->guard;
     pl_star_problem problem = t->problem;
@@ -181,6 +192,8 @@ static int push_offs(pl_tangle *t, int most) {
     }
     problem.guard = &guard;
     problem.untangling = NULL;
+    if (plan->work.corner) /* what becomes of the inside is judged after the rung */
+        plan->scratch.watch = NULL;
     for (int i = 0; i < most && t->n_tangled > 0 && vain < VAIN_PUSH_OFFS && !stopped; i++) {
         const int64_t before = t->n_tangled;
         pl_tangle_mark(t, 0);
@@ -189,6 +202,7 @@ static int push_offs(pl_tangle *t, int most) {
         pl_tangle_find(t);
         vain = t->n_tangled < before ? 0 : vain + 1;
     }
+    plan->scratch.watch = watch;
     pl_free(f.volume);
     return stopped;
 }
@@ -311,36 +325,84 @@ static int climb_rung(pl_tangle *t, const rung *step) {
     return solve_patch(t, QUICK, 1);
 }
 
-/** Climb the n rungs of ladder, each a trial that shows. The result of a rung stands if fewer
- *  elements are tangled after it, and no more inverted. In a mesh that was valid F and the worst RR
- *  must not have risen either, unless it is volumes that count (raises). */
+/** Do what the rung says in rounds: cells that it has left invalid inside get rows, and it is climbed
+ *  again from there. Not 0 if cut short. */
+static int climb_in_rounds(pl_tangle *t, const rung *step) {
+    for (int i = 0; i < CLIMBS_OF_RUNG; i++) {
+        int64_t n_new = 0;
+        if (climb_rung(t, step))
+            return 1;
+        pl_tangle_find(t);
+        if (!t->is_inside || t->n_tangled == 0 || pl_tangle_add_rows(t, &n_new, NULL) || n_new == 0)
+            return 0;
+    }
+    return 0;
+}
+
+/** Climb the n rungs of ladder, each a trial that shows; not 0 if cut short. The result of a rung
+ *  stands if fewer cells are tangled after it, and no more inverted. In a mesh that was valid F and
+ *  the worst RR must not have risen either, unless it is volumes that count (raises). */
+static int climb(pl_tangle *t, int raises, const rung *ladder, int n) {
+    pl_run *r = t->run;
+    int stopped = 0;
+    for (int i = 0; i < n && t->n_tangled > 0 && !stopped; i++) {
+        const double objective = pl_run_objective(r);
+        const int64_t n_tangled = t->n_tangled;
+        pl_trial trial;
+        pl_trial_begin(r, 0, t->before, &trial);
+        stopped = climb_in_rounds(t, &ladder[i]);
+        pl_tangle_find(t);
+        const pl_objective_sums *before = &trial.standing, *now = &r->sums;
+        const int is_no_worse = now->inverted <= before->inverted ||
+                                (r->plan->work.corner && !t->is_inside && pl_tangled(now) < 1);
+        const int is_taken =
+            t->n_tangled < n_tangled && is_no_worse &&
+            (pl_tangled(before) > 0 || t->is_inside || raises ||
+             (now->radius_max <= before->radius_max && pl_run_objective(r) <= objective));
+        pl_trial_end(&trial, is_taken);
+        if (!is_taken)
+            pl_tangle_find(t);
+    }
+    return stopped;
+}
+
+/** Mend cells that are invalid inside. *stopped: as climb returns. */
+static int climb_for_inside(pl_tangle *t, int *stopped, planish_error *error) {
+    int64_t n_new;
+    int status = pl_tangle_begin_rounds(t, error);
+    if (status)
+        return status;
+    pl_tangle_find(t);
+    pl_log(PLANISH_LOG_DETAIL, "untangling %" PRId64 " cells inside", t->n_tangled);
+    status = pl_tangle_add_rows(t, &n_new, error);
+    if (!status)
+        *stopped = climb(t, 0, LADDER_OF_ROUNDS, N_RUNGS_OF_ROUNDS);
+    if (!status && t->n_tangled > 0)
+        pl_tangle_return(t);
+    return status;
+}
+
+/** Climb ladder, and then that of rounds; where more is inverted in the end than before, go back. */
 static int climb_ladder(pl_run *r, int raises, const rung *ladder, int n, planish_error *error) {
     const int sweeps = r->result->untangling_sweeps;
+    const double inverted = r->sums.inverted;
     pl_tangle t;
-    const int status = pl_tangle_create(r, raises, &t, error);
-    const int climbs = !status && !t.stopped;
+    int status = pl_tangle_create(r, raises, &t, error);
+    const int climbs = !status && !t.stopped && t.queue;
     int stopped = 0;
     r->phase = PLANISH_PHASE_UNTANGLE;
     r->stop = t.stopped ? (planish_stop)t.stopped : PLANISH_STOP_CONVERGED;
     t.problem.untangling = &t.asked;
-    for (int i = 0; climbs && i < n && t.n_tangled > 0 && !stopped; i++) {
-        const double objective = pl_run_objective(r);
-        const int64_t n_tangled = t.n_tangled;
-        pl_trial trial;
-        pl_trial_begin(r, 0, t.before, &trial);
-        stopped = climb_rung(&t, &ladder[i]);
-        pl_tangle_find(&t);
-        const pl_objective_sums *before = &trial.standing, *now = &r->sums;
-        const int is_taken =
-            t.n_tangled < n_tangled && now->inverted <= before->inverted &&
-            (pl_tangled(before) > 0 || raises ||
-             (now->radius_max <= before->radius_max && pl_run_objective(r) <= objective));
-        pl_trial_end(&trial, is_taken);
-        if (!is_taken)
-            pl_tangle_find(&t);
-    }
+    if (climbs)
+        stopped = climb(&t, raises, ladder, n);
     if (climbs && !raises && t.n_tangled > 0 && pl_tangled(&r->sums) > 0)
         pl_tangle_return(&t);
+    if (climbs && !raises && !stopped && pl_tangle_has_rounds(&t))
+        status = climb_for_inside(&t, &stopped, error);
+    if (r->sums.inverted > inverted) {
+        pl_plan_order(r->plan, r->given, r->plan->scratch.coordinates);
+        pl_run_measure(r);
+    }
     r->phase = PLANISH_PHASE_SMOOTH;
     pl_tangle_destroy(&t);
     if (!status && r->result->untangling_sweeps > sweeps) {
