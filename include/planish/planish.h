@@ -1,4 +1,5 @@
-/* planish: smooth meshes of tetrahedra or triangles by moving their interior nodes.
+/* planish: smooth meshes of triangles, tetrahedra and elements of other types by moving their
+ * interior nodes.
  *
  * Caller-owned arrays in, coordinates changed in place. The library keeps no global state (but for
  * hwloc's view of the machine, if threads are bound), prints nothing, reads no environment (but
@@ -22,7 +23,10 @@
  * planish_options begins with its size besides, so that options which were not initialised, or
  * which another header describes, are refused.
  * "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
- * circumradius and r the inradius; 1 for the equilateral element and larger for any other.
+ * circumradius and r the inradius; 1 for the equilateral element and larger for any other. It is the
+ * measure of meshes of simplices alone. "Mixed" is a mesh with a smoothed element of another type:
+ * the aspect ratio AR of planish_cell_measures, by the mean ratios mu of corners, stands for RR there
+ * (docs/elements.md).
  *
  * Sections:
  *   Version, errors            planish_version, planish_has_feature, planish_status, planish_error
@@ -182,17 +186,20 @@ typedef struct planish_mesh {
     const int64_t *neighbours64; /* the same, in place of neighbours */
     const struct planish_part *part; /* what this process has of the mesh; NULL: all of it */
     /* Elements of any types, in place of elements, which are NULL then; NULL: none. n_elements is
-       cells->n. Arrays per element and planish_error.element go by cells. Triangles (dim 2) or
-       tetrahedra (dim 3) of order 1 and 2 are smoothed by their corners; at least one is needed.
-       Counts and measures of elements are theirs. Other elements, those of another dimension
-       included, hold their nodes. Their entries are not looked at on input, and 0 on output.
+       cells->n. Arrays per element and planish_error.element go by cells. Elements of dimension dim
+       are smoothed by their corners, but for pyramids of order 2 and elements with a node twice; at
+       least one is needed. Counts and measures of elements are theirs. Other elements, those of
+       another dimension included, hold their nodes. Their entries are not looked at on input, and 0
+       on output.
        A mid follows its edge, by half of the way of both ends: a straight edge stays straight, a
-       curved one keeps its offset. Orders may be mixed: an edge has a mid if one of its elements
+       curved one keeps its offset. Nodes of faces and cells follow all corners of these by 1/4 and
+       1/8. Orders may be mixed: an edge has a mid if one of its elements
        has. Of constraints of mids FIXED alone counts, and bounds are for corners. Held are
        - corners that are nodes of another element
        - both ends of an edge whose mid is FIXED, a node of another element, a corner elsewhere or
          the mid of another edge
-       - nodes that slide at a curved edge (planish_options.rounding) whose other end is not free.
+       - nodes that slide at a curved edge (planish_options.rounding) whose other end is not free
+       - nodes of a quadrilateral that triangles are on the other side of: it is a boundary.
        Pairs of mids in periodic are passed over: mids follow. neighbours and part are for elements
        alone. */
     const planish_cells *cells;
@@ -395,13 +402,15 @@ typedef enum planish_method {
     PLANISH_METHOD_LENGTH_LAPLACIAN = 3 /* to the mean of the neighbours, by their distances */
 } planish_method;
 
-/** The aspect ratio AR of an element; 1 for the regular one and larger for any other. */
+/** The aspect ratio AR of an element; 1 for the regular one and larger for any other. In a mixed mesh
+ *  AR^2 is the mean over the corners of an element. */
 typedef enum planish_objective {
-    PLANISH_OBJECTIVE_RADIUS_RATIO = 0, /* R/(3r), R/(2r) in 2-D: the paper's */
+    PLANISH_OBJECTIVE_RADIUS_RATIO = 0, /* R/(3r), R/(2r) in 2-D: the paper's; in a mixed mesh the
+                                           mean ratio */
     PLANISH_OBJECTIVE_MEAN_RATIO = 1,   /* inverse mean ratio: mean square edge to that of the
                                            regular element of the same volume */
     PLANISH_OBJECTIVE_EDGE_RATIO = 2    /* longest edge to shortest, smoothed: 0.946 to 1 of it, see
-                                           docs/algorithm.md */
+                                           docs/algorithm.md; in a mixed mesh of a corner's edges */
 } planish_objective;
 
 /** Quantity that a last phase improves after the objective has converged: the worst value in the
@@ -573,7 +582,7 @@ typedef struct planish_options {
     double tolerance;       /* relative fall of the movable RMS that counts as converged; stars
                                that fall by less than half do not set off visits around them */
     double time_limit;      /* seconds, 0: none */
-    double only_worse_than; /* move only nodes of elements of RR above it, or below their
+    double only_worse_than; /* move only nodes of elements of RR (AR) above it, or below their
                                minimum volume, or not positive; 0: all. In planish_smooth:
                                visit only stars with such an element. In planish_plan_create:
                                only nodes that have one there can move, so that the plan is
@@ -735,7 +744,12 @@ typedef struct planish_spread {
 
 /** Quality of a mesh. Definitions and sources: docs/measures.md. Ratios and angles are over the
  *  valid elements (positive measure). Here and in planish_result a movable node is a node that is
- *  free or slides. */
+ *  free or slides.
+ *  In a mixed mesh AR stands for RR, and an element is valid if all its corners are positive
+ *  (planish_measure_cells decides whether it is so inside, too). mean_ratio is 1 / AR,
+ *  scaled_jacobian the least of the corners. Volumes are means of the corners: exact but for
+ *  hexahedra and wedges that are not parallelepipeds or prisms. Angles, circumradius_to_edge and
+ *  edge_to_inradius are 0, as their counts are. */
 typedef struct planish_quality {
     int64_t n_elements;
     int64_t n_inverted; /* elements whose measure is not positive, decided exactly */
@@ -781,8 +795,8 @@ typedef struct planish_quality {
 PLANISH_API int planish_measure(const planish_plan *plan, const double *coordinates,
                                 planish_quality *quality, planish_error *error);
 
-/** Compute the radius ratio of each element, 1 or more, at coordinates [n_nodes][dim] (or as the
- *  mesh's strides say). radius_ratio [n_elements] is 0 for elements that are not positive, and NAN
+/** Compute the radius ratio (AR in a mixed mesh) of each element, 1 or more, at coordinates
+ *  [n_nodes][dim] (or as the mesh's strides say). radius_ratio [n_elements] is 0 for elements that are not positive, and NAN
  *  for elements that a plan with options.around does not know.
  *  Errors: _ARGUMENT, _MESH, _MEMORY; radius_ratio is then untouched. */
 PLANISH_API int planish_measure_elements(const planish_plan *plan, const double *coordinates,
@@ -792,7 +806,8 @@ PLANISH_API int planish_measure_elements(const planish_plan *plan, const double 
  *  (or as the mesh's strides say) in the listed order of their nodes has the other sign than most
  *  elements'. Signs are exact. An element of measure 0 has none. If both signs are equally
  *  frequent, the positive one counts as that of most elements. A mesh that is mirrored as a whole
- *  has no reversed elements.
+ *  has no reversed elements. In a mixed mesh most elements are those of the same shape; an element
+ *  with corners of both signs has none.
  *  The library never renumbers elements: smoothing can repair an inverted element whose nodes are
  *  listed in the wrong order, and the element is reversed from then on.
  *  reversed [n_elements] (may be NULL) is filled with 0 or 1. *n (may be NULL) counts the ones; for
@@ -900,7 +915,7 @@ typedef struct planish_result {
                                 a smaller angle than the mesh before; F may have risen there, but
                                 not above that at the start */
     int64_t n_inverted;      /* elements not positive in doubles, where planish_measure is exact; of
-                                order 2: not valid */
+                                order 2, hexahedra and wedges: not valid */
     double rms;              /* RMS of AR over the valid elements at the end */
     double rms_movable;      /* the same over those with a movable node */
     double min_volume; /* delta that was in force where the mesh has none of its own; 0: none */
@@ -909,7 +924,8 @@ typedef struct planish_result {
     double objective_before;    /* F over the valid elements at the start */
     double objective;           /* and at the end */
     double objective_of_worst;  /* F when sweeps for options.worst began; 0: there were none */
-    double worst_before; /* worst element with a movable node then, by options.worst: RR, degrees */
+    double worst_before; /* worst element with a movable node then, by options.worst: RR, degrees;
+                            worst corner: mu, SJ */
     double worst_after;  /* and at the end */
     int64_t evaluations; /* of the function of a star, with or without derivatives */
     /* With a minimum volume, bounds or an objective other than the default: first-order optimality
@@ -937,10 +953,11 @@ typedef struct planish_result {
  *  Promised:
  *  - Only movable nodes move, and within their bounds; mids follow their ends.
  *  - No more elements are inverted than were. A mesh without inverted elements stays so. No element
- *    of order 2 that was valid (det J > 0 everywhere, decided) is not so in the end.
- *  - In a mesh without inverted elements no element gets a worse RR than the worst element with a
- *    movable node had, nor (with RR alone as objective) a smaller angle, dihedral in 3-D. Bringing
- *    elements above their minimum volume may cost both.
+ *    that was valid (det J > 0 everywhere, decided) is not so in the end.
+ *  - In a mesh without inverted elements no element gets a worse RR (AR) than the worst element with
+ *    a movable node had, nor (with RR alone as objective) a smaller angle, dihedral in 3-D; in a
+ *    mixed mesh no corner gets a smaller scaled Jacobian. Bringing elements above their minimum
+ *    volume may cost both.
  *  - F never rises once no element is inverted or below its minimum volume. Only options.worst may
  *    raise F, by at most worst_rise of the value that F had converged to.
  *  - The bits are the same for any number of threads, isa and compiler (gcc and clang are tested).
@@ -968,9 +985,10 @@ typedef enum planish_volume_state {
 } planish_volume_state;
 
 /** Compare the elements of coordinates [n_nodes][dim] with their minimum volumes: those of options
- *  (NULL: defaults) and of the plan's mesh. state [n_elements] (may be NULL) is filled with
- *  planish_volume_state; elements that a plan with options.around does not know are MET. *n_below
- *  counts the elements that are not MET.
+ *  (NULL: defaults) and of the plan's mesh. In a mixed mesh the volume of an element here is the least
+ *  that a parallelepiped, prism or pyramid with one of its corners has. state [n_elements] (may be
+ *  NULL) is filled with planish_volume_state; elements that a plan with options.around does not know
+ *  are MET. *n_below counts the elements that are not MET.
  *
  *  The search for proofs that elements are infeasible takes long around nodes with thousands of
  *  elements. Limits of options end it: time_limit in seconds of this call, and progress, which is
@@ -986,7 +1004,8 @@ PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *co
                                       int64_t *n_below, int64_t *n_undecided, planish_error *error);
 
 /** Find the infeasible elements of coordinates [n_nodes][dim]: those that are not positive and are
- *  proved not to become so all together, wherever the movable nodes are. These are elements without
+ *  proved not to become so all together, wherever the movable nodes are; in a mixed mesh those with
+ *  such a corner. These are elements without
  *  a movable node or with two fixed nodes at one place, and elements that contradict each other
  *  around one free node whose link there is fixed, by more than 1e-9 of their measures
  *  (docs/algorithm.md). infeasible [n_elements] (may be NULL) is filled with 0 or 1; *n counts the
