@@ -172,3 +172,31 @@ const pl_cell_type *pl_cell_type_of(int type) {
     enum { N = sizeof TYPES / sizeof *TYPES };
     return type >= 0 && type < N && TYPES[type].shape ? &TYPES[type] : NULL;
 }
+
+/** Whether a list of n corners (-1: none) has corner. */
+static int has_corner(const int8_t *list, int n, int corner) {
+    int found = 0;
+    for (int i = 0; i < n; i++)
+        found |= list[i] == corner;
+    return found;
+}
+
+uint8_t pl_cell_parents(const pl_cell_type *type, int node) {
+    const pl_cell_shape *shape = type->shape;
+    const int a = type->between[node][0], b = type->between[node][1];
+    const uint8_t ends = (uint8_t)(1 << a | 1 << b);
+    if (a == b)
+        return ends;
+    for (int e = 0; e < shape->n_edges; e++)
+        if ((1 << shape->edge[e][0] | 1 << shape->edge[e][1]) == ends)
+            return ends;
+    for (int f = 0; f < shape->n_facets && shape->dim == 3; f++) {
+        uint8_t corners = 0;
+        if (!has_corner(shape->facet[f], 4, a) || !has_corner(shape->facet[f], 4, b))
+            continue;
+        for (int i = 0; i < 4 && shape->facet[f][i] >= 0; i++)
+            corners |= (uint8_t)(1 << shape->facet[f][i]);
+        return corners;
+    }
+    return (uint8_t)((1 << shape->n_corners) - 1);
+}

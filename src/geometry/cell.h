@@ -8,6 +8,7 @@
  *   pl_cell_shape     corners, edges, faces, ideal corners of a shape
  *   pl_cell_type      a type
  *   pl_cell_type_of   the type of a public number
+ *   pl_cell_parents   the corners that a node follows
  */
 #ifndef PL_GEOMETRY_CELL_H
 #define PL_GEOMETRY_CELL_H
@@ -56,5 +57,10 @@ typedef struct pl_cell_type {
 /** Return the type of a number of planish_cell_type, NULL if there is none or it has no measure (a
  *  point, a line). */
 const pl_cell_type *pl_cell_type_of(int type);
+
+/** Return the corners in the middle of which a node is if the element is straight, bit c for corner
+ *  c: a corner itself, the ends of an edge, the corners of a face or of the cell. If these move by
+ *  d, the node follows by d / (number of them) each. */
+uint8_t pl_cell_parents(const pl_cell_type *type, int node);
 
 #endif

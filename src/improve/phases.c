@@ -69,7 +69,7 @@ static int conditions_of(const pl_run *r) {
         {r->sums_of_fixed.below > 0, BELOW_FIXED},
         {r->sums_at_start.below > 0, BELOW_BEFORE},
         {r->limits_at_start.acuteness < INFINITY || pl_run_has_followers(r) ||
-             (pl_has_order_2(&r->watch) && o->method == PLANISH_METHOD_PLANISH),
+             (pl_watch_is_on(&r->watch) && o->method == PLANISH_METHOD_PLANISH),
          ANGLES},
         {o->worst != PLANISH_WORST_NONE, WORST},
         {r->result->worst_sweeps > 0, WORST_SWEPT},

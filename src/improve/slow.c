@@ -193,7 +193,7 @@ enum { LARGEST = 1 << 21 };
 int pl_run_accelerate(pl_run *r, pl_acceleration acceleration, double fall) {
     const double unit = r->measure_scale;
     const int is_extreme = unit > EXTREME || unit < 1 / EXTREME;
-    const int has_size = r->plan->sliding.n_all > 0 || pl_has_order_2(&r->watch) ||
+    const int has_size = r->plan->sliding.n_all > 0 || pl_watch_is_on(&r->watch) ||
                          r->options->precision != PLANISH_PRECISION_DOUBLE;
     if (r->plan->interior.n_all > LARGEST || unit > TINY || (is_extreme && has_size) ||
         (acceleration == PL_CENTRING &&

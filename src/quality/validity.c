@@ -7,6 +7,7 @@
 #include <float.h>
 #include <limits.h>
 #include <math.h>
+#include <string.h>
 
 enum { LANES = PL_JACOBIAN_LANES };
 
@@ -174,6 +175,168 @@ void pl_jacobian_evaluate(const pl_jacobian_rule *rule, const double sign[], pl_
 #endif
     inline_evaluate(rule, sign, b);
 }
+
+/* ---- Floats -------------------------------------------------------------------------------- */
+
+/* Hexahedra of order 1. With edges U_jk, V_ik, W_ij in the three directions coefficient abc is the
+ * mean of det(U_jk, V_ik, W_ij) over i + i' = a, j + j' = b, k + k' = c, where V has i and W i', U
+ * has j and W j', U has k and V k'. Where a = 1 a coefficient takes normals of both
+ * V_0 W_1 and V_1 W_0, summed first.
+ *
+ * Rounding, u = 2^-24: as above, with a corner off by r = u X, X the largest coordinate, an edge by
+ * 2 r, and each of the 6 products of a determinant by less than 20 u of itself: 3 of components, 2
+ * of the normal, 1 of a sum of normals, 3 of the product with U, 4 of sums. Edges' lengths s0, s1, s2
+ * stand for their components. 1.01 pays for what is left out.
+ *
+ * Room. A move of corner 000 by d changes U_00, V_00 and W_00 by d, and no other edge. In
+ * coefficient abc these take part by g(b) g(c), g(a) g(c), g(a) g(b), g(0) = 1, g(1) = 1/2, g(2) =
+ * 0. So a coefficient that is at no corner changes by at most |d| times
+ *     s1 s2 + (s0 s2 + s0 s1) / 2     or the like:  f = (the largest of the products + their sum) / 2
+ * as det is at most the product of its columns' lengths, and takes d once. Before the move edges may
+ * have grown by D, what corners have gone so far: f grows by at most (1 + D / t)^2, t the least of
+ * s0, s1, s2. For a = (coefficient - floor) / f all D with D (1 + D / t)^2 <= a will do, hence
+ * D = a / (1 + a / t)^2. Each room is less by 1e-4 of itself for the rounding of all this. */
+
+typedef float floats __attribute__((vector_size(LANES * sizeof(float))));
+typedef int32_t floats_mask __attribute__((vector_size(LANES * sizeof(float))));
+
+PL_INLINE floats floats_of(float x) {
+    return (floats){x, x, x, x, x, x, x, x};
+}
+
+PL_INLINE floats floats_select(floats_mask mask, floats a, floats b) {
+    return (floats)((mask & (floats_mask)a) | (~mask & (floats_mask)b));
+}
+
+/** The smaller one; b where a is NaN. */
+PL_INLINE floats floats_min(floats a, floats b) {
+    return floats_select(a < b, a, b);
+}
+
+PL_INLINE floats floats_max(floats a, floats b) {
+    return floats_select(a > b, a, b);
+}
+
+PL_INLINE floats floats_abs(floats a) {
+    return (floats)((floats_mask)a & INT32_MAX);
+}
+
+PL_INLINE floats floats_sqrt(floats a) {
+    floats root;
+    for (int l = 0; l < LANES; l++)
+        root[l] = sqrtf(a[l]);
+    return root;
+}
+
+PL_INLINE floats floats_dot(const floats a[3], const floats b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+PL_INLINE void floats_cross(const floats a[3], const floats b[3], floats normal[3]) {
+    normal[0] = a[1] * b[2] - a[2] * b[1];
+    normal[1] = a[2] * b[0] - a[0] * b[2];
+    normal[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/** Edges of bricks: [direction][which][component], which of two bits: jk, ik, ij as above. */
+typedef struct brick_edges {
+    floats of[3][4][3];
+    floats longest[3]; /* of each direction */
+    floats size;       /* largest coordinate of a corner */
+} brick_edges;
+
+/* Corners of each edge, in the order of brick_edges. */
+static const uint8_t BRICK_EDGE[3][4][2] = {{{0, 1}, {4, 5}, {3, 2}, {7, 6}},
+                                            {{0, 3}, {4, 7}, {1, 2}, {5, 6}},
+                                            {{0, 4}, {3, 7}, {1, 5}, {2, 6}}};
+
+PL_INLINE void find_brick_edges(const pl_brick_block *b, brick_edges *e) {
+    floats x[8][3];
+    memcpy(x, b->x, sizeof x);
+    e->size = floats_of(0);
+    for (int i = 0; i < 8; i++)
+        for (int d = 0; d < 3; d++)
+            e->size = floats_max(floats_abs(x[i][d]), e->size);
+    for (int m = 0; m < 3; m++) {
+        floats square = floats_of(0);
+        for (int i = 0; i < 4; i++) {
+            const floats *from = x[BRICK_EDGE[m][i][0]], *to = x[BRICK_EDGE[m][i][1]];
+            for (int d = 0; d < 3; d++)
+                e->of[m][i][d] = to[d] - from[d];
+            square = floats_max(floats_dot(e->of[m][i], e->of[m][i]), square);
+        }
+        e->longest[m] = floats_sqrt(square);
+    }
+}
+
+/** Find the least coefficient of those at corners, and of the others. */
+PL_INLINE void find_brick_least(const brick_edges *e, floats least[2]) {
+    floats sum[3][3][3];
+    memset(sum, 0, sizeof sum);
+    for (int k = 0; k < 2; k++)       /* of V; V_ik is 2 i + k, */
+        for (int j = 0; j < 2; j++) { /* of W; W_ij is 2 i + j */
+            floats normal[3][3], other[3];
+            floats_cross(e->of[1][k], e->of[2][j], normal[0]);
+            floats_cross(e->of[1][k], e->of[2][2 + j], normal[1]);
+            floats_cross(e->of[1][2 + k], e->of[2][j], other);
+            floats_cross(e->of[1][2 + k], e->of[2][2 + j], normal[2]);
+            for (int d = 0; d < 3; d++)
+                normal[1][d] += other[d];
+            for (int own = 0; own < 4; own++) /* U_jk is 2 j + k */
+                for (int a = 0; a < 3; a++)
+                    sum[a][own / 2 + j][own % 2 + k] += floats_dot(e->of[0][own], normal[a]);
+        }
+    least[0] = least[1] = floats_of(INFINITY);
+    static const float part[3] = {1, 0.5F, 1};
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++)
+            for (int c = 0; c < 3; c++) {
+                const floats mean = sum[a][b][c] * floats_of(part[a] * part[b] * part[c]);
+                const int is_inner = a == 1 || b == 1 || c == 1;
+                least[is_inner] = floats_min(mean, least[is_inner]);
+            }
+}
+
+PL_INLINE void certify_bricks(pl_brick_block *b) {
+    brick_edges e;
+    floats least[2], floor;
+    memcpy(&floor, b->floor, sizeof floor);
+    find_brick_edges(b, &e);
+    find_brick_least(&e, least);
+    const float u = 0x1p-24F;
+    const floats *s = e.longest, r = e.size * floats_of(u);
+    const floats p0 = s[1] * s[2], p1 = s[0] * s[2], p2 = s[0] * s[1], sum = p0 + p1 + p2;
+    const floats error =
+        floats_of(0x1p-120F) + /* underflow */
+        floats_of(1.01F * 6) * (floats_of(20 * u) * (s[0] * p0) + floats_of(2) * r * sum +
+                                floats_of(4) * r * r * (s[0] + s[1] + s[2] + floats_of(2) * r));
+    const floats f = floats_of(0.5F) * (sum + floats_max(p0, floats_max(p1, p2)));
+    const floats t = floats_min(s[0], floats_min(s[1], s[2]));
+    const floats a = (least[1] - error - floor) / f, more = floats_of(1) + a / t;
+    const floats room = floats_of(1 - 1e-4F) * a / (more * more);
+    const floats is_above = (floats)(least[0] - error - floor > floats_of(0));
+    const floats result =
+        floats_select((floats_mask)is_above & (a > floats_of(0)), room, floats_of(0));
+    memcpy(b->room, &result, sizeof result);
+}
+
+#if defined(__x86_64__) && defined(__GNUC__)
+__attribute__((target("avx2"))) static void wide_certify_bricks(pl_brick_block *b) {
+    certify_bricks(b);
+}
+#endif
+
+void pl_bricks_certify(pl_brick_block *b) {
+#if defined(__x86_64__) && defined(__GNUC__)
+    if (__builtin_cpu_supports("avx2")) {
+        wide_certify_bricks(b);
+        return;
+    }
+#endif
+    certify_bricks(b);
+}
+
+/* ---- Bisections ---------------------------------------------------------------------------- */
 
 /** Decide by the coefficients b [n_coefficients] of an element or of a piece of it, if they do. All
  *  are finite. */

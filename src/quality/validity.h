@@ -12,6 +12,7 @@
  *
  *   pl_jacobian_evaluate   coefficients of a block
  *   pl_validity_of_lane    decide one of its elements
+ *   pl_bricks_certify      hexahedra, in floats: most are certified so, in a third of the time
  *   pl_validity_exactly    the same by integers alone: the reference
  */
 #ifndef PL_QUALITY_VALIDITY_H
@@ -57,6 +58,25 @@ void pl_jacobian_evaluate(const pl_jacobian_rule *rule, const double sign[], pl_
  *  middle of its edge; coordinates [][dim]: of all nodes of the mesh; sign as above. */
 pl_validity pl_validity_of_lane(const pl_jacobian_rule *rule, const pl_jacobian_block *b, int l,
                                 const int32_t node[], const double *coordinates, double sign);
+
+/** Block of hexahedra by their corners, one per lane, in floats. */
+typedef struct pl_brick_block {
+    float x[8][3]
+           [PL_JACOBIAN_LANES]; /* less a place that is near; a reflection if the mesh's sign of
+                                         the lane is -1 */
+    float floor
+        [PL_JACOBIAN_LANES]; /* what coefficients are to be above, det J in edges; at least 0 */
+    /* How far corners may go, added up, while the 19 coefficients that are at no corner stay above
+       floor; 0 or less, or NaN: floats do not tell that all 27 are above it. */
+    float room[PL_JACOBIAN_LANES];
+} pl_brick_block;
+
+/* Bounds of the absolute coordinates of the largest corner of a lane; others are not to be asked
+ * for. */
+static const float PL_BRICK_SMALL = 0x1p-30F, PL_BRICK_LARGE = 0x1p30F;
+
+/** Certify hexahedra. */
+void pl_bricks_certify(pl_brick_block *b);
 
 /** Decide an element as pl_validity_of_lane does, by integers alone. */
 pl_validity pl_validity_exactly(const pl_jacobian_rule *rule, const int32_t node[],

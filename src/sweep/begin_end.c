@@ -119,7 +119,7 @@ int pl_run_begin(pl_run *r, planish_error *error) {
     if (!status)
         status = pl_guard_create(plan, o, r->given, delta, &r->guard, error);
     if (!status)
-        status = pl_watch_create(plan, o, r->given, r->coordinates, &r->watch, error);
+        status = pl_watch_create(plan, o, r->given, r->coordinates, delta, &r->watch, error);
     plan->scratch.watch = r->watch.n > 0 ? &r->watch : NULL;
     if (!status) {
         r->plain = !r->guard.wanted && o->method == PLANISH_METHOD_PLANISH;
@@ -178,7 +178,7 @@ static int transfer_out(const pl_run *r, planish_error *error) {
     const planish_plan *plan = r->plan;
     const int is_part = pl_part_here() != NULL;
     transfer t = {.run = r, .points = pl_plan_points(plan, r->coordinates), .writes = !is_part};
-    if (pl_has_order_2(&r->watch)) /* before their ends, which may be what they were given by */
+    if (pl_watch_has_mids(&r->watch)) /* before their ends, which may be what they were given by */
         pl_mids_write(&r->watch.mids, t.writes, r->coordinates, &t.moved, &t.farthest);
     pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, transfer_chunk, &t);
     r->result->max_displacement = t.farthest;

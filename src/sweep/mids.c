@@ -1,4 +1,4 @@
-/* mids: nodes in the middle of edges: their ends, places, and the way to the caller. */
+/* mids: nodes of order 2, which follow corners: their parents, places, and the way to the caller. */
 #include "sweep/watch.h"
 
 #include "base/memory.h"
@@ -17,18 +17,75 @@ static const double *start_of(const pl_mids *m, int32_t node, double *room) {
     return room;
 }
 
-void pl_mids_note(pl_mids *m, int64_t element, const pl_cell_type *type) {
+int pl_plan_cell_corners(const planish_plan *plan, int64_t cell, int32_t corner[PL_CELL_CORNERS]) {
+    const int64_t first = pl_first_corner(plan, cell);
+    const int dim = plan->dim;
+    const int32_t *of_first = plan->work.elements + first * (dim + 1);
+    const int kind = plan->work.corner ? pl_corner_kind(plan->work.corner[first]) : PL_KIND_SIMPLEX;
+    if (kind == PL_KIND_SIMPLEX) {
+        for (int j = 0; j <= dim; j++)
+            corner[j] = of_first[j];
+        return dim + 1;
+    }
+    int n = 0; /* each corner's simplex begins with it */
+    for (int64_t e = first; e < plan->work.cell_begin[cell + 1]; e++)
+        corner[n++] = plan->work.elements[e * (dim + 1)];
+    if (kind == PL_KIND_PYRAMID)
+        corner[n++] = of_first[dim];
+    return n;
+}
+
+static void set(int32_t *to, int32_t node) {
+    __atomic_store_n(to, node, __ATOMIC_RELAXED);
+}
+
+/** Set parents to the corners in a mask, ascending, -1 after the last. */
+static void note_parents(const int32_t *corner, uint8_t mask, int32_t *parents) {
+    int32_t sorted[PL_CELL_CORNERS];
+    int n = 0;
+    for (int c = 0; c < PL_CELL_CORNERS; c++) {
+        int at = n;
+        if (!(mask >> c & 1))
+            continue;
+        for (n++; at > 0 && sorted[at - 1] > corner[c]; at--)
+            sorted[at] = sorted[at - 1];
+        sorted[at] = corner[c];
+    }
+    for (int i = 0; i < PL_CELL_CORNERS; i++)
+        set(&parents[i], i < n ? sorted[i] : -1);
+}
+
+void pl_mids_note(pl_mids *m, int64_t cell, const pl_cell_type *type, int numbered) {
     const planish_plan *plan = m->plan;
-    const int corners = plan->dim + 1;
-    const int32_t *corner = plan->work.elements + element * corners;
-    const int32_t *node = plan->cells.node + plan->cells.offset[pl_plan_element(plan, element)];
-    for (int i = corners; i < type->n_nodes; i++) {
+    int32_t corner[PL_CELL_CORNERS];
+    const int64_t of_caller = pl_plan_element(plan, pl_first_corner(plan, cell));
+    const int32_t *node = plan->cells.node + plan->cells.offset[of_caller];
+    pl_plan_cell_corners(plan, cell, corner);
+    for (int i = type->shape->n_corners; i < type->n_nodes; i++) {
         const int32_t a = corner[type->between[i][0]], b = corner[type->between[i][1]];
         if (node[i] < 0)
             continue;
-        __atomic_store_n(&m->end[node[i]][0], a < b ? a : b, __ATOMIC_RELAXED);
-        __atomic_store_n(&m->end[node[i]][1], a < b ? b : a, __ATOMIC_RELAXED);
+        const uint8_t parents = pl_cell_parents(type, i);
+        int32_t *end = m->end[node[i]];
+        const int is_edge = __builtin_popcount(parents) == 2;
+        if (numbered && !is_edge && end[0] == PL_OF_MORE)
+            note_parents(corner, parents, m->more[end[1]]);
+        if (numbered)
+            continue;
+        set(&end[0], !is_edge ? PL_OF_MORE : a < b ? a : b);
+        if (is_edge)
+            set(&end[1], a < b ? b : a);
     }
+}
+
+int pl_mids_number(pl_mids *m, planish_error *error) {
+    for (int64_t i = 0; i < m->start.n; i++)
+        if (m->end[i][0] == PL_OF_MORE)
+            m->end[i][1] = (int32_t)m->n_more++;
+    if (m->n_more > 0)
+        m->more = pl_alloc(m->n_more, sizeof *m->more);
+    return m->n_more > 0 && !m->more ? pl_fail_memory(error, "the nodes of elements of order 2")
+                                     : PLANISH_OK;
 }
 
 int pl_mids_create(const planish_plan *plan, const planish_options *options, const double *given,
@@ -51,9 +108,9 @@ int pl_mids_create(const planish_plan *plan, const planish_options *options, con
 
 void pl_mids_destroy(pl_mids *mids) {
     pl_free(mids->end);
+    pl_free(mids->more);
     pl_free(mids->own);
-    mids->end = NULL;
-    mids->own = NULL;
+    *mids = (pl_mids){.n_more = 0};
 }
 
 int pl_mids_release(pl_mids *mids, planish_error *error) {
@@ -77,20 +134,29 @@ int64_t pl_mids_put_back(const pl_mids *m, int64_t element) {
     return n;
 }
 
+/** Direction d of the way of a node of the plan since the run began. */
+static double way_of(const pl_mids *m, int32_t node, int d) {
+    const int dim = m->plan->dim;
+    return m->plan->scratch.coordinates[(int64_t)m->plan->inner[node] * dim + d] -
+           m->given[(int64_t)node * dim + d];
+}
+
 void pl_mid_place(const pl_mids *m, int32_t node, double *x) {
-    const planish_plan *plan = m->plan;
-    const int dim = plan->dim;
+    const int dim = m->plan->dim;
     const int32_t *end = m->end[node];
     start_of(m, node, x);
-    if (end[0] < 0)
+    if (end[0] == PL_NO_MID)
         return;
-    double way[2][3];
-    for (int k = 0; k < 2; k++)
-        for (int d = 0; d < dim; d++)
-            way[k][d] = plan->scratch.coordinates[(int64_t)plan->inner[end[k]] * dim + d] -
-                        m->given[(int64_t)end[k] * dim + d];
-    for (int d = 0; d < dim; d++)
-        x[d] = pl_mid_coordinate(m, node, d, way[0][d], way[1][d]);
+    const int32_t *parent = end[0] == PL_OF_MORE ? m->more[end[1]] : end;
+    int n = 2;
+    for (n = 2; end[0] == PL_OF_MORE && n < PL_CELL_CORNERS && parent[n] >= 0;)
+        n++;
+    for (int d = 0; d < dim; d++) {
+        double way = way_of(m, parent[0], d);
+        for (int k = 1; k < n; k++)
+            way += way_of(m, parent[k], d);
+        x[d] = pl_mid_coordinate(m, node, d, way / n);
+    }
 }
 
 /** Mids on the way to the caller. */
@@ -109,7 +175,7 @@ static void write_chunk(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         double before[3], now[3];
-        if (m->end[i][0] < 0)
+        if (m->end[i][0] == PL_NO_MID)
             continue;
         start_of(m, (int32_t)i, before);
         pl_mid_place(m, (int32_t)i, now);

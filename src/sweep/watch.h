@@ -1,26 +1,31 @@
-/* watch: elements that their corners alone do not certify. Sweeps know corners alone.
+/* watch: cells that their corners alone do not certify. Sweeps know corners alone.
  *
- * A mid's place follows from those of its two ends: its start, and half of the way of both, stored
- * as coordinates are. So mids have no state, but for the few that have moved by themselves, and are
- * written once, at the end.
+ * A cell of a plan is a simplex, or has several corners (quality/view.h). With positive corners
+ * hexahedra and wedges may be invalid, and so may curved cells of order 2. These are watched: after
+ * each visit that moves a corner of one, its validity is decided (quality/validity.h), unless the
+ * node went no farther than the cell has room. A move that would make a cell invalid is halved, or
+ * refused. So is one that takes it below its minimum volume, or makes its aspect ratio worse than
+ * any was. Cells at nodes of one colour are different ones, so that each is watched by one thread
+ * at a time.
  *
- * Curved elements may be invalid with positive corners. They are watched: after each visit that
- * moves a corner of one, its validity is decided (quality/validity.h), unless a bound says that the
- * move was too short to matter. A move that would invert a curved element is halved, or refused.
- * Elements of one colour share no node, so that each is watched by one thread at a time.
+ * Nodes of order 2 follow corners: from their start they go 1/2 of the way of both ends of an edge,
+ * 1/4 of that of the corners of a face, 1/8 of those of a cell, stored as coordinates are. So they
+ * have no state, and are written once, at the end.
  *
  * mids.c
- *   pl_mids_create, _destroy      mids and their ends,
- *   pl_mids_note                  to be noted for each element
- *   pl_mid_place, _coordinate     where a mid is
- *   pl_mids_release, _put_back, pl_mid_has_moved   mids that move by themselves
+ *   pl_first_corner, pl_plan_cell_corners    a cell of a plan
+ *   pl_mids_create, _destroy      nodes that follow, and their parents,
+ *   pl_mids_note, _number         to be noted for each cell
+ *   pl_mid_place, _coordinate     where a node is
+ *   pl_mids_release, _put_back, pl_mid_has_moved    nodes that move by themselves
  *   pl_mids_write                 to the caller's coordinates
  * watch.c
- *   pl_watch_create, _destroy    find curved elements
- *   pl_watch_add                 further ones
- *   pl_watch_measure             decide all of them
- *   pl_watch_has, _admit     of one node, after its move
- *   pl_watch_find_broken         elements that were valid and are not any more
+ *   pl_watch_create, _destroy     find the cells
+ *   pl_watch_add                  further ones
+ *   pl_watch_measure              decide all of them
+ *   pl_watch_has, _admit          of one node, after its move
+ *   pl_watch_keeps_ratios         whether measures of a node's cells are within limits
+ *   pl_watch_find_broken          cells that were valid and are not any more
  */
 #ifndef PL_SWEEP_WATCH_H
 #define PL_SWEEP_WATCH_H
@@ -29,65 +34,114 @@
 #include "plan/plan.h"
 #include "quality/validity.h"
 
-/** Mids of a plan's elements. Arrays are owned. */
+/** Nodes of a plan's cells that follow corners. Arrays are owned. */
 typedef struct pl_mids {
     const planish_plan *plan;
     const double *given; /* [n][dim] where the plan's nodes were when the run began, */
     pl_points start; /* and all nodes of the mesh: the caller's, which change at the end alone */
     pl_storage storage;
     int32_t (
-        *end)[2]; /* [nodes of the mesh] both ends of each mid, nodes of the plan; -1: no mid */
-    double *own;  /* [nodes of the mesh][dim] by what mids have moved themselves (improve/curve.c);
-                     NULL: none has */
+        *end)[2]; /* [nodes of the mesh] both ends of each mid, nodes of the plan; PL_NO_MID; or
+                     PL_OF_MORE and a place in more */
+    double *own;  /* [nodes of the mesh][dim] by what they have moved themselves (improve/curve.c);
+                    NULL: none has */
+    int64_t n_more;
+    int32_t (*more)[PL_CELL_CORNERS]; /* [n_more] nodes of the plan, ascending, -1 after the last */
 } pl_mids;
 
-/** Curved elements of a run. Arrays are owned. */
+enum { PL_NO_MID = -1, PL_OF_MORE = -2 };
+
+enum { PL_WATCH_TYPES = PLANISH_CELL_WEDGE18 + 1 };
+
+/** Rule of a type of cells, and what the move of a corner by d, with the nodes that follow it, does
+ *  to such a cell. */
+typedef struct pl_watch_rule {
+    pl_jacobian_rule jacobian;
+    double weight; /* a coefficient changes by at most weight |d| L^(dim - 1), L the longest
+                      derivative before; of linear cells: one that is not at a corner */
+    double change; /* a derivative changes by at most change |d| */
+} pl_watch_rule;
+
+/** Bits of pl_watch.state. */
+enum { PL_WATCH_VALID = 1, PL_WATCH_ABOVE = 2 /* its floor */ };
+
+/** Watched cells of a run. With corners these are all cells of the plan; what the corners of one say
+ *  is all there is to say of it if it has no type. Arrays are owned. */
 typedef struct pl_watch {
     const planish_plan *plan;
-    pl_mids mids;
-    pl_jacobian_rule *rule; /* of the elements of order 2; NULL: the plan has none */
-    double stray;           /* how far a mid may be off half of the way, by rounding; infinite: not
-                               known */
-    double rounding;        /* of coordinates, as options say */
-    uint8_t *is_curved;     /* [n_elements of the plan] */
-    int64_t n, n_curved;    /* watched elements; curved ones */
-    int32_t *element;       /* [n] of the plan's mesh */
-    double *bound;          /* [n] at most the least coefficient of det J; 0: not known, */
-    double *reach;          /* [n] at least the longest derivative */
-    uint8_t *is_valid;      /* [n] decided where the nodes are */
-    int64_t *begin;         /* [n_nodes + 1] by inner numbers: where watched of each node begins */
-    int32_t *watched;       /* curved elements of each movable node */
-    int64_t n_turned;       /* valid ones whose corners are not positive, as measured last */
-    int64_t n_refused;      /* moves; shared by threads */
+    pl_mids mids;     /* end NULL: all cells are linear */
+    double worst_ar2; /* no cell's AR^2 shall become larger; infinite: nothing is promised */
+    pl_watch_rule *rule[PL_WATCH_TYPES]; /* by types; NULL: no cell needs it */
+    double min_volume;                   /* of cells without their own; 0: none */
+    double stray;        /* how far a node may be off where it follows, by rounding; infinite: not
+                          known */
+    double rounding;     /* of coordinates, as options say */
+    uint8_t *is_curved;  /* [cells of the plan]; NULL: none is */
+    int64_t n, n_curved; /* watched cells; curved ones */
+    int32_t *cell;       /* [n] of the plan; NULL: all cells */
+    uint8_t *type;       /* [n] whose rule decides the cell, 0: none */
+    int32_t (*node)[PL_CELL_CORNERS]; /* [n] corners by inner numbers; NULL without cell_begin */
+    double *room;          /* [n] how far nodes of the cell may go, added up, without a decision */
+    double *floor;         /* [n] what coefficients shall not fall below; NULL: 0 */
+    uint8_t *state;        /* [n] decided where the nodes are */
+    uint8_t *n_refused_of; /* [n] moves that were refused for it, 255 at most */
+    int64_t *begin;        /* [n_nodes + 1] by inner numbers: where watched of each node begins */
+    int32_t *watched;      /* cells of each movable node, by types */
+    int64_t n_turned;      /* valid ones whose corners are not positive, as measured last */
+    int64_t n_refused;     /* moves; shared by threads */
 } pl_watch;
 
-/** Whether elements of order 2 are in the plan. */
-static inline int pl_has_order_2(const pl_watch *c) {
-    return c->rule != NULL;
+/** Whether some cells need more than their corners. */
+static inline int pl_watch_is_on(const pl_watch *w) {
+    int on = 0;
+    for (int t = 0; t < PL_WATCH_TYPES; t++)
+        on |= w->rule[t] != NULL;
+    return on;
 }
+
+/** Whether nodes follow corners. */
+static inline int pl_watch_has_mids(const pl_watch *w) {
+    return w->mids.end != NULL;
+}
+
+/** Return the number of cells of a plan. */
+static inline int64_t pl_plan_cells(const planish_plan *plan) {
+    return plan->work.corner ? plan->work.n_cells : plan->work.n_elements;
+}
+
+/** Return the first corner of a cell: an element of the plan. */
+static inline int64_t pl_first_corner(const planish_plan *plan, int64_t cell) {
+    return plan->work.corner ? plan->work.cell_begin[cell] : cell;
+}
+
+/** Find the corners of a cell, nodes of the plan, in the order of its type; returns how many. */
+int pl_plan_cell_corners(const planish_plan *plan, int64_t cell, int32_t corner[PL_CELL_CORNERS]);
 
 /** Make mids of plan without any. start: the caller's coordinates of all nodes of the mesh; given
  *  [n][dim]: those of the plan's nodes. Errors: _MEMORY. */
 int pl_mids_create(const planish_plan *plan, const planish_options *options, const double *given,
                    const double *start, pl_mids *mids, planish_error *error);
 
-/** Note the ends of the mids of an element, which is of order 2 and type. Several threads may do so:
- *  elements that share a mid say the same, or its ends are held (PL_OF_EDGES). */
-void pl_mids_note(pl_mids *mids, int64_t element, const pl_cell_type *type);
+/** Note the ends of the mids of a cell, which is of order 2 and type, and after pl_mids_number again
+ *  (numbered) the parents of other nodes. Several threads may do so: cells that share a node say
+ *  the same, or its parents are held (PL_OF_EDGES). */
+void pl_mids_note(pl_mids *mids, int64_t cell, const pl_cell_type *type, int numbered);
+
+/** Make room for the parents of nodes that are in no edge. Errors: _MEMORY. */
+int pl_mids_number(pl_mids *mids, planish_error *error);
 
 /** Free the arrays of mids. */
 void pl_mids_destroy(pl_mids *mids);
 
-/** Coordinate d of a mid whose ends have moved by way_a and way_b in this direction. */
-static inline double pl_mid_coordinate(const pl_mids *mids, int32_t node, int d, double way_a,
-                                       double way_b) {
+/** Coordinate d of a node that follows by way in this direction. */
+static inline double pl_mid_coordinate(const pl_mids *mids, int32_t node, int d, double follows) {
     const double start = mids->start.x[pl_point_at(&mids->start, node, d)];
     const double own = mids->own ? mids->own[(int64_t)node * mids->start.dim + d] : 0;
-    const double way = 0.5 * (way_a + way_b) + own;
+    const double way = follows + own;
     return way != 0 ? pl_store(&mids->storage, start + way) : start; /* what stays is not rounded */
 }
 
-/** Whether a mid has moved by itself. */
+/** Whether a node of order 2 has moved by itself. */
 static inline int pl_mid_has_moved(const pl_mids *mids, int32_t node) {
     int any = 0;
     for (int d = 0; mids->own && d < mids->start.dim; d++)
@@ -98,10 +152,11 @@ static inline int pl_mid_has_moved(const pl_mids *mids, int32_t node) {
 /** Make mids movable by themselves. Errors: _MEMORY. */
 int pl_mids_release(pl_mids *mids, planish_error *error);
 
-/** Let the mids of an element, which have been released, move no more by themselves; how many had. */
+/** Let the mids of an element (of corners: its first one), which have been released, move no more by
+ *  themselves; how many had. */
 int64_t pl_mids_put_back(const pl_mids *mids, int64_t element);
 
-/** Set x [dim] to the place of a node of the mesh, a mid, at the plan's present coordinates. */
+/** Set x [dim] to the place of a node of the mesh that follows, at the plan's present coordinates. */
 void pl_mid_place(const pl_mids *mids, int32_t node, double *x);
 
 /** Write mids that have moved to coordinates, the caller's, if writes. Add how many have, and raise
@@ -109,35 +164,43 @@ void pl_mid_place(const pl_mids *mids, int32_t node, double *x);
 void pl_mids_write(const pl_mids *mids, int writes, double *coordinates, int64_t *moved,
                    double *farthest);
 
-/** Find the curved elements of plan, if its mesh has elements of order 2; arguments as for
- *  pl_mids_create. *curved is to be destroyed in any case. Errors: _MESH (a mid that is not finite),
- *  _MEMORY. */
+/** Find the cells of plan to be watched; arguments as for pl_mids_create. min_volume: of cells
+ *  without their own, 0: none. *watch is to be destroyed in any case. Errors: _MESH (a mid that is
+ *  not finite), _MEMORY. */
 int pl_watch_create(const planish_plan *plan, const planish_options *options, const double *given,
-                    const double *start, pl_watch *curved, planish_error *error);
+                    const double *start, double min_volume, pl_watch *watch, planish_error *error);
 
-/** Watch n more elements of order 2, whose mids move by themselves; they are to be measured. n_curved
- *  stays. Without memory nothing may be done with the watch but to destroy it. Errors: _MEMORY. */
-int pl_watch_add(pl_watch *curved, int64_t n, const int32_t *element, planish_error *error);
+/** Watch n more cells of order 2, whose mids move by themselves; they are to be measured. element: of
+ *  each its first corner. n_curved stays. Without memory nothing may be done with the watch but to
+ *  destroy it. Errors: _MEMORY. */
+int pl_watch_add(pl_watch *watch, int64_t n, const int32_t *element, planish_error *error);
 
-/** Free the arrays of curved. */
-void pl_watch_destroy(pl_watch *curved);
+/** Free the arrays of watch. */
+void pl_watch_destroy(pl_watch *watch);
 
-/** Decide all curved elements at the plan's present coordinates; returns how many are invalid with
+/** Decide all watched cells at the plan's present coordinates; returns how many are invalid with
  *  positive corners. */
-int64_t pl_watch_measure(pl_watch *curved);
+int64_t pl_watch_measure(pl_watch *watch);
 
-/** Whether curved elements are at the node of this inner number. */
-static inline int pl_watch_has(const pl_watch *c, int32_t node) {
-    return c->begin[node + 1] > c->begin[node];
+/** Whether watched cells are at the node of this inner number. */
+static inline int pl_watch_has(const pl_watch *w, int32_t node) {
+    return w->begin[node + 1] > w->begin[node];
 }
 
-/** Whether the curved elements at a node that has moved by way [dim] may be as they are: none of
- *  those that were valid is invalid now. If not, the node is to go back. */
-int pl_watch_admit(pl_watch *curved, int32_t node, const double *way);
+/** Whether the watched cells at a node that has moved by way [dim] may be as they are: none of those
+ *  that were valid is invalid now, or below its floor. If not, the node is to go back. */
+int pl_watch_admit(pl_watch *watch, int32_t node, const double *way);
 
-/** Mark in state [n_elements of the plan] with 1 the elements of order 2 that were valid when the run
- *  began and are not any more, and if of_all all elements whose corners have turned; leave the other
- *  entries. Returns their number. */
-int64_t pl_watch_find_broken(const pl_watch *curved, int of_all, uint8_t *state);
+/** Whether no cell at a node has a larger AR^2 than worst_ar2, a corner of larger mu^2 than limits
+ *  say, or a scaled Jacobian whose square is below 1 / limits.acuteness. */
+int pl_watch_keeps_ratios(const pl_watch *watch, int32_t node, const pl_star_limits *limits);
+
+/** Note that cells at a node refuse a move of it. */
+void pl_watch_note_refusal(pl_watch *watch, int32_t node);
+
+/** Mark in state [n_elements of the plan] with 1 the corners of cells that were valid when the run
+ *  began and are not any more, and if of_all of all cells of which corners have turned; leave the
+ *  other entries. Returns the number of cells. */
+int64_t pl_watch_find_broken(const pl_watch *watch, int of_all, uint8_t *state);
 
 #endif
