@@ -197,6 +197,8 @@ void pl_jacobian_evaluate(const pl_jacobian_rule *rule, const double sign[], pl_
  * s0, s1, s2. For a = (coefficient - floor) / f all D with D (1 + D / t)^2 <= a will do, hence
  * D = a / (1 + a / t)^2. Each room is less by 1e-4 of itself for the rounding of all this. */
 
+#pragma GCC diagnostic ignored "-Wpsabi" /* all of these are inlined */
+
 typedef float floats __attribute__((vector_size(LANES * sizeof(float))));
 typedef int32_t floats_mask __attribute__((vector_size(LANES * sizeof(float))));
 

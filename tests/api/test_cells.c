@@ -24,6 +24,7 @@
 #define pl_jacobian_evaluate            plain_jacobian_evaluate
 #define pl_validity_of_lane             plain_validity_of_lane
 #define pl_validity_exactly             plain_validity_exactly
+#define pl_bricks_certify               plain_bricks_certify
 #define pl_measure_cells                plain_measure_cells
 #define pl_cell_rules_make              plain_rules_make
 #define pl_cell_rules_free              plain_rules_free
@@ -32,6 +33,7 @@ pl_validity plain_validity_of_lane(const pl_jacobian_rule *, const pl_jacobian_b
                                    const int32_t[], const double *, double);
 pl_validity plain_validity_exactly(const pl_jacobian_rule *, const int32_t[], const double *,
                                    double);
+void plain_bricks_certify(pl_brick_block *);
 int plain_measure_cells(const pl_cell_mesh *, const pl_cell_rules *, int, planish_cell_quality *,
                         const planish_cell_values *);
 int plain_rules_make(const pl_cell_mesh *, pl_cell_rules *);
@@ -47,6 +49,7 @@ void plain_rules_free(pl_cell_rules *);
 #undef pl_cell_rules_free
 #undef pl_cell_rules_make
 #undef pl_measure_cells
+#undef pl_bricks_certify
 #undef pl_validity_exactly
 #undef pl_validity_of_lane
 #undef pl_jacobian_evaluate
