@@ -18,7 +18,7 @@ static const double *start_of(const pl_mids *m, int32_t node, double *room) {
 }
 
 int pl_plan_cell_corners(const planish_plan *plan, int64_t cell, int32_t corner[PL_CELL_CORNERS]) {
-    const int64_t first = pl_first_corner(plan, cell);
+    const int64_t first = pl_first_of_cell(&plan->work, cell);
     const int dim = plan->dim;
     const int32_t *of_first = plan->work.elements + first * (dim + 1);
     const int kind = plan->work.corner ? pl_corner_kind(plan->work.corner[first]) : PL_KIND_SIMPLEX;
@@ -58,7 +58,7 @@ static void note_parents(const int32_t *corner, uint8_t mask, int32_t *parents) 
 void pl_mids_note(pl_mids *m, int64_t cell, const pl_cell_type *type, int numbered) {
     const planish_plan *plan = m->plan;
     int32_t corner[PL_CELL_CORNERS];
-    const int64_t of_caller = pl_plan_element(plan, pl_first_corner(plan, cell));
+    const int64_t of_caller = pl_plan_element(plan, pl_first_of_cell(&plan->work, cell));
     const int32_t *node = plan->cells.node + plan->cells.offset[of_caller];
     pl_plan_cell_corners(plan, cell, corner);
     for (int i = type->shape->n_corners; i < type->n_nodes; i++) {

@@ -40,17 +40,13 @@ typedef struct block {
 
 /* ---- places --------------------------------------------------------------------------------- */
 
-static int64_t cell_of(const pl_watch *w, int64_t i) {
-    return w->cell ? w->cell[i] : i;
-}
-
 static double sign_of(const pl_watch *w, int64_t cell) {
-    return w->plan->work.sign ? w->plan->work.sign[pl_first_corner(w->plan, cell)] : 1;
+    return w->plan->work.sign ? w->plan->work.sign[pl_first_of_cell(&w->plan->work, cell)] : 1;
 }
 
 /** Caller's number of a cell. */
 static int64_t given_of(const planish_plan *plan, int64_t cell) {
-    return pl_plan_element(plan, pl_first_corner(plan, cell));
+    return pl_plan_element(plan, pl_first_of_cell(&plan->work, cell));
 }
 
 static const pl_cell_type *type_of(const planish_plan *plan, int64_t cell) {
@@ -312,7 +308,7 @@ static void look_again(pl_watch *w, int32_t node, block *b) {
         if (is_full(b, rule))
             note_valid(w, b);
         b->of[b->n] = i;
-        add(w, rule, cell_of(w, i), 0, b);
+        add(w, rule, pl_watch_cell(w, i), 0, b);
     }
     note_valid(w, b);
 }
@@ -382,7 +378,7 @@ static int keep_bricks_valid(pl_watch *w, bricks *h, block *b) {
         if (is_full(b, rule) && !keep_valid(w, b))
             return 0;
         b->of[b->n] = left[l];
-        add(w, rule, cell_of(w, left[l]), 0, b);
+        add(w, rule, pl_watch_cell(w, left[l]), 0, b);
     }
     return 1;
 }
@@ -401,7 +397,7 @@ static int keep_one_valid(pl_watch *w, int32_t i, const double *origin, bricks *
     if (is_full(b, rule) && !keep_valid(w, b))
         return 0;
     b->of[b->n] = i;
-    add(w, rule, cell_of(w, i), 0, b);
+    add(w, rule, pl_watch_cell(w, i), 0, b);
     return 1;
 }
 
@@ -443,7 +439,8 @@ static const pl_cell_shape *shape_of(const pl_watch *w, int32_t i) {
                                 [PL_KIND_WEDGE] = PLANISH_CELL_WEDGE,
                                 [PL_KIND_PYRAMID] = PLANISH_CELL_PYRAMID};
     const planish_plan *plan = w->plan;
-    const int kind = pl_corner_kind(plan->work.corner[pl_first_corner(plan, cell_of(w, i))]);
+    const int kind =
+        pl_corner_kind(plan->work.corner[pl_first_of_cell(&plan->work, pl_watch_cell(w, i))]);
     return pl_cell_type_of(plan->dim == 3            ? solid[kind]
                            : kind == PL_KIND_SIMPLEX ? PLANISH_CELL_TRIANGLE
                                                      : PLANISH_CELL_QUADRILATERAL)
@@ -482,7 +479,7 @@ static void measure_corner(const pl_cell_shape *shape, const double *const x[], 
 
 static int keeps_ratios(const pl_watch *w, int32_t i, const pl_star_limits *limits) {
     const pl_cell_shape *shape = shape_of(w, i);
-    const double *x[PL_CELL_CORNERS], sign = sign_of(w, cell_of(w, i));
+    const double *x[PL_CELL_CORNERS], sign = sign_of(w, pl_watch_cell(w, i));
     double sum = 0;
     for (int j = 0; j < shape->n_corners; j++)
         x[j] = w->plan->scratch.coordinates + (int64_t)w->node[i][j] * shape->dim;
@@ -517,7 +514,7 @@ typedef struct look {
 /** Exact sign of the corners of a cell. */
 static int has_positive_corners(const pl_watch *w, int64_t cell, int at_start) {
     const planish_plan *plan = w->plan;
-    const int64_t begin = pl_first_corner(plan, cell);
+    const int64_t begin = pl_first_of_cell(&plan->work, cell);
     const int64_t end = plan->work.corner ? plan->work.cell_begin[cell + 1] : begin + 1;
     const double *vertex[4];
     int positive = 1;
@@ -547,7 +544,7 @@ static void measure_block(pl_watch *w, block *b, measured *m) {
         keep_state(w, b, l, valid);
         if (valid && b->rule->jacobian.type->order == 1)
             continue;
-        const int is_positive = has_positive_corners(w, cell_of(w, b->of[l]), 0);
+        const int is_positive = has_positive_corners(w, pl_watch_cell(w, b->of[l]), 0);
         m->n += !valid && is_positive;
         m->n_turned += valid && !is_positive;
     }
@@ -579,7 +576,7 @@ static void measure_type(pl_watch *w, int type, int64_t begin, int64_t end, meas
             if (b.n == LANES)
                 measure_block(w, &b, m);
             b.of[b.n] = left[l];
-            add(w, w->rule[type], cell_of(w, left[l]), 0, &b);
+            add(w, w->rule[type], pl_watch_cell(w, left[l]), 0, &b);
         }
     }
     measure_block(w, &b, m);
@@ -650,7 +647,7 @@ PL_INLINE int is_plain_simplex(const pl_watch *w, const pl_jacobian_rule *rule, 
     const planish_plan *plan = w->plan;
     const double *vertex[4], *start[4];
     double edges[3][3], longest = 0;
-    const int64_t element = pl_first_corner(plan, cell);
+    const int64_t element = pl_first_of_cell(&plan->work, cell);
     for (int j = 0; j <= dim; j++) {
         const int64_t node = plan->work.elements[element * (dim + 1) + j];
         vertex[j] = plan->scratch.coordinates + (int64_t)plan->inner[node] * dim;
@@ -695,7 +692,7 @@ static int has_turned(const pl_watch *w, int64_t cell) {
 
 static void mark(const look *s, int64_t cell) {
     const planish_plan *plan = s->watch->plan;
-    const int64_t first = pl_first_corner(plan, cell);
+    const int64_t first = pl_first_of_cell(&plan->work, cell);
     const int64_t n = plan->work.corner ? plan->work.cell_begin[cell + 1] - first : 1;
     memset(s->state + first, 1, (size_t)n);
 }
@@ -763,7 +760,7 @@ static void broken_chunk(void *context, int64_t begin, int64_t end, int thread) 
 
 int64_t pl_watch_find_broken(const pl_watch *w, int of_all, uint8_t *state) {
     look s = {.watch = (pl_watch *)(uintptr_t)w, .state = state, .of_all = of_all};
-    pl_parallel_for(w->plan->threads, pl_plan_cells(w->plan), CHUNK, broken_chunk, &s);
+    pl_parallel_for(w->plan->threads, pl_view_cells(&w->plan->work), CHUNK, broken_chunk, &s);
     return s.n;
 }
 
@@ -903,7 +900,7 @@ static void search_chunk(void *context, int64_t begin, int64_t end, int thread) 
 static int find_curved(search *s, const double *given, const double *start, planish_error *error) {
     pl_watch *w = s->watch;
     const int threads = w->plan->threads;
-    const int64_t n_cells = pl_plan_cells(w->plan);
+    const int64_t n_cells = pl_view_cells(&w->plan->work);
     int status = pl_mids_create(w->plan, s->options, given, start, &w->mids, error);
     if (status)
         return status;
@@ -970,7 +967,7 @@ static int make_rules(search *s, int *order_2) {
 /** The floor of a cell's coefficients: by its own minimum volume, or that of all. */
 static double floor_of(const search *s, int64_t cell, int type) {
     const planish_plan *plan = s->watch->plan;
-    const int64_t first = pl_first_corner(plan, cell);
+    const int64_t first = pl_first_of_cell(&plan->work, cell);
     const double own = plan->work.min_volume ? plan->work.min_volume[first] : 0;
     const double volume = own > 0 ? own : s->min_volume;
     if (!type)
@@ -988,7 +985,7 @@ static void cell_chunk(void *context, int64_t begin, int64_t end, int thread) {
     pl_watch *w = s->watch;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const int64_t cell = cell_of(w, i);
+        const int64_t cell = pl_watch_cell(w, i);
         const int type = deciding_type(w, cell);
         w->type[i] = (uint8_t)type;
         w->room[i] = type ? 0 : INFINITY;
@@ -1013,7 +1010,7 @@ static void list_chunk(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         int32_t corner[PL_CELL_CORNERS];
-        const int n = pl_plan_cell_corners(plan, cell_of(w, i), corner);
+        const int n = pl_plan_cell_corners(plan, pl_watch_cell(w, i), corner);
         for (int j = 0; j < n; j++) {
             int is_first = plan->work.mobility[corner[j]] != 0;
             for (int k = 0; k < j; k++) /* nodes that are there twice */
@@ -1077,7 +1074,7 @@ static int make_lists(search *s) {
 static int make_cells(search *s) {
     pl_watch *w = s->watch;
     const planish_plan *plan = w->plan;
-    const int64_t n_cells = pl_plan_cells(plan);
+    const int64_t n_cells = pl_view_cells(&plan->work);
     int64_t n = 0;
     for (int64_t cell = 0; w->is_curved && cell < n_cells; cell++)
         n += w->is_curved[cell];
@@ -1116,7 +1113,7 @@ static int create(search *s, const double *given, const double *start, planish_e
     pl_watch *w = s->watch;
     const planish_plan *plan = w->plan;
     int order_2, status = PLANISH_OK;
-    pl_parallel_for(plan->threads, pl_plan_cells(plan), CHUNK_NODES, type_chunk, s);
+    pl_parallel_for(plan->threads, pl_view_cells(&plan->work), CHUNK_NODES, type_chunk, s);
     if (!make_rules(s, &order_2))
         return pl_fail_memory(error, "the elements to be watched");
     if (!order_2 && !plan->work.corner)
@@ -1165,10 +1162,10 @@ static void free_cells(pl_watch *w) {
 
 /** The cell that has an element of the plan. */
 static int64_t cell_with(const planish_plan *plan, int64_t element) {
-    int64_t begin = 0, end = pl_plan_cells(plan);
+    int64_t begin = 0, end = pl_view_cells(&plan->work);
     while (plan->work.corner && end - begin > 1) {
         const int64_t middle = begin + (end - begin) / 2;
-        *(pl_first_corner(plan, middle) <= element ? &begin : &end) = middle;
+        *(pl_first_of_cell(&plan->work, middle) <= element ? &begin : &end) = middle;
     }
     return plan->work.corner ? begin : element;
 }

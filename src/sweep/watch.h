@@ -13,7 +13,7 @@
  * have no state, and are written once, at the end.
  *
  * mids.c
- *   pl_first_corner, pl_plan_cell_corners    a cell of a plan
+ *   pl_plan_cell_corners          a cell of a plan
  *   pl_mids_create, _destroy      nodes that follow, and their parents,
  *   pl_mids_note, _number         to be noted for each cell
  *   pl_mid_place, _coordinate     where a node is
@@ -104,14 +104,14 @@ static inline int pl_watch_has_mids(const pl_watch *w) {
     return w->mids.end != NULL;
 }
 
-/** Return the number of cells of a plan. */
-static inline int64_t pl_plan_cells(const planish_plan *plan) {
-    return plan->work.corner ? plan->work.n_cells : plan->work.n_elements;
+/** Cell of the plan that is the i-th watched one. */
+static inline int64_t pl_watch_cell(const pl_watch *w, int64_t i) {
+    return w->cell ? w->cell[i] : i;
 }
 
-/** Return the first corner of a cell: an element of the plan. */
-static inline int64_t pl_first_corner(const planish_plan *plan, int64_t cell) {
-    return plan->work.corner ? plan->work.cell_begin[cell] : cell;
+/** Whether the i-th watched cell was valid when it was decided last. */
+static inline int pl_watch_is_valid(const pl_watch *w, int64_t i) {
+    return w->state[i] & PL_WATCH_VALID;
 }
 
 /** Find the corners of a cell, nodes of the plan, in the order of its type; returns how many. */

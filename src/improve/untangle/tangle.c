@@ -38,26 +38,17 @@ int pl_tangle_is_tangled(const pl_tangle *t, int64_t cell) {
     return is_tangled;
 }
 
-/** The cell that begins with an element. */
-static int64_t cell_of(const pl_view *mesh, int64_t first) {
-    int64_t low = 0, high = mesh->n_cells;
-    while (high - low > 1) {
-        const int64_t middle = low + (high - low) / 2;
-        *(mesh->cell_begin[middle] <= first ? &low : &high) = middle;
-    }
-    return low;
-}
-
 /** Find the cells that are invalid inside: with positive corners and a node that moves. */
 static void find_inside(pl_tangle *t) {
     const planish_plan *plan = t->run->plan;
     const pl_watch *watch = &t->run->watch;
     memset(t->is_inside, 0, (size_t)plan->work.n_elements);
     for (int64_t w = 0; w < watch->n; w++) {
-        const int64_t first = watch->element[w];
-        const int64_t end = plan->work.cell_begin[cell_of(&plan->work, first) + 1];
+        const int64_t cell = pl_watch_cell(watch, w);
+        const int64_t first = pl_first_of_cell(&plan->work, cell);
+        const int64_t end = pl_first_of_cell(&plan->work, cell + 1);
         int is_sound = 1, moves = 0;
-        for (int64_t i = first; !watch->is_valid[w] && i < end; i++) {
+        for (int64_t i = first; !pl_watch_is_valid(watch, w) && i < end; i++) {
             is_sound &= t->state[i] == PLANISH_VOLUME_MET;
             for (int j = 0; j <= plan->dim; j++)
                 moves |= t->star_of[pl_plan_inner(plan, i, j)] >= 0;
