@@ -157,8 +157,8 @@ int planish_region_name(const char *name) {
 /** Find regions with the values of the mesh's elements alone. */
 static int find_regions(const shape_call *call, planish_cell_array *arrays, int n_arrays,
                         planish_error *error) {
-    const planish_mesh *mesh = &call->dense.mesh;
-    if (!call->dense.cell_of)
+    const planish_mesh *mesh = call->dense.corner ? call->mesh : &call->dense.mesh;
+    if (call->dense.corner || !call->dense.cell_of)
         return pl_find_regions(mesh, arrays, n_arrays, call->threads, error);
     planish_cell_array *taken = pl_alloc_zero(n_arrays, sizeof *taken);
     int failed = !taken;
@@ -324,7 +324,7 @@ static int find_slides(shape_call *call, const planish_surface *surface, uint8_t
     planish_surface tags = surface ? *surface : (planish_surface){0};
     int32_t *taken = NULL;
     call->dense.mesh.constraint = call->mesh->constraint;
-    int status = take_regions(call, &tags.region, &taken, error);
+    int status = call->dense.corner ? PLANISH_OK : take_regions(call, &tags.region, &taken, error);
     if (!status)
         status = pl_find_slides(&call->dense, call->mesh, surface ? &tags : NULL, call->threads,
                                 constraint, direction, info, error);

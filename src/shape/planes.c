@@ -23,18 +23,19 @@ typedef struct plane_search {
     spoke *spoke;    /* [capacity] */
     int64_t capacity;
     pl_ridges *ridges;
+    uint8_t *is_fixed; /* [nodes of the mesh] */
 } plane_search;
 
 /** List the tagged edges with both nodes on the surface; nodes of the others are fixed. */
-static void list_tagged(plane_search *w, const planish_surface *tags, uint8_t *is_fixed) {
+static void list_tagged(plane_search *w, const planish_surface *tags) {
     for (int64_t i = 0; tags && i < tags->n_edges; i++) {
         const int32_t *node = tags->edges + 2 * i;
         const int32_t a = w->surface->number[node[0]], b = w->surface->number[node[1]];
         if (a < 0 || b < 0)
-            is_fixed[node[0]] = is_fixed[node[1]] = 1;
+            w->is_fixed[node[0]] = w->is_fixed[node[1]] = 1;
         else
             w->tagged.item[w->tagged.n++] =
-                (pl_tagged){{a, b, -1}, tags->edge_tag ? tags->edge_tag[i] : 0, 0};
+                (pl_tagged){{a, b, -1, -1}, tags->edge_tag ? tags->edge_tag[i] : 0, 0};
     }
     pl_tags_sort(&w->tagged);
 }
@@ -69,11 +70,20 @@ static int are_coplanar(const plane_search *w, int32_t a, int32_t b, int32_t c, 
            off_c <= w->tolerance * (1 + area_c / area_d);
 }
 
+/** Fix the nodes of a quadrilateral whose diagonal, an edge of n facets, joins nothing. */
+static void fix_quadrilateral(const plane_search *w, const spoke *spokes, int64_t n) {
+    const pl_surface *s = w->surface;
+    for (int64_t i = 0; s->half && i < n; i++)
+        for (int64_t k = 0; s->half[spokes[i].facet] == 1 && k < n; k++)
+            for (int j = 0; spokes[k].facet == spokes[i].facet + 1 && j < 6; j++)
+                w->is_fixed[s->node[s->facet[(int64_t)spokes[i].facet * 3 + j]]] = 1;
+}
+
 /** Look at the edge (a, b) of n facets: it joins two, or it is a ridge. Returns -1 without memory.
  */
 static int look_at_edge(plane_search *w, int32_t a, int32_t b, const spoke *spokes, int64_t n) {
     const pl_surface *s = w->surface;
-    pl_tagged *t = pl_tags_find(&w->tagged, (const int32_t[]){a, b, -1});
+    pl_tagged *t = pl_tags_find(&w->tagged, (const int32_t[]){a, b, -1, -1});
     if (t)
         t->is_met = 1;
     if (!t && n == 2 && pl_same_label(&s->label[spokes[0].facet], &s->label[spokes[1].facet]) &&
@@ -82,6 +92,7 @@ static int look_at_edge(plane_search *w, int32_t a, int32_t b, const spoke *spok
         pl_join(w->parent, spokes[0].facet, spokes[1].facet);
         return 0;
     }
+    fix_quadrilateral(w, spokes, n);
     pl_ridges *ridges = w->ridges;
     const pl_ridge ridge = {{a, b}, {.is_tagged = t != NULL, .tag = t ? t->tag : 0}};
     return pl_append(&ridges->ridge, &ridges->n, &ridges->capacity, &ridge, sizeof ridge) ? 0 : -1;
@@ -212,14 +223,15 @@ static int make_planes(plane_search *w, pl_planes *planes) {
 int pl_planes_create(const pl_surface *surface, const planish_surface *tags, double tolerance,
                      pl_planes *planes, pl_ridges *ridges, uint8_t *is_fixed,
                      planish_error *error) {
-    plane_search w = {.surface = surface, .tolerance = tolerance, .ridges = ridges};
+    plane_search w = {
+        .surface = surface, .tolerance = tolerance, .ridges = ridges, .is_fixed = is_fixed};
     *planes = (pl_planes){0};
     planes->of_facet = pl_alloc(surface->n_facets, sizeof *planes->of_facet);
     w.parent = pl_alloc(surface->n_facets, sizeof *w.parent);
     w.tagged.item = pl_alloc(tags ? tags->n_edges : 0, sizeof *w.tagged.item);
     int done = planes->of_facet && w.parent && w.tagged.item;
     if (done) {
-        list_tagged(&w, tags, is_fixed);
+        list_tagged(&w, tags);
         done = make_planes(&w, planes) == 0;
     }
     for (const pl_tagged *t = w.tagged.item; done && t < w.tagged.item + w.tagged.n; t++)

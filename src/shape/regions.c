@@ -12,6 +12,8 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "geometry/cell.h"
+#include "topology/cells.h"
 #include "topology/facets.h"
 #include "topology/topology.h"
 
@@ -207,18 +209,45 @@ static void count_facets(void *context, int32_t node, const pl_facet *facets, in
     }
 }
 
+/** Count the facets of simplices. */
+static int count_of_simplices(const planish_mesh *mesh, int threads, tally *t,
+                              planish_error *error) {
+    pl_incidence incidence;
+    int status = pl_incidence_create(mesh, NULL, threads, &incidence, error);
+    if (!status)
+        status = pl_facets_match(mesh, &incidence, NULL, threads, count_facets, t, error);
+    pl_incidence_destroy(&incidence);
+    return status;
+}
+
+/** Count the facets of cells of any types. */
+static int count_of_cells(const planish_mesh *mesh, int threads, tally *t, planish_error *error) {
+    const planish_cells *cells = mesh->cells;
+    const int64_t n = cells->n * PL_CELL_FACET_PLACES;
+    int32_t *with = pl_alloc(n, sizeof *with);
+    uint8_t *n_sharing = pl_alloc(n, sizeof *n_sharing);
+    const int status = with && n_sharing ? pl_cell_facets_find(cells, mesh->dim, mesh->n_nodes,
+                                                               threads, with, n_sharing, error)
+                                         : pl_fail_memory(error, "the arrays of elements");
+    for (int64_t i = 0; !status && i < n; i++) {
+        const pl_facet facet = {.count = 2,
+                                .element = {with[i], (int32_t)(i / PL_CELL_FACET_PLACES)}};
+        if (with[i] >= 0)
+            count_facets(t, 0, &facet, 1, 0);
+    }
+    pl_free(with);
+    pl_free(n_sharing);
+    return status;
+}
+
 /** Decide which of the arrays candidate [n] look like regions: looks [n] is filled with 0 or 1. */
 static int judge(const planish_mesh *mesh, planish_cell_array *const *candidate, int n, int threads,
                  uint8_t *looks, planish_error *error) {
     tally t = {.array = candidate, .n = n, .row = pl_counts_row((int64_t)n + 1) + LINE};
-    pl_incidence incidence;
-    int status = pl_incidence_create(mesh, NULL, threads, &incidence, error);
-    if (status)
-        return status;
     t.count = pl_alloc_zero(threads * t.row, sizeof *t.count);
-    status = t.count ? pl_facets_match(mesh, &incidence, NULL, threads, count_facets, &t, error)
-                     : pl_fail_memory(error, "the arrays of elements");
-    pl_incidence_destroy(&incidence);
+    int status = !t.count      ? pl_fail_memory(error, "the arrays of elements")
+                 : mesh->cells ? count_of_cells(mesh, threads, &t, error)
+                               : count_of_simplices(mesh, threads, &t, error);
     for (int thread = 1; thread < threads && !status; thread++)
         for (int i = 0; i <= n; i++)
             t.count[i] += t.count[thread * t.row + i];

@@ -15,7 +15,8 @@
 #include "topology/topology.h"
 
 /** Find the constraint and direction of each node of dense, which given is the caller's of. tags may
- *  be NULL; its regions go by the elements of dense. See planish_find_slides. Errors: _MESH,
+ *  be NULL; its regions go by the elements of dense, by the caller's cells where these are corners.
+ *  See planish_find_slides. Errors: _MESH,
  *  _MEMORY. */
 int pl_find_slides(const pl_dense *dense, const planish_mesh *given, const planish_surface *tags,
                    int threads, uint8_t *constraint, double *direction, planish_slide_info *info,
@@ -70,8 +71,8 @@ int pl_check_cell_arrays(const planish_cell_array *arrays, int n_arrays, int64_t
 /** Return the size of a number of type in bytes. */
 size_t pl_number_size(planish_number type);
 
-/** Decide which of the checked arrays tell regions, and set their is_region. mesh is dense. See
- *  planish_find_regions. Errors: _MESH, _MEMORY. */
+/** Decide which of the checked arrays tell regions, and set their is_region. mesh is dense, or has
+ *  checked cells. See planish_find_regions. Errors: _MESH, _MEMORY. */
 int pl_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_arrays, int threads,
                     planish_error *error);
 

@@ -167,28 +167,44 @@ static int is_off_plane(const cell_surface *c, const int32_t triangle[3], int32_
     return !(fabs(pl_dot(3, normal, way)) <= c->tolerance * pl_length(normal));
 }
 
+/** Whether a facet, its corners [4], has a corner. */
+static int has_corner(const int8_t *facet, int corner) {
+    return facet[0] == corner || facet[1] == corner || facet[2] == corner || facet[3] == corner;
+}
+
 /** Fix the ends of a curved edge of a cell if both are on the surface, and the other corners there
- *  of whose triangles the edge makes curved ones. node: of the cell; a, b: corners; mid: their mid. */
-static void fix_curved(const cell_surface *c, const int32_t *node, int a, int b, int mid) {
+ *  of whose facets the edge makes curved ones. The middle of a facet fixes no ends: it may be
+ *  anywhere in the plane. node: of the cell; a, b: corners; mid: their mid. */
+static void fix_curved(const cell_surface *c, const pl_cell_type *type, const int32_t *node, int a,
+                       int b, int mid) {
     const int32_t *number = c->surface->number;
+    const int is_edge = mid < type->shape->n_corners + type->shape->n_edges;
     if (number[node[a]] < 0 || number[node[b]] < 0)
         return;
-    c->is_fixed[node[a]] = c->is_fixed[node[b]] = 1;
-    for (int j = 0; c->dense->dim == 3 && j < 4; j++) {
-        const int32_t triangle[3] = {node[a], node[b], node[j]};
-        if (j != a && j != b && number[node[j]] >= 0 && is_off_plane(c, triangle, node[mid]))
-            c->is_fixed[node[j]] = 1;
+    if (is_edge)
+        c->is_fixed[node[a]] = c->is_fixed[node[b]] = 1;
+    for (int k = 0; c->dense->dim == 3 && k < type->shape->n_facets; k++) {
+        const int8_t *facet = type->shape->facet[k];
+        for (int i = 0; i < 4 && facet[i] >= 0; i++) {
+            const int j = facet[i];
+            const int32_t triangle[3] = {node[a], node[b], node[j]};
+            if (j == a || j == b || !has_corner(facet, a) || !has_corner(facet, b) ||
+                number[node[j]] < 0 || !is_off_plane(c, triangle, node[mid]))
+                continue;
+            c->is_fixed[node[j]] = c->is_fixed[node[a]] = c->is_fixed[node[b]] = 1;
+        }
     }
 }
 
 /** Whether a cell has mids, and two of its corners are on the surface. */
 static int may_have_edge(const cell_surface *c, int64_t cell) {
-    const int type = c->given->cells->type[cell], dim = c->dense->dim;
+    const pl_cell_type *type = pl_cell_type_of(c->given->cells->type[cell]);
+    const int dim = c->dense->dim;
     const int32_t *node = c->given->cells->node + c->given->cells->offset[cell];
     int n = 0;
-    if (!pl_is_smoothed(c->given->cells, cell, dim) || pl_cell_type_of(type)->order == 1)
+    if (!pl_is_smoothed(c->given->cells, cell, dim) || type->order == 1)
         return 0;
-    for (int j = 0; j <= dim; j++)
+    for (int j = 0; j < type->shape->n_corners; j++)
         n += c->surface->number[node[j]] >= 0;
     return n >= 2;
 }
@@ -205,7 +221,7 @@ static void fix_by_cells(const cell_surface *c, const uint8_t *role) {
         const int k = type->shape->n_corners;
         for (int e = 0; curved >> e; e++)
             if (curved >> e & 1)
-                fix_curved(c, cells->node + cells->offset[i], type->between[k + e][0],
+                fix_curved(c, type, cells->node + cells->offset[i], type->between[k + e][0],
                            type->between[k + e][1], k + e);
     }
     for (int64_t i = 0; i < c->dense->n_nodes; i++)
@@ -224,7 +240,8 @@ int pl_find_slides(const pl_dense *dense, const planish_mesh *given, const plani
     pl_ridges ridges = {0};
     pl_lines lines = {0};
     uint8_t *is_fixed = pl_alloc_zero(mesh->n_nodes, 1);
-    int status = is_fixed ? pl_surface_create(mesh, tags, threads, &surface, is_fixed, error)
+    int status = is_fixed ? pl_surface_create(mesh, dense->corner ? given->cells : NULL, tags,
+                                              threads, &surface, is_fixed, error)
                           : pl_fail_memory(error, "the surface");
     if (!status)
         status = hold_twins(&surface, is_fixed, error);

@@ -5,7 +5,9 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "geometry/cell.h"
 #include "geometry/simplex.h"
+#include "topology/cells.h"
 #include "topology/facets.h"
 
 #include <math.h>
@@ -21,6 +23,7 @@ typedef struct found {
 /** The search for facets. */
 typedef struct facet_search {
     const planish_mesh *mesh;
+    const planish_cells *cells; /* or NULL */
     const planish_surface *tags;
     pl_tags tagged;      /* facets */
     uint8_t *has_tagged; /* [n] node of a tagged facet */
@@ -29,12 +32,13 @@ typedef struct facet_search {
                             first */
     found *found;        /* [n_found] ascending by nodes; NULL: they are counted */
     int64_t n_found;
+    uint8_t *half; /* [n_found] of cells: as in pl_surface */
 } facet_search;
 
 /* ---- tagged facets and edges -------------------------------------------------------------- */
 
-static int compare_nodes(const int32_t *a, const int32_t *b) {
-    for (int i = 0; i < 3; i++)
+static int compare_nodes(int n, const int32_t *a, const int32_t *b) {
+    for (int i = 0; i < n; i++)
         if (a[i] != b[i])
             return a[i] < b[i] ? -1 : 1;
     return 0;
@@ -42,26 +46,29 @@ static int compare_nodes(const int32_t *a, const int32_t *b) {
 
 static int compare_tagged(const void *a, const void *b) {
     const pl_tagged *s = a, *t = b;
-    const int order = compare_nodes(s->node, t->node);
+    const int order = compare_nodes(4, s->node, t->node);
     return order ? order : (s->tag > t->tag) - (s->tag < t->tag);
+}
+
+/** Sort n nodes, of which those behind the last one are -1. */
+static void sort_nodes(int n, int32_t *v) {
+    for (int i = 1; i < n; i++)
+        for (int j = i; j > 0 && v[j] >= 0 && v[j - 1] > v[j]; j--) {
+            const int32_t t = v[j];
+            v[j] = v[j - 1];
+            v[j - 1] = t;
+        }
 }
 
 void pl_tags_sort(pl_tags *tags) {
     const int64_t n = tags->n;
-    for (int64_t k = 0; k < n; k++) {
-        int32_t *v = tags->item[k].node;
-        for (int i = 1; i < 3; i++)
-            for (int j = i; j > 0 && v[j] >= 0 && v[j - 1] > v[j]; j--) {
-                const int32_t t = v[j];
-                v[j] = v[j - 1];
-                v[j - 1] = t;
-            }
-    }
+    for (int64_t k = 0; k < n; k++)
+        sort_nodes(4, tags->item[k].node);
     if (n > 0)
         qsort(tags->item, (size_t)n, sizeof *tags->item, compare_tagged);
     tags->n = 0;
     for (int64_t i = 0; i < n; i++)
-        if (i == 0 || compare_nodes(tags->item[i].node, tags->item[i - 1].node) != 0)
+        if (i == 0 || compare_nodes(4, tags->item[i].node, tags->item[i - 1].node) != 0)
             tags->item[tags->n++] = tags->item[i];
 }
 
@@ -69,7 +76,7 @@ pl_tagged *pl_tags_find(const pl_tags *tags, const int32_t *node) {
     int64_t low = 0, high = tags->n;
     while (low < high) {
         const int64_t middle = (low + high) / 2;
-        const int order = compare_nodes(tags->item[middle].node, node);
+        const int order = compare_nodes(4, tags->item[middle].node, node);
         if (order == 0)
             return &tags->item[middle];
         *(order < 0 ? &low : &high) = order < 0 ? middle + 1 : middle;
@@ -82,8 +89,8 @@ static int is_quadrilateral(int dim, int64_t n) {
     return dim == 3 && n != 3 && n != 6;
 }
 
-/** List the facets that the caller has tagged, and their corners. Those of quadrilaterals are fixed.
- */
+/** List the facets that the caller has tagged, and their corners. Without cells those of
+ *  quadrilaterals are fixed. */
 static void list_tagged(facet_search *s, uint8_t *is_fixed) {
     const planish_surface *tags = s->tags;
     const int dim = s->mesh->dim;
@@ -91,14 +98,15 @@ static void list_tagged(facet_search *s, uint8_t *is_fixed) {
         const int64_t first = tags->facet_offset ? tags->facet_offset[i] : i * dim;
         const int64_t n = tags->facet_offset ? tags->facet_offset[i + 1] - first : dim;
         const int32_t *node = tags->facets + first;
-        if (is_quadrilateral(dim, n)) {
-            for (int j = 0; j < 4; j++)
+        const int corners = is_quadrilateral(dim, n) ? 4 : dim;
+        if (corners > dim && !s->cells) {
+            for (int j = 0; j < corners; j++)
                 is_fixed[node[j]] = 1;
             continue;
         }
         pl_tagged *t = &s->tagged.item[s->tagged.n++];
-        *t = (pl_tagged){{-1, -1, -1}, tags->facet_tag ? tags->facet_tag[i] : 0, 0};
-        for (int j = 0; j < dim; j++) {
+        *t = (pl_tagged){{-1, -1, -1, -1}, tags->facet_tag ? tags->facet_tag[i] : 0, 0};
+        for (int j = 0; j < corners; j++) {
             t->node[j] = node[j];
             s->has_tagged[node[j]] = 1;
         }
@@ -109,7 +117,7 @@ static void list_tagged(facet_search *s, uint8_t *is_fixed) {
 /* ---- facets ------------------------------------------------------------------------------- */
 
 static int compare_found(const void *a, const void *b) {
-    return compare_nodes(((const found *)a)->node, ((const found *)b)->node);
+    return compare_nodes(3, ((const found *)a)->node, ((const found *)b)->node);
 }
 
 /** Sort the n facets of one smallest node: few, as a rule. */
@@ -122,10 +130,18 @@ static void sort_found(found *facets, int64_t n) {
     for (int64_t i = 1; i < n; i++) {
         const found f = facets[i];
         int64_t at = i;
-        for (; at > 0 && compare_nodes(facets[at - 1].node, f.node) > 0; at--)
+        for (; at > 0 && compare_nodes(3, facets[at - 1].node, f.node) > 0; at--)
             facets[at] = facets[at - 1];
         facets[at] = f;
     }
+}
+
+/** The label of a facet of so many elements, the first two of those regions, with that tag or NULL. */
+static pl_label make_label(int32_t n_elements, int32_t first, int32_t second, const pl_tagged *t) {
+    return (pl_label){.n_elements = n_elements,
+                      .region = {first < second ? first : second, first < second ? second : first},
+                      .is_tagged = t != NULL,
+                      .tag = t ? t->tag : 0};
 }
 
 /** Note the facets of the surface among those of node; in a first round only how many they are, and
@@ -141,16 +157,13 @@ static void note_facets(void *context, int32_t node, const pl_facet *facets, int
         int may_be_tagged = s->tagged.n > 0;
         for (int j = 0; j < s->mesh->dim && may_be_tagged; j++)
             may_be_tagged = s->has_tagged[f.node[j]];
-        pl_tagged *t = may_be_tagged ? pl_tags_find(&s->tagged, f.node) : NULL;
+        const int32_t key[] = {f.node[0], f.node[1], f.node[2], -1};
+        pl_tagged *t = may_be_tagged ? pl_tags_find(&s->tagged, key) : NULL;
         const int32_t first = region ? region[facet->element[0]] : 0;
         const int32_t second = region && facet->count > 1 ? region[facet->element[1]] : first;
         if (facet->count == 2 && first == second && !t)
             continue;
-        f.label =
-            (pl_label){.n_elements = facet->count,
-                       .region = {first < second ? first : second, first < second ? second : first},
-                       .is_tagged = t != NULL,
-                       .tag = t ? t->tag : 0};
+        f.label = make_label(facet->count, first, second, t);
         if (s->found) {
             s->found[s->place[node] + n] = f;
             if (t)
@@ -184,6 +197,126 @@ static int find_facets(facet_search *s, int threads, planish_error *error) {
     if (!status)
         status = pl_facets_match(s->mesh, &incidence, s->elsewhere, threads, note_facets, s, error);
     pl_incidence_destroy(&incidence);
+    return status;
+}
+
+/* ---- facets of cells ----------------------------------------------------------------------- */
+
+/** The tagged facet of n corners, or NULL. */
+static pl_tagged *find_tag(const facet_search *s, int n, const int32_t *corner) {
+    int32_t key[4] = {-1, -1, -1, -1};
+    for (int j = 0; j < n; j++) {
+        if (!s->has_tagged[corner[j]])
+            return NULL;
+        key[j] = corner[j];
+    }
+    sort_nodes(4, key);
+    return s->tagged.n > 0 ? pl_tags_find(&s->tagged, key) : NULL;
+}
+
+/** Whether a quadrilateral is cut well by its diagonal from corner first: the others are at both sides.
+ */
+static int is_cut(const facet_search *s, const int32_t *corner, int first) {
+    const double *x = s->mesh->coordinates;
+    double to[3][3], over[2][3];
+    for (int j = 0; j < 3; j++)
+        pl_from_to(3, x + 3 * (int64_t)corner[first], x + 3 * (int64_t)corner[(first + 1 + j) % 4],
+                   to[j]);
+    pl_cross(to[1], to[0], over[0]);
+    pl_cross(to[1], to[2], over[1]);
+    return pl_dot(3, over[0], over[1]) < 0;
+}
+
+/** Add a triangle or edge of a facet, ascending. */
+static void add_found(facet_search *s, int32_t a, int32_t b, int32_t c, pl_label label, int half) {
+    found *f = &s->found[s->n_found];
+    *f = (found){{a, b, c}, label};
+    sort_nodes(3, f->node);
+    s->half[s->n_found++] = (uint8_t)half;
+    for (int j = 0; j < s->mesh->dim; j++)
+        s->elsewhere[f->node[j]] = 0;
+}
+
+/** Add a facet of n corners; quadrilaterals are cut, as a rule at their lowest corner. */
+static void add_facet(facet_search *s, int n, const int32_t *corner, pl_label label) {
+    if (n < 4) {
+        add_found(s, corner[0], corner[1], n > 2 ? corner[2] : -1, label, 0);
+        return;
+    }
+    int at = 0;
+    for (int j = 1; j < n; j++)
+        at = corner[j] < corner[at] ? j : at;
+    at = is_cut(s, corner, at) ? at : (at + 1) % n;
+    const int32_t *const v[] = {corner + at, corner + (at + 1) % n, corner + (at + 2) % n,
+                                corner + (at + 3) % n};
+    add_found(s, *v[0], *v[1], *v[2], label, 1);
+    add_found(s, *v[0], *v[2], *v[3], label, 2);
+}
+
+/** How the elements share their facets. */
+typedef struct sharing {
+    int32_t *with;
+    uint8_t *n_sharing; /* both as of pl_cell_facets_find */
+} sharing;
+
+/** Find whether facet k of an element, of n corners, is of the surface, and its label. Of elements
+ *  that share it only one is asked. */
+static int is_of_surface(const facet_search *s, const sharing *by, int64_t element, int k, int n,
+                         const int32_t *corner, pl_label *label) {
+    const int64_t place = element * PL_CELL_FACET_PLACES + k;
+    const int32_t *region = s->tags ? s->tags->region : NULL;
+    const int32_t with = by->with[place];
+    const int count = by->n_sharing[place];
+    if (count == 0 || (count == 2) != (with >= 0))
+        return 0;
+    pl_tagged *t = find_tag(s, n, corner);
+    const int32_t first = region ? region[element] : 0;
+    const int32_t second = region && with >= 0 ? region[with] : first;
+    *label = make_label(count, first, second, t);
+    if (count == 2 && first == second && !t)
+        return 0;
+    if (t)
+        t->is_met = 1;
+    return 1;
+}
+
+/** Look at all facets; if the surface's are not added they are counted: *n_facets. */
+static void walk_facets(facet_search *s, const sharing *by, int is_counted, int64_t *n_facets) {
+    for (int64_t i = 0; i < s->cells->n; i++) {
+        const pl_cell_type *type = pl_cell_type_of(s->cells->type[i]);
+        const int n_own = type && type->shape->dim == s->mesh->dim ? type->shape->n_facets : 0;
+        for (int k = 0; k < n_own; k++) {
+            int32_t corner[4];
+            pl_label label;
+            const int n = pl_cell_facet(s->cells, i, k, corner);
+            if (!is_of_surface(s, by, i, k, n, corner, &label))
+                continue;
+            *n_facets += n < 4 ? 1 : 2;
+            if (!is_counted)
+                add_facet(s, n, corner, label);
+        }
+    }
+}
+
+/** Find the facets of cells. */
+static int find_cell_facets(facet_search *s, int threads, planish_error *error) {
+    const int64_t n_places = s->cells->n * PL_CELL_FACET_PLACES;
+    sharing by = {pl_alloc(n_places, sizeof *by.with), pl_alloc(n_places, 1)};
+    int64_t n = 0, n_added = 0;
+    int status = by.with && by.n_sharing
+                     ? pl_cell_facets_find(s->cells, s->mesh->dim, s->mesh->n_nodes, threads,
+                                           by.with, by.n_sharing, error)
+                     : pl_fail_memory(error, "the surface");
+    if (!status)
+        walk_facets(s, &by, 1, &n);
+    s->found = pl_alloc(status ? -1 : n, sizeof *s->found);
+    s->half = pl_alloc(status ? -1 : n, sizeof *s->half);
+    if (!status && (!s->found || !s->half))
+        status = pl_fail_memory(error, "the surface");
+    if (!status)
+        walk_facets(s, &by, 0, &n_added);
+    pl_free(by.with);
+    pl_free(by.n_sharing);
     return status;
 }
 
@@ -262,10 +395,11 @@ static int lay_out(const facet_search *s, pl_surface *surface, planish_error *er
     return PLANISH_OK;
 }
 
-int pl_surface_create(const planish_mesh *mesh, const planish_surface *tags, int threads,
-                      pl_surface *surface, uint8_t *is_fixed, planish_error *error) {
+int pl_surface_create(const planish_mesh *mesh, const planish_cells *cells,
+                      const planish_surface *tags, int threads, pl_surface *surface,
+                      uint8_t *is_fixed, planish_error *error) {
     const int64_t n = mesh->n_nodes;
-    facet_search s = {.mesh = mesh, .tags = tags};
+    facet_search s = {.mesh = mesh, .cells = cells, .tags = tags};
     *surface = (pl_surface){.dim = mesh->dim};
     s.tagged.item = pl_alloc(tags ? tags->n_facets : 0, sizeof *s.tagged.item);
     s.has_tagged = pl_alloc_zero(n, 1);
@@ -277,12 +411,13 @@ int pl_surface_create(const planish_mesh *mesh, const planish_surface *tags, int
     } else {
         memset(s.elsewhere, 1, (size_t)n);
         list_tagged(&s, is_fixed);
-        status = find_facets(&s, threads, error);
+        status = cells ? find_cell_facets(&s, threads, error) : find_facets(&s, threads, error);
     }
     if (!status)
         status = lay_out(&s, surface, error);
+    surface->half = s.half;
     for (const pl_tagged *t = s.tagged.item; !status && t < s.tagged.item + s.tagged.n; t++)
-        for (int j = 0; j < mesh->dim && !t->is_met; j++)
+        for (int j = 0; j < 4 && t->node[j] >= 0 && !t->is_met; j++)
             is_fixed[t->node[j]] = 1;
     pl_free(s.tagged.item);
     pl_free(s.has_tagged);
@@ -299,6 +434,7 @@ void pl_surface_destroy(pl_surface *surface) {
     pl_free(surface->x);
     pl_free(surface->facet);
     pl_free(surface->label);
+    pl_free(surface->half);
     pl_free(surface->offset);
     pl_free(surface->facet_of);
     pl_free(surface->number);

@@ -21,7 +21,7 @@
 
 /** Facet or edge that the caller has tagged. */
 typedef struct pl_tagged {
-    int32_t node[3]; /* ascending; the last one is -1 if there are only two */
+    int32_t node[4]; /* ascending; -1 at the end if there are fewer */
     int32_t tag;
     uint8_t is_met; /* the surface has it */
 } pl_tagged;
@@ -34,7 +34,7 @@ typedef struct pl_tags {
 /** Sort the nodes of every item, then the items. An item with two tags keeps the lower one. */
 void pl_tags_sort(pl_tags *tags);
 
-/** Find the item with these nodes [3]; NULL: there is none. */
+/** Find the item with these nodes [4]; NULL: there is none. */
 pl_tagged *pl_tags_find(const pl_tags *tags, const int32_t *node);
 
 /** Regions on both sides of a facet, and its tag: the shape has an edge where these change. */
@@ -44,15 +44,16 @@ typedef struct pl_label {
     int32_t is_tagged, tag;
 } pl_label;
 
-/** Facets: triangles of tetrahedra or edges of triangles. Their nodes have own numbers, 0 ..
- *  n_nodes - 1, ascending with the mesh's numbers. */
+/** Facets: triangles of solid elements, or edges of flat ones; quadrilaterals are two triangles. Their
+ *  nodes have own numbers, 0 .. n_nodes - 1, ascending with the mesh's numbers. */
 typedef struct pl_surface {
     int dim;
     int64_t n_nodes, n_facets;
-    int32_t *node;     /* [n_nodes] the mesh's numbers */
-    double *x;         /* [n_nodes][dim] their coordinates, scaled by a power of two to about 1 */
-    int32_t *facet;    /* [n_facets][dim] by own numbers, ascending */
-    pl_label *label;   /* [n_facets] */
+    int32_t *node;   /* [n_nodes] the mesh's numbers */
+    double *x;       /* [n_nodes][dim] their coordinates, scaled by a power of two to about 1 */
+    int32_t *facet;  /* [n_facets][dim] by own numbers, ascending */
+    pl_label *label; /* [n_facets] */
+    uint8_t *half; /* [n_facets] 1 and then 2: halves of a quadrilateral; 0: whole. NULL: all are */
     int64_t *offset;   /* [n_nodes + 1] into facet_of */
     int32_t *facet_of; /* the facets of each node, ascending */
     double size;       /* diagonal of the bounding box */
@@ -60,10 +61,12 @@ typedef struct pl_surface {
     int32_t *number;   /* [nodes of the mesh] own number, -1: not on the surface */
 } pl_surface;
 
-/** Find the facets of one element, those between regions, and the tagged ones. is_fixed [nodes of
- *  the mesh] becomes 1 for corners of tagged facets that the mesh has not. Errors: _MEMORY. */
-int pl_surface_create(const planish_mesh *mesh, const planish_surface *tags, int threads,
-                      pl_surface *surface, uint8_t *is_fixed, planish_error *error);
+/** Find the facets of one element, those between regions, and the tagged ones. cells: elements, and
+ *  tags->region goes by them; NULL: those of mesh. is_fixed [nodes of the mesh] becomes 1 for
+ *  corners of tagged facets that the mesh has not. Errors: _MEMORY. */
+int pl_surface_create(const planish_mesh *mesh, const planish_cells *cells,
+                      const planish_surface *tags, int threads, pl_surface *surface,
+                      uint8_t *is_fixed, planish_error *error);
 
 /** Free the arrays of surface. */
 void pl_surface_destroy(pl_surface *surface);
@@ -97,7 +100,7 @@ typedef struct pl_planes {
 
 /** Find the planes of a surface in 3-D, and the edges between them. tolerance: how far nodes may be
  *  off, in the surface's units. is_fixed [nodes of the mesh] becomes 1 for nodes of tagged edges
- *  that are none of the surface. ridges is to be released in any case. Errors: _MEMORY. */
+ *  that are none of the surface, and of quadrilaterals that are not planar. ridges is to be released in any case. Errors: _MEMORY. */
 int pl_planes_create(const pl_surface *surface, const planish_surface *tags, double tolerance,
                      pl_planes *planes, pl_ridges *ridges, uint8_t *is_fixed, planish_error *error);
 

@@ -56,18 +56,24 @@ static const pl_cell_type *counted_type(const cell_sets *s, int64_t element) {
     return type && type->shape->dim == s->dim ? type : NULL;
 }
 
+int pl_cell_facet(const planish_cells *cells, int64_t element, int k, int32_t *node) {
+    const int8_t *corner = pl_cell_type_of(cells->type[element])->shape->facet[k];
+    const int32_t *of_element = cells->node + cells->offset[element];
+    int n = 0;
+    for (int i = 0; i < FACET_NODES && corner[i] >= 0; i++) {
+        const int32_t next = of_element[corner[i]];
+        if (n == 0 || (node[n - 1] != next && (node[0] != next)))
+            node[n++] = next;
+    }
+    return n;
+}
+
 /** Find facet k of an element. Nodes that are there twice count once. Returns 0 if there is no facet
  *  left then. */
 static int find_facet(const cell_sets *s, int64_t element, int k, facet *f) {
-    const pl_cell_shape *shape = counted_type(s, element)->shape;
-    const int32_t *node = s->cells->node + s->cells->offset[element];
     int32_t around[FACET_NODES];
-    int lowest = 0, n = 0;
-    for (int i = 0; i < FACET_NODES && shape->facet[k][i] >= 0; i++) {
-        const int32_t next = node[shape->facet[k][i]];
-        if (n == 0 || (around[n - 1] != next && (around[0] != next)))
-            around[n++] = next;
-    }
+    const int n = pl_cell_facet(s->cells, element, k, around);
+    int lowest = 0;
     if (n < 2 || n < s->dim)
         return 0;
     for (int i = 1; i < n; i++)
@@ -434,6 +440,24 @@ int pl_cell_census_find(const planish_cells *cells, int dim, int64_t n_nodes,
     if (status)
         pl_cell_census_destroy(census);
     return status;
+}
+
+int pl_cell_facets_find(const planish_cells *cells, int dim, int64_t n_nodes, int threads,
+                        int32_t *with, uint8_t *n_sharing, planish_error *error) {
+    pl_cell_census census = {.n_sharing = n_sharing};
+    cell_sets s = {.cells = cells,
+                   .dim = dim,
+                   .census = &census,
+                   .end = pl_alloc_zero(n_nodes + 1, sizeof *s.end),
+                   .joins = pl_alloc_zero(FACETS * cells->n, sizeof *s.joins)};
+    memset(n_sharing, 0, (size_t)(FACETS * cells->n));
+    const int is_there = s.end && s.joins && find_joins(&s, n_nodes, threads);
+    for (int64_t i = 0; is_there && i < FACETS * cells->n; i++)
+        with[i] = s.joins[i] > 0 ? (int32_t)((s.joins[i] - 1) >> 1) : -1;
+    pl_free(s.end);
+    pl_free(s.listed);
+    pl_free(s.joins);
+    return is_there ? PLANISH_OK : pl_fail_memory(error, "the facets of elements");
 }
 
 void pl_cell_census_destroy(pl_cell_census *census) {

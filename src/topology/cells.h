@@ -3,6 +3,8 @@
  *   pl_check_cell_fields, pl_check_cells     whether planish_cells are what their comments say
  *   pl_orient_cells                          the sign of a valid element's det J (cell_orientation.c)
  *   pl_cell_census_find, _destroy            and how many elements share each facet
+ *   pl_cell_facets_find                      which elements share each facet
+ *   pl_cell_facet                            the corners of a facet
  */
 #ifndef PL_TOPOLOGY_CELLS_H
 #define PL_TOPOLOGY_CELLS_H
@@ -27,14 +29,15 @@ enum { PL_CELL_FACET_PLACES = 8 }; /* of each element in arrays by facets */
 
 /** How elements share facets. Owned. */
 typedef struct pl_cell_census {
-    int8_t *sign;         /* [n] as of pl_orient_cells */
-    uint8_t *n_sharing;   /* [n * PL_CELL_FACET_PLACES] elements that have facet k of element i, 3 for
+    int8_t *sign;       /* [n] as of pl_orient_cells */
+    uint8_t *n_sharing; /* [n * PL_CELL_FACET_PLACES] elements that have facet k of element i, 3 for
                              more than two: at i * PL_CELL_FACET_PLACES + k; 0: there is no such
                              facet */
-    uint8_t *on_boundary; /* [n_nodes] 1: corner of a facet of one element, of more than two, or that
+    uint8_t
+        *on_boundary; /* [n_nodes] 1: corner of a facet of one element, of more than two, or that
                              contradicts the orientation */
     int64_t n_boundary_facets, n_nonmanifold_facets; /* of one element, of more than two */
-    int64_t n_duplicate_elements;                    /* with the nodes of an earlier one in its order */
+    int64_t n_duplicate_elements; /* with the nodes of an earlier one in its order */
 } pl_cell_census;
 
 /** Find the signs as pl_orient_cells does, and how facets are shared. Errors: _MEMORY. */
@@ -44,5 +47,15 @@ int pl_cell_census_find(const planish_cells *cells, int dim, int64_t n_nodes,
 
 /** Free the arrays of census. */
 void pl_cell_census_destroy(pl_cell_census *census);
+
+/** Find which elements of dimension dim share facets: n_sharing as of a census, and with
+ *  [n * PL_CELL_FACET_PLACES] an earlier element, the first of those that have the facet; -1: the
+ *  element is that itself, is listed twice, or has no such facet. Errors: _MEMORY. */
+int pl_cell_facets_find(const planish_cells *cells, int dim, int64_t n_nodes, int threads,
+                        int32_t *with, uint8_t *n_sharing, planish_error *error);
+
+/** List the corners of facet k of an element, in order around it, each once: node [4]. Returns how
+ *  many; fewer than the dimension: there is no facet left. */
+int pl_cell_facet(const planish_cells *cells, int64_t element, int k, int32_t *node);
 
 #endif

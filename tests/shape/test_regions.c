@@ -1,6 +1,7 @@
 /* planish_find_regions, planish_combine_regions, planish_find_interfaces: which arrays of values
  * per element tell regions, what they make together, and the nodes between. */
 #include "support/allocations.h"
+#include "support/cell_meshes.h"
 #include "support/meshes.h"
 
 #include <limits.h>
@@ -305,6 +306,81 @@ static void nodes_between_are_found(void **state) {
     }
 }
 
+/* ---- cells of any types ---------------------------------------------------------------------- */
+
+/** Cells tell regions by their facets, whatever their types, and corners of cells are between these. */
+static void cells_have_regions(void **state) {
+    (void)state;
+    for (int kind = 0; kind < N_BOX_KINDS; kind++)
+        for (int is_raised = 0; is_raised < 2; is_raised++) {
+            cell_box *plain = cell_box_create((cell_box_kind)kind, CELLS);
+            cell_box *box = is_raised ? cell_box_raise(plain, 1) : plain;
+            const planish_mesh *mesh = &box->mesh;
+            const int64_t n = box->cells.n;
+            int32_t *half = malloc((size_t)n * sizeof *half),
+                    *odd = malloc((size_t)n * sizeof *odd);
+            uint8_t *is_between = malloc((size_t)mesh->n_nodes);
+            planish_error error = {.text = ""};
+            int64_t n_between = 0, expected = 0;
+            for (int64_t i = 0; i < n; i++) {
+                double lowest = CELLS;
+                int place = 0;
+                for (int d = 0; d < mesh->dim; d++) {
+                    double low = CELLS;
+                    for (int64_t k = box->offset[i]; k < box->offset[i + 1]; k++)
+                        low = fmin(low, floor(box->x[(int64_t)box->node[k] * mesh->dim + d]));
+                    place += (int)low;
+                    lowest = d == 0 ? low : lowest;
+                }
+                half[i] = lowest < CELLS / 2 ? 7 : -3;
+                odd[i] = place % 2; /* a chessboard */
+            }
+            planish_cell_array arrays[] = {
+                {.name = "mat_id", .values = half, .type = PLANISH_NUMBER_INT32},
+                {.name = "x", .values = odd, .type = PLANISH_NUMBER_INT32}};
+            for (int threads = 1; threads <= 3; threads += 2) {
+                if (planish_find_regions(mesh, arrays, 2, threads, &error))
+                    fail_msg("%s", error.text);
+                assert_true(arrays[0].is_region);
+                /* Of cubes and squares all facets differ; six pyramids have more within their cube. */
+                if (kind == BOX_QUADRILATERALS || kind == BOX_HEXAHEDRA)
+                    assert_false(arrays[1].is_region);
+            }
+            assert_int_equal(planish_find_interfaces(mesh, half, 2, is_between, &n_between, &error),
+                             PLANISH_OK);
+            for (int64_t i = 0; i < plain->mesh.n_nodes; i++) {
+                const int is_middle = box->x[i * mesh->dim] == CELLS / 2;
+                assert_int_equal(is_between[i], is_middle);
+                expected += is_middle;
+            }
+            assert_int_equal(n_between, expected);
+            free(half);
+            free(odd);
+            free(is_between);
+            if (is_raised)
+                cell_box_destroy(box);
+            cell_box_destroy(plain);
+        }
+}
+
+/** Facets of few cells decide: of four hexahedra in a row two facets are the same, one differs. */
+static void facets_of_cells_are_counted(void **state) {
+    (void)state;
+    static const int32_t values[][4] = {{1, 1, 1, 2}, {1, 1, 2, 3}, {1, 2, 3, 4}};
+    static const int tell[] = {1, 0, 0};
+    cell_box *box = cell_box_create(BOX_HEXAHEDRA, 4);
+    const planish_cells row = {.n = 4, .type = box->type, .offset = box->offset, .node = box->node};
+    planish_mesh mesh = box->mesh;
+    mesh.cells = &row;
+    mesh.n_elements = 4;
+    for (int i = 0; i < 3; i++) {
+        planish_cell_array array = {.name = "x", .values = values[i], .type = PLANISH_NUMBER_INT32};
+        assert_int_equal(planish_find_regions(&mesh, &array, 1, 1, NULL), 0);
+        assert_int_equal(array.is_region, tell[i]);
+    }
+    cell_box_destroy(box);
+}
+
 /* ---- errors --------------------------------------------------------------------------------- */
 
 static void nonsense_is_refused(void **state) {
@@ -392,6 +468,8 @@ int main(void) {
         cmocka_unit_test(arrays_are_combined),
         cmocka_unit_test(many_regions_are_numbered),
         cmocka_unit_test(nodes_between_are_found),
+        cmocka_unit_test(cells_have_regions),
+        cmocka_unit_test(facets_of_cells_are_counted),
         cmocka_unit_test(nonsense_is_refused),
         cmocka_unit_test(memory_may_be_short),
     };
