@@ -63,6 +63,10 @@ typedef struct pl_corner_form {
     double determinant; /* of the ideal corner with edges of 1 */
     double volume;      /* D times it counts as the element's volume: what a minimum volume is of */
     int corner;         /* which node is the corner: 0 .. 2 for p0 .. p2; -1: x */
+    uint8_t is_edge[6]; /* 1: the element has the edge; in the order of weight */
+    double row[8];      /* as kernels load them: o = p0 + row[0] (p1 - p0) + row[1] (p2 - p0); c;
+                           share; e0 = sum of row[4 + k] |edge k|^2 over p0 p1, p0 p2, p1 p2; 0.
+                           E, so c and e0, times the root of factor: mu^2 = E^2 D^-k */
 } pl_corner_form;
 
 /** Make the forms of all codes for elements of dimension dim. */

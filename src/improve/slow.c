@@ -41,7 +41,8 @@ static void slope_chunk(void *context, int64_t begin, int64_t end, int thread) {
         pl_star_value value;
         if (!f->in_patch[plan->interior.centre[i]])
             continue;
-        plan->kernel->evaluate[plan->dim - 2](&f->run->problem, i, scratch, 1, &value);
+        pl_star_ratio_of(plan->kernel, &f->run->problem, plan->dim)(&f->run->problem, i, scratch, 1,
+                                                                    &value);
         memcpy(f->slope[i].gradient, value.gradient, sizeof value.gradient);
         memcpy(f->slope[i].hessian, value.hessian, sizeof value.hessian);
         if (!value.certain || !(value.max * (1 + value.error) <= f->rr2_limit))
@@ -157,7 +158,8 @@ static int try_acceleration(pl_run *r, pl_acceleration acceleration, double fall
      * the worst there is. */
     for (int64_t i = 0; i < plan->interior.stars.n_stars; i++) {
         pl_star_value value;
-        plan->kernel->evaluate[plan->dim - 2](&r->problem, i, plan->scratch.kernels, 1, &value);
+        pl_star_ratio_of(plan->kernel, &r->problem, plan->dim)(&r->problem, i,
+                                                               plan->scratch.kernels, 1, &value);
         f.in_patch[plan->interior.centre[i]] = value.certain != 0;
         if (value.certain)
             f.rr2_limit = fmax(f.rr2_limit, value.max * (1 + value.error));

@@ -1,8 +1,10 @@
-/* kernel_acute: whether an element of a star has an angle that is too small (geometry/angle.h).
+/* kernel_acute: whether an element of a star has an angle that is too small (geometry/angle.h), or a
+ * corner a scaled Jacobian that is.
  *
  *   has_acute_angle         the answer for a star
  *   acute_3d, acute_2d      the answer for a pack of elements
  *   acute_between           the answer for two facets of each
+ *   has_small_jacobian      the answer for the corners of a star
  */
 #ifndef PL_STAR_KERNEL_ACUTE_H
 #define PL_STAR_KERNEL_ACUTE_H
@@ -71,6 +73,45 @@ PL_NOINLINE int has_acute_angle(const star *s, const double *position, double li
         any |= dim == 3 ? acute_3d(s, i, position, lanes_of(limit), guarded)
                         : acute_2d(s, i, position, lanes_of(limit));
     return lanes_any_set(any);
+}
+
+/* ---- scaled Jacobians ---------------------------------------------------------------------- */
+
+/** Node j of facet i, where x is the node of the star. */
+static inline void corner_node(const star *s, int64_t i, int j, const int guarded, double *p,
+                               const int dim) {
+    static const uint8_t first[3][3] = {{P0X, P0Y, P0Z}, {P1X, P1Y, P1Z}, {P2X, P2Y, P2Z}};
+    const double *row = s->spare + s->facet[i * dim + j]; /* the ring, if it is still there */
+    for (int d = 0; d < dim; d++)
+        p[d] = guarded || dim == 2 ? *entry(s, first[j][d], i) : row[d];
+}
+
+/** Whether 1 / SJ^2 of a corner is above limit with the node at position. SJ is D by the lengths of
+ *  the corner's dim edges and by the ideal corner's determinant. Not inlined: it is seldom asked for.
+ */
+PL_NOINLINE int has_small_jacobian(const star *s, const double *position, double limit,
+                                   const int guarded, const int dim) {
+    int found = 0;
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        const pl_corner_form *f = &s->forms[s->form[i]];
+        double p[3][3], D = *entry(s, BASE, i), squares = f->determinant * f->determinant;
+        for (int j = 0; j < dim; j++)
+            corner_node(s, i, j, guarded, p[j], dim);
+        for (int j = 0; j < dim; j++) { /* from the corner, p_corner or x, to the others */
+            const double *at = f->corner < 0 ? position : p[f->corner];
+            const double *to = f->corner == j ? position : p[j];
+            double square = 0;
+            for (int d = 0; d < dim; d++)
+                square += (to[d] - at[d]) * (to[d] - at[d]);
+            squares *= square;
+        }
+        for (int d = 0; d < dim; d++)
+            D += (position[d] - p[0][d]) * (dim == 3 ? *entry(s, NX + d, i)
+                                            : d      ? p[1][0] - p[0][0]
+                                                     : p[0][1] - p[1][1]);
+        found |= squares > limit * (D * D);
+    }
+    return found;
 }
 
 #endif

@@ -3,16 +3,20 @@
  *   visit_range, evaluate     stars of either kernel
  *   PL_ENTRIES                the functions of the table for one dimension
  *
- * Each of kernel_*.c and guarded_*.c includes this file once. It defines before: PL_PACK, lanes of
- * a pack; PL_ISA, the name of the instruction set; and PL_GUARDED, 1 in guarded_*.c, else 0. Their
- * compiler flags are in CMakeLists.txt.
+ * CMakeLists.txt writes a source for each kernel and instruction set, from kernel.c.in. It includes
+ * this file once and defines before: PL_PACK, lanes of a pack; PL_ISA, the name of the instruction
+ * set; and PL_KERNEL, the kernel (kernel_lanes.h). Their compiler flags are in CMakeLists.txt.
  */
-#if PL_GUARDED
+#include "star/kernel_lanes.h"
+
+#if PL_KERNEL == PL_GUARDED
 #include "star/kernel_guarded.h"
 #include "star/kernel_untangle.h"
 #else
 #include "star/kernel_visit.h"
 #endif
+
+enum { IS_GUARDED = PL_KERNEL == PL_GUARDED };
 
 /** Visit stars begin .. end - 1. */
 static inline void visit_range(const pl_star_problem *problem, int64_t begin, int64_t end,
@@ -22,7 +26,7 @@ static inline void visit_range(const pl_star_problem *problem, int64_t begin, in
     for (int64_t i = begin; i < end; i++) {
         fetch_ahead(problem, i + AHEAD, end, dim);
         const int flags = claim(problem, i);
-        if (!flags || (PL_GUARDED && pl_star_is_held(problem->guard, problem->node[i], dim)))
+        if (!flags || (IS_GUARDED && pl_star_is_held(problem->guard, problem->node[i], dim)))
             continue;
         visit_star(problem, i, flags, scratch, tally, dim);
         tally->visits++;
@@ -35,7 +39,7 @@ static inline int evaluate(const pl_star_problem *problem, int64_t index, double
     const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
     int64_t evaluations = 0;
     local here;
-    local_init(&here, problem, index, place, NULL, scratch, &evaluations, PL_GUARDED, dim);
+    local_init(&here, problem, index, place, NULL, scratch, &evaluations, IS_GUARDED, dim);
     double x[3];
     to_star(&here, place, x, dim);
     derivatives derivative = {{0}, {0}, 0};
@@ -67,7 +71,7 @@ static inline int evaluate(const pl_star_problem *problem, int64_t index, double
 PL_ENTRIES(triangles, 2)
 PL_ENTRIES(tetrahedra, 3)
 
-#if PL_GUARDED
+#if PL_KERNEL == PL_GUARDED
 
 #define PL_GUARDED_ENTRIES(stars, dim)                                                             \
     static void optimality_##stars(const pl_star_problem *problem, int64_t begin, int64_t end,     \
@@ -94,12 +98,20 @@ const pl_star_guarded PL_JOIN(pl_star_guarded_, PL_ISA) = {
     .energy = {energy_triangles, energy_tetrahedra},
 };
 
+#elif PL_KERNEL == PL_MEAN
+
+const pl_star_mean PL_JOIN(pl_star_mean_, PL_ISA) = {
+    .visit = {visit_triangles, visit_tetrahedra},
+    .evaluate = {evaluate_triangles, evaluate_tetrahedra},
+};
+
 #else
 
 const pl_star_kernel PL_JOIN(pl_star_kernel_, PL_ISA) = {
     .name = PL_TEXT(PL_ISA),
     .visit = {visit_triangles, visit_tetrahedra},
     .evaluate = {evaluate_triangles, evaluate_tetrahedra},
+    .mean = &PL_JOIN(pl_star_mean_, PL_ISA),
     .guarded = &PL_JOIN(pl_star_guarded_, PL_ISA),
 };
 

@@ -5,9 +5,10 @@
  * columns of PL_LANES facets lie together (an array of structures of packs). All of a star lies
  * together in scratch.
  *
- *   star, node_of_facet                               a star, and the nodes of its facets
+ *   star, has_forms, node_of_facet                    a star, and the nodes of its facets
  *   in_block, pack_in_block, entry, load, store       entries of columns, one or a pack
  *   vec3_*                                            packs of vectors
+ *   form_row, forms_3d, form_2d                       forms of the facets of corners
  *   store_point, facets_3d, circles_3d, facets_2d     fill the columns
  */
 #ifndef PL_STAR_KERNEL_FACETS_H
@@ -71,6 +72,20 @@ enum {
     COLUMNS_3D
 };
 
+/** Columns of facets with forms (geometry/corner.h), instead of others. OX, OY, OZ are p0 - o. */
+enum {
+    FORM_C = NN,  /* E = c |x - o|^2 + e0, c */
+    FORM_E0 = WW, /* and e0 */
+    BASE = CX,    /* D = base + n . (x - p0): 0, but of further rows */
+    /* The rest is for the guarded kernel alone. */
+    IS_EDGE = CY,               /* six: 1 if the element has the edge, else 0; those at x first */
+    EDGE_SHARE = IS_EDGE + 6,   /* 1 / its edges */
+    AT_CORNER = EDGE_SHARE + 1, /* three: 1 if the edge x p_i is one of the corner's, else 0 */
+    JACOBIAN = AT_CORNER + 3,   /* SJ^-2 = this times the squares of these edges / D^2 */
+    FORM_COLUMNS_END = JACOBIAN + 1
+};
+_Static_assert((int)FORM_COLUMNS_END <= (int)COLUMNS_3D, "columns of forms have room");
+
 /** Gathered star. Its coordinates are those of the mesh times a power of two, which brings the
  * star to a size of about 1: no bit of any result depends on it, and nothing over- or underflows.
  */
@@ -84,8 +99,11 @@ typedef struct star {
     double *edge_row;      /* [padded_edges][PL_ROW] likewise, while derivatives are computed */
     int64_t padded_edges;  /* edges, padded to PL_LANES */
     const uint32_t *facet; /* [padded][dim] its nodes, as rows of the ring */
-    const uint32_t *facet_edge; /* [padded][3] its edges, as rows of edges, 3-D */
-    const int32_t *ring;        /* [n_ring] */
+    const uint32_t *facet_edge; /* [padded][3] its edges, as rows of edges, 3-D; without forms */
+    const uint32_t *form;       /* [padded] its form, as a row of forms; NULL: all are simplices */
+    const pl_corner_form *forms;
+    double weight;       /* sum of the facets' */
+    const int32_t *ring; /* [n_ring] */
     int64_t n_ring;
     double scale, unscale; /* coordinates here / in the mesh, and the inverse */
     double *spare;         /* [SPARE_ROWS + padded][4] for the rows of constraints */
@@ -93,6 +111,11 @@ typedef struct star {
 
 /* Rows of constraints besides the facets': two bounds per coordinate, and the distance moved. */
 enum { SPARE_ROWS = 7, ROW_LENGTH = 4 };
+
+/** Whether the facets have forms, and their ratios are mean ratios. */
+PL_INLINE int has_forms(const star *s) {
+    return PL_KERNEL == PL_GUARDED ? s->form != NULL : PL_KERNEL == PL_MEAN;
+}
 
 /** Node j of facet i, by its inner number. */
 PL_INLINE int32_t node_of_facet(const star *s, int64_t i, int j, int dim) {
@@ -180,6 +203,11 @@ PL_INLINE vec3 vec3_cross(vec3 a, vec3 b) {
 #define ROUNDING_3D (4.0 / 3 * 64 * 0x1p-106)
 #define ROUNDING_2D (16 * 0x1p-106)
 
+/* AR^2 of the mean ratio is E^2 D^(-4/3), E the sum of the squared edges times this; in the plane
+ * E^2 D^-2. */
+#define ROOT_OF_FACTOR_3D 0.13228342099734996 /* 2^(2/3) / 12 */
+#define ROOT_OF_FACTOR_2D 0.28867513459481288 /* 1 / sqrt(12) */
+
 /** The columns of one corner. */
 PL_INLINE void store_point(const star *s, int cx, int cy, int cz, int64_t i, const lanes *p,
                            const int dim) {
@@ -189,9 +217,79 @@ PL_INLINE void store_point(const star *s, int cx, int cy, int cz, int64_t i, con
         store(s, cz, i, p[2]);
 }
 
+/* ---- forms --------------------------------------------------------------------------------- */
+
+/** Rows of the forms of a pack, as columns. */
+typedef struct form_row {
+    lanes column[8];
+} form_row;
+
+/** Row of the only form of simplices: the mean ratio of one counts all edges alike. */
+PL_INLINE form_row simplex_row(const int dim) {
+    const lanes zero = lanes_of(0), third = lanes_of(1.0 / 3), half = lanes_of(0.5);
+    const double c = dim == 3 ? 3 * ROOT_OF_FACTOR_3D : 2 * ROOT_OF_FACTOR_2D;
+    const lanes of = lanes_of(dim == 3 ? 4 * ROOT_OF_FACTOR_3D / 3 : 3 * ROOT_OF_FACTOR_2D / 2);
+    return (form_row){{dim == 3 ? third : half, dim == 3 ? third : zero, lanes_of(c), lanes_of(1),
+                       of, dim == 3 ? of : zero, dim == 3 ? of : zero, zero}};
+}
+
+/** Load the rows of the pack at facet i. */
+PL_INLINE form_row form_row_load(const star *s, int64_t i, const int dim) {
+    form_row r;
+    if (!s->form)
+        return simplex_row(dim);
+    const double *row[PL_PACK];
+    for (int k = 0; k < PL_PACK; k++)
+        row[k] = s->forms[s->form[i + k]].row;
+#if PL_PACK == 4 && defined(__AVX__)
+    for (int half = 0; half < 8; half += 4) {
+        lanes in[4];
+        for (int k = 0; k < 4; k++)
+            in[k] = _mm256_loadu_pd(row[k] + half);
+        exchange(in, r.column + half);
+    }
+#else
+    for (int c = 0; c < 8; c++)
+        for (int k = 0; k < PL_PACK; k++)
+            ((double *)&r.column[c])[k] = row[k][c];
+#endif
+    return r;
+}
+
+/** Compute the constants of the forms of a pack of facets from b = p1 - p0 and c = p2 - p0. */
+PL_INLINE void forms_3d(const star *s, int64_t i, vec3 b, vec3 c) {
+    const form_row r = form_row_load(s, i, 3);
+    const vec3 e = vec3_minus(c, b);
+    const lanes zero = lanes_of(0);
+    vec3_store(s, OX, i,
+               (vec3){zero - (r.column[0] * b.x + r.column[1] * c.x),
+                      zero - (r.column[0] * b.y + r.column[1] * c.y),
+                      zero - (r.column[0] * b.z + r.column[1] * c.z)});
+    store(s, FORM_C, i, r.column[2]);
+    store(s, FORM_E0, i,
+          r.column[4] * vec3_dot(b, b) + r.column[5] * vec3_dot(c, c) +
+              r.column[6] * vec3_dot(e, e));
+    store(s, WEIGHT, i, r.column[3]);
+    store(s, BASE, i, zero);
+}
+
+/** Compute the constants of the forms of a pack of edges b. */
+PL_INLINE void form_2d(const star *s, int64_t i, lanes bx, lanes by, lanes bb) {
+    const form_row r = form_row_load(s, i, 2);
+    store(s, OX, i, lanes_of(0) - r.column[0] * bx);
+    store(s, OY, i, lanes_of(0) - r.column[0] * by);
+    store(s, FORM_C, i, r.column[2]);
+    store(s, FORM_E0, i, r.column[4] * bb);
+    store(s, WEIGHT, i, r.column[3]);
+    store(s, BASE, i, lanes_of(0));
+}
+
+/* ---- facets -------------------------------------------------------------------------------- */
+
 /** Compute the constants of the facets of a star of tetrahedra, except circles_3d, from their
  *  nodes in ring [.][PL_ROW]; OX, OY, OZ are w until then. */
-PL_INLINE void facets_3d(const star *s, const double *ring, const int guarded) {
+PL_INLINE void facets_3d(const star *s, const double *ring, const int guarded,
+                         const int of_corners) {
     for (int64_t i = 0; i < s->padded; i += PL_PACK) {
         lanes p0[PL_ROW], p1[PL_ROW], p2[PL_ROW];
         points_to_columns(ring, s->facet + 3 * i, 3, p0);
@@ -205,9 +303,11 @@ PL_INLINE void facets_3d(const star *s, const double *ring, const int guarded) {
         vec3 b = {p1[0] - p0[0], p1[1] - p0[1], p1[2] - p0[2]};
         vec3 c = {p2[0] - p0[0], p2[1] - p0[1], p2[2] - p0[2]};
         lanes bb = vec3_dot(b, b), cc = vec3_dot(c, c);
-        vec3 w = vec3_minus(vec3_scaled(c, bb), vec3_scaled(b, cc));
         vec3_store(s, NX, i, vec3_cross(b, c));
-        vec3_store(s, OX, i, w);
+        if (of_corners)
+            forms_3d(s, i, b, c);
+        else
+            vec3_store(s, OX, i, vec3_minus(vec3_scaled(c, bb), vec3_scaled(b, cc)));
         store(s, ROUNDING, i, lanes_of(ROUNDING_3D) * (bb * cc));
     }
 }
@@ -223,7 +323,7 @@ PL_INLINE void circles_3d(const star *s, int64_t i) {
 }
 
 /** Compute the constants of the facets of a star of triangles; these facets are edges. */
-PL_INLINE void facets_2d(const star *s, const double *ring) {
+PL_INLINE void facets_2d(const star *s, const double *ring, const int of_corners) {
     for (int64_t i = 0; i < s->padded; i += PL_PACK) {
         lanes p[PL_ROW], q[PL_ROW];
         points_to_columns(ring, s->facet + 2 * i, 2, p);
@@ -234,6 +334,8 @@ PL_INLINE void facets_2d(const star *s, const double *ring) {
         lanes bb = bx * bx + by * by;
         store(s, LENGTH, i, lanes_sqrt(bb));
         store(s, ROUNDING, i, lanes_of(ROUNDING_2D) * bb);
+        if (of_corners)
+            form_2d(s, i, bx, by, bb);
     }
 }
 

@@ -99,14 +99,14 @@ PL_INLINE void gather_ring(const pl_star_problem *problem, star *s, const double
  * underflows, and which elements are above and below is the same. */
 #define FLOOR_LEAST 1e-100
 
-/** The least D of an element with its own minimum volume, or else the general one. Times scale dim
- *  times, one by one: the volume is of the size of the star. */
+/** The least D of an element with its own minimum volume, or else the general one; per_volume: D of
+ *  a volume of 1. Times scale dim times, one by one: the volume is of the size of the star. */
 static inline double floor_of(const pl_star_problem *problem, const star *s, double own,
-                              const int dim) {
+                              double per_volume, const int dim) {
     double volume = own > 0 ? own : problem->guard->min_volume, least = volume;
     for (int d = 0; d < dim; d++)
         least *= s->scale;
-    least *= dim == 3 ? 6 : 2;
+    least *= per_volume;
     if (!(volume > 0))
         return 0;
     least = least > FLOOR_LEAST ? least : FLOOR_LEAST;
@@ -119,14 +119,17 @@ static inline double floor_of(const pl_star_problem *problem, const star *s, dou
 PL_INLINE void gather_floors(const pl_star_problem *problem, const star *s, int64_t first,
                              const int dim) {
     const double *own = problem->guard->link_min_volume;
-    double floor = floor_of(problem, s, own ? own[first] : 0, dim);
+    const double of_simplex = dim == 3 ? 6 : 2;
+    double per_volume = s->form ? 1 / s->forms[s->form[0]].volume : of_simplex;
+    double floor = floor_of(problem, s, own ? own[first] : 0, per_volume, dim);
     double inverse_floor = floor > 0 ? 1 / floor : 0;
     for (int64_t i = 0; i < s->padded; i += PL_PACK) {
         store(s, FLOOR, i, lanes_of(floor)); /* of all, or of facet 0 and the padding */
         store(s, INVERSE_FLOOR, i, lanes_of(inverse_floor));
     }
-    for (int64_t i = 1; own && i < s->n_facets; i++) {
-        *entry(s, FLOOR, i) = floor_of(problem, s, own[first + i], dim);
+    for (int64_t i = 1; (own || s->form) && i < s->n_facets; i++) {
+        per_volume = s->form ? 1 / s->forms[s->form[i]].volume : of_simplex;
+        *entry(s, FLOOR, i) = floor_of(problem, s, own ? own[first + i] : 0, per_volume, dim);
         *entry(s, INVERSE_FLOOR, i) = *entry(s, FLOOR, i) > 0 ? 1 / *entry(s, FLOOR, i) : 0;
     }
     if (problem->guard->penalty > 0) {
@@ -150,10 +153,10 @@ static inline int64_t column_doubles(int64_t padded) {
 /* Numbers of an edge: its columns, area and shared weight, and row. */
 enum { EDGE_DOUBLES = EDGE_COLUMNS + 2 + PL_ROW };
 
-/** Room for the positions of the facets' nodes, of their edges and of the edges' nodes, in doubles;
- *  what follows is aligned to a row. */
+/** Room for the positions of the facets' nodes, of their edges (or their forms) and of the edges'
+ *  nodes, in doubles; what follows is aligned to a row. */
 static inline int64_t position_doubles(int64_t padded, int64_t padded_edges, int dim) {
-    const int64_t positions = padded * (dim == 3 ? 6 : 2) + padded_edges * 2;
+    const int64_t positions = padded * (dim == 3 ? 6 : 3) + padded_edges * 2;
     return padded_to_lanes(positions * (int64_t)sizeof(uint32_t) / (int64_t)sizeof(double) + 1);
 }
 
@@ -171,6 +174,64 @@ PL_INLINE void unpack(const pl_link *link, int64_t from, int64_t n, int64_t padd
             row[i] += ((uint32_t)link->high[from + i] << 8) * PL_ROW;
     for (int64_t i = n * count; i < padded * count; i++)
         row[i] = row[i % count];
+}
+
+/** Fill rows [padded] with the forms of n facets. */
+PL_INLINE void unpack_forms(const uint8_t *code, int64_t n, int64_t padded, uint32_t *row) {
+    for (int64_t i = 0; i < n; i++)
+        row[i] = code[i];
+    for (int64_t i = n; i < padded; i++)
+        row[i] = row[0];
+}
+
+/** Fill in what the guarded kernel alone needs of the forms of facets. */
+static inline void gather_corners(const star *s, const int dim) {
+    static const uint8_t first[3][3] = {{P0X, P0Y, P0Z}, {P1X, P1Y, P1Z}, {P2X, P2Y, P2Z}};
+    for (int64_t i = 0; i < s->padded; i++) {
+        const pl_corner_form *f = &s->forms[s->form[i]];
+        double others = f->determinant * f->determinant;
+        int count = 0;
+        for (int k = 0; k < dim * (dim + 1) / 2; k++) {
+            *entry(s, IS_EDGE + k, i) = f->is_edge[k];
+            count += f->is_edge[k];
+        }
+        *entry(s, EDGE_SHARE, i) = 1.0 / count;
+        for (int j = 0; j < dim; j++) {
+            const int is_at = f->corner < 0 || f->corner == j;
+            double square = is_at;
+            for (int d = 0; !is_at && d < dim; d++) {
+                const double e = *entry(s, first[j][d], i) - *entry(s, first[f->corner][d], i);
+                square += e * e;
+            }
+            *entry(s, AT_CORNER + j, i) = is_at;
+            others *= square;
+        }
+        *entry(s, JACOBIAN, i) = others;
+        if (dim == 3) {
+            const double n[3] = {*entry(s, NX, i), *entry(s, NY, i), *entry(s, NZ, i)};
+            *entry(s, LENGTH, i) = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        }
+    }
+}
+
+/** Fill the columns of facets with forms from their nodes in ring [.][PL_ROW]. */
+PL_INLINE void gather_forms(star *s, const double *ring, const int guarded, const int dim) {
+    lanes weight[PL_PACKS];
+    s->facet_edge = NULL;
+    if (dim == 3)
+        facets_3d(s, ring, guarded, 1);
+    else
+        facets_2d(s, ring, 1);
+    for (int64_t i = s->n_facets; i < s->padded; i++)
+        *entry(s, WEIGHT, i) = 0;
+    for (int k = 0; k < PL_PACKS; k++)
+        weight[k] = lanes_of(0);
+    for (int64_t i = 0; i < s->padded; i += PL_LANES)
+        for (int k = 0; k < PL_PACKS; k++)
+            weight[k] += load(s, WEIGHT, i + k * PL_PACK);
+    s->weight = lanes_sum(weight);
+    if (guarded)
+        gather_corners(s, dim);
 }
 
 /** Gather star index of problem, with its node at x (as in the mesh), into scratch; exponent of its
@@ -199,10 +260,19 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
     gather_ring(problem, &s, x, exponent, ring, dim);
     unpack(&link, 0, s.n_facets, s.padded, dim, rows);
     s.facet = rows;
-    if (dim == 3) {
+    s.form = NULL;
+    s.forms = problem->form;
+    if (PL_KERNEL != PL_RADIUS && problem->link_form) {
+        uint32_t *of_forms = rows + dim * s.padded;
+        unpack_forms(problem->link_form + first, s.n_facets, s.padded, of_forms);
+        s.form = of_forms;
+    }
+    if (has_forms(&s)) {
+        gather_forms(&s, ring, guarded, dim);
+    } else if (dim == 3) {
         uint32_t *of_facets = rows + 3 * s.padded, *of_edges = of_facets + 3 * s.padded;
         s.facet_edge = of_facets;
-        facets_3d(&s, ring, guarded);
+        facets_3d(&s, ring, guarded, 0);
         if (guarded) {
             for (int64_t i = 0; i < s.padded; i += PL_PACK)
                 circles_3d(&s, i);
@@ -219,12 +289,15 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
         }
     } else {
         s.facet_edge = NULL;
-        facets_2d(&s, ring);
+        facets_2d(&s, ring, 0);
     }
-    for (int64_t i = 0; i < s.padded; i += PL_PACK)
-        store(&s, WEIGHT, i, lanes_of(1));
-    for (int64_t i = s.n_facets; i < s.padded; i++)
-        *entry(&s, WEIGHT, i) = 0;
+    if (!has_forms(&s)) {
+        for (int64_t i = 0; i < s.padded; i += PL_PACK)
+            store(&s, WEIGHT, i, lanes_of(1));
+        for (int64_t i = s.n_facets; i < s.padded; i++)
+            *entry(&s, WEIGHT, i) = 0;
+        s.weight = (double)s.n_facets;
+    }
     if (guarded)
         gather_floors(problem, &s, first, dim);
     return s;

@@ -4,7 +4,7 @@
  *   optimality_range    first-order optimality of stars
  *   evaluate_at         the function of a star
  *
- * kernel_entry.h includes this file for every guarded_*.c. kernel_visit.h has the plain problem
+ * kernel_entry.h includes this file for the guarded kernel. kernel_visit.h has the plain problem
  * alone, faster.
  */
 #ifndef PL_STAR_KERNEL_GUARDED_H
@@ -49,7 +49,7 @@ static inline int worth_a_step(const local *here, const double *x, const objecti
         return 0;
     if (is_of_worst(here->q.objective))
         return now->max > 1;
-    if (here->q.objective == PLANISH_OBJECTIVE_RADIUS_RATIO || !(skip > 0))
+    if (is_of_ratio(here) || !(skip > 0))
         return now->max > skip;
     return value_at(&here->s, x, 1, dim).max > skip;
 }
@@ -90,8 +90,7 @@ static inline int guarded_steps(local *here, double *x, objective *now, derivati
          * run into it: then that of steepest descent is tried. */
         conjugate none = {{0, 0, 0}, 0};
         if (!step_by(here, kind, &memory, x, now, derivative, dim) &&
-            !(kind == PLANISH_SEARCH_NEWTON &&
-              here->q.objective != PLANISH_OBJECTIVE_RADIUS_RATIO &&
+            !(kind == PLANISH_SEARCH_NEWTON && !is_of_ratio(here) &&
               step_by(here, PLANISH_SEARCH_FLETCHER_REEVES, &none, x, now, derivative, dim)))
             break;
         /* With a weight of the volumes, the function is F's only next to where it was weighed. */
@@ -101,6 +100,12 @@ static inline int guarded_steps(local *here, double *x, objective *now, derivati
             *now = find_derivatives(here, x, derivative, dim);
     } while (moves < wanted);
     return moves;
+}
+
+/** The largest ratio that limits are of, with the node at x, where the objective is now. */
+static inline double ratio_of(const local *here, const double *x, const objective *now,
+                              const int dim) {
+    return is_of_ratio(here) || !has_forms(&here->s) ? now->max : value_at(&here->s, x, 1, dim).max;
 }
 
 /** Visit one star with a guard. */
@@ -142,6 +147,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
     tally->restored += restored > 0;
     if (moved > restored)
         pl_sum_add(&tally->decrease, before - now.sum);
+    note_ratio(tally, ratio_of(&here, x, &now, dim));
     tally->improved += before - now.sum > IMPROVED * before;
 }
 

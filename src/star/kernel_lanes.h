@@ -16,6 +16,15 @@
 #ifndef PL_STAR_KERNEL_LANES_H
 #define PL_STAR_KERNEL_LANES_H
 
+/* Kernels, of which a file that includes this one is part (PL_KERNEL, before). RADIUS: radius ratios
+ * of simplices. MEAN: mean ratios of corners. GUARDED: both, and everything else. */
+#define PL_RADIUS  0
+#define PL_MEAN    1
+#define PL_GUARDED 2
+#ifndef PL_KERNEL
+#define PL_KERNEL PL_GUARDED
+#endif
+
 #include "geometry/inline.h"
 #include "star/star.h"
 

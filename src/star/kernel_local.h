@@ -1,7 +1,7 @@
 /* kernel_local: everything about the star under visit, and the bounds of its node.
  *
  *   local_init, to_star, to_mesh                        gather a star; scale to it and back
- *   claim, acquit, move_node                            flags and place of its node
+ *   claim, acquit, note_ratio, move_node                flags, ratio and place of its node
  *   bounds_init, within_bounds, clamp, bounds_rate      bounds of the node
  */
 #ifndef PL_STAR_KERNEL_LOCAL_H
@@ -94,6 +94,11 @@ static inline int claim(const pl_star_problem *problem, int64_t index) {
         return 0;
     __atomic_store_n(changed, PL_BAD, __ATOMIC_RELAXED);
     return flags;
+}
+
+/** Take in the largest ratio of a star that was visited. */
+static inline void note_ratio(pl_star_tally *tally, double max) {
+    tally->largest = max > tally->largest ? max : tally->largest;
 }
 
 /** Note that the star under visit has no element above rr2_skip. */

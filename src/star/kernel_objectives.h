@@ -6,7 +6,8 @@
  * docs/algorithm.md.
  *
  *   mean_ratio, edge_ratio, radius_ratio, worst_ratio, worst_angle_2d, _3d    a pack's measures
- *   measure_at, aspect_at, volume_constraint                                  a pack
+ *   corner_mean_ratio, worst_jacobian                                         and those of corners
+ *   measure_pack, measure_at, aspect_at, volume_constraint                    a pack
  *   guarded_at                                                                a star
  */
 #ifndef PL_STAR_KERNEL_OBJECTIVES_H
@@ -14,7 +15,7 @@
 
 #include "geometry/inline.h"
 #include "geometry/simplex.h"
-#include "star/kernel_radius_ratio.h"
+#include "star/kernel_mean.h"
 
 /* AR^2 of the mean ratio is E^2 D^(-4/3) times this, or E^2 D^-2; E the sum of the squared edges.
  */
@@ -36,9 +37,17 @@ enum { WORST_POWER = 5 };
 
 _Static_assert(PL_WORST_RATIO == 3, "aspect_at and guarded_sums_of know each objective by name");
 
+/* Measures of corners, beside the objectives. */
+enum { CORNER_MEAN_RATIO = PL_WORST_JACOBIAN + 1, CORNER_EDGE_RATIO, CORNER_WORST_RATIO };
+
+/** Whether a measure is one of corners. */
+static inline int is_of_corners(int kind) {
+    return kind >= PL_WORST_JACOBIAN;
+}
+
 /** Whether only the worst values count in an objective. */
 static inline int is_of_worst(int kind) {
-    return kind == PL_WORST_RATIO || kind == PL_WORST_ANGLE;
+    return kind == PL_WORST_RATIO || kind == PL_WORST_ANGLE || kind == PL_WORST_JACOBIAN;
 }
 
 /** Pack of elements at x. */
@@ -178,22 +187,39 @@ PL_INLINE void smoothed_extreme(const edges *e, const lanes *share, lanes total,
 }
 
 /** Compute AR^2 = (mean of square^q)^(1/q) (mean of square^-q)^(1/q): longest^2 / shortest^2,
- * smoothed. */
-PL_INLINE void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
-                          const int dim) {
+ * smoothed. of_corners: over the edges that their elements have. */
+PL_INLINE void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int of_corners,
+                          const int derive, const int dim) {
     const int n = n_edges(dim);
     edges e = edges_at(s, i, x, 1, dim);
     lanes longest = e.square[0], shortest = e.square[0], large[6], small[6];
-    for (int k = 1; k < n; k++) {
-        longest = lanes_max(e.square[k], longest);
-        shortest = lanes_min(e.square[k], shortest);
+    lanes share = lanes_of(1.0 / n);
+    if (of_corners) {
+        longest = lanes_of(0);
+        shortest = lanes_of(INFINITY);
+        share = load(s, EDGE_SHARE, i);
+    }
+    for (int k = of_corners ? 0 : 1; k < n; k++) {
+        lanes large_one = e.square[k], small_one = large_one;
+        if (of_corners) {
+            const lanes_mask is_edge = lanes_greater(load(s, IS_EDGE + k, i), lanes_of(0));
+            large_one = lanes_select(is_edge, large_one, lanes_of(0));
+            small_one = lanes_select(is_edge, small_one, lanes_of(INFINITY));
+        }
+        longest = lanes_max(large_one, longest);
+        shortest = lanes_min(small_one, shortest);
     }
     lanes to_longest = lanes_of(1) / longest;
     for (int k = 0; k < n; k++) {
         large[k] = squared(e.square[k] * to_longest, SHARPNESS);
         small[k] = squared(shortest / e.square[k], SHARPNESS);
+        if (!of_corners)
+            continue;
+        const lanes_mask is_edge = lanes_greater(load(s, IS_EDGE + k, i), lanes_of(0));
+        large[k] = lanes_select(is_edge, large[k], lanes_of(0));
+        small[k] = lanes_select(is_edge, small[k], lanes_of(0));
     }
-    lanes of_large = sum_of(large, n), of_small = sum_of(small, n), share = lanes_of(1.0 / n);
+    lanes of_large = sum_of(large, n), of_small = sum_of(small, n);
     lanes means = of_large * share * (of_small * share);
     for (int k = 0; k < SHARPNESS; k++)
         means = lanes_sqrt(means);
@@ -209,6 +235,71 @@ PL_INLINE void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, c
     for (int r = 0, k = 0; r < dim; r++)
         for (int t = r; t < dim; t++, k++)
             a->h[k] += a->l[r] * a->l[t];
+}
+
+/* ---- corners ------------------------------------------------------------------------------- */
+
+/** Compute mu^2 of a pack of corners, and with derive its derivatives (kernel_mean.h). */
+PL_INLINE void corner_mean_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
+                                 const int derive, const int dim) {
+    const corners t = corners_at(s, i, x, dim);
+    const double power = mean_power(dim);
+    lanes inverse_d;
+    a->square = mean_of(&t, &inverse_d, dim);
+    if (!derive)
+        return;
+    const lanes p = (t.c + t.c) / t.E, of_n = lanes_of(power) * a->inverse_d;
+    const lanes bend = lanes_of(power * (1 - power)) * (a->inverse_d * a->inverse_d);
+    lanes z[3];
+    for (int d = 0; d < dim; d++) {
+        z[d] = p * t.from[d] - of_n * t.n[d];
+        a->l[d] = z[d] + p * t.from[d];
+    }
+    for (int r = 0, k = 0; r < dim; r++)
+        for (int c = r; c < dim; c++, k++) {
+            a->h[k] = lanes_of(2) * (z[r] * z[c]) + bend * (t.n[r] * t.n[c]);
+            if (r == c)
+                a->h[k] += p + p;
+        }
+}
+
+/** Compute (1 / (limit SJ^2))^q: q times the logarithm of the squared edges of the corner that lead to
+ *  x, less that of D^2. S = square / D^2: l = sum 2 e / |e|^2 - 2 n / D,
+ *  hess log S = sum (2 I / |e|^2 - 4 e e^T / |e|^4) + 2 n n^T / D^2. */
+PL_INLINE void worst_jacobian(const star *s, int64_t i, const lanes *x, aspect *a,
+                              double inverse_limit, const int derive, const int dim) {
+    const edges e = edges_at(s, i, x, 0, dim);
+    const lanes one = lanes_of(1), half = lanes_of(0.5), q = lanes_of(WORST_EXPONENT);
+    lanes S = load(s, JACOBIAN, i) * (a->inverse_d * a->inverse_d);
+    lanes inverse[3];
+    for (int j = 0; j < dim; j++) {
+        const lanes_mask is_at = lanes_greater(load(s, AT_CORNER + j, i), half);
+        S *= lanes_select(is_at, e.square[j], one);
+        inverse[j] = lanes_select(is_at, one / e.square[j], lanes_of(0));
+    }
+    a->square = squared(S * lanes_of(inverse_limit), WORST_POWER);
+    if (!derive)
+        return;
+    lanes gd[3];
+    for (int d = 0; d < dim; d++) {
+        gd[d] = a->n[d] * a->inverse_d;
+        a->l[d] = -gd[d];
+        for (int j = 0; j < dim; j++)
+            a->l[d] += e.at[j][d] * inverse[j];
+        a->l[d] *= lanes_of(2);
+    }
+    for (int r = 0, k = 0; r < dim; r++)
+        for (int c = r; c < dim; c++, k++) {
+            lanes bend = gd[r] * gd[c];
+            for (int j = 0; j < dim; j++) {
+                bend -= lanes_of(2) * (e.at[j][r] * inverse[j]) * (e.at[j][c] * inverse[j]);
+                if (r == c)
+                    bend += inverse[j];
+            }
+            a->h[k] = q * (lanes_of(2) * bend + q * (a->l[r] * a->l[c]));
+        }
+    for (int d = 0; d < dim; d++)
+        a->l[d] *= q;
 }
 
 /* ---- radius ratio -------------------------------------------------------------------------- */
@@ -272,12 +363,17 @@ PL_INLINE void radius_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
 
 /* ---- the worst ------------------------------------------------------------------------------- */
 
-/** Compute (RR^2 / limit)^q: l = q times that of RR^2, hess = q hess log RR^2 + q^2 its l l^T. */
+/** Compute (RR^2 / limit)^q, or of corners (mu^2 / limit)^q: l = q times that of the ratio,
+ *  hess = q hess log ratio + q^2 its l l^T. */
 PL_INLINE void worst_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
-                           double inverse_limit, const int derive, const int dim) {
+                           double inverse_limit, const int of_corners, const int derive,
+                           const int dim) {
     const lanes q = lanes_of(WORST_EXPONENT),
                 more = lanes_of(WORST_EXPONENT * (WORST_EXPONENT - 1));
-    radius_ratio(s, i, x, a, derive, dim);
+    if (of_corners)
+        corner_mean_ratio(s, i, x, a, derive, dim);
+    else
+        radius_ratio(s, i, x, a, derive, dim);
     a->square = squared(a->square * lanes_of(inverse_limit), WORST_POWER);
     if (!derive)
         return;
@@ -416,18 +512,12 @@ PL_INLINE void worst_angle_3d(const star *s, int64_t i, const lanes *x, aspect *
 /* ---- one pack ------------------------------------------------------------------------------ */
 
 /** Compute D, its gradient and 1 / D of a pack, with the node at x [dim]. */
-PL_INLINE void measure_at(const star *s, int64_t i, const lanes *x, aspect *a, const int dim) {
+PL_INLINE void measure_pack(const star *s, int64_t i, const lanes *x, aspect *a,
+                            const int of_corners, const int dim) {
     static const uint8_t first[3] = {P0X, P0Y, P0Z};
-    if (dim == 3) {
-        vec3 n = vec3_load(s, NX, NY, NZ, i);
-        a->n[0] = n.x;
-        a->n[1] = n.y;
-        a->n[2] = n.z;
-    } else {
-        a->n[0] = load(s, P0Y, i) - load(s, P1Y, i);
-        a->n[1] = load(s, P1X, i) - load(s, P0X, i);
-    }
-    a->D = a->aa = lanes_of(0);
+    find_normal(s, i, a->n, dim);
+    a->D = of_corners ? load(s, BASE, i) : lanes_of(0);
+    a->aa = lanes_of(0);
     for (int d = 0; d < dim; d++) {
         lanes from = x[d] - load(s, first[d], i);
         a->D += from * a->n[d];
@@ -436,23 +526,34 @@ PL_INLINE void measure_at(const star *s, int64_t i, const lanes *x, aspect *a, c
     a->inverse_d = lanes_of(1) / a->D;
 }
 
+/** Compute D, its gradient and 1 / D of a pack, whatever the star has. */
+PL_INLINE void measure_at(const star *s, int64_t i, const lanes *x, aspect *a, const int dim) {
+    measure_pack(s, i, x, a, has_forms(s), dim);
+}
+
 /** Compute the measure of kind for a pack, with the node at x [dim], and with derive its
  *  derivatives. */
 PL_INLINE void aspect_at(const star *s, int64_t i, const lanes *x, aspect *a, const question *q,
                          const int kind, const int derive, const int dim) {
-    measure_at(s, i, x, a, dim);
+    measure_pack(s, i, x, a, is_of_corners(kind), dim);
     if (kind == PLANISH_OBJECTIVE_RADIUS_RATIO)
         radius_ratio(s, i, x, a, derive, dim);
     else if (kind == PL_WORST_RATIO)
-        worst_ratio(s, i, x, a, q->inverse_limit, derive, dim);
+        worst_ratio(s, i, x, a, q->inverse_limit, 0, derive, dim);
     else if (kind == PL_WORST_ANGLE && dim == 3)
         worst_angle_3d(s, i, x, a, lanes_of(q->inverse_limit), derive);
     else if (kind == PL_WORST_ANGLE)
         worst_angle_2d(s, i, x, a, lanes_of(q->inverse_limit), derive);
     else if (kind == PLANISH_OBJECTIVE_MEAN_RATIO)
         mean_ratio(s, i, x, a, derive, dim);
+    else if (kind == CORNER_MEAN_RATIO)
+        corner_mean_ratio(s, i, x, a, derive, dim);
+    else if (kind == CORNER_WORST_RATIO)
+        worst_ratio(s, i, x, a, q->inverse_limit, 1, derive, dim);
+    else if (kind == PL_WORST_JACOBIAN)
+        worst_jacobian(s, i, x, a, q->inverse_limit, derive, dim);
     else
-        edge_ratio(s, i, x, a, derive, dim);
+        edge_ratio(s, i, x, a, kind == CORNER_EDGE_RATIO, derive, dim);
 }
 
 /** Return g = 1 - D / floor of a pack. */
@@ -516,7 +617,6 @@ PL_INLINE void add_guarded(guarded_accumulator *t, int k, const question *q, con
             t->slope.h[c][k] += bend * (a->n[r] * a->n[e]);
         }
     }
-    t->slope.size2[k] += a->aa * weight;
 }
 
 /** Sum for one objective, as guarded_at does, which is constant where this is inlined. */
@@ -548,6 +648,9 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
                   lanes_select(lanes_greater(floor, lanes_of(0)), lanes_of(FLOOR_FRACTION) / slack,
                                a.inverse_d));
             add_guarded(&t, k, q, &a, weight, slope, bend, dim);
+            if (is_of_corners(kind)) /* weights are shares */
+                weight = lanes_select(lanes_greater(weight, lanes_of(0)), lanes_of(1), lanes_of(0));
+            t.slope.size2[k] += a.aa * weight;
         }
     if (derive)
         slopes_result(&t.slope, s, 1, 1, out, dim);
@@ -558,6 +661,18 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
     f.shortfall = lanes_sum(t.shortfall);
     f.largest_g = lanes_largest(t.largest_g);
     return f;
+}
+
+/** Sum over corners as guarded_at does, inlined where derive and dim are constant. */
+PL_INLINE objective corner_sums_of(const star *s, const question *q, const double *position,
+                                   derivatives *out, const int derive, const int dim) {
+    if (q->objective == PLANISH_OBJECTIVE_EDGE_RATIO)
+        return guarded_sums(s, q, position, out, CORNER_EDGE_RATIO, derive, dim);
+    if (q->objective == PL_WORST_RATIO)
+        return guarded_sums(s, q, position, out, CORNER_WORST_RATIO, derive, dim);
+    if (q->objective == PL_WORST_JACOBIAN)
+        return guarded_sums(s, q, position, out, PL_WORST_JACOBIAN, derive, dim);
+    return guarded_sums(s, q, position, out, CORNER_MEAN_RATIO, derive, dim);
 }
 
 /** Sum as guarded_at does, inlined where derive and dim are constant. */
@@ -575,12 +690,19 @@ PL_INLINE objective guarded_sums_of(const star *s, const question *q, const doub
 }
 
 /* Values have a function of their own: in one with derivatives, what only these need would take the
- * registers of values, too. */
+ * registers of values, too. And so have corners. */
 /** Value of the objective with the node at position. */
 PL_NOINLINE objective guarded_value(const star *s, const question *q, const double *position,
                                     const int dim) {
     return dim == 3 ? guarded_sums_of(s, q, position, NULL, 0, 3)
                     : guarded_sums_of(s, q, position, NULL, 0, 2);
+}
+
+/** Value of the objective of corners with the node at position. */
+PL_NOINLINE objective corner_value(const star *s, const question *q, const double *position,
+                                   const int dim) {
+    return dim == 3 ? corner_sums_of(s, q, position, NULL, 0, 3)
+                    : corner_sums_of(s, q, position, NULL, 0, 2);
 }
 
 /** Value of the objective with the node at position; fills out with the derivatives. */
@@ -590,10 +712,20 @@ PL_NOINLINE objective guarded_derivatives(const star *s, const question *q, cons
                     : guarded_sums_of(s, q, position, out, 1, 2);
 }
 
+/** Value of the objective of corners with the node at position; fills out with the derivatives. */
+PL_NOINLINE objective corner_derivatives(const star *s, const question *q, const double *position,
+                                         derivatives *out, const int dim) {
+    return dim == 3 ? corner_sums_of(s, q, position, out, 1, 3)
+                    : corner_sums_of(s, q, position, out, 1, 2);
+}
+
 /** The function of the star at position, and its derivatives if derive. Then the columns GVALUE and
  *  RATE are set, too: RATE to 1 / D, or 0.9 / (D - floor), see limiting_rate. */
 static inline objective guarded_at(const star *s, const question *q, const double *position,
                                    derivatives *out, const int derive, const int dim) {
+    if (has_forms(s))
+        return derive ? corner_derivatives(s, q, position, out, dim)
+                      : corner_value(s, q, position, dim);
     return derive ? guarded_derivatives(s, q, position, out, dim)
                   : guarded_value(s, q, position, dim);
 }

@@ -5,7 +5,7 @@
  * RR^2 = (L d e (L + d + e) / (4 D^2))^2 with D twice the area; the constant factors 1/36 and 1/16
  * are applied to the sums.
  *
- *   value_at, derivatives_at                                   a star of either dimension
+ *   value_2d, value_3d, derivatives_2d, derivatives_3d         a star
  *   accumulator_init, accumulate, accumulator_result           sums over the packs: values
  *   slopes, slopes_result                                      and derivatives
  *   triangles_at, log_derivatives_2d                           a pack of triangles
@@ -319,21 +319,6 @@ static inline objective derivatives_2d(const star *s, const double *position, de
         }
     slopes_result(&sums, s, RR2_FACTOR_2D, RR2_FACTOR_2D, out, 2);
     return accumulator_result(&total, RR2_FACTOR_2D);
-}
-
-/* ---- either ------------------------------------------------------------------------------- */
-
-/** Value of the objective. guarded: the star was gathered for the guarded kernel. */
-PL_INLINE objective value_at(const star *s, const double *position, const int guarded,
-                             const int dim) {
-    return dim == 3 ? value_3d(s, position, guarded) : value_2d(s, position);
-}
-
-/** Find the derivatives of the objective. with_hessian 0: out->hessian need not be set. */
-PL_INLINE objective derivatives_at(const star *s, const double *position, derivatives *out,
-                                   const int with_hessian, const int dim) {
-    return dim == 3 ? derivatives_3d(s, position, out, with_hessian)
-                    : derivatives_2d(s, position, out);
 }
 
 #endif

@@ -146,13 +146,20 @@ PL_INLINE trial try_step(const local *here, const double *x0, const double *dire
     return t;
 }
 
-/** Whether no element of a trial has a worse RR or a smaller angle than the limits. The guarded
+/** Whether the guarded kernel's objective is the ratio that limits are of. */
+static inline int is_of_ratio(const local *here) {
+    return here->q.objective == PLANISH_OBJECTIVE_RADIUS_RATIO ||
+           (has_forms(&here->s) && here->q.objective == PLANISH_OBJECTIVE_MEAN_RATIO);
+}
+
+/** Whether no element of a trial has a worse ratio or a smaller angle than the limits, no corner a
+ *  smaller scaled Jacobian. The guarded
  *  kernel's objective may be another one. */
 static inline int within_limits(const local *here, const trial *t, const int guarded,
                                 const int dim) {
     const pl_star_limits *limits = &here->problem->limits;
     double max = t->value.max, error = t->value.error;
-    if (guarded && here->q.objective != PLANISH_OBJECTIVE_RADIUS_RATIO) {
+    if (guarded && !is_of_ratio(here)) {
         if (!(limits->rr2 < INFINITY))
             return 1;
         objective rr = value_at(&here->s, t->position, 1, dim);
@@ -160,9 +167,13 @@ static inline int within_limits(const local *here, const trial *t, const int gua
         error = rr.error;
     }
     max *= 1 + error;
-    return max <= limits->rr2 &&
-           (max <= limits->rr2_blunt ||
-            !has_acute_angle(&here->s, t->position, limits->acuteness / (1 + error), guarded, dim));
+    if (!(max <= limits->rr2) || max <= limits->rr2_blunt)
+        return max <= limits->rr2;
+    const double acuteness = limits->acuteness / (1 + error);
+    if (has_forms(&here->s))
+        return !(acuteness < INFINITY) ||
+               !has_small_jacobian(&here->s, t->position, acuteness, guarded, dim);
+    return !has_acute_angle(&here->s, t->position, acuteness, guarded, dim);
 }
 
 /** Whether no element at position is below its floor and lower than now, of which GVALUE is. The
@@ -237,7 +248,7 @@ static inline int search(const local *here, const double *x0, const objective *n
     for (int i = 0; i < STEP_BACKTRACKS; i++) {
         *best = try_step(here, x0, direction, step, guarded, dim);
         if (acceptable(here, best, now, now->sum + STEP_ARMIJO * slope * step, guarded, dim)) {
-            if (i == 0 && now->sum > STEP_EXPAND_ABOVE * (double)here->s.n_facets)
+            if (i == 0 && now->sum > STEP_EXPAND_ABOVE * here->s.weight)
                 expand(here, x0, now, direction, step, largest, best, guarded, dim);
             return 1;
         }

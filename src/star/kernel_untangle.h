@@ -3,7 +3,7 @@
  *   untangle_range    visit stars to lower the energy
  *   energy_range      sum the energy over stars
  *
- * kernel_entry.h includes this file for every guarded_*.c.
+ * kernel_entry.h includes this file for the guarded kernel.
  */
 #ifndef PL_STAR_KERNEL_UNTANGLE_H
 #define PL_STAR_KERNEL_UNTANGLE_H

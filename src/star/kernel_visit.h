@@ -6,8 +6,8 @@
  *   check_scale                                forget a scale that does not fit
  *   evaluate_at                                for pl_star_evaluate_fn
  *
- * The plain problem: the radius ratio, volumes positive. kernel_entry.h includes this file for
- * every kernel_*.c. kernel_guarded.h has everything else.
+ * The plain problem: one ratio, volumes positive. kernel_entry.h includes this file for the kernels
+ * of radius ratios and of mean ratios. kernel_guarded.h has everything else.
  */
 #ifndef PL_STAR_KERNEL_VISIT_H
 #define PL_STAR_KERNEL_VISIT_H
@@ -63,19 +63,19 @@ static inline double step_along(const local *here, visit_state *now, const objec
 
 /** Newton's direction by the Hessian that was kept; 0 if the star has changed too much since. */
 static inline int kept_direction(const local *here, const pl_star_kept *kept, const objective *f,
-                                 const derivatives *derivative, double *direction) {
+                                 const derivatives *derivative, double *direction, const int dim) {
     const double *g = derivative->gradient;
     const int rescaled = exponent_of(here->s.scale) - kept->exponent;
     if (!(fabs(f->sum - (double)kept->sum) <= KEEP_WHILE * f->sum) || rescaled < -1 || rescaled > 1)
         return 0;
     const double scale = power_of_two(2 * rescaled);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < dim; i++) {
         double sum = 0;
-        for (int j = 0; j < 3; j++)
+        for (int j = 0; j < dim; j++)
             sum += (double)kept->inverse[i <= j ? packed(i, j, 3) : packed(j, i, 3)] * g[j];
         direction[i] = -sum * scale;
     }
-    limit_length(direction, derivative->size2, 3);
+    limit_length(direction, derivative->size2, dim);
     return 1;
 }
 
@@ -119,7 +119,7 @@ static inline double one_step(const local *here, int32_t node, pl_star_kept *kep
             check_scale(here, node, kept, &f);
             return 0;
         }
-        if (kept_direction(here, kept, &f, &derivative, direction)) {
+        if (kept_direction(here, kept, &f, &derivative, direction, dim)) {
             fall = step_along(here, now, &f, &derivative, direction, dim);
             if (fall > 0)
                 return fall;
@@ -160,7 +160,9 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
     /* Most stars have no bad element by now, and need no derivatives. */
     if (problem->rr2_skip > 0) {
         ++*here.evaluations;
-        if (!(value_at(&here.s, now.x, 0, dim).max > problem->rr2_skip)) {
+        now.max = value_at(&here.s, now.x, 0, dim).max;
+        if (!(now.max > problem->rr2_skip)) {
+            note_ratio(tally, now.max);
             acquit(problem, node);
             return;
         }
@@ -172,6 +174,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
         decrease += fall;
         wanted = steps_of_visit(problem->search, fall, now.sum, dim);
     } while (++steps < wanted);
+    note_ratio(tally, now.max);
     if (!(decrease > 0))
         return;
     move_node(&here, node, now.x, now.size2, decrease / now.sum, !(now.max <= problem->rr2_skip),

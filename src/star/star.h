@@ -11,13 +11,14 @@
  * (kernel_local.h, kernel_visit.h, kernel_guarded.h). A node that slides on the caller's surface
  * calls the caller's function, outside of the context of the call (kernel_slide.h).
  *
- * The same source is compiled for several instruction sets (kernel_*.c); all of them, and the plain
- * one, give the same bits.
+ * The same source is compiled for several instruction sets (kernel_entry.h); all of them, and the
+ * plain one, give the same bits.
  *
  *   pl_star_problem, _guard, _untangling, _slide, _limits    input of visits
  *   pl_star_tally, _optimality, _value, _energy              their output
  *   pl_star_scratch_size                                     memory that they need
  *   pl_star_kernel_select                                    the functions of an instruction set
+ *   pl_star_visit_of, _evaluate_of, _ratio_of                those for a problem
  *   pl_star_average                                          laplacian.c: methods of averages
  *   pl_star_is_held, _admit                                  places that a node may take
  *   pl_star_infeasible                                       feasibility.c: proofs
@@ -40,8 +41,9 @@
 enum { PL_LANES = 4 };
 
 /** Objectives of the worst elements alone: the sum is of high powers of RR^2 / worst_limit, or, of
- *  all angles, of 1 / (sin^2 worst_limit). Stars without anything above the limit are left alone.
- */
+ *  all angles, of 1 / (sin^2 worst_limit). With forms: of mu^2 / worst_limit, or of
+ *  1 / (SJ^2 worst_limit), SJ the scaled Jacobian of a corner. Stars without anything above the limit
+ *  are left alone. */
 enum pl_star_worst {
     PL_WORST_RATIO = PLANISH_OBJECTIVE_EDGE_RATIO + 1,
     PL_WORST_ANGLE,   /* of simplices */
@@ -93,9 +95,10 @@ typedef struct pl_star_slide {
 
 /** Limits on how bad an element may become; infinite: as bad as it likes. */
 typedef struct pl_star_limits {
-    double rr2;       /* largest RR^2, */
-    double acuteness; /* and acuteness of the smallest angle (geometry/angle.h) */
-    double rr2_blunt; /* RR^2 up to which no element has such an angle */
+    double rr2;       /* largest RR^2, with forms mu^2, */
+    double acuteness; /* and acuteness of the smallest angle (geometry/angle.h); with forms the
+                         largest 1 / SJ^2, SJ the scaled Jacobian of a corner */
+    double rr2_blunt; /* RR^2, or mu^2, up to which no element has such an angle */
 } pl_star_limits;
 
 /** Limits that no star exceeds. */
@@ -146,14 +149,17 @@ typedef struct pl_star_problem {
     uint8_t *changed;   /* [n_nodes] flags of the node's star, see PL_CHANGED */
     pl_star_kept *kept; /* [n_stars], for Newton's direction without a guard; NULL: none */
     planish_search search;
-    pl_star_limits limits;      /* a move that makes an element worse is refused */
-    double still;               /* a move shorter than this fraction of the star's size changes
+    pl_star_limits limits;       /* a move that makes an element worse is refused */
+    double still;                /* a move shorter than this fraction of the star's size changes
                                    nothing for the stars around, */
-    double calm;                /* nor does one that brought less than this part of the star's
+    double calm;                 /* nor does one that brought less than this part of the star's
                                    function */
-    double rr2_skip;            /* stars whose largest RR^2 is not above it are left alone */
-    pl_storage storage;         /* positions are rounded to it before they are judged */
-    const pl_star_guard *guard; /* NULL: the sum of RR^2, volumes positive, no bounds */
+    double rr2_skip;             /* stars whose largest RR^2 is not above it are left alone */
+    pl_storage storage;          /* positions are rounded to it before they are judged */
+    planish_objective objective; /* without a guard and forms: RADIUS_RATIO, or MEAN_RATIO if there
+                                    are neither limits nor rr2_skip */
+    const pl_star_guard *guard;  /* NULL: the sum of that ratio, or with forms of mu^2; volumes
+                                    positive, no bounds */
     const pl_star_slide *slide; /* [n_stars] with a guard: where the nodes slide, their links may be
                                    open; NULL: the nodes may go anywhere */
     planish_project_fn *project; /* of nodes on a surface, called with */
@@ -174,6 +180,8 @@ typedef struct pl_star_tally {
     int64_t evaluations; /* of their function */
     int64_t improved;    /* stars whose function fell by more than a hundredth of itself */
     int64_t restored;    /* stars in which elements were brought nearer to their minimum volume */
+    double largest;      /* ratio of the stars, RR^2 or mu^2, after their visits; with a guard and
+                            without forms, AR^2 of its objective */
 } pl_star_tally;
 
 /** First-order optimality of a range of stars. */
@@ -275,19 +283,55 @@ typedef struct pl_star_guarded {
     pl_star_energy_fn *energy[2];         /* [dim - 2] */
 } pl_star_guarded;
 
+/** Functions for problems without a guard whose ratio is the mean ratio. */
+typedef struct pl_star_mean {
+    pl_star_visit_fn *visit[2];       /* [dim - 2] */
+    pl_star_evaluate_fn *evaluate[2]; /* [dim - 2] */
+} pl_star_mean;
+
 /** Functions of one instruction set: for problems without a guard, and with one. */
 typedef struct pl_star_kernel {
     const char *name;
-    pl_star_visit_fn *visit[2];       /* [dim - 2] */
+    pl_star_visit_fn *visit[2];       /* [dim - 2] radius ratio of simplices */
     pl_star_evaluate_fn *evaluate[2]; /* [dim - 2] */
+    const pl_star_mean *mean;
     const pl_star_guarded *guarded;
 } pl_star_kernel;
+
+/** Whether the ratio of a problem's stars, apart from a guard's objective, is the mean ratio. */
+static inline int pl_star_is_mean(const pl_star_problem *problem) {
+    return problem->link_form != NULL ||
+           (!problem->guard && problem->objective == PLANISH_OBJECTIVE_MEAN_RATIO);
+}
+
+/** Return the function that visits the stars of a problem. */
+static inline pl_star_visit_fn *pl_star_visit_of(const pl_star_kernel *kernel,
+                                                 const pl_star_problem *problem, int dim) {
+    return problem->guard             ? kernel->guarded->visit[dim - 2]
+           : pl_star_is_mean(problem) ? kernel->mean->visit[dim - 2]
+                                      : kernel->visit[dim - 2];
+}
+
+/** Return the function that evaluates the ratios of a problem's stars, whatever its guard asks. */
+static inline pl_star_evaluate_fn *pl_star_ratio_of(const pl_star_kernel *kernel,
+                                                    const pl_star_problem *problem, int dim) {
+    return pl_star_is_mean(problem) ? kernel->mean->evaluate[dim - 2] : kernel->evaluate[dim - 2];
+}
+
+/** Return the function that evaluates what visits of a problem lower. */
+static inline pl_star_evaluate_fn *pl_star_evaluate_of(const pl_star_kernel *kernel,
+                                                       const pl_star_problem *problem, int dim) {
+    return problem->guard ? kernel->guarded->evaluate[dim - 2]
+                          : pl_star_ratio_of(kernel, problem, dim);
+}
 
 /** Return the variant isa (AUTO: the fastest that this CPU has), or NULL if the CPU lacks it. */
 const pl_star_kernel *pl_star_kernel_select(planish_isa isa);
 
 extern const pl_star_kernel pl_star_kernel_plain, pl_star_kernel_vector, pl_star_kernel_avx2,
     pl_star_kernel_avx512;
+extern const pl_star_mean pl_star_mean_plain, pl_star_mean_vector, pl_star_mean_avx2,
+    pl_star_mean_avx512;
 extern const pl_star_guarded pl_star_guarded_plain, pl_star_guarded_vector, pl_star_guarded_avx2,
     pl_star_guarded_avx512;
 

@@ -26,12 +26,9 @@ typedef struct colour_pass {
 /** Visit stars begin .. end - 1, which have no curved elements. */
 static void visit_straight(const colour_pass *pass, int64_t begin, int64_t end, double *scratch,
                            pl_star_tally *tally) {
-    const pl_star_kernel *kernel = pass->plan->kernel;
-    const int of_dim = pass->plan->dim - 2;
-    pl_star_visit_fn *visit =
-        pass->problem->guard ? kernel->guarded->visit[of_dim] : kernel->visit[of_dim];
     if (begin < end)
-        visit(pass->problem, begin, end, scratch, tally);
+        pl_star_visit_of(pass->plan->kernel, pass->problem, pass->plan->dim)(pass->problem, begin,
+                                                                             end, scratch, tally);
 }
 
 /** Evaluate a star where its node is: RR by *ratio, and the star's function by *sum. 0 if an element is
@@ -39,15 +36,15 @@ static void visit_straight(const colour_pass *pass, int64_t begin, int64_t end, 
 static int evaluate_star(const colour_pass *pass, int64_t star, double *scratch,
                          pl_star_value *ratio, double *sum) {
     const pl_star_kernel *kernel = pass->plan->kernel;
-    const int of_dim = pass->plan->dim - 2;
+    const int dim = pass->plan->dim;
     pl_star_value guarded;
-    if (!kernel->evaluate[of_dim](pass->problem, star, scratch, 0, ratio))
+    if (!pl_star_ratio_of(kernel, pass->problem, dim)(pass->problem, star, scratch, 0, ratio))
         return 0;
     *sum = ratio->sum;
     if (!pass->problem->guard)
         return 1;
     const int is_positive =
-        kernel->guarded->evaluate[of_dim](pass->problem, star, scratch, 0, &guarded);
+        kernel->guarded->evaluate[dim - 2](pass->problem, star, scratch, 0, &guarded);
     *sum = guarded.sum;
     return is_positive;
 }
@@ -199,6 +196,7 @@ static void add_tally(pl_star_tally *all, pl_star_tally *part) {
     all->evaluations += part->evaluations;
     all->improved += part->improved;
     all->restored += part->restored;
+    all->largest = fmax(all->largest, part->largest);
 }
 
 void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_problem *problem,

@@ -1,7 +1,0 @@
-/* guarded_vector: the guarded kernel as vectors of two doubles, which every 64-bit instruction set
- * has.
- */
-#define PL_PACK    2
-#define PL_ISA     vector
-#define PL_GUARDED 1
-#include "star/kernel_entry.h"

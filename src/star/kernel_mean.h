@@ -1,0 +1,167 @@
+/* kernel_mean: sum of mu^2, the squared mean ratios of corners, over a star, its gradient and Hessian;
+ * and the ratio that a kernel's stars have: this one where facets have forms (geometry/corner.h),
+ * else the radius ratio.
+ *
+ * mu^2 = E^2 D^-k, k = 4/3, in 2-D 2, with E = c |x - o|^2 + e0, in which the root of the form's factor
+ * is, and D affine in x. With f = x - o, n = grad D and p = 2 c / E
+ *
+ *     grad mu^2 / mu^2 = 2 p f - k n / D = z + p f,    z = p f - k n / D
+ *     hess mu^2 / mu^2 = 2 z z^T + k (1 - k) n n^T / D^2 + 2 p I
+ *
+ * which is positive definite: |affine|^2 / affine^(k / 2) is convex, and so is its square.
+ *
+ *   corners, corners_at, mean_of                  a pack of corners
+ *   mean_value, mean_derivatives                  a star
+ *   value_at, derivatives_at                      a star, by the ratio of its kernel
+ */
+#ifndef PL_STAR_KERNEL_MEAN_H
+#define PL_STAR_KERNEL_MEAN_H
+
+#include "star/kernel_radius_ratio.h"
+
+/** Pack of corners at x. */
+typedef struct corners {
+    lanes n[3], from[3]; /* grad D, x - o */
+    lanes aa, D, c, E;   /* |x - p0|^2 */
+} corners;
+
+/** Set n [dim] to grad D of the pack at facet i. */
+PL_INLINE void find_normal(const star *s, int64_t i, lanes *n, const int dim) {
+    if (dim == 3) {
+        for (int d = 0; d < 3; d++)
+            n[d] = load(s, NX + d, i);
+    } else {
+        n[0] = load(s, P0Y, i) - load(s, P1Y, i);
+        n[1] = load(s, P1X, i) - load(s, P0X, i);
+    }
+}
+
+/** Find the pack of corners at facet i, with the node at x [dim]. */
+PL_INLINE corners corners_at(const star *s, int64_t i, const lanes *x, const int dim) {
+    static const uint8_t first[3] = {P0X, P0Y, P0Z};
+    corners t;
+    lanes square = lanes_of(0);
+    find_normal(s, i, t.n, dim);
+    t.aa = lanes_of(0);
+    t.D = load(s, BASE, i);
+    for (int d = 0; d < dim; d++) {
+        const lanes a = x[d] - load(s, first[d], i);
+        t.from[d] = a + load(s, OX + d, i);
+        t.D += a * t.n[d];
+        t.aa += a * a;
+        square += t.from[d] * t.from[d];
+    }
+    t.c = load(s, FORM_C, i);
+    t.E = t.c * square + load(s, FORM_E0, i);
+    return t;
+}
+
+/** Return mu^2 of a pack, and 1 / D. */
+PL_INLINE lanes mean_of(const corners *t, lanes *inverse_d, const int dim) {
+    if (dim == 2) {
+        *inverse_d = lanes_of(1) / t->D;
+        return t->E * t->E * (*inverse_d * *inverse_d);
+    }
+    const lanes root = lanes_inverse_cube_root(t->D), root2 = root * root;
+    *inverse_d = root2 * root;
+    return t->E * t->E * (root2 * root2);
+}
+
+/** The exponent k of D. */
+static inline double mean_power(const int dim) {
+    return dim == 3 ? 4.0 / 3 : 2;
+}
+
+/** Value of the objective of a star with the node at position. */
+PL_INLINE objective mean_value(const star *s, const double *position, const int dim) {
+    const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
+                        lanes_of(dim == 3 ? position[2] : 0)};
+    accumulator total;
+    accumulator_init(&total);
+    for (int64_t i = 0; i < s->padded; i += PL_LANES)
+        for (int k = 0; k < PL_PACKS; k++) {
+            const int64_t j = i + k * PL_PACK;
+            const corners t = corners_at(s, j, x, dim);
+            lanes inverse_d;
+            const lanes square = mean_of(&t, &inverse_d, dim);
+            accumulate(&total, k, square, load(s, WEIGHT, j), t.D, inverse_d * inverse_d,
+                       load(s, ROUNDING, j) * t.aa);
+        }
+    return accumulator_result(&total, 1);
+}
+
+/** Add the derivatives of a pack with mu^2 = square; trace: what the Hessian's diagonal has more. */
+PL_INLINE void add_mean(slopes *slope, lanes *trace, int k, const corners *t, lanes square,
+                        lanes inverse_d, const int with_hessian, const int dim) {
+    const double power = mean_power(dim);
+    const lanes p = (t->c + t->c) / t->E, of_n = lanes_of(power) * inverse_d;
+    const lanes twice = square + square;
+    const lanes bend = lanes_of(power * (1 - power)) * (square * (inverse_d * inverse_d));
+    lanes z[3], v[3], m[3];
+    for (int d = 0; d < dim; d++) {
+        const lanes pull = p * t->from[d];
+        z[d] = pull - of_n * t->n[d];
+        slope->g[d][k] += square * (z[d] + pull);
+        v[d] = twice * z[d];
+        m[d] = bend * t->n[d];
+    }
+    if (!with_hessian)
+        return;
+    *trace += twice * p;
+    for (int r = 0, h = 0; r < dim; r++)
+        for (int c = r; c < dim; c++, h++)
+            slope->h[h][k] += z[r] * v[c] + t->n[r] * m[c];
+}
+
+/** Find the derivatives of a star with the node at position. with_hessian 0: out->hessian is not set. */
+PL_INLINE objective mean_derivatives(const star *s, const double *position, derivatives *out,
+                                     const int with_hessian, const int dim) {
+    const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
+                        lanes_of(dim == 3 ? position[2] : 0)};
+    const lanes zero = lanes_of(0);
+    accumulator total;
+    slopes slope;
+    lanes trace[PL_PACKS];
+    accumulator_init(&total);
+    memset(&slope, 0, sizeof slope);
+    memset(trace, 0, sizeof trace);
+    for (int64_t i = 0; i < s->padded; i += PL_LANES)
+        for (int k = 0; k < PL_PACKS; k++) {
+            const int64_t j = i + k * PL_PACK;
+            const corners t = corners_at(s, j, x, dim);
+            const lanes weight = load(s, WEIGHT, j);
+            lanes inverse_d;
+            const lanes square = mean_of(&t, &inverse_d, dim);
+            store(s, RATE, j, inverse_d);
+            accumulate(&total, k, square, weight, t.D, inverse_d * inverse_d,
+                       load(s, ROUNDING, j) * t.aa);
+            slope.size2[k] += lanes_select(lanes_greater(weight, zero), t.aa, zero);
+            add_mean(&slope, &trace[k], k, &t, square * weight, inverse_d, with_hessian, dim);
+        }
+    for (int k = 0; with_hessian && k < PL_PACKS; k++)
+        for (int d = 0; d < dim; d++)
+            slope.h[packed(d, d, dim)][k] += trace[k];
+    slopes_result(&slope, s, 1, with_hessian, out, dim);
+    return accumulator_result(&total, 1);
+}
+
+/* ---- either -------------------------------------------------------------------------------- */
+
+/** Value of the objective. guarded: the star was gathered for the guarded kernel. */
+PL_INLINE objective value_at(const star *s, const double *position, const int guarded,
+                             const int dim) {
+    if (has_forms(s))
+        return mean_value(s, position, dim);
+    return dim == 3 ? value_3d(s, position, guarded) : value_2d(s, position);
+}
+
+/** Find the derivatives of the objective. with_hessian 0: out->hessian need not be set. */
+PL_INLINE objective derivatives_at(const star *s, const double *position, derivatives *out,
+                                   const int with_hessian, const int dim) {
+    if (has_forms(s))
+        return mean_derivatives(s, position, out, with_hessian, dim);
+    return dim == 3 ? derivatives_3d(s, position, out, with_hessian)
+                    : derivatives_2d(s, position, out);
+}
+
+#endif
