@@ -130,6 +130,34 @@ static file_builder make_both_orders(int is_mixed) {
     return hdf5_end(&b);
 }
 
+/** Sections of hexahedra are regions, and quadrilaterals and elements of boundary conditions groups. */
+static void bricks_have_sections_and_conditions(void **state) {
+    static const int left[] = {1, 2, 5, 4, 7, 8, 11, 10}, right[] = {2, 3, 6, 5, 8, 9, 12, 11};
+    static const int wall[] = {7, 1, 2, 5, 4};
+    hdf5_builder b;
+    planish_file *file;
+    planish_error error = {.text = ""};
+    hdf5_begin(&b, 0);
+    cgns_put_node(&b, "/CGNSLibraryVersion", "CGNSLibraryVersion_t");
+    put_nodes(&b, 3, UNIT_BRICK_NODES, unit_brick_places);
+    put_section(&b, "left", 17, 1, 1, 8, left);
+    put_section(&b, "right", 17, 2, 2, 8, right);
+    put_section(&b, "faces", MIXED, 3, 3, 5, wall);
+    cgns_put_node(&b, ZONE "/ZoneBC", "ZoneBC_t");
+    cgns_put_text(&b, ZONE "/ZoneBC/bottom", "BC_t", "BCWall");
+    cgns_put_text(&b, ZONE "/ZoneBC/bottom/GridLocation", "GridLocation_t", "FaceCenter");
+    cgns_put_integers(&b, ZONE "/ZoneBC/bottom/PointList", "IndexArray_t", 1, (const int[]){3});
+    file_builder made = hdf5_end(&b);
+    if (builder_read(&made, &io_format_cgns, 1, &file, &error))
+        fail_msg("%s", error.text);
+    unit_expect_bricks(file, "bottom", "right");
+    unit_expect_held(file, "faces", "110110000000");
+    planish_file_close(file);
+    builder_let_allocations_fail(&made, &io_format_cgns);
+    rewriting_in_place(made.data, made.size, 0, *state, "in.cgns");
+    builder_release(&made);
+}
+
 static void both_orders_may_be_in_a_file(void **state) {
     (void)state;
     for (int is_mixed = 0; is_mixed < 2; is_mixed++) {
@@ -182,6 +210,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(elements_of_every_type_are_read),
         cmocka_unit_test(both_orders_may_be_in_a_file),
+        cmocka_unit_test_setup_teardown(bricks_have_sections_and_conditions, test_folder_create,
+                                        test_folder_remove),
         cmocka_unit_test_setup_teardown(mids_come_back, test_folder_create, test_folder_remove),
         cmocka_unit_test(nothing_breaks_it),
     };

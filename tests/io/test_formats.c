@@ -1,6 +1,10 @@
-/* The list of formats: its names are those of the readers, and tests have a file of each. */
+/* The list of formats: its names are those of the readers, and tests have a file of each. Elements of
+ * other types than simplices in files of text of every format: regions, groups and facets. */
 #include "support/data_files.h"
 #include "support/files.h"
+#include "support/reading.h"
+#include "support/rewriting.h"
+#include "support/unit_elements.h"
 
 #include "io/file/file.h"
 
@@ -64,11 +68,162 @@ static void each_file_of_the_data_is_recognised_by_its_content(void **state) {
     }
 }
 
+/* ---- two bricks in every format of text ------------------------------------------------------ */
+
+/** How a format writes two bricks, see unit_expect_bricks. */
+typedef struct bricks {
+    const io_format *format;
+    int dim;
+    const char *head;                     /* up to the nodes */
+    int is_numbered;                      /* nodes are, */
+    const char *before, *between, *after; /* and what stands around their coordinates */
+    const char *tail;                     /* behind the nodes */
+    const char *facet, *second;           /* tags */
+} bricks;
+
+#define GMSH22(names)                                                                              \
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n" names "$EndPhysicalNames\n"
+#define VTK_TAIL "CELL_DATA 3\nSCALARS MaterialIDs int\nLOOKUP_TABLE default\n7\n5\n8\n"
+
+static const bricks all_bricks[] = {
+    {&io_format_gmsh, 3, GMSH22("2 5 \"bottom\"\n3 8 \"right\"\n") "$Nodes\n12\n", 1, "", " ", "\n",
+     "$EndNodes\n$Elements\n3\n1 5 2 7 1 1 2 5 4 7 8 11 10\n2 5 2 8 2 2 3 6 5 8 9 12 11\n"
+     "3 3 2 5 1 1 2 5 4\n$EndElements\n",
+     "bottom", "right"},
+    {&io_format_gmsh, 2, GMSH22("1 5 \"bottom\"\n2 8 \"right\"\n") "$Nodes\n6\n", 1, "", " ", "\n",
+     "$EndNodes\n$Elements\n3\n1 3 2 7 1 1 2 5 4\n2 3 2 8 2 2 3 6 5\n3 1 2 5 1 1 2\n"
+     "$EndElements\n",
+     "bottom", "right"},
+    {&io_format_gmsh, 3,
+     "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 1 2\n1 0 0 0 1 1 0 1 5 0\n"
+     "1 0 0 0 1 1 1 1 7 0\n2 1 0 0 2 1 1 1 8 0\n$EndEntities\n"
+     "$Nodes\n1 12 1 12\n3 1 0 12\n1\n2\n3\n4\n5\n6\n7\n8\n9\n10\n11\n12\n",
+     0, "", " ", "\n",
+     "$EndNodes\n$Elements\n3 3 1 3\n2 1 3 1\n3 1 2 5 4\n3 1 5 1\n1 1 2 5 4 7 8 11 10\n"
+     "3 2 5 1\n2 2 3 6 5 8 9 12 11\n$EndElements\n",
+     "2:5", "3:8"},
+    {&io_format_medit, 3, "MeshVersionFormatted 2\nDimension 3\nVertices\n12\n", 0, "", " ", " 0\n",
+     "Hexahedra\n2\n1 2 5 4 7 8 11 10 7\n2 3 6 5 8 9 12 11 8\nQuadrilaterals\n1\n1 2 5 4 5\nEnd\n",
+     "2:5", "3:8"},
+    {&io_format_medit, 2, "MeshVersionFormatted 2\nDimension 3\nVertices\n6\n", 0, "", " ", " 0\n",
+     "Quadrilaterals\n2\n1 2 5 4 7\n2 3 6 5 8\nEdges\n1\n1 2 5\nEnd\n", "1:5", "2:8"},
+    {&io_format_vtk, 3,
+     "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+     "POINTS 12 double\n",
+     0, "", " ", "\n",
+     "CELLS 3 23\n8 0 1 4 3 6 7 10 9\n4 0 1 4 3\n8 1 2 5 4 7 8 11 10\nCELL_TYPES 3\n12 9 "
+     "12\n" VTK_TAIL,
+     "2:5", "3:8"},
+    {&io_format_vtk, 2,
+     "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+     "POINTS 6 double\n",
+     0, "", " ", "\n", "CELLS 3 13\n4 0 1 4 3\n2 0 1\n4 1 2 5 4\nCELL_TYPES 3\n9 3 9\n" VTK_TAIL,
+     "1:5", "2:8"},
+    {&io_format_netgen, 3,
+     "mesh3d\ndimension\n3\ngeomtype\n0\n\nsurfaceelements\n1\n 1 5 1 0 4 1 2 5 4\n"
+     "volumeelements\n2\n7 8 1 2 5 4 7 8 11 10\n8 8 2 3 6 5 8 9 12 11\npoints\n12\n",
+     0, "", " ", "\n", "endmesh\n", "2:5", "3:8"},
+    {&io_format_netgen, 2,
+     "mesh3d\ndimension\n2\ngeomtype\n0\n\nsurfaceelements\n2\n 7 7 0 0 4 1 2 5 4\n"
+     " 8 8 0 0 4 2 3 6 5\nvolumeelements\n0\nedgesegmentsgi2\n1\n 5 0 1 2 0 0 1 0 5 0 1 0.2\n"
+     "points\n6\n",
+     0, "", " ", "\n", "endmesh\n", "1:5", "2:8"},
+    {&io_format_abaqus, 3, "*NODE\n", 1, "", ", ", "\n",
+     "*ELEMENT, TYPE=C3D8, ELSET=left\n1,1,2,5,4,7,8,11,10\n*ELEMENT, TYPE=C3D8R, ELSET=right\n"
+     "2,2,3,6,5,8,9,12,11\n*ELEMENT, TYPE=S4R, ELSET=bottom\n3,1,2,5,4\n",
+     "bottom", "right"},
+    {&io_format_abaqus, 2, "*NODE\n", 1, "", ", ", "\n",
+     "*ELEMENT, TYPE=CPS4\n1,1,2,5,4\n2,2,3,6,5\n*ELEMENT, TYPE=T2D2, ELSET=bottom\n3,1,2\n"
+     "*ELSET, ELSET=right, GENERATE\n2,2\n*SOLID SECTION, ELSET=right\n",
+     "bottom", "right"},
+    {&io_format_nastran, 3, "BEGIN BULK\n", 1, "GRID,", ",", "\n",
+     "CHEXA,1,7,1,2,5,4,7,8\n,11,10\nCHEXA,2,8,2,3,6,5,8,9\n,12,11\nCQUAD4,3,5,1,2,5,4\nENDDATA\n",
+     "2:5", "3:8"},
+    {&io_format_nastran, 2, "BEGIN BULK\n", 1, "GRID,", ",", "\n",
+     "CQUAD4,1,7,1,2,5,4\nCQUADR,2,8,2,3,6,5\nCROD,3,5,1,2\nENDDATA\n", "1:5", "2:8"},
+    {&io_format_off, 2, "OFF\n6 2 0\n", 0, "", " ", "\n", "4 0 1 4 3\n4 1 2 5 4\n", NULL, NULL},
+};
+
+/** Write the nodes, and what is around them. */
+static file_builder write_bricks(const bricks *b) {
+    file_builder file = {.binary = 0};
+    const int is_nastran = b->format == &io_format_nastran; /* a system behind the number */
+    builder_text(&file, "%s", b->head);
+    for (int i = 0; i < (b->dim == 3 ? 12 : 6); i++) {
+        builder_text(&file, "%s", b->before);
+        if (b->is_numbered)
+            builder_text(&file, "%d%s%s", i + 1, b->between, is_nastran ? "," : "");
+        builder_text(&file, "%d.0%s%d.0%s%d.0%s", i % 3, b->between, i / 3 % 2, b->between, i / 6,
+                     b->after);
+    }
+    builder_text(&file, "%s", b->tail);
+    return file;
+}
+
+static void bricks_have_regions_groups_and_facets(void **state) {
+    (void)state;
+    for (size_t i = 0; i < sizeof all_bricks / sizeof *all_bricks; i++) {
+        const bricks *b = &all_bricks[i];
+        file_builder text = write_bricks(b);
+        planish_file *file;
+        planish_error error = {.text = ""};
+        if (builder_read(&text, b->format, 1, &file, &error))
+            fail_msg("%s", error.text);
+        assert_int_equal(planish_file_mesh(file).dim, b->dim);
+        unit_expect_bricks(file, b->facet, b->second);
+        planish_file_close(file);
+        builder_expect_same_on_threads(&text, b->format);
+        builder_let_allocations_fail(&text, b->format);
+        builder_release(&text);
+    }
+}
+
+/** Nothing but coordinates changes in a file of bricks. */
+static void bricks_are_written(void **state) {
+    for (size_t i = 0; i < sizeof all_bricks / sizeof *all_bricks; i++) {
+        const bricks *b = &all_bricks[i];
+        file_builder text = write_bricks(b);
+        const int is_in_words = b->format != &io_format_abaqus && b->format != &io_format_nastran;
+        if (is_in_words) {
+            rewriting_keeps_the_rest(b->format, text.data, text.size, *state);
+        } else { /* the first coordinate is the first 0.0 */
+            char *whole = calloc((size_t)text.size + 1, 1);
+            char *moved = calloc((size_t)text.size + 16, 1);
+            memcpy(whole, text.data, (size_t)text.size);
+            const char *at = strstr(whole, "0.0");
+            memcpy(moved, whole, (size_t)(at - whole));
+            strcat(moved, ".125");
+            strcat(moved, at + 3);
+            rewriting_gives(b->format, whole, "x", moved, *state);
+            free(whole);
+            free(moved);
+        }
+        builder_release(&text);
+    }
+}
+
+/** Quadrilaterals in space are refused, as triangles are, and pyramids of second order alone are
+ *  read, but held. */
+static void what_cannot_be_smoothed(void **state) {
+    (void)state;
+    static const char shell[] = "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n"
+                                "0 0 0 0\n1 0 0 0\n1 1 1 0\n0 1 0 0\n"
+                                "Quadrilaterals\n1\n1 2 3 4 7\nEnd\n";
+    reading_fails(&io_format_medit, shell, "only meshes in one plane can be smoothed");
+    static const char lines[] =
+        "MeshVersionFormatted 2\nDimension 3\nVertices\n2\n0 0 0 0\n1 0 0 0\n"
+        "Edges\n1\n1 2 5\nEnd\n";
+    reading_fails(&io_format_medit, lines, "nothing to smooth");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_name_is_of_one_format),
         cmocka_unit_test(each_format_has_a_file_in_the_data),
         cmocka_unit_test(each_file_of_the_data_is_recognised_by_its_content),
+        cmocka_unit_test(bricks_have_regions_groups_and_facets),
+        cmocka_unit_test(bricks_are_written),
+        cmocka_unit_test(what_cannot_be_smoothed),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, test_folder_create, test_folder_remove);
 }

@@ -157,6 +157,31 @@ static void both_orders_may_be_in_a_file(void **state) {
     }
 }
 
+/** Hexahedra and quadrilaterals have families, which are regions and groups. */
+static void bricks_have_families(void **state) {
+    static const int n_nodes = 16, nodes[] = {1, 2, 4, 5, 5, 6, 2, 3, 7, 8, 10, 11, 11, 12, 8, 9};
+    static const int facet[] = {1, 2, 5, 4};
+    hdf5_builder b;
+    planish_file *file;
+    planish_error error = {.text = ""};
+    begin(&b, 3, UNIT_BRICK_NODES, unit_brick_places);
+    put_element(&b, "QU4", 4, facet, -3, 0);
+    hdf5_group(&b, MESH "/MAI/HE8");
+    hdf5_integers(&b, MESH "/MAI/HE8/NOD", (hsize_t)n_nodes, nodes); /* first nodes first */
+    hdf5_attribute(&b, MESH "/MAI/HE8/NOD", "NBR", 2);
+    hdf5_integers(&b, MESH "/MAI/HE8/FAM", 2, (const int[]){-1, -2});
+    hdf5_group(&b, "/FAS/part/ELEME/right");
+    hdf5_attribute(&b, "/FAS/part/ELEME/right", "NUM", -2);
+    file_builder made = hdf5_end(&b);
+    if (builder_read(&made, &io_format_med, 1, &file, &error))
+        fail_msg("%s", error.text);
+    unit_expect_bricks(file, "2:-3", "3:-2");
+    planish_file_close(file);
+    builder_let_allocations_fail(&made, &io_format_med);
+    rewriting_in_place(made.data, made.size, 0, *state, "in.med");
+    builder_release(&made);
+}
+
 /** A moved mid is written: node 5 of T10. */
 static void mids_come_back(void **state) {
     double x[UNIT_NODES][3];
@@ -198,6 +223,8 @@ int main(void) {
         cmocka_unit_test(elements_of_every_type_are_read),
         cmocka_unit_test(wrong_counts_are_refused),
         cmocka_unit_test(both_orders_may_be_in_a_file),
+        cmocka_unit_test_setup_teardown(bricks_have_families, test_folder_create,
+                                        test_folder_remove),
         cmocka_unit_test_setup_teardown(mids_come_back, test_folder_create, test_folder_remove),
         cmocka_unit_test(nothing_breaks_it),
     };

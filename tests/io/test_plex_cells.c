@@ -192,22 +192,27 @@ static const sample meshes[] = {
 };
 enum { N_MESHES = sizeof meshes / sizeof *meshes };
 
-static file_builder make(const sample *m) {
+/** Put the points of a sample, and its nodes. */
+static void put_mesh(hdf5_builder *b, const sample *m) {
     static const int none[MOST_CONES] = {0};
-    hdf5_builder b;
     int order[MOST_POINTS];
     for (int i = 0; i < m->n_points; i++)
         order[i] = i;
-    hdf5_begin(&b, 0);
-    hdf5_group(&b, "/topology");
-    hdf5_integers(&b, "/topology/order", (hsize_t)m->n_points, order);
-    hdf5_integers(&b, "/topology/cones", (hsize_t)m->n_points, m->sizes);
-    hdf5_integers(&b, "/topology/cells", (hsize_t)m->n_cones, m->cones);
-    hdf5_integers(&b, "/topology/orientation", (hsize_t)m->n_cones, m->turns ? m->turns : none);
-    hdf5_attribute(&b, "/topology/cells", "cell_dim", m->dim);
-    hdf5_group(&b, "/geometry");
-    hdf5_array(&b, "/geometry/vertices", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, (hsize_t)m->n_nodes,
+    hdf5_group(b, "/topology");
+    hdf5_integers(b, "/topology/order", (hsize_t)m->n_points, order);
+    hdf5_integers(b, "/topology/cones", (hsize_t)m->n_points, m->sizes);
+    hdf5_integers(b, "/topology/cells", (hsize_t)m->n_cones, m->cones);
+    hdf5_integers(b, "/topology/orientation", (hsize_t)m->n_cones, m->turns ? m->turns : none);
+    hdf5_attribute(b, "/topology/cells", "cell_dim", m->dim);
+    hdf5_group(b, "/geometry");
+    hdf5_array(b, "/geometry/vertices", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, (hsize_t)m->n_nodes,
                (hsize_t)m->dim, m->places);
+}
+
+static file_builder make(const sample *m) {
+    hdf5_builder b;
+    hdf5_begin(&b, 0);
+    put_mesh(&b, m);
     return hdf5_end(&b);
 }
 
@@ -240,6 +245,48 @@ static void elements_of_every_type_are_read(void **state) {
         planish_file_close(file);
         builder_release(&b);
     }
+}
+
+/** Labels make regions of hexahedra and groups of their faces. */
+static void labels_of_elements_and_faces_are_read(void **state) {
+    (void)state;
+    const sample *m = &meshes[N_MESHES - 1]; /* two hexahedra, of which face 14 is the base */
+    const int points[] = {0, 1, 14};
+    hdf5_builder b;
+    planish_file *file;
+    planish_error error = {.text = ""};
+    hdf5_begin(&b, 0);
+    put_mesh(&b, m);
+    hdf5_group(&b, "/labels/Cell Sets/7");
+    hdf5_integers(&b, "/labels/Cell Sets/7/indices", 1, points);
+    hdf5_group(&b, "/labels/Cell Sets/8");
+    hdf5_integers(&b, "/labels/Cell Sets/8/indices", 1, points + 1);
+    hdf5_group(&b, "/labels/Face Sets/5");
+    hdf5_integers(&b, "/labels/Face Sets/5/indices", 1, points + 2);
+    file_builder made = hdf5_end(&b);
+    if (builder_read(&made, &io_format_plex, 1, &file, &error))
+        fail_msg("%s", error.text);
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    assert_int_equal(info.n_regions, 2);
+    assert_int_equal(info.n_lower_elements, 1);
+    assert_int_equal(info.n_other_elements, 0);
+    char region[32];
+    assert_true(planish_file_element_region(file, 1, region, sizeof region) > 0);
+    assert_string_equal(region, "Cell Sets:8");
+    const planish_surface surface = planish_file_surface(file, NULL);
+    assert_int_equal(surface.n_facets, 1);
+    assert_int_equal(surface.facet_offset[1], 4);
+    const planish_cells *cells = planish_file_mesh(file).cells;
+    int n_of_first = 0;
+    for (int k = 0; k < 8; k++)
+        for (int j = 0; j < 4; j++)
+            n_of_first += surface.facets[j] == cells->node[k];
+    assert_int_equal(n_of_first, 4);
+    unit_expect_held(file, "Cell Sets:7", "111100111100");
+    planish_file_close(file);
+    builder_let_allocations_fail(&made, &io_format_plex);
+    builder_release(&made);
 }
 
 /** Files with a wrong point in a cone, or a wrong sense, are refused, or read with other nodes or
@@ -282,6 +329,7 @@ static void nothing_breaks_it(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(elements_of_every_type_are_read),
+        cmocka_unit_test(labels_of_elements_and_faces_are_read),
         cmocka_unit_test(wrong_cones_do_no_harm),
         cmocka_unit_test(nothing_breaks_it),
     };

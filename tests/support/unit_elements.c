@@ -215,6 +215,87 @@ void unit_expect_held(const planish_file *file, const char *tag, const char *exp
     assert_string_equal(held, expected);
 }
 
+/** Check the nodes, as digits, that a file holds, with a group or NULL, and where nodes slide. */
+static void expect_fixed(const planish_file *file, const char *tag, int slide,
+                         const char *expected) {
+    uint8_t constraint[UNIT_NODES];
+    char fixed[UNIT_NODES + 1] = "";
+    planish_error error = {.text = ""};
+    const planish_hold hold = {.tags = &tag, .n_tags = tag != NULL, .slide = slide};
+    if (planish_file_constraints(file, &hold, constraint, &error))
+        fail_msg("%s", error.text);
+    for (int64_t i = 0; i < planish_file_mesh(file).n_nodes; i++)
+        fixed[i] = (char)('0' + constraint[i]);
+    assert_string_equal(fixed, expected);
+}
+
+const double unit_brick_places[UNIT_BRICK_NODES][3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0},
+                                                       {1, 1, 0}, {2, 1, 0}, {0, 0, 1}, {1, 0, 1},
+                                                       {2, 0, 1}, {0, 1, 1}, {1, 1, 1}, {2, 1, 1}};
+
+/** Check the groups of the bricks. */
+static void expect_brick_groups(planish_file *file, int dim, const char *facet,
+                                const char *second) {
+    static const char *const held[2][4] = {
+        {"110010", "111011", "110010", "110000"},
+        {"110110010010", "111111011011", "110110010010", "110110000000"}};
+    double volume[2] = {-1, -1};
+    const double least = 3;
+    char region[64];
+    planish_error error = {.text = ""};
+    const char *const *const expected = held[dim - 2];
+    expect_fixed(file, NULL, 0, expected[0]);
+    expect_fixed(file, second, 0, expected[1]);
+    expect_fixed(file, facet, 0, expected[2]);
+    expect_fixed(file, facet, 1, expected[3]);
+    if (planish_file_min_volumes(file, &second, &least, 1, volume, &error))
+        fail_msg("%s", error.text);
+    assert_true(volume[0] == 0 && volume[1] == least);
+    assert_true(planish_file_element_region(file, 1, region, sizeof region) > 0);
+    assert_string_equal(region, second);
+    const planish_hold slide = {.slide = 1, .slide_tags = &facet, .n_slide_tags = 1};
+    const planish_surface surface = planish_file_surface(file, &slide);
+    assert_true(surface.region && surface.region[0] != surface.region[1]);
+    assert_true(surface.facet_tag && surface.tagged_only);
+}
+
+void unit_expect_bricks(planish_file *file, const char *facet, const char *second) {
+    static const int32_t corner[2][8] = {{0, 1, 4, 3, 6, 7, 10, 9}, {1, 2, 5, 4, 7, 8, 11, 10}};
+    const planish_mesh mesh = planish_file_mesh(file);
+    const int dim = mesh.dim, n = dim == 3 ? 8 : 4, n_facet = dim == 3 ? 4 : 2;
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    assert_int_equal(mesh.n_elements, 2);
+    assert_non_null(mesh.cells);
+    assert_int_equal(info.n_other_elements, 0);
+    assert_int_equal(info.n_lower_elements, facet != NULL);
+    assert_int_equal(info.n_regions, second ? 2 : 1);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(mesh.cells->type[i],
+                         dim == 3 ? PLANISH_CELL_HEXAHEDRON : PLANISH_CELL_QUADRILATERAL);
+        assert_int_equal(mesh.cells->offset[i + 1] - mesh.cells->offset[i], n);
+        for (int j = 0; j < n; j++) {
+            int is_there = 0; /* in any order that is valid */
+            for (int k = 0; k < n; k++)
+                is_there |= mesh.cells->node[n * i + k] == corner[i][j];
+            assert_true(is_there);
+        }
+    }
+    unit_expect_valid(file, 2);
+    if (!facet)
+        return;
+    expect_brick_groups(file, dim, facet, second);
+    const planish_surface surface = planish_file_surface(file, NULL);
+    assert_int_equal(surface.n_facets, 1);
+    assert_int_equal(surface.facet_offset ? surface.facet_offset[1] : dim, n_facet);
+    for (int j = 0; j < n_facet; j++) {
+        int is_there = 0;
+        for (int k = 0; k < n_facet; k++)
+            is_there |= surface.facets[k] == corner[0][j];
+        assert_true(is_there);
+    }
+}
+
 void unit_expect_both_orders(const planish_file *file, int has_line) {
     static const int32_t straight[] = {0, 1, 2, 3}, none[] = {-1, -1, -1, -1, -1, -1},
                          curved[] = {1, 2, 3, 4}, mids[] = {5, 6, 7, 8, 9, 10},

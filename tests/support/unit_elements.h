@@ -68,6 +68,15 @@ void unit_expect_both_orders(const planish_file *file, int has_line);
 enum { UNIT_BOTH_NODES = 11 };
 extern const double unit_both_places[UNIT_BOTH_NODES][3];
 
+/** Check a file of two hexahedra side by side, of the nodes 1 2 5 4 7 8 11 10 and 2 3 6 5 8 9 12 11,
+ *  and of a quadrilateral, 1 2 5 4, below the first; in two dimensions of the quadrilaterals 1 2 5 4
+ *  and 2 3 6 5 and a line, 1 2. Node 1 is at the origin, 2, 4 and 7 along the axes, 3 at x = 2. The
+ *  elements are regions. facet: the tag of the quadrilateral or line, second: of the second element;
+ *  NULL: the file has no groups, and one region. */
+void unit_expect_bricks(planish_file *file, const char *facet, const char *second);
+enum { UNIT_BRICK_NODES = 12 };
+extern const double unit_brick_places[UNIT_BRICK_NODES][3];
+
 /** Check the nodes that the file holds, and that a group holds: digits, 1 for held. tag: or NULL. */
 void unit_expect_held(const planish_file *file, const char *tag, const char *expected);
 
