@@ -1,11 +1,11 @@
-"""planish: smooth and untangle meshes of tetrahedra or triangles, in place; measure elements of any
-type.
+"""planish: smooth, untangle and measure meshes of elements of any type, in place.
 
 A thin module over the shared library: arrays of simplices go to it as they are, nothing is built.
 
     import planish
     result = planish.smooth(points, cells)      # points [n, 2 or 3], cells [m, 3 or 4]: in place
     result = planish.smooth(mesh)               # a mesh of meshio or pyvista: its points, in place
+    result = planish.smooth(points, {"hexahedron": a, "wedge": b})
     print(planish.quality(points, cells).min_angle_deg)
     print(planish.quality(points, {"tetra10": a, "hexahedron": b}).cells.all.n_inverted)
 
@@ -253,8 +253,8 @@ class CellValues(NamedTuple):
 
 
 class Quality(_Printed):
-    """Quality of a mesh: planish_quality of planish.h, field by field. These fields are about
-    triangles or tetrahedra, by their corners, and 0 without any.
+    """Quality of a mesh: planish_quality of planish.h, field by field. With any elements but triangles or
+    tetrahedra AR stands for the radius ratio in these fields, and there are no angles.
 
     cells is the CellQuality of elements of all types; None for straight simplices alone, of which the
     fields say more, unless elements was asked for: the CellValues. Plan.quality gives neither.
@@ -445,7 +445,7 @@ def version() -> str:
 # ---- arrays --------------------------------------------------------------------------------------
 
 _OBJECTIVES = {"radius-ratio": 0, "mean-ratio": 1, "edge-ratio": 2, "worst": 0}
-_WORST = {"radius-ratio": 1, "dihedral": 2}
+_WORST = {"radius-ratio": 1, "dihedral": 2, "aspect-ratio": 3, "scaled-jacobian": 4}
 _NUMBERS = {"int32": 0, "int64": 1, "int8": 2, "int16": 3, "uint8": 4, "uint16": 5, "uint32": 6, "uint64": 7,
             "float32": 8, "float64": 9}  # planish_number
 
@@ -469,7 +469,9 @@ _TYPES = [_Type(*row) for row in (
     (13, "wedge", 3, 6, 6), (26, "wedge15", 3, 15, 6), (32, "wedge18", 3, 18, 6),
     (14, "pyramid", 3, 5, 5), (27, "pyramid13", 3, 13, 5), (128, "pyramid14", 3, 14, 5))]
 _KNOWN: dict[Any, _Type] = {key: kind for kind in _TYPES for key in (kind.number, kind.name)}
-_SMOOTHED = {2: (5, 22), 3: (10, 24)}  # straight, second order
+_SIMPLICES = {2: (5, 22), 3: (10, 24)}  # straight, second order
+_HELD = (27, 128)  # pyramids of second order: their nodes stay
+_LAYERED = {3: (6, 8), 2: (4,)}  # corners of types whose layers are held unless said otherwise
 # Other orders of nodes: pixels and voxels by VTK's number or meshio's name, wedges by meshio's name.
 _PIXEL, _VOXEL = (_KNOWN["quad"], [0, 1, 3, 2]), (_KNOWN["hexahedron"], [0, 1, 3, 2, 4, 5, 7, 6])
 _REORDERED: dict[Any, tuple[_Type, list[int]]] = {
@@ -778,7 +780,7 @@ class _Elements:
         self.types: Optional[np.ndarray] = None
         self.offsets: Optional[np.ndarray] = None
         self.held: Optional[np.ndarray] = None
-        if all(block.kind.number == _SMOOTHED[self.dim][0] for block in chosen if block.kind):
+        if all(block.kind.number == _SIMPLICES[self.dim][0] for block in chosen if block.kind):
             self.nodes = self.corners = _cells(_joined([block.nodes for block in chosen]))
         else:
             self._lay_out(chosen, order)
@@ -798,8 +800,23 @@ class _Elements:
             places = self.offsets[rank[first:first + len(block.nodes)]]
             self.nodes[places[:, None] + np.arange(block.nodes.shape[1])] = _narrow(block.nodes)
             first += len(block.nodes)
-        smoothed = np.isin(self.types, _SMOOTHED[self.dim])
-        self.corners = self.nodes[self.offsets[:-1][smoothed][:, None] + np.arange(self.dim + 1)]
+        is_simplex = np.isin(self.types, _SIMPLICES[self.dim])
+        self.corners = self.nodes[self.offsets[:-1][is_simplex][:, None] + np.arange(self.dim + 1)]
+
+    def has_types(self) -> bool:
+        """Whether some are smoothed that are no simplices: aspect ratios stand for radius ratios then."""
+        return self.types is not None and not np.isin(self.types, _SIMPLICES[self.dim] + _HELD).all()
+
+    def is_smoothed(self) -> bool:
+        """Whether any element is of a type that is smoothed."""
+        return self.types is None or not np.isin(self.types, _HELD).all()
+
+    def nodes_of(self, chosen: np.ndarray) -> np.ndarray:
+        """Nodes of chosen elements (a mask), as often as these have them."""
+        if self.types is None or self.offsets is None:
+            return self.nodes[chosen].ravel()
+        nodes = self.nodes[np.repeat(chosen, np.diff(self.offsets))]
+        return nodes[nodes >= 0]
 
     @classmethod
     def of_simplices(cls, cells: np.ndarray) -> _Elements:
@@ -939,7 +956,7 @@ class _Regions:
         self.values: list[np.ndarray] = []
         self.names: list[str] = []
         n = view.mesh.n_elements
-        wanted = self._wanted(data, regions) if len(view.elements.corners) else {}
+        wanted = self._wanted(data, regions) if view.elements.is_smoothed() else {}
         for name, values in wanted.items():
             numbers = _numbers(values, n)
             if numbers is not None:
@@ -1063,6 +1080,38 @@ class _View:
         self.constraint[between] = 1
         self.mesh.constraint = _address(self.constraint)
 
+    def _states(self) -> np.ndarray:
+        """planish_cell_state of each element."""
+        state, error, quality = np.zeros(self.mesh.n_elements, dtype=np.uint8), _Error(), CellQuality()
+        _check(_library.planish_measure_cells(byref(self.mesh), c_double(_rounding(self.points, None)),
+                                              c_int(_threads(self.threads)), byref(quality),
+                                              byref(_CellValues(state=_address(state))), byref(error)), error)
+        return state
+
+    def hold_layers(self, layers: Optional[str]) -> None:
+        """Fix the nodes of boundary layers: hold, ignore, or None: those of some types."""
+        if layers not in (None, "hold", "ignore"):
+            raise ValueError(f"layers must be hold, ignore or None, not {layers!r}")
+        elements = self.elements
+        chosen = np.ones(self.mesh.n_elements, dtype=bool)
+        if layers is None and elements.types is not None:
+            corners = np.array([getattr(_KNOWN.get(i), "n_corners", 0) for i in range(256)])[elements.types]
+            is_simplex = np.isin(elements.types, _SIMPLICES[self.dim])
+            chosen = np.isin(corners, _LAYERED[self.dim]) & ((self.dim == 3) | is_simplex.any())
+        if layers == "ignore" or (layers is None and elements.types is None) or not chosen.any():
+            return
+        chosen &= _find_layers(self, self.threads)
+        if not chosen.any():
+            return
+        held = np.zeros(self.n, dtype=bool)
+        held[elements.nodes_of(chosen)] = True
+        if elements.has_types():  # none of an element that is not valid: such look thin by chance
+            held[elements.nodes_of(self._states() != 1)] = False
+        if self.constraint is None:
+            self.constraint = np.zeros(self.n, dtype=np.uint8)
+        self.constraint[held] = 1
+        self.mesh.constraint = _address(self.constraint)
+
     def own_cells(self) -> None:
         """Make the elements a copy that nobody changes; of 64 bits the library has its own."""
         if self.elements.types is None and self.elements.nodes.dtype == np.int32:
@@ -1082,18 +1131,21 @@ class Plan:
       nodes, or VTK's numbers with VTK's
     - a tuple of VTK's arrays, (cells, celltypes) as in pyvista, or (nodes, offsets, types)
     Or points is a mesh of meshio or of pyvista, and cells None. Elements are the cells of the highest
-    dimension, 2 or 3, in the order given; [m] below means these. Triangles and tetrahedra of order 1
-    and 2 are smoothed, and the mid of an edge follows its ends; -1 is a mid that is missing. All other
-    cells hold their nodes.
+    dimension, 2 or 3, in the order given; [m] below means these. They are smoothed, but for pyramids of
+    second order. The mid of an edge follows its ends, and may move by itself where it makes a curved
+    triangle or tetrahedron bad; -1 is a mid that is missing. All other cells hold their nodes. With any
+    elements but triangles or tetrahedra, ratios are aspect ratios AR of all elements (docs/elements.md).
     fixed: numbers, or a mask, of nodes that stay besides those of the boundary. min_volumes [m]:
-    minimum volume of each element, 0 for none. rounding: how far off the middle of its edge a mid of a
+    minimum volume of each element, 0 for none. layers: hold the nodes of boundary layers (hold), or do
+    not (ignore); left out: hold those of wedges and hexahedra, and of quadrilaterals beside triangles,
+    but no node of an invalid element. rounding: how far off the middle of its edge a mid of a
     straight edge may be, in units of the points; None: what floats leave, if points are floats.
     regions: nodes between regions (materials) are held. Left out: those of all arrays of the mesh's
     cell data that look like regions, by the program's rule (docs/algorithm.md). An array [m] of whole
     numbers, the name or names of arrays of the cell data, or None: let these nodes move. region_arrays
     names the arrays used. threads: 0 as many as there are and the mesh is large enough for; one in a child of
     os.fork (multiprocessing), where those of the parent would be waited for.
-    only_worse_than and rings: only nodes of cells whose radius ratio exceeds it move, and of so
+    only_worse_than and rings: only nodes of cells whose ratio exceeds it move, and of so
     many rings of cells around. around: only these nodes (numbers) move, and of so many rings;
     qualities and results are then of the cells at these.
 
@@ -1114,12 +1166,14 @@ class Plan:
         around: Optional[Sequence[int]] = None,
         regions: Any = _BY_RULE,
         rounding: Optional[float] = None,
+        layers: Optional[str] = None,
     ) -> None:
         self._plan = c_void_p()
         self._lock = threading.RLock()
         self._depth = 0  # uses within one another, by the thread that has the lock
         self._smoother = 0  # the thread that smooths
         self._view = _View(points, cells, fixed, min_volumes, regions, threads)
+        self._view.hold_layers(layers)
         self._view.own_cells()  # the plan reads them as long as it lives
         self._options = _Options()
         _library.planish_options_init_sized(byref(self._options), c_size_t(ctypes.sizeof(_Options)))
@@ -1226,7 +1280,8 @@ class Plan:
         return found
 
     def radius_ratios(self, points: Any = None) -> np.ndarray:
-        """Radius ratio [m] of each element at points: 1 is best, 0 inverted or flat; nan of those
+        """Radius ratio [m] of each element at points (AR of all where some are no triangles or
+        tetrahedra, by their corners): 1 is best, 0 inverted or flat; nan of those
         that a plan around some nodes does not know."""
         error, ratios = _Error(), np.zeros(self._view.mesh.n_elements)
         with self._use(measures=True):
@@ -1243,12 +1298,13 @@ class Plan:
         self,
         points: Any = None,
         *,
-        objective: str = "radius-ratio",
-        worst_measure: str = "dihedral",
+        objective: Optional[str] = None,
+        worst_measure: Optional[str] = None,
         worst_rise: float = 0.01,
         min_volume: float = 0,
         min_volume_fraction: float = 0,
         area_weight: float = 0,
+        curve_quality: float = 0.3,
         max_displacement: float = 0,
         untangle: bool = True,
         max_sweeps: int = 200,
@@ -1258,26 +1314,37 @@ class Plan:
     ) -> Result:
         """Smooth points [n, 2 or 3] (None: those given at first) in place, after untangling them.
 
-        objective: radius-ratio, mean-ratio, edge-ratio, or worst: radius-ratio, and then the worst
-        cells by worst_measure (dihedral, radius-ratio), for which F may rise by worst_rise of
-        itself. The other options are those of planish_options in planish.h. progress is called after
+        objective: radius-ratio (the default of triangles and tetrahedra alone), mean-ratio (that of other
+        meshes), edge-ratio, or worst: the default, and then the worst cells by worst_measure, for which F
+        may rise by worst_rise of itself. worst_measure: dihedral (default) or radius-ratio of triangles
+        and tetrahedra alone, scaled-jacobian (default) or aspect-ratio in other meshes. curve_quality:
+        mids of curved elements whose least Jacobian is below so much of their mean move by themselves;
+        0: none. The other options are those of planish_options in planish.h. progress is called after
         every colour of nodes; if it returns something true, smoothing ends there (it may be called once
         more, for the end of the sweep); what it raises, or a signal's handler meanwhile, is raised here,
         and points are then as good as they had become. Without progress signals wait for the end.
         """
-        if objective not in _OBJECTIVES:
+        if objective is not None and objective not in _OBJECTIVES:
             raise ValueError(f"objective must be one of {', '.join(_OBJECTIVES)}, not {objective!r}")
-        if worst_measure not in _WORST:
+        if worst_measure is not None and worst_measure not in _WORST:
             raise ValueError(f"worst_measure must be one of {', '.join(_WORST)}, not {worst_measure!r}")
+        has_types = self._view.elements.has_types()
+        usual = "scaled-jacobian" if has_types else "dihedral"
+        if has_types and objective == "radius-ratio":
+            raise ValueError("radius-ratio is of triangles and tetrahedra alone; leave objective out, or give "
+                             "edge-ratio")
+        if (_WORST[worst_measure or usual] > 2) != has_types:
+            raise ValueError(f"worst_measure {worst_measure!r} is of other elements than the mesh has; leave it out")
         with self._use():
             taken = self._coordinates(points, writes=True)
             options, error, result = self._options, _Error(), Result()
-            options.objective = _OBJECTIVES[objective]
-            options.worst = _WORST[worst_measure] if objective == "worst" else 0
+            options.objective = _OBJECTIVES[objective or "radius-ratio"]
+            options.worst = _WORST[worst_measure or usual] if objective == "worst" else 0
             options.worst_rise = worst_rise
             options.min_volume = min_volume
             options.min_volume_fraction = min_volume_fraction
             options.area_weight = area_weight
+            options.curve_quality = curve_quality
             options.max_displacement = max_displacement
             options.untangle = bool(untangle)
             options.max_sweeps = _whole(max_sweeps, "max_sweeps")
@@ -1323,7 +1390,8 @@ class Plan:
             return result
 
 
-_OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "rings", "around", "regions", "rounding")
+_OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "rings", "around", "regions", "rounding",
+            "layers")
 
 
 def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
@@ -1344,7 +1412,7 @@ def quality(points: Any, cells: Any = None, *, fixed: Any = None, regions: Any =
     _library.planish_options_init_sized(byref(options), c_size_t(ctypes.sizeof(_Options)))
     options.threads = _threads(0)
     is_simple = view.elements.types is None
-    if is_simple or len(view.elements.corners):
+    if view.elements.is_smoothed():
         _check(_library.planish_measure_mesh(byref(view.mesh), byref(options), byref(found), byref(error)), error)
     if per_element or not is_simple:
         _measure_cells(view, rounding, per_element, found)
@@ -1367,7 +1435,12 @@ def _measure_cells(view: _View, rounding: Optional[float], per_element: bool, fo
 def find_layers(points: Any, cells: Any = None, *, threads: int = 0) -> np.ndarray:
     """Mask [m] of the elements that are thin in layers, as those of a boundary layer: smoothing would
     make them regular, unless their nodes are fixed. points and cells as for Plan."""
-    view, error = _View(points, cells, None, None), _Error()
+    return _find_layers(_View(points, cells, None, None), threads)
+
+
+def _find_layers(view: _View, threads: int) -> np.ndarray:
+    """find_layers of a view."""
+    error = _Error()
     mask = np.zeros(view.mesh.n_elements, dtype=np.uint8)
     _check(
         _library.planish_find_layers(
