@@ -49,7 +49,95 @@ alone, among = json.load(open("report.json"))["quality"], json.load(open("all.js
 assert set(alone) - set(among) == {"worst_elements"} and all(alone[key] == among[key] for key in among)
 END
 
-# Nothing to smooth: measured, by itself and beside others, and not smoothed.
+# Every type of first order: smoothed, untangled, with layers, stopped.
+for kind in hexahedron wedge pyramid quadrilateral mixed flat; do
+    n=5
+    case $kind in quadrilateral | flat) n=9 ;; esac
+    for amount in 0.2 0.7; do
+        python3 "$cli/types_mesh.py" block $kind $n $amount block.vtk || fail "no mesh"
+        expect_status 0 "$program" smooth block.vtk -o new.vtk --json report.json --report new.html
+        cp out table
+        python3 "$cli/types_mesh.py" judge block.vtk new.vtk report.json || fail "$kind pushed by $amount"
+        expect_json "(r['before']['inverted'] > 0) == ($amount > 0.5) and r['after']['inverted'] == 0"
+        expect_json "len(r['after']['worst_elements']) == 10 and r['after']['worst_elements'][0]['aspect_ratio'] == r['after']['max_aspect_ratio']"
+        grep -q "^least scaled Jacobian (SJ) " table && grep -q "^aspect ratio *before *after" table &&
+            grep -q "worst aspect ratio (AR)" table || fail "the table: $(cat table)"
+        ! grep -q "worst radius ratio\|angle " table || fail "a table with radius ratios or angles: $(cat table)"
+        awk 'length($0) > 80 { exit 1 }' table || fail "the table is wider than 80 columns"
+        grep -q "worst aspect ratio of elements with a free node" new.html && grep -q "least scaled Jacobian" new.html ||
+            fail "the page of $kind"
+        expect_status 0 "$program" report report.json -o again.html
+        cmp new.html again.html || fail "the page of the JSON of $kind"
+        cp block.vtk place.vtk
+        expect_status 0 "$program" smooth place.vtk -o place.vtk -j 3 -q
+        cmp new.vtk place.vtk || fail "$kind: other bits by three threads, in place"
+    done
+    # Two types have a line each.
+    [ $kind != flat ] || tr '\n' ' ' <table | grep -q "does not compare with the radius ratio" || fail "the measure: $(cat table)"
+    case $kind in mixed | flat) grep -q "^before, after *elements " table && grep -q "^least scaled" table || fail "no lines by type: $(cat table)" ;; esac
+    for objective in mean-ratio edge-ratio "worst --worst-measure aspect-ratio" worst; do
+        # shellcheck disable=SC2086
+        expect_status 0 "$program" smooth block.vtk -o new.vtk --objective $objective --json report.json
+        expect_json "r['after']['inverted'] == 0 and r['objective']['name'] == '${objective%% *}'.replace('worst', 'mean-ratio')"
+        case $objective in worst*) expect_json "r['worst']['measure'] in ('aspect-ratio', 'scaled-jacobian')" ;; esac
+    done
+    expect_status 64 "$program" smooth block.vtk -o no.vtk --objective radius-ratio
+    expect_one_line
+    expect_text "choose mean-ratio or edge-ratio"
+    expect_status 64 "$program" smooth block.vtk -o no.vtk --objective worst --worst-measure dihedral
+    expect_one_line
+    expect_text "choose scaled-jacobian or aspect-ratio"
+    expect_no_file no.vtk
+    # Stopped at once: what is there is no worse.
+    expect_status 1 "$program" smooth block.vtk -o new.vtk --time-limit 1e-9 --json report.json
+    expect_json "r['stop'] == 'time-limit' and r['after']['inverted'] <= r['before']['inverted']"
+    expect_status 0 "$program" smooth block.vtk -o view.vtu -q
+    # Few of them, around the bad ones.
+    expect_status 0 "$program" smooth block.vtk -o new.vtk --only-worse-than 3 --json report.json -q
+    expect_json "r['after']['inverted'] == 0"
+done
+# Interrupted: the mesh is written, and no worse.
+python3 "$cli/types_mesh.py" block hexahedron 16 0.3 block.vtk || fail "no mesh"
+env --default-signal=INT "$program" smooth block.vtk -o new.vtk --json report.json -v --tolerance 0 --max-sweeps 1000000 \
+    -j 1 --box=-9,-9,-9,9,9,9 >out 2>err &
+run=$!
+wait_for "  smoothing" err
+kill -INT $run
+wait $run
+[ $? -eq 1 ] || fail "interrupted: $(tail -n 3 err)"
+python3 "$cli/types_mesh.py" judge block.vtk new.vtk report.json || fail "interrupted"
+expect_json "r['stop'] == 'interrupted' and r['certified']"
+# Layers of hexahedra are held, unless they are to be ignored; --fix-layers is the same as hold.
+python3 "$cli/types_mesh.py" block layered 8 0.2 block.vtk || fail "no mesh"
+for option in "" "--layers hold" --fix-layers "--layers ignore"; do
+    # shellcheck disable=SC2086
+    expect_status 0 "$program" smooth block.vtk -o new.vtk --json report.json $option
+    python3 "$cli/types_mesh.py" judge block.vtk new.vtk report.json || fail "layers: $option"
+    if [ "$option" = "--layers ignore" ]; then
+        expect_json "r['mesh']['held']['layers'] == 0 and r['mesh']['layer_elements'] is None"
+        ! cmp -s new.vtk held.vtk || fail "layers are held though they are to be ignored"
+    else
+        expect_json "r['mesh']['held_layer_elements'] == r['mesh']['layer_elements'] == 192 and r['mesh']['held']['layers'] == 147"
+        [ -n "$option" ] || cp new.vtk held.vtk
+        cmp new.vtk held.vtk || fail "other bits with $option"
+        grep -q "thin in layers" err || fail "no note of layers: $(cat err)"
+        [ -n "$option" ] || grep -q "147 nodes are held there; --layers ignore lets them move" err || fail "no advice: $(cat err)"
+    fi
+done
+# A fold is held by nothing: no node of an inverted element is held as one of a layer.
+python3 - <<'END' || fail "no mesh"
+words = open("block.vtk").read().split("\n")
+first = next(i for i, line in enumerate(words) if line.startswith("POINTS")) + 1
+for i in range(first, first + 9 ** 3):
+    x, y, z = map(float, words[i].split())
+    if 0 < x < 1 and 0 < y < 1 and 0.03 < z < 0.04:  # the top of the layers, put below the ground
+        words[i] = f"{x} {y} {-z}"
+open("folded.vtk", "w").write("\n".join(words))
+END
+expect_status 0 "$program" smooth folded.vtk -o new.vtk --json report.json
+expect_json "r['before']['inverted'] > 30 and r['after']['inverted'] == 0"
+
+# Measured by themselves and beside others.
 python3 - <<'END'
 points = [(x, y, z) for z in range(3) for y in range(3) for x in range(3)]
 cells = [[p, p + 1, p + 4, p + 3, p + 9, p + 10, p + 13, p + 12] for p in (0, 1, 3, 4, 9, 10, 12, 13)]
@@ -75,14 +163,29 @@ for mesh in hexahedra squares; do
     expect_json "r['quality']['max_aspect_ratio'] == r['quality']['min_scaled_jacobian'] == 1"
     expect_json "r['quality']['simplices'] is None and r['quality']['inverted'] == 0 and r['mesh']['elements'] == 0"
     expect_status 0 "$program" report report.json -o again.html
-    [ ! -s err ] || fail "notes of a page without a picture: $(cat err)"
+    [ ! -s err ] || fail "notes of the page: $(cat err)"
     cmp $mesh.html again.html || fail "the page of the JSON of $mesh"
     expect_status 0 "$program" quality $mesh.vtk --fix-layers -q
-    expect_status 2 "$program" smooth $mesh.vtk -o new.vtk --json new.json
-    expect_one_line
-    expect_text "planish quality"
-    expect_no_file new.vtk new.json
+    # Nothing can get better: the mesh is written as it is.
+    expect_status 0 "$program" smooth $mesh.vtk -o new.vtk -q
+    cmp new.vtk $mesh.vtk || fail "a perfect mesh changed"
 done
+# Quadratic pyramids by themselves are not smoothed.
+python3 - <<'END'
+corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0.5, 0.5, 1)]
+pairs = [(0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)]
+points = corners + [tuple((a + b) / 2 for a, b in zip(corners[i], corners[j])) for i, j in pairs]
+with open("pyramid.vtk", "w") as out:
+    print("# vtk DataFile Version 3.0\npyramid\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 13 double", file=out)
+    for p in points:
+        print(*p, file=out)
+    print("CELLS 1 14\n13", *range(13), file=out)
+    print("CELL_TYPES 1\n27", file=out)
+END
+expect_status 2 "$program" smooth pyramid.vtk -o no.vtk --json no.json
+expect_one_line
+expect_text "planish quality"
+expect_no_file no.vtk no.json
 # Second order: the corners are smoothed and the mids follow; elements that mids have inverted are listed.
 for case in "2 plain" "2 folded" "2 tilted" "3 plain" "3 folded"; do
     # shellcheck disable=SC2086

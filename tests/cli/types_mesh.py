@@ -5,7 +5,12 @@ corners.
 types_mesh.py second DIM KIND OUT [SEED]: a square (DIM 2) or cube (3) of elements of second order with curved edges on its
 boundary. KIND: plain, folded (two mids of the boundary turn elements inside out), tilted (in a tilted plane, as floats), or
 rough (2 alone; in a tilted plane, all mids far off, in Nastran's fields of eight characters, to which results are rounded).
-types_mesh.py check BEFORE.vtk AFTER.vtk REPORT.json: what smoothing promises of such a mesh."""
+types_mesh.py check BEFORE.vtk AFTER.vtk REPORT.json: what smoothing promises of such a mesh.
+
+types_mesh.py block KIND N AMOUNT OUT: a cube or square of N cells along each axis, cut into elements of KIND (hexahedron,
+wedge, pyramid, quadrilateral; mixed, flat: several), whose inner nodes are pushed by up to AMOUNT of a cell. KIND layered:
+hexahedra, the lowest three rows of which are thin.
+types_mesh.py judge BEFORE.vtk AFTER.vtk REPORT.json: what smoothing promises of that mesh, and whether the report is right."""
 import itertools
 import json
 import math
@@ -236,6 +241,148 @@ def write(path, points, cells, data_type="double"):
             print(number, file=out)
 
 
+# ---- blocks of elements of first order -----------------------------------------------------------------------------
+
+SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
+SHAPE_OF = {5: "triangle", 9: "quadrilateral", 10: "tetrahedron", 12: "hexahedron", 13: "wedge", 14: "pyramid"}
+CORNERS.update(triangle=[(0, 0, 0), (1, 0, 0), (HALF, ROOT, 0)],
+               quadrilateral=[(*p, 0) for p in SQUARE])
+EDGES.update(triangle=[(0, 1), (1, 2), (2, 0)], quadrilateral=[(0, 1), (1, 2), (2, 3), (3, 0)])
+
+
+def cut(kind, at, add, place):
+    """Elements of a cell with the corners at; add(point) makes a node, place: the cell's."""
+    if len(at) == 4:
+        halves = [(5, [at[0], at[1], at[2]]), (5, [at[0], at[2], at[3]])]
+        return halves if kind == "flat" and place % 3 else [(9, at)]
+    if kind == "wedge" or (kind == "mixed" and place % 4 == 1):
+        return [(13, [at[i] for i in (0, 1, 2, 4, 5, 6)]), (13, [at[i] for i in (0, 2, 3, 4, 6, 7)])]
+    if kind == "pyramid" or (kind == "mixed" and place % 4 == 2):
+        tip = add(at)
+        sides = (0, 1, 2, 3), (7, 6, 5, 4), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)
+        return [(14, [*(at[i] for i in side), tip]) for side in sides]
+    return [(12, at)]
+
+
+def block(kind, n, amount, path):
+    n, amount = int(n), float(amount)
+    dim = 2 if kind in ("quadrilateral", "flat") else 3
+    x, number, cells = [], {}, []
+    for at in itertools.product(range(n + 1), repeat=dim):
+        number[at] = len(x)
+        inside = all(0 < c < n for c in at)
+        x.append([(c + inside * random.uniform(-amount, amount)) / n for c in at] + [0.0] * (3 - dim))
+    if kind == "layered":
+        for at, p in number.items():
+            x[p][2] = at[2] / n / 10 if at[2] <= 3 else 0.3 / n + (x[p][2] - 3 / n) / (1 - 3 / n) * (1 - 0.3 / n)
+
+    def add(corners):
+        x.append(middle([x[p] for p in corners]))
+        return len(x) - 1
+
+    for place, at in enumerate(itertools.product(range(n), repeat=dim)):
+        flat = SQUARE if dim == 2 else [(*p, z) for z in (0, 1) for p in SQUARE]
+        cells += cut(kind, [number[tuple(map(sum, zip(at, p)))] for p in flat], add, at[0] if kind == "mixed" else place)
+    write(path, x, cells)
+
+
+def read_block(path):
+    words = open(path).read().split()
+    at = words.index("CELL_TYPES")
+    types = [int(w) for w in words[at + 2:at + 2 + int(words[at + 1])]]
+    x, elements = read_second(path)
+    return x, [(SHAPE_OF[t], e) for t, e in zip(types, elements)]
+
+
+def point_of(shape, x, u, v, w):
+    """Where the map of an element takes a point; linear in each of u, v and w."""
+    if shape in ("triangle", "tetrahedron"):
+        weights = [1 - u - v - (w if shape == "tetrahedron" else 0), u, v, w]
+    elif shape == "wedge":
+        weights = [c * s for s in (1 - w, w) for c in (1 - u - v, u, v)]
+    else:
+        base = [(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v]
+        weights = base if shape == "quadrilateral" else [c * (1 - w) for c in base] + (
+            [w] if shape == "pyramid" else [c * w for c in base])
+    return [sum(c * p[d] for c, p in zip(weights, x)) for d in range(3)]
+
+
+def least_sampled(shape, x):
+    """Least determinant of an element at points of a grid; of one sign in height in a pyramid."""
+    least, steps = math.inf, [i / 4 for i in range(5)]
+    is_flat = shape in ("triangle", "quadrilateral")
+    for u, v, w in itertools.product(steps, steps, [0] if is_flat or shape == "pyramid" else steps):
+        if shape in ("triangle", "tetrahedron", "wedge") and u + v > 1:
+            continue
+        p = point_of(shape, x, u, v, w)
+        j = [minus(point_of(shape, x, *q), p) for q in ((u + 1, v, w), (u, v + 1, w), (u, v, w + 1))]
+        least = min(least, det([*j[:2], [0, 0, 1]] if is_flat else j))
+    return least
+
+
+def mean_ratio(shape, x):
+    """AR of an element with positive corners, and its least scaled Jacobian."""
+    if shape not in ("triangle", "quadrilateral"):
+        _, square, scaled, _ = measure(shape, x)
+        return square ** 0.5, scaled
+    squares, scaled, n = [], [], len(x)
+    for c in range(n):
+        a, b = (minus(x[i], x[c]) for i in ((c + 1) % n, (c - 1) % n))
+        area = a[0] * b[1] - a[1] * b[0]
+        product = a[0] * b[0] + a[1] * b[1]
+        scaled.append(area / length(a) / length(b) / (1 if n == 4 else ROOT))
+        edges = sum(v * v for v in a + b)
+        # |T|^2 / (2 det T): T is J for a right angle, and takes edges of 60 degrees to it.
+        squares.append((edges / (2 * area) if n == 4 else (edges - product) / (2 * ROOT * area)) ** 2)
+    return math.sqrt(sum(squares) / n), min(scaled)
+
+
+def judge(before, after, report):
+    with open(report) as text:
+        r = json.load(text)
+    (x, elements), (y, same) = read_block(before), read_block(after)
+    assert same == elements
+    sides = {}
+    for shape, e in elements:
+        faces = [tuple(e[i] for i in f) for f in FACES.get(shape, [])]
+        if shape == "wedge":
+            faces += [e[:3], e[3:]]
+        if shape == "pyramid":
+            faces = [e[:4]] + [[e[i], e[(i + 1) % 4], e[4]] for i in range(4)]
+        if shape in ("triangle", "quadrilateral"):
+            faces = [(e[a], e[b]) for a, b in EDGES[shape]]
+        for face in faces:
+            key = tuple(sorted(face))
+            sides[key] = sides.get(key, 0) + 1
+    held = {p for face, n in sides.items() if n == 1 for p in face}
+    assert r["mesh"]["free_nodes"] == len(x) - len(held) - r["mesh"]["held"]["layers"], r["mesh"]
+    assert all(x[p] == y[p] for p in held) and sum(p != q for p, q in zip(x, y)) == r["moved_nodes"] > 0
+    states = [[least_sampled(shape, [z[p] for p in e]) > 0 for shape, e in elements] for z in (x, y)]
+    assert r["before"]["inverted"] >= states[0].count(False) and r["after"]["inverted"] >= states[1].count(False)
+    assert r["certified"] == (r["after"]["inverted"] == 0)
+    assert r["objective"]["measure"] == "aspect-ratio"
+    for of in r["before"], r["after"]:
+        assert of["rms_radius_ratio"] is of["min_dihedral_deg"] is of["histogram"] is None
+        assert sum(of["counts"].values()) == r["mesh"]["elements"] == len(elements)
+        assert of["corner_inverted"] > 0 or sum(of["aspect_histogram"]["counts"]) == len(elements)
+    if not r["certified"]:
+        return
+    found = [mean_ratio(shape, [y[p] for p in e]) for shape, e in elements]
+    rms = math.sqrt(sum(ratio ** 2 for ratio, _ in found) / len(found))
+    assert math.isclose(rms, r["after"]["rms_aspect_ratio"], rel_tol=1e-9), (rms, r["after"]["rms_aspect_ratio"])
+    assert math.isclose(max(found)[0], r["after"]["max_aspect_ratio"], rel_tol=1e-9)
+    assert math.isclose(min(s for _, s in found), r["after"]["min_scaled_jacobian"], rel_tol=1e-9)
+    if r["before"]["inverted"] == 0:
+        for key, sign in (("rms_aspect_ratio", 1), ("max_aspect_ratio_movable", 1), ("min_scaled_jacobian", -1)):
+            assert sign * r["after"][key] <= sign * r["before"][key] + 1e-12, key
+
+
+if sys.argv[1] == "block":
+    block(*sys.argv[2:])
+    sys.exit()
+if sys.argv[1] == "judge":
+    judge(*sys.argv[2:])
+    sys.exit()
 if sys.argv[1] == "second":
     second(int(sys.argv[2]), *sys.argv[3:])
     sys.exit()

@@ -124,7 +124,7 @@ bad smooth in.msh -o out.msh --min-volume-fraction 1
 bad smooth in.msh -o out.msh --min-volume "no such group=1"
 expect_text "bracket"
 bad quality in.msh --min-volume 2:1=1
-expect_text "tetrahedra"
+expect_text "solid elements"
 bad smooth in.msh -o out.msh --area-weight 0.5
 bad smooth in.msh -o out.msh --area-weight 1.5 --min-volume 1
 bad smooth in.msh -o out.msh --max-displacement 1hh

@@ -256,27 +256,29 @@ class Elements(unittest.TestCase):
                 np.testing.assert_array_equal(again, points)
 
     def test_elements_that_hold(self):
-        """A hexahedron beside tetrahedra holds its nodes, and arrays of elements have entries of its."""
+        """A pyramid of second order beside tetrahedra holds its nodes, and arrays of elements have entries of
+        its."""
         points, cells, inside = box(3)
         n, m = len(points), len(cells)
-        hexahedron = np.arange(n, n + 8).reshape(1, 8)
-        hexahedron[0, :2] = np.flatnonzero(inside)[:2]
-        more = np.concatenate([points, np.array(UNITS["hexahedron"]) + 20.0])
+        corners, pyramid = self.unit("pyramid13")
+        pyramid = pyramid + n
+        pyramid[0, :2] = np.flatnonzero(inside)[:2]
+        more = np.concatenate([points, corners + 20.0])
         expected = more.copy()
-        planish.smooth(expected, cells, fixed=hexahedron[0, :2])
+        planish.smooth(expected, cells, fixed=pyramid[0, :2])
         halves = np.where(np.round(points[cells]).min(axis=1)[:, 0] >= 3, 5, -2)
         least = np.full(m, 0.1)
-        for blocks, joined in (([("tetra", cells), ("hexahedron", hexahedron)], lambda a, b: np.append(a, b)),
-                               ([("hexahedron", hexahedron), ("tetra", cells)], lambda a, b: np.append(b, a))):
+        for blocks, joined in (([("tetra", cells), ("pyramid13", pyramid)], lambda a, b: np.append(a, b)),
+                               ([("pyramid13", pyramid), ("tetra", cells)], lambda a, b: np.append(b, a))):
             moved = more.copy()
             planish.smooth(moved, blocks)
             np.testing.assert_array_equal(moved, expected)
             by_regions, alone = more.copy(), more.copy()
             planish.smooth(by_regions, blocks, regions=joined(halves, 7))
-            planish.smooth(alone, cells, regions=halves, fixed=hexahedron[0, :2])
+            planish.smooth(alone, cells, regions=halves, fixed=pyramid[0, :2])
             np.testing.assert_array_equal(by_regions, alone)
             rows = [row for _, nodes in blocks for row in nodes]
-            grid = Mesh(more.copy(), cells=lists_of(rows), celltypes=joined(np.full(m, 10), 12),
+            grid = Mesh(more.copy(), cells=lists_of(rows), celltypes=joined(np.full(m, 10), 27),
                         cell_data={"m": joined(halves, 7)})
             planish.smooth(grid)
             np.testing.assert_array_equal(grid.points, by_regions)
@@ -284,7 +286,7 @@ class Elements(unittest.TestCase):
                 planish.smooth(more.copy(), blocks, regions=halves)
             low, alone = more.copy(), more.copy()
             planish.smooth(low, blocks, min_volumes=joined(least, 9))
-            planish.smooth(alone, cells, min_volumes=least, fixed=hexahedron[0, :2])
+            planish.smooth(alone, cells, min_volumes=least, fixed=pyramid[0, :2])
             np.testing.assert_array_equal(low, alone)
             with planish.Plan(more.copy(), blocks) as plan:
                 ratios, found = plan.radius_ratios(), plan.quality()
@@ -293,6 +295,108 @@ class Elements(unittest.TestCase):
             self.assertEqual((found.n_elements, found.worst_element), (m, np.argmax(ratios)))
             self.assertEqual(planish.quality(more, blocks).worst_element, np.argmax(ratios))
             self.assertEqual(planish.find_layers(more, blocks).shape, (m + 1,))
+
+    def grid(self, kind, n, amount, seed=1):
+        """The unit cube or square of n^dim cells, nodes inside off their places by up to amount of a cell:
+        points, cells, mask of the nodes inside."""
+        dim = 2 if kind in ("quad", "triangle") else 3
+        points = np.array(list(itertools.product(range(n + 1), repeat=dim)), dtype=float)
+        at = np.array([[np.ravel_multi_index(tuple(np.array(corner) + unit[:dim]), (n + 1,) * dim)
+                        for unit in np.array(UNITS["hexahedron" if dim == 3 else "quad"])]
+                       for corner in itertools.product(range(n), repeat=dim)])
+        cells = at
+        if kind == "wedge":
+            cells = np.concatenate([at[:, [0, 1, 2, 4, 5, 6]], at[:, [0, 2, 3, 4, 6, 7]]])[:, MIRRORED_WEDGE]
+        if kind == "pyramid":
+            middle = np.arange(len(points), len(points) + len(at))
+            points = np.concatenate([points, points[at].mean(axis=1)])
+            cells = np.concatenate([np.column_stack([at[:, face], middle]) for face in FACES[:6]])
+        inside = ((points > 0) & (points < n)).all(axis=1)
+        points[inside] += np.random.default_rng(seed).uniform(-amount, amount, points[inside].shape)
+        return (np.column_stack([points, np.zeros(len(points))]) if dim == 2 else points) / n, cells, inside
+
+    def test_all_types_are_smoothed(self):
+        for kind in ("quad", "hexahedron", "wedge", "pyramid"):
+            for amount in (0.2, 0.7):  # valid; tangled
+                points, cells, inside = self.grid(kind, 8 if kind == "quad" else 5, amount)
+                start, blocks = points.copy(), {kind: cells}
+                before = planish.quality(start, blocks).cells.all
+                result = planish.smooth(points, blocks)
+                after = planish.quality(points, blocks).cells.all
+                self.assertEqual((after.n_inverted, result.n_inverted), (0, 0), kind)
+                np.testing.assert_array_equal(points[~inside], start[~inside])
+                self.assertTrue((points[inside] != start[inside]).any(axis=1).all(), kind)
+                self.assertEqual(before.n_inverted > 0, amount > 0.5, kind)
+                if before.n_inverted == 0:
+                    self.assertLess(after.rms_aspect_ratio, before.rms_aspect_ratio)
+                    self.assertLessEqual(after.max_aspect_ratio, before.max_aspect_ratio)
+                    self.assertGreaterEqual(after.min_scaled_jacobian, before.min_scaled_jacobian)
+                self.assertAlmostEqual(after.rms_aspect_ratio, planish.quality(points, blocks).rms_radius_ratio, 12)
+                for threads in (1, 3):
+                    again = start.copy()
+                    planish.smooth(again, blocks, threads=threads)
+                    np.testing.assert_array_equal(again, points)
+                higher = [name for name, (low, _) in MIDS.items() if low == kind and kind != "pyramid"]
+                for name in higher:  # corners move as they do by themselves, others follow
+                    more, quadratic = raised(start.copy(), cells, name) if kind != "wedge" else raised(
+                        start.copy(), cells[:, MIRRORED_WEDGE], name)
+                    planish.smooth(more, {name: quadratic})
+                    np.testing.assert_array_equal(more[:len(points)], points, name)
+                    ends = quadratic[:, :len(UNITS[kind])]
+                    for i, corners in enumerate(MIDS[name][1], len(UNITS[kind])):
+                        np.testing.assert_allclose(more[quadratic[:, i]], more[ends[:, corners]].mean(axis=1), rtol=0,
+                                                   atol=1e-14)
+
+    def test_mixed_meshes_are_smoothed(self):
+        for seed in range(4):
+            points, blocks = self.filled(seed, dim=2 + seed % 2)
+            before, start = planish.quality(points, blocks).cells.all, points.copy()
+            planish.smooth(points, blocks)
+            after = planish.quality(points, blocks).cells.all
+            self.assertLessEqual(after.n_inverted, before.n_inverted)
+            self.assertFalse(np.array_equal(points, start))
+            worst = start.copy()
+            result = planish.smooth(worst, blocks, objective="worst", worst_rise=0.05)
+            self.assertGreaterEqual(result.worst_after, result.worst_before)
+            self.assertGreater(result.worst_sweeps, 0)
+            few = start.copy()
+            planish.smooth(few, blocks, only_worse_than=1.2)
+            self.assertFalse(np.array_equal(few, start))
+
+    def test_options_of_types(self):
+        points, cells, inside = self.grid("hexahedron", 4, 0.2)
+        flat, triangles, _ = box(2)
+        for options in ({"objective": "radius-ratio"}, {"objective": "worst", "worst_measure": "dihedral"},
+                        {"worst_measure": "radius-ratio"}, {"layers": "some"}):
+            with self.assertRaises(ValueError):
+                planish.smooth(points.copy(), {"hexahedron": cells}, **options)
+        with self.assertRaisesRegex(ValueError, "other elements"):
+            planish.smooth(flat, triangles, objective="worst", worst_measure="scaled-jacobian")
+        for options in ({"objective": "mean-ratio"}, {"objective": "edge-ratio"},
+                        {"objective": "worst", "worst_measure": "aspect-ratio"}, {"curve_quality": 0}):
+            moved = points.copy()
+            self.assertEqual(planish.smooth(moved, {"hexahedron": cells}, **options).n_inverted, 0)
+            self.assertTrue((moved != points).any(axis=1)[inside].all())
+
+    def test_layers_are_held(self):
+        points, cells, inside = self.grid("hexahedron", 6, 0)
+        points[:, 2] = np.where(points[:, 2] < 0.4, points[:, 2] / 8, points[:, 2])  # two rows, and a higher one
+        low = points[:, 2] < 0.05
+        for layers, is_held in ((None, True), ("hold", True), ("ignore", False)):
+            moved = points.copy()
+            planish.smooth(moved, {"hexahedron": cells}, layers=layers)
+            self.assertEqual(np.array_equal(moved[low], points[low]), is_held, layers)
+            self.assertFalse(np.array_equal(moved, points))
+
+    def test_progress_stops_types(self):
+        points, cells, _ = self.grid("hexahedron", 6, 0.7)
+        moved = points.copy()
+        result = planish.smooth(moved, {"hexahedron": cells}, progress=lambda seen: seen.sweep >= 1)
+        self.assertEqual(result.stop, "interrupted")
+        self.assertLessEqual(planish.quality(moved, {"hexahedron": cells}).cells.all.n_inverted,
+                             planish.quality(points, {"hexahedron": cells}).cells.all.n_inverted)
+        result = planish.smooth(points.copy(), {"hexahedron": cells}, time_limit=1e-9)
+        self.assertEqual(result.stop, "time-limit")
 
     def test_layers_of_hexahedra_and_wedges(self):
         points = np.array(list(itertools.product(range(7), repeat=3)), dtype=float)

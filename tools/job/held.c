@@ -253,7 +253,8 @@ void pl_held_explain(const pl_job *job, char *text, size_t size) {
 
 void pl_held_note(FILE *stream, const pl_job *job) {
     char text[512];
-    if (job->plan_info.n_free + job->plan_info.n_sliding > 0)
+    /* The command quality makes no plan of elements of other types. */
+    if (job->plan_info.n_free + job->plan_info.n_sliding > 0 || pl_job_lacks_types(job))
         return;
     pl_held_explain(job, text, sizeof text);
     pl_note(stream, "no node is free to move%s%s", text[0] ? ": " : "", text);

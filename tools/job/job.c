@@ -277,6 +277,10 @@ static void keep_simplices(pl_job *job) {
     job->mesh.n_elements = job->simplices.n;
 }
 
+int pl_job_lacks_types(const pl_job *job) {
+    return job->simplices.type && planish_file_mesh(job->file).n_elements > job->mesh.n_elements;
+}
+
 void pl_job_take_all(pl_job *job) {
     const planish_mesh mesh = planish_file_mesh(job->file);
     job->mesh.elements = mesh.elements;

@@ -104,6 +104,9 @@ typedef struct pl_job {
 /** Read the file of arguments and find out which nodes it holds and what bounds there are. */
 int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *engine);
 
+/** Whether the file has elements that job->mesh does not, as it is that of the command quality. */
+int pl_job_lacks_types(const pl_job *job);
+
 /** Put all elements of the file in job->mesh, in a copy of a job of the command quality. */
 void pl_job_take_all(pl_job *job);
 

@@ -143,7 +143,7 @@ int pl_layers_count(pl_job *job, const planish_quality *quality) {
     int64_t n_thin = quality->n_inverted; /* none of these is in the histogram */
     for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++)
         n_thin += quality->histogram_edges[i] >= RATIO_OF_THIN ? quality->histogram_counts[i] : 0;
-    const int may_have = job->file_info.n_other_elements > 0 || job->simplices.type ||
+    const int may_have = job->file_info.n_other_elements > 0 || pl_job_lacks_types(job) ||
                          (double)n_thin >= MANY_OF_THIN * (double)quality->n_elements;
     if (job->arguments->layers != PL_LAYERS_BY_TYPE || !job->file || (!may_have && !job->is_layer))
         return 0;

@@ -338,11 +338,15 @@ static void rows_aspect(FILE *stream, const pl_job *job, const pl_result *result
     if (after->n_reversed > 0 || before->n_reversed > 0)
         row_count(stream, "reversed in the file's order", &before->n_reversed, after->n_reversed);
     rows_by_type(stream, &result->validity_before.quality, &result->validity_after.quality);
+    const planish_cells *cells = job->mesh.cells;
+    /* Simplices come first in a file's mesh. */
+    if (cells->n == 0 || !pl_cell_is_simplex((planish_cell_type)cells->type[0]))
+        return;
     pl_text_wrap(stream, job->mesh.dim == 3
-                             ? "AR is the mean ratio of corners, also of tetrahedra: it does not "
-                               "compare with radius ratios."
-                             : "AR is the mean ratio of corners, also of triangles: it does not "
-                               "compare with radius ratios.");
+                             ? "AR is the mean ratio of corners, of tetrahedra, too: it does not "
+                               "compare with the radius ratio."
+                             : "AR is the mean ratio of corners, of triangles, too: it does not "
+                               "compare with the radius ratio.");
 }
 
 /** Elements below their minimum volume, where there is one. */
@@ -583,7 +587,8 @@ void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measur
     if (q->worst_element >= 0)
         fprintf(stream, "the worst element is %" PRId64 "\n",
                 planish_file_element_number(job->file, q->worst_element));
-    row_free(stream, job);
+    if (!pl_job_lacks_types(job)) /* it would tell of the simplices alone */
+        row_free(stream, job);
     put_spreads(stream, solid, q);
     pl_histogram_print(stream, "radius ratio", NULL, q);
 }
