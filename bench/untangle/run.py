@@ -103,7 +103,7 @@ def remove(*paths):
 def rms_of(report):
     """Of radius ratios; of aspect ratios where there are other elements than simplices."""
     after = report["after"]
-    return after.get("rms_radius_ratio_movable", after.get("rms_aspect_ratio_movable"))
+    return after["rms_radius_ratio_movable"] or after["rms_aspect_ratio_movable"]
 
 
 def worth(report):
