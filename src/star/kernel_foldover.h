@@ -1,4 +1,4 @@
-/* kernel_foldover: the regularised energy of a star with inverted elements.
+/* kernel_foldover: the regularised energy of a star with inverted elements, or corners.
  *
  * The energy of foldover-free maps (Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov 2021):
  * of an element with the measure D and the sum E of its squared edges, seen from the regular one of
@@ -7,6 +7,7 @@
  *     u = (D - floor) / D*     chi = (u + sqrt(u^2 + epsilon^2)) / 2     T = E / (sum h^2)
  *     f = T chi^(-2/dim) + (1 + (D / D*)^2) / (2 chi)
  *
+ * Of a corner D* and E are those of the ideal corner with the edge h, and E is weighted as its form says.
  * It is finite and smooth for inverted elements, too, and becomes a barrier as epsilon falls to 0.
  * Symbols as in docs/algorithm.md.
  *
@@ -21,6 +22,19 @@
 /* D of the regular element with edges of 1: sqrt(2)/2 of six volumes, sqrt(3)/2 of two areas. */
 #define REGULAR_MEASURE_3D 0.70710678118654752
 #define REGULAR_MEASURE_2D 0.86602540378443865
+
+/** Set the columns of facet i from the edge that is wanted. E of a corner has the root of its form's
+ *  factor in it: it is the power 2 / dim of D* where the corner is ideal. */
+static inline void set_target(const star *s, int64_t i, double h, const int dim) {
+    double measure = dim == 3 ? REGULAR_MEASURE_3D : REGULAR_MEASURE_2D, unit = 1;
+    if (has_forms(s)) {
+        measure = s->forms[s->form[i]].determinant;
+        unit = dim == 3 ? pl_cube_root(measure) : measure;
+        unit = dim == 3 ? unit * unit : unit;
+    }
+    *entry(s, INVERSE_TARGET, i) = 1 / ((dim == 3 ? measure * h : measure) * h * h);
+    *entry(s, INVERSE_EDGE2, i) = 1 / (h * h) / unit;
+}
 
 /** Gather the star of index for untangling, with its node at place, and what the wanted sizes and
  *  the patch say of each facet. Elements that cannot be helped get no weight. */
@@ -42,9 +56,7 @@ static inline void untangling_init(local *here, const pl_star_problem *problem, 
             movers += u->in_patch[other];
         }
         double h = size / (dim + 1) * s->scale;
-        *entry(s, INVERSE_TARGET, i) =
-            1 / ((dim == 3 ? REGULAR_MEASURE_3D * h : REGULAR_MEASURE_2D) * h * h);
-        *entry(s, INVERSE_EDGE2, i) = 1 / (h * h);
+        set_target(s, i, h, dim);
         *entry(s, SHARE, i) = movers > 0 ? (double)PL_SHARES / movers : 0;
         if (u->link_skip && u->link_skip[facet])
             *entry(s, WEIGHT, i) = 0;
@@ -96,12 +108,43 @@ PL_INLINE barrier barrier_of(lanes u, lanes measure, lanes T, double epsilon, co
                      .of_tu = zero - power * p * inverse_s};
 }
 
-/** The star's energy at position, and its derivatives if derive. */
-static inline regularised energy_at(const star *s, double epsilon, const double *position,
-                                    derivatives *out, const int derive, const int dim) {
+/** T of a pack, and its derivatives: gradient, and the Hessian, this times the unit matrix. */
+typedef struct squares {
+    lanes T, gradient[3], bend;
+} squares;
+
+/** Find T of the pack at facet i, whose edge column is times edge2. */
+PL_INLINE squares squares_at(const star *s, int64_t i, const lanes *x, lanes edge2,
+                             const int of_corners, const int dim) {
+    squares t;
+    if (of_corners) {
+        const corners c = corners_at(s, i, x, dim);
+        t.T = c.E * edge2;
+        t.bend = lanes_of(2) * c.c * edge2;
+        for (int d = 0; d < dim; d++)
+            t.gradient[d] = t.bend * c.from[d];
+        return t;
+    }
+    const edges e = edges_at(s, i, x, 0, dim);
+    const lanes of_edges = edge2 * lanes_of(dim == 3 ? 1.0 / 6 : 1.0 / 3);
+    t.T = sum_of(e.square, n_edges(dim)) * of_edges;
+    t.bend = lanes_of(2 * dim) * of_edges;
+    for (int d = 0; d < dim; d++) {
+        t.gradient[d] = e.at[0][d];
+        for (int c = 1; c < dim; c++)
+            t.gradient[d] += e.at[c][d];
+        t.gradient[d] *= lanes_of(2) * of_edges;
+    }
+    return t;
+}
+
+/** The energy of a star of corners, or of simplices. */
+PL_INLINE regularised energy_of(const star *s, double epsilon, const double *position,
+                                derivatives *out, const int of_corners, const int derive,
+                                const int dim) {
     const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
                         lanes_of(dim == 3 ? position[2] : 0)};
-    const lanes zero = lanes_of(0), per_edge = lanes_of(dim == 3 ? 1.0 / 6 : 1.0 / 3);
+    const lanes zero = lanes_of(0);
     lanes sum[PL_PACKS], shared[PL_PACKS], least[PL_PACKS], tangled[PL_PACKS];
     slopes slope;
     memset(&slope, 0, sizeof slope);
@@ -115,13 +158,12 @@ static inline regularised energy_at(const star *s, double epsilon, const double 
             const lanes weight = load(s, WEIGHT, j), share = load(s, SHARE, j);
             const lanes target = load(s, INVERSE_TARGET, j);
             const lanes_mask counts = lanes_greater(weight, zero);
-            const edges e = edges_at(s, j, x, 0, dim);
-            const lanes edge2 = load(s, INVERSE_EDGE2, j) * per_edge, floor = load(s, FLOOR, j);
+            const lanes floor = load(s, FLOOR, j);
+            const squares t = squares_at(s, j, x, load(s, INVERSE_EDGE2, j), of_corners, dim);
             aspect a;
-            measure_at(s, j, x, &a, dim);
+            measure_pack(s, j, x, &a, of_corners, dim);
             const lanes u = (a.D - floor) * target;
-            const lanes T = sum_of(e.square, n_edges(dim)) * edge2;
-            const barrier b = barrier_of(u, a.D * target, T, epsilon, dim);
+            const barrier b = barrier_of(u, a.D * target, t.T, epsilon, dim);
             const lanes_mask sound =
                 lanes_greater(a.D, floor) & lanes_greater(a.D * a.D, load(s, ROUNDING, j) * a.aa);
             sum[k] += lanes_select(counts, b.value, zero);
@@ -131,21 +173,18 @@ static inline regularised energy_at(const star *s, double epsilon, const double 
             slope.size2[k] += a.aa * weight;
             if (!derive)
                 continue;
-            lanes gt[3], gu[3];
+            const lanes *gt = t.gradient;
+            lanes gu[3];
             for (int d = 0; d < dim; d++) {
-                gt[d] = e.at[0][d];
-                for (int c = 1; c < dim; c++)
-                    gt[d] += e.at[c][d];
-                gt[d] *= lanes_of(2) * edge2;
                 gu[d] = a.n[d] * target;
                 slope.g[d][k] += lanes_select(counts, b.of_t * gt[d] + b.of_u * gu[d], zero);
             }
             for (int r = 0, c = 0; r < dim; r++)
-                for (int t = r; t < dim; t++, c++) {
+                for (int q = r; q < dim; q++, c++) {
                     lanes entry =
-                        b.of_uu * (gu[r] * gu[t]) + b.of_tu * (gt[r] * gu[t] + gu[r] * gt[t]);
-                    if (r == t)
-                        entry += lanes_of(2 * dim) * edge2 * b.of_t;
+                        b.of_uu * (gu[r] * gu[q]) + b.of_tu * (gt[r] * gu[q] + gu[r] * gt[q]);
+                    if (r == q)
+                        entry += t.bend * b.of_t;
                     slope.h[c][k] += lanes_select(counts, entry, zero);
                 }
         }
@@ -153,6 +192,13 @@ static inline regularised energy_at(const star *s, double epsilon, const double 
         slopes_result(&slope, s, 1, 1, out, dim);
     return (regularised){lanes_sum(sum), lanes_sum(shared) / PL_SHARES, -lanes_largest(least),
                          lanes_sum(tangled)};
+}
+
+/** The star's energy at position, and its derivatives if derive. */
+static inline regularised energy_at(const star *s, double epsilon, const double *position,
+                                    derivatives *out, const int derive, const int dim) {
+    return has_forms(s) ? energy_of(s, epsilon, position, out, 1, derive, dim)
+                        : energy_of(s, epsilon, position, out, 0, derive, dim);
 }
 
 #endif
