@@ -427,7 +427,7 @@ void pl_marked_destroy(pl_marked *m) {
     pl_free(m->begin);
     pl_free(m->place);
     pl_free(m->has_more);
-    for (int t = 0; t < PLANISH_N_CELL_TYPES; t++)
+    for (int t = 0; t < PL_WATCH_TYPES; t++)
         pl_row_rule_free(m->rule[t]);
     *m = (pl_marked){.n = 0};
 }

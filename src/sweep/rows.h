@@ -80,7 +80,7 @@ typedef struct pl_marked {
                                 sum over stars; NULL: no such sum is wanted. Not owned. */
     uint8_t *has_more; /* [n_stars] of the interior: 1: a marked element is at the star's node */
     int64_t max_more;  /* most rows of a star */
-    pl_row_rule *rule[PLANISH_N_CELL_TYPES]; /* by types; NULL: no such element is marked */
+    pl_row_rule *rule[PL_WATCH_TYPES]; /* by types; NULL: no such element is marked */
 } pl_marked;
 
 /** Mark the elements whose entry in is_marked is not 0: [n_elements of the plan], of elements of
