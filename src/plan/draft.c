@@ -264,13 +264,19 @@ static int check_constraints(const pl_draft *d, int64_t *n_sliding, planish_erro
     return PLANISH_OK;
 }
 
-/** Hold the ends of a curved edge that may slide: the boundary would change its shape. An end that
- *  goes anywhere is inside, and does not matter. */
-static void hold_ends(pl_draft *d, const int32_t end[2]) {
-    for (int j = 0; j < 2; j++)
-        if (d->slides[end[j]] && d->mobility[end[1 - j]] != PL_INTERIOR) {
-            d->slides[end[j]] = 0;
-            d->plan->is_used[end[j]] |= PL_FIXED_BY_CALLER;
+/** Hold the ends of a curved edge, or corners of a curved face, that may slide: the boundary would
+ *  change its shape. One with an end that goes anywhere is inside, and does not matter, nor does the
+ *  middle of a cell. */
+static void hold_ends(pl_draft *d, const pl_cell_type *type, const int32_t *node, int middle) {
+    const int n = type->shape->n_corners;
+    const uint8_t parents = pl_cell_parents(type, middle);
+    int is_inside = __builtin_popcount(parents) == n;
+    for (int j = 0; j < n; j++)
+        is_inside |= (parents >> j & 1) && d->mobility[node[j]] == PL_INTERIOR;
+    for (int j = 0; j < n && !is_inside; j++)
+        if ((parents >> j & 1) && d->slides[node[j]]) {
+            d->slides[node[j]] = 0;
+            d->plan->is_used[node[j]] |= PL_FIXED_BY_CALLER;
         }
 }
 
@@ -287,12 +293,9 @@ static void hold_curved(pl_draft *d) {
             !pl_any_moves(d->slides, node, n_corners))
             continue;
         const int curved = pl_curved_edges(d->given, cell, d->options->rounding);
-        for (int e = 0; curved >> e; e++) {
-            const uint8_t *between = type->between[n_corners + e];
-            const int32_t end[2] = {node[between[0]], node[between[1]]};
+        for (int e = 0; curved >> e; e++)
             if (curved >> e & 1)
-                hold_ends(d, end);
-        }
+                hold_ends(d, type, node, n_corners + e);
     }
 }
 

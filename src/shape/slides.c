@@ -167,9 +167,15 @@ static int is_off_plane(const cell_surface *c, const int32_t triangle[3], int32_
     return !(fabs(pl_dot(3, normal, way)) <= c->tolerance * pl_length(normal));
 }
 
-/** Whether a facet, its corners [4], has a corner. */
-static int has_corner(const int8_t *facet, int corner) {
-    return facet[0] == corner || facet[1] == corner || facet[2] == corner || facet[3] == corner;
+/** Whether a facet, its corners [4], has a and b, and all of its corners are on the surface. */
+static int may_be_curved(const cell_surface *c, const int8_t *facet, const int32_t *node, int a,
+                         int b) {
+    int n = 0, all = 1;
+    for (int i = 0; i < 4 && facet[i] >= 0; i++) {
+        n += facet[i] == a || facet[i] == b;
+        all &= c->surface->number[node[facet[i]]] >= 0;
+    }
+    return n == 2 && all;
 }
 
 /** Fix the ends of a curved edge of a cell if both are on the surface, and the other corners there
@@ -185,11 +191,10 @@ static void fix_curved(const cell_surface *c, const pl_cell_type *type, const in
         c->is_fixed[node[a]] = c->is_fixed[node[b]] = 1;
     for (int k = 0; c->dense->dim == 3 && k < type->shape->n_facets; k++) {
         const int8_t *facet = type->shape->facet[k];
-        for (int i = 0; i < 4 && facet[i] >= 0; i++) {
+        for (int i = 0; i < 4 && facet[i] >= 0 && may_be_curved(c, facet, node, a, b); i++) {
             const int j = facet[i];
             const int32_t triangle[3] = {node[a], node[b], node[j]};
-            if (j == a || j == b || !has_corner(facet, a) || !has_corner(facet, b) ||
-                number[node[j]] < 0 || !is_off_plane(c, triangle, node[mid]))
+            if (j == a || j == b || !is_off_plane(c, triangle, node[mid]))
                 continue;
             c->is_fixed[node[j]] = c->is_fixed[node[a]] = c->is_fixed[node[b]] = 1;
         }

@@ -370,6 +370,22 @@ static int is_curved(int dim, const double *a, const double *b, const double *mi
     return distance > STRAIGHT * edge && distance > rounding / size;
 }
 
+/** Put a and b, opposite corners of a face or cell of which node i of a type is the middle, so that the
+ *  middle between them is that of all corners of it. x: of all nodes. */
+static void centre_pair(const pl_cell_type *type, int i, int dim, double (*x)[3], double *a,
+                        double *b) {
+    const uint8_t parents = pl_cell_parents(type, i);
+    const int n = __builtin_popcount(parents);
+    for (int d = 0; d < dim && n > 2; d++) {
+        double middle = 0;
+        for (int c = 0; c < type->shape->n_corners; c++)
+            middle += parents >> c & 1 ? x[c][d] / n : 0;
+        const double half = b[d] / 2 - a[d] / 2;
+        a[d] = middle - half;
+        b[d] = middle + half;
+    }
+}
+
 int pl_curved_edges(const planish_mesh *mesh, int64_t cell, double rounding) {
     const planish_cells *cells = mesh->cells;
     const int32_t *node = cells->node + cells->offset[cell];
@@ -383,10 +399,14 @@ int pl_curved_edges(const planish_mesh *mesh, int64_t cell, double rounding) {
     for (int j = 0; j < type->n_nodes; j++)
         for (int d = 0; d < mesh->dim && node[j] >= 0; d++)
             x[j][d] = mesh->coordinates[pl_point_at(&points, node[j], d)];
-    for (int j = k; j < type->n_nodes; j++)
-        if (node[j] >= 0 &&
-            is_curved(mesh->dim, x[type->between[j][0]], x[type->between[j][1]], x[j], rounding))
+    for (int j = k; j < type->n_nodes; j++) {
+        double end[2][3];
+        memcpy(end[0], x[type->between[j][0]], sizeof end[0]);
+        memcpy(end[1], x[type->between[j][1]], sizeof end[1]);
+        centre_pair(type, j, mesh->dim, x, end[0], end[1]);
+        if (node[j] >= 0 && is_curved(mesh->dim, end[0], end[1], x[j], rounding))
             curved |= 1 << (j - k);
+    }
     return curved;
 }
 

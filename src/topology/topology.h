@@ -89,7 +89,7 @@ int pl_corners_take(const planish_mesh *mesh, int threads, pl_dense *dense, plan
 
 /** Find the curved edges of a cell of mesh, whose coordinates are finite: bit e is set if the node
  *  that comes e after the corners, the mid of an edge (of a face, of the cell), is farther off the
- *  middle of its ends (of two opposite corners) than planish_options.rounding says. 0 for a cell that
+ *  middle of its ends (of its corners) than planish_options.rounding says. 0 for a cell that
  *  is not smoothed. */
 int pl_curved_edges(const planish_mesh *mesh, int64_t cell, double rounding);
 

@@ -3,6 +3,8 @@
 #include "support/cell_meshes.h"
 #include "support/meshes.h"
 
+#include "geometry/cell.h"
+
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -800,6 +802,62 @@ static void curved_cells_stay(void **state) {
     }
 }
 
+/** Move a corner by way; mids, and nodes of faces and cells, follow. */
+static void move_corner(cell_box *box, int64_t corner, const double way[3]) {
+    uint8_t *is_moved = calloc((size_t)box->mesh.n_nodes, 1);
+    for (int64_t i = 0; i < box->cells.n; i++) {
+        const pl_cell_type *type = pl_cell_type_of(box->type[i]);
+        const int32_t *node = box->node + box->offset[i];
+        int at = 0;
+        while (at < type->shape->n_corners && node[at] != corner)
+            at++;
+        for (int k = 0; at < type->shape->n_corners && k < type->n_nodes; k++) {
+            const uint8_t parents = pl_cell_parents(type, k);
+            if (!(parents >> at & 1) || is_moved[node[k]])
+                continue;
+            is_moved[node[k]] = 1;
+            for (int d = 0; d < 3; d++)
+                box->x[3 * (int64_t)node[k] + d] += way[d] / __builtin_popcount(parents);
+        }
+    }
+    free(is_moved);
+}
+
+/** Faces whose corners have moved in their planes, and those inside, are straight where their middles
+ *  have followed: nodes slide as before. */
+static void middles_that_follow_are_straight(void **state) {
+    (void)state;
+    for (int raise = 1; raise < 3; raise++) {
+        cell_box *box = box_of(BOX_HEXAHEDRA, raise);
+        const planish_mesh *mesh = &box->mesh;
+        found f = find(mesh, NULL);
+        const int64_t corner[] = {node_at(mesh, 1, 0, 1), node_at(mesh, 3, 1, 1),
+                                  node_at(mesh, 2, 2, 0)};
+        const double way[3][3] = {{0.2, 0, 0.1}, {-0.1, 0.2, 0.2}, {0.3, -0.2, 0}};
+        planish_plan *plan;
+        planish_options options;
+        planish_options_init(&options);
+        for (int i = 0; i < 3; i++)
+            move_corner(box, corner[i], way[i]);
+        found g = find(mesh, NULL);
+        assert_memory_equal(f.constraint, g.constraint, (size_t)mesh->n_nodes);
+        planish_mesh slid = *mesh;
+        slid.constraint = g.constraint;
+        slid.direction = g.direction;
+        uint8_t *held = malloc((size_t)mesh->n_nodes);
+        assert_int_equal(planish_plan_create(&slid, &options, &plan, NULL), 0);
+        assert_int_equal(planish_plan_get_held(plan, NULL, held, NULL), 0);
+        for (int64_t i = 0; i < mesh->n_nodes; i++)
+            if (g.constraint[i] == PLANISH_CONSTRAINT_ON_PLANE)
+                assert_int_equal(held[i], 0);
+        planish_plan_destroy(plan);
+        free(held);
+        release(&f);
+        release(&g);
+        cell_box_destroy(box);
+    }
+}
+
 static void memory_for_cells_may_run_out(void **state) {
     (void)state;
     cell_box *box = box_of(BOX_MIXED, 0);
@@ -842,6 +900,7 @@ int main(void) {
         cmocka_unit_test(quadrilaterals_against_triangles_stay),
         cmocka_unit_test(tagged_quadrilaterals_make_edges),
         cmocka_unit_test(curved_cells_stay),
+        cmocka_unit_test(middles_that_follow_are_straight),
         cmocka_unit_test(memory_for_cells_may_run_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
