@@ -216,8 +216,47 @@ static void steps_and_links(void **state) {
     expect_file(&b, "zone", "zone", 0, 1);
 }
 
+static double two_in_the_middle(int column, int row, int index) {
+    (void)column;
+    (void)row;
+    return index == 1 || index == 2 ? 6 : 5;
+}
+
+/** Values of triangles and quadrilaterals that stand in any order are each one's own. */
+static void data_of_mixed_elements_go_by_number(void **state) {
+    (void)state;
+    static const int nodes[] = {7, 1, 2, 7, 6, 5, 2, 3, 8, 5, 2, 8, 7, 7, 3, 4, 9, 8};
+    hdf5_builder b;
+    hdf5_begin(&b, 0);
+    cgns_put_node(&b, "/CGNSLibraryVersion", "CGNSLibraryVersion_t");
+    cgns_put_integers(&b, "/Base", "CGNSBase_t", 2, (const int[]){2, 2});
+    cgns_put_integers(&b, ZONE, "Zone_t", 3, (const int[]){N_NODES, 4, 0});
+    cgns_put_text(&b, ZONE "/ZoneType", "ZoneType_t", "Unstructured");
+    put_coordinates(&b);
+    cgns_put_integers(&b, ZONE "/all", "Elements_t", 2, (const int[]){20, 0});
+    cgns_put_integers(&b, ZONE "/all/ElementRange", "IndexRange_t", 2, (const int[]){1, 4});
+    cgns_put_integers(&b, ZONE "/all/ElementConnectivity", "DataArray_t",
+                      sizeof nodes / sizeof *nodes, nodes);
+    put_solution(&b, "Solution", "CellCenter");
+    put_array(&b, "Solution/region", H5T_STD_I32LE, two_in_the_middle, 4);
+    file_builder builder = hdf5_end(&b);
+    planish_file *file = read_square(&builder);
+    const int32_t *region = planish_file_surface(file, NULL).region; /* triangles come first */
+    static const int numbers[] = {2, 3, 1, 4};
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(planish_file_element_number(file, i), numbers[i]);
+    assert_non_null(region);
+    assert_int_equal(region[0], region[1]);
+    assert_int_equal(region[2], region[3]);
+    assert_int_not_equal(region[0], region[2]);
+    planish_file_close(file);
+    builder_let_allocations_fail(&builder, &io_format_cgns);
+    builder_release(&builder);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(data_of_mixed_elements_go_by_number),
         cmocka_unit_test(data_tell_regions),
         cmocka_unit_test(data_add_to_sections),
         cmocka_unit_test(some_data_are_no_regions),

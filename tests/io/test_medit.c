@@ -142,15 +142,14 @@ static void required_elements_hold_their_nodes(void **state) {
     static const char mesh[] =
         "MeshVersionFormatted 2 Dimension 3 Vertices 5 0 0 0 0 1 0 0 0 0 1 0 0 "
         "0 0 1 0 1 1 1 0 Tetrahedra 2 1 2 3 4 0 2 3 4 5 0 Triangles 1 2 3 5 0 "
-        "Edges 2 1 2 0 4 5 0 %s 1 %d End";
+        "Edges 2 1 2 0 4 5 0 Quadrilaterals 2 1 2 3 4 0 1 2 4 5 0 %s 1 %d End";
     static const struct {
         const char *section;
         int number, held[5];
-    } cases[] = {{"RequiredVertices", 3, {0, 0, 1, 0, 0}},
-                 {"Corners", 5, {0, 0, 0, 0, 1}},
-                 {"RequiredEdges", 2, {0, 0, 0, 1, 1}},
-                 {"RequiredTriangles", 1, {0, 1, 1, 0, 1}},
-                 {"RequiredTetrahedra", 2, {0, 1, 1, 1, 1}}};
+    } cases[] = {
+        {"RequiredVertices", 3, {0, 0, 1, 0, 0}},       {"Corners", 5, {0, 0, 0, 0, 1}},
+        {"RequiredEdges", 2, {0, 0, 0, 1, 1}},          {"RequiredTriangles", 1, {0, 1, 1, 0, 1}},
+        {"RequiredQuadrilaterals", 2, {1, 1, 0, 1, 1}}, {"RequiredTetrahedra", 2, {0, 1, 1, 1, 1}}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[512];
         snprintf(text, sizeof text, mesh, cases[i].section, cases[i].number);

@@ -179,12 +179,28 @@ static int read_nodes(cgns_reader *r, int64_t n_nodes) {
 
 /* ---- solutions ----------------------------------------------------------------------------- */
 
-/* Arrays at CellCenter of one number for each cell are read if all cells of the zone are elements
- * that are smoothed: then both have the same order. Of arrays of one name, those of time steps say,
- * the first counts. */
+/* Arrays at CellCenter of one number for each cell are read if all cells of the zone are elements.
+ * Of arrays of one name, those of time steps say, the first counts. */
+
+/** List the elements in the order of their numbers, in which both simplices and others stand: element
+ *  [n]. */
+static void list_in_order(const io_model *model, int64_t n, int32_t *element) {
+    const int dim = io_model_dim(model);
+    const io_list simplices = io_model_list(model, dim);
+    const io_list others = io_model_list(model, io_others_list(dim));
+    int64_t at[2] = {0, 0};
+    for (int64_t i = 0; i < n; i++) {
+        const int is_other = at[0] == simplices.n ||
+                             (at[1] < others.n &&
+                              io_list_number(&others, at[1]) < io_list_number(&simplices, at[0]));
+        element[i] = (int32_t)(is_other ? simplices.n + at[1] : at[0]);
+        at[is_other]++;
+    }
+}
 
 /** Read the arrays of a solution, unless one of their name is seen already. */
-static int read_solution(cgns_reader *r, const char *name, io_hdf5_names *seen) {
+static int read_solution(cgns_reader *r, const char *name, const int32_t *element,
+                         io_hdf5_names *seen) {
     const io_hdf5_path path = cgns_child(r, &r->zone, name);
     char location[32] = "";
     io_hdf5_names arrays = {0};
@@ -199,7 +215,7 @@ static int read_solution(cgns_reader *r, const char *name, io_hdf5_names *seen) 
             continue;
         const io_hdf5_path array = cgns_child(r, &path, arrays.name[i]);
         status = io_hdf5_cell_array(r->file, cgns_child(r, &array, " data").text, arrays.name[i],
-                                    r->n_elements, 1);
+                                    r->n_elements, 1, element);
         if (status && status != PLANISH_ERROR_FORMAT)
             break;
         status = io_hdf5_names_add(r->file, seen, arrays.name[i]);
@@ -215,8 +231,16 @@ static int read_solutions(cgns_reader *r) {
     if (n == 0 || n != r->n_elements)
         return PLANISH_OK;
     int status = cgns_children(r, &r->zone, "FlowSolution_t", &solutions);
+    int32_t *element = NULL;
+    if (!status && solutions.n > 0 && io_model_other_elements(r->model)->n > 0) {
+        element = pl_alloc(n, sizeof *element);
+        if (!element)
+            return pl_fail_memory(r->error, "the arrays of elements");
+        list_in_order(r->model, n, element);
+    }
     for (int64_t i = 0; i < solutions.n && !status; i++)
-        status = read_solution(r, solutions.name[i], &seen);
+        status = read_solution(r, solutions.name[i], element, &seen);
+    pl_free(element);
     return status;
 }
 

@@ -87,8 +87,7 @@ static inline io_cells *io_element_cells(io_model *model, const io_element_type 
     return io_element_use(type) == IO_KEEP ? io_model_cells(model, io_element_dim(type)) : NULL;
 }
 
-/** Return the planish_cell_type of that shape (io_shape) with that many nodes; 0: none is
- *  measured. */
+/** Return the planish_cell_type of that shape (io_shape) with that many nodes; 0: there is none. */
 static inline int io_cell_type(int shape, int n_nodes) {
     static const uint8_t types[][3] = {{IO_TRIANGLE, 3, PLANISH_CELL_TRIANGLE},
                                        {IO_TRIANGLE, 6, PLANISH_CELL_TRIANGLE6},

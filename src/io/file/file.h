@@ -29,8 +29,8 @@ int io_file_open(const char *path, int threads, int64_t largest_copy, planish_fi
 int io_file_from_memory(const io_format *format, const char *path, const char *data, int64_t size,
                         int threads, planish_file **file, planish_error *error);
 
-/** Decide the dimension (tetrahedra if there are any, else triangles), set plain cells apart, let
- *  lines, and triangles of a 3-D mesh, hold their nodes, find the plane of a 2-D mesh (plane.h),
+/** Decide the dimension (3 if there is a solid element, else 2), set plain cells apart, let lines,
+ *  facets, and elements that are not smoothed hold their nodes, find the plane of a 2-D mesh (plane.h),
  *  lay out coordinates. Fails if there is nothing to smooth. format: that it was read as; NULL:
  *  text has as many digits as it needs. */
 int io_model_finish(io_model *model, const io_format *format, planish_error *error);

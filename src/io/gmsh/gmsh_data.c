@@ -11,7 +11,7 @@
  *
  * gmsh_note_data keeps the places of sections with one value per element; gmsh_read_data makes
  * arrays of them (arrays.h). Of each name only the first time step is read. Sections of the same
- * name and step fill one array until each smoothed element has a value: programs write the parts of
+ * name and step fill one array until each element has a value: programs write the parts of
  * a partition so. Values of other elements are ignored.
  */
 #include "io/gmsh/gmsh_sections.h"

@@ -112,10 +112,11 @@ int io_hdf5_strings_read(io_hdf5 *file, const char *path, char **text, int64_t *
 int io_hdf5_reals_read(io_hdf5 *file, const char *path, double **values, io_hdf5_shape *shape);
 
 /** Make an array called name (arrays.h) of a dataset of one number for each of n cells, in the
- *  file's order of cells; by_element: of the elements that are smoothed, which are n. A dataset of
- *  another length, or that cannot be read as numbers, is passed over. */
-int io_hdf5_cell_array(io_hdf5 *file, const char *path, const char *name, int64_t n,
-                       int by_element);
+ *  file's order of cells. by_element: of the elements, which are n; value i is that of element
+ *  element[i], or (NULL) of i. A dataset of another length, or that cannot be read as numbers, is
+ *  passed over. */
+int io_hdf5_cell_array(io_hdf5 *file, const char *path, const char *name, int64_t n, int by_element,
+                       const int32_t *element);
 
 /* ---- coordinates --------------------------------------------------------------------------- */
 

@@ -280,8 +280,8 @@ int io_hdf5_reals_read(io_hdf5 *file, const char *path, double **values, io_hdf5
     return status;
 }
 
-int io_hdf5_cell_array(io_hdf5 *file, const char *path, const char *name, int64_t n,
-                       int by_element) {
+int io_hdf5_cell_array(io_hdf5 *file, const char *path, const char *name, int64_t n, int by_element,
+                       const int32_t *element) {
     hdf5_dataset d;
     io_array_filler filler;
     io_hdf5_integers whole = {0};
@@ -302,7 +302,8 @@ int io_hdf5_cell_array(io_hdf5 *file, const char *path, const char *name, int64_
     for (int64_t i = 0; i < n && !status && !filler.is_broken; i++) {
         int64_t value = is_real ? 0 : io_hdf5_integer(&whole, i);
         const int is_whole = is_real ? io_array_whole(real[i], &value) : 1;
-        status = by_element ? io_array_put_element(&filler, i, is_whole, value, file->error)
+        status = by_element ? io_array_put_element(&filler, element ? element[i] : i, is_whole,
+                                                   value, file->error)
                             : io_array_put(&filler, i, is_whole, value, file->error);
     }
     if (!status)

@@ -55,7 +55,8 @@ const medit_keyword medit_keywords[] = {
     {{"RequiredEdges", IO_LINE, 1, 1}, 16, MEDIT_MARKED},
     {{"RequiredTriangles", IO_TRIANGLE, 1, 1}, 17, MEDIT_MARKED},
     {{"RequiredTetrahedra", IO_TETRAHEDRON, 1, 1}, 12, MEDIT_MARKED},
-    /* Ridges number edges, RequiredQuadrilaterals quadrilaterals: all held. */
+    {{"RequiredQuadrilaterals", IO_QUADRILATERAL, 1, 1}, 18, MEDIT_MARKED},
+    /* Ridges number edges: all held. */
     {{"QuadrilateralsQ2Ordering", IO_QUADRILATERAL, 2, 2}, 131, MEDIT_ORDERING},
     {{"HexahedraQ2Ordering", IO_HEXAHEDRON, 2, 3}, 139, MEDIT_ORDERING},
     {{"PrismsP2Ordering", IO_PRISM, 2, 4}, 137, MEDIT_ORDERING},

@@ -140,20 +140,21 @@ static int read_marked(void *context, io_cursor *cursor, int64_t begin, int64_t 
                        planish_error *error) {
     const medit_reader *r = context;
     const int dim = io_element_dim(&r->current->type);
-    const io_cells *cells = dim ? io_model_cells(r->model, dim) : NULL;
-    const int64_t n = cells ? cells->n : r->model->n_nodes;
+    const int is_flat = r->current->type.shape == IO_QUADRILATERAL;
+    const io_list list = io_model_list(r->model, is_flat ? IO_FLAT_LIST
+                                                 : dim   ? dim
+                                                         : IO_FIRST_LIST);
+    const int64_t most = dim ? list.n : r->model->n_nodes;
     for (int64_t i = begin; i < end; i++) {
         int64_t number;
-        const int status = io_take_whole(&r->kind, cursor, i + 1, 1, n, &number, error);
+        int32_t node[IO_CELL_NODES];
+        const int status = io_take_whole(&r->kind, cursor, i + 1, 1, most, &number, error);
         if (status)
             return status;
-        for (int j = 0; j <= dim; j++)
-            io_hold_node(r->model, cells ? cells->nodes[(number - 1) * (dim + 1) + j] : number - 1,
-                         IO_HELD_REQUIRED);
-        const int n_mids = cells && cells->mid ? io_n_mids(dim) : 0;
-        for (int j = 0; j < n_mids; j++)
-            if (cells->mid[(number - 1) * n_mids + j] >= 0)
-                io_hold_node(r->model, cells->mid[(number - 1) * n_mids + j], IO_HELD_REQUIRED);
+        node[0] = (int32_t)(number - 1);
+        const int n = dim ? io_list_nodes(&list, number - 1, node, NULL) : 1;
+        for (int j = 0; j < n; j++)
+            io_hold_node(r->model, node[j], IO_HELD_REQUIRED);
     }
     return PLANISH_OK;
 }

@@ -9,7 +9,7 @@
 #include <stdio.h>
 
 /** By VTK's number of the type; nodes 0: cells say how many they have. A cell of any type that is
- *  not here, known to VTK or not, holds its nodes. Bezier cells are measured
+ *  not here, known to VTK or not, holds its nodes. Bezier cells are elements
  *  only as straight simplices, as their nodes do not lie on them. */
 static const io_element_type types[] = {
     [VTK_VERTEX] = {"vertex", IO_POINT, 1, 1},
@@ -63,7 +63,7 @@ static const io_element_type *find_type(int32_t type) {
     return type < n && types[type].shape != IO_NO_SHAPE ? &types[type] : &other;
 }
 
-enum { MOST_NODES = 27 }; /* of a cell that is measured */
+enum { MOST_NODES = 27 }; /* of a cell that is an element */
 
 /** Fates of cells that the model does not keep; of others their dimension. */
 enum { CELL_HELD = 0, CELL_REFUSED = -1, CELL_WRONG = -2 };
@@ -176,10 +176,10 @@ int vtk_faces_hold(io_model *model, const vtk_grid *grid, const int32_t *stream,
     return at == n ? 0 : -1;
 }
 
-/** Return the planish_cell_type of the cell that next_cell came to; 0: it is not measured. Of
+/** Return the planish_cell_type of the cell that next_cell came to; 0: none stands for it. Of
  *  Lagrange cells those are whose order follows from their number of nodes, and whose nodes are in
  *  the order of the type with that many in every version of VTK. */
-static int measured_type(const cell_walk *walk) {
+static int other_type(const cell_walk *walk) {
     const int32_t type = walk->grid->type[walk->index - 1];
     const int as = walk->n <= MOST_NODES ? io_cell_type(walk->type->shape, (int)walk->n) : 0;
     if (walk->type->nodes > 0)
@@ -203,8 +203,8 @@ typedef struct cell_tally {
     int has_mids;
 } cell_tally;
 
-/** Check all cells, count those that are kept by their dimension, hold the nodes of those that are
- *  not measured. */
+/** Check all cells, count the simplices by their dimension, hold the nodes of those that no type
+ *  stands for. */
 static int survey_cells(io_model *model, cell_walk walk, cell_tally tally[4]) {
     while (walk.index < walk.grid->n) {
         const int64_t cell = walk.grid->first_cell + walk.index;
@@ -230,7 +230,7 @@ static int survey_cells(io_model *model, cell_walk walk, cell_tally tally[4]) {
             continue;
         }
         io_element_count(model, walk.type, 1);
-        if (measured_type(&walk))
+        if (other_type(&walk))
             continue;
         if (walk.is_stream && vtk_faces_hold(model, walk.grid, walk.nodes, walk.n))
             return fail_cell(&walk, "its faces are not what a polyhedron's list has: how many, and "
@@ -242,14 +242,14 @@ static int survey_cells(io_model *model, cell_walk walk, cell_tally tally[4]) {
     return PLANISH_OK;
 }
 
-/** Hand over the held cell that next_cell came to, if it is of a type that is measured. The nodes
+/** Add the cell that next_cell came to, which is no simplex, if a type stands for it. The nodes
  *  of pixels and voxels stand row by row. */
 static int add_other(io_model *model, const cell_walk *walk) {
     static const uint8_t rows[] = {0, 1, 3, 2, 4, 5, 7, 6};
     const vtk_grid *grid = walk->grid;
     const int64_t cell = walk->index - 1;
     const int has_rows = grid->type[cell] == VTK_PIXEL || grid->type[cell] == VTK_VOXEL;
-    const int type = measured_type(walk);
+    const int type = other_type(walk);
     int32_t nodes[MOST_NODES];
     if (type == 0)
         return PLANISH_OK;

@@ -1,8 +1,7 @@
 /* vtk_cells: the cells of VTK's grids, whatever file they stand in.
  *
  *   vtk_grid, vtk_grid_release         cells as a file lists them
- *   vtk_cells_store                    simplices go to the model, others hold their nodes and are
- *                                      measured
+ *   vtk_cells_store                    cells go to the model, or hold their nodes
  *   vtk_nodes_hold, vtk_faces_hold     nodes of polyhedra
  *
  * Cells and points are numbered from 0, as VTK does.
@@ -49,8 +48,8 @@ typedef struct vtk_grid {
 /** Release the lists of a grid; NULL then. */
 void vtk_grid_release(vtk_grid *grid);
 
-/** Store the lines, triangles and tetrahedra of order 1 and 2, hold the nodes of all other cells, of whatever type,
- *  and hand over those that are measured (io_model_add_other). Called for each piece of a file.
+/** Store the cells that a planish_cell_type stands for, and lines; hold the nodes of all others, of
+ *  whatever type. Called for each piece of a file.
  *  Error: _FORMAT, names the cell; offsets are checked, too. */
 int vtk_cells_store(io_model *model, const vtk_grid *grid, planish_error *error);
 

@@ -221,7 +221,7 @@ static int read_cell_data(vtkhdf_reader *r) {
     int status = io_hdf5_list(r->file, group, &names);
     for (int64_t i = 0; i < names.n && i < IO_MOST_ARRAYS && !status; i++) {
         const io_hdf5_path path = io_hdf5_path_of(r->file, "%s/%s", group, names.name[i]);
-        status = io_hdf5_cell_array(r->file, path.text, names.name[i], r->n_cells, 0);
+        status = io_hdf5_cell_array(r->file, path.text, names.name[i], r->n_cells, 0, NULL);
     }
     return status;
 }
