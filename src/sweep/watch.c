@@ -250,7 +250,7 @@ static void keep_state(pl_watch *w, const block *b, int l, int valid) {
     const int is_above = floor > 0 && ldexp(all, dim * b->exponent[l]) > floor;
     w->state[i] = (uint8_t)((valid ? PL_WATCH_VALID : 0) | (is_above ? PL_WATCH_ABOVE : 0));
     w->room[i] = 0;
-    if (!(valid && all > 0 && b->exponent[l] == 0))
+    if (!(valid && all > 0 && b->exponent[l] == 0) || (floor > 0 && !is_above))
         return;
     const double strayed = w->mids.end ? 2 * rule->control_weight * w->stray : 0;
     const double longest = longest_of(rule, b, l, dim) + strayed;
@@ -283,12 +283,15 @@ static int keep_valid(pl_watch *w, block *b) {
     return 1;
 }
 
-/** Note which of the cells of b, which were not valid, are beyond doubt now. */
+/** Note which of the cells of b, which were not valid or below their floor, are so no more beyond
+ *  doubt. */
 static void note_valid(pl_watch *w, block *b) {
     if (b->n > 0)
         evaluate(w, b);
     for (int l = 0; l < b->n; l++)
-        keep_state(w, b, l, b->jacobian.least[l] > b->jacobian.error[l]);
+        keep_state(w, b, l,
+                   w->state[b->of[l]] & PL_WATCH_VALID ||
+                       b->jacobian.least[l] > b->jacobian.error[l]);
     b->n = 0;
 }
 
@@ -297,13 +300,18 @@ static int is_full(const block *b, const pl_watch_rule *rule) {
     return b->n == LANES || (b->n > 0 && b->rule != rule);
 }
 
-/** Look again at the cells at node that were not valid. */
+/** Whether a watched cell is below a floor. */
+static int is_below(const pl_watch *w, int32_t i) {
+    return w->floor && w->floor[i] > 0 && !(w->state[i] & PL_WATCH_ABOVE);
+}
+
+/** Look again at the cells at node that were not valid, or below their floor. */
 static void look_again(pl_watch *w, int32_t node, block *b) {
     b->n = 0;
     for (int64_t k = w->begin[node]; k < w->begin[node + 1]; k++) {
         const int32_t i = w->watched[k];
         const pl_watch_rule *rule = w->rule[w->type[i]];
-        if (!rule || w->state[i] & PL_WATCH_VALID)
+        if (!rule || (w->state[i] & PL_WATCH_VALID && !is_below(w, i)))
             continue;
         if (is_full(b, rule))
             note_valid(w, b);
@@ -381,11 +389,6 @@ static int keep_bricks_valid(pl_watch *w, bricks *h, block *b) {
         add(w, rule, pl_watch_cell(w, left[l]), 0, b);
     }
     return 1;
-}
-
-/** Whether a watched cell is below a floor. */
-static int is_below(const pl_watch *w, int32_t i) {
-    return w->floor && w->floor[i] > 0 && !(w->state[i] & PL_WATCH_ABOVE);
 }
 
 /** Decide a watched cell that was valid, at once or in a block that fills. 0 if one is not any more.
