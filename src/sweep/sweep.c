@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
+#include "geometry/fetch.h"
 #include "plan/ghosts.h"
 #include "sweep/watch.h"
 
@@ -23,7 +24,7 @@ typedef struct colour_pass {
     int64_t first; /* star */
 } colour_pass;
 
-/** Visit stars begin .. end - 1, which have no curved elements. */
+/** Visit stars begin .. end - 1, which have no watched cells. */
 static void visit_straight(const colour_pass *pass, int64_t begin, int64_t end, double *scratch,
                            pl_star_tally *tally) {
     if (begin < end)
@@ -49,57 +50,97 @@ static int evaluate_star(const colour_pass *pass, int64_t star, double *scratch,
     return is_positive;
 }
 
-/** Try shorter moves of a star whose curved elements refuse the one from before [dim] to where its
+/** Whether a part of the way of a star's node is a place for it, too. */
+static int may_shorten(const colour_pass *pass, int64_t star) {
+    const pl_star_problem *problem = pass->problem;
+    if (pass->plan->work.corner)
+        return !problem->slide || problem->slide[star].kind != PLANISH_CONSTRAINT_ON_SURFACE;
+    return !problem->slide && !(problem->limits.acuteness < INFINITY);
+}
+
+/** Whether the cells at a node, which has moved from before [dim], have no worse aspect ratio than
+ *  they may, or than they had; ratio: the largest mu^2 of their corners. */
+static int keeps_ratios(const colour_pass *pass, int32_t node, const double *before, double ratio) {
+    const pl_watch *watch = pass->plan->scratch.watch;
+    const int dim = pass->plan->dim;
+    double *x = pass->problem->coordinates + (int64_t)node * dim, after[3];
+    if (!(ratio > watch->worst_ar2)) /* a cell's AR^2 is a mean of these */
+        return 1;
+    const double now = pl_watch_worst(watch, node).ar2;
+    if (now <= watch->worst_ar2)
+        return 1;
+    memcpy(after, x, (size_t)dim * sizeof *x);
+    memcpy(x, before, (size_t)dim * sizeof *x);
+    const double was = pl_watch_worst(watch, node).ar2;
+    memcpy(x, after, (size_t)dim * sizeof *x);
+    return now < was;
+}
+
+/** Whether a node that has moved from before [dim] may be where it is, as to the watched cells. */
+static int watch_admits(const colour_pass *pass, int32_t node, const double *before, double ratio) {
+    const int dim = pass->plan->dim;
+    const double *x = pass->problem->coordinates + (int64_t)node * dim;
+    double way[3];
+    for (int d = 0; d < dim; d++)
+        way[d] = x[d] - before[d];
+    return keeps_ratios(pass, node, before, ratio) &&
+           pl_watch_admit(pass->plan->scratch.watch, node, way);
+}
+
+/** Try shorter moves of a star whose watched cells refuse the one from before [dim] to where its
  *  node is. Where none is admitted the node is at before then. Returns by how much the star's
  *  function fell. */
 static double shorten(const colour_pass *pass, int64_t star, const double *before,
                       double *scratch) {
     enum { HALVINGS = 4 };
     const pl_star_problem *problem = pass->problem;
+    const pl_watch *watch = pass->plan->scratch.watch;
     const int dim = pass->plan->dim;
     const int32_t node = problem->node[star];
     const size_t size = (size_t)dim * sizeof *before;
-    double *x = problem->coordinates + (int64_t)node * dim, after[3], way[3], start, now;
+    double *x = problem->coordinates + (int64_t)node * dim, after[3], start, now;
     pl_star_value ratio;
     memcpy(after, x, size);
     memcpy(x, before, size);
-    /* Elsewhere a part of the way may be no place for the node. */
-    if (problem->slide || problem->limits.acuteness < INFINITY ||
-        !evaluate_star(pass, star, scratch, &ratio, &start))
+    if (!may_shorten(pass, star) || !evaluate_star(pass, star, scratch, &ratio, &start))
         return 0;
     const double worst = fmax(problem->limits.rr2, ratio.max);
+    const double acuteness =
+        problem->limits.acuteness < INFINITY
+            ? fmax(problem->limits.acuteness, pl_watch_worst(watch, node).acuteness)
+            : INFINITY;
     for (int k = 1; k <= HALVINGS; k++) {
         for (int d = 0; d < dim; d++)
             x[d] = before[d] + ldexp(after[d] - before[d], -k);
         if (!pl_star_admit(problem, node, dim, x))
             break;
-        for (int d = 0; d < dim; d++)
-            way[d] = x[d] - before[d];
         if (evaluate_star(pass, star, scratch, &ratio, &now) && ratio.certain && now < start &&
             ratio.max * (1 + ratio.error) <= worst &&
-            pl_watch_admit(pass->plan->scratch.watch, node, way))
+            (!(acuteness < INFINITY) || pl_watch_worst(watch, node).acuteness <= acuteness) &&
+            watch_admits(pass, node, before, ratio.max))
             return start - now;
     }
     memcpy(x, before, size);
     return 0;
 }
 
-/** Visit a star with curved elements: a move that would make one invalid is shortened, or
- *  refused. */
+/** Visit a star with watched cells: a move that would make one invalid, or worse than it may be, is
+ *  shortened, or refused. */
 static void visit_one_watched(const colour_pass *pass, int64_t star, double *scratch,
                               pl_star_tally *tally) {
     const planish_plan *plan = pass->plan;
     const int32_t node = pass->problem->node[star];
     const double *x = pass->problem->coordinates + (int64_t)node * plan->dim;
     const pl_star_tally was = *tally;
-    double before[3], way[3], moves = 0;
+    double before[3], moves = 0;
     memcpy(before, x, (size_t)plan->dim * sizeof *x);
+    tally->largest = 0;
     visit_straight(pass, star, star + 1, scratch, tally);
-    for (int d = 0; d < plan->dim; d++) {
-        way[d] = x[d] - before[d];
-        moves += way[d] != 0;
-    }
-    if (!(moves > 0) || pl_watch_admit(plan->scratch.watch, node, way))
+    const double ratio = tally->largest;
+    tally->largest = fmax(was.largest, ratio);
+    for (int d = 0; d < plan->dim; d++)
+        moves += x[d] != before[d];
+    if (!(moves > 0) || watch_admits(pass, node, before, ratio))
         return;
     const double fall = shorten(pass, star, before, scratch);
     tally->decrease = was.decrease;
@@ -109,10 +150,34 @@ static void visit_one_watched(const colour_pass *pass, int64_t star, double *scr
     __atomic_fetch_add(&plan->scratch.watch->n_refused, fall > 0 ? 0 : 1, __ATOMIC_RELAXED);
 }
 
-/** Visit stars begin .. end - 1 of a mesh with curved elements. */
+/* Stars whose memory is asked for ahead, in visits one at a time. */
+enum { AHEAD = 3 };
+
+/** Ask for what visits of later stars will read and write: of some their rings, of the next ones
+ *  their watched cells, then what these are. */
+static void fetch_ahead(const colour_pass *pass, int64_t star, int64_t end) {
+    const pl_star_problem *problem = pass->problem;
+    const pl_watch *watch = pass->plan->scratch.watch;
+    const int dim = pass->plan->dim;
+    const int64_t third = star + AHEAD;
+    for (int64_t i = third < end ? problem->ring_offset[third] : 0;
+         third < end && i < problem->ring_offset[third + 1]; i++) {
+        pl_fetch_node(dim, problem->coordinates, problem->ring[i]);
+        pl_fetch_to_write(&problem->changed[problem->ring[i]]);
+    }
+    if (star + 2 < end)
+        pl_watch_fetch_list(watch, problem->node[star + 2]);
+    if (star + 1 < end)
+        pl_watch_fetch_cells(watch, problem->node[star + 1]);
+}
+
+/** Visit stars begin .. end - 1 of a mesh with watched cells. */
 static void visit_watched(const colour_pass *pass, int64_t begin, int64_t end, double *scratch,
                           pl_star_tally *tally) {
+    const int all = pass->plan->work.corner != NULL;
     for (int64_t i = begin; i < end; i++) {
+        if (all)
+            fetch_ahead(pass, i, end);
         if (!pl_watch_has(pass->plan->scratch.watch, pass->problem->node[i]))
             continue;
         visit_straight(pass, begin, i, scratch, tally);
@@ -141,17 +206,22 @@ static void visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
+    const int dim = plan->dim;
     for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
         const pl_follower *f = &plan->sliding.follower[k];
         const pl_follower_places *places = &plan->scratch.places[k];
         const double *of = plan->scratch.coordinates + (int64_t)f->of * plan->dim;
         double *x = plan->scratch.coordinates + (int64_t)f->node * plan->dim;
         const int is_stored = f->node < plan->work.n_nodes; /* images are in no result */
+        const double was[3] = {x[0], x[1], x[dim - 1]};
         /* If the node that it follows has not moved, it keeps its first coordinates, unrounded. */
         for (int d = 0; d < plan->dim; d++) {
             const double way = of[d] - places->origin[d], place = places->start[d] + way;
             x[d] = way != 0 && is_stored ? pl_store(&problem->storage, place) : place;
         }
+        if (plan->scratch.watch && is_stored &&
+            (x[0] != was[0] || x[1] != was[1] || x[dim - 1] != was[dim - 1]))
+            pl_watch_forget(plan->scratch.watch, f->node);
         uint8_t *changed = &plan->scratch.changed[f->of];
         *changed |= plan->scratch.changed[f->node];
         if (plan->scratch.changed[f->node] & PL_CHANGED)

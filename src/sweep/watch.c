@@ -271,11 +271,14 @@ static int keep_valid(pl_watch *w, block *b) {
     if (b->n > 0)
         evaluate(w, b);
     for (int l = 0; l < b->n; l++) {
-        const int was = w->state[b->of[l]];
-        const int valid = is_valid(b, l);
+        const int32_t i = b->of[l];
+        const int was = w->state[i], valid = is_valid(b, l);
         keep_state(w, b, l, valid);
-        if (!valid || w->state[b->of[l]] < was) {
-            w->state[b->of[l]] = (uint8_t)was;
+        const int is_kept = valid && w->state[i] >= was;
+        w->state[i] = (uint8_t)was; /* what is better than it was is noted where the node stays */
+        if (!is_kept) {
+            if (w->n_refused_of[i] < UINT8_MAX)
+                w->n_refused_of[i]++;
             return 0;
         }
     }
@@ -404,6 +407,11 @@ static int keep_one_valid(pl_watch *w, int32_t i, const double *origin, bricks *
     return 1;
 }
 
+void pl_watch_forget(pl_watch *w, int32_t node) {
+    for (int64_t k = w->begin[node]; k < w->begin[node + 1]; k++)
+        w->room[w->watched[k]] = w->type[w->watched[k]] ? 0 : INFINITY;
+}
+
 int pl_watch_admit(pl_watch *w, int32_t node, const double *way) {
     static const double origin[3] = {0, 0, 0};
     const int dim = w->plan->dim;
@@ -426,8 +434,8 @@ int pl_watch_admit(pl_watch *w, int32_t node, const double *way) {
             is_fine = keep_one_valid(w, i, x, &h, &b);
     }
     is_fine = is_fine && keep_bricks_valid(w, &h, &b) && keep_valid(w, &b);
-    for (int64_t k = w->begin[node]; k < end && !is_fine; k++)
-        w->room[w->watched[k]] = w->type[w->watched[k]] ? 0 : INFINITY; /* the node goes back */
+    if (!is_fine) /* the node goes back */
+        pl_watch_forget(w, node);
     if (is_fine && any_bad)
         look_again(w, node, &b);
     return is_fine;
@@ -480,7 +488,8 @@ static void measure_corner(const pl_cell_shape *shape, const double *const x[], 
     *jacobian2 = ideal * ideal / squares;
 }
 
-static int keeps_ratios(const pl_watch *w, int32_t i, const pl_star_limits *limits) {
+/** Raise worst to the measures of a watched cell. */
+static void raise_worst(const pl_watch *w, int32_t i, pl_worst_cell *worst) {
     const pl_cell_shape *shape = shape_of(w, i);
     const double *x[PL_CELL_CORNERS], sign = sign_of(w, pl_watch_cell(w, i));
     double sum = 0;
@@ -490,18 +499,16 @@ static int keeps_ratios(const pl_watch *w, int32_t i, const pl_star_limits *limi
         double mu2, jacobian2;
         measure_corner(shape, x, c, sign, &mu2, &jacobian2);
         sum += mu2;
-        if (mu2 > limits->rr2 ||
-            (limits->acuteness < INFINITY && !(jacobian2 * limits->acuteness >= 1)))
-            return 0;
+        worst->acuteness = fmax(1 / jacobian2, worst->acuteness);
     }
-    return !(sum / shape->n_measured > w->worst_ar2);
+    worst->ar2 = fmax(sum / shape->n_measured, worst->ar2);
 }
 
-int pl_watch_keeps_ratios(const pl_watch *w, int32_t node, const pl_star_limits *limits) {
+pl_worst_cell pl_watch_worst(const pl_watch *w, int32_t node) {
+    pl_worst_cell worst = {0, 0};
     for (int64_t k = w->begin[node]; k < w->begin[node + 1]; k++)
-        if (!keeps_ratios(w, w->watched[k], limits))
-            return 0;
-    return 1;
+        raise_worst(w, w->watched[k], &worst);
+    return worst;
 }
 
 /* ---- all of them ---------------------------------------------------------------------------- */

@@ -24,13 +24,16 @@
  *   pl_watch_add                  further ones
  *   pl_watch_measure              decide all of them
  *   pl_watch_has, _admit          of one node, after its move
- *   pl_watch_keeps_ratios         whether measures of a node's cells are within limits
+ *   pl_watch_forget               a node moved otherwise
+ *   pl_watch_worst                measures of a node's cells
+ *   pl_watch_fetch_list, _cells   ask for memory ahead
  *   pl_watch_find_broken          cells that were valid and are not any more
  */
 #ifndef PL_SWEEP_WATCH_H
 #define PL_SWEEP_WATCH_H
 
 #include "base/round.h"
+#include "geometry/fetch.h"
 #include "plan/plan.h"
 #include "quality/validity.h"
 
@@ -84,7 +87,7 @@ typedef struct pl_watch {
     double *room;          /* [n] how far nodes of the cell may go, added up, without a decision */
     double *floor;         /* [n] what coefficients shall not fall below; NULL: 0 */
     uint8_t *state;        /* [n] decided where the nodes are */
-    uint8_t *n_refused_of; /* [n] moves that were refused for it, 255 at most */
+    uint8_t *n_refused_of; /* [n] moves, also halved ones, that it refused; 255 at most */
     int64_t *begin;        /* [n_nodes + 1] by inner numbers: where watched of each node begins */
     int32_t *watched;      /* cells of each movable node, by types */
     int64_t n_turned;      /* valid ones whose corners are not positive, as measured last */
@@ -191,12 +194,34 @@ static inline int pl_watch_has(const pl_watch *w, int32_t node) {
  *  that were valid is invalid now, or below its floor. If not, the node is to go back. */
 int pl_watch_admit(pl_watch *watch, int32_t node, const double *way);
 
-/** Whether no cell at a node has a larger AR^2 than worst_ar2, a corner of larger mu^2 than limits
- *  say, or a scaled Jacobian whose square is below 1 / limits.acuteness. */
-int pl_watch_keeps_ratios(const pl_watch *watch, int32_t node, const pl_star_limits *limits);
+/** Let the cells at the node of this inner number, which has moved otherwise than by a visit, have no
+ *  room. */
+void pl_watch_forget(pl_watch *watch, int32_t node);
 
-/** Note that cells at a node refuse a move of it. */
-void pl_watch_note_refusal(pl_watch *watch, int32_t node);
+/** The worst of some cells. */
+typedef struct pl_worst_cell {
+    double ar2;       /* largest AR^2; infinite: not all corners are positive */
+    double acuteness; /* largest 1 / SJ^2, SJ the scaled Jacobian of a corner */
+} pl_worst_cell;
+
+/** Return the worst of the cells at the node of this inner number, of a plan with corners; 0: there are
+ *  none. */
+pl_worst_cell pl_watch_worst(const pl_watch *watch, int32_t node);
+
+/** Ask for the list of the cells at a node; for what is known of these. */
+PL_AT_ONCE void pl_watch_fetch_list(const pl_watch *w, int32_t node) {
+    const int32_t *list = w->watched + w->begin[node];
+    __builtin_prefetch(list);
+    __builtin_prefetch(list + 7);
+}
+
+PL_AT_ONCE void pl_watch_fetch_cells(const pl_watch *w, int32_t node) {
+    for (int64_t k = w->begin[node]; k < w->begin[node + 1]; k++) {
+        pl_fetch_to_write(&w->room[w->watched[k]]);
+        if (w->node)
+            __builtin_prefetch(w->node[w->watched[k]]);
+    }
+}
 
 /** Mark in state [n_elements of the plan] with 1 the corners of cells that were valid when the run
  *  began and are not any more, and if of_all of all cells of which corners have turned; leave the

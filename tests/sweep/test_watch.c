@@ -692,7 +692,7 @@ static void init_cell(lone_cell *c, int type) {
     place_corners(c);
 }
 
-/** Validity of the cell, nodes of order 2 following, by integers alone; *least: its least
+/** Validity of the cell, nodes of order 2 following; *least: its least
  *  coefficient, as a volume. */
 static int is_cell_valid(const lone_cell *c, double *least) {
     const int dim = c->type->shape->dim;
@@ -712,7 +712,7 @@ static int is_cell_valid(const lone_cell *c, double *least) {
     for (int d = 0; d < dim && c->type->order > 1; d++)
         unit *= 0.5 * c->rule.control_term[0].weight;
     *least = b.least[0] / unit * c->plan.form[pl_form_code(c->corner[0], 0, 0)].volume;
-    return pl_validity_exactly(&c->rule, c->node, x, 1) == PL_VALID;
+    return pl_validity_of_lane(&c->rule, &b, 0, c->node, x, 1) == PL_VALID;
 }
 
 static int has_positive_corners(const lone_cell *c) {
