@@ -270,7 +270,7 @@ def block(kind, n, amount, path):
     x, number, cells = [], {}, []
     for at in itertools.product(range(n + 1), repeat=dim):
         number[at] = len(x)
-        inside = all(0 < c < n for c in at)
+        inside = all(0 < c < n for c in at) and not (kind == "layered" and at[2] <= 3)
         x.append([(c + inside * random.uniform(-amount, amount)) / n for c in at] + [0.0] * (3 - dim))
     if kind == "layered":
         for at, p in number.items():
@@ -309,7 +309,7 @@ def point_of(shape, x, u, v, w):
 
 def least_sampled(shape, x):
     """Least determinant of an element at points of a grid; of one sign in height in a pyramid."""
-    least, steps = math.inf, [i / 4 for i in range(5)]
+    least, steps = math.inf, [i / 2 for i in range(3)]
     is_flat = shape in ("triangle", "quadrilateral")
     for u, v, w in itertools.product(steps, steps, [0] if is_flat or shape == "pyramid" else steps):
         if shape in ("triangle", "tetrahedron", "wedge") and u + v > 1:

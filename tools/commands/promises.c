@@ -25,7 +25,8 @@ static int was_valid(const pl_result *result) {
            result->below_before == 0;
 }
 
-/** Whether an element was valid with its mid-side nodes, and is not so now. */
+/** Whether an element was valid with its mid-side nodes, and is not so now. What untangles elements of
+ *  other types may leave others not valid, but no more of them. */
 static int is_newly_invalid(const pl_validity *before, const pl_validity *after, int64_t element) {
     return after->is_known && before->state[element] == PLANISH_CELL_STATE_VALID &&
            after->state[element] != PLANISH_CELL_STATE_VALID;
@@ -48,7 +49,7 @@ static const char *find_broken(const pl_job *job, const pl_result *result,
         return "the number of inverted elements";
     *from = 0;
     *to = 1;
-    for (int64_t i = 0; validity->is_known && i < job->mesh.n_elements; i++)
+    for (int64_t i = 0; validity->is_known && !job->has_types && i < job->mesh.n_elements; i++)
         if (is_newly_invalid(&result->validity_before, validity, i))
             return "the number of elements that mid-side nodes have inverted";
     if (!was_valid(result) || job->options.method != PLANISH_METHOD_PLANISH)

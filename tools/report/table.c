@@ -289,7 +289,8 @@ static void rows_quality(FILE *stream, int dim, const planish_quality *before,
 /** Put a line for each type, where there are several: values before and after. */
 static void rows_by_type(FILE *stream, const planish_cell_quality *before,
                          const planish_cell_quality *after) {
-    enum { TYPE = 14, ELEMENTS = 9, INVERTED = 7, RATIO = 8, RMS = 7, JACOBIAN = 7 };
+    enum { TYPE = 14, ELEMENTS = 8, INVERTED = 6, RATIO = 9, RMS = 7, JACOBIAN = 7, N = 6 };
+    const double large = 1e4; /* what would need more room */
     if (after->n_types < 2)
         return;
     fprintf(stream, "%s%-*s%*s%*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), TYPE,
@@ -297,16 +298,20 @@ static void rows_by_type(FILE *stream, const planish_cell_quality *before,
             2 * RMS, "RMS AR", 2 * JACOBIAN, "least SJ", pl_style_end(stream, PL_STYLE_HEADING));
     for (int i = 0; i < after->n_types; i++) {
         const planish_cell_measures *was = &before->by_type[i], *is = &after->by_type[i];
-        const double value[] = {was->max_aspect_ratio,    is->max_aspect_ratio,
-                                was->rms_aspect_ratio,    is->rms_aspect_ratio,
-                                was->min_scaled_jacobian, is->min_scaled_jacobian};
-        const int width[] = {RATIO, RATIO, RMS, RMS, JACOBIAN, JACOBIAN};
+        const double value[N] = {was->max_aspect_ratio,    is->max_aspect_ratio,
+                                 was->rms_aspect_ratio,    is->rms_aspect_ratio,
+                                 was->min_scaled_jacobian, is->min_scaled_jacobian};
+        const int width[N] = {RATIO, RATIO, RMS, RMS, JACOBIAN, JACOBIAN};
         fprintf(stream, "%-*s%*" PRId64 "%*" PRId64 "%*" PRId64, TYPE,
                 pl_cell_type_name(after->type[i]), ELEMENTS, is->n_elements, INVERTED,
                 was->n_inverted + was->n_uncertified, INVERTED, is->n_inverted + is->n_uncertified);
-        for (size_t k = 0; k < sizeof value / sizeof *value; k++)
+        for (int k = 0; k < N; k++)
             if (isfinite(value[k]))
-                fprintf(stream, " %*.*g", width[k] - 1, 4, value[k]);
+                fprintf(stream, " %*.*g", width[k] - 1,
+                        value[k] >= large ? 1
+                        : k < 4           ? 4
+                                          : 3,
+                        value[k]);
             else
                 fprintf(stream, "%*s", width[k], "-");
         fputc('\n', stream);
