@@ -16,11 +16,14 @@
 
 enum { N = 5, NODES = N * N };
 
+static int has_quadrilaterals; /* grids are of them, in the place of triangles */
+
 /** OFF of a grid whose node at (x, y) is x u + y v from origin, and of what else is given. */
 static planish_file *read_grid(const double u[3], const double v[3], double origin,
                                const char *more_nodes, int n_more) {
     static char text[1 << 14];
-    int used = sprintf(text, "OFF\n%d %d 0\n", NODES + n_more, 2 * (N - 1) * (N - 1));
+    int used = sprintf(text, "OFF\n%d %d 0\n", NODES + n_more,
+                       (2 - has_quadrilaterals) * (N - 1) * (N - 1));
     for (int i = 0; i < NODES; i++) {
         for (int d = 0; d < 3; d++) /* the middle is moved */
             used += sprintf(text + used, "%.17g ",
@@ -31,8 +34,11 @@ static planish_file *read_grid(const double u[3], const double v[3], double orig
     for (int y = 0; y + 1 < N; y++)
         for (int x = 0; x + 1 < N; x++) {
             const int a = y * N + x;
-            used += sprintf(text + used, "3 %d %d %d\n3 %d %d %d\n", a, a + 1, a + N + 1, a,
-                            a + N + 1, a + N);
+            if (has_quadrilaterals)
+                used += sprintf(text + used, "4 %d %d %d %d\n", a, a + 1, a + N + 1, a + N);
+            else
+                used += sprintf(text + used, "3 %d %d %d\n3 %d %d %d\n", a, a + 1, a + N + 1, a,
+                                a + N + 1, a + N);
         }
     planish_file *file;
     planish_error error;
@@ -86,6 +92,42 @@ static void mids_follow_a_corner_that_goes_back(void **state) {
         assert_true(uv[2 * MID_PQ + d] == start[2 * MID_PQ + d] + q / 2);
         assert_true(fabs(uv[2 * MID_BQ + d] - start[2 * MID_BQ + d] - way[d] / 2) < 1e-12);
     }
+    planish_file_close(file);
+}
+
+/** The same of mids and middles of quadrilaterals: two of nine nodes each, side by side. */
+static void middles_follow_corners_that_go_back(void **state) {
+    (void)state;
+    enum { WIDTH = 5, NODES_HERE = 15 };
+    static const char cells[] = "CELLS 2 20\n9 0 2 12 10 1 7 11 5 6\n9 2 4 14 12 3 9 13 7 8\n"
+                                "CELL_TYPES 2\n28 28\n";
+    /* How far a node has gone when corners 2 and 12 move, and how far it stays when 2 goes back. */
+    static const double gone[NODES_HERE] = {0, .5, 1, .5, 0, 0, .5, 1, .5, 0, 0, .5, 1, .5, 0};
+    static const double left[NODES_HERE] = {0, 0, 0, 0, 0, 0, .25, .5, .25, 0, 0, .5, 1, .5, 0};
+    char text[2048];
+    int used = snprintf(text, sizeof text,
+                        "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                        "POINTS 15 double\n");
+    for (int i = 0; i < NODES_HERE; i++)
+        used += snprintf(text + used, sizeof text - (size_t)used, "%d %d %g\n", i % WIDTH,
+                         i / WIDTH, i % WIDTH / 2.0 + i / WIDTH / 4.0);
+    used += snprintf(text + used, sizeof text - (size_t)used, "%s", cells);
+    planish_file *file;
+    planish_error error;
+    if (io_file_from_memory(&io_format_vtk, "test", text, used, 1, &file, &error))
+        fail_msg("%s", error.text);
+    double *uv = planish_file_coordinates(file), start[2 * NODES_HERE];
+    uint8_t back[NODES_HERE] = {0};
+    int64_t n = 0;
+    assert_true(planish_file_mesh(file).dim == 2 && file->model.plane.is_tilted);
+    memcpy(start, uv, sizeof start);
+    for (int i = 0; i < 2 * NODES_HERE; i++)
+        uv[i] += gone[i / 2] * 0.125;
+    back[2] = 1;
+    assert_int_equal(planish_file_round_in_plane(file, uv, back, &n, &error), PLANISH_OK);
+    assert_int_equal(n, 1);
+    for (int i = 0; i < 2 * NODES_HERE; i++)
+        assert_true(fabs(uv[i] - start[i] - left[i / 2] * 0.125) < 1e-12);
     planish_file_close(file);
 }
 
@@ -171,8 +213,7 @@ static void axes_are_told(void **state) {
 }
 
 /** A node that inverts triangles as it is placed goes back, and so does one that is told to. */
-static void rounding_takes_nodes_back(void **state) {
-    (void)state;
+static void take_back(void) {
     planish_file *file =
         read_grid((const double[]){15, 12, 16}, (const double[]){-20, 9, 12}, 0, "", 0);
     double *uv = planish_file_coordinates(file), before[2 * NODES];
@@ -213,6 +254,13 @@ static void rounding_takes_nodes_back(void **state) {
     planish_file_close(file);
 }
 
+static void rounding_takes_nodes_back(void **state) {
+    (void)state;
+    for (has_quadrilaterals = 1; has_quadrilaterals >= 0; has_quadrilaterals--)
+        take_back();
+    has_quadrilaterals = 0;
+}
+
 static void wrong_arguments(void **state) {
     (void)state;
     planish_file *file =
@@ -240,6 +288,7 @@ static void wrong_arguments(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mids_follow_a_corner_that_goes_back),
+        cmocka_unit_test(middles_follow_corners_that_go_back),
         cmocka_unit_test(turns_are_exact),
         cmocka_unit_test(frames_are_orthonormal),
         cmocka_unit_test(nodes_of_no_triangle_are_elsewhere),
