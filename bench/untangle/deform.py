@@ -11,7 +11,8 @@ GROWTH = 1.15     # from one strength tried to the next, until one is invalid
 FIRST = 0.01
 BISECTIONS = 20
 
-Map = namedtuple("Map", "at limit")
+# limit_of_grids: of grids, whose bricks stay valid in waves that no mesh would be made for.
+Map = namedtuple("Map", "at limit limit_of_grids", defaults=(None,))
 
 
 class Domain:
@@ -113,7 +114,7 @@ MAPS = {
     "twist": Map(twist, 20 * np.pi),
     "bulge": Map(bulge, 20),
     "pinch": Map(pinch, 0.98),
-    "wave": Map(wave, 20),
+    "wave": Map(wave, 20, 2),
     "stretch": Map(stretch, 9),
     "shear": Map(shear, 6),
     "turn": Map(turn, 20 * np.pi),
@@ -130,6 +131,8 @@ def largest_strength(base, domain, name):
         return cells.is_valid(MAPS[name].at(domain, strength), base.elements)
 
     limit, good = MAPS[name].limit, 0
+    if isinstance(base.elements, cells.Cells):
+        limit = MAPS[name].limit_of_grids or limit
     bad = FIRST
     while valid(bad):
         if bad == limit:

@@ -87,29 +87,34 @@ static inline void corner_node(const star *s, int64_t i, int j, const int guarde
 }
 
 /** Whether 1 / SJ^2 of a corner is above limit with the node at position. SJ is D by the lengths of
- *  the corner's dim edges and by the ideal corner's determinant. Not inlined: it is seldom asked for.
- */
+ *  the corner's dim edges and by the ideal corner's determinant; all nodes of a simplex are corners.
+ *  Not inlined: it is seldom asked for. */
 PL_NOINLINE int has_small_jacobian(const star *s, const double *position, double limit,
                                    const int guarded, const int dim) {
     int found = 0;
     for (int64_t i = 0; i < s->n_facets; i++) {
         const pl_corner_form *f = &s->forms[s->form[i]];
-        double p[3][3], D = *entry(s, BASE, i), squares = f->determinant * f->determinant;
+        const int is_simplex = pl_corner_kind((uint8_t)s->form[i]) == PL_KIND_SIMPLEX;
+        double p[4][3], D = *entry(s, BASE, i);
+        memcpy(p[dim], position, (size_t)dim * sizeof *position);
         for (int j = 0; j < dim; j++)
             corner_node(s, i, j, guarded, p[j], dim);
-        for (int j = 0; j < dim; j++) { /* from the corner, p_corner or x, to the others */
-            const double *at = f->corner < 0 ? position : p[f->corner];
-            const double *to = f->corner == j ? position : p[j];
-            double square = 0;
-            for (int d = 0; d < dim; d++)
-                square += (to[d] - at[d]) * (to[d] - at[d]);
-            squares *= square;
-        }
         for (int d = 0; d < dim; d++)
             D += (position[d] - p[0][d]) * (dim == 3 ? *entry(s, NX + d, i)
                                             : d      ? p[1][0] - p[0][0]
                                                      : p[0][1] - p[1][1]);
-        found |= squares > limit * (D * D);
+        for (int v = 0; v <= dim; v++) { /* p_v, or x */
+            double squares = f->determinant * f->determinant;
+            if (!is_simplex && v != (f->corner < 0 ? dim : f->corner))
+                continue;
+            for (int j = 0; j <= dim; j++) {
+                double square = 0;
+                for (int d = 0; d < dim; d++)
+                    square += (p[j][d] - p[v][d]) * (p[j][d] - p[v][d]);
+                squares *= j != v ? square : 1;
+            }
+            found |= squares > limit * (D * D);
+        }
     }
     return found;
 }

@@ -80,8 +80,8 @@ enum {
     /* The rest is for the guarded kernel alone. */
     IS_EDGE = CY,               /* six: 1 if the element has the edge, else 0; those at x first */
     EDGE_SHARE = IS_EDGE + 6,   /* 1 / its edges */
-    AT_CORNER = EDGE_SHARE + 1, /* three: 1 if the edge x p_i is one of the corner's, else 0 */
-    JACOBIAN = AT_CORNER + 3,   /* SJ^-2 = this times the squares of these edges / D^2 */
+    IS_CORNER = EDGE_SHARE + 1, /* four: 1 if x, or p_i, is a corner of the element, else 0 */
+    JACOBIAN = IS_CORNER + 4,   /* SJ^-2 of one is this times the squares of its edges / D^2 */
     FORM_COLUMNS_END = JACOBIAN + 1
 };
 _Static_assert((int)FORM_COLUMNS_END <= (int)COLUMNS_3D, "columns of forms have room");

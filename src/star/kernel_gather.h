@@ -186,27 +186,18 @@ PL_INLINE void unpack_forms(const uint8_t *code, int64_t n, int64_t padded, uint
 
 /** Fill in what the guarded kernel alone needs of the forms of facets. */
 static inline void gather_corners(const star *s, const int dim) {
-    static const uint8_t first[3][3] = {{P0X, P0Y, P0Z}, {P1X, P1Y, P1Z}, {P2X, P2Y, P2Z}};
     for (int64_t i = 0; i < s->padded; i++) {
         const pl_corner_form *f = &s->forms[s->form[i]];
-        double others = f->determinant * f->determinant;
         int count = 0;
         for (int k = 0; k < dim * (dim + 1) / 2; k++) {
             *entry(s, IS_EDGE + k, i) = f->is_edge[k];
             count += f->is_edge[k];
         }
         *entry(s, EDGE_SHARE, i) = 1.0 / count;
-        for (int j = 0; j < dim; j++) {
-            const int is_at = f->corner < 0 || f->corner == j;
-            double square = is_at;
-            for (int d = 0; !is_at && d < dim; d++) {
-                const double e = *entry(s, first[j][d], i) - *entry(s, first[f->corner][d], i);
-                square += e * e;
-            }
-            *entry(s, AT_CORNER + j, i) = is_at;
-            others *= square;
-        }
-        *entry(s, JACOBIAN, i) = others;
+        for (int v = 0; v <= dim; v++) /* all nodes of a simplex */
+            *entry(s, IS_CORNER + v, i) =
+                f->corner == v - 1 || pl_corner_kind((uint8_t)s->form[i]) == PL_KIND_SIMPLEX;
+        *entry(s, JACOBIAN, i) = f->determinant * f->determinant;
         if (dim == 3) {
             const double n[3] = {*entry(s, NX, i), *entry(s, NY, i), *entry(s, NZ, i)};
             *entry(s, LENGTH, i) = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);

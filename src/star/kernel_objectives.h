@@ -263,43 +263,66 @@ PL_INLINE void corner_mean_ratio(const star *s, int64_t i, const lanes *x, aspec
         }
 }
 
-/** Compute (1 / (limit SJ^2))^q: q times the logarithm of the squared edges of the corner that lead to
- *  x, less that of D^2. S = square / D^2: l = sum 2 e / |e|^2 - 2 n / D,
+/** Product of the squares of the edges at vertex v: 0 is x, j + 1 is p_j. */
+PL_INLINE lanes edges_at_vertex(const edges *e, int v, const int dim) {
+    lanes product = e->square[v > 0 ? v - 1 : 0];
+    for (int j = 1; j < dim && v == 0; j++)
+        product *= e->square[j];
+    for (int j = 0, k = dim; j < dim; j++)
+        for (int other = j + 1; other < dim; other++, k++)
+            if (v == j + 1 || v == other + 1)
+                product *= e->square[k];
+    return product;
+}
+
+/** Compute the sum of (1 / (limit SJ^2))^q over the corners that an element has among its nodes, all
+ *  of a simplex: q times the logarithm of the squared edges of the corner that lead to x, less that
+ *  of D^2. S = square / D^2: l = sum 2 e / |e|^2 - 2 n / D,
  *  hess log S = sum (2 I / |e|^2 - 4 e e^T / |e|^4) + 2 n n^T / D^2. */
 PL_INLINE void worst_jacobian(const star *s, int64_t i, const lanes *x, aspect *a,
                               double inverse_limit, const int derive, const int dim) {
     const edges e = edges_at(s, i, x, 0, dim);
-    const lanes one = lanes_of(1), half = lanes_of(0.5), q = lanes_of(WORST_EXPONENT);
-    lanes S = load(s, JACOBIAN, i) * (a->inverse_d * a->inverse_d);
-    lanes inverse[3];
-    for (int j = 0; j < dim; j++) {
-        const lanes_mask is_at = lanes_greater(load(s, AT_CORNER + j, i), half);
-        S *= lanes_select(is_at, e.square[j], one);
-        inverse[j] = lanes_select(is_at, one / e.square[j], lanes_of(0));
+    const lanes q = lanes_of(WORST_EXPONENT);
+    const lanes S = load(s, JACOBIAN, i) * (a->inverse_d * a->inverse_d);
+    lanes term[4];
+    a->square = lanes_of(0);
+    for (int v = 0; v <= dim; v++) {
+        term[v] = load(s, IS_CORNER + v, i) *
+                  squared(S * edges_at_vertex(&e, v, dim) * lanes_of(inverse_limit), WORST_POWER);
+        a->square += term[v];
     }
-    a->square = squared(S * lanes_of(inverse_limit), WORST_POWER);
     if (!derive)
         return;
-    lanes gd[3];
+    lanes gd[3], inverse[3];
     for (int d = 0; d < dim; d++) {
         gd[d] = a->n[d] * a->inverse_d;
-        a->l[d] = -gd[d];
-        for (int j = 0; j < dim; j++)
-            a->l[d] += e.at[j][d] * inverse[j];
-        a->l[d] *= lanes_of(2);
+        inverse[d] = lanes_of(1) / e.square[d];
+        a->l[d] = lanes_of(0);
     }
-    for (int r = 0, k = 0; r < dim; r++)
-        for (int c = r; c < dim; c++, k++) {
-            lanes bend = gd[r] * gd[c];
-            for (int j = 0; j < dim; j++) {
-                bend -= lanes_of(2) * (e.at[j][r] * inverse[j]) * (e.at[j][c] * inverse[j]);
-                if (r == c)
-                    bend += inverse[j];
-            }
-            a->h[k] = q * (lanes_of(2) * bend + q * (a->l[r] * a->l[c]));
+    for (int k = 0; k < dim * (dim + 1) / 2; k++)
+        a->h[k] = lanes_of(0);
+    for (int v = 0; v <= dim; v++) {
+        const lanes share = q * (term[v] / a->square);
+        const int from = v > 0 ? v - 1 : 0, to = v > 0 ? v : dim; /* edges that lead to x */
+        lanes l[3];
+        for (int d = 0; d < dim; d++) {
+            l[d] = -gd[d];
+            for (int j = from; j < to; j++)
+                l[d] += e.at[j][d] * inverse[j];
+            l[d] *= lanes_of(2);
+            a->l[d] += share * l[d];
         }
-    for (int d = 0; d < dim; d++)
-        a->l[d] *= q;
+        for (int r = 0, k = 0; r < dim; r++)
+            for (int c = r; c < dim; c++, k++) {
+                lanes bend = gd[r] * gd[c];
+                for (int j = from; j < to; j++) {
+                    bend -= lanes_of(2) * (e.at[j][r] * inverse[j]) * (e.at[j][c] * inverse[j]);
+                    if (r == c)
+                        bend += inverse[j];
+                }
+                a->h[k] += share * (lanes_of(2) * bend + q * (l[r] * l[c]));
+            }
+    }
 }
 
 /* ---- radius ratio -------------------------------------------------------------------------- */

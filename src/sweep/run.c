@@ -181,6 +181,9 @@ int pl_run_has_followers(const pl_run *r) {
  * leave the gradient three times as large. */
 #define CALM 0.5
 
+/* The worst cell may move only if it becomes better by more than rounding. */
+#define CELL_MARGIN (1 - 1e-12)
+
 /** Limits of the ordinary sweeps. Corners can be too sharp long before they are flat, and an average
  *  over a cell hides it: their limit is in force from the first sweep on. */
 static pl_star_limits limits_of_sweeps(const pl_run *r) {
@@ -199,6 +202,7 @@ void pl_run_prepare(pl_run *r) {
     r->problem = pl_plan_problem(plan, &plan->interior);
     r->problem.search = r->options->search;
     r->problem.limits = limits_of_sweeps(r);
+    r->watch.worst_ar2 = plan->work.corner ? r->sums.radius_max * CELL_MARGIN : INFINITY;
     /* In rings around bad elements good stars are meant, too. */
     r->problem.rr2_skip = plan->is_selective && r->options->rings > 0 ? 0 : worse * worse;
     r->problem.calm = plan->is_selective ? 0 : CALM * r->options->tolerance;
@@ -276,6 +280,7 @@ static void widen_limits(pl_run *r) {
         return;
     limits->acuteness = fmax(r->sums.acuteness, limits->acuteness);
     limits->rr2_blunt = pl_run_blunt(r, limits->acuteness);
+    r->watch.worst_ar2 = fmax(r->sums.radius_max * CELL_MARGIN, r->watch.worst_ar2);
 }
 
 int pl_run_sweep(pl_run *r, int64_t *visits) {

@@ -58,13 +58,16 @@ static void position(const cell_star *s, long double *x) {
 
 static long double part_of(const cell_star *s, int facet, int function, const long double *x) {
     const cell_corner c = cell_star_corner(s, facet, x);
+    long double sum = 0;
     switch (function) {
     case EDGE:
         return c.edges;
     case WORST_RATIO:
         return powl(c.mu2 / s->guard.worst_limit, 32);
     case WORST_JACOBIAN:
-        return powl(c.jacobian / s->guard.worst_limit, 32);
+        for (int k = 0; k < c.n_jacobians; k++)
+            sum += powl(c.jacobians[k] / s->guard.worst_limit, 32);
+        return sum;
     default:
         return c.mu2;
     }

@@ -116,9 +116,14 @@ static cell_corner measure(const pl_cell_shape *shape, int corner, long double x
     const long double det = c.D / c.ideal_determinant;
     const long double mu = c.squares / dim / (dim == 3 ? powl(det, 2.0L / 3) : det);
     c.mu2 = mu * mu;
-    c.jacobian = 1 / (det * det);
-    for (int i = 0; i < dim; i++)
-        c.jacobian *= length2(x[corner], x[shape->neighbour[corner][i]], dim);
+    c.n_jacobians = shape->n_simplices == 1 ? shape->n_corners : 1;
+    for (int k = 0; k < c.n_jacobians; k++) {
+        const int at_corner = shape->n_simplices == 1 ? k : corner;
+        c.jacobians[k] = 1 / (det * det);
+        for (int i = 0; i < dim; i++)
+            c.jacobians[k] *= length2(x[at_corner], x[shape->neighbour[at_corner][i]], dim);
+        c.jacobian = fmaxl(c.jacobian, c.jacobians[k]);
+    }
     return c;
 }
 

@@ -43,7 +43,10 @@ void cell_star_destroy(cell_star *star);
  *  (dim^2 det T^(4 / dim)), its determinant D, 1 / SJ^2, the smoothed squared edge ratio, and the
  *  sum of squares |T|^2. */
 typedef struct cell_corner {
-    long double mu2, D, jacobian, edges, squares, ideal_determinant;
+    long double mu2, D, edges, squares, ideal_determinant;
+    long double jacobian; /* 1 / SJ^2; of a simplex the largest, of all its vertices: */
+    int n_jacobians;
+    long double jacobians[4];
 } cell_corner;
 cell_corner cell_star_corner(const cell_star *star, int facet, const long double *x);
 
