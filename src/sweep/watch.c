@@ -458,33 +458,48 @@ static const pl_cell_shape *shape_of(const pl_watch *w, int32_t i) {
         ->shape;
 }
 
+/** Find the edges of corner c of a cell with corners x, in a size of about 1. */
+static void edges_of_corner(const pl_cell_shape *shape, const double *const x[], int c,
+                            double edge[3][3]) {
+    const int dim = shape->dim;
+    double size = 0;
+    int exponent;
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++) {
+            edge[j][d] = x[shape->neighbour[c][j]][d] - x[c][d];
+            size = fmax(size, fabs(edge[j][d]));
+        }
+    frexp(size, &exponent);
+    const double scale = ldexp(1, -pl_scale_exponent(exponent));
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++)
+            edge[j][d] *= scale;
+}
+
 /** Find mu^2 of corner c of a cell with corners x, and the square of its scaled Jacobian; infinite
- *  and 0 where it is not positive. */
+ *  and 0 where it is not positive. The same bits at every scale that is a power of two. */
 static void measure_corner(const pl_cell_shape *shape, const double *const x[], int c, double sign,
                            double *mu2, double *jacobian2) {
     const int dim = shape->dim;
     double edge[3][3], e = 0, squares = 1;
+    edges_of_corner(shape, x, c, edge);
     for (int j = 0; j < dim; j++) {
-        double square = 0;
-        for (int d = 0; d < dim; d++) {
-            edge[j][d] = x[shape->neighbour[c][j]][d] - x[c][d];
-            square += edge[j][d] * edge[j][d];
-        }
+        const double square = pl_dot(dim, edge[j], edge[j]);
         e += shape->to_corner[j] * square;
         squares *= square;
     }
     for (int i = 0, pair = 0; i < dim; i++)
         for (int j = i + 1; j < dim; j++, pair++) {
-            const double apart = pl_distance(dim, edge[i], edge[j]);
-            e += shape->between[pair] * apart * apart;
+            double apart[3];
+            pl_subtract(dim, edge[j], edge[i], apart);
+            e += shape->between[pair] * pl_dot(dim, apart, apart);
         }
     const double ideal = sign * pl_determinant_of_edges(dim, edge) / shape->determinant;
     *mu2 = INFINITY;
     *jacobian2 = 0;
     if (!(ideal > 0 && squares > 0))
         return;
-    const double mean = e / dim, root = dim == 3 ? cbrt(ideal) : sqrt(ideal);
-    *mu2 = mean / (root * root) * (mean / (root * root));
+    *mu2 = pl_mean_square(dim, e, ideal);
     *jacobian2 = ideal * ideal / squares;
 }
 

@@ -565,6 +565,169 @@ static void sizes_change_no_bit(void **state) {
     }
 }
 
+/* ---- drawn calls ------------------------------------------------------------------------------ */
+
+/** A call that is drawn. Arrays are owned. */
+typedef struct drawn {
+    cell_box *box;
+    planish_options options;
+    int options_in_plan; /* the plan is made with them, not with defaults */
+    uint8_t *constraint;
+    double *direction, *least;
+    int64_t around; /* the node of options.n_around, which is 1 or 0 */
+} drawn;
+
+static int draw(uint64_t *random, double chance) {
+    return random_unit(random) < chance;
+}
+
+static void draw_options(drawn *c, uint64_t *random) {
+    planish_options *o = &c->options;
+    const int dim = c->box->mesh.dim;
+    *o = defaults();
+    o->max_sweeps = draw(random, 0.3) ? (int)random_below(random, 6) : 200;
+    o->objective = (planish_objective)(draw(random, 0.4) ? random_below(random, 3) : 0);
+    o->search = (planish_search)draw(random, 0.1);
+    if (draw(random, 0.1)) {
+        o->method = (planish_method)random_below(random, 4);
+    } else if (draw(random, 0.2)) {
+        o->worst = draw(random, 0.5) ? PLANISH_WORST_ASPECT_RATIO : PLANISH_WORST_SCALED_JACOBIAN;
+        o->worst_rise = random_unit(random) * 0.1;
+    }
+    if (o->method != PLANISH_METHOD_PLANISH)
+        o->worst = PLANISH_WORST_NONE;
+    o->untangle = draw(random, 0.85);
+    if (draw(random, 0.2)) {
+        o->max_displacement = random_between(random, 0.01, 0.6);
+        o->displacement_unit = (planish_length_unit)draw(random, 0.5);
+    }
+    for (int d = 0; d < dim && draw(random, 0.2); d++)
+        o->box_upper[d] = random_between(random, 2, 4);
+    if (draw(random, 0.2))
+        o->min_volume_fraction = random_between(random, 1e-5, 0.01);
+    o->area_weight = o->min_volume_fraction > 0 && draw(random, 0.3) ? random_unit(random) : 0;
+    o->only_worse_than = draw(random, 0.25) ? random_between(random, 1, 1.4) : 0;
+    o->rings = (int)random_below(random, 3);
+    c->options_in_plan = draw(random, 0.5);
+    if (c->options_in_plan && !(o->only_worse_than > 0) && !(o->min_volume_fraction > 0) &&
+        draw(random, 0.3)) {
+        c->around = c->box->node[random_below(random, c->box->offset[c->box->cells.n])];
+        o->n_around = 1;
+    }
+}
+
+static drawn draw_call(uint64_t seed) {
+    uint64_t random = effort_seed(seed);
+    drawn c = {.around = 0};
+    const int kind = (int)random_below(&random, N_BOX_KINDS), n = 2 + (int)random_below(&random, 3);
+    const int order = draw(&random, 0.3) ? 1 + (int)random_below(&random, 2) : LINEAR;
+    const double shake = draw(&random, 0.3) ? random_between(&random, 0.2, 0.7)
+                                            : noise_of(kind) * random_unit(&random);
+    c.box = box_of(kind, n, order, shake, random_bits(&random));
+    const int64_t n_nodes = c.box->mesh.n_nodes, n_cells = c.box->cells.n;
+    draw_options(&c, &random);
+    c.constraint = calloc((size_t)n_nodes, 1);
+    c.direction = calloc((size_t)(n_nodes * 3), sizeof *c.direction);
+    c.least = calloc((size_t)n_cells, sizeof *c.least);
+    for (int64_t i = 0; i < n_nodes; i++)
+        c.constraint[i] = draw(&random, 0.05) ? PLANISH_CONSTRAINT_FIXED : 0;
+    if (draw(&random, 0.5)) {
+        c.box->mesh.constraint = c.constraint;
+        if (draw(&random, 0.7))
+            assert_int_equal(
+                planish_find_slides(&c.box->mesh, NULL, 1, c.constraint, c.direction, NULL, NULL),
+                0);
+        c.box->mesh.direction = c.direction;
+    }
+    for (int64_t i = 0; i < n_cells; i++)
+        c.least[i] = draw(&random, 0.3) ? random_unit(&random) * volume_of(c.box->type[i]) : 0;
+    if (draw(&random, 0.15))
+        c.box->mesh.min_volume = c.least;
+    return c;
+}
+
+static void release_call(drawn *c) {
+    cell_box_destroy(c->box);
+    free(c->constraint);
+    free(c->direction);
+    free(c->least);
+}
+
+/** Check what a call has made of x; returns whether anything moved. */
+static void check_call(const drawn *c, const double *x, const judged *before,
+                       const planish_result *r, int64_t n_below) {
+    const cell_box *box = c->box;
+    const planish_options *o = &c->options;
+    judged after = judge(box);
+    const planish_cell_measures *was = &before->quality.all, *is = &after.quality.all;
+    const int was_valid = was->n_inverted + was->n_uncertified == 0;
+    const int has_volumes = o->min_volume_fraction > 0 || box->mesh.min_volume;
+    for (int64_t i = 0; i < box->mesh.n_nodes; i++)
+        if (c->box->mesh.constraint && c->constraint[i] == PLANISH_CONSTRAINT_FIXED)
+            assert_true(is_same_place(box, x, i));
+    if (o->method == PLANISH_METHOD_PLANISH) {
+        assert_true(is->n_inverted + is->n_uncertified <= was->n_inverted + was->n_uncertified);
+        for (int64_t i = 0; i < box->cells.n; i++)
+            assert_true(was->n_inverted > 0 || before->state[i] != PLANISH_CELL_STATE_VALID ||
+                        after.state[i] == PLANISH_CELL_STATE_VALID);
+        assert_true(r->n_below_min_volume <= n_below || !was_valid);
+    }
+    if (o->method == PLANISH_METHOD_PLANISH && was_valid && n_below == 0) {
+        const double rise = r->worst_sweeps > 0 ? 1 + o->worst_rise : 1;
+        assert_true(r->objective <= r->objective_before * rise * (1 + NOISE));
+        if (o->objective != PLANISH_OBJECTIVE_EDGE_RATIO && !(o->area_weight > 0)) {
+            assert_true(is->max_aspect_ratio <= was->max_aspect_ratio * (1 + NOISE));
+            assert_true(is->min_scaled_jacobian >= was->min_scaled_jacobian * (1 - NOISE));
+        }
+    }
+    if (!has_volumes)
+        assert_int_equal(r->n_below_min_volume, 0);
+    forget(&after);
+}
+
+/** Calls that are drawn keep their promises, with the same bits on any threads and kernels. */
+static void drawn_calls_keep_promises(void **state) {
+    (void)state;
+    int64_t n = 0;
+    const int64_t most = effort(120, 20000);
+    for (uint64_t seed = 0; n < most; seed++, n++) {
+
+        drawn c = draw_call(seed);
+        double *x = copy_of(c.box);
+        c.options.around = c.options.n_around > 0 ? &c.around : NULL;
+        judged before = judge(c.box);
+        planish_plan *plan = plan_of(c.box, c.options_in_plan ? &c.options : NULL);
+        planish_options options = c.options;
+        int64_t n_below = 0;
+        planish_error error;
+        planish_result result;
+        options.n_around = 0;
+        options.around = NULL;
+        assert_int_equal(planish_check_volumes(plan, x, &options, NULL, &n_below, NULL, NULL), 0);
+        const int status = planish_smooth(plan, c.box->x, &options, &result, &error);
+        if (status == PLANISH_ERROR_ARGUMENT && options.area_weight > 0) {
+            planish_plan_destroy(plan); /* volumes far from their minimum */
+        } else {
+            assert_int_equal(status, 0);
+            check_call(&c, x, &before, &result, n_below);
+            double *first = copy_of(c.box);
+            planish_plan_destroy(plan);
+            memcpy(c.box->x, x, size_of(c.box));
+            c.options.threads = options.threads = 3;
+            c.options.isa = options.isa = PLANISH_ISA_PLAIN;
+            plan = plan_of(c.box, c.options_in_plan ? &c.options : NULL);
+            smooth(plan, c.box, &options);
+            assert_memory_equal(first, c.box->x, size_of(c.box));
+            planish_plan_destroy(plan);
+            free(first);
+        }
+        free(x);
+        forget(&before);
+        release_call(&c);
+    }
+    figure("%d drawn calls on meshes of every type", (int)n);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(measures_agree),
@@ -579,6 +742,7 @@ int main(void) {
         cmocka_unit_test(calls_stop_at_any_time),
         cmocka_unit_test(repeated_calls_allocate_nothing),
         cmocka_unit_test(sizes_change_no_bit),
+        cmocka_unit_test(drawn_calls_keep_promises),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
