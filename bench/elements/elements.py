@@ -265,8 +265,9 @@ def judge(mesh):
             ratios.append(ratio)
             least = min(least, float(jacobian.min()))
     ratio = np.concatenate(ratios)
+    ratio = ratio[np.isfinite(ratio)]
     return {"invalid": invalid, "least_scaled_jacobian": least,
-            "rms_aspect_ratio": float(np.sqrt(np.nanmean(ratio ** 2)))}
+            "rms_aspect_ratio": float(np.sqrt((ratio ** 2).mean())) if len(ratio) else float("nan")}
 
 
 # ---- meshes that are made ------------------------------------------------------------------------
@@ -336,8 +337,7 @@ ON_ONE_CORE = ["taskset", "--cpu-list", str(max(os.sched_getaffinity(0)))]
 
 def gmsh_command(source, mesh, folder):
     kinds = [TYPES[number] for number in mesh.cells]
-    is_solid = mesh.points.shape[1] == 3
-    how = "HighOrder" if any(kind.between for kind in kinds) else "Relocate3D" if is_solid else "Relocate2D"
+    how = "HighOrder" if any(kind.between for kind in kinds) else "Relocate3D"
     script = folder / "step.geo"
     script.write_text(f'Merge "{source}";\nOptimizeMesh "{how}";\n', encoding="ascii")
     return ["gmsh", script, "-v", "2", "-nt", "1", "-save", "-format", "msh22", "-o", folder / "gmsh.msh"]
@@ -348,7 +348,7 @@ def programs(planish, mesh, source, folder):
     is_vtk, is_straight = source.suffix == ".vtk", not any(TYPES[number].between for number in mesh.cells)
     found = {"planish": ([planish, "smooth", source, "-o", folder / ("planish" + source.suffix), "-q", "-j", "1",
                           "--layers", "ignore"], folder / ("planish" + source.suffix))}
-    if shutil.which("gmsh"):
+    if shutil.which("gmsh") and mesh.points.shape[1] == 3:
         found["gmsh"] = gmsh_command(source, mesh, folder), folder / "gmsh.msh"
     if shutil.which("mixedSmoothing") and is_vtk and is_straight and mesh.points.shape[1] == 3:
         found["hexsmoothing"] = ["mixedSmoothing", source, folder / "hex.vtk", "20"], folder / "hex.vtk"

@@ -154,7 +154,7 @@ int pl_held_count(pl_job *job) {
     uint16_t *bits;
     const pl_arguments *arguments = job->arguments;
     const int is_asked = arguments->json || arguments->report ||
-                         arguments->verbosity >= PL_VERBOSE ||
+                         arguments->verbosity >= PL_VERBOSE || job->layers.n_held > 0 ||
                          job->plan_info.n_free + job->plan_info.n_sliding == 0;
     pl_held *held = &job->held;
     *held = (pl_held){.is_known = 0};
