@@ -37,6 +37,13 @@ static int64_t put_back_nodes(const pl_run *r, int64_t element) {
     return n;
 }
 
+/** Whether every element that was valid must be: but where untangling may have invalidated some to
+ *  repair more. */
+static int keeps_valid(const pl_run *r) {
+    return pl_watch_is_on(&r->watch) &&
+           !(r->plan->work.corner && r->sums.inverted < r->sums_at_start.inverted);
+}
+
 /** Mark in state the elements that are worse than the worst at the start, or of order 2 and not valid
  *  any more. */
 static void find_bad(const pl_run *r, uint8_t *state) {
@@ -50,7 +57,7 @@ static void find_bad(const pl_run *r, uint8_t *state) {
     else if (r->limits_at_start.rr2 < INFINITY || pl_run_has_followers(r))
         pl_find_worse(&all, plan->scratch.to_measure, sqrt(r->limits_at_start.rr2),
                       r->limits_at_start.acuteness, plan->threads, state);
-    if (pl_watch_is_on(&r->watch))
+    if (keeps_valid(r))
         pl_watch_find_broken(&r->watch, 1, state);
 }
 
@@ -98,11 +105,11 @@ static int is_worse(const pl_run *r) {
 /** Whether elements of order 2 were valid and are not, or of_all whether corners have turned; state is
  *  room. */
 static int is_broken(const pl_run *r, int of_all, uint8_t *state) {
-    return pl_watch_is_on(&r->watch) && pl_watch_find_broken(&r->watch, of_all, state) > 0;
+    return keeps_valid(r) && pl_watch_find_broken(&r->watch, of_all, state) > 0;
 }
 
 int pl_run_put_back_angles(pl_run *r, planish_error *error) {
-    if (!is_worse(r) && !pl_watch_is_on(&r->watch))
+    if (!is_worse(r) && !keeps_valid(r))
         return PLANISH_OK;
     uint8_t *state = pl_alloc(r->plan->work.n_elements, sizeof *state);
     if (!state)

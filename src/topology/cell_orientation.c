@@ -3,8 +3,9 @@
  * Two elements on either side of a facet go around it in opposite directions if they have the same
  * handedness. So elements that facets join have one handedness relative to one another, whatever
  * the order of their nodes and wherever these are; where signs alone were asked, an inverted element
- * would be one of the other handedness. Of each set of joined elements the sign of most is the right
- * one. Elements that nothing joins, as where each has nodes of its own, have that of most of their
+ * would be one of the other handedness. Of each set of joined elements the sign of their summed
+ * measure is the right one, which depends on the set's boundary alone: also where most are inverted.
+ * Where that tells nothing, as without a boundary, it is that of most. Elements that nothing joins, as where each has nodes of its own, have that of most of their
  * type.
  *
  * Facets are listed at their lowest nodes, and compared there, on all threads. Then elements are
@@ -17,6 +18,7 @@
 #include "geometry/simplex.h"
 #include "topology/cells.h"
 
+#include <math.h>
 #include <string.h>
 
 enum {
@@ -315,10 +317,40 @@ static int sign_by_corners(const cell_sets *s, int64_t element) {
     return sum > 0 ? 1 : sum < 0 ? -1 : 0;
 }
 
-/** Surplus of positive signs among the elements of a set, and their number. */
+/** dim! times the measure of an element: the mean of those of its polyhedra, whose quadrilaterals are
+ *  cut along either diagonal. */
+static double measure_of(const cell_sets *s, int64_t element) {
+    static const uint8_t TRIANGLE[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}, {1, 2, 3}};
+    const pl_cell_shape *shape = counted_type(s, element)->shape;
+    const int32_t *node = s->cells->node + s->cells->offset[element];
+    const double *origin = s->coordinates + (int64_t)node[0] * s->dim;
+    double sum = 0;
+    for (int k = 0; k < shape->n_facets; k++) {
+        const int8_t *corner = shape->facet[k];
+        double edges[4][3] = {{0}};
+        const int n = s->dim == 2 ? 2 : corner[3] < 0 ? 3 : 4;
+        for (int j = 0; j < n; j++)
+            pl_subtract(s->dim, s->coordinates + (int64_t)node[corner[j]] * s->dim, origin,
+                        edges[j]);
+        for (int t = 0; t < (n == 4 ? 4 : 1); t++) {
+            double of[3][3];
+            for (int j = 0; j < s->dim; j++)
+                memcpy(of[j], edges[TRIANGLE[t][j]], sizeof of[j]);
+            sum += pl_determinant_of_edges(s->dim, of) * (n == 4 ? 0.5 : 1);
+        }
+    }
+    return sum;
+}
+
+/** Surplus of positive signs among the elements of a set, and their number; their measures, and these
+ *  without signs. */
 typedef struct set_count {
     int64_t surplus, n;
+    double measure, size;
 } set_count;
+
+/* A summed measure tells the sign where it is more than this part of the measures without signs. */
+#define TELLING 1e-9
 
 static void find_own_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const cell_sets *s = context;
@@ -337,13 +369,18 @@ static void find_signs(cell_sets *s, set_count *count) {
             of_type[s->cells->type[i]] += s->sign[i];
             count[set].surplus += flip * s->sign[i];
             count[set].n++;
+            const double measure = measure_of(s, i);
+            count[set].measure += flip * measure;
+            count[set].size += fabs(measure);
         }
     for (int64_t i = 0; i < s->cells->n; i++) {
         const int32_t set = find_set(s, (int32_t)i, &flip);
         const pl_cell_type *type = counted_type(s, i);
         const int is_alone = count[set].n == 1 && type && type->shape->n_simplices != 1;
+        const int tells = fabs(count[set].measure) > TELLING * count[set].size;
         const int64_t surplus = is_alone ? of_type[s->cells->type[i]] : count[set].surplus;
-        s->sign[i] = (int8_t)(surplus >= 0 ? flip : -flip);
+        const int is_positive = tells && !is_alone ? count[set].measure > 0 : surplus >= 0;
+        s->sign[i] = (int8_t)(is_positive ? flip : -flip);
     }
 }
 

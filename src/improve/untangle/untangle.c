@@ -366,8 +366,19 @@ static int climb(pl_tangle *t, int raises, const rung *ladder, int n) {
     return stopped;
 }
 
+/** Let elements be as bad as they are: what repairs one inside may worsen others. */
+static void allow_worst(pl_run *r) {
+    const pl_star_limits now = pl_run_worst_limits(r, 1);
+    pl_star_limits *limits = &r->limits_at_start;
+    limits->rr2 = fmax(limits->rr2, now.rr2);
+    limits->acuteness = fmax(limits->acuteness, now.acuteness);
+    limits->rr2_blunt = fmin(limits->rr2_blunt, now.rr2_blunt);
+    r->worst_at_start = fmax(r->worst_at_start, r->sums.radius_max);
+}
+
 /** Mend cells that are invalid inside. *stopped: as climb returns. */
 static int climb_for_inside(pl_tangle *t, int *stopped, planish_error *error) {
+    const double inverted = t->run->sums.inverted;
     int64_t n_new;
     int status = pl_tangle_begin_rounds(t, error);
     if (status)
@@ -377,6 +388,8 @@ static int climb_for_inside(pl_tangle *t, int *stopped, planish_error *error) {
     status = pl_tangle_add_rows(t, &n_new, error);
     if (!status)
         *stopped = climb(t, 0, LADDER_OF_ROUNDS, N_RUNGS_OF_ROUNDS);
+    if (t->run->sums.inverted < inverted)
+        allow_worst(t->run);
     if (!status && t->n_tangled > 0)
         pl_tangle_return(t);
     return status;
