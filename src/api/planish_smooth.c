@@ -21,8 +21,8 @@ static void say_result(const planish_result *r) {
         pl_log(PLANISH_LOG_NOTE, "%" PRId64 " elements are not positive", r->n_inverted);
     if (r->n_inverted_inside > 0)
         pl_log(PLANISH_LOG_NOTE,
-               "%" PRId64 " of these are curved, with positive corners: to move corners did not "
-               "repair them",
+               "%" PRId64 " of these are inverted inside, with positive corners, and were not "
+               "repaired",
                r->n_inverted_inside);
     if (r->n_below_min_volume > 0)
         pl_log(PLANISH_LOG_NOTE, "%" PRId64 " elements are below their minimum volume",

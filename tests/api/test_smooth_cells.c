@@ -388,6 +388,64 @@ static void minimum_volumes_are_met(void **state) {
     assert_true(n_raised >= 3);
 }
 
+/** Whether a node of element i is that node. */
+static int has_node(const cell_box *box, int64_t i, int64_t node) {
+    int has = 0;
+    for (int64_t k = box->offset[i]; k < box->offset[i + 1]; k++)
+        has |= box->node[k] == node;
+    return has;
+}
+
+/** Elements that fixed nodes make impossible are told as such, and why their nodes stay. */
+static void hopeless_elements_are_found(void **state) {
+    (void)state;
+    for (int kind = 0; kind < N_BOX_KINDS; kind++) {
+        cell_box *box = box_of(kind, 4, LINEAR, 0.05, 2);
+        const int64_t n = box->cells.n, n_nodes = box->mesh.n_nodes;
+        const planish_options options = defaults();
+        uint8_t *fixed = calloc((size_t)n_nodes, 1), *is_free = malloc((size_t)n_nodes);
+        uint8_t *reason = malloc((size_t)n_nodes), *hopeless = malloc((size_t)n);
+        double *ratio = malloc((size_t)n * sizeof *ratio);
+        int64_t node = 0, n_hopeless, n_found = 0;
+        while (!is_inside(box, box->x, node))
+            node++;
+        for (int64_t i = 0; i < n; i++)
+            for (int64_t k = box->offset[i]; has_node(box, i, node) && k < box->offset[i + 1]; k++)
+                fixed[box->node[k]] = PLANISH_CONSTRAINT_FIXED;
+        box->x[node * box->mesh.dim] += 1.5;
+        box->mesh.constraint = fixed;
+        planish_plan *plan = plan_of(box, &options);
+        assert_int_equal(planish_measure_elements(plan, box->x, ratio, NULL), 0);
+        assert_int_equal(
+            planish_find_infeasible(plan, box->x, &options, hopeless, &n_hopeless, NULL, NULL), 0);
+        for (int64_t i = 0; i < n; i++) {
+            n_found += hopeless[i];
+            assert_true(!hopeless[i] || (has_node(box, i, node) && ratio[i] == 0));
+            assert_true(hopeless[i] || ratio[i] > 0 || !has_node(box, i, node));
+        }
+        assert_true(n_found == n_hopeless && n_found > 0);
+        planish_plan_get_free(plan, is_free);
+        assert_int_equal(planish_plan_get_held(plan, box->x, reason, NULL), 0);
+        for (int64_t i = 0; i < n_nodes; i++) {
+            const int on_boundary = !is_inside(box, box->x, i) && i != node;
+            int is_used = 0;
+            for (int64_t c = 0; c < n; c++)
+                is_used |= has_node(box, c, i);
+            assert_int_equal(is_free[i], is_used && !on_boundary && !fixed[i]);
+            assert_int_equal(reason[i], !is_used ? PLANISH_HELD_UNUSED
+                                                 : (on_boundary ? PLANISH_HELD_BOUNDARY : 0) |
+                                                       (fixed[i] ? PLANISH_HELD_FIXED : 0));
+        }
+        free(fixed);
+        free(is_free);
+        free(reason);
+        free(hopeless);
+        free(ratio);
+        planish_plan_destroy(plan);
+        cell_box_destroy(box);
+    }
+}
+
 /** With only_worse_than nodes of good elements stay. */
 static void only_bad_elements_move(void **state) {
     (void)state;
@@ -643,6 +701,9 @@ static drawn draw_call(uint64_t seed) {
         c.least[i] = draw(&random, 0.3) ? random_unit(&random) * volume_of(c.box->type[i]) : 0;
     if (draw(&random, 0.15))
         c.box->mesh.min_volume = c.least;
+    c.options.precision = draw(&random, 0.15) ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE;
+    for (int64_t i = 0; c.options.precision && i < n_nodes * c.box->mesh.dim; i++)
+        c.box->x[i] = (float)c.box->x[i];
     return c;
 }
 
@@ -737,6 +798,7 @@ int main(void) {
         cmocka_unit_test(threads_and_kernels_change_no_bit),
         cmocka_unit_test(bounds_hold),
         cmocka_unit_test(minimum_volumes_are_met),
+        cmocka_unit_test(hopeless_elements_are_found),
         cmocka_unit_test(only_bad_elements_move),
         cmocka_unit_test(worst_measures_are_checked),
         cmocka_unit_test(calls_stop_at_any_time),

@@ -335,9 +335,14 @@ int pl_mark_infeasible(const planish_plan *plan, const pl_star_problem *problem,
         found->n = mark_elements(&s, part != NULL);
         found->n_undecided = 0;
         /* Stars that were not searched to the end could tell more of their elements. */
-        for (int64_t i = 0; limit && limit->answer && i < plan->work.n_elements; i++) {
-            const int32_t star = state[i] == PLANISH_VOLUME_BELOW ? only_star(&s, i) : -1;
-            found->n_undecided += star >= 0 && s.is_wanted[star];
+        for (int64_t c = 0; limit && limit->answer && c < pl_view_cells(&plan->work); c++) {
+            const int64_t end = pl_first_of_cell(&plan->work, c + 1);
+            int any = 0;
+            for (int64_t i = pl_first_of_cell(&plan->work, c); i < end; i++) {
+                const int32_t star = state[i] == PLANISH_VOLUME_BELOW ? only_star(&s, i) : -1;
+                any |= star >= 0 && s.is_wanted[star];
+            }
+            found->n_undecided += any;
         }
         if (part) {
             *part = s.part;
