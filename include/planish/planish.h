@@ -952,8 +952,9 @@ typedef struct planish_result {
  *
  *  Promised:
  *  - Only movable nodes move, and within their bounds; mids follow their ends.
- *  - No more elements are inverted than were. A mesh without inverted elements stays so. No element
- *    that was valid (det J > 0 everywhere, decided) is not so in the end.
+ *  - No more elements are inverted than were (det J > 0 everywhere, decided). A mesh without inverted
+ *    elements stays so. Unless inverted elements are untangled, no element that was valid is inverted
+ *    in the end; where they are, others may be in their place, but fewer.
  *  - In a mesh without inverted elements no element gets a worse RR (AR) than the worst element with
  *    a movable node had, nor (with RR alone as objective) a smaller angle, dihedral in 3-D; in a
  *    mixed mesh no corner gets a smaller scaled Jacobian. Bringing elements above their minimum
