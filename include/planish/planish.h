@@ -944,7 +944,10 @@ typedef struct planish_result {
         n_inverted_inside; /* those of n_inverted that are curved and have positive corners: they
                                   are inverted elsewhere, and corners alone did not repair them */
     int64_t n_refused;     /* moves that would have inverted a curved element */
-    int64_t reserved[4];
+    int64_t n_released_mids; /* mids that have moved by themselves (options.curve_quality) */
+    int64_t n_hopeless;      /* curved elements of these that are proved to be invalid wherever their
+                                free nodes go */
+    int64_t reserved[2];
 } planish_result;
 
 /** Smooth coordinates [n_nodes][dim] (or as the mesh's strides say) in place, after untangling them

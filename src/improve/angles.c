@@ -23,6 +23,9 @@ enum { ROUNDS = 50 };
  */
 static int64_t put_back_nodes(const pl_run *r, int64_t element) {
     const planish_plan *plan = r->plan;
+    const int is_broken =
+        r->watch.mids.own &&
+        pl_watch_decide(&r->watch, pl_cell_with(plan, element)) != PL_VALID;
     const size_t size = (size_t)plan->dim * sizeof *plan->scratch.coordinates;
     int64_t n = 0;
     for (int j = 0; j <= plan->dim; j++) {
@@ -32,7 +35,7 @@ static int64_t put_back_nodes(const pl_run *r, int64_t element) {
         n += pl_is_own(pl_part_here(), node) && memcmp(now, start, size) != 0;
         memcpy(now, start, size);
     }
-    if (r->watch.mids.own)
+    if (is_broken)
         n += pl_mids_put_back(&r->watch.mids, element);
     return n;
 }
@@ -124,8 +127,11 @@ int pl_run_put_back_angles(pl_run *r, planish_error *error) {
                                       r->sums.below > r->sums_at_start.below || has_risen(r));
     pl_free(state);
     if (is_left) {
-        for (int64_t i = 0; i < r->plan->work.n_elements; i++)
+        for (int64_t i = 0; i < r->plan->work.n_elements; i++) {
             n += put_back_nodes(r, i);
+            if (r->watch.mids.own)
+                n += pl_mids_put_back(&r->watch.mids, i);
+        }
         pl_parts_add(&n, 1);
         r->result->n_put_back += n;
         pl_run_measure(r);

@@ -5,6 +5,7 @@
  *   untangle/untangle.c  pl_run_untangle, pl_run_raise_volumes: inverted or too small elements
  *   angles.c             pl_run_put_back_angles: keep the smallest angle
  *   worst.c              pl_run_worst: improve the worst elements
+ *   curve.c              pl_run_mend_curved, _improve_curved: mids of curved elements
  *   augmented.c          pl_run_augmented: minimum volumes by multipliers
  *
  * The table in phases.c says when each phase is run. If it makes sweeps r->stop says why they ended.
@@ -37,6 +38,15 @@ int pl_run_put_back_angles(pl_run *r, planish_error *error);
 
 /** Improve the worst elements of a mesh that has been smoothed, and measured. Errors: _MEMORY. */
 int pl_run_worst(pl_run *r, planish_error *error);
+
+/** Prove which invalid curved elements stay so wherever free nodes go, and repair others by moving
+ *  their mids, and corners where that helps. No element becomes invalid. The mesh is measured, and
+ *  prepared for sweeps. r->result counts. Errors: _MEMORY. */
+int pl_run_mend_curved(pl_run *r, planish_error *error);
+
+/** Improve the curved elements below options.curve_quality of a mesh that has been smoothed, and
+ *  measured: by their mids alone. Errors: _MEMORY. */
+int pl_run_improve_curved(pl_run *r, planish_error *error);
 
 /** Look for a better mesh by augmented Lagrangian after the sweeps have converged with minimum
  *  volumes in force, and take it if it is one. Without memory it does nothing. */

@@ -31,7 +31,9 @@ enum {
     ANGLES = 1 << 12,       /* the smallest angle, the elements of followers, or the validity of
                                elements of order 2 must be kept */
     WORST = 1 << 13,        /* options want the worst elements to be improved, */
-    WORST_SWEPT = 1 << 14   /* and sweeps have done so */
+    WORST_SWEPT = 1 << 14,  /* and sweeps have done so */
+    CURVED = 1 << 15,       /* there are curved elements, and options want their mids to move; */
+    INSIDE = 1 << 16        /* some are invalid with positive corners */
 };
 
 /* RR^2, or mu^2 of a corner, above it: an element may be so flat that its sign is nothing but
@@ -73,6 +75,8 @@ static int conditions_of(const pl_run *r) {
          ANGLES},
         {o->worst != PLANISH_WORST_NONE, WORST},
         {r->result->worst_sweeps > 0, WORST_SWEPT},
+        {r->watch.n_curved > 0 && o->curve_quality > 0, CURVED},
+        {r->sums.inside > 0, INSIDE},
     };
     int found = 0;
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
@@ -197,6 +201,8 @@ typedef struct phase {
 static const phase PHASES[] = {
     /* taken: each rung that leaves fewer elements tangled */
     {"untangle", INTERIOR | VISITS | UNTANGLES | TANGLED, pl_run_untangle},
+    /* taken: each cluster of elements of which fewer are invalid */
+    {"mend curved elements", VISITS | UNTANGLES | TIME | CURVED | INSIDE, pl_run_mend_curved},
     {"sweep", MOVABLE | TIME, sweep},
     /* taken: each rung that leaves fewer elements below */
     {"raise volumes", INTERIOR | VISITS | UNTANGLES | CONVERGED | BELOW, raise_and_sweep},
@@ -212,6 +218,8 @@ static const phase PHASES[] = {
     /* taken: each stage that leaves fewer elements above its limit */
     {"worst elements", MOVABLE | TIME | WORST, pl_run_worst},
     {"keep the smallest angle of these", MOVABLE | ANGLES | WORST_SWEPT, pl_run_put_back_angles},
+    /* taken: where no element becomes invalid */
+    {"improve curved elements", VISITS | TIME | CURVED, pl_run_improve_curved},
     /* the mesh stays; only the result is completed */
     {"optimality", VISITS | GUARDED, judge_optimality},
     {"infeasible fixed elements", CONVERGED | BELOW_FIXED, say_infeasible},

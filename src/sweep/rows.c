@@ -130,6 +130,16 @@ pl_row_rule *pl_row_rule_make(const pl_cell_type *type) {
     return rule;
 }
 
+void pl_row_point(const pl_row_rule *rule, const double *xi, double blend[], double gradient[][3]) {
+    const pl_jacobian_rule *jacobian = &rule->jacobian;
+    int degree[PL_CELL_SIMPLICES];
+    for (int s = 0; s < PL_CELL_SIMPLICES; s++)
+        degree[s] = jacobian->degree[s];
+    for (int c = 0; c < jacobian->n_coefficients; c++)
+        blend[c] = bernstein(jacobian->type->shape, degree, jacobian->coefficient_point[c], xi);
+    find_gradients(rule, xi, gradient);
+}
+
 void pl_row_rule_free(pl_row_rule *rule) {
     if (rule)
         pl_free(rule->gradient);

@@ -17,6 +17,7 @@
  *   pl_row_handle                  how fast the nodes of an element move with one of them
  *   pl_rows_of_element             the rows of an element for such a handle
  *   pl_row_coefficients            the coefficients alone
+ *   pl_row_point                   det J at a point, by these
  *   pl_rows_halve                  those of half of the shape
  *   pl_marked_make, _destroy       elements of a plan whose rows stars shall heed
  *   pl_marked_rows                 those of a star: a pl_star_more_fn
@@ -60,6 +61,10 @@ int pl_rows_of_element(const pl_row_rule *rule, const double *x, double sign, co
 /** Set coefficient [n_coefficients] to those of an element; arguments as above. */
 void pl_row_coefficients(const pl_row_rule *rule, const double *x, double sign,
                          double coefficient[]);
+
+/** At a point xi [dim] of the reference element: det J is the sum of blend [n_coefficients] times the
+ *  coefficients, and gradient [n_nodes][dim] are the derivatives of the shape functions. */
+void pl_row_point(const pl_row_rule *rule, const double *xi, double blend[], double gradient[][3]);
 
 /** Set half [n][PL_JACOBIAN_COEFFICIENTS] to the coefficients of half 0 or 1 of whole, bisected in a
  *  simplex of the shape: of n functions at once, as D0 and its slopes. */

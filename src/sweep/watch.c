@@ -560,6 +560,15 @@ typedef struct measured {
     int64_t n, n_turned;
 } measured;
 
+/** Least coefficient over the mean of lane l, of simplices of order 2; of others infinite. */
+static float quality_of(const block *b, int l) {
+    const pl_cell_type *type = b->rule->jacobian.type;
+    if (type->order == 1 || type->shape->n_simplices > 1)
+        return INFINITY;
+    const double mean = b->jacobian.mean[l];
+    return mean > 0 ? (float)(b->jacobian.least[l] / mean) : -INFINITY;
+}
+
 /** Keep the states of the block's cells. */
 static void measure_block(pl_watch *w, block *b, measured *m) {
     if (b->n > 0)
@@ -567,6 +576,8 @@ static void measure_block(pl_watch *w, block *b, measured *m) {
     for (int l = 0; l < b->n; l++) {
         const int valid = is_valid(b, l);
         keep_state(w, b, l, valid);
+        if (w->quality)
+            w->quality[b->of[l]] = quality_of(b, l);
         if (valid && b->rule->jacobian.type->order == 1)
             continue;
         const int is_positive = has_positive_corners(w, pl_watch_cell(w, b->of[l]), 0);
@@ -713,6 +724,24 @@ static int is_valid_alone(const pl_watch *w, const pl_watch_rule *rule, int64_t 
 /** Whether corners of a cell were positive and are not any more. */
 static int has_turned(const pl_watch *w, int64_t cell) {
     return !has_positive_corners(w, cell, 0) && has_positive_corners(w, cell, 1);
+}
+
+pl_validity pl_watch_decide(const pl_watch *w, int64_t cell) {
+    const pl_watch_rule *rule = w->rule[type_of(w->plan, cell)->type];
+    block b;
+    if (!rule)
+        return has_positive_corners(w, cell, 0) ? PL_VALID : PL_INVALID;
+    b.n = 0;
+    add(w, rule, cell, 0, &b);
+    evaluate(w, &b);
+    return pl_validity_of_lane(&rule->jacobian, &b.jacobian, 0, b.node[0], b.x[0], b.sign[0]);
+}
+
+int pl_watch_has_poor(const pl_watch *w, double quality) {
+    int any = 0;
+    for (int64_t i = 0; w->quality && i < w->n; i++)
+        any |= w->type[i] && w->quality[i] < quality;
+    return any;
 }
 
 static void mark(const look *s, int64_t cell) {
@@ -1016,6 +1045,8 @@ static void cell_chunk(void *context, int64_t begin, int64_t end, int thread) {
         w->room[i] = type ? 0 : INFINITY;
         w->state[i] = PL_WATCH_VALID;
         w->n_refused_of[i] = 0;
+        if (w->quality)
+            w->quality[i] = INFINITY;
         if (w->floor)
             w->floor[i] = floor_of(s, cell, type);
         if (!w->node)
@@ -1110,10 +1141,11 @@ static int make_cells(search *s) {
     w->room = pl_alloc(w->n, sizeof *w->room);
     w->state = pl_alloc(w->n, sizeof *w->state);
     w->n_refused_of = pl_alloc(w->n, sizeof *w->n_refused_of);
+    w->quality = w->is_curved ? pl_alloc(w->n, sizeof *w->quality) : NULL;
     const int has_floor = plan->work.corner && (plan->work.min_volume || s->min_volume > 0);
     w->floor = has_floor ? pl_alloc(w->n, sizeof *w->floor) : NULL;
     if ((plan->work.corner ? !w->node : !w->cell) || !w->type || !w->room || !w->state ||
-        !w->n_refused_of || (has_floor && !w->floor))
+        !w->n_refused_of || (w->is_curved && !w->quality) || (has_floor && !w->floor))
         return 0;
     n = 0;
     for (int64_t cell = 0; w->cell && cell < n_cells; cell++)
@@ -1175,18 +1207,19 @@ static void free_cells(pl_watch *w) {
     pl_free(w->floor);
     pl_free(w->state);
     pl_free(w->n_refused_of);
+    pl_free(w->quality);
     pl_free(w->begin);
     pl_free(w->watched);
     w->cell = w->watched = NULL;
     w->node = NULL;
     w->type = w->state = w->n_refused_of = NULL;
     w->room = w->floor = NULL;
+    w->quality = NULL;
     w->begin = NULL;
     w->n = 0;
 }
 
-/** The cell that has an element of the plan. */
-static int64_t cell_with(const planish_plan *plan, int64_t element) {
+int64_t pl_cell_with(const planish_plan *plan, int64_t element) {
     int64_t begin = 0, end = pl_view_cells(&plan->work);
     while (plan->work.corner && end - begin > 1) {
         const int64_t middle = begin + (end - begin) / 2;
@@ -1199,7 +1232,7 @@ int pl_watch_add(pl_watch *w, int64_t n, const int32_t *element, planish_error *
     search s = {.watch = w, .min_volume = w->min_volume};
     int64_t n_new = 0;
     for (int64_t i = 0; i < n; i++) {
-        uint8_t *is_curved = &w->is_curved[cell_with(w->plan, element[i])];
+        uint8_t *is_curved = &w->is_curved[pl_cell_with(w->plan, element[i])];
         n_new += !*is_curved;
         *is_curved = 1;
     }

@@ -22,7 +22,9 @@
  * watch.c
  *   pl_watch_create, _destroy     find the cells
  *   pl_watch_add                  further ones
- *   pl_watch_measure              decide all of them
+ *   pl_cell_with                  the cell of a corner
+ *   pl_watch_measure, _decide     decide all of them, or one
+ *   pl_watch_has_poor             whether a curved one is poor
  *   pl_watch_has, _admit          of one node, after its move
  *   pl_watch_forget               a node moved otherwise
  *   pl_watch_worst                measures of a node's cells
@@ -88,6 +90,8 @@ typedef struct pl_watch {
     double *floor;         /* [n] what coefficients shall not fall below; NULL: 0 */
     uint8_t *state;        /* [n] decided where the nodes are */
     uint8_t *n_refused_of; /* [n] moves, also halved ones, that it refused; 255 at most */
+    float *quality;        /* [n] of curved simplices their least coefficient over the mean, as
+                              measured last; of others infinite; NULL: no cell is curved */
     int64_t *begin;        /* [n_nodes + 1] by inner numbers: where watched of each node begins */
     int32_t *watched;      /* cells of each movable node, by types */
     int64_t n_turned;      /* valid ones whose corners are not positive, as measured last */
@@ -116,6 +120,9 @@ static inline int64_t pl_watch_cell(const pl_watch *w, int64_t i) {
 static inline int pl_watch_is_valid(const pl_watch *w, int64_t i) {
     return w->state[i] & PL_WATCH_VALID;
 }
+
+/** Return the cell that has an element of a plan. */
+int64_t pl_cell_with(const planish_plan *plan, int64_t element);
 
 /** Find the corners of a cell, nodes of the plan, in the order of its type; returns how many. */
 int pl_plan_cell_corners(const planish_plan *plan, int64_t cell, int32_t corner[PL_CELL_CORNERS]);
@@ -184,6 +191,13 @@ void pl_watch_destroy(pl_watch *watch);
 /** Decide all watched cells at the plan's present coordinates; returns how many are invalid with
  *  positive corners. */
 int64_t pl_watch_measure(pl_watch *watch);
+
+/** Decide a cell at the plan's present coordinates: by the rule of its type; by its corners where these
+ *  say all. */
+pl_validity pl_watch_decide(const pl_watch *watch, int64_t cell);
+
+/** Whether a curved simplex has a quality, as measured last, below quality. */
+int pl_watch_has_poor(const pl_watch *watch, double quality);
 
 /** Whether watched cells are at the node of this inner number. */
 static inline int pl_watch_has(const pl_watch *w, int32_t node) {
