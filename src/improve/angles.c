@@ -24,8 +24,7 @@ enum { ROUNDS = 50 };
 static int64_t put_back_nodes(const pl_run *r, int64_t element) {
     const planish_plan *plan = r->plan;
     const int is_broken =
-        r->watch.mids.own &&
-        pl_watch_decide(&r->watch, pl_cell_with(plan, element)) != PL_VALID;
+        r->watch.mids.own && pl_watch_decide(&r->watch, pl_cell_with(plan, element)) != PL_VALID;
     const size_t size = (size_t)plan->dim * sizeof *plan->scratch.coordinates;
     int64_t n = 0;
     for (int j = 0; j <= plan->dim; j++) {
