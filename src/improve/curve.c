@@ -29,8 +29,10 @@
 #include <string.h>
 
 enum {
-    NODES = 10, /* most nodes of a simplex of order 2 */
-    STAGES = 4, /* of untangling: with more and more nodes */
+    NODES = 10,        /* most nodes of a simplex of order 2 */
+    STAGES = 4,        /* of untangling: with more and more nodes */
+    EFFORT = 2000,     /* visits that untangling may take in all, */
+    EFFORT_EACH = 300, /* and so many more for each invalid element */
     SWEEPS = 200,
     STALLED = 15, /* sweeps that do not help */
     SMOOTH_SWEEPS = 30,
@@ -89,6 +91,8 @@ typedef struct repair {
     uint8_t *is_given_up; /* [elements of the plan] */
     int32_t *handle_of;   /* [nodes of the mesh] in the cluster; -1: none */
     uint8_t *is_member;   /* [elements of the plan] of the cluster */
+    uint8_t *tried;       /* [elements of the plan] 1 + stage in which they were not mended */
+    int64_t effort;       /* visits that untangling may still take */
     double *target;       /* [elements of the plan] the wanted D of members */
     pl_row_rule *rule[2]; /* of order 1 and 2 */
     star_rows star;
@@ -259,6 +263,7 @@ static void repair_destroy(repair *r) {
     pl_free(r->is_given_up);
     pl_free(r->handle_of);
     pl_free(r->is_member);
+    pl_free(r->tried);
     pl_free(r->target);
     pl_free(r->star.row);
     pl_free(r->star.scale);
@@ -280,6 +285,7 @@ static int repair_create(pl_run *run, repair *r, planish_error *error) {
                   .is_given_up = pl_alloc_zero(m, 1),
                   .handle_of = pl_alloc(n, sizeof *r->handle_of),
                   .is_member = pl_alloc_zero(m, 1),
+                  .tried = pl_alloc_zero(m, 1),
                   .target = pl_alloc(m, sizeof *r->target),
                   .limit = pl_run_stop_check(run)};
     const int is_plane = r->dim == 2;
@@ -287,8 +293,8 @@ static int repair_create(pl_run *run, repair *r, planish_error *error) {
         pl_cell_type_of(is_plane ? PLANISH_CELL_TRIANGLE : PLANISH_CELL_TETRAHEDRON));
     r->rule[1] = pl_row_rule_make(
         pl_cell_type_of(is_plane ? PLANISH_CELL_TRIANGLE6 : PLANISH_CELL_TETRAHEDRON10));
-    if (!r->begin || !r->kind || !r->is_given_up || !r->handle_of || !r->is_member || !r->target ||
-        !r->rule[0] || !r->rule[1] || !list_elements(r) || !find_outside(r))
+    if (!r->begin || !r->kind || !r->is_given_up || !r->handle_of || !r->is_member || !r->tried ||
+        !r->target || !r->rule[0] || !r->rule[1] || !list_elements(r) || !find_outside(r))
         return pl_fail_memory(error, "curved elements");
     memset(r->handle_of, -1, (size_t)n * sizeof *r->handle_of);
     return pl_mids_release(&run->watch.mids, error);
@@ -439,7 +445,7 @@ typedef struct slopes {
 } slopes;
 
 /** The regularised energy. Curvature along u that is negative is left out. */
-static slopes energy_of(double T, double u, double epsilon, int dim) {
+PL_INLINE slopes energy_of(double T, double u, double epsilon, const int dim) {
     const double p = 2.0 / dim, s = sqrt(u * u + epsilon * epsilon);
     const double chi = u > 0 ? 0.5 * (u + s) : 0.5 * epsilon * epsilon / (s - u);
     const double root = dim == 3 ? pl_cube_root(chi) : chi, inverse = 1 / chi, i = 1 / s;
@@ -454,7 +460,7 @@ static slopes energy_of(double T, double u, double epsilon, int dim) {
 }
 
 /** The squared mean ratio T^2 u^-k. */
-static slopes ratio_of(double T, double u, int dim) {
+PL_INLINE slopes ratio_of(double T, double u, const int dim) {
     const double k = dim == 3 ? 4.0 / 3 : 2, inverse = 1 / u;
     const double root = dim == 3 ? 1 / pl_cube_root(u) : inverse;
     const double power = dim == 3 ? root * root * root * root : inverse * inverse;
@@ -469,9 +475,7 @@ static slopes ratio_of(double T, double u, int dim) {
 
 /** Find the value of the star in r with its node moved by d. epsilon of the energy; 0: of the mean
  *  ratios, infinite where a row is not positive. */
-static value value_at(const repair *r, const double *d, double epsilon) {
-    const star_rows *s = &r->star;
-    const int dim = r->dim;
+PL_INLINE value find_value(const star_rows *s, const double *d, double epsilon, const int dim) {
     value v = {.least = INFINITY};
     for (int64_t i = 0; i < s->n; i++) {
         const pl_star_row *row = &s->row[i];
@@ -504,6 +508,10 @@ static value value_at(const repair *r, const double *d, double epsilon) {
         }
     }
     return v;
+}
+
+static value value_at(const repair *r, const double *d, double epsilon) {
+    return r->dim == 3 ? find_value(&r->star, d, epsilon, 3) : find_value(&r->star, d, epsilon, 2);
 }
 
 /** Largest step along direction from d, as a multiple of it, that leaves the rows positive. */
@@ -734,6 +742,7 @@ static int64_t untangle(repair *r, cluster *c) {
     for (int sweep = 0, stalled = 0; sweep < SWEEPS && n > 0 && stalled < STALLED; sweep++) {
         for (int64_t i = 0; i < c->n_handles; i++)
             visit(r, &c->handle[i], c->epsilon);
+        r->effort -= 2 * c->n_handles;
         const double after = sum_energy(r, c, &least);
         n = count_tangled(r, c);
         lower_epsilon(c, before, after, least);
@@ -741,7 +750,7 @@ static int64_t untangle(repair *r, cluster *c) {
         fewest = n < fewest ? n : fewest;
         best = fmax(best, least);
         before = after;
-        if (r->lacks_memory || pl_limit_is_reached(&r->limit))
+        if (r->lacks_memory || r->effort < 0 || pl_limit_is_reached(&r->limit))
             break;
     }
     return n;
@@ -824,48 +833,70 @@ static void gather_cluster(repair *r, int64_t seed, int stage, cluster *c) {
     note_valid(r, c);
 }
 
-/** Try to mend the elements around seed in a stage. Returns whether seed is valid then. */
-static int mend(repair *r, int64_t seed, int stage) {
+/** Try to mend the elements around seed in a stage, and note those that are left as tried. If that
+ *  fails and gives_up, the worst of them is given up. Returns whether fewer are invalid. */
+static int mend(repair *r, int64_t seed, int stage, int gives_up) {
     cluster c = {.n_handles = 0};
-    int is_mended = 0;
+    int is_taken = 0;
     gather_cluster(r, seed, stage, &c);
     if (c.n_handles > 0 && !r->lacks_memory) {
         untangle(r, &c);
-        int is_taken = can_be_taken(r, &c, 0);
+        is_taken = !r->lacks_memory && can_be_taken(r, &c, 0);
         if (is_taken) {
             for (int64_t i = 0; i < c.n_handles; i++)
                 save(r, &c.handle[i]);
             pl_free(c.was_valid);
             note_valid(r, &c);
             smooth(r, &c);
-            if (r->lacks_memory || !can_be_taken(r, &c, 1))
-                restore_all(r, &c);
-        } else {
-            restore_all(r, &c);
         }
-        is_mended = is_valid(r, seed);
+        if (!is_taken || r->lacks_memory || !can_be_taken(r, &c, 1))
+            restore_all(r, &c);
     }
+    int64_t worst = seed;
+    double lowest = INFINITY, mean;
+    for (int64_t i = 0; i < c.n_elements && !is_taken && !r->lacks_memory; i++) {
+        const double quality = quality_of(r, c.element[i], &mean);
+        if (c.was_valid[i] || r->is_given_up[c.element[i]])
+            continue;
+        r->tried[c.element[i]] = (uint8_t)(stage + 1);
+        worst = quality < lowest ? c.element[i] : worst;
+        lowest = fmin(quality, lowest);
+    }
+    if (!is_taken && gives_up)
+        r->is_given_up[worst] = 1;
     cluster_destroy(r, &c);
-    return is_mended;
+    return is_taken;
 }
 
-/** Mend all invalid curved elements that are not given up. */
-static void mend_all(repair *r) {
-    const pl_watch *w = r->watch;
-    for (int64_t i = 0; i < w->n; i++) {
+/** Mend the invalid elements that are not given up, in one stage. Once a cluster has failed it is not
+ *  tried again, or (gives_up) not without another element that is given up. */
+static void mend_stage(repair *r, int stage, int gives_up) {
+    for (int64_t i = 0; i < r->watch->n; i++) {
         int invalid;
         const int64_t element = watched(r, i, &invalid);
-        for (int stage = 0; stage < STAGES && element >= 0 && invalid; stage++) {
+        while (element >= 0 && invalid && !r->is_given_up[element] && !is_valid(r, element) &&
+               (gives_up || r->tried[element] != stage + 1) && r->effort > 0) {
             if (r->lacks_memory || pl_limit_is_reached(&r->limit))
                 return;
-            if (r->is_given_up[element] || is_valid(r, element))
+            if (!mend(r, element, stage, gives_up) && !gives_up)
                 break;
-            if (stage > 0 && !r->moves_corners)
-                break;
-            if (!mend(r, element, stage) && stage == STAGES - 1)
-                r->is_given_up[element] = 1;
         }
     }
+}
+
+/** Mend all invalid curved elements that are not given up: with few nodes first. */
+static void mend_all(repair *r) {
+    int64_t n_invalid = 0;
+    for (int64_t i = 0; i < r->watch->n; i++) {
+        int invalid;
+        const int64_t element = watched(r, i, &invalid);
+        n_invalid += element >= 0 && invalid && !r->is_given_up[element];
+    }
+    r->effort = EFFORT + EFFORT_EACH * n_invalid;
+    const int n_stages = r->moves_corners ? STAGES : 1;
+    for (int stage = 0; stage < n_stages; stage++)
+        mend_stage(r, stage, 0);
+    mend_stage(r, n_stages - 1, 1);
 }
 
 /* ---- proofs --------------------------------------------------------------------------------- */

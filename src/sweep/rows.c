@@ -228,17 +228,17 @@ static void sum_products(const pl_jacobian_rule *rule, derivatives v, derivative
     }
 }
 
-/** Fill in E of a row at the point of coefficient c; returns whether it depends on the handle. */
-static int fill_ratio(const pl_row_rule *rule, int c, const double *x, const double rate[],
-                      pl_star_row *row) {
-    const int dim = rule->jacobian.type->shape->dim;
+/** Fill in E of a row at the point of coefficient c; returns whether it depends on the handle. way
+ *  [n_nodes]: of the nodes from the first one. */
+PL_INLINE int fill_ratio(const pl_row_rule *rule, int c, const double way[][3], const double rate[],
+                         pl_star_row *row, const int dim) {
     double J[3][3] = {{0}}, g[3] = {0};
     for (int j = 0; j < rule->jacobian.n_nodes; j++)
         for (int a = 0; a < dim; a++) {
             const double slope = rule->gradient[c][j][a];
             g[a] += rate[j] * slope;
             for (int d = 0; d < dim; d++)
-                J[a][d] += slope * (x[j * dim + d] - x[d]);
+                J[a][d] += slope * way[j][d];
         }
     for (int a = 0, pair = 0; a < 3; a++)
         for (int b = a; b < 3; b++, pair++) {
@@ -256,8 +256,13 @@ int pl_rows_of_element(const pl_row_rule *rule, const double *x, double sign, co
     const pl_jacobian_rule *jacobian = &rule->jacobian;
     const int dim = jacobian->type->shape->dim;
     derivatives v, speed;
-    coefficient sum[PL_JACOBIAN_COEFFICIENTS] = {{.D0 = 0}};
+    coefficient sum[PL_JACOBIAN_COEFFICIENTS];
+    double way[NODES][3] = {{0}};
     int n = 0;
+    memset(sum, 0, (size_t)jacobian->n_coefficients * sizeof *sum);
+    for (int i = 0; i < jacobian->n_nodes; i++)
+        for (int d = 0; d < dim; d++)
+            way[i][d] = x[i * dim + d] - x[d];
     find_derivatives(jacobian, x, dim, 1, v);
     find_derivatives(jacobian, rate, 1, 0, speed);
     sum_products(jacobian, v, speed, sum);
@@ -269,7 +274,9 @@ int pl_rows_of_element(const pl_row_rule *rule, const double *x, double sign, co
                             .D0 = sum[c].D0 * unit};
         for (int d = 0; d < dim; d++)
             to->slope_d[d] = sum[c].slope[d] * unit;
-        if (!fill_ratio(rule, c, x, rate, to) && !sum[c].depends)
+        const int depends = dim == 3 ? fill_ratio(rule, c, (const double(*)[3])way, rate, to, 3)
+                                     : fill_ratio(rule, c, (const double(*)[3])way, rate, to, 2);
+        if (!depends && !sum[c].depends)
             continue;
         if (index)
             index[n] = (uint8_t)c;
@@ -282,7 +289,8 @@ void pl_row_coefficients(const pl_row_rule *rule, const double *x, double sign,
                          double coefficients[]) {
     const pl_jacobian_rule *jacobian = &rule->jacobian;
     derivatives v, still = {{{0}}};
-    coefficient sum[PL_JACOBIAN_COEFFICIENTS] = {{.D0 = 0}};
+    coefficient sum[PL_JACOBIAN_COEFFICIENTS];
+    memset(sum, 0, (size_t)jacobian->n_coefficients * sizeof *sum);
     find_derivatives(jacobian, x, jacobian->type->shape->dim, 1, v);
     sum_products(jacobian, v, still, sum);
     for (int c = 0; c < jacobian->n_coefficients; c++)

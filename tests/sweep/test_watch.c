@@ -191,7 +191,8 @@ static void straight_elements_move_as_those_of_order_1(void **state) {
 /** Corners alone would invert curved elements of these boxes. */
 static void curved_elements_stay_valid(void **state) {
     const int dim = **(int **)state;
-    const planish_options o = usual();
+    planish_options o = usual();
+    o.curve_quality = 0; /* mids follow */
     int64_t n_broken = 0, n_refused = 0;
     for (unsigned seed = 1; seed <= SEEDS; seed++) {
         curved_box b;
@@ -427,6 +428,186 @@ static void failed_allocations_are_refused(void **state) {
     curved_box b;
     make_box(&b, dim, 4, 0.2, 1);
     assert_true(faults_try("planish_smooth of curved elements", smooth_with_faults, &b, 30) > 10);
+    destroy(&b);
+}
+
+/* ---- mids that move by themselves ----------------------------------------------------------- */
+
+/** Whether a mid is on the boundary of the box, as both of its ends are on one side of it. */
+static int is_outer(const curved_box *b, int64_t mid) {
+    const int dim = b->mesh.dim;
+    int outer = 0;
+    for (int d = 0; d < dim; d++) {
+        double low = INFINITY, high = -INFINITY;
+        for (int64_t i = 0; i < b->box.mesh.n_nodes; i++) {
+            low = fmin(low, b->x[i * dim + d]);
+            high = fmax(high, b->x[i * dim + d]);
+        }
+        const double p = b->x[(int64_t)b->end[mid][0] * dim + d];
+        const double q = b->x[(int64_t)b->end[mid][1] * dim + d];
+        outer |= p == q && (p == low || p == high);
+    }
+    return outer;
+}
+
+/** Push about one inner mid in so many by up to size. */
+static void push_mids(curved_box *b, unsigned one_in, double size, unsigned seed) {
+    const int dim = b->mesh.dim;
+    for (int64_t i = b->box.mesh.n_nodes; i < b->mesh.n_nodes; i++)
+        for (int d = 0; test_random(&seed) * one_in < 1 && !is_outer(b, i) && d < dim; d++)
+            b->x[i * dim + d] += size * (2 * test_random(&seed) - 1);
+}
+
+static planish_cell_measures measures_of(const curved_box *b, const double *x) {
+    planish_mesh mesh = b->mesh;
+    planish_cell_quality quality;
+    mesh.coordinates = x;
+    assert_int_equal(planish_measure_cells(&mesh, 0, 1, &quality, NULL, NULL), PLANISH_OK);
+    return quality.all;
+}
+
+static void mids_mend_invalid_elements(void **state) {
+    const int dim = **(int **)state;
+    for (unsigned seed = 1; seed <= SEEDS; seed++) {
+        curved_box b;
+        planish_options o = usual();
+        planish_result result;
+        test_mesh_box(&b.box, dim, dim == 3 ? 4 : 8);
+        add_mids(&b);
+        push_mids(&b, dim == 3 ? 20 : 6, 1.5, seed);
+        assert_true(measures_of(&b, b.x).n_inverted > 5);
+        double *x = smooth(&b, &o, &result);
+        const planish_cell_measures after = measures_of(&b, x);
+        assert_int_equal(after.n_inverted, 0);
+        assert_int_equal(result.n_inverted, 0);
+        assert_int_equal(result.n_hopeless, 0);
+        assert_true(result.n_released_mids > 0);
+        assert_true(after.min_jacobian_ratio > 0.1);
+        for (int64_t i = b.box.mesh.n_nodes; i < b.mesh.n_nodes; i++)
+            assert_true(!is_outer(&b, i) ||
+                        memcmp(&x[i * dim], &b.x[i * dim], (size_t)dim * sizeof *x) == 0);
+        o.threads = 3;
+        double *y = smooth(&b, &o, &result);
+        assert_memory_equal(x, y, (size_t)(b.mesh.n_nodes * dim) * sizeof *x);
+        free(y);
+        o.untangle = 0;
+        y = smooth(&b, &o, &result);
+        assert_int_equal(count_broken(&b, b.x, y), 0);
+        free(y);
+        free(x);
+        destroy(&b);
+    }
+}
+
+/** Valid elements of little quality get more, and no corner moves otherwise than without. */
+static void mids_improve_poor_elements(void **state) {
+    const int dim = **(int **)state;
+    int n_poor = 0;
+    for (unsigned seed = 1; seed <= SEEDS; seed++) {
+        curved_box b;
+        planish_options o = usual();
+        planish_result result, other;
+        test_mesh_box(&b.box, dim, dim == 3 ? 4 : 8);
+        add_mids(&b);
+        push_mids(&b, dim == 3 ? 30 : 8, dim == 3 ? 0.3 : 0.2, seed);
+        o.curve_quality = 0;
+        double *x = smooth(&b, &o, &other);
+        o.curve_quality = dim == 3 ? 0.5 : 0.8;
+        double *y = smooth(&b, &o, &result);
+        if (other.n_inverted == 0 && result.n_released_mids > 0) {
+            n_poor++;
+            assert_true(measures_of(&b, x).min_jacobian_ratio < o.curve_quality);
+            assert_true(measures_of(&b, y).min_jacobian_ratio >
+                        measures_of(&b, x).min_jacobian_ratio);
+            assert_memory_equal(x, y, (size_t)(b.box.mesh.n_nodes * dim) * sizeof *x);
+        }
+        assert_int_equal(count_broken(&b, x, y), 0);
+        free(x);
+        free(y);
+        destroy(&b);
+    }
+    assert_true(n_poor > 1);
+}
+
+/** Fold an element at a corner whose edges are all on the boundary, by one of their mids. */
+static void fold(curved_box *b) {
+    const int dim = b->mesh.dim, corners = dim + 1, edges = dim == 3 ? 6 : 3;
+    for (int64_t e = 0; e < b->mesh.n_elements; e++)
+        for (int c = 0; c < corners; c++) {
+            const int32_t *node = b->node + b->offset[e];
+            int n_outer = 0, mid = 0, end = 0;
+            for (int k = 0; k < edges; k++) {
+                if ((EDGE[k][0] != c && EDGE[k][1] != c) || !is_outer(b, node[corners + k]))
+                    continue;
+                n_outer++;
+                mid = node[corners + k];
+                end = node[EDGE[k][0] == c ? EDGE[k][1] : EDGE[k][0]];
+            }
+            if (n_outer < dim)
+                continue;
+            for (int d = 0; d < dim; d++) /* the edge begins the other way */
+                b->x[mid * dim + d] =
+                    1.5 * b->x[node[c] * dim + d] - 0.5 * b->x[(int64_t)end * dim + d];
+            return;
+        }
+}
+
+/** An element that its boundary folds stays folded: that is proved. Others are mended around it. */
+static void hopeless_elements_are_proved(void **state) {
+    const int dim = **(int **)state;
+    curved_box b;
+    const planish_options o = usual();
+    planish_result result;
+    test_mesh_box(&b.box, dim, dim == 3 ? 4 : 8);
+    add_mids(&b);
+    fold(&b);
+    const int64_t n_folded = measures_of(&b, b.x).n_inverted;
+    assert_true(n_folded > 0);
+    double *x = smooth(&b, &o, &result);
+    assert_in_range(result.n_hopeless, 1, n_folded);
+    assert_in_range(result.n_inverted, result.n_hopeless, n_folded);
+    assert_int_equal(count_broken(&b, b.x, x), 0);
+    free(x);
+    push_mids(&b, dim == 3 ? 40 : 10, 1.5, 3);
+    assert_true(measures_of(&b, b.x).n_inverted > n_folded);
+    x = smooth(&b, &o, &result);
+    assert_in_range(result.n_inverted, 1, n_folded);
+    assert_int_equal(count_broken(&b, b.x, x), 0);
+    free(x);
+    destroy(&b);
+}
+
+/** Mids that the caller holds, and bounds. */
+static void held_mids_stay(void **state) {
+    const int dim = **(int **)state;
+    curved_box b;
+    planish_options o = usual();
+    planish_result result;
+    test_mesh_box(&b.box, dim, dim == 3 ? 4 : 8);
+    add_mids(&b);
+    push_mids(&b, dim == 3 ? 20 : 6, 1.5, 1);
+    uint8_t *constraint = calloc((size_t)b.mesh.n_nodes, 1);
+    for (int64_t i = b.box.mesh.n_nodes; i < b.mesh.n_nodes; i++)
+        constraint[i] = PLANISH_CONSTRAINT_FIXED;
+    b.mesh.constraint = constraint;
+    double *x = smooth(&b, &o, &result);
+    assert_memory_equal(x, b.x, (size_t)(b.mesh.n_nodes * dim) * sizeof *x);
+    assert_int_equal(result.n_released_mids, 0);
+    assert_true(result.n_hopeless > 0 && result.n_hopeless == result.n_inverted);
+    free(x);
+    b.mesh.constraint = NULL;
+    o.max_displacement = 0.05;
+    x = smooth(&b, &o, &result);
+    assert_true(result.n_released_mids > 0);
+    for (int64_t i = 0; i < b.mesh.n_nodes; i++) {
+        double square = 0;
+        for (int d = 0; d < dim; d++)
+            square += (x[i * dim + d] - b.x[i * dim + d]) * (x[i * dim + d] - b.x[i * dim + d]);
+        assert_true(sqrt(square) <= 0.05 * (1 + 1e-12));
+    }
+    assert_int_equal(count_broken(&b, b.x, x), 0);
+    free(x);
+    free(constraint);
     destroy(&b);
 }
 
@@ -889,6 +1070,10 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_tell_what_a_move_does),
         cmocka_unit_test(rows_are_mean_ratios_of_corners),
+        BOTH(mids_mend_invalid_elements),
+        BOTH(mids_improve_poor_elements),
+        BOTH(hopeless_elements_are_proved),
+        BOTH(held_mids_stay),
         BOTH(straight_elements_move_as_those_of_order_1),
         BOTH(curved_elements_stay_valid),
         BOTH(bits_are_the_same_however_they_are_found),
