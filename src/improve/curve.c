@@ -1195,6 +1195,9 @@ static int repair_curved(pl_run *run, int improves, planish_error *error) {
 }
 
 int pl_run_mend_curved(pl_run *r, planish_error *error) {
+    const pl_star_guard *guard = &r->guard.star;
+    if (guard->lower || guard->upper || guard->radius) /* sweeps would take mids beyond */
+        return PLANISH_OK;
     const int status = repair_curved(r, 0, error);
     if (!status)
         pl_run_prepare(r);
