@@ -1,11 +1,13 @@
 /* The list of formats: its names are those of the readers, and tests have a file of each. Elements of
  * other types than simplices in files of text of every format: regions, groups and facets. */
+#include "support/cell_meshes.h"
 #include "support/data_files.h"
 #include "support/files.h"
 #include "support/reading.h"
 #include "support/rewriting.h"
 #include "support/unit_elements.h"
 
+#include "geometry/cell.h"
 #include "io/file/file.h"
 
 #include <planish/planish_io.h>
@@ -202,6 +204,172 @@ static void bricks_are_written(void **state) {
     }
 }
 
+/* ---- lists of all facets and edges ------------------------------------------------------------ */
+
+enum { LISTED_SIDE = 3, MOST_PARTS = 2000 };
+
+/** A facet or edge: its nodes, ascending behind those that are not there (-1), and how many elements have
+ *  it. */
+typedef struct part {
+    int32_t node[4], around[4];
+    int n, n_elements;
+} part;
+
+typedef struct part_list {
+    part part[MOST_PARTS];
+    int n;
+} part_list;
+
+/** Add the part of n nodes, unless it is there. */
+static void add_part(part_list *list, const int32_t *around, int n) {
+    part p = {.node = {-1, -1, -1, -1}, .n = n, .n_elements = 1};
+    for (int i = 0; i < n; i++) {
+        int k = 3;
+        p.around[i] = around[i];
+        while (p.node[k] > around[i])
+            k--;
+        for (int j = 0; j < k; j++)
+            p.node[j] = p.node[j + 1];
+        p.node[k] = around[i];
+    }
+    for (int i = 0; i < list->n; i++)
+        if (memcmp(list->part[i].node, p.node, sizeof p.node) == 0) {
+            list->part[i].n_elements++;
+            return;
+        }
+    assert_true(list->n < MOST_PARTS);
+    list->part[list->n++] = p;
+}
+
+/** List the facets of a box, or its edges. */
+static void list_parts(const cell_box *box, int edges, part_list *list) {
+    list->n = 0;
+    for (int64_t i = 0; i < box->cells.n; i++) {
+        const pl_cell_shape *shape = pl_cell_type_of(box->type[i])->shape;
+        const int32_t *node = box->node + box->offset[i];
+        const int n_parts = edges ? shape->n_edges : shape->n_facets;
+        for (int k = 0; k < n_parts; k++) {
+            int32_t around[4];
+            int n = 0;
+            for (int j = 0; j < (edges ? 2 : 4); j++)
+                if (edges || shape->facet[k][j] >= 0)
+                    around[n++] = node[edges ? shape->edge[k][j] : shape->facet[k][j]];
+            add_part(list, around, n);
+        }
+    }
+}
+
+/** Write parts of n nodes as a section of Medit; part number marked has the reference 9. */
+static void write_parts(file_builder *b, const char *name, const part_list *list, int n,
+                        int marked) {
+    int n_parts = 0;
+    for (int i = 0; i < list->n; i++)
+        n_parts += list->part[i].n == n;
+    builder_text(b, "%s\n%d\n", name, n_parts);
+    for (int i = 0; i < list->n; i++) {
+        for (int j = 0; j < n && list->part[i].n == n; j++)
+            builder_text(b, "%d ", (int)list->part[i].around[j] + 1);
+        if (list->part[i].n == n)
+            builder_text(b, "%d\n", i == marked ? 9 : 0);
+    }
+}
+
+/** Write a box as Medit does, with all facets and in three dimensions all edges. */
+static file_builder write_listed(const cell_box *box, const part_list *facets,
+                                 const part_list *edges, int marked) {
+    static const struct {
+        const char *name;
+        int type;
+    } sections[] = {{"Hexahedra", PLANISH_CELL_HEXAHEDRON},
+                    {"Prisms", PLANISH_CELL_WEDGE},
+                    {"Pyramids", PLANISH_CELL_PYRAMID},
+                    {"Quadrilaterals", PLANISH_CELL_QUADRILATERAL},
+                    {"Triangles", PLANISH_CELL_TRIANGLE}};
+    file_builder b = {.binary = 0};
+    const int dim = box->mesh.dim;
+    builder_text(&b, "MeshVersionFormatted 2\nDimension %d\nVertices\n%d\n", dim,
+                 (int)box->mesh.n_nodes);
+    for (int64_t i = 0; i < box->mesh.n_nodes * dim; i++)
+        builder_text(&b, "%g%s", box->x[i], i % dim == dim - 1 ? " 0\n" : " ");
+    for (size_t s = 0; s < sizeof sections / sizeof *sections; s++) {
+        int n = 0;
+        for (int64_t i = 0; i < box->cells.n; i++)
+            n += box->type[i] == sections[s].type;
+        if (n == 0)
+            continue;
+        builder_text(&b, "%s\n%d\n", sections[s].name, n);
+        for (int64_t i = 0; i < box->cells.n; i++) {
+            if (box->type[i] != sections[s].type)
+                continue;
+            for (int64_t k = box->offset[i]; k < box->offset[i + 1]; k++)
+                builder_text(&b, "%d ", (int)box->node[k] + 1);
+            builder_text(&b, "0\n");
+        }
+    }
+    if (dim == 3) {
+        write_parts(&b, "Quadrilaterals", facets, 4, marked);
+        write_parts(&b, "Triangles", facets, 3, marked);
+    }
+    write_parts(&b, "Edges", dim == 3 ? edges : facets, 2, dim == 3 ? -1 : marked);
+    builder_text(&b, "End\n");
+    return b;
+}
+
+/** Facets and edges of elements that are all listed say nothing of nodes inside, but where one has
+ *  another reference. */
+static void lists_of_all_facets_hold_nothing_inside(void **state) {
+    (void)state;
+    part_list *facets = malloc(sizeof *facets), *edges = malloc(sizeof *edges);
+    for (int kind = 0; kind < N_BOX_KINDS; kind++) {
+        cell_box *box = cell_box_create((cell_box_kind)kind, LISTED_SIDE);
+        const int dim = box->mesh.dim;
+        int n_outside = 0, inside = -1;
+        list_parts(box, 0, facets);
+        list_parts(box, 1, edges);
+        for (int i = 0; i < facets->n; i++) {
+            n_outside += facets->part[i].n_elements == 1;
+            inside = facets->part[i].n_elements == 2 ? i : inside;
+        }
+        for (int marked = -1; marked <= inside; marked += inside + 1) {
+            file_builder b = write_listed(box, facets, edges, marked);
+            planish_file *file;
+            planish_error error = {.text = ""};
+            if (builder_read(&b, &io_format_medit, 1, &file, &error))
+                fail_msg("%s", error.text);
+            assert_int_equal(planish_file_mesh(file).n_elements, box->cells.n);
+            for (int64_t i = 0; i < box->mesh.n_nodes; i++) {
+                int is_side = 0, is_marked = 0;
+                for (int d = 0; d < dim; d++)
+                    is_side |= box->x[i * dim + d] == 0 || box->x[i * dim + d] == LISTED_SIDE;
+                for (int k = 0; marked >= 0 && k < facets->part[marked].n; k++)
+                    is_marked |= facets->part[marked].around[k] == i;
+                const int held = dim == 3 ? IO_HELD_BY_FACE : IO_HELD_BY_LINE;
+                assert_int_equal(file->model.hold[i], is_side || is_marked ? held : 0);
+            }
+            const planish_surface surface = planish_file_surface(file, NULL);
+            assert_int_equal(surface.n_facets, n_outside + (marked >= 0));
+            assert_int_equal(surface.n_edges, 0);
+            planish_file_close(file);
+            builder_expect_same_on_threads(&b, &io_format_medit);
+            builder_release(&b);
+        }
+        /* Where one is missing all say something. */
+        const part last = facets->part[--facets->n];
+        file_builder b = write_listed(box, facets, edges, -1);
+        planish_file *file;
+        assert_int_equal(builder_read(&b, &io_format_medit, 1, &file, NULL), 0);
+        int n_alike = 0;
+        for (int i = 0; i < facets->n; i++)
+            n_alike += facets->part[i].n == last.n;
+        assert_true(planish_file_surface(file, NULL).n_facets >= n_alike);
+        planish_file_close(file);
+        builder_release(&b);
+        cell_box_destroy(box);
+    }
+    free(facets);
+    free(edges);
+}
+
 /** Quadrilaterals in space are refused, as triangles are, and pyramids of second order alone are
  *  read, but held. */
 static void what_cannot_be_smoothed(void **state) {
@@ -223,6 +391,7 @@ int main(void) {
         cmocka_unit_test(each_file_of_the_data_is_recognised_by_its_content),
         cmocka_unit_test(bricks_have_regions_groups_and_facets),
         cmocka_unit_test(bricks_are_written),
+        cmocka_unit_test(lists_of_all_facets_hold_nothing_inside),
         cmocka_unit_test(what_cannot_be_smoothed),
     };
     return cmocka_run_group_tests(tests, test_folder_create, test_folder_remove);

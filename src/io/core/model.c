@@ -420,7 +420,7 @@ int io_list_nodes(const io_list *list, int64_t i, int32_t *node, int *corners) {
     return n;
 }
 
-static void release_others(io_others *o) {
+void io_others_release(io_others *o) {
     pl_free(o->type);
     pl_free(o->number);
     pl_free(o->offset);
@@ -451,8 +451,8 @@ void io_model_destroy(io_model *model) {
     io_cells_release(&model->line);
     io_cells_release(&model->triangle);
     io_cells_release(&model->tetrahedron);
-    release_others(&model->flat);
-    release_others(&model->solid);
+    io_others_release(&model->flat);
+    io_others_release(&model->solid);
     io_arrays_destroy(model);
     for (int32_t i = 0; i < model->n_entities; i++)
         pl_free(model->entity[i].physical);

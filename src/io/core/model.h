@@ -136,7 +136,8 @@ typedef struct io_others {
     int32_t *entity; /* [n] as io_cells.entity */
     int32_t *region; /* [n] as io_cells.region */
     int64_t n_nodes, node_capacity;
-    int32_t *node; /* [n_nodes] indices of nodes in VTK's order; -1: a mid that is missing */
+    int32_t *node;   /* [n_nodes] indices of nodes in VTK's order; -1: a mid that is missing */
+    int64_t n_plain; /* as io_cells.n_plain */
 } io_others;
 
 /** Order of the nodes of a type in a format, where it is not VTK's: node i of VTK is the format's
@@ -149,6 +150,10 @@ typedef struct io_node_order {
 /** Return the number of cells that say something of their nodes: the first ones. */
 static inline int64_t io_cells_telling(const io_cells *cells) {
     return cells->n - cells->n_plain;
+}
+
+static inline int64_t io_others_telling(const io_others *others) {
+    return others->n - others->n_plain;
 }
 
 /** Return the numbers [n] that tell the regions of cells apart, or NULL: there is one. */
@@ -475,6 +480,9 @@ static inline const char *io_input_end(const io_model *model) {
 
 /** Release the arrays of cells; NULL then. */
 void io_cells_release(io_cells *cells);
+
+/** Release the arrays of others; there are none then. */
+void io_others_release(io_others *others);
 
 /** Release all that the model owns. */
 void io_model_destroy(io_model *model);

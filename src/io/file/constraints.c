@@ -202,7 +202,8 @@ static int hold_unchosen(const io_model *model, const planish_hold *hold, uint8_
         hold_list(&simplices, io_cells_telling(simplices.cells), chosen, PLANISH_CONSTRAINT_FIXED,
                   constraint);
     if (!status && model->dim == 3)
-        hold_list(&others, others.n, chosen, PLANISH_CONSTRAINT_FIXED, constraint);
+        hold_list(&others, io_others_telling(others.others), chosen, PLANISH_CONSTRAINT_FIXED,
+                  constraint);
     pl_free(chosen);
     return status;
 }
@@ -333,7 +334,7 @@ planish_surface planish_file_surface(const planish_file *file, const planish_hol
                                .tagged_only = hold && hold->n_slide_tags > 0,
                                .tolerance = io_tolerance_of_digits(model, file->format)};
     if (file->facet_offset) {
-        surface.n_facets += model->flat.n;
+        surface.n_facets += io_others_telling(&model->flat);
         surface.facets = file->facet;
         surface.facet_offset = file->facet_offset;
         surface.facet_tag = file->facet_tag;

@@ -184,20 +184,20 @@ static void release_joined(planish_file *file) {
     file->facet_offset = NULL;
 }
 
-/** Put the regions of the first n cells and those of all others one after the other: *joined, which
- *  stays NULL if these have none. */
-static int join_regions(const io_cells *cells, int64_t n, const io_others *others, int32_t **joined,
-                        planish_error *error) {
+/** Put the regions of the first n cells and those of the first m others one after the other: *joined,
+ *  which stays NULL if these have none. */
+static int join_regions(const io_cells *cells, int64_t n, const io_others *others, int64_t m,
+                        int32_t **joined, planish_error *error) {
     const int32_t *a = io_cells_regions(cells);
     const int32_t *b = others->region ? others->region : others->entity;
     if (!b)
         return PLANISH_OK;
-    *joined = pl_alloc_zero(n + others->n, sizeof **joined);
+    *joined = pl_alloc_zero(n + m, sizeof **joined);
     if (!*joined)
         return pl_fail_memory(error, "the regions of elements");
     if (a && n > 0)
         memcpy(*joined, a, (size_t)n * sizeof **joined);
-    memcpy(*joined + n, b, (size_t)others->n * sizeof **joined);
+    memcpy(*joined + n, b, (size_t)m * sizeof **joined);
     return PLANISH_OK;
 }
 
@@ -205,7 +205,7 @@ static int join_regions(const io_cells *cells, int64_t n, const io_others *other
 static int join_facets(planish_file *file, planish_error *error) {
     const io_cells *triangles = &file->model.triangle;
     const io_others *others = &file->model.flat;
-    const int64_t n = io_cells_telling(triangles), m = others->n;
+    const int64_t n = io_cells_telling(triangles), m = io_others_telling(others);
     int64_t *offset = file->facet_offset = pl_alloc(n + m + 1, sizeof *offset);
     int32_t *node = file->facet = pl_alloc(3 * n + 4 * m, sizeof *node);
     if (!offset || !node)
@@ -215,7 +215,7 @@ static int join_facets(planish_file *file, planish_error *error) {
         offset[i] = i <= n ? 3 * i : 4 * i - n;
     for (int64_t i = 0; i < m; i++)
         memcpy(node + offset[n + i], others->node + others->offset[i], 4 * sizeof *node);
-    return join_regions(triangles, n, others, &file->facet_tag, error);
+    return join_regions(triangles, n, others, m, &file->facet_tag, error);
 }
 
 /** Join what is of simplices and of others, and count the distinct regions of the elements:
@@ -228,7 +228,7 @@ static int find_regions(planish_file *file, planish_error *error) {
     int status = PLANISH_OK;
     release_joined(file);
     if (others->n > 0)
-        status = join_regions(cells, cells->n, others, &file->region, error);
+        status = join_regions(cells, cells->n, others, others->n, &file->region, error);
     if (!status && model->dim == 3 && model->flat.n > 0)
         status = join_facets(file, error);
     const int32_t *region = io_file_regions(file);

@@ -5,10 +5,11 @@
  *
  * Lists of all facets, or all edges, of a mesh put no constraint on its nodes: cells that are in
  * the file only because it lists all there are become plain ones (io_cells.n_plain), behind the
- * others. If lines or triangles are all facets of the elements, those inside that have the tag of
- * most inside are plain: what the list tells apart has other tags, and these hold. So nodes with
- * facets of several tags are held. Facets on the boundary stay what they are. If lines are all
- * edges of tetrahedra, the rule holds for lines inside, and for lines on the boundary.
+ * others. If lines, triangles or quadrilaterals are all such facets of the elements, those inside
+ * that have the tag of most inside are plain: what the list tells apart has other tags, and these
+ * hold. So nodes with facets of several tags are held. Facets on the boundary stay what they are. If
+ * lines are all edges of solid elements, the rule holds for lines inside, and for lines on the
+ * boundary.
  */
 #include "io/core/cell_types.h"
 #include "io/file/file.h"
@@ -20,18 +21,20 @@
 
 #include <string.h>
 
-enum { CHUNK = 1 << 14, MOST_CORNERS = 3 };
+enum { CHUNK = 1 << 14, MOST_CORNERS = 4 };
 
 /* ---- cells that are there only because the file lists all ----------------------------------- */
 
 /* Place of a listed cell: no facet or edge of the elements; inside; or on the boundary. */
 enum { NOWHERE, INSIDE, BOUNDARY, N_PLACES };
 
-/** Hash table of the cells of a list by their nodes, and what the elements say of them. */
+/** Hash table of the cells of a list by their corners, and what the elements say of them. */
 typedef struct listing {
-    const io_cells *cells, *solids; /* the list; the elements */
-    int corners, solid_corners;
-    int32_t *slot; /* [mask + 1] a cell, or -1; of equal cells any one */
+    io_list list;      /* lines, triangles, or other flat elements */
+    io_list solids[2]; /* the elements: simplices, others */
+    int corners;       /* of a cell of the list */
+    int are_facets;    /* of the elements; else they are edges of solid ones */
+    int32_t *slot;     /* [mask + 1] a cell, or -1; of equal cells any one */
     int64_t mask;
     uint64_t *around; /* [n] bit 0: elements have it; the others are 0 if these close around it */
     uint8_t *where;   /* [n] where each cell is, then whether it is plain */
@@ -54,6 +57,12 @@ static void sort_nodes(const int32_t *nodes, int corners, int32_t *sorted) {
     }
 }
 
+/** The corners of a cell of the list. */
+static const int32_t *corners_of(const listing *l, int64_t i) {
+    const io_others *others = l->list.others;
+    return others ? others->node + others->offset[i] : l->list.cells->nodes + i * l->corners;
+}
+
 /** Find the cell of these nodes, in any order. -1: there is none, and then cell, if not -1, takes
  *  its slot. */
 static int32_t find_or_add(const listing *l, const int32_t *nodes, int32_t cell) {
@@ -68,7 +77,7 @@ static int32_t find_or_add(const listing *l, const int32_t *nodes, int32_t cell)
             (cell < 0 || __atomic_compare_exchange_n(&l->slot[at], &there, cell, 0,
                                                      __ATOMIC_RELAXED, __ATOMIC_RELAXED)))
             return -1;
-        sort_nodes(l->cells->nodes + (int64_t)there * l->corners, l->corners, other);
+        sort_nodes(corners_of(l, there), l->corners, other);
         if (memcmp(other, sorted, (size_t)l->corners * sizeof *other) == 0)
             return there;
     }
@@ -78,31 +87,111 @@ static void add_cells(void *context, int64_t begin, int64_t end, int thread) {
     const listing *l = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
-        find_or_add(l, l->cells->nodes + i * l->corners, (int32_t)i);
+        find_or_add(l, corners_of(l, i), (int32_t)i);
 }
 
-/** Note at the cells that are facets or edges of an element (all choices of corners of its nodes)
- *  that it has them. The nodes behind each, of all elements together, come twice if elements close
- *  around it. Returns 0 if one is not listed. */
-static int note_element(listing *l, const int32_t *element) {
-    for (unsigned set = 1; set < 1u << l->solid_corners; set++) {
-        int32_t nodes[4], others[4];
-        int n = 0, n_others = 0;
-        for (int i = 0; i < l->solid_corners; i++)
-            if (set >> i & 1)
-                nodes[n++] = element[i];
-            else
-                others[n_others++] = element[i];
-        if (n != l->corners)
-            continue;
-        const int32_t cell = find_or_add(l, nodes, -1);
-        if (cell < 0)
+/** Faces and edges of elements by their corners, of which faces have 3 or 4, and edges 2. */
+typedef struct element_parts {
+    int n_faces, n_edges;
+    int8_t face[6][MOST_CORNERS]; /* -1: none */
+    int8_t edge[12][2];
+} element_parts;
+
+/** The parts of an element of that many corners in that dimension. */
+static const element_parts *parts_of(int dim, int corners) {
+    static const element_parts triangle = {0, 3, {{0}}, {{0, 1}, {1, 2}, {2, 0}}},
+                               quadrilateral = {0, 4, {{0}}, {{0, 1}, {1, 2}, {2, 3}, {3, 0}}};
+    static const element_parts tetrahedron = {
+        4,
+        6,
+        {{0, 1, 2, -1}, {0, 1, 3, -1}, {1, 2, 3, -1}, {2, 0, 3, -1}},
+        {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
+    static const element_parts pyramid = {
+        5,
+        8,
+        {{0, 1, 2, 3}, {0, 1, 4, -1}, {1, 2, 4, -1}, {2, 3, 4, -1}, {3, 0, 4, -1}},
+        {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}};
+    static const element_parts wedge = {
+        5,
+        9,
+        {{0, 1, 2, -1}, {3, 4, 5, -1}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}},
+        {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}};
+    static const element_parts hexahedron = {
+        6,
+        12,
+        {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}},
+        {{0, 1},
+         {1, 2},
+         {2, 3},
+         {3, 0},
+         {4, 5},
+         {5, 6},
+         {6, 7},
+         {7, 4},
+         {0, 4},
+         {1, 5},
+         {2, 6},
+         {3, 7}}};
+    if (dim == 2)
+        return corners == 3 ? &triangle : &quadrilateral;
+    return corners == 4   ? &tetrahedron
+           : corners == 5 ? &pyramid
+           : corners == 6 ? &wedge
+                          : &hexahedron;
+}
+
+static int corners_of_face(const element_parts *parts, int face) {
+    return parts->face[face][3] < 0 ? 3 : 4;
+}
+
+/** Say what lies behind an edge of an element: the other corners of its faces there. */
+static uint64_t behind_edge(const element_parts *parts, const int8_t edge[2],
+                            const int32_t *element) {
+    uint64_t behind = 0;
+    for (int f = 0; f < parts->n_faces; f++) {
+        uint64_t others = 0;
+        const int n = corners_of_face(parts, f);
+        int n_others = 0;
+        for (int i = 0; i < n; i++) {
+            const int corner = parts->face[f][i];
+            if (corner == edge[0] || corner == edge[1])
+                continue;
+            others ^= mix((uint64_t)(uint32_t)element[corner] + 1) & ~(uint64_t)1;
+            n_others++;
+        }
+        behind ^= n_others == n - 2 ? others : 0;
+    }
+    return behind;
+}
+
+/** Note at a cell of the list, by its nodes, that an element has it. What is behind it, of all elements
+ *  together, comes twice if elements close around it. Returns 0 if it is not listed. */
+static int note_part(const listing *l, const int32_t *nodes, uint64_t behind) {
+    const int32_t cell = find_or_add(l, nodes, -1);
+    if (cell < 0)
+        return 0;
+    __atomic_fetch_xor(&l->around[cell], behind, __ATOMIC_RELAXED);
+    __atomic_fetch_or(&l->around[cell], 1, __ATOMIC_RELAXED);
+    return 1;
+}
+
+/** Note the facets or edges of an element that are of the list's kind. Returns 0 if one is not listed.
+ */
+static int note_element(const listing *l, const element_parts *parts, const int32_t *element) {
+    const uint64_t of_facet = 2; /* of two elements */
+    int32_t nodes[MOST_CORNERS];
+    for (int e = 0; l->corners == 2 && e < parts->n_edges; e++) {
+        const int8_t *edge = parts->edge[e];
+        nodes[0] = element[edge[0]];
+        nodes[1] = element[edge[1]];
+        if (!note_part(l, nodes, l->are_facets ? of_facet : behind_edge(parts, edge, element)))
             return 0;
-        uint64_t behind = n_others == 1 ? 2 : 0; /* a facet: two elements */
-        for (int i = 0; i < n_others && n_others > 1; i++)
-            behind ^= mix((uint64_t)(uint32_t)others[i] + 1) & ~(uint64_t)1;
-        __atomic_fetch_xor(&l->around[cell], behind, __ATOMIC_RELAXED);
-        __atomic_fetch_or(&l->around[cell], 1, __ATOMIC_RELAXED);
+    }
+    for (int f = 0; l->corners > 2 && f < parts->n_faces; f++) {
+        for (int i = 0; i < l->corners; i++)
+            nodes[i] = parts->face[f][i] < 0 ? -1 : element[parts->face[f][i]];
+        if (corners_of_face(parts, f) == l->corners && !note_part(l, nodes, of_facet))
+            return 0;
     }
     return 1;
 }
@@ -110,43 +199,64 @@ static int note_element(listing *l, const int32_t *element) {
 static void note_elements(void *context, int64_t begin, int64_t end, int thread) {
     listing *l = context;
     (void)thread;
-    for (int64_t i = begin; i < end && !__atomic_load_n(&l->is_missing, __ATOMIC_RELAXED); i++)
-        if (!note_element(l, l->solids->nodes + i * l->solid_corners))
+    for (int64_t i = begin; i < end && !__atomic_load_n(&l->is_missing, __ATOMIC_RELAXED); i++) {
+        const io_list *of = &l->solids[i >= l->solids[0].n];
+        int32_t node[IO_CELL_NODES];
+        int corners;
+        io_list_nodes(of, i >= l->solids[0].n ? i - l->solids[0].n : i, node, &corners);
+        if (!note_element(l, parts_of(of->dim, corners), node))
             __atomic_store_n(&l->is_missing, 1, __ATOMIC_RELAXED);
+    }
+}
+
+/** Count the parts of an element that are of the list's kind. */
+static int64_t count_parts_of(const listing *l, const element_parts *parts) {
+    int64_t n = l->corners == 2 ? parts->n_edges : 0;
+    for (int f = 0; l->corners > 2 && f < parts->n_faces; f++)
+        n += corners_of_face(parts, f) == l->corners;
+    return n;
+}
+
+/** The same of all elements. */
+static int64_t count_parts(const listing *l) {
+    const int dim = l->solids[0].dim;
+    int64_t n = l->solids[0].n * count_parts_of(l, parts_of(dim, dim + 1));
+    for (int64_t i = 0; i < l->solids[1].n; i++)
+        n += count_parts_of(l, parts_of(dim, io_cell_type_corners(l->solids[1].others->type[i])));
+    return n;
 }
 
 static void place_cells(void *context, int64_t begin, int64_t end, int thread) {
     const listing *l = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const uint64_t around = l->around[find_or_add(l, l->cells->nodes + i * l->corners, -1)];
+        const uint64_t around = l->around[find_or_add(l, corners_of(l, i), -1)];
         l->where[i] = around == 0 ? NOWHERE : around == 1 ? INSIDE : BOUNDARY;
     }
 }
 
-static int32_t tag_of(const io_cells *cells, int64_t i) {
-    return cells->entity && cells->entity[i] >= 0 ? cells->entity[i] + 1 : 0;
+static int32_t tag_of(const io_list *list, int64_t i) {
+    return list->entity && list->entity[i] >= 0 ? list->entity[i] + 1 : 0;
 }
 
 /** Make of the places of cells whether they are plain: of n_tags tags the one of most cells is, at
  *  each place where cells can be plain; of several as many the first. */
 static int mark_plain(listing *l, int64_t n_tags, planish_error *error) {
-    const int has_boundary = l->solid_corners - l->corners > 1; /* edges of tetrahedra */
     int32_t usual[N_PLACES] = {0};
     int64_t *count = pl_alloc_zero(N_PLACES * n_tags, sizeof *count);
     if (!count)
         return pl_fail_memory(error, "the groups of facets");
-    for (int64_t i = 0; i < l->cells->n; i++)
-        count[l->where[i] * n_tags + tag_of(l->cells, i)]++;
+    for (int64_t i = 0; i < l->list.n; i++)
+        count[l->where[i] * n_tags + tag_of(&l->list, i)]++;
     for (int p = 0; p < N_PLACES; p++)
         for (int32_t k = 1; k < n_tags; k++)
             if (count[p * n_tags + k] > count[p * n_tags + usual[p]])
                 usual[p] = k;
     pl_free(count);
-    for (int64_t i = 0; i < l->cells->n; i++) {
+    for (int64_t i = 0; i < l->list.n; i++) {
         const int at = l->where[i];
-        l->where[i] =
-            (at == INSIDE || (at == BOUNDARY && has_boundary)) && tag_of(l->cells, i) == usual[at];
+        l->where[i] = (at == INSIDE || (at == BOUNDARY && !l->are_facets)) &&
+                      tag_of(&l->list, i) == usual[at];
     }
     return PLANISH_OK;
 }
@@ -183,39 +293,68 @@ static int move_behind(io_model *model, int dim, const uint8_t *is_plain, planis
     return status;
 }
 
-/** Find plain cells of dimension dim: there are any if cells are all that elements of solid_dim
- *  have. */
-static int find_plain(io_model *model, int dim, int solid_dim, planish_error *error) {
-    io_cells *cells = io_model_cells(model, dim);
-    const io_cells *solids = io_model_cells(model, solid_dim);
+/** The same of other facets. */
+static int move_others_behind(io_model *model, const uint8_t *is_plain, planish_error *error) {
+    io_others old = model->flat, *o = &model->flat;
+    *o = (io_others){.n = 0};
+    int status = io_others_reserve(model, 2, old.n, old.n_nodes, old.entity != NULL, error);
+    if (!status && old.region && !(o->region = pl_alloc(old.n, sizeof *old.region)))
+        status = pl_fail_memory(error, "the elements of the file");
+    for (int pass = 0; pass < 2 && !status; pass++)
+        for (int64_t i = 0; i < old.n; i++) {
+            if (is_plain[i] != pass)
+                continue;
+            const int64_t k = o->n++, length = old.offset[i + 1] - old.offset[i];
+            memcpy(o->node + o->n_nodes, old.node + old.offset[i],
+                   (size_t)length * sizeof *o->node);
+            o->offset[o->n] = o->n_nodes += length;
+            o->type[k] = old.type[i];
+            o->number[k] = old.number[i];
+            if (old.entity)
+                o->entity[k] = old.entity[i];
+            if (old.region)
+                o->region[k] = old.region[i];
+            o->n_plain += pass;
+        }
+    io_others_release(&old);
+    return status;
+}
+
+/** Find plain cells of a list: there are any if these are all that elements of solid_dim have. */
+static int find_plain(io_model *model, int list, int solid_dim, planish_error *error) {
+    listing l = {.list = io_model_list(model, list),
+                 .solids = {io_model_list(model, solid_dim),
+                            io_model_list(model, io_others_list(solid_dim))},
+                 .corners = list == IO_FLAT_LIST ? 4 : list + 1};
+    const int64_t n = l.list.n, n_elements = l.solids[0].n + l.solids[1].n;
+    l.are_facets = solid_dim - l.list.dim == 1;
+    if (n == 0)
+        return PLANISH_OK;
     /* Of facets there are half as many as elements have, and more for the boundary; of edges at
-     * least as many as tetrahedra. */
-    const int64_t least = solid_dim - dim == 1 ? (solid_dim + 1) * solids->n / 2 : solids->n;
-    if (cells->n == 0 || solids->n == 0 || cells->n < least)
+     * least as many as elements. */
+    const int64_t n_parts = count_parts(&l);
+    if (n_parts == 0 || n < (l.are_facets ? n_parts / 2 : n_elements))
         return PLANISH_OK;
     int64_t n_slots = 1;
-    while (n_slots < 2 * cells->n)
+    while (n_slots < 2 * n)
         n_slots *= 2;
-    listing l = {.cells = cells,
-                 .solids = solids,
-                 .corners = dim + 1,
-                 .solid_corners = solid_dim + 1,
-                 .slot = pl_alloc(n_slots, sizeof *l.slot),
-                 .mask = n_slots - 1,
-                 .around = pl_alloc_zero(cells->n, sizeof *l.around),
-                 .where = pl_alloc(cells->n, 1)};
+    l.slot = pl_alloc(n_slots, sizeof *l.slot);
+    l.mask = n_slots - 1;
+    l.around = pl_alloc_zero(n, sizeof *l.around);
+    l.where = pl_alloc(n, 1);
     int status = PLANISH_OK;
     if (!l.slot || !l.around || !l.where) {
         status = pl_fail_memory(error, "the facets of the file");
     } else {
         memset(l.slot, -1, (size_t)n_slots * sizeof *l.slot);
-        pl_parallel_for(model->threads, cells->n, CHUNK, add_cells, &l);
-        pl_parallel_for(model->threads, solids->n, CHUNK, note_elements, &l);
+        pl_parallel_for(model->threads, n, CHUNK, add_cells, &l);
+        pl_parallel_for(model->threads, n_elements, CHUNK, note_elements, &l);
         if (!l.is_missing) {
-            pl_parallel_for(model->threads, cells->n, CHUNK, place_cells, &l);
+            pl_parallel_for(model->threads, n, CHUNK, place_cells, &l);
             status = mark_plain(&l, (int64_t)model->n_entities + 1, error);
             if (!status)
-                status = move_behind(model, dim, l.where, error);
+                status = list == IO_FLAT_LIST ? move_others_behind(model, l.where, error)
+                                              : move_behind(model, list, l.where, error);
         }
     }
     pl_free(l.slot);
@@ -239,7 +378,7 @@ static void hold_nodes(io_model *model, int dim, uint8_t reason) {
 /** Let others hold their nodes, but (but_smoothed) those whose nodes may move. */
 static void hold_others(io_model *model, const io_others *others, int but_smoothed,
                         uint8_t reason) {
-    for (int64_t i = 0; i < others->n; i++) {
+    for (int64_t i = 0; i < io_others_telling(others); i++) {
         if (but_smoothed && io_cell_type_is_smoothed(others->type[i]))
             continue;
         for (int64_t k = others->offset[i]; k < others->offset[i + 1]; k++)
@@ -286,6 +425,8 @@ int io_model_finish(io_model *model, const io_format *format, planish_error *err
     int status = PLANISH_OK;
     for (int d = 1; d < dim && !status; d++)
         status = find_plain(model, d, dim, error);
+    if (!status && dim == 3)
+        status = find_plain(model, IO_FLAT_LIST, dim, error);
     if (status)
         return status;
     /* Points that name every node say nothing of any: Mmg writes all vertices so, and others vertex
