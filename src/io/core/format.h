@@ -1,7 +1,7 @@
 /* format: the description of a format that its folder gives, and names of files.
  *
  *   io_format, io_format_...                    the formats
- *   planish_file, io_file_elements              a file that has been read
+ *   planish_file, io_file_regions               a file that has been read
  *   io_format_has_extension, io_extension       extensions of paths
  *   io_companion_path, io_plain_companion_path  files beside the mesh
  *   io_is_hdf5, io_is_ucd                       formats by their content
