@@ -37,9 +37,9 @@ typedef struct shift_update {
 static void update_chunk(void *context, int64_t begin, int64_t end, int thread) {
     shift_update *u = context;
     const planish_plan *plan = u->run->plan;
-    pl_raise_double(&u->largest, pl_star_update_shifts(
-                                     &u->run->problem, plan->dim, u->wake, begin, end,
-                                     plan->scratch.kernels + plan->scratch.kernel_stride * thread));
+    pl_raise_double(&u->largest,
+                    pl_star_update_shifts(&u->run->problem, plan->dim, u->wake, begin, end,
+                                          pl_star_scratch_of(&u->run->problem, thread)));
 }
 
 /** Update the multipliers of all elements; returns the largest change. */

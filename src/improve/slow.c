@@ -36,7 +36,7 @@ typedef struct objective_of_all {
 static void slope_chunk(void *context, int64_t begin, int64_t end, int thread) {
     objective_of_all *f = context;
     const planish_plan *plan = f->run->plan;
-    double *scratch = plan->scratch.kernels + plan->scratch.kernel_stride * thread;
+    double *scratch = pl_star_scratch_of(&f->run->problem, thread);
     for (int64_t i = begin; i < end; i++) {
         pl_star_value value;
         if (!f->in_patch[plan->interior.centre[i]])
@@ -158,8 +158,8 @@ static int try_acceleration(pl_run *r, pl_acceleration acceleration, double fall
      * the worst there is. */
     for (int64_t i = 0; i < plan->interior.stars.n_stars; i++) {
         pl_star_value value;
-        pl_star_ratio_of(plan->kernel, &r->problem, plan->dim)(&r->problem, i,
-                                                               plan->scratch.kernels, 1, &value);
+        pl_star_ratio_of(plan->kernel, &r->problem, plan->dim)(&r->problem, i, r->problem.scratch,
+                                                               1, &value);
         f.in_patch[plan->interior.centre[i]] = value.certain != 0;
         if (value.certain)
             f.rr2_limit = fmax(f.rr2_limit, value.max * (1 + value.error));

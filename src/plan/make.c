@@ -109,7 +109,7 @@ static int prepare_scratch(planish_plan *plan, planish_error *error) {
     const pl_stars *interior = &plan->interior.stars, *sliding = &plan->sliding.stars;
     const int64_t bytes =
         pl_star_scratch_size(plan->dim, larger(interior->max_ring, sliding->max_ring),
-                             larger(interior->max_link, sliding->max_link));
+                             larger(interior->max_link, sliding->max_link), 0);
     pl_plan_scratch *s = &plan->scratch;
     s->kernel_stride = bytes / (int64_t)sizeof(double);
     s->coordinates = pl_alloc(values + plan->n_images * plan->dim, sizeof *s->coordinates);

@@ -81,6 +81,8 @@ pl_star_problem pl_plan_problem(const planish_plan *plan, const pl_visits *visit
                              .link = visits->stars.link,
                              .link_form = visits->stars.form,
                              .form = plan->form,
+                             .scratch = plan->scratch.kernels,
+                             .scratch_stride = plan->scratch.kernel_stride,
                              .changed = plan->scratch.changed,
                              .limits = pl_star_no_limits(),
                              .still = plan->is_selective ? STILL_OF_FEW : STILL,

@@ -120,11 +120,13 @@ static int64_t infeasible(const pl_star_problem *problem, int64_t star_index,
                           const uint8_t *is_fixed, double *scratch, uint8_t *part,
                           pl_stop_check *limit, const int dim) {
     const double *place = problem->coordinates + (int64_t)problem->node[star_index] * dim;
+    pl_star_problem of_facets = *problem; /* further rows are no part of a proof */
+    of_facets.more = NULL;
     int64_t evaluations = 0, n_given_up = 0, step = 1;
     double at[3], x[3];
     derivatives derivative;
     local here;
-    local_init(&here, problem, star_index, place, NULL, scratch, &evaluations, 1, dim);
+    local_init(&here, &of_facets, star_index, place, NULL, scratch, &evaluations, 1, dim);
     const star *s = &here.s;
     to_star(&here, place, at, dim);
     /* the middle of the ring: a proof holds wherever the node is, and is clearest from there */

@@ -77,6 +77,8 @@ enum {
     FORM_C = NN,  /* E = c |x - o|^2 + e0, c */
     FORM_E0 = WW, /* and e0 */
     BASE = CX,    /* D = base + n . (x - p0): 0, but of further rows */
+    IS_FACET =
+        OF_NN, /* 1, or 0 for padding and further rows, which have no part in the star's size */
     /* The rest is for the guarded kernel alone. */
     IS_EDGE = CY,               /* six: 1 if the element has the edge, else 0; those at x first */
     EDGE_SHARE = IS_EDGE + 6,   /* 1 / its edges */
@@ -84,7 +86,7 @@ enum {
     JACOBIAN = IS_CORNER + 4,   /* SJ^-2 of one is this times the squares of its edges / D^2 */
     FORM_COLUMNS_END = JACOBIAN + 1
 };
-_Static_assert((int)FORM_COLUMNS_END <= (int)COLUMNS_3D, "columns of forms have room");
+_Static_assert((int)FORM_COLUMNS_END <= (int)IS_FACET, "columns of forms have room");
 
 /** Gathered star. Its coordinates are those of the mesh times a power of two, which brings the
  * star to a size of about 1: no bit of any result depends on it, and nothing over- or underflows.
@@ -93,6 +95,7 @@ typedef struct star {
     double *column; /* [padded / PL_LANES][COLUMNS_3D][PL_LANES] */
     int64_t padded; /* facets, padded to a multiple of PL_LANES */
     int64_t n_facets;
+    int64_t n_more;        /* further rows: columns of facets after those of the facets */
     double *edge;          /* [padded_edges / PL_LANES][EDGE_COLUMNS][PL_LANES], 3-D; not for the
                               guarded kernel */
     double *area, *shared; /* [padded_edges] of the faces at x, and the weights of their Hessians */
@@ -271,6 +274,7 @@ PL_INLINE void forms_3d(const star *s, int64_t i, vec3 b, vec3 c) {
               r.column[6] * vec3_dot(e, e));
     store(s, WEIGHT, i, r.column[3]);
     store(s, BASE, i, zero);
+    store(s, IS_FACET, i, lanes_of(1));
 }
 
 /** Compute the constants of the forms of a pack of edges b. */
@@ -282,6 +286,7 @@ PL_INLINE void form_2d(const star *s, int64_t i, lanes bx, lanes by, lanes bb) {
     store(s, FORM_E0, i, r.column[4] * bb);
     store(s, WEIGHT, i, r.column[3]);
     store(s, BASE, i, lanes_of(0));
+    store(s, IS_FACET, i, lanes_of(1));
 }
 
 /* ---- facets -------------------------------------------------------------------------------- */

@@ -8,6 +8,7 @@
  *     f = T chi^(-2/dim) + (1 + (D / D*)^2) / (2 chi)
  *
  * Of a corner D* and E are those of the ideal corner with the edge h, and E is weighted as its form says.
+ * f counts by the corner's share in its element, further rows by their weight.
  * It is finite and smooth for inverted elements, too, and becomes a barrier as epsilon falls to 0.
  * Symbols as in docs/algorithm.md.
  *
@@ -36,6 +37,16 @@ static inline void set_target(const star *s, int64_t i, double h, const int dim)
     *entry(s, INVERSE_EDGE2, i) = 1 / (h * h) / unit;
 }
 
+/** Set the columns of a further row, which is facet i. The ideal determinant follows from the factor,
+ *  which is w^(4/3) / 9, or w^2 / 4. */
+static inline void set_row_target(const star *s, const pl_star_row *row, int64_t i, const int dim) {
+    const double h = row->size * s->scale, root = sqrt(row->factor);
+    const double measure = dim == 3 ? 3 * root * sqrt(3 * root) : 2 * root;
+    *entry(s, INVERSE_TARGET, i) = 1 / ((dim == 3 ? measure * h : measure) * h * h);
+    *entry(s, INVERSE_EDGE2, i) = 1 / (dim * root * h * h);
+    *entry(s, SHARE, i) = PL_SHARES * row->share;
+}
+
 /** Gather the star of index for untangling, with its node at place, and what the wanted sizes and
  *  the patch say of each facet. Elements that cannot be helped get no weight. */
 static inline void untangling_init(local *here, const pl_star_problem *problem, int64_t index,
@@ -48,6 +59,8 @@ static inline void untangling_init(local *here, const pl_star_problem *problem, 
     const star *s = &here->s;
     for (int64_t i = 0; i < s->padded; i++) {
         const int64_t facet = i < s->n_facets ? first + i : first;
+        if (i >= s->n_facets && i < s->n_facets + s->n_more)
+            continue;
         double size = u->size[node];
         int movers = u->in_patch[node];
         for (int j = 0; j < dim; j++) {
@@ -60,7 +73,12 @@ static inline void untangling_init(local *here, const pl_star_problem *problem, 
         *entry(s, SHARE, i) = movers > 0 ? (double)PL_SHARES / movers : 0;
         if (u->link_skip && u->link_skip[facet])
             *entry(s, WEIGHT, i) = 0;
+        if (has_forms(s) && !(*entry(s, WEIGHT, i) > 0))
+            *entry(s, IS_FACET, i) = 0;
     }
+    const pl_star_row *row = (const pl_star_row *)(const void *)scratch;
+    for (int64_t r = 0; r < s->n_more; r++)
+        set_row_target(s, &row[r], s->n_facets + r, dim);
 }
 
 /* ---- the energy ---------------------------------------------------------------------------- */
@@ -106,6 +124,15 @@ PL_INLINE barrier barrier_of(lanes u, lanes measure, lanes T, double epsilon, co
                              T * power * p * inverse_s,
                      .of_uu = lanes_max(bend, zero),
                      .of_tu = zero - power * p * inverse_s};
+}
+
+/** Multiply f and its derivatives by weight. */
+PL_INLINE void weigh(barrier *b, lanes weight) {
+    b->value *= weight;
+    b->of_t *= weight;
+    b->of_u *= weight;
+    b->of_uu *= weight;
+    b->of_tu *= weight;
 }
 
 /** T of a pack, and its derivatives: gradient, and the Hessian, this times the unit matrix. */
@@ -163,14 +190,16 @@ PL_INLINE regularised energy_of(const star *s, double epsilon, const double *pos
             aspect a;
             measure_pack(s, j, x, &a, of_corners, dim);
             const lanes u = (a.D - floor) * target;
-            const barrier b = barrier_of(u, a.D * target, t.T, epsilon, dim);
+            barrier b = barrier_of(u, a.D * target, t.T, epsilon, dim);
+            if (of_corners)
+                weigh(&b, weight);
             const lanes_mask sound =
                 lanes_greater(a.D, floor) & lanes_greater(a.D * a.D, load(s, ROUNDING, j) * a.aa);
             sum[k] += lanes_select(counts, b.value, zero);
             shared[k] += lanes_select(counts, b.value * share, zero);
             least[k] = lanes_max(lanes_select(counts, zero - u, lanes_of(-INFINITY)), least[k]);
             tangled[k] += lanes_select(counts & ~sound, share, zero);
-            slope.size2[k] += a.aa * weight;
+            slope.size2[k] += a.aa * (of_corners ? load(s, IS_FACET, j) : weight);
             if (!derive)
                 continue;
             const lanes *gt = t.gradient;

@@ -1,7 +1,7 @@
 /* kernel_gather: a star from the mesh into scratch.
  *
  *   fetch_ahead                    ask for the memory of a later visit
- *   gather                         the star
+ *   gather, gather_rows            the star, and its further rows
  *   column_doubles, position_doubles, padded_to_lanes    the scratch that it needs
  *   power_of_two, exponent_of      scales
  */
@@ -150,6 +150,11 @@ static inline int64_t column_doubles(int64_t padded) {
     return padded * COLUMNS_3D;
 }
 
+/** Room for n further rows, in doubles; what follows is aligned as they are. */
+static inline int64_t more_doubles(int64_t n) {
+    return (n * (int64_t)(sizeof(pl_star_row) / sizeof(double)) + 7) / 8 * 8;
+}
+
 /* Numbers of an edge: its columns, area and shared weight, and row. */
 enum { EDGE_DOUBLES = EDGE_COLUMNS + 2 + PL_ROW };
 
@@ -176,10 +181,31 @@ PL_INLINE void unpack(const pl_link *link, int64_t from, int64_t n, int64_t padd
         row[i] = row[i % count];
 }
 
-/** Fill rows [padded] with the forms of n facets. */
+/* Forms of facets of simplices, where a problem has none. */
+static const pl_corner_form SIMPLEX_FORM[2] = {
+    {.weight = {1, 1, 1},
+     .factor = ROOT_OF_FACTOR_2D * ROOT_OF_FACTOR_2D,
+     .share = 1,
+     .determinant = 0.86602540378443865,
+     .volume = 1.0 / 2,
+     .corner = -1,
+     .is_edge = {1, 1, 1},
+     .row = {0.5, 0, 2 * ROOT_OF_FACTOR_2D, 1, 1.5 * ROOT_OF_FACTOR_2D}},
+    {.weight = {1, 1, 1, 1, 1, 1},
+     .factor = ROOT_OF_FACTOR_3D * ROOT_OF_FACTOR_3D,
+     .share = 1,
+     .determinant = 0.70710678118654752,
+     .volume = 1.0 / 6,
+     .corner = -1,
+     .is_edge = {1, 1, 1, 1, 1, 1},
+     .row = {1.0 / 3, 1.0 / 3, 3 * ROOT_OF_FACTOR_3D, 1, 4 * ROOT_OF_FACTOR_3D / 3,
+             4 * ROOT_OF_FACTOR_3D / 3, 4 * ROOT_OF_FACTOR_3D / 3}},
+};
+
+/** Fill rows [padded] with the forms of n facets; code NULL: all are 0. */
 PL_INLINE void unpack_forms(const uint8_t *code, int64_t n, int64_t padded, uint32_t *row) {
     for (int64_t i = 0; i < n; i++)
-        row[i] = code[i];
+        row[i] = code ? code[i] : 0;
     for (int64_t i = n; i < padded; i++)
         row[i] = row[0];
 }
@@ -214,7 +240,7 @@ PL_INLINE void gather_forms(star *s, const double *ring, const int guarded, cons
     else
         facets_2d(s, ring, 1);
     for (int64_t i = s->n_facets; i < s->padded; i++)
-        *entry(s, WEIGHT, i) = 0;
+        *entry(s, WEIGHT, i) = *entry(s, IS_FACET, i) = 0;
     for (int k = 0; k < PL_PACKS; k++)
         weight[k] = lanes_of(0);
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
@@ -225,6 +251,82 @@ PL_INLINE void gather_forms(star *s, const double *ring, const int guarded, cons
         gather_corners(s, dim);
 }
 
+/* A further row is seen as a facet with p0 this far from the node, in sizes of the star: |x - p0| is
+ * about the same wherever the node goes, and so is what rounding does to D. */
+#define ROW_FAR 16.0
+/* How well numbers of a row are known: an element's coefficients are sums of some products. */
+#define ROW_ROUNDING 0x1p-46
+/* e0 of rows without weight: mu^2 underflows to 0. */
+#define ROW_NOTHING 1e-200
+
+/** Make the row a facet, with the star's node at x (scaled): P0 and n such that D = base + n . (x -
+ *  p0), and o such that E = c |x - o|^2 + e0. */
+static inline void gather_row(star *s, const pl_star_row *row, int64_t i, const double *x,
+                              const int dim) {
+    static const uint8_t first[3] = {P0X, P0Y, P0Z};
+    const double root = sqrt(row->factor), area = dim == 3 ? s->scale * s->scale : s->scale;
+    const double c = row->weight > 0 ? root * row->c : 0;
+    double base = row->D0 * area * s->scale, e0 = root * row->e * s->scale * s->scale;
+    double n[3] = {0, 0, 0}, square = 0;
+    for (int d = 0; d < dim; d++) {
+        const double p = d == 0 ? x[0] - ROW_FAR : x[d];
+        const double to = c > 0 ? row->slope_e[d] * s->scale / row->c : 0; /* x - o */
+        n[d] = row->slope_d[d] * area;
+        base -= n[d] * (x[d] - p);
+        e0 -= c * to * to;
+        square += n[d] * n[d];
+        *entry(s, first[d], i) = p;
+        *entry(s, OX + d, i) = p - x[d] + to;
+    }
+    if (dim == 3) {
+        for (int d = 0; d < 3; d++)
+            *entry(s, NX + d, i) = n[d];
+    } else {
+        *entry(s, P1X, i) = *entry(s, P0X, i) + n[1];
+        *entry(s, P1Y, i) = *entry(s, P0Y, i) - n[0];
+    }
+    const double error =
+        ROW_ROUNDING *
+        (fabs(base) + ROW_FAR * sqrt(square) + (dim == 2 ? fabs(x[0]) + fabs(x[1]) + ROW_FAR : 0)) /
+        ROW_FAR;
+    *entry(s, LENGTH, i) = sqrt(square);
+    *entry(s, ROUNDING, i) = error * error;
+    *entry(s, BASE, i) = base;
+    *entry(s, FORM_C, i) = c;
+    *entry(s, FORM_E0, i) = row->weight > 0 && e0 > 0 ? e0 : ROW_NOTHING;
+    *entry(s, WEIGHT, i) = row->weight;
+    s->weight += row->weight;
+}
+
+/** What the guarded kernel has of a row beside: no floor, and one edge, of which no measure is. */
+static inline void gather_guarded_row(const star *s, int64_t i, const int dim) {
+    static const uint8_t first[3] = {P0X, P0Y, P0Z};
+    for (int d = 0; dim == 3 && d < 3; d++) {
+        const int column[2][3] = {{P1X, P1Y, P1Z}, {P2X, P2Y, P2Z}};
+        *entry(s, column[0][d], i) = *entry(s, column[1][d], i) = *entry(s, first[d], i);
+    }
+    for (int k = 0; k < 6; k++)
+        *entry(s, IS_EDGE + k, i) = k == 0;
+    for (int j = 0; j < 4; j++)
+        *entry(s, IS_CORNER + j, i) = 0;
+    *entry(s, EDGE_SHARE, i) = 1;
+    *entry(s, JACOBIAN, i) = 0;
+    *entry(s, FLOOR, i) = *entry(s, INVERSE_FLOOR, i) = *entry(s, SHIFT, i) = 0;
+}
+
+/** Append the further rows at the start of scratch to the facets. Not inlined: few stars have some. */
+PL_NOINLINE void gather_rows(star *s, const pl_star_row *row, const double *place,
+                             const int guarded, const int dim) {
+    double x[3] = {0, 0, 0};
+    for (int d = 0; d < dim; d++)
+        x[d] = place[d] * s->scale;
+    for (int64_t r = 0; r < s->n_more; r++) {
+        gather_row(s, &row[r], s->n_facets + r, x, dim);
+        if (guarded)
+            gather_guarded_row(s, s->n_facets + r, dim);
+    }
+}
+
 /** Gather star index of problem, with its node at x (as in the mesh), into scratch; exponent of its
  * scale, or NULL. Inlined, like the sums over a star: what they return is not handed over through
  * memory then. */
@@ -233,8 +335,15 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
     star s;
     const int64_t first = problem->link_offset[index];
     const pl_link link = pl_link_at(&problem->link, pl_link_positions(dim), first);
+    pl_star_row *more = NULL;
     s.n_facets = problem->link_offset[index + 1] - first;
-    s.padded = padded_to_lanes(s.n_facets);
+    s.n_more = 0;
+    if (PL_KERNEL != PL_RADIUS && problem->more) {
+        more = (pl_star_row *)(void *)scratch;
+        scratch += more_doubles(problem->max_more);
+        s.n_more = problem->has_more[index] ? problem->more(problem->more_user, index, more) : 0;
+    }
+    s.padded = padded_to_lanes(s.n_facets + s.n_more);
     s.ring = problem->ring + problem->ring_offset[index];
     s.n_ring = problem->ring_offset[index + 1] - problem->ring_offset[index];
     const int64_t n_edges = pl_link_edges(dim, s.n_facets);
@@ -253,10 +362,12 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
     s.facet = rows;
     s.form = NULL;
     s.forms = problem->form;
-    if (PL_KERNEL != PL_RADIUS && problem->link_form) {
+    if (PL_KERNEL != PL_RADIUS && (problem->link_form || more)) {
+        const uint8_t *code = problem->link_form ? problem->link_form + first : NULL;
         uint32_t *of_forms = rows + dim * s.padded;
-        unpack_forms(problem->link_form + first, s.n_facets, s.padded, of_forms);
+        unpack_forms(code, s.n_facets, s.padded, of_forms);
         s.form = of_forms;
+        s.forms = code ? problem->form : &SIMPLEX_FORM[dim - 2];
     }
     if (has_forms(&s)) {
         gather_forms(&s, ring, guarded, dim);
@@ -291,6 +402,8 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
     }
     if (guarded)
         gather_floors(problem, &s, first, dim);
+    if (PL_KERNEL != PL_RADIUS && s.n_more > 0)
+        gather_rows(&s, more, x, guarded, dim);
     return s;
 }
 

@@ -118,7 +118,6 @@ PL_INLINE objective mean_derivatives(const star *s, const double *position, deri
                                      const int with_hessian, const int dim) {
     const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
                         lanes_of(dim == 3 ? position[2] : 0)};
-    const lanes zero = lanes_of(0);
     accumulator total;
     slopes slope;
     lanes trace[PL_PACKS];
@@ -135,7 +134,7 @@ PL_INLINE objective mean_derivatives(const star *s, const double *position, deri
             store(s, RATE, j, inverse_d);
             accumulate(&total, k, square, weight, t.D, inverse_d * inverse_d,
                        load(s, ROUNDING, j) * t.aa);
-            slope.size2[k] += lanes_select(lanes_greater(weight, zero), t.aa, zero);
+            slope.size2[k] += t.aa * load(s, IS_FACET, j);
             add_mean(&slope, &trace[k], k, &t, square * weight, inverse_d, with_hessian, dim);
         }
     for (int k = 0; with_hessian && k < PL_PACKS; k++)

@@ -301,8 +301,10 @@ PL_INLINE void worst_jacobian(const star *s, int64_t i, const lanes *x, aspect *
     }
     for (int k = 0; k < dim * (dim + 1) / 2; k++)
         a->h[k] = lanes_of(0);
+    const lanes of_square = lanes_select(lanes_greater(a->square, lanes_of(NEXT_TO_NOTHING)),
+                                         q / a->square, lanes_of(0));
     for (int v = 0; v <= dim; v++) {
-        const lanes share = q * (term[v] / a->square);
+        const lanes share = term[v] * of_square;
         const int from = v > 0 ? v - 1 : 0, to = v > 0 ? v : dim; /* edges that lead to x */
         lanes l[3];
         for (int d = 0; d < dim; d++) {
@@ -671,9 +673,7 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
                   lanes_select(lanes_greater(floor, lanes_of(0)), lanes_of(FLOOR_FRACTION) / slack,
                                a.inverse_d));
             add_guarded(&t, k, q, &a, weight, slope, bend, dim);
-            if (is_of_corners(kind)) /* weights are shares */
-                weight = lanes_select(lanes_greater(weight, lanes_of(0)), lanes_of(1), lanes_of(0));
-            t.slope.size2[k] += a.aa * weight;
+            t.slope.size2[k] += a.aa * (is_of_corners(kind) ? load(s, IS_FACET, j) : weight);
         }
     if (derive)
         slopes_result(&t.slope, s, 1, 1, out, dim);

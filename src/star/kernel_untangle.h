@@ -129,7 +129,7 @@ static inline pl_star_energy energy_range(const pl_star_problem *problem, int64_
             to_mesh(&here, &derivative, slope[i - begin].gradient, slope[i - begin].hessian);
         pl_sum_add(&total.sum, now.shared);
         total.least = now.least < total.least ? now.least : total.least;
-        total.tangled += (int64_t)now.tangled;
+        total.tangled += (int64_t)ceil(now.tangled); /* shares of rows may be parts */
     }
     return total;
 }

@@ -16,7 +16,7 @@
  *
  *   pl_star_problem, _guard, _untangling, _slide, _limits    input of visits
  *   pl_star_tally, _optimality, _value, _energy              their output
- *   pl_star_scratch_size                                     memory that they need
+ *   pl_star_scratch_size, _of                                memory that they need
  *   pl_star_kernel_select                                    the functions of an instruction set
  *   pl_star_visit_of, _evaluate_of, _ratio_of                those for a problem
  *   pl_star_average                                          laplacian.c: methods of averages
@@ -123,6 +123,7 @@ typedef struct pl_star_kept {
 typedef struct pl_star_row {
     double weight, factor;
     double share; /* of the row that the star counts in a sum over stars (pl_star_energy) */
+    double size;  /* length of edges that is wanted there, as pl_star_untangling.size */
     double e, slope_e[3], c;
     double D0, slope_d[3];
 } pl_star_row;
@@ -142,10 +143,13 @@ typedef struct pl_star_problem {
                                    corners (geometry/corner.h): ratios are mean ratios then; NULL:
                                    simplices */
     const pl_corner_form *form; /* [PL_N_FORMS] by codes */
-    pl_star_more_fn *more;      /* rows besides those of the facets, at most max_more of a star; */
-    const void *more_user;      /* NULL: none */
-    const uint8_t *has_more;    /* [n_stars] 1: the star has such rows */
+    pl_star_more_fn *more;      /* rows besides those of the facets, at most max_more of a star, and
+                                   ratios are mean ratios then; NULL: none */
+    const void *more_user;
+    const uint8_t *has_more; /* [n_stars] 1: the star has such rows */
     int64_t max_more;
+    double *scratch; /* [threads][scratch_stride], see pl_star_scratch_size */
+    int64_t scratch_stride;
     uint8_t *changed;   /* [n_nodes] flags of the node's star, see PL_CHANGED */
     pl_star_kept *kept; /* [n_stars], for Newton's direction without a guard; NULL: none */
     planish_search search;
@@ -193,9 +197,14 @@ typedef struct pl_star_optimality {
     int64_t n_stars;   /* feasible stars looked at */
 } pl_star_optimality;
 
-/** Bytes of scratch (64-byte aligned, one per thread) for stars of at most max_ring neighbours and
- *  max_link facets. */
-int64_t pl_star_scratch_size(int dim, int64_t max_ring, int64_t max_link);
+/** Scratch of a thread. */
+static inline double *pl_star_scratch_of(const pl_star_problem *problem, int thread) {
+    return problem->scratch + problem->scratch_stride * thread;
+}
+
+/** Bytes of scratch (64-byte aligned, one per thread) for stars of at most max_ring neighbours,
+ *  max_link facets and max_more further rows. */
+int64_t pl_star_scratch_size(int dim, int64_t max_ring, int64_t max_link, int64_t max_more);
 
 /** Move the nodes of the changed ones of stars begin .. end-1 by a method of averages
  * (laplacian.c): to the mean that it says, whatever becomes of the elements. Adds to *tally. */
@@ -300,7 +309,7 @@ typedef struct pl_star_kernel {
 
 /** Whether the ratio of a problem's stars, apart from a guard's objective, is the mean ratio. */
 static inline int pl_star_is_mean(const pl_star_problem *problem) {
-    return problem->link_form != NULL ||
+    return problem->link_form != NULL || problem->more != NULL ||
            (!problem->guard && problem->objective == PLANISH_OBJECTIVE_MEAN_RATIO);
 }
 

@@ -437,7 +437,13 @@ int pl_marked_make(const pl_watch *watch, const uint8_t *is_marked, double weigh
     if (!make_lists(m, is_marked))
         return pl_fail_memory(error, "the coefficients of elements");
     find_stars(m);
-    return PLANISH_OK;
+    const planish_plan *plan = watch->plan;
+    const pl_stars *stars = &plan->interior.stars;
+    m->scratch_stride =
+        pl_star_scratch_size(plan->dim, stars->max_ring, stars->max_link, m->max_more) /
+        (int64_t)sizeof *m->scratch;
+    m->scratch = pl_alloc(m->scratch_stride * plan->threads, sizeof *m->scratch);
+    return m->scratch ? PLANISH_OK : pl_fail_memory(error, "the coefficients of elements");
 }
 
 void pl_marked_destroy(pl_marked *m) {
@@ -445,6 +451,7 @@ void pl_marked_destroy(pl_marked *m) {
     pl_free(m->begin);
     pl_free(m->place);
     pl_free(m->has_more);
+    pl_free(m->scratch);
     for (int t = 0; t < PL_WATCH_TYPES; t++)
         pl_row_rule_free(m->rule[t]);
     *m = (pl_marked){.n = 0};
@@ -455,6 +462,8 @@ void pl_marked_use(const pl_marked *m, pl_star_problem *problem) {
     problem->more_user = m;
     problem->has_more = m->has_more;
     problem->max_more = m->max_more;
+    problem->scratch = m->scratch;
+    problem->scratch_stride = m->scratch_stride;
 }
 
 /** Share of each node of the patch in the rows of an element. */
@@ -469,6 +478,16 @@ static double share_of(const pl_marked *m, int64_t element, const pl_cell_type *
         n += is_first;
     }
     return n > 0 ? 1.0 / n : 1;
+}
+
+/** Mean length of edges that is wanted at the corners of an element. */
+static double size_of(const pl_marked *m, int64_t element, const pl_cell_type *type) {
+    const planish_plan *plan = m->watch->plan;
+    const int n = type->shape->n_corners;
+    double sum = 0;
+    for (int j = 0; m->size && j < n; j++)
+        sum += m->size[plan->inner[corner_of(plan, element, j)]];
+    return m->size ? sum / n : 1;
 }
 
 int64_t pl_marked_rows(const void *marked, int64_t star, pl_star_row *row) {
@@ -487,8 +506,11 @@ int64_t pl_marked_rows(const void *marked, int64_t star, pl_star_row *row) {
         const double share = share_of(m, element, type);
         const int rows = pl_rows_of_element(rule, x, plan->work.sign ? plan->work.sign[element] : 1,
                                             rate, m->weight, row + n, NULL);
-        for (int i = 0; i < rows; i++)
+        const double size = size_of(m, element, type);
+        for (int i = 0; i < rows; i++) {
             row[n + i].share = share;
+            row[n + i].size = size;
+        }
         n += rows;
     }
     return n;

@@ -81,8 +81,13 @@ typedef struct pl_marked {
     int64_t *begin;        /* [n_nodes + 1] by inner numbers: where place of each node begins */
     int32_t *place;        /* marked elements of each node, by their place in element */
     const uint8_t
-        *in_patch;     /* [n_nodes] by inner numbers: the nodes that share an element's rows in a
+        *in_patch; /* [n_nodes] by inner numbers: the nodes that share an element's rows in a
                                 sum over stars; NULL: no such sum is wanted. Not owned. */
+    const double
+        *size;       /* [n_nodes] by inner numbers: length of edges that is wanted there; NULL: 1.
+                           Not owned. */
+    double *scratch; /* [threads][scratch_stride] of visits, with room for the rows */
+    int64_t scratch_stride;
     uint8_t *has_more; /* [n_stars] of the interior: 1: a marked element is at the star's node */
     int64_t max_more;  /* most rows of a star */
     pl_row_rule *rule[PL_WATCH_TYPES]; /* by types; NULL: no such element is marked */

@@ -191,7 +191,7 @@ static void visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const colour_pass *pass = context;
     const planish_plan *plan = pass->plan;
     const pl_star_problem *problem = pass->problem;
-    double *scratch = plan->scratch.kernels + plan->scratch.kernel_stride * thread;
+    double *scratch = pl_star_scratch_of(problem, thread);
     pl_star_tally *tally = &plan->scratch.tally[thread].of;
     begin += pass->first;
     end += pass->first;
@@ -321,9 +321,9 @@ typedef struct optimality_pass {
 static void judge_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const optimality_pass *pass = context;
     const planish_plan *plan = pass->plan;
-    plan->kernel->guarded->optimality[plan->dim - 2](
-        pass->problem, begin, end, plan->scratch.kernels + plan->scratch.kernel_stride * thread,
-        &pass->of_thread[thread]);
+    plan->kernel->guarded->optimality[plan->dim - 2](pass->problem, begin, end,
+                                                     pl_star_scratch_of(pass->problem, thread),
+                                                     &pass->of_thread[thread]);
 }
 
 static void add_optimality(pl_star_optimality *all, pl_star_optimality *part) {

@@ -1,6 +1,6 @@
 /* Stars of the corners of cells of every type, against the definition of their measures in long
  * double: forms, values, derivatives, visits with and without a guard; and all variants of the kernels
- * against the plain one, bit for bit. */
+ * against the plain one, bit for bit. Further rows, and the energy of untangling. */
 #include "support/cell_star.h"
 
 #include "support/effort.h"
@@ -370,6 +370,218 @@ static void minimum_volumes_are_volumes(void **state) {
     assert_true(reached > 10);
 }
 
+/* ---- further rows ---------------------------------------------------------------------------- */
+
+/** A row that is a facet once more adds what the facet adds. */
+static void rows_add_what_facets_add(void **state) {
+    uint64_t random = effort_seed(8);
+    (void)state;
+    for (int64_t i = 0; i < effort(600, 6000); i++) {
+        cell_star s;
+        pl_star_value once, twice;
+        const int dim = 2 + (int)(i % 2), function = i % 4 < 2 ? PLAIN : MEAN;
+        cell_star_create(&s, dim, NULL, 1 + (int)(i % 2), 0.3, &random);
+        for (int d = 0; d < (i % 5 ? 0 : 3 * CELL_STAR_MAX_NODES); d++)
+            s.coordinates[d] = ldexp(s.coordinates[d], -20); /* another scale */
+        ask(&s, function);
+        for (int f = 0; f < s.n_facets; f++)
+            s.row[f] = cell_star_row(&s, f);
+        assert_true(evaluate(&s, PLANISH_ISA_PLAIN, 1, &once));
+        cell_star_use_rows(&s, s.n_facets);
+        assert_true(evaluate(&s, PLANISH_ISA_PLAIN, 1, &twice));
+        const int last = dim == 3 ? 5 : 2;
+        const double size = twice.hessian[0] + twice.hessian[last];
+        assert_true(twice.certain && fabs(twice.sum - 2 * once.sum) < 1e-10 * once.sum);
+        assert_true(fabs(twice.max - once.max) < 1e-10 * once.max);
+        for (int k = 0; k <= last; k++)
+            assert_true(fabs(twice.hessian[k] - 2 * once.hessian[k]) < 1e-9 * size);
+        for (int d = 0; d < dim; d++)
+            assert_true(fabs(twice.gradient[d] - 2 * once.gradient[d]) <
+                        1e-9 * sqrt(size * once.sum));
+        /* without weight it changes nothing */
+        for (int f = 0; f < s.n_facets; f++)
+            s.row[f].weight = 0;
+        assert_true(evaluate(&s, PLANISH_ISA_PLAIN, 1, &twice));
+        assert_true(twice.sum == once.sum && twice.max == once.max);
+        assert_memory_equal(twice.gradient, once.gradient, sizeof once.gradient);
+        s.row[0].D0 = -s.row[0].D0; /* but it has to be positive */
+        assert_false(evaluate(&s, PLANISH_ISA_PLAIN, 1, &twice));
+        cell_star_destroy(&s);
+    }
+}
+
+/** Visits keep rows without weight positive, and stop where they would not. */
+static void visits_keep_rows_positive(void **state) {
+    uint64_t random = effort_seed(9);
+    int stopped = 0;
+    (void)state;
+    for (int64_t i = 0; i < effort(600, 6000); i++) {
+        cell_star s, free;
+        uint64_t again = random;
+        double moved[3], D = 1;
+        const int dim = 2 + (int)(i % 2), n = 2 + (int)(i % 3);
+        static const int functions[] = {PLAIN, MEAN, EDGE};
+        cell_star_create(&s, dim, NULL, n, 0.3, &random);
+        cell_star_create(&free, dim, NULL, n, 0.3, &again);
+        ask(&s, functions[i % 3]);
+        ask(&free, functions[i % 3]);
+        visit(&free, PLANISH_ISA_AUTO);
+        s.row[0] = (pl_star_row){.factor = 0.1, .D0 = 1};
+        for (int d = 0; d < dim; d++) { /* D falls to 0 half of the way that a visit goes */
+            moved[d] = free.coordinates[d] - s.coordinates[d];
+            D += moved[d] * moved[d];
+        }
+        for (int d = 0; d < dim; d++)
+            s.row[0].slope_d[d] = D > 1 ? -2 * moved[d] / (D - 1) : 0;
+        cell_star_use_rows(&s, 1);
+        const pl_star_tally tally = visit(&s, PLANISH_ISA_AUTO);
+        double after = 1;
+        for (int d = 0; d < dim; d++)
+            after += s.row[0].slope_d[d] * s.coordinates[d];
+        assert_true(after > 0 && pl_sum_value(&tally.decrease) >= 0);
+        stopped += after < 0.5;
+        cell_star_destroy(&s);
+        cell_star_destroy(&free);
+    }
+    assert_true(stopped > 50);
+}
+
+/* ---- untangling ------------------------------------------------------------------------------ */
+
+/** All that untangling asks of a star. */
+typedef struct asked_star {
+    double size[CELL_STAR_MAX_NODES];
+    uint8_t in_patch[CELL_STAR_MAX_NODES];
+    pl_star_untangling asked;
+} asked_star;
+
+static void ask_untangling(cell_star *s, asked_star *a, uint64_t *random) {
+    memset(a, 0, sizeof *a);
+    for (int i = 0; i < CELL_STAR_MAX_NODES; i++)
+        a->size[i] = random_between(random, 0.5, 2);
+    a->in_patch[0] = 1;
+    a->asked = (pl_star_untangling){.in_patch = a->in_patch, .size = a->size, .epsilon = 0.3};
+    ask(s, MEAN);
+    s->problem.untangling = &a->asked;
+}
+
+/** The energy by definition: T = E / (dim h^2), u = D / (w h^dim), f as in kernel_foldover.h. */
+static long double energy_at(const cell_star *s, const asked_star *a, const long double *x) {
+    long double sum = 0;
+    for (int f = 0; f < s->n_facets; f++) {
+        const cell_corner c = cell_star_corner(s, f, x);
+        long double h = a->size[0];
+        for (int j = 0; j < s->dim; j++)
+            h += a->size[s->facet[f][j]];
+        h /= s->dim + 1;
+        const long double u = c.D / (c.ideal_determinant * powl(h, s->dim));
+        const long double T = c.squares / (s->dim * h * h), e = a->asked.epsilon;
+        const long double chi = (u + sqrtl(u * u + e * e)) / 2;
+        sum += (T * powl(chi, -2.0L / s->dim) + (1 + u * u) / (2 * chi)) / cell_star_corners(s, f);
+    }
+    return sum;
+}
+
+static pl_star_energy energy_of(cell_star *s, planish_isa isa, pl_star_slope *slope) {
+    memset(slope, 0, sizeof *slope);
+    return pl_star_kernel_select(isa)->guarded->energy[s->dim - 2](&s->problem, 0, 1, s->scratch,
+                                                                   slope);
+}
+
+static void the_energy_is_that_of_the_definition(void **state) {
+    uint64_t random = effort_seed(10);
+    (void)state;
+    for (int64_t i = 0; i < effort(300, 3000); i++) {
+        cell_star s;
+        asked_star a;
+        pl_star_slope slope, twice;
+        long double x[3], f[2];
+        cell_star_create(&s, 2 + (int)(i % 2), NULL, 2, 0.3, &random);
+        ask_untangling(&s, &a, &random);
+        for (int d = 0; d < s.dim; d++) /* some corners are inverted */
+            s.coordinates[d] = random_between(&random, -0.8, 0.8);
+        pl_star_energy energy = energy_of(&s, PLANISH_ISA_PLAIN, &slope);
+        position(&s, x);
+        const long double wanted = energy_at(&s, &a, x);
+        assert_true(fabsl(pl_sum_value(&energy.sum) - wanted) < 1e-10L * wanted);
+        for (int d = 0; d < s.dim; d++) {
+            const long double h = 1e-6L, at = x[d];
+            for (int side = 0; side < 2; side++) {
+                x[d] = at + (side ? h : -h);
+                f[side] = energy_at(&s, &a, x);
+            }
+            x[d] = at;
+            assert_true(fabsl(slope.gradient[d] - (f[1] - f[0]) / (2 * h)) <
+                        1e-6L * (wanted + fabsl(f[1] - f[0]) / h));
+        }
+        /* rows that are the facets double it */
+        for (int j = 0; j < s.n_facets; j++) {
+            s.row[j] = cell_star_row(&s, j);
+            s.row[j].size = a.size[0] / (s.dim + 1);
+            for (int k = 0; k < s.dim; k++)
+                s.row[j].size += a.size[s.facet[j][k]] / (s.dim + 1);
+        }
+        cell_star_use_rows(&s, s.n_facets);
+        energy = energy_of(&s, PLANISH_ISA_PLAIN, &twice);
+        assert_true(fabsl(pl_sum_value(&energy.sum) - 2 * wanted) < 1e-10L * wanted);
+        const double size = twice.hessian[0] + twice.hessian[s.dim == 3 ? 5 : 2] + (double)wanted;
+        for (int d = 0; d < s.dim; d++)
+            assert_true(fabs(twice.gradient[d] - 2 * slope.gradient[d]) < 1e-9 * size);
+        for (int k = 0; k < (s.dim == 3 ? 6 : 3); k++)
+            assert_true(fabs(twice.hessian[k] - 2 * slope.hessian[k]) < 1e-8 * size);
+        cell_star_destroy(&s);
+    }
+}
+
+/** With rows, and untangling. */
+static void variants_with_rows_give_the_same_bits(void **state) {
+    uint64_t random = effort_seed(11);
+    (void)state;
+    for (size_t v = 0; v < sizeof variants / sizeof *variants; v++) {
+        if (!pl_star_kernel_select(variants[v]))
+            continue;
+        for (int64_t i = 0; i < effort(200, 2000); i++) {
+            cell_star star[2];
+            asked_star asked[2];
+            pl_star_value value[2];
+            pl_star_slope slope[2];
+            pl_star_energy energy[2];
+            pl_star_tally tally[2];
+            const uint64_t start = random;
+            const planish_isa isa[2] = {PLANISH_ISA_PLAIN, variants[v]};
+            for (int k = 0; k < 2; k++) {
+                cell_star *s = &star[k];
+                random = start;
+                cell_star_create(s, 2 + (int)(i % 2), NULL, 1 + (int)(i % 2), 0.3, &random);
+                for (int f = 0; f < s->n_facets; f++) {
+                    s->row[f] = cell_star_row(s, f);
+                    s->row[f].weight *= (double)random_below(&random, 3);
+                    s->row[f].D0 *= random_between(&random, 0.5, 1.5);
+                }
+                cell_star_use_rows(s, s->n_facets);
+                for (int function = 0; function < FUNCTIONS; function++) {
+                    ask(s, function);
+                    visit(s, isa[k]);
+                }
+                evaluate(s, isa[k], 1, &value[k]);
+                ask_untangling(s, &asked[k], &random);
+                memset(&energy[k], 0, sizeof energy[k]);
+                memset(&tally[k], 0, sizeof tally[k]);
+                energy[k] = energy_of(s, isa[k], &slope[k]);
+                pl_star_kernel_select(isa[k])->guarded->untangle[s->dim - 2](&s->problem, 0, 1,
+                                                                             s->scratch, &tally[k]);
+            }
+            assert_memory_equal(&value[0], &value[1], sizeof value[0]);
+            assert_memory_equal(&slope[0], &slope[1], sizeof slope[0]);
+            assert_true(pl_sum_value(&energy[0].sum) == pl_sum_value(&energy[1].sum));
+            assert_memory_equal(star[0].coordinates, star[1].coordinates,
+                                sizeof star[0].coordinates);
+            for (int k = 0; k < 2; k++)
+                cell_star_destroy(&star[k]);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(forms_agree_with_their_rows),
@@ -379,6 +591,10 @@ int main(void) {
         cmocka_unit_test(visits_come_to_the_minimum),
         cmocka_unit_test(visits_keep_limits),
         cmocka_unit_test(minimum_volumes_are_volumes),
+        cmocka_unit_test(rows_add_what_facets_add),
+        cmocka_unit_test(visits_keep_rows_positive),
+        cmocka_unit_test(the_energy_is_that_of_the_definition),
+        cmocka_unit_test(variants_with_rows_give_the_same_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -147,6 +147,52 @@ int cell_star_corners(const cell_star *s, int facet) {
     return shape->n_simplices == 1 ? 1 : shape->n_measured;
 }
 
+pl_star_row cell_star_row(const cell_star *s, int facet) {
+    const int dim = s->dim;
+    const double share = 1.0 / cell_star_corners(s, facet);
+    long double x[3] = {0, 0, 0};
+    for (int d = 0; d < dim; d++)
+        x[d] = s->coordinates[d];
+    const cell_corner here = cell_star_corner(s, facet, x);
+    const long double power = dim == 3 ? 4.0L / 3 : 2;
+    pl_star_row row = {.weight = share,
+                       .share = 1,
+                       .size = 1,
+                       .factor = (double)(powl(here.ideal_determinant, power) / (dim * dim)),
+                       .e = (double)here.squares,
+                       .D0 = (double)here.D};
+    for (int d = 0; d < dim; d++) {
+        long double up[3], down[3];
+        memcpy(up, x, sizeof up);
+        memcpy(down, x, sizeof down);
+        up[d] += 1;
+        down[d] -= 1;
+        const cell_corner above = cell_star_corner(s, facet, up);
+        const cell_corner below = cell_star_corner(s, facet, down);
+        row.c = (double)((above.squares + below.squares) / 2 - here.squares);
+        row.slope_e[d] = (double)((above.squares - below.squares) / 4);
+        row.slope_d[d] = (double)((above.D - below.D) / 2);
+    }
+    return row;
+}
+
+/** A pl_star_more_fn: user is the star. */
+static int64_t rows_of(const void *user, int64_t star, pl_star_row *row) {
+    const cell_star *s = user;
+    (void)star;
+    memcpy(row, s->row, (size_t)s->n_rows * sizeof *row);
+    return s->n_rows;
+}
+
+void cell_star_use_rows(cell_star *s, int n) {
+    s->n_rows = n;
+    s->has_more = n > 0;
+    s->problem.more = rows_of;
+    s->problem.more_user = s;
+    s->problem.has_more = &s->has_more;
+    s->problem.max_more = CELL_STAR_MAX_ROWS;
+}
+
 /* ---- making ---------------------------------------------------------------------------------- */
 
 /** Append the link facet opposite the star's node of the corner of a cell, if it is there. */
@@ -231,7 +277,9 @@ void cell_star_create(cell_star *s, int dim, const pl_cell_shape *shape, int n, 
         for (int j = 0; j < dim; j++)
             pl_link_set(&link, f * dim + j, s->facet[f][j] - 1);
     memset(s->changed, 1, sizeof s->changed);
-    s->scratch = pl_alloc(pl_star_scratch_size(dim, CELL_STAR_MAX_NODES, CELL_STAR_MAX_FACETS), 1);
+    s->scratch = pl_alloc(
+        pl_star_scratch_size(dim, CELL_STAR_MAX_NODES, CELL_STAR_MAX_FACETS, CELL_STAR_MAX_ROWS),
+        1);
     s->guard = (pl_star_guard){.ratio_weight = 1, .worst_limit = 1};
     s->problem = (pl_star_problem){.coordinates = s->coordinates,
                                    .node = &s->centre,

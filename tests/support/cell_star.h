@@ -50,6 +50,13 @@ typedef struct cell_corner {
 } cell_corner;
 cell_corner cell_star_corner(const cell_star *star, int facet, const long double *x);
 
+/** The further row that a facet would be: the same D and mu^2 for any move of the node; its weight is
+ *  the corner's share. */
+pl_star_row cell_star_row(const cell_star *star, int facet);
+
+/** Have the problem heed the first n rows of star->row. */
+void cell_star_use_rows(cell_star *star, int n);
+
 /** Corners of the cell of a facet: what share a corner has in its cell. */
 int cell_star_corners(const cell_star *star, int facet);
 

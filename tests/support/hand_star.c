@@ -110,7 +110,7 @@ void hand_star_create(hand_star *s, int dim, double unevenness, unsigned seed) {
         s->coordinates[d] = 0.3 * unevenness * (2 * uniform(&state) - 1);
     hand_star_pack_link(s);
     memset(s->changed, 1, sizeof s->changed);
-    s->scratch = pl_alloc(pl_star_scratch_size(dim, s->ring_offset[1], s->link_offset[1]), 1);
+    s->scratch = pl_alloc(pl_star_scratch_size(dim, s->ring_offset[1], s->link_offset[1], 0), 1);
     s->problem = (pl_star_problem){.coordinates = s->coordinates,
                                    .node = &s->node,
                                    .ring_offset = s->ring_offset,

@@ -186,6 +186,7 @@ int pl_tangle_add_rows(pl_tangle *t, int64_t *n, planish_error *error) {
     if (status)
         pl_marked_destroy(&t->marked);
     t->marked.in_patch = t->in_patch;
+    t->marked.size = t->asked.size;
     pl_marked_use(&t->marked, &t->problem);
     return status;
 }
@@ -281,7 +282,7 @@ static void measure_chunk(void *context, int64_t begin, int64_t end, int thread)
     pl_tangle *t = context;
     const planish_plan *plan = t->run->plan;
     pl_star_energy found = plan->kernel->guarded->energy[plan->dim - 2](
-        &t->problem, begin, end, plan->scratch.kernels + plan->scratch.kernel_stride * thread,
+        &t->problem, begin, end, pl_star_scratch_of(&t->problem, thread),
         t->slope ? t->slope + begin : NULL);
     add_energy(&t->of_thread[thread], &found);
 }
