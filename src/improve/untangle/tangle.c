@@ -183,11 +183,15 @@ int pl_tangle_add_rows(pl_tangle *t, int64_t *n, planish_error *error) {
         return PLANISH_OK;
     pl_marked_destroy(&t->marked);
     const int status = pl_marked_make(&t->run->watch, t->is_marked, 1, &t->marked, error);
-    if (status)
-        pl_marked_destroy(&t->marked);
     t->marked.in_patch = t->in_patch;
     t->marked.size = t->asked.size;
-    pl_marked_use(&t->marked, &t->problem);
+    if (!status) {
+        pl_marked_use(&t->marked, &t->problem);
+        return PLANISH_OK;
+    }
+    t->problem.more = NULL; /* and all goes on without */
+    t->problem.scratch = t->run->problem.scratch;
+    t->problem.scratch_stride = t->run->problem.scratch_stride;
     return status;
 }
 
