@@ -106,8 +106,9 @@ typedef struct cell_walk {
     int64_t n;
     int32_t number; /* of its type */
     const io_element_type *type;
-    int fate; /* CELL_... or the dimension, */
-    int mids; /* and how many of the nodes are mids of a cell that is kept */
+    int fate;  /* CELL_... or the dimension, */
+    int mids;  /* and how many of the nodes are mids of a cell that is kept */
+    int other; /* the planish_cell_type of one that is not; 0: none stands for it */
     int is_stream;
 } cell_walk;
 
@@ -116,6 +117,27 @@ static int fail_cell(const cell_walk *walk, const char *text) {
     const int64_t cell = walk->grid->first_cell + walk->index - 1;
     return pl_fail_at(walk->error, PLANISH_ERROR_FORMAT, cell, -1, "%s: cell %lld (from 0): %s",
                       walk->model->input.path, (long long)cell, text);
+}
+
+/** Return the planish_cell_type of the cell that the walk is at; 0: none stands for it. Of
+ *  Lagrange cells those are whose order follows from their number of nodes, and whose nodes are in
+ *  the order of the type with that many in every version of VTK. */
+static int other_type(const cell_walk *walk) {
+    const int32_t type = walk->number;
+    const int as = walk->n <= MOST_NODES ? io_cell_type(walk->type->shape, (int)walk->n) : 0;
+    if (walk->type->nodes > 0)
+        return as;
+    if (type < VTK_LAGRANGE_TRIANGLE || type > VTK_LAGRANGE_WEDGE)
+        return 0;
+    switch (as) {
+    case PLANISH_CELL_QUADRILATERAL:
+    case PLANISH_CELL_HEXAHEDRON:
+    case PLANISH_CELL_WEDGE:
+    case PLANISH_CELL_QUADRILATERAL9:
+        return as;
+    default:
+        return 0;
+    }
 }
 
 /** Find out about the type of the cell that next_cell has come to. */
@@ -130,6 +152,7 @@ static int take_type(cell_walk *walk, int32_t number) {
     }
     walk->mids = walk->type->order == 2 ? mids_of(number, walk->n) : 0;
     walk->fate = walk->mids > 0 ? io_element_dim(walk->type) : fate_of(walk->type, walk->n);
+    walk->other = walk->fate == CELL_HELD ? other_type(walk) : 0;
     return PLANISH_OK;
 }
 
@@ -176,31 +199,12 @@ int vtk_faces_hold(io_model *model, const vtk_grid *grid, const int32_t *stream,
     return at == n ? 0 : -1;
 }
 
-/** Return the planish_cell_type of the cell that next_cell came to; 0: none stands for it. Of
- *  Lagrange cells those are whose order follows from their number of nodes, and whose nodes are in
- *  the order of the type with that many in every version of VTK. */
-static int other_type(const cell_walk *walk) {
-    const int32_t type = walk->grid->type[walk->index - 1];
-    const int as = walk->n <= MOST_NODES ? io_cell_type(walk->type->shape, (int)walk->n) : 0;
-    if (walk->type->nodes > 0)
-        return as;
-    if (type < VTK_LAGRANGE_TRIANGLE || type > VTK_LAGRANGE_WEDGE)
-        return 0;
-    switch (as) {
-    case PLANISH_CELL_QUADRILATERAL:
-    case PLANISH_CELL_HEXAHEDRON:
-    case PLANISH_CELL_WEDGE:
-    case PLANISH_CELL_QUADRILATERAL9:
-        return as;
-    default:
-        return 0;
-    }
-}
-
-/** How many cells of one dimension are kept, the first and last of them, and whether any has mids. */
+/** How many cells of one dimension are kept, the first and last of them, and whether any has mids; and
+ *  how many others there are, and nodes of these. */
 typedef struct cell_tally {
     int64_t n, first, last;
     int has_mids;
+    int64_t n_others, n_nodes;
 } cell_tally;
 
 /** Check all cells, count the simplices by their dimension, hold the nodes of those that no type
@@ -230,8 +234,12 @@ static int survey_cells(io_model *model, cell_walk walk, cell_tally tally[4]) {
             continue;
         }
         io_element_count(model, walk.type, 1);
-        if (other_type(&walk))
+        if (walk.other) {
+            cell_tally *others = &tally[io_cell_type_dim(walk.other)];
+            others->n_others++;
+            others->n_nodes += walk.n;
             continue;
+        }
         if (walk.is_stream && vtk_faces_hold(model, walk.grid, walk.nodes, walk.n))
             return fail_cell(&walk, "its faces are not what a polyhedron's list has: how many, and "
                                     "of each how many nodes, and which");
@@ -249,13 +257,12 @@ static int add_other(io_model *model, const cell_walk *walk) {
     const vtk_grid *grid = walk->grid;
     const int64_t cell = walk->index - 1;
     const int has_rows = grid->type[cell] == VTK_PIXEL || grid->type[cell] == VTK_VOXEL;
-    const int type = other_type(walk);
     int32_t nodes[MOST_NODES];
-    if (type == 0)
+    if (walk->other == 0)
         return PLANISH_OK;
     for (int64_t k = 0; k < walk->n; k++)
         nodes[k] = (int32_t)(grid->first_point + walk->nodes[has_rows ? rows[k] : k]);
-    return io_model_add_other(model, type, nodes, IO_NO_ENTITY, grid->first_cell + cell,
+    return io_model_add_other(model, walk->other, nodes, IO_NO_ENTITY, grid->first_cell + cell,
                               walk->error);
 }
 
@@ -292,6 +299,8 @@ int vtk_cells_store(io_model *model, const vtk_grid *grid, planish_error *error)
         status = io_cells_reserve(model, dim, t->n, 0, has_gaps || grid->is_piece, error);
         if (!status && t->has_mids)
             status = io_cells_reserve_mids(model, dim, error);
+        if (!status && t->n_others > 0)
+            status = io_others_reserve(model, dim, t->n_others, t->n_nodes, 0, error);
     }
     while (!status && walk.index < grid->n) {
         status = next_cell(&walk);
