@@ -757,6 +757,47 @@ static void cells_invalid_inside_are_mended(void **state) {
     cell_box_destroy(box);
 }
 
+/** Smooth a box with an allocation that fails; returns whether it did. */
+static int without_one_of_cells(const cell_box *box, int64_t permitted, int64_t inverted) {
+    planish_options options = test_options(1);
+    planish_mesh mesh = box->mesh;
+    planish_cell_quality after;
+    planish_plan *plan;
+    double *x = test_copy_of(&mesh);
+    options.max_sweeps = 1;
+    assert_int_equal(planish_plan_create(&mesh, &options, &plan, NULL), 0);
+    allocations_fail_one(permitted);
+    const int status = planish_smooth(plan, x, &options, NULL, NULL);
+    allocations_permit(-1);
+    const int failed = allocations_failed();
+    planish_plan_destroy(plan);
+    assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
+    mesh.coordinates = x;
+    assert_int_equal(planish_measure_cells(&mesh, 0, 1, &after, NULL, NULL), 0);
+    assert_true(after.all.n_inverted <= inverted);
+    if (status == PLANISH_ERROR_MEMORY)
+        assert_memory_equal(x, box->x, test_bytes_of(&mesh));
+    free(x);
+    return failed;
+}
+
+static void without_memory_cells_are_not_spoilt(void **state) {
+    (void)state;
+    for (int kind = 0; kind <= N_BOX_KINDS; kind++) {
+        cell_box *box =
+            kind < N_BOX_KINDS ? cell_box_create((cell_box_kind)kind, 3) : create_turned();
+        planish_cell_quality before;
+        int64_t n = 0;
+        if (kind < N_BOX_KINDS)
+            cell_box_shake(box, 2, 9);
+        assert_int_equal(planish_measure_cells(&box->mesh, 0, 1, &before, NULL, NULL), 0);
+        while (without_one_of_cells(box, n, before.all.n_inverted))
+            n++;
+        assert_true(n > 10);
+        cell_box_destroy(box);
+    }
+}
+
 /** A corner of the box whose fixed nodes alone invert it: its cell is named, all else is mended. */
 static void hopeless_cells_are_named(void **state) {
     static const cell_box_kind kinds[] = {BOX_QUADRILATERALS, BOX_HEXAHEDRA, BOX_WEDGES};
@@ -838,6 +879,7 @@ int main(void) {
         cmocka_unit_test(cells_of_order_2_are_untangled),
         cmocka_unit_test(cells_may_be_stopped_at_any_call),
         cmocka_unit_test(cells_invalid_inside_are_mended),
+        cmocka_unit_test(without_memory_cells_are_not_spoilt),
         cmocka_unit_test(hopeless_cells_are_named),
         cmocka_unit_test(bits_of_cells_do_not_depend_on_threads_or_kernel),
     };
