@@ -98,3 +98,90 @@ void pl_corner_forms_make(int dim, pl_corner_form form[PL_N_FORMS]) {
                 make_form(pl_cell_type_of(TYPE[dim - 2][kind])->shape, place, turned,
                           &form[pl_form_code(pl_corner_code(kind, 0), place, turned)]);
 }
+
+/* ---- mean ratios of sharp corners --------------------------------------------------------------
+ *
+ * With T = J W^-1, W the ideal corner and det T = 1, edge i of a corner is T w_i, and with S = T^T T
+ * mu = trace S / dim and 1 / SJ^2 = f = prod w_i^T S w_i. What is wanted is the least mu with
+ * f >= A. Let det S >= 1 be enough; then that is a convex problem, as log f and log det are concave,
+ * and its solution has the symmetries of the ideal corner. So S is diag(a, b, b) along the axis of a
+ * tetrahedron; diag(p, q, r) for a wedge, p along the middle of its triangle's edges; of a pyramid
+ * the plane of its axis and of the middle of its base's edges decouples from the third direction. */
+
+/** Least mu of a corner of a triangle with f >= A, y its root: of 3 p + q = 4 y and p q = 1. */
+static double least_of_triangle(double y) {
+    return (4 * y - sqrt(4 * y * y - 3)) / 3;
+}
+
+/** Of a tetrahedron, c the cube root of A: (2 a + b) / 3 = c and a b^2 = 1, which is
+ *  b^3 - 3 c b^2 + 2 = 0 with b <= 1; mu = (c + b) / 2. */
+static double least_of_tetrahedron(double c) {
+    enum { STEPS = 60 };
+    double low = 0, high = 1;
+    for (int i = 0; i < STEPS; i++) {
+        const double b = (low + high) / 2;
+        if (b * b * (b - 3 * c) + 2 > 0)
+            low = b;
+        else
+            high = b;
+    }
+    return (c + low) / 2;
+}
+
+/** Trace of S, three mu, of a pyramid where the base's edges have 2 k = S_uu + S_vv, and a = S_uu, v
+ *  the third direction: f = A says S_uz, and det S = 1 leaves a quadratic equation for S_zz. */
+static double trace_of_pyramid(double acuteness, double k, double a) {
+    const double m = acuteness / (k * k), square = 2 * m * a - 1 / (2 * k - a);
+    return 2 * k + 2 * m + a - 2 * sqrt(square > 0 ? square : 0);
+}
+
+enum { GOLDEN_STEPS = 45 };
+static const double GOLDEN = 0.61803398874989485;
+
+/** Least trace of a pyramid with that k. */
+static double least_trace(double acuteness, double k) {
+    const double half = k * sqrt(1 - 1 / (2 * acuteness)); /* where det S = 1 can be had */
+    double low = k - half, high = k + half;
+    for (int i = 0; i < GOLDEN_STEPS; i++) {
+        const double one = high - GOLDEN * (high - low), two = low + GOLDEN * (high - low);
+        if (trace_of_pyramid(acuteness, k, one) < trace_of_pyramid(acuteness, k, two))
+            high = two;
+        else
+            low = one;
+    }
+    return trace_of_pyramid(acuteness, k, (low + high) / 2);
+}
+
+/** Least mu of a corner of a pyramid, c the cube root of A. */
+static double least_of_pyramid(double acuteness, double c) {
+    double low = c / 4, high = 4 * c;
+    for (int i = 0; i < GOLDEN_STEPS; i++) {
+        const double one = high - GOLDEN * (high - low), two = low + GOLDEN * (high - low);
+        if (least_trace(acuteness, one) < least_trace(acuteness, two))
+            high = two;
+        else
+            low = one;
+    }
+    return least_trace(acuteness, (low + high) / 2) / 3;
+}
+
+double pl_blunt_mean_square(int dim, unsigned kinds, double acuteness) {
+    if (!(acuteness < INFINITY))
+        return INFINITY;
+    if (!(acuteness > 1))
+        return 0;
+    const double root = sqrt(acuteness), cube_root = pl_cube_root(acuteness);
+    const double margin = 1 - 1e-6 - 0x1p-48 * root; /* of the searches, and of D's rounding */
+    double least = dim == 3 ? cube_root : root;      /* of hexahedra, quadrilaterals */
+    if (dim == 2 && kinds & 1U << PL_KIND_SIMPLEX)
+        least = fmin(least, least_of_triangle(root));
+    if (dim == 3 && kinds & 1U << PL_KIND_SIMPLEX)
+        least = fmin(least, least_of_tetrahedron(cube_root));
+    if (dim == 3 && kinds & 1U << PL_KIND_WEDGE) {
+        const double plane = pl_cube_root(least_of_triangle(root));
+        least = fmin(least, plane * plane);
+    }
+    if (dim == 3 && kinds & 1U << PL_KIND_PYRAMID)
+        least = fmin(least, least_of_pyramid(acuteness, cube_root));
+    return margin > 0 ? margin * (least * least) : 0;
+}

@@ -84,25 +84,9 @@ PL_INLINE double pl_mean_square(int dim, double e, double d) {
     return root * root;
 }
 
-/** mu^2 up to which no corner has a larger 1 / SJ^2 than acuteness; kinds: bit 1 << kind of those
- *  that there are.
- *
- * With T = J W^-1, W the ideal corner, edge i of the corner is T w_i, and SJ = det T / prod |T w_i|.
- * The product is at most the power dim / 2 of the mean of the squares, which is trace(T W W^T T^T) /
- * dim <= lambda |T|^2 / dim = lambda mu det(T)^(2 / dim), lambda the largest eigenvalue of W W^T.
- * Hence 1 / SJ^2 <= (lambda mu)^dim. */
-static inline double pl_blunt_mean_square(int dim, unsigned kinds, double acuteness) {
-    /* Triangle 3/2, quadrilateral 1; tetrahedron 2, hexahedron 1, wedge 3/2, pyramid 1 + sqrt(1/2). */
-    static const double LAMBDA[2][4] = {{1.5, 1, 0, 0}, {2, 1, 1.5, 1.70710678118654753}};
-    double lambda = 1;
-    for (int kind = 0; kind < 4; kind++)
-        if (kinds >> kind & 1)
-            lambda = fmax(lambda, LAMBDA[dim - 2][kind]);
-    if (!(acuteness < INFINITY))
-        return INFINITY;
-    const double root = dim == 3 ? pl_cube_root(acuteness) : sqrt(acuteness);
-    return (1 - 1e-9) * (root / lambda * (root / lambda));
-}
+/** Return the mu^2 up to which no corner has a larger 1 / SJ^2 than acuteness; kinds: bit 1 << kind of
+ *  those that there are. */
+double pl_blunt_mean_square(int dim, unsigned kinds, double acuteness);
 
 /** The corner of a hexahedron that shares no face with corner index. */
 static inline int pl_opposite_corner(int index) {

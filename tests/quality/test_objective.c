@@ -801,7 +801,7 @@ static void blunt_corners_are_not_sharp(void **state) {
                 }
             }
         }
-        assert_true(nearest > (types == 0 ? 0.2L : 0.3L));
+        assert_true(nearest > 0.97L);
     }
 }
 
