@@ -254,11 +254,12 @@ static const uint8_t BRICK_EDGE[3][4][2] = {{{0, 1}, {4, 5}, {3, 2}, {7, 6}},
 
 PL_INLINE void find_brick_edges(const pl_brick_block *b, brick_edges *e) {
     floats x[8][3];
-    memcpy(x, b->x, sizeof x);
     e->size = floats_of(0);
     for (int i = 0; i < 8; i++)
-        for (int d = 0; d < 3; d++)
+        for (int d = 0; d < 3; d++) {
+            memcpy(&x[i][d], b->x[i][d], sizeof x[i][d]);
             e->size = floats_max(floats_abs(x[i][d]), e->size);
+        }
     for (int m = 0; m < 3; m++) {
         floats square = floats_of(0);
         for (int i = 0; i < 4; i++) {
@@ -274,7 +275,8 @@ PL_INLINE void find_brick_edges(const pl_brick_block *b, brick_edges *e) {
 /** Find the least coefficient of those at corners, and of the others. */
 PL_INLINE void find_brick_least(const brick_edges *e, floats least[2]) {
     floats sum[3][3][3];
-    memset(sum, 0, sizeof sum);
+    for (int i = 0; i < 27; i++)
+        sum[i / 9][i / 3 % 3][i % 3] = floats_of(0);
     for (int k = 0; k < 2; k++)       /* of V; V_ik is 2 i + k, */
         for (int j = 0; j < 2; j++) { /* of W; W_ij is 2 i + j */
             floats normal[3][3], other[3];

@@ -61,11 +61,10 @@ pl_validity pl_validity_of_lane(const pl_jacobian_rule *rule, const pl_jacobian_
 
 /** Block of hexahedra by their corners, one per lane, in floats. */
 typedef struct pl_brick_block {
-    float x[8][3]
-           [PL_JACOBIAN_LANES]; /* less a place that is near; a reflection if the mesh's sign of
-                                         the lane is -1 */
-    float floor
-        [PL_JACOBIAN_LANES]; /* what coefficients are to be above, det J in edges; at least 0 */
+    /* Less a place that is near; numbered so that det J is to be positive. */
+    float x[8][3][PL_JACOBIAN_LANES];
+    /* What coefficients are to be above, det J in edges; at least 0. */
+    float floor[PL_JACOBIAN_LANES];
     /* How far corners may go, added up, while the 19 coefficients that are at no corner stay above
        floor; 0 or less, or NaN: floats do not tell that all 27 are above it. */
     float room[PL_JACOBIAN_LANES];

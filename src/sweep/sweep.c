@@ -155,7 +155,7 @@ enum { AHEAD = 3 };
 
 /** Ask for what visits of later stars will read and write: of some their rings, of the next ones
  *  their watched cells, then what these are. */
-static void fetch_ahead(const colour_pass *pass, int64_t star, int64_t end) {
+PL_AT_ONCE void fetch_ahead(const colour_pass *pass, int64_t star, int64_t end) {
     const pl_star_problem *problem = pass->problem;
     const pl_watch *watch = pass->plan->scratch.watch;
     const int dim = pass->plan->dim;

@@ -326,7 +326,8 @@ static void look_again(pl_watch *w, int32_t node, block *b) {
 
 /** Hexahedra in a block of floats. */
 typedef struct bricks {
-    int n;
+    int n,
+        n_asked; /* lanes in use; the first ones are asked for, others have room, for more of it */
     int32_t of[LANES];
     pl_brick_block block;
 } bricks;
@@ -335,17 +336,15 @@ typedef struct bricks {
 PL_INLINE int add_brick(const pl_watch *w, int32_t i, const double *origin, bricks *b) {
     const double *coordinates = w->plan->scratch.coordinates;
     const int32_t *node = w->node[i];
-    const float sign = (float)sign_of(w, i);
     const int l = b->n;
     float size = 0;
     for (int j = 0; j < 8; j++) {
         const double *x = coordinates + (int64_t)node[j] * 3;
-        const float a = (float)(x[0] - origin[0]), f = (float)(x[1] - origin[1]);
-        const float g = (float)(x[2] - origin[2]);
-        b->block.x[j][0][l] = sign * a;
-        b->block.x[j][1][l] = f;
-        b->block.x[j][2][l] = g;
-        size = fmaxf(fmaxf(size, fabsf(a)), fmaxf(fabsf(f), fabsf(g)));
+        for (int d = 0; d < 3; d++) {
+            const float a = (float)(x[d] - origin[d]), length = fabsf(a);
+            b->block.x[j][d][l] = a;
+            size = length > size ? length : size;
+        }
     }
     b->block.floor[l] = w->floor && w->state[i] & PL_WATCH_ABOVE
                             ? nextafterf((float)(w->floor[i] * 0.125), INFINITY)
@@ -357,8 +356,8 @@ PL_INLINE int add_brick(const pl_watch *w, int32_t i, const double *origin, bric
     return 1;
 }
 
-/** Certify bricks: those that floats certify get their rooms. left [LANES]: the others; returns their
- *  number. */
+/** Certify bricks: those that floats certify get their rooms. left [LANES]: the others that are asked
+ *  for; returns their number. */
 static int certify_bricks(pl_watch *w, bricks *b, int32_t left[LANES]) {
     int n = 0;
     for (int l = b->n; l < LANES; l++) {
@@ -370,12 +369,15 @@ static int certify_bricks(pl_watch *w, bricks *b, int32_t left[LANES]) {
     pl_bricks_certify(&b->block);
     for (int l = 0; l < b->n; l++) {
         const double room = b->block.room[l];
-        if (room > 0)
-            w->room[b->of[l]] = room;
+        double *own = &w->room[b->of[l]];
+        if (l >= b->n_asked)
+            *own = room > *own ? room : *own;
+        else if (room > 0)
+            *own = room;
         else
             left[n++] = b->of[l];
     }
-    b->n = 0;
+    b->n = b->n_asked = 0;
     return n;
 }
 
@@ -398,8 +400,10 @@ static int keep_bricks_valid(pl_watch *w, bricks *h, block *b) {
  */
 static int keep_one_valid(pl_watch *w, int32_t i, const double *origin, bricks *h, block *b) {
     const pl_watch_rule *rule = w->rule[w->type[i]];
-    if (w->type[i] == PLANISH_CELL_HEXAHEDRON && !is_below(w, i) && add_brick(w, i, origin, h))
+    if (w->type[i] == PLANISH_CELL_HEXAHEDRON && !is_below(w, i) && add_brick(w, i, origin, h)) {
+        h->n_asked = h->n;
         return h->n < LANES || keep_bricks_valid(w, h, b);
+    }
     if (is_full(b, rule) && !keep_valid(w, b))
         return 0;
     b->of[b->n] = i;
@@ -412,6 +416,22 @@ void pl_watch_forget(pl_watch *w, int32_t node) {
         w->room[w->watched[k]] = w->type[w->watched[k]] ? 0 : INFINITY;
 }
 
+/** Let those hexahedra at node that have not much room left have the lanes that are free: they would
+ *  ask for a block soon, and in other visits. */
+static void fill_bricks(const pl_watch *w, int32_t node, double length, bricks *h) {
+    enum { SOON = 16 }; /* moves as long as this one: twice of 8 corners */
+    const double *x = w->plan->scratch.coordinates + (int64_t)node * 3;
+    for (int64_t k = w->begin[node]; k < w->begin[node + 1] && h->n < LANES; k++) {
+        const int32_t i = w->watched[k];
+        int is_in = w->type[i] != PLANISH_CELL_HEXAHEDRON || !(w->room[i] > 0) ||
+                    w->room[i] > SOON * length;
+        for (int l = 0; l < h->n; l++)
+            is_in |= h->of[l] == i;
+        if (!is_in)
+            add_brick(w, i, x, h);
+    }
+}
+
 int pl_watch_admit(pl_watch *w, int32_t node, const double *way) {
     static const double origin[3] = {0, 0, 0};
     const int dim = w->plan->dim;
@@ -421,7 +441,7 @@ int pl_watch_admit(pl_watch *w, int32_t node, const double *way) {
     int is_fine = 1, any_bad = 0;
     bricks h;
     block b;
-    h.n = b.n = 0;
+    h.n = h.n_asked = b.n = 0;
     for (int64_t k = w->begin[node]; k < end && is_fine; k++) {
         const int32_t i = w->watched[k];
         const double room = w->room[i] - length;
@@ -433,6 +453,8 @@ int pl_watch_admit(pl_watch *w, int32_t node, const double *way) {
         if (w->state[i] & PL_WATCH_VALID)
             is_fine = keep_one_valid(w, i, x, &h, &b);
     }
+    if (is_fine && h.n > 0)
+        fill_bricks(w, node, length, &h);
     is_fine = is_fine && keep_bricks_valid(w, &h, &b) && keep_valid(w, &b);
     if (!is_fine) /* the node goes back */
         pl_watch_forget(w, node);
@@ -506,7 +528,8 @@ static void measure_corner(const pl_cell_shape *shape, const double *const x[], 
 /** Raise worst to the measures of a watched cell. */
 static void raise_worst(const pl_watch *w, int32_t i, pl_worst_cell *worst) {
     const pl_cell_shape *shape = shape_of(w, i);
-    const double *x[PL_CELL_CORNERS], sign = sign_of(w, pl_watch_cell(w, i));
+    const double *x[PL_CELL_CORNERS];
+    const double sign = shape->n_corners == 8 ? 1 : sign_of(w, pl_watch_cell(w, i));
     double sum = 0;
     for (int j = 0; j < shape->n_corners; j++)
         x[j] = w->plan->scratch.coordinates + (int64_t)w->node[i][j] * shape->dim;
@@ -594,7 +617,7 @@ static void measure_type(pl_watch *w, int type, int64_t begin, int64_t end, meas
     int32_t left[LANES];
     bricks h;
     block b;
-    h.n = b.n = 0;
+    h.n = h.n_asked = b.n = 0;
     for (int64_t i = begin; i <= end; i++) {
         int n_left = 0;
         if (i < end && w->type[i] != type)
@@ -605,6 +628,7 @@ static void measure_type(pl_watch *w, int type, int64_t begin, int64_t end, meas
             w->state[i] = PL_WATCH_VALID;
             if (!is_brick || !add_brick(w, (int32_t)i, x, &h))
                 left[n_left++] = (int32_t)i;
+            h.n_asked = h.n;
         }
         if (h.n == LANES || (i == end && h.n > 0))
             n_left = certify_bricks(w, &h, left);
@@ -1053,8 +1077,9 @@ static void cell_chunk(void *context, int64_t begin, int64_t end, int thread) {
             continue;
         int32_t corner[PL_CELL_CORNERS];
         const int n = pl_plan_cell_corners(w->plan, cell, corner);
-        for (int j = 0; j < PL_CELL_CORNERS; j++)
-            w->node[i][j] = j < n ? w->plan->inner[corner[j]] : -1;
+        const int turned = sign_of(w, cell) < 0 ? n / 2 : 0;
+        for (int j = 0; j < PL_CELL_CORNERS; j++) /* of a hexahedron, top first: a reflection */
+            w->node[i][j] = j < n ? w->plan->inner[corner[n == 8 ? (j + turned) % n : j]] : -1;
     }
 }
 
@@ -1126,6 +1151,32 @@ static int make_lists(search *s) {
     return 1;
 }
 
+/** The lowest inner number of the nodes of a cell. */
+static int32_t lowest_node(const planish_plan *plan, int64_t cell) {
+    int32_t corner[PL_CELL_CORNERS], lowest = INT32_MAX;
+    const int n = pl_plan_cell_corners(plan, cell, corner);
+    for (int j = 0; j < n; j++)
+        lowest = plan->inner[corner[j]] < lowest ? plan->inner[corner[j]] : lowest;
+    return lowest;
+}
+
+/** List all cells of the plan along its curve, so that what visits one after the other need lies
+ *  side by side. */
+static int order_cells(pl_watch *w) {
+    const planish_plan *plan = w->plan;
+    int64_t *place = pl_alloc_zero(plan->work.n_nodes + 1, sizeof *place);
+    if (!place)
+        return 0;
+    for (int64_t cell = 0; cell < w->n; cell++)
+        place[lowest_node(plan, cell) + 1]++;
+    for (int64_t i = 0; i < plan->work.n_nodes; i++)
+        place[i + 1] += place[i];
+    for (int64_t cell = 0; cell < w->n; cell++)
+        w->cell[place[lowest_node(plan, cell)]++] = (int32_t)cell;
+    pl_free(place);
+    return 1;
+}
+
 /** Make the watched cells: curved ones, with corners all. */
 static int make_cells(search *s) {
     pl_watch *w = s->watch;
@@ -1135,7 +1186,7 @@ static int make_cells(search *s) {
     for (int64_t cell = 0; w->is_curved && cell < n_cells; cell++)
         n += w->is_curved[cell];
     w->n = plan->work.corner ? n_cells : n;
-    w->cell = plan->work.corner ? NULL : pl_alloc(w->n, sizeof *w->cell);
+    w->cell = pl_alloc(w->n, sizeof *w->cell);
     w->node = plan->work.corner ? pl_alloc(w->n, sizeof *w->node) : NULL;
     w->type = pl_alloc(w->n, sizeof *w->type);
     w->room = pl_alloc(w->n, sizeof *w->room);
@@ -1144,11 +1195,13 @@ static int make_cells(search *s) {
     w->quality = w->is_curved ? pl_alloc(w->n, sizeof *w->quality) : NULL;
     const int has_floor = plan->work.corner && (plan->work.min_volume || s->min_volume > 0);
     w->floor = has_floor ? pl_alloc(w->n, sizeof *w->floor) : NULL;
-    if ((plan->work.corner ? !w->node : !w->cell) || !w->type || !w->room || !w->state ||
+    if ((plan->work.corner && !w->node) || !w->cell || !w->type || !w->room || !w->state ||
         !w->n_refused_of || (w->is_curved && !w->quality) || (has_floor && !w->floor))
         return 0;
     n = 0;
-    for (int64_t cell = 0; w->cell && cell < n_cells; cell++)
+    if (plan->work.corner && !order_cells(w))
+        return 0;
+    for (int64_t cell = 0; !plan->work.corner && cell < n_cells; cell++)
         if (w->is_curved[cell])
             w->cell[n++] = (int32_t)cell;
     pl_parallel_for(plan->threads, w->n, CHUNK, cell_chunk, s);

@@ -83,9 +83,10 @@ typedef struct pl_watch {
     double rounding;     /* of coordinates, as options say */
     uint8_t *is_curved;  /* [cells of the plan]; NULL: none is */
     int64_t n, n_curved; /* watched cells; curved ones */
-    int32_t *cell;       /* [n] of the plan; NULL: all cells */
+    int32_t *cell;       /* [n] of the plan; all of them with corners, along its curve */
     uint8_t *type;       /* [n] whose rule decides the cell, 0: none */
-    int32_t (*node)[PL_CELL_CORNERS]; /* [n] corners by inner numbers; NULL without cell_begin */
+    int32_t (*node)[PL_CELL_CORNERS]; /* [n] corners by inner numbers, of a
+                                         hexahedron so that det J is to be positive; NULL: no corners */
     double *room;          /* [n] how far nodes of the cell may go, added up, without a decision */
     double *floor;         /* [n] what coefficients shall not fall below; NULL: 0 */
     uint8_t *state;        /* [n] decided where the nodes are */
@@ -113,7 +114,7 @@ static inline int pl_watch_has_mids(const pl_watch *w) {
 
 /** Cell of the plan that is the i-th watched one. */
 static inline int64_t pl_watch_cell(const pl_watch *w, int64_t i) {
-    return w->cell ? w->cell[i] : i;
+    return w->cell[i];
 }
 
 /** Whether the i-th watched cell was valid when it was decided last. */

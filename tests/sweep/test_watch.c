@@ -783,6 +783,7 @@ typedef struct lone_cell {
     int32_t elements[PL_CELL_CORNERS * 4];
     double x[PL_CELL_NODES * 3], start[PL_CELL_NODES * 3];
     pl_jacobian_rule rule;
+    int is_mirrored; /* it is numbered the other way round */
 } lone_cell;
 
 /** Corners of the ideal cell. */
@@ -821,6 +822,8 @@ static void watch_cell(lone_cell *c, double min_volume) {
     planish_plan *plan = &c->plan;
     planish_error error;
     memset(plan, 0, sizeof *plan);
+    for (int i = 0; i < c->type->n_nodes * dim; i += dim)
+        c->x[i] *= c->is_mirrored ? -1 : 1;
     for (int i = 0; i < c->type->n_nodes; i++) {
         c->node[i] = i;
         c->mobility[i] = i < shape->n_corners;
@@ -828,7 +831,7 @@ static void watch_cell(lone_cell *c, double min_volume) {
     }
     for (int e = 0; e < n; e++) {
         c->corner[e] = pl_corner_code(kind, e);
-        c->sign[e] = 1;
+        c->sign[e] = c->is_mirrored ? -1 : 1;
         c->cell_of[e] = 0;
         for (int j = 0; j <= dim; j++)
             c->elements[e * (dim + 1) + j] = is_simplex ? j
@@ -887,13 +890,13 @@ static int is_cell_valid(const lone_cell *c, double *least) {
         for (int d = 0; d < dim; d++)
             b.x[i][d][0] = x[i * dim + d] - x[d];
     for (int l = 0; l < PL_JACOBIAN_LANES; l++)
-        sign[l] = 1;
+        sign[l] = c->sign[0];
     pl_jacobian_evaluate(&c->rule, sign, &b);
     double unit = c->rule.common;
     for (int d = 0; d < dim && c->type->order > 1; d++)
         unit *= 0.5 * c->rule.control_term[0].weight;
     *least = b.least[0] / unit * c->plan.form[pl_form_code(c->corner[0], 0, 0)].volume;
-    return pl_validity_of_lane(&c->rule, &b, 0, c->node, x, 1) == PL_VALID;
+    return pl_validity_of_lane(&c->rule, &b, 0, c->node, x, sign[0]) == PL_VALID;
 }
 
 static int has_positive_corners(const lone_cell *c) {
@@ -902,7 +905,7 @@ static int has_positive_corners(const lone_cell *c) {
         const double *vertex[4];
         for (int j = 0; j <= dim; j++)
             vertex[j] = c->x + c->elements[e * (dim + 1) + j] * dim;
-        if (pl_measure_sign(dim, vertex) <= 0)
+        if (pl_measure_sign(dim, vertex) * c->sign[e] <= 0)
             return 0;
     }
     return 1;
@@ -963,6 +966,7 @@ static void moves_of_valid_cells_are_decided(void **state) {
             for (int i = 0; i < n; i++)
                 c.x[i] += (is_linear_one ? 0.4 : 0.2) * (2 * test_random(&seed) - 1);
             place_mids(&c, trial % 3 ? 0.08 : 0, &seed);
+            c.is_mirrored = trial % 2;
             watch_cell(&c, 0);
             pl_watch_measure(&c.watch);
             for (int m = 0; m < MOVES; m++)
@@ -1015,7 +1019,12 @@ static void nodes_follow_corners(void **state) {
         init_cell(&c, TYPES[t]);
         const int dim = c.type->shape->dim;
         place_mids(&c, 0.05, &seed);
+        c.is_mirrored = t % 2;
         watch_cell(&c, 0);
+        const pl_worst_cell worst = pl_watch_worst(&c.watch, 0);
+        const int is_ideal = c.type->shape->n_corners == (dim == 3 ? 8 : 4);
+        assert_true(is_ideal ? fabs(worst.ar2 - 1) < 1e-15 && fabs(worst.acuteness - 1) < 1e-15
+                             : worst.ar2 > 1 && worst.ar2 < 4 && worst.acuteness < 4);
         for (int corner = 0; corner < c.type->shape->n_corners; corner++) {
             c.x[corner * dim] += 0.25;
             for (int i = c.type->shape->n_corners; i < c.type->n_nodes; i++) {
