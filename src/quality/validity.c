@@ -201,6 +201,13 @@ void pl_jacobian_evaluate(const pl_jacobian_rule *rule, const double sign[], pl_
 
 typedef float floats __attribute__((vector_size(LANES * sizeof(float))));
 typedef int32_t floats_mask __attribute__((vector_size(LANES * sizeof(float))));
+typedef float floats_kept
+    __attribute__((vector_size(LANES * sizeof(float)), aligned(4), may_alias));
+
+/** What is kept in LANES floats. */
+PL_INLINE floats floats_load(const float *kept) {
+    return *(const floats_kept *)kept;
+}
 
 PL_INLINE floats floats_of(float x) {
     return (floats){x, x, x, x, x, x, x, x};
@@ -257,7 +264,7 @@ PL_INLINE void find_brick_edges(const pl_brick_block *b, brick_edges *e) {
     e->size = floats_of(0);
     for (int i = 0; i < 8; i++)
         for (int d = 0; d < 3; d++) {
-            memcpy(&x[i][d], b->x[i][d], sizeof x[i][d]);
+            x[i][d] = floats_load(b->x[i][d]);
             e->size = floats_max(floats_abs(x[i][d]), e->size);
         }
     for (int m = 0; m < 3; m++) {
@@ -275,8 +282,10 @@ PL_INLINE void find_brick_edges(const pl_brick_block *b, brick_edges *e) {
 /** Find the least coefficient of those at corners, and of the others. */
 PL_INLINE void find_brick_least(const brick_edges *e, floats least[2]) {
     floats sum[3][3][3];
-    for (int i = 0; i < 27; i++)
-        sum[i / 9][i / 3 % 3][i % 3] = floats_of(0);
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++)
+            for (int c = 0; c < 3; c++)
+                sum[a][b][c] = floats_of(0);
     for (int k = 0; k < 2; k++)       /* of V; V_ik is 2 i + k, */
         for (int j = 0; j < 2; j++) { /* of W; W_ij is 2 i + j */
             floats normal[3][3], other[3];
@@ -303,8 +312,8 @@ PL_INLINE void find_brick_least(const brick_edges *e, floats least[2]) {
 
 PL_INLINE void certify_bricks(pl_brick_block *b) {
     brick_edges e;
-    floats least[2], floor;
-    memcpy(&floor, b->floor, sizeof floor);
+    floats least[2];
+    const floats floor = floats_load(b->floor);
     find_brick_edges(b, &e);
     find_brick_least(&e, least);
     const float u = 0x1p-24F;
@@ -319,9 +328,8 @@ PL_INLINE void certify_bricks(pl_brick_block *b) {
     const floats a = (least[1] - error - floor) / f, more = floats_of(1) + a / t;
     const floats room = floats_of(1 - 1e-4F) * a / (more * more);
     const floats is_above = (floats)(least[0] - error - floor > floats_of(0));
-    const floats result =
+    *(floats_kept *)b->room =
         floats_select((floats_mask)is_above & (a > floats_of(0)), room, floats_of(0));
-    memcpy(b->room, &result, sizeof result);
 }
 
 #if defined(__x86_64__) && defined(__GNUC__)

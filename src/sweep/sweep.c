@@ -153,31 +153,36 @@ static void visit_one_watched(const colour_pass *pass, int64_t star, double *scr
 /* Stars whose memory is asked for ahead, in visits one at a time. */
 enum { AHEAD = 3 };
 
-/** Ask for what visits of later stars will read and write: of some their rings, of the next ones
- *  their watched cells, then what these are. */
-PL_AT_ONCE void fetch_ahead(const colour_pass *pass, int64_t star, int64_t end) {
+/** Ask for the list of watched cells of a star before end. */
+PL_AT_ONCE void fetch_list(const colour_pass *pass, int64_t star, int64_t end) {
+    if (star < end)
+        pl_watch_fetch_list(pass->plan->scratch.watch, pass->problem->node[star]);
+}
+
+/** Ask for what the visit of a star will read and write beside its list: its ring. */
+PL_AT_ONCE void fetch_ring(const colour_pass *pass, int64_t star, int64_t end) {
     const pl_star_problem *problem = pass->problem;
-    const pl_watch *watch = pass->plan->scratch.watch;
-    const int dim = pass->plan->dim;
-    const int64_t third = star + AHEAD;
-    for (int64_t i = third < end ? problem->ring_offset[third] : 0;
-         third < end && i < problem->ring_offset[third + 1]; i++) {
-        pl_fetch_node(dim, problem->coordinates, problem->ring[i]);
+    for (int64_t i = star < end ? problem->ring_offset[star] : 0;
+         star < end && i < problem->ring_offset[star + 1]; i++) {
+        pl_fetch_node(pass->plan->dim, problem->coordinates, problem->ring[i]);
         pl_fetch_to_write(&problem->changed[problem->ring[i]]);
     }
-    if (star + 2 < end)
-        pl_watch_fetch_list(watch, problem->node[star + 2]);
-    if (star + 1 < end)
-        pl_watch_fetch_cells(watch, problem->node[star + 1]);
 }
 
 /** Visit stars begin .. end - 1 of a mesh with watched cells. */
 static void visit_watched(const colour_pass *pass, int64_t begin, int64_t end, double *scratch,
                           pl_star_tally *tally) {
     const int all = pass->plan->work.corner != NULL;
+    for (int64_t i = begin; all && i < begin + AHEAD; i++) {
+        fetch_ring(pass, i, end);
+        fetch_list(pass, i, end);
+    }
     for (int64_t i = begin; i < end; i++) {
-        if (all)
-            fetch_ahead(pass, i, end);
+        if (all) {
+            fetch_ring(pass, i + AHEAD, end);
+            fetch_list(pass, i + AHEAD, end);
+            pl_watch_fetch_cells(pass->plan->scratch.watch, pass->problem->node[i]);
+        }
         if (!pl_watch_has(pass->plan->scratch.watch, pass->problem->node[i]))
             continue;
         visit_straight(pass, begin, i, scratch, tally);
