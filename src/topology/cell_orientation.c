@@ -24,7 +24,7 @@
 enum {
     FACET_NODES = 4,
     FACETS = PL_CELL_FACET_PLACES,
-    FEW = 64,         /* facets at a node that are compared one by one; more are sorted */
+    FEW = 256,        /* facets at a node that are compared one by one; more are sorted */
     CHUNK = 4096,     /* elements, */
     NODE_CHUNK = 1024 /* or nodes, that one thread looks at at a time */
 };
