@@ -199,14 +199,16 @@ def check(before, after, report):
             faces[face] = faces.get(face, 0) + 1
     boundary = {p for face, n in faces.items() if n == 1 for p in face}
     slides = r["mesh"]["sliding_nodes"] > 0
-    n_moved = 0
+    n_moved, off = 0, set()
     for e in elements:
         for k, (a, b) in enumerate(MIDS[dim]):
             mid, ends = e[dim + 1 + k], (e[a], e[b])
             ways = [minus(y[p], x[p]) for p in ends]
             wanted = [c + (u + v) / 2 for c, u, v in zip(x[mid], *ways)]
-            assert math.dist(y[mid], wanted) <= rounding, "a mid follows by half of the way of both ends"
+            if math.dist(y[mid], wanted) > rounding:
+                off.add(mid)
             n_moved += any(ways[0]) or any(ways[1])
+    assert len(off) <= r["released_mids"], "a mid follows by half of the way of both ends"
     assert n_moved > 10 and (slides or all(x[p] == y[p] for p in boundary))
     states = [[least_det(x, z, e) > 0 for e in elements] for z in (x, y)]
     assert all(new or not old for old, new in zip(*states)), "an element that was valid is not"
@@ -220,7 +222,8 @@ def check(before, after, report):
     assert r["after"]["counts"] == {name: len(elements)} and list(r["after"]["by_type"]) == [name]
     n_curved = sum(any(math.dist(x[e[dim + 1 + k]], middle([x[e[a]], x[e[b]]])) > 1e-3 for k, (a, b) in
                        enumerate(MIDS[dim])) for e in elements)
-    assert r["before"]["curved"] == r["after"]["curved"] == n_curved > 2, (r["after"]["curved"], n_curved)
+    assert r["before"]["curved"] == n_curved > 2, n_curved
+    assert r["after"]["curved"] == n_curved or r["released_mids"] > 0, r["after"]["curved"]
     mesh = r["mesh"]
     assert (mesh["free_nodes"] + mesh["sliding_nodes"] + mesh["mid_side_nodes"] + sum(mesh["held"].values())
             == mesh["nodes"] and mesh["unused_nodes"] == 0 < mesh["mid_side_nodes"])

@@ -142,12 +142,9 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
                    n_others);
     if (validity->n_inside > 0)
         add_reason(result,
-                   "%" PRId64 " of these %s inverted inside%s, though the corners are right%s",
+                   "%" PRId64 " of these %s inverted inside%s, though the corners are right",
                    validity->n_inside, validity->n_inside == 1 ? "is" : "are",
-                   job->has_types ? "" : " by mid-side nodes",
-                   job->has_types            ? ""
-                   : validity->n_inside == 1 ? ": moving corners alone did not repair it"
-                                             : ": moving corners alone did not repair them");
+                   job->has_types ? "" : " by mid-side nodes");
     if (job->plan_info.n_wrapped > 0)
         add_reason(result,
                    "elements that wrap around a periodic domain (%" PRId64 ") look inverted",
@@ -344,6 +341,9 @@ static int check_result(pl_job *job, pl_result *result) {
                                    ? pl_validity_faults(&result->validity_after, &result->after)
                                    : result->after.n_inverted;
     if ((status = pl_unfixable_find(job, n_inverted, smooth, &result->unfixable)))
+        return status;
+    if ((status = pl_unfixable_add_inside(job, &result->validity_after, smooth->n_hopeless,
+                                          &result->unfixable)))
         return status;
     if ((status = pl_reversed_compare(job, &result->after, &result->reversed)))
         return status;

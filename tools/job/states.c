@@ -147,6 +147,22 @@ int pl_unfixable_find(const pl_job *job, int64_t n_inverted, const planish_resul
     return status;
 }
 
+int pl_unfixable_add_inside(const pl_job *job, const pl_validity *validity, int64_t n_hopeless,
+                            pl_unfixable *unfixable) {
+    if (validity->n_inside == 0 || n_hopeless < validity->n_inside)
+        return 0;
+    if (!unfixable->state)
+        unfixable->state = calloc((size_t)job->mesh.n_elements + 1, 1);
+    if (!unfixable->state)
+        return pl_job_complain_memory(job, "states of elements");
+    for (int64_t i = 0; i < job->mesh.n_elements; i++)
+        if (validity->state[i] == PL_INVERTED_INSIDE && !unfixable->state[i]) {
+            unfixable->state[i] = PL_UNFIXABLE;
+            unfixable->n++;
+        }
+    return 0;
+}
+
 void pl_unfixable_free(pl_unfixable *unfixable) {
     free(unfixable->state);
     unfixable->state = NULL;

@@ -65,6 +65,10 @@ const char *pl_holder_option(const pl_job *job, pl_holder holder);
 int pl_unfixable_find(const pl_job *job, int64_t n_inverted, const planish_result *smooth,
                       pl_unfixable *unfixable);
 
+/** Add the elements that are inverted inside, if all of them are proved hopeless. */
+int pl_unfixable_add_inside(const pl_job *job, const pl_validity *validity, int64_t n_hopeless,
+                            pl_unfixable *unfixable);
+
 /** Number of those that options hold. */
 int64_t pl_unfixable_held(const pl_unfixable *unfixable);
 

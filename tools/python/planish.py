@@ -335,7 +335,9 @@ class Result(_Printed):
         ("n_curved", c_int64),
         ("n_inverted_inside", c_int64),
         ("n_refused", c_int64),
-        ("reserved", c_int64 * 4),
+        ("n_released_mids", c_int64),
+        ("n_hopeless", c_int64),
+        ("reserved", c_int64 * 2),
     ]
 
     @property

@@ -557,6 +557,8 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_integer(&json, root, "held_outside", result->smooth.n_held_outside);
     if (result->validity_after.is_known) {
         add_integer(&json, root, "refused_moves", result->smooth.n_refused);
+        add_integer(&json, root, "released_mids", result->smooth.n_released_mids);
+        add_integer(&json, root, "hopeless_curved", result->smooth.n_hopeless);
         add_elements(&json, root, "inverted_inside", job, result->validity_after.state,
                      PL_INVERTED_INSIDE, NULL);
     }

@@ -456,6 +456,10 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
     if (n_outside > 0)
         pl_note(stream, "%" PRId64 " %s outside the bounds and stayed there", n_outside,
                 word_for(n_outside, "node was", "nodes were"));
+    if (result->smooth.n_released_mids > 0)
+        pl_note(stream, "%" PRId64 " mid-side %s by %s", result->smooth.n_released_mids,
+                word_for(result->smooth.n_released_mids, "node has moved", "nodes have moved"),
+                word_for(result->smooth.n_released_mids, "itself", "themselves"));
     if (result->smooth.n_refused > 0 && job->mesh.cells)
         pl_note(stream, "%" PRId64 " %s refused, which would have inverted an element",
                 result->smooth.n_refused,
