@@ -51,6 +51,7 @@ typedef struct pl_tangle {
     int64_t n_tangled;     /* cells with an element whose state is PL_TANGLED, or invalid inside */
     int stopped;           /* a planish_stop: the run is to end before anything is done */
     int64_t n_patch;       /* nodes of the patch */
+    int64_t n_in_vain;     /* and of one that was solved with the same rows in vain; 0: none */
     pl_star_energy energy; /* of the patch, as computed last */
 } pl_tangle;
 

@@ -60,8 +60,9 @@ static const rung LADDER_OF_ROUNDS[] = {
     {.rings = 16, .solve = QUICK}, {.rings = PL_ALL_RINGS, .solve = QUICK},
 };
 enum { N_RUNGS_OF_ROUNDS = sizeof LADDER_OF_ROUNDS / sizeof *LADDER_OF_ROUNDS };
-/* A rung may invalidate cells beside; these get rows and it is climbed again, at most so often. */
-enum { CLIMBS_OF_RUNG = 12 };
+/* A rung may invalidate cells beside; these get rows and it is climbed again, at most so often, and
+ * until so many climbs in a row have left no fewer. */
+enum { CLIMBS_OF_RUNG = 12, VAIN_CLIMBS = 3 };
 
 /* Rings of elements around tangled ones that are evened out after these were solved. */
 enum { EVENED_RINGS = 40 };
@@ -221,6 +222,8 @@ static const struct {
     [PATIENT] = {1, 200, 1000, 1e-6, 1.5e9}, /* meets shears of ten times a domain's width */
 };
 enum { CALM_ITERATIONS = 3 };
+/* A further row takes as long as so many link facets. */
+enum { FACETS_PER_ROW = 10 };
 /* However large the patch, it gets so many evaluations. */
 enum { LEAST_EVALUATIONS = 100 };
 /* An epsilon this far below what is still inverted helps no more. */
@@ -277,8 +280,12 @@ static int solve_patch(pl_tangle *t, patience how, int evens_out) {
         pl_lbfgs_destroy(&d.m);
         return 0;
     }
-    for (int64_t i = 0; i < d.m.p.n; i++)
-        facets += stars->link_offset[d.m.p.star[i] + 1] - stars->link_offset[d.m.p.star[i]];
+    for (int64_t i = 0; i < d.m.p.n; i++) {
+        const int32_t star = d.m.p.star[i];
+        facets += stars->link_offset[star + 1] - stars->link_offset[star];
+        if (t->problem.more && t->problem.has_more[star])
+            facets += FACETS_PER_ROW * t->problem.max_more;
+    }
     pl_parts_add(&facets, 1);
     d.most = (int64_t)fmax(PATIENCE[how].visits / (double)(facets + 1), LEAST_EVALUATIONS);
     if (evens_out) {
@@ -315,10 +322,11 @@ static int climb_rung(pl_tangle *t, const rung *step) {
     pl_tangle_find_sizes(t);
     if (push_offs(t, step->push_offs) || regularised_sweeps(t, step->sweeps))
         return 1;
-    if (step->solve == NOT_AT_ALL)
+    if (step->solve == NOT_AT_ALL || (t->is_inside && t->n_patch == t->n_in_vain))
         return 0;
     if (solve_patch(t, step->solve, 0))
         return 1;
+    t->n_in_vain = t->energy.tangled > 0 ? t->n_patch : 0;
     if (t->energy.tangled > 0)
         return 0;
     pl_tangle_mark(t, step->rings > EVENED_RINGS ? step->rings : EVENED_RINGS);
@@ -328,13 +336,17 @@ static int climb_rung(pl_tangle *t, const rung *step) {
 /** Do what the rung says in rounds: cells that it has left invalid inside get rows, and it is climbed
  *  again from there. Not 0 if cut short. */
 static int climb_in_rounds(pl_tangle *t, const rung *step) {
-    for (int i = 0; i < CLIMBS_OF_RUNG; i++) {
+    int64_t fewest = INT64_MAX;
+    for (int i = 0, vain = 0; i < CLIMBS_OF_RUNG && vain < VAIN_CLIMBS; i++) {
         int64_t n_new = 0;
         if (climb_rung(t, step))
             return 1;
         pl_tangle_find(t);
         if (!t->is_inside || t->n_tangled == 0 || pl_tangle_add_rows(t, &n_new, NULL) || n_new == 0)
             return 0;
+        vain = t->n_tangled < fewest ? 0 : vain + 1;
+        fewest = t->n_tangled < fewest ? t->n_tangled : fewest;
+        t->n_in_vain = 0;
     }
     return 0;
 }
@@ -360,7 +372,9 @@ static int climb(pl_tangle *t, int raises, const rung *ladder, int n) {
             (pl_tangled(before) > 0 || t->is_inside || raises ||
              (now->radius_max <= before->radius_max && pl_run_objective(r) <= objective));
         pl_trial_end(&trial, is_taken);
-        if (!is_taken)
+        if (is_taken)
+            t->n_in_vain = 0;
+        else
             pl_tangle_find(t);
     }
     return stopped;
