@@ -108,8 +108,7 @@ def rms_of(report):
 
 def worth(report):
     untangle = [sweep for sweep in report["sweeps"] if sweep["phase"] == "untangle"]
-    inside = report["after"].get("inverted_inside", 0)
-    return {"inverted": report["after"]["inverted"] + inside, "stop": report["stop"],
+    return {"inverted": report["after"]["inverted"], "stop": report["stop"],
             "untangle_sweeps": len(untangle), "sweeps": len(report["sweeps"]),
             "seconds": report["seconds"]["smooth"], "unfixable": report["unfixable"],
             "rms": rms_of(report)}

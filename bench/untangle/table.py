@@ -79,7 +79,9 @@ def show_families(real):
 
 
 def show_cells(real):
-    print_table("elements of a grid", [line for line in real if is_grid(line)])
+    lines = [line for line in real if is_grid(line)]
+    print_table("elements of a grid", lines)
+    print_names("Failed", [line for line in lines if not line["passed"]], show_failed)
 
 
 def show_deformed(real):
@@ -93,8 +95,9 @@ def show_unfixable(real):
 
 
 def show_lists(real, none):
-    failed = [line for line in real if not line["passed"]]
-    print(f"{len(real) - len(failed)} of {len(real)} cases passed.\n")
+    simplices = [line for line in real if not is_grid(line)]
+    failed = [line for line in simplices if not line["passed"]]
+    print(f"{len(simplices) - len(failed)} of {len(simplices)} cases passed.\n")
     print_names("Failed", failed, show_failed)
     for reason, lines in groupby(sorted(none, key=why_none), key=why_none):
         print(f"No case ({reason}): {len(list(lines))}\n")
@@ -103,7 +106,8 @@ def show_lists(real, none):
                 lambda line: f"{line['inverted']} and {line['inverted_by_numpy']}")
 
 
-PARTS = {"families": show_families, "cells": show_cells, "deformed": show_deformed, "unfixable": show_unfixable}
+PARTS = {"families": show_families, "cells": show_cells, "deformed": show_deformed,
+         "unfixable": show_unfixable}
 
 
 def show(lines, part=None):
