@@ -261,7 +261,9 @@ static inline void fuzz_check_same_mesh(planish_file *of_a, planish_file *of_b) 
             fuzz_require(of[k] == to[k], "the converted mesh has the same elements");
         for (int64_t k = n; a.cells && k < a.cells->offset[i + 1] - a.cells->offset[i]; k++)
             is_missing |= of[k] < 0;
-        fuzz_require(!a.cells || is_missing || a.cells->offset[i + 1] - a.cells->offset[i] == n,
+        /* VTK knows no middle of a pyramid's base. */
+        fuzz_require(!a.cells || is_missing || a.cells->type[i] == PLANISH_CELL_PYRAMID14 ||
+                         a.cells->offset[i + 1] - a.cells->offset[i] == n,
                      "an element is straight only where a mid is missing");
     }
     fuzz_require(planish_file_cells(of_a, &all, NULL) == 0 &&
