@@ -1,16 +1,20 @@
 /* bench_kernel: nanoseconds per star of each kernel variant, as JSON.
  *
- *   bench_kernel MESH [REPEAT]
+ *   bench_kernel MESH|TYPE [REPEAT]
+ *
+ * TYPE: quadrilaterals, hexahedra, wedges, pyramids: a grid of these with displaced nodes.
  *
  * value: gather a star and evaluate its sum of RR^2; derivatives: the same with gradient and
  * Hessian; visit: one whole visit (a Newton step with its search) of every star, on the mesh as it
  * is; later: the same in the sixth sweep, when most stars have kept their Hessian. First the plain
- * problem, then the guarded kernel with each objective and a minimum volume that is far away. One
+ * problem of simplices, then that of mean ratios, then the guarded kernel with each objective and a
+ * minimum volume that is far away. One
  * thread; each figure is the best of the repeats. "check" must be the same for all variants of a
  * problem. bytes_per_star: of the plan, which a visit reads from one end to the other; coordinates,
  * which stars share, come on top.
  */
 #include "base/sum.h"
+#include "geometry/cell.h"
 #include "plan/plan.h"
 
 #include <planish/planish_io.h>
@@ -49,10 +53,8 @@ static double least(double a, double b) {
 
 static void measure(const planish_plan *plan, const pl_star_kernel *kernel,
                     pl_star_problem *problem, const double *start, figures *best) {
-    int which = plan->dim - 2;
-    pl_star_evaluate_fn *evaluate =
-        problem->guard ? kernel->guarded->evaluate[which] : kernel->evaluate[which];
-    pl_star_visit_fn *visit = problem->guard ? kernel->guarded->visit[which] : kernel->visit[which];
+    pl_star_evaluate_fn *evaluate = pl_star_evaluate_of(kernel, problem, plan->dim);
+    pl_star_visit_fn *visit = pl_star_visit_of(kernel, problem, plan->dim);
     for (int derivatives = 0; derivatives < 2; derivatives++) {
         pl_star_value value;
         double begin = seconds_now();
@@ -146,10 +148,13 @@ static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
     const char *separator = "";
     printf("  \"ns_per_star\": [");
     problem.kept = plan->scratch.kept;
-    measure_variants(plan, &problem, "plain", start, repeat, &separator);
+    if (!plan->work.corner)
+        measure_variants(plan, &problem, "plain", start, repeat, &separator);
+    problem.objective = PLANISH_OBJECTIVE_MEAN_RATIO;
+    measure_variants(plan, &problem, "mean ratio", start, repeat, &separator);
     problem.kept = NULL;
     problem.guard = &guard;
-    for (int i = 0; i < N_OBJECTIVES; i++) {
+    for (int i = plan->work.corner ? 1 : 0; i < N_OBJECTIVES; i++) {
         guard.objective = i;
         measure_variants(plan, &problem, names[i], start, repeat, &separator);
     }
@@ -160,21 +165,145 @@ static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
     return 0;
 }
 
+/* ---- grids of cells ------------------------------------------------------------------------- */
+
+enum { SIDE_OF_SQUARES = 100, SIDE_OF_CUBES = 16 }; /* cubes or squares along a side */
+
+/** Grid of cells of one type. Arrays are owned. */
+typedef struct grid {
+    int dim, side;
+    double *coordinates;
+    uint8_t *type;
+    int64_t *offset;
+    int32_t *node;
+    planish_cells cells;
+} grid;
+
+/* How a cube is cut: places of corners, 8 for its middle. */
+static const int8_t HEXAHEDRON[][8] = {{0, 1, 3, 2, 4, 5, 7, 6}};
+static const int8_t WEDGES[][8] = {{0, 1, 3, 4, 5, 7}, {0, 3, 2, 4, 7, 6}};
+static const int8_t PYRAMIDS[][8] = {{0, 1, 3, 2, 8}, {4, 6, 7, 5, 8}, {0, 4, 5, 1, 8},
+                                     {2, 3, 7, 6, 8}, {0, 2, 6, 4, 8}, {1, 5, 7, 3, 8}};
+static const int8_t QUADRILATERAL[][8] = {{0, 1, 3, 2}};
+
+typedef struct cutting {
+    const char *name;
+    planish_cell_type type;
+    const int8_t (*cell)[8];
+    int n_cells;
+} cutting;
+
+static const cutting CUTTINGS[] = {{"quadrilaterals", PLANISH_CELL_QUADRILATERAL, QUADRILATERAL, 1},
+                                   {"hexahedra", PLANISH_CELL_HEXAHEDRON, HEXAHEDRON, 1},
+                                   {"wedges", PLANISH_CELL_WEDGE, WEDGES, 2},
+                                   {"pyramids", PLANISH_CELL_PYRAMID, PYRAMIDS, 6}};
+
+/** Cut the square or cube at place of the grid, whose number is cube. */
+static void cut_cube(grid *g, const cutting *how, const int place[3], int64_t cube) {
+    const int64_t row = g->side + 1, layer = row * row, n = g->dim == 3 ? layer * row : layer;
+    const int n_corners = pl_cell_type_of((int)how->type)->shape->n_corners;
+    for (int c = 0; c < how->n_cells; c++) {
+        int32_t *node = g->node + g->offset[g->cells.n];
+        for (int k = 0; k < n_corners; k++) {
+            const int at = how->cell[c][k];
+            const int64_t x = place[0] + (at & 1), y = place[1] + (at >> 1 & 1);
+            const int64_t z = place[2] + (at >> 2 & 1);
+            node[k] = (int32_t)(at == 8 ? n + cube : x + y * row + z * layer);
+        }
+        g->type[g->cells.n] = (uint8_t)how->type;
+        g->offset[g->cells.n + 1] = g->offset[g->cells.n] + n_corners;
+        g->cells.n++;
+    }
+}
+
+/** Place node i of the grid, or the middle of a cube, somewhat off. */
+static void place_node(grid *g, int64_t i, const double at[3], int is_inside, unsigned *random) {
+    for (int d = 0; d < g->dim; d++) {
+        *random = *random * 1664525u + 1013904223u;
+        const double off = (double)(*random >> 8) / (1 << 24) - 0.5;
+        g->coordinates[i * g->dim + d] = at[d] + (is_inside ? 0.4 * off : 0);
+    }
+}
+
+/** Make a grid; returns its nodes, 0 without memory. */
+static int64_t make_grid(grid *g, const cutting *how) {
+    const pl_cell_shape *shape = pl_cell_type_of((int)how->type)->shape;
+    g->dim = shape->dim;
+    g->side = g->dim == 2 ? SIDE_OF_SQUARES : SIDE_OF_CUBES;
+    const int64_t side = g->side, layers = g->dim == 3 ? side : 1, row = side + 1;
+    const int64_t n_lattice = row * row * (g->dim == 3 ? row : 1), cubes = side * side * layers;
+    const int64_t n_nodes = n_lattice + (how->n_cells == 6 ? cubes : 0);
+    const int64_t n_cells = cubes * how->n_cells;
+    unsigned random = 1;
+    g->coordinates = calloc((size_t)(n_nodes * g->dim), sizeof *g->coordinates);
+    g->type = calloc((size_t)n_cells, 1);
+    g->offset = calloc((size_t)n_cells + 1, sizeof *g->offset);
+    g->node = calloc((size_t)(n_cells * shape->n_corners), sizeof *g->node);
+    if (!g->coordinates || !g->type || !g->offset || !g->node)
+        return 0;
+    for (int64_t i = 0; i < n_lattice; i++) {
+        const int64_t at[3] = {i % row, i / row % row, i / (row * row)};
+        const double x[3] = {(double)at[0], (double)at[1], (double)at[2]};
+        int inside = 1;
+        for (int d = 0; d < g->dim; d++)
+            inside &= at[d] > 0 && at[d] < side;
+        place_node(g, i, x, inside, &random);
+    }
+    for (int64_t i = 0; i < cubes; i++) {
+        const int place[3] = {(int)(i % side), (int)(i / side % side), (int)(i / (side * side))};
+        const double middle[3] = {place[0] + 0.5, place[1] + 0.5, place[2] + 0.5};
+        if (n_nodes > n_lattice)
+            place_node(g, n_lattice + i, middle, 1, &random);
+        cut_cube(g, how, place, i);
+    }
+    g->cells.type = g->type;
+    g->cells.offset = g->offset;
+    g->cells.node = g->node;
+    return n_nodes;
+}
+
+static void free_grid(grid *g) {
+    free(g->coordinates);
+    free(g->type);
+    free(g->offset);
+    free(g->node);
+}
+
+/** Open the mesh of a name: a grid, or a file. */
+static int open_mesh(const char *name, grid *g, planish_file **file, planish_mesh *mesh,
+                     planish_error *error) {
+    for (size_t i = 0; i < sizeof CUTTINGS / sizeof *CUTTINGS; i++)
+        if (!strcmp(name, CUTTINGS[i].name)) {
+            const int64_t n_nodes = make_grid(g, &CUTTINGS[i]);
+            *mesh = (planish_mesh){.dim = g->dim,
+                                   .n_nodes = n_nodes,
+                                   .n_elements = g->cells.n,
+                                   .coordinates = g->coordinates,
+                                   .cells = &g->cells};
+            return n_nodes > 0 ? 0 : PLANISH_ERROR_MEMORY;
+        }
+    const int status = planish_file_open(name, NULL, 0, file, error);
+    if (!status)
+        *mesh = planish_file_mesh(*file);
+    return status;
+}
+
 int main(int argc, char **argv) {
     planish_error error = {.text = ""};
     planish_options options;
     planish_file *file = NULL;
     planish_plan *plan = NULL;
+    planish_mesh mesh;
+    grid g = {.dim = 0};
     if (argc < 2 || argc > 3) {
-        fprintf(stderr, "usage: bench_kernel MESH [REPEAT]\n");
+        fprintf(stderr, "usage: bench_kernel MESH|TYPE [REPEAT]\n");
         return 64;
     }
     planish_options_init(&options);
     options.threads = 1;
     options.bind = 1;
-    int status = planish_file_open(argv[1], NULL, 0, &file, &error);
+    int status = open_mesh(argv[1], &g, &file, &mesh, &error);
     if (!status) {
-        planish_mesh mesh = planish_file_mesh(file);
         status = planish_plan_create(&mesh, &options, &plan, &error);
         if (!status) {
             const int64_t n = plan->interior.stars.n_stars;
@@ -195,5 +324,6 @@ int main(int argc, char **argv) {
         fprintf(stderr, "bench_kernel: %s\n", error.text);
     planish_plan_destroy(plan);
     planish_file_close(file);
+    free_grid(&g);
     return status || fflush(stdout) ? 2 : 0;
 }

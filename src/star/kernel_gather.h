@@ -127,7 +127,8 @@ PL_INLINE void gather_floors(const pl_star_problem *problem, const star *s, int6
         store(s, FLOOR, i, lanes_of(floor)); /* of all, or of facet 0 and the padding */
         store(s, INVERSE_FLOOR, i, lanes_of(inverse_floor));
     }
-    for (int64_t i = 1; (own || s->form) && i < s->n_facets; i++) {
+    const int differ = own || (s->form && floor > 0);
+    for (int64_t i = 1; differ && i < s->n_facets; i++) {
         per_volume = s->form ? 1 / s->forms[s->form[i]].volume : of_simplex;
         *entry(s, FLOOR, i) = floor_of(problem, s, own ? own[first + i] : 0, per_volume, dim);
         *entry(s, INVERSE_FLOOR, i) = *entry(s, FLOOR, i) > 0 ? 1 / *entry(s, FLOOR, i) : 0;
@@ -210,8 +211,8 @@ PL_INLINE void unpack_forms(const uint8_t *code, int64_t n, int64_t padded, uint
         row[i] = row[0];
 }
 
-/** Fill in what the guarded kernel alone needs of the forms of facets. */
-static inline void gather_corners(const star *s, const int dim) {
+/** Fill in what objectives of edges and scaled Jacobians need of the forms of facets. */
+PL_NOINLINE void gather_corners(const star *s, const int dim) {
     for (int64_t i = 0; i < s->padded; i++) {
         const pl_corner_form *f = &s->forms[s->form[i]];
         int count = 0;
@@ -224,11 +225,21 @@ static inline void gather_corners(const star *s, const int dim) {
             *entry(s, IS_CORNER + v, i) =
                 f->corner == v - 1 || pl_corner_kind((uint8_t)s->form[i]) == PL_KIND_SIMPLEX;
         *entry(s, JACOBIAN, i) = f->determinant * f->determinant;
-        if (dim == 3) {
-            const double n[3] = {*entry(s, NX, i), *entry(s, NY, i), *entry(s, NZ, i)};
-            *entry(s, LENGTH, i) = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        }
     }
+}
+
+/** Find the lengths of the normals of facets. */
+PL_INLINE void gather_lengths(const star *s) {
+    for (int64_t i = 0; i < s->padded; i += PL_PACK) {
+        const vec3 n = vec3_load(s, NX, NY, NZ, i);
+        store(s, LENGTH, i, lanes_sqrt(vec3_dot(n, n)));
+    }
+}
+
+/** Whether an objective is made of single edges of corners. */
+static inline int is_of_edges(const pl_star_guard *guard) {
+    return guard->objective == PLANISH_OBJECTIVE_EDGE_RATIO ||
+           guard->objective == PL_WORST_JACOBIAN;
 }
 
 /** Fill the columns of facets with forms from their nodes in ring [.][PL_ROW]. */
@@ -247,8 +258,8 @@ PL_INLINE void gather_forms(star *s, const double *ring, const int guarded, cons
         for (int k = 0; k < PL_PACKS; k++)
             weight[k] += load(s, WEIGHT, i + k * PL_PACK);
     s->weight = lanes_sum(weight);
-    if (guarded)
-        gather_corners(s, dim);
+    if (guarded && dim == 3)
+        gather_lengths(s);
 }
 
 /* A further row is seen as a facet with p0 this far from the node, in sizes of the star: |x - p0| is
@@ -400,6 +411,8 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
             *entry(&s, WEIGHT, i) = 0;
         s.weight = (double)s.n_facets;
     }
+    if (guarded && has_forms(&s) && is_of_edges(problem->guard))
+        gather_corners(&s, dim);
     if (guarded)
         gather_floors(problem, &s, first, dim);
     if (PL_KERNEL != PL_RADIUS && s.n_more > 0)

@@ -24,27 +24,55 @@ static void offset_of(const local *here, int64_t i, const double *x, double *off
         offset[d] = y[d] * here->s.scale - x[d];
 }
 
+/** Mark in the fourth column of the ring's rows the nodes that edges of the elements join to the
+ *  star's: not all are. */
+static void mark_neighbours(const star *s, const int dim) {
+    for (int64_t i = 0; i < s->n_ring; i++)
+        s->spare[PL_ROW * i + dim] = !s->form;
+    for (int64_t i = 0; s->form && i < s->n_facets; i++)
+        for (int j = 0; j < dim; j++)
+            if (s->forms[s->form[i]].is_edge[j])
+                s->spare[s->facet[i * dim + j] + (uint32_t)dim] = 1;
+}
+
+/** Whether the elements' centroids are made of this corner's: the node is the corner, or a vertex of a
+ *  simplex, or the apex of a pyramid, at which there is no corner. */
+static int has_centroid(const star *s, int64_t facet) {
+    const uint8_t code = s->form ? (uint8_t)s->form[facet] : 0;
+    const int is_simplex = pl_corner_kind(code) == PL_KIND_SIMPLEX;
+    return is_simplex || s->forms[code].corner < 0 ||
+           code >> 1 == pl_form_code(pl_corner_code(PL_KIND_PYRAMID, 0), 3, 0) >> 1;
+}
+
 /** Mean of the neighbours, all alike or weighted by their distance; *size2 becomes the mean square
  *  distance. */
 static average of_neighbours(const local *here, const double *x, int by_length, double *size2,
                              const int dim) {
     average a = {{0, 0, 0}, 0};
+    int64_t n = 0;
     *size2 = 0;
+    mark_neighbours(&here->s, dim);
+    for (int64_t i = 0; i < here->s.n_ring; i++)
+        n += here->s.spare[PL_ROW * i + dim] > 0;
     for (int64_t i = 0; i < here->s.n_ring; i++) {
         double offset[3] = {0, 0, 0};
+        if (!(here->s.spare[PL_ROW * i + dim] > 0))
+            continue;
         offset_of(here, i, x, offset, dim);
         double square = dot(offset, offset, dim);
         add_offset(&a, offset, by_length ? sqrt(square) : 1, dim);
-        *size2 += square / (double)here->s.n_ring;
+        *size2 += square / (double)n;
     }
     return a;
 }
 
-/** Mean of the elements' centroids, weighted by their volumes. */
+/** Mean of the elements' centroids, weighted by their volumes; of corners those at the node. */
 static average of_centroids(const local *here, const double *x, const int dim) {
     average a = {{0, 0, 0}, 0};
     for (int64_t i = 0; i < here->s.n_facets; i++) {
         double v[3][3] = {{0}}, centroid[3] = {0, 0, 0};
+        if (!has_centroid(&here->s, i))
+            continue;
         for (int j = 0; j < dim; j++) {
             offset_of(here, here->s.facet[i * dim + j] / PL_ROW, x, v[j], dim);
             for (int d = 0; d < dim; d++)

@@ -582,6 +582,79 @@ static void variants_with_rows_give_the_same_bits(void **state) {
     }
 }
 
+/* ---- averages -------------------------------------------------------------------------------- */
+
+static int are_joined(const pl_cell_shape *shape, int a, int b) {
+    int found = 0;
+    for (int i = 0; i < shape->n_edges; i++)
+        found |= (shape->edge[i][0] == a && shape->edge[i][1] == b) ||
+                 (shape->edge[i][0] == b && shape->edge[i][1] == a);
+    return found;
+}
+
+/** Mean of the nodes that edges join to the star's: as the cells share only that, each once. */
+static void mean_of_neighbours(const cell_star *s, double *mean) {
+    int n = 0;
+    for (int d = 0; d < s->dim; d++)
+        mean[d] = 0;
+    for (int c = 0; c < s->n_cells; c++)
+        for (int i = 0; i < s->shape[c]->n_corners; i++)
+            for (int j = 0; j < s->shape[c]->n_corners; j++) {
+                if (s->node[c][i] != 0 || !are_joined(s->shape[c], i, j))
+                    continue;
+                n++;
+                for (int d = 0; d < s->dim; d++)
+                    mean[d] += s->coordinates[s->node[c][j] * s->dim + d];
+            }
+    for (int d = 0; d < s->dim; d++)
+        mean[d] /= n;
+}
+
+/** Mean of the centroids of the corners at the star's node, by their volume. */
+static void mean_of_centroids(const cell_star *s, double *mean) {
+    long double x[3], sum[3] = {0}, volume = 0;
+    position(s, x);
+    for (int f = 0; f < s->n_facets; f++) {
+        const pl_cell_shape *shape = s->shape[s->cell[f]];
+        const int is_apex = shape->n_corners == 5 && s->node[s->cell[f]][4] == 0;
+        if (s->node[s->cell[f]][s->corner[f]] != 0 && shape->n_simplices != 1 && !is_apex)
+            continue;
+        const long double D = cell_star_corner(s, f, x).D;
+        volume += D;
+        for (int d = 0; d < s->dim; d++) {
+            long double centroid = x[d];
+            for (int j = 0; j < s->dim; j++)
+                centroid += s->coordinates[s->facet[f][j] * s->dim + d];
+            sum[d] += D * centroid / (s->dim + 1);
+        }
+    }
+    for (int d = 0; d < s->dim; d++)
+        mean[d] = (double)(sum[d] / volume);
+}
+
+static void averages_are_of_edges_and_corners(void **state) {
+    uint64_t random = effort_seed(12);
+    (void)state;
+    for (int64_t i = 0; i < effort(400, 4000); i++) {
+        cell_star s;
+        double wanted[3];
+        pl_star_tally tally = {.visits = 0};
+        const planish_method method =
+            i % 4 < 2 ? PLANISH_METHOD_LAPLACIAN : PLANISH_METHOD_AREA_LAPLACIAN;
+        cell_star_create(&s, 2 + (int)(i % 2), NULL, 1 + (int)(i % 3), 0.3, &random);
+        ask(&s, i % 8 < 4 ? PLAIN : MEAN);
+        if (method == PLANISH_METHOD_LAPLACIAN)
+            mean_of_neighbours(&s, wanted);
+        else
+            mean_of_centroids(&s, wanted);
+        pl_star_average(&s.problem, method, s.dim, 0, 1, s.scratch, &tally);
+        assert_int_equal(tally.visits, 1);
+        for (int d = 0; d < s.dim; d++)
+            assert_true(fabs(s.coordinates[d] - wanted[d]) < 1e-13);
+        cell_star_destroy(&s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(forms_agree_with_their_rows),
@@ -595,6 +668,7 @@ int main(void) {
         cmocka_unit_test(visits_keep_rows_positive),
         cmocka_unit_test(the_energy_is_that_of_the_definition),
         cmocka_unit_test(variants_with_rows_give_the_same_bits),
+        cmocka_unit_test(averages_are_of_edges_and_corners),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
