@@ -530,6 +530,31 @@ static void wide_and_plain_vectors_give_the_same_bits(void **state) {
     }
 }
 
+/** So do hexahedra in floats: some have room, others none. */
+static void wide_and_plain_floats_give_the_same_bits(void **state) {
+    static const float corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                       {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+    int n_with_room = 0, n_without = 0;
+    uint64_t random = effort_seed(23);
+    (void)state;
+    for (int trial = 0; trial < 500; trial++) {
+        const float noise = (float)(0.9 * random_unit(&random));
+        pl_brick_block wide, plain;
+        memset(&wide, 0, sizeof wide);
+        for (int l = 0; l < PL_JACOBIAN_LANES; l++)
+            for (int i = 0; i < 8; i++)
+                for (int d = 0; d < 3; d++)
+                    wide.x[i][d][l] = corner[i][d] + noise * (float)(random_unit(&random) - 0.5);
+        plain = wide;
+        pl_bricks_certify(&wide);
+        plain_bricks_certify(&plain);
+        assert_memory_equal(wide.room, plain.room, sizeof wide.room);
+        for (int l = 0; l < PL_JACOBIAN_LANES; l++)
+            *(wide.room[l] > 0 ? &n_with_room : &n_without) += 1;
+    }
+    assert_true(n_with_room > 500 && n_without > 500);
+}
+
 static void strides_change_nothing(void **state) {
     (void)state;
     for (int dim = 2; dim <= 3; dim++) {
@@ -855,6 +880,7 @@ int main(void) {
         cmocka_unit_test(measures_agree_with_plain_loops),
         cmocka_unit_test(values_are_those_of_each_element),
         cmocka_unit_test(wide_and_plain_vectors_give_the_same_bits),
+        cmocka_unit_test(wide_and_plain_floats_give_the_same_bits),
         cmocka_unit_test(strides_change_nothing),
         cmocka_unit_test(simplices_need_no_cells),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
