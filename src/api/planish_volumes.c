@@ -1,6 +1,6 @@
 /* planish_volumes: elements below their minimum volumes, and those that nothing can repair. */
+#include "improve/improve.h"
 #include "improve/untangle/proofs.h"
-#include "sweep/run.h"
 
 #include "base/clock.h"
 #include "base/context.h"
@@ -62,13 +62,17 @@ static int mark_infeasible(const volume_check *c, const double *coordinates,
     int status = PLANISH_OK;
     problem.coordinates = c->ordered;
     problem.guard = guard;
-    pl_plan_order(plan, pl_plan_dense(plan, &points, c->own), c->ordered);
+    const double *given = pl_plan_dense(plan, &points, c->own);
+    pl_plan_order(plan, given, c->ordered);
     for (int64_t i = 0; is_subset && i < plan->work.n_elements; i++)
         c->of_work[i] = c->state[plan->element_of[i]];
     if (!(guard->min_volume > 0) && !guard->link_min_volume)
         status = pl_mark_enclosed(plan, c->ordered, c->of_work, NULL, &found->n, error);
     if (!status)
         status = pl_mark_infeasible(plan, &problem, c->of_work, c->limit, found, NULL, error);
+    if (!status && !c->by_volume && c->options->curve_quality > 0)
+        status =
+            pl_mark_hopeless(plan, c->options, given, coordinates, c->limit, c->of_work, error);
     for (int64_t i = 0; is_subset && i < plan->all->n_elements; i++)
         if (c->state[i] == PLANISH_VOLUME_BELOW)
             c->state[i] = PLANISH_VOLUME_INFEASIBLE;
@@ -105,7 +109,8 @@ static int find_states(const volume_check *c, const double *coordinates, int is_
         problem.mesh.min_volume = NULL;
         *n = pl_find_inverted(&problem, c->state);
     }
-    if (pl_part_here() || (*n > 0 && (is_asked || !c->by_volume)))
+    const int is_curved = !c->by_volume && plan->cells.n > 0; /* perhaps */
+    if (pl_part_here() || is_curved || (*n > 0 && (is_asked || !c->by_volume)))
         status = mark_infeasible(c, coordinates, &guard, &found, error);
     if (mesh.corner && c->by_volume)
         *n = join_corners(&mesh, PLANISH_VOLUME_BELOW, c->state);

@@ -78,8 +78,9 @@ typedef struct cluster {
 
 /** The work. Arrays are owned. */
 typedef struct repair {
-    pl_run *run;
+    pl_run *run; /* NULL: proofs alone are wanted */
     const planish_plan *plan;
+    const planish_options *options;
     pl_watch *watch;
     const uint8_t *mobility; /* [n of the plan] */
     int dim;
@@ -96,7 +97,7 @@ typedef struct repair {
     double *target;       /* [elements of the plan] the wanted D of members */
     pl_row_rule *rule[2]; /* of order 1 and 2 */
     star_rows star;
-    pl_stop_check limit;
+    pl_stop_check *limit;
     int lacks_memory;
 } repair;
 
@@ -165,7 +166,7 @@ static int closes(const repair *r, int32_t node) {
 static int has_chosen_end(const repair *r, int32_t node) {
     const int64_t element = r->at[r->begin[node]];
     const uint8_t *ends = r->rule[1]->jacobian.type->between[place_in(r, element, node)];
-    return (!r->run->options->around && !r->plan->is_selective) ||
+    return (!r->options->around && !r->plan->is_selective) ||
            r->mobility[corner_of(r, element, ends[0])] != PL_HELD ||
            r->mobility[corner_of(r, element, ends[1])] != PL_HELD;
 }
@@ -272,23 +273,19 @@ static void repair_destroy(repair *r) {
     pl_row_rule_free(r->rule[1]);
 }
 
-static int repair_create(pl_run *run, repair *r, planish_error *error) {
-    const planish_plan *plan = run->plan;
+/** Make r, which has run, plan, options, watch, mobility and limit. */
+static int repair_create(repair *r, planish_error *error) {
+    const planish_plan *plan = r->plan;
     const int64_t n = plan->whole.n_nodes, m = plan->work.n_elements;
-    *r = (repair){.run = run,
-                  .plan = plan,
-                  .watch = &run->watch,
-                  .mobility = run->guard.mobility ? run->guard.mobility : plan->work.mobility,
-                  .dim = plan->dim,
-                  .begin = pl_alloc_zero(n + 1, sizeof *r->begin),
-                  .kind = pl_alloc_zero(n, 1),
-                  .is_given_up = pl_alloc_zero(m, 1),
-                  .handle_of = pl_alloc(n, sizeof *r->handle_of),
-                  .is_member = pl_alloc_zero(m, 1),
-                  .tried = pl_alloc_zero(m, 1),
-                  .target = pl_alloc(m, sizeof *r->target),
-                  .limit = pl_run_stop_check(run)};
-    const int is_plane = r->dim == 2;
+    const int is_plane = plan->dim == 2;
+    r->dim = plan->dim;
+    r->begin = pl_alloc_zero(n + 1, sizeof *r->begin);
+    r->kind = pl_alloc_zero(n, 1);
+    r->is_given_up = pl_alloc_zero(m, 1);
+    r->handle_of = pl_alloc(n, sizeof *r->handle_of);
+    r->is_member = pl_alloc_zero(m, 1);
+    r->tried = pl_alloc_zero(m, 1);
+    r->target = pl_alloc(m, sizeof *r->target);
     r->rule[0] = pl_row_rule_make(
         pl_cell_type_of(is_plane ? PLANISH_CELL_TRIANGLE : PLANISH_CELL_TETRAHEDRON));
     r->rule[1] = pl_row_rule_make(
@@ -297,7 +294,7 @@ static int repair_create(pl_run *run, repair *r, planish_error *error) {
         !r->target || !r->rule[0] || !r->rule[1] || !list_elements(r) || !find_outside(r))
         return pl_fail_memory(error, "curved elements");
     memset(r->handle_of, -1, (size_t)n * sizeof *r->handle_of);
-    return pl_mids_release(&run->watch.mids, error);
+    return PLANISH_OK;
 }
 
 /* ---- places --------------------------------------------------------------------------------- */
@@ -330,7 +327,7 @@ static void restore(const repair *r, const handle *h) {
 /** Whether a mid may be at x: within the bounds of options, and no farther from its start than both
  *  of its ends may go. */
 static int mid_may_be(const repair *r, int32_t node, const double *x) {
-    const planish_options *o = r->run->options;
+    const planish_options *o = r->options;
     const pl_mids *mids = &r->watch->mids;
     const int64_t element = r->at[r->begin[node]];
     const uint8_t *ends = r->rule[1]->jacobian.type->between[place_in(r, element, node)];
@@ -750,7 +747,7 @@ static int64_t untangle(repair *r, cluster *c) {
         fewest = n < fewest ? n : fewest;
         best = fmax(best, least);
         before = after;
-        if (r->lacks_memory || r->effort < 0 || pl_limit_is_reached(&r->limit))
+        if (r->lacks_memory || r->effort < 0 || pl_limit_is_reached(r->limit))
             break;
     }
     return n;
@@ -779,7 +776,7 @@ static void smooth(repair *r, cluster *c) {
                         c->handle[r->handle_of[of[j]]].is_active = 1;
             }
         }
-        if (r->lacks_memory || pl_limit_is_reached(&r->limit))
+        if (r->lacks_memory || pl_limit_is_reached(r->limit))
             return;
     }
 }
@@ -876,7 +873,7 @@ static void mend_stage(repair *r, int stage, int gives_up) {
         const int64_t element = watched(r, i, &invalid);
         while (element >= 0 && invalid && !r->is_given_up[element] && !is_valid(r, element) &&
                (gives_up || r->tried[element] != stage + 1) && r->effort > 0) {
-            if (r->lacks_memory || pl_limit_is_reached(&r->limit))
+            if (r->lacks_memory || pl_limit_is_reached(r->limit))
                 return;
             if (!mend(r, element, stage, gives_up) && !gives_up)
                 break;
@@ -1095,28 +1092,51 @@ static int is_hopeless(proofs *p, int64_t element) {
     return n_free == 0 && decide(r, element) == PL_INVALID;
 }
 
-/** Give up the elements that are proved to be invalid wherever free nodes go; returns how many. */
-static int64_t prove(repair *r) {
-    const pl_watch *w = r->watch;
-    int64_t n = 0, first = -1;
+/** Give up the elements that are proved to be invalid wherever free nodes go; returns how many. *first
+ *  (with any) is the first of them. */
+static int64_t prove(repair *r, int64_t *first) {
+    int64_t n = 0;
     proofs p;
     if (!proofs_create(r, &p))
         r->lacks_memory = 1;
-    for (int64_t i = 0; i < w->n && !r->lacks_memory && !pl_limit_is_reached(&r->limit); i++) {
+    for (int64_t i = 0; i < r->watch->n && !r->lacks_memory && !pl_limit_is_reached(r->limit);
+         i++) {
         int invalid;
         const int64_t element = watched(r, i, &invalid);
         if (element < 0 || !invalid || !is_hopeless(&p, element))
             continue;
         r->is_given_up[element] = 1;
-        first = n++ == 0 ? element : first;
+        if (n++ == 0)
+            *first = element;
     }
     proofs_destroy(&p);
-    if (n > 0)
-        pl_log(PLANISH_LOG_NOTE,
-               "%" PRId64 " curved elements are invalid wherever their free nodes go, the first is "
-               "element %" PRId64,
-               n, pl_plan_element(r->plan, first));
     return n;
+}
+
+int pl_mark_hopeless(const planish_plan *plan, const planish_options *options, const double *given,
+                     const double *coordinates, pl_stop_check *limit, uint8_t *state,
+                     planish_error *error) {
+    pl_watch watch;
+    repair r = {.plan = plan,
+                .options = options,
+                .watch = &watch,
+                .mobility = plan->work.mobility,
+                .limit = limit};
+    int64_t first;
+    pl_plan_order(plan, given, plan->scratch.coordinates);
+    int status = pl_watch_create(plan, options, given, coordinates, 0, &watch, error);
+    if (!status && watch.n_curved > 0 && pl_watch_measure(&watch) > 0) {
+        status = repair_create(&r, error);
+        if (!status)
+            prove(&r, &first);
+        if (!status && r.lacks_memory)
+            status = pl_fail_memory(error, "curved elements");
+        for (int64_t e = 0; !status && e < plan->work.n_elements; e++)
+            state[e] = r.is_given_up[e] ? PLANISH_VOLUME_INFEASIBLE : state[e];
+        repair_destroy(&r);
+    }
+    pl_watch_destroy(&watch);
+    return status;
 }
 
 /* ---- phases --------------------------------------------------------------------------------- */
@@ -1130,7 +1150,7 @@ static void improve_poor(repair *r) {
         double mean;
         const int64_t element = watched(r, i, &invalid);
         if (element >= 0 && !r->is_given_up[element] &&
-            quality_of(r, element, &mean) < r->run->options->curve_quality)
+            quality_of(r, element, &mean) < r->options->curve_quality)
             add_nodes_of(r, &c, element, 0);
     }
     set_targets(r, &c);
@@ -1174,11 +1194,20 @@ static int watch_more(repair *r, planish_error *error) {
 
 /** Do both phases: invalid elements, and if improves poor ones by mids alone. */
 static int repair_curved(pl_run *run, int improves, planish_error *error) {
-    repair r;
-    int status = repair_create(run, &r, error);
+    pl_stop_check limit = pl_run_stop_check(run);
+    repair r = {.run = run,
+                .plan = run->plan,
+                .options = run->options,
+                .watch = &run->watch,
+                .mobility = run->guard.mobility ? run->guard.mobility : run->plan->work.mobility,
+                .limit = &limit,
+                .moves_corners = !improves};
+    int64_t first = -1;
+    int status = repair_create(&r, error);
+    if (!status)
+        status = pl_mids_release(&run->watch.mids, error);
     if (!status) {
-        r.moves_corners = !improves;
-        run->result->n_hopeless = prove(&r);
+        run->result->n_hopeless = prove(&r, &first);
         if (run->options->untangle)
             mend_all(&r);
         if (improves)
@@ -1186,9 +1215,15 @@ static int repair_curved(pl_run *run, int improves, planish_error *error) {
         status = watch_more(&r, error);
     }
     if (!status) {
+        if (first >= 0)
+            pl_log(PLANISH_LOG_NOTE,
+                   "%" PRId64
+                   " curved elements are invalid wherever their free nodes go, the first "
+                   "is element %" PRId64,
+                   run->result->n_hopeless, pl_plan_element(run->plan, first));
         pl_run_measure(run);
-        if (r.limit.answer)
-            run->stop = (planish_stop)r.limit.answer;
+        if (limit.answer)
+            run->stop = (planish_stop)limit.answer;
     }
     repair_destroy(&r);
     return status;

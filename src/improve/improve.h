@@ -5,7 +5,8 @@
  *   untangle/untangle.c  pl_run_untangle, pl_run_raise_volumes: inverted or too small elements
  *   angles.c             pl_run_put_back_angles: keep the smallest angle
  *   worst.c              pl_run_worst: improve the worst elements
- *   curve.c              pl_run_mend_curved, _improve_curved: mids of curved elements
+ *   curve.c              pl_run_mend_curved, _improve_curved, pl_mark_hopeless: mids of curved
+ *                        elements
  *   augmented.c          pl_run_augmented: minimum volumes by multipliers
  *
  * The table in phases.c says when each phase is run. If it makes sweeps r->stop says why they ended.
@@ -47,6 +48,14 @@ int pl_run_mend_curved(pl_run *r, planish_error *error);
 /** Improve the curved elements below options.curve_quality of a mesh that has been smoothed, and
  *  measured: by their mids alone. Errors: _MEMORY. */
 int pl_run_improve_curved(pl_run *r, planish_error *error);
+
+/** Mark in state [n_elements of the plan], as PLANISH_VOLUME_INFEASIBLE, the invalid curved simplices
+ *  of coordinates that are proved to stay so wherever free nodes go. given [n][dim]: those of the
+ *  plan's nodes. Writes the plan's own coordinates. Errors: _MESH (a mid that is not finite), _MEMORY.
+ */
+int pl_mark_hopeless(const planish_plan *plan, const planish_options *options, const double *given,
+                     const double *coordinates, pl_stop_check *limit, uint8_t *state,
+                     planish_error *error);
 
 /** Look for a better mesh by augmented Lagrangian after the sweeps have converged with minimum
  *  volumes in force, and take it if it is one. Without memory it does nothing. */

@@ -553,6 +553,27 @@ static void fold(curved_box *b) {
         }
 }
 
+/** Find the infeasible elements at x, all of which are invalid. */
+static int64_t count_infeasible(const curved_box *b, const double *x) {
+    const planish_options o = usual();
+    planish_plan *plan = NULL;
+    const size_t m = (size_t)b->mesh.n_elements;
+    uint8_t *infeasible = malloc(m), *is_valid = malloc(m);
+    int64_t n, n_listed = 0;
+    judge(b, x, is_valid);
+    assert_int_equal(planish_plan_create(&b->mesh, &o, &plan, NULL), PLANISH_OK);
+    assert_int_equal(planish_find_infeasible(plan, x, &o, infeasible, &n, NULL, NULL), PLANISH_OK);
+    for (size_t e = 0; e < m; e++) {
+        n_listed += infeasible[e];
+        assert_true(!infeasible[e] || !is_valid[e]);
+    }
+    assert_int_equal(n_listed, n);
+    planish_plan_destroy(plan);
+    free(infeasible);
+    free(is_valid);
+    return n;
+}
+
 /** An element that its boundary folds stays folded: that is proved. Others are mended around it. */
 static void hopeless_elements_are_proved(void **state) {
     const int dim = **(int **)state;
@@ -568,6 +589,8 @@ static void hopeless_elements_are_proved(void **state) {
     assert_in_range(result.n_hopeless, 1, n_folded);
     assert_in_range(result.n_inverted, result.n_hopeless, n_folded);
     assert_int_equal(count_broken(&b, b.x, x), 0);
+    assert_int_equal(count_infeasible(&b, b.x), result.n_hopeless);
+    assert_int_equal(count_infeasible(&b, x), result.n_hopeless);
     free(x);
     push_mids(&b, dim == 3 ? 40 : 10, 1.5, 3);
     assert_true(measures_of(&b, b.x).n_inverted > n_folded);
