@@ -716,7 +716,8 @@ typedef enum planish_hold_reason {
  *  [n_nodes][dim] (or as the mesh's strides say) are needed for PLANISH_HELD_DOUBLED alone; NULL:
  *  no node has that bit. The call costs about as much as the search for the boundary in
  *  planish_plan_create. With options.around the reasons of nodes outside the plan are
- *  PLANISH_HELD_NOT_CHOSEN. A mid has no reason if an end of its edge moves, else those of both.
+ *  PLANISH_HELD_NOT_CHOSEN. A mid has no reason if an end of its edge moves, else those of both;
+ *  options.curve_quality may move it nevertheless.
  *  With a mesh in parts the reasons are those of the nodes that this process moves; the call does
  *  not wait for other processes. The result is the same for any number of threads. Errors:
  *  _ARGUMENT, _MEMORY; reason is then untouched. */

@@ -171,6 +171,18 @@ static int has_chosen_end(const repair *r, int32_t node) {
            r->mobility[corner_of(r, element, ends[1])] != PL_HELD;
 }
 
+/** Mobility of a node as a corner; a mid has none. */
+static int mobility_of(const repair *r, int32_t node) {
+    for (int64_t k = r->begin[node]; k < r->begin[node + 1]; k++) {
+        const int place = place_in(r, r->at[k], node);
+        if (r->plan->work.corner)
+            return r->mobility[node];
+        if (place <= r->dim)
+            return r->mobility[corner_of(r, r->at[k], place)];
+    }
+    return PL_HELD;
+}
+
 static int find_kind(const repair *r, int32_t node) {
     const int role = r->plan->role[node];
     const int64_t first = r->begin[node], end = r->begin[node + 1];
@@ -184,12 +196,8 @@ static int find_kind(const repair *r, int32_t node) {
                    ? HELD
                    : MID;
     }
-    const int place = place_in(r, r->at[first], node);
-    if (!is_simplex(r, r->at[first]))
-        return r->mobility[r->plan->work.corner ? node : corner_of(r, r->at[first], place)] ? SLIDES
-                                                                                            : HELD;
-    const int mobility = r->mobility[corner_of(r, r->at[first], place)];
-    int is_plain = mobility == PL_INTERIOR;
+    const int mobility = mobility_of(r, node);
+    int is_plain = mobility == PL_INTERIOR && !(role & (PL_OF_MID | PL_OF_OTHER));
     for (int64_t k = first; k < end; k++)
         is_plain &= is_simplex(r, r->at[k]);
     return is_plain ? CORNER : mobility != PL_HELD ? SLIDES : HELD;
