@@ -922,6 +922,7 @@ typedef struct proofs {
     int n_points;
     double (*blend)[PL_CELL_NODES];       /* [n_points] a value of det J, by coefficients */
     double (*gradient)[PL_CELL_NODES][3]; /* [n_points] of the shape functions */
+    uint16_t *still; /* [n_points] bit i: det J does not move with node i alone */
     int64_t n, capacity;
     double (*row)[CONE_DIM]; /* [n] det J at a point is not above -row . (way of the node, 1) */
     int32_t *element;        /* [n] of which each row is */
@@ -930,15 +931,30 @@ typedef struct proofs {
 static void proofs_destroy(proofs *p) {
     pl_free(p->blend);
     pl_free(p->gradient);
+    pl_free(p->still);
     pl_free(p->row);
     pl_free(p->element);
+}
+
+/** Whether det J at a point stays if the nodes move at these rates. */
+static int is_still(const proofs *p, int point, const double rate[]) {
+    const pl_jacobian_rule *rule = &p->r->rule[1]->jacobian;
+    double most = 0;
+    for (int a = 0; a < p->r->dim; a++) {
+        double g = 0;
+        for (int i = 0; i < rule->n_nodes; i++)
+            g += rate[i] * p->gradient[point][i][a];
+        most = fmax(most, fabs(g));
+    }
+    return most < 1e-12;
 }
 
 static int proofs_create(repair *r, proofs *p) {
     *p = (proofs){.r = r,
                   .blend = pl_alloc(MOST_POINTS, sizeof *p->blend),
-                  .gradient = pl_alloc(MOST_POINTS, sizeof *p->gradient)};
-    if (!p->blend || !p->gradient)
+                  .gradient = pl_alloc(MOST_POINTS, sizeof *p->gradient),
+                  .still = pl_alloc_zero(MOST_POINTS, sizeof *p->still)};
+    if (!p->blend || !p->gradient || !p->still)
         return 0;
     for (int i = 0; i <= LATTICE; i++)
         for (int j = 0; i + j <= LATTICE; j++)
@@ -946,6 +962,11 @@ static int proofs_create(repair *r, proofs *p) {
                 const double xi[3] = {(double)i / LATTICE, (double)j / LATTICE,
                                       (double)k / LATTICE};
                 pl_row_point(r->rule[1], xi, p->blend[p->n_points], p->gradient[p->n_points]);
+                for (int node = 0; node < r->rule[1]->jacobian.n_nodes; node++) {
+                    double rate[NODES] = {0};
+                    rate[node] = 1;
+                    p->still[p->n_points] |= (uint16_t)(is_still(p, p->n_points, rate) << node);
+                }
             }
     return 1;
 }
@@ -961,19 +982,6 @@ static void find_rates(repair *r, int64_t element, int place, double rate[]) {
     for (int i = 0; i < n; i++)
         if (i != place && kind_of(r, of[i]) == MID)
             rate[i] = 0;
-}
-
-/** Whether det J at a point stays if the nodes move at these rates. */
-static int is_still(const proofs *p, int point, const double rate[]) {
-    const pl_jacobian_rule *rule = &p->r->rule[1]->jacobian;
-    double most = 0;
-    for (int a = 0; a < p->r->dim; a++) {
-        double g = 0;
-        for (int i = 0; i < rule->n_nodes; i++)
-            g += rate[i] * p->gradient[point][i][a];
-        most = fmax(most, fabs(g));
-    }
-    return most < 1e-12;
 }
 
 static void add_proof_row(proofs *p, const double *row, int64_t element) {
@@ -1018,12 +1026,22 @@ static void add_points(proofs *p, int64_t element, int place, double size) {
             for (int d = 0; d < dim; d++)
                 slope[index[i]][d] = row[i].slope_d[d] * size;
     }
-    for (int i = 0; i < n; i++)
-        if (i != place && kind_of(r, of[i]) != HELD)
-            find_rates(r, element, i, other[n_others++]);
+    uint16_t alone = 0; /* others that nothing follows */
+    for (int i = 0; i < n; i++) {
+        int n_rates = 0;
+        if (i == place || kind_of(r, of[i]) == HELD)
+            continue;
+        find_rates(r, element, i, other[n_others]);
+        for (int k = 0; k < n; k++)
+            n_rates += other[n_others][k] != 0;
+        if (n_rates == 1)
+            alone |= (uint16_t)(1 << i);
+        else
+            n_others++;
+    }
     for (int k = 0; k < p->n_points; k++) {
         double at[CONE_DIM] = {0}, length2 = 0;
-        int says = 1;
+        int says = (alone & ~p->still[k]) == 0;
         for (int i = 0; i < n_others && says; i++)
             says = is_still(p, k, other[i]);
         if (!says)
