@@ -97,7 +97,8 @@ def show_unfixable(real):
 def show_lists(real, none):
     simplices = [line for line in real if not is_grid(line)]
     failed = [line for line in simplices if not line["passed"]]
-    print(f"{len(simplices) - len(failed)} of {len(simplices)} cases passed.\n")
+    if simplices:
+        print(f"{len(simplices) - len(failed)} of {len(simplices)} cases passed.\n")
     print_names("Failed", failed, show_failed)
     for reason, lines in groupby(sorted(none, key=why_none), key=why_none):
         print(f"No case ({reason}): {len(list(lines))}\n")
