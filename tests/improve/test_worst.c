@@ -388,9 +388,10 @@ static void options_are_checked(void **state) {
     planish_error error;
     uneven_box(&box, 2, 1);
     for (int i = 0; i < 6; i++) {
-        planish_options options = defaults(i == 0   ? (planish_worst)-1
-                                           : i == 1 ? (planish_worst)3
-                                                    : PLANISH_WORST_ANGLE);
+        planish_options options =
+            defaults(i == 0   ? (planish_worst)-1
+                     : i == 1 ? (planish_worst)(PLANISH_WORST_SCALED_JACOBIAN + 1)
+                              : PLANISH_WORST_ANGLE);
         const double rises[] = {-1e-9, INFINITY, NAN};
         if (i == 5)
             options.method = PLANISH_METHOD_LAPLACIAN;
