@@ -416,11 +416,11 @@ typedef enum planish_objective {
 /** Quantity that a last phase improves after the objective has converged: the worst value in the
  *  mesh. */
 typedef enum planish_worst {
-    PLANISH_WORST_NONE = 0,         /* no such phase */
-    PLANISH_WORST_RADIUS_RATIO = 1, /* the largest radius ratios */
-    PLANISH_WORST_ANGLE = 2,        /* the smallest and largest angles, dihedral in 3-D, by their
+    PLANISH_WORST_NONE = 0,           /* no such phase */
+    PLANISH_WORST_RADIUS_RATIO = 1,   /* the largest radius ratios */
+    PLANISH_WORST_ANGLE = 2,          /* the smallest and largest angles, dihedral in 3-D, by their
                                        sines. For a mesh of simplices alone, as the radius ratio */
-    PLANISH_WORST_ASPECT_RATIO = 3, /* the largest mean ratios of corners */
+    PLANISH_WORST_ASPECT_RATIO = 3,   /* the largest mean ratios of corners */
     PLANISH_WORST_SCALED_JACOBIAN = 4 /* the smallest scaled Jacobians of corners */
 } planish_worst;
 
@@ -942,11 +942,11 @@ typedef struct planish_result {
                                 whose boundary encloses no positive volume */
     int64_t n_curved;       /* curved elements of order 2 at the start */
     int64_t
-        n_inverted_inside; /* those of n_inverted that are curved and have positive corners: they
+        n_inverted_inside;   /* those of n_inverted that are curved and have positive corners: they
                                   are inverted elsewhere, and corners alone did not repair them */
-    int64_t n_refused;     /* moves that would have inverted a curved element */
+    int64_t n_refused;       /* moves that would have inverted a curved element */
     int64_t n_released_mids; /* mids that have moved by themselves (options.curve_quality) */
-    int64_t n_hopeless;      /* curved elements of these that are proved to be invalid wherever their
+    int64_t n_hopeless; /* curved elements of these that are proved to be invalid wherever their
                                 free nodes go */
     int64_t reserved[2];
 } planish_result;

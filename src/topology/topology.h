@@ -236,8 +236,8 @@ typedef struct pl_rings {
  * elements are corners (geometry/corner.h), each with the opposite one of its hexahedron as a
  * neighbour: links are open, and the caller knows which nodes are inside; NULL: they are not. */
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
-                    const uint8_t *corner, uint8_t *is_free, int32_t *node, int64_t n_rings, int open, int threads,
-                    pl_rings *rings, planish_error *error);
+                    const uint8_t *corner, uint8_t *is_free, int32_t *node, int64_t n_rings,
+                    int open, int threads, pl_rings *rings, planish_error *error);
 
 /** Free the arrays of rings. */
 void pl_rings_destroy(pl_rings *rings);
@@ -271,7 +271,8 @@ int pl_check_periodic(const planish_mesh *mesh, planish_error *error);
  *  that are no translations of one another, it becomes 0. corner: as for pl_rings_create; cells are
  *  copied whole. Errors: _MEMORY. */
 int pl_periodic_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
-                       const uint8_t *corner, uint8_t *slides, pl_periodic *periodic, planish_error *error);
+                       const uint8_t *corner, uint8_t *slides, pl_periodic *periodic,
+                       planish_error *error);
 
 /** Free the arrays of periodic. */
 void pl_periodic_destroy(pl_periodic *periodic);
@@ -301,7 +302,7 @@ typedef struct pl_stars {
                              p and q as its last facet with that edge traverses it */
     double *min_volume;   /* [link_offset[n_stars]] mesh->min_volume of the facets' elements, or
                              NULL */
-    uint8_t *form;              /* [link_offset[n_stars]] the facets' codes (geometry/corner.h), where
+    uint8_t *form;        /* [link_offset[n_stars]] the facets' codes (geometry/corner.h), where
                                    elements are corners; or NULL */
     int64_t max_ring, max_link; /* of one star */
 } pl_stars;

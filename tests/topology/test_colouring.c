@@ -199,8 +199,8 @@ static void any_order_of_rings(void **state) {
         rings.node[n - 1 - i] = node;
     }
     pl_rings_destroy(&rings.rings);
-    assert_int_equal(pl_rings_create(&box.mesh, &rings.incidence, NULL, NULL, rings.is_free, rings.node,
-                                     n, 0, 1, &rings.rings, NULL),
+    assert_int_equal(pl_rings_create(&box.mesh, &rings.incidence, NULL, NULL, rings.is_free,
+                                     rings.node, n, 0, 1, &rings.rings, NULL),
                      PLANISH_OK);
     assert_int_equal(pl_colouring_create(&rings.rings, rings.node, NULL, box.mesh.n_nodes, NULL, 1,
                                          backward, &n_colours, NULL),

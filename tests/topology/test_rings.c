@@ -200,8 +200,8 @@ static void check_inside(const planish_mesh *mesh) {
     test_rings_define(&rings, mesh);
     int64_t n = rings.rings.n_rings;
     pl_rings_destroy(&rings.rings);
-    assert_int_equal(pl_rings_create(mesh, &rings.incidence, NULL, NULL, rings.is_free, rings.node, n, 0,
-                                     1, &rings.rings, NULL),
+    assert_int_equal(pl_rings_create(mesh, &rings.incidence, NULL, NULL, rings.is_free, rings.node,
+                                     n, 0, 1, &rings.rings, NULL),
                      PLANISH_OK);
     for (int32_t i = 0; i < mesh->n_nodes; i++)
         assert_int_equal(rings.is_free[i], is_inside(mesh, NULL, i));
@@ -441,8 +441,8 @@ static void survives_without_memory(void **state) {
             base.is_free[node[i]] = 1;
         memcpy(base.node, node, bytes);
         allocations_permit(permitted);
-        status = pl_rings_create(&mesh.mesh, &base.incidence, base.sign, NULL, base.is_free, base.node, n,
-                                 0, 1, &rings, NULL);
+        status = pl_rings_create(&mesh.mesh, &base.incidence, base.sign, NULL, base.is_free,
+                                 base.node, n, 0, 1, &rings, NULL);
         allocations_permit(-1);
         assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
     }
