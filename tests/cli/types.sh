@@ -49,6 +49,17 @@ alone, among = json.load(open("report.json"))["quality"], json.load(open("all.js
 assert set(alone) - set(among) == {"worst_elements"} and all(alone[key] == among[key] for key in among)
 END
 
+# Meshes made after public reports: averages tangle them, or they came inverted.
+for kind in bent projected wall; do
+    python3 "$cli/types_mesh.py" block $kind 8 0 block.vtk || fail "no mesh"
+    expect_status 0 "$program" smooth block.vtk -o new.vtk --json report.json -q
+    python3 "$cli/types_mesh.py" judge block.vtk new.vtk report.json || fail "$kind"
+    expect_json "(r['before']['inverted'] == 0) == ('$kind' == 'bent') and r['after']['inverted'] == 0"
+done
+python3 "$cli/types_mesh.py" block bent 8 0 block.vtk || fail "no mesh"
+"$program" smooth block.vtk -o new.vtk --method laplacian --json report.json -q >out 2>&1
+expect_json "r['after']['inverted'] > 0"
+
 # Every type of first order: smoothed, untangled, with layers, stopped.
 for kind in hexahedron wedge pyramid quadrilateral mixed flat; do
     n=4

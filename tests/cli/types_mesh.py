@@ -9,7 +9,9 @@ types_mesh.py check BEFORE.vtk AFTER.vtk REPORT.json: what smoothing promises of
 
 types_mesh.py block KIND N AMOUNT OUT: a cube or square of N cells along each axis, cut into elements of KIND (hexahedron,
 wedge, pyramid, quadrilateral; mixed, flat: several), whose inner nodes are pushed by up to AMOUNT of a cell. KIND layered:
-hexahedra, the lowest three rows of which are thin.
+hexahedra, the lowest three rows of which are thin. After public reports: bent (quadrilaterals and triangles in a narrow
+bow, which averages tangle), projected (hexahedra whose top was projected onto a surface below the next nodes), wall (rows
+of wedges as thin as in layered, whose wall has moved by four of their heights).
 types_mesh.py judge BEFORE.vtk AFTER.vtk REPORT.json: what smoothing promises of that mesh, and whether the report is right."""
 import itertools
 import json
@@ -267,17 +269,34 @@ def cut(kind, at, add, place):
     return [(12, at)]
 
 
+def move(kind, n, p):
+    """Where a point of the unit cube is in a mesh made after a report."""
+    bump = math.sin(math.pi * p[0]) * math.sin(math.pi * p[1])
+    if kind == "bent":
+        r, angle = 0.2 + 0.8 * p[1], 5.5 * p[0]
+        return [-r * math.cos(angle), r * math.sin(angle), 0.0]
+    if kind == "projected" and p[2] == 1:
+        return [p[0], p[1], 1 - 0.6 * bump]
+    if kind == "wall" and p[2] == 0:
+        return [p[0], p[1], 0.4 / n * bump]
+    return p
+
+
 def block(kind, n, amount, path):
-    n, amount = int(n), float(amount)
+    n, amount, report = int(n), float(amount), kind
+    kind = {"bent": "flat", "projected": "hexahedron", "wall": "wedge"}.get(kind, kind)
+    layered = report in ("layered", "wall")
     dim = 2 if kind in ("quadrilateral", "flat") else 3
     x, number, cells = [], {}, []
     for at in itertools.product(range(n + 1), repeat=dim):
         number[at] = len(x)
-        inside = all(0 < c < n for c in at) and not (kind == "layered" and at[2] <= 3)
+        inside = all(0 < c < n for c in at) and not (layered and at[2] <= 3)
         x.append([(c + inside * random.uniform(-amount, amount)) / n for c in at] + [0.0] * (3 - dim))
-    if kind == "layered":
+    if layered:
         for at, p in number.items():
             x[p][2] = at[2] / n / 10 if at[2] <= 3 else 0.3 / n + (x[p][2] - 3 / n) / (1 - 3 / n) * (1 - 0.3 / n)
+
+    x = [move(report, n, p) for p in x]
 
     def add(corners):
         x.append(middle([x[p] for p in corners]))
