@@ -8,6 +8,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
@@ -310,11 +311,85 @@ static void test_threads(void **state) {
     cell_box_destroy(b);
 }
 
+/** Pairs of the box's nodes at x = 0 and x = n. */
+static int64_t find_pairs(const cell_box *b, int n, int32_t *pair) {
+    int64_t n_pairs = 0;
+    for (int32_t i = 0; i < b->mesh.n_nodes; i++)
+        for (int32_t j = 0; b->x[3 * (int64_t)i] == 0 && j < b->mesh.n_nodes; j++)
+            if (b->x[3 * (int64_t)j] == n && b->x[3 * (int64_t)j + 1] == b->x[3 * (int64_t)i + 1] &&
+                b->x[3 * (int64_t)j + 2] == b->x[3 * (int64_t)i + 2]) {
+                pair[2 * n_pairs] = i;
+                pair[2 * n_pairs++ + 1] = j;
+            }
+    return n_pairs;
+}
+
+/** Nodes of two sides that are one another's images move together: across the box, as if it were
+ *  one of many. The cells around an image are whole, so that the regular grid comes back. */
+static void test_periodic(void **state) {
+    (void)state;
+    static const cell_box_kind kinds[] = {BOX_HEXAHEDRA, BOX_PYRAMIDS, BOX_MIXED};
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        enum { SIDE = 3 };
+        cell_box *b = cell_box_create(kinds[k], SIDE);
+        const int64_t n = b->mesh.n_nodes;
+        double *regular = malloc((size_t)(3 * n) * sizeof *regular);
+        double *direction = calloc((size_t)(3 * n), sizeof *direction);
+        int32_t *pair = malloc((size_t)(2 * n) * sizeof *pair);
+        uint8_t *constraint = calloc((size_t)n, 1);
+        const int64_t n_pairs = find_pairs(b, SIDE, pair);
+        assert_int_equal(n_pairs, (SIDE + 1) * (SIDE + 1));
+        memcpy(regular, b->x, (size_t)(3 * n) * sizeof *regular);
+        for (int64_t i = 0; i < n; i++) {
+            const double *x = regular + 3 * i;
+            const int at_end = x[0] == 0 || x[0] == SIDE;
+            const int at_side = x[1] == 0 || x[1] == SIDE || x[2] == 0 || x[2] == SIDE;
+            constraint[i] = at_side  ? PLANISH_CONSTRAINT_FIXED
+                            : at_end ? PLANISH_CONSTRAINT_ON_PLANE
+                                     : PLANISH_CONSTRAINT_FREE;
+            direction[3 * i] = 1;
+        }
+        cell_box_shake(b, 0.2, 7);
+        for (int64_t i = 0; i < n_pairs; i++) /* both alike, in their planes */
+            for (int d = 1; d < 3 && constraint[pair[2 * i]] != PLANISH_CONSTRAINT_FIXED; d++)
+                for (int end = 0; end < 2; end++)
+                    b->x[3 * (int64_t)pair[2 * i + end] + d] += d == 1 ? 0.25 : -0.2;
+        b->mesh.constraint = constraint;
+        b->mesh.direction = direction;
+        b->mesh.periodic = pair;
+        b->mesh.n_periodic = n_pairs;
+        planish_plan *plan = plan_of(&b->mesh, NULL);
+        planish_result result;
+        planish_error error;
+        planish_options options;
+        planish_options_init(&options);
+        options.tolerance = 1e-14;
+        assert_int_equal(plan->info.n_sliding, 2 * (SIDE - 1) * (SIDE - 1));
+        assert_int_equal(planish_smooth(plan, b->x, &options, &result, &error), PLANISH_OK);
+        assert_int_equal(result.n_inverted, 0);
+        for (int64_t i = 0; i < n_pairs; i++)
+            for (int d = 0; d < 3; d++) {
+                const double *from = b->x + 3 * (int64_t)pair[2 * i],
+                             *to = b->x + 3 * (int64_t)pair[2 * i + 1];
+                assert_true(fabs(to[d] - from[d] - (d == 0 ? SIDE : 0)) < 1e-14);
+            }
+        for (int64_t i = 0; i < 3 * n && kinds[k] == BOX_HEXAHEDRA; i++)
+            assert_true(fabs(b->x[i] - regular[i]) < 1e-3);
+        planish_plan_destroy(plan);
+        cell_box_destroy(b);
+        free(regular);
+        free(direction);
+        free(pair);
+        free(constraint);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_plans),      cmocka_unit_test(test_order_2),
         cmocka_unit_test(test_fixed_mids), cmocka_unit_test(test_held),
         cmocka_unit_test(test_around),     cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_periodic),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
