@@ -222,6 +222,7 @@ int pl_run_end(pl_run *run, planish_error *error) {
 
 void pl_run_destroy(pl_run *r) {
     r->plan->scratch.watch = NULL;
+    pl_marked_destroy(&r->refusers);
     pl_watch_destroy(&r->watch);
     pl_guard_destroy(&r->guard);
 }

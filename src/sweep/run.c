@@ -338,7 +338,32 @@ enum { SWEEPS_UNTIL_SLOW = 20 };
 #define SLOW_FALL      0.1
 #define SLOW_REMAINDER 0.01
 
-void pl_run_sweeps(pl_run *r) {
+static void forget_refusers(pl_run *r) {
+    const pl_star_problem plain = pl_plan_problem(r->plan, &r->plan->interior);
+    pl_marked_destroy(&r->refusers);
+    r->problem.more = NULL;
+    r->problem.scratch = plain.scratch;
+    r->problem.scratch_stride = plain.scratch_stride;
+}
+
+/** Make the coefficients of cells that keep refusing moves constraints of the visits around them, so
+ *  that directions and steps heed them; those of cells that were found before are so already. */
+static void heed_refusers(pl_run *r) {
+    const int64_t n = pl_watch_find_refusers(&r->watch, NULL);
+    if (n == r->refusers.n)
+        return;
+    forget_refusers(r);
+    uint8_t *state = n > 0 ? pl_alloc_zero(r->plan->work.n_elements, sizeof *state) : NULL;
+    if (!state)
+        return;
+    pl_watch_find_refusers(&r->watch, state);
+    if (!pl_marked_make(&r->watch, state, 0, &r->refusers, NULL))
+        pl_marked_use(&r->refusers, &r->problem);
+    pl_free(state);
+}
+
+/** Sweep until that converges or may go on no more: r->stop. */
+static void sweep_on(pl_run *r) {
     const double tolerance = r->options->tolerance;
     const int may_be_slow = r->plain && r->plan->interior.n_all > 0 &&
                             r->options->search == PLANISH_SEARCH_NEWTON &&
@@ -353,6 +378,7 @@ void pl_run_sweeps(pl_run *r) {
         int64_t visits;
         if (pl_run_sweep(r, &visits))
             return;
+        heed_refusers(r);
         pl_converged(&trend, before, pl_objective_of_movable(r->options, &r->sums), 0);
         double fall = trend.fall[PL_CALM_SWEEPS - 1];
         if (has_converged(r, &calm, before, visits)) {
@@ -375,6 +401,11 @@ void pl_run_sweeps(pl_run *r) {
         if (r->accelerate(r, next, fall))
             return;
     }
+}
+
+void pl_run_sweeps(pl_run *r) {
+    sweep_on(r);
+    forget_refusers(r);
 }
 
 /* ---- trials ------------------------------------------------------------------------------- */

@@ -22,6 +22,7 @@
 #include "quality/measure.h"
 #include "sweep/watch.h"
 #include "sweep/guard.h"
+#include "sweep/rows.h"
 #include "sweep/sweep.h"
 
 struct pl_run;
@@ -66,6 +67,8 @@ typedef struct pl_run {
                               a movable node; infinite: nothing is promised */
     pl_objective_sums sums_at_start;   /* of that mesh */
     double start_seconds, sweep_start; /* clock: of the call, of the sweep */
+    pl_marked refusers; /* cells that keep refusing moves: their coefficients are constraints while
+                           pl_run_sweeps is under way */
     int sweep;
     int uncounted_sweeps; /* that max_sweeps does not count: those before nodes were put back */
     pl_accelerate_fn *accelerate; /* what sweeps call where they are slow */

@@ -324,6 +324,25 @@ static void look_again(pl_watch *w, int32_t node, block *b) {
     note_valid(w, b);
 }
 
+int64_t pl_watch_find_refusers(const pl_watch *w, uint8_t *state) {
+    enum { REFUSALS = 3 };
+    int64_t n = 0;
+    block b;
+    for (int64_t i = 0; w->plan->work.corner && i < w->n; i++) {
+        if (w->n_refused_of[i] < REFUSALS || !w->rule[w->type[i]])
+            continue;
+        b.n = 0;
+        add(w, w->rule[w->type[i]], pl_watch_cell(w, i), 0, &b);
+        evaluate(w, &b);
+        if (!(b.jacobian.least[0] > b.jacobian.error[0]))
+            continue;
+        if (state)
+            state[w->plan->work.cell_begin[pl_watch_cell(w, i)]] = 1;
+        n++;
+    }
+    return n;
+}
+
 /** Hexahedra in a block of floats. */
 typedef struct bricks {
     int n,

@@ -30,6 +30,7 @@
  *   pl_watch_worst                measures of a node's cells
  *   pl_watch_fetch_list, _cells   ask for memory ahead
  *   pl_watch_find_broken          cells that were valid and are not any more
+ *   pl_watch_find_refusers        cells that keep refusing moves
  */
 #ifndef PL_SWEEP_WATCH_H
 #define PL_SWEEP_WATCH_H
@@ -242,5 +243,10 @@ PL_AT_ONCE void pl_watch_fetch_cells(const pl_watch *w, int32_t node) {
  *  began and are not any more, and if of_all of all cells of which corners have turned; leave the
  *  other entries. Returns the number of cells. */
 int64_t pl_watch_find_broken(const pl_watch *watch, int of_all, uint8_t *state);
+
+/** Mark in state [n_elements of the plan] with 1 the first corners of cells of several corners that
+ *  have refused several moves, and whose coefficients are all positive; state NULL: only count them.
+ *  Returns their number. */
+int64_t pl_watch_find_refusers(const pl_watch *watch, uint8_t *state);
 
 #endif

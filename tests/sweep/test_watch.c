@@ -974,13 +974,31 @@ static void step(lone_cell *c, double min_volume, unsigned *seed, walk *w) {
         x[d] = before[d];
 }
 
+/** Whether a cell that has refused so many moves counts as one that keeps refusing them: if all its
+ *  coefficients are positive, which can be constraints then. */
+static int64_t check_refuser(const lone_cell *c, int refused) {
+    uint8_t mark[PL_CELL_CORNERS] = {0};
+    double least;
+    is_cell_valid(c, &least);
+    const int64_t n = pl_watch_find_refusers(&c->watch, mark);
+    assert_int_equal(n, mark[0]);
+    assert_int_equal(n, pl_watch_find_refusers(&c->watch, NULL));
+    if (n > 0)
+        assert_true(refused >= 3 && least > -1e-12);
+    else if (c->watch.type[0] == c->type->type)
+        assert_true(refused < 3 || least < 1e-12);
+    return n;
+}
+
 /** Rooms admit no move that the certificate would refuse; what is refused is invalid. */
 static void moves_of_valid_cells_are_decided(void **state) {
     (void)state;
+    int64_t n_all = 0;
     for (int t = 0; t < N_TYPES; t++) {
         static lone_cell c;
         walk w = {0, 0, 0, 0};
         unsigned seed = 7 + (unsigned)t;
+        int64_t n_refusers = 0;
         const int is_linear_one =
             TYPES[t] == PLANISH_CELL_HEXAHEDRON || TYPES[t] == PLANISH_CELL_WEDGE;
         const int trials = is_linear_one ? 10 * TRIALS : TRIALS; /* few are invalid inside alone */
@@ -993,8 +1011,10 @@ static void moves_of_valid_cells_are_decided(void **state) {
             c.is_mirrored = trial % 2;
             watch_cell(&c, 0);
             pl_watch_measure(&c.watch);
+            const int before = w.refused;
             for (int m = 0; m < MOVES; m++)
                 step(&c, 0, &seed, &w);
+            n_refusers += check_refuser(&c, w.refused - before);
             pl_watch_destroy(&c.watch);
         }
         const int is_watched = TYPES[t] != PLANISH_CELL_TRIANGLE && TYPES[t] != 10 &&
@@ -1003,7 +1023,10 @@ static void moves_of_valid_cells_are_decided(void **state) {
         assert_true(w.admitted > MOVES && w.of_valid > MOVES);
         assert_true(!is_watched == (w.refused == 0));
         assert_true(!is_watched || w.with_room > MOVES);
+        assert_true(is_watched || n_refusers == 0);
+        n_all += n_refusers;
     }
+    assert_true(n_all > 10);
 }
 
 /** Cells that are above their minimum volume stay there, by their least coefficient. */
