@@ -941,11 +941,11 @@ typedef struct planish_result {
     int64_t n_not_enclosed; /* elements that untangling has given up at once, in parts of the mesh
                                 whose boundary encloses no positive volume */
     int64_t n_curved;       /* curved elements of order 2 at the start */
-    int64_t
-        n_inverted_inside;   /* those of n_inverted that are curved and have positive corners: they
-                                  are inverted elsewhere, and corners alone did not repair them */
-    int64_t n_refused;       /* moves that would have inverted a curved element */
-    int64_t n_released_mids; /* mids that have moved by themselves (options.curve_quality) */
+    int64_t n_inverted_inside; /* those of n_inverted that have positive corners: they are inverted
+                                  elsewhere, and that could not be repaired */
+    int64_t n_refused;         /* moves that would have inverted such an element, or made it worse
+                                  than any was */
+    int64_t n_released_mids;   /* mids that have moved by themselves (options.curve_quality) */
     int64_t n_hopeless; /* curved elements of these that are proved to be invalid wherever their
                                 free nodes go */
     int64_t reserved[2];
