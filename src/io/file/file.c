@@ -197,7 +197,8 @@ static int join_regions(const io_cells *cells, int64_t n, const io_others *other
         return pl_fail_memory(error, "the regions of elements");
     if (a && n > 0)
         memcpy(*joined, a, (size_t)n * sizeof **joined);
-    memcpy(*joined + n, b, (size_t)m * sizeof **joined);
+    if (m > 0)
+        memcpy(*joined + n, b, (size_t)m * sizeof **joined);
     return PLANISH_OK;
 }
 
@@ -210,7 +211,8 @@ static int join_facets(planish_file *file, planish_error *error) {
     int32_t *node = file->facet = pl_alloc(3 * n + 4 * m, sizeof *node);
     if (!offset || !node)
         return pl_fail_memory(error, "the facets of the file");
-    memcpy(node, triangles->nodes, (size_t)(3 * n) * sizeof *node);
+    if (n > 0)
+        memcpy(node, triangles->nodes, (size_t)(3 * n) * sizeof *node);
     for (int64_t i = 0; i <= n + m; i++)
         offset[i] = i <= n ? 3 * i : 4 * i - n;
     for (int64_t i = 0; i < m; i++)
