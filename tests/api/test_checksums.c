@@ -5,6 +5,7 @@
  * and commits it with the reason. Input is rounded to multiples of 2^-20, so that it does not
  * depend on the system's sine.
  */
+#include "support/cell_meshes.h"
 #include "support/effort.h"
 #include "support/run.h"
 #include "support/tangles.h"
@@ -108,6 +109,33 @@ static void subject_destroy(subject *s) {
     free(s->min_volume);
     free(s->pair);
     test_mesh_destroy(&s->base);
+}
+
+/** Make a subject of a box of cells of a kind, with inner nodes pushed about until some are inverted;
+ *  of order 2 every eleventh node between corners is bent. */
+static cell_box *subject_of_cells(subject *s, int kind, int order) {
+    cell_box *low = cell_box_create((cell_box_kind)kind, kind < BOX_HEXAHEDRA ? 9 : 3);
+    cell_box *b = low;
+    cell_box_shake(low, kind % 3 == 0 ? 0.35 : 0.2, 5);
+    for (int64_t i = 0; i < low->mesh.n_nodes * low->mesh.dim; i++)
+        low->x[i] = round(low->x[i] * 0x1p20) * 0x1p-20;
+    if (order == 2) {
+        b = cell_box_raise(low, kind % 2);
+        for (int64_t i = low->mesh.n_nodes; i < b->mesh.n_nodes; i++)
+            for (int d = 0; i % 11 == 0 && d < b->mesh.dim; d++)
+                b->x[i * b->mesh.dim + d] += (double)((i + d) % 3 - 1) / 8;
+        cell_box_destroy(low);
+    }
+    const size_t n = (size_t)b->mesh.n_nodes, m = (size_t)b->cells.n;
+    *s = (subject){.base.mesh = b->mesh, .mesh = b->mesh};
+    s->constraint = checked(malloc(n));
+    s->direction = checked(calloc(n * (size_t)b->mesh.dim, sizeof *s->direction));
+    s->min_volume = checked(malloc(m * sizeof *s->min_volume));
+    for (size_t i = 0; i < m; i++)
+        s->min_volume[i] = (i % 3 == 0) * (0.06 + 0.01 * (double)(i % 5));
+    assert_int_equal(
+        planish_find_slides(&s->mesh, NULL, 1, s->constraint, s->direction, NULL, NULL), 0);
+    return b;
 }
 
 /* ---- options ------------------------------------------------------------------------------ */
@@ -364,6 +392,44 @@ static int is_asked(int shape, int way) {
     return shapes[shape].tangling == TEST_TANGLINGS || way % 3 == shape % 3;
 }
 
+/** The lines of cells of every type, of both orders; each takes its sixth of the ways. */
+static int expect_cells(FILE *list, int threads, planish_isa isa, const char *write) {
+    static const char *const names[N_BOX_KINDS] = {"quadrilaterals", "mixed-2",  "hexahedra",
+                                                   "wedges",         "pyramids", "mixed"};
+    char line[LINE], name[LINE / 2];
+    int different = 0, n = 0;
+    for (int kind = 0; kind < N_BOX_KINDS; kind++)
+        for (int order = 1; order <= 2; order++) {
+            subject s;
+            cell_box *b = subject_of_cells(&s, kind, order);
+            snprintf(name, sizeof name, "%s-of-order-%d", names[kind], order);
+            for (size_t way = 0; way < sizeof ways / sizeof *ways && different < ENOUGH; way++) {
+                planish_options options;
+                if ((int)way % 6 != (2 * kind + order) % 6 ||
+                    ways[way].how & (SURFACE | PERIODIC | ROUNDED) ||
+                    !set_way(&s, ways[way].how, &options))
+                    continue;
+                if (n++ % effort_step(2) > 0) {
+                    assert_non_null(fgets(line, sizeof line, list));
+                    continue;
+                }
+                options.worst = options.worst == PLANISH_WORST_NONE ? PLANISH_WORST_NONE
+                                : options.worst == PLANISH_WORST_ANGLE
+                                    ? PLANISH_WORST_SCALED_JACOBIAN
+                                    : PLANISH_WORST_ASPECT_RATIO;
+                options.threads = threads;
+                options.isa = isa;
+                smooth_line(&s, name, (int)way, &options, line);
+                different += compare_line(list, line, write);
+            }
+            free(s.constraint);
+            free(s.direction);
+            free(s.min_volume);
+            cell_box_destroy(b);
+        }
+    return different;
+}
+
 /** All lines with these threads and this kernel. */
 static void expect_list(int threads, planish_isa isa, const char *write) {
     char line[LINE];
@@ -387,6 +453,8 @@ static void expect_list(int threads, planish_isa isa, const char *write) {
         }
         subject_destroy(&s);
     }
+    if (different < ENOUGH)
+        different += expect_cells(list, threads, isa, write);
     assert_true(write || different || fgetc(list) == EOF);
     assert_int_equal(fclose(list), 0);
     assert_int_equal(different, 0);
