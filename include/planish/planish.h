@@ -33,6 +33,7 @@
  *   Mesh                       planish_mesh, planish_constraint
  *   Mesh in several processes  planish_part, planish_role
  *   Nodes that can slide       planish_find_slides
+ *   Curved surfaces            planish_shape_create, planish_measure_shape
  *   Regions                    planish_region_name, planish_find_regions, _combine_regions,
  *                              _find_interfaces
  *   Elements thin in layers    planish_find_layers
@@ -104,12 +105,14 @@ typedef struct planish_error {
  * rounding of coordinates (of floats, with PLANISH_PRECISION_FLOAT); interior nodes may slide as
  * well. planish_find_slides finds such nodes. */
 typedef enum planish_constraint {
-    PLANISH_CONSTRAINT_FREE = 0,      /* anywhere, if it is no node of the boundary */
-    PLANISH_CONSTRAINT_FIXED = 1,     /* nowhere */
-    PLANISH_CONSTRAINT_ON_PLANE = 2,  /* on the plane (in 2-D the line) through its place whose
+    PLANISH_CONSTRAINT_FREE = 0,       /* anywhere, if it is no node of the boundary */
+    PLANISH_CONSTRAINT_FIXED = 1,      /* nowhere */
+    PLANISH_CONSTRAINT_ON_PLANE = 2,   /* on the plane (in 2-D the line) through its place whose
                                          normal is that of planish_mesh.direction */
-    PLANISH_CONSTRAINT_ON_LINE = 3,   /* on the line through its place along that direction */
-    PLANISH_CONSTRAINT_ON_SURFACE = 4 /* where planish_options.project says */
+    PLANISH_CONSTRAINT_ON_LINE = 3,    /* on the line through its place along that direction */
+    PLANISH_CONSTRAINT_ON_SURFACE = 4, /* where planish_options.project says */
+    PLANISH_CONSTRAINT_ON_PATCH = 5,   /* on the patch of planish_options.shape that has it, */
+    PLANISH_CONSTRAINT_ON_CURVE = 6    /* or on the curve */
 } planish_constraint;
 
 /** Type of an element. The numbers, and the order of nodes, are VTK's. */
@@ -277,20 +280,28 @@ typedef struct planish_surface {
                                  so if none of them is at an interface or tagged facet. NULL: not
                                  known of any */
     int tagged_only;          /* not 0: only nodes all of whose facets bear tags slide */
+    int slide_interfaces;     /* not 0: nodes of curved interfaces between regions slide, too */
     double tolerance;         /* how far off a plane or line its nodes may be, as a fraction of the
                                  diagonal of the bounding box, 0 .. 1e-3; 0: 1e-8 */
     /* [n_facets + 1] from 0: the nodes of facet i are facets[facet_offset[i]] ..
        facets[facet_offset[i + 1] - 1], in the order of VTK: 3, 4, 6, 8 or 9, in 2-D 2 or 3. Mids
        are not looked at. Corners of quadrilaterals become FIXED. NULL: dim nodes each. */
     const int64_t *facet_offset;
-    const void *reserved[3]; /* NULL */
+    const struct planish_shape *shape; /* planish_find_slides: nodes that do not slide on a plane or
+                                          line slide on its patches and curves; NULL: they stay */
+    double crease_angle; /* planish_shape_create: facets that turn by more degrees have a feature
+                            between them, others none but for tags, 0 .. 180; 0: features are found
+                            (docs/surfaces.md) */
+    const void *reserved[1]; /* NULL */
 } planish_surface;
 
 typedef struct planish_slide_info {
     int64_t n_surface;  /* nodes of the surface */
     int64_t n_on_plane; /* those that can slide on planes, */
-    int64_t n_on_line;  /* and on lines */
-    int64_t reserved[4];
+    int64_t n_on_line;  /* and on lines, */
+    int64_t n_on_patch; /* on curved patches, */
+    int64_t n_on_curve; /* and on curves */
+    int64_t reserved[2];
 } planish_slide_info;
 
 /** Find the nodes that can slide while the shape of mesh stays what it is: those within planar
@@ -307,6 +318,67 @@ typedef struct planish_slide_info {
 PLANISH_API int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface,
                                     int threads, uint8_t *constraint, double *direction,
                                     planish_slide_info *info, planish_error *error);
+
+/* ---- Curved surfaces ------------------------------------------------------------------------ */
+
+/** Shape of a surface in space as it came: patches of smooth triangles, the curves between them, and
+ *  corners. Nothing changes it. */
+typedef struct planish_shape planish_shape;
+
+typedef struct planish_shape_info {
+    int64_t n_nodes;    /* of the surface */
+    int64_t n_facets;   /* triangles; a quadrilateral is two */
+    int64_t n_patches;  /* pieces between features */
+    int64_t n_edges;    /* edges of features, */
+    int64_t n_creases;  /* those of them that are features by their bend alone */
+    int64_t n_on_patch; /* nodes that can slide on patches, */
+    int64_t n_on_curve; /* on curves, */
+    int64_t n_corners;  /* and others */
+    double edge_length; /* mean length of the edges, in units of the coordinates */
+    int64_t reserved[7];
+} planish_shape_info;
+
+/** Make the shape of the surface of mesh, which is in space: the boundary, interfaces between
+ *  regions, and tagged facets. surface (may be NULL): tags, regions, crease_angle; its shape is not
+ *  looked at. The shape remembers mesh->coordinates, so that it can serve many calls without drift; the
+ *  arrays of mesh are not needed any more. threads: as in planish_options. info may be NULL.
+ *  Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part). */
+PLANISH_API int planish_shape_create(const planish_mesh *mesh, const planish_surface *surface,
+                                     int threads, planish_shape **shape, planish_shape_info *info,
+                                     planish_error *error);
+
+/** Free shape; NULL is allowed. */
+PLANISH_API void planish_shape_destroy(planish_shape *shape);
+
+/** Class of a node of a shape. */
+typedef enum planish_shape_class {
+    PLANISH_SHAPE_NONE = 0, /* it is not on the surface */
+    PLANISH_SHAPE_PATCH = 1,
+    PLANISH_SHAPE_CURVE = 2,
+    PLANISH_SHAPE_CORNER = 3 /* of curves, or of an unclear surface: it stays */
+} planish_shape_class;
+
+/** Fill node_class [nodes of the mesh] with planish_shape_class. */
+PLANISH_API void planish_shape_get_classes(const planish_shape *shape, uint8_t *node_class);
+
+/** How far a surface is off its shape. Bounds are proved for every point, not sampled. */
+typedef struct planish_shape_distance {
+    double distance;      /* no point of the surface is farther off the first one, */
+    double distance_back; /* and no point of the first one off the surface, in units of the
+                             coordinates; infinite: not proved */
+    double in_edges,
+        back_in_edges;  /* largest of the same in mean edges of the first surface there */
+    int64_t n_unproved; /* facets of both for which there is no bound */
+    double max_bend; /* largest angle between facets across an edge that is no feature, degrees, */
+    double max_bend_before; /* and of the first surface */
+    int64_t reserved[8];
+} planish_shape_distance;
+
+/** Bound how far the surface of mesh, at mesh->coordinates, is off shape, which was made of a mesh of the
+ *  same elements. Errors: _ARGUMENT (another number of nodes), _MESH, _MEMORY. */
+PLANISH_API int planish_measure_shape(const planish_shape *shape, const planish_mesh *mesh,
+                                      int threads, planish_shape_distance *distance,
+                                      planish_error *error);
 
 /* ---- Regions ------------------------------------------------------------------------------- */
 
@@ -610,10 +682,18 @@ typedef struct planish_options {
     void *log_user;                     /* handed to log */
     planish_round_fn *round;            /* with PLANISH_PRECISION_ROUNDED */
     void *round_user;                   /* handed to round */
-    double curve_quality;    /* 0 .. 1: mids of curved elements whose least Bezier coefficient of
+    double curve_quality; /* 0 .. 1: mids of curved elements whose least Bezier coefficient of
                                 det J is below so much of their mean move by themselves, on the
                                 boundary alone with their edges; 0.3 by default, 0: none */
-    const void *reserved[6]; /* NULL */
+    const struct planish_shape *
+        shape; /* of nodes with PLANISH_CONSTRAINT_ON_PATCH and _ON_CURVE, made of a mesh of the same
+                   nodes; the same for plan and call. NULL: these stay, but count as nodes that
+                   slide */
+    double surface_tolerance;                   /* how far the surface may be off the shape; 0: 0.05
+                                                   edges */
+    planish_length_unit surface_tolerance_unit; /* of surface_tolerance, and edges are those of the
+                                                   shape at the node */
+    const void *reserved[3];                    /* NULL */
 } planish_options;
 
 /** Fill in the defaults: as many threads as OpenMP would use and as the mesh is large enough for,
@@ -946,9 +1026,11 @@ typedef struct planish_result {
     int64_t n_refused;         /* moves that would have inverted such an element, or made it worse
                                   than any was */
     int64_t n_released_mids;   /* mids that have moved by themselves (options.curve_quality) */
-    int64_t n_hopeless; /* curved elements of these that are proved to be invalid wherever their
+    int64_t n_hopeless;  /* curved elements of these that are proved to be invalid wherever their
                                 free nodes go */
-    int64_t reserved[2];
+    int64_t n_off_shape; /* moves that were shortened or refused because the surface would have been
+                            too far off the shape, or bent */
+    int64_t reserved[1];
 } planish_result;
 
 /** Smooth coordinates [n_nodes][dim] (or as the mesh's strides say) in place, after untangling them

@@ -1,0 +1,67 @@
+/* curved: the shape that a mesh's surface has by its triangles, and places on it.
+ *
+ * The surface as it came is cut by its features into patches, and the features into curves between
+ * corners. Between the triangles' corners the shape is that of PN triangles (Vlachos et al. 2001),
+ * along curves that of cubic arcs. A node of a patch or curve goes from place to place; how far the
+ * triangles that it takes along are off those that came is bounded (overlay.h).
+ *
+ *   features.c   pl_shape_find_features            features, curves and classes of nodes
+ *   pn.c         pl_shape_bend, pl_shape_point     normals and tangents; a place in space
+ *   walk.c       pl_shape_walk                     the place that is nearest
+ */
+#ifndef PL_SHAPE_CURVED_H
+#define PL_SHAPE_CURVED_H
+
+#include "shape/surface.h"
+
+/** Class of a node of a shape. */
+enum { PL_CORNER = 0, PL_ON_PATCH = 1, PL_ON_CURVE = 2 };
+
+/** Shape of a surface in space. Nodes, facets and curve edges have own numbers; lengths are in the
+ *  shape's units, scale times the mesh's. All arrays are owned. */
+struct planish_shape {
+    int64_t n_mesh;           /* nodes of the mesh */
+    int64_t n_nodes;          /* of the surface */
+    int64_t n_facets;         /* triangles */
+    int64_t n_edges;          /* edges of features */
+    double scale;             /* a power of two */
+    double size;              /* diagonal of the bounding box */
+    int32_t *number;          /* [n_mesh] own number of each node; -1: not of the surface */
+    int32_t *node;            /* [n_nodes] the mesh's number */
+    double (*x)[3];           /* [n_nodes] where they were first */
+    double *edge_length;      /* [n_nodes] mean length of the surface's edges at each */
+    uint8_t *node_class;      /* [n_nodes] PL_CORNER, PL_ON_PATCH, PL_ON_CURVE */
+    int32_t (*facet)[3];      /* [n_facets] nodes; within a patch all turn the same way round */
+    double (*normal)[3];      /* [n_facets] of unit length; 0 of a triangle without area */
+    int32_t (*across)[3];     /* [n_facets] facet of the same patch across the edge from corner k to
+                              corner (k + 1) % 3; -1: the edge is a feature */
+    int32_t *patch;           /* [n_facets] number of its patch, by the lowest facet */
+    uint8_t *is_interface;    /* [n_facets] 1: between two regions, or inside of one */
+    uint8_t *half;            /* [n_facets] as pl_surface.half; NULL: all are whole */
+    int64_t *offset;          /* [n_nodes + 1] into facet_of */
+    int32_t *facet_of;        /* facets of each node, ascending */
+    int32_t (*edge)[2];       /* [n_edges] nodes, ascending */
+    int32_t (*edge_facet)[2]; /* [n_edges] two facets at it; -1: there is none */
+    int32_t (*edge_at)[2];    /* [n_nodes] both edges of a node on a curve; else -1, or one */
+    double (*corner_normal)[3][3]; /* [n_facets] unit normals of the shape at the corners */
+    double (*tangent)[2][3];       /* [n_edges] unit tangents at both ends, towards the other end */
+};
+
+/** A place on a shape: of a node on a patch a facet, of one on a curve an edge. */
+typedef struct pl_place {
+    int32_t at;       /* facet, or edge */
+    double weight[3]; /* of its corners, at least 0, together 1; of an edge the first two */
+} pl_place;
+
+/** Set place to the nearest one to point, on straight triangles or edges, on the way from place->at
+ *  downhill: never across a feature; of a curve never beyond its corners. node_class: of the node whose
+ *  place it is. Returns the distance. */
+double pl_shape_walk(const planish_shape *shape, int node_class, const double point[3],
+                     pl_place *place);
+
+/** Compute where a place is: on the PN triangle with its unit normal, or on the cubic arc with its
+ *  unit tangent. */
+void pl_shape_point(const planish_shape *shape, int node_class, const pl_place *place,
+                    double point[3], double direction[3]);
+
+#endif

@@ -1,0 +1,49 @@
+/* overlay: how far a triangle is off a shape at most, proved.
+ *
+ * In the frame of a triangle T the facets of the patch are clipped to T. The height of each piece
+ * over T is linear, so it is largest at a corner of a piece; if the pieces cover T, which the sum of
+ * their areas tells where all turn the same way, no point of T is farther off. Beside curves T
+ * may stick out, or the patch may: by lateral at most.
+ *
+ *   overlay.c   pl_overlay_bound           of one triangle
+ *               pl_overlay_lateral         of its edges on curves
+ *   distance.c  pl_shape_measure           of a whole surface, both ways
+ */
+#ifndef PL_SHAPE_OVERLAY_H
+#define PL_SHAPE_OVERLAY_H
+
+#include "shape/curved.h"
+
+/** A triangle that was a facet of the shape, where it is now. */
+typedef struct pl_moved_facet {
+    int32_t facet;     /* of the shape */
+    double x[3][3];    /* where its corners are, in the shape's units */
+    pl_place place[3]; /* of each corner; at -1: not known, or of a corner of the shape */
+} pl_moved_facet;
+
+/** Return how far the facet's edges on curves are off the chains of edges that were there, at most, in
+ *  both directions, the offsets of its corners on curves included; 0 without such edges; infinite: not
+ *  known. */
+double pl_overlay_lateral(const planish_shape *shape, const pl_moved_facet *t);
+
+/** Return a distance within which of the patch every point of the triangle is, or more than limit
+ *  (maybe infinite) if that is not proved for any up to limit. lateral: from pl_overlay_lateral.
+ *  Units: the shape's. */
+double pl_overlay_bound(const planish_shape *shape, const pl_moved_facet *t, double lateral,
+                        double limit);
+
+/** What is certain of a surface that has moved. Lengths are in the shape's units. */
+typedef struct pl_shape_distance {
+    double there;           /* no point of the new surface is farther off the first one, */
+    double back;            /* and none of the first one off the new one; infinite: not proved */
+    double there_h, back_h; /* the same in mean edges (of the first surface's nodes at the facet) */
+    int64_t n_unproved;     /* facets of either without a bound */
+    double sharpest;        /* cosine between facets at a smooth edge: the least */
+} pl_shape_distance;
+
+/** Measure the surface whose nodes are at x [n_nodes][3], in the shape's units; place [n_nodes]: of
+ *  nodes on patches and curves where they are, at -1 where not known. Same bits on any number of threads. Errors: _MEMORY. */
+int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_place *place,
+                     int threads, pl_shape_distance *distance, planish_error *error);
+
+#endif
