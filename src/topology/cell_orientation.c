@@ -48,6 +48,7 @@ typedef struct cell_sets {
     uint32_t
         *joins;   /* [FACETS * n] 0, or 1 + (element to join << 1 | it has the same handedness) */
     int8_t *sign; /* [n] the result */
+    double *measure;            /* [n] dim! times that of each element, by its own order */
     pl_cell_census *census;     /* NULL: not asked for */
     uint8_t *is_duplicate;      /* [n] for it */
     int64_t n_alone, n_crowded; /* facets of one element, of more than two; shared */
@@ -143,9 +144,11 @@ static int32_t lowest_of(const cell_sets *s, const pl_cell_shape *shape, int64_t
     return lowest;
 }
 
+/** Count the facets of each lowest node; none joins anything so far. */
 static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const cell_sets *s = context;
     (void)thread;
+    memset(s->joins + FACETS * begin, 0, (size_t)(FACETS * (end - begin)) * sizeof *s->joins);
     for (int64_t i = begin; i < end; i++) {
         const pl_cell_type *type = counted_type(s, i);
         for (int k = 0; type && k < type->shape->n_facets; k++)
@@ -317,28 +320,36 @@ static int sign_by_corners(const cell_sets *s, int64_t element) {
     return sum > 0 ? 1 : sum < 0 ? -1 : 0;
 }
 
-/** dim! times the measure of an element: the mean of those of its polyhedra, whose quadrilaterals are
- *  cut along either diagonal. */
+/** dim! times what facet k of an element adds to its measure: of the pyramid from the element's first
+ *  node to the facet. A quadrilateral is cut along either diagonal, for the mean of both. */
+static double facet_measure(const cell_sets *s, const pl_cell_shape *shape, const int32_t *node,
+                            int k) {
+    const int8_t *corner = shape->facet[k];
+    const int n = s->dim == 2 ? 2 : corner[3] < 0 ? 3 : 4;
+    const double *origin = s->coordinates + (int64_t)node[0] * s->dim;
+    double x[4][3] = {{0}}, edges[3][3] = {{0}};
+    int has_origin = 0;
+    for (int j = 0; j < n; j++) {
+        pl_subtract(s->dim, s->coordinates + (int64_t)node[corner[j]] * s->dim, origin, x[j]);
+        has_origin |= corner[j] == 0;
+    }
+    if (n < 4)
+        return has_origin ? 0 : pl_determinant_of_edges(s->dim, x);
+    for (int d = 0; d < 3; d++) {
+        edges[0][d] = 0.25 * (x[0][d] + x[1][d] + x[2][d] + x[3][d]);
+        edges[1][d] = x[2][d] - x[0][d];
+        edges[2][d] = x[3][d] - x[1][d];
+    }
+    return pl_determinant_of_edges(3, edges);
+}
+
+/** dim! times the measure of an element. */
 static double measure_of(const cell_sets *s, int64_t element) {
-    static const uint8_t TRIANGLE[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}, {1, 2, 3}};
     const pl_cell_shape *shape = counted_type(s, element)->shape;
     const int32_t *node = s->cells->node + s->cells->offset[element];
-    const double *origin = s->coordinates + (int64_t)node[0] * s->dim;
     double sum = 0;
-    for (int k = 0; k < shape->n_facets; k++) {
-        const int8_t *corner = shape->facet[k];
-        double edges[4][3] = {{0}};
-        const int n = s->dim == 2 ? 2 : corner[3] < 0 ? 3 : 4;
-        for (int j = 0; j < n; j++)
-            pl_subtract(s->dim, s->coordinates + (int64_t)node[corner[j]] * s->dim, origin,
-                        edges[j]);
-        for (int t = 0; t < (n == 4 ? 4 : 1); t++) {
-            double of[3][3];
-            for (int j = 0; j < s->dim; j++)
-                memcpy(of[j], edges[TRIANGLE[t][j]], sizeof of[j]);
-            sum += pl_determinant_of_edges(s->dim, of) * (n == 4 ? 0.5 : 1);
-        }
-    }
+    for (int k = 0; k < shape->n_facets; k++)
+        sum += facet_measure(s, shape, node, k);
     return sum;
 }
 
@@ -355,67 +366,101 @@ typedef struct set_count {
 static void find_own_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const cell_sets *s = context;
     (void)thread;
-    for (int64_t i = begin; i < end; i++)
-        s->sign[i] = (int8_t)(counted_type(s, i) ? sign_by_corners(s, i) : 0);
-}
-
-/** Find the sign of each element from its own. count [n], zeroed, is for the sets. */
-static void find_signs(cell_sets *s, set_count *count) {
-    int64_t of_type[UINT8_MAX + 1] = {0};
-    int flip;
-    for (int64_t i = 0; i < s->cells->n; i++)
-        if (counted_type(s, i)) {
-            const int32_t set = find_set(s, (int32_t)i, &flip);
-            of_type[s->cells->type[i]] += s->sign[i];
-            count[set].surplus += flip * s->sign[i];
-            count[set].n++;
-            const double measure = measure_of(s, i);
-            count[set].measure += flip * measure;
-            count[set].size += fabs(measure);
-        }
-    for (int64_t i = 0; i < s->cells->n; i++) {
-        const int32_t set = find_set(s, (int32_t)i, &flip);
-        const pl_cell_type *type = counted_type(s, i);
-        const int is_alone = count[set].n == 1 && type && type->shape->n_simplices != 1;
-        const int tells = fabs(count[set].measure) > TELLING * count[set].size;
-        const int64_t surplus = is_alone ? of_type[s->cells->type[i]] : count[set].surplus;
-        const int is_positive = tells && !is_alone ? count[set].measure > 0 : surplus >= 0;
-        s->sign[i] = (int8_t)(is_positive ? flip : -flip);
+    for (int64_t i = begin; i < end; i++) {
+        const int is_counted = counted_type(s, i) != NULL;
+        s->sign[i] = (int8_t)(is_counted ? sign_by_corners(s, i) : 0);
+        s->measure[i] = is_counted ? measure_of(s, i) : 0;
     }
 }
 
-/** Find out which elements facets join; s->end is zero. */
+/** Number the sets: parent becomes the number of each element's set, and flip what it is against
+ *  the set. What stands for a set is its lowest element. Returns how many there are. */
+static int64_t number_sets(cell_sets *s) {
+    int32_t n = 0;
+    for (int64_t i = 0; i < s->cells->n; i++) {
+        const int32_t above = s->parent[i];
+        if (above == i) {
+            s->parent[i] = n++;
+            continue;
+        }
+        s->flip[i] = (int8_t)(s->flip[i] * s->flip[above]);
+        s->parent[i] = s->parent[above];
+    }
+    return n;
+}
+
+/** Count the elements of all sets; of_type: the surplus of positive signs by types. One after the
+ *  other, so that sums are the same on any number of threads. */
+static void count_sets(const cell_sets *s, set_count *count, int64_t *of_type) {
+    for (int64_t i = 0; i < s->cells->n; i++) {
+        if (!counted_type(s, i))
+            continue;
+        set_count *set = &count[s->parent[i]];
+        of_type[s->cells->type[i]] += s->sign[i];
+        set->surplus += s->flip[i] * s->sign[i];
+        set->n++;
+        set->measure += s->flip[i] * s->measure[i];
+        set->size += fabs(s->measure[i]);
+    }
+}
+
+/** Find the sign of each element from its own. */
+static int find_signs(cell_sets *s, int threads) {
+    int64_t of_type[UINT8_MAX + 1] = {0};
+    const int64_t n = s->cells->n;
+    s->measure = pl_alloc(n, sizeof *s->measure);
+    set_count *count = pl_alloc_zero(number_sets(s), sizeof *count);
+    const int is_there = s->measure && count;
+    if (is_there) {
+        pl_parallel_for(threads, n, CHUNK, find_own_chunk, s);
+        count_sets(s, count, of_type);
+    }
+    for (int64_t i = 0; is_there && i < n; i++) {
+        const set_count *set = &count[s->parent[i]];
+        const pl_cell_type *type = counted_type(s, i);
+        const int is_alone = set->n == 1 && type && type->shape->n_simplices != 1;
+        const int tells = fabs(set->measure) > TELLING * set->size;
+        const int64_t surplus = is_alone ? of_type[s->cells->type[i]] : set->surplus;
+        const int is_positive = tells && !is_alone ? set->measure > 0 : surplus >= 0;
+        s->sign[i] = (int8_t)(is_positive ? s->flip[i] : -s->flip[i]);
+    }
+    pl_free(s->measure);
+    pl_free(count);
+    return is_there;
+}
+
+/** Find out which elements facets join. */
 static int find_joins(cell_sets *s, int64_t n_nodes, int threads) {
     const int64_t n = s->cells->n;
-    pl_parallel_for(threads, n, CHUNK, count_chunk, s);
-    s->listed = pl_alloc(pl_prefix_sum(threads, n_nodes, s->end), sizeof *s->listed);
-    if (!s->listed)
-        return 0;
-    pl_parallel_for(threads, n, CHUNK, list_chunk, s);
-    pl_parallel_for(threads, n_nodes, NODE_CHUNK, compare_chunk, s);
-    return 1;
+    s->end = pl_alloc_zero(n_nodes + 1, sizeof *s->end);
+    if (s->end && s->joins) {
+        pl_parallel_for(threads, n, CHUNK, count_chunk, s);
+        s->listed = pl_alloc(pl_prefix_sum(threads, n_nodes, s->end), sizeof *s->listed);
+    }
+    const int is_there = s->listed != NULL;
+    if (is_there) {
+        pl_parallel_for(threads, n, CHUNK, list_chunk, s);
+        pl_parallel_for(threads, n_nodes, NODE_CHUNK, compare_chunk, s);
+    }
+    pl_free(s->end);
+    pl_free(s->listed);
+    return is_there;
 }
 
 /** Find the signs, and the census if there is one. */
 static int orient(cell_sets *s, int64_t n_nodes, int threads, planish_error *error) {
     const int64_t n = s->cells->n;
-    s->end = pl_alloc_zero(n_nodes + 1, sizeof *s->end);
-    s->joins = pl_alloc_zero(FACETS * n, sizeof *s->joins);
-    int is_there = s->end && s->joins && find_joins(s, n_nodes, threads);
-    pl_free(s->end);
-    pl_free(s->listed);
+    s->joins = pl_alloc(FACETS * n, sizeof *s->joins);
+    int is_there = find_joins(s, n_nodes, threads);
     s->parent = pl_alloc(is_there ? n : -1, sizeof *s->parent);
     s->flip = pl_alloc(is_there ? n : -1, sizeof *s->flip);
-    set_count *count = pl_alloc_zero(is_there ? n : -1, sizeof *count);
-    is_there = is_there && s->parent && s->flip && count;
+    is_there = is_there && s->parent && s->flip;
     if (is_there) {
         join_all(s);
-        pl_parallel_for(threads, n, CHUNK, find_own_chunk, s);
-        find_signs(s, count);
+        is_there = find_signs(s, threads);
     }
     pl_free(s->parent);
     pl_free(s->flip);
-    pl_free(count);
     return is_there ? PLANISH_OK : pl_fail_memory(error, "the orientation of elements");
 }
 
@@ -479,22 +524,24 @@ int pl_cell_census_find(const planish_cells *cells, int dim, int64_t n_nodes,
     return status;
 }
 
+/** Turn joins into what pl_cell_facets_find gives: in place. */
+static void note_first_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const cell_sets *s = context;
+    int32_t *with = (int32_t *)s->joins;
+    (void)thread;
+    for (int64_t i = FACETS * begin; i < FACETS * end; i++)
+        with[i] = s->joins[i] > 0 ? (int32_t)((s->joins[i] - 1) >> 1) : -1;
+}
+
 int pl_cell_facets_find(const planish_cells *cells, int dim, int64_t n_nodes, int threads,
                         int32_t *with, uint8_t *n_sharing, planish_error *error) {
     pl_cell_census census = {.n_sharing = n_sharing};
-    cell_sets s = {.cells = cells,
-                   .dim = dim,
-                   .census = &census,
-                   .end = pl_alloc_zero(n_nodes + 1, sizeof *s.end),
-                   .joins = pl_alloc_zero(FACETS * cells->n, sizeof *s.joins)};
+    cell_sets s = {.cells = cells, .dim = dim, .census = &census, .joins = (uint32_t *)with};
     memset(n_sharing, 0, (size_t)(FACETS * cells->n));
-    const int is_there = s.end && s.joins && find_joins(&s, n_nodes, threads);
-    for (int64_t i = 0; is_there && i < FACETS * cells->n; i++)
-        with[i] = s.joins[i] > 0 ? (int32_t)((s.joins[i] - 1) >> 1) : -1;
-    pl_free(s.end);
-    pl_free(s.listed);
-    pl_free(s.joins);
-    return is_there ? PLANISH_OK : pl_fail_memory(error, "the facets of elements");
+    if (!find_joins(&s, n_nodes, threads))
+        return pl_fail_memory(error, "the facets of elements");
+    pl_parallel_for(threads, cells->n, CHUNK, note_first_chunk, &s);
+    return PLANISH_OK;
 }
 
 void pl_cell_census_destroy(pl_cell_census *census) {
