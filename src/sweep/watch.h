@@ -19,10 +19,11 @@
  *   pl_mid_place, _coordinate     where a node is
  *   pl_mids_release, _put_back, pl_mid_has_moved    nodes that move by themselves
  *   pl_mids_write                 to the caller's coordinates
- * watch.c
+ * watch_create.c
  *   pl_watch_create, _destroy     find the cells
  *   pl_watch_add                  further ones
  *   pl_cell_with                  the cell of a corner
+ * watch.c; watch_cell.c has the decision of one cell, and the proof of its room
  *   pl_watch_measure, _decide     decide all of them, or one
  *   pl_watch_has_poor             whether a curved one is poor
  *   pl_watch_has, _admit          of one node, after its move
