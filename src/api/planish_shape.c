@@ -1,4 +1,5 @@
 /* planish_shape: layers, regions, interfaces, and the surface that nodes may slide on. */
+#include "shape/curved.h"
 #include "shape/shape.h"
 
 #include "base/context.h"
@@ -355,4 +356,64 @@ int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface
     if (!status && info)
         *info = found;
     return status;
+}
+
+/* ---- curved surfaces ------------------------------------------------------------------------ */
+
+/** Check the arguments of planish_shape_create that no other call checks. */
+static int check_shape(const planish_mesh *mesh, const planish_surface *surface,
+                       planish_shape **shape, planish_error *error) {
+    const double angle = surface ? surface->crease_angle : 0;
+    if (!shape)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "shape must not be NULL");
+    *shape = NULL;
+    if (!(angle >= 0 && angle <= 180))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "surface.crease_angle is %g degrees; give 0 to 180", angle);
+    if (mesh && mesh->part)
+        return pl_fail(error, PLANISH_ERROR_PARTS,
+                       "the shape of a surface is made of the whole mesh, not of a part of it");
+    if (mesh && mesh->dim == 2)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh.dim is 2; shapes are of meshes in space: give dim 3");
+    return PLANISH_OK;
+}
+
+int planish_shape_create(const planish_mesh *mesh, const planish_surface *surface, int threads,
+                         planish_shape **shape, planish_shape_info *info, planish_error *error) {
+    planish_shape_info found = {0};
+    shape_call call;
+    int status = check_shape(mesh, surface, shape, error);
+    if (status)
+        return status;
+    status = begin_call(mesh, threads, &call, error);
+    if (status)
+        return status;
+    planish_surface tags = surface ? *surface : (planish_surface){0};
+    const planish_cells *cells = call.dense.corner ? mesh->cells : NULL;
+    int32_t *taken = NULL;
+    status = check_tags(mesh, surface, error);
+    if (!status && !cells)
+        status = take_regions(&call, &tags.region, &taken, error);
+    if (!status)
+        status =
+            pl_shape_create(&call.dense.mesh, cells, &tags, call.threads, shape, &found, error);
+    pl_free(taken);
+    end_call(&call);
+    if (!status && info)
+        *info = found;
+    return status;
+}
+
+void planish_shape_destroy(planish_shape *shape) {
+    pl_shape_destroy(shape);
+}
+
+void planish_shape_get_classes(const planish_shape *shape, uint8_t *node_class) {
+    static const uint8_t CLASS[] = {[PL_CORNER] = PLANISH_SHAPE_CORNER,
+                                    [PL_ON_PATCH] = PLANISH_SHAPE_PATCH,
+                                    [PL_ON_CURVE] = PLANISH_SHAPE_CURVE};
+    for (int64_t i = 0; i < shape->n_mesh; i++)
+        node_class[i] =
+            shape->number[i] < 0 ? PLANISH_SHAPE_NONE : CLASS[shape->node_class[shape->number[i]]];
 }

@@ -5,8 +5,8 @@
  * along curves that of cubic arcs. A node of a patch or curve goes from place to place; how far the
  * triangles that it takes along are off those that came is bounded (overlay.h).
  *
- *   features.c   pl_shape_find_features            features, curves and classes of nodes
- *   pn.c         pl_shape_bend, pl_shape_point     normals and tangents; a place in space
+ *   curved.c     pl_shape_create, _destroy         all of it; features.h has the steps
+ *   pn.c         pl_shape_point                    a place in space
  *   walk.c       pl_shape_walk                     the place that is nearest
  */
 #ifndef PL_SHAPE_CURVED_H
@@ -46,6 +46,15 @@ struct planish_shape {
     double (*corner_normal)[3][3]; /* [n_facets] unit normals of the shape at the corners */
     double (*tangent)[2][3];       /* [n_edges] unit tangents at both ends, towards the other end */
 };
+
+/** Make the shape of mesh, in space, whose coordinates are dense. cells: elements, and tags->region goes
+ *  by them; NULL: those of mesh. Errors: _MEMORY. */
+int pl_shape_create(const planish_mesh *mesh, const planish_cells *cells,
+                    const planish_surface *tags, int threads, planish_shape **shape,
+                    planish_shape_info *info, planish_error *error);
+
+/** Free shape; NULL is allowed. */
+void pl_shape_destroy(planish_shape *shape);
 
 /** A place on a shape: of a node on a patch a facet, of one on a curve an edge. */
 typedef struct pl_place {

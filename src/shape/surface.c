@@ -17,6 +17,7 @@
 /** Facet of the surface as it is found. */
 typedef struct found {
     int32_t node[3];
+    int32_t apex; /* as in pl_surface */
     pl_label label;
 } found;
 
@@ -163,6 +164,7 @@ static void note_facets(void *context, int32_t node, const pl_facet *facets, int
         const int32_t second = region && facet->count > 1 ? region[facet->element[1]] : first;
         if (facet->count == 2 && first == second && !t)
             continue;
+        f.apex = second < first ? ~facet->opposite : facet->opposite;
         f.label = make_label(facet->count, first, second, t);
         if (s->found) {
             s->found[s->place[node] + n] = f;
@@ -228,9 +230,10 @@ static int is_cut(const facet_search *s, const int32_t *corner, int first) {
 }
 
 /** Add a triangle or edge of a facet, ascending. */
-static void add_found(facet_search *s, int32_t a, int32_t b, int32_t c, pl_label label, int half) {
+static void add_found(facet_search *s, const int32_t node[3], int32_t apex, pl_label label,
+                      int half) {
     found *f = &s->found[s->n_found];
-    *f = (found){{a, b, c}, label};
+    *f = (found){{node[0], node[1], node[2]}, apex, label};
     sort_nodes(3, f->node);
     s->half[s->n_found++] = (uint8_t)half;
     for (int j = 0; j < s->mesh->dim; j++)
@@ -238,19 +241,33 @@ static void add_found(facet_search *s, int32_t a, int32_t b, int32_t c, pl_label
 }
 
 /** Add a facet of n corners; quadrilaterals are cut, as a rule at their lowest corner. */
-static void add_facet(facet_search *s, int n, const int32_t *corner, pl_label label) {
+static void add_facet(facet_search *s, int n, const int32_t *corner, int32_t apex, pl_label label) {
     if (n < 4) {
-        add_found(s, corner[0], corner[1], n > 2 ? corner[2] : -1, label, 0);
+        add_found(s, (int32_t[]){corner[0], corner[1], n > 2 ? corner[2] : -1}, apex, label, 0);
         return;
     }
     int at = 0;
     for (int j = 1; j < n; j++)
         at = corner[j] < corner[at] ? j : at;
     at = is_cut(s, corner, at) ? at : (at + 1) % n;
-    const int32_t *const v[] = {corner + at, corner + (at + 1) % n, corner + (at + 2) % n,
-                                corner + (at + 3) % n};
-    add_found(s, *v[0], *v[1], *v[2], label, 1);
-    add_found(s, *v[0], *v[2], *v[3], label, 2);
+    const int32_t v[] = {corner[at], corner[(at + 1) % n], corner[(at + 2) % n],
+                         corner[(at + 3) % n]};
+    add_found(s, v, apex, label, 1);
+    add_found(s, (int32_t[]){v[0], v[2], v[3]}, apex, label, 2);
+}
+
+/** A corner of an element that is none of its facet's n, which in 2-D may be any. */
+static int32_t apex_of(const facet_search *s, int64_t element, int n, const int32_t *corner) {
+    const int32_t *node = s->cells->node + s->cells->offset[element];
+    const int n_corners = pl_cell_type_of(s->cells->type[element])->shape->n_corners;
+    for (int i = 0; i < n_corners; i++) {
+        int is_new = 1;
+        for (int j = 0; j < n; j++)
+            is_new &= node[i] != corner[j];
+        if (is_new)
+            return node[i];
+    }
+    return node[0];
 }
 
 /** How the elements share their facets. */
@@ -292,8 +309,11 @@ static void walk_facets(facet_search *s, const sharing *by, int is_counted, int6
             if (!is_of_surface(s, by, i, k, n, corner, &label))
                 continue;
             *n_facets += n < 4 ? 1 : 2;
-            if (!is_counted)
-                add_facet(s, n, corner, label);
+            if (is_counted)
+                continue;
+            const int32_t apex = apex_of(s, i, n, corner), *region = s->tags ? s->tags->region : 0;
+            const int is_higher = region && region[i] != label.region[0];
+            add_facet(s, n, corner, is_higher ? ~apex : apex, label);
         }
     }
 }
@@ -358,6 +378,7 @@ static void place_facets(const facet_search *s, pl_surface *surface) {
     int64_t *end = surface->offset + 1; /* counts at first */
     for (int64_t i = 0; i < s->n_found; i++) {
         surface->label[i] = s->found[i].label;
+        surface->apex[i] = s->found[i].apex;
         for (int j = 0; j < dim; j++) {
             surface->facet[i * dim + j] = surface->number[s->found[i].node[j]];
             end[surface->facet[i * dim + j]]++;
@@ -385,10 +406,11 @@ static int lay_out(const facet_search *s, pl_surface *surface, planish_error *er
     surface->x = pl_alloc(surface->n_nodes * dim, sizeof *surface->x);
     surface->facet = pl_alloc(s->n_found * dim, sizeof *surface->facet);
     surface->label = pl_alloc(s->n_found, sizeof *surface->label);
+    surface->apex = pl_alloc(s->n_found, sizeof *surface->apex);
     surface->offset = pl_alloc_zero(surface->n_nodes + 1, sizeof *surface->offset);
     surface->facet_of = pl_alloc(s->n_found * dim, sizeof *surface->facet_of);
-    if (!surface->node || !surface->x || !surface->facet || !surface->label || !surface->offset ||
-        !surface->facet_of)
+    if (!surface->node || !surface->x || !surface->facet || !surface->label || !surface->apex ||
+        !surface->offset || !surface->facet_of)
         return pl_fail_memory(error, "the surface");
     place_nodes(s, surface);
     place_facets(s, surface);
@@ -434,6 +456,7 @@ void pl_surface_destroy(pl_surface *surface) {
     pl_free(surface->x);
     pl_free(surface->facet);
     pl_free(surface->label);
+    pl_free(surface->apex);
     pl_free(surface->half);
     pl_free(surface->offset);
     pl_free(surface->facet_of);

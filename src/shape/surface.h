@@ -53,6 +53,8 @@ typedef struct pl_surface {
     double *x;       /* [n_nodes][dim] their coordinates, scaled by a power of two to about 1 */
     int32_t *facet;  /* [n_facets][dim] by own numbers, ascending */
     pl_label *label; /* [n_facets] */
+    int32_t *apex; /* [n_facets] in 3-D: another node (the mesh's number) of an element at it, which
+                        is that of the lower region, of ~apex that of the higher one */
     uint8_t *half; /* [n_facets] 1 and then 2: halves of a quadrilateral; 0: whole. NULL: all are */
     int64_t *offset;   /* [n_nodes + 1] into facet_of */
     int32_t *facet_of; /* the facets of each node, ascending */

@@ -1,0 +1,167 @@
+/* curved: make a shape of the facets of a mesh, and free it. */
+#include "shape/curved.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+#include "shape/features.h"
+#include "topology/points.h"
+
+/** Nodes at the place of another one are corners: a gap would open between them. */
+static int hold_twins(pl_features *w, planish_error *error) {
+    const planish_shape *s = w->shape;
+    const pl_points points = {s->x[0], s->n_nodes, 3, 3, 1, NULL};
+    uint8_t *is_doubled = pl_alloc(s->n_nodes, sizeof *is_doubled);
+    if (!is_doubled)
+        return pl_fail_memory(error, "the surface");
+    const int status = pl_points_find_doubled(&points, is_doubled, error);
+    for (int64_t i = 0; !status && i < s->n_nodes; i++)
+        w->stays[i] |= is_doubled[i];
+    pl_free(is_doubled);
+    return status;
+}
+
+/** Take the surface's arrays, but for labels and apices. */
+static void take_surface(pl_surface *surface, int64_t n_mesh, planish_shape *s) {
+    s->n_mesh = n_mesh;
+    s->n_nodes = surface->n_nodes;
+    s->n_facets = surface->n_facets;
+    s->scale = surface->scale;
+    s->size = surface->size;
+    s->number = surface->number;
+    s->node = surface->node;
+    s->x = (double(*)[3])surface->x;
+    s->facet = (int32_t(*)[3])surface->facet;
+    s->half = surface->half;
+    s->offset = surface->offset;
+    s->facet_of = surface->facet_of;
+    surface->number = surface->node = surface->facet = surface->facet_of = NULL;
+    surface->x = NULL;
+    surface->half = NULL;
+    surface->offset = NULL;
+}
+
+static int allocate(planish_shape *s, pl_features *w, planish_error *error) {
+    const int64_t n = s->n_nodes, m = s->n_facets;
+    s->edge_length = pl_alloc(n, sizeof *s->edge_length);
+    s->node_class = pl_alloc_zero(n, sizeof *s->node_class);
+    s->normal = pl_alloc(m, sizeof *s->normal);
+    s->across = pl_alloc(m, sizeof *s->across);
+    s->patch = pl_alloc(m, sizeof *s->patch);
+    s->is_interface = pl_alloc(m, sizeof *s->is_interface);
+    s->edge_at = pl_alloc(n, sizeof *s->edge_at);
+    s->corner_normal = pl_alloc_zero(m, sizeof *s->corner_normal);
+    w->beside = pl_alloc(m, sizeof *w->beside);
+    w->kind = pl_alloc(m, sizeof *w->kind);
+    w->stays = pl_alloc_zero(n, sizeof *w->stays);
+    w->n_ends = pl_alloc(n, sizeof *w->n_ends);
+    w->n_features = pl_alloc(n, sizeof *w->n_features);
+    if (!s->edge_length || !s->node_class || !s->normal || !s->across || !s->patch ||
+        !s->is_interface || !s->edge_at || !s->corner_normal || !w->beside || !w->kind ||
+        !w->stays || !w->n_ends || !w->n_features)
+        return pl_fail_memory(error, "the shape");
+    return PLANISH_OK;
+}
+
+/** Count what was found. */
+static void describe(const pl_features *w, planish_shape_info *info) {
+    const planish_shape *s = w->shape;
+    double sum = 0;
+    int64_t n = 0, n_halves = 0;
+    *info =
+        (planish_shape_info){.n_nodes = s->n_nodes, .n_facets = s->n_facets, .n_edges = s->n_edges};
+    for (int64_t i = 0; i < s->n_nodes; i++) {
+        info->n_on_patch += s->node_class[i] == PL_ON_PATCH;
+        info->n_on_curve += s->node_class[i] == PL_ON_CURVE;
+        info->n_corners += s->node_class[i] == PL_CORNER;
+        sum += s->edge_length[i] * w->n_ends[i];
+        n += w->n_ends[i];
+    }
+    for (int64_t f = 0; f < s->n_facets; f++) {
+        if (s->patch[f] >= info->n_patches)
+            info->n_patches = s->patch[f] + 1;
+        for (int k = 0; k < 3; k++)
+            n_halves += (w->kind[f][k] & PL_EDGE_CREASE) != 0;
+    }
+    info->n_creases = n_halves / 2;
+    info->edge_length = n > 0 ? sum / (double)n / s->scale : 0;
+}
+
+/** Find everything of a shape that has taken the surface's arrays. */
+static int find_shape(pl_features *w, const planish_mesh *mesh, const uint8_t *is_fixed,
+                      planish_error *error) {
+    planish_shape *s = w->shape;
+    int status = allocate(s, w, error);
+    for (int64_t i = 0; !status && i < s->n_nodes; i++)
+        w->stays[i] = is_fixed[s->node[i]];
+    for (int64_t f = 0; !status && f < s->n_facets; f++)
+        s->is_interface[f] = w->surface->label[f].n_elements == 2;
+    if (!status && s->n_nodes > 0)
+        status = hold_twins(w, error);
+    if (!status)
+        status = pl_features_match(w, error);
+    if (!status)
+        status = pl_features_orient(w, mesh->coordinates, error);
+    if (!status)
+        status = pl_features_find(w, error);
+    if (!status) {
+        pl_shape_bend(w);
+        pl_features_settle(w);
+    }
+    return status;
+}
+
+int pl_shape_create(const planish_mesh *mesh, const planish_cells *cells,
+                    const planish_surface *tags, int threads, planish_shape **shape,
+                    planish_shape_info *info, planish_error *error) {
+    pl_surface surface = {0};
+    planish_shape *s = pl_alloc_zero(1, sizeof *s);
+    uint8_t *is_fixed = pl_alloc_zero(mesh->n_nodes, 1);
+    pl_features w = {.shape = s, .surface = &surface, .tags = tags, .threads = threads};
+    int status = s && is_fixed
+                     ? pl_surface_create(mesh, cells, tags, threads, &surface, is_fixed, error)
+                     : pl_fail_memory(error, "the shape");
+    if (!status) {
+        take_surface(&surface, mesh->n_nodes, s);
+        status = find_shape(&w, mesh, is_fixed, error);
+    }
+    if (!status)
+        describe(&w, info);
+    pl_free(is_fixed);
+    pl_free(w.beside);
+    pl_free(w.kind);
+    pl_free(w.stays);
+    pl_free(w.n_ends);
+    pl_free(w.n_features);
+    pl_free(w.likeness);
+    pl_surface_destroy(&surface);
+    if (status)
+        pl_shape_destroy(s);
+    else
+        *shape = s;
+    return status;
+}
+
+void pl_shape_destroy(planish_shape *shape) {
+    if (!shape)
+        return;
+    pl_free(shape->number);
+    pl_free(shape->node);
+    pl_free(shape->x);
+    pl_free(shape->edge_length);
+    pl_free(shape->node_class);
+    pl_free(shape->facet);
+    pl_free(shape->normal);
+    pl_free(shape->across);
+    pl_free(shape->patch);
+    pl_free(shape->is_interface);
+    pl_free(shape->half);
+    pl_free(shape->offset);
+    pl_free(shape->facet_of);
+    pl_free(shape->edge);
+    pl_free(shape->edge_facet);
+    pl_free(shape->edge_at);
+    pl_free(shape->corner_normal);
+    pl_free(shape->tangent);
+    pl_free(shape);
+}

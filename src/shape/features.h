@@ -1,0 +1,78 @@
+/* features: a shape while it is made. Internal to shape.
+ *
+ *   curved.c     pl_shape_create                    in the order of this list
+ *   features.c   pl_features_match                  which facets meet at edges
+ *                pl_features_orient                 facets turn the same way round
+ *                pl_features_find                   features, patches, curves
+ *   pn.c         pl_shape_bend                      tangents and normals
+ *   features.c   pl_features_settle                 nodes of patches
+ */
+#ifndef PL_SHAPE_FEATURES_H
+#define PL_SHAPE_FEATURES_H
+
+#include "shape/curved.h"
+
+/** Properties of an edge of a facet, from corner k to (k + 1) % 3. */
+enum {
+    PL_EDGE_FEATURE = 1,  /* of curves */
+    PL_EDGE_APART = 2,    /* the shape's normals on both sides have nothing to do with each other */
+    PL_EDGE_CREASE = 4,   /* a feature by its bend alone */
+    PL_EDGE_CONFLICT = 8, /* its facets turn different ways round: a Moebius strip's */
+    PL_EDGE_DIAGONAL = 16 /* of a quadrilateral */
+};
+
+/** A shape under work. */
+typedef struct pl_features {
+    planish_shape *shape;
+    const pl_surface *surface; /* what shape has not taken of it */
+    const planish_surface *tags;
+    int threads;
+    int32_t (*beside)[3]; /* [n_facets] the other facet at each edge; -1: not exactly one */
+    uint8_t (*kind)[3];   /* [n_facets] PL_EDGE_.. of each edge */
+    uint8_t *stays;       /* [n_nodes] 1: it is a corner in any case */
+    int32_t *n_ends;      /* [n_nodes] edges at each node */
+    int64_t *n_features;  /* [n_nodes] feature edges at each node */
+    uint64_t *likeness;   /* [n_edges] the same for feature edges of the same tags and regions */
+} pl_features;
+
+/** The corner of a facet at node. */
+static inline int pl_corner_at(const planish_shape *shape, int32_t facet, int32_t node) {
+    const int32_t *v = shape->facet[facet];
+    return v[0] == node ? 0 : v[1] == node ? 1 : 2;
+}
+
+/** The corner of facet where its edge to the facet beside begins. */
+static inline int pl_edge_to(const int32_t beside[3], int32_t other) {
+    return beside[0] == other ? 0 : beside[1] == other ? 1 : 2;
+}
+
+/** Go around a node from corner *k of facet *f across edges without bits of apart, forwards or not. Returns
+ *  0 at the last facet. */
+static inline int pl_fan_next(const pl_features *w, int apart, int forwards, int32_t *f, int *k) {
+    const int edge = forwards ? *k : (*k + 2) % 3;
+    const int32_t from = *f, to = w->beside[from][edge];
+    if (to < 0 || w->kind[from][edge] & apart)
+        return 0;
+    const int32_t node = w->shape->facet[from][*k];
+    *f = to;
+    *k = pl_corner_at(w->shape, to, node);
+    return 1;
+}
+
+/** Match the facets at edges: beside, n_ends, diagonals; and the mean lengths of edges. Errors: _MEMORY. */
+int pl_features_match(pl_features *w, planish_error *error);
+
+/** Turn facets the same way round, so that normals point out of the elements, or of those of the lower
+ *  region. Where that cannot be an edge becomes one of a conflict. coordinates [n_mesh][3]. Errors: _MEMORY. */
+int pl_features_orient(pl_features *w, const double *coordinates, planish_error *error);
+
+/** Find features, patches and curves. Errors: _MEMORY. */
+int pl_features_find(pl_features *w, planish_error *error);
+
+/** Compute the tangents of curves, and the normals at corners. */
+void pl_shape_bend(pl_features *w);
+
+/** Find the nodes of patches. */
+void pl_features_settle(pl_features *w);
+
+#endif
