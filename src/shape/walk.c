@@ -1,62 +1,18 @@
 /* walk: from a place on a shape to the nearest one to a point, over straight triangles or edges. */
 #include "shape/features.h"
+#include "shape/nearest.h"
 
 #include <string.h>
 
 /* A step must shorten the square of the distance by more than rounding does. */
 static const double SHORTER = 1 - 1e-13;
 
-/** Compute the weights of the point between a and b that is nearest to p. Returns the square of the
- *  distance. */
-static double nearest_on_edge(const double *p, const double *a, const double *b, double weight[2]) {
-    double ab[3], ap[3], off[3];
-    pl_from_to(3, a, b, ab);
-    pl_from_to(3, a, p, ap);
-    const double square = pl_dot(3, ab, ab), along = pl_dot(3, ap, ab);
-    const double t = along > 0 ? (along < square ? along / square : 1) : 0;
-    for (int d = 0; d < 3; d++)
-        off[d] = ap[d] - t * ab[d];
-    weight[0] = 1 - t;
-    weight[1] = t;
-    return pl_dot(3, off, off);
-}
-
 /** Compute the weights of the point of a facet that is nearest to p. Returns the square of the
  *  distance. */
 static double nearest_on_facet(const planish_shape *s, const double *p, int32_t f,
                                double weight[3]) {
     const double *const x[3] = {s->x[s->facet[f][0]], s->x[s->facet[f][1]], s->x[s->facet[f][2]]};
-    double ab[3], ac[3], ap[3], normal[3], across[3];
-    pl_from_to(3, x[0], x[1], ab);
-    pl_from_to(3, x[0], x[2], ac);
-    pl_from_to(3, x[0], p, ap);
-    pl_cross(ab, ac, normal);
-    const double square = pl_dot(3, normal, normal);
-    pl_cross(ap, ac, across);
-    const double b = pl_dot(3, across, normal);
-    pl_cross(ab, ap, across);
-    const double c = pl_dot(3, across, normal), a = square - b - c;
-    if (a > 0 && b > 0 && c > 0) {
-        const double off = pl_dot(3, ap, normal);
-        weight[1] = b / square;
-        weight[2] = c / square;
-        weight[0] = 1 - weight[1] - weight[2];
-        weight[0] = weight[0] > 0 ? weight[0] : 0;
-        return off * off / square;
-    }
-    double best = INFINITY;
-    for (int k = 0; k < 3; k++) {
-        const int m = (k + 1) % 3;
-        double w[2];
-        const double distance = nearest_on_edge(p, x[k], x[m], w);
-        if (!(distance < best))
-            continue;
-        best = distance;
-        weight[k] = w[0];
-        weight[m] = w[1];
-        weight[(k + 2) % 3] = 0;
-    }
-    return best;
+    return pl_nearest_on_triangle(p, x, weight);
 }
 
 /** A facet that may be nearer to the point than where the walk is. */
@@ -119,7 +75,7 @@ static double walk_on_curve(const planish_shape *s, const double point[3], pl_pl
     for (int32_t e = place->at; e >= 0;) {
         pl_place p = {e, {0}};
         const double here =
-            nearest_on_edge(point, s->x[s->edge[e][0]], s->x[s->edge[e][1]], p.weight);
+            pl_nearest_on_edge(point, s->x[s->edge[e][0]], s->x[s->edge[e][1]], p.weight);
         if (!(here < (square < INFINITY ? square * SHORTER : square)))
             break;
         square = here;

@@ -1,0 +1,118 @@
+/* gaps: facets that come near to others across a gap.
+ *
+ * Elements between two sheets of a surface keep them apart: they stay positive. Across a gap nothing
+ * does. Where two sheets are nearer than both may move they are to be held.
+ */
+#include "shape/gaps.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+#include "shape/nearest.h"
+#include "shape/tree.h"
+
+enum { CHUNK = 256 };
+
+/* Sheets face one another if the way between them makes less than 60 degrees with both normals. In
+ * one sheet, or at a crease, it runs along the facets. */
+#define FACING 0.5
+
+typedef struct gap_search {
+    const planish_shape *shape;
+    const double *tolerance; /* [n_facets] */
+    int is_open;
+    pl_tree tree;
+    pl_box3 *box; /* [n_facets] of each with its tolerance */
+    uint8_t *is_near;
+} gap_search;
+
+/** A search from one facet. */
+typedef struct look {
+    gap_search *search;
+    int32_t facet;
+} look;
+
+static void corners_of(const planish_shape *s, int32_t facet, const double *x[3]) {
+    for (int k = 0; k < 3; k++)
+        x[k] = s->x[s->facet[facet][k]];
+}
+
+static void find_box(void *context, int64_t begin, int64_t end, int thread) {
+    const gap_search *g = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const double *x[3];
+        corners_of(g->shape, (int32_t)i, x);
+        for (int d = 0; d < 3; d++) {
+            g->box[i].lower[d] = fmin(x[0][d], fmin(x[1][d], x[2][d])) - g->tolerance[i];
+            g->box[i].upper[d] = fmax(x[0][d], fmax(x[1][d], x[2][d])) + g->tolerance[i];
+        }
+    }
+}
+
+static int share_node(const planish_shape *s, int32_t a, int32_t b) {
+    int any = 0;
+    for (int i = 0; i < 9; i++)
+        any |= s->facet[a][i / 3] == s->facet[b][i % 3];
+    return any;
+}
+
+/** Whether way, of a square, from facet a to facet b leads across a gap. */
+static int is_across(const gap_search *g, int32_t a, int32_t b, const double way[3],
+                     double square) {
+    const double from = pl_dot(3, g->shape->normal[a], way);
+    const double to = -pl_dot(3, g->shape->normal[b], way);
+    const double least = FACING * FACING * square;
+    if (square == 0) /* they touch */
+        return 1;
+    if (g->is_open) /* both sides of a sheet are outside */
+        return from * from > least && to * to > least;
+    return from > 0 && to > 0 && from * from > least && to * to > least;
+}
+
+static int look_at_facet(void *context, int32_t other) {
+    const look *l = context;
+    const gap_search *g = l->search;
+    const planish_shape *s = g->shape;
+    const double most = g->tolerance[l->facet] + g->tolerance[other];
+    const double *a[3], *b[3];
+    double way[3];
+    if (other <= l->facet || s->is_interface[other] || share_node(s, l->facet, other))
+        return 0;
+    corners_of(s, l->facet, a);
+    corners_of(s, other, b);
+    const double square = pl_nearest_triangles(a, b, way);
+    if (!(square <= most * most) || !is_across(g, l->facet, other, way, square))
+        return 0;
+    pl_set_flag(&g->is_near[l->facet], 1);
+    pl_set_flag(&g->is_near[other], 1);
+    return 0;
+}
+
+static void search_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    gap_search *g = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        look l = {g, (int32_t)i};
+        if (!g->shape->is_interface[i])
+            pl_tree_find(&g->tree, &g->box[i], look_at_facet, &l);
+    }
+}
+
+int pl_shape_find_gaps(const planish_shape *shape, const double *tolerance, int is_open,
+                       int threads, uint8_t *is_near, planish_error *error) {
+    const int64_t n = shape->n_facets;
+    gap_search g = {.shape = shape, .tolerance = tolerance, .is_open = is_open, .is_near = is_near};
+    g.box = pl_alloc(n, sizeof *g.box);
+    if (!g.box)
+        return pl_fail_memory(error, "the gaps of a surface");
+    pl_parallel_for(threads, n, CHUNK, find_box, &g);
+    const int status = pl_tree_create(n, g.box, threads, &g.tree, error);
+    for (int64_t i = 0; !status && i < n; i++)
+        is_near[i] = 0;
+    if (!status)
+        pl_parallel_for(threads, n, CHUNK, search_chunk, &g);
+    pl_tree_destroy(&g.tree);
+    pl_free(g.box);
+    return status;
+}
