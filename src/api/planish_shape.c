@@ -379,6 +379,32 @@ static int check_shape(const planish_mesh *mesh, const planish_surface *surface,
     return PLANISH_OK;
 }
 
+/** Whether a mesh in space is a surface. */
+static int is_surface_mesh(const planish_mesh *mesh) {
+    return mesh && mesh->dim == 3 && mesh->cells && mesh->cells->type &&
+           pl_is_of_faces(mesh->cells, 3);
+}
+
+/** Make the shape of a mesh that is a surface itself. */
+static int create_of_surface(const planish_mesh *mesh, const planish_surface *surface, int threads,
+                             planish_shape **shape, planish_shape_info *info,
+                             planish_error *error) {
+    cells_call c = {.coordinates = NULL};
+    int status = check_threads(threads, error);
+    if (status)
+        return status;
+    threads = pl_thread_count(threads);
+    const pl_outside outside = pl_call_enter(NULL);
+    status = take_cells(mesh, threads, &c, error);
+    if (!status)
+        status = check_tags(mesh, surface, error);
+    if (!status)
+        status = pl_shape_create(&c.mesh, mesh->cells, surface, threads, shape, info, error);
+    pl_free(c.coordinates);
+    pl_call_leave(&outside);
+    return status;
+}
+
 int planish_shape_create(const planish_mesh *mesh, const planish_surface *surface, int threads,
                          planish_shape **shape, planish_shape_info *info, planish_error *error) {
     planish_shape_info found = {0};
@@ -386,6 +412,12 @@ int planish_shape_create(const planish_mesh *mesh, const planish_surface *surfac
     int status = check_shape(mesh, surface, shape, error);
     if (status)
         return status;
+    if (is_surface_mesh(mesh)) {
+        status = create_of_surface(mesh, surface, threads, shape, &found, error);
+        if (!status && info)
+            *info = found;
+        return status;
+    }
     status = begin_call(mesh, threads, &call, error);
     if (status)
         return status;

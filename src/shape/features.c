@@ -152,10 +152,18 @@ int pl_features_match(pl_features *w, planish_error *error) {
 
 /* ---- the way round -------------------------------------------------------------------------- */
 
-/** Return 1 if the apex of a facet lies behind it, as its corners are now, -1 if before it. */
+/** Whether three nodes are in a descending order but for where it begins. */
+static int is_turned(const int32_t v[3]) {
+    return ((v[0] > v[1]) + (v[1] > v[2]) + (v[0] > v[2])) % 2;
+}
+
+/** Return 1 if the apex of a facet lies behind it, as its corners are now, -1 if before it. A facet that is
+ *  an element is to turn as it is listed. */
 static int vote(const pl_features *w, const double *coordinates, int32_t f) {
     const planish_shape *s = w->shape;
     const int32_t apex = w->surface->apex[f], node = apex < 0 ? ~apex : apex;
+    if (w->surface->label[f].n_elements == 0)
+        return is_turned(s->facet[f]) == apex ? 1 : -1;
     double u[3], v[3], normal[3], to[3];
     pl_from_to(3, s->x[s->facet[f][0]], s->x[s->facet[f][1]], u);
     pl_from_to(3, s->x[s->facet[f][0]], s->x[s->facet[f][2]], v);

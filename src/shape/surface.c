@@ -51,14 +51,16 @@ static int compare_tagged(const void *a, const void *b) {
     return order ? order : (s->tag > t->tag) - (s->tag < t->tag);
 }
 
-/** Sort n nodes, of which those behind the last one are -1. */
-static void sort_nodes(int n, int32_t *v) {
+/** Sort n nodes, of which those behind the last one are -1. Returns how many exchanges that takes. */
+static int sort_nodes(int n, int32_t *v) {
+    int exchanges = 0;
     for (int i = 1; i < n; i++)
-        for (int j = i; j > 0 && v[j] >= 0 && v[j - 1] > v[j]; j--) {
+        for (int j = i; j > 0 && v[j] >= 0 && v[j - 1] > v[j]; j--, exchanges++) {
             const int32_t t = v[j];
             v[j] = v[j - 1];
             v[j - 1] = t;
         }
+    return exchanges;
 }
 
 void pl_tags_sort(pl_tags *tags) {
@@ -234,7 +236,9 @@ static void add_found(facet_search *s, const int32_t node[3], int32_t apex, pl_l
                       int half) {
     found *f = &s->found[s->n_found];
     *f = (found){{node[0], node[1], node[2]}, apex, label};
-    sort_nodes(3, f->node);
+    const int exchanges = sort_nodes(3, f->node);
+    if (label.n_elements == 0)
+        f->apex = exchanges % 2;
     s->half[s->n_found++] = (uint8_t)half;
     for (int j = 0; j < s->mesh->dim; j++)
         s->elsewhere[f->node[j]] = 0;
@@ -340,6 +344,39 @@ static int find_cell_facets(facet_search *s, int threads, planish_error *error) 
     return status;
 }
 
+/* ---- elements that are facets themselves ---------------------------------------------------- */
+
+int pl_is_of_faces(const planish_cells *cells, int dim) {
+    int n_faces = 0, n_solids = 0;
+    for (int64_t i = 0; i < cells->n; i++) {
+        const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
+        n_faces |= type && type->shape->dim == dim - 1;
+        n_solids |= type && type->shape->dim == dim;
+    }
+    return n_faces && !n_solids;
+}
+
+/** Find the facets of a surface mesh in space: its elements. */
+static int find_flat_cells(facet_search *s, planish_error *error) {
+    const planish_cells *cells = s->cells;
+    const int32_t *region = s->tags ? s->tags->region : NULL;
+    s->found = pl_alloc(2 * cells->n, sizeof *s->found);
+    s->half = pl_alloc(2 * cells->n, sizeof *s->half);
+    if (!s->found || !s->half)
+        return pl_fail_memory(error, "the surface");
+    for (int64_t i = 0; i < cells->n; i++) {
+        const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
+        if (!type || type->shape->dim != 2)
+            continue;
+        const int32_t *corner = cells->node + cells->offset[i], here = region ? region[i] : 0;
+        pl_tagged *t = find_tag(s, type->shape->n_corners, corner);
+        if (t)
+            t->is_met = 1;
+        add_facet(s, type->shape->n_corners, corner, 0, make_label(0, here, here, t));
+    }
+    return PLANISH_OK;
+}
+
 /* ---- the surface -------------------------------------------------------------------------- */
 
 /** Note the numbers of the nodes and their coordinates, scaled. */
@@ -433,7 +470,9 @@ int pl_surface_create(const planish_mesh *mesh, const planish_cells *cells,
     } else {
         memset(s.elsewhere, 1, (size_t)n);
         list_tagged(&s, is_fixed);
-        status = cells ? find_cell_facets(&s, threads, error) : find_facets(&s, threads, error);
+        status = !cells                      ? find_facets(&s, threads, error)
+                 : pl_is_of_faces(cells, mesh->dim) ? find_flat_cells(&s, error)
+                                             : find_cell_facets(&s, threads, error);
     }
     if (!status)
         status = lay_out(&s, surface, error);

@@ -39,7 +39,8 @@ pl_tagged *pl_tags_find(const pl_tags *tags, const int32_t *node);
 
 /** Regions on both sides of a facet, and its tag: the shape has an edge where these change. */
 typedef struct pl_label {
-    int32_t n_elements; /* 1: of the boundary, 2: between elements, more: of a tangle */
+    int32_t n_elements; /* 1: of the boundary, 2: between elements, more: of a tangle; 0: it is an
+                           element itself, of a mesh without solids */
     int32_t region[2];  /* of the first two elements, ascending; the same twice on the boundary */
     int32_t is_tagged, tag;
 } pl_label;
@@ -54,7 +55,8 @@ typedef struct pl_surface {
     int32_t *facet;  /* [n_facets][dim] by own numbers, ascending */
     pl_label *label; /* [n_facets] */
     int32_t *apex; /* [n_facets] in 3-D: another node (the mesh's number) of an element at it, which
-                        is that of the lower region, of ~apex that of the higher one */
+                        is that of the lower region, of ~apex that of the higher one; of a facet that is
+                        an element 1: its nodes are listed the other way round, 0: as in facet */
     uint8_t *half; /* [n_facets] 1 and then 2: halves of a quadrilateral; 0: whole. NULL: all are */
     int64_t *offset;   /* [n_nodes + 1] into facet_of */
     int32_t *facet_of; /* the facets of each node, ascending */
@@ -62,6 +64,9 @@ typedef struct pl_surface {
     double scale;      /* of x: x is that times the mesh's coordinates */
     int32_t *number;   /* [nodes of the mesh] own number, -1: not on the surface */
 } pl_surface;
+
+/** Whether there are elements of one dimension less than the mesh's, and none of its own. */
+int pl_is_of_faces(const planish_cells *cells, int dim);
 
 /** Find the facets of one element, those between regions, and the tagged ones. cells: elements, and
  *  tags->region goes by them; NULL: those of mesh. is_fixed [nodes of the mesh] becomes 1 for
