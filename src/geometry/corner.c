@@ -19,6 +19,11 @@ int pl_kind_of_shape(const pl_cell_shape *shape) {
     return kind;
 }
 
+const pl_cell_shape *pl_shape_of_kind(int dim, int kind) {
+    const pl_cell_type *type = pl_cell_type_of(TYPE[dim - 2][kind]);
+    return type ? type->shape : NULL;
+}
+
 /** Weights of the edges between the nodes of a corner, the corner being node 0. */
 static void find_weights(const pl_cell_shape *shape, double weight[4][4]) {
     memset(weight, 0, 16 * sizeof weight[0][0]);

@@ -10,6 +10,7 @@
  * D is the determinant of the corner's edges, positive in a valid mesh. So E = c |x - o|^2 + e0 with
  * constants of the facet, and D is affine in x.
  *
+ *   pl_kind_of_shape, pl_shape_of_kind    kinds of shapes
  *   pl_corner_code, _kind, _index         the byte that says which corner of which shape
  *   pl_form_code                          the byte of a link facet: the corner, and where x is in it
  *   pl_corner_form, pl_corner_forms_make  the forms of all codes
@@ -74,6 +75,9 @@ void pl_corner_forms_make(int dim, pl_corner_form form[PL_N_FORMS]);
 
 /** Kind of a shape. */
 int pl_kind_of_shape(const pl_cell_shape *shape);
+
+/** Shape of a kind; NULL: there is none of dimension dim. */
+const pl_cell_shape *pl_shape_of_kind(int dim, int kind);
 
 /** mu^2 from E and D, divided by the determinant of the ideal corner: the same bits at every scale
  *  that is a power of two. E^3 and D^2 must be in a double's range. */

@@ -339,7 +339,9 @@ static int prepare_periodic(pl_draft *d, planish_mesh *around, planish_error *er
         return pl_fail_memory(error, "periodic nodes");
     for (int64_t i = 0; i < periodic->n_nodes; i++)
         d->number_of[i] = i < plan->work.n_nodes ? plan->inner[i] : (int32_t)i;
-    return pl_incidence_create(around, NULL, plan->threads, &d->around, error);
+    return periodic->corner ? pl_cell_incidence_create(around, periodic->corner, plan->threads,
+                                                       &d->around, error)
+                            : pl_incidence_create(around, NULL, plan->threads, &d->around, error);
 }
 
 /** Tell the plan where nodes slide, and who follows whom. Nodes that lead others slide with them,
@@ -406,9 +408,10 @@ static int prepare_sliding(pl_draft *d, planish_error *error) {
     if (!status)
         status = order_visits(plan, periodic, c, &plan->sliding, error);
     if (!status)
-        status = pl_stars_create(&around, incidence, &c->rings, c->node, c->star_of,
-                                 periodic ? d->number_of : plan->inner, plan->threads,
-                                 &plan->sliding.stars, error);
+        status =
+            pl_stars_create(&around, incidence, periodic ? periodic->corner : plan->work.corner,
+                            &c->rings, c->node, c->star_of, periodic ? d->number_of : plan->inner,
+                            plan->threads, &plan->sliding.stars, error);
     if (!status)
         keep_slides(d);
     return status;
@@ -438,7 +441,11 @@ static int prepare_nodes(pl_draft *d, planish_error *error) {
     }
     for (int64_t i = 0; unasked && i < n; i++)
         unasked[i] = !d->is_selected[i];
-    const int status = pl_incidence_create(d->mesh, unasked, plan->threads, &d->incidence, error);
+    const int status =
+        plan->work.corner
+            ? pl_cell_incidence_create(d->mesh, plan->work.corner, plan->threads, &d->incidence,
+                                       error)
+            : pl_incidence_create(d->mesh, unasked, plan->threads, &d->incidence, error);
     pl_free(unasked);
     return status;
 }
@@ -493,7 +500,7 @@ int pl_draft_finish(pl_draft *d, planish_error *error) {
     if (status)
         return status;
     /* Of the candidates' rings nothing is left then. */
-    return pl_stars_create(d->mesh, &d->incidence, &d->interior.rings, d->interior.node,
-                           d->interior.star_of, plan->inner, plan->threads, &plan->interior.stars,
-                           error);
+    return pl_stars_create(d->mesh, &d->incidence, plan->work.corner, &d->interior.rings,
+                           d->interior.node, d->interior.star_of, plan->inner, plan->threads,
+                           &plan->interior.stars, error);
 }

@@ -7,6 +7,7 @@
  */
 #include "topology/topology.h"
 
+#include "topology/cell_star.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
@@ -27,7 +28,9 @@ typedef struct pair {
 /** The sort. Bucket b holds the nodes b << bits .. */
 typedef struct sort {
     const planish_mesh *mesh;
-    const uint8_t *unasked; /* [n] or NULL */
+    const uint8_t *unasked;            /* [n] or NULL */
+    const uint8_t *corner;             /* [m] for the incidence of cells, or NULL */
+    pl_cell_kind kinds[PL_CELL_KINDS]; /* for it */
     pl_incidence *incidence;
     int bits;
     int64_t n_buckets, chunk;
@@ -38,12 +41,26 @@ typedef struct sort {
     pair *pairs;    /* bucket by bucket */
 } sort;
 
+/** List the nodes of the cell that begins with an element. Returns how many; 0: none begins there. */
+static inline int nodes_of_cell(const sort *s, int64_t element, int32_t node[PL_CELL_CORNERS]) {
+    if (pl_corner_index(s->corner[element]) != 0)
+        return 0;
+    const pl_cell_kind *kind = pl_cell_kind_of(s->kinds, s->corner, element);
+    pl_cell_nodes(kind, s->mesh->elements + element * (s->mesh->dim + 1), node);
+    return kind->n_nodes;
+}
+
 static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
     sort *s = context;
     int64_t nodes_per_element = s->mesh->dim + 1;
     int64_t count[MAX_BUCKETS] = {0};
     (void)thread;
-    for (int64_t i = begin * nodes_per_element; i < end * nodes_per_element; i++) {
+    for (int64_t i = begin; s->corner && i < end; i++) {
+        int32_t node[PL_CELL_CORNERS];
+        for (int v = nodes_of_cell(s, i, node); v-- > 0;)
+            count[node[v] >> s->bits]++;
+    }
+    for (int64_t i = begin * nodes_per_element; !s->corner && i < end * nodes_per_element; i++) {
         const int32_t node = s->mesh->elements[i];
         count[node >> s->bits] += !(s->unasked && s->unasked[node]);
     }
@@ -59,13 +76,22 @@ static inline void deal(const sort *s, int dim, int64_t begin, int64_t end, int6
         }
 }
 
+static void deal_cells(const sort *s, int64_t begin, int64_t end, int64_t *place) {
+    int32_t node[PL_CELL_CORNERS];
+    for (int64_t i = begin; i < end; i++)
+        for (int v = nodes_of_cell(s, i, node); v-- > 0;)
+            s->pairs[place[node[v] >> s->bits]++] = (pair){node[v], (int32_t)i};
+}
+
 static void deal_chunk(void *context, int64_t begin, int64_t end, int thread) {
     enum { AT_ONCE = 64 }; /* elements */
     const sort *s = context;
     const int dim = s->mesh->dim;
     int64_t *place = s->place + begin / s->chunk * s->row;
     (void)thread;
-    if (!s->unasked && dim == 3)
+    if (s->corner)
+        deal_cells(s, begin, end, place);
+    else if (!s->unasked && dim == 3)
         deal(s, 3, begin, end, place);
     else if (!s->unasked)
         deal(s, 2, begin, end, place);
@@ -106,11 +132,17 @@ static void sort_bucket(void *context, int64_t bucket, int64_t unused, int threa
         s->incidence->element[--offset[s->pairs[i].node]] = s->pairs[i].element;
 }
 
-int pl_incidence_create(const planish_mesh *mesh, const uint8_t *unasked, int threads,
-                        pl_incidence *incidence, planish_error *error) {
+static int create(const planish_mesh *mesh, const uint8_t *unasked, const uint8_t *corner,
+                  int threads, pl_incidence *incidence, planish_error *error) {
     const int64_t n = mesh->n_nodes, m = mesh->n_elements;
     int64_t n_pairs = -1;
-    sort s = {.mesh = mesh, .unasked = unasked, .incidence = incidence, .bits = MIN_BUCKET_BITS};
+    sort s = {.mesh = mesh,
+              .unasked = unasked,
+              .corner = corner,
+              .incidence = incidence,
+              .bits = MIN_BUCKET_BITS};
+    if (corner)
+        pl_cell_kinds_make(mesh->dim, s.kinds);
     *incidence = (pl_incidence){0};
     while ((n - 1) >> s.bits >= MAX_BUCKETS)
         s.bits++;
@@ -141,6 +173,16 @@ int pl_incidence_create(const planish_mesh *mesh, const uint8_t *unasked, int th
         return PLANISH_OK;
     pl_incidence_destroy(incidence);
     return pl_fail_memory(error, "the elements of the nodes");
+}
+
+int pl_incidence_create(const planish_mesh *mesh, const uint8_t *unasked, int threads,
+                        pl_incidence *incidence, planish_error *error) {
+    return create(mesh, unasked, NULL, threads, incidence, error);
+}
+
+int pl_cell_incidence_create(const planish_mesh *mesh, const uint8_t *corner, int threads,
+                             pl_incidence *incidence, planish_error *error) {
+    return create(mesh, NULL, corner, threads, incidence, error);
 }
 
 void pl_incidence_destroy(pl_incidence *incidence) {

@@ -11,8 +11,8 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
-#include "geometry/corner.h"
 #include "geometry/inline.h"
+#include "topology/cell_star.h"
 #include "topology/element_walk.h"
 #include "topology/local_map.h"
 #include "topology/small_ring.h"
@@ -27,12 +27,14 @@ typedef struct ring_maker {
     const pl_incidence *incidence;
     const int8_t *sign;
     const uint8_t *corner; /* [m] or NULL */
-    int32_t *node;         /* [n_rings] */
-    uint8_t *is_free;      /* [n_nodes] */
+    pl_cell_kind kinds[PL_CELL_KINDS];
+    int32_t *node;    /* [n_rings] */
+    uint8_t *is_free; /* [n_nodes] */
     pl_rings *rings;
     pl_local_map *maps;    /* [threads] the ring of one node */
     pl_small_ring *tables; /* [threads] the same, where it is small */
     int open;              /* links may be */
+    int foretells;         /* the lengths of rings: they are those of closed links */
     int wide;              /* positions need high bytes */
     int is_shared;         /* by several threads */
     int counting;          /* lengths are wanted, not nodes */
@@ -62,13 +64,6 @@ static inline void set_fixed(const ring_maker *m, int32_t node) {
 }
 
 /* ---- one ring ----------------------------------------------------------------------------- */
-
-/** Which corner of its facet the j-th of the other nodes is. No branch: nothing could predict it.
- */
-static inline int corner_of(int dim, int j, int turned) {
-    const int exchange = -turned & (2 * dim - 3); /* 3-D: 1 and 2, 2-D: 0 and 1 */
-    return j < dim - 2 ? j : j ^ exchange;
-}
 
 /** Number the edges of the n facets of a star's link in order of appearance. map holds its nodes.
  *  Returns how many there are. */
@@ -120,15 +115,9 @@ static inline int is_link_sound(pl_local_map *map, int dim, const pl_link *link,
 _Static_assert(2 * (UINT8_MAX + 1) > 3 * PL_BYTE_LINK && 2 * (UINT16_MAX + 1) > 3 * PL_MAX_LINK,
                "positions that are cut off could look like those of a closed link");
 
-/** The node of the hexahedron of corner index that shares no face with it. */
-static int32_t opposite_node(const ring_maker *m, int64_t index) {
-    const int own = pl_corner_index(m->corner[index]);
-    return m->mesh->elements[(index - own + pl_opposite_corner(own)) * 4];
-}
-
-/** Put the ring of node, or its first room nodes, into ring, and write its link, and form. */
+/** Put the ring of node, or its first room nodes, into ring, and write its link. */
 static inline star find_ring(const ring_maker *m, int dim, int thread, int32_t node, pl_link link,
-                             uint8_t *form, int32_t *ring, int64_t room) {
+                             int32_t *ring, int64_t room) {
     pl_local_map *thread_map = m->maps + thread;
     const int64_t begin = m->incidence->offset[node], n = degree(m->incidence, node);
     if (pl_local_map_empty(thread_map, 4 * n * dim) != 0)
@@ -149,21 +138,10 @@ static inline star find_ring(const ring_maker *m, int dim, int thread, int32_t n
             const int32_t position = pl_local_map_add(&map, (uint64_t)other);
             if (position < room) /* writes known nodes again: cheaper than to ask */
                 ring[position] = other;
-            pl_link_set(&link, i * dim + corner_of(dim, j, turned), position);
-        }
-        if (m->corner)
-            form[i] = pl_form_code(m->corner[index], place, turned);
-        if (m->corner && dim == 3 && place == 0 &&
-            pl_corner_kind(m->corner[index]) == PL_KIND_BRICK) {
-            const int32_t opposite = opposite_node(m, index);
-            const int32_t position = pl_local_map_add(&map, (uint64_t)opposite);
-            if (position < room)
-                ring[position] = opposite;
+            pl_link_set(&link, i * dim + pl_facet_corner(dim, j, turned), position);
         }
     }
     const int64_t length = map.count;
-    if (m->corner)
-        return (star){length, 1, 1};
     const int two_each = dim == 3 ? 2 * write_edges(&map, &link, n) == 3 * n : length == n;
     if (!two_each && !m->open)
         return (star){length, 0, 0};
@@ -271,6 +249,70 @@ static star find_small_ring(const ring_maker *m, int thread, int32_t node, pl_li
     return found;
 }
 
+/* ---- one ring of cells -------------------------------------------------------------------- */
+
+enum { MOST_CELLS = (PL_SMALL_NONE - 2) / (PL_CELL_CORNERS - 1) }; /* of a small ring */
+
+/** Find what the cells of node make of its ring, or its first room nodes, of its link and its forms. map,
+ *  or else table by its i-th hash, numbers the nodes. Returns how many nodes there are. */
+static inline int64_t find_cells(const ring_maker *m, int dim, int32_t node, pl_local_map *map,
+                                 pl_small_ring *table, int i, const pl_link *link, uint8_t *form,
+                                 int32_t *ring, int64_t room) {
+    const int32_t *list = m->incidence->element + m->incidence->offset[node];
+    const int32_t *end = m->incidence->element + m->incidence->offset[node + 1];
+    uint32_t n_nodes = 0, collision = 0;
+    int64_t n = 0; /* facets */
+    if (!map)
+        pl_small_ring_begin_nodes(table, i);
+    const uint32_t factor = table->factor;
+    for (; list < end; list++) {
+        const pl_cell_kind *kind = pl_cell_kind_of(m->kinds, m->corner, *list);
+        int32_t own[PL_CELL_CORNERS], position[PL_CELL_CORNERS];
+        pl_cell_nodes(kind, m->mesh->elements + (int64_t)*list * (dim + 1), own);
+        const pl_cell_star *of =
+            &kind->star[m->sign && m->sign[*list] < 0][pl_cell_place(kind, own, node)];
+        for (int j = 0; j < of->n_others; j++) {
+            const int other = of->other[j];
+            position[other] =
+                map ? pl_local_map_add(map, (uint64_t)own[other])
+                    : pl_small_ring_node(table, factor, own[other], &n_nodes, &collision);
+            if (map && position[other] < room)
+                ring[position[other]] = own[other];
+        }
+        for (int f = 0; f < of->n_facets; f++, n++) {
+            for (int j = 0; j < dim; j++)
+                pl_link_set(link, n * dim + j, position[of->facet[f][j]]);
+            form[n] = of->form[f];
+        }
+    }
+    if (map)
+        return map->count;
+    table->n_nodes = n_nodes;
+    table->collision = collision;
+    return n_nodes;
+}
+
+/** Find a ring as find_ring does, of a node of cells. */
+static inline star find_cell_ring(const ring_maker *m, int dim, int thread, int32_t node,
+                                  pl_link link, uint8_t *form, int32_t *ring, int64_t room) {
+    pl_small_ring *table = m->tables + thread;
+    const int64_t n = degree(m->incidence, node);
+    int64_t length = 0;
+    for (int i = 0; i < PL_SMALL_HASHES && n <= MOST_CELLS; i++) {
+        length = find_cells(m, dim, node, NULL, table, i, &link, form, NULL, 0);
+        if (table->collision)
+            continue;
+        if (room > 0)
+            memcpy(ring, table->node, (size_t)(length < room ? length : room) * sizeof *ring);
+        return (star){length, 1, 1};
+    }
+    pl_local_map *map = m->maps + thread;
+    if (pl_local_map_empty(map, n * (PL_CELL_CORNERS - 1)) != 0)
+        return (star){-1, 0, 0};
+    length = find_cells(m, dim, node, map, table, 0, &link, form, ring, room);
+    return (star){length, 1, 1};
+}
+
 /* ---- all rings ---------------------------------------------------------------------------- */
 
 /* The positions of an open link are told apart by a byte up to so many facets, and by two up to the
@@ -291,11 +333,24 @@ static int can_be_closed(ring_maker *m, int thread, int32_t node) {
     star found = {-1, 0, 0};
     pl_link link = {NULL, NULL};
     if (pl_link_alloc(&link, pl_link_positions_kept(dim), n, 1) == 0)
-        found = find_ring(m, dim, thread, node, link, NULL, NULL, 0);
+        found = find_ring(m, dim, thread, node, link, NULL, 0);
     pl_link_free(&link);
     if (found.length < 0)
         m->maps[thread].failed = 1;
     return found.is_closed;
+}
+
+/** Foretell the numbers of nodes and facets of a closed link of cells. */
+static void foretell_cells(const ring_maker *m, int32_t node, int64_t *length, int64_t *facets) {
+    const int dim = m->mesh->dim;
+    int64_t twice = dim == 3 ? 4 : 0;
+    *facets = 0;
+    for (int64_t i = m->incidence->offset[node]; i < m->incidence->offset[node + 1]; i++) {
+        const int32_t first = m->incidence->element[i];
+        twice += pl_cell_kind_of(m->kinds, m->corner, first)->twice;
+        *facets += pl_cell_facets(m->kinds, m->corner, m->mesh->elements, dim, first, node);
+    }
+    *length = twice / 2;
 }
 
 /** Make room for links, and for rings as of spheres, V = F in 2-D, of circles; open links: the rings
@@ -306,13 +361,17 @@ static void make_room(void *context, int64_t begin, int64_t end, int thread) {
     int64_t max_link = 0;
     for (int64_t r = begin; r < end; r++) {
         const int32_t node = m->node[r];
-        int64_t facets = degree(m->incidence, node);
+        int64_t facets = degree(m->incidence, node), length = facets;
+        if (m->corner)
+            foretell_cells(m, node, &length, &facets);
         if (m->open ? facets > MAX_OPEN_LINK : !can_be_closed(m, thread, node)) {
             m->is_free[node] = 0;
-            facets = 0;
+            facets = length = 0;
         }
+        if (!m->corner && m->mesh->dim == 3)
+            length = length_of_sphere(facets);
         max_link = facets > max_link ? facets : max_link;
-        m->rings->offset[r] = m->mesh->dim == 3 ? length_of_sphere(facets) : facets;
+        m->rings->offset[r] = length;
         m->rings->link_offset[r] = facets;
     }
     if (max_link > (m->open ? BYTE_OPEN_LINK : PL_BYTE_LINK))
@@ -346,9 +405,11 @@ static inline void find_rings(ring_maker *m, int dim, int64_t begin, int64_t end
             found.length = room;
         else if (dim == 3 && !m->open)
             found = find_small_ring(m, thread, m->node[r], link, ring, room);
-        if (found.length < 0)
-            found = find_ring(m, dim, thread, m->node[r], link,
-                              m->corner ? rings->form + rings->link_offset[r] : NULL, ring, room);
+        if (found.length < 0 && m->corner)
+            found = find_cell_ring(m, dim, thread, m->node[r], link,
+                                   rings->form + rings->link_offset[r], ring, room);
+        else if (found.length < 0)
+            found = find_ring(m, dim, thread, m->node[r], link, ring, room);
         const int keeps = m->open ? found.is_sound : found.is_closed;
         if (!keeps)
             set_fixed(m, m->node[r]);
@@ -398,7 +459,7 @@ static int make_rings(ring_maker *m, int threads) {
     const int64_t total = pl_prefix_sum(threads, n, rings->link_offset);
     rings->form = m->corner ? pl_alloc(total, sizeof *rings->form) : NULL;
     if (pl_link_alloc(&rings->link, pl_link_positions_kept(m->mesh->dim), total, m->wide) != 0 ||
-        (m->corner && !rings->form) || fill_rings(m, m->open, threads) != 0)
+        (m->corner && !rings->form) || fill_rings(m, !m->foretells, threads) != 0)
         return -1;
     return m->foretold_wrong ? fill_rings(m, 1, threads) : 0;
 }
@@ -429,12 +490,15 @@ int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, con
                     .is_free = is_free,
                     .rings = rings,
                     .open = open || corner,
+                    .foretells = !open,
                     .is_shared = threads > 1,
                     .maps = pl_local_maps_create(threads),
-                    .tables = pl_alloc(mesh->dim == 3 ? threads : 0, sizeof *m.tables)};
+                    .tables = pl_alloc(threads, sizeof *m.tables)};
+    if (corner)
+        pl_cell_kinds_make(mesh->dim, m.kinds);
     rings->offset = pl_alloc(n + 1, sizeof *rings->offset);
     rings->link_offset = pl_alloc(n + 1, sizeof *rings->link_offset);
-    for (int t = 0; m.tables && mesh->dim == 3 && t < threads; t++)
+    for (int t = 0; m.tables && t < threads; t++)
         pl_small_ring_init(m.tables + t);
     int done =
         m.maps && m.tables && rings->offset && rings->link_offset && make_rings(&m, threads) == 0;

@@ -5,6 +5,7 @@
  */
 #include "topology/topology.h"
 
+#include "topology/cell_star.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
@@ -17,6 +18,8 @@ enum { CHUNK = 256 }; /* rings that one thread takes at a time */
 typedef struct star_copy {
     const planish_mesh *mesh;
     const pl_incidence *incidence;
+    const uint8_t *corner; /* [m] or NULL */
+    pl_cell_kind kinds[PL_CELL_KINDS];
     pl_rings *rings;
     const int32_t *node, *star_of, *number_of;
     pl_stars *stars;
@@ -75,6 +78,19 @@ static inline void write_ends(pl_link source, pl_link link, int64_t n) {
     }
 }
 
+/** Copy the minimum volumes of the elements of a node, in the order of its link facets. */
+static void copy_min_volumes(const star_copy *copy, int32_t node, double *min_volume) {
+    const pl_incidence *incidence = copy->incidence;
+    for (int64_t i = incidence->offset[node]; i < incidence->offset[node + 1]; i++) {
+        const int32_t element = incidence->element[i];
+        const int n = copy->corner ? pl_cell_facets(copy->kinds, copy->corner, copy->mesh->elements,
+                                                    copy->mesh->dim, element, node)
+                                   : 1;
+        for (int k = 0; k < n; k++)
+            *min_volume++ = copy->mesh->min_volume[element];
+    }
+}
+
 static void copy_links(void *context, int64_t begin, int64_t end, int thread) {
     const star_copy *copy = context;
     const pl_link *kept = &copy->rings->link;
@@ -98,27 +114,27 @@ static void copy_links(void *context, int64_t begin, int64_t end, int thread) {
             write_ends(source, target, n);
         else if (dim == 3)
             write_ends((pl_link){source.low, NULL}, (pl_link){target.low, NULL}, n);
-        for (int64_t i = 0; copy->stars->min_volume && i < n; i++) {
-            const int32_t *element =
-                copy->incidence->element + copy->incidence->offset[copy->node[r]];
-            copy->stars->min_volume[to + i] = copy->mesh->min_volume[element[i]];
-        }
+        if (copy->stars->min_volume)
+            copy_min_volumes(copy, copy->node[r], copy->stars->min_volume + to);
     }
 }
 
-int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_rings *rings,
-                    const int32_t *node, const int32_t *star_of, const int32_t *number_of,
-                    int threads, pl_stars *stars, planish_error *error) {
+int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, const uint8_t *corner,
+                    pl_rings *rings, const int32_t *node, const int32_t *star_of,
+                    const int32_t *number_of, int threads, pl_stars *stars, planish_error *error) {
     const int64_t n = rings->n_free, n_rings = rings->n_rings;
     int64_t n_link = 0;
     *stars = (pl_stars){.n_stars = n};
     star_copy copy = {.mesh = mesh,
                       .incidence = incidence,
+                      .corner = corner,
                       .rings = rings,
                       .node = node,
                       .star_of = star_of,
                       .number_of = number_of,
                       .stars = stars};
+    if (corner)
+        pl_cell_kinds_make(mesh->dim, copy.kinds);
     stars->ring_offset = pl_alloc(n + 1, sizeof *stars->ring_offset);
     stars->link_offset = pl_alloc(n + 1, sizeof *stars->link_offset);
     int done = stars->ring_offset && stars->link_offset;

@@ -106,6 +106,11 @@ typedef struct pl_incidence {
 int pl_incidence_create(const planish_mesh *mesh, const uint8_t *unasked, int threads,
                         pl_incidence *incidence, planish_error *error);
 
+/** List the first corner of each cell of every node, in a mesh whose elements are corners: corner [m]
+ *  (geometry/corner.h). Errors: _MEMORY. */
+int pl_cell_incidence_create(const planish_mesh *mesh, const uint8_t *corner, int threads,
+                             pl_incidence *incidence, planish_error *error);
+
 /** Free the arrays of incidence. */
 void pl_incidence_destroy(pl_incidence *incidence);
 
@@ -234,7 +239,8 @@ typedef struct pl_rings {
  * traverse it in opposite directions. open: links may be, as on the boundary: facets of one element
  * will do. The edges of such links are not in rings->link. sign: as in pl_boundary. corner [m]: the
  * elements are corners (geometry/corner.h), each with the opposite one of its hexahedron as a
- * neighbour: links are open, and the caller knows which nodes are inside; NULL: they are not. */
+ * neighbour, and incidence is that of cells: links are open, and the caller knows which nodes are
+ * inside; NULL: they are not. */
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
                     const uint8_t *corner, uint8_t *is_free, int32_t *node, int64_t n_rings,
                     int open, int threads, pl_rings *rings, planish_error *error);
@@ -268,8 +274,8 @@ int pl_check_periodic(const planish_mesh *mesh, planish_error *error);
 
 /** Find the nodes that move together, and copy the elements around them. slides [n]: 1 for the
  *  nodes that may slide; of groups of which some may not, or not alike, or
- *  that are no translations of one another, it becomes 0. corner: as for pl_rings_create; cells are
- *  copied whole. Errors: _MEMORY. */
+ *  that are no translations of one another, it becomes 0. corner, incidence: as for pl_rings_create;
+ *  cells are copied whole. Errors: _MEMORY. */
 int pl_periodic_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
                        const uint8_t *corner, uint8_t *slides, pl_periodic *periodic,
                        planish_error *error);
@@ -310,11 +316,11 @@ typedef struct pl_stars {
 /** Copy the rings and links of the free nodes in the order of their visits. Star star_of[r], of 0
  *  .. rings->n_free-1, is that of ring r, which has a node; -1 where there is none: star_of
  *  [n_rings], node [n_rings] as returned by pl_rings_create. number_of [n] maps the mesh's node
- *  numbers to those written to stars->ring. incidence is used if the mesh has minimum volumes. Of
- *  the rings nothing is left afterwards. */
-int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_rings *rings,
-                    const int32_t *node, const int32_t *star_of, const int32_t *number_of,
-                    int threads, pl_stars *stars, planish_error *error);
+ *  numbers to those written to stars->ring. incidence is used if the mesh has minimum volumes; corner
+ *  as for pl_rings_create. Of the rings nothing is left afterwards. */
+int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, const uint8_t *corner,
+                    pl_rings *rings, const int32_t *node, const int32_t *star_of,
+                    const int32_t *number_of, int threads, pl_stars *stars, planish_error *error);
 
 /** Free the arrays of stars. */
 void pl_stars_destroy(pl_stars *stars);

@@ -2,6 +2,7 @@
  * rings.c, stars.c and src/plan. */
 #include "geometry/corner.h"
 #include "plan/plan.h"
+#include "topology/cell_star.h"
 
 #include "support/cell_meshes.h"
 
@@ -66,16 +67,18 @@ static double determinant(const planish_plan *plan, const double *inside, int64_
 }
 
 /** Check the star of a node against the cells: its ring is all their other nodes, and its facets are
- *  their corners with the node. */
+ *  their corners with the node. n_balls: the cells at the node make so many balls around it. */
 static void check_star(const planish_plan *plan, const cell_box *b, const double *inside,
-                       int32_t node) {
+                       int32_t node, int n_balls) {
     const int64_t s = star_of(plan, node);
     const pl_stars *stars = &plan->interior.stars;
     assert_true(s >= 0);
     uint8_t *is_near = calloc((size_t)b->mesh.n_nodes, 1);
-    int64_t n_corners = 0, n_ring = 0;
+    int64_t n_corners = 0, n_ring = 0, twice = b->mesh.dim == 3 ? 4 : 0;
     double share = 0;
     int n_cells = 0;
+    pl_cell_kind kinds[PL_CELL_KINDS];
+    pl_cell_kinds_make(b->mesh.dim, kinds);
     for (int64_t c = 0; c < b->cells.n; c++) {
         const int32_t *v = b->node + b->offset[c];
         const pl_cell_shape *shape = pl_cell_type_of(b->type[c])->shape;
@@ -85,6 +88,7 @@ static void check_star(const planish_plan *plan, const cell_box *b, const double
         if (place < 0)
             continue;
         n_cells++;
+        twice += kinds[pl_kind_of_shape(shape)].twice;
         for (int j = 0; j < shape->n_corners; j++)
             is_near[v[j]] = v[j] != node;
         if (shape->n_simplices == 1) {
@@ -103,6 +107,7 @@ static void check_star(const planish_plan *plan, const cell_box *b, const double
     const int64_t first = stars->link_offset[s], n = stars->link_offset[s + 1] - first;
     assert_int_equal(n, n_corners);
     assert_int_equal(stars->ring_offset[s + 1] - stars->ring_offset[s], n_ring);
+    assert_int_equal(twice, 2 * n_ring - 4 * (n_balls - 1)); /* as rings.c foretells it */
     for (int64_t i = 0; i < n; i++) {
         const pl_corner_form *form = &plan->form[stars->form[first + i]];
         assert_true(determinant(plan, inside, s, i) > 0);
@@ -184,7 +189,7 @@ static void test_plans(void **state) {
                 assert_int_equal(star_of(plan, i) >= 0, is_inside(b, SIDE, i));
                 n_inside += is_inside(b, SIDE, i);
                 if (is_inside(b, SIDE, i))
-                    check_star(plan, b, inside, i);
+                    check_star(plan, b, inside, i, 1);
             }
             check_colours(plan, b);
             assert_int_equal(info.n_free, n_inside);
@@ -200,6 +205,47 @@ static void test_plans(void **state) {
             planish_plan_destroy(plan);
             cell_box_destroy(b);
         }
+}
+
+/** Two boxes around one node, which have nothing else in common: its ring is longer than that of one
+ *  closed link. */
+static void test_two_balls(void **state) {
+    (void)state;
+    cell_box *b = cell_box_create(BOX_HEXAHEDRA, 2);
+    enum { CENTRE = 13, NODES = 27 };
+    const int64_t n_cells = b->cells.n, n_places = b->offset[n_cells];
+    assert_int_equal(b->mesh.n_nodes, NODES);
+    cell_box two = *b;
+    two.cells.n = two.mesh.n_elements = 2 * n_cells;
+    two.mesh.n_nodes = 2 * NODES - 1;
+    two.mesh.cells = &two.cells;
+    two.mesh.coordinates = two.x = malloc(6 * NODES * sizeof *two.x);
+    two.cells.type = two.type = malloc(2 * (size_t)n_cells);
+    two.cells.offset = two.offset = malloc((2 * (size_t)n_cells + 1) * sizeof *two.offset);
+    two.cells.node = two.node = malloc(2 * (size_t)n_places * sizeof *two.node);
+    for (int64_t i = 0; i < 3 * two.mesh.n_nodes; i++)
+        two.x[i] = b->x[i < 3 * NODES ? i : i - 3 * NODES + 3 * (i >= 3 * (NODES + CENTRE))];
+    for (int64_t i = 0; i < 2 * n_cells; i++)
+        two.type[i] = b->type[i % n_cells];
+    for (int64_t i = 0; i <= 2 * n_cells; i++)
+        two.offset[i] = b->offset[1] * i;
+    for (int64_t i = 0; i < 2 * n_places; i++) {
+        const int32_t node = b->node[i % n_places];
+        two.node[i] = i < n_places || node == CENTRE ? node : NODES + node - (node > CENTRE);
+    }
+    planish_plan *plan = plan_of(&two.mesh, NULL);
+    double *inside = malloc((size_t)(two.mesh.n_nodes * 3) * sizeof *inside);
+    pl_plan_order(plan, two.x, inside);
+    assert_int_equal(plan->interior.stars.n_stars, 1);
+    assert_int_equal(plan->interior.stars.max_ring, 2 * 26);
+    check_star(plan, &two, inside, CENTRE, 2);
+    planish_plan_destroy(plan);
+    free(inside);
+    free(two.x);
+    free(two.type);
+    free(two.offset);
+    free(two.node);
+    cell_box_destroy(b);
 }
 
 /** Mids and nodes in the middle of faces and cells follow, and hold no corner. */
@@ -389,7 +435,7 @@ int main(void) {
         cmocka_unit_test(test_plans),      cmocka_unit_test(test_order_2),
         cmocka_unit_test(test_fixed_mids), cmocka_unit_test(test_held),
         cmocka_unit_test(test_around),     cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_periodic),
+        cmocka_unit_test(test_periodic),   cmocka_unit_test(test_two_balls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

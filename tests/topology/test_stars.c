@@ -74,8 +74,8 @@ static int try_to_create(fixture *f, int threads, int permitted, pl_stars *stars
     for (int32_t s = 0; s < rings.n_free; s++)
         star_of[f->visit[s]] = s;
     allocations_permit(permitted);
-    int status = pl_stars_create(&f->mesh.mesh, &f->rings.incidence, &rings, f->rings.node, star_of,
-                                 f->number_of, threads, stars, NULL);
+    int status = pl_stars_create(&f->mesh.mesh, &f->rings.incidence, NULL, &rings, f->rings.node,
+                                 star_of, f->number_of, threads, stars, NULL);
     allocations_permit(-1);
     free(star_of);
     assert_null(rings.neighbour);
