@@ -3,6 +3,7 @@
 
 #include "base/status.h"
 #include "plan/make.h"
+#include "shape/curved.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -32,6 +33,27 @@ static void say_plan(const planish_plan *plan) {
                info.n_wrapped);
 }
 
+/** Check options->shape against the mesh whose surface it is to be. */
+static int check_shape(const planish_mesh *mesh, const planish_options *options,
+                       planish_error *error) {
+    const planish_shape *shape = options->shape;
+    if (!shape)
+        return PLANISH_OK;
+    if (mesh->part)
+        return pl_fail(error, PLANISH_ERROR_PARTS,
+                       "options.shape is not possible with a mesh in parts; do without it, or in "
+                       "one process");
+    if (mesh->dim != 3)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.shape is for meshes in space, but mesh.dim is %d", mesh->dim);
+    if (shape->n_mesh != mesh->n_nodes)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.shape was made of a mesh of %" PRId64 " nodes, but this one has "
+                       "%" PRId64 "; make the shape of this mesh",
+                       shape->n_mesh, mesh->n_nodes);
+    return PLANISH_OK;
+}
+
 static int create_plan(const planish_mesh *mesh, const planish_options *options, planish_plan **out,
                        planish_error *error) {
     int status = pl_options_check(options, error);
@@ -43,6 +65,8 @@ static int create_plan(const planish_mesh *mesh, const planish_options *options,
                        "PLANISH_ISA_AUTO",
                        (int)options->isa);
     status = pl_check_counts(mesh, error);
+    if (!status)
+        status = check_shape(mesh, options, error);
     if (status)
         return status;
     pl_context *context = pl_context_create(options);

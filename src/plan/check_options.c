@@ -24,6 +24,7 @@ static int check_ranges(const planish_options *o, planish_error *error) {
         {"search", (int)o->search, PLANISH_SEARCH_FLETCHER_REEVES},
         {"precision", (int)o->precision, PLANISH_PRECISION_ROUNDED},
         {"displacement_unit", (int)o->displacement_unit, PLANISH_UNIT_EDGE},
+        {"surface_tolerance_unit", (int)o->surface_tolerance_unit, PLANISH_UNIT_EDGE},
     };
     const struct {
         const char *name;
@@ -34,6 +35,8 @@ static int check_ranges(const planish_options *o, planish_error *error) {
         {"min_volume_fraction", o->min_volume_fraction, BELOW_1, "0 (none) or more, below 1"},
         {"area_weight", o->area_weight, 1, "0 to 1"},
         {"max_displacement", o->max_displacement, DBL_MAX, "a finite length, or 0 for none"},
+        {"surface_tolerance", o->surface_tolerance, DBL_MAX,
+         "a finite length, or 0 for 0.05 edges"},
         {"rounding", o->rounding, DBL_MAX, "a finite length, or 0 for that of doubles"},
         {"tolerance", o->tolerance, BELOW_1, "0 or more, below 1"},
         {"time_limit", o->time_limit, INFINITY, "seconds, or 0 for none"},

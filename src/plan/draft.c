@@ -8,6 +8,7 @@
 #include "geometry/cell.h"
 #include "geometry/fetch.h"
 #include "geometry/simplex.h"
+#include "shape/curved.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -193,9 +194,10 @@ static void list_visits(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** Colour the rings and list their visits colour by colour, along the curve within each. */
+/** Colour the rings and list their visits colour by colour, along the curve within each. apart: as
+ *  the rings of c, with the other nodes that are to have another colour. */
 static int order_visits(const planish_plan *plan, const pl_periodic *periodic, pl_candidates *c,
-                        pl_visits *visits, planish_error *error) {
+                        const pl_rings *apart, pl_visits *visits, planish_error *error) {
     static const char what[] = "the colours of nodes";
     arrangement a = {.plan = plan, .part = pl_part_here(), .c = c, .visits = visits};
     const int threads = plan->threads;
@@ -206,7 +208,7 @@ static int order_visits(const planish_plan *plan, const pl_periodic *periodic, p
     if (!c->colour || !c->star_of || !visits->centre)
         return pl_fail_memory(error, what);
     const int status = pl_colouring_create(
-        &c->rings, c->node, plan->node_of, periodic ? periodic->n_nodes : plan->work.n_nodes,
+        apart, c->node, plan->node_of, periodic ? periodic->n_nodes : plan->work.n_nodes,
         periodic ? periodic->moves_with : NULL, threads, c->colour, &visits->n_colours, error);
     if (status)
         return status;
@@ -239,6 +241,24 @@ static int may_slide(const planish_mesh *mesh, int64_t node) {
     return mesh->constraint && mesh->constraint[node] >= PLANISH_CONSTRAINT_ON_PLANE;
 }
 
+/** Check that a node that is to slide on a patch or curve of the shape is on one. */
+static int check_class(const pl_draft *d, int64_t node, planish_constraint constraint,
+                       planish_error *error) {
+    const planish_shape *shape = d->options->shape;
+    const int is_curve = constraint == PLANISH_CONSTRAINT_ON_CURVE;
+    const int64_t given = pl_plan_node(d->plan, node);
+    if (!shape || constraint < PLANISH_CONSTRAINT_ON_PATCH ||
+        (shape->number[given] >= 0 &&
+         shape->node_class[shape->number[given]] == (is_curve ? PL_ON_CURVE : PL_ON_PATCH)))
+        return PLANISH_OK;
+    return pl_fail_at(
+        error, PLANISH_ERROR_ARGUMENT, -1, given,
+        "mesh.constraint of node %" PRId64
+        " is PLANISH_CONSTRAINT_ON_%s, but it is on no %s of options.shape; give what "
+        "planish_find_slides finds with this shape",
+        given, is_curve ? "CURVE" : "PATCH", is_curve ? "curve" : "patch");
+}
+
 /** Check how the nodes may move; count those that slide. */
 static int check_constraints(const pl_draft *d, int64_t *n_sliding, planish_error *error) {
     const planish_plan *plan = d->plan;
@@ -246,11 +266,14 @@ static int check_constraints(const pl_draft *d, int64_t *n_sliding, planish_erro
     double unit[3];
     for (int64_t i = 0; mesh->constraint && i < mesh->n_nodes; i++) {
         const int constraint = mesh->constraint[i];
-        if (constraint > PLANISH_CONSTRAINT_ON_SURFACE)
+        if (constraint > PLANISH_CONSTRAINT_ON_CURVE)
             return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, pl_plan_node(plan, i),
                               "mesh.constraint of node %" PRId64
                               " is %d; give a planish_constraint, 0 to %d",
-                              pl_plan_node(plan, i), constraint, PLANISH_CONSTRAINT_ON_SURFACE);
+                              pl_plan_node(plan, i), constraint, PLANISH_CONSTRAINT_ON_CURVE);
+        const int status = check_class(d, i, (planish_constraint)constraint, error);
+        if (status)
+            return status;
         *n_sliding += may_slide(mesh, i);
         if ((constraint == PLANISH_CONSTRAINT_ON_PLANE ||
              constraint == PLANISH_CONSTRAINT_ON_LINE) &&
@@ -367,9 +390,12 @@ static void keep_slides(pl_draft *d) {
         if (s < 0)
             continue;
         pl_star_slide *slide = &plan->slide[s];
-        *slide = (pl_star_slide){.kind = (planish_constraint)mesh->constraint[node],
+        const planish_constraint by = (planish_constraint)mesh->constraint[node];
+        const int is_of_shape = by >= PLANISH_CONSTRAINT_ON_PATCH; /* along no line: it stays */
+        *slide = (pl_star_slide){.kind = is_of_shape ? PLANISH_CONSTRAINT_ON_LINE : by,
                                  .node = (int32_t)pl_plan_node(plan, node)};
-        if (slide->kind != PLANISH_CONSTRAINT_ON_SURFACE)
+        plan->slides_by[s] = (uint8_t)by;
+        if (by < PLANISH_CONSTRAINT_ON_SURFACE)
             pl_unit(mesh->dim, mesh->direction + (int64_t)node * mesh->dim, slide->direction);
     }
 }
@@ -386,7 +412,8 @@ static int prepare_sliding(pl_draft *d, planish_error *error) {
     d->slides = pl_alloc(plan->work.n_nodes, 1);
     c->node = pl_alloc(n, sizeof *c->node);
     plan->slide = pl_alloc(n, sizeof *plan->slide);
-    if (!d->slides || !c->node || !plan->slide)
+    plan->slides_by = pl_alloc(n, sizeof *plan->slides_by);
+    if (!d->slides || !c->node || !plan->slide || !plan->slides_by)
         return pl_fail_memory(error, "nodes that slide");
     status = prepare_periodic(d, &around, error);
     if (status)
@@ -405,8 +432,14 @@ static int prepare_sliding(pl_draft *d, planish_error *error) {
                              periodic ? periodic->corner : plan->work.corner, d->mobility, c->node,
                              c->n, 1, plan->threads, &c->rings, error);
     pl_parts_update(NULL, d->mobility, sizeof *d->mobility);
+    pl_rings apart = {.n_rings = 0};
+    if (!status && d->options->shape)
+        status = pl_rings_across(d, c, &apart, error);
     if (!status)
-        status = order_visits(plan, periodic, c, &plan->sliding, error);
+        status = order_visits(plan, periodic, c, apart.neighbour ? &apart : &c->rings,
+                              &plan->sliding, error);
+    pl_free(apart.offset);
+    pl_free(apart.neighbour);
     if (!status)
         status =
             pl_stars_create(&around, incidence, periodic ? periodic->corner : plan->work.corner,
@@ -496,7 +529,7 @@ int pl_draft_finish(pl_draft *d, planish_error *error) {
     if (!d->mesh->min_volume)
         pl_incidence_destroy(&d->incidence);
     if (!status)
-        status = order_visits(plan, NULL, &d->interior, &plan->interior, error);
+        status = order_visits(plan, NULL, &d->interior, &d->interior.rings, &plan->interior, error);
     if (status)
         return status;
     /* Of the candidates' rings nothing is left then. */

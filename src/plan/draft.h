@@ -3,6 +3,7 @@
  *   domain.c    pl_draft_begin, _choose_scope         the mesh, or the subset to work on
  *   select.c    pl_draft_select, pl_select_around     nodes that options select
  *   draft.c     pl_draft_finish, _destroy             free nodes, their order and stars
+ *   across.c    pl_rings_across                       nodes across the edges of a shape
  */
 #ifndef PL_PLAN_DRAFT_H
 #define PL_PLAN_DRAFT_H
@@ -62,6 +63,14 @@ int pl_draft_choose_scope(pl_draft *d, planish_error *error);
 
 /** Give the plan all that it knows of the domain's topology. */
 int pl_draft_finish(pl_draft *d, planish_error *error);
+
+/* ---- across.c: nodes that slide on a shape --------------------------------------------------- */
+
+/** Check that the facets of options->shape at the nodes of c are of the mesh. Make the offset and
+ *  neighbour of rings: those of c, and of each node those across the smooth edges opposite to it
+ *  in its facets. Both are to be released. Errors: _ARGUMENT, _MEMORY. */
+int pl_rings_across(const pl_draft *d, const pl_candidates *c, pl_rings *rings,
+                    planish_error *error);
 
 /* ---- select.c: nodes that options select ----------------------------------------------------- */
 

@@ -182,6 +182,7 @@ planish_plan *pl_plan_make(const planish_mesh *mesh, const planish_options *opti
     plan->threads = placement->threads;
     plan->kernel = pl_star_kernel_select(options->isa);
     plan->dim = mesh->dim;
+    plan->shape = options->shape;
     plan->all = &plan->work;
     plan->work = plan->whole = (pl_view){.dim = mesh->dim,
                                          .n_nodes = mesh->n_nodes,

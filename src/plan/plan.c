@@ -51,6 +51,7 @@ void pl_plan_destroy(planish_plan *plan) {
     visits_destroy(&plan->interior);
     visits_destroy(&plan->sliding);
     pl_free(plan->slide);
+    pl_free(plan->slides_by);
     pl_placement_destroy(plan->placement);
     pl_free(plan->own_elements);
     pl_free(plan->node_of);
@@ -187,6 +188,10 @@ int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.min_volume_fraction is of the domain's volume, which a plan made "
                        "with options.around does not know; give min_volume");
+    if (options->shape && options->shape != plan->shape)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.shape is not the one that the plan was made with; give the same "
+                       "shape to planish_plan_create");
     const pl_points points = pl_plan_all_points(plan, coordinates);
     return pl_points_check(&points, plan->threads, error);
 }

@@ -114,9 +114,11 @@ struct planish_plan {
     pl_visits interior;                    /* of the nodes that may go anywhere, */
     pl_visits sliding;                     /* and of those that stay on a plane, line or surface: */
     int64_t n_images;                      /* nodes after the mesh's own, see pl_periodic */
-    pl_star_slide *slide; /* [sliding.stars.n_stars] which; point is where a call starts */
-    pl_ghosts ghosts;     /* if other processes have parts of the mesh */
-    pl_context *context;  /* entered by every call */
+    pl_star_slide *slide;       /* [sliding.stars.n_stars] which; point is where a call starts */
+    uint8_t *slides_by;         /* [sliding.stars.n_stars] planish_constraint of the caller */
+    const planish_shape *shape; /* options.shape that it was made with, the caller's */
+    pl_ghosts ghosts;           /* if other processes have parts of the mesh */
+    pl_context *context;        /* entered by every call */
     pl_placement *placement;
     int threads;
     const pl_star_kernel *kernel;

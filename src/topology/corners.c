@@ -314,7 +314,7 @@ static int make_roles(passes *p, int threads, planish_error *error) {
         if (dense->constraint[i] != PLANISH_CONSTRAINT_FREE && dense->role[i] != 0)
             dense->role[i] |= PL_BOUND;
     for (int64_t i = 0; i < n; i++)
-        if (dense->role[i] & PL_STAYS && dense->constraint[i] <= PLANISH_CONSTRAINT_ON_SURFACE)
+        if (dense->role[i] & PL_STAYS && dense->constraint[i] <= PLANISH_CONSTRAINT_ON_CURVE)
             dense->constraint[i] = PLANISH_CONSTRAINT_FIXED;
     dense->mesh.constraint = dense->constraint;
     return PLANISH_OK;

@@ -86,12 +86,12 @@ static double along(const groups *g, int32_t node) {
     return pl_dot(g->mesh->dim, place(g, node), generic);
 }
 
-/** Whether two nodes may move in the same directions; of surfaces only the caller knows. */
+/** Whether two nodes may move in the same directions; of surfaces that is not known. */
 static int move_alike(const planish_mesh *mesh, int32_t a, int32_t b) {
     const int dim = mesh->dim;
     double u[3], v[3], same = 0, opposite = 0;
     if (mesh->constraint[a] != mesh->constraint[b] ||
-        mesh->constraint[a] == PLANISH_CONSTRAINT_ON_SURFACE ||
+        mesh->constraint[a] >= PLANISH_CONSTRAINT_ON_SURFACE ||
         !pl_unit(dim, mesh->direction + (int64_t)a * dim, u) ||
         !pl_unit(dim, mesh->direction + (int64_t)b * dim, v))
         return 0;

@@ -664,7 +664,7 @@ static void wrong_constraints_are_refused(void **state) {
     b.mesh.direction = NULL;
     assert_int_equal(planish_plan_create(&b.mesh, &options, &plan, &error), PLANISH_ERROR_ARGUMENT);
     b.mesh.direction = b.direction;
-    b.constraint[3] = 5;
+    b.constraint[3] = PLANISH_CONSTRAINT_ON_CURVE + 1;
     assert_int_equal(planish_plan_create(&b.mesh, &options, &plan, &error), PLANISH_ERROR_ARGUMENT);
     assert_int_equal(error.node, 3);
     box_destroy(&b);

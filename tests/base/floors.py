@@ -23,7 +23,7 @@ KNOWS = {
     "src/topology": ["src/geometry"],
     "src/shape": ["src/topology"],
     "src/quality": ["src/geometry"],
-    "src/plan": ["src/topology", "src/star", "src/quality"],
+    "src/plan": ["src/topology", "src/shape", "src/star", "src/quality"],
     "src/sweep": ["src/plan"],
     "src/improve": ["src/sweep"],
     "src/api": ["src/improve", "src/shape"],
