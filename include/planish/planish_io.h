@@ -13,7 +13,7 @@
  *     can_convert, convert                          write a .vtu or .vtk file to look at
  *
  * Formats: Gmsh, Medit, VTK (legacy, XML, HDF), TetGen, Netgen, Abaqus, Nastran, CGNS, MED, PETSc's
- * DMPlex and OFF; see docs/formats.md. Calls on different files may run at the same time, but of
+ * DMPlex, OFF, STL, OBJ and PLY; see docs/formats.md. Calls on different files may run at the same time, but of
  * files in HDF5 (CGNS, MED, VTKHDF, DMPlex) one at a time, unless the HDF5 library is built for
  * threads. Error convention as in planish.h; the text says file, line or byte, and what to do.
  * Functions that cannot fail return 0, NULL or -1 where the file or path is NULL.
@@ -88,6 +88,8 @@ typedef struct planish_file_info {
     int64_t bytes;            /* size of the input */
     int is_unterminated;      /* not 0: the format has no mark at its end, and the last line has
                                     no end: if the file was cut short there, nothing tells */
+    int has_normals;          /* not 0: the file has normals of nodes (OFF, OBJ, PLY), which stay as
+                                 they are, so that those of moved nodes are wrong */
     int64_t reserved[4];
 } planish_file_info;
 

@@ -1,6 +1,6 @@
 """The smallest meshes that have what each format has: two tetrahedra, a triangle, groups, counts.
 
-meshes(): {name of file: bytes}, companions (TetGen's .ele) among them. OFF has two triangles.
+meshes(): {name of file: bytes}, companions (TetGen's .ele) among them. OFF, STL, OBJ and PLY have two triangles.
 """
 import base64
 import struct
@@ -204,6 +204,30 @@ def off_binary():
             struct.pack(">5i", 3, 0, 1, 2, 0) + struct.pack(">5i", 3, 1, 3, 2, 0))
 
 
+def stl():
+    return ("solid a\n" + "".join(
+        "facet normal 0 0 1\nouter loop\n" + "".join("vertex %g %g %g\n" % SQUARE[i] for i in t) + "endloop\nendfacet\n"
+        for t in ((0, 1, 2), (1, 3, 2))) + "endsolid a\n").encode()
+
+
+def stl_binary():
+    return (b" " * 80 + struct.pack("<I", 2) + b"".join(
+        struct.pack("<12fH", 0, 0, 1, *(x for i in t for x in SQUARE[i]), 0) for t in ((0, 1, 2), (1, 3, 2))))
+
+
+def obj():
+    return ("".join("v %g %g %g\n" % p for p in SQUARE) + "g a\nf 1 2/1 3\nf -3 -1 -2//4\nl 1 2\n").encode()
+
+
+def ply(form, order=""):
+    head = ("ply\nformat %s 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+            "element face 2\nproperty list uchar int vertex_indices\nend_header\n" % form).encode()
+    if not order:
+        return head + (lines(SQUARE) + "3 0 1 2\n3 1 3 2\n").encode()
+    return (head + b"".join(struct.pack(order + "3f", *p) for p in SQUARE) +
+            struct.pack(order + "B3iB3i", 3, 0, 1, 2, 3, 1, 3, 2))
+
+
 def meshes():
     return {
         "gmsh22.msh": gmsh22(), "gmsh22_binary.msh": gmsh22_binary(), "gmsh41.msh": gmsh41(),
@@ -212,6 +236,8 @@ def meshes():
         "binary.vtk": vtk_binary(), "offsets.vtk": vtk51(), "ascii.vtu": vtu(), "raw.vtu": vtu_raw(),
         "zlib.vtu": vtu_zlib(), "base64.vtu": vtu_base64(), "netgen.vol": netgen(), "abaqus.inp": abaqus(),
         "nastran.bdf": nastran(), "ascii.off": off(), "binary.off": off_binary(),
+        "ascii.stl": stl(), "binary.stl": stl_binary(), "plain.obj": obj(), "ascii.ply": ply("ascii"),
+        "little.ply": ply("binary_little_endian", "<"), "big.ply": ply("binary_big_endian", ">"),
         "tetgen.node": ("5 3 0 1\n" + numbered((*p, 0) for p in POINTS)).encode(),
         "tetgen.ele": ("2 4 1\n" + numbered((*t, 4) for t in TETRAHEDRA)).encode(),
         "tetgen.face": ("1 1\n" + numbered([(*TRIANGLE, 7)])).encode(),

@@ -36,6 +36,9 @@ const test_data_file test_data_files[] = {
     {"cube.med", "med", 1},
     {"cube.h5", "dmplex", 1},
     {"square.off", "off", 0},
+    {"square.stl", "stl", 1},
+    {"square.obj", "obj", 1},
+    {"square.ply", "ply", 0},
     {NULL, NULL, 0},
 };
 

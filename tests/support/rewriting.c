@@ -53,6 +53,12 @@ static double *move_some(const planish_file *file) {
     return moved;
 }
 
+/** The number of coordinates that may move where a node of the span stands. */
+static int coordinates_at(const io_model *model, const io_span *span) {
+    const int n = model->dim - span->component;
+    return span->n_components > 0 && span->n_components < n ? span->n_components : n;
+}
+
 /** The file without the coordinates that may move; to be freed. */
 static char *cut_coordinates(const io_model *model, int64_t *size) {
     const char *at = model->input.data, *end = at + model->input.size;
@@ -67,7 +73,8 @@ static char *cut_coordinates(const io_model *model, int64_t *size) {
                                                          ? model->text_offset[span->first_node + i]
                                                          : span->offset + i * span->stride),
                                 end};
-            for (int d = 0; d < model->dim; d++) {
+            const int n = coordinates_at(model, span);
+            for (int d = 0; d < n; d++) {
                 if (is_text)
                     io_skip_space_comments(&cursor, '#');
                 memcpy(to, at, (size_t)(cursor.at - at));
@@ -167,7 +174,9 @@ void rewriting_gives(const io_format *format, const char *text, const char *move
     double *coordinates = planish_file_coordinates(file);
     for (int d = 0; d < 3; d++)
         if (strchr(move, "xyz"[d]))
-            coordinates[d] = info.round(moved[d], info.round_user);
+            coordinates[d] = info.precision == PLANISH_PRECISION_ROUNDED
+                                 ? info.round(moved[d], info.round_user)
+                                 : moved[d];
     char *written = write_bytes(file, coordinates, folder, &size);
     assert_string_equal(written, expected);
     free(written);

@@ -259,6 +259,7 @@ typedef struct io_model {
     io_group *group;      /* [n_groups] */
     int64_t n_groups, group_capacity;
     int groups_by_name;    /* numbers of entities and groups are none of the file's (Abaqus) */
+    int has_normals;       /* the file has normals of nodes, which stay as they are */
     io_others flat, solid; /* of two and of three dimensions */
     const io_node_order *node_order; /* of the format, ended by a row of type 0; NULL: VTK's */
     int64_t n_other, n_lower;        /* elements that are not kept; lines, points and facets */
@@ -447,6 +448,9 @@ int io_numbers_create(const char *path, const char *what, const int64_t *numbers
  * that is given again with the same coordinates becomes one (place_node), at other ones it is an
  * error; no array of nodes but xyz, hold and node_number may be there yet. */
 int io_reduce_node_numbers(io_model *model, planish_error *error);
+/** Make one node of all that stand at the same place (place_node), for files that give each element
+ *  its points; no array of nodes but xyz and hold may be there yet. Error: _MEMORY. */
+int io_weld_nodes(io_model *model, planish_error *error);
 /** Keep the numbers of cells in the same way, without a table. */
 void io_reduce_cell_numbers(io_cells *cells);
 /** Return the index of number, or -1. */

@@ -113,11 +113,34 @@ void io_numbers_destroy(io_numbers *table) {
 
 /* ---- copies of nodes ----------------------------------------------------------------------- */
 
+/** Make the nodes of which first [n_nodes] (taken over) is the first of the same: model->place_node.
+ */
+static void unite_places(io_model *model, int32_t *first) {
+    const int64_t n = model->n_nodes;
+    int32_t kept = 0;
+    /* Close the gaps that copies leave; first becomes the node of each place. */
+    for (int64_t i = 0; i < n; i++) {
+        if (first[i] != i) { /* the first stands before it, and is a node already */
+            first[i] = first[first[i]];
+            model->hold[first[i]] |= model->hold[i];
+            continue;
+        }
+        memmove(model->xyz + 3 * (int64_t)kept, model->xyz + 3 * i, 3 * sizeof *model->xyz);
+        if (model->node_number)
+            model->node_number[kept] = model->node_number[i];
+        model->hold[kept] = model->hold[i];
+        first[i] = kept++;
+    }
+    model->n_nodes = kept;
+    model->n_places = n;
+    model->place_node = first;
+}
+
 /** Make one node of all that have the same number: model->place_node. Fail if their coordinates
  *  differ. */
 static int unite_copies(io_model *model, planish_error *error) {
     const int64_t n = model->n_nodes;
-    int32_t *first = pl_alloc(n, sizeof *first), kept = 0; /* place of the same number, the first */
+    int32_t *first = pl_alloc(n, sizeof *first); /* place of the same number, the first */
     numbered *sorted = sort_numbers(model->node_number, n);
     int status = first && sorted ? PLANISH_OK : pl_fail_memory(error, "node numbers");
     for (int64_t i = 0, begin = 0; i < n && !status; i++) {
@@ -136,21 +159,54 @@ static int unite_copies(io_model *model, planish_error *error) {
         pl_free(first);
         return status;
     }
-    /* Close the gaps that copies leave; first becomes the node of each place. */
-    for (int64_t i = 0; i < n; i++) {
-        if (first[i] != i) { /* the first stands before it, and is a node already */
-            first[i] = first[first[i]];
-            model->hold[first[i]] |= model->hold[i];
-            continue;
-        }
-        memmove(model->xyz + 3 * (int64_t)kept, model->xyz + 3 * i, 3 * sizeof *model->xyz);
-        model->node_number[kept] = model->node_number[i];
-        model->hold[kept] = model->hold[i];
-        first[i] = kept++;
+    unite_places(model, first);
+    return PLANISH_OK;
+}
+
+/* ---- points given again --------------------------------------------------------------------- */
+
+/** The hash of a point; -0 is 0. */
+static uint64_t hash_of(const double xyz[3]) {
+    uint64_t hash = 0;
+    for (int d = 0; d < 3; d++) {
+        const double value = xyz[d] + 0.0;
+        uint64_t bits;
+        memcpy(&bits, &value, sizeof bits);
+        hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 29;
     }
-    model->n_nodes = kept;
-    model->n_places = n;
-    model->place_node = first;
+    return hash;
+}
+
+static int is_same_point(const double a[3], const double b[3]) {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+int io_weld_nodes(io_model *model, planish_error *error) {
+    const int64_t n = model->n_nodes;
+    int64_t n_slots = 1, n_copies = 0;
+    while (n_slots < 2 * n)
+        n_slots *= 2;
+    int32_t *slot = pl_alloc(n_slots, sizeof *slot), *first = pl_alloc(n, sizeof *first);
+    if (!slot || !first) {
+        pl_free(slot);
+        pl_free(first);
+        return pl_fail_memory(error, "the points of the file");
+    }
+    memset(slot, -1, (size_t)n_slots * sizeof *slot);
+    for (int64_t i = 0; i < n; i++) {
+        const double *xyz = model->xyz + 3 * i;
+        int64_t at = (int64_t)(hash_of(xyz) & (uint64_t)(n_slots - 1));
+        while (slot[at] >= 0 && !is_same_point(model->xyz + 3 * (int64_t)slot[at], xyz))
+            at = (at + 1) & (n_slots - 1);
+        n_copies += slot[at] >= 0;
+        first[i] = slot[at] = slot[at] < 0 ? (int32_t)i : slot[at];
+    }
+    pl_free(slot);
+    if (n_copies > 0)
+        unite_places(model, first);
+    else
+        pl_free(first);
     return PLANISH_OK;
 }
 

@@ -25,15 +25,16 @@ static const char *const no_names[] = {NULL};
  * numbers may look like the mark of another format; Nastran is before Gmsh, because its comments
  * may look like Gmsh's sections. Names are in planish_file_formats. */
 static const io_format *const formats[] = {
-    &io_format_vtk,    &io_format_vtu,    &io_format_nastran, &io_format_gmsh,   &io_format_medit,
-    &io_format_vtkhdf, &io_format_tetgen, &io_format_netgen,  &io_format_abaqus, &io_format_cgns,
-    &io_format_med,    &io_format_plex,   &io_format_off};
+    &io_format_vtk,    &io_format_vtu,    &io_format_nastran, &io_format_gmsh,
+    &io_format_medit,  &io_format_vtkhdf, &io_format_tetgen,  &io_format_netgen,
+    &io_format_abaqus, &io_format_cgns,   &io_format_med,     &io_format_plex,
+    &io_format_off,    &io_format_ply,    &io_format_stl,     &io_format_obj};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 const char *const *planish_file_formats(void) {
-    static const char *const names[] = {"gmsh",   "medit",  "vtk",    "vtu",     "vtkhdf",
-                                        "tetgen", "netgen", "abaqus", "nastran", "cgns",
-                                        "med",    "dmplex", "off",    NULL};
+    static const char *const names[] = {"gmsh",   "medit",  "vtk",     "vtu",  "vtkhdf", "tetgen",
+                                        "netgen", "abaqus", "nastran", "cgns", "med",    "dmplex",
+                                        "off",    "stl",    "obj",     "ply",  NULL};
     _Static_assert(sizeof names / sizeof *names == N_FORMATS + 1, "each format has its name here");
     return names;
 }
@@ -451,7 +452,8 @@ void planish_file_get_info(const planish_file *file, planish_file_info *info) {
                             .n_lower_elements = model->n_lower,
                             .n_regions = file->n_regions,
                             .bytes = model->input.size,
-                            .is_unterminated = planish_file_unterminated_path(file) != NULL};
+                            .is_unterminated = planish_file_unterminated_path(file) != NULL,
+                            .has_normals = model->has_normals};
 }
 
 planish_mesh planish_file_mesh(const planish_file *file) {

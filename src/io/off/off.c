@@ -41,10 +41,12 @@ static int take_prefix(io_slice *word, const char *prefix) {
 }
 
 /** Return whether the word is OFF or a variant. *extra: numbers of a vertex besides its three
- * coordinates, or -1: there are four of these, or any number. */
-static int parse_header(io_slice word, int *extra) {
+ * coordinates, or -1: there are four of these, or any number. *has_normals: a normal is among these.
+ */
+static int parse_header(io_slice word, int *extra, int *has_normals) {
     *extra = 2 * take_prefix(&word, "ST") + 4 * take_prefix(&word, "C");
-    *extra += 3 * take_prefix(&word, "N");
+    *has_normals = take_prefix(&word, "N");
+    *extra += 3 * *has_normals;
     if (take_prefix(&word, "4") | take_prefix(&word, "n"))
         *extra = -1;
     return io_slice_is(word, "OFF", 0);
@@ -53,7 +55,7 @@ static int parse_header(io_slice word, int *extra) {
 static int read_header(off_reader *r) {
     io_skip_space_comments(&r->cursor, '#');
     const io_slice word = io_next_word(&r->cursor);
-    if (!parse_header(word, &r->extra))
+    if (!parse_header(word, &r->extra, &r->model->has_normals))
         return io_fail_at(r->model, word.begin, r->error,
                           "no OFF in the first line: this is no OFF file");
     if (r->extra < 0)
@@ -267,8 +269,8 @@ static int off_read(io_model *model, planish_error *error) {
 }
 
 static int off_recognise(const char *data, int64_t size) {
-    int ignored;
-    return parse_header(io_first_word(data, size), &ignored);
+    int extra, has_normals;
+    return parse_header(io_first_word(data, size), &extra, &has_normals);
 }
 
 static const char *const extensions[] = {".off", NULL};
