@@ -1,9 +1,9 @@
 /* overlay: how far a triangle is off a shape at most, proved.
  *
  * In the frame of a triangle T the facets of the patch are clipped to T. The height of each piece
- * over T is linear, so it is largest at a corner of a piece; if the pieces cover T, which the sum of
- * their areas tells where all turn the same way, no point of T is farther off. Beside curves T
- * may stick out, or the patch may: by lateral at most.
+ * over T is linear, so it is largest at a corner of a piece; if the pieces cover T, as they do where
+ * all turn the same way and no feature runs over T, no point of T is farther off. Beside curves T
+ * may stick out: by lateral at most, and only in a strip that features run over.
  *
  *   overlay.c   pl_overlay_bound           of one triangle
  *               pl_overlay_lateral         of its edges on curves
@@ -22,8 +22,7 @@ typedef struct pl_moved_facet {
 } pl_moved_facet;
 
 /** Return how far the facet's edges on curves are off the chains of edges that were there, at most, in
- *  both directions, the offsets of its corners on curves included; 0 without such edges; infinite: not
- *  known. */
+ *  both directions, or how far its corners on curves are off them; 0: it has none; infinite: not known. */
 double pl_overlay_lateral(const planish_shape *shape, const pl_moved_facet *t);
 
 /** Return a distance within which of the patch every point of the triangle is, or more than limit
@@ -32,17 +31,31 @@ double pl_overlay_lateral(const planish_shape *shape, const pl_moved_facet *t);
 double pl_overlay_bound(const planish_shape *shape, const pl_moved_facet *t, double lateral,
                         double limit);
 
+/** Return the mean edge at a facet, as it came: that of its own three edges, or the least edge_length of
+ *  its nodes. Unit: the shape's. */
+static inline double pl_shape_edge(const planish_shape *shape, int32_t facet) {
+    const int32_t *node = shape->facet[facet];
+    double sum = 0;
+    for (int k = 0; k < 3; k++)
+        sum += pl_distance(3, shape->x[node[k]], shape->x[node[(k + 1) % 3]]);
+    double mean = sum / 3;
+    for (int k = 0; k < 3; k++)
+        mean = fmin(mean, shape->edge_length[node[k]]);
+    return mean;
+}
+
 /** What is certain of a surface that has moved. Lengths are in the shape's units. */
 typedef struct pl_shape_distance {
     double there;           /* no point of the new surface is farther off the first one, */
     double back;            /* and none of the first one off the new one; infinite: not proved */
-    double there_h, back_h; /* the same in mean edges (of the first surface's nodes at the facet) */
-    int64_t n_unproved;     /* facets of either without a bound */
+    double there_h, back_h; /* the largest of the same in units of pl_shape_edge */
+    int64_t n_unproved;     /* facets of either without a bound: their coordinates are not finite */
     double sharpest;        /* cosine between facets at a smooth edge: the least */
 } pl_shape_distance;
 
 /** Measure the surface whose nodes are at x [n_nodes][3], in the shape's units; place [n_nodes]: of
- *  nodes on patches and curves where they are, at -1 where not known. Same bits on any number of threads. Errors: _MEMORY. */
+ *  nodes on patches and curves where they are, at -1 where not known. Same bits on any number of
+ *  threads. Errors: _MEMORY. */
 int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_place *place,
                      int threads, pl_shape_distance *distance, planish_error *error);
 

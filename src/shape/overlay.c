@@ -1,0 +1,555 @@
+/* overlay: a proved bound of the distance from a moved facet T to its patch.
+ *
+ * Why it holds. Project the patch along T's normal. Flood the patch from a facet that meets T across
+ * every edge that may meet T. All facets that are met turn the same way round, so the number of them
+ * over a point of T changes at features alone. Where no feature runs inside of T, a facet that meets
+ * T says that facets cover all of T, and the height of the patch over T is linear on every piece:
+ * largest at a corner of one.
+ *
+ * Features may run in strips along T's own edges on curves, and around its corners on them. What
+ * remains of T is convex and covered. A point at depth s in a strip of depth d may be uncovered. It is
+ * within k (d - s) of the covered rest, and within c s + lateral of the curve, which is of the patch
+ * as well: the smaller of both counts. k and c come from T's angles. So lengths count, not areas: an
+ * area a that is missing anywhere would only say sqrt(a / |T|) L.
+ *
+ * Why it holds in floating point. Coordinates in T's frame are off by some 5 roundings of the
+ * distances in it, depths by 12. margin is more than 3 times that. Facets and edges are left out if
+ * all of them is less than a margin deep under one side of T; so they miss what is two margins deep,
+ * and all that was said holds there, for coordinates without rounding. The rest of T is no farther
+ * from there than 2 margins L / r, r the radius of the circle in T.
+ */
+#include "shape/nearest.h"
+#include "shape/overlay.h"
+
+#include <string.h>
+
+enum {
+    MOST_FACETS = 128, /* that a triangle may meet */
+    MOST_POINTS = 12,  /* of a triangle cut by three lines, with roundings of all signs */
+    MOST_EDGES = 64,   /* of a curve under one edge */
+};
+
+/* Cosine of the steepest facet under T. */
+#define STEEPEST 0.2
+/* Roundings of a depth, in units of the coordinates that it is made from. */
+#define ROUNDING 0x1p-47
+/* Most area of pieces over T, in units of T. Beyond, two sheets are over T. */
+#define MOST_AREA 1.5
+/* A strip may take this much of T's height, a cut this much of the edges at a corner. */
+#define DEEPEST_STRIP 0.25
+#define LARGEST_CUT   0.5
+
+/** The frame of T: it lies in the plane of the first two coordinates; the third is the height. Side
+ *  k goes from corner k to the next one. */
+typedef struct pl_frame {
+    double origin[3], axis[3][3];
+    double corner[3][3]; /* the heights are roundings */
+    double inward[3][2]; /* unit normal of side k */
+    double side[3];      /* its length, */
+    double height[3];    /* and of the corner opposite to it */
+    double area;         /* twice that of T */
+    double longest;      /* side */
+} pl_frame;
+
+/** A flood of the facets over T. */
+typedef struct pl_overlay {
+    const planish_shape *shape;
+    const pl_moved_facet *t;
+    double limit;
+    pl_frame frame;
+    double margin;   /* largest one of a facet */
+    double highest;  /* corner of a piece, of either sign */
+    double area;     /* of all pieces, twice */
+    double strip[3]; /* features run up to so deep under side k, 0: none do */
+    double cut[3];   /* and this far from corner k, in units of the sides at it */
+    int n;
+    int32_t facet[MOST_FACETS];
+    double middle[MOST_FACETS][2]; /* a point of the piece; NAN: there is none */
+} pl_overlay;
+
+/** A facet in T's frame. */
+typedef struct pl_flat_facet {
+    double x[3][3];
+    double depth[3][3]; /* [side][corner] */
+    double margin;
+} pl_flat_facet;
+
+enum { OUTSIDE, MET, FAILED };
+
+static void to_frame(const pl_frame *f, const double x[3], double local[3]) {
+    double v[3];
+    pl_subtract(3, x, f->origin, v);
+    for (int d = 0; d < 3; d++)
+        local[d] = pl_dot(3, f->axis[d], v);
+}
+
+/** Depth of a point under side k of T. */
+static double depth_of(const pl_frame *f, int k, const double *p) {
+    return f->inward[k][0] * (p[0] - f->corner[k][0]) + f->inward[k][1] * (p[1] - f->corner[k][1]);
+}
+
+/** Set axis to unit vectors across one another: along the first side, and the normal. Returns whether
+ *  T has an area. */
+static int set_axes(pl_frame *f, const double x[3][3]) {
+    double u[3], v[3], normal[3], across[3];
+    pl_subtract(3, x[1], x[0], u);
+    pl_subtract(3, x[2], x[0], v);
+    pl_cross(u, v, normal);
+    if (!pl_unit(3, u, f->axis[0]) || !pl_unit(3, normal, across))
+        return 0;
+    /* The normal of a needle is off by many roundings; across its long side the needle is thin enough
+     * that its corners are not. */
+    const double along = pl_dot(3, across, f->axis[0]);
+    for (int d = 0; d < 3; d++)
+        across[d] -= along * f->axis[0][d];
+    if (!pl_unit(3, across, f->axis[2]))
+        return 0;
+    pl_cross(f->axis[2], f->axis[0], f->axis[1]);
+    return 1;
+}
+
+/** Set the frame of a triangle. Returns whether it has an area. */
+static int set_frame(pl_frame *f, const double x[3][3]) {
+    if (!set_axes(f, x))
+        return 0;
+    memcpy(f->origin, x[0], sizeof f->origin);
+    f->longest = 0;
+    for (int k = 0; k < 3; k++)
+        to_frame(f, x[k], f->corner[k]);
+    const double(*c)[3] = (const double(*)[3])f->corner;
+    f->area = (c[1][0] - c[0][0]) * (c[2][1] - c[0][1]) - (c[2][0] - c[0][0]) * (c[1][1] - c[0][1]);
+    for (int k = 0; k < 3; k++) {
+        const double along[2] = {c[(k + 1) % 3][0] - c[k][0], c[(k + 1) % 3][1] - c[k][1]};
+        f->side[k] = sqrt(pl_dot(2, along, along));
+        f->inward[k][0] = -along[1] / f->side[k];
+        f->inward[k][1] = along[0] / f->side[k];
+        f->height[k] = f->area / f->side[k];
+        f->longest = fmax(f->longest, f->side[k]);
+    }
+    return f->area > 0;
+}
+
+/* ---- one facet ---------------------------------------------------------------------------- */
+
+/** Compute a facet in T's frame. */
+static void flatten(pl_overlay *o, int32_t facet, pl_flat_facet *flat) {
+    const pl_frame *f = &o->frame;
+    double reach = f->longest;
+    for (int k = 0; k < 3; k++) {
+        to_frame(f, o->shape->x[o->shape->facet[facet][k]], flat->x[k]);
+        for (int j = 0; j < 3; j++)
+            flat->depth[j][k] = depth_of(f, j, flat->x[k]);
+        reach = fmax(reach, fabs(flat->x[k][0]) + fabs(flat->x[k][1]) + fabs(flat->x[k][2]));
+    }
+    flat->margin = ROUNDING * (reach + f->longest);
+    o->margin = fmax(o->margin, flat->margin);
+}
+
+/** Whether the edge from corner k to l (k itself: the corner) is outside of one side. */
+static int is_outside(const pl_flat_facet *flat, int k, int l) {
+    for (int j = 0; j < 3; j++)
+        if (flat->depth[j][k] <= flat->margin && flat->depth[j][l] <= flat->margin)
+            return 1;
+    return 0;
+}
+
+static int is_facet_outside(const pl_flat_facet *flat) {
+    for (int j = 0; j < 3; j++)
+        if (flat->depth[j][0] <= flat->margin && flat->depth[j][1] <= flat->margin &&
+            flat->depth[j][2] <= flat->margin)
+            return 1;
+    return 0;
+}
+
+/** Cut the polygon p of n corners off at side j; q: the rest. Returns its number of corners. */
+static int cut_at(const pl_frame *f, int j, const double (*p)[3], int n, double (*q)[3]) {
+    double depth[MOST_POINTS];
+    int m = 0;
+    for (int i = 0; i < n; i++)
+        depth[i] = depth_of(f, j, p[i]);
+    for (int i = 0; i < n; i++) {
+        const int next = i + 1 < n ? i + 1 : 0;
+        if (depth[i] >= 0)
+            memcpy(q[m++], p[i], sizeof *q);
+        if ((depth[i] > 0 && depth[next] < 0) || (depth[i] < 0 && depth[next] > 0)) {
+            const double t = depth[i] / (depth[i] - depth[next]);
+            for (int d = 0; d < 3; d++)
+                q[m][d] = p[i][d] + t * (p[next][d] - p[i][d]);
+            m++;
+        }
+    }
+    return m;
+}
+
+/** Compute the piece of a facet over T. Returns its number of corners. */
+static int piece_of(const pl_frame *f, const pl_flat_facet *flat, double (*piece)[3]) {
+    double other[MOST_POINTS][3];
+    int n = 3;
+    memcpy(piece, flat->x, sizeof flat->x);
+    for (int j = 0; j < 3 && n > 0; j++) {
+        if (flat->depth[j][0] >= 0 && flat->depth[j][1] >= 0 && flat->depth[j][2] >= 0)
+            continue;
+        n = cut_at(f, j, (const double(*)[3])piece, n, other);
+        memcpy(piece, other, (size_t)n * sizeof *piece);
+    }
+    return n;
+}
+
+/** Whether a piece lies along one side of T within a margin: it is not met. */
+static int is_thin(const pl_frame *f, const double (*piece)[3], int n, double margin) {
+    for (int j = 0; j < 3; j++) {
+        double deepest = 0;
+        for (int i = 0; i < n; i++)
+            deepest = fmax(deepest, depth_of(f, j, piece[i]));
+        if (deepest <= margin)
+            return 1;
+    }
+    return 0;
+}
+
+/** Whether a facet turns as T does, for certain, and is not too steep over it. */
+static int is_upright(const pl_overlay *o, int32_t facet, const pl_flat_facet *flat) {
+    const double(*x)[3] = (const double(*)[3])flat->x;
+    const double u[2] = {x[1][0] - x[0][0], x[1][1] - x[0][1]};
+    const double v[2] = {x[2][0] - x[0][0], x[2][1] - x[0][1]};
+    const double rounding = 4 * flat->margin * (fabs(u[0]) + fabs(u[1]) + fabs(v[0]) + fabs(v[1]));
+    return u[0] * v[1] - u[1] * v[0] > rounding &&
+           pl_dot(3, o->shape->normal[facet], o->frame.axis[2]) >= STEEPEST;
+}
+
+/** Take a piece into the sums. */
+static void add_piece(pl_overlay *o, int i, const double (*piece)[3], int n) {
+    double area = 0, middle[2] = {0, 0};
+    for (int k = 0; k < n; k++) {
+        o->highest = fmax(o->highest, fabs(piece[k][2]));
+        middle[0] += piece[k][0];
+        middle[1] += piece[k][1];
+        if (k >= 2)
+            area += (piece[k - 1][0] - piece[0][0]) * (piece[k][1] - piece[0][1]) -
+                    (piece[k][0] - piece[0][0]) * (piece[k - 1][1] - piece[0][1]);
+    }
+    o->area += area;
+    o->middle[i][0] = middle[0] / n;
+    o->middle[i][1] = middle[1] / n;
+}
+
+/* ---- features over T ---------------------------------------------------------------------- */
+
+/** Whether corner k of T is on a feature. */
+static int is_on_feature(const pl_overlay *o, int k) {
+    return o->shape->node_class[o->shape->facet[o->t->facet][k]] != PL_ON_PATCH;
+}
+
+/** Widen the strip or cut that widens least to hold what is as deep as depth [side] at both ends. A
+ *  strip is the better one: it takes all the features along it. Returns whether there is one. */
+static int widen(pl_overlay *o, const double depth[3][2], double margin) {
+    const pl_frame *f = &o->frame;
+    double least = INFINITY, *at = NULL, to = 0;
+    for (int k = 0; k < 3; k++) {
+        const double deep = fmax(depth[k][0], depth[k][1]);
+        if (o->shape->across[o->t->facet][k] < 0 && deep < least) {
+            least = deep;
+            at = &o->strip[k];
+            to = fmax(deep, 0) + 4 * margin;
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        const double opposite = fmin(depth[(k + 1) % 3][0], depth[(k + 1) % 3][1]);
+        const double share = 1 - (opposite - 4 * margin) / f->height[(k + 1) % 3];
+        const double far = share * fmax(f->side[k], f->side[(k + 2) % 3]);
+        if (is_on_feature(o, k) && 2 * far < least) {
+            least = 2 * far;
+            at = &o->cut[k];
+            to = share;
+        }
+    }
+    if (at)
+        *at = fmax(*at, to);
+    return at != NULL;
+}
+
+/** Take the edge of a facet from corner k, which is a feature. Returns whether T has a strip or a cut
+ *  for as much of it as is over T. */
+static int take_feature(pl_overlay *o, const pl_flat_facet *flat, int k) {
+    const int l = (k + 1) % 3;
+    double from = 0, to = 1, depth[3][2];
+    for (int j = 0; j < 3; j++) {
+        const double a = flat->depth[j][k] + flat->margin, b = flat->depth[j][l] + flat->margin;
+        if (a < 0 && b < 0)
+            return 1;
+        if (a < 0)
+            from = fmax(from, a / (a - b));
+        else if (b < 0)
+            to = fmin(to, a / (a - b));
+    }
+    if (from > to)
+        return 1;
+    for (int j = 0; j < 3; j++) {
+        const double a = flat->depth[j][k], b = flat->depth[j][l];
+        depth[j][0] = a + from * (b - a);
+        depth[j][1] = a + to * (b - a);
+    }
+    return widen(o, (const double(*)[2])depth, flat->margin);
+}
+
+/* ---- the flood ---------------------------------------------------------------------------- */
+
+/** Add a facet to the flood if it is not in it. Returns whether there was room. */
+static int reach(pl_overlay *o, int32_t facet) {
+    for (int i = 0; i < o->n; i++)
+        if (o->facet[i] == facet)
+            return 1;
+    if (o->n == MOST_FACETS)
+        return 0;
+    o->facet[o->n++] = facet;
+    return 1;
+}
+
+/** Take facet i of the flood, and reach those across its edges that may meet T. */
+static int take_facet(pl_overlay *o, int i) {
+    const int32_t facet = o->facet[i];
+    double piece[MOST_POINTS][3];
+    pl_flat_facet flat;
+    o->middle[i][0] = NAN;
+    flatten(o, facet, &flat);
+    if (is_facet_outside(&flat))
+        return OUTSIDE;
+    const int n = piece_of(&o->frame, &flat, piece);
+    if (n < 3)
+        return OUTSIDE;
+    if (!is_upright(o, facet, &flat))
+        return is_thin(&o->frame, (const double(*)[3])piece, n, flat.margin) ? OUTSIDE : FAILED;
+    add_piece(o, i, (const double(*)[3])piece, n);
+    for (int k = 0; k < 3; k++) {
+        const int32_t across = o->shape->across[facet][k];
+        if (is_outside(&flat, k, (k + 1) % 3))
+            continue;
+        if (!(across >= 0 ? reach(o, across) : take_feature(o, &flat, k)))
+            return FAILED;
+    }
+    return MET;
+}
+
+/** Flood from a facet. OUTSIDE: it does not meet T. FAILED: nothing is known, or more than the limit. */
+static int flood(pl_overlay *o, int32_t facet) {
+    o->margin = o->highest = o->area = 0;
+    for (int k = 0; k < 3; k++)
+        o->strip[k] = o->cut[k] = 0;
+    o->n = 0;
+    reach(o, facet);
+    int is_met = OUTSIDE;
+    for (int i = 0; i < o->n; i++) {
+        const int outcome = take_facet(o, i);
+        if (outcome == FAILED || !(o->highest <= o->limit))
+            return FAILED;
+        if (outcome == MET)
+            is_met = MET;
+    }
+    return is_met;
+}
+
+/* ---- what the flood says ------------------------------------------------------------------ */
+
+/** Whether a point is in what is left of T without strips and cuts, by more than a few margins. */
+static int is_in_rest(const pl_overlay *o, const double *p) {
+    const pl_frame *f = &o->frame;
+    for (int k = 0; k < 3; k++) {
+        const double depth = depth_of(f, k, p);
+        if (!(depth >= o->strip[k] + 4 * o->margin &&
+              depth <= (1 - o->cut[(k + 2) % 3]) * f->height[k] - 4 * o->margin))
+            return 0;
+    }
+    return 1;
+}
+
+/** Whether the flood covers the rest of T, once. */
+static int is_covered(const pl_overlay *o) {
+    const pl_frame *f = &o->frame;
+    for (int k = 0; k < 3; k++)
+        if (!(o->strip[k] <= DEEPEST_STRIP * f->height[k] && o->cut[k] <= LARGEST_CUT &&
+              16 * o->margin <= DEEPEST_STRIP * f->height[k]))
+            return 0;
+    if (!(o->area <= MOST_AREA * f->area))
+        return 0;
+    for (int i = 0; i < o->n; i++)
+        if (is_in_rest(o, o->middle[i]))
+            return 1;
+    return 0;
+}
+
+/** Bound the distance of a point that may be uncovered at a depth s up to deep: the smaller one of
+ *  sqrt(w^2 + k^2 (deep - s)^2) and c s + lateral. At any s the first one bounds what is deeper, the
+ *  second what is less deep: take the s where both are about the same. */
+static double bound_of_strip(double w, double deep, double k, double c, double lateral) {
+    double low = 0, high = deep;
+    for (int i = 0; i < 8; i++) {
+        const double s = (low + high) / 2, on = c * s + lateral, in = k * (deep - s);
+        if (on * on < w * w + in * in)
+            low = s;
+        else
+            high = s;
+    }
+    return sqrt(w * w + k * (deep - low) * (k * (deep - low)));
+}
+
+/** Bound the distance in the strip along side k. alone: nothing else is cut off, so that the way to
+ *  the rest of T may be the one to the opposite corner; else it is the one to the middle of T. */
+static double bound_strip(const pl_overlay *o, int k, double w, double lateral, int alone) {
+    const pl_frame *f = &o->frame;
+    const double a = f->side[k], b = f->side[(k + 1) % 3], c = f->side[(k + 2) % 3];
+    double to_rest = fmax(b, c) / f->height[k], to_side = 1;
+    if (!alone)
+        to_rest = f->longest / (f->height[k] / 3 - o->strip[k]);
+    if (b * b > a * a + c * c) /* beyond an obtuse angle the nearest point is the corner */
+        to_side = c / f->height[k];
+    if (c * c > a * a + b * b)
+        to_side = b / f->height[k];
+    return bound_of_strip(w, o->strip[k], to_rest, to_side, lateral);
+}
+
+/** Bound the distance in the cut around corner k. The way to the rest goes away from the corner. */
+static double bound_cut(const pl_overlay *o, int k, double w, double lateral, int alone) {
+    const pl_frame *f = &o->frame;
+    const double side = fmax(f->side[k], f->side[(k + 2) % 3]);
+    const double to_rest = alone ? 1 : f->longest / (side * (2. / 3 - o->cut[k]));
+    return bound_of_strip(w, o->cut[k] * side, to_rest, 1, lateral);
+}
+
+/** Bound the distance of all of T when its rest is covered. */
+static double bound_all(const pl_overlay *o, double lateral) {
+    const pl_frame *f = &o->frame;
+    const double w = o->highest;
+    double bound = w;
+    int n = 0;
+    for (int k = 0; k < 3; k++)
+        n += (o->strip[k] > 0) + (o->cut[k] > 0);
+    for (int k = 0; k < 3; k++) {
+        if (o->strip[k] > 0)
+            bound = fmax(bound, bound_strip(o, k, w, lateral, n == 1));
+        if (o->cut[k] > 0)
+            bound = fmax(bound, bound_cut(o, k, w, lateral, n == 1));
+    }
+    const double radius = f->area / (f->side[0] + f->side[1] + f->side[2]);
+    return bound * (1 + ROUNDING) + o->margin * (2 * f->longest / radius + 1);
+}
+
+/** Facet i of those to flood from, until one meets T: its own, those where its corners are, and what
+ *  is nearest to its middle. -1: there is no such one. */
+static int32_t seed(const pl_overlay *o, int i) {
+    const planish_shape *s = o->shape;
+    const pl_moved_facet *t = o->t;
+    if (i == 0)
+        return t->facet;
+    if (i <= 3) {
+        const int32_t at = t->place[i - 1].at;
+        const int node_class = s->node_class[s->facet[t->facet][i - 1]];
+        return node_class == PL_ON_PATCH ? at : -1;
+    }
+    double middle[3];
+    for (int d = 0; d < 3; d++)
+        middle[d] = (t->x[0][d] + t->x[1][d] + t->x[2][d]) / 3;
+    pl_place place = {t->facet, {1. / 3, 1. / 3, 1. / 3}};
+    pl_shape_walk(s, PL_ON_PATCH, middle, &place);
+    return place.at;
+}
+
+static int is_unmoved(const planish_shape *s, const pl_moved_facet *t) {
+    for (int k = 0; k < 3; k++)
+        for (int d = 0; d < 3; d++)
+            if (t->x[k][d] != s->x[s->facet[t->facet][k]][d])
+                return 0;
+    return 1;
+}
+
+double pl_overlay_bound(const planish_shape *shape, const pl_moved_facet *t, double lateral,
+                        double limit) {
+    enum { SEEDS = 5 };
+    if (is_unmoved(shape, t))
+        return 0;
+    pl_overlay o;
+    o.shape = shape;
+    o.t = t;
+    o.limit = limit;
+    if (!set_frame(&o.frame, t->x))
+        return INFINITY;
+    for (int i = 0; i < SEEDS; i++) {
+        const int32_t facet = seed(&o, i);
+        if (facet < 0 || shape->patch[facet] != shape->patch[t->facet])
+            continue;
+        const int outcome = flood(&o, facet);
+        if (outcome == FAILED)
+            return INFINITY;
+        if (outcome == MET && is_covered(&o))
+            return bound_all(&o, lateral);
+    }
+    return INFINITY;
+}
+
+/* ---- edges on curves ---------------------------------------------------------------------- */
+
+/** Distance of x from the segment from a to b. */
+static double off_segment(const double a[3], const double b[3], const double x[3]) {
+    double weight[2];
+    return sqrt(pl_nearest_on_edge(x, a, b, weight));
+}
+
+/** Set edge to the curve's edge where corner k is, or -1 if the corner is on no curve. Returns how far
+ *  it is off there; 0: it is on no feature. */
+static double find_on_curve(const planish_shape *s, const pl_moved_facet *t, int k, int32_t *edge) {
+    const int32_t node = s->facet[t->facet][k];
+    *edge = -1;
+    if (s->node_class[node] == PL_ON_PATCH)
+        return 0;
+    if (s->node_class[node] == PL_CORNER)
+        return pl_distance(3, t->x[k], s->x[node]);
+    pl_place place = t->place[k];
+    if (place.at < 0) {
+        place.at = s->edge_at[node][0];
+        pl_shape_walk(s, PL_ON_CURVE, t->x[k], &place);
+    }
+    *edge = place.at;
+    return off_segment(s->x[s->edge[*edge][0]], s->x[s->edge[*edge][1]], t->x[k]);
+}
+
+/** Find how far the nodes of a curve between two places are off the chord from a to b at most: from
+ *  the edge from towards its end, up to the edge to, or to the corner if to is -1. Infinite: the way
+ *  does not lead there. */
+static double off_chord(const planish_shape *s, const double a[3], const double b[3], int32_t from,
+                        int end, int32_t to, int32_t corner) {
+    double most = 0;
+    for (int i = 0; i < MOST_EDGES; i++) {
+        const int32_t node = s->edge[from][end];
+        if (to < 0 && node == corner)
+            return most;
+        most = fmax(most, off_segment(a, b, s->x[node]));
+        if (s->node_class[node] != PL_ON_CURVE)
+            break;
+        from = s->edge_at[node][s->edge_at[node][0] == from];
+        if (from == to)
+            return most;
+        end = s->edge[from][0] == node;
+    }
+    return INFINITY;
+}
+
+/* Distance from a segment is convex, so that no point of the chain is farther off the chord than one
+ * of its nodes or ends. And the point of the chord that is nearest to one going along the chain goes
+ * along the chord from end to end: so no point of the chord is farther off either, or than its
+ * corners are from their places. */
+double pl_overlay_lateral(const planish_shape *shape, const pl_moved_facet *t) {
+    double most = 0;
+    int32_t edge[3];
+    for (int k = 0; k < 3; k++)
+        most = fmax(most, find_on_curve(shape, t, k, &edge[k]));
+    for (int k = 0; k < 3; k++) {
+        const int l = (k + 1) % 3, from = edge[k] >= 0 ? k : l, to = edge[k] >= 0 ? l : k;
+        if (shape->across[t->facet][k] >= 0 || edge[from] < 0 || edge[from] == edge[to])
+            continue;
+        double off[2];
+        for (int end = 0; end < 2; end++)
+            off[end] = off_chord(shape, t->x[from], t->x[to], edge[from], end, edge[to],
+                                 shape->facet[t->facet][to]);
+        most = fmax(most, fmin(off[0], off[1]));
+    }
+    return most;
+}
