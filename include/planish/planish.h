@@ -313,8 +313,10 @@ typedef struct planish_slide_info {
  *  side by side that have the nodes between them twice), become FIXED. With mesh->cells so do
  *  corners that cells hold, ends of a curved edge of the surface, and corners of a triangle that
  *  such an edge makes curved. Mids stay what they are; that of a curved edge is off its middle by
- *  more than tolerance. surface and info may be NULL. threads: as in planish_options. Errors:
- *  _ARGUMENT, _MESH, _MEMORY. */
+ *  more than tolerance. With surface->shape nodes that would become FIXED become ON_PATCH or ON_CURVE
+ *  instead if they are so on the shape and only curved facets or edges hold them; nodes of facets
+ *  between regions only with slide_interfaces. surface and info may be NULL. threads: as in
+ *  planish_options. Errors: _ARGUMENT (among them a shape of another number of nodes), _MESH, _MEMORY. */
 PLANISH_API int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface,
                                     int threads, uint8_t *constraint, double *direction,
                                     planish_slide_info *info, planish_error *error);

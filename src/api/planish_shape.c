@@ -320,6 +320,22 @@ static int check_tags(const planish_mesh *mesh, const planish_surface *tags, pla
     return status ? status : check_nodes(mesh, tags->edges, tags->n_edges * 2, "edges", error);
 }
 
+/** Whether a shape, which may be NULL, can be one of mesh. */
+static int check_shape_of(const planish_mesh *mesh, const planish_shape *shape,
+                          planish_error *error) {
+    if (!shape)
+        return PLANISH_OK;
+    if (mesh->dim != 3)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "surface.shape is that of a mesh in space, but mesh.dim is %d", mesh->dim);
+    if (shape->n_mesh != mesh->n_nodes)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "surface.shape was made of a mesh of %" PRId64
+                       " nodes, but this one has %" PRId64 "; make a shape of it",
+                       shape->n_mesh, mesh->n_nodes);
+    return PLANISH_OK;
+}
+
 static int find_slides(shape_call *call, const planish_surface *surface, uint8_t *constraint,
                        double *direction, planish_slide_info *info, planish_error *error) {
     planish_surface tags = surface ? *surface : (planish_surface){0};
@@ -344,12 +360,14 @@ int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface
     if (status)
         return status;
     status = check_tags(mesh, surface, error);
+    if (!status)
+        status = check_shape_of(mesh, surface ? surface->shape : NULL, error);
     for (int64_t i = 0; !status && mesh->constraint && i < mesh->n_nodes; i++)
-        if (mesh->constraint[i] > PLANISH_CONSTRAINT_ON_SURFACE)
+        if (mesh->constraint[i] > PLANISH_CONSTRAINT_ON_CURVE)
             status = pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
                                 "mesh.constraint of node %" PRId64
                                 " is %d; give a planish_constraint, 0 to %d",
-                                i, mesh->constraint[i], PLANISH_CONSTRAINT_ON_SURFACE);
+                                i, mesh->constraint[i], PLANISH_CONSTRAINT_ON_CURVE);
     if (!status)
         status = find_slides(&call, surface, constraint, direction, &found, error);
     end_call(&call);

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "geometry/cell.h"
+#include "shape/curved.h"
 #include "shape/surface.h"
 #include "topology/points.h"
 
@@ -17,8 +18,8 @@ typedef struct decision {
     const pl_surface *surface;
     const pl_planes *planes; /* 3-D */
     const pl_lines *lines;
-    const uint8_t *is_fixed; /* [nodes of the mesh] */
-    int tagged_only;
+    const uint8_t *is_fixed;     /* [nodes of the mesh] PL_HELD, PL_NOT_FLAT */
+    const planish_surface *tags; /* or NULL */
     uint8_t *constraint;
     double *direction;
     planish_slide_info *info;
@@ -50,8 +51,8 @@ static int planes_hold_line(const decision *d, int32_t node) {
     return 1;
 }
 
-/** Return how the node can move, and the direction for that. */
-static planish_constraint decide(const decision *d, int32_t node, const double **direction) {
+/** Return how the node can move on planes and lines, and the direction for that. */
+static planish_constraint decide_flat(const decision *d, int32_t node, const double **direction) {
     const pl_surface *s = d->surface;
     const int64_t begin = s->offset[node], end = s->offset[node + 1];
     /* other sheets may touch at the node without sharing an edge there */
@@ -60,8 +61,8 @@ static planish_constraint decide(const decision *d, int32_t node, const double *
         return PLANISH_CONSTRAINT_FIXED;
     for (int64_t i = begin; i < end; i++) {
         const pl_label *label = &s->label[s->facet_of[i]];
-        if ((d->planes && plane_at(d, i) < 0) || (d->tagged_only && !label->is_tagged) ||
-            label->n_elements > 2)
+        if ((d->planes && plane_at(d, i) < 0) ||
+            (d->tags && d->tags->tagged_only && !label->is_tagged) || label->n_elements > 2)
             return PLANISH_CONSTRAINT_FIXED;
         is_one_plane &= d->planes && plane_at(d, i) == plane_at(d, begin);
     }
@@ -75,6 +76,49 @@ static planish_constraint decide(const decision *d, int32_t node, const double *
         return PLANISH_CONSTRAINT_FIXED;
     *direction = d->planes->normal + 3 * (int64_t)plane_at(d, begin);
     return PLANISH_CONSTRAINT_ON_PLANE;
+}
+
+/** Whether the facets at a node are those of the shape, which was made of the same mesh. */
+static int has_shape(const pl_surface *s, const planish_shape *shape, int32_t node) {
+    const int64_t own = shape->number[s->node[node]];
+    const int64_t begin = s->offset[node], n = s->offset[node + 1] - begin;
+    if (own < 0 || shape->offset[own + 1] - shape->offset[own] != n)
+        return 0;
+    for (int64_t i = 0; i < n; i++) {
+        const int32_t *a = s->facet + (int64_t)s->facet_of[begin + i] * 3;
+        const int32_t *b = shape->facet[shape->facet_of[shape->offset[own] + i]];
+        for (int j = 0; j < 3; j++) {
+            const int32_t v = shape->number[s->node[a[j]]];
+            if (v != b[0] && v != b[1] && v != b[2])
+                return 0;
+        }
+    }
+    return 1;
+}
+
+/** Return how a node that does not slide on a plane or line can move on the shape. */
+static planish_constraint decide_curved(const decision *d, int32_t node) {
+    const pl_surface *s = d->surface;
+    const planish_shape *shape = d->tags->shape;
+    if (d->is_fixed[s->node[node]] & PL_HELD || !has_shape(s, shape, node))
+        return PLANISH_CONSTRAINT_FIXED;
+    for (int64_t i = s->offset[node]; i < s->offset[node + 1]; i++) {
+        const pl_label *label = &s->label[s->facet_of[i]];
+        if ((d->tags->tagged_only && !label->is_tagged) || label->n_elements > 2 ||
+            (label->n_elements == 2 && !d->tags->slide_interfaces))
+            return PLANISH_CONSTRAINT_FIXED;
+    }
+    static const planish_constraint AS[] = {[PL_CORNER] = PLANISH_CONSTRAINT_FIXED,
+                                            [PL_ON_PATCH] = PLANISH_CONSTRAINT_ON_PATCH,
+                                            [PL_ON_CURVE] = PLANISH_CONSTRAINT_ON_CURVE};
+    return AS[shape->node_class[shape->number[s->node[node]]]];
+}
+
+/** Return how the node can move, and the direction for that. */
+static planish_constraint decide(const decision *d, int32_t node, const double **direction) {
+    const planish_constraint flat = decide_flat(d, node, direction);
+    return flat == PLANISH_CONSTRAINT_FIXED && d->tags && d->tags->shape ? decide_curved(d, node)
+                                                                         : flat;
 }
 
 /** Write constraints and directions: first the mesh's own, then those of its surface. Nothing can
@@ -99,6 +143,8 @@ static void write_outputs(const decision *d, const planish_mesh *mesh) {
         d->constraint[i] = (uint8_t)decide(d, node, &direction);
         d->info->n_on_plane += d->constraint[i] == PLANISH_CONSTRAINT_ON_PLANE;
         d->info->n_on_line += d->constraint[i] == PLANISH_CONSTRAINT_ON_LINE;
+        d->info->n_on_patch += d->constraint[i] == PLANISH_CONSTRAINT_ON_PATCH;
+        d->info->n_on_curve += d->constraint[i] == PLANISH_CONSTRAINT_ON_CURVE;
         for (int k = 0; direction && k < dim; k++)
             d->direction[i * dim + k] = direction[k];
     }
@@ -118,7 +164,7 @@ static int hold_twins(const pl_surface *surface, uint8_t *is_fixed, planish_erro
     const int status = pl_points_find_doubled(&points, is_doubled, error);
     for (int64_t i = 0; !status && i < surface->n_nodes; i++)
         if (is_doubled[i])
-            is_fixed[surface->node[i]] = 1;
+            is_fixed[surface->node[i]] = PL_HELD;
     pl_free(is_doubled);
     return status;
 }
@@ -188,7 +234,7 @@ static void fix_curved(const cell_surface *c, const pl_cell_type *type, const in
     if (number[node[a]] < 0 || number[node[b]] < 0)
         return;
     if (is_edge)
-        c->is_fixed[node[a]] = c->is_fixed[node[b]] = 1;
+        c->is_fixed[node[a]] = c->is_fixed[node[b]] = PL_HELD;
     for (int k = 0; c->dense->dim == 3 && k < type->shape->n_facets; k++) {
         const int8_t *facet = type->shape->facet[k];
         for (int i = 0; i < 4 && facet[i] >= 0 && may_be_curved(c, facet, node, a, b); i++) {
@@ -196,7 +242,7 @@ static void fix_curved(const cell_surface *c, const pl_cell_type *type, const in
             const int32_t triangle[3] = {node[a], node[b], node[j]};
             if (j == a || j == b || !is_off_plane(c, triangle, node[mid]))
                 continue;
-            c->is_fixed[node[j]] = c->is_fixed[node[a]] = c->is_fixed[node[b]] = 1;
+            c->is_fixed[node[j]] = c->is_fixed[node[a]] = c->is_fixed[node[b]] = PL_HELD;
         }
     }
 }
@@ -230,7 +276,7 @@ static void fix_by_cells(const cell_surface *c, const uint8_t *role) {
                            type->between[k + e][1], k + e);
     }
     for (int64_t i = 0; i < c->dense->n_nodes; i++)
-        c->is_fixed[i] = pl_follows(role[i]) ? 0 : c->is_fixed[i] || role[i] & PL_STAYS;
+        c->is_fixed[i] = pl_follows(role[i]) ? 0 : role[i] & PL_STAYS ? PL_HELD : c->is_fixed[i];
 }
 
 /* ---- all of it ------------------------------------------------------------------------------ */
@@ -266,7 +312,7 @@ int pl_find_slides(const pl_dense *dense, const planish_mesh *given, const plani
                             .planes = mesh->dim == 3 ? &planes : NULL,
                             .lines = &lines,
                             .is_fixed = is_fixed,
-                            .tagged_only = tags && tags->tagged_only,
+                            .tags = tags,
                             .constraint = constraint,
                             .direction = direction,
                             .info = info};

@@ -104,7 +104,7 @@ static void list_tagged(facet_search *s, uint8_t *is_fixed) {
         const int corners = is_quadrilateral(dim, n) ? 4 : dim;
         if (corners > dim && !s->cells) {
             for (int j = 0; j < corners; j++)
-                is_fixed[node[j]] = 1;
+                is_fixed[node[j]] = PL_HELD;
             continue;
         }
         pl_tagged *t = &s->tagged.item[s->tagged.n++];
@@ -479,7 +479,7 @@ int pl_surface_create(const planish_mesh *mesh, const planish_cells *cells,
     surface->half = s.half;
     for (const pl_tagged *t = s.tagged.item; !status && t < s.tagged.item + s.tagged.n; t++)
         for (int j = 0; j < 4 && t->node[j] >= 0 && !t->is_met; j++)
-            is_fixed[t->node[j]] = 1;
+            is_fixed[t->node[j]] = PL_HELD;
     pl_free(s.tagged.item);
     pl_free(s.has_tagged);
     pl_free(s.elsewhere);

@@ -527,7 +527,7 @@ static void wrong_arguments_are_refused(void **state) {
     planish_mesh held = box.mesh;
     planish_error error;
     held.constraint = constraint;
-    constraint[7] = 5;
+    constraint[7] = 7;
     assert_int_equal(planish_find_slides(&held, NULL, 1, constraint, direction, NULL, &error),
                      PLANISH_ERROR_ARGUMENT);
     assert_int_equal(error.node, 7);
