@@ -199,12 +199,13 @@ static int read_facet(stl_reader *r, int32_t entity) {
 static int read_solid(stl_reader *r, int32_t tag) {
     io_model *model = r->model;
     const io_slice name = io_slice_trim(io_next_line(&r->cursor));
-    const int32_t entity = io_model_entity(model, 2, tag, 0, NULL, r->error);
+    const int has_name = io_slice_length(name) > 0;
+    const int32_t entity = io_model_entity(model, 2, tag, has_name, &tag, r->error);
     if (entity < 0)
         return entity;
-    int status = io_slice_length(name) == 0
-                     ? PLANISH_OK
-                     : io_model_group(model, 2, tag, name.begin, io_slice_length(name), r->error);
+    int status = has_name
+                     ? io_model_group(model, 2, tag, name.begin, io_slice_length(name), r->error)
+                     : PLANISH_OK;
     while (!status) {
         io_skip_space(&r->cursor);
         const char *at = r->cursor.at;
