@@ -32,7 +32,7 @@ static void list_tagged(plane_search *w, const planish_surface *tags) {
         const int32_t *node = tags->edges + 2 * i;
         const int32_t a = w->surface->number[node[0]], b = w->surface->number[node[1]];
         if (a < 0 || b < 0)
-            w->is_fixed[node[0]] = w->is_fixed[node[1]] = PL_HELD;
+            w->is_fixed[node[0]] = w->is_fixed[node[1]] = PL_FIXED_ALWAYS;
         else
             w->tagged.item[w->tagged.n++] =
                 (pl_tagged){{a, b, -1, -1}, tags->edge_tag ? tags->edge_tag[i] : 0, 0};
@@ -76,7 +76,8 @@ static void fix_quadrilateral(const plane_search *w, const spoke *spokes, int64_
     for (int64_t i = 0; s->half && i < n; i++)
         for (int64_t k = 0; s->half[spokes[i].facet] == 1 && k < n; k++)
             for (int j = 0; spokes[k].facet == spokes[i].facet + 1 && j < 6; j++)
-                w->is_fixed[s->node[s->facet[(int64_t)spokes[i].facet * 3 + j]]] |= PL_NOT_FLAT;
+                w->is_fixed[s->node[s->facet[(int64_t)spokes[i].facet * 3 + j]]] |=
+                    PL_FIXED_UNLESS_CURVED;
 }
 
 /** Look at the edge (a, b) of n facets: it joins two, or it is a ridge. Returns -1 without memory.
@@ -236,7 +237,7 @@ int pl_planes_create(const pl_surface *surface, const planish_surface *tags, dou
     }
     for (const pl_tagged *t = w.tagged.item; done && t < w.tagged.item + w.tagged.n; t++)
         for (int j = 0; j < 2 && !t->is_met; j++)
-            is_fixed[surface->node[t->node[j]]] = PL_HELD;
+            is_fixed[surface->node[t->node[j]]] = PL_FIXED_ALWAYS;
     pl_free(w.tagged.item);
     pl_free(w.parent);
     pl_free(w.spoke);

@@ -18,7 +18,7 @@ typedef struct decision {
     const pl_surface *surface;
     const pl_planes *planes; /* 3-D */
     const pl_lines *lines;
-    const uint8_t *is_fixed;     /* [nodes of the mesh] PL_HELD, PL_NOT_FLAT */
+    const uint8_t *is_fixed;     /* [nodes of the mesh] PL_FIXED_ALWAYS, PL_FIXED_UNLESS_CURVED */
     const planish_surface *tags; /* or NULL */
     uint8_t *constraint;
     double *direction;
@@ -100,7 +100,7 @@ static int has_shape(const pl_surface *s, const planish_shape *shape, int32_t no
 static planish_constraint decide_curved(const decision *d, int32_t node) {
     const pl_surface *s = d->surface;
     const planish_shape *shape = d->tags->shape;
-    if (d->is_fixed[s->node[node]] & PL_HELD || !has_shape(s, shape, node))
+    if (d->is_fixed[s->node[node]] & PL_FIXED_ALWAYS || !has_shape(s, shape, node))
         return PLANISH_CONSTRAINT_FIXED;
     for (int64_t i = s->offset[node]; i < s->offset[node + 1]; i++) {
         const pl_label *label = &s->label[s->facet_of[i]];
@@ -164,7 +164,7 @@ static int hold_twins(const pl_surface *surface, uint8_t *is_fixed, planish_erro
     const int status = pl_points_find_doubled(&points, is_doubled, error);
     for (int64_t i = 0; !status && i < surface->n_nodes; i++)
         if (is_doubled[i])
-            is_fixed[surface->node[i]] = PL_HELD;
+            is_fixed[surface->node[i]] = PL_FIXED_ALWAYS;
     pl_free(is_doubled);
     return status;
 }
@@ -234,7 +234,7 @@ static void fix_curved(const cell_surface *c, const pl_cell_type *type, const in
     if (number[node[a]] < 0 || number[node[b]] < 0)
         return;
     if (is_edge)
-        c->is_fixed[node[a]] = c->is_fixed[node[b]] = PL_HELD;
+        c->is_fixed[node[a]] = c->is_fixed[node[b]] = PL_FIXED_ALWAYS;
     for (int k = 0; c->dense->dim == 3 && k < type->shape->n_facets; k++) {
         const int8_t *facet = type->shape->facet[k];
         for (int i = 0; i < 4 && facet[i] >= 0 && may_be_curved(c, facet, node, a, b); i++) {
@@ -242,7 +242,7 @@ static void fix_curved(const cell_surface *c, const pl_cell_type *type, const in
             const int32_t triangle[3] = {node[a], node[b], node[j]};
             if (j == a || j == b || !is_off_plane(c, triangle, node[mid]))
                 continue;
-            c->is_fixed[node[j]] = c->is_fixed[node[a]] = c->is_fixed[node[b]] = PL_HELD;
+            c->is_fixed[node[j]] = c->is_fixed[node[a]] = c->is_fixed[node[b]] = PL_FIXED_ALWAYS;
         }
     }
 }
@@ -276,7 +276,9 @@ static void fix_by_cells(const cell_surface *c, const uint8_t *role) {
                            type->between[k + e][1], k + e);
     }
     for (int64_t i = 0; i < c->dense->n_nodes; i++)
-        c->is_fixed[i] = pl_follows(role[i]) ? 0 : role[i] & PL_STAYS ? PL_HELD : c->is_fixed[i];
+        c->is_fixed[i] = pl_follows(role[i])  ? 0
+                         : role[i] & PL_STAYS ? PL_FIXED_ALWAYS
+                                              : c->is_fixed[i];
 }
 
 /* ---- all of it ------------------------------------------------------------------------------ */

@@ -104,7 +104,7 @@ static void list_tagged(facet_search *s, uint8_t *is_fixed) {
         const int corners = is_quadrilateral(dim, n) ? 4 : dim;
         if (corners > dim && !s->cells) {
             for (int j = 0; j < corners; j++)
-                is_fixed[node[j]] = PL_HELD;
+                is_fixed[node[j]] = PL_FIXED_ALWAYS;
             continue;
         }
         pl_tagged *t = &s->tagged.item[s->tagged.n++];
@@ -470,16 +470,16 @@ int pl_surface_create(const planish_mesh *mesh, const planish_cells *cells,
     } else {
         memset(s.elsewhere, 1, (size_t)n);
         list_tagged(&s, is_fixed);
-        status = !cells                      ? find_facets(&s, threads, error)
+        status = !cells                             ? find_facets(&s, threads, error)
                  : pl_is_of_faces(cells, mesh->dim) ? find_flat_cells(&s, error)
-                                             : find_cell_facets(&s, threads, error);
+                                                    : find_cell_facets(&s, threads, error);
     }
     if (!status)
         status = lay_out(&s, surface, error);
     surface->half = s.half;
     for (const pl_tagged *t = s.tagged.item; !status && t < s.tagged.item + s.tagged.n; t++)
         for (int j = 0; j < 4 && t->node[j] >= 0 && !t->is_met; j++)
-            is_fixed[t->node[j]] = PL_HELD;
+            is_fixed[t->node[j]] = PL_FIXED_ALWAYS;
     pl_free(s.tagged.item);
     pl_free(s.has_tagged);
     pl_free(s.elsewhere);

@@ -70,12 +70,13 @@ int pl_is_of_faces(const planish_cells *cells, int dim);
 
 /** Why a node of the surface is fixed. */
 enum {
-    PL_HELD = 1,    /* in any case */
-    PL_NOT_FLAT = 2 /* it may slide on a curved shape only: of a quadrilateral that is not planar */
+    PL_FIXED_ALWAYS = 1, /* in any case */
+    PL_FIXED_UNLESS_CURVED =
+        2 /* it may slide on a curved shape only: of a quadrilateral that is not planar */
 };
 
 /** Find the facets of one element, those between regions, and the tagged ones. cells: elements, and
- *  tags->region goes by them; NULL: those of mesh. is_fixed [nodes of the mesh] becomes PL_HELD for
+ *  tags->region goes by them; NULL: those of mesh. is_fixed [nodes of the mesh] becomes PL_FIXED_ALWAYS for
  *  corners of tagged facets that the mesh has not. Errors: _MEMORY. */
 int pl_surface_create(const planish_mesh *mesh, const planish_cells *cells,
                       const planish_surface *tags, int threads, pl_surface *surface,
@@ -112,8 +113,8 @@ typedef struct pl_planes {
 } pl_planes;
 
 /** Find the planes of a surface in 3-D, and the edges between them. tolerance: how far nodes may be
- *  off, in the surface's units. is_fixed [nodes of the mesh] becomes PL_HELD for nodes of tagged edges
- *  that are none of the surface, and PL_NOT_FLAT for those of quadrilaterals that are not planar. ridges is to be released in any case. Errors: _MEMORY. */
+ *  off, in the surface's units. is_fixed [nodes of the mesh] becomes PL_FIXED_ALWAYS for nodes of tagged edges
+ *  that are none of the surface, and PL_FIXED_UNLESS_CURVED for those of quadrilaterals that are not planar. ridges is to be released in any case. Errors: _MEMORY. */
 int pl_planes_create(const pl_surface *surface, const planish_surface *tags, double tolerance,
                      pl_planes *planes, pl_ridges *ridges, uint8_t *is_fixed, planish_error *error);
 

@@ -102,7 +102,7 @@ static void join_cells(enclosures *s) {
         int32_t root = c.root;
         for (int64_t i = c.begin * corners; i < c.end * corners && c.has_several; i++)
             if (is_free(s, s->plan->work.elements[i]))
-                root = pl_join(s->parent, root, s->plan->inner[s->plan->work.elements[i]]);
+                root = pl_root_join(s->parent, root, s->plan->inner[s->plan->work.elements[i]]);
     }
 }
 

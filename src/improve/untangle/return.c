@@ -95,7 +95,7 @@ static void join_patches(patches *w) {
         int32_t root = patch_of(w, c);
         for (int64_t j = first_node(w, c); j < first_node(w, c + 1) && root >= 0; j++)
             if (w->ring[node_at(w, j)] > 0)
-                root = pl_join(w->parent, root, node_at(w, j));
+                root = pl_root_join(w->parent, root, node_at(w, j));
     }
 }
 

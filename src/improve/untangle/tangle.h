@@ -4,7 +4,7 @@
  *   sizes.c       pl_tangle_find_sizes                 how large elements should be
  *   given_up.c    pl_send_given_up                    elements given up in another process
  *   return.c      pl_tangle_return                     nodes back to where the call began
- *   here          pl_root_of, pl_join                  nodes that are joined, one to the next
+ *   here          pl_root_of, pl_root_join                  nodes that are joined, one to the next
  *
  * untangle.c has the ladder (improve.h). Where elements are corners of cells (quality/view.h), the
  * state is that of each corner; what is counted, given up or returned is a cell.
@@ -131,7 +131,7 @@ static inline int32_t pl_root_of(int32_t *parent, int32_t node) {
 }
 
 /** Join node to what root is the root of; returns the root of both. */
-static inline int32_t pl_join(int32_t *parent, int32_t root, int32_t node) {
+static inline int32_t pl_root_join(int32_t *parent, int32_t root, int32_t node) {
     const int32_t other = pl_root_of(parent, node);
     const int32_t low = root < other ? root : other;
     parent[root] = parent[other] = low;
