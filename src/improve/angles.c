@@ -81,6 +81,7 @@ static int64_t put_back_bad(pl_run *r, uint8_t *state) {
                 0)
             memcpy(plan->scratch.coordinates + (int64_t)f->of * plan->dim, places->origin, size);
     }
+    n += pl_skin_put_back(&r->skin, r->given);
     pl_follow(plan, &r->problem);
     pl_ghosts_update(plan, plan->scratch.coordinates, (int64_t)size);
     pl_run_measure(r);
@@ -111,19 +112,21 @@ static int is_broken(const pl_run *r, int of_all, uint8_t *state) {
 }
 
 int pl_run_put_back_angles(pl_run *r, planish_error *error) {
-    if (!is_worse(r) && !keeps_valid(r))
+    const int is_off = pl_skin_follow(&r->skin) > 0;
+    if (!is_worse(r) && !keeps_valid(r) && !is_off)
         return PLANISH_OK;
     uint8_t *state = pl_alloc(r->plan->work.n_elements, sizeof *state);
     if (!state)
         return pl_fail_memory(error, "the states of the elements");
-    int64_t n = is_worse(r) || is_broken(r, 0, state);
+    int64_t n = is_worse(r) || is_off || is_broken(r, 0, state);
     const int goes_back = n > 0;
     for (int64_t i = 0; i < ROUNDS && n > 0; i++) {
         n = put_back_bad(r, state);
         r->result->n_put_back += n;
     }
-    const int is_left = goes_back && (is_worse(r) || is_broken(r, 1, state) ||
-                                      r->sums.below > r->sums_at_start.below || has_risen(r));
+    const int is_left =
+        goes_back && (is_worse(r) || is_broken(r, 1, state) || pl_skin_follow(&r->skin) > 0 ||
+                      r->sums.below > r->sums_at_start.below || has_risen(r));
     pl_free(state);
     if (is_left) {
         for (int64_t i = 0; i < r->plan->work.n_elements; i++) {

@@ -28,8 +28,8 @@ enum {
     BELOW = 1 << 9,         /* an element with a movable node is below its minimum volume, */
     BELOW_FIXED = 1 << 10,  /* or one without; */
     BELOW_BEFORE = 1 << 11, /* or one was at the start */
-    ANGLES = 1 << 12,       /* the smallest angle, the elements of followers, or the validity of
-                               elements of order 2 must be kept */
+    ANGLES = 1 << 12,       /* the smallest angle, the elements of followers, the validity of
+                               elements of order 2, or the shape must be kept */
     WORST = 1 << 13,        /* options want the worst elements to be improved, */
     WORST_SWEPT = 1 << 14,  /* and sweeps have done so */
     CURVED = 1 << 15,       /* there are curved elements, and options want their mids to move; */
@@ -71,7 +71,7 @@ static int conditions_of(const pl_run *r) {
         {r->sums_of_fixed.below > 0, BELOW_FIXED},
         {r->sums_at_start.below > 0, BELOW_BEFORE},
         {r->limits_at_start.acuteness < INFINITY || pl_run_has_followers(r) ||
-             (pl_watch_is_on(&r->watch) && o->method == PLANISH_METHOD_PLANISH),
+             ((pl_watch_is_on(&r->watch) || r->skin.shape) && o->method == PLANISH_METHOD_PLANISH),
          ANGLES},
         {o->worst != PLANISH_WORST_NONE, WORST},
         {r->result->worst_sweeps > 0, WORST_SWEPT},

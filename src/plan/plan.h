@@ -69,6 +69,7 @@ typedef struct pl_follower_places {
 } pl_follower_places;
 
 struct pl_watch;
+struct pl_skin;
 
 /** Working space of planish_smooth, which a plan keeps from call to call; n nodes. Calls change it
  *  on a plan that is const. Owned. */
@@ -87,6 +88,7 @@ typedef struct pl_plan_scratch {
     int32_t *moved;         /* [likewise] those of them that have moved, and */
     char *message; /* what is said of them: coordinates, and whether neighbours were told */
     struct pl_watch *watch; /* of the call under way (sweep/watch.h), or NULL: nothing is watched */
+    struct pl_skin *skin;   /* likewise (sweep/skin.h) */
 } pl_plan_scratch;
 
 /** n nodes, m elements: those of the mesh, or of the subset of it that is worked on; "inner"

@@ -121,6 +121,9 @@ int pl_run_begin(pl_run *r, planish_error *error) {
     if (!status)
         status = pl_watch_create(plan, o, r->given, r->coordinates, delta, &r->watch, error);
     plan->scratch.watch = r->watch.n > 0 ? &r->watch : NULL;
+    if (!status)
+        status = pl_skin_create(plan, o, r->coordinates, &r->skin, error);
+    plan->scratch.skin = !status && r->skin.shape ? &r->skin : NULL;
     if (!status) {
         r->plain = !r->guard.wanted && o->method == PLANISH_METHOD_PLANISH;
         r->measure_scale = r->plain ? pl_box_of_fixed(plan).scale : 1;
@@ -215,6 +218,7 @@ int pl_run_end(pl_run *run, planish_error *error) {
     r->n_curved = run->watch.n_curved;
     r->n_inverted_inside = (int64_t)run->sums.inside;
     r->n_refused = run->watch.n_refused;
+    r->n_off_shape = run->skin.n_off;
     r->objective = pl_run_objective(run);
     r->seconds = pl_seconds() - run->start_seconds;
     return status;
@@ -222,7 +226,9 @@ int pl_run_end(pl_run *run, planish_error *error) {
 
 void pl_run_destroy(pl_run *r) {
     r->plan->scratch.watch = NULL;
+    r->plan->scratch.skin = NULL;
     pl_marked_destroy(&r->refusers);
     pl_watch_destroy(&r->watch);
+    pl_skin_destroy(&r->skin);
     pl_guard_destroy(&r->guard);
 }

@@ -225,6 +225,10 @@ pl_star_problem pl_run_sliding_problem(pl_run *r) {
     problem.storage = r->problem.storage;
     problem.project = r->options->project;
     problem.project_user = r->options->project_user;
+    if (r->skin.shape) {
+        problem.project = pl_skin_ask;
+        problem.project_user = &r->skin;
+    }
     return problem;
 }
 
@@ -268,6 +272,7 @@ void pl_run_sweep_colours(pl_run *r, pl_sweep_tally *tally) {
     /* Averages know no surfaces, and multipliers are those of the interior's elements. */
     if (method == PLANISH_METHOD_PLANISH && !(r->guard.star.penalty > 0)) {
         const pl_star_problem problem = pl_run_sliding_problem(r);
+        pl_skin_follow(&r->skin);
         pl_sweep(r->plan, &r->plan->sliding, &problem, method, pl_run_after_colour, r, tally);
     }
 }
@@ -421,7 +426,8 @@ void pl_trial_begin(pl_run *r, int is_hidden, double *before, pl_trial *trial) {
                         .before = before,
                         .problem = r->problem,
                         .guard = r->guard.star,
-                        .phase = r->phase};
+                        .phase = r->phase,
+                        .skin = pl_skin_save(&r->skin)};
     memcpy(before, r->plan->scratch.coordinates, size_of_coordinates(r));
     r->shown = is_hidden ? &trial->standing : NULL;
 }
@@ -432,8 +438,10 @@ void pl_trial_end(const pl_trial *trial, int is_taken) {
     r->problem = trial->problem;
     r->guard.star = trial->guard;
     r->phase = trial->phase;
-    if (is_taken)
-        return;
-    memcpy(r->plan->scratch.coordinates, trial->before, size_of_coordinates(r));
-    pl_run_measure(r);
+    if (!is_taken) {
+        memcpy(r->plan->scratch.coordinates, trial->before, size_of_coordinates(r));
+        pl_skin_restore(&r->skin, trial->skin);
+        pl_run_measure(r);
+    }
+    pl_free(trial->skin);
 }

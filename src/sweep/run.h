@@ -23,6 +23,7 @@
 #include "sweep/watch.h"
 #include "sweep/guard.h"
 #include "sweep/rows.h"
+#include "sweep/skin.h"
 #include "sweep/sweep.h"
 
 struct pl_run;
@@ -45,6 +46,7 @@ typedef struct pl_run {
     pl_star_problem problem;
     pl_guard guard;
     pl_watch watch;              /* elements of order 2 */
+    pl_skin skin;                /* the surface on options.shape */
     pl_star_guard sliding_guard; /* guard of the nodes that slide */
     int plain;                   /* the plain problem: the sum of RR^2, with corners that of mu^2,
                                     nothing else is asked */
@@ -171,6 +173,7 @@ typedef struct pl_trial {
     pl_star_problem problem;
     pl_star_guard guard;
     planish_phase phase;
+    void *skin; /* its places and bounds */
 } pl_trial;
 
 /** Begin a trial with the mesh as measured last. before [n_nodes][dim] is room for coordinates, and

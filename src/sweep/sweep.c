@@ -9,6 +9,7 @@
 #include "base/status.h"
 #include "geometry/fetch.h"
 #include "plan/ghosts.h"
+#include "sweep/skin.h"
 #include "sweep/watch.h"
 
 #include <math.h>
@@ -192,6 +193,43 @@ static void visit_watched(const colour_pass *pass, int64_t begin, int64_t end, d
     visit_straight(pass, begin, end, scratch, tally);
 }
 
+/** Visit stars begin .. end - 1, none of which is of the skin unless the problem is its visit's. */
+static void visit_range(const colour_pass *pass, int64_t begin, int64_t end, double *scratch,
+                        pl_star_tally *tally) {
+    if (pass->plan->scratch.watch)
+        visit_watched(pass, begin, end, scratch, tally);
+    else
+        visit_straight(pass, begin, end, scratch, tally);
+}
+
+/** Visit stars begin .. end - 1 of nodes that slide, some of them on the shape. */
+static void visit_surface(const colour_pass *pass, int64_t begin, int64_t end, int thread,
+                          double *scratch, pl_star_tally *tally) {
+    pl_skin *skin = pass->plan->scratch.skin;
+    pl_skin_visit visit;
+    pl_star_problem problem = *pass->problem;
+    colour_pass on_skin = *pass;
+    pl_skin_prepare(skin, thread, &visit);
+    problem.project = pl_skin_project;
+    problem.project_user = &visit;
+    on_skin.problem = &problem;
+    for (int64_t i = begin; i < end; i++) {
+        if (skin->node[i] < 0)
+            continue;
+        visit_range(pass, begin, i, scratch, tally);
+        begin = i + 1;
+        const pl_star_tally was = *tally;
+        pl_skin_begin_visit(&visit, i);
+        visit_range(&on_skin, i, i + 1, scratch, tally);
+        if (pl_skin_end_visit(&visit))
+            continue;
+        tally->decrease = was.decrease;
+        tally->improved = was.improved;
+        tally->restored = was.restored;
+    }
+    visit_range(pass, begin, end, scratch, tally);
+}
+
 static void visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const colour_pass *pass = context;
     const planish_plan *plan = pass->plan;
@@ -204,10 +242,10 @@ static void visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
         plan->kernel->guarded->untangle[plan->dim - 2](problem, begin, end, scratch, tally);
     else if (pass->method != PLANISH_METHOD_PLANISH)
         pl_star_average(problem, pass->method, plan->dim, begin, end, scratch, tally);
-    else if (plan->scratch.watch)
-        visit_watched(pass, begin, end, scratch, tally);
+    else if (plan->scratch.skin && problem->slide)
+        visit_surface(pass, begin, end, thread, scratch, tally);
     else
-        visit_straight(pass, begin, end, scratch, tally);
+        visit_range(pass, begin, end, scratch, tally);
 }
 
 void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {

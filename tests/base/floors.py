@@ -24,7 +24,7 @@ KNOWS = {
     "src/shape": ["src/topology"],
     "src/quality": ["src/geometry"],
     "src/plan": ["src/topology", "src/shape", "src/star", "src/quality"],
-    "src/sweep": ["src/plan"],
+    "src/sweep": ["src/plan", "src/shape"],
     "src/improve": ["src/sweep"],
     "src/api": ["src/improve", "src/shape"],
     "src/io/core": ["src/base"],

@@ -1,0 +1,122 @@
+/* skin: the surface of a mesh on its way along a shape (options.shape).
+ *
+ * A node of the skin goes from place to place on the shape, whose patches and curves its visits see as
+ * a surface (star.h). Where it may go is decided here: no smooth edge may bend too much, no facet
+ * turn too far, and every facet stays within the tolerance of the shape, by its bound or a new
+ * certificate (shape/overlay.h). Nodes that slide on planes and lines are of the skin if a facet of
+ * them is on a curved patch, or ends at a curve; the others change nothing of the surface.
+ *
+ * The facets of a node are in its elements, and the nodes across edges have other colours
+ * (plan/across.c): so each facet has one writer at a time.
+ *
+ *   pl_skin_create, _destroy       places and bounds of a run
+ *   pl_skin_begin_visit, _end      frame of the visit of a node
+ *   pl_skin_project                where the node of a visit may be (a planish_project_fn)
+ *   pl_skin_ask                    where nodes are (likewise)
+ *   pl_skin_follow                 nodes have moved otherwise
+ *   pl_skin_put_back               nodes whose facets are too far off
+ *   pl_skin_save, _restore         for trials
+ */
+#ifndef PL_SWEEP_SKIN_H
+#define PL_SWEEP_SKIN_H
+
+#include "plan/plan.h"
+#include "shape/curved.h"
+
+/** How a node of the shape moves: as the planish_constraint of its visits, _FREE or _FIXED: not at all;
+ *  or as one of these. */
+enum {
+    PL_SKIN_FLAT = 16,  /* on a plane or line, and changes nothing of the surface */
+    PL_SKIN_LOOSE = 17, /* the skin knows nothing of its moves: its facets stay otherwise */
+    PL_SKIN_PAIRED = 18 /* in a periodic pair, while the skin is made */
+};
+
+/** The skin of a run. Nodes and facets have the shape's numbers, lengths its units but where said
+ *  otherwise. Arrays are owned. */
+typedef struct pl_skin {
+    const planish_plan *plan;
+    const planish_shape *shape;  /* NULL: there is none, and the rest is not used */
+    planish_project_fn *project; /* the caller's, of other nodes */
+    void *project_user;
+    pl_storage storage;
+    int32_t *node;      /* [sliding stars] of the skin; -1: the star's is not */
+    int32_t *star;      /* [n_nodes] sliding star of each; -1: it has none */
+    int32_t *inner;     /* [n_nodes] inner number, -1: not of the plan */
+    uint8_t *moves;     /* [n_nodes] how */
+    double (*known)[3]; /* [n_nodes] in the mesh's units: where place is that of the node */
+    pl_place *place;    /* [n_nodes] at -1: none is known */
+    double *bound;      /* [n_facets] none of its points is farther off the shape */
+    double *tolerance;  /* [n_facets] */
+    uint8_t *is_planar; /* [n_facets] of a patch that is planar */
+    int64_t max_facets; /* of a node of the skin */
+    double *room;       /* [threads][room_stride] for visits */
+    int64_t room_stride;
+    int64_t n_held; /* nodes that would slide, but for facets too far off at the start */
+    int64_t n_off;  /* visits that were shortened or refused */
+} pl_skin;
+
+/** A place where a node of the skin may be. */
+typedef struct pl_skin_trial {
+    int is_known;
+    double x[3]; /* in the mesh's units, as stored */
+    pl_place place;
+    double direction[3];
+    double *bound; /* [facets of the node] of its facets then */
+} pl_skin_trial;
+
+/* The node ends where it was accepted last, or at one of the last trials: a line search ends as soon as
+ * one is accepted, or with the one before. */
+enum { PL_SKIN_TRIALS = 4 };
+
+/** A visit of a node of the skin. */
+typedef struct pl_skin_visit {
+    pl_skin *skin;
+    int32_t star, node;
+    double start[3], direction[3]; /* where it began */
+    int has_direction, is_off;
+    int newest;                          /* of trial */
+    pl_skin_trial trial[PL_SKIN_TRIALS]; /* [0]: accepted last */
+    double *normal;                      /* [facets of the node][4] */
+} pl_skin_visit;
+
+/** Make the skin of a run whose coordinates are in the plan, and set how the plan's nodes slide.
+ *  coordinates: the caller's. Errors: _MEMORY. */
+int pl_skin_create(planish_plan *plan, const planish_options *options, const double *coordinates,
+                   pl_skin *skin, planish_error *error);
+
+/** Free the arrays of skin. */
+void pl_skin_destroy(pl_skin *skin);
+
+/** Take note of nodes that have moved otherwise than by visits. Returns the number of facets that are
+ *  farther off than they may be. */
+int64_t pl_skin_follow(pl_skin *skin);
+
+/** Put the nodes of such facets to given [n][dim], where the plan's nodes were at the start; returns how
+ *  many had moved. */
+int64_t pl_skin_put_back(pl_skin *skin, const double *given);
+
+/** Prepare visit for a thread's visits. */
+void pl_skin_prepare(pl_skin *skin, int thread, pl_skin_visit *visit);
+
+/** Begin the visit of a sliding star whose node is of the skin. */
+void pl_skin_begin_visit(pl_skin_visit *visit, int64_t star);
+
+/** End it: places and bounds become those of where the node is. Returns 0 if it is not known that it may
+ *  be there: then it is back where it was. */
+int pl_skin_end_visit(pl_skin_visit *visit);
+
+/** Say where the node of a visit, user, may be near point: a planish_project_fn. */
+planish_constraint pl_skin_project(int64_t node, double *point, double *direction, void *user);
+
+/** Say how nodes slide where they are, user being a pl_skin; of nodes that are not of it ask the caller: a
+ *  planish_project_fn. */
+planish_constraint pl_skin_ask(int64_t node, double *point, double *direction, void *user);
+
+/** Return a copy of places and bounds, to be released by pl_free; NULL: there are none, or there is no
+ *  memory. */
+void *pl_skin_save(const pl_skin *skin);
+
+/** Bring back saved places and bounds, if any, of nodes that are back where they were then. */
+void pl_skin_restore(pl_skin *skin, const void *saved);
+
+#endif
