@@ -2,6 +2,7 @@
 #include "plan/draft.h"
 
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "base/status.h"
 #include "topology/cells.h"
 
@@ -228,14 +229,55 @@ static int narrow_to_bad(pl_draft *d, planish_error *error) {
     return narrow(d, mesh, PL_SUBSET_OF_ALL, error);
 }
 
+/** Elements that get the signs of their cells. */
+typedef struct sign_copy {
+    const planish_plan *plan;
+    const int8_t *of_cell;
+    int8_t *sign;
+    int64_t n_reversed; /* shared */
+} sign_copy;
+
+static void count_reversed(void *context, int64_t begin, int64_t end, int thread) {
+    sign_copy *c = context;
+    const pl_view *v = &c->plan->work;
+    int64_t n = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        n += c->of_cell[c->plan->cell_of[v->cell_begin[i]]] < 0;
+    __atomic_fetch_add(&c->n_reversed, n, __ATOMIC_RELAXED);
+}
+
+static void copy_signs(void *context, int64_t begin, int64_t end, int thread) {
+    const sign_copy *c = context;
+    (void)thread;
+    for (int64_t e = begin; e < end; e++)
+        c->sign[e] = c->of_cell[c->plan->cell_of[e]];
+}
+
+/** Give the elements the signs of their cells, if one is reversed. */
+static int sign_corners(const planish_plan *plan, const int8_t *of_cell, pl_boundary *b,
+                        planish_error *error) {
+    enum { CHUNK = 8192 };
+    sign_copy copy = {.plan = plan, .of_cell = of_cell};
+    pl_parallel_for(plan->threads, plan->work.n_cells, CHUNK, count_reversed, &copy);
+    b->n_reversed = copy.n_reversed;
+    if (copy.n_reversed == 0)
+        return PLANISH_OK;
+    b->sign = copy.sign = pl_alloc(plan->work.n_elements, sizeof *copy.sign);
+    if (!b->sign)
+        return pl_fail_memory(error, "the orientation of elements");
+    pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, copy_signs, &copy);
+    return PLANISH_OK;
+}
+
 /** Find the boundary and the orientation of a mesh whose elements are corners, by its cells. */
 static int find_boundary_of_cells(pl_draft *d, planish_error *error) {
     const planish_mesh *mesh = d->mesh;
     planish_plan *plan = d->plan;
     pl_boundary *b = &d->boundary;
     pl_cell_census census;
-    const int status = pl_cell_census_find(&plan->cells, plan->dim, mesh->n_nodes,
-                                           mesh->coordinates, plan->threads, &census, error);
+    int status = pl_cell_census_find(&plan->cells, plan->dim, mesh->n_nodes, mesh->coordinates,
+                                     plan->threads, &census, error);
     if (status)
         return status;
     *b = (pl_boundary){.on_boundary = census.on_boundary,
@@ -243,13 +285,9 @@ static int find_boundary_of_cells(pl_draft *d, planish_error *error) {
                        .n_nonmanifold_facets = census.n_nonmanifold_facets,
                        .n_duplicate_elements = census.n_duplicate_elements};
     census.on_boundary = NULL;
-    b->sign = pl_alloc(mesh->n_elements, sizeof *b->sign);
-    for (int64_t e = 0; b->sign && e < mesh->n_elements; e++) {
-        b->sign[e] = census.sign[plan->cell_of[e]];
-        b->n_reversed += b->sign[e] < 0 && pl_corner_index(plan->work.corner[e]) == 0;
-    }
+    status = sign_corners(plan, census.sign, b, error);
     pl_cell_census_destroy(&census);
-    return b->sign ? PLANISH_OK : pl_fail_memory(error, "the orientation of elements");
+    return status;
 }
 
 int pl_draft_choose_scope(pl_draft *d, planish_error *error) {

@@ -307,13 +307,14 @@ static void hold_ends(pl_draft *d, const pl_cell_type *type, const int32_t *node
 static void hold_curved(pl_draft *d) {
     const planish_plan *plan = d->plan;
     for (int64_t i = 0; plan->cells.n > 0 && i < plan->work.n_elements; i++) {
+        if (plan->work.corner && pl_corner_index(plan->work.corner[i]) > 0)
+            continue;
         const int64_t cell = pl_plan_element(plan, i);
         const pl_cell_type *type = pl_cell_type_of(plan->cells.type[cell]);
         const int n_corners = type->shape->n_corners;
         const int32_t *node = plan->work.corner ? plan->cells.node + plan->cells.offset[cell]
                                                 : d->mesh->elements + i * (plan->dim + 1);
-        if (type->order == 1 || (plan->work.corner && pl_corner_index(plan->work.corner[i]) > 0) ||
-            !pl_any_moves(d->slides, node, n_corners))
+        if (type->order == 1 || !pl_any_moves(d->slides, node, n_corners))
             continue;
         const int curved = pl_curved_edges(d->given, cell, d->options->rounding);
         for (int e = 0; curved >> e; e++)
@@ -487,7 +488,10 @@ static int prepare_nodes(pl_draft *d, planish_error *error) {
 static int put_mids_last(pl_draft *d, planish_error *error) {
     const int64_t n = d->plan->work.n_nodes;
     const uint8_t *role = d->plan->role;
-    if (!role || d->plan->scope != PL_ALL)
+    uint8_t roles = 0;
+    for (int64_t i = 0; role && d->plan->scope == PL_ALL && i < n; i++)
+        roles |= role[i];
+    if (!(roles & PL_OF_MID))
         return PLANISH_OK;
     int32_t *mid = pl_alloc(n, sizeof *mid);
     int64_t n_mids = 0;

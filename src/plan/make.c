@@ -24,17 +24,19 @@ static inline int64_t count_fixed(const planish_plan *plan, int dim, int64_t beg
 }
 
 /** Count the cells without a free node, of a plan whose elements are their corners. */
-static int64_t count_fixed_cells(const planish_plan *plan) {
+static void count_fixed_cells(void *context, int64_t begin, int64_t end, int thread) {
+    planish_plan *plan = context;
     const pl_view *v = &plan->work;
     const int k = plan->dim + 1;
     int64_t n = 0;
-    for (int64_t c = 0; c < v->n_cells; c++) {
+    (void)thread;
+    for (int64_t c = begin; c < end; c++) {
         int moves = 0;
-        for (int64_t e = v->cell_begin[c]; e < v->cell_begin[c + 1]; e++)
-            moves |= pl_any_moves(v->mobility, v->elements + e * k, k);
+        for (int64_t e = v->cell_begin[c]; e < v->cell_begin[c + 1] && !moves; e++)
+            moves = pl_any_moves(v->mobility, v->elements + e * k, k);
         n += !moves;
     }
-    return n;
+    __atomic_fetch_add(&plan->info.n_fixed_elements, n, __ATOMIC_RELAXED);
 }
 
 /** Count the elements without a free node. Mark nodes as used whose elements a partial incidence
@@ -61,9 +63,10 @@ static void fill_info(planish_plan *plan, pl_draft *d) {
     for (int64_t i = 0; i < plan->work.n_nodes; i++) /* with those that move with others */
         info->n_sliding += plan->work.mobility[i] == PL_SLIDES && pl_is_own(pl_part_here(), i);
     info->n_fixed_elements = 0;
-    pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK_ELEMENTS, count_chunk, d);
     if (plan->work.corner)
-        info->n_fixed_elements = count_fixed_cells(plan);
+        pl_parallel_for(plan->threads, plan->work.n_cells, CHUNK_ELEMENTS, count_fixed_cells, plan);
+    else
+        pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK_ELEMENTS, count_chunk, d);
     if (plan->scope == PL_SUBSET_OF_ALL)
         info->n_fixed_elements += plan->whole.n_elements - plan->work.n_elements;
     if (plan->scope != PL_SUBSET_OF_ALL)

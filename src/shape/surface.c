@@ -303,12 +303,16 @@ static int is_of_surface(const facet_search *s, const sharing *by, int64_t eleme
 
 /** Look at all facets; if the surface's are not added they are counted: *n_facets. */
 static void walk_facets(facet_search *s, const sharing *by, int is_counted, int64_t *n_facets) {
+    const int is_plain =
+        s->tagged.n == 0 && !(s->tags && s->tags->region); /* inside is no surface */
     for (int64_t i = 0; i < s->cells->n; i++) {
         const pl_cell_type *type = pl_cell_type_of(s->cells->type[i]);
         const int n_own = type && type->shape->dim == s->mesh->dim ? type->shape->n_facets : 0;
         for (int k = 0; k < n_own; k++) {
             int32_t corner[4];
             pl_label label;
+            if (is_plain && by->n_sharing[i * PL_CELL_FACET_PLACES + k] == 2)
+                continue;
             const int n = pl_cell_facet(s->cells, i, k, corner);
             if (!is_of_surface(s, by, i, k, n, corner, &label))
                 continue;

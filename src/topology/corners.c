@@ -31,9 +31,13 @@ typedef struct passes {
     pl_dense *dense;
     int64_t *first;        /* [chunks + 1] smoothed cells of each chunk, then before it, */
     int64_t *first_corner; /* and their corners */
-    uint64_t *edge;        /* [n_nodes] edge that a node is the mid of, 0: none; shared */
+    uint64_t *edge;        /* [n_nodes] edge that a node is the mid of, 0: none; shared; NULL: there
+                              are no mids */
+    uint8_t *is_smoothed;  /* [cells] */
     uint8_t is_irregular;  /* shared */
-    uint8_t has_corners;   /* a smoothed cell is no simplex; shared */
+    uint8_t has_corners;   /* a smoothed cell is no simplex, */
+    uint8_t has_mids;      /* has nodes beside its corners, */
+    uint8_t has_others;    /* and a cell is not smoothed; shared */
 } passes;
 
 int pl_is_smoothed(const planish_cells *cells, int64_t cell, int dim) {
@@ -46,10 +50,6 @@ int pl_is_smoothed(const planish_cells *cells, int64_t cell, int dim) {
         for (int j = 0; j < i; j++)
             repeated |= node[i] == node[j];
     return !repeated;
-}
-
-static int is_smoothed(const passes *p, int64_t cell) {
-    return pl_is_smoothed(p->cells, cell, p->mesh->dim);
 }
 
 /** Type of a cell that is smoothed. */
@@ -91,31 +91,45 @@ static void count_smoothed(void *context, int64_t begin, int64_t end, int thread
     passes *p = context;
     int64_t n = 0, n_corners = 0;
     (void)thread;
-    for (int64_t i = begin; i < end; i++)
-        if (is_smoothed(p, i)) {
-            n++;
-            n_corners += corners_of(type_of(p, i));
-        }
+    int has_corners = 0, has_mids = 0;
+    for (int64_t i = begin; i < end; i++) {
+        p->is_smoothed[i] = (uint8_t)pl_is_smoothed(p->cells, i, p->mesh->dim);
+        if (!p->is_smoothed[i])
+            continue;
+        const pl_cell_type *type = type_of(p, i);
+        n++;
+        n_corners += corners_of(type);
+        has_corners |= type->shape->n_simplices != 1;
+        has_mids |= type->order > 1;
+    }
     p->first[begin / CHUNK] = n;
     p->first_corner[begin / CHUNK] = n_corners;
-    for (int64_t i = begin; i < end && !p->has_corners; i++)
-        if (is_smoothed(p, i) && type_of(p, i)->shape->n_simplices != 1)
-            pl_set_flag(&p->has_corners, 1);
+    if (has_corners)
+        pl_set_flag(&p->has_corners, 1);
+    if (has_mids)
+        pl_set_flag(&p->has_mids, 1);
+    if (n < end - begin)
+        pl_set_flag(&p->has_others, 1);
 }
 
-/** Write corner index of a cell, or the simplex that it is, as element e. */
-static void write_corner(const passes *p, int64_t cell, int index, int64_t e) {
-    const pl_cell_shape *shape = type_of(p, cell)->shape;
+/** Write the corners of a cell, or the simplex that it is, as elements from e on. Returns where the next
+ *  cell's begin. */
+static int64_t write_corners(const passes *p, int64_t cell, int64_t e) {
+    const pl_cell_type *type = type_of(p, cell);
+    const pl_cell_shape *shape = type->shape;
     const int32_t *node = p->cells->node + p->cells->offset[cell];
-    const int dim = p->mesh->dim, is_simplex = shape->n_simplices == 1;
-    int32_t *element = p->dense->elements + e * (dim + 1);
-    element[0] = node[index];
-    for (int j = 0; j < dim; j++)
-        element[j + 1] = node[is_simplex ? j + 1 : shape->neighbour[index][j]];
-    if (p->dense->cell_of)
-        p->dense->cell_of[e] = (int32_t)cell;
-    if (p->dense->corner)
-        p->dense->corner[e] = pl_corner_code(pl_kind_of_shape(shape), index);
+    const int dim = p->mesh->dim, n = corners_of(type), kind = pl_kind_of_shape(shape);
+    for (int c = 0; c < n; c++, e++) {
+        int32_t *element = p->dense->elements + e * (dim + 1);
+        element[0] = node[c];
+        for (int j = 0; j < dim; j++)
+            element[j + 1] = node[n == 1 ? j + 1 : shape->neighbour[c][j]];
+        if (p->dense->cell_of)
+            p->dense->cell_of[e] = (int32_t)cell;
+        if (p->dense->corner)
+            p->dense->corner[e] = pl_corner_code(kind, c);
+    }
+    return e;
 }
 
 static void list_smoothed(void *context, int64_t begin, int64_t end, int thread) {
@@ -123,12 +137,11 @@ static void list_smoothed(void *context, int64_t begin, int64_t end, int thread)
     int64_t n = p->first[begin / CHUNK], e = p->first_corner[begin / CHUNK];
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        if (!is_smoothed(p, i))
+        if (!p->is_smoothed[i])
             continue;
         if (p->dense->cell_begin)
             p->dense->cell_begin[n++] = (int32_t)e;
-        for (int c = 0; c < corners_of(type_of(p, i)); c++)
-            write_corner(p, i, c, e++);
+        e = write_corners(p, i, e);
     }
 }
 
@@ -137,7 +150,8 @@ static int count_all(passes *p, int threads, int64_t *n, int64_t *n_corners, pla
     const int64_t n_cells = p->cells->n, n_chunks = (n_cells - 1) / CHUNK + 1;
     p->first = pl_alloc(n_chunks + 1, sizeof *p->first);
     p->first_corner = pl_alloc(n_chunks + 1, sizeof *p->first_corner);
-    if (!p->first || !p->first_corner)
+    p->is_smoothed = pl_alloc(n_cells, 1);
+    if (!p->first || !p->first_corner || !p->is_smoothed)
         return pl_fail_memory(error, "the elements");
     pl_parallel_for(threads, n_cells, CHUNK, count_smoothed, p);
     *n = pl_prefix_sum(threads, n_chunks, p->first);
@@ -165,7 +179,7 @@ static int make_elements(passes *p, int threads, planish_error *error) {
     int status = count_all(p, threads, &n, &n_elements, error);
     if (status)
         return status;
-    const int maps = p->has_corners || n < n_cells;
+    const int maps = p->has_corners || p->has_others;
     dense->elements = pl_alloc(n_elements * (p->mesh->dim + 1), sizeof *dense->elements);
     dense->cell_of = maps ? pl_alloc(n_elements, sizeof *dense->cell_of) : NULL;
     if (p->has_corners) {
@@ -250,7 +264,7 @@ static void note_cell(const passes *p, int64_t cell) {
     const planish_cells *cells = p->cells;
     const int32_t *node = cells->node + cells->offset[cell];
     const int64_t n = cells->offset[cell + 1] - cells->offset[cell];
-    if (!is_smoothed(p, cell)) {
+    if (!p->is_smoothed[cell]) {
         for (int64_t j = 0; j < n; j++)
             add_role(p, node[j], PL_OF_OTHER);
         return;
@@ -291,10 +305,11 @@ static void note_cells(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 static void hold_cells(void *context, int64_t begin, int64_t end, int thread) {
+    const passes *p = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
-        if (is_smoothed(context, i))
-            hold_corners(context, i);
+        if (p->is_smoothed[i])
+            hold_corners(p, i);
 }
 
 /** Find the roles of nodes, and fix those that stay. */
@@ -303,11 +318,12 @@ static int make_roles(passes *p, int threads, planish_error *error) {
     pl_dense *dense = p->dense;
     dense->role = pl_alloc_zero(n, sizeof *dense->role);
     dense->constraint = pl_alloc_zero(n, sizeof *dense->constraint);
-    p->edge = pl_alloc_zero(n, sizeof *p->edge);
-    if (!dense->role || !dense->constraint || !p->edge)
+    p->edge = p->has_mids ? pl_alloc_zero(n, sizeof *p->edge) : NULL;
+    if (!dense->role || !dense->constraint || (p->has_mids && !p->edge))
         return pl_fail_memory(error, "the nodes of elements");
     pl_parallel_for(threads, p->cells->n, CHUNK, note_cells, p);
-    pl_parallel_for(threads, p->cells->n, CHUNK, hold_cells, p);
+    if (p->has_mids || p->has_others)
+        pl_parallel_for(threads, p->cells->n, CHUNK, hold_cells, p);
     if (p->mesh->constraint)
         memcpy(dense->constraint, p->mesh->constraint, (size_t)n);
     for (int64_t i = 0; i < n; i++)
@@ -444,6 +460,7 @@ int pl_corners_take(const planish_mesh *mesh, int threads, pl_dense *dense, plan
         status = make_copies(&p, threads, error);
     pl_free(p.first);
     pl_free(p.first_corner);
+    pl_free(p.is_smoothed);
     pl_free(p.edge);
     return status;
 }

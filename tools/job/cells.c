@@ -112,8 +112,9 @@ double pl_cells_rounding(const pl_job *job) {
     for (int d = 0; d < dim; d++) {
         double low = INFINITY, high = -INFINITY;
         for (int64_t i = 0; i < job->mesh.n_nodes; i++) {
-            low = fmin(low, job->mesh.coordinates[i * dim + d]);
-            high = fmax(high, job->mesh.coordinates[i * dim + d]);
+            const double x = job->mesh.coordinates[i * dim + d];
+            low = x < low ? x : low;
+            high = x > high ? x : high;
         }
         const double extent = high > low ? high - low : 0;
         square += extent * extent;
