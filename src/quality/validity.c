@@ -327,9 +327,10 @@ PL_INLINE void certify_bricks(pl_brick_block *b) {
     const floats t = floats_min(s[0], floats_min(s[1], s[2]));
     const floats a = (least[1] - error - floor) / f, more = floats_of(1) + a / t;
     const floats room = floats_of(1 - 1e-4F) * a / (more * more);
-    const floats is_above = (floats)(least[0] - error - floor > floats_of(0));
-    *(floats_kept *)b->room =
-        floats_select((floats_mask)is_above & (a > floats_of(0)), room, floats_of(0));
+    const floats_mask is_sized =
+        (e.size >= floats_of(PL_BRICK_SMALL)) & (e.size <= floats_of(PL_BRICK_LARGE));
+    const floats_mask is_above = (least[0] - error - floor > floats_of(0)) & (a > floats_of(0));
+    *(floats_kept *)b->room = floats_select(is_sized & is_above, room, floats_of(0));
 }
 
 #if defined(__x86_64__) && defined(__GNUC__)

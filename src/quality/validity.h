@@ -70,8 +70,7 @@ typedef struct pl_brick_block {
     float room[PL_JACOBIAN_LANES];
 } pl_brick_block;
 
-/* Bounds of the absolute coordinates of the largest corner of a lane; others are not to be asked
- * for. */
+/* Bounds of the largest absolute coordinate of a lane; floats do not tell of others. */
 static const float PL_BRICK_SMALL = 0x1p-30F, PL_BRICK_LARGE = 0x1p30F;
 
 /** Certify hexahedra. */

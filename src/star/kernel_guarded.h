@@ -144,11 +144,9 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
     }
     if (here.constrained && before - now.sum > CONSTRAINED_FALL * before)
         __atomic_fetch_or(&problem->changed[node], PL_CHANGED, __ATOMIC_RELAXED);
-    tally->restored += restored > 0;
-    if (moved > restored)
-        pl_sum_add(&tally->decrease, before - now.sum);
     note_ratio(tally, ratio_of(&here, x, &now, dim));
-    tally->improved += before - now.sum > IMPROVED * before;
+    note_gain(tally, index, moved > restored ? before - now.sum : 0,
+              before - now.sum > IMPROVED * before, restored > 0);
 }
 
 /** Add what the star's projected gradient and multipliers say. */

@@ -177,6 +177,12 @@ typedef struct pl_star_problem {
  *  only a neighbour whose own star is bad wakes it. Moves shorter than `still` wake nobody. */
 enum { PL_CHANGED = 1, PL_TOLD = 2, PL_BAD = 4 };
 
+/** What the visit of one star has added to a tally. */
+typedef struct pl_star_gain {
+    double fall; /* to decrease */
+    uint8_t improved, restored;
+} pl_star_gain;
+
 /** Tally of a range of visits. */
 typedef struct pl_star_tally {
     pl_sum decrease;     /* of the stars' functions, at least 0; by what restored nothing */
@@ -186,6 +192,9 @@ typedef struct pl_star_tally {
     int64_t restored;    /* stars in which elements were brought nearer to their minimum volume */
     double largest;      /* ratio of the stars, RR^2 or mu^2, after their visits; with a guard and
                             without forms, AR^2 of its objective */
+    pl_star_gain *gain;  /* [stars of the range] set for those that are moved, by kernels that
+                            minimise; NULL: not wanted */
+    int64_t first;       /* star of the range, for gain */
 } pl_star_tally;
 
 /** First-order optimality of a range of stars. */

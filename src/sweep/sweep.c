@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
-#include "geometry/fetch.h"
+#include "geometry/simplex.h"
 #include "plan/ghosts.h"
 #include "sweep/skin.h"
 #include "sweep/watch.h"
@@ -25,7 +25,7 @@ typedef struct colour_pass {
     int64_t first; /* star */
 } colour_pass;
 
-/** Visit stars begin .. end - 1, which have no watched cells. */
+/** Visit stars begin .. end - 1, whatever becomes of watched cells. */
 static void visit_straight(const colour_pass *pass, int64_t begin, int64_t end, double *scratch,
                            pl_star_tally *tally) {
     if (begin < end)
@@ -77,15 +77,9 @@ static int keeps_ratios(const colour_pass *pass, int32_t node, const double *bef
     return now < was;
 }
 
-/** Whether a node that has moved from before [dim] may be where it is, as to the watched cells. */
-static int watch_admits(const colour_pass *pass, int32_t node, const double *before, double ratio) {
+static double way_from(const colour_pass *pass, int32_t node, const double *before) {
     const int dim = pass->plan->dim;
-    const double *x = pass->problem->coordinates + (int64_t)node * dim;
-    double way[3];
-    for (int d = 0; d < dim; d++)
-        way[d] = x[d] - before[d];
-    return keeps_ratios(pass, node, before, ratio) &&
-           pl_watch_admit(pass->plan->scratch.watch, node, way);
+    return pl_distance(dim, pass->problem->coordinates + (int64_t)node * dim, before);
 }
 
 /** Try shorter moves of a star whose watched cells refuse the one from before [dim] to where its
@@ -118,79 +112,83 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
         if (evaluate_star(pass, star, scratch, &ratio, &now) && ratio.certain && now < start &&
             ratio.max * (1 + ratio.error) <= worst &&
             (!(acuteness < INFINITY) || pl_watch_worst(watch, node).acuteness <= acuteness) &&
-            watch_admits(pass, node, before, ratio.max))
+            keeps_ratios(pass, node, before, ratio.max) &&
+            pl_watch_admit(pass->plan->scratch.watch, node, way_from(pass, node, before)))
             return start - now;
     }
     memcpy(x, before, size);
     return 0;
 }
 
-/** Visit a star with watched cells: a move that would make one invalid, or worse than it may be, is
- *  shortened, or refused. */
-static void visit_one_watched(const colour_pass *pass, int64_t star, double *scratch,
-                              pl_star_tally *tally) {
-    const planish_plan *plan = pass->plan;
-    const int32_t node = pass->problem->node[star];
-    const double *x = pass->problem->coordinates + (int64_t)node * plan->dim;
-    const pl_star_tally was = *tally;
-    double before[3], moves = 0;
-    memcpy(before, x, (size_t)plan->dim * sizeof *x);
-    tally->largest = 0;
-    visit_straight(pass, star, star + 1, scratch, tally);
-    const double ratio = tally->largest;
-    tally->largest = fmax(was.largest, ratio);
-    for (int d = 0; d < plan->dim; d++)
-        moves += x[d] != before[d];
-    if (!(moves > 0) || watch_admits(pass, node, before, ratio))
-        return;
-    const double fall = shorten(pass, star, before, scratch);
-    tally->decrease = was.decrease;
-    tally->improved = was.improved;
-    tally->restored = was.restored;
-    pl_sum_add(&tally->decrease, fall);
-    __atomic_fetch_add(&plan->scratch.watch->n_refused, fall > 0 ? 0 : 1, __ATOMIC_RELAXED);
-}
+/** Stars of one colour that are visited together, and then judged together. */
+typedef struct watched_visits {
+    double before[PL_CHUNK_STARS][3];
+    pl_star_gain gain[PL_CHUNK_STARS];
+    pl_watch_move move[PL_CHUNK_STARS];
+    int64_t star[PL_CHUNK_STARS]; /* of each move */
+} watched_visits;
 
-/* Stars whose memory is asked for ahead, in visits one at a time. */
-enum { AHEAD = 3 };
-
-/** Ask for the list of watched cells of a star before end. */
-PL_AT_ONCE void fetch_list(const colour_pass *pass, int64_t star, int64_t end) {
-    if (star < end)
-        pl_watch_fetch_list(pass->plan->scratch.watch, pass->problem->node[star]);
-}
-
-/** Ask for what the visit of a star will read and write beside its list: its ring. */
-PL_AT_ONCE void fetch_ring(const colour_pass *pass, int64_t star, int64_t end) {
-    const pl_star_problem *problem = pass->problem;
-    for (int64_t i = star < end ? problem->ring_offset[star] : 0;
-         star < end && i < problem->ring_offset[star + 1]; i++) {
-        pl_fetch_node(pass->plan->dim, problem->coordinates, problem->ring[i]);
-        pl_fetch_to_write(&problem->changed[problem->ring[i]]);
+/** Note the moves of stars begin .. end - 1 with watched cells; returns how many. ratio: the largest
+ *  that a star has. */
+static int note_moves(const colour_pass *pass, int64_t begin, int64_t end, double ratio,
+                      watched_visits *v) {
+    int n = 0;
+    for (int64_t i = begin; i < end; i++) {
+        const int32_t node = pass->problem->node[i];
+        const double way = way_from(pass, node, v->before[i - begin]);
+        if (way == 0 || !pl_watch_has(pass->plan->scratch.watch, node))
+            continue;
+        v->star[n] = i;
+        v->move[n++] =
+            (pl_watch_move){.node = node,
+                            .way = way,
+                            .is_refused = !keeps_ratios(pass, node, v->before[i - begin], ratio)};
     }
+    return n;
 }
 
-/** Visit stars begin .. end - 1 of a mesh with watched cells. */
+/** Take back the gain of a star whose move was refused, and try shorter ones. */
+static void refuse(const colour_pass *pass, int64_t star, const double *before,
+                   const pl_star_gain *gain, double *scratch, pl_star_tally *tally) {
+    const double fall = shorten(pass, star, before, scratch);
+    pl_sum_add(&tally->decrease, -gain->fall);
+    pl_sum_add(&tally->decrease, fall);
+    tally->improved -= gain->improved;
+    tally->restored -= gain->restored;
+    if (!(fall > 0))
+        __atomic_fetch_add(&pass->plan->scratch.watch->n_refused, 1, __ATOMIC_RELAXED);
+}
+
+/** Visit stars begin .. end - 1, PL_CHUNK_STARS at most, of a mesh with watched cells. A move that
+ *  would make one invalid, or worse than it may be, is shortened, or refused. Stars of one colour
+ *  share no cell, so all are moved first, and then judged in full blocks. */
 static void visit_watched(const colour_pass *pass, int64_t begin, int64_t end, double *scratch,
                           pl_star_tally *tally) {
-    const int all = pass->plan->work.corner != NULL;
-    for (int64_t i = begin; all && i < begin + AHEAD; i++) {
-        fetch_ring(pass, i, end);
-        fetch_list(pass, i, end);
-    }
+    const pl_star_problem *problem = pass->problem;
+    pl_watch *watch = pass->plan->scratch.watch;
+    const int dim = pass->plan->dim;
+    const double largest = tally->largest;
+    watched_visits v;
+    memset(v.gain, 0, sizeof v.gain);
     for (int64_t i = begin; i < end; i++) {
-        if (all) {
-            fetch_ring(pass, i + AHEAD, end);
-            fetch_list(pass, i + AHEAD, end);
-            pl_watch_fetch_cells(pass->plan->scratch.watch, pass->problem->node[i]);
-        }
-        if (!pl_watch_has(pass->plan->scratch.watch, pass->problem->node[i]))
-            continue;
-        visit_straight(pass, begin, i, scratch, tally);
-        visit_one_watched(pass, i, scratch, tally);
-        begin = i + 1;
+        memcpy(v.before[i - begin], problem->coordinates + (int64_t)problem->node[i] * dim,
+               (size_t)dim * sizeof **v.before);
+        pl_watch_fetch_list(watch, problem->node[i]);
     }
+    tally->largest = 0;
+    tally->gain = v.gain;
+    tally->first = begin;
     visit_straight(pass, begin, end, scratch, tally);
+    tally->gain = NULL;
+    for (int64_t i = begin; i < end; i++)
+        pl_watch_fetch_cells(watch, problem->node[i]);
+    const int n = note_moves(pass, begin, end, tally->largest, &v);
+    tally->largest = fmax(largest, tally->largest);
+    pl_watch_judge(watch, n, v.move);
+    for (int m = 0; m < n; m++)
+        if (v.move[m].is_refused)
+            refuse(pass, v.star[m], v.before[v.star[m] - begin], &v.gain[v.star[m] - begin],
+                   scratch, tally);
 }
 
 /** Visit stars begin .. end - 1, none of which is of the skin unless the problem is its visit's. */

@@ -16,27 +16,6 @@ enum {
 
 /* ---- after a move --------------------------------------------------------------------------- */
 
-/** Decide the cells of b, which were valid, and perhaps above their floor; 0 if one is not any more.
- */
-static int keep_valid(pl_watch *w, pl_watch_block *b) {
-    if (b->n > 0)
-        pl_watch_evaluate(w, b);
-    for (int l = 0; l < b->n; l++) {
-        const int32_t i = b->of[l];
-        const int was = w->state[i], valid = pl_watch_is_lane_valid(b, l);
-        pl_watch_keep_state(w, b, l, valid);
-        const int is_kept = valid && w->state[i] >= was;
-        w->state[i] = (uint8_t)was; /* what is better than it was is noted where the node stays */
-        if (!is_kept) {
-            if (w->n_refused_of[i] < UINT8_MAX)
-                w->n_refused_of[i]++;
-            return 0;
-        }
-    }
-    b->n = 0;
-    return 1;
-}
-
 /** Note which of the cells of b, which were not valid or below their floor, are so no more beyond
  *  doubt. */
 static void note_valid(pl_watch *w, pl_watch_block *b) {
@@ -96,39 +75,30 @@ int64_t pl_watch_find_refusers(const pl_watch *w, uint8_t *state) {
 
 /** Hexahedra in a block of floats. */
 typedef struct bricks {
-    int n,
-        n_asked; /* lanes in use; the first ones are asked for, others have room, for more of it */
-    int32_t of[LANES];
+    int n;
+    int32_t of[LANES]; /* watched cells */
     pl_brick_block block;
 } bricks;
 
-/** Add a watched hexahedron, relative to a place; 0: its size is not for floats. */
-PL_INLINE int add_brick(const pl_watch *w, int32_t i, const double *origin, bricks *b) {
+/** Add a watched hexahedron, relative to a place. */
+PL_INLINE void add_brick(const pl_watch *w, int32_t i, const double *origin, bricks *b) {
     const double *coordinates = w->plan->scratch.coordinates;
     const int32_t *node = w->node[i];
-    const int l = b->n;
-    float size = 0;
+    const int l = b->n++;
     for (int j = 0; j < 8; j++) {
         const double *x = coordinates + (int64_t)node[j] * 3;
-        for (int d = 0; d < 3; d++) {
-            const float a = (float)(x[d] - origin[d]), length = fabsf(a);
-            b->block.x[j][d][l] = a;
-            size = length > size ? length : size;
-        }
+        for (int d = 0; d < 3; d++)
+            b->block.x[j][d][l] = (float)(x[d] - origin[d]);
     }
     b->block.floor[l] = w->floor && w->state[i] & PL_WATCH_ABOVE
                             ? nextafterf((float)(w->floor[i] * 0.125), INFINITY)
                             : 0;
     b->of[l] = i;
-    if (!(size >= PL_BRICK_SMALL && size <= PL_BRICK_LARGE))
-        return 0;
-    b->n++;
-    return 1;
 }
 
-/** Certify bricks: those that floats certify get their rooms. left [LANES]: the others that are asked
- *  for; returns their number. */
-static int certify_bricks(pl_watch *w, bricks *b, int32_t left[LANES]) {
+/** Certify bricks: those that floats certify get their rooms. left [LANES]: the lanes of others;
+ *  returns their number. */
+static int certify_bricks(pl_watch *w, bricks *b, int left[LANES]) {
     int n = 0;
     for (int l = b->n; l < LANES; l++) {
         for (int j = 0; j < 8; j++)
@@ -138,100 +108,146 @@ static int certify_bricks(pl_watch *w, bricks *b, int32_t left[LANES]) {
     }
     pl_bricks_certify(&b->block);
     for (int l = 0; l < b->n; l++) {
-        const double room = b->block.room[l];
-        double *own = &w->room[b->of[l]];
-        if (l >= b->n_asked)
-            *own = room > *own ? room : *own;
-        else if (room > 0)
-            *own = room;
+        if (b->block.room[l] > 0)
+            w->room[b->of[l]] = b->block.room[l];
         else
-            left[n++] = b->of[l];
+            left[n++] = l;
     }
-    b->n = b->n_asked = 0;
+    b->n = 0;
     return n;
 }
 
-/** Decide the bricks, which were valid; those that floats do not certify with b. 0 if one is not
- *  valid any more. */
-static int keep_bricks_valid(pl_watch *w, bricks *h, pl_watch_block *b) {
-    int32_t left[LANES];
-    const int n = h->n > 0 ? certify_bricks(w, h, left) : 0;
-    for (int l = 0; l < n; l++) {
-        const pl_watch_rule *rule = w->rule[PLANISH_CELL_HEXAHEDRON];
-        if (is_full(b, rule) && !keep_valid(w, b))
-            return 0;
-        b->of[b->n] = left[l];
-        pl_watch_take(w, rule, pl_watch_cell(w, left[l]), 0, b);
+/** A watched cell that has no room left for a move. */
+typedef struct question {
+    int32_t cell;
+    int move;
+} question;
+
+/** Cells that are being decided, and the moves that they ask for. */
+typedef struct decision {
+    pl_watch *watch;
+    pl_watch_move *move;
+    bricks bricks;
+    pl_watch_block block;
+    int of_brick[LANES], of_lane[LANES]; /* the move of each lane */
+} decision;
+
+/** Decide the cells of the block, which were valid, and perhaps above their floor. */
+static void decide_block(decision *s) {
+    pl_watch *w = s->watch;
+    pl_watch_block *b = &s->block;
+    if (b->n > 0)
+        pl_watch_evaluate(w, b);
+    for (int l = 0; l < b->n; l++) {
+        const int32_t i = b->of[l];
+        const int was = w->state[i], valid = pl_watch_is_lane_valid(b, l);
+        pl_watch_keep_state(w, b, l, valid);
+        const int is_kept = valid && w->state[i] >= was;
+        w->state[i] = (uint8_t)was; /* what is better than it was is noted where the node stays */
+        pl_watch_move *move = &s->move[s->of_lane[l]];
+        if (!is_kept && !move->is_refused && w->n_refused_of[i] < UINT8_MAX)
+            w->n_refused_of[i]++; /* the first one alone */
+        move->is_refused |= !is_kept;
     }
-    return 1;
+    b->n = 0;
 }
 
-/** Decide a watched cell that was valid, at once or in a block that fills. 0 if one is not any more.
- */
-static int keep_one_valid(pl_watch *w, int32_t i, const double *origin, bricks *h,
-                          pl_watch_block *b) {
-    const pl_watch_rule *rule = w->rule[w->type[i]];
-    if (w->type[i] == PLANISH_CELL_HEXAHEDRON && !is_below(w, i) && add_brick(w, i, origin, h)) {
-        h->n_asked = h->n;
-        return h->n < LANES || keep_bricks_valid(w, h, b);
-    }
-    if (is_full(b, rule) && !keep_valid(w, b))
-        return 0;
+static void add_to_block(decision *s, int32_t i, int move) {
+    pl_watch_block *b = &s->block;
+    if (b->n == LANES)
+        decide_block(s);
     b->of[b->n] = i;
-    pl_watch_take(w, rule, pl_watch_cell(w, i), 0, b);
-    return 1;
+    s->of_lane[b->n] = move;
+    pl_watch_take(s->watch, s->watch->rule[s->watch->type[i]], pl_watch_cell(s->watch, i), 0, b);
+}
+
+/** Certify the bricks; those that floats do not certify go to the block. */
+static void decide_bricks(decision *s) {
+    int left[LANES];
+    const int n = s->bricks.n > 0 ? certify_bricks(s->watch, &s->bricks, left) : 0;
+    for (int k = 0; k < n; k++)
+        add_to_block(s, s->bricks.of[left[k]], s->of_brick[left[k]]);
+}
+
+static void add_to_bricks(decision *s, int32_t i, int move) {
+    const pl_watch *w = s->watch;
+    s->of_brick[s->bricks.n] = move;
+    add_brick(w, i, w->plan->scratch.coordinates + (int64_t)s->move[move].node * 3, &s->bricks);
+    if (s->bricks.n == LANES)
+        decide_bricks(s);
+}
+
+/** Decide the cells of n questions, type by type. */
+static void answer(decision *s, const question *of, int n) {
+    const pl_watch *w = s->watch;
+    for (int type = 1; type < PL_WATCH_TYPES && n > 0; type++) {
+        for (int k = 0; w->rule[type] && k < n; k++) {
+            const int32_t i = of[k].cell;
+            if (w->type[i] != type)
+                continue;
+            if (type == PLANISH_CELL_HEXAHEDRON && !is_below(w, i))
+                add_to_bricks(s, i, of[k].move);
+            else
+                add_to_block(s, i, of[k].move);
+        }
+        decide_bricks(s);
+        decide_block(s);
+    }
+}
+
+void pl_watch_judge(pl_watch *w, int n, pl_watch_move move[]) {
+    enum { QUESTIONS = 256 };
+    question of[QUESTIONS];
+    decision s;
+    int n_of = 0;
+    s.watch = w;
+    s.move = move;
+    s.bricks.n = s.block.n = 0;
+    for (int m = 0; m < n; m++) {
+        const int64_t end = w->begin[move[m].node + 1];
+        int64_t k = w->begin[move[m].node];
+        move[m].has_others = 0;
+        if (n_of > 0 &&
+            end - k > QUESTIONS - n_of) { /* what is decided first depends on no other */
+            answer(&s, of, n_of);
+            n_of = 0;
+        }
+        for (; !move[m].is_refused && k < end; k++) {
+            const int32_t i = w->watched[k];
+            const double room = w->room[i] - move[m].way;
+            if (room > 0) {
+                w->room[i] = room;
+                continue;
+            }
+            move[m].has_others |= !(w->state[i] & PL_WATCH_VALID) || is_below(w, i);
+            if (!(w->state[i] & PL_WATCH_VALID))
+                continue;
+            of[n_of++] = (question){i, m};
+            if (n_of == QUESTIONS) {
+                answer(&s, of, n_of);
+                n_of = 0;
+            }
+        }
+    }
+    if (n_of > 0)
+        answer(&s, of, n_of);
+    for (int m = 0; m < n; m++) {
+        if (move[m].is_refused) /* the node goes back */
+            pl_watch_forget(w, move[m].node);
+        else if (move[m].has_others)
+            look_again(w, move[m].node, &s.block);
+    }
+}
+
+int pl_watch_admit(pl_watch *w, int32_t node, double way) {
+    pl_watch_move move = {.node = node, .way = way};
+    pl_watch_judge(w, 1, &move);
+    return !move.is_refused;
 }
 
 void pl_watch_forget(pl_watch *w, int32_t node) {
     for (int64_t k = w->begin[node]; k < w->begin[node + 1]; k++)
         w->room[w->watched[k]] = w->type[w->watched[k]] ? 0 : INFINITY;
-}
-
-/** Let those hexahedra at node that have not much room left have the lanes that are free: they would
- *  ask for a block soon, and in other visits. */
-static void fill_bricks(const pl_watch *w, int32_t node, double length, bricks *h) {
-    enum { SOON = 16 }; /* moves as long as this one: twice of 8 corners */
-    const double *x = w->plan->scratch.coordinates + (int64_t)node * 3;
-    for (int64_t k = w->begin[node]; k < w->begin[node + 1] && h->n < LANES; k++) {
-        const int32_t i = w->watched[k];
-        int is_in = w->type[i] != PLANISH_CELL_HEXAHEDRON || !(w->room[i] > 0) ||
-                    w->room[i] > SOON * length;
-        for (int l = 0; l < h->n; l++)
-            is_in |= h->of[l] == i;
-        if (!is_in)
-            add_brick(w, i, x, h);
-    }
-}
-
-int pl_watch_admit(pl_watch *w, int32_t node, const double *way) {
-    static const double origin[3] = {0, 0, 0};
-    const int dim = w->plan->dim;
-    const double length = pl_distance(dim, way, origin);
-    const double *x = w->plan->scratch.coordinates + (int64_t)node * dim;
-    const int64_t end = w->begin[node + 1];
-    int is_fine = 1, any_bad = 0;
-    bricks h;
-    pl_watch_block b;
-    h.n = h.n_asked = b.n = 0;
-    for (int64_t k = w->begin[node]; k < end && is_fine; k++) {
-        const int32_t i = w->watched[k];
-        const double room = w->room[i] - length;
-        if (room > 0) {
-            w->room[i] = room;
-            continue;
-        }
-        any_bad |= !(w->state[i] & PL_WATCH_VALID) || is_below(w, i);
-        if (w->state[i] & PL_WATCH_VALID)
-            is_fine = keep_one_valid(w, i, x, &h, &b);
-    }
-    if (is_fine && h.n > 0)
-        fill_bricks(w, node, length, &h);
-    is_fine = is_fine && keep_bricks_valid(w, &h, &b) && keep_valid(w, &b);
-    if (!is_fine) /* the node goes back */
-        pl_watch_forget(w, node);
-    if (is_fine && any_bad)
-        look_again(w, node, &b);
-    return is_fine;
 }
 
 /* ---- measures ------------------------------------------------------------------------------- */
@@ -384,30 +400,27 @@ static void measure_block(pl_watch *w, pl_watch_block *b, measured *m) {
 /** Measure the cells of a chunk that one rule decides. */
 static void measure_type(pl_watch *w, int type, int64_t begin, int64_t end, measured *m) {
     const int is_brick = type == PLANISH_CELL_HEXAHEDRON && !w->floor;
-    const int dim = w->plan->dim;
-    int32_t left[LANES];
+    int left[LANES];
     bricks h;
     pl_watch_block b;
-    h.n = h.n_asked = b.n = 0;
+    h.n = b.n = 0;
     for (int64_t i = begin; i <= end; i++) {
-        int n_left = 0;
         if (i < end && w->type[i] != type)
             continue;
-        if (i < end) {
-            const double *x =
-                w->plan->scratch.coordinates + (int64_t)(is_brick ? w->node[i][0] : 0) * dim;
+        int n_left = i < end && !is_brick;
+        left[0] = 0;
+        h.of[0] = n_left ? (int32_t)i : h.of[0];
+        if (i < end)
             w->state[i] = PL_WATCH_VALID;
-            if (!is_brick || !add_brick(w, (int32_t)i, x, &h))
-                left[n_left++] = (int32_t)i;
-            h.n_asked = h.n;
-        }
+        if (i < end && is_brick)
+            add_brick(w, (int32_t)i, w->plan->scratch.coordinates + (int64_t)w->node[i][0] * 3, &h);
         if (h.n == LANES || (i == end && h.n > 0))
             n_left = certify_bricks(w, &h, left);
         for (int l = 0; l < n_left; l++) {
             if (b.n == LANES)
                 measure_block(w, &b, m);
-            b.of[b.n] = left[l];
-            pl_watch_take(w, w->rule[type], pl_watch_cell(w, left[l]), 0, &b);
+            b.of[b.n] = h.of[left[l]];
+            pl_watch_take(w, w->rule[type], pl_watch_cell(w, h.of[left[l]]), 0, &b);
         }
     }
     measure_block(w, &b, m);

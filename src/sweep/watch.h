@@ -26,7 +26,7 @@
  * watch.c; watch_cell.c has the decision of one cell, and the proof of its room
  *   pl_watch_measure, _decide     decide all of them, or one
  *   pl_watch_has_poor             whether a curved one is poor
- *   pl_watch_has, _admit          of one node, after its move
+ *   pl_watch_judge, _has, _admit   of nodes, after their moves
  *   pl_watch_forget               a node moved otherwise
  *   pl_watch_worst                measures of a node's cells
  *   pl_watch_fetch_list, _cells   ask for memory ahead
@@ -207,9 +207,20 @@ static inline int pl_watch_has(const pl_watch *w, int32_t node) {
     return w->begin[node + 1] > w->begin[node];
 }
 
-/** Whether the watched cells at a node that has moved by way [dim] may be as they are: none of those
- *  that were valid is invalid now, or below its floor. If not, the node is to go back. */
-int pl_watch_admit(pl_watch *watch, int32_t node, const double *way);
+/** Move of a node of inner number node, which has been made. */
+typedef struct pl_watch_move {
+    int32_t node;
+    uint8_t is_refused; /* the node is to go back */
+    uint8_t has_others; /* cells that were not valid, or below their floor */
+    double way;         /* its length */
+} pl_watch_move;
+
+/** Judge n moves of nodes of one colour: refused are those by which a watched cell that was valid is so
+ *  no more, or that was above its floor. Moves that are refused before are passed over. */
+void pl_watch_judge(pl_watch *watch, int n, pl_watch_move move[]);
+
+/** Return 0 if the move of a node, of this length, is refused. */
+int pl_watch_admit(pl_watch *watch, int32_t node, double way);
 
 /** Let the cells at the node of this inner number, which has moved otherwise than by a visit, have no
  *  room. */

@@ -946,12 +946,11 @@ static void step(lone_cell *c, double min_volume, unsigned *seed, walk *w) {
     const int dim = c->type->shape->dim, corners = c->type->shape->n_corners;
     const int node = (int)(test_random(seed) * corners) % corners;
     const double length = pow(10, -4 * test_random(seed));
-    double *x = c->x + node * dim, before[3], way[3], least, least_before;
+    double *x = c->x + node * dim, before[3], least, least_before;
     const int was = is_cell_valid(c, &least_before);
     for (int d = 0; d < dim; d++) {
         before[d] = x[d];
         x[d] += length * (2 * test_random(seed) - 1);
-        way[d] = x[d] - before[d];
     }
     const int decides = c->watch.type[0]; /* by what: 0: corners */
     const int is_linear = !decides || pl_cell_type_of(decides)->order == 1;
@@ -960,7 +959,8 @@ static void step(lone_cell *c, double min_volume, unsigned *seed, walk *w) {
                                    least > min_volume * (1 - 1e-9));
     int goes = !is_linear || has_positive_corners(c);
     if (goes) {
-        const int has_room = c->watch.room[0] > pl_distance(dim, way, (double[3]){0});
+        const double way = pl_distance(dim, x, before);
+        const int has_room = c->watch.room[0] > way;
         goes = pl_watch_admit(&c->watch, node, way);
         w->with_room += has_room && decides;
         if (goes && was && decides)
