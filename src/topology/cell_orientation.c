@@ -363,14 +363,18 @@ typedef struct set_count {
 /* A summed measure tells the sign where it is more than this part of the measures without signs. */
 #define TELLING 1e-9
 
+static void measure_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const cell_sets *s = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        s->measure[i] = counted_type(s, i) ? measure_of(s, i) : 0;
+}
+
 static void find_own_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const cell_sets *s = context;
     (void)thread;
-    for (int64_t i = begin; i < end; i++) {
-        const int is_counted = counted_type(s, i) != NULL;
-        s->sign[i] = (int8_t)(is_counted ? sign_by_corners(s, i) : 0);
-        s->measure[i] = is_counted ? measure_of(s, i) : 0;
-    }
+    for (int64_t i = begin; i < end; i++)
+        s->sign[i] = (int8_t)(counted_type(s, i) ? sign_by_corners(s, i) : 0);
 }
 
 /** Number the sets: parent becomes the number of each element's set, and flip what it is against
@@ -389,39 +393,53 @@ static int64_t number_sets(cell_sets *s) {
     return n;
 }
 
-/** Count the elements of all sets; of_type: the surplus of positive signs by types. One after the
- *  other, so that sums are the same on any number of threads. */
-static void count_sets(const cell_sets *s, set_count *count, int64_t *of_type) {
+/** Measure all sets. One element after the other, so that sums are the same on any number of threads. */
+static void measure_sets(const cell_sets *s, set_count *count) {
     for (int64_t i = 0; i < s->cells->n; i++) {
-        if (!counted_type(s, i))
-            continue;
         set_count *set = &count[s->parent[i]];
-        of_type[s->cells->type[i]] += s->sign[i];
-        set->surplus += s->flip[i] * s->sign[i];
-        set->n++;
+        set->n += counted_type(s, i) != NULL;
         set->measure += s->flip[i] * s->measure[i];
         set->size += fabs(s->measure[i]);
     }
 }
 
-/** Find the sign of each element from its own. */
+static int tells(const set_count *set) {
+    return fabs(set->measure) > TELLING * set->size;
+}
+
+/** Count the signs of the elements of all sets; of_type: the surplus of positive ones by types. */
+static void count_signs(const cell_sets *s, set_count *count, int64_t *of_type) {
+    for (int64_t i = 0; i < s->cells->n; i++) {
+        of_type[s->cells->type[i]] += s->sign[i];
+        count[s->parent[i]].surplus += s->flip[i] * s->sign[i];
+    }
+}
+
+/** Find the sign of each element by the measure of its set; where that does not tell, by the elements'
+ *  own signs, which are looked at only then. */
 static int find_signs(cell_sets *s, int threads) {
     int64_t of_type[UINT8_MAX + 1] = {0};
-    const int64_t n = s->cells->n;
+    const int64_t n = s->cells->n, n_sets = number_sets(s);
     s->measure = pl_alloc(n, sizeof *s->measure);
-    set_count *count = pl_alloc_zero(number_sets(s), sizeof *count);
+    set_count *count = pl_alloc_zero(n_sets, sizeof *count);
     const int is_there = s->measure && count;
+    int all_tell = 1;
     if (is_there) {
+        pl_parallel_for(threads, n, CHUNK, measure_chunk, s);
+        measure_sets(s, count);
+    }
+    for (int64_t k = 0; is_there && k < n_sets; k++)
+        all_tell &= count[k].n == 0 || (count[k].n > 1 && tells(&count[k]));
+    if (!all_tell) {
         pl_parallel_for(threads, n, CHUNK, find_own_chunk, s);
-        count_sets(s, count, of_type);
+        count_signs(s, count, of_type);
     }
     for (int64_t i = 0; is_there && i < n; i++) {
         const set_count *set = &count[s->parent[i]];
         const pl_cell_type *type = counted_type(s, i);
         const int is_alone = set->n == 1 && type && type->shape->n_simplices != 1;
-        const int tells = fabs(set->measure) > TELLING * set->size;
         const int64_t surplus = is_alone ? of_type[s->cells->type[i]] : set->surplus;
-        const int is_positive = tells && !is_alone ? set->measure > 0 : surplus >= 0;
+        const int is_positive = tells(set) && !is_alone ? set->measure > 0 : surplus >= 0;
         s->sign[i] = (int8_t)(is_positive ? s->flip[i] : -s->flip[i]);
     }
     pl_free(s->measure);

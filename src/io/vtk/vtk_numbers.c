@@ -81,6 +81,23 @@ int vtk_whole(const char *data, int64_t i, const vtk_type *type, int swapped, in
     return 1;
 }
 
+/** Read whole numbers of 8 bytes, as most programs write cells. Return 0, and leave the cursor where it
+ *  is, if one of them is out of range. */
+static int read_long(const vtk_list *list, io_cursor *cursor, int64_t begin, int64_t end) {
+    const char *at = cursor->at;
+    int in_range = 1;
+    for (int64_t i = begin; i < end; i++) {
+        const int64_t value = io_load_i64(at + 8 * (i - begin), list->swapped);
+        if (list->wide)
+            list->wide[i] = value;
+        else
+            list->narrow[i] = (int32_t)value;
+        in_range &= list->wide || value == (int32_t)value;
+    }
+    cursor->at += in_range ? 8 * (end - begin) : 0;
+    return in_range;
+}
+
 int vtk_read_list(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                   planish_error *error) {
     const vtk_list *list = context;
@@ -92,6 +109,9 @@ int vtk_read_list(void *context, io_cursor *cursor, int64_t begin, int64_t end,
         cursor->at += 4 * (end - begin);
         return PLANISH_OK;
     }
+    if ((list->narrow || list->wide) && list->type && list->type->kind == VTK_SIGNED &&
+        list->type->size == 8 && read_long(list, cursor, begin, end))
+        return PLANISH_OK;
     for (int64_t i = begin; i < end; i++) {
         const char *at = cursor->at;
         int64_t value = 0;
