@@ -200,7 +200,7 @@ static int64_t orient_component(pl_features *w, int32_t *list, uint8_t *is_done)
             const int32_t f = list[i], g = w->beside[f][k];
             if (g < 0)
                 continue;
-            const int m = pl_edge_to(w->beside[g], f);
+            const int m = pl_edge_beside(w, f, k);
             const int agree = s->facet[f][k] != s->facet[g][m];
             if (!is_done[g]) {
                 if (!agree)
@@ -294,7 +294,7 @@ static int decide_edge(const pl_features *w, int32_t f, int k) {
         return PL_EDGE_FEATURE | PL_EDGE_APART;
     const pl_label *label = w->surface->label;
     const double cosine = pl_dot(3, s->normal[f], s->normal[g]);
-    const int crease = is_crease(w, f, k, g, pl_edge_to(w->beside[g], f), cosine);
+    const int crease = is_crease(w, f, k, g, pl_edge_beside(w, f, k), cosine);
     if (label[f].n_elements > 2 || label[g].n_elements > 2)
         return PL_EDGE_FEATURE | PL_EDGE_APART;
     const int apart = crease || cosine < COS_SEAM ? PL_EDGE_APART : 0;
@@ -315,7 +315,7 @@ static void decide_edges(void *context, int64_t begin, int64_t end, int thread) 
             const uint8_t kind = (uint8_t)(w->kind[f][k] | decide_edge(w, (int32_t)f, k));
             w->kind[f][k] = kind;
             if (g >= 0)
-                w->kind[g][pl_edge_to(w->beside[g], (int32_t)f)] = kind;
+                w->kind[g][pl_edge_beside(w, (int32_t)f, k)] = kind;
         }
 }
 

@@ -41,9 +41,16 @@ static inline int pl_corner_at(const planish_shape *shape, int32_t facet, int32_
     return v[0] == node ? 0 : v[1] == node ? 1 : 2;
 }
 
-/** The corner of facet where its edge to the facet beside begins. */
-static inline int pl_edge_to(const int32_t beside[3], int32_t other) {
-    return beside[0] == other ? 0 : beside[1] == other ? 1 : 2;
+/** The corner of a facet where its edge with nodes a and b begins. Two facets may share several edges. */
+static inline int pl_edge_with(const planish_shape *shape, int32_t facet, int32_t a, int32_t b) {
+    const int32_t *v = shape->facet[facet];
+    return v[0] != a && v[0] != b ? 1 : v[1] != a && v[1] != b ? 2 : 0;
+}
+
+/** The corner of the facet beside edge k of f where that edge begins. */
+static inline int pl_edge_beside(const pl_features *w, int32_t f, int k) {
+    const int32_t *v = w->shape->facet[f];
+    return pl_edge_with(w->shape, w->beside[f][k], v[k], v[(k + 1) % 3]);
 }
 
 /** Go around a node from corner *k of facet *f across edges without bits of apart, forwards or not. Returns
