@@ -121,7 +121,7 @@ typedef struct known {
 
 static const known KNOWN[] = {
     {"sphere", test_sphere_map, 6, 1, 1, 0, 1},     {"torus", test_torus_map, 1, 6, 3, 0, 1},
-    {"cylinder", test_cylinder_map, 3, 4, 3, 2, 3}, {"tee", test_tee_map, 2, 4, 1, 3, 2},
+    {"cylinder", test_cylinder_map, 3, 4, 3, 2, 3}, {"tee", test_tee_map, 2, 8, 2, 3, 2},
     {"fillet", test_fillet_map, 6, 2, 2, 0, 1},
 };
 enum { N_KNOWN = sizeof KNOWN / sizeof *KNOWN };
