@@ -36,7 +36,7 @@ enum { HALVINGS = 5 };
 /** Coordinates of a node, the mesh's. */
 static const double *stored(const pl_skin *skin, int32_t node) {
     const int32_t inner = skin->inner[node];
-    return inner < 0 ? skin->known[node] : skin->plan->scratch.coordinates + (int64_t)inner * 3;
+    return inner < 0 ? skin->known[node] : skin->coordinates + (int64_t)inner * 3;
 }
 
 /** Coordinates of a node in the shape's units. */
@@ -44,15 +44,6 @@ static void place_of(const pl_skin *skin, int32_t node, double x[3]) {
     const double *at = stored(skin, node);
     for (int d = 0; d < 3; d++)
         x[d] = at[d] * skin->shape->scale;
-}
-
-static int is_at(const double *x, const double *y) {
-    return x[0] == y[0] && x[1] == y[1] && x[2] == y[2];
-}
-
-/** Whether the skin moves a node. */
-static int is_of_skin(const pl_skin *skin, int32_t node) {
-    return skin->moves[node] >= PLANISH_CONSTRAINT_ON_PLANE && skin->moves[node] < PL_SKIN_FLAT;
 }
 
 /** Place of a node on the shape as it was first. */
@@ -124,7 +115,7 @@ static int is_first(const pl_skin *skin, int32_t facet) {
         const int32_t corner = skin->shape->facet[facet][j];
         double x[3];
         place_of(skin, corner, x);
-        if (!is_at(x, skin->shape->x[corner]))
+        if (!pl_skin_is_at(x, skin->shape->x[corner]))
             return 0;
     }
     return 1;
@@ -144,7 +135,7 @@ static void bound_facets(void *context, int64_t begin, int64_t end, int thread) 
 static int64_t bound_all(pl_skin *skin) {
     int64_t n = 0;
     const int64_t n_facets = skin->shape->n_facets;
-    pl_parallel_for(pl_paying_threads(skin->plan->threads, n_facets), n_facets, CHUNK_FACETS,
+    pl_parallel_for(pl_paying_threads(skin->threads, n_facets), n_facets, CHUNK_FACETS,
                     bound_facets, skin);
     for (int64_t t = 0; t < skin->shape->n_facets; t++)
         n += !(skin->bound[t] <= skin->tolerance[t]);
@@ -157,7 +148,7 @@ static void follow(pl_skin *skin, int32_t node) {
     double x[3];
     memcpy(skin->known[node], stored(skin, node), sizeof skin->known[node]);
     place_of(skin, node, x);
-    if (is_at(x, shape->x[node]))
+    if (pl_skin_is_at(x, shape->x[node]))
         skin->place[node] = first_place(shape, node);
     else if (skin->place[node].at >= 0)
         pl_shape_walk(shape, shape->node_class[node], x, &skin->place[node]);
@@ -169,33 +160,9 @@ int64_t pl_skin_follow(pl_skin *skin) {
     if (!skin->shape)
         return 0;
     for (int32_t node = 0; node < skin->shape->n_nodes; node++)
-        if (is_of_skin(skin, node) && !is_at(skin->known[node], stored(skin, node)))
+        if (pl_skin_has(skin, node) && !pl_skin_is_at(skin->known[node], stored(skin, node)))
             follow(skin, node);
     return bound_all(skin);
-}
-
-/** Whether a facet at a node is too far off. */
-static int is_off(const pl_skin *skin, int32_t node) {
-    const planish_shape *shape = skin->shape;
-    for (int64_t i = shape->offset[node]; i < shape->offset[node + 1]; i++)
-        if (!(skin->bound[shape->facet_of[i]] <= skin->tolerance[shape->facet_of[i]]))
-            return 1;
-    return 0;
-}
-
-int64_t pl_skin_put_back(pl_skin *skin, const double *given) {
-    const planish_plan *plan = skin->plan;
-    int64_t n = 0;
-    pl_skin_follow(skin);
-    for (int64_t i = 0; skin->shape && i < plan->work.n_nodes; i++) {
-        const int32_t node = skin->shape->number[pl_plan_node(plan, i)];
-        double *x = plan->scratch.coordinates + (int64_t)plan->inner[i] * 3;
-        if (node < 0 || is_at(x, given + 3 * i) || !is_off(skin, node))
-            continue;
-        memcpy(x, given + 3 * i, 3 * sizeof *x);
-        n++;
-    }
-    return n;
 }
 
 /* ---- visits ---------------------------------------------------------------------------------- */
@@ -304,7 +271,7 @@ static int keeps_near(const pl_skin_visit *v, const double *place, pl_skin_trial
 static void find_place(const pl_skin_visit *v, const double *x, pl_skin_trial *trial) {
     const pl_skin *skin = v->skin;
     const planish_shape *shape = skin->shape;
-    const pl_star_slide *slide = &skin->plan->slide[v->star];
+    const pl_star_slide *slide = &skin->slide[v->star];
     const int moves = skin->moves[v->node], node_class = shape->node_class[v->node];
     double at[3];
     trial->place = skin->place[v->node];
@@ -353,7 +320,7 @@ static void find_direction(const pl_skin *skin, int64_t star, int32_t node, doub
     double at[3];
     if (skin->moves[node] == PLANISH_CONSTRAINT_ON_PLANE ||
         skin->moves[node] == PLANISH_CONSTRAINT_ON_LINE)
-        memcpy(direction, skin->plan->slide[star].direction, 3 * sizeof *direction);
+        memcpy(direction, skin->slide[star].direction, 3 * sizeof *direction);
     else
         pl_shape_point(skin->shape, skin->shape->node_class[node], &skin->place[node], at,
                        direction);
@@ -362,7 +329,7 @@ static void find_direction(const pl_skin *skin, int64_t star, int32_t node, doub
 /** Find the trial at x, which becomes the accepted one; 0: there is none. */
 static int accept(pl_skin_visit *v, const double *x) {
     for (int i = 0; i < PL_SKIN_TRIALS; i++)
-        if (v->trial[i].is_known && is_at(v->trial[i].x, x)) {
+        if (v->trial[i].is_known && pl_skin_is_at(v->trial[i].x, x)) {
             const pl_skin_trial found = v->trial[i];
             v->trial[i] = v->trial[0];
             v->trial[0] = found;
@@ -384,7 +351,7 @@ planish_constraint pl_skin_project(int64_t node, double *point, double *directio
         find_direction(v->skin, v->star, v->node, v->direction);
     v->has_direction = 1;
     memcpy(direction, v->direction, sizeof v->direction);
-    if (is_at(point, v->start))
+    if (pl_skin_is_at(point, v->start))
         return kind;
     pl_from_to(3, v->start, point, way);
     const double far = pl_length(way),
@@ -412,10 +379,10 @@ int pl_skin_end_visit(pl_skin_visit *visit) {
     pl_skin *skin = visit->skin;
     const planish_shape *shape = skin->shape;
     const int32_t node = visit->node;
-    double *x = skin->plan->scratch.coordinates + (int64_t)skin->inner[node] * 3;
+    double *x = skin->coordinates + (int64_t)skin->inner[node] * 3;
     if (visit->is_off)
         __atomic_fetch_add(&skin->n_off, 1, __ATOMIC_RELAXED);
-    if (is_at(x, visit->start))
+    if (pl_skin_is_at(x, visit->start))
         return 1;
     if (!accept(visit, x)) {
         memcpy(x, visit->start, sizeof visit->start);
@@ -432,8 +399,8 @@ int pl_skin_end_visit(pl_skin_visit *visit) {
 planish_constraint pl_skin_ask(int64_t node, double *point, double *direction, void *user) {
     const pl_skin *skin = user;
     const int32_t own = skin->shape->number[node];
-    if (own >= 0 && is_of_skin(skin, own)) {
-        if (!is_at(point, skin->known[own]))
+    if (own >= 0 && pl_skin_has(skin, own)) {
+        if (!pl_skin_is_at(point, skin->known[own]))
             return PLANISH_CONSTRAINT_FIXED;
         find_direction(skin, skin->star[own], own, direction);
         return kind_of(skin, own);
@@ -546,6 +513,10 @@ static int is_curved(const pl_skin *skin, int32_t facet) {
     return !skin->is_planar[facet];
 }
 
+int pl_skin_is_curved(const pl_skin *skin, int32_t node) {
+    return any_facet(skin, node, is_curved);
+}
+
 static int has_corner(const pl_skin *skin, int32_t facet, int moves) {
     const int32_t *corner = skin->shape->facet[facet];
     return skin->moves[corner[0]] == moves || skin->moves[corner[1]] == moves ||
@@ -564,22 +535,20 @@ static int is_too_far(const pl_skin *skin, int32_t facet) {
     return !(skin->bound[facet] <= skin->tolerance[facet]);
 }
 
-/** Let the skin move the nodes on patches and curves; then find how those on planes and lines move. */
-static void find_moves(pl_skin *skin) {
-    const planish_plan *plan = skin->plan;
-    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++) {
+void pl_skin_find_moves(pl_skin *skin, const uint8_t *slides_by) {
+    for (int64_t s = 0; s < skin->n_stars; s++) {
         const int32_t node = skin->node[s];
-        if (node >= 0 && plan->slides_by[s] >= PLANISH_CONSTRAINT_ON_PATCH)
+        if (node >= 0 && slides_by[s] >= PLANISH_CONSTRAINT_ON_PATCH)
             skin->moves[node] =
-                skin->moves[node] == PL_SKIN_PAIRED ? PLANISH_CONSTRAINT_FIXED : plan->slides_by[s];
+                skin->moves[node] == PL_SKIN_PAIRED ? PLANISH_CONSTRAINT_FIXED : slides_by[s];
     }
-    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++) {
+    for (int64_t s = 0; s < skin->n_stars; s++) {
         const int32_t node = skin->node[s];
-        const uint8_t by = plan->slides_by[s];
+        const uint8_t by = slides_by[s];
         if (node < 0 || by >= PLANISH_CONSTRAINT_ON_SURFACE)
             continue;
         const int is_line = by == PLANISH_CONSTRAINT_ON_LINE;
-        if (!any_facet(skin, node, is_curved) && !(is_line && any_facet(skin, node, ends_at_curve)))
+        if (!pl_skin_is_curved(skin, node) && !(is_line && any_facet(skin, node, ends_at_curve)))
             skin->moves[node] = PL_SKIN_FLAT;
         else if (skin->moves[node] == PL_SKIN_PAIRED || skin->shape->node_class[node] == PL_CORNER)
             skin->moves[node] = PLANISH_CONSTRAINT_FIXED;
@@ -588,34 +557,11 @@ static void find_moves(pl_skin *skin) {
     }
 }
 
-/** Find how nodes move that follow others. Returns 0 without memory. */
-static int find_followers(pl_skin *skin) {
-    const planish_plan *plan = skin->plan;
-    const pl_visits *visits = &plan->sliding;
-    int32_t *of_inner =
-        visits->n_followers > 0 ? pl_alloc(plan->work.n_nodes, sizeof *of_inner) : NULL;
-    for (int64_t i = 0; of_inner && i < plan->work.n_nodes; i++)
-        of_inner[plan->inner[i]] = skin->shape->number[pl_plan_node(plan, i)];
-    for (int64_t k = 0; of_inner && k < visits->n_followers; k++) {
-        const pl_follower *f = &visits->follower[k];
-        const int32_t node = f->node < plan->work.n_nodes ? of_inner[f->node] : -1;
-        const int32_t leader = of_inner[f->of];
-        if (node < 0)
-            continue;
-        skin->moves[node] = leader >= 0 && skin->moves[leader] == PLANISH_CONSTRAINT_FIXED
-                                ? PLANISH_CONSTRAINT_FIXED
-                            : any_facet(skin, node, is_curved) ? PL_SKIN_LOOSE
-                                                               : PL_SKIN_FLAT;
-    }
-    pl_free(of_inner);
-    return of_inner || visits->n_followers == 0;
-}
-
 /** Hold the nodes of the skin with a facet such as test says. Returns how many there are. */
 static int64_t hold(pl_skin *skin, int (*test)(const pl_skin *skin, int32_t facet)) {
     int64_t n = 0;
     for (int32_t node = 0; node < skin->shape->n_nodes; node++)
-        if (is_of_skin(skin, node) && any_facet(skin, node, test)) {
+        if (pl_skin_has(skin, node) && any_facet(skin, node, test)) {
             skin->moves[node] = PLANISH_CONSTRAINT_FIXED;
             n++;
         }
@@ -635,52 +581,17 @@ static void hold_far(pl_skin *skin) {
                skin->n_held);
 }
 
-/** Number the nodes of the shape that the plan has, with those that it may move, and their stars. */
-static void number_nodes(pl_skin *skin) {
-    const planish_plan *plan = skin->plan;
-    const planish_shape *shape = skin->shape;
-    memset(skin->inner, -1, (size_t)shape->n_nodes * sizeof *skin->inner);
-    memset(skin->star, -1, (size_t)shape->n_nodes * sizeof *skin->star);
-    for (int64_t i = 0; i < plan->work.n_nodes; i++) {
-        const int32_t node = shape->number[pl_plan_node(plan, i)];
-        if (node < 0)
-            continue;
-        skin->inner[node] = plan->inner[i];
-        skin->moves[node] = plan->work.mobility[i] == PL_HELD ? PLANISH_CONSTRAINT_FIXED
-                            : plan->is_used[i] & PL_IN_PAIR   ? PL_SKIN_PAIRED
-                                                              : PL_SKIN_LOOSE;
-    }
-    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++) {
-        skin->node[s] = shape->number[plan->slide[s].node];
-        if (skin->node[s] >= 0)
-            skin->star[skin->node[s]] = (int32_t)s;
-    }
+int pl_skin_is_off(const pl_skin *skin, int32_t node) {
+    return any_facet(skin, node, is_too_far);
 }
 
-/** Tell the plan how its nodes slide in this run. */
-static void set_slides(planish_plan *plan, const pl_skin *skin) {
-    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++) {
-        const planish_constraint by = (planish_constraint)plan->slides_by[s];
-        plan->slide[s].kind = by < PLANISH_CONSTRAINT_ON_PATCH ? by : PLANISH_CONSTRAINT_ON_LINE;
-        if (!skin->shape)
-            continue;
-        const int32_t node = skin->node[s];
-        if (node >= 0 && skin->moves[node] < PL_SKIN_FLAT)
-            plan->slide[s].kind = PLANISH_CONSTRAINT_ON_SURFACE;
-        if (node >= 0 && !is_of_skin(skin, node))
-            skin->node[s] = -1;
-    }
-}
-
-/** Take the places of all nodes. coordinates: the caller's. */
-static void take_places(pl_skin *skin, const double *coordinates) {
+/** Take the places of all nodes, whose coordinates the caller has. */
+static void take_places(pl_skin *skin, const pl_points *points) {
     const planish_shape *shape = skin->shape;
-    const pl_points points = pl_plan_all_points(skin->plan, coordinates);
     for (int32_t node = 0; node < shape->n_nodes; node++) {
         skin->place[node] = first_place(shape, node);
         for (int d = 0; d < 3 && skin->inner[node] < 0; d++)
-            skin->known[node][d] =
-                coordinates[(int64_t)shape->node[node] * points.step + d * points.apart];
+            skin->known[node][d] = points->x[pl_point_at(points, shape->node[node], d)];
         if (skin->inner[node] >= 0)
             follow(skin, node);
     }
@@ -694,7 +605,7 @@ static int allocate(pl_skin *skin) {
         skin->max_facets = at > skin->max_facets ? at : skin->max_facets;
     }
     skin->room_stride = (PL_SKIN_TRIALS + 4) * skin->max_facets;
-    skin->node = pl_alloc(skin->plan->sliding.stars.n_stars, sizeof *skin->node);
+    skin->node = pl_alloc(skin->n_stars, sizeof *skin->node);
     skin->star = pl_alloc(n, sizeof *skin->star);
     skin->inner = pl_alloc(n, sizeof *skin->inner);
     skin->moves = pl_alloc_zero(n, sizeof *skin->moves);
@@ -703,35 +614,25 @@ static int allocate(pl_skin *skin) {
     skin->bound = pl_alloc_zero(n_facets, sizeof *skin->bound);
     skin->tolerance = pl_alloc(n_facets, sizeof *skin->tolerance);
     skin->is_planar = pl_alloc(n_facets, sizeof *skin->is_planar);
-    skin->room = pl_alloc(skin->room_stride * skin->plan->threads, sizeof *skin->room);
+    skin->room = pl_alloc(skin->room_stride * skin->threads, sizeof *skin->room);
     return skin->node && skin->star && skin->inner && skin->moves && skin->known && skin->place &&
            skin->bound && skin->tolerance && skin->is_planar && skin->room;
 }
 
-int pl_skin_create(planish_plan *plan, const planish_options *options, const double *coordinates,
-                   pl_skin *skin, planish_error *error) {
-    *skin = (pl_skin){.plan = plan,
-                      .shape = options->shape,
-                      .project = options->project,
-                      .project_user = options->project_user,
-                      .storage = pl_storage_of(options)};
-    if (skin->shape) {
-        const int has_room = allocate(skin);
-        if (has_room)
-            find_tolerances(skin, options);
-        if (!has_room || !find_planar(skin))
-            return pl_fail_memory(error, "the surface of a mesh");
-        number_nodes(skin);
-        find_moves(skin);
-        if (!find_followers(skin))
-            return pl_fail_memory(error, "the surface of a mesh");
-        hold(skin, is_loose);
-        take_places(skin, coordinates);
-        bound_all(skin);
-        hold_far(skin);
-    }
-    set_slides(plan, skin);
+int pl_skin_make(const planish_options *options, pl_skin *skin, planish_error *error) {
+    const int has_room = allocate(skin);
+    if (has_room)
+        find_tolerances(skin, options);
+    if (!has_room || !find_planar(skin))
+        return pl_fail_memory(error, "the surface of a mesh");
     return PLANISH_OK;
+}
+
+void pl_skin_begin(pl_skin *skin, const pl_points *points) {
+    hold(skin, is_loose);
+    take_places(skin, points);
+    bound_all(skin);
+    hold_far(skin);
 }
 
 void pl_skin_destroy(pl_skin *skin) {

@@ -9,12 +9,16 @@
  * The facets of a node are in its elements, and the nodes across edges have other colours
  * (plan/across.c): so each facet has one writer at a time.
  *
- *   pl_skin_create, _destroy       places and bounds of a run
+ * skin_plan.c
+ *   pl_skin_create                 of a run on a plan's mesh
+ *   pl_skin_put_back               nodes whose facets are too far off
+ * skin.c
+ *   pl_skin_make, _find_moves, _begin, _destroy    places and bounds
+ *   pl_skin_has, _is_curved, _is_off, _is_at       of a node; of places
  *   pl_skin_begin_visit, _end      frame of the visit of a node
  *   pl_skin_project                where the node of a visit may be (a planish_project_fn)
  *   pl_skin_ask                    where nodes are (likewise)
  *   pl_skin_follow                 nodes have moved otherwise
- *   pl_skin_put_back               nodes whose facets are too far off
  *   pl_skin_save, _restore         for trials
  */
 #ifndef PL_SWEEP_SKIN_H
@@ -34,12 +38,16 @@ enum {
 /** The skin of a run. Nodes and facets have the shape's numbers, lengths its units but where said
  *  otherwise. Arrays are owned. */
 typedef struct pl_skin {
-    const planish_plan *plan;
-    const planish_shape *shape;  /* NULL: there is none, and the rest is not used */
+    const planish_plan *plan;   /* NULL: the mesh is a surface itself */
+    const planish_shape *shape; /* NULL: there is none, and the rest is not used */
+    double *coordinates;        /* by inner numbers, in the mesh's units; not owned */
+    const pl_star_slide *slide; /* [n_stars] planes and lines of stars; not owned */
+    int64_t n_stars;            /* that slide */
+    int threads;
     planish_project_fn *project; /* the caller's, of other nodes */
     void *project_user;
     pl_storage storage;
-    int32_t *node;      /* [sliding stars] of the skin; -1: the star's is not */
+    int32_t *node;      /* [n_stars] of the skin; -1: the star's is not */
     int32_t *star;      /* [n_nodes] sliding star of each; -1: it has none */
     int32_t *inner;     /* [n_nodes] inner number, -1: not of the plan */
     uint8_t *moves;     /* [n_nodes] how */
@@ -83,6 +91,34 @@ typedef struct pl_skin_visit {
  *  coordinates: the caller's. Errors: _MEMORY. */
 int pl_skin_create(planish_plan *plan, const planish_options *options, const double *coordinates,
                    pl_skin *skin, planish_error *error);
+
+/** Make the arrays of a skin that has coordinates, slide, n_stars, threads and shape, with tolerances.
+ *  Errors: _MEMORY. */
+int pl_skin_make(const planish_options *options, pl_skin *skin, planish_error *error);
+
+/** Let the skin, whose node and moves are set, move the nodes on patches and curves; then find how those
+ *  on planes and lines move. slides_by [n_stars]: planish_constraint of each. */
+void pl_skin_find_moves(pl_skin *skin, const uint8_t *slides_by);
+
+/** Take the places of all nodes, which are at points, and the bounds of facets; hold what is loose, or too
+ *  far off. */
+void pl_skin_begin(pl_skin *skin, const pl_points *points);
+
+/** Whether two places [3] are the same. */
+static inline int pl_skin_is_at(const double *x, const double *y) {
+    return x[0] == y[0] && x[1] == y[1] && x[2] == y[2];
+}
+
+/** Whether the skin moves a node. */
+static inline int pl_skin_has(const pl_skin *skin, int32_t node) {
+    return skin->moves[node] >= PLANISH_CONSTRAINT_ON_PLANE && skin->moves[node] < PL_SKIN_FLAT;
+}
+
+/** Whether a facet at a node is of a curved patch. */
+int pl_skin_is_curved(const pl_skin *skin, int32_t node);
+
+/** Whether a facet at a node is too far off. */
+int pl_skin_is_off(const pl_skin *skin, int32_t node);
 
 /** Free the arrays of skin. */
 void pl_skin_destroy(pl_skin *skin);
