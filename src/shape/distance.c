@@ -3,12 +3,13 @@
  * Both ways it is the overlay of each facet. For the way back the roles are swapped: the new surface
  * is a shape of the same facets, and places on it are walked to. Where the overlay says nothing, as
  * at folds, a facet is divided: the distance from one triangle is convex, so that a part of the facet
- * is no farther off it than the part's corners. That needs no frame, and takes a hundred times as long. */
+ * is no farther off it than the part's corners. That takes a hundred times as long. */
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
 #include "shape/nearest.h"
 #include "shape/overlay.h"
+#include "shape/tree.h"
 
 #include <string.h>
 
@@ -40,19 +41,38 @@ static double off_facet(const planish_shape *s, int32_t facet, const double x[3]
     return most;
 }
 
-/** Bound the distance of a triangle from the patch around facet near; known, if that is more. */
-static double divide(const planish_shape *s, const double x[3][3], int32_t near, double known,
-                     int depth) {
-    double middle[3], part[4][3][3];
+/** A patch to which distances are found. */
+typedef struct pl_target {
+    const planish_shape *shape;
+    const pl_tree *tree; /* of its facets */
+    int32_t patch;
+} pl_target;
+
+/** Squared distance of a facet of the patch from a point. */
+static double square_off(const void *context, int32_t facet, const double point[3]) {
+    const pl_target *t = context;
+    const int32_t *node = t->shape->facet[facet];
+    const double *const corner[3] = {t->shape->x[node[0]], t->shape->x[node[1]],
+                                     t->shape->x[node[2]]};
+    double weight[3] = {1, 0, 0};
+    return t->shape->patch[facet] == t->patch ? pl_nearest_on_triangle(point, corner, weight)
+                                              : INFINITY;
+}
+
+/** Bound the distance of a triangle from a patch; known, if that is more. */
+static double divide(const pl_target *t, const double x[3][3], double known, int depth) {
+    const planish_shape *s = t->shape;
+    double middle[3], part[4][3][3], square = INFINITY;
     for (int d = 0; d < 3; d++)
         middle[d] = (x[0][d] + x[1][d] + x[2][d]) / 3;
-    pl_place place = {near, {1. / 3, 1. / 3, 1. / 3}};
-    const double least = pl_shape_walk(s, PL_ON_PATCH, middle, &place);
-    double bound = off_facet(s, place.at, x);
+    const int32_t near = pl_tree_nearest(t->tree, middle, square_off, t, &square);
+    if (near < 0)
+        return INFINITY;
+    double bound = off_facet(s, near, x);
     for (int k = 0; k < 3; k++)
-        if (s->across[place.at][k] >= 0)
-            bound = fmin(bound, off_facet(s, s->across[place.at][k], x));
-    if (bound <= known || bound <= GOOD * least || depth == 0)
+        if (s->across[near][k] >= 0)
+            bound = fmin(bound, off_facet(s, s->across[near][k], x));
+    if (bound <= known || bound <= GOOD * sqrt(square) || depth == 0)
         return fmax(bound, known);
     for (int k = 0; k < 3; k++)
         for (int d = 0; d < 3; d++) {
@@ -61,63 +81,118 @@ static double divide(const planish_shape *s, const double x[3][3], int32_t near,
                 (x[k][d] + x[(k + 1) % 3][d]) / 2;
         }
     for (int i = 0; i < 4; i++)
-        known = divide(s, (const double(*)[3])part[i], place.at, known, depth - 1);
+        known = divide(t, (const double(*)[3])part[i], known, depth - 1);
     return known;
 }
 
 /* ---- all facets --------------------------------------------------------------------------- */
 
+enum { THERE, BACK, WAYS };
+
 typedef struct pl_measuring {
-    const planish_shape *shape;
-    planish_shape moved; /* the new surface, by its x and normal; all else is that of shape */
+    /* The new surface is a shape of the same facets, by its x and normal. */
+    planish_shape surface[WAYS]; /* from which distances are: the first one, the new one */
+    pl_tree tree[WAYS];          /* their facets */
     const pl_place *place;
-    pl_shape_distance *distance;
-    double bend; /* 1 - the least cosine */
+    double (*bound)[WAYS]; /* [n_facets] */
+    double bend;           /* 1 - the least cosine */
+    int64_t n_open[WAYS];  /* facets about which the overlay says nothing */
 } pl_measuring;
 
-/** Bound how far facets with these corners are off a shape; infinite: not known. */
-static double bound_of(const planish_shape *s, const pl_moved_facet *t) {
-    const double lateral = pl_overlay_lateral(s, t);
-    double bound = pl_overlay_bound(s, t, lateral, INFINITY);
-    if (bound < INFINITY)
-        return bound;
-    bound = divide(s, t->x, t->facet, 0, DEEPEST);
-    return bound < INFINITY ? bound : INFINITY;
+/** Facet i of the surface that is not the target. */
+static pl_moved_facet facet_of(const pl_measuring *m, int way, int64_t i) {
+    pl_moved_facet t = {.facet = (int32_t)i};
+    for (int k = 0; k < 3; k++) {
+        const int32_t node = m->surface[way].facet[i][k];
+        memcpy(t.x[k], m->surface[!way].x[node], sizeof t.x[k]);
+        t.place[k] = m->place[node];
+        if (way == BACK)
+            t.place[k].at = -1;
+    }
+    return t;
 }
 
-/** Take a bound of a facet into the largest ones, absolute and in mean edges. */
-static void take(pl_measuring *m, double bound, double h, double *most, double *most_h) {
-    pl_raise_double(most, bound);
-    pl_raise_double(most_h, bound / h);
-    if (!(bound < INFINITY))
-        __atomic_fetch_add(&m->distance->n_unproved, 1, __ATOMIC_RELAXED);
-}
-
-static void measure_facets(void *context, int64_t begin, int64_t end, int thread) {
+/** Bound the distances of facets by overlays. */
+static void overlay_facets(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     pl_measuring *m = context;
-    const planish_shape *s = m->shape, *moved = &m->moved;
-    for (int64_t i = begin; i < end; i++) {
-        pl_moved_facet there = {.facet = (int32_t)i}, back = there;
-        for (int k = 0; k < 3; k++) {
-            const int32_t node = s->facet[i][k];
-            memcpy(there.x[k], moved->x[node], sizeof there.x[k]);
-            memcpy(back.x[k], s->x[node], sizeof back.x[k]);
-            there.place[k] = m->place[node];
-            back.place[k].at = -1;
+    for (int64_t i = begin; i < end; i++)
+        for (int way = 0; way < WAYS; way++) {
+            const planish_shape *s = &m->surface[way];
+            const pl_moved_facet t = facet_of(m, way, i);
+            m->bound[i][way] = pl_overlay_bound(s, &t, pl_overlay_lateral(s, &t), INFINITY);
+            if (!(m->bound[i][way] < INFINITY))
+                __atomic_fetch_add(&m->n_open[way], 1, __ATOMIC_RELAXED);
         }
-        if (memcmp(there.x, back.x, sizeof back.x) == 0)
-            continue;
-        const double h = pl_shape_edge(s, (int32_t)i);
-        take(m, bound_of(s, &there), h, &m->distance->there, &m->distance->there_h);
-        take(m, bound_of(moved, &back), h, &m->distance->back, &m->distance->back_h);
+}
+
+/** Divide facets that have no bound. */
+static void divide_facets(void *context, int64_t begin, int64_t end, int thread) {
+    (void)thread;
+    pl_measuring *m = context;
+    for (int64_t i = begin; i < end; i++)
+        for (int way = 0; way < WAYS; way++) {
+            const planish_shape *s = &m->surface[way];
+            const pl_target target = {s, &m->tree[way], s->patch[i]};
+            const pl_moved_facet t = facet_of(m, way, i);
+            if (!(m->bound[i][way] < INFINITY))
+                m->bound[i][way] = divide(&target, t.x, 0, DEEPEST);
+        }
+}
+
+/** Make the tree of a surface's facets. Errors: _MEMORY. */
+static int plant(const planish_shape *s, int threads, pl_tree *tree, planish_error *error) {
+    pl_box3 *box = pl_alloc(s->n_facets, sizeof *box);
+    if (!box)
+        return pl_fail_memory(error, "the distance of surfaces");
+    for (int64_t i = 0; i < s->n_facets; i++)
+        for (int d = 0; d < 3; d++) {
+            const double a = s->x[s->facet[i][0]][d], b = s->x[s->facet[i][1]][d];
+            const double c = s->x[s->facet[i][2]][d];
+            box[i].lower[d] = fmin(fmin(a, b), c);
+            box[i].upper[d] = fmax(fmax(a, b), c);
+        }
+    const int status = pl_tree_create(s->n_facets, box, threads, tree, error);
+    pl_free(box);
+    return status;
+}
+
+/** Bound the distance of all facets, both ways. Errors: _MEMORY. */
+static int bound_facets(pl_measuring *m, int threads, planish_error *error) {
+    const int64_t n = m->surface[THERE].n_facets;
+    pl_parallel_for(threads, n, FACETS, overlay_facets, m);
+    if (m->n_open[THERE] == 0 && m->n_open[BACK] == 0)
+        return PLANISH_OK;
+    int status = 0;
+    for (int way = 0; way < WAYS && !status; way++)
+        status = plant(&m->surface[way], threads, &m->tree[way], error);
+    if (!status)
+        pl_parallel_for(threads, n, FACETS, divide_facets, m);
+    for (int way = 0; way < WAYS; way++)
+        pl_tree_destroy(&m->tree[way]);
+    return status;
+}
+
+/** Take the bounds of all facets together. */
+static void sum_up(const pl_measuring *m, pl_shape_distance *distance) {
+    const planish_shape *s = &m->surface[THERE];
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        const double h = pl_shape_edge(s, (int32_t)i), *bound = m->bound[i];
+        distance->there = fmax(distance->there, bound[THERE]);
+        distance->back = fmax(distance->back, bound[BACK]);
+        if (bound[THERE] > 0)
+            distance->there_h = fmax(distance->there_h, bound[THERE] / h);
+        if (bound[BACK] > 0)
+            distance->back_h = fmax(distance->back_h, bound[BACK] / h);
+        distance->n_unproved += !(bound[THERE] < INFINITY) + !(bound[BACK] < INFINITY);
     }
+    distance->sharpest = 1 - m->bend;
 }
 
 /** Compute the new normals. */
 static void compute_normals(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
-    planish_shape *s = &((pl_measuring *)context)->moved;
+    planish_shape *s = &((pl_measuring *)context)->surface[BACK];
     for (int64_t i = begin; i < end; i++) {
         const int32_t *node = s->facet[i];
         double u[3], v[3], normal[3];
@@ -133,7 +208,7 @@ static void compute_normals(void *context, int64_t begin, int64_t end, int threa
 static void measure_bends(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     pl_measuring *m = context;
-    const planish_shape *s = &m->moved;
+    const planish_shape *s = &m->surface[BACK];
     for (int64_t i = begin; i < end; i++)
         for (int k = 0; k < 3; k++)
             if (s->across[i][k] > i)
@@ -150,24 +225,27 @@ static int are_finite(const double (*x)[3], int64_t n) {
 
 int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_place *place,
                      int threads, pl_shape_distance *distance, planish_error *error) {
-    pl_measuring m = {.shape = shape, .moved = *shape, .place = place, .distance = distance};
+    pl_measuring m = {.surface = {*shape, *shape}, .place = place};
+    planish_shape *now = &m.surface[BACK];
     const int64_t n = shape->n_facets;
-    m.moved.x = pl_alloc(shape->n_nodes, sizeof *m.moved.x);
-    m.moved.normal = pl_alloc(n, sizeof *m.moved.normal);
-    memset(distance, 0, sizeof *distance);
+    now->x = pl_alloc(shape->n_nodes, sizeof *now->x);
+    now->normal = pl_alloc(n, sizeof *now->normal);
+    m.bound = pl_alloc(n, sizeof *m.bound);
+    *distance = (pl_shape_distance){.there = 0};
     int status = 0;
-    if (!are_finite(x, shape->n_nodes)) {
+    if (!now->x || !now->normal || !m.bound) {
+        status = pl_fail_memory(error, "the distance of surfaces");
+    } else if (!are_finite(x, shape->n_nodes)) {
         *distance = (pl_shape_distance){INFINITY, INFINITY, INFINITY, INFINITY, 2 * n, -1};
-    } else if (m.moved.x && m.moved.normal) {
-        memcpy(m.moved.x, x, (size_t)shape->n_nodes * sizeof *x);
+    } else {
+        memcpy(now->x, x, (size_t)shape->n_nodes * sizeof *x);
         pl_parallel_for(threads, n, FACETS, compute_normals, &m);
         pl_parallel_for(threads, n, FACETS, measure_bends, &m);
-        pl_parallel_for(threads, n, FACETS, measure_facets, &m);
-        distance->sharpest = 1 - m.bend;
-    } else {
-        status = pl_fail_memory(error, "the distance of surfaces");
+        status = bound_facets(&m, threads, error);
+        sum_up(&m, distance);
     }
-    pl_free(m.moved.x);
-    pl_free(m.moved.normal);
+    pl_free(now->x);
+    pl_free(now->normal);
+    pl_free(m.bound);
     return status;
 }

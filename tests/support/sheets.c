@@ -352,3 +352,15 @@ double sheet_judge_distance(const sheet_judge *j, int32_t patch, const double po
     }
     return least;
 }
+
+double sheet_cosine(const sheet_judge *j, int32_t a, int32_t b) {
+    double normal[2][3];
+    for (int i = 0; i < 2; i++) {
+        const double(*x)[3] = (const double(*)[3])j->corner[i ? b : a];
+        double u[3], v[3];
+        pl_subtract(3, x[1], x[0], u);
+        pl_subtract(3, x[2], x[0], v);
+        pl_cross(u, v, normal[i]);
+    }
+    return pl_dot(3, normal[0], normal[1]) / (pl_length(normal[0]) * pl_length(normal[1]));
+}

@@ -53,6 +53,9 @@ void sheet_judge_destroy(sheet_judge *judge);
 /** Distance of a point from a patch (-1: from all). */
 double sheet_judge_distance(const sheet_judge *judge, int32_t patch, const double point[3]);
 
+/** Cosine between two facets. */
+double sheet_cosine(const sheet_judge *judge, int32_t a, int32_t b);
+
 /** Distance of a point from the segment from a to b. */
 double sheet_from_segment(const double a[3], const double b[3], const double point[3]);
 
