@@ -1,11 +1,13 @@
 /* planish_shape: layers, regions, interfaces, and the surface that nodes may slide on. */
 #include "shape/curved.h"
+#include "shape/overlay.h"
 #include "shape/shape.h"
 
 #include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "geometry/arc_cosine.h"
 #include "topology/cells.h"
 #include "topology/points.h"
 #include "topology/topology.h"
@@ -466,4 +468,89 @@ void planish_shape_get_classes(const planish_shape *shape, uint8_t *node_class) 
     for (int64_t i = 0; i < shape->n_mesh; i++)
         node_class[i] =
             shape->number[i] < 0 ? PLANISH_SHAPE_NONE : CLASS[shape->node_class[shape->number[i]]];
+}
+
+/** Where the nodes of a shape are now. */
+typedef struct moved_shape {
+    const planish_shape *shape;
+    const pl_points *points; /* of the mesh's nodes */
+    double (*x)[3];          /* [n_nodes] in the shape's units */
+    pl_place *place;         /* [n_nodes] */
+} moved_shape;
+
+static void place_nodes(void *context, int64_t begin, int64_t end, int thread) {
+    const moved_shape *m = context;
+    const planish_shape *s = m->shape;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        int is_there = 1;
+        for (int d = 0; d < 3; d++) {
+            m->x[i][d] = m->points->x[pl_point_at(m->points, s->node[i], d)] * s->scale;
+            is_there &= m->x[i][d] == s->x[i][d];
+        }
+        m->place[i] = pl_shape_first_place(s, (int32_t)i);
+        if (m->place[i].at >= 0 && !is_there)
+            pl_shape_walk(s, s->node_class[i], m->x[i], &m->place[i]);
+    }
+}
+
+/** Return the largest angle between facets at edges that are no features, as a cosine. */
+static double sharpest_bend(const planish_shape *s) {
+    double least = 1;
+    for (int64_t f = 0; f < s->n_facets; f++)
+        for (int k = 0; k < 3; k++)
+            if (s->across[f][k] > f)
+                least = fmin(least, pl_dot(3, s->normal[f], s->normal[s->across[f][k]]));
+    return least;
+}
+
+static int measure_shape(const planish_shape *shape, const pl_points *points, int threads,
+                         planish_shape_distance *distance, planish_error *error) {
+    enum { CHUNK = 512 };
+    static const double DEGREES = 180 / 3.1415926535897932385;
+    pl_shape_distance d = {0};
+    moved_shape m = {shape, points, pl_alloc(shape->n_nodes, sizeof *m.x),
+                     pl_alloc(shape->n_nodes, sizeof *m.place)};
+    int status = m.x && m.place ? PLANISH_OK : pl_fail_memory(error, "the nodes of the surface");
+    if (!status) {
+        pl_parallel_for(threads, shape->n_nodes, CHUNK, place_nodes, &m);
+        status = pl_shape_measure(shape, (const double(*)[3])m.x, m.place, threads, &d, error);
+    }
+    if (!status)
+        *distance = (planish_shape_distance){.distance = d.there / shape->scale,
+                                             .distance_back = d.back / shape->scale,
+                                             .in_edges = d.there_h,
+                                             .back_in_edges = d.back_h,
+                                             .n_unproved = d.n_unproved,
+                                             .max_bend = DEGREES * pl_arc_cosine(d.sharpest),
+                                             .max_bend_before =
+                                                 DEGREES * pl_arc_cosine(sharpest_bend(shape))};
+    pl_free(m.x);
+    pl_free(m.place);
+    return status;
+}
+
+int planish_measure_shape(const planish_shape *shape, const planish_mesh *mesh, int threads,
+                          planish_shape_distance *distance, planish_error *error) {
+    if (!shape || !distance)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "shape and distance must not be NULL");
+    int status = pl_check_nodes(mesh, error);
+    if (!status)
+        status = check_threads(threads, error);
+    if (status)
+        return status;
+    if (mesh->dim != 3 || mesh->n_nodes != shape->n_mesh)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "the mesh has %" PRId64
+                       " nodes of dimension %d, but the shape was made of one "
+                       "of %" PRId64 " nodes in space",
+                       mesh->n_nodes, mesh->dim, shape->n_mesh);
+    const pl_outside outside = pl_call_enter(NULL);
+    const pl_points points = pl_points_of(mesh, mesh->coordinates);
+    threads = pl_thread_count(threads);
+    status = pl_points_check(&points, threads, error);
+    if (!status)
+        status = measure_shape(shape, &points, threads, distance, error);
+    pl_call_leave(&outside);
+    return status;
 }

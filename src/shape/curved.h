@@ -8,6 +8,7 @@
  *   curved.c     pl_shape_create, _destroy         all of it; features.h has the steps
  *   pn.c         pl_shape_point                    a place in space
  *   walk.c       pl_shape_walk                     the place that is nearest
+ *                pl_shape_first_place              the place where a node was first
  */
 #ifndef PL_SHAPE_CURVED_H
 #define PL_SHAPE_CURVED_H
@@ -67,6 +68,9 @@ typedef struct pl_place {
  *  place it is. Returns the distance. */
 double pl_shape_walk(const planish_shape *shape, int node_class, const double point[3],
                      pl_place *place);
+
+/** Return the place where a node was first; of a corner at is -1. */
+pl_place pl_shape_first_place(const planish_shape *shape, int32_t node);
 
 /** Compute where a place is: on the PN triangle with its unit normal, or on the cubic arc with its
  *  unit tangent. */

@@ -94,3 +94,15 @@ double pl_shape_walk(const planish_shape *shape, int node_class, const double po
     return node_class == PL_ON_CURVE ? walk_on_curve(shape, point, place)
                                      : walk_on_patch(shape, point, place);
 }
+
+pl_place pl_shape_first_place(const planish_shape *s, int32_t node) {
+    pl_place place = {-1, {0}};
+    if (s->node_class[node] == PL_ON_CURVE) {
+        place.at = s->edge_at[node][0];
+        place.weight[s->edge[place.at][1] == node] = 1;
+    } else if (s->node_class[node] == PL_ON_PATCH) {
+        place.at = s->facet_of[s->offset[node]];
+        place.weight[pl_corner_at(s, place.at, node)] = 1;
+    }
+    return place;
+}

@@ -738,6 +738,60 @@ static void curved_boundaries_slide_on_shapes(void **state) {
     test_mesh_destroy(&ball);
 }
 
+/** What is measured of a surface that has moved is never below what samples say. */
+static void distances_are_measured(void **state) {
+    (void)state;
+    test_surface m;
+    unsigned random = 3;
+    test_surface_create(&m, 3, test_cylinder_map, 48, 24, 0.2, 5);
+    made shape = make(&m.mesh, NULL, 1);
+    planish_shape_distance d;
+    planish_mesh wide = m.mesh;
+    double *padded = malloc((size_t)m.n_nodes * 4 * sizeof *padded);
+    wide.coordinates = padded;
+    wide.node_stride = 4;
+    for (int k = 0; k < 3;
+         k++) { /* as it was; then nodes are moved along the cylinder, and off it */
+        for (int64_t i = 0; i < m.n_nodes; i++) {
+            double *x = m.x[i];
+            const double r = sqrt(x[0] * x[0] + x[1] * x[1]), side = fabs(r - 0.5) < 1e-9;
+            const double turn = (k == 1) * 0.02 * (test_random(&random) - 0.5);
+            const double y[3] = {x[0] * cos(turn) - x[1] * sin(turn),
+                                 x[0] * sin(turn) + x[1] * cos(turn), x[2]};
+            for (int j = 0; j < 3; j++)
+                x[j] = y[j] * (k == 2 && side && j < 2 ? 1.004 : 1);
+            memcpy(padded + 4 * i, x, 3 * sizeof *x);
+        }
+        assert_int_equal(planish_measure_shape(shape.s, &wide, 1, &d, NULL), 0);
+        assert_int_equal(d.n_unproved, 0);
+        assert_true(d.max_bend_before > 7.49 && d.max_bend_before < 20);
+        static const double LEAST[] = {0, 0, 0.002 * 0.999}, MOST[] = {0, 0.0012, 0.008};
+        const double least = LEAST[k], most = MOST[k];
+        assert_true(d.distance >= least && d.distance <= most);
+        assert_true(d.distance_back >= least && d.distance_back <= most);
+        assert_true(k == 0 ? d.in_edges == 0 && d.max_bend == d.max_bend_before
+                           : d.in_edges > d.distance / 0.1 && d.in_edges < d.distance / 0.01);
+        planish_shape_distance again;
+        assert_int_equal(planish_measure_shape(shape.s, &m.mesh, 3, &again, NULL), 0);
+        assert_memory_equal(&d, &again, sizeof d);
+    }
+    planish_error error = {.text = ""};
+    wide.n_nodes--;
+    assert_int_equal(planish_measure_shape(shape.s, &wide, 1, &d, &error), PLANISH_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.text, "nodes"));
+    m.x[5][1] = INFINITY;
+    assert_int_equal(planish_measure_shape(shape.s, &m.mesh, 1, &d, &error), PLANISH_ERROR_MESH);
+    assert_int_equal(error.node, 5);
+    assert_int_equal(planish_measure_shape(shape.s, &m.mesh, -1, &d, NULL), PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_measure_shape(NULL, &m.mesh, 1, &d, NULL), PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_measure_shape(shape.s, NULL, 1, &d, NULL), PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_measure_shape(shape.s, &m.mesh, 1, NULL, NULL),
+                     PLANISH_ERROR_ARGUMENT);
+    free(padded);
+    planish_shape_destroy(shape.s);
+    test_surface_destroy(&m);
+}
+
 /* ---- threads, arguments, memory ------------------------------------------------------------------ */
 
 static void expect_same(const planish_shape *a, const planish_shape *b) {
@@ -898,6 +952,7 @@ int main(void) {
         cmocka_unit_test(walks_along_curves_end_at_corners),
         cmocka_unit_test(normals_point_outwards),
         cmocka_unit_test(curved_boundaries_slide_on_shapes),
+        cmocka_unit_test(distances_are_measured),
         cmocka_unit_test(threads_make_the_same_shape),
         cmocka_unit_test(scales_make_the_same_shape),
         cmocka_unit_test(wrong_arguments_are_refused),
