@@ -122,7 +122,7 @@ int pl_run_augmented(pl_run *r, planish_error *error) {
     pl_star_optimality optimality = {0};
     (void)error;
     /* A minimum volume holds F up somewhere where its multiplier is positive. */
-    if (pl_optimality(plan, &plan->interior, &r->problem, &optimality, NULL) ||
+    if (!r->problem.guard || pl_optimality(plan, &plan->interior, &r->problem, &optimality, NULL) ||
         !(optimality.multiplier > 0))
         return PLANISH_OK;
     double *before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *before);

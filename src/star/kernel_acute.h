@@ -1,15 +1,17 @@
-/* kernel_acute: whether an element of a star has an angle that is too small (geometry/angle.h), or a
- * corner a scaled Jacobian that is.
+/* kernel_acute: whether an element of a star has an angle that is too small (geometry/angle.h), a
+ * corner a scaled Jacobian that is, or a simplex a radius ratio that is too large.
  *
  *   has_acute_angle         the answer for a star
  *   acute_3d, acute_2d      the answer for a pack of elements
  *   acute_between           the answer for two facets of each
+ *   ratio_bound, may_exceed_ratio    a bound of RR^2 by mu^2
+ *   exceeds_ratio           the answer for radius ratios, where visits lower mean ratios
  *   has_small_jacobian      the answer for the corners of a star
  */
 #ifndef PL_STAR_KERNEL_ACUTE_H
 #define PL_STAR_KERNEL_ACUTE_H
 
-#include "star/kernel_tetrahedra.h"
+#include "star/kernel_mean.h"
 
 /** Lanes in which the facets with these normals enclose an angle that is acute (cosine > 0) and of
  *  larger acuteness than the limit; limit: times D^2, square: of their common edge. */
@@ -73,6 +75,80 @@ PL_NOINLINE int has_acute_angle(const star *s, const double *position, double li
         any |= dim == 3 ? acute_3d(s, i, position, lanes_of(limit), guarded)
                         : acute_2d(s, i, position, lanes_of(limit));
     return lanes_any_set(any);
+}
+
+/* ---- radius ratios ------------------------------------------------------------------------- */
+
+/** RR^2 of a pack of simplices with mu^2 = square is at most this. Equality holds for the regular ones.
+ *
+ * Tetrahedra, RR <= mu^3: let S be the sum of the squared edges, V the volume, R the circumradius, A the
+ * surface. 24 V R is four times the area of a triangle whose sides are the products of opposite edges,
+ * the sum of which is at most S / 2: 24 V R <= sqrt(3) / 9 (S / 2)^2. A face with squared edges of sum
+ * q has at most the area q / (4 sqrt(3)), hence A <= S / (2 sqrt(3)). So
+ * RR = R A / (9 V) <= S^3 / (1728 9 V^2) = mu^3.
+ *
+ * Triangles, RR <= mu^2: with edges a, b, c and the area V, a b c <= (S / 3)^(3/2) and
+ * (a + b + c)^2 <= 3 S, so RR = a b c (a + b + c) / (16 V^2) <= S^2 / (48 V^2) = mu^2. */
+PL_INLINE lanes ratio_bound(lanes square, const int dim) {
+    return dim == 3 ? square * square * square : square * square;
+}
+
+/** Whether simplices whose largest mu^2 is square may have an RR^2 above limit. */
+static inline int may_exceed_ratio(double square, double limit, const int dim) {
+    return !(lanes_get(ratio_bound(lanes_of(square), dim), 0) <= limit);
+}
+
+/** RR^2 of the tetrahedra of the pack at facet i, with the node at x, from the points of the ring, which
+ *  is still where it was gathered. t: the pack at x. */
+PL_INLINE lanes radius_ratio_of_points(const star *s, int64_t i, const corners *t, vec3 x,
+                                       lanes inverse_d) {
+    vec3 p[3], r[3], e[3], m[3];
+    lanes area[3];
+    for (int j = 0; j < 3; j++) {
+        lanes column[PL_ROW];
+        points_to_columns(s->spare, s->facet + 3 * i + j, 3, column);
+        p[j] = (vec3){column[0], column[1], column[2]};
+        r[j] = vec3_minus(x, p[j]);
+    }
+    for (int j = 0; j < 3; j++)
+        e[j] = vec3_minus(p[(j + 1) % 3], p[j]);
+    const vec3 b = e[0], c = vec3_minus(p[2], p[0]), n = {t->n[0], t->n[1], t->n[2]};
+    const vec3 w = vec3_minus(vec3_scaled(c, vec3_dot(b, b)), vec3_scaled(b, vec3_dot(c, c)));
+    const lanes nn = vec3_dot(n, n), areas = areas_from(r, e, m, area);
+    const lanes k = nn * t->aa + vec3_dot(r[0], vec3_cross(n, w)); /* |n|^2 (|x - o|^2 - rho^2) */
+    const lanes q = (lanes_sqrt(nn) + areas) * (inverse_d * inverse_d);
+    return (k * k + vec3_dot(w, w) * (t->D * t->D)) / nn * (q * q) * lanes_of(RR2_FACTOR_3D);
+}
+
+/** Answer as exceeds_ratio does, inlined where dim is constant. */
+PL_INLINE int exceeds_ratio_of(const star *s, const double *position, double limit, const int dim) {
+    const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
+                        lanes_of(dim == 3 ? position[2] : 0)};
+    lanes_mask any = lanes_greater(lanes_of(0), lanes_of(0));
+    for (int64_t i = 0; i < s->padded; i += PL_PACK) {
+        const corners t = corners_at(s, i, x, dim);
+        lanes inverse_d, square;
+        const lanes bound = ratio_bound(mean_of(&t, &inverse_d, dim), dim);
+        const lanes_mask is_open = lanes_greater(bound, lanes_of(limit));
+        if (!lanes_any_set(is_open))
+            continue;
+        if (dim == 3) {
+            square = radius_ratio_of_points(s, i, &t, (vec3){x[0], x[1], x[2]}, inverse_d);
+        } else {
+            const triangles f = triangles_at(s, i, x[0], x[1]);
+            const lanes rr = f.L * (f.a * f.b) * (f.L + (f.a + f.b)) * (inverse_d * inverse_d);
+            square = rr * rr * lanes_of(RR2_FACTOR_2D);
+        }
+        any |= is_open & lanes_greater(square, lanes_of(limit));
+    }
+    return lanes_any_set(any);
+}
+
+/** Whether a simplex of the star has an RR^2 above limit with the node at position. Those whose bound
+ *  is not above it are not looked at. Not inlined: it is seldom asked for. */
+PL_NOINLINE int exceeds_ratio(const star *s, const double *position, double limit, const int dim) {
+    return dim == 3 ? exceeds_ratio_of(s, position, limit, 3)
+                    : exceeds_ratio_of(s, position, limit, 2);
 }
 
 /* ---- scaled Jacobians ---------------------------------------------------------------------- */

@@ -152,6 +152,11 @@ static inline int is_of_ratio(const local *here) {
            (has_forms(&here->s) && here->q.objective == PLANISH_OBJECTIVE_MEAN_RATIO);
 }
 
+/** Whether the kernel of mean ratios visits simplices, whose limit is of radius ratios. */
+static inline int lowers_other_ratio(const local *here) {
+    return PL_KERNEL == PL_MEAN && !here->s.form;
+}
+
 /** Whether no element of a trial has a worse ratio or a smaller angle than the limits, no corner a
  *  smaller scaled Jacobian. The guarded
  *  kernel's objective may be another one. */
@@ -165,6 +170,11 @@ static inline int within_limits(const local *here, const trial *t, const int gua
         objective rr = value_at(&here->s, t->position, 1, dim);
         max = rr.max;
         error = rr.error;
+    }
+    if (lowers_other_ratio(here)) {
+        const double limit = limits->rr2 / (1 + error);
+        return !may_exceed_ratio(max, limit, dim) ||
+               !exceeds_ratio(&here->s, t->position, limit, dim);
     }
     max *= 1 + error;
     if (!(max <= limits->rr2) || max <= limits->rr2_blunt)

@@ -1,6 +1,7 @@
 /* kernel_visit: move the node of a star to a better place.
  *
- *   visit_star, one_step, step_along           a visit, and its steps
+ *   visit_star, one_step                       a visit, and its steps
+ *   step_along, step_down                      a step along a direction
  *   find_derivatives, find_hessian             the star's function
  *   kept_direction, keep_scale, _hessian       Hessians kept from visit to visit
  *   check_scale                                forget a scale that does not fit
@@ -61,6 +62,22 @@ static inline double step_along(const local *here, visit_state *now, const objec
     return f->sum - best.value.sum;
 }
 
+/** Step along steepest descent, as step_along does, where a limit on another ratio can have stopped
+ *  Newton's step: nothing of it is in his direction. */
+static inline double step_down(local *here, visit_state *now, const objective *f,
+                               const derivatives *derivative, const int dim) {
+    conjugate none = {{0, 0, 0}, 0};
+    double direction[3], fall = 0;
+    if (!lowers_other_ratio(here) || here->kind != PLANISH_SEARCH_NEWTON ||
+        !may_exceed_ratio(f->max, here->problem->limits.rr2, dim))
+        return 0;
+    here->kind = PLANISH_SEARCH_FLETCHER_REEVES;
+    if (find_direction(here->kind, derivative, &none, direction, dim))
+        fall = step_along(here, now, f, derivative, direction, dim);
+    here->kind = PLANISH_SEARCH_NEWTON;
+    return fall;
+}
+
 /** Newton's direction by the Hessian that was kept; 0 if the star has changed too much since. */
 static inline int kept_direction(const local *here, const pl_star_kept *kept, const objective *f,
                                  const derivatives *derivative, double *direction, const int dim) {
@@ -108,8 +125,8 @@ PL_NOINLINE void check_scale(const local *here, int32_t node, pl_star_kept *kept
 }
 
 /** Take one step, if a better place is found; return by how much the sum fell, 0 for no step. */
-static inline double one_step(const local *here, int32_t node, pl_star_kept *kept,
-                              conjugate *memory, visit_state *now, const int dim) {
+static inline double one_step(local *here, int32_t node, pl_star_kept *kept, conjugate *memory,
+                              visit_state *now, const int dim) {
     const pl_star_problem *problem = here->problem;
     derivatives derivative;
     double direction[3], fall;
@@ -133,6 +150,8 @@ static inline double one_step(const local *here, int32_t node, pl_star_kept *kep
     if (!find_direction(problem->search, &derivative, memory, direction, dim))
         return 0;
     fall = step_along(here, now, &f, &derivative, direction, dim);
+    if (!(fall > 0))
+        fall = step_down(here, now, &f, &derivative, dim);
     if (kept && kept->sum == 0)
         keep_scale(here, kept);
     if (kept && fall < KEEP_BELOW * f.sum)

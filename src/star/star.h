@@ -161,7 +161,7 @@ typedef struct pl_star_problem {
     double rr2_skip;             /* stars whose largest RR^2 is not above it are left alone */
     pl_storage storage;          /* positions are rounded to it before they are judged */
     planish_objective objective; /* without a guard and forms: RADIUS_RATIO, or MEAN_RATIO if there
-                                    are neither limits nor rr2_skip */
+                                    is neither an rr2_skip nor a limit but that of RR^2 */
     const pl_star_guard *guard;  /* NULL: the sum of that ratio, or with forms of mu^2; volumes
                                     positive, no bounds */
     const pl_star_slide *slide; /* [n_stars] with a guard: where the nodes slide, their links may be
@@ -316,21 +316,25 @@ typedef struct pl_star_kernel {
     const pl_star_guarded *guarded;
 } pl_star_kernel;
 
-/** Whether the ratio of a problem's stars, apart from a guard's objective, is the mean ratio. */
+/** Whether the limits of a problem are of mean ratios: else of radius ratios. */
 static inline int pl_star_is_mean(const pl_star_problem *problem) {
-    return problem->link_form != NULL || problem->more != NULL ||
-           (!problem->guard && problem->objective == PLANISH_OBJECTIVE_MEAN_RATIO);
+    return problem->link_form != NULL || problem->more != NULL;
+}
+
+/** Whether visits of a problem without a guard lower mean ratios. */
+static inline int pl_star_lowers_mean(const pl_star_problem *problem) {
+    return pl_star_is_mean(problem) || problem->objective == PLANISH_OBJECTIVE_MEAN_RATIO;
 }
 
 /** Return the function that visits the stars of a problem. */
 static inline pl_star_visit_fn *pl_star_visit_of(const pl_star_kernel *kernel,
                                                  const pl_star_problem *problem, int dim) {
-    return problem->guard             ? kernel->guarded->visit[dim - 2]
-           : pl_star_is_mean(problem) ? kernel->mean->visit[dim - 2]
-                                      : kernel->visit[dim - 2];
+    return problem->guard                 ? kernel->guarded->visit[dim - 2]
+           : pl_star_lowers_mean(problem) ? kernel->mean->visit[dim - 2]
+                                          : kernel->visit[dim - 2];
 }
 
-/** Return the function that evaluates the ratios of a problem's stars, whatever its guard asks. */
+/** Return the function that evaluates the ratios that limits of a problem are of. */
 static inline pl_star_evaluate_fn *pl_star_ratio_of(const pl_star_kernel *kernel,
                                                     const pl_star_problem *problem, int dim) {
     return pl_star_is_mean(problem) ? kernel->mean->evaluate[dim - 2] : kernel->evaluate[dim - 2];
@@ -339,8 +343,9 @@ static inline pl_star_evaluate_fn *pl_star_ratio_of(const pl_star_kernel *kernel
 /** Return the function that evaluates what visits of a problem lower. */
 static inline pl_star_evaluate_fn *pl_star_evaluate_of(const pl_star_kernel *kernel,
                                                        const pl_star_problem *problem, int dim) {
-    return problem->guard ? kernel->guarded->evaluate[dim - 2]
-                          : pl_star_ratio_of(kernel, problem, dim);
+    return problem->guard                 ? kernel->guarded->evaluate[dim - 2]
+           : pl_star_lowers_mean(problem) ? kernel->mean->evaluate[dim - 2]
+                                          : kernel->evaluate[dim - 2];
 }
 
 /** Return the variant isa (AUTO: the fastest that this CPU has), or NULL if the CPU lacks it. */

@@ -339,10 +339,14 @@ int pl_guard_create(const planish_plan *plan, const planish_options *options,
         status = make_bounds(plan, options, coordinates, guard, error);
     if (status)
         pl_guard_destroy(guard);
-    guard->wanted = (plan->work.corner ? !pl_is_mean(options->objective)
-                                       : options->objective != PLANISH_OBJECTIVE_RADIUS_RATIO) ||
-                    options->area_weight > 0 || delta > 0 || plan->work.min_volume ||
-                    guard->star.lower || guard->star.radius;
+    const int is_constrained = options->area_weight > 0 || delta > 0 || plan->work.min_volume ||
+                               guard->star.lower || guard->star.radius;
+    const int has_kernel = plan->work.corner || !(options->only_worse_than > 0)
+                               ? pl_is_mean(options->objective)
+                               : options->objective == PLANISH_OBJECTIVE_RADIUS_RATIO;
+    guard->in_visits = is_constrained || !has_kernel;
+    guard->wanted = guard->in_visits ||
+                    (!plan->work.corner && options->objective == PLANISH_OBJECTIVE_MEAN_RATIO);
     return status;
 }
 

@@ -11,7 +11,8 @@
 
 /** Ready for the sweeps of one call. Its arrays are owned. */
 typedef struct pl_guard {
-    int wanted; /* 0: the plain problem will do */
+    int wanted;    /* 0: the plain problem will do */
+    int in_visits; /* 1: and visits need the guard, too; 0: they are plain ones of wanted's ratio */
     pl_star_guard star;
     double min_volume; /* delta */
     uint8_t

@@ -207,8 +207,9 @@ void pl_run_prepare(pl_run *r) {
     r->problem.rr2_skip = plan->is_selective && r->options->rings > 0 ? 0 : worse * worse;
     r->problem.calm = plan->is_selective ? 0 : CALM * r->options->tolerance;
     r->problem.storage = pl_storage_of(r->options);
-    r->problem.guard = r->guard.wanted ? &r->guard.star : NULL;
-    if (!r->guard.wanted && r->options->search == PLANISH_SEARCH_NEWTON)
+    r->problem.objective = r->options->objective;
+    r->problem.guard = r->guard.in_visits ? &r->guard.star : NULL;
+    if (!r->problem.guard && r->options->search == PLANISH_SEARCH_NEWTON)
         r->problem.kept = plan->scratch.kept;
     pl_run_begin_anew(r);
 }

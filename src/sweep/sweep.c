@@ -37,17 +37,17 @@ static void visit_straight(const colour_pass *pass, int64_t begin, int64_t end, 
  *  not positive. */
 static int evaluate_star(const colour_pass *pass, int64_t star, double *scratch,
                          pl_star_value *ratio, double *sum) {
-    const pl_star_kernel *kernel = pass->plan->kernel;
     const int dim = pass->plan->dim;
-    pl_star_value guarded;
-    if (!pl_star_ratio_of(kernel, pass->problem, dim)(pass->problem, star, scratch, 0, ratio))
+    pl_star_evaluate_fn *of_ratio = pl_star_ratio_of(pass->plan->kernel, pass->problem, dim);
+    pl_star_evaluate_fn *of_visits = pl_star_evaluate_of(pass->plan->kernel, pass->problem, dim);
+    pl_star_value function;
+    if (!of_ratio(pass->problem, star, scratch, 0, ratio))
         return 0;
     *sum = ratio->sum;
-    if (!pass->problem->guard)
+    if (of_visits == of_ratio)
         return 1;
-    const int is_positive =
-        kernel->guarded->evaluate[dim - 2](pass->problem, star, scratch, 0, &guarded);
-    *sum = guarded.sum;
+    const int is_positive = of_visits(pass->problem, star, scratch, 0, &function);
+    *sum = function.sum;
     return is_positive;
 }
 

@@ -461,6 +461,66 @@ static void limit_refuses_smaller_angles(void **state) {
     assert_true(lowered > 20 && moved > MANY);
 }
 
+/** The largest RR^2 of a star that is visited for its mean ratios with a limit of RR^2, by the kernel of
+ *  isa; x: where its node is then. */
+static long double ratio_after(const hand_star *s, planish_isa isa, double limit, double *x) {
+    hand_star copy = *s;
+    long double place[3], worst = 0;
+    copy.problem.coordinates = copy.coordinates;
+    copy.problem.changed = copy.changed;
+    copy.problem.objective = PLANISH_OBJECTIVE_MEAN_RATIO;
+    copy.problem.limits.rr2 = limit;
+    for (int i = 0; i < 20; i++) {
+        pl_star_tally tally = {.visits = 0};
+        copy.changed[0] = 1;
+        pl_star_visit_of(pl_star_kernel_select(isa), &copy.problem, s->dim)(&copy.problem, 0, 1,
+                                                                            copy.scratch, &tally);
+    }
+    for (int d = 0; d < s->dim; d++)
+        place[d] = x[d] = copy.coordinates[d];
+    for (int64_t f = 0; f < s->link_offset[1]; f++) {
+        const long double rr = hand_star_aspect(s, f, place, PLANISH_OBJECTIVE_RADIUS_RATIO);
+        const long double mu = hand_star_aspect(s, f, place, PLANISH_OBJECTIVE_MEAN_RATIO);
+        assert_true(rr <= (s->dim == 3 ? mu * mu * mu : mu * mu) * (1 + 1e-12L));
+        worst = fmaxl(worst, rr * rr);
+    }
+    return worst;
+}
+
+/** Visits that lower mean ratios raise the largest radius ratio now and then, but not where it is the
+ *  limit; all variants take the same steps, and the limit lets stars become better. */
+static void limit_holds_for_mean_ratios(void **state) {
+    enum { MANY = 3000 };
+    const int dim = *(int *)*state;
+    int raised = 0, moved = 0, differ = 0;
+    for (unsigned seed = 0; seed < MANY; seed++) {
+        hand_star s;
+        double free[3], limited[3], other[3];
+        hand_star_create(&s, dim, 0.9 * seed / MANY, seed);
+        for (unsigned times = 0; times < seed % 3; times++) /* bring the node nearer to its link */
+            for (int d = 0; d < dim; d++)
+                s.coordinates[d] = 0.7 * s.coordinates[d] + 0.3 * s.coordinates[dim + d];
+        long double x[3], before = 0;
+        for (int d = 0; d < dim; d++)
+            x[d] = s.coordinates[d];
+        for (int64_t f = 0; f < s.link_offset[1]; f++)
+            before = fmaxl(before, hand_star_aspect(&s, f, x, PLANISH_OBJECTIVE_RADIUS_RATIO));
+        const double limit = (double)(before * before * (1 + 1e-9L));
+        raised += ratio_after(&s, PLANISH_ISA_PLAIN, INFINITY, free) > limit;
+        assert_true(ratio_after(&s, PLANISH_ISA_PLAIN, limit, limited) <= limit * (1 + 1e-9L));
+        moved += memcmp(limited, s.coordinates, (size_t)dim * sizeof *limited) != 0;
+        differ += memcmp(limited, free, (size_t)dim * sizeof *limited) != 0;
+        for (int isa = PLANISH_ISA_VECTOR; isa <= PLANISH_ISA_AVX512; isa++) {
+            if (!pl_star_kernel_select((planish_isa)isa))
+                continue;
+            ratio_after(&s, (planish_isa)isa, limit, other);
+            assert_memory_equal(limited, other, (size_t)dim * sizeof *limited);
+        }
+        hand_star_destroy(&s);
+    }
+    assert_true(raised > 100 && differ >= raised && moved > MANY * 9 / 10);
+}
+
 int main(void) {
     static int two = 2, three = 3;
     const struct CMUnitTest tests[] = {
@@ -485,6 +545,8 @@ int main(void) {
         {"limit 3-D", limit_refuses_worse_elements, NULL, NULL, &three},
         {"angles 2-D", limit_refuses_smaller_angles, NULL, NULL, &two},
         {"angles 3-D", limit_refuses_smaller_angles, NULL, NULL, &three},
+        {"mean ratios 2-D", limit_holds_for_mean_ratios, NULL, NULL, &two},
+        {"mean ratios 3-D", limit_holds_for_mean_ratios, NULL, NULL, &three},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
