@@ -447,6 +447,44 @@ static void a_surface_that_stays_is_not_off(void **unused) {
     release(&m);
 }
 
+/** The surface of a mesh in units of its own, with gaps between its coordinates. */
+static void a_mesh_is_measured_in_its_own_units(void **unused) {
+    (void)unused;
+    uint64_t state = effort_seed(9);
+    moved m = move_sheet(sheet_create(SHEET_SPHERE, &state), 0.2, 0.02, 1, &state);
+    const int64_t n = m.shape->n_nodes;
+    const planish_mesh mesh = {.dim = 3, .n_nodes = n, .node_stride = 1, .component_stride = n};
+    double *x = malloc((size_t)n * 3 * sizeof *x);
+    for (int64_t i = 0; i < n; i++)
+        for (int d = 0; d < 3; d++) {
+            m.place[i].at = -1;
+            x[m.shape->node[i] + d * n] = m.x[i][d] / m.shape->scale;
+        }
+    planish_mesh given = mesh;
+    given.coordinates = x;
+    planish_shape_distance public = {.distance = 0};
+    pl_shape_distance d;
+    planish_error error;
+    assert_int_equal(pl_shape_measure(m.shape, (const double(*)[3])m.x, m.place, 1, &d, &error), 0);
+    assert_int_equal(planish_measure_shape(m.shape, &given, 2, &public, &error), 0);
+    assert_true(public.distance == d.there / m.shape->scale && public.in_edges == d.there_h);
+    assert_true(public.distance_back == d.back / m.shape->scale);
+    assert_true(public.back_in_edges == d.back_h && public.n_unproved == 0);
+    assert_true(fabs(cos(public.max_bend * acos(-1.) / 180) - d.sharpest) < 1e-12);
+    assert_true(public.max_bend_before > 0 && public.max_bend_before <= 40);
+    given.n_nodes--;
+    assert_int_equal(planish_measure_shape(m.shape, &given, 2, &public, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    given.n_nodes++;
+    x[4] = INFINITY;
+    assert_int_equal(planish_measure_shape(m.shape, &given, 2, &public, &error),
+                     PLANISH_ERROR_MESH);
+    assert_int_equal(planish_measure_shape(NULL, &given, 2, &public, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    free(x);
+    release(&m);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samples_are_never_beyond_the_bound),
@@ -459,6 +497,7 @@ int main(void) {
         cmocka_unit_test(facets_in_a_plane_are_exact),
         cmocka_unit_test(a_measure_holds_both_ways),
         cmocka_unit_test(a_surface_that_stays_is_not_off),
+        cmocka_unit_test(a_mesh_is_measured_in_its_own_units),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
