@@ -5,8 +5,8 @@
  * the order of their nodes and wherever these are; where signs alone were asked, an inverted element
  * would be one of the other handedness. Of each set of joined elements the sign of their summed
  * measure is the right one, which depends on the set's boundary alone: also where most are inverted.
- * Where that tells nothing, as without a boundary, it is that of most. Elements that nothing joins, as where each has nodes of its own, have that of most of their
- * type.
+ * Where that tells nothing, as without a boundary, it is that of most. Elements that nothing joins,
+ * as where each has nodes of its own, have that of most of their type.
  *
  * Facets are listed at their lowest nodes, and compared there, on all threads. Then elements are
  * joined one after the other: in a mesh that has no orientation their order decides.

@@ -1,6 +1,6 @@
 /* topology: what connects to what. One header for most of the folder; one source file per part.
- * Headers of their own have facets, subset (and walk), points and frame; element_walk, local_map
- * and small_ring are internal to the folder.
+ * Headers of their own have facets, subset (and walk), points, cells and frame; cell_star,
+ * element_walk, local_map and small_ring are internal to the folder.
  *
  * Shapes use n = n_nodes, m = n_elements, k = dim + 1 (nodes of an element). A facet is a triangle
  * of a tetrahedron or an edge of a triangle. Everything is a function of the mesh alone, whatever

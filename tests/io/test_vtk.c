@@ -392,6 +392,37 @@ static void test_errors(void **state) {
     }
 }
 
+/** Numbers of 8 bytes that 4 bytes do not hold are refused, not cut off. */
+static void test_wide_numbers(void **state) {
+    (void)state;
+    static const int64_t wide[] = {(int64_t)1 << 32, -((int64_t)1 << 40), INT64_MAX, 2};
+    for (size_t k = 0; k < sizeof wide / sizeof *wide; k++) {
+        file_builder file = {.binary = 1, .swapped = 1};
+        planish_file *read = NULL;
+        planish_error error;
+        builder_text(&file, "# vtk DataFile Version 5.1\nt\nBINARY\nDATASET UNSTRUCTURED_GRID\n"
+                            "POINTS 3 double\n");
+        for (int i = 0; i < 9; i++)
+            builder_real(&file, i == 3 || i == 7 ? 1 : 0, 8);
+        builder_text(&file, "\nCELLS 2 3\nOFFSETS vtktypeint64\n");
+        builder_integer(&file, 0, 8);
+        builder_integer(&file, 3, 8);
+        builder_text(&file, "\nCONNECTIVITY vtktypeint64\n");
+        builder_integer(&file, 0, 8);
+        builder_integer(&file, 1, 8);
+        builder_integer(&file, wide[k], 8);
+        builder_text(&file, "\nCELL_TYPES 1\n");
+        builder_integer(&file, 5, 4);
+        if (wide[k] != 2) {
+            builder_expect_error(&file, &io_format_vtk, "out of range");
+        } else {
+            assert_int_equal(builder_read(&file, &io_format_vtk, 1, &read, &error), PLANISH_OK);
+            planish_file_close(read);
+        }
+        builder_release(&file);
+    }
+}
+
 static void test_other_cells_are_elements(void **state) {
     (void)state;
     static const char text[] = HEAD "POINTS 7 double\n0 0 0 1 0 0 0 1 0 0 0 1 1 1 1 2 1 1 2 2 2\n"
@@ -517,6 +548,7 @@ int main(void) {
         cmocka_unit_test(test_fixed_bits),
         cmocka_unit_test(test_large),
         cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_wide_numbers),
         cmocka_unit_test(test_other_cells_are_elements),
         cmocka_unit_test(test_simplices_by_other_names),
         cmocka_unit_test(test_polyhedra_hold),

@@ -1,7 +1,10 @@
 /* Tests of src/topology/incidence.c. */
 #include "topology/topology.h"
 
+#include "geometry/corner.h"
+
 #include "support/allocations.h"
+#include "support/cell_meshes.h"
 #include "support/meshes.h"
 
 #include <stdarg.h>
@@ -127,13 +130,43 @@ static void survives_without_memory(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+/** Of each node its cells, ascending, by their first corners. Large boxes are several chunks, whose ends
+ *  are within cells. */
+static void lists_of_cells(void **state) {
+    (void)state;
+    for (int kind = 0; kind < N_BOX_KINDS; kind++)
+        for (int threads = 1; threads <= 3; threads++) {
+            cell_box *b = cell_box_create((cell_box_kind)kind, threads == 1 ? 3 : 13);
+            const planish_cells *cells = b->mesh.cells;
+            pl_dense dense;
+            pl_incidence incidence;
+            assert_int_equal(pl_dense_create(&b->mesh, threads, &dense, NULL), PLANISH_OK);
+            assert_non_null(dense.corner);
+            assert_int_equal(
+                pl_cell_incidence_create(&dense.mesh, dense.corner, threads, &incidence, NULL),
+                PLANISH_OK);
+            assert_int_equal(incidence.offset[b->mesh.n_nodes], cells->offset[cells->n]);
+            int64_t *next = malloc((size_t)b->mesh.n_nodes * sizeof *next);
+            assert_non_null(next);
+            memcpy(next, incidence.offset, (size_t)b->mesh.n_nodes * sizeof *next);
+            for (int64_t c = 0; c < cells->n; c++)
+                for (int64_t i = cells->offset[c]; i < cells->offset[c + 1]; i++)
+                    assert_int_equal(incidence.element[next[cells->node[i]]++],
+                                     dense.cell_begin[c]);
+            for (int64_t i = 0; i < b->mesh.n_nodes; i++)
+                assert_int_equal(next[i], incidence.offset[i + 1]);
+            free(next);
+            pl_incidence_destroy(&incidence);
+            pl_dense_destroy(&dense);
+            cell_box_destroy(b);
+        }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(two_tetrahedra),
-        cmocka_unit_test(large_meshes),
-        cmocka_unit_test(some_lists),
-        cmocka_unit_test(many_nodes),
-        cmocka_unit_test(survives_without_memory),
+        cmocka_unit_test(two_tetrahedra), cmocka_unit_test(large_meshes),
+        cmocka_unit_test(some_lists),     cmocka_unit_test(many_nodes),
+        cmocka_unit_test(lists_of_cells), cmocka_unit_test(survives_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
