@@ -17,6 +17,10 @@ STRUCTURES = {
     "planish_spread": planish.Spread,
     "planish_quality": planish.Quality,
     "planish_result": planish.Result,
+    "planish_surface": planish._Surface,
+    "planish_slide_info": planish.SlideInfo,
+    "planish_shape_info": planish.ShapeInfo,
+    "planish_shape_distance": planish.ShapeDistance,
 }
 
 print("#include <planish/planish.h>\n#include <stdio.h>\nint main(void) {\n    int bad = 0;")

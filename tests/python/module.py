@@ -581,6 +581,101 @@ class Meshes(unittest.TestCase):
             np.testing.assert_array_equal(other.points, meshio.read(path / "out.vtk").points)
 
 
+def ball(cells=6, amount=0.1):
+    """Points and cells of a ball: a box whose sides were bent, and whether points are inside."""
+    points, tets, inside = box(3, cells, amount)
+    points -= cells / 2
+    largest = np.abs(points).max(axis=1, keepdims=True)
+    bent = np.tan(np.pi / 4 * points / np.maximum(largest, 1e-9))
+    bent *= largest / np.maximum(np.linalg.norm(bent, axis=1, keepdims=True), 1e-9)
+    return bent, tets, inside
+
+
+class Surfaces(unittest.TestCase):
+    def test_shapes_have_classes(self):
+        points, cells, inside = ball()
+        with planish.Shape(points, cells) as shape:
+            self.assertEqual(shape.info.n_nodes, (~inside).sum())
+            self.assertEqual(shape.info.n_facets, 2 * shape.info.n_nodes - 4)
+            classes = shape.classes()
+            np.testing.assert_array_equal(classes == 0, inside)
+            counts = np.bincount(classes, minlength=4)
+            self.assertEqual(list(counts[1:]), [shape.info.n_on_patch, shape.info.n_on_curve, shape.info.n_corners])
+            self.assertGreater(counts[1], 0.9 * counts[1:].sum())
+            self.assertIn("n_patches=", repr(shape.info))
+            self.assertRaises(TypeError, copy.copy, shape)
+        self.assertRaises(ValueError, shape.classes)
+
+    def test_crease_angles_and_tags_make_edges(self):
+        points, cells, _ = box(3)
+        self.assertEqual(planish.Shape(points, cells).info.n_creases, 12 * 6)
+        self.assertEqual(planish.Shape(points, cells, crease_angle=91).info.n_edges, 0)
+        cap = [[7 * a + b, 7 * (a + 1) + b, 7 * a + b + 1, 7 * (a + 1) + b + 1] for a in range(2) for b in range(2)]
+        facets = np.array([f for q in cap for f in (q[:3], q[1:])]) * 7  # on the side of z = 0
+        listed = {(frozenset(f)) for c in cells.tolist() for f in itertools.combinations(c, 3)}
+        facets = np.array([f for f in itertools.combinations(sorted(set(facets.ravel().tolist())), 3)
+                           if frozenset(f) in listed])
+        tagged = planish.Shape(points, {"tetra": cells, "triangle": facets}, crease_angle=91)
+        self.assertEqual(tagged.info.n_edges, 8)
+        lines = np.array([[0, 1], [1, 2]])
+        self.assertEqual(planish.Shape(points, {"tetra": cells, "line": lines}, crease_angle=91).info.n_edges, 2)
+        region = (points[cells].mean(axis=1)[:, 0] > 3).astype(int)
+        self.assertEqual(planish.Shape(points, cells, regions=region, crease_angle=91).info.n_edges, 4 * 6)
+
+    def test_slides_are_found(self):
+        points, cells, inside = box(3)
+        found = planish.find_slides(points, cells)
+        self.assertEqual(found.info.n_on_plane, 6 * 25)
+        self.assertEqual(found.info.n_on_line, 12 * 5)
+        self.assertEqual(list(np.bincount(found.constraint)), [inside.sum(), 8, 150, 60])
+        listed = planish.find_slides(points, {"tetra": cells, "line": np.array([[0, 1]]), "vertex": np.array([[3]])})
+        self.assertEqual(listed.info.n_on_line, 58)  # the vertex and the end of the tag stay
+        region = (points[cells].mean(axis=1)[:, 0] > 3).astype(int)
+        self.assertEqual(planish.find_slides(points, cells, regions=region).info.n_on_plane, 7 * 25)
+        points, cells, _ = ball()
+        self.assertEqual(planish.find_slides(points, cells).info.n_on_plane, 0)
+        shape = planish.Shape(points, cells)
+        curved = planish.find_slides(points, cells, shape=shape, fixed=[0])
+        self.assertGreaterEqual(curved.info.n_on_patch, shape.info.n_on_patch - 1)
+        self.assertEqual(curved.constraint[0], 1)
+
+    def test_curved_boundaries_are_smoothed(self):
+        first, cells, inside = ball()
+        points, flat = first.copy(), first.copy()
+        planish.smooth(flat, cells, slide="auto")
+        np.testing.assert_array_equal(flat[~inside], first[~inside])
+        with planish.Plan(points, cells, slide="curved") as plan:
+            self.assertEqual(plan.slides.n_on_patch, plan.shape.info.n_on_patch)
+            result = plan.smooth(surface_tolerance="0.04h")
+            moved = plan.shape.distance(points)
+            self.assertEqual(plan.shape.distance(first).distance, 0)
+        self.assertLess(result.rms, planish.quality(flat, cells).rms_radius_ratio)
+        self.assertGreater(np.any(points != first, axis=1)[~inside].sum(), 100)
+        self.assertTrue(0 < moved.in_edges <= 0.0401 and moved.n_unproved == 0)
+        self.assertTrue(0 < moved.back_in_edges < 0.08)
+        again = points.copy()  # a second run on the same shape does not add up
+        shape = planish.Shape(first, cells)
+        planish.smooth(again, cells, slide="curved", shape=shape, surface_tolerance=0.04)
+        self.assertLess(shape.distance(again).distance, 0.0401)
+
+    def test_refusals(self):
+        points, cells, _ = ball(3)
+        shape = planish.Shape(points, cells)
+        for wrong, text in (({"slide": "round"}, "auto, curved"), ({"shape": shape}, "slide='curved'"),
+                            ({"slide": "curved", "crease_angle": -1}, "crease_angle"),
+                            ({"slide": "curved", "surface_tolerance": "h"}, "0.05h"),
+                            ({"slide": "curved", "surface_tolerance": -1}, "surface_tolerance")):
+            with self.assertRaisesRegex(ValueError, text):
+                planish.smooth(points.copy(), cells, **wrong)
+        with self.assertRaisesRegex(planish.Error, "nodes"):
+            shape.distance(points[:-1])
+        with self.assertRaisesRegex(planish.Error, "dim is 2"):
+            planish.Shape(*box(2)[:2])
+        shape.close()
+        with self.assertRaisesRegex(ValueError, "closed"):
+            planish.smooth(points, cells, slide="curved", shape=shape)
+
+
 class Regions(unittest.TestCase):
     """Nodes between regions stay, by the rule or as asked for."""
 

@@ -33,8 +33,9 @@ from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence
 
 import numpy as np
 
-__all__ = ["CellMeasures", "CellQuality", "CellValues", "Error", "Plan", "Progress", "Quality", "Result",
-           "checksum", "find_layers", "quality", "smooth", "version"]
+__all__ = ["CellMeasures", "CellQuality", "CellValues", "Error", "Plan", "Progress", "Quality", "Result", "Shape",
+           "ShapeDistance", "ShapeInfo", "SlideInfo", "Slides", "checksum", "find_layers", "find_slides", "quality",
+           "smooth", "version"]
 
 # ---- the library's structures, as in include/planish/planish.h --------------------------------
 
@@ -80,6 +81,26 @@ class _CellValues(ctypes.Structure):
         ("jacobian_ratio", c_void_p),
         ("edge_ratio", c_void_p),
         ("reserved", c_void_p * 4),
+    ]
+
+
+class _Surface(ctypes.Structure):
+    _fields_ = [
+        ("region", c_void_p),
+        ("n_facets", c_int64),
+        ("facets", c_void_p),
+        ("facet_tag", c_void_p),
+        ("n_edges", c_int64),
+        ("edges", c_void_p),
+        ("edge_tag", c_void_p),
+        ("is_inside", c_void_p),
+        ("tagged_only", c_int),
+        ("slide_interfaces", c_int),
+        ("tolerance", c_double),
+        ("facet_offset", c_void_p),
+        ("shape", c_void_p),
+        ("crease_angle", c_double),
+        ("reserved", c_void_p * 1),
     ]
 
 
@@ -161,7 +182,10 @@ class _Options(ctypes.Structure):
         ("round", c_void_p),
         ("round_user", c_void_p),
         ("curve_quality", c_double),
-        ("reserved", c_void_p * 6),
+        ("shape", c_void_p),
+        ("surface_tolerance", c_double),
+        ("surface_tolerance_unit", c_int),
+        ("reserved", c_void_p * 3),
     ]
 
 
@@ -337,13 +361,67 @@ class Result(_Printed):
         ("n_refused", c_int64),
         ("n_released_mids", c_int64),
         ("n_hopeless", c_int64),
-        ("reserved", c_int64 * 2),
+        ("n_off_shape", c_int64),
+        ("reserved", c_int64 * 1),
     ]
 
     @property
     def stop(self) -> str:
         """Why it ended: converged, max-sweeps, time-limit, interrupted or infeasible."""
         return ("converged", "max-sweeps", "time-limit", "interrupted", "infeasible")[self._stop]
+
+
+class ShapeInfo(_Printed):
+    """What a shape has: planish_shape_info of planish.h, field by field."""
+
+    _fields_ = [
+        ("n_nodes", c_int64),
+        ("n_facets", c_int64),
+        ("n_patches", c_int64),
+        ("n_edges", c_int64),
+        ("n_creases", c_int64),
+        ("n_on_patch", c_int64),
+        ("n_on_curve", c_int64),
+        ("n_corners", c_int64),
+        ("edge_length", c_double),
+        ("reserved", c_int64 * 7),
+    ]
+
+
+class ShapeDistance(_Printed):
+    """How far a surface is off its shape: planish_shape_distance of planish.h, field by field."""
+
+    _fields_ = [
+        ("distance", c_double),
+        ("distance_back", c_double),
+        ("in_edges", c_double),
+        ("back_in_edges", c_double),
+        ("n_unproved", c_int64),
+        ("max_bend", c_double),
+        ("max_bend_before", c_double),
+        ("reserved", c_int64 * 8),
+    ]
+
+
+class SlideInfo(_Printed):
+    """How many nodes slide: planish_slide_info of planish.h, field by field."""
+
+    _fields_ = [
+        ("n_surface", c_int64),
+        ("n_on_plane", c_int64),
+        ("n_on_line", c_int64),
+        ("n_on_patch", c_int64),
+        ("n_on_curve", c_int64),
+        ("reserved", c_int64 * 2),
+    ]
+
+
+class Slides(NamedTuple):
+    """Constraints of nodes, 0 to 6: free, fixed, on a plane, on a line, (on a surface,) on a patch, on a curve."""
+
+    constraint: np.ndarray  # [n] of uint8
+    direction: np.ndarray  # [n, dim] normals of planes, and directions of lines
+    info: SlideInfo
 
 
 class Error(ValueError):
@@ -405,11 +483,16 @@ _library.planish_checksum.restype = ctypes.c_uint64
 _library.planish_options_init_sized.restype = None
 _library.planish_plan_destroy.restype = None
 _library.planish_plan_destroy.argtypes = [c_void_p]
+_library.planish_shape_destroy.restype = None
+_library.planish_shape_destroy.argtypes = [c_void_p]
+_library.planish_shape_get_classes.restype = None
+_library.planish_shape_get_classes.argtypes = [c_void_p, c_void_p]
 _library.planish_plan_get_free.restype = None
 _library.planish_plan_get_free.argtypes = [c_void_p, c_void_p]
 for _name in ("planish_plan_create", "planish_smooth", "planish_measure", "planish_measure_elements",
               "planish_measure_mesh", "planish_measure_cells", "planish_find_layers", "planish_find_regions",
-              "planish_combine_regions", "planish_find_interfaces"):
+              "planish_combine_regions", "planish_find_interfaces", "planish_find_slides",
+              "planish_shape_create", "planish_measure_shape"):
     getattr(_library, _name).restype = c_int
 
 
@@ -756,6 +839,12 @@ def _hold(blocks: list[_Block], n_points: int) -> np.ndarray:
     return held
 
 
+def _tag_kind(block: _Block, dim: int) -> Optional[str]:
+    """Whether cells are facets or edges of elements of dimension dim."""
+    below = dim - getattr(block.kind, "dim", dim)
+    return "facets" if below == 1 else "edges" if below == 2 and dim == 3 else None
+
+
 class _Elements:
     """Elements, which are the cells of the mesh's dimension in the order given, and the nodes that all
     other cells hold.
@@ -788,8 +877,26 @@ class _Elements:
             self._lay_out(chosen, order)
         for block in others:
             _check_nodes(block, n_points)
-        others = _without_complete(others, self.corners) if len(self.corners) else others
-        self.held = _hold(others, n_points)
+        self.others = _without_complete(others, self.corners) if len(self.corners) else others
+        self.held = _hold(self.others, n_points)
+
+    def hold_for_slides(self, n_points: int) -> None:
+        """Hold the nodes of other cells, but for facets and edges: these are tags of the surface."""
+        if self.held is not None:
+            self.held = _hold([block for block in self.others if _tag_kind(block, self.dim) is None], n_points)
+
+    def tagged(self, kind: str) -> Optional[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Facets or edges that are tags of the surface: corners, where those of each begin, and numbers;
+        None: there are none."""
+        blocks = [block for block in self.others if _tag_kind(block, self.dim) == kind and len(block.nodes)]
+        if not blocks:
+            return None
+        corners = [block.nodes[:, :getattr(block.kind, "n_corners", 0)] for block in blocks]
+        names = set.intersection(*(set(block.data) for block in blocks))
+        counts = np.concatenate([np.full(len(part), part.shape[1]) for part in corners])
+        tags = _tags({name: _joined([block.data[name] for block in blocks]) for name in sorted(names)}, len(counts))
+        return (np.concatenate([_narrow(part).ravel() for part in corners]), np.append(0, np.cumsum(counts)),
+                tags.astype(np.int32))
 
     def _lay_out(self, chosen: list[_Block], order: np.ndarray) -> None:
         """Make the arrays of planish_cells."""
@@ -827,6 +934,7 @@ class _Elements:
         made.nodes = made.corners = _cells(cells)
         made.dim = made.nodes.shape[1] - 1
         made.types = made.offsets = made.held = None
+        made.others = []
         made.at, made.data = np.arange(len(made.nodes)), {}
         return made
 
@@ -998,15 +1106,22 @@ class _Regions:
         """Names of the arrays that tell regions."""
         return [name for name, array in zip(self.names, self.arrays) if array.is_region]
 
-    def nodes_between(self) -> Optional[np.ndarray]:
-        """Mask [n] of the nodes between regions; None if there are no regions."""
-        view, error = self.view, _Error()
+    def combined(self) -> Optional[np.ndarray]:
+        """The region [m] of each element; None if there are none."""
+        error = _Error()
         if not self.used():
             return None
-        region = np.zeros(view.mesh.n_elements, dtype=np.int32)
-        between = np.zeros(view.n, dtype=np.uint8)
+        region = np.zeros(self.view.mesh.n_elements, dtype=np.int32)
         _check(_library.planish_combine_regions(c_int64(len(region)), self.arrays, c_int(len(self.names)),
                                                 c_void_p(_address(region)), None, byref(error)), error)
+        return region
+
+    def nodes_between(self) -> Optional[np.ndarray]:
+        """Mask [n] of the nodes between regions; None if there are no regions."""
+        view, error, region = self.view, _Error(), self.combined()
+        if region is None:
+            return None
+        between = np.zeros(view.n, dtype=np.uint8)
         _check(_library.planish_find_interfaces(byref(view.mesh), c_void_p(_address(region)),
                                                 c_int(_threads(view.threads)), c_void_p(_address(between)), None,
                                                 byref(error)), error)
@@ -1025,7 +1140,7 @@ class _View:
     """A planish_mesh, and the arrays that it points to."""
 
     def __init__(self, points: Any, cells: Any, fixed: Any, min_volumes: Any, regions: Any = None,
-                 threads: int = 0) -> None:
+                 threads: int = 0, slides: bool = False) -> None:
         if cells is None:
             blocks: Optional[list[_Block]] = _blocks(points)
             points = points.points
@@ -1037,6 +1152,8 @@ class _View:
         self.given = points
         self.points = _Points(points, self.dim)
         self.n = n
+        if slides:
+            self.elements.hold_for_slides(n)
         held = self.elements.held
         self.constraint = None
         if fixed is not None or (held is not None and held.any()):
@@ -1068,12 +1185,18 @@ class _View:
             self.mesh.elements = _address(self.elements.nodes)
         self.threads = threads
         self.region_arrays: list[str] = []
-        self._hold_interfaces(self.elements.data, regions)
+        self.region: Optional[np.ndarray] = None
+        self.tagged: list[Any] = []  # arrays of surface()
+        self.direction: Optional[np.ndarray] = None
+        self._hold_interfaces(self.elements.data, regions, slides)
 
-    def _hold_interfaces(self, data: dict[str, Any], regions: Any) -> None:
-        """Fix the nodes between regions."""
+    def _hold_interfaces(self, data: dict[str, Any], regions: Any, slides: bool) -> None:
+        """Fix the nodes between regions, unless it is to be found which of them slide."""
         found = _Regions(self, data, regions)
         self.region_arrays = found.find() if regions is _BY_RULE else found.used()
+        if slides:
+            self.region = found.combined()
+            return
         between = found.nodes_between()
         if between is None or not between.any():
             return
@@ -1081,6 +1204,32 @@ class _View:
             self.constraint = np.zeros(self.n, dtype=np.uint8)
         self.constraint[between] = 1
         self.mesh.constraint = _address(self.constraint)
+
+    def surface(self) -> _Surface:
+        """What is known of the surface; the view keeps its arrays."""
+        made = _Surface(region=_address(self.region))
+        facets, edges = self.elements.tagged("facets"), self.elements.tagged("edges")
+        self.tagged = [facets, edges]
+        if facets:
+            made.n_facets, made.facets, made.facet_tag = len(facets[2]), _address(facets[0]), _address(facets[2])
+            made.facet_offset = _address(facets[1])
+        if edges:
+            made.n_edges, made.edges, made.edge_tag = len(edges[2]), _address(edges[0]), _address(edges[2])
+        return made
+
+    def find_slides(self, shape: Optional[Shape], slide_interfaces: bool) -> SlideInfo:
+        """Let nodes slide: constraint and direction."""
+        surface, info, error = self.surface(), SlideInfo(), _Error()
+        surface.slide_interfaces = bool(slide_interfaces)
+        surface.shape = None if shape is None else shape.pointer()
+        constraint = np.zeros(self.n, dtype=np.uint8)
+        direction = np.zeros((self.n, self.dim))
+        _check(_library.planish_find_slides(byref(self.mesh), byref(surface), c_int(_threads(self.threads)),
+                                            c_void_p(_address(constraint)), c_void_p(_address(direction)),
+                                            byref(info), byref(error)), error)
+        self.constraint, self.direction = constraint, direction
+        self.mesh.constraint, self.mesh.direction = _address(constraint), _address(direction)
+        return info
 
     def _states(self) -> np.ndarray:
         """planish_cell_state of each element."""
@@ -1124,6 +1273,80 @@ class _View:
 # ---- what people call ----------------------------------------------------------------------------
 
 
+class Shape:
+    """The surface of a mesh of solids as it came: patches, curves between them, and corners
+    (docs/surfaces.md). It remembers these points, so that it can serve many runs without drift.
+
+    points, cells and regions as for Plan; facets and edges among the cells are tags: where they change the
+    surface has an edge. crease_angle: facets that turn by more degrees have an edge between them, others
+    none but for tags; 0: edges are found. info has counts. To be closed, or used in a with statement.
+    """
+
+    def __init__(self, points: Any, cells: Any = None, *, regions: Any = _BY_RULE, crease_angle: float = 0,
+                 threads: int = 0) -> None:
+        self._shape = c_void_p()
+        self._threads = threads
+        self.info = ShapeInfo()
+        view, error = _View(points, cells, None, None, regions, threads, True), _Error()
+        self._n = view.n
+        surface = view.surface()
+        surface.crease_angle = crease_angle
+        _check(_library.planish_shape_create(byref(view.mesh), byref(surface), c_int(_threads(threads)),
+                                             byref(self._shape), byref(self.info), byref(error)), error)
+
+    def pointer(self) -> int:
+        """The library's planish_shape."""
+        if not self._shape.value:
+            raise ValueError("the shape is closed")
+        return self._shape.value
+
+    def classes(self) -> np.ndarray:
+        """Class [n] of each node: 0 not on the surface, 1 on a patch, 2 on a curve, 3 a corner."""
+        found = np.zeros(self._n, dtype=np.uint8)
+        _library.planish_shape_get_classes(self.pointer(), _address(found))
+        return found
+
+    def distance(self, points: Any) -> ShapeDistance:
+        """How far the surface with its nodes at points [n, 3] (or those of a mesh) is off this one, at
+        most, and back: proved for every point, not sampled."""
+        points = getattr(points, "points", points)
+        taken, found, error = _Points(points, 3), ShapeDistance(), _Error()
+        mesh = _Mesh(dim=3, n_nodes=len(points), coordinates=_address(taken.array), node_stride=taken.strides[0],
+                     component_stride=taken.strides[1])
+        _check(_library.planish_measure_shape(c_void_p(self.pointer()), byref(mesh), c_int(_threads(self._threads)),
+                                              byref(found), byref(error)), error)
+        return found
+
+    def close(self) -> None:
+        """Release what the shape holds. No plan that uses it may be used any more then."""
+        shape, self._shape = self._shape, c_void_p()
+        if shape:
+            _library.planish_shape_destroy(shape)
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a shape can be neither copied nor pickled; make another one")
+
+    def __enter__(self) -> Shape:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        if getattr(self, "_shape", None):
+            self.close()
+
+
+def _tolerance(given: Any) -> tuple[float, int]:
+    """A length and its unit: a number, or a text such as 0.05h, in edges."""
+    if isinstance(given, str):
+        try:
+            return (float(given[:-1]), 1) if given.endswith("h") else (float(given), 0)
+        except ValueError:
+            raise ValueError(f"surface_tolerance must be a number, or one and h, such as 0.05h, not {given!r}") from None
+    return given, 0
+
+
 class Plan:
     """Stars, colours and memory of one connectivity, for many positions of its nodes.
 
@@ -1150,6 +1373,12 @@ class Plan:
     only_worse_than and rings: only nodes of cells whose ratio exceeds it move, and of so
     many rings of cells around. around: only these nodes (numbers) move, and of so many rings;
     qualities and results are then of the cells at these.
+    slide: which nodes of the boundary move. None: none; auto: those within planes and straight edges, on these;
+    curved: also on curved patches and edges, where the surface stays within surface_tolerance of its
+    shape. Facets and edges among the cells do not hold their nodes then: they are tags, as for Shape. Nodes
+    between regions slide on planes and lines, on curved interfaces only with slide_interfaces. shape: the
+    Shape of an earlier mesh of the same cells, so that runs in a row do not add up; crease_angle as for Shape.
+    slides has the numbers.
 
     One plan serves one thread at a time: others wait, and are refused with RuntimeError while it
     smooths. To be closed, or used in a with statement.
@@ -1169,17 +1398,30 @@ class Plan:
         regions: Any = _BY_RULE,
         rounding: Optional[float] = None,
         layers: Optional[str] = None,
+        slide: Optional[str] = None,
+        shape: Optional[Shape] = None,
+        crease_angle: float = 0,
+        slide_interfaces: bool = False,
     ) -> None:
+        if slide not in (None, "auto", "curved"):
+            raise ValueError(f"slide must be auto, curved or None, not {slide!r}")
+        if slide != "curved" and (shape is not None or crease_angle or slide_interfaces):
+            raise ValueError("shape, crease_angle and slide_interfaces are for slide='curved'")
         self._plan = c_void_p()
         self._lock = threading.RLock()
         self._depth = 0  # uses within one another, by the thread that has the lock
         self._smoother = 0  # the thread that smooths
-        self._view = _View(points, cells, fixed, min_volumes, regions, threads)
+        self._view = _View(points, cells, fixed, min_volumes, regions, threads, slide is not None)
         self._view.hold_layers(layers)
+        self.shape = shape
+        if slide == "curved" and shape is None:
+            self.shape = Shape(points, cells, regions=regions, crease_angle=crease_angle, threads=threads)
+        self.slides = self._view.find_slides(self.shape, slide_interfaces) if slide else SlideInfo()
         self._view.own_cells()  # the plan reads them as long as it lives
         self._options = _Options()
         _library.planish_options_init_sized(byref(self._options), c_size_t(ctypes.sizeof(_Options)))
         self._options.threads = _threads(threads)
+        self._options.shape = None if self.shape is None else self.shape.pointer()
         self._process = os.getpid()
         self._options.only_worse_than = only_worse_than
         self._options.rings = _whole(rings, "rings")
@@ -1307,6 +1549,7 @@ class Plan:
         min_volume_fraction: float = 0,
         area_weight: float = 0,
         curve_quality: float = 0.3,
+        surface_tolerance: Any = 0,
         max_displacement: float = 0,
         untangle: bool = True,
         max_sweeps: int = 200,
@@ -1321,7 +1564,8 @@ class Plan:
         may rise by worst_rise of itself. worst_measure: dihedral (default) or radius-ratio of triangles
         and tetrahedra alone, scaled-jacobian (default) or aspect-ratio in other meshes. curve_quality:
         mids of curved elements whose least Jacobian is below so much of their mean move by themselves;
-        0: none. The other options are those of planish_options in planish.h. progress is called after
+        0: none. surface_tolerance, with slide="curved": how far the surface may be off its shape, a number, or
+        one in mean edges, such as "0.02h"; 0: 0.05h. The other options are those of planish_options in planish.h. progress is called after
         every colour of nodes; if it returns something true, smoothing ends there (it may be called once
         more, for the end of the sweep); what it raises, or a signal's handler meanwhile, is raised here,
         and points are then as good as they had become. Without progress signals wait for the end.
@@ -1330,6 +1574,7 @@ class Plan:
             raise ValueError(f"objective must be one of {', '.join(_OBJECTIVES)}, not {objective!r}")
         if worst_measure is not None and worst_measure not in _WORST:
             raise ValueError(f"worst_measure must be one of {', '.join(_WORST)}, not {worst_measure!r}")
+        tolerance_of_surface = _tolerance(surface_tolerance)
         has_types = self._view.elements.has_types()
         usual = "scaled-jacobian" if has_types else "dihedral"
         if has_types and objective == "radius-ratio":
@@ -1347,6 +1592,9 @@ class Plan:
             options.min_volume_fraction = min_volume_fraction
             options.area_weight = area_weight
             options.curve_quality = curve_quality
+            options.surface_tolerance, options.surface_tolerance_unit = tolerance_of_surface
+            if self.shape is not None:
+                options.shape = self.shape.pointer()
             options.max_displacement = max_displacement
             options.untangle = bool(untangle)
             options.max_sweeps = _whole(max_sweeps, "max_sweeps")
@@ -1393,7 +1641,7 @@ class Plan:
 
 
 _OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "rings", "around", "regions", "rounding",
-            "layers")
+            "layers", "slide", "shape", "crease_angle", "slide_interfaces")
 
 
 def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
@@ -1432,6 +1680,15 @@ def _measure_cells(view: _View, rounding: Optional[float], per_element: bool, fo
                                           byref(values) if per_element else None, byref(error)), error)
     if per_element:
         found.elements = arrays._replace(is_curved=arrays.is_curved.astype(bool))
+
+
+def find_slides(points: Any, cells: Any = None, *, fixed: Any = None, regions: Any = _BY_RULE,
+                shape: Optional[Shape] = None, slide_interfaces: bool = False, threads: int = 0) -> Slides:
+    """Which nodes slide on planes, straight edges and, with shape, on its patches and curves: points, cells,
+    fixed, regions and slide_interfaces as for Plan."""
+    view = _View(points, cells, fixed, None, regions, threads, True)
+    info = view.find_slides(shape, slide_interfaces)
+    return Slides(view.constraint, view.direction, info)
 
 
 def find_layers(points: Any, cells: Any = None, *, threads: int = 0) -> np.ndarray:
