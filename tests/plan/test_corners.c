@@ -207,45 +207,85 @@ static void test_plans(void **state) {
         }
 }
 
+/** Make a mesh in 3-D of n_cells cells of one type, whose nodes [n_cells][n_each] and coordinates are
+ *  left to be filled. To be released by release_own. */
+static cell_box make_own(int64_t n_nodes, int64_t n_cells, planish_cell_type type, int n_each) {
+    cell_box b = {.x = calloc((size_t)(3 * n_nodes), sizeof *b.x),
+                  .node = calloc((size_t)(n_cells * n_each), sizeof *b.node),
+                  .offset = calloc((size_t)n_cells + 1, sizeof *b.offset),
+                  .type = calloc((size_t)n_cells, 1)};
+    assert_true(b.x && b.node && b.offset && b.type);
+    memset(b.type, (int)type, (size_t)n_cells);
+    for (int64_t i = 0; i <= n_cells; i++)
+        b.offset[i] = n_each * i;
+    b.cells = (planish_cells){.n = n_cells, .type = b.type, .offset = b.offset, .node = b.node};
+    b.mesh = (planish_mesh){
+        .dim = 3, .n_nodes = n_nodes, .n_elements = n_cells, .coordinates = b.x, .cells = &b.cells};
+    return b;
+}
+
+static void release_own(cell_box *b) {
+    free(b->x);
+    free(b->node);
+    free(b->offset);
+    free(b->type);
+}
+
+/** Check the plan of a mesh whose only free node is centre, with a ring of n_ring nodes. */
+static void check_only_star(cell_box *b, int32_t centre, int n_balls, int64_t n_ring) {
+    b->mesh.cells = &b->cells;
+    planish_plan *plan = plan_of(&b->mesh, NULL);
+    double *inside = malloc((size_t)(b->mesh.n_nodes * 3) * sizeof *inside);
+    pl_plan_order(plan, b->x, inside);
+    assert_int_equal(plan->interior.stars.n_stars, 1);
+    assert_int_equal(plan->interior.stars.max_ring, n_ring);
+    check_star(plan, b, inside, centre, n_balls);
+    planish_plan_destroy(plan);
+    free(inside);
+}
+
 /** Two boxes around one node, which have nothing else in common: its ring is longer than that of one
  *  closed link. */
 static void test_two_balls(void **state) {
     (void)state;
-    cell_box *b = cell_box_create(BOX_HEXAHEDRA, 2);
-    enum { CENTRE = 13, NODES = 27 };
-    const int64_t n_cells = b->cells.n, n_places = b->offset[n_cells];
-    assert_int_equal(b->mesh.n_nodes, NODES);
-    cell_box two = *b;
-    two.cells.n = two.mesh.n_elements = 2 * n_cells;
-    two.mesh.n_nodes = 2 * NODES - 1;
-    two.mesh.cells = &two.cells;
-    two.mesh.coordinates = two.x = malloc(6 * NODES * sizeof *two.x);
-    two.cells.type = two.type = malloc(2 * (size_t)n_cells);
-    two.cells.offset = two.offset = malloc((2 * (size_t)n_cells + 1) * sizeof *two.offset);
-    two.cells.node = two.node = malloc(2 * (size_t)n_places * sizeof *two.node);
+    enum { CENTRE = 13, NODES = 27, CELLS = 8, EACH = 8 };
+    cell_box *one = cell_box_create(BOX_HEXAHEDRA, 2);
+    cell_box two = make_own(2 * NODES - 1, 2 * CELLS, PLANISH_CELL_HEXAHEDRON, EACH);
     for (int64_t i = 0; i < 3 * two.mesh.n_nodes; i++)
-        two.x[i] = b->x[i < 3 * NODES ? i : i - 3 * NODES + 3 * (i >= 3 * (NODES + CENTRE))];
-    for (int64_t i = 0; i < 2 * n_cells; i++)
-        two.type[i] = b->type[i % n_cells];
-    for (int64_t i = 0; i <= 2 * n_cells; i++)
-        two.offset[i] = b->offset[1] * i;
-    for (int64_t i = 0; i < 2 * n_places; i++) {
-        const int32_t node = b->node[i % n_places];
-        two.node[i] = i < n_places || node == CENTRE ? node : NODES + node - (node > CENTRE);
+        two.x[i] = one->x[i < 3 * NODES ? i : i - 3 * NODES + 3 * (i >= 3 * (NODES + CENTRE))];
+    for (int64_t i = 0; i < 2 * CELLS * EACH; i++) {
+        const int32_t node = one->node[i % (CELLS * EACH)];
+        const int is_second = i >= CELLS * EACH && node != CENTRE;
+        two.node[i] = is_second ? NODES + node - (node > CENTRE) : node;
     }
-    planish_plan *plan = plan_of(&two.mesh, NULL);
-    double *inside = malloc((size_t)(two.mesh.n_nodes * 3) * sizeof *inside);
-    pl_plan_order(plan, two.x, inside);
-    assert_int_equal(plan->interior.stars.n_stars, 1);
-    assert_int_equal(plan->interior.stars.max_ring, 2 * 26);
-    check_star(plan, &two, inside, CENTRE, 2);
-    planish_plan_destroy(plan);
-    free(inside);
-    free(two.x);
-    free(two.type);
-    free(two.offset);
-    free(two.node);
-    cell_box_destroy(b);
+    check_only_star(&two, CENTRE, 2, 2 * 26);
+    release_own(&two);
+    cell_box_destroy(one);
+}
+
+/** Many wedges around an axis: too many nodes for a small ring, and for links of bytes. */
+static void test_large_star(void **state) {
+    (void)state;
+    enum { LAYERS = 2 };
+    for (int side = 15; side <= 120; side *= 2) {
+        cell_box b = make_own((LAYERS + 1) * (side + 1), LAYERS * side, PLANISH_CELL_WEDGE, 6);
+        for (int32_t i = 0; i < b.mesh.n_nodes; i++) { /* of each layer the axis comes last */
+            const double turn = 2 * acos(-1) * (i % (side + 1)) / side;
+            const int is_axis = i % (side + 1) == side;
+            b.x[3 * i] = is_axis ? 0 : cos(turn);
+            b.x[3 * i + 1] = is_axis ? 0 : sin(turn);
+            b.x[3 * i + 2] = i / (side + 1);
+        }
+        for (int32_t c = 0; c < LAYERS * side; c++)
+            for (int level = 0; level < 2; level++) {
+                const int32_t first = (c / side + level) * (side + 1);
+                b.node[6 * c + 3 * level] = first + side;
+                b.node[6 * c + 3 * level + 1] = first + c % side;
+                b.node[6 * c + 3 * level + 2] = first + (c + 1) % side;
+            }
+        check_only_star(&b, 2 * side + 1, 1, 3 * side + 2);
+        release_own(&b);
+    }
 }
 
 /** Mids and nodes in the middle of faces and cells follow, and hold no corner. */
@@ -436,6 +476,7 @@ int main(void) {
         cmocka_unit_test(test_fixed_mids), cmocka_unit_test(test_held),
         cmocka_unit_test(test_around),     cmocka_unit_test(test_threads),
         cmocka_unit_test(test_periodic),   cmocka_unit_test(test_two_balls),
+        cmocka_unit_test(test_large_star),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
