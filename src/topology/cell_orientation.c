@@ -71,6 +71,12 @@ int pl_cell_facet(const planish_cells *cells, int64_t element, int k, int32_t *n
     return n;
 }
 
+/** Step around a facet of n nodes: to the next one, or to the one before. */
+static inline int step(int at, int direction, int n) {
+    at += direction;
+    return at < 0 ? n - 1 : at == n ? 0 : at;
+}
+
 /** Find facet k of an element. Nodes that are there twice count once. Returns 0 if there is no facet
  *  left then. */
 static int find_facet(const cell_sets *s, int64_t element, int k, facet *f) {
@@ -81,14 +87,12 @@ static int find_facet(const cell_sets *s, int64_t element, int k, facet *f) {
         return 0;
     for (int i = 1; i < n; i++)
         lowest = around[i] < around[lowest] ? i : lowest;
-    const int32_t next = around[(lowest + 1) % n], last = around[(lowest + n - 1) % n];
+    const int32_t next = around[step(lowest, 1, n)], last = around[step(lowest, -1, n)];
     /* The ends of an edge have one order, so that its direction is where its lowest node is. */
     f->direction = n == 2 ? (lowest == 0 ? 1 : -1) : next < last ? 1 : -1;
     f->n = n;
-    for (int i = 0; i < FACET_NODES; i++)
-        f->node[i] = -1;
-    for (int i = 0; i < n; i++)
-        f->node[i] = around[(lowest + (n == 2 ? i : f->direction * i) + n) % n];
+    for (int i = 0, at = lowest; i < FACET_NODES; i++, at = step(at, f->direction, n))
+        f->node[i] = i < n ? around[at] : -1;
     return 1;
 }
 
