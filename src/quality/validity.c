@@ -195,7 +195,8 @@ void pl_jacobian_evaluate(const pl_jacobian_rule *rule, const double sign[], pl_
  * as det is at most the product of its columns' lengths, and takes d once. Before the move edges may
  * have grown by D, what corners have gone so far: f grows by at most (1 + D / t)^2, t the least of
  * s0, s1, s2. For a = (coefficient - floor) / f all D with D (1 + D / t)^2 <= a will do, hence
- * D = a / (1 + a / t)^2. Each room is less by 1e-4 of itself for the rounding of all this. */
+ * g(a), g(D) = a / (1 + D / t)^2, which falls: g(a) is below the largest such D, g(g(a)) above, and
+ * g(g(g(a))) below. Each room is less by 1e-4 of itself for the rounding of all this. */
 
 #pragma GCC diagnostic ignored "-Wpsabi" /* all of these are inlined */
 
@@ -326,7 +327,9 @@ PL_INLINE void certify_bricks(pl_brick_block *b) {
     const floats f = floats_of(0.5F) * (sum + floats_max(p0, floats_max(p1, p2)));
     const floats t = floats_min(s[0], floats_min(s[1], s[2]));
     const floats a = (least[1] - error - floor) / f, more = floats_of(1) + a / t;
-    const floats room = floats_of(1 - 1e-4F) * a / (more * more);
+    const floats below = a / (more * more), beyond = floats_of(1) + below / t;
+    const floats above = floats_of(1) + a / (beyond * beyond) / t;
+    const floats room = floats_of(1 - 1e-4F) * a / (above * above);
     const floats_mask is_sized =
         (e.size >= floats_of(PL_BRICK_SMALL)) & (e.size <= floats_of(PL_BRICK_LARGE));
     const floats_mask is_above = (least[0] - error - floor > floats_of(0)) & (a > floats_of(0));
@@ -347,6 +350,149 @@ void pl_bricks_certify(pl_brick_block *b) {
     }
 #endif
     certify_bricks(b);
+}
+
+/* ---- Floats, any type ----------------------------------------------------------------------- */
+
+/* As in doubles, with u = 2^-24. Nodes of linear elements are off by u X, and so are the controls that
+ * they are; of order 2 that is in the (n + 2) u W X of controls. A derivative's length is off by less
+ * than 4 r. Within the bounds of X no sum overflows. */
+
+static const float FLOATS_SMALL = 0x1p-20F, FLOATS_LARGE = 0x1p20F;
+
+/** Find the controls; returns the bound of their rounding, and *largest: X. */
+PL_INLINE floats find_float_controls(const pl_jacobian_rule *rule, const pl_float_block *b,
+                                     floats control[][3], floats *largest, const int dim) {
+    floats node[PL_CELL_NODES][3];
+    const int has_terms = rule->n_control_terms > 0;
+    floats(*const nodes)[3] = has_terms ? node : control;
+    *largest = floats_of(0);
+    for (int i = 0; i < rule->n_nodes; i++)
+        for (int d = 0; d < dim; d++) {
+            nodes[i][d] = floats_load(b->x[i][d]);
+            *largest = floats_max(floats_abs(nodes[i][d]), *largest);
+        }
+    for (int c = 0; has_terms && c < rule->n_controls; c++)
+        for (int d = 0; d < dim; d++)
+            control[c][d] = floats_of(0);
+    for (int t = 0; t < rule->n_control_terms; t++) {
+        const pl_jacobian_term *term = &rule->control_term[t];
+        for (int d = 0; d < dim; d++)
+            control[term->to][d] += floats_of(term->weight) * node[term->from][d];
+    }
+    const int roundings = has_terms ? rule->control_weight * (rule->n_nodes + 2) : 1;
+    return *largest * floats_of((float)roundings * 0x1p-24F);
+}
+
+PL_INLINE floats floats_square(const floats *a, const floats *b, const int dim) {
+    floats sum = floats_of(0);
+    for (int d = 0; d < dim; d++)
+        sum += (a[d] - b[d]) * (a[d] - b[d]);
+    return sum;
+}
+
+/** Find the derivatives, their largest component in each direction, and the square of the longest one
+ *  along any edge: differences of two are derivatives along other edges. */
+PL_INLINE floats find_float_derivatives(const pl_jacobian_rule *rule, floats control[][3],
+                                        floats derivative[3][PL_JACOBIAN_DERIVATIVES][3],
+                                        floats size[3], const int dim) {
+    floats longest = floats_of(0);
+    for (int m = 0; m < dim; m++) {
+        size[m] = floats_of(0);
+        for (int i = 0; i < rule->n_derivatives[m]; i++) {
+            const pl_jacobian_derivative *of = &rule->derivative[m][i];
+            const floats *plus = control[of->plus];
+            for (int d = 0; d < dim; d++) {
+                derivative[m][i][d] = plus[d] - control[of->minus][d];
+                size[m] = floats_max(floats_abs(derivative[m][i][d]), size[m]);
+            }
+            longest = floats_max(floats_square(plus, control[of->minus], dim), longest);
+            for (int k = 0; k < m; k++)
+                if (rule->turn[k] == rule->turn[m])
+                    longest = floats_max(
+                        floats_square(plus, control[rule->derivative[k][i].plus], dim), longest);
+        }
+    }
+    return longest;
+}
+
+/** Find the sums of products. */
+PL_INLINE void find_float_sums(const pl_jacobian_rule *rule,
+                               floats derivative[3][PL_JACOBIAN_DERIVATIVES][3], floats sum[],
+                               const int dim) {
+    floats normal[3] = {floats_of(0), floats_of(0), floats_of(0)};
+    for (int c = 0; c < rule->n_coefficients; c++)
+        sum[c] = floats_of(0);
+    for (int p = 0; p < rule->n_products; p++) {
+        const pl_jacobian_product *of = &rule->product[p];
+        const floats *u = derivative[0][of->i], *v = derivative[1][of->j];
+        if (dim == 3 && (p == 0 || of->j != of[-1].j || of->k != of[-1].k))
+            floats_cross(v, derivative[2][of->k], normal);
+        sum[of->coefficient] +=
+            floats_of(of->weight) * (dim == 3 ? floats_dot(u, normal) : u[0] * v[1] - u[1] * v[0]);
+    }
+}
+
+/** Bound of the error of a coefficient, as error_bound. */
+PL_INLINE floats float_error(const pl_jacobian_rule *rule, const floats s[3], floats r,
+                             const int dim) {
+    const floats rounded = floats_of((float)(rule->n_products_each + 12) * 0x1p-24F);
+    const floats two = floats_of(2), four = floats_of(4);
+    const floats bound =
+        dim == 3 ? floats_of(6) * (rounded * (s[0] * s[1] * s[2]) +
+                                   two * r * (s[0] * s[1] + s[0] * s[2] + s[1] * s[2]) +
+                                   four * r * r * (s[0] + s[1] + s[2] + two * r))
+                 : two * (rounded * (s[0] * s[1]) + two * r * (s[0] + s[1]) + four * r * r);
+    return floats_of(1.01F * (float)rule->common) * bound + floats_of(0x1p-90F);
+}
+
+PL_INLINE void bound_floats(const pl_jacobian_rule *rule, const uint8_t is_passed_over[],
+                            pl_float_block *b, const int dim) {
+    floats control[PL_CELL_NODES][3], derivative[3][PL_JACOBIAN_DERIVATIVES][3];
+    floats sum[PL_JACOBIAN_COEFFICIENTS], size[3], largest;
+    floats all = floats_of(INFINITY), inner = all;
+    const floats sign = floats_load(b->sign);
+    const floats r = find_float_controls(rule, b, control, &largest, dim);
+    const floats square = find_float_derivatives(rule, control, derivative, size, dim);
+    find_float_sums(rule, derivative, sum, dim);
+    for (int c = 0; c < rule->n_coefficients; c++) {
+        const floats value = sum[c] * floats_of(rule->factor[c]) * sign;
+        all = floats_min(value, all);
+        if (!is_passed_over[c])
+            inner = floats_min(value, inner);
+    }
+    const floats error = float_error(rule, size, r, dim);
+    const floats_mask is_sized =
+        (largest >= floats_of(FLOATS_SMALL)) & (largest <= floats_of(FLOATS_LARGE));
+    *(floats_kept *)b->all = floats_select(is_sized, all - error, floats_of(0));
+    *(floats_kept *)b->inner = floats_select(is_sized, inner - error, floats_of(0));
+    *(floats_kept *)b->longest = floats_of(1 + 0x1p-20F) * floats_sqrt(square) + floats_of(4) * r;
+}
+
+PL_INLINE void bound_any(const pl_jacobian_rule *rule, const uint8_t is_passed_over[],
+                         pl_float_block *b) {
+    if (rule->type->shape->dim == 3)
+        bound_floats(rule, is_passed_over, b, 3);
+    else
+        bound_floats(rule, is_passed_over, b, 2);
+}
+
+#if defined(__x86_64__) && defined(__GNUC__)
+__attribute__((target("avx2"))) static void
+wide_bound(const pl_jacobian_rule *rule, const uint8_t is_passed_over[], pl_float_block *b) {
+    bound_any(rule, is_passed_over, b);
+}
+#endif
+
+void pl_jacobian_bound(const pl_jacobian_rule *rule, const uint8_t is_passed_over[],
+                       pl_float_block *b) {
+#if defined(__x86_64__) && defined(__GNUC__)
+    if (__builtin_cpu_supports("avx2")) {
+        wide_bound(rule, is_passed_over, b);
+        return;
+    }
+#endif
+    bound_any(rule, is_passed_over, b);
 }
 
 /* ---- Bisections ---------------------------------------------------------------------------- */

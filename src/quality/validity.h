@@ -13,6 +13,7 @@
  *   pl_jacobian_evaluate   coefficients of a block
  *   pl_validity_of_lane    decide one of its elements
  *   pl_bricks_certify      hexahedra, in floats: most are certified so, in a third of the time
+ *   pl_jacobian_bound      elements of any type, in floats
  *   pl_validity_exactly    the same by integers alone: the reference
  */
 #ifndef PL_QUALITY_VALIDITY_H
@@ -75,6 +76,20 @@ static const float PL_BRICK_SMALL = 0x1p-30F, PL_BRICK_LARGE = 0x1p30F;
 
 /** Certify hexahedra. */
 void pl_bricks_certify(pl_brick_block *b);
+
+/** Block of elements of one type, one per lane, in floats. */
+typedef struct pl_float_block {
+    float x[PL_CELL_NODES][3][PL_JACOBIAN_LANES]; /* [n_nodes][dim] less a place that is near */
+    float sign[PL_JACOBIAN_LANES];
+    /* Results: what coefficients are at least, in the unit of pl_jacobian_block, all of them and those
+       that are asked for; 0: floats tell nothing, as the largest coordinate is out of bounds. What
+       derivatives along edges are at most. */
+    float all[PL_JACOBIAN_LANES], inner[PL_JACOBIAN_LANES], longest[PL_JACOBIAN_LANES];
+} pl_float_block;
+
+/** Bound the coefficients of elements. is_passed_over [n_coefficients]: those that inner is not of. */
+void pl_jacobian_bound(const pl_jacobian_rule *rule, const uint8_t is_passed_over[],
+                       pl_float_block *b);
 
 /** Decide an element as pl_validity_of_lane does, by integers alone. */
 pl_validity pl_validity_exactly(const pl_jacobian_rule *rule, const int32_t node[],

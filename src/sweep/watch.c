@@ -117,6 +117,60 @@ static int certify_bricks(pl_watch *w, bricks *b, int left[LANES]) {
     return n;
 }
 
+/** Watched cells of one type in a block of floats. */
+typedef struct floats_block {
+    int n;
+    int32_t of[LANES];
+    pl_float_block block;
+} floats_block;
+
+/** Add a watched cell, relative to a place. */
+static void add_floats(const pl_watch *w, int32_t i, const double *origin, floats_block *b) {
+    const pl_jacobian_rule *rule = &w->rule[w->type[i]]->jacobian;
+    const int dim = w->plan->dim, l = b->n++;
+    const int has_corners = w->node && rule->n_control_terms == 0;
+    double place[PL_CELL_NODES * 3];
+    int32_t node[PL_CELL_NODES];
+    if (!has_corners)
+        pl_watch_find_places(w, rule, pl_watch_cell(w, i), 0, place, node);
+    for (int j = 0; j < rule->n_nodes; j++) {
+        const double *x = has_corners ? w->plan->scratch.coordinates + (int64_t)w->node[i][j] * dim
+                                      : place + j * dim;
+        for (int d = 0; d < dim; d++)
+            b->block.x[j][d][l] = (float)(x[d] - origin[d]);
+    }
+    b->block.sign[l] = (float)pl_watch_sign(w, pl_watch_cell(w, i));
+    b->of[l] = i;
+}
+
+/** Give the cells that floats certify their rooms; left and the result as of certify_bricks. */
+static int certify_floats(pl_watch *w, floats_block *b, int left[LANES]) {
+    const pl_watch_rule *rule = w->rule[w->type[b->of[0]]];
+    const int dim = w->plan->dim;
+    int n = 0;
+    for (int l = b->n; l < LANES; l++) {
+        for (int j = 0; j < rule->jacobian.n_nodes; j++)
+            for (int d = 0; d < dim; d++)
+                b->block.x[j][d][l] = b->block.x[j][d][0];
+        b->block.sign[l] = b->block.sign[0];
+    }
+    pl_jacobian_bound(&rule->jacobian, rule->is_at_corner, &b->block);
+    for (int l = 0; l < b->n; l++) {
+        const int32_t i = b->of[l];
+        const double floor = w->floor && w->state[i] & PL_WATCH_ABOVE ? w->floor[i] : 0;
+        const double room =
+            b->block.all[l] > floor
+                ? pl_watch_room(w, rule, b->block.inner[l] - floor, b->block.longest[l])
+                : 0;
+        if (room > 0)
+            w->room[i] = room;
+        else
+            left[n++] = l;
+    }
+    b->n = 0;
+    return n;
+}
+
 /** A watched cell that has no room left for a move. */
 typedef struct question {
     int32_t cell;
@@ -128,8 +182,9 @@ typedef struct decision {
     pl_watch *watch;
     pl_watch_move *move;
     bricks bricks;
+    floats_block floats;
     pl_watch_block block;
-    int of_brick[LANES], of_lane[LANES]; /* the move of each lane */
+    int of_brick[LANES], of_floats[LANES], of_lane[LANES]; /* the move of each lane */
 } decision;
 
 /** Decide the cells of the block, which were valid, and perhaps above their floor. */
@@ -177,6 +232,23 @@ static void add_to_bricks(decision *s, int32_t i, int move) {
         decide_bricks(s);
 }
 
+/** As decide_bricks, add_to_bricks: cells of any type. */
+static void decide_floats(decision *s) {
+    int left[LANES];
+    const int n = s->floats.n > 0 ? certify_floats(s->watch, &s->floats, left) : 0;
+    for (int k = 0; k < n; k++)
+        add_to_block(s, s->floats.of[left[k]], s->of_floats[left[k]]);
+}
+
+static void add_to_floats(decision *s, int32_t i, int move) {
+    const pl_watch *w = s->watch;
+    s->of_floats[s->floats.n] = move;
+    add_floats(w, i, w->plan->scratch.coordinates + (int64_t)s->move[move].node * w->plan->dim,
+               &s->floats);
+    if (s->floats.n == LANES)
+        decide_floats(s);
+}
+
 /** Decide the cells of n questions, type by type. */
 static void answer(decision *s, const question *of, int n) {
     const pl_watch *w = s->watch;
@@ -185,12 +257,15 @@ static void answer(decision *s, const question *of, int n) {
             const int32_t i = of[k].cell;
             if (w->type[i] != type)
                 continue;
-            if (type == PLANISH_CELL_HEXAHEDRON && !is_below(w, i))
+            if (is_below(w, i))
+                add_to_block(s, i, of[k].move);
+            else if (type == PLANISH_CELL_HEXAHEDRON)
                 add_to_bricks(s, i, of[k].move);
             else
-                add_to_block(s, i, of[k].move);
+                add_to_floats(s, i, of[k].move);
         }
         decide_bricks(s);
+        decide_floats(s);
         decide_block(s);
     }
 }
@@ -202,7 +277,7 @@ void pl_watch_judge(pl_watch *w, int n, pl_watch_move move[]) {
     int n_of = 0;
     s.watch = w;
     s.move = move;
-    s.bricks.n = s.block.n = 0;
+    s.bricks.n = s.floats.n = s.block.n = 0;
     for (int m = 0; m < n; m++) {
         const int64_t end = w->begin[move[m].node + 1];
         int64_t k = w->begin[move[m].node];

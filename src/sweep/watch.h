@@ -67,6 +67,7 @@ typedef struct pl_watch_rule {
     double weight; /* a coefficient changes by at most weight |d| L^(dim - 1), L the longest
                       derivative before; of linear cells: one that is not at a corner */
     double change; /* a derivative changes by at most change |d| */
+    uint8_t is_at_corner[PL_JACOBIAN_COEFFICIENTS]; /* coefficients at corners of linear cells */
 } pl_watch_rule;
 
 /** Bits of pl_watch.state. */

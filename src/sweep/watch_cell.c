@@ -38,10 +38,8 @@ const pl_cell_type *pl_linear_type(const pl_cell_shape *shape) {
                                            : type[shape->n_corners == 4][1]);
 }
 
-/** Find the places of the nodes of a cell that a rule looks at, as they are or (at_start) were when
- *  the run began: x [n_nodes][dim]. node: see block. */
-static void find_places(const pl_watch *w, const pl_jacobian_rule *rule, int64_t cell, int at_start,
-                        double *x, int32_t *node) {
+void pl_watch_find_places(const pl_watch *w, const pl_jacobian_rule *rule, int64_t cell,
+                          int at_start, double *x, int32_t *node) {
     const planish_plan *plan = w->plan;
     const int dim = plan->dim;
     int32_t corner[PL_CELL_CORNERS];
@@ -79,14 +77,15 @@ void pl_watch_take(const pl_watch *w, const pl_watch_rule *rule, int64_t cell, i
     const int dim = w->plan->dim, l = b->n++, n = rule->jacobian.n_nodes;
     double *x = b->x[l], size = 0;
     b->rule = rule;
-    find_places(w, &rule->jacobian, cell, at_start, x, b->node[l]);
+    pl_watch_find_places(w, &rule->jacobian, cell, at_start, x, b->node[l]);
     b->sign[l] = pl_watch_sign(w, cell);
     for (int i = dim; i < n * dim; i++)
         size = fmax(size, fabs(x[i] - x[i % dim]));
     b->exponent[l] = 0;
     for (int i = 0; i < n; i++)
         for (int d = 0; d < dim; d++)
-            b->jacobian.x[i][d][l] = x[i * dim + d] - x[d];
+            b->jacobian.x[i][d][l] =
+                x[i * dim + d] - (rule->jacobian.n_control_terms > 0 ? x[d] : 0);
     if (!(size > 0 && size <= DBL_MAX && (size < SMALL || size > LARGE)))
         return;
     frexp(size, &b->exponent[l]);
@@ -127,8 +126,8 @@ int pl_watch_is_lane_valid(const pl_watch_block *b, int l) {
  * themselves: they need not be counted. For a hexahedron that leaves 2 |d| L^2 of 3.
  *
  * While corners go D in all, L grows to L + change D at most. So a coefficient b stays positive while
- *     weight D (L + change D)^2 <= b;    a = b / (weight L^2) and D = a / (1 + change a / L)^2 do
- * as D <= a. Nodes that follow may be off by rounding, stray, before and after, which moves all
+ *     weight D (L + change D)^2 <= b,    or D <= g(D) = a / (1 + change D / L)^2, a = b / (weight L^2).
+ * As g falls, and D <= a, g(a) will do, g(g(a)) may be too much, and g(g(g(a))) will do. Nodes that follow may be off by rounding, stray, before and after, which moves all
  * columns: derivatives by strayed = 2 stray * (weights of a control), a coefficient by
  * common * dim * strayed * L^2. That is taken off D once. */
 
@@ -145,18 +144,12 @@ static void find_rates(const pl_jacobian_rule *rule, int corner, double rate[NOD
             rule->control_term[t].weight * of_node[rule->control_term[t].from];
 }
 
-/** Whether a coefficient is one at a corner of a linear cell. */
-static int is_at_corner(const pl_jacobian_rule *rule, int coefficient) {
-    int found = 0;
-    for (int c = 0; c < rule->n_corners && rule->type->order == 1; c++)
-        found |= rule->corner[c] == coefficient;
-    return found;
-}
-
 static void find_weights(pl_watch_rule *r) {
     const pl_jacobian_rule *rule = &r->jacobian;
     const int dim = rule->type->shape->dim;
     double rate[NODES], change[3][PL_JACOBIAN_DERIVATIVES], sum[PL_JACOBIAN_COEFFICIENTS] = {0};
+    for (int c = 0; c < rule->n_corners && rule->type->order == 1; c++)
+        r->is_at_corner[rule->corner[c]] = 1;
     find_rates(rule, 1, rate); /* corner 1 is the first one of no triangle or tetrahedron */
     for (int m = 0; m < dim; m++)
         for (int i = 0; i < rule->n_derivatives[m]; i++) {
@@ -171,7 +164,7 @@ static void find_weights(pl_watch_rule *r) {
                                       (dim == 3 ? change[2][product->k] : 0));
     }
     for (int c = 0; c < rule->n_coefficients; c++)
-        if (!is_at_corner(rule, c))
+        if (!r->is_at_corner[c])
             r->weight = fmax(sum[c], r->weight);
 }
 
@@ -210,12 +203,25 @@ double pl_watch_longest(const pl_jacobian_rule *rule, const pl_watch_block *b, i
 static double least_of(const pl_watch_block *b, int l) {
     const pl_jacobian_rule *rule = &b->rule->jacobian;
     double least = INFINITY;
-    if (rule->type->order > 1)
-        return b->jacobian.least[l];
     for (int c = 0; c < rule->n_coefficients; c++)
-        if (!is_at_corner(rule, c))
+        if (!b->rule->is_at_corner[c])
             least = fmin(b->jacobian.coefficient[c][l], least);
     return least;
+}
+
+double pl_watch_room(const pl_watch *w, const pl_watch_rule *rule, double least, double longest) {
+    const pl_jacobian_rule *jacobian = &rule->jacobian;
+    const int dim = w->plan->dim;
+    const double strayed = w->mids.end ? 2 * jacobian->control_weight * w->stray : 0;
+    const double length = longest + strayed;
+    const double a = least / (1.0001 * rule->weight * length * (dim == 3 ? length : 1));
+    double room = a;
+    for (int k = 0; k < 3; k++) { /* below the largest D, above it, below it */
+        const double more = 1 + rule->change * room / length;
+        room = a / (more * (dim == 3 ? more : 1));
+    }
+    room -= 1.0001 * jacobian->common * dim * strayed / rule->weight;
+    return room > 0 ? 0.9999 * room : 0;
 }
 
 void pl_watch_keep_state(pl_watch *w, const pl_watch_block *b, int l, int valid) {
@@ -229,13 +235,7 @@ void pl_watch_keep_state(pl_watch *w, const pl_watch_block *b, int l, int valid)
     w->room[i] = 0;
     if (!(valid && all > 0 && b->exponent[l] == 0) || (floor > 0 && !is_above))
         return;
-    const double strayed = w->mids.end ? 2 * rule->control_weight * w->stray : 0;
-    const double longest = pl_watch_longest(rule, b, l, dim) + strayed;
-    const double slope = b->rule->weight * longest * (dim == 3 ? longest : 1);
-    const double a =
-        (least_of(b, l) - b->jacobian.error[l] - (is_above ? floor : 0)) / (1.0001 * slope);
-    const double more = 1 + b->rule->change * a / longest;
-    const double room = a / (more * (dim == 3 ? more : 1)) -
-                        1.0001 * rule->common * dim * strayed / b->rule->weight;
-    w->room[i] = room > 0 ? 0.9999 * room : 0;
+    w->room[i] =
+        pl_watch_room(w, b->rule, least_of(b, l) - b->jacobian.error[l] - (is_above ? floor : 0),
+                      pl_watch_longest(rule, b, l, dim));
 }

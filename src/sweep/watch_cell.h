@@ -3,7 +3,7 @@
  *   pl_watch_rule_make                    the rule of a type
  *   pl_watch_take, _evaluate, _is_lane_valid    a block of cells
  *   pl_watch_keep_state                   what a block tells of a cell: its state, and its room
- *   pl_watch_longest, _sign               of one cell
+ *   pl_watch_find_places, _room, _longest, _sign    of one cell
  *   pl_plan_given_cell, _cell_type, pl_linear_type    cells of a plan and their types
  */
 #ifndef PL_SWEEP_WATCH_CELL_H
@@ -51,6 +51,15 @@ void pl_watch_evaluate(const pl_watch *w, pl_watch_block *b);
 
 /** Whether the cell in lane l of a block that has been evaluated is valid. */
 int pl_watch_is_lane_valid(const pl_watch_block *b, int l);
+
+/** Find the places of the nodes of a cell that a rule looks at, as they are or (at_start) were when
+ *  the run began: x [n_nodes][dim]. node: see pl_watch_block. */
+void pl_watch_find_places(const pl_watch *w, const pl_jacobian_rule *rule, int64_t cell,
+                          int at_start, double *x, int32_t *node);
+
+/** Return how far nodes of a cell may go, of which coefficients that count are at least `least` above
+ *  what they may be, and derivatives at most longest; 0: nowhere. */
+double pl_watch_room(const pl_watch *w, const pl_watch_rule *rule, double least, double longest);
 
 /** Return the longest derivative of lane l along any edge. */
 double pl_watch_longest(const pl_jacobian_rule *rule, const pl_watch_block *b, int l, int dim);
