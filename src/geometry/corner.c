@@ -14,7 +14,7 @@ static const uint8_t TYPE[2][4] = {
 
 int pl_kind_of_shape(const pl_cell_shape *shape) {
     int kind = 0;
-    while (pl_cell_type_of(TYPE[shape->dim - 2][kind])->shape != shape)
+    while (kind < 3 && pl_cell_type_of(TYPE[shape->dim - 2][kind])->shape != shape)
         kind++;
     return kind;
 }

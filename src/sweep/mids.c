@@ -41,7 +41,7 @@ static void set(int32_t *to, int32_t node) {
 
 /** Set parents to the corners in a mask, ascending, -1 after the last. */
 static void note_parents(const int32_t *corner, uint8_t mask, int32_t *parents) {
-    int32_t sorted[PL_CELL_CORNERS];
+    int32_t sorted[PL_CELL_CORNERS] = {0};
     int n = 0;
     for (int c = 0; c < PL_CELL_CORNERS; c++) {
         int at = n;
