@@ -68,6 +68,11 @@ build_tree() {
     fi
 }
 
+# libraries_of FOLDER: the libraries that CMake found for what it builds there, a path a line.
+libraries_of() {
+    sed -n 's/^[A-Z0-9_]*_LIBRARY:FILEPATH=\(.*[^D]\)$/\1/p' "$1/CMakeCache.txt"
+}
+
 # count PATTERN FILE: lines of FILE with PATTERN; 0 if there is no file.
 count() {
     grep -c -e "$1" "$2" 2>/dev/null || true
