@@ -409,7 +409,7 @@ static int expect_cells(FILE *list, int threads, planish_isa isa, const char *wr
                     ways[way].how & (SURFACE | PERIODIC | ROUNDED) ||
                     !set_way(&s, ways[way].how, &options))
                     continue;
-                if (n++ % effort_step(2) > 0) {
+                if (n++ % effort_step(4) > 0) {
                     assert_non_null(fgets(line, sizeof line, list));
                     continue;
                 }

@@ -178,7 +178,7 @@ static void every_allocation_fails_once(void **state) {
             char name[64];
             test_world_create(&w, dim, i);
             snprintf(name, sizeof name, "%s, %d-D", w.name, dim);
-            runs += faults_try(name, call_all, &w, 20);
+            runs += faults_try(name, call_all, &w, 20 / effort_step(2));
             test_world_destroy(&w);
         }
     figure("%d scenarios, %d runs without some memory", 2 * test_world_count(), (int)runs);

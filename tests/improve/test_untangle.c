@@ -316,7 +316,7 @@ static void any_call_can_stop(void **state) {
         test_tangle t;
         create_case(&t, dim, i, 1);
         int ended = 0;
-        for (int call = 1; !ended; call += effort_step(3) * (1 + call / 50)) {
+        for (int call = 1; !ended; call += effort_step(5) * (1 + call / 50)) {
             test_run s;
             watch w = {.stop_at = call};
             watch_run(&t, &w, &s);
@@ -395,7 +395,7 @@ static void without_memory_nothing_is_spoilt(void **state) {
         while (without_one_allocation(&t, copy, n, 1, before.n_inverted))
             n++;
         assert_true(n > 10);
-        for (int64_t k = 0; k < n; k += effort_step(3))
+        for (int64_t k = 0; k < n; k += effort_step(7))
             without_one_allocation(&t, copy, k, 0, before.n_inverted);
         planish_plan_destroy(plan);
         free(copy);

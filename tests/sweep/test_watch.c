@@ -2,6 +2,7 @@
  * valid. Boxes get mids, some of them off the middle of their edges, inside and on the boundary. */
 #include "support/both.h"
 #include "support/cell_meshes.h"
+#include "support/effort.h"
 #include "support/faults.h"
 #include "support/meshes.h"
 #include "geometry/simplex.h"
@@ -291,12 +292,12 @@ static double worst_ratio(const curved_box *b, const double *x) {
 static void every_option_keeps_elements_valid(void **state) {
     const int dim = **(int **)state;
     enum { N_WAYS = 6 };
-    for (unsigned seed = 1; seed <= SEEDS; seed++)
+    for (int seed = 1; seed <= SEEDS; seed += effort_step(SEEDS))
         for (int way = 0; way < N_WAYS; way++) {
             curved_box b;
             planish_options o = usual();
             planish_result result;
-            make_box(&b, dim, 4, 0.2, seed);
+            make_box(&b, dim, 4, 0.2, (unsigned)seed);
             if (way == 0)
                 o.objective = PLANISH_OBJECTIVE_MEAN_RATIO;
             if (way == 1)
@@ -427,7 +428,8 @@ static void failed_allocations_are_refused(void **state) {
     const int dim = **(int **)state;
     curved_box b;
     make_box(&b, dim, 4, 0.2, 1);
-    assert_true(faults_try("planish_smooth of curved elements", smooth_with_faults, &b, 30) > 10);
+    assert_true(faults_try("planish_smooth of curved elements", smooth_with_faults, &b,
+                           30 / effort_step(3)) > 10);
     destroy(&b);
 }
 
