@@ -1,0 +1,483 @@
+/* Curved surfaces: random small bodies are smoothed on the shape of their surface, and judged by
+ * samples and brute force. PLANISH_CASE=NUMBER does one case alone. */
+#include "support/effort.h"
+#include "support/run.h"
+#include "support/sheets.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { DIVISIONS = 4, MOST_NODES = 1000 };
+
+/* ---- bodies --------------------------------------------------------------------------------- */
+
+/** Kinds of bodies. */
+enum {
+    BODY_BUMPS,   /* a box with a wavy top */
+    BODY_BALL,    /* no features */
+    BODY_ROD,     /* bent, round, with two circles */
+    BODY_WEDGE,   /* a box with a crease of 3 to 100 degrees along its top and bottom */
+    BODY_PLATE,   /* thin and wavy */
+    BODY_NEEDLES, /* bumps, stretched */
+    BODY_SHEETS,  /* two wavy plates, 0.1 edges apart */
+    BODY_RING,    /* round in both directions */
+    BODY_REGIONS, /* bumps, with a wavy interface of two regions */
+    BODY_KINDS
+};
+
+/** A grid of cubes, each of six tetrahedra. */
+typedef struct body {
+    int kind, n[3], joins; /* joins: the first direction at its ends */
+    planish_mesh mesh;
+    double *x;
+    int32_t *tetrahedron, *region;
+} body;
+
+static int32_t node_at(const body *b, int i, int j, int k) {
+    i = b->joins && i == b->n[0] ? 0 : i;
+    return (int32_t)((i * (b->n[1] + 1) + j) * (b->n[2] + 1) + k);
+}
+
+/** Add the tetrahedra of a cube: along its diagonal, one for each order of the directions. */
+static void add_cube(body *b, int i, int j, int k, int32_t region) {
+    static const int ORDER[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1},
+                                    {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
+    for (int t = 0; t < 6; t++) {
+        int at[3] = {i, j, k};
+        int32_t *node = b->tetrahedron + 4 * b->mesh.n_elements;
+        node[0] = node_at(b, i, j, k);
+        for (int step = 0; step < 3; step++) {
+            at[ORDER[t][step]]++;
+            node[step + 1] = node_at(b, at[0], at[1], at[2]);
+        }
+        if (t >= 3) {
+            const int32_t last = node[3];
+            node[3] = node[2];
+            node[2] = last;
+        }
+        b->region[b->mesh.n_elements++] = region;
+    }
+}
+
+/** Map the square -1 .. 1 to the disc. */
+static void to_disc(double *u, double *v) {
+    const double a = *u, b = *v;
+    *u = a * sqrt(1 - b * b / 2);
+    *v = b * sqrt(1 - a * a / 2);
+}
+
+static void to_ball(double *x) {
+    const double u = x[0] * x[0], v = x[1] * x[1], w = x[2] * x[2];
+    x[0] *= sqrt(1 - v / 2 - w / 2 + v * w / 3);
+    x[1] *= sqrt(1 - w / 2 - u / 2 + w * u / 3);
+    x[2] *= sqrt(1 - u / 2 - v / 2 + u * v / 3);
+}
+
+/** The form of a body, drawn once. */
+typedef struct form {
+    double wave[6], slope, bend;
+} form;
+
+/** Take a place in the grid to its place in space. */
+static void to_space(const body *b, const form *f, const double g[3], double x[3]) {
+    const double pi = acos(-1.), *w = f->wave;
+    const double u = 2 * g[1] / b->n[1] - 1, v = 2 * g[2] / b->n[2] - 1;
+    const double wave = w[0] * sin(w[1] * g[0] + 3 * w[2]) + w[3] * sin(w[4] * g[1] + 3 * w[5]);
+    memcpy(x, g, 3 * sizeof *x);
+    if (b->kind == BODY_BALL) {
+        for (int d = 0; d < 3; d++)
+            x[d] = 2 * g[d] / b->n[d] - 1;
+        to_ball(x);
+        for (int d = 0; d < 3; d++)
+            x[d] *= b->n[d] / 2.;
+    } else if (b->kind == BODY_ROD || b->kind == BODY_RING) {
+        double disc[2] = {u, v};
+        to_disc(&disc[0], &disc[1]);
+        const double a = b->joins ? 2 * pi * g[0] / b->n[0] : f->bend * g[0];
+        const double r = (b->joins ? b->n[0] / (2 * pi) + 1 : 1 / f->bend) + disc[0];
+        x[0] = r * cos(a);
+        x[1] = r * sin(a);
+        x[2] = disc[1];
+    } else if (b->kind == BODY_WEDGE) {
+        x[2] = g[2] + f->slope * fabs(g[0] - b->n[0] / 2);
+    } else if (b->kind == BODY_PLATE) {
+        x[2] = 0.1 * g[2] + wave;
+    } else if (b->kind == BODY_SHEETS) {
+        x[2] = wave + (g[2] < 1 ? g[2] : g[2] < 2 ? 1 + 0.1 * (g[2] - 1) : g[2] - 0.9);
+    } else {
+        x[2] = g[2] + wave * (b->kind == BODY_REGIONS ? 1 : g[2] / b->n[2]);
+    }
+    if (b->kind == BODY_NEEDLES)
+        x[0] *= 0.03;
+}
+
+/** Place the nodes: inside and along the surface by up to amount of an edge beside the grid's place. */
+static void place_nodes(body *b, double amount, uint64_t *state) {
+    form f = {.slope = random_between(state, 0.03, 1.2), .bend = random_between(state, 0.05, 0.3)};
+    double angle[3];
+    for (int i = 0; i < 6; i++)
+        f.wave[i] = random_between(state, 0, i % 3 ? 0.9 : 0.4);
+    for (int d = 0; d < 3; d++)
+        angle[d] = random_between(state, 0, 6.3);
+    const double scale = pow(10, (double)random_below(state, 5) - 2);
+    for (int i = 0; i < b->n[0] + !b->joins; i++)
+        for (int j = 0; j <= b->n[1]; j++)
+            for (int k = 0; k <= b->n[2]; k++) {
+                double g[3] = {i, j, k}, *x = b->x + 3 * (int64_t)node_at(b, i, j, k);
+                for (int d = 0; d < 3; d++) {
+                    const double by = amount * random_between(state, -1, 1);
+                    const int at = (int)g[d];
+                    const int is_crease = b->kind == BODY_WEDGE && d == 0 && at == b->n[0] / 2;
+                    const int is_side =
+                        d == 2 && (b->kind == BODY_SHEETS || b->kind == BODY_PLATE ||
+                                   (b->kind == BODY_REGIONS && at == b->n[2] / 2));
+                    if (((at > 0 && at < b->n[d]) || (d == 0 && b->joins)) && !is_crease &&
+                        !is_side)
+                        g[d] += by;
+                }
+                to_space(b, &f, g, x);
+                for (int d = 0; d < 3; d++) {
+                    double *p = &x[d], *q = &x[(d + 1) % 3];
+                    const double u = *p * cos(angle[d]) - *q * sin(angle[d]);
+                    *q = *p * sin(angle[d]) + *q * cos(angle[d]);
+                    *p = u;
+                }
+                for (int d = 0; d < 3; d++)
+                    x[d] *= scale;
+            }
+}
+
+static body make_body(uint64_t *state) {
+    body b = {.kind = (int)random_below(state, BODY_KINDS)};
+    for (int d = 0; d < 3; d++)
+        b.n[d] = 2 + (int)random_below(state, 3);
+    if (b.kind == BODY_RING || b.kind == BODY_ROD)
+        b.n[0] += 4;
+    if (b.kind == BODY_BALL)
+        b.n[0] = b.n[1] = b.n[2] = 4 + (int)random_below(state, 2);
+    if (b.kind == BODY_PLATE)
+        b.n[2] = 1;
+    if (b.kind == BODY_SHEETS)
+        b.n[2] = 3;
+    b.joins = b.kind == BODY_RING;
+    b.mesh.dim = 3;
+    b.mesh.n_nodes = (b.n[0] + !b.joins) * (b.n[1] + 1) * (b.n[2] + 1);
+    b.x = malloc((size_t)b.mesh.n_nodes * 3 * sizeof *b.x);
+    b.tetrahedron = malloc(MOST_NODES * 24 * sizeof *b.tetrahedron);
+    b.region = malloc(MOST_NODES * 6 * sizeof *b.region);
+    for (int i = 0; i < b.n[0]; i++)
+        for (int j = 0; j < b.n[1]; j++)
+            for (int k = 0; k < b.n[2]; k++)
+                if (b.kind != BODY_SHEETS || k != 1)
+                    add_cube(&b, i, j, k, b.kind == BODY_REGIONS && k >= b.n[2] / 2);
+    place_nodes(&b, random_between(state, 0, 0.35), state);
+    b.mesh.coordinates = b.x;
+    b.mesh.elements = b.tetrahedron;
+    return b;
+}
+
+static void free_body(body *b) {
+    free(b->x);
+    free(b->tetrahedron);
+    free(b->region);
+}
+
+/** Six times the volume of an element. */
+static double volume_of(const planish_mesh *mesh, const double *x, int64_t e) {
+    const int32_t *node = mesh->elements + 4 * e;
+    double v[3][3], normal[3];
+    for (int j = 0; j < 3; j++)
+        pl_subtract(3, x + 3 * (int64_t)node[j + 1], x + 3 * (int64_t)node[0], v[j]);
+    pl_cross(v[0], v[1], normal);
+    return pl_dot(3, normal, v[2]);
+}
+
+/* ---- a case --------------------------------------------------------------------------------- */
+
+/** A body, its shape, and what was asked for. */
+typedef struct trial {
+    int64_t number;
+    body body;
+    planish_shape *shape;
+    planish_surface surface;
+    uint8_t *constraint;
+    double *direction;
+    planish_options options;
+    double *x[3]; /* results of 1, 2 and 3 threads */
+    sheet_judge first, now;
+    const char *asks;
+} trial;
+
+static void check_that(const trial *t, int condition, const char *promise) {
+    if (!condition)
+        fail_msg("PLANISH_CASE=%lld: %s (kind %d, %s)", (long long)t->number, promise, t->body.kind,
+                 t->asks);
+}
+
+/** Draw options. */
+static void draw_options(trial *t, uint64_t *state) {
+    planish_options *o = &t->options;
+    planish_options_init(o);
+    o->shape = t->shape;
+    t->asks = "defaults";
+    switch (random_below(state, 12)) {
+    case 0:
+        o->surface_tolerance = 0.01;
+        o->surface_tolerance_unit = PLANISH_UNIT_EDGE;
+        t->asks = "0.01 edges";
+        break;
+    case 1:
+        o->surface_tolerance = 0.3;
+        o->surface_tolerance_unit = PLANISH_UNIT_EDGE;
+        t->asks = "0.3 edges";
+        break;
+    case 2:
+        o->surface_tolerance = 0.02 * t->shape->size / t->shape->scale;
+        t->asks = "an absolute tolerance";
+        break;
+    case 3:
+        o->objective = PLANISH_OBJECTIVE_MEAN_RATIO;
+        t->asks = "mean ratios";
+        break;
+    case 4:
+        o->objective = PLANISH_OBJECTIVE_EDGE_RATIO;
+        t->asks = "edge ratios";
+        break;
+    case 5:
+        o->precision = PLANISH_PRECISION_FLOAT;
+        t->asks = "floats";
+        break;
+    case 6:
+        o->worst = random_below(state, 2) ? PLANISH_WORST_ANGLE : PLANISH_WORST_RADIUS_RATIO;
+        t->asks = "the worst";
+        break;
+    case 7:
+        o->max_displacement = 0.2;
+        o->displacement_unit = PLANISH_UNIT_EDGE;
+        t->asks = "bounds";
+        break;
+    case 8:
+        o->only_worse_than = 1.5;
+        t->asks = "the worse ones only";
+        break;
+    case 9:
+        o->max_sweeps = 2;
+        t->asks = "two sweeps";
+        break;
+    default:
+        break;
+    }
+}
+
+static void smooth(trial *t, int threads, double *x) {
+    planish_plan *plan;
+    planish_result result;
+    planish_error error = {.text = ""};
+    planish_mesh mesh = t->body.mesh;
+    mesh.constraint = t->constraint;
+    mesh.direction = t->direction;
+    planish_options options = t->options;
+    options.threads = threads;
+    memcpy(x, t->body.x, (size_t)mesh.n_nodes * 3 * sizeof *x);
+    if (planish_plan_create(&mesh, &options, &plan, &error) ||
+        planish_smooth(plan, x, &options, &result, &error))
+        check_that(t, 0, error.text);
+    planish_plan_destroy(plan);
+}
+
+static double (*scaled(const trial *t, const double *x))[3] {
+    const planish_shape *s = t->shape;
+    double(*own)[3] = malloc((size_t)s->n_nodes * sizeof *own);
+    for (int64_t i = 0; i < s->n_nodes; i++)
+        for (int d = 0; d < 3; d++)
+            own[i][d] = x[3 * s->node[i] + d] * s->scale;
+    return own;
+}
+
+static void prepare(trial *t, int64_t number) {
+    uint64_t state = effort_seed((uint64_t)number + 1000);
+    planish_error error = {.text = ""};
+    planish_slide_info info;
+    *t = (trial){.number = number, .body = make_body(&state)};
+    const planish_mesh *mesh = &t->body.mesh;
+    t->surface.region = t->body.region;
+    t->surface.slide_interfaces = (int)random_below(&state, 2);
+    t->surface.crease_angle = random_below(&state, 4) ? 0 : 30;
+    t->asks = "the shape";
+    if (planish_shape_create(mesh, &t->surface, 1, &t->shape, NULL, &error))
+        check_that(t, 0, error.text);
+    t->surface.shape = t->shape;
+    t->constraint = malloc((size_t)mesh->n_nodes);
+    t->direction = malloc((size_t)mesh->n_nodes * 3 * sizeof *t->direction);
+    if (planish_find_slides(mesh, &t->surface, 1, t->constraint, t->direction, &info, &error))
+        check_that(t, 0, error.text);
+    draw_options(t, &state);
+    for (int i = 0; i < 3; i++) {
+        t->x[i] = test_copy_of(mesh);
+        smooth(t, i + 1, t->x[i]);
+    }
+    double(*now)[3] = scaled(t, t->x[0]);
+    t->first = sheet_judge_create(t->shape, (const double(*)[3])t->shape->x);
+    t->now = sheet_judge_create(t->shape, (const double(*)[3])now);
+    free(now);
+}
+
+static void finish(trial *t) {
+    for (int i = 0; i < 3; i++)
+        free(t->x[i]);
+    sheet_judge_destroy(&t->first);
+    sheet_judge_destroy(&t->now);
+    planish_shape_destroy(t->shape);
+    free(t->constraint);
+    free(t->direction);
+    free_body(&t->body);
+}
+
+/* ---- promises ------------------------------------------------------------------------------- */
+
+/** Valid elements stay valid, and nodes that are held stay. Returns how many nodes moved. */
+static int64_t check_mesh(const trial *t) {
+    const planish_mesh *mesh = &t->body.mesh;
+    const size_t bytes = (size_t)mesh->n_nodes * 3 * sizeof(double);
+    int64_t n = 0;
+    int was_valid = 1;
+    check_that(t, !memcmp(t->x[0], t->x[1], bytes), "2 threads give the bits of 1");
+    check_that(t, !memcmp(t->x[0], t->x[2], bytes), "3 threads give the bits of 1");
+    for (int64_t e = 0; e < mesh->n_elements; e++)
+        was_valid &= volume_of(mesh, t->body.x, e) > 0;
+    for (int64_t e = 0; was_valid && e < mesh->n_elements; e++)
+        check_that(t, volume_of(mesh, t->x[0], e) > 0, "no element is inverted");
+    for (int64_t i = 0; i < mesh->n_nodes; i++) {
+        const int has_moved = memcmp(t->x[0] + 3 * i, t->body.x + 3 * i, 3 * sizeof(double)) != 0;
+        n += has_moved && t->shape->number[i] >= 0;
+        check_that(t, !has_moved || t->constraint[i] != PLANISH_CONSTRAINT_FIXED,
+                   "held nodes stay");
+    }
+    return n;
+}
+
+/** Largest distance of a judge of points of a triangle, from a patch or (-1) all. */
+static double sample(const sheet_judge *judge, int32_t patch, const double corner[3][3]) {
+    double most = 0;
+    for (int i = 0; i <= DIVISIONS; i++)
+        for (int j = 0; i + j <= DIVISIONS; j++) {
+            double p[3];
+            for (int d = 0; d < 3; d++)
+                p[d] = (i * corner[0][d] + j * corner[1][d] + (DIVISIONS - i - j) * corner[2][d]) /
+                       DIVISIONS;
+            most = fmax(most, sheet_judge_distance(judge, patch, p));
+        }
+    return most;
+}
+
+/** The tolerance of a facet, in the shape's units. */
+static double tolerance_of(const trial *t, int32_t facet) {
+    const planish_options *o = &t->options;
+    if (o->surface_tolerance > 0 && o->surface_tolerance_unit == PLANISH_UNIT_MESH)
+        return o->surface_tolerance * t->shape->scale;
+    double mean = 0;
+    for (int k = 0; k < 3; k++)
+        mean += pl_distance(3, t->first.corner[facet][k], t->first.corner[facet][(k + 1) % 3]) / 3;
+    return (o->surface_tolerance > 0 ? o->surface_tolerance : 0.05) * mean;
+}
+
+static planish_shape_distance measure(const trial *t) {
+    planish_mesh mesh = t->body.mesh;
+    planish_shape_distance d;
+    planish_error error = {.text = ""};
+    mesh.coordinates = t->x[0];
+    if (planish_measure_shape(t->shape, &mesh, 1, &d, &error))
+        check_that(t, 0, error.text);
+    return d;
+}
+
+/** No point of the surface is farther off than the tolerance, and than what was proved. */
+static void check_distance(const trial *t, double *worth) {
+    const planish_shape *s = t->shape;
+    const planish_shape_distance d = measure(t);
+    const double rounding = (t->options.precision ? 2e-7 : 1e-12) * s->size;
+    double there = 0, back = 0;
+    for (int32_t f = 0; f < s->n_facets; f++) {
+        const double now = sample(&t->first, s->patch[f], (const double(*)[3])t->now.corner[f]);
+        const double was = sample(&t->now, s->patch[f], (const double(*)[3])t->first.corner[f]);
+        check_that(t, now <= tolerance_of(t, f) * (1 + 1e-9) + rounding,
+                   "no sample is beyond the tolerance");
+        there = fmax(there, now);
+        back = fmax(back, was);
+    }
+    check_that(t, there <= d.distance * s->scale * (1 + 1e-9) + rounding,
+               "the measure holds there");
+    check_that(t, back <= d.distance_back * s->scale * (1 + 1e-9) + rounding,
+               "the measure holds back");
+    check_that(t, d.n_unproved == 0, "every facet has a bound");
+    check_that(t, d.max_bend <= fmax(40, d.max_bend_before) + 1e-5, "no smooth edge becomes sharp");
+    *worth = there > 1e-6 * s->size ? d.distance * s->scale / there : 0;
+}
+
+/** No facet turns over, and features stay where they are. */
+static void check_features(const trial *t) {
+    const planish_shape *s = t->shape;
+    double(*now)[3] = scaled(t, t->x[0]);
+    for (int32_t f = 0; f < s->n_facets; f++) {
+        double u[3], v[3], normal[3];
+        pl_subtract(3, t->now.corner[f][1], t->now.corner[f][0], u);
+        pl_subtract(3, t->now.corner[f][2], t->now.corner[f][0], v);
+        pl_cross(u, v, normal);
+        check_that(t, pl_dot(3, normal, s->normal[f]) >= 0.5 * pl_length(normal) * (1 - 1e-6),
+                   "no facet turns over");
+    }
+    for (int64_t e = 0; e < s->n_edges; e++)
+        for (int i = 0; i <= DIVISIONS; i++) {
+            double p[3], least = INFINITY;
+            for (int d = 0; d < 3; d++)
+                p[d] = (i * now[s->edge[e][0]][d] + (DIVISIONS - i) * now[s->edge[e][1]][d]) /
+                       DIVISIONS;
+            for (int64_t other = 0; other < s->n_edges; other++)
+                least = fmin(
+                    least, sheet_from_segment(s->x[s->edge[other][0]], s->x[s->edge[other][1]], p));
+            double most = 0;
+            for (int j = 0; j < 2; j++)
+                if (s->edge_facet[e][j] >= 0)
+                    most = fmax(most, tolerance_of(t, s->edge_facet[e][j]));
+            check_that(t, least <= most * (1 + 1e-9) + 2e-7 * s->size,
+                       "features stay within the tolerance");
+        }
+    free(now);
+}
+
+static void bodies_keep_their_shape(void **unused) {
+    (void)unused;
+    const char *one = getenv("PLANISH_CASE");
+    const int64_t n = one ? 1 : effort(100, 10000);
+    int64_t n_moved = 0, n_bodies = 0;
+    double sum = 0, n_worth = 0;
+    for (int64_t i = 0; i < n; i++) {
+        trial t;
+        double worth;
+        prepare(&t, one ? strtoll(one, NULL, 10) : i);
+        const int64_t moved = check_mesh(&t);
+        check_distance(&t, &worth);
+        check_features(&t);
+        n_moved += moved;
+        n_bodies += moved > 0;
+        sum += worth;
+        n_worth += worth > 0;
+        finish(&t);
+    }
+    figure(
+        "%lld bodies on curved surfaces: %lld nodes moved in %lld of them, proved / sampled %.3f",
+        (long long)n, (long long)n_moved, (long long)n_bodies, n_worth > 0 ? sum / n_worth : 1);
+    assert_true(one || 2 * n_bodies > n);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bodies_keep_their_shape),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
