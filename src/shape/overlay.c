@@ -9,8 +9,10 @@
  * Features may run in strips along T's own edges on curves, and around its corners on them. What
  * remains of T is convex and covered. A point at depth s in a strip of depth d may be uncovered. It is
  * within k (d - s) of the covered rest, and within c s + lateral of the curve, which is of the patch
- * as well: the smaller of both counts. k and c come from T's angles. So lengths count, not areas: an
- * area a that is missing anywhere would only say sqrt(a / |T|) L.
+ * as well: the smaller of both counts. k and c come from T's angles. Where the chain of the curve's
+ * edges runs between T's side and the rest, as on the hollow side of a curve, it is no farther from
+ * a point between them than it is deep. So lengths count, not areas: an area a that is missing
+ * anywhere would only say sqrt(a / |T|) L.
  *
  * Why it holds in floating point. Coordinates in T's frame are off by some 5 roundings of the
  * distances in it, depths by 12. margin is more than 3 times that. Facets and edges are left out if
@@ -348,6 +350,154 @@ static int flood(pl_overlay *o, int32_t facet) {
     return is_met;
 }
 
+/* ---- chains of edges on curves -------------------------------------------------------------- */
+
+/** Where the chain is that was there, in T's frame: seen from the side of T that is its chord. */
+typedef struct pl_extent {
+    double lowest, deepest; /* depth of its points under the side */
+    double height;          /* largest, of either sign */
+    double gap;             /* how far along the side it begins, or ends before the side does */
+} pl_extent;
+
+/** A chain of edges under a side of T. */
+typedef struct pl_chain {
+    const planish_shape *shape;
+    const double *chord[2];
+    double ends[2][3];
+    double off; /* how far it is off the chord at most */
+    int n;      /* nodes between the ends */
+    int32_t node[MOST_EDGES];
+} pl_chain;
+
+/** Distance of x from the segment from a to b. */
+static double off_segment(const double a[3], const double b[3], const double x[3]) {
+    double weight[2];
+    return sqrt(pl_nearest_on_edge(x, a, b, weight));
+}
+
+/** Set edge to the curve's edge where corner k is, or -1 if the corner is on no curve; at to the place
+ *  there. Returns how far the corner is off it; 0: it is on no feature. */
+static double find_on_curve(const planish_shape *s, const pl_moved_facet *t, int k, int32_t *edge,
+                            double at[3]) {
+    const int32_t node = s->facet[t->facet][k];
+    double weight[2];
+    *edge = -1;
+    memcpy(at, s->x[node], 3 * sizeof *at);
+    if (s->node_class[node] == PL_ON_PATCH)
+        return 0;
+    if (s->node_class[node] == PL_CORNER)
+        return pl_distance(3, t->x[k], s->x[node]);
+    pl_place place = t->place[k];
+    if (place.at < 0) {
+        place.at = s->edge_at[node][0];
+        pl_shape_walk(s, PL_ON_CURVE, t->x[k], &place);
+    }
+    *edge = place.at;
+    const double *a = s->x[s->edge[*edge][0]], *b = s->x[s->edge[*edge][1]];
+    const double off = sqrt(pl_nearest_on_edge(t->x[k], a, b, weight));
+    for (int d = 0; d < 3; d++)
+        at[d] = weight[0] * a[d] + weight[1] * b[d];
+    return off;
+}
+
+/** Follow a curve from the edge from towards its end, up to the edge to, or to the corner if to is -1.
+ *  Returns whether the way leads there. */
+static int follow(pl_chain *c, int32_t from, int end, int32_t to, int32_t corner) {
+    const planish_shape *s = c->shape;
+    c->off = 0;
+    for (c->n = 0; c->n < MOST_EDGES;) {
+        const int32_t node = s->edge[from][end];
+        if (to < 0 && node == corner)
+            return 1;
+        c->node[c->n++] = node;
+        c->off = fmax(c->off, off_segment(c->chord[0], c->chord[1], s->x[node]));
+        if (s->node_class[node] != PL_ON_CURVE)
+            return 0;
+        from = s->edge_at[node][s->edge_at[node][0] == from];
+        if (from == to)
+            return 1;
+        end = s->edge[from][0] == node;
+    }
+    return 0;
+}
+
+/** Find the chain under side k, a feature: of two ways along a closed curve the nearer one. Returns how
+ *  far its nodes are off the side; infinite: there is none. */
+static double find_chain(const planish_shape *s, const pl_moved_facet *t, int k, pl_chain *chain) {
+    const int l = (k + 1) % 3;
+    int32_t edge[2];
+    pl_chain other;
+    chain->shape = s;
+    chain->chord[0] = t->x[k];
+    chain->chord[1] = t->x[l];
+    find_on_curve(s, t, k, &edge[0], chain->ends[0]);
+    find_on_curve(s, t, l, &edge[1], chain->ends[1]);
+    chain->n = 0;
+    chain->off = 0;
+    if (edge[0] == edge[1]) /* or both are corners: the edge is where it was */
+        return 0;
+    const int32_t corner = s->facet[t->facet][edge[0] < 0 ? k : l];
+    const int32_t from = edge[0] < 0 ? edge[1] : edge[0], to = edge[0] < 0 ? -1 : edge[1];
+    other = *chain;
+    const int is_there = follow(chain, from, 0, to, corner);
+    if (follow(&other, from, 1, to, corner) && !(is_there && chain->off <= other.off))
+        *chain = other;
+    else if (!is_there)
+        return INFINITY;
+    return chain->off;
+}
+
+/** Take a point of a chain into its extent. */
+static void add_point(const pl_frame *f, int k, const double x[3], pl_extent *extent) {
+    double local[3];
+    to_frame(f, x, local);
+    const double depth = depth_of(f, k, local);
+    extent->lowest = fmin(extent->lowest, depth);
+    extent->deepest = fmax(extent->deepest, depth);
+    extent->height = fmax(extent->height, fabs(local[2]));
+}
+
+/** How far along side k a point is. */
+static double along_of(const pl_frame *f, int k, const double x[3]) {
+    double local[3];
+    to_frame(f, x, local);
+    return f->inward[k][1] * (local[0] - f->corner[k][0]) -
+           f->inward[k][0] * (local[1] - f->corner[k][1]);
+}
+
+/** Find the extent of the chain under side k; of infinite height if there is none. */
+static void find_extent(const pl_overlay *o, int k, pl_extent *extent) {
+    const pl_frame *f = &o->frame;
+    pl_chain chain;
+    *extent = (pl_extent){INFINITY, -INFINITY, 0, 0};
+    if (!(find_chain(o->shape, o->t, k, &chain) < INFINITY)) {
+        *extent = (pl_extent){0, 0, INFINITY, 0};
+        return;
+    }
+    for (int end = 0; end < 2; end++)
+        add_point(f, k, chain.ends[end], extent);
+    for (int i = 0; i < chain.n; i++)
+        add_point(f, k, o->shape->x[chain.node[i]], extent);
+    extent->gap = fmax(extent->gap, along_of(f, k, chain.ends[0]));
+    extent->gap = fmax(extent->gap, f->side[k] - along_of(f, k, chain.ends[1]));
+}
+
+/* Distance from a segment is convex, so that no point of the chain is farther off the chord than one
+ * of its nodes or ends. And the point of the chord that is nearest to one going along the chain goes
+ * along the chord from end to end: so no point of the chord is farther off either, or than its
+ * corners are from their places. */
+double pl_overlay_lateral(const planish_shape *shape, const pl_moved_facet *t) {
+    double most = 0, at[3];
+    int32_t edge[3];
+    pl_chain chain;
+    for (int k = 0; k < 3; k++)
+        most = fmax(most, find_on_curve(shape, t, k, &edge[k], at));
+    for (int k = 0; k < 3; k++)
+        if (shape->across[t->facet][k] < 0 && edge[k] != edge[(k + 1) % 3])
+            most = fmax(most, find_chain(shape, t, k, &chain));
+    return most;
+}
+
 /* ---- what the flood says ------------------------------------------------------------------ */
 
 /** Whether a point is in what is left of T without strips and cuts, by more than a few margins. */
@@ -377,42 +527,84 @@ static int is_covered(const pl_overlay *o) {
     return 0;
 }
 
-/** Bound the distance of a point that may be uncovered at a depth s up to deep: the smaller one of
- *  sqrt(w^2 + k^2 (deep - s)^2) and c s + lateral. At any s the first one bounds what is deeper, the
- *  second what is less deep: take the s where both are about the same. */
-static double bound_of_strip(double w, double deep, double k, double c, double lateral) {
-    double low = 0, high = deep;
-    for (int i = 0; i < 8; i++) {
-        const double s = (low + high) / 2, on = c * s + lateral, in = k * (deep - s);
-        if (on * on < w * w + in * in)
+/** Two bounds of the distance of a point that may be uncovered, at depth s of a strip or cut. */
+typedef struct pl_doubt {
+    double w, deep, to_rest; /* sqrt(w^2 + (to_rest (deep - s))^2): by the covered rest of T */
+    double to_side, lateral; /* to_side s + lateral: by the side or corner of T */
+    pl_extent extent;        /* by the chain over the side */
+} pl_doubt;
+
+/** Square of the largest distance by the rest of what is as deep as s or deeper. */
+static double by_rest(const pl_doubt *d, double s) {
+    const double way = d->to_rest * (d->deep - s);
+    return d->w * d->w + way * way;
+}
+
+/** Square of the distance by the chain at depth s. The chain has a point over each point of the side, or
+ *  one no farther along it than its ends leave out. */
+static double by_chain(const pl_doubt *d, double s) {
+    const pl_extent *e = &d->extent;
+    const double across = fmax(s - e->lowest, e->deepest - s);
+    const double along = e->gap + s * sqrt(fmax(d->to_side * d->to_side - 1, 0));
+    return across * across + e->height * e->height + along * along;
+}
+
+/** Square of the largest distance by the curve of what is as deep as s or less deep. */
+static double by_curve(const pl_doubt *d, double s) {
+    const double by_side = d->to_side * s + d->lateral;
+    return fmin(by_side * by_side, fmax(by_chain(d, 0), by_chain(d, s)));
+}
+
+/** Bound the distance in a strip or cut. At any s the rest bounds what is deeper, the curve what is less
+ *  deep: take the s where both are about the same. */
+static double bound_of(const pl_doubt *d) {
+    double low = 0, high = d->deep;
+    for (int i = 0; i < 10; i++) {
+        const double s = (low + high) / 2;
+        if (by_curve(d, s) < by_rest(d, s))
             low = s;
         else
             high = s;
     }
-    return sqrt(w * w + k * (deep - low) * (k * (deep - low)));
+    return sqrt(by_rest(d, low));
 }
 
-/** Bound the distance in the strip along side k. alone: nothing else is cut off, so that the way to
- *  the rest of T may be the one to the opposite corner; else it is the one to the middle of T. */
-static double bound_strip(const pl_overlay *o, int k, double w, double lateral, int alone) {
+/** The way to the rest of T by its middle, where that of one strip or cut may end in another one: in
+ *  units of the depth of what is deep of reach. */
+static double by_middle(const pl_frame *f, double reach, double deep) {
+    return 2. / 3 * f->longest / (reach - deep);
+}
+
+/** Bound the distance in the strip along side k. The way to the rest of T goes to the opposite corner. */
+static double bound_strip(const pl_overlay *o, int k, double w, double lateral) {
     const pl_frame *f = &o->frame;
-    const double a = f->side[k], b = f->side[(k + 1) % 3], c = f->side[(k + 2) % 3];
-    double to_rest = fmax(b, c) / f->height[k], to_side = 1;
-    if (!alone)
-        to_rest = f->longest / (f->height[k] / 3 - o->strip[k]);
+    const int l = (k + 1) % 3, m = (k + 2) % 3;
+    const double a = f->side[k], b = f->side[l], c = f->side[m];
+    const int is_alone = !(o->strip[l] > 0 || o->strip[m] > 0 || o->cut[k] > 0 || o->cut[l] > 0);
+    pl_doubt d = {.w = w, .deep = o->strip[k], .to_side = 1, .lateral = lateral};
+    d.to_rest = is_alone ? fmax(b, c) / f->height[k] : by_middle(f, f->height[k] / 3, o->strip[k]);
     if (b * b > a * a + c * c) /* beyond an obtuse angle the nearest point is the corner */
-        to_side = c / f->height[k];
+        d.to_side = c / f->height[k];
     if (c * c > a * a + b * b)
-        to_side = b / f->height[k];
-    return bound_of_strip(w, o->strip[k], to_rest, to_side, lateral);
+        d.to_side = b / f->height[k];
+    find_extent(o, k, &d.extent);
+    return bound_of(&d);
 }
 
-/** Bound the distance in the cut around corner k. The way to the rest goes away from the corner. */
-static double bound_cut(const pl_overlay *o, int k, double w, double lateral, int alone) {
+/** Bound the distance in the cut around corner k. The way to the rest of T is the shortest one to the
+ *  opposite side. */
+static double bound_cut(const pl_overlay *o, int k, double w, double lateral) {
     const pl_frame *f = &o->frame;
-    const double side = fmax(f->side[k], f->side[(k + 2) % 3]);
-    const double to_rest = alone ? 1 : f->longest / (side * (2. / 3 - o->cut[k]));
-    return bound_of_strip(w, o->cut[k] * side, to_rest, 1, lateral);
+    const int l = (k + 1) % 3, m = (k + 2) % 3;
+    const double a = f->side[l], b = f->side[m], c = f->side[k], side = fmax(b, c);
+    const int is_alone = !(o->strip[k] > 0 || o->strip[m] > 0);
+    const int is_acute = b * b <= a * a + c * c && c * c <= a * a + b * b;
+    pl_doubt d = {.w = w, .deep = o->cut[k] * side, .to_side = 1, .lateral = lateral};
+    d.to_rest = (is_acute ? f->height[l] : fmin(b, c)) / side;
+    if (!is_alone)
+        d.to_rest = by_middle(f, side * 2 / 3, d.deep);
+    d.extent.height = INFINITY;
+    return bound_of(&d);
 }
 
 /** Bound the distance of all of T when its rest is covered. */
@@ -420,14 +612,11 @@ static double bound_all(const pl_overlay *o, double lateral) {
     const pl_frame *f = &o->frame;
     const double w = o->highest;
     double bound = w;
-    int n = 0;
-    for (int k = 0; k < 3; k++)
-        n += (o->strip[k] > 0) + (o->cut[k] > 0);
     for (int k = 0; k < 3; k++) {
         if (o->strip[k] > 0)
-            bound = fmax(bound, bound_strip(o, k, w, lateral, n == 1));
+            bound = fmax(bound, bound_strip(o, k, w, lateral));
         if (o->cut[k] > 0)
-            bound = fmax(bound, bound_cut(o, k, w, lateral, n == 1));
+            bound = fmax(bound, bound_cut(o, k, w, lateral));
     }
     const double radius = f->area / (f->side[0] + f->side[1] + f->side[2]);
     return bound * (1 + ROUNDING) + o->margin * (2 * f->longest / radius + 1);
@@ -483,73 +672,4 @@ double pl_overlay_bound(const planish_shape *shape, const pl_moved_facet *t, dou
             return bound_all(&o, lateral);
     }
     return INFINITY;
-}
-
-/* ---- edges on curves ---------------------------------------------------------------------- */
-
-/** Distance of x from the segment from a to b. */
-static double off_segment(const double a[3], const double b[3], const double x[3]) {
-    double weight[2];
-    return sqrt(pl_nearest_on_edge(x, a, b, weight));
-}
-
-/** Set edge to the curve's edge where corner k is, or -1 if the corner is on no curve. Returns how far
- *  it is off there; 0: it is on no feature. */
-static double find_on_curve(const planish_shape *s, const pl_moved_facet *t, int k, int32_t *edge) {
-    const int32_t node = s->facet[t->facet][k];
-    *edge = -1;
-    if (s->node_class[node] == PL_ON_PATCH)
-        return 0;
-    if (s->node_class[node] == PL_CORNER)
-        return pl_distance(3, t->x[k], s->x[node]);
-    pl_place place = t->place[k];
-    if (place.at < 0) {
-        place.at = s->edge_at[node][0];
-        pl_shape_walk(s, PL_ON_CURVE, t->x[k], &place);
-    }
-    *edge = place.at;
-    return off_segment(s->x[s->edge[*edge][0]], s->x[s->edge[*edge][1]], t->x[k]);
-}
-
-/** Find how far the nodes of a curve between two places are off the chord from a to b at most: from
- *  the edge from towards its end, up to the edge to, or to the corner if to is -1. Infinite: the way
- *  does not lead there. */
-static double off_chord(const planish_shape *s, const double a[3], const double b[3], int32_t from,
-                        int end, int32_t to, int32_t corner) {
-    double most = 0;
-    for (int i = 0; i < MOST_EDGES; i++) {
-        const int32_t node = s->edge[from][end];
-        if (to < 0 && node == corner)
-            return most;
-        most = fmax(most, off_segment(a, b, s->x[node]));
-        if (s->node_class[node] != PL_ON_CURVE)
-            break;
-        from = s->edge_at[node][s->edge_at[node][0] == from];
-        if (from == to)
-            return most;
-        end = s->edge[from][0] == node;
-    }
-    return INFINITY;
-}
-
-/* Distance from a segment is convex, so that no point of the chain is farther off the chord than one
- * of its nodes or ends. And the point of the chord that is nearest to one going along the chain goes
- * along the chord from end to end: so no point of the chord is farther off either, or than its
- * corners are from their places. */
-double pl_overlay_lateral(const planish_shape *shape, const pl_moved_facet *t) {
-    double most = 0;
-    int32_t edge[3];
-    for (int k = 0; k < 3; k++)
-        most = fmax(most, find_on_curve(shape, t, k, &edge[k]));
-    for (int k = 0; k < 3; k++) {
-        const int l = (k + 1) % 3, from = edge[k] >= 0 ? k : l, to = edge[k] >= 0 ? l : k;
-        if (shape->across[t->facet][k] >= 0 || edge[from] < 0 || edge[from] == edge[to])
-            continue;
-        double off[2];
-        for (int end = 0; end < 2; end++)
-            off[end] = off_chord(shape, t->x[from], t->x[to], edge[from], end, edge[to],
-                                 shape->facet[t->facet][to]);
-        most = fmax(most, fmin(off[0], off[1]));
-    }
-    return most;
 }
