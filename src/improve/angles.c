@@ -112,7 +112,7 @@ static int is_broken(const pl_run *r, int of_all, uint8_t *state) {
 }
 
 int pl_run_put_back_angles(pl_run *r, planish_error *error) {
-    const int is_off = pl_skin_follow(&r->skin) > 0;
+    const int is_off = pl_skin_check(&r->skin) > 0;
     if (!is_worse(r) && !keeps_valid(r) && !is_off)
         return PLANISH_OK;
     uint8_t *state = pl_alloc(r->plan->work.n_elements, sizeof *state);
@@ -125,7 +125,7 @@ int pl_run_put_back_angles(pl_run *r, planish_error *error) {
         r->result->n_put_back += n;
     }
     const int is_left =
-        goes_back && (is_worse(r) || is_broken(r, 1, state) || pl_skin_follow(&r->skin) > 0 ||
+        goes_back && (is_worse(r) || is_broken(r, 1, state) || pl_skin_check(&r->skin) > 0 ||
                       r->sums.below > r->sums_at_start.below || has_risen(r));
     pl_free(state);
     if (is_left) {

@@ -4,22 +4,26 @@
  * a surface (star.h). Where it may go is decided here: no smooth edge may bend too much, no facet
  * turn too far, and every facet stays within the tolerance of the shape, by its bound or a new
  * certificate (shape/overlay.h). Nodes that slide on planes and lines are of the skin if a facet of
- * them is on a curved patch, or ends at a curve; the others change nothing of the surface.
+ * theirs has a node that moves on a patch or curve. The facets of the others stay in their planes, and are
+ * looked at in the end: beyond the seam to a curved part of the patch a plane is none of the shape.
  *
  * The facets of a node are in its elements, and the nodes across edges have other colours
  * (plan/across.c): so each facet has one writer at a time.
  *
  * skin_plan.c
- *   pl_skin_create                 of a run on a plan's mesh
- *   pl_skin_put_back               nodes whose facets are too far off
+ *   pl_skin_create                               of a run on a plan's mesh
+ *   pl_skin_put_back                             nodes whose facets are too far off
+ * skin_places.c
+ *   pl_skin_make, _find_moves, _begin, _destroy  places and bounds
+ *   pl_skin_certify                              bound of a facet
+ *   pl_skin_has, _is_curved, _is_off, _is_at     of a node; of places
+ *   pl_skin_follow, _check                       nodes have moved otherwise; look at all facets
+ *   pl_skin_save, _restore                       for trials
  * skin.c
- *   pl_skin_make, _find_moves, _begin, _destroy    places and bounds
- *   pl_skin_has, _is_curved, _is_off, _is_at       of a node; of places
- *   pl_skin_begin_visit, _end      frame of the visit of a node
- *   pl_skin_project                where the node of a visit may be (a planish_project_fn)
- *   pl_skin_ask                    where nodes are (likewise)
- *   pl_skin_follow                 nodes have moved otherwise
- *   pl_skin_save, _restore         for trials
+ *   pl_skin_prepare, _begin_visit, _end_visit    frame of the visits of nodes
+ *   pl_skin_project                              where the node of a visit may be
+ *   pl_skin_ask                                  how nodes slide where they are
+ *   pl_skin_fetch_list, _facets                  ask for memory ahead
  */
 #ifndef PL_SWEEP_SKIN_H
 #define PL_SWEEP_SKIN_H
@@ -55,37 +59,62 @@ typedef struct pl_skin {
     pl_place *place;    /* [n_nodes] at -1: none is known */
     double *bound;      /* [n_facets] none of its points is farther off the shape */
     double *tolerance;  /* [n_facets] */
+    double *turned;     /* [n_facets] its unit normal is no farther from what it was first */
     uint8_t *is_planar; /* [n_facets] of a patch that is planar */
-    int64_t max_facets; /* of a node of the skin */
-    double *room;       /* [threads][room_stride] for visits */
-    int64_t room_stride;
-    int64_t n_held; /* nodes that would slide, but for facets too far off at the start */
-    int64_t n_off;  /* visits that were shortened or refused */
+    double unscale;     /* 1 / shape->scale */
+    int64_t max_facets; /* of a node */
+    double *room;       /* [threads][PL_SKIN_ROOM * max_facets] for visits */
+    int64_t n_held;     /* nodes that would slide, but for facets too far off at the start */
+    int64_t n_off;      /* visits that were shortened or refused */
 } pl_skin;
 
-/** A place where a node of the skin may be. */
+/* The node ends where it was accepted last, or at one of the last trials: a line search ends as soon as
+ * one is accepted, or with the one before. */
+enum { PL_SKIN_TRIALS = 4, PL_SKIN_ROOM = 4 * PL_SKIN_TRIALS + 10 };
+
+/** A place where a node of the skin may be. Arrays are over the facets of the node. */
 typedef struct pl_skin_trial {
     int is_known;
     double x[3]; /* in the mesh's units, as stored */
     pl_place place;
     double direction[3];
-    double *bound; /* [facets of the node] of its facets then */
+    double *bound, (*normal)[3]; /* of its facets then; unit normals */
 } pl_skin_trial;
 
-/* The node ends where it was accepted last, or at one of the last trials: a line search ends as soon as
- * one is accepted, or with the one before. */
-enum { PL_SKIN_TRIALS = 4 };
-
-/** A visit of a node of the skin. */
+/** A visit of a node of the skin. Arrays are over its facets. */
 typedef struct pl_skin_visit {
     pl_skin *skin;
-    int32_t star, node;
+    int64_t star;
+    int32_t node;
+    int n;
+    const int32_t *facet;          /* [n] */
     double start[3], direction[3]; /* where it began */
-    int has_direction, is_off;
+    int has_direction, has_rim, has_normals, is_off;
     int newest;                          /* of trial */
     pl_skin_trial trial[PL_SKIN_TRIALS]; /* [0]: accepted last */
-    double *normal;                      /* [facets of the node][4] */
+    double (*rim)[2][3];                 /* [n] their other corners, as they turn */
+    double (*normal)[3];                 /* [n] where it began, of unit length */
+    int32_t *opposite;                   /* [n] facet across the edge opposite to the node, or -1 */
+    int32_t *next; /* [n] number here of the facet across the edge to the first of the rim, or -1 */
 } pl_skin_visit;
+
+/** Return the coordinates of a node, in the mesh's units. */
+static inline const double *pl_skin_at(const pl_skin *skin, int32_t node) {
+    const int32_t inner = skin->inner[node];
+    return inner < 0 ? skin->known[node] : skin->coordinates + (int64_t)inner * 3;
+}
+
+/** Set x to where a node is, in the shape's units. */
+static inline void pl_skin_place_of(const pl_skin *skin, int32_t node, double x[3]) {
+    const double *at = pl_skin_at(skin, node);
+    for (int d = 0; d < 3; d++)
+        x[d] = at[d] * skin->shape->scale;
+}
+
+/** Whether the skin moves a node. */
+static inline int pl_skin_has(const pl_skin *skin, int32_t node) {
+    return skin->moves[node] >= PLANISH_CONSTRAINT_ON_PLANE && skin->moves[node] < PL_SKIN_FLAT;
+}
 
 /** Make the skin of a run whose coordinates are in the plan, and set how the plan's nodes slide.
  *  coordinates: the caller's. Errors: _MEMORY. */
@@ -109,12 +138,7 @@ static inline int pl_skin_is_at(const double *x, const double *y) {
     return x[0] == y[0] && x[1] == y[1] && x[2] == y[2];
 }
 
-/** Whether the skin moves a node. */
-static inline int pl_skin_has(const pl_skin *skin, int32_t node) {
-    return skin->moves[node] >= PLANISH_CONSTRAINT_ON_PLANE && skin->moves[node] < PL_SKIN_FLAT;
-}
-
-/** Whether a facet at a node is of a curved patch. */
+/** Whether a facet at a node has a corner that the skin moves on a patch or curve. */
 int pl_skin_is_curved(const pl_skin *skin, int32_t node);
 
 /** Whether a facet at a node is too far off. */
@@ -123,9 +147,17 @@ int pl_skin_is_off(const pl_skin *skin, int32_t node);
 /** Free the arrays of skin. */
 void pl_skin_destroy(pl_skin *skin);
 
+/** Bound how far a facet is off the shape if node is at x, in the shape's units, and there in place; node -1:
+ *  as it is. Above the facet's tolerance: not known. */
+double pl_skin_certify(const pl_skin *skin, int32_t facet, int32_t node, const double *x,
+                       const pl_place *place);
+
 /** Take note of nodes that have moved otherwise than by visits. Returns the number of facets that are
  *  farther off than they may be. */
 int64_t pl_skin_follow(pl_skin *skin);
+
+/** Do so, and bound the facets that have only nodes on planes and lines, which visits do not look at. */
+int64_t pl_skin_check(pl_skin *skin);
 
 /** Put the nodes of such facets to given [n][dim], where the plan's nodes were at the start; returns how
  *  many had moved. */
@@ -153,6 +185,10 @@ planish_constraint pl_skin_ask(int64_t node, double *point, double *direction, v
 void *pl_skin_save(const pl_skin *skin);
 
 /** Bring back saved places and bounds, if any, of nodes that are back where they were then. */
-void pl_skin_restore(pl_skin *skin, const void *saved);
+void pl_skin_restore(pl_skin *skin, void *saved);
+
+/** Ask for what the visit of a star, if its node is of the skin, will read first; or then. */
+void pl_skin_fetch_list(const pl_skin *skin, int64_t star);
+void pl_skin_fetch_facets(const pl_skin *skin, int64_t star);
 
 #endif

@@ -95,7 +95,8 @@ int pl_skin_create(planish_plan *plan, const planish_options *options, const dou
 int64_t pl_skin_put_back(pl_skin *skin, const double *given) {
     const planish_plan *plan = skin->plan;
     int64_t n = 0;
-    pl_skin_follow(skin);
+    if (pl_skin_check(skin) == 0)
+        return 0;
     for (int64_t i = 0; skin->shape && i < plan->work.n_nodes; i++) {
         const int32_t node = skin->shape->number[pl_plan_node(plan, i)];
         double *x = plan->scratch.coordinates + (int64_t)plan->inner[i] * 3;

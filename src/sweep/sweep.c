@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
+#include "geometry/fetch.h"
 #include "geometry/simplex.h"
 #include "plan/ghosts.h"
 #include "sweep/skin.h"
@@ -200,6 +201,24 @@ static void visit_range(const colour_pass *pass, int64_t begin, int64_t end, dou
         visit_straight(pass, begin, end, scratch, tally);
 }
 
+/* Stars whose memory is asked for ahead, in visits one at a time. */
+enum { AHEAD = 3 };
+
+/** Ask for what the visits of stars after i will read, i being next. */
+PL_AT_ONCE void fetch_surface(const colour_pass *pass, int64_t i, int64_t end) {
+    const pl_star_problem *problem = pass->problem;
+    const pl_skin *skin = pass->plan->scratch.skin;
+    if (i + AHEAD < end)
+        pl_skin_fetch_list(skin, i + AHEAD);
+    if (i + 1 >= end)
+        return;
+    pl_skin_fetch_facets(skin, i + 1);
+    for (int64_t k = problem->ring_offset[i + 1]; k < problem->ring_offset[i + 2]; k++) {
+        pl_fetch_node(pass->plan->dim, problem->coordinates, problem->ring[k]);
+        pl_fetch_to_write(&problem->changed[problem->ring[k]]);
+    }
+}
+
 /** Visit stars begin .. end - 1 of nodes that slide, some of them on the shape. */
 static void visit_surface(const colour_pass *pass, int64_t begin, int64_t end, int thread,
                           double *scratch, pl_star_tally *tally) {
@@ -211,7 +230,10 @@ static void visit_surface(const colour_pass *pass, int64_t begin, int64_t end, i
     problem.project = pl_skin_project;
     problem.project_user = &visit;
     on_skin.problem = &problem;
+    for (int64_t i = begin; i < begin + AHEAD && i < end; i++)
+        pl_skin_fetch_list(skin, i);
     for (int64_t i = begin; i < end; i++) {
+        fetch_surface(pass, i, end);
         if (skin->node[i] < 0)
             continue;
         visit_range(pass, begin, i, scratch, tally);

@@ -1,0 +1,404 @@
+/* skin_places: the skin of a run: which nodes it moves, their places, and bounds of their facets. */
+#include "sweep/skin.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+#include "shape/overlay.h"
+#include "topology/points.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+enum { CHUNK_FACETS = 256 };
+
+/* Tolerance in edges where options have none. */
+#define DEFAULT_TOLERANCE 0.05
+/* A patch is planar if its nodes are within so much of its tolerance, and of the size of the shape. */
+#define PLANAR_TOLERANCE 1e-3
+#define PLANAR_SIZE      1e-8
+/* Such patches are off by twice as much: their tolerance is lower. */
+#define PLANAR_REST (1 - 2 * PLANAR_TOLERANCE)
+
+/* ---- where nodes are ------------------------------------------------------------------------- */
+
+/** Place of a node on the shape as it was first. */
+static pl_place first_place(const planish_shape *shape, int32_t node) {
+    pl_place place = {-1, {0}};
+    if (shape->node_class[node] == PL_ON_CURVE) {
+        place.at = shape->edge_at[node][0];
+        place.weight[shape->edge[place.at][1] == node] = 1;
+    } else if (shape->node_class[node] == PL_ON_PATCH) {
+        place.at = shape->facet_of[shape->offset[node]];
+        const int32_t *facet = shape->facet[place.at];
+        place.weight[facet[0] == node ? 0 : facet[1] == node ? 1 : 2] = 1;
+    }
+    return place;
+}
+
+/** Place of a node that may have moved, as far as certificates need it. */
+static pl_place present_place(const pl_skin *skin, int32_t node) {
+    pl_place place = skin->place[node];
+    double x[3];
+    if (skin->moves[node] != PL_SKIN_FLAT || place.at < 0)
+        return place;
+    pl_skin_place_of(skin, node, x);
+    pl_shape_walk(skin->shape, skin->shape->node_class[node], x, &place);
+    return place;
+}
+
+/* ---- facets ---------------------------------------------------------------------------------- */
+
+double pl_skin_certify(const pl_skin *skin, int32_t facet, int32_t node, const double *x,
+                       const pl_place *place) {
+    const double limit = skin->tolerance[facet];
+    pl_moved_facet moved = {.facet = facet};
+    for (int j = 0; j < 3; j++) {
+        const int32_t corner = skin->shape->facet[facet][j];
+        if (corner == node)
+            memcpy(moved.x[j], x, sizeof moved.x[j]);
+        else
+            pl_skin_place_of(skin, corner, moved.x[j]);
+        moved.place[j] = corner == node ? *place : present_place(skin, corner);
+    }
+    const double lateral = pl_overlay_lateral(skin->shape, &moved);
+    return lateral <= limit ? pl_overlay_bound(skin->shape, &moved, lateral, limit) : INFINITY;
+}
+
+/** Return how far the unit normal of a facet is from what it was first; infinite where the skin does not
+ *  know. */
+static double turn_of(const pl_skin *skin, int32_t facet) {
+    double x[3][3], a[3], b[3], normal[3];
+    for (int j = 0; j < 3; j++) {
+        const int32_t corner = skin->shape->facet[facet][j];
+        if (skin->moves[corner] == PL_SKIN_LOOSE)
+            return INFINITY;
+        pl_skin_place_of(skin, corner, x[j]);
+    }
+    pl_from_to(3, x[0], x[1], a);
+    pl_from_to(3, x[0], x[2], b);
+    pl_cross(a, b, normal);
+    if (!pl_unit(3, normal, a))
+        return INFINITY;
+    pl_from_to(3, a, skin->shape->normal[facet], b);
+    return pl_length(b);
+}
+
+/** Whether all corners of a facet are where they were first. */
+static int is_first(const pl_skin *skin, int32_t facet) {
+    for (int j = 0; j < 3; j++) {
+        const int32_t corner = skin->shape->facet[facet][j];
+        double x[3];
+        pl_skin_place_of(skin, corner, x);
+        if (!pl_skin_is_at(x, skin->shape->x[corner]))
+            return 0;
+    }
+    return 1;
+}
+
+static void bound_facets(void *context, int64_t begin, int64_t end, int thread) {
+    pl_skin *skin = context;
+    (void)thread;
+    for (int32_t t = (int32_t)begin; t < end; t++) {
+        if (!isnan(skin->bound[t]))
+            continue;
+        skin->bound[t] = is_first(skin, t) ? 0 : pl_skin_certify(skin, t, -1, NULL, NULL);
+        skin->turned[t] = turn_of(skin, t);
+    }
+}
+
+/** Bound the facets whose bound is not a number. Returns the number of facets that are too far off. */
+static int64_t bound_all(pl_skin *skin) {
+    int64_t n = 0;
+    const int64_t n_facets = skin->shape->n_facets;
+    pl_parallel_for(pl_paying_threads(skin->threads, n_facets), n_facets, CHUNK_FACETS,
+                    bound_facets, skin);
+    for (int64_t t = 0; t < skin->shape->n_facets; t++)
+        n += !(skin->bound[t] <= skin->tolerance[t]);
+    return n;
+}
+
+/** Take note of where a node is. */
+static void follow(pl_skin *skin, int32_t node) {
+    const planish_shape *shape = skin->shape;
+    double x[3];
+    memcpy(skin->known[node], pl_skin_at(skin, node), sizeof skin->known[node]);
+    pl_skin_place_of(skin, node, x);
+    if (pl_skin_is_at(x, shape->x[node]))
+        skin->place[node] = first_place(shape, node);
+    else if (skin->place[node].at >= 0)
+        pl_shape_walk(shape, shape->node_class[node], x, &skin->place[node]);
+    for (int64_t i = shape->offset[node]; i < shape->offset[node + 1]; i++)
+        skin->bound[shape->facet_of[i]] = NAN;
+}
+
+int64_t pl_skin_follow(pl_skin *skin) {
+    if (!skin->shape)
+        return 0;
+    for (int32_t node = 0; node < skin->shape->n_nodes; node++)
+        if (pl_skin_has(skin, node) && !pl_skin_is_at(skin->known[node], pl_skin_at(skin, node)))
+            follow(skin, node);
+    return bound_all(skin);
+}
+
+/** Whether a node of a facet moves so. */
+static int has_corner(const pl_skin *skin, int32_t facet, int moves) {
+    const int32_t *corner = skin->shape->facet[facet];
+    return skin->moves[corner[0]] == moves || skin->moves[corner[1]] == moves ||
+           skin->moves[corner[2]] == moves;
+}
+
+/** Mark the facets of which the skin knows the bound by where their nodes slide alone: on planes and lines,
+ *  but beside a patch that is curved elsewhere. */
+static void mark_flat(pl_skin *skin) {
+    for (int32_t t = 0; t < skin->shape->n_facets; t++)
+        if (!skin->is_planar[t] && !isinf(skin->tolerance[t]) && has_corner(skin, t, PL_SKIN_FLAT))
+            skin->bound[t] = NAN;
+}
+
+int64_t pl_skin_check(pl_skin *skin) {
+    if (!skin->shape)
+        return 0;
+    mark_flat(skin);
+    return pl_skin_follow(skin);
+}
+
+/* ---- trials ---------------------------------------------------------------------------------- */
+
+/** Copy an array to or from what is saved; returns where the next one is there. */
+static char *copy(char *saved, void *array, int64_t n, size_t size, int is_back) {
+    const size_t bytes = (size_t)n * size;
+    memcpy(is_back ? array : saved, is_back ? saved : array, bytes);
+    return saved + bytes;
+}
+
+/** Copy places and bounds to saved or (is_back) from there. */
+static void copy_all(const pl_skin *skin, char *saved, int is_back) {
+    const int64_t n = skin->shape->n_nodes, n_facets = skin->shape->n_facets;
+    saved = copy(saved, skin->place, n, sizeof *skin->place, is_back);
+    saved = copy(saved, skin->known, n, sizeof *skin->known, is_back);
+    saved = copy(saved, skin->bound, n_facets, sizeof *skin->bound, is_back);
+    copy(saved, skin->turned, n_facets, sizeof *skin->turned, is_back);
+}
+
+void *pl_skin_save(const pl_skin *skin) {
+    if (!skin->shape)
+        return NULL;
+    const size_t of_node = sizeof *skin->place + sizeof *skin->known,
+                 of_facet = sizeof *skin->bound + sizeof *skin->turned;
+    char *saved = pl_alloc((int64_t)((size_t)skin->shape->n_nodes * of_node +
+                                     (size_t)skin->shape->n_facets * of_facet),
+                           1);
+    if (saved)
+        copy_all(skin, saved, 0);
+    return saved;
+}
+
+void pl_skin_restore(pl_skin *skin, void *saved) {
+    if (skin->shape && saved)
+        copy_all(skin, saved, 1);
+}
+
+/* ---- the beginning --------------------------------------------------------------------------- */
+
+/** Mark the facets of planar patches: normals agree, and nodes are in one plane. */
+static int find_planar(pl_skin *skin) {
+    const planish_shape *shape = skin->shape;
+    double *off =
+        pl_alloc_zero(shape->n_facets, sizeof *off); /* of patches, at their numbers: how far
+                                                                   nodes are off the plane of a facet */
+    double *least = pl_alloc(shape->n_facets, sizeof *least);  /* tolerance */
+    int32_t *first = pl_alloc(shape->n_facets, sizeof *first); /* their first facets */
+    const int done = off && least && first;
+    for (int64_t p = 0; done && p < shape->n_facets; p++) {
+        first[p] = -1;
+        least[p] = INFINITY;
+    }
+    for (int32_t t = 0; done && t < shape->n_facets; t++) {
+        const int32_t p = shape->patch[t];
+        if (first[p] < 0)
+            first[p] = t;
+        const double *normal = shape->normal[first[p]], *x = shape->x[shape->facet[first[p]][0]];
+        double way[3];
+        least[p] = fmin(least[p], skin->tolerance[t]);
+        if (!(pl_dot(3, normal, shape->normal[t]) > 0))
+            off[p] = INFINITY;
+        for (int j = 0; j < 3; j++) {
+            pl_from_to(3, x, shape->x[shape->facet[t][j]], way);
+            off[p] = fmax(off[p], fabs(pl_dot(3, way, normal)));
+        }
+    }
+    for (int64_t t = 0; done && t < shape->n_facets; t++) {
+        const double most = off[shape->patch[t]];
+        skin->is_planar[t] =
+            most <= PLANAR_TOLERANCE * least[shape->patch[t]] && most <= PLANAR_SIZE * shape->size;
+        skin->tolerance[t] *= skin->is_planar[t] ? PLANAR_REST : 1;
+    }
+    pl_free(off);
+    pl_free(least);
+    pl_free(first);
+    return done;
+}
+
+/** Find the tolerances of all facets. */
+static void find_tolerances(pl_skin *skin, const planish_options *options) {
+    const planish_shape *shape = skin->shape;
+    const int is_length =
+        options->surface_tolerance > 0 && options->surface_tolerance_unit == PLANISH_UNIT_MESH;
+    const double factor =
+        options->surface_tolerance > 0 ? options->surface_tolerance : DEFAULT_TOLERANCE;
+    for (int64_t t = 0; t < shape->n_facets; t++) {
+        const int32_t *corner = shape->facet[t];
+        double least = INFINITY, sum = 0;
+        for (int j = 0; j < 3; j++) {
+            double way[3];
+            pl_from_to(3, shape->x[corner[j]], shape->x[corner[(j + 1) % 3]], way);
+            sum += pl_length(way);
+            least = fmin(least, shape->edge_length[corner[j]]);
+        }
+        skin->tolerance[t] = factor * (is_length ? shape->scale : fmin(least, sum / 3));
+    }
+}
+
+/** Whether a facet at a node is such as test says. */
+static int any_facet(const pl_skin *skin, int32_t node,
+                     int (*test)(const pl_skin *skin, int32_t facet)) {
+    const planish_shape *shape = skin->shape;
+    for (int64_t i = shape->offset[node]; i < shape->offset[node + 1]; i++)
+        if (test(skin, shape->facet_of[i]))
+            return 1;
+    return 0;
+}
+
+static int is_curved(const pl_skin *skin, int32_t facet) {
+    return has_corner(skin, facet, PLANISH_CONSTRAINT_ON_PATCH) ||
+           has_corner(skin, facet, PLANISH_CONSTRAINT_ON_CURVE);
+}
+
+int pl_skin_is_curved(const pl_skin *skin, int32_t node) {
+    return any_facet(skin, node, is_curved);
+}
+
+static int is_loose(const pl_skin *skin, int32_t facet) {
+    return has_corner(skin, facet, PL_SKIN_LOOSE);
+}
+
+static int is_too_far(const pl_skin *skin, int32_t facet) {
+    return !(skin->bound[facet] <= skin->tolerance[facet]);
+}
+
+void pl_skin_find_moves(pl_skin *skin, const uint8_t *slides_by) {
+    for (int64_t s = 0; s < skin->n_stars; s++) {
+        const int32_t node = skin->node[s];
+        if (node >= 0 && slides_by[s] >= PLANISH_CONSTRAINT_ON_PATCH)
+            skin->moves[node] =
+                skin->moves[node] == PL_SKIN_PAIRED ? PLANISH_CONSTRAINT_FIXED : slides_by[s];
+    }
+    for (int64_t s = 0; s < skin->n_stars; s++) {
+        const int32_t node = skin->node[s];
+        const uint8_t by = slides_by[s];
+        if (node < 0 || by >= PLANISH_CONSTRAINT_ON_SURFACE)
+            continue;
+        if (!pl_skin_is_curved(skin, node))
+            skin->moves[node] = PL_SKIN_FLAT;
+        else if (skin->moves[node] == PL_SKIN_PAIRED || skin->shape->node_class[node] == PL_CORNER)
+            skin->moves[node] = PLANISH_CONSTRAINT_FIXED;
+        else
+            skin->moves[node] = by;
+    }
+}
+
+/** Hold the nodes of the skin with a facet such as test says. Returns how many there are. */
+static int64_t hold(pl_skin *skin, int (*test)(const pl_skin *skin, int32_t facet)) {
+    int64_t n = 0;
+    for (int32_t node = 0; node < skin->shape->n_nodes; node++)
+        if (pl_skin_has(skin, node) && any_facet(skin, node, test)) {
+            skin->moves[node] = PLANISH_CONSTRAINT_FIXED;
+            n++;
+        }
+    return n;
+}
+
+/** Hold the nodes of facets that are too far off at the start: these stay as they are. */
+static void hold_far(pl_skin *skin) {
+    skin->n_held = hold(skin, is_too_far);
+    for (int32_t t = 0; t < skin->shape->n_facets; t++)
+        if (is_too_far(skin, t))
+            skin->tolerance[t] = INFINITY;
+    if (skin->n_held > 0)
+        pl_log(PLANISH_LOG_NOTE,
+               "%" PRId64 " nodes stay: the surface there is farther off options.shape than "
+               "surface_tolerance",
+               skin->n_held);
+}
+
+int pl_skin_is_off(const pl_skin *skin, int32_t node) {
+    return any_facet(skin, node, is_too_far);
+}
+
+/** Take the places of all nodes, whose coordinates the caller has. */
+static void take_places(pl_skin *skin, const pl_points *points) {
+    const planish_shape *shape = skin->shape;
+    for (int32_t node = 0; node < shape->n_nodes; node++) {
+        skin->place[node] = first_place(shape, node);
+        for (int d = 0; d < 3 && skin->inner[node] < 0; d++)
+            skin->known[node][d] = points->x[pl_point_at(points, shape->node[node], d)];
+        if (skin->inner[node] >= 0)
+            follow(skin, node);
+    }
+}
+
+static int allocate(pl_skin *skin) {
+    const int64_t n = skin->shape->n_nodes, n_facets = skin->shape->n_facets;
+    skin->max_facets = 0;
+    for (int64_t i = 0; i < n; i++) {
+        const int64_t at = skin->shape->offset[i + 1] - skin->shape->offset[i];
+        skin->max_facets = at > skin->max_facets ? at : skin->max_facets;
+    }
+    skin->node = pl_alloc(skin->n_stars, sizeof *skin->node);
+    skin->star = pl_alloc(n, sizeof *skin->star);
+    skin->inner = pl_alloc(n, sizeof *skin->inner);
+    skin->moves = pl_alloc_zero(n, sizeof *skin->moves);
+    skin->known = pl_alloc(n, sizeof *skin->known);
+    skin->place = pl_alloc(n, sizeof *skin->place);
+    skin->bound = pl_alloc_zero(n_facets, sizeof *skin->bound);
+    skin->tolerance = pl_alloc(n_facets, sizeof *skin->tolerance);
+    skin->turned = pl_alloc(n_facets, sizeof *skin->turned);
+    skin->is_planar = pl_alloc(n_facets, sizeof *skin->is_planar);
+    skin->room = pl_alloc(PL_SKIN_ROOM * skin->max_facets * skin->threads, sizeof *skin->room);
+    return skin->node && skin->star && skin->inner && skin->moves && skin->known && skin->place &&
+           skin->bound && skin->tolerance && skin->turned && skin->is_planar && skin->room;
+}
+
+int pl_skin_make(const planish_options *options, pl_skin *skin, planish_error *error) {
+    const int has_room = allocate(skin);
+    skin->unscale = 1 / skin->shape->scale;
+    if (has_room)
+        find_tolerances(skin, options);
+    if (!has_room || !find_planar(skin))
+        return pl_fail_memory(error, "the surface of a mesh");
+    return PLANISH_OK;
+}
+
+void pl_skin_begin(pl_skin *skin, const pl_points *points) {
+    hold(skin, is_loose);
+    take_places(skin, points);
+    bound_all(skin);
+    hold_far(skin);
+}
+
+void pl_skin_destroy(pl_skin *skin) {
+    pl_free(skin->node);
+    pl_free(skin->star);
+    pl_free(skin->inner);
+    pl_free(skin->moves);
+    pl_free(skin->known);
+    pl_free(skin->place);
+    pl_free(skin->bound);
+    pl_free(skin->tolerance);
+    pl_free(skin->turned);
+    pl_free(skin->is_planar);
+    pl_free(skin->room);
+    *skin = (pl_skin){0};
+}
