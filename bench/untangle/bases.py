@@ -27,7 +27,7 @@ Base = namedtuple("Base", "points elements fixed edges hole")
 def gmsh(name, recipe):
     path = f"{FOLDER}/{name}.mesh"
     size = [] if recipe.size is None else ["-setnumber", "h", str(recipe.size)]
-    subprocess.run(["gmsh", f"-{recipe.dim}", "-nt", "1", "-v", "1", *size,
+    subprocess.run(["gmsh", f"-{recipe.dim}", "-nt", "1", "-v", "1", *size, "-setstring", "shape", name,
                     os.path.join(ROOT, recipe.argument), "-format", "mesh", "-o", path], check=True)
     with open(path, encoding="ascii") as file:
         words = file.read().split()
@@ -260,23 +260,23 @@ def of_all_types(name):
         ("tet", base[:, [0, 1, 2, 4, 0, 2, 3, 4]].reshape(-1, 4))))
 
 
-GEO = "bench/untangle/geo/"
+SHAPES = "bench/untangle/shapes.geo"
 RECIPES = {
     "box": Recipe(3, gmsh, "bench/fem/box.geo", 0.075),
     "bracket": Recipe(3, gmsh, "docs/examples/bracket.geo", 4),
-    "hole": Recipe(3, gmsh, GEO + "hole.geo", None, ((0, 0, 0), 2, 0.221, 0.49)),
-    "angle": Recipe(3, gmsh, GEO + "angle.geo", None),
-    "shell": Recipe(3, gmsh, GEO + "shell.geo", None, ((0, 0, 0), 3, 0.451, 0.98)),
-    "bar": Recipe(3, gmsh, GEO + "bar.geo", None),
-    "graded": Recipe(3, gmsh, GEO + "graded.geo", None),
+    "hole": Recipe(3, gmsh, SHAPES, None, ((0, 0, 0), 2, 0.221, 0.49)),
+    "angle": Recipe(3, gmsh, SHAPES, None),
+    "shell": Recipe(3, gmsh, SHAPES, None, ((0, 0, 0), 3, 0.451, 0.98)),
+    "bar": Recipe(3, gmsh, SHAPES, None),
+    "graded": Recipe(3, gmsh, SHAPES, None),
     "cavity": Recipe(3, tetgen, cavity, 0.003, ((0, 0, 0), 3, 0.61, 0.99)),
     "star": Recipe(3, tetgen, star, 0.0008),
     "bracket100k": Recipe(3, gmsh, "docs/examples/bracket.geo", 1.33),
     "plate": Recipe(2, gmsh, "bench/plate.geo", 0.2, ((4, 6.4), 2, 1.81, 3.5)),
-    "ring": Recipe(2, gmsh, GEO + "ring.geo", None, ((0, 0), 2, 0.401, 0.99)),
-    "corner": Recipe(2, gmsh, GEO + "corner.geo", None),
-    "square": Recipe(2, gmsh, GEO + "square.geo", None),
-    "strip": Recipe(2, gmsh, GEO + "strip.geo", None),
+    "ring": Recipe(2, gmsh, SHAPES, None, ((0, 0), 2, 0.401, 0.99)),
+    "corner": Recipe(2, gmsh, SHAPES, None),
+    "square": Recipe(2, gmsh, SHAPES, None),
+    "strip": Recipe(2, gmsh, SHAPES, None),
     "plate100k": Recipe(2, gmsh, "bench/plate.geo", 0.055),
 }
 GRIDS = {
