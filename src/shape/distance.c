@@ -59,15 +59,16 @@ static double square_off(const void *context, int32_t facet, const double point[
                                               : INFINITY;
 }
 
-/** Bound the distance of a triangle from a patch; known, if that is more. */
-static double divide(const pl_target *t, const double x[3][3], double known, int depth) {
+/** Bound the distance of a triangle from a patch; known, if that is more. near: a facet of the patch. */
+static double divide(const pl_target *t, const double x[3][3], int32_t near, double known,
+                     int depth) {
     const planish_shape *s = t->shape;
-    double middle[3], part[4][3][3], square = INFINITY;
+    double middle[3], part[4][3][3];
     for (int d = 0; d < 3; d++)
         middle[d] = (x[0][d] + x[1][d] + x[2][d]) / 3;
-    const int32_t near = pl_tree_nearest(t->tree, middle, square_off, t, &square);
-    if (near < 0)
-        return INFINITY;
+    double square = square_off(t, near, middle);
+    const int32_t nearer = pl_tree_nearest(t->tree, middle, square_off, t, &square);
+    near = nearer >= 0 ? nearer : near;
     double bound = off_facet(s, near, x);
     for (int k = 0; k < 3; k++)
         if (s->across[near][k] >= 0)
@@ -81,7 +82,7 @@ static double divide(const pl_target *t, const double x[3][3], double known, int
                 (x[k][d] + x[(k + 1) % 3][d]) / 2;
         }
     for (int i = 0; i < 4; i++)
-        known = divide(t, (const double(*)[3])part[i], known, depth - 1);
+        known = divide(t, (const double(*)[3])part[i], near, known, depth - 1);
     return known;
 }
 
@@ -97,6 +98,8 @@ typedef struct pl_measuring {
     double (*bound)[WAYS]; /* [n_facets] */
     double bend;           /* 1 - the least cosine */
     int64_t n_open[WAYS];  /* facets about which the overlay says nothing */
+    double most[WAYS],
+        most_h[WAYS]; /* largest bounds of the others, in units of length and edges */
 } pl_measuring;
 
 /** Facet i of the surface that is not the target. */
@@ -120,13 +123,19 @@ static void overlay_facets(void *context, int64_t begin, int64_t end, int thread
         for (int way = 0; way < WAYS; way++) {
             const planish_shape *s = &m->surface[way];
             const pl_moved_facet t = facet_of(m, way, i);
-            m->bound[i][way] = pl_overlay_bound(s, &t, pl_overlay_lateral(s, &t), INFINITY);
-            if (!(m->bound[i][way] < INFINITY))
+            const double bound = pl_overlay_bound(s, &t, pl_overlay_lateral(s, &t), INFINITY);
+            m->bound[i][way] = bound;
+            if (bound == INFINITY) {
                 __atomic_fetch_add(&m->n_open[way], 1, __ATOMIC_RELAXED);
+            } else if (bound > 0) {
+                pl_raise_double(&m->most[way], bound);
+                pl_raise_double(&m->most_h[way],
+                                bound / pl_shape_edge(&m->surface[THERE], t.facet));
+            }
         }
 }
 
-/** Divide facets that have no bound. */
+/** Divide facets that have no bound, as far as they are beyond the largest ones. */
 static void divide_facets(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     pl_measuring *m = context;
@@ -135,8 +144,10 @@ static void divide_facets(void *context, int64_t begin, int64_t end, int thread)
             const planish_shape *s = &m->surface[way];
             const pl_target target = {s, &m->tree[way], s->patch[i]};
             const pl_moved_facet t = facet_of(m, way, i);
-            if (!(m->bound[i][way] < INFINITY))
-                m->bound[i][way] = divide(&target, t.x, 0, DEEPEST);
+            const double h = pl_shape_edge(&m->surface[THERE], t.facet);
+            const double known = fmin(m->most[way], m->most_h[way] * h);
+            if (m->bound[i][way] == INFINITY)
+                m->bound[i][way] = divide(&target, t.x, t.facet, known, DEEPEST);
         }
 }
 
