@@ -81,9 +81,9 @@ static double walk_on_curve(const planish_shape *s, const double point[3], pl_pl
         square = here;
         *place = p;
         const int end = p.weight[0] == 1 ? 0 : p.weight[1] == 1 ? 1 : -1;
-        if (end < 0 || s->node_class[s->edge[e][end]] != PL_ON_CURVE)
+        if (end < 0)
             break;
-        const int32_t *at = s->edge_at[s->edge[e][end]];
+        const int32_t *at = s->edge_at[s->edge[e][end]]; /* corners have no other edge */
         e = at[at[0] == e];
     }
     return sqrt(square);

@@ -5,8 +5,13 @@
 #include "geometry/cell.h"
 
 #include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include <cmocka.h>
 
 static const double PI = 3.1415926535897932385;
 
@@ -160,4 +165,102 @@ void test_fillet_map(int p, double u, double v, double x[3]) {
     }
     for (int d = 0; d < 3; d++)
         x[d] += ROUND * off[d] / sqrt(length);
+}
+
+const known_surface KNOWN_SURFACES[N_KNOWN_SURFACES] = {
+    {"sphere", test_sphere_map, 6, 1, 1, 0, 1},     {"torus", test_torus_map, 1, 6, 3, 0, 1},
+    {"cylinder", test_cylinder_map, 3, 4, 3, 2, 3}, {"tee", test_tee_map, 2, 8, 2, 3, 2},
+    {"fillet", test_fillet_map, 6, 2, 2, 0, 1},
+};
+
+void test_surface_known(test_surface *surface, int k, int size, double jitter, unsigned seed) {
+    const known_surface *of = &KNOWN_SURFACES[k];
+    test_surface_create(surface, of->n_pieces, of->map, of->nu * size, of->nv * size, jitter, seed);
+}
+
+made_shape test_shape_make(const planish_mesh *mesh, const planish_surface *tags, int threads) {
+    made_shape m;
+    planish_error error = {.text = ""};
+    if (planish_shape_create(mesh, tags, threads, &m.s, &m.info, &error) != 0)
+        fail_msg("%s", error.text);
+    return m;
+}
+
+/* ---- what every shape promises ----------------------------------------------------------------- */
+
+static double length_of(const double v[3]) {
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+static void expect_unit(const double v[3]) {
+    assert_true(fabs(length_of(v) - 1) < 1e-14);
+}
+
+static int is_zero(const double v[3]) {
+    return v[0] == 0 && v[1] == 0 && v[2] == 0;
+}
+
+/** Neighbours within a patch know one another, and turn the same way round. */
+static void expect_facets(const planish_shape *s) {
+    int32_t n_patches = 0;
+    for (int32_t f = 0; f < s->n_facets; f++) {
+        assert_true(s->patch[f] <= n_patches);
+        n_patches = s->patch[f] == n_patches ? n_patches + 1 : n_patches;
+        if (!is_zero(s->normal[f]))
+            expect_unit(s->normal[f]);
+        for (int k = 0; k < 3; k++) {
+            const int32_t g = s->across[f][k], a = s->facet[f][k], b = s->facet[f][(k + 1) % 3];
+            int is_met = g < 0;
+            for (int m = 0; g >= 0 && m < 3; m++)
+                is_met |=
+                    s->across[g][m] == f && s->facet[g][m] == b && s->facet[g][(m + 1) % 3] == a;
+            assert_true(is_met && (g < 0 || s->patch[g] == s->patch[f]));
+            if (!is_zero(s->corner_normal[f][k]))
+                expect_unit(s->corner_normal[f][k]);
+        }
+    }
+}
+
+/** Edges of features are those of facets without a facet across, and curves go on through nodes. */
+static void expect_edges(const planish_shape *s) {
+    int64_t n_sides = 0, n_known = 0;
+    for (int32_t f = 0; f < s->n_facets; f++)
+        for (int k = 0; k < 3; k++)
+            n_sides += s->across[f][k] < 0;
+    for (int32_t e = 0; e < s->n_edges; e++) {
+        const int32_t *v = s->edge[e];
+        assert_true(v[0] < v[1]);
+        assert_true(e == 0 || s->edge[e - 1][0] < v[0] ||
+                    (s->edge[e - 1][0] == v[0] && s->edge[e - 1][1] < v[1]));
+        for (int j = 0; j < 2; j++) {
+            const int32_t f = s->edge_facet[e][j];
+            n_known += f >= 0;
+            if (!is_zero(s->tangent[e][j]))
+                expect_unit(s->tangent[e][j]);
+            for (int i = 0; f >= 0 && i < 2; i++)
+                assert_true(s->facet[f][0] == v[i] || s->facet[f][1] == v[i] ||
+                            s->facet[f][2] == v[i]);
+            if (s->node_class[v[j]] == PL_ON_CURVE)
+                assert_true(s->edge_at[v[j]][0] == e || s->edge_at[v[j]][1] == e);
+        }
+    }
+    assert_true(n_known <= n_sides);
+}
+
+void test_shape_expect(const made_shape *m) {
+    const planish_shape *s = m->s;
+    int64_t n[3] = {0};
+    for (int64_t i = 0; i < s->n_nodes; i++) {
+        n[s->node_class[i]]++;
+        assert_int_equal(s->number[s->node[i]], i);
+        assert_true(s->edge_length[i] > 0);
+        if (s->node_class[i] == PL_ON_CURVE)
+            assert_true(s->edge_at[i][0] >= 0 && s->edge_at[i][1] > s->edge_at[i][0]);
+    }
+    assert_int_equal(n[PL_ON_PATCH], m->info.n_on_patch);
+    assert_int_equal(n[PL_ON_CURVE], m->info.n_on_curve);
+    assert_int_equal(n[PL_CORNER], m->info.n_corners);
+    assert_int_equal(s->n_nodes, m->info.n_nodes);
+    expect_facets(s);
+    expect_edges(s);
 }

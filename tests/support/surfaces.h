@@ -1,10 +1,11 @@
 /* surfaces: meshes of triangles in space whose true surface is known: spheres, tori, cylinders, tees,
- * boxes with fillets, prisms. Nodes are on the surface, those inside of pieces at random.
+ * boxes with fillets, prisms. Nodes are on the surface, those inside of pieces at random. And what every shape
+ * promises.
  */
 #ifndef TEST_SUPPORT_SURFACES_H
 #define TEST_SUPPORT_SURFACES_H
 
-#include <planish/planish.h>
+#include "shape/curved.h"
 
 /** A mesh of triangles that owns its arrays. */
 typedef struct test_surface {
@@ -36,5 +37,32 @@ test_map test_sphere_map, test_torus_map, test_cylinder_map, test_tee_map, test_
     test_prism_map;
 
 extern int test_prism_sides;
+
+/** A known surface at a size, and its features: nu and nv times a size of squares for each piece. */
+typedef struct known_surface {
+    const char *name;
+    test_map *map;
+    int n_pieces, nu, nv;
+    int n_rims; /* times nu: feature edges */
+    int n_patches;
+} known_surface;
+
+enum { N_KNOWN_SURFACES = 5 };
+extern const known_surface KNOWN_SURFACES[N_KNOWN_SURFACES];
+
+/** Make a known surface. */
+void test_surface_known(test_surface *surface, int k, int size, double jitter, unsigned seed);
+
+/** A shape, and what is said of it. */
+typedef struct made_shape {
+    planish_shape *s;
+    planish_shape_info info;
+} made_shape;
+
+/** Make a shape; the test fails if that fails. */
+made_shape test_shape_make(const planish_mesh *mesh, const planish_surface *tags, int threads);
+
+/** Expect what every shape promises, and the numbers of classes. */
+void test_shape_expect(const made_shape *made);
 
 #endif
