@@ -363,6 +363,9 @@ typedef enum planish_shape_class {
 /** Fill node_class [nodes of the mesh] with planish_shape_class. */
 PLANISH_API void planish_shape_get_classes(const planish_shape *shape, uint8_t *node_class);
 
+/** Fill edge [planish_shape_info.n_edges][2] with the nodes, in the mesh, of the edges of features. */
+PLANISH_API void planish_shape_get_edges(const planish_shape *shape, int32_t *edge);
+
 /** How far a surface is off its shape. Bounds are proved for every point, not sampled. */
 typedef struct planish_shape_distance {
     double distance;      /* no point of the surface is farther off the first one, */

@@ -470,6 +470,11 @@ void planish_shape_get_classes(const planish_shape *shape, uint8_t *node_class) 
             shape->number[i] < 0 ? PLANISH_SHAPE_NONE : CLASS[shape->node_class[shape->number[i]]];
 }
 
+void planish_shape_get_edges(const planish_shape *shape, int32_t *edge) {
+    for (int64_t i = 0; shape && edge && i < 2 * shape->n_edges; i++)
+        edge[i] = shape->node[shape->edge[i / 2][i % 2]];
+}
+
 /** Where the nodes of a shape are now. */
 typedef struct moved_shape {
     const planish_shape *shape;

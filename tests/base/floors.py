@@ -49,6 +49,7 @@ KNOWS = {
 ALLOWED = [
     ("tools/job/output", "src/io/file/", "names of the files of a mesh"),
     ("tools/job/worst", "src/geometry/", "angles"),
+    ("tools/job/curved", "src/geometry/", "facets of a type"),
     ("tools/report/drawn_surface", "src/topology/", "facets"),
     ("tools/report/drawn_surface", "src/geometry/", "facets of a type"),
     ("tools/mpi/slides", "src/topology/", "facets"),

@@ -31,7 +31,7 @@ SMOOTH = {
     "kkt": type(None), "threads": int, "binding": str, "isa": str,
     "seconds": dict.fromkeys(("read", "shape", "setup", "smooth", "write", "total"), NUMBER),
     "fixed": {"count": int, "rms_radius_ratio": NUMBER, "max_radius_ratio": NUMBER},
-    "reason": str, "peak_memory_bytes": int, **VOLUMES,
+    "reason": str, "peak_memory_bytes": int, "surface": type(None), **VOLUMES,
 }
 SWEEP = {"phase": str, "rms": NUMBER, "rms_movable": NUMBER, "objective": NUMBER, "inverted": int,
          "below_min_volume": int, "visits": int, "seconds": NUMBER}
@@ -78,7 +78,7 @@ def same(a, b):
 
 smooth, quality, printed = (json.load(open(name)) for name in sys.argv[1:4])
 check(smooth, SMOOTH, "smooth")
-assert set(quality) == {"planish", "input", "format", "mesh", "quality", "checksum", *VOLUMES}
+assert set(quality) == {"planish", "input", "format", "mesh", "quality", "checksum", "surface", *VOLUMES}
 check(quality, {"mesh": MESH, "quality": QUALITY, **VOLUMES}, "quality")
 
 before, after, mesh = smooth["before"], smooth["after"], smooth["mesh"]

@@ -100,7 +100,7 @@ for measure in aspect-ratio scaled-jacobian; do
     expect_text "choose dihedral or radius-ratio"
 done
 bad smooth in.msh -o out.msh --direction south
-bad smooth in.msh -o out.msh --format stl
+bad smooth in.msh -o out.msh --format step
 bad smooth in.msh -o out.msh --fix ""
 bad smooth in.msh -o out.msh --fix "no such group"
 

@@ -6,6 +6,7 @@
 #include "commands/commands.h"
 
 #include "report/comparison.h"
+#include "job/curved.h"
 #include "job/held.h"
 #include "job/job.h"
 #include "job/layers.h"
@@ -105,6 +106,20 @@ static int measure_simplices(quality_run *r, pl_job *job, pl_measured *measured)
                : 0;
 }
 
+/** Find the features of a surface for the picture, and how far it is off that of another file. */
+static int measure_surface(pl_job *job, pl_surface_state *state) {
+    const pl_arguments *arguments = job->arguments;
+    if (!arguments->surface_of && arguments->report)
+        pl_curved_try(job);
+    if (!arguments->surface_of)
+        return 0;
+    int status = pl_curved_create(job);
+    if (!status)
+        status = pl_curved_measure(job, &state->after);
+    state->is_known = !status;
+    return status;
+}
+
 static int measure_job(quality_run *r, pl_job *job, pl_compared *mesh) {
     pl_measured *measured = &mesh->measured;
     int status = job->mesh.n_elements > 0 ? measure_simplices(r, job, measured)
@@ -115,6 +130,8 @@ static int measure_job(quality_run *r, pl_job *job, pl_compared *mesh) {
     if ((status = pl_cells_measure(job, &measured->cells)))
         return status;
     if ((status = pl_worst_find_asked(job, &measured->cells, &measured->worst)))
+        return status;
+    if ((status = measure_surface(job, &measured->surface)))
         return status;
     print_table(r, job, measured);
     if ((status = keep_notes(r, job, mesh)))

@@ -6,6 +6,7 @@
 
 #include "commands/commands.h"
 #include "job/cells.h"
+#include "job/curved.h"
 #include "terminal/message.h"
 #include "job/output.h"
 #include "report/page.h"
@@ -138,6 +139,31 @@ static int find_place(const drawing *d, const char *file, int i, char *path, siz
            status.kind == PL_FILE_REGULAR;
 }
 
+enum { MOST_ARRAYS = 256 };
+
+/** Find the features of the surface of job, if those of the result were found, with its options. */
+static void find_features(const drawing *d, pl_job *job, pl_arguments *arguments) {
+    const cJSON *result = d->figures->result;
+    const cJSON *surface = cJSON_GetObjectItemCaseSensitive(result, "surface"), *name;
+    const cJSON *mesh = cJSON_GetObjectItemCaseSensitive(result, "mesh");
+    const char *array[MOST_ARRAYS], *original = pl_figure_text(surface, "original");
+    const double angle = pl_figure(surface, "crease_angle");
+    planish_error ignored;
+    int n = 0;
+    if (!cJSON_IsObject(surface))
+        return;
+    cJSON_ArrayForEach(name, cJSON_GetObjectItemCaseSensitive(mesh, "region_arrays")) {
+        if (cJSON_IsString(name) && n < MOST_ARRAYS)
+            array[n++] = name->valuestring;
+    }
+    planish_file_choose_regions(job->file, array, n, &ignored);
+    arguments->surface_of = original[0] ? original : NULL;
+    arguments->crease_angle = angle >= 0 && angle <= 180 ? angle : 0;
+    arguments->ignore_regions =
+        cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(surface, "ignores_regions"));
+    pl_curved_try(job);
+}
+
 /** Draw the state from the file at path if it has the mesh; *why is set to why not, or to NULL.
  *  Returns 0, or an exit status after a message. */
 static int try_place(drawing *d, const wanted *w, const char *path, const char **why) {
@@ -166,12 +192,14 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
     } else {
         *why = NULL;
         code = job.has_types ? PLANISH_OK : job.engine->plan_create(&job, &error);
-        if (code == PLANISH_ERROR_MEMORY)
+        if (code == PLANISH_ERROR_MEMORY) {
             status = pl_job_complain(&job, PL_EXIT_FAILED, &error);
-        else if (code)
+        } else if (code) {
             lack(d, w, error.text);
-        else if (!d->picture)
+        } else if (!d->picture) {
+            find_features(d, &job, &arguments);
             status = pl_picture_begin(&job, &d->picture);
+        }
         if (!code && !status && !pl_picture_fits(d->picture, &job))
             lack(d, w, "has other elements");
         else if (!code && !status)

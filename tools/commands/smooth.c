@@ -8,6 +8,7 @@
 
 #include "commands/promises.h"
 #include "job/cells.h"
+#include "job/curved.h"
 #include "job/held.h"
 #include "job/job.h"
 #include "job/layers.h"
@@ -213,6 +214,7 @@ static void print_table(const pl_job *job, const pl_result *result, int status) 
         pl_volumes_print(stderr, job, &result->volumes);
         pl_unfixable_print(stderr, job, &result->unfixable);
         pl_inside_print(stderr, job, &result->validity_after);
+        pl_curved_note_result(stderr, job, &result->surface);
         pl_reversed_print(stderr, job, result->reversed.state, result->after.n_reversed);
         if (result->reversed.n_new == 0)
             pl_table_reversed(stderr, &result->after);
@@ -267,6 +269,16 @@ static int take_for_reports(const pl_job *job, const char *name, const pl_validi
 
 /* ---- the steps ------------------------------------------------------------------------------ */
 
+/** Measure the surface and the volumes of regions, before or after. */
+static int measure_surface(const pl_job *job, int is_after, pl_result *result) {
+    pl_surface_state *state = &result->surface;
+    int status = 0;
+    if (is_after || job->arguments->surface_of)
+        status = pl_curved_measure(job, is_after ? &state->after : &state->before);
+    state->is_known = !status && is_after;
+    return status ? status : pl_volumes_of_regions(job, is_after, state);
+}
+
 /** From the mesh that was read to the sweeps: plan and measure. */
 static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
     const int is_told = pl_job_is_told(job);
@@ -292,8 +304,13 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if (is_told && (status = pl_layers_count(job, &result->before)))
         return status;
-    if (job->arguments->verbosity != PL_QUIET)
+    if (job->arguments->verbosity != PL_QUIET) {
         pl_layers_print(stderr, job);
+        pl_curved_note_held(stderr, job, result->validity_before.quality.all.n_curved,
+                            result->before.n_inverted);
+    }
+    if (job->curved.shape && (status = measure_surface(job, 0, result)))
+        return status;
     if ((status = pl_volumes_count(job, &result->below_before)))
         return status;
     if ((status = pl_reversed_find(job, result->before.n_reversed, &result->reversed.before)))
@@ -351,6 +368,8 @@ static int check_result(pl_job *job, pl_result *result) {
                                           &result->unfixable)))
         return status;
     if ((status = pl_reversed_compare(job, &result->after, &result->reversed)))
+        return status;
+    if (job->curved.shape && (status = measure_surface(job, 1, result)))
         return status;
     return pl_promises_check(job, result);
 }
@@ -440,6 +459,7 @@ int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine) {
     pl_volumes_free(&result.volumes);
     pl_unfixable_free(&result.unfixable);
     pl_reversed_free(&result.reversed);
+    pl_surface_state_free(&result.surface);
     pl_worst_free(&result.worst_before);
     pl_worst_free(&result.worst_after);
     pl_picture_free(result.picture);

@@ -3,6 +3,7 @@
 #include "job/job.h"
 
 #include "job/cells.h"
+#include "job/curved.h"
 #include "terminal/message.h"
 #include "terminal/signals.h"
 #include "terminal/threads.h"
@@ -405,6 +406,8 @@ static int find_unheld(const pl_job *job, int ignore_marked, const uint8_t *is_i
         return status;
     mesh.constraint = constraint;
     surface.is_inside = is_inside;
+    surface.shape = job->curved.shape;
+    surface.slide_interfaces = job->arguments->slide_interfaces;
     if (job->arguments->slide_tolerance > 0)
         surface.tolerance = job->arguments->slide_tolerance;
     if (planish_find_slides(&mesh, &surface, job->options.threads, constraint, direction, NULL,
@@ -455,9 +458,13 @@ int pl_job_find_slides(pl_job *job) {
     if (!job->arguments->slide || !job->file)
         return 0;
     job->direction = new_directions(job);
-    const int status = job->direction ? find_slides(job, NULL, job->constraint, job->direction)
-                                      : pl_job_complain_memory(job, "values of nodes");
+    int status = job->direction ? 0 : pl_job_complain_memory(job, "values of nodes");
+    if (!status && pl_curved_is_asked(job) && job->engine == &pl_engine_here)
+        status = pl_curved_create(job);
+    if (!status)
+        status = find_slides(job, NULL, job->constraint, job->direction);
     job->mesh.direction = job->direction;
+    pl_curved_count(job);
     job->shape_seconds = pl_seconds() - begin;
     return status;
 }
@@ -600,6 +607,7 @@ int pl_job_measure(const pl_job *job, planish_quality *quality) {
 void pl_job_close(pl_job *job) {
     if (job->engine)
         job->engine->plan_destroy(job);
+    pl_curved_destroy(job);
     free(job->min_volume);
     free(job->wrapped);
     free(job->is_layer);

@@ -58,6 +58,13 @@ typedef struct pl_held {
     int64_t n_doubled; /* held nodes at the place of another one, whatever they count as */
 } pl_held;
 
+/** Shape of a curved surface, and the nodes on it. */
+typedef struct pl_curved {
+    planish_shape *shape; /* owned, or NULL: none was asked for */
+    planish_shape_info info;
+    int64_t n[PLANISH_CONSTRAINT_ON_CURVE + 1]; /* nodes by their constraint */
+} pl_curved;
+
 /** Messages between the processes that share a mesh, summed over them. */
 typedef struct pl_traffic {
     int n_processes;     /* 0: one process works by itself, and nothing else is set */
@@ -87,6 +94,7 @@ typedef struct pl_job {
     uint8_t *in_layer;   /* [mesh.n_nodes] 1: held as a node of a layer; owned, or NULL: none is */
     pl_layers layers;
     pl_held held;
+    pl_curved curved;
     int64_t could_slide;       /* nodes that would with --slide auto; -1: not looked for */
     int64_t n_with_parameters; /* nodes that may move and have parameters of the geometry */
     double *min_volume;        /* [mesh.n_elements] owned, or NULL: no group has one of its own */

@@ -222,14 +222,29 @@ static const char *set_box(pl_arguments *arguments, const option_row *row, const
     return NULL;
 }
 
+/** Set a distance above 0, with an h behind it in edges, and its unit. Returns whether it is one. */
+static int set_distance(const char *value, double *distance, planish_length_unit *unit) {
+    const char *end = take_real(value, distance);
+    if (!end || *distance <= 0 || (strcmp(end, "") != 0 && strcmp(end, "h") != 0))
+        return 0;
+    *unit = *end ? PLANISH_UNIT_EDGE : PLANISH_UNIT_MESH;
+    return 1;
+}
+
 static const char *set_max_displacement(pl_arguments *arguments, const option_row *row,
                                         const char *value) {
-    double *distance = &arguments->library.max_displacement;
-    const char *unit = take_real(value, distance);
-    if (!unit || *distance <= 0 || (strcmp(unit, "") != 0 && strcmp(unit, "h") != 0))
-        return row->wanted;
-    arguments->library.displacement_unit = *unit ? PLANISH_UNIT_EDGE : PLANISH_UNIT_MESH;
-    return NULL;
+    planish_options *library = &arguments->library;
+    return set_distance(value, &library->max_displacement, &library->displacement_unit)
+               ? NULL
+               : row->wanted;
+}
+
+static const char *set_surface_tolerance(pl_arguments *arguments, const option_row *row,
+                                         const char *value) {
+    planish_options *library = &arguments->library;
+    return set_distance(value, &library->surface_tolerance, &library->surface_tolerance_unit)
+               ? NULL
+               : row->wanted;
 }
 
 static const char *set_fix(pl_arguments *arguments, const option_row *row, const char *value) {
@@ -238,11 +253,13 @@ static const char *set_fix(pl_arguments *arguments, const option_row *row, const
 }
 
 static const char *set_slide(pl_arguments *arguments, const option_row *row, const char *value) {
-    const int is_none = strcmp(value, "none") == 0;
+    const int is_none = strcmp(value, "none") == 0, is_curved = strcmp(value, "curved") == 0;
+    const int is_plain = is_none || strcmp(value, "auto") == 0;
     arguments->slide = !is_none;
-    if (is_none || strcmp(value, "auto") == 0)
+    arguments->slide_curved = is_curved || (arguments->slide_curved && !is_plain);
+    if (is_plain)
         arguments->n_slide_tags = 0;
-    else
+    else if (!is_curved)
         arguments->slide_tag[arguments->n_slide_tags++] = value;
     return value[0] ? NULL : row->wanted;
 }
@@ -273,7 +290,8 @@ enum {
     BOTH = SMOOTH | QUALITY,
     ALL = PL_COMMANDS_ALL,
     OPTIMISES = 8, /* heeded by no Laplacian method */
-    OF_WORST = 16  /* has an effect with --objective worst alone */
+    OF_WORST = 16, /* has an effect with --objective worst alone */
+    OF_CURVED = 32 /* has an effect on smooth with --slide curved alone */
 };
 
 #define AT(field) offsetof(pl_arguments, field)
@@ -391,12 +409,33 @@ static const option_row option_table[] = {
      "--regions none",
      NULL},
     {0, "slide", "HOW", SMOOTH | OPTIMISES, set_slide, 0, 0, 0,
-     "must be auto, none, or the NAME, N or DIM:N of a group",
-     "let boundary nodes slide where the shape stays the\n"
-     "same: auto (planes and straight edges), none\n"
-     "(default), or group TAG only (NAME, N or DIM:N;\n"
-     "repeatable)",
-     "auto none"},
+     "must be auto, curved, none, or the NAME, N or DIM:N of a group",
+     "let boundary nodes slide: auto (in planes and along\n"
+     "straight edges, where the shape stays the same),\n"
+     "curved (on curved surfaces, too), none (default), or\n"
+     "group TAG only (NAME, N or DIM:N; repeatable)",
+     "auto curved none"},
+    {0, "surface-tolerance", "T", SMOOTH | OPTIMISES | OF_CURVED, set_surface_tolerance, 0, 0, 0,
+     "must be a distance above 0, or a number and h for that many edge lengths",
+     "with --slide curved: let no point of the surface be\n"
+     "farther than T, with Th than T mean edges, off the\n"
+     "original surface (default 0.05h)",
+     NULL},
+    {0, "slide-interfaces", NULL, SMOOTH | OPTIMISES | OF_CURVED, set_flag, AT(slide_interfaces), 1,
+     0, NULL, "with --slide curved: let nodes slide on curved\ninterfaces between regions, too",
+     NULL},
+    {0, "surface-of", "FILE", BOTH | OF_CURVED, set_text, AT(surface_of), 0, 0,
+     "must be the name of a file",
+     "take the original surface from FILE, which has the\n"
+     "same elements: repeated runs do not add up (default:\n"
+     "IN); with quality: how far the surface is off it",
+     "file"},
+    {0, "crease-angle", "A", BOTH | OF_CURVED, set_real, AT(crease_angle), 0, 180,
+     "must be a number of degrees from 0 to 180",
+     "keep edges of curved surfaces that bend by more than\n"
+     "A degrees, and no others but for groups (default:\n"
+     "find creases)",
+     NULL},
     {0, "slide-tolerance", "T", BOTH, set_real, AT(slide_tolerance), ABOVE_0, 1e-3,
      "must be a fraction above 0, up to 1e-3",
      "accept nodes up to T times the diagonal of the\n"
@@ -605,6 +644,12 @@ static int check_combinations(const pl_arguments *arguments) {
     if (arguments->of_worst && !arguments->worst)
         return pl_complain_usage(command, "--%s has no effect without --objective worst",
                                  arguments->of_worst);
+    if (arguments->of_curved && !arguments->slide_curved && arguments->command == PL_COMMAND_SMOOTH)
+        return pl_complain_usage(command, "--%s has no effect without --slide curved",
+                                 arguments->of_curved);
+    if (arguments->surface_of && arguments->n_inputs > 1)
+        return pl_complain_usage(command, "--surface-of takes one mesh, but %d are named",
+                                 arguments->n_inputs);
     if (arguments->command == PL_COMMAND_QUALITY && arguments->output && check_view(arguments))
         return PL_EXIT_USAGE;
     if (arguments->report && arguments->n_inputs > 1)
@@ -657,6 +702,8 @@ int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, ch
             return complain_value(argv[0], row, optarg, wanted);
         if (row->commands & OF_WORST)
             arguments->of_worst = row->name;
+        if (row->commands & OF_CURVED)
+            arguments->of_curved = row->name;
         if (row->commands & OPTIMISES)
             arguments->optimiser = row->name;
         if (arguments->help || arguments->version)

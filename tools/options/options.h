@@ -61,6 +61,11 @@ typedef struct pl_arguments {
     const char **slide_tag; /* [n_slide_tags] on these groups only; none: on all; owned */
     int n_slide_tags;
     double slide_tolerance; /* 0: what fits the file */
+    int slide_curved;       /* on curved patches and curves, too */
+    int slide_interfaces;   /* those between regions among them */
+    const char *surface_of; /* the file that the surface is taken from, or NULL: the input */
+    double crease_angle;    /* in degrees; 0: features are found */
+    const char *of_curved;  /* an option of smooth that is for curved surfaces alone, or NULL */
     int has_objective;      /* --objective was given */
     int worst;              /* --objective worst */
     const char *of_worst;   /* an option that is for it alone, or NULL */

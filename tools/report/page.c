@@ -214,8 +214,12 @@ static void put_views(pl_markup *page, const pl_figures *figures, const pl_pictu
     pl_markup_put(page,
                   "</p>\n<div class=\"controls\" hidden>\n<label>elements worse than <input "
                   "type=\"range\" min=\"0\" max=\"100\" step=\"0.5\"> <output></output></label>\n"
-                  "<label><input type=\"checkbox\"> mesh lines</label>\n"
-                  "<button type=\"button\">whole mesh</button>\n</div>\n<div class=\"views\">\n");
+                  "<label><input type=\"checkbox\"> mesh lines</label>\n%s"
+                  "<button type=\"button\">whole mesh</button>\n</div>\n<div class=\"views\">\n",
+                  pl_picture_has_features(picture)
+                      ? "<label><input type=\"checkbox\" class=\"features\"> patches in colours, "
+                        "<i class=\"curve\"></i>curves, <i class=\"corner\"></i>corners</label>\n"
+                      : "");
     for (int s = 0; s < pl_picture_n_states(picture); s++)
         put_view(page, figures, pl_picture_state_name(picture, s));
     pl_markup_put(page,
@@ -286,6 +290,7 @@ void pl_page_make(pl_markup *page, const pl_figures *figures, const pl_picture *
     pl_page_put_worst(page, figures);
     pl_page_put_histograms(page, figures);
     pl_page_put_convergence(page, figures);
+    pl_page_put_surface(page, figures);
     pl_page_put_run(page, figures);
     pl_page_put_certificate(page, figures);
     put_footer(page, figures);

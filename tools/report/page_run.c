@@ -131,6 +131,90 @@ static void put_list(pl_markup *page, const pl_figures *figures, const char *key
     pl_markup_put(page, "%s</p>\n", n > MOST ? " ..." : ".");
 }
 
+/* ---- the surface --------------------------------------------------------------------------- */
+
+/** Put a proved distance, absolute and in edges. */
+static void put_distance(pl_markup *page, const char *name, const cJSON *surface, const char *key,
+                         const char *key_in_edges) {
+    const double distance = pl_figure(surface, key);
+    if (!cJSON_HasObjectItem(surface, key))
+        return;
+    pl_markup_put(page, "<tr><th scope=\"row\">%s</th><td class=\"wrap\">", name);
+    if (isfinite(distance)) {
+        pl_markup_put(page, "at most ");
+        pl_markup_put_real(page, distance);
+        pl_markup_put(page, " (");
+        pl_markup_put_real(page, pl_figure(surface, key_in_edges));
+        pl_markup_put(page, " mean edges)");
+    } else {
+        pl_markup_put(page, "not proved");
+    }
+    pl_markup_put(page, "</td></tr>\n");
+}
+
+/** Put the change of the volume of each region. */
+static void put_volumes(pl_markup *page, const cJSON *surface) {
+    enum { MOST_ROWS = 100 };
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(surface, "volumes"), *region;
+    int n = 0;
+    if (cJSON_GetArraySize(list) == 0)
+        return;
+    pl_markup_put(page, "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">region</th>"
+                        "<th scope=\"col\">volume before</th><th scope=\"col\">after</th>"
+                        "<th scope=\"col\">change</th></tr></thead><tbody>\n");
+    cJSON_ArrayForEach(region, list) {
+        const double before = pl_figure(region, "before"), after = pl_figure(region, "after");
+        if (n++ >= MOST_ROWS)
+            continue;
+        pl_markup_put(page, "<tr><th scope=\"row\">");
+        pl_markup_put_text(page, pl_figure_text(region, "region"));
+        pl_markup_put(page, "</th><td>%.8g</td><td>%.8g</td><td>%+.2g</td></tr>\n", before, after,
+                      after / before - 1);
+    }
+    pl_markup_put(page, "</tbody></table></div>\n");
+    if (n > MOST_ROWS)
+        pl_markup_put(page, "<p class=\"quiet\">These are the first %d of %d regions.</p>\n",
+                      MOST_ROWS, n);
+}
+
+void pl_page_put_surface(pl_markup *page, const pl_figures *figures) {
+    static const char *const counts[][2] = {
+        {"nodes in planes", "on_planes"},
+        {"nodes on lines", "on_lines"},
+        {"nodes on patches", "on_patches"},
+        {"nodes on curves", "on_curves"},
+        {"corners", "corners"},
+        {"patches", "patches"},
+        {"edges between them", "feature_edges"},
+        {"found as creases", "creases"},
+        {"moves shortened or refused", "refused_moves"},
+        {"facets without a proved distance", "unproved_facets"}};
+    const cJSON *surface = cJSON_GetObjectItemCaseSensitive(figures->result, "surface");
+    const double bend = pl_figure(surface, "max_bend_deg");
+    if (!cJSON_IsObject(surface))
+        return;
+    pl_markup_put(page, "<section id=\"surface\" class=\"whole\"><h2>The surface</h2>\n"
+                        "<div class=\"scroll\"><table><tbody>\n");
+    put_distance(page, "distance from the original surface", surface, "distance",
+                 "distance_in_edges");
+    put_distance(page, "distance of the original one from it", surface, "distance_back",
+                 "distance_back_in_edges");
+    if (isfinite(bend))
+        pl_markup_put(page,
+                      "<tr><th scope=\"row\">sharpest edge within patches</th>"
+                      "<td class=\"wrap\">%.3g°, before %.3g°</td></tr>\n",
+                      bend, pl_figure(surface, "max_bend_before_deg"));
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        put_counted(page, counts[i][0], surface, counts[i][1]);
+    put_fact(page, "original surface", pl_figure_text(surface, "original"));
+    pl_markup_put(page, "</tbody></table></div>\n");
+    if (isfinite(pl_figure(surface, "distance")))
+        pl_markup_put(
+            page, "<p class=\"quiet\">Distances are proved for every point, not sampled.</p>\n");
+    put_volumes(page, surface);
+    pl_markup_put(page, "</section>\n");
+}
+
 void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
     const cJSON *result = figures->result;
     const int64_t inverted = pl_figure_count(pl_figures_last(figures), "inverted");

@@ -45,6 +45,11 @@ struct pl_picture {
     double low[3], high[3];      /* its box as it was at first */
     double size;                 /* the longest side of that */
     pl_drawn_surface surface;
+    int has_features; /* of the shape of its surface: */
+    int32_t *edge;    /* [n_edges][2] points of edges of features, owned */
+    int64_t n_edges;
+    int32_t *corner; /* [n_corners] points of corners, owned */
+    int64_t n_corners;
     drawn_state states[PL_PICTURE_MOST_STATES];
     int n_states;
 };
@@ -65,6 +70,40 @@ static void find_box(pl_picture *picture, const planish_mesh *mesh) {
         picture->size = 1;
 }
 
+/** Find the points of features: edges that coarsening leaves, and corners. */
+static int find_features(pl_picture *picture, const pl_job *job) {
+    const planish_shape *shape = job->curved.shape;
+    const int64_t n = job->curved.info.n_edges, n_nodes = job->mesh.n_nodes;
+    const int32_t *point = picture->surface.point;
+    if (!shape || picture->dim != 3)
+        return 0;
+    uint8_t *node_class = malloc((size_t)n_nodes + 1);
+    picture->edge = malloc(2 * ((size_t)n + 1) * sizeof *picture->edge);
+    picture->corner = malloc(((size_t)picture->surface.n_points + 1) * sizeof *picture->corner);
+    uint8_t *is_corner = calloc((size_t)picture->surface.n_points + 1, 1);
+    const int failed = !node_class || !picture->edge || !picture->corner || !is_corner;
+    if (!failed) {
+        planish_shape_get_edges(shape, picture->edge);
+        planish_shape_get_classes(shape, node_class);
+    }
+    for (int64_t i = 0; i < n && !failed; i++) {
+        const int32_t a = point[picture->edge[2 * i]], b = point[picture->edge[2 * i + 1]];
+        picture->edge[2 * picture->n_edges] = a;
+        picture->edge[2 * picture->n_edges + 1] = b;
+        picture->n_edges += a >= 0 && b >= 0 && a != b;
+    }
+    for (int64_t i = 0; i < n_nodes && !failed; i++)
+        if (node_class[i] == PLANISH_SHAPE_CORNER && point[i] >= 0)
+            is_corner[point[i]] = 1;
+    for (int32_t i = 0; i < picture->surface.n_points && !failed; i++)
+        if (is_corner[i])
+            picture->corner[picture->n_corners++] = i;
+    picture->has_features = !failed;
+    free(node_class);
+    free(is_corner);
+    return failed ? pl_job_complain_memory(job, "the picture") : 0;
+}
+
 int pl_picture_begin(const pl_job *job, pl_picture **result) {
     planish_error error;
     pl_picture *picture = calloc(1, sizeof *picture);
@@ -79,7 +118,7 @@ int pl_picture_begin(const pl_job *job, pl_picture **result) {
     find_box(picture, &job->mesh);
     if (pl_drawn_surface_find(&job->mesh, MOST_TRIANGLES, &picture->surface, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    return 0;
+    return find_features(picture, job);
 }
 
 /* ---- a state -------------------------------------------------------------------------------- */
@@ -196,6 +235,10 @@ int pl_picture_take(pl_picture *picture, const pl_job *job, const char *name) {
     return status ? status : take_ratios(picture, job, to);
 }
 
+int pl_picture_has_features(const pl_picture *picture) {
+    return picture->has_features;
+}
+
 int pl_picture_n_states(const pl_picture *picture) {
     return picture ? picture->n_states : 0;
 }
@@ -217,22 +260,32 @@ static void put_array(pl_markup *page, const char *name, const void *bytes, int6
     pl_markup_put(page, "\"");
 }
 
-/** Corners of the triangles, in 16 bits if that is enough. */
-static void put_triangles(pl_markup *page, const pl_drawn_surface *surface) {
+/** Put n numbers of points, in 16 bits if that is enough. */
+static void put_points(pl_markup *page, const char *name, const pl_drawn_surface *surface,
+                       const int32_t *point, int64_t n) {
     const int size = surface->n_points <= 65536 ? 2 : 4;
-    const int64_t n = 3 * surface->n_triangles;
     uint8_t *bytes = malloc((size_t)(n * size) + 1);
     if (!bytes) {
         page->failed = 1;
         return;
     }
     for (int64_t i = 0; i < n; i++)
-        put_little_endian((uint32_t)surface->triangle[i], size, bytes + i * size);
-    pl_markup_put(page, ",\n\"index_bits\":%d", 8 * size);
-    put_array(page, "triangles", bytes, n * size);
+        put_little_endian((uint32_t)point[i], size, bytes + i * size);
+    put_array(page, name, bytes, n * size);
+    free(bytes);
+}
+
+/** Corners of the triangles, and features. */
+static void put_triangles(pl_markup *page, const pl_picture *picture) {
+    const pl_drawn_surface *surface = &picture->surface;
+    pl_markup_put(page, ",\n\"index_bits\":%d", surface->n_points <= 65536 ? 16 : 32);
+    put_points(page, "triangles", surface, surface->triangle, 3 * surface->n_triangles);
     if (surface->sides)
         put_array(page, "sides", surface->sides, surface->n_triangles);
-    free(bytes);
+    if (!picture->has_features)
+        return;
+    put_points(page, "features", surface, picture->edge, 2 * picture->n_edges);
+    put_points(page, "corners", surface, picture->corner, picture->n_corners);
 }
 
 void pl_picture_put(pl_markup *page, const pl_picture *picture) {
@@ -251,7 +304,7 @@ void pl_picture_put(pl_markup *page, const pl_picture *picture) {
         pl_markup_put(page, ",\"directions\":[[%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g]]", u[0], u[1],
                       u[2], v[0], v[1], v[2]);
     }
-    put_triangles(page, &picture->surface);
+    put_triangles(page, picture);
     pl_markup_put(page, ",\n\"states\":[");
     for (int i = 0; i < picture->n_states; i++) {
         const drawn_state *s = &picture->states[i];
@@ -283,5 +336,7 @@ void pl_picture_free(pl_picture *picture) {
         free(s->bad_ratio);
     }
     pl_drawn_surface_free(&picture->surface);
+    free(picture->edge);
+    free(picture->corner);
     free(picture);
 }

@@ -30,6 +30,9 @@ int pl_picture_fits(const pl_picture *picture, const pl_job *job);
  * of a mesh whose size overflows. name: a word for it, kept as it is ("before"). */
 int pl_picture_take(pl_picture *picture, const pl_job *job, const char *name);
 
+/** Whether features of the surface are drawn: patches, curves and corners. */
+int pl_picture_has_features(const pl_picture *picture);
+
 /** How many states the picture, which may be NULL, shows, and their names. */
 int pl_picture_n_states(const pl_picture *picture);
 const char *pl_picture_state_name(const pl_picture *picture, int i);

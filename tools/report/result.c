@@ -523,6 +523,86 @@ static void add_checksum(document *json, cJSON *root, const char *name, uint64_t
     add_text(json, root, name, text);
 }
 
+/** Add the tolerance of the surface, in the unit that it was given in. */
+static void add_surface_tolerance(document *json, cJSON *to, const planish_options *options) {
+    const double usual = 0.05, given = options->surface_tolerance;
+    const int is_of_mesh = given > 0 && options->surface_tolerance_unit == PLANISH_UNIT_MESH;
+    add_real(json, to, "tolerance", given > 0 ? given : usual);
+    add_text(json, to, "tolerance_unit", is_of_mesh ? "mesh" : "h");
+}
+
+/** Add proved distances between the surface and the original one, both ways. */
+static void add_distance(document *json, cJSON *to, const planish_shape_distance *d) {
+    add_real(json, to, "distance", d->distance);
+    add_real(json, to, "distance_in_edges", d->in_edges);
+    add_real(json, to, "distance_back", d->distance_back);
+    add_real(json, to, "distance_back_in_edges", d->back_in_edges);
+    add_integer(json, to, "unproved_facets", d->n_unproved);
+    add_real(json, to, "max_bend_deg", d->max_bend);
+    add_real(json, to, "max_bend_before_deg", d->max_bend_before);
+}
+
+/** Add the volumes of regions by tags: those that the file gives elements. */
+static void add_region_volumes(document *json, cJSON *to, const pl_job *job,
+                               const pl_surface_state *state) {
+    cJSON *list = new_array(json, to, "volumes");
+    for (int64_t i = 0; i < state->n_regions && !json->failed; i++) {
+        const pl_region_volume *of = &state->region[i];
+        char tag[256];
+        if (of->before == 0 && of->after == 0) /* no element */
+            continue;
+        cJSON *region = new_object(json, list, NULL);
+        planish_file_element_region(job->file, of->element, tag, sizeof tag);
+        if (tag[0])
+            add_text(json, region, "region", tag);
+        else
+            add(json, region, "region", cJSON_CreateNull());
+        add_real(json, region, "before", of->before);
+        add_real(json, region, "after", of->after);
+    }
+}
+
+/** Add the surface: its features, the nodes that slide on it, and how far it has moved; null: nobody
+ *  asked for its shape. smooth: NULL of the command quality. */
+static void add_surface(document *json, cJSON *root, const pl_job *job,
+                        const pl_surface_state *state, const planish_result *smooth) {
+    const planish_shape_info *info = &job->curved.info;
+    const int64_t *n = job->curved.n;
+    if (!job->curved.shape) {
+        add(json, root, "surface", cJSON_CreateNull());
+        return;
+    }
+    cJSON *surface = new_object(json, root, "surface");
+    if (job->arguments->surface_of)
+        add_text(json, surface, "original", job->arguments->surface_of);
+    else
+        add(json, surface, "original", cJSON_CreateNull());
+    add_real(json, surface, "crease_angle", job->arguments->crease_angle);
+    add(json, surface, "ignores_regions", cJSON_CreateBool(job->arguments->ignore_regions));
+    add_integer(json, surface, "nodes", info->n_nodes);
+    add_integer(json, surface, "patches", info->n_patches);
+    add_integer(json, surface, "feature_edges", info->n_edges);
+    add_integer(json, surface, "creases", info->n_creases);
+    add_integer(json, surface, "corners", info->n_corners);
+    add_real(json, surface, "edge_length", info->edge_length);
+    if (smooth) {
+        add_integer(json, surface, "on_planes", n[PLANISH_CONSTRAINT_ON_PLANE]);
+        add_integer(json, surface, "on_lines", n[PLANISH_CONSTRAINT_ON_LINE]);
+        add_integer(json, surface, "on_patches", n[PLANISH_CONSTRAINT_ON_PATCH]);
+        add_integer(json, surface, "on_curves", n[PLANISH_CONSTRAINT_ON_CURVE]);
+        add_surface_tolerance(json, surface, &job->options);
+        add_integer(json, surface, "refused_moves", smooth->n_off_shape);
+    }
+    if (!state->is_known)
+        return;
+    add_distance(json, surface, &state->after);
+    if (!smooth)
+        return;
+    if (job->arguments->surface_of)
+        add_distance(json, new_object(json, surface, "input"), &state->before);
+    add_region_volumes(json, surface, job, state);
+}
+
 char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
                             const pl_progress *progress) {
     document json = {0};
@@ -568,6 +648,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     cJSON *fixed = new_object(&json, root, "fixed");
     add_integer(&json, fixed, "count", result->after.n_fixed_elements);
     add_fixed(&json, fixed, job, &result->after);
+    add_surface(&json, root, job, &result->surface, &result->smooth);
     add_volumes(&json, root, job, &result->volumes, result->unfixable.state);
     add_elements(&json, root, "reversed", job, NULL, PLANISH_VOLUME_MET, result->reversed.state);
     add_elements(&json, root, "wrapped", job, NULL, PLANISH_VOLUME_MET, job->wrapped);
@@ -599,6 +680,7 @@ void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
         add_quality(&json, mesh, "quality", job, &measured->quality, &none,
                     measured->volumes.n_below, &measured->worst);
     add_checksum(&json, mesh, "checksum", pl_job_checksum(job));
+    add_surface(&json, mesh, job, &measured->surface, NULL);
     add_volumes(&json, mesh, job, &measured->volumes, NULL);
     add_elements(&json, mesh, "reversed", job, NULL, PLANISH_VOLUME_MET, measured->reversed);
     add_elements(&json, mesh, "wrapped", job, NULL, PLANISH_VOLUME_MET, job->wrapped);

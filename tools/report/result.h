@@ -7,6 +7,7 @@
 #define PL_TOOLS_RESULT_H
 
 #include "job/cells.h"
+#include "job/curved.h"
 #include "job/job.h"
 #include "job/progress.h"
 #include "report/picture.h"
@@ -26,6 +27,7 @@ typedef struct pl_result {
     pl_unfixable unfixable;
     pl_reversed reversed;
     pl_worst worst_before, worst_after; /* empty if there is no report */
+    pl_surface_state surface;
     planish_result smooth;
     double smooth_seconds, write_seconds, total_seconds;
     char reason[1024]; /* why the end is not the plain one, or "" */
@@ -45,6 +47,7 @@ typedef struct pl_measured {
     pl_volumes volumes;
     uint8_t *reversed; /* [mesh.n_elements] as of pl_reversed_find, owned, or NULL */
     pl_worst worst;
+    pl_surface_state surface;
 } pl_measured;
 
 struct cJSON;

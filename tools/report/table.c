@@ -434,6 +434,80 @@ static void put_worst(FILE *stream, const pl_job *job, const planish_result *smo
     pl_text_wrap(stream, text);
 }
 
+/** Put a proved distance between the surface and the original one. */
+static void put_distance(FILE *stream, const char *start, const char *middle,
+                         const planish_shape_distance *d) {
+    char text[256];
+    if (isfinite(d->distance) && isfinite(d->distance_back))
+        snprintf(text, sizeof text,
+                 "%s at most %.3g (%.3g h)%s at most %.3g (%.3g h) off (certified)", start,
+                 d->distance, d->in_edges, middle, d->distance_back, d->back_in_edges);
+    else
+        snprintf(text, sizeof text, "%s nobody knows how far: no bound is proved", start);
+    pl_text_wrap(stream, text);
+}
+
+/** Put by how much the volumes changed: of all, and of the regions that changed most. */
+static void put_volume_changes(FILE *stream, const pl_job *job, const pl_surface_state *state) {
+    enum { MOST_REGIONS = 5 };
+    double before = 0, after = 0;
+    int64_t n = 0;
+    int64_t worst[MOST_REGIONS];
+    char text[320], tag[200];
+    for (int64_t i = 0; i < state->n_regions; i++) {
+        before += state->region[i].before;
+        after += state->region[i].after;
+        if (state->region[i].before == 0)
+            continue;
+        int64_t at = n < MOST_REGIONS ? n++ : MOST_REGIONS;
+        for (; at > 0; at--) { /* the largest changes first */
+            const pl_region_volume *a = &state->region[i], *b = &state->region[worst[at - 1]];
+            if (fabs(a->after / a->before - 1) <= fabs(b->after / b->before - 1))
+                break;
+            if (at < MOST_REGIONS)
+                worst[at] = worst[at - 1];
+        }
+        if (at < MOST_REGIONS)
+            worst[at] = i;
+    }
+    size_t used = (size_t)snprintf(text, sizeof text, "volume changed by %+.2g of itself",
+                                   after / before - 1);
+    for (int64_t k = 0; n > 1 && k < n && used < sizeof text; k++) {
+        const pl_region_volume *of = &state->region[worst[k]];
+        planish_file_element_region(job->file, of->element, tag, sizeof tag);
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s %s %+.2g",
+                                 k ? "," : "; regions:", tag[0] ? tag : "(no name)",
+                                 of->after / of->before - 1);
+    }
+    pl_text_wrap(stream, text);
+}
+
+/** Put what nodes slide on, and how far the surface has moved. */
+static void put_surface(FILE *stream, const pl_job *job, const pl_result *result) {
+    const int64_t *n = job->curved.n, n_refused = result->smooth.n_off_shape;
+    char text[256];
+    if (!result->surface.is_known)
+        return;
+    snprintf(text, sizeof text,
+             "surface: %" PRId64 " nodes in planes, %" PRId64 " on lines, %" PRId64
+             " on patches, %" PRId64 " on curves; %" PRId64 " corners",
+             n[PLANISH_CONSTRAINT_ON_PLANE], n[PLANISH_CONSTRAINT_ON_LINE],
+             n[PLANISH_CONSTRAINT_ON_PATCH], n[PLANISH_CONSTRAINT_ON_CURVE],
+             job->curved.info.n_corners);
+    pl_text_wrap(stream, text);
+    put_distance(stream, "surface moved by", ", the original one is", &result->surface.after);
+    if (n_refused > 0) {
+        snprintf(text, sizeof text, "%" PRId64 " %s shortened or refused for the surface",
+                 n_refused, word_for(n_refused, "move was", "moves were"));
+        pl_text_wrap(stream, text);
+    }
+    put_volume_changes(stream, job, &result->surface);
+    if (job->plan_info.n_fixed_elements > 0)
+        fprintf(stream, "%" PRId64 " %s still no node that moves\n",
+                job->plan_info.n_fixed_elements,
+                word_for(job->plan_info.n_fixed_elements, "element has", "elements have"));
+}
+
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
     const int64_t n_outside = result->smooth.n_held_outside, n_back = result->smooth.n_put_back;
     char text[256];
@@ -469,6 +543,7 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
                 word_for(n_back, "node was", "nodes were"),
                 job->has_types ? "least scaled Jacobian" : "smallest angle");
     row_free(stream, job);
+    put_surface(stream, job, result);
     put_end(stream, &result->smooth);
     put_worst(stream, job, &result->smooth);
     snprintf(text, sizeof text,
@@ -598,6 +673,9 @@ void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measur
                 planish_file_element_number(job->file, q->worst_element));
     if (!pl_job_lacks_types(job)) /* it would tell of the simplices alone */
         row_free(stream, job);
+    if (measured->surface.is_known)
+        put_distance(stream, "surface off the original one by", ", the original one is",
+                     &measured->surface.after);
     put_spreads(stream, solid, q);
     pl_histogram_print(stream, "radius ratio", NULL, q);
 }

@@ -13,6 +13,8 @@ const CLASSES = [[1.1, '#e6eef6'], [1.25, '#bcd5ea'], [1.5, '#86b6da'], [2, '#fd
     [3, '#fdbb63'], [5, '#f5853f'], [10, '#dd3d2d'], [Infinity, '#8f0d1d']];
 const INVERTED = '#d600c8';
 const STEPS_PER_E = 50;         /* picture.c */
+const CURVE = '#c2410c', CORNER = '#b91c1c';
+const PATCHES = ['#4477aa', '#66ccee', '#228833', '#ccbb44', '#ee6677', '#aa3377', '#999933', '#777777'];
 const CREASE = Math.cos(Math.PI / 7); /* sharper edges of the surface are drawn */
 const FIELD_OF_VIEW = 35;       /* degrees */
 const MOST_MESH_LINES = 60000;  /* of a surface whose edges are drawn at first */
@@ -57,9 +59,15 @@ function unpackState(state, first) {
     };
 }
 
-const triangleBytes = bytesOf(picture.triangles);
-const triangles = picture.index_bits === 16 ? new Uint16Array(triangleBytes.buffer)
-                                            : new Uint32Array(triangleBytes.buffer);
+/** Numbers of points. */
+function numbersOf(base64) {
+    const bytes = bytesOf(base64);
+    return picture.index_bits === 16 ? new Uint16Array(bytes.buffer) : new Uint32Array(bytes.buffer);
+}
+
+const triangles = numbersOf(picture.triangles);
+const features = picture.features !== undefined ? numbersOf(picture.features) : null; /* pairs */
+const corners = features ? numbersOf(picture.corners) : null;
 const sides = picture.sides ? bytesOf(picture.sides) : null; /* bit j: side j is an edge */
 const states = [];
 for (const state of picture.states)
@@ -237,6 +245,52 @@ function countWorse(state, limit) {
     return n;
 }
 
+/** The patch of each triangle: triangles whose common edges are no features are of one. */
+function findPatches(n) {
+    const parent = Array.from({length: triangles.length / 3}, (_, i) => i);
+    const rootOf = i => {
+        while (parent[i] !== i)
+            i = parent[i] = parent[parent[i]];
+        return i;
+    };
+    const keyOf = (a, b) => Math.min(a, b) * n + Math.max(a, b);
+    const cut = new Set(), known = new Map(), numbers = new Map();
+    for (let i = 0; i < features.length; i += 2)
+        cut.add(keyOf(features[i], features[i + 1]));
+    triangles.forEach((a, k) => {
+        const i = Math.floor(k / 3), key = keyOf(a, triangles[3 * i + (k + 1) % 3]);
+        if (cut.has(key))
+            return;
+        if (known.has(key))
+            parent[rootOf(i)] = rootOf(known.get(key));
+        else
+            known.set(key, i);
+    });
+    return parent.map((_, i) => {
+        const root = rootOf(i);
+        if (!numbers.has(root))
+            numbers.set(root, numbers.size);
+        return numbers.get(root);
+    });
+}
+
+/** The features of the surface of a state: patches in colours, curves, corners. */
+function makeFeatures(state) {
+    const group = new THREE.Group(), patch = findPatches(state.points.length / 3);
+    const places = new Float32Array(triangles.length * 3);
+    triangles.forEach((point, i) => places.set(state.points.subarray(3 * point, 3 * point + 3), 3 * i));
+    const skin = new THREE.Mesh(colouredTriangles(places, i => PATCHES[patch[i] % PATCHES.length]),
+        new THREE.MeshPhongMaterial({vertexColors: THREE.VertexColors, flatShading: true, shininess: 0,
+            side: THREE.DoubleSide, transparent: true, depthWrite: false, opacity: 0.5}));
+    const dots = new THREE.BufferGeometry();
+    dots.setAttribute('position', new THREE.BufferAttribute(state.points, 3));
+    dots.setIndex(new THREE.BufferAttribute(corners, 1));
+    skin.renderOrder = -1;
+    group.add(skin, lines(state.points, features, CURVE, 1), new THREE.Points(dots,
+        new THREE.PointsMaterial({size: 6, sizeAttenuation: false, color: CORNER})));
+    return group;
+}
+
 /** The surface of a solid, which can be looked into. */
 function makeSolid(state, edges) {
     const group = new THREE.Group();
@@ -254,6 +308,9 @@ function makeSolid(state, edges) {
     group.mesh = lines(state.points, edges.all, 0, 0.15);
     group.frame = lines(state.points, edges.sharp, 0, 0.8);
     group.add(group.mesh, group.frame);
+    group.features = features ? makeFeatures(state) : null;
+    if (features)
+        group.add(group.features);
     return group;
 }
 
@@ -566,6 +623,17 @@ function connect() {
         drawSoon();
     };
     mesh.addEventListener('change', showLines);
+    const shown = section.querySelector('input.features');
+    const showFeatures = () => {
+        for (const view of views)
+            view.shape.features.visible = shown.checked;
+        drawSoon();
+    };
+    if (shown) { /* of one state they are what the picture is for */
+        shown.checked = states.length === 1;
+        shown.addEventListener('change', showFeatures);
+        showFeatures();
+    }
     section.querySelector('button').addEventListener('click', () => { lookAtAll(); drawSoon(); });
     for (const button of document.querySelectorAll('button[data-place]')) {
         const place = button.dataset.place.split(',').map(Number);

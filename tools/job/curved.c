@@ -1,0 +1,285 @@
+/* curved: curved surfaces: the shape that nodes slide on, how far the surface is off it, and volumes.
+ */
+#include "job/curved.h"
+
+#include "terminal/message.h"
+
+#include "geometry/cell.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* So many tolerances may be between the surfaces before a warning. Each step of the run was within one:
+ * the bound at the end is a little above, as it looks for the places of nodes anew. */
+static const double MOST_THERE = 1.1, MOST_BACK = 1.5;
+
+int pl_curved_is_asked(const pl_job *job) {
+    return job->arguments->slide && job->arguments->slide_curved && job->file;
+}
+
+/* ---- the mesh that the surface comes from ------------------------------------------------------- */
+
+/** Whether two meshes have as many nodes and elements. */
+static int are_alike(const planish_mesh *a, const planish_mesh *b) {
+    return a->dim == b->dim && a->n_nodes == b->n_nodes && a->n_elements == b->n_elements &&
+           !a->cells == !b->cells;
+}
+
+/** Find the first element of two meshes, of as many, whose nodes differ; -1: there is none. */
+static int64_t find_difference(const planish_mesh *a, const planish_mesh *b) {
+    const planish_cells *p = a->cells, *q = b->cells;
+    const int n = a->dim + 1;
+    for (int64_t i = 0; i < a->n_elements && !p; i++)
+        if (memcmp(a->elements + i * n, b->elements + i * n, (size_t)n * sizeof *a->elements) != 0)
+            return i;
+    for (int64_t i = 0; p && i < a->n_elements; i++) {
+        const int64_t length = p->offset[i + 1] - p->offset[i];
+        if (p->type[i] != q->type[i] || q->offset[i + 1] - q->offset[i] != length ||
+            memcmp(p->node + p->offset[i], q->node + q->offset[i],
+                   (size_t)length * sizeof *p->node) != 0)
+            return i;
+    }
+    return -1;
+}
+
+/** Check that another file has the mesh of the input but for coordinates. */
+static int check_same(const pl_job *job, const planish_mesh *mine, const planish_mesh *other) {
+    const char *path = job->arguments->surface_of, *input = job->arguments->input;
+    if (other->dim != mine->dim)
+        return pl_complain(PL_EXIT_FAILED,
+                           "--surface-of %s: is a mesh in %d dimensions, but %s has %d", path,
+                           other->dim, input, mine->dim);
+    if (other->n_nodes != mine->n_nodes)
+        return pl_complain(PL_EXIT_FAILED,
+                           "--surface-of %s: has %" PRId64 " nodes, but %s has %" PRId64
+                           ": give the mesh that this one was made of",
+                           path, other->n_nodes, input, mine->n_nodes);
+    if (other->n_elements != mine->n_elements || !other->cells != !mine->cells)
+        return pl_complain(PL_EXIT_FAILED,
+                           "--surface-of %s: has %" PRId64 " elements, but %s has %" PRId64
+                           "%s: give the mesh that this one was made of",
+                           path, other->n_elements, input, mine->n_elements,
+                           other->n_elements == mine->n_elements ? " of other types" : "");
+    const int64_t element = find_difference(mine, other);
+    if (element < 0)
+        return 0;
+    return pl_complain(PL_EXIT_FAILED,
+                       "--surface-of %s: elements differ from those of %s at element %" PRId64
+                       ": give the mesh that this one was made of",
+                       path, input, planish_file_element_number(job->file, element));
+}
+
+/** Open the file of --surface-of, and check that its mesh is that of the input. */
+static int open_original(const pl_job *job, const planish_mesh *mine, planish_file **file) {
+    planish_error error;
+    const planish_open_options how = {.format = job->arguments->format,
+                                      .threads = job->options.threads,
+                                      .isolated = 1,
+                                      .plane_tolerance = job->arguments->slide_tolerance};
+    if (planish_file_open_with(job->arguments->surface_of, &how, file, &error))
+        return pl_complain(PL_EXIT_FAILED, "--surface-of: %s", error.text);
+    const planish_mesh other = planish_file_mesh(*file);
+    return check_same(job, mine, &other);
+}
+
+/* ---- the shape ------------------------------------------------------------------------------------ */
+
+/** Make the shape of a mesh that is the file's but for coordinates. Returns a planish_status. */
+static int make_shape(pl_job *job, const double *coordinates, planish_error *error) {
+    planish_hold hold = pl_job_hold(job);
+    hold.slide = 1;
+    planish_surface surface = planish_file_surface(job->file, &hold);
+    planish_mesh mesh = planish_file_mesh(job->file);
+    mesh.coordinates = coordinates;
+    surface.crease_angle = job->arguments->crease_angle;
+    const int code = planish_shape_create(&mesh, &surface, job->options.threads, &job->curved.shape,
+                                          &job->curved.info, error);
+    job->options.shape = job->curved.shape;
+    return code;
+}
+
+int pl_curved_create(pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    const planish_mesh mesh = planish_file_mesh(job->file);
+    planish_file *original = NULL;
+    planish_error error;
+    if (mesh.dim == 2)
+        return pl_complain(
+            PL_EXIT_FAILED,
+            "%s: is a mesh in a plane, which has no curved surface: use --slide auto",
+            arguments->input);
+    int status = arguments->surface_of ? open_original(job, &mesh, &original) : 0;
+    if (!status &&
+        make_shape(job, original ? planish_file_coordinates(original) : mesh.coordinates, &error))
+        status = pl_job_complain(job, PL_EXIT_FAILED, &error);
+    planish_file_close(original);
+    return status;
+}
+
+void pl_curved_try(pl_job *job) {
+    planish_error ignored;
+    planish_file *original = NULL;
+    const planish_mesh mesh = planish_file_mesh(job->file);
+    if (mesh.dim != 3 || mesh.n_elements == 0 || job->curved.shape)
+        return;
+    int is_there = 1;
+    if (job->arguments->surface_of) {
+        is_there = !planish_file_open_isolated(job->arguments->surface_of, NULL,
+                                               job->options.threads, &original, &ignored);
+        const planish_mesh other = planish_file_mesh(original);
+        is_there = is_there && are_alike(&mesh, &other) && find_difference(&mesh, &other) < 0;
+    }
+    if (is_there)
+        make_shape(job, original ? planish_file_coordinates(original) : mesh.coordinates, &ignored);
+    planish_file_close(original);
+}
+
+void pl_curved_destroy(pl_job *job) {
+    planish_shape_destroy(job->curved.shape);
+    job->curved.shape = NULL;
+    job->options.shape = NULL;
+}
+
+void pl_curved_count(pl_job *job) {
+    pl_curved *curved = &job->curved;
+    memset(curved->n, 0, sizeof curved->n);
+    for (int64_t i = 0; i < job->mesh.n_nodes; i++)
+        curved->n[job->constraint[i]]++;
+}
+
+int pl_curved_measure(const pl_job *job, planish_shape_distance *distance) {
+    planish_error error;
+    planish_mesh mesh = planish_file_mesh(job->file);
+    *distance = (planish_shape_distance){.distance = 0};
+    return planish_measure_shape(job->curved.shape, &mesh, job->options.threads, distance, &error)
+               ? pl_job_complain(job, PL_EXIT_FAILED, &error)
+               : 0;
+}
+
+int pl_curved_is_above(const pl_job *job, double factor, double distance, double in_edges) {
+    const double usual = 0.05; /* planish_options.surface_tolerance */
+    const planish_options *options = &job->options;
+    const double rounding = 1e-9;
+    if (options->surface_tolerance > 0 && options->surface_tolerance_unit == PLANISH_UNIT_MESH)
+        return distance > factor * options->surface_tolerance * (1 + rounding);
+    const double tolerance = options->surface_tolerance > 0 ? options->surface_tolerance : usual;
+    return in_edges > factor * tolerance * (1 + rounding);
+}
+
+/* ---- volumes ---------------------------------------------------------------------------------------- */
+
+/** Six times the volume below a triangle. */
+static double below(const double *o, const double *a, const double *b, const double *c) {
+    double u[3], v[3], w[3];
+    for (int d = 0; d < 3; d++) {
+        u[d] = a[d] - o[d];
+        v[d] = b[d] - o[d];
+        w[d] = c[d] - o[d];
+    }
+    return u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) +
+           u[2] * (v[0] * w[1] - v[1] * w[0]);
+}
+
+/** Volume of an element between its corners; faces of four are bilinear, whose volume is the mean of
+ *  both pairs of triangles. */
+static double volume_of(const planish_mesh *mesh, int64_t element) {
+    const planish_cells *cells = mesh->cells;
+    const double *x = mesh->coordinates;
+    double sum = 0;
+    if (!cells) {
+        const int32_t *node = mesh->elements + 4 * element;
+        return fabs(below(x + 3 * (int64_t)node[0], x + 3 * (int64_t)node[1],
+                          x + 3 * (int64_t)node[2], x + 3 * (int64_t)node[3])) /
+               6;
+    }
+    const pl_cell_type *type = pl_cell_type_of(cells->type[element]);
+    const int32_t *node = cells->node + cells->offset[element];
+    if (!type || type->shape->dim != 3)
+        return 0;
+    for (int f = 0; f < type->shape->n_facets; f++) {
+        const int8_t *facet = type->shape->facet[f];
+        const double *at[4];
+        for (int k = 0; k < 4; k++)
+            at[k] = x + 3 * (int64_t)node[facet[k] < 0 ? 0 : facet[k]];
+        const double *o = x + 3 * (int64_t)node[0];
+        if (facet[3] < 0)
+            sum += below(o, at[0], at[1], at[2]);
+        else
+            sum += (below(o, at[0], at[1], at[2]) + below(o, at[0], at[2], at[3]) +
+                    below(o, at[0], at[1], at[3]) + below(o, at[1], at[2], at[3])) /
+                   2;
+    }
+    return fabs(sum) / 6;
+}
+
+/** Make room for the regions of the mesh: region [n_elements], 0 and up, or NULL. */
+static int make_regions(const pl_job *job, const int32_t *region, pl_surface_state *state) {
+    int64_t n = 1;
+    for (int64_t i = 0; region && i < job->mesh.n_elements; i++)
+        n = region[i] >= n ? (int64_t)region[i] + 1 : n;
+    state->region = calloc((size_t)n, sizeof *state->region);
+    state->n_regions = n;
+    if (!state->region)
+        return pl_job_complain_memory(job, "the volumes of regions");
+    for (int64_t i = job->mesh.n_elements - 1; i >= 0; i--)
+        state->region[region ? region[i] : 0].element = i;
+    return 0;
+}
+
+int pl_volumes_of_regions(const pl_job *job, int has_before, pl_surface_state *state) {
+    const planish_hold hold = pl_job_hold(job);
+    const int32_t *region = planish_file_surface(job->file, &hold).region;
+    const int status = has_before ? 0 : make_regions(job, region, state);
+    for (int64_t i = 0; !status && i < job->mesh.n_elements; i++) {
+        pl_region_volume *of = &state->region[region ? region[i] : 0];
+        *(has_before ? &of->after : &of->before) += volume_of(&job->mesh, i);
+    }
+    return status;
+}
+
+void pl_surface_state_free(pl_surface_state *state) {
+    free(state->region);
+    *state = (pl_surface_state){.is_known = 0};
+}
+
+/* ---- notes -------------------------------------------------------------------------------------------- */
+
+void pl_curved_note_held(FILE *stream, const pl_job *job, int64_t n_curved, int64_t n_inverted) {
+    if (job->arguments->slide_curved && !job->curved.shape)
+        pl_note(stream, "nodes of curved surfaces stay, as several processes share the mesh; "
+                        "planish lets them slide");
+    if (!job->curved.shape)
+        return;
+    if (job->mesh.n_periodic > 0)
+        pl_note(stream, "periodic nodes slide in planes and along straight lines alone: those of "
+                        "curved surfaces stay");
+    if (n_curved > 0)
+        pl_note(stream, "nodes at curved edges of second order stay on the surface: its mid-side "
+                        "nodes would leave it");
+    if (n_inverted > 0)
+        pl_note(stream, "nodes of the surface stay while inverted elements are repaired, and slide "
+                        "then");
+}
+
+void pl_curved_note_result(FILE *stream, const pl_job *job, const pl_surface_state *state) {
+    const planish_shape_distance *d = &state->after;
+    if (!state->is_known)
+        return;
+    if (d->n_unproved > 0)
+        pl_note(stream,
+                "no distance from the original surface is proved for %" PRId64 " facet%s: look at "
+                "the result there, or give a smaller --surface-tolerance",
+                d->n_unproved, d->n_unproved == 1 ? "" : "s");
+    if (pl_curved_is_above(job, MOST_THERE, d->distance, d->in_edges))
+        pl_note(stream,
+                "warning: the surface is up to %.3g (%.3g h) off the original one, above the "
+                "tolerance; parts of it were so before and stayed",
+                d->distance, d->in_edges);
+    if (pl_curved_is_above(job, MOST_BACK, d->distance_back, d->back_in_edges))
+        pl_note(stream,
+                "warning: the original surface is up to %.3g (%.3g h) off the new one, more than "
+                "%g tolerances: give a smaller --surface-tolerance",
+                d->distance_back, d->back_in_edges, MOST_BACK);
+}

@@ -1,0 +1,69 @@
+/* curved: curved surfaces: the shape that nodes slide on, how far the surface is off it, and volumes.
+ *
+ *     pl_curved_is_asked                    whether nodes slide on curved surfaces
+ *     pl_curved_create, _try, _destroy            the shape
+ *     pl_curved_count                       nodes that slide, by kinds
+ *     pl_curved_measure                     distances, both ways
+ *     pl_volumes_of_regions                 volume of each region
+ *     pl_curved_note_held, _note_result     what stays, and what is odd about the result
+ *
+ * Functions that return an int return 0, or an exit status after a message.
+ */
+#ifndef PL_TOOLS_CURVED_H
+#define PL_TOOLS_CURVED_H
+
+#include "job/job.h"
+
+#include <stdio.h>
+
+/** Volumes of the regions of a mesh in space, before and after. */
+typedef struct pl_region_volume {
+    int64_t element; /* one of the region */
+    double before, after;
+} pl_region_volume;
+
+/** State of the surface beside its shape. */
+typedef struct pl_surface_state {
+    int is_known;                         /* 0: no shape was asked for, and nothing else is set */
+    planish_shape_distance before, after; /* before: of the input, which may be another one than the
+                                                shape's mesh */
+    pl_region_volume *region;             /* [n_regions] owned */
+    int64_t n_regions;
+} pl_surface_state;
+
+/** Whether nodes slide on curved surfaces. */
+int pl_curved_is_asked(const pl_job *job);
+
+/** Make job->curved.shape of the mesh, or of the one of --surface-of. */
+int pl_curved_create(pl_job *job);
+
+/** Make it of the mesh if that is possible: for a picture. */
+void pl_curved_try(pl_job *job);
+
+/** Free it. */
+void pl_curved_destroy(pl_job *job);
+
+/** Count the nodes that slide by kinds, once constraint [n_nodes] says which do. */
+void pl_curved_count(pl_job *job);
+
+/** Measure how far the surface of the mesh, as it is now, is off the shape. */
+int pl_curved_measure(const pl_job *job, planish_shape_distance *distance);
+
+/** Add up the volumes of regions as the mesh is now: before, and in a second call, with has_before, after.
+ *  state->region is made by the first. */
+int pl_volumes_of_regions(const pl_job *job, int has_before, pl_surface_state *state);
+
+/** Release what state owns. */
+void pl_surface_state_free(pl_surface_state *state);
+
+/** The tolerance in the unit of the other number of a distance: whether a distance, absolute and in
+ *  edges, is above factor times it. */
+int pl_curved_is_above(const pl_job *job, double factor, double distance, double in_edges);
+
+/** Note what stays although it is curved, and why: a line for each reason that the mesh has. */
+void pl_curved_note_held(FILE *stream, const pl_job *job, int64_t n_curved, int64_t n_inverted);
+
+/** Note what is odd about the surface of the result. */
+void pl_curved_note_result(FILE *stream, const pl_job *job, const pl_surface_state *state);
+
+#endif
