@@ -33,8 +33,8 @@ static inline int exponent_of(double x) {
  * waited for, and so would what a thread on a core far away has written, or read. */
 enum { AHEAD = 3, MOST_AHEAD = 64 }; /* of a giant ring only the first nodes */
 
-/** Ask for what the visit of the star with this index will read, and write: its node and the flags
- *  around; nothing from end on. */
+/** Ask for what the visit of the star with this index will read, and write: its node, the flags around
+ *  and, for mean ratios, its link; nothing from end on. */
 PL_INLINE void fetch_ahead(const pl_star_problem *problem, int64_t index, int64_t end,
                            const int dim) {
     if (index >= end)
@@ -50,6 +50,16 @@ PL_INLINE void fetch_ahead(const pl_star_problem *problem, int64_t index, int64_
     pl_fetch_to_write(place);
     pl_fetch_to_write(place + dim - 1);
     pl_fetch_to_write(&problem->changed[problem->node[index]]);
+    if (PL_KERNEL != PL_MEAN)
+        return;
+    /* Links follow one another. The hardware sees that while visits are all there is, but not while
+     * moves of cells are judged between them. */
+    const int64_t facet = problem->link_offset[index];
+    const int64_t n_facets = problem->link_offset[index + 1] - facet;
+    const uint8_t *low = pl_link_at(&problem->link, pl_link_positions(dim), facet).low;
+    pl_fetch_all(low, low + n_facets * dim);
+    if (problem->link_form)
+        pl_fetch_all(problem->link_form + facet, problem->link_form + facet + n_facets);
 }
 
 /** Choose the scale that the star has with its node at x, from half of the largest difference of a
