@@ -101,9 +101,25 @@ for pair in nastran.bdf:bdf nastran.bdf:nas nastran.bdf:fem cube.med:med cube.me
     expect_status 0 "$program" quality "another.${pair#*:}" -q
 done
 
+# A point element, before the others, for every node whose number is a multiple of the argument.
+add_points() {
+    awk -v every="$1" '
+    $0 == "$Nodes" { getline; n_nodes = $1; print "$Nodes" }
+    $0 == "$Elements" {
+        getline
+        added = int(n_nodes / every)
+        print "$Elements"
+        print $1 + added
+        for (i = 1; i <= added; i++)
+            print 100000 + i, 15, 2, 0, i, i * every
+        next
+    }
+    { print }' ascii22.msh
+}
+
 # Mmg writes a point for every vertex, which hold nothing then; points for some hold these.
-awk -v every=1 -f "$cli/add_points.awk" ascii22.msh >every_point.msh
-awk -v every=3 -f "$cli/add_points.awk" ascii22.msh >some_points.msh
+add_points 1 >every_point.msh
+add_points 3 >some_points.msh
 for file in ascii22 every_point some_points; do
     expect_status 0 "$program" smooth $file.msh -o $file.smooth.msh -q --json report.json
     python3 -c "import json; print(json.load(open('report.json'))['mesh']['free_nodes'])" >$file.free
