@@ -370,7 +370,7 @@ static void scales_make_the_same_shape(void **state) {
     static const int EXPONENTS[] = {-900, -40, 3, 900};
     for (int k = 0; k < 4; k++) {
         for (int64_t i = 0; i < 3 * m.n_nodes; i++)
-            m.x[0][i] = ldexp(m.x[0][i], EXPONENTS[k] - (k ? EXPONENTS[k - 1] : 0));
+            m.x[i / 3][i % 3] = ldexp(m.x[i / 3][i % 3], EXPONENTS[k] - (k ? EXPONENTS[k - 1] : 0));
         made_shape other = test_shape_make(&m.mesh, NULL, 1);
         expect_same(one.s, other.s);
         assert_true(other.info.edge_length == ldexp(one.info.edge_length, EXPONENTS[k]));
