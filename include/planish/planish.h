@@ -1067,6 +1067,30 @@ PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
                                const planish_options *options, planish_result *result,
                                planish_error *error);
 
+/** Smooth coordinates [n_nodes][3] (or as the mesh's strides say) of a mesh that is a surface in space:
+ *  mesh->cells has triangles and quadrilaterals, and no solids. Nodes move along options->shape, which was
+ *  made of the same cells: as mesh->constraint says, where that is FREE or NULL as the shape does.
+ *
+ *  Lowered is the RMS of AR (RR of a mesh of triangles alone) over the elements. Promised:
+ *  - Each facet stays within options->surface_tolerance of the shape, proved (planish_measure_shape says
+ *    how far the whole is off, both ways). Curves and corners stay what they are; nodes go along curves.
+ *  - No facet turns by more than 60 degrees from where it was first, nor do smooth edges bend above
+ *    40 degrees, or further if they do so already.
+ *  - No element gets a worse AR (RR), or a smaller angle (scaled Jacobian), than the worst element with a
+ *    movable node had.
+ *  - F never rises, but for options->worst, by worst_rise at most.
+ *  - The bits are the same for any number of threads.
+ *  Nodes of elements of order 2 stay. Elements that have turned over against the shape stay as they are, and
+ *  so do their nodes.
+ *
+ *  options: as for planish_plan_create and planish_smooth; minimum volumes, methods of averages and
+ *  PLANISH_OBJECTIVE_EDGE_RATIO are not for surfaces, and isa, bind and search mean nothing. worst: of
+ *  triangles RADIUS_RATIO or ANGLE, else ASPECT_RATIO or SCALED_JACOBIAN. result may be NULL. Errors:
+ *  _ARGUMENT, _MESH, _MEMORY, _PARTS; coordinates are then untouched. */
+PLANISH_API int planish_smooth_surface(const planish_mesh *mesh, double *coordinates,
+                                       const planish_options *options, planish_result *result,
+                                       planish_error *error);
+
 /** State of an element as planish_check_volumes reports it. */
 typedef enum planish_volume_state {
     PLANISH_VOLUME_MET = 0,       /* at least 0.997 of its minimum volume, or it has none */

@@ -23,7 +23,9 @@ typedef struct shape_call {
     const planish_mesh *mesh; /* the caller's */
     int threads;
     pl_outside outside;
-    pl_dense dense; /* the mesh, owned */
+    pl_dense dense;             /* the mesh, owned */
+    const planish_cells *cells; /* that facets are of; NULL: simplices */
+    double *coordinates;        /* of a mesh that is a surface: dense ones, or NULL */
 } shape_call;
 
 static int check_threads(int threads, planish_error *error) {
@@ -32,6 +34,33 @@ static int check_threads(int threads, planish_error *error) {
                        "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
                        PL_MAX_THREADS);
     return PLANISH_OK;
+}
+
+/** Check a mesh of cells, and copy it with dense coordinates; *room: those of the copy, or NULL. */
+static int take_cells(const planish_mesh *mesh, int threads, planish_mesh *copy, double **room,
+                      planish_error *error) {
+    int status = pl_check_counts(mesh, error);
+    if (!status)
+        status = pl_check_cells(mesh->cells, mesh->n_nodes, threads, error);
+    if (status)
+        return status;
+    const pl_points points = pl_points_of(mesh, mesh->coordinates);
+    status = pl_points_check(&points, threads, error);
+    *copy = *mesh;
+    if (status || pl_points_are_dense(&points))
+        return status;
+    copy->coordinates = *room = pl_alloc(mesh->n_nodes * mesh->dim, sizeof **room);
+    if (!*room)
+        return pl_fail_memory(error, "the coordinates");
+    pl_points_gather(&points, threads, *room);
+    copy->node_stride = copy->component_stride = 0;
+    return PLANISH_OK;
+}
+
+/** Whether a mesh in space is a surface. */
+static int is_surface_mesh(const planish_mesh *mesh) {
+    return mesh && mesh->dim == 3 && mesh->cells && mesh->cells->type &&
+           pl_is_of_faces(mesh->cells, 3);
 }
 
 /** Check threads and the mesh, and enter; end_call follows unless that fails. */
@@ -43,14 +72,25 @@ static int begin_call(const planish_mesh *mesh, int threads, shape_call *call,
     call->mesh = mesh;
     call->threads = pl_thread_count(threads);
     call->outside = pl_call_enter(NULL);
-    status = pl_dense_create(mesh, call->threads, &call->dense, error);
-    if (status)
+    call->coordinates = NULL;
+    if (is_surface_mesh(mesh)) {
+        call->dense = (pl_dense){0};
+        call->cells = mesh->cells;
+        status = take_cells(mesh, call->threads, &call->dense.mesh, &call->coordinates, error);
+    } else {
+        status = pl_dense_create(mesh, call->threads, &call->dense, error);
+        call->cells = !status && call->dense.corner ? mesh->cells : NULL;
+    }
+    if (status) {
+        pl_free(call->coordinates);
         pl_call_leave(&call->outside);
+    }
     return status;
 }
 
 static void end_call(shape_call *call) {
     pl_dense_destroy(&call->dense);
+    pl_free(call->coordinates);
     pl_call_leave(&call->outside);
 }
 
@@ -68,27 +108,6 @@ typedef struct cells_call {
     uint8_t *state;      /* [cells->n] or NULL */
     double *scaled_jacobian;
 } cells_call;
-
-/** Check a mesh of cells. */
-static int take_cells(const planish_mesh *mesh, int threads, cells_call *c, planish_error *error) {
-    int status = pl_check_counts(mesh, error);
-    if (!status)
-        status = pl_check_cells(mesh->cells, mesh->n_nodes, threads, error);
-    if (status)
-        return status;
-    const pl_points points = pl_points_of(mesh, mesh->coordinates);
-    status = pl_points_check(&points, threads, error);
-    c->mesh = *mesh;
-    if (status || pl_points_are_dense(&points))
-        return status;
-    c->mesh.coordinates = c->coordinates =
-        pl_alloc(mesh->n_nodes * mesh->dim, sizeof *c->coordinates);
-    if (!c->coordinates)
-        return pl_fail_memory(error, "the coordinates");
-    pl_points_gather(&points, threads, c->coordinates);
-    c->mesh.node_stride = c->mesh.component_stride = 0;
-    return PLANISH_OK;
-}
 
 /** Leave out thin elements that are not valid, or badly shaped. */
 static int keep_well_shaped(int threads, cells_call *c, planish_error *error) {
@@ -116,7 +135,7 @@ static int find_layers_of_cells(const planish_mesh *mesh, int threads, uint8_t *
         return status;
     threads = pl_thread_count(threads);
     const pl_outside outside = pl_call_enter(NULL);
-    status = take_cells(mesh, threads, &c, error);
+    status = take_cells(mesh, threads, &c.mesh, &c.coordinates, error);
     if (!status && !(c.thinness = pl_alloc(mesh->cells->n, sizeof *c.thinness)))
         status = pl_fail_memory(error, "thin elements");
     if (!status)
@@ -343,7 +362,7 @@ static int find_slides(shape_call *call, const planish_surface *surface, uint8_t
     planish_surface tags = surface ? *surface : (planish_surface){0};
     int32_t *taken = NULL;
     call->dense.mesh.constraint = call->mesh->constraint;
-    int status = call->dense.corner ? PLANISH_OK : take_regions(call, &tags.region, &taken, error);
+    int status = call->cells ? PLANISH_OK : take_regions(call, &tags.region, &taken, error);
     if (!status)
         status = pl_find_slides(&call->dense, call->mesh, surface ? &tags : NULL, call->threads,
                                 constraint, direction, info, error);
@@ -399,32 +418,6 @@ static int check_shape(const planish_mesh *mesh, const planish_surface *surface,
     return PLANISH_OK;
 }
 
-/** Whether a mesh in space is a surface. */
-static int is_surface_mesh(const planish_mesh *mesh) {
-    return mesh && mesh->dim == 3 && mesh->cells && mesh->cells->type &&
-           pl_is_of_faces(mesh->cells, 3);
-}
-
-/** Make the shape of a mesh that is a surface itself. */
-static int create_of_surface(const planish_mesh *mesh, const planish_surface *surface, int threads,
-                             planish_shape **shape, planish_shape_info *info,
-                             planish_error *error) {
-    cells_call c = {.coordinates = NULL};
-    int status = check_threads(threads, error);
-    if (status)
-        return status;
-    threads = pl_thread_count(threads);
-    const pl_outside outside = pl_call_enter(NULL);
-    status = take_cells(mesh, threads, &c, error);
-    if (!status)
-        status = check_tags(mesh, surface, error);
-    if (!status)
-        status = pl_shape_create(&c.mesh, mesh->cells, surface, threads, shape, info, error);
-    pl_free(c.coordinates);
-    pl_call_leave(&outside);
-    return status;
-}
-
 int planish_shape_create(const planish_mesh *mesh, const planish_surface *surface, int threads,
                          planish_shape **shape, planish_shape_info *info, planish_error *error) {
     planish_shape_info found = {0};
@@ -432,17 +425,11 @@ int planish_shape_create(const planish_mesh *mesh, const planish_surface *surfac
     int status = check_shape(mesh, surface, shape, error);
     if (status)
         return status;
-    if (is_surface_mesh(mesh)) {
-        status = create_of_surface(mesh, surface, threads, shape, &found, error);
-        if (!status && info)
-            *info = found;
-        return status;
-    }
     status = begin_call(mesh, threads, &call, error);
     if (status)
         return status;
     planish_surface tags = surface ? *surface : (planish_surface){0};
-    const planish_cells *cells = call.dense.corner ? mesh->cells : NULL;
+    const planish_cells *cells = call.cells;
     int32_t *taken = NULL;
     status = check_tags(mesh, surface, error);
     if (!status && !cells)

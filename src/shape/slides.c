@@ -288,13 +288,14 @@ int pl_find_slides(const pl_dense *dense, const planish_mesh *given, const plani
                    planish_error *error) {
     const planish_mesh *mesh = &dense->mesh;
     double tolerance = tags && tags->tolerance > 0 ? tags->tolerance : TOLERANCE;
+    const int has_cells = dense->corner || (given->cells && pl_is_of_faces(given->cells, 3));
+    const planish_cells *cells = has_cells ? given->cells : NULL;
     pl_surface surface = {0};
     pl_planes planes = {0};
     pl_ridges ridges = {0};
     pl_lines lines = {0};
     uint8_t *is_fixed = pl_alloc_zero(mesh->n_nodes, 1);
-    int status = is_fixed ? pl_surface_create(mesh, dense->corner ? given->cells : NULL, tags,
-                                              threads, &surface, is_fixed, error)
+    int status = is_fixed ? pl_surface_create(mesh, cells, tags, threads, &surface, is_fixed, error)
                           : pl_fail_memory(error, "the surface");
     if (!status)
         status = hold_twins(&surface, is_fixed, error);
@@ -306,8 +307,8 @@ int pl_find_slides(const pl_dense *dense, const planish_mesh *given, const plani
     if (!status)
         status = pl_lines_create(&surface, &ridges, tolerance, &lines, error);
     if (!status && dense->role) {
-        const cell_surface cells = {given, mesh, &surface, tolerance, is_fixed};
-        fix_by_cells(&cells, dense->role);
+        const cell_surface of_cells = {given, mesh, &surface, tolerance, is_fixed};
+        fix_by_cells(&of_cells, dense->role);
     }
     if (!status) {
         const decision d = {.surface = &surface,

@@ -351,19 +351,21 @@ static int find_cell_facets(facet_search *s, int threads, planish_error *error) 
 /* ---- elements that are facets themselves ---------------------------------------------------- */
 
 int pl_is_of_faces(const planish_cells *cells, int dim) {
-    int n_faces = 0, n_solids = 0;
+    int any = 0;
     for (int64_t i = 0; i < cells->n; i++) {
         const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
-        n_faces |= type && type->shape->dim == dim - 1;
-        n_solids |= type && type->shape->dim == dim;
+        if (type && type->shape->dim == dim)
+            return 0;
+        any |= type && type->shape->dim == dim - 1;
     }
-    return n_faces && !n_solids;
+    return any;
 }
 
 /** Find the facets of a surface mesh in space: its elements. */
 static int find_flat_cells(facet_search *s, planish_error *error) {
     const planish_cells *cells = s->cells;
     const int32_t *region = s->tags ? s->tags->region : NULL;
+    int any_half = 0;
     s->found = pl_alloc(2 * cells->n, sizeof *s->found);
     s->half = pl_alloc(2 * cells->n, sizeof *s->half);
     if (!s->found || !s->half)
@@ -377,6 +379,11 @@ static int find_flat_cells(facet_search *s, planish_error *error) {
         if (t)
             t->is_met = 1;
         add_facet(s, type->shape->n_corners, corner, 0, make_label(0, here, here, t));
+        any_half |= type->shape->n_corners == 4;
+    }
+    if (!any_half) {
+        pl_free(s->half);
+        s->half = NULL;
     }
     return PLANISH_OK;
 }

@@ -179,8 +179,7 @@ enum { PL_CHANGED = 1, PL_TOLD = 2, PL_BAD = 4 };
 
 /** What the visit of one star has added to a tally. */
 typedef struct pl_star_gain {
-    double fall;  /* to decrease */
-    double ratio; /* to largest */
+    double fall; /* to decrease */
     uint8_t improved, restored;
 } pl_star_gain;
 

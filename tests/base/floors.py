@@ -26,7 +26,8 @@ KNOWS = {
     "src/plan": ["src/topology", "src/shape", "src/star", "src/quality"],
     "src/sweep": ["src/plan", "src/shape"],
     "src/improve": ["src/sweep"],
-    "src/api": ["src/improve", "src/shape"],
+    "src/surface": ["src/sweep", "src/shape"],
+    "src/api": ["src/improve", "src/shape", "src/surface"],
     "src/io/core": ["src/base"],
     "src/io/hdf5": ["src/io/core"],
     **{"src/io/" + name: ["src/io/core"]

@@ -1,0 +1,74 @@
+/* planish_surface: smooth a mesh that is a surface in space. */
+#include "surface/smooth.h"
+
+#include "base/clock.h"
+#include "base/context.h"
+#include "base/parallel.h"
+#include "base/status.h"
+#include "plan/plan.h"
+#include "topology/cells.h"
+#include "topology/topology.h"
+
+static int check_mesh(const planish_mesh *mesh, int threads, planish_error *error) {
+    int status = pl_check_counts(mesh, error);
+    if (status)
+        return status;
+    if (mesh->dim != 3 || !mesh->cells || !mesh->cells->type || !pl_is_of_faces(mesh->cells, 3))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh is not a surface in space; give dim 3 and cells that are triangles "
+                       "or quadrilaterals, or use planish_smooth");
+    if (mesh->part)
+        return pl_fail(error, PLANISH_ERROR_PARTS,
+                       "a surface in space is smoothed as a whole, not a part of it");
+    if (mesh->n_periodic > 0)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh.n_periodic is %lld; surfaces in space have no pairs: give 0",
+                       (long long)mesh->n_periodic);
+    return pl_check_cells(mesh->cells, mesh->n_nodes, threads, error);
+}
+
+static int smooth(pl_surface_run *r, planish_error *error) {
+    int status = pl_surface_run_begin(r, error);
+    if (!status)
+        status = pl_surface_sweeps(r, error);
+    if (!status && r->stop == PLANISH_STOP_CONVERGED && r->options->worst != PLANISH_WORST_NONE)
+        status = pl_surface_improve_worst(r, error);
+    if (!status)
+        pl_surface_run_end(r);
+    pl_surface_run_destroy(r);
+    return status;
+}
+
+int planish_smooth_surface(const planish_mesh *mesh, double *coordinates,
+                           const planish_options *options, planish_result *result,
+                           planish_error *error) {
+    planish_result found = {0};
+    if (!mesh || !coordinates || !options)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh, coordinates and options must not be NULL");
+    int status = pl_options_check(options, error);
+    if (status)
+        return status;
+    const int threads = pl_thread_count(options->threads);
+    const pl_outside outside = pl_call_enter(NULL);
+    pl_surface_run r = {.mesh = mesh,
+                        .coordinates = coordinates,
+                        .options = options,
+                        .result = &found,
+                        .threads = threads,
+                        .start_seconds = pl_seconds()};
+    status = check_mesh(mesh, threads, error);
+    pl_context *context = status ? NULL : pl_context_create(options);
+    if (!status && !context)
+        status = pl_fail_memory(error, "the surface of a mesh");
+    if (!status) {
+        pl_context *before = pl_context_enter(context);
+        status = smooth(&r, error);
+        pl_context_enter(before);
+    }
+    pl_context_destroy(context);
+    pl_call_leave(&outside);
+    if (!status && result)
+        *result = found;
+    return status;
+}

@@ -1,0 +1,311 @@
+/* begin: the caller's surface mesh in and out. */
+#include "surface/smooth.h"
+
+#include "base/clock.h"
+#include "base/memory.h"
+#include "base/status.h"
+#include "geometry/cell.h"
+#include "topology/points.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+/* ---- what is asked for ---------------------------------------------------------------------- */
+
+/** Refuse options that mean nothing on a surface. */
+static int check_meaning(const pl_surface_run *r, planish_error *error) {
+    const planish_options *o = r->options;
+    const int has_quads = r->shape->half != NULL;
+    const planish_worst of_corners[] = {PLANISH_WORST_ASPECT_RATIO, PLANISH_WORST_SCALED_JACOBIAN};
+    if (o->method != PLANISH_METHOD_PLANISH)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.method %d is not for surfaces in space; give "
+                       "PLANISH_METHOD_PLANISH",
+                       (int)o->method);
+    if (o->objective == PLANISH_OBJECTIVE_EDGE_RATIO)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.objective PLANISH_OBJECTIVE_EDGE_RATIO is not for surfaces in "
+                       "space; give _RADIUS_RATIO or _MEAN_RATIO");
+    if (o->min_volume > 0 || o->min_volume_fraction > 0 || o->area_weight > 0)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.min_volume, min_volume_fraction and area_weight are not for "
+                       "surfaces in space; give 0");
+    if (o->worst != PLANISH_WORST_NONE &&
+        has_quads != (o->worst == of_corners[0] || o->worst == of_corners[1]))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.worst %d is not for this surface; give PLANISH_WORST_%s",
+                       (int)o->worst,
+                       has_quads ? "ASPECT_RATIO or _SCALED_JACOBIAN for quadrilaterals"
+                                 : "RADIUS_RATIO or _ANGLE for triangles");
+    return PLANISH_OK;
+}
+
+static int check_call(pl_surface_run *r, planish_error *error) {
+    const planish_mesh *mesh = r->mesh;
+    r->shape = r->options->shape;
+    if (!r->shape)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.shape is NULL; make it by planish_shape_create");
+    if (r->shape->n_mesh != mesh->n_nodes)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.shape was made of a mesh of %" PRId64 " nodes, mesh has %" PRId64
+                       "; make it of this mesh",
+                       r->shape->n_mesh, mesh->n_nodes);
+    const int status = check_meaning(r, error);
+    if (status)
+        return status;
+    const pl_points points = pl_points_of(mesh, r->coordinates);
+    return pl_points_check(&points, r->threads, error);
+}
+
+/* ---- which nodes move ----------------------------------------------------------------------- */
+
+/** How a node slides: as the mesh says, or as the shape does. */
+static planish_constraint slides_by(const pl_surface_run *r, int32_t node) {
+    const planish_shape *s = r->shape;
+    const int constraint =
+        r->mesh->constraint ? r->mesh->constraint[s->node[node]] : PLANISH_CONSTRAINT_FREE;
+    if (constraint != PLANISH_CONSTRAINT_FREE)
+        return (planish_constraint)constraint;
+    return s->node_class[node] == PL_ON_PATCH   ? PLANISH_CONSTRAINT_ON_PATCH
+           : s->node_class[node] == PL_ON_CURVE ? PLANISH_CONSTRAINT_ON_CURVE
+                                                : PLANISH_CONSTRAINT_FIXED;
+}
+
+/** Whether a node may slide so. */
+static int may_slide(const pl_surface_run *r, int32_t node) {
+    const planish_constraint by = slides_by(r, node);
+    const int node_class = r->shape->node_class[node];
+    return by == PLANISH_CONSTRAINT_ON_PLANE || by == PLANISH_CONSTRAINT_ON_LINE ||
+           (by == PLANISH_CONSTRAINT_ON_PATCH && node_class == PL_ON_PATCH) ||
+           (by == PLANISH_CONSTRAINT_ON_CURVE && node_class == PL_ON_CURVE);
+}
+
+/** Hold the nodes of elements of order 2: their mids would have to follow along the surface. */
+static void hold_mids(pl_surface_run *r) {
+    const planish_cells *cells = r->mesh->cells;
+    for (int64_t i = 0; i < cells->n; i++) {
+        const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
+        for (int64_t k = cells->offset[i]; type && type->order > 1 && k < cells->offset[i + 1]; k++)
+            if (r->shape->number[cells->node[k]] >= 0)
+                r->moves[r->shape->number[cells->node[k]]] = 0;
+    }
+}
+
+/** Let only the nodes of elements above a ratio move, and of rings around these. Errors: _MEMORY. */
+static int choose_bad(pl_surface_run *r, planish_error *error) {
+    const planish_shape *s = r->shape;
+    const double most = r->options->only_worse_than * r->options->only_worse_than;
+    uint8_t *chosen = pl_alloc_zero(s->n_nodes, 1), *next = pl_alloc_zero(s->n_nodes, 1);
+    int status = chosen && next ? pl_surface_run_measure(r, error)
+                                : pl_fail_memory(error, "the surface of a mesh");
+    for (int ring = 0; !status && ring <= r->options->rings; ring++) {
+        for (int64_t f = 0; f < s->n_facets; f++) {
+            const int64_t first = s->half && s->half[f] == 2 ? f - 1 : f;
+            const int32_t *v = s->facet[f];
+            if (ring > 0 ? chosen[v[0]] || chosen[v[1]] || chosen[v[2]] : r->ratio[first] > most)
+                next[v[0]] = next[v[1]] = next[v[2]] = 1;
+        }
+        memcpy(chosen, next, (size_t)s->n_nodes);
+    }
+    for (int64_t i = 0; !status && i < s->n_nodes; i++)
+        r->moves[i] &= chosen[i];
+    pl_free(chosen);
+    pl_free(next);
+    return status;
+}
+
+/* ---- bounds --------------------------------------------------------------------------------- */
+
+/** Set the bounds of a node; what starts outside of them is held. */
+static void bound_node(pl_surface_run *r, int32_t node) {
+    const planish_options *o = r->options;
+    const int64_t given = r->shape->node[node];
+    int outside = 0;
+    for (int d = 0; d < 3; d++) {
+        const double low = o->lower ? o->lower[3 * given + d] : -INFINITY;
+        const double high = o->upper ? o->upper[3 * given + d] : INFINITY;
+        r->lower[node][d] = fmax(low, o->box_lower[d]);
+        r->upper[node][d] = fmin(high, o->box_upper[d]);
+        outside |= !(r->lower[node][d] <= r->x[node][d] && r->x[node][d] <= r->upper[node][d]);
+    }
+    r->result->n_held_outside += outside && r->moves[node];
+    r->moves[node] &= !outside;
+}
+
+/** Make the bounds that options ask for. Errors: _MEMORY. */
+static int make_bounds(pl_surface_run *r, planish_error *error) {
+    const planish_options *o = r->options;
+    const int64_t n = r->shape->n_nodes;
+    int bounded = o->lower || o->upper, done = 1;
+    for (int d = 0; d < 3; d++)
+        bounded |= o->box_lower[d] > -INFINITY || o->box_upper[d] < INFINITY;
+    if (bounded) {
+        r->lower = pl_alloc(n, sizeof *r->lower);
+        r->upper = pl_alloc(n, sizeof *r->upper);
+        done = r->lower && r->upper;
+    }
+    for (int32_t i = 0; bounded && done && i < n; i++)
+        bound_node(r, i);
+    if (o->max_displacement > 0) {
+        r->radius = pl_alloc(n, sizeof *r->radius);
+        done = done && r->radius;
+    }
+    for (int32_t i = 0; r->radius && i < n; i++)
+        r->radius[i] = o->max_displacement * (o->displacement_unit == PLANISH_UNIT_EDGE
+                                                  ? r->shape->edge_length[i] / r->shape->scale
+                                                  : 1);
+    return done ? PLANISH_OK : pl_fail_memory(error, "the bounds of the nodes");
+}
+
+/* ---- all of it ------------------------------------------------------------------------------ */
+
+/** Allocate what does not depend on which nodes move, and take the coordinates. */
+static int take_mesh(pl_surface_run *r, planish_error *error) {
+    const int64_t n = r->shape->n_nodes;
+    const pl_points points = pl_points_of(r->mesh, r->coordinates);
+    r->x = pl_alloc(n, sizeof *r->x);
+    r->start = pl_alloc(n, sizeof *r->start);
+    r->scaled = pl_alloc(n, sizeof *r->scaled);
+    r->before = pl_alloc(n, sizeof *r->before);
+    r->moves = pl_alloc(n, sizeof *r->moves);
+    r->changed = pl_alloc(n, sizeof *r->changed);
+    r->ratio = pl_alloc(r->shape->n_facets, sizeof *r->ratio);
+    r->tally = pl_alloc_zero(r->threads, sizeof *r->tally);
+    if (!r->x || !r->start || !r->scaled || !r->before || !r->moves || !r->changed || !r->ratio ||
+        !r->tally)
+        return pl_fail_memory(error, "the surface of a mesh");
+    for (int32_t i = 0; i < n; i++) {
+        for (int d = 0; d < 3; d++)
+            r->x[i][d] = r->start[i][d] = points.x[pl_point_at(&points, r->shape->node[i], d)];
+        r->moves[i] = (uint8_t)may_slide(r, i);
+    }
+    hold_mids(r);
+    return PLANISH_OK;
+}
+
+/** Set the plane, line, patch or curve of a star. */
+static planish_constraint set_slide(const pl_surface_run *r, int32_t node, pl_star_slide *slide) {
+    const planish_constraint by = slides_by(r, node);
+    const int64_t given = r->shape->node[node];
+    *slide = (pl_star_slide){.kind = by, .node = (int32_t)given};
+    memcpy(slide->point, r->x[node], sizeof slide->point);
+    if (by == PLANISH_CONSTRAINT_ON_PLANE || by == PLANISH_CONSTRAINT_ON_LINE) {
+        if (!r->mesh->direction || !pl_unit(3, r->mesh->direction + 3 * given, slide->direction))
+            slide->kind = PLANISH_CONSTRAINT_FIXED;
+    }
+    return slide->kind;
+}
+
+/** Make the skin of the stars. */
+static int make_skin(pl_surface_run *r, planish_error *error) {
+    const int64_t n = r->stars.n_stars;
+    const pl_points points = pl_points_of(r->mesh, r->coordinates);
+    r->slide = pl_alloc(n, sizeof *r->slide);
+    uint8_t *by = pl_alloc(n, sizeof *by);
+    r->skin = (pl_skin){.shape = r->shape,
+                        .coordinates = r->x[0],
+                        .slide = r->slide,
+                        .n_stars = n,
+                        .threads = r->threads,
+                        .storage = pl_storage_of(r->options)};
+    const int status = r->slide && by ? pl_skin_make(r->options, &r->skin, error)
+                                      : pl_fail_memory(error, "the surface of a mesh");
+    for (int32_t i = 0; !status && i < r->shape->n_nodes; i++) {
+        r->skin.inner[i] = i;
+        r->skin.star[i] = -1;
+        r->skin.moves[i] = PLANISH_CONSTRAINT_FIXED;
+    }
+    for (int64_t s = 0; !status && s < n; s++) {
+        const int32_t node = r->stars.node[s];
+        by[s] = (uint8_t)set_slide(r, node, &r->slide[s]);
+        r->skin.node[s] = by[s] == PLANISH_CONSTRAINT_FIXED ? -1 : node;
+        r->skin.star[node] = (int32_t)s;
+    }
+    if (!status) {
+        pl_skin_find_moves(&r->skin, by);
+        pl_skin_begin(&r->skin, &points);
+    }
+    for (int64_t s = 0; !status && s < n; s++) {
+        const int32_t node = r->stars.node[s];
+        r->skin.node[s] = pl_skin_has(&r->skin, node) ? node : -1;
+        r->moves[node] = pl_skin_has(&r->skin, node) || r->skin.moves[node] == PL_SKIN_FLAT;
+    }
+    pl_free(by);
+    return status;
+}
+
+int pl_surface_run_begin(pl_surface_run *r, planish_error *error) {
+    int status = check_call(r, error);
+    if (!status)
+        status = take_mesh(r, error);
+    if (!status)
+        status = make_bounds(r, error);
+    r->stars = (pl_surface_mesh){.shape = r->shape, .by_radius = r->shape && !r->shape->half};
+    if (!status && r->options->only_worse_than > 0)
+        status = choose_bad(r, error);
+    if (!status)
+        status = pl_surface_mesh_create(r->shape, r->moves, r->threads, &r->stars, error);
+    if (!status)
+        status = make_skin(r, error);
+    if (!status)
+        status = pl_surface_run_measure(r, error);
+    if (status)
+        return status;
+    r->problem = (pl_surface_problem){.mesh = &r->stars,
+                                      .x = r->x,
+                                      .start = (const double(*)[3])r->start,
+                                      .slide = r->slide,
+                                      .skin = &r->skin,
+                                      .lower = (const double(*)[3])r->lower,
+                                      .upper = (const double(*)[3])r->upper,
+                                      .radius = r->radius,
+                                      .changed = r->changed};
+    r->result->objective_before = pl_surface_rms(&r->sums);
+    return PLANISH_OK;
+}
+
+/** Write the nodes that have moved. */
+static void write_nodes(pl_surface_run *r) {
+    const pl_points points = pl_points_of(r->mesh, r->coordinates);
+    for (int64_t i = 0; i < r->shape->n_nodes; i++) {
+        const double far = pl_distance(3, r->x[i], r->start[i]);
+        if (!(far > 0))
+            continue;
+        r->result->n_moved_nodes++;
+        r->result->max_displacement = fmax(r->result->max_displacement, far);
+        for (int d = 0; d < 3; d++)
+            r->coordinates[pl_point_at(&points, r->shape->node[i], d)] = r->x[i][d];
+    }
+}
+
+void pl_surface_run_end(pl_surface_run *r) {
+    planish_result *result = r->result;
+    write_nodes(r);
+    result->stop = r->stop;
+    result->sweeps = r->sweep;
+    result->n_inverted = r->sums.n_inverted;
+    result->rms = pl_surface_rms(&r->sums);
+    result->rms_movable = r->sums.n[1] > 0 ? sqrt(r->sums.ratio[1] / r->sums.n[1]) : 0;
+    result->objective = result->rms;
+    result->n_off_shape = r->skin.n_off;
+    result->seconds = pl_seconds() - r->start_seconds;
+}
+
+void pl_surface_run_destroy(pl_surface_run *r) {
+    pl_free(r->x);
+    pl_free(r->start);
+    pl_free(r->scaled);
+    pl_free(r->before);
+    pl_free(r->lower);
+    pl_free(r->upper);
+    pl_free(r->radius);
+    pl_free(r->moves);
+    pl_free(r->changed);
+    pl_free(r->ratio);
+    pl_free(r->slide);
+    pl_free(r->tally);
+    pl_surface_mesh_destroy(&r->stars);
+    pl_skin_destroy(&r->skin);
+}

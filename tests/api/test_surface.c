@@ -1,0 +1,412 @@
+/* planish_smooth_surface: triangles and quadrilaterals in space on their own shape. */
+#include "support/allocations.h"
+
+#include <planish/planish.h>
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { AROUND = 72, ACROSS = 24, NODES = AROUND * ACROSS, MOST = 2 * NODES };
+
+/** A closed or open surface over a grid of AROUND by ACROSS nodes. */
+typedef struct patchwork {
+    planish_mesh mesh;
+    planish_cells cells;
+    double x[NODES][3], given[NODES][3];
+    int32_t node[4 * MOST];
+    int64_t offset[MOST + 1];
+    uint8_t type[MOST];
+    planish_shape *shape;
+    planish_options options;
+} patchwork;
+
+enum { TORUS, PLANE, TUBE };
+
+static double random_number(uint64_t *state) {
+    *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (double)(*state >> 11) * 0x1p-53 - 0.5;
+}
+
+/** Place of parameters u, v, in nodes along and across. */
+static void place(int kind, double u, double v, double x[3]) {
+    const double pi = 3.14159265358979323846, a = 2 * pi * u / AROUND, b = 2 * pi * v / ACROSS;
+    const double r = kind == TORUS ? 3 + cos(b) : 3;
+    x[0] = kind == PLANE ? u : r * cos(a);
+    x[1] = kind == PLANE ? 0.6 * v : r * sin(a);
+    x[2] = kind == PLANE ? 0.8 * v : kind == TORUS ? sin(b) : 0.4 * v;
+}
+
+/** Make a surface with nodes thrown about by up to far cells, as quadrilaterals or triangles. */
+static void make(patchwork *p, int kind, int has_quads, double far) {
+    uint64_t state = 7;
+    int64_t n = 0, at = 0;
+    const int ends = kind == TORUS ? ACROSS : ACROSS - 1;
+    const int columns = kind == PLANE ? AROUND - 1 : AROUND;
+    memset(p, 0, sizeof *p);
+    for (int i = 0; i < NODES; i++) {
+        const int u = i / ACROSS, v = i % ACROSS;
+        const int edge_u = kind == PLANE && (u == 0 || u == AROUND - 1);
+        const int edge_v = kind != TORUS && (v == 0 || v == ACROSS - 1);
+        place(kind, u + (edge_u ? 0 : far * random_number(&state)),
+              v + (edge_v ? 0 : far * random_number(&state)), p->x[i]);
+    }
+    for (int u = 0; u < columns; u++)
+        for (int v = 0; v < ends; v++) {
+            const int32_t a = u * ACROSS + v, b = (u + 1) % AROUND * ACROSS + v;
+            const int32_t c = (u + 1) % AROUND * ACROSS + (v + 1) % ACROSS;
+            const int32_t d = u * ACROSS + (v + 1) % ACROSS;
+            const int32_t quad[] = {a, b, c, d}, two[] = {a, b, c, a, c, d};
+            memcpy(p->node + at, has_quads ? quad : two, has_quads ? sizeof quad : sizeof two);
+            for (int k = 0; k < (has_quads ? 1 : 2); k++) {
+                p->type[n] = has_quads ? PLANISH_CELL_QUADRILATERAL : PLANISH_CELL_TRIANGLE;
+                at += has_quads ? 4 : 3;
+                p->offset[++n] = at;
+            }
+        }
+    memcpy(p->given, p->x, sizeof p->x);
+    p->cells = (planish_cells){.n = n, .type = p->type, .offset = p->offset, .node = p->node};
+    p->mesh = (planish_mesh){
+        .dim = 3, .n_nodes = NODES, .n_elements = n, .coordinates = p->x[0], .cells = &p->cells};
+    assert_int_equal(planish_shape_create(&p->mesh, NULL, 2, &p->shape, NULL, NULL), 0);
+    planish_options_init(&p->options);
+    p->options.shape = p->shape;
+    p->options.threads = 1;
+}
+
+static void destroy(patchwork *p) {
+    planish_shape_destroy(p->shape);
+}
+
+/* ---- an independent look -------------------------------------------------------------------- */
+
+/** Worst of a surface by plain formulas: largest RR, smallest angle; of quadrilaterals only the angle. */
+typedef struct worst {
+    double ratio, angle;
+} worst;
+
+static double between(const double *a, const double *b, const double *c) {
+    double u[3], v[3], uu = 0, vv = 0, uv = 0;
+    for (int d = 0; d < 3; d++) {
+        u[d] = b[d] - a[d];
+        v[d] = c[d] - a[d];
+        uu += u[d] * u[d];
+        vv += v[d] * v[d];
+        uv += u[d] * v[d];
+    }
+    return acos(fmax(-1, fmin(1, uv / sqrt(uu * vv))));
+}
+
+static worst look(const patchwork *p, const double (*x)[3]) {
+    worst w = {0, 4};
+    for (int64_t i = 0; i < p->cells.n; i++) {
+        const int32_t *v = p->node + p->offset[i];
+        const int n = (int)(p->offset[i + 1] - p->offset[i]);
+        double sine = 0;
+        for (int k = 0; k < n; k++) {
+            const double angle = between(x[v[k]], x[v[(k + 1) % n]], x[v[(k + n - 1) % n]]);
+            w.angle = fmin(w.angle, fmin(angle, n == 4 ? 3.14159265358979323846 - angle : angle));
+            sine += sin(angle);
+        }
+        /* R / (2 r) = (sum of sines) / (8 times the product of sines) times 2 */
+        if (n == 3) {
+            double product = 1;
+            for (int k = 0; k < 3; k++)
+                product *= sin(between(x[v[k]], x[v[(k + 1) % 3]], x[v[(k + 2) % 3]]));
+            w.ratio = fmax(w.ratio, sine / (4 * product));
+        }
+    }
+    return w;
+}
+
+/** Smooth, and check what is promised. */
+static planish_result smooth(patchwork *p) {
+    planish_result r;
+    planish_error e;
+    planish_shape_distance d;
+    const worst before = look(p, (const double(*)[3])p->x);
+    if (planish_smooth_surface(&p->mesh, p->x[0], &p->options, &r, &e))
+        fail_msg("%s", e.text);
+    const worst after = look(p, (const double(*)[3])p->x);
+    assert_true(after.ratio <= before.ratio * (1 + 1e-9));
+    assert_true(after.angle >= before.angle * (1 - 1e-9));
+    assert_true(r.objective <= r.objective_before);
+    assert_int_equal(r.n_inverted, 0);
+    assert_int_equal(planish_measure_shape(p->shape, &p->mesh, 1, &d, NULL), 0);
+    assert_int_equal(d.n_unproved, 0);
+    assert_true(d.in_edges <= 0.05 * (1 + 1e-6));
+    assert_true(d.max_bend <= fmax(40.001, d.max_bend_before * (1 + 1e-9)));
+    return r;
+}
+
+/** The mean and, of triangles, the smallest angle improve. On a tube a wave through all of it remains for
+ *  long. */
+static void test_quality(void **unused) {
+    static const struct {
+        int kind, has_quads;
+        double factor; /* of the smallest angle, by which it grows at least */
+    } cases[] = {{TORUS, 0, 2}, {TORUS, 1, 1}, {TUBE, 0, 2}, {TUBE, 1, 1}};
+    static patchwork p;
+    (void)unused;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        make(&p, cases[i].kind, cases[i].has_quads, 0.5);
+        const worst before = look(&p, (const double(*)[3])p.x);
+        const planish_result r = smooth(&p);
+        const worst after = look(&p, (const double(*)[3])p.x);
+        assert_true(r.stop == PLANISH_STOP_CONVERGED || cases[i].kind == TUBE);
+        assert_true(r.n_moved_nodes > NODES / 2);
+        assert_true(r.objective - 1 < 0.5 * (r.objective_before - 1));
+        assert_true(after.angle >= cases[i].factor * before.angle * (1 - 1e-9));
+        destroy(&p);
+    }
+}
+
+/** A plane sheet stays in its plane to rounding, and its border straight. */
+static void test_plane(void **unused) {
+    static patchwork p;
+    planish_slide_info info;
+    static uint8_t constraint[NODES];
+    static double direction[NODES][3];
+    (void)unused;
+    make(&p, PLANE, 0, 0.6);
+    const planish_surface surface = {.shape = p.shape};
+    assert_int_equal(
+        planish_find_slides(&p.mesh, &surface, 1, constraint, direction[0], &info, NULL), 0);
+    assert_true(info.n_on_plane == (AROUND - 2) * (ACROSS - 2));
+    assert_int_equal(info.n_on_line, 2 * (AROUND - 2) + 2 * (ACROSS - 2));
+    p.mesh.constraint = constraint;
+    p.mesh.direction = direction[0];
+    const worst before = look(&p, (const double(*)[3])p.x);
+    smooth(&p);
+    assert_true(look(&p, (const double(*)[3])p.x).angle > 2 * before.angle);
+    for (int i = 0; i < NODES; i++) {
+        assert_true(fabs(p.x[i][1] * 0.8 - p.x[i][2] * 0.6) < 1e-12);
+        if (i < ACROSS)
+            assert_true(p.x[i][0] == p.given[i][0]);
+    }
+    destroy(&p);
+}
+
+static void test_same_bits(void **unused) {
+    static const int threads[] = {2, 3, 5, 8};
+    static patchwork p;
+    (void)unused;
+    for (int has_quads = 0; has_quads < 2; has_quads++) {
+        make(&p, TORUS, has_quads, 0.5);
+        p.options.worst = has_quads ? PLANISH_WORST_SCALED_JACOBIAN : PLANISH_WORST_ANGLE;
+        smooth(&p);
+        const uint64_t bits = planish_checksum(&p.mesh);
+        for (size_t i = 0; i < sizeof threads / sizeof *threads; i++) {
+            memcpy(p.x, p.given, sizeof p.x);
+            p.options.threads = threads[i];
+            smooth(&p);
+            assert_int_equal(planish_checksum(&p.mesh), bits);
+        }
+        destroy(&p);
+    }
+}
+
+/** The worst phase improves the worst, at a price of F that is allowed. */
+static void test_worst(void **unused) {
+    static const planish_worst measures[] = {PLANISH_WORST_RADIUS_RATIO, PLANISH_WORST_ANGLE};
+    static patchwork p;
+    (void)unused;
+    make(&p, TORUS, 0, 0.5);
+    smooth(&p);
+    const worst plain = look(&p, (const double(*)[3])p.x);
+    for (int i = 0; i < 2; i++) {
+        memcpy(p.x, p.given, sizeof p.x);
+        p.options.worst = measures[i];
+        p.options.worst_rise = 0.1;
+        const planish_result r = smooth(&p);
+        const worst now = look(&p, (const double(*)[3])p.x);
+        assert_true(r.worst_sweeps > 0);
+        assert_true(i == 0 ? now.ratio < plain.ratio : now.angle > plain.angle);
+        assert_true(r.objective <= r.objective_of_worst * 1.1);
+        assert_true(i == 0 ? r.worst_after < r.worst_before : r.worst_after > r.worst_before);
+        assert_true(fabs((i == 0 ? now.ratio : now.angle * 180 / 3.14159265358979323846) -
+                         r.worst_after) < 1e-6);
+    }
+    destroy(&p);
+}
+
+/** Fixed nodes, bounds and ways are kept; only nodes of bad elements move if so asked. */
+static void test_limits(void **unused) {
+    static patchwork p;
+    static uint8_t constraint[NODES], node_class[NODES];
+    (void)unused;
+    make(&p, TORUS, 0, 0.5);
+    planish_shape_get_classes(p.shape, node_class);
+    p.mesh.constraint = constraint;
+    for (int i = 0; i < NODES; i += 3)
+        constraint[i] = PLANISH_CONSTRAINT_FIXED;
+    p.options.box_upper[2] = 0.5;
+    p.options.max_displacement = 0.05;
+    const planish_result r = smooth(&p);
+    int64_t n_outside = 0;
+    for (int i = 0; i < NODES; i++) {
+        double square = 0;
+        for (int d = 0; d < 3; d++)
+            square += (p.x[i][d] - p.given[i][d]) * (p.x[i][d] - p.given[i][d]);
+        assert_true(sqrt(square) <= 0.05);
+        assert_true(i % 3 != 0 || square == 0);
+        assert_true(p.x[i][2] <= 0.5 || square == 0);
+        n_outside += p.given[i][2] > 0.5 && i % 3 != 0 && node_class[i] != PLANISH_SHAPE_CORNER;
+    }
+    assert_int_equal(r.n_held_outside, n_outside);
+    assert_true(r.max_displacement <= 0.05 && r.max_displacement > 0.04);
+    destroy(&p);
+
+    make(&p, TORUS, 0, 0.5);
+    p.options.only_worse_than = 2;
+    const planish_result few = smooth(&p);
+    assert_true(few.n_moved_nodes > 0 && few.n_moved_nodes < NODES / 2);
+    destroy(&p);
+}
+
+/** Counts of the caller's, who stops the run. */
+typedef struct stopper {
+    int calls, most;
+    double objective;
+    int rises;
+} stopper;
+
+static int note_progress(const planish_progress *progress, void *user) {
+    stopper *s = user;
+    if (progress->sweep_done) {
+        s->rises += s->objective > 0 && progress->objective > s->objective;
+        s->objective = progress->objective;
+    }
+    return ++s->calls >= s->most;
+}
+
+static void test_stops(void **unused) {
+    static patchwork p;
+    (void)unused;
+    make(&p, TORUS, 0, 0.5);
+    for (int most = 1; most < 40; most += 4) {
+        stopper s = {.most = most};
+        memcpy(p.x, p.given, sizeof p.x);
+        p.options.progress = note_progress;
+        p.options.progress_user = &s;
+        assert_int_equal(smooth(&p).stop, PLANISH_STOP_INTERRUPTED);
+        assert_int_equal(s.calls, most);
+        assert_int_equal(s.rises, 0);
+    }
+    p.options.progress = NULL;
+    p.options.time_limit = 1e-9;
+    assert_int_equal(smooth(&p).stop, PLANISH_STOP_TIME_LIMIT);
+    p.options.time_limit = 0;
+    p.options.max_sweeps = 2;
+    assert_int_equal(smooth(&p).stop, PLANISH_STOP_MAX_SWEEPS);
+    destroy(&p);
+}
+
+static void test_floats(void **unused) {
+    static patchwork p;
+    (void)unused;
+    make(&p, TORUS, 0, 0.5);
+    for (int i = 0; i < NODES; i++)
+        for (int d = 0; d < 3; d++)
+            p.x[i][d] = p.given[i][d] = (float)p.given[i][d];
+    planish_shape_destroy(p.shape);
+    assert_int_equal(planish_shape_create(&p.mesh, NULL, 1, &p.shape, NULL, NULL), 0);
+    p.options.shape = p.shape;
+    p.options.precision = PLANISH_PRECISION_FLOAT;
+    smooth(&p);
+    for (int i = 0; i < NODES; i++)
+        for (int d = 0; d < 3; d++)
+            assert_true(p.x[i][d] == (double)(float)p.x[i][d]);
+    destroy(&p);
+}
+
+/* ---- refusals ------------------------------------------------------------------------------- */
+
+static void refuse(const patchwork *p, const planish_mesh *mesh, const planish_options *options,
+                   const char *part) {
+    static double x[NODES][3];
+    planish_error e = {0};
+    memcpy(x, p->given, sizeof x);
+    const int status = planish_smooth_surface(mesh, x[0], options, NULL, &e);
+    assert_int_not_equal(status, PLANISH_OK);
+    if (!strstr(e.text, part))
+        fail_msg("'%s' lacks '%s'", e.text, part);
+    assert_memory_equal(x, p->given, sizeof x);
+}
+
+static void test_refusals(void **unused) {
+    static patchwork p, other;
+    (void)unused;
+    make(&p, TORUS, 0, 0.5);
+    planish_options o = p.options;
+    o.shape = NULL;
+    refuse(&p, &p.mesh, &o, "planish_shape_create");
+    o = p.options;
+    o.method = PLANISH_METHOD_LAPLACIAN;
+    refuse(&p, &p.mesh, &o, "options.method");
+    o = p.options;
+    o.objective = PLANISH_OBJECTIVE_EDGE_RATIO;
+    refuse(&p, &p.mesh, &o, "EDGE_RATIO");
+    o = p.options;
+    o.min_volume = 1;
+    refuse(&p, &p.mesh, &o, "min_volume");
+    o = p.options;
+    o.worst = PLANISH_WORST_SCALED_JACOBIAN;
+    refuse(&p, &p.mesh, &o, "RADIUS_RATIO or _ANGLE");
+    o = p.options;
+    o.threads = -1;
+    refuse(&p, &p.mesh, &o, "options.threads");
+    planish_mesh mesh = p.mesh;
+    mesh.n_nodes = NODES - 1;
+    refuse(&p, &mesh, &p.options, "node");
+    mesh = p.mesh;
+    mesh.cells = NULL;
+    refuse(&p, &mesh, &p.options, "mesh");
+    make(&other, TORUS, 1, 0.5);
+    o = other.options;
+    o.worst = PLANISH_WORST_ANGLE;
+    refuse(&other, &other.mesh, &o, "SCALED_JACOBIAN");
+    p.given[5][1] = NAN;
+    refuse(&p, &p.mesh, &p.options, "5");
+    destroy(&other);
+    destroy(&p);
+}
+
+/** A call that lacks memory, wherever that is, leaves the coordinates as they were. */
+static void test_memory(void **unused) {
+    static patchwork p;
+    int64_t n = 0;
+    (void)unused;
+    make(&p, TORUS, 0, 0.5);
+    p.options.max_sweeps = 2;
+    p.options.worst = PLANISH_WORST_ANGLE;
+    for (int status = PLANISH_ERROR_MEMORY; status; n++) {
+        planish_error e;
+        memcpy(p.x, p.given, sizeof p.x);
+        allocations_permit(n);
+        status = planish_smooth_surface(&p.mesh, p.x[0], &p.options, NULL, &e);
+        allocations_permit(-1);
+        assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
+        if (status)
+            assert_memory_equal(p.x, p.given, sizeof p.x);
+    }
+    assert_true(n > 20);
+    destroy(&p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_quality),   cmocka_unit_test(test_plane),
+        cmocka_unit_test(test_same_bits), cmocka_unit_test(test_worst),
+        cmocka_unit_test(test_limits),    cmocka_unit_test(test_stops),
+        cmocka_unit_test(test_floats),    cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
