@@ -44,7 +44,7 @@ static double off_facet(const planish_shape *s, int32_t facet, const double x[3]
 /** A patch to which distances are found. */
 typedef struct pl_target {
     const planish_shape *shape;
-    const pl_tree *tree; /* of its facets */
+    const pl_tree *tree; /* of its facets; NULL: the nearest is walked to */
     int32_t patch;
 } pl_target;
 
@@ -59,16 +59,28 @@ static double square_off(const void *context, int32_t facet, const double point[
                                               : INFINITY;
 }
 
+/** Find the facet of a patch that is nearest to a point, or one that is about as near; near: one to begin
+ *  with. Sets the square of its distance. */
+static int32_t find_near(const pl_target *t, const double point[3], int32_t near, double *square) {
+    if (!t->tree) {
+        pl_place place = {near, {1. / 3, 1. / 3, 1. / 3}};
+        const double off = pl_shape_walk(t->shape, PL_ON_PATCH, point, &place);
+        *square = off * off;
+        return place.at;
+    }
+    *square = square_off(t, near, point);
+    const int32_t nearer = pl_tree_nearest(t->tree, point, square_off, t, square);
+    return nearer >= 0 ? nearer : near;
+}
+
 /** Bound the distance of a triangle from a patch; known, if that is more. near: a facet of the patch. */
 static double divide(const pl_target *t, const double x[3][3], int32_t near, double known,
                      int depth) {
     const planish_shape *s = t->shape;
-    double middle[3], part[4][3][3];
+    double middle[3], part[4][3][3], square;
     for (int d = 0; d < 3; d++)
         middle[d] = (x[0][d] + x[1][d] + x[2][d]) / 3;
-    double square = square_off(t, near, middle);
-    const int32_t nearer = pl_tree_nearest(t->tree, middle, square_off, t, &square);
-    near = nearer >= 0 ? nearer : near;
+    near = find_near(t, middle, near, &square);
     double bound = off_facet(s, near, x);
     for (int k = 0; k < 3; k++)
         if (s->across[near][k] >= 0)
@@ -184,6 +196,32 @@ static int bound_facets(pl_measuring *m, int threads, planish_error *error) {
     return status;
 }
 
+/** Sharpen the largest bounds, in units of length or edges: an overlay is above the distance by some
+ *  percent, where facets are steep over one another by more. */
+static void sharpen(pl_measuring *m, int way, int by_edges) {
+    enum { MOST = 64 };
+    const planish_shape *s = &m->surface[way];
+    int64_t before = -1;
+    for (int n = 0; n < MOST; n++) {
+        int64_t at = -1;
+        double most = 0;
+        for (int64_t i = 0; i < s->n_facets; i++) {
+            const double h = by_edges ? pl_shape_edge(&m->surface[THERE], (int32_t)i) : 1;
+            if (m->bound[i][way] / h > most) {
+                most = m->bound[i][way] / h;
+                at = i;
+            }
+        }
+        if (at < 0 || at == before || !(most < INFINITY))
+            return;
+        const pl_target target = {s, NULL, s->patch[at]};
+        const pl_moved_facet t = facet_of(m, way, at);
+        double *bound = &m->bound[at][way];
+        *bound = fmin(*bound, divide(&target, t.x, t.facet, *bound / 2, DEEPEST));
+        before = at;
+    }
+}
+
 /** Take the bounds of all facets together. */
 static void sum_up(const pl_measuring *m, pl_shape_distance *distance) {
     const planish_shape *s = &m->surface[THERE];
@@ -253,6 +291,9 @@ int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_
         pl_parallel_for(threads, n, FACETS, compute_normals, &m);
         pl_parallel_for(threads, n, FACETS, measure_bends, &m);
         status = bound_facets(&m, threads, error);
+        for (int way = 0; way < WAYS; way++)
+            for (int by_edges = 0; by_edges < 2; by_edges++)
+                sharpen(&m, way, by_edges);
         sum_up(&m, distance);
     }
     pl_free(now->x);

@@ -144,8 +144,9 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
     }
     if (here.constrained && before - now.sum > CONSTRAINED_FALL * before)
         __atomic_fetch_or(&problem->changed[node], PL_CHANGED, __ATOMIC_RELAXED);
-    note_ratio(tally, ratio_of(&here, x, &now, dim));
-    note_gain(tally, index, moved > restored ? before - now.sum : 0,
+    const double ratio = ratio_of(&here, x, &now, dim);
+    note_ratio(tally, ratio);
+    note_gain(tally, index, ratio, moved > restored ? before - now.sum : 0,
               before - now.sum > IMPROVED * before, restored > 0);
 }
 

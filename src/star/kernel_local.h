@@ -101,15 +101,15 @@ static inline void note_ratio(pl_star_tally *tally, double max) {
     tally->largest = max > tally->largest ? max : tally->largest;
 }
 
-/** Take in the gain of a star that was visited. */
-static inline void note_gain(pl_star_tally *tally, int64_t index, double fall, int improved,
-                             int restored) {
+/** Take in the gain of a star that was visited, whose largest ratio is known to the tally. */
+static inline void note_gain(pl_star_tally *tally, int64_t index, double ratio, double fall,
+                             int improved, int restored) {
     pl_sum_add(&tally->decrease, fall);
     tally->improved += improved;
     tally->restored += restored;
     if (tally->gain)
         tally->gain[index - tally->first] =
-            (pl_star_gain){fall, (uint8_t)improved, (uint8_t)restored};
+            (pl_star_gain){fall, ratio, (uint8_t)improved, (uint8_t)restored};
 }
 
 /** Note that the star under visit has no element above rr2_skip. */

@@ -198,7 +198,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
         return;
     move_node(&here, node, now.x, now.size2, decrease / now.sum, !(now.max <= problem->rr2_skip),
               place, dim);
-    note_gain(tally, index, decrease, decrease > IMPROVED * now.sum, 0);
+    note_gain(tally, index, now.max, decrease, decrease > IMPROVED * now.sum, 0);
 }
 
 /** Evaluate the star with its node at x; with_derivatives as for pl_star_evaluate_fn. */

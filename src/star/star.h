@@ -179,7 +179,8 @@ enum { PL_CHANGED = 1, PL_TOLD = 2, PL_BAD = 4 };
 
 /** What the visit of one star has added to a tally. */
 typedef struct pl_star_gain {
-    double fall; /* to decrease */
+    double fall;  /* to decrease */
+    double ratio; /* to largest */
     uint8_t improved, restored;
 } pl_star_gain;
 

@@ -15,7 +15,7 @@
 /* A facet turns by 60 degrees at most from where it was first: the cosine. */
 #define TURN 0.5
 /* What is too far off is tried at half of the way, so often. */
-enum { HALVINGS = 5 };
+enum { HALVINGS = 7 };
 /* A fan is a graph over a plane if the cosines between its normals and that of the plane are above this. */
 #define GRAPH 0.5
 /* Bounds are rounded up by this. */

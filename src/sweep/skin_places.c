@@ -23,20 +23,6 @@ enum { CHUNK_FACETS = 256 };
 
 /* ---- where nodes are ------------------------------------------------------------------------- */
 
-/** Place of a node on the shape as it was first. */
-static pl_place first_place(const planish_shape *shape, int32_t node) {
-    pl_place place = {-1, {0}};
-    if (shape->node_class[node] == PL_ON_CURVE) {
-        place.at = shape->edge_at[node][0];
-        place.weight[shape->edge[place.at][1] == node] = 1;
-    } else if (shape->node_class[node] == PL_ON_PATCH) {
-        place.at = shape->facet_of[shape->offset[node]];
-        const int32_t *facet = shape->facet[place.at];
-        place.weight[facet[0] == node ? 0 : facet[1] == node ? 1 : 2] = 1;
-    }
-    return place;
-}
-
 /** Place of a node that may have moved, as far as certificates need it. */
 static pl_place present_place(const pl_skin *skin, int32_t node) {
     pl_place place = skin->place[node];
@@ -126,7 +112,7 @@ static void follow(pl_skin *skin, int32_t node) {
     memcpy(skin->known[node], pl_skin_at(skin, node), sizeof skin->known[node]);
     pl_skin_place_of(skin, node, x);
     if (pl_skin_is_at(x, shape->x[node]))
-        skin->place[node] = first_place(shape, node);
+        skin->place[node] = pl_shape_first_place(shape, node);
     else if (skin->place[node].at >= 0)
         pl_shape_walk(shape, shape->node_class[node], x, &skin->place[node]);
     for (int64_t i = shape->offset[node]; i < shape->offset[node + 1]; i++)
@@ -341,7 +327,7 @@ int pl_skin_is_off(const pl_skin *skin, int32_t node) {
 static void take_places(pl_skin *skin, const pl_points *points) {
     const planish_shape *shape = skin->shape;
     for (int32_t node = 0; node < shape->n_nodes; node++) {
-        skin->place[node] = first_place(shape, node);
+        skin->place[node] = pl_shape_first_place(shape, node);
         for (int d = 0; d < 3 && skin->inner[node] < 0; d++)
             skin->known[node][d] = points->x[pl_point_at(points, shape->node[node], d)];
         if (skin->inner[node] >= 0)

@@ -129,10 +129,8 @@ typedef struct watched_visits {
     int64_t star[PL_CHUNK_STARS]; /* of each move */
 } watched_visits;
 
-/** Note the moves of stars begin .. end - 1 with watched cells; returns how many. ratio: the largest
- *  that a star has. */
-static int note_moves(const colour_pass *pass, int64_t begin, int64_t end, double ratio,
-                      watched_visits *v) {
+/** Note the moves of stars begin .. end - 1 with watched cells; returns how many. */
+static int note_moves(const colour_pass *pass, int64_t begin, int64_t end, watched_visits *v) {
     int n = 0;
     for (int64_t i = begin; i < end; i++) {
         const int32_t node = pass->problem->node[i];
@@ -140,10 +138,10 @@ static int note_moves(const colour_pass *pass, int64_t begin, int64_t end, doubl
         if (way == 0 || !pl_watch_has(pass->plan->scratch.watch, node))
             continue;
         v->star[n] = i;
-        v->move[n++] =
-            (pl_watch_move){.node = node,
-                            .way = way,
-                            .is_refused = !keeps_ratios(pass, node, v->before[i - begin], ratio)};
+        v->move[n++] = (pl_watch_move){.node = node,
+                                       .way = way,
+                                       .is_refused = !keeps_ratios(pass, node, v->before[i - begin],
+                                                                   v->gain[i - begin].ratio)};
     }
     return n;
 }
@@ -168,7 +166,6 @@ static void visit_watched(const colour_pass *pass, int64_t begin, int64_t end, d
     const pl_star_problem *problem = pass->problem;
     pl_watch *watch = pass->plan->scratch.watch;
     const int dim = pass->plan->dim;
-    const double largest = tally->largest;
     watched_visits v;
     memset(v.gain, 0, sizeof v.gain);
     for (int64_t i = begin; i < end; i++) {
@@ -176,15 +173,13 @@ static void visit_watched(const colour_pass *pass, int64_t begin, int64_t end, d
                (size_t)dim * sizeof **v.before);
         pl_watch_fetch_list(watch, problem->node[i]);
     }
-    tally->largest = 0;
     tally->gain = v.gain;
     tally->first = begin;
     visit_straight(pass, begin, end, scratch, tally);
     tally->gain = NULL;
     for (int64_t i = begin; i < end; i++)
         pl_watch_fetch_cells(watch, problem->node[i]);
-    const int n = note_moves(pass, begin, end, tally->largest, &v);
-    tally->largest = fmax(largest, tally->largest);
+    const int n = note_moves(pass, begin, end, &v);
     pl_watch_judge(watch, n, v.move);
     for (int m = 0; m < n; m++)
         if (v.move[m].is_refused)

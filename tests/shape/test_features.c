@@ -362,6 +362,39 @@ static void threads_make_the_same_shape(void **state) {
     }
 }
 
+/** Elements of any nodes: facets of any number of elements, with regions and tags of any kind. */
+static void any_mesh_has_a_shape(void **state) {
+    (void)state;
+    unsigned random = 5;
+    for (unsigned seed = 0; seed < 100; seed++) {
+        test_mesh m;
+        const int64_t n = 8 + seed % 30, n_elements = 1 + 3 * seed;
+        test_mesh_garbage(&m, 3, n, n_elements, seed);
+        int32_t region[300], facets[20][3], edges[20][2];
+        for (int64_t i = 0; i < n_elements; i++)
+            region[i] = (int32_t)(3 * test_random(&random));
+        for (int i = 0; i < 20; i++) {
+            const int64_t element = (int64_t)(test_random(&random) * (double)n_elements);
+            for (int k = 0; k < 3; k++)
+                facets[i][k] = m.elements[4 * element + (k + i) % 4];
+            for (int k = 0; k < 2; k++)
+                edges[i][k] = (int32_t)(test_random(&random) * (double)n);
+        }
+        const planish_surface tags = {.region = seed % 2 ? region : NULL,
+                                      .n_facets = seed % 3 ? 20 : 0,
+                                      .facets = facets[0],
+                                      .n_edges = seed % 5 ? 0 : 20,
+                                      .edges = edges[0]};
+        made_shape one = test_shape_make(&m.mesh, &tags, 1);
+        made_shape three = test_shape_make(&m.mesh, &tags, 3);
+        test_shape_expect(&one);
+        expect_same(one.s, three.s);
+        planish_shape_destroy(one.s);
+        planish_shape_destroy(three.s);
+        test_mesh_destroy(&m);
+    }
+}
+
 static void scales_make_the_same_shape(void **state) {
     (void)state;
     test_surface m;
@@ -477,6 +510,7 @@ int main(void) {
         cmocka_unit_test(moebius_strips_have_a_seam),
         cmocka_unit_test(bad_surfaces_have_corners),
         cmocka_unit_test(threads_make_the_same_shape),
+        cmocka_unit_test(any_mesh_has_a_shape),
         cmocka_unit_test(scales_make_the_same_shape),
         cmocka_unit_test(wrong_arguments_are_refused),
         cmocka_unit_test(memory_may_run_out),

@@ -453,6 +453,18 @@ static double *new_directions(const pl_job *job) {
     return malloc(n ? n * sizeof(double) : 1);
 }
 
+/** Return which nodes are inside, as planish_surface says, if the shape tells, which was made of the same
+ *  elements and tags; NULL: that is not known. */
+static uint8_t *find_inside(const pl_job *job) {
+    const int64_t n = job->mesh.n_nodes;
+    uint8_t *is_inside = job->curved.shape ? malloc((size_t)n + 1) : NULL;
+    if (is_inside)
+        planish_shape_get_classes(job->curved.shape, is_inside);
+    for (int64_t i = 0; is_inside && i < n; i++)
+        is_inside[i] = is_inside[i] == PLANISH_SHAPE_NONE;
+    return is_inside;
+}
+
 int pl_job_find_slides(pl_job *job) {
     const double begin = pl_seconds();
     if (!job->arguments->slide || !job->file)
@@ -461,8 +473,10 @@ int pl_job_find_slides(pl_job *job) {
     int status = job->direction ? 0 : pl_job_complain_memory(job, "values of nodes");
     if (!status && pl_curved_is_asked(job) && job->engine == &pl_engine_here)
         status = pl_curved_create(job);
+    uint8_t *is_inside = find_inside(job);
     if (!status)
-        status = find_slides(job, NULL, job->constraint, job->direction);
+        status = find_slides(job, is_inside, job->constraint, job->direction);
+    free(is_inside);
     job->mesh.direction = job->direction;
     pl_curved_count(job);
     job->shape_seconds = pl_seconds() - begin;

@@ -1,0 +1,504 @@
+/* The skin: nodes that slide on the shape of a surface, and how far that comes off it meanwhile. */
+#include "support/meshes.h"
+#include "support/run.h"
+#include "support/sheets.h"
+
+#include "base/context.h"
+#include "improve/improve.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { CELLS = 6 };
+
+/** A barrel of tetrahedra on its shape: a box whose cross-section is made round. Its side is a patch,
+ *  its rims are curves, and the nodes within its ends slide on planes. */
+typedef struct round_mesh {
+    test_mesh base;
+    planish_mesh mesh;
+    planish_shape *shape;
+    planish_shape_info info;
+    planish_slide_info slides;
+    uint8_t *constraint;
+    double *direction;
+    planish_options options;
+} round_mesh;
+
+/** Make the square [-1, 1]^2 a disc, the wider the nearer it is to the middle. */
+static void make_round(double *x) {
+    const double a = 2 * x[0] / CELLS - 1, b = 2 * x[1] / CELLS - 1, c = 2 * x[2] / CELLS - 1;
+    const double radius = 1.2 - 0.2 * c * c;
+    x[0] = radius * a * sqrt(1 - b * b / 2);
+    x[1] = radius * b * sqrt(1 - a * a / 2);
+    x[2] = c + 1;
+}
+
+static void round_create(round_mesh *m, int threads) {
+    *m = (round_mesh){.shape = NULL};
+    test_mesh_box(&m->base, 3, CELLS);
+    test_mesh_perturb(&m->base, 0.1, 3);
+    for (int64_t i = 0; i < m->base.mesh.n_nodes; i++)
+        make_round(m->base.coordinates + 3 * i);
+    m->mesh = m->base.mesh;
+    assert_int_equal(planish_shape_create(&m->mesh, NULL, 1, &m->shape, &m->info, NULL), 0);
+    m->constraint = calloc((size_t)m->mesh.n_nodes, 1);
+    m->direction = calloc((size_t)m->mesh.n_nodes * 3, sizeof *m->direction);
+    const planish_surface surface = {.shape = m->shape};
+    assert_int_equal(
+        planish_find_slides(&m->mesh, &surface, 1, m->constraint, m->direction, &m->slides, NULL),
+        0);
+    m->mesh.constraint = m->constraint;
+    m->mesh.direction = m->direction;
+    m->options = test_options(threads);
+    m->options.shape = m->shape;
+}
+
+static void round_destroy(round_mesh *m) {
+    planish_shape_destroy(m->shape);
+    free(m->constraint);
+    free(m->direction);
+    test_mesh_destroy(&m->base);
+}
+
+/** Distance of the surface at coordinates from the shape, proved, in edges. */
+static planish_shape_distance distance_of(const round_mesh *m, const double *coordinates) {
+    planish_shape_distance distance;
+    planish_mesh mesh = m->mesh;
+    mesh.coordinates = coordinates;
+    assert_int_equal(planish_measure_shape(m->shape, &mesh, 1, &distance, NULL), 0);
+    return distance;
+}
+
+static int has_moved(const round_mesh *m, const double *coordinates, int64_t node) {
+    return memcmp(coordinates + 3 * node, m->mesh.coordinates + 3 * node, 3 * sizeof(double)) != 0;
+}
+
+/** Count the nodes of a constraint that have moved. */
+static int64_t count_moved(const round_mesh *m, const double *coordinates, int constraint) {
+    int64_t n = 0;
+    for (int64_t i = 0; i < m->mesh.n_nodes; i++)
+        n += m->constraint[i] == constraint && has_moved(m, coordinates, i);
+    return n;
+}
+
+/* Certificates are less sharp than what is known of a facet by its moves. */
+#define TOLERANCE 0.05
+#define NEARLY    (1.3 * TOLERANCE)
+
+static void curved_surfaces_keep_their_shape(void **state) {
+    (void)state;
+    round_mesh m;
+    round_create(&m, 1);
+    assert_true(m.slides.n_on_patch > 0 && m.slides.n_on_curve > 0 && m.slides.n_on_plane > 0);
+    test_run run = test_smooth(&m.mesh, &m.options);
+    const planish_shape_distance distance = distance_of(&m, run.coordinates);
+    assert_true(distance.in_edges > 0 && distance.in_edges <= NEARLY);
+    assert_true(distance.n_unproved == 0 && distance.max_bend < 40.01);
+    assert_true(count_moved(&m, run.coordinates, PLANISH_CONSTRAINT_ON_PATCH) >
+                m.slides.n_on_patch / 2);
+    assert_true(count_moved(&m, run.coordinates, PLANISH_CONSTRAINT_ON_CURVE) > 0);
+    assert_int_equal(count_moved(&m, run.coordinates, PLANISH_CONSTRAINT_FIXED), 0);
+    for (int64_t i = 0; i < m.mesh.n_nodes; i++) { /* ends stay plane, rims round */
+        const double *x = run.coordinates + 3 * i, *from = m.mesh.coordinates + 3 * i;
+        if (from[2] == 0 || from[2] == 2)
+            assert_true(fabs(x[2] - from[2]) < 1e-14);
+        if (m.constraint[i] == PLANISH_CONSTRAINT_ON_CURVE)
+            assert_true(fabs(hypot(x[0], x[1]) - 1) < 0.01);
+    }
+    m.options.shape = NULL;
+    test_run flat = test_smooth(&m.mesh, &m.options);
+    assert_true(run.after.rms_radius_ratio < 0.97 * flat.after.rms_radius_ratio);
+    assert_int_equal(count_moved(&m, flat.coordinates, PLANISH_CONSTRAINT_ON_PATCH), 0);
+    assert_int_equal(count_moved(&m, flat.coordinates, PLANISH_CONSTRAINT_ON_CURVE), 0);
+    free(run.coordinates);
+    free(flat.coordinates);
+    round_destroy(&m);
+}
+
+static void bits_do_not_depend_on_threads(void **state) {
+    (void)state;
+    const int threads[] = {1, 2, 3, 8};
+    uint64_t first = 0;
+    for (int i = 0; i < 4; i++) {
+        round_mesh m;
+        round_create(&m, threads[i]);
+        m.options.worst = PLANISH_WORST_ANGLE;
+        test_run run = test_smooth(&m.mesh, &m.options);
+        planish_mesh after = m.mesh;
+        after.coordinates = run.coordinates;
+        if (i == 0)
+            first = planish_checksum(&after);
+        assert_true(planish_checksum(&after) == first);
+        free(run.coordinates);
+        round_destroy(&m);
+    }
+}
+
+/** Colour of a sliding star. */
+static int colour_of(const planish_plan *plan, int64_t star) {
+    int colour = 0;
+    while (star >= plan->sliding.colour_begin[colour + 1])
+        colour++;
+    return colour;
+}
+
+static void nodes_across_an_edge_have_two_colours(void **state) {
+    (void)state;
+    round_mesh m;
+    planish_plan *plan;
+    round_create(&m, 1);
+    assert_int_equal(planish_plan_create(&m.mesh, &m.options, &plan, NULL), 0);
+    int *colour = malloc((size_t)m.mesh.n_nodes * sizeof *colour);
+    for (int64_t i = 0; i < m.mesh.n_nodes; i++)
+        colour[i] = -1;
+    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++)
+        colour[plan->slide[s].node] = colour_of(plan, s);
+    int64_t n = 0;
+    for (int64_t t = 0; t < m.shape->n_facets; t++)
+        for (int k = 0; k < 3; k++) {
+            const int32_t g = m.shape->across[t][k];
+            const int32_t *f = m.shape->facet[t], a = f[k], b = f[(k + 1) % 3], v = f[(k + 2) % 3];
+            for (int j = 0; g >= 0 && j < 3; j++) {
+                const int32_t w = m.shape->facet[g][j];
+                if (w == a || w == b || colour[m.shape->node[v]] < 0 ||
+                    colour[m.shape->node[w]] < 0)
+                    continue;
+                assert_int_not_equal(colour[m.shape->node[v]], colour[m.shape->node[w]]);
+                n++;
+            }
+        }
+    assert_true(n > 100);
+    free(colour);
+    planish_plan_destroy(plan);
+    round_destroy(&m);
+}
+
+/** Begin a run on a plan with m's shape. */
+static pl_run begin_run(round_mesh *m, planish_plan **plan, double *coordinates,
+                        planish_result *result) {
+    assert_int_equal(planish_plan_create(&m->mesh, &m->options, plan, NULL), 0);
+    pl_context_enter((*plan)->context);
+    pl_run r = {.plan = *plan,
+                .coordinates = coordinates,
+                .options = &m->options,
+                .accelerate = pl_run_accelerate,
+                .result = result};
+    return r;
+}
+
+static void end_run(pl_run *r) {
+    pl_run_destroy(r);
+    pl_context_enter(NULL);
+    planish_plan_destroy(r->plan);
+}
+
+/** No sampled point of a facet is farther from its patch than its bound says. Returns the largest part of
+ *  the tolerance that a bound is. */
+static double check_bounds(const pl_skin *skin, const sheet_judge *judge) {
+    const planish_shape *shape = skin->shape;
+    enum { N = 6 };
+    double most = 0;
+    for (int32_t t = 0; t < shape->n_facets; t++) {
+        double x[3][3];
+        for (int j = 0; j < 3; j++)
+            pl_skin_place_of(skin, shape->facet[t][j], x[j]);
+        for (int a = 0; a <= N; a++)
+            for (int b = 0; a + b <= N; b++) {
+                double p[3];
+                for (int d = 0; d < 3; d++)
+                    p[d] = (a * x[0][d] + b * x[1][d] + (N - a - b) * x[2][d]) / N;
+                assert_true(sheet_judge_distance(judge, shape->patch[t], p) <=
+                            skin->bound[t] + 1e-12);
+            }
+        most = fmax(most, skin->bound[t] / skin->tolerance[t]);
+    }
+    return most;
+}
+
+static void bounds_hold_after_every_sweep(void **state) {
+    (void)state;
+    round_mesh m;
+    planish_plan *plan;
+    planish_result result = {0};
+    round_create(&m, 2);
+    double *coordinates = test_copy_of(&m.mesh);
+    pl_run r = begin_run(&m, &plan, coordinates, &result);
+    assert_int_equal(pl_run_begin(&r, NULL), 0);
+    const sheet_judge judge = sheet_judge_create(m.shape, (const double(*)[3])m.shape->x);
+    double most = 0;
+    for (int i = 0; i < 6; i++) {
+        int64_t visits;
+        assert_int_equal(pl_run_sweep(&r, &visits), 0);
+        most = fmax(most, check_bounds(&r.skin, &judge));
+    }
+    assert_true(most > 0.5 && most <= 1); /* it was not in vain */
+    assert_int_equal(pl_skin_check(&r.skin), 0);
+    sheet_judge_destroy((sheet_judge *)&judge);
+    end_run(&r);
+    free(coordinates);
+    round_destroy(&m);
+}
+
+static void nodes_that_are_moved_otherwise_are_noticed(void **state) {
+    (void)state;
+    round_mesh m;
+    planish_plan *plan;
+    planish_result result = {0};
+    round_create(&m, 1);
+    double *coordinates = test_copy_of(&m.mesh);
+    pl_run r = begin_run(&m, &plan, coordinates, &result);
+    assert_int_equal(pl_run_begin(&r, NULL), 0);
+    int64_t visits;
+    pl_run_sweep(&r, &visits);
+    void *saved = pl_skin_save(&r.skin);
+    int64_t node = 0;
+    while (m.constraint[node] != PLANISH_CONSTRAINT_ON_PATCH)
+        node++;
+    double *x = plan->scratch.coordinates + 3 * (int64_t)plan->inner[node], was[3];
+    memcpy(was, x, sizeof was);
+    for (int d = 0; d < 2; d++)
+        x[d] *= 1.2;
+    assert_true(pl_skin_follow(&r.skin) > 0);
+    memcpy(x, was, sizeof was);
+    pl_skin_restore(&r.skin, saved);
+    assert_int_equal(pl_skin_follow(&r.skin), 0);
+    for (int d = 0; d < 2; d++)
+        x[d] *= 1.2;
+    assert_true(pl_skin_put_back(&r.skin, r.given) > 0);
+    assert_memory_equal(x, r.given + 3 * node, sizeof was);
+    pl_plan_order(plan, r.given, plan->scratch.coordinates);
+    assert_int_equal(pl_skin_follow(&r.skin), 0);
+    for (int64_t t = 0; t < m.shape->n_facets; t++)
+        assert_true(!(r.skin.bound[t] > 0));
+    pl_free(saved);
+    end_run(&r);
+    free(coordinates);
+    round_destroy(&m);
+}
+
+/** End a call after so many colours. */
+typedef struct interruption {
+    int colours;
+} interruption;
+
+static int interrupt(const planish_progress *progress, void *user) {
+    interruption *when = user;
+    (void)progress;
+    return --when->colours < 0;
+}
+
+static void stopping_at_any_time_keeps_the_shape(void **state) {
+    (void)state;
+    round_mesh m;
+    round_create(&m, 1);
+    for (int n = 0; n < 60; n += 7) {
+        interruption when = {n};
+        m.options.progress = interrupt;
+        m.options.progress_user = &when;
+        m.options.worst = PLANISH_WORST_RADIUS_RATIO;
+        test_run run = test_smooth(&m.mesh, &m.options);
+        assert_true(distance_of(&m, run.coordinates).in_edges <= NEARLY);
+        free(run.coordinates);
+    }
+    round_destroy(&m);
+}
+
+static void runs_in_a_row_do_not_drift(void **state) {
+    (void)state;
+    round_mesh m;
+    round_create(&m, 1);
+    planish_mesh first = m.mesh;
+    double *coordinates = test_copy_of(&m.mesh);
+    for (int i = 0; i < 4; i++) {
+        planish_plan *plan;
+        m.mesh.coordinates = coordinates;
+        m.options.search = i % 2 ? PLANISH_SEARCH_FLETCHER_REEVES : PLANISH_SEARCH_NEWTON;
+        m.options.objective = i % 2 ? PLANISH_OBJECTIVE_MEAN_RATIO : PLANISH_OBJECTIVE_RADIUS_RATIO;
+        assert_int_equal(planish_plan_create(&m.mesh, &m.options, &plan, NULL), 0);
+        assert_int_equal(planish_smooth(plan, coordinates, &m.options, NULL, NULL), 0);
+        planish_plan_destroy(plan);
+        m.mesh = first;
+        assert_true(distance_of(&m, coordinates).in_edges <= NEARLY);
+    }
+    free(coordinates);
+    round_destroy(&m);
+}
+
+static void what_is_too_far_off_at_the_start_stays(void **state) {
+    (void)state;
+    round_mesh m;
+    round_create(&m, 1);
+    planish_mesh first = m.mesh;
+    double *coordinates = test_copy_of(&m.mesh);
+    int64_t node = m.mesh.n_nodes / 2;
+    while (m.constraint[node] != PLANISH_CONSTRAINT_ON_PATCH)
+        node++;
+    coordinates[3 * node] *= 1.05; /* by a sixth of an edge */
+    coordinates[3 * node + 1] *= 1.05;
+    m.mesh.coordinates = coordinates;
+    test_run run = test_smooth(&m.mesh, &m.options);
+    assert_memory_equal(run.coordinates + 3 * node, coordinates + 3 * node, 3 * sizeof(double));
+    m.mesh = first;
+    assert_true(count_moved(&m, run.coordinates, PLANISH_CONSTRAINT_ON_PATCH) >
+                m.slides.n_on_patch / 2);
+    free(run.coordinates);
+    free(coordinates);
+    round_destroy(&m);
+}
+
+/** The caller's surface: a node stays on the plane that it is on; *user counts. */
+static planish_constraint project(int64_t node, double *point, double *direction, void *user) {
+    int64_t *of = user;
+    assert_int_equal(node, of[0]);
+    (void)point;
+    __atomic_fetch_add(&of[1], 1, __ATOMIC_RELAXED);
+    direction[0] = 1;
+    direction[1] = direction[2] = 0;
+    return PLANISH_CONSTRAINT_ON_PLANE;
+}
+
+static void other_options_go_with_it(void **state) {
+    (void)state;
+    for (int which = 0; which < 6; which++) {
+        round_mesh m;
+        round_create(&m, 2);
+        int64_t of[2] = {m.mesh.n_nodes / 2, 0};
+        if (which == 0)
+            m.options.precision = PLANISH_PRECISION_FLOAT;
+        if (which == 1)
+            m.options.only_worse_than = 2.2;
+        if (which == 2) {
+            m.options.max_displacement = 0.1;
+            m.options.displacement_unit = PLANISH_UNIT_EDGE;
+        }
+        if (which == 3)
+            m.options.min_volume_fraction = 1e-4;
+        if (which == 4)
+            m.options.box_lower[2] = 0.5;
+        if (which == 5) {
+            while (m.constraint[of[0]] != PLANISH_CONSTRAINT_FREE)
+                of[0]++;
+            m.constraint[of[0]] = PLANISH_CONSTRAINT_ON_SURFACE;
+            m.options.project = project;
+            m.options.project_user = of;
+        }
+        test_run run = test_smooth(&m.mesh, &m.options);
+        assert_true(distance_of(&m, run.coordinates).in_edges <= NEARLY);
+        assert_true(count_moved(&m, run.coordinates, PLANISH_CONSTRAINT_ON_PATCH) > 0);
+        assert_true(run.after.n_inverted == 0);
+        for (int64_t i = 0; i < 3 * m.mesh.n_nodes; i++) {
+            if (which == 0 && has_moved(&m, run.coordinates, i / 3))
+                assert_true(run.coordinates[i] == (double)(float)run.coordinates[i]);
+            if (which == 4 && i % 3 == 2 && m.mesh.coordinates[i] >= 0.5)
+                assert_true(run.coordinates[i] >= 0.5);
+        }
+        if (which == 5)
+            assert_true(of[1] > 0);
+        free(run.coordinates);
+        round_destroy(&m);
+    }
+}
+
+static void wrong_shapes_are_refused(void **state) {
+    (void)state;
+    round_mesh m;
+    planish_plan *plan;
+    planish_error error;
+    round_create(&m, 1);
+    /* of a mesh of another number of nodes */
+    test_mesh other;
+    test_mesh_box(&other, 3, 2);
+    assert_int_equal(planish_plan_create(&other.mesh, &m.options, &plan, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    test_mesh_destroy(&other);
+    test_mesh_box(&other, 2, 2);
+    assert_int_equal(planish_plan_create(&other.mesh, &m.options, &plan, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    test_mesh_destroy(&other);
+    /* of a mesh of other facets */
+    test_mesh_box(&other, 3, CELLS);
+    test_mesh_renumber(&other, 5, NULL);
+    planish_mesh renumbered = m.mesh;
+    renumbered.elements = other.elements;
+    assert_int_equal(planish_plan_create(&renumbered, &m.options, &plan, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    test_mesh_destroy(&other);
+    /* of a node of another class */
+    int64_t node = 0;
+    while (m.constraint[node] != PLANISH_CONSTRAINT_ON_CURVE)
+        node++;
+    m.constraint[node] = PLANISH_CONSTRAINT_ON_PATCH;
+    assert_int_equal(planish_plan_create(&m.mesh, &m.options, &plan, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(error.node, node);
+    m.constraint[node] = PLANISH_CONSTRAINT_ON_CURVE;
+    /* of a call with another one */
+    planish_shape *twin;
+    planish_options options = m.options;
+    assert_int_equal(planish_shape_create(&m.mesh, NULL, 1, &twin, NULL, NULL), 0);
+    options.shape = twin;
+    double *coordinates = test_copy_of(&m.mesh);
+    assert_int_equal(planish_plan_create(&m.mesh, &m.options, &plan, &error), 0);
+    assert_int_equal(planish_smooth(plan, coordinates, &options, NULL, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    const double tolerances[] = {-1, NAN, INFINITY};
+    for (int i = 0; i < 3; i++) {
+        options = m.options;
+        options.surface_tolerance = tolerances[i];
+        assert_int_equal(planish_smooth(plan, coordinates, &options, NULL, &error),
+                         PLANISH_ERROR_ARGUMENT);
+    }
+    options = m.options;
+    options.surface_tolerance_unit = (planish_length_unit)2;
+    assert_int_equal(planish_smooth(plan, coordinates, &options, NULL, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    options.shape = NULL; /* nodes of shapes stay */
+    options.surface_tolerance_unit = PLANISH_UNIT_MESH;
+    assert_int_equal(planish_smooth(plan, coordinates, &options, NULL, &error), 0);
+    assert_int_equal(count_moved(&m, coordinates, PLANISH_CONSTRAINT_ON_PATCH), 0);
+    planish_plan_destroy(plan);
+    planish_shape_destroy(twin);
+    free(coordinates);
+    round_destroy(&m);
+}
+
+static void tolerances_are_kept(void **state) {
+    (void)state;
+    round_mesh m;
+    round_create(&m, 1);
+    double before = 0;
+    const double tolerances[] = {1e-4, 3e-3, 2e-2};
+    for (int i = 0; i < 3; i++) {
+        m.options.surface_tolerance = tolerances[i];
+        m.options.surface_tolerance_unit = PLANISH_UNIT_MESH;
+        test_run run = test_smooth(&m.mesh, &m.options);
+        const double distance = distance_of(&m, run.coordinates).distance;
+        assert_true(distance <= 1.3 * tolerances[i] && distance > before);
+        before = distance;
+        free(run.coordinates);
+    }
+    round_destroy(&m);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(curved_surfaces_keep_their_shape),
+        cmocka_unit_test(bits_do_not_depend_on_threads),
+        cmocka_unit_test(nodes_across_an_edge_have_two_colours),
+        cmocka_unit_test(bounds_hold_after_every_sweep),
+        cmocka_unit_test(nodes_that_are_moved_otherwise_are_noticed),
+        cmocka_unit_test(stopping_at_any_time_keeps_the_shape),
+        cmocka_unit_test(runs_in_a_row_do_not_drift),
+        cmocka_unit_test(what_is_too_far_off_at_the_start_stays),
+        cmocka_unit_test(other_options_go_with_it),
+        cmocka_unit_test(wrong_shapes_are_refused),
+        cmocka_unit_test(tolerances_are_kept),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
