@@ -187,6 +187,15 @@ typedef struct decision {
     int of_brick[LANES], of_floats[LANES], of_lane[LANES]; /* the move of each lane */
 } decision;
 
+/** Refuse a move for cell i. Of several such cells the first one by types and numbers counts, in
+ *  whatever order they are decided. */
+static void blame(const pl_watch *w, int32_t i, pl_watch_move *move) {
+    const int32_t was = move->refuser;
+    if (!move->is_refused || w->type[i] < w->type[was] || (w->type[i] == w->type[was] && i < was))
+        move->refuser = i;
+    move->is_refused = 1;
+}
+
 /** Decide the cells of the block, which were valid, and perhaps above their floor. */
 static void decide_block(decision *s) {
     pl_watch *w = s->watch;
@@ -199,10 +208,8 @@ static void decide_block(decision *s) {
         pl_watch_keep_state(w, b, l, valid);
         const int is_kept = valid && w->state[i] >= was;
         w->state[i] = (uint8_t)was; /* what is better than it was is noted where the node stays */
-        pl_watch_move *move = &s->move[s->of_lane[l]];
-        if (!is_kept && !move->is_refused && w->n_refused_of[i] < UINT8_MAX)
-            w->n_refused_of[i]++; /* the first one alone */
-        move->is_refused |= !is_kept;
+        if (!is_kept)
+            blame(w, i, &s->move[s->of_lane[l]]);
     }
     b->n = 0;
 }
@@ -282,8 +289,8 @@ void pl_watch_judge(pl_watch *w, int n, pl_watch_move move[]) {
         const int64_t end = w->begin[move[m].node + 1];
         int64_t k = w->begin[move[m].node];
         move[m].has_others = 0;
-        if (n_of > 0 &&
-            end - k > QUESTIONS - n_of) { /* what is decided first depends on no other */
+        move[m].refuser = -1;
+        if (n_of > 0 && end - k > QUESTIONS - n_of) {
             answer(&s, of, n_of);
             n_of = 0;
         }
@@ -307,6 +314,9 @@ void pl_watch_judge(pl_watch *w, int n, pl_watch_move move[]) {
     if (n_of > 0)
         answer(&s, of, n_of);
     for (int m = 0; m < n; m++) {
+        const int32_t refuser = move[m].refuser;
+        if (refuser >= 0 && w->n_refused_of[refuser] < UINT8_MAX)
+            w->n_refused_of[refuser]++;
         if (move[m].is_refused) /* the node goes back */
             pl_watch_forget(w, move[m].node);
         else if (move[m].has_others)

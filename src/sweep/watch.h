@@ -211,6 +211,7 @@ static inline int pl_watch_has(const pl_watch *w, int32_t node) {
 /** Move of a node of inner number node, which has been made. */
 typedef struct pl_watch_move {
     int32_t node;
+    int32_t refuser;    /* cell; -1: none */
     uint8_t is_refused; /* the node is to go back */
     uint8_t has_others; /* cells that were not valid, or below their floor */
     double way;         /* its length */
