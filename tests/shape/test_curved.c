@@ -529,7 +529,7 @@ static void distances_are_measured(void **state) {
          k++) { /* as it was; then nodes are moved along the cylinder, and off it */
         for (int64_t i = 0; i < m.n_nodes; i++) {
             double *x = m.x[i];
-            const double r = sqrt(x[0] * x[0] + x[1] * x[1]), side = fabs(r - 0.5) < 1e-9;
+            const int side = fabs(sqrt(x[0] * x[0] + x[1] * x[1]) - 0.5) < 1e-9;
             const double turn = (k == 1) * 0.02 * (test_random(&random) - 0.5);
             const double y[3] = {x[0] * cos(turn) - x[1] * sin(turn),
                                  x[0] * sin(turn) + x[1] * cos(turn), x[2]};
