@@ -262,6 +262,11 @@ static int is_curved(const pl_skin *skin, int32_t facet) {
            has_corner(skin, facet, PLANISH_CONSTRAINT_ON_CURVE);
 }
 
+/** Whether the patch of a facet is not planar. */
+static int is_bent(const pl_skin *skin, int32_t facet) {
+    return !skin->is_planar[facet];
+}
+
 int pl_skin_is_curved(const pl_skin *skin, int32_t node) {
     return any_facet(skin, node, is_curved);
 }
@@ -286,7 +291,9 @@ void pl_skin_find_moves(pl_skin *skin, const uint8_t *slides_by) {
         const uint8_t by = slides_by[s];
         if (node < 0 || by >= PLANISH_CONSTRAINT_ON_SURFACE)
             continue;
-        if (!pl_skin_is_curved(skin, node))
+        /* Beside a curved part of the same patch a plan's facets are looked at in the end. */
+        const int is_known = skin->plan || !any_facet(skin, node, is_bent);
+        if (!pl_skin_is_curved(skin, node) && is_known)
             skin->moves[node] = PL_SKIN_FLAT;
         else if (skin->moves[node] == PL_SKIN_PAIRED || skin->shape->node_class[node] == PL_CORNER)
             skin->moves[node] = PLANISH_CONSTRAINT_FIXED;
