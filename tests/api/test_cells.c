@@ -22,6 +22,7 @@
 /* The sources of measure and certificate once more, as on a machine without AVX2. */
 #define __builtin_cpu_supports(feature) 0
 #define pl_jacobian_evaluate            plain_jacobian_evaluate
+#define pl_jacobian_bound               plain_jacobian_bound
 #define pl_validity_of_lane             plain_validity_of_lane
 #define pl_validity_exactly             plain_validity_exactly
 #define pl_bricks_certify               plain_bricks_certify
@@ -29,6 +30,7 @@
 #define pl_cell_rules_make              plain_rules_make
 #define pl_cell_rules_free              plain_rules_free
 void plain_jacobian_evaluate(const pl_jacobian_rule *, const double[], pl_jacobian_block *);
+void plain_jacobian_bound(const pl_jacobian_rule *, const uint8_t[], pl_float_block *);
 pl_validity plain_validity_of_lane(const pl_jacobian_rule *, const pl_jacobian_block *, int,
                                    const int32_t[], const double *, double);
 pl_validity plain_validity_exactly(const pl_jacobian_rule *, const int32_t[], const double *,
@@ -52,6 +54,7 @@ void plain_rules_free(pl_cell_rules *);
 #undef pl_bricks_certify
 #undef pl_validity_exactly
 #undef pl_validity_of_lane
+#undef pl_jacobian_bound
 #undef pl_jacobian_evaluate
 #undef __builtin_cpu_supports
 
