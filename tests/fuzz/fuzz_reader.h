@@ -204,6 +204,24 @@ static inline int fuzz_same_places(const planish_file *a, const double *at, cons
     return 1;
 }
 
+/** Whether two nodes stand at one place, which become one in a file that has points in place of nodes;
+ *  roundings in a tilted plane may do that, too. */
+static inline int fuzz_meet(const planish_file *file, const double *x) {
+    const planish_mesh mesh = planish_file_mesh(file);
+    const int is_welded = strcmp(file->format->name, "stl") == 0;
+    if (is_welded && fuzz_has_noise(file))
+        return 1;
+    for (int64_t i = 0; is_welded && i < mesh.n_nodes; i++)
+        for (int64_t k = 0; k < i; k++) {
+            int is_same = 1;
+            for (int d = 0; d < mesh.dim; d++)
+                is_same &= x[i * mesh.dim + d] == x[k * mesh.dim + d];
+            if (is_same)
+                return 1;
+        }
+    return 0;
+}
+
 /** Write file with other coordinates, and read it again. */
 static inline void fuzz_check_moved(const planish_file *file, const char *path) {
     planish_mesh mesh = planish_file_mesh(file), other;
@@ -219,6 +237,12 @@ static inline void fuzz_check_moved(const planish_file *file, const char *path) 
         return;
     }
     other = planish_file_mesh(again);
+    if (fuzz_meet(file, moved)) {
+        planish_file_close(again);
+        unlink(path);
+        free(moved);
+        return;
+    }
     fuzz_require(other.dim == mesh.dim && other.n_nodes == mesh.n_nodes &&
                      other.n_elements == mesh.n_elements,
                  "the written mesh has the same size");
