@@ -475,9 +475,120 @@ static void bodies_keep_their_shape(void **unused) {
     assert_true(one || 2 * n_bodies > n);
 }
 
+/* ---- surfaces in space ---------------------------------------------------------------------- */
+
+/** Largest radius ratio of the facets at x that have a node that is not a corner. */
+static double worst_facet(const planish_shape *s, const double (*x)[3]) {
+    double worst = 0;
+    for (int64_t f = 0; f < s->n_facets; f++) {
+        const int32_t *node = s->facet[f];
+        double u[3], v[3], normal[3], side[3];
+        int moves = 0;
+        for (int k = 0; k < 3; k++) {
+            side[k] = pl_distance(3, x[node[k]], x[node[(k + 1) % 3]]);
+            moves |= s->node_class[node[k]] != PL_CORNER;
+        }
+        pl_subtract(3, x[node[1]], x[node[0]], u);
+        pl_subtract(3, x[node[2]], x[node[0]], v);
+        pl_cross(u, v, normal);
+        if (moves)
+            worst = fmax(worst, side[0] * side[1] * side[2] * (side[0] + side[1] + side[2]) /
+                                    (4 * pl_dot(3, normal, normal)));
+    }
+    return worst;
+}
+
+/** Smooth the sheet of a case, which becomes the trial's surface. */
+static void prepare_sheet(trial *t, int64_t number) {
+    uint64_t state = effort_seed((uint64_t)number + 500000);
+    planish_error error = {.text = ""};
+    *t = (trial){.number = number};
+    t->body.kind = (int)(number % SHEET_KINDS);
+    t->shape = sheet_create(t->body.kind, &state);
+    const planish_shape *s = t->shape;
+    uint8_t *type = malloc((size_t)s->n_facets);
+    int64_t *offset = malloc((size_t)(s->n_facets + 1) * sizeof *offset);
+    int32_t *node = malloc((size_t)s->n_facets * 3 * sizeof *node);
+    double *given = malloc((size_t)s->n_mesh * 3 * sizeof *given);
+    for (int64_t f = 0; f <= s->n_facets; f++)
+        offset[f] = 3 * f;
+    for (int64_t i = 0; i < 3 * s->n_facets; i++) {
+        type[i / 3] = PLANISH_CELL_TRIANGLE;
+        node[i] = s->node[s->facet[i / 3][i % 3]];
+    }
+    memset(given, 0, (size_t)s->n_mesh * 3 * sizeof *given);
+    for (int64_t i = 0; i < s->n_nodes; i++)
+        for (int d = 0; d < 3; d++)
+            given[3 * s->node[i] + d] = s->x[i][d] / s->scale;
+    const planish_cells cells = {.n = s->n_facets, .type = type, .offset = offset, .node = node};
+    t->body.mesh = (planish_mesh){.dim = 3,
+                                  .n_nodes = s->n_mesh,
+                                  .n_elements = s->n_facets,
+                                  .coordinates = given,
+                                  .cells = &cells};
+    draw_options(t, &state);
+    if (t->options.objective == PLANISH_OBJECTIVE_EDGE_RATIO)
+        t->options.objective = PLANISH_OBJECTIVE_RADIUS_RATIO;
+    for (int i = 0; i < 3; i++) {
+        planish_result result;
+        t->x[i] = test_copy_of(&t->body.mesh);
+        t->options.threads = i + 1;
+        if (planish_smooth_surface(&t->body.mesh, t->x[i], &t->options, &result, &error))
+            check_that(t, 0, error.text);
+    }
+    double(*now)[3] = scaled(t, t->x[0]);
+    t->first = sheet_judge_create(s, (const double(*)[3])s->x);
+    t->now = sheet_judge_create(s, (const double(*)[3])now);
+    if (t->options.objective == PLANISH_OBJECTIVE_RADIUS_RATIO && !t->options.precision)
+        check_that(t,
+                   worst_facet(s, (const double(*)[3])now) <=
+                       worst_facet(s, (const double(*)[3])s->x) * (1 + 1e-9),
+                   "the worst facet does not become worse");
+    free(now);
+    free(type);
+    free(offset);
+    free(node);
+    t->body.mesh.cells = NULL;
+    t->body.x = given;
+}
+
+static int64_t check_sheet(const trial *t) {
+    const planish_shape *s = t->shape;
+    const size_t bytes = (size_t)s->n_mesh * 3 * sizeof(double);
+    int64_t n = 0;
+    check_that(t, !memcmp(t->x[0], t->x[1], bytes), "2 threads give the bits of 1");
+    check_that(t, !memcmp(t->x[0], t->x[2], bytes), "3 threads give the bits of 1");
+    for (int64_t i = 0; i < s->n_nodes; i++) {
+        const int64_t at = 3 * (int64_t)s->node[i];
+        const int has_moved = memcmp(t->x[0] + at, t->body.x + at, 3 * sizeof(double)) != 0;
+        n += has_moved;
+        check_that(t, !has_moved || s->node_class[i] != PL_CORNER, "corners stay");
+    }
+    return n;
+}
+
+static void sheets_keep_their_shape(void **unused) {
+    (void)unused;
+    const char *one = getenv("PLANISH_CASE");
+    const int64_t n = one ? 1 : effort(100, 10000);
+    int64_t n_moved = 0;
+    for (int64_t i = 0; i < n; i++) {
+        trial t;
+        double worth;
+        prepare_sheet(&t, one ? strtoll(one, NULL, 10) : i);
+        n_moved += check_sheet(&t);
+        check_distance(&t, &worth);
+        check_features(&t);
+        finish(&t);
+    }
+    figure("%lld sheets smoothed in space: %lld nodes moved", (long long)n, (long long)n_moved);
+    assert_true(one || n_moved > 10 * n);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bodies_keep_their_shape),
+        cmocka_unit_test(sheets_keep_their_shape),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
