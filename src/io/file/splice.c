@@ -25,7 +25,7 @@
 
 #include <string.h>
 
-enum { CHUNK_NODES = 8192 };
+enum { CHUNK_NODES = 8192, GATHERED = 1 << 15 };
 
 typedef enum piece_state {
     PIECE_MADE,
@@ -49,8 +49,10 @@ typedef struct splice {
     int64_t first; /* node of the span where the wave of pieces begins */
     piece *pieces; /* [threads] */
     int threads;
-    const io_edits *edits; /* besides the pieces, and */
-    int64_t next_edit;     /* the first that has not been written */
+    const io_edits *edits;   /* besides the pieces, and */
+    int64_t next_edit;       /* the first that has not been written */
+    char gathered[GATHERED]; /* [n_gathered] short pieces that are written together */
+    int64_t n_gathered;
 } splice;
 
 /** Return whether a component keeps its bytes. Of a node with several places some may have -0 where
@@ -279,6 +281,26 @@ static void make_piece(void *context, int64_t begin, int64_t end, int thread) {
 
 /* ---- the file ----------------------------------------------------------------------------- */
 
+/** Write what has been gathered. */
+static int flush(splice *s, pl_output *output, planish_error *error) {
+    const int64_t n = s->n_gathered;
+    s->n_gathered = 0;
+    return pl_output_write(output, s->gathered, n, error);
+}
+
+/** Write bytes, short ones with others: a file of many spans has little in each. */
+static int gather(splice *s, const char *bytes, int64_t n, pl_output *output,
+                  planish_error *error) {
+    const int is_long = n > GATHERED / 2;
+    int status = is_long || n > GATHERED - s->n_gathered ? flush(s, output, error) : PLANISH_OK;
+    if (status || is_long)
+        return status ? status : pl_output_write(output, bytes, n, error);
+    if (n > 0)
+        memcpy(s->gathered + s->n_gathered, bytes, (size_t)n);
+    s->n_gathered += n;
+    return PLANISH_OK;
+}
+
 /** Write the input's bytes from at to end, with the edits among them made. */
 static int copy_input(splice *s, const char *at, const char *end, pl_output *output,
                       planish_error *error) {
@@ -290,12 +312,12 @@ static int copy_input(splice *s, const char *at, const char *end, pl_output *out
             break;
         if (data + edit->begin < at || edit->end < edit->begin || data + edit->end > end)
             return io_bytes_fail_changed(&s->model->input, error);
-        status = pl_output_write(output, at, data + edit->begin - at, error);
+        status = gather(s, at, data + edit->begin - at, output, error);
         if (!status)
-            status = pl_output_write(output, edit->text, edit->length, error);
+            status = gather(s, edit->text, edit->length, output, error);
         at = data + edit->end;
     }
-    return status ? status : pl_output_write(output, at, end - at, error);
+    return status ? status : gather(s, at, end - at, output, error);
 }
 
 /** Write the input's bytes with all spans spliced: pieces are made in waves, one for each thread.
@@ -320,13 +342,15 @@ static int write_spans(splice *s, pl_output *output, planish_error *error) {
                 if (!status)
                     status = copy_input(s, at, p->begin, output, error);
                 if (!status)
-                    status = pl_output_write(output, p->text, p->length, error);
+                    status = gather(s, p->text, p->length, output, error);
                 at = p->end;
                 pl_free(p->text);
             }
         }
     }
-    return status ? status : copy_input(s, at, io_input_end(model), output, error);
+    if (!status)
+        status = copy_input(s, at, io_input_end(model), output, error);
+    return status ? status : flush(s, output, error);
 }
 
 int io_splice_write(const planish_file *file, const double *coordinates, int threads,
