@@ -210,8 +210,8 @@ static int make_skin(pl_surface_run *r, planish_error *error) {
                         .n_stars = n,
                         .threads = r->threads,
                         .storage = pl_storage_of(r->options)};
-    const int status = r->slide && by ? pl_skin_make(r->options, &r->skin, error)
-                                      : pl_fail_memory(error, "the surface of a mesh");
+    int status = r->slide && by ? pl_skin_make(r->options, &r->skin, error)
+                                : pl_fail_memory(error, "the surface of a mesh");
     for (int32_t i = 0; !status && i < r->shape->n_nodes; i++) {
         r->skin.inner[i] = i;
         r->skin.star[i] = -1;
@@ -225,7 +225,7 @@ static int make_skin(pl_surface_run *r, planish_error *error) {
     }
     if (!status) {
         pl_skin_find_moves(&r->skin, by);
-        pl_skin_begin(&r->skin, &points);
+        status = pl_skin_begin(&r->skin, &points, error);
     }
     for (int64_t s = 0; !status && s < n; s++) {
         const int32_t node = r->stars.node[s];

@@ -61,6 +61,7 @@ typedef struct pl_skin {
     double *tolerance;  /* [n_facets] */
     double *turned;     /* [n_facets] its unit normal is no farther from what it was first */
     uint8_t *is_planar; /* [n_facets] of a patch that is planar */
+    uint8_t *is_near;   /* [n_facets] while the skin is made: another sheet is near */
     double unscale;     /* 1 / shape->scale */
     int64_t max_facets; /* of a node */
     double *room;       /* [threads][PL_SKIN_ROOM * max_facets] for visits */
@@ -129,9 +130,9 @@ int pl_skin_make(const planish_options *options, pl_skin *skin, planish_error *e
  *  on planes and lines move. slides_by [n_stars]: planish_constraint of each. */
 void pl_skin_find_moves(pl_skin *skin, const uint8_t *slides_by);
 
-/** Take the places of all nodes, which are at points, and the bounds of facets; hold what is loose, or too
- *  far off. */
-void pl_skin_begin(pl_skin *skin, const pl_points *points);
+/** Take the places of all nodes, which are at points, and the bounds of facets; hold what is loose, too far
+ *  off, or near another sheet. Errors: _MEMORY. */
+int pl_skin_begin(pl_skin *skin, const pl_points *points, planish_error *error);
 
 /** Whether two places [3] are the same. */
 static inline int pl_skin_is_at(const double *x, const double *y) {

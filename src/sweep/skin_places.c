@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "shape/gaps.h"
 #include "shape/overlay.h"
 #include "topology/points.h"
 
@@ -374,11 +375,37 @@ int pl_skin_make(const planish_options *options, pl_skin *skin, planish_error *e
     return PLANISH_OK;
 }
 
-void pl_skin_begin(pl_skin *skin, const pl_points *points) {
+static int is_near(const pl_skin *skin, int32_t facet) {
+    return skin->is_near[facet];
+}
+
+/** Hold the nodes of sheets that could meet across a gap. */
+static int hold_near(pl_skin *skin, planish_error *error) {
+    const int is_open = skin->plan == NULL;
+    skin->is_near = pl_alloc(skin->shape->n_facets, sizeof *skin->is_near);
+    const int status = skin->is_near ? pl_shape_find_gaps(skin->shape, skin->tolerance, is_open,
+                                                          skin->threads, skin->is_near, error)
+                                     : pl_fail_memory(error, "the surface of a mesh");
+    const int64_t n = status ? 0 : hold(skin, is_near);
+    pl_free(skin->is_near);
+    skin->is_near = NULL;
+    if (n > 0)
+        pl_log(PLANISH_LOG_NOTE,
+               "%" PRId64 " nodes stay: the surface has another sheet there, nearer than twice "
+               "surface_tolerance",
+               n);
+    return status;
+}
+
+int pl_skin_begin(pl_skin *skin, const pl_points *points, planish_error *error) {
+    const int status = hold_near(skin, error);
+    if (status)
+        return status;
     hold(skin, is_loose);
     take_places(skin, points);
     bound_all(skin);
     hold_far(skin);
+    return PLANISH_OK;
 }
 
 void pl_skin_destroy(pl_skin *skin) {

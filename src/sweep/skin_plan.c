@@ -79,14 +79,16 @@ int pl_skin_create(planish_plan *plan, const planish_options *options, const dou
                       .storage = pl_storage_of(options)};
     if (skin->shape) {
         const pl_points points = pl_plan_all_points(plan, coordinates);
-        const int status = pl_skin_make(options, skin, error);
+        int status = pl_skin_make(options, skin, error);
         if (status)
             return status;
         number_nodes(skin);
         pl_skin_find_moves(skin, plan->slides_by);
         if (!find_followers(skin))
             return pl_fail_memory(error, "the surface of a mesh");
-        pl_skin_begin(skin, &points);
+        status = pl_skin_begin(skin, &points, error);
+        if (status)
+            return status;
     }
     set_slides(plan, skin);
     return PLANISH_OK;

@@ -25,9 +25,19 @@ typedef struct patchwork {
     uint8_t type[MOST];
     planish_shape *shape;
     planish_options options;
+    double apart; /* of SHEETS */
 } patchwork;
 
-enum { TORUS, PLANE, TUBE };
+enum { TORUS, PLANE, TUBE, SHEETS /* two tubes, one in the other */ };
+
+/** Whether the row v is at a border, and whether it is the last one of a sheet. */
+static int is_last(int kind, int v) {
+    return v == ACROSS - 1 || (kind == SHEETS && v == ACROSS / 2 - 1);
+}
+
+static int is_border(int kind, int v) {
+    return kind != TORUS && (v == 0 || is_last(kind, v) || (kind == SHEETS && v == ACROSS / 2));
+}
 
 static double random_number(uint64_t *state) {
     *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
@@ -35,12 +45,13 @@ static double random_number(uint64_t *state) {
 }
 
 /** Place of parameters u, v, in nodes along and across. */
-static void place(int kind, double u, double v, double x[3]) {
+static void place(int kind, double apart, double u, double v, double x[3]) {
     const double pi = 3.14159265358979323846, a = 2 * pi * u / AROUND, b = 2 * pi * v / ACROSS;
-    const double r = kind == TORUS ? 3 + cos(b) : 3;
+    const int second = kind == SHEETS && v > ACROSS / 2 - 0.5;
+    const double r = kind == TORUS ? 3 + cos(b) : second ? 3 + apart : 3;
     x[0] = kind == PLANE ? u : r * cos(a);
     x[1] = kind == PLANE ? 0.6 * v : r * sin(a);
-    x[2] = kind == PLANE ? 0.8 * v : kind == TORUS ? sin(b) : 0.4 * v;
+    x[2] = kind == PLANE ? 0.8 * v : kind == TORUS ? sin(b) : 0.4 * (second ? v - ACROSS / 2 : v);
 }
 
 /** Make a surface with nodes thrown about by up to far cells, as quadrilaterals or triangles. */
@@ -49,16 +60,20 @@ static void make(patchwork *p, int kind, int has_quads, double far) {
     int64_t n = 0, at = 0;
     const int ends = kind == TORUS ? ACROSS : ACROSS - 1;
     const int columns = kind == PLANE ? AROUND - 1 : AROUND;
+    const double apart = p->apart;
     memset(p, 0, sizeof *p);
+    p->apart = apart;
     for (int i = 0; i < NODES; i++) {
         const int u = i / ACROSS, v = i % ACROSS;
         const int edge_u = kind == PLANE && (u == 0 || u == AROUND - 1);
-        const int edge_v = kind != TORUS && (v == 0 || v == ACROSS - 1);
-        place(kind, u + (edge_u ? 0 : far * random_number(&state)),
+        const int edge_v = is_border(kind, v);
+        place(kind, p->apart, u + (edge_u ? 0 : far * random_number(&state)),
               v + (edge_v ? 0 : far * random_number(&state)), p->x[i]);
     }
     for (int u = 0; u < columns; u++)
         for (int v = 0; v < ends; v++) {
+            if (kind == SHEETS && is_last(kind, v))
+                continue;
             const int32_t a = u * ACROSS + v, b = (u + 1) % AROUND * ACROSS + v;
             const int32_t c = (u + 1) % AROUND * ACROSS + (v + 1) % ACROSS;
             const int32_t d = u * ACROSS + (v + 1) % ACROSS;
@@ -308,6 +323,19 @@ static void test_stops(void **unused) {
     destroy(&p);
 }
 
+/** Sheets that both could reach one another stay; others move. */
+static void test_sheets(void **unused) {
+    static patchwork p;
+    (void)unused;
+    for (int k = 0; k < 2; k++) {
+        p.apart = k ? 0.2 : 0.005;
+        make(&p, SHEETS, 0, 0.3);
+        const planish_result r = smooth(&p);
+        assert_true(k ? r.n_moved_nodes > NODES / 2 : r.n_moved_nodes == 0);
+        destroy(&p);
+    }
+}
+
 static void test_floats(void **unused) {
     static patchwork p;
     (void)unused;
@@ -405,8 +433,8 @@ int main(void) {
         cmocka_unit_test(test_quality),   cmocka_unit_test(test_plane),
         cmocka_unit_test(test_same_bits), cmocka_unit_test(test_worst),
         cmocka_unit_test(test_limits),    cmocka_unit_test(test_stops),
-        cmocka_unit_test(test_floats),    cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_sheets),    cmocka_unit_test(test_floats),
+        cmocka_unit_test(test_refusals),  cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
