@@ -83,7 +83,8 @@ for a, b in zip(read("ball.mesh"), read("curved.mesh")):
         assert b[2] == 0
 assert moved > 100
 END
-grep -q 'id="surface"' curved.html && grep -q "mean edges" curved.html || fail "the page has the surface"
+grep -q 'id="surface"' curved.html || fail "the page has the surface"
+grep -q "mean edges" curved.html || fail "the page has distances"
 cp curved.html first.html
 expect_status 0 "$program" report curved.json
 cmp curved.html first.html || fail "the same page from the JSON"
