@@ -50,7 +50,10 @@ double pl_skin_certify(const pl_skin *skin, int32_t facet, int32_t node, const d
         moved.place[j] = corner == node ? *place : present_place(skin, corner);
     }
     const double lateral = pl_overlay_lateral(skin->shape, &moved);
-    return lateral <= limit ? pl_overlay_bound(skin->shape, &moved, lateral, limit) : INFINITY;
+    if (!(lateral <= limit))
+        return INFINITY;
+    /* A facet within its patch may be off its curve: moves that follow must not take that farther. */
+    return fmax(lateral, pl_overlay_bound(skin->shape, &moved, lateral, limit));
 }
 
 /** Return how far the unit normal of a facet is from what it was first; infinite where the skin does not
