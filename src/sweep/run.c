@@ -244,6 +244,7 @@ void pl_run_begin_anew(pl_run *r) {
     const planish_plan *plan = r->plan;
     memset(plan->scratch.changed, 1, (size_t)plan->work.n_nodes);
     pl_watch_measure(&r->watch); /* nodes may have moved otherwise than by visits */
+    pl_watch_limit(&r->watch, r->watch.worst_ar2);
     if (r->problem.kept)
         pl_parallel_for(plan->threads, plan->interior.stars.n_stars, CHUNK_NODES, forget,
                         r->problem.kept);
@@ -286,7 +287,7 @@ static void widen_limits(pl_run *r) {
         return;
     limits->acuteness = fmax(r->sums.acuteness, limits->acuteness);
     limits->rr2_blunt = pl_run_blunt(r, limits->acuteness);
-    r->watch.worst_ar2 = fmax(r->sums.radius_max * CELL_MARGIN, r->watch.worst_ar2);
+    pl_watch_limit(&r->watch, fmax(r->sums.radius_max * CELL_MARGIN, r->watch.worst_ar2));
 }
 
 int pl_run_sweep(pl_run *r, int64_t *visits) {

@@ -60,14 +60,28 @@ static int may_shorten(const colour_pass *pass, int64_t star) {
     return !problem->slide && !(problem->limits.acuteness < INFINITY);
 }
 
-/** Whether the cells at a node, which has moved from before [dim], have no worse aspect ratio than
- *  they may, or than they had; ratio: the largest mu^2 of their corners. */
-static int keeps_ratios(const colour_pass *pass, int32_t node, const double *before, double ratio) {
+/** Note that cells of a star's ring, which is all of their nodes, have a large corner. */
+static void note_large(const colour_pass *pass, int64_t star) {
+    const pl_star_problem *problem = pass->problem;
+    uint8_t *has_large = pass->plan->scratch.watch->has_large;
+    pl_set_flag(&has_large[problem->node[star]], 1);
+    for (int64_t i = problem->ring_offset[star]; i < problem->ring_offset[star + 1]; i++)
+        pl_set_flag(&has_large[problem->ring[i]], 1);
+}
+
+/** Whether the cells at the node of a star, which has moved from before [dim], have no worse aspect ratio
+ *  than they may, or than they had; ratio: the largest mu^2 of the star's corners. A cell's AR^2 is a mean
+ *  of its corners, of which the star may not have all. */
+static int keeps_ratios(const colour_pass *pass, int64_t star, const double *before, double ratio) {
     const pl_watch *watch = pass->plan->scratch.watch;
+    const int32_t node = pass->problem->node[star];
     const int dim = pass->plan->dim;
     double *x = pass->problem->coordinates + (int64_t)node * dim, after[3];
-    if (!(ratio > watch->worst_ar2)) /* a cell's AR^2 is a mean of these */
+    const int is_large = ratio > watch->worst_ar2;
+    if (!watch->has_large || !(is_large || watch->has_large[node]))
         return 1;
+    if (is_large)
+        note_large(pass, star);
     const double now = pl_watch_worst(watch, node).ar2;
     if (now <= watch->worst_ar2)
         return 1;
@@ -113,7 +127,7 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
         if (evaluate_star(pass, star, scratch, &ratio, &now) && ratio.certain && now < start &&
             ratio.max * (1 + ratio.error) <= worst &&
             (!(acuteness < INFINITY) || pl_watch_worst(watch, node).acuteness <= acuteness) &&
-            keeps_ratios(pass, node, before, ratio.max) &&
+            keeps_ratios(pass, star, before, ratio.max) &&
             pl_watch_admit(pass->plan->scratch.watch, node, way_from(pass, node, before)))
             return start - now;
     }
@@ -138,10 +152,10 @@ static int note_moves(const colour_pass *pass, int64_t begin, int64_t end, watch
         if (way == 0 || !pl_watch_has(pass->plan->scratch.watch, node))
             continue;
         v->star[n] = i;
-        v->move[n++] = (pl_watch_move){.node = node,
-                                       .way = way,
-                                       .is_refused = !keeps_ratios(pass, node, v->before[i - begin],
-                                                                   v->gain[i - begin].ratio)};
+        v->move[n++] = (pl_watch_move){
+            .node = node,
+            .way = way,
+            .is_refused = !keeps_ratios(pass, i, v->before[i - begin], v->gain[i - begin].ratio)};
     }
     return n;
 }

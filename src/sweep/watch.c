@@ -1,9 +1,11 @@
 /* watch: whether the watched cells are valid: those of a node that has moved, and all of them. */
 #include "sweep/watch_cell.h"
 
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "geometry/simplex.h"
 #include "quality/certificate.h"
+#include "quality/measure.h"
 #include "quality/measure_block.h"
 
 #include <math.h>
@@ -412,6 +414,34 @@ static void raise_worst(const pl_watch *w, int32_t i, pl_worst_cell *worst) {
         worst->acuteness = fmax(1 / jacobian2, worst->acuteness);
     }
     worst->ar2 = fmax(sum / shape->n_measured, worst->ar2);
+}
+
+void pl_watch_limit(pl_watch *watch, double worst_ar2) {
+    const planish_plan *plan = watch->plan;
+    const pl_view all = pl_view_of_all_elements(&plan->work);
+    const int corners = plan->dim + 1;
+    watch->worst_ar2 = worst_ar2;
+    if (!(worst_ar2 < INFINITY) || watch->n == 0)
+        return;
+    if (!watch->has_large)
+        watch->has_large = pl_alloc(plan->work.n_nodes, 1);
+    uint8_t *state = pl_alloc(all.n_elements, 1);
+    if (!watch->has_large || !state) { /* the run fails in the end */
+        pl_free(state);
+        return;
+    }
+    memset(watch->has_large, 0, (size_t)plan->work.n_nodes);
+    pl_find_worse_corners(&all, plan->scratch.to_measure, sqrt(worst_ar2), INFINITY, INFINITY,
+                          plan->threads, state);
+    for (int64_t c = 0; c < pl_view_cells(&all); c++) {
+        const int64_t first = pl_first_of_cell(&all, c), end = pl_first_of_cell(&all, c + 1);
+        int any = 0;
+        for (int64_t i = first; i < end; i++)
+            any |= state[i] != 0;
+        for (int64_t i = first * corners; any && i < end * corners; i++)
+            watch->has_large[plan->inner[all.elements[i]]] = 1;
+    }
+    pl_free(state);
 }
 
 pl_worst_cell pl_watch_worst(const pl_watch *w, int32_t node) {

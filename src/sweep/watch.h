@@ -28,7 +28,7 @@
  *   pl_watch_has_poor             whether a curved one is poor
  *   pl_watch_judge, _has, _admit   of nodes, after their moves
  *   pl_watch_forget               a node moved otherwise
- *   pl_watch_worst                measures of a node's cells
+ *   pl_watch_limit, _worst        what cells may not exceed; measures of a node's cells
  *   pl_watch_fetch_list, _cells   ask for memory ahead
  *   pl_watch_find_broken          cells that were valid and are not any more
  *   pl_watch_find_refusers        cells that keep refusing moves
@@ -79,6 +79,9 @@ typedef struct pl_watch {
     const planish_plan *plan;
     pl_mids mids;     /* end NULL: all cells are linear */
     double worst_ar2; /* no cell's AR^2 shall become larger; infinite: nothing is promised */
+    uint8_t *
+        has_large; /* [n_nodes] by inner numbers 1: a cell of the node may have a corner whose mu^2 is
+                           above worst_ar2; NULL: nothing is promised */
     pl_watch_rule *rule[PL_WATCH_TYPES]; /* by types; NULL: no cell needs it */
     double min_volume;                   /* of cells without their own; 0: none */
     double stray;        /* how far a node may be off where it follows, by rounding; infinite: not
@@ -191,6 +194,10 @@ int pl_watch_add(pl_watch *watch, int64_t n, const int32_t *element, planish_err
 
 /** Free the arrays of watch. */
 void pl_watch_destroy(pl_watch *watch);
+
+/** Let no cell's AR^2 become larger than worst_ar2, infinite for no limit. The mesh was measured before
+ *  (scratch.to_measure). */
+void pl_watch_limit(pl_watch *watch, double worst_ar2);
 
 /** Decide all watched cells at the plan's present coordinates; returns how many are invalid with
  *  positive corners. */

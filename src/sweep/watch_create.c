@@ -468,6 +468,7 @@ void pl_watch_destroy(pl_watch *w) {
     for (int t = 0; t < PL_WATCH_TYPES; t++)
         pl_free(w->rule[t]);
     pl_free(w->is_curved);
+    pl_free(w->has_large);
     free_cells(w);
     *w = (pl_watch){.n = 0};
 }
