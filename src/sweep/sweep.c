@@ -71,8 +71,10 @@ static void note_large(const colour_pass *pass, int64_t star) {
 
 /** Whether the cells at the node of a star, which has moved from before [dim], have no worse aspect ratio
  *  than they may, or than they had; ratio: the largest mu^2 of the star's corners. A cell's AR^2 is a mean
- *  of its corners, of which the star may not have all. */
-static int keeps_ratios(const colour_pass *pass, int64_t star, const double *before, double ratio) {
+ *  of its corners, of which the star may not have all. *is_fine (may be NULL): the node has no large one any
+ *  more, if it stays there. */
+static int keeps_ratios(const colour_pass *pass, int64_t star, const double *before, double ratio,
+                        uint8_t *is_fine) {
     const pl_watch *watch = pass->plan->scratch.watch;
     const int32_t node = pass->problem->node[star];
     const int dim = pass->plan->dim;
@@ -82,14 +84,16 @@ static int keeps_ratios(const colour_pass *pass, int64_t star, const double *bef
         return 1;
     if (is_large)
         note_large(pass, star);
-    const double now = pl_watch_worst(watch, node).ar2;
-    if (now <= watch->worst_ar2)
+    const pl_worst_cell now = pl_watch_worst(watch, node);
+    if (is_fine)
+        *is_fine = now.mu2 <= watch->worst_ar2;
+    if (now.ar2 <= watch->worst_ar2)
         return 1;
     memcpy(after, x, (size_t)dim * sizeof *x);
     memcpy(x, before, (size_t)dim * sizeof *x);
     const double was = pl_watch_worst(watch, node).ar2;
     memcpy(x, after, (size_t)dim * sizeof *x);
-    return now < was;
+    return now.ar2 < was;
 }
 
 static double way_from(const colour_pass *pass, int32_t node, const double *before) {
@@ -127,7 +131,7 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
         if (evaluate_star(pass, star, scratch, &ratio, &now) && ratio.certain && now < start &&
             ratio.max * (1 + ratio.error) <= worst &&
             (!(acuteness < INFINITY) || pl_watch_worst(watch, node).acuteness <= acuteness) &&
-            keeps_ratios(pass, star, before, ratio.max) &&
+            keeps_ratios(pass, star, before, ratio.max, NULL) &&
             pl_watch_admit(pass->plan->scratch.watch, node, way_from(pass, node, before)))
             return start - now;
     }
@@ -140,7 +144,8 @@ typedef struct watched_visits {
     double before[PL_CHUNK_STARS][3];
     pl_star_gain gain[PL_CHUNK_STARS];
     pl_watch_move move[PL_CHUNK_STARS];
-    int64_t star[PL_CHUNK_STARS]; /* of each move */
+    int64_t star[PL_CHUNK_STARS];    /* of each move */
+    uint8_t is_fine[PL_CHUNK_STARS]; /* likewise: see keeps_ratios */
 } watched_visits;
 
 /** Note the moves of stars begin .. end - 1 with watched cells; returns how many. */
@@ -152,10 +157,10 @@ static int note_moves(const colour_pass *pass, int64_t begin, int64_t end, watch
         if (way == 0 || !pl_watch_has(pass->plan->scratch.watch, node))
             continue;
         v->star[n] = i;
-        v->move[n++] = (pl_watch_move){
-            .node = node,
-            .way = way,
-            .is_refused = !keeps_ratios(pass, i, v->before[i - begin], v->gain[i - begin].ratio)};
+        v->is_fine[n] = 0;
+        const int keeps =
+            keeps_ratios(pass, i, v->before[i - begin], v->gain[i - begin].ratio, &v->is_fine[n]);
+        v->move[n++] = (pl_watch_move){.node = node, .way = way, .is_refused = !keeps};
     }
     return n;
 }
@@ -196,7 +201,9 @@ static void visit_watched(const colour_pass *pass, int64_t begin, int64_t end, d
     const int n = note_moves(pass, begin, end, &v);
     pl_watch_judge(watch, n, v.move);
     for (int m = 0; m < n; m++)
-        if (v.move[m].is_refused)
+        if (!v.move[m].is_refused && v.is_fine[m])
+            watch->has_large[v.move[m].node] = 0;
+        else if (v.move[m].is_refused)
             refuse(pass, v.star[m], v.before[v.star[m] - begin], &v.gain[v.star[m] - begin],
                    scratch, tally);
 }

@@ -412,6 +412,7 @@ static void raise_worst(const pl_watch *w, int32_t i, pl_worst_cell *worst) {
         measure_corner(shape, x, c, sign, &mu2, &jacobian2);
         sum += mu2;
         worst->acuteness = fmax(1 / jacobian2, worst->acuteness);
+        worst->mu2 = fmax(mu2, worst->mu2);
     }
     worst->ar2 = fmax(sum / shape->n_measured, worst->ar2);
 }
@@ -445,7 +446,7 @@ void pl_watch_limit(pl_watch *watch, double worst_ar2) {
 }
 
 pl_worst_cell pl_watch_worst(const pl_watch *w, int32_t node) {
-    pl_worst_cell worst = {0, 0};
+    pl_worst_cell worst = {0, 0, 0};
     for (int64_t k = w->begin[node]; k < w->begin[node + 1]; k++)
         raise_worst(w, w->watched[k], &worst);
     return worst;

@@ -239,6 +239,7 @@ void pl_watch_forget(pl_watch *watch, int32_t node);
 typedef struct pl_worst_cell {
     double ar2;       /* largest AR^2; infinite: not all corners are positive */
     double acuteness; /* largest 1 / SJ^2, SJ the scaled Jacobian of a corner */
+    double mu2;       /* largest of a corner */
 } pl_worst_cell;
 
 /** Return the worst of the cells at the node of this inner number, of a plan with corners; 0: there are
