@@ -63,8 +63,9 @@ static int is_surface_mesh(const planish_mesh *mesh) {
            pl_is_of_faces(mesh->cells, 3);
 }
 
-/** Check threads and the mesh, and enter; end_call follows unless that fails. */
-static int begin_call(const planish_mesh *mesh, int threads, shape_call *call,
+/** Check threads and the mesh, and enter; end_call follows unless that fails. takes_surfaces: also one that is
+ *  a surface itself, whose elements are call->cells alone. */
+static int begin_call(const planish_mesh *mesh, int threads, int takes_surfaces, shape_call *call,
                       planish_error *error) {
     int status = check_threads(threads, error);
     if (status)
@@ -73,7 +74,7 @@ static int begin_call(const planish_mesh *mesh, int threads, shape_call *call,
     call->threads = pl_thread_count(threads);
     call->outside = pl_call_enter(NULL);
     call->coordinates = NULL;
-    if (is_surface_mesh(mesh)) {
+    if (takes_surfaces && is_surface_mesh(mesh)) {
         call->dense = (pl_dense){0};
         call->cells = mesh->cells;
         status = take_cells(mesh, call->threads, &call->dense.mesh, &call->coordinates, error);
@@ -161,7 +162,7 @@ int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer
     int status = PLANISH_OK;
     if (mesh && mesh->cells) {
         status = find_layers_of_cells(mesh, threads, is_layer, &n, error);
-    } else if (!(status = begin_call(mesh, threads, &call, error))) {
+    } else if (!(status = begin_call(mesh, threads, 0, &call, error))) {
         status = pl_find_layers(&call.dense.mesh, NULL, call.threads, is_layer, &n, error);
         end_call(&call);
     }
@@ -205,7 +206,7 @@ int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, i
     if (mesh && mesh->part)
         return pl_fail(error, PLANISH_ERROR_PARTS,
                        "regions are found in the whole mesh, not in a part of it");
-    int status = begin_call(mesh, threads, &call, error);
+    int status = begin_call(mesh, threads, 0, &call, error);
     if (status)
         return status;
     status = pl_check_cell_arrays(arrays, n_arrays, mesh->n_elements, error);
@@ -257,7 +258,7 @@ int planish_find_interfaces(const planish_mesh *mesh, const int32_t *region, int
     int64_t n = 0;
     if (!region || !is_between)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "region and is_between must not be NULL");
-    int status = begin_call(mesh, threads, &call, error);
+    int status = begin_call(mesh, threads, 0, &call, error);
     if (status)
         return status;
     int32_t *taken = NULL;
@@ -377,7 +378,7 @@ int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface
     shape_call call;
     if (!constraint || !direction)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "constraint and direction must not be NULL");
-    int status = begin_call(mesh, threads, &call, error);
+    int status = begin_call(mesh, threads, 1, &call, error);
     if (status)
         return status;
     status = check_tags(mesh, surface, error);
@@ -425,7 +426,7 @@ int planish_shape_create(const planish_mesh *mesh, const planish_surface *surfac
     int status = check_shape(mesh, surface, shape, error);
     if (status)
         return status;
-    status = begin_call(mesh, threads, &call, error);
+    status = begin_call(mesh, threads, 1, &call, error);
     if (status)
         return status;
     planish_surface tags = surface ? *surface : (planish_surface){0};

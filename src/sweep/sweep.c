@@ -301,6 +301,8 @@ void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
         if (plan->scratch.watch && is_stored &&
             (x[0] != was[0] || x[1] != was[1] || x[dim - 1] != was[dim - 1]))
             pl_watch_forget(plan->scratch.watch, f->node);
+        if (plan->scratch.watch && plan->scratch.watch->has_large)
+            plan->scratch.watch->has_large[f->of] |= plan->scratch.watch->has_large[f->node];
         uint8_t *changed = &plan->scratch.changed[f->of];
         *changed |= plan->scratch.changed[f->node];
         if (plan->scratch.changed[f->node] & PL_CHANGED)

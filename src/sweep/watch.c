@@ -425,13 +425,13 @@ void pl_watch_limit(pl_watch *watch, double worst_ar2) {
     if (!(worst_ar2 < INFINITY) || watch->n == 0)
         return;
     if (!watch->has_large)
-        watch->has_large = pl_alloc(plan->work.n_nodes, 1);
+        watch->has_large = pl_alloc(plan->work.n_nodes + plan->n_images, 1);
     uint8_t *state = pl_alloc(all.n_elements, 1);
     if (!watch->has_large || !state) { /* the run fails in the end */
         pl_free(state);
         return;
     }
-    memset(watch->has_large, 0, (size_t)plan->work.n_nodes);
+    memset(watch->has_large, 0, (size_t)(plan->work.n_nodes + plan->n_images));
     pl_find_worse_corners(&all, plan->scratch.to_measure, sqrt(worst_ar2), INFINITY, INFINITY,
                           plan->threads, state);
     for (int64_t c = 0; c < pl_view_cells(&all); c++) {

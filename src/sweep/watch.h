@@ -80,7 +80,7 @@ typedef struct pl_watch {
     pl_mids mids;     /* end NULL: all cells are linear */
     double worst_ar2; /* no cell's AR^2 shall become larger; infinite: nothing is promised */
     uint8_t *
-        has_large; /* [n_nodes] by inner numbers 1: a cell of the node may have a corner whose mu^2 is
+        has_large; /* [n_nodes + n_images] by inner numbers 1: a cell of the node may have a corner whose mu^2 is
                            above worst_ar2; NULL: nothing is promised */
     pl_watch_rule *rule[PL_WATCH_TYPES]; /* by types; NULL: no cell needs it */
     double min_volume;                   /* of cells without their own; 0: none */
