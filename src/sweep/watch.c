@@ -193,7 +193,7 @@ typedef struct decision {
  *  whatever order they are decided. */
 static void blame(const pl_watch *w, int32_t i, pl_watch_move *move) {
     const int32_t was = move->refuser;
-    if (!move->is_refused || w->type[i] < w->type[was] || (w->type[i] == w->type[was] && i < was))
+    if (!move->is_refused || w->type[i] < w->type[was] || (i < was && w->type[i] == w->type[was]))
         move->refuser = i;
     move->is_refused = 1;
 }

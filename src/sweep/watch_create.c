@@ -285,7 +285,7 @@ static void sort_chunk(void *context, int64_t begin, int64_t end, int thread) {
             for (; at > w->begin[node]; at--) {
                 const int32_t other = w->watched[at - 1];
                 if (w->type[other] < w->type[cell] ||
-                    (w->type[other] == w->type[cell] && other < cell))
+                    (other < cell && w->type[other] == w->type[cell]))
                     break;
                 w->watched[at] = other;
             }

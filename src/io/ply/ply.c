@@ -386,7 +386,7 @@ static int load_coordinate(const ply_reader *r, io_cursor *cursor, const ply_typ
     cursor->at += type->size;
     if (status)
         return status;
-    if (d > 0 && last->offset + last->n_components * type->size == offset) {
+    if (d > 0 && last && last->offset + last->n_components * type->size == offset) {
         last->n_components++;
         return PLANISH_OK;
     }
