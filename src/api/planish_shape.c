@@ -463,7 +463,7 @@ void planish_shape_get_edges(const planish_shape *shape, int32_t *edge) {
         edge[i] = shape->node[shape->edge[i / 2][i % 2]];
 }
 
-/** Where the nodes of a shape are now. */
+/** Present places of a shape's nodes. */
 typedef struct moved_shape {
     const planish_shape *shape;
     const pl_points *points; /* of the mesh's nodes */

@@ -27,9 +27,10 @@ static inline int64_t pl_link_positions(int dim) {
     return dim == 3 ? 9 : 2;
 }
 
-/** Number of positions of a facet where a link is only kept, without the ends of edges. */
-static inline int64_t pl_link_positions_kept(int dim) {
-    return dim == 3 ? 6 : 2;
+/** Number of positions of a facet where a link is only kept, without the ends of edges. has_forms: the
+ *  elements are corners, whose edges are not wanted. */
+static inline int64_t pl_link_positions_kept(int dim, int has_forms) {
+    return dim == 3 && !has_forms ? 6 : dim;
 }
 
 /** Edges of a link of n facets. */

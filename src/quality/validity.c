@@ -205,7 +205,7 @@ typedef int32_t floats_mask __attribute__((vector_size(LANES * sizeof(float))));
 typedef float floats_kept
     __attribute__((vector_size(LANES * sizeof(float)), aligned(4), may_alias));
 
-/** What is kept in LANES floats. */
+/** Load LANES floats. */
 PL_INLINE floats floats_load(const float *kept) {
     return *(const floats_kept *)kept;
 }

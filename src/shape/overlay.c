@@ -352,7 +352,7 @@ static int flood(pl_overlay *o, int32_t facet) {
 
 /* ---- chains of edges on curves -------------------------------------------------------------- */
 
-/** Where the chain is that was there, in T's frame: seen from the side of T that is its chord. */
+/** Extent, in T's frame, of the chain that was there, seen from the side of T that is its chord. */
 typedef struct pl_extent {
     double lowest, deepest; /* depth of its points under the side */
     double height;          /* largest, of either sign */

@@ -44,7 +44,7 @@ static inline double pl_shape_edge(const planish_shape *shape, int32_t facet) {
     return mean;
 }
 
-/** What is certain of a surface that has moved. Lengths are in the shape's units. */
+/** Proved distances of a surface that has moved. Lengths are in the shape's units. */
 typedef struct pl_shape_distance {
     double there;           /* no point of the new surface is farther off the first one, */
     double back;            /* and none of the first one off the new one; infinite: not proved */

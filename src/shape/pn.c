@@ -37,7 +37,7 @@ static void find_tangents(planish_shape *s, int32_t e) {
     }
 }
 
-/** Of an edge between a curve's inside and its end: the tangent there is such that the arc is symmetric. */
+/** Set the tangent at the end of a curve so that its last arc is symmetric. */
 static void mirror_tangent(planish_shape *s, int32_t e) {
     for (int j = 0; j < 2; j++) {
         if (s->node_class[s->edge[e][j]] == PL_ON_CURVE ||

@@ -319,7 +319,7 @@ static inline void gather_row(star *s, const pl_star_row *row, int64_t i, const 
     s->weight += row->weight;
 }
 
-/** What the guarded kernel has of a row beside: no floor, and one edge, of which no measure is. */
+/** Fill in the guarded kernel's columns of a row: no floor, and one edge, of which no measure is. */
 static inline void gather_guarded_row(const star *s, int64_t i, const int dim) {
     static const uint8_t first[3] = {P0X, P0Y, P0Z};
     for (int d = 0; dim == 3 && d < 3; d++) {

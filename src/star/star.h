@@ -177,7 +177,7 @@ typedef struct pl_star_problem {
  *  only a neighbour whose own star is bad wakes it. Moves shorter than `still` wake nobody. */
 enum { PL_CHANGED = 1, PL_TOLD = 2, PL_BAD = 4 };
 
-/** What the visit of one star has added to a tally. */
+/** Gain by the visit of one star, as added to a tally. */
 typedef struct pl_star_gain {
     double fall;  /* to decrease */
     double ratio; /* to largest */

@@ -41,6 +41,26 @@ static int check_meaning(const pl_surface_run *r, planish_error *error) {
     return PLANISH_OK;
 }
 
+/** Refuse constraints that there are not, and bounds that are no numbers. */
+static int check_nodes(const pl_surface_run *r, planish_error *error) {
+    const double *bounds[] = {r->options->lower, r->options->upper};
+    const uint8_t *constraint = r->mesh->constraint;
+    for (int64_t i = 0; constraint && i < r->mesh->n_nodes; i++)
+        if (constraint[i] > PLANISH_CONSTRAINT_ON_CURVE)
+            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
+                              "mesh.constraint of node %" PRId64
+                              " is %d; give a planish_constraint, 0 to %d",
+                              i, constraint[i], PLANISH_CONSTRAINT_ON_CURVE);
+    for (int which = 0; which < 2; which++)
+        for (int64_t i = 0; bounds[which] && i < 3 * r->mesh->n_nodes; i++)
+            if (isnan(bounds[which][i]))
+                return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i / 3,
+                                  "options.%s of node %" PRId64
+                                  " is not a number; give a bound, or an infinite one for none",
+                                  which ? "upper" : "lower", i / 3);
+    return PLANISH_OK;
+}
+
 static int check_call(pl_surface_run *r, planish_error *error) {
     const planish_mesh *mesh = r->mesh;
     r->shape = r->options->shape;
@@ -52,7 +72,9 @@ static int check_call(pl_surface_run *r, planish_error *error) {
                        "options.shape was made of a mesh of %" PRId64 " nodes, mesh has %" PRId64
                        "; make it of this mesh",
                        r->shape->n_mesh, mesh->n_nodes);
-    const int status = check_meaning(r, error);
+    int status = check_meaning(r, error);
+    if (!status)
+        status = check_nodes(r, error);
     if (status)
         return status;
     const pl_points points = pl_points_of(mesh, r->coordinates);

@@ -8,7 +8,7 @@
 #include "sweep/skin.h"
 #include "surface/surface_mesh.h"
 
-/** What all visits of a sweep share. Nodes have the shape's numbers, coordinates the mesh's units. */
+/** Data that all visits of a sweep share. Nodes have the shape's numbers, coordinates the mesh's units. */
 typedef struct pl_surface_problem {
     const pl_surface_mesh *mesh;
     double (*x)[3];             /* [n_nodes] */

@@ -121,7 +121,7 @@ static int keeps_spoke(pl_skin_visit *v, const pl_skin_trial *trial, int i) {
     return now >= pl_dot(3, v->normal[i], v->normal[next]);
 }
 
-/** Likewise of the smooth edge opposite to the node. The facet beyond is no farther from how it was first
+/** Whether the smooth edge opposite to the node bends little, too. The facet beyond is no farther from how it was first
  *  than is known. */
 static int keeps_opposite(pl_skin_visit *v, const pl_skin_trial *trial, int i) {
     const pl_skin *skin = v->skin;

@@ -241,7 +241,7 @@ static void add_to_bricks(decision *s, int32_t i, int move) {
         decide_bricks(s);
 }
 
-/** As decide_bricks, add_to_bricks: cells of any type. */
+/** Certify cells of any type as decide_bricks does hexahedra. */
 static void decide_floats(decision *s) {
     int left[LANES];
     const int n = s->floats.n > 0 ? certify_floats(s->watch, &s->floats, left) : 0;
@@ -481,7 +481,7 @@ static int has_positive_corners(const pl_watch *w, int64_t cell, int at_start) {
     return positive;
 }
 
-/** What a chunk of cells has: invalid ones with positive corners; valid ones without. */
+/** Counts of a chunk of cells: invalid ones with positive corners; valid ones without. */
 typedef struct measured {
     int64_t n, n_turned;
 } measured;

@@ -23,7 +23,7 @@
 
 enum { PL_CELL_STAR_FACETS = 4, PL_CELL_KINDS = 4 };
 
-/** What a cell adds to the star of a node. */
+/** Part of a node's star that one cell adds. */
 typedef struct pl_cell_star {
     uint8_t n_others, n_facets;
     uint8_t

@@ -244,7 +244,7 @@ static star find_small_ring(const ring_maker *m, int thread, int32_t node, pl_li
         if (room > 0)
             memcpy(ring, table->node, (size_t)(length < room ? length : room) * sizeof *ring);
         if (link.high)
-            memset(link.high, 0, (size_t)(n * pl_link_positions_kept(3)));
+            memset(link.high, 0, (size_t)(n * pl_link_positions_kept(3, 0)));
     }
     return found;
 }
@@ -332,7 +332,7 @@ static int can_be_closed(ring_maker *m, int thread, int32_t node) {
         return 1;
     star found = {-1, 0, 0};
     pl_link link = {NULL, NULL};
-    if (pl_link_alloc(&link, pl_link_positions_kept(dim), n, 1) == 0)
+    if (pl_link_alloc(&link, pl_link_positions_kept(dim, 0), n, 1) == 0)
         found = find_ring(m, dim, thread, node, link, NULL, 0);
     pl_link_free(&link);
     if (found.length < 0)
@@ -381,7 +381,7 @@ static void make_room(void *context, int64_t begin, int64_t end, int thread) {
 /** Ask for where the ring and the link of r will be written: another core may have written there
  * what is gone by now. */
 PL_AT_ONCE void fetch_room(const pl_rings *rings, int dim, int64_t r) {
-    const int64_t k = pl_rings_positions(rings, dim);
+    const int64_t k = pl_link_positions_kept(dim, rings->form != NULL);
     pl_fetch_all_to_write(rings->neighbour + rings->offset[r],
                           rings->neighbour + rings->offset[r + 1]);
     pl_fetch_all_to_write(rings->link.low + k * rings->link_offset[r],
@@ -398,8 +398,8 @@ static inline void find_rings(ring_maker *m, int dim, int64_t begin, int64_t end
             fetch_room(rings, dim, r + PL_AHEAD_ROOM);
         const int64_t room = m->counting ? 0 : rings->offset[r + 1] - rings->offset[r];
         int32_t *ring = m->counting ? NULL : rings->neighbour + rings->offset[r];
-        const pl_link link =
-            pl_link_at(&rings->link, pl_rings_positions(rings, dim), rings->link_offset[r]);
+        const pl_link link = pl_link_at(
+            &rings->link, pl_link_positions_kept(dim, rings->form != NULL), rings->link_offset[r]);
         star found = {-1, 0, 0};
         if (!__atomic_load_n(&m->is_free[m->node[r]], __ATOMIC_RELAXED))
             found.length = room;
@@ -458,7 +458,8 @@ static int make_rings(ring_maker *m, int threads) {
         return -1;
     const int64_t total = pl_prefix_sum(threads, n, rings->link_offset);
     rings->form = m->corner ? pl_alloc(total, sizeof *rings->form) : NULL;
-    if (pl_link_alloc(&rings->link, pl_rings_positions(rings, m->mesh->dim), total, m->wide) != 0 ||
+    if (pl_link_alloc(&rings->link, pl_link_positions_kept(m->mesh->dim, rings->form != NULL),
+                      total, m->wide) != 0 ||
         (m->corner && !rings->form) || fill_rings(m, !m->foretells, threads) != 0)
         return -1;
     return m->foretold_wrong ? fill_rings(m, 1, threads) : 0;

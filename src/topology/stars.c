@@ -95,7 +95,7 @@ static void copy_links(void *context, int64_t begin, int64_t end, int thread) {
     const star_copy *copy = context;
     const pl_link *kept = &copy->rings->link;
     const int dim = copy->mesh->dim;
-    const int64_t n_kept = pl_rings_positions(copy->rings, dim);
+    const int64_t n_kept = pl_link_positions_kept(dim, copy->rings->form != NULL);
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
         if (copy->star_of[r] < 0)

@@ -232,11 +232,6 @@ typedef struct pl_rings {
     uint8_t *form; /* [link facets] their codes, where elements are corners; or NULL */
 } pl_rings;
 
-/** Number of positions of a facet in rings->link: the edges of corners are not wanted. */
-static inline int64_t pl_rings_positions(const pl_rings *rings, int dim) {
-    return rings->form ? dim : pl_link_positions_kept(dim);
-}
-
 /** Make the rings of the free nodes. is_free [n]: not 0 for the nodes that may move, node
  * [n_rings]: these in the wanted order. Free are those of them that are inside, and have no more
  * than PL_MAX_LINK elements (open: half as many); of the others is_free becomes 0, and node -1.

@@ -366,20 +366,6 @@ static int64_t check_mesh(const trial *t) {
     return n;
 }
 
-/** Largest distance of a judge of points of a triangle, from a patch or (-1) all. */
-static double sample(const sheet_judge *judge, int32_t patch, const double corner[3][3]) {
-    double most = 0;
-    for (int i = 0; i <= DIVISIONS; i++)
-        for (int j = 0; i + j <= DIVISIONS; j++) {
-            double p[3];
-            for (int d = 0; d < 3; d++)
-                p[d] = (i * corner[0][d] + j * corner[1][d] + (DIVISIONS - i - j) * corner[2][d]) /
-                       DIVISIONS;
-            most = fmax(most, sheet_judge_distance(judge, patch, p));
-        }
-    return most;
-}
-
 /** The tolerance of a facet, in the shape's units. */
 static double tolerance_of(const trial *t, int32_t facet) {
     const planish_options *o = &t->options;
@@ -408,8 +394,10 @@ static void check_distance(const trial *t, double *worth) {
     const double rounding = (t->options.precision ? 2e-7 : 1e-12) * s->size;
     double there = 0, back = 0;
     for (int32_t f = 0; f < s->n_facets; f++) {
-        const double now = sample(&t->first, s->patch[f], (const double(*)[3])t->now.corner[f]);
-        const double was = sample(&t->now, s->patch[f], (const double(*)[3])t->first.corner[f]);
+        const double now = sheet_judge_sample(&t->first, s->patch[f],
+                                              (const double(*)[3])t->now.corner[f], DIVISIONS);
+        const double was = sheet_judge_sample(&t->now, s->patch[f],
+                                              (const double(*)[3])t->first.corner[f], DIVISIONS);
         check_that(t, now <= tolerance_of(t, f) * (1 + 1e-9) + rounding,
                    "no sample is beyond the tolerance");
         there = fmax(there, now);

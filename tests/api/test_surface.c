@@ -390,7 +390,17 @@ static void test_refusals(void **unused) {
     o = p.options;
     o.threads = -1;
     refuse(&p, &p.mesh, &o, "options.threads");
+    static double upper[NODES][3];
+    upper[7][2] = NAN;
+    o = p.options;
+    o.upper = upper[0];
+    refuse(&p, &p.mesh, &o, "options.upper of node 7");
+    static uint8_t constraint[NODES];
+    constraint[9] = 7;
     planish_mesh mesh = p.mesh;
+    mesh.constraint = constraint;
+    refuse(&p, &mesh, &p.options, "mesh.constraint of node 9");
+    mesh = p.mesh;
     mesh.n_nodes = NODES - 1;
     refuse(&p, &mesh, &p.options, "node");
     mesh = p.mesh;

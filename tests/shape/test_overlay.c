@@ -51,20 +51,6 @@ static pl_moved_facet facet_of(const moved *m, int32_t facet) {
     return t;
 }
 
-/** Largest distance from a patch of points of a triangle. */
-static double sample(const sheet_judge *judge, int32_t patch, const double corner[3][3]) {
-    double most = 0;
-    for (int i = 0; i <= DIVISIONS; i++)
-        for (int j = 0; i + j <= DIVISIONS; j++) {
-            double p[3];
-            for (int d = 0; d < 3; d++)
-                p[d] = (i * corner[0][d] + j * corner[1][d] + (DIVISIONS - i - j) * corner[2][d]) /
-                       DIVISIONS;
-            most = fmax(most, sheet_judge_distance(judge, patch, p));
-        }
-    return most;
-}
-
 static int compare_doubles(const void *a, const void *b) {
     const double x = *(const double *)a, y = *(const double *)b;
     return x < y ? -1 : x > y;
@@ -87,7 +73,8 @@ static void check_facet(const moved *m, int32_t facet, uint64_t *state, worth *w
             t.place[k].at = -1;
     const double lateral = pl_overlay_lateral(s, &t);
     const double bound = pl_overlay_bound(s, &t, lateral, INFINITY);
-    const double most = sample(&m->first, s->patch[facet], (const double(*)[3])t.x);
+    const double most =
+        sheet_judge_sample(&m->first, s->patch[facet], (const double(*)[3])t.x, DIVISIONS);
     w->n++;
     if (!(bound < INFINITY))
         return;
@@ -388,8 +375,10 @@ static double check_measure(const moved *m) {
     assert_int_equal(d.n_unproved, 0);
     for (int32_t f = 0; f < s->n_facets; f++) {
         const double h = pl_shape_edge(s, f);
-        const double now = sample(&m->first, s->patch[f], (const double(*)[3])m->now.corner[f]);
-        const double was = sample(&m->now, s->patch[f], (const double(*)[3])m->first.corner[f]);
+        const double now = sheet_judge_sample(&m->first, s->patch[f],
+                                              (const double(*)[3])m->now.corner[f], DIVISIONS);
+        const double was = sheet_judge_sample(&m->now, s->patch[f],
+                                              (const double(*)[3])m->first.corner[f], DIVISIONS);
         assert_true(now <= d.there_h * h * (1 + 1e-12) + rounding);
         assert_true(was <= d.back_h * h * (1 + 1e-12) + rounding);
         there = fmax(there, now);

@@ -353,6 +353,20 @@ double sheet_judge_distance(const sheet_judge *j, int32_t patch, const double po
     return least;
 }
 
+double sheet_judge_sample(const sheet_judge *judge, int32_t patch, const double corner[3][3],
+                          int divisions) {
+    double most = 0;
+    for (int i = 0; i <= divisions; i++)
+        for (int j = 0; i + j <= divisions; j++) {
+            double p[3];
+            for (int d = 0; d < 3; d++)
+                p[d] = (i * corner[0][d] + j * corner[1][d] + (divisions - i - j) * corner[2][d]) /
+                       divisions;
+            most = fmax(most, sheet_judge_distance(judge, patch, p));
+        }
+    return most;
+}
+
 double sheet_cosine(const sheet_judge *j, int32_t a, int32_t b) {
     double normal[2][3];
     for (int i = 0; i < 2; i++) {

@@ -53,6 +53,11 @@ void sheet_judge_destroy(sheet_judge *judge);
 /** Distance of a point from a patch (-1: from all). */
 double sheet_judge_distance(const sheet_judge *judge, int32_t patch, const double point[3]);
 
+/** Largest distance from a patch (-1: from all) of points of a triangle: corners of so many divisions of
+ *  its sides. */
+double sheet_judge_sample(const sheet_judge *judge, int32_t patch, const double corner[3][3],
+                          int divisions);
+
 /** Cosine between two facets. */
 double sheet_cosine(const sheet_judge *judge, int32_t a, int32_t b);
 

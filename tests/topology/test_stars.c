@@ -55,7 +55,7 @@ static void *copy_of(const void *array, int64_t count, size_t size) {
 static pl_rings copy_of_rings(const fixture *f) {
     pl_rings r = f->rings.rings;
     const int64_t n = r.n_rings,
-                  bytes = r.link_offset[n] * pl_link_positions_kept(f->mesh.mesh.dim);
+                  bytes = r.link_offset[n] * pl_link_positions_kept(f->mesh.mesh.dim, 0);
     r.neighbour = copy_of(r.neighbour, r.offset[n], sizeof *r.neighbour);
     r.link.low = copy_of(r.link.low, bytes, 1);
     r.link.high = r.link.high ? copy_of(r.link.high, bytes, 1) : NULL;

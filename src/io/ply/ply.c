@@ -37,7 +37,7 @@ static const ply_type types[] = {{"char", "int8", 1, 0, 0},     {"uchar", "uint8
                                  {"int", "int32", 4, 0, 0},     {"uint", "uint32", 4, 0, 1},
                                  {"float", "float32", 4, 1, 0}, {"double", "float64", 8, 1, 0}};
 
-/** What is wanted of a property. */
+/** Use of a property. */
 typedef enum ply_role { NO_ROLE, X, Y, Z, CORNERS, FIRST_END, SECOND_END } ply_role;
 
 typedef struct ply_property {

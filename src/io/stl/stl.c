@@ -34,7 +34,7 @@ enum {
     FLOAT_SIZE = 4
 };
 
-/** Where normals stand, for the writer: model->of_format. */
+/** Places of normals in the file, for the writer: model->of_format. */
 typedef struct stl_normals {
     int64_t n;   /* facets */
     int64_t *at; /* [n] byte of each normal in text; NULL: binary */
