@@ -25,6 +25,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -163,11 +164,27 @@ static int write_moved(const use *u, planish_file *file, const planish_mesh *mes
     return status == 0;
 }
 
+/** As io_file_open, in a process of its own. That gets a few seconds of CPU, and no minute: the HDF5
+ *  library turns in circles on some of what it meets here. */
+static int open_isolated(const use *u, planish_file **file, planish_error *error) {
+    struct rusage used;
+    struct rlimit before, brief;
+    getrusage(RUSAGE_SELF, &used);
+    getrlimit(RLIMIT_CPU, &before);
+    brief = before;
+    brief.rlim_cur = (rlim_t)used.ru_utime.tv_sec + (rlim_t)used.ru_stime.tv_sec + 5;
+    if (brief.rlim_cur < before.rlim_cur)
+        setrlimit(RLIMIT_CPU, &brief);
+    const int status = planish_file_open_isolated(u->path, NULL, u->threads, file, error);
+    setrlimit(RLIMIT_CPU, &before);
+    return status;
+}
+
 static void open_once(use *u, int64_t i) {
     planish_file *file = NULL;
     planish_error error;
     const int status = u->is_hdf5
-                           ? planish_file_open_isolated(u->path, NULL, u->threads, &file, &error)
+                           ? open_isolated(u, &file, &error)
                            : io_file_open(u->path, u->threads, u->largest_copy, &file, &error);
     if (status) {
         assert_null(file);
