@@ -161,7 +161,7 @@ static int certify_floats(pl_watch *w, floats_block *b, int left[LANES]) {
         const int32_t i = b->of[l];
         const double floor = w->floor && w->state[i] & PL_WATCH_ABOVE ? w->floor[i] : 0;
         const double room =
-            b->block.all[l] > floor
+            b->block.all[l] > 0 && b->block.inner[l] > floor
                 ? pl_watch_room(w, rule, b->block.inner[l] - floor, b->block.longest[l])
                 : 0;
         if (room > 0)

@@ -94,7 +94,8 @@ typedef struct pl_watch {
     int32_t (*node)[PL_CELL_CORNERS]; /* [n] corners by inner numbers, of a
                                          hexahedron so that det J is to be positive; NULL: no corners */
     double *room;          /* [n] how far nodes of the cell may go, added up, without a decision */
-    double *floor;         /* [n] what coefficients shall not fall below; NULL: 0 */
+    double *floor;         /* [n] what coefficients that are not at corners (of order 2: all) shall
+                              not fall below; NULL: 0 */
     uint8_t *state;        /* [n] decided where the nodes are */
     uint8_t *n_refused_of; /* [n] moves, also halved ones, that it refused; 255 at most */
     float *quality;        /* [n] of curved simplices their least coefficient over the mean, as

@@ -122,8 +122,8 @@ int pl_watch_is_lane_valid(const pl_watch_block *b, int l) {
  * shape are alike. In a triangle or tetrahedron det is the same along other edges, so we take edges
  * of which only one is at the corner, as if it were not the first one: L is that of all edges.
  *
- * Coefficients at corners of linear cells are values at corners, which visits keep positive
- * themselves: they need not be counted. For a hexahedron that leaves 2 |d| L^2 of 3.
+ * Coefficients at corners of linear cells are values at corners, which visits themselves keep positive
+ * and above floors: neither rooms nor floors are of these. For a hexahedron that leaves 2 |d| L^2 of 3.
  *
  * While corners go D in all, L grows to L + change D at most. So a coefficient b stays positive while
  *     weight D (L + change D)^2 <= b,    or D <= g(D) = a / (1 + change D / L)^2, a = b / (weight L^2).
@@ -229,13 +229,13 @@ void pl_watch_keep_state(pl_watch *w, const pl_watch_block *b, int l, int valid)
     const int dim = w->plan->dim;
     const int32_t i = b->of[l];
     const double all = b->jacobian.least[l] - b->jacobian.error[l];
+    const double inner = least_of(b, l) - b->jacobian.error[l];
     const double floor = w->floor ? w->floor[i] : 0;
-    const int is_above = floor > 0 && ldexp(all, dim * b->exponent[l]) > floor;
+    const int is_above = floor > 0 && ldexp(inner, dim * b->exponent[l]) > floor;
     w->state[i] = (uint8_t)((valid ? PL_WATCH_VALID : 0) | (is_above ? PL_WATCH_ABOVE : 0));
     w->room[i] = 0;
     if (!(valid && all > 0 && b->exponent[l] == 0) || (floor > 0 && !is_above))
         return;
-    w->room[i] =
-        pl_watch_room(w, b->rule, least_of(b, l) - b->jacobian.error[l] - (is_above ? floor : 0),
-                      pl_watch_longest(rule, b, l, dim));
+    w->room[i] = pl_watch_room(w, b->rule, inner - (is_above ? floor : 0),
+                               pl_watch_longest(rule, b, l, dim));
 }

@@ -145,13 +145,18 @@ static int is_cell_valid(const lone_cell *c, double *least) {
     return pl_validity_of_lane(&c->rule, &b, 0, c->node, x, sign[0]) == PL_VALID;
 }
 
-static int has_positive_corners(const lone_cell *c) {
+/** Whether the corners' elements are positive, and not below the minimum volume. */
+static int has_good_corners(const lone_cell *c, double min_volume) {
     const int dim = c->type->shape->dim;
+    const double volume = c->plan.form[pl_form_code(c->corner[0], 0, 0)].volume;
     for (int e = 0; e < c->cell_begin[1]; e++) {
         const double *vertex[4];
+        double edges[3][3];
         for (int j = 0; j <= dim; j++)
             vertex[j] = c->x + c->elements[e * (dim + 1) + j] * dim;
-        if (pl_measure_sign(dim, vertex) * c->sign[e] <= 0)
+        pl_edges(dim, vertex, edges);
+        if (pl_measure_sign(dim, vertex) * c->sign[e] <= 0 ||
+            pl_determinant_of_edges(dim, edges) * volume * c->sign[e] < min_volume)
             return 0;
     }
     return 1;
@@ -163,7 +168,8 @@ typedef struct walk {
 } walk;
 
 /** Move a corner by a random way of a random length, and back if it is not admitted. Visits keep
- *  corners of linear cells positive: where they would not the corner goes back. */
+ *  corners of linear cells positive and above the minimum volume: where they would not the corner
+ *  goes back. */
 static void step(lone_cell *c, double min_volume, unsigned *seed, walk *w) {
     const int dim = c->type->shape->dim, corners = c->type->shape->n_corners;
     const int node = (int)(test_random(seed) * corners) % corners;
@@ -179,7 +185,7 @@ static void step(lone_cell *c, double min_volume, unsigned *seed, walk *w) {
     const int is_valid = is_cell_valid(c, &least);
     const int keeps = is_valid && (!(min_volume > 0) || !(least_before > min_volume * (1 + 1e-9)) ||
                                    least > min_volume * (1 - 1e-9));
-    int goes = !is_linear || has_positive_corners(c);
+    int goes = !is_linear || has_good_corners(c, min_volume);
     if (goes) {
         const double way = pl_distance(dim, x, before);
         const int has_room = c->watch.room[0] > way;
@@ -271,12 +277,49 @@ static void minimum_volumes_hold_inside(void **state) {
                 continue;
             watch_cell(&c, min_volume);
             pl_watch_measure(&c.watch);
-            for (int m = 0; m < MOVES && (c.type->order > 1 || c.watch.type[0] == 0); m++)
+            for (int m = 0; m < MOVES; m++)
                 step(&c, min_volume, &seed, &w);
             pl_watch_destroy(&c.watch);
         }
-        assert_true(c.type->order == 1 || w.admitted > MOVES);
+        assert_true(w.admitted > MOVES);
     }
+}
+
+/** A corner's own volume may come down to the minimum, which is for visits to heed: no move there is
+ *  refused, whether the cell has room for it or is decided. */
+static void corners_may_reach_their_minimum(void **state) {
+    enum { PARTS = 8 };
+    static const int types[] = {PLANISH_CELL_HEXAHEDRON, PLANISH_CELL_WEDGE};
+    (void)state;
+    for (int i = 0; i < 2; i++)
+        for (int has_room = 0; has_room < 2; has_room++) {
+            static lone_cell c;
+            const double step = 0.02 / PARTS;
+            double least;
+            int n_with_room = 0;
+            init_cell(&c, types[i]);
+            for (int d = 0; d < 3; d++)
+                c.x[d] = PARTS * step;
+            watch_cell(&c, 0);
+            is_cell_valid(&c, &least); /* that at corner 0 */
+            pl_watch_destroy(&c.watch);
+            init_cell(&c, types[i]);
+            watch_cell(&c, least);
+            pl_watch_measure(&c.watch);
+            assert_true(c.watch.room[0] > 0);
+            for (int m = 1; m <= PARTS; m++) {
+                const double before[3] = {c.x[0], c.x[1], c.x[2]};
+                for (int d = 0; d < 3; d++)
+                    c.x[d] = m * step;
+                if (!has_room)
+                    pl_watch_forget(&c.watch, 0);
+                n_with_room += c.watch.room[0] > pl_distance(3, c.x, before);
+                assert_true(pl_watch_admit(&c.watch, 0, pl_distance(3, c.x, before)));
+                assert_true(c.watch.state[0] & PL_WATCH_ABOVE);
+            }
+            assert_true(has_room == (n_with_room > 0));
+            pl_watch_destroy(&c.watch);
+        }
 }
 
 /** Of what a corner moves by, a mid moves by 1/2, a node of a face by 1/4, of the cell by 1/8. */
@@ -321,7 +364,7 @@ static void cells_may_be_tangled_inside(void **state) {
     init_cell(&c, PLANISH_CELL_HEXAHEDRON);
     memcpy(c.x, brick, sizeof brick);
     watch_cell(&c, 0);
-    assert_true(has_positive_corners(&c));
+    assert_true(has_good_corners(&c, 0));
     assert_int_equal(pl_watch_measure(&c.watch), 1);
     assert_false(pl_watch_is_valid(&c.watch, 0));
     pl_watch_destroy(&c.watch);
@@ -333,7 +376,7 @@ static void cells_may_be_tangled_inside(void **state) {
         c.x[j * 3 + 2] = j < 3 ? 0 : 100;
     }
     watch_cell(&c, 0);
-    assert_true(has_positive_corners(&c));
+    assert_true(has_good_corners(&c, 0));
     assert_int_equal(pl_watch_measure(&c.watch), 1);
     for (int j = 0; j < 3; j++) { /* and by nothing */
         c.x[j * 3 + 9] = c.x[j * 3];
@@ -388,6 +431,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(moves_of_valid_cells_are_decided),
         cmocka_unit_test(minimum_volumes_hold_inside),
+        cmocka_unit_test(corners_may_reach_their_minimum),
         cmocka_unit_test(nodes_follow_corners),
         cmocka_unit_test(cells_may_be_tangled_inside),
         cmocka_unit_test(floats_bound_coefficients),
