@@ -18,6 +18,7 @@
 
 #include <fcntl.h>
 #include <pthread.h>
+#include <sched.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -25,7 +26,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -50,7 +50,7 @@ typedef struct changer {
     const char *original; /* [size] */
     size_t size;
     uint64_t random;
-    atomic_int stop;
+    atomic_int has_begun, stop;
 } changer;
 
 static void wait_a_little(uint64_t *random, int64_t most) {
@@ -101,6 +101,7 @@ static void truncate_and_write(changer *c) {
 
 static void *change(void *data) {
     changer *c = data;
+    atomic_store(&c->has_begun, 1);
     while (!atomic_load(&c->stop)) {
         if (c->how == FLIPS)
             flip(c);
@@ -164,27 +165,11 @@ static int write_moved(const use *u, planish_file *file, const planish_mesh *mes
     return status == 0;
 }
 
-/** As io_file_open, in a process of its own. That gets a few seconds of CPU, and no minute: the HDF5
- *  library turns in circles on some of what it meets here. */
-static int open_isolated(const use *u, planish_file **file, planish_error *error) {
-    struct rusage used;
-    struct rlimit before, brief;
-    getrusage(RUSAGE_SELF, &used);
-    getrlimit(RLIMIT_CPU, &before);
-    brief = before;
-    brief.rlim_cur = (rlim_t)used.ru_utime.tv_sec + (rlim_t)used.ru_stime.tv_sec + 5;
-    if (brief.rlim_cur < before.rlim_cur)
-        setrlimit(RLIMIT_CPU, &brief);
-    const int status = planish_file_open_isolated(u->path, NULL, u->threads, file, error);
-    setrlimit(RLIMIT_CPU, &before);
-    return status;
-}
-
 static void open_once(use *u, int64_t i) {
     planish_file *file = NULL;
     planish_error error;
     const int status = u->is_hdf5
-                           ? open_isolated(u, &file, &error)
+                           ? planish_file_open_isolated(u->path, NULL, u->threads, &file, &error)
                            : io_file_open(u->path, u->threads, u->largest_copy, &file, &error);
     if (status) {
         assert_null(file);
@@ -201,7 +186,7 @@ static void open_once(use *u, int64_t i) {
 
 /** Open the file at u->path n times while it changes. */
 static void use_changing(use *u, damage how, int64_t n, uint64_t seed) {
-    changer c = {.how = how, .random = effort_seed(seed), .stop = 0};
+    changer c = {.how = how, .random = effort_seed(seed), .has_begun = 0, .stop = 0};
     pthread_t thread;
     char *original = test_read(u->path, &c.size);
     c.original = original;
@@ -209,6 +194,9 @@ static void use_changing(use *u, damage how, int64_t n, uint64_t seed) {
     c.shared = mmap(NULL, c.size, PROT_READ | PROT_WRITE, MAP_SHARED, c.fd, 0);
     assert_true(c.shared != MAP_FAILED);
     assert_int_equal(pthread_create(&thread, NULL, change, &c), 0);
+    while (!atomic_load(&c.has_begun)) /* a fork while the sanitizer makes a thread's memory has its
+                                          lock held for good */
+        sched_yield();
     for (int64_t i = 0; i < n; i++)
         open_once(u, i);
     atomic_store(&c.stop, 1);
