@@ -211,37 +211,26 @@ static int kind_of(repair *r, int32_t node) {
     return r->kind[node];
 }
 
+/** All nodes of a cell of the plan. */
+static int nodes_of_cell(const void *context, int64_t cell, int32_t node[PL_CELL_NODES]) {
+    const repair *r = context;
+    int n;
+    const int32_t *of = nodes_of(r, pl_first_of_cell(&r->plan->work, cell), &n);
+    memcpy(node, of, (size_t)n * sizeof *node);
+    return n;
+}
+
 /** List the elements of all nodes of the mesh. */
 static int list_elements(repair *r) {
     const planish_plan *plan = r->plan;
-    const int64_t n_nodes = plan->whole.n_nodes;
-    const int64_t n = plan->work.corner ? plan->work.n_cells : plan->work.n_elements;
-    int n_of;
-    for (int fills = 0; fills < 2; fills++) {
-        for (int64_t c = 0; c < n; c++) {
-            const int64_t element = plan->work.corner ? plan->work.cell_begin[c] : c;
-            const int32_t *of = nodes_of(r, element, &n_of);
-            for (int i = 0; i < n_of; i++) {
-                if (of[i] < 0)
-                    continue;
-                int64_t *at = &r->begin[of[i] + 1];
-                if (fills)
-                    r->at[*at] = (int32_t)element;
-                ++*at;
-            }
-        }
-        if (fills)
-            break;
-        int64_t total = 0;
-        for (int64_t i = 1; i <= n_nodes; i++) { /* begin[i + 1]: where those of node i begin */
-            const int64_t of_node = r->begin[i];
-            r->begin[i] = total;
-            total += of_node;
-        }
-        r->at = pl_alloc(total, sizeof *r->at);
-        if (!r->at)
-            return 0;
-    }
+    pl_incidence cells;
+    if (!pl_items_of_nodes(plan->whole.n_nodes, pl_view_cells(&plan->work), nodes_of_cell, r, 1,
+                           &cells))
+        return 0;
+    r->begin = cells.offset;
+    r->at = cells.element;
+    for (int64_t k = 0; k < r->begin[plan->whole.n_nodes]; k++)
+        r->at[k] = (int32_t)pl_first_of_cell(&plan->work, r->at[k]);
     return 1;
 }
 
@@ -287,7 +276,6 @@ static int repair_create(repair *r, planish_error *error) {
     const int64_t n = plan->whole.n_nodes, m = plan->work.n_elements;
     const int is_plane = plan->dim == 2;
     r->dim = plan->dim;
-    r->begin = pl_alloc_zero(n + 1, sizeof *r->begin);
     r->kind = pl_alloc_zero(n, 1);
     r->is_given_up = pl_alloc_zero(m, 1);
     r->handle_of = pl_alloc(n, sizeof *r->handle_of);
@@ -298,8 +286,8 @@ static int repair_create(repair *r, planish_error *error) {
         pl_cell_type_of(is_plane ? PLANISH_CELL_TRIANGLE : PLANISH_CELL_TETRAHEDRON));
     r->rule[1] = pl_row_rule_make(
         pl_cell_type_of(is_plane ? PLANISH_CELL_TRIANGLE6 : PLANISH_CELL_TETRAHEDRON10));
-    if (!r->begin || !r->kind || !r->is_given_up || !r->handle_of || !r->is_member || !r->tried ||
-        !r->target || !r->rule[0] || !r->rule[1] || !list_elements(r) || !find_outside(r))
+    if (!r->kind || !r->is_given_up || !r->handle_of || !r->is_member || !r->tried || !r->target ||
+        !r->rule[0] || !r->rule[1] || !list_elements(r) || !find_outside(r))
         return pl_fail_memory(error, "curved elements");
     memset(r->handle_of, -1, (size_t)n * sizeof *r->handle_of);
     return PLANISH_OK;

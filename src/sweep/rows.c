@@ -352,24 +352,16 @@ static int32_t corner_of(const planish_plan *plan, int64_t element, int i) {
                              : plan->work.elements[element * (plan->dim + 1) + i];
 }
 
-/** List the marked elements at each movable node. */
-static void list_places(pl_marked *m, int fills) {
+/** The movable corners of a marked element, by inner numbers. */
+static int nodes_of(const void *context, int64_t i, int32_t node[PL_CELL_NODES]) {
+    const pl_marked *m = context;
     const planish_plan *plan = m->watch->plan;
-    for (int64_t i = 0; i < m->n; i++) {
-        const int n = type_of(plan, m->element[i])->shape->n_corners;
-        for (int j = 0; j < n; j++) {
-            const int32_t node = corner_of(plan, m->element[i], j);
-            int is_first = plan->work.mobility[node] != 0;
-            for (int k = 0; k < j; k++) /* nodes that are there twice */
-                is_first &= corner_of(plan, m->element[i], k) != node;
-            if (!is_first)
-                continue;
-            int64_t *at = &m->begin[plan->inner[node] + 1];
-            if (fills)
-                m->place[*at] = (int32_t)i;
-            ++*at;
-        }
+    const int n = type_of(plan, m->element[i])->shape->n_corners;
+    for (int j = 0; j < n; j++) {
+        const int32_t corner = corner_of(plan, m->element[i], j);
+        node[j] = plan->work.mobility[corner] != 0 ? plan->inner[corner] : -1;
     }
+    return n;
 }
 
 static int has_rows(const planish_plan *plan, int64_t element) {
@@ -405,29 +397,21 @@ static void find_stars(pl_marked *m) {
 /** Make the lists of the elements that are marked. */
 static int make_lists(pl_marked *m, const uint8_t *is_marked) {
     const planish_plan *plan = m->watch->plan;
-    const int64_t n_nodes = plan->work.n_nodes;
+    pl_incidence marked;
     int64_t n = 0;
     for (int64_t e = 0; e < plan->work.n_elements; e++)
         n += is_marked[e] && has_rows(plan, e);
     m->element = pl_alloc(n, sizeof *m->element);
-    m->begin = pl_alloc_zero(n_nodes + 1, sizeof *m->begin);
     m->has_more = pl_alloc(plan->interior.stars.n_stars, sizeof *m->has_more);
-    if (!m->element || !m->begin || !m->has_more)
+    if (!m->element || !m->has_more)
         return 0;
     for (int64_t e = 0; e < plan->work.n_elements; e++)
         if (is_marked[e] && has_rows(plan, e))
             m->element[m->n++] = (int32_t)e;
-    n = 0;
-    list_places(m, 0);
-    for (int64_t i = 1; i <= n_nodes; i++) { /* begin[i + 1]: where those of node i begin */
-        const int64_t of_node = m->begin[i];
-        m->begin[i] = n;
-        n += of_node;
-    }
-    m->place = pl_alloc(n, sizeof *m->place);
-    if (!m->place)
+    if (!pl_items_of_nodes(plan->work.n_nodes, m->n, nodes_of, m, 1, &marked))
         return 0;
-    list_places(m, 1);
+    m->begin = marked.offset;
+    m->place = marked.element;
     return make_rules(m);
 }
 

@@ -250,30 +250,18 @@ static void cell_chunk(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** Count, or list, the watched cells at each movable node. */
-static void list_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const search *s = context;
-    pl_watch *w = s->watch;
+/** The movable nodes of a watched cell, by inner numbers. */
+static int nodes_of(const void *context, int64_t i, int32_t node[PL_CELL_NODES]) {
+    const pl_watch *w = context;
     const planish_plan *plan = w->plan;
-    (void)thread;
-    for (int64_t i = begin; i < end; i++) {
-        int32_t corner[PL_CELL_CORNERS];
-        const int n = pl_plan_cell_corners(plan, pl_watch_cell(w, i), corner);
-        for (int j = 0; j < n; j++) {
-            int is_first = plan->work.mobility[corner[j]] != 0;
-            for (int k = 0; k < j; k++) /* nodes that are there twice */
-                is_first &= corner[k] != corner[j];
-            if (!is_first)
-                continue;
-            int64_t *at = &w->begin[plan->inner[corner[j]] + 1];
-            const int64_t place = __atomic_fetch_add(at, 1, __ATOMIC_RELAXED);
-            if (s->fills)
-                w->watched[place] = (int32_t)i;
-        }
-    }
+    int32_t corner[PL_CELL_CORNERS];
+    const int n = pl_plan_cell_corners(plan, pl_watch_cell(w, i), corner);
+    for (int j = 0; j < n; j++)
+        node[j] = plan->work.mobility[corner[j]] != 0 ? plan->inner[corner[j]] : -1;
+    return n;
 }
 
-/** Sort the cells of each node by type, then number. */
+/** Sort the cells of each node, which are by number, by type. */
 static void sort_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const search *s = context;
     pl_watch *w = s->watch;
@@ -284,8 +272,7 @@ static void sort_chunk(void *context, int64_t begin, int64_t end, int thread) {
             int64_t at = k;
             for (; at > w->begin[node]; at--) {
                 const int32_t other = w->watched[at - 1];
-                if (w->type[other] < w->type[cell] ||
-                    (other < cell && w->type[other] == w->type[cell]))
+                if (w->type[other] <= w->type[cell])
                     break;
                 w->watched[at] = other;
             }
@@ -296,25 +283,13 @@ static void sort_chunk(void *context, int64_t begin, int64_t end, int thread) {
 /** List the watched cells of each node. */
 static int make_lists(search *s) {
     pl_watch *w = s->watch;
-    const int threads = w->plan->threads;
-    const int64_t n_nodes = w->plan->work.n_nodes;
-    int64_t n = 0;
-    w->begin = pl_alloc_zero(n_nodes + 1, sizeof *w->begin);
-    if (!w->begin)
+    const planish_plan *plan = w->plan;
+    pl_incidence cells;
+    if (!pl_items_of_nodes(plan->work.n_nodes, w->n, nodes_of, w, plan->threads, &cells))
         return 0;
-    s->fills = 0;
-    pl_parallel_for(threads, w->n, CHUNK, list_chunk, s);
-    for (int64_t i = 1; i <= n_nodes; i++) { /* begin[i + 1]: where those of node i begin */
-        const int64_t of_node = w->begin[i];
-        w->begin[i] = n;
-        n += of_node;
-    }
-    w->watched = pl_alloc(n, sizeof *w->watched);
-    if (!w->watched)
-        return 0;
-    s->fills = 1;
-    pl_parallel_for(threads, w->n, CHUNK, list_chunk, s);
-    pl_parallel_for(threads, n_nodes, CHUNK_NODES, sort_chunk, s);
+    w->begin = cells.offset;
+    w->watched = cells.element;
+    pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, sort_chunk, s);
     return 1;
 }
 

@@ -1,6 +1,6 @@
-/* incidence: the elements of every node.
+/* incidence: the elements of every node, and any items of some nodes.
  *
- * A stable counting sort of the pairs (node, element) by node, in two steps that both stay in cache
+ * Elements: a stable counting sort of the pairs (node, element) by node, in two steps that both stay in cache
  * and need neither atomics nor an array per thread: chunks of elements deal their pairs out to
  * buckets of neighbouring node numbers, then each bucket is sorted by itself. Both steps keep the
  * order of the elements, so that every list comes out ascending.
@@ -183,6 +183,76 @@ int pl_incidence_create(const planish_mesh *mesh, const uint8_t *unasked, int th
 int pl_cell_incidence_create(const planish_mesh *mesh, const uint8_t *corner, int threads,
                              pl_incidence *incidence, planish_error *error) {
     return create(mesh, NULL, corner, threads, incidence, error);
+}
+
+/* ---- items ---------------------------------------------------------------------------------- */
+
+/** Items that are counted, or listed, at their nodes. */
+typedef struct listing {
+    pl_nodes_of_fn *nodes_of;
+    const void *context;
+    pl_incidence *incidence;
+    int fills;
+} listing;
+
+static void list_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const listing *l = context;
+    int32_t node[PL_CELL_NODES];
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const int n = l->nodes_of(l->context, i, node);
+        for (int j = 0; j < n; j++) {
+            int is_first = node[j] >= 0;
+            for (int k = 0; k < j; k++)
+                is_first &= node[k] != node[j];
+            if (!is_first)
+                continue;
+            const int64_t place =
+                __atomic_fetch_add(&l->incidence->offset[node[j] + 1], 1, __ATOMIC_RELAXED);
+            if (l->fills)
+                l->incidence->element[place] = (int32_t)i;
+        }
+    }
+}
+
+/** Sort the items of each node, in whatever order threads have listed them. */
+static void sort_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const pl_incidence *of = context;
+    (void)thread;
+    for (int64_t node = begin; node < end; node++)
+        for (int64_t k = of->offset[node] + 1; k < of->offset[node + 1]; k++) {
+            const int32_t item = of->element[k];
+            int64_t at = k;
+            for (; at > of->offset[node] && of->element[at - 1] > item; at--)
+                of->element[at] = of->element[at - 1];
+            of->element[at] = item;
+        }
+}
+
+int pl_items_of_nodes(int64_t n_nodes, int64_t n_items, pl_nodes_of_fn *nodes_of,
+                      const void *context, int threads, pl_incidence *incidence) {
+    enum { CHUNK = 256, CHUNK_NODES = 4096 };
+    listing l = {.nodes_of = nodes_of, .context = context, .incidence = incidence};
+    int64_t total = 0;
+    *incidence = (pl_incidence){.offset = pl_alloc_zero(n_nodes + 1, sizeof *incidence->offset)};
+    if (!incidence->offset)
+        return 0;
+    pl_parallel_for(threads, n_items, CHUNK, list_chunk, &l);
+    for (int64_t i = 1; i <= n_nodes; i++) { /* offset[i + 1]: where those of node i begin */
+        const int64_t of_node = incidence->offset[i];
+        incidence->offset[i] = total;
+        total += of_node;
+    }
+    incidence->element = pl_alloc(total, sizeof *incidence->element);
+    if (!incidence->element) {
+        pl_incidence_destroy(incidence);
+        return 0;
+    }
+    l.fills = 1;
+    pl_parallel_for(threads, n_items, CHUNK, list_chunk, &l);
+    if (threads > 1)
+        pl_parallel_for(threads, n_nodes, CHUNK_NODES, sort_chunk, incidence);
+    return 1;
 }
 
 void pl_incidence_destroy(pl_incidence *incidence) {

@@ -9,6 +9,7 @@
 #ifndef PL_TOPOLOGY_H
 #define PL_TOPOLOGY_H
 
+#include "geometry/cell.h"
 #include "geometry/link.h"
 
 #include <planish/planish.h>
@@ -110,6 +111,14 @@ int pl_incidence_create(const planish_mesh *mesh, const uint8_t *unasked, int th
  *  (geometry/corner.h). Errors: _MEMORY. */
 int pl_cell_incidence_create(const planish_mesh *mesh, const uint8_t *corner, int threads,
                              pl_incidence *incidence, planish_error *error);
+
+/** Write the nodes of an item, any thing that has some, to node; returns how many. */
+typedef int pl_nodes_of_fn(const void *context, int64_t item, int32_t node[PL_CELL_NODES]);
+
+/** List the items of each of n_nodes nodes. A node that is there twice has the item once, negative ones
+ *  are passed over. Returns 0 without memory; incidence is empty then. */
+int pl_items_of_nodes(int64_t n_nodes, int64_t n_items, pl_nodes_of_fn *nodes_of,
+                      const void *context, int threads, pl_incidence *incidence);
 
 /** Free the arrays of incidence. */
 void pl_incidence_destroy(pl_incidence *incidence);

@@ -162,11 +162,53 @@ static void lists_of_cells(void **state) {
         }
 }
 
+/** Items of a list: the corners of a mesh's element, the first one twice, and no node. */
+static int nodes_of(const void *context, int64_t item, int32_t node[PL_CELL_NODES]) {
+    const planish_mesh *mesh = context;
+    const int k = mesh->dim + 1;
+    memcpy(node, mesh->elements + item * k, (size_t)k * sizeof *node);
+    node[k] = node[0];
+    node[k + 1] = -1;
+    return k + 2;
+}
+
+/** Items are listed as elements are, in any number of threads. */
+static void lists_of_items(void **state) {
+    (void)state;
+    test_mesh mesh;
+    pl_incidence elements, items;
+    test_mesh_box(&mesh, 3, 12);
+    test_mesh_renumber(&mesh, 5, NULL);
+    const int64_t n = mesh.mesh.n_nodes, m = mesh.mesh.n_elements;
+    assert_int_equal(pl_incidence_create(&mesh.mesh, NULL, 1, &elements, NULL), PLANISH_OK);
+    for (int threads = 1; threads <= 5; threads++) {
+        assert_true(pl_items_of_nodes(n, m, nodes_of, &mesh.mesh, threads, &items));
+        assert_memory_equal(items.offset, elements.offset, (size_t)(n + 1) * sizeof *items.offset);
+        assert_memory_equal(items.element, elements.element,
+                            (size_t)elements.offset[n] * sizeof *items.element);
+        pl_incidence_destroy(&items);
+    }
+    assert_true(pl_items_of_nodes(n, 0, nodes_of, &mesh.mesh, 2, &items));
+    assert_int_equal(items.offset[n], 0);
+    pl_incidence_destroy(&items);
+    for (int permitted = 0; permitted < 3; permitted++) {
+        allocations_permit(permitted);
+        const int done = pl_items_of_nodes(n, m, nodes_of, &mesh.mesh, 1, &items);
+        allocations_permit(-1);
+        assert_int_equal(done, permitted == 2);
+        assert_true(done || (!items.offset && !items.element));
+    }
+    pl_incidence_destroy(&items);
+    pl_incidence_destroy(&elements);
+    test_mesh_destroy(&mesh);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_tetrahedra), cmocka_unit_test(large_meshes),
         cmocka_unit_test(some_lists),     cmocka_unit_test(many_nodes),
         cmocka_unit_test(lists_of_cells), cmocka_unit_test(survives_without_memory),
+        cmocka_unit_test(lists_of_items),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
