@@ -133,6 +133,8 @@ int pl_shape_create(const planish_mesh *mesh, const planish_cells *cells,
     pl_free(w.stays);
     pl_free(w.n_ends);
     pl_free(w.n_features);
+    pl_free(w.hub);
+    pl_free(w.hub_facet);
     pl_free(w.likeness);
     pl_surface_destroy(&surface);
     if (status)

@@ -5,24 +5,16 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
-#include "geometry/arc_cosine.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 enum { CHUNK = 512 }; /* nodes or facets that one thread takes at a time */
 
-static const double PI = 3.1415926535897932385;
-/* Facets that turn by more have a feature between them: the cosine of 40 degrees. */
-static const double COS_BEND = 0.76604444311897803520;
-/* An isolated crease turns by more: 5 degrees, */
-static const double COS_LEAST_CREASE = 0.99619469809174553230;
-/* and around it the surface turns by less than this fraction of that. */
-static const double CALM = 0.4;
 /* Normals of a smooth surface go on across features that turn by less: 25 degrees. */
 static const double COS_SEAM = 0.90630778703664996324;
-/* Curves turn by less at a node: 40 degrees. */
-static const double COS_TURN = 0.76604444311897803520;
+/* Curves turn by less at a node: 40 degrees, but for rounding. */
+static const double COS_TURN = 0.76604444311897803520 - 0x1p-30;
 /* All facets at a node of a patch are within 52 degrees of its normal. */
 static const double COS_FAN = 0.61566147532565827967;
 /* A triangle whose height is below so many last digits of its coordinates has no area. */
@@ -260,32 +252,6 @@ static int has_area(const planish_shape *s, int32_t f) {
     return s->normal[f][0] != 0 || s->normal[f][1] != 0 || s->normal[f][2] != 0;
 }
 
-/** Whether the surface at the node opposite an edge of f turns by less than angle from f. Facets beyond
- *  a feature do not count. */
-static int is_calm(const pl_features *w, int32_t f, int k, double angle) {
-    const planish_shape *s = w->shape;
-    const int32_t node = s->facet[f][(k + 2) % 3];
-    for (int64_t i = s->offset[node]; i < s->offset[node + 1]; i++) {
-        const double cosine = pl_dot(3, s->normal[f], s->normal[s->facet_of[i]]);
-        if (cosine > COS_BEND && !(pl_arc_cosine(cosine) < angle))
-            return 0;
-    }
-    return 1;
-}
-
-/** Whether the bend of an edge between f and g alone makes it a feature. */
-static int is_crease(const pl_features *w, int32_t f, int k, int32_t g, int m, double cosine) {
-    const double given = w->tags ? w->tags->crease_angle : 0;
-    if (given > 0)
-        return pl_arc_cosine(cosine) > given * (PI / 180);
-    if (!(cosine > COS_BEND))
-        return 1;
-    if (cosine > COS_LEAST_CREASE || w->kind[f][k] & PL_EDGE_DIAGONAL)
-        return 0;
-    const double angle = CALM * pl_arc_cosine(cosine);
-    return is_calm(w, f, k, angle) && is_calm(w, g, m, angle);
-}
-
 /** Decide about edge k of f: what PL_EDGE_.. it is, beside what it is already. */
 static int decide_edge(const pl_features *w, int32_t f, int k) {
     const planish_shape *s = w->shape;
@@ -294,7 +260,7 @@ static int decide_edge(const pl_features *w, int32_t f, int k) {
         return PL_EDGE_FEATURE | PL_EDGE_APART;
     const pl_label *label = w->surface->label;
     const double cosine = pl_dot(3, s->normal[f], s->normal[g]);
-    const int crease = is_crease(w, f, k, g, pl_edge_beside(w, f, k), cosine);
+    const int crease = pl_is_crease(w, f, k, cosine);
     if (label[f].n_elements > 2 || label[g].n_elements > 2)
         return PL_EDGE_FEATURE | PL_EDGE_APART;
     const int apart = crease || cosine < COS_SEAM ? PL_EDGE_APART : 0;
@@ -535,9 +501,14 @@ int pl_features_find(pl_features *w, planish_error *error) {
     list_tagged(w, &tagged);
     mark_tagged(w, &tagged);
     pl_parallel_for(w->threads, s->n_facets, CHUNK, compute_normals, w);
-    pl_parallel_for(w->threads, s->n_facets, CHUNK, decide_edges, w);
+    int status = pl_creases_begin(w, error);
+    if (!status) {
+        pl_parallel_for(w->threads, s->n_facets, CHUNK, decide_edges, w);
+        status = pl_creases_prune(w, error);
+    }
     hold_unclear(w);
-    int status = make_patches(w, error);
+    if (!status)
+        status = make_patches(w, error);
     if (!status)
         status = make_edges(w, &tagged, error);
     if (!status)

@@ -4,6 +4,7 @@
  *   features.c   pl_features_match                  which facets meet at edges
  *                pl_features_orient                 facets turn the same way round
  *                pl_features_find                   features, patches, curves
+ *   creases.c    pl_is_crease                       features by their bend
  *   pn.c         pl_shape_bend                      tangents and normals
  *   features.c   pl_features_settle                 nodes of patches
  */
@@ -21,6 +22,13 @@ enum {
     PL_EDGE_DIAGONAL = 16 /* of a quadrilateral */
 };
 
+/** A node of very many facets: those of pl_features.hub_facet from first to where the next hub's begin
+ *  have all normals there. */
+typedef struct pl_hub {
+    int32_t node;
+    int64_t first;
+} pl_hub;
+
 /** A shape under work. */
 typedef struct pl_features {
     planish_shape *shape;
@@ -32,7 +40,10 @@ typedef struct pl_features {
     uint8_t *stays;       /* [n_nodes] 1: it is a corner in any case */
     int32_t *n_ends;      /* [n_nodes] edges at each node */
     int64_t *n_features;  /* [n_nodes] feature edges at each node */
-    uint64_t *likeness;   /* [n_edges] the same for feature edges of the same tags and regions */
+    pl_hub *hub;          /* [n_hubs + 1] ascending */
+    int64_t n_hubs;
+    int32_t *hub_facet;
+    uint64_t *likeness; /* [n_edges] the same for feature edges of the same tags and regions */
 } pl_features;
 
 /** The corner of a facet at node. */
@@ -75,6 +86,17 @@ int pl_features_orient(pl_features *w, const double *coordinates, planish_error 
 
 /** Find features, patches and curves. Errors: _MEMORY. */
 int pl_features_find(pl_features *w, planish_error *error);
+
+/** Before edges are decided about: find the nodes of very many facets. Errors: _MEMORY. */
+int pl_creases_begin(pl_features *w, planish_error *error);
+
+/** Whether the bend of edge k of f, of two facets whose normals make an angle of that cosine, alone makes
+ *  it a feature. */
+int pl_is_crease(const pl_features *w, int32_t f, int k, double cosine);
+
+/** Chains of one or two creases of at most 60 degrees of which an end is in the smooth surface are noise:
+ *  make smooth edges of them. Errors: _MEMORY. */
+int pl_creases_prune(pl_features *w, planish_error *error);
 
 /** Compute the tangents of curves, and the normals at corners. */
 void pl_shape_bend(pl_features *w);

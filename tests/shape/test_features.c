@@ -216,6 +216,163 @@ static void moebius_strips_have_a_seam(void **state) {
     }
 }
 
+/** Nine sides, each of two columns: as regular as rounding allows. */
+static void nonagon(int piece, double u, double v, double x[3]) {
+    const double pi = 3.1415926535897932385, t = 2 * pi * floor(9 * u + 1e-9) / 9;
+    (void)piece;
+    x[0] = 0.1 * cos(t) + 0.3;
+    x[1] = 0.1 * sin(t) + 0.7;
+    x[2] = v;
+}
+
+static void turns_of_forty_degrees_are_smooth(void **state) {
+    (void)state;
+    test_surface m;
+    test_surface_create(&m, 1, nonagon, 9, 12, 0, 3);
+    made_shape shape = test_shape_make(&m.mesh, NULL, 1);
+    test_shape_expect(&shape);
+    assert_int_equal(shape.info.n_edges, 2 * 9);
+    assert_int_equal(shape.info.n_on_curve, 2 * 9);
+    planish_shape_destroy(shape.s);
+    test_surface_destroy(&m);
+}
+
+/** How many creases of at most 60 degrees have an end, within two, where no other feature is. */
+static int count_short(const planish_shape *s) {
+    int *n_at = calloc((size_t)s->n_nodes, sizeof *n_at), n_short = 0;
+    for (int64_t e = 0; e < 2 * s->n_edges; e++)
+        n_at[s->edge[e / 2][e % 2]]++;
+    for (int64_t e = 0; e < 2 * s->n_edges; e++) {
+        const int32_t from = s->edge[e / 2][e % 2], to = s->edge[e / 2][!(e % 2)];
+        int32_t end = to, other = (int32_t)(e / 2);
+        for (int64_t o = 0; n_at[to] == 2 && o < s->n_edges; o++)
+            if (o != e / 2 && (s->edge[o][0] == to || s->edge[o][1] == to)) {
+                other = (int32_t)o;
+                end = s->edge[o][s->edge[o][0] == to];
+            }
+        int slight = 1;
+        for (int k = 0; k < 2; k++) {
+            const int32_t *f = s->edge_facet[k ? other : e / 2];
+            slight &= f[1] >= 0 && pl_dot(3, s->normal[f[0]], s->normal[f[1]]) > 0.5;
+        }
+        n_short += slight && n_at[from] == 1 && n_at[end] != 2;
+    }
+    free(n_at);
+    return n_short;
+}
+
+static void short_creases_are_noise(void **state) {
+    (void)state;
+    int64_t n_creases = 0;
+    for (unsigned seed = 1; seed < 30; seed++) {
+        unsigned random = seed;
+        test_surface m;
+        test_surface_create(&m, 6, test_sphere_map, 14, 14, 0.2, seed);
+        for (int64_t i = 0; i < m.n_nodes; i++) {
+            const double share = 1 + 0.002 * seed * (test_random(&random) - 0.5);
+            for (int d = 0; d < 3; d++)
+                m.x[i][d] *= share;
+        }
+        made_shape shape = test_shape_make(&m.mesh, NULL, 1);
+        test_shape_expect(&shape);
+        assert_int_equal(count_short(shape.s), 0);
+        assert_true(seed > 8 || shape.info.n_edges == 0); /* of 20 and less */
+        n_creases += shape.info.n_creases;
+        planish_shape_destroy(shape.s);
+        const planish_surface tags = {.crease_angle = 15};
+        made_shape given = test_shape_make(&m.mesh, &tags, 1);
+        assert_true(seed != 10 || count_short(given.s) > 5); /* an angle decides alone */
+        planish_shape_destroy(given.s);
+        test_surface_destroy(&m);
+    }
+    assert_true(n_creases > 20); /* longer ones stay */
+}
+
+static double fold;
+
+/** A fold that fades. */
+static void fading(int piece, double u, double v, double x[3]) {
+    const double rest = fmax(0.7 - v, 0);
+    (void)piece;
+    x[0] = u;
+    x[1] = v;
+    x[2] = fabs(u - 0.5) * rest * rest * fold;
+}
+
+static void folds_that_fade_stay(void **state) {
+    static const int N_ROWS[] = {4, 5, 16, 32, 4};
+    (void)state;
+    for (int k = 0; k < 5; k++) {
+        test_surface m;
+        fold = k == 4 ? 2 : 0.6;
+        test_surface_create(&m, 1, fading, 16, N_ROWS[k], 0, 3);
+        made_shape shape = test_shape_make(&m.mesh, NULL, 1);
+        test_shape_expect(&shape);
+        assert_int_equal(count_short(shape.s), 0);
+        const int64_t n = shape.info.n_creases;
+        if (k < 2) /* it is of two edges, from the border */
+            assert_int_equal(n, 0);
+        else if (k == 4) /* it is sharp */
+            assert_true(n > 0);
+        else /* from 33 degrees to 5 */
+            assert_in_range(n, N_ROWS[k] * 0.4, N_ROWS[k] * 0.5);
+        assert_int_equal(shape.info.n_corners, 4 + 2 * (k >= 2));
+        planish_shape_destroy(shape.s);
+        test_surface_destroy(&m);
+    }
+}
+
+/** A disk of one fan, tilted, whose nodes are up to wobble above it, or one of them by -wobble, and a rim that turns
+ *  from it by 20 degrees. */
+static void fan(test_surface *m, int n, double wobble) {
+    moebius_turns = 0;
+    test_surface_create(m, 1, strip, n, 2, 0, 3); /* a ring: its inner nodes become the hub */
+    const double pi = 3.1415926535897932385;
+    int32_t *number = malloc((size_t)m->n_nodes * sizeof *number);
+    int64_t n_facets = 0;
+    unsigned random = 7;
+    for (int64_t i = 0; i < m->n_nodes; i++) {
+        const double r = round((hypot(m->x[i][0], m->x[i][1]) - 0.85) / 0.15), h = r > 1 ? 1.2 : r;
+        const double t = atan2(m->x[i][1], m->x[i][0]);
+        number[i] = r > 0 ? (int32_t)i : 0;
+        m->x[i][0] = h * cos(t);
+        m->x[i][1] = h * sin(t);
+        m->x[i][2] = (r > 1) * 0.2 * tan(pi / 9);
+        if (r == 1)
+            m->x[i][2] +=
+                wobble < 0 ? (i == 3 * (n / 2) + 1) * -wobble : wobble * test_random(&random);
+        m->x[i][0] += 0.3 * m->x[i][2];
+        m->x[i][2] += 0.3 * (m->x[i][1] - m->x[i][0]);
+    }
+    for (int64_t f = 0; f < m->n_facets; f++) {
+        int32_t v[3];
+        for (int k = 0; k < 3; k++)
+            v[k] = number[m->facet[f][k]];
+        memcpy(m->facet[n_facets], v, sizeof v);
+        n_facets += v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
+    }
+    m->mesh.n_elements = m->cells.n = m->n_facets = n_facets;
+    free(number);
+}
+
+static void hubs_have_the_same_rule(void **state) {
+    (void)state;
+    for (int k = 0; k < 9; k++) {
+        static const int N[] = {40, 80, 700, 40, 80, 700, 40, 80, 700};
+        test_surface m;
+        fan(&m, N[k], (k < 3 ? 0 : k < 6 ? 2.5 : -1.7) / N[k]);
+        made_shape shape = test_shape_make(&m.mesh, NULL, 1);
+        test_shape_expect(&shape);
+        if (k < 3) { /* the rim is a crease all around */
+            assert_int_equal(shape.info.n_creases, N[k]);
+            assert_int_equal(shape.info.n_patches, 2);
+        } else
+            assert_true(shape.info.n_creases < N[k] / 4);
+        planish_shape_destroy(shape.s);
+        test_surface_destroy(&m);
+    }
+}
+
 static void what_a_mesh_has_not_makes_corners(void **state) {
     (void)state;
     test_mesh box;
@@ -508,6 +665,10 @@ int main(void) {
         cmocka_unit_test(nodes_where_sheets_touch_are_corners),
         cmocka_unit_test(what_a_mesh_has_not_makes_corners),
         cmocka_unit_test(moebius_strips_have_a_seam),
+        cmocka_unit_test(turns_of_forty_degrees_are_smooth),
+        cmocka_unit_test(short_creases_are_noise),
+        cmocka_unit_test(folds_that_fade_stay),
+        cmocka_unit_test(hubs_have_the_same_rule),
         cmocka_unit_test(bad_surfaces_have_corners),
         cmocka_unit_test(threads_make_the_same_shape),
         cmocka_unit_test(any_mesh_has_a_shape),
