@@ -19,7 +19,8 @@ enum { CHUNK = 256 };
 
 typedef struct gap_search {
     const planish_shape *shape;
-    const double *tolerance; /* [n_facets] */
+    const double *tolerance;  /* [n_facets] */
+    const uint8_t *may_leave; /* [n_facets]; NULL: all may */
     int is_open;
     pl_tree tree;
     pl_box3 *box; /* [n_facets] of each with its tolerance */
@@ -28,7 +29,7 @@ typedef struct gap_search {
 
 /** A search from one facet. */
 typedef struct look {
-    gap_search *search;
+    const gap_search *search;
     int32_t facet;
 } look;
 
@@ -70,6 +71,10 @@ static int is_across(const gap_search *g, int32_t a, int32_t b, const double way
     return from > 0 && to > 0 && from * from > least && to * to > least;
 }
 
+static int may_leave(const gap_search *g, int32_t facet) {
+    return !g->may_leave || g->may_leave[facet];
+}
+
 static int look_at_facet(void *context, int32_t other) {
     const look *l = context;
     const gap_search *g = l->search;
@@ -77,7 +82,8 @@ static int look_at_facet(void *context, int32_t other) {
     const double most = g->tolerance[l->facet] + g->tolerance[other];
     const double *a[3], *b[3];
     double way[3];
-    if (other <= l->facet || s->is_interface[other] || share_node(s, l->facet, other))
+    const int is_seen = other == l->facet || (other < l->facet && may_leave(g, other));
+    if (is_seen || s->is_interface[other] || share_node(s, l->facet, other))
         return 0;
     corners_of(s, l->facet, a);
     corners_of(s, other, b);
@@ -94,15 +100,20 @@ static void search_chunk(void *context, int64_t begin, int64_t end, int thread) 
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         look l = {g, (int32_t)i};
-        if (!g->shape->is_interface[i])
+        if (!g->shape->is_interface[i] && may_leave(g, (int32_t)i))
             pl_tree_find(&g->tree, &g->box[i], look_at_facet, &l);
     }
 }
 
-int pl_shape_find_gaps(const planish_shape *shape, const double *tolerance, int is_open,
-                       int threads, uint8_t *is_near, planish_error *error) {
+int pl_shape_find_gaps(const planish_shape *shape, const double *tolerance,
+                       const uint8_t *may_leave, int is_open, int threads, uint8_t *is_near,
+                       planish_error *error) {
     const int64_t n = shape->n_facets;
-    gap_search g = {.shape = shape, .tolerance = tolerance, .is_open = is_open, .is_near = is_near};
+    gap_search g = {.shape = shape,
+                    .tolerance = tolerance,
+                    .may_leave = may_leave,
+                    .is_open = is_open,
+                    .is_near = is_near};
     g.box = pl_alloc(n, sizeof *g.box);
     if (!g.box)
         return pl_fail_memory(error, "the gaps of a surface");

@@ -6,9 +6,11 @@
 
 /** Find the facets that are nearer to another one across a gap than both tolerances together:
  *  is_near [n_facets] becomes 1 for them, 0 for others. tolerance [n_facets]: how far each may move, in
- *  the shape's units. is_open: the surface bounds no elements, and both its sides count. Errors:
+ *  the shape's units. may_leave [n_facets]: 0: the facet stays where the shape is, and two such facets do not
+ *  matter; NULL: all may. is_open: the surface bounds no elements, and both its sides count. Errors:
  *  _MEMORY. */
-int pl_shape_find_gaps(const planish_shape *shape, const double *tolerance, int is_open,
-                       int threads, uint8_t *is_near, planish_error *error);
+int pl_shape_find_gaps(const planish_shape *shape, const double *tolerance,
+                       const uint8_t *may_leave, int is_open, int threads, uint8_t *is_near,
+                       planish_error *error);
 
 #endif

@@ -183,21 +183,67 @@ static double bound_of_fan(pl_skin_visit *v, const double way[3], const pl_skin_
     return farthest + (fabs(pl_dot(3, way, normal)) + (slope + 0x1p-40) * move) * ROUNDED_UP;
 }
 
+/** The node whose disc tells of the facets at the node of a trial: that of the shape nearest to its place;
+ *  -1: there is none. */
+static int32_t disc_near(const pl_skin_visit *v, const pl_skin_trial *trial) {
+    const planish_shape *shape = v->skin->shape;
+    const pl_place *place = &trial->place;
+    if (shape->node_class[v->node] != PL_ON_PATCH || place->at < 0)
+        return -1;
+    int most = 0;
+    for (int k = 1; k < 3; k++)
+        most = place->weight[k] > place->weight[most] ? k : most;
+    const int32_t node = shape->facet[place->at][most];
+    return v->skin->disc[node].radius2 > 0 ? node : -1;
+}
+
+/** Bound facet i of a trial by the disc of centre, whose frame is set (is_set) at the first of the facets;
+ *  infinite: it does not tell. */
+static double bound_by_disc(const pl_skin_visit *v, int32_t centre, const double *place, int i,
+                            pl_disc_frame *frame, pl_disc_point *own, int *is_set) {
+    const planish_shape *shape = v->skin->shape;
+    const int32_t *corner = shape->facet[v->facet[i]];
+    pl_disc_point other[2];
+    for (int k = 0; k < 3; k++)
+        if (shape->node_class[corner[k]] != PL_ON_PATCH)
+            return INFINITY;
+    if (!*is_set)
+        pl_disc_set_frame(shape, centre, &v->skin->disc[centre], frame);
+    if (!*is_set && !pl_disc_see(frame, place, own))
+        return INFINITY;
+    *is_set = 1;
+    return pl_disc_see(frame, v->rim[i][0], &other[0]) &&
+                   pl_disc_see(frame, v->rim[i][1], &other[1])
+               ? pl_disc_bound(frame, own, &other[0], &other[1])
+               : INFINITY;
+}
+
 /** Whether the facets at the node stay within their tolerance if it is at place, in trial->place: their
  *  bounds are in trial. */
 static int keeps_near(pl_skin_visit *v, const double *place, pl_skin_trial *trial) {
     const pl_skin *skin = v->skin;
-    double start[3], way[3];
+    const int32_t centre = disc_near(v, trial);
+    pl_disc_frame frame;
+    pl_disc_point own;
+    double start[3], way[3], of_fan = NAN;
+    int is_set = 0;
     pl_skin_place_of(skin, v->node, start);
     pl_from_to(3, start, place, way);
-    const double move = pl_length(way) * ROUNDED_UP, of_fan = bound_of_fan(v, way, trial);
+    const double move = pl_length(way) * ROUNDED_UP;
     const int is_exact = skin->moves[v->node] == PLANISH_CONSTRAINT_ON_PLANE;
     for (int i = 0; i < v->n; i++) {
         const int32_t facet = v->facet[i];
         const double tolerance = skin->tolerance[facet];
         double bound = skin->bound[facet];
         if (!(is_exact && skin->is_planar[facet]))
-            bound = bound + move < of_fan ? bound + move : of_fan;
+            bound += move;
+        if (!(bound <= tolerance) && centre >= 0)
+            bound = bound_by_disc(v, centre, place, i, &frame, &own, &is_set);
+        if (!(bound <= tolerance)) {
+            if (isnan(of_fan))
+                of_fan = bound_of_fan(v, way, trial);
+            bound = of_fan;
+        }
         if (!(bound <= tolerance))
             bound = pl_skin_certify(skin, facet, v->node, place, &trial->place);
         if (!(bound <= tolerance))

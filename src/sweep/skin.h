@@ -30,6 +30,7 @@
 
 #include "plan/plan.h"
 #include "shape/curved.h"
+#include "shape/disc.h"
 
 /** How a node of the shape moves: as the planish_constraint of its visits, _FREE or _FIXED: not at all;
  *  or as one of these. */
@@ -60,6 +61,7 @@ typedef struct pl_skin {
     double *bound;      /* [n_facets] none of its points is farther off the shape */
     double *tolerance;  /* [n_facets] */
     double *turned;     /* [n_facets] its unit normal is no farther from what it was first */
+    pl_disc *disc;      /* [n_nodes] around nodes on patches that the skin moves */
     uint8_t *is_planar; /* [n_facets] of a patch that is planar */
     uint8_t *is_near;   /* [n_facets] while the skin is made: another sheet is near */
     double unscale;     /* 1 / shape->scale */

@@ -346,6 +346,16 @@ static void take_places(pl_skin *skin, const pl_points *points) {
     }
 }
 
+static void find_discs(void *context, int64_t begin, int64_t end, int thread) {
+    const pl_skin *skin = context;
+    (void)thread;
+    for (int32_t node = (int32_t)begin; node < end; node++)
+        if (pl_skin_has(skin, node) && skin->shape->node_class[node] == PL_ON_PATCH)
+            pl_disc_find(skin->shape, node, &skin->disc[node]);
+        else
+            skin->disc[node].radius2 = 0;
+}
+
 static int allocate(pl_skin *skin) {
     const int64_t n = skin->shape->n_nodes, n_facets = skin->shape->n_facets;
     skin->max_facets = 0;
@@ -362,10 +372,12 @@ static int allocate(pl_skin *skin) {
     skin->bound = pl_alloc_zero(n_facets, sizeof *skin->bound);
     skin->tolerance = pl_alloc(n_facets, sizeof *skin->tolerance);
     skin->turned = pl_alloc(n_facets, sizeof *skin->turned);
+    skin->disc = pl_alloc(n, sizeof *skin->disc);
     skin->is_planar = pl_alloc(n_facets, sizeof *skin->is_planar);
     skin->room = pl_alloc(PL_SKIN_ROOM * skin->max_facets * skin->threads, sizeof *skin->room);
     return skin->node && skin->star && skin->inner && skin->moves && skin->known && skin->place &&
-           skin->bound && skin->tolerance && skin->turned && skin->is_planar && skin->room;
+           skin->bound && skin->tolerance && skin->turned && skin->disc && skin->is_planar &&
+           skin->room;
 }
 
 int pl_skin_make(const planish_options *options, pl_skin *skin, planish_error *error) {
@@ -385,10 +397,15 @@ static int is_near(const pl_skin *skin, int32_t facet) {
 /** Hold the nodes of sheets that could meet across a gap. */
 static int hold_near(pl_skin *skin, planish_error *error) {
     const int is_open = skin->plan == NULL;
+    uint8_t *may_leave = pl_alloc(skin->shape->n_facets, sizeof *may_leave);
     skin->is_near = pl_alloc(skin->shape->n_facets, sizeof *skin->is_near);
-    const int status = skin->is_near ? pl_shape_find_gaps(skin->shape, skin->tolerance, is_open,
-                                                          skin->threads, skin->is_near, error)
-                                     : pl_fail_memory(error, "the surface of a mesh");
+    const int has_room = may_leave && skin->is_near;
+    for (int32_t t = 0; has_room && t < skin->shape->n_facets; t++)
+        may_leave[t] = (uint8_t)is_curved(skin, t);
+    const int status = has_room ? pl_shape_find_gaps(skin->shape, skin->tolerance, may_leave,
+                                                     is_open, skin->threads, skin->is_near, error)
+                                : pl_fail_memory(error, "the surface of a mesh");
+    pl_free(may_leave);
     const int64_t n = status ? 0 : hold(skin, is_near);
     pl_free(skin->is_near);
     skin->is_near = NULL;
@@ -408,6 +425,8 @@ int pl_skin_begin(pl_skin *skin, const pl_points *points, planish_error *error) 
     take_places(skin, points);
     bound_all(skin);
     hold_far(skin);
+    pl_parallel_for(pl_paying_threads(skin->threads, skin->shape->n_nodes), skin->shape->n_nodes,
+                    CHUNK_FACETS, find_discs, skin);
     return PLANISH_OK;
 }
 
@@ -421,6 +440,7 @@ void pl_skin_destroy(pl_skin *skin) {
     pl_free(skin->bound);
     pl_free(skin->tolerance);
     pl_free(skin->turned);
+    pl_free(skin->disc);
     pl_free(skin->is_planar);
     pl_free(skin->room);
     *skin = (pl_skin){0};

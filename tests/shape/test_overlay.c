@@ -2,6 +2,7 @@
 #include "support/effort.h"
 #include "support/sheets.h"
 
+#include "shape/disc.h"
 #include "shape/overlay.h"
 
 #include <setjmp.h>
@@ -126,6 +127,68 @@ static void samples_are_never_beyond_the_bound(void **unused) {
         }
 }
 
+/* ---- discs ---------------------------------------------------------------------------------- */
+
+/** Bound a facet by the disc of a node; infinite: it does not tell. */
+static double disc_bound(const planish_shape *s, int32_t node, const pl_disc *disc,
+                         const pl_moved_facet *t) {
+    pl_disc_frame frame;
+    pl_disc_point p[3];
+    pl_disc_set_frame(s, node, disc, &frame);
+    for (int k = 0; k < 3; k++)
+        if (!pl_disc_see(&frame, t->x[k], &p[k]))
+            return INFINITY;
+    return pl_disc_bound(&frame, &p[0], &p[1], &p[2]);
+}
+
+/** Check the facets at a node by its disc. */
+static void check_disc(const moved *m, int32_t node, worth *w) {
+    const planish_shape *s = m->shape;
+    pl_disc disc;
+    pl_disc_find(s, node, &disc);
+    for (int64_t i = s->offset[node]; i < s->offset[node + 1]; i++) {
+        const int32_t f = s->facet_of[i];
+        const pl_moved_facet t = facet_of(m, f);
+        const double bound = disc.radius2 > 0 ? disc_bound(s, node, &disc, &t) : INFINITY;
+        w->n++;
+        if (!(bound < INFINITY))
+            continue;
+        const double most =
+            sheet_judge_sample(&m->first, s->patch[f], (const double(*)[3])t.x, DIVISIONS);
+        w->n_bounded++;
+        if (most > bound * (1 + 1e-12) + 1e-14 * (1 + s->size))
+            fail_msg("facet %d: %.17g off, %.17g by the disc of node %d", f, most, bound, node);
+        if (w->n_ratios < MOST_RATIOS)
+            w->ratio[w->n_ratios++] = bound / s->edge_length[node];
+    }
+}
+
+static void samples_are_never_beyond_the_bound_of_a_disc(void **unused) {
+    (void)unused;
+    for (int kind = 0; kind < SHEET_KINDS; kind++) {
+        uint64_t state = effort_seed((uint64_t)(kind + 101));
+        worth w = {.ratio = malloc(MOST_RATIOS * sizeof(double))};
+        for (int64_t i = 0; i < effort(20, 500); i++) {
+            moved m = move_sheet(sheet_create(kind, &state), 0.5 * random_unit(&state),
+                                 0.1 * random_unit(&state), 1, &state);
+            for (int32_t node = 0; node < m.shape->n_nodes; node++)
+                if (m.shape->node_class[node] == PL_ON_PATCH)
+                    check_disc(&m, node, &w);
+            release(&m);
+        }
+        qsort(w.ratio, (size_t)w.n_ratios, sizeof *w.ratio, compare_doubles);
+        figure("sheets of kind %d: %lld of %lld facets bounded by discs, half of them within "
+               "%.3f edges",
+               kind, (long long)w.n_bounded, (long long)w.n,
+               w.n_ratios ? w.ratio[w.n_ratios / 2] : 0);
+        if (kind == SHEET_BUMPS) {
+            assert_true(3 * w.n_bounded >= w.n);
+            assert_true(w.ratio[w.n_ratios / 2] <= 0.1);
+        }
+        free(w.ratio);
+    }
+}
+
 /* ---- curves --------------------------------------------------------------------------------- */
 
 /** Distance of a point from the features, whose nodes are at x. */
@@ -246,6 +309,24 @@ static void a_border_under_a_triangle_is_noticed(void **unused) {
     planish_shape_destroy(s);
 }
 
+static void a_disc_ends_at_a_border(void **unused) {
+    (void)unused;
+    const double flat[5][2] = {{0, 0}, {1, 0}, {2, 0}, {3, 0}, {4, 0}};
+    planish_shape *s = sheet_along(5, flat);
+    for (int32_t node = 0; node < s->n_nodes; node++) {
+        pl_disc disc;
+        if (s->node_class[node] != PL_ON_PATCH)
+            continue;
+        pl_disc_find(s, node, &disc);
+        const double x = s->x[node][0] / s->scale, y = s->x[node][1] / s->scale;
+        const double to_border = fmin(fmin(x, 4 - x), fmin(y + 2, 2 - y));
+        const double radius = sqrt(disc.radius2) / s->scale;
+        assert_true(radius <= to_border && radius >= fmin(to_border, 1.5) * (1 - 1e-5));
+        assert_true(disc.highest - disc.lowest < 1e-9 * s->scale);
+    }
+    planish_shape_destroy(s);
+}
+
 static void a_fold_under_a_triangle_is_noticed(void **unused) {
     (void)unused;
     enum { FLAT = 3, BENDS = 8 };
@@ -269,6 +350,11 @@ static void a_fold_under_a_triangle_is_noticed(void **unused) {
     assert_true(bound_over(s, 1.8, 0, 0) < 0.4); /* the round end begins below */
     assert_true(bound_over(s, 2, 0, 0) == INFINITY);
     assert_true(bound_over(s, 2.2, 0, -0.8) == INFINITY);
+    pl_disc disc;
+    pl_disc_find(s, 2 * ROW + 2,
+                 &disc); /* at x = 2, y = 0 the sheet goes on to 2.4, and back below */
+    const double radius = sqrt(disc.radius2) / s->scale;
+    assert_true(radius > 0.1 && radius < 0.5);
     planish_shape_destroy(s);
 }
 
@@ -478,7 +564,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samples_are_never_beyond_the_bound),
         cmocka_unit_test(edges_on_curves_are_no_farther_off_than_lateral),
+        cmocka_unit_test(samples_are_never_beyond_the_bound_of_a_disc),
         cmocka_unit_test(a_border_under_a_triangle_is_noticed),
+        cmocka_unit_test(a_disc_ends_at_a_border),
         cmocka_unit_test(a_fold_under_a_triangle_is_noticed),
         cmocka_unit_test(a_steep_triangle_has_no_bound),
         cmocka_unit_test(two_sheets_over_a_triangle_are_noticed),

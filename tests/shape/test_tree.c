@@ -185,16 +185,22 @@ static void make_plates(plates *p, double apart, const int turned[PLATES]) {
                                .is_interface = p->is_interface};
 }
 
-static int64_t count_near(const plates *p, double tolerance, int is_open) {
+/** The facets that are near; may_leave: NULL or [PLATES * FACETS]. */
+static int64_t count_near_of(const plates *p, double tolerance, const uint8_t *may_leave,
+                             int is_open) {
     static double each[PLATES * FACETS];
     static uint8_t is_near[PLATES * FACETS];
     int64_t n = 0;
     for (int i = 0; i < PLATES * FACETS; i++)
         each[i] = tolerance;
-    assert_int_equal(pl_shape_find_gaps(&p->shape, each, is_open, 2, is_near, NULL), 0);
+    assert_int_equal(pl_shape_find_gaps(&p->shape, each, may_leave, is_open, 2, is_near, NULL), 0);
     for (int i = 0; i < PLATES * FACETS; i++)
         n += is_near[i];
     return n;
+}
+
+static int64_t count_near(const plates *p, double tolerance, int is_open) {
+    return count_near_of(p, tolerance, NULL, is_open);
 }
 
 static void test_gaps(void **unused) {
@@ -214,12 +220,28 @@ static void test_gaps(void **unused) {
     assert_int_equal(count_near(&p, 3, 1), 0);
 }
 
+static void test_gaps_of_facets_that_stay(void **unused) {
+    static plates p;
+    static uint8_t may_leave[PLATES * FACETS];
+    (void)unused;
+    make_plates(&p, 0.09, (int[]){0, 1});
+    assert_int_equal(count_near_of(&p, 0.05, may_leave, 0), 0);
+    memset(may_leave, 1, FACETS); /* one sheet is enough, whichever it is */
+    assert_int_equal(count_near_of(&p, 0.05, may_leave, 0), PLATES * FACETS);
+    memset(may_leave, 0, FACETS);
+    memset(may_leave + FACETS, 1, FACETS);
+    assert_int_equal(count_near_of(&p, 0.05, may_leave, 0), PLATES * FACETS);
+    memset(may_leave, 0, sizeof may_leave);
+    may_leave[0] = 1;
+    const int64_t n = count_near_of(&p, 0.05, may_leave, 0);
+    assert_true(n > 1 && n < FACETS);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_boxes_that_meet),
-        cmocka_unit_test(test_nearest_item),
-        cmocka_unit_test(test_nearest_of_triangles),
-        cmocka_unit_test(test_gaps),
+        cmocka_unit_test(test_boxes_that_meet),          cmocka_unit_test(test_nearest_item),
+        cmocka_unit_test(test_nearest_of_triangles),     cmocka_unit_test(test_gaps),
+        cmocka_unit_test(test_gaps_of_facets_that_stay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
