@@ -1,7 +1,7 @@
 /* planish_smooth_surface: triangles and quadrilaterals in space on their own shape. */
 #include "support/allocations.h"
 
-#include <planish/planish.h>
+#include "surface/surface_mesh.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -227,6 +227,42 @@ static void test_same_bits(void **unused) {
     }
 }
 
+/** A visit reads the nodes across the edges opposite to its own: they have other colours. */
+static void test_colours(void **unused) {
+    static patchwork p;
+    (void)unused;
+    for (int has_quads = 0; has_quads < 2; has_quads++) {
+        make(&p, TORUS, has_quads, 0.5);
+        const planish_shape *s = p.shape;
+        static uint8_t moves[NODES];
+        static int colour[NODES];
+        pl_surface_mesh mesh = {.shape = s, .by_radius = !has_quads};
+        for (int64_t i = 0; i < s->n_nodes; i++)
+            moves[i] = s->node_class[i] != PL_CORNER;
+        assert_int_equal(pl_surface_mesh_create(s, moves, 2, &mesh, NULL), 0);
+        memset(colour, -1, sizeof colour);
+        for (int c = 0; c < mesh.n_colours; c++)
+            for (int64_t k = mesh.colour_begin[c]; k < mesh.colour_begin[c + 1]; k++)
+                colour[mesh.node[k]] = c;
+        int64_t n = 0;
+        for (int64_t t = 0; t < s->n_facets; t++)
+            for (int k = 0; k < 3; k++) {
+                const int32_t *f = s->facet[t], g = s->across[t][k], v = f[(k + 2) % 3];
+                assert_true(colour[f[k]] != colour[f[(k + 1) % 3]]);
+                for (int j = 0; g >= 0 && j < 3; j++) {
+                    const int32_t w = s->facet[g][j];
+                    if (w == f[k] || w == f[(k + 1) % 3])
+                        continue;
+                    assert_true(colour[v] < 0 || colour[v] != colour[w]);
+                    n++;
+                }
+            }
+        assert_true(n > 2 * NODES);
+        pl_surface_mesh_destroy(&mesh);
+        destroy(&p);
+    }
+}
+
 /** The worst phase improves the worst, at a price of F that is allowed. */
 static void test_worst(void **unused) {
     static const planish_worst measures[] = {PLANISH_WORST_RADIUS_RATIO, PLANISH_WORST_ANGLE};
@@ -442,9 +478,10 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_quality),   cmocka_unit_test(test_plane),
         cmocka_unit_test(test_same_bits), cmocka_unit_test(test_worst),
-        cmocka_unit_test(test_limits),    cmocka_unit_test(test_stops),
-        cmocka_unit_test(test_sheets),    cmocka_unit_test(test_floats),
-        cmocka_unit_test(test_refusals),  cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_colours),   cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_stops),     cmocka_unit_test(test_sheets),
+        cmocka_unit_test(test_floats),    cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

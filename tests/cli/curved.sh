@@ -43,6 +43,7 @@ print("End")
 END
 python3 half_ball.py 5 >ball.mesh
 python3 half_ball.py 4 >other.mesh
+python3 half_ball.py 3 >small.mesh
 python3 half_ball.py 4 regions >regions.mesh
 
 expect_status 0 "$program" smooth ball.mesh -o flat.mesh --slide auto --json flat.json -q
@@ -128,6 +129,54 @@ import json
 a, b = (json.load(open(name))["surface"] for name in ("first.json", "report.json"))
 assert a["on_patches"] < b["on_patches"] and a["on_curves"] <= b["on_curves"]
 assert [v["region"] for v in b["volumes"]] == ["3:1", "3:2"]
+END
+
+# Groups that are held, only the worse elements, bounds, the smallest angle: all go with curves.
+expect_status 0 "$program" smooth regions.mesh -o held.mesh --slide curved --slide-interfaces --fix 3:2 --json held.json -q
+expect_status 0 "$program" smooth regions.mesh -o few.mesh --slide curved --only-worse-than 4 --rings 0 --json few.json -q
+expect_status 0 "$program" smooth ball.mesh -o near.mesh --slide curved --max-displacement 0.01 -q
+expect_status 0 "$program" smooth small.mesh -o floor.mesh --slide curved --min-volume 3.5e-4 -q
+expect_status 0 "$program" smooth small.mesh -o worst.mesh --slide curved --objective worst --json worst.json -q
+expect_status 0 "$program" smooth small.mesh -o small.out.mesh --slide curved --json small.json -q
+python3 - <<'END' || fail "options go with curves"
+import json
+import math
+
+
+def read(name, what="Vertices"):
+    lines = open(name).read().split("\n")
+    begin = next(i for i, line in enumerate(lines) if line.startswith(what)) + 1
+    return [tuple(map(float, line.split())) for line in lines[begin:begin + int(lines[begin - 1].split()[1])]]
+
+
+def moved(a, b):
+    return {i + 1 for i, (p, q) in enumerate(zip(read(a), read(b))) if p[:3] != q[:3]}
+
+
+def is_on_dome(p):
+    return abs(math.hypot(*p[:3]) - 1) < 1e-6
+
+
+def volumes(name):
+    x = read(name)
+    for e in read(name, "Tetrahedra"):
+        a, b, c = ([x[int(i) - 1][d] - x[int(e[0]) - 1][d] for d in range(3)] for i in e[1:4])
+        yield (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])) / 6
+
+
+given, elements = read("regions.mesh"), read("regions.mesh", "Tetrahedra")
+inner = {int(i) for e in elements if e[4] == 2 for i in e[:4]}
+dome = {i + 1 for i, p in enumerate(given) if is_on_dome(p)}
+held, few = moved("regions.mesh", "held.mesh"), moved("regions.mesh", "few.mesh")
+assert len(inner) > 50 and not held & inner and len(held & dome) > 50
+assert 0 < len(few & dome) < len(dome) / 2, (few, dome)
+for name in ("held", "few", "worst"):
+    assert 0 < json.load(open(name + ".json"))["surface"]["distance_in_edges"] <= 0.05 * 1.2, name
+assert any(is_on_dome(p) and p != q for p, q in zip(read("ball.mesh"), read("near.mesh")))
+assert all(math.dist(p[:3], q[:3]) <= 0.01 + 1e-9 for p, q in zip(read("ball.mesh"), read("near.mesh")))
+assert min(volumes("small.out.mesh")) < 3.4e-4 < 3.49e-4 < min(volumes("floor.mesh"))
+plain, worst = (json.load(open(name + ".json"))["after"]["min_dihedral_deg"] for name in ("small", "worst"))
+assert worst > plain
 END
 
 # What cannot be, in one line each.

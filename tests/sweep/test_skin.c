@@ -245,6 +245,91 @@ static void bounds_hold_after_every_sweep(void **state) {
     round_destroy(&m);
 }
 
+/** Let a visit of a star, as it would be in a sweep, bring its node near to point, in the mesh's units.
+ *  Returns how far it went in mean edges. */
+static double visit_to(pl_skin *skin, int64_t star, const double point[3]) {
+    pl_skin_visit visit;
+    double to[3], direction[3];
+    memcpy(to, point, sizeof to);
+    pl_skin_prepare(skin, 0, &visit);
+    pl_skin_begin_visit(&visit, star);
+    pl_skin_project(skin->slide[star].node, to, direction, &visit);
+    double *x = skin->coordinates + 3 * (int64_t)skin->inner[visit.node];
+    memcpy(x, to, sizeof to);
+    assert_true(pl_skin_end_visit(&visit));
+    return pl_distance(3, to, visit.start) * skin->shape->scale /
+           skin->shape->edge_length[visit.node];
+}
+
+static void visits_go_no_farther_than_seven_tenths(void **state) {
+    (void)state;
+    round_mesh m;
+    planish_plan *plan;
+    planish_result result = {0};
+    round_create(&m, 1);
+    m.options.surface_tolerance = 100;
+    double *coordinates = test_copy_of(&m.mesh), most = 0;
+    pl_run r = begin_run(&m, &plan, coordinates, &result);
+    assert_int_equal(pl_run_begin(&r, NULL), 0);
+    int64_t n = 0;
+    for (int64_t s = 0; s < r.skin.n_stars; s++)
+        for (int k = 0; k < 8; k++) {
+            const int32_t node = r.skin.node[s];
+            double to[3], was[3];
+            if (node < 0 || r.skin.moves[node] < PLANISH_CONSTRAINT_ON_PATCH)
+                continue;
+            memcpy(was, pl_skin_at(&r.skin, node), sizeof was);
+            memcpy(to, was, sizeof to);
+            const double far = (0.8 + 0.05 * k) * m.shape->edge_length[node] / m.shape->scale;
+            to[2] += k % 2 ? far : -far;
+            const double went = visit_to(&r.skin, s, to);
+            most = fmax(most, went);
+            n += went > 0.1;
+            visit_to(&r.skin, s, was);
+        }
+    assert_true(n > 100 && most > 0.6 && most < 0.72);
+    end_run(&r);
+    free(coordinates);
+    round_destroy(&m);
+}
+
+static void facets_turn_by_sixty_degrees_at_most(void **state) {
+    (void)state;
+    round_mesh m;
+    planish_plan *plan;
+    planish_result result = {0};
+    round_create(&m, 1);
+    m.options.surface_tolerance = 100;
+    double *coordinates = test_copy_of(&m.mesh), least = 1;
+    pl_run r = begin_run(&m, &plan, coordinates, &result);
+    assert_int_equal(pl_run_begin(&r, NULL), 0);
+    for (int step = 0; step < 120; step++) /* all around the axis, by a degree */
+        for (int64_t s = 0; s < r.skin.n_stars; s++) {
+            const int32_t node = r.skin.node[s];
+            double to[3];
+            if (node < 0 || r.skin.moves[node] != PLANISH_CONSTRAINT_ON_PATCH)
+                continue;
+            memcpy(to, pl_skin_at(&r.skin, node), sizeof to);
+            const double x = to[0], y = to[1];
+            to[0] = x - 0.0175 * y;
+            to[1] = y + 0.0175 * x;
+            visit_to(&r.skin, s, to);
+        }
+    for (int64_t t = 0; t < m.shape->n_facets; t++) {
+        double x[3][3], a[3], b[3], normal[3];
+        for (int j = 0; j < 3; j++)
+            pl_skin_place_of(&r.skin, m.shape->facet[t][j], x[j]);
+        pl_from_to(3, x[0], x[1], a);
+        pl_from_to(3, x[0], x[2], b);
+        pl_cross(a, b, normal);
+        least = fmin(least, pl_dot(3, normal, m.shape->normal[t]) / pl_length(normal));
+    }
+    assert_true(least >= 0.5 - 1e-12 && least < 0.55); /* they did turn */
+    end_run(&r);
+    free(coordinates);
+    round_destroy(&m);
+}
+
 static void nodes_that_are_moved_otherwise_are_noticed(void **state) {
     (void)state;
     round_mesh m;
@@ -492,6 +577,8 @@ int main(void) {
         cmocka_unit_test(bits_do_not_depend_on_threads),
         cmocka_unit_test(nodes_across_an_edge_have_two_colours),
         cmocka_unit_test(bounds_hold_after_every_sweep),
+        cmocka_unit_test(visits_go_no_farther_than_seven_tenths),
+        cmocka_unit_test(facets_turn_by_sixty_degrees_at_most),
         cmocka_unit_test(nodes_that_are_moved_otherwise_are_noticed),
         cmocka_unit_test(stopping_at_any_time_keeps_the_shape),
         cmocka_unit_test(runs_in_a_row_do_not_drift),
