@@ -34,6 +34,8 @@
  *   Mesh in several processes  planish_part, planish_role
  *   Nodes that can slide       planish_find_slides
  *   Curved surfaces            planish_shape_create, planish_measure_shape
+ *   Another surface            planish_fit_create, planish_fit_move, planish_fit_constrain,
+ *                              planish_fit_project, planish_fit_measure
  *   Regions                    planish_region_name, planish_find_regions, _combine_regions,
  *                              _find_interfaces
  *   Elements thin in layers    planish_find_layers
@@ -710,6 +712,66 @@ typedef struct planish_options {
 /** Do the work of planish_options_init for a structure of size bytes: the caller's sizeof. No byte
  *  beyond is written, whatever size the library's structure has. options may be NULL. */
 PLANISH_API void planish_options_init_sized(planish_options *options, size_t size);
+
+/* ---- Another surface ------------------------------------------------------------------------ */
+
+/** The surface of a mesh of solids, and a surface of other triangles that it is to be fitted to: the
+ *  places there of its nodes. Nodes of patches belong where the other surface is nearest and turns the same
+ *  way, those of curves on a curve, corners at a corner; where there is none in reach, on a patch, and stay
+ *  there. */
+typedef struct planish_fit planish_fit;
+
+typedef struct planish_fit_info {
+    int64_t n_nodes;        /* of the mesh's boundary: those of them that */
+    int64_t n_on_patch;     /* belong on patches of the other surface, */
+    int64_t n_on_curve;     /* on curves */
+    int64_t n_on_corner;    /* and at corners; */
+    int64_t n_out_of_reach; /* have no place, and stay */
+    int64_t n_held;         /* are held by the caller, or by elements that are not smoothed */
+    int64_t n_off;          /* nodes that are not at their places yet */
+    double farthest;        /* one of them from there, in units of the coordinates */
+    int64_t reserved[8];
+} planish_fit_info;
+
+/** Find the places of the boundary's nodes of mesh, of solids of order 1, on the shape onto. shape is that of
+ *  mesh. onto is made of other triangles (planish_shape_create of a mesh of faces, or of another mesh of
+ *  solids). Both are needed as long as fit is. reach: how far a node may be from its place, in the mean
+ *  length of its edges; 0: 3. options (NULL: defaults): threads, precision, round. Nodes that
+ *  mesh->constraint calls FIXED stay. info may be NULL.
+ *  Errors: _ARGUMENT (elements of order 2, periodic pairs, a plane mesh), _MESH (no node is in reach), _MEMORY,
+ *  _PARTS. */
+PLANISH_API int planish_fit_create(const planish_mesh *mesh, const planish_shape *shape,
+                                   const planish_shape *onto, double reach,
+                                   const planish_options *options, planish_fit **fit,
+                                   planish_fit_info *info, planish_error *error);
+
+/** Free fit; NULL is allowed. */
+PLANISH_API void planish_fit_destroy(planish_fit *fit);
+
+/** Move the nodes of mesh, at coordinates as its strides say, to their places as far as elements stay valid:
+ *  in rounds, between which other nodes are smoothed, those on the other surface along it, too. Elements may
+ *  get worse, but none becomes invalid. mesh is that of fit. options (NULL: defaults): as for
+ *  planish_smooth, but for project; progress is called in its sweeps. time_limit is of the whole call. What
+ *  could not be done is in info (may be NULL): planish_smooth, or another call, may make room for more.
+ *  Errors: as of planish_plan_create and planish_smooth; coordinates are then untouched. */
+PLANISH_API int planish_fit_move(planish_fit *fit, const planish_mesh *mesh, double *coordinates,
+                                 const planish_options *options, planish_fit_info *info,
+                                 planish_error *error);
+
+/** Say in constraint [n_nodes] how the boundary's nodes are smoothed: those that slide along the other
+ *  surface are ON_SURFACE, by options.project = planish_fit_project and project_user = fit; others that are
+ *  not at a facet of it, or at no place, FIXED. Other entries stay. */
+PLANISH_API void planish_fit_constrain(const planish_fit *fit, uint8_t *constraint);
+
+/** A planish_project_fn: user is a fit. */
+PLANISH_API planish_constraint planish_fit_project(int64_t node, double *point, double *direction,
+                                                   void *fit);
+
+/** Bound how far the boundary of mesh, at mesh->coordinates, is off the other surface (distance), and the other
+ *  surface off it (distance_back); in_edges are those of the mesh's boundary. Bends are 0. Proved as
+ *  planish_measure_shape does. Errors: _ARGUMENT, _MESH, _MEMORY. */
+PLANISH_API int planish_fit_measure(const planish_fit *fit, const planish_mesh *mesh,
+                                    planish_shape_distance *distance, planish_error *error);
 
 /* ---- Plan --------------------------------------------------------------------------------- */
 

@@ -58,6 +58,7 @@ typedef struct pl_overlay {
     const planish_shape *shape;
     const pl_moved_facet *t;
     double limit;
+    int is_any; /* 1: T never was a facet, so that its sides are none of the features */
     pl_frame frame;
     double margin;   /* largest one of a facet */
     double highest;  /* corner of a piece, of either sign */
@@ -286,6 +287,8 @@ static int take_feature(pl_overlay *o, const pl_flat_facet *flat, int k) {
     }
     if (from > to)
         return 1;
+    if (o->is_any)
+        return 0;
     for (int j = 0; j < 3; j++) {
         const double a = flat->depth[j][k], b = flat->depth[j][l];
         depth[j][0] = a + from * (b - a);
@@ -659,6 +662,7 @@ double pl_overlay_bound(const planish_shape *shape, const pl_moved_facet *t, dou
     o.shape = shape;
     o.t = t;
     o.limit = limit;
+    o.is_any = 0;
     if (!set_frame(&o.frame, t->x))
         return INFINITY;
     for (int i = 0; i < SEEDS; i++) {
@@ -672,4 +676,14 @@ double pl_overlay_bound(const planish_shape *shape, const pl_moved_facet *t, dou
             return bound_all(&o, lateral);
     }
     return INFINITY;
+}
+
+double pl_overlay_bound_any(const planish_shape *shape, const double x[3][3], int32_t facet) {
+    pl_overlay o;
+    o.shape = shape;
+    o.t = NULL;
+    o.limit = INFINITY;
+    o.is_any = 1;
+    return set_frame(&o.frame, x) && flood(&o, facet) == MET && is_covered(&o) ? bound_all(&o, 0)
+                                                                               : INFINITY;
 }

@@ -7,6 +7,7 @@
  *
  *   overlay.c   pl_overlay_bound           of one triangle
  *               pl_overlay_lateral         of its edges on curves
+ *               pl_overlay_bound_any       of a triangle that never was a facet
  *   distance.c  pl_shape_measure           of a whole surface, both ways
  */
 #ifndef PL_SHAPE_OVERLAY_H
@@ -30,6 +31,10 @@ double pl_overlay_lateral(const planish_shape *shape, const pl_moved_facet *t);
  *  Units: the shape's. */
 double pl_overlay_bound(const planish_shape *shape, const pl_moved_facet *t, double lateral,
                         double limit);
+
+/** Return a distance within which of the patch of a facet every point of the triangle x is, or infinity if that
+ *  is not known, as where features run over it. The triangle turns as the patch does. Units: the shape's. */
+double pl_overlay_bound_any(const planish_shape *shape, const double x[3][3], int32_t facet);
 
 /** Return the mean edge at a facet, as it came: that of its own three edges, or the least edge_length of
  *  its nodes. Unit: the shape's. */

@@ -27,7 +27,8 @@ KNOWS = {
     "src/sweep": ["src/plan", "src/shape"],
     "src/improve": ["src/sweep"],
     "src/surface": ["src/sweep", "src/shape"],
-    "src/api": ["src/improve", "src/shape", "src/surface"],
+    "src/fit": ["src/shape", "src/quality"],
+    "src/api": ["src/improve", "src/shape", "src/surface", "src/fit"],
     "src/io/core": ["src/base"],
     "src/io/hdf5": ["src/io/core"],
     **{"src/io/" + name: ["src/io/core"]

@@ -1,0 +1,120 @@
+/* fit: the surface of a mesh is brought onto a shape that is not its own.
+ *
+ * Each node of the boundary has a place on the other shape: on a patch, on a curve if it is itself on one,
+ * or at a corner. It goes there straight, by the largest step that keeps its elements valid. What lies
+ * between such rounds, smoothing, is not done here.
+ *
+ *   create.c     pl_fit_create, _destroy      the nodes, and the elements around them
+ *   places.c     pl_fit_find_places           the other shape's places of the nodes
+ *                pl_fit_project               the place near a point
+ *   move.c       pl_fit_round                 a step of all nodes, and then of each
+ *                pl_fit_arrive                which nodes are at their places
+ *   distance.c   pl_fit_measure               how far the surfaces are apart, both ways
+ */
+#ifndef PL_FIT_FIT_H
+#define PL_FIT_FIT_H
+
+#include "base/round.h"
+#include "quality/validity.h"
+#include "shape/curved.h"
+#include "shape/tree.h"
+#include "topology/points.h"
+
+/** What is known of a node of the surface. */
+enum {
+    PL_FIT_INSIDE = 0, /* it is at no facet of the boundary */
+    PL_FIT_HELD = 1,   /* the caller holds it, or an element of it does */
+    PL_FIT_FAR = 2,    /* the other shape is out of its reach */
+    PL_FIT_PLACED = 3  /* it has a place */
+};
+
+enum { PL_FIT_TYPES = 4 /* of solids */ };
+
+/** An element with a node that has a place. */
+typedef struct pl_fit_element {
+    int32_t node[PL_CELL_CORNERS]; /* the mesh's */
+    int8_t sign;
+    uint8_t type; /* number of its rule */
+} pl_fit_element;
+
+/** A fit. Nodes have the numbers of the mesh's own shape, which is not owned, nor is the other one. Lengths
+ *  are in the unit of the other shape unless it says otherwise. Arrays are owned. */
+struct planish_fit {
+    const planish_shape *own, *onto;
+    int64_t n_nodes; /* of own */
+    int threads;
+    double reach;           /* in mean edges of a node */
+    double to_own;          /* from onto's unit to that of own */
+    pl_storage storage;     /* of what a node is moved to */
+    uint8_t *state;         /* [n_nodes] PL_FIT_.. */
+    uint8_t *kind;          /* [n_nodes] PL_ON_PATCH, PL_ON_CURVE, PL_CORNER of the other shape */
+    uint8_t *slides;        /* [n_nodes] 1: it moves along the other shape when it is there */
+    uint8_t *is_there;      /* [n_nodes] 1: it has come to its place */
+    pl_place *place;        /* [n_nodes] of a corner at is its node */
+    double (*goal)[3];      /* [n_nodes] the place, in the mesh's units */
+    double (*direction)[3]; /* [n_nodes] normal there, out of the mesh; or tangent */
+    int8_t *turn;           /* [patches of onto] -1: its facets turn into the mesh */
+    int64_t n_turns;
+    uint8_t *is_corner;             /* [nodes of onto] 1: curves end there */
+    pl_tree facets, edges, corners; /* of onto */
+    int64_t n_elements;
+    pl_fit_element *element;
+    double *least;       /* [n_elements] least det J of a corner; 0 or less: it is not valid */
+    int64_t *offset;     /* [n_nodes + 1] */
+    int32_t *element_of; /* elements of each node */
+    int n_rules;
+    pl_jacobian_rule *rule[PL_FIT_TYPES];
+    pl_jacobian_block **block; /* [threads] room */
+    /* Of a round: */
+    double (*from)[3];  /* [n_nodes] where it began, in the mesh's units */
+    double *part;       /* [n_nodes] of its way that a node goes */
+    double *cosine;     /* [n_nodes] least between its facets and direction */
+    uint8_t *is_marked; /* [n_nodes] */
+};
+
+/** Make fit, whose shapes, threads and reach are set, of a mesh. Errors: _ARGUMENT (elements of order 2),
+ *  _MEMORY. fit is to be destroyed in any case. */
+int pl_fit_create(const planish_mesh *mesh, planish_fit *fit, planish_error *error);
+
+/** Free the arrays of fit. */
+void pl_fit_destroy(planish_fit *fit);
+
+/** Find the places of all nodes, which are at points. Errors: _MEMORY. */
+int pl_fit_find_places(planish_fit *fit, const pl_points *points, planish_error *error);
+
+/** Bring x, in the mesh's units, to the place of a node near it, and set direction there. Returns as a
+ *  planish_project_fn. */
+planish_constraint pl_fit_project(const planish_fit *fit, int32_t node, double x[3],
+                                  double direction[3]);
+
+/** Move each node that is not at its place towards it, as far as its elements stay valid and above floor, in
+ *  their own size. coordinates: as points say. Returns the largest part of its way that a node has gone. */
+double pl_fit_round(planish_fit *fit, const pl_points *points, double *coordinates, double floor);
+
+/** Find which nodes are at their places. Returns how many are not; *farthest (may be NULL): of them from
+ *  there, in the mesh's units. */
+int64_t pl_fit_arrive(planish_fit *fit, const pl_points *points, double *farthest);
+
+/** How far the surface of the mesh and the other one are apart. */
+typedef struct pl_fit_distance {
+    double there, back; /* no point of the mesh's surface is farther off the other one; and back */
+    double there_h, back_h; /* in mean edges of the mesh's surface */
+    int64_t n_unproved;     /* facets without a bound: their coordinates are not finite */
+} pl_fit_distance;
+
+/** Measure that of the mesh with nodes at points. Same bits on any number of threads. Errors: _MEMORY. */
+int pl_fit_measure(const planish_fit *fit, const pl_points *points, pl_fit_distance *distance,
+                   planish_error *error);
+
+/** Set x to where a node is, times scale. */
+static inline void pl_fit_at(const pl_points *points, int64_t node, double scale, double x[3]) {
+    for (int d = 0; d < 3; d++)
+        x[d] = points->x[pl_point_at(points, node, d)] * scale;
+}
+
+/** Whether a facet of the mesh's surface is of its boundary. */
+static inline int pl_fit_is_outer(const planish_shape *shape, int32_t facet) {
+    return !shape->is_interface[facet];
+}
+
+#endif

@@ -1,0 +1,428 @@
+/* places: where the nodes of a mesh belong on another shape.
+ *
+ * A node of a patch belongs where the other shape is nearest and turns the same way as the surface at the
+ * node: not on the other side of a thin sheet. A node of a curve belongs on a curve of about its direction,
+ * a corner at a corner; where the other shape has none in reach they belong on a patch, too, and stay
+ * there: what they bound is not to be lost.
+ *
+ * Which way a patch of the other shape turns is told by the nodes near it, as the facets of a file may turn
+ * any way. */
+#include "fit/fit.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+#include "shape/nearest.h"
+
+#include <string.h>
+
+enum { CHUNK = 64 };
+
+/* Facets of a place turn as the surface at the node: cosine of the angle at most between them. */
+#define ALIKE 0.2
+/* Curves go as an edge of the node does, either way: cosine. */
+#define ALONG 0.5
+/* So much of the votes decides which way a patch turns. */
+#define CLEAR 0.75
+
+/** A search for a place on the other shape. */
+typedef struct search {
+    const planish_fit *fit;
+    const double *normal; /* of unit length; NULL: any */
+    int32_t patch;        /* -1: any */
+    int n_ways;           /* unit directions of edges at a node on a curve or corner */
+    const double (*way)[3];
+} search;
+
+static double square_of_facet(const void *context, int32_t facet, const double point[3]) {
+    const search *s = context;
+    const planish_shape *onto = s->fit->onto;
+    const int32_t *node = onto->facet[facet], patch = onto->patch[facet];
+    const double *const x[3] = {onto->x[node[0]], onto->x[node[1]], onto->x[node[2]]};
+    double weight[3] = {1, 0, 0};
+    if (onto->is_interface[facet] || (s->patch >= 0 && patch != s->patch) ||
+        (s->normal && !(s->fit->turn[patch] * pl_dot(3, s->normal, onto->normal[facet]) >= ALIKE)))
+        return INFINITY;
+    return pl_nearest_on_triangle(point, x, weight);
+}
+
+static double square_of_edge(const void *context, int32_t edge, const double point[3]) {
+    const search *s = context;
+    const planish_shape *onto = s->fit->onto;
+    const double *a = onto->x[onto->edge[edge][0]], *b = onto->x[onto->edge[edge][1]];
+    double along[3], weight[2] = {1, 0};
+    int is_along = 0;
+    pl_from_to(3, a, b, along);
+    const double length = pl_length(along);
+    for (int i = 0; i < s->n_ways; i++)
+        is_along |= fabs(pl_dot(3, along, s->way[i])) >= ALONG * length;
+    return is_along ? pl_nearest_on_edge(point, a, b, weight) : INFINITY;
+}
+
+static double square_of_corner(const void *context, int32_t node, const double point[3]) {
+    const search *s = context;
+    double way[3];
+    pl_from_to(3, s->fit->onto->x[node], point, way);
+    return s->fit->onto->node_class[node] == PL_CORNER ? pl_dot(3, way, way) : INFINITY;
+}
+
+/* ---- trees ----------------------------------------------------------------------------------- */
+
+/** Widen a box to hold x. */
+static void widen(pl_box3 *box, const double x[3]) {
+    for (int d = 0; d < 3; d++) {
+        box->lower[d] = fmin(box->lower[d], x[d]);
+        box->upper[d] = fmax(box->upper[d], x[d]);
+    }
+}
+
+/** Plant the tree of n items of n_nodes nodes each. Errors: _MEMORY. */
+static int plant(const planish_fit *fit, const int32_t *node, int64_t n, int n_nodes, pl_tree *tree,
+                 planish_error *error) {
+    pl_box3 *box = pl_alloc(n, sizeof *box);
+    if (!box)
+        return pl_fail_memory(error, "the places of a fit");
+    for (int64_t i = 0; i < n; i++) {
+        box[i] = (pl_box3){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+        for (int k = 0; k < n_nodes; k++)
+            widen(&box[i], fit->onto->x[node ? node[i * n_nodes + k] : i]);
+    }
+    const int status = pl_tree_create(n, box, fit->threads, tree, error);
+    pl_free(box);
+    return status;
+}
+
+/** Return the item of a tree nearest to x within *square; -1: there is none. An empty tree has no root. */
+static int32_t nearest(const pl_tree *tree, const double x[3], pl_tree_distance_fn *distance,
+                       const search *s, double *square) {
+    return tree->n > 0 ? pl_tree_nearest(tree, x, distance, s, square) : -1;
+}
+
+/* ---- the surface at a node ------------------------------------------------------------------- */
+
+/** Compute the unit normal of the boundary at a node; 0: it has none. */
+static int normal_at(const planish_shape *own, int32_t node, double normal[3]) {
+    double sum[3] = {0, 0, 0};
+    for (int64_t i = own->offset[node]; i < own->offset[node + 1]; i++)
+        for (int d = 0; d < 3 && pl_fit_is_outer(own, own->facet_of[i]); d++)
+            sum[d] += own->normal[own->facet_of[i]][d];
+    return pl_unit(3, sum, normal);
+}
+
+/** Features of the mesh's own surface by node. */
+typedef struct features {
+    int64_t *offset; /* [n_nodes + 1] */
+    int32_t *edge;
+    int32_t *chain;  /* [n_edges] the first one of its curve */
+    int32_t *length; /* [n_edges] edges of that curve, at its first one */
+} features;
+
+/** Find how many edges each curve has. */
+static void find_chains(const planish_shape *own, features *f) {
+    for (int32_t e = 0; e < own->n_edges; e++) {
+        f->chain[e] = e;
+        f->length[e] = 0;
+    }
+    for (int64_t i = 0; i < own->n_nodes; i++) {
+        if (own->node_class[i] != PL_ON_CURVE)
+            continue;
+        const int32_t a = pl_class_of(f->chain, own->edge_at[i][0]);
+        const int32_t b = pl_class_of(f->chain, own->edge_at[i][1]);
+        f->chain[a > b ? a : b] = a < b ? a : b;
+    }
+    for (int32_t e = 0; e < own->n_edges; e++)
+        f->length[f->chain[e] = pl_class_of(f->chain, e)]++;
+}
+
+static int list_features(const planish_shape *own, features *f) {
+    f->offset = pl_alloc_zero(own->n_nodes + 2, sizeof *f->offset);
+    f->edge = pl_alloc(2 * own->n_edges, sizeof *f->edge);
+    f->chain = pl_alloc(own->n_edges, sizeof *f->chain);
+    f->length = pl_alloc(own->n_edges, sizeof *f->length);
+    if (!f->offset || !f->edge || !f->chain || !f->length)
+        return 0;
+    for (int64_t e = 0; e < own->n_edges; e++)
+        for (int k = 0; k < 2; k++)
+            f->offset[own->edge[e][k] + 2]++;
+    for (int64_t i = 2; i < own->n_nodes + 2; i++)
+        f->offset[i] += f->offset[i - 1];
+    for (int64_t e = 0; e < own->n_edges; e++)
+        for (int k = 0; k < 2; k++)
+            f->edge[f->offset[own->edge[e][k] + 1]++] = (int32_t)e;
+    find_chains(own, f);
+    return 1;
+}
+
+static void free_features(features *f) {
+    pl_free(f->offset);
+    pl_free(f->edge);
+    pl_free(f->chain);
+    pl_free(f->length);
+}
+
+/** Compute the directions of some features at a node: way [MOST_WAYS]. Returns how many. */
+enum { MOST_WAYS = 8 };
+static int ways_at(const planish_shape *own, const features *f, int32_t node, double (*way)[3]) {
+    int n = 0;
+    for (int64_t i = f->offset[node]; i < f->offset[node + 1] && n < MOST_WAYS; i++) {
+        const int32_t *end = own->edge[f->edge[i]];
+        double along[3];
+        pl_from_to(3, own->x[end[0]], own->x[end[1]], along);
+        n += pl_unit(3, along, way[n]);
+    }
+    return n;
+}
+
+/* ---- places ---------------------------------------------------------------------------------- */
+
+typedef struct finding {
+    planish_fit *fit;
+    const pl_points *points;
+    features features;
+    int32_t *near;  /* [n_nodes] facet, or -1; then the corner that a node asks for */
+    double *square; /* [n_nodes] of the distance of that corner */
+} finding;
+
+/** Set x to a node, in onto's unit, and return the square of its reach. */
+static double reach_of(const finding *g, int32_t node, double x[3]) {
+    const planish_fit *fit = g->fit;
+    const double reach = fit->reach * fit->own->edge_length[node] / fit->to_own;
+    pl_fit_at(g->points, fit->own->node[node], fit->onto->scale, x);
+    return reach * reach;
+}
+
+/** Return the square of how far a curve or corner may be from a node: curves of few edges, which may be none, reach
+ *  for near ones alone. */
+static double reach_of_features(const finding *g, int32_t node, double x[3]) {
+    const planish_fit *fit = g->fit;
+    double longest = 0;
+    const double square = reach_of(g, node, x);
+    for (int64_t i = g->features.offset[node]; i < g->features.offset[node + 1]; i++)
+        longest = fmax(longest, g->features.length[g->features.chain[g->features.edge[i]]]);
+    const double part = fmin(1, longest / 2 / fit->reach);
+    return square * part * part;
+}
+
+/** Find the facet that is nearest to each node, whichever way it turns. */
+static void look_for_facets(void *context, int64_t begin, int64_t end, int thread) {
+    finding *g = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const search s = {.fit = g->fit, .patch = -1};
+        double x[3], square = reach_of(g, (int32_t)i, x);
+        g->near[i] = g->fit->state[i] == PL_FIT_PLACED
+                         ? nearest(&g->fit->facets, x, square_of_facet, &s, &square)
+                         : -1;
+    }
+}
+
+/** Let the nodes say which way the patches turn. votes [patches][2]: room of zeros. */
+static void find_turns(const finding *g, int64_t (*votes)[2]) {
+    planish_fit *fit = g->fit;
+    int64_t all[2] = {0, 0};
+    for (int32_t i = 0; i < fit->n_nodes; i++) {
+        double normal[3];
+        if (g->near[i] < 0 || !normal_at(fit->own, i, normal))
+            continue;
+        const int is_against = pl_dot(3, normal, fit->onto->normal[g->near[i]]) < 0;
+        votes[fit->onto->patch[g->near[i]]][is_against]++;
+        all[is_against]++;
+    }
+    for (int64_t p = 0; p < fit->n_turns; p++) {
+        const double most = CLEAR * (double)(votes[p][0] + votes[p][1]);
+        fit->turn[p] = all[1] > all[0] ? -1 : 1;
+        if (most > 0 && (double)votes[p][0] >= most)
+            fit->turn[p] = 1;
+        if (most > 0 && (double)votes[p][1] >= most)
+            fit->turn[p] = -1;
+    }
+}
+
+/** Find the corner that each corner of the mesh's surface would go to. */
+static void look_for_corners(void *context, int64_t begin, int64_t end, int thread) {
+    finding *g = context;
+    const planish_fit *fit = g->fit;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const search s = {.fit = fit};
+        double x[3];
+        g->square[i] = reach_of_features(g, (int32_t)i, x);
+        g->near[i] = fit->state[i] == PL_FIT_PLACED && fit->own->node_class[i] == PL_CORNER &&
+                             g->features.offset[i + 1] > g->features.offset[i]
+                         ? nearest(&fit->corners, x, square_of_corner, &s, &g->square[i])
+                         : -1;
+    }
+}
+
+/** Give each corner to the nearest node that asks for it, the lowest of several. winner [nodes of onto]. */
+static void give_corners(const finding *g, int32_t *winner) {
+    planish_fit *fit = g->fit;
+    memset(winner, -1, (size_t)fit->onto->n_nodes * sizeof *winner);
+    for (int32_t i = 0; i < fit->n_nodes; i++) {
+        int32_t *of = g->near[i] >= 0 ? &winner[g->near[i]] : NULL;
+        if (of && (*of < 0 || g->square[i] < g->square[*of]))
+            *of = i;
+    }
+    for (int32_t c = 0; c < fit->onto->n_nodes; c++) {
+        if (winner[c] < 0)
+            continue;
+        fit->kind[winner[c]] = PL_CORNER;
+        fit->place[winner[c]].at = c;
+    }
+}
+
+/** Set the place of a node on an edge or facet, near x. */
+static void set_place(planish_fit *fit, int32_t node, int kind, int32_t at, const double x[3]) {
+    const planish_shape *onto = fit->onto;
+    pl_place *place = &fit->place[node];
+    *place = (pl_place){at, {0}};
+    fit->kind[node] = (uint8_t)kind;
+    if (kind == PL_ON_CURVE) {
+        pl_nearest_on_edge(x, onto->x[onto->edge[at][0]], onto->x[onto->edge[at][1]],
+                           place->weight);
+        return;
+    }
+    const int32_t *v = onto->facet[at];
+    const double *const corner[3] = {onto->x[v[0]], onto->x[v[1]], onto->x[v[2]]};
+    pl_nearest_on_triangle(x, corner, place->weight);
+}
+
+/** Find the place of a node that has no corner. */
+static void find_place(const finding *g, int32_t node) {
+    planish_fit *fit = g->fit;
+    const planish_shape *own = fit->own;
+    double x[3], way[MOST_WAYS][3], normal[3];
+    const int is_on_patch = own->node_class[node] == PL_ON_PATCH;
+    search s = {.fit = fit, .patch = -1, .way = (const double(*)[3])way};
+    double square = reach_of_features(g, node, x);
+    s.n_ways = is_on_patch ? 0 : ways_at(own, &g->features, node, way);
+    int32_t at = s.n_ways > 0 ? nearest(&fit->edges, x, square_of_edge, &s, &square) : -1;
+    if (at >= 0) {
+        set_place(fit, node, PL_ON_CURVE, at, x);
+        fit->slides[node] = own->node_class[node] == PL_ON_CURVE;
+        return;
+    }
+    s.normal = normal_at(own, node, normal) ? normal : NULL;
+    square = reach_of(g, node, x);
+    at = nearest(&fit->facets, x, square_of_facet, &s, &square);
+    if (at >= 0)
+        set_place(fit, node, PL_ON_PATCH, at, x);
+    else
+        fit->state[node] = PL_FIT_FAR;
+    fit->slides[node] = at >= 0 && s.n_ways == 0;
+}
+
+static void set_goal(planish_fit *fit, int32_t node) {
+    const planish_shape *onto = fit->onto;
+    double x[3];
+    if (fit->kind[node] == PL_CORNER) {
+        memcpy(x, onto->x[fit->place[node].at], sizeof x);
+    } else {
+        pl_shape_point(onto, fit->kind[node], &fit->place[node], x, fit->direction[node]);
+        const int turn =
+            fit->kind[node] == PL_ON_PATCH ? fit->turn[onto->patch[fit->place[node].at]] : 1;
+        for (int d = 0; d < 3; d++)
+            fit->direction[node][d] *= turn;
+    }
+    for (int d = 0; d < 3; d++)
+        fit->goal[node][d] = pl_store(&fit->storage, x[d] / onto->scale);
+}
+
+static void find_places(void *context, int64_t begin, int64_t end, int thread) {
+    const finding *g = context;
+    planish_fit *fit = g->fit;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        if (fit->state[i] != PL_FIT_PLACED)
+            continue;
+        if (fit->place[i].at < 0)
+            find_place(g, (int32_t)i);
+        if (fit->state[i] == PL_FIT_PLACED)
+            set_goal(fit, (int32_t)i);
+    }
+}
+
+/** Make the trees. Errors: _MEMORY. */
+static int plant_all(planish_fit *fit, planish_error *error) {
+    const planish_shape *onto = fit->onto;
+    int status = plant(fit, onto->facet[0], onto->n_facets, 3, &fit->facets, error);
+    if (!status && onto->n_edges > 0)
+        status = plant(fit, onto->edge[0], onto->n_edges, 2, &fit->edges, error);
+    if (!status && onto->n_edges > 0)
+        status = plant(fit, NULL, onto->n_nodes, 1, &fit->corners, error);
+    return status;
+}
+
+int pl_fit_find_places(planish_fit *fit, const pl_points *points, planish_error *error) {
+    const planish_shape *onto = fit->onto;
+    finding g = {.fit = fit, .points = points};
+    for (int64_t f = 0; f < onto->n_facets; f++)
+        fit->n_turns = onto->patch[f] >= fit->n_turns ? onto->patch[f] + 1 : fit->n_turns;
+    fit->turn = pl_alloc(fit->n_turns, sizeof *fit->turn);
+    fit->is_corner = pl_alloc_zero(onto->n_nodes, sizeof *fit->is_corner);
+    g.near = pl_alloc(fit->n_nodes, sizeof *g.near);
+    g.square = pl_alloc(fit->n_nodes, sizeof *g.square);
+    int64_t(*votes)[2] = pl_alloc_zero(fit->n_turns, sizeof *votes);
+    int32_t *winner = pl_alloc(onto->n_nodes, sizeof *winner);
+    int status = fit->turn && fit->is_corner && g.near && g.square && votes && winner &&
+                         list_features(fit->own, &g.features)
+                     ? plant_all(fit, error)
+                     : pl_fail_memory(error, "the places of a fit");
+    if (!status) {
+        for (int64_t e = 0; e < 2 * onto->n_edges; e++)
+            fit->is_corner[onto->edge[e / 2][e % 2]] =
+                onto->node_class[onto->edge[e / 2][e % 2]] == PL_CORNER;
+        for (int64_t i = 0; i < fit->n_nodes; i++)
+            fit->place[i].at = -1;
+        pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, look_for_facets, &g);
+        find_turns(&g, votes);
+        pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, look_for_corners, &g);
+        give_corners(&g, winner);
+        pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, find_places, &g);
+    }
+    pl_free(g.near);
+    pl_free(g.square);
+    free_features(&g.features);
+    pl_free(votes);
+    pl_free(winner);
+    return status;
+}
+
+/* ---- on the way ------------------------------------------------------------------------------ */
+
+/** Find the place on the patch of a node that is nearest to x, in onto's unit. */
+static pl_place place_on_patch(const planish_fit *fit, int32_t node, const double x[3]) {
+    const planish_shape *onto = fit->onto;
+    const int32_t first = fit->place[node].at;
+    double normal[3];
+    for (int d = 0; d < 3; d++)
+        normal[d] = fit->direction[node][d];
+    const search s = {.fit = fit, .normal = normal, .patch = onto->patch[first]};
+    double square = square_of_facet(&s, first, x);
+    const int32_t nearer = nearest(&fit->facets, x, square_of_facet, &s, &square);
+    pl_place place = {nearer >= 0 ? nearer : first, {0}};
+    const int32_t *v = onto->facet[place.at];
+    const double *const corner[3] = {onto->x[v[0]], onto->x[v[1]], onto->x[v[2]]};
+    pl_nearest_on_triangle(x, corner, place.weight);
+    return place;
+}
+
+planish_constraint pl_fit_project(const planish_fit *fit, int32_t node, double x[3],
+                                  double direction[3]) {
+    const planish_shape *onto = fit->onto;
+    double at[3];
+    if (node < 0 || !fit->is_there[node] || !fit->slides[node])
+        return PLANISH_CONSTRAINT_FIXED;
+    for (int d = 0; d < 3; d++)
+        at[d] = x[d] * onto->scale;
+    pl_place place = fit->place[node];
+    if (fit->kind[node] == PL_ON_CURVE)
+        pl_shape_walk(onto, PL_ON_CURVE, at, &place);
+    else
+        place = place_on_patch(fit, node, at);
+    pl_shape_point(onto, fit->kind[node], &place, at, direction);
+    for (int d = 0; d < 3; d++)
+        x[d] = pl_store(&fit->storage, at[d] / onto->scale);
+    return fit->kind[node] == PL_ON_CURVE ? PLANISH_CONSTRAINT_ON_LINE
+                                          : PLANISH_CONSTRAINT_ON_PLANE;
+}

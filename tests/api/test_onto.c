@@ -1,0 +1,576 @@
+/* planish_fit: blocks of tetrahedra and hexahedra are brought onto spheres and cylinders of other triangles,
+ * and judged by samples. */
+#include "support/cell_meshes.h"
+#include "support/effort.h"
+#include "support/run.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* ---- forms ----------------------------------------------------------------------------------- */
+
+/** Forms that the cube -1 .. 1 is taken to, times a size. */
+typedef enum form { FORM_CUBE, FORM_BALL, FORM_CYLINDER } form;
+
+static void to_form(form f, double size, double x[3]) {
+    const double u = x[0] * x[0], v = x[1] * x[1], w = x[2] * x[2];
+    if (f == FORM_BALL) {
+        x[0] *= sqrt(1 - v / 2 - w / 2 + v * w / 3);
+        x[1] *= sqrt(1 - w / 2 - u / 2 + w * u / 3);
+        x[2] *= sqrt(1 - u / 2 - v / 2 + u * v / 3);
+    } else if (f == FORM_CYLINDER) {
+        x[0] *= sqrt(1 - v / 2);
+        x[1] *= sqrt(1 - u / 2);
+    }
+    for (int d = 0; d < 3; d++)
+        x[d] *= size;
+}
+
+/** Distance of x from the form of size 1. */
+static double off_form(form f, const double x[3]) {
+    const double r = sqrt(x[0] * x[0] + x[1] * x[1]);
+    if (f == FORM_BALL)
+        return fabs(sqrt(r * r + x[2] * x[2]) - 1);
+    if (fabs(x[2]) > 1 || r > 1)
+        return hypot(fmax(r - 1, 0), fmax(fabs(x[2]) - 1, 0));
+    return fmin(1 - r, 1 - fabs(x[2]));
+}
+
+/* ---- other surfaces -------------------------------------------------------------------------- */
+
+/** The surface of a cube of n squares along each side, as triangles, taken to a form. */
+typedef struct sheet {
+    planish_mesh mesh;
+    planish_cells cells;
+    double *x;
+    int32_t *node;
+    int64_t *offset;
+    uint8_t *type;
+    planish_shape *shape;
+} sheet;
+
+/** Return the number of the node at at[3], which is made if there is none. */
+static int32_t sheet_node(sheet *s, int32_t *number, int n, const int at[3]) {
+    int32_t *of = &number[(at[0] * (n + 1) + at[1]) * (n + 1) + at[2]];
+    if (*of >= 0)
+        return *of;
+    for (int d = 0; d < 3; d++)
+        s->x[3 * s->mesh.n_nodes + d] = 2. * at[d] / n - 1;
+    return *of = (int32_t)s->mesh.n_nodes++;
+}
+
+static void sheet_face(sheet *s, int32_t *number, int n, int axis, int side, int is_turned) {
+    for (int i = 0; i < n * n; i++) {
+        int32_t v[4];
+        for (int k = 0; k < 4; k++) {
+            int at[3];
+            at[axis] = side * n;
+            at[(axis + 1) % 3] = i / n + (k == 1 || k == 2);
+            at[(axis + 2) % 3] = i % n + (k >= 2);
+            v[k] = sheet_node(s, number, n, at);
+        }
+        const int turn = (side == 0) != is_turned;
+        for (int k = 0; k < 2; k++) {
+            int32_t *to = s->node + 3 * s->cells.n++;
+            to[0] = v[0];
+            to[1 + turn] = v[1 + k];
+            to[2 - turn] = v[2 + k];
+        }
+    }
+}
+
+/** Make a surface; is_turned: its triangles turn inwards. */
+static void make_sheet(form f, int n, double size, int is_turned, sheet *s) {
+    const size_t most = (size_t)(12 * n * n), grid = (size_t)((n + 1) * (n + 1) * (n + 1));
+    int32_t *number = malloc(grid * sizeof *number);
+    memset(number, -1, grid * sizeof *number);
+    *s = (sheet){.x = malloc(most * 3 * sizeof *s->x),
+                 .node = malloc(most * 3 * sizeof *s->node),
+                 .offset = malloc((most + 1) * sizeof *s->offset),
+                 .type = malloc(most)};
+    for (int side = 0; side < 6; side++)
+        sheet_face(s, number, n, side / 2, side % 2, is_turned);
+    free(number);
+    memset(s->type, PLANISH_CELL_TRIANGLE, most);
+    for (int64_t i = 0; i <= s->cells.n; i++)
+        s->offset[i] = 3 * i;
+    for (int64_t i = 0; i < s->mesh.n_nodes; i++)
+        to_form(f, size, s->x + 3 * i);
+    s->cells.type = s->type;
+    s->cells.offset = s->offset;
+    s->cells.node = s->node;
+    s->mesh.dim = 3;
+    s->mesh.coordinates = s->x;
+    s->mesh.cells = &s->cells;
+    s->mesh.n_elements = s->cells.n;
+    assert_int_equal(planish_shape_create(&s->mesh, NULL, 1, &s->shape, NULL, NULL), 0);
+}
+
+static void free_sheet(sheet *s) {
+    planish_shape_destroy(s->shape);
+    free(s->x);
+    free(s->node);
+    free(s->offset);
+    free(s->type);
+}
+
+/* ---- blocks ---------------------------------------------------------------------------------- */
+
+/** A block of cubes, as hexahedra or as six tetrahedra each, in a form. */
+typedef struct block {
+    cell_box *box;
+    int32_t *tetrahedron;
+    planish_mesh mesh;
+    double *given; /* its coordinates at first */
+    planish_shape *shape;
+} block;
+
+static void split(const int32_t *hex, int32_t *to) {
+    static const int8_t ROUND[7] = {1, 2, 3, 7, 4, 5, 1};
+    for (int i = 0; i < 6; i++) {
+        const int32_t tetrahedron[4] = {hex[0], hex[ROUND[i]], hex[ROUND[i + 1]], hex[6]};
+        memcpy(to + 4 * i, tetrahedron, sizeof tetrahedron);
+    }
+}
+
+static int is_at_surface(const double *x, int n) {
+    int any = 0;
+    for (int d = 0; d < 3; d++)
+        any |= x[d] == 0 || x[d] == n;
+    return any;
+}
+
+/** Make a block; shake: how far nodes of the surface are off it, in parts of an edge. */
+static void make_block(int is_tets, form f, int n, double size, double shake, block *b) {
+    uint64_t state = effort_seed(3);
+    *b = (block){.box = cell_box_create(BOX_HEXAHEDRA, n)};
+    b->mesh = b->box->mesh;
+    for (int64_t i = 0; i < b->mesh.n_nodes; i++) {
+        double *x = b->box->x + 3 * i;
+        const int is_shaken = is_at_surface(x, n);
+        for (int d = 0; d < 3; d++)
+            x[d] = 2 * x[d] / n - 1;
+        to_form(f, size, x);
+        for (int d = 0; d < 3; d++)
+            x[d] += is_shaken * shake * size * 2 / n * random_between(&state, -1, 1);
+    }
+    if (is_tets) {
+        const planish_cells *cells = b->mesh.cells;
+        b->tetrahedron = malloc((size_t)cells->n * 24 * sizeof *b->tetrahedron);
+        for (int64_t i = 0; i < cells->n; i++)
+            split(cells->node + cells->offset[i], b->tetrahedron + 24 * i);
+        b->mesh.cells = NULL;
+        b->mesh.elements = b->tetrahedron;
+        b->mesh.n_elements = 6 * cells->n;
+    }
+    b->given = test_copy_of(&b->mesh);
+    assert_int_equal(planish_shape_create(&b->mesh, NULL, 1, &b->shape, NULL, NULL), 0);
+}
+
+static void free_block(block *b) {
+    planish_shape_destroy(b->shape);
+    cell_box_destroy(b->box);
+    free(b->tetrahedron);
+    free(b->given);
+}
+
+/* ---- judges ---------------------------------------------------------------------------------- */
+
+static double det(const double *a, const double *b, const double *c) {
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+/** det J of a hexahedron at p, in 0 .. 1. */
+static double hex_jacobian(const double *x, const int32_t *node, const double p[3]) {
+    static const uint8_t AT[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                     {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+    double j[3][3] = {{0}};
+    for (int c = 0; c < 8; c++)
+        for (int d = 0; d < 3; d++) {
+            double weight = AT[c][d] ? 1 : -1;
+            for (int e = 0; e < 3; e++)
+                weight *= e == d ? 1 : AT[c][e] ? p[e] : 1 - p[e];
+            for (int e = 0; e < 3; e++)
+                j[d][e] += weight * x[3 * (int64_t)node[c] + e];
+        }
+    return det(j[0], j[1], j[2]);
+}
+
+/** Number of elements of which a sample of det J is not positive. */
+static int64_t count_inverted(const planish_mesh *mesh, const double *x) {
+    enum { STEPS = 4 };
+    int64_t n = 0;
+    for (int64_t i = 0; i < mesh->n_elements; i++) {
+        const int32_t *node = mesh->cells ? mesh->cells->node + 8 * i : mesh->elements + 4 * i;
+        double least = INFINITY;
+        for (int at = 0; mesh->cells && at < (STEPS + 1) * (STEPS + 1) * (STEPS + 1); at++) {
+            const double p[3] = {at % (STEPS + 1) / (double)STEPS,
+                                 at / (STEPS + 1) % (STEPS + 1) / (double)STEPS,
+                                 at / (STEPS + 1) / (STEPS + 1) / (double)STEPS};
+            least = fmin(least, hex_jacobian(x, node, p));
+        }
+        double v[3][3];
+        for (int k = 0; k < 3 && !mesh->cells; k++)
+            for (int d = 0; d < 3; d++)
+                v[k][d] = x[3 * (int64_t)node[k + 1] + d] - x[3 * (int64_t)node[0] + d];
+        if (!mesh->cells)
+            least = det(v[0], v[1], v[2]);
+        n += !(least > 0);
+    }
+    return n;
+}
+
+/** Largest distance of nodes of the surface from a form. */
+static double farthest_node(const block *b, form f, const double *x) {
+    double most = 0;
+    uint8_t *class_of = malloc((size_t)b->mesh.n_nodes);
+    planish_shape_get_classes(b->shape, class_of);
+    for (int64_t i = 0; i < b->mesh.n_nodes; i++)
+        if (class_of[i] != PLANISH_SHAPE_NONE)
+            most = fmax(most, off_form(f, x + 3 * i));
+    free(class_of);
+    return most;
+}
+
+/* ---- tests ----------------------------------------------------------------------------------- */
+
+/** A fit, its result, and what smoothing then made of it. */
+typedef struct outcome {
+    planish_fit_info before, after;
+    double *x, *smoothed;
+    planish_shape_distance distance;
+} outcome;
+
+static void fit(block *b, const sheet *onto, double reach, const planish_options *options,
+                outcome *o) {
+    planish_fit *f;
+    planish_plan *plan;
+    planish_error error = {.text = ""};
+    planish_options smoothing = *options;
+    uint8_t *constraint = calloc((size_t)b->mesh.n_nodes, 1);
+    planish_mesh mesh = b->mesh;
+    o->x = test_copy_of(&b->mesh);
+    if (planish_fit_create(&b->mesh, b->shape, onto->shape, reach, options, &f, &o->before,
+                           &error) ||
+        planish_fit_move(f, &b->mesh, o->x, options, &o->after, &error))
+        fail_msg("%s", error.text);
+    mesh.coordinates = o->x;
+    o->smoothed = test_copy_of(&mesh);
+    planish_fit_constrain(f, constraint);
+    mesh.constraint = constraint;
+    smoothing.project = planish_fit_project;
+    smoothing.project_user = f;
+    smoothing.progress = NULL;
+    if (planish_plan_create(&mesh, &smoothing, &plan, &error) ||
+        planish_smooth(plan, o->smoothed, &smoothing, NULL, &error))
+        fail_msg("%s", error.text);
+    mesh.coordinates = o->smoothed;
+    if (planish_fit_measure(f, &mesh, &o->distance, &error))
+        fail_msg("%s", error.text);
+    planish_plan_destroy(plan);
+    planish_fit_destroy(f);
+    free(constraint);
+}
+
+static void free_outcome(outcome *o) {
+    free(o->x);
+    free(o->smoothed);
+}
+
+static void say(const char *what, const block *b, const outcome *o) {
+    const int64_t n_inverted = count_inverted(&b->mesh, b->given);
+    figure("%s: %d inverted; %d nodes on patches, %d on curves, %d at corners, %d out of reach, %d "
+           "off by %.3g; "
+           "after: %d "
+           "off by %.3g; %.3g (%.3g h) there, %.3g (%.3g h) back",
+           what, (int)n_inverted, (int)o->before.n_on_patch, (int)o->before.n_on_curve,
+           (int)o->before.n_on_corner, (int)o->before.n_out_of_reach, (int)o->before.n_off,
+           o->before.farthest, (int)o->after.n_off, o->after.farthest, o->distance.distance,
+           o->distance.in_edges, o->distance.distance_back, o->distance.back_in_edges);
+}
+
+static void test_ball(void **state) {
+    (void)state;
+    block b;
+    sheet fine;
+    outcome o;
+    const planish_options options = test_options(1);
+    make_block(1, FORM_BALL, 6, 0.95, 0.02, &b);
+    make_sheet(FORM_BALL, 24, 1, 1, &fine);
+    fit(&b, &fine, 0, &options, &o);
+    say("ball of tetrahedra", &b, &o);
+    assert_int_equal(count_inverted(&b.mesh, o.x), 0);
+    assert_int_equal(count_inverted(&b.mesh, o.smoothed), 0);
+    assert_int_equal(o.after.n_off, 0);
+    assert_true(farthest_node(&b, FORM_BALL, o.x) < 2e-3);
+    assert_true(farthest_node(&b, FORM_BALL, o.smoothed) < 2e-3);
+    free_outcome(&o);
+    free_block(&b);
+    free_sheet(&fine);
+}
+
+static void test_cylinder(void **state) {
+    (void)state;
+    block b;
+    sheet fine;
+    outcome o;
+    const planish_options options = test_options(1);
+    make_block(0, FORM_CYLINDER, 6, 1, 0.02, &b);
+    make_sheet(FORM_CYLINDER, 24, 1, 0, &fine);
+    fit(&b, &fine, 0, &options, &o);
+    say("cylinder of hexahedra", &b, &o);
+    assert_int_equal(count_inverted(&b.mesh, o.x), 0);
+    assert_int_equal(count_inverted(&b.mesh, o.smoothed), 0);
+    assert_int_equal(o.after.n_off, 0);
+    assert_true(farthest_node(&b, FORM_CYLINDER, o.x) < 4e-3);
+    free_outcome(&o);
+    free_block(&b);
+    free_sheet(&fine);
+}
+
+/** Number of elements that are inverted if each node of the surface goes to the nearest point of a ball. */
+static int64_t count_after_projection(const block *b, double radius) {
+    double *x = test_copy_of(&b->mesh);
+    uint8_t *class_of = malloc((size_t)b->mesh.n_nodes);
+    planish_shape_get_classes(b->shape, class_of);
+    for (int64_t i = 0; i < b->mesh.n_nodes; i++) {
+        const double r =
+            sqrt(x[3 * i] * x[3 * i] + x[3 * i + 1] * x[3 * i + 1] + x[3 * i + 2] * x[3 * i + 2]);
+        for (int d = 0; d < 3 && class_of[i] != PLANISH_SHAPE_NONE; d++)
+            x[3 * i + d] *= radius / r;
+    }
+    const int64_t n = count_inverted(&b->mesh, x);
+    free(class_of);
+    free(x);
+    return n;
+}
+
+/** Plain projection inverts hexahedra: the fit does not, and comes as far. */
+static void test_block_onto_ball(void **state) {
+    (void)state;
+    block b;
+    sheet fine;
+    outcome o;
+    const planish_options options = test_options(1);
+    make_block(0, FORM_CUBE, 6, 0.8, 0, &b);
+    make_sheet(FORM_BALL, 24, 0.5, 0, &fine);
+    fit(&b, &fine, 5, &options, &o);
+    say("block onto a ball", &b, &o);
+    assert_true(count_after_projection(&b, 0.5) > 0);
+    assert_int_equal(count_inverted(&b.mesh, o.x), 0);
+    assert_int_equal(count_inverted(&b.mesh, o.smoothed), 0);
+    assert_int_equal(o.after.n_off, 0);
+    free_outcome(&o);
+    free_block(&b);
+    free_sheet(&fine);
+}
+
+/** Nodes inside are held, and no more is possible than they allow. */
+static void test_not_there(void **state) {
+    (void)state;
+    block b;
+    sheet fine;
+    outcome o;
+    const planish_options options = test_options(1);
+    make_block(0, FORM_CUBE, 6, 0.8, 0, &b);
+    make_sheet(FORM_BALL, 24, 0.75, 0, &fine);
+    uint8_t *constraint = malloc((size_t)b.mesh.n_nodes);
+    uint8_t *class_of = malloc((size_t)b.mesh.n_nodes);
+    planish_shape_get_classes(b.shape, class_of);
+    for (int64_t i = 0; i < b.mesh.n_nodes; i++)
+        constraint[i] =
+            class_of[i] == PLANISH_SHAPE_NONE ? PLANISH_CONSTRAINT_FIXED : PLANISH_CONSTRAINT_FREE;
+    b.mesh.constraint = constraint;
+    fit(&b, &fine, 5, &options, &o);
+    say("block whose inside is held", &b, &o);
+    assert_int_equal(count_inverted(&b.mesh, o.x), 0);
+    assert_true(o.after.n_off > 0 && o.after.n_off < o.before.n_off);
+    assert_true(o.after.farthest > 0.1 && o.after.farthest < o.before.farthest);
+    for (int64_t i = 0; i < b.mesh.n_nodes; i++)
+        if (constraint[i] == PLANISH_CONSTRAINT_FIXED)
+            assert_memory_equal(o.x + 3 * i, b.given + 3 * i, 3 * sizeof *o.x);
+    /* The certificate knows of what is not there. */
+    assert_true(o.distance.distance > 0.99 * o.after.farthest);
+    assert_true(o.distance.distance_back > 0);
+    free(constraint);
+    free(class_of);
+    free_outcome(&o);
+    free_block(&b);
+    free_sheet(&fine);
+}
+
+/** Whether no other tetrahedron has the facet that is opposite to a corner. */
+static int is_boundary(const planish_mesh *mesh, int64_t element, int corner) {
+    const int32_t *node = mesh->elements + 4 * element;
+    for (int64_t i = 0; i < mesh->n_elements; i++) {
+        const int32_t *other = mesh->elements + 4 * i;
+        int n = 0;
+        for (int k = 0; k < 16; k++)
+            n += k / 4 != corner && node[k / 4] == other[k % 4];
+        if (i != element && n == 3)
+            return 0;
+    }
+    return 1;
+}
+
+/** The distance is not below samples of it, nor far above. */
+static void test_certificate(void **state) {
+    (void)state;
+    block b;
+    sheet fine;
+    outcome o;
+    const planish_options options = test_options(1);
+    make_block(1, FORM_BALL, 5, 0.95, 0.02, &b);
+    make_sheet(FORM_BALL, 32, 1, 0, &fine);
+    fit(&b, &fine, 0, &options, &o);
+    uint64_t random = effort_seed(5);
+    const double sag = 2e-3; /* of the other surface, at most */
+    double most = 0;
+    for (int64_t i = 0; i < 4 * b.mesh.n_elements; i++) {
+        const int32_t *node = b.mesh.elements + i / 4 * 4;
+        for (int n = 0; n < 50 && is_boundary(&b.mesh, i / 4, (int)(i % 4)); n++) {
+            double w[3] = {random_unit(&random), random_unit(&random), random_unit(&random)};
+            double square = 0;
+            for (int d = 0; d < 3; d++) {
+                double x = 0;
+                for (int k = 0; k < 3; k++)
+                    x += w[k] / (w[0] + w[1] + w[2]) *
+                         o.smoothed[3 * (int64_t)node[(i % 4 + 1 + k) % 4] + d];
+                square += x * x;
+            }
+            most = fmax(most, fabs(1 - sqrt(square)));
+        }
+    }
+    figure("certificate: %.4g sampled, %.4g bound", most, o.distance.distance);
+    assert_true(most < o.distance.distance + sag);
+    assert_true(most > 0.8 * o.distance.distance);
+    free_outcome(&o);
+    free_block(&b);
+    free_sheet(&fine);
+}
+
+/** The bits are the same for two threads. */
+static void test_threads(void **state) {
+    (void)state;
+    for (int is_tets = 0; is_tets < 2; is_tets++) {
+        block b;
+        sheet fine;
+        outcome o[2];
+        make_block(is_tets, is_tets ? FORM_BALL : FORM_CUBE, 6, 0.8, 0.02, &b);
+        make_sheet(FORM_BALL, 20, 0.6, 0, &fine);
+        for (int i = 0; i < 2; i++) {
+            const planish_options options = test_options(i + 1);
+            fit(&b, &fine, 5, &options, &o[i]);
+        }
+        assert_memory_equal(o[0].x, o[1].x, test_bytes_of(&b.mesh));
+        assert_memory_equal(o[0].smoothed, o[1].smoothed, test_bytes_of(&b.mesh));
+        assert_memory_equal(&o[0].distance, &o[1].distance, sizeof o[0].distance);
+        assert_memory_equal(&o[0].after, &o[1].after, sizeof o[0].after);
+        free_outcome(&o[0]);
+        free_outcome(&o[1]);
+        free_block(&b);
+        free_sheet(&fine);
+    }
+}
+
+static int stop_soon(const planish_progress *progress, void *left) {
+    (void)progress;
+    return --*(int *)left <= 0;
+}
+
+/** Whenever it is stopped, what it hands out is valid. */
+static void test_stop(void **state) {
+    (void)state;
+    block b;
+    sheet fine;
+    make_block(0, FORM_CUBE, 5, 0.8, 0, &b);
+    make_sheet(FORM_BALL, 16, 0.5, 0, &fine);
+    for (int calls = 1; calls < 200; calls *= 3) {
+        outcome o;
+        int left = calls;
+        planish_options options = test_options(1);
+        options.progress = stop_soon;
+        options.progress_user = &left;
+        fit(&b, &fine, 5, &options, &o);
+        assert_int_equal(count_inverted(&b.mesh, o.x), 0);
+        free_outcome(&o);
+    }
+    free_block(&b);
+    free_sheet(&fine);
+}
+
+/** Return the error of a fit that is refused. */
+static planish_error refusal(const block *b, const planish_mesh *mesh, const planish_shape *onto,
+                             double reach) {
+    planish_fit *f = NULL;
+    planish_error error = {.text = ""};
+    assert_int_not_equal(planish_fit_create(mesh, b->shape, onto, reach, NULL, &f, NULL, &error),
+                         0);
+    assert_null(f);
+    return error;
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    block b;
+    sheet ball;
+    make_block(0, FORM_CUBE, 2, 1, 0, &b);
+    make_sheet(FORM_BALL, 8, 1000, 0, &ball);
+    planish_error error = refusal(&b, &b.mesh, ball.shape, 0);
+    assert_int_equal(error.code, PLANISH_ERROR_MESH);
+    assert_non_null(strstr(error.text, "no node of the mesh's surface is within 3 edges"));
+    assert_non_null(strstr(error.text, "(-1000 -1000 -1000) to (1000 1000 1000)"));
+    error = refusal(&b, &b.mesh, ball.shape, -1);
+    assert_int_equal(error.code, PLANISH_ERROR_ARGUMENT);
+    const int32_t pairs[] = {0, 2};
+    planish_mesh mesh = b.mesh;
+    mesh.n_periodic = 1;
+    mesh.periodic = pairs;
+    error = refusal(&b, &mesh, ball.shape, 0);
+    assert_int_equal(error.code, PLANISH_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.text, "periodic"));
+    const planish_part part = {.node_number = NULL};
+    mesh = b.mesh;
+    mesh.part = &part;
+    error = refusal(&b, &mesh, ball.shape, 0);
+    assert_int_equal(error.code, PLANISH_ERROR_PARTS);
+    mesh = b.mesh;
+    mesh.n_nodes--;
+    error = refusal(&b, &mesh, ball.shape, 0);
+    assert_int_equal(error.code, PLANISH_ERROR_ARGUMENT);
+    cell_box *raised = cell_box_raise(b.box, 0);
+    planish_shape *shape;
+    planish_fit *f;
+    assert_int_equal(planish_shape_create(&raised->mesh, NULL, 1, &shape, NULL, NULL), 0);
+    assert_int_equal(
+        planish_fit_create(&raised->mesh, shape, ball.shape, 0, NULL, &f, NULL, &error),
+        PLANISH_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.text, "of order 2"));
+    planish_shape_destroy(shape);
+    cell_box_destroy(raised);
+    assert_int_equal(planish_fit_project(0, NULL, NULL, NULL), PLANISH_CONSTRAINT_FIXED);
+    planish_fit_destroy(NULL);
+    free_block(&b);
+    free_sheet(&ball);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_ball),
+        cmocka_unit_test(test_cylinder),
+        cmocka_unit_test(test_block_onto_ball),
+        cmocka_unit_test(test_not_there),
+        cmocka_unit_test(test_certificate),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_stop),
+        cmocka_unit_test(test_refusals),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
