@@ -8,7 +8,9 @@
 #include "support/cell_meshes.h"
 #include "support/effort.h"
 #include "support/run.h"
+#include "support/surfaces.h"
 #include "support/tangles.h"
+#include "geometry/cell.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -430,6 +432,206 @@ static int expect_cells(FILE *list, int threads, planish_isa isa, const char *wr
     return different;
 }
 
+/* ---- shapes ------------------------------------------------------------------------------- */
+
+/** A mesh and the shape of its surface; arrays are owned. */
+typedef struct shaped {
+    subject s;
+    cell_box *box;        /* NULL: of tetrahedra, or a known surface */
+    planish_cells facets; /* of a surface */
+    test_surface known;   /* likewise */
+    planish_shape *shape;
+    int is_surface;
+} shaped;
+
+enum { BALL, CYLINDER, SIZE = 5 };
+
+/** Bodies, and surfaces in space: of boxes of cells that are made round, or known ones. */
+static const struct {
+    const char *name;
+    int is_surface, form, kind; /* N_BOX_KINDS: of tetrahedra, or a known surface form */
+} rounds[] = {
+    {"ball", 0, BALL, N_BOX_KINDS},
+    {"cylinder", 0, CYLINDER, N_BOX_KINDS},
+    {"hexahedral-cylinder", 0, CYLINDER, BOX_HEXAHEDRA},
+    {"hexahedral-ball", 0, BALL, BOX_HEXAHEDRA},
+    {"wedges-in-cylinder", 0, CYLINDER, BOX_WEDGES},
+    {"mixed-ball", 0, BALL, BOX_MIXED},
+    {"sphere-in-space", 1, 0, N_BOX_KINDS},
+    {"torus-in-space", 1, 1, N_BOX_KINDS},
+    {"cylinder-in-space", 1, 2, N_BOX_KINDS},
+    {"fillets-in-space", 1, 4, N_BOX_KINDS},
+    {"quadrilaterals-of-ball", 1, BALL, BOX_HEXAHEDRA},
+    {"facets-of-cylinder", 1, CYLINDER, BOX_MIXED},
+};
+
+/** Push what is within the box, and sides along themselves; take it to a ball, or its y and z to a disc. */
+static void make_round(const planish_mesh *mesh, double *x, int form) {
+    unsigned seed = 11;
+    for (int64_t i = 0; i < 3 * mesh->n_nodes; i++)
+        if (x[i] > 0 && x[i] < SIZE)
+            x[i] += 0.4 * (test_random(&seed) - 0.5);
+    for (int64_t i = 0; i < 3 * mesh->n_nodes; i += 3) {
+        double g[3], square[3];
+        for (int d = 0; d < 3; d++) {
+            g[d] = 2 * x[i + d] / SIZE - 1;
+            square[d] = form == CYLINDER && d == 0 ? 0 : g[d] * g[d] / 2;
+        }
+        for (int d = form == CYLINDER; d < 3; d++) {
+            const double a = square[(d + 1) % 3], b = square[(d + 2) % 3];
+            x[i + d] = SIZE / 2. * (g[d] * sqrt(1 - a - b + 4 * a * b / 3) + 1);
+        }
+    }
+}
+
+/** Make the facets of a box that are in its sides, which are round already: start has its nodes before. */
+static void list_facets(shaped *t, const double *start) {
+    const planish_cells *cells = &t->box->cells;
+    uint8_t *type = checked(calloc((size_t)cells->n * PL_CELL_FACES, 1));
+    int64_t *offset = checked(calloc((size_t)cells->n * PL_CELL_FACES + 1, sizeof *offset));
+    int32_t *node = checked(calloc((size_t)cells->n * PL_CELL_FACES * 4, sizeof *node));
+    int64_t n = 0;
+    for (int64_t c = 0; c < cells->n; c++) {
+        const pl_cell_shape *shape = pl_cell_type_of(cells->type[c])->shape;
+        for (int f = 0; f < shape->n_facets; f++) {
+            const int corners = shape->facet[f][3] < shape->n_corners ? 4 : 3;
+            int is_on[6] = {0};
+            for (int j = 0; j < corners; j++) {
+                const int32_t v = cells->node[cells->offset[c] + shape->facet[f][j]];
+                node[offset[n] + j] = v;
+                for (int side = 0; side < 6; side++)
+                    is_on[side] += start[3 * v + side / 2] == (side % 2) * SIZE;
+            }
+            int on = 0;
+            for (int side = 0; side < 6; side++)
+                on |= is_on[side] == corners;
+            if (!on)
+                continue;
+            type[n] = corners == 4 ? PLANISH_CELL_QUADRILATERAL : PLANISH_CELL_TRIANGLE;
+            offset[n + 1] = offset[n] + corners;
+            n++;
+        }
+    }
+    t->facets = (planish_cells){.n = n, .type = type, .offset = offset, .node = node};
+}
+
+static void shaped_create(shaped *t, int which) {
+    const int form = rounds[which].form, is_surface = rounds[which].is_surface;
+    double *x;
+    memset(t, 0, sizeof *t);
+    t->is_surface = is_surface;
+    if (rounds[which].kind < N_BOX_KINDS) {
+        t->box = cell_box_create((cell_box_kind)rounds[which].kind, SIZE);
+        t->s.base.mesh = t->box->mesh;
+        x = t->box->x;
+    } else if (is_surface) {
+        test_surface_known(&t->known, form, 4, 0.3, 5);
+        t->s.base.mesh = t->known.mesh;
+        x = t->known.x[0];
+    } else {
+        test_mesh_box(&t->s.base, 3, SIZE);
+        x = t->s.base.coordinates;
+    }
+    planish_mesh *mesh = &t->s.base.mesh;
+    const size_t n = (size_t)mesh->n_nodes;
+    if (t->box && is_surface) {
+        list_facets(t, x);
+        mesh->cells = &t->facets;
+        mesh->n_elements = t->facets.n;
+    }
+    if (t->box || !is_surface)
+        make_round(mesh, x, form);
+    for (size_t i = 0; i < 3 * n; i++)
+        x[i] = round(x[i] * 0x1p20) * 0x1p-20;
+    assert_int_equal(planish_shape_create(mesh, NULL, 1, &t->shape, NULL, NULL), 0);
+    if (is_surface)
+        return;
+    t->s.constraint = checked(malloc(n));
+    t->s.direction = checked(calloc(3 * n, sizeof *t->s.direction));
+    const planish_surface surface = {.shape = t->shape};
+    assert_int_equal(
+        planish_find_slides(mesh, &surface, 1, t->s.constraint, t->s.direction, NULL, NULL), 0);
+    mesh->constraint = t->s.constraint;
+    mesh->direction = t->s.direction;
+}
+
+static void shaped_destroy(shaped *t) {
+    planish_shape_destroy(t->shape);
+    free(t->s.constraint);
+    free(t->s.direction);
+    if (t->box) {
+        free((void *)t->facets.type);
+        free((void *)t->facets.offset);
+        free((void *)t->facets.node);
+        cell_box_destroy(t->box);
+    } else if (t->is_surface) {
+        test_surface_destroy(&t->known);
+    } else {
+        test_mesh_destroy(&t->s.base);
+    }
+}
+
+/** A line as smooth_line's, and how many moves were shortened or refused for the shape's sake. */
+static void shape_line(const shaped *t, const char *name, const char *way,
+                       const planish_options *options, char *line) {
+    planish_plan *plan = NULL;
+    planish_error error = {.text = ""};
+    planish_result result;
+    planish_mesh mesh = t->s.mesh;
+    double *x = test_copy_of(&mesh);
+    if (t->is_surface ? planish_smooth_surface(&mesh, x, options, &result, &error)
+                      : planish_plan_create(&mesh, options, &plan, &error) ||
+                            planish_smooth(plan, x, options, &result, &error))
+        fail_msg("%s %s: %s", name, way, error.text);
+    mesh.coordinates = x;
+    snprintf(line, LINE, "%s %s %016llx %016llx %lld", name, way,
+             (unsigned long long)planish_checksum(&mesh), (unsigned long long)hash_result(&result),
+             (long long)result.n_off_shape);
+    planish_plan_destroy(plan);
+    free(x);
+}
+
+/** Whether a way is one of nodes on a shape: each mesh takes some of them. */
+static int is_way_on_shape(const shaped *t, size_t which, size_t way) {
+    const unsigned how = ways[way].how;
+    const unsigned never = SLIDE | SURFACE | PERIODIC | MIN_VOLUMES | AROUND | LAPLACIAN | TANGLED;
+    const unsigned of_plans = EDGE_RATIO | FLETCHER_REEVES | MIN_VOLUME | WEIGHT | SELECT_LATER;
+    if (how & never || (t->is_surface && how & of_plans) || (how & BOUNDS && how & MIN_VOLUME))
+        return 0;
+    return how == 0 || way % 3 == which % 3;
+}
+
+/** The lines of nodes that slide on the shape of their surface, and of surfaces in space. */
+static int expect_shapes(FILE *list, int threads, planish_isa isa, const char *write) {
+    char line[LINE];
+    int different = 0, n = 0;
+    for (size_t which = 0; which < sizeof rounds / sizeof *rounds; which++) {
+        shaped t;
+        shaped_create(&t, (int)which);
+        for (size_t way = 0; way < sizeof ways / sizeof *ways && different < ENOUGH; way++) {
+            planish_options options;
+            if (!is_way_on_shape(&t, which, way) || !set_way(&t.s, ways[way].how, &options))
+                continue;
+            if (n++ % effort_step(4) > 0) {
+                assert_non_null(fgets(line, sizeof line, list));
+                continue;
+            }
+            if (options.worst != PLANISH_WORST_NONE && t.box)
+                options.worst = options.worst == PLANISH_WORST_ANGLE ? PLANISH_WORST_SCALED_JACOBIAN
+                                                                     : PLANISH_WORST_ASPECT_RATIO;
+            options.shape = t.shape;
+            options.threads = threads;
+            options.isa = isa;
+            shape_line(&t, rounds[which].name, ways[way].name, &options, line);
+            different += compare_line(list, line, write);
+        }
+        shaped_destroy(&t);
+    }
+    return different;
+}
+
+/* ---- all ------------------------------------------------------------------------------------ */
+
 /** All lines with these threads and this kernel. */
 static void expect_list(int threads, planish_isa isa, const char *write) {
     char line[LINE];
@@ -455,6 +657,8 @@ static void expect_list(int threads, planish_isa isa, const char *write) {
     }
     if (different < ENOUGH)
         different += expect_cells(list, threads, isa, write);
+    if (different < ENOUGH)
+        different += expect_shapes(list, threads, isa, write);
     assert_true(write || different || fgetc(list) == EOF);
     assert_int_equal(fclose(list), 0);
     assert_int_equal(different, 0);
