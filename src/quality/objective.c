@@ -125,51 +125,190 @@ static double volume_constraint(const pl_objective_problem *problem, int64_t ind
     return least > 0 ? fmax(1 - measure / least, LOWEST_G) : -INFINITY;
 }
 
-/** Add an element to sums. blunt: RR^2 up to which an element has no smaller angle than those added
- *  so far. */
-static inline void add_element(const objective_pass *pass, int64_t index, exact_sums *sums,
-                               double *blunt, const int dim) {
-    const pl_objective_problem *problem = pass->problem;
-    const pl_view *mesh = &problem->mesh;
-    const element e = element_at(pass, index, dim);
-    const double g = volume_constraint(problem, index, e.measure);
-    pl_sum_add(&sums->sum[WHOLE], e.measure);
+/** Measures of an element, and whether it has a movable node. */
+typedef struct measures {
+    double measure;
+    int is_positive, is_movable;
+    double radius, aspect; /* RR^2, and AR^2 of the objective; of positive ones */
+} measures;
+
+/** Add an element to sums; but not to RATIO where that is RADIUS. */
+static inline void add_measures(const pl_objective_problem *problem, int64_t index,
+                                const measures *m, exact_sums *sums) {
+    const double g = volume_constraint(problem, index, m->measure);
+    const int movable = m->is_movable;
+    pl_sum_add(&sums->sum[WHOLE], m->measure);
     sums->n[BELOW] += g > PLANISH_VOLUME_TOLERANCE;
     if (g > 0)
         pl_sum_add(&sums->sum[SHORTFALL], g * g);
-    if (!(e.determinant > 0)) {
+    if (!m->is_positive) {
         sums->n[INVERTED]++;
         return;
     }
-    const double *x[4] = {e.x[0], e.x[1], e.x[2], e.x[3]};
-    const double radius = pl_radius_ratio_square(dim, x);
-    const int movable =
-        mesh->is_movable
-            ? mesh->is_movable[index] != 0
-            : pl_any_moves(mesh->mobility, mesh->elements + index * (dim + 1), dim + 1);
     sums->n[VALID + movable]++;
-    pl_sum_add(&sums->sum[RADIUS + movable], radius);
+    pl_sum_add(&sums->sum[RADIUS + movable], m->radius);
     if (movable)
-        sums->radius_max = radius > sums->radius_max ? radius : sums->radius_max;
-    if (movable && radius > *blunt) {
-        double edges[3][3] = {{0}};
-        pl_edges(dim, x, edges);
-        const double acuteness = pl_acuteness(dim, edges, e.determinant);
-        if (acuteness > sums->acuteness) {
-            sums->acuteness = acuteness;
-            *blunt = pl_blunt_ratio_square(dim, acuteness);
-        }
-    }
-    double aspect = radius;
-    if (problem->objective != PLANISH_OBJECTIVE_RADIUS_RATIO) {
-        const double ratio = problem->objective == PLANISH_OBJECTIVE_MEAN_RATIO
-                                 ? 1 / fabs(pl_mean_ratio(dim, x))
-                                 : pl_smoothed_edge_ratio(dim, x);
-        aspect = ratio * ratio;
-    }
-    pl_sum_add(&sums->sum[RATIO + movable], aspect);
+        sums->radius_max = m->radius > sums->radius_max ? m->radius : sums->radius_max;
+    if (problem->objective != PLANISH_OBJECTIVE_RADIUS_RATIO)
+        pl_sum_add(&sums->sum[RATIO + movable], m->aspect);
     if (g > -INFINITY)
         pl_sum_add(&sums->sum[VOLUME + movable], g * g);
+}
+
+/** Take the smallest angle of a positive element into sums. blunt: RR^2 up to which an element has no
+ *  smaller angle than those so far. */
+static void take_angle(const element *e, exact_sums *sums, double *blunt, const int dim) {
+    const double *x[4] = {e->x[0], e->x[1], e->x[2], e->x[3]};
+    double edges[3][3] = {{0}};
+    pl_edges(dim, x, edges);
+    const double acuteness = pl_acuteness(dim, edges, e->determinant);
+    if (!(acuteness > sums->acuteness))
+        return;
+    sums->acuteness = acuteness;
+    *blunt = pl_blunt_ratio_square(dim, acuteness);
+}
+
+/** AR^2 of the objective, of an element with this RR^2. */
+static double aspect_of(planish_objective objective, const double *const x[], double radius,
+                        const int dim) {
+    if (objective == PLANISH_OBJECTIVE_RADIUS_RATIO)
+        return radius;
+    const double ratio = objective == PLANISH_OBJECTIVE_MEAN_RATIO ? 1 / fabs(pl_mean_ratio(dim, x))
+                                                                   : pl_smoothed_edge_ratio(dim, x);
+    return ratio * ratio;
+}
+
+/* ---- simplices in blocks --------------------------------------------------------------------- */
+
+/* Elements of these sizes have no measures that over- or underflow, unless their edges differ by as
+ * much (pl_permanent_bound). */
+static const double LEAST_EXTENT = 0x1p-100;
+static const double MOST_EXTENT = 0x1p100;
+
+/** A block of elements. Once evaluated, places, RR^2 and volumes of those that are certain are those
+ *  of element_at, bit for bit. */
+typedef struct simplex_block {
+    pl_block of;
+    double determinant[PL_SUM_LANES];
+    double mean[PL_SUM_LANES]; /* mu^2 */
+} simplex_block;
+
+/** Powers of two for an element with this extent: *scale brings it to a size of 1/2 to 1 as
+ *  element_at does; returns its inverse. */
+PL_INLINE double scales_of(double extent, double *scale) {
+    uint64_t bits, exponent;
+    double inverse;
+    memcpy(&bits, &extent, sizeof bits);
+    exponent = bits & (uint64_t)0x7ff << 52;
+    bits = ((uint64_t)2045 << 52) - exponent;
+    memcpy(scale, &bits, sizeof bits);
+    bits = exponent + ((uint64_t)1 << 52);
+    memcpy(&inverse, &bits, sizeof bits);
+    return inverse;
+}
+
+PL_INLINE void evaluate_simplices(simplex_block *s, const int dim) {
+    pl_block *b = &s->of;
+    for (int l = 0; l < PL_SUM_LANES; l++) {
+        double x[4][3] = {{0}}, edges[3][3], extent = 0, scale;
+        for (int j = 1; j <= dim; j++)
+            for (int d = 0; d < dim; d++)
+                extent = pl_larger(extent, fabs(0.5 * b->x[j][d][l] - 0.5 * b->x[0][d][l]));
+        const double unit = scales_of(extent, &scale);
+        for (int j = 1; j <= dim; j++)
+            for (int d = 0; d < dim; d++) {
+                x[j][d] = b->x[j][d][l] * scale - b->x[0][d][l] * scale;
+                b->x[j][d][l] = edges[j - 1][d] = x[j][d];
+            }
+        const pl_shape shape = pl_shape_of_edges(dim, edges);
+        const double error = CERTAIN * pl_permanent_bound(dim, edges);
+        const double ratio =
+            1 / pl_mean_ratio_of(dim, fabs(shape.determinant), pl_edge_squares_of(dim, x).sum);
+        double volume = b->sign[l] * shape.determinant / (dim == 3 ? 6 : 2);
+        for (int d = 0; d < dim; d++)
+            volume *= unit;
+        s->determinant[l] = b->sign[l] * shape.determinant;
+        s->mean[l] = ratio * ratio;
+        b->certain[l] = fabs(shape.determinant) > error ? 1 : 0;
+        b->certain[l] = extent > LEAST_EXTENT ? b->certain[l] : 0;
+        b->certain[l] = extent < MOST_EXTENT ? b->certain[l] : 0;
+        b->square[l] = pl_radius_ratio_square_of_shape(dim, &shape);
+        b->volume[l] = volume;
+    }
+    memset(b->x[0], 0, sizeof b->x[0]);
+}
+
+PL_INLINE void evaluate_of_dim(simplex_block *s, int dim) {
+    if (dim == 3)
+        evaluate_simplices(s, 3);
+    else
+        evaluate_simplices(s, 2);
+}
+
+/* With wider vectors; the bits are the same. */
+#if defined(__x86_64__) && defined(__GNUC__)
+__attribute__((target("avx2"))) static void evaluate_wide(simplex_block *s, int dim) {
+    evaluate_of_dim(s, dim);
+}
+#endif
+
+static void evaluate_any(simplex_block *s, int dim) {
+#if defined(__x86_64__) && defined(__GNUC__)
+    if (__builtin_cpu_supports("avx2")) {
+        evaluate_wide(s, dim);
+        return;
+    }
+#endif
+    evaluate_of_dim(s, dim);
+}
+
+/** Element in lane l, but for its measure. */
+static element element_in_block(const simplex_block *s, int l, const int dim) {
+    element e = {.determinant = s->determinant[l]};
+    for (int j = 0; j <= dim; j++)
+        for (int d = 0; d < dim; d++)
+            e.x[j][d] = s->of.x[j][d][l];
+    return e;
+}
+
+/** Add element index, in lane l, to sums; blunt as for take_angle. */
+static inline void add_lane(const objective_pass *pass, const simplex_block *s, int l,
+                            int64_t index, exact_sums *sums, double *blunt, const int dim) {
+    const planish_objective objective = pass->problem->objective;
+    const int is_certain = s->of.certain[l] != 0,
+              is_mean = objective == PLANISH_OBJECTIVE_MEAN_RATIO;
+    const int needs_aspect =
+        objective != PLANISH_OBJECTIVE_RADIUS_RATIO && !(is_certain && is_mean);
+    measures m = {s->of.volume[l], s->determinant[l] > 0, s->of.is_movable[l] != 0, s->of.square[l],
+                  s->mean[l]};
+    const int needs_angle = m.is_movable && (!is_certain || m.radius > *blunt);
+    if (!is_certain || needs_aspect || needs_angle) {
+        const element e = is_certain ? element_in_block(s, l, dim) : element_at(pass, index, dim);
+        const double *x[4] = {e.x[0], e.x[1], e.x[2], e.x[3]};
+        m.is_positive = e.determinant > 0;
+        if (!is_certain) {
+            m.measure = e.measure;
+            m.radius = pl_radius_ratio_square(dim, x);
+        }
+        if (needs_aspect)
+            m.aspect = aspect_of(objective, x, m.radius, dim);
+        if (m.is_positive && m.is_movable && m.radius > *blunt)
+            take_angle(&e, sums, blunt, dim);
+    }
+    add_measures(pass->problem, index, &m, sums);
+}
+
+/** Add elements first .. first + count - 1 to sums; blunt as for take_angle. */
+PL_INLINE void add_block(const objective_pass *pass, int64_t first, int count, exact_sums *sums,
+                         double *blunt, const int dim) {
+    const pl_mesh_state mesh = {&pass->problem->mesh, pass->problem->coordinates};
+    const uint8_t *is_counted = mesh.of->is_counted;
+    simplex_block s;
+    pl_block_gather(&mesh, first, count, &s.of);
+    evaluate_any(&s, dim);
+    for (int l = 0; l < count; l++)
+        if (!is_counted || is_counted[first + l])
+            add_lane(pass, &s, l, first + l, sums, blunt, dim);
 }
 
 /** Add the sums of a chunk to those of all. */
@@ -189,14 +328,12 @@ static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
     double blunt = 0;
     (void)thread;
     memset(&part, 0, sizeof part);
-    const uint8_t *is_counted = pass->problem->mesh.is_counted;
-    for (int64_t i = begin; i < end; i++) {
-        if (is_counted && !is_counted[i])
-            continue;
+    for (int64_t i = begin; i < end; i += PL_SUM_LANES) {
+        const int count = end - i < PL_SUM_LANES ? (int)(end - i) : PL_SUM_LANES;
         if (pass->problem->mesh.dim == 3)
-            add_element(pass, i, &part, &blunt, 3);
+            add_block(pass, i, count, &part, &blunt, 3);
         else
-            add_element(pass, i, &part, &blunt, 2);
+            add_block(pass, i, count, &part, &blunt, 2);
     }
     merge_sums(&part, pass->sums);
 }
@@ -309,6 +446,8 @@ void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *su
                     has_corners ? add_cells_chunk : add_chunk, &pass);
     if (has_corners && pl_is_mean(problem->objective))
         memcpy(&all.sum[RADIUS], &all.sum[RATIO], 2 * sizeof *all.sum);
+    if (!has_corners && problem->objective == PLANISH_OBJECTIVE_RADIUS_RATIO)
+        memcpy(&all.sum[RATIO], &all.sum[RADIUS], 2 * sizeof *all.sum);
     double most[] = {all.radius_max, all.acuteness};
     pl_parts_add_sums(all.sum, N_SUMS);
     pl_parts_add(all.n, N_COUNTS);
