@@ -1,5 +1,6 @@
 /* Curved surfaces: random small bodies are smoothed on the shape of their surface, and judged by
  * samples and brute force. PLANISH_CASE=NUMBER does one case alone. */
+#include "support/bodies.h"
 #include "support/effort.h"
 #include "support/run.h"
 #include "support/sheets.h"
@@ -12,190 +13,7 @@
 
 #include <cmocka.h>
 
-enum { DIVISIONS = 4, MOST_NODES = 1000 };
-
-/* ---- bodies --------------------------------------------------------------------------------- */
-
-/** Kinds of bodies. */
-enum {
-    BODY_BUMPS,   /* a box with a wavy top */
-    BODY_BALL,    /* no features */
-    BODY_ROD,     /* bent, round, with two circles */
-    BODY_WEDGE,   /* a box with a crease of 3 to 100 degrees along its top and bottom */
-    BODY_PLATE,   /* thin and wavy */
-    BODY_NEEDLES, /* bumps, stretched */
-    BODY_SHEETS,  /* two wavy plates, 0.1 edges apart */
-    BODY_RING,    /* round in both directions */
-    BODY_REGIONS, /* bumps, with a wavy interface of two regions */
-    BODY_KINDS
-};
-
-/** A grid of cubes, each of six tetrahedra. */
-typedef struct body {
-    int kind, n[3], joins; /* joins: the first direction at its ends */
-    planish_mesh mesh;
-    double *x;
-    int32_t *tetrahedron, *region;
-} body;
-
-static int32_t node_at(const body *b, int i, int j, int k) {
-    i = b->joins && i == b->n[0] ? 0 : i;
-    return (int32_t)((i * (b->n[1] + 1) + j) * (b->n[2] + 1) + k);
-}
-
-/** Add the tetrahedra of a cube: along its diagonal, one for each order of the directions. */
-static void add_cube(body *b, int i, int j, int k, int32_t region) {
-    static const int ORDER[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1},
-                                    {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
-    for (int t = 0; t < 6; t++) {
-        int at[3] = {i, j, k};
-        int32_t *node = b->tetrahedron + 4 * b->mesh.n_elements;
-        node[0] = node_at(b, i, j, k);
-        for (int step = 0; step < 3; step++) {
-            at[ORDER[t][step]]++;
-            node[step + 1] = node_at(b, at[0], at[1], at[2]);
-        }
-        if (t >= 3) {
-            const int32_t last = node[3];
-            node[3] = node[2];
-            node[2] = last;
-        }
-        b->region[b->mesh.n_elements++] = region;
-    }
-}
-
-/** Map the square -1 .. 1 to the disc. */
-static void to_disc(double *u, double *v) {
-    const double a = *u, b = *v;
-    *u = a * sqrt(1 - b * b / 2);
-    *v = b * sqrt(1 - a * a / 2);
-}
-
-static void to_ball(double *x) {
-    const double u = x[0] * x[0], v = x[1] * x[1], w = x[2] * x[2];
-    x[0] *= sqrt(1 - v / 2 - w / 2 + v * w / 3);
-    x[1] *= sqrt(1 - w / 2 - u / 2 + w * u / 3);
-    x[2] *= sqrt(1 - u / 2 - v / 2 + u * v / 3);
-}
-
-/** The form of a body, drawn once. */
-typedef struct form {
-    double wave[6], slope, bend;
-} form;
-
-/** Take a place in the grid to its place in space. */
-static void to_space(const body *b, const form *f, const double g[3], double x[3]) {
-    const double pi = acos(-1.), *w = f->wave;
-    const double u = 2 * g[1] / b->n[1] - 1, v = 2 * g[2] / b->n[2] - 1;
-    const double wave = w[0] * sin(w[1] * g[0] + 3 * w[2]) + w[3] * sin(w[4] * g[1] + 3 * w[5]);
-    memcpy(x, g, 3 * sizeof *x);
-    if (b->kind == BODY_BALL) {
-        for (int d = 0; d < 3; d++)
-            x[d] = 2 * g[d] / b->n[d] - 1;
-        to_ball(x);
-        for (int d = 0; d < 3; d++)
-            x[d] *= b->n[d] / 2.;
-    } else if (b->kind == BODY_ROD || b->kind == BODY_RING) {
-        double disc[2] = {u, v};
-        to_disc(&disc[0], &disc[1]);
-        const double a = b->joins ? 2 * pi * g[0] / b->n[0] : f->bend * g[0];
-        const double r = (b->joins ? b->n[0] / (2 * pi) + 1 : 1 / f->bend) + disc[0];
-        x[0] = r * cos(a);
-        x[1] = r * sin(a);
-        x[2] = disc[1];
-    } else if (b->kind == BODY_WEDGE) {
-        x[2] = g[2] + f->slope * fabs(g[0] - b->n[0] / 2);
-    } else if (b->kind == BODY_PLATE) {
-        x[2] = 0.1 * g[2] + wave;
-    } else if (b->kind == BODY_SHEETS) {
-        x[2] = wave + (g[2] < 1 ? g[2] : g[2] < 2 ? 1 + 0.1 * (g[2] - 1) : g[2] - 0.9);
-    } else {
-        x[2] = g[2] + wave * (b->kind == BODY_REGIONS ? 1 : g[2] / b->n[2]);
-    }
-    if (b->kind == BODY_NEEDLES)
-        x[0] *= 0.03;
-}
-
-/** Place the nodes: inside and along the surface by up to amount of an edge beside the grid's place. */
-static void place_nodes(body *b, double amount, uint64_t *state) {
-    form f = {.slope = random_between(state, 0.03, 1.2), .bend = random_between(state, 0.05, 0.3)};
-    double angle[3];
-    for (int i = 0; i < 6; i++)
-        f.wave[i] = random_between(state, 0, i % 3 ? 0.9 : 0.4);
-    for (int d = 0; d < 3; d++)
-        angle[d] = random_between(state, 0, 6.3);
-    const double scale = pow(10, (double)random_below(state, 5) - 2);
-    for (int i = 0; i < b->n[0] + !b->joins; i++)
-        for (int j = 0; j <= b->n[1]; j++)
-            for (int k = 0; k <= b->n[2]; k++) {
-                double g[3] = {i, j, k}, *x = b->x + 3 * (int64_t)node_at(b, i, j, k);
-                for (int d = 0; d < 3; d++) {
-                    const double by = amount * random_between(state, -1, 1);
-                    const int at = (int)g[d];
-                    const int is_crease = b->kind == BODY_WEDGE && d == 0 && at == b->n[0] / 2;
-                    const int is_side =
-                        d == 2 && (b->kind == BODY_SHEETS || b->kind == BODY_PLATE ||
-                                   (b->kind == BODY_REGIONS && at == b->n[2] / 2));
-                    if (((at > 0 && at < b->n[d]) || (d == 0 && b->joins)) && !is_crease &&
-                        !is_side)
-                        g[d] += by;
-                }
-                to_space(b, &f, g, x);
-                for (int d = 0; d < 3; d++) {
-                    double *p = &x[d], *q = &x[(d + 1) % 3];
-                    const double u = *p * cos(angle[d]) - *q * sin(angle[d]);
-                    *q = *p * sin(angle[d]) + *q * cos(angle[d]);
-                    *p = u;
-                }
-                for (int d = 0; d < 3; d++)
-                    x[d] *= scale;
-            }
-}
-
-static body make_body(uint64_t *state) {
-    body b = {.kind = (int)random_below(state, BODY_KINDS)};
-    for (int d = 0; d < 3; d++)
-        b.n[d] = 2 + (int)random_below(state, 3);
-    if (b.kind == BODY_RING || b.kind == BODY_ROD)
-        b.n[0] += 4;
-    if (b.kind == BODY_BALL)
-        b.n[0] = b.n[1] = b.n[2] = 4 + (int)random_below(state, 2);
-    if (b.kind == BODY_PLATE)
-        b.n[2] = 1;
-    if (b.kind == BODY_SHEETS)
-        b.n[2] = 3;
-    b.joins = b.kind == BODY_RING;
-    b.mesh.dim = 3;
-    b.mesh.n_nodes = (b.n[0] + !b.joins) * (b.n[1] + 1) * (b.n[2] + 1);
-    b.x = malloc((size_t)b.mesh.n_nodes * 3 * sizeof *b.x);
-    b.tetrahedron = malloc(MOST_NODES * 24 * sizeof *b.tetrahedron);
-    b.region = malloc(MOST_NODES * 6 * sizeof *b.region);
-    for (int i = 0; i < b.n[0]; i++)
-        for (int j = 0; j < b.n[1]; j++)
-            for (int k = 0; k < b.n[2]; k++)
-                if (b.kind != BODY_SHEETS || k != 1)
-                    add_cube(&b, i, j, k, b.kind == BODY_REGIONS && k >= b.n[2] / 2);
-    place_nodes(&b, random_between(state, 0, 0.35), state);
-    b.mesh.coordinates = b.x;
-    b.mesh.elements = b.tetrahedron;
-    return b;
-}
-
-static void free_body(body *b) {
-    free(b->x);
-    free(b->tetrahedron);
-    free(b->region);
-}
-
-/** Six times the volume of an element. */
-static double volume_of(const planish_mesh *mesh, const double *x, int64_t e) {
-    const int32_t *node = mesh->elements + 4 * e;
-    double v[3][3], normal[3];
-    for (int j = 0; j < 3; j++)
-        pl_subtract(3, x + 3 * (int64_t)node[j + 1], x + 3 * (int64_t)node[0], v[j]);
-    pl_cross(v[0], v[1], normal);
-    return pl_dot(3, normal, v[2]);
-}
+enum { DIVISIONS = 4 };
 
 /* ---- a case --------------------------------------------------------------------------------- */
 
@@ -216,12 +34,16 @@ typedef struct trial {
 
 static void check_that(const trial *t, int condition, const char *promise) {
     if (!condition)
-        fail_msg("PLANISH_CASE=%lld: %s (kind %d, %s)", (long long)t->number, promise, t->body.kind,
-                 t->asks);
+        fail_msg("PLANISH_CASE=%lld: %s (kind %d of %d, %s)", (long long)t->number, promise,
+                 t->body.kind, t->body.of, t->asks);
 }
 
 /** Draw options. */
 static void draw_options(trial *t, uint64_t *state) {
+    static const planish_worst WORST[2][2] = {
+        {PLANISH_WORST_RADIUS_RATIO, PLANISH_WORST_ANGLE},
+        {PLANISH_WORST_ASPECT_RATIO, PLANISH_WORST_SCALED_JACOBIAN}};
+    const int of_cells = t->body.of != OF_TETRAHEDRA;
     planish_options *o = &t->options;
     planish_options_init(o);
     o->shape = t->shape;
@@ -242,11 +64,11 @@ static void draw_options(trial *t, uint64_t *state) {
         t->asks = "an absolute tolerance";
         break;
     case 3:
-        o->objective = PLANISH_OBJECTIVE_MEAN_RATIO;
+        o->objective = of_cells ? o->objective : PLANISH_OBJECTIVE_MEAN_RATIO;
         t->asks = "mean ratios";
         break;
     case 4:
-        o->objective = PLANISH_OBJECTIVE_EDGE_RATIO;
+        o->objective = of_cells ? o->objective : PLANISH_OBJECTIVE_EDGE_RATIO;
         t->asks = "edge ratios";
         break;
     case 5:
@@ -254,7 +76,7 @@ static void draw_options(trial *t, uint64_t *state) {
         t->asks = "floats";
         break;
     case 6:
-        o->worst = random_below(state, 2) ? PLANISH_WORST_ANGLE : PLANISH_WORST_RADIUS_RATIO;
+        o->worst = WORST[of_cells][random_below(state, 2)];
         t->asks = "the worst";
         break;
     case 7:
@@ -307,7 +129,9 @@ static void prepare(trial *t, int64_t number) {
     uint64_t state = effort_seed((uint64_t)number + 1000);
     planish_error error = {.text = ""};
     planish_slide_info info;
-    *t = (trial){.number = number, .body = make_body(&state)};
+    *t = (trial){.number = number, .body = body_create(&state)};
+    if (t->body.of != OF_TETRAHEDRA)
+        t->body.mesh.cells = &t->body.cells;
     const planish_mesh *mesh = &t->body.mesh;
     t->surface.region = t->body.region;
     t->surface.slide_interfaces = (int)random_below(&state, 2);
@@ -340,7 +164,7 @@ static void finish(trial *t) {
     planish_shape_destroy(t->shape);
     free(t->constraint);
     free(t->direction);
-    free_body(&t->body);
+    body_destroy(&t->body);
 }
 
 /* ---- promises ------------------------------------------------------------------------------- */
@@ -354,9 +178,9 @@ static int64_t check_mesh(const trial *t) {
     check_that(t, !memcmp(t->x[0], t->x[1], bytes), "2 threads give the bits of 1");
     check_that(t, !memcmp(t->x[0], t->x[2], bytes), "3 threads give the bits of 1");
     for (int64_t e = 0; e < mesh->n_elements; e++)
-        was_valid &= volume_of(mesh, t->body.x, e) > 0;
+        was_valid &= body_least_corner(&t->body, t->body.x, e) > 0;
     for (int64_t e = 0; was_valid && e < mesh->n_elements; e++)
-        check_that(t, volume_of(mesh, t->x[0], e) > 0, "no element is inverted");
+        check_that(t, body_least_corner(&t->body, t->x[0], e) > 0, "no element is inverted");
     for (int64_t i = 0; i < mesh->n_nodes; i++) {
         const int has_moved = memcmp(t->x[0] + 3 * i, t->body.x + 3 * i, 3 * sizeof(double)) != 0;
         n += has_moved && t->shape->number[i] >= 0;
@@ -443,6 +267,22 @@ static void check_features(const trial *t) {
     free(now);
 }
 
+/** How many pairs of facets cross. */
+static int64_t count_crossings(const planish_shape *s, const sheet_judge *judge) {
+    int64_t n = 0;
+    for (int64_t a = 0; a < judge->n; a++)
+        for (int64_t b = 0; b < a; b++)
+            n += sheet_cross(judge, s, a, b);
+    return n;
+}
+
+/** A surface that does not cross itself does not come to: neither two sheets across a gap, nor one that
+ *  folds. */
+static void check_crossings(const trial *t) {
+    if (count_crossings(t->shape, &t->now) > 0)
+        check_that(t, count_crossings(t->shape, &t->first) > 0, "no facets come to cross");
+}
+
 static void bodies_keep_their_shape(void **unused) {
     (void)unused;
     const char *one = getenv("PLANISH_CASE");
@@ -456,6 +296,7 @@ static void bodies_keep_their_shape(void **unused) {
         const int64_t moved = check_mesh(&t);
         check_distance(&t, &worth);
         check_features(&t);
+        check_crossings(&t);
         n_moved += moved;
         n_bodies += moved > 0;
         sum += worth;
@@ -514,11 +355,21 @@ static void prepare_sheet(trial *t, int64_t number) {
         for (int d = 0; d < 3; d++)
             given[3 * s->node[i] + d] = s->x[i][d] / s->scale;
     const planish_cells cells = {.n = s->n_facets, .type = type, .offset = offset, .node = node};
+    t->surface.shape = t->shape;
+    t->constraint = malloc((size_t)s->n_mesh);
+    t->direction = malloc((size_t)s->n_mesh * 3 * sizeof *t->direction);
     t->body.mesh = (planish_mesh){.dim = 3,
                                   .n_nodes = s->n_mesh,
                                   .n_elements = s->n_facets,
                                   .coordinates = given,
                                   .cells = &cells};
+    if (random_below(&state, 2)) { /* planes and lines first */
+        if (planish_find_slides(&t->body.mesh, &t->surface, 1, t->constraint, t->direction, NULL,
+                                &error))
+            check_that(t, 0, error.text);
+        t->body.mesh.constraint = t->constraint;
+        t->body.mesh.direction = t->direction;
+    }
     draw_options(t, &state);
     if (t->options.objective == PLANISH_OBJECTIVE_EDGE_RATIO)
         t->options.objective = PLANISH_OBJECTIVE_RADIUS_RATIO;
@@ -572,6 +423,7 @@ static void sheets_keep_their_shape(void **unused) {
         n_moved += check_sheet(&t);
         check_distance(&t, &worth);
         check_features(&t);
+        check_crossings(&t);
         finish(&t);
     }
     figure("%lld sheets smoothed in space: %lld nodes moved", (long long)n, (long long)n_moved);

@@ -367,6 +367,49 @@ double sheet_judge_sample(const sheet_judge *judge, int32_t patch, const double 
     return most;
 }
 
+/** Six times the volume of the tetrahedron of four points. */
+static double volume6(const double *a, const double *b, const double *c, const double *d) {
+    double u[3], v[3], w[3], normal[3];
+    pl_subtract(3, b, a, u);
+    pl_subtract(3, c, a, v);
+    pl_subtract(3, d, a, w);
+    pl_cross(u, v, normal);
+    return pl_dot(3, normal, w);
+}
+
+/** Whether the segment from p to q goes through a triangle, clearly. */
+static int goes_through(const double *p, const double *q, const double x[3][3], double least) {
+    const double from = volume6(x[0], x[1], x[2], p), to = volume6(x[0], x[1], x[2], q);
+    double side[3];
+    if (!(fabs(from) > least && fabs(to) > least && (from > 0) != (to > 0)))
+        return 0;
+    for (int k = 0; k < 3; k++)
+        side[k] = volume6(p, q, x[k], x[(k + 1) % 3]);
+    return (side[0] > least && side[1] > least && side[2] > least) ||
+           (side[0] < -least && side[1] < -least && side[2] < -least);
+}
+
+/** Whether an edge of facet a that has no node of b goes through b. */
+static int edges_go_through(const sheet_judge *j, const planish_shape *s, int64_t a, int64_t b) {
+    const double size = j->radius[a] + j->radius[b], least = 1e-12 * size * size * size;
+    const int32_t *other = s->facet[b];
+    for (int k = 0; k < 3; k++) {
+        int shared = 0;
+        for (int i = 0; i < 6; i++)
+            shared |= s->facet[a][(k + i / 3) % 3] == other[i % 3];
+        if (!shared && goes_through(j->corner[a][k], j->corner[a][(k + 1) % 3],
+                                    (const double(*)[3])j->corner[b], least))
+            return 1;
+    }
+    return 0;
+}
+
+int sheet_cross(const sheet_judge *j, const planish_shape *s, int64_t a, int64_t b) {
+    if (pl_distance(3, j->middle[a], j->middle[b]) > j->radius[a] + j->radius[b])
+        return 0;
+    return edges_go_through(j, s, a, b) || edges_go_through(j, s, b, a);
+}
+
 double sheet_cosine(const sheet_judge *j, int32_t a, int32_t b) {
     double normal[2][3];
     for (int i = 0; i < 2; i++) {

@@ -58,6 +58,10 @@ double sheet_judge_distance(const sheet_judge *judge, int32_t patch, const doubl
 double sheet_judge_sample(const sheet_judge *judge, int32_t patch, const double corner[3][3],
                           int divisions);
 
+/** Whether two facets of the shape of a judge meet other than at nodes and edges that they share. What
+ *  touches by rounding alone does not count. */
+int sheet_cross(const sheet_judge *judge, const planish_shape *shape, int64_t a, int64_t b);
+
 /** Cosine between two facets. */
 double sheet_cosine(const sheet_judge *judge, int32_t a, int32_t b);
 
