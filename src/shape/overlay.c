@@ -70,14 +70,24 @@ typedef struct pl_overlay {
     double middle[MOST_FACETS][2]; /* a point of the piece; NAN: there is none */
 } pl_overlay;
 
+/** A point in T's frame. */
+typedef struct pl_flat_point {
+    double x[3];
+    double depth[3]; /* under each side */
+} pl_flat_point;
+
 /** A facet in T's frame. */
 typedef struct pl_flat_facet {
-    double x[3][3];
-    double depth[3][3]; /* [side][corner] */
+    pl_flat_point corner[3];
     double margin;
 } pl_flat_facet;
 
 enum { OUTSIDE, MET, FAILED };
+
+/** As fmax, of numbers, without a call. */
+static inline double larger(double a, double b) {
+    return a > b ? a : b;
+}
 
 static void to_frame(const pl_frame *f, const double x[3], double local[3]) {
     double v[3];
@@ -139,71 +149,78 @@ static void flatten(pl_overlay *o, int32_t facet, pl_flat_facet *flat) {
     const pl_frame *f = &o->frame;
     double reach = f->longest;
     for (int k = 0; k < 3; k++) {
-        to_frame(f, o->shape->x[o->shape->facet[facet][k]], flat->x[k]);
+        pl_flat_point *p = &flat->corner[k];
+        to_frame(f, o->shape->x[o->shape->facet[facet][k]], p->x);
         for (int j = 0; j < 3; j++)
-            flat->depth[j][k] = depth_of(f, j, flat->x[k]);
-        reach = fmax(reach, fabs(flat->x[k][0]) + fabs(flat->x[k][1]) + fabs(flat->x[k][2]));
+            p->depth[j] = depth_of(f, j, p->x);
+        reach = larger(fabs(p->x[0]) + fabs(p->x[1]) + fabs(p->x[2]), reach);
     }
     flat->margin = ROUNDING * (reach + f->longest);
-    o->margin = fmax(o->margin, flat->margin);
+    o->margin = larger(o->margin, flat->margin);
 }
 
 /** Whether the edge from corner k to l (k itself: the corner) is outside of one side. */
 static int is_outside(const pl_flat_facet *flat, int k, int l) {
+    const double *from = flat->corner[k].depth, *to = flat->corner[l].depth;
     for (int j = 0; j < 3; j++)
-        if (flat->depth[j][k] <= flat->margin && flat->depth[j][l] <= flat->margin)
+        if (from[j] <= flat->margin && to[j] <= flat->margin)
             return 1;
     return 0;
 }
 
 static int is_facet_outside(const pl_flat_facet *flat) {
+    const pl_flat_point *c = flat->corner;
     for (int j = 0; j < 3; j++)
-        if (flat->depth[j][0] <= flat->margin && flat->depth[j][1] <= flat->margin &&
-            flat->depth[j][2] <= flat->margin)
+        if (c[0].depth[j] <= flat->margin && c[1].depth[j] <= flat->margin &&
+            c[2].depth[j] <= flat->margin)
             return 1;
     return 0;
 }
 
+/** Compute the point at t on the way from a to b. */
+static void between(const pl_flat_point *a, const pl_flat_point *b, double t, pl_flat_point *p) {
+    for (int d = 0; d < 3; d++) {
+        p->x[d] = a->x[d] + t * (b->x[d] - a->x[d]);
+        p->depth[d] = a->depth[d] + t * (b->depth[d] - a->depth[d]);
+    }
+}
+
 /** Cut the polygon p of n corners off at side j; q: the rest. Returns its number of corners. */
-static int cut_at(const pl_frame *f, int j, const double (*p)[3], int n, double (*q)[3]) {
-    double depth[MOST_POINTS];
+static int cut_at(int j, const pl_flat_point *p, int n, pl_flat_point *q) {
     int m = 0;
-    for (int i = 0; i < n; i++)
-        depth[i] = depth_of(f, j, p[i]);
     for (int i = 0; i < n; i++) {
-        const int next = i + 1 < n ? i + 1 : 0;
-        if (depth[i] >= 0)
-            memcpy(q[m++], p[i], sizeof *q);
-        if ((depth[i] > 0 && depth[next] < 0) || (depth[i] < 0 && depth[next] > 0)) {
-            const double t = depth[i] / (depth[i] - depth[next]);
-            for (int d = 0; d < 3; d++)
-                q[m][d] = p[i][d] + t * (p[next][d] - p[i][d]);
-            m++;
-        }
+        const pl_flat_point *next = &p[i + 1 < n ? i + 1 : 0];
+        const double here = p[i].depth[j], there = next->depth[j];
+        if (here >= 0)
+            q[m++] = p[i];
+        if ((here > 0 && there < 0) || (here < 0 && there > 0))
+            between(&p[i], next, here / (here - there), &q[m++]);
     }
     return m;
 }
 
-/** Compute the piece of a facet over T. Returns its number of corners. */
-static int piece_of(const pl_frame *f, const pl_flat_facet *flat, double (*piece)[3]) {
-    double other[MOST_POINTS][3];
+/** Find the piece of a facet over T, in room [2] or the facet's corners. Returns its number of corners. */
+static int piece_of(const pl_flat_facet *flat, pl_flat_point (*room)[MOST_POINTS],
+                    const pl_flat_point **piece) {
     int n = 3;
-    memcpy(piece, flat->x, sizeof flat->x);
+    *piece = flat->corner;
     for (int j = 0; j < 3 && n > 0; j++) {
-        if (flat->depth[j][0] >= 0 && flat->depth[j][1] >= 0 && flat->depth[j][2] >= 0)
+        if (flat->corner[0].depth[j] >= 0 && flat->corner[1].depth[j] >= 0 &&
+            flat->corner[2].depth[j] >= 0)
             continue;
-        n = cut_at(f, j, (const double(*)[3])piece, n, other);
-        memcpy(piece, other, (size_t)n * sizeof *piece);
+        pl_flat_point *rest = *piece == room[0] ? room[1] : room[0];
+        n = cut_at(j, *piece, n, rest);
+        *piece = rest;
     }
     return n;
 }
 
 /** Whether a piece lies along one side of T within a margin: it is not met. */
-static int is_thin(const pl_frame *f, const double (*piece)[3], int n, double margin) {
+static int is_thin(const pl_flat_point *piece, int n, double margin) {
     for (int j = 0; j < 3; j++) {
         double deepest = 0;
         for (int i = 0; i < n; i++)
-            deepest = fmax(deepest, depth_of(f, j, piece[i]));
+            deepest = larger(piece[i].depth[j], deepest);
         if (deepest <= margin)
             return 1;
     }
@@ -212,24 +229,25 @@ static int is_thin(const pl_frame *f, const double (*piece)[3], int n, double ma
 
 /** Whether a facet turns as T does, for certain, and is not too steep over it. */
 static int is_upright(const pl_overlay *o, int32_t facet, const pl_flat_facet *flat) {
-    const double(*x)[3] = (const double(*)[3])flat->x;
-    const double u[2] = {x[1][0] - x[0][0], x[1][1] - x[0][1]};
-    const double v[2] = {x[2][0] - x[0][0], x[2][1] - x[0][1]};
+    const double *x = flat->corner[0].x, *y = flat->corner[1].x, *z = flat->corner[2].x;
+    const double u[2] = {y[0] - x[0], y[1] - x[1]}, v[2] = {z[0] - x[0], z[1] - x[1]};
     const double rounding = 4 * flat->margin * (fabs(u[0]) + fabs(u[1]) + fabs(v[0]) + fabs(v[1]));
     return u[0] * v[1] - u[1] * v[0] > rounding &&
            pl_dot(3, o->shape->normal[facet], o->frame.axis[2]) >= STEEPEST;
 }
 
 /** Take a piece into the sums. */
-static void add_piece(pl_overlay *o, int i, const double (*piece)[3], int n) {
+static void add_piece(pl_overlay *o, int i, const pl_flat_point *piece, int n) {
+    const double *first = piece[0].x;
     double area = 0, middle[2] = {0, 0};
     for (int k = 0; k < n; k++) {
-        o->highest = fmax(o->highest, fabs(piece[k][2]));
-        middle[0] += piece[k][0];
-        middle[1] += piece[k][1];
+        const double *x = piece[k].x;
+        o->highest = larger(fabs(x[2]), o->highest);
+        middle[0] += x[0];
+        middle[1] += x[1];
         if (k >= 2)
-            area += (piece[k - 1][0] - piece[0][0]) * (piece[k][1] - piece[0][1]) -
-                    (piece[k][0] - piece[0][0]) * (piece[k - 1][1] - piece[0][1]);
+            area += (piece[k - 1].x[0] - first[0]) * (x[1] - first[1]) -
+                    (x[0] - first[0]) * (piece[k - 1].x[1] - first[1]);
     }
     o->area += area;
     o->middle[i][0] = middle[0] / n;
@@ -277,7 +295,8 @@ static int take_feature(pl_overlay *o, const pl_flat_facet *flat, int k) {
     const int l = (k + 1) % 3;
     double from = 0, to = 1, depth[3][2];
     for (int j = 0; j < 3; j++) {
-        const double a = flat->depth[j][k] + flat->margin, b = flat->depth[j][l] + flat->margin;
+        const double a = flat->corner[k].depth[j] + flat->margin;
+        const double b = flat->corner[l].depth[j] + flat->margin;
         if (a < 0 && b < 0)
             return 1;
         if (a < 0)
@@ -290,7 +309,7 @@ static int take_feature(pl_overlay *o, const pl_flat_facet *flat, int k) {
     if (o->is_any)
         return 0;
     for (int j = 0; j < 3; j++) {
-        const double a = flat->depth[j][k], b = flat->depth[j][l];
+        const double a = flat->corner[k].depth[j], b = flat->corner[l].depth[j];
         depth[j][0] = a + from * (b - a);
         depth[j][1] = a + to * (b - a);
     }
@@ -313,18 +332,19 @@ static int reach(pl_overlay *o, int32_t facet) {
 /** Take facet i of the flood, and reach those across its edges that may meet T. */
 static int take_facet(pl_overlay *o, int i) {
     const int32_t facet = o->facet[i];
-    double piece[MOST_POINTS][3];
+    pl_flat_point room[2][MOST_POINTS];
+    const pl_flat_point *piece;
     pl_flat_facet flat;
     o->middle[i][0] = NAN;
     flatten(o, facet, &flat);
     if (is_facet_outside(&flat))
         return OUTSIDE;
-    const int n = piece_of(&o->frame, &flat, piece);
+    const int n = piece_of(&flat, room, &piece);
     if (n < 3)
         return OUTSIDE;
     if (!is_upright(o, facet, &flat))
-        return is_thin(&o->frame, (const double(*)[3])piece, n, flat.margin) ? OUTSIDE : FAILED;
-    add_piece(o, i, (const double(*)[3])piece, n);
+        return is_thin(piece, n, flat.margin) ? OUTSIDE : FAILED;
+    add_piece(o, i, piece, n);
     for (int k = 0; k < 3; k++) {
         const int32_t across = o->shape->across[facet][k];
         if (is_outside(&flat, k, (k + 1) % 3))
