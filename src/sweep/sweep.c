@@ -23,7 +23,7 @@ typedef struct colour_pass {
     const planish_plan *plan;
     const pl_star_problem *problem;
     planish_method method;
-    int64_t first; /* star */
+    int64_t first, end; /* stars */
 } colour_pass;
 
 /** Visit stars begin .. end - 1, whatever becomes of watched cells. */
@@ -150,11 +150,12 @@ typedef struct watched_visits {
 
 /** Note the moves of stars begin .. end - 1 with watched cells; returns how many. */
 static int note_moves(const colour_pass *pass, int64_t begin, int64_t end, watched_visits *v) {
+    const pl_watch *watch = pass->plan->scratch.watch;
     int n = 0;
     for (int64_t i = begin; i < end; i++) {
         const int32_t node = pass->problem->node[i];
         const double way = way_from(pass, node, v->before[i - begin]);
-        if (way == 0 || !pl_watch_has(pass->plan->scratch.watch, node))
+        if (way == 0 || !pl_watch_has(watch, node) || !(watch->decides || watch->has_large))
             continue;
         v->star[n] = i;
         v->is_fine[n] = 0;
@@ -177,6 +178,23 @@ static void refuse(const colour_pass *pass, int64_t star, const double *before,
         __atomic_fetch_add(&pass->plan->scratch.watch->n_refused, 1, __ATOMIC_RELAXED);
 }
 
+/** Ask for the rooms of cells at stars begin .. end - 1, and for the lists of the stars that this thread
+ *  visits next, most likely. */
+PL_AT_ONCE void fetch_watched(const colour_pass *pass, int64_t begin, int64_t end) {
+    const pl_watch *watch = pass->plan->scratch.watch;
+    const int32_t *node = pass->problem->node;
+    const int64_t n = end - begin;
+    if (!watch->decides)
+        return;
+    for (int64_t i = begin; i < end; i++) {
+        if (i + 2 * n < pass->end)
+            pl_watch_fetch_begin(watch, node[i + 2 * n]);
+        if (i + n < pass->end)
+            pl_watch_fetch_list(watch, node[i + n]);
+        pl_watch_fetch_rooms(watch, node[i]);
+    }
+}
+
 /** Visit stars begin .. end - 1, PL_CHUNK_STARS at most, of a mesh with watched cells. A move that
  *  would make one invalid, or worse than it may be, is shortened, or refused. Stars of one colour
  *  share no cell, so all are moved first, and then judged in full blocks. */
@@ -190,14 +208,12 @@ static void visit_watched(const colour_pass *pass, int64_t begin, int64_t end, d
     for (int64_t i = begin; i < end; i++) {
         memcpy(v.before[i - begin], problem->coordinates + (int64_t)problem->node[i] * dim,
                (size_t)dim * sizeof **v.before);
-        pl_watch_fetch_list(watch, problem->node[i]);
     }
+    fetch_watched(pass, begin, end);
     tally->gain = v.gain;
     tally->first = begin;
     visit_straight(pass, begin, end, scratch, tally);
     tally->gain = NULL;
-    for (int64_t i = begin; i < end; i++)
-        pl_watch_fetch_cells(watch, problem->node[i]);
     const int n = note_moves(pass, begin, end, &v);
     pl_watch_judge(watch, n, v.move);
     for (int m = 0; m < n; m++)
@@ -323,6 +339,7 @@ static void visit_stars(colour_pass *pass, int64_t begin, int64_t end) {
     else if (chunk < FEWEST)
         chunk = FEWEST;
     pass->first = begin;
+    pass->end = end;
     pl_parallel_for(threads, n, chunk, visit_chunk, pass);
 }
 

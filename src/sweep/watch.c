@@ -11,6 +11,10 @@
 #include <math.h>
 #include <string.h>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 enum {
     LANES = PL_JACOBIAN_LANES,
     CHUNK = 256 /* cells that one thread takes at a time */
@@ -75,23 +79,60 @@ int64_t pl_watch_find_refusers(const pl_watch *w, uint8_t *state) {
     return n;
 }
 
+/** Corners of solids of a block, in floats. */
+typedef float places[LANES][PL_CELL_CORNERS][4];
+
+/** Gather the first n corners of a watched cell, a solid, relative to a place. */
+PL_INLINE void gather_corners(const pl_watch *w, int32_t i, int n, const double *origin,
+                              float place[PL_CELL_CORNERS][4]) {
+    const double *coordinates = w->plan->scratch.coordinates;
+    const int32_t *node = w->node[i];
+    for (int j = 0; j < n; j++) {
+        const double *x = coordinates + (int64_t)node[j] * 3;
+#if defined(__SSE2__)
+        const __m128d xy = _mm_sub_pd(_mm_loadu_pd(x), _mm_loadu_pd(origin));
+        const __m128d z = _mm_sub_sd(_mm_load_sd(x + 2), _mm_load_sd(origin + 2));
+        _mm_storeu_ps(place[j], _mm_movelh_ps(_mm_cvtpd_ps(xy), _mm_cvtpd_ps(z)));
+#else
+        for (int d = 0; d < 3; d++)
+            place[j][d] = (float)(x[d] - origin[d]);
+#endif
+    }
+}
+
+/** Spread n corners of all lanes; those past the last cell repeat the first. */
+PL_INLINE void spread_corners(places place, int n_cells, int n, float x[][3][LANES]) {
+    for (int l = n_cells; l < LANES; l++)
+        memcpy(place[l], place[0], sizeof place[l]);
+    for (int j = 0; j < n; j++)
+#if defined(__SSE2__)
+        for (int l = 0; l < LANES; l += 4) {
+            __m128 a = _mm_loadu_ps(place[l][j]), b = _mm_loadu_ps(place[l + 1][j]);
+            __m128 c = _mm_loadu_ps(place[l + 2][j]), e = _mm_loadu_ps(place[l + 3][j]);
+            _MM_TRANSPOSE4_PS(a, b, c, e);
+            _mm_storeu_ps(&x[j][0][l], a);
+            _mm_storeu_ps(&x[j][1][l], b);
+            _mm_storeu_ps(&x[j][2][l], c);
+        }
+#else
+        for (int l = 0; l < LANES; l++)
+            for (int d = 0; d < 3; d++)
+                x[j][d][l] = place[l][j][d];
+#endif
+}
+
 /** Hexahedra in a block of floats. */
 typedef struct bricks {
     int n;
     int32_t of[LANES]; /* watched cells */
+    places place;
     pl_brick_block block;
 } bricks;
 
 /** Add a watched hexahedron, relative to a place. */
 PL_INLINE void add_brick(const pl_watch *w, int32_t i, const double *origin, bricks *b) {
-    const double *coordinates = w->plan->scratch.coordinates;
-    const int32_t *node = w->node[i];
     const int l = b->n++;
-    for (int j = 0; j < 8; j++) {
-        const double *x = coordinates + (int64_t)node[j] * 3;
-        for (int d = 0; d < 3; d++)
-            b->block.x[j][d][l] = (float)(x[d] - origin[d]);
-    }
+    gather_corners(w, i, 8, origin, b->place[l]);
     b->block.floor[l] = w->floor && w->state[i] & PL_WATCH_ABOVE
                             ? nextafterf((float)(w->floor[i] * 0.125), INFINITY)
                             : 0;
@@ -102,16 +143,13 @@ PL_INLINE void add_brick(const pl_watch *w, int32_t i, const double *origin, bri
  *  returns their number. */
 static int certify_bricks(pl_watch *w, bricks *b, int left[LANES]) {
     int n = 0;
-    for (int l = b->n; l < LANES; l++) {
-        for (int j = 0; j < 8; j++)
-            for (int d = 0; d < 3; d++)
-                b->block.x[j][d][l] = b->block.x[j][d][0];
+    for (int l = b->n; l < LANES; l++)
         b->block.floor[l] = 0;
-    }
+    spread_corners(b->place, b->n, 8, b->block.x);
     pl_bricks_certify(&b->block);
     for (int l = 0; l < b->n; l++) {
         if (b->block.room[l] > 0)
-            w->room[b->of[l]] = b->block.room[l];
+            w->room[b->of[l]] = pl_watch_room_below(b->block.room[l]);
         else
             left[n++] = l;
     }
@@ -123,26 +161,32 @@ static int certify_bricks(pl_watch *w, bricks *b, int left[LANES]) {
 typedef struct floats_block {
     int n;
     int32_t of[LANES];
+    places place; /* of linear solids */
     pl_float_block block;
 } floats_block;
+
+/** Whether the corners in w->node decide a watched cell that has a type: a hexahedron or wedge. */
+static int is_linear_solid(const pl_watch *w, int32_t i) {
+    return w->type[i] == PLANISH_CELL_WEDGE || w->type[i] == PLANISH_CELL_HEXAHEDRON;
+}
 
 /** Add a watched cell, relative to a place. */
 static void add_floats(const pl_watch *w, int32_t i, const double *origin, floats_block *b) {
     const pl_jacobian_rule *rule = &w->rule[w->type[i]]->jacobian;
     const int dim = w->plan->dim, l = b->n++;
-    const int has_corners = w->node && rule->n_control_terms == 0;
     double place[PL_CELL_NODES * 3];
     int32_t node[PL_CELL_NODES];
-    if (!has_corners)
-        pl_watch_find_places(w, rule, pl_watch_cell(w, i), 0, place, node);
-    for (int j = 0; j < rule->n_nodes; j++) {
-        const double *x = has_corners ? w->plan->scratch.coordinates + (int64_t)w->node[i][j] * dim
-                                      : place + j * dim;
-        for (int d = 0; d < dim; d++)
-            b->block.x[j][d][l] = (float)(x[d] - origin[d]);
-    }
-    b->block.sign[l] = (float)pl_watch_sign(w, pl_watch_cell(w, i));
     b->of[l] = i;
+    if (is_linear_solid(w, i)) {
+        gather_corners(w, i, rule->n_nodes, origin, b->place[l]);
+        b->block.sign[l] = 1;
+        return;
+    }
+    pl_watch_find_places(w, rule, pl_watch_cell(w, i), 0, place, node);
+    for (int j = 0; j < rule->n_nodes; j++)
+        for (int d = 0; d < dim; d++)
+            b->block.x[j][d][l] = (float)(place[j * dim + d] - origin[d]);
+    b->block.sign[l] = (float)pl_watch_sign(w, pl_watch_cell(w, i));
 }
 
 /** Give the cells that floats certify their rooms; left and the result as of certify_bricks. */
@@ -150,8 +194,11 @@ static int certify_floats(pl_watch *w, floats_block *b, int left[LANES]) {
     const pl_watch_rule *rule = w->rule[w->type[b->of[0]]];
     const int dim = w->plan->dim;
     int n = 0;
+    const int is_gathered = is_linear_solid(w, b->of[0]);
+    if (is_gathered)
+        spread_corners(b->place, b->n, rule->jacobian.n_nodes, b->block.x);
     for (int l = b->n; l < LANES; l++) {
-        for (int j = 0; j < rule->jacobian.n_nodes; j++)
+        for (int j = 0; j < rule->jacobian.n_nodes && !is_gathered; j++)
             for (int d = 0; d < dim; d++)
                 b->block.x[j][d][l] = b->block.x[j][d][0];
         b->block.sign[l] = b->block.sign[0];
@@ -165,7 +212,7 @@ static int certify_floats(pl_watch *w, floats_block *b, int left[LANES]) {
                 ? pl_watch_room(w, rule, b->block.inner[l] - floor, b->block.longest[l])
                 : 0;
         if (room > 0)
-            w->room[i] = room;
+            w->room[i] = pl_watch_room_below(room);
         else
             left[n++] = l;
     }
@@ -279,6 +326,29 @@ static void answer(decision *s, const question *of, int n) {
     }
 }
 
+/** Decide those cells of n questions that were valid, and note the moves of those that were not, or
+ *  below their floor. */
+static void ask(decision *s, question *of, int n) {
+    const pl_watch *w = s->watch;
+    int n_valid = 0;
+    for (int k = 0; k < n; k++) {
+        const int32_t i = of[k].cell;
+        const int is_valid = w->state[i] & PL_WATCH_VALID;
+        s->move[of[k].move].has_others |= !is_valid || is_below(w, i);
+        if (is_valid)
+            of[n_valid++] = of[k];
+    }
+    answer(s, of, n_valid);
+}
+
+/** Ask for what the decision of a watched cell begins with. */
+PL_AT_ONCE void fetch_cell(const pl_watch *w, int32_t i) {
+    __builtin_prefetch(&w->state[i]);
+    __builtin_prefetch(&w->type[i]);
+    if (w->node)
+        __builtin_prefetch(w->node[i]);
+}
+
 void pl_watch_judge(pl_watch *w, int n, pl_watch_move move[]) {
     enum { QUESTIONS = 256 };
     question of[QUESTIONS];
@@ -293,28 +363,28 @@ void pl_watch_judge(pl_watch *w, int n, pl_watch_move move[]) {
         move[m].has_others = 0;
         move[m].refuser = -1;
         if (n_of > 0 && end - k > QUESTIONS - n_of) {
-            answer(&s, of, n_of);
+            ask(&s, of, n_of);
             n_of = 0;
         }
         for (; !move[m].is_refused && k < end; k++) {
             const int32_t i = w->watched[k];
             const double room = w->room[i] - move[m].way;
+            if (room == INFINITY) /* nor have those after it a type */
+                break;
             if (room > 0) {
-                w->room[i] = room;
+                w->room[i] = pl_watch_room_below(room);
                 continue;
             }
-            move[m].has_others |= !(w->state[i] & PL_WATCH_VALID) || is_below(w, i);
-            if (!(w->state[i] & PL_WATCH_VALID))
-                continue;
+            fetch_cell(w, i);
             of[n_of++] = (question){i, m};
             if (n_of == QUESTIONS) {
-                answer(&s, of, n_of);
+                ask(&s, of, n_of);
                 n_of = 0;
             }
         }
     }
     if (n_of > 0)
-        answer(&s, of, n_of);
+        ask(&s, of, n_of);
     for (int m = 0; m < n; m++) {
         const int32_t refuser = move[m].refuser;
         if (refuser >= 0 && w->n_refused_of[refuser] < UINT8_MAX)
@@ -403,7 +473,8 @@ static void measure_corner(const pl_cell_shape *shape, const double *const x[], 
 static void raise_worst(const pl_watch *w, int32_t i, pl_worst_cell *worst) {
     const pl_cell_shape *shape = shape_of(w, i);
     const double *x[PL_CELL_CORNERS];
-    const double sign = shape->n_corners == 8 ? 1 : pl_watch_sign(w, pl_watch_cell(w, i));
+    const int is_turned = shape->n_corners == 8 || shape->n_corners == 6;
+    const double sign = is_turned ? 1 : pl_watch_sign(w, pl_watch_cell(w, i));
     double sum = 0;
     for (int j = 0; j < shape->n_corners; j++)
         x[j] = w->plan->scratch.coordinates + (int64_t)w->node[i][j] * shape->dim;

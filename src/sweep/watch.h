@@ -29,7 +29,7 @@
  *   pl_watch_judge, _has, _admit   of nodes, after their moves
  *   pl_watch_forget               a node moved otherwise
  *   pl_watch_limit, _worst        what cells may not exceed; measures of a node's cells
- *   pl_watch_fetch_list, _cells   ask for memory ahead
+ *   pl_watch_fetch_begin, _list, _rooms   ask for memory ahead
  *   pl_watch_find_broken          cells that were valid and are not any more
  *   pl_watch_find_refusers        cells that keep refusing moves
  */
@@ -91,9 +91,9 @@ typedef struct pl_watch {
     int64_t n, n_curved; /* watched cells; curved ones */
     int32_t *cell;       /* [n] of the plan; all of them with corners, along its curve */
     uint8_t *type;       /* [n] whose rule decides the cell, 0: none */
-    int32_t (*node)[PL_CELL_CORNERS]; /* [n] corners by inner numbers, of a
-                                         hexahedron so that det J is to be positive; NULL: no corners */
-    double *room;          /* [n] how far nodes of the cell may go, added up, without a decision */
+    int32_t (*node)[PL_CELL_CORNERS]; /* [n] corners by inner numbers, of hexahedra and wedges
+                                         so that det J is to be positive; NULL: no corners */
+    float *room;           /* [n] how far nodes of the cell may go, added up, without a decision */
     double *floor;         /* [n] what coefficients that are not at corners (of order 2: all) shall
                               not fall below; NULL: 0 */
     uint8_t *state;        /* [n] decided where the nodes are */
@@ -101,7 +101,8 @@ typedef struct pl_watch {
     float *quality;        /* [n] of curved simplices their least coefficient over the mean, as
                               measured last; of others infinite; NULL: no cell is curved */
     int64_t *begin;        /* [n_nodes + 1] by inner numbers: where watched of each node begins */
-    int32_t *watched;      /* cells of each movable node, by types */
+    int32_t *watched;      /* cells of each movable node, by types; last those without one */
+    uint8_t decides;       /* any cell has a type */
     int64_t n_turned;      /* valid ones whose corners are not positive, as measured last */
     int64_t n_refused;     /* moves; shared by threads */
 } pl_watch;
@@ -247,19 +248,25 @@ typedef struct pl_worst_cell {
  *  none. */
 pl_worst_cell pl_watch_worst(const pl_watch *watch, int32_t node);
 
-/** Ask for the list of the cells at a node; for what is known of these. */
+/** The largest room that is stored for one of 0 or more: a little less. */
+static inline float pl_watch_room_below(double room) {
+    return room > 0x1p-100 ? (float)(room * (1 - 0x1p-23)) : 0;
+}
+
+/** Ask for where the list of a node's cells is; for the list; for the rooms of these. */
+PL_AT_ONCE void pl_watch_fetch_begin(const pl_watch *w, int32_t node) {
+    __builtin_prefetch(&w->begin[node]);
+}
+
 PL_AT_ONCE void pl_watch_fetch_list(const pl_watch *w, int32_t node) {
     const int32_t *list = w->watched + w->begin[node];
     __builtin_prefetch(list);
     __builtin_prefetch(list + 7);
 }
 
-PL_AT_ONCE void pl_watch_fetch_cells(const pl_watch *w, int32_t node) {
-    for (int64_t k = w->begin[node]; k < w->begin[node + 1]; k++) {
+PL_AT_ONCE void pl_watch_fetch_rooms(const pl_watch *w, int32_t node) {
+    for (int64_t k = w->begin[node]; k < w->begin[node + 1]; k++)
         pl_fetch_to_write(&w->room[w->watched[k]]);
-        if (w->node)
-            __builtin_prefetch(w->node[w->watched[k]]);
-    }
 }
 
 /** Mark in state [n_elements of the plan] with 1 the corners of cells that were valid when the run

@@ -236,6 +236,6 @@ void pl_watch_keep_state(pl_watch *w, const pl_watch_block *b, int l, int valid)
     w->room[i] = 0;
     if (!(valid && all > 0 && b->exponent[l] == 0) || (floor > 0 && !is_above))
         return;
-    w->room[i] = pl_watch_room(w, b->rule, inner - (is_above ? floor : 0),
-                               pl_watch_longest(rule, b, l, dim));
+    w->room[i] = pl_watch_room_below(pl_watch_room(w, b->rule, inner - (is_above ? floor : 0),
+                                                   pl_watch_longest(rule, b, l, dim)));
 }

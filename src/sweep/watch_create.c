@@ -233,6 +233,8 @@ static void cell_chunk(void *context, int64_t begin, int64_t end, int thread) {
         const int64_t cell = pl_watch_cell(w, i);
         const int type = deciding_type(w, cell);
         w->type[i] = (uint8_t)type;
+        if (type)
+            pl_set_flag(&w->decides, 1);
         w->room[i] = type ? 0 : INFINITY;
         w->state[i] = PL_WATCH_VALID;
         w->n_refused_of[i] = 0;
@@ -245,8 +247,9 @@ static void cell_chunk(void *context, int64_t begin, int64_t end, int thread) {
         int32_t corner[PL_CELL_CORNERS];
         const int n = pl_plan_cell_corners(w->plan, cell, corner);
         const int turned = pl_watch_sign(w, cell) < 0 ? n / 2 : 0;
-        for (int j = 0; j < PL_CELL_CORNERS; j++) /* of a hexahedron, top first: a reflection */
-            w->node[i][j] = j < n ? w->plan->inner[corner[n == 8 ? (j + turned) % n : j]] : -1;
+        const int is_turned = n == 8 || n == 6; /* top first: a reflection */
+        for (int j = 0; j < PL_CELL_CORNERS; j++)
+            w->node[i][j] = j < n ? w->plan->inner[corner[is_turned ? (j + turned) % n : j]] : -1;
     }
 }
 
@@ -261,7 +264,14 @@ static int nodes_of(const void *context, int64_t i, int32_t node[PL_CELL_NODES])
     return n;
 }
 
-/** Sort the cells of each node, which are by number, by type. */
+/** Whether a watched cell comes before another one at a node. */
+static int is_before(const pl_watch *w, int32_t cell, int32_t other) {
+    const int type = w->type[cell] ? w->type[cell] : PL_WATCH_TYPES;
+    const int of_other = w->type[other] ? w->type[other] : PL_WATCH_TYPES;
+    return type < of_other || (type == of_other && cell < other);
+}
+
+/** Sort the cells of each node by type, then number; those without a type come last. */
 static void sort_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const search *s = context;
     pl_watch *w = s->watch;
@@ -272,7 +282,7 @@ static void sort_chunk(void *context, int64_t begin, int64_t end, int thread) {
             int64_t at = k;
             for (; at > w->begin[node]; at--) {
                 const int32_t other = w->watched[at - 1];
-                if (w->type[other] <= w->type[cell])
+                if (is_before(w, other, cell))
                     break;
                 w->watched[at] = other;
             }
@@ -408,7 +418,8 @@ static void free_cells(pl_watch *w) {
     w->cell = w->watched = NULL;
     w->node = NULL;
     w->type = w->state = w->n_refused_of = NULL;
-    w->room = w->floor = NULL;
+    w->room = NULL;
+    w->floor = NULL;
     w->quality = NULL;
     w->begin = NULL;
     w->n = 0;
