@@ -50,14 +50,14 @@ static int allocate(planish_shape *s, pl_features *w, planish_error *error) {
     s->patch = pl_alloc(m, sizeof *s->patch);
     s->is_interface = pl_alloc(m, sizeof *s->is_interface);
     s->edge_at = pl_alloc(n, sizeof *s->edge_at);
-    s->corner_normal = pl_alloc_zero(m, sizeof *s->corner_normal);
+    w->corner_normal = pl_alloc_zero(m, sizeof *w->corner_normal);
     w->beside = pl_alloc(m, sizeof *w->beside);
     w->kind = pl_alloc(m, sizeof *w->kind);
     w->stays = pl_alloc_zero(n, sizeof *w->stays);
     w->n_ends = pl_alloc(n, sizeof *w->n_ends);
     w->n_features = pl_alloc(n, sizeof *w->n_features);
     if (!s->edge_length || !s->node_class || !s->normal || !s->across || !s->patch ||
-        !s->is_interface || !s->edge_at || !s->corner_normal || !w->beside || !w->kind ||
+        !s->is_interface || !s->edge_at || !w->corner_normal || !w->beside || !w->kind ||
         !w->stays || !w->n_ends || !w->n_features)
         return pl_fail_memory(error, "the shape");
     return PLANISH_OK;
@@ -107,6 +107,7 @@ static int find_shape(pl_features *w, const planish_mesh *mesh, const uint8_t *i
     if (!status) {
         pl_shape_bend(w);
         pl_features_settle(w);
+        status = pl_shape_pack_normals(w, error);
     }
     return status;
 }
@@ -136,6 +137,7 @@ int pl_shape_create(const planish_mesh *mesh, const planish_cells *cells,
     pl_free(w.hub);
     pl_free(w.hub_facet);
     pl_free(w.likeness);
+    pl_free(w.corner_normal);
     pl_surface_destroy(&surface);
     if (status)
         pl_shape_destroy(s);
@@ -163,6 +165,7 @@ void pl_shape_destroy(planish_shape *shape) {
     pl_free(shape->edge);
     pl_free(shape->edge_facet);
     pl_free(shape->edge_at);
+    pl_free(shape->normal_at);
     pl_free(shape->corner_normal);
     pl_free(shape->tangent);
     pl_free(shape);

@@ -44,9 +44,24 @@ struct planish_shape {
     int32_t (*edge)[2];       /* [n_edges] nodes, ascending */
     int32_t (*edge_facet)[2]; /* [n_edges] two facets at it; -1: there is none */
     int32_t (*edge_at)[2];    /* [n_nodes] both edges of a node on a curve; else -1, or one */
-    double (*corner_normal)[3][3]; /* [n_facets] unit normals of the shape at the corners */
-    double (*tangent)[2][3];       /* [n_edges] unit tangents at both ends, towards the other end */
+    uint32_t *normal_at;      /* [n_nodes + 1] into corner_normal: each node has one for all of its
+                                      facets, or one for each in the order of facet_of */
+    double (*corner_normal)[3]; /* unit normals of the shape at corners of facets */
+    double (*tangent)[2][3];    /* [n_edges] unit tangents at both ends, towards the other end */
 };
+
+/** Return the unit normal of the shape at corner k of a facet. */
+static inline const double *pl_corner_normal(const planish_shape *shape, int32_t facet, int k) {
+    const int32_t node = shape->facet[facet][k];
+    const uint32_t first = shape->normal_at[node];
+    const int32_t *at = shape->facet_of + shape->offset[node];
+    if (shape->normal_at[node + 1] - first == 1)
+        return shape->corner_normal[first];
+    int64_t i = 0;
+    while (at[i] != facet)
+        i++;
+    return shape->corner_normal[first + i];
+}
 
 /** Make the shape of mesh, in space, whose coordinates are dense. cells: elements, and tags->region goes
  *  by them; NULL: those of mesh. Errors: _MEMORY. */

@@ -36,7 +36,7 @@ typedef struct flood {
 void pl_disc_set_frame(const planish_shape *shape, int32_t node, const pl_disc *disc,
                        pl_disc_frame *frame) {
     const int32_t f = shape->facet_of[shape->offset[node]];
-    const double *normal = shape->corner_normal[f][pl_corner_at(shape, f, node)];
+    const double *normal = pl_corner_normal(shape, f, pl_corner_at(shape, f, node));
     int least = 0;
     double axis[3] = {0, 0, 0};
     for (int d = 0; d < 3; d++) {

@@ -524,7 +524,7 @@ static int is_on_patch(const pl_features *w, int32_t node) {
     const int32_t first = s->facet_of[begin];
     int32_t f = first;
     int k = pl_corner_at(s, f, node);
-    const double *normal = s->corner_normal[f][k];
+    const double *normal = w->corner_normal[f][k];
     int64_t passed = 0;
     do {
         if (!(pl_dot(3, normal, s->normal[f]) > COS_FAN))

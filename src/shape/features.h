@@ -7,6 +7,7 @@
  *   creases.c    pl_is_crease                       features by their bend
  *   pn.c         pl_shape_bend                      tangents and normals
  *   features.c   pl_features_settle                 nodes of patches
+ *   pn.c         pl_shape_pack_normals              the normals that the shape keeps
  */
 #ifndef PL_SHAPE_FEATURES_H
 #define PL_SHAPE_FEATURES_H
@@ -43,6 +44,8 @@ typedef struct pl_features {
     pl_hub *hub;          /* [n_hubs + 1] ascending */
     int64_t n_hubs;
     int32_t *hub_facet;
+    double (
+        *corner_normal)[3][3]; /* [n_facets] unit normals at the corners; until they are packed */
     uint64_t *likeness; /* [n_edges] the same for feature edges of the same tags and regions */
 } pl_features;
 
@@ -103,5 +106,9 @@ void pl_shape_bend(pl_features *w);
 
 /** Find the nodes of patches. */
 void pl_features_settle(pl_features *w);
+
+/** Give the shape the normals at corners: those that are the same for all facets of a node once. Errors:
+ *  _MEMORY. */
+int pl_shape_pack_normals(pl_features *w, planish_error *error);
 
 #endif

@@ -1,6 +1,8 @@
 /* pn: PN triangles and cubic arcs: the tangents and normals that they have at the nodes, and points
  * on them. A. Vlachos, J. Peters, C. Boyd, J. L. Mitchell, Curved PN triangles (2001). */
+#include "base/memory.h"
 #include "base/parallel.h"
+#include "base/status.h"
 #include "shape/features.h"
 
 #include <string.h>
@@ -108,7 +110,7 @@ static void bend_fan(const pl_features *w, int32_t node, int32_t f) {
     at = first;
     k = begin;
     do
-        memcpy(s->corner_normal[at][k], normal, sizeof normal);
+        memcpy(w->corner_normal[at][k], normal, sizeof normal);
     while (pl_fan_next(w, PL_EDGE_APART, 1, &at, &k) && at != first);
 }
 
@@ -119,7 +121,7 @@ static void bend_nodes(void *context, int64_t begin, int64_t end, int thread) {
     for (int64_t node = begin; node < end; node++)
         for (int64_t i = s->offset[node]; i < s->offset[node + 1]; i++) {
             const int32_t f = s->facet_of[i];
-            const double *n = s->corner_normal[f][pl_corner_at(s, f, (int32_t)node)];
+            const double *n = w->corner_normal[f][pl_corner_at(s, f, (int32_t)node)];
             if (n[0] == 0 && n[1] == 0 && n[2] == 0)
                 bend_fan(w, (int32_t)node, f);
         }
@@ -128,6 +130,39 @@ static void bend_nodes(void *context, int64_t begin, int64_t end, int thread) {
 void pl_shape_bend(pl_features *w) {
     pl_parallel_for(w->threads, w->shape->n_edges, CHUNK, bend_edges, w);
     pl_parallel_for(w->threads, w->shape->n_nodes, CHUNK, bend_nodes, w);
+}
+
+/** Whether all facets of a node have the same normal there. */
+static int has_one_normal(const pl_features *w, int32_t node) {
+    const planish_shape *s = w->shape;
+    const int32_t *at = s->facet_of + s->offset[node];
+    const double *first = w->corner_normal[at[0]][pl_corner_at(s, at[0], node)];
+    for (int64_t i = 1; i < s->offset[node + 1] - s->offset[node]; i++)
+        if (memcmp(w->corner_normal[at[i]][pl_corner_at(s, at[i], node)], first,
+                   3 * sizeof *first) != 0)
+            return 0;
+    return 1;
+}
+
+int pl_shape_pack_normals(pl_features *w, planish_error *error) {
+    planish_shape *s = w->shape;
+    uint32_t n = 0;
+    s->normal_at = pl_alloc(s->n_nodes + 1, sizeof *s->normal_at);
+    for (int32_t node = 0; s->normal_at && node < s->n_nodes; node++) {
+        s->normal_at[node] = n;
+        n += has_one_normal(w, node) ? 1 : (uint32_t)(s->offset[node + 1] - s->offset[node]);
+    }
+    s->corner_normal = s->normal_at ? pl_alloc(n, sizeof *s->corner_normal) : NULL;
+    if (!s->corner_normal)
+        return pl_fail_memory(error, "the shape");
+    s->normal_at[s->n_nodes] = n;
+    for (int32_t node = 0; node < s->n_nodes; node++)
+        for (uint32_t i = 0; i < s->normal_at[node + 1] - s->normal_at[node]; i++) {
+            const int32_t f = s->facet_of[s->offset[node] + i];
+            memcpy(s->corner_normal[s->normal_at[node] + i],
+                   w->corner_normal[f][pl_corner_at(s, f, node)], sizeof *s->corner_normal);
+        }
+    return PLANISH_OK;
 }
 
 /* ---- points ------------------------------------------------------------------------------------ */
@@ -165,7 +200,7 @@ static void control_edge(const planish_shape *s, int32_t f, int k, double contro
         return;
     }
     const int is_straight = s->across[f][k] < 0;
-    const double *n = s->corner_normal[f][k], *q = s->corner_normal[f][m];
+    const double *n = pl_corner_normal(s, f, k), *q = pl_corner_normal(s, f, m);
     const double up = is_straight ? 0 : pl_dot(3, d, n), down = is_straight ? 0 : pl_dot(3, d, q);
     for (int i = 0; i < 3; i++) {
         control[0][i] = (d[i] - up * n[i]) / 3;
@@ -179,6 +214,8 @@ static void point_on_patch(const planish_shape *s, const pl_place *place, double
     const int32_t f = place->at, *v = s->facet[f];
     const double *const x[3] = {s->x[v[0]], s->x[v[1]], s->x[v[2]]};
     const double a = place->weight[0], b = place->weight[1], c = place->weight[2];
+    const double *const up[3] = {pl_corner_normal(s, f, 0), pl_corner_normal(s, f, 1),
+                                 pl_corner_normal(s, f, 2)};
     double edge[3][2][3], ab[3], ac[3], straight[3];
     for (int k = 0; k < 3; k++)
         control_edge(s, f, k, edge[k]);
@@ -199,8 +236,7 @@ static void point_on_patch(const planish_shape *s, const pl_place *place, double
         const double dw = r * c * c + p12 * b * b + 2 * c * (p21 * b + p20 * a) + p02 * a * a;
         ab[d] = dv + 2 * middle * a * c - du - 2 * middle * b * c;
         ac[d] = dw + 2 * middle * a * b - du - 2 * middle * b * c;
-        straight[d] = s->corner_normal[f][0][d] * a + s->corner_normal[f][1][d] * b +
-                      s->corner_normal[f][2][d] * c;
+        straight[d] = up[0][d] * a + up[1][d] * b + up[2][d] * c;
     }
     double across[3], blended[3];
     pl_cross(ab, ac, across);

@@ -155,7 +155,7 @@ static void curves_come_close_to_circles(void **state) {
         /* normals of the side: at its rims they are exact */
         for (int32_t f = 0; f < s->n_facets; f++)
             for (int k = 0; k < 3 && fabs(s->normal[f][2]) < 0.5; k++) {
-                const double *x = s->x[s->facet[f][k]], *q = s->corner_normal[f][k];
+                const double *x = s->x[s->facet[f][k]], *q = pl_corner_normal(s, f, k);
                 const double r = sqrt(x[0] * x[0] + x[1] * x[1]);
                 assert_true(fabs(x[0] * q[1] - x[1] * q[0]) < r / n && fabs(q[2]) < 1.0 / n);
                 if (s->node_class[s->facet[f][k]] == PL_ON_CURVE)

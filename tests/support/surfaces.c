@@ -215,8 +215,8 @@ static void expect_facets(const planish_shape *s) {
                 is_met |=
                     s->across[g][m] == f && s->facet[g][m] == b && s->facet[g][(m + 1) % 3] == a;
             assert_true(is_met && (g < 0 || s->patch[g] == s->patch[f]));
-            if (!is_zero(s->corner_normal[f][k]))
-                expect_unit(s->corner_normal[f][k]);
+            if (!is_zero(pl_corner_normal(s, f, k)))
+                expect_unit(pl_corner_normal(s, f, k));
         }
     }
 }
