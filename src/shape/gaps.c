@@ -19,7 +19,7 @@ enum { CHUNK = 256 };
 
 typedef struct gap_search {
     const planish_shape *shape;
-    const double *tolerance;  /* [n_facets] */
+    const float *tolerance;   /* [n_facets] */
     const uint8_t *may_leave; /* [n_facets]; NULL: all may */
     int is_open;
     pl_tree tree;
@@ -79,7 +79,7 @@ static int look_at_facet(void *context, int32_t other) {
     const look *l = context;
     const gap_search *g = l->search;
     const planish_shape *s = g->shape;
-    const double most = g->tolerance[l->facet] + g->tolerance[other];
+    const double most = (double)g->tolerance[l->facet] + g->tolerance[other];
     const double *a[3], *b[3];
     double way[3];
     const int is_seen = other == l->facet || (other < l->facet && may_leave(g, other));
@@ -105,9 +105,8 @@ static void search_chunk(void *context, int64_t begin, int64_t end, int thread) 
     }
 }
 
-int pl_shape_find_gaps(const planish_shape *shape, const double *tolerance,
-                       const uint8_t *may_leave, int is_open, int threads, uint8_t *is_near,
-                       planish_error *error) {
+int pl_shape_find_gaps(const planish_shape *shape, const float *tolerance, const uint8_t *may_leave,
+                       int is_open, int threads, uint8_t *is_near, planish_error *error) {
     const int64_t n = shape->n_facets;
     gap_search g = {.shape = shape,
                     .tolerance = tolerance,

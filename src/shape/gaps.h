@@ -9,8 +9,7 @@
  *  the shape's units. may_leave [n_facets]: 0: the facet stays where the shape is, and two such facets do not
  *  matter; NULL: all may. is_open: the surface bounds no elements, and both its sides count. Errors:
  *  _MEMORY. */
-int pl_shape_find_gaps(const planish_shape *shape, const double *tolerance,
-                       const uint8_t *may_leave, int is_open, int threads, uint8_t *is_near,
-                       planish_error *error);
+int pl_shape_find_gaps(const planish_shape *shape, const float *tolerance, const uint8_t *may_leave,
+                       int is_open, int threads, uint8_t *is_near, planish_error *error);
 
 #endif

@@ -33,10 +33,10 @@ static int is_on_shape(const pl_skin *skin, int32_t node) {
 
 /** Find the direction of the star's node where it is. */
 static void find_direction(const pl_skin *skin, int64_t star, int32_t node, double direction[3]) {
+    const pl_place place = pl_skin_get_place(skin, node);
     double at[3];
     if (is_on_shape(skin, node))
-        pl_shape_point(skin->shape, skin->shape->node_class[node], &skin->place[node], at,
-                       direction);
+        pl_shape_point(skin->shape, skin->shape->node_class[node], &place, at, direction);
     else
         memcpy(direction, skin->slide[star].direction, 3 * sizeof *direction);
 }
@@ -280,7 +280,7 @@ static void find_place(const pl_skin_visit *v, const double *x, pl_skin_trial *t
     const planish_shape *shape = skin->shape;
     const int node_class = shape->node_class[v->node];
     double at[3];
-    trial->place = skin->place[v->node];
+    trial->place = pl_skin_get_place(skin, v->node);
     if (!is_on_shape(skin, v->node)) {
         find_flat_place(v, x, trial);
         return;
@@ -402,11 +402,12 @@ int pl_skin_end_visit(pl_skin_visit *visit) {
     }
     const pl_skin_trial *trial = &visit->trial[0];
     memcpy(skin->known[visit->node], x, sizeof trial->x);
-    skin->place[visit->node] = trial->place;
+    pl_skin_set_place(skin, visit->node, &trial->place);
     for (int i = 0; i < visit->n; i++) {
         const int32_t facet = visit->facet[i];
-        skin->bound[facet] = trial->bound[i];
-        skin->turned[facet] = sqrt(chord2_of(trial->normal[i], skin->shape->normal[facet]));
+        skin->bound[facet] = pl_float_above(trial->bound[i]);
+        skin->turned[facet] =
+            pl_float_above(sqrt(chord2_of(trial->normal[i], skin->shape->normal[facet])));
     }
     return 1;
 }

@@ -40,6 +40,12 @@ enum {
     PL_SKIN_PAIRED = 18 /* in a periodic pair, while the skin is made */
 };
 
+/** A place on the shape, as it is kept between visits: near enough to walk on from. */
+typedef struct pl_skin_place {
+    int32_t at; /* as pl_place.at */
+    float weight[3];
+} pl_skin_place;
+
 /** The skin of a run. Nodes and facets have the shape's numbers, lengths its units but where said
  *  otherwise. Arrays are owned. */
 typedef struct pl_skin {
@@ -52,23 +58,23 @@ typedef struct pl_skin {
     planish_project_fn *project; /* the caller's, of other nodes */
     void *project_user;
     pl_storage storage;
-    int32_t *node;      /* [n_stars] of the skin; -1: the star's is not */
-    int32_t *star;      /* [n_nodes] sliding star of each; -1: it has none */
-    int32_t *inner;     /* [n_nodes] inner number, -1: not of the plan */
-    uint8_t *moves;     /* [n_nodes] how */
-    double (*known)[3]; /* [n_nodes] in the mesh's units: where place is that of the node */
-    pl_place *place;    /* [n_nodes] at -1: none is known */
-    double *bound;      /* [n_facets] none of its points is farther off the shape */
-    double *tolerance;  /* [n_facets] */
-    double *turned;     /* [n_facets] its unit normal is no farther from what it was first */
-    pl_disc *disc;      /* [n_nodes] around nodes on patches that the skin moves */
-    uint8_t *is_planar; /* [n_facets] of a patch that is planar */
-    uint8_t *is_near;   /* [n_facets] while the skin is made: another sheet is near */
-    double unscale;     /* 1 / shape->scale */
-    int64_t max_facets; /* of a node */
-    double *room;       /* [threads][PL_SKIN_ROOM * max_facets] for visits */
-    int64_t n_held;     /* nodes that would slide, but for facets too far off at the start */
-    int64_t n_off;      /* visits that were shortened or refused */
+    int32_t *node;        /* [n_stars] of the skin; -1: the star's is not */
+    int32_t *star;        /* [n_nodes] sliding star of each; -1: it has none */
+    int32_t *inner;       /* [n_nodes] inner number, -1: not of the plan */
+    uint8_t *moves;       /* [n_nodes] how */
+    double (*known)[3];   /* [n_nodes] in the mesh's units: where place is that of the node */
+    pl_skin_place *place; /* [n_nodes] at -1: none is known */
+    float *bound;         /* [n_facets] none of its points is farther off the shape */
+    float *tolerance;     /* [n_facets] */
+    float *turned;        /* [n_facets] its unit normal is no farther from what it was first */
+    pl_disc *disc;        /* [n_nodes] around nodes on patches that the skin moves */
+    uint8_t *is_planar;   /* [n_facets] of a patch that is planar */
+    uint8_t *is_near;     /* [n_facets] while the skin is made: another sheet is near */
+    double unscale;       /* 1 / shape->scale */
+    int64_t max_facets;   /* of a node */
+    double *room;         /* [threads][PL_SKIN_ROOM * max_facets] for visits */
+    int64_t n_held;       /* nodes that would slide, but for facets too far off at the start */
+    int64_t n_off;        /* visits that were shortened or refused */
 } pl_skin;
 
 /* The node ends where it was accepted last, or at one of the last trials: a line search ends as soon as
@@ -112,6 +118,24 @@ static inline void pl_skin_place_of(const pl_skin *skin, int32_t node, double x[
     const double *at = pl_skin_at(skin, node);
     for (int d = 0; d < 3; d++)
         x[d] = at[d] * skin->shape->scale;
+}
+
+/** Return where a node is on the shape, about. */
+static inline pl_place pl_skin_get_place(const pl_skin *skin, int32_t node) {
+    const pl_skin_place *kept = &skin->place[node];
+    return (pl_place){kept->at, {kept->weight[0], kept->weight[1], kept->weight[2]}};
+}
+
+static inline void pl_skin_set_place(const pl_skin *skin, int32_t node, const pl_place *place) {
+    pl_skin_place *kept = &skin->place[node];
+    kept->at = place->at;
+    for (int k = 0; k < 3; k++)
+        kept->weight[k] = (float)place->weight[k];
+}
+
+/** Return a float that is not below x, which is not negative; the same if x is infinite or no number. */
+static inline float pl_float_above(double x) {
+    return x > 0 ? (float)(x * (1 + 0x1p-23) + 0x1p-149) : (float)x;
 }
 
 /** Whether the skin moves a node. */

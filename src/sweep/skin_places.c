@@ -8,6 +8,7 @@
 #include "shape/overlay.h"
 #include "topology/points.h"
 
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -26,7 +27,7 @@ enum { CHUNK_FACETS = 256 };
 
 /** Place of a node that may have moved, as far as certificates need it. */
 static pl_place present_place(const pl_skin *skin, int32_t node) {
-    pl_place place = skin->place[node];
+    pl_place place = pl_skin_get_place(skin, node);
     double x[3];
     if (skin->moves[node] != PL_SKIN_FLAT || place.at < 0)
         return place;
@@ -93,8 +94,9 @@ static void bound_facets(void *context, int64_t begin, int64_t end, int thread) 
     for (int32_t t = (int32_t)begin; t < end; t++) {
         if (!isnan(skin->bound[t]))
             continue;
-        skin->bound[t] = is_first(skin, t) ? 0 : pl_skin_certify(skin, t, -1, NULL, NULL);
-        skin->turned[t] = turn_of(skin, t);
+        skin->bound[t] =
+            is_first(skin, t) ? 0 : pl_float_above(pl_skin_certify(skin, t, -1, NULL, NULL));
+        skin->turned[t] = pl_float_above(turn_of(skin, t));
     }
 }
 
@@ -115,10 +117,12 @@ static void follow(pl_skin *skin, int32_t node) {
     double x[3];
     memcpy(skin->known[node], pl_skin_at(skin, node), sizeof skin->known[node]);
     pl_skin_place_of(skin, node, x);
+    pl_place place = pl_skin_get_place(skin, node);
     if (pl_skin_is_at(x, shape->x[node]))
-        skin->place[node] = pl_shape_first_place(shape, node);
-    else if (skin->place[node].at >= 0)
-        pl_shape_walk(shape, shape->node_class[node], x, &skin->place[node]);
+        place = pl_shape_first_place(shape, node);
+    else if (place.at >= 0)
+        pl_shape_walk(shape, shape->node_class[node], x, &place);
+    pl_skin_set_place(skin, node, &place);
     for (int64_t i = shape->offset[node]; i < shape->offset[node + 1]; i++)
         skin->bound[shape->facet_of[i]] = NAN;
 }
@@ -192,13 +196,19 @@ void pl_skin_restore(pl_skin *skin, void *saved) {
 
 /* ---- the beginning --------------------------------------------------------------------------- */
 
+/** A finite float that is not above x, which is not negative. */
+static float float_below(double x) {
+    const double below = x * (1 - 0x1p-23) - 0x1p-149;
+    return below > 0 ? (float)fmin(below, FLT_MAX) : 0;
+}
+
 /** Mark the facets of planar patches: normals agree, and nodes are in one plane. */
 static int find_planar(pl_skin *skin) {
     const planish_shape *shape = skin->shape;
     double *off =
         pl_alloc_zero(shape->n_facets, sizeof *off); /* of patches, at their numbers: how far
                                                                    nodes are off the plane of a facet */
-    double *least = pl_alloc(shape->n_facets, sizeof *least);  /* tolerance */
+    float *least = pl_alloc(shape->n_facets, sizeof *least);   /* tolerance */
     int32_t *first = pl_alloc(shape->n_facets, sizeof *first); /* their first facets */
     const int done = off && least && first;
     for (int64_t p = 0; done && p < shape->n_facets; p++) {
@@ -211,7 +221,7 @@ static int find_planar(pl_skin *skin) {
             first[p] = t;
         const double *normal = shape->normal[first[p]], *x = shape->x[shape->facet[first[p]][0]];
         double way[3];
-        least[p] = fmin(least[p], skin->tolerance[t]);
+        least[p] = skin->tolerance[t] < least[p] ? skin->tolerance[t] : least[p];
         if (!(pl_dot(3, normal, shape->normal[t]) > 0))
             off[p] = INFINITY;
         for (int j = 0; j < 3; j++) {
@@ -223,7 +233,8 @@ static int find_planar(pl_skin *skin) {
         const double most = off[shape->patch[t]];
         skin->is_planar[t] =
             most <= PLANAR_TOLERANCE * least[shape->patch[t]] && most <= PLANAR_SIZE * shape->size;
-        skin->tolerance[t] *= skin->is_planar[t] ? PLANAR_REST : 1;
+        if (skin->is_planar[t])
+            skin->tolerance[t] = float_below(skin->tolerance[t] * PLANAR_REST);
     }
     pl_free(off);
     pl_free(least);
@@ -247,7 +258,8 @@ static void find_tolerances(pl_skin *skin, const planish_options *options) {
             sum += pl_length(way);
             least = fmin(least, shape->edge_length[corner[j]]);
         }
-        skin->tolerance[t] = factor * (is_length ? shape->scale : fmin(least, sum / 3));
+        skin->tolerance[t] =
+            float_below(factor * (is_length ? shape->scale : fmin(least, sum / 3)));
     }
 }
 
@@ -338,7 +350,8 @@ int pl_skin_is_off(const pl_skin *skin, int32_t node) {
 static void take_places(pl_skin *skin, const pl_points *points) {
     const planish_shape *shape = skin->shape;
     for (int32_t node = 0; node < shape->n_nodes; node++) {
-        skin->place[node] = pl_shape_first_place(shape, node);
+        const pl_place place = pl_shape_first_place(shape, node);
+        pl_skin_set_place(skin, node, &place);
         for (int d = 0; d < 3 && skin->inner[node] < 0; d++)
             skin->known[node][d] = points->x[pl_point_at(points, shape->node[node], d)];
         if (skin->inner[node] >= 0)

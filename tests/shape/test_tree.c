@@ -188,11 +188,11 @@ static void make_plates(plates *p, double apart, const int turned[PLATES]) {
 /** The facets that are near; may_leave: NULL or [PLATES * FACETS]. */
 static int64_t count_near_of(const plates *p, double tolerance, const uint8_t *may_leave,
                              int is_open) {
-    static double each[PLATES * FACETS];
+    static float each[PLATES * FACETS];
     static uint8_t is_near[PLATES * FACETS];
     int64_t n = 0;
     for (int i = 0; i < PLATES * FACETS; i++)
-        each[i] = tolerance;
+        each[i] = (float)tolerance;
     assert_int_equal(pl_shape_find_gaps(&p->shape, each, may_leave, is_open, 2, is_near, NULL), 0);
     for (int i = 0; i < PLATES * FACETS; i++)
         n += is_near[i];
