@@ -751,16 +751,17 @@ PLANISH_API void planish_fit_destroy(planish_fit *fit);
 /** Move the nodes of mesh, at coordinates as its strides say, to their places as far as elements stay valid:
  *  in rounds, between which other nodes are smoothed, those on the other surface along it, too. Elements may
  *  get worse, but none becomes invalid. mesh is that of fit. options (NULL: defaults): as for
- *  planish_smooth, but for project; progress is called in its sweeps. time_limit is of the whole call. What
+ *  planish_smooth, but that project, shape, method, worst, only_worse_than and around are not looked at, and
+ *  bounds are of the smoothing alone; progress is called in its sweeps. time_limit is of the whole call. What
  *  could not be done is in info (may be NULL): planish_smooth, or another call, may make room for more.
  *  Errors: as of planish_plan_create and planish_smooth; coordinates are then untouched. */
 PLANISH_API int planish_fit_move(planish_fit *fit, const planish_mesh *mesh, double *coordinates,
                                  const planish_options *options, planish_fit_info *info,
                                  planish_error *error);
 
-/** Say in constraint [n_nodes] how the boundary's nodes are smoothed: those that slide along the other
- *  surface are ON_SURFACE, by options.project = planish_fit_project and project_user = fit; others that are
- *  not at a facet of it, or at no place, FIXED. Other entries stay. */
+/** Say in constraint [n_nodes] how the nodes of the mesh's surface, interfaces between regions included, are
+ *  smoothed: those that slide along the other surface are ON_SURFACE, by options.project =
+ *  planish_fit_project and project_user = fit, all others FIXED. Entries of other nodes stay. */
 PLANISH_API void planish_fit_constrain(const planish_fit *fit, uint8_t *constraint);
 
 /** A planish_project_fn: user is a fit. */

@@ -180,9 +180,8 @@ static void constrain(const planish_fit *fit, int is_early, uint8_t *constraint)
     for (int64_t i = 0; i < fit->n_nodes; i++) {
         const int slides =
             fit->state[i] == PL_FIT_PLACED && fit->slides[i] && (is_early || fit->is_there[i]);
-        if (fit->state[i] != PL_FIT_INSIDE)
-            constraint[fit->own->node[i]] =
-                slides ? PLANISH_CONSTRAINT_ON_SURFACE : PLANISH_CONSTRAINT_FIXED;
+        constraint[fit->own->node[i]] =
+            slides ? PLANISH_CONSTRAINT_ON_SURFACE : PLANISH_CONSTRAINT_FIXED;
     }
 }
 
@@ -199,8 +198,8 @@ enum { ROUNDS = 20, SWEEPS = 3 };
 static const double LITTLE = 1. / 8;
 
 /* What the least det J of an element may fall to at most, in its size: first so that smoothing can go on, then
- * as far as validity allows. */
-static const double FLOORS[] = {0.02, 1e-4};
+ * as far as validity allows with something left. */
+static const double FLOORS[] = {0.02, 2e-3};
 
 /** A call of planish_fit_move. */
 typedef struct moving {
@@ -275,8 +274,11 @@ int planish_fit_move(planish_fit *fit, const planish_mesh *mesh, double *coordin
     m.options.project = planish_fit_project;
     m.options.project_user = fit;
     m.options.shape = NULL;
+    m.options.method = PLANISH_METHOD_PLANISH;
     m.options.worst = PLANISH_WORST_NONE;
     m.options.max_sweeps = SWEEPS;
+    m.options.only_worse_than = 0;
+    m.options.around = NULL;
     m.constraint = pl_alloc_zero((int64_t)n, 1);
     m.coordinates = pl_alloc((int64_t)length, sizeof *m.coordinates);
     if (!m.constraint || !m.coordinates)

@@ -20,8 +20,18 @@ enum { CHUNK = 64 };
 
 /* Facets of a place turn as the surface at the node: cosine of the angle at most between them. */
 #define ALIKE 0.2
+/* A crease of the mesh that is none on the other shape lies on a patch that turns as the mean of its sides. */
+#define SAME 0.95
+/* Facets at a crease turn by 25 degrees at least: cosine. Others have their features by tags. */
+#define CREASE 0.906307787036650
+/* A curve is right for a crease within so many edges, and so many times as far as such a patch. */
+#define CURVE_EDGES   0.1
+#define CURVE_PATCHES 1.5
 /* Curves go as an edge of the node does, either way: cosine. */
 #define ALONG 0.5
+/* A corner is for nodes within so many of their mean edges, and so many times as far as the nearest curve. */
+#define CORNER_EDGES  0.25
+#define CORNER_CURVES 2
 /* So much of the votes decides which way a patch turns. */
 #define CLEAR 0.75
 
@@ -29,6 +39,7 @@ enum { CHUNK = 64 };
 typedef struct search {
     const planish_fit *fit;
     const double *normal; /* of unit length; NULL: any */
+    double alike;         /* cosine of the angle at most between that and a facet's */
     int32_t patch;        /* -1: any */
     int n_ways;           /* unit directions of edges at a node on a curve or corner */
     const double (*way)[3];
@@ -41,7 +52,8 @@ static double square_of_facet(const void *context, int32_t facet, const double p
     const double *const x[3] = {onto->x[node[0]], onto->x[node[1]], onto->x[node[2]]};
     double weight[3] = {1, 0, 0};
     if (onto->is_interface[facet] || (s->patch >= 0 && patch != s->patch) ||
-        (s->normal && !(s->fit->turn[patch] * pl_dot(3, s->normal, onto->normal[facet]) >= ALIKE)))
+        (s->normal &&
+         !(s->fit->turn[patch] * pl_dot(3, s->normal, onto->normal[facet]) >= s->alike)))
         return INFINITY;
     return pl_nearest_on_triangle(point, x, weight);
 }
@@ -238,7 +250,19 @@ static void find_turns(const finding *g, int64_t (*votes)[2]) {
     }
 }
 
-/** Find the corner that each corner of the mesh's surface would go to. */
+/** Return the distance of a node from the nearest curve that goes as one of its own; infinite: none does
+ *  in reach. */
+static double off_curves(const finding *g, int32_t node) {
+    const planish_fit *fit = g->fit;
+    double x[3], way[MOST_WAYS][3];
+    search s = {.fit = fit, .patch = -1, .way = (const double(*)[3])way};
+    double square = reach_of_features(g, node, x);
+    s.n_ways = ways_at(fit->own, &g->features, node, way);
+    return nearest(&fit->edges, x, square_of_edge, &s, &square) >= 0 ? sqrt(square) : INFINITY;
+}
+
+/** Find the corner that each corner of the mesh's surface would go to: where a coarse curve turns it has one of
+ *  its own, which is on the other curve and far from its corners. */
 static void look_for_corners(void *context, int64_t begin, int64_t end, int thread) {
     finding *g = context;
     const planish_fit *fit = g->fit;
@@ -251,6 +275,10 @@ static void look_for_corners(void *context, int64_t begin, int64_t end, int thre
                              g->features.offset[i + 1] > g->features.offset[i]
                          ? nearest(&fit->corners, x, square_of_corner, &s, &g->square[i])
                          : -1;
+        const double near = CORNER_EDGES * fit->own->edge_length[i] / fit->to_own;
+        if (g->near[i] >= 0 &&
+            sqrt(g->square[i]) > near + CORNER_CURVES * off_curves(g, (int32_t)i))
+            g->near[i] = -1;
     }
 }
 
@@ -287,23 +315,48 @@ static void set_place(planish_fit *fit, int32_t node, int kind, int32_t at, cons
     pl_nearest_on_triangle(x, corner, place->weight);
 }
 
+/** Whether all features at a node are creases. */
+static int is_creased(const finding *g, int32_t node) {
+    const planish_shape *own = g->fit->own;
+    for (int64_t i = g->features.offset[node]; i < g->features.offset[node + 1]; i++) {
+        const int32_t *facet = own->edge_facet[g->features.edge[i]];
+        if (facet[0] < 0 || facet[1] < 0 ||
+            pl_dot(3, own->normal[facet[0]], own->normal[facet[1]]) > CREASE)
+            return 0;
+    }
+    return 1;
+}
+
+/** Find the edge of a curve where a node belongs; -1: there is none. */
+static int32_t find_edge(const finding *g, int32_t node, search *s, double x[3]) {
+    const planish_fit *fit = g->fit;
+    double way[MOST_WAYS][3], normal[3];
+    double square = reach_of_features(g, node, x);
+    s->way = (const double(*)[3])way;
+    s->n_ways =
+        fit->own->node_class[node] == PL_ON_PATCH ? 0 : ways_at(fit->own, &g->features, node, way);
+    const int32_t at = s->n_ways > 0 ? nearest(&fit->edges, x, square_of_edge, s, &square) : -1;
+    if (at < 0 || !is_creased(g, node) || !normal_at(fit->own, node, normal))
+        return at;
+    const double off = sqrt(square) - CURVE_EDGES * fit->own->edge_length[node] / fit->to_own;
+    const search same = {.fit = fit, .patch = -1, .normal = normal, .alike = SAME};
+    square = off * off / (CURVE_PATCHES * CURVE_PATCHES);
+    return off > 0 && nearest(&fit->facets, x, square_of_facet, &same, &square) >= 0 ? -1 : at;
+}
+
 /** Find the place of a node that has no corner. */
 static void find_place(const finding *g, int32_t node) {
     planish_fit *fit = g->fit;
-    const planish_shape *own = fit->own;
-    double x[3], way[MOST_WAYS][3], normal[3];
-    const int is_on_patch = own->node_class[node] == PL_ON_PATCH;
-    search s = {.fit = fit, .patch = -1, .way = (const double(*)[3])way};
-    double square = reach_of_features(g, node, x);
-    s.n_ways = is_on_patch ? 0 : ways_at(own, &g->features, node, way);
-    int32_t at = s.n_ways > 0 ? nearest(&fit->edges, x, square_of_edge, &s, &square) : -1;
+    double x[3], normal[3];
+    search s = {.fit = fit, .patch = -1, .alike = ALIKE};
+    int32_t at = find_edge(g, node, &s, x);
     if (at >= 0) {
         set_place(fit, node, PL_ON_CURVE, at, x);
-        fit->slides[node] = own->node_class[node] == PL_ON_CURVE;
+        fit->slides[node] = fit->own->node_class[node] == PL_ON_CURVE;
         return;
     }
-    s.normal = normal_at(own, node, normal) ? normal : NULL;
-    square = reach_of(g, node, x);
+    double square = reach_of(g, node, x);
+    s.normal = normal_at(fit->own, node, normal) ? normal : NULL;
     at = nearest(&fit->facets, x, square_of_facet, &s, &square);
     if (at >= 0)
         set_place(fit, node, PL_ON_PATCH, at, x);
@@ -394,10 +447,8 @@ int pl_fit_find_places(planish_fit *fit, const pl_points *points, planish_error 
 static pl_place place_on_patch(const planish_fit *fit, int32_t node, const double x[3]) {
     const planish_shape *onto = fit->onto;
     const int32_t first = fit->place[node].at;
-    double normal[3];
-    for (int d = 0; d < 3; d++)
-        normal[d] = fit->direction[node][d];
-    const search s = {.fit = fit, .normal = normal, .patch = onto->patch[first]};
+    const double *normal = fit->direction[node];
+    const search s = {.fit = fit, .normal = normal, .alike = ALIKE, .patch = onto->patch[first]};
     double square = square_of_facet(&s, first, x);
     const int32_t nearer = nearest(&fit->facets, x, square_of_facet, &s, &square);
     pl_place place = {nearer >= 0 ? nearer : first, {0}};

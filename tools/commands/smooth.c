@@ -12,6 +12,7 @@
 #include "job/held.h"
 #include "job/job.h"
 #include "job/layers.h"
+#include "job/onto.h"
 #include "terminal/message.h"
 #include "job/output.h"
 #include "job/progress.h"
@@ -190,7 +191,12 @@ static int judge(const pl_job *job, pl_result *result) {
     judge_others(result);
     if (result->smooth.stop == PLANISH_STOP_TIME_LIMIT)
         add_reason(result, "stopped by the time limit of %g s before convergence",
-                   job->options.time_limit);
+                   job->arguments->library.time_limit);
+    if (job->onto.after.n_off > 0)
+        add_reason(result,
+                   "%" PRId64 " node%s not on %s yet, up to %.3g off: elements would be inverted",
+                   job->onto.after.n_off, is_or_are(job->onto.after.n_off), job->arguments->onto,
+                   job->onto.after.farthest);
     if (result->smooth.stop == PLANISH_STOP_INTERRUPTED)
         add_reason(result, "interrupted by a signal before convergence");
     if (result->reason[0])
@@ -286,6 +292,8 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
     pl_progress_stage(progress, PL_STAGE_PLANNING);
     if (job->mesh.cells)
         job->options.rounding = pl_cells_rounding(job);
+    if ((status = pl_onto_fit(job)))
+        return status;
     if ((status = pl_job_find_slides(job)))
         return status;
     if ((status = pl_job_plan(job)))
@@ -308,6 +316,7 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
         pl_layers_print(stderr, job);
         pl_curved_note_held(stderr, job, result->validity_before.quality.all.n_curved,
                             result->before.n_inverted);
+        pl_onto_note(stderr, job, result->before.max_radius_ratio);
     }
     if (job->curved.shape && (status = measure_surface(job, 0, result)))
         return status;
@@ -315,8 +324,11 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = pl_reversed_find(job, result->before.n_reversed, &result->reversed.before)))
         return status;
-    return take_for_reports(job, "before", &result->validity_before, &result->input_checksum,
-                            &result->worst_before, &result->picture);
+    status = take_for_reports(job, "before", &result->validity_before, &result->input_checksum,
+                              &result->worst_before, &result->picture);
+    if (job->onto.fit) /* the file's, not that of the mesh as it was fitted */
+        result->input_checksum = job->onto.input_checksum;
+    return status;
 }
 
 static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
@@ -370,6 +382,8 @@ static int check_result(pl_job *job, pl_result *result) {
     if ((status = pl_reversed_compare(job, &result->after, &result->reversed)))
         return status;
     if (job->curved.shape && (status = measure_surface(job, 1, result)))
+        return status;
+    if ((status = pl_onto_measure(job)))
         return status;
     return pl_promises_check(job, result);
 }

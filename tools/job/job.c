@@ -467,7 +467,7 @@ static uint8_t *find_inside(const pl_job *job) {
 
 int pl_job_find_slides(pl_job *job) {
     const double begin = pl_seconds();
-    if (!job->arguments->slide || !job->file)
+    if (!job->arguments->slide || !job->file || job->onto.fit) /* that says what slides */
         return 0;
     job->direction = new_directions(job);
     int status = job->direction ? 0 : pl_job_complain_memory(job, "values of nodes");
@@ -511,7 +511,7 @@ int pl_job_count_slides(pl_job *job) {
     const size_t n = (size_t)job->mesh.n_nodes + 1;
     int64_t n_sliding = 0;
     int status = 0;
-    if (job->arguments->slide || !job->file || job->options.only_worse_than > 0 ||
+    if (job->arguments->slide || job->onto.fit || !job->file || job->options.only_worse_than > 0 ||
         job->options.method != PLANISH_METHOD_PLANISH)
         return 0;
     uint8_t *constraint = malloc(n), *is_inside = malloc(n);
@@ -621,6 +621,9 @@ int pl_job_measure(const pl_job *job, planish_quality *quality) {
 void pl_job_close(pl_job *job) {
     if (job->engine)
         job->engine->plan_destroy(job);
+    planish_fit_destroy(job->onto.fit);
+    planish_shape_destroy(job->onto.own);
+    planish_shape_destroy(job->onto.shape);
     pl_curved_destroy(job);
     free(job->min_volume);
     free(job->wrapped);

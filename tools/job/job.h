@@ -65,6 +65,17 @@ typedef struct pl_curved {
     int64_t n[PLANISH_CONSTRAINT_ON_CURVE + 1]; /* nodes by their constraint */
 } pl_curved;
 
+/** The surface of another file that the mesh's is fitted to. */
+typedef struct pl_onto {
+    planish_shape *own, *shape; /* owned; NULL: there is no such file */
+    planish_fit *fit;           /* owned */
+    planish_fit_info before, after;
+    double worst_before; /* worst ratio of the mesh as it was read */
+    uint64_t input_checksum;
+    planish_shape_distance distance; /* in the end */
+    double seconds;
+} pl_onto;
+
 /** Messages between the processes that share a mesh, summed over them. */
 typedef struct pl_traffic {
     int n_processes;     /* 0: one process works by itself, and nothing else is set */
@@ -95,6 +106,7 @@ typedef struct pl_job {
     pl_layers layers;
     pl_held held;
     pl_curved curved;
+    pl_onto onto;
     int64_t could_slide;       /* nodes that would with --slide auto; -1: not looked for */
     int64_t n_with_parameters; /* nodes that may move and have parameters of the geometry */
     double *min_volume;        /* [mesh.n_elements] owned, or NULL: no group has one of its own */

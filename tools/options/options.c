@@ -430,6 +430,11 @@ static const option_row option_table[] = {
      "same elements: repeated runs do not add up (default:\n"
      "IN); with quality: how far the surface is off it",
      "file"},
+    {0, "onto", "FILE", SMOOTH | OPTIMISES, set_text, AT(onto), 0, 0, "must be the name of a file",
+     "fit the surface to that of FILE (STL, OBJ, any\n"
+     "format): its nodes are moved there as far as elements\n"
+     "stay valid, and slide along it",
+     "file"},
     {0, "crease-angle", "A", BOTH | OF_CURVED, set_real, AT(crease_angle), 0, 180,
      "must be a number of degrees from 0 to 180",
      "keep edges of curved surfaces that bend by more than\n"
@@ -627,6 +632,19 @@ static int check_view(const pl_arguments *arguments) {
     return 0;
 }
 
+/** Options that have no place beside --onto. */
+static int check_onto(const pl_arguments *arguments) {
+    const planish_options *library = &arguments->library;
+    const char *command = pl_command_name(arguments->command);
+    const char *name = arguments->slide                ? "slide"
+                       : arguments->n_box > 0          ? "box"
+                       : library->max_displacement > 0 ? "max-displacement"
+                       : library->only_worse_than > 0  ? "only-worse-than"
+                       : arguments->surface_of         ? "surface-of"
+                                                       : NULL;
+    return name ? pl_complain_usage(command, "give --onto or --%s, not both", name) : 0;
+}
+
 /** Options that exclude or need one another. */
 static int check_combinations(const pl_arguments *arguments) {
     const planish_options *library = &arguments->library;
@@ -644,7 +662,12 @@ static int check_combinations(const pl_arguments *arguments) {
     if (arguments->of_worst && !arguments->worst)
         return pl_complain_usage(command, "--%s has no effect without --objective worst",
                                  arguments->of_worst);
-    if (arguments->of_curved && !arguments->slide_curved && arguments->command == PL_COMMAND_SMOOTH)
+    if (arguments->onto && check_onto(arguments))
+        return PL_EXIT_USAGE;
+    const int is_of_onto = arguments->onto && arguments->of_curved &&
+                           strcmp(arguments->of_curved, "crease-angle") == 0;
+    if (arguments->of_curved && !arguments->slide_curved && !is_of_onto &&
+        arguments->command == PL_COMMAND_SMOOTH)
         return pl_complain_usage(command, "--%s has no effect without --slide curved",
                                  arguments->of_curved);
     if (arguments->surface_of && arguments->n_inputs > 1)

@@ -183,6 +183,11 @@ void pl_page_put_surface(pl_markup *page, const pl_figures *figures) {
         {"nodes on lines", "on_lines"},
         {"nodes on patches", "on_patches"},
         {"nodes on curves", "on_curves"},
+        {"nodes at corners", "on_corners"},
+        {"nodes out of reach", "out_of_reach"},
+        {"nodes that are held", "held"},
+        {"nodes off the other surface before", "off_before"},
+        {"nodes off it now", "off"},
         {"corners", "corners"},
         {"patches", "patches"},
         {"edges between them", "feature_edges"},
@@ -195,10 +200,14 @@ void pl_page_put_surface(pl_markup *page, const pl_figures *figures) {
         return;
     pl_markup_put(page, "<section id=\"surface\" class=\"whole\"><h2>The surface</h2>\n"
                         "<div class=\"scroll\"><table><tbody>\n");
-    put_distance(page, "distance from the original surface", surface, "distance",
-                 "distance_in_edges");
-    put_distance(page, "distance of the original one from it", surface, "distance_back",
-                 "distance_back_in_edges");
+    const int is_fitted = pl_figure_text(surface, "onto")[0] != '\0';
+    put_distance(
+        page, is_fitted ? "distance from the other surface" : "distance from the original surface",
+        surface, "distance", "distance_in_edges");
+    put_distance(page,
+                 is_fitted ? "distance of the other one from it"
+                           : "distance of the original one from it",
+                 surface, "distance_back", "distance_back_in_edges");
     if (isfinite(bend))
         pl_markup_put(page,
                       "<tr><th scope=\"row\">sharpest edge within patches</th>"
@@ -207,6 +216,7 @@ void pl_page_put_surface(pl_markup *page, const pl_figures *figures) {
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         put_counted(page, counts[i][0], surface, counts[i][1]);
     put_fact(page, "original surface", pl_figure_text(surface, "original"));
+    put_fact(page, "other surface", pl_figure_text(surface, "onto"));
     pl_markup_put(page, "</tbody></table></div>\n");
     if (isfinite(pl_figure(surface, "distance")))
         pl_markup_put(

@@ -562,12 +562,42 @@ static void add_region_volumes(document *json, cJSON *to, const pl_job *job,
     }
 }
 
+/** Add how the surface was fitted to another one. */
+static void add_onto(document *json, cJSON *root, const pl_job *job) {
+    const planish_fit_info *before = &job->onto.before, *after = &job->onto.after;
+    const planish_shape_distance *d = &job->onto.distance;
+    cJSON *surface = new_object(json, root, "surface");
+    add_text(json, surface, "onto", job->arguments->onto);
+    add_real(json, surface, "crease_angle", job->arguments->crease_angle);
+    add_integer(json, surface, "nodes", before->n_nodes);
+    add_integer(json, surface, "on_patches", before->n_on_patch);
+    add_integer(json, surface, "on_curves", before->n_on_curve);
+    add_integer(json, surface, "on_corners", before->n_on_corner);
+    add_integer(json, surface, "out_of_reach", before->n_out_of_reach);
+    add_integer(json, surface, "held", before->n_held);
+    add_integer(json, surface, "off_before", before->n_off);
+    add_real(json, surface, "farthest_before", before->farthest);
+    add_integer(json, surface, "off", after->n_off);
+    add_real(json, surface, "farthest", after->farthest);
+    add_real(json, surface, "worst_ratio_of_input", job->onto.worst_before);
+    add_real(json, surface, "fit_seconds", job->onto.seconds);
+    add_real(json, surface, "distance", d->distance);
+    add_real(json, surface, "distance_in_edges", d->in_edges);
+    add_real(json, surface, "distance_back", d->distance_back);
+    add_real(json, surface, "distance_back_in_edges", d->back_in_edges);
+    add_integer(json, surface, "unproved_facets", d->n_unproved);
+}
+
 /** Add the surface: its features, the nodes that slide on it, and how far it has moved; null: nobody
  *  asked for its shape. smooth: NULL of the command quality. */
 static void add_surface(document *json, cJSON *root, const pl_job *job,
                         const pl_surface_state *state, const planish_result *smooth) {
     const planish_shape_info *info = &job->curved.info;
     const int64_t *n = job->curved.n;
+    if (job->onto.fit) {
+        add_onto(json, root, job);
+        return;
+    }
     if (!job->curved.shape) {
         add(json, root, "surface", cJSON_CreateNull());
         return;

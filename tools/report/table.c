@@ -231,7 +231,7 @@ static void row_free(FILE *stream, const pl_job *job) {
     const int64_t n = job->plan_info.n_free;
     fprintf(stream, "%" PRId64 " of %" PRId64 " %s free to move", n, job->mesh.n_nodes,
             word_for(n, "nodes is", "nodes are"));
-    if (job->arguments->slide)
+    if (job->arguments->slide || job->onto.fit)
         fprintf(stream, ", %" PRId64 " to slide", job->plan_info.n_sliding);
     else if (job->could_slide > 0)
         fprintf(stream, ", %" PRId64 " could slide (--slide auto)", job->could_slide);
@@ -508,6 +508,22 @@ static void put_surface(FILE *stream, const pl_job *job, const pl_result *result
                 word_for(job->plan_info.n_fixed_elements, "element has", "elements have"));
 }
 
+/** Put how the surface was fitted to another one. */
+static void put_onto(FILE *stream, const pl_job *job) {
+    const planish_fit_info *before = &job->onto.before, *after = &job->onto.after;
+    const int64_t n = before->n_on_patch + before->n_on_curve + before->n_on_corner;
+    char text[512];
+    if (!job->onto.fit)
+        return;
+    snprintf(text, sizeof text,
+             "fitted to %s before smoothing: of %" PRId64 " %s %" PRId64 " lay off it, by at most "
+             "%.3g; %" PRId64 " %s on it now, %" PRId64 " not yet",
+             job->arguments->onto, n, word_for(n, "node", "nodes"), before->n_off, before->farthest,
+             n - after->n_off, word_for(n - after->n_off, "is", "are"), after->n_off);
+    pl_text_wrap(stream, text);
+    put_distance(stream, "surface off that one by", ", that one is", &job->onto.distance);
+}
+
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
     const int64_t n_outside = result->smooth.n_held_outside, n_back = result->smooth.n_put_back;
     char text[256];
@@ -544,6 +560,7 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
                 job->has_types ? "least scaled Jacobian" : "smallest angle");
     row_free(stream, job);
     put_surface(stream, job, result);
+    put_onto(stream, job);
     put_end(stream, &result->smooth);
     put_worst(stream, job, &result->smooth);
     snprintf(text, sizeof text,

@@ -1,0 +1,119 @@
+#!/usr/bin/env bash
+# --onto FILE: the surface of a mesh is fitted to that of another file, and planish says how far it came.
+. "$(dirname "$0")/common.sh"
+
+# Cubes of N cells along each side as hexahedra or tetrahedra (solid), or their surface as triangles (surface), in a
+# form of a size; for a Medit file.
+cat >make.py <<'END'
+import itertools
+import sys
+
+what, form, n, size = sys.argv[1], sys.argv[2], int(sys.argv[3]), float(sys.argv[4])
+FACE = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
+number, points = {}, []
+
+
+def node(at):
+    if at not in number:
+        u, v, w = (2 * i / n - 1 for i in at)
+        if form == "ball":
+            u, v, w = (a * (1 - b * b / 2 - c * c / 2 + b * b * c * c / 3) ** 0.5
+                       for a, b, c in ((u, v, w), (v, w, u), (w, u, v)))
+        points.append([size * c for c in (u, v, w)])
+        number[at] = len(points)
+    return number[at]
+
+
+hexes, triangles = [], []
+for i, j, k in itertools.product(range(n), repeat=3):
+    at = [(i, j, k), (i + 1, j, k), (i + 1, j + 1, k), (i, j + 1, k)]
+    at += [(a, b, c + 1) for a, b, c in at]
+    for face in FACE:
+        side = [at[c] for c in face]
+        if any(len({p[d] for p in side}) == 1 and side[0][d] in (0, n) for d in range(3)) and what == "surface":
+            a, b, c, d = (node(p) for p in side)
+            triangles += [(a, b, c), (a, c, d)]
+    if what != "surface":
+        hexes.append([node(p) for p in at])
+print("MeshVersionFormatted 2\nDimension 3\nVertices", len(points))
+for p in points:
+    print("%.9f %.9f %.9f 0" % tuple(p))
+if what == "hexes":
+    elements, name = hexes, "Hexahedra"
+elif what == "tets":
+    ring = (1, 2, 3, 7, 4, 5, 1)
+    elements, name = [(h[0], h[ring[i]], h[ring[i + 1]], h[6]) for h in hexes for i in range(6)], "Tetrahedra"
+else:
+    elements, name = triangles, "Triangles"
+print(name, len(elements))
+for e in elements:
+    print(*e, 1)
+print("End")
+END
+python3 make.py tets ball 5 0.96 >coarse.mesh
+python3 make.py hexes cube 5 0.8 >block.mesh
+python3 make.py tets ball 14 1 >fine.mesh
+python3 make.py tets ball 12 0.5 >half.mesh
+python3 make.py tets ball 8 100 >huge.mesh
+
+# A coarse ball, inscribed in a fine one.
+expect_status 0 "$program" smooth coarse.mesh --onto fine.mesh -o out.mesh --json report.json --report page.html
+tr '\n' ' ' <out >text
+for text in "fitted to fine.mesh before smoothing" "152 lay off it" "152 are on it now, 0 not yet" "(certified)" "to slide"; do
+    grep -qF "$text" text || { fail "the table says '$text'"; cat out; }
+done
+grep -q "other surface" page.html && grep -q "fine.mesh" page.html || fail "the page names the other surface"
+expect_json 'r["surface"]["onto"] == "fine.mesh" and r["surface"]["off_before"] == 152 and r["surface"]["off"] == 0'
+expect_json '0.03 < r["surface"]["farthest_before"] < 0.05 and r["surface"]["farthest"] == 0'
+expect_json '0 < r["surface"]["distance_in_edges"] < 0.2 and r["surface"]["distance_back"] < 0.07'
+expect_json 'r["certified"] and r["after"]["max_radius_ratio"] <= r["before"]["max_radius_ratio"]'
+expect_json 'r["surface"]["on_patches"] == 152 and r["surface"]["held"] == r["surface"]["out_of_reach"] == 0'
+expect_status 0 "$program" quality coarse.mesh --json quality.json -q
+python3 - <<'END' || fail "the checksum is that of the input, and all nodes of the surface lie on the ball"
+import json
+import math
+assert json.load(open("quality.json"))["checksum"] == json.load(open("report.json"))["input_checksum"]
+lines = [open(name).read().split("\n")[3:219] for name in ("coarse.mesh", "out.mesh")]
+pairs = [[math.hypot(*map(float, line.split()[:3])) for line in pair] for pair in zip(*lines)]
+surface = [r for before, r in pairs if before > 0.9599]
+assert len(surface) == 152 and all(abs(r - 1) < 2e-3 for r in surface), (len(surface), min(surface), max(surface))
+END
+for threads in 1 2; do
+    expect_status 0 "$program" smooth coarse.mesh --onto fine.mesh -o $threads.mesh -j $threads -q
+done
+cmp -s 1.mesh 2.mesh || fail "two threads give the same mesh"
+
+# Hexahedra that a plain projection would invert; in floats of few digits, too.
+expect_status 0 "$program" smooth block.mesh --onto half.mesh -o block-out.mesh --json report.json
+expect_json 'r["certified"] and r["surface"]["out_of_reach"] == 0 and r["surface"]["off"] == 0'
+
+# Nodes that cannot get there, as all nodes inside are held.
+python3 - <<'END'
+lines = open("block.mesh").read().split("\n")
+for i in range(3, 219):
+    x = lines[i].split()
+    inside = all(abs(float(c)) < 0.79 for c in x[:3])
+    lines[i] = " ".join(x[:3]) + (" 7" if inside else " 0")
+lines.insert(len(lines) - 2, "RequiredVertices\n64\n" + "\n".join(str(i - 2) for i in range(3, 219) if lines[i].endswith(" 7")))
+open("held.mesh", "w").write("\n".join(lines))
+END
+expect_status 1 "$program" smooth held.mesh --onto half.mesh -o held-out.mesh --json report.json
+expect_text "are not on half.mesh yet"
+expect_json 'r["certified"] and 0 < r["surface"]["off"] <= 152 and r["surface"]["farthest"] > 0.1'
+expect_json 'r["surface"]["distance"] >= r["surface"]["farthest"] * 0.99'
+
+# What is refused, in one line.
+expect_status 2 "$program" smooth coarse.mesh --onto huge.mesh -o no.mesh
+expect_one_line
+expect_text "give both the same unit and place"
+expect_status 2 "$program" smooth coarse.mesh --onto none.mesh -o no.mesh
+expect_one_line
+expect_text "--onto"
+for option in "--slide curved" "--box 0,0,0,1,1,1" "--max-displacement 1" "--only-worse-than 2"; do
+    # shellcheck disable=SC2086
+    expect_status 64 "$program" smooth coarse.mesh --onto fine.mesh -o no.mesh $option
+    expect_one_line
+    expect_text "give --onto or --"
+done
+expect_no_file no.mesh
+finish

@@ -1,0 +1,196 @@
+/* onto: the surface of the mesh is fitted to that of another file. */
+#include "job/onto.h"
+
+#include "terminal/message.h"
+#include "terminal/signals.h"
+
+#include "base/clock.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- the other surface ---------------------------------------------------------------------- */
+
+static int complain(const pl_job *job, const planish_error *error) {
+    return pl_complain(PL_EXIT_FAILED, "--onto %s: %s", job->arguments->onto, error->text);
+}
+
+/** Make the shape of a mesh with the tags that its file gives facets and edges. */
+static int make_shape(const pl_job *job, const planish_file *file, const planish_mesh *mesh,
+                      planish_shape **shape, planish_error *error) {
+    planish_hold hold = {.slide = 1};
+    if (file == job->file) {
+        hold = pl_job_hold(job);
+        hold.slide = 1;
+    }
+    planish_surface surface = {.n_facets = 0};
+    if (planish_file_mesh(file).dim == 3)
+        surface = planish_file_surface(file, &hold);
+    surface.crease_angle = job->arguments->crease_angle;
+    return planish_shape_create(mesh, &surface, job->options.threads, shape, NULL, error);
+}
+
+/** Make the shape of a flat mesh, which is in space in its file. */
+static int make_flat(const pl_job *job, planish_file *file, planish_shape **shape,
+                     planish_error *error) {
+    planish_mesh mesh = planish_file_mesh(file);
+    planish_cells cells;
+    double *places = malloc(((size_t)mesh.n_nodes * 3 + 1) * sizeof *places);
+    if (!places)
+        return pl_job_complain_memory(job, "the other surface");
+    int code = planish_file_cells(file, &cells, error);
+    if (!code)
+        code =
+            planish_file_space_coordinates(file, 0, mesh.n_nodes, mesh.coordinates, places, error);
+    mesh = (planish_mesh){.dim = 3,
+                          .n_nodes = mesh.n_nodes,
+                          .n_elements = cells.n,
+                          .cells = &cells,
+                          .coordinates = places};
+    if (!code)
+        code = make_shape(job, file, &mesh, shape, error);
+    free(places);
+    return code ? complain(job, error) : 0;
+}
+
+/** Read the file of --onto, and make its shape. */
+static int read_other(pl_job *job) {
+    const planish_open_options how = {.threads = job->options.threads, .isolated = 1};
+    planish_file *file = NULL;
+    planish_error error;
+    if (planish_file_open_with(job->arguments->onto, &how, &file, &error))
+        return pl_complain(PL_EXIT_FAILED, "--onto: %s", error.text);
+    const planish_mesh mesh = planish_file_mesh(file);
+    int status;
+    if (mesh.dim == 2)
+        status = make_flat(job, file, &job->onto.shape, &error);
+    else
+        status = make_shape(job, file, &mesh, &job->onto.shape, &error) ? complain(job, &error) : 0;
+    planish_file_close(file);
+    return status;
+}
+
+/* ---- the fit --------------------------------------------------------------------------------- */
+
+static int stop_if_asked(const planish_progress *step, void *user) {
+    (void)step;
+    (void)user;
+    return pl_signals_stop_asked();
+}
+
+/** Find the places of nodes, as the file, without its marks if asked, and options hold them. Points, lines,
+ *  facets and interfaces that the file lists only say where something ends. */
+static int find_places(pl_job *job, int ignore_marked) {
+    const uint8_t none = PLANISH_FILE_LINE_OR_POINT | PLANISH_FILE_FACE | PLANISH_FILE_INTERFACE;
+    planish_error error;
+    pl_onto *onto = &job->onto;
+    planish_hold hold = pl_job_hold(job);
+    hold.ignore_marked = ignore_marked;
+    if (planish_file_get_held(job->file, &hold, job->constraint, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    for (int64_t i = 0; i < job->mesh.n_nodes; i++)
+        job->constraint[i] = job->constraint[i] & (uint8_t)~none ? PLANISH_CONSTRAINT_FIXED
+                                                                 : PLANISH_CONSTRAINT_FREE;
+    pl_job_hold_layers(job, job->constraint);
+    planish_fit_destroy(onto->fit);
+    onto->fit = NULL;
+    return planish_fit_create(&job->mesh, onto->own, onto->shape, 0, &job->options, &onto->fit,
+                              &onto->before, &error)
+               ? complain(job, &error)
+               : 0;
+}
+
+/** Move the nodes; of the time limit the rest is for smoothing. */
+static int move_nodes(pl_job *job) {
+    const double least = 1e-6, begin = pl_seconds();
+    planish_options options = job->options;
+    planish_error error;
+    options.progress = stop_if_asked;
+    if (planish_fit_move(job->onto.fit, &job->mesh, planish_file_coordinates(job->file), &options,
+                         &job->onto.after, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    if (job->options.time_limit > 0)
+        job->options.time_limit = fmax(least, job->options.time_limit - (pl_seconds() - begin));
+    return 0;
+}
+
+/** Measure the mesh before anything moves. */
+static int measure_before(pl_job *job) {
+    planish_error error;
+    planish_quality quality;
+    planish_options options;
+    planish_options_init(&options);
+    options.threads = job->options.threads;
+    if (planish_measure_mesh(&job->mesh, &options, &quality, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    job->onto.worst_before = quality.max_radius_ratio;
+    job->onto.input_checksum = pl_job_checksum(job);
+    return 0;
+}
+
+int pl_onto_fit(pl_job *job) {
+    planish_error error;
+    pl_onto *onto = &job->onto;
+    const double begin = pl_seconds();
+    int status;
+    if (!job->arguments->onto)
+        return 0;
+    if (job->engine != &pl_engine_here || !job->file)
+        return pl_complain(PL_EXIT_FAILED, "--onto is not for several processes: use planish");
+    if (job->mesh.dim == 2 || job->mesh.n_elements == 0)
+        return pl_complain(PL_EXIT_FAILED,
+                           "%s: has no solid elements: --onto fits the surface of such to another "
+                           "one",
+                           job->arguments->input);
+    pl_signals_install_stop();
+    if ((status = read_other(job)))
+        return status;
+    if (make_shape(job, job->file, &job->mesh, &onto->own, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    if ((status = find_places(job, 0)))
+        return status;
+    /* Where the file marks all of the surface it says no more than where that is. */
+    if (onto->before.n_held == onto->before.n_nodes &&
+        planish_file_get_marked(job->file, NULL) > 0 && (status = find_places(job, 1)))
+        return status;
+    if ((status = measure_before(job)) || (status = move_nodes(job)))
+        return status;
+    planish_fit_constrain(onto->fit, job->constraint);
+    job->options.project = planish_fit_project;
+    job->options.project_user = onto->fit;
+    onto->seconds = pl_seconds() - begin;
+    return 0;
+}
+
+int pl_onto_measure(pl_job *job) {
+    planish_error error;
+    if (!job->onto.fit)
+        return 0;
+    return planish_fit_measure(job->onto.fit, &job->mesh, &job->onto.distance, &error)
+               ? pl_job_complain(job, PL_EXIT_FAILED, &error)
+               : 0;
+}
+
+void pl_onto_note(FILE *stream, const pl_job *job, double worst) {
+    const pl_onto *onto = &job->onto;
+    const char *file = job->arguments->onto;
+    if (!onto->fit)
+        return;
+    if (onto->before.n_out_of_reach > 0)
+        pl_note(stream,
+                "%" PRId64
+                " node%s of the surface %s no place on %s within 3 mean edges, and stay%s",
+                onto->before.n_out_of_reach, onto->before.n_out_of_reach == 1 ? "" : "s",
+                onto->before.n_out_of_reach == 1 ? "has" : "have", file,
+                onto->before.n_out_of_reach == 1 ? "s" : "");
+    if (onto->before.n_held > 0)
+        pl_note(stream, "%" PRId64 " node%s of the surface %s held, and not fitted to %s",
+                onto->before.n_held, onto->before.n_held == 1 ? "" : "s",
+                onto->before.n_held == 1 ? "is" : "are", file);
+    if (worst > onto->worst_before)
+        pl_note(stream,
+                "the fit made the worst %s ratio %.4g of %.4g; smoothing then makes none worse",
+                job->has_types ? "aspect" : "radius", worst, onto->worst_before);
+}
