@@ -311,7 +311,8 @@ int main(int argc, char **argv) {
             const double per_star = n ? 1 / (double)n : 0;
             const double facets = (double)plan->interior.stars.link_offset[n] * per_star;
             const double ring = (double)plan->interior.stars.ring_offset[n] * per_star;
-            const double link_bytes = (double)pl_link_positions(plan->dim) * facets;
+            const double link_bytes =
+                (double)pl_link_positions(plan->dim, plan->interior.stars.form != NULL) * facets;
             printf("{ \"planish\": \"%s\", \"mesh\": \"%s\", \"stars\": %lld, "
                    "\"facets_per_star\": %.2f, \"ring_per_star\": %.2f, "
                    "\"bytes_per_star\": %.1f,\n",

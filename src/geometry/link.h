@@ -3,7 +3,8 @@
  * As positions: first the nodes of each facet, [n][dim] places in the star's ring; in 3-D then the
  * edges of each facet, [n][3], and the nodes of each edge, [3 n / 2][2]: every facet at a free node
  * belongs to two elements, so that every edge of its link belongs to two facets. The nodes of the
- * edges, its ends, follow from the rest: where links are only kept they are left out. Positions are
+ * edges, its ends, follow from the rest: where links are only kept they are left out. Links of
+ * corners, which have forms (corner.h), have no edges. Positions are
  * bytes, and where the mesh has a star that is too large for bytes there is an array of high bytes,
  * too.
  *
@@ -22,13 +23,13 @@ enum {
     PL_BYTE_LINK = 170   /* and up to so many by one */
 };
 
-/** Positions of the whole link per facet, and without the ends of edges. */
-static inline int64_t pl_link_positions(int dim) {
-    return dim == 3 ? 9 : 2;
+/** Positions of the whole link per facet. has_forms: the elements are corners, whose edges are not
+ *  wanted. */
+static inline int64_t pl_link_positions(int dim, int has_forms) {
+    return dim == 3 && !has_forms ? 9 : dim;
 }
 
-/** Number of positions of a facet where a link is only kept, without the ends of edges. has_forms: the
- *  elements are corners, whose edges are not wanted. */
+/** Number of positions of a facet where a link is only kept, without the ends of edges. */
 static inline int64_t pl_link_positions_kept(int dim, int has_forms) {
     return dim == 3 && !has_forms ? 6 : dim;
 }

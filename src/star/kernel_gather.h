@@ -29,6 +29,11 @@ static inline int exponent_of(double x) {
     return (int)(bits >> 52 & 0x7ff) - 1023;
 }
 
+/** Positions of a facet in the problem's link. */
+static inline int64_t positions_of(const pl_star_problem *problem, int dim) {
+    return pl_link_positions(dim, PL_KERNEL != PL_RADIUS && problem->link_form);
+}
+
 /* Stars that are asked for ahead of their visits: on meshes that outgrow the caches they would be
  * waited for, and so would what a thread on a core far away has written, or read. */
 enum { AHEAD = 3, MOST_AHEAD = 64 }; /* of a giant ring only the first nodes */
@@ -56,7 +61,7 @@ PL_INLINE void fetch_ahead(const pl_star_problem *problem, int64_t index, int64_
      * moves of cells are judged between them. */
     const int64_t facet = problem->link_offset[index];
     const int64_t n_facets = problem->link_offset[index + 1] - facet;
-    const uint8_t *low = pl_link_at(&problem->link, pl_link_positions(dim), facet).low;
+    const uint8_t *low = pl_link_at(&problem->link, positions_of(problem, dim), facet).low;
     pl_fetch_all(low, low + n_facets * dim);
     if (problem->link_form)
         pl_fetch_all(problem->link_form + facet, problem->link_form + facet + n_facets);
@@ -355,7 +360,7 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
                       const int *exponent, double *scratch, const int guarded, const int dim) {
     star s;
     const int64_t first = problem->link_offset[index];
-    const pl_link link = pl_link_at(&problem->link, pl_link_positions(dim), first);
+    const pl_link link = pl_link_at(&problem->link, positions_of(problem, dim), first);
     pl_star_row *more = NULL;
     s.n_facets = problem->link_offset[index + 1] - first;
     s.n_more = 0;

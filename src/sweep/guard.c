@@ -112,7 +112,8 @@ static int64_t mark_edges(const bounding *w, int64_t s) {
     const int dim = w->plan->dim;
     const int64_t first = stars->ring_offset[s], n = stars->ring_offset[s + 1] - first;
     const int64_t facet = stars->link_offset[s], n_facets = stars->link_offset[s + 1] - facet;
-    const pl_link link = pl_link_at(&stars->link, pl_link_positions(dim), facet);
+    const pl_link link =
+        pl_link_at(&stars->link, pl_link_positions(dim, stars->form != NULL), facet);
     int64_t n_edges = 0;
     if (!w->is_edge)
         return n;

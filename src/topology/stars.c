@@ -104,7 +104,8 @@ static void copy_links(void *context, int64_t begin, int64_t end, int thread) {
                       n = copy->rings->link_offset[r + 1] - from;
         const int64_t to = copy->stars->link_offset[copy->star_of[r]];
         const pl_link source = pl_link_at(kept, n_kept, from);
-        const pl_link target = pl_link_at(&copy->stars->link, pl_link_positions(dim), to);
+        const pl_link target =
+            pl_link_at(&copy->stars->link, pl_link_positions(dim, copy->stars->form != NULL), to);
         memcpy(target.low, source.low, (size_t)(n * n_kept));
         if (target.high) /* then source.high, too */
             memcpy(target.high, source.high, (size_t)(n * n_kept));
@@ -151,8 +152,8 @@ int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, con
         if (mesh->min_volume)
             stars->min_volume = pl_alloc(n_link, sizeof *stars->min_volume);
         stars->form = rings->form ? pl_alloc(n_link, sizeof *stars->form) : NULL;
-        done = pl_link_alloc(&stars->link, pl_link_positions(mesh->dim), n_link,
-                             rings->link.high != NULL) == 0 &&
+        done = pl_link_alloc(&stars->link, pl_link_positions(mesh->dim, rings->form != NULL),
+                             n_link, rings->link.high != NULL) == 0 &&
                (!mesh->min_volume || stars->min_volume) && (!rings->form || stars->form);
     }
     if (done)

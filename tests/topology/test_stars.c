@@ -102,7 +102,8 @@ static void check_star(const fixture *f, const pl_stars *stars, int64_t s) {
     for (int64_t i = 0; i < n_ring; i++)
         assert_int_equal(ring[i], f->number_of[neighbour[i]]);
     assert_int_equal(stars->link_offset[s + 1] - stars->link_offset[s], n_link);
-    const pl_link link = pl_link_at(&stars->link, pl_link_positions(dim), stars->link_offset[s]);
+    const pl_link link = pl_link_at(&stars->link, pl_link_positions(dim, stars->form != NULL),
+                                    stars->link_offset[s]);
     for (int64_t i = 0; i < n_link; i++) {
         uint16_t facet[3];
         for (int d = 0; d < dim; d++)
@@ -128,7 +129,8 @@ static void check_star(const fixture *f, const pl_stars *stars, int64_t s) {
 /** Every edge of a closed link of triangles has two nodes, and they are those of the facets. */
 static void check_edges(const pl_stars *stars, int64_t s) {
     const int64_t n = stars->link_offset[s + 1] - stars->link_offset[s];
-    const pl_link link = pl_link_at(&stars->link, pl_link_positions(3), stars->link_offset[s]);
+    const pl_link link =
+        pl_link_at(&stars->link, pl_link_positions(3, stars->form != NULL), stars->link_offset[s]);
     int *facets = calloc((size_t)n * 2 + 1, sizeof *facets);
     assert_non_null(facets);
     for (int64_t i = 0; i < 3 * n; i++) {
@@ -148,9 +150,11 @@ static void check_edges(const pl_stars *stars, int64_t s) {
 static void check_same_links(const pl_stars *stars, const pl_stars *other, int dim) {
     for (int64_t s = 0; s < stars->n_stars; s++) {
         const int64_t first = stars->link_offset[s], n = stars->link_offset[s + 1] - first;
-        const pl_link a = pl_link_at(&stars->link, pl_link_positions(dim), first);
-        const pl_link b = pl_link_at(&other->link, pl_link_positions(dim), first);
-        const size_t bytes = (size_t)(n * pl_link_positions(dim));
+        const pl_link a =
+            pl_link_at(&stars->link, pl_link_positions(dim, stars->form != NULL), first);
+        const pl_link b =
+            pl_link_at(&other->link, pl_link_positions(dim, stars->form != NULL), first);
+        const size_t bytes = (size_t)(n * pl_link_positions(dim, stars->form != NULL));
         assert_memory_equal(a.low, b.low, bytes);
         assert_int_equal(!a.high, !b.high);
         if (a.high)
