@@ -192,11 +192,14 @@ void pl_jacobian_evaluate(const pl_jacobian_rule *rule, const double sign[], pl_
  * coefficient abc these take part by g(b) g(c), g(a) g(c), g(a) g(b), g(0) = 1, g(1) = 1/2, g(2) =
  * 0. So a coefficient that is at no corner changes by at most |d| times
  *     s1 s2 + (s0 s2 + s0 s1) / 2     or the like:  f = (the largest of the products + their sum) / 2
- * as det is at most the product of its columns' lengths, and takes d once. Before the move edges may
- * have grown by D, what corners have gone so far: f grows by at most (1 + D / t)^2, t the least of
- * s0, s1, s2. For a = (coefficient - floor) / f all D with D (1 + D / t)^2 <= a will do, hence
- * g(a), g(D) = a / (1 + D / t)^2, which falls: g(a) is below the largest such D, g(g(a)) above, and
- * g(g(g(a))) below. Each room is less by 1e-4 of itself for the rounding of all this. */
+ * as det is at most the product of its columns' lengths, and takes d once. Edges grow by D at most
+ * while corners go D in all. So f is at most f + f' D + 2 D^2 then, f' = (the two longest of s0, s1, s2
+ * + twice their sum) / 2, and coefficients fall by at most the integral of that,
+ *     h(D) = D (f + f' D / 2 + 2 D^2 / 3).
+ * All D with h(D) <= b = coefficient - floor will do. As D <= a = b / f, and g(D) = b D / h(D) falls,
+ * g(a) is below the largest such D, and g(g(a)) above; between them h is below its chord, as it is
+ * convex: where the chord is b is below, too. Each room is less by 1e-4 of itself for the rounding of
+ * all this. */
 
 #pragma GCC diagnostic ignored "-Wpsabi" /* all of these are inlined */
 
@@ -311,6 +314,11 @@ PL_INLINE void find_brick_least(const brick_edges *e, floats least[2]) {
             }
 }
 
+/** h(D) / D: see above. */
+PL_INLINE floats brick_slope(floats f, floats half, floats way) {
+    return f + way * (half + way * floats_of(2.0F / 3));
+}
+
 PL_INLINE void certify_bricks(pl_brick_block *b) {
     brick_edges e;
     floats least[2];
@@ -326,10 +334,15 @@ PL_INLINE void certify_bricks(pl_brick_block *b) {
                                 floats_of(4) * r * r * (s[0] + s[1] + s[2] + floats_of(2) * r));
     const floats f = floats_of(0.5F) * (sum + floats_max(p0, floats_max(p1, p2)));
     const floats t = floats_min(s[0], floats_min(s[1], s[2]));
-    const floats a = (least[1] - error - floor) / f, more = floats_of(1) + a / t;
-    const floats below = a / (more * more), beyond = floats_of(1) + below / t;
-    const floats above = floats_of(1) + a / (beyond * beyond) / t;
-    const floats room = floats_of(1 - 1e-4F) * a / (above * above);
+    const floats half = floats_of(0.25F) * (floats_of(3) * (s[0] + s[1] + s[2]) - t);
+    const floats fall = least[1] - error - floor, a = fall / f;
+    const floats below = fall / brick_slope(f, half, a);
+    const floats above = fall / brick_slope(f, half, below);
+    const floats from = below * brick_slope(f, half, below);
+    const floats to = above * brick_slope(f, half, above);
+    const floats chord = below + (fall - from) * ((above - below) / (to - from));
+    const floats room =
+        floats_of(1 - 1e-4F) * floats_select(to > from, floats_min(chord, above), below);
     const floats_mask is_sized =
         (e.size >= floats_of(PL_BRICK_SMALL)) & (e.size <= floats_of(PL_BRICK_LARGE));
     const floats_mask is_above = (least[0] - error - floor > floats_of(0)) & (a > floats_of(0));

@@ -84,21 +84,22 @@ static int keeps_ratios(const colour_pass *pass, int64_t star, const double *bef
         return 1;
     if (is_large)
         note_large(pass, star);
-    const pl_worst_cell now = pl_watch_worst(watch, node);
+    const pl_worst_cell now = pl_watch_worst(watch, node, watch->worst_ar2);
     if (is_fine)
         *is_fine = now.mu2 <= watch->worst_ar2;
     if (now.ar2 <= watch->worst_ar2)
         return 1;
     memcpy(after, x, (size_t)dim * sizeof *x);
     memcpy(x, before, (size_t)dim * sizeof *x);
-    const double was = pl_watch_worst(watch, node).ar2;
+    const double was = pl_watch_worst(watch, node, watch->worst_ar2).ar2;
     memcpy(x, after, (size_t)dim * sizeof *x);
     return now.ar2 < was;
 }
 
 static double way_from(const colour_pass *pass, int32_t node, const double *before) {
     const int dim = pass->plan->dim;
-    return pl_distance(dim, pass->problem->coordinates + (int64_t)node * dim, before);
+    const double *x = pass->problem->coordinates + (int64_t)node * dim;
+    return dim == 3 ? pl_watch_distance(3, before, x) : pl_watch_distance(2, before, x);
 }
 
 /** Try shorter moves of a star whose watched cells refuse the one from before [dim] to where its
@@ -121,7 +122,7 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
     const double worst = fmax(problem->limits.rr2, ratio.max);
     const double acuteness =
         problem->limits.acuteness < INFINITY
-            ? fmax(problem->limits.acuteness, pl_watch_worst(watch, node).acuteness)
+            ? fmax(problem->limits.acuteness, pl_watch_worst(watch, node, 0).acuteness)
             : INFINITY;
     for (int k = 1; k <= HALVINGS; k++) {
         for (int d = 0; d < dim; d++)
@@ -130,7 +131,7 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
             break;
         if (evaluate_star(pass, star, scratch, &ratio, &now) && ratio.certain && now < start &&
             ratio.max * (1 + ratio.error) <= worst &&
-            (!(acuteness < INFINITY) || pl_watch_worst(watch, node).acuteness <= acuteness) &&
+            (!(acuteness < INFINITY) || pl_watch_worst(watch, node, 0).acuteness <= acuteness) &&
             keeps_ratios(pass, star, before, ratio.max, NULL) &&
             pl_watch_admit(pass->plan->scratch.watch, node, way_from(pass, node, before)))
             return start - now;

@@ -433,8 +433,10 @@ static void edges_of_corner(const pl_cell_shape *shape, const double *const x[],
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++) {
             edge[j][d] = x[shape->neighbour[c][j]][d] - x[c][d];
-            size = fmax(size, fabs(edge[j][d]));
+            size = pl_larger(fabs(edge[j][d]), size);
         }
+    if (size > 0x1p-60 && size < 0x1p60) /* a power of two changes no bit of what is found */
+        return;
     frexp(size, &exponent);
     const double scale = ldexp(1, -pl_scale_exponent(exponent));
     for (int j = 0; j < dim; j++)
@@ -469,8 +471,35 @@ static void measure_corner(const pl_cell_shape *shape, const double *const x[], 
     *jacobian2 = ideal * ideal / squares;
 }
 
-/** Raise worst to the measures of a watched cell. */
-static void raise_worst(const pl_watch *w, int32_t i, pl_worst_cell *worst) {
+/** Whether a corner of a cell with corners x may have a mu^2 above limit. */
+PL_INLINE int may_exceed(const pl_cell_shape *shape, const double *const x[], double sign,
+                         double limit, const int dim) {
+    static const double SMALL = 1e-280, LARGE = 1e280;
+    const double most = (1 - 1e-9) * (dim == 3 ? 27 * limit * sqrt(limit) : 4 * limit) /
+                        (shape->determinant * shape->determinant);
+    for (int c = 0; c < shape->n_measured; c++) {
+        double edge[3][3], e = 0;
+        for (int j = 0; j < dim; j++) {
+            pl_subtract(dim, x[shape->neighbour[c][j]], x[c], edge[j]);
+            e += shape->to_corner[j] * pl_dot(dim, edge[j], edge[j]);
+        }
+        for (int i = 0, pair = 0; i < dim; i++)
+            for (int j = i + 1; j < dim; j++, pair++)
+                if (shape->between[pair] != 0) {
+                    double apart[3];
+                    pl_subtract(dim, edge[j], edge[i], apart);
+                    e += shape->between[pair] * pl_dot(dim, apart, apart);
+                }
+        const double d = sign * pl_determinant_of_edges(dim, edge);
+        const double power = dim == 3 ? e * e * e : e * e, bound = most * (d * d);
+        if (!(d > 0 && power <= bound && power > SMALL && bound < LARGE))
+            return 1;
+    }
+    return 0;
+}
+
+/** Raise worst to the measures of a watched cell, if a corner's mu^2 is above limit. */
+static void raise_worst(const pl_watch *w, int32_t i, double limit, pl_worst_cell *worst) {
     const pl_cell_shape *shape = shape_of(w, i);
     const double *x[PL_CELL_CORNERS];
     const int is_turned = shape->n_corners == 8 || shape->n_corners == 6;
@@ -478,14 +507,17 @@ static void raise_worst(const pl_watch *w, int32_t i, pl_worst_cell *worst) {
     double sum = 0;
     for (int j = 0; j < shape->n_corners; j++)
         x[j] = w->plan->scratch.coordinates + (int64_t)w->node[i][j] * shape->dim;
+    if (limit > 0 && !(shape->dim == 3 ? may_exceed(shape, x, sign, limit, 3)
+                                       : may_exceed(shape, x, sign, limit, 2)))
+        return;
     for (int c = 0; c < shape->n_measured; c++) {
         double mu2, jacobian2;
         measure_corner(shape, x, c, sign, &mu2, &jacobian2);
         sum += mu2;
-        worst->acuteness = fmax(1 / jacobian2, worst->acuteness);
-        worst->mu2 = fmax(mu2, worst->mu2);
+        worst->acuteness = pl_larger(1 / jacobian2, worst->acuteness);
+        worst->mu2 = pl_larger(mu2, worst->mu2);
     }
-    worst->ar2 = fmax(sum / shape->n_measured, worst->ar2);
+    worst->ar2 = pl_larger(sum / shape->n_measured, worst->ar2);
 }
 
 void pl_watch_limit(pl_watch *watch, double worst_ar2) {
@@ -516,10 +548,10 @@ void pl_watch_limit(pl_watch *watch, double worst_ar2) {
     pl_free(state);
 }
 
-pl_worst_cell pl_watch_worst(const pl_watch *w, int32_t node) {
+pl_worst_cell pl_watch_worst(const pl_watch *w, int32_t node, double mu2) {
     pl_worst_cell worst = {0, 0, 0};
     for (int64_t k = w->begin[node]; k < w->begin[node + 1]; k++)
-        raise_worst(w, w->watched[k], &worst);
+        raise_worst(w, w->watched[k], mu2, &worst);
     return worst;
 }
 

@@ -38,6 +38,7 @@
 
 #include "base/round.h"
 #include "geometry/fetch.h"
+#include "geometry/simplex.h"
 #include "plan/plan.h"
 #include "quality/validity.h"
 
@@ -217,6 +218,14 @@ static inline int pl_watch_has(const pl_watch *w, int32_t node) {
     return w->begin[node + 1] > w->begin[node];
 }
 
+/** Distance of two places, of which rooms are made; rounding is in their margins. */
+PL_INLINE double pl_watch_distance(int dim, const double *x, const double *y) {
+    double square = 0;
+    for (int d = 0; d < dim; d++)
+        square += (y[d] - x[d]) * (y[d] - x[d]);
+    return square > 1e-280 && square < 1e280 ? sqrt(square) : pl_distance(dim, x, y);
+}
+
 /** Move of a node of inner number node, which has been made. */
 typedef struct pl_watch_move {
     int32_t node;
@@ -244,9 +253,9 @@ typedef struct pl_worst_cell {
     double mu2;       /* largest of a corner */
 } pl_worst_cell;
 
-/** Return the worst of the cells at the node of this inner number, of a plan with corners; 0: there are
- *  none. */
-pl_worst_cell pl_watch_worst(const pl_watch *watch, int32_t node);
+/** Return the worst of the cells at the node of this inner number, of a plan with corners, that have a
+ *  corner whose mu^2 is above mu2 (0: all cells); 0: there are none. */
+pl_worst_cell pl_watch_worst(const pl_watch *watch, int32_t node, double mu2);
 
 /** The largest room that is stored for one of 0 or more: a little less. */
 static inline float pl_watch_room_below(double room) {

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "geometry/simplex.h"
+#include "quality/measure_block.h"
 
 #include <float.h>
 #include <math.h>
@@ -126,7 +127,9 @@ int pl_watch_is_lane_valid(const pl_watch_block *b, int l) {
  * and above floors: neither rooms nor floors are of these. For a hexahedron that leaves 2 |d| L^2 of 3.
  *
  * While corners go D in all, L grows to L + change D at most. So a coefficient b stays positive while
- *     weight D (L + change D)^2 <= b,    or D <= g(D) = a / (1 + change D / L)^2, a = b / (weight L^2).
+ * the integral of weight (L + change D)^2 is at most b:
+ *     weight L^2 D (1 + x + x^2 / 3) <= b, x = change D / L,    or in the plane weight L D (1 + x / 2);
+ *     D <= g(D) = a / (1 + x + x^2 / 3), a = b / (weight L^2).
  * As g falls, and D <= a, g(a) will do, g(g(a)) may be too much, and g(g(g(a))) will do. Nodes that follow may be off by rounding, stray, before and after, which moves all
  * columns: derivatives by strayed = 2 stray * (weights of a control), a coefficient by
  * common * dim * strayed * L^2. That is taken off D once. */
@@ -190,11 +193,13 @@ double pl_watch_longest(const pl_jacobian_rule *rule, const pl_watch_block *b, i
     for (int k = 0; k < dim; k++)
         for (int i = 0; i < rule->n_derivatives[k]; i++) {
             const pl_jacobian_derivative *of = &rule->derivative[k][i];
-            longest = fmax(longest, pl_distance(dim, control[of->plus], control[of->minus]));
+            longest =
+                pl_larger(longest, pl_watch_distance(dim, control[of->plus], control[of->minus]));
             for (int j = 0; j < k; j++) /* differences of two are derivatives along other edges */
                 if (rule->turn[j] == rule->turn[k])
-                    longest = fmax(longest, pl_distance(dim, control[of->plus],
-                                                        control[rule->derivative[j][i].plus]));
+                    longest =
+                        pl_larger(longest, pl_watch_distance(dim, control[of->plus],
+                                                             control[rule->derivative[j][i].plus]));
         }
     return longest;
 }
@@ -217,8 +222,8 @@ double pl_watch_room(const pl_watch *w, const pl_watch_rule *rule, double least,
     const double a = least / (1.0001 * rule->weight * length * (dim == 3 ? length : 1));
     double room = a;
     for (int k = 0; k < 3; k++) { /* below the largest D, above it, below it */
-        const double more = 1 + rule->change * room / length;
-        room = a / (more * (dim == 3 ? more : 1));
+        const double x = rule->change * room / length;
+        room = a / (dim == 3 ? 1 + x * (1 + x * (1.0 / 3)) : 1 + 0.5 * x);
     }
     room -= 1.0001 * jacobian->common * dim * strayed / rule->weight;
     return room > 0 ? 0.9999 * room : 0;

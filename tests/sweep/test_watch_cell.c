@@ -322,6 +322,16 @@ static void corners_may_reach_their_minimum(void **state) {
         }
 }
 
+/** A cell counts where it is worse than asked for, and then all of it. */
+static void asks_for_large_corners(const lone_cell *c) {
+    const pl_worst_cell all = pl_watch_worst(&c->watch, 0, 0);
+    const pl_worst_cell some = pl_watch_worst(&c->watch, 0, all.mu2 * (1 - 1e-6));
+    const pl_worst_cell none = pl_watch_worst(&c->watch, 0, all.mu2 * (1 + 1e-6));
+    assert_true(all.mu2 > 1 && all.mu2 < INFINITY && all.ar2 > 1);
+    assert_true(some.ar2 == all.ar2 && some.mu2 == all.mu2 && some.acuteness == all.acuteness);
+    assert_true(none.ar2 == 0 && none.mu2 == 0 && none.acuteness == 0);
+}
+
 /** Of what a corner moves by, a mid moves by 1/2, a node of a face by 1/4, of the cell by 1/8. */
 static void nodes_follow_corners(void **state) {
     (void)state;
@@ -333,12 +343,13 @@ static void nodes_follow_corners(void **state) {
         place_mids(&c, 0.05, &seed);
         c.is_mirrored = t % 2;
         watch_cell(&c, 0);
-        const pl_worst_cell worst = pl_watch_worst(&c.watch, 0);
+        const pl_worst_cell worst = pl_watch_worst(&c.watch, 0, 0);
         const int is_ideal = c.type->shape->n_corners == (dim == 3 ? 8 : 4);
         assert_true(is_ideal ? fabs(worst.ar2 - 1) < 1e-15 && fabs(worst.acuteness - 1) < 1e-15
                              : worst.ar2 > 1 && worst.ar2 < 4 && worst.acuteness < 4);
         for (int corner = 0; corner < c.type->shape->n_corners; corner++) {
             c.x[corner * dim] += 0.25;
+            asks_for_large_corners(&c);
             for (int i = c.type->shape->n_corners; i < c.type->n_nodes; i++) {
                 const unsigned parents = pl_cell_parents(c.type, i);
                 double x[3];
