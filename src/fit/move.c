@@ -14,6 +14,8 @@
 enum { HALVINGS = 6, CHUNK = 256 };
 /* In a round the least det J of an element falls to this part of what it was. */
 #define FALL 0.2
+/* What is no farther off is there, in sizes of the other shape. */
+#define ROUNDING 0x1p-44
 /* A facet at a node on a patch stays within this of the patch's normal there: cosine. */
 #define UPRIGHT 0.3
 
@@ -253,8 +255,10 @@ int64_t pl_fit_arrive(planish_fit *fit, const pl_points *points, double *farthes
         pl_fit_at(points, fit->own->node[i], 1, x);
         pl_from_to(3, x, fit->goal[i], way);
         const double off = sqrt(pl_dot(3, way, way));
-        fit->is_there[i] = off == 0;
-        n += off > 0;
+        fit->is_there[i] = off <= ROUNDING * fit->onto->size / fit->onto->scale;
+        if (fit->is_there[i])
+            continue;
+        n++;
         most = fmax(most, off);
     }
     if (farthest)

@@ -20,11 +20,9 @@ enum { CHUNK = 64 };
 
 /* Facets of a place turn as the surface at the node: cosine of the angle at most between them. */
 #define ALIKE 0.2
-/* A crease of the mesh that is none on the other shape lies on a patch that turns as the mean of its sides. */
+/* A feature of the mesh that is none on the other shape lies on a patch that turns as the mean of its sides. */
 #define SAME 0.95
-/* Facets at a crease turn by 25 degrees at least: cosine. Others have their features by tags. */
-#define CREASE 0.906307787036650
-/* A curve is right for a crease within so many edges, and so many times as far as such a patch. */
+/* A curve is right within so many edges, and so many times as far as such a patch. */
 #define CURVE_EDGES   0.1
 #define CURVE_PATCHES 1.5
 /* Curves go as an edge of the node does, either way: cosine. */
@@ -315,18 +313,6 @@ static void set_place(planish_fit *fit, int32_t node, int kind, int32_t at, cons
     pl_nearest_on_triangle(x, corner, place->weight);
 }
 
-/** Whether all features at a node are creases. */
-static int is_creased(const finding *g, int32_t node) {
-    const planish_shape *own = g->fit->own;
-    for (int64_t i = g->features.offset[node]; i < g->features.offset[node + 1]; i++) {
-        const int32_t *facet = own->edge_facet[g->features.edge[i]];
-        if (facet[0] < 0 || facet[1] < 0 ||
-            pl_dot(3, own->normal[facet[0]], own->normal[facet[1]]) > CREASE)
-            return 0;
-    }
-    return 1;
-}
-
 /** Find the edge of a curve where a node belongs; -1: there is none. */
 static int32_t find_edge(const finding *g, int32_t node, search *s, double x[3]) {
     const planish_fit *fit = g->fit;
@@ -336,7 +322,7 @@ static int32_t find_edge(const finding *g, int32_t node, search *s, double x[3])
     s->n_ways =
         fit->own->node_class[node] == PL_ON_PATCH ? 0 : ways_at(fit->own, &g->features, node, way);
     const int32_t at = s->n_ways > 0 ? nearest(&fit->edges, x, square_of_edge, s, &square) : -1;
-    if (at < 0 || !is_creased(g, node) || !normal_at(fit->own, node, normal))
+    if (at < 0 || !normal_at(fit->own, node, normal))
         return at;
     const double off = sqrt(square) - CURVE_EDGES * fit->own->edge_length[node] / fit->to_own;
     const search same = {.fit = fit, .patch = -1, .normal = normal, .alike = SAME};
@@ -443,18 +429,26 @@ int pl_fit_find_places(planish_fit *fit, const pl_points *points, planish_error 
 
 /* ---- on the way ------------------------------------------------------------------------------ */
 
-/** Find the place on the patch of a node that is nearest to x, in onto's unit. */
+/** Find the place on the patch of a node that is nearest to x, in onto's unit: a walk from its first place says
+ *  how far it is at most. */
 static pl_place place_on_patch(const planish_fit *fit, int32_t node, const double x[3]) {
     const planish_shape *onto = fit->onto;
-    const int32_t first = fit->place[node].at;
-    const double *normal = fit->direction[node];
-    const search s = {.fit = fit, .normal = normal, .alike = ALIKE, .patch = onto->patch[first]};
-    double square = square_of_facet(&s, first, x);
+    const search s = {.fit = fit,
+                      .normal = fit->direction[node],
+                      .alike = ALIKE,
+                      .patch = onto->patch[fit->place[node].at]};
+    pl_place place = fit->place[node];
+    const double off = pl_shape_walk(onto, PL_ON_PATCH, x, &place);
+    double square = off * off;
     const int32_t nearer = nearest(&fit->facets, x, square_of_facet, &s, &square);
-    pl_place place = {nearer >= 0 ? nearer : first, {0}};
-    const int32_t *v = onto->facet[place.at];
+    if (nearer < 0 || nearer == place.at)
+        return place;
+    place.at = nearer;
+    const int32_t *v = onto->facet[nearer];
     const double *const corner[3] = {onto->x[v[0]], onto->x[v[1]], onto->x[v[2]]};
-    pl_nearest_on_triangle(x, corner, place.weight);
+    double weight[3] = {1, 0, 0};
+    pl_nearest_on_triangle(x, corner, weight);
+    memcpy(place.weight, weight, sizeof place.weight);
     return place;
 }
 
