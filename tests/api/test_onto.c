@@ -147,9 +147,9 @@ static int is_at_surface(const double *x, int n) {
 }
 
 /** Make a block; shake: how far nodes of the surface are off it, in parts of an edge. */
-static void make_block(int is_tets, form f, int n, double size, double shake, block *b) {
-    uint64_t state = effort_seed(3);
-    *b = (block){.box = cell_box_create(BOX_HEXAHEDRA, n)};
+static void make_block(int is_tets, cell_box_kind kind, form f, int n, double size, double shake,
+                       uint64_t *state, block *b) {
+    *b = (block){.box = cell_box_create(is_tets ? BOX_HEXAHEDRA : kind, n)};
     b->mesh = b->box->mesh;
     for (int64_t i = 0; i < b->mesh.n_nodes; i++) {
         double *x = b->box->x + 3 * i;
@@ -158,7 +158,7 @@ static void make_block(int is_tets, form f, int n, double size, double shake, bl
             x[d] = 2 * x[d] / n - 1;
         to_form(f, size, x);
         for (int d = 0; d < 3; d++)
-            x[d] += is_shaken * shake * size * 2 / n * random_between(&state, -1, 1);
+            x[d] += is_shaken * shake * size * 2 / n * random_between(state, -1, 1);
     }
     if (is_tets) {
         const planish_cells *cells = b->mesh.cells;
@@ -302,7 +302,7 @@ static void test_ball(void **state) {
     sheet fine;
     outcome o;
     const planish_options options = test_options(1);
-    make_block(1, FORM_BALL, 6, 0.95, 0.02, &b);
+    make_block(1, BOX_HEXAHEDRA, FORM_BALL, 6, 0.95, 0.02, &(uint64_t){effort_seed(3)}, &b);
     make_sheet(FORM_BALL, 24, 1, 1, &fine);
     fit(&b, &fine, 0, &options, &o);
     say("ball of tetrahedra", &b, &o);
@@ -322,7 +322,7 @@ static void test_cylinder(void **state) {
     sheet fine;
     outcome o;
     const planish_options options = test_options(1);
-    make_block(0, FORM_CYLINDER, 6, 1, 0.02, &b);
+    make_block(0, BOX_HEXAHEDRA, FORM_CYLINDER, 6, 1, 0.02, &(uint64_t){effort_seed(3)}, &b);
     make_sheet(FORM_CYLINDER, 24, 1, 0, &fine);
     fit(&b, &fine, 0, &options, &o);
     say("cylinder of hexahedra", &b, &o);
@@ -359,7 +359,7 @@ static void test_block_onto_ball(void **state) {
     sheet fine;
     outcome o;
     const planish_options options = test_options(1);
-    make_block(0, FORM_CUBE, 6, 0.8, 0, &b);
+    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 6, 0.8, 0, &(uint64_t){effort_seed(3)}, &b);
     make_sheet(FORM_BALL, 24, 0.5, 0, &fine);
     fit(&b, &fine, 5, &options, &o);
     say("block onto a ball", &b, &o);
@@ -379,7 +379,7 @@ static void test_not_there(void **state) {
     sheet fine;
     outcome o;
     const planish_options options = test_options(1);
-    make_block(0, FORM_CUBE, 6, 0.8, 0, &b);
+    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 6, 0.8, 0, &(uint64_t){effort_seed(3)}, &b);
     make_sheet(FORM_BALL, 24, 0.75, 0, &fine);
     uint8_t *constraint = malloc((size_t)b.mesh.n_nodes);
     uint8_t *class_of = malloc((size_t)b.mesh.n_nodes);
@@ -427,7 +427,7 @@ static void test_certificate(void **state) {
     sheet fine;
     outcome o;
     const planish_options options = test_options(1);
-    make_block(1, FORM_BALL, 5, 0.95, 0.02, &b);
+    make_block(1, BOX_HEXAHEDRA, FORM_BALL, 5, 0.95, 0.02, &(uint64_t){effort_seed(3)}, &b);
     make_sheet(FORM_BALL, 32, 1, 0, &fine);
     fit(&b, &fine, 0, &options, &o);
     uint64_t random = effort_seed(5);
@@ -463,7 +463,8 @@ static void test_threads(void **state) {
         block b;
         sheet fine;
         outcome o[2];
-        make_block(is_tets, is_tets ? FORM_BALL : FORM_CUBE, 6, 0.8, 0.02, &b);
+        make_block(is_tets, BOX_HEXAHEDRA, is_tets ? FORM_BALL : FORM_CUBE, 6, 0.8, 0.02,
+                   &(uint64_t){effort_seed(3)}, &b);
         make_sheet(FORM_BALL, 20, 0.6, 0, &fine);
         for (int i = 0; i < 2; i++) {
             const planish_options options = test_options(i + 1);
@@ -490,7 +491,7 @@ static void test_stop(void **state) {
     (void)state;
     block b;
     sheet fine;
-    make_block(0, FORM_CUBE, 5, 0.8, 0, &b);
+    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 5, 0.8, 0, &(uint64_t){effort_seed(3)}, &b);
     make_sheet(FORM_BALL, 16, 0.5, 0, &fine);
     for (int calls = 1; calls < 200; calls *= 3) {
         outcome o;
@@ -521,7 +522,7 @@ static void test_refusals(void **state) {
     (void)state;
     block b;
     sheet ball;
-    make_block(0, FORM_CUBE, 2, 1, 0, &b);
+    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 2, 1, 0, &(uint64_t){effort_seed(3)}, &b);
     make_sheet(FORM_BALL, 8, 1000, 0, &ball);
     planish_error error = refusal(&b, &b.mesh, ball.shape, 0);
     assert_int_equal(error.code, PLANISH_ERROR_MESH);
@@ -561,6 +562,70 @@ static void test_refusals(void **state) {
     free_sheet(&ball);
 }
 
+/* ---- random cases ---------------------------------------------------------------------------- */
+
+/** Count the elements that planish_measure_cells does not certify. */
+static int64_t count_not_valid(const planish_mesh *mesh, double *x) {
+    planish_cell_quality quality;
+    planish_mesh now = *mesh;
+    now.coordinates = x;
+    assert_int_equal(planish_measure_cells(&now, 0, 1, &quality, NULL, NULL), 0);
+    return quality.all.n_inverted + quality.all.n_uncertified;
+}
+
+/** Blocks of all types, sizes and forms, near and far from the other surface: what was valid stays so, what is held
+ *  stays, and threads change nothing. */
+static void test_random(void **state) {
+    (void)state;
+    const int64_t n_cases = effort(12, 2000);
+    int64_t n_there = 0, n_off = 0;
+    for (int64_t i = 0; i < n_cases; i++) {
+        uint64_t random = effort_seed((uint64_t)i + 100);
+        const cell_box_kind kind = (cell_box_kind)(BOX_HEXAHEDRA + random_below(&random, 4));
+        const form from = (form)random_below(&random, 3), to = (form)random_below(&random, 3);
+        const double size = random_between(&random, 0.6, 1.6);
+        block b;
+        sheet other;
+        outcome o[2];
+        make_block(random_below(&random, 3) == 0, kind, from, 2 + (int)random_below(&random, 3), 1,
+                   random_between(&random, 0, 0.3), &random, &b);
+        make_sheet(to, 2 + (int)random_below(&random, 12), size, (int)random_below(&random, 2),
+                   &other);
+        uint8_t *constraint = calloc((size_t)b.mesh.n_nodes, 1);
+        for (int64_t k = 0; k < b.mesh.n_nodes; k++)
+            constraint[k] = random_below(&random, 12) == 0;
+        b.mesh.constraint = random_below(&random, 2) ? constraint : NULL;
+        for (int k = 0; k < 2; k++) {
+            planish_options options = test_options(k + 1);
+            options.precision = i % 3 == 0 ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE;
+            options.untangle = 0;
+            fit(&b, &other, 6, &options, &o[k]);
+        }
+        const int64_t n_before = count_not_valid(&b.mesh, b.given);
+        if (count_not_valid(&b.mesh, o[0].x) > n_before ||
+            count_not_valid(&b.mesh, o[0].smoothed) > n_before)
+            fail_msg("case %d: an element is not valid any more", (int)i);
+        if (memcmp(o[0].smoothed, o[1].smoothed, test_bytes_of(&b.mesh)) != 0 ||
+            memcmp(&o[0].distance, &o[1].distance, sizeof o[0].distance) != 0)
+            fail_msg("case %d: two threads give another mesh", (int)i);
+        for (int64_t k = 0; k < 3 * b.mesh.n_nodes && b.mesh.constraint; k++)
+            if (constraint[k / 3] && o[0].x[k] != b.given[k])
+                fail_msg("case %d: a node that is held has moved", (int)i);
+        if (o[0].after.n_off > 0 && !(o[0].distance.distance > 0))
+            fail_msg("case %d: nodes are off, but the surface is not", (int)i);
+        n_there += o[0].before.n_off - o[0].after.n_off;
+        n_off += o[0].after.n_off;
+        free(constraint);
+        free_outcome(&o[0]);
+        free_outcome(&o[1]);
+        free_block(&b);
+        free_sheet(&other);
+    }
+    figure("random: %d cases, %d nodes came to their places, %d did not", (int)n_cases,
+           (int)n_there, (int)n_off);
+    assert_true(n_there > 0 && n_off > 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_ball),
@@ -571,6 +636,7 @@ int main(void) {
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_stop),
         cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_random),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
