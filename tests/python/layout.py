@@ -21,6 +21,7 @@ STRUCTURES = {
     "planish_slide_info": planish.SlideInfo,
     "planish_shape_info": planish.ShapeInfo,
     "planish_shape_distance": planish.ShapeDistance,
+    "planish_fit_info": planish.FitInfo,
 }
 
 print("#include <planish/planish.h>\n#include <stdio.h>\nint main(void) {\n    int bad = 0;")

@@ -659,6 +659,36 @@ class Surfaces(unittest.TestCase):
         planish.smooth(again, cells, slide="curved", shape=shape, surface_tolerance=0.04)
         self.assertLess(shape.distance(again).distance, 0.0401)
 
+    def test_surfaces_are_fitted_to_others(self):
+        fine, solids, _ = ball(8)
+        fine /= 2
+        facets, counts = np.unique(np.sort(solids[:, [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]].reshape(-1, 3)),
+                                   axis=0, return_counts=True)
+        faces = facets[counts == 1]
+        other = planish.Shape(fine, faces)
+        self.assertEqual(other.info.n_facets, len(faces))
+        first, cells, inside = ball(4)
+        first *= 0.95
+        points = first.copy()
+        result = planish.smooth(points, cells, onto=other)
+        self.assertEqual((result.fit.n_off, result.fit.n_out_of_reach, result.fit.n_held), (0, 0, 0))
+        self.assertEqual(result.fit.n_on_patch + result.fit.n_on_curve + result.fit.n_on_corner, (~inside).sum())
+        radius = np.linalg.norm(fine, axis=1).max()
+        self.assertLess(np.abs(np.linalg.norm(points[~inside], axis=1) - radius).max(), 0.02 * radius)
+        self.assertTrue(0 < result.fit_distance.in_edges < 0.3 and result.fit_distance.n_unproved == 0)
+        self.assertEqual(result.n_inverted, 0)
+        with planish.Plan(first.copy(), cells, onto=other, fixed=~inside) as plan:
+            self.assertEqual(plan.fit.n_held, (~inside).sum())
+        floats = first.astype(np.float32)
+        planish.smooth(floats, cells, onto=other)
+        self.assertLess(np.abs(np.linalg.norm(floats[~inside], axis=1) - radius).max(), 0.02 * radius)
+        for wrong, text in (({"slide": "auto"}, "have no place"), ({"only_worse_than": 2}, "have no place"),
+                            ({"onto": planish.Shape(100 * fine, faces)}, "same unit")):
+            with self.assertRaisesRegex(ValueError, text):
+                planish.smooth(first.copy(), cells, **{"onto": other, **wrong})
+        with planish.Plan(first.copy(), cells) as plan, self.assertRaisesRegex(ValueError, "without onto"):
+            plan.fit_distance()
+
     def test_refusals(self):
         points, cells, _ = ball(3)
         shape = planish.Shape(points, cells)

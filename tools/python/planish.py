@@ -33,7 +33,7 @@ from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence
 
 import numpy as np
 
-__all__ = ["CellMeasures", "CellQuality", "CellValues", "Error", "Plan", "Progress", "Quality", "Result", "Shape",
+__all__ = ["CellMeasures", "CellQuality", "CellValues", "Error", "FitInfo", "Plan", "Progress", "Quality", "Result", "Shape",
            "ShapeDistance", "ShapeInfo", "SlideInfo", "Slides", "checksum", "find_layers", "find_slides", "quality",
            "smooth", "version"]
 
@@ -327,8 +327,10 @@ class Quality(_Printed):
 
 
 class Result(_Printed):
-    """What smoothing did: planish_result of planish.h, field by field."""
+    """What smoothing did: planish_result of planish.h, field by field; of smooth with onto also:"""
 
+    fit: Optional[FitInfo] = None
+    fit_distance: Optional[ShapeDistance] = None
     _fields_ = [
         ("_stop", c_int),
         ("sweeps", c_int),
@@ -399,6 +401,22 @@ class ShapeDistance(_Printed):
         ("n_unproved", c_int64),
         ("max_bend", c_double),
         ("max_bend_before", c_double),
+        ("reserved", c_int64 * 8),
+    ]
+
+
+class FitInfo(_Printed):
+    """Nodes that were fitted to another surface: planish_fit_info of planish.h, field by field."""
+
+    _fields_ = [
+        ("n_nodes", c_int64),
+        ("n_on_patch", c_int64),
+        ("n_on_curve", c_int64),
+        ("n_on_corner", c_int64),
+        ("n_out_of_reach", c_int64),
+        ("n_held", c_int64),
+        ("n_off", c_int64),
+        ("farthest", c_double),
         ("reserved", c_int64 * 8),
     ]
 
@@ -487,12 +505,17 @@ _library.planish_shape_destroy.restype = None
 _library.planish_shape_destroy.argtypes = [c_void_p]
 _library.planish_shape_get_classes.restype = None
 _library.planish_shape_get_classes.argtypes = [c_void_p, c_void_p]
+_library.planish_fit_destroy.restype = None
+_library.planish_fit_destroy.argtypes = [c_void_p]
+_library.planish_fit_constrain.restype = None
+_library.planish_fit_constrain.argtypes = [c_void_p, c_void_p]
 _library.planish_plan_get_free.restype = None
 _library.planish_plan_get_free.argtypes = [c_void_p, c_void_p]
 for _name in ("planish_plan_create", "planish_smooth", "planish_measure", "planish_measure_elements",
               "planish_measure_mesh", "planish_measure_cells", "planish_find_layers", "planish_find_regions",
               "planish_combine_regions", "planish_find_interfaces", "planish_find_slides",
-              "planish_shape_create", "planish_measure_shape"):
+              "planish_shape_create", "planish_measure_shape", "planish_fit_create", "planish_fit_move",
+              "planish_fit_measure"):
     getattr(_library, _name).restype = c_int
 
 
@@ -1273,9 +1296,46 @@ class _View:
 # ---- what people call ----------------------------------------------------------------------------
 
 
+class _Faces:
+    """A planish_mesh of triangles or quadrilaterals in space, and the arrays that it points to."""
+
+    def __init__(self, points: np.ndarray, elements: _Elements) -> None:
+        self.n = len(points)
+        self.elements, self.points = elements, _Points(points, 3)
+        types, offsets, nodes = elements.types, elements.offsets, elements.nodes
+        if types is None:
+            nodes = np.require(nodes, np.int32, "C")
+            types = np.full(len(nodes), 5, dtype=np.uint8)
+            offsets = np.arange(0, 3 * len(nodes) + 1, 3, dtype=np.int64)
+        self.arrays = types, offsets, nodes
+        self.cells = _CellsOfTypes(n=len(types), type=_address(types), offset=_address(offsets), node=_address(nodes))
+        self.mesh = _Mesh(dim=3, n_nodes=self.n, n_elements=len(types), coordinates=_address(self.points.array),
+                          node_stride=self.points.strides[0], component_stride=self.points.strides[1],
+                          cells=ctypes.addressof(self.cells))
+
+    @staticmethod
+    def surface() -> _Surface:
+        """What is known of the surface: nothing."""
+        return _Surface()
+
+
+def _view_of_shape(points: Any, cells: Any, regions: Any, threads: int) -> Any:
+    """The mesh that a shape is made of: of solids, or of faces in space."""
+    if cells is None:
+        given, elements = points.points, _Elements(_blocks(points), len(points.points))
+    elif _is_by_type(cells):
+        given, elements = points, _Elements(_blocks_by_type(cells), len(points))
+    else:
+        given, elements = points, _Elements.of_simplices(cells)
+    if elements.dim == 2 and getattr(given, "ndim", 0) == 2 and given.shape[1] >= 3:
+        return _Faces(given, elements)
+    return _View(points, cells, None, None, regions, threads, True)
+
+
 class Shape:
-    """The surface of a mesh of solids as it came: patches, curves between them, and corners
-    (docs/surfaces.md). It remembers these points, so that it can serve many runs without drift.
+    """The surface of a mesh of solids, or of triangles and quadrilaterals in space, as it came: patches, curves
+    between them, and corners (docs/surfaces.md). It remembers these points, so that it can serve many runs
+    without drift.
 
     points, cells and regions as for Plan; facets and edges among the cells are tags: where they change the
     surface has an edge. crease_angle: facets that turn by more degrees have an edge between them, others
@@ -1287,7 +1347,7 @@ class Shape:
         self._shape = c_void_p()
         self._threads = threads
         self.info = ShapeInfo()
-        view, error = _View(points, cells, None, None, regions, threads, True), _Error()
+        view, error = _view_of_shape(points, cells, regions, threads), _Error()
         self._n = view.n
         surface = view.surface()
         surface.crease_angle = crease_angle
@@ -1379,6 +1439,9 @@ class Plan:
     between regions slide on planes and lines, on curved interfaces only with slide_interfaces. shape: the
     Shape of an earlier mesh of the same cells, so that runs in a row do not add up; crease_angle as for Shape.
     slides has the numbers.
+    onto: the Shape of another surface (docs/surfaces.md, "Another surface"). The plan moves the points given, in
+    place, onto it as far as cells stay valid, and nodes slide along it then. fit has the numbers, fit_distance
+    measures.
 
     One plan serves one thread at a time: others wait, and are refused with RuntimeError while it
     smooths. To be closed, or used in a with statement.
@@ -1402,16 +1465,21 @@ class Plan:
         shape: Optional[Shape] = None,
         crease_angle: float = 0,
         slide_interfaces: bool = False,
+        onto: Optional[Shape] = None,
     ) -> None:
+        if onto is not None and (slide is not None or around is not None or only_worse_than):
+            raise ValueError("onto moves all nodes of the boundary: slide, around and only_worse_than have no place")
         if slide not in (None, "auto", "curved"):
             raise ValueError(f"slide must be auto, curved or None, not {slide!r}")
-        if slide != "curved" and (shape is not None or crease_angle or slide_interfaces):
+        if slide != "curved" and (shape is not None or (crease_angle and onto is None) or slide_interfaces):
             raise ValueError("shape, crease_angle and slide_interfaces are for slide='curved'")
         self._plan = c_void_p()
         self._lock = threading.RLock()
         self._depth = 0  # uses within one another, by the thread that has the lock
         self._smoother = 0  # the thread that smooths
-        self._view = _View(points, cells, fixed, min_volumes, regions, threads, slide is not None)
+        self._fit = c_void_p()
+        self._view = _View(points, cells, fixed, min_volumes, regions, threads,
+                           slide is not None or onto is not None)
         self._view.hold_layers(layers)
         self.shape = shape
         if slide == "curved" and shape is None:
@@ -1430,6 +1498,10 @@ class Plan:
         if self._around is not None:
             self._options.around = _address(self._around) or 1
             self._options.n_around = self._around.size
+        self.fit: Optional[FitInfo] = None
+        if onto is not None:
+            self._surfaces = onto, Shape(points, cells, regions=regions, crease_angle=crease_angle, threads=threads)
+            self._move_onto()
         error = _Error()
         _check(
             _library.planish_plan_create(
@@ -1437,6 +1509,38 @@ class Plan:
             ),
             error,
         )
+
+    def _move_onto(self) -> None:
+        """Move the points onto the other surface, and let nodes slide along it."""
+        view, options, error, self.fit = self._view, self._options, _Error(), FitInfo()
+        taken = _Points(getattr(view.given, "points", view.given), 3, view.points.strides, writes=True)
+        options.precision = taken.is_float
+        onto, own = self._surfaces
+        _check(_library.planish_fit_create(byref(view.mesh), c_void_p(own.pointer()), c_void_p(onto.pointer()),
+                                           c_double(0), byref(options), byref(self._fit), None, byref(error)), error)
+        _check(_library.planish_fit_move(self._fit, byref(view.mesh), c_void_p(_address(taken.array)),
+                                         byref(options), byref(self.fit), byref(error)), error)
+        taken.write_back()
+        view.points.array[...] = taken.array
+        if view.constraint is None:
+            view.constraint = np.zeros(view.n, dtype=np.uint8)
+        _library.planish_fit_constrain(self._fit, _address(view.constraint))
+        view.mesh.constraint = _address(view.constraint)
+        options.project = ctypes.cast(_library.planish_fit_project, c_void_p).value
+        options.project_user = self._fit
+
+    def fit_distance(self, points: Any = None) -> ShapeDistance:
+        """How far the surface with its nodes at points (None: those given at first) is off that of onto, and that
+        one off it: proved for every point."""
+        found, error = ShapeDistance(), _Error()
+        with self._use(measures=True):
+            taken = self._coordinates(points)
+            if not self._fit:
+                raise ValueError("the plan was made without onto")
+            mesh = _Mesh.from_buffer_copy(self._view.mesh)
+            mesh.coordinates = _address(taken.array)
+            _check(_library.planish_fit_measure(self._fit, byref(mesh), byref(found), byref(error)), error)
+        return found
 
     @contextlib.contextmanager
     def _use(self, measures: bool = False) -> Iterator[None]:
@@ -1467,6 +1571,9 @@ class Plan:
             plan, self._plan = self._plan, c_void_p()
             if plan:
                 _library.planish_plan_destroy(plan)
+            fit, self._fit = self._fit, c_void_p()
+            if fit:
+                _library.planish_fit_destroy(fit)
 
     @property
     def region_arrays(self) -> list[str]:
@@ -1641,17 +1748,21 @@ class Plan:
 
 
 _OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "rings", "around", "regions", "rounding",
-            "layers", "slide", "shape", "crease_angle", "slide_interfaces")
+            "layers", "slide", "shape", "crease_angle", "slide_interfaces", "onto")
 
 
 def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
-    """Smooth a mesh in place: points and cells as for Plan, options those of Plan and Plan.smooth."""
+    """Smooth a mesh in place: points and cells as for Plan, options those of Plan and Plan.smooth. With onto the
+    result has fit and fit_distance."""
     known = {*_OF_PLAN, *Plan.smooth.__kwdefaults__}
     if not known.issuperset(options):
         raise TypeError(f"{min(set(options) - known)} is no option of smooth: {', '.join(sorted(known))}")
     of_plan = {name: options.pop(name) for name in _OF_PLAN if name in options}
     with Plan(points, cells, **of_plan) as plan:
-        return plan.smooth(**options)
+        result = plan.smooth(**options)
+        if plan.fit is not None:
+            result.fit, result.fit_distance = plan.fit, plan.fit_distance()
+        return result
 
 
 def quality(points: Any, cells: Any = None, *, fixed: Any = None, regions: Any = _BY_RULE,
