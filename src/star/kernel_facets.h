@@ -79,6 +79,9 @@ enum {
     BASE = CX,    /* D = base + n . (x - p0): 0, but of further rows */
     IS_FACET =
         OF_NN, /* 1, or 0 for padding and further rows, which have no part in the star's size */
+    DETERMINANT =
+        INVERSE_TARGET,   /* D and, in space, D^(-1/3), from one pass over the facets to the */
+    ROOT = INVERSE_EDGE2, /* next */
     /* The rest is for the guarded kernel alone. */
     IS_EDGE = CY,               /* six: 1 if the element has the edge, else 0; those at x first */
     EDGE_SHARE = IS_EDGE + 6,   /* 1 / its edges */

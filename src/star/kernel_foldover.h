@@ -145,7 +145,7 @@ PL_INLINE squares squares_at(const star *s, int64_t i, const lanes *x, lanes edg
                              const int of_corners, const int dim) {
     squares t;
     if (of_corners) {
-        const corners c = corners_at(s, i, x, dim);
+        const corners c = corners_at(s, i, x, 0, dim);
         t.T = c.E * edge2;
         t.bend = lanes_of(2) * c.c * edge2;
         for (int d = 0; d < dim; d++)

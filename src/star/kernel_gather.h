@@ -257,10 +257,10 @@ static inline int is_of_edges(const pl_star_guard *guard) {
            guard->objective == PL_WORST_JACOBIAN;
 }
 
-/** Fill the columns of facets with forms from their nodes in ring [.][PL_ROW]. */
-PL_INLINE void gather_forms(star *s, const double *ring, const int guarded, const int dim) {
+/** Fill the columns of facets with forms from their nodes in ring [.][PL_ROW]; return the sum of their
+ *  weights. */
+PL_INLINE double gather_forms(const star *s, const double *ring, const int guarded, const int dim) {
     lanes weight[PL_PACKS];
-    s->facet_edge = NULL;
     if (dim == 3)
         facets_3d(s, ring, guarded, 1);
     else
@@ -272,9 +272,14 @@ PL_INLINE void gather_forms(star *s, const double *ring, const int guarded, cons
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++)
             weight[k] += load(s, WEIGHT, i + k * PL_PACK);
-    s->weight = lanes_sum(weight);
     if (guarded && dim == 3)
         gather_lengths(s);
+    return lanes_sum(weight);
+}
+
+/** Likewise, for the guarded kernel: not inlined, or simplices would take a tenth longer. */
+PL_NOINLINE double gather_guarded_forms(const star *s, const double *ring, const int dim) {
+    return dim == 3 ? gather_forms(s, ring, 1, 3) : gather_forms(s, ring, 1, 2);
 }
 
 /* A further row is seen as a facet with p0 this far from the node, in sizes of the star: |x - p0| is
@@ -287,7 +292,7 @@ PL_INLINE void gather_forms(star *s, const double *ring, const int guarded, cons
 
 /** Make the row a facet, with the star's node at x (scaled): P0 and n such that D = base + n . (x -
  *  p0), and o such that E = c |x - o|^2 + e0. */
-static inline void gather_row(star *s, const pl_star_row *row, int64_t i, const double *x,
+static inline void gather_row(const star *s, const pl_star_row *row, int64_t i, const double *x,
                               const int dim) {
     static const uint8_t first[3] = {P0X, P0Y, P0Z};
     const double root = sqrt(row->factor), area = dim == 3 ? s->scale * s->scale : s->scale;
@@ -321,7 +326,6 @@ static inline void gather_row(star *s, const pl_star_row *row, int64_t i, const 
     *entry(s, FORM_C, i) = c;
     *entry(s, FORM_E0, i) = row->weight > 0 && e0 > 0 ? e0 : ROW_NOTHING;
     *entry(s, WEIGHT, i) = row->weight;
-    s->weight += row->weight;
 }
 
 /** Fill in the guarded kernel's columns of a row: no floor, and one edge, of which no measure is. */
@@ -340,17 +344,20 @@ static inline void gather_guarded_row(const star *s, int64_t i, const int dim) {
     *entry(s, FLOOR, i) = *entry(s, INVERSE_FLOOR, i) = *entry(s, SHIFT, i) = 0;
 }
 
-/** Append the further rows at the start of scratch to the facets. Not inlined: few stars have some. */
-PL_NOINLINE void gather_rows(star *s, const pl_star_row *row, const double *place,
-                             const int guarded, const int dim) {
-    double x[3] = {0, 0, 0};
+/** Append the further rows at the start of scratch to the facets, and return the sum of all weights.
+ *  Not inlined: few stars have some. */
+PL_NOINLINE double gather_rows(const star *s, const pl_star_row *row, const double *place,
+                               const int guarded, const int dim) {
+    double x[3] = {0, 0, 0}, weight = s->weight;
     for (int d = 0; d < dim; d++)
         x[d] = place[d] * s->scale;
     for (int64_t r = 0; r < s->n_more; r++) {
         gather_row(s, &row[r], s->n_facets + r, x, dim);
+        weight += row[r].weight;
         if (guarded)
             gather_guarded_row(s, s->n_facets + r, dim);
     }
+    return weight;
 }
 
 /** Gather star index of problem, with its node at x (as in the mesh), into scratch; exponent of its
@@ -395,8 +402,13 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
         s.form = of_forms;
         s.forms = code ? problem->form : &SIMPLEX_FORM[dim - 2];
     }
-    if (has_forms(&s)) {
-        gather_forms(&s, ring, guarded, dim);
+    /* What is not inlined gets a copy: s itself stays in registers. */
+    s.facet_edge = NULL;
+    if (guarded && has_forms(&s)) {
+        const star copy = s;
+        s.weight = gather_guarded_forms(&copy, ring, dim);
+    } else if (has_forms(&s)) {
+        s.weight = gather_forms(&s, ring, 0, dim);
     } else if (dim == 3) {
         uint32_t *of_facets = rows + 3 * s.padded, *of_edges = of_facets + 3 * s.padded;
         s.facet_edge = of_facets;
@@ -416,7 +428,6 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
             }
         }
     } else {
-        s.facet_edge = NULL;
         facets_2d(&s, ring, 0);
     }
     if (!has_forms(&s)) {
@@ -426,12 +437,16 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
             *entry(&s, WEIGHT, i) = 0;
         s.weight = (double)s.n_facets;
     }
-    if (guarded && has_forms(&s) && is_of_edges(problem->guard))
-        gather_corners(&s, dim);
+    if (guarded && has_forms(&s) && is_of_edges(problem->guard)) {
+        const star copy = s;
+        gather_corners(&copy, dim);
+    }
     if (guarded)
         gather_floors(problem, &s, first, dim);
-    if (PL_KERNEL != PL_RADIUS && s.n_more > 0)
-        gather_rows(&s, more, x, guarded, dim);
+    if (PL_KERNEL != PL_RADIUS && s.n_more > 0) {
+        const star copy = s;
+        s.weight = gather_rows(&copy, more, x, guarded, dim);
+    }
     return s;
 }
 

@@ -11,6 +11,7 @@
  * which is positive definite: |affine|^2 / affine^(k / 2) is convex, and so is its square.
  *
  *   corners, corners_at, mean_of                  a pack of corners
+ *   find_roots                                    roots of all packs
  *   mean_value, mean_derivatives                  a star
  *   value_at, derivatives_at                      a star, by the ratio of its kernel
  */
@@ -23,6 +24,7 @@
 typedef struct corners {
     lanes n[3], from[3]; /* grad D, x - o */
     lanes aa, D, c, E;   /* |x - p0|^2 */
+    lanes root;          /* in space: D^(-1/3) */
 } corners;
 
 /** Set n [dim] to grad D of the pack at facet i. */
@@ -36,24 +38,47 @@ PL_INLINE void find_normal(const star *s, int64_t i, lanes *n, const int dim) {
     }
 }
 
-/** Find the pack of corners at facet i, with the node at x [dim]. */
-PL_INLINE corners corners_at(const star *s, int64_t i, const lanes *x, const int dim) {
+/** Return D of the pack at facet i, whose gradient is n, with the node at x [dim]. */
+PL_INLINE lanes determinant_at(const star *s, int64_t i, const lanes *x, const lanes *n,
+                               const int dim) {
+    static const uint8_t first[3] = {P0X, P0Y, P0Z};
+    lanes D = load(s, BASE, i);
+    for (int d = 0; d < dim; d++)
+        D += (x[d] - load(s, first[d], i)) * n[d];
+    return D;
+}
+
+/** Find the pack of corners at facet i, with the node at x [dim]. has_roots: after find_roots. */
+PL_INLINE corners corners_at(const star *s, int64_t i, const lanes *x, const int has_roots,
+                             const int dim) {
     static const uint8_t first[3] = {P0X, P0Y, P0Z};
     corners t;
     lanes square = lanes_of(0);
     find_normal(s, i, t.n, dim);
     t.aa = lanes_of(0);
-    t.D = load(s, BASE, i);
+    t.D = has_roots ? load(s, DETERMINANT, i) : determinant_at(s, i, x, t.n, dim);
     for (int d = 0; d < dim; d++) {
         const lanes a = x[d] - load(s, first[d], i);
         t.from[d] = a + load(s, OX + d, i);
-        t.D += a * t.n[d];
         t.aa += a * a;
         square += t.from[d] * t.from[d];
     }
     t.c = load(s, FORM_C, i);
     t.E = t.c * square + load(s, FORM_E0, i);
+    if (dim == 3)
+        t.root = has_roots ? load(s, ROOT, i) : lanes_inverse_cube_root(t.D);
     return t;
+}
+
+/** Fill the columns DETERMINANT and ROOT of corners in space, with the node at x. In a loop by itself:
+ *  roots take long, and more of them are under way then. */
+PL_INLINE void find_roots(const star *s, const lanes *x) {
+    for (int64_t i = 0; i < s->padded; i += PL_PACK) {
+        const lanes n[3] = {load(s, NX, i), load(s, NY, i), load(s, NZ, i)};
+        const lanes D = determinant_at(s, i, x, n, 3);
+        store(s, DETERMINANT, i, D);
+        store(s, ROOT, i, lanes_inverse_cube_root(D));
+    }
 }
 
 /** Return mu^2 of a pack, and 1 / D. */
@@ -62,8 +87,8 @@ PL_INLINE lanes mean_of(const corners *t, lanes *inverse_d, const int dim) {
         *inverse_d = lanes_of(1) / t->D;
         return t->E * t->E * (*inverse_d * *inverse_d);
     }
-    const lanes root = lanes_inverse_cube_root(t->D), root2 = root * root;
-    *inverse_d = root2 * root;
+    const lanes root2 = t->root * t->root;
+    *inverse_d = root2 * t->root;
     return t->E * t->E * (root2 * root2);
 }
 
@@ -78,10 +103,12 @@ PL_INLINE objective mean_value(const star *s, const double *position, const int 
                         lanes_of(dim == 3 ? position[2] : 0)};
     accumulator total;
     accumulator_init(&total);
+    if (dim == 3)
+        find_roots(s, x);
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             const int64_t j = i + k * PL_PACK;
-            const corners t = corners_at(s, j, x, dim);
+            const corners t = corners_at(s, j, x, dim == 3, dim);
             lanes inverse_d;
             const lanes square = mean_of(&t, &inverse_d, dim);
             accumulate(&total, k, square, load(s, WEIGHT, j), t.D, inverse_d * inverse_d,
@@ -124,10 +151,12 @@ PL_INLINE objective mean_derivatives(const star *s, const double *position, deri
     accumulator_init(&total);
     memset(&slope, 0, sizeof slope);
     memset(trace, 0, sizeof trace);
+    if (dim == 3)
+        find_roots(s, x);
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             const int64_t j = i + k * PL_PACK;
-            const corners t = corners_at(s, j, x, dim);
+            const corners t = corners_at(s, j, x, dim == 3, dim);
             const lanes weight = load(s, WEIGHT, j);
             lanes inverse_d;
             const lanes square = mean_of(&t, &inverse_d, dim);

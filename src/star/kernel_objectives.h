@@ -242,7 +242,7 @@ PL_INLINE void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, c
 /** Compute mu^2 of a pack of corners, and with derive its derivatives (kernel_mean.h). */
 PL_INLINE void corner_mean_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
                                  const int derive, const int dim) {
-    const corners t = corners_at(s, i, x, dim);
+    const corners t = corners_at(s, i, x, 0, dim);
     const double power = mean_power(dim);
     lanes inverse_d;
     a->square = mean_of(&t, &inverse_d, dim);
