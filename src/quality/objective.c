@@ -325,9 +325,11 @@ static void merge_sums(exact_sums *part, exact_sums *sums) {
 static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
     objective_pass *pass = context;
     exact_sums part;
-    double blunt = 0;
     (void)thread;
     memset(&part, 0, sizeof part);
+    /* The smallest angle that is known by now, whichever chunk it is of. */
+    __atomic_load(&pass->sums->acuteness, &part.acuteness, __ATOMIC_RELAXED);
+    double blunt = pl_blunt_ratio_square(pass->problem->mesh.dim, part.acuteness);
     for (int64_t i = begin; i < end; i += PL_SUM_LANES) {
         const int count = end - i < PL_SUM_LANES ? (int)(end - i) : PL_SUM_LANES;
         if (pass->problem->mesh.dim == 3)
