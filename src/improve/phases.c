@@ -148,10 +148,8 @@ static int judge_optimality(pl_run *r, planish_error *error) {
     planish_result *result = r->result;
     r->factor = pl_guard_weigh(&r->guard, r->options, &r->sums);
     const pl_star_problem sliding = pl_run_sliding_problem(r);
-    pl_star_problem interior = r->problem;
-    interior.guard = &r->guard.star;
     pl_follow(r->plan, &sliding);
-    int status = pl_optimality(r->plan, &r->plan->interior, &interior, &optimality, error);
+    int status = pl_optimality(r->plan, &r->plan->interior, &r->problem, &optimality, error);
     if (!status)
         status = pl_optimality(r->plan, &r->plan->sliding, &sliding, &optimality, error);
     if (status)

@@ -260,12 +260,13 @@ typedef struct pl_star_value {
     double error; /* relative, of both: what rounding can have done */
     int certain;  /* every element is positive beyond doubt of rounding */
     double gradient[3], hessian[6];
+    double size2; /* with derivatives: mean square distance of the node from its facets */
 } pl_star_value;
 typedef int pl_star_evaluate_fn(const pl_star_problem *problem, int64_t star, double *scratch,
                                 int with_derivatives, pl_star_value *value);
 
-/* As with_derivatives, plain tetrahedra: no Hessian, and the gradient as a visit by a kept one
- * computes it. Elsewhere it is as 1. */
+/* As with_derivatives, tetrahedra and corners without a guard: no Hessian, and the gradient as a visit
+ * by a kept one computes it. Elsewhere it is as 1. */
 enum { PL_GRADIENT_ALONE = 2 };
 
 /** Add the optimality of stars begin .. end-1 to *optimality; the problem has a guard. */

@@ -417,9 +417,34 @@ typedef struct optimality_pass {
     pl_star_optimality *of_thread; /* [threads] */
 } optimality_pass;
 
+/** Add the optimality of stars begin .. end - 1 without constraints. */
+static void judge_plain(const optimality_pass *pass, int64_t begin, int64_t end, double *scratch,
+                        pl_star_optimality *sum) {
+    const planish_plan *plan = pass->plan;
+    pl_star_evaluate_fn *evaluate = pl_star_evaluate_of(plan->kernel, pass->problem, plan->dim);
+    for (int64_t i = begin; i < end; i++) {
+        pl_star_value value;
+        if (!evaluate(pass->problem, i, scratch, PL_GRADIENT_ALONE, &value) ||
+            !(value.sum < INFINITY))
+            continue;
+        double square = 0;
+        for (int d = 0; d < plan->dim; d++)
+            square += value.gradient[d] * value.gradient[d];
+        const double residual = sqrt(square) * sqrt(value.size2) / value.sum;
+        sum->residual = fmax(sum->residual, residual);
+        pl_sum_add(&sum->residual2, residual * residual);
+        sum->n_stars++;
+    }
+}
+
 static void judge_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const optimality_pass *pass = context;
     const planish_plan *plan = pass->plan;
+    if (!pass->problem->guard) {
+        judge_plain(pass, begin, end, pl_star_scratch_of(pass->problem, thread),
+                    &pass->of_thread[thread]);
+        return;
+    }
     plan->kernel->guarded->optimality[plan->dim - 2](pass->problem, begin, end,
                                                      pl_star_scratch_of(pass->problem, thread),
                                                      &pass->of_thread[thread]);

@@ -37,7 +37,7 @@ void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_p
 /* ---- optimality --------------------------------------------------------------------------- */
 
 /** Add the first-order optimality over all stars of visits to *optimality. problem is that of
- *  visits and has a guard. Errors: _MEMORY. */
+ *  visits; without a guard nothing constrains the nodes. Errors: _MEMORY. */
 int pl_optimality(const planish_plan *plan, const pl_visits *visits, const pl_star_problem *problem,
                   pl_star_optimality *optimality, planish_error *error);
 
