@@ -1142,6 +1142,8 @@ PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
  *  - No element gets a worse AR (RR), or a smaller angle (scaled Jacobian), than the worst element with a
  *    movable node had.
  *  - F never rises, but for options->worst, by worst_rise at most.
+ *  - No facet comes to cross another one: where some would the run begins anew and holds their nodes. The
+ *    fourth time nothing moves, nor if the caller stops a run in which some do.
  *  - The bits are the same for any number of threads.
  *  Nodes of elements of order 2 stay. Elements that have turned over against the shape stay as they are, and
  *  so do their nodes.

@@ -1,13 +1,16 @@
 /* planish_surface: smooth a mesh that is a surface in space. */
-#include "surface/smooth.h"
+#include "surface/crossings.h"
 
 #include "base/clock.h"
 #include "base/context.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
 #include "plan/plan.h"
 #include "topology/cells.h"
 #include "topology/topology.h"
+
+#include <string.h>
 
 static int check_mesh(const planish_mesh *mesh, int threads, planish_error *error) {
     int status = pl_check_counts(mesh, error);
@@ -27,15 +30,60 @@ static int check_mesh(const planish_mesh *mesh, int threads, planish_error *erro
     return pl_check_cells(mesh->cells, mesh->n_nodes, threads, error);
 }
 
-static int smooth(pl_surface_run *r, planish_error *error) {
+static int run_once(pl_surface_run *r, planish_error *error) {
+    *r->result = (planish_result){0};
     int status = pl_surface_run_begin(r, error);
     if (!status)
         status = pl_surface_sweeps(r, error);
     if (!status && r->stop == PLANISH_STOP_CONVERGED && r->options->worst != PLANISH_WORST_NONE)
         status = pl_surface_improve_worst(r, error);
+    return status;
+}
+
+/** Hold the nodes of facets that have come to cross others; if is_last, all. *n: how many more. Errors:
+ *  _MEMORY. */
+static int hold_crossings(const pl_surface_run *r, int is_last, uint8_t **held, int64_t *n,
+                          planish_error *error) {
+    const int64_t n_nodes = r->shape->n_nodes;
+    if (!*held)
+        *held = pl_alloc_zero(n_nodes, sizeof **held);
+    if (!*held)
+        return pl_fail_memory(error, "the surface of a mesh");
+    const int status = pl_surface_hold_crossings(r, *held, n, error);
+    if (*n > 0 && is_last)
+        memset(*held, 1, (size_t)n_nodes * sizeof **held);
+    return status;
+}
+
+/** Smooth until no facet crosses another one that it did not cross at the start. */
+static int smooth(pl_surface_run *r, planish_error *error) {
+    enum { MOST_RUNS = 4 };
+    const pl_surface_run given = *r;
+    planish_options quiet = *r->options; /* the caller has stopped: a last run moves nothing */
+    planish_stop stop = PLANISH_STOP_CONVERGED;
+    uint8_t *held = NULL;
+    int64_t n = 1;
+    int status = PLANISH_OK, is_stopped = 0;
+    quiet.progress = NULL;
+    quiet.time_limit = 0;
+    for (int runs = 1; n > 0 && !status; runs++) {
+        pl_surface_run_destroy(r);
+        *r = given;
+        r->held = held;
+        r->options = is_stopped ? &quiet : given.options;
+        status = run_once(r, error);
+        n = 0;
+        if (status || is_stopped)
+            break;
+        stop = r->stop;
+        is_stopped = stop == PLANISH_STOP_INTERRUPTED || stop == PLANISH_STOP_TIME_LIMIT;
+        status = hold_crossings(r, is_stopped || runs >= MOST_RUNS, &held, &n, error);
+    }
+    r->stop = stop;
     if (!status)
         pl_surface_run_end(r);
     pl_surface_run_destroy(r);
+    pl_free(held);
     return status;
 }
 

@@ -2,6 +2,12 @@
  *
  * Elements between two sheets of a surface keep them apart: they stay positive. Across a gap nothing
  * does. Where two sheets are nearer than both may move they are to be held.
+ *
+ * If all tolerances are the same this is proved: a point where a moved facet meets another one is within
+ * a tolerance of a place on the first surface for either, so that these two places are nearer than both
+ * together, and the facets there are held. Left are facets that slide to where tolerances are smaller, and
+ * borders that pass one another in one plane: a surface alone looks for these in the end
+ * (surface/crossings.c).
  */
 #include "shape/gaps.h"
 

@@ -201,7 +201,7 @@ static int take_mesh(pl_surface_run *r, planish_error *error) {
     for (int32_t i = 0; i < n; i++) {
         for (int d = 0; d < 3; d++)
             r->x[i][d] = r->start[i][d] = points.x[pl_point_at(&points, r->shape->node[i], d)];
-        r->moves[i] = (uint8_t)may_slide(r, i);
+        r->moves[i] = (uint8_t)(may_slide(r, i) && !(r->held && r->held[i]));
     }
     hold_mids(r);
     return PLANISH_OK;

@@ -29,6 +29,7 @@ typedef struct pl_surface_run {
     double (*lower)[3], (*upper)[3]; /* [n_nodes] bounds, or NULL */
     double *radius;                  /* [n_nodes], or NULL */
     uint8_t *moves;                  /* [n_nodes] 0: the node stays */
+    const uint8_t *held;             /* [n_nodes] 1: it has to stay; NULL: none has. Not owned */
     uint8_t *changed;                /* [n_nodes] */
     double *ratio;                   /* [n_facets] */
     pl_surface_mesh stars;

@@ -183,7 +183,8 @@ double pl_skin_certify(const pl_skin *skin, int32_t facet, int32_t node, const d
  *  farther off than they may be. */
 int64_t pl_skin_follow(pl_skin *skin);
 
-/** Do so, and bound the facets that have only nodes on planes and lines, which visits do not look at. */
+/** Do so, and bound the facets that have only nodes on planes and lines, which visits do not look at. A mesh
+ *  that is a surface itself has none such but in planar patches, where they stay exactly. */
 int64_t pl_skin_check(pl_skin *skin);
 
 /** Put the nodes of such facets to given [n][dim], where the plan's nodes were at the start; returns how

@@ -1,5 +1,6 @@
 /* planish_smooth_surface: triangles and quadrilaterals in space on their own shape. */
 #include "support/allocations.h"
+#include "support/sheets.h"
 
 #include "surface/surface_mesh.h"
 
@@ -28,15 +29,28 @@ typedef struct patchwork {
     double apart; /* of SHEETS */
 } patchwork;
 
-enum { TORUS, PLANE, TUBE, SHEETS /* two tubes, one in the other */ };
+enum {
+    TORUS,
+    PLANE,
+    TUBE,
+    SHEETS, /* two tubes, one in the other */
+    SHAFT   /* a tube through the hole of a plane sheet */
+};
+
+/** Row of a shaft that is in the plane of the sheet. */
+enum { IN_PLANE = 6 };
+
+static int is_two(int kind) {
+    return kind == SHEETS || kind == SHAFT;
+}
 
 /** Whether the row v is at a border, and whether it is the last one of a sheet. */
 static int is_last(int kind, int v) {
-    return v == ACROSS - 1 || (kind == SHEETS && v == ACROSS / 2 - 1);
+    return v == ACROSS - 1 || (is_two(kind) && v == ACROSS / 2 - 1);
 }
 
 static int is_border(int kind, int v) {
-    return kind != TORUS && (v == 0 || is_last(kind, v) || (kind == SHEETS && v == ACROSS / 2));
+    return kind != TORUS && (v == 0 || is_last(kind, v) || (is_two(kind) && v == ACROSS / 2));
 }
 
 static double random_number(uint64_t *state) {
@@ -47,8 +61,15 @@ static double random_number(uint64_t *state) {
 /** Place of parameters u, v, in nodes along and across. */
 static void place(int kind, double apart, double u, double v, double x[3]) {
     const double pi = 3.14159265358979323846, a = 2 * pi * u / AROUND, b = 2 * pi * v / ACROSS;
-    const int second = kind == SHEETS && v > ACROSS / 2 - 0.5;
+    const int second = is_two(kind) && v > ACROSS / 2 - 0.5;
     const double r = kind == TORUS ? 3 + cos(b) : second ? 3 + apart : 3;
+    if (kind == SHAFT) {
+        const double far = second ? r + 0.3 * (v - ACROSS / 2) : r;
+        x[0] = far * cos(a);
+        x[1] = far * sin(a);
+        x[2] = second ? 0 : 0.3 * (v - IN_PLANE);
+        return;
+    }
     x[0] = kind == PLANE ? u : r * cos(a);
     x[1] = kind == PLANE ? 0.6 * v : r * sin(a);
     x[2] = kind == PLANE ? 0.8 * v : kind == TORUS ? sin(b) : 0.4 * (second ? v - ACROSS / 2 : v);
@@ -65,14 +86,15 @@ static void make(patchwork *p, int kind, int has_quads, double far) {
     p->apart = apart;
     for (int i = 0; i < NODES; i++) {
         const int u = i / ACROSS, v = i % ACROSS;
-        const int edge_u = kind == PLANE && (u == 0 || u == AROUND - 1);
-        const int edge_v = is_border(kind, v);
+        const int in_phase = kind == SHAFT && (v == IN_PLANE || v == ACROSS / 2);
+        const int edge_u = in_phase || (kind == PLANE && (u == 0 || u == AROUND - 1));
+        const int edge_v = in_phase || is_border(kind, v);
         place(kind, p->apart, u + (edge_u ? 0 : far * random_number(&state)),
               v + (edge_v ? 0 : far * random_number(&state)), p->x[i]);
     }
     for (int u = 0; u < columns; u++)
         for (int v = 0; v < ends; v++) {
-            if (kind == SHEETS && is_last(kind, v))
+            if (is_two(kind) && is_last(kind, v))
                 continue;
             const int32_t a = u * ACROSS + v, b = (u + 1) % AROUND * ACROSS + v;
             const int32_t c = (u + 1) % AROUND * ACROSS + (v + 1) % ACROSS;
@@ -372,6 +394,48 @@ static void test_sheets(void **unused) {
     }
 }
 
+static int64_t count_crossings(const patchwork *p) {
+    const planish_shape *s = p->shape;
+    int64_t n = 0;
+    double(*x)[3] = malloc((size_t)s->n_nodes * sizeof *x);
+    for (int64_t i = 0; i < s->n_nodes; i++)
+        for (int d = 0; d < 3; d++)
+            x[i][d] = p->x[s->node[i]][d] * s->scale;
+    sheet_judge judge = sheet_judge_create(s, (const double(*)[3])x);
+    for (int64_t a = 0; a < judge.n; a++)
+        for (int64_t b = 0; b < a; b++)
+            n += sheet_cross(&judge, s, a, b);
+    sheet_judge_destroy(&judge);
+    free(x);
+    return n;
+}
+
+/** Sheets that do not face one another are not held; where they would cross they are. */
+static void test_crossings(void **unused) {
+    static patchwork p;
+    (void)unused;
+    p.apart = 3e-4;
+    make(&p, SHAFT, 0, 0.5);
+    assert_int_equal(count_crossings(&p), 0);
+    const planish_result r = smooth(&p);
+    assert_true(r.n_moved_nodes > NODES / 2 && r.stop == PLANISH_STOP_CONVERGED);
+    assert_int_equal(count_crossings(&p), 0);
+    const uint64_t bits = planish_checksum(&p.mesh);
+    memcpy(p.x, p.given, sizeof p.x);
+    p.options.threads = 3;
+    smooth(&p);
+    assert_int_equal(planish_checksum(&p.mesh), bits);
+    stopper s = {.most = 50}; /* there is no time to begin anew: all stay */
+    memcpy(p.x, p.given, sizeof p.x);
+    p.options.progress = note_progress;
+    p.options.progress_user = &s;
+    const planish_result stopped = smooth(&p);
+    assert_true(s.calls == 50 && stopped.stop == PLANISH_STOP_INTERRUPTED);
+    assert_true(stopped.n_moved_nodes == 0 && stopped.max_displacement == 0);
+    assert_memory_equal(p.x, p.given, sizeof p.x);
+    destroy(&p);
+}
+
 static void test_floats(void **unused) {
     static patchwork p;
     (void)unused;
@@ -480,8 +544,8 @@ int main(void) {
         cmocka_unit_test(test_same_bits), cmocka_unit_test(test_worst),
         cmocka_unit_test(test_colours),   cmocka_unit_test(test_limits),
         cmocka_unit_test(test_stops),     cmocka_unit_test(test_sheets),
-        cmocka_unit_test(test_floats),    cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_crossings), cmocka_unit_test(test_floats),
+        cmocka_unit_test(test_refusals),  cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
