@@ -126,6 +126,7 @@ int pl_run_put_back_angles(pl_run *r, planish_error *error) {
     }
     const int is_left =
         goes_back && (is_worse(r) || is_broken(r, 1, state) || pl_skin_check(&r->skin) > 0 ||
+                      pl_skin_check_bends(&r->skin, r->given) > 0 ||
                       r->sums.below > r->sums_at_start.below || has_risen(r));
     pl_free(state);
     if (is_left) {

@@ -8,9 +8,7 @@
 
 /* A visit goes no farther than so many edges: beyond that a plane says little of the surface. */
 #define FARTHEST 0.7
-/* A smooth edge bends by 40 degrees at most: the cosine; and the distance of the ends of the unit normals,
- * less roundings. */
-#define BEND       0.7660444431189781
+/* PL_SKIN_BEND as the distance of the ends of the unit normals, less roundings. */
 #define BEND_CHORD 0.684040
 /* A facet turns by 60 degrees at most from where it was first: the cosine. */
 #define TURN 0.5
@@ -115,7 +113,7 @@ static int keeps_spoke(pl_skin_visit *v, const pl_skin_trial *trial, int i) {
     if (next < 0)
         return 1;
     const double now = pl_dot(3, trial->normal[i], trial->normal[next]);
-    if (now >= BEND)
+    if (now >= PL_SKIN_BEND)
         return 1;
     find_normals_before(v);
     return now >= pl_dot(3, v->normal[i], v->normal[next]);
@@ -134,7 +132,7 @@ static int keeps_opposite(pl_skin_visit *v, const pl_skin_trial *trial, int i) {
         return 1;
     normal_of(skin, other, there);
     const double now = pl_dot(3, trial->normal[i], there);
-    if (now >= BEND)
+    if (now >= PL_SKIN_BEND)
         return 1;
     find_normals_before(v);
     return now >= pl_dot(3, v->normal[i], there);

@@ -12,7 +12,7 @@
  *
  * skin_plan.c
  *   pl_skin_create                               of a run on a plan's mesh
- *   pl_skin_put_back                             nodes whose facets are too far off
+ *   pl_skin_put_back, _check_bends               nodes whose facets are too far off, or bent
  * skin_places.c
  *   pl_skin_make, _find_moves, _begin, _destroy  places and bounds
  *   pl_skin_certify                              bound of a facet
@@ -31,6 +31,9 @@
 #include "plan/plan.h"
 #include "shape/curved.h"
 #include "shape/disc.h"
+
+/** A smooth edge bends by 40 degrees at most: the cosine. */
+#define PL_SKIN_BEND 0.7660444431189781
 
 /** How a node of the shape moves: as the planish_constraint of its visits, _FREE or _FIXED: not at all;
  *  or as one of these. */
@@ -187,7 +190,12 @@ int64_t pl_skin_follow(pl_skin *skin);
  *  that is a surface itself has none such but in planar patches, where they stay exactly. */
 int64_t pl_skin_check(pl_skin *skin);
 
-/** Put the nodes of such facets to given [n][dim], where the plan's nodes were at the start; returns how
+/** After nodes were put back to given [n][dim], where the plan's nodes were at the start: find smooth edges that
+ *  bend above 40 degrees, and further than at given; their facets count as too far off until their nodes move.
+ *  Returns how many there are; 1 without memory. */
+int64_t pl_skin_check_bends(pl_skin *skin, const double *given);
+
+/** Put the nodes of facets that are too far off, or at smooth edges that bend too much, to given; returns how
  *  many had moved. */
 int64_t pl_skin_put_back(pl_skin *skin, const double *given);
 

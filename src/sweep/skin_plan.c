@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 
+#include <math.h>
 #include <string.h>
 
 /** Find how nodes move that follow others. Returns 0 without memory. */
@@ -94,12 +95,93 @@ int pl_skin_create(planish_plan *plan, const planish_options *options, const dou
     return PLANISH_OK;
 }
 
+/** Compute the unit normal of a facet; of [n_nodes]: numbers in given, NULL: where nodes are now. Returns 0
+ *  if it has no area. */
+static int normal_of(const pl_skin *skin, int32_t facet, const int32_t *of, const double *given,
+                     double normal[3]) {
+    double x[3][3], a[3], b[3];
+    for (int j = 0; j < 3; j++) {
+        const int32_t node = skin->shape->facet[facet][j];
+        pl_skin_place_of(skin, node, x[j]);
+        for (int d = 0; of && of[node] >= 0 && d < 3; d++)
+            x[j][d] = given[3 * (int64_t)of[node] + d] * skin->shape->scale;
+    }
+    pl_from_to(3, x[0], x[1], a);
+    pl_from_to(3, x[0], x[2], b);
+    pl_cross(a, b, normal);
+    return pl_unit(3, normal, normal);
+}
+
+/** Whether a node of a facet is not where it was given. */
+static int is_elsewhere(const pl_skin *skin, int32_t facet, const int32_t *of,
+                        const double *given) {
+    int any = 0;
+    for (int j = 0; j < 3; j++) {
+        const int32_t node = skin->shape->facet[facet][j];
+        any |=
+            of[node] >= 0 && !pl_skin_is_at(pl_skin_at(skin, node), given + 3 * (int64_t)of[node]);
+    }
+    return any;
+}
+
+/** Whether the smooth edge between two facets bends too much, and did not so where the nodes were given. */
+static int is_bent(const pl_skin *skin, int32_t t, int32_t other, const int32_t *of,
+                   const double *given) {
+    double a[3], b[3];
+    if (!normal_of(skin, t, NULL, given, a) || !normal_of(skin, other, NULL, given, b))
+        return 1;
+    const double now = pl_dot(3, a, b);
+    return now < PL_SKIN_BEND && !(normal_of(skin, t, of, given, a) &&
+                                   normal_of(skin, other, of, given, b) && now >= pl_dot(3, a, b));
+}
+
+/** Take for too far off the facets that have moved at such edges. Returns how many edges there are. */
+static int64_t mark_bent(pl_skin *skin, const int32_t *of, const double *given) {
+    int64_t n = 0;
+    for (int32_t t = 0; t < skin->shape->n_facets; t++)
+        for (int k = 0; k < 3; k++) {
+            const int32_t other = skin->shape->across[t][k];
+            const int has_gone = is_elsewhere(skin, t, of, given);
+            const int other_has = other > t && is_elsewhere(skin, other, of, given);
+            if (other < t || !(has_gone || other_has) || !is_bent(skin, t, other, of, given))
+                continue;
+            skin->bound[t] = has_gone ? INFINITY : skin->bound[t];
+            skin->bound[other] = other_has ? INFINITY : skin->bound[other];
+            n++;
+        }
+    return n;
+}
+
+/** Number the nodes of the skin by given; NULL: there is no memory. */
+static int32_t *number_given(const pl_skin *skin) {
+    const planish_plan *plan = skin->plan;
+    int32_t *of = pl_alloc(skin->shape->n_nodes, sizeof *of);
+    if (!of)
+        return NULL;
+    memset(of, -1, (size_t)skin->shape->n_nodes * sizeof *of);
+    for (int64_t i = 0; i < plan->work.n_nodes; i++) {
+        const int32_t node = skin->shape->number[pl_plan_node(plan, i)];
+        if (node >= 0)
+            of[node] = (int32_t)i;
+    }
+    return of;
+}
+
+int64_t pl_skin_check_bends(pl_skin *skin, const double *given) {
+    if (!skin->shape)
+        return 0;
+    int32_t *of = number_given(skin);
+    const int64_t n = of ? mark_bent(skin, of, given) : 1;
+    pl_free(of);
+    return n;
+}
+
 int64_t pl_skin_put_back(pl_skin *skin, const double *given) {
     const planish_plan *plan = skin->plan;
     int64_t n = 0;
-    if (pl_skin_check(skin) == 0)
+    if (!skin->shape || pl_skin_check(skin) + pl_skin_check_bends(skin, given) == 0)
         return 0;
-    for (int64_t i = 0; skin->shape && i < plan->work.n_nodes; i++) {
+    for (int64_t i = 0; i < plan->work.n_nodes; i++) {
         const int32_t node = skin->shape->number[pl_plan_node(plan, i)];
         double *x = plan->scratch.coordinates + (int64_t)plan->inner[i] * 3;
         if (node < 0 || pl_skin_is_at(x, given + 3 * i) || !pl_skin_is_off(skin, node))

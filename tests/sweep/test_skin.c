@@ -367,6 +367,36 @@ static void nodes_that_are_moved_otherwise_are_noticed(void **state) {
     round_destroy(&m);
 }
 
+/** Nodes that go back alone may leave a smooth edge sharp: the nodes there go back, too. */
+static void nodes_at_edges_that_became_sharp_go_back(void **state) {
+    (void)state;
+    round_mesh m;
+    planish_plan *plan;
+    planish_result result = {0};
+    round_create(&m, 1);
+    m.options.surface_tolerance = 100; /* nothing is too far off */
+    double *coordinates = test_copy_of(&m.mesh);
+    pl_run r = begin_run(&m, &plan, coordinates, &result);
+    assert_int_equal(pl_run_begin(&r, NULL), 0);
+    assert_int_equal(pl_skin_check_bends(&r.skin, r.given), 0);
+    assert_int_equal(pl_skin_put_back(&r.skin, r.given), 0);
+    int64_t node = 0;
+    while (m.constraint[node] != PLANISH_CONSTRAINT_ON_PATCH)
+        node++;
+    double *x = plan->scratch.coordinates + 3 * (int64_t)plan->inner[node], was[3];
+    memcpy(was, x, sizeof was);
+    for (int d = 0; d < 2; d++)
+        x[d] *= 1.3; /* a spike */
+    assert_true(pl_skin_check_bends(&r.skin, r.given) > 0);
+    pl_skin_follow(&r.skin);
+    assert_true(pl_skin_put_back(&r.skin, r.given) > 0);
+    assert_memory_equal(x, was, sizeof was);
+    assert_int_equal(pl_skin_check_bends(&r.skin, r.given), 0);
+    end_run(&r);
+    free(coordinates);
+    round_destroy(&m);
+}
+
 /** End a call after so many colours. */
 typedef struct interruption {
     int colours;
@@ -580,6 +610,7 @@ int main(void) {
         cmocka_unit_test(visits_go_no_farther_than_seven_tenths),
         cmocka_unit_test(facets_turn_by_sixty_degrees_at_most),
         cmocka_unit_test(nodes_that_are_moved_otherwise_are_noticed),
+        cmocka_unit_test(nodes_at_edges_that_became_sharp_go_back),
         cmocka_unit_test(stopping_at_any_time_keeps_the_shape),
         cmocka_unit_test(runs_in_a_row_do_not_drift),
         cmocka_unit_test(what_is_too_far_off_at_the_start_stays),
