@@ -316,8 +316,9 @@ typedef struct planish_slide_info {
  *  corners that cells hold, ends of a curved edge of the surface, and corners of a triangle that
  *  such an edge makes curved. Mids stay what they are; that of a curved edge is off its middle by
  *  more than tolerance. With surface->shape nodes that would become FIXED become ON_PATCH or ON_CURVE
- *  instead if they are so on the shape and only curved facets or edges hold them; nodes of facets
- *  between regions only with slide_interfaces. surface and info may be NULL. threads: as in
+ *  instead if they are so on the shape and only curved facets or edges hold them, of second order only
+ *  if the shape has mids (planish_shape_info); nodes of facets between regions only with
+ *  slide_interfaces. surface and info may be NULL. threads: as in
  *  planish_options. Errors: _ARGUMENT (among them a shape of another number of nodes), _MESH, _MEMORY. */
 PLANISH_API int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface,
                                     int threads, uint8_t *constraint, double *direction,
@@ -339,7 +340,10 @@ typedef struct planish_shape_info {
     int64_t n_on_curve; /* on curves, */
     int64_t n_corners;  /* and others */
     double edge_length; /* mean length of the edges, in units of the coordinates */
-    int64_t reserved[7];
+    int64_t n_mids;     /* nodes in the middle of edges of second order; the surface is then the curved
+                           one of these facets, edges count as two, and corners alone are in n_on_patch,
+                           n_on_curve and n_corners */
+    int64_t reserved[6];
 } planish_shape_info;
 
 /** Make the shape of the surface of mesh, which is in space: the boundary, interfaces between

@@ -437,7 +437,7 @@ int planish_shape_create(const planish_mesh *mesh, const planish_surface *surfac
         status = take_regions(&call, &tags.region, &taken, error);
     if (!status)
         status =
-            pl_shape_create(&call.dense.mesh, cells, &tags, call.threads, shape, &found, error);
+            pl_shape_create(&call.dense.mesh, mesh, cells, &tags, call.threads, shape, &found, error);
     pl_free(taken);
     end_call(&call);
     if (!status && info)

@@ -55,24 +55,40 @@ static int32_t number_of(const across *a, int64_t r) {
     return node < 0 ? -1 : a->shape->number[pl_plan_node(a->d->plan, node)];
 }
 
+/** The nodes of facet t, of second order its corners. */
+static const int32_t *corners_of(const planish_shape *shape, int32_t t) {
+    return shape->whole ? shape->whole[t / 4] : shape->facet[t];
+}
+
 /** Check that the nodes of the facets around the node of ring r are its neighbours. */
 static int check_facets(const across *a, int64_t r, planish_error *error) {
     const planish_shape *shape = a->shape;
     const int32_t own = number_of(a, r);
-    int64_t n;
+    int64_t n, n_facets = 0;
     const int32_t *ring = ring_of(a, r, &n);
-    for (int64_t i = own < 0 ? 0 : shape->offset[own]; own >= 0 && i < shape->offset[own + 1];
-         i++) {
-        const int32_t *facet = shape->facet[shape->facet_of[i]];
+    const int32_t *facets = own < 0 ? NULL : pl_shape_star(shape, own, &n_facets);
+    for (int64_t i = 0; i < n_facets; i += shape->whole ? 4 : 1) {
+        const int32_t *corner = corners_of(shape, facets[i]);
         for (int j = 0; j < 3; j++)
-            if (facet[j] != own && !has(ring, n, a->node_of[facet[j]]))
+            if (corner[j] != own && !has(ring, n, a->node_of[corner[j]]))
                 return pl_fail_at(
                     error, PLANISH_ERROR_ARGUMENT, -1, shape->node[own],
                     "options.shape has a facet of the nodes %" PRId32 ", %" PRId32 " and %" PRId32
                     ", which the mesh has not; make the shape of this mesh",
-                    shape->node[facet[0]], shape->node[facet[1]], shape->node[facet[2]]);
+                    shape->node[corner[0]], shape->node[corner[1]], shape->node[corner[2]]);
     }
     return PLANISH_OK;
+}
+
+/** The facet across the edge of facet t opposite to a node; -1: there is none. */
+static int32_t find_across(const planish_shape *shape, int32_t t, int32_t own) {
+    const int32_t *corner = corners_of(shape, t);
+    const int k = corner[0] == own ? 1 : corner[1] == own ? 2 : 0; /* where the edge begins */
+    if (!shape->whole)
+        return shape->across[t][k];
+    const int32_t at_corner = t / 4 * 4 + k;
+    const int edge = pl_edge_of(shape->facet[at_corner], corner[k], corner[3 + k]);
+    return shape->across[at_corner][edge];
 }
 
 /** Add to the n nodes of list, which begins with ring r, the nodes across; returns how many there are
@@ -80,14 +96,14 @@ static int check_facets(const across *a, int64_t r, planish_error *error) {
 static int64_t add_across(const across *a, int64_t r, int64_t n, int32_t *list) {
     const planish_shape *shape = a->shape;
     const int32_t own = number_of(a, r);
-    for (int64_t i = own < 0 ? 0 : shape->offset[own]; own >= 0 && i < shape->offset[own + 1];
-         i++) {
-        const int32_t t = shape->facet_of[i], *facet = shape->facet[t];
-        const int k = facet[0] == own ? 1 : facet[1] == own ? 2 : 0; /* where the edge begins */
-        const int32_t other = shape->across[t][k];
+    int64_t n_facets = 0;
+    const int32_t *facets = own < 0 ? NULL : pl_shape_star(shape, own, &n_facets);
+    for (int64_t i = 0; i < n_facets; i += shape->whole ? 4 : 1) {
+        const int32_t *corner = corners_of(shape, facets[i]);
+        const int32_t other = find_across(shape, facets[i], own);
         for (int j = 0; other >= 0 && j < 3; j++) {
-            const int32_t w = shape->facet[other][j];
-            if (w != own && w != facet[k] && w != facet[(k + 1) % 3] && a->node_of[w] >= 0 &&
+            const int32_t w = corners_of(shape, other)[j];
+            if (w != corner[0] && w != corner[1] && w != corner[2] && a->node_of[w] >= 0 &&
                 !has(list, n, a->node_of[w]))
                 list[n++] = a->node_of[w];
         }
@@ -118,7 +134,10 @@ int pl_rings_across(const pl_draft *d, const pl_candidates *c, pl_rings *rings,
     int64_t room = c->rings.offset[c->n];
     for (int64_t r = 0; r < c->n; r++) {
         const int32_t own = number_of(&a, r);
-        room += own < 0 ? 0 : a.shape->offset[own + 1] - a.shape->offset[own];
+        int64_t n = 0;
+        if (own >= 0)
+            pl_shape_star(a.shape, own, &n);
+        room += n;
     }
     *rings = (pl_rings){.n_rings = c->n,
                         .n_free = c->rings.n_free,

@@ -289,15 +289,18 @@ static int check_constraints(const pl_draft *d, int64_t *n_sliding, planish_erro
 
 /** Hold the ends of a curved edge, or corners of a curved face, that may slide: the boundary would
  *  change its shape. One with an end that goes anywhere is inside, and does not matter, nor does the
- *  middle of a cell. */
+ *  middle of a cell. On a shape of curved facets its mid goes along. */
 static void hold_ends(pl_draft *d, const pl_cell_type *type, const int32_t *node, int middle) {
     const int n = type->shape->n_corners;
+    const planish_shape *shape = d->options->shape;
     const uint8_t parents = pl_cell_parents(type, middle);
     int is_inside = __builtin_popcount(parents) == n;
     for (int j = 0; j < n; j++)
         is_inside |= (parents >> j & 1) && d->mobility[node[j]] == PL_INTERIOR;
     for (int j = 0; j < n && !is_inside; j++)
-        if ((parents >> j & 1) && d->slides[node[j]]) {
+        if ((parents >> j & 1) && d->slides[node[j]] &&
+            !(shape && shape->whole &&
+              d->mesh->constraint[node[j]] >= PLANISH_CONSTRAINT_ON_PATCH)) {
             d->slides[node[j]] = 0;
             d->plan->is_used[node[j]] |= PL_FIXED_BY_CALLER;
         }

@@ -5,7 +5,13 @@
  * along curves that of cubic arcs. A node of a patch or curve goes from place to place; how far the
  * triangles that it takes along are off those that came is bounded (overlay.h).
  *
+ * Facets of second order are four triangles each, between corners and mids; bend says how far the
+ * curved facet is off them.
+ *
  *   curved.c     pl_shape_create, _destroy         all of it; features.h has the steps
+ *                pl_shape_star                     facets that change with a node
+ *                pl_bend_of, pl_whole_way          how far a facet of second order is off its triangles;
+ *                                                  how far its points go
  *   pn.c         pl_shape_point                    a place in space
  *   walk.c       pl_shape_walk                     the place that is nearest
  *                pl_shape_first_place              the place where a node was first
@@ -48,6 +54,12 @@ struct planish_shape {
                                       facets, or one for each in the order of facet_of */
     double (*corner_normal)[3]; /* unit normals of the shape at corners of facets */
     double (*tangent)[2][3];    /* [n_edges] unit tangents at both ends, towards the other end */
+    int32_t (*whole)[6]; /* [n_facets / 4] facets of second order, each of the next four facets: its
+                             corners, and the mids from each to the next one; NULL: there are none */
+    double *bend;        /* [n_facets] with whole: no point of the curved facet over the triangle is
+                             farther off the point of the triangle with its weights */
+    int64_t *star_offset; /* [n_nodes + 1] with whole: into star */
+    int32_t *star; /* all four facets of each facet of second order at a corner; of mids none */
 };
 
 /** Return the unit normal of the shape at corner k of a facet. */
@@ -64,13 +76,60 @@ static inline const double *pl_corner_normal(const planish_shape *shape, int32_t
 }
 
 /** Make the shape of mesh, in space, whose coordinates are dense. cells: elements, and tags->region goes
- *  by them; NULL: those of mesh. Errors: _MEMORY. */
-int pl_shape_create(const planish_mesh *mesh, const planish_cells *cells,
+ *  by them; NULL: those of mesh, and given, the caller's mesh, may have their mids. Errors: _MEMORY. */
+int pl_shape_create(const planish_mesh *mesh, const planish_mesh *given, const planish_cells *cells,
                     const planish_surface *tags, int threads, planish_shape **shape,
                     planish_shape_info *info, planish_error *error);
 
 /** Free shape; NULL is allowed. */
 void pl_shape_destroy(planish_shape *shape);
+
+/** Return where the edge with nodes a and b of a facet [3] begins. */
+static inline int pl_edge_of(const int32_t *facet, int32_t a, int32_t b) {
+    return facet[0] != a && facet[0] != b ? 1 : facet[1] != a && facet[1] != b ? 2 : 0;
+}
+
+/** Return the facets that change when a node moves, with its mids if it is a corner of facets of second
+ *  order: *n of them. */
+static inline const int32_t *pl_shape_star(const planish_shape *shape, int32_t node, int64_t *n) {
+    const int64_t *offset = shape->whole ? shape->star_offset : shape->offset;
+    *n = offset[node + 1] - offset[node];
+    return (shape->whole ? shape->star : shape->facet_of) + offset[node];
+}
+
+/** Return how far a facet of second order with these corners and mids [6] is off its four triangles.
+ *
+ *  Over the triangles' edges the facet rises as parabolas do: with D the way from the middle of two
+ *  corners to their mid, a point of weights u, v, w in one triangle is off by u v D1 + v w D2 + w u D3,
+ *  and u v + v w + w u <= 1 / 3. */
+static inline double pl_bend_of(const double x[6][3]) {
+    double most = 0;
+    for (int k = 0; k < 3; k++) {
+        double off[3];
+        for (int d = 0; d < 3; d++)
+            off[d] = x[3 + k][d] - 0.5 * (x[k][d] + x[(k + 1) % 3][d]);
+        most = fmax(most, pl_dot(3, off, off));
+    }
+    return sqrt(most) / 3 * (1 + 0x1p-40);
+}
+
+/** Return how far points of a facet of second order go at most if its corners and mids go from x to y
+ *  [6]: no farther than one of its Bezier control points, which are the corners, and 2 m - (a + b) / 2 for
+ *  a mid m between a and b. */
+static inline double pl_whole_way(const double x[6][3], const double y[6][3]) {
+    double most = 0;
+    for (int i = 0; i < 6; i++) {
+        double way[3];
+        for (int d = 0; d < 3; d++) {
+            way[d] = y[i][d] - x[i][d];
+            if (i >= 3)
+                way[d] = 2 * way[d] - 0.5 * ((y[i - 3][d] - x[i - 3][d]) +
+                                             (y[(i - 2) % 3][d] - x[(i - 2) % 3][d]));
+        }
+        most = fmax(most, pl_dot(3, way, way));
+    }
+    return sqrt(most) * (1 + 0x1p-40);
+}
 
 /** A place on a shape: of a node on a patch a facet, of one on a curve an edge. */
 typedef struct pl_place {

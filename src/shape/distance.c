@@ -18,6 +18,9 @@ enum { FACETS = 64, /* of a chunk */ DEEPEST = 6 /* division of a facet */ };
 /* A bound that is this much above the distance of one point is good enough. */
 #define GOOD 1.05
 
+/* A patch is planar if its nodes are off by no more than this, in mean edges. */
+#define FLAT 1e-3
+
 /* ---- one facet by division ---------------------------------------------------------------- */
 
 /** Distance of x from a point of the triangle, the nearest one up to rounding. */
@@ -81,11 +84,15 @@ static double divide(const pl_target *t, const double x[3][3], int32_t near, dou
     for (int d = 0; d < 3; d++)
         middle[d] = (x[0][d] + x[1][d] + x[2][d]) / 3;
     near = find_near(t, middle, near, &square);
-    double bound = off_facet(s, near, x);
+    double bound = off_facet(s, near, x), bend = s->whole ? s->bend[near] : 0;
     for (int k = 0; k < 3; k++)
-        if (s->across[near][k] >= 0)
+        if (s->across[near][k] >= 0) {
             bound = fmin(bound, off_facet(s, s->across[near][k], x));
-    if (bound <= known || bound <= GOOD * sqrt(square) || depth == 0)
+            bend = s->whole ? fmax(bend, s->bend[s->across[near][k]]) : 0;
+        }
+    const int is_good = bound <= GOOD * sqrt(square) || (bend > 0 && bound <= 0.1 * bend);
+    bound += bend;
+    if (bound <= known || is_good || depth == 0)
         return fmax(bound, known);
     for (int k = 0; k < 3; k++)
         for (int d = 0; d < 3; d++) {
@@ -108,8 +115,15 @@ typedef struct pl_measuring {
     pl_tree tree[WAYS];          /* their facets */
     const pl_place *place;
     double (*bound)[WAYS]; /* [n_facets] */
-    double bend;           /* 1 - the least cosine */
-    int64_t n_open[WAYS];  /* facets about which the overlay says nothing */
+    double (*extra)
+        [WAYS]; /* [n_facets] of second order: how far the facet itself is off its triangle; else
+                              NULL */
+    double *most_of; /* [n_facets] likewise: another bound, both ways */
+    double *
+        edge; /* [n_facets] likewise: how far an edge of a planar patch is off where it was, with how
+                     far the patch is from a plane; infinite: it is none */
+    double bend;          /* 1 - the least cosine */
+    int64_t n_open[WAYS]; /* facets about which the overlay says nothing */
     double most[WAYS],
         most_h[WAYS]; /* largest bounds of the others, in units of length and edges */
 } pl_measuring;
@@ -124,7 +138,32 @@ static pl_moved_facet facet_of(const pl_measuring *m, int way, int64_t i) {
         if (way == BACK)
             t.place[k].at = -1;
     }
+    if (m->surface[way].whole) {
+        double x[6][3];
+        uint8_t node[3] = {0};
+        for (int k = 0; k < 6; k++)
+            memcpy(x[k], m->surface[!way].x[m->surface[way].whole[i / 4][k]], sizeof x[k]);
+        pl_find_quarter(&m->surface[way], (int32_t)i, node);
+        pl_find_rises((const double(*)[3])x, node, t.rise);
+    }
     return t;
+}
+
+/** How far a facet is off its triangle. */
+static double extra_of(const pl_measuring *m, int way, int64_t i) {
+    return m->extra ? m->extra[i][way] : 0;
+}
+
+/** The lowest one of a bound of a facet and others that are known. A planar patch and what it has become
+ *  are the same but for what edges go over: those of the facet itself, and those of facets over it. */
+static double capped(const pl_measuring *m, int way, const pl_moved_facet *t, double bound) {
+    if (!m->most_of)
+        return bound;
+    bound = fmin(bound, m->most_of[t->facet]);
+    if (!(m->edge[t->facet] < bound))
+        return bound;
+    const double over = pl_overlay_most(&m->surface[way], t, m->edge);
+    return fmin(bound, fmax(over, m->edge[t->facet]) * (1 + 0x1p-40));
 }
 
 /** Bound the distances of facets by overlays. */
@@ -136,13 +175,13 @@ static void overlay_facets(void *context, int64_t begin, int64_t end, int thread
             const planish_shape *s = &m->surface[way];
             const pl_moved_facet t = facet_of(m, way, i);
             const double bound = pl_overlay_bound(s, &t, pl_overlay_lateral(s, &t), INFINITY);
-            m->bound[i][way] = bound;
+            m->bound[i][way] = bound < INFINITY ? capped(m, way, &t, bound) : bound;
             if (bound == INFINITY) {
                 __atomic_fetch_add(&m->n_open[way], 1, __ATOMIC_RELAXED);
-            } else if (bound > 0) {
-                pl_raise_double(&m->most[way], bound);
+            } else if (m->bound[i][way] > 0) {
+                pl_raise_double(&m->most[way], m->bound[i][way]);
                 pl_raise_double(&m->most_h[way],
-                                bound / pl_shape_edge(&m->surface[THERE], t.facet));
+                                m->bound[i][way] / pl_shape_edge(&m->surface[THERE], t.facet));
             }
         }
 }
@@ -158,8 +197,11 @@ static void divide_facets(void *context, int64_t begin, int64_t end, int thread)
             const pl_moved_facet t = facet_of(m, way, i);
             const double h = pl_shape_edge(&m->surface[THERE], t.facet);
             const double known = fmin(m->most[way], m->most_h[way] * h);
+            const double extra = extra_of(m, way, i);
             if (m->bound[i][way] == INFINITY)
-                m->bound[i][way] = divide(&target, t.x, t.facet, known, DEEPEST);
+                m->bound[i][way] =
+                    capped(m, way, &t,
+                           divide(&target, t.x, t.facet, fmax(known - extra, 0), DEEPEST) + extra);
         }
 }
 
@@ -217,7 +259,9 @@ static void sharpen(pl_measuring *m, int way, int by_edges) {
         const pl_target target = {s, NULL, s->patch[at]};
         const pl_moved_facet t = facet_of(m, way, at);
         double *bound = &m->bound[at][way];
-        *bound = fmin(*bound, divide(&target, t.x, t.facet, *bound / 2, DEEPEST));
+        const double extra = extra_of(m, way, at);
+        *bound = fmin(*bound,
+                      divide(&target, t.x, t.facet, fmax(*bound / 2 - extra, 0), DEEPEST) + extra);
         before = at;
     }
 }
@@ -264,6 +308,151 @@ static void measure_bends(void *context, int64_t begin, int64_t end, int thread)
                 pl_raise_double(&m->bend, 1 - pl_dot(3, s->normal[i], s->normal[s->across[i][k]]));
 }
 
+/* ---- facets of second order ------------------------------------------------------------------- */
+
+static void nodes_of(const planish_shape *s, int64_t facet, double x[6][3]) {
+    for (int k = 0; k < 6; k++)
+        memcpy(x[k], s->x[s->whole[facet / 4][k]], sizeof x[k]);
+}
+
+/** A patch that may be planar before and after. */
+typedef struct pl_flat_patch {
+    int32_t first; /* facet; -1: none yet */
+    double off
+        [WAYS]; /* how far nodes are off the plane of the first facet; infinite: it is not planar */
+    double bend; /* how far an edge, as it came, is off its halves */
+} pl_flat_patch;
+
+/** How far points of the edge after corner k go. */
+static double way_of_edge(const double x[6][3], const double y[6][3], int k) {
+    double most = 0;
+    for (int i = 0; i < 3; i++) {
+        const int at = i == 0 ? k : i == 1 ? (k + 1) % 3 : 3 + k;
+        double way[3];
+        for (int d = 0; d < 3; d++) {
+            way[d] = y[at][d] - x[at][d];
+            if (i == 2)
+                way[d] = 2 * way[d] -
+                         0.5 * ((y[k][d] - x[k][d]) + (y[(k + 1) % 3][d] - x[(k + 1) % 3][d]));
+        }
+        most = fmax(most, pl_dot(3, way, way));
+    }
+    return sqrt(most) * (1 + 0x1p-40);
+}
+
+/** How far the edge after corner k is off its halves. */
+static double bend_of_edge(const double x[6][3], int k) {
+    double off[3];
+    for (int d = 0; d < 3; d++)
+        off[d] = x[3 + k][d] - 0.5 * (x[k][d] + x[(k + 1) % 3][d]);
+    return sqrt(pl_dot(3, off, off)) / 4 * (1 + 0x1p-40);
+}
+
+/** Take a facet of second order, its first triangle, into its patch: how far its nodes are off the plane. */
+static void add_to_plane(const pl_measuring *m, int64_t facet, pl_flat_patch *patch) {
+    const planish_shape *s = &m->surface[THERE];
+    if (patch->first < 0)
+        patch->first = (int32_t)facet;
+    const double *normal = s->normal[patch->first], *origin = s->x[s->facet[patch->first][0]];
+    for (int way = 0; way < WAYS; way++) {
+        double x[6][3], to[3];
+        nodes_of(&m->surface[way], facet, x);
+        for (int k = 0; k < 6; k++) {
+            pl_subtract(3, x[k], origin, to);
+            patch->off[way] = fmax(patch->off[way], fabs(pl_dot(3, normal, to)));
+        }
+        for (int k = 0; k < 4; k++)
+            if (s->patch[facet + k] != s->patch[facet] ||
+                !(pl_dot(3, normal, m->surface[way].normal[facet + k]) > 0.5))
+                patch->off[way] = INFINITY;
+    }
+}
+
+/** Whether the edge after corner k of a facet of second order is a feature. */
+static int is_rim(const planish_shape *s, int64_t facet, int k) {
+    const int32_t *whole = s->whole[facet / 4];
+    return s->across[facet + k][pl_edge_of(s->facet[facet + k], whole[k], whole[3 + k])] < 0;
+}
+
+/** Take the edges of a facet of a planar patch: bends first, then how far they are off. */
+static void add_edges(pl_measuring *m, int64_t facet, int takes_bends, pl_flat_patch *patch) {
+    const planish_shape *s = &m->surface[THERE];
+    double x[WAYS][6][3];
+    nodes_of(&m->surface[THERE], facet, x[THERE]);
+    nodes_of(&m->surface[BACK], facet, x[BACK]);
+    for (int k = 0; k < 3; k++) {
+        const double(*first)[3] = (const double(*)[3])x[THERE];
+        const double(*now)[3] = (const double(*)[3])x[BACK];
+        if (!is_rim(s, facet, k))
+            continue;
+        if (takes_bends) {
+            patch->bend = fmax(patch->bend, bend_of_edge(first, k));
+            continue;
+        }
+        double off = way_of_edge(first, now, k), lateral = 0;
+        for (int half = 0; half < 2 && off > 0; half++) {
+            const pl_moved_facet t = facet_of(m, THERE, facet + (half ? (k + 1) % 3 : k));
+            lateral = fmax(lateral, pl_overlay_lateral(s, &t));
+        }
+        off = fmin(off, lateral + bend_of_edge(now, k) + patch->bend);
+        m->edge[facet] = fmax(m->edge[facet], off + patch->off[THERE] + patch->off[BACK]);
+    }
+}
+
+/** Bound distances of facets of second order without overlays: by how far their points have gone, or the
+ *  edges of their plane. */
+static void find_other_bounds(pl_measuring *m, pl_flat_patch *patch) {
+    const planish_shape *s = &m->surface[THERE];
+    for (int64_t p = 0; p < s->n_facets; p++)
+        patch[p] = (pl_flat_patch){.first = -1};
+    for (int64_t i = 0; i < s->n_facets; i += 4)
+        add_to_plane(m, i, &patch[s->patch[i]]);
+    for (int64_t i = 0; i < s->n_facets; i += 4)
+        if (!(patch[s->patch[i]].off[THERE] + patch[s->patch[i]].off[BACK] <=
+              FLAT * pl_shape_edge(s, (int32_t)i)))
+            patch[s->patch[i]].off[THERE] = INFINITY;
+    for (int takes_bends = 1; takes_bends >= 0; takes_bends--)
+        for (int64_t i = 0; i < s->n_facets; i += 4) {
+            m->edge[i] = patch[s->patch[i]].off[THERE] + patch[s->patch[i]].off[BACK];
+            if (m->edge[i] < INFINITY)
+                add_edges(m, i, takes_bends, &patch[s->patch[i]]);
+        }
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        double x[WAYS][6][3];
+        nodes_of(&m->surface[THERE], i, x[THERE]);
+        nodes_of(&m->surface[BACK], i, x[BACK]);
+        m->most_of[i] = pl_whole_way((const double(*)[3])x[THERE], (const double(*)[3])x[BACK]);
+        m->edge[i] = m->edge[i / 4 * 4];
+    }
+}
+
+/** Find how far the facets of second order of both surfaces are off their triangles. Errors: _MEMORY. */
+static int find_bends(pl_measuring *m, planish_error *error) {
+    const planish_shape *first = &m->surface[THERE];
+    planish_shape *now = &m->surface[BACK];
+    if (!first->whole)
+        return PLANISH_OK;
+    now->bend = pl_alloc(first->n_facets, sizeof *now->bend);
+    m->extra = pl_alloc(first->n_facets, sizeof *m->extra);
+    m->most_of = pl_alloc(first->n_facets, sizeof *m->most_of);
+    m->edge = pl_alloc(first->n_facets, sizeof *m->edge);
+    pl_flat_patch *patch = pl_alloc(first->n_facets, sizeof *patch);
+    const int done = now->bend && m->extra && m->most_of && m->edge && patch;
+    if (done)
+        find_other_bounds(m, patch);
+    pl_free(patch);
+    if (!done)
+        return pl_fail_memory(error, "the distance of surfaces");
+    for (int64_t i = 0; i < first->n_facets; i++) {
+        double x[6][3];
+        nodes_of(now, i, x);
+        now->bend[i] = pl_bend_of((const double(*)[3])x);
+        m->extra[i][THERE] = now->bend[i];
+        m->extra[i][BACK] = first->bend[i];
+    }
+    return PLANISH_OK;
+}
+
 /** Whether all coordinates are finite. */
 static int are_finite(const double (*x)[3], int64_t n) {
     for (int64_t i = 0; i < n; i++)
@@ -279,6 +468,7 @@ int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_
     const int64_t n = shape->n_facets;
     now->x = pl_alloc(shape->n_nodes, sizeof *now->x);
     now->normal = pl_alloc(n, sizeof *now->normal);
+    now->bend = NULL;
     m.bound = pl_alloc(n, sizeof *m.bound);
     *distance = (pl_shape_distance){.there = 0};
     int status = 0;
@@ -290,7 +480,9 @@ int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_
         memcpy(now->x, x, (size_t)shape->n_nodes * sizeof *x);
         pl_parallel_for(threads, n, FACETS, compute_normals, &m);
         pl_parallel_for(threads, n, FACETS, measure_bends, &m);
-        status = bound_facets(&m, threads, error);
+        status = find_bends(&m, error);
+        if (!status)
+            status = bound_facets(&m, threads, error);
         for (int way = 0; way < WAYS; way++)
             for (int by_edges = 0; by_edges < 2; by_edges++)
                 sharpen(&m, way, by_edges);
@@ -298,6 +490,10 @@ int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_
     }
     pl_free(now->x);
     pl_free(now->normal);
+    pl_free(now->bend);
+    pl_free(m.extra);
+    pl_free(m.most_of);
+    pl_free(m.edge);
     pl_free(m.bound);
     return status;
 }

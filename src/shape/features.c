@@ -97,9 +97,10 @@ static double length_between(const planish_shape *s, int32_t a, int32_t b) {
     return pl_length(v);
 }
 
-/** Whether two facets are the halves of a quadrilateral. */
+/** Whether two facets are the halves of a quadrilateral, or of one facet of second order. */
 static int are_halves(const planish_shape *s, int32_t f, int32_t g) {
-    return s->half && s->half[f] == 1 && s->half[g] == 2 && g == f + 1;
+    return (s->half && s->half[f] == 1 && s->half[g] == 2 && g == f + 1) ||
+           (s->whole && f / 4 == g / 4);
 }
 
 /** Match the facets at edges of nodes; those at edges to higher nodes are noted. */
@@ -312,10 +313,14 @@ static void list_tagged(pl_features *w, pl_tags *tagged) {
     for (int64_t i = 0; tags && i < tags->n_edges; i++) {
         const int32_t a = w->shape->number[tags->edges[2 * i]];
         const int32_t b = w->shape->number[tags->edges[2 * i + 1]];
-        if (a >= 0 && b >= 0 && a != b)
-            tagged->item[tagged->n++] =
-                (pl_tagged){{a, b, -1, -1}, tags->edge_tag ? tags->edge_tag[i] : 0, 0};
-        else if (a >= 0 || b >= 0)
+        const int32_t mid =
+            w->shape->whole && a >= 0 && b >= 0 ? pl_mid_between(w->surface, a, b) : -1;
+        const int tag = tags->edge_tag ? tags->edge_tag[i] : 0;
+        if (a >= 0 && b >= 0 && a != b) {
+            tagged->item[tagged->n++] = (pl_tagged){{a, mid < 0 ? b : mid, -1, -1}, tag, 0};
+            if (mid >= 0)
+                tagged->item[tagged->n++] = (pl_tagged){{mid, b, -1, -1}, tag, 0};
+        } else if (a >= 0 || b >= 0)
             w->stays[a >= 0 ? a : b] = 1;
     }
     pl_tags_sort(tagged);
@@ -493,9 +498,31 @@ static void hold_unclear(pl_features *w) {
                 w->stays[s->facet[f][k]] = 1;
 }
 
+/** Whether the edge with nodes a and b of a facet is a feature. */
+static int is_feature(const pl_features *w, int64_t f, int32_t a, int32_t b) {
+    return w->kind[f][pl_edge_with(w->shape, (int32_t)f, a, b)] & PL_EDGE_FEATURE;
+}
+
+/** Nodes of facets of second order with features inside, or along half an edge, are corners. */
+static void hold_uneven(pl_features *w) {
+    const planish_shape *s = w->shape;
+    for (int64_t f = 0; s->whole && f < s->n_facets; f += 4) {
+        const int32_t *corner = s->whole[f / 4], *mid = corner + 3;
+        int is_uneven = 0;
+        for (int k = 0; k < 3; k++) {
+            const int next = (k + 1) % 3;
+            is_uneven |= is_feature(w, f + k, corner[k], mid[k]) !=
+                         is_feature(w, f + next, mid[k], corner[next]);
+            is_uneven |= is_feature(w, f + 3, mid[k], mid[next]);
+        }
+        for (int i = 0; i < 6 && is_uneven; i++)
+            w->stays[corner[i]] = 1;
+    }
+}
+
 int pl_features_find(pl_features *w, planish_error *error) {
     planish_shape *s = w->shape;
-    pl_tags tagged = {pl_alloc(w->tags ? w->tags->n_edges : 0, sizeof *tagged.item), 0};
+    pl_tags tagged = {pl_alloc(w->tags ? 2 * w->tags->n_edges : 0, sizeof *tagged.item), 0};
     if (!tagged.item)
         return pl_fail_memory(error, "the tagged edges of the surface");
     list_tagged(w, &tagged);
@@ -507,6 +534,7 @@ int pl_features_find(pl_features *w, planish_error *error) {
         status = pl_creases_prune(w, error);
     }
     hold_unclear(w);
+    hold_uneven(w);
     if (!status)
         status = make_patches(w, error);
     if (!status)

@@ -57,8 +57,7 @@ static inline int pl_corner_at(const planish_shape *shape, int32_t facet, int32_
 
 /** The corner of a facet where its edge with nodes a and b begins. Two facets may share several edges. */
 static inline int pl_edge_with(const planish_shape *shape, int32_t facet, int32_t a, int32_t b) {
-    const int32_t *v = shape->facet[facet];
-    return v[0] != a && v[0] != b ? 1 : v[1] != a && v[1] != b ? 2 : 0;
+    return pl_edge_of(shape->facet[facet], a, b);
 }
 
 /** The corner of the facet beside edge k of f where that edge begins. */

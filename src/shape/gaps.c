@@ -44,6 +44,11 @@ static void corners_of(const planish_shape *s, int32_t facet, const double *x[3]
         x[k] = s->x[s->facet[facet][k]];
 }
 
+/** How far a facet may come off its triangle: by its tolerance, and where it is curved. */
+static double reach_of(const gap_search *g, int64_t facet) {
+    return g->tolerance[facet] + (g->shape->whole ? g->shape->bend[facet] : 0);
+}
+
 static void find_box(void *context, int64_t begin, int64_t end, int thread) {
     const gap_search *g = context;
     (void)thread;
@@ -51,8 +56,8 @@ static void find_box(void *context, int64_t begin, int64_t end, int thread) {
         const double *x[3];
         corners_of(g->shape, (int32_t)i, x);
         for (int d = 0; d < 3; d++) {
-            g->box[i].lower[d] = fmin(x[0][d], fmin(x[1][d], x[2][d])) - g->tolerance[i];
-            g->box[i].upper[d] = fmax(x[0][d], fmax(x[1][d], x[2][d])) + g->tolerance[i];
+            g->box[i].lower[d] = fmin(x[0][d], fmin(x[1][d], x[2][d])) - reach_of(g, i);
+            g->box[i].upper[d] = fmax(x[0][d], fmax(x[1][d], x[2][d])) + reach_of(g, i);
         }
     }
 }
@@ -85,7 +90,7 @@ static int look_at_facet(void *context, int32_t other) {
     const look *l = context;
     const gap_search *g = l->search;
     const planish_shape *s = g->shape;
-    const double most = (double)g->tolerance[l->facet] + g->tolerance[other];
+    const double most = reach_of(g, l->facet) + reach_of(g, other);
     const double *a[3], *b[3];
     double way[3];
     const int is_seen = other == l->facet || (other < l->facet && may_leave(g, other));

@@ -60,8 +60,10 @@ typedef struct pl_overlay {
     double limit;
     int is_any; /* 1: T never was a facet, so that its sides are none of the features */
     pl_frame frame;
-    double margin;   /* largest one of a facet */
-    double highest;  /* corner of a piece, of either sign */
+    double margin;  /* largest one of a facet */
+    double highest; /* corner of a piece, of either sign */
+    double
+        apart2; /* of second order: square of the largest distance between points over one another */
     double area;     /* of all pieces, twice */
     double strip[3]; /* features run up to so deep under side k, 0: none do */
     double cut[3];   /* and this far from corner k, in units of the sides at it */
@@ -236,6 +238,71 @@ static int is_upright(const pl_overlay *o, int32_t facet, const pl_flat_facet *f
            pl_dot(3, o->shape->normal[facet], o->frame.axis[2]) >= STEEPEST;
 }
 
+/** Compute the weights of a point in a triangle, both in the plane. */
+static void weights_in(const double *x, const double *y, const double *z, const double *p,
+                       double weight[3]) {
+    const double *corner[3] = {x, y, z};
+    double part[3], sum = 0;
+    for (int k = 0; k < 3; k++) {
+        const double *a = corner[(k + 1) % 3], *b = corner[(k + 2) % 3];
+        part[k] = (a[0] - p[0]) * (b[1] - p[1]) - (b[0] - p[0]) * (a[1] - p[1]);
+        sum += part[k];
+    }
+    for (int k = 0; k < 3; k++)
+        weight[k] = part[k] / sum;
+}
+
+/** Add times the way of a point off a triangle of second order. */
+static void add_rise(const double rise[3][3], const double weight[3], double times, double way[3]) {
+    for (int k = 0; k < 3; k++)
+        for (int d = 0; d < 3; d++)
+            way[d] += times * weight[k] * weight[(k + 1) % 3] * rise[k][d];
+}
+
+/** Compute the way from the point of T, of second order, over p, which is on a facet's triangle, to that of
+ *  the facet there. */
+static void find_gap(const pl_overlay *o, const pl_flat_facet *flat, const double rise[3][3],
+                     const double p[3], double gap[3]) {
+    double weight[3];
+    for (int d = 0; d < 3; d++)
+        gap[d] = p[2] * o->frame.axis[2][d];
+    weights_in(flat->corner[0].x, flat->corner[1].x, flat->corner[2].x, p, weight);
+    add_rise(rise, weight, 1, gap);
+    weights_in(o->frame.corner[0], o->frame.corner[1], o->frame.corner[2], p, weight);
+    add_rise(o->t->rise, weight, -1, gap);
+}
+
+/** Take the gap between two corners of a piece into the largest one. The gap is a quadratic function: in a
+ *  triangle none is larger than its Bezier coefficients, at the corners and between two of them. */
+static void add_gap(pl_overlay *o, const pl_flat_facet *flat, const double rise[3][3],
+                    const double *a, const double *b) {
+    double at_a[3], at_b[3], gap[3], middle[3];
+    for (int d = 0; d < 3; d++)
+        middle[d] = 0.5 * (a[d] + b[d]);
+    find_gap(o, flat, rise, a, at_a);
+    find_gap(o, flat, rise, b, at_b);
+    find_gap(o, flat, rise, middle, gap);
+    for (int d = 0; d < 3; d++)
+        gap[d] = 2 * gap[d] - 0.5 * (at_a[d] + at_b[d]);
+    o->apart2 = fmax(o->apart2, fmax(pl_dot(3, at_a, at_a), pl_dot(3, gap, gap)));
+}
+
+/** Take the gaps over a piece, divided into triangles at its first corner. */
+static void add_gaps(pl_overlay *o, int32_t facet, const pl_flat_facet *flat,
+                     const pl_flat_point *piece, int n) {
+    const planish_shape *s = o->shape;
+    double x[6][3], rise[3][3];
+    uint8_t node[3] = {0};
+    for (int k = 0; k < 6; k++)
+        memcpy(x[k], s->x[s->whole[facet / 4][k]], sizeof x[k]);
+    pl_find_quarter(s, facet, node);
+    pl_find_rises((const double(*)[3])x, node, rise);
+    for (int k = 0; k < n; k++)
+        add_gap(o, flat, (const double(*)[3])rise, piece[k].x, piece[(k + 1) % n].x);
+    for (int k = 2; k + 1 < n; k++)
+        add_gap(o, flat, (const double(*)[3])rise, piece[0].x, piece[k].x);
+}
+
 /** Take a piece into the sums. */
 static void add_piece(pl_overlay *o, int i, const pl_flat_point *piece, int n) {
     const double *first = piece[0].x;
@@ -345,6 +412,8 @@ static int take_facet(pl_overlay *o, int i) {
     if (!is_upright(o, facet, &flat))
         return is_thin(piece, n, flat.margin) ? OUTSIDE : FAILED;
     add_piece(o, i, piece, n);
+    if (o->shape->whole && o->t)
+        add_gaps(o, facet, &flat, piece, n);
     for (int k = 0; k < 3; k++) {
         const int32_t across = o->shape->across[facet][k];
         if (is_outside(&flat, k, (k + 1) % 3))
@@ -357,7 +426,7 @@ static int take_facet(pl_overlay *o, int i) {
 
 /** Flood from a facet. OUTSIDE: it does not meet T. FAILED: nothing is known, or more than the limit. */
 static int flood(pl_overlay *o, int32_t facet) {
-    o->margin = o->highest = o->area = 0;
+    o->margin = o->highest = o->apart2 = o->area = 0;
     for (int k = 0; k < 3; k++)
         o->strip[k] = o->cut[k] = 0;
     o->n = 0;
@@ -365,7 +434,8 @@ static int flood(pl_overlay *o, int32_t facet) {
     int is_met = OUTSIDE;
     for (int i = 0; i < o->n; i++) {
         const int outcome = take_facet(o, i);
-        if (outcome == FAILED || !(o->highest <= o->limit))
+        const double far2 = o->shape->whole ? o->apart2 : o->highest * o->highest;
+        if (outcome == FAILED || !(far2 <= o->limit * o->limit))
             return FAILED;
         if (outcome == MET)
             is_met = MET;
@@ -387,8 +457,9 @@ typedef struct pl_chain {
     const planish_shape *shape;
     const double *chord[2];
     double ends[2][3];
-    double off; /* how far it is off the chord at most */
-    int n;      /* nodes between the ends */
+    double off;  /* how far it is off the chord at most */
+    double bend; /* largest of the facets at its edges */
+    int n;       /* nodes between the ends */
     int32_t node[MOST_EDGES];
 } pl_chain;
 
@@ -423,11 +494,21 @@ static double find_on_curve(const planish_shape *s, const pl_moved_facet *t, int
     return off;
 }
 
+/** The largest bend of the facets at an edge of a curve; 0: facets are straight. */
+static double bend_at(const planish_shape *s, int32_t edge) {
+    double most = 0;
+    for (int i = 0; i < 2 && s->whole && edge >= 0; i++)
+        if (s->edge_facet[edge][i] >= 0)
+            most = fmax(most, s->bend[s->edge_facet[edge][i]]);
+    return most;
+}
+
 /** Follow a curve from the edge from towards its end, up to the edge to, or to the corner if to is -1.
  *  Returns whether the way leads there. */
 static int follow(pl_chain *c, int32_t from, int end, int32_t to, int32_t corner) {
     const planish_shape *s = c->shape;
     c->off = 0;
+    c->bend = bend_at(s, from);
     for (c->n = 0; c->n < MOST_EDGES;) {
         const int32_t node = s->edge[from][end];
         if (to < 0 && node == corner)
@@ -437,6 +518,7 @@ static int follow(pl_chain *c, int32_t from, int end, int32_t to, int32_t corner
         if (s->node_class[node] != PL_ON_CURVE)
             return 0;
         from = s->edge_at[node][s->edge_at[node][0] == from];
+        c->bend = fmax(c->bend, bend_at(s, from));
         if (from == to)
             return 1;
         end = s->edge[from][0] == node;
@@ -457,6 +539,7 @@ static double find_chain(const planish_shape *s, const pl_moved_facet *t, int k,
     find_on_curve(s, t, l, &edge[1], chain->ends[1]);
     chain->n = 0;
     chain->off = 0;
+    chain->bend = fmax(bend_at(s, edge[0]), bend_at(s, edge[1]));
     if (edge[0] == edge[1]) /* or both are corners: the edge is where it was */
         return 0;
     const int32_t corner = s->facet[t->facet][edge[0] < 0 ? k : l];
@@ -598,14 +681,35 @@ static double by_middle(const pl_frame *f, double reach, double deep) {
     return 2. / 3 * f->longest / (reach - deep);
 }
 
-/** Bound the distance in the strip along side k. The way to the rest of T goes to the opposite corner. */
+/** The way to the rest of T from a point of the strip along side k, in units of how deep that lies over the
+ *  point: towards the opposite corner. */
+static double to_rest_of_strip(const pl_overlay *o, int k) {
+    const pl_frame *f = &o->frame;
+    const int l = (k + 1) % 3, m = (k + 2) % 3;
+    const int is_alone = !(o->strip[l] > 0 || o->strip[m] > 0 || o->cut[k] > 0 || o->cut[l] > 0);
+    return is_alone ? fmax(f->side[l], f->side[m]) / f->height[k]
+                    : by_middle(f, f->height[k] / 3, o->strip[k]);
+}
+
+/** The same of the cut around corner k, *deep in all: the shortest one to the opposite side. */
+static double to_rest_of_cut(const pl_overlay *o, int k, double *deep) {
+    const pl_frame *f = &o->frame;
+    const int l = (k + 1) % 3, m = (k + 2) % 3;
+    const double a = f->side[l], b = f->side[m], c = f->side[k], side = fmax(b, c);
+    const int is_alone = !(o->strip[k] > 0 || o->strip[m] > 0);
+    const int is_acute = b * b <= a * a + c * c && c * c <= a * a + b * b;
+    *deep = o->cut[k] * side;
+    return is_alone ? (is_acute ? f->height[l] : fmin(b, c)) / side
+                    : by_middle(f, side * 2 / 3, *deep);
+}
+
+/** Bound the distance in the strip along side k. */
 static double bound_strip(const pl_overlay *o, int k, double w, double lateral) {
     const pl_frame *f = &o->frame;
     const int l = (k + 1) % 3, m = (k + 2) % 3;
     const double a = f->side[k], b = f->side[l], c = f->side[m];
-    const int is_alone = !(o->strip[l] > 0 || o->strip[m] > 0 || o->cut[k] > 0 || o->cut[l] > 0);
     pl_doubt d = {.w = w, .deep = o->strip[k], .to_side = 1, .lateral = lateral};
-    d.to_rest = is_alone ? fmax(b, c) / f->height[k] : by_middle(f, f->height[k] / 3, o->strip[k]);
+    d.to_rest = to_rest_of_strip(o, k);
     if (b * b > a * a + c * c) /* beyond an obtuse angle the nearest point is the corner */
         d.to_side = c / f->height[k];
     if (c * c > a * a + b * b)
@@ -614,18 +718,10 @@ static double bound_strip(const pl_overlay *o, int k, double w, double lateral) 
     return bound_of(&d);
 }
 
-/** Bound the distance in the cut around corner k. The way to the rest of T is the shortest one to the
- *  opposite side. */
+/** Bound the distance in the cut around corner k. */
 static double bound_cut(const pl_overlay *o, int k, double w, double lateral) {
-    const pl_frame *f = &o->frame;
-    const int l = (k + 1) % 3, m = (k + 2) % 3;
-    const double a = f->side[l], b = f->side[m], c = f->side[k], side = fmax(b, c);
-    const int is_alone = !(o->strip[k] > 0 || o->strip[m] > 0);
-    const int is_acute = b * b <= a * a + c * c && c * c <= a * a + b * b;
-    pl_doubt d = {.w = w, .deep = o->cut[k] * side, .to_side = 1, .lateral = lateral};
-    d.to_rest = (is_acute ? f->height[l] : fmin(b, c)) / side;
-    if (!is_alone)
-        d.to_rest = by_middle(f, side * 2 / 3, d.deep);
+    pl_doubt d = {.w = w, .to_side = 1, .lateral = lateral};
+    d.to_rest = to_rest_of_cut(o, k, &d.deep);
     d.extent.height = INFINITY;
     return bound_of(&d);
 }
@@ -643,6 +739,26 @@ static double bound_all(const pl_overlay *o, double lateral) {
     }
     const double radius = f->area / (f->side[0] + f->side[1] + f->side[2]);
     return bound * (1 + ROUNDING) + o->margin * (2 * f->longest / radius + 1);
+}
+
+/** How far the points of facets of second order are off those of their triangles that may be near to T:
+ *  of the facets over it, and of those at curves under its sides and corners. */
+static double bend_near(const pl_overlay *o) {
+    const planish_shape *s = o->shape;
+    const pl_moved_facet *t = o->t;
+    double most = 0, at[3];
+    int32_t edge;
+    pl_chain chain;
+    for (int i = 0; i < o->n; i++)
+        if (o->middle[i][0] == o->middle[i][0]) /* it is over T */
+            most = fmax(most, s->bend[o->facet[i]]);
+    for (int k = 0; k < 3; k++) {
+        find_on_curve(s, t, k, &edge, at);
+        most = fmax(most, bend_at(s, edge));
+        if (s->across[t->facet][k] < 0 && find_chain(s, t, k, &chain) < INFINITY)
+            most = fmax(most, chain.bend);
+    }
+    return most;
 }
 
 /** Facet i of those to flood from, until one meets T: its own, those where its corners are, and what
@@ -665,6 +781,61 @@ static int32_t seed(const pl_overlay *o, int i) {
     return place.at;
 }
 
+/** The largest rise of T. */
+static double highest_rise(const pl_moved_facet *t) {
+    double most = 0;
+    for (int k = 0; k < 3; k++)
+        most = fmax(most, pl_dot(3, t->rise[k], t->rise[k]));
+    return sqrt(most);
+}
+
+/** How far a point of the facet of second order on T is from one over the rest of T, which is covered: by
+ *  the way on T, and what the facet rises on it. A weight changes by no more than 1 / height, and so a rise
+ *  by no more than 2 / height. */
+static double way_to_rest(const pl_overlay *o, double rise) {
+    const double *h = o->frame.height, least = fmin(h[0], fmin(h[1], h[2]));
+    double most = 0, deep;
+    for (int k = 0; k < 3; k++) {
+        if (o->strip[k] > 0)
+            most = fmax(most, o->strip[k] * to_rest_of_strip(o, k));
+        if (o->cut[k] > 0) {
+            const double to_rest = to_rest_of_cut(o, k, &deep);
+            most = fmax(most, deep * to_rest);
+        }
+    }
+    return most * (1 + 2 * rise / least);
+}
+
+/** Bound the distance of a facet of second order when the rest of its triangle T is covered: there by the
+ *  gaps; beside features by the way to there, or what is known of T and the triangles there but for the
+ *  bends of both. */
+static double bound_curved(const pl_overlay *o, double lateral) {
+    const pl_frame *f = &o->frame;
+    const double rise = highest_rise(o->t);
+    const double radius = f->area / (f->side[0] + f->side[1] + f->side[2]);
+    double bound = sqrt(o->apart2) * (1 + ROUNDING) + 16 * ROUNDING * rise +
+                   o->margin * (2 * f->longest / radius + 1);
+    const double way = way_to_rest(o, rise);
+    return way > 0 ? fmax(bound, fmin(bound + way, bound_all(o, lateral) + bend_near(o) + rise / 3))
+                   : bound;
+}
+
+/** Bound the distance of a facet of second order whose triangle has not moved. */
+static double bound_still(const planish_shape *s, const pl_moved_facet *t) {
+    double x[6][3], rise[3][3], most = 0;
+    uint8_t node[3] = {0};
+    for (int k = 0; k < 6; k++)
+        memcpy(x[k], s->x[s->whole[t->facet / 4][k]], sizeof x[k]);
+    pl_find_quarter(s, t->facet, node);
+    pl_find_rises((const double(*)[3])x, node, rise);
+    for (int k = 0; k < 3; k++) {
+        double off[3];
+        pl_subtract(3, t->rise[k], rise[k], off);
+        most = fmax(most, pl_dot(3, off, off));
+    }
+    return 0.5 * sqrt(most) * (1 + ROUNDING);
+}
+
 static int is_unmoved(const planish_shape *s, const pl_moved_facet *t) {
     for (int k = 0; k < 3; k++)
         for (int d = 0; d < 3; d++)
@@ -673,29 +844,47 @@ static int is_unmoved(const planish_shape *s, const pl_moved_facet *t) {
     return 1;
 }
 
-double pl_overlay_bound(const planish_shape *shape, const pl_moved_facet *t, double lateral,
-                        double limit) {
+/** Flood the facets over a triangle within a limit. Returns whether they cover it. */
+static int cover(pl_overlay *o, const planish_shape *shape, const pl_moved_facet *t, double limit) {
     enum { SEEDS = 5 };
-    if (is_unmoved(shape, t))
+    o->shape = shape;
+    o->t = t;
+    o->limit = limit;
+    if (!set_frame(&o->frame, t->x))
         return 0;
-    pl_overlay o;
-    o.shape = shape;
-    o.t = t;
-    o.limit = limit;
-    o.is_any = 0;
-    if (!set_frame(&o.frame, t->x))
-        return INFINITY;
+    o->is_any = 0;
     for (int i = 0; i < SEEDS; i++) {
-        const int32_t facet = seed(&o, i);
+        const int32_t facet = seed(o, i);
         if (facet < 0 || shape->patch[facet] != shape->patch[t->facet])
             continue;
-        const int outcome = flood(&o, facet);
+        const int outcome = flood(o, facet);
         if (outcome == FAILED)
-            return INFINITY;
-        if (outcome == MET && is_covered(&o))
-            return bound_all(&o, lateral);
+            return 0;
+        if (outcome == MET && is_covered(o))
+            return 1;
     }
-    return INFINITY;
+    return 0;
+}
+
+double pl_overlay_bound(const planish_shape *shape, const pl_moved_facet *t, double lateral,
+                        double limit) {
+    if (is_unmoved(shape, t))
+        return shape->whole ? bound_still(shape, t) : 0;
+    pl_overlay o;
+    if (!cover(&o, shape, t, limit))
+        return INFINITY;
+    return shape->whole ? bound_curved(&o, lateral) : bound_all(&o, lateral);
+}
+
+double pl_overlay_most(const planish_shape *shape, const pl_moved_facet *t, const double *number) {
+    pl_overlay o;
+    double most = 0;
+    if (!cover(&o, shape, t, INFINITY))
+        return INFINITY;
+    for (int i = 0; i < o.n; i++)
+        if (o.middle[i][0] == o.middle[i][0]) /* it is over T */
+            most = fmax(most, number[o.facet[i]]);
+    return most;
 }
 
 double pl_overlay_bound_any(const planish_shape *shape, const double x[3][3], int32_t facet) {
@@ -704,6 +893,10 @@ double pl_overlay_bound_any(const planish_shape *shape, const double x[3][3], in
     o.t = NULL;
     o.limit = INFINITY;
     o.is_any = 1;
-    return set_frame(&o.frame, x) && flood(&o, facet) == MET && is_covered(&o) ? bound_all(&o, 0)
-                                                                               : INFINITY;
+    if (!set_frame(&o.frame, x) || flood(&o, facet) != MET || !is_covered(&o))
+        return INFINITY;
+    double bend = 0;
+    for (int i = 0; shape->whole && i < o.n; i++)
+        bend = fmax(bend, shape->bend[o.facet[i]]);
+    return bound_all(&o, 0) + bend;
 }

@@ -6,6 +6,7 @@
  * may stick out: by lateral at most, and only in a strip that features run over.
  *
  *   overlay.c   pl_overlay_bound           of one triangle
+ *               pl_overlay_most            the largest of numbers of the facets over it
  *               pl_overlay_lateral         of its edges on curves
  *               pl_overlay_bound_any       of a triangle that never was a facet
  *   distance.c  pl_shape_measure           of a whole surface, both ways
@@ -20,13 +21,38 @@ typedef struct pl_moved_facet {
     int32_t facet;     /* of the shape */
     double x[3][3];    /* where its corners are, in the shape's units */
     pl_place place[3]; /* of each corner; at -1: not known, or of a corner of the shape */
+    double
+        rise[3]
+            [3]; /* of a shape of second order: the facet is off the triangle by u v rise[0] + v w
+                          rise[1] + w u rise[2] at the weights u, v, w of its corners */
 } pl_moved_facet;
+
+/** Set the rises of quarter i of a facet of second order with nodes x [6]; node: which of these its
+ *  corners are. Along half an edge, or beside it, it is the way from the middle of the edge's ends to its
+ *  mid. */
+static inline void pl_find_rises(const double x[6][3], const uint8_t node[3], double rise[3][3]) {
+    for (int j = 0; j < 3; j++) {
+        const int a = node[j], b = node[(j + 1) % 3];
+        const int edge = a < 3 ? b - 3 : b < 3 ? a - 3 : (a + b == 7 ? 2 : a + b == 9 ? 0 : 1);
+        for (int d = 0; d < 3; d++)
+            rise[j][d] = x[3 + edge][d] - 0.5 * (x[edge][d] + x[(edge + 1) % 3][d]);
+    }
+}
+
+/** Find which of the six nodes of a facet of second order the corners of one of its triangles are. */
+static inline void pl_find_quarter(const planish_shape *shape, int32_t facet, uint8_t node[3]) {
+    const int32_t *whole = shape->whole[facet / 4];
+    for (int j = 0; j < 3; j++)
+        for (int i = 0; i < 6; i++)
+            if (whole[i] == shape->facet[facet][j])
+                node[j] = (uint8_t)i;
+}
 
 /** Return how far the facet's edges on curves are off the chains of edges that were there, at most, in
  *  both directions, or how far its corners on curves are off them; 0: it has none; infinite: not known. */
 double pl_overlay_lateral(const planish_shape *shape, const pl_moved_facet *t);
 
-/** Return a distance within which of the patch every point of the triangle is, or more than limit
+/** Return a distance within which of the patch every point of the triangle, or facet of second order, is, or more than limit
  *  (maybe infinite) if that is not proved for any up to limit. lateral: from pl_overlay_lateral.
  *  Units: the shape's. */
 double pl_overlay_bound(const planish_shape *shape, const pl_moved_facet *t, double lateral,
@@ -36,16 +62,21 @@ double pl_overlay_bound(const planish_shape *shape, const pl_moved_facet *t, dou
  *  is not known, as where features run over it. The triangle turns as the patch does. Units: the shape's. */
 double pl_overlay_bound_any(const planish_shape *shape, const double x[3][3], int32_t facet);
 
+/** Return the largest of the numbers [n_facets], at least 0, of the facets over the triangle; infinite: it
+ *  is not proved that these are all. */
+double pl_overlay_most(const planish_shape *shape, const pl_moved_facet *t, const double *number);
+
 /** Return the mean edge at a facet, as it came: that of its own three edges, or the least edge_length of
- *  its nodes. Unit: the shape's. */
+ *  its nodes. Of second order edges are those between corners. Unit: the shape's. */
 static inline double pl_shape_edge(const planish_shape *shape, int32_t facet) {
-    const int32_t *node = shape->facet[facet];
+    const int32_t *node = shape->whole ? shape->whole[facet / 4] : shape->facet[facet];
+    const double halves = shape->whole ? 2 : 1;
     double sum = 0;
     for (int k = 0; k < 3; k++)
         sum += pl_distance(3, shape->x[node[k]], shape->x[node[(k + 1) % 3]]);
     double mean = sum / 3;
     for (int k = 0; k < 3; k++)
-        mean = fmin(mean, shape->edge_length[node[k]]);
+        mean = fmin(mean, halves * shape->edge_length[node[k]]);
     return mean;
 }
 

@@ -80,16 +80,36 @@ static planish_constraint decide_flat(const decision *d, int32_t node, const dou
 
 /** Whether the facets at a node are those of the shape, which was made of the same mesh. */
 static int has_shape(const pl_surface *s, const planish_shape *shape, int32_t node) {
-    const int64_t own = shape->number[s->node[node]];
+    const int32_t own = shape->number[s->node[node]];
     const int64_t begin = s->offset[node], n = s->offset[node + 1] - begin;
-    if (own < 0 || shape->offset[own + 1] - shape->offset[own] != n)
+    const int n_parts = shape->whole ? 4 : 1; /* of a facet */
+    int64_t n_own = 0;
+    const int32_t *facets = own < 0 ? NULL : pl_shape_star(shape, own, &n_own);
+    if (own < 0 || n_own != n * n_parts)
         return 0;
     for (int64_t i = 0; i < n; i++) {
         const int32_t *a = s->facet + (int64_t)s->facet_of[begin + i] * 3;
-        const int32_t *b = shape->facet[shape->facet_of[shape->offset[own] + i]];
+        const int32_t f = facets[i * n_parts];
+        const int32_t *b = shape->whole ? shape->whole[f / 4] : shape->facet[f];
         for (int j = 0; j < 3; j++) {
             const int32_t v = shape->number[s->node[a[j]]];
             if (v != b[0] && v != b[1] && v != b[2])
+                return 0;
+        }
+    }
+    return 1;
+}
+
+/** Whether the mids of the edges at a node can move along with it: on its patch, or its curve. */
+static int mids_can_move(const planish_shape *shape, int32_t own) {
+    int64_t n = 0;
+    const int32_t *facets = pl_shape_star(shape, own, &n);
+    for (int64_t i = 0; shape->whole && i < n; i += 4) {
+        const int32_t *corner = shape->whole[facets[i] / 4];
+        const int k = corner[0] == own ? 0 : corner[1] == own ? 1 : 2;
+        for (int j = 0; j < 2; j++) {
+            const int by = shape->node_class[corner[3 + (j ? k : (k + 2) % 3)]];
+            if (by != PL_ON_PATCH && (by != PL_ON_CURVE || shape->node_class[own] != PL_ON_CURVE))
                 return 0;
         }
     }
@@ -100,7 +120,8 @@ static int has_shape(const pl_surface *s, const planish_shape *shape, int32_t no
 static planish_constraint decide_curved(const decision *d, int32_t node) {
     const pl_surface *s = d->surface;
     const planish_shape *shape = d->tags->shape;
-    if (d->is_fixed[s->node[node]] & PL_FIXED_ALWAYS || !has_shape(s, shape, node))
+    if (d->is_fixed[s->node[node]] & PL_FIXED_ALWAYS || !has_shape(s, shape, node) ||
+        !mids_can_move(shape, shape->number[s->node[node]]))
         return PLANISH_CONSTRAINT_FIXED;
     for (int64_t i = s->offset[node]; i < s->offset[node + 1]; i++) {
         const pl_label *label = &s->label[s->facet_of[i]];
@@ -190,6 +211,7 @@ typedef struct cell_surface {
     const planish_mesh *dense; /* its corners */
     const pl_surface *surface;
     double tolerance; /* in the surface's units */
+    uint8_t how;      /* PL_FIXED_.. the ends of curved edges are */
     uint8_t *is_fixed;
 } cell_surface;
 
@@ -224,6 +246,11 @@ static int may_be_curved(const cell_surface *c, const int8_t *facet, const int32
     return n == 2 && all;
 }
 
+static void fix(const cell_surface *c, int32_t a, int32_t b) {
+    c->is_fixed[a] |= c->how;
+    c->is_fixed[b] |= c->how;
+}
+
 /** Fix the ends of a curved edge of a cell if both are on the surface, and the other corners there
  *  of whose facets the edge makes curved ones. The middle of a facet fixes no ends: it may be
  *  anywhere in the plane. node: of the cell; a, b: corners; mid: their mid. */
@@ -234,7 +261,7 @@ static void fix_curved(const cell_surface *c, const pl_cell_type *type, const in
     if (number[node[a]] < 0 || number[node[b]] < 0)
         return;
     if (is_edge)
-        c->is_fixed[node[a]] = c->is_fixed[node[b]] = PL_FIXED_ALWAYS;
+        fix(c, node[a], node[b]);
     for (int k = 0; c->dense->dim == 3 && k < type->shape->n_facets; k++) {
         const int8_t *facet = type->shape->facet[k];
         for (int i = 0; i < 4 && facet[i] >= 0 && may_be_curved(c, facet, node, a, b); i++) {
@@ -242,7 +269,8 @@ static void fix_curved(const cell_surface *c, const pl_cell_type *type, const in
             const int32_t triangle[3] = {node[a], node[b], node[j]};
             if (j == a || j == b || !is_off_plane(c, triangle, node[mid]))
                 continue;
-            c->is_fixed[node[j]] = c->is_fixed[node[a]] = c->is_fixed[node[b]] = PL_FIXED_ALWAYS;
+            fix(c, node[a], node[b]);
+            fix(c, node[j], node[j]);
         }
     }
 }
@@ -307,7 +335,9 @@ int pl_find_slides(const pl_dense *dense, const planish_mesh *given, const plani
     if (!status)
         status = pl_lines_create(&surface, &ridges, tolerance, &lines, error);
     if (!status && dense->role) {
-        const cell_surface of_cells = {given, mesh, &surface, tolerance, is_fixed};
+        const int goes_on = tags && tags->shape && tags->shape->whole;
+        const uint8_t how = goes_on ? PL_FIXED_UNLESS_CURVED : PL_FIXED_ALWAYS;
+        const cell_surface of_cells = {given, mesh, &surface, tolerance, how, is_fixed};
         fix_by_cells(&of_cells, dense->role);
     }
     if (!status) {

@@ -511,5 +511,7 @@ void pl_surface_destroy(pl_surface *surface) {
     pl_free(surface->offset);
     pl_free(surface->facet_of);
     pl_free(surface->number);
+    pl_free(surface->whole);
+    pl_free(surface->mid);
     *surface = (pl_surface){0};
 }

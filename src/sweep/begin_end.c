@@ -120,9 +120,9 @@ int pl_run_begin(pl_run *r, planish_error *error) {
         status = pl_guard_create(plan, o, r->given, delta, &r->guard, error);
     if (!status)
         status = pl_watch_create(plan, o, r->given, r->coordinates, delta, &r->watch, error);
-    plan->scratch.watch = r->watch.n > 0 ? &r->watch : NULL;
     if (!status)
-        status = pl_skin_create(plan, o, r->coordinates, &r->skin, error);
+        status = pl_skin_create(plan, o, r->coordinates, &r->watch, &r->skin, error);
+    plan->scratch.watch = r->watch.n > 0 ? &r->watch : NULL;
     plan->scratch.skin = !status && r->skin.shape ? &r->skin : NULL;
     if (!status) {
         r->plain = !r->guard.wanted && o->method == PLANISH_METHOD_PLANISH;

@@ -295,6 +295,8 @@ static void find_place(const pl_skin_visit *v, const double *x, pl_skin_trial *t
 static int try_place(pl_skin_visit *v, const double *x, pl_skin_trial *trial) {
     double place[3];
     find_place(v, x, trial);
+    if (v->skin->shape->whole)
+        return pl_skin_mids_try(v, trial);
     for (int d = 0; d < 3; d++)
         place[d] = trial->x[d] * v->skin->shape->scale;
     return keeps_normals(v, place, trial) && keeps_near(v, place, trial);
@@ -303,6 +305,7 @@ static int try_place(pl_skin_visit *v, const double *x, pl_skin_trial *trial) {
 /* ---- visits ---------------------------------------------------------------------------------- */
 
 void pl_skin_prepare(pl_skin *skin, int thread, pl_skin_visit *visit) {
+    visit->wholes = NULL;
     const int64_t n = skin->max_facets;
     double *room = skin->room + PL_SKIN_ROOM * n * thread;
     visit->skin = skin;
@@ -315,21 +318,24 @@ void pl_skin_prepare(pl_skin *skin, int thread, pl_skin_visit *visit) {
     visit->rim = (double(*)[2][3])(void *)(room + 3 * n);
     visit->opposite = (int32_t *)(void *)(room + 9 * n);
     visit->next = visit->opposite + n;
+    pl_skin_mids_prepare(skin, thread, visit);
 }
 
 void pl_skin_begin_visit(pl_skin_visit *visit, int64_t star) {
     const pl_skin *skin = visit->skin;
     const int32_t node = skin->node[star];
-    const int64_t first = skin->shape->offset[node];
+    int64_t n = 0;
     visit->star = star;
     visit->node = node;
-    visit->facet = skin->shape->facet_of + first;
-    visit->n = (int)(skin->shape->offset[node + 1] - first);
+    visit->facet = pl_shape_star(skin->shape, node, &n);
+    visit->n = (int)n;
     memcpy(visit->start, pl_skin_at(skin, node), sizeof visit->start);
     visit->has_direction = visit->has_rim = visit->has_normals = visit->is_off = 0;
     visit->newest = 0;
     for (int i = 0; i < PL_SKIN_TRIALS; i++)
         visit->trial[i].is_known = 0;
+    if (skin->shape->whole)
+        pl_skin_mids_begin(visit);
 }
 
 /** Find the trial at x, which becomes the accepted one; 0: there is none. */
@@ -396,8 +402,11 @@ int pl_skin_end_visit(pl_skin_visit *visit) {
         return 1;
     if (!accept(visit, x)) {
         memcpy(x, visit->start, sizeof visit->start);
+        pl_skin_move_mids(visit);
         return 0;
     }
+    if (skin->shape->whole)
+        pl_skin_mids_take(visit);
     const pl_skin_trial *trial = &visit->trial[0];
     memcpy(skin->known[visit->node], x, sizeof trial->x);
     pl_skin_set_place(skin, visit->node, &trial->place);

@@ -19,6 +19,12 @@
  *   pl_skin_has, _is_curved, _is_off, _is_at     of a node; of places
  *   pl_skin_follow, _check                       nodes have moved otherwise; look at all facets
  *   pl_skin_save, _restore                       for trials
+ * skin_mids.c   where facets are of second order
+ *   pl_skin_mids_make, _destroy                  room for visits
+ *   pl_skin_mids_prepare, _begin, _try, _take    mids in visits
+ *   pl_skin_move_mids                            for the watch to see them
+ *   pl_skin_place_mids, pl_skin_is_placed        otherwise
+ *   pl_skin_certify_whole                        bound of a facet
  * skin.c
  *   pl_skin_prepare, _begin_visit, _end_visit    frame of the visits of nodes
  *   pl_skin_project                              where the node of a visit may be
@@ -31,6 +37,7 @@
 #include "plan/plan.h"
 #include "shape/curved.h"
 #include "shape/disc.h"
+#include "sweep/watch.h"
 
 /** A smooth edge bends by 40 degrees at most: the cosine. */
 #define PL_SKIN_BEND 0.7660444431189781
@@ -78,7 +85,19 @@ typedef struct pl_skin {
     double *room;         /* [threads][PL_SKIN_ROOM * max_facets] for visits */
     int64_t n_held;       /* nodes that would slide, but for facets too far off at the start */
     int64_t n_off;        /* visits that were shortened or refused */
+    pl_mids *mids;        /* of a shape of second order: mids follow by it, and go to the shape by
+                           mids->own; a mid has its place, its inner number is PL_SKIN_MID */
+    struct pl_skin_wholes *wholes; /* [threads] room for visits of their corners */
 } pl_skin;
+
+enum { PL_SKIN_MID = -2 };
+
+/** Where a mid of an edge at the node of a visit may be. */
+typedef struct pl_mid_trial {
+    double x[3];   /* in the shape's units, as stored */
+    double own[3]; /* as in pl_mids */
+    pl_place place;
+} pl_mid_trial;
 
 /* The node ends where it was accepted last, or at one of the last trials: a line search ends as soon as
  * one is accepted, or with the one before. */
@@ -91,6 +110,7 @@ typedef struct pl_skin_trial {
     pl_place place;
     double direction[3];
     double *bound, (*normal)[3]; /* of its facets then; unit normals */
+    pl_mid_trial *mid;           /* of the visit's mids */
 } pl_skin_trial;
 
 /** A visit of a node of the skin. Arrays are over its facets. */
@@ -108,6 +128,7 @@ typedef struct pl_skin_visit {
     double (*normal)[3];                 /* [n] where it began, of unit length */
     int32_t *opposite;                   /* [n] facet across the edge opposite to the node, or -1 */
     int32_t *next; /* [n] number here of the facet across the edge to the first of the rim, or -1 */
+    struct pl_skin_wholes *wholes; /* where facets are of second order */
 } pl_skin_visit;
 
 /** Return the coordinates of a node, in the mesh's units. */
@@ -118,7 +139,11 @@ static inline const double *pl_skin_at(const pl_skin *skin, int32_t node) {
 
 /** Set x to where a node is, in the shape's units. */
 static inline void pl_skin_place_of(const pl_skin *skin, int32_t node, double x[3]) {
-    const double *at = pl_skin_at(skin, node);
+    double mid[3];
+    const int is_mid = skin->inner[node] == PL_SKIN_MID;
+    if (is_mid)
+        pl_mid_place(skin->mids, skin->shape->node[node], mid);
+    const double *at = is_mid ? mid : pl_skin_at(skin, node);
     for (int d = 0; d < 3; d++)
         x[d] = at[d] * skin->shape->scale;
 }
@@ -146,10 +171,12 @@ static inline int pl_skin_has(const pl_skin *skin, int32_t node) {
     return skin->moves[node] >= PLANISH_CONSTRAINT_ON_PLANE && skin->moves[node] < PL_SKIN_FLAT;
 }
 
-/** Make the skin of a run whose coordinates are in the plan, and set how the plan's nodes slide.
- *  coordinates: the caller's. Errors: _MEMORY. */
+/** Make the skin of a run whose coordinates are in the plan, and set how the plan's nodes slide. Where
+ *  facets are of second order let watch see their mids, and watch all cells that have one which moves by
+ *  itself; they are to be measured. coordinates: the caller's. Errors: _MEMORY, _ARGUMENT (the mesh has no
+ *  mids, and the shape has). */
 int pl_skin_create(planish_plan *plan, const planish_options *options, const double *coordinates,
-                   pl_skin *skin, planish_error *error);
+                   pl_watch *watch, pl_skin *skin, planish_error *error);
 
 /** Make the arrays of a skin that has coordinates, slide, n_stars, threads and shape, with tolerances.
  *  Errors: _MEMORY. */
@@ -181,6 +208,37 @@ void pl_skin_destroy(pl_skin *skin);
  *  as it is. Above the facet's tolerance: not known. */
 double pl_skin_certify(const pl_skin *skin, int32_t facet, int32_t node, const double *x,
                        const pl_place *place);
+
+/** Make room for the visits of corners of facets of second order; _destroy: free it. Returns 0 without
+ *  memory. */
+int pl_skin_mids_make(pl_skin *skin);
+void pl_skin_mids_destroy(pl_skin *skin);
+
+/** Prepare a visit's room, begin a visit, and after it take the places of mids from the trial accepted. */
+void pl_skin_mids_prepare(const pl_skin *skin, int thread, pl_skin_visit *visit);
+void pl_skin_mids_begin(pl_skin_visit *visit);
+void pl_skin_mids_take(const pl_skin_visit *visit);
+
+/** Whether the node of a visit, and with it the mids of its edges, may be where trial has the node: their
+ *  places are then in trial, with bounds and normals of facets. */
+int pl_skin_mids_try(pl_skin_visit *visit, pl_skin_trial *trial);
+
+/** Let the mids of the visit's node be where they are to be if the node is where it is. Returns whether
+ *  any has moved by itself. */
+int pl_skin_move_mids(pl_skin_visit *visit);
+
+/** Bring the mids of the edges at a node, which has moved otherwise, to the shape. */
+void pl_skin_place_mids(pl_skin *skin, int32_t node);
+
+/** Whether the mid of the edge between two nodes goes to the shape when these move. */
+int pl_skin_is_placed(const pl_skin *skin, int32_t mid, int32_t a, int32_t b);
+
+/** Bound how far a facet of second order is off the shape, as it is; above its tolerance: not known. facet:
+ *  its first one. */
+double pl_skin_certify_whole(const pl_skin *skin, int32_t facet);
+
+/** The place of a node that may have moved, as far as certificates need it. */
+pl_place pl_skin_present_place(const pl_skin *skin, int32_t node);
 
 /** Take note of nodes that have moved otherwise than by visits. Returns the number of facets that are
  *  farther off than they may be. */

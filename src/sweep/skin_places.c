@@ -25,11 +25,10 @@ enum { CHUNK_FACETS = 256 };
 
 /* ---- where nodes are ------------------------------------------------------------------------- */
 
-/** Place of a node that may have moved, as far as certificates need it. */
-static pl_place present_place(const pl_skin *skin, int32_t node) {
+pl_place pl_skin_present_place(const pl_skin *skin, int32_t node) {
     pl_place place = pl_skin_get_place(skin, node);
     double x[3];
-    if (skin->moves[node] != PL_SKIN_FLAT || place.at < 0)
+    if ((skin->moves[node] != PL_SKIN_FLAT && skin->inner[node] != PL_SKIN_MID) || place.at < 0)
         return place;
     pl_skin_place_of(skin, node, x);
     pl_shape_walk(skin->shape, skin->shape->node_class[node], x, &place);
@@ -48,7 +47,7 @@ double pl_skin_certify(const pl_skin *skin, int32_t facet, int32_t node, const d
             memcpy(moved.x[j], x, sizeof moved.x[j]);
         else
             pl_skin_place_of(skin, corner, moved.x[j]);
-        moved.place[j] = corner == node ? *place : present_place(skin, corner);
+        moved.place[j] = corner == node ? *place : pl_skin_present_place(skin, corner);
     }
     const double lateral = pl_overlay_lateral(skin->shape, &moved);
     if (!(lateral <= limit))
@@ -76,10 +75,12 @@ static double turn_of(const pl_skin *skin, int32_t facet) {
     return pl_length(b);
 }
 
-/** Whether all corners of a facet are where they were first. */
+/** Whether all corners of a facet, of second order also its mids, are where they were first. */
 static int is_first(const pl_skin *skin, int32_t facet) {
-    for (int j = 0; j < 3; j++) {
-        const int32_t corner = skin->shape->facet[facet][j];
+    const planish_shape *shape = skin->shape;
+    const int32_t *node = shape->whole ? shape->whole[facet / 4] : shape->facet[facet];
+    for (int j = 0; j < (shape->whole ? 6 : 3); j++) {
+        const int32_t corner = node[j];
         double x[3];
         pl_skin_place_of(skin, corner, x);
         if (!pl_skin_is_at(x, skin->shape->x[corner]))
@@ -94,8 +95,12 @@ static void bound_facets(void *context, int64_t begin, int64_t end, int thread) 
     for (int32_t t = (int32_t)begin; t < end; t++) {
         if (!isnan(skin->bound[t]))
             continue;
-        skin->bound[t] =
-            is_first(skin, t) ? 0 : pl_float_above(pl_skin_certify(skin, t, -1, NULL, NULL));
+        if (is_first(skin, t))
+            skin->bound[t] = 0;
+        else if (!skin->shape->whole)
+            skin->bound[t] = pl_float_above(pl_skin_certify(skin, t, -1, NULL, NULL));
+        else
+            skin->bound[t] = pl_float_above(pl_skin_certify_whole(skin, t / 4 * 4));
         skin->turned[t] = pl_float_above(turn_of(skin, t));
     }
 }
@@ -123,8 +128,12 @@ static void follow(pl_skin *skin, int32_t node) {
     else if (place.at >= 0)
         pl_shape_walk(shape, shape->node_class[node], x, &place);
     pl_skin_set_place(skin, node, &place);
-    for (int64_t i = shape->offset[node]; i < shape->offset[node + 1]; i++)
-        skin->bound[shape->facet_of[i]] = NAN;
+    if (shape->whole)
+        pl_skin_place_mids(skin, node);
+    int64_t n = 0;
+    const int32_t *facet = pl_shape_star(shape, node, &n);
+    for (int64_t i = 0; i < n; i++)
+        skin->bound[facet[i]] = NAN;
 }
 
 int64_t pl_skin_follow(pl_skin *skin) {
@@ -138,7 +147,8 @@ int64_t pl_skin_follow(pl_skin *skin) {
 
 /** Whether a node of a facet moves so. */
 static int has_corner(const pl_skin *skin, int32_t facet, int moves) {
-    const int32_t *corner = skin->shape->facet[facet];
+    const planish_shape *shape = skin->shape;
+    const int32_t *corner = shape->whole ? shape->whole[facet / 4] : shape->facet[facet];
     return skin->moves[corner[0]] == moves || skin->moves[corner[1]] == moves ||
            skin->moves[corner[2]] == moves;
 }
@@ -167,9 +177,25 @@ static char *copy(char *saved, void *array, int64_t n, size_t size, int is_back)
     return saved + bytes;
 }
 
+/** Copy what the mids of the shape have moved by themselves to own or (is_back) from there. */
+static void copy_own(const pl_skin *skin, double (*own)[3], int is_back) {
+    for (int64_t i = 0; i < skin->shape->n_nodes; i++)
+        copy((char *)own[i], skin->mids->own + (int64_t)skin->shape->node[i] * 3, 3, sizeof **own,
+             is_back);
+}
+
+/** Whether mids move by themselves. */
+static int has_own(const pl_skin *skin) {
+    return skin->shape->whole && skin->mids->own;
+}
+
 /** Copy places and bounds to saved or (is_back) from there. */
 static void copy_all(const pl_skin *skin, char *saved, int is_back) {
     const int64_t n = skin->shape->n_nodes, n_facets = skin->shape->n_facets;
+    if (has_own(skin)) {
+        copy_own(skin, (double(*)[3])(void *)saved, is_back);
+        saved += (size_t)n * 3 * sizeof(double);
+    }
     saved = copy(saved, skin->place, n, sizeof *skin->place, is_back);
     saved = copy(saved, skin->known, n, sizeof *skin->known, is_back);
     saved = copy(saved, skin->bound, n_facets, sizeof *skin->bound, is_back);
@@ -179,7 +205,8 @@ static void copy_all(const pl_skin *skin, char *saved, int is_back) {
 void *pl_skin_save(const pl_skin *skin) {
     if (!skin->shape)
         return NULL;
-    const size_t of_node = sizeof *skin->place + sizeof *skin->known,
+    const size_t of_node = sizeof *skin->place + sizeof *skin->known +
+                           (has_own(skin) ? 3 * sizeof(double) : 0),
                  of_facet = sizeof *skin->bound + sizeof *skin->turned;
     char *saved = pl_alloc((int64_t)((size_t)skin->shape->n_nodes * of_node +
                                      (size_t)skin->shape->n_facets * of_facet),
@@ -250,13 +277,14 @@ static void find_tolerances(pl_skin *skin, const planish_options *options) {
     const double factor =
         options->surface_tolerance > 0 ? options->surface_tolerance : DEFAULT_TOLERANCE;
     for (int64_t t = 0; t < shape->n_facets; t++) {
-        const int32_t *corner = shape->facet[t];
+        const int32_t *corner = shape->whole ? shape->whole[t / 4] : shape->facet[t];
+        const double halves = shape->whole ? 2 : 1; /* of an edge */
         double least = INFINITY, sum = 0;
         for (int j = 0; j < 3; j++) {
             double way[3];
             pl_from_to(3, shape->x[corner[j]], shape->x[corner[(j + 1) % 3]], way);
             sum += pl_length(way);
-            least = fmin(least, shape->edge_length[corner[j]]);
+            least = fmin(least, halves * shape->edge_length[corner[j]]);
         }
         skin->tolerance[t] =
             float_below(factor * (is_length ? shape->scale : fmin(least, sum / 3)));
@@ -266,9 +294,10 @@ static void find_tolerances(pl_skin *skin, const planish_options *options) {
 /** Whether a facet at a node is such as test says. */
 static int any_facet(const pl_skin *skin, int32_t node,
                      int (*test)(const pl_skin *skin, int32_t facet)) {
-    const planish_shape *shape = skin->shape;
-    for (int64_t i = shape->offset[node]; i < shape->offset[node + 1]; i++)
-        if (test(skin, shape->facet_of[i]))
+    int64_t n = 0;
+    const int32_t *facet = pl_shape_star(skin->shape, node, &n);
+    for (int64_t i = 0; i < n; i++)
+        if (test(skin, facet[i]))
             return 1;
     return 0;
 }
@@ -350,12 +379,16 @@ int pl_skin_is_off(const pl_skin *skin, int32_t node) {
 static void take_places(pl_skin *skin, const pl_points *points) {
     const planish_shape *shape = skin->shape;
     for (int32_t node = 0; node < shape->n_nodes; node++) {
-        const pl_place place = pl_shape_first_place(shape, node);
+        pl_place place = pl_shape_first_place(shape, node);
         pl_skin_set_place(skin, node, &place);
         for (int d = 0; d < 3 && skin->inner[node] < 0; d++)
             skin->known[node][d] = points->x[pl_point_at(points, shape->node[node], d)];
         if (skin->inner[node] >= 0)
             follow(skin, node);
+        if (skin->inner[node] == PL_SKIN_MID) {
+            place = pl_skin_present_place(skin, node);
+            pl_skin_set_place(skin, node, &place);
+        }
     }
 }
 
@@ -363,7 +396,8 @@ static void find_discs(void *context, int64_t begin, int64_t end, int thread) {
     const pl_skin *skin = context;
     (void)thread;
     for (int32_t node = (int32_t)begin; node < end; node++)
-        if (pl_skin_has(skin, node) && skin->shape->node_class[node] == PL_ON_PATCH)
+        if (pl_skin_has(skin, node) && skin->shape->node_class[node] == PL_ON_PATCH &&
+            !skin->shape->whole)
             pl_disc_find(skin->shape, node, &skin->disc[node]);
         else
             skin->disc[node].radius2 = 0;
@@ -372,8 +406,9 @@ static void find_discs(void *context, int64_t begin, int64_t end, int thread) {
 static int allocate(pl_skin *skin) {
     const int64_t n = skin->shape->n_nodes, n_facets = skin->shape->n_facets;
     skin->max_facets = 0;
-    for (int64_t i = 0; i < n; i++) {
-        const int64_t at = skin->shape->offset[i + 1] - skin->shape->offset[i];
+    for (int32_t i = 0; i < n; i++) {
+        int64_t at = 0;
+        pl_shape_star(skin->shape, i, &at);
         skin->max_facets = at > skin->max_facets ? at : skin->max_facets;
     }
     skin->node = pl_alloc(skin->n_stars, sizeof *skin->node);
@@ -390,7 +425,7 @@ static int allocate(pl_skin *skin) {
     skin->room = pl_alloc(PL_SKIN_ROOM * skin->max_facets * skin->threads, sizeof *skin->room);
     return skin->node && skin->star && skin->inner && skin->moves && skin->known && skin->place &&
            skin->bound && skin->tolerance && skin->turned && skin->disc && skin->is_planar &&
-           skin->room;
+           skin->room && pl_skin_mids_make(skin);
 }
 
 int pl_skin_make(const planish_options *options, pl_skin *skin, planish_error *error) {
@@ -444,6 +479,7 @@ int pl_skin_begin(pl_skin *skin, const pl_points *points, planish_error *error) 
 }
 
 void pl_skin_destroy(pl_skin *skin) {
+    pl_skin_mids_destroy(skin);
     pl_free(skin->node);
     pl_free(skin->star);
     pl_free(skin->inner);

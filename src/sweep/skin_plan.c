@@ -2,6 +2,7 @@
 #include "sweep/skin.h"
 
 #include "base/memory.h"
+#include "geometry/cell.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -36,9 +37,12 @@ static void number_nodes(pl_skin *skin) {
     const planish_shape *shape = skin->shape;
     memset(skin->inner, -1, (size_t)shape->n_nodes * sizeof *skin->inner);
     memset(skin->star, -1, (size_t)shape->n_nodes * sizeof *skin->star);
+    for (int32_t i = 0; shape->whole && i < shape->n_nodes; i++)
+        if (shape->star_offset[i + 1] == shape->star_offset[i])
+            skin->inner[i] = PL_SKIN_MID;
     for (int64_t i = 0; i < plan->work.n_nodes; i++) {
         const int32_t node = shape->number[pl_plan_node(plan, i)];
-        if (node < 0)
+        if (node < 0 || skin->inner[node] == PL_SKIN_MID)
             continue;
         skin->inner[node] = plan->inner[i];
         skin->moves[node] = plan->work.mobility[i] == PL_HELD ? PLANISH_CONSTRAINT_FIXED
@@ -67,8 +71,42 @@ static void set_slides(planish_plan *plan, const pl_skin *skin) {
     }
 }
 
+/** Whether an element has a mid that goes to the shape. */
+static int has_placed(const pl_skin *skin, int64_t element) {
+    const planish_plan *plan = skin->plan;
+    const int32_t *number = skin->shape->number;
+    const int64_t cell = pl_plan_element(plan, element);
+    const int32_t *node = plan->cells.node + plan->cells.offset[cell];
+    const pl_cell_type *type = pl_cell_type_of(plan->cells.type[cell]);
+    int any = 0;
+    for (int i = type->shape->n_corners; i < type->n_nodes; i++) {
+        const int32_t a = number[node[type->between[i][0]]], b = number[node[type->between[i][1]]];
+        const int32_t mid = node[i] < 0 ? -1 : number[node[i]];
+        any |= mid >= 0 && a >= 0 && b >= 0 && skin->inner[mid] == PL_SKIN_MID &&
+               pl_skin_is_placed(skin, mid, a, b);
+    }
+    return any;
+}
+
+/** Let mids go to the shape, and watch their cells. */
+static int release_mids(pl_skin *skin, pl_watch *watch, planish_error *error) {
+    const planish_plan *plan = skin->plan;
+    int32_t *element = pl_alloc(plan->work.n_elements, sizeof *element);
+    int64_t n = 0;
+    if (!element)
+        return pl_fail_memory(error, "the elements to be watched");
+    for (int64_t e = 0; e < plan->work.n_elements; e++)
+        if (has_placed(skin, e))
+            element[n++] = (int32_t)e;
+    int status = pl_mids_release(&watch->mids, error);
+    if (!status)
+        status = pl_watch_add(watch, n, element, error);
+    pl_free(element);
+    return status;
+}
+
 int pl_skin_create(planish_plan *plan, const planish_options *options, const double *coordinates,
-                   pl_skin *skin, planish_error *error) {
+                   pl_watch *watch, pl_skin *skin, planish_error *error) {
     *skin = (pl_skin){.plan = plan,
                       .shape = options->shape,
                       .coordinates = plan->scratch.coordinates,
@@ -77,7 +115,13 @@ int pl_skin_create(planish_plan *plan, const planish_options *options, const dou
                       .threads = plan->threads,
                       .project = options->project,
                       .project_user = options->project_user,
-                      .storage = pl_storage_of(options)};
+                      .storage = pl_storage_of(options),
+                      .mids = pl_watch_has_mids(watch) ? &watch->mids : NULL};
+    if (skin->shape && skin->shape->whole && !skin->mids)
+        return pl_fail(
+            error, PLANISH_ERROR_ARGUMENT,
+            "options.shape is of facets of second order, and the mesh has none; make the "
+            "shape of this mesh");
     if (skin->shape) {
         const pl_points points = pl_plan_all_points(plan, coordinates);
         int status = pl_skin_make(options, skin, error);
@@ -88,6 +132,8 @@ int pl_skin_create(planish_plan *plan, const planish_options *options, const dou
         if (!find_followers(skin))
             return pl_fail_memory(error, "the surface of a mesh");
         status = pl_skin_begin(skin, &points, error);
+        if (!status && skin->shape->whole)
+            status = release_mids(skin, watch, error);
         if (status)
             return status;
     }
@@ -189,5 +235,6 @@ int64_t pl_skin_put_back(pl_skin *skin, const double *given) {
         memcpy(x, given + 3 * i, 3 * sizeof *x);
         n++;
     }
+    pl_skin_follow(skin); /* mids go back with them */
     return n;
 }

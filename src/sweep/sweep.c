@@ -23,7 +23,8 @@ typedef struct colour_pass {
     const planish_plan *plan;
     const pl_star_problem *problem;
     planish_method method;
-    int64_t first, end; /* stars */
+    int64_t first, end;   /* stars */
+    pl_skin_visit *visit; /* of the skin, whose project is the problem's; or NULL */
 } colour_pass;
 
 /** Visit stars begin .. end - 1, whatever becomes of watched cells. */
@@ -55,6 +56,8 @@ static int evaluate_star(const colour_pass *pass, int64_t star, double *scratch,
 /** Whether a part of the way of a star's node is a place for it, too. */
 static int may_shorten(const colour_pass *pass, int64_t star) {
     const pl_star_problem *problem = pass->problem;
+    if (pass->visit && pass->visit->wholes)
+        return !(problem->limits.acuteness < INFINITY);
     if (pass->plan->work.corner)
         return !problem->slide || problem->slide[star].kind != PLANISH_CONSTRAINT_ON_SURFACE;
     return !problem->slide && !(problem->limits.acuteness < INFINITY);
@@ -102,6 +105,22 @@ static double way_from(const colour_pass *pass, int32_t node, const double *befo
     return dim == 3 ? pl_watch_distance(3, before, x) : pl_watch_distance(2, before, x);
 }
 
+/** Bring the mids at the node of a star on the shape to where they are to be. */
+static void move_mids(const colour_pass *pass, int32_t node) {
+    if (pass->visit && pl_skin_move_mids(pass->visit))
+        pl_watch_forget(pass->plan->scratch.watch, node);
+}
+
+/** Bring the node of a star, on the shape, from where it is on trial to where it may be. Returns 0 if that
+ *  is where it began. */
+static int go_to_shape(const colour_pass *pass, int64_t star, const double *before, double *x) {
+    double direction[3];
+    if (!pass->visit)
+        return 1;
+    pl_skin_project(star, x, direction, pass->visit);
+    return !pl_skin_is_at(x, before);
+}
+
 /** Try shorter moves of a star whose watched cells refuse the one from before [dim] to where its
  *  node is. Where none is admitted the node is at before then. Returns by how much the star's
  *  function fell. */
@@ -117,6 +136,7 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
     pl_star_value ratio;
     memcpy(after, x, size);
     memcpy(x, before, size);
+    move_mids(pass, node);
     if (!may_shorten(pass, star) || !evaluate_star(pass, star, scratch, &ratio, &start))
         return 0;
     const double worst = fmax(problem->limits.rr2, ratio.max);
@@ -127,8 +147,9 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
     for (int k = 1; k <= HALVINGS; k++) {
         for (int d = 0; d < dim; d++)
             x[d] = before[d] + ldexp(after[d] - before[d], -k);
-        if (!pl_star_admit(problem, node, dim, x))
+        if (!go_to_shape(pass, star, before, x) || !pl_star_admit(problem, node, dim, x))
             break;
+        move_mids(pass, node);
         if (evaluate_star(pass, star, scratch, &ratio, &now) && ratio.certain && now < start &&
             ratio.max * (1 + ratio.error) <= worst &&
             (!(acuteness < INFINITY) || pl_watch_worst(watch, node, 0).acuteness <= acuteness) &&
@@ -137,6 +158,7 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
             return start - now;
     }
     memcpy(x, before, size);
+    move_mids(pass, node);
     return 0;
 }
 
@@ -215,6 +237,8 @@ static void visit_watched(const colour_pass *pass, int64_t begin, int64_t end, d
     tally->first = begin;
     visit_straight(pass, begin, end, scratch, tally);
     tally->gain = NULL;
+    if (pass->visit)
+        move_mids(pass, problem->node[begin]);
     const int n = note_moves(pass, begin, end, &v);
     pl_watch_judge(watch, n, v.move);
     for (int m = 0; m < n; m++)
@@ -263,6 +287,7 @@ static void visit_surface(const colour_pass *pass, int64_t begin, int64_t end, i
     problem.project = pl_skin_project;
     problem.project_user = &visit;
     on_skin.problem = &problem;
+    on_skin.visit = &visit;
     for (int64_t i = begin; i < begin + AHEAD && i < end; i++)
         pl_skin_fetch_list(skin, i);
     for (int64_t i = begin; i < end; i++) {

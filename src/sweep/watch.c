@@ -787,6 +787,7 @@ static int64_t mark_broken(look *s, pl_watch_block *b) {
         pl_watch_evaluate(w, b);
     for (int l = 0; l < b->n; l++)
         if (!pl_watch_is_lane_valid(b, l) && (is_valid_alone(w, b->rule, b->of[l], 1, &alone) ||
+                                              is_valid_alone(w, b->rule, b->of[l], 2, &alone) ||
                                               (s->of_all && has_turned(w, b->of[l])))) {
             mark(s, b->of[l]);
             n++;

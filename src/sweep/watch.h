@@ -153,12 +153,18 @@ int pl_mids_number(pl_mids *mids, planish_error *error);
 /** Free the arrays of mids. */
 void pl_mids_destroy(pl_mids *mids);
 
-/** Coordinate d of a node that follows by way in this direction. */
-static inline double pl_mid_coordinate(const pl_mids *mids, int32_t node, int d, double follows) {
+/** Coordinate d of a node that follows by way in this direction, and by own goes itself. */
+static inline double pl_mid_coordinate_by(const pl_mids *mids, int32_t node, int d, double follows,
+                                          double own) {
     const double start = mids->start.x[pl_point_at(&mids->start, node, d)];
-    const double own = mids->own ? mids->own[(int64_t)node * mids->start.dim + d] : 0;
     const double way = follows + own;
     return way != 0 ? pl_store(&mids->storage, start + way) : start; /* what stays is not rounded */
+}
+
+/** Coordinate d of a node that follows by way in this direction. */
+static inline double pl_mid_coordinate(const pl_mids *mids, int32_t node, int d, double follows) {
+    const double own = mids->own ? mids->own[(int64_t)node * mids->start.dim + d] : 0;
+    return pl_mid_coordinate_by(mids, node, d, follows, own);
 }
 
 /** Whether a node of order 2 has moved by itself. */

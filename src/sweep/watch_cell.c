@@ -67,9 +67,10 @@ void pl_watch_find_places(const pl_watch *w, const pl_jacobian_rule *rule, int64
             continue;
         }
         for (int d = 0; d < dim; d++)
-            x[i * dim + d] = node[i] < 0 ? 0.5 * x[p * dim + d] + 0.5 * x[q * dim + d]
-                                         : pl_mid_coordinate(&w->mids, given[i], d,
-                                                             0.5 * (way[p][d] + way[q][d]));
+            x[i * dim + d] = node[i] < 0    ? 0.5 * x[p * dim + d] + 0.5 * x[q * dim + d]
+                             : at_start > 1 ? pl_mid_coordinate_by(&w->mids, given[i], d, 0, 0)
+                                            : pl_mid_coordinate(&w->mids, given[i], d,
+                                                                0.5 * (way[p][d] + way[q][d]));
     }
 }
 

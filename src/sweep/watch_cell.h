@@ -42,7 +42,8 @@ double pl_watch_sign(const pl_watch *w, int64_t cell);
 pl_watch_rule *pl_watch_rule_make(const pl_cell_type *type);
 
 /** Add a cell of the plan to the block, which has a free lane and no cells of other rules, as it is or
- *  (at_start) was when the run began. */
+ *  (at_start) was when the run began; at_start 1: but for what mids have moved by themselves, 2: as it
+ *  was given. */
 void pl_watch_take(const pl_watch *w, const pl_watch_rule *rule, int64_t cell, int at_start,
                    pl_watch_block *b);
 
@@ -52,8 +53,8 @@ void pl_watch_evaluate(const pl_watch *w, pl_watch_block *b);
 /** Whether the cell in lane l of a block that has been evaluated is valid. */
 int pl_watch_is_lane_valid(const pl_watch_block *b, int l);
 
-/** Find the places of the nodes of a cell that a rule looks at, as they are or (at_start) were when
- *  the run began: x [n_nodes][dim]. node: see pl_watch_block. */
+/** Find the places of the nodes of a cell that a rule looks at, as they are or (at_start, as of
+ *  pl_watch_take) were when the run began: x [n_nodes][dim]. node: see pl_watch_block. */
 void pl_watch_find_places(const pl_watch *w, const pl_jacobian_rule *rule, int64_t cell,
                           int at_start, double *x, int32_t *node);
 

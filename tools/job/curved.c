@@ -255,7 +255,7 @@ void pl_curved_note_held(FILE *stream, const pl_job *job, int64_t n_curved, int6
     if (job->mesh.n_periodic > 0)
         pl_note(stream, "periodic nodes slide in planes and along straight lines alone: those of "
                         "curved surfaces stay");
-    if (n_curved > 0)
+    if (n_curved > 0 && job->curved.info.n_mids == 0)
         pl_note(stream, "nodes at curved edges of second order stay on the surface: its mid-side "
                         "nodes would leave it");
     if (n_inverted > 0)

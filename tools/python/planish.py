@@ -386,7 +386,8 @@ class ShapeInfo(_Printed):
         ("n_on_curve", c_int64),
         ("n_corners", c_int64),
         ("edge_length", c_double),
-        ("reserved", c_int64 * 7),
+        ("n_mids", c_int64),
+        ("reserved", c_int64 * 6),
     ]
 
 
