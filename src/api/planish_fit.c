@@ -293,12 +293,15 @@ int planish_fit_move(planish_fit *fit, const planish_mesh *mesh, double *coordin
         status = move_nodes(&m, error);
     }
     if (!status) {
+        const pl_outside outside = pl_call_enter(NULL);
         const pl_points points = pl_points_of(mesh, m.coordinates);
+        planish_fit_info found;
         memcpy(coordinates, m.coordinates, length * sizeof *coordinates);
-        if (info) {
-            describe(fit, info);
-            info->n_off = pl_fit_arrive(fit, &points, &info->farthest);
-        }
+        describe(fit, &found);
+        found.n_off = pl_fit_arrive(fit, &points, &found.farthest);
+        if (info)
+            *info = found;
+        pl_call_leave(&outside);
     }
     planish_plan_destroy(m.plan);
     pl_free(m.constraint);

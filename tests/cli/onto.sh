@@ -83,6 +83,13 @@ for threads in 1 2; do
 done
 cmp -s 1.mesh 2.mesh || fail "two threads give the same mesh"
 
+# Elements get worse where the other surface asks for it, and that is said.
+python3 make.py tets cube 4 0.7 >cube.mesh
+expect_status 0 "$program" smooth cube.mesh --onto fine.mesh -o round.mesh --json report.json
+tr '\n' ' ' <err >text
+grep -q "the fit took the worst radius ratio from 1.394 to" text || { fail "the note tells that elements got worse"; cat err; }
+expect_json 'r["surface"]["worst_ratio_of_input"] < r["before"]["max_radius_ratio"] >= r["after"]["max_radius_ratio"]'
+
 # Hexahedra that a plain projection would invert; in floats of few digits, too.
 expect_status 0 "$program" smooth block.mesh --onto half.mesh -o block-out.mesh --json report.json
 expect_json 'r["certified"] and r["surface"]["out_of_reach"] == 0 and r["surface"]["off"] == 0'

@@ -193,10 +193,13 @@ static int judge(const pl_job *job, pl_result *result) {
         add_reason(result, "stopped by the time limit of %g s before convergence",
                    job->arguments->library.time_limit);
     if (job->onto.after.n_off > 0)
-        add_reason(result,
-                   "%" PRId64 " node%s not on %s yet, up to %.3g off: elements would be inverted",
+        add_reason(result, "%" PRId64 " node%s not on %s yet, up to %.3g off%s",
                    job->onto.after.n_off, is_or_are(job->onto.after.n_off), job->arguments->onto,
-                   job->onto.after.farthest);
+                   job->onto.after.farthest,
+                   result->smooth.stop == PLANISH_STOP_TIME_LIMIT ||
+                           result->smooth.stop == PLANISH_STOP_INTERRUPTED
+                       ? ""
+                       : ": elements would be inverted, or nearly so");
     if (result->smooth.stop == PLANISH_STOP_INTERRUPTED)
         add_reason(result, "interrupted by a signal before convergence");
     if (result->reason[0])

@@ -11,6 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Where a fit takes the worst ratio so many times up that is said. */
+static const double WORSE = 1.001;
+
 /* ---- the other surface ---------------------------------------------------------------------- */
 
 static int complain(const pl_job *job, const planish_error *error) {
@@ -189,8 +192,10 @@ void pl_onto_note(FILE *stream, const pl_job *job, double worst) {
         pl_note(stream, "%" PRId64 " node%s of the surface %s held, and not fitted to %s",
                 onto->before.n_held, onto->before.n_held == 1 ? "" : "s",
                 onto->before.n_held == 1 ? "is" : "are", file);
-    if (worst > onto->worst_before)
-        pl_note(stream,
-                "the fit made the worst %s ratio %.4g of %.4g; smoothing then makes none worse",
-                job->has_types ? "aspect" : "radius", worst, onto->worst_before);
+    if (worst > onto->worst_before * WORSE)
+        pl_note(
+            stream,
+            "the fit took the worst %s ratio from %.4g to %.4g; smoothing makes none worse than "
+            "that",
+            job->has_types ? "aspect" : "radius", onto->worst_before, worst);
 }
