@@ -436,6 +436,41 @@ static void test_crossings(void **unused) {
     destroy(&p);
 }
 
+/** Nodes of a facet that is there twice, that is the third at an edge, or that has no area stay; others
+ *  move. */
+static void test_bad_facets(void **unused) {
+    static patchwork p;
+    (void)unused;
+    for (int kind = 0; kind < 3; kind++) {
+        make(&p, TUBE, 0, 0.3);
+        planish_shape_destroy(p.shape);
+        const int64_t n = p.mesh.n_elements, middle = 3 * (n / 2);
+        const int32_t *facet = p.node + middle;
+        const int32_t held[3] = {facet[0], facet[1],
+                                 kind == 1 ? (facet[2] + NODES / 2) % NODES : facet[2]};
+        if (kind == 2) /* its third node is between the others */
+            for (int d = 0; d < 3; d++)
+                p.x[held[2]][d] = (p.x[held[0]][d] + p.x[held[1]][d]) / 2;
+        else {
+            memcpy(p.node + 3 * n, held, sizeof held);
+            p.type[n] = PLANISH_CELL_TRIANGLE;
+            p.offset[n + 1] = 3 * (n + 1);
+            p.mesh.n_elements = p.cells.n = n + 1;
+        }
+        memcpy(p.given, p.x, sizeof p.x);
+        assert_int_equal(planish_shape_create(&p.mesh, NULL, 1, &p.shape, NULL, NULL), 0);
+        p.options.shape = p.shape;
+        planish_result r;
+        planish_error e = {.text = ""};
+        if (planish_smooth_surface(&p.mesh, p.x[0], &p.options, &r, &e))
+            fail_msg("%s", e.text);
+        assert_true(r.n_moved_nodes > NODES / 2);
+        for (int k = 0; k < 3; k++)
+            assert_memory_equal(p.x[held[k]], p.given[held[k]], sizeof *p.x);
+        destroy(&p);
+    }
+}
+
 static void test_floats(void **unused) {
     static patchwork p;
     (void)unused;
@@ -544,8 +579,9 @@ int main(void) {
         cmocka_unit_test(test_same_bits), cmocka_unit_test(test_worst),
         cmocka_unit_test(test_colours),   cmocka_unit_test(test_limits),
         cmocka_unit_test(test_stops),     cmocka_unit_test(test_sheets),
-        cmocka_unit_test(test_crossings), cmocka_unit_test(test_floats),
-        cmocka_unit_test(test_refusals),  cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_crossings), cmocka_unit_test(test_bad_facets),
+        cmocka_unit_test(test_floats),    cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
