@@ -16,7 +16,6 @@
 #include <string.h>
 
 /* As in skin.c. */
-#define BEND       0.7660444431189781
 #define TURN       0.5
 #define ROUNDED_UP (1 + 0x1p-40)
 
@@ -364,7 +363,7 @@ static int keeps_normals(const pl_skin_visit *v, const pl_skin_trial *trial) {
                 was = w->before[beside];
             }
             const double now = pl_dot(3, normal, there);
-            if (!(now >= BEND || now >= pl_dot(3, w->before[i], was)))
+            if (!(now >= PL_SKIN_BEND || now >= pl_dot(3, w->before[i], was)))
                 return 0;
         }
     }

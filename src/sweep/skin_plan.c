@@ -158,12 +158,14 @@ static int normal_of(const pl_skin *skin, int32_t facet, const int32_t *of, cons
     return pl_unit(3, normal, normal);
 }
 
-/** Whether a node of a facet is not where it was given. */
+/** Whether a node of a facet, of second order one of its corners, is not where it was given. */
 static int is_elsewhere(const pl_skin *skin, int32_t facet, const int32_t *of,
                         const double *given) {
+    const planish_shape *shape = skin->shape;
+    const int32_t *corner = shape->whole ? shape->whole[facet / 4] : shape->facet[facet];
     int any = 0;
     for (int j = 0; j < 3; j++) {
-        const int32_t node = skin->shape->facet[facet][j];
+        const int32_t node = corner[j];
         any |=
             of[node] >= 0 && !pl_skin_is_at(pl_skin_at(skin, node), given + 3 * (int64_t)of[node]);
     }
