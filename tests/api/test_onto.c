@@ -360,7 +360,7 @@ static void test_block_onto_ball(void **state) {
     outcome o;
     const planish_options options = test_options(1);
     make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 6, 0.8, 0, &(uint64_t){effort_seed(3)}, &b);
-    make_sheet(FORM_BALL, 24, 0.5, 0, &fine);
+    make_sheet(FORM_BALL, 16, 0.5, 0, &fine);
     fit(&b, &fine, 5, &options, &o);
     say("block onto a ball", &b, &o);
     assert_true(count_after_projection(&b, 0.5) > 0);
@@ -380,7 +380,7 @@ static void test_not_there(void **state) {
     outcome o;
     const planish_options options = test_options(1);
     make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 6, 0.8, 0, &(uint64_t){effort_seed(3)}, &b);
-    make_sheet(FORM_BALL, 24, 0.75, 0, &fine);
+    make_sheet(FORM_BALL, 16, 0.75, 0, &fine);
     uint8_t *constraint = malloc((size_t)b.mesh.n_nodes);
     uint8_t *class_of = malloc((size_t)b.mesh.n_nodes);
     planish_shape_get_classes(b.shape, class_of);
@@ -465,7 +465,7 @@ static void test_threads(void **state) {
         outcome o[2];
         make_block(is_tets, BOX_HEXAHEDRA, is_tets ? FORM_BALL : FORM_CUBE, 6, 0.8, 0.02,
                    &(uint64_t){effort_seed(3)}, &b);
-        make_sheet(FORM_BALL, 20, 0.6, 0, &fine);
+        make_sheet(FORM_BALL, 16, 0.6, 0, &fine);
         for (int i = 0; i < 2; i++) {
             const planish_options options = test_options(i + 1);
             fit(&b, &fine, 5, &options, &o[i]);
@@ -493,7 +493,7 @@ static void test_stop(void **state) {
     sheet fine;
     make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 5, 0.8, 0, &(uint64_t){effort_seed(3)}, &b);
     make_sheet(FORM_BALL, 16, 0.5, 0, &fine);
-    for (int calls = 1; calls < 200; calls *= 3) {
+    for (int calls = 1; calls < 200; calls *= 6) {
         outcome o;
         int left = calls;
         planish_options options = test_options(1);
@@ -577,9 +577,9 @@ static int64_t count_not_valid(const planish_mesh *mesh, double *x) {
  *  stays, and threads change nothing. */
 static void test_random(void **state) {
     (void)state;
-    const int64_t n_cases = effort(12, 2000);
+    const int64_t n_cases = effort(8, 2000);
     int64_t n_there = 0, n_off = 0;
-    for (int64_t i = 0; i < n_cases; i++) {
+    for (int64_t i = 0; i < n_cases; i += effort_step(4)) {
         uint64_t random = effort_seed((uint64_t)i + 100);
         const cell_box_kind kind = (cell_box_kind)(BOX_HEXAHEDRA + random_below(&random, 4));
         const form from = (form)random_below(&random, 3), to = (form)random_below(&random, 3);
