@@ -619,27 +619,37 @@ static void measure_block(pl_watch *w, pl_watch_block *b, measured *m) {
 /** Measure the cells of a chunk that one rule decides. */
 static void measure_type(pl_watch *w, int type, int64_t begin, int64_t end, measured *m) {
     const int is_brick = type == PLANISH_CELL_HEXAHEDRON && !w->floor;
+    const int is_float = is_brick || (type == PLANISH_CELL_WEDGE && !w->floor);
     int left[LANES];
     bricks h;
+    floats_block f;
     pl_watch_block b;
-    h.n = b.n = 0;
+    h.n = f.n = b.n = 0;
     for (int64_t i = begin; i <= end; i++) {
         if (i < end && w->type[i] != type)
             continue;
-        int n_left = i < end && !is_brick;
+        int n_left = i < end && !is_float;
         left[0] = 0;
         h.of[0] = n_left ? (int32_t)i : h.of[0];
         if (i < end)
             w->state[i] = PL_WATCH_VALID;
-        if (i < end && is_brick)
-            add_brick(w, (int32_t)i, w->plan->scratch.coordinates + (int64_t)w->node[i][0] * 3, &h);
+        if (i < end && is_float) {
+            const double *origin = w->plan->scratch.coordinates + (int64_t)w->node[i][0] * 3;
+            if (is_brick)
+                add_brick(w, (int32_t)i, origin, &h);
+            else
+                add_floats(w, (int32_t)i, origin, &f);
+        }
         if (h.n == LANES || (i == end && h.n > 0))
             n_left = certify_bricks(w, &h, left);
+        else if (f.n == LANES || (i == end && f.n > 0))
+            n_left = certify_floats(w, &f, left);
         for (int l = 0; l < n_left; l++) {
+            const int32_t of = is_float && !is_brick ? f.of[left[l]] : h.of[left[l]];
             if (b.n == LANES)
                 measure_block(w, &b, m);
-            b.of[b.n] = h.of[left[l]];
-            pl_watch_take(w, w->rule[type], pl_watch_cell(w, h.of[left[l]]), 0, &b);
+            b.of[b.n] = of;
+            pl_watch_take(w, w->rule[type], pl_watch_cell(w, of), 0, &b);
         }
     }
     measure_block(w, &b, m);

@@ -221,9 +221,10 @@ double pl_watch_room(const pl_watch *w, const pl_watch_rule *rule, double least,
     const double strayed = w->mids.end ? 2 * jacobian->control_weight * w->stray : 0;
     const double length = longest + strayed;
     const double a = least / (1.0001 * rule->weight * length * (dim == 3 ? length : 1));
+    const double growth = rule->change / length;
     double room = a;
     for (int k = 0; k < 3; k++) { /* below the largest D, above it, below it */
-        const double x = rule->change * room / length;
+        const double x = growth * room;
         room = a / (dim == 3 ? 1 + x * (1 + x * (1.0 / 3)) : 1 + 0.5 * x);
     }
     room -= 1.0001 * jacobian->common * dim * strayed / rule->weight;
