@@ -651,10 +651,13 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
     const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
                         lanes_of(dim == 3 ? position[2] : 0)};
     guarded_accumulator t;
-    memset(&t, 0, sizeof t);
     accumulator_init(&t.ratios);
-    for (int k = 0; k < PL_PACKS; k++)
+    for (int k = 0; k < PL_PACKS; k++) {
+        t.volumes[k] = t.penalties[k] = t.shortfall[k] = lanes_of(0);
         t.largest_g[k] = lanes_of(NEVER_ACTIVE);
+    }
+    if (derive) /* values keep all of t in registers: cleared at once it would be in memory */
+        memset(&t.slope, 0, sizeof t.slope);
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
