@@ -28,8 +28,10 @@ typedef struct gap_search {
     const float *tolerance;   /* [n_facets] */
     const uint8_t *may_leave; /* [n_facets]; NULL: all may */
     int is_open;
-    pl_tree tree;
-    pl_box3 *box; /* [n_facets] of each with its tolerance */
+    int64_t n_leaving;
+    int32_t *leaving; /* [n_leaving] those that may leave */
+    pl_box3 *box;     /* [n_leaving] of each with its tolerance */
+    pl_tree tree;     /* of these */
     uint8_t *is_near;
 } gap_search;
 
@@ -49,17 +51,23 @@ static double reach_of(const gap_search *g, int64_t facet) {
     return g->tolerance[facet] + (g->shape->whole ? g->shape->bend[facet] : 0);
 }
 
-static void find_box(void *context, int64_t begin, int64_t end, int thread) {
+/** The box of a facet with its tolerance. */
+static pl_box3 box_of(const gap_search *g, int32_t facet) {
+    const double reach = reach_of(g, facet), *x[3];
+    pl_box3 box;
+    corners_of(g->shape, facet, x);
+    for (int d = 0; d < 3; d++) {
+        box.lower[d] = fmin(x[0][d], fmin(x[1][d], x[2][d])) - reach;
+        box.upper[d] = fmax(x[0][d], fmax(x[1][d], x[2][d])) + reach;
+    }
+    return box;
+}
+
+static void find_boxes(void *context, int64_t begin, int64_t end, int thread) {
     const gap_search *g = context;
     (void)thread;
-    for (int64_t i = begin; i < end; i++) {
-        const double *x[3];
-        corners_of(g->shape, (int32_t)i, x);
-        for (int d = 0; d < 3; d++) {
-            g->box[i].lower[d] = fmin(x[0][d], fmin(x[1][d], x[2][d])) - reach_of(g, i);
-            g->box[i].upper[d] = fmax(x[0][d], fmax(x[1][d], x[2][d])) + reach_of(g, i);
-        }
-    }
+    for (int64_t i = begin; i < end; i++)
+        g->box[i] = box_of(g, g->leaving[i]);
 }
 
 static int share_node(const planish_shape *s, int32_t a, int32_t b) {
@@ -86,15 +94,16 @@ static int may_leave(const gap_search *g, int32_t facet) {
     return !g->may_leave || g->may_leave[facet];
 }
 
-static int look_at_facet(void *context, int32_t other) {
+static int look_at_facet(void *context, int32_t item) {
     const look *l = context;
     const gap_search *g = l->search;
+    const int32_t other = g->leaving[item];
     const planish_shape *s = g->shape;
     const double most = reach_of(g, l->facet) + reach_of(g, other);
     const double *a[3], *b[3];
     double way[3];
-    const int is_seen = other == l->facet || (other < l->facet && may_leave(g, other));
-    if (is_seen || s->is_interface[other] || share_node(s, l->facet, other))
+    const int is_seen = other == l->facet || (other < l->facet && may_leave(g, l->facet));
+    if (is_seen || share_node(s, l->facet, other))
         return 0;
     corners_of(s, l->facet, a);
     corners_of(s, other, b);
@@ -111,9 +120,22 @@ static void search_chunk(void *context, int64_t begin, int64_t end, int thread) 
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         look l = {g, (int32_t)i};
-        if (!g->shape->is_interface[i] && may_leave(g, (int32_t)i))
-            pl_tree_find(&g->tree, &g->box[i], look_at_facet, &l);
+        if (g->shape->is_interface[i])
+            continue;
+        const pl_box3 box = box_of(g, l.facet);
+        pl_tree_find(&g->tree, &box, look_at_facet, &l);
     }
+}
+
+/** List the facets that may leave; 0 without memory. */
+static int list_leaving(gap_search *g) {
+    const int64_t n = g->shape->n_facets;
+    g->leaving = pl_alloc(n, sizeof *g->leaving);
+    for (int32_t i = 0; g->leaving && i < n; i++)
+        if (may_leave(g, i) && !g->shape->is_interface[i])
+            g->leaving[g->n_leaving++] = i;
+    g->box = pl_alloc(g->n_leaving, sizeof *g->box);
+    return g->leaving && g->box;
 }
 
 int pl_shape_find_gaps(const planish_shape *shape, const float *tolerance, const uint8_t *may_leave,
@@ -124,16 +146,17 @@ int pl_shape_find_gaps(const planish_shape *shape, const float *tolerance, const
                     .may_leave = may_leave,
                     .is_open = is_open,
                     .is_near = is_near};
-    g.box = pl_alloc(n, sizeof *g.box);
-    if (!g.box)
-        return pl_fail_memory(error, "the gaps of a surface");
-    pl_parallel_for(threads, n, CHUNK, find_box, &g);
-    const int status = pl_tree_create(n, g.box, threads, &g.tree, error);
+    int status = list_leaving(&g) ? 0 : pl_fail_memory(error, "the gaps of a surface");
+    if (!status) {
+        pl_parallel_for(threads, g.n_leaving, CHUNK, find_boxes, &g);
+        status = pl_tree_create(g.n_leaving, g.box, threads, &g.tree, error);
+    }
     for (int64_t i = 0; !status && i < n; i++)
         is_near[i] = 0;
     if (!status)
         pl_parallel_for(threads, n, CHUNK, search_chunk, &g);
     pl_tree_destroy(&g.tree);
+    pl_free(g.leaving);
     pl_free(g.box);
     return status;
 }

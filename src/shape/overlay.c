@@ -64,12 +64,13 @@ typedef struct pl_overlay {
     double highest; /* corner of a piece, of either sign */
     double
         apart2; /* of second order: square of the largest distance between points over one another */
-    double area;     /* of all pieces, twice */
+    double area;     /* of the pieces that were cut, twice */
     double strip[3]; /* features run up to so deep under side k, 0: none do */
     double cut[3];   /* and this far from corner k, in units of the sides at it */
     int n;
     int32_t facet[MOST_FACETS];
-    double middle[MOST_FACETS][2]; /* a point of the piece; NAN: there is none */
+    double middle[MOST_FACETS]
+                 [2]; /* a point of the piece; NAN: there is none; infinite: it was not cut */
 } pl_overlay;
 
 /** A point in T's frame. */
@@ -396,24 +397,50 @@ static int reach(pl_overlay *o, int32_t facet) {
     return 1;
 }
 
+/** Take a facet no point of which is higher over T than pieces are, or than roundings: its piece need not
+ *  be cut. Returns whether it is one. */
+static int take_low(pl_overlay *o, const pl_flat_facet *flat) {
+    const pl_flat_point *c = flat->corner;
+    const double z = larger(larger(fabs(c[0].x[2]), fabs(c[1].x[2])), fabs(c[2].x[2]));
+    const int is_low = z <= o->highest || z <= ROUNDING * o->frame.longest;
+    if (is_low)
+        o->highest = larger(z, o->highest);
+    return is_low;
+}
+
+/** Take the piece of facet i over T. OUTSIDE: there is none. A low facet is taken without being cut; it may be
+ *  beside T. */
+static int take_piece(pl_overlay *o, int i, const pl_flat_facet *flat) {
+    pl_flat_point room[2][MOST_POINTS];
+    const pl_flat_point *piece;
+    const int is_up = is_upright(o, o->facet[i], flat);
+    if (i > 0 && is_up && !o->shape->whole && take_low(o, flat)) {
+        o->middle[i][0] = INFINITY;
+        o->middle[i][1] = 0;
+        return MET;
+    }
+    const int n = piece_of(flat, room, &piece);
+    if (n < 3)
+        return OUTSIDE;
+    if (!is_up)
+        return is_thin(piece, n, flat->margin) ? OUTSIDE : FAILED;
+    add_piece(o, i, piece, n);
+    if (o->shape->whole && o->t)
+        add_gaps(o, o->facet[i], flat, piece, n);
+    return MET;
+}
+
 /** Take facet i of the flood, and reach those across its edges that may meet T. */
 static int take_facet(pl_overlay *o, int i) {
     const int32_t facet = o->facet[i];
-    pl_flat_point room[2][MOST_POINTS];
-    const pl_flat_point *piece;
     pl_flat_facet flat;
     o->middle[i][0] = NAN;
     flatten(o, facet, &flat);
     if (is_facet_outside(&flat))
         return OUTSIDE;
-    const int n = piece_of(&flat, room, &piece);
-    if (n < 3)
-        return OUTSIDE;
-    if (!is_upright(o, facet, &flat))
-        return is_thin(piece, n, flat.margin) ? OUTSIDE : FAILED;
-    add_piece(o, i, piece, n);
-    if (o->shape->whole && o->t)
-        add_gaps(o, facet, &flat, piece, n);
+    const int outcome = take_piece(o, i, &flat);
+    if (outcome != MET)
+        return outcome;
     for (int k = 0; k < 3; k++) {
         const int32_t across = o->shape->across[facet][k];
         if (is_outside(&flat, k, (k + 1) % 3))

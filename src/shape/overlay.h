@@ -66,18 +66,28 @@ double pl_overlay_bound_any(const planish_shape *shape, const double x[3][3], in
  *  is not proved that these are all. */
 double pl_overlay_most(const planish_shape *shape, const pl_moved_facet *t, const double *number);
 
-/** Return the mean edge at a facet, as it came: that of its own three edges, or the least edge_length of
- *  its nodes. Of second order edges are those between corners. Unit: the shape's. */
-static inline double pl_shape_edge(const planish_shape *shape, int32_t facet) {
+/** Return the mean of the edges of a facet, as it came; of second order of those between corners. */
+static inline double pl_shape_own_edge(const planish_shape *shape, int32_t facet) {
     const int32_t *node = shape->whole ? shape->whole[facet / 4] : shape->facet[facet];
-    const double halves = shape->whole ? 2 : 1;
     double sum = 0;
     for (int k = 0; k < 3; k++)
         sum += pl_distance(3, shape->x[node[k]], shape->x[node[(k + 1) % 3]]);
-    double mean = sum / 3;
-    for (int k = 0; k < 3; k++)
-        mean = fmin(mean, halves * shape->edge_length[node[k]]);
-    return mean;
+    return sum / 3;
+}
+
+/** Return the mean edge at a facet, as it came: the least of those of its own edges, of the facets across
+ *  them, and of its three nodes together. Unit: the shape's. */
+static inline double pl_shape_edge(const planish_shape *shape, int32_t facet) {
+    const int32_t *node = shape->whole ? shape->whole[facet / 4] : shape->facet[facet];
+    const double halves = shape->whole ? 2 : 1;
+    double mean = pl_shape_own_edge(shape, facet), of_nodes = 0;
+    for (int k = 0; k < 3; k++) {
+        const int32_t across = shape->across[facet][k];
+        of_nodes += halves * shape->edge_length[node[k]];
+        if (across >= 0)
+            mean = fmin(mean, pl_shape_own_edge(shape, across));
+    }
+    return fmin(mean, of_nodes / 3);
 }
 
 /** Proved distances of a surface that has moved. Lengths are in the shape's units. */

@@ -276,19 +276,9 @@ static void find_tolerances(pl_skin *skin, const planish_options *options) {
         options->surface_tolerance > 0 && options->surface_tolerance_unit == PLANISH_UNIT_MESH;
     const double factor =
         options->surface_tolerance > 0 ? options->surface_tolerance : DEFAULT_TOLERANCE;
-    for (int64_t t = 0; t < shape->n_facets; t++) {
-        const int32_t *corner = shape->whole ? shape->whole[t / 4] : shape->facet[t];
-        const double halves = shape->whole ? 2 : 1; /* of an edge */
-        double least = INFINITY, sum = 0;
-        for (int j = 0; j < 3; j++) {
-            double way[3];
-            pl_from_to(3, shape->x[corner[j]], shape->x[corner[(j + 1) % 3]], way);
-            sum += pl_length(way);
-            least = fmin(least, halves * shape->edge_length[corner[j]]);
-        }
+    for (int32_t t = 0; t < shape->n_facets; t++)
         skin->tolerance[t] =
-            float_below(factor * (is_length ? shape->scale : fmin(least, sum / 3)));
-    }
+            float_below(factor * (is_length ? shape->scale : pl_shape_edge(shape, t)));
 }
 
 /** Whether a facet at a node is such as test says. */
@@ -473,8 +463,9 @@ int pl_skin_begin(pl_skin *skin, const pl_points *points, planish_error *error) 
     take_places(skin, points);
     bound_all(skin);
     hold_far(skin);
-    pl_parallel_for(pl_paying_threads(skin->threads, skin->shape->n_nodes), skin->shape->n_nodes,
-                    CHUNK_FACETS, find_discs, skin);
+    if (!skin->shape->whole)
+        pl_parallel_for(pl_paying_threads(skin->threads, skin->shape->n_nodes),
+                        skin->shape->n_nodes, CHUNK_FACETS, find_discs, skin);
     return PLANISH_OK;
 }
 
