@@ -33,7 +33,7 @@
  *   Mesh                       planish_mesh, planish_constraint
  *   Mesh in several processes  planish_part, planish_role
  *   Nodes that can slide       planish_find_slides
- *   Curved surfaces            planish_shape_create, planish_measure_shape
+ *   Curved surfaces            planish_shape_create, planish_measure_shape, planish_smooth_surface
  *   Another surface            planish_fit_create, planish_fit_move, planish_fit_constrain,
  *                              planish_fit_project, planish_fit_measure
  *   Regions                    planish_region_name, planish_find_regions, _combine_regions,
@@ -343,7 +343,13 @@ typedef struct planish_shape_info {
     int64_t n_mids;     /* nodes in the middle of edges of second order; the surface is then the curved
                            one of these facets, edges count as two, and corners alone are in n_on_patch,
                            n_on_curve and n_corners */
-    int64_t reserved[6];
+    int64_t n_open_edges;        /* edges of one facet, */
+    int64_t n_nonmanifold_edges; /* of more than two, and */
+    int64_t n_conflict_edges;    /* of two that cannot be oriented alike, as around a Moebius strip */
+    int64_t n_turned; /* facets that are elements, listed the other way round than most they hang
+                         together with */
+    int64_t n_flat;   /* facets without area */
+    int64_t reserved[1];
 } planish_shape_info;
 
 /** Make the shape of the surface of mesh, which is in space: the boundary, interfaces between
@@ -1159,6 +1165,18 @@ PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
 PLANISH_API int planish_smooth_surface(const planish_mesh *mesh, double *coordinates,
                                        const planish_options *options, planish_result *result,
                                        planish_error *error);
+
+/** Measure mesh->coordinates of a mesh that is a surface in space, whose elements shape was made of: areas,
+ *  angles and ratios of the elements, each in its own plane. Movable are nodes as in planish_smooth_surface,
+ *  inverted elements without area and those that have turned over against the shape. quality: as of
+ *  planish_measure for a mesh of these elements in the plane. ratio [n_elements] (may be NULL): RR, of a mesh
+ *  with quadrilaterals AR, 0 of inverted elements. cells and values (may be NULL): as of planish_measure_cells,
+ *  with elements of order 2 by their corners. threads: as in planish_options. Errors: _ARGUMENT, _MESH,
+ *  _MEMORY, _PARTS; all is then untouched but values. */
+PLANISH_API int planish_measure_surface(const planish_shape *shape, const planish_mesh *mesh,
+                                        int threads, planish_quality *quality, double *ratio,
+                                        planish_cell_quality *cells,
+                                        const planish_cell_values *values, planish_error *error);
 
 /** State of an element as planish_check_volumes reports it. */
 typedef enum planish_volume_state {

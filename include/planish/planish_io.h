@@ -58,9 +58,9 @@ typedef struct planish_open_options {
     const char *format;     /* as for planish_file_open */
     int threads;            /* as for planish_file_open */
     int isolated;           /* not 0: as planish_file_open_isolated does */
-    double plane_tolerance; /* of triangles alone: how far off their plane nodes may be, as a
+    double plane_tolerance; /* of flat elements alone: how far off their plane nodes may be, as a
                                fraction of the diagonal of their bounding box, 0 .. 1e-3; 0: what
-                               planish_file_surface says of the file */
+                               planish_file_surface says of the file. Beyond they are a surface */
     const void *reserved[6];
 } planish_open_options;
 
@@ -90,7 +90,9 @@ typedef struct planish_file_info {
                                     no end: if the file was cut short there, nothing tells */
     int has_normals;          /* not 0: the file has normals of nodes (OFF, OBJ, PLY), which stay as
                                  they are, so that those of moved nodes are wrong */
-    int64_t reserved[4];
+    double off_plane; /* of a surface in space: how far nodes are off the plane that fits them
+                               best, as a fraction of the diagonal of their bounding box; else 0 */
+    int64_t reserved[3];
 } planish_file_info;
 
 /** Fill in *info. */
@@ -109,7 +111,8 @@ PLANISH_API int64_t planish_file_get_parametric(const planish_file *file, uint8_
  *  3 or 2, that a planish_cell_type stands for: first the triangles or tetrahedra of order 1 and 2,
  *  then the others, both in the file's order. They are mesh.cells, in VTK's order of nodes, or
  *  mesh.elements where all are triangles or tetrahedra of order 1. Flat elements have coordinates in
- *  their plane (planish_file_plane). constraint is NULL: the caller sets it to the array that
+ *  their plane (planish_file_plane), dim 2; if they lie in none, they are a surface in space, with dim 3 and
+ *  cells, for planish_smooth_surface; it has no periodic pairs, and those of the file are held. constraint is NULL: the caller sets it to the array that
  *  planish_file_constraints fills in. */
 PLANISH_API planish_mesh planish_file_mesh(const planish_file *file);
 
@@ -176,8 +179,8 @@ typedef struct planish_hold {
     int n_tags;
     int ignore_regions; /* not 0: nodes between regions are not held */
     int ignore_marked;  /* not 0: nodes are not held for being among planish_file_get_marked */
-    int slide; /* not 0: nodes that nothing holds but lines, facets (beside solids) and regions are
-                  not held: planish_find_slides is to decide about them */
+    int slide; /* not 0: nodes that nothing holds but lines, facets (beside solids), regions and
+                  periodic pairs are not held: planish_find_slides is to decide about them */
     const char *const *slide_tags; /* [n_slide_tags] groups of facets (2-D: lines) that alone */
     int n_slide_tags;              /* may be slid on; 0: all may */
     const void *reserved[4];       /* NULL */
@@ -213,7 +216,7 @@ PLANISH_API int planish_file_get_held(const planish_file *file, const planish_ho
 PLANISH_API int64_t planish_file_get_marked(const planish_file *file, uint8_t *marked);
 
 /** Return the file's surface for planish_find_slides: regions, facets (triangles and quadrilaterals
- *  beside solids; 2-D: lines) and lines, by their corners, with their groups as tags, and a
+ *  beside solids; 2-D: lines) and lines (of a surface in space lines alone), by their corners, with their groups as tags, and a
  *  tolerance that fits the digits of the file. Use it together with the constraints that
  *  planish_file_constraints finds for the same hold (with slide). The file owns the arrays. */
 PLANISH_API planish_surface planish_file_surface(const planish_file *file,

@@ -1,5 +1,7 @@
-/* planish_surface: smooth a mesh that is a surface in space. */
+/* planish_surface: smooth and measure a mesh that is a surface in space. */
 #include "surface/crossings.h"
+#include "surface/quality.h"
+#include "surface/smooth.h"
 
 #include "base/clock.h"
 #include "base/context.h"
@@ -8,6 +10,7 @@
 #include "base/status.h"
 #include "plan/plan.h"
 #include "topology/cells.h"
+#include "topology/points.h"
 #include "topology/topology.h"
 
 #include <string.h>
@@ -19,10 +22,10 @@ static int check_mesh(const planish_mesh *mesh, int threads, planish_error *erro
     if (mesh->dim != 3 || !mesh->cells || !mesh->cells->type || !pl_is_of_faces(mesh->cells, 3))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "mesh is not a surface in space; give dim 3 and cells that are triangles "
-                       "or quadrilaterals, or use planish_smooth");
+                       "or quadrilaterals, or use planish_smooth and planish_measure");
     if (mesh->part)
         return pl_fail(error, PLANISH_ERROR_PARTS,
-                       "a surface in space is smoothed as a whole, not a part of it");
+                       "a surface in space is worked on as a whole, not a part of it");
     if (mesh->n_periodic > 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "mesh.n_periodic is %lld; surfaces in space have no pairs: give 0",
@@ -118,5 +121,36 @@ int planish_smooth_surface(const planish_mesh *mesh, double *coordinates,
     pl_call_leave(&outside);
     if (!status && result)
         *result = found;
+    return status;
+}
+
+/* ---- measures --------------------------------------------------------------------------------- */
+
+int planish_measure_surface(const planish_shape *shape, const planish_mesh *mesh, int threads,
+                            planish_quality *quality, double *ratio, planish_cell_quality *cells,
+                            const planish_cell_values *values, planish_error *error) {
+    if (!shape || !mesh || !quality)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "shape, mesh and quality must not be NULL");
+    if (threads < 0 || threads > PL_MAX_THREADS)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
+                       PL_MAX_THREADS);
+    threads = pl_thread_count(threads);
+    const pl_outside outside = pl_call_enter(NULL);
+    int status = check_mesh(mesh, threads, error);
+    if (!status && shape->n_mesh != mesh->n_nodes)
+        status = pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                         "shape was made of a mesh of %lld nodes, mesh has %lld; make it of this "
+                         "mesh",
+                         (long long)shape->n_mesh, (long long)mesh->n_nodes);
+    if (!status) {
+        const pl_points points = pl_points_of(mesh, mesh->coordinates);
+        const pl_surface_measuring measuring = {shape, mesh,  &points, quality,
+                                                ratio, cells, values};
+        status = pl_points_check(&points, threads, error);
+        if (!status)
+            status = pl_surface_quality(&measuring, threads, error);
+    }
+    pl_call_leave(&outside);
     return status;
 }

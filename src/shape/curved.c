@@ -122,6 +122,7 @@ static void describe(const pl_features *w, planish_shape_info *info) {
             n_halves += (w->kind[f][k] & PL_EDGE_CREASE) != 0;
     }
     info->n_creases = n_halves / 2;
+    pl_features_count(w, info);
     info->edge_length = n > 0 ? sum / (double)n / s->scale : 0;
 }
 

@@ -573,3 +573,37 @@ static void settle_nodes(void *context, int64_t begin, int64_t end, int thread) 
 void pl_features_settle(pl_features *w) {
     pl_parallel_for(w->threads, w->shape->n_nodes, CHUNK, settle_nodes, w);
 }
+
+/* ---- what is odd ------------------------------------------------------------------------------ */
+
+/** Return the number of facets at edge k of f; 0 if a lower one of them has it, too. */
+static int64_t facets_at(const planish_shape *s, int32_t f, int k) {
+    const int32_t a = s->facet[f][k], b = s->facet[f][(k + 1) % 3];
+    int64_t n = 0;
+    for (int64_t i = s->offset[a]; i < s->offset[a + 1]; i++) {
+        const int32_t g = s->facet_of[i], *v = s->facet[g];
+        if (v[0] != b && v[1] != b && v[2] != b)
+            continue;
+        if (g < f)
+            return 0;
+        n++;
+    }
+    return n;
+}
+
+void pl_features_count(const pl_features *w, planish_shape_info *info) {
+    const planish_shape *s = w->shape;
+    int64_t n_conflicts = 0;
+    for (int32_t f = 0; f < s->n_facets; f++) {
+        info->n_flat += !has_area(s, f);
+        info->n_turned +=
+            w->surface->label[f].n_elements == 0 && is_turned(s->facet[f]) != w->surface->apex[f];
+        for (int k = 0; k < 3; k++) {
+            const int64_t n = w->beside[f][k] < 0 ? facets_at(s, f, k) : 0;
+            info->n_open_edges += n == 1;
+            info->n_nonmanifold_edges += n > 2;
+            n_conflicts += (w->kind[f][k] & PL_EDGE_CONFLICT) != 0;
+        }
+    }
+    info->n_conflict_edges = n_conflicts / 2;
+}

@@ -7,6 +7,7 @@
  *   creases.c    pl_is_crease                       features by their bend
  *   pn.c         pl_shape_bend                      tangents and normals
  *   features.c   pl_features_settle                 nodes of patches
+ *   features.c   pl_features_count                  what is odd about it
  *   pn.c         pl_shape_pack_normals              the normals that the shape keeps
  */
 #ifndef PL_SHAPE_FEATURES_H
@@ -109,5 +110,8 @@ void pl_features_settle(pl_features *w);
 /** Give the shape the normals at corners: those that are the same for all facets of a node once. Errors:
  *  _MEMORY. */
 int pl_shape_pack_normals(pl_features *w, planish_error *error);
+
+/** Count edges that do not have two facets which agree, and odd facets. */
+void pl_features_count(const pl_features *w, planish_shape_info *info);
 
 #endif

@@ -84,10 +84,10 @@ static int check_call(pl_surface_run *r, planish_error *error) {
 /* ---- which nodes move ----------------------------------------------------------------------- */
 
 /** How a node slides: as the mesh says, or as the shape does. */
-static planish_constraint slides_by(const pl_surface_run *r, int32_t node) {
-    const planish_shape *s = r->shape;
+static planish_constraint slides_by(const planish_mesh *mesh, const planish_shape *s,
+                                    int32_t node) {
     const int constraint =
-        r->mesh->constraint ? r->mesh->constraint[s->node[node]] : PLANISH_CONSTRAINT_FREE;
+        mesh->constraint ? mesh->constraint[s->node[node]] : PLANISH_CONSTRAINT_FREE;
     if (constraint != PLANISH_CONSTRAINT_FREE)
         return (planish_constraint)constraint;
     return s->node_class[node] == PL_ON_PATCH   ? PLANISH_CONSTRAINT_ON_PATCH
@@ -96,23 +96,29 @@ static planish_constraint slides_by(const pl_surface_run *r, int32_t node) {
 }
 
 /** Whether a node may slide so. */
-static int may_slide(const pl_surface_run *r, int32_t node) {
-    const planish_constraint by = slides_by(r, node);
-    const int node_class = r->shape->node_class[node];
+static int may_slide(const planish_mesh *mesh, const planish_shape *shape, int32_t node) {
+    const planish_constraint by = slides_by(mesh, shape, node);
+    const int node_class = shape->node_class[node];
     return by == PLANISH_CONSTRAINT_ON_PLANE || by == PLANISH_CONSTRAINT_ON_LINE ||
            (by == PLANISH_CONSTRAINT_ON_PATCH && node_class == PL_ON_PATCH) ||
            (by == PLANISH_CONSTRAINT_ON_CURVE && node_class == PL_ON_CURVE);
 }
 
 /** Hold the nodes of elements of order 2: their mids would have to follow along the surface. */
-static void hold_mids(pl_surface_run *r) {
-    const planish_cells *cells = r->mesh->cells;
+static void hold_mids(const planish_mesh *mesh, const planish_shape *shape, uint8_t *moves) {
+    const planish_cells *cells = mesh->cells;
     for (int64_t i = 0; i < cells->n; i++) {
         const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
         for (int64_t k = cells->offset[i]; type && type->order > 1 && k < cells->offset[i + 1]; k++)
-            if (r->shape->number[cells->node[k]] >= 0)
-                r->moves[r->shape->number[cells->node[k]]] = 0;
+            if (cells->node[k] >= 0 && shape->number[cells->node[k]] >= 0)
+                moves[shape->number[cells->node[k]]] = 0;
     }
+}
+
+void pl_surface_find_moves(const planish_mesh *mesh, const planish_shape *shape, uint8_t *moves) {
+    for (int32_t i = 0; i < shape->n_nodes; i++)
+        moves[i] = (uint8_t)may_slide(mesh, shape, i);
+    hold_mids(mesh, shape, moves);
 }
 
 /** Let only the nodes of elements above a ratio move, and of rings around these. Errors: _MEMORY. */
@@ -198,18 +204,18 @@ static int take_mesh(pl_surface_run *r, planish_error *error) {
     if (!r->x || !r->start || !r->scaled || !r->before || !r->moves || !r->changed || !r->ratio ||
         !r->tally)
         return pl_fail_memory(error, "the surface of a mesh");
-    for (int32_t i = 0; i < n; i++) {
+    for (int32_t i = 0; i < n; i++)
         for (int d = 0; d < 3; d++)
             r->x[i][d] = r->start[i][d] = points.x[pl_point_at(&points, r->shape->node[i], d)];
-        r->moves[i] = (uint8_t)(may_slide(r, i) && !(r->held && r->held[i]));
-    }
-    hold_mids(r);
+    pl_surface_find_moves(r->mesh, r->shape, r->moves);
+    for (int64_t i = 0; r->held && i < n; i++)
+        r->moves[i] &= !r->held[i];
     return PLANISH_OK;
 }
 
 /** Set the plane, line, patch or curve of a star. */
 static planish_constraint set_slide(const pl_surface_run *r, int32_t node, pl_star_slide *slide) {
-    const planish_constraint by = slides_by(r, node);
+    const planish_constraint by = slides_by(r->mesh, r->shape, node);
     const int64_t given = r->shape->node[node];
     *slide = (pl_star_slide){.kind = by, .node = (int32_t)given};
     memcpy(slide->point, r->x[node], sizeof slide->point);

@@ -1,6 +1,7 @@
 /* smooth: one call that smooths a surface mesh.
  *
- *   begin.c    pl_surface_run_begin, _end, _destroy    the caller's mesh in and out
+ *   begin.c    pl_surface_find_moves               nodes that move
+ *              pl_surface_run_begin, _end, _destroy    the caller's mesh in and out
  *   smooth.c   pl_surface_run_measure, pl_surface_rms    the mesh as it is
  *              pl_surface_sweeps                     sweep until convergence
  *              pl_surface_improve_worst              stages for the worst elements
@@ -43,6 +44,9 @@ typedef struct pl_surface_run {
     planish_phase phase;
     planish_stop stop;
 } pl_surface_run;
+
+/** Find the nodes that may move: moves [shape->n_nodes] becomes 0 or 1. */
+void pl_surface_find_moves(const planish_mesh *mesh, const planish_shape *shape, uint8_t *moves);
 
 /** Begin a run that has mesh, coordinates, options, result, threads and start_seconds. Errors: _ARGUMENT,
  *  _MESH, _MEMORY. */

@@ -409,10 +409,11 @@ static void wrong_files_are_refused(void **state) {
         {PAIR "*n fill\n1,9,1\n", "*NFILL"},
         {PAIR "*ELGEN\n1,9,1\n", "*ELGEN"},
         {PAIR "*NCOPY,OLD SET=A\n", "*NCOPY"},
-        {"*NODE\n1,0,0,0\n2,1\n3,0,1,1\n4,1,1\n*ELEMENT,TYPE=S3\n1,1,2,3\n2,2,4,3\n", "in space"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         reading_fails(format, cases[i].text, cases[i].word);
+    reading_gives_surface(
+        format, "*NODE\n1,0,0,0\n2,1\n3,0,1,1\n4,1,1\n*ELEMENT,TYPE=S3\n1,1,2,3\n2,2,4,3\n");
 }
 
 /** The file of n nodes in the set N and n elements in the set A, and n times what repeated says

@@ -189,17 +189,28 @@ static void lines_and_triangles_hold(void **state) {
     io_model_destroy(&model);
 }
 
-static void what_cannot_be_smoothed_is_refused(void **state) {
+/** Triangles in no plane are a surface in space, with the file's own coordinates. */
+static void triangles_may_be_a_surface(void **state) {
     (void)state;
-    static const double bent[] = {0, 0, 1, 0}, flat[] = {0, 0, 0, 0};
+    static const double bent[] = {0, 0, 1, 0};
     io_model model;
-    planish_error error;
     make_model(&model, 3, 2, bent);
     assert_int_equal(io_cells_reserve(&model, 2, 1, 0, 0, NULL), PLANISH_OK);
     memcpy(model.triangle.nodes + 3, (int32_t[]){1, 2, 3}, 3 * sizeof(int32_t));
     model.triangle.n = 2;
-    assert_int_equal(io_model_finish(&model, NULL, &error), PLANISH_ERROR_FORMAT);
+    assert_int_equal(io_model_finish(&model, NULL, NULL), PLANISH_OK);
+    assert_true(io_model_is_surface(&model));
+    assert_int_equal(model.dim, 3);
+    assert_int_equal(model.written, 3);
+    assert_ptr_equal(model.coordinates, model.xyz);
     io_model_destroy(&model);
+}
+
+static void what_cannot_be_smoothed_is_refused(void **state) {
+    (void)state;
+    static const double flat[] = {0, 0, 0, 0};
+    io_model model;
+    planish_error error;
     make_model(&model, 2, 3, flat); /* tetrahedra without a third coordinate */
     assert_int_equal(io_model_finish(&model, NULL, &error), PLANISH_ERROR_FORMAT);
     io_model_destroy(&model);
@@ -291,6 +302,7 @@ int main(void) {
         cmocka_unit_test(mids_are_those_of_the_edges),
         cmocka_unit_test(dimension_is_that_of_the_cells),
         cmocka_unit_test(lines_and_triangles_hold),
+        cmocka_unit_test(triangles_may_be_a_surface),
         cmocka_unit_test(what_cannot_be_smoothed_is_refused),
         cmocka_unit_test(counts_beyond_int32_are_refused),
         cmocka_unit_test(errors_name_the_place),

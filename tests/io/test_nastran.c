@@ -358,10 +358,9 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(format, NINE "CTR", "test:11: no ENDDATA, and the last line has no end");
     reading_fails(format, NINE "INCLUDE 'mesh.bdf'\n", "test:11: INCLUDE");
     reading_fails(format, "BEGIN BULK\n" NINE "BEGIN SUPER=1\n", "superelements");
-    reading_fails(
+    reading_gives_surface(
         format,
-        "GRID,1\nGRID,2,,1.\nGRID,3,,,1.,1.\nGRID,4,,1.,1.\nCTRIA3,1,1,1,2,3\nCTRIA3,2,1,2,4,3\n",
-        "in space");
+        "GRID,1\nGRID,2,,1.\nGRID,3,,,1.,1.\nGRID,4,,1.,1.\nCTRIA3,1,1,1,2,3\nCTRIA3,2,1,2,4,3\n");
 }
 
 static void contents_are_recognised(void **state) {

@@ -115,7 +115,7 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(f, "v 0 0 0\nv 1 nan 0\n", "test:2: node 2 has a coordinate that is not finite");
     reading_fails(f, "v 0 0 0\nv 1 1e999 0\n", "not finite");
     reading_fails(f, SQUARE "surf 0 1 0 1 1 2 3\n", "test:5: curves and surfaces by formulas");
-    reading_fails(f, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n", "surfaces cannot");
+    reading_gives_surface(f, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n");
     assert_true(f->recognise(mixed, sizeof mixed - 1));
     assert_true(f->recognise("g a\nf 1 2 3\n", 12));
     assert_false(f->recognise("v 0 0\n", 6));

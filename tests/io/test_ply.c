@@ -200,10 +200,11 @@ static void wrong_files_are_refused(void **state) {
         {HEAD("4", "1") "0 0 0\n1 nan 0\n1 1 0\n0 1 0\n3 0 1 2\n", "test:11: node 1 has"},
         {HEAD("4", "1") "0 0 0\n1 1e999 0\n1 1 0\n0 1 0\n3 0 1 2\n", "not finite"},
         {HEAD("4", "1") "0 0 0\n1 x 0\n1 1 0\n0 1 0\n3 0 1 2\n", "vertex 1: coordinate expected"},
-        {HEAD("4", "2") "0 0 0\n1 1 1\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n", "surfaces cannot"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         reading_fails(&io_format_ply, cases[i].text, cases[i].word);
+    reading_gives_surface(&io_format_ply, HEAD("4", "2") "0 0 0\n1 1 1\n1 1 0\n0 1 0\n"
+                                                         "3 0 1 2\n3 0 2 3\n");
     assert_true(io_format_ply.recognise("ply\r\nformat", 11));
     assert_false(io_format_ply.recognise("plywood\n", 8));
 }

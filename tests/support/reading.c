@@ -31,6 +31,22 @@ void reading_fails(const io_format *format, const char *text, const char *word) 
     assert_null(strchr(error.text, '\n'));
 }
 
+void reading_gives_surface(const io_format *format, const char *text) {
+    planish_file *file;
+    planish_error error;
+    if (io_file_from_memory(format, "test", text, (int64_t)strlen(text), 1, &file, &error))
+        fail_msg("%s", error.text);
+    const planish_mesh mesh = planish_file_mesh(file);
+    assert_int_equal(mesh.dim, 3);
+    assert_non_null(mesh.cells);
+    assert_null(mesh.elements);
+    assert_int_equal(planish_file_plane(file, NULL), 0);
+    for (int64_t i = 0; i < mesh.n_elements; i++)
+        assert_true(mesh.cells->type[i] == PLANISH_CELL_TRIANGLE ||
+                    mesh.cells->type[i] == PLANISH_CELL_QUADRILATERAL);
+    planish_file_close(file);
+}
+
 void reading_every_beginning(const io_format *format, const char *data, int64_t size) {
     for (int64_t length = 0; length <= size; length++) {
         planish_file *file = NULL;

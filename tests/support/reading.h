@@ -10,6 +10,9 @@ planish_file *reading_text(const io_format *format, const char *text);
 /** Read text; it must fail with a message that holds word. */
 void reading_fails(const io_format *format, const char *text, const char *word);
 
+/** Read text, which is a surface in space: a mesh of dimension 3 whose cells are all flat. */
+void reading_gives_surface(const io_format *format, const char *text);
+
 /** Read every beginning of size bytes at data (each in memory of its own, so that a sanitizer sees
  *  any look behind the end): a mesh or an error with a text. */
 void reading_every_beginning(const io_format *format, const char *data, int64_t size);

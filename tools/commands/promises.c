@@ -9,6 +9,7 @@
 #include "terminal/message.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,6 +19,9 @@ static const double F_ROUNDING = 1e-12;
 
 /* Scaled Jacobians are at most about 1; those of nearly flat corners are rounded. */
 static const double JACOBIAN_ROUNDING = 1e-12;
+
+/* Ratios and angles of facets in space, which may be needles. */
+static const double SURFACE_ROUNDING = 1e-6;
 
 /** Whether the mesh was valid, so that its worst element counts. */
 static int was_valid(const pl_result *result) {
@@ -38,7 +42,8 @@ static const char *find_broken(const pl_job *job, const pl_result *result,
                                const planish_quality *after, const pl_validity *validity,
                                double *from, double *to) {
     const planish_quality *before = &result->before;
-    const double slack = job->has_types ? F_ROUNDING : 0; /* AR is a mean over corners */
+    /* AR is a mean over corners; of a surface in space sweeps and table have formulas of their own */
+    const double slack = job->is_surface ? SURFACE_ROUNDING : job->has_types ? F_ROUNDING : 0;
     *from = (double)pl_validity_faults(&result->validity_before, before);
     *to = (double)pl_validity_faults(validity, after);
     if (!job->has_types) {
@@ -63,19 +68,19 @@ static const char *find_broken(const pl_job *job, const pl_result *result,
     if (job->has_types) {
         *from = result->validity_before.quality.all.min_scaled_jacobian;
         *to = validity->quality.all.min_scaled_jacobian;
-        if (*to < *from - JACOBIAN_ROUNDING)
+        if (*to < *from - JACOBIAN_ROUNDING - slack)
             return "the least scaled Jacobian";
     } else {
         *from = before->min_angle_deg_movable;
         *to = after->min_angle_deg_movable;
-        if (pl_angle_is_smaller(*to, *from))
+        if (pl_angle_is_smaller(*to, *from * (1 - slack)))
             return "the smallest angle of elements with a free node";
     }
     if (result->smooth.objective_of_worst > 0) /* the RMS may rise for the worst elements */
         return NULL;
     *from = before->rms_radius_ratio;
     *to = after->rms_radius_ratio;
-    return *to > *from * (1 + F_ROUNDING) ? "the RMS" : NULL;
+    return *to > *from * (1 + fmax(F_ROUNDING, slack)) ? "the RMS" : NULL;
 }
 
 int pl_promises_check(const pl_job *job, const pl_result *result) {

@@ -122,8 +122,11 @@ static int measure_surface(pl_job *job, pl_surface_state *state) {
 
 static int measure_job(quality_run *r, pl_job *job, pl_compared *mesh) {
     pl_measured *measured = &mesh->measured;
-    int status = job->mesh.n_elements > 0 ? measure_simplices(r, job, measured)
-                                          : pl_job_measure(job, &measured->quality);
+    int status = job->is_surface ? pl_curved_create(job) : 0;
+    if (status)
+        return status;
+    status = job->mesh.n_elements > 0 ? measure_simplices(r, job, measured)
+                                      : pl_job_measure(job, &measured->quality);
     if (status)
         return status;
     pl_progress_stage(&r->progress, PL_STAGE_MEASURING);

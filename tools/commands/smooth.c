@@ -123,6 +123,14 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
     const int is_default = job->arguments->layers == PL_LAYERS_BY_TYPE;
     if (inverted == 0)
         return;
+    if (job->is_surface) {
+        add_reason(result,
+                   "%" PRId64 " element%s without area, or turned over against the surface: %s as "
+                   "%s",
+                   inverted, is_or_are(inverted), inverted == 1 ? "it stays" : "they stay",
+                   inverted == 1 ? "it was" : "they were");
+        return;
+    }
     if (method != PLANISH_METHOD_PLANISH)
         add_reason(
             result,
@@ -253,6 +261,12 @@ static void print_plan(const pl_job *job) {
                 "are out of date (docs/formats.md)");
     if (job->arguments->verbosity < PL_VERBOSE)
         return;
+    if (job->is_surface) {
+        snprintf(text, sizeof text, "%d thread%s", info->threads, info->threads == 1 ? "" : "s");
+        pl_text_wrap(stderr, text);
+        pl_held_print(stderr, job);
+        return;
+    }
     snprintf(text, sizeof text, "%d thread%s (%s), kernel %s, %d colour%s, plan of %.1f MB",
              info->threads, info->threads == 1 ? "" : "s", info->binding, info->isa,
              info->n_colours, info->n_colours == 1 ? "" : "s", (double)info->bytes / 1e6);
@@ -293,7 +307,7 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
     const int is_told = pl_job_is_told(job);
     int status;
     pl_progress_stage(progress, PL_STAGE_PLANNING);
-    if (job->mesh.cells)
+    if (job->mesh.cells && !job->is_surface)
         job->options.rounding = pl_cells_rounding(job);
     if ((status = pl_onto_fit(job)))
         return status;

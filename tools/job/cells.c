@@ -75,6 +75,13 @@ int pl_cells_have_types(const planish_cells *cells, int dim) {
     return 0;
 }
 
+int pl_cells_are_flat(const planish_cells *cells) {
+    for (int64_t i = 0; i < cells->n; i++)
+        if (name_of((planish_cell_type)cells->type[i])->dim != 2)
+            return 0;
+    return 1;
+}
+
 const char *pl_cell_type_name(planish_cell_type type) {
     return name_of(type)->name;
 }
@@ -148,6 +155,14 @@ static void mark_all_missing(planish_cell_quality *quality) {
         mark_missing(&quality->by_type[i]);
 }
 
+/** Whether all elements of a surface in space are straight triangles. */
+static int are_triangles(const planish_cells *cells) {
+    for (int64_t i = 0; i < cells->n; i++)
+        if (cells->type[i] != PLANISH_CELL_TRIANGLE)
+            return 0;
+    return 1;
+}
+
 /** Measure cells, which have the nodes of the mesh, as it is now. */
 static int measure(const pl_job *job, const planish_cells *cells, planish_cell_quality *quality,
                    const planish_cell_values *values, planish_error *error) {
@@ -155,6 +170,11 @@ static int measure(const pl_job *job, const planish_cells *cells, planish_cell_q
     all.elements = NULL;
     all.cells = cells;
     all.n_elements = cells->n;
+    if (job->is_surface) {
+        planish_quality ignored;
+        return planish_measure_surface(job->curved.shape, &all, job->options.threads, &ignored,
+                                       NULL, quality, values, error);
+    }
     const double rounding =
         job->options.rounding > 0 ? job->options.rounding : pl_cells_rounding(job);
     return planish_measure_cells(&all, rounding, job->options.threads, quality, values, error);
@@ -168,6 +188,8 @@ int pl_cells_measure(const pl_job *job, pl_cells *cells) {
     if (planish_file_cells(job->file, &cells->cells, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     if (cells->cells.n == job->mesh.n_elements && !job->mesh.cells) /* no type that is measured */
+        return 0;
+    if (job->is_surface && are_triangles(&cells->cells))
         return 0;
     cells->has_others = 1;
     cells->aspect_ratio = malloc(((size_t)cells->cells.n + 1) * sizeof *cells->aspect_ratio);

@@ -7,6 +7,7 @@
  *     pl_cells_rounding           how far off rounding takes nodes
  *     pl_cells_count              their number by type, as text
  *     pl_cells_have_types         whether some are no simplices
+ *     pl_cells_are_flat           whether all have two dimensions
  *     pl_cells_find_states        planish_cell_state of each
  *     pl_cell_type_name           name of a type
  *     pl_cell_corners, pl_cell_is_simplex   what a type has
@@ -82,6 +83,9 @@ int pl_cell_is_simplex(planish_cell_type type);
 /** Whether cells have elements of dimension dim that are smoothed and no simplices: ratios are
  *  aspect ratios then. */
 int pl_cells_have_types(const planish_cells *cells, int dim);
+
+/** Whether all cells are elements of two dimensions. */
+int pl_cells_are_flat(const planish_cells *cells);
 
 /** Name of a type of two or three dimensions in tables and reports: "hexahedron", "hexahedron20". */
 const char *pl_cell_type_name(planish_cell_type type);

@@ -2,6 +2,7 @@
  */
 #include "job/curved.h"
 
+#include "job/cells.h"
 #include "terminal/message.h"
 
 #include "geometry/cell.h"
@@ -17,6 +18,62 @@ static const double MOST_THERE = 1.1, MOST_BACK = 1.5;
 
 int pl_curved_is_asked(const pl_job *job) {
     return job->arguments->slide && job->arguments->slide_curved && job->file;
+}
+
+/* ---- surfaces in space -------------------------------------------------------------------------- */
+
+int pl_curved_is_surface(const planish_mesh *mesh) {
+    return mesh->dim == 3 && mesh->cells && mesh->cells->n > 0 && pl_cells_are_flat(mesh->cells);
+}
+
+/** The first option that was given and means nothing on a surface, or NULL. */
+static const char *find_meaningless(const pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    const planish_options *library = &arguments->library;
+    return library->method != PLANISH_METHOD_PLANISH            ? "--method"
+           : library->objective == PLANISH_OBJECTIVE_EDGE_RATIO ? "--objective edge-ratio"
+           : library->objective == PLANISH_OBJECTIVE_MEAN_RATIO && !job->has_types
+               ? "--objective mean-ratio without quadrilaterals"
+           : library->search != PLANISH_SEARCH_NEWTON ? "--direction"
+           : pl_arguments_bound_volumes(arguments)    ? "a minimum volume"
+           : arguments->layers == PL_LAYERS_HELD      ? "--layers hold"
+           : arguments->slide_interfaces              ? "--slide-interfaces"
+           : arguments->onto                          ? "--onto"
+                                                      : NULL;
+}
+
+int pl_curved_begin_surface(pl_job *job) {
+    const char *const meaningless = find_meaningless(job);
+    if (meaningless)
+        return pl_complain_usage(pl_command_name(job->arguments->command),
+                                 "%s is a surface in space, for which %s means nothing",
+                                 job->arguments->input, meaningless);
+    if (job->engine != &pl_engine_here)
+        return pl_complain(PL_EXIT_FAILED,
+                           "%s: is a surface in space, which planish smooths in one process alone: "
+                           "use planish",
+                           job->arguments->input);
+    job->own = *job->arguments;
+    job->own.slide_curved = !job->own.slide_given || job->own.slide_curved || !job->own.slide ||
+                            job->own.n_slide_tags > 0;
+    job->own.slide = 1;
+    job->arguments = &job->own;
+    job->engine = &pl_engine_of_surface;
+    return 0;
+}
+
+void pl_curved_hold(pl_job *job) {
+    const planish_constraint none[] = {PLANISH_CONSTRAINT_ON_LINE, PLANISH_CONSTRAINT_ON_CURVE};
+    const planish_cells *cells = planish_file_mesh(job->file).cells;
+    for (int64_t i = 0; job->own.slides_none && i < job->mesh.n_nodes; i++)
+        if (job->constraint[i] == none[0] || job->constraint[i] == none[1])
+            job->constraint[i] = PLANISH_CONSTRAINT_FIXED;
+    /* Mids would have to follow along the surface. */
+    for (int64_t i = 0; i < cells->n; i++)
+        for (int64_t k = cells->offset[i]; k < cells->offset[i + 1]; k++)
+            if (cells->node[k] >= 0 && pl_cell_corners((planish_cell_type)cells->type[i]) <
+                                           cells->offset[i + 1] - cells->offset[i])
+                job->constraint[cells->node[k]] = PLANISH_CONSTRAINT_FIXED;
 }
 
 /* ---- the mesh that the surface comes from ------------------------------------------------------- */
@@ -105,6 +162,8 @@ int pl_curved_create(pl_job *job) {
     const planish_mesh mesh = planish_file_mesh(job->file);
     planish_file *original = NULL;
     planish_error error;
+    if (job->curved.shape)
+        return 0;
     if (mesh.dim == 2)
         return pl_complain(
             PL_EXIT_FAILED,
@@ -231,6 +290,8 @@ static int make_regions(const pl_job *job, const int32_t *region, pl_surface_sta
 int pl_volumes_of_regions(const pl_job *job, int has_before, pl_surface_state *state) {
     const planish_hold hold = pl_job_hold(job);
     const int32_t *region = planish_file_surface(job->file, &hold).region;
+    if (job->is_surface) /* which has none */
+        return 0;
     const int status = has_before ? 0 : make_regions(job, region, state);
     for (int64_t i = 0; !status && i < job->mesh.n_elements; i++) {
         pl_region_volume *of = &state->region[region ? region[i] : 0];
@@ -258,7 +319,7 @@ void pl_curved_note_held(FILE *stream, const pl_job *job, int64_t n_curved, int6
     if (n_curved > 0 && job->curved.info.n_mids == 0)
         pl_note(stream, "nodes at curved edges of second order stay on the surface: its mid-side "
                         "nodes would leave it");
-    if (n_inverted > 0)
+    if (n_inverted > 0 && !job->is_surface)
         pl_note(stream, "nodes of the surface stay while inverted elements are repaired, and slide "
                         "then");
 }

@@ -1,5 +1,7 @@
 /* curved: curved surfaces: the shape that nodes slide on, how far the surface is off it, and volumes.
  *
+ *     pl_curved_is_surface, _begin_surface  a mesh that is a surface in space
+ *     pl_curved_hold                        nodes of it that --slide leaves alone
  *     pl_curved_is_asked                    whether nodes slide on curved surfaces
  *     pl_curved_create, _try, _destroy            the shape
  *     pl_curved_count                       nodes that slide, by kinds
@@ -31,10 +33,22 @@ typedef struct pl_surface_state {
     int64_t n_regions;
 } pl_surface_state;
 
+/** Whether mesh, as planish_file_mesh says, is a surface in space: triangles and quadrilaterals that lie
+ *  in no plane. */
+int pl_curved_is_surface(const planish_mesh *mesh);
+
+/** Begin the job of one: its arguments are from now on what they mean there, its engine is that of
+ *  surfaces. Returns 0, or an exit status after a message: an option is not for surfaces. */
+int pl_curved_begin_surface(pl_job *job);
+
+/** Fix the nodes of a surface in space that are on lines and curves if --slide none was given, and those of
+ *  elements of order 2, once constraint says what slides. */
+void pl_curved_hold(pl_job *job);
+
 /** Whether nodes slide on curved surfaces. */
 int pl_curved_is_asked(const pl_job *job);
 
-/** Make job->curved.shape of the mesh, or of the one of --surface-of. */
+/** Make job->curved.shape of the mesh, or of the one of --surface-of, if it is not there. */
 int pl_curved_create(pl_job *job);
 
 /** Make it of the mesh if that is possible: for a picture. */

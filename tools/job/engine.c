@@ -1,11 +1,13 @@
-/* engine: the work in this process. */
+/* engine: the work in this process: by a plan, and on a surface in space by its shape. */
 #include "job/engine.h"
 
 #include "job/job.h"
 
+#include "base/parallel.h"
 #include "base/status.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /** Mark the elements without a radius ratio. */
 static int find_inverted(const planish_plan *plan, const planish_mesh *mesh, uint8_t *state,
@@ -100,3 +102,120 @@ const pl_engine pl_engine_here = {.plan_create = plan_create,
                                   .measure_elements = measure_elements,
                                   .find_states = find_states,
                                   .smooth = smooth};
+
+/* ---- on a surface in space --------------------------------------------------------------------- */
+
+/** Mark the nodes that move: moves [n_nodes]. Those that nobody holds do as the shape says. */
+static int find_moving(const pl_job *job, uint8_t *moves, int64_t *n) {
+    planish_shape_get_classes(job->curved.shape, moves);
+    *n = 0;
+    for (int64_t i = 0; i < job->mesh.n_nodes; i++) {
+        const uint8_t by = job->constraint[i], of = moves[i];
+        moves[i] = by == PLANISH_CONSTRAINT_FREE
+                       ? of == PLANISH_SHAPE_PATCH || of == PLANISH_SHAPE_CURVE
+                       : by > PLANISH_CONSTRAINT_FIXED && of != PLANISH_SHAPE_NONE;
+        *n += moves[i];
+    }
+    return 0;
+}
+
+static int plan_create_on_surface(pl_job *job, planish_error *error) {
+    uint8_t *moves = malloc((size_t)job->mesh.n_nodes + 1);
+    planish_quality quality;
+    if (!moves)
+        return pl_fail_memory(error, "values of nodes");
+    job->plan_info =
+        (planish_plan_info){.n_components = -1,
+                            .n_boundary_facets = job->curved.info.n_open_edges,
+                            .n_nonmanifold_facets = job->curved.info.n_nonmanifold_edges,
+                            .threads = pl_thread_count(job->options.threads),
+                            .isa = "surface",
+                            .binding = "where the system puts them"};
+    find_moving(job, moves, &job->plan_info.n_sliding);
+    free(moves);
+    const int code = planish_measure_surface(job->curved.shape, &job->mesh, job->options.threads,
+                                             &quality, NULL, NULL, NULL, error);
+    job->plan_info.n_fixed_elements = code ? 0 : quality.n_fixed_elements;
+    return code;
+}
+
+static void plan_destroy_on_surface(pl_job *job) {
+    (void)job; /* the shape is asked for distances yet */
+}
+
+static int get_free_on_surface(const pl_job *job, uint8_t *is_free, planish_error *error) {
+    int64_t n;
+    (void)error;
+    find_moving(job, is_free, &n);
+    for (int64_t i = 0; i < job->mesh.n_nodes; i++)
+        is_free[i] &= job->constraint[i] == PLANISH_CONSTRAINT_FREE;
+    return PLANISH_OK;
+}
+
+/** Mark the nodes of elements. */
+static void mark_used(const pl_job *job, uint8_t *is_used) {
+    const planish_cells *cells = planish_file_mesh(job->file).cells;
+    memset(is_used, 0, (size_t)job->mesh.n_nodes);
+    for (int64_t i = 0; i < cells->offset[cells->n]; i++)
+        if (cells->node[i] >= 0)
+            is_used[cells->node[i]] = 1;
+}
+
+/** The reasons of planish_plan_get_held: corners stay as a boundary does. */
+static int get_held_on_surface(const pl_job *job, uint8_t *reason, planish_error *error) {
+    const size_t n = (size_t)job->mesh.n_nodes + 1;
+    uint8_t *moves = malloc(n), *is_used = malloc(n);
+    int64_t n_moving;
+    const int failed = !moves || !is_used;
+    if (!failed) {
+        find_moving(job, moves, &n_moving);
+        mark_used(job, is_used);
+        planish_shape_get_classes(job->curved.shape, reason);
+    }
+    for (int64_t i = 0; i < job->mesh.n_nodes && !failed; i++)
+        reason[i] = !is_used[i]                         ? PLANISH_HELD_UNUSED
+                    : moves[i]                          ? 0
+                    : reason[i] == PLANISH_SHAPE_CORNER ? PLANISH_HELD_BOUNDARY
+                    : reason[i] == PLANISH_SHAPE_NONE   ? 0
+                                                        : PLANISH_HELD_FIXED;
+    free(moves);
+    free(is_used);
+    return failed ? pl_fail_memory(error, "values of nodes") : PLANISH_OK;
+}
+
+static int measure_on_surface(const pl_job *job, planish_quality *quality, planish_error *error) {
+    return planish_measure_surface(job->curved.shape, &job->mesh, job->options.threads, quality,
+                                   NULL, NULL, NULL, error);
+}
+
+static int measure_elements_on_surface(const pl_job *job, double *ratio, planish_error *error) {
+    planish_quality quality;
+    return planish_measure_surface(job->curved.shape, &job->mesh, job->options.threads, &quality,
+                                   ratio, NULL, NULL, error);
+}
+
+/** No element can be repaired, none is too small, or reversed: orientation is that of neighbours. */
+static int find_states_on_surface(const pl_job *job, pl_state_kind kind,
+                                  const planish_options *options, int with_state, pl_states *found,
+                                  planish_error *error) {
+    (void)kind;
+    (void)options;
+    *found = (pl_states){.state = NULL};
+    if (with_state && !(found->state = calloc((size_t)job->mesh.n_elements + 1, 1)))
+        return pl_fail_memory(error, "states of elements");
+    return PLANISH_OK;
+}
+
+static int smooth_on_surface(pl_job *job, planish_result *result, planish_error *error) {
+    return planish_smooth_surface(&job->mesh, planish_file_coordinates(job->file), &job->options,
+                                  result, error);
+}
+
+const pl_engine pl_engine_of_surface = {.plan_create = plan_create_on_surface,
+                                        .plan_destroy = plan_destroy_on_surface,
+                                        .get_free = get_free_on_surface,
+                                        .get_held = get_held_on_surface,
+                                        .measure = measure_on_surface,
+                                        .measure_elements = measure_elements_on_surface,
+                                        .find_states = find_states_on_surface,
+                                        .smooth = smooth_on_surface};

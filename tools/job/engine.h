@@ -50,6 +50,9 @@ typedef struct pl_engine {
 /** This process, with the job's plan. */
 extern const pl_engine pl_engine_here;
 
+/** The same of a surface in space, by job->curved.shape. */
+extern const pl_engine pl_engine_of_surface;
+
 /** Find the states of all elements of mesh: state [mesh->n_elements], or NULL for their number
  *  alone; n and n_undecided of *found. Returns a planish_status with *error. */
 int pl_states_find(const planish_plan *plan, const planish_mesh *mesh, pl_state_kind kind,

@@ -191,7 +191,8 @@ static void append(char *text, size_t size, const char *format, ...) {
 }
 
 /** "240 nodes are on the boundary, 12 between regions" behind text. */
-static void add_counts(const pl_held *held, char *text, size_t size) {
+static void add_counts(const pl_job *job, char *text, size_t size) {
+    const pl_held *held = &job->held;
     int listed = 0;
     for (int i = 0; i < PL_N_HELD_BY; i++)
         if (held->n[i] > 0) {
@@ -199,7 +200,7 @@ static void add_counts(const pl_held *held, char *text, size_t size) {
                    listed           ? ""
                    : held->n[i] > 1 ? " nodes are"
                                     : " node is",
-                   words[i]);
+                   i == PL_HELD_BY_BOUNDARY && job->is_surface ? "at corners" : words[i]);
             listed++;
         }
 }
@@ -209,7 +210,7 @@ static void add_doubled(const pl_job *job, char *text, size_t size) {
     if (n > 0 && n != job->held.n[PL_HELD_BY_DOUBLED])
         append(text, size, "; %" PRId64 " of them %s at the place of other nodes%s", n,
                n == 1 ? "is" : "are",
-               n_used == job->mesh.n_elements * (job->mesh.dim + 1)
+               n_used == job->mesh.n_elements * (pl_job_element_dim(job) + 1)
                    ? " (each element has its own points)"
                    : "");
 }
@@ -220,7 +221,7 @@ void pl_held_print(FILE *stream, const pl_job *job) {
         return;
     if (job->held.n_held == 0)
         append(text, sizeof text, "no node");
-    add_counts(&job->held, text, sizeof text);
+    add_counts(job, text, sizeof text);
     add_doubled(job, text, sizeof text);
     if (job->held.n_mids > 0)
         append(text, sizeof text, "; %" PRId64 " mid-side %s", job->held.n_mids,
@@ -236,7 +237,7 @@ void pl_held_explain(const pl_job *job, char *text, size_t size) {
     text[0] = '\0';
     if (!held->is_known || held->n_held == 0)
         return;
-    add_counts(held, text, size);
+    add_counts(job, text, size);
     add_doubled(job, text, size);
     /* What would let nodes move. */
     if (held->n_doubled > held->n_held / 2)

@@ -20,6 +20,10 @@ const char *const *pl_job_region_arrays(const pl_job *job) {
     return planish_file_region_arrays(job->arguments->ignore_regions ? NULL : job->file);
 }
 
+int pl_job_element_dim(const pl_job *job) {
+    return job->is_surface ? 2 : job->mesh.dim;
+}
+
 const int32_t *pl_job_corners(const pl_job *job, int64_t element, int *n) {
     const planish_cells *cells = job->mesh.cells;
     *n = job->mesh.dim + 1;
@@ -196,7 +200,7 @@ static int hold_layers(pl_job *job, const uint8_t *is_chosen) {
 static int find_held_layers(pl_job *job) {
     const pl_arguments *arguments = job->arguments;
     int64_t n;
-    if (arguments->layers == PL_LAYERS_IGNORED ||
+    if (arguments->layers == PL_LAYERS_IGNORED || job->is_surface ||
         (arguments->layers == PL_LAYERS_BY_TYPE && !job->has_types))
         return 0;
     uint8_t *is_chosen = malloc((size_t)job->mesh.n_elements + 1);
@@ -253,7 +257,11 @@ static int find_box(pl_job *job) {
     if (arguments->n_box != 2 * dim)
         return pl_complain_usage(pl_command_name(arguments->command),
                                  "--box has %d numbers, but a mesh of %s needs %d",
-                                 arguments->n_box, dim == 3 ? "tetrahedra" : "triangles", 2 * dim);
+                                 arguments->n_box,
+                                 job->is_surface ? "a surface in space"
+                                 : dim == 3      ? "tetrahedra"
+                                                 : "triangles",
+                                 2 * dim);
     const int is_turned = dim == 2 && plane.axis[0] > plane.axis[1];
     for (int d = 0; d < dim; d++) {
         const int of_axis = is_turned ? 1 - d : d;
@@ -287,7 +295,7 @@ void pl_job_take_all(pl_job *job) {
     job->mesh.elements = mesh.elements;
     job->mesh.cells = mesh.cells;
     job->mesh.n_elements = mesh.n_elements;
-    job->has_types = mesh.cells && pl_cells_have_types(mesh.cells, mesh.dim);
+    job->has_types = mesh.cells && pl_cells_have_types(mesh.cells, pl_job_element_dim(job));
 }
 
 /** Check that the measures that were asked for are those of the mesh's elements, and choose the one
@@ -321,6 +329,18 @@ static int check_measures(pl_job *job) {
     return 0;
 }
 
+/** Refuse options for curved surfaces where no node slides on one. */
+static int check_curved(const pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    const int is_of_onto = arguments->onto && arguments->of_curved &&
+                           strcmp(arguments->of_curved, "crease-angle") == 0;
+    if (!arguments->of_curved || arguments->slide_curved || is_of_onto || job->is_surface ||
+        arguments->command != PL_COMMAND_SMOOTH)
+        return 0;
+    return pl_complain_usage(pl_command_name(arguments->command),
+                             "--%s has no effect without --slide curved", arguments->of_curved);
+}
+
 /** Open the file, and find out what it says of nodes and elements. */
 static int open_file(pl_job *job) {
     const pl_arguments *arguments = job->arguments;
@@ -340,11 +360,16 @@ static int open_file(pl_job *job) {
     job->options.round = job->file_info.round;
     job->options.round_user = job->file_info.round_user;
     job->mesh = planish_file_mesh(job->file);
+    job->is_surface = pl_curved_is_surface(&job->mesh);
     if (arguments->command == PL_COMMAND_QUALITY)
         keep_simplices(job);
-    job->has_types = job->mesh.cells && pl_cells_have_types(job->mesh.cells, job->mesh.dim);
+    job->has_types =
+        job->mesh.cells && pl_cells_have_types(job->mesh.cells, pl_job_element_dim(job));
     if ((status = check_measures(job)))
         return status;
+    if (job->is_surface && (status = pl_curved_begin_surface(job)))
+        return status;
+    arguments = job->arguments;
     /* The tolerance is for nodes that slide, and for those of a tilted plane. */
     planish_file_plane(job->file, &plane);
     if (arguments->command == PL_COMMAND_SMOOTH && arguments->slide_tolerance > 0 &&
@@ -386,6 +411,8 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
     else if (engine->read(job, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
     if (!status)
+        status = check_curved(job);
+    if (!status)
         status = find_box(job);
     job->read_seconds = pl_seconds() - job->begin;
     return status;
@@ -406,7 +433,7 @@ static int find_unheld(const pl_job *job, int ignore_marked, const uint8_t *is_i
         return status;
     mesh.constraint = constraint;
     surface.is_inside = is_inside;
-    surface.shape = job->curved.shape;
+    surface.shape = pl_curved_is_asked(job) ? job->curved.shape : NULL;
     surface.slide_interfaces = job->arguments->slide_interfaces;
     if (job->arguments->slide_tolerance > 0)
         surface.tolerance = job->arguments->slide_tolerance;
@@ -471,12 +498,14 @@ int pl_job_find_slides(pl_job *job) {
         return 0;
     job->direction = new_directions(job);
     int status = job->direction ? 0 : pl_job_complain_memory(job, "values of nodes");
-    if (!status && pl_curved_is_asked(job) && job->engine == &pl_engine_here)
+    if (!status && (job->is_surface || (pl_curved_is_asked(job) && job->engine == &pl_engine_here)))
         status = pl_curved_create(job);
     uint8_t *is_inside = find_inside(job);
     if (!status)
         status = find_slides(job, is_inside, job->constraint, job->direction);
     free(is_inside);
+    if (!status && job->is_surface)
+        pl_curved_hold(job);
     job->mesh.direction = job->direction;
     pl_curved_count(job);
     job->shape_seconds = pl_seconds() - begin;

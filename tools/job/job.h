@@ -87,8 +87,9 @@ typedef struct pl_traffic {
 } pl_traffic;
 
 typedef struct pl_job {
-    const pl_arguments *arguments; /* the caller's */
-    const pl_engine *engine;       /* the caller's */
+    const pl_arguments *arguments; /* the caller's, or own */
+    const pl_engine *engine;       /* the caller's, or that of surfaces */
+    pl_arguments own;              /* what they mean for a surface in space (curved.h) */
     planish_options options;       /* those of the arguments, and what file and machine say */
     planish_file *file;
     planish_file_info file_info;
@@ -96,6 +97,7 @@ typedef struct pl_job {
                             in place of elements unless all are straight simplices */
     planish_cells simplices; /* mesh.cells of the command quality: those of the file that are first,
                                 and simplices */
+    int is_surface;          /* flat elements in space, in no plane (curved.h) */
     int has_types;       /* there are smoothed elements that are no simplices: ratios are the aspect
                             ratios AR of docs/measures.md, of simplices, too */
     uint8_t *constraint; /* [mesh.n_nodes] of planish_constraint, owned */
@@ -146,6 +148,9 @@ void pl_job_hold_layers(const pl_job *job, uint8_t *constraint);
 
 /** Names of the arrays between whose values nodes are held, NULL at the end. */
 const char *const *pl_job_region_arrays(const pl_job *job);
+
+/** The dimension of the elements: that of the mesh, of a surface in space 2. */
+int pl_job_element_dim(const pl_job *job);
 
 /** The corners of an element of job->mesh, of any type and order, and their number *n. */
 const int32_t *pl_job_corners(const pl_job *job, int64_t element, int *n);

@@ -53,7 +53,7 @@ static void select_worst(const double *ratio, int64_t n_elements, pl_worst *wors
 /** Prepare worst for the n worst of n_elements. */
 static int begin(const pl_job *job, int64_t n, int64_t n_elements, pl_worst *worst) {
     worst->n = n < n_elements ? n : n_elements;
-    worst->dim = job->mesh.dim;
+    worst->dim = pl_job_element_dim(job);
     worst->columns = job->file && planish_file_plane(job->file, NULL) ? 3 : job->mesh.dim;
     worst->bad = calloc((size_t)worst->n + 1, sizeof *worst->bad);
     return worst->bad ? 0 : pl_job_complain_memory(job, "the worst elements");
@@ -105,6 +105,28 @@ static void find_angles(int dim, const double *const vertex[], pl_bad_element *b
     bad->largest_angle_deg = is_known ? pl_largest_angle(&shape) * DEGREES : NAN;
 }
 
+/** The same of a triangle in space: laid out in its plane. */
+static void find_angles_in_space(const double *const vertex[], pl_bad_element *bad) {
+    double u[3], v[3], uu = 0, uv = 0, largest = 0;
+    for (int d = 0; d < 3; d++) {
+        u[d] = vertex[1][d] - vertex[0][d];
+        v[d] = vertex[2][d] - vertex[0][d];
+        largest = fmax(largest, fmax(fabs(u[d]), fabs(v[d])));
+    }
+    for (int d = 0; d < 3; d++) {
+        u[d] /= largest;
+        v[d] /= largest;
+        uu += u[d] * u[d];
+        uv += u[d] * v[d];
+    }
+    const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
+                         u[0] * v[1] - u[1] * v[0]};
+    const double length = sqrt(uu), height = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / length;
+    const double flat[3][2] = {{0, 0}, {length, 0}, {uv / length, height}};
+    const double *const at[] = {flat[0], flat[1], flat[2]};
+    find_angles(2, at, bad);
+}
+
 /** Find the tag of the region of an element; region: the file's regions, or NULL. Each tag is asked
  *  for once: that takes time. 0, or -1 without memory. */
 static int find_region(const pl_job *job, const int32_t *region, pl_worst *worst,
@@ -144,7 +166,7 @@ static const int32_t *nodes_of(const pl_job *job, const pl_cells *cells, int64_t
  *  moves. */
 static void place(const pl_job *job, const pl_cells *cells, const uint8_t *is_free, int columns,
                   int64_t *node, pl_bad_element *bad) {
-    const int dim = job->mesh.dim;
+    const int dim = job->mesh.dim, element_dim = pl_job_element_dim(job);
     const double *vertex[4] = {NULL};
     const planish_cells *of = cells_of(job, cells);
     int n, n_present = 0;
@@ -162,13 +184,12 @@ static void place(const pl_job *job, const pl_cells *cells, const uint8_t *is_fr
         const uint8_t constraint = job->constraint[nodes[k]];
         const double *at = &job->mesh.coordinates[(int64_t)nodes[k] * dim];
         double xyz[3];
-        if (k <= dim)
+        if (k <= element_dim)
             vertex[k] = at;
         node[bad->n_nodes++] = planish_file_node_number(job->file, nodes[k]);
         bad->is_movable |=
-            is_free && (is_free[nodes[k]] || (job->plan_info.n_sliding > 0 &&
-                                              (constraint == PLANISH_CONSTRAINT_ON_PLANE ||
-                                               constraint == PLANISH_CONSTRAINT_ON_LINE)));
+            is_free && (is_free[nodes[k]] ||
+                        (job->plan_info.n_sliding > 0 && constraint > PLANISH_CONSTRAINT_FIXED));
         /* Its part of the middle, in the file's columns. */
         if (columns > dim &&
             planish_file_space_coordinates(job->file, nodes[k], 1, at, xyz, NULL) == 0)
@@ -177,7 +198,9 @@ static void place(const pl_job *job, const pl_cells *cells, const uint8_t *is_fr
             bad->place[d] += at[d] / n_present;
     }
     bad->smallest_angle_deg = bad->largest_angle_deg = NAN;
-    if (!cells)
+    if (!cells && job->is_surface)
+        find_angles_in_space(vertex, bad);
+    else if (!cells)
         find_angles(dim, vertex, bad);
 }
 

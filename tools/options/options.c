@@ -256,6 +256,8 @@ static const char *set_slide(pl_arguments *arguments, const option_row *row, con
     const int is_none = strcmp(value, "none") == 0, is_curved = strcmp(value, "curved") == 0;
     const int is_plain = is_none || strcmp(value, "auto") == 0;
     arguments->slide = !is_none;
+    arguments->slide_given = 1;
+    arguments->slides_none = is_none;
     arguments->slide_curved = is_curved || (arguments->slide_curved && !is_plain);
     if (is_plain)
         arguments->n_slide_tags = 0;
@@ -291,7 +293,8 @@ enum {
     ALL = PL_COMMANDS_ALL,
     OPTIMISES = 8, /* heeded by no Laplacian method */
     OF_WORST = 16, /* has an effect with --objective worst alone */
-    OF_CURVED = 32 /* has an effect on smooth with --slide curved alone */
+    OF_CURVED =
+        32 /* has an effect on smooth with --slide curved, and on surfaces in space, alone */
 };
 
 #define AT(field) offsetof(pl_arguments, field)
@@ -412,12 +415,14 @@ static const option_row option_table[] = {
      "must be auto, curved, none, or the NAME, N or DIM:N of a group",
      "let boundary nodes slide: auto (in planes and along\n"
      "straight edges, where the shape stays the same),\n"
-     "curved (on curved surfaces, too), none (default), or\n"
-     "group TAG only (NAME, N or DIM:N; repeatable)",
+     "curved (on curved surfaces, too; default of surfaces\n"
+     "in space), none (default of others; of surfaces in\n"
+     "space: not along curves), or group TAG only (NAME, N\n"
+     "or DIM:N; repeatable)",
      "auto curved none"},
     {0, "surface-tolerance", "T", SMOOTH | OPTIMISES | OF_CURVED, set_surface_tolerance, 0, 0, 0,
      "must be a distance above 0, or a number and h for that many edge lengths",
-     "with --slide curved: let no point of the surface be\n"
+     "on curved surfaces: let no point of the surface be\n"
      "farther than T, with Th than T mean edges, off the\n"
      "original surface (default 0.05h)",
      NULL},
@@ -664,12 +669,6 @@ static int check_combinations(const pl_arguments *arguments) {
                                  arguments->of_worst);
     if (arguments->onto && check_onto(arguments))
         return PL_EXIT_USAGE;
-    const int is_of_onto = arguments->onto && arguments->of_curved &&
-                           strcmp(arguments->of_curved, "crease-angle") == 0;
-    if (arguments->of_curved && !arguments->slide_curved && !is_of_onto &&
-        arguments->command == PL_COMMAND_SMOOTH)
-        return pl_complain_usage(command, "--%s has no effect without --slide curved",
-                                 arguments->of_curved);
     if (arguments->surface_of && arguments->n_inputs > 1)
         return pl_complain_usage(command, "--surface-of takes one mesh, but %d are named",
                                  arguments->n_inputs);

@@ -58,6 +58,8 @@ typedef struct pl_arguments {
     int fix_layers;         /* given: as --layers hold, */
     pl_layers_asked layers; /* which says so then */
     int slide;              /* boundary nodes slide, where they can */
+    int slide_given;        /* --slide was given, */
+    int slides_none;        /* and says none */
     const char **slide_tag; /* [n_slide_tags] on these groups only; none: on all; owned */
     int n_slide_tags;
     double slide_tolerance; /* 0: what fits the file */

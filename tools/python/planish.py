@@ -387,7 +387,12 @@ class ShapeInfo(_Printed):
         ("n_corners", c_int64),
         ("edge_length", c_double),
         ("n_mids", c_int64),
-        ("reserved", c_int64 * 6),
+        ("n_open_edges", c_int64),
+        ("n_nonmanifold_edges", c_int64),
+        ("n_conflict_edges", c_int64),
+        ("n_turned", c_int64),
+        ("n_flat", c_int64),
+        ("reserved", c_int64 * 1),
     ]
 
 

@@ -201,9 +201,22 @@ static void add_single(collection *c, const int64_t *end, const int64_t *number)
     free(facet);
 }
 
-static const pl_cell_shape *shape_of(const planish_mesh *mesh, int64_t element) {
+/** Dimension of the elements: of a surface in space, whose elements are all flat, 2. */
+static int dim_of(const planish_mesh *mesh) {
+    const pl_cell_type *type =
+        mesh->cells && mesh->cells->n > 0 ? pl_cell_type_of(mesh->cells->type[0]) : NULL;
+    for (int64_t i = 0; type && i < mesh->cells->n; i++) {
+        const pl_cell_type *of = pl_cell_type_of(mesh->cells->type[i]);
+        if (!of || of->shape->dim != 2)
+            return mesh->dim;
+    }
+    return type ? 2 : mesh->dim;
+}
+
+/** Shape of an element of dimension dim, or NULL. */
+static const pl_cell_shape *shape_of(const planish_mesh *mesh, int dim, int64_t element) {
     const pl_cell_type *type = pl_cell_type_of(mesh->cells->type[element]);
-    return type && type->shape->dim == mesh->dim ? type->shape : NULL;
+    return type && type->shape->dim == dim ? type->shape : NULL;
 }
 
 static int32_t lowest_of(const planish_cells *cells, int64_t element, int k) {
@@ -222,7 +235,7 @@ static void add_surface(collection *c) {
     int64_t *end = calloc((size_t)mesh->n_nodes + 1, sizeof *end), *number = NULL;
     c->failed = !end;
     for (int64_t i = 0; i < mesh->n_elements && !c->failed; i++)
-        for (int k = 0; shape_of(mesh, i) && k < shape_of(mesh, i)->n_facets; k++, n_facets++)
+        for (int k = 0; shape_of(mesh, 3, i) && k < shape_of(mesh, 3, i)->n_facets; k++, n_facets++)
             end[lowest_of(mesh->cells, i, k) + 1]++;
     if (!c->failed)
         c->failed = !(number = malloc(((size_t)n_facets + 1) * sizeof *number));
@@ -230,7 +243,7 @@ static void add_surface(collection *c) {
         end[i + 1] += end[i];
     /* end[i] is where those of node i begin, and then, one by one, where they end. */
     for (int64_t i = 0; i < mesh->n_elements && !c->failed; i++)
-        for (int k = 0; shape_of(mesh, i) && k < shape_of(mesh, i)->n_facets; k++)
+        for (int k = 0; shape_of(mesh, 3, i) && k < shape_of(mesh, 3, i)->n_facets; k++)
             number[end[lowest_of(mesh->cells, i, k)]++] = FACETS * i + k;
     if (!c->failed)
         add_single(c, end, number);
@@ -242,11 +255,12 @@ static int find_cell_triangles(const planish_mesh *mesh, pl_drawn_surface *surfa
                                planish_error *error) {
     collection c = {mesh, surface, 0, 1, 0};
     const planish_cells *cells = mesh->cells;
-    if (mesh->dim == 3)
+    const int dim = dim_of(mesh);
+    if (dim == 3)
         add_surface(&c);
-    for (int64_t i = 0; mesh->dim == 2 && i < cells->n && !c.failed; i++)
-        if (shape_of(mesh, i))
-            add_polygon(&c, cells->node + cells->offset[i], shape_of(mesh, i)->n_corners, i);
+    for (int64_t i = 0; dim == 2 && i < cells->n && !c.failed; i++)
+        if (shape_of(mesh, 2, i))
+            add_polygon(&c, cells->node + cells->offset[i], shape_of(mesh, 2, i)->n_corners, i);
     return c.failed ? pl_fail_memory(error, "the picture") : PLANISH_OK;
 }
 
@@ -373,9 +387,11 @@ static int find_surface(const planish_mesh *mesh, int64_t most, pl_drawn_surface
     return status;
 }
 
+/** Whether all elements are simplices of the mesh's dimension. */
 static int are_simplices(const planish_mesh *mesh) {
+    const int dim = mesh->dim;
     for (int64_t i = 0; i < mesh->n_elements; i++)
-        if (!shape_of(mesh, i) || shape_of(mesh, i)->n_corners != mesh->dim + 1)
+        if (!shape_of(mesh, dim, i) || shape_of(mesh, dim, i)->n_corners != dim + 1)
             return 0;
     return 1;
 }

@@ -38,8 +38,9 @@ typedef struct drawn_state {
 
 struct pl_picture {
     int dim;
-    int has_types; /* elements are not all simplices: ratios are aspect ratios */
-    int has_plane; /* it is drawn in a plane other than that of x and y, */
+    int is_surface; /* of flat elements in space */
+    int has_types;  /* elements are not all simplices: ratios are aspect ratios */
+    int has_plane;  /* it is drawn in a plane other than that of x and y, */
     planish_plane plane;
     int64_t n_nodes, n_elements; /* of the mesh */
     double low[3], high[3];      /* its box as it was at first */
@@ -112,6 +113,7 @@ int pl_picture_begin(const pl_job *job, pl_picture **result) {
         return pl_job_complain_memory(job, "the picture");
     picture->dim = job->mesh.dim;
     picture->has_types = job->has_types;
+    picture->is_surface = job->is_surface;
     picture->n_nodes = job->mesh.n_nodes;
     picture->n_elements = job->mesh.n_elements;
     picture->has_plane = planish_file_plane(job->file, &picture->plane);
@@ -297,6 +299,8 @@ void pl_picture_put(pl_markup *page, const pl_picture *picture) {
                   solid ? high[2] : 0);
     pl_markup_put(page, ",\"elements\":%" PRId64 ",\"coarse\":%s", picture->n_elements,
                   picture->surface.n_triangles < picture->surface.n_all ? "true" : "false");
+    if (picture->is_surface)
+        pl_markup_put(page, ",\"flat\":true");
     if (picture->has_plane) { /* which takes places of the file to those of the picture */
         const double *u = picture->plane.direction[0], *v = picture->plane.direction[1];
         const double *o = picture->plane.origin;
@@ -316,7 +320,7 @@ void pl_picture_put(pl_markup *page, const pl_picture *picture) {
         if (s->ratio)
             put_array(page, "ratios", s->ratio, picture->surface.n_triangles);
         put_array(page, "corners", s->corner, 4 * s->n_corners * dim);
-        if (picture->has_types)
+        if (picture->has_types || picture->is_surface)
             put_array(page, "sizes", s->size, s->n_bad);
         put_array(page, "bad_ratios", s->bad_ratio, 4 * s->n_bad);
         pl_markup_put(page, "}");

@@ -116,7 +116,8 @@ static void add_mesh(document *json, cJSON *root, const pl_job *job, int64_t n_r
     const pl_held *held = &job->held;
     const pl_layers *layers = &job->layers;
     cJSON *mesh = new_object(json, root, "mesh");
-    add_integer(json, mesh, "dimension", job->mesh.dim);
+    add_integer(json, mesh, "dimension", pl_job_element_dim(job));
+    add(json, mesh, "in_space", cJSON_CreateBool(job->is_surface));
     add_plane(json, mesh, job);
     add_integer(json, mesh, "nodes", job->mesh.n_nodes);
     add_integer(json, mesh, "elements", job->mesh.n_elements);
@@ -615,6 +616,11 @@ static void add_surface(document *json, cJSON *root, const pl_job *job,
     add_integer(json, surface, "creases", info->n_creases);
     add_integer(json, surface, "corners", info->n_corners);
     add_real(json, surface, "edge_length", info->edge_length);
+    add_integer(json, surface, "open_edges", info->n_open_edges);
+    add_integer(json, surface, "nonmanifold_edges", info->n_nonmanifold_edges);
+    add_integer(json, surface, "conflict_edges", info->n_conflict_edges);
+    add_integer(json, surface, "turned_elements", info->n_turned);
+    add_integer(json, surface, "flat_facets", info->n_flat);
     if (smooth) {
         add_integer(json, surface, "on_planes", n[PLANISH_CONSTRAINT_ON_PLANE]);
         add_integer(json, surface, "on_lines", n[PLANISH_CONSTRAINT_ON_LINE]);

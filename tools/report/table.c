@@ -4,6 +4,7 @@
  */
 #include "report/table.h"
 
+#include "job/surface.h"
 #include "terminal/histogram.h"
 #include "terminal/message.h"
 #include "terminal/terminal.h"
@@ -221,7 +222,8 @@ static void rows_cells(FILE *stream, const pl_job *job, const pl_validity *valid
 /** Put the first line of a mesh whose simplices alone matter. */
 static void row_simplices(FILE *stream, const pl_job *job) {
     char counts[64];
-    pl_cell_type_count(job->mesh.dim == 3 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TRIANGLE,
+    pl_cell_type_count(pl_job_element_dim(job) == 3 ? PLANISH_CELL_TETRAHEDRON
+                                                    : PLANISH_CELL_TRIANGLE,
                        job->mesh.n_elements, counts, sizeof counts);
     row_mesh(stream, job, counts);
 }
@@ -229,6 +231,11 @@ static void row_simplices(FILE *stream, const pl_job *job) {
 /** Put how many nodes may move, or could. */
 static void row_free(FILE *stream, const pl_job *job) {
     const int64_t n = job->plan_info.n_free;
+    if (job->is_surface) {
+        fprintf(stream, "%" PRId64 " of %" PRId64 " nodes move on the surface\n",
+                job->plan_info.n_sliding, job->mesh.n_nodes);
+        return;
+    }
     fprintf(stream, "%" PRId64 " of %" PRId64 " %s free to move", n, job->mesh.n_nodes,
             word_for(n, "nodes is", "nodes are"));
     if (job->arguments->slide || job->onto.fit)
@@ -347,7 +354,7 @@ static void rows_aspect(FILE *stream, const pl_job *job, const pl_result *result
     /* Simplices come first in a file's mesh. */
     if (cells->n == 0 || !pl_cell_is_simplex((planish_cell_type)cells->type[0]))
         return;
-    pl_text_wrap(stream, job->mesh.dim == 3
+    pl_text_wrap(stream, pl_job_element_dim(job) == 3
                              ? "AR is the mean ratio of corners, of tetrahedra, too: it does not "
                                "compare with the radius ratio."
                              : "AR is the mean ratio of corners, of triangles, too: it does not "
@@ -488,6 +495,8 @@ static void put_surface(FILE *stream, const pl_job *job, const pl_result *result
     char text[256];
     if (!result->surface.is_known)
         return;
+    if (job->is_surface)
+        pl_surface_print(stream, job);
     snprintf(text, sizeof text,
              "surface: %" PRId64 " nodes in planes, %" PRId64 " on lines, %" PRId64
              " on patches, %" PRId64 " on curves; %" PRId64 " corners",
@@ -501,7 +510,8 @@ static void put_surface(FILE *stream, const pl_job *job, const pl_result *result
                  n_refused, word_for(n_refused, "move was", "moves were"));
         pl_text_wrap(stream, text);
     }
-    put_volume_changes(stream, job, &result->surface);
+    if (!job->is_surface)
+        put_volume_changes(stream, job, &result->surface);
     if (job->plan_info.n_fixed_elements > 0)
         fprintf(stream, "%" PRId64 " %s still no node that moves\n",
                 job->plan_info.n_fixed_elements,
@@ -537,7 +547,7 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
     if (job->has_types)
         rows_aspect(stream, job, result);
     else
-        rows_quality(stream, job->mesh.dim, &result->before, &result->after,
+        rows_quality(stream, pl_job_element_dim(job), &result->before, &result->after,
                      &result->validity_before, &result->validity_after);
     row_volumes(stream, job, &result->below_before, result->volumes.n_below);
     put_objective(stream, job, result);
@@ -668,12 +678,14 @@ void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measur
     const planish_quality *q = &measured->quality;
     const pl_cells *cells = &measured->cells;
     const pl_validity none = {.is_known = 0}; /* simplices are measured by their corners */
-    const int solid = job->mesh.dim == 3;
+    const int solid = pl_job_element_dim(job) == 3;
     if (cells->has_others) {
         char counts[256];
         pl_cells_count(&cells->cells, counts, sizeof counts);
         row_mesh(stream, job, counts);
         put_cells(stream, job, cells);
+        if (job->is_surface)
+            pl_surface_print(stream, job);
         if (job->mesh.n_elements == 0)
             return;
         put_heading(stream, job->mesh.cells ? solid ? "tetrahedra alone, by their corners"
@@ -683,13 +695,15 @@ void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measur
     } else {
         row_simplices(stream, job);
     }
-    rows_quality(stream, job->mesh.dim, NULL, q, &none, &none);
+    rows_quality(stream, pl_job_element_dim(job), NULL, q, &none, &none);
     row_volumes(stream, job, NULL, measured->volumes.n_below);
     if (q->worst_element >= 0)
         fprintf(stream, "the worst element is %" PRId64 "\n",
                 planish_file_element_number(job->file, q->worst_element));
     if (!pl_job_lacks_types(job)) /* it would tell of the simplices alone */
         row_free(stream, job);
+    if (job->is_surface && !cells->has_others)
+        pl_surface_print(stream, job);
     if (measured->surface.is_known)
         put_distance(stream, "surface off the original one by", ", the original one is",
                      &measured->surface.after);
@@ -723,8 +737,8 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
     const int64_t others = job->file_info.n_other_elements;
     if (facets > 0)
         pl_note(stream, "%" PRId64 " %s to more than two elements; %s nodes are held", facets,
-                job->mesh.dim == 3 ? word_for(facets, "face belongs", "faces belong")
-                                   : word_for(facets, "edge belongs", "edges belong"),
+                pl_job_element_dim(job) == 3 ? word_for(facets, "face belongs", "faces belong")
+                                             : word_for(facets, "edge belongs", "edges belong"),
                 word_for(facets, "its", "their"));
     if (copies > 0)
         pl_note(stream, "%" PRId64 " %s the nodes of another one; %s held", copies,
@@ -740,7 +754,10 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
         pl_note(stream, "%" PRId64 " %s through; %s nodes are held", others,
                 word_for(others, "element of another type passes", "elements of other types pass"),
                 word_for(others, "its", "their"));
-    note_regions(stream, job);
+    if (job->is_surface)
+        pl_surface_note(stream, job);
+    else
+        note_regions(stream, job);
     if (job->file_info.is_unterminated) {
         /* Of several inputs the notes of each are named. */
         const char *open = planish_file_unterminated_path(job->file);

@@ -167,14 +167,14 @@ function colouredTriangles(places, colour) {
 }
 
 /* Triangles and edges of elements by the number of their corners, which stand in VTK's order. */
-const FACES = dim === 3 ? {
+const FACES = dim === 3 && !picture.flat ? {
     4: [0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2],
     5: [0, 3, 2, 0, 2, 1, 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4],
     6: [0, 2, 1, 3, 4, 5, 0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4, 2, 0, 3, 2, 3, 5],
     8: [0, 3, 2, 0, 2, 1, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6,
         3, 0, 4, 3, 4, 7]
 } : {3: [0, 1, 2], 4: [0, 1, 2, 0, 2, 3]};
-const EDGES = dim === 3 ? {
+const EDGES = dim === 3 && !picture.flat ? {
     4: [0, 1, 0, 2, 0, 3, 1, 2, 1, 3, 2, 3],
     5: [0, 1, 1, 2, 2, 3, 3, 0, 0, 4, 1, 4, 2, 4, 3, 4],
     6: [0, 1, 1, 2, 2, 0, 3, 4, 4, 5, 5, 3, 0, 3, 1, 4, 2, 5],

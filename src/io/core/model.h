@@ -275,7 +275,7 @@ typedef struct io_model {
                         the file where no span says so. io_format.field, encode and amend may use
                         it; release frees it */
     /* Set by io_model_finish: */
-    int dim;
+    int dim;             /* 3 of solids, and of flat elements that lie in no plane: a surface */
     double *coordinates; /* [n_nodes][dim] as read; in 3-D this is xyz itself */
     io_plane plane;      /* in 2-D */
     double *uv_read;     /* [n_nodes][2] coordinates as read, in a tilted plane, else NULL */
@@ -317,6 +317,11 @@ static inline io_others *io_model_others(io_model *model, int dim) {
  *  have been read. */
 static inline int io_model_dim(const io_model *model) {
     return model->tetrahedron.n > 0 || model->solid.n > 0 ? 3 : 2;
+}
+
+/** Whether a finished model is a surface in space: flat elements that lie in no plane. */
+static inline int io_model_is_surface(const io_model *model) {
+    return model->dim == 3 && io_model_dim(model) == 2;
 }
 
 /** The elements that are smoothed are the simplices of their dimension, and behind them the others.

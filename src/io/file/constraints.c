@@ -183,25 +183,26 @@ static int hold_tags(const io_model *model, const planish_hold *hold, uint8_t bi
     return status;
 }
 
-/** Return the simplices that facets of the mesh are. */
+/** Return the simplices that facets of the mesh are; of a surface in space its edges. */
 static const io_cells *facet_cells(const io_model *model) {
-    return model->dim == 3 ? &model->triangle : &model->line;
+    return io_model_dim(model) == 3 ? &model->triangle : &model->line;
 }
 
 /** Hold the nodes of facets that are in none of the groups to be slid on. */
 static int hold_unchosen(const io_model *model, const planish_hold *hold, uint8_t *constraint,
                          planish_error *error) {
-    const io_list simplices = io_model_list(model, model->dim - 1);
+    const int dim = io_model_dim(model) - 1;
+    const io_list simplices = io_model_list(model, dim);
     const io_list others = io_model_list(model, IO_FLAT_LIST);
     uint8_t *chosen = NULL;
     const int status =
-        choose_tags(model, hold->slide_tags, hold->n_slide_tags, model->dim - 1, &chosen, error);
+        choose_tags(model, hold->slide_tags, hold->n_slide_tags, dim, &chosen, error);
     for (int32_t i = 0; i < model->n_entities && !status; i++)
         chosen[i] = !chosen[i];
     if (!status)
         hold_list(&simplices, io_cells_telling(simplices.cells), chosen, PLANISH_CONSTRAINT_FIXED,
                   constraint);
-    if (!status && model->dim == 3)
+    if (!status && dim == 2)
         hold_list(&others, io_others_telling(others.others), chosen, PLANISH_CONSTRAINT_FIXED,
                   constraint);
     pl_free(chosen);
@@ -214,7 +215,7 @@ static int hold_interfaces(const planish_file *file, const planish_hold *hold, u
                            uint8_t *flags, planish_error *error) {
     const io_model *model = &file->model;
     const int32_t *of_cell = io_file_regions(file);
-    const int lists[] = {model->dim, io_others_list(model->dim)};
+    const int lists[] = {io_model_dim(model), io_others_list(io_model_dim(model))};
     int64_t element = 0;
     if (file->n_regions <= 1 || (hold && hold->ignore_regions))
         return PLANISH_OK;
@@ -251,7 +252,8 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
                        "hold: there are fewer tags than n_tags and n_slide_tags say");
     const io_model *model = &file->model;
     const int slide = hold && hold->slide;
-    const unsigned undecided = (slide ? IO_HELD_BY_LINE | IO_HELD_BY_FACE | IO_HELD_PERIODIC : 0) |
+    const unsigned periodic = io_model_is_surface(model) ? 0 : IO_HELD_PERIODIC; /* has no pairs */
+    const unsigned undecided = (slide ? IO_HELD_BY_LINE | IO_HELD_BY_FACE | periodic : 0) |
                                (hold && hold->ignore_marked ? IO_HELD_MARKED : 0) |
                                IO_HAS_PARAMETERS;
     uint8_t *found = pl_alloc(model->n_nodes, 1);
@@ -326,12 +328,13 @@ planish_surface planish_file_surface(const planish_file *file, const planish_hol
     const pl_outside outside = pl_call_enter(NULL);
     const io_model *model = &file->model;
     const io_cells *facets = facet_cells(model);
+    const int is_surface = io_model_is_surface(model);
     planish_surface surface = {.region =
                                    hold && hold->ignore_regions ? NULL : io_file_regions(file),
-                               .n_facets = io_cells_telling(facets),
+                               .n_facets = is_surface ? 0 : io_cells_telling(facets),
                                .facets = facets->nodes,
                                .facet_tag = io_cells_regions(facets),
-                               .tagged_only = hold && hold->n_slide_tags > 0,
+                               .tagged_only = !is_surface && hold && hold->n_slide_tags > 0,
                                .tolerance = io_tolerance_of_digits(model, file->format)};
     if (file->facet_offset) {
         surface.n_facets += io_others_telling(&model->flat);
@@ -371,7 +374,7 @@ int planish_file_min_volumes(const planish_file *file, const char *const *tags,
     for (int i = 0; i < n_tags && !status; i++) {
         uint8_t *chosen = NULL;
         if (values[i] > 0 && values[i] <= DBL_MAX)
-            status = choose_tags(model, &tags[i], 1, model->dim, &chosen, error);
+            status = choose_tags(model, &tags[i], 1, io_model_dim(model), &chosen, error);
         else
             status =
                 pl_fail(error, PLANISH_ERROR_ARGUMENT,

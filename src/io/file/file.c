@@ -232,7 +232,7 @@ static int find_regions(planish_file *file, planish_error *error) {
     release_joined(file);
     if (others->n > 0)
         status = join_regions(cells, cells->n, others, others->n, &file->region, error);
-    if (!status && model->dim == 3 && model->flat.n > 0)
+    if (!status && io_model_dim(model) == 3 && model->flat.n > 0)
         status = join_facets(file, error);
     const int32_t *region = io_file_regions(file);
     const int64_t n = io_model_n_elements(model);
@@ -268,6 +268,8 @@ static int read_model(planish_file *file, planish_error *error) {
         status = io_arrays_find_regions(&file->model, has_others ? &file->cells : NULL, error);
     if (!status)
         status = io_model_finish(&file->model, file->format, error);
+    if (!status && io_model_is_surface(&file->model) && !file->cells.offset)
+        status = make_cells(file, error);
     return status ? status : find_regions(file, error);
 }
 
@@ -453,14 +455,19 @@ void planish_file_get_info(const planish_file *file, planish_file_info *info) {
                             .n_regions = file->n_regions,
                             .bytes = model->input.size,
                             .is_unterminated = planish_file_unterminated_path(file) != NULL,
-                            .has_normals = model->has_normals};
+                            .has_normals = model->has_normals,
+                            .off_plane = io_model_is_surface(model) && model->plane.size > 0
+                                             ? model->plane.off / model->plane.size
+                                             : 0};
 }
 
 planish_mesh planish_file_mesh(const planish_file *file) {
     if (!file)
         return (planish_mesh){.dim = 0};
     const io_model *model = &file->model;
-    const int is_plain = !io_model_elements(model)->mid && io_model_other_elements(model)->n == 0;
+    const int is_surface = io_model_is_surface(model);
+    const int is_plain =
+        !is_surface && !io_model_elements(model)->mid && io_model_other_elements(model)->n == 0;
     return (planish_mesh){.dim = model->dim,
                           .n_nodes = model->n_nodes,
                           .n_elements = io_model_n_elements(model),
@@ -468,8 +475,8 @@ planish_mesh planish_file_mesh(const planish_file *file) {
                           .elements = is_plain ? io_model_elements(model)->nodes : NULL,
                           .cells = is_plain ? NULL : &file->cells,
                           .constraint = NULL,
-                          .n_periodic = model->n_periodic,
-                          .periodic = model->periodic};
+                          .n_periodic = is_surface ? 0 : model->n_periodic,
+                          .periodic = is_surface ? NULL : model->periodic};
 }
 
 int planish_file_cells(planish_file *file, planish_cells *cells, planish_error *error) {

@@ -30,9 +30,9 @@ int io_file_from_memory(const io_format *format, const char *path, const char *d
                         int threads, planish_file **file, planish_error *error);
 
 /** Decide the dimension (3 if there is a solid element, else 2), set plain cells apart, let lines,
- *  facets, and elements that are not smoothed hold their nodes, find the plane of a 2-D mesh (plane.h),
- *  lay out coordinates. Fails if there is nothing to smooth. format: that it was read as; NULL:
- *  text has as many digits as it needs. */
+ *  facets, and elements that are not smoothed hold their nodes, find the plane of flat elements (plane.h;
+ *  without one they are a surface in space), lay out coordinates. Fails if there is nothing to smooth.
+ *  format: that it was read as; NULL: text has as many digits as it needs. */
 int io_model_finish(io_model *model, const io_format *format, planish_error *error);
 
 /** Return the i-th path that a file of the mesh at path can have. format: its name, or NULL: told

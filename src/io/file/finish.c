@@ -387,12 +387,20 @@ static void hold_others(io_model *model, const io_others *others, int but_smooth
     }
 }
 
-/** Find the plane of a mesh in two dimensions and the coordinates there. The file's own places are
- *  kept where its columns are not those of the coordinates. */
+/** Lay out a mesh whose coordinates are the file's. */
+static int finish_space(io_model *model) {
+    model->dim = model->written = 3;
+    model->coordinates = model->xyz;
+    return PLANISH_OK;
+}
+
+/** Find the plane of a mesh of flat elements and the coordinates there. The file's own places are
+ *  kept where its columns are not those of the coordinates. Without a plane it is a surface in space. */
 static int finish_plane(io_model *model, const io_format *format, planish_error *error) {
-    int status = io_plane_find(model, format, error);
-    if (status)
-        return status;
+    int is_found;
+    int status = io_plane_find(model, format, &is_found, error);
+    if (status || !is_found)
+        return status ? status : finish_space(model);
     model->dim = 2;
     model->written = io_plane_is_xy(&model->plane) ? 2 : 3;
     model->coordinates = pl_alloc(model->n_nodes, 2 * sizeof *model->coordinates);
@@ -449,11 +457,9 @@ int io_model_finish(io_model *model, const io_format *format, planish_error *err
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: solid elements in two dimensions; a third coordinate is missing",
                        model->input.path);
-    model->dim = model->written = 3;
-    model->coordinates = model->xyz;
     model->n_lower += model->triangle.n + model->flat.n;
     hold_nodes(model, 2, IO_HELD_BY_FACE);
     hold_others(model, &model->flat, 0, IO_HELD_BY_FACE);
     hold_others(model, &model->solid, 1, IO_HELD_BY_OTHER);
-    return PLANISH_OK;
+    return finish_space(model);
 }

@@ -11,9 +11,10 @@
 
 #include "io/core/format.h"
 
-/** Find the plane of the nodes of triangles and other elements, model->plane. Fails where they lie
- *  in none. format: as for io_model_finish. */
-int io_plane_find(io_model *model, const io_format *format, planish_error *error);
+/** Find the plane of the nodes of triangles and other elements, model->plane. *is_found: 0 where they lie
+ *  in none; model->plane then is the one that fits them best. Fails where they are along a line. format:
+ *  as for io_model_finish. */
+int io_plane_find(io_model *model, const io_format *format, int *is_found, planish_error *error);
 
 /** Distance that nodes of a plane may be off it by the digits that the file gives them, as a part
  *  of the diagonal of the bounding box; 0: what the library takes by itself. */

@@ -283,13 +283,14 @@ static double tolerance_of(const io_model *model, const io_format *format) {
                : tolerance;
 }
 
-int io_plane_find(io_model *model, const io_format *format, planish_error *error) {
+int io_plane_find(io_model *model, const io_format *format, int *is_found, planish_error *error) {
     static const int order[] = {2, 0, 1}; /* x and y first: all meshes had to be so once */
     /* What geometry kernels and roundings leave of a constant column, as a part of the longer side
      */
     const double noise = 1e-8;
     const char *what = model->flat.n > 0 ? "elements" : "triangles";
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    *is_found = 1;
     for (int64_t i = 0; i < n_listed(model); i++)
         for (int d = 0; d < 3 && listed_node(model, i) >= 0; d++) {
             const double x = model->xyz[3 * listed_node(model, i) + d];
@@ -318,10 +319,6 @@ int io_plane_find(io_model *model, const io_format *format, planish_error *error
                        "%s: %s in space whose nodes lie along a line, as far as can be told "
                        "(they are up to %.3g off it): no plane can be found for them",
                        model->input.path, what, plane->off);
-    return pl_fail(error, PLANISH_ERROR_FORMAT,
-                   "%s: %s in space (nodes are up to %.3g off the plane that fits them "
-                   "best, and %.3g is allowed, %.3g of the size): only meshes in one plane can be "
-                   "smoothed, surfaces cannot (a larger tolerance is given by "
-                   "--slide-tolerance)",
-                   model->input.path, what, plane->off, tolerance * plane->size, tolerance);
+    *is_found = 0;
+    return PLANISH_OK;
 }

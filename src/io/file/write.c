@@ -303,7 +303,8 @@ static void add_loss(losses *l, const char *format, ...) {
 /** List in text what the file has and a writer, which loses of_writer (or NULL), does not write. */
 static void list_losses(const io_model *model, const char *of_writer, char *text, size_t size) {
     losses l = {text, size, 0};
-    const int64_t kept = model->line.n + (model->dim == 3 ? model->triangle.n + model->flat.n : 0);
+    const int64_t kept =
+        model->line.n + (io_model_dim(model) == 3 ? model->triangle.n + model->flat.n : 0);
     if (model->n_other > 0)
         add_loss(&l, "%" PRId64 " elements of other types", model->n_other);
     if (model->n_lower > kept)
