@@ -240,7 +240,8 @@ static void visit_watched(const colour_pass *pass, int64_t begin, int64_t end, d
     if (pass->visit)
         move_mids(pass, problem->node[begin]);
     const int n = note_moves(pass, begin, end, &v);
-    pl_watch_judge(watch, n, v.move);
+    if (watch->decides)
+        pl_watch_judge(watch, n, v.move);
     for (int m = 0; m < n; m++)
         if (!v.move[m].is_refused && v.is_fine[m])
             watch->has_large[v.move[m].node] = 0;
