@@ -177,8 +177,8 @@ static void place_joined(grid *g, int kind, uint64_t *state) {
     }
 }
 
-/** Make a plate of an open grid: the other side, and a rim. */
-static void add_side(grid *g, double thickness) {
+/** Add the same grid so much lower, turned over. */
+static void add_lower(grid *g, double thickness) {
     const int32_t n = (int32_t)g->n_nodes;
     const int64_t n_facets = g->n_facets;
     for (int32_t i = 0; i < n; i++) {
@@ -187,6 +187,13 @@ static void add_side(grid *g, double thickness) {
     }
     for (int64_t f = 0; f < n_facets; f++)
         add_facet(g, n + g->facet[f][0], n + g->facet[f][2], n + g->facet[f][1]);
+    g->n_nodes = 2 * n;
+}
+
+/** Make a plate of an open grid: the other side, and a rim. */
+static void add_side(grid *g, double thickness) {
+    const int32_t n = (int32_t)g->n_nodes;
+    add_lower(g, thickness);
     for (int side = 0; side < 2; side++)
         for (int end = 0; end < 2; end++)
             for (int i = 0; i < g->n[side]; i++) {
@@ -198,7 +205,6 @@ static void add_side(grid *g, double thickness) {
                 else
                     add_quadrilateral(g, b, n + b, n + a, a, 0);
             }
-    g->n_nodes = 2 * n;
 }
 
 /** Scale, turn and shift: nothing may hang on the axes. */
@@ -236,6 +242,8 @@ planish_shape *sheet_create(int kind, uint64_t *state) {
         place_open(&g, kind, state);
     if (kind == SHEET_PLATE)
         add_side(&g, 0.1);
+    if (kind == SHEET_TWO)
+        add_lower(&g, 0.1);
     turn(&g, kind, state);
     planish_shape *s =
         sheet_of(g.n_nodes, (const double(*)[3])g.x, g.n_facets, (const int32_t(*)[3])g.facet,

@@ -20,6 +20,7 @@ enum {
     SHEET_MOEBIUS,  /* a Moebius strip */
     SHEET_HOLES,    /* bumps, where some facets are missing */
     SHEET_CRUMPLED, /* random heights: bends of all angles */
+    SHEET_TWO,      /* bumps, twice, 0.1 edges apart */
     SHEET_KINDS
 };
 
