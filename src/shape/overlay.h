@@ -81,9 +81,11 @@ static inline double pl_shape_edge(const planish_shape *shape, int32_t facet) {
     const int32_t *node = shape->whole ? shape->whole[facet / 4] : shape->facet[facet];
     const double halves = shape->whole ? 2 : 1;
     double mean = pl_shape_own_edge(shape, facet), of_nodes = 0;
-    for (int k = 0; k < 3; k++) {
-        const int32_t across = shape->across[facet][k];
+    const int32_t first = shape->whole ? facet / 4 * 4 : facet, n = shape->whole ? 4 : 1;
+    for (int k = 0; k < 3; k++)
         of_nodes += halves * shape->edge_length[node[k]];
+    for (int i = 0; i < 3 * n; i++) { /* of second order across all four triangles */
+        const int32_t across = shape->across[first + i / 3][i % 3];
         if (across >= 0)
             mean = fmin(mean, pl_shape_own_edge(shape, across));
     }
