@@ -124,7 +124,8 @@ class Smoothing(unittest.TestCase):
         points[3, 2] += 1e-9
         self.assertEqual(planish.smooth(points, cells).stop, "converged")
         points[3, 2] += 1e-3
-        self.assertRaises(ValueError, planish.smooth, points, cells)
+        self.assertRaises(ValueError, planish.Plan, points, cells)
+        self.assertEqual(planish.smooth(points, cells).stop, "converged")  # as a surface in space
 
     def test_layouts_have_the_same_bits(self):
         points, cells, _ = box(3)
@@ -168,7 +169,7 @@ class Smoothing(unittest.TestCase):
         self.assertTrue((points[:, 2] == 5).all())
         points[3, 2] = 6
         with self.assertRaisesRegex(ValueError, "constant z"):
-            planish.smooth(points, cells)
+            planish.Plan(points, cells)
 
     def test_options(self):
         points, cells, inside = box(3)
@@ -552,7 +553,8 @@ class Meshes(unittest.TestCase):
         flat[0, 2] = 5.1
         for array in (flat, np.column_stack([flat, flat[:, :1]])):
             with self.assertRaisesRegex(ValueError, "plane"):
-                planish.quality(array, cells)
+                planish.Plan(array, cells)
+            self.assertEqual(planish.quality(array, cells).n_inverted, 0)  # as a surface in space
 
     def test_neither(self):
         for blocks, text in (([Block("hexahedron", self.cells[:, :1])], r"hexahedron must be \[m, 8\]"),
@@ -658,6 +660,49 @@ class Surfaces(unittest.TestCase):
         shape = planish.Shape(first, cells)
         planish.smooth(again, cells, slide="curved", shape=shape, surface_tolerance=0.04)
         self.assertLess(shape.distance(again).distance, 0.0401)
+
+    def test_surfaces_in_space(self):
+        """Triangles and quadrilaterals of a torus in space move on it, from arrays and from meshes."""
+        n, m = 36, 18
+        random = np.random.default_rng(5)
+        i, j = (k.ravel() for k in np.meshgrid(np.arange(n), np.arange(m), indexing="ij"))
+        u, v = (2 * np.pi * (k + random.uniform(-0.2, 0.2, n * m)) / c for k, c in ((i, n), (j, m)))
+        start = np.column_stack([(3 + np.cos(v)) * np.cos(u), (3 + np.cos(v)) * np.sin(u), np.sin(v)])
+        quads = np.column_stack([i * m + j, (i + 1) % n * m + j, (i + 1) % n * m + (j + 1) % m, i * m + (j + 1) % m])
+        triangles = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        before = planish.quality(start, triangles)
+        points = start.copy()
+        result = planish.smooth(points, triangles)
+        after = planish.quality(points, triangles)
+        self.assertEqual(result.stop, "converged")
+        self.assertLess(after.max_radius_ratio, 0.7 * before.max_radius_ratio)
+        self.assertGreater(after.min_angle_deg, before.min_angle_deg + 5)
+        self.assertAlmostEqual(result.rms, after.rms_radius_ratio, 9)
+        with planish.Shape(start, triangles) as shape:
+            self.assertEqual((shape.info.n_open_edges, shape.info.n_turned, shape.info.n_corners), (0, 0, 0))
+            self.assertLessEqual(shape.distance(points).in_edges, 0.0525)
+            planish.smooth(points, triangles, shape=shape, objective="worst", surface_tolerance="0.05h")
+            self.assertLessEqual(shape.distance(points).in_edges, 0.0525)
+        of_mesh = Mesh(start.copy(), cells=[Block("triangle", triangles)])
+        again = start.copy()
+        planish.smooth(of_mesh)
+        planish.smooth(again, triangles)
+        np.testing.assert_array_equal(of_mesh.points, again)
+        of_mesh = Mesh(start.copy(), faces=lists_of(list(triangles)), verts=None, lines=None)
+        planish.smooth(of_mesh)
+        np.testing.assert_array_equal(of_mesh.points, again)
+        again = start.copy()
+        planish.smooth(again, triangles, fixed=np.arange(100), max_sweeps=1)
+        np.testing.assert_array_equal(again[:100], start[:100])
+        self.assertGreater((again[100:] != start[100:]).any(axis=1).mean(), 0.9)
+        self.assertEqual(planish.smooth(start.copy(), triangles, progress=lambda step: True).stop, "interrupted")
+        again = start.copy()
+        planish.smooth(again, {"quad": quads})
+        a, b = (planish.quality(x, {"quad": quads}, per_element=True) for x in (start, again))
+        self.assertLess(b.cells.all.max_aspect_ratio, a.cells.all.max_aspect_ratio)
+        self.assertAlmostEqual(b.elements.aspect_ratio.max(), b.cells.all.max_aspect_ratio, 12)
+        for options in {"min_volume": 1}, {"slide": "auto"}, {"objective": "edge-ratio"}, {"around": [1]}:
+            self.assertRaises(ValueError, planish.smooth, start.copy(), triangles, **options)
 
     def test_surfaces_are_fitted_to_others(self):
         fine, solids, _ = ball(8)

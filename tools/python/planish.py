@@ -520,7 +520,7 @@ _library.planish_plan_get_free.argtypes = [c_void_p, c_void_p]
 for _name in ("planish_plan_create", "planish_smooth", "planish_measure", "planish_measure_elements",
               "planish_measure_mesh", "planish_measure_cells", "planish_find_layers", "planish_find_regions",
               "planish_combine_regions", "planish_find_interfaces", "planish_find_slides",
-              "planish_shape_create", "planish_measure_shape", "planish_fit_create", "planish_fit_move",
+              "planish_shape_create", "planish_measure_shape", "planish_smooth_surface", "planish_measure_surface", "planish_fit_create", "planish_fit_move",
               "planish_fit_measure"):
     getattr(_library, _name).restype = c_int
 
@@ -968,6 +968,14 @@ class _Elements:
         return made
 
 
+def _is_in_space(points: np.ndarray) -> bool:
+    """Whether points are in no plane of constant z, but for what geometry kernels leave of roundings, as in files."""
+    if points.ndim != 2 or points.shape[1] < 3 or not len(points):
+        return False
+    noise = 1e-8 if points.dtype.itemsize == 8 else 1e-6
+    return not np.ptp(points[:, 2]) <= noise * np.ptp(points[:, :2], axis=0).max()
+
+
 class _Points:
     """Coordinates as the library takes them: the caller's array, or a copy to be written back.
 
@@ -985,11 +993,8 @@ class _Points:
             raise TypeError(f"points must be of float64 or float32, not {points.dtype}")
         if writes and not points.flags.writeable:
             raise ValueError("points is read-only; give a copy")
-        if dim == 2 and points.shape[1] >= 3 and len(points):
-            # but for what geometry kernels leave of roundings, as in files
-            noise = 1e-8 if points.dtype.itemsize == 8 else 1e-6
-            if not np.ptp(points[:, 2]) <= noise * np.ptp(points[:, :2], axis=0).max():
-                raise ValueError("triangles must lie in a plane of constant z")
+        if dim == 2 and _is_in_space(points):
+            raise ValueError("triangles must lie in a plane of constant z; smooth and quality take others, as surfaces")
         self.points = points[:, :dim]
         self.is_float = points.dtype.itemsize == 4
         self.array = self.points
@@ -1757,12 +1762,108 @@ _OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "rings", "arou
             "layers", "slide", "shape", "crease_angle", "slide_interfaces", "onto")
 
 
+_OF_FACES = ("fixed", "threads", "only_worse_than", "rings", "shape", "crease_angle", "objective", "worst_measure",
+             "worst_rise", "surface_tolerance", "max_displacement", "max_sweeps", "tolerance", "time_limit", "progress")
+
+
+class _Surface3D:
+    """Triangles and quadrilaterals in space, in no plane of constant z, with the shape of their surface."""
+
+    def __init__(self, view: _Faces, given: tuple[Any, Any], fixed: Any, threads: int, shape: Optional[Shape] = None,
+                 crease_angle: float = 0) -> None:
+        self.view, self.threads = view, threads
+        held = view.elements.held
+        self.constraint = np.zeros(view.n, dtype=np.uint8) if held is None else held.astype(np.uint8)
+        if fixed is not None:
+            self.constraint[_nodes(fixed, view.n, "fixed")] = 1
+        view.mesh.constraint = _address(self.constraint)
+        self.shape = shape or Shape(*given, crease_angle=crease_angle, threads=threads)
+
+    @staticmethod
+    def of(points: Any, cells: Any, **options: Any) -> Optional[_Surface3D]:
+        """The surface that points and cells are, or None."""
+        given = getattr(points, "points", None) if cells is None else points
+        if not isinstance(given, np.ndarray) or not _is_in_space(given):
+            return None
+        if cells is not None and not _is_by_type(cells) and np.ndim(cells) == 2 and np.shape(cells)[1] != 3:
+            return None
+        view = _view_of_shape(points, cells, None, options.get("threads", 0))
+        return _Surface3D(view, (points, cells), **options) if isinstance(view, _Faces) else None
+
+    def smooth(self, points: np.ndarray, chosen: dict[str, Any]) -> Result:
+        """Smooth points in place."""
+        has_quads = not np.isin(self.view.arrays[0], _SIMPLICES[2]).all()
+        worst = chosen.pop("worst_measure", None) or ("scaled-jacobian" if has_quads else "dihedral")
+        objective, progress = chosen.pop("objective", None), chosen.pop("progress", None)
+        usual = "mean-ratio" if has_quads else "radius-ratio"
+        if objective not in (None, "worst", usual) or worst not in _WORST:
+            raise ValueError(f"objective must be {usual} or worst, and worst_measure one of {', '.join(_WORST)}")
+        options, error, result, raised = _Options(), _Error(), Result(), []
+        _library.planish_options_init_sized(byref(options), c_size_t(ctypes.sizeof(_Options)))
+        taken = _Points(points, 3, self.view.points.strides, writes=True)
+        options.threads, options.shape = _threads(self.threads), self.shape.pointer()
+        options.precision = taken.is_float
+        options.worst = _WORST[worst] if objective == "worst" else 0
+        tolerance = _tolerance(chosen.pop("surface_tolerance", 0))
+        options.surface_tolerance, options.surface_tolerance_unit = tolerance
+        for name, value in chosen.items():
+            setattr(options, name, value)
+
+        def call(seen: Any, _user: Any) -> int:
+            try:
+                return bool(raised or progress(Progress.from_buffer_copy(seen.contents)))
+            except BaseException as exception:  # pylint: disable=broad-except
+                raised.append(exception)
+                return 1
+
+        options.progress = _PROGRESS(call) if progress is not None else _PROGRESS()
+        _check(_library.planish_smooth_surface(byref(self.view.mesh), c_void_p(_address(taken.array)), byref(options),
+                                               byref(result), byref(error)), error)
+        taken.write_back()
+        if raised:
+            raise raised[0]
+        return result
+
+    def quality(self, per_element: bool) -> Quality:
+        """What the surface is worth."""
+        found, cells, error = Quality(), CellQuality(), _Error()
+        m = self.view.mesh.n_elements if per_element else 0
+        arrays = CellValues(self.view.elements.at, *(np.zeros(m, dtype) for dtype in (np.uint8, np.uint8) + 4 * (float,)))
+        values = _CellValues(**{name: _address(array) for name, array in arrays._asdict().items() if name != "number"})
+        _check(_library.planish_measure_surface(
+            c_void_p(self.shape.pointer()), byref(self.view.mesh), c_int(_threads(self.threads)), byref(found), None,
+            byref(cells), byref(values) if per_element else None, byref(error)), error)
+        if per_element:
+            found.elements = arrays._replace(is_curved=arrays.is_curved.astype(bool))
+        if per_element or not np.all(self.view.arrays[0] == 5):
+            found.cells = cells
+        return found
+
+
+def _smooth_faces(points: Any, cells: Any, options: dict[str, Any]) -> Optional[Result]:
+    """Smooth a mesh that is a surface in space; None: it is none."""
+    of_shape = {name: options[name] for name in ("threads", "shape", "crease_angle") if name in options}
+    surface = _Surface3D.of(points, cells, fixed=options.get("fixed"), **{"threads": 0, **of_shape})
+    if surface is None:
+        return None
+    strange = [name for name in options if name not in _OF_FACES and options[name] is not None
+               and (name, options[name]) not in (("slide", "curved"), ("layers", "ignore"))]
+    if strange:
+        raise ValueError(f"{strange[0]} is not for surfaces in space")
+    chosen = {name: value for name, value in options.items()
+              if name in _OF_FACES and name not in ("fixed", "threads", "shape", "crease_angle")}
+    return surface.smooth(getattr(points, "points", points), chosen)
+
+
 def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
     """Smooth a mesh in place: points and cells as for Plan, options those of Plan and Plan.smooth. With onto the
     result has fit and fit_distance."""
     known = {*_OF_PLAN, *Plan.smooth.__kwdefaults__}
     if not known.issuperset(options):
         raise TypeError(f"{min(set(options) - known)} is no option of smooth: {', '.join(sorted(known))}")
+    of_surface = _smooth_faces(points, cells, options)
+    if of_surface is not None:
+        return of_surface
     of_plan = {name: options.pop(name) for name in _OF_PLAN if name in options}
     with Plan(points, cells, **of_plan) as plan:
         result = plan.smooth(**options)
@@ -1774,7 +1875,11 @@ def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
 def quality(points: Any, cells: Any = None, *, fixed: Any = None, regions: Any = _BY_RULE,
             rounding: Optional[float] = None, per_element: bool = False) -> Quality:
     """Quality of a mesh: points, cells, fixed, regions and rounding as for Plan. Its cells tell of
-    elements of all types; per_element gives it elements, the measures of each one, too."""
+    elements of all types; per_element gives it elements, the measures of each one, too. Triangles and quadrilaterals
+    in space, in no plane of constant z, are measured each in its own plane."""
+    surface = _Surface3D.of(points, cells, fixed=fixed, threads=0)
+    if surface is not None:
+        return surface.quality(per_element)
     view, error, found, options = _View(points, cells, fixed, None, regions), _Error(), Quality(), _Options()
     _library.planish_options_init_sized(byref(options), c_size_t(ctypes.sizeof(_Options)))
     options.threads = _threads(0)
