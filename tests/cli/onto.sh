@@ -83,9 +83,39 @@ for threads in 1 2; do
 done
 cmp -s 1.mesh 2.mesh || fail "two threads give the same mesh"
 
+# An STL, whose facets turn inwards.
+python3 make.py surface ball 14 1 >fine-surface.mesh
+python3 - <<'END'
+lines = open("fine-surface.mesh").read().split("\n")
+n = int(lines[2].split()[1])
+points = [line.split()[:3] for line in lines[3:3 + n]]
+with open("fine.stl", "w") as stl:
+    stl.write("solid ball\n")
+    for line in lines[4 + n:-2]:
+        stl.write("facet normal 0 0 0\nouter loop\n")
+        for i in reversed(line.split()[:3]):
+            stl.write("vertex %s %s %s\n" % tuple(points[int(i) - 1]))
+        stl.write("endloop\nendfacet\n")
+    stl.write("endsolid ball\n")
+END
+for file in fine.stl fine-surface.mesh; do
+    expect_status 0 "$program" smooth coarse.mesh --onto $file -o stl.mesh --json report.json -q
+    expect_json 'r["surface"]["off_before"] == 152 and r["surface"]["off"] == 0 and r["surface"]["distance_in_edges"] < 0.2'
+done
+sed 's/^vertex/vertex nan/;t;' fine.stl >nan.stl
+printf 'solid none\nendsolid none\n' >empty.stl
+for file in nan.stl empty.stl; do
+    expect_status 2 "$program" smooth coarse.mesh --onto $file -o no.mesh
+    expect_one_line
+    expect_text "--onto: $file"
+done
+expect_status 64 "$program" smooth fine.stl --onto fine.mesh -o no.stl
+expect_one_line
+expect_text "--onto"
+
 # Elements get worse where the other surface asks for it, and that is said.
 python3 make.py tets cube 4 0.7 >cube.mesh
-expect_status 0 "$program" smooth cube.mesh --onto fine.mesh -o round.mesh --json report.json
+expect_status 0 "$program" smooth cube.mesh --onto fine.stl -o round.mesh --json report.json
 tr '\n' ' ' <err >text
 grep -q "the fit took the worst radius ratio from 1.394 to" text || { fail "the note tells that elements got worse"; cat err; }
 expect_json 'r["surface"]["worst_ratio_of_input"] < r["before"]["max_radius_ratio"] >= r["after"]["max_radius_ratio"]'
