@@ -573,14 +573,79 @@ static void test_memory(void **unused) {
     destroy(&p);
 }
 
+/** Measures are those of plain formulas; elements that turn over are inverted, and nothing else is measured. */
+static void surfaces_are_measured(void **state) {
+    static patchwork p;
+    planish_quality quality;
+    planish_cell_quality cells;
+    static double ratio[MOST];
+    static uint8_t states[MOST];
+    const planish_cell_values values = {.state = states};
+    (void)state;
+    for (int has_quads = 0; has_quads < 2; has_quads++) {
+        make(&p, TUBE, has_quads, 0.4);
+        const worst w = look(&p, (const double(*)[3])p.x);
+        planish_error e;
+        if (planish_measure_surface(p.shape, &p.mesh, 2, &quality, ratio, &cells, &values, &e))
+            fail_msg("%s", e.text);
+        double most = 0;
+        for (int64_t i = 0; i < p.cells.n; i++) {
+            most = fmax(most, ratio[i]);
+            assert_int_equal(states[i], PLANISH_CELL_STATE_VALID);
+        }
+        assert_int_equal(quality.n_inverted, 0);
+        assert_true(most == ratio[quality.worst_element]);
+        assert_true(fabs(quality.max_radius_ratio / most - 1) < 1e-14);
+        assert_true(quality.n_fixed_elements == 0 && quality.total_volume > 0);
+        assert_int_equal(cells.all.n_elements, p.cells.n);
+        assert_int_equal(cells.n_types, 1);
+        if (!has_quads) {
+            assert_true(fabs(quality.max_radius_ratio / w.ratio - 1) < 1e-9);
+            assert_true(fabs(quality.min_angle_deg - w.angle * (180 / 3.14159265358979323846)) <
+                        1e-9);
+        } else {
+            assert_true(fabs(cells.all.min_scaled_jacobian - sin(w.angle)) < 1e-9);
+            assert_true(fabs(cells.all.max_aspect_ratio / most - 1) < 1e-12);
+        }
+        /* A node beyond the far side of its elements turns some over. */
+        for (int d = 0; d < 3; d++)
+            p.x[5 * ACROSS + 5][d] += 3 * (p.x[5 * ACROSS + 6][d] - p.x[5 * ACROSS + 5][d]);
+        assert_int_equal(
+            planish_measure_surface(p.shape, &p.mesh, 1, &quality, ratio, &cells, &values, &e), 0);
+        assert_true(quality.n_inverted > 0 && quality.n_inverted == cells.all.n_inverted);
+        int64_t n = 0;
+        for (int64_t i = 0; i < p.cells.n; i++) {
+            n += states[i] == PLANISH_CELL_STATE_INVERTED;
+            assert_int_equal(states[i] == PLANISH_CELL_STATE_INVERTED, ratio[i] == 0);
+        }
+        assert_int_equal(n, quality.n_inverted);
+        assert_int_equal(planish_measure_surface(NULL, &p.mesh, 1, &quality, NULL, NULL, NULL, &e),
+                         PLANISH_ERROR_ARGUMENT);
+        const int32_t first = p.node[0];
+        p.node[0] = p.node[40];
+        assert_int_equal(
+            planish_measure_surface(p.shape, &p.mesh, 1, &quality, NULL, NULL, NULL, &e),
+            PLANISH_ERROR_ARGUMENT);
+        p.node[0] = first;
+        destroy(&p);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_quality),   cmocka_unit_test(test_plane),
-        cmocka_unit_test(test_same_bits), cmocka_unit_test(test_worst),
-        cmocka_unit_test(test_colours),   cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_stops),     cmocka_unit_test(test_sheets),
-        cmocka_unit_test(test_crossings), cmocka_unit_test(test_bad_facets),
-        cmocka_unit_test(test_floats),    cmocka_unit_test(test_refusals),
+        cmocka_unit_test(surfaces_are_measured),
+        cmocka_unit_test(test_quality),
+        cmocka_unit_test(test_plane),
+        cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_worst),
+        cmocka_unit_test(test_colours),
+        cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_stops),
+        cmocka_unit_test(test_sheets),
+        cmocka_unit_test(test_crossings),
+        cmocka_unit_test(test_bad_facets),
+        cmocka_unit_test(test_floats),
+        cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -169,6 +169,6 @@ expect_status 2 "$program" quality line.off
 expect_text "along a line"
 printf 'OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n' >space.off
 expect_status 0 "$program" smooth space.off -o out.off
-expect_text "surface in space, closed"
+grep -q "surface in space, closed" out || fail "the table says what the surface is"
 cmp space.off out.off || fail "the corners of a tetrahedron have moved"
 finish
