@@ -48,7 +48,7 @@ static inline int evaluate(const pl_star_problem *problem, int64_t index, double
     value->max = f.max;
     value->error = f.error;
     value->certain = f.certain;
-    value->size2 = derivative.size2 * (here.s.unscale * here.s.unscale);
+    value->size = sqrt(derivative.size2) * here.s.unscale;
     to_mesh(&here, &derivative, value->gradient, value->hessian);
     return f.positive;
 }

@@ -260,7 +260,7 @@ typedef struct pl_star_value {
     double error; /* relative, of both: what rounding can have done */
     int certain;  /* every element is positive beyond doubt of rounding */
     double gradient[3], hessian[6];
-    double size2; /* with derivatives: mean square distance of the node from its facets */
+    double size; /* with derivatives: RMS distance of the node from its facets */
 } pl_star_value;
 typedef int pl_star_evaluate_fn(const pl_star_problem *problem, int64_t star, double *scratch,
                                 int with_derivatives, pl_star_value *value);

@@ -216,6 +216,15 @@ static double bound_by_disc(const pl_skin_visit *v, int32_t centre, const double
                : INFINITY;
 }
 
+/** Whether a corner of a facet slides on a curve: of a planar patch, too, it may stick out there, by as much
+ *  as its other corners say. */
+static int is_at_curve(const pl_skin *skin, int32_t facet) {
+    const int32_t *corner = skin->shape->facet[facet];
+    return skin->moves[corner[0]] == PLANISH_CONSTRAINT_ON_CURVE ||
+           skin->moves[corner[1]] == PLANISH_CONSTRAINT_ON_CURVE ||
+           skin->moves[corner[2]] == PLANISH_CONSTRAINT_ON_CURVE;
+}
+
 /** Whether the facets at the node stay within their tolerance if it is at place, in trial->place: their
  *  bounds are in trial. */
 static int keeps_near(pl_skin_visit *v, const double *place, pl_skin_trial *trial) {
@@ -233,7 +242,7 @@ static int keeps_near(pl_skin_visit *v, const double *place, pl_skin_trial *tria
         const int32_t facet = v->facet[i];
         const double tolerance = skin->tolerance[facet];
         double bound = skin->bound[facet];
-        if (!(is_exact && skin->is_planar[facet]))
+        if (!is_exact || !skin->is_planar[facet] || is_at_curve(skin, facet))
             bound += move;
         if (!(bound <= tolerance) && centre >= 0)
             bound = bound_by_disc(v, centre, place, i, &frame, &own, &is_set);

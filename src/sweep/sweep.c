@@ -454,9 +454,11 @@ static void judge_plain(const optimality_pass *pass, int64_t begin, int64_t end,
             !(value.sum < INFINITY))
             continue;
         double square = 0;
-        for (int d = 0; d < plan->dim; d++)
-            square += value.gradient[d] * value.gradient[d];
-        const double residual = sqrt(square) * sqrt(value.size2) / value.sum;
+        for (int d = 0; d < plan->dim; d++) {
+            const double slope = value.gradient[d] * value.size; /* without a unit */
+            square += slope * slope;
+        }
+        const double residual = sqrt(square) / value.sum;
         sum->residual = fmax(sum->residual, residual);
         pl_sum_add(&sum->residual2, residual * residual);
         sum->n_stars++;

@@ -37,15 +37,24 @@ static inline const int32_t *fuzz_corners(const planish_mesh *mesh, int64_t elem
                        : mesh->elements + element * (mesh->dim + 1);
 }
 
+/** Not more than the corners of an element: those of a simplex of the mesh's dimension, or of a triangle in
+ *  space. */
+static inline int fuzz_count_corners(const planish_mesh *mesh, int64_t element) {
+    const int type = mesh->cells ? mesh->cells->type[element] : -1;
+    const int is_triangle = type == PLANISH_CELL_TRIANGLE || type == PLANISH_CELL_TRIANGLE6;
+    return is_triangle ? 3 : mesh->dim + 1;
+}
+
 static inline void fuzz_check_mesh(const planish_file *file) {
     planish_mesh mesh = planish_file_mesh(file);
     fuzz_require(!mesh.cells != !mesh.elements || mesh.n_elements == 0, "elements or cells");
     for (int64_t i = 0; i < mesh.n_elements; i++) {
         const int32_t *corners = fuzz_corners(&mesh, i);
         const int64_t n = mesh.cells ? mesh.cells->offset[i + 1] - mesh.cells->offset[i] : 0;
-        for (int k = 0; k <= mesh.dim; k++)
+        const int n_corners = fuzz_count_corners(&mesh, i);
+        for (int k = 0; k < n_corners; k++)
             fuzz_require(corners[k] >= 0 && corners[k] < mesh.n_nodes, "nodes in range");
-        for (int64_t k = mesh.dim + 1; k < n; k++)
+        for (int64_t k = n_corners; k < n; k++)
             fuzz_require(corners[k] >= -1 && corners[k] < mesh.n_nodes, "mids in range");
     }
     for (int64_t i = 0; i < mesh.n_nodes * mesh.dim; i++)
