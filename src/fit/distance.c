@@ -96,12 +96,7 @@ static double divide(const target *t, const double x[3][3], int turn, double kno
             bound = fmin(bound, off_facet(t, t->shape->across[near][k], x));
     if (bound <= fmax(enough, FINE * t->edge) || depth == 0)
         return fmax(bound, known);
-    for (int k = 0; k < 3; k++)
-        for (int d = 0; d < 3; d++) {
-            part[k][k][d] = x[k][d];
-            part[k][(k + 1) % 3][d] = part[(k + 1) % 3][k][d] = part[3][k][d] =
-                (x[k][d] + x[(k + 1) % 3][d]) / 2;
-        }
+    pl_quarter_triangle(x, part);
     for (int i = 0; i < 4; i++)
         known = divide(t, (const double(*)[3])part[i], turn, known, depth - 1);
     return known;

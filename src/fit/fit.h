@@ -20,7 +20,7 @@
 #include "shape/tree.h"
 #include "topology/points.h"
 
-/** What is known of a node of the surface. */
+/** A node of the surface is one of these. */
 enum {
     PL_FIT_INSIDE = 0, /* it is at no facet of the boundary */
     PL_FIT_HELD = 1,   /* the caller holds it, or an element of it does */

@@ -176,7 +176,7 @@ static void fit(const flood *w, float curve[3]) {
         curve[d] = is_fit ? (float)x[d] : 0;
 }
 
-/** What q rises between two points, twice: at most a quarter is between them. */
+/** Return twice the rise of q between two points: at most a quarter of that is between them. */
 static double bend_between(const pl_disc *disc, const pl_disc_point *a, const pl_disc_point *b) {
     const double u = b->u - a->u, v = b->v - a->v;
     return u * (disc->curve[0] * u + disc->curve[1] * v) + v * v * disc->curve[2];

@@ -11,7 +11,7 @@
 
 #include "shape/curved.h"
 
-/** What is known around a node on a patch. Lengths are in the shape's units. */
+/** A graph around a node on a patch. Lengths are in the shape's units. */
 typedef struct pl_disc {
     float curve[3];        /* q(u, v) = curve[0] u^2 + curve[1] u v + curve[2] v^2 */
     float lowest, highest; /* r of all points of the patch that are over the disc */

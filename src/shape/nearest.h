@@ -3,6 +3,7 @@
  *   pl_nearest_on_edge, pl_nearest_on_triangle     to a point
  *   pl_nearest_edges                               of two edges
  *   pl_nearest_triangles                           of two triangles
+ *   pl_quarter_triangle                            the four parts in which one is searched
  */
 #ifndef PL_SHAPE_NEAREST_H
 #define PL_SHAPE_NEAREST_H
@@ -122,6 +123,16 @@ static inline double pl_nearest_triangles(const double *const a[3], const double
             way[d] = other[d];
     }
     return best;
+}
+
+/** Divide a triangle x at the middles of its edges into four: one at each corner, and that in the middle. */
+static inline void pl_quarter_triangle(const double x[3][3], double part[4][3][3]) {
+    for (int k = 0; k < 3; k++)
+        for (int d = 0; d < 3; d++) {
+            part[k][k][d] = x[k][d];
+            part[k][(k + 1) % 3][d] = part[(k + 1) % 3][k][d] = part[3][k][d] =
+                (x[k][d] + x[(k + 1) % 3][d]) / 2;
+        }
 }
 
 #endif

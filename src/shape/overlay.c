@@ -718,7 +718,7 @@ static double to_rest_of_strip(const pl_overlay *o, int k) {
                     : by_middle(f, f->height[k] / 3, o->strip[k]);
 }
 
-/** The same of the cut around corner k, *deep in all: the shortest one to the opposite side. */
+/** Return the same of the cut around corner k, *deep in all: the shortest one to the opposite side. */
 static double to_rest_of_cut(const pl_overlay *o, int k, double *deep) {
     const pl_frame *f = &o->frame;
     const int l = (k + 1) % 3, m = (k + 2) % 3;

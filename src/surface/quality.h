@@ -8,7 +8,7 @@
 #include "shape/curved.h"
 #include "topology/points.h"
 
-/** What is measured, and where to; ratio, cells and values may be NULL (planish_measure_surface). */
+/** A surface that is measured, and where to; ratio, cells and values may be NULL (planish_measure_surface). */
 typedef struct pl_surface_measuring {
     const planish_shape *shape;
     const planish_mesh *mesh;

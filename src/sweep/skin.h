@@ -92,7 +92,7 @@ typedef struct pl_skin {
 
 enum { PL_SKIN_MID = -2 };
 
-/** Where a mid of an edge at the node of a visit may be. */
+/** A place for the mid of an edge at the node of a visit. */
 typedef struct pl_mid_trial {
     double x[3];   /* in the shape's units, as stored */
     double own[3]; /* as in pl_mids */

@@ -50,7 +50,7 @@ typedef struct pl_engine {
 /** This process, with the job's plan. */
 extern const pl_engine pl_engine_here;
 
-/** The same of a surface in space, by job->curved.shape. */
+/** An engine for a surface in space, by job->curved.shape. */
 extern const pl_engine pl_engine_of_surface;
 
 /** Find the states of all elements of mesh: state [mesh->n_elements], or NULL for their number

@@ -105,7 +105,7 @@ static void find_angles(int dim, const double *const vertex[], pl_bad_element *b
     bad->largest_angle_deg = is_known ? pl_largest_angle(&shape) * DEGREES : NAN;
 }
 
-/** The same of a triangle in space: laid out in its plane. */
+/** Find the same of a triangle in space, which is laid out in its plane. */
 static void find_angles_in_space(const double *const vertex[], pl_bad_element *bad) {
     double u[3], v[3], uu = 0, uv = 0, largest = 0;
     for (int d = 0; d < 3; d++) {
