@@ -263,7 +263,7 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
         guard->star.start = w.start = pl_alloc(values, sizeof *w.start);
         guard->star.radius = w.radius = pl_alloc(plan->work.n_nodes, sizeof *w.radius);
         memory = memory && w.start && w.radius;
-        /* Mids are bound by both of their ends (improve/curve.c), of which one may have no star. */
+        /* Mids are bound by both of their ends (improve/mend/handle.c), of which one may have no star. */
         const int by_edge = options->displacement_unit == PLANISH_UNIT_EDGE;
         for (int64_t i = 0; memory && i < plan->work.n_nodes; i++)
             w.radius[i] = by_edge ? 0 : options->max_displacement;

@@ -51,7 +51,7 @@ typedef struct pl_mids {
     int32_t (
         *end)[2]; /* [nodes of the mesh] both ends of each mid, nodes of the plan; PL_NO_MID; or
                      PL_OF_MORE and a place in more */
-    double *own;  /* [nodes of the mesh][dim] by what they have moved themselves (improve/curve.c);
+    double *own;  /* [nodes of the mesh][dim] by what they have moved themselves (improve/mend);
                     NULL: none has */
     int64_t n_more;
     int32_t (*more)[PL_CELL_CORNERS]; /* [n_more] nodes of the plan, ascending, -1 after the last */
