@@ -1,5 +1,8 @@
 /* planish_fit: bring the surface of a mesh onto another one. */
-#include "fit/fit.h"
+#include "fit/create.h"
+#include "fit/distance.h"
+#include "fit/move.h"
+#include "fit/places.h"
 
 #include "base/clock.h"
 #include "base/context.h"

@@ -1,7 +1,8 @@
 /* planish_shape: layers, regions, interfaces, and the surface that nodes may slide on. */
-#include "shape/curved.h"
+#include "shape/create.h"
 #include "shape/overlay.h"
 #include "shape/shape.h"
+#include "shape/walk.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -436,8 +437,8 @@ int planish_shape_create(const planish_mesh *mesh, const planish_surface *surfac
     if (!status && !cells)
         status = take_regions(&call, &tags.region, &taken, error);
     if (!status)
-        status =
-            pl_shape_create(&call.dense.mesh, mesh, cells, &tags, call.threads, shape, &found, error);
+        status = pl_shape_create(&call.dense.mesh, mesh, cells, &tags, call.threads, shape, &found,
+                                 error);
     pl_free(taken);
     end_call(&call);
     if (!status && info)

@@ -1,5 +1,5 @@
 /* create: the nodes of a fit, and the elements around them. */
-#include "fit/fit.h"
+#include "fit/create.h"
 
 #include "base/memory.h"
 #include "base/status.h"

@@ -4,7 +4,7 @@
  * Where the overlay says nothing, as where a feature runs over the facet or it is over too many others, the
  * facet is divided. Of a small part it is enough that no corner of it is far from one facet: the distance
  * from a triangle is convex. */
-#include "fit/fit.h"
+#include "fit/distance.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"

@@ -4,12 +4,12 @@
  * or at a corner. It goes there straight, by the largest step that keeps its elements valid. What lies
  * between such rounds, smoothing, is not done here.
  *
- *   create.c     pl_fit_create, _destroy      the nodes, and the elements around them
- *   places.c     pl_fit_find_places           the other shape's places of the nodes
+ *   create.h     pl_fit_create, _destroy      the nodes, and the elements around them
+ *   places.h     pl_fit_find_places           the other shape's places of the nodes
  *                pl_fit_project               the place near a point
- *   move.c       pl_fit_round                 a step of all nodes, and then of each
+ *   move.h       pl_fit_round                 a step of all nodes, and then of each
  *                pl_fit_arrive                which nodes are at their places
- *   distance.c   pl_fit_measure               how far the surfaces are apart, both ways
+ *   distance.h   pl_fit_measure               how far the surfaces are apart, both ways
  */
 #ifndef PL_FIT_FIT_H
 #define PL_FIT_FIT_H
@@ -71,40 +71,6 @@ struct planish_fit {
     double *cosine;     /* [n_nodes] least between its facets and direction */
     uint8_t *is_marked; /* [n_nodes] */
 };
-
-/** Make fit, whose shapes, threads and reach are set, of a mesh. Errors: _ARGUMENT (elements of order 2),
- *  _MEMORY. fit is to be destroyed in any case. */
-int pl_fit_create(const planish_mesh *mesh, planish_fit *fit, planish_error *error);
-
-/** Free the arrays of fit. */
-void pl_fit_destroy(planish_fit *fit);
-
-/** Find the places of all nodes, which are at points. Errors: _MEMORY. */
-int pl_fit_find_places(planish_fit *fit, const pl_points *points, planish_error *error);
-
-/** Bring x, in the mesh's units, to the place of a node near it, and set direction there. Returns as a
- *  planish_project_fn. */
-planish_constraint pl_fit_project(const planish_fit *fit, int32_t node, double x[3],
-                                  double direction[3]);
-
-/** Move each node that is not at its place towards it, as far as its elements stay valid and above floor, in
- *  their own size. coordinates: as points say. Returns the largest part of its way that a node has gone. */
-double pl_fit_round(planish_fit *fit, const pl_points *points, double *coordinates, double floor);
-
-/** Find which nodes are at their places. Returns how many are not; *farthest (may be NULL): of them from
- *  there, in the mesh's units. */
-int64_t pl_fit_arrive(planish_fit *fit, const pl_points *points, double *farthest);
-
-/** How far the surface of the mesh and the other one are apart. */
-typedef struct pl_fit_distance {
-    double there, back; /* no point of the mesh's surface is farther off the other one; and back */
-    double there_h, back_h; /* in mean edges of the mesh's surface */
-    int64_t n_unproved;     /* facets without a bound: their coordinates are not finite */
-} pl_fit_distance;
-
-/** Measure that of the mesh with nodes at points. Same bits on any number of threads. Errors: _MEMORY. */
-int pl_fit_measure(const planish_fit *fit, const pl_points *points, pl_fit_distance *distance,
-                   planish_error *error);
 
 /** Set x to where a node is, times scale. */
 static inline void pl_fit_at(const pl_points *points, int64_t node, double scale, double x[3]) {

@@ -2,7 +2,7 @@
  *
  * First all go at once, as thin elements with all corners on the surface ask for: where an element or facet
  * says no, its nodes go half as far. Then one after the other goes as far as its elements let it. */
-#include "fit/fit.h"
+#include "fit/move.h"
 
 #include "base/parallel.h"
 #include "geometry/simplex.h"

@@ -7,12 +7,14 @@
  *
  * Which way a patch of the other shape turns is told by the nodes near it, as the facets of a file may turn
  * any way. */
-#include "fit/fit.h"
+#include "fit/places.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
 #include "shape/nearest.h"
+#include "shape/pn.h"
+#include "shape/walk.h"
 
 #include <string.h>
 

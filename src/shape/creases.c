@@ -1,8 +1,9 @@
 /* creases: the edges that are features by their bend alone. docs/surfaces.md has the rules. */
+#include "shape/creases.h"
+
 #include "base/memory.h"
 #include "base/status.h"
 #include "geometry/arc_cosine.h"
-#include "shape/features.h"
 
 #include <stdlib.h>
 #include <string.h>

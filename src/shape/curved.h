@@ -8,12 +8,13 @@
  * Facets of second order are four triangles each, between corners and mids; bend says how far the
  * curved facet is off them.
  *
- *   curved.c     pl_shape_create, _destroy         all of it; features.h has the steps
+ *   here         pl_corner_at, pl_edge_of          corners and edges of facets
  *                pl_shape_star                     facets that change with a node
  *                pl_bend_of, pl_whole_way          how far a facet of second order is off its triangles;
  *                                                  how far its points go
- *   pn.c         pl_shape_point                    a place in space
- *   walk.c       pl_shape_walk                     the place that is nearest
+ *   create.h     pl_shape_create, _destroy         all of it
+ *   pn.h         pl_shape_point                    a place in space
+ *   walk.h       pl_shape_walk                     the place that is nearest
  *                pl_shape_first_place              the place where a node was first
  */
 #ifndef PL_SHAPE_CURVED_H
@@ -75,14 +76,11 @@ static inline const double *pl_corner_normal(const planish_shape *shape, int32_t
     return shape->corner_normal[first + i];
 }
 
-/** Make the shape of mesh, in space, whose coordinates are dense. cells: elements, and tags->region goes
- *  by them; NULL: those of mesh, and given, the caller's mesh, may have their mids. Errors: _MEMORY. */
-int pl_shape_create(const planish_mesh *mesh, const planish_mesh *given, const planish_cells *cells,
-                    const planish_surface *tags, int threads, planish_shape **shape,
-                    planish_shape_info *info, planish_error *error);
-
-/** Free shape; NULL is allowed. */
-void pl_shape_destroy(planish_shape *shape);
+/** Return the corner of a facet at node. */
+static inline int pl_corner_at(const planish_shape *shape, int32_t facet, int32_t node) {
+    const int32_t *v = shape->facet[facet];
+    return v[0] == node ? 0 : v[1] == node ? 1 : 2;
+}
 
 /** Return where the edge with nodes a and b of a facet [3] begins. */
 static inline int pl_edge_of(const int32_t *facet, int32_t a, int32_t b) {
@@ -136,19 +134,5 @@ typedef struct pl_place {
     int32_t at;       /* facet, or edge */
     double weight[3]; /* of its corners, at least 0, together 1; of an edge the first two */
 } pl_place;
-
-/** Set place to the nearest one to point, on straight triangles or edges, on the way from place->at
- *  downhill: never across a feature; of a curve never beyond its corners. node_class: of the node whose
- *  place it is. Returns the distance. */
-double pl_shape_walk(const planish_shape *shape, int node_class, const double point[3],
-                     pl_place *place);
-
-/** Return the place where a node was first; of a corner at is -1. */
-pl_place pl_shape_first_place(const planish_shape *shape, int32_t node);
-
-/** Compute where a place is: on the PN triangle with its unit normal, or on the cubic arc with its
- *  unit tangent. */
-void pl_shape_point(const planish_shape *shape, int node_class, const pl_place *place,
-                    double point[3], double direction[3]);
 
 #endif

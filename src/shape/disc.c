@@ -6,8 +6,6 @@
  */
 #include "shape/disc.h"
 
-#include "shape/features.h"
-
 #include <math.h>
 
 enum { MOST_FACETS = 64 };

@@ -10,6 +10,7 @@
 #include "shape/nearest.h"
 #include "shape/overlay.h"
 #include "shape/tree.h"
+#include "shape/walk.h"
 
 #include <string.h>
 

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "shape/creases.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -22,6 +22,7 @@
  */
 #include "shape/nearest.h"
 #include "shape/overlay.h"
+#include "shape/walk.h"
 
 #include <string.h>
 

@@ -1,5 +1,6 @@
 /* walk: from a place on a shape to the nearest one to a point, over straight triangles or edges. */
-#include "shape/features.h"
+#include "shape/walk.h"
+
 #include "shape/nearest.h"
 
 #include <string.h>

@@ -35,8 +35,9 @@
 #define PL_SWEEP_SKIN_H
 
 #include "plan/plan.h"
-#include "shape/curved.h"
 #include "shape/disc.h"
+#include "shape/pn.h"
+#include "shape/walk.h"
 #include "sweep/watch.h"
 
 /** A smooth edge bends by 40 degrees at most: the cosine. */

@@ -2,7 +2,8 @@
 #include "support/meshes.h"
 #include "support/surfaces.h"
 
-#include "shape/curved.h"
+#include "shape/pn.h"
+#include "shape/walk.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,5 +1,6 @@
 #include "support/sheets.h"
 
+#include "shape/walk.h"
 #include "support/effort.h"
 
 #include <setjmp.h>

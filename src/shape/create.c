@@ -1,9 +1,10 @@
-/* curved: make a shape of the facets of a mesh, and free it. */
-#include "shape/curved.h"
+/* create: make a shape of the facets of a mesh, and free it. */
+#include "shape/create.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "shape/bend.h"
 #include "shape/features.h"
 #include "topology/points.h"
 

@@ -1,0 +1,15 @@
+/* move: rounds of steps towards the places. */
+#ifndef PL_FIT_MOVE_H
+#define PL_FIT_MOVE_H
+
+#include "fit/fit.h"
+
+/** Move each node that is not at its place towards it, as far as its elements stay valid and above floor, in
+ *  their own size. coordinates: as points say. Returns the largest part of its way that a node has gone. */
+double pl_fit_round(planish_fit *fit, const pl_points *points, double *coordinates, double floor);
+
+/** Find which nodes are at their places. Returns how many are not; *farthest (may be NULL): of them from
+ *  there, in the mesh's units. */
+int64_t pl_fit_arrive(planish_fit *fit, const pl_points *points, double *farthest);
+
+#endif
