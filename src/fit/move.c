@@ -32,12 +32,13 @@ typedef struct batch {
 static void gather(const planish_fit *fit, const pl_points *points, int32_t element, batch *b) {
     const pl_fit_element *e = &fit->element[element];
     const int n = fit->rule[e->type]->type->shape->n_corners;
-    double *to = b->x[b->n], low[3], high[3], longest = 0;
+    double *to = b->x[b->n], longest = 0;
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (int k = 0; k < n; k++) {
         pl_fit_at(points, e->node[k], fit->own->scale, to + 3 * k);
         for (int d = 0; d < 3; d++) {
-            low[d] = k > 0 ? fmin(low[d], to[3 * k + d]) : to[d];
-            high[d] = k > 0 ? fmax(high[d], to[3 * k + d]) : to[d];
+            low[d] = fmin(low[d], to[3 * k + d]);
+            high[d] = fmax(high[d], to[3 * k + d]);
         }
     }
     for (int d = 0; d < 3; d++)

@@ -315,15 +315,16 @@ static void set_place(planish_fit *fit, int32_t node, int kind, int32_t at, cons
     pl_nearest_on_triangle(x, corner, place->weight);
 }
 
-/** Find the edge of a curve where a node belongs; -1: there is none. */
-static int32_t find_edge(const finding *g, int32_t node, search *s, double x[3]) {
+/** Find the edge of a curve where a node, which is set to x, belongs; -1: there is none. *n_ways: edges of
+ *  its own curves. */
+static int32_t find_edge(const finding *g, int32_t node, int *n_ways, double x[3]) {
     const planish_fit *fit = g->fit;
     double way[MOST_WAYS][3], normal[3];
     double square = reach_of_features(g, node, x);
-    s->way = (const double(*)[3])way;
-    s->n_ways =
+    *n_ways =
         fit->own->node_class[node] == PL_ON_PATCH ? 0 : ways_at(fit->own, &g->features, node, way);
-    const int32_t at = s->n_ways > 0 ? nearest(&fit->edges, x, square_of_edge, s, &square) : -1;
+    const search s = {.fit = fit, .way = (const double(*)[3])way, .n_ways = *n_ways};
+    const int32_t at = *n_ways > 0 ? nearest(&fit->edges, x, square_of_edge, &s, &square) : -1;
     if (at < 0 || !normal_at(fit->own, node, normal))
         return at;
     const double off = sqrt(square) - CURVE_EDGES * fit->own->edge_length[node] / fit->to_own;
@@ -336,21 +337,24 @@ static int32_t find_edge(const finding *g, int32_t node, search *s, double x[3])
 static void find_place(const finding *g, int32_t node) {
     planish_fit *fit = g->fit;
     double x[3], normal[3];
-    search s = {.fit = fit, .patch = -1, .alike = ALIKE};
-    int32_t at = find_edge(g, node, &s, x);
+    int n_ways;
+    int32_t at = find_edge(g, node, &n_ways, x);
     if (at >= 0) {
         set_place(fit, node, PL_ON_CURVE, at, x);
         fit->slides[node] = fit->own->node_class[node] == PL_ON_CURVE;
         return;
     }
     double square = reach_of(g, node, x);
-    s.normal = normal_at(fit->own, node, normal) ? normal : NULL;
+    const search s = {.fit = fit,
+                      .patch = -1,
+                      .normal = normal_at(fit->own, node, normal) ? normal : NULL,
+                      .alike = ALIKE};
     at = nearest(&fit->facets, x, square_of_facet, &s, &square);
     if (at >= 0)
         set_place(fit, node, PL_ON_PATCH, at, x);
     else
         fit->state[node] = PL_FIT_FAR;
-    fit->slides[node] = at >= 0 && s.n_ways == 0;
+    fit->slides[node] = at >= 0 && n_ways == 0;
 }
 
 static void set_goal(planish_fit *fit, int32_t node) {

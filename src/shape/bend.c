@@ -138,9 +138,9 @@ static int has_one_normal(const pl_features *w, int32_t node) {
     const int32_t *at = s->facet_of + s->offset[node];
     const double *first = w->corner_normal[at[0]][pl_corner_at(s, at[0], node)];
     for (int64_t i = 1; i < s->offset[node + 1] - s->offset[node]; i++)
-        if (memcmp(w->corner_normal[at[i]][pl_corner_at(s, at[i], node)], first,
-                   3 * sizeof *first) != 0)
-            return 0;
+        for (int d = 0; d < 3; d++)
+            if (w->corner_normal[at[i]][pl_corner_at(s, at[i], node)][d] != first[d])
+                return 0;
     return 1;
 }
 

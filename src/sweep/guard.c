@@ -115,7 +115,7 @@ static int64_t mark_edges(const bounding *w, int64_t s) {
     const pl_link link =
         pl_link_at(&stars->link, pl_link_positions(dim, stars->form != NULL), facet);
     int64_t n_edges = 0;
-    if (!w->is_edge)
+    if (!w->is_edge || !stars->form)
         return n;
     for (int64_t i = 0; i < n_facets; i++) {
         const uint8_t code = stars->form[facet + i];

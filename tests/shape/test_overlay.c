@@ -320,7 +320,7 @@ static void a_disc_ends_at_a_border(void **unused) {
         pl_disc_find(s, node, &disc);
         const double x = s->x[node][0] / s->scale, y = s->x[node][1] / s->scale;
         const double to_border = fmin(fmin(x, 4 - x), fmin(y + 2, 2 - y));
-        const double radius = sqrt(disc.radius2) / s->scale;
+        const double radius = sqrt((double)disc.radius2) / s->scale;
         assert_true(radius <= to_border && radius >= fmin(to_border, 1.5) * (1 - 1e-5));
         assert_true(disc.highest - disc.lowest < 1e-9 * s->scale);
     }
@@ -353,7 +353,7 @@ static void a_fold_under_a_triangle_is_noticed(void **unused) {
     pl_disc disc;
     pl_disc_find(s, 2 * ROW + 2,
                  &disc); /* at x = 2, y = 0 the sheet goes on to 2.4, and back below */
-    const double radius = sqrt(disc.radius2) / s->scale;
+    const double radius = sqrt((double)disc.radius2) / s->scale;
     assert_true(radius > 0.1 && radius < 0.5);
     planish_shape_destroy(s);
 }
