@@ -631,9 +631,33 @@ static void surfaces_are_measured(void **state) {
     }
 }
 
+/** Whichever allocation of a measurement fails, the call says so, and without failure nothing is different. */
+static void measurement_without_memory_says_so(void **state) {
+    static patchwork p;
+    planish_quality quality, same;
+    planish_cell_quality cells;
+    planish_error e;
+    int n = 0;
+    (void)state;
+    make(&p, TUBE, 1, 0.4);
+    assert_int_equal(planish_measure_surface(p.shape, &p.mesh, 1, &quality, NULL, &cells, NULL, &e),
+                     0);
+    for (int status = 1; status; n++) {
+        allocations_fail_one(n);
+        status = planish_measure_surface(p.shape, &p.mesh, 1, &same, NULL, &cells, NULL, &e);
+        assert_int_equal(status, allocations_failed() ? PLANISH_ERROR_MEMORY : 0);
+    }
+    allocations_permit(-1);
+    assert_true(n > 10);
+    assert_true(same.total_volume == quality.total_volume);
+    assert_true(same.max_radius_ratio == quality.max_radius_ratio);
+    destroy(&p);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(surfaces_are_measured),
+        cmocka_unit_test(measurement_without_memory_says_so),
         cmocka_unit_test(test_quality),
         cmocka_unit_test(test_plane),
         cmocka_unit_test(test_same_bits),
