@@ -296,43 +296,49 @@ static void say(const char *what, const block *b, const outcome *o) {
            o->distance.in_edges, o->distance.distance_back, o->distance.back_in_edges);
 }
 
-static void test_ball(void **state) {
-    (void)state;
+/** A block, a sheet that it is fitted to, and the outcome. */
+typedef struct fitted {
     block b;
     sheet fine;
     outcome o;
+} fitted;
+
+/** Fit the block, on one thread, and smooth it: nothing is inverted. */
+static void fit_one(const char *what, double reach, fitted *t) {
     const planish_options options = test_options(1);
-    make_block(1, BOX_HEXAHEDRA, FORM_BALL, 6, 0.95, 0.02, &(uint64_t){effort_seed(3)}, &b);
-    make_sheet(FORM_BALL, 24, 1, 1, &fine);
-    fit(&b, &fine, 0, &options, &o);
-    say("ball of tetrahedra", &b, &o);
-    assert_int_equal(count_inverted(&b.mesh, o.x), 0);
-    assert_int_equal(count_inverted(&b.mesh, o.smoothed), 0);
-    assert_int_equal(o.after.n_off, 0);
-    assert_true(farthest_node(&b, FORM_BALL, o.x) < 2e-3);
-    assert_true(farthest_node(&b, FORM_BALL, o.smoothed) < 2e-3);
-    free_outcome(&o);
-    free_block(&b);
-    free_sheet(&fine);
+    fit(&t->b, &t->fine, reach, &options, &t->o);
+    say(what, &t->b, &t->o);
+    assert_int_equal(count_inverted(&t->b.mesh, t->o.x), 0);
+    assert_int_equal(count_inverted(&t->b.mesh, t->o.smoothed), 0);
+}
+
+static void free_fitted(fitted *t) {
+    free_outcome(&t->o);
+    free_block(&t->b);
+    free_sheet(&t->fine);
+}
+
+static void test_ball(void **state) {
+    (void)state;
+    fitted t;
+    make_block(1, BOX_HEXAHEDRA, FORM_BALL, 6, 0.95, 0.02, &(uint64_t){effort_seed(3)}, &t.b);
+    make_sheet(FORM_BALL, 24, 1, 1, &t.fine);
+    fit_one("ball of tetrahedra", 0, &t);
+    assert_int_equal(t.o.after.n_off, 0);
+    assert_true(farthest_node(&t.b, FORM_BALL, t.o.x) < 2e-3);
+    assert_true(farthest_node(&t.b, FORM_BALL, t.o.smoothed) < 2e-3);
+    free_fitted(&t);
 }
 
 static void test_cylinder(void **state) {
     (void)state;
-    block b;
-    sheet fine;
-    outcome o;
-    const planish_options options = test_options(1);
-    make_block(0, BOX_HEXAHEDRA, FORM_CYLINDER, 6, 1, 0.02, &(uint64_t){effort_seed(3)}, &b);
-    make_sheet(FORM_CYLINDER, 24, 1, 0, &fine);
-    fit(&b, &fine, 0, &options, &o);
-    say("cylinder of hexahedra", &b, &o);
-    assert_int_equal(count_inverted(&b.mesh, o.x), 0);
-    assert_int_equal(count_inverted(&b.mesh, o.smoothed), 0);
-    assert_int_equal(o.after.n_off, 0);
-    assert_true(farthest_node(&b, FORM_CYLINDER, o.x) < 4e-3);
-    free_outcome(&o);
-    free_block(&b);
-    free_sheet(&fine);
+    fitted t;
+    make_block(0, BOX_HEXAHEDRA, FORM_CYLINDER, 6, 1, 0.02, &(uint64_t){effort_seed(3)}, &t.b);
+    make_sheet(FORM_CYLINDER, 24, 1, 0, &t.fine);
+    fit_one("cylinder of hexahedra", 0, &t);
+    assert_int_equal(t.o.after.n_off, 0);
+    assert_true(farthest_node(&t.b, FORM_CYLINDER, t.o.x) < 4e-3);
+    free_fitted(&t);
 }
 
 /** Number of elements that are inverted if each node of the surface goes to the nearest point of a ball. */
@@ -355,55 +361,40 @@ static int64_t count_after_projection(const block *b, double radius) {
 /** Plain projection inverts hexahedra: the fit does not, and comes as far. */
 static void test_block_onto_ball(void **state) {
     (void)state;
-    block b;
-    sheet fine;
-    outcome o;
-    const planish_options options = test_options(1);
-    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 6, 0.8, 0, &(uint64_t){effort_seed(3)}, &b);
-    make_sheet(FORM_BALL, 16, 0.5, 0, &fine);
-    fit(&b, &fine, 5, &options, &o);
-    say("block onto a ball", &b, &o);
-    assert_true(count_after_projection(&b, 0.5) > 0);
-    assert_int_equal(count_inverted(&b.mesh, o.x), 0);
-    assert_int_equal(count_inverted(&b.mesh, o.smoothed), 0);
-    assert_int_equal(o.after.n_off, 0);
-    free_outcome(&o);
-    free_block(&b);
-    free_sheet(&fine);
+    fitted t;
+    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 6, 0.8, 0, &(uint64_t){effort_seed(3)}, &t.b);
+    make_sheet(FORM_BALL, 16, 0.5, 0, &t.fine);
+    fit_one("block onto a ball", 5, &t);
+    assert_true(count_after_projection(&t.b, 0.5) > 0);
+    assert_int_equal(t.o.after.n_off, 0);
+    free_fitted(&t);
 }
 
 /** Nodes inside are held, and no more is possible than they allow. */
 static void test_not_there(void **state) {
     (void)state;
-    block b;
-    sheet fine;
-    outcome o;
-    const planish_options options = test_options(1);
-    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 6, 0.8, 0, &(uint64_t){effort_seed(3)}, &b);
-    make_sheet(FORM_BALL, 16, 0.75, 0, &fine);
-    uint8_t *constraint = malloc((size_t)b.mesh.n_nodes);
-    uint8_t *class_of = malloc((size_t)b.mesh.n_nodes);
-    planish_shape_get_classes(b.shape, class_of);
-    for (int64_t i = 0; i < b.mesh.n_nodes; i++)
+    fitted t;
+    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 6, 0.8, 0, &(uint64_t){effort_seed(3)}, &t.b);
+    make_sheet(FORM_BALL, 16, 0.75, 0, &t.fine);
+    uint8_t *constraint = malloc((size_t)t.b.mesh.n_nodes);
+    uint8_t *class_of = malloc((size_t)t.b.mesh.n_nodes);
+    planish_shape_get_classes(t.b.shape, class_of);
+    for (int64_t i = 0; i < t.b.mesh.n_nodes; i++)
         constraint[i] =
             class_of[i] == PLANISH_SHAPE_NONE ? PLANISH_CONSTRAINT_FIXED : PLANISH_CONSTRAINT_FREE;
-    b.mesh.constraint = constraint;
-    fit(&b, &fine, 5, &options, &o);
-    say("block whose inside is held", &b, &o);
-    assert_int_equal(count_inverted(&b.mesh, o.x), 0);
-    assert_true(o.after.n_off > 0 && o.after.n_off < o.before.n_off);
-    assert_true(o.after.farthest > 0.1 && o.after.farthest < o.before.farthest);
-    for (int64_t i = 0; i < b.mesh.n_nodes; i++)
+    t.b.mesh.constraint = constraint;
+    fit_one("block whose inside is held", 5, &t);
+    assert_true(t.o.after.n_off > 0 && t.o.after.n_off < t.o.before.n_off);
+    assert_true(t.o.after.farthest > 0.1 && t.o.after.farthest < t.o.before.farthest);
+    for (int64_t i = 0; i < t.b.mesh.n_nodes; i++)
         if (constraint[i] == PLANISH_CONSTRAINT_FIXED)
-            assert_memory_equal(o.x + 3 * i, b.given + 3 * i, 3 * sizeof *o.x);
+            assert_memory_equal(t.o.x + 3 * i, t.b.given + 3 * i, 3 * sizeof *t.o.x);
     /* The certificate knows of what is not there. */
-    assert_true(o.distance.distance > 0.99 * o.after.farthest);
-    assert_true(o.distance.distance_back > 0);
+    assert_true(t.o.distance.distance > 0.99 * t.o.after.farthest);
+    assert_true(t.o.distance.distance_back > 0);
     free(constraint);
     free(class_of);
-    free_outcome(&o);
-    free_block(&b);
-    free_sheet(&fine);
+    free_fitted(&t);
 }
 
 /** Whether no other tetrahedron has the facet that is opposite to a corner. */
@@ -423,37 +414,32 @@ static int is_boundary(const planish_mesh *mesh, int64_t element, int corner) {
 /** The distance is not below samples of it, nor far above. */
 static void test_certificate(void **state) {
     (void)state;
-    block b;
-    sheet fine;
-    outcome o;
-    const planish_options options = test_options(1);
-    make_block(1, BOX_HEXAHEDRA, FORM_BALL, 5, 0.95, 0.02, &(uint64_t){effort_seed(3)}, &b);
-    make_sheet(FORM_BALL, 32, 1, 0, &fine);
-    fit(&b, &fine, 0, &options, &o);
+    fitted t;
+    make_block(1, BOX_HEXAHEDRA, FORM_BALL, 5, 0.95, 0.02, &(uint64_t){effort_seed(3)}, &t.b);
+    make_sheet(FORM_BALL, 32, 1, 0, &t.fine);
+    fit_one("ball whose bound is sampled", 0, &t);
     uint64_t random = effort_seed(5);
     const double sag = 2e-3; /* of the other surface, at most */
     double most = 0;
-    for (int64_t i = 0; i < 4 * b.mesh.n_elements; i++) {
-        const int32_t *node = b.mesh.elements + i / 4 * 4;
-        for (int n = 0; n < 50 && is_boundary(&b.mesh, i / 4, (int)(i % 4)); n++) {
+    for (int64_t i = 0; i < 4 * t.b.mesh.n_elements; i++) {
+        const int32_t *node = t.b.mesh.elements + i / 4 * 4;
+        for (int n = 0; n < 50 && is_boundary(&t.b.mesh, i / 4, (int)(i % 4)); n++) {
             double w[3] = {random_unit(&random), random_unit(&random), random_unit(&random)};
             double square = 0;
             for (int d = 0; d < 3; d++) {
                 double x = 0;
                 for (int k = 0; k < 3; k++)
                     x += w[k] / (w[0] + w[1] + w[2]) *
-                         o.smoothed[3 * (int64_t)node[(i % 4 + 1 + k) % 4] + d];
+                         t.o.smoothed[3 * (int64_t)node[(i % 4 + 1 + k) % 4] + d];
                 square += x * x;
             }
             most = fmax(most, fabs(1 - sqrt(square)));
         }
     }
-    figure("certificate: %.4g sampled, %.4g bound", most, o.distance.distance);
-    assert_true(most < o.distance.distance + sag);
-    assert_true(most > 0.8 * o.distance.distance);
-    free_outcome(&o);
-    free_block(&b);
-    free_sheet(&fine);
+    figure("certificate: %.4g sampled, %.4g bound", most, t.o.distance.distance);
+    assert_true(most < t.o.distance.distance + sag);
+    assert_true(most > 0.8 * t.o.distance.distance);
+    free_fitted(&t);
 }
 
 /** The bits are the same for two threads. */

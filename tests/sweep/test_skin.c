@@ -179,23 +179,47 @@ static void nodes_across_an_edge_have_two_colours(void **state) {
     round_destroy(&m);
 }
 
-/** Begin a run on a plan with m's shape. */
-static pl_run begin_run(round_mesh *m, planish_plan **plan, double *coordinates,
-                        planish_result *result) {
-    assert_int_equal(planish_plan_create(&m->mesh, &m->options, plan, NULL), 0);
-    pl_context_enter((*plan)->context);
-    pl_run r = {.plan = *plan,
-                .coordinates = coordinates,
-                .options = &m->options,
-                .accelerate = pl_run_accelerate,
-                .result = result};
-    return r;
+/** A run on the barrel that is begun. */
+typedef struct round_run {
+    round_mesh m;
+    planish_plan *plan;
+    planish_result result;
+    double *coordinates;
+    pl_run r;
+} round_run;
+
+/** Begin a run; tolerance in edges, 0: the default. */
+static void begin_run(round_run *t, int threads, double tolerance) {
+    *t = (round_run){.plan = NULL};
+    round_create(&t->m, threads);
+    if (tolerance > 0)
+        t->m.options.surface_tolerance = tolerance;
+    t->coordinates = test_copy_of(&t->m.mesh);
+    assert_int_equal(planish_plan_create(&t->m.mesh, &t->m.options, &t->plan, NULL), 0);
+    pl_context_enter(t->plan->context);
+    t->r = (pl_run){.plan = t->plan,
+                    .coordinates = t->coordinates,
+                    .options = &t->m.options,
+                    .accelerate = pl_run_accelerate,
+                    .result = &t->result};
+    assert_int_equal(pl_run_begin(&t->r, NULL), 0);
 }
 
-static void end_run(pl_run *r) {
-    pl_run_destroy(r);
+static void end_run(round_run *t) {
+    pl_run_destroy(&t->r);
     pl_context_enter(NULL);
-    planish_plan_destroy(r->plan);
+    planish_plan_destroy(t->plan);
+    free(t->coordinates);
+    round_destroy(&t->m);
+}
+
+/** The first node on a patch; *x: its coordinates in the plan. */
+static int64_t node_on_patch(const round_run *t, double **x) {
+    int64_t node = 0;
+    while (t->m.constraint[node] != PLANISH_CONSTRAINT_ON_PATCH)
+        node++;
+    *x = t->plan->scratch.coordinates + 3 * (int64_t)t->plan->inner[node];
+    return node;
 }
 
 /** No sampled point of a facet is farther from its patch than its bound says. Returns the largest part of
@@ -223,26 +247,19 @@ static double check_bounds(const pl_skin *skin, const sheet_judge *judge) {
 
 static void bounds_hold_after_every_sweep(void **state) {
     (void)state;
-    round_mesh m;
-    planish_plan *plan;
-    planish_result result = {0};
-    round_create(&m, 2);
-    double *coordinates = test_copy_of(&m.mesh);
-    pl_run r = begin_run(&m, &plan, coordinates, &result);
-    assert_int_equal(pl_run_begin(&r, NULL), 0);
-    const sheet_judge judge = sheet_judge_create(m.shape, (const double(*)[3])m.shape->x);
+    round_run t;
+    begin_run(&t, 2, 0);
+    const sheet_judge judge = sheet_judge_create(t.m.shape, (const double(*)[3])t.m.shape->x);
     double most = 0;
     for (int i = 0; i < 6; i++) {
         int64_t visits;
-        assert_int_equal(pl_run_sweep(&r, &visits), 0);
-        most = fmax(most, check_bounds(&r.skin, &judge));
+        assert_int_equal(pl_run_sweep(&t.r, &visits), 0);
+        most = fmax(most, check_bounds(&t.r.skin, &judge));
     }
     assert_true(most > 0.5 && most <= 1); /* it was not in vain */
-    assert_int_equal(pl_skin_check(&r.skin), 0);
+    assert_int_equal(pl_skin_check(&t.r.skin), 0);
     sheet_judge_destroy((sheet_judge *)&judge);
-    end_run(&r);
-    free(coordinates);
-    round_destroy(&m);
+    end_run(&t);
 }
 
 /** Let a visit of a star, as it would be in a sweep, bring its node near to point, in the mesh's units.
@@ -263,138 +280,105 @@ static double visit_to(pl_skin *skin, int64_t star, const double point[3]) {
 
 static void visits_go_no_farther_than_seven_tenths(void **state) {
     (void)state;
-    round_mesh m;
-    planish_plan *plan;
-    planish_result result = {0};
-    round_create(&m, 1);
-    m.options.surface_tolerance = 100;
-    double *coordinates = test_copy_of(&m.mesh), most = 0;
-    pl_run r = begin_run(&m, &plan, coordinates, &result);
-    assert_int_equal(pl_run_begin(&r, NULL), 0);
+    round_run t;
+    double most = 0;
+    begin_run(&t, 1, 100);
     int64_t n = 0;
-    for (int64_t s = 0; s < r.skin.n_stars; s++)
+    for (int64_t s = 0; s < t.r.skin.n_stars; s++)
         for (int k = 0; k < 8; k++) {
-            const int32_t node = r.skin.node[s];
+            const int32_t node = t.r.skin.node[s];
             double to[3], was[3];
-            if (node < 0 || r.skin.moves[node] < PLANISH_CONSTRAINT_ON_PATCH)
+            if (node < 0 || t.r.skin.moves[node] < PLANISH_CONSTRAINT_ON_PATCH)
                 continue;
-            memcpy(was, pl_skin_at(&r.skin, node), sizeof was);
+            memcpy(was, pl_skin_at(&t.r.skin, node), sizeof was);
             memcpy(to, was, sizeof to);
-            const double far = (0.8 + 0.05 * k) * m.shape->edge_length[node] / m.shape->scale;
+            const double far = (0.8 + 0.05 * k) * t.m.shape->edge_length[node] / t.m.shape->scale;
             to[2] += k % 2 ? far : -far;
-            const double went = visit_to(&r.skin, s, to);
+            const double went = visit_to(&t.r.skin, s, to);
             most = fmax(most, went);
             n += went > 0.1;
-            visit_to(&r.skin, s, was);
+            visit_to(&t.r.skin, s, was);
         }
     assert_true(n > 100 && most > 0.6 && most < 0.72);
-    end_run(&r);
-    free(coordinates);
-    round_destroy(&m);
+    end_run(&t);
 }
 
 static void facets_turn_by_sixty_degrees_at_most(void **state) {
     (void)state;
-    round_mesh m;
-    planish_plan *plan;
-    planish_result result = {0};
-    round_create(&m, 1);
-    m.options.surface_tolerance = 100;
-    double *coordinates = test_copy_of(&m.mesh), least = 1;
-    pl_run r = begin_run(&m, &plan, coordinates, &result);
-    assert_int_equal(pl_run_begin(&r, NULL), 0);
+    round_run t;
+    double least = 1;
+    begin_run(&t, 1, 100);
     for (int step = 0; step < 120; step++) /* all around the axis, by a degree */
-        for (int64_t s = 0; s < r.skin.n_stars; s++) {
-            const int32_t node = r.skin.node[s];
+        for (int64_t s = 0; s < t.r.skin.n_stars; s++) {
+            const int32_t node = t.r.skin.node[s];
             double to[3];
-            if (node < 0 || r.skin.moves[node] != PLANISH_CONSTRAINT_ON_PATCH)
+            if (node < 0 || t.r.skin.moves[node] != PLANISH_CONSTRAINT_ON_PATCH)
                 continue;
-            memcpy(to, pl_skin_at(&r.skin, node), sizeof to);
+            memcpy(to, pl_skin_at(&t.r.skin, node), sizeof to);
             const double x = to[0], y = to[1];
             to[0] = x - 0.0175 * y;
             to[1] = y + 0.0175 * x;
-            visit_to(&r.skin, s, to);
+            visit_to(&t.r.skin, s, to);
         }
-    for (int64_t t = 0; t < m.shape->n_facets; t++) {
+    for (int64_t f = 0; f < t.m.shape->n_facets; f++) {
         double x[3][3], a[3], b[3], normal[3];
         for (int j = 0; j < 3; j++)
-            pl_skin_place_of(&r.skin, m.shape->facet[t][j], x[j]);
+            pl_skin_place_of(&t.r.skin, t.m.shape->facet[f][j], x[j]);
         pl_from_to(3, x[0], x[1], a);
         pl_from_to(3, x[0], x[2], b);
         pl_cross(a, b, normal);
-        least = fmin(least, pl_dot(3, normal, m.shape->normal[t]) / pl_length(normal));
+        least = fmin(least, pl_dot(3, normal, t.m.shape->normal[f]) / pl_length(normal));
     }
     assert_true(least >= 0.5 - 1e-12 && least < 0.55); /* they did turn */
-    end_run(&r);
-    free(coordinates);
-    round_destroy(&m);
+    end_run(&t);
 }
 
 static void nodes_that_are_moved_otherwise_are_noticed(void **state) {
     (void)state;
-    round_mesh m;
-    planish_plan *plan;
-    planish_result result = {0};
-    round_create(&m, 1);
-    double *coordinates = test_copy_of(&m.mesh);
-    pl_run r = begin_run(&m, &plan, coordinates, &result);
-    assert_int_equal(pl_run_begin(&r, NULL), 0);
+    round_run t;
+    begin_run(&t, 1, 0);
     int64_t visits;
-    pl_run_sweep(&r, &visits);
-    void *saved = pl_skin_save(&r.skin);
-    int64_t node = 0;
-    while (m.constraint[node] != PLANISH_CONSTRAINT_ON_PATCH)
-        node++;
-    double *x = plan->scratch.coordinates + 3 * (int64_t)plan->inner[node], was[3];
+    pl_run_sweep(&t.r, &visits);
+    void *saved = pl_skin_save(&t.r.skin);
+    double *x, was[3];
+    const int64_t node = node_on_patch(&t, &x);
     memcpy(was, x, sizeof was);
     for (int d = 0; d < 2; d++)
         x[d] *= 1.2;
-    assert_true(pl_skin_follow(&r.skin) > 0);
+    assert_true(pl_skin_follow(&t.r.skin) > 0);
     memcpy(x, was, sizeof was);
-    pl_skin_restore(&r.skin, saved);
-    assert_int_equal(pl_skin_follow(&r.skin), 0);
+    pl_skin_restore(&t.r.skin, saved);
+    assert_int_equal(pl_skin_follow(&t.r.skin), 0);
     for (int d = 0; d < 2; d++)
         x[d] *= 1.2;
-    assert_true(pl_skin_put_back(&r.skin, r.given) > 0);
-    assert_memory_equal(x, r.given + 3 * node, sizeof was);
-    pl_plan_order(plan, r.given, plan->scratch.coordinates);
-    assert_int_equal(pl_skin_follow(&r.skin), 0);
-    for (int64_t t = 0; t < m.shape->n_facets; t++)
-        assert_true(!(r.skin.bound[t] > 0));
+    assert_true(pl_skin_put_back(&t.r.skin, t.r.given) > 0);
+    assert_memory_equal(x, t.r.given + 3 * node, sizeof was);
+    pl_plan_order(t.plan, t.r.given, t.plan->scratch.coordinates);
+    assert_int_equal(pl_skin_follow(&t.r.skin), 0);
+    for (int64_t f = 0; f < t.m.shape->n_facets; f++)
+        assert_true(!(t.r.skin.bound[f] > 0));
     pl_free(saved);
-    end_run(&r);
-    free(coordinates);
-    round_destroy(&m);
+    end_run(&t);
 }
 
 /** Nodes that go back alone may leave a smooth edge sharp: the nodes there go back, too. */
 static void nodes_at_edges_that_became_sharp_go_back(void **state) {
     (void)state;
-    round_mesh m;
-    planish_plan *plan;
-    planish_result result = {0};
-    round_create(&m, 1);
-    m.options.surface_tolerance = 100; /* nothing is too far off */
-    double *coordinates = test_copy_of(&m.mesh);
-    pl_run r = begin_run(&m, &plan, coordinates, &result);
-    assert_int_equal(pl_run_begin(&r, NULL), 0);
-    assert_int_equal(pl_skin_check_bends(&r.skin, r.given), 0);
-    assert_int_equal(pl_skin_put_back(&r.skin, r.given), 0);
-    int64_t node = 0;
-    while (m.constraint[node] != PLANISH_CONSTRAINT_ON_PATCH)
-        node++;
-    double *x = plan->scratch.coordinates + 3 * (int64_t)plan->inner[node], was[3];
+    round_run t;
+    begin_run(&t, 1, 100);
+    assert_int_equal(pl_skin_check_bends(&t.r.skin, t.r.given), 0);
+    assert_int_equal(pl_skin_put_back(&t.r.skin, t.r.given), 0);
+    double *x, was[3];
+    node_on_patch(&t, &x);
     memcpy(was, x, sizeof was);
     for (int d = 0; d < 2; d++)
         x[d] *= 1.3; /* a spike */
-    assert_true(pl_skin_check_bends(&r.skin, r.given) > 0);
-    pl_skin_follow(&r.skin);
-    assert_true(pl_skin_put_back(&r.skin, r.given) > 0);
+    assert_true(pl_skin_check_bends(&t.r.skin, t.r.given) > 0);
+    pl_skin_follow(&t.r.skin);
+    assert_true(pl_skin_put_back(&t.r.skin, t.r.given) > 0);
     assert_memory_equal(x, was, sizeof was);
-    assert_int_equal(pl_skin_check_bends(&r.skin, r.given), 0);
-    end_run(&r);
-    free(coordinates);
-    round_destroy(&m);
+    assert_int_equal(pl_skin_check_bends(&t.r.skin, t.r.given), 0);
+    end_run(&t);
 }
 
 /** End a call after so many colours. */
