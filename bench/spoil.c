@@ -10,6 +10,8 @@
  * star stays good; or only those nodes whose number EVERY divides. IN and OUT: any format that
  * planish writes back.
  */
+#include "boundary_nodes.h"
+
 #include <planish/planish_io.h>
 
 #include <math.h>
@@ -68,52 +70,6 @@ static double measure(const spoiler *s, int64_t element, double fraction) {
     return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
            e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
            e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
-}
-
-typedef struct facet {
-    int32_t node[3]; /* ascending, -1 first in 2-D */
-} facet;
-
-static int compare_facets(const void *a, const void *b) {
-    const facet *f = a, *g = b;
-    for (int j = 0; j < 3; j++)
-        if (f->node[j] != g->node[j])
-            return f->node[j] < g->node[j] ? -1 : 1;
-    return 0;
-}
-
-static facet facet_of(const int32_t *element, int dim, int opposite) {
-    facet f = {{-1, -1, -1}};
-    int n = 3 - dim;
-    for (int j = 0; j <= dim; j++)
-        if (j != opposite)
-            f.node[n++] = element[j];
-    for (int i = 1; i < 3; i++)
-        for (int j = i; j > 0 && f.node[j] < f.node[j - 1]; j--) {
-            int32_t t = f.node[j];
-            f.node[j] = f.node[j - 1];
-            f.node[j - 1] = t;
-        }
-    return f;
-}
-
-static int find_boundary(spoiler *s) {
-    int dim = s->mesh.dim;
-    int64_t n = s->mesh.n_elements * (dim + 1);
-    facet *all = malloc((size_t)n * sizeof *all);
-    if (!all)
-        return 0;
-    for (int64_t i = 0; i < n; i++)
-        all[i] = facet_of(s->mesh.elements + i / (dim + 1) * (dim + 1), dim, (int)(i % (dim + 1)));
-    qsort(all, (size_t)n, sizeof *all, compare_facets);
-    for (int64_t i = 0; i < n; i++) {
-        int single = (i == 0 || compare_facets(&all[i - 1], &all[i])) &&
-                     (i + 1 == n || compare_facets(&all[i], &all[i + 1]));
-        for (int j = 3 - dim; single && j < 3; j++)
-            s->on_boundary[all[i].node[j]] = 1;
-    }
-    free(all);
-    return 1;
 }
 
 static void sum_edges(spoiler *s) {
@@ -254,7 +210,7 @@ static void release(spoiler *s) {
 static int spoil(planish_file *file, const request *asked) {
     spoiler s = {.mesh = planish_file_mesh(file)};
     double *coordinates = planish_file_coordinates(file);
-    int ok = allocate(&s) && find_boundary(&s);
+    int ok = allocate(&s) && bench_find_boundary(&s.mesh, s.on_boundary);
     if (ok) {
         sum_edges(&s);
         draw_moves(&s, asked->push ? 1 : asked->amount, asked->seed);

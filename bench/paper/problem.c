@@ -1,6 +1,7 @@
 /* problem: see problem.h. */
 #include "problem.h"
 
+#include "../boundary_nodes.h"
 #include "element.h"
 
 #include <stdlib.h>
@@ -57,51 +58,15 @@ static double volume_scale(const problem *p) {
 
 /* ---- Which nodes are free ------------------------------------------------------------------ */
 
-typedef struct facet {
-    int32_t node[3]; /* ascending, -1 first in the plane */
-} facet;
-
-static int compare_facets(const void *a, const void *b) {
-    const facet *f = a, *g = b;
-    for (int j = 0; j < 3; j++)
-        if (f->node[j] != g->node[j])
-            return f->node[j] < g->node[j] ? -1 : 1;
-    return 0;
-}
-
-static int compare_nodes(const void *a, const void *b) {
-    int32_t m = *(const int32_t *)a, n = *(const int32_t *)b;
-    return (m > n) - (m < n);
-}
-
-/** The facet of an element opposite vertex j. */
-static facet facet_opposite(const planish_mesh *mesh, int64_t element, int j) {
-    facet f = {{-1, -1, -1}};
-    int n = 0;
-    for (int i = 0; i <= mesh->dim; i++)
-        if (i != j)
-            f.node[n++] = mesh->elements[element * (mesh->dim + 1) + i];
-    qsort(f.node, 3, sizeof f.node[0], compare_nodes);
-    return f;
-}
-
 /** Mark in variable the nodes of facets of one element only with -1. */
 static int mark_boundary(const planish_mesh *mesh, int variable[]) {
-    int64_t n = mesh->n_elements * (mesh->dim + 1);
-    facet *facets = malloc((size_t)n * sizeof *facets);
-    if (!facets)
-        return -1;
-    for (int64_t k = 0; k < n; k++)
-        facets[k] = facet_opposite(mesh, k / (mesh->dim + 1), (int)(k % (mesh->dim + 1)));
-    qsort(facets, (size_t)n, sizeof *facets, compare_facets);
-    for (int64_t k = 0; k < n; k++) {
-        int twice = (k > 0 && !compare_facets(&facets[k - 1], &facets[k])) ||
-                    (k + 1 < n && !compare_facets(&facets[k], &facets[k + 1]));
-        for (int j = 3 - mesh->dim; j < 3 && !twice; j++)
-            variable[facets[k].node[j]] = -1;
-    }
-    free(facets);
-    return 0;
+    uint8_t *is_on_boundary = calloc((size_t)mesh->n_nodes, 1);
+    const int done = is_on_boundary && bench_find_boundary(mesh, is_on_boundary);
+    for (int64_t i = 0; i < mesh->n_nodes && done; i++)
+        if (is_on_boundary[i])
+            variable[i] = -1;
+    free(is_on_boundary);
+    return done ? 0 : -1;
 }
 
 /** Number the variables: dim for each node of an element that is not on the boundary. */

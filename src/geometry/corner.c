@@ -118,7 +118,7 @@ static double least_of_triangle(double y) {
     return (4 * y - sqrt(4 * y * y - 3)) / 3;
 }
 
-/** Of a tetrahedron, c the cube root of A: (2 a + b) / 3 = c and a b^2 = 1, which is
+/** Least mu of a tetrahedron, c the cube root of A: (2 a + b) / 3 = c and a b^2 = 1, so that
  *  b^3 - 3 c b^2 + 2 = 0 with b <= 1; mu = (c + b) / 2. */
 static double least_of_tetrahedron(double c) {
     enum { STEPS = 60 };

@@ -88,7 +88,7 @@ typedef struct pl_flat_facet {
 
 enum { OUTSIDE, MET, FAILED };
 
-/** As fmax, of numbers, without a call. */
+/** The larger of two numbers; fmax would be a call. */
 static inline double larger(double a, double b) {
     return a > b ? a : b;
 }

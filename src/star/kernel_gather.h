@@ -277,7 +277,7 @@ PL_INLINE double gather_forms(const star *s, const double *ring, const int guard
     return lanes_sum(weight);
 }
 
-/** Likewise, for the guarded kernel: not inlined, or simplices would take a tenth longer. */
+/** Gather forms for the guarded kernel: not inlined, or simplices would take a tenth longer. */
 PL_NOINLINE double gather_guarded_forms(const star *s, const double *ring, const int dim) {
     return dim == 3 ? gather_forms(s, ring, 1, 3) : gather_forms(s, ring, 1, 2);
 }

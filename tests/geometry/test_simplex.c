@@ -150,6 +150,14 @@ static void random_simplex(int dim, double flatness, unsigned *seed, simplex *s)
     assert_true(pl_simplex_measure(dim, s->vertex) > 0.01 * flatness);
 }
 
+/** Make a random simplex twice. */
+static void random_twins(int dim, double flatness, unsigned *seed, simplex *s, simplex *t) {
+    random_simplex(dim, flatness, seed, s);
+    point_at(s);
+    *t = *s;
+    point_at(t);
+}
+
 static void rotate(double x[3], int i, int j, double angle) {
     double xi = x[i], xj = x[j];
     x[i] = cos(angle) * xi - sin(angle) * xj;
@@ -287,10 +295,7 @@ static void powers_of_two_keep_the_bits(void **state) {
     for (int dim = 2; dim <= 3; dim++)
         for (int repeat = 0; repeat < 50; repeat++) {
             simplex s, t;
-            random_simplex(dim, 0.3, &seed, &s);
-            point_at(&s);
-            t = s;
-            point_at(&t);
+            random_twins(dim, 0.3, &seed, &s, &t);
             for (int j = 0; j <= dim; j++)
                 for (int d = 0; d < dim; d++)
                     t.x[j][d] *= 0x1p-40;
@@ -314,10 +319,7 @@ static void translation_keeps_the_bits(void **state) {
     for (int dim = 2; dim <= 3; dim++)
         for (int repeat = 0; repeat < 50; repeat++) {
             simplex s, t;
-            random_simplex(dim, 0.5, &seed, &s);
-            point_at(&s);
-            t = s;
-            point_at(&t);
+            random_twins(dim, 0.5, &seed, &s, &t);
             for (int j = 0; j <= dim; j++)
                 for (int d = 0; d < dim; d++) {
                     s.x[j][d] = rint(s.x[j][d] * 0x1p22) * 0x1p-32;
@@ -337,10 +339,7 @@ static void rotation_changes_nothing(void **state) {
     for (int dim = 2; dim <= 3; dim++)
         for (int repeat = 0; repeat < 50; repeat++) {
             simplex s, t;
-            random_simplex(dim, 0.5, &seed, &s);
-            point_at(&s);
-            t = s;
-            point_at(&t);
+            random_twins(dim, 0.5, &seed, &s, &t);
             for (int j = 0; j <= dim; j++) {
                 rotate(t.x[j], 0, 1, 0.7);
                 if (dim == 3)

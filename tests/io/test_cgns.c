@@ -28,17 +28,6 @@ typedef struct mesh {
 static const mesh right = {
     .zone_type = "Unstructured", .n_nodes = N, .node = 5, .type = 10, .start = 2, .last = 4};
 
-static void put_section(const hdf5_builder *b, const char *name, int type, int first, int last,
-                        int n, const int *nodes) {
-    char path[200], place[256];
-    snprintf(path, sizeof path, ZONE "/%s", name);
-    cgns_put_integers(b, path, "Elements_t", 2, (const int[]){type, 0});
-    snprintf(place, sizeof place, "%s/ElementRange", path);
-    cgns_put_integers(b, place, "IndexRange_t", 2, (const int[]){first, last});
-    snprintf(place, sizeof place, "%s/ElementConnectivity", path);
-    cgns_put_integers(b, place, "DataArray_t", n, nodes);
-}
-
 static void put_condition(const hdf5_builder *b, const char *name, const char *location,
                           const char *list, int n, const int *numbers, const char *family) {
     char path[200], place[256];
@@ -82,16 +71,16 @@ static void put_elements(const hdf5_builder *b, const mesh *m) {
     const int all[] = {10, 1, 2, 3, 4, 10, 2, 3, 4, m->node, 5, 1, 2, 3, 7, 1, 2, 3, 6};
     const int all_offsets[] = {0, 5 + m->offset, 10, 14, 19};
     if (m->is_mixed) {
-        put_section(b, "all", MIXED, 1, m->last, 19, all);
+        cgns_put_section(b, ZONE "/all", MIXED, 1, m->last, 19, all);
         if (m->has_offsets)
             cgns_put_integers(b, ZONE "/all/ElementStartOffset", "DataArray_t", 5, all_offsets);
         return;
     }
     if (!m->is_plane) {
-        put_section(b, "upper", m->type, m->start, m->start, 4, upper);
-        put_section(b, "lower", 10, 1, 1, 4, lower);
+        cgns_put_section(b, ZONE "/upper", m->type, m->start, m->start, 4, upper);
+        cgns_put_section(b, ZONE "/lower", 10, 1, 1, 4, lower);
     }
-    put_section(b, "wall", MIXED, 3, m->last, 9, wall);
+    cgns_put_section(b, ZONE "/wall", MIXED, 3, m->last, 9, wall);
     if (m->has_offsets)
         cgns_put_integers(b, ZONE "/wall/ElementStartOffset", "DataArray_t", 3, offsets);
 }

@@ -93,17 +93,6 @@ static void elements_of_every_type_are_read(void **state) {
     unit_expect_types(&io_format_cgns, elements, N_TYPES, make);
 }
 
-static void put_section(const hdf5_builder *b, const char *name, int type, int first, int last,
-                        int n, const int *nodes) {
-    char path[200], place[256];
-    snprintf(path, sizeof path, ZONE "/%s", name);
-    cgns_put_integers(b, path, "Elements_t", 2, (const int[]){type, 0});
-    snprintf(place, sizeof place, "%s/ElementRange", path);
-    cgns_put_integers(b, place, "IndexRange_t", 2, (const int[]){first, last});
-    snprintf(place, sizeof place, "%s/ElementConnectivity", path);
-    cgns_put_integers(b, place, "DataArray_t", n, nodes);
-}
-
 /** Make a file of tetrahedra of both orders, a triangle and a line, in sections of their own or in
  *  a mixed one; the triangle is a boundary condition, too. */
 static file_builder make_both_orders(int is_mixed) {
@@ -116,12 +105,12 @@ static file_builder make_both_orders(int is_mixed) {
     cgns_put_node(&b, "/CGNSLibraryVersion", "CGNSLibraryVersion_t");
     put_nodes(&b, 3, UNIT_BOTH_NODES, unit_both_places);
     if (is_mixed) {
-        put_section(&b, "all", MIXED, 1, 4, sizeof mixed / sizeof *mixed, mixed);
+        cgns_put_section(&b, ZONE "/all", MIXED, 1, 4, sizeof mixed / sizeof *mixed, mixed);
     } else {
-        put_section(&b, "b", 11, 1, 1, 10, curved);
-        put_section(&b, "t", 6, 2, 2, 6, triangle);
-        put_section(&b, "a", 10, 3, 3, 4, straight);
-        put_section(&b, "l", 4, 4, 4, 3, line);
+        cgns_put_section(&b, ZONE "/b", 11, 1, 1, 10, curved);
+        cgns_put_section(&b, ZONE "/t", 6, 2, 2, 6, triangle);
+        cgns_put_section(&b, ZONE "/a", 10, 3, 3, 4, straight);
+        cgns_put_section(&b, ZONE "/l", 4, 4, 4, 3, line);
     }
     cgns_put_node(&b, ZONE "/ZoneBC", "ZoneBC_t");
     cgns_put_text(&b, ZONE "/ZoneBC/wall", "BC_t", "BCWall");
@@ -140,9 +129,9 @@ static void bricks_have_sections_and_conditions(void **state) {
     hdf5_begin(&b, 0);
     cgns_put_node(&b, "/CGNSLibraryVersion", "CGNSLibraryVersion_t");
     put_nodes(&b, 3, UNIT_BRICK_NODES, unit_brick_places);
-    put_section(&b, "left", 17, 1, 1, 8, left);
-    put_section(&b, "right", 17, 2, 2, 8, right);
-    put_section(&b, "faces", MIXED, 3, 3, 5, wall);
+    cgns_put_section(&b, ZONE "/left", 17, 1, 1, 8, left);
+    cgns_put_section(&b, ZONE "/right", 17, 2, 2, 8, right);
+    cgns_put_section(&b, ZONE "/faces", MIXED, 3, 3, 5, wall);
     cgns_put_node(&b, ZONE "/ZoneBC", "ZoneBC_t");
     cgns_put_text(&b, ZONE "/ZoneBC/bottom", "BC_t", "BCWall");
     cgns_put_text(&b, ZONE "/ZoneBC/bottom/GridLocation", "GridLocation_t", "FaceCenter");

@@ -19,29 +19,8 @@
 enum { SIDE = 4, N_NODES = (SIDE + 1) * (SIDE + 1), N = 2 * SIDE * SIDE };
 #define ZONE "/Base/Zone"
 
-/** Value of a triangle in a column and row of the square. */
-typedef double value_fn(int column, int row, int index);
-
-static double halves(int column, int row, int index) {
-    (void)row;
-    (void)index;
-    return column < SIDE / 2 ? 3 : 7;
-}
-
-static double rows(int column, int row, int index) {
-    (void)column;
-    (void)index;
-    return row < SIDE / 2 ? -1 : 1;
-}
-
-static double number(int column, int row, int index) {
-    (void)column;
-    (void)row;
-    return index;
-}
-
 static double one_is_not_whole(int column, int row, int index) {
-    return index == N - 1 ? (double)NAN : halves(column, row, index);
+    return index == N - 1 ? (double)NAN : square_halves(column, row, index);
 }
 
 /* ---- files -------------------------------------------------------------------------------- */
@@ -64,18 +43,14 @@ static void put_coordinates(const hdf5_builder *b) {
 /** Triangles first .. behind - 1, from 0. */
 static void put_section(const hdf5_builder *b, const char *name, int first, int behind) {
     static const int corner[2][3] = {{1, 2, SIDE + 3}, {1, SIDE + 3, SIDE + 2}};
-    char path[128], place[256];
+    char path[128];
     int nodes[3 * N];
     for (int t = first; t < behind; t++)
         for (int k = 0; k < 3; k++)
             nodes[3 * (t - first) + k] =
                 t / 2 / SIDE * (SIDE + 1) + t / 2 % SIDE + corner[t % 2][k];
     snprintf(path, sizeof path, ZONE "/%s", name);
-    cgns_put_integers(b, path, "Elements_t", 2, (const int[]){5, 0});
-    snprintf(place, sizeof place, "%s/ElementRange", path);
-    cgns_put_integers(b, place, "IndexRange_t", 2, (const int[]){first + 1, behind});
-    snprintf(place, sizeof place, "%s/ElementConnectivity", path);
-    cgns_put_integers(b, place, "DataArray_t", 3 * (behind - first), nodes);
+    cgns_put_section(b, path, 5, first + 1, behind, 3 * (behind - first), nodes);
 }
 
 /** A square in one section, or a lower and an upper one; the zone says n_cells. */
@@ -104,8 +79,8 @@ static void put_solution(const hdf5_builder *b, const char *name, const char *lo
 }
 
 /** An array of n values in a solution, of type file_type. */
-static void put_array(const hdf5_builder *b, const char *name, hid_t file_type, value_fn *value,
-                      int n) {
+static void put_array(const hdf5_builder *b, const char *name, hid_t file_type,
+                      square_value_fn *value, int n) {
     char path[128], place[256];
     double values[N + 1];
     for (int i = 0; i < n; i++)
@@ -147,8 +122,8 @@ static void data_tell_regions(void **state) {
     for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
         hdf5_builder b = begin(1, N);
         put_solution(&b, "Solution", "CellCenter");
-        put_array(&b, "Solution/number", types[i], number, N);
-        put_array(&b, "Solution/zone", types[i], halves, N);
+        put_array(&b, "Solution/number", types[i], square_number, N);
+        put_array(&b, "Solution/zone", types[i], square_halves, N);
         put_array(&b, "Solution/T", H5T_IEEE_F64LE, one_is_not_whole, N);
         expect_file(&b, "number zone", "zone", 1, 0);
     }
@@ -160,7 +135,7 @@ static void data_add_to_sections(void **state) {
     expect_file(&b, "", "", 0, 1);
     b = begin(2, N);
     put_solution(&b, "Solution", "CellCenter");
-    put_array(&b, "Solution/zone", H5T_STD_I32LE, halves, N);
+    put_array(&b, "Solution/zone", H5T_STD_I32LE, square_halves, N);
     file_builder builder = hdf5_end(&b);
     planish_file *file = read_square(&builder);
     char text[64];
@@ -177,20 +152,20 @@ static void some_data_are_no_regions(void **state) {
     (void)state;
     hdf5_builder b = begin(1, N);
     put_solution(&b, "At nodes", "Vertex");
-    put_array(&b, "At nodes/a", H5T_STD_I32LE, halves, N);
+    put_array(&b, "At nodes/a", H5T_STD_I32LE, square_halves, N);
     put_solution(&b, "By default", NULL);
-    put_array(&b, "By default/b", H5T_STD_I32LE, halves, N);
+    put_array(&b, "By default/b", H5T_STD_I32LE, square_halves, N);
     put_solution(&b, "With rind", "CellCenter");
-    put_array(&b, "With rind/c", H5T_STD_I32LE, halves, N + 1);
-    put_array(&b, "With rind/d", H5T_STD_I32LE, halves, N - 1);
+    put_array(&b, "With rind/c", H5T_STD_I32LE, square_halves, N + 1);
+    put_array(&b, "With rind/d", H5T_STD_I32LE, square_halves, N - 1);
     cgns_put_text(&b, ZONE "/With rind/e", "DataArray_t", "CellCenter");
     cgns_put_node(&b, ZONE "/With rind/f", "DataArray_t");
     expect_file(&b, "", "", 0, 0);
     /* The zone has other cells, too, it says: which cell a value is of is not known. */
     b = begin(1, N + 1);
     put_solution(&b, "Solution", "CellCenter");
-    put_array(&b, "Solution/a", H5T_STD_I32LE, halves, N);
-    put_array(&b, "Solution/b", H5T_STD_I32LE, halves, N + 1);
+    put_array(&b, "Solution/a", H5T_STD_I32LE, square_halves, N);
+    put_array(&b, "Solution/b", H5T_STD_I32LE, square_halves, N + 1);
     expect_file(&b, "", "", 0, 0);
 }
 
@@ -199,9 +174,9 @@ static void steps_and_links(void **state) {
     (void)state;
     hdf5_builder b = begin(1, N);
     put_solution(&b, "Step 1", "CellCenter");
-    put_array(&b, "Step 1/zone", H5T_STD_I32LE, halves, N);
+    put_array(&b, "Step 1/zone", H5T_STD_I32LE, square_halves, N);
     put_solution(&b, "Step 2", "CellCenter");
-    put_array(&b, "Step 2/zone", H5T_STD_I32LE, rows, N);
+    put_array(&b, "Step 2/zone", H5T_STD_I32LE, square_rows, N);
     expect_file(&b, "zone", "zone", 1, 0);
     b = begin(1, N);
     put_solution(&b, "Linked", "CellCenter");
@@ -212,7 +187,7 @@ static void steps_and_links(void **state) {
     H5Lcreate_external("other.cgns", "/Base", b.file, ZONE "/Outside/zone", H5P_DEFAULT,
                        H5P_DEFAULT);
     put_solution(&b, "Whole", "CellCenter");
-    put_array(&b, "Whole/zone", H5T_STD_I32LE, rows, N);
+    put_array(&b, "Whole/zone", H5T_STD_I32LE, square_rows, N);
     expect_file(&b, "zone", "zone", 0, 1);
 }
 

@@ -28,44 +28,23 @@ static int64_t number_of(const variant *v, int64_t element) {
     return v->sparse ? 1000000 - 7 * element : element + 1;
 }
 
-/** Value of a triangle in a column and row of the square. */
-typedef double value_fn(int column, int row, int index);
-
-static double halves(int column, int row, int index) {
-    (void)row;
-    (void)index;
-    return column < SIDE / 2 ? 3 : 7;
-}
-
 static double wide_halves(int column, int row, int index) {
-    return halves(column, row, index) * 10000000000;
+    return square_halves(column, row, index) * 10000000000;
 }
 
 static double wide_behind_others(int column, int row, int index) {
-    return row < SIDE / 2 ? halves(column, row, index) : 70000000000;
-}
-
-static double rows(int column, int row, int index) {
-    (void)column;
-    (void)index;
-    return row < SIDE / 2 ? -1 : 1;
-}
-
-static double number(int column, int row, int index) {
-    (void)column;
-    (void)row;
-    return index;
+    return row < SIDE / 2 ? square_halves(column, row, index) : 70000000000;
 }
 
 static double one_is_no_number(int column, int row, int index) {
-    return index == 5 ? (double)NAN : halves(column, row, index);
+    return index == 5 ? (double)NAN : square_halves(column, row, index);
 }
 
 static double one_is_not_whole(int column, int row, int index) {
-    return index == N_TRIANGLES - 1 ? 7.5 : halves(column, row, index);
+    return index == N_TRIANGLES - 1 ? 7.5 : square_halves(column, row, index);
 }
 
-static double value_at(value_fn *value, int triangle) {
+static double value_at(square_value_fn *value, int triangle) {
     return value(triangle / 2 % SIDE, triangle / 2 / SIDE, triangle);
 }
 
@@ -208,15 +187,16 @@ static void put_value(file_builder *builder, int64_t element_number, double valu
 }
 
 /** Values of triangles first .. behind - 1. */
-static void put_triangles(file_builder *builder, const variant *v, value_fn *value, int first,
-                          int behind) {
+static void put_triangles(file_builder *builder, const variant *v, square_value_fn *value,
+                          int first, int behind) {
     for (int i = first; i < behind; i++)
         put_value(builder, number_of(v, N_LINES + i), value_at(value, i));
 }
 
 /** A section with values of all elements; those of lines are not whole, and one is of an element
  *  that is not there. */
-static void put_data(file_builder *builder, const variant *v, const char *name, value_fn *value) {
+static void put_data(file_builder *builder, const variant *v, const char *name,
+                     square_value_fn *value) {
     begin_data(builder, name, 0, 1, N_LINES + 1 + N_TRIANGLES);
     for (int i = 0; i < N_LINES; i++)
         put_value(builder, number_of(v, i), 0.5);
@@ -274,8 +254,8 @@ static void data_tell_regions(void **state) {
     for (int i = 0; i < N_VARIANTS; i++) {
         file_builder builder = make_square(&variants[i]);
         expect_file(&builder, "", "", 0, 0);
-        put_data(&builder, &variants[i], "\"my color\"", halves);
-        put_data(&builder, &variants[i], "\"numbers\"", number);
+        put_data(&builder, &variants[i], "\"my color\"", square_halves);
+        put_data(&builder, &variants[i], "\"numbers\"", square_number);
         put_data(&builder, &variants[i], "\"stress\"", one_is_not_whole);
         planish_file *file = read_square(&builder);
         expect_names(planish_file_cell_arrays(file), "my color numbers");
@@ -304,9 +284,9 @@ static void data_add_to_entities(void **state) {
         v.two_entities = 1;
         file_builder builder = make_square(&v);
         expect_file(&builder, "", "", 0, 1);
-        put_data(&builder, &v, "\"numbers\"", number);
+        put_data(&builder, &v, "\"numbers\"", square_number);
         expect_file(&builder, "numbers", "", 0, 1);
-        put_data(&builder, &v, "\"color\"", halves);
+        put_data(&builder, &v, "\"color\"", square_halves);
         expect_file(&builder, "numbers color", "color", 1, 1);
 
         planish_file *file = read_square(&builder);
@@ -338,8 +318,8 @@ static void arrays_are_chosen(void **state) {
     const variant v = {.two_entities = 1};
     file_builder builder = make_square(&v);
     planish_error error = {.text = ""};
-    put_data(&builder, &v, "\"color\"", halves);
-    put_data(&builder, &v, "\"partition\"", rows);
+    put_data(&builder, &v, "\"color\"", square_halves);
+    put_data(&builder, &v, "\"partition\"", square_rows);
     expect_file(&builder, "color partition", "color", 1, 1);
     planish_file *file = read_square(&builder);
     assert_int_equal(choose(file, "partition", &error), PLANISH_OK);
@@ -359,11 +339,11 @@ static void some_data_are_no_regions(void **state) {
         put_data(&builder, v, "\"no number\"", one_is_no_number);
         put_data(&builder, v, "\"not whole\"", one_is_not_whole);
         begin_data(&builder, "\"one is missing\"", 0, 1, N_TRIANGLES - 1);
-        put_triangles(&builder, v, halves, 1, N_TRIANGLES);
+        put_triangles(&builder, v, square_halves, 1, N_TRIANGLES);
         end_data(&builder);
         begin_data(&builder, "\"vectors\"", 0, 3, N_TRIANGLES);
         for (int t = 0; t < N_TRIANGLES; t++) {
-            put_value(&builder, number_of(v, N_LINES + t), value_at(halves, t));
+            put_value(&builder, number_of(v, N_LINES + t), value_at(square_halves, t));
             builder_real(&builder, 0, 8);
             builder_real(&builder, 0, 8);
         }
@@ -400,16 +380,16 @@ static void steps_and_parts(void **state) {
         const variant *v = &variants[i];
         file_builder builder = make_square(v);
         begin_data(&builder, "\"color\"", 3, 1, 20);
-        put_triangles(&builder, v, halves, 0, 20);
+        put_triangles(&builder, v, square_halves, 0, 20);
         end_data(&builder);
-        put_data(&builder, v, "\"color\"", rows); /* another step */
+        put_data(&builder, v, "\"color\"", square_rows); /* another step */
         expect_file(&builder, "", "", 0, 0);
         begin_data(&builder, "\"color\"", 3, 1, N_TRIANGLES - 18);
-        put_triangles(&builder, v, halves, 18, N_TRIANGLES);
+        put_triangles(&builder, v, square_halves, 18, N_TRIANGLES);
         end_data(&builder);
         expect_file(&builder, "color", "color", 1, 0);
         begin_data(&builder, "\"color\"", 3, 1, N_TRIANGLES);
-        put_triangles(&builder, v, rows, 0, N_TRIANGLES);
+        put_triangles(&builder, v, square_rows, 0, N_TRIANGLES);
         end_data(&builder);
         expect_file(&builder, "color color", "color color", 1, 1);
         builder_release(&builder);
@@ -422,12 +402,12 @@ static void odd_data(void **state) {
     const variant v = {.is_4 = 0};
     file_builder builder = make_square(&v);
     begin_data(&builder, " a b ", 0, 1, 2 * N_TRIANGLES);
-    put_triangles(&builder, &v, rows, 0, N_TRIANGLES);
-    put_triangles(&builder, &v, halves, 0, N_TRIANGLES);
+    put_triangles(&builder, &v, square_rows, 0, N_TRIANGLES);
+    put_triangles(&builder, &v, square_halves, 0, N_TRIANGLES);
     end_data(&builder);
     expect_file(&builder, "a b", "a b", 1, 0);
     builder_text(&builder, "$ElementData\n0\n0\n3\n0\n1\n%d\n", N_TRIANGLES);
-    put_triangles(&builder, &v, rows, 0, N_TRIANGLES);
+    put_triangles(&builder, &v, square_rows, 0, N_TRIANGLES);
     end_data(&builder);
     expect_file(&builder, "a b ElementData", "a b ElementData", 1, 1);
     builder_release(&builder);
@@ -437,7 +417,7 @@ static void data_before_the_mesh(void **state) {
     (void)state;
     for (int i = 0; i < N_VARIANTS; i++) {
         file_builder builder = begin_file(&variants[i]);
-        put_data(&builder, &variants[i], "\"color\"", halves);
+        put_data(&builder, &variants[i], "\"color\"", square_halves);
         put_mesh(&builder, &variants[i]);
         expect_file(&builder, "color", "color", 1, 0);
         builder_release(&builder);
@@ -469,7 +449,7 @@ static void malformed_text_is_passed_over(void **state) {
             file_builder builder = make_square(&v);
             builder_text(&builder, "$ElementData\n%s$EndElementData\n", sections[i]);
             expect_file(&builder, "", "", 0, 0);
-            put_data(&builder, &v, "\"color\"", halves);
+            put_data(&builder, &v, "\"color\"", square_halves);
             expect_file(&builder, "color", "color", 1, 0);
             builder_release(&builder);
         }
@@ -483,10 +463,10 @@ static void malformed_binary_is_passed_over(void **state) {
             const variant v = {.is_4 = is_4, .binary = 1};
             file_builder builder = make_square(&v);
             begin_data(&builder, "\"x\"", 0, 1, counts[i]);
-            put_triangles(&builder, &v, halves, 0, N_TRIANGLES);
+            put_triangles(&builder, &v, square_halves, 0, N_TRIANGLES);
             end_data(&builder);
             expect_file(&builder, "", "", 0, 0);
-            put_data(&builder, &v, "\"color\"", halves);
+            put_data(&builder, &v, "\"color\"", square_halves);
             expect_file(&builder, "color", "color", 1, 0);
             builder_release(&builder);
         }
@@ -500,7 +480,7 @@ static void many_sections(void **state) {
     for (int i = 0; i < 300; i++) {
         char name[32];
         snprintf(name, sizeof name, "\"%d\"", i);
-        put_data(&builder, &v, name, halves);
+        put_data(&builder, &v, name, square_halves);
     }
     planish_file *file = read_square(&builder);
     int n = 0;

@@ -106,6 +106,16 @@ void cgns_put_integers(const hdf5_builder *b, const char *path, const char *labe
     hdf5_integers(b, place, (hsize_t)n, data);
 }
 
+void cgns_put_section(const hdf5_builder *b, const char *path, int type, int first, int last, int n,
+                      const int *nodes) {
+    char place[256];
+    cgns_put_integers(b, path, "Elements_t", 2, (const int[]){type, 0});
+    snprintf(place, sizeof place, "%s/ElementRange", path);
+    cgns_put_integers(b, place, "IndexRange_t", 2, (const int[]){first, last});
+    snprintf(place, sizeof place, "%s/ElementConnectivity", path);
+    cgns_put_integers(b, place, "DataArray_t", n, nodes);
+}
+
 void cgns_put_text(const hdf5_builder *b, const char *path, const char *label, const char *text) {
     char place[300];
     cgns_put_node(b, path, label);

@@ -40,6 +40,10 @@ void cgns_put_integers(const hdf5_builder *builder, const char *path, const char
 void cgns_put_text(const hdf5_builder *builder, const char *path, const char *label,
                    const char *text);
 
+/** A section of CGNS at path: elements first to last of a type, by n numbers of nodes (and of types). */
+void cgns_put_section(const hdf5_builder *builder, const char *path, int type, int first, int last,
+                      int n, const int *nodes);
+
 /** Close it; the file's bytes, to be released by builder_release. */
 file_builder hdf5_end(hdf5_builder *builder);
 

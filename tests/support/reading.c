@@ -47,6 +47,16 @@ void reading_gives_surface(const io_format *format, const char *text) {
     planish_file_close(file);
 }
 
+void reading_gave_four(const planish_mesh *mesh) {
+    static const double xyz[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, .25, .25, .25};
+    static const int32_t elements[] = {0, 1, 2, 4, 0, 1, 3, 4, 0, 2, 3, 4, 1, 2, 3, 4};
+    assert_int_equal(mesh->dim, 3);
+    assert_int_equal(mesh->n_nodes, 5);
+    assert_int_equal(mesh->n_elements, 4);
+    assert_memory_equal(mesh->coordinates, xyz, sizeof xyz);
+    assert_memory_equal(mesh->elements, elements, sizeof elements);
+}
+
 void reading_every_beginning(const io_format *format, const char *data, int64_t size) {
     for (int64_t length = 0; length <= size; length++) {
         planish_file *file = NULL;

@@ -14,6 +14,30 @@
 
 enum { SQUARE_SIDE = 4, SQUARE_NODES = (SQUARE_SIDE + 1) * (SQUARE_SIDE + 1) };
 
+/** Value of a cell, or triangle of one, in a column and row of the square. */
+typedef double square_value_fn(int column, int row, int index);
+
+/** Left and right half. */
+static inline double square_halves(int column, int row, int index) {
+    (void)row;
+    (void)index;
+    return column < SQUARE_SIDE / 2 ? 3 : 7;
+}
+
+/** Lower and upper half. */
+static inline double square_rows(int column, int row, int index) {
+    (void)column;
+    (void)index;
+    return row < SQUARE_SIDE / 2 ? -1 : 1;
+}
+
+/** Number of the cell. */
+static inline double square_number(int column, int row, int index) {
+    (void)column;
+    (void)row;
+    return index;
+}
+
 /** Names, NULL-terminated, are these, apart by blanks. */
 static inline void expect_names(const char *const *names, const char *expected) {
     char text[256] = "";

@@ -54,7 +54,7 @@ static int has_measure_of_corners(const planish_plan *plan, int64_t element) {
     return plan->dim == 2 || kind == PL_KIND_SIMPLEX || kind == PL_KIND_PYRAMID;
 }
 
-/** That weight, relative to a simplex. */
+/** Weight of an element, relative to a simplex. */
 static double share_of(const planish_plan *plan, int64_t element) {
     if (!plan->work.corner)
         return 1;

@@ -241,7 +241,7 @@ static int find_primary(const io_model *model) {
     return best;
 }
 
-/** Where the entities and regions of a list are. */
+/** Places of the entities and regions of a list. */
 static int32_t **entities_of(io_model *model, int list) {
     return list >= IO_FLAT_LIST ? &io_model_others(model, list - 2)->entity
                                 : &io_model_cells(model, list)->entity;

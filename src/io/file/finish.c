@@ -217,7 +217,7 @@ static int64_t count_parts_of(const listing *l, const element_parts *parts) {
     return n;
 }
 
-/** The same of all elements. */
+/** Count the parts of all elements that are of the list's kind. */
 static int64_t count_parts(const listing *l) {
     const int dim = l->solids[0].dim;
     int64_t n = l->solids[0].n * count_parts_of(l, parts_of(dim, dim + 1));
@@ -293,7 +293,7 @@ static int move_behind(io_model *model, int dim, const uint8_t *is_plain, planis
     return status;
 }
 
-/** The same of other facets. */
+/** Move the plain facets of other types behind the rest. */
 static int move_others_behind(io_model *model, const uint8_t *is_plain, planish_error *error) {
     io_others old = model->flat, *o = &model->flat;
     *o = (io_others){.n = 0};

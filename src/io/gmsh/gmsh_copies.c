@@ -95,7 +95,7 @@ static void compact(io_cells *cells, int corners) {
     cells->n = n;
 }
 
-/** The same for others. */
+/** Remove the dropped elements of other types. */
 static void compact_others(io_model *model, int dim) {
     io_others *o = io_model_others(model, dim);
     int64_t n = 0, n_nodes = 0, begin = 0;
