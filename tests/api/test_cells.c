@@ -2,14 +2,12 @@
  * elements that count, handedness, sizes, threads, errors, memory. */
 #include "geometry/cell.h"
 #include "geometry/simplex.h"
-#include "quality/cell_measure.h"
 #include "support/effort.h"
 #include "support/faults.h"
 #include "support/loose_cells.h"
 
 #include <planish/planish.h>
 
-#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -2,6 +2,7 @@
 
 read(path): a Mesh from Medit, or from Gmsh MSH 2.2 or 4.1 in ASCII.
 """
+import itertools
 import math
 from collections import namedtuple
 
@@ -157,3 +158,16 @@ def boundary(mesh):
             facet = frozenset(n for n in element if n != left_out)
             count[facet] = count.get(facet, 0) + 1
     return {n for facet, times in count.items() if times == 1 for n in facet}
+
+
+def split_cube(index, x, y, z):
+    """The six positive tetrahedra of a cube around its diagonal; index: nodes by their places, (x, y, z) and one more."""
+    elements = []
+    for path in itertools.permutations(range(3)):
+        at, corners = [x, y, z], [index[x, y, z]]
+        for axis in path:
+            at[axis] += 1
+            corners.append(index[tuple(at)])
+        is_odd = path in ((0, 2, 1), (1, 0, 2), (2, 1, 0))
+        elements.append(corners[:2] + corners[:1:-1] if is_odd else corners)
+    return elements

@@ -6,6 +6,8 @@
 # with every node of the boundary marked, some.vtk with only one of them.
 python3 - <<'END' || exit 1
 import random
+
+import mesh_file
 random.seed(11)
 N = 6
 index = {}
@@ -21,14 +23,8 @@ elements, regions = [], []
 for x in range(N):
     for y in range(N):
         for z in range(N):
-            for path in ((0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)):
-                at, corners = [x, y, z], [index[x, y, z]]
-                for axis in path:
-                    at[axis] += 1
-                    corners.append(index[tuple(at)])
-                odd = path in ((0, 2, 1), (1, 0, 2), (2, 1, 0))
-                elements.append(corners[:2] + corners[:1:-1] if odd else corners)
-                regions.append(1 if z < 3 else 2)
+            elements += mesh_file.split_cube(index, x, y, z)
+            regions += 6 * [1 if z < 3 else 2]
 with open("box.mesh", "w") as out:
     print("MeshVersionFormatted 2 Dimension 3\nVertices", len(points), file=out)
     for p in points:
@@ -201,6 +197,8 @@ expect_no_file no.mesh no.msh
 # Periodic sides move together: a cube whose sides x = 0 and x = 4 are pairs of a Gmsh file.
 python3 - <<'END' || exit 1
 import random
+
+import mesh_file
 random.seed(5)
 N = 4
 inner = lambda c: random.uniform(-0.15, 0.15) if 0 < c < N else 0
@@ -215,13 +213,7 @@ for x in range(N + 1):
 for x in range(N):
     for y in range(N):
         for z in range(N):
-            for path in ((0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)):
-                at, corners = [x, y, z], [index[x, y, z]]
-                for axis in path:
-                    at[axis] += 1
-                    corners.append(index[tuple(at)])
-                odd = path in ((0, 2, 1), (1, 0, 2), (2, 1, 0))
-                elements.append(corners[:2] + corners[:1:-1] if odd else corners)
+            elements += mesh_file.split_cube(index, x, y, z)
 with open("pairs.msh", "w") as out:
     print("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes", len(nodes), sep="\n", file=out)
     for i, p in enumerate(nodes):
