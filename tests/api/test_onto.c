@@ -296,8 +296,9 @@ static void say(const char *what, const block *b, const outcome *o) {
            o->distance.in_edges, o->distance.distance_back, o->distance.back_in_edges);
 }
 
-/** A block, a sheet that it is fitted to, and the outcome. */
+/** A block, a sheet that it is fitted to, and the outcome; random: what the block is drawn by. */
 typedef struct fitted {
+    uint64_t random;
     block b;
     sheet fine;
     outcome o;
@@ -320,8 +321,8 @@ static void free_fitted(fitted *t) {
 
 static void test_ball(void **state) {
     (void)state;
-    fitted t;
-    make_block(1, BOX_HEXAHEDRA, FORM_BALL, 6, 0.95, 0.02, &(uint64_t){effort_seed(3)}, &t.b);
+    fitted t = {.random = effort_seed(3)};
+    make_block(1, BOX_HEXAHEDRA, FORM_BALL, 6, 0.95, 0.02, &t.random, &t.b);
     make_sheet(FORM_BALL, 24, 1, 1, &t.fine);
     fit_one("ball of tetrahedra", 0, &t);
     assert_int_equal(t.o.after.n_off, 0);
@@ -332,8 +333,8 @@ static void test_ball(void **state) {
 
 static void test_cylinder(void **state) {
     (void)state;
-    fitted t;
-    make_block(0, BOX_HEXAHEDRA, FORM_CYLINDER, 6, 1, 0.02, &(uint64_t){effort_seed(3)}, &t.b);
+    fitted t = {.random = effort_seed(3)};
+    make_block(0, BOX_HEXAHEDRA, FORM_CYLINDER, 6, 1, 0.02, &t.random, &t.b);
     make_sheet(FORM_CYLINDER, 24, 1, 0, &t.fine);
     fit_one("cylinder of hexahedra", 0, &t);
     assert_int_equal(t.o.after.n_off, 0);
@@ -361,8 +362,8 @@ static int64_t count_after_projection(const block *b, double radius) {
 /** Plain projection inverts hexahedra: the fit does not, and comes as far. */
 static void test_block_onto_ball(void **state) {
     (void)state;
-    fitted t;
-    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 6, 0.8, 0, &(uint64_t){effort_seed(3)}, &t.b);
+    fitted t = {.random = effort_seed(3)};
+    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 6, 0.8, 0, &t.random, &t.b);
     make_sheet(FORM_BALL, 16, 0.5, 0, &t.fine);
     fit_one("block onto a ball", 5, &t);
     assert_true(count_after_projection(&t.b, 0.5) > 0);
@@ -373,8 +374,8 @@ static void test_block_onto_ball(void **state) {
 /** Nodes inside are held, and no more is possible than they allow. */
 static void test_not_there(void **state) {
     (void)state;
-    fitted t;
-    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 6, 0.8, 0, &(uint64_t){effort_seed(3)}, &t.b);
+    fitted t = {.random = effort_seed(3)};
+    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 6, 0.8, 0, &t.random, &t.b);
     make_sheet(FORM_BALL, 16, 0.75, 0, &t.fine);
     uint8_t *constraint = malloc((size_t)t.b.mesh.n_nodes);
     uint8_t *class_of = malloc((size_t)t.b.mesh.n_nodes);
@@ -414,8 +415,8 @@ static int is_boundary(const planish_mesh *mesh, int64_t element, int corner) {
 /** The distance is not below samples of it, nor far above. */
 static void test_certificate(void **state) {
     (void)state;
-    fitted t;
-    make_block(1, BOX_HEXAHEDRA, FORM_BALL, 5, 0.95, 0.02, &(uint64_t){effort_seed(3)}, &t.b);
+    fitted t = {.random = effort_seed(3)};
+    make_block(1, BOX_HEXAHEDRA, FORM_BALL, 5, 0.95, 0.02, &t.random, &t.b);
     make_sheet(FORM_BALL, 32, 1, 0, &t.fine);
     fit_one("ball whose bound is sampled", 0, &t);
     uint64_t random = effort_seed(5);
