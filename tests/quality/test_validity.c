@@ -4,6 +4,7 @@
 
 #include "base/exact.h"
 #include "support/effort.h"
+#include "support/loose_cells.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -48,18 +49,9 @@ static const double WEDGE[][3] = {{0, 0, 0},   {1, 0, 0},    {0, 1, 0},   {0, 0,
 static const double PYRAMID[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {.5, .5, .7}};
 
 static const double (*reference(int type))[3] {
-    switch (pl_cell_type_of(type)->shape->n_corners) {
-    case 3:
-        return TRIANGLE;
-    case 4:
-        return pl_cell_type_of(type)->shape->dim == 2 ? QUADRILATERAL : TETRAHEDRON;
-    case 5:
-        return PYRAMID;
-    case 6:
-        return WEDGE;
-    default:
-        return HEXAHEDRON;
-    }
+    static const loose_point *const of[] = {TRIANGLE, QUADRILATERAL, TETRAHEDRON,
+                                            PYRAMID,  WEDGE,         HEXAHEDRON};
+    return loose_choose(type, of);
 }
 
 /** Lagrange's polynomial on the line that is 1 at the place at (0, 1/2, 1) and 0 at the others. */

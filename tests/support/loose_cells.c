@@ -31,7 +31,15 @@ void loose_cells_destroy(loose_cells *m) {
     free(m->x);
 }
 
-const double (*loose_ideal_corners(int type))[3] {
+const loose_point *loose_choose(int type, const loose_point *const of[6]) {
+    const pl_cell_shape *shape = pl_cell_type_of(type)->shape;
+    return of[shape->n_corners == 3  ? 0
+              : shape->dim == 2      ? 1
+              : shape->n_corners < 8 ? shape->n_corners - 2
+                                     : 5];
+}
+
+const loose_point *loose_ideal_corners(int type) {
     static const double TRIANGLE[][3] = {{0}, {1}, {0.5, 0.8660254037844386}};
     static const double QUADRILATERAL[][3] = {{0}, {1}, {1, 1}, {0, 1}};
     static const double TETRAHEDRON[][3] = {{1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1}};
@@ -40,18 +48,9 @@ const double (*loose_ideal_corners(int type))[3] {
     static const double WEDGE[][3] = {{0, 0, 0}, {1, 0, 0}, {0.5, 0.8660254037844386, 0},
                                       {0, 0, 1}, {1, 0, 1}, {0.5, 0.8660254037844386, 1}};
     static const double PYRAMID[][3] = {{0}, {1}, {1, 1}, {0, 1}, {0.5, 0.5, 0.7071067811865476}};
-    switch (pl_cell_type_of(type)->shape->n_corners) {
-    case 3:
-        return TRIANGLE;
-    case 4:
-        return pl_cell_type_of(type)->shape->dim == 2 ? QUADRILATERAL : TETRAHEDRON;
-    case 5:
-        return PYRAMID;
-    case 6:
-        return WEDGE;
-    default:
-        return HEXAHEDRON;
-    }
+    static const loose_point *const of[] = {TRIANGLE, QUADRILATERAL, TETRAHEDRON,
+                                            PYRAMID,  WEDGE,         HEXAHEDRON};
+    return loose_choose(type, of);
 }
 
 int32_t loose_cells_add(loose_cells *m, int type, double push, double bend, double side,

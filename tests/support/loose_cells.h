@@ -24,8 +24,15 @@ typedef struct loose_cells {
     double *x;
 } loose_cells;
 
+/** A point of a table. */
+typedef double loose_point[3];
+
+/** Return the table of a type's corners: of triangles, quadrilaterals, tetrahedra, pyramids, wedges or
+ *  hexahedra. */
+const loose_point *loose_choose(int type, const loose_point *const of[6]);
+
 /** Return the corners of the ideal element of a type. */
-const double (*loose_ideal_corners(int type))[3];
+const loose_point *loose_ideal_corners(int type);
 
 /** Make an empty mesh, to be destroyed in the end. */
 loose_cells loose_cells_create(int dim);
