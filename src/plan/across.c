@@ -13,6 +13,10 @@
 #include <inttypes.h>
 #include <string.h>
 
+/* Nodes across the edges of a quadrilateral that its corner is no end of: two for each, which may lead to two
+ * facets. */
+enum { MOST_ACROSS = 8 };
+
 /** Nodes under way. */
 typedef struct across {
     const pl_draft *d;
@@ -55,11 +59,6 @@ static int32_t number_of(const across *a, int64_t r) {
     return node < 0 ? -1 : a->shape->number[pl_plan_node(a->d->plan, node)];
 }
 
-/** The nodes of facet t, of second order its corners. */
-static const int32_t *corners_of(const planish_shape *shape, int32_t t) {
-    return shape->whole ? shape->whole[t / 4] : shape->facet[t];
-}
-
 /** Check that the nodes of the facets around the node of ring r are its neighbours. */
 static int check_facets(const across *a, int64_t r, planish_error *error) {
     const planish_shape *shape = a->shape;
@@ -67,9 +66,10 @@ static int check_facets(const across *a, int64_t r, planish_error *error) {
     int64_t n, n_facets = 0;
     const int32_t *ring = ring_of(a, r, &n);
     const int32_t *facets = own < 0 ? NULL : pl_shape_star(shape, own, &n_facets);
-    for (int64_t i = 0; i < n_facets; i += shape->whole ? 4 : 1) {
-        const int32_t *corner = corners_of(shape, facets[i]);
-        for (int j = 0; j < 3; j++)
+    for (int64_t i = 0; i < n_facets; i += pl_shape_parts(shape, facets[i])) {
+        int n_corners;
+        const int32_t *corner = pl_shape_corners(shape, facets[i], &n_corners);
+        for (int j = 0; j < n_corners; j++)
             if (corner[j] != own && !has(ring, n, a->node_of[corner[j]]))
                 return pl_fail_at(
                     error, PLANISH_ERROR_ARGUMENT, -1, shape->node[own],
@@ -80,15 +80,25 @@ static int check_facets(const across *a, int64_t r, planish_error *error) {
     return PLANISH_OK;
 }
 
-/** The facet across the edge of facet t opposite to a node; -1: there is none. */
-static int32_t find_across(const planish_shape *shape, int32_t t, int32_t own) {
-    const int32_t *corner = corners_of(shape, t);
-    const int k = corner[0] == own ? 1 : corner[1] == own ? 2 : 0; /* where the edge begins */
-    if (!shape->whole)
-        return shape->across[t][k];
-    const int32_t at_corner = t / 4 * 4 + k;
-    const int edge = pl_edge_of(shape->facet[at_corner], corner[k], corner[3 + k]);
-    return shape->across[at_corner][edge];
+/** The facets across the edges of the facet of t that a node is no end of: of second order both halves lead
+ *  to the same one, as a rule. Returns how many there are, -1 among them where there is none. */
+static int find_across(const planish_shape *shape, int32_t t, int32_t own,
+                       int32_t found[2 * PL_WHOLE_FOLLOWERS]) {
+    int n_corners, n = 0;
+    const int32_t *corner = pl_shape_corners(shape, t, &n_corners);
+    for (int k = 0; k < n_corners; k++) {
+        const int32_t end = corner[(k + 1) % n_corners];
+        if (corner[k] == own || end == own)
+            continue;
+        const pl_whole *whole = shape->whole ? pl_whole_of(shape, t) : NULL;
+        const int has_mid = whole && pl_whole_has_mids(whole);
+        for (int half = 0; half < 1 + has_mid; half++) {
+            const int32_t f = whole ? pl_whole_rim(whole, k, half) : t;
+            const int32_t to = has_mid ? whole->node[n_corners + k] : end;
+            found[n++] = shape->across[f][pl_edge_of(shape->facet[f], half ? end : corner[k], to)];
+        }
+    }
+    return n;
 }
 
 /** Add to the n nodes of list, which begins with ring r, the nodes across; returns how many there are
@@ -98,20 +108,22 @@ static int64_t add_across(const across *a, int64_t r, int64_t n, int32_t *list) 
     const int32_t own = number_of(a, r);
     int64_t n_facets = 0;
     const int32_t *facets = own < 0 ? NULL : pl_shape_star(shape, own, &n_facets);
-    for (int64_t i = 0; i < n_facets; i += shape->whole ? 4 : 1) {
-        const int32_t *corner = corners_of(shape, facets[i]);
-        const int32_t other = find_across(shape, facets[i], own);
-        for (int j = 0; other >= 0 && j < 3; j++) {
-            const int32_t w = corners_of(shape, other)[j];
-            if (w != corner[0] && w != corner[1] && w != corner[2] && a->node_of[w] >= 0 &&
-                !has(list, n, a->node_of[w]))
-                list[n++] = a->node_of[w];
+    for (int64_t i = 0; i < n_facets; i += pl_shape_parts(shape, facets[i])) {
+        int32_t others[2 * PL_WHOLE_FOLLOWERS];
+        const int n_others = find_across(shape, facets[i], own, others);
+        for (int k = 0; k < n_others; k++) {
+            int n_corners;
+            const int32_t *w =
+                others[k] < 0 ? NULL : pl_shape_corners(shape, others[k], &n_corners);
+            for (int j = 0; w && j < n_corners; j++)
+                if (w[j] != own && a->node_of[w[j]] >= 0 && !has(list, n, a->node_of[w[j]]))
+                    list[n++] = a->node_of[w[j]];
         }
     }
     return n;
 }
 
-/** Fill rings, whose neighbours have room for one node across for each facet. */
+/** Fill rings, whose neighbours have room for the nodes across. */
 static int fill_rings(const across *a, pl_rings *rings, planish_error *error) {
     int64_t end = 0;
     for (int64_t r = 0; r < rings->n_rings; r++) {
@@ -137,7 +149,7 @@ int pl_rings_across(const pl_draft *d, const pl_candidates *c, pl_rings *rings,
         int64_t n = 0;
         if (own >= 0)
             pl_shape_star(a.shape, own, &n);
-        room += n;
+        room += (a.shape->whole ? MOST_ACROSS : 1) * n;
     }
     *rings = (pl_rings){.n_rings = c->n,
                         .n_free = c->rings.n_free,

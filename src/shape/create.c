@@ -39,6 +39,7 @@ static void take_surface(pl_surface *surface, int64_t n_mesh, planish_shape *s) 
     s->offset = surface->offset;
     s->facet_of = surface->facet_of;
     s->whole = surface->whole;
+    s->n_wholes = surface->n_wholes;
     surface->number = surface->node = surface->facet = surface->facet_of = NULL;
     surface->x = NULL;
     surface->half = NULL;
@@ -46,31 +47,45 @@ static void take_surface(pl_surface *surface, int64_t n_mesh, planish_shape *s) 
     surface->whole = NULL;
 }
 
-/** Find how far facets of second order are off their triangles, and all that change with each corner. */
-static int find_wholes(planish_shape *s, planish_error *error) {
-    const int64_t n = s->whole ? s->n_facets / 4 : 0;
-    if (!s->whole)
-        return PLANISH_OK;
-    s->bend = pl_alloc(s->n_facets, sizeof *s->bend);
-    s->star_offset = pl_alloc_zero(s->n_nodes + 1, sizeof *s->star_offset);
-    s->star = pl_alloc(3 * s->n_facets, sizeof *s->star);
-    if (!s->bend || !s->star_offset || !s->star)
-        return pl_fail_memory(error, "the facets of second order");
-    for (int64_t i = 0; i < 3 * n; i++)
-        s->star_offset[s->whole[i / 3][i % 3] + 1] += 4;
+/** List the triangles of all facets of second order at each corner. */
+static void list_stars(planish_shape *s) {
+    for (int64_t i = 0; i < s->n_wholes; i++)
+        for (int k = 0; k < s->whole[i].n_corners; k++)
+            s->star_offset[s->whole[i].node[k] + 1] += s->whole[i].n_parts;
     for (int64_t i = 0, sum = 0; i < s->n_nodes; i++) {
         const int64_t count = s->star_offset[i + 1];
         s->star_offset[i + 1] = sum; /* where its facets begin, and end once they are listed */
         sum += count;
     }
-    for (int64_t i = 0; i < n; i++) {
-        double x[6][3];
-        for (int k = 0; k < 6; k++)
-            memcpy(x[k], s->x[s->whole[i][k]], sizeof x[k]);
-        for (int k = 0; k < 12; k++)
-            s->star[s->star_offset[s->whole[i][k / 4] + 1]++] = (int32_t)(4 * i + k % 4);
-        for (int k = 0; k < 4; k++)
-            s->bend[4 * i + k] = pl_bend_of((const double(*)[3])x);
+    for (int64_t i = 0; i < s->n_wholes; i++) {
+        const pl_whole *whole = &s->whole[i];
+        for (int k = 0; k < whole->n_corners * whole->n_parts; k++) {
+            const int32_t corner = whole->node[k / whole->n_parts];
+            s->star[s->star_offset[corner + 1]++] = whole->first + k % whole->n_parts;
+        }
+    }
+}
+
+/** Find how far facets of second order are off their triangles, and all that change with each corner. */
+static int find_wholes(planish_shape *s, planish_error *error) {
+    if (!s->whole)
+        return PLANISH_OK;
+    s->whole_of = pl_alloc(s->n_facets, sizeof *s->whole_of);
+    s->bend = pl_alloc(s->n_facets, sizeof *s->bend);
+    s->star_offset = pl_alloc_zero(s->n_nodes + 1, sizeof *s->star_offset);
+    s->star = pl_alloc(4 * s->n_facets, sizeof *s->star);
+    if (!s->whole_of || !s->bend || !s->star_offset || !s->star)
+        return pl_fail_memory(error, "the facets of second order");
+    list_stars(s);
+    for (int64_t i = 0; i < s->n_wholes; i++) {
+        const pl_whole *whole = &s->whole[i];
+        double x[PL_WHOLE_NODES][3];
+        pl_whole_nodes(s, whole, x);
+        for (int k = 0; k < whole->n_parts; k++) {
+            s->whole_of[whole->first + k] = (int32_t)i;
+            s->bend[whole->first + k] =
+                pl_whole_bend(whole, (const double(*)[3])x, pl_whole_parts(whole)[k]);
+        }
     }
     return PLANISH_OK;
 }
@@ -100,11 +115,11 @@ static int allocate(planish_shape *s, pl_features *w, planish_error *error) {
 /** Count what was found. */
 static void describe(const pl_features *w, planish_shape_info *info) {
     const planish_shape *s = w->shape;
-    const int n_parts = s->whole ? 4 : 1; /* of a facet */
     double sum = 0;
     int64_t n = 0, n_halves = 0;
-    *info = (planish_shape_info){
-        .n_nodes = s->n_nodes, .n_facets = s->n_facets / n_parts, .n_edges = s->n_edges};
+    *info = (planish_shape_info){.n_nodes = s->n_nodes,
+                                 .n_facets = s->whole ? s->n_wholes : s->n_facets,
+                                 .n_edges = s->n_edges};
     for (int64_t i = 0; i < s->n_nodes; i++) {
         if (s->whole && s->star_offset[i + 1] == s->star_offset[i]) {
             info->n_mids++;
@@ -113,7 +128,7 @@ static void describe(const pl_features *w, planish_shape_info *info) {
         info->n_on_patch += s->node_class[i] == PL_ON_PATCH;
         info->n_on_curve += s->node_class[i] == PL_ON_CURVE;
         info->n_corners += s->node_class[i] == PL_CORNER;
-        sum += (s->whole ? 2 : 1) * s->edge_length[i] * w->n_ends[i];
+        sum += pl_edges_at(s, (int32_t)i) * s->edge_length[i] * w->n_ends[i];
         n += w->n_ends[i];
     }
     for (int64_t f = 0; f < s->n_facets; f++) {
@@ -162,8 +177,8 @@ int pl_shape_create(const planish_mesh *mesh, const planish_mesh *given, const p
     int status = s && is_fixed
                      ? pl_surface_create(mesh, cells, tags, threads, &surface, is_fixed, error)
                      : pl_fail_memory(error, "the shape");
-    if (!status && given->cells && !cells)
-        status = pl_surface_quarter(given, &surface, error);
+    if (!status && given->cells)
+        status = pl_surface_divide(given, &surface, error);
     if (!status) {
         take_surface(&surface, mesh->n_nodes, s);
         status = find_wholes(s, error);
@@ -213,6 +228,7 @@ void pl_shape_destroy(planish_shape *shape) {
     pl_free(shape->corner_normal);
     pl_free(shape->tangent);
     pl_free(shape->whole);
+    pl_free(shape->whole_of);
     pl_free(shape->bend);
     pl_free(shape->star_offset);
     pl_free(shape->star);

@@ -5,13 +5,12 @@
  * along curves that of cubic arcs. A node of a patch or curve goes from place to place; how far the
  * triangles that it takes along are off those that came is bounded (overlay.h).
  *
- * Facets of second order are four triangles each, between corners and mids; bend says how far the
- * curved facet is off them.
+ * Facets of second order are several triangles each, between their nodes (wholes.h); bend says how far
+ * the curved facet is off them.
  *
  *   here         pl_corner_at, pl_edge_of          corners and edges of facets
  *                pl_shape_star                     facets that change with a node
- *                pl_bend_of, pl_whole_way          how far a facet of second order is off its triangles;
- *                                                  how far its points go
+ *                pl_whole_of, pl_find_part         a triangle and its facet of second order
  *   create.h     pl_shape_create, _destroy         all of it
  *   pn.h         pl_shape_point                    a place in space
  *   walk.h       pl_shape_walk                     the place that is nearest
@@ -21,6 +20,7 @@
 #define PL_SHAPE_CURVED_H
 
 #include "shape/surface.h"
+#include "shape/wholes.h"
 
 /** Class of a node of a shape. */
 enum { PL_CORNER = 0, PL_ON_PATCH = 1, PL_ON_CURVE = 2 };
@@ -55,12 +55,13 @@ struct planish_shape {
                                       facets, or one for each in the order of facet_of */
     double (*corner_normal)[3]; /* unit normals of the shape at corners of facets */
     double (*tangent)[2][3];    /* [n_edges] unit tangents at both ends, towards the other end */
-    int32_t (*whole)[6]; /* [n_facets / 4] facets of second order, each of the next four facets: its
-                             corners, and the mids from each to the next one; NULL: there are none */
+    pl_whole *whole;     /* [n_wholes] facets of second order; NULL: there are none */
+    int64_t n_wholes;
+    int32_t *whole_of;   /* [n_facets] with whole: the facet that each triangle is of */
     double *bend;        /* [n_facets] with whole: no point of the curved facet over the triangle is
                              farther off the point of the triangle with its weights */
     int64_t *star_offset; /* [n_nodes + 1] with whole: into star */
-    int32_t *star; /* all four facets of each facet of second order at a corner; of mids none */
+    int32_t *star; /* all triangles of each facet of second order at a corner; of mids none */
 };
 
 /** Return the unit normal of the shape at corner k of a facet. */
@@ -95,38 +96,43 @@ static inline const int32_t *pl_shape_star(const planish_shape *shape, int32_t n
     return (shape->whole ? shape->star : shape->facet_of) + offset[node];
 }
 
-/** Return how far a facet of second order with these corners and mids [6] is off its four triangles.
- *
- *  Over the triangles' edges the facet rises as parabolas do: with D the way from the middle of two
- *  corners to their mid, a point of weights u, v, w in one triangle is off by u v D1 + v w D2 + w u D3,
- *  and u v + v w + w u <= 1 / 3. */
-static inline double pl_bend_of(const double x[6][3]) {
-    double most = 0;
-    for (int k = 0; k < 3; k++) {
-        double off[3];
-        for (int d = 0; d < 3; d++)
-            off[d] = x[3 + k][d] - 0.5 * (x[k][d] + x[(k + 1) % 3][d]);
-        most = fmax(most, pl_dot(3, off, off));
-    }
-    return sqrt(most) / 3 * (1 + 0x1p-40);
+/** Return the facet of second order that a triangle is of. */
+static inline const pl_whole *pl_whole_of(const planish_shape *shape, int32_t facet) {
+    return &shape->whole[shape->whole_of[facet]];
 }
 
-/** Return how far points of a facet of second order go at most if its corners and mids go from x to y
- *  [6]: no farther than one of its Bezier control points, which are the corners, and 2 m - (a + b) / 2 for
- *  a mid m between a and b. */
-static inline double pl_whole_way(const double x[6][3], const double y[6][3]) {
-    double most = 0;
-    for (int i = 0; i < 6; i++) {
-        double way[3];
-        for (int d = 0; d < 3; d++) {
-            way[d] = y[i][d] - x[i][d];
-            if (i >= 3)
-                way[d] = 2 * way[d] - 0.5 * ((y[i - 3][d] - x[i - 3][d]) +
-                                             (y[(i - 2) % 3][d] - x[(i - 2) % 3][d]));
-        }
-        most = fmax(most, pl_dot(3, way, way));
-    }
-    return sqrt(most) * (1 + 0x1p-40);
+/** Return how many triangles the facet of a triangle has: 1 where none is of second order. */
+static inline int pl_shape_parts(const planish_shape *shape, int32_t facet) {
+    return shape->whole ? pl_whole_of(shape, facet)->n_parts : 1;
+}
+
+/** Return the corners of the facet of a triangle, *n of them. */
+static inline const int32_t *pl_shape_corners(const planish_shape *shape, int32_t facet, int *n) {
+    *n = shape->whole ? pl_whole_of(shape, facet)->n_corners : 3;
+    return shape->whole ? pl_whole_of(shape, facet)->node : shape->facet[facet];
+}
+
+/** Return how many edges of the surface's triangles an edge at a corner is: 2 where that has a mid. */
+static inline int pl_edges_at(const planish_shape *shape, int32_t corner) {
+    return shape->whole &&
+                   pl_whole_has_mids(pl_whole_of(shape, shape->star[shape->star_offset[corner]]))
+               ? 2
+               : 1;
+}
+
+/** Set x to the nodes of a facet of second order, where the shape has them. */
+static inline void pl_whole_nodes(const planish_shape *shape, const pl_whole *whole,
+                                  double x[PL_WHOLE_NODES][3]) {
+    for (int k = 0; k < whole->n_nodes; k++)
+        for (int d = 0; d < 3; d++)
+            x[k][d] = shape->x[whole->node[k]][d];
+}
+
+/** Find which nodes of its facet of second order the corners of a triangle are. */
+static inline void pl_find_part(const planish_shape *shape, int32_t facet, uint8_t node[3]) {
+    const pl_whole *whole = pl_whole_of(shape, facet);
+    for (int j = 0; j < 3; j++)
+        node[j] = (uint8_t)pl_whole_place(whole, shape->facet[facet][j]);
 }
 
 /** A place on a shape: of a node on a patch a facet, of one on a curve an edge. */

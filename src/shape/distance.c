@@ -135,12 +135,9 @@ static pl_moved_facet facet_of(const pl_measuring *m, int way, int64_t i) {
             t.place[k].at = -1;
     }
     if (m->surface[way].whole) {
-        double x[6][3];
-        uint8_t node[3] = {0};
-        for (int k = 0; k < 6; k++)
-            memcpy(x[k], m->surface[!way].x[m->surface[way].whole[i / 4][k]], sizeof x[k]);
-        pl_find_quarter(&m->surface[way], (int32_t)i, node);
-        pl_find_rises((const double(*)[3])x, node, t.rise);
+        double x[PL_WHOLE_NODES][3];
+        pl_whole_nodes(&m->surface[!way], pl_whole_of(&m->surface[way], t.facet), x);
+        pl_set_rises(&m->surface[way], (const double(*)[3])x, &t);
     }
     return t;
 }
@@ -306,11 +303,6 @@ static void measure_bends(void *context, int64_t begin, int64_t end, int thread)
 
 /* ---- facets of second order ------------------------------------------------------------------- */
 
-static void nodes_of(const planish_shape *s, int64_t facet, double x[6][3]) {
-    for (int k = 0; k < 6; k++)
-        memcpy(x[k], s->x[s->whole[facet / 4][k]], sizeof x[k]);
-}
-
 /** A patch that may be planar before and after. */
 typedef struct pl_flat_patch {
     int32_t first; /* facet; -1: none yet */
@@ -320,16 +312,17 @@ typedef struct pl_flat_patch {
 } pl_flat_patch;
 
 /** How far points of the edge after corner k go. */
-static double way_of_edge(const double x[6][3], const double y[6][3], int k) {
+static double way_of_edge(const pl_whole *whole, const double x[][3], const double y[][3], int k) {
+    const int n = whole->n_corners;
     double most = 0;
-    for (int i = 0; i < 3; i++) {
-        const int at = i == 0 ? k : i == 1 ? (k + 1) % 3 : 3 + k;
+    for (int i = 0; i < (pl_whole_has_mids(whole) ? 3 : 2); i++) {
+        const int at = i == 0 ? k : i == 1 ? (k + 1) % n : n + k;
         double way[3];
         for (int d = 0; d < 3; d++) {
             way[d] = y[at][d] - x[at][d];
             if (i == 2)
                 way[d] = 2 * way[d] -
-                         0.5 * ((y[k][d] - x[k][d]) + (y[(k + 1) % 3][d] - x[(k + 1) % 3][d]));
+                         0.5 * ((y[k][d] - x[k][d]) + (y[(k + 1) % n][d] - x[(k + 1) % n][d]));
         }
         most = fmax(most, pl_dot(3, way, way));
     }
@@ -337,61 +330,68 @@ static double way_of_edge(const double x[6][3], const double y[6][3], int k) {
 }
 
 /** How far the edge after corner k is off its halves. */
-static double bend_of_edge(const double x[6][3], int k) {
+static double bend_of_edge(const pl_whole *whole, const double x[][3], int k) {
     double off[3];
-    for (int d = 0; d < 3; d++)
-        off[d] = x[3 + k][d] - 0.5 * (x[k][d] + x[(k + 1) % 3][d]);
+    if (!pl_whole_has_mids(whole))
+        return 0;
+    pl_mid_rise(whole->n_corners, x, k, off);
     return sqrt(pl_dot(3, off, off)) / 4 * (1 + 0x1p-40);
 }
 
-/** Take a facet of second order, its first triangle, into its patch: how far its nodes are off the plane. */
-static void add_to_plane(const pl_measuring *m, int64_t facet, pl_flat_patch *patch) {
+/** Take a facet of second order into its patch: how far its nodes are off the plane. Of a quadrilateral
+ *  points may be off by three times that. */
+static void add_to_plane(const pl_measuring *m, const pl_whole *whole, pl_flat_patch *patch) {
     const planish_shape *s = &m->surface[THERE];
     if (patch->first < 0)
-        patch->first = (int32_t)facet;
+        patch->first = whole->first;
     const double *normal = s->normal[patch->first], *origin = s->x[s->facet[patch->first][0]];
+    const double times = whole->n_nodes >= 8 ? 3 : 1;
     for (int way = 0; way < WAYS; way++) {
-        double x[6][3], to[3];
-        nodes_of(&m->surface[way], facet, x);
-        for (int k = 0; k < 6; k++) {
+        double x[PL_WHOLE_NODES][3], to[3];
+        pl_whole_nodes(&m->surface[way], whole, x);
+        for (int k = 0; k < whole->n_nodes; k++) {
             pl_subtract(3, x[k], origin, to);
-            patch->off[way] = fmax(patch->off[way], fabs(pl_dot(3, normal, to)));
+            patch->off[way] = fmax(patch->off[way], times * fabs(pl_dot(3, normal, to)));
         }
-        for (int k = 0; k < 4; k++)
-            if (s->patch[facet + k] != s->patch[facet] ||
-                !(pl_dot(3, normal, m->surface[way].normal[facet + k]) > 0.5))
+        for (int32_t f = whole->first; f < whole->first + whole->n_parts; f++)
+            if (s->patch[f] != s->patch[whole->first] ||
+                !(pl_dot(3, normal, m->surface[way].normal[f]) > 0.5))
                 patch->off[way] = INFINITY;
     }
 }
 
 /** Whether the edge after corner k of a facet of second order is a feature. */
-static int is_rim(const planish_shape *s, int64_t facet, int k) {
-    const int32_t *whole = s->whole[facet / 4];
-    return s->across[facet + k][pl_edge_of(s->facet[facet + k], whole[k], whole[3 + k])] < 0;
+static int is_rim(const planish_shape *s, const pl_whole *whole, int k) {
+    const int n = whole->n_corners;
+    const int32_t f = pl_whole_rim(whole, k, 0);
+    const int32_t to = whole->node[pl_whole_has_mids(whole) ? n + k : (k + 1) % n];
+    return s->across[f][pl_edge_of(s->facet[f], whole->node[k], to)] < 0;
 }
 
 /** Take the edges of a facet of a planar patch: bends first, then how far they are off. */
-static void add_edges(pl_measuring *m, int64_t facet, int takes_bends, pl_flat_patch *patch) {
+static void add_edges(pl_measuring *m, const pl_whole *whole, int takes_bends,
+                      pl_flat_patch *patch) {
     const planish_shape *s = &m->surface[THERE];
-    double x[WAYS][6][3];
-    nodes_of(&m->surface[THERE], facet, x[THERE]);
-    nodes_of(&m->surface[BACK], facet, x[BACK]);
-    for (int k = 0; k < 3; k++) {
+    double x[WAYS][PL_WHOLE_NODES][3];
+    pl_whole_nodes(&m->surface[THERE], whole, x[THERE]);
+    pl_whole_nodes(&m->surface[BACK], whole, x[BACK]);
+    for (int k = 0; k < whole->n_corners; k++) {
         const double(*first)[3] = (const double(*)[3])x[THERE];
         const double(*now)[3] = (const double(*)[3])x[BACK];
-        if (!is_rim(s, facet, k))
+        if (!is_rim(s, whole, k))
             continue;
         if (takes_bends) {
-            patch->bend = fmax(patch->bend, bend_of_edge(first, k));
+            patch->bend = fmax(patch->bend, bend_of_edge(whole, first, k));
             continue;
         }
-        double off = way_of_edge(first, now, k), lateral = 0;
+        double off = way_of_edge(whole, first, now, k), lateral = 0;
         for (int half = 0; half < 2 && off > 0; half++) {
-            const pl_moved_facet t = facet_of(m, THERE, facet + (half ? (k + 1) % 3 : k));
+            const pl_moved_facet t = facet_of(m, THERE, pl_whole_rim(whole, k, half));
             lateral = fmax(lateral, pl_overlay_lateral(s, &t));
         }
-        off = fmin(off, lateral + bend_of_edge(now, k) + patch->bend);
-        m->edge[facet] = fmax(m->edge[facet], off + patch->off[THERE] + patch->off[BACK]);
+        off = fmin(off, lateral + bend_of_edge(whole, now, k) + patch->bend);
+        double *edge = &m->edge[whole->first];
+        *edge = fmax(*edge, off + patch->off[THERE] + patch->off[BACK]);
     }
 }
 
@@ -401,24 +401,28 @@ static void find_other_bounds(pl_measuring *m, pl_flat_patch *patch) {
     const planish_shape *s = &m->surface[THERE];
     for (int64_t p = 0; p < s->n_facets; p++)
         patch[p] = (pl_flat_patch){.first = -1};
-    for (int64_t i = 0; i < s->n_facets; i += 4)
-        add_to_plane(m, i, &patch[s->patch[i]]);
-    for (int64_t i = 0; i < s->n_facets; i += 4)
-        if (!(patch[s->patch[i]].off[THERE] + patch[s->patch[i]].off[BACK] <=
-              FLAT * pl_shape_edge(s, (int32_t)i)))
-            patch[s->patch[i]].off[THERE] = INFINITY;
+    for (const pl_whole *w = s->whole; w < s->whole + s->n_wholes; w++)
+        add_to_plane(m, w, &patch[s->patch[w->first]]);
+    for (const pl_whole *w = s->whole; w < s->whole + s->n_wholes; w++) {
+        pl_flat_patch *of = &patch[s->patch[w->first]];
+        if (!(of->off[THERE] + of->off[BACK] <= FLAT * pl_shape_edge(s, w->first)))
+            of->off[THERE] = INFINITY;
+    }
     for (int takes_bends = 1; takes_bends >= 0; takes_bends--)
-        for (int64_t i = 0; i < s->n_facets; i += 4) {
-            m->edge[i] = patch[s->patch[i]].off[THERE] + patch[s->patch[i]].off[BACK];
-            if (m->edge[i] < INFINITY)
-                add_edges(m, i, takes_bends, &patch[s->patch[i]]);
+        for (const pl_whole *w = s->whole; w < s->whole + s->n_wholes; w++) {
+            pl_flat_patch *of = &patch[s->patch[w->first]];
+            m->edge[w->first] = of->off[THERE] + of->off[BACK];
+            if (m->edge[w->first] < INFINITY)
+                add_edges(m, w, takes_bends, of);
         }
     for (int64_t i = 0; i < s->n_facets; i++) {
-        double x[WAYS][6][3];
-        nodes_of(&m->surface[THERE], i, x[THERE]);
-        nodes_of(&m->surface[BACK], i, x[BACK]);
-        m->most_of[i] = pl_whole_way((const double(*)[3])x[THERE], (const double(*)[3])x[BACK]);
-        m->edge[i] = m->edge[i / 4 * 4];
+        const pl_whole *whole = pl_whole_of(s, (int32_t)i);
+        double x[WAYS][PL_WHOLE_NODES][3];
+        pl_whole_nodes(&m->surface[THERE], whole, x[THERE]);
+        pl_whole_nodes(&m->surface[BACK], whole, x[BACK]);
+        m->most_of[i] = pl_whole_way(whole, (const double(*)[3])x[THERE],
+                                     (const double(*)[3])x[BACK]);
+        m->edge[i] = m->edge[whole->first];
     }
 }
 
@@ -439,10 +443,12 @@ static int find_bends(pl_measuring *m, planish_error *error) {
     pl_free(patch);
     if (!done)
         return pl_fail_memory(error, "the distance of surfaces");
-    for (int64_t i = 0; i < first->n_facets; i++) {
-        double x[6][3];
-        nodes_of(now, i, x);
-        now->bend[i] = pl_bend_of((const double(*)[3])x);
+    for (int32_t i = 0; i < first->n_facets; i++) {
+        double x[PL_WHOLE_NODES][3];
+        uint8_t node[3];
+        pl_whole_nodes(now, pl_whole_of(first, i), x);
+        pl_find_part(first, i, node);
+        now->bend[i] = pl_whole_bend(pl_whole_of(first, i), (const double(*)[3])x, node);
         m->extra[i][THERE] = now->bend[i];
         m->extra[i][BACK] = first->bend[i];
     }

@@ -101,7 +101,7 @@ static double length_between(const planish_shape *s, int32_t a, int32_t b) {
 /** Whether two facets are the halves of a quadrilateral, or of one facet of second order. */
 static int are_halves(const planish_shape *s, int32_t f, int32_t g) {
     return (s->half && s->half[f] == 1 && s->half[g] == 2 && g == f + 1) ||
-           (s->whole && f / 4 == g / 4);
+           (s->whole && s->whole_of[f] == s->whole_of[g]);
 }
 
 /** Match the facets at edges of nodes; those at edges to higher nodes are noted. */
@@ -504,20 +504,40 @@ static int is_feature(const pl_features *w, int64_t f, int32_t a, int32_t b) {
     return w->kind[f][pl_edge_with(w->shape, (int32_t)f, a, b)] & PL_EDGE_FEATURE;
 }
 
-/** Nodes of facets of second order with features inside, or along half an edge, are corners. */
+/** Whether a facet of second order has features inside, or along half an edge. */
+static int is_uneven(const pl_features *w, const pl_whole *whole) {
+    const planish_shape *s = w->shape;
+    const int n = whole->n_corners;
+    int any = 0;
+    for (int part = 0; part < whole->n_parts; part++)
+        for (int k = 0; k < 3; k++) {
+            const int32_t f = whole->first + part, across = w->beside[f][k];
+            any |= across >= 0 && s->whole_of[across] == s->whole_of[f] &&
+                   w->kind[f][k] & PL_EDGE_FEATURE;
+        }
+    for (int k = 0; k < n && pl_whole_has_mids(whole); k++) {
+        const int32_t *v = whole->node, mid = v[n + k];
+        any |= is_feature(w, pl_whole_rim(whole, k, 0), v[k], mid) !=
+               is_feature(w, pl_whole_rim(whole, k, 1), mid, v[(k + 1) % n]);
+    }
+    return any;
+}
+
+/** Nodes of facets of second order that are uneven, or have edges with other nodes than they can use, are
+ *  corners. */
 static void hold_uneven(pl_features *w) {
     const planish_shape *s = w->shape;
-    for (int64_t f = 0; s->whole && f < s->n_facets; f += 4) {
-        const int32_t *corner = s->whole[f / 4], *mid = corner + 3;
-        int is_uneven = 0;
-        for (int k = 0; k < 3; k++) {
-            const int next = (k + 1) % 3;
-            is_uneven |= is_feature(w, f + k, corner[k], mid[k]) !=
-                         is_feature(w, f + next, mid[k], corner[next]);
-            is_uneven |= is_feature(w, f + 3, mid[k], mid[next]);
+    for (int64_t i = 0; i < s->n_wholes; i++) {
+        const pl_whole *whole = &s->whole[i];
+        const int n = whole->n_corners, stays = whole->is_held || is_uneven(w, whole);
+        for (int k = 0; k < whole->n_nodes && stays; k++)
+            w->stays[whole->node[k]] = 1;
+        for (int k = 0; k < n && whole->is_held; k++) {
+            const int32_t mid =
+                pl_mid_between(w->surface, whole->node[k], whole->node[(k + 1) % n]);
+            if (mid >= 0)
+                w->stays[mid] = 1;
         }
-        for (int i = 0; i < 6 && is_uneven; i++)
-            w->stays[corner[i]] = 1;
     }
 }
 

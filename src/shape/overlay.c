@@ -63,8 +63,8 @@ typedef struct pl_overlay {
     pl_frame frame;
     double margin;  /* largest one of a facet */
     double highest; /* corner of a piece, of either sign */
-    double
-        apart2; /* of second order: square of the largest distance between points over one another */
+    double apart2; /* of second order: square of the largest distance between points over one another, */
+    double rest;   /* but for this of the facets over T */
     double area;     /* of the pieces that were cut, twice */
     double strip[3]; /* features run up to so deep under side k, 0: none do */
     double cut[3];   /* and this far from corner k, in units of the sides at it */
@@ -293,16 +293,16 @@ static void add_gap(pl_overlay *o, const pl_flat_facet *flat, const double rise[
 static void add_gaps(pl_overlay *o, int32_t facet, const pl_flat_facet *flat,
                      const pl_flat_point *piece, int n) {
     const planish_shape *s = o->shape;
-    double x[6][3], rise[3][3];
-    uint8_t node[3] = {0};
-    for (int k = 0; k < 6; k++)
-        memcpy(x[k], s->x[s->whole[facet / 4][k]], sizeof x[k]);
-    pl_find_quarter(s, facet, node);
-    pl_find_rises((const double(*)[3])x, node, rise);
+    double x[PL_WHOLE_NODES][3];
+    pl_moved_facet first = {.facet = facet};
+    pl_whole_nodes(s, pl_whole_of(s, facet), x);
+    pl_set_rises(s, (const double(*)[3])x, &first);
+    const double(*rise)[3] = (const double(*)[3])first.rise;
+    o->rest = larger(first.rest, o->rest);
     for (int k = 0; k < n; k++)
-        add_gap(o, flat, (const double(*)[3])rise, piece[k].x, piece[(k + 1) % n].x);
+        add_gap(o, flat, rise, piece[k].x, piece[(k + 1) % n].x);
     for (int k = 2; k + 1 < n; k++)
-        add_gap(o, flat, (const double(*)[3])rise, piece[0].x, piece[k].x);
+        add_gap(o, flat, rise, piece[0].x, piece[k].x);
 }
 
 /** Take a piece into the sums. */
@@ -454,7 +454,7 @@ static int take_facet(pl_overlay *o, int i) {
 
 /** Flood from a facet. OUTSIDE: it does not meet T. FAILED: nothing is known, or more than the limit. */
 static int flood(pl_overlay *o, int32_t facet) {
-    o->margin = o->highest = o->apart2 = o->area = 0;
+    o->margin = o->highest = o->apart2 = o->rest = o->area = 0;
     for (int k = 0; k < 3; k++)
         o->strip[k] = o->cut[k] = 0;
     o->n = 0;
@@ -819,7 +819,8 @@ static double highest_rise(const pl_moved_facet *t) {
 
 /** How far a point of the facet of second order on T is from one over the rest of T, which is covered: by
  *  the way on T, and what the facet rises on it. A weight changes by no more than 1 / height, and so a rise
- *  by no more than 2 / height. */
+ *  by no more than 2 / height, and what is bounded by rest by no more than 40 times that, for the functions
+ *  of wholes.h. */
 static double way_to_rest(const pl_overlay *o, double rise) {
     const double *h = o->frame.height, least = fmin(h[0], fmin(h[1], h[2]));
     double most = 0, deep;
@@ -831,7 +832,7 @@ static double way_to_rest(const pl_overlay *o, double rise) {
             most = fmax(most, deep * to_rest);
         }
     }
-    return most * (1 + 2 * rise / least);
+    return most * (1 + (2 * rise + 40 * o->t->rest) / least);
 }
 
 /** Bound the distance of a facet of second order when the rest of its triangle T is covered: there by the
@@ -842,26 +843,24 @@ static double bound_curved(const pl_overlay *o, double lateral) {
     const double rise = highest_rise(o->t);
     const double radius = f->area / (f->side[0] + f->side[1] + f->side[2]);
     double bound = sqrt(o->apart2) * (1 + ROUNDING) + 16 * ROUNDING * rise +
-                   o->margin * (2 * f->longest / radius + 1);
-    const double way = way_to_rest(o, rise);
-    return way > 0 ? fmax(bound, fmin(bound + way, bound_all(o, lateral) + bend_near(o) + rise / 3))
+                   o->margin * (2 * f->longest / radius + 1) + o->t->rest + o->rest;
+    const double way = way_to_rest(o, rise), bend = rise / 3 + o->t->rest;
+    return way > 0 ? fmax(bound, fmin(bound + way, bound_all(o, lateral) + bend_near(o) + bend))
                    : bound;
 }
 
 /** Bound the distance of a facet of second order whose triangle has not moved. */
 static double bound_still(const planish_shape *s, const pl_moved_facet *t) {
-    double x[6][3], rise[3][3], most = 0;
-    uint8_t node[3] = {0};
-    for (int k = 0; k < 6; k++)
-        memcpy(x[k], s->x[s->whole[t->facet / 4][k]], sizeof x[k]);
-    pl_find_quarter(s, t->facet, node);
-    pl_find_rises((const double(*)[3])x, node, rise);
+    double x[PL_WHOLE_NODES][3], most = 0;
+    pl_moved_facet first = {.facet = t->facet};
+    pl_whole_nodes(s, pl_whole_of(s, t->facet), x);
+    pl_set_rises(s, (const double(*)[3])x, &first);
     for (int k = 0; k < 3; k++) {
         double off[3];
-        pl_subtract(3, t->rise[k], rise[k], off);
+        pl_subtract(3, t->rise[k], first.rise[k], off);
         most = fmax(most, pl_dot(3, off, off));
     }
-    return 0.5 * sqrt(most) * (1 + ROUNDING);
+    return 0.5 * sqrt(most) * (1 + ROUNDING) + t->rest + first.rest;
 }
 
 static int is_unmoved(const planish_shape *s, const pl_moved_facet *t) {

@@ -21,31 +21,18 @@ typedef struct pl_moved_facet {
     int32_t facet;     /* of the shape */
     double x[3][3];    /* where its corners are, in the shape's units */
     pl_place place[3]; /* of each corner; at -1: not known, or of a corner of the shape */
-    double
-        rise[3]
-            [3]; /* of a shape of second order: the facet is off the triangle by u v rise[0] + v w
-                          rise[1] + w u rise[2] at the weights u, v, w of its corners */
+    double rise[3][3], rest; /* of a shape of second order: the facet is off the triangle by u v rise[0]
+                                + v w rise[1] + w u rise[2] at the weights u, v, w of its corners, and by
+                                no more than the rest off that */
 } pl_moved_facet;
 
-/** Set the rises of quarter i of a facet of second order with nodes x [6]; node: which of these its
- *  corners are. Along half an edge, or beside it, it is the way from the middle of the edge's ends to its
- *  mid. */
-static inline void pl_find_rises(const double x[6][3], const uint8_t node[3], double rise[3][3]) {
-    for (int j = 0; j < 3; j++) {
-        const int a = node[j], b = node[(j + 1) % 3];
-        const int edge = a < 3 ? b - 3 : b < 3 ? a - 3 : (a + b == 7 ? 2 : a + b == 9 ? 0 : 1);
-        for (int d = 0; d < 3; d++)
-            rise[j][d] = x[3 + edge][d] - 0.5 * (x[edge][d] + x[(edge + 1) % 3][d]);
-    }
-}
-
-/** Find which of the six nodes of a facet of second order the corners of one of its triangles are. */
-static inline void pl_find_quarter(const planish_shape *shape, int32_t facet, uint8_t node[3]) {
-    const int32_t *whole = shape->whole[facet / 4];
-    for (int j = 0; j < 3; j++)
-        for (int i = 0; i < 6; i++)
-            if (whole[i] == shape->facet[facet][j])
-                node[j] = (uint8_t)i;
+/** Set the rises and the rest of a triangle of a facet of second order with nodes x. */
+static inline void pl_set_rises(const planish_shape *shape, const double x[][3], pl_moved_facet *t) {
+    const pl_whole *whole = pl_whole_of(shape, t->facet);
+    uint8_t node[3];
+    pl_find_part(shape, t->facet, node);
+    pl_whole_rises(whole, x, node, t->rise);
+    t->rest = pl_whole_rest(whole, x, node);
 }
 
 /** Return how far the facet's edges on curves are off the chains of edges that were there, at most, in
@@ -68,28 +55,30 @@ double pl_overlay_most(const planish_shape *shape, const pl_moved_facet *t, cons
 
 /** Return the mean of the edges of a facet, as it came; of second order of those between corners. */
 static inline double pl_shape_own_edge(const planish_shape *shape, int32_t facet) {
-    const int32_t *node = shape->whole ? shape->whole[facet / 4] : shape->facet[facet];
+    int n;
+    const int32_t *node = pl_shape_corners(shape, facet, &n);
     double sum = 0;
-    for (int k = 0; k < 3; k++)
-        sum += pl_distance(3, shape->x[node[k]], shape->x[node[(k + 1) % 3]]);
-    return sum / 3;
+    for (int k = 0; k < n; k++)
+        sum += pl_distance(3, shape->x[node[k]], shape->x[node[(k + 1) % n]]);
+    return sum / n;
 }
 
 /** Return the mean edge at a facet, as it came: the least of those of its own edges, of the facets across
- *  them, and of its three nodes together. Unit: the shape's. */
+ *  them, and of its nodes together. Unit: the shape's. */
 static inline double pl_shape_edge(const planish_shape *shape, int32_t facet) {
-    const int32_t *node = shape->whole ? shape->whole[facet / 4] : shape->facet[facet];
-    const double halves = shape->whole ? 2 : 1;
+    int n;
+    const int32_t *node = pl_shape_corners(shape, facet, &n);
     double mean = pl_shape_own_edge(shape, facet), of_nodes = 0;
-    const int32_t first = shape->whole ? facet / 4 * 4 : facet, n = shape->whole ? 4 : 1;
-    for (int k = 0; k < 3; k++)
-        of_nodes += halves * shape->edge_length[node[k]];
-    for (int i = 0; i < 3 * n; i++) { /* of second order across all four triangles */
+    const int32_t first = shape->whole ? pl_whole_of(shape, facet)->first : facet;
+    const int n_parts = pl_shape_parts(shape, facet);
+    for (int k = 0; k < n; k++)
+        of_nodes += pl_edges_at(shape, node[k]) * shape->edge_length[node[k]];
+    for (int i = 0; i < 3 * n_parts; i++) { /* of second order across all triangles */
         const int32_t across = shape->across[first + i / 3][i % 3];
         if (across >= 0)
             mean = fmin(mean, pl_shape_own_edge(shape, across));
     }
-    return fmin(mean, of_nodes / 3);
+    return fmin(mean, of_nodes / n);
 }
 
 /** Proved distances of a surface that has moved. Lengths are in the shape's units. */

@@ -82,33 +82,39 @@ static planish_constraint decide_flat(const decision *d, int32_t node, const dou
 static int has_shape(const pl_surface *s, const planish_shape *shape, int32_t node) {
     const int32_t own = shape->number[s->node[node]];
     const int64_t begin = s->offset[node], n = s->offset[node + 1] - begin;
-    const int n_parts = shape->whole ? 4 : 1; /* of a facet */
-    int64_t n_own = 0;
+    int64_t n_own = 0, at = 0;
     const int32_t *facets = own < 0 ? NULL : pl_shape_star(shape, own, &n_own);
-    if (own < 0 || n_own != n * n_parts)
-        return 0;
     for (int64_t i = 0; i < n; i++) {
-        const int32_t *a = s->facet + (int64_t)s->facet_of[begin + i] * 3;
-        const int32_t f = facets[i * n_parts];
-        const int32_t *b = shape->whole ? shape->whole[f / 4] : shape->facet[f];
+        const int32_t f = s->facet_of[begin + i], *a = s->facet + (int64_t)f * 3;
+        const int is_second = shape->whole && s->half && s->half[f] == 2 && i > 0 &&
+                              s->facet_of[begin + i - 1] == f - 1; /* half of the same facet */
+        if (!facets || (!is_second && at >= n_own))
+            return 0;
+        if (!is_second)
+            at += pl_shape_parts(shape, facets[at]);
+        int n_corners = 0;
+        const int32_t *b = pl_shape_corners(shape, facets[at - 1], &n_corners);
         for (int j = 0; j < 3; j++) {
-            const int32_t v = shape->number[s->node[a[j]]];
-            if (v != b[0] && v != b[1] && v != b[2])
+            int any = 0;
+            for (int k = 0; k < n_corners; k++)
+                any |= shape->number[s->node[a[j]]] == b[k];
+            if (!any)
                 return 0;
         }
     }
-    return 1;
+    return own >= 0 && at == n_own;
 }
 
-/** Whether the mids of the edges at a node can move along with it: on its patch, or its curve. */
+/** Whether the nodes that follow a node can move along with it: on its patch, or its curve. */
 static int mids_can_move(const planish_shape *shape, int32_t own) {
     int64_t n = 0;
     const int32_t *facets = pl_shape_star(shape, own, &n);
-    for (int64_t i = 0; shape->whole && i < n; i += 4) {
-        const int32_t *corner = shape->whole[facets[i] / 4];
-        const int k = corner[0] == own ? 0 : corner[1] == own ? 1 : 2;
-        for (int j = 0; j < 2; j++) {
-            const int by = shape->node_class[corner[3 + (j ? k : (k + 2) % 3)]];
+    for (int64_t i = 0; shape->whole && i < n; i += pl_shape_parts(shape, facets[i])) {
+        const pl_whole *whole = pl_whole_of(shape, facets[i]);
+        int follower[PL_WHOLE_FOLLOWERS];
+        const int n_followers = pl_whole_followers(whole, own, follower);
+        for (int j = 0; j < n_followers; j++) {
+            const int by = shape->node_class[whole->node[follower[j]]];
             if (by != PL_ON_PATCH && (by != PL_ON_CURVE || shape->node_class[own] != PL_ON_CURVE))
                 return 0;
         }

@@ -3,7 +3,7 @@
  *
  *   surface.c   pl_surface_create, _destroy           the facets
  *               pl_tags_sort, pl_tags_find            facets or edges that the caller has tagged
- *   quarters.c  pl_surface_quarter, pl_mid_between    facets of second order
+ *   wholes.c    facets of second order: wholes.h
  *   planes.c    pl_planes_create, _destroy            planes and the edges between them
  *   lines.c     pl_lines_create, _destroy             straight chains of edges
  *   below       pl_same_label, pl_from_to, pl_length, pl_class_of, pl_join
@@ -64,9 +64,9 @@ typedef struct pl_surface {
     double size;       /* diagonal of the bounding box */
     double scale;      /* of x: x is that times the mesh's coordinates */
     int32_t *number;   /* [nodes of the mesh] own number, -1: not on the surface */
-    int32_t (
-        *whole)[6]; /* [n_facets / 4] if each four facets are one of second order: its corners, and
-                            the mids from each corner to the next one; else NULL */
+    struct pl_whole *whole; /* [n_wholes] if some facets are of second order all of them, divided (wholes.h);
+                               else NULL */
+    int64_t n_wholes;
     int64_t n_mids;
     int32_t (*mid)[3]; /* [n_mids] of these facets' edges both ends and the mid, ascending */
 } pl_surface;
@@ -87,14 +87,6 @@ enum {
 int pl_surface_create(const planish_mesh *mesh, const planish_cells *cells,
                       const planish_surface *tags, int threads, pl_surface *surface,
                       uint8_t *is_fixed, planish_error *error);
-
-/** Divide the facets of a surface, if all are of second order and some edge of them is curved: each
- *  becomes four triangles between its six nodes, those at its corners and then the inner one. mesh: the
- *  caller's, with cells. Errors: _MEMORY. */
-int pl_surface_quarter(const planish_mesh *mesh, pl_surface *surface, planish_error *error);
-
-/** Return the mid of the edge with ends a and b; -1: there is none. Own numbers. */
-int32_t pl_mid_between(const pl_surface *surface, int32_t a, int32_t b);
 
 /** Free the arrays of surface. */
 void pl_surface_destroy(pl_surface *surface);

@@ -141,16 +141,24 @@ static double way_of(const pl_mids *m, int32_t node, int d) {
            m->given[(int64_t)node * dim + d];
 }
 
+int pl_mid_parents(const pl_mids *m, int32_t node, const int32_t **parent) {
+    const int32_t *end = m->end[node];
+    *parent = end[0] == PL_OF_MORE ? m->more[end[1]] : end;
+    if (end[0] == PL_NO_MID)
+        return 0;
+    int n = 2;
+    while (end[0] == PL_OF_MORE && n < PL_CELL_CORNERS && (*parent)[n] >= 0)
+        n++;
+    return n;
+}
+
 void pl_mid_place(const pl_mids *m, int32_t node, double *x) {
     const int dim = m->plan->dim;
-    const int32_t *end = m->end[node];
+    const int32_t *parent;
+    const int n = pl_mid_parents(m, node, &parent);
     start_of(m, node, x);
-    if (end[0] == PL_NO_MID)
+    if (n == 0)
         return;
-    const int32_t *parent = end[0] == PL_OF_MORE ? m->more[end[1]] : end;
-    int n = 2;
-    for (n = 2; end[0] == PL_OF_MORE && n < PL_CELL_CORNERS && parent[n] >= 0;)
-        n++;
     for (int d = 0; d < dim; d++) {
         double way = way_of(m, parent[0], d);
         for (int k = 1; k < n; k++)

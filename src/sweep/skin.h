@@ -231,11 +231,11 @@ int pl_skin_move_mids(pl_skin_visit *visit);
 /** Bring the mids of the edges at a node, which has moved otherwise, to the shape. */
 void pl_skin_place_mids(pl_skin *skin, int32_t node);
 
-/** Whether the mid of the edge between two nodes goes to the shape when these move. */
-int pl_skin_is_placed(const pl_skin *skin, int32_t mid, int32_t a, int32_t b);
+/** Whether the mid of an edge, or the centre of a facet, goes to the shape when its n corners, parent, move. */
+int pl_skin_is_placed(const pl_skin *skin, int32_t mid, const int32_t *parent, int n);
 
 /** Bound how far a facet of second order is off the shape, as it is; above its tolerance: not known. facet:
- *  its first one. */
+ *  one of its triangles. */
 double pl_skin_certify_whole(const pl_skin *skin, int32_t facet);
 
 /** The place of a node that may have moved, as far as certificates need it. */

@@ -78,8 +78,9 @@ static double turn_of(const pl_skin *skin, int32_t facet) {
 /** Whether all corners of a facet, of second order also its mids, are where they were first. */
 static int is_first(const pl_skin *skin, int32_t facet) {
     const planish_shape *shape = skin->shape;
-    const int32_t *node = shape->whole ? shape->whole[facet / 4] : shape->facet[facet];
-    for (int j = 0; j < (shape->whole ? 6 : 3); j++) {
+    int n;
+    const int32_t *node = pl_shape_corners(shape, facet, &n);
+    for (int j = 0; j < (shape->whole ? pl_whole_of(shape, facet)->n_nodes : n); j++) {
         const int32_t corner = node[j];
         double x[3];
         pl_skin_place_of(skin, corner, x);
@@ -100,7 +101,7 @@ static void bound_facets(void *context, int64_t begin, int64_t end, int thread) 
         else if (!skin->shape->whole)
             skin->bound[t] = pl_float_above(pl_skin_certify(skin, t, -1, NULL, NULL));
         else
-            skin->bound[t] = pl_float_above(pl_skin_certify_whole(skin, t / 4 * 4));
+            skin->bound[t] = pl_float_above(pl_skin_certify_whole(skin, t));
         skin->turned[t] = pl_float_above(turn_of(skin, t));
     }
 }
@@ -145,12 +146,13 @@ int64_t pl_skin_follow(pl_skin *skin) {
     return bound_all(skin);
 }
 
-/** Whether a node of a facet moves so. */
+/** Whether a node of a facet, of second order a corner, moves so. */
 static int has_corner(const pl_skin *skin, int32_t facet, int moves) {
-    const planish_shape *shape = skin->shape;
-    const int32_t *corner = shape->whole ? shape->whole[facet / 4] : shape->facet[facet];
-    return skin->moves[corner[0]] == moves || skin->moves[corner[1]] == moves ||
-           skin->moves[corner[2]] == moves;
+    int n, any = 0;
+    const int32_t *corner = pl_shape_corners(skin->shape, facet, &n);
+    for (int k = 0; k < n; k++)
+        any |= skin->moves[corner[k]] == moves;
+    return any;
 }
 
 /** Mark the facets of which the skin knows the bound by where their nodes slide alone: on planes and lines,

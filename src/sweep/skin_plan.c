@@ -80,10 +80,16 @@ static int has_placed(const pl_skin *skin, int64_t element) {
     const pl_cell_type *type = pl_cell_type_of(plan->cells.type[cell]);
     int any = 0;
     for (int i = type->shape->n_corners; i < type->n_nodes; i++) {
-        const int32_t a = number[node[type->between[i][0]]], b = number[node[type->between[i][1]]];
         const int32_t mid = node[i] < 0 ? -1 : number[node[i]];
-        any |= mid >= 0 && a >= 0 && b >= 0 && skin->inner[mid] == PL_SKIN_MID &&
-               pl_skin_is_placed(skin, mid, a, b);
+        const uint8_t parents = pl_cell_parents(type, i);
+        int32_t parent[PL_CELL_CORNERS];
+        int n = 0, are_there = mid >= 0 && skin->inner[mid] == PL_SKIN_MID;
+        for (int j = 0; j < type->shape->n_corners; j++)
+            if (parents >> j & 1) {
+                parent[n] = number[node[j]];
+                are_there &= parent[n++] >= 0;
+            }
+        any |= are_there && pl_skin_is_placed(skin, mid, parent, n);
     }
     return any;
 }
@@ -161,10 +167,9 @@ static int normal_of(const pl_skin *skin, int32_t facet, const int32_t *of, cons
 /** Whether a node of a facet, of second order one of its corners, is not where it was given. */
 static int is_elsewhere(const pl_skin *skin, int32_t facet, const int32_t *of,
                         const double *given) {
-    const planish_shape *shape = skin->shape;
-    const int32_t *corner = shape->whole ? shape->whole[facet / 4] : shape->facet[facet];
-    int any = 0;
-    for (int j = 0; j < 3; j++) {
+    int any = 0, n;
+    const int32_t *corner = pl_shape_corners(skin->shape, facet, &n);
+    for (int j = 0; j < n; j++) {
         const int32_t node = corner[j];
         any |=
             of[node] >= 0 && !pl_skin_is_at(pl_skin_at(skin, node), given + 3 * (int64_t)of[node]);

@@ -17,6 +17,7 @@
  *   pl_mids_create, _destroy      nodes that follow, and their parents,
  *   pl_mids_note, _number         to be noted for each cell
  *   pl_mid_place, _coordinate     where a node is
+ *   pl_mid_parents                what it is between
  *   pl_mids_release, _put_back, pl_mid_has_moved    nodes that move by themselves
  *   pl_mids_write                 to the caller's coordinates
  * watch_create.c
@@ -174,6 +175,10 @@ static inline int pl_mid_has_moved(const pl_mids *mids, int32_t node) {
         any |= mids->own[(int64_t)node * mids->start.dim + d] != 0;
     return any;
 }
+
+/** Set parent to the nodes of the plan that a node of order 2 is between; returns how many, 0: it follows
+ *  none. */
+int pl_mid_parents(const pl_mids *mids, int32_t node, const int32_t **parent);
 
 /** Make mids movable by themselves. Errors: _MEMORY. */
 int pl_mids_release(pl_mids *mids, planish_error *error);
