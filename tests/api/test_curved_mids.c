@@ -2,6 +2,7 @@
  * of their surface, and judged by samples of their curved facets. PLANISH_CASE=NUMBER does one case
  * alone. */
 #include "support/effort.h"
+#include "support/facet_functions.h"
 #include "support/run.h"
 #include "support/sheets.h"
 
@@ -381,40 +382,11 @@ static int64_t check_mesh(const trial *t, const double *x) {
     return n;
 }
 
-/** Values of the functions of a facet of n nodes: of triangles at the weights u, v of the first corners, of
- *  quadrilaterals at u, v from 0 to 1. One of four nodes is two triangles. */
-static void weigh(int n, double u, double v, double by[9]) {
-    const double w = 1 - u - v, x = 2 * u - 1, y = 2 * v - 1;
-    static const double AT[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1},
-                                    {0, -1},  {1, 0},  {0, 1}, {-1, 0}};
-    if (n == 3) {
-        memcpy(by, (double[]){u, v, w}, 3 * sizeof *by);
-    } else if (n == 6) {
-        const double all[6] = {u * (2 * u - 1), v * (2 * v - 1), w * (2 * w - 1),
-                               4 * u * v,       4 * v * w,       4 * w * u};
-        memcpy(by, all, sizeof all);
-    } else if (n == 4) {
-        const double low = u < v ? u : v, high = u < v ? v : u;
-        const double all[4] = {1 - high, u > v ? u - v : 0, low, v > u ? v - u : 0};
-        memcpy(by, all, sizeof all);
-    } else {
-        for (int k = 0; k < 8; k++) {
-            const double p = AT[k][0], q = AT[k][1];
-            by[k] = n == 9 ? (p == 0 ? 1 - x * x : x * (x + p) / 2) *
-                                 (q == 0 ? 1 - y * y : y * (y + q) / 2)
-                    : p == 0 ? (1 - x * x) * (1 + q * y) / 2
-                    : q == 0 ? (1 + p * x) * (1 - y * y) / 2
-                             : (1 + p * x) * (1 + q * y) * (p * x + q * y - 1) / 4;
-        }
-        by[8] = (1 - x * x) * (1 - y * y);
-    }
-}
-
 /** The point of a curved facet at u, v, in the shape's units. */
 static void point_of(const trial *t, const double *x, const pl_whole *whole, double u, double v,
                      double at[3]) {
     double by[9];
-    weigh(whole->n_nodes, u, v, by);
+    facet_functions(whole->n_nodes, u, v, by);
     for (int d = 0; d < 3; d++) {
         at[d] = 0;
         for (int i = 0; i < whole->n_nodes; i++)
@@ -543,8 +515,8 @@ static void check_distance(const trial *t, const double *x, double *worth) {
 static void bodies_keep_their_shape(void **unused) {
     (void)unused;
     static const char *const OF[] = {"tetrahedra",         "hexahedra of 20 nodes",
-                                     "of 27 nodes",        "wedges of 15 nodes",
-                                     "of 18 nodes",        "hexahedra and wedges",
+                                     "hexahedra of 27 nodes", "wedges of 15 nodes",
+                                     "wedges of 18 nodes",        "hexahedra and wedges",
                                      "hexahedra of both orders"};
     const char *one = getenv("PLANISH_CASE");
     const int64_t n = one ? 1 : effort(4, 300) * CELL_KINDS;
