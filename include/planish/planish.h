@@ -318,7 +318,7 @@ typedef struct planish_slide_info {
  *  more than tolerance. With surface->shape nodes that would become FIXED become ON_PATCH or ON_CURVE
  *  instead if they are so on the shape and only curved facets or edges hold them, of second order only
  *  if the shape has mids (planish_shape_info); nodes of facets between regions only with
- *  slide_interfaces. surface and info may be NULL. threads: as in
+ *  slide_interfaces. Those where its facets of first and second order meet become FIXED. surface and info may be NULL. threads: as in
  *  planish_options. Errors: _ARGUMENT (among them a shape of another number of nodes), _MESH, _MEMORY. */
 PLANISH_API int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface,
                                     int threads, uint8_t *constraint, double *direction,
@@ -332,7 +332,7 @@ typedef struct planish_shape planish_shape;
 
 typedef struct planish_shape_info {
     int64_t n_nodes;    /* of the surface */
-    int64_t n_facets;   /* triangles; a quadrilateral is two */
+    int64_t n_facets;   /* triangles; a quadrilateral is two, but with mids one */
     int64_t n_patches;  /* pieces between features */
     int64_t n_edges;    /* edges of features, */
     int64_t n_creases;  /* those of them that are features by their bend alone */
@@ -340,8 +340,8 @@ typedef struct planish_shape_info {
     int64_t n_on_curve; /* on curves, */
     int64_t n_corners;  /* and others */
     double edge_length; /* mean length of the edges, in units of the coordinates */
-    int64_t n_mids;     /* nodes in the middle of edges of second order; the surface is then the curved
-                           one of these facets, edges count as two, and corners alone are in n_on_patch,
+    int64_t n_mids;     /* nodes in the middle of edges or facets of second order; the surface is then the
+                           curved one of these facets, edges count as two, and corners alone are in n_on_patch,
                            n_on_curve and n_corners */
     int64_t n_open_edges;        /* edges of one facet, */
     int64_t n_nonmanifold_edges; /* of more than two, and */

@@ -55,10 +55,10 @@ struct planish_shape {
                                       facets, or one for each in the order of facet_of */
     double (*corner_normal)[3]; /* unit normals of the shape at corners of facets */
     double (*tangent)[2][3];    /* [n_edges] unit tangents at both ends, towards the other end */
-    pl_whole *whole;     /* [n_wholes] facets of second order; NULL: there are none */
+    pl_whole *whole;            /* [n_wholes] facets of second order; NULL: there are none */
     int64_t n_wholes;
-    int32_t *whole_of;   /* [n_facets] with whole: the facet that each triangle is of */
-    double *bend;        /* [n_facets] with whole: no point of the curved facet over the triangle is
+    int32_t *whole_of; /* [n_facets] with whole: the facet that each triangle is of */
+    double *bend;      /* [n_facets] with whole: no point of the curved facet over the triangle is
                              farther off the point of the triangle with its weights */
     int64_t *star_offset; /* [n_nodes + 1] with whole: into star */
     int32_t *star; /* all triangles of each facet of second order at a corner; of mids none */

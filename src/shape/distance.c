@@ -420,8 +420,8 @@ static void find_other_bounds(pl_measuring *m, pl_flat_patch *patch) {
         double x[WAYS][PL_WHOLE_NODES][3];
         pl_whole_nodes(&m->surface[THERE], whole, x[THERE]);
         pl_whole_nodes(&m->surface[BACK], whole, x[BACK]);
-        m->most_of[i] = pl_whole_way(whole, (const double(*)[3])x[THERE],
-                                     (const double(*)[3])x[BACK]);
+        m->most_of[i] =
+            pl_whole_way(whole, (const double(*)[3])x[THERE], (const double(*)[3])x[BACK]);
         m->edge[i] = m->edge[whole->first];
     }
 }

@@ -63,8 +63,9 @@ typedef struct pl_overlay {
     pl_frame frame;
     double margin;  /* largest one of a facet */
     double highest; /* corner of a piece, of either sign */
-    double apart2; /* of second order: square of the largest distance between points over one another, */
-    double rest;   /* but for this of the facets over T */
+    double
+        apart2; /* of second order: square of the largest distance between points over one another, */
+    double rest;     /* but for this of the facets over T */
     double area;     /* of the pieces that were cut, twice */
     double strip[3]; /* features run up to so deep under side k, 0: none do */
     double cut[3];   /* and this far from corner k, in units of the sides at it */

@@ -21,13 +21,15 @@ typedef struct pl_moved_facet {
     int32_t facet;     /* of the shape */
     double x[3][3];    /* where its corners are, in the shape's units */
     pl_place place[3]; /* of each corner; at -1: not known, or of a corner of the shape */
-    double rise[3][3], rest; /* of a shape of second order: the facet is off the triangle by u v rise[0]
+    double rise[3][3],
+        rest; /* of a shape of second order: the facet is off the triangle by u v rise[0]
                                 + v w rise[1] + w u rise[2] at the weights u, v, w of its corners, and by
                                 no more than the rest off that */
 } pl_moved_facet;
 
 /** Set the rises and the rest of a triangle of a facet of second order with nodes x. */
-static inline void pl_set_rises(const planish_shape *shape, const double x[][3], pl_moved_facet *t) {
+static inline void pl_set_rises(const planish_shape *shape, const double x[][3],
+                                pl_moved_facet *t) {
     const pl_whole *whole = pl_whole_of(shape, t->facet);
     uint8_t node[3];
     pl_find_part(shape, t->facet, node);

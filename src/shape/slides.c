@@ -141,8 +141,22 @@ static planish_constraint decide_curved(const decision *d, int32_t node) {
     return AS[shape->node_class[shape->number[s->node[node]]]];
 }
 
+/** Whether a facet at a node has edges with other nodes than it can use: what the node's facets share with
+ *  their neighbours is not known. */
+static int is_torn(const planish_shape *shape, int32_t own) {
+    int64_t n = 0;
+    const int32_t *facets = own < 0 || !shape->whole ? NULL : pl_shape_star(shape, own, &n);
+    int any = 0;
+    for (int64_t i = 0; i < n; i++)
+        any |= pl_whole_of(shape, facets[i])->is_held;
+    return any;
+}
+
 /** Return how the node can move, and the direction for that. */
 static planish_constraint decide(const decision *d, int32_t node, const double **direction) {
+    if (d->tags && d->tags->shape &&
+        is_torn(d->tags->shape, d->tags->shape->number[d->surface->node[node]]))
+        return PLANISH_CONSTRAINT_FIXED;
     const planish_constraint flat = decide_flat(d, node, direction);
     return flat == PLANISH_CONSTRAINT_FIXED && d->tags && d->tags->shape ? decide_curved(d, node)
                                                                          : flat;

@@ -64,7 +64,8 @@ typedef struct pl_surface {
     double size;       /* diagonal of the bounding box */
     double scale;      /* of x: x is that times the mesh's coordinates */
     int32_t *number;   /* [nodes of the mesh] own number, -1: not on the surface */
-    struct pl_whole *whole; /* [n_wholes] if some facets are of second order all of them, divided (wholes.h);
+    struct pl_whole
+        *whole; /* [n_wholes] if some facets are of second order all of them, divided (wholes.h);
                                else NULL */
     int64_t n_wholes;
     int64_t n_mids;

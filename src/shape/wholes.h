@@ -32,8 +32,9 @@ enum {
 /** Facet whose triangles make one surface: of second order, or of first order on a surface that has
  *  others. */
 typedef struct pl_whole {
-    int32_t node[PL_WHOLE_NODES]; /* corners, one after the other; mids from each to the next; centre */
-    int32_t first;                /* of its triangles, which follow each other */
+    int32_t
+        node[PL_WHOLE_NODES]; /* corners, one after the other; mids from each to the next; centre */
+    int32_t first;            /* of its triangles, which follow each other */
     uint8_t n_corners, n_nodes, n_parts;
     uint8_t is_held; /* its edges have other nodes than it can use: all of them are to stay */
 } pl_whole;
@@ -70,9 +71,9 @@ static inline const uint8_t (*pl_whole_parts(const pl_whole *whole))[3] {
 /** Return the triangle of a facet that has the first (half 0) or second half of the edge after corner k, of
  *  first order all of the edge. */
 static inline int32_t pl_whole_rim(const pl_whole *whole, int k, int half) {
-    const int part = pl_whole_has_mids(whole)  ? (half ? (k + 1) % whole->n_corners : k)
-                     : whole->n_corners == 4 ? k / 2
-                                             : 0;
+    const int part = pl_whole_has_mids(whole) ? (half ? (k + 1) % whole->n_corners : k)
+                     : whole->n_corners == 4  ? k / 2
+                                              : 0;
     return whole->first + part;
 }
 
@@ -129,7 +130,8 @@ static inline void pl_centre_from(const pl_whole *whole, const double x[][3], in
 /** Compute the rise of a quadrilateral over the way from the mid after corner k to the next mid. In the
  *  middle, a quarter of the way from the corner between them to the opposite one, shape functions of lines
  *  are 3/8, 3/4 and -1/8. */
-static inline void pl_rise_inside(const pl_whole *whole, const double x[][3], int k, double rise[3]) {
+static inline void pl_rise_inside(const pl_whole *whole, const double x[][3], int k,
+                                  double rise[3]) {
     const int c = (k + 1) % 4, l = (k + 2) % 4, m = (k + 3) % 4; /* corners; k and c: mids */
     double centre[3];
     pl_centre_from(whole, x, c, centre);

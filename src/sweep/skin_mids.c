@@ -35,21 +35,21 @@ typedef struct whole_of {
     pl_place place[PL_WHOLE_NODES];
     int corner; /* the node, as a place in x */
     int n_followers;
-    int follower[PL_WHOLE_FOLLOWERS];          /* those of the node, as places in x, */
-    int mid[PL_WHOLE_FOLLOWERS];               /* and their numbers in the visit */
-    int32_t beside[PL_WHOLE_PARTS][3];         /* triangles of the visit across the edges of its own;
+    int follower[PL_WHOLE_FOLLOWERS];  /* those of the node, as places in x, */
+    int mid[PL_WHOLE_FOLLOWERS];       /* and their numbers in the visit */
+    int32_t beside[PL_WHOLE_PARTS][3]; /* triangles of the visit across the edges of its own;
                                                   -1: none, or a feature; */
-    int32_t beyond[PL_WHOLE_PARTS][3];         /* or of others, and their unit normals */
+    int32_t beyond[PL_WHOLE_PARTS][3]; /* or of others, and their unit normals */
     double normal[PL_WHOLE_PARTS][3][3];
     uint8_t node[PL_WHOLE_PARTS][3]; /* of its triangles, as places in x */
 } whole_of;
 
 struct pl_skin_wholes {
     int n_mids, n;
-    mid_of *mid;           /* [n_mids] */
-    whole_of *whole;       /* [n] */
-    double (*before)[3];   /* unit normals of all triangles when the visit began */
-    pl_mid_trial *trial;   /* [PL_SKIN_TRIALS][most mids] */
+    mid_of *mid;                        /* [n_mids] */
+    whole_of *whole;                    /* [n] */
+    double (*before)[3];                /* unit normals of all triangles when the visit began */
+    pl_mid_trial *trial;                /* [PL_SKIN_TRIALS][most mids] */
     double (*moved)[PL_WHOLE_NODES][3]; /* [n] nodes on trial */
     pl_place (*place)[PL_WHOLE_NODES];
 };

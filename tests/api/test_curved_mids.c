@@ -1,6 +1,7 @@
 /* Curved surfaces of second order: random small bodies of elements of every type are smoothed on the shape
  * of their surface, and judged by samples of their curved facets. PLANISH_CASE=NUMBER does one case
  * alone. */
+#include "shape/overlay.h"
 #include "support/effort.h"
 #include "support/facet_functions.h"
 #include "support/run.h"
@@ -137,8 +138,7 @@ static void add_wedges(body *b, int n_nodes, int i, int j, int k) {
     for (int half = 0; half < 2; half++) {
         int32_t *node = b->node + b->offset[b->cells.n];
         for (int c = 0; c < 6; c++)
-            node[c] =
-                corner_at(b, i + AT[half][c % 3][0], j + AT[half][c % 3][1], k + c / 3);
+            node[c] = corner_at(b, i + AT[half][c % 3][0], j + AT[half][c % 3][1], k + c / 3);
         for (int e = 0; e < 9 && n_nodes > 6; e++)
             node[6 + e] = mid_of(b, node[EDGE[e][0]], node[EDGE[e][1]]);
         for (int f = 0; f < 3 && n_nodes > 15; f++) {
@@ -373,9 +373,7 @@ static int64_t check_mesh(const trial *t, const double *x) {
             check_that(t, !moves || t->constraint[i] != PLANISH_CONSTRAINT_FIXED,
                        "held nodes stay");
         else if (on_surface)
-            check_that(t,
-                       !moves || any_has_moved(t, x, b->edge[i]),
-                       "mids stay if their ends do");
+            check_that(t, !moves || any_has_moved(t, x, b->edge[i]), "mids stay if their ends do");
     }
     free(before);
     free(after);
@@ -483,6 +481,22 @@ static double slack_of(const trial *t, const double *x) {
     return 1.5 * most;
 }
 
+/** The largest rest of a facet, as it came, in edges: it is in what is proved of a facet on another one
+ *  twice. */
+static double rest_of(const trial *t) {
+    const planish_shape *s = t->shape;
+    double most = 0;
+    for (const pl_whole *whole = s->whole; whole < s->whole + s->n_wholes; whole++) {
+        double x[PL_WHOLE_NODES][3];
+        pl_whole_nodes(s, whole, x);
+        for (int part = 0; part < whole->n_parts; part++)
+            most = fmax(most,
+                        pl_whole_rest(whole, (const double(*)[3])x, pl_whole_parts(whole)[part]) /
+                            pl_shape_edge(s, whole->first));
+    }
+    return most;
+}
+
 /** No point of a curved facet is farther off than the tolerance, and than what was proved. */
 static void check_distance(const trial *t, const double *x, double *worth) {
     const planish_shape *s = t->shape;
@@ -506,7 +520,8 @@ static void check_distance(const trial *t, const double *x, double *worth) {
     check_that(t, d.n_unproved == 0, "every facet has a bound");
     /* What a run proves on the way may be less than what is proved at the end. */
     const double given = t->options.surface_tolerance > 0 ? t->options.surface_tolerance : 0.05;
-    check_that(t, d.in_edges <= 1.5 * given, "little more than the tolerance is proved");
+    check_that(t, d.in_edges <= 1.5 * given + 2.5 * rest_of(t),
+               "little more than the tolerance is proved");
     *worth = d.in_edges;
     sheet_judge_destroy(&first);
     sheet_judge_destroy(&now);
@@ -514,9 +529,12 @@ static void check_distance(const trial *t, const double *x, double *worth) {
 
 static void bodies_keep_their_shape(void **unused) {
     (void)unused;
-    static const char *const OF[] = {"tetrahedra",         "hexahedra of 20 nodes",
-                                     "hexahedra of 27 nodes", "wedges of 15 nodes",
-                                     "wedges of 18 nodes",        "hexahedra and wedges",
+    static const char *const OF[] = {"tetrahedra",
+                                     "hexahedra of 20 nodes",
+                                     "hexahedra of 27 nodes",
+                                     "wedges of 15 nodes",
+                                     "wedges of 18 nodes",
+                                     "hexahedra and wedges",
                                      "hexahedra of both orders"};
     const char *one = getenv("PLANISH_CASE");
     const int64_t n = one ? 1 : effort(4, 300) * CELL_KINDS;

@@ -4,7 +4,7 @@
 #include <string.h>
 
 /** Nodes of quadrilaterals, on [-1, 1]^2. */
-static const double AT[9][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1},
+static const double AT[9][2] = {{-1, -1}, {1, -1}, {1, 1},  {-1, 1}, {0, -1},
                                 {1, 0},   {0, 1},  {-1, 0}, {0, 0}};
 
 static double quadratic(double x, double node) {
