@@ -173,7 +173,7 @@ typedef struct watched_visits {
 
 /** Note the moves of stars begin .. end - 1 with watched cells; returns how many. */
 static int note_moves(const colour_pass *pass, int64_t begin, int64_t end, watched_visits *v) {
-    const pl_watch *watch = pass->plan->scratch.watch;
+    pl_watch *watch = pass->plan->scratch.watch;
     int n = 0;
     for (int64_t i = begin; i < end; i++) {
         const int32_t node = pass->problem->node[i];
@@ -184,6 +184,11 @@ static int note_moves(const colour_pass *pass, int64_t begin, int64_t end, watch
         v->is_fine[n] = 0;
         const int keeps =
             keeps_ratios(pass, i, v->before[i - begin], v->gain[i - begin].ratio, &v->is_fine[n]);
+        if (watch->late.is_on) {
+            pl_watch_note_move(watch, i, node, v->before[i - begin], way, &v->gain[i - begin]);
+            if (keeps && !v->is_fine[n] && !watch->late.has_at_once[node])
+                continue;
+        }
         v->move[n++] = (pl_watch_move){.node = node, .way = way, .is_refused = !keeps};
     }
     return n;
@@ -192,13 +197,18 @@ static int note_moves(const colour_pass *pass, int64_t begin, int64_t end, watch
 /** Take back the gain of a star whose move was refused, and try shorter ones. */
 static void refuse(const colour_pass *pass, int64_t star, const double *before,
                    const pl_star_gain *gain, double *scratch, pl_star_tally *tally) {
+    pl_watch *watch = pass->plan->scratch.watch;
     const double fall = shorten(pass, star, before, scratch);
+    if (watch->late.is_on)
+        pl_watch_note_move(watch, star, pass->problem->node[star], before,
+                           way_from(pass, pass->problem->node[star], before),
+                           &(pl_star_gain){.fall = fall});
     pl_sum_add(&tally->decrease, -gain->fall);
     pl_sum_add(&tally->decrease, fall);
     tally->improved -= gain->improved;
     tally->restored -= gain->restored;
     if (!(fall > 0))
-        __atomic_fetch_add(&pass->plan->scratch.watch->n_refused, 1, __ATOMIC_RELAXED);
+        __atomic_fetch_add(&watch->n_refused, 1, __ATOMIC_RELAXED);
 }
 
 /** Ask for the rooms of cells at stars begin .. end - 1, and for the lists of the stars that this thread
@@ -207,7 +217,7 @@ PL_AT_ONCE void fetch_watched(const colour_pass *pass, int64_t begin, int64_t en
     const pl_watch *watch = pass->plan->scratch.watch;
     const int32_t *node = pass->problem->node;
     const int64_t n = end - begin;
-    if (!watch->decides)
+    if (!watch->decides || watch->late.is_on)
         return;
     for (int64_t i = begin; i < end; i++) {
         if (i + 2 * n < pass->end)
@@ -229,8 +239,11 @@ static void visit_watched(const colour_pass *pass, int64_t begin, int64_t end, d
     watched_visits v;
     memset(v.gain, 0, sizeof v.gain);
     for (int64_t i = begin; i < end; i++) {
-        memcpy(v.before[i - begin], problem->coordinates + (int64_t)problem->node[i] * dim,
-               (size_t)dim * sizeof **v.before);
+        const double *x = problem->coordinates + (int64_t)problem->node[i] * dim;
+        double *before = v.before[i - begin];
+        before[0] = x[0];
+        before[1] = x[1];
+        before[2] = x[dim - 1];
     }
     fetch_watched(pass, begin, end);
     tally->gain = v.gain;
@@ -394,10 +407,16 @@ static void add_tally(pl_star_tally *all, pl_star_tally *part) {
     all->largest = fmax(all->largest, part->largest);
 }
 
+/** Whether moves of a sweep may be judged at its end: nothing else than its visits moves with its nodes. */
+static int may_wait(const planish_plan *plan, const pl_star_problem *problem, planish_method method) {
+    return method == PLANISH_METHOD_PLANISH && !problem->untangling && !plan->scratch.skin;
+}
+
 void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_problem *problem,
               planish_method method, pl_after_colour_fn *after_colour, void *context,
               pl_sweep_tally *tally) {
     const int together = plan->context->part != NULL; /* none stops alone */
+    pl_watch *watch = plan->scratch.watch;
     colour_pass pass = {.plan = plan, .problem = problem, .method = method};
     pl_star_tally mine = {.visits = 0};
     double stopped = 0;
@@ -405,6 +424,8 @@ void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_p
     if (tally->stopped)
         return;
     memset(plan->scratch.tally, 0, (size_t)plan->threads * sizeof *plan->scratch.tally);
+    if (watch)
+        pl_watch_begin_sweep(watch, may_wait(plan, problem, method));
     if (visits->n_followers > 0)
         pl_follow(plan, problem);
     for (int c = 0; c < visits->n_colours && (!(stopped > 0) || together); c++) {
@@ -418,6 +439,8 @@ void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_p
             pl_follow(plan, problem);
         stopped = fmax(stopped, after_colour(context, tally->colours, visited - before));
     }
+    if (watch)
+        pl_watch_end_sweep(watch, problem, visits->stars.n_stars, &plan->scratch.tally[0].of);
     for (int t = 0; t < plan->threads; t++)
         add_tally(&mine, &plan->scratch.tally[t].of);
     int64_t counts[] = {mine.visits, mine.evaluations, mine.improved, mine.restored};

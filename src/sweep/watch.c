@@ -44,20 +44,20 @@ static int is_below(const pl_watch *w, int32_t i) {
     return w->floor && w->floor[i] > 0 && !(w->state[i] & PL_WATCH_ABOVE);
 }
 
-/** Look again at the cells at node that were not valid, or below their floor. */
-static void look_again(pl_watch *w, int32_t node, pl_watch_block *b) {
-    b->n = 0;
+void pl_watch_look_again(pl_watch *w, int32_t node) {
+    pl_watch_block b;
+    b.n = 0;
     for (int64_t k = w->begin[node]; k < w->begin[node + 1]; k++) {
         const int32_t i = w->watched[k];
         const pl_watch_rule *rule = w->rule[w->type[i]];
         if (!rule || (w->state[i] & PL_WATCH_VALID && !is_below(w, i)))
             continue;
-        if (is_full(b, rule))
-            note_valid(w, b);
-        b->of[b->n] = i;
-        pl_watch_take(w, rule, pl_watch_cell(w, i), 0, b);
+        if (is_full(&b, rule))
+            note_valid(w, &b);
+        b.of[b.n] = i;
+        pl_watch_take(w, rule, pl_watch_cell(w, i), 0, &b);
     }
-    note_valid(w, b);
+    note_valid(w, &b);
 }
 
 int64_t pl_watch_find_refusers(const pl_watch *w, uint8_t *state) {
@@ -341,6 +341,24 @@ static void ask(decision *s, question *of, int n) {
     answer(s, of, n_valid);
 }
 
+void pl_watch_decide_all(pl_watch *w, int n, const int32_t cell[], uint8_t is_valid[]) {
+    question of[PL_WATCH_CELLS];
+    pl_watch_move move[PL_WATCH_CELLS];
+    decision s;
+    if (n <= 0)
+        return;
+    s.watch = w;
+    s.move = move;
+    s.bricks.n = s.floats.n = s.block.n = 0;
+    for (int k = 0; k < n; k++) {
+        of[k] = (question){cell[k], k};
+        move[k] = (pl_watch_move){.node = w->node[cell[k]][0], .refuser = -1};
+    }
+    answer(&s, of, n);
+    for (int k = 0; k < n; k++)
+        is_valid[k] = !move[k].is_refused;
+}
+
 /** Ask for what the decision of a watched cell begins with. */
 PL_AT_ONCE void fetch_cell(const pl_watch *w, int32_t i) {
     __builtin_prefetch(&w->state[i]);
@@ -368,6 +386,8 @@ void pl_watch_judge(pl_watch *w, int n, pl_watch_move move[]) {
         }
         for (; !move[m].is_refused && k < end; k++) {
             const int32_t i = w->watched[k];
+            if (w->late.is_on && w->late.when[i] == PL_WATCH_WAITS)
+                continue;
             const double room = w->room[i] - move[m].way;
             if (room == INFINITY) /* nor have those after it a type */
                 break;
@@ -392,7 +412,7 @@ void pl_watch_judge(pl_watch *w, int n, pl_watch_move move[]) {
         if (move[m].is_refused) /* the node goes back */
             pl_watch_forget(w, move[m].node);
         else if (move[m].has_others)
-            look_again(w, move[m].node, &s.block);
+            pl_watch_look_again(w, move[m].node);
     }
 }
 

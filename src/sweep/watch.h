@@ -33,6 +33,10 @@
  *   pl_watch_fetch_begin, _list, _rooms   ask for memory ahead
  *   pl_watch_find_broken          cells that were valid and are not any more
  *   pl_watch_find_refusers        cells that keep refusing moves
+ *   pl_watch_decide_all, _look_again    some cells; those of a node that were not valid
+ * watch_late.c: cells that wait for the end of a sweep
+ *   pl_watch_begin_sweep, _end_sweep    find and decide them
+ *   pl_watch_note_move            a move that may have to be undone
  */
 #ifndef PL_SWEEP_WATCH_H
 #define PL_SWEEP_WATCH_H
@@ -75,6 +79,36 @@ typedef struct pl_watch_rule {
 /** Bits of pl_watch.state. */
 enum { PL_WATCH_VALID = 1, PL_WATCH_ABOVE = 2 /* its floor */ };
 
+/** When a cell is decided while cells wait. */
+enum {
+    PL_WATCH_WAITS = 0,        /* at the end of the sweep */
+    PL_WATCH_AT_ONCE = 1,      /* after each visit: it has refused moves, */
+    PL_WATCH_AT_ONCE_BAD = 2,  /* or was not valid when the sweep began */
+    PL_WATCH_BROKEN = 4        /* further bit: it was valid then, and is not where the nodes are */
+};
+
+/** Move of a node in a sweep whose cells wait. */
+typedef struct pl_watch_way {
+    float length; /* a little more than it; 0: none; negative: it is to be undone */
+    int32_t star; /* of the node */
+} pl_watch_way;
+
+/** Move of a star as it was counted. */
+typedef struct pl_watch_record {
+    double before[3]; /* where the node was */
+    double fall;      /* as in pl_star_gain */
+    uint8_t improved, restored;
+} pl_watch_record;
+
+/** Cells that wait for the end of a sweep to be decided. Arrays are owned. */
+typedef struct pl_watch_late {
+    int is_on;               /* in the sweep under way; it may be with way alone */
+    pl_watch_way *way;       /* [1 + n_nodes] by inner numbers + 1; of no node first */
+    pl_watch_record *record; /* [most stars of visits] of those that have moved */
+    uint8_t *has_at_once;    /* [n_nodes] by inner numbers: any cell of the node does not wait */
+    uint8_t *when;           /* [n] PL_WATCH_WAITS, ... */
+} pl_watch_late;
+
 /** Watched cells of a run. With corners these are all cells of the plan; what the corners of one say
  *  is all there is to say of it if it has no type. Arrays are owned. */
 typedef struct pl_watch {
@@ -104,6 +138,7 @@ typedef struct pl_watch {
                               measured last; of others infinite; NULL: no cell is curved */
     int64_t *begin;        /* [n_nodes + 1] by inner numbers: where watched of each node begins */
     int32_t *watched;      /* cells of each movable node, by types; last those without one */
+    pl_watch_late late;
     uint8_t decides;       /* any cell has a type */
     int64_t n_turned;      /* valid ones whose corners are not positive, as measured last */
     int64_t n_refused;     /* moves; shared by threads */
@@ -256,6 +291,32 @@ int pl_watch_admit(pl_watch *watch, int32_t node, double way);
 /** Let the cells at the node of this inner number, which has moved otherwise than by a visit, have no
  *  room. */
 void pl_watch_forget(pl_watch *watch, int32_t node);
+
+/** Most cells of pl_watch_decide_all. */
+enum { PL_WATCH_CELLS = 256 };
+
+/** Decide n cells, PL_WATCH_CELLS at most, of a plan with corners, which were valid and have no floor.
+ *  is_valid [n]. */
+void pl_watch_decide_all(pl_watch *watch, int n, const int32_t cell[], uint8_t is_valid[]);
+
+/** Look again at the cells at the node of this inner number that were not valid, or below their floor. */
+void pl_watch_look_again(pl_watch *watch, int32_t node);
+
+/** Begin a sweep. If cells may wait, those that were valid and never refused a move are decided at its end:
+ *  late.is_on then, unless too many are not such. */
+void pl_watch_begin_sweep(pl_watch *watch, int may_wait);
+
+/** Note the move of a star's node, of inner number node, by way from before [dim]; 0: it is there. While
+ *  cells wait only. */
+void pl_watch_note_move(pl_watch *watch, int64_t star, int32_t node, const double *before, double way,
+                        const pl_star_gain *gain);
+
+/** Decide the cells that wait. Where one is not valid any more, the last move of its nodes is undone, and all
+ *  later ones of nodes that share an element with an undone one. So the mesh is as if the undone visits had
+ *  not been, and the function of the sweep has not risen. problem: of the sweep's stars, which are n_stars.
+ *  What undone moves brought is taken from *tally. */
+void pl_watch_end_sweep(pl_watch *watch, const pl_star_problem *problem, int64_t n_stars,
+                        pl_star_tally *tally);
 
 /** The worst of some cells. */
 typedef struct pl_worst_cell {

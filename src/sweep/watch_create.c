@@ -329,6 +329,21 @@ static int order_cells(pl_watch *w) {
     return 1;
 }
 
+/** Make room for cells that wait: not if some have floors, or if nodes follow others, or move elsewhere. */
+static int make_late(pl_watch *w) {
+    const planish_plan *plan = w->plan;
+    const int64_t interior = plan->interior.stars.n_stars, sliding = plan->sliding.stars.n_stars;
+    const int64_t n_followers = plan->interior.n_followers + plan->sliding.n_followers;
+    if (!w->node || w->floor || n_followers > 0 || plan->n_images > 0 || plan->context->part)
+        return 1;
+    w->late.way = pl_alloc(plan->work.n_nodes + 1, sizeof *w->late.way);
+    w->late.record =
+        pl_alloc(interior > sliding ? interior : sliding, sizeof *w->late.record);
+    w->late.has_at_once = pl_alloc(plan->work.n_nodes, 1);
+    w->late.when = pl_alloc(w->n, 1);
+    return w->late.way && w->late.record && w->late.has_at_once && w->late.when;
+}
+
 /** Make the watched cells: curved ones, with corners all. */
 static int make_cells(search *s) {
     pl_watch *w = s->watch;
@@ -348,7 +363,8 @@ static int make_cells(search *s) {
     const int has_floor = plan->work.corner && (plan->work.min_volume || s->min_volume > 0);
     w->floor = has_floor ? pl_alloc(w->n, sizeof *w->floor) : NULL;
     if ((plan->work.corner && !w->node) || !w->cell || !w->type || !w->room || !w->state ||
-        !w->n_refused_of || (w->is_curved && !w->quality) || (has_floor && !w->floor))
+        !w->n_refused_of || (w->is_curved && !w->quality) || (has_floor && !w->floor) ||
+        !make_late(w))
         return 0;
     n = 0;
     if (plan->work.corner && !order_cells(w))
@@ -415,6 +431,11 @@ static void free_cells(pl_watch *w) {
     pl_free(w->quality);
     pl_free(w->begin);
     pl_free(w->watched);
+    pl_free(w->late.way);
+    pl_free(w->late.record);
+    pl_free(w->late.has_at_once);
+    pl_free(w->late.when);
+    w->late = (pl_watch_late){.is_on = 0};
     w->cell = w->watched = NULL;
     w->node = NULL;
     w->type = w->state = w->n_refused_of = NULL;
