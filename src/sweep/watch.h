@@ -82,7 +82,7 @@ enum { PL_WATCH_VALID = 1, PL_WATCH_ABOVE = 2 /* its floor */ };
 /** When a cell is decided while cells wait. */
 enum {
     PL_WATCH_WAITS = 0,        /* at the end of the sweep */
-    PL_WATCH_AT_ONCE = 1,      /* after each visit: it has refused moves, */
+    PL_WATCH_AT_ONCE = 1,      /* after each visit: it is curved or has refused moves, */
     PL_WATCH_AT_ONCE_BAD = 2,  /* or was not valid when the sweep began */
     PL_WATCH_BROKEN = 4        /* further bit: it was valid then, and is not where the nodes are */
 };
@@ -302,8 +302,8 @@ void pl_watch_decide_all(pl_watch *watch, int n, const int32_t cell[], uint8_t i
 /** Look again at the cells at the node of this inner number that were not valid, or below their floor. */
 void pl_watch_look_again(pl_watch *watch, int32_t node);
 
-/** Begin a sweep. If cells may wait, those that were valid and never refused a move are decided at its end:
- *  late.is_on then, unless too many are not such. */
+/** Begin a sweep. If cells may wait, those of order 1 that are valid and never refused a move are decided at
+ *  its end: late.is_on then, unless too many are not such. */
 void pl_watch_begin_sweep(pl_watch *watch, int may_wait);
 
 /** Note the move of a star's node, of inner number node, by way from before [dim]; 0: it is there. While

@@ -334,7 +334,7 @@ static int make_late(pl_watch *w) {
     const planish_plan *plan = w->plan;
     const int64_t interior = plan->interior.stars.n_stars, sliding = plan->sliding.stars.n_stars;
     const int64_t n_followers = plan->interior.n_followers + plan->sliding.n_followers;
-    if (!w->node || w->floor || n_followers > 0 || plan->n_images > 0 || plan->context->part)
+    if (!w->node || w->floor || n_followers > 0 || plan->n_images > 0)
         return 1;
     w->late.way = pl_alloc(plan->work.n_nodes + 1, sizeof *w->late.way);
     w->late.record =

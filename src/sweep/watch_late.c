@@ -1,6 +1,6 @@
 /* watch_late: watched cells that are decided once, at the end of a sweep, where each visit would decide
- * most of them anew. Those that refused a move before, or were not valid, are decided after each visit
- * (watch.c). Where a cell turns out not to be valid, moves are undone.
+ * most of them anew. Curved ones, which refuse many moves, those that refused one before, or were not valid,
+ * are decided after each visit (watch.c). Where a cell turns out not to be valid, moves are undone.
  *
  * Undone are the last move of the cell's nodes, and then each later one of a node that shares an element
  * with an undone one. Other nodes have seen nothing of that: when such a node was visited, those around it
@@ -37,6 +37,10 @@ static void clear_chunk(void *context, int64_t begin, int64_t end, int thread) {
     memset(late->has_at_once + begin, 0, (size_t)(end - begin));
 }
 
+static int is_curved(const pl_watch *w, int64_t i) {
+    return w->rule[w->type[i]]->jacobian.type->order > 1;
+}
+
 static void mark_chunk(void *context, int64_t begin, int64_t end, int thread) {
     look *s = context;
     const pl_watch *w = s->watch;
@@ -45,7 +49,7 @@ static void mark_chunk(void *context, int64_t begin, int64_t end, int thread) {
     for (int64_t i = begin; i < end; i++) {
         const int is_valid = w->state[i] & PL_WATCH_VALID;
         w->late.when[i] = PL_WATCH_WAITS;
-        if (!w->type[i] || (is_valid && w->n_refused_of[i] == 0))
+        if (!w->type[i] || (is_valid && w->n_refused_of[i] == 0 && !is_curved(w, i)))
             continue;
         w->late.when[i] = is_valid ? PL_WATCH_AT_ONCE : PL_WATCH_AT_ONCE_BAD;
         n++;
