@@ -408,7 +408,8 @@ static void add_tally(pl_star_tally *all, pl_star_tally *part) {
 }
 
 /** Whether moves of a sweep may be judged at its end: nothing else than its visits moves with its nodes. */
-static int may_wait(const planish_plan *plan, const pl_star_problem *problem, planish_method method) {
+static int may_wait(const planish_plan *plan, const pl_star_problem *problem,
+                    planish_method method) {
     return method == PLANISH_METHOD_PLANISH && !problem->untangling && !plan->scratch.skin &&
            !plan->context->part;
 }

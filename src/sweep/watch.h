@@ -81,10 +81,10 @@ enum { PL_WATCH_VALID = 1, PL_WATCH_ABOVE = 2 /* its floor */ };
 
 /** When a cell is decided while cells wait. */
 enum {
-    PL_WATCH_WAITS = 0,        /* at the end of the sweep */
-    PL_WATCH_AT_ONCE = 1,      /* after each visit: it is curved or has refused moves, */
-    PL_WATCH_AT_ONCE_BAD = 2,  /* or was not valid when the sweep began */
-    PL_WATCH_BROKEN = 4        /* further bit: it was valid then, and is not where the nodes are */
+    PL_WATCH_WAITS = 0,       /* at the end of the sweep */
+    PL_WATCH_AT_ONCE = 1,     /* after each visit: it is curved or has refused moves, */
+    PL_WATCH_AT_ONCE_BAD = 2, /* or was not valid when the sweep began */
+    PL_WATCH_BROKEN = 4       /* further bit: it was valid then, and is not where the nodes are */
 };
 
 /** Move of a node in a sweep whose cells wait. */
@@ -139,9 +139,9 @@ typedef struct pl_watch {
     int64_t *begin;        /* [n_nodes + 1] by inner numbers: where watched of each node begins */
     int32_t *watched;      /* cells of each movable node, by types; last those without one */
     pl_watch_late late;
-    uint8_t decides;       /* any cell has a type */
-    int64_t n_turned;      /* valid ones whose corners are not positive, as measured last */
-    int64_t n_refused;     /* moves; shared by threads */
+    uint8_t decides;   /* any cell has a type */
+    int64_t n_turned;  /* valid ones whose corners are not positive, as measured last */
+    int64_t n_refused; /* moves; shared by threads */
 } pl_watch;
 
 /** Whether some cells need more than their corners. */
@@ -308,8 +308,8 @@ void pl_watch_begin_sweep(pl_watch *watch, int may_wait);
 
 /** Note the move of a star's node, of inner number node, by way from before [dim]; 0: it is there. While
  *  cells wait only. */
-void pl_watch_note_move(pl_watch *watch, int64_t star, int32_t node, const double *before, double way,
-                        const pl_star_gain *gain);
+void pl_watch_note_move(pl_watch *watch, int64_t star, int32_t node, const double *before,
+                        double way, const pl_star_gain *gain);
 
 /** Decide the cells that wait. Where one is not valid any more, the last move of its nodes is undone, and all
  *  later ones of nodes that share an element with an undone one. So the mesh is as if the undone visits had

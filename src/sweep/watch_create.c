@@ -337,8 +337,7 @@ static int make_late(pl_watch *w) {
     if (!w->node || w->floor || n_followers > 0 || plan->n_images > 0)
         return 1;
     w->late.way = pl_alloc(plan->work.n_nodes + 1, sizeof *w->late.way);
-    w->late.record =
-        pl_alloc(interior > sliding ? interior : sliding, sizeof *w->late.record);
+    w->late.record = pl_alloc(interior > sliding ? interior : sliding, sizeof *w->late.record);
     w->late.has_at_once = pl_alloc(plan->work.n_nodes, 1);
     w->late.when = pl_alloc(w->n, 1);
     return w->late.way && w->late.record && w->late.has_at_once && w->late.when;
