@@ -11,7 +11,7 @@
 #include "geometry/simplex.h"
 #include "plan/ghosts.h"
 #include "sweep/skin.h"
-#include "sweep/watch.h"
+#include "sweep/watch_late.h"
 
 #include <math.h>
 #include <string.h>

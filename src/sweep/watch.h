@@ -34,9 +34,7 @@
  *   pl_watch_find_broken          cells that were valid and are not any more
  *   pl_watch_find_refusers        cells that keep refusing moves
  *   pl_watch_decide_all, _look_again    some cells; those of a node that were not valid
- * watch_late.c: cells that wait for the end of a sweep
- *   pl_watch_begin_sweep, _end_sweep    find and decide them
- *   pl_watch_note_move            a move that may have to be undone
+ * watch_late.h: cells that wait for the end of a sweep
  */
 #ifndef PL_SWEEP_WATCH_H
 #define PL_SWEEP_WATCH_H
@@ -301,22 +299,6 @@ void pl_watch_decide_all(pl_watch *watch, int n, const int32_t cell[], uint8_t i
 
 /** Look again at the cells at the node of this inner number that were not valid, or below their floor. */
 void pl_watch_look_again(pl_watch *watch, int32_t node);
-
-/** Begin a sweep. If cells may wait, those of order 1 that are valid and never refused a move are decided at
- *  its end: late.is_on then, unless too many are not such. */
-void pl_watch_begin_sweep(pl_watch *watch, int may_wait);
-
-/** Note the move of a star's node, of inner number node, by way from before [dim]; 0: it is there. While
- *  cells wait only. */
-void pl_watch_note_move(pl_watch *watch, int64_t star, int32_t node, const double *before,
-                        double way, const pl_star_gain *gain);
-
-/** Decide the cells that wait. Where one is not valid any more, the last move of its nodes is undone, and all
- *  later ones of nodes that share an element with an undone one. So the mesh is as if the undone visits had
- *  not been, and the function of the sweep has not risen. problem: of the sweep's stars, which are n_stars.
- *  What undone moves brought is taken from *tally. */
-void pl_watch_end_sweep(pl_watch *watch, const pl_star_problem *problem, int64_t n_stars,
-                        pl_star_tally *tally);
 
 /** The worst of some cells. */
 typedef struct pl_worst_cell {

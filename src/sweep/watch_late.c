@@ -9,7 +9,7 @@
  * all cells at undone nodes are decided again. In the end nothing has moved, and all cells are as they
  * were when the sweep began.
  */
-#include "sweep/watch.h"
+#include "sweep/watch_late.h"
 
 #include "base/parallel.h"
 

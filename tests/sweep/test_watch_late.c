@@ -2,7 +2,7 @@
  * not to be valid. */
 #include "support/cell_meshes.h"
 #include "support/meshes.h"
-#include "sweep/watch.h"
+#include "sweep/watch_late.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
