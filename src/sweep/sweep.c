@@ -407,11 +407,13 @@ static void add_tally(pl_star_tally *all, pl_star_tally *part) {
     all->largest = fmax(all->largest, part->largest);
 }
 
-/** Whether moves of a sweep may be judged at its end: nothing else than its visits moves with its nodes. */
-static int may_wait(const planish_plan *plan, const pl_star_problem *problem,
-                    planish_method method) {
+/** Whether moves of a sweep may be judged at its end: nothing else than its visits moves with its nodes,
+ *  and a look at all cells pays. */
+static int may_wait(const planish_plan *plan, const pl_visits *visits,
+                    const pl_star_problem *problem, planish_method method) {
+    enum { CELLS_EACH = 32 }; /* most cells for a star */
     return method == PLANISH_METHOD_PLANISH && !problem->untangling && !plan->scratch.skin &&
-           !plan->context->part;
+           !plan->context->part && visits->stars.n_stars * CELLS_EACH >= plan->scratch.watch->n;
 }
 
 void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_problem *problem,
@@ -427,7 +429,7 @@ void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_p
         return;
     memset(plan->scratch.tally, 0, (size_t)plan->threads * sizeof *plan->scratch.tally);
     if (watch)
-        pl_watch_begin_sweep(watch, may_wait(plan, problem, method));
+        pl_watch_begin_sweep(watch, may_wait(plan, visits, problem, method));
     if (visits->n_followers > 0)
         pl_follow(plan, problem);
     for (int c = 0; c < visits->n_colours && (!(stopped > 0) || together); c++) {
