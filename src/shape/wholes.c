@@ -148,7 +148,7 @@ static void find_corners(const pl_surface *s, int64_t f, pl_whole *whole) {
     *whole = (pl_whole){.node = {v[0], v[1], v[2]}, .n_corners = 3};
     if (!s->half || s->half[f] != 1)
         return;
-    int32_t shared[3], n = 0;
+    int32_t shared[3] = {v[0], v[1], v[2]}, n = 0; /* as many as are found */
     whole->n_corners = 4;
     for (int k = 0; k < 3; k++) {
         if (v[k] == w[0] || v[k] == w[1] || v[k] == w[2])
