@@ -16,6 +16,9 @@
 enum { HALVINGS = 7 };
 /* A fan is a graph over a plane if the cosines between its normals and that of the plane are above this. */
 #define GRAPH 0.5
+/* What is known of facets from before counts within so much of the tolerance: the cosine of bends below 25
+ * degrees, by which a height is above a distance. */
+#define KNOWN_PART 0.9
 /* Bounds are rounded up by this. */
 #define ROUNDED_UP (1 + 0x1p-40)
 
@@ -216,42 +219,70 @@ static double bound_by_disc(const pl_skin_visit *v, int32_t centre, const double
                : INFINITY;
 }
 
-/** Whether a corner of a facet slides on a curve: of a planar patch, too, it may stick out there, by as much
- *  as its other corners say. */
-static int is_at_curve(const pl_skin *skin, int32_t facet) {
-    const int32_t *corner = skin->shape->facet[facet];
-    return skin->moves[corner[0]] == PLANISH_CONSTRAINT_ON_CURVE ||
-           skin->moves[corner[1]] == PLANISH_CONSTRAINT_ON_CURVE ||
-           skin->moves[corner[2]] == PLANISH_CONSTRAINT_ON_CURVE;
+/** Whether a corner of a facet is on a feature. */
+static int is_at_feature(const pl_skin *skin, int32_t facet) {
+    const planish_shape *shape = skin->shape;
+    const int32_t *corner = shape->facet[facet];
+    return shape->node_class[corner[0]] != PL_ON_PATCH ||
+           shape->node_class[corner[1]] != PL_ON_PATCH ||
+           shape->node_class[corner[2]] != PL_ON_PATCH;
+}
+
+/** What bounds of the facets of a trial from where they were have in common. */
+typedef struct move_facts {
+    int32_t centre; /* of a disc; -1: there is none */
+    int is_set;     /* frame and own */
+    pl_disc_frame frame;
+    pl_disc_point own;
+    double way[3], move; /* of the node; its length */
+    int is_exact;        /* facets of its planar patch stay in their plane */
+    double of_fan;       /* bound of the fan; NAN: not known yet */
+} move_facts;
+
+static move_facts facts_of(const pl_skin_visit *v, const double *place,
+                           const pl_skin_trial *trial) {
+    move_facts m = {.centre = disc_near(v, trial), .of_fan = NAN};
+    double start[3];
+    pl_skin_place_of(v->skin, v->node, start);
+    pl_from_to(3, start, place, m.way);
+    m.move = pl_length(m.way) * ROUNDED_UP;
+    m.is_exact = v->skin->moves[v->node] == PLANISH_CONSTRAINT_ON_PLANE;
+    return m;
+}
+
+/** Bound facet i of a trial by where it was, or a disc, within limit if one of these does. */
+static double bound_by_move(pl_skin_visit *v, const double *place, const pl_skin_trial *trial,
+                            int i, double limit, move_facts *m) {
+    const pl_skin *skin = v->skin;
+    const int32_t facet = v->facet[i];
+    double bound = skin->bound[facet];
+    if (!m->is_exact || !skin->is_planar[facet])
+        bound += m->move;
+    if (!(bound <= limit) && m->centre >= 0)
+        bound = bound_by_disc(v, m->centre, place, i, &m->frame, &m->own, &m->is_set);
+    if (bound <= limit)
+        return bound;
+    if (isnan(m->of_fan))
+        m->of_fan = bound_of_fan(v, m->way, trial);
+    return m->of_fan;
 }
 
 /** Whether the facets at the node stay within their tolerance if it is at place, in trial->place: their
- *  bounds are in trial. */
+ *  bounds are in trial.
+ *
+ *  In the end the surface is proved to be near by where it is alone. Such a proof is less sharp than what is
+ *  known from before: on features, where facets stick out, by much; else it is by heights, not distances. So the
+ *  latter counts but within a part of the tolerance, and on features not at all. */
 static int keeps_near(pl_skin_visit *v, const double *place, pl_skin_trial *trial) {
     const pl_skin *skin = v->skin;
-    const int32_t centre = disc_near(v, trial);
-    pl_disc_frame frame;
-    pl_disc_point own;
-    double start[3], way[3], of_fan = NAN;
-    int is_set = 0;
-    pl_skin_place_of(skin, v->node, start);
-    pl_from_to(3, start, place, way);
-    const double move = pl_length(way) * ROUNDED_UP;
-    const int is_exact = skin->moves[v->node] == PLANISH_CONSTRAINT_ON_PLANE;
+    move_facts facts = facts_of(v, place, trial);
     for (int i = 0; i < v->n; i++) {
         const int32_t facet = v->facet[i];
-        const double tolerance = skin->tolerance[facet];
-        double bound = skin->bound[facet];
-        if (!is_exact || !skin->is_planar[facet] || is_at_curve(skin, facet))
-            bound += move;
-        if (!(bound <= tolerance) && centre >= 0)
-            bound = bound_by_disc(v, centre, place, i, &frame, &own, &is_set);
-        if (!(bound <= tolerance)) {
-            if (isnan(of_fan))
-                of_fan = bound_of_fan(v, way, trial);
-            bound = of_fan;
-        }
-        if (!(bound <= tolerance))
+        const double tolerance = skin->tolerance[facet], limit = KNOWN_PART * tolerance;
+        double bound = is_at_feature(skin, facet)
+                           ? INFINITY
+                           : bound_by_move(v, place, trial, i, limit, &facts);
+        if (!(bound <= limit))
             bound = pl_skin_certify(skin, facet, v->node, place, &trial->place);
         if (!(bound <= tolerance))
             return 0;

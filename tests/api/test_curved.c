@@ -211,6 +211,15 @@ static planish_shape_distance measure(const trial *t) {
     return d;
 }
 
+/** Whether the whole surface is proved to be within the tolerance. */
+static int is_proved(const trial *t, const planish_shape_distance *d, double rounding) {
+    const planish_options *o = &t->options;
+    const double tolerance = o->surface_tolerance > 0 ? o->surface_tolerance : 0.05;
+    return o->surface_tolerance > 0 && o->surface_tolerance_unit == PLANISH_UNIT_MESH
+               ? d->distance * t->shape->scale <= tolerance * t->shape->scale + rounding
+               : d->in_edges <= tolerance * (1 + 1e-9) + (o->precision ? 1e-5 : 1e-9);
+}
+
 /** No point of the surface is farther off than the tolerance, and than what was proved. */
 static void check_distance(const trial *t, double *worth) {
     const planish_shape *s = t->shape;
@@ -232,6 +241,7 @@ static void check_distance(const trial *t, double *worth) {
     check_that(t, back <= d.distance_back * s->scale * (1 + 1e-9) + rounding,
                "the measure holds back");
     check_that(t, d.n_unproved == 0, "every facet has a bound");
+    check_that(t, is_proved(t, &d, rounding), "the surface is proved to be within the tolerance");
     check_that(t, d.max_bend <= fmax(40, d.max_bend_before) + 1e-5, "no smooth edge becomes sharp");
     *worth = there > 1e-6 * s->size ? d.distance * s->scale / there : 0;
 }
