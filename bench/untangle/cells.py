@@ -9,7 +9,7 @@ import numpy as np
 
 import simplex
 
-LEVELS = 12  # of halving; what is open then counts as inverted
+LEVELS = 24  # of halving; what is open then counts as inverted
 
 # vtk: its number; faces: of corners, in the plane the edges. Nodes are in VTK's order, and such that
 # determinants are positive in a valid element.
