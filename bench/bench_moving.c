@@ -97,7 +97,11 @@ static void measure(motion *m, const char *name, double most, int steps, int thr
     double seconds = 0, worst = 0;
     int64_t n_turned_over = 0, n_left = 0, n_sweeps = 0;
     planish_options_init(&options);
-    options.threads = threads;
+    options.threads = threads; /* the plan's */
+    planish_plan_destroy(m->plan);
+    m->plan = NULL;
+    if (planish_plan_create(&m->mesh, &options, &m->plan, &error))
+        quit(error.text);
     memcpy(m->x, m->first, (size_t)(m->mesh.n_nodes * m->mesh.dim) * sizeof *m->x);
     for (int step = 1; step <= steps; step++) {
         bend(m, step, most);
@@ -122,15 +126,14 @@ int main(int argc, char **argv) {
     if (argc < 2 || steps < 1)
         quit("usage: bench_moving MESH [STEPS]");
     planish_file *file;
-    planish_options options;
     planish_plan_info info;
     motion m = begin(argv[1], &file);
-    planish_options_init(&options);
     planish_plan_get_info(m.plan, &info);
-    printf("%lld elements, mean edge %.3g of a length of %.3g.\n\n"
-           "| a step moves the boundary by | threads | turned over | left in all | sweeps | worst RR "
-           "| s a step |\n| --- | --: | --: | --: | --: | --: | --: |\n",
-           (long long)m.mesh.n_elements, m.edge, m.length);
+    printf(
+        "%lld elements, mean edge %.3g of a length of %.3g.\n\n"
+        "| a step moves the boundary by | threads | turned over | left in all | sweeps | worst RR "
+        "| s a step |\n| --- | --: | --: | --: | --: | --: | --: |\n",
+        (long long)m.mesh.n_elements, m.edge, m.length);
     for (int threads = 1; threads <= info.threads; threads *= 2) {
         measure(&m, "a tenth of a mean edge", 0.1 * m.edge, steps, threads);
         measure(&m, "a mean edge", m.edge, steps, threads);

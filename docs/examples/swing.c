@@ -30,10 +30,7 @@ typedef struct channel {
 /** Find the point of the walls that a ray goes to: equal steps once around, from a corner on. */
 static void find_wall(int ray, int rays, double xy[2]) {
     double s = 2 * (LENGTH + HEIGHT) * ray / rays;
-    const int side = s < LENGTH                ? 0
-                     : s < LENGTH + HEIGHT     ? 1
-                     : s < 2 * LENGTH + HEIGHT ? 2
-                                               : 3;
+    const int side = s < LENGTH ? 0 : s < LENGTH + HEIGHT ? 1 : s < 2 * LENGTH + HEIGHT ? 2 : 3;
     s -= side > 0 ? LENGTH : 0;
     s -= side > 1 ? HEIGHT : 0;
     s -= side > 2 ? LENGTH : 0;
@@ -124,8 +121,11 @@ int main(int argc, char **argv) {
     if (c.xy && c.triangles) {
         place_nodes(&c);
         list_triangles(&c);
-        const planish_mesh mesh = {.dim = 2, .n_nodes = n_nodes, .n_elements = n,
-                                   .coordinates = c.xy, .elements = c.triangles};
+        const planish_mesh mesh = {.dim = 2,
+                                   .n_nodes = n_nodes,
+                                   .n_elements = n,
+                                   .coordinates = c.xy,
+                                   .elements = c.triangles};
         status = planish_plan_create(&mesh, NULL, &plan, &error);
     }
     status = status ? quit(&error) : swing(&c, plan, steps);
