@@ -23,28 +23,25 @@ typedef struct across {
     const pl_candidates *c;
     const planish_shape *shape;
     int32_t *node_of; /* [shape->n_nodes] of the plan's mesh; -1: it has not this one */
+    int32_t *ring_at; /* [shape->n_nodes] last ring that was found to have it, or -1 */
 } across;
 
 /** Number the shape's nodes by the plan's mesh; 0 without memory. */
 static int number_nodes(across *a) {
     const planish_plan *plan = a->d->plan;
+    const size_t bytes = (size_t)a->shape->n_nodes * sizeof *a->node_of;
     a->node_of = pl_alloc(a->shape->n_nodes, sizeof *a->node_of);
-    if (!a->node_of)
+    a->ring_at = pl_alloc(a->shape->n_nodes, sizeof *a->ring_at);
+    if (!a->node_of || !a->ring_at)
         return 0;
-    memset(a->node_of, -1, (size_t)a->shape->n_nodes * sizeof *a->node_of);
+    memset(a->node_of, -1, bytes);
+    memset(a->ring_at, -1, bytes);
     for (int64_t i = 0; i < plan->work.n_nodes; i++) {
         const int32_t own = a->shape->number[pl_plan_node(plan, i)];
         if (own >= 0)
             a->node_of[own] = (int32_t)i;
     }
     return 1;
-}
-
-static int has(const int32_t *list, int64_t n, int32_t node) {
-    for (int64_t i = 0; i < n; i++)
-        if (list[i] == node)
-            return 1;
-    return 0;
 }
 
 /** Ring r of c. */
@@ -59,18 +56,30 @@ static int32_t number_of(const across *a, int64_t r) {
     return node < 0 ? -1 : a->shape->number[pl_plan_node(a->d->plan, node)];
 }
 
+/** Note the nodes of ring r that are of the shape. */
+static void note_ring(const across *a, int64_t r) {
+    int64_t n;
+    const int32_t *ring = ring_of(a, r, &n);
+    for (int64_t i = 0; i < n; i++) {
+        const int32_t own = ring[i] < a->d->plan->work.n_nodes
+                                ? a->shape->number[pl_plan_node(a->d->plan, ring[i])]
+                                : -1;
+        if (own >= 0)
+            a->ring_at[own] = (int32_t)r;
+    }
+}
+
 /** Check that the nodes of the facets around the node of ring r are its neighbours. */
 static int check_facets(const across *a, int64_t r, planish_error *error) {
     const planish_shape *shape = a->shape;
     const int32_t own = number_of(a, r);
-    int64_t n, n_facets = 0;
-    const int32_t *ring = ring_of(a, r, &n);
+    int64_t n_facets = 0;
     const int32_t *facets = own < 0 ? NULL : pl_shape_star(shape, own, &n_facets);
     for (int64_t i = 0; i < n_facets; i += pl_shape_parts(shape, facets[i])) {
         int n_corners;
         const int32_t *corner = pl_shape_corners(shape, facets[i], &n_corners);
         for (int j = 0; j < n_corners; j++)
-            if (corner[j] != own && !has(ring, n, a->node_of[corner[j]]))
+            if (corner[j] != own && a->ring_at[corner[j]] != r)
                 return pl_fail_at(
                     error, PLANISH_ERROR_ARGUMENT, -1, shape->node[own],
                     "options.shape has a facet of the nodes %" PRId32 ", %" PRId32 " and %" PRId32
@@ -101,7 +110,7 @@ static int find_across(const planish_shape *shape, int32_t t, int32_t own,
     return n;
 }
 
-/** Add to the n nodes of list, which begins with ring r, the nodes across; returns how many there are
+/** Add to the n nodes of list, which begins with ring r, as is noted, the nodes across; returns how many there are
  *  then. */
 static int64_t add_across(const across *a, int64_t r, int64_t n, int32_t *list) {
     const planish_shape *shape = a->shape;
@@ -116,8 +125,10 @@ static int64_t add_across(const across *a, int64_t r, int64_t n, int32_t *list) 
             const int32_t *w =
                 others[k] < 0 ? NULL : pl_shape_corners(shape, others[k], &n_corners);
             for (int j = 0; w && j < n_corners; j++)
-                if (w[j] != own && a->node_of[w[j]] >= 0 && !has(list, n, a->node_of[w[j]]))
+                if (w[j] != own && a->node_of[w[j]] >= 0 && a->ring_at[w[j]] != r) {
+                    a->ring_at[w[j]] = (int32_t)r;
                     list[n++] = a->node_of[w[j]];
+                }
         }
     }
     return n;
@@ -129,6 +140,7 @@ static int fill_rings(const across *a, pl_rings *rings, planish_error *error) {
     for (int64_t r = 0; r < rings->n_rings; r++) {
         int64_t n;
         const int32_t *ring = ring_of(a, r, &n);
+        note_ring(a, r);
         const int status = check_facets(a, r, error);
         if (status)
             return status;
@@ -159,5 +171,6 @@ int pl_rings_across(const pl_draft *d, const pl_candidates *c, pl_rings *rings,
     const int status =
         done ? fill_rings(&a, rings, error) : pl_fail_memory(error, "the colours of nodes");
     pl_free(a.node_of);
+    pl_free(a.ring_at);
     return status;
 }

@@ -18,8 +18,8 @@ static const double COS_LEAST_CREASE = 0.99619469809174553230;
 static const double CALM = 0.4;
 /* Creases that turn by less than 60 degrees may be noise. */
 static const double COS_SLIGHT = 0.5;
-/* At nodes of more facets one stands for all whose normals agree to 0.4 degrees. */
-enum { MANY_FACETS = 64, NORMALS_APART = 256 };
+/* At hubs one facet stands for all whose normals agree to 0.4 degrees. */
+enum { NORMALS_APART = 256 };
 
 /* ---- nodes of very many facets ---------------------------------------------------------------- */
 
@@ -53,15 +53,11 @@ static int64_t list_apart(const planish_shape *s, int64_t node, rounded *work, i
     return n_apart;
 }
 
-static int is_hub(const planish_shape *s, int64_t node) {
-    return s->offset[node + 1] - s->offset[node] > MANY_FACETS;
-}
-
 int pl_creases_begin(pl_features *w, planish_error *error) {
     const planish_shape *s = w->shape;
     int64_t most = 0, all = 0, n = 0;
     for (int64_t i = 0; i < s->n_nodes; i++)
-        if (is_hub(s, i)) {
+        if (pl_is_hub(s, i)) {
             const int64_t n_facets = s->offset[i + 1] - s->offset[i];
             most = n_facets > most ? n_facets : most;
             all += n_facets;
@@ -72,7 +68,7 @@ int pl_creases_begin(pl_features *w, planish_error *error) {
     w->hub_facet = pl_alloc(all, sizeof *w->hub_facet);
     const int failed = !work || !w->hub || !w->hub_facet;
     for (int64_t i = 0; !failed && i < s->n_nodes; i++)
-        if (is_hub(s, i)) {
+        if (pl_is_hub(s, i)) {
             pl_hub *h = w->hub + w->n_hubs++;
             h->node = (int32_t)i;
             h[1].first = h->first + list_apart(s, i, work, w->hub_facet + h->first);
@@ -90,7 +86,7 @@ static int compare_hubs(const void *node, const void *hub) {
 static const int32_t *facets_at(const pl_features *w, int32_t node, int64_t *n) {
     const planish_shape *s = w->shape;
     *n = s->offset[node + 1] - s->offset[node];
-    if (!is_hub(s, node))
+    if (!pl_is_hub(s, node))
         return s->facet_of + s->offset[node];
     const pl_hub *h = bsearch(&node, w->hub, (size_t)w->n_hubs, sizeof *h, compare_hubs);
     *n = h[1].first - h->first;

@@ -8,7 +8,8 @@
  * Facets of second order are several triangles each, between their nodes (wholes.h); bend says how far
  * the curved facet is off them.
  *
- *   here         pl_corner_at, pl_edge_of          corners and edges of facets
+ *   here         pl_is_hub                         nodes of very many facets
+ *                pl_corner_at, pl_edge_of          corners and edges of facets
  *                pl_shape_star                     facets that change with a node
  *                pl_whole_of, pl_find_part         a triangle and its facet of second order
  *   create.h     pl_shape_create, _destroy         all of it
@@ -64,6 +65,24 @@ struct planish_shape {
     int32_t *star; /* all triangles of each facet of second order at a corner; of mids none */
 };
 
+/** Whether a node has very many facets: loops over pairs of them do not pay. */
+static inline int pl_is_hub(const planish_shape *shape, int64_t node) {
+    enum { MANY_FACETS = 64 };
+    return shape->offset[node + 1] - shape->offset[node] > MANY_FACETS;
+}
+
+/** Return how many of list [n], which ascends, are below value: where value is, if it is there. */
+static inline int64_t pl_find_ascending(const int32_t *list, int64_t n, int32_t value) {
+    int64_t begin = 0;
+    while (n > 0) {
+        const int64_t half = n / 2;
+        const int is_above = list[begin + half] < value;
+        begin = is_above ? begin + half + 1 : begin;
+        n = is_above ? n - half - 1 : half;
+    }
+    return begin;
+}
+
 /** Return the unit normal of the shape at corner k of a facet. */
 static inline const double *pl_corner_normal(const planish_shape *shape, int32_t facet, int k) {
     const int32_t node = shape->facet[facet][k];
@@ -72,6 +91,8 @@ static inline const double *pl_corner_normal(const planish_shape *shape, int32_t
     if (shape->normal_at[node + 1] - first == 1)
         return shape->corner_normal[first];
     int64_t i = 0;
+    if (pl_is_hub(shape, node))
+        i = pl_find_ascending(at, shape->offset[node + 1] - shape->offset[node], facet);
     while (at[i] != facet)
         i++;
     return shape->corner_normal[first + i];

@@ -111,6 +111,7 @@ typedef struct pl_measuring {
     pl_tree tree[WAYS];          /* their facets */
     const pl_place *place;
     double (*bound)[WAYS]; /* [n_facets] */
+    double *unit;          /* [n_facets] pl_shape_edge of the first surface */
     double (*extra)
         [WAYS]; /* [n_facets] of second order: how far the facet itself is off its triangle; else
                               NULL */
@@ -163,7 +164,8 @@ static double capped(const pl_measuring *m, int way, const pl_moved_facet *t, do
 static void overlay_facets(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     pl_measuring *m = context;
-    for (int64_t i = begin; i < end; i++)
+    for (int64_t i = begin; i < end; i++) {
+        m->unit[i] = pl_shape_edge(&m->surface[THERE], (int32_t)i);
         for (int way = 0; way < WAYS; way++) {
             const planish_shape *s = &m->surface[way];
             const pl_moved_facet t = facet_of(m, way, i);
@@ -173,10 +175,16 @@ static void overlay_facets(void *context, int64_t begin, int64_t end, int thread
                 __atomic_fetch_add(&m->n_open[way], 1, __ATOMIC_RELAXED);
             } else if (m->bound[i][way] > 0) {
                 pl_raise_double(&m->most[way], m->bound[i][way]);
-                pl_raise_double(&m->most_h[way],
-                                m->bound[i][way] / pl_shape_edge(&m->surface[THERE], t.facet));
+                pl_raise_double(&m->most_h[way], m->bound[i][way] / m->unit[i]);
             }
         }
+    }
+}
+
+/** Whether a corner of a facet is a node of very many facets: near to it a tree leads to all of these. */
+static int is_at_hub(const planish_shape *s, int64_t facet) {
+    const int32_t *v = s->facet[facet];
+    return pl_is_hub(s, v[0]) || pl_is_hub(s, v[1]) || pl_is_hub(s, v[2]);
 }
 
 /** Divide facets that have no bound, as far as they are beyond the largest ones. */
@@ -186,9 +194,9 @@ static void divide_facets(void *context, int64_t begin, int64_t end, int thread)
     for (int64_t i = begin; i < end; i++)
         for (int way = 0; way < WAYS; way++) {
             const planish_shape *s = &m->surface[way];
-            const pl_target target = {s, &m->tree[way], s->patch[i]};
+            const pl_target target = {s, is_at_hub(s, i) ? NULL : &m->tree[way], s->patch[i]};
             const pl_moved_facet t = facet_of(m, way, i);
-            const double h = pl_shape_edge(&m->surface[THERE], t.facet);
+            const double h = m->unit[i];
             const double known = fmin(m->most[way], m->most_h[way] * h);
             const double extra = extra_of(m, way, i);
             if (m->bound[i][way] == INFINITY)
@@ -241,9 +249,9 @@ static void sharpen(pl_measuring *m, int way, int by_edges) {
         int64_t at = -1;
         double most = 0;
         for (int64_t i = 0; i < s->n_facets; i++) {
-            const double h = by_edges ? pl_shape_edge(&m->surface[THERE], (int32_t)i) : 1;
-            if (m->bound[i][way] / h > most) {
-                most = m->bound[i][way] / h;
+            const double bound = m->bound[i][way] / (by_edges ? m->unit[i] : 1);
+            if (bound > most) {
+                most = bound;
                 at = i;
             }
         }
@@ -263,7 +271,7 @@ static void sharpen(pl_measuring *m, int way, int by_edges) {
 static void sum_up(const pl_measuring *m, pl_shape_distance *distance) {
     const planish_shape *s = &m->surface[THERE];
     for (int64_t i = 0; i < s->n_facets; i++) {
-        const double h = pl_shape_edge(s, (int32_t)i), *bound = m->bound[i];
+        const double h = m->unit[i], *bound = m->bound[i];
         distance->there = fmax(distance->there, bound[THERE]);
         distance->back = fmax(distance->back, bound[BACK]);
         if (bound[THERE] > 0)
@@ -472,9 +480,10 @@ int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_
     now->normal = pl_alloc(n, sizeof *now->normal);
     now->bend = NULL;
     m.bound = pl_alloc(n, sizeof *m.bound);
+    m.unit = pl_alloc(n, sizeof *m.unit);
     *distance = (pl_shape_distance){.there = 0};
     int status = 0;
-    if (!now->x || !now->normal || !m.bound) {
+    if (!now->x || !now->normal || !m.bound || !m.unit) {
         status = pl_fail_memory(error, "the distance of surfaces");
     } else if (!are_finite(x, shape->n_nodes)) {
         *distance = (pl_shape_distance){INFINITY, INFINITY, INFINITY, INFINITY, 2 * n, -1};
@@ -497,5 +506,6 @@ int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_
     pl_free(m.most_of);
     pl_free(m.edge);
     pl_free(m.bound);
+    pl_free(m.unit);
     return status;
 }

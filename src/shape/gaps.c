@@ -32,6 +32,7 @@ typedef struct gap_search {
     int32_t *leaving; /* [n_leaving] those that may leave */
     pl_box3 *box;     /* [n_leaving] of each with its tolerance */
     pl_tree tree;     /* of these */
+    int32_t *shared;  /* by boxes of tree, from the branches on: node of all facets below, or -1 */
     uint8_t *is_near;
 } gap_search;
 
@@ -94,6 +95,54 @@ static int may_leave(const gap_search *g, int32_t facet) {
     return !g->may_leave || g->may_leave[facet];
 }
 
+/** Find a node that all facets of a list share; -1: there is none. */
+static int32_t shared_by(const planish_shape *s, const int32_t *facet, int n) {
+    for (int k = 0; k < 3; k++) {
+        const int32_t node = s->facet[facet[0]][k];
+        int is_shared = 1;
+        for (int i = 1; i < n; i++)
+            is_shared &= s->facet[facet[i]][pl_corner_at(s, facet[i], node)] == node;
+        if (is_shared)
+            return node;
+    }
+    return -1;
+}
+
+/** Find a node that all facets below a branch share, as far as branches below it share the same; or -1. */
+static int32_t shared_below(const gap_search *g, int level, int64_t branch) {
+    const pl_tree *t = &g->tree;
+    const int64_t from = branch * PL_BRANCHES, left = t->begin[level] - t->begin[level - 1] - from;
+    const int n = left < PL_BRANCHES ? (int)left : PL_BRANCHES;
+    int32_t list[PL_BRANCHES] = {0};
+    if (level == 1) {
+        for (int k = 0; k < n; k++)
+            list[k] = g->leaving[t->item[from + k]];
+        return shared_by(g->shape, list, n);
+    }
+    const int32_t *below = g->shared + t->begin[level - 1] + from - t->n;
+    for (int k = 1; k < n; k++)
+        if (below[k] != below[0])
+            return -1;
+    return below[0];
+}
+
+/** Find the nodes that the facets below branches share. Without them each facet of a fan would look at all
+ *  the others. */
+static void find_shared(const gap_search *g) {
+    const pl_tree *t = &g->tree;
+    for (int level = 1; level < t->n_levels; level++)
+        for (int64_t i = 0; i < t->begin[level + 1] - t->begin[level]; i++)
+            g->shared[t->begin[level] + i - t->n] = shared_below(g, level, i);
+}
+
+/** Whether the facets below a branch all share a node with that of a search. */
+static int is_around(void *context, int64_t index) {
+    const look *l = context;
+    const int32_t node = l->search->shared[index - l->search->tree.n];
+    const int32_t *v = l->search->shape->facet[l->facet];
+    return node >= 0 && (node == v[0] || node == v[1] || node == v[2]);
+}
+
 static int look_at_facet(void *context, int32_t item) {
     const look *l = context;
     const gap_search *g = l->search;
@@ -123,7 +172,7 @@ static void search_chunk(void *context, int64_t begin, int64_t end, int thread) 
         if (g->shape->is_interface[i])
             continue;
         const pl_box3 box = box_of(g, l.facet);
-        pl_tree_find(&g->tree, &box, look_at_facet, &l);
+        pl_tree_find(&g->tree, &box, is_around, look_at_facet, &l);
     }
 }
 
@@ -151,11 +200,18 @@ int pl_shape_find_gaps(const planish_shape *shape, const float *tolerance, const
         pl_parallel_for(threads, g.n_leaving, CHUNK, find_boxes, &g);
         status = pl_tree_create(g.n_leaving, g.box, threads, &g.tree, error);
     }
+    if (!status) {
+        g.shared = pl_alloc(g.tree.begin[g.tree.n_levels] - g.tree.n, sizeof *g.shared);
+        status = g.shared ? 0 : pl_fail_memory(error, "the gaps of a surface");
+    }
+    if (!status)
+        find_shared(&g);
     for (int64_t i = 0; !status && i < n; i++)
         is_near[i] = 0;
     if (!status)
         pl_parallel_for(threads, n, CHUNK, search_chunk, &g);
     pl_tree_destroy(&g.tree);
+    pl_free(g.shared);
     pl_free(g.leaving);
     pl_free(g.box);
     return status;

@@ -125,19 +125,30 @@ static int boxes_meet(const pl_box3 *a, const pl_box3 *b) {
     return meet;
 }
 
-void pl_tree_find(const pl_tree *tree, const pl_box3 *box, pl_tree_found_fn *found, void *context) {
+/** Push the branches below b that meet box, the last one first. Returns how many branches there are then. */
+static int push_meeting(const pl_tree *t, branch b, const pl_box3 *box, branch *stack, int n) {
+    branch below[PL_BRANCHES];
+    const int count = push_below(t, b, below, 0);
+    for (int i = 0; i < count; i++)
+        if (boxes_meet(t->box + t->begin[below[i].level] + below[i].index, box))
+            stack[n++] = below[i];
+    return n;
+}
+
+void pl_tree_find(const pl_tree *tree, const pl_box3 *box, pl_tree_skips_fn *skips,
+                  pl_tree_found_fn *found, void *context) {
     branch stack[MOST_BRANCHES];
     int n = 0;
-    if (tree->n > 0)
+    if (tree->n > 0 && boxes_meet(tree->box + tree->begin[tree->n_levels - 1], box))
         stack[n++] = (branch){tree->n_levels - 1, 0};
     while (n > 0) {
         const branch b = stack[--n];
-        if (!boxes_meet(tree->box + tree->begin[b.level] + b.index, box))
-            continue;
-        if (b.level > 0)
-            n = push_below(tree, b, stack, n);
-        else if (found(context, tree->item[b.index]))
-            return;
+        if (b.level == 0) {
+            if (found(context, tree->item[b.index]))
+                return;
+        } else if (!skips || !skips(context, tree->begin[b.level] + b.index)) {
+            n = push_meeting(tree, b, box, stack, n);
+        }
     }
 }
 

@@ -38,8 +38,12 @@ void pl_tree_destroy(pl_tree *tree);
 /** An item is found; not 0 to end the search. */
 typedef int pl_tree_found_fn(void *context, int32_t item);
 
-/** Call found for the items whose boxes meet box, along the curve. */
-void pl_tree_find(const pl_tree *tree, const pl_box3 *box, pl_tree_found_fn *found, void *context);
+/** Whether a search leaves out everything below a branch; index: of its box, from tree->begin[1] on. */
+typedef int pl_tree_skips_fn(void *context, int64_t index);
+
+/** Call found for the items whose boxes meet box, along the curve. skips: NULL: nothing is left out. */
+void pl_tree_find(const pl_tree *tree, const pl_box3 *box, pl_tree_skips_fn *skips,
+                  pl_tree_found_fn *found, void *context);
 
 /** Squared distance of an item from a point. */
 typedef double pl_tree_distance_fn(const void *context, int32_t item, const double point[3]);

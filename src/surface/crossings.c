@@ -72,11 +72,35 @@ static int cross(const planish_shape *s, const double (*at)[3], int32_t a, int32
     return edges_go_through(s, at, a, b) || edges_go_through(s, at, b, a);
 }
 
+/** Whether the edge after corner k of a facet meets the box of another one. */
+static int edge_meets(const crossing_search *c, int32_t facet, int k, int32_t other) {
+    const pl_box3 *box = &c->box[other];
+    const int32_t *v = c->run->shape->facet[facet];
+    const double *p = c->run->x[v[k]], *q = c->run->x[v[(k + 1) % 3]];
+    int meets = 1;
+    for (int d = 0; d < 3; d++)
+        meets &= (p[d] <= box->upper[d] || q[d] <= box->upper[d]) &&
+                 (p[d] >= box->lower[d] || q[d] >= box->lower[d]);
+    return meets;
+}
+
+/** Whether facets whose boxes meet may cross: of two that share a node only the edges opposite to it go through
+ *  the other one, and if they share two nodes none does. */
+static int may_cross(const crossing_search *c, int32_t a, int32_t b) {
+    const int32_t *v = c->run->shape->facet[a], *w = c->run->shape->facet[b];
+    for (int k = 0; k < 3; k++)
+        for (int j = 0; j < 3; j++)
+            if (v[k] == w[j])
+                return edge_meets(c, a, (k + 1) % 3, b) || edge_meets(c, b, (j + 1) % 3, a);
+    return 1;
+}
+
 static int look_at_facet(void *context, int32_t other) {
     const look *l = context;
     const pl_surface_run *r = l->search->run;
     const int is_seen = other == l->facet || (other < l->facet && has_moved(r, other));
-    if (is_seen || !cross(r->shape, (const double(*)[3])r->x, l->facet, other) ||
+    if (is_seen || !may_cross(l->search, l->facet, other) ||
+        !cross(r->shape, (const double(*)[3])r->x, l->facet, other) ||
         cross(r->shape, (const double(*)[3])r->start, l->facet, other))
         return 0;
     pl_set_flag(&l->search->has_met[l->facet], 1);
@@ -103,7 +127,7 @@ static void search_chunk(void *context, int64_t begin, int64_t end, int thread) 
     for (int64_t i = begin; i < end; i++) {
         look l = {c, (int32_t)i};
         if (has_moved(c->run, (int32_t)i))
-            pl_tree_find(&c->tree, &c->box[i], look_at_facet, &l);
+            pl_tree_find(&c->tree, &c->box[i], NULL, look_at_facet, &l);
     }
 }
 

@@ -6,6 +6,8 @@
 #include "base/status.h"
 #include "topology/topology.h"
 
+#include <stdlib.h>
+
 enum { CHUNK = 512 };
 
 /** Stars that are being made, by movable nodes in ascending order. */
@@ -70,9 +72,10 @@ static int terms_in(const planish_shape *s, int32_t facet, int32_t node, pl_face
     return 3;
 }
 
-/** Add node to the ring of n neighbours, if it is not there; returns their number. */
-static int64_t join_ring(int32_t *ring, int64_t n, int32_t node) {
-    for (int64_t i = 0; i < n; i++)
+/** Add node to the ring of n neighbours, if it is not there, or in any case: of a hub; returns their
+ *  number. */
+static int64_t join_ring(int32_t *ring, int64_t n, int32_t node, int is_hub) {
+    for (int64_t i = 0; !is_hub && i < n; i++)
         if (ring[i] == node)
             return n;
     ring[n] = node;
@@ -89,31 +92,48 @@ static int32_t node_across(const planish_shape *s, int32_t facet, int k) {
     return -1;
 }
 
-/** Most neighbours that a node with so many facets may have: two of each, one opposite. */
+/** Most neighbours that a node with so many facets may have: two of each, one opposite. While those of a hub
+ *  are listed there are those of other halves as well. */
 static int64_t room_of_ring(const planish_shape *s, int32_t node) {
-    return 4 * (s->offset[node + 1] - s->offset[node]);
+    return (pl_is_hub(s, node) ? 6 : 4) * (s->offset[node + 1] - s->offset[node]);
+}
+
+static int compare_nodes(const void *a, const void *b) {
+    const int32_t s = *(const int32_t *)a, t = *(const int32_t *)b;
+    return (s > t) - (s < t);
+}
+
+/** Sort a ring of n nodes, and keep one of those that are the same; returns how many are left. */
+static int64_t unite(int32_t *ring, int64_t n) {
+    int64_t left = 0;
+    qsort(ring, (size_t)n, sizeof *ring, compare_nodes);
+    for (int64_t i = 0; i < n; i++)
+        if (i == 0 || ring[i] != ring[left - 1])
+            ring[left++] = ring[i];
+    return left;
 }
 
 /** Fill the ring of a node: nodes of its elements, and those that decide how edges bend; returns how
  *  many. */
 static int64_t fill_ring(const planish_shape *s, int32_t node, int32_t *ring) {
+    const int is_hub = pl_is_hub(s, node);
     int64_t n = 0;
     for (int64_t i = s->offset[node]; i < s->offset[node + 1]; i++) {
         const int32_t facet = s->facet_of[i], half = half_of(s, facet);
         const int32_t across = node_across(s, facet, corner_of(s, facet, node));
         for (int j = 0; j < 3; j++)
             if (s->facet[facet][j] != node)
-                n = join_ring(ring, n, s->facet[facet][j]);
+                n = join_ring(ring, n, s->facet[facet][j], is_hub);
         if (half) {
             const int32_t other = half == 1 ? facet + 1 : facet - 1;
             for (int j = 0; j < 3; j++)
                 if (s->facet[other][j] != node)
-                    n = join_ring(ring, n, s->facet[other][j]);
+                    n = join_ring(ring, n, s->facet[other][j], is_hub);
         }
         if (across >= 0)
-            n = join_ring(ring, n, across);
+            n = join_ring(ring, n, across, is_hub);
     }
-    return n;
+    return is_hub ? unite(ring, n) : n;
 }
 
 static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {

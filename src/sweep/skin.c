@@ -14,6 +14,8 @@
 #define TURN 0.5
 /* What is too far off is tried at half of the way, so often. */
 enum { HALVINGS = 7 };
+/* Facets of a node that are looked through one by one. */
+enum { FEW = 16 };
 /* A fan is a graph over a plane if the cosines between its normals and that of the plane are above this. */
 #define GRAPH 0.5
 /* Bounds are rounded up by this. */
@@ -41,6 +43,15 @@ static void find_direction(const pl_skin *skin, int64_t star, int32_t node, doub
 
 /* ---- the facets around a node ----------------------------------------------------------------- */
 
+/** Return the number in the visit of a facet; -1: it is not at the node. */
+static int32_t number_of(const pl_skin_visit *v, int32_t facet) {
+    const int64_t first = v->n > FEW ? pl_find_ascending(v->facet, v->n, facet) : 0;
+    for (int64_t j = first; j < v->n && (v->n <= FEW || j == first); j++)
+        if (v->facet[j] == facet)
+            return (int32_t)j;
+    return -1;
+}
+
 /** Learn where the facets around the node are. */
 static void gather(pl_skin_visit *v) {
     const pl_skin *skin = v->skin;
@@ -53,10 +64,7 @@ static void gather(pl_skin_visit *v) {
         pl_skin_place_of(skin, corner[(k + 1) % 3], v->rim[i][0]);
         pl_skin_place_of(skin, corner[(k + 2) % 3], v->rim[i][1]);
         v->opposite[i] = shape->across[facet][(k + 1) % 3];
-        v->next[i] = -1;
-        for (int j = 0; other >= 0 && j < v->n; j++)
-            if (v->facet[j] == other)
-                v->next[i] = j;
+        v->next[i] = other < 0 ? -1 : number_of(v, other);
     }
 }
 

@@ -62,11 +62,11 @@ static void test_boxes_that_meet(void **unused) {
             finds f = {.most = MOST + 1};
             pl_box3 asked;
             make_boxes(1, &state, &asked);
-            pl_tree_find(&tree, &asked, note, &f);
+            pl_tree_find(&tree, &asked, NULL, note, &f);
             for (int64_t i = 0; i < counts[c]; i++)
                 assert_int_equal(f.found[i], meet(&box[i], &asked));
             finds first = {.most = 1};
-            pl_tree_find(&tree, &asked, note, &first);
+            pl_tree_find(&tree, &asked, NULL, note, &first);
             assert_int_equal(first.n, f.n > 0);
         }
         pl_tree_destroy(&tree);

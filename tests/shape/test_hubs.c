@@ -1,0 +1,154 @@
+/* hubs: nodes of very many facets. What looks at pairs of facets of a node would take minutes for them. */
+#include "shape/gaps.h"
+#include "shape/nearest.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+enum { FAN = 20000, NODES = 1 + 2 * FAN, FACETS = 3 * FAN };
+
+/** A blunt cone of one fan, with a narrow strip around. */
+typedef struct cone {
+    planish_mesh mesh;
+    planish_cells cells;
+    double x[NODES][3];
+    int32_t facet[FACETS][3];
+    int64_t offset[FACETS + 1];
+    uint8_t type[FACETS];
+} cone;
+
+static void set_place(double x[3], double radius, double turn, double height) {
+    const double pi = 3.14159265358979323846;
+    x[0] = radius * cos(2 * pi * turn);
+    x[1] = radius * sin(2 * pi * turn);
+    x[2] = height;
+}
+
+/** Make a cone of n facets at its apex. */
+static void make_cone(cone *c, int n) {
+    set_place(c->x[0], 0.04, 0.1, 0.3);
+    for (int i = 0; i < n; i++) {
+        const int32_t a = 1 + i, b = 1 + (i + 1) % n, out = 1 + n + i, next = 1 + n + (i + 1) % n;
+        const int32_t facet[3][3] = {{0, a, b}, {a, out, b}, {b, out, next}};
+        set_place(c->x[a], 1, (i + 0.3 * (i % 3 == 1)) / n, 0);
+        set_place(c->x[out], 1.01, (i + 0.5) / n, -0.005);
+        memcpy(c->facet[3 * i], facet, sizeof facet);
+    }
+    for (int i = 0; i < 3 * n; i++) {
+        c->type[i] = PLANISH_CELL_TRIANGLE;
+        c->offset[i + 1] = 3 * (i + 1);
+    }
+    c->cells =
+        (planish_cells){.n = 3 * n, .type = c->type, .offset = c->offset, .node = c->facet[0]};
+    c->mesh = (planish_mesh){.dim = 3,
+                             .n_nodes = 1 + 2 * n,
+                             .n_elements = 3 * n,
+                             .coordinates = c->x[0],
+                             .cells = &c->cells};
+}
+
+/** Two sweeps and the distances of a fan of 20 000 take some seconds of one processor. */
+static void a_hub_takes_seconds(void **unused) {
+    static cone c;
+    planish_shape *shape = NULL;
+    planish_options options;
+    planish_shape_distance distance;
+    planish_error e;
+    const clock_t start = clock();
+    (void)unused;
+    make_cone(&c, getenv("PLANISH_BRIEF") ? FAN / 8 : FAN);
+    assert_int_equal(planish_shape_create(&c.mesh, NULL, 1, &shape, NULL, &e), 0);
+    planish_options_init(&options);
+    options.shape = shape;
+    options.threads = 1;
+    options.max_sweeps = 2;
+    assert_int_equal(planish_smooth_surface(&c.mesh, c.x[0], &options, NULL, &e), 0);
+    assert_int_equal(planish_measure_shape(shape, &c.mesh, 1, &distance, &e), 0);
+    assert_int_equal(distance.n_unproved, 0);
+    assert_true(distance.distance > 0 && distance.distance < 0.05);
+    assert_true((double)(clock() - start) / CLOCKS_PER_SEC < 90);
+    planish_shape_destroy(shape);
+}
+
+/** Whether two facets of a shape of a surface alone are within most across a gap, by plain words. */
+static int are_near(const planish_shape *s, int a, int b, double most) {
+    const double *x[3], *y[3];
+    double way[3], from = 0, to = 0;
+    for (int k = 0; k < 9; k++)
+        if (s->facet[a][k / 3] == s->facet[b][k % 3])
+            return 0;
+    for (int k = 0; k < 3; k++) {
+        x[k] = s->x[s->facet[a][k]];
+        y[k] = s->x[s->facet[b][k]];
+    }
+    const double square = pl_nearest_triangles(x, y, way);
+    for (int d = 0; d < 3; d++) {
+        from += s->normal[a][d] * way[d];
+        to += s->normal[b][d] * way[d];
+    }
+    return square <= most * most &&
+           (square == 0 || (from * from > 0.25 * square && to * to > 0.25 * square));
+}
+
+/** Two blunt cones, one in the other, which are near on one side. */
+static void gaps_between_fans(void **unused) {
+    enum { N = 150, ALL = 2 * 3 * N };
+    static cone c[2];
+    static double x[2 * NODES][3];
+    static int32_t facet[ALL][3];
+    int64_t n_near = 0;
+    (void)unused;
+    for (int k = 0; k < 2; k++) {
+        make_cone(&c[k], N);
+        c[k].x[0][2] += 0.2 * k;
+        for (int i = 0; i < 1 + 2 * N; i++)
+            memcpy(x[k * (1 + 2 * N) + i],
+                   (double[]){c[k].x[i][0], c[k].x[i][1],
+                              c[k].x[i][2] + k * (0.05 + 0.04 * c[k].x[i][0])},
+                   sizeof *x);
+        for (int i = 0; i < 3 * 3 * N; i++)
+            facet[k * 3 * N + i / 3][i % 3] = c[k].facet[i / 3][i % 3] + k * (1 + 2 * N);
+    }
+    c[0].offset[0] = 0;
+    for (int i = 0; i < ALL; i++) {
+        c[0].type[i] = PLANISH_CELL_TRIANGLE;
+        c[0].offset[i + 1] = 3 * (i + 1);
+    }
+    c[0].cells =
+        (planish_cells){.n = ALL, .type = c[0].type, .offset = c[0].offset, .node = facet[0]};
+    c[0].mesh.n_nodes = 2 * (1 + 2 * N);
+    c[0].mesh.n_elements = ALL;
+    c[0].mesh.coordinates = x[0];
+    planish_shape *s = NULL;
+    assert_int_equal(planish_shape_create(&c[0].mesh, NULL, 1, &s, NULL, NULL), 0);
+    float tolerance[ALL];
+    uint8_t is_near[ALL];
+    for (int i = 0; i < ALL; i++)
+        tolerance[i] = (float)(s->scale * (i % 5 == 0 ? 0.02 : 0.03));
+    assert_int_equal(pl_shape_find_gaps(s, tolerance, NULL, 1, 2, is_near, NULL), 0);
+    for (int a = 0; a < ALL; a++) {
+        int any = 0;
+        for (int b = 0; b < ALL; b++)
+            any |= are_near(s, a, b, (double)tolerance[a] + tolerance[b]);
+        assert_int_equal(is_near[a], any);
+        n_near += any;
+    }
+    assert_true(n_near > N && n_near < ALL);
+    planish_shape_destroy(s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_hub_takes_seconds),
+        cmocka_unit_test(gaps_between_fans),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
