@@ -7,6 +7,7 @@
  * type are the cells of a grid, pushed about by 5 per cent, so that those of second order are curved.
  * Each figure is the best of the repeats.
  */
+#include "common.h"
 #include "quality/validity.h"
 
 #include <planish/planish.h>
@@ -14,7 +15,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 enum { LANES = PL_JACOBIAN_LANES };
 
@@ -28,12 +28,6 @@ static const int TYPES[] = {
 enum { N_TYPES = sizeof TYPES / sizeof *TYPES };
 
 /** CPU time: one thread works, and others may disturb it. */
-static double seconds_now(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static double least(double a, double b) {
     return b == 0 || a < b ? a : b;
 }
@@ -70,24 +64,17 @@ typedef struct grid {
     double *coordinates;
 } grid;
 
-static void *array(int64_t n, size_t size) {
-    void *memory = malloc((size_t)n * size);
-    if (!memory)
-        exit(2);
-    return memory;
-}
-
 static grid grid_of(const pl_cell_type *type, int64_t wanted) {
     grid g = {.dim = type->shape->dim};
     int64_t side = 1;
     while ((g.dim == 3 ? side * side * side : side * side) < wanted)
         side++;
     const int64_t row = 2 * side + 1, n = g.dim == 3 ? side * side * side : side * side;
-    uint8_t *types = array(n, 1);
-    int64_t *offset = array(n + 1, sizeof *offset);
-    int32_t *node = array(n * type->n_nodes, sizeof *node);
+    uint8_t *types = bench_room(n, 1);
+    int64_t *offset = bench_room(n + 1, sizeof *offset);
+    int32_t *node = bench_room(n * type->n_nodes, sizeof *node);
     g.n_nodes = g.dim == 3 ? row * row * row : row * row;
-    g.coordinates = array(g.n_nodes * g.dim, sizeof *g.coordinates);
+    g.coordinates = bench_room(g.n_nodes * g.dim, sizeof *g.coordinates);
     for (int64_t i = 0; i < g.n_nodes; i++) {
         const int64_t at[3] = {i % row, i / row % row, i / row / row};
         for (int d = 0; d < g.dim; d++)
@@ -131,7 +118,7 @@ static double time_certificate(const pl_jacobian_rule *rule, const grid *g, int6
                     g->coordinates[(int64_t)node[i] * g->dim + d] -
                     (rule->n_control_terms ? g->coordinates[(int64_t)node[0] * g->dim + d] : 0);
     }
-    const double begin = seconds_now();
+    const double begin = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
     for (int64_t block = 0; block < n; block++) {
         pl_jacobian_evaluate(rule, sign, &b);
         for (int l = 0; l < LANES; l++) {
@@ -139,7 +126,7 @@ static double time_certificate(const pl_jacobian_rule *rule, const grid *g, int6
             n_valid += pl_validity_of_lane(rule, &b, l, node, g->coordinates, 1) == PL_VALID;
         }
     }
-    return seconds_now() - begin;
+    return bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - begin;
 }
 
 int main(int argc, char **argv) {
@@ -166,12 +153,12 @@ int main(int argc, char **argv) {
         pl_jacobian_rule_make(type, &rule);
         for (int r = 0; r < repeat; r++) {
             certificate = least(time_certificate(&rule, &g, n_blocks), certificate);
-            const double begin = seconds_now();
+            const double begin = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
             if (planish_measure_cells(&mesh, 0, 1, &quality, NULL, &error)) {
                 fprintf(stderr, "bench_cells: %s\n", error.text);
                 return 2;
             }
-            measure = least(seconds_now() - begin, measure);
+            measure = least(bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - begin, measure);
         }
         printf(
             "%s\n    { \"type\": \"%s\", \"elements\": %lld, \"invalid\": %lld, \"curved\": %lld, "

@@ -6,29 +6,17 @@
  * and patches of MESH (tetrahedra) around one node, found from neighbour to neighbour and by
  * passes.
  */
+#include "common.h"
+
 #include <planish/planish_io.h>
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static void quit(const char *what) {
     fprintf(stderr, "bench_embedding: %s\n", what);
     exit(1);
-}
-
-static void *room(int64_t n, size_t size) {
-    void *array = calloc((size_t)n, size);
-    if (!array)
-        quit("out of memory");
-    return array;
 }
 
 static double least(double a, double b) {
@@ -43,25 +31,25 @@ typedef struct times {
 
 static times measure(const planish_mesh *mesh, const planish_options *options, int repeat) {
     const size_t bytes = (size_t)(mesh->n_nodes * mesh->dim) * sizeof(double);
-    double *x = room(mesh->n_nodes * mesh->dim, sizeof *x);
+    double *x = bench_room(mesh->n_nodes * mesh->dim, sizeof *x);
     times best = {1e9, 1e9, 1e9, 0};
     for (int i = 0; i < repeat; i++) {
         planish_plan *plan;
         planish_error error;
         planish_quality quality;
         memcpy(x, mesh->coordinates, bytes);
-        const double begin = now();
+        const double begin = bench_seconds(CLOCK_MONOTONIC);
         if (planish_plan_create(mesh, options, &plan, &error))
             quit(error.text);
-        const double planned = now();
+        const double planned = bench_seconds(CLOCK_MONOTONIC);
         if (planish_smooth(plan, x, options, NULL, &error))
             quit(error.text);
-        const double smoothed = now();
+        const double smoothed = bench_seconds(CLOCK_MONOTONIC);
         memcpy(x, mesh->coordinates, bytes);
-        const double once_more = now();
+        const double once_more = bench_seconds(CLOCK_MONOTONIC);
         if (planish_smooth(plan, x, options, NULL, &error))
             quit(error.text);
-        best.again = least(best.again, now() - once_more);
+        best.again = least(best.again, bench_seconds(CLOCK_MONOTONIC) - once_more);
         best.plan = least(best.plan, planned - begin);
         best.all = least(best.all, smoothed - begin);
         if (planish_measure(plan, x, &quality, &error))
@@ -82,8 +70,8 @@ static planish_mesh make_box(const int *cells) {
                                     {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
     const int64_t step[3] = {(int64_t)(cells[1] + 1) * (cells[2] + 1), cells[2] + 1, 1};
     const int64_t n = step[0] * (cells[0] + 1), m = (int64_t)6 * cells[0] * cells[1] * cells[2];
-    double *x = room(3 * n, sizeof *x);
-    int32_t *elements = room(4 * m, sizeof *elements);
+    double *x = bench_room(3 * n, sizeof *x);
+    int32_t *elements = bench_room(4 * m, sizeof *elements);
     unsigned random = 1;
     for (int64_t i = 0; i < n; i++) {
         const int64_t at[3] = {i / step[0], i / step[1] % (cells[1] + 1), i % (cells[2] + 1)};
@@ -149,8 +137,8 @@ static void exchange(int32_t *a, int32_t *b) {
 
 static int32_t *find_neighbours(const planish_mesh *mesh) {
     const int64_t n = 4 * mesh->n_elements;
-    side *sides = room(n, sizeof *sides);
-    int32_t *neighbours = room(n, sizeof *neighbours);
+    side *sides = bench_room(n, sizeof *sides);
+    int32_t *neighbours = bench_room(n, sizeof *neighbours);
     for (int64_t i = 0; i < n; i++) {
         int32_t *v = sides[i].node;
         for (int j = 0, k = 0; j < 4; j++)
@@ -176,7 +164,7 @@ static int32_t *find_neighbours(const planish_mesh *mesh) {
 static void choose(const planish_mesh *mesh, int64_t *node, int64_t *element) {
     planish_plan *plan;
     planish_error error;
-    uint8_t *is_free = room(mesh->n_nodes, 1);
+    uint8_t *is_free = bench_room(mesh->n_nodes, 1);
     if (planish_plan_create(mesh, NULL, &plan, &error))
         quit(error.text);
     planish_plan_get_free(plan, is_free);

@@ -14,6 +14,7 @@
  * which stars share, come on top.
  */
 #include "base/sum.h"
+#include "common.h"
 #include "geometry/cell.h"
 #include "plan/plan.h"
 
@@ -22,7 +23,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { SWEEPS = 6 };
 
@@ -30,12 +30,6 @@ typedef struct figures {
     double value, derivatives, visit, later; /* seconds for all stars */
     uint64_t check;                          /* of the coordinates after the visits */
 } figures;
-
-static double seconds_now(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now); /* not that of others */
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static uint64_t checksum(const double *values, int64_t n) {
     uint64_t hash = 14695981039346656037u; /* FNV-1a over words */
@@ -58,11 +52,11 @@ static void measure(const planish_plan *plan, const pl_star_kernel *kernel,
     pl_star_tally tally = {.gain = NULL};
     for (int derivatives = 0; derivatives < 2; derivatives++) {
         pl_star_value value;
-        double begin = seconds_now();
+        double begin = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
         for (int64_t i = 0; i < plan->interior.stars.n_stars; i++)
             evaluate(problem, i, plan->scratch.kernels, derivatives, &value);
         double *figure = derivatives ? &best->derivatives : &best->value;
-        *figure = least(seconds_now() - begin, *figure);
+        *figure = least(bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - begin, *figure);
     }
     memcpy(problem->coordinates, start,
            (size_t)plan->work.n_nodes * (size_t)plan->dim * sizeof(double));
@@ -70,11 +64,11 @@ static void measure(const planish_plan *plan, const pl_star_kernel *kernel,
         memset(problem->kept, 0, (size_t)plan->interior.stars.n_stars * sizeof *problem->kept);
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
         memset(problem->changed, 1, (size_t)plan->work.n_nodes);
-        double begin = seconds_now();
+        double begin = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
         for (int c = 0; c < plan->interior.n_colours; c++)
             visit(problem, plan->interior.colour_begin[c], plan->interior.colour_begin[c + 1],
                   plan->scratch.kernels, &tally);
-        const double seconds = seconds_now() - begin;
+        const double seconds = bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - begin;
         if (sweep == 0)
             best->visit = least(seconds, best->visit);
         if (sweep == SWEEPS - 1)
@@ -109,7 +103,7 @@ static void measure_variants(const planish_plan *plan, pl_star_problem *problem,
 static double time_sum(const double *terms, int64_t n, int is_exact, int repeat) {
     double best = 0;
     for (int r = 0; r < repeat; r++) {
-        const double begin = seconds_now();
+        const double begin = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
         pl_sum exact = {.n_added = 0};
         double plain = 0;
         for (int64_t i = 0; i < n && is_exact; i++)
@@ -118,7 +112,7 @@ static double time_sum(const double *terms, int64_t n, int is_exact, int repeat)
             plain += terms[i];
         volatile double sum = is_exact ? pl_sum_value(&exact) : plain; /* somebody wants it */
         (void)sum;
-        best = least(seconds_now() - begin, best);
+        best = least(bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - begin, best);
     }
     return best;
 }

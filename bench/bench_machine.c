@@ -11,11 +11,11 @@
  */
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "common.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 #if defined(__x86_64__)
 #define WIDE __attribute__((target("avx2")))
@@ -37,12 +37,6 @@ enum {
     CHUNK = 1 << 16
 };
 
-static double seconds_now(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static volatile double sink; /* what is computed must be */
 
 /** Cycles per second: each step is two dependent operations of one cycle. */
@@ -50,10 +44,10 @@ static double clock_rate(void) {
     double best = 0;
     for (int i = 0; i < REPEATS; i++) {
         uint64_t x = (uint64_t)i + 88172645463325252u;
-        double begin = seconds_now();
+        double begin = bench_seconds(CLOCK_MONOTONIC);
         for (int step = 0; step < STEPS; step++)
             x ^= x >> 1;
-        double rate = 2.0 * STEPS / (seconds_now() - begin);
+        double rate = 2.0 * STEPS / (bench_seconds(CLOCK_MONOTONIC) - begin);
         sink = (double)x;
         best = rate > best ? rate : best;
     }
@@ -70,11 +64,12 @@ static double clock_rate(void) {
             const pack a = {1.25, 1.5, 1.75, 1.125}, b = a * 0.75 - 0.25, inverse = 1 / b;         \
             for (int c = 0; c < (chains); c++)                                                     \
                 x[c] = a + c;                                                                      \
-            double begin = seconds_now();                                                          \
+            double begin = bench_seconds(CLOCK_MONOTONIC);                                         \
             for (int step = 0; step < STEPS; step++)                                               \
                 for (int c = 0; c < (chains); c++)                                                 \
                     body;                                                                          \
-            double rate = (double)STEPS * (chains) * (operations) / (seconds_now() - begin);       \
+            double rate = (double)STEPS * (chains) * (operations) /                                \
+                          (bench_seconds(CLOCK_MONOTONIC) - begin);                                \
             for (int c = 0; c < (chains); c++)                                                     \
                 sink = x[c][0] + x[c][3] + b[1] + inverse[1];                                      \
             best = rate > best ? rate : best;                                                      \
@@ -118,9 +113,9 @@ static double bandwidth(int threads) {
     if (x.a && x.b && x.c) {
         pl_parallel_for(threads, ARRAY, CHUNK, fill, &x);
         for (int i = 0; i < MEMORY_REPEATS; i++) {
-            double begin = seconds_now();
+            double begin = bench_seconds(CLOCK_MONOTONIC);
             pl_parallel_for(threads, ARRAY, CHUNK, add, &x);
-            double rate = 3.0 * ARRAY * sizeof(double) / (seconds_now() - begin);
+            double rate = 3.0 * ARRAY * sizeof(double) / (bench_seconds(CLOCK_MONOTONIC) - begin);
             best = rate > best ? rate : best;
         }
     }
@@ -151,9 +146,9 @@ static double round_trip(void) {
     double best = INFINITY;
     for (int i = 0; i < REPEATS; i++) {
         line l = {0};
-        double begin = seconds_now();
+        double begin = bench_seconds(CLOCK_MONOTONIC);
         pl_on_each_thread(2, hand_over, &l);
-        double seconds = (seconds_now() - begin) / HANDOVERS;
+        double seconds = (bench_seconds(CLOCK_MONOTONIC) - begin) / HANDOVERS;
         best = seconds < best ? seconds : best;
     }
     return best;

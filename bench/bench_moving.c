@@ -3,9 +3,11 @@
  *   bench_moving MESH [STEPS]
  *
  * A step bends the boundary like a swinging string and leaves all other nodes where they were. Table on
- * standard output: for steps of a tenth of a mean edge and of a hundredth of the domain, by threads, the
- * mean over the steps. The mesh is smoothed before.
+ * standard output: for steps of a tenth of a mean edge, of a mean edge and of a hundredth of the domain, by
+ * threads, the mean over the steps. The mesh is smoothed before.
  */
+#include "common.h"
+
 #include <planish/planish_io.h>
 
 #include <math.h>
@@ -16,13 +18,6 @@
 static void quit(const char *what) {
     fprintf(stderr, "bench_moving: %s\n", what);
     exit(1);
-}
-
-static void *room(int64_t n, size_t size) {
-    void *array = calloc((size_t)n, size);
-    if (!array)
-        quit("out of memory");
-    return array;
 }
 
 /** A mesh in motion. */
@@ -60,9 +55,9 @@ static motion begin(const char *path, planish_file **file) {
     const int64_t n = m.mesh.n_nodes, dim = m.mesh.dim;
     if (m.mesh.cells || !m.mesh.elements)
         quit("only for meshes of triangles or tetrahedra");
-    m.is_free = room(n, 1);
-    m.first = room(n * dim, sizeof *m.first);
-    m.x = room(n * dim, sizeof *m.x);
+    m.is_free = bench_room(n, 1);
+    m.first = bench_room(n * dim, sizeof *m.first);
+    m.x = bench_room(n * dim, sizeof *m.x);
     memcpy(m.first, m.mesh.coordinates, (size_t)(n * dim) * sizeof *m.first);
     if (planish_plan_create(&m.mesh, NULL, &m.plan, &error) ||
         planish_smooth(m.plan, m.first, NULL, NULL, &error))

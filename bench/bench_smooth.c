@@ -13,13 +13,14 @@
  * before, and what a process has once for all meshes (code, most of it hwloc's plug-ins, and
  * threads) is there already: loaded_bytes.
  */
+#include "common.h"
+
 #include <planish/planish_io.h>
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <time.h>
 
 enum { MAX_LIST = 16, MAX_SWEEPS = 1000 };
 
@@ -50,12 +51,6 @@ typedef struct figures {
 } figures;
 
 static const char *const isa_names[] = {"auto", "plain", "vector", "avx2", "avx512"};
-
-static double seconds_now(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* ---- memory ------------------------------------------------------------------------------- */
 
@@ -194,12 +189,12 @@ static int measure_once(const settings *s, const planish_mesh *mesh, int threads
            (size_t)mesh->n_nodes * (size_t)mesh->dim * sizeof(double));
     touch_memory(mesh->n_elements);
     int64_t resident = begin_peak();
-    double start = seconds_now();
+    double start = bench_seconds(CLOCK_MONOTONIC);
     if (planish_plan_create(mesh, &options, &plan, &error))
         return fail("plan", &error);
-    double setup = seconds_now() - start;
+    double setup = bench_seconds(CLOCK_MONOTONIC) - start;
     int status = planish_smooth(plan, coordinates, &options, NULL, &error);
-    const double whole = seconds_now() - start;
+    const double whole = bench_seconds(CLOCK_MONOTONIC) - start;
     planish_plan_destroy(plan);
     if (status)
         return fail("smooth", &error);
@@ -314,10 +309,10 @@ int main(int argc, char **argv) {
                 "[--direction newton|fletcher-reeves] [--no-bind]\n");
         return 64;
     }
-    double start = seconds_now();
+    double start = bench_seconds(CLOCK_MONOTONIC);
     if (planish_file_open(s.path, NULL, 0, &file, &error))
         return fail("read", &error);
-    double read = seconds_now() - start;
+    double read = bench_seconds(CLOCK_MONOTONIC) - start;
     planish_mesh mesh = planish_file_mesh(file);
     uint8_t *constraint = malloc((size_t)mesh.n_nodes + 1);
     int status = constraint ? planish_file_constraints(file, NULL, constraint, &error)

@@ -226,9 +226,10 @@ static int count_of_cells(const planish_mesh *mesh, int threads, tally *t, plani
     const int64_t n = cells->n * PL_CELL_FACET_PLACES;
     int32_t *with = pl_alloc(n, sizeof *with);
     uint8_t *n_sharing = pl_alloc(n, sizeof *n_sharing);
-    const int status = with && n_sharing ? pl_cell_facets_find(cells, mesh->dim, mesh->n_nodes,
-                                                               threads, with, n_sharing, error)
-                                         : pl_fail_memory(error, "the arrays of elements");
+    const int status = with && n_sharing
+                           ? pl_cell_facets_find(cells, mesh->dim, mesh->n_nodes, NULL, threads,
+                                                 with, n_sharing, error)
+                           : pl_fail_memory(error, "the arrays of elements");
     for (int64_t i = 0; !status && i < n; i++) {
         const pl_facet facet = {.count = 2,
                                 .element = {with[i], (int32_t)(i / PL_CELL_FACET_PLACES)}};

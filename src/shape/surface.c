@@ -280,41 +280,41 @@ typedef struct sharing {
     uint8_t *n_sharing; /* both as of pl_cell_facets_find */
 } sharing;
 
-/** Find whether facet k of an element, of n corners, is of the surface, and its label. Of elements
- *  that share it only one is asked. */
-static int is_of_surface(const facet_search *s, const sharing *by, int64_t element, int k, int n,
-                         const int32_t *corner, pl_label *label) {
+/** Find whether facet k of an element is of the surface, its corners [4] and its label. Of elements
+ *  that share it only one is asked. Returns how many corners it has, 0: it is none of the surface. */
+static int facet_of_surface(const facet_search *s, const sharing *by, int64_t element, int k,
+                            int32_t *corner, pl_label *label) {
     const int64_t place = element * PL_CELL_FACET_PLACES + k;
     const int32_t *region = s->tags ? s->tags->region : NULL;
     const int32_t with = by->with[place];
     const int count = by->n_sharing[place];
     if (count == 0 || (count == 2) != (with >= 0))
         return 0;
-    pl_tagged *t = find_tag(s, n, corner);
     const int32_t first = region ? region[element] : 0;
     const int32_t second = region && with >= 0 ? region[with] : first;
+    const int is_between = count == 2 && first == second;
+    if (is_between && s->tagged.n == 0)
+        return 0;
+    const int n = pl_cell_facet(s->cells, element, k, corner);
+    pl_tagged *t = find_tag(s, n, corner);
     *label = make_label(count, first, second, t);
-    if (count == 2 && first == second && !t)
+    if (is_between && !t)
         return 0;
     if (t)
         t->is_met = 1;
-    return 1;
+    return n;
 }
 
 /** Look at all facets; if the surface's are not added they are counted: *n_facets. */
 static void walk_facets(facet_search *s, const sharing *by, int is_counted, int64_t *n_facets) {
-    const int is_plain =
-        s->tagged.n == 0 && !(s->tags && s->tags->region); /* inside is no surface */
     for (int64_t i = 0; i < s->cells->n; i++) {
         const pl_cell_type *type = pl_cell_type_of(s->cells->type[i]);
         const int n_own = type && type->shape->dim == s->mesh->dim ? type->shape->n_facets : 0;
         for (int k = 0; k < n_own; k++) {
             int32_t corner[4];
             pl_label label;
-            if (is_plain && by->n_sharing[i * PL_CELL_FACET_PLACES + k] == 2)
-                continue;
-            const int n = pl_cell_facet(s->cells, i, k, corner);
-            if (!is_of_surface(s, by, i, k, n, corner, &label))
+            const int n = facet_of_surface(s, by, i, k, corner, &label);
+            if (n == 0)
                 continue;
             *n_facets += n < 4 ? 1 : 2;
             if (is_counted)
@@ -332,8 +332,9 @@ static int find_cell_facets(facet_search *s, int threads, planish_error *error) 
     sharing by = {pl_alloc(n_places, sizeof *by.with), pl_alloc(n_places, 1)};
     int64_t n = 0, n_added = 0;
     int status = by.with && by.n_sharing
-                     ? pl_cell_facets_find(s->cells, s->mesh->dim, s->mesh->n_nodes, threads,
-                                           by.with, by.n_sharing, error)
+                     ? pl_cell_facets_find(s->cells, s->mesh->dim, s->mesh->n_nodes,
+                                           s->tags ? s->tags->is_inside : NULL, threads, by.with,
+                                           by.n_sharing, error)
                      : pl_fail_memory(error, "the surface");
     if (!status)
         walk_facets(s, &by, 1, &n);

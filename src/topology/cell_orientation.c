@@ -19,32 +19,39 @@
 #include "topology/cells.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
     FACET_NODES = 4,
     FACETS = PL_CELL_FACET_PLACES,
     FEW = 256,        /* facets at a node that are compared one by one; more are sorted */
+    ROUNDS = 4,       /* in which all facets are compared */
     CHUNK = 4096,     /* elements, */
     NODE_CHUNK = 1024 /* or nodes, that one thread looks at at a time */
 };
 
-/** Facet as it is compared: the lowest node, the lower one beside it, and so on around; -1: none. */
+/** Facet as it is listed at its lowest node and compared: the other nodes around, from the lower one
+ *  beside that; -1: none. Elements are listed in any order, so that what is read later lies together. */
 typedef struct facet {
-    int32_t node[FACET_NODES];
-    int n;
-    int direction; /* +1: the element goes around it in this order; -1: the other way */
+    int32_t element; /* -1: nothing is left of the facet */
+    int32_t node[FACET_NODES - 1];
+    uint8_t place;    /* which of the element's */
+    int8_t direction; /* +1: the element goes around it in this order; -1: the other way */
 } facet;
 
 /** Sets of elements with one handedness (union-find with parity). */
 typedef struct cell_sets {
     const planish_cells *cells;
     const double *coordinates;
+    const uint8_t
+        *is_inside; /* [n_nodes] facets with such a corner are not listed; NULL: all are */
     int dim;
-    int32_t *parent; /* [n] an element of the same set; itself: it stands for the set */
-    int8_t *flip;    /* [n] -1: of the other handedness than parent, else 1 */
-    int64_t *end;    /* [n_nodes + 1] where the facets of each lowest node end in listed */
-    int64_t *listed; /* [number of facets] FACETS * element + facet */
+    int32_t *parent;         /* [n] an element of the same set; itself: it stands for the set */
+    int8_t *flip;            /* [n] -1: of the other handedness than parent, else 1 */
+    int64_t *end;            /* [n_nodes + 1] where the facets of each lowest node end in listed */
+    facet *listed;           /* of nodes from .. to - 1, the first one's from 0 */
+    int64_t from, to, begin; /* begin: where the first one's would be if all were listed */
     uint32_t
         *joins;   /* [FACETS * n] 0, or 1 + (element to join << 1 | it has the same handedness) */
     int8_t *sign; /* [n] the result */
@@ -77,23 +84,24 @@ static inline int step(int at, int direction, int n) {
     return at < 0 ? n - 1 : at == n ? 0 : at;
 }
 
-/** Find facet k of an element. Nodes that are there twice count once. Returns 0 if there is no facet
- *  left then. */
-static int find_facet(const cell_sets *s, int64_t element, int k, facet *f) {
+/** Find facet k of an element. Nodes that are there twice count once. */
+static facet find_facet(const cell_sets *s, int64_t element, int k) {
+    facet f = {.element = -1, .node = {-1, -1, -1}};
     int32_t around[FACET_NODES];
     const int n = pl_cell_facet(s->cells, element, k, around);
     int lowest = 0;
     if (n < 2 || n < s->dim)
-        return 0;
+        return f;
     for (int i = 1; i < n; i++)
         lowest = around[i] < around[lowest] ? i : lowest;
     const int32_t next = around[step(lowest, 1, n)], last = around[step(lowest, -1, n)];
+    f.element = (int32_t)element;
+    f.place = (uint8_t)k;
     /* The ends of an edge have one order, so that its direction is where its lowest node is. */
-    f->direction = n == 2 ? (lowest == 0 ? 1 : -1) : next < last ? 1 : -1;
-    f->n = n;
-    for (int i = 0, at = lowest; i < FACET_NODES; i++, at = step(at, f->direction, n))
-        f->node[i] = i < n ? around[at] : -1;
-    return 1;
+    f.direction = n == 2 ? (lowest == 0 ? 1 : -1) : next < last ? 1 : -1;
+    for (int i = 0, at = lowest; i < n - 1; i++)
+        f.node[i] = around[at = step(at, f.direction, n)];
+    return f;
 }
 
 /** Return what stands for the set of an element; *flip: the element's handedness against it. */
@@ -137,12 +145,14 @@ static int is_same(const cell_sets *s, int64_t a, int64_t b) {
 
 /* ---- facets by their lowest nodes --------------------------------------------------------------- */
 
-/** Lowest node of facet k of an element. */
+/** Lowest node of facet k of an element; -1: the facet is not listed. */
 static int32_t lowest_of(const cell_sets *s, const pl_cell_shape *shape, int64_t element, int k) {
     const int32_t *node = s->cells->node + s->cells->offset[element];
-    int32_t lowest = node[shape->facet[k][0]];
-    for (int i = 1; i < FACET_NODES && shape->facet[k][i] >= 0; i++) {
+    int32_t lowest = INT32_MAX;
+    for (int i = 0; i < FACET_NODES && shape->facet[k][i] >= 0; i++) {
         const int32_t next = node[shape->facet[k][i]];
+        if (s->is_inside && s->is_inside[next])
+            return -1;
         lowest = next < lowest ? next : lowest;
     }
     return lowest;
@@ -155,141 +165,125 @@ static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
     memset(s->joins + FACETS * begin, 0, (size_t)(FACETS * (end - begin)) * sizeof *s->joins);
     for (int64_t i = begin; i < end; i++) {
         const pl_cell_type *type = counted_type(s, i);
-        for (int k = 0; type && k < type->shape->n_facets; k++)
-            __atomic_fetch_add(&s->end[lowest_of(s, type->shape, i, k)], 1, __ATOMIC_RELAXED);
+        for (int k = 0; type && k < type->shape->n_facets; k++) {
+            const int32_t lowest = lowest_of(s, type->shape, i, k);
+            if (lowest >= 0)
+                __atomic_fetch_add(&s->end[lowest], 1, __ATOMIC_RELAXED);
+        }
     }
 }
 
-/** List the facets, in any order; end becomes what it says from where the lists begin. */
+/** List the facets of some nodes, in any order; their ends become that from where the lists begin. */
 static void list_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const cell_sets *s = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         const pl_cell_type *type = counted_type(s, i);
         for (int k = 0; type && k < type->shape->n_facets; k++) {
-            int64_t *at = &s->end[lowest_of(s, type->shape, i, k)];
-            s->listed[__atomic_fetch_add(at, 1, __ATOMIC_RELAXED)] = FACETS * i + k;
+            const int32_t lowest = lowest_of(s, type->shape, i, k);
+            if (lowest < s->from || lowest >= s->to)
+                continue;
+            const int64_t at = __atomic_fetch_add(&s->end[lowest], 1, __ATOMIC_RELAXED);
+            s->listed[at - s->begin] = find_facet(s, i, k);
         }
     }
 }
 
-static int find_listed(const cell_sets *s, int64_t listed, facet *f) {
-    return find_facet(s, listed / FACETS, (int)(listed % FACETS), f);
+static int64_t place_of(const facet *f) {
+    return FACETS * (int64_t)f->element + f->place;
 }
 
-/** Note that a facet is that of an earlier one, the first of its kind. */
-static void note_join(const cell_sets *s, int64_t first, const facet *of_first, int64_t later,
-                      const facet *of_later) {
-    if (is_same(s, first / FACETS, later / FACETS)) {
+static int is_alike(const facet *a, const facet *b) {
+    return memcmp(a->node, b->node, sizeof a->node) == 0;
+}
+
+/** Note that a facet is that of an earlier one, the first of its kind. Of an element that is listed twice
+ *  both go around it in the same direction. */
+static void note_join(const cell_sets *s, const facet *first, const facet *later) {
+    const uint32_t same = first->direction != later->direction;
+    if (first->element == later->element || (!same && is_same(s, first->element, later->element))) {
         if (s->is_duplicate)
-            pl_set_flag(&s->is_duplicate[later / FACETS], 1);
+            pl_set_flag(&s->is_duplicate[later->element], 1);
         return;
     }
-    const uint32_t same = of_first->direction != of_later->direction;
-    s->joins[later] = 1 + ((uint32_t)(first / FACETS) << 1 | same);
+    s->joins[place_of(later)] = 1 + ((uint32_t)first->element << 1 | same);
 }
 
-/** Note that the facets listed [n] are one: how many elements share it. */
-static void note_sharing(const cell_sets *s, const int64_t *listed, int64_t n) {
+/** Note that so many elements share a facet. */
+static void note_sharing(const cell_sets *s, const facet *f, int n) {
+    s->census->n_sharing[place_of(f)] = (uint8_t)(n < 3 ? n : 3);
+}
+
+/** Count a facet of n elements. */
+static void count_facet(const cell_sets *s, int64_t n) {
     cell_sets *shared = (cell_sets *)(uintptr_t)s;
-    for (int64_t i = 0; s->census && i < n; i++)
-        s->census->n_sharing[listed[i]] = (uint8_t)(n < 3 ? n : 3);
-    if (s->census && n != 2)
+    if (n != 2)
         __atomic_fetch_add(n == 1 ? &shared->n_alone : &shared->n_crowded, 1, __ATOMIC_RELAXED);
 }
 
 /** Compare the facets of a node, a few. */
-static void compare_few(const cell_sets *s, int64_t *listed, int n) {
-    facet facets[FEW];
-    int is_there[FEW], first[FEW];
-    for (int i = 0; i < n; i++) { /* in order */
-        const int64_t own = listed[i];
+static void compare_few(const cell_sets *s, facet *listed, int n) {
+    int first[FEW], n_alike[FEW];
+    for (int i = 1; i < n; i++) { /* in order */
+        const facet own = listed[i];
         int k = i;
-        for (; k > 0 && listed[k - 1] > own; k--)
+        for (; k > 0 && place_of(&listed[k - 1]) > place_of(&own); k--)
             listed[k] = listed[k - 1];
         listed[k] = own;
     }
     for (int i = 0; i < n; i++) {
-        is_there[i] = find_listed(s, listed[i], &facets[i]);
-        first[i] = i;
-        for (int k = 0; is_there[i] && k < i; k++)
-            if (is_there[k] && memcmp(facets[i].node, facets[k].node, sizeof facets[i].node) == 0) {
-                note_join(s, listed[k], &facets[k], listed[i], &facets[i]);
-                first[i] = k;
+        n_alike[i] = 0;
+        for (first[i] = 0; first[i] < i; first[i]++)
+            if (first[first[i]] == first[i] && is_alike(&listed[first[i]], &listed[i]))
                 break;
-            }
+        n_alike[first[i]]++;
+        if (first[i] < i && listed[i].element >= 0)
+            note_join(s, &listed[first[i]], &listed[i]);
     }
     for (int i = 0; s->census && i < n; i++) {
-        int64_t alike[FEW];
-        int64_t n_alike = 0;
-        for (int k = i; is_there[i] && first[i] == i && k < n; k++)
-            if (is_there[k] && first[k] == i)
-                alike[n_alike++] = listed[k];
-        if (n_alike > 0)
-            note_sharing(s, alike, n_alike);
+        if (listed[i].element < 0)
+            continue;
+        note_sharing(s, &listed[i], n_alike[first[i]]);
+        if (first[i] == i)
+            count_facet(s, n_alike[i]);
     }
 }
 
-/** Order of facets by nodes, then as they are numbered; those that are none come first. */
-static int is_before(const cell_sets *s, int64_t a, int64_t b) {
-    facet of_a = {.n = 0}, of_b = {.n = 0};
-    const int has_a = find_listed(s, a, &of_a), has_b = find_listed(s, b, &of_b);
-    const int order =
-        has_a && has_b ? memcmp(of_a.node, of_b.node, sizeof of_a.node) : has_a - has_b;
-    return order != 0 ? order < 0 : a < b;
-}
-
-/** Let listed[top] sink in the heap listed [n]. */
-static void sink(const cell_sets *s, int64_t *listed, int64_t n, int64_t top) {
-    for (int64_t next = 2 * top + 1; next < n; next = 2 * top + 1) {
-        if (next + 1 < n && is_before(s, listed[next], listed[next + 1]))
-            next++;
-        if (is_before(s, listed[next], listed[top]))
-            return;
-        const int64_t own = listed[top];
-        listed[top] = listed[next];
-        listed[next] = own;
-        top = next;
-    }
+/** Order of facets by nodes, then as they are numbered. */
+static int order_of(const void *a, const void *b) {
+    const facet *f = a, *g = b;
+    const int order = memcmp(f->node, g->node, sizeof f->node);
+    const int64_t way = place_of(f) - place_of(g);
+    return order ? order : way < 0 ? -1 : way > 0;
 }
 
 /** Compare the facets of a node with many: they are sorted first. */
-static void compare_many(const cell_sets *s, int64_t *listed, int64_t n) {
-    for (int64_t top = n / 2; top-- > 0;)
-        sink(s, listed, n, top);
-    for (int64_t last = n; last-- > 1;) {
-        const int64_t own = listed[last];
-        listed[last] = listed[0];
-        listed[0] = own;
-        sink(s, listed, last, 0);
+static void compare_many(const cell_sets *s, facet *listed, int64_t n) {
+    qsort(listed, (size_t)n, sizeof *listed, order_of);
+    for (int64_t i = 0, end; i < n; i = end) {
+        for (end = i + 1; end < n && is_alike(&listed[i], &listed[end]);)
+            end++;
+        if (listed[i].element < 0)
+            continue;
+        for (int64_t k = i + 1; k < end; k++)
+            note_join(s, &listed[i], &listed[k]);
+        for (int64_t k = i; s->census && k < end; k++)
+            note_sharing(s, &listed[k], end - i < 3 ? (int)(end - i) : 3);
+        if (s->census)
+            count_facet(s, end - i);
     }
-    facet first, later;
-    int64_t i = 0;
-    while (i < n && !find_listed(s, listed[i], &first))
-        i++;
-    for (int64_t k = i + 1; k < n; k++) {
-        find_listed(s, listed[k], &later);
-        if (memcmp(first.node, later.node, sizeof first.node) == 0) {
-            note_join(s, listed[i], &first, listed[k], &later);
-        } else {
-            note_sharing(s, listed + i, k - i);
-            first = later;
-            i = k;
-        }
-    }
-    if (i < n)
-        note_sharing(s, listed + i, n - i);
 }
 
 static void compare_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const cell_sets *s = context;
     (void)thread;
-    for (int64_t node = begin; node < end; node++) {
+    for (int64_t node = s->from + begin; node < s->from + end; node++) {
         const int64_t from = node > 0 ? s->end[node - 1] : 0, n = s->end[node] - from;
+        facet *listed = s->listed + (from - s->begin);
         if (n <= FEW)
-            compare_few(s, s->listed + from, (int)n);
+            compare_few(s, listed, (int)n);
         else
-            compare_many(s, s->listed + from, n);
+            compare_many(s, listed, n);
     }
 }
 
@@ -451,18 +445,35 @@ static int find_signs(cell_sets *s, int threads) {
     return is_there;
 }
 
-/** Find out which elements facets join. */
+/** Go on to the nodes whose facets are listed next: as many as have so many facets, one at least; end is
+ *  where each one's begin. Returns how many facets these are. */
+static int64_t next_nodes(cell_sets *s, int64_t n_nodes, int64_t most) {
+    s->from = s->to;
+    s->begin = s->end[s->from];
+    while (s->to < n_nodes && (s->to == s->from || s->end[s->to + 1] - s->begin <= most))
+        s->to++;
+    return s->end[s->to] - s->begin;
+}
+
+/** Find out which elements facets join. In rounds, as listed facets take more memory than all else. */
 static int find_joins(cell_sets *s, int64_t n_nodes, int threads) {
     const int64_t n = s->cells->n;
+    int64_t most = 0, room = 0;
     s->end = pl_alloc_zero(n_nodes + 1, sizeof *s->end);
     if (s->end && s->joins) {
         pl_parallel_for(threads, n, CHUNK, count_chunk, s);
-        s->listed = pl_alloc(pl_prefix_sum(threads, n_nodes, s->end), sizeof *s->listed);
+        most = pl_prefix_sum(threads, n_nodes, s->end) / ROUNDS + FEW;
+        for (s->to = 0; s->to < n_nodes;) {
+            const int64_t own = next_nodes(s, n_nodes, most);
+            room = own > room ? own : room;
+        }
+        s->listed = pl_alloc(room, sizeof *s->listed);
     }
     const int is_there = s->listed != NULL;
-    if (is_there) {
+    for (s->to = 0; is_there && s->to < n_nodes;) {
+        next_nodes(s, n_nodes, most);
         pl_parallel_for(threads, n, CHUNK, list_chunk, s);
-        pl_parallel_for(threads, n_nodes, NODE_CHUNK, compare_chunk, s);
+        pl_parallel_for(threads, s->to - s->from, NODE_CHUNK, compare_chunk, s);
     }
     pl_free(s->end);
     pl_free(s->listed);
@@ -555,10 +566,15 @@ static void note_first_chunk(void *context, int64_t begin, int64_t end, int thre
         with[i] = s->joins[i] > 0 ? (int32_t)((s->joins[i] - 1) >> 1) : -1;
 }
 
-int pl_cell_facets_find(const planish_cells *cells, int dim, int64_t n_nodes, int threads,
-                        int32_t *with, uint8_t *n_sharing, planish_error *error) {
+int pl_cell_facets_find(const planish_cells *cells, int dim, int64_t n_nodes,
+                        const uint8_t *is_inside, int threads, int32_t *with, uint8_t *n_sharing,
+                        planish_error *error) {
     pl_cell_census census = {.n_sharing = n_sharing};
-    cell_sets s = {.cells = cells, .dim = dim, .census = &census, .joins = (uint32_t *)with};
+    cell_sets s = {.cells = cells,
+                   .is_inside = is_inside,
+                   .dim = dim,
+                   .census = &census,
+                   .joins = (uint32_t *)with};
     memset(n_sharing, 0, (size_t)(FACETS * cells->n));
     if (!find_joins(&s, n_nodes, threads))
         return pl_fail_memory(error, "the facets of elements");

@@ -50,9 +50,11 @@ void pl_cell_census_destroy(pl_cell_census *census);
 
 /** Find which elements of dimension dim share facets: n_sharing as of a census, and with
  *  [n * PL_CELL_FACET_PLACES] an earlier element, the first of those that have the facet; -1: the
- *  element is that itself, is listed twice, or has no such facet. Errors: _MEMORY. */
-int pl_cell_facets_find(const planish_cells *cells, int dim, int64_t n_nodes, int threads,
-                        int32_t *with, uint8_t *n_sharing, planish_error *error);
+ *  element is that itself, is listed twice, or has no such facet. is_inside [n_nodes]: facets with
+ *  such a corner are left out, as if they were not there; NULL: none. Errors: _MEMORY. */
+int pl_cell_facets_find(const planish_cells *cells, int dim, int64_t n_nodes,
+                        const uint8_t *is_inside, int threads, int32_t *with, uint8_t *n_sharing,
+                        planish_error *error);
 
 /** List the corners of facet k of an element, in order around it, each once: node [4]. Returns how
  *  many; fewer than the dimension: there is no facet left. */

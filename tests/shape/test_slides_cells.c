@@ -89,6 +89,26 @@ static void boxes_of_any_cells_have_sides(void **state) {
         }
 }
 
+/** What a plan knows to be inside saves time and changes nothing. */
+static void what_is_inside_of_cells_may_be_told(void **state) {
+    (void)state;
+    for (int kind = 0; kind < N_BOX_KINDS; kind++) {
+        cell_box *box = box_of(kind, kind % 3);
+        planish_plan *plan;
+        uint8_t *inside = malloc((size_t)box->mesh.n_nodes);
+        assert_int_equal(planish_plan_create(&box->mesh, NULL, &plan, NULL), 0);
+        planish_plan_get_free(plan, inside);
+        assert_non_null(memchr(inside, 1, (size_t)box->mesh.n_nodes));
+        const planish_surface surface = {.is_inside = inside};
+        slides_found f = slides_find(&box->mesh, &surface);
+        expect_box_of_cells(&box->mesh, &f, 0, -1);
+        slides_release(&f);
+        planish_plan_destroy(plan);
+        free(inside);
+        cell_box_destroy(box);
+    }
+}
+
 /** Quadrilaterals of which one node is off the plane are not planar: their nodes stay, and so do those
  *  of a whole side that is bent. */
 static void quadrilaterals_that_are_not_planar_stay(void **state) {
@@ -344,6 +364,7 @@ static void memory_for_cells_may_run_out(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(boxes_of_any_cells_have_sides),
+        cmocka_unit_test(what_is_inside_of_cells_may_be_told),
         cmocka_unit_test(quadrilaterals_that_are_not_planar_stay),
         cmocka_unit_test(darts_are_planar),
         cmocka_unit_test(quadrilaterals_against_triangles_stay),
