@@ -21,13 +21,13 @@ packages_check=(
     python3       # scripts of the tests: reads reports, measures meshes independently
     python3-numpy # the Python module
     pkg-config    # how other programs find the library
-    ninja-build   # six trees are built: a fifth faster than by make
-    clang libomp-dev libclang-rt-dev # the other compiler, its OpenMP, its sanitizers and the fuzzer
-    clang-tidy cppcheck # static analysis
-    valgrind      # memory, independently of the sanitizers
+    ninja-build   # a fifth faster than make
+    clang clang-tidy libomp-dev cppcheck # static analysis
 )
 # shellcheck disable=SC2034
 packages_full=(
+    libclang-rt-dev              # clang's sanitizers and the fuzzer
+    valgrind                     # memory, independently of the sanitizers
     python3-meshio               # independent figures on large meshes
     python3-vtk9                 # another program's quality measures
     coinor-libipopt-dev          # all nodes at once, to compare with
