@@ -24,7 +24,18 @@ static int hold_twins(pl_features *w, planish_error *error) {
     return status;
 }
 
-/** Take the surface's arrays, but for labels and apices. */
+/** Keep where the facets of nodes begin, in 4 bytes each. Errors: _MEMORY. */
+static int narrow_offsets(const pl_surface *surface, planish_shape *s, planish_error *error) {
+    const int64_t *offset = surface->offset;
+    s->offset = offset[surface->n_nodes] <= UINT32_MAX
+                    ? pl_alloc(surface->n_nodes + 1, sizeof *s->offset)
+                    : NULL;
+    for (int64_t i = 0; s->offset && i <= surface->n_nodes; i++)
+        s->offset[i] = (uint32_t)offset[i];
+    return s->offset ? PLANISH_OK : pl_fail_memory(error, "the surface");
+}
+
+/** Take the surface's arrays, but for labels, apices and offsets. */
 static void take_surface(pl_surface *surface, int64_t n_mesh, planish_shape *s) {
     s->n_mesh = n_mesh;
     s->n_nodes = surface->n_nodes;
@@ -36,14 +47,12 @@ static void take_surface(pl_surface *surface, int64_t n_mesh, planish_shape *s) 
     s->x = (double(*)[3])surface->x;
     s->facet = (int32_t(*)[3])surface->facet;
     s->half = surface->half;
-    s->offset = surface->offset;
     s->facet_of = surface->facet_of;
     s->whole = surface->whole;
     s->n_wholes = surface->n_wholes;
     surface->number = surface->node = surface->facet = surface->facet_of = NULL;
     surface->x = NULL;
     surface->half = NULL;
-    surface->offset = NULL;
     surface->whole = NULL;
 }
 
@@ -128,7 +137,7 @@ static void describe(const pl_features *w, planish_shape_info *info) {
         info->n_on_patch += s->node_class[i] == PL_ON_PATCH;
         info->n_on_curve += s->node_class[i] == PL_ON_CURVE;
         info->n_corners += s->node_class[i] == PL_CORNER;
-        sum += pl_edges_at(s, (int32_t)i) * s->edge_length[i] * w->n_ends[i];
+        sum += (double)pl_edges_at(s, (int32_t)i) * s->edge_length[i] * w->n_ends[i];
         n += w->n_ends[i];
     }
     for (int64_t f = 0; f < s->n_facets; f++) {
@@ -181,6 +190,9 @@ int pl_shape_create(const planish_mesh *mesh, const planish_mesh *given, const p
         status = pl_surface_divide(given, &surface, error);
     if (!status) {
         take_surface(&surface, mesh->n_nodes, s);
+        status = narrow_offsets(&surface, s, error);
+    }
+    if (!status) {
         status = find_wholes(s, error);
     }
     if (!status)

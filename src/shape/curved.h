@@ -38,7 +38,7 @@ struct planish_shape {
     int32_t *number;          /* [n_mesh] own number of each node; -1: not of the surface */
     int32_t *node;            /* [n_nodes] the mesh's number */
     double (*x)[3];           /* [n_nodes] where they were first */
-    double *edge_length;      /* [n_nodes] mean length of the surface's edges at each */
+    float *edge_length;       /* [n_nodes] mean length of the surface's edges at each, rounded down */
     uint8_t *node_class;      /* [n_nodes] PL_CORNER, PL_ON_PATCH, PL_ON_CURVE */
     int32_t (*facet)[3];      /* [n_facets] nodes; within a patch all turn the same way round */
     double (*normal)[3];      /* [n_facets] of unit length; 0 of a triangle without area */
@@ -47,7 +47,7 @@ struct planish_shape {
     int32_t *patch;           /* [n_facets] number of its patch, by the lowest facet */
     uint8_t *is_interface;    /* [n_facets] 1: between two regions, or inside of one */
     uint8_t *half;            /* [n_facets] as pl_surface.half; NULL: all are whole */
-    int64_t *offset;          /* [n_nodes + 1] into facet_of */
+    uint32_t *offset;         /* [n_nodes + 1] into facet_of */
     int32_t *facet_of;        /* facets of each node, ascending */
     int32_t (*edge)[2];       /* [n_edges] nodes, ascending */
     int32_t (*edge_facet)[2]; /* [n_edges] two facets at it; -1: there is none */
@@ -67,7 +67,7 @@ struct planish_shape {
 
 /** Whether a node has very many facets: loops over pairs of them do not pay. */
 static inline int pl_is_hub(const planish_shape *shape, int64_t node) {
-    enum { MANY_FACETS = 64 };
+    static const uint32_t MANY_FACETS = 64;
     return shape->offset[node + 1] - shape->offset[node] > MANY_FACETS;
 }
 
@@ -112,9 +112,12 @@ static inline int pl_edge_of(const int32_t *facet, int32_t a, int32_t b) {
 /** Return the facets that change when a node moves, with its mids if it is a corner of facets of second
  *  order: *n of them. */
 static inline const int32_t *pl_shape_star(const planish_shape *shape, int32_t node, int64_t *n) {
-    const int64_t *offset = shape->whole ? shape->star_offset : shape->offset;
-    *n = offset[node + 1] - offset[node];
-    return (shape->whole ? shape->star : shape->facet_of) + offset[node];
+    if (!shape->whole) {
+        *n = shape->offset[node + 1] - shape->offset[node];
+        return shape->facet_of + shape->offset[node];
+    }
+    *n = shape->star_offset[node + 1] - shape->star_offset[node];
+    return shape->star + shape->star_offset[node];
 }
 
 /** Return the facet of second order that a triangle is of. */

@@ -129,7 +129,8 @@ static void match_nodes(void *context, int64_t begin, int64_t end, int thread) {
             if (is_diagonal)
                 w->kind[a->facet][a->k] = w->kind[b->facet][b->k] = PL_EDGE_DIAGONAL;
         }
-        s->edge_length[node] = w->n_ends[node] > 0 ? sum / w->n_ends[node] : 0;
+        s->edge_length[node] =
+            w->n_ends[node] > 0 ? (float)(sum / w->n_ends[node] * (1 - 0x1p-23)) : 0;
     }
 }
 

@@ -74,7 +74,7 @@ static inline double pl_shape_edge(const planish_shape *shape, int32_t facet) {
     const int32_t first = shape->whole ? pl_whole_of(shape, facet)->first : facet;
     const int n_parts = pl_shape_parts(shape, facet);
     for (int k = 0; k < n; k++)
-        of_nodes += pl_edges_at(shape, node[k]) * shape->edge_length[node[k]];
+        of_nodes += (double)pl_edges_at(shape, node[k]) * shape->edge_length[node[k]];
     for (int i = 0; i < 3 * n_parts; i++) { /* of second order across all triangles */
         const int32_t across = shape->across[first + i / 3][i % 3];
         if (across >= 0)

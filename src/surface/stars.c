@@ -95,7 +95,7 @@ static int32_t node_across(const planish_shape *s, int32_t facet, int k) {
 /** Most neighbours that a node with so many facets may have: two of each, one opposite. While those of a hub
  *  are listed there are those of other halves as well. */
 static int64_t room_of_ring(const planish_shape *s, int32_t node) {
-    return (pl_is_hub(s, node) ? 6 : 4) * (s->offset[node + 1] - s->offset[node]);
+    return (pl_is_hub(s, node) ? 6 : 4) * (int64_t)(s->offset[node + 1] - s->offset[node]);
 }
 
 static int compare_nodes(const void *a, const void *b) {

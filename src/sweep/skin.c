@@ -135,7 +135,7 @@ static int keeps_opposite(pl_skin_visit *v, const pl_skin_trial *trial, int i) {
     double there[3];
     if (other < 0)
         return 1;
-    const double rest = BEND_CHORD - skin->turned[other];
+    const double rest = BEND_CHORD - skin->turned[other] * PL_SKIN_TURN;
     if (rest > 0 && chord2_of(trial->normal[i], skin->shape->normal[other]) <= rest * rest)
         return 1;
     normal_of(skin, other, there);
@@ -425,13 +425,13 @@ int pl_skin_end_visit(pl_skin_visit *visit) {
     if (skin->shape->whole)
         pl_skin_mids_take(visit);
     const pl_skin_trial *trial = &visit->trial[0];
-    memcpy(skin->known[visit->node], x, sizeof trial->x);
+    skin->known[visit->node] = pl_skin_print(x);
     pl_skin_set_place(skin, visit->node, &trial->place);
     for (int i = 0; i < visit->n; i++) {
         const int32_t facet = visit->facet[i];
         skin->bound[facet] = pl_float_above(trial->bound[i]);
         skin->turned[facet] =
-            pl_float_above(sqrt(chord2_of(trial->normal[i], skin->shape->normal[facet])));
+            pl_skin_turn(sqrt(chord2_of(trial->normal[i], skin->shape->normal[facet])));
     }
     return 1;
 }
@@ -440,7 +440,7 @@ planish_constraint pl_skin_ask(int64_t node, double *point, double *direction, v
     const pl_skin *skin = user;
     const int32_t own = skin->shape->number[node];
     if (own >= 0 && pl_skin_has(skin, own)) {
-        if (!pl_skin_is_at(point, skin->known[own]))
+        if (!pl_skin_is_known(skin, own, point))
             return PLANISH_CONSTRAINT_FIXED;
         find_direction(skin, skin->star[own], own, direction);
         return is_in_plane(skin, own) ? PLANISH_CONSTRAINT_ON_PLANE : PLANISH_CONSTRAINT_ON_LINE;

@@ -40,6 +40,8 @@
 #include "shape/walk.h"
 #include "sweep/watch.h"
 
+#include <string.h>
+
 /** A smooth edge bends by 40 degrees at most: the cosine. */
 #define PL_SKIN_BEND 0.7660444431189781
 
@@ -69,29 +71,38 @@ typedef struct pl_skin {
     planish_project_fn *project; /* the caller's, of other nodes */
     void *project_user;
     pl_storage storage;
-    int32_t *node;        /* [n_stars] of the skin; -1: the star's is not */
-    int32_t *star;        /* [n_nodes] sliding star of each; -1: it has none */
-    int32_t *inner;       /* [n_nodes] inner number, -1: not of the plan */
-    uint8_t *moves;       /* [n_nodes] how */
-    double (*known)[3];   /* [n_nodes] in the mesh's units: where place is that of the node */
+    int32_t *node;  /* [n_stars] of the skin; -1: the star's is not */
+    int32_t *star;  /* [n_nodes] sliding star of each; -1: it has none */
+    int32_t *inner; /* [n_nodes] inner number; PL_SKIN_MID; from PL_SKIN_OUTSIDE downwards of those
+                           not of the plan: place in outside */
+    uint8_t *moves; /* [n_nodes] how */
+    double (*outside)
+        [3];         /* [n_outside] in the mesh's units: where nodes are that are not of the plan */
+    uint64_t *known; /* [n_nodes] pl_skin_print of where place is that of the node */
     pl_skin_place *place; /* [n_nodes] at -1: none is known */
     float *bound;         /* [n_facets] none of its points is farther off the shape */
     float *tolerance;     /* [n_facets] */
-    float *turned;        /* [n_facets] its unit normal is no farther from what it was first */
-    pl_disc *disc;        /* [n_nodes] around nodes on patches that the skin moves */
-    uint8_t *is_planar;   /* [n_facets] of a patch that is planar */
-    uint8_t *is_near;     /* [n_facets] while the skin is made: another sheet is near */
-    double unscale;       /* 1 / shape->scale */
-    int64_t max_facets;   /* of a node */
-    double *room;         /* [threads][PL_SKIN_ROOM * max_facets] for visits */
-    int64_t n_held;       /* nodes that would slide, but for facets too far off at the start */
-    int64_t n_off;        /* visits that were shortened or refused */
-    pl_mids *mids;        /* of a shape of second order: mids follow by it, and go to the shape by
+    uint8_t *turned;    /* [n_facets] its unit normal is no farther from what it was first: in units
+                           of PL_SKIN_TURN, PL_SKIN_UNKNOWN: this is not known */
+    pl_disc *disc;      /* [n_nodes] around nodes on patches that the skin moves */
+    uint8_t *is_planar; /* [n_facets] of a patch that is planar */
+    uint8_t *is_near;   /* [n_facets] while the skin is made: another sheet is near */
+    double unscale;     /* 1 / shape->scale */
+    int64_t max_facets; /* of a node */
+    double *room;       /* [threads][PL_SKIN_ROOM * max_facets] for visits */
+    int64_t n_held;     /* nodes that would slide, but for facets too far off at the start */
+    int64_t n_off;      /* visits that were shortened or refused */
+    pl_mids *mids;      /* of a shape of second order: mids follow by it, and go to the shape by
                            mids->own; a mid has its place, its inner number is PL_SKIN_MID */
     struct pl_skin_wholes *wholes; /* [threads] room for visits of their corners */
 } pl_skin;
 
-enum { PL_SKIN_MID = -2 };
+/** As inner numbers: a mid; the first node that is not of the plan. */
+enum { PL_SKIN_MID = -2, PL_SKIN_OUTSIDE = -3 };
+
+/* Unit of distances between unit vectors, which are 2 at most: as coarse as a byte asks for. */
+#define PL_SKIN_TURN 0x1p-7
+enum { PL_SKIN_UNKNOWN = 255 };
 
 /** A place for the mid of an edge at the node of a visit. */
 typedef struct pl_mid_trial {
@@ -135,7 +146,34 @@ typedef struct pl_skin_visit {
 /** Return the coordinates of a node, in the mesh's units. */
 static inline const double *pl_skin_at(const pl_skin *skin, int32_t node) {
     const int32_t inner = skin->inner[node];
-    return inner < 0 ? skin->known[node] : skin->coordinates + (int64_t)inner * 3;
+    return inner < 0 ? skin->outside[PL_SKIN_OUTSIDE - inner]
+                     : skin->coordinates + (int64_t)inner * 3;
+}
+
+/** Return a number that tells the place x apart from others: of two places it is the same by one chance in
+ *  2^64, and never if they differ in one coordinate alone. A third of the memory of coordinates. */
+static inline uint64_t pl_skin_print(const double x[3]) {
+    uint64_t print = 1;
+    for (int d = 0; d < 3; d++) {
+        const double value = x[d] + 0.0; /* -0 becomes 0 */
+        uint64_t bits;
+        memcpy(&bits, &value, sizeof bits);
+        print = (print ^ bits) * 0x9e3779b97f4a7c15u;
+        print ^= print >> 29;
+    }
+    return print;
+}
+
+/** Whether a node is where its place is known. */
+static inline int pl_skin_is_known(const pl_skin *skin, int32_t node, const double x[3]) {
+    return skin->known[node] == pl_skin_print(x);
+}
+
+/** Return how far a unit normal is from another one, in units, rounded up. distance: NAN or infinite: unknown.
+ */
+static inline uint8_t pl_skin_turn(double distance) {
+    const double units = distance / PL_SKIN_TURN;
+    return units < PL_SKIN_UNKNOWN - 1 ? (uint8_t)(units + 1) : PL_SKIN_UNKNOWN;
 }
 
 /** Set x to where a node is, in the shape's units. */

@@ -102,7 +102,7 @@ static void bound_facets(void *context, int64_t begin, int64_t end, int thread) 
             skin->bound[t] = pl_float_above(pl_skin_certify(skin, t, -1, NULL, NULL));
         else
             skin->bound[t] = pl_float_above(pl_skin_certify_whole(skin, t));
-        skin->turned[t] = pl_float_above(turn_of(skin, t));
+        skin->turned[t] = pl_skin_turn(turn_of(skin, t));
     }
 }
 
@@ -121,7 +121,7 @@ static int64_t bound_all(pl_skin *skin) {
 static void follow(pl_skin *skin, int32_t node) {
     const planish_shape *shape = skin->shape;
     double x[3];
-    memcpy(skin->known[node], pl_skin_at(skin, node), sizeof skin->known[node]);
+    skin->known[node] = pl_skin_print(pl_skin_at(skin, node));
     pl_skin_place_of(skin, node, x);
     pl_place place = pl_skin_get_place(skin, node);
     if (pl_skin_is_at(x, shape->x[node]))
@@ -141,7 +141,7 @@ int64_t pl_skin_follow(pl_skin *skin) {
     if (!skin->shape)
         return 0;
     for (int32_t node = 0; node < skin->shape->n_nodes; node++)
-        if (pl_skin_has(skin, node) && !pl_skin_is_at(skin->known[node], pl_skin_at(skin, node)))
+        if (pl_skin_has(skin, node) && !pl_skin_is_known(skin, node, pl_skin_at(skin, node)))
             follow(skin, node);
     return bound_all(skin);
 }
@@ -367,14 +367,29 @@ int pl_skin_is_off(const pl_skin *skin, int32_t node) {
     return any_facet(skin, node, is_too_far);
 }
 
-/** Take the places of all nodes, whose coordinates the caller has. */
-static void take_places(pl_skin *skin, const pl_points *points) {
+/** Take where the nodes are that are not of the plan. Returns 0 without memory. */
+static int take_outside(pl_skin *skin, const pl_points *points) {
+    const planish_shape *shape = skin->shape;
+    int32_t n = 0;
+    for (int32_t node = 0; node < shape->n_nodes; node++)
+        if (skin->inner[node] < 0 && skin->inner[node] != PL_SKIN_MID)
+            skin->inner[node] = PL_SKIN_OUTSIDE - n++;
+    skin->outside = pl_alloc(n, sizeof *skin->outside);
+    if (!skin->outside)
+        return 0;
+    for (int32_t node = 0; node < shape->n_nodes; node++)
+        for (int d = 0; d < 3 && skin->inner[node] <= PL_SKIN_OUTSIDE; d++)
+            skin->outside[PL_SKIN_OUTSIDE - skin->inner[node]][d] =
+                points->x[pl_point_at(points, shape->node[node], d)];
+    return 1;
+}
+
+/** Take the places of all nodes. */
+static void take_places(pl_skin *skin) {
     const planish_shape *shape = skin->shape;
     for (int32_t node = 0; node < shape->n_nodes; node++) {
         pl_place place = pl_shape_first_place(shape, node);
         pl_skin_set_place(skin, node, &place);
-        for (int d = 0; d < 3 && skin->inner[node] < 0; d++)
-            skin->known[node][d] = points->x[pl_point_at(points, shape->node[node], d)];
         if (skin->inner[node] >= 0)
             follow(skin, node);
         if (skin->inner[node] == PL_SKIN_MID) {
@@ -461,8 +476,10 @@ int pl_skin_begin(pl_skin *skin, const pl_points *points, planish_error *error) 
     const int status = hold_near(skin, error);
     if (status)
         return status;
+    if (!take_outside(skin, points))
+        return pl_fail_memory(error, "the surface of a mesh");
     hold(skin, is_loose);
-    take_places(skin, points);
+    take_places(skin);
     bound_all(skin);
     hold_far(skin);
     if (!skin->shape->whole)
@@ -477,6 +494,7 @@ void pl_skin_destroy(pl_skin *skin) {
     pl_free(skin->star);
     pl_free(skin->inner);
     pl_free(skin->moves);
+    pl_free(skin->outside);
     pl_free(skin->known);
     pl_free(skin->place);
     pl_free(skin->bound);
