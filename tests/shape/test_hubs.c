@@ -74,7 +74,7 @@ static void a_hub_takes_seconds(void **unused) {
     assert_int_equal(planish_measure_shape(shape, &c.mesh, 1, &distance, &e), 0);
     assert_int_equal(distance.n_unproved, 0);
     assert_true(distance.distance > 0 && distance.distance < 0.05);
-    assert_true((double)(clock() - start) / CLOCKS_PER_SEC < 90);
+    assert_true((double)(clock() - start) / CLOCKS_PER_SEC < 150);
     planish_shape_destroy(shape);
 }
 
