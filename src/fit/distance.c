@@ -2,15 +2,13 @@
  *
  * Both ways it is the overlay of each facet from the facet of the other surface nearest to its middle.
  * Where the overlay says nothing, as where a feature runs over the facet or it is over too many others, the
- * facet is divided. Of a small part it is enough that no corner of it is far from one facet: the distance
- * from a triangle is convex. */
+ * facet is divided (shape/divide.h). */
 #include "fit/distance.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
-#include "shape/nearest.h"
-#include "shape/overlay.h"
+#include "shape/divide.h"
 
 #include <string.h>
 
@@ -29,77 +27,22 @@ typedef struct measuring {
     pl_tree facets;       /* of it */
     double(*bound[WAYS]); /* [facets of now], [facets of onto] */
     double(*edge[WAYS]);  /* mean edge of the mesh's surface there */
+    int32_t *near[WAYS];  /* facet of the other one nearest to the middle; -1: there is none */
     /* Distances of middles, a little more, in onto's unit and in edges: what is below counts for nothing. */
     double most[WAYS], most_h[WAYS];
 } measuring;
 
-/** A surface from which distances are. */
-typedef struct target {
-    const planish_shape *shape;
-    const pl_tree *tree;
-    const int8_t *turn; /* of its patches, or NULL */
-    double edge;        /* of the facet whose distance is asked for */
-} target;
-
-static target target_of(const measuring *m, int way) {
-    return way == THERE ? (target){m->fit->onto, &m->fit->facets, m->fit->turn, 0}
-                        : (target){&m->now, &m->facets, NULL, 0};
-}
-
-static double square_of(const void *context, int32_t facet, const double point[3]) {
-    const planish_shape *s = ((const target *)context)->shape;
-    const int32_t *node = s->facet[facet];
-    const double *const x[3] = {s->x[node[0]], s->x[node[1]], s->x[node[2]]};
-    double weight[3] = {1, 0, 0};
-    return s->is_interface[facet] ? INFINITY : pl_nearest_on_triangle(point, x, weight);
-}
-
-/** Return the facet nearest to the middle of a triangle, and the square of its distance; -1: there is none. */
-static int32_t nearest_to(const target *t, const double x[3][3], double *square) {
-    double middle[3];
-    for (int d = 0; d < 3; d++)
-        middle[d] = (x[0][d] + x[1][d] + x[2][d]) / 3;
-    *square = INFINITY;
-    return pl_tree_nearest(t->tree, middle, square_of, t, square);
-}
-
-/** Bound the distance of a triangle by an overlay. */
-static double overlay(const target *t, const double x[3][3], int32_t near, int turn) {
-    double turned[3][3];
-    if (t->turn)
-        turn *= t->turn[t->shape->patch[near]];
-    for (int k = 0; k < 3; k++)
-        memcpy(turned[k], x[turn < 0 ? 2 - k : k], sizeof turned[k]);
-    return pl_overlay_bound_any(t->shape, (const double(*)[3])turned, near);
-}
-
-/** Largest distance of the corners x from a facet: no point of their triangle is farther off. */
-static double off_facet(const target *t, int32_t facet, const double x[3][3]) {
-    double most = 0;
-    for (int k = 0; k < 3; k++)
-        most = fmax(most, square_of(t, facet, x[k]));
-    return sqrt(most);
-}
-
-/** Bound the distance of a triangle; known, if that is more. turn: -1: it turns into the mesh. */
-static double divide(const target *t, const double x[3][3], int turn, double known, int depth) {
-    double part[4][3][3], square;
-    const int32_t near = nearest_to(t, x, &square);
-    if (near < 0)
-        return INFINITY;
-    const double enough = fmax(known, GOOD * sqrt(square));
-    double bound = off_facet(t, near, x);
-    if (bound > enough)
-        bound = fmin(bound, overlay(t, x, near, turn));
-    for (int k = 0; k < 3 && bound > enough; k++)
-        if (t->shape->across[near][k] >= 0)
-            bound = fmin(bound, off_facet(t, t->shape->across[near][k], x));
-    if (bound <= fmax(enough, FINE * t->edge) || depth == 0)
-        return fmax(bound, known);
-    pl_quarter_triangle(x, part);
-    for (int i = 0; i < 4; i++)
-        known = divide(t, (const double(*)[3])part[i], turn, known, depth - 1);
-    return known;
+/** Prepare the division of a facet at a mean edge of the mesh's surface, which turns into the mesh (-1) or not. */
+static pl_division division_of(const measuring *m, int way, int turns, double edge, double known) {
+    return (pl_division){.shape = way == THERE ? m->fit->onto : &m->now,
+                         .tree = way == THERE ? &m->fit->facets : &m->facets,
+                         .patch = -1,
+                         .turns = turns,
+                         .turn = way == THERE ? m->fit->turn : NULL,
+                         .close = GOOD,
+                         .fine = FINE * edge,
+                         .known = known,
+                         .most_pieces = INT64_MAX};
 }
 
 /* ---- all facets ------------------------------------------------------------------------------ */
@@ -122,25 +65,31 @@ static double mean_edge(const double x[3][3]) {
     return sum / 3;
 }
 
+/** How far a facet of second order is off its triangle. */
+static double extra_of(const measuring *m, int way, int64_t i) {
+    return way == BACK && m->fit->onto->whole ? m->fit->onto->bend[i] : 0;
+}
+
 /** Bound the distances of facets by overlays. */
 static void overlay_facets(measuring *m, int way, int64_t begin, int64_t end) {
-    const target t = target_of(m, way);
     const planish_shape *from = way == THERE ? &m->now : m->fit->onto;
     for (int64_t i = begin; i < end; i++) {
-        double x[3][3], square;
-        const int turn = facet_of(m, way, i, x);
-        const int32_t near =
-            from->is_interface[i] ? -1 : nearest_to(&t, (const double(*)[3])x, &square);
-        double other[3][3];
+        double x[3][3], middle[3], other[3][3], square;
+        const pl_division q = division_of(m, way, facet_of(m, way, i, x), 0, 0);
         m->bound[way][i] = from->is_interface[i] ? 0 : INFINITY;
         m->edge[way][i] = INFINITY;
-        if (near < 0)
+        if (from->is_interface[i])
+            continue;
+        for (int d = 0; d < 3; d++)
+            middle[d] = (x[0][d] + x[1][d] + x[2][d]) / 3;
+        m->near[way][i] = pl_division_find(&q, middle, &square);
+        if (m->near[way][i] < 0)
             continue;
         if (way == BACK)
-            facet_of(m, THERE, near, other);
+            facet_of(m, THERE, m->near[way][i], other);
         const double edge = mean_edge((const double(*)[3])(way == BACK ? other : x));
-        const double bound = overlay(&t, (const double(*)[3])x, near, turn);
-        m->bound[way][i] = bound;
+        m->bound[way][i] =
+            pl_division_overlay(&q, (const double(*)[3])x, m->near[way][i]) + extra_of(m, way, i);
         m->edge[way][i] = edge;
         pl_raise_double(&m->most[way], GOOD * sqrt(square));
         pl_raise_double(&m->most_h[way], GOOD * sqrt(square) / edge);
@@ -160,16 +109,16 @@ static void overlay_back(void *context, int64_t begin, int64_t end, int thread) 
 /** Divide facets that have no bound, or a larger one than counts: an overlay is above the distance where facets are
  *  steep over one another. */
 static void divide_facets(measuring *m, int way, int64_t begin, int64_t end) {
-    target t = target_of(m, way);
     for (int64_t i = begin; i < end; i++) {
         double x[3][3];
-        t.edge = m->edge[way][i];
-        const double known = fmin(m->most[way], m->most_h[way] * t.edge);
-        if (m->bound[way][i] <= known)
+        const double edge = m->edge[way][i], extra = extra_of(m, way, i);
+        const double known = fmin(m->most[way], m->most_h[way] * edge);
+        if (m->bound[way][i] <= known || m->near[way][i] < 0)
             continue;
-        const int turn = facet_of(m, way, i, x);
-        m->bound[way][i] =
-            fmin(m->bound[way][i], divide(&t, (const double(*)[3])x, turn, known, DEEPEST));
+        const int turns = facet_of(m, way, i, x);
+        pl_division q = division_of(m, way, turns, edge, fmax(known - extra, 0));
+        const double bound = pl_divide(&q, (const double(*)[3])x, m->near[way][i], DEEPEST);
+        m->bound[way][i] = fmin(m->bound[way][i], bound + extra);
     }
 }
 
@@ -242,7 +191,8 @@ int pl_fit_measure(const planish_fit *fit, const pl_points *points, pl_fit_dista
     for (int way = 0; way < WAYS; way++) {
         m.bound[way] = pl_alloc(n[way], sizeof **m.bound);
         m.edge[way] = pl_alloc(n[way], sizeof **m.edge);
-        if (!status && (!m.bound[way] || !m.edge[way]))
+        m.near[way] = pl_alloc(n[way], sizeof **m.near);
+        if (!status && (!m.bound[way] || !m.edge[way] || !m.near[way]))
             status = pl_fail_memory(error, "the distance of surfaces");
     }
     if (!status) {
@@ -255,6 +205,7 @@ int pl_fit_measure(const planish_fit *fit, const pl_points *points, pl_fit_dista
     for (int way = 0; way < WAYS; way++) {
         pl_free(m.bound[way]);
         pl_free(m.edge[way]);
+        pl_free(m.near[way]);
     }
     pl_tree_destroy(&m.facets);
     pl_free(m.now.x);

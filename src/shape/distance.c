@@ -2,104 +2,28 @@
  *
  * Both ways it is the overlay of each facet. For the way back the roles are swapped: the new surface
  * is a shape of the same facets, and places on it are walked to. Where the overlay says nothing, as
- * at folds, a facet is divided: the distance from one triangle is convex, so that a part of the facet
- * is no farther off it than the part's corners. That takes a hundred times as long. */
+ * at folds, a facet is divided (divide.h). That takes a hundred times as long. The largest bounds are sharpened that
+ * way in the end: they are what is reported. */
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
-#include "shape/nearest.h"
+#include "shape/divide.h"
 #include "shape/overlay.h"
-#include "shape/tree.h"
-#include "shape/walk.h"
 
 #include <string.h>
 
-enum { FACETS = 64, /* of a chunk */ DEEPEST = 6 /* division of a facet */ };
+enum { FACETS = 64, /* of a chunk */ DEEP = 6 /* division of a facet */ };
 
-/* A bound that is this much above the distance of one point is good enough. */
+/* Parts of a facet, and of all facets, that are looked at to sharpen bounds. */
+enum { MOST_OF_FACET = 1 << 13, MOST_PIECES = 1 << 18 };
+
+/* A bound that is this much above the distance of one point is good enough, */
 #define GOOD 1.05
+/* and this much the largest ones. */
+#define CLOSE 1.0001
 
 /* A patch is planar if its nodes are off by no more than this, in mean edges. */
 #define FLAT 1e-3
-
-/* ---- one facet by division ---------------------------------------------------------------- */
-
-/** Distance of x from a point of the triangle, the nearest one up to rounding. */
-static double off_triangle(const double *const corner[3], const double x[3]) {
-    double weight[3] = {1, 0, 0}, off[3];
-    pl_nearest_on_triangle(x, corner, weight);
-    for (int d = 0; d < 3; d++)
-        off[d] = weight[0] * (corner[0][d] - x[d]) + weight[1] * (corner[1][d] - x[d]) +
-                 weight[2] * (corner[2][d] - x[d]);
-    return sqrt(pl_dot(3, off, off));
-}
-
-/** Largest distance of the corners x from a facet: no point of their triangle is farther off. */
-static double off_facet(const planish_shape *s, int32_t facet, const double x[3][3]) {
-    const double *corner[3];
-    double most = 0;
-    for (int k = 0; k < 3; k++)
-        corner[k] = s->x[s->facet[facet][k]];
-    for (int k = 0; k < 3; k++)
-        most = fmax(most, off_triangle(corner, x[k]));
-    return most;
-}
-
-/** A patch to which distances are found. */
-typedef struct pl_target {
-    const planish_shape *shape;
-    const pl_tree *tree; /* of its facets; NULL: the nearest is walked to */
-    int32_t patch;
-} pl_target;
-
-/** Squared distance of a facet of the patch from a point. */
-static double square_off(const void *context, int32_t facet, const double point[3]) {
-    const pl_target *t = context;
-    const int32_t *node = t->shape->facet[facet];
-    const double *const corner[3] = {t->shape->x[node[0]], t->shape->x[node[1]],
-                                     t->shape->x[node[2]]};
-    double weight[3] = {1, 0, 0};
-    return t->shape->patch[facet] == t->patch ? pl_nearest_on_triangle(point, corner, weight)
-                                              : INFINITY;
-}
-
-/** Find the facet of a patch that is nearest to a point, or one that is about as near; near: one to begin
- *  with. Sets the square of its distance. */
-static int32_t find_near(const pl_target *t, const double point[3], int32_t near, double *square) {
-    if (!t->tree) {
-        pl_place place = {near, {1. / 3, 1. / 3, 1. / 3}};
-        const double off = pl_shape_walk(t->shape, PL_ON_PATCH, point, &place);
-        *square = off * off;
-        return place.at;
-    }
-    *square = square_off(t, near, point);
-    const int32_t nearer = pl_tree_nearest(t->tree, point, square_off, t, square);
-    return nearer >= 0 ? nearer : near;
-}
-
-/** Bound the distance of a triangle from a patch; known, if that is more. near: a facet of the patch. */
-static double divide(const pl_target *t, const double x[3][3], int32_t near, double known,
-                     int depth) {
-    const planish_shape *s = t->shape;
-    double middle[3], part[4][3][3], square;
-    for (int d = 0; d < 3; d++)
-        middle[d] = (x[0][d] + x[1][d] + x[2][d]) / 3;
-    near = find_near(t, middle, near, &square);
-    double bound = off_facet(s, near, x), bend = s->whole ? s->bend[near] : 0;
-    for (int k = 0; k < 3; k++)
-        if (s->across[near][k] >= 0) {
-            bound = fmin(bound, off_facet(s, s->across[near][k], x));
-            bend = s->whole ? fmax(bend, s->bend[s->across[near][k]]) : 0;
-        }
-    const int is_good = bound <= GOOD * sqrt(square) || (bend > 0 && bound <= 0.1 * bend);
-    bound += bend;
-    if (bound <= known || is_good || depth == 0)
-        return fmax(bound, known);
-    pl_quarter_triangle(x, part);
-    for (int i = 0; i < 4; i++)
-        known = divide(t, (const double(*)[3])part[i], near, known, depth - 1);
-    return known;
-}
 
 /* ---- all facets --------------------------------------------------------------------------- */
 
@@ -111,7 +35,7 @@ typedef struct pl_measuring {
     pl_tree tree[WAYS];          /* their facets */
     const pl_place *place;
     double (*bound)[WAYS]; /* [n_facets] */
-    double *unit;          /* [n_facets] pl_shape_edge of the first surface */
+    double *h;             /* [n_facets] mean edge there */
     double (*extra)
         [WAYS]; /* [n_facets] of second order: how far the facet itself is off its triangle; else
                               NULL */
@@ -143,6 +67,11 @@ static pl_moved_facet facet_of(const pl_measuring *m, int way, int64_t i) {
     return t;
 }
 
+/** The unit of bounds of facet i: a length, or its mean edge. */
+static double unit_at(const pl_measuring *m, int by_edges, int64_t i) {
+    return by_edges ? m->h[i] : 1;
+}
+
 /** How far a facet is off its triangle. */
 static double extra_of(const pl_measuring *m, int way, int64_t i) {
     return m->extra ? m->extra[i][way] : 0;
@@ -165,7 +94,7 @@ static void overlay_facets(void *context, int64_t begin, int64_t end, int thread
     (void)thread;
     pl_measuring *m = context;
     for (int64_t i = begin; i < end; i++) {
-        m->unit[i] = pl_shape_edge(&m->surface[THERE], (int32_t)i);
+        m->h[i] = pl_shape_edge(&m->surface[THERE], (int32_t)i);
         for (int way = 0; way < WAYS; way++) {
             const planish_shape *s = &m->surface[way];
             const pl_moved_facet t = facet_of(m, way, i);
@@ -175,7 +104,7 @@ static void overlay_facets(void *context, int64_t begin, int64_t end, int thread
                 __atomic_fetch_add(&m->n_open[way], 1, __ATOMIC_RELAXED);
             } else if (m->bound[i][way] > 0) {
                 pl_raise_double(&m->most[way], m->bound[i][way]);
-                pl_raise_double(&m->most_h[way], m->bound[i][way] / m->unit[i]);
+                pl_raise_double(&m->most_h[way], m->bound[i][way] / m->h[i]);
             }
         }
     }
@@ -187,22 +116,32 @@ static int is_at_hub(const planish_shape *s, int64_t facet) {
     return pl_is_hub(s, v[0]) || pl_is_hub(s, v[1]) || pl_is_hub(s, v[2]);
 }
 
+/** Prepare the division of a facet. */
+static pl_division division_of(const pl_measuring *m, int way, int64_t i, double close,
+                               double known) {
+    const planish_shape *s = &m->surface[way];
+    return (pl_division){.shape = s,
+                         .tree = is_at_hub(s, i) ? NULL : &m->tree[way],
+                         .patch = s->patch[i],
+                         .turns = 1,
+                         .close = close,
+                         .known = known,
+                         .most_pieces = MOST_OF_FACET};
+}
+
 /** Divide facets that have no bound, as far as they are beyond the largest ones. */
 static void divide_facets(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     pl_measuring *m = context;
     for (int64_t i = begin; i < end; i++)
         for (int way = 0; way < WAYS; way++) {
-            const planish_shape *s = &m->surface[way];
-            const pl_target target = {s, is_at_hub(s, i) ? NULL : &m->tree[way], s->patch[i]};
+            if (m->bound[i][way] < INFINITY)
+                continue;
             const pl_moved_facet t = facet_of(m, way, i);
-            const double h = m->unit[i];
-            const double known = fmin(m->most[way], m->most_h[way] * h);
+            const double known = fmin(m->most[way], m->most_h[way] * m->h[i]);
             const double extra = extra_of(m, way, i);
-            if (m->bound[i][way] == INFINITY)
-                m->bound[i][way] =
-                    capped(m, way, &t,
-                           divide(&target, t.x, t.facet, fmax(known - extra, 0), DEEPEST) + extra);
+            pl_division q = division_of(m, way, i, GOOD, fmax(known - extra, 0));
+            m->bound[i][way] = capped(m, way, &t, pl_divide(&q, t.x, t.facet, DEEP) + extra);
         }
 }
 
@@ -223,47 +162,67 @@ static int plant(const planish_shape *s, int threads, pl_tree *tree, planish_err
     return status;
 }
 
+/** Plant the trees of both surfaces unless there are some. Errors: _MEMORY. */
+static int plant_both(pl_measuring *m, int threads, planish_error *error) {
+    int status = PLANISH_OK;
+    for (int way = 0; way < WAYS && !status; way++)
+        if (m->tree[way].n == 0)
+            status = plant(&m->surface[way], threads, &m->tree[way], error);
+    return status;
+}
+
 /** Bound the distance of all facets, both ways. Errors: _MEMORY. */
 static int bound_facets(pl_measuring *m, int threads, planish_error *error) {
     const int64_t n = m->surface[THERE].n_facets;
     pl_parallel_for(threads, n, FACETS, overlay_facets, m);
     if (m->n_open[THERE] == 0 && m->n_open[BACK] == 0)
         return PLANISH_OK;
-    int status = 0;
-    for (int way = 0; way < WAYS && !status; way++)
-        status = plant(&m->surface[way], threads, &m->tree[way], error);
+    const int status = plant_both(m, threads, error);
     if (!status)
         pl_parallel_for(threads, n, FACETS, divide_facets, m);
-    for (int way = 0; way < WAYS; way++)
-        pl_tree_destroy(&m->tree[way]);
     return status;
 }
 
-/** Sharpen the largest bounds, in units of length or edges: an overlay is above the distance by some
- *  percent, where facets are steep over one another by more. */
-static void sharpen(pl_measuring *m, int way, int by_edges) {
-    enum { MOST = 64 };
-    const planish_shape *s = &m->surface[way];
-    int64_t before = -1;
-    for (int n = 0; n < MOST; n++) {
-        int64_t at = -1;
-        double most = 0;
-        for (int64_t i = 0; i < s->n_facets; i++) {
-            const double bound = m->bound[i][way] / (by_edges ? m->unit[i] : 1);
-            if (bound > most) {
-                most = bound;
-                at = i;
-            }
+/** Return the number of the facet with the largest bound, in units of length or edges: *most; -1: all are 0. */
+static int64_t find_largest(const pl_measuring *m, int way, int by_edges, double *most) {
+    int64_t at = -1;
+    *most = 0;
+    for (int64_t i = 0; i < m->surface[way].n_facets; i++) {
+        const double bound = m->bound[i][way] / unit_at(m, by_edges, i);
+        if (bound > *most) {
+            *most = bound;
+            at = i;
         }
-        if (at < 0 || at == before || !(most < INFINITY))
+    }
+    return at;
+}
+
+/** Sharpen the bound of a facet until it is close to the distance of a point, or to what is known. Each time
+ *  that it is divided deeper, more is known. */
+static void sharpen(pl_measuring *m, int way, int64_t i, pl_division *q) {
+    enum { DEEPER = 2, DEEPEST = 18 };
+    const pl_moved_facet t = facet_of(m, way, i);
+    const double extra = extra_of(m, way, i);
+    double *bound = &m->bound[i][way];
+    for (int n = DEEPER; n <= DEEPEST && *bound > q->known + extra; n += DEEPER)
+        *bound = fmin(*bound, pl_divide(q, t.x, t.facet, n) + extra);
+}
+
+/** Sharpen the largest bounds, in units of length or edges, until the largest one is close to the distance of a
+ *  point: an overlay is above the distance by some percent, where facets are steep over one another by more. */
+static void sharpen_largest(pl_measuring *m, int way, int by_edges) {
+    enum { MOST = 1024 };
+    double most, known = 0; /* of facets that were divided; in the unit */
+    int64_t n_pieces = 0;
+    for (int n = 0; n < MOST && n_pieces < MOST_PIECES; n++) {
+        const int64_t at = find_largest(m, way, by_edges, &most);
+        if (at < 0 || !(most < INFINITY) || most <= known)
             return;
-        const pl_target target = {s, NULL, s->patch[at]};
-        const pl_moved_facet t = facet_of(m, way, at);
-        double *bound = &m->bound[at][way];
-        const double extra = extra_of(m, way, at);
-        *bound = fmin(*bound,
-                      divide(&target, t.x, t.facet, fmax(*bound / 2 - extra, 0), DEEPEST) + extra);
-        before = at;
+        const double unit = unit_at(m, by_edges, at), extra = extra_of(m, way, at);
+        pl_division q = division_of(m, way, at, CLOSE, fmax(known * unit - extra, 0));
+        sharpen(m, way, at, &q);
+        n_pieces += q.n_pieces;
+        known = fmax(known, m->bound[at][way] / unit);
     }
 }
 
@@ -271,7 +230,7 @@ static void sharpen(pl_measuring *m, int way, int by_edges) {
 static void sum_up(const pl_measuring *m, pl_shape_distance *distance) {
     const planish_shape *s = &m->surface[THERE];
     for (int64_t i = 0; i < s->n_facets; i++) {
-        const double h = m->unit[i], *bound = m->bound[i];
+        const double h = m->h[i], *bound = m->bound[i];
         distance->there = fmax(distance->there, bound[THERE]);
         distance->back = fmax(distance->back, bound[BACK]);
         if (bound[THERE] > 0)
@@ -480,10 +439,10 @@ int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_
     now->normal = pl_alloc(n, sizeof *now->normal);
     now->bend = NULL;
     m.bound = pl_alloc(n, sizeof *m.bound);
-    m.unit = pl_alloc(n, sizeof *m.unit);
+    m.h = pl_alloc(n, sizeof *m.h);
     *distance = (pl_shape_distance){.there = 0};
     int status = 0;
-    if (!now->x || !now->normal || !m.bound || !m.unit) {
+    if (!now->x || !now->normal || !m.bound || !m.h) {
         status = pl_fail_memory(error, "the distance of surfaces");
     } else if (!are_finite(x, shape->n_nodes)) {
         *distance = (pl_shape_distance){INFINITY, INFINITY, INFINITY, INFINITY, 2 * n, -1};
@@ -494,11 +453,16 @@ int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_
         status = find_bends(&m, error);
         if (!status)
             status = bound_facets(&m, threads, error);
-        for (int way = 0; way < WAYS; way++)
+        if (!status)
+            status = plant_both(&m, threads, error);
+        for (int way = 0; !status && way < WAYS; way++)
             for (int by_edges = 0; by_edges < 2; by_edges++)
-                sharpen(&m, way, by_edges);
-        sum_up(&m, distance);
+                sharpen_largest(&m, way, by_edges);
+        if (!status)
+            sum_up(&m, distance);
     }
+    for (int way = 0; way < WAYS; way++)
+        pl_tree_destroy(&m.tree[way]);
     pl_free(now->x);
     pl_free(now->normal);
     pl_free(now->bend);
@@ -506,6 +470,6 @@ int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_
     pl_free(m.most_of);
     pl_free(m.edge);
     pl_free(m.bound);
-    pl_free(m.unit);
+    pl_free(m.h);
     return status;
 }

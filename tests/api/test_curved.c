@@ -125,7 +125,8 @@ static double (*scaled(const trial *t, const double *x))[3] {
     return own;
 }
 
-static void prepare(trial *t, int64_t number) {
+/** Smooth the body of a case. tolerance: in edges; 0: it and all else is drawn. */
+static void prepare(trial *t, int64_t number, double tolerance) {
     uint64_t state = effort_seed((uint64_t)number + 1000);
     planish_error error = {.text = ""};
     planish_slide_info info;
@@ -145,6 +146,13 @@ static void prepare(trial *t, int64_t number) {
     if (planish_find_slides(mesh, &t->surface, 1, t->constraint, t->direction, &info, &error))
         check_that(t, 0, error.text);
     draw_options(t, &state);
+    if (tolerance > 0) {
+        planish_options_init(&t->options);
+        t->options.shape = t->shape;
+        t->options.surface_tolerance = tolerance;
+        t->options.surface_tolerance_unit = PLANISH_UNIT_EDGE;
+        t->asks = "a tolerance";
+    }
     t->n_runs = 1 + (int)random_below(&state, 2);
     for (int i = 0; i < 3; i++) {
         t->x[i] = test_copy_of(mesh);
@@ -211,6 +219,15 @@ static planish_shape_distance measure(const trial *t) {
     return d;
 }
 
+/** Whether the whole surface is proved to be within the tolerance. */
+static int is_proved(const trial *t, const planish_shape_distance *d, double rounding) {
+    const planish_options *o = &t->options;
+    const double tolerance = o->surface_tolerance > 0 ? o->surface_tolerance : 0.05;
+    return o->surface_tolerance > 0 && o->surface_tolerance_unit == PLANISH_UNIT_MESH
+               ? d->distance * t->shape->scale <= tolerance * t->shape->scale + rounding
+               : d->in_edges <= tolerance * (1 + 1e-9) + (o->precision ? 1e-5 : 1e-9);
+}
+
 /** No point of the surface is farther off than the tolerance, and than what was proved. */
 static void check_distance(const trial *t, double *worth) {
     const planish_shape *s = t->shape;
@@ -232,6 +249,7 @@ static void check_distance(const trial *t, double *worth) {
     check_that(t, back <= d.distance_back * s->scale * (1 + 1e-9) + rounding,
                "the measure holds back");
     check_that(t, d.n_unproved == 0, "every facet has a bound");
+    check_that(t, is_proved(t, &d, rounding), "the surface is proved to be within the tolerance");
     check_that(t, d.max_bend <= fmax(40, d.max_bend_before) + 1e-5, "no smooth edge becomes sharp");
     *worth = there > 1e-6 * s->size ? d.distance * s->scale / there : 0;
 }
@@ -292,7 +310,7 @@ static void bodies_keep_their_shape(void **unused) {
     for (int64_t i = 0; i < n; i++) {
         trial t;
         double worth;
-        prepare(&t, one ? strtoll(one, NULL, 10) : i);
+        prepare(&t, one ? strtoll(one, NULL, 10) : i, 0);
         const int64_t moved = check_mesh(&t);
         check_distance(&t, &worth);
         check_features(&t);
@@ -307,6 +325,23 @@ static void bodies_keep_their_shape(void **unused) {
         "%lld bodies on curved surfaces: %lld nodes moved in %lld of them, proved / sampled %.3f",
         (long long)n, (long long)n_moved, (long long)n_bodies, n_worth > 0 ? sum / n_worth : 1);
     assert_true(one || 2 * n_bodies > n);
+}
+
+/** The last proof says no more than the tolerance, however small that is. */
+static void tolerances_are_proved(void **unused) {
+    (void)unused;
+    static const double TOLERANCES[] = {0.05, 0.01, 0.005, 0.002};
+    int64_t n = 0;
+    for (int64_t i = 0; i < effort(16, 400); i++)
+        for (size_t k = 0; k < sizeof TOLERANCES / sizeof *TOLERANCES; k++) {
+            trial t;
+            double worth;
+            prepare(&t, i, TOLERANCES[k]);
+            n += check_mesh(&t);
+            check_distance(&t, &worth);
+            finish(&t);
+        }
+    assert_true(n > 0);
 }
 
 /* ---- surfaces in space ---------------------------------------------------------------------- */
@@ -433,6 +468,7 @@ static void sheets_keep_their_shape(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bodies_keep_their_shape),
+        cmocka_unit_test(tolerances_are_proved),
         cmocka_unit_test(sheets_keep_their_shape),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
