@@ -1,6 +1,6 @@
 /* planish_shape: layers, regions, interfaces, and the surface that nodes may slide on. */
 #include "shape/create.h"
-#include "shape/overlay.h"
+#include "shape/distance.h"
 #include "shape/shape.h"
 #include "shape/walk.h"
 

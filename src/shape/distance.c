@@ -4,6 +4,8 @@
  * is a shape of the same facets, and places on it are walked to. Where the overlay says nothing, as
  * at folds, a facet is divided (divide.h). That takes a hundred times as long. The largest bounds are sharpened that
  * way in the end: they are what is reported. */
+#include "shape/distance.h"
+
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"

@@ -5,11 +5,12 @@
  * all turn the same way and no feature runs over T, no point of T is farther off. Beside curves T
  * may stick out: by lateral at most, and only in a strip that features run over.
  *
- *   overlay.c   pl_overlay_bound           of one triangle
- *               pl_overlay_most            the largest of numbers of the facets over it
- *               pl_overlay_lateral         of its edges on curves
- *               pl_overlay_bound_any       of a triangle that never was a facet
- *   distance.c  pl_shape_measure           of a whole surface, both ways
+ *   pl_overlay_bound           of one triangle
+ *   pl_overlay_most            the largest of numbers of the facets over it
+ *   pl_overlay_lateral         of its edges on curves
+ *   pl_overlay_bound_any       of a triangle that never was a facet
+ *
+ * divide.h is sharper; distance.h has whole surfaces.
  */
 #ifndef PL_SHAPE_OVERLAY_H
 #define PL_SHAPE_OVERLAY_H
@@ -82,20 +83,5 @@ static inline double pl_shape_edge(const planish_shape *shape, int32_t facet) {
     }
     return fmin(mean, of_nodes / n);
 }
-
-/** Proved distances of a surface that has moved. Lengths are in the shape's units. */
-typedef struct pl_shape_distance {
-    double there;           /* no point of the new surface is farther off the first one, */
-    double back;            /* and none of the first one off the new one; infinite: not proved */
-    double there_h, back_h; /* the largest of the same in units of pl_shape_edge */
-    int64_t n_unproved;     /* facets of either without a bound: their coordinates are not finite */
-    double sharpest;        /* cosine between facets at a smooth edge: the least */
-} pl_shape_distance;
-
-/** Measure the surface whose nodes are at x [n_nodes][3], in the shape's units; place [n_nodes]: of
- *  nodes on patches and curves where they are, at -1 where not known. Same bits on any number of
- *  threads. Errors: _MEMORY. */
-int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_place *place,
-                     int threads, pl_shape_distance *distance, planish_error *error);
 
 #endif

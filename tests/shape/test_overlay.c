@@ -3,6 +3,7 @@
 #include "support/sheets.h"
 
 #include "shape/disc.h"
+#include "shape/distance.h"
 #include "shape/overlay.h"
 
 #include <setjmp.h>
