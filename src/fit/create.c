@@ -60,13 +60,12 @@ static int rule_of(planish_fit *fit, int type) {
     for (int i = 0; i < fit->n_rules; i++)
         if (fit->rule[i]->type == of)
             return i;
-    const int i = fit->n_rules;
-    fit->rule[i] = pl_alloc(1, sizeof **fit->rule);
-    fit->n_rules++;
-    if (!fit->rule[i])
+    pl_jacobian_rule *rule = pl_alloc(1, sizeof *rule);
+    if (!rule)
         return -1;
-    pl_jacobian_rule_make(of, fit->rule[i]);
-    return i;
+    pl_jacobian_rule_make(of, rule);
+    fit->rule[fit->n_rules] = rule;
+    return fit->n_rules++;
 }
 
 static int has_twice(const int32_t *node, int64_t n) {

@@ -211,14 +211,14 @@ static void sharpen(pl_measuring *m, int way, int64_t i, pl_division *q) {
 }
 
 /** Sharpen the largest bounds, in units of length or edges, until the largest one is close to the distance of a
- *  point: an overlay is above the distance by some percent, where facets are steep over one another by more. */
+ *  point, or of a facet at a node of very many, which would take long: an overlay is above the distance by some percent, where facets are steep over one another by more. */
 static void sharpen_largest(pl_measuring *m, int way, int by_edges) {
     enum { MOST = 1024 };
     double most, known = 0; /* of facets that were divided; in the unit */
     int64_t n_pieces = 0;
     for (int n = 0; n < MOST && n_pieces < MOST_PIECES; n++) {
         const int64_t at = find_largest(m, way, by_edges, &most);
-        if (at < 0 || !(most < INFINITY) || most <= known)
+        if (at < 0 || !(most < INFINITY) || most <= known || is_at_hub(&m->surface[way], at))
             return;
         const double unit = unit_at(m, by_edges, at), extra = extra_of(m, way, at);
         pl_division q = division_of(m, way, at, CLOSE, fmax(known * unit - extra, 0));

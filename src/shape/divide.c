@@ -94,7 +94,8 @@ static double divide(pl_division *q, const double x[3][3], int32_t from, int dep
     q->n_pieces++;
     if (bound <= fmax(q->known, enough) || depth == 0 || q->n_pieces >= q->most_pieces)
         return bound;
-    see_farthest(q, near, x);
+    if (q->tree)
+        see_farthest(q, near, x);
     pl_quarter_triangle(x, part);
     for (int i = 0; i < 4; i++)
         most = fmax(most, divide(q, (const double(*)[3])part[i], near, depth - 1));
@@ -102,7 +103,7 @@ static double divide(pl_division *q, const double x[3][3], int32_t from, int dep
 }
 
 double pl_divide(pl_division *division, const double x[3][3], int32_t near, int depth) {
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3 && division->tree; k++) /* else a walk to a corner is long */
         near = find_near(division, x[k], near);
     const double most = divide(division, x, near, depth);
     return fmax(most, division->known);

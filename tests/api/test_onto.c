@@ -3,6 +3,7 @@
 #include "support/cell_meshes.h"
 #include "support/effort.h"
 #include "support/run.h"
+#include "support/sheets.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -85,6 +86,20 @@ static void sheet_face(sheet *s, int32_t *number, int n, int axis, int side, int
     }
 }
 
+/** Take the nodes of a surface to a form, and make its shape. */
+static void finish_sheet(form f, double size, sheet *s) {
+    for (int64_t i = 0; i < s->mesh.n_nodes; i++)
+        to_form(f, size, s->x + 3 * i);
+    s->cells.type = s->type;
+    s->cells.offset = s->offset;
+    s->cells.node = s->node;
+    s->mesh.dim = 3;
+    s->mesh.coordinates = s->x;
+    s->mesh.cells = &s->cells;
+    s->mesh.n_elements = s->cells.n;
+    assert_int_equal(planish_shape_create(&s->mesh, NULL, 1, &s->shape, NULL, NULL), 0);
+}
+
 /** Make a surface; is_turned: its triangles turn inwards. */
 static void make_sheet(form f, int n, double size, int is_turned, sheet *s) {
     const size_t most = (size_t)(12 * n * n), grid = (size_t)((n + 1) * (n + 1) * (n + 1));
@@ -100,16 +115,7 @@ static void make_sheet(form f, int n, double size, int is_turned, sheet *s) {
     memset(s->type, PLANISH_CELL_TRIANGLE, most);
     for (int64_t i = 0; i <= s->cells.n; i++)
         s->offset[i] = 3 * i;
-    for (int64_t i = 0; i < s->mesh.n_nodes; i++)
-        to_form(f, size, s->x + 3 * i);
-    s->cells.type = s->type;
-    s->cells.offset = s->offset;
-    s->cells.node = s->node;
-    s->mesh.dim = 3;
-    s->mesh.coordinates = s->x;
-    s->mesh.cells = &s->cells;
-    s->mesh.n_elements = s->cells.n;
-    assert_int_equal(planish_shape_create(&s->mesh, NULL, 1, &s->shape, NULL, NULL), 0);
+    finish_sheet(f, size, s);
 }
 
 static void free_sheet(sheet *s) {
@@ -118,6 +124,34 @@ static void free_sheet(sheet *s) {
     free(s->node);
     free(s->offset);
     free(s->type);
+}
+
+/** Make a surface of six faces of two triangles of order 2 each. */
+static void make_curved_sheet(form f, double size, sheet *s) {
+    int32_t number[27];
+    memset(number, -1, sizeof number);
+    make_sheet(FORM_CUBE, 1, 1, 0, s);
+    sheet straight = *s;
+    *s = (sheet){.x = malloc(26 * 3 * sizeof *s->x),
+                 .node = malloc(12 * 6 * sizeof *s->node),
+                 .offset = malloc(13 * sizeof *s->offset),
+                 .type = malloc(12)};
+    for (int i = 0; i < 12 * 6; i++) {
+        const int32_t *corner = straight.node + i / 6 * 3;
+        int at[3];
+        for (int d = 0; d < 3; d++) {
+            const double a = straight.x[3 * corner[i % 3] + d];
+            const double b = straight.x[3 * corner[(i + 1) % 3] + d];
+            at[d] = (int)(i % 6 < 3 ? a + 1 : (a + b) / 2 + 1);
+        }
+        s->node[i] = sheet_node(s, number, 2, at);
+    }
+    free_sheet(&straight);
+    memset(s->type, PLANISH_CELL_TRIANGLE6, 12);
+    for (int i = 0; i <= 12; i++)
+        s->offset[i] = 6 * (int64_t)i;
+    s->cells.n = 12;
+    finish_sheet(f, size, s);
 }
 
 /* ---- blocks ---------------------------------------------------------------------------------- */
@@ -443,6 +477,49 @@ static void test_certificate(void **state) {
     free_fitted(&t);
 }
 
+/** A point of a triangle of order 2 at weights w of its corners. */
+static void curved_point(const double *x, const int32_t *node, const double w[3], double p[3]) {
+    memset(p, 0, 3 * sizeof *p);
+    for (int k = 0; k < 3; k++)
+        for (int d = 0; d < 3; d++)
+            p[d] += w[k] * (2 * w[k] - 1) * x[3 * (int64_t)node[k] + d] +
+                    4 * w[k] * w[(k + 1) % 3] * x[3 * (int64_t)node[3 + k] + d];
+}
+
+/** Facets of order 2 of the other surface are curved where distances are proved: here the mesh has their nodes, and
+ *  is off between these alone. */
+static void test_curved_other(void **state) {
+    (void)state;
+    enum { STEPS = 12 };
+    fitted t = {.random = effort_seed(3)};
+    planish_fit *f;
+    planish_shape_distance distance;
+    make_block(1, BOX_HEXAHEDRA, FORM_BALL, 2, 1, 0, &t.random, &t.b);
+    make_curved_sheet(FORM_BALL, 1, &t.fine);
+    assert_int_equal(
+        planish_fit_create(&t.b.mesh, t.b.shape, t.fine.shape, 0, NULL, &f, NULL, NULL), 0);
+    assert_int_equal(planish_fit_measure(f, &t.b.mesh, &distance, NULL), 0);
+    const planish_shape *s = t.b.shape;
+    sheet_judge judge = sheet_judge_create(s, (const double(*)[3])s->x);
+    double most = 0;
+    for (int i = 0; i < 12 * STEPS * STEPS; i++) {
+        const double u = (double)(i % STEPS) / STEPS, v = (double)(i / STEPS % STEPS) / STEPS;
+        const double w[3] = {u * (1 - v), (1 - u) * (1 - v), v};
+        double p[3];
+        curved_point(t.fine.x, t.fine.node + 6 * (i / (STEPS * STEPS)), w, p);
+        for (int d = 0; d < 3; d++)
+            p[d] *= s->scale;
+        most = fmax(most, sheet_judge_distance(&judge, -1, p) / s->scale);
+    }
+    figure("a curved surface: %.4g sampled, %.4g bound", most, distance.distance_back);
+    assert_true(most > 0.01 && most <= distance.distance_back);
+    assert_true(most <= distance.distance);
+    sheet_judge_destroy(&judge);
+    planish_fit_destroy(f);
+    free_block(&t.b);
+    free_sheet(&t.fine);
+}
+
 /** The bits are the same for two threads. */
 static void test_threads(void **state) {
     (void)state;
@@ -620,6 +697,7 @@ int main(void) {
         cmocka_unit_test(test_block_onto_ball),
         cmocka_unit_test(test_not_there),
         cmocka_unit_test(test_certificate),
+        cmocka_unit_test(test_curved_other),
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_stop),
         cmocka_unit_test(test_refusals),
