@@ -318,8 +318,9 @@ typedef struct planish_slide_info {
  *  more than tolerance. With surface->shape nodes that would become FIXED become ON_PATCH or ON_CURVE
  *  instead if they are so on the shape and only curved facets or edges hold them, of second order only
  *  if the shape has mids (planish_shape_info); nodes of facets between regions only with
- *  slide_interfaces. Those where its facets of first and second order meet become FIXED. surface and info may be NULL. threads: as in
- *  planish_options. Errors: _ARGUMENT (among them a shape of another number of nodes), _MESH, _MEMORY. */
+ *  slide_interfaces. Those where its facets of first and second order meet become FIXED. surface and
+ *  info may be NULL. threads: as in planish_options. Errors: _ARGUMENT (among them a
+ *  shape of another number of nodes), _MESH, _MEMORY. */
 PLANISH_API int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface,
                                     int threads, uint8_t *constraint, double *direction,
                                     planish_slide_info *info, planish_error *error);
@@ -805,8 +806,8 @@ typedef struct planish_plan_info {
     /* These are -1 with only_worse_than or around, if all measures have one sign: */
     int64_t n_boundary_facets;    /* facets of one element */
     int64_t n_nonmanifold_facets; /* facets of more than two elements, whose nodes are held */
-    int64_t n_duplicate_elements; /* elements with the nodes of an earlier one, whose nodes are
-                                     held */
+    int64_t n_duplicate_elements; /* elements with the corners of an earlier one, or (of other types
+                                     than simplices) with a facet twice, whose nodes are held */
     int n_colours;                /* sets of free or sliding nodes that do not share an element */
     int threads;                  /* number that works for the plan */
     const char *isa;              /* name of the kernel variant in use; static text */

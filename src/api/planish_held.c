@@ -68,6 +68,8 @@ static int note_cell_facets(hold_search *s, const double *coordinates, planish_e
     for (int64_t i = 0; !status && i < cells->n; i++) {
         const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
         const int n_facets = type && type->shape->dim == plan->dim ? type->shape->n_facets : 0;
+        for (int j = 0; census.is_duplicate[i] && j < type->shape->n_corners; j++)
+            note_reason(s, cells->node[cells->offset[i] + j], PLANISH_HELD_NONMANIFOLD);
         for (int k = 0; k < n_facets; k++) {
             const int n = census.n_sharing[i * PL_CELL_FACET_PLACES + k];
             for (int j = 0; (n == 1 || n > 2) && j < 4 && type->shape->facet[k][j] >= 0; j++)

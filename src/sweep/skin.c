@@ -43,8 +43,7 @@ static void find_direction(const pl_skin *skin, int64_t star, int32_t node, doub
 
 /* ---- the facets around a node ----------------------------------------------------------------- */
 
-/** Return the number in the visit of a facet; -1: it is not at the node. */
-static int32_t number_of(const pl_skin_visit *v, int32_t facet) {
+int32_t pl_skin_number_of(const pl_skin_visit *v, int32_t facet) {
     const int64_t first = v->n > FEW ? pl_find_ascending(v->facet, v->n, facet) : 0;
     for (int64_t j = first; j < v->n && (v->n <= FEW || j == first); j++)
         if (v->facet[j] == facet)
@@ -64,7 +63,7 @@ static void gather(pl_skin_visit *v) {
         pl_skin_place_of(skin, corner[(k + 1) % 3], v->rim[i][0]);
         pl_skin_place_of(skin, corner[(k + 2) % 3], v->rim[i][1]);
         v->opposite[i] = shape->across[facet][(k + 1) % 3];
-        v->next[i] = other < 0 ? -1 : number_of(v, other);
+        v->next[i] = other < 0 ? -1 : pl_skin_number_of(v, other);
     }
 }
 

@@ -302,7 +302,10 @@ void pl_skin_prepare(pl_skin *skin, int thread, pl_skin_visit *visit);
 /** Begin the visit of a sliding star whose node is of the skin. */
 void pl_skin_begin_visit(pl_skin_visit *visit, int64_t star);
 
-/** End it: places and bounds become those of where the node is. Returns 0 if it is not known that it may
+/** Return the number in a visit of a facet; -1: it is not at the node. */
+int32_t pl_skin_number_of(const pl_skin_visit *visit, int32_t facet);
+
+/** End a visit: places and bounds become those of where the node is. Returns 0 if it is not known that it may
  *  be there: then it is back where it was. */
 int pl_skin_end_visit(pl_skin_visit *visit);
 

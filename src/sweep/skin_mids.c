@@ -303,9 +303,7 @@ static void find_beside(const pl_skin_visit *v, whole_of *of, int part) {
     const planish_shape *shape = skin->shape;
     for (int k = 0; k < 3; k++) {
         const int32_t other = shape->across[v->facet[of->first + part]][k];
-        int32_t at = -1;
-        for (int j = 0; other >= 0 && j < v->n && at < 0; j++)
-            at = v->facet[j] == other ? j : -1;
+        const int32_t at = other < 0 ? -1 : pl_skin_number_of(v, other);
         of->beside[part][k] = at;
         of->beyond[part][k] = at < 0 ? other : -1;
         if (of->beyond[part][k] < 0)

@@ -57,7 +57,6 @@ typedef struct cell_sets {
     int8_t *sign; /* [n] the result */
     double *measure;            /* [n] dim! times that of each element, by its own order */
     pl_cell_census *census;     /* NULL: not asked for */
-    uint8_t *is_duplicate;      /* [n] for it */
     int64_t n_alone, n_crowded; /* facets of one element, of more than two; shared */
 } cell_sets;
 
@@ -134,13 +133,21 @@ static void join(cell_sets *s, int32_t a, int32_t b, int same) {
     s->flip[high] = (int8_t)(same * flip_a * flip_b);
 }
 
-/** Whether an element is listed twice. */
+/** Whether all corners of an element are corners of another one of its type. */
+static int has_corners(const cell_sets *s, int64_t element, int64_t of) {
+    const int32_t *node = s->cells->node + s->cells->offset[element];
+    const int32_t *other = s->cells->node + s->cells->offset[of];
+    const int n = pl_cell_type_of(s->cells->type[element])->shape->n_corners;
+    int n_found = 0;
+    for (int i = 0; i < n && n_found == i; i++)
+        for (int j = 0; j < n && n_found == i; j++)
+            n_found += node[i] == other[j];
+    return n_found == n;
+}
+
+/** Whether two elements have the same corners, in any order. */
 static int is_same(const cell_sets *s, int64_t a, int64_t b) {
-    const int64_t *offset = s->cells->offset;
-    const int64_t n = offset[a + 1] - offset[a];
-    return s->cells->type[a] == s->cells->type[b] &&
-           memcmp(s->cells->node + offset[a], s->cells->node + offset[b],
-                  (size_t)n * sizeof *s->cells->node) == 0;
+    return s->cells->type[a] == s->cells->type[b] && has_corners(s, a, b) && has_corners(s, b, a);
 }
 
 /* ---- facets by their lowest nodes --------------------------------------------------------------- */
@@ -197,16 +204,35 @@ static int is_alike(const facet *a, const facet *b) {
     return memcmp(a->node, b->node, sizeof a->node) == 0;
 }
 
-/** Note that a facet is that of an earlier one, the first of its kind. Of an element that is listed twice
- *  both go around it in the same direction. */
+/** Note that a facet is that of an earlier element, the first one that has it. */
 static void note_join(const cell_sets *s, const facet *first, const facet *later) {
     const uint32_t same = first->direction != later->direction;
-    if (first->element == later->element || (!same && is_same(s, first->element, later->element))) {
-        if (s->is_duplicate)
-            pl_set_flag(&s->is_duplicate[later->element], 1);
-        return;
-    }
     s->joins[place_of(later)] = 1 + ((uint32_t)first->element << 1 | same);
+}
+
+/** Whether an element is another one, or (may_be) has the corners of that; then it is a duplicate. */
+static int note_twin(const cell_sets *s, const facet *earlier, const facet *later, int may_be) {
+    const int is_twin = earlier->element == later->element ||
+                        (may_be && is_same(s, earlier->element, later->element));
+    if (is_twin && s->census && s->census->is_duplicate)
+        pl_set_flag(&s->census->is_duplicate[later->element], 1);
+    return is_twin;
+}
+
+/** Note what facet i of a node has to do with earlier ones that are alike, the first of them first[i].
+ *  To read the corners of elements takes long. Neighbours go around a facet in opposite directions, and
+ *  have only one facet in common; of a duplicate several facets are at its lowest node, side by side. */
+static void note_alike(const cell_sets *s, const facet *listed, const int *first, int i,
+                       int n_alike) {
+    const facet *own = &listed[i], *of = &listed[first[i]];
+    const int has_other = i > 0 && own[-1].element == own->element && first[i - 1] < i - 1 &&
+                          listed[first[i - 1]].element == of->element;
+    const int is_twin = note_twin(s, of, own, has_other || of->direction == own->direction);
+    for (int k = first[i] + 1; n_alike > 2 && k < i; k++)
+        if (first[k] == first[i])
+            note_twin(s, &listed[k], own, 1);
+    if (!is_twin)
+        note_join(s, of, own);
 }
 
 /** Note that so many elements share a facet. */
@@ -238,7 +264,7 @@ static void compare_few(const cell_sets *s, facet *listed, int n) {
                 break;
         n_alike[first[i]]++;
         if (first[i] < i && listed[i].element >= 0)
-            note_join(s, &listed[first[i]], &listed[i]);
+            note_alike(s, listed, first, i, n_alike[first[i]]);
     }
     for (int i = 0; s->census && i < n; i++) {
         if (listed[i].element < 0)
@@ -265,8 +291,12 @@ static void compare_many(const cell_sets *s, facet *listed, int64_t n) {
             end++;
         if (listed[i].element < 0)
             continue;
-        for (int64_t k = i + 1; k < end; k++)
-            note_join(s, &listed[i], &listed[k]);
+        for (int64_t k = i + 1; k < end; k++) {
+            for (int64_t j = k - 1; j > i && j > k - FEW; j--)
+                note_twin(s, &listed[j], &listed[k], 1);
+            if (!note_twin(s, &listed[i], &listed[k], 1))
+                note_join(s, &listed[i], &listed[k]);
+        }
         for (int64_t k = i; s->census && k < end; k++)
             note_sharing(s, &listed[k], end - i < 3 ? (int)(end - i) : 3);
         if (s->census)
@@ -513,13 +543,15 @@ static int is_contradicted(const cell_sets *s, int64_t element, int k) {
     return with > 0 && s->sign[(with - 1) >> 1] * s->sign[element] != ((with - 1) & 1 ? 1 : -1);
 }
 
-/** Hold the corners of facets that two elements do not share as they should. */
+/** Hold the corners of duplicates, and of facets that two elements do not share as they should. */
 static void hold_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const cell_sets *s = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         const pl_cell_type *type = counted_type(s, i);
         const int32_t *node = s->cells->node + s->cells->offset[i];
+        for (int j = 0; s->census->is_duplicate[i] && j < type->shape->n_corners; j++)
+            pl_set_flag(&s->census->on_boundary[node[j]], 1);
         for (int k = 0; type && k < type->shape->n_facets; k++) {
             const int n = s->census->n_sharing[FACETS * i + k];
             for (int j = 0; (n == 1 || n > 2 || is_contradicted(s, i, k)) && j < FACET_NODES; j++)
@@ -534,14 +566,14 @@ int pl_cell_census_find(const planish_cells *cells, int dim, int64_t n_nodes,
                         planish_error *error) {
     *census = (pl_cell_census){.sign = pl_alloc(cells->n, sizeof *census->sign),
                                .n_sharing = pl_alloc_zero(FACETS * cells->n, 1),
-                               .on_boundary = pl_alloc_zero(n_nodes, 1)};
+                               .on_boundary = pl_alloc_zero(n_nodes, 1),
+                               .is_duplicate = pl_alloc_zero(cells->n, 1)};
     cell_sets s = {.cells = cells,
                    .coordinates = coordinates,
                    .dim = dim,
                    .sign = census->sign,
-                   .census = census,
-                   .is_duplicate = pl_alloc_zero(cells->n, 1)};
-    int status = census->sign && census->n_sharing && census->on_boundary && s.is_duplicate
+                   .census = census};
+    int status = census->sign && census->n_sharing && census->on_boundary && census->is_duplicate
                      ? orient(&s, n_nodes, threads, error)
                      : pl_fail_memory(error, "the facets of elements");
     if (!status)
@@ -549,9 +581,8 @@ int pl_cell_census_find(const planish_cells *cells, int dim, int64_t n_nodes,
     census->n_boundary_facets = s.n_alone;
     census->n_nonmanifold_facets = s.n_crowded;
     for (int64_t i = 0; !status && i < cells->n; i++)
-        census->n_duplicate_elements += s.is_duplicate[i];
+        census->n_duplicate_elements += census->is_duplicate[i];
     pl_free(s.joins);
-    pl_free(s.is_duplicate);
     if (status)
         pl_cell_census_destroy(census);
     return status;
@@ -586,5 +617,6 @@ void pl_cell_census_destroy(pl_cell_census *census) {
     pl_free(census->sign);
     pl_free(census->n_sharing);
     pl_free(census->on_boundary);
+    pl_free(census->is_duplicate);
     *census = (pl_cell_census){.n_boundary_facets = 0};
 }

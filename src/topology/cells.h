@@ -35,9 +35,11 @@ typedef struct pl_cell_census {
                              facet */
     uint8_t
         *on_boundary; /* [n_nodes] 1: corner of a facet of one element, of more than two, or that
-                             contradicts the orientation */
+                             contradicts the orientation; or of a duplicate */
+    uint8_t *is_duplicate; /* [n] 1: with the corners of an earlier element of its type, or with a
+                              facet twice */
     int64_t n_boundary_facets, n_nonmanifold_facets; /* of one element, of more than two */
-    int64_t n_duplicate_elements; /* with the nodes of an earlier one in its order */
+    int64_t n_duplicate_elements;
 } pl_cell_census;
 
 /** Find the signs as pl_orient_cells does, and how facets are shared. Errors: _MEMORY. */

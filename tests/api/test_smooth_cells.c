@@ -831,6 +831,49 @@ static void drawn_calls_keep_promises(void **state) {
     figure("%d drawn calls on meshes of every type", (int)n);
 }
 
+/** The corner of a box stays, also if its element is there twice: then each of its facets is of two. */
+static void duplicates_stay(void **state) {
+    static const cell_box_kind kinds[] = {BOX_QUADRILATERALS, BOX_HEXAHEDRA};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const planish_options options = defaults();
+        cell_box *box = box_of(kinds[k], 3, LINEAR, 0.2, 1);
+        const int64_t n = box->cells.n, each = box->offset[1];
+        int32_t *node = malloc((size_t)(each * (n + 1)) * sizeof *node), *own = box->node;
+        int64_t *offset = malloc((size_t)(n + 2) * sizeof *offset);
+        uint8_t *type = malloc((size_t)(n + 1)), *reason = malloc((size_t)box->mesh.n_nodes);
+        assert_true(node && offset && type && reason);
+        memcpy(node, own, (size_t)(each * n) * sizeof *node);
+        memcpy(node + each * n, own, (size_t)each * sizeof *node);
+        memset(type, box->type[0], (size_t)(n + 1));
+        for (int64_t i = 0; i <= n + 1; i++)
+            offset[i] = i * each;
+        const planish_cells cells = {.n = n + 1, .type = type, .offset = offset, .node = node};
+        box->mesh.cells = &cells;
+        box->mesh.n_elements = n + 1;
+        planish_plan *plan = plan_of(box, &options);
+        planish_plan_info info;
+        planish_plan_get_info(plan, &info);
+        assert_int_equal(info.n_duplicate_elements, 1);
+        assert_int_equal(planish_plan_get_held(plan, box->x, reason, NULL), 0);
+        double *x = copy_of(box);
+        smooth(plan, box, &options);
+        for (int64_t i = 0; i < box->mesh.n_nodes; i++)
+            assert_true(is_same_place(box, x, i) || is_inside(box, x, i));
+        for (int64_t i = 0; i < each; i++) {
+            assert_true(is_same_place(box, x, node[i]));
+            assert_true(reason[node[i]] & PLANISH_HELD_NONMANIFOLD);
+        }
+        planish_plan_destroy(plan);
+        free(x);
+        free(node);
+        free(offset);
+        free(type);
+        free(reason);
+        cell_box_destroy(box);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(measures_agree),
@@ -848,6 +891,7 @@ int main(void) {
         cmocka_unit_test(sizes_change_no_bit),
         cmocka_unit_test(slow_meshes_are_helped),
         cmocka_unit_test(drawn_calls_keep_promises),
+        cmocka_unit_test(duplicates_stay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -186,6 +186,73 @@ static void strips_without_orientation_are_taken(void **state) {
         assert_int_equal(sign[i], 1);
 }
 
+/** Add element i of a mesh again: in its order (way 0), from another corner on (1), or mirrored (2). */
+static void add_again(turned_mesh *m, int64_t i, int way) {
+    const int n = (int)(m->offset[i + 1] - m->offset[i]);
+    int32_t node[8];
+    for (int k = 0; k < n; k++) {
+        const int layer = m->dim == 3 ? n / 2 : n;
+        const int around = (k + (way == 1)) % layer + k / layer * layer;
+        const int mirrored = m->dim == 3 ? (k + n / 2) % n : n - 1 - k;
+        node[k] = m->node[m->offset[i] + (way == 2 ? mirrored : around)];
+    }
+    add(m, m->type[i], n, node, 0);
+}
+
+/* An element that is there twice, in whatever order, is counted once, and its corners are held: also where
+ * nothing else holds them, as the corner of a box. */
+static void duplicates_hold_their_corners(void **state) {
+    (void)state;
+    static turned_mesh m;
+    uint64_t random = effort_seed(4);
+    for (int repeat = 0; repeat < 120; repeat++) {
+        make(&m, repeat % 2 ? 3 : 2, 0.3, 0.1, &random);
+        const int64_t n = m.cells.n,
+                      i = repeat % 5 == 0 ? n - 1 : (int64_t)(random_unit(&random) * (double)n);
+        add_again(&m, i, repeat % 3);
+        pl_cell_census census;
+        assert_int_equal(pl_cell_census_find(&m.cells, m.dim, NODES, m.coordinates, 1 + repeat % 3,
+                                             &census, NULL),
+                         PLANISH_OK);
+        assert_int_equal(census.n_duplicate_elements, 1);
+        for (int64_t k = 0; k <= n; k++)
+            assert_int_equal(census.is_duplicate[k], k == n);
+        assert_memory_equal(census.sign, m.turned, (size_t)n);
+        for (int64_t k = m.offset[i]; k < m.offset[i + 1]; k++)
+            assert_int_equal(census.on_boundary[m.node[k]], 1);
+        pl_cell_census_destroy(&census);
+    }
+}
+
+/* Hexahedra whose bottom is their top, and many duplicates around a node. */
+static void flat_elements_and_hubs_of_duplicates_are_counted(void **state) {
+    (void)state;
+    enum { N = 200 };
+    static uint8_t type[N];
+    static int64_t offset[N + 1];
+    static int32_t node[8 * N];
+    static const double coordinates[3 * 10] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0,
+                                               0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
+    for (int i = 0; i < N; i++) {
+        type[i] = PLANISH_CELL_HEXAHEDRON;
+        offset[i + 1] = offset[i] + 8;
+        for (int k = 0; k < 8; k++)
+            node[8 * i + k] = k;
+    }
+    for (int k = 0; k < 8; k++)
+        node[k] = k % 4;
+    for (int n = 1; n <= N; n += N - 1) {
+        const planish_cells cells = {.n = n, .type = type, .offset = offset, .node = node};
+        pl_cell_census census;
+        assert_int_equal(pl_cell_census_find(&cells, 3, 10, coordinates, 2, &census, NULL),
+                         PLANISH_OK);
+        assert_int_equal(census.n_duplicate_elements, n == 1 ? 1 : N - 1);
+        for (int k = 0; k < 8; k++)
+            assert_int_equal(census.on_boundary[k], n > 1 || k < 4);
+        pl_cell_census_destroy(&census);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(signs_are_those_of_turned_elements),
@@ -193,6 +260,8 @@ int main(void) {
         cmocka_unit_test(elements_that_nothing_joins_have_the_sign_of_their_type),
         cmocka_unit_test(many_elements_may_be_around_a_node),
         cmocka_unit_test(strips_without_orientation_are_taken),
+        cmocka_unit_test(duplicates_hold_their_corners),
+        cmocka_unit_test(flat_elements_and_hubs_of_duplicates_are_counted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
