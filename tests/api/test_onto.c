@@ -651,10 +651,11 @@ static void test_random(void **state) {
         block b;
         sheet other;
         outcome o[2];
-        make_block(random_below(&random, 3) == 0, kind, from, 2 + (int)random_below(&random, 3), 1,
-                   random_between(&random, 0, 0.3), &random, &b);
-        make_sheet(to, 2 + (int)random_below(&random, 12), size, (int)random_below(&random, 2),
-                   &other);
+        const double shake = random_between(&random, 0, 0.3);
+        const int n_cells = 2 + (int)random_below(&random, 3);
+        make_block(random_below(&random, 3) == 0, kind, from, n_cells, 1, shake, &random, &b);
+        const int is_turned = (int)random_below(&random, 2);
+        make_sheet(to, 2 + (int)random_below(&random, 12), size, is_turned, &other);
         uint8_t *constraint = calloc((size_t)b.mesh.n_nodes, 1);
         for (int64_t k = 0; k < b.mesh.n_nodes; k++)
             constraint[k] = random_below(&random, 12) == 0;

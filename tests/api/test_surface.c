@@ -89,8 +89,9 @@ static void make(patchwork *p, int kind, int has_quads, double far) {
         const int in_phase = kind == SHAFT && (v == IN_PLANE || v == ACROSS / 2);
         const int edge_u = in_phase || (kind == PLANE && (u == 0 || u == AROUND - 1));
         const int edge_v = in_phase || is_border(kind, v);
-        place(kind, p->apart, u + (edge_u ? 0 : far * random_number(&state)),
-              v + (edge_v ? 0 : far * random_number(&state)), p->x[i]);
+        const double shift_v = edge_v ? 0 : far * random_number(&state);
+        const double shift_u = edge_u ? 0 : far * random_number(&state);
+        place(kind, p->apart, u + shift_u, v + shift_v, p->x[i]);
     }
     for (int u = 0; u < columns; u++)
         for (int v = 0; v < ends; v++) {

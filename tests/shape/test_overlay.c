@@ -95,8 +95,8 @@ static worth check_kind(int kind, int64_t n, double far, double off) {
     worth w = {.ratio = malloc(MOST_RATIOS * sizeof(double))};
     for (int64_t i = 0; i < n; i++) {
         const double share = i % 3 ? 1 : 0.3;
-        moved m = move_sheet(sheet_create(kind, &state), far * random_unit(&state),
-                             off * random_unit(&state), share, &state);
+        const double up = off * random_unit(&state), along = far * random_unit(&state);
+        moved m = move_sheet(sheet_create(kind, &state), along, up, share, &state);
         for (int32_t f = 0; f < m.shape->n_facets; f++)
             check_facet(&m, f, &state, &w);
         release(&m);
@@ -170,8 +170,8 @@ static void samples_are_never_beyond_the_bound_of_a_disc(void **unused) {
         uint64_t state = effort_seed((uint64_t)(kind + 101));
         worth w = {.ratio = malloc(MOST_RATIOS * sizeof(double))};
         for (int64_t i = 0; i < effort(20, 500); i++) {
-            moved m = move_sheet(sheet_create(kind, &state), 0.5 * random_unit(&state),
-                                 0.1 * random_unit(&state), 1, &state);
+            const double off = 0.1 * random_unit(&state), far = 0.5 * random_unit(&state);
+            moved m = move_sheet(sheet_create(kind, &state), far, off, 1, &state);
             for (int32_t node = 0; node < m.shape->n_nodes; node++)
                 if (m.shape->node_class[node] == PL_ON_PATCH)
                     check_disc(&m, node, &w);
@@ -218,9 +218,8 @@ static void edges_on_curves_are_no_farther_off_than_lateral(void **unused) {
     uint64_t state = effort_seed(77);
     int64_t n_curves = 0;
     for (int64_t i = 0; i < effort(60, 2000); i++) {
-        const double off = 0.05 * random_unit(&state);
-        moved m = move_sheet(sheet_create(KIND[i % 4], &state), 0.5 * random_unit(&state), off, 1,
-                             &state);
+        const double off = 0.05 * random_unit(&state), far = 0.5 * random_unit(&state);
+        moved m = move_sheet(sheet_create(KIND[i % 4], &state), far, off, 1, &state);
         const planish_shape *s = m.shape;
         double laterals = 0, chords = 0, chains = 0;
         for (int32_t f = 0; f < s->n_facets; f++) {

@@ -35,7 +35,8 @@ static void flat(int dim, uint64_t *random, double x[4][3]) {
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
             x[j][d] = integer(random, 1 << 20);
-    close_up(dim, integer(random, 16), integer(random, 16), x);
+    const double t = integer(random, 16), s = integer(random, 16);
+    close_up(dim, s, t, x);
     for (int d = 0; d < dim; d++) {
         const int exponent = random_below(random, 2) ? exponent_between(random, -900, 900) : 0;
         for (int j = 0; j <= dim; j++)
@@ -55,7 +56,8 @@ static void rounded(int dim, uint64_t *random, double x[4][3]) {
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
             x[j][d] = ldexp(random_between(random, -1, 1), exponent);
-    close_up(dim, random_between(random, -3, 3), random_between(random, -3, 3), x);
+    const double t = random_between(random, -3, 3), s = random_between(random, -3, 3);
+    close_up(dim, s, t, x);
 }
 
 static void far(int dim, uint64_t *random, double x[4][3]) {
@@ -110,8 +112,10 @@ static void subnormal(int dim, uint64_t *random, double x[4][3]) {
     for (int j = 0; j <= dim; j++)
         for (int d = 0; d < dim; d++)
             x[j][d] = ldexp(integer(random, most), -1074);
-    if (random_below(random, 2))
-        close_up(dim, integer(random, 3), integer(random, 3), x);
+    if (random_below(random, 2)) {
+        const double t = integer(random, 3), s = integer(random, 3);
+        close_up(dim, s, t, x);
+    }
 }
 
 /** Edges from vertex 0 of sizes whose product is about 2^-1074 of the largest's power. */

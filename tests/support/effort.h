@@ -22,7 +22,8 @@ int effort_step(int n);
  *  each PLANISH_SEED. Never 0. */
 uint64_t effort_seed(uint64_t number);
 
-/** The next 64 random bits (xorshift64*, Marsaglia 2003, Vigna 2016). */
+/** The next 64 random bits; draw twice in one list of arguments, and the order is the compiler's choice
+ *  (xorshift64*, Marsaglia 2003, Vigna 2016). */
 uint64_t random_bits(uint64_t *state);
 
 /** In [0, n), n > 0. */

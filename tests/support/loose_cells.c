@@ -89,11 +89,12 @@ loose_cells loose_cells_mixed(int dim, int64_t n, uint64_t seed) {
     uint64_t random = effort_seed(seed);
     while (m.cells.n < n) {
         const int type = loose_types[random_below(&random, LOOSE_TYPES)];
-        if (pl_cell_type_of(type)->shape->dim == dim)
-            loose_cells_add(&m, type, 0.7 * random_unit(&random), 0.1 * random_unit(&random), 1,
-                            &random);
-        else if (m.n_nodes > 1)
+        if (pl_cell_type_of(type)->shape->dim == dim) {
+            const double bend = 0.1 * random_unit(&random), push = 0.7 * random_unit(&random);
+            loose_cells_add(&m, type, push, bend, 1, &random);
+        } else if (m.n_nodes > 1) {
             loose_cells_add_line(&m);
+        }
     }
     return m;
 }
