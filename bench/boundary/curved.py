@@ -215,6 +215,8 @@ def from_to(pair, digits=4):
 def main(build, *meshes):
     build = pathlib.Path(build)
     folder, planish, about = build / "meshes", build / "planish", machine.description()
+    for needed in (folder, build / "results"):
+        needed.mkdir(exist_ok=True)
     models = {name: make(name, folder) for name in MODELS}
     rows, shapes = [], []
     print(f"{machine.line(about)}\n\n| mesh (elements) | nodes sliding | worst RR | RMS | smallest dihedral | immovable | "
