@@ -833,7 +833,7 @@ static void drawn_calls_keep_promises(void **state) {
 
 /** The corner of a box stays, also if its element is there twice: then each of its facets is of two. */
 static void duplicates_stay(void **state) {
-    static const cell_box_kind kinds[] = {BOX_QUADRILATERALS, BOX_HEXAHEDRA};
+    static const int kinds[] = {BOX_QUADRILATERALS, BOX_HEXAHEDRA};
     (void)state;
     for (int k = 0; k < 2; k++) {
         const planish_options options = defaults();
