@@ -9,7 +9,6 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <cmocka.h>
 
@@ -55,14 +54,14 @@ static void make_cone(cone *c, int n) {
                              .cells = &c->cells};
 }
 
-/** Two sweeps and the distances of a fan of 20 000 take some seconds of one processor. */
-static void a_hub_takes_seconds(void **unused) {
+/** Two sweeps and the distances of a fan of 20 000: what grew by the square of it would meet the limit of
+ *  all tests. */
+static void a_hub_is_smoothed_and_measured(void **unused) {
     static cone c;
     planish_shape *shape = NULL;
     planish_options options;
     planish_shape_distance distance;
     planish_error e;
-    const clock_t start = clock();
     (void)unused;
     make_cone(&c, getenv("PLANISH_BRIEF") ? FAN / 8 : FAN);
     assert_int_equal(planish_shape_create(&c.mesh, NULL, 1, &shape, NULL, &e), 0);
@@ -74,7 +73,6 @@ static void a_hub_takes_seconds(void **unused) {
     assert_int_equal(planish_measure_shape(shape, &c.mesh, 1, &distance, &e), 0);
     assert_int_equal(distance.n_unproved, 0);
     assert_true(distance.distance > 0 && distance.distance < 0.05);
-    assert_true((double)(clock() - start) / CLOCKS_PER_SEC < 150);
     planish_shape_destroy(shape);
 }
 
@@ -147,7 +145,7 @@ static void gaps_between_fans(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_hub_takes_seconds),
+        cmocka_unit_test(a_hub_is_smoothed_and_measured),
         cmocka_unit_test(gaps_between_fans),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
