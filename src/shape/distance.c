@@ -211,7 +211,8 @@ static void sharpen(pl_measuring *m, int way, int64_t i, pl_division *q) {
 }
 
 /** Sharpen the largest bounds, in units of length or edges, until the largest one is close to the distance of a
- *  point, or of a facet at a node of very many, which would take long: an overlay is above the distance by some percent, where facets are steep over one another by more. */
+ *  point, or is of a facet at a node of very many, which would take long. An overlay is above the distance by
+ *  some percent, where facets are steep over one another by more. */
 static void sharpen_largest(pl_measuring *m, int way, int by_edges) {
     enum { MOST = 1024 };
     double most, known = 0; /* of facets that were divided; in the unit */

@@ -143,7 +143,7 @@ typedef struct pl_skin_visit {
     struct pl_skin_wholes *wholes; /* where facets are of second order */
 } pl_skin_visit;
 
-/** Return the coordinates of a node, in the mesh's units. */
+/** Return the coordinates of a node that is no mid, in the mesh's units. */
 static inline const double *pl_skin_at(const pl_skin *skin, int32_t node) {
     const int32_t inner = skin->inner[node];
     return inner < 0 ? skin->outside[PL_SKIN_OUTSIDE - inner]
