@@ -491,10 +491,16 @@ static void place_nodes(void *context, int64_t begin, int64_t end, int thread) {
 /** Return the largest angle between facets at edges that are no features, as a cosine. */
 static double sharpest_bend(const planish_shape *s) {
     double least = 1;
-    for (int64_t f = 0; f < s->n_facets; f++)
-        for (int k = 0; k < 3; k++)
-            if (s->across[f][k] > f)
-                least = fmin(least, pl_dot(3, s->normal[f], s->normal[s->across[f][k]]));
+    for (int32_t f = 0; f < s->n_facets; f++) {
+        double normal[3], other[3];
+        pl_facet_normal(s, f, normal);
+        for (int k = 0; k < 3; k++) {
+            if (s->across[f][k] <= f)
+                continue;
+            pl_facet_normal(s, s->across[f][k], other);
+            least = fmin(least, pl_dot(3, normal, other));
+        }
+    }
     return least;
 }
 

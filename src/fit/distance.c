@@ -23,7 +23,7 @@ enum { THERE, BACK, WAYS };
 
 typedef struct measuring {
     const planish_fit *fit;
-    planish_shape now;    /* the mesh's surface as it is: its x and normal are owned */
+    planish_shape now;    /* the mesh's surface as it is: its x is owned */
     pl_tree facets;       /* of it */
     double(*bound[WAYS]); /* [facets of now], [facets of onto] */
     double(*edge[WAYS]);  /* mean edge of the mesh's surface there */
@@ -138,21 +138,13 @@ static int make_present(measuring *m, const pl_points *points, planish_error *er
     planish_shape *s = &m->now;
     *s = *fit->own;
     s->x = pl_alloc(s->n_nodes, sizeof *s->x);
-    s->normal = pl_alloc(s->n_facets, sizeof *s->normal);
     pl_box3 *box = pl_alloc(s->n_facets, sizeof *box);
-    int status =
-        s->x && s->normal && box ? PLANISH_OK : pl_fail_memory(error, "the distance of surfaces");
+    int status = s->x && box ? PLANISH_OK : pl_fail_memory(error, "the distance of surfaces");
     for (int64_t i = 0; !status && i < s->n_nodes; i++)
         pl_fit_at(points, s->node[i], fit->onto->scale, s->x[i]);
     for (int64_t i = 0; !status && i < s->n_facets; i++) {
-        double u[3], v[3], normal[3];
         const double *a = s->x[s->facet[i][0]], *b = s->x[s->facet[i][1]],
                      *c = s->x[s->facet[i][2]];
-        pl_from_to(3, a, b, u);
-        pl_from_to(3, a, c, v);
-        pl_cross(u, v, normal);
-        if (!pl_unit(3, normal, s->normal[i]))
-            memset(s->normal[i], 0, sizeof s->normal[i]);
         for (int d = 0; d < 3; d++) {
             box[i].lower[d] = fmin(fmin(a[d], b[d]), c[d]);
             box[i].upper[d] = fmax(fmax(a[d], b[d]), c[d]);
@@ -209,6 +201,5 @@ int pl_fit_measure(const planish_fit *fit, const pl_points *points, pl_fit_dista
     }
     pl_tree_destroy(&m.facets);
     pl_free(m.now.x);
-    pl_free(m.now.normal);
     return status;
 }

@@ -50,10 +50,10 @@ static double square_of_facet(const void *context, int32_t facet, const double p
     const planish_shape *onto = s->fit->onto;
     const int32_t *node = onto->facet[facet], patch = onto->patch[facet];
     const double *const x[3] = {onto->x[node[0]], onto->x[node[1]], onto->x[node[2]]};
-    double weight[3] = {1, 0, 0};
+    double weight[3] = {1, 0, 0}, normal[3];
+    pl_kept_normal(onto, facet, normal);
     if (onto->is_interface[facet] || (s->patch >= 0 && patch != s->patch) ||
-        (s->normal &&
-         !(s->fit->turn[patch] * pl_dot(3, s->normal, onto->normal[facet]) >= s->alike)))
+        (s->normal && !(s->fit->turn[patch] * pl_dot(3, s->normal, normal) >= s->alike)))
         return INFINITY;
     return pl_nearest_on_triangle(point, x, weight);
 }
@@ -114,10 +114,12 @@ static int32_t nearest(const pl_tree *tree, const double x[3], pl_tree_distance_
 
 /** Compute the unit normal of the boundary at a node; 0: it has none. */
 static int normal_at(const planish_shape *own, int32_t node, double normal[3]) {
-    double sum[3] = {0, 0, 0};
-    for (int64_t i = own->offset[node]; i < own->offset[node + 1]; i++)
+    double sum[3] = {0, 0, 0}, of_facet[3];
+    for (int64_t i = own->offset[node]; i < own->offset[node + 1]; i++) {
+        pl_kept_normal(own, own->facet_of[i], of_facet);
         for (int d = 0; d < 3 && pl_fit_is_outer(own, own->facet_of[i]); d++)
-            sum[d] += own->normal[own->facet_of[i]][d];
+            sum[d] += of_facet[d];
+    }
     return pl_unit(3, sum, normal);
 }
 
@@ -233,10 +235,11 @@ static void find_turns(const finding *g, int64_t (*votes)[2]) {
     planish_fit *fit = g->fit;
     int64_t all[2] = {0, 0};
     for (int32_t i = 0; i < fit->n_nodes; i++) {
-        double normal[3];
+        double normal[3], other[3];
         if (g->near[i] < 0 || !normal_at(fit->own, i, normal))
             continue;
-        const int is_against = pl_dot(3, normal, fit->onto->normal[g->near[i]]) < 0;
+        pl_kept_normal(fit->onto, g->near[i], other);
+        const int is_against = pl_dot(3, normal, other) < 0;
         votes[fit->onto->patch[g->near[i]]][is_against]++;
         all[is_against]++;
     }

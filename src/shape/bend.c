@@ -104,7 +104,7 @@ static void bend_fan(const pl_features *w, int32_t node, int32_t f) {
         add_normal(s, at, k, sum);
     while (pl_fan_next(w, PL_EDGE_APART, 1, &at, &k) && at != first);
     if (!pl_unit(3, sum, normal))
-        memcpy(normal, s->normal[f], sizeof normal);
+        memcpy(normal, w->normal[f], sizeof normal);
     if (!is_closed && s->node_class[node] == PL_ON_CURVE)
         make_square(s, node, normal);
     at = first;

@@ -37,14 +37,15 @@ static int compare_normals(const void *a, const void *b) {
 }
 
 /** Write facets of a node to list, one for each rounded normal. Returns how many. */
-static int64_t list_apart(const planish_shape *s, int64_t node, rounded *work, int32_t *list) {
+static int64_t list_apart(const pl_features *w, int64_t node, rounded *work, int32_t *list) {
+    const planish_shape *s = w->shape;
     const int32_t *facet = s->facet_of + s->offset[node];
     const int64_t n = s->offset[node + 1] - s->offset[node];
     int64_t n_apart = 0;
     for (int64_t i = 0; i < n; i++) {
         work[i].facet = facet[i];
         for (int d = 0; d < 3; d++)
-            work[i].normal[d] = (int32_t)floor(NORMALS_APART * s->normal[facet[i]][d]);
+            work[i].normal[d] = (int32_t)floor(NORMALS_APART * w->normal[facet[i]][d]);
     }
     qsort(work, (size_t)n, sizeof *work, compare_normals);
     for (int64_t i = 0; i < n; i++)
@@ -71,7 +72,7 @@ int pl_creases_begin(pl_features *w, planish_error *error) {
         if (pl_is_hub(s, i)) {
             pl_hub *h = w->hub + w->n_hubs++;
             h->node = (int32_t)i;
-            h[1].first = h->first + list_apart(s, i, work, w->hub_facet + h->first);
+            h[1].first = h->first + list_apart(w, i, work, w->hub_facet + h->first);
         }
     pl_free(work);
     return failed ? pl_fail_memory(error, "the surface") : PLANISH_OK;
@@ -102,7 +103,7 @@ static int is_calm(const pl_features *w, int32_t f, int k, double angle) {
     int64_t n;
     const int32_t *facet = facets_at(w, s->facet[f][(k + 2) % 3], &n);
     for (int64_t i = 0; i < n; i++) {
-        const double cosine = pl_dot(3, s->normal[f], s->normal[facet[i]]);
+        const double cosine = pl_dot(3, w->normal[f], w->normal[facet[i]]);
         if (cosine > COS_BEND && !(pl_arc_cosine(cosine) < angle))
             return 0;
     }
@@ -134,9 +135,8 @@ typedef struct facet_edge {
 
 /** Whether an edge is a feature by a bend of at most 60 degrees alone. */
 static int is_slight(const pl_features *w, int32_t f, int k) {
-    const planish_shape *s = w->shape;
     return w->kind[f][k] & PL_EDGE_CREASE &&
-           pl_dot(3, s->normal[f], s->normal[w->beside[f][k]]) > COS_SLIGHT;
+           pl_dot(3, w->normal[f], w->normal[w->beside[f][k]]) > COS_SLIGHT;
 }
 
 /** Count what ends at each node, and list the slight creases, each once; edge NULL: count these. Returns

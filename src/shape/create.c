@@ -108,6 +108,7 @@ static int allocate(planish_shape *s, pl_features *w, planish_error *error) {
     s->patch = pl_alloc(m, sizeof *s->patch);
     s->is_interface = pl_alloc(m, sizeof *s->is_interface);
     s->edge_at = pl_alloc(n, sizeof *s->edge_at);
+    w->normal = pl_alloc(m, sizeof *w->normal);
     w->corner_normal = pl_alloc_zero(m, sizeof *w->corner_normal);
     w->beside = pl_alloc(m, sizeof *w->beside);
     w->kind = pl_alloc(m, sizeof *w->kind);
@@ -115,8 +116,8 @@ static int allocate(planish_shape *s, pl_features *w, planish_error *error) {
     w->n_ends = pl_alloc(n, sizeof *w->n_ends);
     w->n_features = pl_alloc(n, sizeof *w->n_features);
     if (!s->edge_length || !s->node_class || !s->normal || !s->across || !s->patch ||
-        !s->is_interface || !s->edge_at || !w->corner_normal || !w->beside || !w->kind ||
-        !w->stays || !w->n_ends || !w->n_features)
+        !s->is_interface || !s->edge_at || !w->normal || !w->corner_normal || !w->beside ||
+        !w->kind || !w->stays || !w->n_ends || !w->n_features)
         return pl_fail_memory(error, "the shape");
     return PLANISH_OK;
 }
@@ -208,6 +209,7 @@ int pl_shape_create(const planish_mesh *mesh, const planish_mesh *given, const p
     pl_free(w.hub);
     pl_free(w.hub_facet);
     pl_free(w.likeness);
+    pl_free(w.normal);
     pl_free(w.corner_normal);
     pl_surface_destroy(&surface);
     if (status)

@@ -11,6 +11,7 @@
  *   here         pl_is_hub                         nodes of very many facets
  *                pl_corner_at, pl_edge_of          corners and edges of facets
  *                pl_shape_star                     facets that change with a node
+ *                pl_facet_normal, pl_kept_normal   the normal of a facet, exact or as it is kept
  *                pl_whole_of, pl_find_part         a triangle and its facet of second order
  *   create.h     pl_shape_create, _destroy         all of it
  *   pn.h         pl_shape_point                    a place in space
@@ -29,27 +30,27 @@ enum { PL_CORNER = 0, PL_ON_PATCH = 1, PL_ON_CURVE = 2 };
 /** Shape of a surface in space. Nodes, facets and curve edges have own numbers; lengths are in the
  *  shape's units, scale times the mesh's. All arrays are owned. */
 struct planish_shape {
-    int64_t n_mesh;           /* nodes of the mesh */
-    int64_t n_nodes;          /* of the surface */
-    int64_t n_facets;         /* triangles */
-    int64_t n_edges;          /* edges of features */
-    double scale;             /* a power of two */
-    double size;              /* diagonal of the bounding box */
-    int32_t *number;          /* [n_mesh] own number of each node; -1: not of the surface */
-    int32_t *node;            /* [n_nodes] the mesh's number */
-    double (*x)[3];           /* [n_nodes] where they were first */
-    float *edge_length;       /* [n_nodes] mean length of the surface's edges at each, rounded down */
-    uint8_t *node_class;      /* [n_nodes] PL_CORNER, PL_ON_PATCH, PL_ON_CURVE */
-    int32_t (*facet)[3];      /* [n_facets] nodes; within a patch all turn the same way round */
-    double (*normal)[3];      /* [n_facets] of unit length; 0 of a triangle without area */
-    int32_t (*across)[3];     /* [n_facets] facet of the same patch across the edge from corner k to
+    int64_t n_mesh;        /* nodes of the mesh */
+    int64_t n_nodes;       /* of the surface */
+    int64_t n_facets;      /* triangles */
+    int64_t n_edges;       /* edges of features */
+    double scale;          /* a power of two */
+    double size;           /* diagonal of the bounding box */
+    int32_t *number;       /* [n_mesh] own number of each node; -1: not of the surface */
+    int32_t *node;         /* [n_nodes] the mesh's number */
+    double (*x)[3];        /* [n_nodes] where they were first */
+    float *edge_length;    /* [n_nodes] mean length of the surface's edges at each, rounded down */
+    uint8_t *node_class;   /* [n_nodes] PL_CORNER, PL_ON_PATCH, PL_ON_CURVE */
+    int32_t (*facet)[3];   /* [n_facets] nodes; within a patch all turn the same way round */
+    float (*normal)[3];    /* [n_facets] of unit length, rounded; 0 of a triangle without area */
+    int32_t (*across)[3];  /* [n_facets] facet of the same patch across the edge from corner k to
                               corner (k + 1) % 3; -1: the edge is a feature */
-    int32_t *patch;           /* [n_facets] number of its patch, by the lowest facet */
-    uint8_t *is_interface;    /* [n_facets] 1: between two regions, or inside of one */
-    uint8_t *half;            /* [n_facets] as pl_surface.half; NULL: all are whole */
-    uint32_t *offset;         /* [n_nodes + 1] into facet_of */
-    int32_t *facet_of;        /* facets of each node, ascending */
-    int32_t (*edge)[2];       /* [n_edges] nodes, ascending */
+    int32_t *patch;        /* [n_facets] number of its patch, by the lowest facet */
+    uint8_t *is_interface; /* [n_facets] 1: between two regions, or inside of one */
+    uint8_t *half;         /* [n_facets] as pl_surface.half; NULL: all are whole */
+    uint32_t *offset;      /* [n_nodes + 1] into facet_of */
+    int32_t *facet_of;     /* facets of each node, ascending */
+    int32_t (*edge)[2];    /* [n_edges] nodes, ascending */
     int32_t (*edge_facet)[2]; /* [n_edges] two facets at it; -1: there is none */
     int32_t (*edge_at)[2];    /* [n_nodes] both edges of a node on a curve; else -1, or one */
     uint32_t *normal_at;      /* [n_nodes + 1] into corner_normal: each node has one for all of its
@@ -107,6 +108,26 @@ static inline int pl_corner_at(const planish_shape *shape, int32_t facet, int32_
 /** Return where the edge with nodes a and b of a facet [3] begins. */
 static inline int pl_edge_of(const int32_t *facet, int32_t a, int32_t b) {
     return facet[0] != a && facet[0] != b ? 1 : facet[1] != a && facet[1] != b ? 2 : 0;
+}
+
+/** Compute the unit normal of a facet from its corners; 0 of a triangle without area. */
+static inline void pl_facet_normal(const planish_shape *shape, int32_t facet, double normal[3]) {
+    const int32_t *v = shape->facet[facet];
+    double a[3], b[3], across[3];
+    pl_from_to(3, shape->x[v[0]], shape->x[v[1]], a);
+    pl_from_to(3, shape->x[v[0]], shape->x[v[2]], b);
+    pl_cross(a, b, across);
+    if (!pl_unit(3, across, normal))
+        normal[0] = normal[1] = normal[2] = 0;
+}
+
+/** How far a kept normal is from that of the facet at most: it has the 24 bits of floats. */
+#define PL_KEPT_NORMAL_OFF 0x1p-24
+
+/** Set normal to the kept one of a facet. */
+static inline void pl_kept_normal(const planish_shape *shape, int32_t facet, double normal[3]) {
+    for (int d = 0; d < 3; d++)
+        normal[d] = (double)shape->normal[facet][d];
 }
 
 /** Return the facets that change when a node moves, with its mids if it is a corner of facets of second

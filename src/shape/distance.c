@@ -32,7 +32,7 @@ enum { MOST_OF_FACET = 1 << 13, MOST_PIECES = 1 << 18 };
 enum { THERE, BACK, WAYS };
 
 typedef struct pl_measuring {
-    /* The new surface is a shape of the same facets, by its x and normal. */
+    /* The new surface is a shape of the same facets, by its x. */
     planish_shape surface[WAYS]; /* from which distances are: the first one, the new one */
     pl_tree tree[WAYS];          /* their facets */
     const pl_place *place;
@@ -245,30 +245,21 @@ static void sum_up(const pl_measuring *m, pl_shape_distance *distance) {
     distance->sharpest = 1 - m->bend;
 }
 
-/** Compute the new normals. */
-static void compute_normals(void *context, int64_t begin, int64_t end, int thread) {
-    (void)thread;
-    planish_shape *s = &((pl_measuring *)context)->surface[BACK];
-    for (int64_t i = begin; i < end; i++) {
-        const int32_t *node = s->facet[i];
-        double u[3], v[3], normal[3];
-        pl_subtract(3, s->x[node[1]], s->x[node[0]], u);
-        pl_subtract(3, s->x[node[2]], s->x[node[0]], v);
-        pl_cross(u, v, normal);
-        if (!pl_unit(3, normal, s->normal[i]))
-            memset(s->normal[i], 0, sizeof s->normal[i]);
-    }
-}
-
 /** Find the sharpest smooth edge. */
 static void measure_bends(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     pl_measuring *m = context;
     const planish_shape *s = &m->surface[BACK];
-    for (int64_t i = begin; i < end; i++)
-        for (int k = 0; k < 3; k++)
-            if (s->across[i][k] > i)
-                pl_raise_double(&m->bend, 1 - pl_dot(3, s->normal[i], s->normal[s->across[i][k]]));
+    for (int32_t i = (int32_t)begin; i < end; i++) {
+        double normal[3], other[3];
+        pl_facet_normal(s, i, normal);
+        for (int k = 0; k < 3; k++) {
+            if (s->across[i][k] <= i)
+                continue;
+            pl_facet_normal(s, s->across[i][k], other);
+            pl_raise_double(&m->bend, 1 - pl_dot(3, normal, other));
+        }
+    }
 }
 
 /* ---- facets of second order ------------------------------------------------------------------- */
@@ -314,8 +305,10 @@ static void add_to_plane(const pl_measuring *m, const pl_whole *whole, pl_flat_p
     const planish_shape *s = &m->surface[THERE];
     if (patch->first < 0)
         patch->first = whole->first;
-    const double *normal = s->normal[patch->first], *origin = s->x[s->facet[patch->first][0]];
+    const double *origin = s->x[s->facet[patch->first][0]];
     const double times = whole->n_nodes >= 8 ? 3 : 1;
+    double normal[3];
+    pl_facet_normal(s, patch->first, normal);
     for (int way = 0; way < WAYS; way++) {
         double x[PL_WHOLE_NODES][3], to[3];
         pl_whole_nodes(&m->surface[way], whole, x);
@@ -323,10 +316,11 @@ static void add_to_plane(const pl_measuring *m, const pl_whole *whole, pl_flat_p
             pl_subtract(3, x[k], origin, to);
             patch->off[way] = fmax(patch->off[way], times * fabs(pl_dot(3, normal, to)));
         }
-        for (int32_t f = whole->first; f < whole->first + whole->n_parts; f++)
-            if (s->patch[f] != s->patch[whole->first] ||
-                !(pl_dot(3, normal, m->surface[way].normal[f]) > 0.5))
+        for (int32_t f = whole->first; f < whole->first + whole->n_parts; f++) {
+            pl_facet_normal(&m->surface[way], f, to);
+            if (s->patch[f] != s->patch[whole->first] || !(pl_dot(3, normal, to) > 0.5))
                 patch->off[way] = INFINITY;
+        }
     }
 }
 
@@ -439,19 +433,17 @@ int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_
     planish_shape *now = &m.surface[BACK];
     const int64_t n = shape->n_facets;
     now->x = pl_alloc(shape->n_nodes, sizeof *now->x);
-    now->normal = pl_alloc(n, sizeof *now->normal);
     now->bend = NULL;
     m.bound = pl_alloc(n, sizeof *m.bound);
     m.h = pl_alloc(n, sizeof *m.h);
     *distance = (pl_shape_distance){.there = 0};
     int status = 0;
-    if (!now->x || !now->normal || !m.bound || !m.h) {
+    if (!now->x || !m.bound || !m.h) {
         status = pl_fail_memory(error, "the distance of surfaces");
     } else if (!are_finite(x, shape->n_nodes)) {
         *distance = (pl_shape_distance){INFINITY, INFINITY, INFINITY, INFINITY, 2 * n, -1};
     } else {
         memcpy(now->x, x, (size_t)shape->n_nodes * sizeof *x);
-        pl_parallel_for(threads, n, FACETS, compute_normals, &m);
         pl_parallel_for(threads, n, FACETS, measure_bends, &m);
         status = find_bends(&m, error);
         if (!status)
@@ -467,7 +459,6 @@ int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_
     for (int way = 0; way < WAYS; way++)
         pl_tree_destroy(&m.tree[way]);
     pl_free(now->x);
-    pl_free(now->normal);
     pl_free(now->bend);
     pl_free(m.extra);
     pl_free(m.most_of);

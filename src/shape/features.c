@@ -235,7 +235,8 @@ int pl_features_orient(pl_features *w, const double *coordinates, planish_error 
 
 /** Compute the normals of facets. */
 static void compute_normals(void *context, int64_t begin, int64_t end, int thread) {
-    planish_shape *s = ((pl_features *)context)->shape;
+    const pl_features *w = context;
+    const planish_shape *s = w->shape;
     (void)thread;
     for (int64_t f = begin; f < end; f++) {
         double side[3][3], normal[3], largest = 0, longest = 0;
@@ -246,8 +247,10 @@ static void compute_normals(void *context, int64_t begin, int64_t end, int threa
             largest = fmax(largest, fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2]))));
         }
         pl_cross(side[0], side[1], normal);
-        if (!(pl_length(normal) > FLAT * largest * longest) || !pl_unit(3, normal, s->normal[f]))
-            memset(s->normal[f], 0, sizeof s->normal[f]);
+        if (!(pl_length(normal) > FLAT * largest * longest) || !pl_unit(3, normal, w->normal[f]))
+            memset(w->normal[f], 0, sizeof w->normal[f]);
+        for (int d = 0; d < 3; d++)
+            s->normal[f][d] = (float)w->normal[f][d];
     }
 }
 
@@ -262,7 +265,7 @@ static int decide_edge(const pl_features *w, int32_t f, int k) {
     if (g < 0 || w->kind[f][k] & PL_EDGE_CONFLICT || !has_area(s, f) || !has_area(s, g))
         return PL_EDGE_FEATURE | PL_EDGE_APART;
     const pl_label *label = w->surface->label;
-    const double cosine = pl_dot(3, s->normal[f], s->normal[g]);
+    const double cosine = pl_dot(3, w->normal[f], w->normal[g]);
     const int crease = pl_is_crease(w, f, k, cosine);
     if (label[f].n_elements > 2 || label[g].n_elements > 2)
         return PL_EDGE_FEATURE | PL_EDGE_APART;
@@ -577,7 +580,7 @@ static int is_on_patch(const pl_features *w, int32_t node) {
     const double *normal = w->corner_normal[f][k];
     int64_t passed = 0;
     do {
-        if (!(pl_dot(3, normal, s->normal[f]) > COS_FAN))
+        if (!(pl_dot(3, normal, w->normal[f]) > COS_FAN))
             return 0;
         passed++;
     } while (passed <= n && pl_fan_next(w, PL_EDGE_FEATURE, 1, &f, &k) && f != first);

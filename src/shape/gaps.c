@@ -81,8 +81,10 @@ static int share_node(const planish_shape *s, int32_t a, int32_t b) {
 /** Whether way, of a square, from facet a to facet b leads across a gap. */
 static int is_across(const gap_search *g, int32_t a, int32_t b, const double way[3],
                      double square) {
-    const double from = pl_dot(3, g->shape->normal[a], way);
-    const double to = -pl_dot(3, g->shape->normal[b], way);
+    double of_a[3], of_b[3];
+    pl_kept_normal(g->shape, a, of_a);
+    pl_kept_normal(g->shape, b, of_b);
+    const double from = pl_dot(3, of_a, way), to = -pl_dot(3, of_b, way);
     const double least = FACING * FACING * square;
     if (square == 0) /* they touch */
         return 1;

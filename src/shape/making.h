@@ -45,6 +45,7 @@ typedef struct pl_features {
     pl_hub *hub;          /* [n_hubs + 1] ascending */
     int64_t n_hubs;
     int32_t *hub_facet;
+    double (*normal)[3]; /* [n_facets] of unit length; 0 of a triangle without area */
     double (
         *corner_normal)[3][3]; /* [n_facets] unit normals at the corners; until they are packed */
     uint64_t *likeness; /* [n_edges] the same for feature edges of the same tags and regions */

@@ -233,12 +233,15 @@ static int is_thin(const pl_flat_point *piece, int n, double margin) {
 }
 
 /** Whether a facet turns as T does, for certain, and is not too steep over it. */
-static int is_upright(const pl_overlay *o, int32_t facet, const pl_flat_facet *flat) {
+static int is_upright(const pl_flat_facet *flat) {
     const double *x = flat->corner[0].x, *y = flat->corner[1].x, *z = flat->corner[2].x;
-    const double u[2] = {y[0] - x[0], y[1] - x[1]}, v[2] = {z[0] - x[0], z[1] - x[1]};
+    double u[3], v[3], normal[3];
+    pl_subtract(3, y, x, u);
+    pl_subtract(3, z, x, v);
+    pl_cross(u, v, normal);
     const double rounding = 4 * flat->margin * (fabs(u[0]) + fabs(u[1]) + fabs(v[0]) + fabs(v[1]));
-    return u[0] * v[1] - u[1] * v[0] > rounding &&
-           pl_dot(3, o->shape->normal[facet], o->frame.axis[2]) >= STEEPEST;
+    return normal[2] > rounding &&
+           normal[2] * normal[2] >= STEEPEST * STEEPEST * pl_dot(3, normal, normal);
 }
 
 /** Compute the weights of a point in a triangle, both in the plane. */
@@ -415,7 +418,7 @@ static int take_low(pl_overlay *o, const pl_flat_facet *flat) {
 static int take_piece(pl_overlay *o, int i, const pl_flat_facet *flat) {
     pl_flat_point room[2][MOST_POINTS];
     const pl_flat_point *piece;
-    const int is_up = is_upright(o, o->facet[i], flat);
+    const int is_up = is_upright(flat);
     if (i > 0 && is_up && !o->shape->whole && take_low(o, flat)) {
         o->middle[i][0] = INFINITY;
         o->middle[i][1] = 0;

@@ -78,7 +78,7 @@ static void point_on_patch(const planish_shape *s, const pl_place *place, double
     double across[3], blended[3];
     pl_cross(ab, ac, across);
     if (!pl_unit(3, straight, blended))
-        memcpy(blended, s->normal[f], sizeof blended);
+        pl_facet_normal(s, f, blended);
     if (!pl_unit(3, across, normal) || !(pl_dot(3, normal, blended) > 0.5))
         memcpy(normal, blended, sizeof blended);
 }

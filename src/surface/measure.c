@@ -27,13 +27,15 @@ static int measure_element(const measurement *m, int32_t facet, const int32_t *c
                            double *ratio, double *acuteness) {
     const planish_shape *s = m->mesh->shape;
     const int whole = n == 3;
+    double first[3];
+    pl_kept_normal(s, facet, first);
     *ratio = *acuteness = 0;
     for (int k = 0; k < (whole ? 1 : n); k++) {
         const pl_term_role role = whole ? PL_TERM_TRIANGLE : PL_TERM_OWN;
         pl_facet_vectors v;
         pl_facet_vectors_of(role, m->x[corner[k]], m->x[corner[(k + 1) % n]],
                             m->x[corner[(k + n - 1) % n]], &v);
-        if (!(pl_dot(3, v.n, s->normal[facet]) > 0))
+        if (!(pl_dot(3, v.n, first) > 0))
             return 0;
         *ratio += pl_facet_ratio(role, m->mesh->by_radius, &v) / (whole ? 1 : n);
         *acuteness = fmax(*acuteness, pl_facet_acuteness(role, &v));

@@ -62,7 +62,9 @@ static int side_of(const layout *l, int64_t cell, const pl_facet_vectors *v) {
         while (s->number[node[at[k]]] != facet[k])
             at[k]++;
     const int is_turned = (at[0] > at[1]) + (at[1] > at[2]) + (at[2] > at[0]) == 2;
-    const double side = pl_dot(3, v->n, s->normal[l->facet[cell]]) * (is_turned ? -1 : 1);
+    double first[3];
+    pl_kept_normal(s, l->facet[cell], first);
+    const double side = pl_dot(3, v->n, first) * (is_turned ? -1 : 1);
     return (side > 0) - (side < 0);
 }
 

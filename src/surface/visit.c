@@ -68,8 +68,10 @@ static star_value value_at(const surface_star *s, const double *x, pl_facet_sum 
     for (int64_t i = 0; i < s->n_terms; i++) {
         const pl_term_role role = (pl_term_role)s->term[i].role;
         pl_facet_vectors v;
+        double first[3];
         vectors_of(s, i, x, &v);
-        value.positive &= pl_dot(3, v.n, mesh->shape->normal[s->term[i].facet]) > 0;
+        pl_kept_normal(mesh->shape, s->term[i].facet, first);
+        value.positive &= pl_dot(3, v.n, first) > 0;
         value.worst = fmax(value.worst, pl_facet_ratio(role, mesh->by_radius, &v));
         value.acuteness = fmax(value.acuteness, pl_facet_acuteness(role, &v));
         if (derivatives)

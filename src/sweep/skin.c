@@ -10,8 +10,6 @@
 #define FARTHEST 0.7
 /* PL_SKIN_BEND as the distance of the ends of the unit normals, less roundings. */
 #define BEND_CHORD 0.684040
-/* A facet turns by 60 degrees at most from where it was first: the cosine. */
-#define TURN 0.5
 /* What is too far off is tried at half of the way, so often. */
 enum { HALVINGS = 7 };
 /* Facets of a node that are looked through one by one. */
@@ -135,7 +133,8 @@ static int keeps_opposite(pl_skin_visit *v, const pl_skin_trial *trial, int i) {
     if (other < 0)
         return 1;
     const double rest = BEND_CHORD - skin->turned[other] * PL_SKIN_TURN;
-    if (rest > 0 && chord2_of(trial->normal[i], skin->shape->normal[other]) <= rest * rest)
+    pl_kept_normal(skin->shape, other, there);
+    if (rest > 0 && chord2_of(trial->normal[i], there) <= rest * rest)
         return 1;
     normal_of(skin, other, there);
     const double now = pl_dot(3, trial->normal[i], there);
@@ -147,14 +146,13 @@ static int keeps_opposite(pl_skin_visit *v, const pl_skin_trial *trial, int i) {
 
 /** Whether the facets at the node keep their normals, about, if it is at place. */
 static int keeps_normals(pl_skin_visit *v, const double *place, pl_skin_trial *trial) {
-    const planish_shape *shape = v->skin->shape;
     if (!v->has_rim)
         gather(v);
     if (!find_normals(v, place, trial->normal))
         return 0;
     for (int i = 0; i < v->n; i++)
-        if (!(pl_dot(3, trial->normal[i], shape->normal[v->facet[i]]) >= TURN) ||
-            !keeps_spoke(v, trial, i) || !keeps_opposite(v, trial, i))
+        if (!pl_skin_keeps_turn(v, trial, i) || !keeps_spoke(v, trial, i) ||
+            !keeps_opposite(v, trial, i))
             return 0;
     return 1;
 }
@@ -428,9 +426,10 @@ int pl_skin_end_visit(pl_skin_visit *visit) {
     pl_skin_set_place(skin, visit->node, &trial->place);
     for (int i = 0; i < visit->n; i++) {
         const int32_t facet = visit->facet[i];
+        double first[3];
         skin->bound[facet] = pl_float_above(trial->bound[i]);
-        skin->turned[facet] =
-            pl_skin_turn(sqrt(chord2_of(trial->normal[i], skin->shape->normal[facet])));
+        pl_kept_normal(skin->shape, facet, first);
+        skin->turned[facet] = pl_skin_turn(sqrt(chord2_of(trial->normal[i], first)));
     }
     return 1;
 }

@@ -82,9 +82,10 @@ typedef struct pl_skin {
     pl_skin_place *place; /* [n_nodes] at -1: none is known */
     float *bound;         /* [n_facets] none of its points is farther off the shape */
     float *tolerance;     /* [n_facets] */
-    uint8_t *turned;    /* [n_facets] its unit normal is no farther from what it was first: in units
-                           of PL_SKIN_TURN, PL_SKIN_UNKNOWN: this is not known */
-    pl_disc *disc;      /* [n_nodes] around nodes on patches that the skin moves */
+    uint8_t
+        *turned;   /* [n_facets] its unit normal is no farther from the one that the shape keeps: in
+                           units of PL_SKIN_TURN, PL_SKIN_UNKNOWN: this is not known */
+    pl_disc *disc; /* [n_nodes] around nodes on patches that the skin moves */
     uint8_t *is_planar; /* [n_facets] of a patch that is planar */
     uint8_t *is_near;   /* [n_facets] while the skin is made: another sheet is near */
     double unscale;     /* 1 / shape->scale */
@@ -203,6 +204,14 @@ static inline void pl_skin_set_place(const pl_skin *skin, int32_t node, const pl
 /** Return a float that is not below x, which is not negative; the same if x is infinite or no number. */
 static inline float pl_float_above(double x) {
     return x > 0 ? (float)(x * (1 + 0x1p-23) + 0x1p-149) : (float)x;
+}
+
+/** Whether facet i of a visit turns by 60 degrees at most from where it was first, if its normal is that of
+ *  trial. */
+static inline int pl_skin_keeps_turn(const pl_skin_visit *v, const pl_skin_trial *trial, int i) {
+    double first[3];
+    pl_kept_normal(v->skin->shape, v->facet[i], first);
+    return pl_dot(3, trial->normal[i], first) >= 0.5 + 2 * PL_KEPT_NORMAL_OFF;
 }
 
 /** Whether the skin moves a node. */

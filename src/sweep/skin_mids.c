@@ -17,7 +17,6 @@
 #include <string.h>
 
 /* As in skin.c. */
-#define TURN       0.5
 #define ROUNDED_UP (1 + 0x1p-40)
 
 /** A node that follows the node of a visit: the mid of an edge, or the centre of a facet. */
@@ -381,7 +380,7 @@ static int keeps_normals(const pl_skin_visit *v, const pl_skin_trial *trial) {
     if (!find_normals(w, (const double(*)[PL_WHOLE_NODES][3])w->moved, trial->normal))
         return 0;
     for (int i = 0; i < v->n; i++)
-        if (!(pl_dot(3, trial->normal[i], v->skin->shape->normal[v->facet[i]]) >= TURN))
+        if (!pl_skin_keeps_turn(v, trial, i))
             return 0;
     for (int i = 0; i < w->n; i++)
         for (int k = 0; k < w->whole[i].whole->n_parts; k++)

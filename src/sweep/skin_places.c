@@ -71,7 +71,8 @@ static double turn_of(const pl_skin *skin, int32_t facet) {
     pl_cross(a, b, normal);
     if (!pl_unit(3, normal, a))
         return INFINITY;
-    pl_from_to(3, a, skin->shape->normal[facet], b);
+    pl_kept_normal(skin->shape, facet, normal);
+    pl_from_to(3, a, normal, b);
     return pl_length(b);
 }
 
@@ -248,10 +249,12 @@ static int find_planar(pl_skin *skin) {
         const int32_t p = shape->patch[t];
         if (first[p] < 0)
             first[p] = t;
-        const double *normal = shape->normal[first[p]], *x = shape->x[shape->facet[first[p]][0]];
-        double way[3];
+        const double *x = shape->x[shape->facet[first[p]][0]];
+        double way[3], normal[3], other[3];
+        pl_facet_normal(shape, first[p], normal);
+        pl_kept_normal(shape, t, other);
         least[p] = skin->tolerance[t] < least[p] ? skin->tolerance[t] : least[p];
-        if (!(pl_dot(3, normal, shape->normal[t]) > 0))
+        if (!(pl_dot(3, normal, other) > 0))
             off[p] = INFINITY;
         for (int j = 0; j < 3; j++) {
             pl_from_to(3, x, shape->x[shape->facet[t][j]], way);

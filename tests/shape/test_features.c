@@ -253,7 +253,10 @@ static int count_short(const planish_shape *s) {
         int slight = 1;
         for (int k = 0; k < 2; k++) {
             const int32_t *f = s->edge_facet[k ? other : e / 2];
-            slight &= f[1] >= 0 && pl_dot(3, s->normal[f[0]], s->normal[f[1]]) > 0.5;
+            double normal[2][3];
+            for (int j = 0; j < 2 && f[1] >= 0; j++)
+                pl_facet_normal(s, f[j], normal[j]);
+            slight &= f[1] >= 0 && pl_dot(3, normal[0], normal[1]) > 0.5;
         }
         n_short += slight && n_at[from] == 1 && n_at[end] != 2;
     }

@@ -79,7 +79,7 @@ static void a_hub_is_smoothed_and_measured(void **unused) {
 /** Whether two facets of a shape of a surface alone are within most across a gap, by plain words. */
 static int are_near(const planish_shape *s, int a, int b, double most) {
     const double *x[3], *y[3];
-    double way[3], from = 0, to = 0;
+    double way[3], normal[2][3], from = 0, to = 0;
     for (int k = 0; k < 9; k++)
         if (s->facet[a][k / 3] == s->facet[b][k % 3])
             return 0;
@@ -88,9 +88,11 @@ static int are_near(const planish_shape *s, int a, int b, double most) {
         y[k] = s->x[s->facet[b][k]];
     }
     const double square = pl_nearest_triangles(x, y, way);
+    pl_facet_normal(s, a, normal[0]);
+    pl_facet_normal(s, b, normal[1]);
     for (int d = 0; d < 3; d++) {
-        from += s->normal[a][d] * way[d];
-        to += s->normal[b][d] * way[d];
+        from += normal[0][d] * way[d];
+        to += normal[1][d] * way[d];
     }
     return square <= most * most &&
            (square == 0 || (from * from > 0.25 * square && to * to > 0.25 * square));

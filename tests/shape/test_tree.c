@@ -152,7 +152,8 @@ enum { SIDE = 6, PLATES = 2, NODES = (SIDE + 1) * (SIDE + 1), FACETS = 2 * SIDE 
 /** Two plane sheets over each other, of edges of about 1, as a shape by hand. */
 typedef struct plates {
     planish_shape shape;
-    double x[PLATES * NODES][3], normal[PLATES * FACETS][3];
+    double x[PLATES * NODES][3];
+    float normal[PLATES * FACETS][3];
     int32_t facet[PLATES * FACETS][3];
     uint8_t is_interface[PLATES * FACETS];
 } plates;

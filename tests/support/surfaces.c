@@ -206,8 +206,13 @@ static void expect_facets(const planish_shape *s) {
     for (int32_t f = 0; f < s->n_facets; f++) {
         assert_true(s->patch[f] <= n_patches);
         n_patches = s->patch[f] == n_patches ? n_patches + 1 : n_patches;
-        if (!is_zero(s->normal[f]))
-            expect_unit(s->normal[f]);
+        double normal[3], kept[3];
+        pl_facet_normal(s, f, normal);
+        pl_kept_normal(s, f, kept);
+        if (!is_zero(kept)) {
+            expect_unit(normal);
+            assert_true(pl_distance(3, normal, kept) <= PL_KEPT_NORMAL_OFF);
+        }
         for (int k = 0; k < 3; k++) {
             const int32_t g = s->across[f][k], a = s->facet[f][k], b = s->facet[f][(k + 1) % 3];
             int is_met = g < 0;
