@@ -87,32 +87,15 @@ static int complain_of_reach(const planish_fit *fit, planish_error *error) {
         a[1][0], a[1][1], a[1][2]);
 }
 
-/** Copy a mesh with dense coordinates. *room: those of the copy, owned, or NULL. Errors: _MESH, _MEMORY. */
-static int take_mesh(const planish_mesh *mesh, int threads, planish_mesh *copy, double **room,
-                     planish_error *error) {
-    const pl_points points = pl_points_of(mesh, mesh->coordinates);
-    const int status = pl_points_check(&points, threads, error);
-    *copy = *mesh;
-    *room = NULL;
-    if (status || pl_points_are_dense(&points))
-        return status;
-    copy->coordinates = *room = pl_alloc(mesh->n_nodes * 3, sizeof **room);
-    if (!*room)
-        return pl_fail_memory(error, "the coordinates");
-    pl_points_gather(&points, threads, *room);
-    copy->node_stride = copy->component_stride = 0;
-    return PLANISH_OK;
-}
-
 static int create(const planish_mesh *mesh, planish_fit *fit, planish_fit_info *info,
                   planish_error *error) {
-    planish_mesh copy;
-    double *room;
-    int status = take_mesh(mesh, fit->threads, &copy, &room, error);
+    pl_dense dense = {0};
+    int status = mesh->cells ? pl_dense_create_cells(mesh, fit->threads, &dense, error)
+                             : pl_dense_create(mesh, fit->threads, &dense, error);
     if (!status)
-        status = pl_fit_create(&copy, fit, error);
+        status = pl_fit_create(&dense.mesh, fit, error);
     if (!status) {
-        const pl_points points = pl_points_of(&copy, copy.coordinates);
+        const pl_points points = pl_points_of(&dense.mesh, dense.mesh.coordinates);
         status = pl_fit_find_places(fit, &points, error);
         describe(fit, info);
         if (!status && info->n_out_of_reach > 0 &&
@@ -121,7 +104,7 @@ static int create(const planish_mesh *mesh, planish_fit *fit, planish_fit_info *
         if (!status)
             info->n_off = pl_fit_arrive(fit, &points, &info->farthest);
     }
-    pl_free(room);
+    pl_dense_destroy(&dense);
     return status;
 }
 
@@ -212,6 +195,7 @@ typedef struct moving {
     planish_plan *plan;      /* made when it is needed */
     double *coordinates;     /* copy of the caller's, as long as theirs */
     uint8_t *constraint;
+    uint8_t *was_there; /* [n_nodes of fit] as fit->is_there was */
     double begin, time_limit;
     int is_over; /* stopped by the caller or the limit */
 } moving;
@@ -260,6 +244,52 @@ static int64_t length_of(const planish_mesh *mesh) {
     return mesh->n_nodes > 0 ? pl_point_at(&p, mesh->n_nodes - 1, 2) + 1 : 0;
 }
 
+/** Set the options of the sweeps, which are the caller's. */
+static void set_options(moving *m) {
+    planish_options *options = &m->options;
+    m->time_limit = options->time_limit;
+    options->project = planish_fit_project;
+    options->project_user = m->fit;
+    options->shape = NULL;
+    options->method = PLANISH_METHOD_PLANISH;
+    options->worst = PLANISH_WORST_NONE;
+    options->max_sweeps = SWEEPS;
+    options->only_worse_than = 0;
+    options->around = NULL;
+}
+
+/** Copy what is moved. Errors: _MEMORY. */
+static int take(moving *m, const double *coordinates, planish_error *error) {
+    const planish_mesh *mesh = &m->mesh;
+    const int64_t length = length_of(mesh);
+    m->constraint = pl_alloc_zero(mesh->n_nodes, 1);
+    m->coordinates = pl_alloc(length, sizeof *m->coordinates);
+    m->was_there = pl_alloc(m->fit->n_nodes, sizeof *m->was_there);
+    if (!m->constraint || !m->coordinates || !m->was_there)
+        return pl_fail_memory(error, "the nodes of a fit");
+    memcpy(m->coordinates, coordinates, (size_t)length * sizeof *coordinates);
+    memcpy(m->was_there, m->fit->is_there, (size_t)m->fit->n_nodes);
+    if (mesh->constraint)
+        memcpy(m->constraint, mesh->constraint, (size_t)mesh->n_nodes);
+    constrain(m->fit, 1, m->constraint);
+    m->mesh.constraint = m->constraint;
+    m->mesh.coordinates = m->coordinates;
+    return PLANISH_OK;
+}
+
+/** Give the caller what was moved; info may be NULL. */
+static void hand_over(const moving *m, double *coordinates, planish_fit_info *info) {
+    const pl_outside outside = pl_call_enter(NULL);
+    const pl_points points = pl_points_of(&m->mesh, m->coordinates);
+    planish_fit_info found;
+    memcpy(coordinates, m->coordinates, (size_t)length_of(&m->mesh) * sizeof *coordinates);
+    describe(m->fit, &found);
+    found.n_off = pl_fit_arrive(m->fit, &points, &found.farthest);
+    if (info)
+        *info = found;
+    pl_call_leave(&outside);
+}
+
 int planish_fit_move(planish_fit *fit, const planish_mesh *mesh, double *coordinates,
                      const planish_options *options, planish_fit_info *info, planish_error *error) {
     if (!fit || !mesh || !coordinates)
@@ -272,43 +302,24 @@ int planish_fit_move(planish_fit *fit, const planish_mesh *mesh, double *coordin
         status = check_fit(mesh, fit->own, fit->onto, 0, error);
     if (status)
         return status;
-    const size_t n = (size_t)mesh->n_nodes, length = (size_t)length_of(mesh);
-    m.time_limit = m.options.time_limit;
-    m.options.project = planish_fit_project;
-    m.options.project_user = fit;
-    m.options.shape = NULL;
-    m.options.method = PLANISH_METHOD_PLANISH;
-    m.options.worst = PLANISH_WORST_NONE;
-    m.options.max_sweeps = SWEEPS;
-    m.options.only_worse_than = 0;
-    m.options.around = NULL;
-    m.constraint = pl_alloc_zero((int64_t)n, 1);
-    m.coordinates = pl_alloc((int64_t)length, sizeof *m.coordinates);
-    if (!m.constraint || !m.coordinates)
-        status = pl_fail_memory(error, "the nodes of a fit");
+    set_options(&m);
+    const pl_outside outside = pl_call_enter(NULL);
+    const pl_points points = pl_points_of(mesh, coordinates);
+    status = pl_points_check(&points, fit->threads, error);
+    if (!status)
+        status = take(&m, coordinates, error);
+    pl_call_leave(&outside);
     if (!status) {
-        memcpy(m.coordinates, coordinates, length * sizeof *coordinates);
-        if (mesh->constraint)
-            memcpy(m.constraint, mesh->constraint, n);
-        constrain(fit, 1, m.constraint);
-        m.mesh.constraint = m.constraint;
-        m.mesh.coordinates = m.coordinates;
         status = move_nodes(&m, error);
-    }
-    if (!status) {
-        const pl_outside outside = pl_call_enter(NULL);
-        const pl_points points = pl_points_of(mesh, m.coordinates);
-        planish_fit_info found;
-        memcpy(coordinates, m.coordinates, length * sizeof *coordinates);
-        describe(fit, &found);
-        found.n_off = pl_fit_arrive(fit, &points, &found.farthest);
-        if (info)
-            *info = found;
-        pl_call_leave(&outside);
+        if (!status)
+            hand_over(&m, coordinates, info);
+        else
+            memcpy(fit->is_there, m.was_there, (size_t)fit->n_nodes);
     }
     planish_plan_destroy(m.plan);
     pl_free(m.constraint);
     pl_free(m.coordinates);
+    pl_free(m.was_there);
     return status;
 }
 

@@ -26,7 +26,6 @@ typedef struct shape_call {
     pl_outside outside;
     pl_dense dense;             /* the mesh, owned */
     const planish_cells *cells; /* that facets are of; NULL: simplices */
-    double *coordinates;        /* of a mesh that is a surface: dense ones, or NULL */
 } shape_call;
 
 static int check_threads(int threads, planish_error *error) {
@@ -34,27 +33,6 @@ static int check_threads(int threads, planish_error *error) {
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
                        PL_MAX_THREADS);
-    return PLANISH_OK;
-}
-
-/** Check a mesh of cells, and copy it with dense coordinates; *room: those of the copy, or NULL. */
-static int take_cells(const planish_mesh *mesh, int threads, planish_mesh *copy, double **room,
-                      planish_error *error) {
-    int status = pl_check_counts(mesh, error);
-    if (!status)
-        status = pl_check_cells(mesh->cells, mesh->n_nodes, threads, error);
-    if (status)
-        return status;
-    const pl_points points = pl_points_of(mesh, mesh->coordinates);
-    status = pl_points_check(&points, threads, error);
-    *copy = *mesh;
-    if (status || pl_points_are_dense(&points))
-        return status;
-    copy->coordinates = *room = pl_alloc(mesh->n_nodes * mesh->dim, sizeof **room);
-    if (!*room)
-        return pl_fail_memory(error, "the coordinates");
-    pl_points_gather(&points, threads, *room);
-    copy->node_stride = copy->component_stride = 0;
     return PLANISH_OK;
 }
 
@@ -74,25 +52,22 @@ static int begin_call(const planish_mesh *mesh, int threads, int takes_surfaces,
     call->mesh = mesh;
     call->threads = pl_thread_count(threads);
     call->outside = pl_call_enter(NULL);
-    call->coordinates = NULL;
     if (takes_surfaces && is_surface_mesh(mesh)) {
-        call->dense = (pl_dense){0};
         call->cells = mesh->cells;
-        status = take_cells(mesh, call->threads, &call->dense.mesh, &call->coordinates, error);
+        status = pl_dense_create_cells(mesh, call->threads, &call->dense, error);
+        if (status)
+            pl_dense_destroy(&call->dense);
     } else {
         status = pl_dense_create(mesh, call->threads, &call->dense, error);
         call->cells = !status && call->dense.corner ? mesh->cells : NULL;
     }
-    if (status) {
-        pl_free(call->coordinates);
+    if (status)
         pl_call_leave(&call->outside);
-    }
     return status;
 }
 
 static void end_call(shape_call *call) {
     pl_dense_destroy(&call->dense);
-    pl_free(call->coordinates);
     pl_call_leave(&call->outside);
 }
 
@@ -104,23 +79,22 @@ static const double LEAST_SCALED_JACOBIAN = 0.3;
 
 /** Elements of any types, thin ones among which are sought. */
 typedef struct cells_call {
-    planish_mesh mesh;   /* with dense coordinates */
-    double *coordinates; /* copy or NULL */
-    uint8_t *thinness;   /* [cells->n] */
-    uint8_t *state;      /* [cells->n] or NULL */
+    pl_dense dense;    /* the mesh with its cells, owned */
+    uint8_t *thinness; /* [cells->n] */
+    uint8_t *state;    /* [cells->n] or NULL */
     double *scaled_jacobian;
 } cells_call;
 
 /** Leave out thin elements that are not valid, or badly shaped. */
 static int keep_well_shaped(int threads, cells_call *c, planish_error *error) {
-    const int64_t n = c->mesh.cells->n;
+    const int64_t n = c->dense.mesh.cells->n;
     planish_cell_quality quality;
     c->state = pl_alloc(n, sizeof *c->state);
     c->scaled_jacobian = pl_alloc(n, sizeof *c->scaled_jacobian);
     if (!c->state || !c->scaled_jacobian)
         return pl_fail_memory(error, "thin elements");
     const planish_cell_values values = {.state = c->state, .scaled_jacobian = c->scaled_jacobian};
-    const int status = planish_measure_cells(&c->mesh, 0, threads, &quality, &values, error);
+    const int status = planish_measure_cells(&c->dense.mesh, 0, threads, &quality, &values, error);
     for (int64_t i = 0; !status && i < n; i++)
         if (c->thinness[i] && !(c->state[i] == PLANISH_CELL_STATE_VALID &&
                                 c->scaled_jacobian[i] >= LEAST_SCALED_JACOBIAN))
@@ -130,23 +104,24 @@ static int keep_well_shaped(int threads, cells_call *c, planish_error *error) {
 
 static int find_layers_of_cells(const planish_mesh *mesh, int threads, uint8_t *is_layer,
                                 int64_t *n_layer, planish_error *error) {
-    cells_call c = {.coordinates = NULL};
+    cells_call c = {.thinness = NULL};
     int64_t n_thin = 0;
     int status = check_threads(threads, error);
     if (status)
         return status;
     threads = pl_thread_count(threads);
     const pl_outside outside = pl_call_enter(NULL);
-    status = take_cells(mesh, threads, &c.mesh, &c.coordinates, error);
+    status = pl_dense_create_cells(mesh, threads, &c.dense, error);
     if (!status && !(c.thinness = pl_alloc(mesh->cells->n, sizeof *c.thinness)))
         status = pl_fail_memory(error, "thin elements");
     if (!status)
-        status = pl_find_thinness(&c.mesh, threads, c.thinness, &n_thin, error);
+        status = pl_find_thinness(&c.dense.mesh, threads, c.thinness, &n_thin, error);
     if (!status && n_thin > 0)
         status = keep_well_shaped(threads, &c, error);
     if (!status)
-        status = pl_find_layers_of_cells(&c.mesh, c.thinness, threads, is_layer, n_layer, error);
-    pl_free(c.coordinates);
+        status =
+            pl_find_layers_of_cells(&c.dense.mesh, c.thinness, threads, is_layer, n_layer, error);
+    pl_dense_destroy(&c.dense);
     pl_free(c.thinness);
     pl_free(c.state);
     pl_free(c.scaled_jacobian);

@@ -8,18 +8,13 @@
 #include <inttypes.h>
 #include <string.h>
 
-/** The elements of a mesh as cells; owned if they were simplices. */
+/** The elements of a mesh as cells; types and offsets are owned. */
 typedef struct cell_list {
     planish_cells cells;
     uint8_t *type;
     int64_t *offset;
-    int32_t *node;
     int8_t *sign;
 } cell_list;
-
-static int64_t node_of(const planish_mesh *mesh, int64_t i) {
-    return mesh->elements64 ? mesh->elements64[i] : mesh->elements[i];
-}
 
 /** List the mesh's elements. Errors: _MEMORY. */
 static int list_cells(const planish_mesh *mesh, cell_list *list, planish_error *error) {
@@ -31,23 +26,19 @@ static int list_cells(const planish_mesh *mesh, cell_list *list, planish_error *
     }
     list->type = pl_alloc(n, sizeof *list->type);
     list->offset = pl_alloc(n + 1, sizeof *list->offset);
-    list->node = pl_alloc(4 * n, sizeof *list->node);
-    if (!list->sign || !list->type || !list->offset || !list->node)
+    if (!list->sign || !list->type || !list->offset)
         return pl_fail_memory(error, "the elements of a fit");
     memset(list->type, PLANISH_CELL_TETRAHEDRON, (size_t)n);
     for (int64_t i = 0; i <= n; i++)
         list->offset[i] = 4 * i;
-    for (int64_t i = 0; i < 4 * n; i++)
-        list->node[i] = (int32_t)node_of(mesh, i);
     list->cells =
-        (planish_cells){.n = n, .type = list->type, .offset = list->offset, .node = list->node};
+        (planish_cells){.n = n, .type = list->type, .offset = list->offset, .node = mesh->elements};
     return PLANISH_OK;
 }
 
 static void free_list(cell_list *list) {
     pl_free(list->type);
     pl_free(list->offset);
-    pl_free(list->node);
     pl_free(list->sign);
 }
 

@@ -4,8 +4,9 @@
 
 #include "fit/fit.h"
 
-/** Make fit, whose shapes, threads and reach are set, of a mesh. Errors: _ARGUMENT (elements of order 2),
- *  _MEMORY. fit is to be destroyed in any case. */
+/** Make fit, whose shapes, threads and reach are set, of a mesh that was checked: its elements are cells or
+ *  of 32 bits, its coordinates dense. Errors: _ARGUMENT (elements of order 2), _MEMORY. fit is to be
+ *  destroyed in any case. */
 int pl_fit_create(const planish_mesh *mesh, planish_fit *fit, planish_error *error);
 
 /** Free the arrays of fit. */

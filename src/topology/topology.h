@@ -50,6 +50,11 @@ int pl_check_part(const planish_mesh *mesh, planish_error *error);
  *  number of threads. Errors: _ARGUMENT, _MESH, _MEMORY. */
 int pl_dense_create(const planish_mesh *mesh, int threads, pl_dense *dense, planish_error *error);
 
+/** Check a mesh that has cells, and make *dense: the same mesh with dense coordinates. It is to be
+ *  destroyed in any case. Errors: _ARGUMENT, _MESH, _MEMORY. */
+int pl_dense_create_cells(const planish_mesh *mesh, int threads, pl_dense *dense,
+                          planish_error *error);
+
 /** Free the copies of dense. */
 void pl_dense_destroy(pl_dense *dense);
 

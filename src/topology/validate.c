@@ -1,5 +1,6 @@
 /* validate: is this a mesh? Everything behind it relies on what is checked here, and on 32 bits and
  * coordinates without gaps: where the caller has others, on a copy. */
+#include "topology/cells.h"
 #include "topology/points.h"
 #include "topology/topology.h"
 
@@ -204,11 +205,26 @@ static void narrow_chunk(void *context, int64_t begin, int64_t end, int thread) 
     }
 }
 
+/** Check the coordinates of mesh, and copy them to dense if they have gaps. */
+static int take_points(const planish_mesh *mesh, int threads, pl_dense *dense,
+                       planish_error *error) {
+    const pl_points points = pl_points_of(mesh, mesh->coordinates);
+    const int status = pl_points_check(&points, threads, error);
+    if (status || pl_points_are_dense(&points))
+        return status;
+    dense->coordinates = pl_alloc(mesh->n_nodes * mesh->dim, sizeof *dense->coordinates);
+    if (!dense->coordinates)
+        return pl_fail_memory(error, "the coordinates");
+    pl_points_gather(&points, threads, dense->coordinates);
+    dense->mesh.coordinates = dense->coordinates;
+    dense->mesh.node_stride = dense->mesh.component_stride = 0;
+    return PLANISH_OK;
+}
+
 /** Check the elements and coordinates of mesh, and make the copies that dense needs; dense->mesh is
  *  mesh at first. */
 static int make_dense(const planish_mesh *mesh, int threads, pl_dense *dense,
                       planish_error *error) {
-    const pl_points points = pl_points_of(mesh, mesh->coordinates);
     const int64_t m = mesh->n_elements;
     int status = mesh->cells ? pl_corners_take(mesh, threads, dense, error) : PLANISH_OK;
     if (status)
@@ -226,16 +242,7 @@ static int make_dense(const planish_mesh *mesh, int threads, pl_dense *dense,
         pl_parallel_for(threads, m, CHUNK, check_chunk, &s);
     if (s.lowest < INT64_MAX)
         return pl_check_element(mesh->elements64 ? mesh : &dense->mesh, s.lowest, error);
-    status = pl_points_check(&points, threads, error);
-    if (status || pl_points_are_dense(&points))
-        return status;
-    dense->coordinates = pl_alloc(mesh->n_nodes * mesh->dim, sizeof *dense->coordinates);
-    if (!dense->coordinates)
-        return pl_fail_memory(error, "the coordinates");
-    pl_points_gather(&points, threads, dense->coordinates);
-    dense->mesh.coordinates = dense->coordinates;
-    dense->mesh.node_stride = dense->mesh.component_stride = 0;
-    return PLANISH_OK;
+    return take_points(mesh, threads, dense, error);
 }
 
 int pl_dense_create(const planish_mesh *mesh, int threads, pl_dense *dense, planish_error *error) {
@@ -247,6 +254,15 @@ int pl_dense_create(const planish_mesh *mesh, int threads, pl_dense *dense, plan
     if (status)
         pl_dense_destroy(dense);
     return status;
+}
+
+int pl_dense_create_cells(const planish_mesh *mesh, int threads, pl_dense *dense,
+                          planish_error *error) {
+    *dense = (pl_dense){.mesh = *mesh};
+    int status = pl_check_counts(mesh, error);
+    if (!status)
+        status = pl_check_cells(mesh->cells, mesh->n_nodes, threads, error);
+    return status ? status : take_points(mesh, threads, dense, error);
 }
 
 void pl_dense_destroy(pl_dense *dense) {

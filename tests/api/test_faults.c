@@ -1,7 +1,9 @@
 /* Every function of planish.h, with every option: whichever allocation fails, the call says so and
  * leaves everything as it was, or gives what it would have given, and so does the next call. */
+#include "support/blocks.h"
 #include "support/effort.h"
 #include "support/faults.h"
+#include "support/run.h"
 #include "support/worlds.h"
 
 #include <setjmp.h>
@@ -184,7 +186,87 @@ static void every_allocation_fails_once(void **state) {
     figure("%d scenarios, %d runs without some memory", 2 * test_world_count(), (int)runs);
 }
 
+/* ---- fits -------------------------------------------------------------------------------------- */
+
+/** A block that is fitted to a surface. */
+typedef struct fit_world {
+    block b;
+    block_target onto;
+} fit_world;
+
+/** Move the nodes of a fit; a call that is refused leaves them, and the fit, as they were. */
+static void move(const fit_world *w, faults *f, planish_fit *fit, double *x) {
+    const size_t bytes = test_bytes_of(&w->b.mesh);
+    const planish_options options = test_options(1);
+    planish_fit_info info;
+    planish_error error;
+    double *before = malloc(bytes);
+    int status;
+    memcpy(before, x, bytes);
+    do {
+        faults_mark(&info, sizeof info);
+        status = planish_fit_move(fit, &w->b.mesh, x, &options, &info, &error);
+        assert_true(!status ||
+                    (memcmp(x, before, bytes) == 0 && faults_is_marked(&info, sizeof info)));
+    } while (faults_refused(f, status, &error));
+    faults_add(f, x, bytes);
+    faults_add(f, &info, sizeof info);
+    free(before);
+}
+
+/** All calls of a fit. */
+static void call_fit(const void *context, faults *f) {
+    const fit_world *w = context;
+    const planish_options options = test_options(1);
+    planish_fit *fit = NULL;
+    planish_fit_info info;
+    planish_shape_distance distance;
+    planish_error error;
+    int status;
+    do {
+        faults_mark(&info, sizeof info);
+        status = planish_fit_create(&w->b.mesh, w->b.shape, w->onto.shape, 5, &options, &fit, &info,
+                                    &error);
+        assert_true(!status || (fit == NULL && faults_is_marked(&info, sizeof info)));
+    } while (faults_refused(f, status, &error));
+    faults_add(f, &info, sizeof info);
+    double *x = test_copy_of(&w->b.mesh);
+    move(w, f, fit, x);
+    planish_mesh mesh = w->b.mesh;
+    mesh.coordinates = x;
+    do {
+        faults_mark(&distance, sizeof distance);
+        status = planish_fit_measure(fit, &mesh, &distance, &error);
+        assert_true(!status || faults_is_marked(&distance, sizeof distance));
+    } while (faults_refused(f, status, &error));
+    faults_add(f, &distance, sizeof distance);
+    planish_fit_destroy(fit);
+    free(x);
+}
+
+static void every_allocation_of_a_fit_fails_once(void **state) {
+    static const struct {
+        const char *name;
+        int is_tets;
+        cell_box_kind kind;
+    } rows[] = {{"fit of tetrahedra", 1, BOX_HEXAHEDRA},
+                {"fit of hexahedra, wedges and pyramids", 0, BOX_MIXED}};
+    (void)state;
+    int64_t runs = 0;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        fit_world w;
+        block_create(rows[i].is_tets, rows[i].kind, BLOCK_CUBE, 3, 0.8, 0.05,
+                     &(uint64_t){effort_seed(3)}, &w.b);
+        block_target_create(BLOCK_BALL, 4, 0.5, 0, &w.onto);
+        runs += faults_try(rows[i].name, call_fit, &w, 100);
+        block_destroy(&w.b);
+        block_target_destroy(&w.onto);
+    }
+    figure("%d runs of fits without some memory", (int)runs);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_allocation_fails_once)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(every_allocation_fails_once),
+                                       cmocka_unit_test(every_allocation_of_a_fit_fails_once)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,6 @@
 /* planish_fit: blocks of tetrahedra and hexahedra are brought onto spheres and cylinders of other triangles,
  * and judged by samples. */
-#include "support/cell_meshes.h"
+#include "support/blocks.h"
 #include "support/effort.h"
 #include "support/run.h"
 #include "support/sheets.h"
@@ -14,207 +14,17 @@
 
 #include <cmocka.h>
 
-/* ---- forms ----------------------------------------------------------------------------------- */
-
-/** Forms that the cube -1 .. 1 is taken to, times a size. */
-typedef enum form { FORM_CUBE, FORM_BALL, FORM_CYLINDER } form;
-
-static void to_form(form f, double size, double x[3]) {
-    const double u = x[0] * x[0], v = x[1] * x[1], w = x[2] * x[2];
-    if (f == FORM_BALL) {
-        x[0] *= sqrt(1 - v / 2 - w / 2 + v * w / 3);
-        x[1] *= sqrt(1 - w / 2 - u / 2 + w * u / 3);
-        x[2] *= sqrt(1 - u / 2 - v / 2 + u * v / 3);
-    } else if (f == FORM_CYLINDER) {
-        x[0] *= sqrt(1 - v / 2);
-        x[1] *= sqrt(1 - u / 2);
-    }
-    for (int d = 0; d < 3; d++)
-        x[d] *= size;
-}
+/* ---- judges ---------------------------------------------------------------------------------- */
 
 /** Distance of x from the form of size 1. */
-static double off_form(form f, const double x[3]) {
+static double off_form(block_form f, const double x[3]) {
     const double r = sqrt(x[0] * x[0] + x[1] * x[1]);
-    if (f == FORM_BALL)
+    if (f == BLOCK_BALL)
         return fabs(sqrt(r * r + x[2] * x[2]) - 1);
     if (fabs(x[2]) > 1 || r > 1)
         return hypot(fmax(r - 1, 0), fmax(fabs(x[2]) - 1, 0));
     return fmin(1 - r, 1 - fabs(x[2]));
 }
-
-/* ---- other surfaces -------------------------------------------------------------------------- */
-
-/** The surface of a cube of n squares along each side, as triangles, taken to a form. */
-typedef struct sheet {
-    planish_mesh mesh;
-    planish_cells cells;
-    double *x;
-    int32_t *node;
-    int64_t *offset;
-    uint8_t *type;
-    planish_shape *shape;
-} sheet;
-
-/** Return the number of the node at at[3], which is made if there is none. */
-static int32_t sheet_node(sheet *s, int32_t *number, int n, const int at[3]) {
-    int32_t *of = &number[(at[0] * (n + 1) + at[1]) * (n + 1) + at[2]];
-    if (*of >= 0)
-        return *of;
-    for (int d = 0; d < 3; d++)
-        s->x[3 * s->mesh.n_nodes + d] = 2. * at[d] / n - 1;
-    return *of = (int32_t)s->mesh.n_nodes++;
-}
-
-static void sheet_face(sheet *s, int32_t *number, int n, int axis, int side, int is_turned) {
-    for (int i = 0; i < n * n; i++) {
-        int32_t v[4];
-        for (int k = 0; k < 4; k++) {
-            int at[3];
-            at[axis] = side * n;
-            at[(axis + 1) % 3] = i / n + (k == 1 || k == 2);
-            at[(axis + 2) % 3] = i % n + (k >= 2);
-            v[k] = sheet_node(s, number, n, at);
-        }
-        const int turn = (side == 0) != is_turned;
-        for (int k = 0; k < 2; k++) {
-            int32_t *to = s->node + 3 * s->cells.n++;
-            to[0] = v[0];
-            to[1 + turn] = v[1 + k];
-            to[2 - turn] = v[2 + k];
-        }
-    }
-}
-
-/** Take the nodes of a surface to a form, and make its shape. */
-static void finish_sheet(form f, double size, sheet *s) {
-    for (int64_t i = 0; i < s->mesh.n_nodes; i++)
-        to_form(f, size, s->x + 3 * i);
-    s->cells.type = s->type;
-    s->cells.offset = s->offset;
-    s->cells.node = s->node;
-    s->mesh.dim = 3;
-    s->mesh.coordinates = s->x;
-    s->mesh.cells = &s->cells;
-    s->mesh.n_elements = s->cells.n;
-    assert_int_equal(planish_shape_create(&s->mesh, NULL, 1, &s->shape, NULL, NULL), 0);
-}
-
-/** Make a surface; is_turned: its triangles turn inwards. */
-static void make_sheet(form f, int n, double size, int is_turned, sheet *s) {
-    const size_t most = (size_t)(12 * n * n), grid = (size_t)((n + 1) * (n + 1) * (n + 1));
-    int32_t *number = malloc(grid * sizeof *number);
-    memset(number, -1, grid * sizeof *number);
-    *s = (sheet){.x = malloc(most * 3 * sizeof *s->x),
-                 .node = malloc(most * 3 * sizeof *s->node),
-                 .offset = malloc((most + 1) * sizeof *s->offset),
-                 .type = malloc(most)};
-    for (int side = 0; side < 6; side++)
-        sheet_face(s, number, n, side / 2, side % 2, is_turned);
-    free(number);
-    memset(s->type, PLANISH_CELL_TRIANGLE, most);
-    for (int64_t i = 0; i <= s->cells.n; i++)
-        s->offset[i] = 3 * i;
-    finish_sheet(f, size, s);
-}
-
-static void free_sheet(sheet *s) {
-    planish_shape_destroy(s->shape);
-    free(s->x);
-    free(s->node);
-    free(s->offset);
-    free(s->type);
-}
-
-/** Make a surface of six faces of two triangles of order 2 each. */
-static void make_curved_sheet(form f, double size, sheet *s) {
-    int32_t number[27];
-    memset(number, -1, sizeof number);
-    make_sheet(FORM_CUBE, 1, 1, 0, s);
-    sheet straight = *s;
-    *s = (sheet){.x = malloc(26 * 3 * sizeof *s->x),
-                 .node = malloc(12 * 6 * sizeof *s->node),
-                 .offset = malloc(13 * sizeof *s->offset),
-                 .type = malloc(12)};
-    for (int i = 0; i < 12 * 6; i++) {
-        const int32_t *corner = straight.node + i / 6 * 3;
-        int at[3];
-        for (int d = 0; d < 3; d++) {
-            const double a = straight.x[3 * corner[i % 3] + d];
-            const double b = straight.x[3 * corner[(i + 1) % 3] + d];
-            at[d] = (int)(i % 6 < 3 ? a + 1 : (a + b) / 2 + 1);
-        }
-        s->node[i] = sheet_node(s, number, 2, at);
-    }
-    free_sheet(&straight);
-    memset(s->type, PLANISH_CELL_TRIANGLE6, 12);
-    for (int i = 0; i <= 12; i++)
-        s->offset[i] = 6 * (int64_t)i;
-    s->cells.n = 12;
-    finish_sheet(f, size, s);
-}
-
-/* ---- blocks ---------------------------------------------------------------------------------- */
-
-/** A block of cubes, as hexahedra or as six tetrahedra each, in a form. */
-typedef struct block {
-    cell_box *box;
-    int32_t *tetrahedron;
-    planish_mesh mesh;
-    double *given; /* its coordinates at first */
-    planish_shape *shape;
-} block;
-
-static void split(const int32_t *hex, int32_t *to) {
-    static const int8_t ROUND[7] = {1, 2, 3, 7, 4, 5, 1};
-    for (int i = 0; i < 6; i++) {
-        const int32_t tetrahedron[4] = {hex[0], hex[ROUND[i]], hex[ROUND[i + 1]], hex[6]};
-        memcpy(to + 4 * i, tetrahedron, sizeof tetrahedron);
-    }
-}
-
-static int is_at_surface(const double *x, int n) {
-    int any = 0;
-    for (int d = 0; d < 3; d++)
-        any |= x[d] == 0 || x[d] == n;
-    return any;
-}
-
-/** Make a block; shake: how far nodes of the surface are off it, in parts of an edge. */
-static void make_block(int is_tets, cell_box_kind kind, form f, int n, double size, double shake,
-                       uint64_t *state, block *b) {
-    *b = (block){.box = cell_box_create(is_tets ? BOX_HEXAHEDRA : kind, n)};
-    b->mesh = b->box->mesh;
-    for (int64_t i = 0; i < b->mesh.n_nodes; i++) {
-        double *x = b->box->x + 3 * i;
-        const int is_shaken = is_at_surface(x, n);
-        for (int d = 0; d < 3; d++)
-            x[d] = 2 * x[d] / n - 1;
-        to_form(f, size, x);
-        for (int d = 0; d < 3; d++)
-            x[d] += is_shaken * shake * size * 2 / n * random_between(state, -1, 1);
-    }
-    if (is_tets) {
-        const planish_cells *cells = b->mesh.cells;
-        b->tetrahedron = malloc((size_t)cells->n * 24 * sizeof *b->tetrahedron);
-        for (int64_t i = 0; i < cells->n; i++)
-            split(cells->node + cells->offset[i], b->tetrahedron + 24 * i);
-        b->mesh.cells = NULL;
-        b->mesh.elements = b->tetrahedron;
-        b->mesh.n_elements = 6 * cells->n;
-    }
-    b->given = test_copy_of(&b->mesh);
-    assert_int_equal(planish_shape_create(&b->mesh, NULL, 1, &b->shape, NULL, NULL), 0);
-}
-
-static void free_block(block *b) {
-    planish_shape_destroy(b->shape);
-    cell_box_destroy(b->box);
-    free(b->tetrahedron);
-    free(b->given);
-}
-
-/* ---- judges ---------------------------------------------------------------------------------- */
 
 static double det(const double *a, const double *b, const double *c) {
     return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
@@ -262,7 +72,7 @@ static int64_t count_inverted(const planish_mesh *mesh, const double *x) {
 }
 
 /** Largest distance of nodes of the surface from a form. */
-static double farthest_node(const block *b, form f, const double *x) {
+static double farthest_node(const block *b, block_form f, const double *x) {
     double most = 0;
     uint8_t *class_of = malloc((size_t)b->mesh.n_nodes);
     planish_shape_get_classes(b->shape, class_of);
@@ -282,7 +92,7 @@ typedef struct outcome {
     planish_shape_distance distance;
 } outcome;
 
-static void fit(block *b, const sheet *onto, double reach, const planish_options *options,
+static void fit(block *b, const block_target *onto, double reach, const planish_options *options,
                 outcome *o) {
     planish_fit *f;
     planish_plan *plan;
@@ -330,11 +140,11 @@ static void say(const char *what, const block *b, const outcome *o) {
            o->distance.in_edges, o->distance.distance_back, o->distance.back_in_edges);
 }
 
-/** A block, a sheet that it is fitted to, and the outcome; random: what the block is drawn by. */
+/** A block, a surface that it is fitted to, and the outcome; random: what the block is drawn by. */
 typedef struct fitted {
     uint64_t random;
     block b;
-    sheet fine;
+    block_target fine;
     outcome o;
 } fitted;
 
@@ -349,30 +159,30 @@ static void fit_one(const char *what, double reach, fitted *t) {
 
 static void free_fitted(fitted *t) {
     free_outcome(&t->o);
-    free_block(&t->b);
-    free_sheet(&t->fine);
+    block_destroy(&t->b);
+    block_target_destroy(&t->fine);
 }
 
 static void test_ball(void **state) {
     (void)state;
     fitted t = {.random = effort_seed(3)};
-    make_block(1, BOX_HEXAHEDRA, FORM_BALL, 6, 0.95, 0.02, &t.random, &t.b);
-    make_sheet(FORM_BALL, 24, 1, 1, &t.fine);
+    block_create(1, BOX_HEXAHEDRA, BLOCK_BALL, 6, 0.95, 0.02, &t.random, &t.b);
+    block_target_create(BLOCK_BALL, 24, 1, 1, &t.fine);
     fit_one("ball of tetrahedra", 0, &t);
     assert_int_equal(t.o.after.n_off, 0);
-    assert_true(farthest_node(&t.b, FORM_BALL, t.o.x) < 2e-3);
-    assert_true(farthest_node(&t.b, FORM_BALL, t.o.smoothed) < 2e-3);
+    assert_true(farthest_node(&t.b, BLOCK_BALL, t.o.x) < 2e-3);
+    assert_true(farthest_node(&t.b, BLOCK_BALL, t.o.smoothed) < 2e-3);
     free_fitted(&t);
 }
 
 static void test_cylinder(void **state) {
     (void)state;
     fitted t = {.random = effort_seed(3)};
-    make_block(0, BOX_HEXAHEDRA, FORM_CYLINDER, 6, 1, 0.02, &t.random, &t.b);
-    make_sheet(FORM_CYLINDER, 24, 1, 0, &t.fine);
+    block_create(0, BOX_HEXAHEDRA, BLOCK_CYLINDER, 6, 1, 0.02, &t.random, &t.b);
+    block_target_create(BLOCK_CYLINDER, 24, 1, 0, &t.fine);
     fit_one("cylinder of hexahedra", 0, &t);
     assert_int_equal(t.o.after.n_off, 0);
-    assert_true(farthest_node(&t.b, FORM_CYLINDER, t.o.x) < 4e-3);
+    assert_true(farthest_node(&t.b, BLOCK_CYLINDER, t.o.x) < 4e-3);
     free_fitted(&t);
 }
 
@@ -397,8 +207,8 @@ static int64_t count_after_projection(const block *b, double radius) {
 static void test_block_onto_ball(void **state) {
     (void)state;
     fitted t = {.random = effort_seed(3)};
-    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 6, 0.8, 0, &t.random, &t.b);
-    make_sheet(FORM_BALL, 16, 0.5, 0, &t.fine);
+    block_create(0, BOX_HEXAHEDRA, BLOCK_CUBE, 6, 0.8, 0, &t.random, &t.b);
+    block_target_create(BLOCK_BALL, 16, 0.5, 0, &t.fine);
     fit_one("block onto a ball", 5, &t);
     assert_true(count_after_projection(&t.b, 0.5) > 0);
     assert_int_equal(t.o.after.n_off, 0);
@@ -409,8 +219,8 @@ static void test_block_onto_ball(void **state) {
 static void test_not_there(void **state) {
     (void)state;
     fitted t = {.random = effort_seed(3)};
-    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 6, 0.8, 0, &t.random, &t.b);
-    make_sheet(FORM_BALL, 16, 0.75, 0, &t.fine);
+    block_create(0, BOX_HEXAHEDRA, BLOCK_CUBE, 6, 0.8, 0, &t.random, &t.b);
+    block_target_create(BLOCK_BALL, 16, 0.75, 0, &t.fine);
     uint8_t *constraint = malloc((size_t)t.b.mesh.n_nodes);
     uint8_t *class_of = malloc((size_t)t.b.mesh.n_nodes);
     planish_shape_get_classes(t.b.shape, class_of);
@@ -450,8 +260,8 @@ static int is_boundary(const planish_mesh *mesh, int64_t element, int corner) {
 static void test_certificate(void **state) {
     (void)state;
     fitted t = {.random = effort_seed(3)};
-    make_block(1, BOX_HEXAHEDRA, FORM_BALL, 5, 0.95, 0.02, &t.random, &t.b);
-    make_sheet(FORM_BALL, 32, 1, 0, &t.fine);
+    block_create(1, BOX_HEXAHEDRA, BLOCK_BALL, 5, 0.95, 0.02, &t.random, &t.b);
+    block_target_create(BLOCK_BALL, 32, 1, 0, &t.fine);
     fit_one("ball whose bound is sampled", 0, &t);
     uint64_t random = effort_seed(5);
     const double sag = 2e-3; /* of the other surface, at most */
@@ -494,8 +304,8 @@ static void test_curved_other(void **state) {
     fitted t = {.random = effort_seed(3)};
     planish_fit *f;
     planish_shape_distance distance;
-    make_block(1, BOX_HEXAHEDRA, FORM_BALL, 2, 1, 0, &t.random, &t.b);
-    make_curved_sheet(FORM_BALL, 1, &t.fine);
+    block_create(1, BOX_HEXAHEDRA, BLOCK_BALL, 2, 1, 0, &t.random, &t.b);
+    block_target_create_curved(BLOCK_BALL, 1, &t.fine);
     assert_int_equal(
         planish_fit_create(&t.b.mesh, t.b.shape, t.fine.shape, 0, NULL, &f, NULL, NULL), 0);
     assert_int_equal(planish_fit_measure(f, &t.b.mesh, &distance, NULL), 0);
@@ -516,8 +326,8 @@ static void test_curved_other(void **state) {
     assert_true(most <= distance.distance);
     sheet_judge_destroy(&judge);
     planish_fit_destroy(f);
-    free_block(&t.b);
-    free_sheet(&t.fine);
+    block_destroy(&t.b);
+    block_target_destroy(&t.fine);
 }
 
 /** The bits are the same for two threads. */
@@ -525,11 +335,11 @@ static void test_threads(void **state) {
     (void)state;
     for (int is_tets = 0; is_tets < 2; is_tets++) {
         block b;
-        sheet fine;
+        block_target fine;
         outcome o[2];
-        make_block(is_tets, BOX_HEXAHEDRA, is_tets ? FORM_BALL : FORM_CUBE, 6, 0.8, 0.02,
-                   &(uint64_t){effort_seed(3)}, &b);
-        make_sheet(FORM_BALL, 16, 0.6, 0, &fine);
+        block_create(is_tets, BOX_HEXAHEDRA, is_tets ? BLOCK_BALL : BLOCK_CUBE, 6, 0.8, 0.02,
+                     &(uint64_t){effort_seed(3)}, &b);
+        block_target_create(BLOCK_BALL, 16, 0.6, 0, &fine);
         for (int i = 0; i < 2; i++) {
             const planish_options options = test_options(i + 1);
             fit(&b, &fine, 5, &options, &o[i]);
@@ -540,8 +350,8 @@ static void test_threads(void **state) {
         assert_memory_equal(&o[0].after, &o[1].after, sizeof o[0].after);
         free_outcome(&o[0]);
         free_outcome(&o[1]);
-        free_block(&b);
-        free_sheet(&fine);
+        block_destroy(&b);
+        block_target_destroy(&fine);
     }
 }
 
@@ -554,9 +364,9 @@ static int stop_soon(const planish_progress *progress, void *left) {
 static void test_stop(void **state) {
     (void)state;
     block b;
-    sheet fine;
-    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 5, 0.8, 0, &(uint64_t){effort_seed(3)}, &b);
-    make_sheet(FORM_BALL, 16, 0.5, 0, &fine);
+    block_target fine;
+    block_create(0, BOX_HEXAHEDRA, BLOCK_CUBE, 5, 0.8, 0, &(uint64_t){effort_seed(3)}, &b);
+    block_target_create(BLOCK_BALL, 16, 0.5, 0, &fine);
     for (int calls = 1; calls < 200; calls *= 6) {
         outcome o;
         int left = calls;
@@ -567,8 +377,58 @@ static void test_stop(void **state) {
         assert_int_equal(count_inverted(&b.mesh, o.x), 0);
         free_outcome(&o);
     }
-    free_block(&b);
-    free_sheet(&fine);
+    block_destroy(&b);
+    block_target_destroy(&fine);
+}
+
+/** Elements of 64 bits give the bits of those of 32. */
+static void test_wide(void **state) {
+    (void)state;
+    fitted t = {.random = effort_seed(3)};
+    outcome o;
+    const planish_options options = test_options(1);
+    block_create(1, BOX_HEXAHEDRA, BLOCK_BALL, 3, 0.95, 0.02, &t.random, &t.b);
+    block_target_create(BLOCK_BALL, 8, 1, 0, &t.fine);
+    fit(&t.b, &t.fine, 0, &options, &t.o);
+    const int64_t n = 4 * t.b.mesh.n_elements;
+    int64_t *wide = malloc((size_t)n * sizeof *wide);
+    for (int64_t i = 0; i < n; i++)
+        wide[i] = t.b.mesh.elements[i];
+    t.b.mesh.elements = NULL;
+    t.b.mesh.elements64 = wide;
+    fit(&t.b, &t.fine, 0, &options, &o);
+    assert_memory_equal(t.o.smoothed, o.smoothed, test_bytes_of(&t.b.mesh));
+    assert_memory_equal(&t.o.distance, &o.distance, sizeof o.distance);
+    free(wide);
+    free_outcome(&o);
+    free_fitted(&t);
+}
+
+/** Coordinates are finite, also if no node is on its way; what is refused stays. */
+static void test_not_finite(void **state) {
+    (void)state;
+    fitted t = {.random = effort_seed(3)};
+    planish_fit *f;
+    planish_fit_info info = {.n_nodes = -1};
+    planish_error error;
+    block_create(1, BOX_HEXAHEDRA, BLOCK_CUBE, 2, 1, 0, &t.random, &t.b);
+    block_target_create(BLOCK_CUBE, 2, 1, 0, &t.fine);
+    assert_int_equal(
+        planish_fit_create(&t.b.mesh, t.b.shape, t.fine.shape, 0, NULL, &f, &info, NULL), 0);
+    assert_int_equal(info.n_off, 0);
+    double *x = test_copy_of(&t.b.mesh), *given = malloc(test_bytes_of(&t.b.mesh));
+    x[4] = NAN;
+    memcpy(given, x, test_bytes_of(&t.b.mesh));
+    info.n_nodes = -1;
+    assert_int_equal(planish_fit_move(f, &t.b.mesh, x, NULL, &info, &error), PLANISH_ERROR_MESH);
+    assert_int_equal(error.node, 1);
+    assert_int_equal(info.n_nodes, -1);
+    assert_memory_equal(x, given, test_bytes_of(&t.b.mesh));
+    free(x);
+    free(given);
+    planish_fit_destroy(f);
+    block_destroy(&t.b);
+    block_target_destroy(&t.fine);
 }
 
 /** Return the error of a fit that is refused. */
@@ -582,12 +442,45 @@ static planish_error refusal(const block *b, const planish_mesh *mesh, const pla
     return error;
 }
 
+/** Node numbers that the mesh has not are found, also those of 64 bits whose low half is a number. */
+static void refuse_nodes(const block *hexahedra, const block_target *onto) {
+    planish_mesh mesh = hexahedra->mesh;
+    planish_cells cells = *mesh.cells;
+    const size_t n_nodes = (size_t)cells.offset[cells.n];
+    int32_t *node = malloc(n_nodes * sizeof *node);
+    memcpy(node, cells.node, n_nodes * sizeof *node);
+    node[3] = (int32_t)mesh.n_nodes;
+    cells.node = node;
+    mesh.cells = &cells;
+    planish_error error = refusal(hexahedra, &mesh, onto->shape, 0);
+    assert_int_equal(error.code, PLANISH_ERROR_MESH);
+    assert_int_equal(error.element, 0);
+    free(node);
+    block b;
+    block_create(1, BOX_HEXAHEDRA, BLOCK_CUBE, 2, 1, 0, &(uint64_t){effort_seed(3)}, &b);
+    mesh = b.mesh;
+    int64_t *wide = malloc((size_t)mesh.n_elements * 4 * sizeof *wide);
+    for (int64_t i = 0; i < 4 * mesh.n_elements; i++)
+        wide[i] = mesh.elements[i];
+    mesh.elements = NULL;
+    mesh.elements64 = wide;
+    for (int is_high = 0; is_high < 2; is_high++) {
+        wide[4] = is_high ? ((int64_t)1 << 32) + b.mesh.elements[4] : -2;
+        error = refusal(&b, &mesh, onto->shape, 0);
+        assert_int_equal(error.code, PLANISH_ERROR_MESH);
+        assert_int_equal(error.element, 1);
+        assert_int_equal(error.node, wide[4]);
+    }
+    free(wide);
+    block_destroy(&b);
+}
+
 static void test_refusals(void **state) {
     (void)state;
     block b;
-    sheet ball;
-    make_block(0, BOX_HEXAHEDRA, FORM_CUBE, 2, 1, 0, &(uint64_t){effort_seed(3)}, &b);
-    make_sheet(FORM_BALL, 8, 1000, 0, &ball);
+    block_target ball;
+    block_create(0, BOX_HEXAHEDRA, BLOCK_CUBE, 2, 1, 0, &(uint64_t){effort_seed(3)}, &b);
+    block_target_create(BLOCK_BALL, 8, 1000, 0, &ball);
     planish_error error = refusal(&b, &b.mesh, ball.shape, 0);
     assert_int_equal(error.code, PLANISH_ERROR_MESH);
     assert_non_null(strstr(error.text, "no node of the mesh's surface is within 3 edges"));
@@ -610,6 +503,7 @@ static void test_refusals(void **state) {
     mesh.n_nodes--;
     error = refusal(&b, &mesh, ball.shape, 0);
     assert_int_equal(error.code, PLANISH_ERROR_ARGUMENT);
+    refuse_nodes(&b, &ball);
     cell_box *raised = cell_box_raise(b.box, 0);
     planish_shape *shape;
     planish_fit *f;
@@ -622,8 +516,8 @@ static void test_refusals(void **state) {
     cell_box_destroy(raised);
     assert_int_equal(planish_fit_project(0, NULL, NULL, NULL), PLANISH_CONSTRAINT_FIXED);
     planish_fit_destroy(NULL);
-    free_block(&b);
-    free_sheet(&ball);
+    block_destroy(&b);
+    block_target_destroy(&ball);
 }
 
 /* ---- random cases ---------------------------------------------------------------------------- */
@@ -646,16 +540,17 @@ static void test_random(void **state) {
     for (int64_t i = 0; i < n_cases; i += effort_step(4)) {
         uint64_t random = effort_seed((uint64_t)i + 100);
         const cell_box_kind kind = (cell_box_kind)(BOX_HEXAHEDRA + random_below(&random, 4));
-        const form from = (form)random_below(&random, 3), to = (form)random_below(&random, 3);
+        const block_form from = (block_form)random_below(&random, 3),
+                         to = (block_form)random_below(&random, 3);
         const double size = random_between(&random, 0.6, 1.6);
         block b;
-        sheet other;
+        block_target other;
         outcome o[2];
         const double shake = random_between(&random, 0, 0.3);
         const int n_cells = 2 + (int)random_below(&random, 3);
-        make_block(random_below(&random, 3) == 0, kind, from, n_cells, 1, shake, &random, &b);
+        block_create(random_below(&random, 3) == 0, kind, from, n_cells, 1, shake, &random, &b);
         const int is_turned = (int)random_below(&random, 2);
-        make_sheet(to, 2 + (int)random_below(&random, 12), size, is_turned, &other);
+        block_target_create(to, 2 + (int)random_below(&random, 12), size, is_turned, &other);
         uint8_t *constraint = calloc((size_t)b.mesh.n_nodes, 1);
         for (int64_t k = 0; k < b.mesh.n_nodes; k++)
             constraint[k] = random_below(&random, 12) == 0;
@@ -683,8 +578,8 @@ static void test_random(void **state) {
         free(constraint);
         free_outcome(&o[0]);
         free_outcome(&o[1]);
-        free_block(&b);
-        free_sheet(&other);
+        block_destroy(&b);
+        block_target_destroy(&other);
     }
     figure("random: %d cases, %d nodes came to their places, %d did not", (int)n_cases,
            (int)n_there, (int)n_off);
@@ -701,6 +596,8 @@ int main(void) {
         cmocka_unit_test(test_curved_other),
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_stop),
+        cmocka_unit_test(test_wide),
+        cmocka_unit_test(test_not_finite),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_random),
     };
