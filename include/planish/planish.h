@@ -203,7 +203,8 @@ typedef struct planish_mesh {
        - corners that are nodes of another element
        - both ends of an edge whose mid is FIXED, a node of another element, a corner elsewhere or
          the mid of another edge
-       - nodes that slide at a curved edge (planish_options.rounding) whose other end is not free
+       - nodes that slide at a curved edge (planish_options.rounding) whose other end is not free,
+         or at a face whose middle is off their plane
        - nodes of a quadrilateral that triangles are on the other side of: it is a boundary.
        Pairs of mids in periodic are passed over: mids follow. neighbours and part are for elements
        alone. */

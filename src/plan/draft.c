@@ -287,20 +287,34 @@ static int check_constraints(const pl_draft *d, int64_t *n_sliding, planish_erro
     return PLANISH_OK;
 }
 
+/** Whether a corner of a cell of the caller's may slide though the middle of an edge, face or the cell is not
+ *  where that of a straight one would be. On a shape of curved facets a mid goes along. In the plane of a face
+ *  its middle may be anywhere: it stays there when the corner moves in that plane. */
+static int slides_all_the_same(const pl_draft *d, int64_t cell, const pl_cell_type *type,
+                               int32_t corner, int middle) {
+    const planish_shape *shape = d->options->shape;
+    const uint8_t constraint = d->mesh->constraint[corner];
+    if (shape && shape->whole && constraint >= PLANISH_CONSTRAINT_ON_PATCH)
+        return 1;
+    return __builtin_popcount(pl_cell_parents(type, middle)) == 4 &&
+           (constraint == PLANISH_CONSTRAINT_ON_PLANE ||
+            constraint == PLANISH_CONSTRAINT_ON_LINE) &&
+           !pl_is_off_face(d->given, cell, middle, d->options->rounding);
+}
+
 /** Hold the ends of a curved edge, or corners of a curved face, that may slide: the boundary would
  *  change its shape. One with an end that goes anywhere is inside, and does not matter, nor does the
- *  middle of a cell. On a shape of curved facets its mid goes along. */
-static void hold_ends(pl_draft *d, const pl_cell_type *type, const int32_t *node, int middle) {
+ *  middle of a cell. node: corners of the cell. */
+static void hold_ends(pl_draft *d, int64_t cell, const pl_cell_type *type, const int32_t *node,
+                      int middle) {
     const int n = type->shape->n_corners;
-    const planish_shape *shape = d->options->shape;
     const uint8_t parents = pl_cell_parents(type, middle);
     int is_inside = __builtin_popcount(parents) == n;
     for (int j = 0; j < n; j++)
         is_inside |= (parents >> j & 1) && d->mobility[node[j]] == PL_INTERIOR;
     for (int j = 0; j < n && !is_inside; j++)
         if ((parents >> j & 1) && d->slides[node[j]] &&
-            !(shape && shape->whole &&
-              d->mesh->constraint[node[j]] >= PLANISH_CONSTRAINT_ON_PATCH)) {
+            !slides_all_the_same(d, cell, type, node[j], middle)) {
             d->slides[node[j]] = 0;
             d->plan->is_used[node[j]] |= PL_FIXED_BY_CALLER;
         }
@@ -322,7 +336,7 @@ static void hold_curved(pl_draft *d) {
         const int curved = pl_curved_edges(d->given, cell, d->options->rounding);
         for (int e = 0; curved >> e; e++)
             if (curved >> e & 1)
-                hold_ends(d, type, node, n_corners + e);
+                hold_ends(d, cell, type, node, n_corners + e);
     }
 }
 

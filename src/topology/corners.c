@@ -426,6 +426,48 @@ int pl_curved_edges(const planish_mesh *mesh, int64_t cell, double rounding) {
     return curved;
 }
 
+/** Whether a point is farther off the plane of a, b and c than planish_options.rounding says. */
+static int is_off_plane(const double *a, const double *b, const double *c, const double *point,
+                        double rounding) {
+    double side[2][3], way[3], normal[3];
+    for (int d = 0; d < 3; d++) {
+        side[0][d] = b[d] - a[d];
+        side[1][d] = c[d] - a[d];
+        way[d] = point[d] - a[d];
+    }
+    const double size = fmax(fmax(largest_of(side[0], 3), largest_of(side[1], 3)),
+                             largest_of(way, 3)); /* products could overflow */
+    if (!(size > 0))
+        return 0;
+    for (int d = 0; d < 3; d++) {
+        side[0][d] /= size;
+        side[1][d] /= size;
+        way[d] /= size;
+    }
+    pl_cross(side[0], side[1], normal);
+    const double distance = fabs(pl_dot(3, normal, way)), length = sqrt(pl_dot(3, normal, normal));
+    const double edge = sqrt(pl_dot(3, side[0], side[0]));
+    return !(distance <= fmax(STRAIGHT * edge, rounding / size) * length);
+}
+
+int pl_is_off_face(const planish_mesh *mesh, int64_t cell, int i, double rounding) {
+    const planish_cells *cells = mesh->cells;
+    const int32_t *node = cells->node + cells->offset[cell];
+    const pl_cell_type *type = pl_cell_type_of(cells->type[cell]);
+    const pl_points points = pl_points_of(mesh, mesh->coordinates);
+    const int a = type->between[i][0], b = type->between[i][1];
+    const uint8_t parents = pl_cell_parents(type, i);
+    double x[PL_CELL_NODES][3] = {{0}};
+    int is_off = 0;
+    for (int j = 0; j < type->n_nodes; j++)
+        for (int d = 0; d < mesh->dim && node[j] >= 0; d++)
+            x[j][d] = mesh->coordinates[pl_point_at(&points, node[j], d)];
+    for (int j = 0; j < type->shape->n_corners; j++)
+        if (j != a && j != b && parents >> j & 1)
+            is_off |= is_off_plane(x[a], x[b], x[j], x[i], rounding);
+    return is_off;
+}
+
 /* ---- all of it ------------------------------------------------------------------------------ */
 
 /** Make all copies that dense needs for cells, which are valid. */

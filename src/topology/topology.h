@@ -99,6 +99,11 @@ int pl_corners_take(const planish_mesh *mesh, int threads, pl_dense *dense, plan
  *  is not smoothed. */
 int pl_curved_edges(const planish_mesh *mesh, int64_t cell, double rounding);
 
+/** Whether node i of a cell of mesh, the middle of a quadrilateral face, is farther off the planes of its corners
+ *  than planish_options.rounding says. In these planes it may be anywhere: the face is as it would be without
+ *  it, also after corners have moved in them. */
+int pl_is_off_face(const planish_mesh *mesh, int64_t cell, int i, double rounding);
+
 /* ---- incidence.c: the elements of every node ---------------------------------------------- */
 
 /** Elements of each node that is asked for, compressed, ascending. */
