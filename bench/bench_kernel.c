@@ -8,8 +8,8 @@
  * Hessian; visit: one whole visit (a Newton step with its search) of every star, on the mesh as it
  * is; later: the same in the sixth sweep, when most stars have kept their Hessian. First the plain
  * problem of simplices, then that of mean ratios, then the guarded kernel with each objective and a
- * minimum volume that is far away. One
- * thread; each figure is the best of the repeats. "check" must be the same for all variants of a
+ * minimum volume that is far away, then with bounds that are far away, and then with nodes that slide
+ * on planes. One thread; each figure is the best of the repeats. "check" must be the same for all variants of a
  * problem. bytes_per_star: of the plan, which a visit reads from one end to the other; coordinates,
  * which stars share, come on top.
  */
@@ -126,6 +126,42 @@ static double far_volume(const planish_plan *plan, const planish_mesh *mesh) {
     return quality.min_volume > 0 ? 1e-3 * quality.min_volume : 0;
 }
 
+/** Arrays of a guard: bounds far away from all nodes, and planes through them. */
+typedef struct constraints {
+    double *lower, *upper; /* [n_nodes][dim] */
+    pl_star_slide *slide;  /* [n_stars] */
+} constraints;
+
+static int make_constraints(const planish_plan *plan, const pl_star_problem *problem,
+                            const double *start, constraints *c) {
+    const int64_t n_values = plan->work.n_nodes * plan->dim;
+    const int64_t n_stars = plan->interior.stars.n_stars;
+    c->lower = malloc((size_t)n_values * sizeof *c->lower);
+    c->upper = malloc((size_t)n_values * sizeof *c->upper);
+    c->slide = calloc((size_t)n_stars, sizeof *c->slide);
+    if (!c->lower || !c->upper || !c->slide)
+        return 0;
+    for (int64_t i = 0; i < n_values; i++) {
+        c->lower[i] = -1e9;
+        c->upper[i] = 1e9;
+    }
+    for (int64_t i = 0; i < n_stars; i++) {
+        pl_star_slide *slide = &c->slide[i];
+        const double *place = start + (int64_t)problem->node[i] * plan->dim;
+        slide->kind = PLANISH_CONSTRAINT_ON_PLANE;
+        memcpy(slide->point, place, (size_t)plan->dim * sizeof *place);
+        slide->direction[0] = 0.6;
+        slide->direction[1] = 0.8;
+    }
+    return 1;
+}
+
+static void free_constraints(constraints *c) {
+    free(c->lower);
+    free(c->upper);
+    free(c->slide);
+}
+
 static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
     int64_t values = plan->work.n_nodes * plan->dim;
     double *start = malloc((size_t)values * sizeof *start);
@@ -140,6 +176,12 @@ static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
     enum { N_OBJECTIVES = sizeof names / sizeof *names };
     pl_star_problem problem = pl_plan_problem(plan, &plan->interior);
     pl_star_guard guard = {.ratio_weight = 1, .min_volume = far_volume(plan, mesh)};
+    constraints far = {NULL, NULL, NULL};
+    if (!make_constraints(plan, &problem, start, &far)) {
+        free_constraints(&far);
+        free(start);
+        return 2;
+    }
     const char *separator = "";
     printf("  \"ns_per_star\": [");
     problem.kept = plan->scratch.kept;
@@ -147,12 +189,20 @@ static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
         measure_variants(plan, &problem, "plain", start, repeat, &separator);
     problem.objective = PLANISH_OBJECTIVE_MEAN_RATIO;
     measure_variants(plan, &problem, "mean ratio", start, repeat, &separator);
-    problem.kept = NULL;
     problem.guard = &guard;
     for (int i = plan->work.corner ? 1 : 0; i < N_OBJECTIVES; i++) {
         guard.objective = i;
         measure_variants(plan, &problem, names[i], start, repeat, &separator);
     }
+    guard = (pl_star_guard){.objective = plan->work.corner ? PLANISH_OBJECTIVE_MEAN_RATIO : 0,
+                            .ratio_weight = 1,
+                            .lower = far.lower,
+                            .upper = far.upper};
+    measure_variants(plan, &problem, "bounds", start, repeat, &separator);
+    guard.lower = guard.upper = NULL;
+    problem.slide = far.slide;
+    measure_variants(plan, &problem, "sliding", start, repeat, &separator);
+    free_constraints(&far);
     printf(" ],\n  \"ns_per_term\": { \"exact_sum\": %.2f, \"plain_sum\": %.2f }\n}\n",
            1e9 / (double)values * time_sum(start, values, 1, repeat),
            1e9 / (double)values * time_sum(start, values, 0, repeat));

@@ -5,7 +5,8 @@
  * / floor_k of the elements, the bounds of the coordinates, and the distance moved.
  *
  *   active_none, add_row, add_facet_row, active_within    rows: gradients of constraints
- *   project_direction, guarded_direction                  case 2: constraints active
+ *   project_direction, is_near_constraint,
+ *   guarded_direction                                     case 2: constraints active
  *   shortest_displacement, restore                        case 3: constraints violated
  */
 #ifndef PL_STAR_KERNEL_FEASIBLE_H
@@ -230,14 +231,21 @@ static inline int constrained_direction(const local *here, const double *x,
     return best > 0;
 }
 
+/** Whether constraints are active with the node at x. */
+static inline int is_near_constraint(const local *here, const double *x, const objective *now,
+                                     const derivatives *derivative, const int dim) {
+    active a = active_none(here);
+    if (now->largest_g > ACTIVE_ABOVE)
+        return 1;
+    add_bound_rows(here, x, -ACTIVE_ABOVE, sqrt(derivative->size2), &a, dim);
+    return a.m > 0;
+}
+
 /** The direction of cases 1 and 2; memory is that of conjugate directions. */
 static inline int guarded_direction(local *here, const double *x, const objective *now,
                                     const derivatives *derivative, conjugate *memory,
                                     double *direction, const int dim) {
-    here->constrained = 0;
-    if (now->largest_g > ACTIVE_ABOVE || here->b.any)
-        here->constrained =
-            active_within(here, x, -ACTIVE_ABOVE, sqrt(derivative->size2), dim).m > 0;
+    here->constrained = is_near_constraint(here, x, now, derivative, dim);
     if (!here->constrained)
         return find_direction(here->kind, derivative, memory, direction, dim);
     memory->gradient2 = 0;

@@ -1,6 +1,6 @@
 /* kernel_guarded: visits of stars with other objectives, minimum volumes and bounds.
  *
- *   visit_star          move the node of a star to a better place
+ *   visit_star          move the node of a star to a better place: kept_visit or full_visit
  *   optimality_range    first-order optimality of stars
  *   evaluate_at         the function of a star
  *
@@ -11,6 +11,7 @@
 #define PL_STAR_KERNEL_GUARDED_H
 
 #include "star/kernel_feasible.h"
+#include "star/kernel_kept.h"
 
 /* An optimum's constraints are in force within this of g = 0: as far as the violated ones. */
 #define FORCE_BAND VIOLATED_ABOVE
@@ -20,11 +21,11 @@ enum { RESTORING_STEPS = 4, CONSTRAINED_STEPS = 4 };
 #define CONSTRAINED_FALL 1e-8
 
 /** Find the function and derivatives at x, in the node's directions, with the columns that
- *  directions and steps need. */
+ *  directions and steps need. derive: 1 or PL_GRADIENT_ALONE. */
 PL_INLINE objective find_derivatives(local *here, const double *x, derivatives *derivative,
-                                     const int dim) {
+                                     const int derive, const int dim) {
     ++*here->evaluations;
-    const objective now = guarded_at(&here->s, &here->q, x, derivative, 1, dim);
+    const objective now = guarded_at(&here->s, &here->q, x, derivative, derive, dim);
     if (here->slide.kind == PLANISH_CONSTRAINT_FREE)
         return now;
     double place[3];
@@ -97,7 +98,7 @@ static inline int guarded_steps(local *here, double *x, objective *now, derivati
         const double fall = here->q.volume_weight > 0 ? 0 : before - now->sum;
         wanted = here->constrained ? CONSTRAINED_STEPS : steps_of_visit(kind, fall, before, dim);
         if (++moves < wanted)
-            *now = find_derivatives(here, x, derivative, dim);
+            *now = find_derivatives(here, x, derivative, 1, dim);
     } while (moves < wanted);
     return moves;
 }
@@ -108,46 +109,111 @@ static inline double ratio_of(const local *here, const double *x, const objectiv
     return is_of_ratio(here) || !has_forms(&here->s) ? now->max : value_at(&here->s, x, 1, dim).max;
 }
 
+/** Visit of a star under way. */
+typedef struct visit_state {
+    double x[3]; /* the node, scaled */
+    objective now;
+    derivatives derivative; /* at x, or where the last step began */
+    double size2, before;   /* of the star, and its function, before the steps */
+    int restored, moves;    /* moves that brought violated elements up, and all */
+} visit_state;
+
+/** What the star keeps between visits, if this problem keeps Hessians; else NULL. */
+static inline pl_star_kept *kept_of(const local *here, int64_t index, const int dim) {
+    const pl_star_problem *problem = here->problem;
+    const int keeps = dim == 3 && problem->kept && problem->search == PLANISH_SEARCH_NEWTON &&
+                      has_gradient_alone(&here->q);
+    return keeps ? &problem->kept[index] : NULL;
+}
+
+/** Step by the Hessian that was kept, where no constraint is near; returns whether it did. */
+static inline int step_by_kept(local *here, const pl_star_kept *kept, visit_state *v) {
+    double direction[3];
+    trial best;
+    if (is_near_constraint(here, v->x, &v->now, &v->derivative, 3) ||
+        !kept_direction(here, kept, &v->now, &v->derivative, direction, 3))
+        return 0;
+    if (here->slide.kind != PLANISH_CONSTRAINT_FREE)
+        slide_along(&here->slide, direction, 3);
+    const double slope = dot(v->derivative.gradient, direction, 3);
+    if (!(slope < 0) || !search(here, v->x, &v->now, direction, slope, &best, 1, 3))
+        return 0;
+    move_to_trial(&best, v->x, &v->now, 3);
+    return 1;
+}
+
+/** Visit the star by the Hessian that was kept. Returns whether that is enough; if not, the star
+ *  keeps none any more. */
+static inline int kept_visit(local *here, pl_star_kept *kept, visit_state *v) {
+    v->now = find_derivatives(here, v->x, &v->derivative, PL_GRADIENT_ALONE, 3);
+    v->size2 = v->derivative.size2;
+    v->before = v->now.sum;
+    if (v->now.positive && !(v->now.largest_g > ACTIVE_ABOVE) &&
+        !worth_a_step(here, v->x, &v->now, 3))
+        return 1;
+    v->moves = v->now.positive && step_by_kept(here, kept, v);
+    if (!v->moves)
+        kept->sum = 0;
+    return v->moves;
+}
+
+/** Bring violated elements up, if that is wanted. */
+static inline void restoring_steps(local *here, visit_state *v, const int dim) {
+    while (!here->problem->guard->keep_below && v->restored < RESTORING_STEPS &&
+           v->now.largest_g > violated_above(here)) {
+        trial best;
+        if (!restore(here, v->x, &v->now, &v->derivative, &best, dim))
+            return;
+        move_to_trial(&best, v->x, &v->now, dim);
+        v->now = find_derivatives(here, v->x, &v->derivative, 1, dim);
+        v->restored++;
+    }
+}
+
+/** Visit the star by the derivatives with the Hessian, which is kept if it led to the optimum and no
+ *  constraint is near. Returns 0 if the star cannot be visited. */
+static inline int full_visit(local *here, pl_star_kept *kept, visit_state *v, const int dim) {
+    v->now = find_derivatives(here, v->x, &v->derivative, 1, dim);
+    if (here->slide.kind != PLANISH_CONSTRAINT_FREE && !v->now.positive)
+        return 0; /* no facet of the surface can fold over only while the elements are positive */
+    v->size2 = v->derivative.size2;
+    restoring_steps(here, v, dim);
+    v->moves = v->restored;
+    v->before = v->now.sum;
+    if (here->problem->guard->keep_below || !(v->now.largest_g > violated_above(here)))
+        v->moves += guarded_steps(here, v->x, &v->now, &v->derivative, dim);
+    if (kept && v->moves <= 1 && !v->restored && !here->constrained &&
+        v->before - v->now.sum < KEEP_BELOW * v->before)
+        keep_hessian(here, kept, v->derivative.hessian, v->before);
+    return 1;
+}
+
 /** Visit one star with a guard. */
 static inline void visit_star(const pl_star_problem *problem, int64_t index, int flags,
                               double *scratch, pl_star_tally *tally, const int dim) {
     int32_t node = problem->node[index];
-    double *place = problem->coordinates + (int64_t)node * dim, x[3];
+    double *place = problem->coordinates + (int64_t)node * dim;
     local here;
     local_init(&here, problem, index, place, NULL, scratch, &tally->evaluations, 1, dim);
-    derivatives derivative;
+    pl_star_kept *kept = kept_of(&here, index, dim);
+    visit_state v = {.moves = 0};
     here.alone = (flags & PL_TOLD) != 0;
-    to_star(&here, place, x, dim);
-    objective now = find_derivatives(&here, x, &derivative, dim);
-    if (here.slide.kind != PLANISH_CONSTRAINT_FREE && !now.positive)
-        return; /* no facet of the surface can fold over only while the elements are positive */
-    double size2 = derivative.size2;
-    int restored = 0; /* moves that bring violated elements up */
-    while (!problem->guard->keep_below && restored < RESTORING_STEPS &&
-           now.largest_g > violated_above(&here)) {
-        trial best;
-        if (!restore(&here, x, &now, &derivative, &best, dim))
-            break;
-        move_to_trial(&best, x, &now, dim);
-        now = find_derivatives(&here, x, &derivative, dim);
-        restored++;
-    }
-    int moved = restored;
-    const double before = now.sum;
-    if (problem->guard->keep_below || !(now.largest_g > violated_above(&here)))
-        moved += guarded_steps(&here, x, &now, &derivative, dim);
-    if (moved) {
+    to_star(&here, place, v.x, dim);
+    if (!(kept && kept->sum > 0 && !here.alone && kept_visit(&here, kept, &v)) &&
+        !full_visit(&here, kept, &v, dim))
+        return;
+    const double fell = v.before - v.now.sum;
+    if (v.moves) {
         const int for_more =
-            restored || here.constrained || here.q.volume_weight > 0 || here.q.penalty > 0;
-        const double fall = for_more ? FALL_TOLD : (before - now.sum) / before;
-        move_node(&here, node, x, size2, fall, 1, place, dim);
+            v.restored || here.constrained || here.q.volume_weight > 0 || here.q.penalty > 0;
+        move_node(&here, node, v.x, v.size2, for_more ? FALL_TOLD : fell / v.before, 1, place, dim);
     }
-    if (here.constrained && before - now.sum > CONSTRAINED_FALL * before)
+    if (here.constrained && fell > CONSTRAINED_FALL * v.before)
         __atomic_fetch_or(&problem->changed[node], PL_CHANGED, __ATOMIC_RELAXED);
-    const double ratio = ratio_of(&here, x, &now, dim);
+    const double ratio = ratio_of(&here, v.x, &v.now, dim);
     note_ratio(tally, ratio);
-    note_gain(tally, index, ratio, moved > restored ? before - now.sum : 0,
-              before - now.sum > IMPROVED * before, restored > 0);
+    note_gain(tally, index, ratio, v.moves > v.restored ? fell : 0, fell > IMPROVED * v.before,
+              v.restored > 0);
 }
 
 /** Add what the star's projected gradient and multipliers say. */
@@ -162,7 +228,7 @@ static inline void add_optimality(const pl_star_problem *problem, int64_t index,
     derivatives derivative;
     cone_point point;
     to_star(&here, place, x, dim);
-    objective now = find_derivatives(&here, x, &derivative, dim);
+    objective now = find_derivatives(&here, x, &derivative, 1, dim);
     if (!now.positive || now.largest_g > violated_above(&here) || !(now.sum < INFINITY))
         return;
     const double size = sqrt(derivative.size2);
@@ -197,7 +263,7 @@ static inline void optimality_range(const pl_star_problem *problem, int64_t begi
 /** Evaluate the star with its node at x; with_derivatives as for pl_star_evaluate_fn. */
 static inline objective evaluate_at(local *here, const double *x, int with_derivatives,
                                     derivatives *derivative, const int dim) {
-    return with_derivatives ? find_derivatives(here, x, derivative, dim)
+    return with_derivatives ? find_derivatives(here, x, derivative, with_derivatives, dim)
                             : guarded_at(&here->s, &here->q, x, NULL, 0, dim);
 }
 

@@ -631,25 +631,28 @@ PL_INLINE void add_volumes(guarded_accumulator *t, int k, const star *s, int64_t
 
 /** Add the derivatives of a pack; elements that are not positive have no part in them. */
 PL_INLINE void add_guarded(guarded_accumulator *t, int k, const question *q, const aspect *a,
-                           lanes weight, lanes slope, lanes bend, const int dim) {
+                           lanes weight, lanes slope, lanes bend, const int with_hessian,
+                           const int dim) {
     lanes_mask positive = lanes_greater(a->D, lanes_of(0));
     lanes ratio = a->square * weight * lanes_of(q->ratio_weight);
     for (int r = 0, c = 0; r < dim; r++) {
         t->slope.g[r][k] += lanes_select(positive, ratio * a->l[r], lanes_of(0));
         t->slope.g[r][k] -= slope * a->n[r];
-        for (int e = r; e < dim; e++, c++) {
+        for (int e = r; with_hessian && e < dim; e++, c++) {
             t->slope.h[c][k] += lanes_select(positive, ratio * a->h[c], lanes_of(0));
             t->slope.h[c][k] += bend * (a->n[r] * a->n[e]);
         }
     }
 }
 
-/** Sum for one objective, as guarded_at does, which is constant where this is inlined. */
+/** Sum for one objective, as guarded_at does, which is constant where this is inlined. What only the
+ *  Hessian needs falls away without it. */
 PL_INLINE objective guarded_sums(const star *s, const question *q, const double *position,
                                  derivatives *out, const int kind, const int derive,
                                  const int dim) {
     const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
                         lanes_of(dim == 3 ? position[2] : 0)};
+    const int with_hessian = derive != PL_GRADIENT_ALONE;
     guarded_accumulator t;
     accumulator_init(&t.ratios);
     for (int k = 0; k < PL_PACKS; k++) {
@@ -675,11 +678,11 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
             store(s, RATE, j,
                   lanes_select(lanes_greater(floor, lanes_of(0)), lanes_of(FLOOR_FRACTION) / slack,
                                a.inverse_d));
-            add_guarded(&t, k, q, &a, weight, slope, bend, dim);
+            add_guarded(&t, k, q, &a, weight, slope, bend, with_hessian, dim);
             t.slope.size2[k] += a.aa * (is_of_corners(kind) ? load(s, IS_FACET, j) : weight);
         }
     if (derive)
-        slopes_result(&t.slope, s, 1, 1, out, dim);
+        slopes_result(&t.slope, s, 1, with_hessian, out, dim);
     objective f = accumulator_result(&t.ratios, 1);
     f.error *= is_of_worst(q->objective) ? WORST_EXPONENT : 1;
     f.sum = q->ratio_weight * f.sum + q->volume_weight * lanes_sum(t.volumes) +
@@ -745,10 +748,31 @@ PL_NOINLINE objective corner_derivatives(const star *s, const question *q, const
                     : corner_sums_of(s, q, position, out, 1, 2);
 }
 
+/** Whether the Hessian of a star in space can be kept: the function is that of one ratio alone. */
+static inline int has_gradient_alone(const question *q) {
+    return (q->objective == PLANISH_OBJECTIVE_RADIUS_RATIO ||
+            q->objective == PLANISH_OBJECTIVE_MEAN_RATIO) &&
+           !(q->volume_weight > 0) && !(q->penalty > 0);
+}
+
+/** Value of the objective in space, of which has_gradient_alone, with the node at position; fills out
+ *  with the derivatives but for the Hessian. */
+PL_NOINLINE objective guarded_gradient(const star *s, const question *q, const double *position,
+                                       derivatives *out) {
+    if (has_forms(s))
+        return guarded_sums(s, q, position, out, CORNER_MEAN_RATIO, PL_GRADIENT_ALONE, 3);
+    if (q->objective == PLANISH_OBJECTIVE_MEAN_RATIO)
+        return guarded_sums(s, q, position, out, PLANISH_OBJECTIVE_MEAN_RATIO, PL_GRADIENT_ALONE, 3);
+    return guarded_sums(s, q, position, out, PLANISH_OBJECTIVE_RADIUS_RATIO, PL_GRADIENT_ALONE, 3);
+}
+
 /** The function of the star at position, and its derivatives if derive. Then the columns GVALUE and
- *  RATE are set, too: RATE to 1 / D, or 0.9 / (D - floor), see limiting_rate. */
+ *  RATE are set, too: RATE to 1 / D, or 0.9 / (D - floor), see limiting_rate. PL_GRADIENT_ALONE:
+ *  without the Hessian, if has_gradient_alone. */
 static inline objective guarded_at(const star *s, const question *q, const double *position,
                                    derivatives *out, const int derive, const int dim) {
+    if (derive == PL_GRADIENT_ALONE && dim == 3 && has_gradient_alone(q))
+        return guarded_gradient(s, q, position, out);
     if (has_forms(s))
         return derive ? corner_derivatives(s, q, position, out, dim)
                       : corner_value(s, q, position, dim);

@@ -3,8 +3,7 @@
  *   visit_star, one_step                       a visit, and its steps
  *   step_along, step_down                      a step along a direction
  *   find_derivatives, find_hessian             the star's function
- *   kept_direction, keep_scale, _hessian       Hessians kept from visit to visit
- *   check_scale                                forget a scale that does not fit
+ *   keep_scale, check_scale                    a star's scale kept from visit to visit
  *   evaluate_at                                for pl_star_evaluate_fn
  *
  * The plain problem: one ratio, volumes positive. kernel_entry.h includes this file for the kernels
@@ -13,6 +12,7 @@
 #ifndef PL_STAR_KERNEL_VISIT_H
 #define PL_STAR_KERNEL_VISIT_H
 
+#include "star/kernel_kept.h"
 #include "star/kernel_step.h"
 
 /** Star with its node at a place. */
@@ -22,12 +22,6 @@ typedef struct visit_state {
     double sum;   /* of RR^2, at the place before */
     double max;   /* of RR^2 */
 } visit_state;
-
-/* A Hessian is kept where the step that it led to brought less than this part of the star's
- * function, and serves while that is the same but for the second part. Coarser, it serves in a few
- * visits more, and on large meshes the sweeps converge more slowly. */
-#define KEEP_BELOW 0.001
-#define KEEP_WHILE 0.01
 
 /** Find the derivatives where the node is; return 0 if no step is to be tried. */
 PL_INLINE int find_derivatives(const local *here, visit_state *now, objective *f,
@@ -78,39 +72,9 @@ static inline double step_down(local *here, visit_state *now, const objective *f
     return fall;
 }
 
-/** Newton's direction by the Hessian that was kept; 0 if the star has changed too much since. */
-static inline int kept_direction(const local *here, const pl_star_kept *kept, const objective *f,
-                                 const derivatives *derivative, double *direction, const int dim) {
-    const double *g = derivative->gradient;
-    const int rescaled = exponent_of(here->s.scale) - kept->exponent;
-    if (!(fabs(f->sum - (double)kept->sum) <= KEEP_WHILE * f->sum) || rescaled < -1 || rescaled > 1)
-        return 0;
-    const double scale = power_of_two(2 * rescaled);
-    for (int i = 0; i < dim; i++) {
-        double sum = 0;
-        for (int j = 0; j < dim; j++)
-            sum += (double)kept->inverse[i <= j ? packed(i, j, 3) : packed(j, i, 3)] * g[j];
-        direction[i] = -sum * scale;
-    }
-    limit_length(direction, derivative->size2, dim);
-    return 1;
-}
-
 /** Keep the scale that the star has. */
 static inline void keep_scale(const local *here, pl_star_kept *kept) {
     kept->sum = PL_SCALE_ALONE;
-    kept->exponent = exponent_of(here->s.scale);
-}
-
-/** Keep the Hessian of a star with this sum, if it is positive definite. */
-static inline void keep_hessian(const local *here, pl_star_kept *kept, const double *hessian,
-                                double sum) {
-    double inverse[6];
-    if (!invert(hessian, inverse))
-        return;
-    for (int i = 0; i < 6; i++)
-        kept->inverse[i] = (float)inverse[i];
-    kept->sum = (float)sum;
     kept->exponent = exponent_of(here->s.scale);
 }
 

@@ -151,7 +151,7 @@ typedef struct pl_star_problem {
     double *scratch; /* [threads][scratch_stride], see pl_star_scratch_size */
     int64_t scratch_stride;
     uint8_t *changed;   /* [n_nodes] flags of the node's star, see PL_CHANGED */
-    pl_star_kept *kept; /* [n_stars], for Newton's direction without a guard; NULL: none */
+    pl_star_kept *kept; /* [n_stars], for Newton's direction in space; NULL: none */
     planish_search search;
     pl_star_limits limits;       /* a move that makes an element worse is refused */
     double still;                /* a move shorter than this fraction of the star's size changes
@@ -265,8 +265,8 @@ typedef struct pl_star_value {
 typedef int pl_star_evaluate_fn(const pl_star_problem *problem, int64_t star, double *scratch,
                                 int with_derivatives, pl_star_value *value);
 
-/* As with_derivatives, tetrahedra and corners without a guard: no Hessian, and the gradient as a visit
- * by a kept one computes it. Elsewhere it is as 1. */
+/* As with_derivatives, in space: no Hessian, and the gradient as a visit by a kept one computes it.
+ * Where a guard's function is not that of one ratio alone, and of triangles, it is as 1. */
 enum { PL_GRADIENT_ALONE = 2 };
 
 /** Add the optimality of stars begin .. end-1 to *optimality; the problem has a guard. */

@@ -209,7 +209,7 @@ void pl_run_prepare(pl_run *r) {
     r->problem.storage = pl_storage_of(r->options);
     r->problem.objective = r->options->objective;
     r->problem.guard = r->guard.in_visits ? &r->guard.star : NULL;
-    if (!r->problem.guard && r->options->search == PLANISH_SEARCH_NEWTON)
+    if (r->options->search == PLANISH_SEARCH_NEWTON)
         r->problem.kept = plan->scratch.kept;
     pl_run_begin_anew(r);
 }
@@ -220,6 +220,8 @@ pl_star_problem pl_run_sliding_problem(pl_run *r) {
     r->sliding_guard.link_min_volume = r->plan->sliding.stars.min_volume;
     problem.guard = &r->sliding_guard;
     problem.search = r->problem.search;
+    if (r->problem.kept)
+        problem.kept = r->problem.kept + r->plan->interior.stars.n_stars;
     problem.limits = r->problem.limits;
     problem.calm = r->problem.calm;
     problem.rr2_skip = r->problem.rr2_skip;
@@ -246,8 +248,8 @@ void pl_run_begin_anew(pl_run *r) {
     pl_watch_measure(&r->watch); /* nodes may have moved otherwise than by visits */
     pl_watch_limit(&r->watch, r->watch.worst_ar2);
     if (r->problem.kept)
-        pl_parallel_for(plan->threads, plan->interior.stars.n_stars, CHUNK_NODES, forget,
-                        r->problem.kept);
+        pl_parallel_for(plan->threads, plan->interior.stars.n_stars + plan->sliding.stars.n_stars,
+                        CHUNK_NODES, forget, r->problem.kept);
 }
 
 void pl_run_begin_sweep(pl_run *r) {
