@@ -121,7 +121,8 @@ static int prepare_scratch(planish_plan *plan, planish_error *error) {
     s->kernels = pl_alloc(s->kernel_stride * plan->threads, sizeof *s->kernels);
     s->tally = pl_alloc(plan->threads, sizeof *s->tally);
     s->places = pl_alloc(plan->sliding.n_followers, sizeof *s->places);
-    s->kept = plan->dim == 3 ? pl_alloc(interior->n_stars + sliding->n_stars, sizeof *s->kept) : NULL;
+    s->kept =
+        plan->dim == 3 ? pl_alloc(interior->n_stars + sliding->n_stars, sizeof *s->kept) : NULL;
     const pl_points points = pl_plan_points(plan, s->coordinates);
     const int is_dense = pl_points_are_dense(&points);
     s->given = is_dense ? NULL : pl_alloc(values, sizeof *s->given);

@@ -762,7 +762,8 @@ PL_NOINLINE objective guarded_gradient(const star *s, const question *q, const d
     if (has_forms(s))
         return guarded_sums(s, q, position, out, CORNER_MEAN_RATIO, PL_GRADIENT_ALONE, 3);
     if (q->objective == PLANISH_OBJECTIVE_MEAN_RATIO)
-        return guarded_sums(s, q, position, out, PLANISH_OBJECTIVE_MEAN_RATIO, PL_GRADIENT_ALONE, 3);
+        return guarded_sums(s, q, position, out, PLANISH_OBJECTIVE_MEAN_RATIO, PL_GRADIENT_ALONE,
+                            3);
     return guarded_sums(s, q, position, out, PLANISH_OBJECTIVE_RADIUS_RATIO, PL_GRADIENT_ALONE, 3);
 }
 
