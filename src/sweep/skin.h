@@ -96,6 +96,7 @@ typedef struct pl_skin {
     pl_mids *mids;      /* of a shape of second order: mids follow by it, and go to the shape by
                            mids->own; a mid has its place, its inner number is PL_SKIN_MID */
     struct pl_skin_wholes *wholes; /* [threads] room for visits of their corners */
+    int32_t *mid_number; /* [n_nodes] with wholes: of a mid in the last visit of a parent */
 } pl_skin;
 
 /** As inner numbers: a mid; the first node that is not of the plan. */

@@ -65,6 +65,7 @@ int pl_skin_mids_make(pl_skin *skin) {
     int done = 1;
     if (!skin->shape->whole)
         return 1;
+    skin->mid_number = pl_alloc_zero(skin->shape->n_nodes, sizeof *skin->mid_number);
     skin->wholes = pl_alloc_zero(skin->threads, sizeof *skin->wholes);
     for (int t = 0; skin->wholes && t < skin->threads; t++) {
         struct pl_skin_wholes *w = &skin->wholes[t];
@@ -76,7 +77,7 @@ int pl_skin_mids_make(pl_skin *skin) {
         w->place = pl_alloc(n, sizeof *w->place);
         done = done && w->mid && w->whole && w->before && w->trial && w->moved && w->place;
     }
-    return skin->wholes && done;
+    return skin->wholes && skin->mid_number && done;
 }
 
 void pl_skin_mids_destroy(pl_skin *skin) {
@@ -89,6 +90,7 @@ void pl_skin_mids_destroy(pl_skin *skin) {
         pl_free(skin->wholes[t].place);
     }
     pl_free(skin->wholes);
+    pl_free(skin->mid_number);
     skin->wholes = NULL;
 }
 
@@ -246,13 +248,12 @@ static int note_mid(const pl_skin_visit *v, const pl_whole *whole, int place) {
     const pl_skin *skin = v->skin;
     struct pl_skin_wholes *w = v->wholes;
     const int32_t mid = whole->node[place];
-    int i = 0;
-    while (i < w->n_mids && w->mid[i].mid != mid)
-        i++;
-    if (i < w->n_mids)
-        return i;
-    w->mid[i] = (mid_of){.mid = mid, .is_placed = is_placed(skin, whole, place)};
-    memcpy(w->mid[i].before, own_of(skin, mid), sizeof w->mid[i].before);
+    int32_t *number = &skin->mid_number[mid];
+    if (*number < w->n_mids && w->mid[*number].mid == mid)
+        return *number;
+    *number = w->n_mids;
+    w->mid[w->n_mids] = (mid_of){.mid = mid, .is_placed = is_placed(skin, whole, place)};
+    memcpy(w->mid[w->n_mids].before, own_of(skin, mid), sizeof w->mid[w->n_mids].before);
     return w->n_mids++;
 }
 

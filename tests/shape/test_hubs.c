@@ -76,6 +76,98 @@ static void a_hub_is_smoothed_and_measured(void **unused) {
     planish_shape_destroy(shape);
 }
 
+/* ---- facets of order 2 ----------------------------------------------------------------------- */
+
+enum {
+    SOLID = 1500, /* tetrahedra */
+    RING = 2,
+    MIDS = RING + SOLID,
+    ROUND = MIDS + 2 * SOLID,
+    AXIS = ROUND + SOLID,
+    SOLID_NODES
+};
+
+/** Two blunt cones on one another: tetrahedra of order 2 around the edge between both apices. */
+typedef struct double_cone {
+    planish_mesh mesh;
+    planish_cells cells;
+    double x[SOLID_NODES][3];
+    int32_t node[SOLID][10];
+    int64_t offset[SOLID + 1];
+    uint8_t type[SOLID];
+} double_cone;
+
+/** Put a mid between two nodes, and out of the solid by a part of the edge. */
+static void put_mid(double_cone *c, int32_t mid, int32_t a, int32_t b, double out) {
+    for (int d = 0; d < 3; d++)
+        c->x[mid][d] = (c->x[a][d] + c->x[b][d]) / 2;
+    c->x[mid][2] += c->x[mid][2] > 0 ? out : c->x[mid][2] < 0 ? -out : 0;
+}
+
+static void make_double_cone(double_cone *c) {
+    const int n = SOLID;
+    set_place(c->x[0], 0.04, 0.1, 0.3);
+    set_place(c->x[1], 0.03, 0.7, -0.3);
+    for (int i = 0; i < n; i++)
+        set_place(c->x[RING + i], 1, (i + 0.3 * (i % 3 == 1)) / n, 0);
+    put_mid(c, AXIS, 0, 1, 0);
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t a = RING + i, b = RING + (i + 1) % n;
+        const int32_t up = MIDS + 2 * i, up_b = MIDS + 2 * ((i + 1) % n), round = ROUND + i;
+        const int32_t node[10] = {1, a, b, 0, up + 1, round, up_b + 1, AXIS, up, up_b};
+        memcpy(c->node[i], node, sizeof node);
+        put_mid(c, up, 0, a, 0.01);
+        put_mid(c, up + 1, 1, a, 0.01);
+        put_mid(c, round, a, b, 0);
+        c->type[i] = PLANISH_CELL_TETRAHEDRON10;
+        c->offset[i + 1] = 10 * ((int64_t)i + 1);
+    }
+    c->cells = (planish_cells){.n = n, .type = c->type, .offset = c->offset, .node = c->node[0]};
+    c->mesh = (planish_mesh){.dim = 3,
+                             .n_nodes = SOLID_NODES,
+                             .n_elements = n,
+                             .coordinates = c->x[0],
+                             .cells = &c->cells};
+}
+
+/** The mids of all edges at an apex go along with it. */
+static void a_hub_of_order_2_is_smoothed(void **unused) {
+    static double_cone c;
+    planish_shape *shape = NULL;
+    planish_options options;
+    planish_shape_distance distance;
+    planish_slide_info info;
+    planish_plan *plan;
+    planish_error e;
+    (void)unused;
+    make_double_cone(&c);
+    assert_int_equal(planish_shape_create(&c.mesh, NULL, 1, &shape, NULL, &e), 0);
+    const planish_surface surface = {.shape = shape};
+    uint8_t *constraint = malloc(SOLID_NODES);
+    double(*direction)[3] = malloc(SOLID_NODES * sizeof *direction);
+    assert_int_equal(planish_find_slides(&c.mesh, &surface, 1, constraint, direction[0], &info, &e),
+                     0);
+    assert_int_equal(constraint[0], PLANISH_CONSTRAINT_ON_PATCH);
+    planish_options_init(&options);
+    options.shape = shape;
+    options.threads = 1;
+    options.max_sweeps = 2;
+    c.mesh.constraint = constraint;
+    c.mesh.direction = direction[0];
+    const double before[2] = {c.x[0][0], c.x[MIDS][0]};
+    assert_int_equal(planish_plan_create(&c.mesh, &options, &plan, &e), 0);
+    assert_int_equal(planish_smooth(plan, c.x[0], &options, NULL, &e), 0);
+    assert_true(c.x[0][0] != before[0] && c.x[MIDS][0] != before[1]);
+    planish_plan_destroy(plan);
+    assert_int_equal(planish_measure_shape(shape, &c.mesh, 1, &distance, &e), 0);
+    assert_int_equal(distance.n_unproved, 0);
+    planish_shape_destroy(shape);
+    free(constraint);
+    free(direction);
+}
+
+/* ---- gaps ------------------------------------------------------------------------------------ */
+
 /** Whether two facets of a shape of a surface alone are within most across a gap, by plain words. */
 static int are_near(const planish_shape *s, int a, int b, double most) {
     const double *x[3], *y[3];
@@ -148,6 +240,7 @@ static void gaps_between_fans(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_hub_is_smoothed_and_measured),
+        cmocka_unit_test(a_hub_of_order_2_is_smoothed),
         cmocka_unit_test(gaps_between_fans),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
