@@ -140,9 +140,8 @@ static void say(const char *what, const block *b, const outcome *o) {
            o->distance.in_edges, o->distance.distance_back, o->distance.back_in_edges);
 }
 
-/** A block, a surface that it is fitted to, and the outcome; random: what the block is drawn by. */
+/** A block, a surface that it is fitted to, and the outcome. */
 typedef struct fitted {
-    uint64_t random;
     block b;
     block_target fine;
     outcome o;
@@ -157,6 +156,12 @@ static void fit_one(const char *what, double reach, fitted *t) {
     assert_int_equal(count_inverted(&t->b.mesh, t->o.smoothed), 0);
 }
 
+/** Make the block of n cubes along each side, of tetrahedra or hexahedra. */
+static void make_fitted(int is_tets, block_form f, int n, double size, double shake, fitted *t) {
+    uint64_t random = effort_seed(3);
+    block_create(is_tets, BOX_HEXAHEDRA, f, n, size, shake, &random, &t->b);
+}
+
 static void free_fitted(fitted *t) {
     free_outcome(&t->o);
     block_destroy(&t->b);
@@ -165,8 +170,8 @@ static void free_fitted(fitted *t) {
 
 static void test_ball(void **state) {
     (void)state;
-    fitted t = {.random = effort_seed(3)};
-    block_create(1, BOX_HEXAHEDRA, BLOCK_BALL, 6, 0.95, 0.02, &t.random, &t.b);
+    fitted t;
+    make_fitted(1, BLOCK_BALL, 6, 0.95, 0.02, &t);
     block_target_create(BLOCK_BALL, 24, 1, 1, &t.fine);
     fit_one("ball of tetrahedra", 0, &t);
     assert_int_equal(t.o.after.n_off, 0);
@@ -177,8 +182,8 @@ static void test_ball(void **state) {
 
 static void test_cylinder(void **state) {
     (void)state;
-    fitted t = {.random = effort_seed(3)};
-    block_create(0, BOX_HEXAHEDRA, BLOCK_CYLINDER, 6, 1, 0.02, &t.random, &t.b);
+    fitted t;
+    make_fitted(0, BLOCK_CYLINDER, 6, 1, 0.02, &t);
     block_target_create(BLOCK_CYLINDER, 24, 1, 0, &t.fine);
     fit_one("cylinder of hexahedra", 0, &t);
     assert_int_equal(t.o.after.n_off, 0);
@@ -206,8 +211,8 @@ static int64_t count_after_projection(const block *b, double radius) {
 /** Plain projection inverts hexahedra: the fit does not, and comes as far. */
 static void test_block_onto_ball(void **state) {
     (void)state;
-    fitted t = {.random = effort_seed(3)};
-    block_create(0, BOX_HEXAHEDRA, BLOCK_CUBE, 6, 0.8, 0, &t.random, &t.b);
+    fitted t;
+    make_fitted(0, BLOCK_CUBE, 6, 0.8, 0, &t);
     block_target_create(BLOCK_BALL, 16, 0.5, 0, &t.fine);
     fit_one("block onto a ball", 5, &t);
     assert_true(count_after_projection(&t.b, 0.5) > 0);
@@ -218,8 +223,8 @@ static void test_block_onto_ball(void **state) {
 /** Nodes inside are held, and no more is possible than they allow. */
 static void test_not_there(void **state) {
     (void)state;
-    fitted t = {.random = effort_seed(3)};
-    block_create(0, BOX_HEXAHEDRA, BLOCK_CUBE, 6, 0.8, 0, &t.random, &t.b);
+    fitted t;
+    make_fitted(0, BLOCK_CUBE, 6, 0.8, 0, &t);
     block_target_create(BLOCK_BALL, 16, 0.75, 0, &t.fine);
     uint8_t *constraint = malloc((size_t)t.b.mesh.n_nodes);
     uint8_t *class_of = malloc((size_t)t.b.mesh.n_nodes);
@@ -259,8 +264,8 @@ static int is_boundary(const planish_mesh *mesh, int64_t element, int corner) {
 /** The distance is not below samples of it, nor far above. */
 static void test_certificate(void **state) {
     (void)state;
-    fitted t = {.random = effort_seed(3)};
-    block_create(1, BOX_HEXAHEDRA, BLOCK_BALL, 5, 0.95, 0.02, &t.random, &t.b);
+    fitted t;
+    make_fitted(1, BLOCK_BALL, 5, 0.95, 0.02, &t);
     block_target_create(BLOCK_BALL, 32, 1, 0, &t.fine);
     fit_one("ball whose bound is sampled", 0, &t);
     uint64_t random = effort_seed(5);
@@ -301,10 +306,10 @@ static void curved_point(const double *x, const int32_t *node, const double w[3]
 static void test_curved_other(void **state) {
     (void)state;
     enum { STEPS = 12 };
-    fitted t = {.random = effort_seed(3)};
+    fitted t;
     planish_fit *f;
     planish_shape_distance distance;
-    block_create(1, BOX_HEXAHEDRA, BLOCK_BALL, 2, 1, 0, &t.random, &t.b);
+    make_fitted(1, BLOCK_BALL, 2, 1, 0, &t);
     block_target_create_curved(BLOCK_BALL, 1, &t.fine);
     assert_int_equal(
         planish_fit_create(&t.b.mesh, t.b.shape, t.fine.shape, 0, NULL, &f, NULL, NULL), 0);
@@ -384,10 +389,10 @@ static void test_stop(void **state) {
 /** Elements of 64 bits give the bits of those of 32. */
 static void test_wide(void **state) {
     (void)state;
-    fitted t = {.random = effort_seed(3)};
+    fitted t;
     outcome o;
     const planish_options options = test_options(1);
-    block_create(1, BOX_HEXAHEDRA, BLOCK_BALL, 3, 0.95, 0.02, &t.random, &t.b);
+    make_fitted(1, BLOCK_BALL, 3, 0.95, 0.02, &t);
     block_target_create(BLOCK_BALL, 8, 1, 0, &t.fine);
     fit(&t.b, &t.fine, 0, &options, &t.o);
     const int64_t n = 4 * t.b.mesh.n_elements;
@@ -407,11 +412,11 @@ static void test_wide(void **state) {
 /** Coordinates are finite, also if no node is on its way; what is refused stays. */
 static void test_not_finite(void **state) {
     (void)state;
-    fitted t = {.random = effort_seed(3)};
+    fitted t;
     planish_fit *f;
     planish_fit_info info = {.n_nodes = -1};
     planish_error error;
-    block_create(1, BOX_HEXAHEDRA, BLOCK_CUBE, 2, 1, 0, &t.random, &t.b);
+    make_fitted(1, BLOCK_CUBE, 2, 1, 0, &t);
     block_target_create(BLOCK_CUBE, 2, 1, 0, &t.fine);
     assert_int_equal(
         planish_fit_create(&t.b.mesh, t.b.shape, t.fine.shape, 0, NULL, &f, &info, NULL), 0);

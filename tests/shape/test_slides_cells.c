@@ -109,6 +109,11 @@ static void what_is_inside_of_cells_may_be_told(void **state) {
     }
 }
 
+/** Whether a node of the side y = 0 is in a quadrilateral at the middle one of that side. */
+static int is_around_middle(const double *x) {
+    return fabs(x[0] - 2) <= 1 && x[1] <= 0 && fabs(x[2] - 2) <= 1;
+}
+
 /** Quadrilaterals of which one node is off the plane are not planar: their nodes stay, and so do those
  *  of a whole side that is bent. */
 static void quadrilaterals_that_are_not_planar_stay(void **state) {
@@ -120,14 +125,7 @@ static void quadrilaterals_that_are_not_planar_stay(void **state) {
             slides_node_at(&box->mesh, 2, 0, 2); /* wedges have quadrilaterals there, too */
         box->x[3 * off + 1] = -0.01;
         slides_found f = slides_find(&box->mesh, NULL);
-        for (int64_t i = 0; i < box->mesh.n_nodes; i++) {
-            const double *x = box->mesh.coordinates + 3 * i;
-            const int is_around = fabs(x[0] - 2) <= 1 && x[1] <= 0 && fabs(x[2] - 2) <= 1;
-            const int crosses[3] = {slides_is_side(x[0]) || is_around,
-                                    slides_is_side(x[1]) || is_around,
-                                    slides_is_side(x[2]) || is_around};
-            slides_expect_node(&f, i, 3, crosses);
-        }
+        slides_expect_sides(&box->mesh, &f, is_around_middle);
         slides_release(&f);
         cell_box_destroy(box);
     }
@@ -143,12 +141,7 @@ static void darts_are_planar(void **state) {
         box->x[3 * node] += x > 1 ? -0.7 : 0.7; /* past the diagonal of a side's quadrilateral */
         box->x[3 * node + 2] += z > 1 ? -0.7 : 0.7;
         slides_found f = slides_find(&box->mesh, NULL);
-        for (int64_t i = 0; i < box->mesh.n_nodes; i++) {
-            const double *at = box->x + 3 * i;
-            const int crosses[3] = {slides_is_side(at[0]), slides_is_side(at[1]),
-                                    slides_is_side(at[2])};
-            slides_expect_node(&f, i, 3, crosses);
-        }
+        slides_expect_sides(&box->mesh, &f, NULL);
         slides_release(&f);
         cell_box_destroy(box);
     }
@@ -181,20 +174,17 @@ static void split_upper_half(cell_box *box) {
     box->mesh.n_elements = cells;
 }
 
+static int is_half_way_up(const double *x) {
+    return x[2] == 2;
+}
+
 /** A quadrilateral against two triangles is a boundary of both sides: nodes there stay. */
 static void quadrilaterals_against_triangles_stay(void **state) {
     (void)state;
     cell_box *box = box_of(BOX_HEXAHEDRA, 0);
     split_upper_half(box);
     slides_found f = slides_find(&box->mesh, NULL);
-    for (int64_t i = 0; i < box->mesh.n_nodes; i++) {
-        const double *x = box->mesh.coordinates + 3 * i;
-        const int is_between = x[2] == 2;
-        const int crosses[3] = {slides_is_side(x[0]) || is_between,
-                                slides_is_side(x[1]) || is_between,
-                                slides_is_side(x[2]) || is_between};
-        slides_expect_node(&f, i, 3, crosses);
-    }
+    slides_expect_sides(&box->mesh, &f, is_half_way_up);
     slides_release(&f);
     cell_box_destroy(box);
 }

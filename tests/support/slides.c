@@ -64,3 +64,14 @@ void slides_expect_node(const slides_found *f, int64_t i, int dim, const int *cr
         slides_expect_axis(f->direction + i * dim, dim, axis);
     }
 }
+
+void slides_expect_sides(const planish_mesh *mesh, const slides_found *f,
+                         int (*is_held)(const double *x)) {
+    for (int64_t i = 0; i < mesh->n_nodes; i++) {
+        const double *x = mesh->coordinates + 3 * i;
+        const int all = is_held && is_held(x);
+        const int crosses[3] = {all || slides_is_side(x[0]), all || slides_is_side(x[1]),
+                                all || slides_is_side(x[2])};
+        slides_expect_node(f, i, 3, crosses);
+    }
+}

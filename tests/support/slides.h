@@ -2,7 +2,7 @@
  *
  *   slides_find, _find_on, _release     constraints and directions of a mesh
  *   slides_is_side, _node_at            places of a box of SLIDES_CELLS cubes along each side
- *   slides_expect_node, _axis           whether a node slides as expected
+ *   slides_expect_node, _sides, _axis   whether nodes slide as expected
  */
 #ifndef PL_TESTS_SLIDES_H
 #define PL_TESTS_SLIDES_H
@@ -39,5 +39,10 @@ void slides_expect_axis(const double *direction, int dim, int axis);
 /** Expect of node i of a box that it is held, slides or is free as the planes through it say: crosses
  *  [dim], how many cross each axis. */
 void slides_expect_node(const slides_found *f, int64_t i, int dim, const int *crosses);
+
+/** Expect of all nodes of a box in space that they are held, slide or are free as its sides say. is_held: whether
+ *  a node at x is held in any case; NULL: none is. */
+void slides_expect_sides(const planish_mesh *mesh, const slides_found *f,
+                         int (*is_held)(const double *x));
 
 #endif
