@@ -162,12 +162,14 @@ static void note_facets(void *context, int32_t node, const pl_facet *facets, int
             may_be_tagged = s->has_tagged[f.node[j]];
         const int32_t key[] = {f.node[0], f.node[1], f.node[2], -1};
         pl_tagged *t = may_be_tagged ? pl_tags_find(&s->tagged, key) : NULL;
+        /* Of an element that is listed twice a facet of the boundary is one of both. */
+        const int count = facet->count == 2 && facet->twin ? 1 : facet->count;
         const int32_t first = region ? region[facet->element[0]] : 0;
-        const int32_t second = region && facet->count > 1 ? region[facet->element[1]] : first;
-        if (facet->count == 2 && first == second && !t)
+        const int32_t second = region && count > 1 ? region[facet->element[1]] : first;
+        if (count == 2 && first == second && !t)
             continue;
         f.apex = second < first ? ~facet->opposite : facet->opposite;
-        f.label = make_label(facet->count, first, second, t);
+        f.label = make_label(count, first, second, t);
         if (s->found) {
             s->found[s->place[node] + n] = f;
             if (t)

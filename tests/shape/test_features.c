@@ -638,6 +638,39 @@ static void wrong_arguments_are_refused(void **state) {
     test_mesh_destroy(&flat);
 }
 
+/** Number of facets of a box of which an element is listed twice, -1: none is; no edge of them is open. */
+static int64_t count_facets_with(int64_t element) {
+    test_mesh box;
+    test_mesh_box(&box, 3, 2);
+    planish_mesh mesh = box.mesh;
+    const size_t n = (size_t)mesh.n_elements * 4;
+    int32_t *node = malloc((n + 4) * sizeof *node);
+    memcpy(node, mesh.elements, n * sizeof *node);
+    if (element >= 0) {
+        memcpy(node + n, node + 4 * element, 4 * sizeof *node);
+        mesh.n_elements++;
+    }
+    mesh.elements = node;
+    made_shape shape = test_shape_make(&mesh, NULL, 1);
+    assert_int_equal(shape.info.n_open_edges, 0);
+    planish_shape_destroy(shape.s);
+    free(node);
+    test_mesh_destroy(&box);
+    return shape.info.n_facets;
+}
+
+/** The surface has the boundary's facets of an element that is listed twice, and those inside: three elements
+ *  have these. */
+static void elements_that_are_listed_twice_leave_no_hole(void **state) {
+    (void)state;
+    enum { OUTER = 6 * 2 * 2 * 2 };
+    assert_int_equal(count_facets_with(-1), OUTER);
+    for (int64_t element = 0; element < 6 * 2 * 2 * 2; element++) {
+        const int64_t n = count_facets_with(element) - OUTER;
+        assert_true(n >= 2 && n <= 4);
+    }
+}
+
 static void memory_may_run_out(void **state) {
     (void)state;
     test_mesh box;
@@ -678,6 +711,7 @@ int main(void) {
         cmocka_unit_test(any_mesh_has_a_shape),
         cmocka_unit_test(scales_make_the_same_shape),
         cmocka_unit_test(wrong_arguments_are_refused),
+        cmocka_unit_test(elements_that_are_listed_twice_leave_no_hole),
         cmocka_unit_test(memory_may_run_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
