@@ -90,7 +90,7 @@ static void a_hub_is_smoothed_and_measured(void **unused) {
 /* ---- facets of order 2 ----------------------------------------------------------------------- */
 
 enum {
-    SOLID = 1500, /* tetrahedra */
+    SOLID = 600, /* tetrahedra */
     RING = 2,
     MIDS = RING + SOLID,
     ROUND = MIDS + 2 * SOLID,
