@@ -463,22 +463,6 @@ static void place_nodes(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** Return the largest angle between facets at edges that are no features, as a cosine. */
-static double sharpest_bend(const planish_shape *s) {
-    double least = 1;
-    for (int32_t f = 0; f < s->n_facets; f++) {
-        double normal[3], other[3];
-        pl_facet_normal(s, f, normal);
-        for (int k = 0; k < 3; k++) {
-            if (s->across[f][k] <= f)
-                continue;
-            pl_facet_normal(s, s->across[f][k], other);
-            least = fmin(least, pl_dot(3, normal, other));
-        }
-    }
-    return least;
-}
-
 static int measure_shape(const planish_shape *shape, const pl_points *points, int threads,
                          planish_shape_distance *distance, planish_error *error) {
     enum { CHUNK = 512 };
@@ -492,14 +476,14 @@ static int measure_shape(const planish_shape *shape, const pl_points *points, in
         status = pl_shape_measure(shape, (const double(*)[3])m.x, m.place, threads, &d, error);
     }
     if (!status)
-        *distance = (planish_shape_distance){.distance = d.there / shape->scale,
-                                             .distance_back = d.back / shape->scale,
-                                             .in_edges = d.there_h,
-                                             .back_in_edges = d.back_h,
-                                             .n_unproved = d.n_unproved,
-                                             .max_bend = DEGREES * pl_arc_cosine(d.sharpest),
-                                             .max_bend_before =
-                                                 DEGREES * pl_arc_cosine(sharpest_bend(shape))};
+        *distance = (planish_shape_distance){
+            .distance = d.there / shape->scale,
+            .distance_back = d.back / shape->scale,
+            .in_edges = d.there_h,
+            .back_in_edges = d.back_h,
+            .n_unproved = d.n_unproved,
+            .max_bend = DEGREES * pl_arc_cosine(d.sharpest),
+            .max_bend_before = DEGREES * pl_arc_cosine(pl_shape_sharpest(shape, threads))};
     pl_free(m.x);
     pl_free(m.place);
     return status;

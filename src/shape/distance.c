@@ -45,7 +45,6 @@ typedef struct pl_measuring {
     double *
         edge; /* [n_facets] likewise: how far an edge of a planar patch is off where it was, with how
                      far the patch is from a plane; infinite: it is none */
-    double bend;          /* 1 - the least cosine */
     int64_t n_open[WAYS]; /* facets about which the overlay says nothing */
     double most[WAYS],
         most_h[WAYS]; /* largest bounds of the others, in units of length and edges */
@@ -242,14 +241,20 @@ static void sum_up(const pl_measuring *m, pl_shape_distance *distance) {
             distance->back_h = fmax(distance->back_h, bound[BACK] / h);
         distance->n_unproved += !(bound[THERE] < INFINITY) + !(bound[BACK] < INFINITY);
     }
-    distance->sharpest = 1 - m->bend;
 }
 
-/** Find the sharpest smooth edge. */
-static void measure_bends(void *context, int64_t begin, int64_t end, int thread) {
+/* ---- bends ------------------------------------------------------------------------------------ */
+
+/** Facets between which the sharpest smooth edge is sought. */
+typedef struct pl_bends {
+    const planish_shape *shape;
+    double most; /* 1 - the least cosine */
+} pl_bends;
+
+static void look_at_bends(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
-    pl_measuring *m = context;
-    const planish_shape *s = &m->surface[BACK];
+    pl_bends *b = context;
+    const planish_shape *s = b->shape;
     for (int32_t i = (int32_t)begin; i < end; i++) {
         double normal[3], other[3];
         pl_facet_normal(s, i, normal);
@@ -257,9 +262,15 @@ static void measure_bends(void *context, int64_t begin, int64_t end, int thread)
             if (s->across[i][k] <= i)
                 continue;
             pl_facet_normal(s, s->across[i][k], other);
-            pl_raise_double(&m->bend, 1 - pl_dot(3, normal, other));
+            pl_raise_double(&b->most, 1 - pl_dot(3, normal, other));
         }
     }
+}
+
+double pl_shape_sharpest(const planish_shape *shape, int threads) {
+    pl_bends b = {.shape = shape, .most = 0};
+    pl_parallel_for(threads, shape->n_facets, FACETS, look_at_bends, &b);
+    return 1 - b.most;
 }
 
 /* ---- facets of second order ------------------------------------------------------------------- */
@@ -444,7 +455,6 @@ int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_
         *distance = (pl_shape_distance){INFINITY, INFINITY, INFINITY, INFINITY, 2 * n, -1};
     } else {
         memcpy(now->x, x, (size_t)shape->n_nodes * sizeof *x);
-        pl_parallel_for(threads, n, FACETS, measure_bends, &m);
         status = find_bends(&m, error);
         if (!status)
             status = bound_facets(&m, threads, error);
@@ -453,8 +463,10 @@ int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_
         for (int way = 0; !status && way < WAYS; way++)
             for (int by_edges = 0; by_edges < 2; by_edges++)
                 sharpen_largest(&m, way, by_edges);
-        if (!status)
+        if (!status) {
             sum_up(&m, distance);
+            distance->sharpest = pl_shape_sharpest(now, threads);
+        }
     }
     for (int way = 0; way < WAYS; way++)
         pl_tree_destroy(&m.tree[way]);
