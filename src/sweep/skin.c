@@ -450,13 +450,25 @@ planish_constraint pl_skin_ask(int64_t node, double *point, double *direction, v
 
 /* ---- memory ahead ----------------------------------------------------------------------------- */
 
+void pl_skin_fetch_node(const pl_skin *skin, int64_t star) {
+    const int32_t node = skin->node[star];
+    if (node < 0)
+        return;
+    __builtin_prefetch(&skin->shape->offset[node]);
+    __builtin_prefetch(&skin->place[node], 1);
+    __builtin_prefetch(&skin->known[node], 1);
+    __builtin_prefetch(&skin->disc[node]);
+}
+
 void pl_skin_fetch_list(const pl_skin *skin, int64_t star) {
     const int32_t node = skin->node[star];
     if (node < 0)
         return;
+    const int32_t at = skin->place[node].at;
     __builtin_prefetch(skin->shape->facet_of + skin->shape->offset[node]);
-    __builtin_prefetch(&skin->place[node]);
-    __builtin_prefetch(&skin->known[node]);
+    __builtin_prefetch(&skin->shape->edge_length[node]);
+    if (at >= 0 && skin->shape->node_class[node] == PL_ON_PATCH)
+        __builtin_prefetch(&skin->shape->facet[at]);
 }
 
 void pl_skin_fetch_facets(const pl_skin *skin, int64_t star) {
@@ -472,5 +484,26 @@ void pl_skin_fetch_facets(const pl_skin *skin, int64_t star) {
         __builtin_prefetch(&skin->bound[facet], 1);
         __builtin_prefetch(&skin->tolerance[facet]);
         __builtin_prefetch(&skin->turned[facet], 1);
+        __builtin_prefetch(&skin->is_planar[facet]);
+    }
+}
+
+void pl_skin_fetch_corners(const pl_skin *skin, int64_t star) {
+    const planish_shape *shape = skin->shape;
+    const int32_t node = skin->node[star];
+    if (node < 0)
+        return;
+    for (int64_t i = shape->offset[node]; i < shape->offset[node + 1]; i++) {
+        const int32_t facet = shape->facet_of[i], k = pl_corner_at(shape, facet, node);
+        const int32_t corner = shape->facet[facet][(k + 1) % 3];
+        const int32_t other = shape->across[facet][(k + 1) % 3];
+        __builtin_prefetch(&skin->inner[corner]);
+        __builtin_prefetch(&shape->x[corner]);
+        __builtin_prefetch(&shape->node_class[corner]);
+        __builtin_prefetch(&shape->normal_at[corner]);
+        if (other < 0)
+            continue;
+        __builtin_prefetch(&shape->normal[other]);
+        __builtin_prefetch(&skin->turned[other]);
     }
 }

@@ -29,7 +29,7 @@
  *   pl_skin_prepare, _begin_visit, _end_visit    frame of the visits of nodes
  *   pl_skin_project                              where the node of a visit may be
  *   pl_skin_ask                                  how nodes slide where they are
- *   pl_skin_fetch_list, _facets                  ask for memory ahead
+ *   pl_skin_fetch_node, _list, _facets, _corners ask for memory ahead
  */
 #ifndef PL_SWEEP_SKIN_H
 #define PL_SWEEP_SKIN_H
@@ -333,8 +333,11 @@ void *pl_skin_save(const pl_skin *skin);
 /** Bring back saved places and bounds, if any, of nodes that are back where they were then. */
 void pl_skin_restore(pl_skin *skin, void *saved);
 
-/** Ask for what the visit of a star, if its node is of the skin, will read first; or then. */
+/** Ask for what the visit of a star, if its node is of the skin, will read, and for what the next of these
+ *  will. */
+void pl_skin_fetch_node(const pl_skin *skin, int64_t star);
 void pl_skin_fetch_list(const pl_skin *skin, int64_t star);
 void pl_skin_fetch_facets(const pl_skin *skin, int64_t star);
+void pl_skin_fetch_corners(const pl_skin *skin, int64_t star);
 
 #endif

@@ -272,18 +272,25 @@ static void visit_range(const colour_pass *pass, int64_t begin, int64_t end, dou
         visit_straight(pass, begin, end, scratch, tally);
 }
 
-/* Stars whose memory is asked for ahead, in visits one at a time. */
-enum { AHEAD = 3 };
+/* So many stars ahead memory is asked for, in visits one at a time: each step reads what the one before
+ * has asked for. */
+enum { NODE_AHEAD = 7, LIST_AHEAD = 5, FACETS_AHEAD = 3 };
 
-/** Ask for what the visits of stars after i will read, i being next. */
-PL_AT_ONCE void fetch_surface(const colour_pass *pass, int64_t i, int64_t end) {
+/** Ask for what the visits of stars after i will read, i being next. The chunk after this one is that of
+ *  this thread, most likely. */
+PL_AT_ONCE void fetch_surface(const colour_pass *pass, int64_t i) {
     const pl_star_problem *problem = pass->problem;
     const pl_skin *skin = pass->plan->scratch.skin;
-    if (i + AHEAD < end)
-        pl_skin_fetch_list(skin, i + AHEAD);
-    if (i + 1 >= end)
+    const int64_t left = pass->end - i;
+    if (left > NODE_AHEAD)
+        pl_skin_fetch_node(skin, i + NODE_AHEAD);
+    if (left > LIST_AHEAD)
+        pl_skin_fetch_list(skin, i + LIST_AHEAD);
+    if (left > FACETS_AHEAD)
+        pl_skin_fetch_facets(skin, i + FACETS_AHEAD);
+    if (left <= 1)
         return;
-    pl_skin_fetch_facets(skin, i + 1);
+    pl_skin_fetch_corners(skin, i + 1);
     for (int64_t k = problem->ring_offset[i + 1]; k < problem->ring_offset[i + 2]; k++) {
         pl_fetch_node(pass->plan->dim, problem->coordinates, problem->ring[k]);
         pl_fetch_to_write(&problem->changed[problem->ring[k]]);
@@ -302,14 +309,14 @@ static void visit_surface(const colour_pass *pass, int64_t begin, int64_t end, i
     problem.project_user = &visit;
     on_skin.problem = &problem;
     on_skin.visit = &visit;
-    for (int64_t i = begin; i < begin + AHEAD && i < end; i++)
-        pl_skin_fetch_list(skin, i);
     for (int64_t i = begin; i < end; i++) {
-        fetch_surface(pass, i, end);
+        fetch_surface(pass, i);
         if (skin->node[i] < 0)
             continue;
         visit_range(pass, begin, i, scratch, tally);
         begin = i + 1;
+        if (!(problem.changed[problem.node[i]] & PL_CHANGED) && !pass->plan->scratch.watch)
+            continue; /* as the kernel would */
         const pl_star_tally was = *tally;
         pl_skin_begin_visit(&visit, i);
         visit_range(&on_skin, i, i + 1, scratch, tally);
