@@ -27,9 +27,10 @@
 #include <string.h>
 
 enum {
-    MOST_FACETS = 128, /* that a triangle may meet */
-    MOST_POINTS = 12,  /* of a triangle cut by three lines, with roundings of all signs */
-    MOST_EDGES = 64,   /* of a curve under one edge */
+    MOST_FACETS = 128,           /* that a triangle may meet */
+    MOST_SEEN = MOST_FACETS + 2, /* nodes of these: across an edge there is one more */
+    MOST_POINTS = 12,            /* of a triangle cut by three lines, with roundings of all signs */
+    MOST_EDGES = 64,             /* of a curve under one edge */
 };
 
 /* Cosine of the steepest facet under T. */
@@ -54,6 +55,18 @@ typedef struct pl_frame {
     double longest;      /* side */
 } pl_frame;
 
+/** A point in T's frame. */
+typedef struct pl_flat_point {
+    double x[3];
+    double depth[3]; /* under each side */
+} pl_flat_point;
+
+/** A facet in T's frame. */
+typedef struct pl_flat_facet {
+    pl_flat_point corner[3];
+    double margin;
+} pl_flat_facet;
+
 /** A flood of the facets over T. */
 typedef struct pl_overlay {
     const planish_shape *shape;
@@ -73,19 +86,10 @@ typedef struct pl_overlay {
     int32_t facet[MOST_FACETS];
     double middle[MOST_FACETS]
                  [2]; /* a point of the piece; NAN: there is none; infinite: it was not cut */
+    int n_seen;       /* nodes of facets, each is one of several */
+    int32_t seen[MOST_SEEN];
+    pl_flat_point at[MOST_SEEN];
 } pl_overlay;
-
-/** A point in T's frame. */
-typedef struct pl_flat_point {
-    double x[3];
-    double depth[3]; /* under each side */
-} pl_flat_point;
-
-/** A facet in T's frame. */
-typedef struct pl_flat_facet {
-    pl_flat_point corner[3];
-    double margin;
-} pl_flat_facet;
 
 enum { OUTSIDE, MET, FAILED };
 
@@ -142,25 +146,36 @@ static int set_frame(pl_frame *f, const double x[3][3]) {
         f->inward[k][0] = -along[1] / f->side[k];
         f->inward[k][1] = along[0] / f->side[k];
         f->height[k] = f->area / f->side[k];
-        f->longest = fmax(f->longest, f->side[k]);
+        f->longest = larger(f->longest, f->side[k]);
     }
     return f->area > 0;
 }
 
 /* ---- one facet ---------------------------------------------------------------------------- */
 
+/** Compute a node of the shape in T's frame, or find it where that was done. */
+static const pl_flat_point *see_node(pl_overlay *o, int32_t node) {
+    const pl_frame *f = &o->frame;
+    for (int i = 0; i < o->n_seen; i++)
+        if (o->seen[i] == node)
+            return &o->at[i];
+    pl_flat_point *p = &o->at[o->n_seen];
+    o->seen[o->n_seen++] = node;
+    to_frame(f, o->shape->x[node], p->x);
+    for (int j = 0; j < 3; j++)
+        p->depth[j] = depth_of(f, j, p->x);
+    return p;
+}
+
 /** Compute a facet in T's frame. */
 static void flatten(pl_overlay *o, int32_t facet, pl_flat_facet *flat) {
-    const pl_frame *f = &o->frame;
-    double reach = f->longest;
+    double reach = o->frame.longest;
     for (int k = 0; k < 3; k++) {
-        pl_flat_point *p = &flat->corner[k];
-        to_frame(f, o->shape->x[o->shape->facet[facet][k]], p->x);
-        for (int j = 0; j < 3; j++)
-            p->depth[j] = depth_of(f, j, p->x);
+        const pl_flat_point *p = see_node(o, o->shape->facet[facet][k]);
+        flat->corner[k] = *p;
         reach = larger(fabs(p->x[0]) + fabs(p->x[1]) + fabs(p->x[2]), reach);
     }
-    flat->margin = ROUNDING * (reach + f->longest);
+    flat->margin = ROUNDING * (reach + o->frame.longest);
     o->margin = larger(o->margin, flat->margin);
 }
 
@@ -461,7 +476,7 @@ static int flood(pl_overlay *o, int32_t facet) {
     o->margin = o->highest = o->apart2 = o->rest = o->area = 0;
     for (int k = 0; k < 3; k++)
         o->strip[k] = o->cut[k] = 0;
-    o->n = 0;
+    o->n = o->n_seen = 0;
     reach(o, facet);
     int is_met = OUTSIDE;
     for (int i = 0; i < o->n; i++) {
@@ -535,18 +550,18 @@ static double bend_at(const planish_shape *s, int32_t edge) {
     return most;
 }
 
-/** Follow a curve from the edge from towards its end, up to the edge to, or to the corner if to is -1.
- *  Returns whether the way leads there. */
-static int follow(pl_chain *c, int32_t from, int end, int32_t to, int32_t corner) {
+/** Follow a curve from the edge from towards its end, up to the edge to, or to the corner if to is -1, and
+ *  no farther than most off the chord. Returns whether the way leads there. */
+static int follow(pl_chain *c, int32_t from, int end, int32_t to, int32_t corner, double most) {
     const planish_shape *s = c->shape;
     c->off = 0;
     c->bend = bend_at(s, from);
-    for (c->n = 0; c->n < MOST_EDGES;) {
+    for (c->n = 0; c->n < MOST_EDGES && c->off <= most;) {
         const int32_t node = s->edge[from][end];
         if (to < 0 && node == corner)
             return 1;
         c->node[c->n++] = node;
-        c->off = fmax(c->off, off_segment(c->chord[0], c->chord[1], s->x[node]));
+        c->off = larger(off_segment(c->chord[0], c->chord[1], s->x[node]), c->off);
         if (s->node_class[node] != PL_ON_CURVE)
             return 0;
         from = s->edge_at[node][s->edge_at[node][0] == from];
@@ -577,8 +592,13 @@ static double find_chain(const planish_shape *s, const pl_moved_facet *t, int k,
     const int32_t corner = s->facet[t->facet][edge[0] < 0 ? k : l];
     const int32_t from = edge[0] < 0 ? edge[1] : edge[0], to = edge[0] < 0 ? -1 : edge[1];
     other = *chain;
-    const int is_there = follow(chain, from, 0, to, corner);
-    if (follow(&other, from, 1, to, corner) && !(is_there && chain->off <= other.off))
+    /* Most often the way by the nearer end is the short one; the other one soon is farther off. */
+    const double *target = chain->chord[edge[0] >= 0];
+    const int32_t *end = s->edge[from];
+    const int first = pl_distance(3, s->x[end[1]], target) < pl_distance(3, s->x[end[0]], target);
+    const int is_there = follow(chain, from, first, to, corner, INFINITY);
+    const double most = is_there ? chain->off : INFINITY;
+    if (follow(&other, from, !first, to, corner, most) && !(is_there && chain->off <= other.off))
         *chain = other;
     else if (!is_there)
         return INFINITY;
@@ -629,7 +649,7 @@ double pl_overlay_lateral(const planish_shape *shape, const pl_moved_facet *t) {
     int32_t edge[3];
     pl_chain chain;
     for (int k = 0; k < 3; k++)
-        most = fmax(most, find_on_curve(shape, t, k, &edge[k], at));
+        most = larger(find_on_curve(shape, t, k, &edge[k], at), most);
     for (int k = 0; k < 3; k++)
         if (shape->across[t->facet][k] < 0 && edge[k] != edge[(k + 1) % 3])
             most = fmax(most, find_chain(shape, t, k, &chain));
