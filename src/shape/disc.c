@@ -20,6 +20,11 @@ enum { MOST_FACETS = 64 };
 /* A quadratic function is not determined if a pivot is below this part of the diagonal. */
 #define SINGULAR 1e-6
 
+/** The larger of two numbers; fmax would be a call. */
+static inline double larger(double a, double b) {
+    return a > b ? a : b;
+}
+
 /** Facets around a node. */
 typedef struct flood {
     const planish_shape *shape;
@@ -118,14 +123,16 @@ static int flood_disc(flood *w, int32_t node) {
     for (int64_t i = s->offset[node]; i < s->offset[node + 1] && i < s->offset[node] + MOST_FACETS;
          i++)
         reach(w, s->facet_of[i], 0);
-    for (int i = 0; i < w->n; i++) {
+    const int n_own = w->n;
+    for (int i = 0; i < n_own; i++) {
         see(w, i);
         for (int k = 0; k < 3; k++)
-            farthest = fmax(farthest, pl_dot(2, w->x[i][k], w->x[i][k]));
+            farthest = larger(pl_dot(2, w->x[i][k], w->x[i][k]), farthest);
     }
     w->square = REACH * REACH * farthest;
     for (int i = 0; i < w->n; i++) {
-        see(w, i);
+        if (i >= n_own)
+            see(w, i);
         if (w->near[i] < w->square && is_upright((const double(*)[3])w->x[i]))
             go_on(w, i);
     }
@@ -225,11 +232,11 @@ static void find_range(const flood *w, pl_disc *disc) {
             at[k] = (pl_disc_point){x[0], x[1], 0};
             at[k].r = x[2] - (x[0] * (disc->curve[0] * x[0] + disc->curve[1] * x[1]) +
                               x[1] * x[1] * disc->curve[2]);
-            reach = fmax(reach, fabs(x[0]) + fabs(x[1]) + fabs(x[2]) + fabs(at[k].r));
+            reach = larger(fabs(x[0]) + fabs(x[1]) + fabs(x[2]) + fabs(at[k].r), reach);
         }
         range_of(disc, (const pl_disc_point *const[3]){&at[0], &at[1], &at[2]}, &low, &high);
-        lowest = fmin(lowest, low);
-        highest = fmax(highest, high);
+        lowest = low < lowest ? low : lowest;
+        highest = larger(high, highest);
     }
     /* a float has 24 bits */
     disc->lowest = (float)(lowest - (highest - lowest) * 0x1p-20 - reach * 0x1p-40);

@@ -24,8 +24,10 @@ static int32_t curve_edge(const planish_shape *s, int32_t a, int32_t b) {
     return at[s->edge[at[0]][0] != other && s->edge[at[0]][1] != other];
 }
 
-/** Compute the inner control points of edge k of a facet, off the corners next to them. */
-static void control_edge(const planish_shape *s, int32_t f, int k, double control[2][3]) {
+/** Compute the inner control points of edge k of a facet, off the corners next to them. up: the normals of
+ *  its corners. */
+static void control_edge(const planish_shape *s, int32_t f, int k, const double *const up[3],
+                         double control[2][3]) {
     const int m = (k + 1) % 3;
     const int32_t a = s->facet[f][k], b = s->facet[f][m];
     double d[3];
@@ -37,11 +39,11 @@ static void control_edge(const planish_shape *s, int32_t f, int k, double contro
         return;
     }
     const int is_straight = s->across[f][k] < 0;
-    const double *n = pl_corner_normal(s, f, k), *q = pl_corner_normal(s, f, m);
-    const double up = is_straight ? 0 : pl_dot(3, d, n), down = is_straight ? 0 : pl_dot(3, d, q);
+    const double rise = is_straight ? 0 : pl_dot(3, d, up[k]);
+    const double fall = is_straight ? 0 : pl_dot(3, d, up[m]);
     for (int i = 0; i < 3; i++) {
-        control[0][i] = (d[i] - up * n[i]) / 3;
-        control[1][i] = -(d[i] - down * q[i]) / 3;
+        control[0][i] = (d[i] - rise * up[k][i]) / 3;
+        control[1][i] = -(d[i] - fall * up[m][i]) / 3;
     }
 }
 
@@ -55,7 +57,7 @@ static void point_on_patch(const planish_shape *s, const pl_place *place, double
                                  pl_corner_normal(s, f, 2)};
     double edge[3][2][3], ab[3], ac[3], straight[3];
     for (int k = 0; k < 3; k++)
-        control_edge(s, f, k, edge[k]);
+        control_edge(s, f, k, up, edge[k]);
     for (int d = 0; d < 3; d++) {
         /* all relative to the first corner: what is plane stays so to the last digits */
         const double q = x[1][d] - x[0][d], r = x[2][d] - x[0][d];

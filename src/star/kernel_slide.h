@@ -42,7 +42,7 @@ static inline void sliding_init(sliding *s, const pl_star_problem *problem, int6
 }
 
 /** Project v on the directions that the node has. */
-static inline void slide_along(const sliding *s, double *v, const int dim) {
+PL_INLINE void slide_along(const sliding *s, double *v, const int dim) {
     const double along = dot(s->direction, v, dim);
     for (int d = 0; d < dim; d++) {
         const double part = s->direction[d] * along;
@@ -51,7 +51,7 @@ static inline void slide_along(const sliding *s, double *v, const int dim) {
 }
 
 /** Replace the Hessian H by P H P + largest |H_ii| (I - P), P the projection. */
-static inline void slide_hessian(const sliding *s, double *hessian, const int dim) {
+PL_INLINE void slide_hessian(const sliding *s, double *hessian, const int dim) {
     double column[3][3], largest = 0;
     for (int i = 0; i < dim; i++) {
         for (int j = 0; j < dim; j++)

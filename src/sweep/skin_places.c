@@ -37,23 +37,40 @@ pl_place pl_skin_present_place(const pl_skin *skin, int32_t node) {
 
 /* ---- facets ---------------------------------------------------------------------------------- */
 
+/** Bound how far a facet is off the shape; above limit: not known. */
+static double bound_of(const pl_skin *skin, const pl_moved_facet *moved, double limit) {
+    const double lateral = pl_overlay_lateral(skin->shape, moved);
+    if (!(lateral <= limit))
+        return INFINITY;
+    /* A facet within its patch may be off its curve: moves that follow must not take that farther. */
+    return fmax(lateral, pl_overlay_bound(skin->shape, moved, lateral, limit));
+}
+
 double pl_skin_certify(const pl_skin *skin, int32_t facet, int32_t node, const double *x,
                        const pl_place *place) {
     const double limit = skin->tolerance[facet];
     pl_moved_facet moved = {.facet = facet};
+    int is_old = 0;
     for (int j = 0; j < 3; j++) {
         const int32_t corner = skin->shape->facet[facet][j];
         if (corner == node)
             memcpy(moved.x[j], x, sizeof moved.x[j]);
         else
             pl_skin_place_of(skin, corner, moved.x[j]);
-        moved.place[j] = corner == node ? *place : pl_skin_present_place(skin, corner);
+        /* On a patch a place only says where to begin: the old one does most often. */
+        const int may_be_old = skin->shape->node_class[corner] == PL_ON_PATCH;
+        moved.place[j] = corner == node ? *place
+                         : may_be_old   ? pl_skin_get_place(skin, corner)
+                                        : pl_skin_present_place(skin, corner);
+        is_old |= may_be_old && skin->moves[corner] == PL_SKIN_FLAT;
     }
-    const double lateral = pl_overlay_lateral(skin->shape, &moved);
-    if (!(lateral <= limit))
-        return INFINITY;
-    /* A facet within its patch may be off its curve: moves that follow must not take that farther. */
-    return fmax(lateral, pl_overlay_bound(skin->shape, &moved, lateral, limit));
+    const double bound = bound_of(skin, &moved, limit);
+    if (!is_old || bound <= limit)
+        return bound;
+    for (int j = 0; j < 3; j++)
+        if (skin->shape->facet[facet][j] != node)
+            moved.place[j] = pl_skin_present_place(skin, skin->shape->facet[facet][j]);
+    return bound_of(skin, &moved, limit);
 }
 
 /** Return how far the unit normal of a facet is from what it was first; infinite where the skin does not
