@@ -6,6 +6,8 @@
  * above, or makes F rise by more than is allowed, is undone.
  */
 #include "improve/improve.h"
+#include "improve/joint.h"
+#include <stdlib.h>
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -141,6 +143,8 @@ static double worst_of(const pl_run *r) {
     return asin(1 / sqrt(now.acuteness)) * degrees;
 }
 
+static int64_t find_for_joint(void *p, double limit) { return find_bad(p, limit); }
+
 int pl_run_worst(pl_run *r, planish_error *error) {
     const planish_plan *plan = r->plan;
     const double objective = pl_run_objective(r), before = worst_of(r);
@@ -152,8 +156,10 @@ int pl_run_worst(pl_run *r, planish_error *error) {
                 .before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *p.before)};
     int status = p.state && p.before ? PLANISH_OK : pl_fail_memory(error, "the worst elements");
     pl_log(PLANISH_LOG_DETAIL, "improving the worst elements");
-    if (!status)
+    if (!status && !getenv("NOSTAGES"))
         run_stages(&p);
+    if (!status)
+        pl_joint_run(r, p.state, p.most, find_for_joint, &p);
     if (r->result->worst_sweeps > 0) {
         r->result->objective_of_worst = objective;
         r->result->worst_before = before;
