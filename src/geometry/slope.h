@@ -1,12 +1,14 @@
-/* slope: the measures of one element by which the worst one is known, and their derivatives.
+/* slope: measures of one element, and their derivatives by the coordinates of its vertices.
  *
- * Plain formulas, one element at a time. Each measure is larger the better the element is: angles in
- * radians, dihedral in 3-D, 1 / RR, 1 / mu of a corner, its scaled Jacobian.
+ * Plain formulas, one element at a time. Every measure is larger the better the element is: angles in
+ * radians, dihedral in 3-D; 1 / RR; of corners (geometry/corner.h) 1 / mu and the scaled Jacobian.
+ * Vertices [dim + 1][dim] are in an order with a positive determinant D; the vertices of a corner are
+ * those of a link facet, then the node x of the star, as forms have them.
  *
- *   pl_slope_count                    measures of an element
- *   pl_angle_slopes                   its angles
- *   pl_ratio_slope                    1 / RR
- *   pl_mean_slope, pl_jacobian_slopes of a corner
+ *   pl_angle_between                    an angle from its sine and cosine
+ *   pl_angle_slopes                     all angles
+ *   pl_ratio_slope                      1 / RR
+ *   pl_mean_slope, pl_jacobian_slopes   of a corner
  */
 #ifndef PL_GEOMETRY_SLOPE_H
 #define PL_GEOMETRY_SLOPE_H
@@ -22,7 +24,7 @@ typedef struct pl_slope {
     double by[4][3];
 } pl_slope;
 
-/** Angle in radians from its sine (at least 0) and cosine times one positive number. */
+/** Return the angle in radians of a sine (at least 0) and a cosine, both times one positive number. */
 PL_INLINE double pl_angle_between(double sine, double cosine) {
     static const double PI = 3.1415926535897932385;
     const double length = sqrt(sine * sine + cosine * cosine), c = fabs(cosine) / length;
@@ -34,8 +36,8 @@ PL_INLINE double pl_angle_between(double sine, double cosine) {
     return cosine < 0 ? PI - angle : angle;
 }
 
-/** The dihedral angle at the edge from vertex a to b, between the faces with c and d, where
- *  a, b, c, d is an order with a positive determinant. derive: fill by. */
+/** Compute the dihedral angle at the edge from vertex a to b, between the faces with c and d; D is
+ *  positive in the order a, b, c, d. derive: and its derivatives. */
 PL_INLINE void pl_dihedral_slope(const double x[4][3], int a, int b, int c, int d, int derive,
                                  pl_slope *slope) {
     double e[3], u[3], v[3], n1[3], n2[3];
@@ -58,7 +60,8 @@ PL_INLINE void pl_dihedral_slope(const double x[4][3], int a, int b, int c, int 
     }
 }
 
-/** The angles of an element: 6 or 3; returns how many. */
+/** Compute the 6 or 3 angles of an element into slope; return how many. derive: and their
+ *  derivatives. */
 PL_INLINE int pl_angle_slopes(int dim, const double x[4][3], int derive, pl_slope slope[]) {
     if (dim == 3) {
         pl_dihedral_slope(x, 0, 1, 2, 3, derive, &slope[0]);
@@ -96,7 +99,7 @@ PL_INLINE void pl_slope_of_edges(int dim, const double gradient[3][3], pl_slope 
     }
 }
 
-/** 1 / RR of a tetrahedron: 6 D^2 / (|w| S), w = a^2 (b x c) + b^2 (c x a) + c^2 (a x b), S the sum of
+/** Compute 1 / RR of a tetrahedron: 6 D^2 / (|w| S), w = a^2 (b x c) + b^2 (c x a) + c^2 (a x b), S the sum of
  *  the lengths of the faces' normals. */
 PL_INLINE void pl_ratio_slope_3d(const double x[4][3], int derive, pl_slope *slope) {
     double edge[3][3], normal[4][3], w[3], g[3][3], length[4], square[3], S = 0;
@@ -139,7 +142,7 @@ PL_INLINE void pl_ratio_slope_3d(const double x[4][3], int derive, pl_slope *slo
     pl_slope_of_edges(3, (const double(*)[3])g, slope);
 }
 
-/** 1 / RR of a triangle: 4 D^2 / (a b c (a + b + c)). */
+/** Compute 1 / RR of a triangle: 4 D^2 / (a b c (a + b + c)). */
 PL_INLINE void pl_ratio_slope_2d(const double x[4][3], int derive, pl_slope *slope) {
     double e[3][2], length[3];
     for (int j = 0; j < 3; j++) {
@@ -157,6 +160,86 @@ PL_INLINE void pl_ratio_slope_2d(const double x[4][3], int derive, pl_slope *slo
             slope->by[j][k] = slope->value * (2 * of_d / D - of_lengths);
         }
     }
+}
+
+/** Compute 1 / RR of an element, 0 where D is not positive. derive: and its derivatives. */
+PL_INLINE void pl_ratio_slope(int dim, const double x[4][3], int derive, pl_slope *slope) {
+    if (dim == 3)
+        pl_ratio_slope_3d(x, derive, slope);
+    else
+        pl_ratio_slope_2d(x, derive, slope);
+}
+
+/* ---- corners ------------------------------------------------------------------------------- */
+
+/** Compute D and its derivatives by the vertices, the normals of the facets. */
+PL_INLINE double pl_determinant_slopes(int dim, const double x[4][3], double normal[4][3]) {
+    double edge[3][3];
+    for (int j = 0; j < dim; j++)
+        pl_subtract(dim, x[j + 1], x[0], edge[j]);
+    pl_cofactor_normals(dim, (const double(*)[3])edge, normal);
+    pl_base_normal(dim, (const double(*)[3])edge, normal[0]);
+    return pl_determinant_of_edges(dim, (const double(*)[3])edge);
+}
+
+/** Compute 1 / mu = D^(k / 2) / (sqrt(factor) E) of a corner, k / 2 = 2 / 3 or 1; 0 where D is not
+ *  positive. derive: and its derivatives. */
+PL_INLINE void pl_mean_slope(int dim, const double x[4][3], const pl_corner_form *form, int derive,
+                             pl_slope *slope) {
+    double normal[4][3], by_e[4][3] = {{0}}, E = 0;
+    const double D = pl_determinant_slopes(dim, x, normal), power = dim == 3 ? 2.0 / 3 : 1;
+    for (int i = 0, pair = dim; i < dim; i++)
+        for (int j = i + 1; j <= dim; j++) {
+            const double weight = form->weight[j == dim ? i : pair++];
+            for (int k = 0; k < dim; k++) {
+                const double along = x[j][k] - x[i][k];
+                E += weight * along * along;
+                by_e[j][k] += 2 * weight * along;
+                by_e[i][k] -= 2 * weight * along;
+            }
+        }
+    const double top = !(D > 0) ? 0 : dim == 3 ? pl_cube_root(D * D) : D;
+    slope->value = top / (sqrt(form->factor) * E);
+    for (int v = 0; derive && v <= dim; v++)
+        for (int k = 0; k < dim; k++)
+            slope->by[v][k] = slope->value * (power * normal[v][k] / D - by_e[v][k] / E);
+}
+
+/** Compute the scaled Jacobian of the corner at vertex v: D by the lengths of its edges and the ideal
+ *  determinant. derive: and its derivatives. */
+PL_INLINE void pl_jacobian_slope(int dim, const double x[4][3], int v, double ideal, int derive,
+                                 pl_slope *slope) {
+    double normal[4][3], along[4][3], square[4], product = ideal;
+    const double D = pl_determinant_slopes(dim, x, normal);
+    for (int j = 0; j <= dim; j++) {
+        if (j == v)
+            continue;
+        pl_subtract(dim, x[j], x[v], along[j]);
+        square[j] = pl_dot(dim, along[j], along[j]);
+        product *= sqrt(square[j]);
+    }
+    slope->value = D > 0 ? D / product : 0;
+    for (int k = 0; derive && k < dim; k++) {
+        slope->by[v][k] = slope->value * normal[v][k] / D;
+        for (int j = 0; j <= dim; j++) {
+            if (j == v)
+                continue;
+            const double of_length = slope->value * along[j][k] / square[j];
+            slope->by[j][k] = slope->value * normal[j][k] / D - of_length;
+            slope->by[v][k] += of_length;
+        }
+    }
+}
+
+/** Compute the scaled Jacobians of a corner, one, or of a simplex, those of all its vertices; return
+ *  how many. is_simplex: the form is that of a simplex. */
+PL_INLINE int pl_jacobian_slopes(int dim, const double x[4][3], const pl_corner_form *form,
+                                 int is_simplex, int derive, pl_slope slope[]) {
+    int n = 0;
+    for (int v = 0; v <= dim; v++)
+        if (is_simplex || v == (form->corner < 0 ? dim : form->corner))
+            pl_jacobian_slope(dim, x, v, form->determinant, derive, &slope[n++]);
+    return n;
 }
 
 #endif

@@ -1,574 +1,754 @@
-/* joint: PROTOTYPE patches around worst elements */
-#include "improve/improve.h"
+/* joint: steps of a patch. */
 #include "improve/joint.h"
 #include "improve/maxmin.h"
 
-#include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "base/parts.h"
 #include "base/status.h"
 #include "geometry/slope.h"
 #include "quality/measure_block.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_NODES = 40, MOST_ELEMENTS = 1500, MOST_ROWS = 1500, STEPS = 8, TRIES = 5 };
+enum {
+    ELEMENTS = 1500, /* of a patch, at most */
+    ROWS = 1500,
+    VARIABLES = 3 * PL_JOINT_NODES,
+    STEPS = 8,  /* of one try */
+    TRIALS = 5, /* of one step */
+    SOLVES = 8  /* of one trial, until the step is as long as its radius */
+};
 
-typedef struct joint_node {
+/* Rows of elements up to so much better than the least are in a problem: radians, or parts of 1. */
+#define BAND 0.35
+/* Steps aim at no more than this beyond the least, and beyond what is wanted by this part of it. */
+#define AIM       0.3
+#define OVERSHOOT 0.02
+/* Lengths of steps, in parts of the mean distance of the neighbours of a node: the longest at first and
+ * at all. */
+#define RADIUS      0.2
+#define RADIUS_MOST 0.5
+/* maxmin.h: reach at first, and at most */
+#define REACH      0.1
+#define REACH_MOST 1e6
+/* A step is taken if it brings this part of its promise; one that brings this part lets the radius
+ * double. */
+#define TAKEN 0.1
+#define GOOD  0.7
+/* A promise below this is none; a try that brings less has not gained. */
+#define NOTHING 1e-5
+#define LITTLE  1e-4
+/* Linearised limits are farther in than the true ones, which curved measures could exceed: by this in
+ * radians, or this part of a ratio. */
+#define MARGIN_ANGLE 0.01
+#define MARGIN_RATIO 0.02
+/* Elements at their limits may lose this part of their measure, unless they are the worst of all. */
+#define LOSS 0.02
+
+/** Kinds of measures, as geometry/slope.h has them. */
+typedef enum measure { ANGLE, RATIO, MEAN, JACOBIAN } measure;
+
+/** Node of a patch. */
+typedef struct patch_node {
     int32_t node;
-    int n; /* directions */
-    int first;
-    double basis[3][3];
-    double scale;
-    double start[3];
-} joint_node;
+    const pl_star_slide *slide; /* NULL: it may go anywhere */
+    int n, first;               /* variables */
+    double direction[3][3];     /* [n] of unit length */
+    double scale;               /* root mean square distance of the ring */
+} patch_node;
 
-typedef struct joint_element {
-    int32_t node[4];
-    int8_t own[4];
-    uint8_t form;
-} joint_element;
+/** Element of a patch. */
+typedef struct patch_element {
+    pl_joint_element of;
+    int8_t own[4];  /* places of its vertices in the patch, -1: not in it */
+    uint8_t is_pinned; /* not raised, only kept */
+    double least;      /* where it is pinned, of the measure that is raised: limit */
+    double floor;   /* D that it shall not fall below */
+} patch_element;
 
-typedef struct seed {
-    int64_t element;
-    double value;
-    int n, state; /* 0 alive, 1 done, 2 pinned */
-    int32_t node[MOST_NODES];
-    /* result of the round */
-    int gained;
-    double rise; /* of sum RR^2 */
-    double start[MOST_NODES][3];
-    double before, after;
-} seed;
+/** Room of a thread: the patch under way. */
+typedef struct pl_joint_room {
+    patch_node node[PL_JOINT_NODES];
+    patch_element element[ELEMENTS];
+    int n_nodes, n_elements, n_variables;
+    double kept; /* limit of the other measure */
+    double cell; /* limit of AR^2 of cells */
+    pl_maxmin_row row[ROWS];
+    int element_of[ROWS];
+    pl_maxmin problem;
+    double x[VARIABLES], multiplier[VARIABLES + 1];
+    int active[VARIABLES + 1];
+    double room[2 * (VARIABLES + 1) * (VARIABLES + 1) + 5 * (VARIABLES + 1)];
+} pl_joint_room;
 
-typedef struct work {
-    joint_node node[MOST_NODES];
-    joint_element element[MOST_ELEMENTS];
-    int n_nodes, n_elements, n_variables, n_rows;
-    double rr_floor;
-    pl_maxmin_row row[MOST_ROWS];
-    int element_of[MOST_ROWS];
-    double x[3 * MOST_NODES], multiplier[3 * MOST_NODES + 1];
-    int active[3 * MOST_NODES + 1];
-    double room[2 * (3 * MOST_NODES + 1) * (3 * MOST_NODES + 1) + 5 * (3 * MOST_NODES + 1)];
-} work;
+/** Places of the nodes of a patch. */
+typedef double places[PL_JOINT_NODES][3];
 
-typedef struct joint {
-    pl_run *run;
-    int32_t *star_of; /* [n_nodes] interior s, sliding -2 - s, -1 none */
-    int32_t *stamp, *touched;
-    int32_t round;
-    work *work; /* [threads] */
-    seed *seeds;
-    int n_seeds;
-    int *chosen, n_chosen;
-    double limit; /* wanted */
-    double limit_large; /* no angle above */
-    double most_rr; /* least 1/RR allowed */
-    int solves, steps, evaluations, qps;
-} joint;
+/* ---- measures ------------------------------------------------------------------------------- */
 
-static double env(const char *name, double d) { const char *s = getenv(name); return s ? atof(s) : d; }
-
-static int star_at(const joint *j, int32_t node, const pl_visits **visits) {
-    const planish_plan *plan = j->run->plan;
-    const int32_t s = j->star_of[node];
-    *visits = s >= 0 ? &plan->interior : &plan->sliding;
-    return s >= 0 ? s : -2 - s;
+/** The measure that is raised (other 0), or kept (1). */
+static measure measure_of(const pl_run *r, int other) {
+    const planish_worst worst = r->options->worst;
+    const int is_angle =
+        (worst == PLANISH_WORST_ANGLE || worst == PLANISH_WORST_SCALED_JACOBIAN) != (other != 0);
+    if (r->plan->work.corner)
+        return is_angle ? JACOBIAN : MEAN;
+    return is_angle ? ANGLE : RATIO;
 }
 
-static void gather(const joint *j, const joint_element *e, double x[4][3]) {
-    const planish_plan *plan = j->run->plan;
-    const int dim = plan->dim;
+/** Value of a measure whose limit is square: 1 / sin^2 of an acute angle, or 1 / measure^2. */
+static double value_of_square(measure kind, double square) {
+    if (!(square < INFINITY))
+        return 0;
+    return kind == ANGLE ? pl_angle_between(1, sqrt(fmax(square - 1, 0))) : 1 / sqrt(square);
+}
+
+double pl_joint_value_of(const pl_run *r, double square) {
+    return value_of_square(measure_of(r, 0), square);
+}
+
+/** Find the vertices x of an element, in the scale of measuring. */
+static void find_vertices(const pl_run *r, const pl_joint_element *e, double x[4][3]) {
+    const int dim = r->plan->dim;
     for (int v = 0; v <= dim; v++)
         for (int d = 0; d < dim; d++)
-            x[v][d] = plan->scratch.coordinates[(int64_t)e->node[v] * dim + d] * j->run->measure_scale;
+            x[v][d] = r->plan->scratch.coordinates[(int64_t)e->node[v] * dim + d] * r->measure_scale;
 }
 
-static int measures(const joint *j, const double x[4][3], int derive, pl_slope *slope) {
-    const int dim = j->run->plan->dim;
-    if (j->run->options->worst == PLANISH_WORST_ANGLE)
+/** Compute the measures of a kind; return how many. */
+static int measures_of(const pl_run *r, measure kind, uint8_t form, const double x[4][3],
+                       int derive, pl_slope slope[]) {
+    const int dim = r->plan->dim;
+    const pl_corner_form *of = &r->plan->form[form];
+    if (kind == ANGLE)
         return dim == 3 ? pl_angle_slopes(3, x, derive, slope) : pl_angle_slopes(2, x, derive, slope);
-    if (dim == 3)
-        pl_ratio_slope_3d(x, derive, slope);
+    if (kind == JACOBIAN)
+        return pl_jacobian_slopes(dim, x, of, pl_corner_kind(form) == PL_KIND_SIMPLEX, derive, slope);
+    if (kind == MEAN)
+        pl_mean_slope(dim, x, of, derive, slope);
     else
-        pl_ratio_slope_2d(x, derive, slope);
+        pl_ratio_slope(dim, x, derive, slope);
     return 1;
 }
 
-static double ratio_of(const joint *j, const double x[4][3]) {
-    pl_slope s;
-    if (j->run->plan->dim == 3)
-        pl_ratio_slope_3d(x, 0, &s);
-    else
-        pl_ratio_slope_2d(x, 0, &s);
-    return s.value;
-}
-
-/* least measure; 0 if anything is invalid; stops below floor */
-static double least_of(const joint *j, const work *w, double floor) {
-    const int dim = j->run->plan->dim;
-    double least = INFINITY;
-    for (int i = 0; i < w->n_elements; i++) {
-        double x[4][3], edges[3][3];
-        const double *v[4] = {x[0], x[1], x[2], x[3]};
-        gather(j, &w->element[i], x);
-        pl_edges(dim, v, edges);
-        double product = 1;
-        for (int k = 0; k < dim; k++) {
-            double norm = 0;
-            for (int d = 0; d < dim; d++)
-                norm += fabs(edges[k][d]);
-            product *= norm;
-        }
-        const double D = pl_determinant_of_edges(dim, (const double(*)[3])edges);
-        if (!(D > (dim == 3 ? PL_ERROR_3D : PL_ERROR_2D) * product))
-            return -1;
-        pl_slope s[PL_MOST_SLOPES];
-        const int n = measures(j, (const double(*)[3])x, 0, s);
-        for (int k = 0; k < n; k++) {
-            least = s[k].value < least ? s[k].value : least;
-            if (j->run->options->worst == PLANISH_WORST_ANGLE && !(s[k].value <= j->limit_large))
-                return -1;
-        }
-        if (!(least > floor))
-            return least;
-    }
+/** Return the least measure of a kind. */
+static double least_measure(const pl_run *r, measure kind, uint8_t form, const double x[4][3]) {
+    pl_slope slope[PL_MOST_SLOPES];
+    const int n = measures_of(r, kind, form, x, 0, slope);
+    double least = slope[0].value;
+    for (int k = 1; k < n; k++)
+        least = slope[k].value < least ? slope[k].value : least;
     return least;
 }
 
-static double sum_of(const joint *j, const work *w) {
-    double sum = 0;
-    for (int i = 0; i < w->n_elements; i++) {
-        double x[4][3];
-        gather(j, &w->element[i], x);
-        const double q = ratio_of(j, (const double(*)[3])x);
-        sum += 1 / (q * q);
-    }
-    return sum;
-}
-static double least_ratio_of(const joint *j, const work *w) {
-    double least = INFINITY;
-    for (int i = 0; i < w->n_elements; i++) {
-        double x[4][3];
-        gather(j, &w->element[i], x);
-        least = fmin(least, ratio_of(j, (const double(*)[3])x));
-    }
-    return least;
+double pl_joint_value(const pl_joint *joint, const pl_joint_element *e) {
+    double x[4][3];
+    find_vertices(joint->run, e, x);
+    return least_measure(joint->run, measure_of(joint->run, 0), e->form, (const double(*)[3])x);
 }
 
-static int make_patch(const joint *j, const seed *s, work *w) {
-    const planish_plan *plan = j->run->plan;
-    const int dim = plan->dim;
-    w->n_nodes = s->n;
-    w->n_elements = w->n_variables = 0;
-    for (int i = 0; i < s->n; i++) {
-        joint_node *node = &w->node[i];
-        const pl_visits *visits;
-        const int star = star_at(j, s->node[i], &visits);
-        const pl_stars *stars = &visits->stars;
-        node->node = s->node[i];
-        node->n = dim;
-        node->first = w->n_variables;
-        for (int d = 0; d < 3; d++)
-            for (int k = 0; k < 3; k++)
-                node->basis[d][k] = d == k;
-        const double *at = plan->scratch.coordinates + (int64_t)node->node * dim;
-        memcpy(node->start, at, (size_t)dim * sizeof *at);
-        double square = 0;
-        const int64_t r0 = stars->ring_offset[star], r1 = stars->ring_offset[star + 1];
-        for (int64_t k = r0; k < r1; k++) {
-            const double *p = plan->scratch.coordinates + (int64_t)stars->ring[k] * dim;
-            for (int d = 0; d < dim; d++) {
-                const double diff = (p[d] - at[d]) * j->run->measure_scale;
-                square += diff * diff;
-            }
+/** D of vertices, and in *certain whether it is positive beyond doubt of rounding. */
+static double determinant_of(int dim, const double x[4][3], int *certain) {
+    double edge[3][3], product = 1;
+    for (int j = 0; j < dim; j++) {
+        double norm = 0;
+        for (int d = 0; d < dim; d++) {
+            edge[j][d] = x[j + 1][d] - x[0][d];
+            norm += fabs(edge[j][d]);
         }
-        node->scale = sqrt(square / (double)(r1 - r0));
-        if (visits == &plan->sliding) {
-            const pl_star_slide *slide = &plan->slide[star];
-            if (slide->kind == PLANISH_CONSTRAINT_ON_LINE) {
-                node->n = 1;
-                memcpy(node->basis[0], slide->direction, sizeof node->basis[0]);
-            } else {
-                node->n = dim - 1;
-                const double *nn = slide->direction;
-                if (dim == 2) {
-                    node->basis[0][0] = -nn[1];
-                    node->basis[0][1] = nn[0];
-                } else {
-                    int small = fabs(nn[0]) <= fabs(nn[1]) && fabs(nn[0]) <= fabs(nn[2]) ? 0 : fabs(nn[1]) <= fabs(nn[2]) ? 1 : 2;
-                    double axis[3] = {small == 0, small == 1, small == 2};
-                    pl_cross(nn, axis, node->basis[0]);
-                    const double l = sqrt(pl_dot(3, node->basis[0], node->basis[0]));
-                    for (int d = 0; d < 3; d++)
-                        node->basis[0][d] /= l;
-                    pl_cross(nn, node->basis[0], node->basis[1]);
-                }
-            }
-        }
-        w->n_variables += node->n;
-        const int64_t f0 = stars->link_offset[star], nf = stars->link_offset[star + 1] - f0;
-        const pl_link link = pl_link_at(&stars->link, pl_link_positions(dim, stars->form != NULL), f0);
-        for (int64_t f = 0; f < nf; f++) {
-            if (w->n_elements == MOST_ELEMENTS)
-                return 0;
-            joint_element *e = &w->element[w->n_elements];
-            int first = 1;
-            e->node[0] = s->node[i];
-            e->own[0] = (int8_t)i;
-            for (int k = 0; k < dim; k++) {
-                e->node[k + 1] = stars->ring[r0 + pl_link_get(&link, f * dim + k)];
-                e->own[k + 1] = -1;
-                for (int o = 0; o < s->n; o++)
-                    if (s->node[o] == e->node[k + 1]) {
-                        e->own[k + 1] = (int8_t)o;
-                        first &= o > i;
-                    }
-            }
-            /* 3-D: (x - p0).((p1-p0)x(p2-p0)) > 0: order p0 p1 p2 x is positive: x p0 p1 p2 is negative */
-            if (dim == 3) {
-                int32_t t = e->node[2]; e->node[2] = e->node[3]; e->node[3] = t;
-                int8_t o = e->own[2]; e->own[2] = e->own[3]; e->own[3] = o;
-            }
-            e->form = stars->form ? stars->form[f0 + f] : 0;
-            w->n_elements += first;
-        }
+        product *= norm;
     }
-    return 1;
+    const double D = pl_determinant_of_edges(dim, (const double(*)[3])edge);
+    *certain = D > (dim == 3 ? PL_ERROR_3D : PL_ERROR_2D) * product;
+    return D;
 }
 
-static void make_rows(const joint *j, work *w, double least, double band) {
-    const int dim = j->run->plan->dim, of_angle = j->run->options->worst == PLANISH_WORST_ANGLE;
-    w->n_rows = 0;
-    for (int i = 0; i < w->n_elements; i++) {
-        const joint_element *e = &w->element[i];
-        double x[4][3];
-        pl_slope s[PL_MOST_SLOPES + 1];
-        gather(j, e, x);
-        int n = measures(j, (const double(*)[3])x, 1, s);
-        const int rr = of_angle && w->rr_floor > 0 ? n : -1;
-        if (rr >= 0) {
-            if (dim == 3) pl_ratio_slope_3d((const double(*)[3])x, 1, &s[n]); else pl_ratio_slope_2d((const double(*)[3])x, 1, &s[n]);
-            n += s[n].value < w->rr_floor + 0.25;
-        }
-        for (int k = 0; k < n && w->n_rows < MOST_ROWS; k++) {
-            const int raised = k != rr && s[k].value < least + band;
-            if (!raised && k != rr && !(of_angle && s[k].value > j->limit_large - band))
-                continue;
-            pl_maxmin_row *row = &w->row[w->n_rows];
-            w->element_of[w->n_rows++] = i;
-            row->is_raised = (uint8_t)raised;
-            row->value = raised ? s[k].value - least : fmax(0, k == rr ? s[k].value - w->rr_floor * 1.02 : j->limit_large - 0.01 - s[k].value);
-            row->n_blocks = 0;
-            for (int v = 0; v <= dim; v++) {
-                if (e->own[v] < 0)
-                    continue;
-                const joint_node *node = &w->node[e->own[v]];
-                const int b = row->n_blocks++;
-                row->first[b] = node->first;
-                row->width[b] = (uint8_t)node->n;
-                for (int d = 0; d < node->n; d++) {
-                    double sum = 0;
-                    for (int q = 0; q < dim; q++)
-                        sum += s[k].by[v][q] * node->basis[d][q];
-                    row->slope[b][d] = (raised || k == rr ? 1 : -1) * sum * node->scale;
-                }
-            }
-        }
+/* ---- elements at their limits --------------------------------------------------------------- */
+
+pl_joint_pinned pl_joint_pin(const pl_joint *joint, const pl_joint_element *e) {
+    pl_joint_pinned pinned = {.value = pl_joint_value(joint, e)};
+    for (int n = 0; n <= joint->run->plan->dim; n++) {
+        int i = n;
+        for (; i > 0 && pinned.node[i - 1] > e->node[n]; i--)
+            pinned.node[i] = pinned.node[i - 1];
+        pinned.node[i] = e->node[n];
     }
+    return pinned;
 }
 
-static void put(const joint *j, const work *w, const double *x, double start[][3]) {
-    const planish_plan *plan = j->run->plan;
-    const pl_star_problem *problem = &j->run->problem;
-    for (int i = 0; i < w->n_nodes; i++) {
-        const joint_node *node = &w->node[i];
-        double at[3];
-        for (int d = 0; d < plan->dim; d++) {
-            at[d] = start[i][d];
-            for (int k = 0; x && k < node->n; k++)
-                at[d] += x[node->first + k] * node->basis[k][d] * node->scale / j->run->measure_scale;
-            if (x)
-                at[d] = pl_store(&problem->storage, at[d]);
-        }
-        memcpy(plan->scratch.coordinates + (int64_t)node->node * plan->dim, at, (size_t)plan->dim * sizeof *at);
-    }
-}
-
-static void take(const joint *j, const work *w, double start[][3]) {
-    const planish_plan *plan = j->run->plan;
-    for (int i = 0; i < w->n_nodes; i++)
-        memcpy(start[i], plan->scratch.coordinates + (int64_t)w->node[i].node * plan->dim, (size_t)plan->dim * sizeof **start);
-}
-
-static void solve(joint *j, seed *s, work *w) {
-    double start[MOST_NODES][3];
-    const int of_angle = j->run->options->worst == PLANISH_WORST_ANGLE;
-    const double band = of_angle ? 0.35 : 0.3;
-    s->gained = 0;
-    s->rise = 0;
-    if (!make_patch(j, s, w)) {
-        s->state = 2;
-        return;
-    }
-    j->solves++;
-    w->rr_floor = env("NORR", 0) ? 0 : fmin(j->most_rr, least_ratio_of(j, w));
-    take(j, w, s->start);
-    double least = least_of(j, w, -1), reach = env("REACH", 0.1), radius = env("RADIUS", 0.2), rr_floor = w->rr_floor;
-    const double sum = sum_of(j, w);
-    s->before = least;
-    const double wanted = j->limit * (1 + env("OVER", 0.02));
-    pl_maxmin p = {.n = w->n_variables, .row = w->row, .room = w->room, .x = w->x, .active = w->active, .multiplier = w->multiplier};
-    for (int step = 0; step < STEPS && least < j->limit; step++) {
-        int taken = 0;
-        make_rows(j, w, least, band);
-        take(j, w, start);
-        p.m = w->n_rows;
-        p.target = wanted - least;
-        p.spread = env("SPREAD", 0.3);
-        if (p.target > p.spread) p.target = p.spread;
-        for (int t = 0; t < TRIES && !taken; t++) {
-            double most = 0;
-            for (int q = 0; q < 8; q++) {
-                p.reach = reach;
-                pl_maxmin_solve(&p);
-                j->qps++;
-                most = 0;
-                for (int i = 0; i < w->n_nodes; i++) {
-                    double l = 0;
-                    for (int k = 0; k < w->node[i].n; k++)
-                        l += w->x[w->node[i].first + k] * w->x[w->node[i].first + k];
-                    most = fmax(most, sqrt(l));
-                }
-                if (most > radius)
-                    reach *= fmax(0.05, 0.8 * radius / most);
-                else if (most < 0.5 * radius && p.t < 0.9 * p.target && reach < 1e6)
-                    reach *= fmin(10, 0.8 * radius / (most + 1e-300));
-                else
-                    break;
-            }
-            if (!(p.t > 1e-5)) {
-                if (getenv("TRACE2")) { fprintf(stderr, "      no gain: t %g active %d rows %d vars %d reach %g most %g:", p.t, p.n_active, p.m, p.n, reach, most); for (int a = 0; a < p.n_active; a++) fprintf(stderr, " %d(%g,%d) %g", w->element_of[p.active[a]], w->row[p.active[a]].value*57, w->row[p.active[a]].is_raised, p.multiplier[a]); fprintf(stderr, "\n"); }
-                break;
-            }
-            if (most > radius * 1.5)
-                for (int i = 0; i < p.n; i++) w->x[i] *= radius / most;
-            put(j, w, w->x, start);
-            const double now = least_of(j, w, least + 0.1 * p.t);
-            j->evaluations++;
-            if (getenv("TRACE2")) fprintf(stderr, "      step %d try %d reach %g radius %g most %g predicted %g got %g active %d rows %d vars %d least %g\n", step, t, reach, radius, most, p.t, now - least, p.n_active, p.m, p.n, least * 57.2958);
-            if (now > least + 0.1 * p.t && least_ratio_of(j, w) >= rr_floor) {
-                if (now > least + 0.7 * p.t)
-                    radius = fmin(0.5, 2 * radius);
-                taken = 1;
-                j->steps++;
-                least = now;
-            } else {
-                put(j, w, NULL, start);
-                radius = 0.3 * fmin(radius, most);
-            }
-        }
-        if (!taken)
-            break;
-    }
-    s->after = least;
-    s->gained = least > s->before;
-    s->rise = s->gained ? sum_of(j, w) - sum : 0;
-    if (least >= j->limit) {
-        s->state = 1;
-        return;
-    }
-    /* grow by what blocks */
-    make_rows(j, w, least, band);
-    p.m = w->n_rows;
-    p.target = fmin(wanted - least, p.spread);
-    pl_maxmin_solve(&p);
-    const int n = s->n;
-    for (int a = 0; a < p.n_active; a++) {
-        const joint_element *e = &w->element[w->element_of[p.active[a]]];
-        for (int v = 0; v <= j->run->plan->dim; v++) {
-            int known = e->own[v] >= 0 || j->star_of[e->node[v]] == -1;
-            for (int o = n; o < s->n && !known; o++)
-                known = s->node[o] == e->node[v];
-            if (known || s->n == MOST_NODES)
-                continue;
-            s->node[s->n++] = e->node[v];
-        }
-    }
-    if (s->n == n && s->after < s->before + 1e-4)
-        s->state = 2;
-}
-
-static void solve_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    joint *j = context;
-    for (int64_t i = begin; i < end; i++)
-        solve(j, &j->seeds[j->chosen[i]], &j->work[thread]);
-}
-
-static int by_value(const void *a, const void *b) {
-    const seed *x = a, *y = b;
-    return x->value < y->value ? -1 : x->value > y->value ? 1 : x->element < y->element ? -1 : 1;
-}
-
-static void element_of_plan(const joint *j, int64_t element, joint_element *e) {
-    const planish_plan *plan = j->run->plan;
-    const int dim = plan->dim;
-    for (int v = 0; v <= dim; v++) {
-        e->node[v] = pl_plan_inner(plan, element, v);
-        e->own[v] = -1;
-    }
-    if (plan->work.sign && plan->work.sign[element] < 0) {
-        int32_t t = e->node[0]; e->node[0] = e->node[1]; e->node[1] = t;
-    }
-}
-
-static double value_of(const joint *j, const joint_element *e) {
-    double x[4][3], least = INFINITY;
-    pl_slope s[PL_MOST_SLOPES];
-    gather(j, e, x);
-    const int n = measures(j, (const double(*)[3])x, 0, s);
-    for (int k = 0; k < n; k++)
-        least = fmin(least, s[k].value);
-    return least;
-}
-
-/** Choose independent patches, worst first. */
-static void choose(joint *j) {
-    const planish_plan *plan = j->run->plan;
-    j->n_chosen = 0;
-    j->round++;
-    for (int i = 0; i < j->n_seeds; i++) {
-        seed *s = &j->seeds[i];
-        if (s->state)
-            continue;
-        joint_element e;
-        element_of_plan(j, s->element, &e);
-        s->value = value_of(j, &e);
-        if (s->value >= j->limit) {
-            s->state = 1;
-            continue;
-        }
-        int free = 1;
-        for (int k = 0; k < s->n && free; k++) {
-            const pl_visits *visits;
-            const int star = star_at(j, s->node[k], &visits);
-            free = j->touched[s->node[k]] != j->round;
-            for (int64_t r = visits->stars.ring_offset[star]; free && r < visits->stars.ring_offset[star + 1]; r++)
-                free = j->stamp[visits->stars.ring[r]] != j->round;
-        }
-        if (!free)
-            continue;
-        for (int k = 0; k < s->n; k++) {
-            const pl_visits *visits;
-            const int star = star_at(j, s->node[k], &visits);
-            j->touched[s->node[k]] = j->stamp[s->node[k]] = j->round;
-            for (int64_t r = visits->stars.ring_offset[star]; r < visits->stars.ring_offset[star + 1]; r++)
-                j->touched[visits->stars.ring[r]] = j->round;
-        }
-        j->chosen[j->n_chosen++] = i;
-    }
-    (void)plan;
-}
-
-int pl_joint_run(pl_run *r, uint8_t *state, double most, int64_t (*find)(void *, double), void *user) {
-    const planish_plan *plan = r->plan;
-    const int dim = plan->dim, of_angle = r->options->worst == PLANISH_WORST_ANGLE;
-    const int64_t n_nodes = plan->work.n_nodes + plan->n_images;
-    joint j = {.run = r};
-    if (getenv("NOJOINT")) return 0;
-    j.star_of = pl_alloc(n_nodes, sizeof *j.star_of);
-    j.stamp = pl_alloc_zero(n_nodes, sizeof *j.stamp);
-    j.touched = pl_alloc_zero(n_nodes, sizeof *j.touched);
-    j.work = pl_alloc(plan->threads, sizeof *j.work);
-    for (int64_t i = 0; i < n_nodes; i++)
-        j.star_of[i] = -1;
-    for (int64_t s = 0; s < plan->interior.stars.n_stars; s++)
-        j.star_of[plan->interior.centre[s]] = (int32_t)s;
-    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++)
-        if (plan->slide[s].kind != PLANISH_CONSTRAINT_ON_SURFACE)
-            j.star_of[plan->sliding.centre[s]] = (int32_t)(-2 - s);
-    r->phase = PLANISH_PHASE_WORST;
-    /* largest angle */
-    j.limit_large = 0;
-    if (of_angle)
-        for (int64_t i = 0; i < plan->work.n_elements; i++) {
-            if (!pl_any_moves(plan->work.mobility, plan->work.elements + i * (dim + 1), dim + 1)) continue;
-            joint_element e;
-            double x[4][3];
-            pl_slope s[PL_MOST_SLOPES];
-            element_of_plan(&j, i, &e);
-            gather(&j, &e, x);
-            int n = measures(&j, (const double(*)[3])x, 0, s);
-            for (int k = 0; k < n; k++) j.limit_large = fmax(j.limit_large, s[k].value);
-            for (int v = 0; v <= dim; v++) for (int d = 0; d < dim; d++) x[v][d] = r->given[(int64_t)plan->work.elements[i * (dim + 1) + v] * dim + d] * r->measure_scale;
-            if (plan->work.sign && plan->work.sign[i] < 0) for (int d = 0; d < dim; d++) { double t = x[0][d]; x[0][d] = x[1][d]; x[1][d] = t; }
-            n = measures(&j, (const double(*)[3])x, 0, s);
-            for (int k = 0; k < n; k++) j.limit_large = fmax(j.limit_large, s[k].value);
-        }
-    j.most_rr = 1 / sqrt(r->sums.radius_max);
-    const double D = of_angle ? 57.29577951308232 : 1;
-    fprintf(stderr, "joint: largest %g least 1/RR %g\n", j.limit_large * D, j.most_rr);
-    const int trace = getenv("TRACE") != NULL;
-    for (int level = 0; level < 200; level++) {
-        const pl_star_limits worst = pl_run_worst_limits(r, 1);
-        const double reached = sqrt(of_angle ? worst.acuteness : worst.rr2);
-        if (!(reached > 1.05)) break;
-        const double next = 1 + (reached - 1) * env("FACTOR", 0.9);
-        j.limit = of_angle ? pl_angle_between(1, sqrt(next * next - 1)) : 1 / next;
-        const int64_t n_bad = find(user, next * next);
-        j.seeds = pl_alloc(n_bad + 1, sizeof *j.seeds);
-        j.chosen = pl_alloc(n_bad, sizeof *j.chosen);
-        j.n_seeds = 0;
-        for (int64_t i = 0; i < plan->work.n_elements; i++) {
-            if (state[i] != PL_WORSE)
-                continue;
-            seed *s = &j.seeds[j.n_seeds];
-            joint_element e;
-            element_of_plan(&j, i, &e);
-            *s = (seed){.element = i, .value = value_of(&j, &e)};
-            for (int v = 0; v <= dim; v++)
-                if (j.star_of[e.node[v]] != -1)
-                    s->node[s->n++] = e.node[v];
-            j.n_seeds += s->n > 0;
-        }
-        int rounds = 0;
-        double sum_rise = 0;
-        for (; rounds < 100; rounds++) {
-            qsort(j.seeds, (size_t)j.n_seeds, sizeof *j.seeds, by_value);
-            choose(&j);
-            if (j.n_chosen == 0)
-                break;
-            pl_parallel_for(plan->threads, j.n_chosen, 1, solve_chunk, &j);
-            for (int i = 0; i < j.n_chosen; i++)
-                sum_rise += j.seeds[j.chosen[i]].rise;
-            if (trace)
-                for (int i = 0; i < j.n_chosen && i < 20; i++) {
-                    seed *s = &j.seeds[j.chosen[i]];
-                    fprintf(stderr, "   seed %ld: %g -> %g, nodes %d state %d\n", (long)s->element, s->before * D, s->after * D, s->n, s->state);
-                }
-            if (pl_run_ask_all(r, 0, 0))
-                break;
-        }
-        const double F = pl_run_objective(r);
-        pl_run_measure(r);
-        int pinned = 0;
-        double lowest = INFINITY;
-        for (int i = 0; i < j.n_seeds; i++) { pinned += j.seeds[i].state == 2; if (j.seeds[i].state == 2) lowest = fmin(lowest, j.seeds[i].after); }
-        const pl_star_limits now = pl_run_worst_limits(r, 1);
-        const double got = of_angle ? D * pl_angle_between(1, sqrt(now.acuteness - 1)) : sqrt(now.rr2);
-        fprintf(stderr, "level %d: wanted %g, seeds %d, rounds %d, pinned %d (%g), now %g, F %g -> %g (%g), solves %d steps %d qps %d, rise %g\n", level, j.limit * D, j.n_seeds, rounds,
-                pinned, lowest * D, got, F, pl_run_objective(r), most, j.solves, j.steps, j.qps, sum_rise);
-        pl_free(j.seeds);
-        pl_free(j.chosen);
-        r->result->worst_sweeps++;
-        if (pinned || got != got || now.acuteness >= worst.acuteness)
-            break;
-    }
-    pl_free(j.star_of); pl_free(j.stamp); pl_free(j.touched); pl_free(j.work);
+int pl_joint_compare(const void *a, const void *b) {
+    const pl_joint_pinned *x = a, *y = b;
+    for (int i = 0; i < 4; i++)
+        if (x->node[i] != y->node[i])
+            return x->node[i] < y->node[i] ? -1 : 1;
     return 0;
+}
+
+/** Return the element of those at their limits, NULL: it is none. */
+static const pl_joint_pinned *find_pinned(const pl_joint *joint, const pl_joint_element *e) {
+    if (joint->n_pinned == 0)
+        return NULL;
+    const pl_joint_pinned key = pl_joint_pin(joint, e);
+    return bsearch(&key, joint->pinned, (size_t)joint->n_pinned, sizeof key, pl_joint_compare);
+}
+
+/* ---- the patch ------------------------------------------------------------------------------ */
+
+/** Set e to facet number i of the star of node. */
+static void element_of_star(const pl_visits *visits, int64_t star, int64_t i, int32_t node, int dim,
+                            int slides, pl_joint_element *e) {
+    const pl_stars *stars = &visits->stars;
+    const int64_t first = stars->link_offset[star], ring = stars->ring_offset[star];
+    const pl_link link =
+        pl_link_at(&stars->link, pl_link_positions(dim, stars->form != NULL), first);
+    for (int j = 0; j < dim; j++)
+        e->node[j] = stars->ring[ring + pl_link_get(&link, i * dim + j)];
+    e->node[dim] = node;
+    e->form = stars->form ? stars->form[first + i] : 0;
+    e->facet = slides ? -1 - (first + i) : first + i;
+}
+
+/** Write the movable nodes of an element to node; return how many. */
+static int movable_nodes(const pl_joint *joint, const pl_joint_element *e, int32_t node[4]) {
+    int n = 0;
+    for (int v = 0; v <= joint->run->plan->dim; v++)
+        if (joint->star_of[e->node[v]] != PL_JOINT_HELD)
+            node[n++] = e->node[v];
+    return n;
+}
+
+int64_t pl_joint_find(const pl_joint *joint, const uint8_t *marked, pl_joint_patch *patch) {
+    const planish_plan *plan = joint->run->plan;
+    int64_t n = 0;
+    for (int32_t node = 0; node < plan->work.n_nodes; node++) {
+        if (!marked[node] || joint->star_of[node] == PL_JOINT_HELD)
+            continue;
+        const pl_visits *visits;
+        const int64_t star = pl_joint_visits(joint, node, &visits);
+        const int64_t n_facets =
+            visits->stars.link_offset[star + 1] - visits->stars.link_offset[star];
+        for (int64_t i = 0; i < n_facets; i++) {
+            pl_joint_patch p = {.state = PL_JOINT_OPEN};
+            element_of_star(visits, star, i, node, plan->dim, visits == &plan->sliding, &p.seed);
+            p.n = movable_nodes(joint, &p.seed, p.node);
+            int is_first = 1; /* the node: other stars have the element, too */
+            for (int j = 0; j < p.n; j++)
+                is_first &= p.node[j] >= node || !marked[p.node[j]];
+            if (!is_first || !((p.value = pl_joint_value(joint, &p.seed)) < joint->wanted) ||
+                find_pinned(joint, &p.seed))
+                continue;
+            if (patch)
+                patch[n] = p;
+            n++;
+        }
+    }
+    return n;
+}
+
+/** Set the directions of a node that slides on a plane or line. */
+static void find_directions(const pl_star_slide *slide, int dim, patch_node *node) {
+    const double *normal = slide->direction;
+    if (slide->kind == PLANISH_CONSTRAINT_ON_LINE) {
+        node->n = 1;
+        memcpy(node->direction[0], normal, sizeof node->direction[0]);
+        return;
+    }
+    node->n = dim - 1;
+    if (dim == 2) {
+        node->direction[0][0] = -normal[1];
+        node->direction[0][1] = normal[0];
+        return;
+    }
+    double axis[3] = {0, 0, 0};
+    int small = 0;
+    for (int d = 1; d < 3; d++)
+        small = fabs(normal[d]) < fabs(normal[small]) ? d : small;
+    axis[small] = 1;
+    pl_cross(normal, axis, node->direction[0]);
+    const double length = sqrt(pl_dot(3, node->direction[0], node->direction[0]));
+    for (int d = 0; d < 3; d++)
+        node->direction[0][d] /= length;
+    pl_cross(normal, node->direction[0], node->direction[1]);
+}
+
+/** Set node to a node of a patch, whose star is given. */
+static void take_node(const pl_run *r, const pl_visits *visits, int64_t star, int32_t number,
+                      int first, patch_node *node) {
+    const planish_plan *plan = r->plan;
+    const int dim = plan->dim;
+    const double *x = plan->scratch.coordinates + (int64_t)number * dim;
+    const int64_t begin = visits->stars.ring_offset[star], end = visits->stars.ring_offset[star + 1];
+    double square = 0;
+    *node = (patch_node){.node = number, .n = dim, .first = first};
+    for (int d = 0; d < dim; d++)
+        node->direction[d][d] = 1;
+    for (int64_t k = begin; k < end; k++)
+        for (int d = 0; d < dim; d++) {
+            const double way =
+                (plan->scratch.coordinates[(int64_t)visits->stars.ring[k] * dim + d] - x[d]) *
+                r->measure_scale;
+            square += way * way;
+        }
+    node->scale = sqrt(square / (double)(end - begin));
+    if (visits == &plan->sliding) {
+        node->slide = &plan->slide[star];
+        find_directions(node->slide, dim, node);
+    }
+}
+
+/** D that an element shall not fall below: its minimum volume's, or its own where that is less. */
+static double floor_of(const pl_run *r, const pl_visits *visits, const pl_joint_element *e) {
+    const planish_plan *plan = r->plan;
+    const int64_t facet = e->facet < 0 ? -1 - e->facet : e->facet;
+    const double own = visits->stars.min_volume ? visits->stars.min_volume[facet] : 0;
+    const double volume = own > 0 ? own : r->guard.star.min_volume;
+    if (!(volume > 0))
+        return 0;
+    const double per_volume =
+        visits->stars.form ? 1 / plan->form[e->form].volume : plan->dim == 3 ? 6 : 2;
+    double x[4][3], scale = 1;
+    int certain;
+    find_vertices(r, e, x);
+    for (int d = 0; d < plan->dim; d++)
+        scale *= r->measure_scale;
+    return fmin(volume * per_volume * scale,
+                determinant_of(plan->dim, (const double(*)[3])x, &certain));
+}
+
+/** Note where the vertices of an element are in the patch; return 0 if the element is that of an
+ *  earlier node, too. */
+static int find_own(const pl_joint_patch *p, int dim, int i, patch_element *e) {
+    int is_new = 1;
+    for (int v = 0; v <= dim; v++) {
+        e->own[v] = -1;
+        for (int o = 0; o < p->n; o++)
+            if (p->node[o] == e->of.node[v])
+                e->own[v] = (int8_t)o;
+        is_new &= e->own[v] < 0 || e->own[v] >= i;
+    }
+    return is_new;
+}
+
+/** Gather the patch in w; return 0 if it has too many elements. */
+static int gather_patch(const pl_joint *joint, const pl_joint_patch *p, pl_joint_room *w) {
+    const planish_plan *plan = joint->run->plan;
+    w->n_nodes = p->n;
+    w->n_elements = w->n_variables = 0;
+    w->kept = joint->kept[p->is_loose != 0];
+    for (int i = 0; i < p->n; i++) {
+        const pl_visits *visits;
+        const int64_t star = pl_joint_visits(joint, p->node[i], &visits);
+        const int64_t n = visits->stars.link_offset[star + 1] - visits->stars.link_offset[star];
+        take_node(joint->run, visits, star, p->node[i], w->n_variables, &w->node[i]);
+        w->n_variables += w->node[i].n;
+        for (int64_t k = 0; k < n; k++) {
+            patch_element *e = &w->element[w->n_elements];
+            if (w->n_elements == ELEMENTS)
+                return 0;
+            element_of_star(visits, star, k, p->node[i], plan->dim, visits == &plan->sliding,
+                            &e->of);
+            if (!find_own(p, plan->dim, i, e))
+                continue;
+            e->floor = floor_of(joint->run, visits, &e->of);
+            w->n_elements++;
+        }
+    }
+    return 1;
+}
+
+/** Judge the elements before the first step: which are pinned, and that limits are not exceeded
+ *  already. Return the least measure of the others. */
+static double judge_elements(const pl_joint *joint, pl_joint_room *w) {
+    const pl_run *r = joint->run;
+    double least = INFINITY;
+    for (int i = 0; i < w->n_elements; i++) {
+        patch_element *e = &w->element[i];
+        double x[4][3];
+        find_vertices(r, &e->of, x);
+        const double own = least_measure(r, measure_of(r, 0), e->of.form, (const double(*)[3])x);
+        const double other = least_measure(r, measure_of(r, 1), e->of.form, (const double(*)[3])x);
+        const pl_joint_pinned *pinned =
+            own < joint->wanted ? find_pinned(joint, &e->of) : NULL;
+        e->is_pinned = pinned != NULL;
+        if (pinned)
+            e->least = fmin(own, fmax(joint->least, pinned->value * (1 - LOSS)));
+        w->kept = other < w->kept ? other : w->kept;
+        least = !pinned && own < least ? own : least;
+    }
+    return least;
+}
+
+/* ---- watched cells -------------------------------------------------------------------------- */
+
+/** Largest AR^2 of the watched cells at the patch's nodes, of a plan with corners. */
+static double worst_cell(const pl_run *r, const pl_joint_room *w) {
+    double worst = 0;
+    for (int i = 0; r->plan->work.corner && i < w->n_nodes; i++)
+        worst = fmax(worst, pl_watch_worst(&r->watch, w->node[i].node, 0).ar2);
+    return worst;
+}
+
+/** Whether all watched cells at the patch's nodes that were valid still are, and none is worse than the
+ *  worst may be. */
+static int cells_are_kept(const pl_run *r, const pl_joint_room *w) {
+    const pl_watch *watch = &r->watch;
+    if (watch->n == 0)
+        return 1;
+    for (int i = 0; pl_watch_is_on(watch) && i < w->n_nodes; i++)
+        for (int64_t k = watch->begin[w->node[i].node]; k < watch->begin[w->node[i].node + 1]; k++) {
+            const int32_t cell = watch->watched[k];
+            if (watch->type[cell] && pl_watch_is_valid(watch, cell) &&
+                pl_watch_decide(watch, pl_watch_cell(watch, cell)) != PL_VALID)
+                return 0;
+        }
+    return worst_cell(r, w) <= w->cell;
+}
+
+/* ---- steps ---------------------------------------------------------------------------------- */
+
+/** Return the least measure where the nodes are now; -1 if the nodes may not be there. Once it is not
+ *  above enough it is of no interest. */
+static double least_now(const pl_joint *joint, const pl_joint_room *w, double enough) {
+    const pl_run *r = joint->run;
+    const int dim = r->plan->dim;
+    const measure raised = measure_of(r, 0), other = measure_of(r, 1);
+    double least = INFINITY;
+    for (int i = 0; i < w->n_elements && least > enough; i++) {
+        const patch_element *e = &w->element[i];
+        double x[4][3];
+        pl_slope slope[PL_MOST_SLOPES];
+        int certain;
+        find_vertices(r, &e->of, x);
+        if (determinant_of(dim, (const double(*)[3])x, &certain) < e->floor || !certain)
+            return -1;
+        const int n = measures_of(r, raised, e->of.form, (const double(*)[3])x, 0, slope);
+        for (int k = 0; k < n; k++) {
+            if (e->is_pinned && !(slope[k].value >= e->least))
+                return -1;
+            if (raised == ANGLE && !(slope[k].value <= joint->largest_angle))
+                return -1;
+            least = !e->is_pinned && slope[k].value < least ? slope[k].value : least;
+        }
+        if (!(least_measure(r, other, e->of.form, (const double(*)[3])x) >= w->kept))
+            return -1;
+    }
+    return least > enough && !cells_are_kept(r, w) ? -1 : least;
+}
+
+/** Add a row: value + slope . x is raised, or kept above 0; sign -1: of the slope's negative. */
+static void add_row(const pl_run *r, pl_joint_room *w, int element, int is_raised, double value,
+                    double sign, const pl_slope *slope) {
+    const patch_element *e = &w->element[element];
+    const int dim = r->plan->dim;
+    if (w->problem.m == ROWS)
+        return;
+    w->element_of[w->problem.m] = element;
+    pl_maxmin_row *row = &w->row[w->problem.m++];
+    row->is_raised = (uint8_t)is_raised;
+    row->value = value > 0 ? value : 0;
+    row->n_blocks = 0;
+    for (int v = 0; v <= dim; v++) {
+        if (e->own[v] < 0)
+            continue;
+        const patch_node *node = &w->node[e->own[v]];
+        const int b = row->n_blocks++;
+        row->first[b] = node->first;
+        row->width[b] = (uint8_t)node->n;
+        for (int j = 0; j < node->n; j++)
+            row->slope[b][j] = sign * node->scale * pl_dot(dim, slope->by[v], node->direction[j]);
+    }
+}
+
+/** Make the rows of the problem around the nodes' places; least: the least measure there. */
+static void make_rows(const pl_joint *joint, pl_joint_room *w, double least) {
+    const pl_run *r = joint->run;
+    const measure raised = measure_of(r, 0), other = measure_of(r, 1);
+    w->problem.m = 0;
+    for (int i = 0; i < w->n_elements; i++) {
+        const patch_element *e = &w->element[i];
+        double x[4][3];
+        pl_slope slope[PL_MOST_SLOPES];
+        find_vertices(r, &e->of, x);
+        int n = measures_of(r, raised, e->of.form, (const double(*)[3])x, 1, slope);
+        for (int k = 0; k < n; k++) {
+            const double room = joint->largest_angle - MARGIN_ANGLE - slope[k].value;
+            if (e->is_pinned && slope[k].value < e->least + BAND)
+                add_row(r, w, i, 0, slope[k].value - e->least, 1, &slope[k]);
+            else if (slope[k].value < least + BAND)
+                add_row(r, w, i, 1, slope[k].value - least, 1, &slope[k]);
+            else if (raised == ANGLE && room < BAND)
+                add_row(r, w, i, 0, room, -1, &slope[k]);
+        }
+        n = measures_of(r, other, e->of.form, (const double(*)[3])x, 1, slope);
+        const double margin = other == ANGLE ? MARGIN_ANGLE : MARGIN_RATIO * w->kept;
+        for (int k = 0; k < n; k++)
+            if (slope[k].value < w->kept + margin + BAND)
+                add_row(r, w, i, 0, slope[k].value - w->kept - margin, 1, &slope[k]);
+    }
+}
+
+/** Copy the places of the patch's nodes. */
+static void save_places(const pl_run *r, const pl_joint_room *w, places at) {
+    const int dim = r->plan->dim;
+    for (int i = 0; i < w->n_nodes; i++)
+        memcpy(at[i], r->plan->scratch.coordinates + (int64_t)w->node[i].node * dim,
+               (size_t)dim * sizeof **at);
+}
+
+static void restore_places(const pl_run *r, const pl_joint_room *w, places at) {
+    const int dim = r->plan->dim;
+    for (int i = 0; i < w->n_nodes; i++)
+        memcpy(r->plan->scratch.coordinates + (int64_t)w->node[i].node * dim, at[i],
+               (size_t)dim * sizeof **at);
+}
+
+/** Bring x [dim] to the plane or line on which it slides. */
+static void slide_to(const pl_star_slide *slide, int dim, double *x) {
+    double way[3], along;
+    pl_subtract(dim, x, slide->point, way);
+    along = pl_dot(dim, way, slide->direction);
+    for (int d = 0; d < dim; d++)
+        x[d] = slide->kind == PLANISH_CONSTRAINT_ON_LINE
+                   ? slide->point[d] + slide->direction[d] * along
+                   : slide->point[d] + (way[d] - slide->direction[d] * along);
+}
+
+/** Move the nodes by w->x from start. Return 0 if they may not be there. */
+static int move_nodes(const pl_run *r, const pl_joint_room *w, places start) {
+    const planish_plan *plan = r->plan;
+    const int dim = plan->dim;
+    for (int i = 0; i < w->n_nodes; i++) {
+        const patch_node *node = &w->node[i];
+        const double scale = node->scale / r->measure_scale;
+        double *x = plan->scratch.coordinates + (int64_t)node->node * dim, to[3] = {0};
+        for (int d = 0; d < dim; d++) {
+            to[d] = start[i][d];
+            for (int j = 0; j < node->n; j++)
+                to[d] += w->x[node->first + j] * node->direction[j][d] * scale;
+        }
+        if (node->slide)
+            slide_to(node->slide, dim, to);
+        if (!pl_star_admit(&r->problem, node->node, dim, to))
+            return 0;
+        memcpy(x, to, (size_t)dim * sizeof *x);
+    }
+    return 1;
+}
+
+/** The longest way of a node in w->x. */
+static double longest_way(const pl_joint_room *w) {
+    double longest = 0;
+    for (int i = 0; i < w->n_nodes; i++) {
+        double square = 0;
+        for (int j = 0; j < w->node[i].n; j++)
+            square += w->x[w->node[i].first + j] * w->x[w->node[i].first + j];
+        longest = square > longest ? square : longest;
+    }
+    return sqrt(longest);
+}
+
+/** Solve the problem with a reach by which the longest way comes near to radius, unless shorter ones
+ *  will do; return that way. */
+static double solve_within(pl_joint_room *w, double radius) {
+    pl_maxmin *p = &w->problem;
+    double way = 0;
+    for (int i = 0; i < SOLVES; i++) {
+        pl_maxmin_solve(p);
+        way = longest_way(w);
+        if (way > radius)
+            p->reach *= fmax(0.05, 0.8 * radius / way);
+        else if (way < 0.5 * radius && p->t < 0.9 * p->target && p->reach < REACH_MOST)
+            p->reach *= 0.8 * radius > 10 * way ? 10 : 0.8 * radius / way;
+        else
+            break;
+    }
+    for (int i = 0; way > radius && i < p->n; i++)
+        p->x[i] *= radius / way;
+    return fmin(way, radius);
+}
+
+/** Take a step that raises the least measure. Return that measure then, or *least if there is no step. */
+static double step(const pl_joint *joint, pl_joint_room *w, double least, double *radius) {
+    places start;
+    pl_maxmin *p = &w->problem;
+    make_rows(joint, w, least);
+    save_places(joint->run, w, start);
+    p->target = fmin(joint->wanted * (1 + OVERSHOOT) - least, AIM);
+    for (int i = 0; i < TRIALS; i++) {
+        const double way = solve_within(w, *radius);
+        if (!(p->t > NOTHING))
+            break;
+        const double enough = least + TAKEN * p->t;
+        const double now =
+            move_nodes(joint->run, w, start) ? least_now(joint, w, enough) : -1;
+        if (now > enough) {
+            if (now > least + GOOD * p->t)
+                *radius = fmin(2 * *radius, RADIUS_MOST);
+            return now;
+        }
+        restore_places(joint->run, w, start);
+        *radius = 0.3 * way;
+    }
+    return least;
+}
+
+/** Add to the patch the movable nodes of the elements whose rows hold the step back. */
+static void grow(const pl_joint *joint, const pl_joint_room *w, pl_joint_patch *p) {
+    const pl_maxmin *problem = &w->problem;
+    for (int a = 0; a < problem->n_active; a++) {
+        int32_t node[4];
+        const int n =
+            movable_nodes(joint, &w->element[w->element_of[problem->active[a]]].of, node);
+        for (int v = 0; v < n; v++) {
+            int is_known = p->n == PL_JOINT_NODES;
+            for (int o = 0; o < p->n && !is_known; o++)
+                is_known = p->node[o] == node[v];
+            if (!is_known)
+                p->node[p->n++] = node[v];
+        }
+    }
+}
+
+/** The patch neither gains nor grows: loosen it, once, or it is at its limit. */
+static void give_up(const pl_joint *joint, pl_joint_patch *p) {
+    if (!p->is_loose && joint->kept[1] < joint->kept[0])
+        p->is_loose = 1;
+    else
+        p->state = PL_JOINT_PINNED;
+}
+
+void pl_joint_improve(const pl_joint *joint, int thread, pl_joint_patch *p) {
+    pl_joint_room *w = &joint->room[thread];
+    p->has_moved = 0;
+    if (!gather_patch(joint, p, w)) {
+        p->state = PL_JOINT_PINNED;
+        return;
+    }
+    w->cell = fmax(worst_cell(joint->run, w), joint->run->watch.worst_ar2);
+    w->problem = (pl_maxmin){.n = w->n_variables,
+                             .row = w->row,
+                             .reach = REACH,
+                             .spread = AIM,
+                             .room = w->room,
+                             .x = w->x,
+                             .active = w->active,
+                             .multiplier = w->multiplier};
+    const double before = judge_elements(joint, w);
+    double least = before, radius = RADIUS;
+    for (int i = 0; i < STEPS && least < joint->wanted; i++) {
+        const double now = step(joint, w, least, &radius);
+        if (!(now > least))
+            break;
+        least = now;
+    }
+    p->has_moved = least > before;
+    for (int i = 0; joint->run->watch.n > 0 && i < p->n; i++)
+        pl_watch_forget(&joint->run->watch, p->node[i]);
+    if (least >= joint->wanted) {
+        p->state = PL_JOINT_DONE;
+        return;
+    }
+    const int n = p->n;
+    grow(joint, w, p);
+    if (p->n == n && !(least > before + LITTLE))
+        give_up(joint, p);
+}
+
+/* ---- all patches ---------------------------------------------------------------------------- */
+
+/** Search for the largest angle. */
+typedef struct angle_search {
+    const pl_run *run;
+    double *largest; /* [threads] */
+} angle_search;
+
+/** Largest angle of an element at coordinates by [.][dim], number of its vertices in them. */
+static double largest_angle_at(const pl_run *r, int64_t element, const double *coordinates,
+                               const int32_t *number) {
+    const planish_plan *plan = r->plan;
+    const int dim = plan->dim, turned = plan->work.sign && plan->work.sign[element] < 0;
+    double x[4][3], largest = 0;
+    pl_slope slope[PL_MOST_SLOPES];
+    for (int v = 0; v <= dim; v++) {
+        const int32_t node = plan->work.elements[element * (dim + 1) + (turned && v < 2 ? 1 - v : v)];
+        const int64_t at = number ? number[node] : node;
+        for (int d = 0; d < dim; d++)
+            x[v][d] = coordinates[at * dim + d] * r->measure_scale;
+    }
+    const int n = measures_of(r, ANGLE, 0, (const double(*)[3])x, 0, slope);
+    for (int k = 0; k < n; k++)
+        largest = slope[k].value > largest ? slope[k].value : largest;
+    return largest;
+}
+
+static void search_angles(void *context, int64_t begin, int64_t end, int thread) {
+    const angle_search *s = context;
+    const planish_plan *plan = s->run->plan;
+    for (int64_t i = begin; i < end; i++)
+        if (pl_any_moves(plan->work.mobility, plan->work.elements + i * (plan->dim + 1),
+                         plan->dim + 1))
+            s->largest[thread] =
+                fmax(s->largest[thread],
+                     fmax(largest_angle_at(s->run, i, plan->scratch.coordinates, plan->inner),
+                          largest_angle_at(s->run, i, s->run->given, NULL)));
+}
+
+/** Return the largest angle of an element with a movable node, at the start of the run and now. */
+static double find_largest_angle(const pl_run *r) {
+    enum { CHUNK = 4096 };
+    double largest[PL_MAX_THREADS] = {0}, all = 0;
+    angle_search s = {r, largest};
+    pl_parallel_for(r->plan->threads, r->plan->work.n_elements, CHUNK, search_angles, &s);
+    for (int t = 0; t < r->plan->threads; t++)
+        all = fmax(all, largest[t]);
+    return all;
+}
+
+/** Whether a sliding node can be in a patch: on a plane or line without bounds. */
+static int may_slide(const pl_run *r, int64_t star) {
+    return r->plan->slide[star].kind != PLANISH_CONSTRAINT_ON_SURFACE && !r->guard.star.lower &&
+           !r->guard.star.upper && !r->guard.star.radius && !r->skin.shape;
+}
+
+static void number_stars(const pl_run *r, int32_t *star_of) {
+    const planish_plan *plan = r->plan;
+    for (int64_t i = 0; i < plan->work.n_nodes + plan->n_images; i++)
+        star_of[i] = PL_JOINT_HELD;
+    for (int64_t s = 0; s < plan->interior.stars.n_stars; s++)
+        if (!pl_star_is_held(&r->guard.star, plan->interior.centre[s], plan->dim))
+            star_of[plan->interior.centre[s]] = (int32_t)s;
+    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++)
+        if (may_slide(r, s))
+            star_of[plan->sliding.centre[s]] = (int32_t)(-2 - s);
+    for (int64_t k = 0; k < plan->sliding.n_followers; k++)
+        star_of[plan->sliding.follower[k].of] = PL_JOINT_HELD;
+    for (int64_t i = 0; r->watch.floor && i < plan->work.n_nodes; i++)
+        if (pl_watch_has(&r->watch, (int32_t)i))
+            star_of[i] = PL_JOINT_HELD;
+}
+
+int pl_joint_create(pl_run *r, const pl_star_limits limits[2], pl_joint *joint,
+                    planish_error *error) {
+    const planish_plan *plan = r->plan;
+    const measure other = measure_of(r, 1);
+    const int of_angle = other == ANGLE || other == JACOBIAN;
+    *joint = (pl_joint){.run = r, .largest_angle = INFINITY};
+    joint->star_of = pl_alloc(plan->work.n_nodes + plan->n_images, sizeof *joint->star_of);
+    joint->room = pl_alloc(plan->threads, sizeof *joint->room);
+    if (!joint->star_of || !joint->room)
+        return pl_fail_memory(error, "the worst elements");
+    number_stars(r, joint->star_of);
+    for (int i = 0; i < 2; i++)
+        joint->kept[i] =
+            value_of_square(other, of_angle ? limits[i].acuteness : limits[i].rr2);
+    if (measure_of(r, 0) == ANGLE)
+        joint->largest_angle = find_largest_angle(r);
+    return PLANISH_OK;
+}
+
+void pl_joint_destroy(pl_joint *joint) {
+    pl_free(joint->star_of);
+    pl_free(joint->room);
 }

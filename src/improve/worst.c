@@ -1,20 +1,24 @@
 /* worst: a last phase for the worst elements, which an average does not care for.
  *
- * The measure's limit falls in stages. In each only stars that hold something above it are visited,
- * to minimise a high power of the measure, which is next to its maximum; the worklist begins with
- * the nodes of the elements above and follows what moves. A stage that leaves no fewer elements
- * above, or makes F rise by more than is allowed, is undone.
+ * The measure's limit falls in stages. In each the elements above it are brought below: by steps of
+ * patches (joint.h), all patches at once that have no cell in common, the worst elements first. Nodes that
+ * patches do not move, those on surfaces and in periodic pairs, and all nodes of a mesh in parts, are
+ * moved by sweeps: only stars that hold something above the limit are visited, to minimise a high
+ * power of the measure, which is next to its maximum. A stage that neither improves the worst element
+ * nor leaves fewer elements above, or makes F rise by more than is allowed, is undone.
  */
 #include "improve/improve.h"
 #include "improve/joint.h"
-#include <stdlib.h>
 
 #include "base/context.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* What the limit of a measure (RR, or 1 / sin of an angle; mu of a corner, or 1 / SJ) has above 1
@@ -24,8 +28,11 @@
 #define STAGE_MOST  1e4
 #define STAGE_LEAST 1.05
 enum { STAGE_SWEEPS = 20, HALVINGS = 3 };
-/* A stage ends when no more than one star in so many improves. */
+/* The sweeps of a stage end when no more than one star in so many improves. */
 enum { FEW = 50 };
+/* Tries of one patch in a stage; and where an element is at its limit, tries of all stages together: so
+ * many, and one for each so many nodes. */
+enum { TRIES = 60, TRIES_AT_LEAST = 200, NODES_PER_TRY = 60 };
 
 /** Stages under way. */
 typedef struct stages {
@@ -35,6 +42,15 @@ typedef struct stages {
     double most;           /* F, */
     double most_of_cell;   /* and with corners AR^2 of a cell */
     pl_star_limits limits; /* of all elements, in all stages */
+    pl_joint joint;
+    int32_t *moved, *near; /* [n_nodes + n_images] round in which a node is in a patch, or a neighbour */
+    int32_t round;
+    pl_joint_patch *patch; /* [n_patches] of the stage */
+    int64_t n_patches;
+    pl_joint_patch **chosen; /* [n_chosen] of the round */
+    int64_t n_chosen;
+    int64_t tries;
+    int64_t visits; /* most of a sweep */
 } stages;
 
 /** Whether angles, or scaled Jacobians, are meant, not ratios. */
@@ -70,25 +86,152 @@ static int objective_of_stages(const pl_run *r) {
                                                                 : PL_WORST_RATIO;
 }
 
-/** Try a stage: sweep stars with something above limit, a square, beginning with the nodes of the
- *  elements above. *failed: F rose too much in it. The stage stands if not, and if fewer elements
- *  are above the limit. Not 0 if it was cut short. */
-static int try_stage(stages *p, double limit, int *failed) {
+/* ---- patches -------------------------------------------------------------------------------- */
+
+/** Order of patches: the worst first. */
+static int compare_patches(const void *a, const void *b) {
+    const pl_joint_patch *x = a, *y = b;
+    if (x->value != y->value)
+        return x->value < y->value ? -1 : 1;
+    return (x->seed.facet > y->seed.facet) - (x->seed.facet < y->seed.facet);
+}
+
+/** Call mark for the nodes of the cells around a patch's nodes: whether any is marked with the round. */
+static int is_near(const stages *p, const pl_joint_patch *patch) {
+    int any = 0;
+    for (int i = 0; i < patch->n && !any; i++) {
+        const pl_visits *visits;
+        const int64_t star = pl_joint_visits(&p->joint, patch->node[i], &visits);
+        any = p->near[patch->node[i]] == p->round;
+        for (int64_t k = visits->stars.ring_offset[star];
+             !any && k < visits->stars.ring_offset[star + 1]; k++)
+            any = p->moved[visits->stars.ring[k]] == p->round;
+    }
+    return any;
+}
+
+/** Mark the patch's nodes as moved in this round, and all nodes of their cells as near. */
+static void mark_patch(const stages *p, const pl_joint_patch *patch) {
+    for (int i = 0; i < patch->n; i++) {
+        const pl_visits *visits;
+        const int64_t star = pl_joint_visits(&p->joint, patch->node[i], &visits);
+        p->moved[patch->node[i]] = p->near[patch->node[i]] = p->round;
+        for (int64_t k = visits->stars.ring_offset[star]; k < visits->stars.ring_offset[star + 1];
+             k++)
+            p->near[visits->stars.ring[k]] = p->round;
+    }
+}
+
+/** Choose the open patches of a round, the worst first: no cell has nodes of two of them. */
+static void choose_patches(stages *p) {
+    p->n_chosen = 0;
+    p->round++;
+    for (int64_t i = 0; i < p->n_patches; i++) {
+        pl_joint_patch *patch = &p->patch[i];
+        if (patch->state == PL_JOINT_OPEN) {
+            patch->value = pl_joint_value(&p->joint, &patch->seed);
+            if (patch->value >= p->joint.wanted)
+                patch->state = PL_JOINT_DONE;
+        }
+    }
+    qsort(p->patch, (size_t)p->n_patches, sizeof *p->patch, compare_patches);
+    for (int64_t i = 0; i < p->n_patches; i++)
+        if (p->patch[i].state == PL_JOINT_OPEN && !is_near(p, &p->patch[i])) {
+            mark_patch(p, &p->patch[i]);
+            p->chosen[p->n_chosen++] = &p->patch[i];
+        }
+}
+
+static void improve_chosen(void *context, int64_t begin, int64_t end, int thread) {
+    const stages *p = context;
+    for (int64_t i = begin; i < end; i++)
+        pl_joint_improve(&p->joint, thread, p->chosen[i]);
+}
+
+/** List the patches of the stage: of all elements above its limit that are not at their own limits.
+ *  Returns 0 without memory. */
+static int list_patches(stages *p) {
+    const uint8_t *marked = p->run->plan->scratch.changed;
+    p->n_patches = pl_joint_find(&p->joint, marked, NULL);
+    p->patch = pl_alloc(p->n_patches, sizeof *p->patch);
+    p->chosen = pl_alloc(p->n_patches, sizeof *p->chosen);
+    if (!p->patch || !p->chosen)
+        return 0;
+    pl_joint_find(&p->joint, marked, p->patch);
+    return 1;
+}
+
+/** Note which elements of the stage are at their limits. */
+static void note_pinned(stages *p) {
+    pl_joint *joint = &p->joint;
+    int64_t n = joint->n_pinned;
+    for (int64_t i = 0; i < p->n_patches; i++)
+        n += p->patch[i].state != PL_JOINT_DONE;
+    pl_joint_pinned *pinned = n > joint->n_pinned ? pl_alloc(n, sizeof *pinned) : NULL;
+    if (!pinned)
+        return;
+    memcpy(pinned, joint->pinned, (size_t)joint->n_pinned * sizeof *pinned);
+    n = joint->n_pinned;
+    for (int64_t i = 0; i < p->n_patches; i++)
+        if (p->patch[i].state != PL_JOINT_DONE)
+            pinned[n++] = pl_joint_pin(joint, &p->patch[i].seed);
+    qsort(pinned, (size_t)n, sizeof *pinned, pl_joint_compare);
+    pl_free(joint->pinned);
+    joint->pinned = pinned;
+    joint->n_pinned = n;
+}
+
+/** Bring elements below limit, a square, by patches. Not 0 if it was cut short. */
+static int improve_patches(stages *p, double limit) {
     pl_run *r = p->run;
+    int stopped = 0;
+    p->joint.wanted = pl_joint_value_of(r, limit);
+    if (list_patches(p)) {
+        for (int i = 0; i < TRIES && !stopped; i++) {
+            pl_sweep_tally tally = {0};
+            choose_patches(p);
+            if (p->n_chosen == 0)
+                break;
+            pl_run_begin_sweep(r);
+            if (getenv("TRACE2")) for (int k = 0; k < p->n_chosen; k++) fprintf(stderr, "   before %ld %g n %d\n", (long)p->chosen[k]->seed.facet, p->chosen[k]->value*57.2958, p->chosen[k]->n);
+            pl_parallel_for(r->plan->threads, p->n_chosen, 1, improve_chosen, p);
+            if (getenv("TRACE2")) for (int k = 0; k < p->n_chosen; k++) fprintf(stderr, "   after %ld %g n %d state %d loose %d\n", (long)p->chosen[k]->seed.facet, pl_joint_value(&p->joint, &p->chosen[k]->seed)*57.2958, p->chosen[k]->n, p->chosen[k]->state, p->chosen[k]->is_loose);
+            pl_follow(r->plan, &r->problem);
+            tally.stars.visits = p->n_chosen;
+            p->tries += p->n_chosen;
+            tally.stopped = pl_run_after_colour(r, 1, p->n_chosen);
+            stopped = pl_run_end_sweep(r, &tally);
+            r->result->worst_sweeps++;
+        }
+        note_pinned(p);
+    }
+    pl_free(p->patch);
+    pl_free(p->chosen);
+    return stopped;
+}
+
+/* ---- stages --------------------------------------------------------------------------------- */
+
+/** Whether patches do the work; else sweeps: in a mesh in parts. */
+static int has_patches(void) {
+    return pl_part_here() == NULL;
+}
+
+/** Whether sweeps move nodes that patches do not. */
+static int has_sweeps(const pl_run *r) {
     const planish_plan *plan = r->plan;
-    const int64_t n_bad = find_bad(p, limit);
+    int any = !has_patches() || plan->sliding.n_followers > 0 || r->skin.shape != NULL;
+    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++)
+        any |= plan->slide[s].kind == PLANISH_CONSTRAINT_ON_SURFACE;
+    return pl_parts_any(any);
+}
+
+/** Bring elements below limit, a square, by sweeps of the stars that are marked as changed. Not 0 if
+ *  it was cut short. */
+static int improve_by_sweeps(stages *p, double limit) {
+    pl_run *r = p->run;
     int64_t most = 0;
     int stopped = 0;
-    pl_trial trial;
-    *failed = 0;
-    if (n_bad == 0)
-        return 0;
-    memset(plan->scratch.changed, 0, (size_t)plan->work.n_nodes);
-    for (int64_t i = 0; i < plan->work.n_elements; i++)
-        for (int j = 0; p->state[i] == PL_WORSE && j <= plan->dim; j++)
-            plan->scratch.changed[pl_plan_inner(plan, i, j)] = 1;
-    pl_trial_begin(r, 1, p->before, &trial);
-    r->phase = PLANISH_PHASE_WORST;
     r->guard.star.objective = objective_of_stages(r);
     r->guard.star.worst_limit = limit;
     r->guard.star.ratio_weight = 1;
@@ -107,17 +250,60 @@ static int try_stage(stages *p, double limit, int *failed) {
         if (tally.stars.improved * FEW <= most)
             break;
     }
+    return stopped;
+}
+
+/** Mark the nodes of the elements that find_bad has found. */
+static void mark_bad(const stages *p) {
+    const planish_plan *plan = p->run->plan;
+    memset(plan->scratch.changed, 0, (size_t)plan->work.n_nodes);
+    for (int64_t i = 0; i < plan->work.n_elements; i++)
+        for (int j = 0; p->state[i] == PL_WORSE && j <= plan->dim; j++)
+            plan->scratch.changed[pl_plan_inner(plan, i, j)] = 1;
+}
+
+/** Worst measure of all, a square. */
+static double worst_square(const pl_run *r) {
+    const pl_star_limits worst = pl_run_worst_limits(r, 1);
+    return is_of_angle(r) ? worst.acuteness : worst.rr2;
+}
+
+/** Try a stage: bring the elements above limit, a square, below it. *failed: F rose too much in it. The
+ *  stage stands if not, and if the worst element is better or fewer are above the limit. Not 0 if it
+ *  was cut short. */
+static int try_stage(stages *p, double limit, int *failed) {
+    pl_run *r = p->run;
+    const double worst = worst_square(r);
+    const int64_t n_bad = find_bad(p, limit), n_pinned = p->joint.n_pinned;
+    int stopped = 0;
+    pl_trial trial;
+    *failed = 0;
+    if (n_bad == 0)
+        return 0;
+    mark_bad(p);
+    pl_trial_begin(r, 1, p->before, &trial);
+    r->phase = PLANISH_PHASE_WORST;
+    p->joint.least = pl_joint_value_of(r, worst);
+    if (has_patches())
+        stopped = improve_patches(p, limit);
+    if (!stopped && has_sweeps(r)) {
+        mark_bad(p);
+        stopped = improve_by_sweeps(p, limit);
+    }
     pl_run_measure(r);
+    const double now = worst_square(r);
     *failed = !(pl_run_objective(r) <= p->most && r->sums.radius_max <= p->most_of_cell);
-    pl_trial_end(&trial, !*failed && find_bad(p, limit) < n_bad);
+    const int is_taken = !*failed && (now < worst || (now <= worst && find_bad(p, limit) < n_bad));
+    pl_trial_end(&trial, is_taken);
+    if (getenv("TRACE")) fprintf(stderr, "level wanted %g (%g) bad %ld patches %ld pinned %ld+%ld tries %ld worst %g -> %g F %g failed %d taken %d stopped %d\n", sqrt(limit), 57.2958*p->joint.wanted, (long)n_bad, (long)p->n_patches, (long)n_pinned, (long)(p->joint.n_pinned-n_pinned), (long)p->tries, 57.2958*pl_joint_value_of(r,worst), 57.2958*pl_joint_value_of(r,now), pl_run_objective(r), *failed, is_taken, stopped);
     return stopped;
 }
 
 /** Lower the limit stage by stage. */
 static void run_stages(stages *p) {
-    const pl_star_limits worst = pl_run_worst_limits(p->run, 1);
-    double reached = sqrt(is_of_angle(p->run) ? worst.acuteness : worst.rr2), refused = 1;
-    reached = fmin(reached, STAGE_MOST);
+    const planish_plan *plan = p->run->plan;
+    const int64_t tries = TRIES_AT_LEAST + plan->work.n_nodes / NODES_PER_TRY;
+    double reached = fmin(sqrt(worst_square(p->run)), STAGE_MOST), refused = 1;
     for (int failures = 0; failures <= HALVINGS && reached > STAGE_LEAST;) {
         const double next =
             failures == 0 ? 1 + (reached - 1) * STAGE_FACTOR : (reached + refused) / 2;
@@ -129,6 +315,8 @@ static void run_stages(stages *p) {
         else
             reached = next;
         failures += failures > 0 || failed;
+        if (p->joint.n_pinned > 0 && p->tries > tries)
+            return;
     }
 }
 
@@ -143,29 +331,50 @@ static double worst_of(const pl_run *r) {
     return asin(1 / sqrt(now.acuteness)) * degrees;
 }
 
-static int64_t find_for_joint(void *p, double limit) { return find_bad(p, limit); }
+/** Limits of the run: no element shall become worse than the worst one it began with. */
+static pl_star_limits limits_of_run(const pl_run *r) {
+    const pl_star_limits now = pl_run_worst_limits(r, 1);
+    pl_star_limits limits = r->limits_at_start;
+    limits.rr2 = fmax(limits.rr2, now.rr2);
+    limits.acuteness = fmax(limits.acuteness, now.acuteness);
+    return limits;
+}
+
+static int prepare_stages(stages *p, planish_error *error) {
+    const planish_plan *plan = p->run->plan;
+    const int64_t n = plan->work.n_nodes + plan->n_images;
+    const pl_star_limits limits[2] = {pl_run_worst_limits(p->run, 1), limits_of_run(p->run)};
+    p->state = pl_alloc(plan->work.n_elements, sizeof *p->state);
+    p->before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *p->before);
+    p->moved = pl_alloc_zero(n, sizeof *p->moved);
+    p->near = pl_alloc_zero(n, sizeof *p->near);
+    if (!p->state || !p->before || !p->moved || !p->near)
+        return pl_fail_memory(error, "the worst elements");
+    return pl_joint_create(p->run, limits, &p->joint, error);
+}
 
 int pl_run_worst(pl_run *r, planish_error *error) {
     const planish_plan *plan = r->plan;
     const double objective = pl_run_objective(r), before = worst_of(r);
+    const double of_cell = r->worst_at_start < INFINITY ? r->worst_at_start : 0;
     stages p = {.run = r,
                 .most = objective * (1 + r->options->worst_rise),
-                .most_of_cell = plan->work.corner ? r->sums.radius_max : INFINITY,
-                .limits = pl_run_worst_limits(r, PL_LIMIT_MARGIN),
-                .state = pl_alloc(plan->work.n_elements, sizeof *p.state),
-                .before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *p.before)};
-    int status = p.state && p.before ? PLANISH_OK : pl_fail_memory(error, "the worst elements");
+                .most_of_cell = plan->work.corner ? fmax(r->sums.radius_max, of_cell) : INFINITY,
+                .limits = pl_run_worst_limits(r, PL_LIMIT_MARGIN)};
+    const int status = prepare_stages(&p, error);
     pl_log(PLANISH_LOG_DETAIL, "improving the worst elements");
-    if (!status && !getenv("NOSTAGES"))
-        run_stages(&p);
     if (!status)
-        pl_joint_run(r, p.state, p.most, find_for_joint, &p);
+        run_stages(&p);
     if (r->result->worst_sweeps > 0) {
         r->result->objective_of_worst = objective;
         r->result->worst_before = before;
         r->result->worst_after = worst_of(r);
     }
+    pl_joint_destroy(&p.joint);
     pl_free(p.state);
     pl_free(p.before);
+    pl_free(p.moved);
+    pl_free(p.near);
+    pl_free(p.joint.pinned);
     return status;
 }
