@@ -219,32 +219,41 @@ static int movable_nodes(const pl_joint *joint, const pl_joint_element *e, int32
     return n;
 }
 
-int64_t pl_joint_find(const pl_joint *joint, const uint8_t *marked, pl_joint_patch *patch) {
-    const planish_plan *plan = joint->run->plan;
-    int64_t n = 0;
-    for (int32_t node = 0; node < plan->work.n_nodes; node++) {
-        if (!marked[node] || joint->star_of[node] == PL_JOINT_HELD)
-            continue;
-        const pl_visits *visits;
-        const int64_t star = pl_joint_visits(joint, node, &visits);
-        const int64_t n_facets =
-            visits->stars.link_offset[star + 1] - visits->stars.link_offset[star];
-        for (int64_t i = 0; i < n_facets; i++) {
-            pl_joint_patch p = {.state = PL_JOINT_OPEN};
-            element_of_star(visits, star, i, node, plan->dim, visits == &plan->sliding, &p.seed);
-            p.n = movable_nodes(joint, &p.seed, p.node);
-            int is_first = 1; /* the node: other stars have the element, too */
-            for (int j = 0; j < p.n; j++)
-                is_first &= p.node[j] >= node || !marked[p.node[j]];
-            if (!is_first || !((p.value = pl_joint_value(joint, &p.seed)) < joint->wanted) ||
-                find_pinned(joint, &p.seed))
-                continue;
-            if (patch)
-                patch[n] = p;
-            n++;
-        }
+/** Whether the vertices of e are the nodes node [dim + 1]. */
+static int has_nodes(const pl_joint_element *e, const int32_t *node, int dim) {
+    for (int v = 0; v < dim; v++) { /* the last one is the star's */
+        int found = 0;
+        for (int j = 0; j <= dim; j++)
+            found |= node[j] == e->node[v];
+        if (!found)
+            return 0;
     }
-    return n;
+    return 1;
+}
+
+int pl_joint_seed(const pl_joint *joint, int64_t element, pl_joint_patch *patch) {
+    const planish_plan *plan = joint->run->plan;
+    const int dim = plan->dim;
+    int32_t node[4], first = -1;
+    for (int v = 0; v <= dim; v++) {
+        node[v] = pl_plan_inner(plan, element, v);
+        first = first < 0 && joint->star_of[node[v]] != PL_JOINT_HELD ? node[v] : first;
+    }
+    if (first < 0)
+        return 0;
+    const pl_visits *visits;
+    const int64_t star = pl_joint_visits(joint, first, &visits);
+    const int64_t n = visits->stars.link_offset[star + 1] - visits->stars.link_offset[star];
+    *patch = (pl_joint_patch){.state = PL_JOINT_OPEN};
+    for (int64_t i = 0; i < n; i++) {
+        element_of_star(visits, star, i, first, dim, visits == &plan->sliding, &patch->seed);
+        if (!has_nodes(&patch->seed, node, dim))
+            continue;
+        patch->n = movable_nodes(joint, &patch->seed, patch->node);
+        patch->value = pl_joint_value(joint, &patch->seed);
+        return patch->value < joint->wanted && !find_pinned(joint, &patch->seed);
+    }
+    return 0;
 }
 
 /** Set the directions of a node that slides on a plane or line. */
@@ -658,52 +667,68 @@ void pl_joint_improve(const pl_joint *joint, int thread, pl_joint_patch *p) {
 
 /* ---- all patches ---------------------------------------------------------------------------- */
 
-/** Search for the largest angle. */
+enum { LANES = 8 }; /* elements whose angles are found at once */
+
+/** Search for the largest angle: the smallest cosine. */
 typedef struct angle_search {
     const pl_run *run;
-    double *largest; /* [threads] */
+    const double *coordinates; /* [.][dim] */
+    const int32_t *number;     /* of the mesh's nodes in them; NULL: the same */
+    double *cosine;            /* [threads] */
 } angle_search;
 
-/** Largest angle of an element at coordinates by [.][dim], number of its vertices in them. */
-static double largest_angle_at(const pl_run *r, int64_t element, const double *coordinates,
-                               const int32_t *number) {
-    const planish_plan *plan = r->plan;
-    const int dim = plan->dim, turned = plan->work.sign && plan->work.sign[element] < 0;
-    double x[4][3], largest = 0;
-    pl_slope slope[PL_MOST_SLOPES];
-    for (int v = 0; v <= dim; v++) {
-        const int32_t node = plan->work.elements[element * (dim + 1) + (turned && v < 2 ? 1 - v : v)];
-        const int64_t at = number ? number[node] : node;
-        for (int d = 0; d < dim; d++)
-            x[v][d] = coordinates[at * dim + d] * r->measure_scale;
+/** Lower s->cosine of the thread to those of the elements from first to first + LANES - 1 that are
+ *  before end and have a movable node. */
+PL_INLINE void search_elements(const angle_search *s, int64_t first, int64_t end, int thread,
+                               const int dim) {
+    const planish_plan *plan = s->run->plan;
+    double x[4][3][LANES], cosine[LANES];
+    for (int l = 0; l < LANES; l++) {
+        const int64_t i = first + l < end ? first + l : first;
+        const int32_t *node = plan->work.elements + i * (dim + 1);
+        for (int v = 0; v <= dim; v++)
+            for (int d = 0; d < dim; d++)
+                x[v][d][l] = s->coordinates[(s->number ? s->number[node[v]] : node[v]) * (int64_t)dim + d] *
+                             s->run->measure_scale;
     }
-    const int n = measures_of(r, ANGLE, 0, (const double(*)[3])x, 0, slope);
-    for (int k = 0; k < n; k++)
-        largest = slope[k].value > largest ? slope[k].value : largest;
-    return largest;
+    for (int l = 0; l < LANES; l++) {
+        double edge[3][3];
+        for (int j = 0; j < dim; j++)
+            for (int d = 0; d < dim; d++)
+                edge[j][d] = x[j + 1][d][l] - x[0][d][l];
+        cosine[l] = pl_shape_of_edges(dim, (const double(*)[3])edge).smallest_cosine;
+    }
+    for (int l = 0; l < LANES && first + l < end; l++)
+        if (cosine[l] < s->cosine[thread] &&
+            pl_any_moves(plan->work.mobility, plan->work.elements + (first + l) * (dim + 1),
+                         dim + 1))
+            s->cosine[thread] = cosine[l];
 }
 
-static void search_angles(void *context, int64_t begin, int64_t end, int thread) {
+static void search_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const angle_search *s = context;
-    const planish_plan *plan = s->run->plan;
-    for (int64_t i = begin; i < end; i++)
-        if (pl_any_moves(plan->work.mobility, plan->work.elements + i * (plan->dim + 1),
-                         plan->dim + 1))
-            s->largest[thread] =
-                fmax(s->largest[thread],
-                     fmax(largest_angle_at(s->run, i, plan->scratch.coordinates, plan->inner),
-                          largest_angle_at(s->run, i, s->run->given, NULL)));
+    for (int64_t i = begin; i < end; i += LANES)
+        if (s->run->plan->dim == 3)
+            search_elements(s, i, end, thread, 3);
+        else
+            search_elements(s, i, end, thread, 2);
 }
 
 /** Return the largest angle of an element with a movable node, at the start of the run and now. */
 static double find_largest_angle(const pl_run *r) {
     enum { CHUNK = 4096 };
-    double largest[PL_MAX_THREADS] = {0}, all = 0;
-    angle_search s = {r, largest};
-    pl_parallel_for(r->plan->threads, r->plan->work.n_elements, CHUNK, search_angles, &s);
-    for (int t = 0; t < r->plan->threads; t++)
-        all = fmax(all, largest[t]);
-    return all;
+    const planish_plan *plan = r->plan;
+    double cosine[PL_MAX_THREADS], least = 1;
+    const angle_search now = {r, plan->scratch.coordinates, plan->inner, cosine},
+                       start = {r, r->given, NULL, cosine};
+    for (int t = 0; t < plan->threads; t++)
+        cosine[t] = 1;
+    pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, search_chunk, (void *)(uintptr_t)&now);
+    pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, search_chunk,
+                    (void *)(uintptr_t)&start);
+    for (int t = 0; t < plan->threads; t++)
+        least = cosine[t] < least ? cosine[t] : least;
+    return pl_arc_cosine(least);
 }
 
 /** Whether a sliding node can be in a patch: on a plane or line without bounds. */

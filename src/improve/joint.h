@@ -11,7 +11,7 @@
  *
  *   pl_joint_create, _destroy     input of all patches of a run, memory for them
  *   pl_joint_value_of             a square limit of the run as a value of measures
- *   pl_joint_find                 the bad elements around some nodes
+ *   pl_joint_seed                 a patch around an element
  *   pl_joint_value                the least measure of an element
  *   pl_joint_pin, _compare        elements at their limits
  *   pl_joint_visits               the star of a node
@@ -105,10 +105,9 @@ pl_joint_pinned pl_joint_pin(const pl_joint *joint, const pl_joint_element *elem
 /** Compare the nodes of two such elements a and b, for qsort. */
 int pl_joint_compare(const void *a, const void *b);
 
-/** Write the elements that have a movable node that is marked [n_nodes], and a measure below wanted, as
- *  patches of their movable nodes, but those that are pinned; NULL: only count them. Return their
- *  number. */
-int64_t pl_joint_find(const pl_joint *joint, const uint8_t *marked, pl_joint_patch *patch);
+/** Set patch to one of the movable nodes of an element of the plan's mesh. Return 0 if there is none to
+ *  be made: no node can be in one, its measure is not below wanted, or the element is pinned. */
+int pl_joint_seed(const pl_joint *joint, int64_t element, pl_joint_patch *patch);
 
 /** Try to bring the patch's element to the wanted measure, and let the patch grow. */
 void pl_joint_improve(const pl_joint *joint, int thread, pl_joint_patch *patch);

@@ -23,7 +23,7 @@
 
 /* What the limit of a measure (RR, or 1 / sin of an angle; mu of a corner, or 1 / SJ) has above 1
  * falls by this factor from stage to stage, */
-#define STAGE_FACTOR 0.9
+#define STAGE_FACTOR (getenv("FACTOR") ? atof(getenv("FACTOR")) : 0.9)
 /* from the worst there is, but no more than this, to this. */
 #define STAGE_MOST  1e4
 #define STAGE_LEAST 1.05
@@ -32,7 +32,7 @@ enum { STAGE_SWEEPS = 20, HALVINGS = 3 };
 enum { FEW = 50 };
 /* Tries of one patch in a stage; and where an element is at its limit, tries of all stages together: so
  * many, and one for each so many nodes. */
-enum { TRIES = 60, TRIES_AT_LEAST = 200, NODES_PER_TRY = 60 };
+enum { TRIES = 60, TRIES_AT_LEAST = 100, NODES_PER_TRY = 250 };
 
 /** Stages under way. */
 typedef struct stages {
@@ -148,16 +148,18 @@ static void improve_chosen(void *context, int64_t begin, int64_t end, int thread
         pl_joint_improve(&p->joint, thread, p->chosen[i]);
 }
 
-/** List the patches of the stage: of all elements above its limit that are not at their own limits.
- *  Returns 0 without memory. */
-static int list_patches(stages *p) {
-    const uint8_t *marked = p->run->plan->scratch.changed;
-    p->n_patches = pl_joint_find(&p->joint, marked, NULL);
-    p->patch = pl_alloc(p->n_patches, sizeof *p->patch);
-    p->chosen = pl_alloc(p->n_patches, sizeof *p->chosen);
+/** List the patches of the stage: of the n_bad elements that find_bad has found. Returns 0 without
+ *  memory. */
+static int list_patches(stages *p, int64_t n_bad) {
+    const planish_plan *plan = p->run->plan;
+    p->n_patches = 0;
+    p->patch = pl_alloc(n_bad, sizeof *p->patch);
+    p->chosen = pl_alloc(n_bad, sizeof *p->chosen);
     if (!p->patch || !p->chosen)
         return 0;
-    pl_joint_find(&p->joint, marked, p->patch);
+    for (int64_t i = 0; i < plan->work.n_elements && p->n_patches < n_bad; i++)
+        if (p->state[i] == PL_WORSE)
+            p->n_patches += pl_joint_seed(&p->joint, i, &p->patch[p->n_patches]);
     return 1;
 }
 
@@ -182,11 +184,11 @@ static void note_pinned(stages *p) {
 }
 
 /** Bring elements below limit, a square, by patches. Not 0 if it was cut short. */
-static int improve_patches(stages *p, double limit) {
+static int improve_patches(stages *p, double limit, int64_t n_bad) {
     pl_run *r = p->run;
     int stopped = 0;
     p->joint.wanted = pl_joint_value_of(r, limit);
-    if (list_patches(p)) {
+    if (list_patches(p, n_bad)) {
         for (int i = 0; i < TRIES && !stopped; i++) {
             pl_sweep_tally tally = {0};
             choose_patches(p);
@@ -280,13 +282,12 @@ static int try_stage(stages *p, double limit, int *failed) {
     *failed = 0;
     if (n_bad == 0)
         return 0;
-    mark_bad(p);
     pl_trial_begin(r, 1, p->before, &trial);
     r->phase = PLANISH_PHASE_WORST;
     p->joint.least = pl_joint_value_of(r, worst);
     if (has_patches())
-        stopped = improve_patches(p, limit);
-    if (!stopped && has_sweeps(r)) {
+        stopped = improve_patches(p, limit, n_bad);
+    if (!stopped && has_sweeps(r) && find_bad(p, limit) > 0) {
         mark_bad(p);
         stopped = improve_by_sweeps(p, limit);
     }
@@ -336,7 +337,7 @@ static pl_star_limits limits_of_run(const pl_run *r) {
     const pl_star_limits now = pl_run_worst_limits(r, 1);
     pl_star_limits limits = r->limits_at_start;
     limits.rr2 = fmax(limits.rr2, now.rr2);
-    limits.acuteness = fmax(limits.acuteness, now.acuteness);
+    limits.acuteness = now.acuteness;
     return limits;
 }
 
