@@ -44,9 +44,6 @@ enum {
  * radians, or this part of a ratio. */
 #define MARGIN_ANGLE 0.01
 #define MARGIN_RATIO 0.02
-/* Elements at their limits may lose this part of their measure, unless they are the worst of all. */
-#define LOSS 0.02
-
 /** Kinds of measures, as geometry/slope.h has them. */
 typedef enum measure { ANGLE, RATIO, MEAN, JACOBIAN } measure;
 
@@ -382,7 +379,7 @@ static double judge_elements(const pl_joint *joint, pl_joint_room *w) {
             own < joint->wanted ? find_pinned(joint, &e->of) : NULL;
         e->is_pinned = pinned != NULL;
         if (pinned)
-            e->least = fmin(own, fmax(joint->least, pinned->value * (1 - LOSS)));
+            e->least = fmin(own, fmax(joint->least, pinned->value * (1 - PL_JOINT_LOSS)));
         w->kept = other < w->kept ? other : w->kept;
         least = !pinned && own < least ? own : least;
     }

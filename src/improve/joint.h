@@ -25,6 +25,10 @@
 /** Most nodes of a patch. */
 enum { PL_JOINT_NODES = 40 };
 
+/* Elements at their limits may lose this part of their measure to others, unless they are the worst of
+ * all. */
+#define PL_JOINT_LOSS 1e-3
+
 struct pl_joint_room;
 
 /** Input of all patches. Limits of measures are of values that are larger the better an element is

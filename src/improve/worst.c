@@ -23,11 +23,13 @@
 
 /* What the limit of a measure (RR, or 1 / sin of an angle; mu of a corner, or 1 / SJ) has above 1
  * falls by this factor from stage to stage, */
-#define STAGE_FACTOR (getenv("FACTOR") ? atof(getenv("FACTOR")) : 0.9)
+#define STAGE_FACTOR 0.9
 /* from the worst there is, but no more than this, to this. */
 #define STAGE_MOST  1e4
 #define STAGE_LEAST 1.05
-enum { STAGE_SWEEPS = 20, HALVINGS = 3 };
+enum { STAGE_SWEEPS = 20, HALVINGS = 4, STEPS = 3 };
+/* Worst elements are the same within this, relative. */
+#define SAME 1e-6
 /* The sweeps of a stage end when no more than one star in so many improves. */
 enum { FEW = 50 };
 /* Tries of one patch in a stage; and where an element is at its limit, tries of all stages together: so
@@ -50,6 +52,8 @@ typedef struct stages {
     pl_joint_patch **chosen; /* [n_chosen] of the round */
     int64_t n_chosen;
     int64_t tries;
+    int has_sweeps; /* stages have sweeps, too; else they go as far as this many of such: */
+    int n_steps;
     int64_t visits; /* most of a sweep */
 } stages;
 
@@ -183,32 +187,57 @@ static void note_pinned(stages *p) {
     joint->n_pinned = n;
 }
 
-/** Bring elements below limit, a square, by patches. Not 0 if it was cut short. */
-static int improve_patches(stages *p, double limit, int64_t n_bad) {
+/** Improve the chosen patches; counted as a sweep. Not 0 if the run is to end. */
+static int improve_round(stages *p) {
     pl_run *r = p->run;
-    int stopped = 0;
-    p->joint.wanted = pl_joint_value_of(r, limit);
-    if (list_patches(p, n_bad)) {
-        for (int i = 0; i < TRIES && !stopped; i++) {
-            pl_sweep_tally tally = {0};
-            choose_patches(p);
-            if (p->n_chosen == 0)
-                break;
-            pl_run_begin_sweep(r);
-            if (getenv("TRACE2")) for (int k = 0; k < p->n_chosen; k++) fprintf(stderr, "   before %ld %g n %d\n", (long)p->chosen[k]->seed.facet, p->chosen[k]->value*57.2958, p->chosen[k]->n);
-            pl_parallel_for(r->plan->threads, p->n_chosen, 1, improve_chosen, p);
-            if (getenv("TRACE2")) for (int k = 0; k < p->n_chosen; k++) fprintf(stderr, "   after %ld %g n %d state %d loose %d\n", (long)p->chosen[k]->seed.facet, pl_joint_value(&p->joint, &p->chosen[k]->seed)*57.2958, p->chosen[k]->n, p->chosen[k]->state, p->chosen[k]->is_loose);
-            pl_follow(r->plan, &r->problem);
-            tally.stars.visits = p->n_chosen;
-            p->tries += p->n_chosen;
-            tally.stopped = pl_run_after_colour(r, 1, p->n_chosen);
-            stopped = pl_run_end_sweep(r, &tally);
-            r->result->worst_sweeps++;
-        }
-        note_pinned(p);
+    pl_sweep_tally tally = {0};
+    pl_run_begin_sweep(r);
+    pl_parallel_for(r->plan->threads, p->n_chosen, 1, improve_chosen, p);
+    pl_follow(r->plan, &r->problem);
+    tally.stars.visits = p->n_chosen;
+    tally.stopped = pl_run_after_colour(r, 1, p->n_chosen);
+    p->tries += p->n_chosen;
+    r->result->worst_sweeps++;
+    return pl_run_end_sweep(r, &tally);
+}
+
+/** Bring the patches' elements below a limit, a square. Not 0 if the run is to end. */
+static int improve_to(stages *p, double limit) {
+    p->joint.wanted = pl_joint_value_of(p->run, limit);
+    for (int64_t i = 0; i < p->n_patches; i++)
+        if (p->patch[i].state == PL_JOINT_DONE)
+            p->patch[i].state = PL_JOINT_OPEN;
+    for (int i = 0; i < TRIES; i++) {
+        choose_patches(p);
+        if (p->n_chosen == 0)
+            return 0;
+        if (improve_round(p))
+            return 1;
     }
-    pl_free(p->patch);
-    pl_free(p->chosen);
+    return 0;
+}
+
+/** Whether elements of the stage are at their limits. */
+static int has_pinned(const stages *p) {
+    int any = 0;
+    for (int64_t i = 0; i < p->n_patches; i++)
+        any |= p->patch[i].state != PL_JOINT_DONE;
+    return any;
+}
+
+/** Bring elements from a limit to another one, *to, by patches: in steps, because a patch that goes far
+ *  at once leaves its neighbours less. The last step is the first in which an element is at its limit;
+ *  *to becomes its limit. Not 0 if it was cut short. */
+static int improve_patches(stages *p, double from, int64_t n_bad, double *to) {
+    const double most = *to;
+    int stopped = 0;
+    p->joint.wanted = pl_joint_value_of(p->run, most * most);
+    if (!list_patches(p, n_bad))
+        return 0;
+    for (int i = 1; i <= p->n_steps && !stopped && (i == 1 || !has_pinned(p)); i++) {
+        *to = from + (most - from) * i / p->n_steps;
+        stopped = improve_to(p, *to * *to);
+    }
     return stopped;
 }
 
@@ -270,13 +299,13 @@ static double worst_square(const pl_run *r) {
     return is_of_angle(r) ? worst.acuteness : worst.rr2;
 }
 
-/** Try a stage: bring the elements above limit, a square, below it. *failed: F rose too much in it. The
- *  stage stands if not, and if the worst element is better or fewer are above the limit. Not 0 if it
- *  was cut short. */
-static int try_stage(stages *p, double limit, int *failed) {
+/** Try a stage: bring the elements above a limit, *to, below it; from: the limit of the stage before.
+ *  *to becomes a larger one if the stage ended there. *failed: F rose too much in it. The stage stands if not, and if the worst element is better or fewer are
+ *  above the limit. Not 0 if it was cut short. */
+static int try_stage(stages *p, double from, double *to, int *failed) {
     pl_run *r = p->run;
-    const double worst = worst_square(r);
-    const int64_t n_bad = find_bad(p, limit), n_pinned = p->joint.n_pinned;
+    const double worst = worst_square(r), limit = *to * *to;
+    const int64_t n_bad = find_bad(p, limit);
     int stopped = 0;
     pl_trial trial;
     *failed = 0;
@@ -285,9 +314,10 @@ static int try_stage(stages *p, double limit, int *failed) {
     pl_trial_begin(r, 1, p->before, &trial);
     r->phase = PLANISH_PHASE_WORST;
     p->joint.least = pl_joint_value_of(r, worst);
+    p->n_patches = 0;
     if (has_patches())
-        stopped = improve_patches(p, limit, n_bad);
-    if (!stopped && has_sweeps(r) && find_bad(p, limit) > 0) {
+        stopped = improve_patches(p, from, n_bad, to);
+    if (!stopped && p->has_sweeps && find_bad(p, limit) > 0) {
         mark_bad(p);
         stopped = improve_by_sweeps(p, limit);
     }
@@ -296,8 +326,24 @@ static int try_stage(stages *p, double limit, int *failed) {
     *failed = !(pl_run_objective(r) <= p->most && r->sums.radius_max <= p->most_of_cell);
     const int is_taken = !*failed && (now < worst || (now <= worst && find_bad(p, limit) < n_bad));
     pl_trial_end(&trial, is_taken);
-    if (getenv("TRACE")) fprintf(stderr, "level wanted %g (%g) bad %ld patches %ld pinned %ld+%ld tries %ld worst %g -> %g F %g failed %d taken %d stopped %d\n", sqrt(limit), 57.2958*p->joint.wanted, (long)n_bad, (long)p->n_patches, (long)n_pinned, (long)(p->joint.n_pinned-n_pinned), (long)p->tries, 57.2958*pl_joint_value_of(r,worst), 57.2958*pl_joint_value_of(r,now), pl_run_objective(r), *failed, is_taken, stopped);
+    if (getenv("TRACE")) fprintf(stderr, "level wanted %g (%g) bad %ld patches %ld pinned %ld tries %ld worst %g -> %g F %g failed %d taken %d stopped %d\n", sqrt(limit), 57.2958*p->joint.wanted, (long)n_bad, (long)p->n_patches, (long)p->joint.n_pinned, (long)p->tries, 57.2958*pl_joint_value_of(r,worst), 57.2958*pl_joint_value_of(r,now), pl_run_objective(r), *failed, is_taken, stopped);
+    if (is_taken)
+        note_pinned(p);
+    pl_free(p->patch);
+    pl_free(p->chosen);
+    p->patch = NULL;
+    p->chosen = NULL;
     return stopped;
+}
+
+/** Whether the worst element is at its limit. */
+static int is_worst_pinned(const stages *p) {
+    const pl_joint *joint = &p->joint;
+    const double worst = pl_joint_value_of(p->run, worst_square(p->run));
+    double least = INFINITY;
+    for (int64_t i = 0; i < joint->n_pinned; i++)
+        least = fmin(least, joint->pinned[i].value);
+    return worst >= least * (1 - PL_JOINT_LOSS);
 }
 
 /** Lower the limit stage by stage. */
@@ -305,18 +351,25 @@ static void run_stages(stages *p) {
     const planish_plan *plan = p->run->plan;
     const int64_t tries = TRIES_AT_LEAST + plan->work.n_nodes / NODES_PER_TRY;
     double reached = fmin(sqrt(worst_square(p->run)), STAGE_MOST), refused = 1;
+    p->has_sweeps = has_sweeps(p->run);
+    p->n_steps = p->has_sweeps ? 1 : STEPS;
+    const double part = p->has_sweeps ? STAGE_FACTOR : STAGE_FACTOR * STAGE_FACTOR * STAGE_FACTOR;
     for (int failures = 0; failures <= HALVINGS && reached > STAGE_LEAST;) {
-        const double next =
-            failures == 0 ? 1 + (reached - 1) * STAGE_FACTOR : (reached + refused) / 2;
+        const double before = sqrt(worst_square(p->run));
+        double next = failures == 0 ? 1 + (reached - 1) * part : (reached + refused) / 2;
         int failed;
-        if (try_stage(p, next * next, &failed))
+        if (try_stage(p, reached, &next, &failed))
             return;
+        const double worst = sqrt(worst_square(p->run));
+        const int is_pinned = is_worst_pinned(p);
         if (failed)
             refused = next;
+        else if (!is_pinned && worst > next && worst < before * (1 - SAME))
+            reached = worst; /* of an element that was not above the limit */
         else
             reached = next;
         failures += failures > 0 || failed;
-        if (p->joint.n_pinned > 0 && p->tries > tries)
+        if (is_pinned && p->tries > tries)
             return;
     }
 }
