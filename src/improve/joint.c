@@ -13,12 +13,12 @@
 #include <string.h>
 
 enum {
-    ELEMENTS = 1500, /* of a patch, at most */
-    ROWS = 1500,
+    ELEMENTS = 1000, /* of a patch, at most */
+    ROWS = 1000,
     VARIABLES = 3 * PL_JOINT_NODES,
     STEPS = 8,  /* of one try */
-    TRIALS = 5, /* of one step */
-    SOLVES = 8  /* of one trial, until the step is as long as its radius */
+    TRIALS = 4, /* of one step */
+    SOLVES = 6  /* of one trial, until the step is as long as its radius */
 };
 
 /* Rows of elements up to so much better than the least are in a problem: radians, or parts of 1. */

@@ -23,7 +23,7 @@
 #include "sweep/run.h"
 
 /** Most nodes of a patch. */
-enum { PL_JOINT_NODES = 40 };
+enum { PL_JOINT_NODES = 20 };
 
 /* Elements at their limits may lose this part of their measure to others, unless they are the worst of
  * all. */

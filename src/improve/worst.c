@@ -17,7 +17,6 @@
 #include "base/status.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,7 +31,7 @@ enum { STAGE_SWEEPS = 20, HALVINGS = 4, STEPS = 3 };
 #define SAME 1e-6
 /* The sweeps of a stage end when no more than one star in so many improves. */
 enum { FEW = 50 };
-/* Tries of one patch in a stage; and where an element is at its limit, tries of all stages together: so
+/* Tries of one patch in a step; and of all stages together, where the worst element is at its limit: so
  * many, and one for each so many nodes. */
 enum { TRIES = 60, TRIES_AT_LEAST = 100, NODES_PER_TRY = 250 };
 
@@ -326,7 +325,6 @@ static int try_stage(stages *p, double from, double *to, int *failed) {
     *failed = !(pl_run_objective(r) <= p->most && r->sums.radius_max <= p->most_of_cell);
     const int is_taken = !*failed && (now < worst || (now <= worst && find_bad(p, limit) < n_bad));
     pl_trial_end(&trial, is_taken);
-    if (getenv("TRACE")) fprintf(stderr, "level wanted %g (%g) bad %ld patches %ld pinned %ld tries %ld worst %g -> %g F %g failed %d taken %d stopped %d\n", sqrt(limit), 57.2958*p->joint.wanted, (long)n_bad, (long)p->n_patches, (long)p->joint.n_pinned, (long)p->tries, 57.2958*pl_joint_value_of(r,worst), 57.2958*pl_joint_value_of(r,now), pl_run_objective(r), *failed, is_taken, stopped);
     if (is_taken)
         note_pinned(p);
     pl_free(p->patch);
@@ -369,7 +367,7 @@ static void run_stages(stages *p) {
         else
             reached = next;
         failures += failures > 0 || failed;
-        if (is_pinned && p->tries > tries)
+        if ((is_pinned || !(worst < before * (1 - SAME))) && p->tries > tries)
             return;
     }
 }
@@ -390,7 +388,7 @@ static pl_star_limits limits_of_run(const pl_run *r) {
     const pl_star_limits now = pl_run_worst_limits(r, 1);
     pl_star_limits limits = r->limits_at_start;
     limits.rr2 = fmax(limits.rr2, now.rr2);
-    limits.acuteness = now.acuteness;
+    limits.acuteness = fmax(limits.acuteness, now.acuteness);
     return limits;
 }
 

@@ -133,7 +133,7 @@ static void the_worst_becomes_better(void **state) {
                 worst == PLANISH_WORST_ANGLE ? better > was + 0.3 : better < was - 0.01;
             n_same[worst] += better == was;
             assert_true(worst == PLANISH_WORST_ANGLE ? better >= was : better <= was);
-            expect_no_worse(&plain.after, &r.after);
+            expect_no_worse(&r.before, &r.after);
             assert_int_equal(r.result.stop, PLANISH_STOP_CONVERGED);
             assert_true(r.result.worst_sweeps > 0 &&
                         r.result.sweeps == plain.result.sweeps + r.result.worst_sweeps);
@@ -149,6 +149,27 @@ static void the_worst_becomes_better(void **state) {
     }
     for (int worst = PLANISH_WORST_RADIUS_RATIO; worst <= PLANISH_WORST_ANGLE; worst++)
         assert_true(n_better[worst] >= SEEDS / 2 && n_same[worst] <= 1);
+}
+
+/* Steps of patches end this near to the limit of the whole mesh: degrees. */
+#define OF_LIMIT 0.3
+
+/** Steps of patches reach the limit of the whole mesh, which sequential linear programs over all nodes
+ *  found for boxes in space. */
+static void the_limit_is_reached(void **state) {
+    (void)state;
+    static const double limits[] = {39.188, 39.804, 39.601, 39.574, 39.720, 39.242};
+    for (unsigned seed = 1; seed <= sizeof limits / sizeof *limits; seed++) {
+        test_mesh box;
+        uneven_box(&box, 3, seed);
+        planish_options options = defaults(PLANISH_WORST_ANGLE);
+        options.worst_rise = 10;
+        run r = smooth(&box.mesh, &options);
+        assert_true(r.after.min_angle_deg_movable > limits[seed - 1] - OF_LIMIT);
+        assert_true(r.after.max_angle_deg <= r.before.max_angle_deg + ANGLE_ROUNDING);
+        release(&r);
+        destroy(&box);
+    }
 }
 
 /* What may rise farther may end at the same place, and then differs by where sweeps end: degrees.
@@ -437,6 +458,7 @@ int main(void) {
         BOTH(other_options_hold),
         BOTH(any_call_can_stop),
         BOTH(without_memory_nothing_is_spoilt),
+        cmocka_unit_test(the_limit_is_reached),
         cmocka_unit_test(options_are_checked),
         cmocka_unit_test(what_cannot_be_mended_is_no_end),
         BOTH(no_angle_becomes_smaller_than_the_smallest),
