@@ -663,9 +663,8 @@ typedef struct planish_options {
     int untangle;           /* not 0 (the default): elements that are not positive are repaired
                                first where that can be done, and those below their minimum
                                volume while it is smoothed; 0: they are left alone */
-    planish_worst worst;    /* what is improved of the worst elements in the end, by sweeps
-                               that max_sweeps does not count: 20 at most for each tenth of
-                               the way from the worst to the best element */
+    planish_worst worst;    /* what is improved of the worst elements in the end, by rounds of
+                               joint steps that max_sweeps does not count */
     double worst_rise;      /* and by how much of itself F may rise for that; 0.01 */
     int max_sweeps;         /* of smoothing, at least 0, and as many again after nodes were
                                put back (planish_result); untangling has its own bound; where

@@ -4,7 +4,7 @@
  *   slow.c               pl_run_accelerate: centring and L-BFGS for slow meshes
  *   untangle/untangle.c  pl_run_untangle, pl_run_raise_volumes: inverted or too small elements
  *   angles.c             pl_run_put_back_angles: keep the smallest angle
- *   worst.c              pl_run_worst: improve the worst elements
+ *   worst.c              pl_run_worst: improve the worst elements; joint.h, maxmin.h: joint steps
  *   mend/curved.c        pl_run_mend_curved, _improve_curved, pl_mark_hopeless: mids of curved
  *                        elements
  *   augmented.c          pl_run_augmented: minimum volumes by multipliers
