@@ -41,7 +41,7 @@ def row(build, mesh, measure, folder):
         return result["worst"]["after"]
 
     def rise(result):
-        return f'{100 * (result["worst"]["objective"] / result["worst"]["objective_before"] - 1):.2f} %'
+        return f'{100 * (result["worst"]["objective_after"] / result["worst"]["objective_before"] - 1):.2f} %'
 
     cells = [os.path.basename(mesh), MEASURES[measure], f'{default["worst"]["before"]:.3f}', f"{value(default):.3f}",
              f"{value(free):.3f}", "" if best is None else f"{best:.3f}", rise(default), rise(free)]
