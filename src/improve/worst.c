@@ -26,7 +26,7 @@
 /* from the worst there is, but no more than this, to this. */
 #define STAGE_MOST  1e4
 #define STAGE_LEAST 1.05
-enum { STAGE_SWEEPS = 20, HALVINGS = 4, STEPS = 3 };
+enum { STAGE_SWEEPS = 20, HALVINGS = 3, STEPS = 3 };
 /* Worst elements are the same within this, relative. */
 #define SAME 1e-6
 /* The sweeps of a stage end when no more than one star in so many improves. */
@@ -351,15 +351,19 @@ static void run_stages(stages *p) {
     double reached = fmin(sqrt(worst_square(p->run)), STAGE_MOST), refused = 1;
     p->has_sweeps = has_sweeps(p->run);
     p->n_steps = p->has_sweeps ? 1 : STEPS;
-    const double part = p->has_sweeps ? STAGE_FACTOR : STAGE_FACTOR * STAGE_FACTOR * STAGE_FACTOR;
     for (int failures = 0; failures <= HALVINGS && reached > STAGE_LEAST;) {
         const double before = sqrt(worst_square(p->run));
+        const double part = p->n_steps > 1 ? STAGE_FACTOR * STAGE_FACTOR * STAGE_FACTOR : STAGE_FACTOR;
         double next = failures == 0 ? 1 + (reached - 1) * part : (reached + refused) / 2;
         int failed;
         if (try_stage(p, reached, &next, &failed))
             return;
         const double worst = sqrt(worst_square(p->run));
         const int is_pinned = is_worst_pinned(p);
+        if (failed && p->n_steps > 1) { /* again, in stages of one step */
+            p->n_steps = 1;
+            continue;
+        }
         if (failed)
             refused = next;
         else if (!is_pinned && worst > next && worst < before * (1 - SAME))
