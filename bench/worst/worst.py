@@ -50,7 +50,8 @@ def row(build, mesh, measure, folder):
 
 def main():
     build, meshes = sys.argv[1], sys.argv[2:]
-    print("| mesh | measure | default run | worst | rise 10 | limit | RMS | RMS, rise 10 | s | s | s |")
+    print("| mesh | measure | default run | worst | rise 10 | limit | rise of the RMS | with rise 10 "
+          "| s, default run | s, worst | s, rise 10 |")
     print("| --- | --- " + "| --: " * 9 + "|")
     with tempfile.TemporaryDirectory() as folder:
         for mesh in meshes:

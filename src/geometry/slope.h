@@ -29,7 +29,7 @@ PL_INLINE double pl_angle_between(double sine, double cosine) {
     static const double PI = 3.1415926535897932385;
     const double length = sqrt(sine * sine + cosine * cosine), c = fabs(cosine) / length;
     const double s = sine / length;
-    const int by_sine = s < 0.5, steep = c > 0.5;
+    const int by_sine = s<0.5, steep = c> 0.5;
     const double half = by_sine ? s : steep ? sqrt((1 - c) / 2) : c;
     const double arc = pl_arc_sine_of_half(half < 0.5 ? half : 0.5);
     const double angle = by_sine ? arc : steep ? 2 * arc : PI / 2 - arc;
@@ -134,8 +134,8 @@ PL_INLINE void pl_ratio_slope_3d(const double x[4][3], int derive, pl_slope *slo
         const double along = 2 * pl_dot(3, w, normal[j + 1]);
         for (int k = 0; k < 3; k++) {
             const double of_w = along * edge[j][k] + square[jb] * wc[k] + square[jc] * bw[k];
-            const double of_s = of_ab[k] / length[jc + 1] + of_ca[k] / length[jb + 1] +
-                                of_base[k] / length[0];
+            const double of_s =
+                of_ab[k] / length[jc + 1] + of_ca[k] / length[jb + 1] + of_base[k] / length[0];
             g[j][k] = slope->value * (2 * normal[j + 1][k] / D - of_w / ww - of_s / S);
         }
     }

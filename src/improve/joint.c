@@ -59,10 +59,10 @@ typedef struct patch_node {
 /** Element of a patch. */
 typedef struct patch_element {
     pl_joint_element of;
-    int8_t own[4];  /* places of its vertices in the patch, -1: not in it */
+    int8_t own[4];     /* places of its vertices in the patch, -1: not in it */
     uint8_t is_pinned; /* not raised, only kept */
     double least;      /* where it is pinned, of the measure that is raised: limit */
-    double floor;   /* D that it shall not fall below */
+    double floor;      /* D that it shall not fall below */
 } patch_element;
 
 /** Room of a thread: the patch under way. */
@@ -111,7 +111,8 @@ static void find_vertices(const pl_run *r, const pl_joint_element *e, double x[4
     const int dim = r->plan->dim;
     for (int v = 0; v <= dim; v++)
         for (int d = 0; d < dim; d++)
-            x[v][d] = r->plan->scratch.coordinates[(int64_t)e->node[v] * dim + d] * r->measure_scale;
+            x[v][d] =
+                r->plan->scratch.coordinates[(int64_t)e->node[v] * dim + d] * r->measure_scale;
 }
 
 /** Compute the measures of a kind; return how many. */
@@ -120,9 +121,11 @@ static int measures_of(const pl_run *r, measure kind, uint8_t form, const double
     const int dim = r->plan->dim;
     const pl_corner_form *of = &r->plan->form[form];
     if (kind == ANGLE)
-        return dim == 3 ? pl_angle_slopes(3, x, derive, slope) : pl_angle_slopes(2, x, derive, slope);
+        return dim == 3 ? pl_angle_slopes(3, x, derive, slope)
+                        : pl_angle_slopes(2, x, derive, slope);
     if (kind == JACOBIAN)
-        return pl_jacobian_slopes(dim, x, of, pl_corner_kind(form) == PL_KIND_SIMPLEX, derive, slope);
+        return pl_jacobian_slopes(dim, x, of, pl_corner_kind(form) == PL_KIND_SIMPLEX, derive,
+                                  slope);
     if (kind == MEAN)
         pl_mean_slope(dim, x, of, derive, slope);
     else
@@ -134,14 +137,14 @@ static int measures_of(const pl_run *r, measure kind, uint8_t form, const double
 static double least_measure(const pl_run *r, measure kind, uint8_t form, const double x[4][3]) {
     pl_slope slope[PL_MOST_SLOPES];
     const int n = measures_of(r, kind, form, x, 0, slope);
-    double least = slope[0].value;
-    for (int k = 1; k < n; k++)
+    double least = INFINITY;
+    for (int k = 0; k < n; k++)
         least = slope[k].value < least ? slope[k].value : least;
     return least;
 }
 
 double pl_joint_value(const pl_joint *joint, const pl_joint_element *e) {
-    double x[4][3];
+    double x[4][3] = {{0}};
     find_vertices(joint->run, e, x);
     return least_measure(joint->run, measure_of(joint->run, 0), e->form, (const double(*)[3])x);
 }
@@ -285,7 +288,8 @@ static void take_node(const pl_run *r, const pl_visits *visits, int64_t star, in
     const planish_plan *plan = r->plan;
     const int dim = plan->dim;
     const double *x = plan->scratch.coordinates + (int64_t)number * dim;
-    const int64_t begin = visits->stars.ring_offset[star], end = visits->stars.ring_offset[star + 1];
+    const int64_t begin = visits->stars.ring_offset[star],
+                  end = visits->stars.ring_offset[star + 1];
     double square = 0;
     *node = (patch_node){.node = number, .n = dim, .first = first};
     for (int d = 0; d < dim; d++)
@@ -312,9 +316,10 @@ static double floor_of(const pl_run *r, const pl_visits *visits, const pl_joint_
     const double volume = own > 0 ? own : r->guard.star.min_volume;
     if (!(volume > 0))
         return 0;
-    const double per_volume =
-        visits->stars.form ? 1 / plan->form[e->form].volume : plan->dim == 3 ? 6 : 2;
-    double x[4][3], scale = 1;
+    const double per_volume = visits->stars.form ? 1 / plan->form[e->form].volume
+                              : plan->dim == 3   ? 6
+                                                 : 2;
+    double x[4][3] = {{0}}, scale = 1;
     int certain;
     find_vertices(r, e, x);
     for (int d = 0; d < plan->dim; d++)
@@ -371,12 +376,11 @@ static double judge_elements(const pl_joint *joint, pl_joint_room *w) {
     double least = INFINITY;
     for (int i = 0; i < w->n_elements; i++) {
         patch_element *e = &w->element[i];
-        double x[4][3];
+        double x[4][3] = {{0}};
         find_vertices(r, &e->of, x);
         const double own = least_measure(r, measure_of(r, 0), e->of.form, (const double(*)[3])x);
         const double other = least_measure(r, measure_of(r, 1), e->of.form, (const double(*)[3])x);
-        const pl_joint_pinned *pinned =
-            own < joint->wanted ? find_pinned(joint, &e->of) : NULL;
+        const pl_joint_pinned *pinned = own < joint->wanted ? find_pinned(joint, &e->of) : NULL;
         e->is_pinned = pinned != NULL;
         if (pinned)
             e->least = fmin(own, fmax(joint->least, pinned->value * (1 - PL_JOINT_LOSS)));
@@ -403,7 +407,8 @@ static int cells_are_kept(const pl_run *r, const pl_joint_room *w) {
     if (watch->n == 0)
         return 1;
     for (int i = 0; pl_watch_is_on(watch) && i < w->n_nodes; i++)
-        for (int64_t k = watch->begin[w->node[i].node]; k < watch->begin[w->node[i].node + 1]; k++) {
+        for (int64_t k = watch->begin[w->node[i].node]; k < watch->begin[w->node[i].node + 1];
+             k++) {
             const int32_t cell = watch->watched[k];
             if (watch->type[cell] && pl_watch_is_valid(watch, cell) &&
                 pl_watch_decide(watch, pl_watch_cell(watch, cell)) != PL_VALID)
@@ -423,7 +428,7 @@ static double least_now(const pl_joint *joint, const pl_joint_room *w, double en
     double least = INFINITY;
     for (int i = 0; i < w->n_elements && least > enough; i++) {
         const patch_element *e = &w->element[i];
-        double x[4][3];
+        double x[4][3] = {{0}};
         pl_slope slope[PL_MOST_SLOPES];
         int certain;
         find_vertices(r, &e->of, x);
@@ -474,7 +479,7 @@ static void make_rows(const pl_joint *joint, pl_joint_room *w, double least) {
     w->problem.m = 0;
     for (int i = 0; i < w->n_elements; i++) {
         const patch_element *e = &w->element[i];
-        double x[4][3];
+        double x[4][3] = {{0}};
         pl_slope slope[PL_MOST_SLOPES];
         find_vertices(r, &e->of, x);
         int n = measures_of(r, raised, e->of.form, (const double(*)[3])x, 1, slope);
@@ -587,8 +592,7 @@ static double step(const pl_joint *joint, pl_joint_room *w, double least, double
         if (!(p->t > NOTHING))
             break;
         const double enough = least + TAKEN * p->t;
-        const double now =
-            move_nodes(joint->run, w, start) ? least_now(joint, w, enough) : -1;
+        const double now = move_nodes(joint->run, w, start) ? least_now(joint, w, enough) : -1;
         if (now > enough) {
             if (now > least + GOOD * p->t)
                 *radius = fmin(2 * *radius, RADIUS_MOST);
@@ -605,8 +609,7 @@ static void grow(const pl_joint *joint, const pl_joint_room *w, pl_joint_patch *
     const pl_maxmin *problem = &w->problem;
     for (int a = 0; a < problem->n_active; a++) {
         int32_t node[4];
-        const int n =
-            movable_nodes(joint, &w->element[w->element_of[problem->active[a]]].of, node);
+        const int n = movable_nodes(joint, &w->element[w->element_of[problem->active[a]]].of, node);
         for (int v = 0; v < n; v++) {
             int is_known = p->n == PL_JOINT_NODES;
             for (int o = 0; o < p->n && !is_known; o++)
@@ -685,8 +688,9 @@ PL_INLINE void search_elements(const angle_search *s, int64_t first, int64_t end
         const int32_t *node = plan->work.elements + i * (dim + 1);
         for (int v = 0; v <= dim; v++)
             for (int d = 0; d < dim; d++)
-                x[v][d][l] = s->coordinates[(s->number ? s->number[node[v]] : node[v]) * (int64_t)dim + d] *
-                             s->run->measure_scale;
+                x[v][d][l] =
+                    s->coordinates[(s->number ? s->number[node[v]] : node[v]) * (int64_t)dim + d] *
+                    s->run->measure_scale;
     }
     for (int l = 0; l < LANES; l++) {
         double edge[3][3];
@@ -715,12 +719,13 @@ static void search_chunk(void *context, int64_t begin, int64_t end, int thread) 
 static double find_largest_angle(const pl_run *r) {
     enum { CHUNK = 4096 };
     const planish_plan *plan = r->plan;
-    double cosine[PL_MAX_THREADS], least = 1;
+    double cosine[PL_MAX_THREADS] = {0}, least = 1;
     const angle_search now = {r, plan->scratch.coordinates, plan->inner, cosine},
                        start = {r, r->given, NULL, cosine};
     for (int t = 0; t < plan->threads; t++)
         cosine[t] = 1;
-    pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, search_chunk, (void *)(uintptr_t)&now);
+    pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, search_chunk,
+                    (void *)(uintptr_t)&now);
     pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, search_chunk,
                     (void *)(uintptr_t)&start);
     for (int t = 0; t < plan->threads; t++)
@@ -763,8 +768,7 @@ int pl_joint_create(pl_run *r, const pl_star_limits limits[2], pl_joint *joint,
         return pl_fail_memory(error, "the worst elements");
     number_stars(r, joint->star_of);
     for (int i = 0; i < 2; i++)
-        joint->kept[i] =
-            value_of_square(other, of_angle ? limits[i].acuteness : limits[i].rr2);
+        joint->kept[i] = value_of_square(other, of_angle ? limits[i].acuteness : limits[i].rr2);
     if (measure_of(r, 0) == ANGLE)
         joint->largest_angle = find_largest_angle(r);
     return PLANISH_OK;

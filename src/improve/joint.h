@@ -35,12 +35,13 @@ struct pl_joint_room;
  *  (geometry/slope.h). */
 typedef struct pl_joint {
     pl_run *run;
-    int32_t *star_of; /* [n_nodes + n_images] by inner numbers: star of the interior; -2 - star of those
+    int32_t
+        *star_of; /* [n_nodes + n_images] by inner numbers: star of the interior; -2 - star of those
                          that slide; PL_JOINT_HELD. Owned */
-    double wanted;    /* of the measure that is raised: patches stop when they have reached it */
-    double least;     /* of that measure, in the mesh: no element shall fall below */
+    double wanted; /* of the measure that is raised: patches stop when they have reached it */
+    double least;  /* of that measure, in the mesh: no element shall fall below */
     double largest_angle; /* of simplices whose angles are raised: none shall become larger */
-    double kept[2];   /* of the other measure: none shall fall below [0], or where that is in the way,
+    double kept[2]; /* of the other measure: none shall fall below [0], or where that is in the way,
                          below [1] */
     struct pl_joint_pinned *pinned; /* [n_pinned] ascending by nodes, the caller's */
     int64_t n_pinned;

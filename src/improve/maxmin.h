@@ -34,11 +34,11 @@ typedef struct pl_maxmin {
     int m; /* rows */
     const pl_maxmin_row *row;
     double reach, spread, target;
-    double *room; /* [pl_maxmin_size(n)] */
-    double *x;    /* [n] result: the step, */
-    double t;     /* the least raised row there, */
-    int n_active; /* the rows that hold it back, */
-    int *active;  /* [n + 1] */
+    double *room;       /* [pl_maxmin_size(n)] */
+    double *x;          /* [n] result: the step, */
+    double t;           /* the least raised row there, */
+    int n_active;       /* the rows that hold it back, */
+    int *active;        /* [n + 1] */
     double *multiplier; /* [n + 1] above 0, of each */
 } pl_maxmin;
 

@@ -44,7 +44,8 @@ typedef struct stages {
     double most_of_cell;   /* and with corners AR^2 of a cell */
     pl_star_limits limits; /* of all elements, in all stages */
     pl_joint joint;
-    int32_t *moved, *near; /* [n_nodes + n_images] round in which a node is in a patch, or a neighbour */
+    int32_t *moved,
+        *near; /* [n_nodes + n_images] round in which a node is in a patch, or a neighbour */
     int32_t round;
     pl_joint_patch *patch; /* [n_patches] of the stage */
     int64_t n_patches;
@@ -353,7 +354,8 @@ static void run_stages(stages *p) {
     p->n_steps = p->has_sweeps ? 1 : STEPS;
     for (int failures = 0; failures <= HALVINGS && reached > STAGE_LEAST;) {
         const double before = sqrt(worst_square(p->run));
-        const double part = p->n_steps > 1 ? STAGE_FACTOR * STAGE_FACTOR * STAGE_FACTOR : STAGE_FACTOR;
+        const double part =
+            p->n_steps > 1 ? STAGE_FACTOR * STAGE_FACTOR * STAGE_FACTOR : STAGE_FACTOR;
         double next = failures == 0 ? 1 + (reached - 1) * part : (reached + refused) / 2;
         int failed;
         if (try_stage(p, reached, &next, &failed))

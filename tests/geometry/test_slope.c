@@ -53,8 +53,8 @@ static void derivatives_are_differences(void **state) {
         double x[4][3];
         random_vertices(dim, &seed, x);
         const int brick = i % 2, place = i % (dim + 1);
-        const uint8_t form =
-            pl_form_code(pl_corner_code(brick ? PL_KIND_BRICK : PL_KIND_SIMPLEX, 0), place, i % 3 == 0);
+        const uint8_t form = pl_form_code(
+            pl_corner_code(brick ? PL_KIND_BRICK : PL_KIND_SIMPLEX, 0), place, i % 3 == 0);
         for (int kind = 0; kind < KINDS; kind++) {
             pl_slope slope[PL_MOST_SLOPES], up[PL_MOST_SLOPES], down[PL_MOST_SLOPES];
             const int n = measures(dim, kind, form, x, 1, slope);
@@ -67,9 +67,9 @@ static void derivatives_are_differences(void **state) {
                     measures(dim, kind, form, x, 0, down);
                     x[v][d] = was;
                     for (int k = 0; k < n; k++)
-                        assert_true(fabs((up[k].value - down[k].value) / (2 * STEP) -
-                                         slope[k].by[v][d]) <=
-                                    NEAR * (1 + fabs(slope[k].by[v][d])) * 100);
+                        assert_true(
+                            fabs((up[k].value - down[k].value) / (2 * STEP) - slope[k].by[v][d]) <=
+                            NEAR * (1 + fabs(slope[k].by[v][d])) * 100);
                 }
         }
     }
