@@ -248,10 +248,11 @@ static int has_patches(void) {
     return pl_part_here() == NULL;
 }
 
-/** Whether sweeps move nodes that patches do not. */
+/** Whether sweeps follow the patches: they move nodes that patches do not. */
 static int has_sweeps(const pl_run *r) {
     const planish_plan *plan = r->plan;
-    int any = !has_patches() || plan->sliding.n_followers > 0 || r->skin.shape != NULL;
+    int any = !has_patches() || plan->sliding.n_followers > 0 || r->skin.shape != NULL ||
+              plan->work.corner != NULL; /* where patches gain less than sweeps in some meshes */
     for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++)
         any |= plan->slide[s].kind == PLANISH_CONSTRAINT_ON_SURFACE;
     return pl_parts_any(any);
