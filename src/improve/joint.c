@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/parts.h"
 #include "base/status.h"
 #include "geometry/slope.h"
 #include "quality/measure_block.h"
@@ -107,12 +108,11 @@ double pl_joint_value_of(const pl_run *r, double square) {
 }
 
 /** Find the vertices x of an element, in the scale of measuring. */
-static void find_vertices(const pl_run *r, const pl_joint_element *e, double x[4][3]) {
-    const int dim = r->plan->dim;
+static void find_vertices(const pl_joint *joint, const pl_joint_element *e, double x[4][3]) {
+    const int dim = joint->run->plan->dim;
     for (int v = 0; v <= dim; v++)
         for (int d = 0; d < dim; d++)
-            x[v][d] =
-                r->plan->scratch.coordinates[(int64_t)e->node[v] * dim + d] * r->measure_scale;
+            x[v][d] = pl_joint_place(joint, e->node[v])[d] * joint->run->measure_scale;
 }
 
 /** Compute the measures of a kind; return how many. */
@@ -145,7 +145,7 @@ static double least_measure(const pl_run *r, measure kind, uint8_t form, const d
 
 double pl_joint_value(const pl_joint *joint, const pl_joint_element *e) {
     double x[4][3] = {{0}};
-    find_vertices(joint->run, e, x);
+    find_vertices(joint, e, x);
     return least_measure(joint->run, measure_of(joint->run, 0), e->form, (const double(*)[3])x);
 }
 
@@ -170,10 +170,11 @@ static double determinant_of(int dim, const double x[4][3], int *certain) {
 pl_joint_pinned pl_joint_pin(const pl_joint *joint, const pl_joint_element *e) {
     pl_joint_pinned pinned = {.value = pl_joint_value(joint, e)};
     for (int n = 0; n <= joint->run->plan->dim; n++) {
+        const int64_t number = joint->mesh.number[e->node[n]];
         int i = n;
-        for (; i > 0 && pinned.node[i - 1] > e->node[n]; i--)
+        for (; i > 0 && pinned.node[i - 1] > number; i--)
             pinned.node[i] = pinned.node[i - 1];
-        pinned.node[i] = e->node[n];
+        pinned.node[i] = number;
     }
     return pinned;
 }
@@ -197,24 +198,24 @@ static const pl_joint_pinned *find_pinned(const pl_joint *joint, const pl_joint_
 /* ---- the patch ------------------------------------------------------------------------------ */
 
 /** Set e to facet number i of the star of node. */
-static void element_of_star(const pl_visits *visits, int64_t star, int64_t i, int32_t node, int dim,
-                            int slides, pl_joint_element *e) {
-    const pl_stars *stars = &visits->stars;
-    const int64_t first = stars->link_offset[star], ring = stars->ring_offset[star];
+static void element_of_star(const pl_joint_star *star, int64_t i, int32_t node, int dim,
+                            pl_joint_element *e) {
+    const pl_stars *stars = star->stars;
+    const int64_t first = stars->link_offset[star->at], ring = stars->ring_offset[star->at];
     const pl_link link =
         pl_link_at(&stars->link, pl_link_positions(dim, stars->form != NULL), first);
     for (int j = 0; j < dim; j++)
         e->node[j] = stars->ring[ring + pl_link_get(&link, i * dim + j)];
     e->node[dim] = node;
     e->form = stars->form ? stars->form[first + i] : 0;
-    e->facet = slides ? -1 - (first + i) : first + i;
+    e->facet = first + i;
 }
 
 /** Write the movable nodes of an element to node; return how many. */
 static int movable_nodes(const pl_joint *joint, const pl_joint_element *e, int32_t node[4]) {
     int n = 0;
     for (int v = 0; v <= joint->run->plan->dim; v++)
-        if (joint->star_of[e->node[v]] != PL_JOINT_HELD)
+        if (joint->mesh.star_of[e->node[v]] != PL_JOINT_HELD)
             node[n++] = e->node[v];
     return n;
 }
@@ -231,26 +232,23 @@ static int has_nodes(const pl_joint_element *e, const int32_t *node, int dim) {
     return 1;
 }
 
-int pl_joint_seed(const pl_joint *joint, int64_t element, pl_joint_patch *patch) {
-    const planish_plan *plan = joint->run->plan;
-    const int dim = plan->dim;
-    int32_t node[4], first = -1;
-    for (int v = 0; v <= dim; v++) {
-        node[v] = pl_plan_inner(plan, element, v);
-        first = first < 0 && joint->star_of[node[v]] != PL_JOINT_HELD ? node[v] : first;
-    }
+int pl_joint_seed(const pl_joint *joint, const int32_t *node, pl_joint_patch *patch) {
+    const int dim = joint->run->plan->dim;
+    int32_t first = -1;
+    for (int v = 0; v <= dim && first < 0; v++)
+        first = joint->mesh.star_of[node[v]] != PL_JOINT_HELD ? node[v] : -1;
     if (first < 0)
         return 0;
-    const pl_visits *visits;
-    const int64_t star = pl_joint_visits(joint, first, &visits);
-    const int64_t n = visits->stars.link_offset[star + 1] - visits->stars.link_offset[star];
+    const pl_joint_star star = pl_joint_star_of(joint, first);
+    const int64_t n = star.stars->link_offset[star.at + 1] - star.stars->link_offset[star.at];
     *patch = (pl_joint_patch){.state = PL_JOINT_OPEN};
     for (int64_t i = 0; i < n; i++) {
-        element_of_star(visits, star, i, first, dim, visits == &plan->sliding, &patch->seed);
+        element_of_star(&star, i, first, dim, &patch->seed);
         if (!has_nodes(&patch->seed, node, dim))
             continue;
         patch->n = movable_nodes(joint, &patch->seed, patch->node);
-        patch->value = pl_joint_value(joint, &patch->seed);
+        patch->of = pl_joint_pin(joint, &patch->seed);
+        patch->value = patch->of.value;
         return patch->value < joint->wanted && !find_pinned(joint, &patch->seed);
     }
     return 0;
@@ -283,45 +281,42 @@ static void find_directions(const pl_star_slide *slide, int dim, patch_node *nod
 }
 
 /** Set node to a node of a patch, whose star is given. */
-static void take_node(const pl_run *r, const pl_visits *visits, int64_t star, int32_t number,
-                      int first, patch_node *node) {
-    const planish_plan *plan = r->plan;
-    const int dim = plan->dim;
-    const double *x = plan->scratch.coordinates + (int64_t)number * dim;
-    const int64_t begin = visits->stars.ring_offset[star],
-                  end = visits->stars.ring_offset[star + 1];
+static void take_node(const pl_joint *joint, const pl_joint_star *star, int32_t number, int first,
+                      patch_node *node) {
+    const int dim = joint->run->plan->dim;
+    const double *x = pl_joint_place(joint, number);
+    const int64_t begin = star->stars->ring_offset[star->at],
+                  end = star->stars->ring_offset[star->at + 1];
     double square = 0;
     *node = (patch_node){.node = number, .n = dim, .first = first};
     for (int d = 0; d < dim; d++)
         node->direction[d][d] = 1;
     for (int64_t k = begin; k < end; k++)
         for (int d = 0; d < dim; d++) {
-            const double way =
-                (plan->scratch.coordinates[(int64_t)visits->stars.ring[k] * dim + d] - x[d]) *
-                r->measure_scale;
+            const double way = (pl_joint_place(joint, star->stars->ring[k])[d] - x[d]) *
+                               joint->run->measure_scale;
             square += way * way;
         }
     node->scale = sqrt(square / (double)(end - begin));
-    if (visits == &plan->sliding) {
-        node->slide = &plan->slide[star];
+    node->slide = star->slide;
+    if (node->slide)
         find_directions(node->slide, dim, node);
-    }
 }
 
 /** D that an element shall not fall below: its minimum volume's, or its own where that is less. */
-static double floor_of(const pl_run *r, const pl_visits *visits, const pl_joint_element *e) {
+static double floor_of(const pl_joint *joint, const pl_stars *stars, const pl_joint_element *e) {
+    const pl_run *r = joint->run;
     const planish_plan *plan = r->plan;
-    const int64_t facet = e->facet < 0 ? -1 - e->facet : e->facet;
-    const double own = visits->stars.min_volume ? visits->stars.min_volume[facet] : 0;
+    const double own = stars->min_volume ? stars->min_volume[e->facet] : 0;
     const double volume = own > 0 ? own : r->guard.star.min_volume;
     if (!(volume > 0))
         return 0;
-    const double per_volume = visits->stars.form ? 1 / plan->form[e->form].volume
+    const double per_volume = stars->form ? 1 / plan->form[e->form].volume
                               : plan->dim == 3   ? 6
                                                  : 2;
     double x[4][3] = {{0}}, scale = 1;
     int certain;
-    find_vertices(r, e, x);
+    find_vertices(joint, e, x);
     for (int d = 0; d < plan->dim; d++)
         scale *= r->measure_scale;
     return fmin(volume * per_volume * scale,
@@ -349,20 +344,18 @@ static int gather_patch(const pl_joint *joint, const pl_joint_patch *p, pl_joint
     w->n_elements = w->n_variables = 0;
     w->kept = joint->kept[p->is_loose != 0];
     for (int i = 0; i < p->n; i++) {
-        const pl_visits *visits;
-        const int64_t star = pl_joint_visits(joint, p->node[i], &visits);
-        const int64_t n = visits->stars.link_offset[star + 1] - visits->stars.link_offset[star];
-        take_node(joint->run, visits, star, p->node[i], w->n_variables, &w->node[i]);
+        const pl_joint_star star = pl_joint_star_of(joint, p->node[i]);
+        const int64_t n = star.stars->link_offset[star.at + 1] - star.stars->link_offset[star.at];
+        take_node(joint, &star, p->node[i], w->n_variables, &w->node[i]);
         w->n_variables += w->node[i].n;
         for (int64_t k = 0; k < n; k++) {
             patch_element *e = &w->element[w->n_elements];
             if (w->n_elements == ELEMENTS)
                 return 0;
-            element_of_star(visits, star, k, p->node[i], plan->dim, visits == &plan->sliding,
-                            &e->of);
+            element_of_star(&star, k, p->node[i], plan->dim, &e->of);
             if (!find_own(p, plan->dim, i, e))
                 continue;
-            e->floor = floor_of(joint->run, visits, &e->of);
+            e->floor = floor_of(joint, star.stars, &e->of);
             w->n_elements++;
         }
     }
@@ -377,7 +370,7 @@ static double judge_elements(const pl_joint *joint, pl_joint_room *w) {
     for (int i = 0; i < w->n_elements; i++) {
         patch_element *e = &w->element[i];
         double x[4][3] = {{0}};
-        find_vertices(r, &e->of, x);
+        find_vertices(joint, &e->of, x);
         const double own = least_measure(r, measure_of(r, 0), e->of.form, (const double(*)[3])x);
         const double other = least_measure(r, measure_of(r, 1), e->of.form, (const double(*)[3])x);
         const pl_joint_pinned *pinned = own < joint->wanted ? find_pinned(joint, &e->of) : NULL;
@@ -431,7 +424,7 @@ static double least_now(const pl_joint *joint, const pl_joint_room *w, double en
         double x[4][3] = {{0}};
         pl_slope slope[PL_MOST_SLOPES];
         int certain;
-        find_vertices(r, &e->of, x);
+        find_vertices(joint, &e->of, x);
         if (determinant_of(dim, (const double(*)[3])x, &certain) < e->floor || !certain)
             return -1;
         const int n = measures_of(r, raised, e->of.form, (const double(*)[3])x, 0, slope);
@@ -481,7 +474,7 @@ static void make_rows(const pl_joint *joint, pl_joint_room *w, double least) {
         const patch_element *e = &w->element[i];
         double x[4][3] = {{0}};
         pl_slope slope[PL_MOST_SLOPES];
-        find_vertices(r, &e->of, x);
+        find_vertices(joint, &e->of, x);
         int n = measures_of(r, raised, e->of.form, (const double(*)[3])x, 1, slope);
         for (int k = 0; k < n; k++) {
             const double room = joint->largest_angle - MARGIN_ANGLE - slope[k].value;
@@ -501,18 +494,16 @@ static void make_rows(const pl_joint *joint, pl_joint_room *w, double least) {
 }
 
 /** Copy the places of the patch's nodes. */
-static void save_places(const pl_run *r, const pl_joint_room *w, places at) {
-    const int dim = r->plan->dim;
+static void save_places(const pl_joint *joint, const pl_joint_room *w, places at) {
     for (int i = 0; i < w->n_nodes; i++)
-        memcpy(at[i], r->plan->scratch.coordinates + (int64_t)w->node[i].node * dim,
-               (size_t)dim * sizeof **at);
+        memcpy(at[i], pl_joint_place(joint, w->node[i].node),
+               (size_t)joint->run->plan->dim * sizeof **at);
 }
 
-static void restore_places(const pl_run *r, const pl_joint_room *w, places at) {
-    const int dim = r->plan->dim;
+static void restore_places(const pl_joint *joint, const pl_joint_room *w, places at) {
     for (int i = 0; i < w->n_nodes; i++)
-        memcpy(r->plan->scratch.coordinates + (int64_t)w->node[i].node * dim, at[i],
-               (size_t)dim * sizeof **at);
+        memcpy(pl_joint_place(joint, w->node[i].node), at[i],
+               (size_t)joint->run->plan->dim * sizeof **at);
 }
 
 /** Bring x [dim] to the plane or line on which it slides. */
@@ -527,13 +518,12 @@ static void slide_to(const pl_star_slide *slide, int dim, double *x) {
 }
 
 /** Move the nodes by w->x from start. Return 0 if they may not be there. */
-static int move_nodes(const pl_run *r, const pl_joint_room *w, places start) {
-    const planish_plan *plan = r->plan;
-    const int dim = plan->dim;
+static int move_nodes(const pl_joint *joint, const pl_joint_room *w, places start) {
+    const int dim = joint->run->plan->dim;
     for (int i = 0; i < w->n_nodes; i++) {
         const patch_node *node = &w->node[i];
-        const double scale = node->scale / r->measure_scale;
-        double *x = plan->scratch.coordinates + (int64_t)node->node * dim, to[3] = {0};
+        const double scale = node->scale / joint->run->measure_scale;
+        double *x = pl_joint_place(joint, node->node), to[3] = {0};
         for (int d = 0; d < dim; d++) {
             to[d] = start[i][d];
             for (int j = 0; j < node->n; j++)
@@ -541,7 +531,7 @@ static int move_nodes(const pl_run *r, const pl_joint_room *w, places start) {
         }
         if (node->slide)
             slide_to(node->slide, dim, to);
-        if (!pl_star_admit(&r->problem, node->node, dim, to))
+        if (!pl_star_admit(&joint->mesh.problem, node->node, dim, to))
             return 0;
         memcpy(x, to, (size_t)dim * sizeof *x);
     }
@@ -585,20 +575,20 @@ static double step(const pl_joint *joint, pl_joint_room *w, double least, double
     places start;
     pl_maxmin *p = &w->problem;
     make_rows(joint, w, least);
-    save_places(joint->run, w, start);
+    save_places(joint, w, start);
     p->target = fmin(joint->wanted * (1 + OVERSHOOT) - least, AIM);
     for (int i = 0; i < TRIALS; i++) {
         const double way = solve_within(w, *radius);
         if (!(p->t > NOTHING))
             break;
         const double enough = least + TAKEN * p->t;
-        const double now = move_nodes(joint->run, w, start) ? least_now(joint, w, enough) : -1;
+        const double now = move_nodes(joint, w, start) ? least_now(joint, w, enough) : -1;
         if (now > enough) {
             if (now > least + GOOD * p->t)
                 *radius = fmin(2 * *radius, RADIUS_MOST);
             return now;
         }
-        restore_places(joint->run, w, start);
+        restore_places(joint, w, start);
         *radius = 0.3 * way;
     }
     return least;
@@ -730,6 +720,7 @@ static double find_largest_angle(const pl_run *r) {
                     (void *)(uintptr_t)&start);
     for (int t = 0; t < plan->threads; t++)
         least = cosine[t] < least ? cosine[t] : least;
+    pl_parts_smallest(&least, 1);
     return pl_arc_cosine(least);
 }
 
@@ -739,6 +730,7 @@ static int may_slide(const pl_run *r, int64_t star) {
            !r->guard.star.upper && !r->guard.star.radius && !r->skin.shape;
 }
 
+/** Set star_of to the plan's stars of the nodes that can be in patches. */
 static void number_stars(const pl_run *r, int32_t *star_of) {
     const planish_plan *plan = r->plan;
     for (int64_t i = 0; i < plan->work.n_nodes + plan->n_images; i++)
@@ -756,17 +748,45 @@ static void number_stars(const pl_run *r, int32_t *star_of) {
             star_of[i] = PL_JOINT_HELD;
 }
 
+/** Set number to the numbers in the whole mesh of the plan's inner nodes; images come after all. */
+static void number_nodes(const planish_plan *plan, int64_t *number) {
+    const planish_part *part = pl_part_here();
+    for (int64_t i = 0; i < plan->work.n_nodes; i++) {
+        const int64_t node = pl_plan_node(plan, i);
+        number[plan->inner[i]] = part ? part->node_number[node] : node;
+    }
+    for (int64_t i = 0; i < plan->n_images; i++)
+        number[plan->work.n_nodes + i] = INT32_MAX + i;
+}
+
+static int create_mesh(pl_run *r, pl_joint_mesh *mesh, planish_error *error) {
+    const planish_plan *plan = r->plan;
+    const int64_t n = plan->work.n_nodes + plan->n_images;
+    *mesh = (pl_joint_mesh){.coordinates = plan->scratch.coordinates,
+                            .star_of = pl_alloc(n, sizeof *mesh->star_of),
+                            .number = pl_alloc(n, sizeof *mesh->number),
+                            .moved = pl_alloc_zero(n, sizeof *mesh->moved),
+                            .near = pl_alloc_zero(n, sizeof *mesh->near),
+                            .stars = {&plan->interior.stars, &plan->sliding.stars},
+                            .slide = plan->slide,
+                            .problem = r->problem};
+    if (!mesh->star_of || !mesh->number || !mesh->moved || !mesh->near)
+        return pl_fail_memory(error, "the worst elements");
+    number_stars(r, mesh->star_of);
+    number_nodes(plan, mesh->number);
+    return PLANISH_OK;
+}
+
 int pl_joint_create(pl_run *r, const pl_star_limits limits[2], pl_joint *joint,
                     planish_error *error) {
     const planish_plan *plan = r->plan;
     const measure other = measure_of(r, 1);
     const int of_angle = other == ANGLE || other == JACOBIAN;
     *joint = (pl_joint){.run = r, .largest_angle = INFINITY};
-    joint->star_of = pl_alloc(plan->work.n_nodes + plan->n_images, sizeof *joint->star_of);
+    const int status = create_mesh(r, &joint->mesh, error);
     joint->room = pl_alloc(plan->threads, sizeof *joint->room);
-    if (!joint->star_of || !joint->room)
-        return pl_fail_memory(error, "the worst elements");
-    number_stars(r, joint->star_of);
+    if (status || !joint->room)
+        return status ? status : pl_fail_memory(error, "the worst elements");
     for (int i = 0; i < 2; i++)
         joint->kept[i] = value_of_square(other, of_angle ? limits[i].acuteness : limits[i].rr2);
     if (measure_of(r, 0) == ANGLE)
@@ -775,6 +795,9 @@ int pl_joint_create(pl_run *r, const pl_star_limits limits[2], pl_joint *joint,
 }
 
 void pl_joint_destroy(pl_joint *joint) {
-    pl_free(joint->star_of);
+    pl_free(joint->mesh.star_of);
+    pl_free(joint->mesh.number);
+    pl_free(joint->mesh.moved);
+    pl_free(joint->mesh.near);
     pl_free(joint->room);
 }

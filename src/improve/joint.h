@@ -7,14 +7,15 @@
  * watched cells stay valid. Where the step is blocked the patch grows by the nodes of the elements
  * that block it; a patch that neither gains nor grows is at its limit.
  *
- * Patches without a common cell may be worked on at the same time. The coordinates are the plan's.
+ * Patches without a common cell may be worked on at the same time. The coordinates are the plan's; of a
+ * mesh in parts they are those that the processes have gathered (gather.h).
  *
  *   pl_joint_create, _destroy     input of all patches of a run, memory for them
  *   pl_joint_value_of             a square limit of the run as a value of measures
  *   pl_joint_seed                 a patch around an element
  *   pl_joint_value                the least measure of an element
  *   pl_joint_pin, _compare        elements at their limits
- *   pl_joint_visits               the star of a node
+ *   pl_joint_place, _star_of      the coordinates and the star of a node
  *   pl_joint_improve              steps of a patch
  */
 #ifndef PL_IMPROVE_JOINT_H
@@ -31,13 +32,36 @@ enum { PL_JOINT_NODES = 20 };
 
 struct pl_joint_room;
 
+/** Nodes and stars that patches are made of: those of the plan, by inner numbers; or of a mesh in parts
+ *  those that have been gathered. Stars of the interior and those that slide may be one array. */
+typedef struct pl_joint_mesh {
+    double *coordinates;       /* [n][dim] */
+    int32_t *star_of;          /* [n] number of a star of the interior; -2 - that of one that slides;
+                                  PL_JOINT_HELD, PL_JOINT_ELSEWHERE */
+    int64_t *number;           /* [n] numbers of the nodes in the whole mesh, the caller's */
+    int32_t *moved, *near;     /* [n] round in which a node is in a patch, or a neighbour */
+    const pl_stars *stars[2];  /* the interior; those that slide */
+    const pl_star_slide *slide; /* [stars of stars[1]] */
+    pl_star_problem problem;   /* storage and bounds of nodes */
+} pl_joint_mesh;
+
+enum {
+    PL_JOINT_HELD = -1,            /* the node cannot be in a patch */
+    PL_JOINT_ELSEWHERE = INT32_MIN /* it can, but the star is not gathered */
+};
+
+/** The star of a node. */
+typedef struct pl_joint_star {
+    const pl_stars *stars;
+    int64_t at;                 /* number in stars */
+    const pl_star_slide *slide; /* NULL: the node may go anywhere */
+} pl_joint_star;
+
 /** Input of all patches. Limits of measures are of values that are larger the better an element is
  *  (geometry/slope.h). */
 typedef struct pl_joint {
     pl_run *run;
-    int32_t
-        *star_of; /* [n_nodes + n_images] by inner numbers: star of the interior; -2 - star of those
-                         that slide; PL_JOINT_HELD. Owned */
+    pl_joint_mesh mesh; /* its arrays are owned, unless the mesh is in parts */
     double wanted; /* of the measure that is raised: patches stop when they have reached it */
     double least;  /* of that measure, in the mesh: no element shall fall below */
     double largest_angle; /* of simplices whose angles are raised: none shall become larger */
@@ -50,17 +74,15 @@ typedef struct pl_joint {
 
 /** An element at its limit. */
 typedef struct pl_joint_pinned {
-    int32_t node[4]; /* ascending; in 2-D the last one is 0 */
+    int64_t node[4]; /* numbers in the whole mesh, ascending; in 2-D the last one is 0 */
     double value;    /* of its measure then */
 } pl_joint_pinned;
 
-enum { PL_JOINT_HELD = -1 };
-
-/** An element, by the inner numbers of its vertices. */
+/** An element, by the numbers of its vertices in pl_joint_mesh. */
 typedef struct pl_joint_element {
     int32_t node[4]; /* of a link facet, then the star's */
     uint8_t form;    /* code of the corner; 0: a simplex */
-    int64_t facet;   /* place of the facet among all, unique: those of sliding stars are negative */
+    int64_t facet;   /* place of the facet in the stars */
 } pl_joint_element;
 
 /** State of a patch. */
@@ -73,7 +95,8 @@ typedef enum pl_joint_state {
 /** A patch around an element. */
 typedef struct pl_joint_patch {
     pl_joint_element seed;
-    double value; /* of the element */
+    pl_joint_pinned of; /* the same element, for comparisons */
+    double value;       /* of the element */
     pl_joint_state state;
     int is_loose; /* kept[1] holds, not [0] */
     int n;
@@ -81,24 +104,28 @@ typedef struct pl_joint_patch {
     int has_moved; /* in the last try */
 } pl_joint_patch;
 
-/** Make the input of a run that is measured: largest_angle, kept and star_of. limits [2]: kept[0] and
- *  [1]. Errors: _MEMORY. */
+/** Make the input of a run that is measured: largest_angle, kept and the plan's mesh. limits [2]:
+ *  kept[0] and [1]. Errors: _MEMORY. */
 int pl_joint_create(pl_run *run, const pl_star_limits limits[2], pl_joint *joint,
                     planish_error *error);
 
-/** Free the arrays of joint. */
+/** Free the arrays of joint, those of the mesh as pl_joint_create made it. */
 void pl_joint_destroy(pl_joint *joint);
 
 /** Return the value of the measure that is raised where the run's limit of it is square. */
 double pl_joint_value_of(const pl_run *run, double square);
 
-/** Return the star of a movable node and in *visits those that it is of. */
-static inline int64_t pl_joint_visits(const pl_joint *joint, int32_t node,
-                                      const pl_visits **visits) {
-    const int32_t star = joint->star_of[node];
-    const planish_plan *plan = joint->run->plan;
-    *visits = star >= 0 ? &plan->interior : &plan->sliding;
-    return star >= 0 ? star : -2 - star;
+/** Return the coordinates [dim] of a node. */
+static inline double *pl_joint_place(const pl_joint *joint, int32_t node) {
+    return joint->mesh.coordinates + (int64_t)node * joint->run->plan->dim;
+}
+
+/** Return the star of a node that can be in a patch, and is gathered. */
+static inline pl_joint_star pl_joint_star_of(const pl_joint *joint, int32_t node) {
+    const int32_t star = joint->mesh.star_of[node];
+    if (star >= 0)
+        return (pl_joint_star){joint->mesh.stars[0], star, NULL};
+    return (pl_joint_star){joint->mesh.stars[1], -2 - star, &joint->mesh.slide[-2 - star]};
 }
 
 /** Return the least measure of an element, of the kind that is raised. */
@@ -110,9 +137,10 @@ pl_joint_pinned pl_joint_pin(const pl_joint *joint, const pl_joint_element *elem
 /** Compare the nodes of two such elements a and b, for qsort. */
 int pl_joint_compare(const void *a, const void *b);
 
-/** Set patch to one of the movable nodes of an element of the plan's mesh. Return 0 if there is none to
- *  be made: no node can be in one, its measure is not below wanted, or the element is pinned. */
-int pl_joint_seed(const pl_joint *joint, int64_t element, pl_joint_patch *patch);
+/** Set patch to one of the movable nodes of the element with vertices node [dim + 1]; the star of the
+ *  first movable one is gathered. Return 0 if there is none to be made: no node can be in one, its
+ *  measure is not below wanted, or the element is pinned. */
+int pl_joint_seed(const pl_joint *joint, const int32_t *node, pl_joint_patch *patch);
 
 /** Try to bring the patch's element to the wanted measure, and let the patch grow. */
 void pl_joint_improve(const pl_joint *joint, int thread, pl_joint_patch *patch);

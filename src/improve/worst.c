@@ -2,13 +2,13 @@
  *
  * The measure's limit falls in stages. In each the elements above it are brought below: by steps of
  * patches (joint.h), all patches at once that have no cell in common, the worst elements first. Nodes that
- * patches do not move, those on surfaces and in periodic pairs, and all nodes of a mesh in parts, are
- * moved by sweeps: only stars that hold something above the limit are visited, to minimise a high
- * power of the measure, which is next to its maximum. A stage that neither improves the worst element
- * nor leaves fewer elements above, or makes F rise by more than is allowed, is undone.
+ * patches do not move, those on surfaces and in periodic pairs, are moved by sweeps: only stars that
+ * hold something above the limit are visited, to minimise a high power of the measure, which is next
+ * to its maximum. A stage that neither improves the worst element nor leaves fewer elements above, or
+ * makes F rise by more than is allowed, is undone.
  */
+#include "improve/gather.h"
 #include "improve/improve.h"
-#include "improve/joint.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -44,8 +44,7 @@ typedef struct stages {
     double most_of_cell;   /* and with corners AR^2 of a cell */
     pl_star_limits limits; /* of all elements, in all stages */
     pl_joint joint;
-    int32_t *moved,
-        *near; /* [n_nodes + n_images] round in which a node is in a patch, or a neighbour */
+    pl_gather gather; /* of a mesh in parts */
     int32_t round;
     pl_joint_patch *patch; /* [n_patches] of the stage */
     int64_t n_patches;
@@ -97,32 +96,32 @@ static int compare_patches(const void *a, const void *b) {
     const pl_joint_patch *x = a, *y = b;
     if (x->value != y->value)
         return x->value < y->value ? -1 : 1;
-    return (x->seed.facet > y->seed.facet) - (x->seed.facet < y->seed.facet);
+    return pl_joint_compare(&x->of, &y->of);
 }
 
-/** Call mark for the nodes of the cells around a patch's nodes: whether any is marked with the round. */
+/** Whether a cell of the patch's nodes has nodes of a patch of this round. */
 static int is_near(const stages *p, const pl_joint_patch *patch) {
+    const pl_joint_mesh *mesh = &p->joint.mesh;
     int any = 0;
     for (int i = 0; i < patch->n && !any; i++) {
-        const pl_visits *visits;
-        const int64_t star = pl_joint_visits(&p->joint, patch->node[i], &visits);
-        any = p->near[patch->node[i]] == p->round;
-        for (int64_t k = visits->stars.ring_offset[star];
-             !any && k < visits->stars.ring_offset[star + 1]; k++)
-            any = p->moved[visits->stars.ring[k]] == p->round;
+        const pl_joint_star star = pl_joint_star_of(&p->joint, patch->node[i]);
+        const int64_t *begin = star.stars->ring_offset + star.at;
+        any = mesh->near[patch->node[i]] == p->round;
+        for (int64_t k = begin[0]; k < begin[1] && !any; k++)
+            any = mesh->moved[star.stars->ring[k]] == p->round;
     }
     return any;
 }
 
 /** Mark the patch's nodes as moved in this round, and all nodes of their cells as near. */
 static void mark_patch(const stages *p, const pl_joint_patch *patch) {
+    const pl_joint_mesh *mesh = &p->joint.mesh;
     for (int i = 0; i < patch->n; i++) {
-        const pl_visits *visits;
-        const int64_t star = pl_joint_visits(&p->joint, patch->node[i], &visits);
-        p->moved[patch->node[i]] = p->near[patch->node[i]] = p->round;
-        for (int64_t k = visits->stars.ring_offset[star]; k < visits->stars.ring_offset[star + 1];
-             k++)
-            p->near[visits->stars.ring[k]] = p->round;
+        const pl_joint_star star = pl_joint_star_of(&p->joint, patch->node[i]);
+        const int64_t *begin = star.stars->ring_offset + star.at;
+        mesh->moved[patch->node[i]] = mesh->near[patch->node[i]] = p->round;
+        for (int64_t k = begin[0]; k < begin[1]; k++)
+            mesh->near[star.stars->ring[k]] = p->round;
     }
 }
 
@@ -146,25 +145,55 @@ static void choose_patches(stages *p) {
         }
 }
 
+/** Whether other processes have parts of the mesh. */
+static int is_in_parts(const stages *p) {
+    return p->gather.joint != NULL;
+}
+
 static void improve_chosen(void *context, int64_t begin, int64_t end, int thread) {
     const stages *p = context;
     for (int64_t i = begin; i < end; i++)
-        pl_joint_improve(&p->joint, thread, p->chosen[i]);
+        if (!is_in_parts(p) || pl_gather_is_own(&p->gather, p->chosen[i]))
+            pl_joint_improve(&p->joint, thread, p->chosen[i]);
 }
 
-/** List the patches of the stage: of the n_bad elements that find_bad has found. Returns 0 without
- *  memory. */
-static int list_patches(stages *p, int64_t n_bad) {
+/** List the vertices [*n][dim + 1] of the elements that find_bad has found, in *node, the caller's to
+ *  free. Return 0 if another process fails. */
+static int list_elements(stages *p, int64_t n_bad, int32_t **node, int64_t *n) {
     const planish_plan *plan = p->run->plan;
-    p->n_patches = 0;
-    p->patch = pl_alloc(n_bad, sizeof *p->patch);
-    p->chosen = pl_alloc(n_bad, sizeof *p->chosen);
-    if (!p->patch || !p->chosen)
-        return 0;
-    for (int64_t i = 0; i < plan->work.n_elements && p->n_patches < n_bad; i++)
-        if (p->state[i] == PL_WORSE)
-            p->n_patches += pl_joint_seed(&p->joint, i, &p->patch[p->n_patches]);
+    if (is_in_parts(p)) {
+        pl_gather_begin(&p->gather);
+        return pl_gather_elements(&p->gather, p->state, node, n);
+    }
+    *n = 0;
+    *node = pl_alloc(n_bad * (plan->dim + 1), sizeof **node);
+    for (int64_t i = 0; *node && i < plan->work.n_elements; i++) {
+        const int32_t *corner = plan->work.elements + i * (plan->dim + 1);
+        if (p->state[i] != PL_WORSE || !pl_any_moves(plan->work.mobility, corner, plan->dim + 1))
+            continue;
+        for (int v = 0; v <= plan->dim; v++)
+            (*node)[*n * (plan->dim + 1) + v] = plan->inner[corner[v]];
+        ++*n;
+    }
     return 1;
+}
+
+/** List the patches of the stage: of the n_bad elements that find_bad has found; none without
+ *  memory. Return 0 if another process fails. */
+static int list_patches(stages *p, int64_t n_bad) {
+    const int corners = p->run->plan->dim + 1;
+    int32_t *node = NULL;
+    int64_t n = 0;
+    int is_fine = list_elements(p, n_bad, &node, &n);
+    if (is_fine && node) {
+        p->patch = pl_alloc(n, sizeof *p->patch);
+        p->chosen = pl_alloc(n, sizeof *p->chosen);
+    }
+    const int has_room = !pl_parts_any(!p->patch || !p->chosen);
+    for (int64_t i = 0; is_fine && has_room && i < n; i++)
+        p->n_patches += pl_joint_seed(&p->joint, node + i * corners, &p->patch[p->n_patches]);
+    pl_free(node);
+    return is_fine;
 }
 
 /** Note which elements of the stage are at their limits. */
@@ -195,7 +224,9 @@ static int improve_round(stages *p) {
     pl_parallel_for(r->plan->threads, p->n_chosen, 1, improve_chosen, p);
     pl_follow(r->plan, &r->problem);
     tally.stars.visits = p->n_chosen;
-    tally.stopped = pl_run_after_colour(r, 1, p->n_chosen);
+    const int is_fine =
+        !is_in_parts(p) || pl_gather_places(&p->gather, p->chosen, p->n_chosen);
+    tally.stopped = is_fine ? pl_run_ask_all(r, 1, p->n_chosen) : PLANISH_STOP_INTERRUPTED;
     p->tries += p->n_chosen;
     r->result->worst_sweeps++;
     return pl_run_end_sweep(r, &tally);
@@ -208,6 +239,8 @@ static int improve_to(stages *p, double limit) {
         if (p->patch[i].state == PL_JOINT_DONE)
             p->patch[i].state = PL_JOINT_OPEN;
     for (int i = 0; i < TRIES; i++) {
+        if (is_in_parts(p) && !pl_gather_patches(&p->gather, p->patch, p->n_patches))
+            return 1;
         choose_patches(p);
         if (p->n_chosen == 0)
             return 0;
@@ -233,7 +266,7 @@ static int improve_patches(stages *p, double from, int64_t n_bad, double *to) {
     int stopped = 0;
     p->joint.wanted = pl_joint_value_of(p->run, most * most);
     if (!list_patches(p, n_bad))
-        return 0;
+        return 1;
     for (int i = 1; i <= p->n_steps && !stopped && (i == 1 || !has_pinned(p)); i++) {
         *to = from + (most - from) * i / p->n_steps;
         stopped = improve_to(p, *to * *to);
@@ -243,15 +276,10 @@ static int improve_patches(stages *p, double from, int64_t n_bad, double *to) {
 
 /* ---- stages --------------------------------------------------------------------------------- */
 
-/** Whether patches do the work; else sweeps: in a mesh in parts. */
-static int has_patches(void) {
-    return pl_part_here() == NULL;
-}
-
 /** Whether sweeps follow the patches: they move nodes that patches do not. */
 static int has_sweeps(const pl_run *r) {
     const planish_plan *plan = r->plan;
-    int any = !has_patches() || plan->sliding.n_followers > 0 || r->skin.shape != NULL ||
+    int any = plan->sliding.n_followers > 0 || r->skin.shape != NULL ||
               plan->work.corner != NULL; /* where patches gain less than sweeps in some meshes */
     for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++)
         any |= plan->slide[s].kind == PLANISH_CONSTRAINT_ON_SURFACE;
@@ -307,7 +335,6 @@ static int try_stage(stages *p, double from, double *to, int *failed) {
     pl_run *r = p->run;
     const double worst = worst_square(r), limit = *to * *to;
     const int64_t n_bad = find_bad(p, limit);
-    int stopped = 0;
     pl_trial trial;
     *failed = 0;
     if (n_bad == 0)
@@ -316,8 +343,7 @@ static int try_stage(stages *p, double from, double *to, int *failed) {
     r->phase = PLANISH_PHASE_WORST;
     p->joint.least = pl_joint_value_of(r, worst);
     p->n_patches = 0;
-    if (has_patches())
-        stopped = improve_patches(p, from, n_bad, to);
+    int stopped = improve_patches(p, from, n_bad, to);
     if (!stopped && p->has_sweeps && find_bad(p, limit) > 0) {
         mark_bad(p);
         stopped = improve_by_sweeps(p, limit);
@@ -346,10 +372,16 @@ static int is_worst_pinned(const stages *p) {
     return worst >= least * (1 - PL_JOINT_LOSS);
 }
 
+/** Number of nodes of the plan's mesh, in all processes. */
+static int64_t count_nodes(const planish_plan *plan) {
+    int64_t n = plan->work.n_nodes - pl_parts_ghosts(plan->work.n_nodes);
+    pl_parts_add(&n, 1);
+    return n;
+}
+
 /** Lower the limit stage by stage. */
 static void run_stages(stages *p) {
-    const planish_plan *plan = p->run->plan;
-    const int64_t tries = TRIES_AT_LEAST + plan->work.n_nodes / NODES_PER_TRY;
+    const int64_t tries = TRIES_AT_LEAST + count_nodes(p->run->plan) / NODES_PER_TRY;
     double reached = fmin(sqrt(worst_square(p->run)), STAGE_MOST), refused = 1;
     p->has_sweeps = has_sweeps(p->run);
     p->n_steps = p->has_sweeps ? 1 : STEPS;
@@ -401,15 +433,15 @@ static pl_star_limits limits_of_run(const pl_run *r) {
 
 static int prepare_stages(stages *p, planish_error *error) {
     const planish_plan *plan = p->run->plan;
-    const int64_t n = plan->work.n_nodes + plan->n_images;
     const pl_star_limits limits[2] = {pl_run_worst_limits(p->run, 1), limits_of_run(p->run)};
     p->state = pl_alloc(plan->work.n_elements, sizeof *p->state);
     p->before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *p->before);
-    p->moved = pl_alloc_zero(n, sizeof *p->moved);
-    p->near = pl_alloc_zero(n, sizeof *p->near);
-    if (!p->state || !p->before || !p->moved || !p->near)
+    if (!p->state || !p->before)
         return pl_fail_memory(error, "the worst elements");
-    return pl_joint_create(p->run, limits, &p->joint, error);
+    const int status = pl_joint_create(p->run, limits, &p->joint, error);
+    if (status || !pl_part_here())
+        return status;
+    return pl_gather_create(&p->joint, &p->gather, error);
 }
 
 int pl_run_worst(pl_run *r, planish_error *error) {
@@ -429,11 +461,10 @@ int pl_run_worst(pl_run *r, planish_error *error) {
         r->result->worst_before = before;
         r->result->worst_after = worst_of(r);
     }
+    pl_gather_destroy(&p.gather);
     pl_joint_destroy(&p.joint);
     pl_free(p.state);
     pl_free(p.before);
-    pl_free(p.moved);
-    pl_free(p.near);
     pl_free(p.joint.pinned);
     return status;
 }
