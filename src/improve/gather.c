@@ -467,8 +467,7 @@ static void take_patch(pl_gather *g, const int64_t *from, pl_joint_patch *p) {
         get_all(&from, place, dim);
         const int32_t inner = find_inner(g, g->joint->mesh.number[p->node[k]], &is_own);
         if (inner >= 0)
-            memcpy(g->local.coordinates + (int64_t)inner * dim, place,
-                   (size_t)dim * sizeof *place);
+            memcpy(g->local.coordinates + (int64_t)inner * dim, place, (size_t)dim * sizeof *place);
     }
 }
 
@@ -552,4 +551,3 @@ void pl_gather_destroy(pl_gather *g) {
     pl_free(g->movable);
     pl_free(g->place);
 }
-

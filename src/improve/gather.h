@@ -22,13 +22,13 @@
 
 /** Stars gathered from all processes; its arrays are owned. */
 typedef struct pl_gather {
-    pl_joint *joint;     /* whose mesh is this one's once it is made */
-    pl_joint_mesh local; /* the plan's */
-    uint8_t *movable;    /* [plan's n_nodes] by inner numbers: the node can be in a patch */
+    pl_joint *joint;       /* whose mesh is this one's once it is made */
+    pl_joint_mesh local;   /* the plan's */
+    uint8_t *movable;      /* [plan's n_nodes] by inner numbers: the node can be in a patch */
     int rank, n_processes; /* of those that have nodes; rank -1: this process has none */
     pl_stars stars;
-    pl_star_slide *slide; /* [stars.n_stars] kind 0: the node may go anywhere */
-    pl_star_guard guard;  /* with bounds [n] of nodes with a star */
+    pl_star_slide *slide;                   /* [stars.n_stars] kind 0: the node may go anywhere */
+    pl_star_guard guard;                    /* with bounds [n] of nodes with a star */
     double *lower, *upper, *start, *radius; /* those of guard */
     int64_t n;                              /* nodes of joint->mesh */
     int64_t room, star_room, ring_room, link_room;

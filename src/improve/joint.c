@@ -293,8 +293,8 @@ static void take_node(const pl_joint *joint, const pl_joint_star *star, int32_t 
         node->direction[d][d] = 1;
     for (int64_t k = begin; k < end; k++)
         for (int d = 0; d < dim; d++) {
-            const double way = (pl_joint_place(joint, star->stars->ring[k])[d] - x[d]) *
-                               joint->run->measure_scale;
+            const double way =
+                (pl_joint_place(joint, star->stars->ring[k])[d] - x[d]) * joint->run->measure_scale;
             square += way * way;
         }
     node->scale = sqrt(square / (double)(end - begin));
@@ -311,9 +311,7 @@ static double floor_of(const pl_joint *joint, const pl_stars *stars, const pl_jo
     const double volume = own > 0 ? own : r->guard.star.min_volume;
     if (!(volume > 0))
         return 0;
-    const double per_volume = stars->form ? 1 / plan->form[e->form].volume
-                              : plan->dim == 3   ? 6
-                                                 : 2;
+    const double per_volume = stars->form ? 1 / plan->form[e->form].volume : plan->dim == 3 ? 6 : 2;
     double x[4][3] = {{0}}, scale = 1;
     int certain;
     find_vertices(joint, e, x);
@@ -625,7 +623,7 @@ void pl_joint_improve(const pl_joint *joint, int thread, pl_joint_patch *p) {
         p->state = PL_JOINT_PINNED;
         return;
     }
-    w->cell = fmax(worst_cell(joint->run, w), joint->run->watch.worst_ar2);
+    w->cell = fmax(worst_cell(joint->run, w), joint->most_of_cell);
     w->problem = (pl_maxmin){.n = w->n_variables,
                              .row = w->row,
                              .reach = REACH,
@@ -777,6 +775,15 @@ static int create_mesh(pl_run *r, pl_joint_mesh *mesh, planish_error *error) {
     return PLANISH_OK;
 }
 
+/** Whether nodes of stars can move, but not in patches. */
+static int any_is_left(const pl_run *r, const pl_visits *visits, const int32_t *star_of) {
+    int any = 0;
+    for (int64_t s = 0; s < visits->stars.n_stars && !any; s++)
+        any = star_of[visits->centre[s]] == PL_JOINT_HELD &&
+              !pl_star_is_held(&r->guard.star, visits->centre[s], r->plan->dim);
+    return any;
+}
+
 int pl_joint_create(pl_run *r, const pl_star_limits limits[2], pl_joint *joint,
                     planish_error *error) {
     const planish_plan *plan = r->plan;
@@ -789,6 +796,8 @@ int pl_joint_create(pl_run *r, const pl_star_limits limits[2], pl_joint *joint,
         return status ? status : pl_fail_memory(error, "the worst elements");
     for (int i = 0; i < 2; i++)
         joint->kept[i] = value_of_square(other, of_angle ? limits[i].acuteness : limits[i].rr2);
+    joint->leaves_nodes = pl_parts_any(any_is_left(r, &plan->interior, joint->mesh.star_of) ||
+                                       any_is_left(r, &plan->sliding, joint->mesh.star_of));
     if (measure_of(r, 0) == ANGLE)
         joint->largest_angle = find_largest_angle(r);
     return PLANISH_OK;

@@ -35,14 +35,14 @@ struct pl_joint_room;
 /** Nodes and stars that patches are made of: those of the plan, by inner numbers; or of a mesh in parts
  *  those that have been gathered. Stars of the interior and those that slide may be one array. */
 typedef struct pl_joint_mesh {
-    double *coordinates;       /* [n][dim] */
-    int32_t *star_of;          /* [n] number of a star of the interior; -2 - that of one that slides;
+    double *coordinates;      /* [n][dim] */
+    int32_t *star_of;         /* [n] number of a star of the interior; -2 - that of one that slides;
                                   PL_JOINT_HELD, PL_JOINT_ELSEWHERE */
-    int64_t *number;           /* [n] numbers of the nodes in the whole mesh, the caller's */
-    int32_t *moved, *near;     /* [n] round in which a node is in a patch, or a neighbour */
-    const pl_stars *stars[2];  /* the interior; those that slide */
+    int64_t *number;          /* [n] numbers of the nodes in the whole mesh, the caller's */
+    int32_t *moved, *near;    /* [n] round in which a node is in a patch, or a neighbour */
+    const pl_stars *stars[2]; /* the interior; those that slide */
     const pl_star_slide *slide; /* [stars of stars[1]] */
-    pl_star_problem problem;   /* storage and bounds of nodes */
+    pl_star_problem problem;    /* storage and bounds of nodes */
 } pl_joint_mesh;
 
 enum {
@@ -62,13 +62,15 @@ typedef struct pl_joint_star {
 typedef struct pl_joint {
     pl_run *run;
     pl_joint_mesh mesh; /* its arrays are owned, unless the mesh is in parts */
-    double wanted; /* of the measure that is raised: patches stop when they have reached it */
-    double least;  /* of that measure, in the mesh: no element shall fall below */
+    double wanted;      /* of the measure that is raised: patches stop when they have reached it */
+    double least;       /* of that measure, in the mesh: no element shall fall below */
     double largest_angle; /* of simplices whose angles are raised: none shall become larger */
+    double most_of_cell;  /* with corners: AR^2 above which no cell shall get */
     double kept[2]; /* of the other measure: none shall fall below [0], or where that is in the way,
                          below [1] */
     struct pl_joint_pinned *pinned; /* [n_pinned] ascending by nodes, the caller's */
     int64_t n_pinned;
+    int leaves_nodes;           /* some nodes that can move cannot be in patches */
     struct pl_joint_room *room; /* [threads] owned */
 } pl_joint;
 

@@ -27,6 +27,8 @@
 #define STAGE_MOST  1e4
 #define STAGE_LEAST 1.05
 enum { STAGE_SWEEPS = 20, HALVINGS = 3, STEPS = 3 };
+/* Nodes up to which a mesh is small: several ways are tried, for all of them take little time. */
+enum { SMALL_MESH = 10000 };
 /* Worst elements are the same within this, relative. */
 #define SAME 1e-6
 /* The sweeps of a stage end when no more than one star in so many improves. */
@@ -51,9 +53,12 @@ typedef struct stages {
     pl_joint_patch **chosen; /* [n_chosen] of the round */
     int64_t n_chosen;
     int64_t tries;
-    int has_sweeps; /* stages have sweeps, too; else they go as far as this many of such: */
-    int n_steps;
-    int64_t visits; /* most of a sweep */
+    int has_patches; /* in the stages, */
+    int has_sweeps;  /* and sweeps, after these; without they go as far as this many of such: */
+    int n_steps;     /* and */
+    int is_competing; /* not 0: no element becomes worse than the worst was before all stages; 0: than
+                         before the stage */
+    int64_t visits;   /* most of a sweep */
 } stages;
 
 /** Whether angles, or scaled Jacobians, are meant, not ratios. */
@@ -224,8 +229,7 @@ static int improve_round(stages *p) {
     pl_parallel_for(r->plan->threads, p->n_chosen, 1, improve_chosen, p);
     pl_follow(r->plan, &r->problem);
     tally.stars.visits = p->n_chosen;
-    const int is_fine =
-        !is_in_parts(p) || pl_gather_places(&p->gather, p->chosen, p->n_chosen);
+    const int is_fine = !is_in_parts(p) || pl_gather_places(&p->gather, p->chosen, p->n_chosen);
     tally.stopped = is_fine ? pl_run_ask_all(r, 1, p->n_chosen) : PLANISH_STOP_INTERRUPTED;
     p->tries += p->n_chosen;
     r->result->worst_sweeps++;
@@ -275,16 +279,6 @@ static int improve_patches(stages *p, double from, int64_t n_bad, double *to) {
 }
 
 /* ---- stages --------------------------------------------------------------------------------- */
-
-/** Whether sweeps follow the patches: they move nodes that patches do not. */
-static int has_sweeps(const pl_run *r) {
-    const planish_plan *plan = r->plan;
-    int any = plan->sliding.n_followers > 0 || r->skin.shape != NULL ||
-              plan->work.corner != NULL; /* where patches gain less than sweeps in some meshes */
-    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++)
-        any |= plan->slide[s].kind == PLANISH_CONSTRAINT_ON_SURFACE;
-    return pl_parts_any(any);
-}
 
 /** Bring elements below limit, a square, by sweeps of the stars that are marked as changed. Not 0 if
  *  it was cut short. */
@@ -343,7 +337,7 @@ static int try_stage(stages *p, double from, double *to, int *failed) {
     r->phase = PLANISH_PHASE_WORST;
     p->joint.least = pl_joint_value_of(r, worst);
     p->n_patches = 0;
-    int stopped = improve_patches(p, from, n_bad, to);
+    int stopped = p->has_patches ? improve_patches(p, from, n_bad, to) : 0;
     if (!stopped && p->has_sweeps && find_bad(p, limit) > 0) {
         mark_bad(p);
         stopped = improve_by_sweeps(p, limit);
@@ -351,7 +345,9 @@ static int try_stage(stages *p, double from, double *to, int *failed) {
     pl_run_measure(r);
     const double now = worst_square(r);
     *failed = !(pl_run_objective(r) <= p->most && r->sums.radius_max <= p->most_of_cell);
-    const int is_taken = !*failed && (now < worst || (now <= worst && find_bad(p, limit) < n_bad));
+    const int is_better = !p->is_competing && now < worst;
+    const int is_taken =
+        !*failed && (p->is_competing || now <= worst) && (is_better || find_bad(p, limit) < n_bad);
     pl_trial_end(&trial, is_taken);
     if (is_taken)
         note_pinned(p);
@@ -379,12 +375,10 @@ static int64_t count_nodes(const planish_plan *plan) {
     return n;
 }
 
-/** Lower the limit stage by stage. */
-static void run_stages(stages *p) {
+/** Lower the limit stage by stage. Not 0 if it was cut short. */
+static int run_stages(stages *p) {
     const int64_t tries = TRIES_AT_LEAST + count_nodes(p->run->plan) / NODES_PER_TRY;
     double reached = fmin(sqrt(worst_square(p->run)), STAGE_MOST), refused = 1;
-    p->has_sweeps = has_sweeps(p->run);
-    p->n_steps = p->has_sweeps ? 1 : STEPS;
     for (int failures = 0; failures <= HALVINGS && reached > STAGE_LEAST;) {
         const double before = sqrt(worst_square(p->run));
         const double part =
@@ -392,9 +386,9 @@ static void run_stages(stages *p) {
         double next = failures == 0 ? 1 + (reached - 1) * part : (reached + refused) / 2;
         int failed;
         if (try_stage(p, reached, &next, &failed))
-            return;
+            return 1;
         const double worst = sqrt(worst_square(p->run));
-        const int is_pinned = is_worst_pinned(p);
+        const int is_pinned = p->is_competing || is_worst_pinned(p);
         if (failed && p->n_steps > 1) { /* again, in stages of one step */
             p->n_steps = 1;
             continue;
@@ -406,9 +400,78 @@ static void run_stages(stages *p) {
         else
             reached = next;
         failures += failures > 0 || failed;
-        if ((is_pinned || !(worst < before * (1 - SAME))) && p->tries > tries)
-            return;
+        const int is_in_vain = is_pinned || !(worst < before * (1 - SAME));
+        if (is_in_vain && p->tries > tries && !p->is_competing)
+            return 0;
     }
+    return 0;
+}
+
+/** Lower the limit by sweeps alone, from the worst there is, as long as that brings something. Not 0
+ *  if it was cut short. */
+static int run_sweeps(stages *p) {
+    double reached = fmin(sqrt(worst_square(p->run)), STAGE_MOST), part = STAGE_FACTOR;
+    p->limits = pl_run_worst_limits(p->run, PL_LIMIT_MARGIN);
+    p->has_patches = 0;
+    p->has_sweeps = 1;
+    for (int failures = 0; failures <= HALVINGS && reached > STAGE_LEAST;) {
+        double next = 1 + (reached - 1) * part;
+        int failed;
+        if (try_stage(p, reached, &next, &failed))
+            return 1;
+        const double worst = sqrt(worst_square(p->run));
+        if (!(worst < reached * (1 - SAME))) {
+            failures++;
+            part = (1 + part) / 2;
+        }
+        reached = fmin(worst, reached);
+    }
+    return 0;
+}
+
+/** Improve the mesh from start by sweeps alone, and keep the result if the worst element is better than
+ *  it is now. skin and limits: as they were at start. */
+static void compete(stages *p, const double *start, void *skin, pl_star_limits limits) {
+    pl_run *r = p->run;
+    const int64_t n = r->plan->work.n_nodes * r->plan->dim;
+    const double worst = worst_square(r);
+    double *now = pl_alloc(n, sizeof *now);
+    pl_trial trial;
+    if (pl_parts_any(!now)) {
+        pl_free(now);
+        return;
+    }
+    pl_trial_begin(r, 1, now, &trial);
+    memcpy(r->plan->scratch.coordinates, start, (size_t)n * sizeof *start);
+    pl_skin_restore(&r->skin, skin);
+    pl_run_measure(r);
+    p->has_patches = 0;
+    p->has_sweeps = p->n_steps = p->is_competing = 1;
+    p->limits = limits;
+    run_stages(p);
+    pl_trial_end(&trial, worst_square(r) < worst);
+    pl_free(now);
+}
+
+/** Improve the worst elements: by patches; and in a small mesh by sweeps then, and by sweeps alone. */
+static void improve_worst(stages *p) {
+    pl_run *r = p->run;
+    const int64_t n = r->plan->work.n_nodes * r->plan->dim;
+    const int is_small = count_nodes(r->plan) <= SMALL_MESH;
+    double *start = is_small ? pl_alloc(n, sizeof *start) : NULL;
+    void *skin = is_small ? pl_skin_save(&r->skin) : NULL;
+    const int can_compete = is_small && !pl_parts_any(!start);
+    if (can_compete)
+        memcpy(start, r->plan->scratch.coordinates, (size_t)n * sizeof *start);
+    const pl_star_limits limits = p->limits;
+    p->has_patches = 1;
+    /* Corners: patches gain less than sweeps in some meshes. */
+    p->has_sweeps = p->joint.leaves_nodes || r->plan->work.corner;
+    p->n_steps = p->has_sweeps ? 1 : STEPS;
+    if (!run_stages(p) && is_small && !run_sweeps(p) && can_compete)
+        compete(p, start, skin, limits);
+    pl_free(start);
+    pl_free(skin);
 }
 
 /** Worst value of the mesh as the caller wants to know it: RR, or degrees; mu, or SJ. */
@@ -439,6 +502,7 @@ static int prepare_stages(stages *p, planish_error *error) {
     if (!p->state || !p->before)
         return pl_fail_memory(error, "the worst elements");
     const int status = pl_joint_create(p->run, limits, &p->joint, error);
+    p->joint.most_of_cell = p->most_of_cell * PL_LIMIT_MARGIN;
     if (status || !pl_part_here())
         return status;
     return pl_gather_create(&p->joint, &p->gather, error);
@@ -454,8 +518,12 @@ int pl_run_worst(pl_run *r, planish_error *error) {
                 .limits = pl_run_worst_limits(r, PL_LIMIT_MARGIN)};
     const int status = prepare_stages(&p, error);
     pl_log(PLANISH_LOG_DETAIL, "improving the worst elements");
-    if (!status)
-        run_stages(&p);
+    const double limit_of_cells = r->watch.worst_ar2;
+    if (!status) {
+        pl_watch_limit(&r->watch, p.joint.most_of_cell);
+        improve_worst(&p);
+        pl_watch_limit(&r->watch, limit_of_cells);
+    }
     if (r->result->worst_sweeps > 0) {
         r->result->objective_of_worst = objective;
         r->result->worst_before = before;

@@ -431,14 +431,16 @@ void pl_trial_begin(pl_run *r, int is_hidden, double *before, pl_trial *trial) {
                         .problem = r->problem,
                         .guard = r->guard.star,
                         .phase = r->phase,
+                        .shown = r->shown,
                         .skin = pl_skin_save(&r->skin)};
     memcpy(before, r->plan->scratch.coordinates, size_of_coordinates(r));
-    r->shown = is_hidden ? &trial->standing : NULL;
+    if (!r->shown) /* a trial within a hidden one is hidden, too */
+        r->shown = is_hidden ? &trial->standing : NULL;
 }
 
 void pl_trial_end(const pl_trial *trial, int is_taken) {
     pl_run *r = trial->run;
-    r->shown = NULL;
+    r->shown = trial->shown;
     r->problem = trial->problem;
     r->guard.star = trial->guard;
     r->phase = trial->phase;

@@ -174,6 +174,7 @@ typedef struct pl_trial {
     pl_star_guard guard;
     planish_phase phase;
     void *skin; /* its places and bounds */
+    const pl_objective_sums *shown;
 } pl_trial;
 
 /** Begin a trial with the mesh as measured last. before [n_nodes][dim] is room for coordinates, and
