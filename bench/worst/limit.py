@@ -1,7 +1,7 @@
 """The limit of the worst tetrahedron of a mesh, by sequential linear programs over all free nodes.
 
 Each program raises the least of the linearised measures of all bad tetrahedra within a trust region, a box around
-each node (HiGHS, by SciPy). Boundary nodes, and nodes of elements of lower dimension, are fixed.
+each node (HiGHS, by SciPy). Boundary nodes, those between regions, and nodes of elements of lower dimension are fixed.
 """
 try:
     import meshio
@@ -56,6 +56,19 @@ def slopes(measure, x, step):
     return found
 
 
+def between(mesh, tetrahedra):
+    """Return the numbers of the nodes whose tetrahedra have different references, of the first kind there is."""
+    for name in ("gmsh:physical", "medit:ref"):
+        if name in mesh.cell_data:
+            of = np.concatenate([d for c, d in zip(mesh.cells, mesh.cell_data[name]) if c.type == "tetra"])
+            least, most = np.full(len(mesh.points), of.max()), np.full(len(mesh.points), of.min())
+            for k in range(4):
+                np.minimum.at(least, tetrahedra[:, k], of)
+                np.maximum.at(most, tetrahedra[:, k], of)
+            return np.where(least < most)[0]
+    return []
+
+
 def free_nodes(mesh, tetrahedra):
     """Return the numbers of the nodes that may move."""
     facets = np.sort(np.concatenate([tetrahedra[:, k] for k in ([1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2])]), 1)
@@ -66,6 +79,7 @@ def free_nodes(mesh, tetrahedra):
     for cells in mesh.cells:
         if cells.type in ("triangle", "line", "vertex"):
             is_free[cells.data.ravel()] = False
+    is_free[between(mesh, tetrahedra)] = False
     return np.where(is_free)[0]
 
 

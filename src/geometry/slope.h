@@ -36,25 +36,42 @@ PL_INLINE double pl_angle_between(double sine, double cosine) {
     return cosine < 0 ? PI - angle : angle;
 }
 
+/** Normals of a tetrahedron's facets, the derivatives of D by its vertices. */
+typedef struct pl_normals {
+    double of[4][3], square[4]; /* of the facet opposite to a vertex, and its square length */
+    double D;
+} pl_normals;
+
+/** Compute the normals of the tetrahedron x. */
+PL_INLINE void pl_normals_of(const double x[4][3], pl_normals *normals) {
+    double edge[3][3];
+    for (int j = 0; j < 3; j++)
+        pl_subtract(3, x[j + 1], x[0], edge[j]);
+    pl_cofactor_normals(3, (const double(*)[3])edge, normals->of);
+    pl_base_normal(3, (const double(*)[3])edge, normals->of[0]);
+    for (int v = 0; v < 4; v++)
+        normals->square[v] = pl_dot(3, normals->of[v], normals->of[v]);
+    normals->D = pl_dot(3, edge[0], normals->of[1]);
+}
+
 /** Compute the dihedral angle at the edge from vertex a to b, between the faces with c and d; D is
  *  positive in the order a, b, c, d. derive: and its derivatives. */
-PL_INLINE void pl_dihedral_slope(const double x[4][3], int a, int b, int c, int d, int derive,
-                                 pl_slope *slope) {
-    double e[3], u[3], v[3], n1[3], n2[3];
+PL_INLINE void pl_dihedral_slope(const double x[4][3], const pl_normals *normals, int a, int b,
+                                 int c, int d, int derive, pl_slope *slope) {
+    double e[3], u[3], v[3];
     pl_subtract(3, x[b], x[a], e);
-    pl_subtract(3, x[c], x[a], u);
-    pl_subtract(3, x[d], x[a], v);
-    pl_cross(e, u, n1);
-    pl_cross(e, v, n2);
     const double ee = pl_dot(3, e, e), length = sqrt(ee);
-    slope->value = pl_angle_between(length * pl_dot(3, v, n1), pl_dot(3, n1, n2));
+    slope->value =
+        pl_angle_between(length * normals->D, -pl_dot(3, normals->of[c], normals->of[d]));
     if (!derive)
         return;
-    const double by_c = -length / pl_dot(3, n1, n1), by_d = length / pl_dot(3, n2, n2);
+    pl_subtract(3, x[c], x[a], u);
+    pl_subtract(3, x[d], x[a], v);
+    const double by_c = -length / normals->square[d], by_d = -length / normals->square[c];
     const double along_c = pl_dot(3, u, e) / ee, along_d = pl_dot(3, v, e) / ee;
     for (int k = 0; k < 3; k++) {
-        slope->by[c][k] = by_c * n1[k];
-        slope->by[d][k] = by_d * n2[k];
+        slope->by[c][k] = by_c * normals->of[d][k];
+        slope->by[d][k] = by_d * normals->of[c][k];
         slope->by[b][k] = -(along_c * slope->by[c][k] + along_d * slope->by[d][k]);
         slope->by[a][k] = -(slope->by[b][k] + slope->by[c][k] + slope->by[d][k]);
     }
@@ -64,12 +81,14 @@ PL_INLINE void pl_dihedral_slope(const double x[4][3], int a, int b, int c, int 
  *  derivatives. */
 PL_INLINE int pl_angle_slopes(int dim, const double x[4][3], int derive, pl_slope slope[]) {
     if (dim == 3) {
-        pl_dihedral_slope(x, 0, 1, 2, 3, derive, &slope[0]);
-        pl_dihedral_slope(x, 0, 2, 3, 1, derive, &slope[1]);
-        pl_dihedral_slope(x, 0, 3, 1, 2, derive, &slope[2]);
-        pl_dihedral_slope(x, 1, 2, 0, 3, derive, &slope[3]);
-        pl_dihedral_slope(x, 1, 3, 2, 0, derive, &slope[4]);
-        pl_dihedral_slope(x, 2, 3, 0, 1, derive, &slope[5]);
+        pl_normals normals;
+        pl_normals_of(x, &normals);
+        pl_dihedral_slope(x, &normals, 0, 1, 2, 3, derive, &slope[0]);
+        pl_dihedral_slope(x, &normals, 0, 2, 3, 1, derive, &slope[1]);
+        pl_dihedral_slope(x, &normals, 0, 3, 1, 2, derive, &slope[2]);
+        pl_dihedral_slope(x, &normals, 1, 2, 0, 3, derive, &slope[3]);
+        pl_dihedral_slope(x, &normals, 1, 3, 2, 0, derive, &slope[4]);
+        pl_dihedral_slope(x, &normals, 2, 3, 0, 1, derive, &slope[5]);
         return 6;
     }
     for (int a = 0; a < 3; a++) {

@@ -437,7 +437,7 @@ int pl_gather_is_own(const pl_gather *g, const pl_joint_patch *patch) {
 
 /* ---- results -------------------------------------------------------------------------------- */
 
-enum { FACTS = 3 }; /* of a patch beside its nodes: state, is_loose, n */
+enum { FACTS = 4 }; /* of a patch beside its nodes: state, is_loose, n, work */
 
 /** Integers of the message about a patch. */
 static int64_t patch_size(const pl_gather *g) {
@@ -448,6 +448,7 @@ static void put_patch(const pl_gather *g, const pl_joint_patch *p, int64_t *to) 
     *to++ = p->state;
     *to++ = p->is_loose;
     *to++ = p->n;
+    *to++ = p->work;
     for (int k = 0; k < p->n; k++) {
         *to++ = p->node[k];
         put_all(&to, pl_joint_place(g->joint, p->node[k]), dim_of(g));
@@ -460,6 +461,7 @@ static void take_patch(pl_gather *g, const int64_t *from, pl_joint_patch *p) {
     p->state = (pl_joint_state)*from++;
     p->is_loose = (int)*from++;
     p->n = (int)*from++;
+    p->work = *from++;
     for (int k = 0; k < p->n; k++) {
         int is_own;
         p->node[k] = (int32_t)*from++;

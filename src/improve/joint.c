@@ -71,8 +71,9 @@ typedef struct pl_joint_room {
     patch_node node[PL_JOINT_NODES];
     patch_element element[ELEMENTS];
     int n_nodes, n_elements, n_variables;
-    double kept; /* limit of the other measure */
-    double cell; /* limit of AR^2 of cells */
+    int64_t work; /* of the try: evaluations of elements */
+    double kept;  /* limit of the other measure */
+    double cell;  /* limit of AR^2 of cells */
     pl_maxmin_row row[ROWS];
     int element_of[ROWS];
     pl_maxmin problem;
@@ -378,6 +379,7 @@ static double judge_elements(const pl_joint *joint, pl_joint_room *w) {
         w->kept = other < w->kept ? other : w->kept;
         least = !pinned && own < least ? own : least;
     }
+    w->work += w->n_elements;
     return least;
 }
 
@@ -412,7 +414,7 @@ static int cells_are_kept(const pl_run *r, const pl_joint_room *w) {
 
 /** Return the least measure where the nodes are now; -1 if the nodes may not be there. Once it is not
  *  above enough it is of no interest. */
-static double least_now(const pl_joint *joint, const pl_joint_room *w, double enough) {
+static double least_now(const pl_joint *joint, pl_joint_room *w, double enough) {
     const pl_run *r = joint->run;
     const int dim = r->plan->dim;
     const measure raised = measure_of(r, 0), other = measure_of(r, 1);
@@ -422,6 +424,7 @@ static double least_now(const pl_joint *joint, const pl_joint_room *w, double en
         double x[4][3] = {{0}};
         pl_slope slope[PL_MOST_SLOPES];
         int certain;
+        w->work++;
         find_vertices(joint, &e->of, x);
         if (determinant_of(dim, (const double(*)[3])x, &certain) < e->floor || !certain)
             return -1;
@@ -463,31 +466,70 @@ static void add_row(const pl_run *r, pl_joint_room *w, int element, int is_raise
     }
 }
 
+/** How a measure of an element is in the problem. */
+typedef enum row_kind { NO_ROW, RAISED, KEPT, KEPT_FROM_ABOVE } row_kind;
+
+/** Return how a value of the measure that is raised is in the problem; least: of the patch. */
+static row_kind kind_of_row(const pl_joint *joint, const patch_element *e, double least,
+                            double value) {
+    if (e->is_pinned && value < e->least + BAND)
+        return KEPT;
+    if (value < least + BAND)
+        return RAISED;
+    return value > joint->largest_angle - MARGIN_ANGLE - BAND ? KEPT_FROM_ABOVE : NO_ROW;
+}
+
+/** Make the rows of an element for the measure that is raised. */
+static void make_raised_rows(const pl_joint *joint, pl_joint_room *w, int element, double least,
+                             const double x[4][3]) {
+    const patch_element *e = &w->element[element];
+    const measure kind = measure_of(joint->run, 0);
+    pl_slope slope[PL_MOST_SLOPES];
+    int any = 0;
+    const int n = measures_of(joint->run, kind, e->of.form, x, 0, slope);
+    for (int k = 0; k < n; k++)
+        any |= kind_of_row(joint, e, least, slope[k].value) != NO_ROW;
+    w->work++;
+    if (!any)
+        return;
+    measures_of(joint->run, kind, e->of.form, x, 1, slope);
+    w->work++;
+    for (int k = 0; k < n; k++) {
+        const double value = slope[k].value;
+        const row_kind is = kind_of_row(joint, e, least, value);
+        if (is == RAISED)
+            add_row(joint->run, w, element, 1, value - least, 1, &slope[k]);
+        else if (is == KEPT)
+            add_row(joint->run, w, element, 0, value - e->least, 1, &slope[k]);
+        else if (is == KEPT_FROM_ABOVE)
+            add_row(joint->run, w, element, 0, joint->largest_angle - MARGIN_ANGLE - value, -1,
+                    &slope[k]);
+    }
+}
+
+/** Make the rows of an element for the other measure. */
+static void make_other_rows(const pl_joint *joint, pl_joint_room *w, int element,
+                            const double x[4][3]) {
+    const uint8_t form = w->element[element].of.form;
+    const measure kind = measure_of(joint->run, 1);
+    const double margin = kind == ANGLE ? MARGIN_ANGLE : MARGIN_RATIO * w->kept;
+    pl_slope slope[PL_MOST_SLOPES];
+    if (least_measure(joint->run, kind, form, x) >= w->kept + margin + BAND)
+        return;
+    const int n = measures_of(joint->run, kind, form, x, 1, slope);
+    for (int k = 0; k < n; k++)
+        if (slope[k].value < w->kept + margin + BAND)
+            add_row(joint->run, w, element, 0, slope[k].value - w->kept - margin, 1, &slope[k]);
+}
+
 /** Make the rows of the problem around the nodes' places; least: the least measure there. */
 static void make_rows(const pl_joint *joint, pl_joint_room *w, double least) {
-    const pl_run *r = joint->run;
-    const measure raised = measure_of(r, 0), other = measure_of(r, 1);
     w->problem.m = 0;
     for (int i = 0; i < w->n_elements; i++) {
-        const patch_element *e = &w->element[i];
         double x[4][3] = {{0}};
-        pl_slope slope[PL_MOST_SLOPES];
-        find_vertices(joint, &e->of, x);
-        int n = measures_of(r, raised, e->of.form, (const double(*)[3])x, 1, slope);
-        for (int k = 0; k < n; k++) {
-            const double room = joint->largest_angle - MARGIN_ANGLE - slope[k].value;
-            if (e->is_pinned && slope[k].value < e->least + BAND)
-                add_row(r, w, i, 0, slope[k].value - e->least, 1, &slope[k]);
-            else if (slope[k].value < least + BAND)
-                add_row(r, w, i, 1, slope[k].value - least, 1, &slope[k]);
-            else if (raised == ANGLE && room < BAND)
-                add_row(r, w, i, 0, room, -1, &slope[k]);
-        }
-        n = measures_of(r, other, e->of.form, (const double(*)[3])x, 1, slope);
-        const double margin = other == ANGLE ? MARGIN_ANGLE : MARGIN_RATIO * w->kept;
-        for (int k = 0; k < n; k++)
-            if (slope[k].value < w->kept + margin + BAND)
-                add_row(r, w, i, 0, slope[k].value - w->kept - margin, 1, &slope[k]);
+        find_vertices(joint, &w->element[i].of, x);
+        make_raised_rows(joint, w, i, least, (const double(*)[3])x);
+        make_other_rows(joint, w, i, (const double(*)[3])x);
     }
 }
 
@@ -616,9 +658,22 @@ static void give_up(const pl_joint *joint, pl_joint_patch *p) {
         p->state = PL_JOINT_PINNED;
 }
 
+/** Take steps from a least measure; return that after them. */
+static double take_steps(const pl_joint *joint, pl_joint_room *w, double least) {
+    double radius = RADIUS;
+    for (int i = 0; i < STEPS && least < joint->wanted; i++) {
+        const double now = step(joint, w, least, &radius);
+        if (!(now > least))
+            break;
+        least = now;
+    }
+    return least;
+}
+
 void pl_joint_improve(const pl_joint *joint, int thread, pl_joint_patch *p) {
     pl_joint_room *w = &joint->room[thread];
     p->has_moved = 0;
+    w->work = p->work = 0;
     if (!gather_patch(joint, p, w)) {
         p->state = PL_JOINT_PINNED;
         return;
@@ -633,14 +688,9 @@ void pl_joint_improve(const pl_joint *joint, int thread, pl_joint_patch *p) {
                              .active = w->active,
                              .multiplier = w->multiplier};
     const double before = judge_elements(joint, w);
-    double least = before, radius = RADIUS;
-    for (int i = 0; i < STEPS && least < joint->wanted; i++) {
-        const double now = step(joint, w, least, &radius);
-        if (!(now > least))
-            break;
-        least = now;
-    }
+    const double least = take_steps(joint, w, before);
     p->has_moved = least > before;
+    p->work = w->work + w->problem.work / PL_JOINT_MULTIPLICATIONS;
     for (int i = 0; joint->run->watch.n > 0 && i < p->n; i++)
         pl_watch_forget(&joint->run->watch, p->node[i]);
     if (least >= joint->wanted) {

@@ -30,6 +30,9 @@ enum { PL_JOINT_NODES = 20 };
  * all. */
 #define PL_JOINT_LOSS 1e-3
 
+/** Multiplications of a problem's solution that take as long as one evaluation of an element. */
+enum { PL_JOINT_MULTIPLICATIONS = 400 };
+
 struct pl_joint_room;
 
 /** Nodes and stars that patches are made of: those of the plan, by inner numbers; or of a mesh in parts
@@ -103,7 +106,8 @@ typedef struct pl_joint_patch {
     int is_loose; /* kept[1] holds, not [0] */
     int n;
     int32_t node[PL_JOINT_NODES];
-    int has_moved; /* in the last try */
+    int has_moved; /* in the last try, */
+    int64_t work;  /* and the work of it: evaluations of an element's measures */
 } pl_joint_patch;
 
 /** Make the input of a run that is measured: largest_angle, kept and the plan's mesh. limits [2]:

@@ -9,6 +9,8 @@
 #define MET       1e-10
 #define DEPENDENT 1e-9
 enum { STEPS_PER_VARIABLE = 8, STEPS = 100 };
+/* Multiplications of a step for each row, and for each entry of the active ones. */
+enum { PER_ROW = 12, PER_ENTRY = 5 };
 
 /** A solution under way; k = n + 1 variables, the last one of t. */
 typedef struct active_set {
@@ -131,6 +133,7 @@ static int meet_row(active_set *s, int row, double by) {
     double multiplier = 0;
     for (int steps = 1;; steps++) {
         const double square = spread_row(s, &p->row[row], s->rest);
+        p->work += (int64_t)PER_ROW * p->m + (int64_t)PER_ENTRY * s->k * p->n_active;
         split_row(s);
         find_ratios(s);
         double length2 = 0, part = INFINITY;

@@ -40,6 +40,7 @@ typedef struct pl_maxmin {
     int n_active;       /* the rows that hold it back, */
     int *active;        /* [n + 1] */
     double *multiplier; /* [n + 1] above 0, of each */
+    int64_t work;       /* of the solutions so far: multiplications, roughly */
 } pl_maxmin;
 
 /** Doubles of room for n variables. */

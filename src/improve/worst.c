@@ -31,11 +31,26 @@ enum { STAGE_SWEEPS = 20, HALVINGS = 3, STEPS = 3 };
 enum { SMALL_MESH = 10000 };
 /* Worst elements are the same within this, relative. */
 #define SAME 1e-6
+/* Stages of sweeps alone end after so many that have not made the worst element better by this part. */
+enum { CALM_STAGES = 5 };
+#define CALM 1e-3
 /* The sweeps of a stage end when no more than one star in so many improves. */
 enum { FEW = 50 };
 /* Tries of one patch in a step; and of all stages together, where the worst element is at its limit: so
  * many, and one for each so many nodes. */
 enum { TRIES = 60, TRIES_AT_LEAST = 100, NODES_PER_TRY = 250 };
+/* Work of all patches, in evaluations of elements, each of which takes as long as a visit, roughly: at
+ * most one for each visit before the phase; in small meshes WORK_AT_LEAST and WORK_EACH for each visit,
+ * up to WORK_OF_SMALL. That is for the default worst_rise. A larger one gives as many times more, up to
+ * MOST_TIMES. */
+enum { WORK_AT_LEAST = 30000, WORK_EACH = 14, WORK_OF_SMALL = 150000, MOST_TIMES = 10 };
+#define USUAL_RISE 0.01
+/* A stage takes at most half of the work that is left; with less than this part the phase ends. */
+#define WORK_LEFT (1.0 / 32)
+/* The first try of a patch takes so much work for each node, roughly. */
+enum { WORK_OF_NODE = 100 };
+/* Visits of sweeps alone in a small mesh: so many for each visit before the phase, or so many. */
+enum { VISITS_EACH = 2, VISITS_AT_LEAST = 200000 };
 
 /** Stages under way. */
 typedef struct stages {
@@ -53,9 +68,12 @@ typedef struct stages {
     pl_joint_patch **chosen; /* [n_chosen] of the round */
     int64_t n_chosen;
     int64_t tries;
-    int has_patches; /* in the stages, */
-    int has_sweeps;  /* and sweeps, after these; without they go as far as this many of such: */
-    int n_steps;     /* and */
+    int64_t work, most_work; /* of all patches: evaluations of elements so far, and at most; */
+    int64_t most_of_stage;   /* at the end of the stage */
+    int64_t most_visits;     /* of the run, while sweeps alone are tried */
+    int has_patches;         /* in the stages, */
+    int has_sweeps;   /* and sweeps, after these; without they go as far as this many of such: */
+    int n_steps;      /* and */
     int is_competing; /* not 0: no element becomes worse than the worst was before all stages; 0: than
                          before the stage */
     int64_t visits;   /* most of a sweep */
@@ -130,8 +148,10 @@ static void mark_patch(const stages *p, const pl_joint_patch *patch) {
     }
 }
 
-/** Choose the open patches of a round, the worst first: no cell has nodes of two of them. */
+/** Choose the open patches of a round, the worst first: no cell has nodes of two of them, and there is
+ *  work left for them. */
 static void choose_patches(stages *p) {
+    int64_t left = p->most_of_stage - p->work;
     p->n_chosen = 0;
     p->round++;
     for (int64_t i = 0; i < p->n_patches; i++) {
@@ -143,9 +163,10 @@ static void choose_patches(stages *p) {
         }
     }
     qsort(p->patch, (size_t)p->n_patches, sizeof *p->patch, compare_patches);
-    for (int64_t i = 0; i < p->n_patches; i++)
+    for (int64_t i = 0; i < p->n_patches && left > 0; i++)
         if (p->patch[i].state == PL_JOINT_OPEN && !is_near(p, &p->patch[i])) {
             mark_patch(p, &p->patch[i]);
+            left -= (int64_t)WORK_OF_NODE * p->patch[i].n;
             p->chosen[p->n_chosen++] = &p->patch[i];
         }
 }
@@ -206,14 +227,14 @@ static void note_pinned(stages *p) {
     pl_joint *joint = &p->joint;
     int64_t n = joint->n_pinned;
     for (int64_t i = 0; i < p->n_patches; i++)
-        n += p->patch[i].state != PL_JOINT_DONE;
+        n += p->patch[i].state == PL_JOINT_PINNED;
     pl_joint_pinned *pinned = n > joint->n_pinned ? pl_alloc(n, sizeof *pinned) : NULL;
     if (!pinned)
         return;
     memcpy(pinned, joint->pinned, (size_t)joint->n_pinned * sizeof *pinned);
     n = joint->n_pinned;
     for (int64_t i = 0; i < p->n_patches; i++)
-        if (p->patch[i].state != PL_JOINT_DONE)
+        if (p->patch[i].state == PL_JOINT_PINNED)
             pinned[n++] = pl_joint_pin(joint, &p->patch[i].seed);
     qsort(pinned, (size_t)n, sizeof *pinned, pl_joint_compare);
     pl_free(joint->pinned);
@@ -232,6 +253,8 @@ static int improve_round(stages *p) {
     const int is_fine = !is_in_parts(p) || pl_gather_places(&p->gather, p->chosen, p->n_chosen);
     tally.stopped = is_fine ? pl_run_ask_all(r, 1, p->n_chosen) : PLANISH_STOP_INTERRUPTED;
     p->tries += p->n_chosen;
+    for (int64_t i = 0; i < p->n_chosen; i++)
+        p->work += p->chosen[i]->work;
     r->result->worst_sweeps++;
     return pl_run_end_sweep(r, &tally);
 }
@@ -322,6 +345,15 @@ static double worst_square(const pl_run *r) {
     return is_of_angle(r) ? worst.acuteness : worst.rr2;
 }
 
+/** Number of patches of the stage whose elements were below a limit, a square, when it began. */
+static int64_t count_good(const stages *p, double limit) {
+    const double value = pl_joint_value_of(p->run, limit);
+    int64_t n = 0;
+    for (int64_t i = 0; i < p->n_patches; i++)
+        n += p->patch[i].of.value >= value;
+    return n;
+}
+
 /** Try a stage: bring the elements above a limit, *to, below it; from: the limit of the stage before.
  *  *to becomes a larger one if the stage ended there. *failed: F rose too much in it. The stage stands if not, and if the worst element is better or fewer are
  *  above the limit. Not 0 if it was cut short. */
@@ -337,6 +369,7 @@ static int try_stage(stages *p, double from, double *to, int *failed) {
     r->phase = PLANISH_PHASE_WORST;
     p->joint.least = pl_joint_value_of(r, worst);
     p->n_patches = 0;
+    p->most_of_stage = p->work + (p->most_work - p->work) / 2;
     int stopped = p->has_patches ? improve_patches(p, from, n_bad, to) : 0;
     if (!stopped && p->has_sweeps && find_bad(p, limit) > 0) {
         mark_bad(p);
@@ -346,8 +379,8 @@ static int try_stage(stages *p, double from, double *to, int *failed) {
     const double now = worst_square(r);
     *failed = !(pl_run_objective(r) <= p->most && r->sums.radius_max <= p->most_of_cell);
     const int is_better = !p->is_competing && now < worst;
-    const int is_taken =
-        !*failed && (p->is_competing || now <= worst) && (is_better || find_bad(p, limit) < n_bad);
+    const int is_taken = !*failed && (p->is_competing || now <= worst) &&
+                         (is_better || find_bad(p, *to * *to) < n_bad - count_good(p, *to * *to));
     pl_trial_end(&trial, is_taken);
     if (is_taken)
         note_pinned(p);
@@ -377,8 +410,10 @@ static int64_t count_nodes(const planish_plan *plan) {
 
 /** Lower the limit stage by stage. Not 0 if it was cut short. */
 static int run_stages(stages *p) {
+    const pl_run *r = p->run;
     const int64_t tries = TRIES_AT_LEAST + count_nodes(p->run->plan) / NODES_PER_TRY;
     double reached = fmin(sqrt(worst_square(p->run)), STAGE_MOST), refused = 1;
+    int calm = 0;
     for (int failures = 0; failures <= HALVINGS && reached > STAGE_LEAST;) {
         const double before = sqrt(worst_square(p->run));
         const double part =
@@ -389,7 +424,10 @@ static int run_stages(stages *p) {
             return 1;
         const double worst = sqrt(worst_square(p->run));
         const int is_pinned = p->is_competing || is_worst_pinned(p);
-        if (failed && p->n_steps > 1) { /* again, in stages of one step */
+        const int is_spent =
+            p->has_patches ? (double)(p->most_work - p->work) < WORK_LEFT * (double)p->most_work
+                           : r->result->visits >= p->most_visits;
+        if (failed && p->n_steps > 1 && !is_spent) { /* again, in stages of one step */
             p->n_steps = 1;
             continue;
         }
@@ -402,6 +440,11 @@ static int run_stages(stages *p) {
         failures += failures > 0 || failed;
         const int is_in_vain = is_pinned || !(worst < before * (1 - SAME));
         if (is_in_vain && p->tries > tries && !p->is_competing)
+            return 0;
+        calm = worst < before * (1 - CALM) ? 0 : calm + 1;
+        if (p->is_competing && calm == CALM_STAGES)
+            return 0;
+        if (is_spent)
             return 0;
     }
     return 0;
@@ -425,6 +468,8 @@ static int run_sweeps(stages *p) {
             part = (1 + part) / 2;
         }
         reached = fmin(worst, reached);
+        if (p->run->result->visits >= p->most_visits)
+            return 0;
     }
     return 0;
 }
@@ -453,6 +498,12 @@ static void compete(stages *p, const double *start, void *skin, pl_star_limits l
     pl_free(now);
 }
 
+/** Most work of all patches after so many visits. */
+static int64_t work_of(double visits, double rise) {
+    const double of_small = fmin(WORK_AT_LEAST + WORK_EACH * visits, WORK_OF_SMALL);
+    return (int64_t)(fmax(visits, of_small) * fmax(1, fmin(rise / USUAL_RISE, MOST_TIMES)));
+}
+
 /** Improve the worst elements: by patches; and in a small mesh by sweeps then, and by sweeps alone. */
 static void improve_worst(stages *p) {
     pl_run *r = p->run;
@@ -468,8 +519,15 @@ static void improve_worst(stages *p) {
     /* Corners: patches gain less than sweeps in some meshes. */
     p->has_sweeps = p->joint.leaves_nodes || r->plan->work.corner;
     p->n_steps = p->has_sweeps ? 1 : STEPS;
-    if (!run_stages(p) && is_small && !run_sweeps(p) && can_compete)
+    const double visits = (double)r->result->visits;
+    p->most_work = work_of(visits, r->options->worst_rise);
+    const int64_t more = (int64_t)fmax(VISITS_EACH * visits, VISITS_AT_LEAST);
+    int stopped = run_stages(p);
+    p->most_visits = r->result->visits + more;
+    if (!stopped && is_small && !run_sweeps(p) && can_compete) {
+        p->most_visits = r->result->visits + more;
         compete(p, start, skin, limits);
+    }
     pl_free(start);
     pl_free(skin);
 }
