@@ -234,8 +234,10 @@ static void note_pinned(stages *p) {
     memcpy(pinned, joint->pinned, (size_t)joint->n_pinned * sizeof *pinned);
     n = joint->n_pinned;
     for (int64_t i = 0; i < p->n_patches; i++)
-        if (p->patch[i].state == PL_JOINT_PINNED)
-            pinned[n++] = pl_joint_pin(joint, &p->patch[i].seed);
+        if (p->patch[i].state == PL_JOINT_PINNED) {
+            pinned[n] = p->patch[i].of;
+            pinned[n++].value = p->patch[i].value;
+        }
     qsort(pinned, (size_t)n, sizeof *pinned, pl_joint_compare);
     pl_free(joint->pinned);
     joint->pinned = pinned;
@@ -298,6 +300,9 @@ static int improve_patches(stages *p, double from, int64_t n_bad, double *to) {
         *to = from + (most - from) * i / p->n_steps;
         stopped = improve_to(p, *to * *to);
     }
+    /* Now: sweeps that follow do not reach the nodes that other processes have gathered. */
+    for (int64_t i = 0; i < p->n_patches; i++)
+        p->patch[i].value = pl_joint_value(&p->joint, &p->patch[i].seed);
     return stopped;
 }
 

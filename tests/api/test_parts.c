@@ -1,4 +1,5 @@
 /* A mesh that several processes have: the same bits as in one. */
+#include "support/allocations.h"
 #include "support/effort.h"
 #include "support/meshes.h"
 #include "support/processes.h"
@@ -337,6 +338,98 @@ static void threads_do_not_change_them(void **state) {
         free(owner);
         test_mesh_destroy(&m);
     }
+}
+
+/* ---- patches of several processes ----------------------------------------------------------- */
+
+enum { N_PATCH_WAYS = 8 };
+
+/** Options for the worst elements, with all that a gathered star brings along. */
+static planish_options options_of_patches(int which) {
+    planish_options o = options_of(which % 2 ? WORST_RATIO : WORST_SMALLEST);
+    o.worst_rise = 10;
+    if (which / 2 == 1)
+        o.max_displacement = 0.2;
+    for (int d = 0; which / 2 == 2 && d < 3; d++) {
+        o.box_lower[d] = 0.9;
+        o.box_upper[d] = 3.2;
+    }
+    if (which / 2 == 3)
+        o.min_volume = 0.09;
+    return o;
+}
+
+/** Patches whose nodes belong to several processes are those of one process, and so are their steps,
+ *  with bounds, minimum volumes and nodes that slide. */
+static void patches_cross_processes(void **state) {
+    const int dim = *(int *)*state;
+    int n_improved = 0;
+    for (int which = 0; which < N_PATCH_WAYS; which++)
+        for (int slides = 0; slides < 2; slides++) {
+            const planish_options options = options_of_patches(which);
+            test_mesh m;
+            int owner[1000];
+            uint8_t constraint[1000];
+            double direction[3000] = {0};
+            test_mesh_box(&m, dim, dim == 3 ? 4 : 8);
+            test_mesh_perturb(&m, 0.14, (unsigned)which + 1);
+            processes_own(&m.mesh, SCATTERED, 3, (uint64_t)which, owner);
+            planish_mesh mesh = m.mesh;
+            assert_int_equal(planish_find_slides(&mesh, NULL, 1, constraint, direction, NULL, NULL),
+                             0);
+            mesh.constraint = slides ? constraint : NULL;
+            mesh.direction = slides ? direction : NULL;
+            const outcome o = compare_from(&mesh, NULL, &options, 3, owner);
+            n_improved += o.result.worst_after != o.result.worst_before;
+            test_mesh_destroy(&m);
+        }
+    assert_true(n_improved >= N_PATCH_WAYS);
+}
+
+/** Allocations that succeed after a sweep of smoothing, before one fails. */
+static int64_t permitted;
+
+static int fail_later(const planish_progress *progress, void *user) {
+    (void)user;
+    if (progress->phase == PLANISH_PHASE_SMOOTH && progress->sweep_done)
+        allocations_fail_one(permitted);
+    return 0;
+}
+
+/** One process lacks memory once while it improves the worst elements: every call ends, and where none fails
+ *  the mesh is as good as is promised. */
+static void without_memory_for_patches_all_end(void **state) {
+    const int dim = *(int *)*state;
+    test_mesh m;
+    int owner[1000], n_failed = 0, n_fine = 0;
+    planish_options options = options_of(WORST_SMALLEST);
+    options.progress = fail_later;
+    test_mesh_box(&m, dim, dim == 3 ? 3 : 5);
+    test_mesh_perturb(&m, 0.14, 5);
+    processes_own(&m.mesh, SCATTERED, 3, 0, owner);
+    int has_failed = 1;
+    for (permitted = 0; has_failed; permitted += effort_step(3)) {
+        processes w;
+        job j = {.options = &options};
+        processes_create(&w, &m.mesh, 3, owner);
+        processes_run(&w, smooth_part, &j);
+        has_failed = allocations_failed();
+        for (int k = 0; k < 3; k++) {
+            const outcome *o = &j.outcome[k];
+            assert_true(o->status == PLANISH_OK || o->status == PLANISH_ERROR_MEMORY ||
+                        o->status == PLANISH_ERROR_PROCESS);
+            assert_true(has_failed || o->status == PLANISH_OK);
+            n_failed += o->status != PLANISH_OK;
+            n_fine += has_failed && o->status == PLANISH_OK;
+            if (o->status == PLANISH_OK)
+                assert_true(o->quality.n_inverted == 0 &&
+                            o->result.worst_after >= o->result.worst_before);
+        }
+        processes_destroy(&w);
+    }
+    figure("%d calls failed, %d went on without", n_failed, n_fine);
+    assert_true(n_fine > 0);
+    test_mesh_destroy(&m);
 }
 
 /* ---- what is wrong --------------------------------------------------------------------------- */
@@ -800,6 +893,10 @@ int main(void) {
         cmocka_unit_test_prestate(the_bits_are_those_of_one_process, &dims[0]),
         cmocka_unit_test_prestate(the_bits_are_those_of_one_process, &dims[1]),
         cmocka_unit_test(threads_do_not_change_them),
+        cmocka_unit_test_prestate(patches_cross_processes, &dims[0]),
+        cmocka_unit_test_prestate(patches_cross_processes, &dims[1]),
+        cmocka_unit_test_prestate(without_memory_for_patches_all_end, &dims[0]),
+        cmocka_unit_test_prestate(without_memory_for_patches_all_end, &dims[1]),
         cmocka_unit_test_prestate(processes_that_are_lost_end_the_call, &dims[0]),
         cmocka_unit_test_prestate(processes_that_are_lost_end_the_call, &dims[1]),
         cmocka_unit_test(parts_that_are_none_are_refused),

@@ -33,13 +33,40 @@ static void count_down(const process *p) {
         p->of->fails_at--;
 }
 
+/** Wait until all processes are here; return 0 if one will not come. */
+static int meet(processes *w) {
+    pthread_mutex_lock(&w->mutex);
+    const int meeting = w->n_meetings;
+    if (++w->n_waiting == w->n) {
+        w->n_waiting = 0;
+        w->n_meetings++;
+        pthread_cond_broadcast(&w->all_are_there);
+    }
+    while (meeting == w->n_meetings && !w->is_broken)
+        pthread_cond_wait(&w->all_are_there, &w->mutex);
+    const int have_met = meeting != w->n_meetings;
+    pthread_mutex_unlock(&w->mutex);
+    return have_met;
+}
+
+/** Come to no meeting any more. */
+static void leave(processes *w) {
+    pthread_mutex_lock(&w->mutex);
+    w->is_broken = 1;
+    pthread_cond_broadcast(&w->all_are_there);
+    pthread_mutex_unlock(&w->mutex);
+}
+
 /** values become those of all processes: their sums, or the largest. */
 static int combine(process *p, int64_t *values, int n, int largest) {
     processes *w = p->of;
     const int fails = fails_now(p);
     int64_t *result = room(n, sizeof *result);
     w->offered[p->rank] = values;
-    pthread_barrier_wait(&w->barrier);
+    if (!meet(w)) {
+        free(result);
+        return 1;
+    }
     count_down(p);
     for (int i = 0; i < n; i++) {
         result[i] = w->offered[0][i];
@@ -51,7 +78,7 @@ static int combine(process *p, int64_t *values, int n, int largest) {
                 result[i] += other;
         }
     }
-    pthread_barrier_wait(&w->barrier);
+    meet(w);
     memcpy(values, result, (size_t)n * sizeof *values);
     free(result);
     return fails;
@@ -97,7 +124,8 @@ static int receive_values(planish_take_fn *take, void *taker, void *user) {
     process *p = user;
     processes *w = p->of;
     const int fails = fails_now(p);
-    pthread_barrier_wait(&w->barrier);
+    if (!meet(w))
+        return 1;
     count_down(p);
     for (int k = 0; k < w->n; k++) {
         const process *q = &w->parts[k];
@@ -107,7 +135,7 @@ static int receive_values(planish_take_fn *take, void *taker, void *user) {
                 take((int32_t)ghost, (const char *)q->sent + i * q->sent_size, taker);
         }
     }
-    pthread_barrier_wait(&w->barrier);
+    meet(w);
     return fails;
 }
 
@@ -224,7 +252,8 @@ void processes_create(processes *w, const planish_mesh *mesh, int n, const int *
     *w = (processes){.n = n, .fails_at = -1};
     w->parts = room(n, sizeof *w->parts);
     w->offered = room(n, sizeof *w->offered);
-    pthread_barrier_init(&w->barrier, NULL, (unsigned)n);
+    pthread_mutex_init(&w->mutex, NULL);
+    pthread_cond_init(&w->all_are_there, NULL);
     for (int k = 0; k < n; k++)
         part_create(&w->parts[k], w, k, mesh, owner, shared);
     free(shared);
@@ -243,7 +272,8 @@ void processes_destroy(processes *w) {
         free(p->direction);
         free(p->min_volume);
     }
-    pthread_barrier_destroy(&w->barrier);
+    pthread_mutex_destroy(&w->mutex);
+    pthread_cond_destroy(&w->all_are_there);
     free(w->parts);
     free(w->offered);
 }
@@ -259,6 +289,7 @@ typedef struct task {
 static void *run(void *a_task) {
     const task *t = a_task;
     t->body(t->part, t->user);
+    leave(t->part->of);
     return NULL;
 }
 
@@ -279,6 +310,7 @@ static void stay_here(pthread_attr_t *attributes) {
 }
 
 void processes_run(processes *w, void (*body)(process *part, void *user), void *user) {
+    w->n_waiting = w->is_broken = 0;
     pthread_t *thread = room(w->n, sizeof *thread);
     task *tasks = room(w->n, sizeof *tasks);
     pthread_attr_t attributes;

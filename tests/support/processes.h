@@ -27,10 +27,13 @@ typedef struct process {
 
 struct processes {
     int n;
-    process *parts; /* [n] */
-    pthread_barrier_t barrier;
-    int64_t **offered; /* [n] values to be added up or compared */
-    int fails_at;      /* call of a function that fails in every process, counted down; -1: none */
+    process *parts;        /* [n] */
+    pthread_mutex_t mutex; /* of what follows */
+    pthread_cond_t all_are_there;
+    int n_waiting, n_meetings; /* processes that wait for the others; times that all have met */
+    int is_broken;             /* a process has ended its body: all calls of others fail */
+    int64_t **offered;         /* [n] values to be added up or compared */
+    int fails_at; /* call of a function that fails in every process, counted down; -1: none */
 };
 
 /** Ways to share out the nodes: in slabs, at random, all to the last process. */
@@ -43,7 +46,8 @@ void processes_own(const planish_mesh *mesh, int owning, int n, uint64_t seed, i
 void processes_create(processes *w, const planish_mesh *mesh, int n, const int *owner);
 void processes_destroy(processes *w);
 
-/** Call body(part, user) for each part in a thread of its own, all at the same time. */
+/** Call body(part, user) for each part in a thread of its own, all at the same time. A body that ends
+ *  does not keep the others waiting: their calls fail from then on. */
 void processes_run(processes *w, void (*body)(process *part, void *user), void *user);
 
 /** Put the coordinates of all parts together: each node as its owner has it. */
