@@ -5,7 +5,8 @@
  * patches do not move, those on surfaces and in periodic pairs, are moved by sweeps: only stars that
  * hold something above the limit are visited, to minimise a high power of the measure, which is next
  * to its maximum. A stage that neither improves the worst element nor leaves fewer elements above, or
- * makes F rise by more than is allowed, is undone.
+ * makes F rise by more than is allowed, is undone. The phase has a budget of work, counted in evaluations and
+ * visits, so that its end does not depend on the clock.
  */
 #include "improve/gather.h"
 #include "improve/improve.h"
@@ -360,8 +361,8 @@ static int64_t count_good(const stages *p, double limit) {
 }
 
 /** Try a stage: bring the elements above a limit, *to, below it; from: the limit of the stage before.
- *  *to becomes a larger one if the stage ended there. *failed: F rose too much in it. The stage stands if not, and if the worst element is better or fewer are
- *  above the limit. Not 0 if it was cut short. */
+ *  *to becomes a larger one if the stage ended there. *failed: F rose too much in it. The stage stands if
+ *  not, and if the worst element is better or fewer are above the limit. Not 0 if it was cut short. */
 static int try_stage(stages *p, double from, double *to, int *failed) {
     pl_run *r = p->run;
     const double worst = worst_square(r), limit = *to * *to;
@@ -413,9 +414,15 @@ static int64_t count_nodes(const planish_plan *plan) {
     return n;
 }
 
+/** Whether stages have used the work that patches may take, or the visits of sweeps alone. */
+static int is_spent(const stages *p) {
+    if (!p->has_patches)
+        return p->run->result->visits >= p->most_visits;
+    return (double)(p->most_work - p->work) < WORK_LEFT * (double)p->most_work;
+}
+
 /** Lower the limit stage by stage. Not 0 if it was cut short. */
 static int run_stages(stages *p) {
-    const pl_run *r = p->run;
     const int64_t tries = TRIES_AT_LEAST + count_nodes(p->run->plan) / NODES_PER_TRY;
     double reached = fmin(sqrt(worst_square(p->run)), STAGE_MOST), refused = 1;
     int calm = 0;
@@ -429,10 +436,7 @@ static int run_stages(stages *p) {
             return 1;
         const double worst = sqrt(worst_square(p->run));
         const int is_pinned = p->is_competing || is_worst_pinned(p);
-        const int is_spent =
-            p->has_patches ? (double)(p->most_work - p->work) < WORK_LEFT * (double)p->most_work
-                           : r->result->visits >= p->most_visits;
-        if (failed && p->n_steps > 1 && !is_spent) { /* again, in stages of one step */
+        if (failed && p->n_steps > 1 && !is_spent(p)) { /* again, in stages of one step */
             p->n_steps = 1;
             continue;
         }
@@ -447,9 +451,7 @@ static int run_stages(stages *p) {
         if (is_in_vain && p->tries > tries && !p->is_competing)
             return 0;
         calm = worst < before * (1 - CALM) ? 0 : calm + 1;
-        if (p->is_competing && calm == CALM_STAGES)
-            return 0;
-        if (is_spent)
+        if (is_spent(p) || (p->is_competing && calm == CALM_STAGES))
             return 0;
     }
     return 0;
@@ -473,7 +475,7 @@ static int run_sweeps(stages *p) {
             part = (1 + part) / 2;
         }
         reached = fmin(worst, reached);
-        if (p->run->result->visits >= p->most_visits)
+        if (is_spent(p))
             return 0;
     }
     return 0;
