@@ -204,7 +204,7 @@ static void a_node_of_very_many_elements_is_left(void **state) {
             const double radius = 1 + 0.005 * k;
             x[2 * a] = radius * cos(turn * 2 * 3.14159265358979 / RIM);
             x[2 * a + 1] = radius * sin(turn * 2 * 3.14159265358979 / RIM);
-            const int32_t inner[3] = {k == 0 ? 0 : a - RIM, k == 0 ? a : a, b};
+            const int32_t inner[3] = {k == 0 ? 0 : a - RIM, a, b};
             memcpy(to, inner, sizeof inner);
             to += 3;
             if (k > 0) {
