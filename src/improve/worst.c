@@ -163,7 +163,8 @@ static void choose_patches(stages *p) {
                 patch->state = PL_JOINT_DONE;
         }
     }
-    qsort(p->patch, (size_t)p->n_patches, sizeof *p->patch, compare_patches);
+    if (p->n_patches > 1)
+        qsort(p->patch, (size_t)p->n_patches, sizeof *p->patch, compare_patches);
     for (int64_t i = 0; i < p->n_patches && left > 0; i++)
         if (p->patch[i].state == PL_JOINT_OPEN && !is_near(p, &p->patch[i])) {
             mark_patch(p, &p->patch[i]);
@@ -232,7 +233,8 @@ static void note_pinned(stages *p) {
     pl_joint_pinned *pinned = n > joint->n_pinned ? pl_alloc(n, sizeof *pinned) : NULL;
     if (!pinned)
         return;
-    memcpy(pinned, joint->pinned, (size_t)joint->n_pinned * sizeof *pinned);
+    if (joint->n_pinned > 0)
+        memcpy(pinned, joint->pinned, (size_t)joint->n_pinned * sizeof *pinned);
     n = joint->n_pinned;
     for (int64_t i = 0; i < p->n_patches; i++)
         if (p->patch[i].state == PL_JOINT_PINNED) {
