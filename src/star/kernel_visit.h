@@ -88,9 +88,10 @@ PL_NOINLINE void check_scale(const local *here, int32_t node, pl_star_kept *kept
     __atomic_store_n(&here->problem->changed[node], PL_CHANGED, __ATOMIC_RELAXED);
 }
 
-/** Take one step, if a better place is found; return by how much the sum fell, 0 for no step. */
-static inline double one_step(local *here, int32_t node, pl_star_kept *kept, conjugate *memory,
-                              visit_state *now, const int dim) {
+/** Take one step, if a better place is found; return by how much the sum fell, 0 for no step. Out of line
+ *  visits take 6 % longer. */
+PL_INLINE double one_step(local *here, int32_t node, pl_star_kept *kept, conjugate *memory,
+                          visit_state *now, const int dim) {
     const pl_star_problem *problem = here->problem;
     derivatives derivative;
     double direction[3], fall;
