@@ -25,18 +25,16 @@ static int is_in_plane(const pl_skin *skin, int32_t node) {
            skin->moves[node] == PLANISH_CONSTRAINT_ON_PATCH;
 }
 
-static int is_on_shape(const pl_skin *skin, int32_t node) {
-    return skin->moves[node] >= PLANISH_CONSTRAINT_ON_PATCH;
-}
-
 /** Find the direction of the star's node where it is. */
 static void find_direction(const pl_skin *skin, int64_t star, int32_t node, double direction[3]) {
-    const pl_place place = pl_skin_get_place(skin, node);
-    double at[3];
-    if (is_on_shape(skin, node))
-        pl_shape_point(skin->shape, skin->shape->node_class[node], &place, at, direction);
-    else
+    double kept[3];
+    if (pl_skin_is_on_shape(skin, node)) {
+        for (int d = 0; d < 3; d++)
+            kept[d] = (double)skin->direction[node][d];
+        pl_unit(3, kept, direction);
+    } else {
         memcpy(direction, skin->slide[star].direction, 3 * sizeof *direction);
+    }
 }
 
 /* ---- the facets around a node ----------------------------------------------------------------- */
@@ -171,7 +169,7 @@ static double bound_of_fan(pl_skin_visit *v, const double way[3], const pl_skin_
     if (skin->shape->node_class[v->node] != PL_ON_PATCH || !is_in_plane(skin, v->node))
         return INFINITY;
     find_normals_before(v);
-    const double *normal = is_on_shape(skin, v->node) ? v->direction : v->normal[0];
+    const double *normal = pl_skin_is_on_shape(skin, v->node) ? v->direction : v->normal[0];
     for (int i = 0; i < v->n; i++) {
         const double before = pl_dot(3, v->normal[i], normal);
         const double after = pl_dot(3, trial->normal[i], normal);
@@ -293,7 +291,7 @@ static void find_place(const pl_skin_visit *v, const double *x, pl_skin_trial *t
     const int node_class = shape->node_class[v->node];
     double at[3];
     trial->place = pl_skin_get_place(skin, v->node);
-    if (!is_on_shape(skin, v->node)) {
+    if (!pl_skin_is_on_shape(skin, v->node)) {
         find_flat_place(v, x, trial);
         return;
     }
@@ -424,6 +422,7 @@ int pl_skin_end_visit(pl_skin_visit *visit) {
     const pl_skin_trial *trial = &visit->trial[0];
     skin->known[visit->node] = pl_skin_print(x);
     pl_skin_set_place(skin, visit->node, &trial->place);
+    pl_skin_set_direction(skin, visit->node, trial->direction);
     for (int i = 0; i < visit->n; i++) {
         const int32_t facet = visit->facet[i];
         double first[3];

@@ -36,6 +36,7 @@
 
 #include "plan/plan.h"
 #include "shape/disc.h"
+#include "shape/fan.h"
 #include "shape/pn.h"
 #include "shape/walk.h"
 #include "sweep/watch.h"
@@ -80,6 +81,8 @@ typedef struct pl_skin {
         [3];         /* [n_outside] in the mesh's units: where nodes are that are not of the plan */
     uint64_t *known; /* [n_nodes] pl_skin_print of where place is that of the node */
     pl_skin_place *place; /* [n_nodes] at -1: none is known */
+    float (*direction)[3]; /* [n_nodes] unit normal or tangent of the shape at the place of those
+                              that the skin moves on patches and curves */
     float *bound;         /* [n_facets] none of its points is farther off the shape */
     float *tolerance;     /* [n_facets] */
     uint8_t
@@ -87,6 +90,7 @@ typedef struct pl_skin {
                            units of PL_SKIN_TURN, PL_SKIN_UNKNOWN: this is not known */
     pl_disc *disc; /* [n_nodes] around nodes on patches that the skin moves */
     uint8_t *is_planar; /* [n_facets] of a patch that is planar */
+    pl_fan *fan;        /* [n_nodes] while all facets are looked at, of linear ones; or NULL */
     uint8_t *is_near;   /* [n_facets] while the skin is made: another sheet is near */
     double unscale;     /* 1 / shape->scale */
     int64_t max_facets; /* of a node */
@@ -200,6 +204,18 @@ static inline void pl_skin_set_place(const pl_skin *skin, int32_t node, const pl
     kept->at = place->at;
     for (int k = 0; k < 3; k++)
         kept->weight[k] = (float)place->weight[k];
+}
+
+/** Whether a node of the skin moves on a patch or curve. */
+static inline int pl_skin_is_on_shape(const pl_skin *skin, int32_t node) {
+    return skin->moves[node] >= PLANISH_CONSTRAINT_ON_PATCH;
+}
+
+/** Keep the direction of the shape at the place of a node. */
+static inline void pl_skin_set_direction(const pl_skin *skin, int32_t node,
+                                         const double direction[3]) {
+    for (int d = 0; d < 3; d++)
+        skin->direction[node][d] = (float)direction[d];
 }
 
 /** Return a float that is not below x, which is not negative; the same if x is infinite or no number. */

@@ -6,6 +6,7 @@
 #include "base/status.h"
 #include "shape/gaps.h"
 #include "shape/overlay.h"
+#include "shape/pn.h"
 #include "topology/points.h"
 
 #include <float.h>
@@ -108,18 +109,31 @@ static int is_first(const pl_skin *skin, int32_t facet) {
     return 1;
 }
 
+/** Bound how far a facet is off the shape by the fans of its corners; infinite: they do not tell, or an overlay
+ *  tells much more. */
+static double bound_by_fans(const pl_skin *skin, int32_t facet) {
+    pl_moved_facet moved = {.facet = facet};
+    for (int j = 0; j < 3; j++)
+        pl_skin_place_of(skin, skin->shape->facet[facet][j], moved.x[j]);
+    const double bound = pl_fan_bound(skin->shape, skin->fan, &moved);
+    return bound <= PLANAR_TOLERANCE * skin->tolerance[facet] ? bound : INFINITY;
+}
+
+/** Bound how far a facet that has moved is off the shape, as it is. */
+static double bound_moved(const pl_skin *skin, int32_t facet) {
+    if (skin->shape->whole)
+        return pl_skin_certify_whole(skin, facet);
+    const double bound = skin->fan ? bound_by_fans(skin, facet) : INFINITY;
+    return bound < INFINITY ? bound : pl_skin_certify(skin, facet, -1, NULL, NULL);
+}
+
 static void bound_facets(void *context, int64_t begin, int64_t end, int thread) {
     pl_skin *skin = context;
     (void)thread;
     for (int32_t t = (int32_t)begin; t < end; t++) {
         if (!isnan(skin->bound[t]))
             continue;
-        if (is_first(skin, t))
-            skin->bound[t] = 0;
-        else if (!skin->shape->whole)
-            skin->bound[t] = pl_float_above(pl_skin_certify(skin, t, -1, NULL, NULL));
-        else
-            skin->bound[t] = pl_float_above(pl_skin_certify_whole(skin, t));
+        skin->bound[t] = is_first(skin, t) ? 0 : pl_float_above(bound_moved(skin, t));
         skin->turned[t] = pl_skin_turn(turn_of(skin, t));
     }
 }
@@ -135,6 +149,15 @@ static int64_t bound_all(pl_skin *skin) {
     return n;
 }
 
+/** Take note of the direction of the shape at the place of a node that moves on it. */
+static void find_direction(const pl_skin *skin, int32_t node, const pl_place *place) {
+    double at[3], direction[3];
+    if (!pl_skin_has(skin, node) || !pl_skin_is_on_shape(skin, node) || place->at < 0)
+        return;
+    pl_shape_point(skin->shape, skin->shape->node_class[node], place, at, direction);
+    pl_skin_set_direction(skin, node, direction);
+}
+
 /** Take note of where a node is. */
 static void follow(pl_skin *skin, int32_t node) {
     const planish_shape *shape = skin->shape;
@@ -147,6 +170,7 @@ static void follow(pl_skin *skin, int32_t node) {
     else if (place.at >= 0)
         pl_shape_walk(shape, shape->node_class[node], x, &place);
     pl_skin_set_place(skin, node, &place);
+    find_direction(skin, node, &place);
     if (shape->whole)
         pl_skin_place_mids(skin, node);
     int64_t n = 0;
@@ -181,11 +205,30 @@ static void mark_flat(pl_skin *skin) {
             skin->bound[t] = NAN;
 }
 
+static void fans_of_nodes(void *context, int64_t begin, int64_t end, int thread) {
+    const pl_skin *skin = context;
+    (void)thread;
+    for (int32_t node = (int32_t)begin; node < end; node++)
+        pl_fan_find(skin->shape, node, &skin->fan[node]);
+}
+
+/** Find the fans of all nodes, if there is memory. */
+static void find_fans(pl_skin *skin) {
+    const int64_t n = skin->shape->n_nodes;
+    skin->fan = skin->shape->whole ? NULL : pl_alloc(n, sizeof *skin->fan);
+    if (skin->fan)
+        pl_parallel_for(pl_paying_threads(skin->threads, n), n, CHUNK_FACETS, fans_of_nodes, skin);
+}
+
 int64_t pl_skin_check(pl_skin *skin) {
     if (!skin->shape)
         return 0;
     mark_flat(skin);
-    return pl_skin_follow(skin);
+    find_fans(skin);
+    const int64_t n_off = pl_skin_follow(skin);
+    pl_free(skin->fan);
+    skin->fan = NULL;
+    return n_off;
 }
 
 /* ---- trials ---------------------------------------------------------------------------------- */
@@ -217,6 +260,7 @@ static void copy_all(const pl_skin *skin, char *saved, int is_back) {
         saved += (size_t)n * 3 * sizeof(double);
     }
     saved = copy(saved, skin->place, n, sizeof *skin->place, is_back);
+    saved = copy(saved, skin->direction, n, sizeof *skin->direction, is_back);
     saved = copy(saved, skin->known, n, sizeof *skin->known, is_back);
     saved = copy(saved, skin->bound, n_facets, sizeof *skin->bound, is_back);
     copy(saved, skin->turned, n_facets, sizeof *skin->turned, is_back);
@@ -225,7 +269,7 @@ static void copy_all(const pl_skin *skin, char *saved, int is_back) {
 void *pl_skin_save(const pl_skin *skin) {
     if (!skin->shape)
         return NULL;
-    const size_t of_node = sizeof *skin->place + sizeof *skin->known +
+    const size_t of_node = sizeof *skin->place + sizeof *skin->direction + sizeof *skin->known +
                            (has_own(skin) ? 3 * sizeof(double) : 0),
                  of_facet = sizeof *skin->bound + sizeof *skin->turned;
     char *saved = pl_alloc((int64_t)((size_t)skin->shape->n_nodes * of_node +
@@ -249,45 +293,61 @@ static float float_below(double x) {
     return below > 0 ? (float)fmin(below, FLT_MAX) : 0;
 }
 
-/** Mark the facets of planar patches: normals agree, and nodes are in one plane. */
-static int find_planar(pl_skin *skin) {
+/** What is found of patches, at their numbers. */
+typedef struct pl_patches {
+    int32_t *first; /* [n_facets] facet; -1: there is none */
+    double *off;    /* [n_facets] how far nodes are off its plane */
+    float *least;   /* [n_facets] tolerance */
+} pl_patches;
+
+/** Find how far the corners of facets are off the plane of the first facet of their patch; infinite if one
+ *  turns away from it. */
+static void find_off(const pl_skin *skin, const pl_patches *of) {
     const planish_shape *shape = skin->shape;
-    double *off =
-        pl_alloc_zero(shape->n_facets, sizeof *off); /* of patches, at their numbers: how far
-                                                                   nodes are off the plane of a facet */
-    float *least = pl_alloc(shape->n_facets, sizeof *least);   /* tolerance */
-    int32_t *first = pl_alloc(shape->n_facets, sizeof *first); /* their first facets */
-    const int done = off && least && first;
-    for (int64_t p = 0; done && p < shape->n_facets; p++) {
-        first[p] = -1;
-        least[p] = INFINITY;
-    }
-    for (int32_t t = 0; done && t < shape->n_facets; t++) {
+    double normal[3] = {0, 0, 0};
+    for (int32_t t = 0, last = -1; t < shape->n_facets; t++) {
         const int32_t p = shape->patch[t];
-        if (first[p] < 0)
-            first[p] = t;
-        const double *x = shape->x[shape->facet[first[p]][0]];
-        double way[3], normal[3], other[3];
-        pl_facet_normal(shape, first[p], normal);
+        if (of->first[p] < 0)
+            of->first[p] = t;
+        if (p != last)
+            pl_facet_normal(shape, of->first[p], normal);
+        last = p;
+        const double *x = shape->x[shape->facet[of->first[p]][0]];
+        double other[3], way[3], most = of->off[p];
         pl_kept_normal(shape, t, other);
-        least[p] = skin->tolerance[t] < least[p] ? skin->tolerance[t] : least[p];
-        if (!(pl_dot(3, normal, other) > 0))
-            off[p] = INFINITY;
         for (int j = 0; j < 3; j++) {
             pl_from_to(3, x, shape->x[shape->facet[t][j]], way);
-            off[p] = fmax(off[p], fabs(pl_dot(3, way, normal)));
+            const double off = fabs(pl_dot(3, way, normal));
+            most = off > most ? off : most;
         }
+        of->off[p] = pl_dot(3, normal, other) > 0 ? most : INFINITY;
+        of->least[p] = skin->tolerance[t] < of->least[p] ? skin->tolerance[t] : of->least[p];
     }
-    for (int64_t t = 0; done && t < shape->n_facets; t++) {
-        const double most = off[shape->patch[t]];
-        skin->is_planar[t] =
-            most <= PLANAR_TOLERANCE * least[shape->patch[t]] && most <= PLANAR_SIZE * shape->size;
+}
+
+/** Mark the facets of planar patches: normals agree, and nodes are in one plane. Returns 0 without memory. */
+static int find_planar(pl_skin *skin) {
+    const planish_shape *shape = skin->shape;
+    const int64_t n = shape->n_facets;
+    pl_patches of = {pl_alloc(n, sizeof *of.first), pl_alloc_zero(n, sizeof *of.off),
+                     pl_alloc(n, sizeof *of.least)};
+    const int done = of.first && of.off && of.least;
+    for (int64_t p = 0; done && p < n; p++) {
+        of.first[p] = -1;
+        of.least[p] = INFINITY;
+    }
+    if (done)
+        find_off(skin, &of);
+    for (int64_t t = 0; done && t < n; t++) {
+        const double off = of.off[shape->patch[t]];
+        skin->is_planar[t] = off <= PLANAR_TOLERANCE * of.least[shape->patch[t]] &&
+                             off <= PLANAR_SIZE * shape->size;
         if (skin->is_planar[t])
             skin->tolerance[t] = float_below(skin->tolerance[t] * PLANAR_REST);
     }
-    pl_free(off);
-    pl_free(least);
-    pl_free(first);
+    pl_free(of.first);
+    pl_free(of.off);
+    pl_free(of.least);
     return done;
 }
 
@@ -444,6 +504,7 @@ static int allocate(pl_skin *skin) {
     skin->moves = pl_alloc_zero(n, sizeof *skin->moves);
     skin->known = pl_alloc(n, sizeof *skin->known);
     skin->place = pl_alloc(n, sizeof *skin->place);
+    skin->direction = pl_alloc(n, sizeof *skin->direction);
     skin->bound = pl_alloc_zero(n_facets, sizeof *skin->bound);
     skin->tolerance = pl_alloc(n_facets, sizeof *skin->tolerance);
     skin->turned = pl_alloc(n_facets, sizeof *skin->turned);
@@ -451,6 +512,7 @@ static int allocate(pl_skin *skin) {
     skin->is_planar = pl_alloc(n_facets, sizeof *skin->is_planar);
     skin->room = pl_alloc(PL_SKIN_ROOM * skin->max_facets * skin->threads, sizeof *skin->room);
     return skin->node && skin->star && skin->inner && skin->moves && skin->known && skin->place &&
+           skin->direction &&
            skin->bound && skin->tolerance && skin->turned && skin->disc && skin->is_planar &&
            skin->room && pl_skin_mids_make(skin);
 }
@@ -517,6 +579,7 @@ void pl_skin_destroy(pl_skin *skin) {
     pl_free(skin->outside);
     pl_free(skin->known);
     pl_free(skin->place);
+    pl_free(skin->direction);
     pl_free(skin->bound);
     pl_free(skin->tolerance);
     pl_free(skin->turned);

@@ -4,6 +4,7 @@
 
 #include "shape/disc.h"
 #include "shape/distance.h"
+#include "shape/fan.h"
 #include "shape/overlay.h"
 
 #include <setjmp.h>
@@ -186,6 +187,55 @@ static void samples_are_never_beyond_the_bound_of_a_disc(void **unused) {
             assert_true(3 * w.n_bounded >= w.n);
             assert_true(w.ratio[w.n_ratios / 2] <= 0.1);
         }
+        free(w.ratio);
+    }
+}
+
+/* ---- fans ----------------------------------------------------------------------------------- */
+
+/** Check the facets of a sheet by the fans of their corners. */
+static void check_fans(const moved *m, worth *w) {
+    const planish_shape *s = m->shape;
+    pl_fan *fan = malloc((size_t)s->n_nodes * sizeof *fan);
+    for (int32_t node = 0; node < s->n_nodes; node++)
+        pl_fan_find(s, node, &fan[node]);
+    for (int32_t f = 0; f < s->n_facets; f++) {
+        const pl_moved_facet t = facet_of(m, f);
+        const double bound = pl_fan_bound(s, fan, &t);
+        w->n++;
+        if (!(bound < INFINITY))
+            continue;
+        const double most =
+            sheet_judge_sample(&m->first, s->patch[f], (const double(*)[3])t.x, DIVISIONS);
+        w->n_bounded++;
+        if (most > bound * (1 + 1e-12) + 1e-14 * (1 + s->size))
+            fail_msg("facet %d: %.17g off, %.17g by fans", f, most, bound);
+        if (w->n_ratios < MOST_RATIOS)
+            w->ratio[w->n_ratios++] = bound / s->edge_length[s->facet[f][0]];
+    }
+    free(fan);
+}
+
+static void samples_are_never_beyond_the_bound_of_fans(void **unused) {
+    (void)unused;
+    for (int kind = 0; kind < SHEET_KINDS; kind++) {
+        uint64_t state = effort_seed((uint64_t)(kind + 201));
+        worth w = {.ratio = malloc(MOST_RATIOS * sizeof(double))};
+        for (int64_t i = 0; i < effort(40, 1000); i++) {
+            const double off = i % 2 ? 0 : 0.1 * random_unit(&state);
+            moved m = move_sheet(sheet_create(kind, &state), random_unit(&state), off, 1, &state);
+            check_fans(&m, &w);
+            release(&m);
+        }
+        qsort(w.ratio, (size_t)w.n_ratios, sizeof *w.ratio, compare_doubles);
+        figure("sheets of kind %d: %lld of %lld facets bounded by fans, half of them within %.1e "
+               "edges",
+               kind, (long long)w.n_bounded, (long long)w.n,
+               w.n_ratios ? w.ratio[w.n_ratios / 2] : 0);
+        if (kind == SHEET_PLANE || kind == SHEET_BUMPS)
+            assert_true(20 * w.n_bounded >= w.n);
+        if (kind == SHEET_PLANE) /* half of them move within it */
+            assert_true(w.ratio[w.n_ratios / 3] <= 1e-6);
         free(w.ratio);
     }
 }
@@ -565,6 +615,7 @@ int main(void) {
         cmocka_unit_test(samples_are_never_beyond_the_bound),
         cmocka_unit_test(edges_on_curves_are_no_farther_off_than_lateral),
         cmocka_unit_test(samples_are_never_beyond_the_bound_of_a_disc),
+        cmocka_unit_test(samples_are_never_beyond_the_bound_of_fans),
         cmocka_unit_test(a_border_under_a_triangle_is_noticed),
         cmocka_unit_test(a_disc_ends_at_a_border),
         cmocka_unit_test(a_fold_under_a_triangle_is_noticed),
