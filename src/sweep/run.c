@@ -371,6 +371,13 @@ static void heed_refusers(pl_run *r) {
     pl_free(state);
 }
 
+#include <stdlib.h>
+extern int pl_run_coarse(pl_run *r);
+static int is_slow(const pl_convergence *t, int sweep) {
+    const double last = t->fall[PL_CALM_SWEEPS - 1], before = t->fall[PL_CALM_SWEEPS - 2];
+    const double ratio = before > 0 ? last / before : 1;
+    return t->n_falls >= (getenv("FROM") ? atoi(getenv("FROM")) : 3) && last < 0.1 && ratio > 0.5 && (ratio >= 1 || last * ratio / (1 - ratio) > 0.005);
+}
 /** Sweep until that converges or may go on no more: r->stop. */
 static void sweep_on(pl_run *r) {
     const double tolerance = r->options->tolerance;
@@ -382,6 +389,7 @@ static void sweep_on(pl_run *r) {
     int patience = may_be_slow ? SWEEPS_UNTIL_SLOW : INT_MAX; /* sweeps until a mesh is slow */
     int n_accelerated = 0, is_polished = 0;
     r->stop = PLANISH_STOP_MAX_SWEEPS;
+    int n_coarse = 0;
     while (pl_run_sweeps_left(r) > 0) {
         const double before = pl_objective_of_movable(r->options, &r->sums);
         int64_t visits;
@@ -390,6 +398,13 @@ static void sweep_on(pl_run *r) {
         heed_refusers(r);
         pl_converged(&trend, before, pl_objective_of_movable(r->options, &r->sums), 0);
         double fall = trend.fall[PL_CALM_SWEEPS - 1];
+        if (getenv("COARSE") && may_be_slow && n_coarse == 0 && is_slow(&trend, r->sweep)) {
+            n_coarse++;
+            calm = trend = (pl_convergence){{0}, 0};
+            if (pl_run_coarse(r))
+                return;
+            continue;
+        }
         if (has_converged(r, &calm, before, visits)) {
             /* The sweeps of a slow mesh may still promise more: L-BFGS has the last word, once. */
             if (n_accelerated == 0 || is_polished || !(pl_remainder(&trend) > tolerance)) {

@@ -1,0 +1,71 @@
+/* lattice: displacements that are linear on the simplices of regular grids, and multigrid for them.
+ *
+ * Each cube of a grid is cut into dim! simplices along its main diagonal (Freudenthal, Annals of
+ * Mathematics 43, 1942). Simplices of a grid of half the spacing lie within those of the other one.
+ * Where elements are too large for a grid its vertices are not active, and elements and nodes belong
+ * to a coarser one. The unit of coordinates is the spacing of the finest grid.
+ *
+ *   pl_lattice_create, _destroy    grids for the mesh as it is
+ *   pl_lattice_assemble            Hessian of the sum of RR^2 for displacements of vertices
+ *   pl_lattice_restrict, _solve, _prolong    from forces of the nodes to their displacements
+ */
+#ifndef PL_IMPROVE_LATTICE_H
+#define PL_IMPROVE_LATTICE_H
+
+#include "plan/plan.h"
+
+enum {
+    PL_LATTICE_LEVELS = 24,
+    PL_LATTICE_BLOCKS = 8, /* of a vertex with itself and those at offsets 0 or 1 */
+};
+
+/** One grid; vertices are numbered x first. Arrays are owned. */
+typedef struct pl_grid {
+    int64_t n[3];         /* vertices along each direction; in 2-D n[2] is 1 */
+    int64_t n_vertices;
+    int64_t first;        /* number of its first simplex: (vertex at the corner) dim! + order */
+    double per_spacing;   /* spacings of this grid per unit */
+    double *stiffness;    /* [n_vertices][PL_LATTICE_BLOCKS][dim * dim] */
+    double *inverse;      /* [n_vertices][dim * dim] of the blocks of the vertices themselves */
+    double *force, *move; /* [n_vertices][dim] right-hand side, solution */
+    double *rest;         /* [n_vertices][dim] */
+    uint8_t *is_active;   /* [n_vertices] */
+} pl_grid;
+
+/** Grids, the finest first; and what lies in them. */
+typedef struct pl_lattice {
+    const planish_plan *plan;
+    int dim;
+    double origin[3], spacing, per_unit; /* of the mesh's coordinates; of the finest grid */
+    int n_levels;
+    pl_grid grid[PL_LATTICE_LEVELS];
+    int64_t n_simplices;
+    uint8_t *is_free;       /* [nodes of the plan] by inner numbers; 1: the node has a star */
+    int32_t *simplex_of;    /* [max(n_elements, n_stars)] room */
+    int32_t *element;       /* [elements with a free node] by simplices */
+    int64_t *element_begin; /* [n_simplices + 1] */
+    int32_t *star;          /* [n_stars] by simplices */
+    int64_t *star_begin;    /* [n_simplices + 1] */
+} pl_lattice;
+
+/** Make grids for the mesh as it is, spacing times as wide as its nodes are apart. Returns 0 without
+ *  memory, or if the mesh has no extent; destroy the lattice in any case. */
+int pl_lattice_create(const planish_plan *plan, double spacing, pl_lattice *lattice);
+
+/** Free the arrays of a lattice. */
+void pl_lattice_destroy(pl_lattice *lattice);
+
+/** Put elements and nodes to the simplices that they are in, and assemble. shift: part of each
+ *  vertex's own block that is added to it. */
+void pl_lattice_assemble(pl_lattice *lattice, double shift);
+
+/** Set the forces of vertices from those of the stars' nodes, [n_stars][dim]. */
+void pl_lattice_restrict(pl_lattice *lattice, const double *force);
+
+/** Find about how far the vertices must move for their forces: one V-cycle. */
+void pl_lattice_solve(pl_lattice *lattice);
+
+/** Set the moves of the stars' nodes, [n_stars][dim]. */
+void pl_lattice_prolong(const pl_lattice *lattice, double *move);
+
+#endif
