@@ -93,9 +93,9 @@ PL_INLINE void bend_tetrahedra(const bend_vector e[3], bend_block h[BEND_BLOCKS]
                               bend_cross(e[0], e[1])};
     const bend_vector opposite = bend_sum(n[0], bend_sum(n[1], n[2]));
     const bend_pack square[3] = {bend_dot(e[0], e[0]), bend_dot(e[1], e[1]), bend_dot(e[2], e[2])};
-    const bend_vector alpha = bend_sum(bend_scaled(square[0], n[0]),
-                                       bend_sum(bend_scaled(square[1], n[1]),
-                                                bend_scaled(square[2], n[2])));
+    const bend_vector alpha =
+        bend_sum(bend_scaled(square[0], n[0]),
+                 bend_sum(bend_scaled(square[1], n[1]), bend_scaled(square[2], n[2])));
     const bend_pack D = bend_dot(e[0], n[0]), N = bend_dot(alpha, alpha);
     const bend_pack area[4] = {bend_sqrt(bend_dot(n[0], n[0])), bend_sqrt(bend_dot(n[1], n[1])),
                                bend_sqrt(bend_dot(n[2], n[2])),
@@ -119,8 +119,8 @@ PL_INLINE void bend_tetrahedra(const bend_vector e[3], bend_block h[BEND_BLOCKS]
     for (int i = 0; i < 3; i++) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         w[i] = bend_difference(bend_scaled(square[j], e[k]), bend_scaled(square[k], e[j]));
-        slope_n[i] = bend_scaled(of_n, bend_sum(bend_scaled(2 * bend_dot(n[i], alpha), e[i]),
-                                                bend_cross(alpha, w[i])));
+        slope_n[i] = bend_scaled(
+            of_n, bend_sum(bend_scaled(2 * bend_dot(n[i], alpha), e[i]), bend_cross(alpha, w[i])));
         slope_s[i] = bend_scaled(inverse_s, slope_s[i]);
         slope_d[i] = bend_scaled(inverse_d, n[i]);
         slope[i] = bend_sum(slope_n[i], bend_difference(bend_scaled(bend_of(2), slope_s[i]),

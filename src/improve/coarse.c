@@ -1,9 +1,9 @@
-/* coarse: Newton's steps for displacements of the whole mesh that a lattice can express.
+/* coarse: Newton's steps for smooth displacements of the whole mesh.
  *
- * Sweeps bring on by one element each what is wrong across the mesh. Here the sum of RR^2 is
- * replaced by its quadratic model for displacements that are linear on the simplices of a lattice
- * (lattice.h). Sweeps in between remove what the lattice cannot express, as the smoother of a
- * two-level method does.
+ * A sweep carries a correction by one element. Here the sum of RR^2 is replaced by its quadratic
+ * model for displacements that are linear on the simplices of a lattice (lattice.h). Sweeps between
+ * the steps remove the errors that the lattice cannot express. So steps and sweeps together are a
+ * two-level method, and their number hardly depends on the size of the mesh.
  */
 #include "improve/improve.h"
 #include "improve/lattice.h"
@@ -11,57 +11,63 @@
 #include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "base/parts.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
-enum { CHUNK = 256, STEPS = 12, TRIALS = 5 };
+enum {
+    CHUNK = 256,   /* stars that one thread takes at a time */
+    STEPS = 12,    /* at most, */
+    TRIALS = 3,    /* lengths that are tried in each */
+    SOLUTIONS = 20 /* and iterations of its conjugate gradients */
+};
+
 /* Spacing of the finest grid, by the distance of nodes. */
-#define SPACING 2.5
-/* A step that has brought less than this part of the RMS is the last: sweeps do as much. */
-#define GAIN_LEAST 4e-5
-/* One that has brought more has changed the Hessian. */
-#define GAIN_OLD 5e-3
-/* First shift after a step that had to be shortened, and the largest. */
+#define SPACING 3.0
+/* Part to which conjugate gradients bring the rest. */
+#define SOLVED 0.1
+/* Next part of the way that is tried. */
+#define SHORTER 0.4
+/* A step that lowers the RMS by less than this part is the last: sweeps do as much. */
+#define GAIN_LEAST 1e-3
+/* A step that lowers it by more changes the Hessian too much to keep it. */
+#define GAIN_LARGE 1e-2
+/* Shifts of the Hessian after steps that were shortened: the first, the next, the largest. */
 #define SHIFT_FIRST   0x1p-4
+#define SHIFT_FACTOR  4.0
 #define SHIFT_LARGEST 4.0
 
 /** Steps under way. */
 typedef struct coarse_steps {
     pl_run *r;
     pl_lattice lattice;
-    double *force, *move; /* [n_stars][dim] */
-    double *start;        /* [n_nodes][dim] */
-    double part;          /* of the way */
-    pl_sum slope;         /* force . move */
+    double *force, *move;  /* [n_stars][dim] */
+    double *start;         /* [n_nodes][dim] coordinates before the step */
+    double part;           /* of the way, in the last step */
+    double shift;          /* of the Hessian */
     double rr2, acuteness; /* no element may become worse */
-    double shift;
+    pl_sum work;           /* force . move */
 } coarse_steps;
-
-static double now(void) { struct timespec t; clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t); return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec; }
 
 static void force_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const coarse_steps *c = context;
+    const pl_star_problem *problem = &c->r->problem;
     const planish_plan *plan = c->r->plan;
-    double *scratch = pl_star_scratch_of(&c->r->problem, thread);
-    pl_star_evaluate_fn *evaluate = pl_star_ratio_of(plan->kernel, &c->r->problem, plan->dim);
+    pl_star_evaluate_fn *evaluate = pl_star_ratio_of(plan->kernel, problem, plan->dim);
+    double *scratch = pl_star_scratch_of(problem, thread);
     for (int64_t i = begin; i < end; i++) {
         pl_star_value value;
-        const int valid =
-            evaluate(&c->r->problem, i, scratch, PL_GRADIENT_ALONE, &value) && value.certain;
+        const int is_sure =
+            evaluate(problem, i, scratch, PL_GRADIENT_ALONE, &value) && value.certain;
         for (int d = 0; d < plan->dim; d++)
-            c->force[i * plan->dim + d] = valid ? -value.gradient[d] : 0;
+            c->force[i * plan->dim + d] = is_sure ? -value.gradient[d] : 0;
     }
 }
 
-static void slope_chunk(void *context, int64_t begin, int64_t end, int thread) {
+static void work_chunk(void *context, int64_t begin, int64_t end, int thread) {
     coarse_steps *c = context;
-    pl_sum sum = {{0}, 0, 0, 0, 0};
     const int dim = c->r->plan->dim;
+    pl_sum sum = {{0}, 0, 0, 0, 0};
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         double of_node = 0;
@@ -69,7 +75,20 @@ static void slope_chunk(void *context, int64_t begin, int64_t end, int thread) {
             of_node += c->force[i * dim + d] * c->move[i * dim + d];
         pl_sum_add(&sum, of_node);
     }
-    pl_sum_merge(&c->slope, &sum);
+    pl_sum_merge(&c->work, &sum);
+}
+
+/** Find the moves of Newton's step. Return 0 if they do not lower F. */
+static int find_moves(coarse_steps *c) {
+    const planish_plan *plan = c->r->plan;
+    const int64_t n = plan->interior.stars.n_stars;
+    pl_parallel_for(plan->threads, n, CHUNK, force_chunk, c);
+    pl_lattice_restrict(&c->lattice, c->force);
+    pl_lattice_solve(&c->lattice, SOLVED, SOLUTIONS);
+    pl_lattice_prolong(&c->lattice, c->move);
+    c->work = (pl_sum){{0}, 0, 0, 0, 0};
+    pl_parallel_for(plan->threads, n, CHUNK, work_chunk, c);
+    return pl_sum_value(&c->work) > 0;
 }
 
 static void move_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -78,51 +97,35 @@ static void move_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const int dim = plan->dim;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const int64_t at = plan->interior.centre[i] * (int64_t)dim;
-        double *x = plan->scratch.coordinates + at, to[3];
+        const int32_t node = plan->interior.centre[i];
+        const double *start = c->start + (int64_t)node * dim;
+        double x[3];
         for (int d = 0; d < dim; d++)
-            to[d] = c->start[at + d] + c->part * c->move[i * dim + d];
-        const int fits = pl_star_admit(&c->r->problem, plan->interior.centre[i], dim, to);
-        memcpy(x, fits ? to : c->start + at, (size_t)dim * sizeof *x);
+            x[d] = start[d] + c->part * c->move[i * dim + d];
+        const int fits = pl_star_admit(&c->r->problem, node, dim, x);
+        memcpy(plan->scratch.coordinates + (int64_t)node * dim, fits ? x : start,
+               (size_t)dim * sizeof *x);
     }
 }
 
-/** Find the moves for the forces where the nodes are; returns the slope of F^2's sum along them, 0 if
- *  it does not fall. */
-static double find_moves(coarse_steps *c) {
-    const planish_plan *plan = c->r->plan;
-    const int64_t n = plan->interior.stars.n_stars;
-    c->slope = (pl_sum){{0}, 0, 0, 0, 0};
-    pl_parallel_for(plan->threads, n, CHUNK, force_chunk, c);
-    pl_lattice_restrict(&c->lattice, c->force);
-    pl_lattice_solve(&c->lattice);
-    pl_lattice_prolong(&c->lattice, c->move);
-    pl_parallel_for(plan->threads, n, CHUNK, slope_chunk, c);
-    const double slope = -pl_sum_value(&c->slope);
-    return slope < 0 ? slope : 0;
-}
-
-/** Move all nodes, or part of the way, so that F falls; returns by which part of the sum, 0 if the
- *  nodes are where they were. */
-static double take_step(coarse_steps *c, double slope, pl_sweep_tally *tally) {
+/** Move all nodes, or part of the way, so that F falls and no element becomes worse than the worst.
+ *  Return the part by which the RMS fell; 0 if the nodes are where they were. */
+static double take_moves(coarse_steps *c, pl_sweep_tally *tally) {
     pl_run *r = c->r;
-    planish_plan *plan = r->plan;
+    const planish_plan *plan = r->plan;
     const size_t size = (size_t)plan->work.n_nodes * (size_t)plan->dim * sizeof *c->start;
     const pl_objective_sums before = r->sums;
     const double measured = r->measured_sum;
     memcpy(c->start, plan->scratch.coordinates, size);
-    c->part = 1;
     for (int i = 0; i < TRIALS && !tally->stopped; i++) {
+        c->part = i > 0 ? c->part * SHORTER : 1;
         pl_parallel_for(plan->threads, plan->interior.stars.n_stars, CHUNK, move_chunk, c);
         pl_run_measure(r);
         tally->stars.visits += plan->interior.n_all;
         tally->stopped = pl_run_ask_all(r, tally->colours, plan->interior.n_all);
-        const double rise = r->sums.ratio[1] - before.ratio[1];
-        if (getenv("TALK")) printf("   t %g rise %.4f slope %.4f sum %.3f inverted %g worst %g shift %g\n", c->part, rise, slope, before.ratio[1], r->sums.inverted, r->sums.radius_max, c->shift);
-        if (rise < 0 && r->sums.inverted <= before.inverted &&
+        if (r->sums.ratio[1] < before.ratio[1] && r->sums.inverted <= before.inverted &&
             pl_run_is_within(r, c->rr2, c->acuteness))
-            return -rise / before.ratio[1];
-        c->part *= 0.4;
+            return 1 - sqrt(r->sums.ratio[1] / before.ratio[1]);
     }
     memcpy(plan->scratch.coordinates, c->start, size);
     r->sums = before;
@@ -130,61 +133,67 @@ static double take_step(coarse_steps *c, double slope, pl_sweep_tally *tally) {
     return 0;
 }
 
-/** Make one step, counted as a sweep. *gain: by which part the RMS fell. Returns not 0 if cut short. */
-static int step(coarse_steps *c, double *gain) {
+/** Make one step, counted as a sweep. *gain: part by which the RMS fell. Return not 0 if the work was
+ *  cut short. */
+static int make_step(coarse_steps *c, double *gain) {
     pl_run *r = c->r;
     pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
     pl_run_begin_sweep(r);
-    double t0 = now();
-    const double slope = find_moves(c);
-    double t1 = now();
-    *gain = slope < 0 ? take_step(c, slope, &tally) / 2 : 0;
-    if (getenv("TALK")) printf("   moves %.4f step %.4f gain %.3g\n", t1 - t0, now() - t1, *gain);
-    if (*gain > 0)
+    *gain = find_moves(c) ? take_moves(c, &tally) : 0;
+    tally.stars.evaluations = tally.stars.visits;
+    if (*gain > GAIN_LARGE)
         pl_run_begin_anew(r);
+    else if (*gain > 0)
+        memset(r->plan->scratch.changed, PL_CHANGED, (size_t)r->plan->work.n_nodes);
     return pl_run_end_sweep(r, &tally);
 }
 
-static int make_steps(coarse_steps *c, double *total) {
-    pl_run *r = c->r;
+/** Make steps and sweeps in turns while steps pay. Return not 0 if the work was cut short. */
+static int make_steps(coarse_steps *c) {
+    enum { NEEDED = 2 }; /* sweeps of a step and of the sweep after it */
     double gain = 1;
-    int stopped = 0;
-    for (int i = 0; i < STEPS && !stopped && pl_run_sweeps_left(r) > 2; i++) {
+    for (int i = 0; i < STEPS && pl_run_sweeps_left(c->r) >= NEEDED; i++) {
+        const int is_short = i > 0 && c->part < 1;
         int64_t visits;
-        double t0 = now();
-        if (gain > GAIN_OLD || c->part < 0.5)
-            pl_lattice_assemble(&c->lattice, c->shift);
-        if (getenv("TALK")) printf("   assemble %.4f\n", now() - t0);
-        stopped = step(c, &gain);
-        *total += gain;
-        if (c->part < 0.5 || gain == 0)
-            c->shift = c->shift > 0 ? 4 * c->shift : SHIFT_FIRST;
+        if (is_short)
+            c->shift = c->shift > 0 ? c->shift * SHIFT_FACTOR : SHIFT_FIRST;
         else
-            c->shift *= 0.25;
-        if (stopped || c->shift > SHIFT_LARGEST || (gain < GAIN_LEAST && c->part == 1))
-            break;
-        stopped = pl_run_sweep(r, &visits);
+            c->shift /= SHIFT_FACTOR;
+        if (gain > GAIN_LARGE || is_short)
+            pl_lattice_assemble(&c->lattice, c->shift);
+        if (make_step(c, &gain))
+            return 1;
+        if (gain == 0 || c->shift > SHIFT_LARGEST || (gain < GAIN_LEAST && c->part == 1))
+            return 0;
+        if (pl_run_sweep(c->r, &visits))
+            return 1;
     }
-    return stopped;
+    return 0;
+}
+
+/** Whether the mesh is one of simplices whose nodes go by themselves, in this process alone. */
+static int is_suitable(const pl_run *r) {
+    const planish_plan *plan = r->plan;
+    return r->plain && !plan->work.corner && !plan->context->part && !pl_watch_is_on(&r->watch) &&
+           plan->interior.n_followers == 0 && plan->sliding.n_followers == 0 && plan->n_images == 0;
 }
 
 int pl_run_coarse(pl_run *r) {
     const planish_plan *plan = r->plan;
+    const int64_t n = plan->interior.stars.n_stars * plan->dim;
     const pl_star_limits worst = pl_run_worst_limits(r, 1);
-    const int64_t n = plan->interior.stars.n_stars;
+    int stopped = 0;
+    if (!is_suitable(r))
+        return 0;
     coarse_steps c = {.r = r,
-                      .force = pl_alloc(n * plan->dim, sizeof(double)),
-                      .move = pl_alloc(n * plan->dim, sizeof(double)),
-                      .start = pl_alloc(plan->work.n_nodes * plan->dim, sizeof(double)),
+                      .force = pl_alloc(n, sizeof *c.force),
+                      .move = pl_alloc(n, sizeof *c.move),
+                      .start = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *c.start),
+                      .part = 1,
                       .rr2 = fmax(r->problem.limits.rr2, worst.rr2),
                       .acuteness = fmax(r->problem.limits.acuteness, worst.acuteness)};
-    int stopped = 0;
-    double total = 0;
-    double t0 = now();
-    const int made = pl_lattice_create(plan, getenv("RATIO") ? atof(getenv("RATIO")) : SPACING, &c.lattice);
-    if (getenv("TALK")) printf("   create %.4f nv %lld levels %d\n", now() - t0, (long long)c.lattice.grid[0].n_vertices, c.lattice.n_levels);
-    if (made && c.force && c.move && c.start)
-        stopped = make_steps(&c, &total);
+    if (pl_lattice_create(plan, SPACING, &c.lattice) && c.force && c.move && c.start)
+        stopped = make_steps(&c);
     pl_lattice_destroy(&c.lattice);
     pl_free(c.force);
     pl_free(c.move);

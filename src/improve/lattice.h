@@ -6,6 +6,7 @@
  * to a coarser one. The unit of coordinates is the spacing of the finest grid.
  *
  *   pl_lattice_create, _destroy    grids for the mesh as it is
+ *   pl_lattice_sort                elements and nodes by simplices
  *   pl_lattice_assemble            Hessian of the sum of RR^2 for displacements of vertices
  *   pl_lattice_restrict, _solve, _prolong    from forces of the nodes to their displacements
  */
@@ -21,15 +22,18 @@ enum {
 
 /** One grid; vertices are numbered x first. Arrays are owned. */
 typedef struct pl_grid {
-    int64_t n[3];         /* vertices along each direction; in 2-D n[2] is 1 */
+    int64_t n[3]; /* vertices along each direction; in 2-D n[2] is 1 */
     int64_t n_vertices;
     int64_t first;        /* number of its first simplex: (vertex at the corner) dim! + order */
     double per_spacing;   /* spacings of this grid per unit */
     double *stiffness;    /* [n_vertices][PL_LATTICE_BLOCKS][dim * dim] */
     double *inverse;      /* [n_vertices][dim * dim] of the blocks of the vertices themselves */
-    double *force, *move; /* [n_vertices][dim] right-hand side, solution */
+    double *force, *move; /* [n_vertices][dim] of what belongs to this grid; about their solution */
+    double *load;         /* [n_vertices][dim] force, and the rest of finer grids */
     double *rest;         /* [n_vertices][dim] */
-    uint8_t *is_active;   /* [n_vertices] */
+    double *way, *image, *total; /* [n_vertices][dim] of conjugate gradients */
+    int has_own;                 /* elements or nodes belong to it, not to finer grids */
+    uint8_t *is_active;          /* [n_vertices] */
 } pl_grid;
 
 /** Grids, the finest first; and what lies in them. */
@@ -42,7 +46,10 @@ typedef struct pl_lattice {
     int64_t n_simplices;
     uint8_t *is_free;       /* [nodes of the plan] by inner numbers; 1: the node has a star */
     int32_t *simplex_of;    /* [max(n_elements, n_stars)] room */
+    int is_known;           /* simplex_of has elements' simplices of the finest grid */
     int32_t *element;       /* [elements with a free node] by simplices */
+    int32_t *corner;        /* [elements with a free node][dim + 1] their nodes, inner numbers */
+    double *of_layer;       /* [layers of the finest grid] */
     int64_t *element_begin; /* [n_simplices + 1] */
     int32_t *star;          /* [n_stars] by simplices */
     int64_t *star_begin;    /* [n_simplices + 1] */
@@ -55,15 +62,19 @@ int pl_lattice_create(const planish_plan *plan, double spacing, pl_lattice *latt
 /** Free the arrays of a lattice. */
 void pl_lattice_destroy(pl_lattice *lattice);
 
-/** Put elements and nodes to the simplices that they are in, and assemble. shift: part of each
+/** Put elements and nodes to the simplices that they are in. */
+void pl_lattice_sort(pl_lattice *lattice);
+
+/** Sort, and assemble. shift: part of each
  *  vertex's own block that is added to it. */
 void pl_lattice_assemble(pl_lattice *lattice, double shift);
 
 /** Set the forces of vertices from those of the stars' nodes, [n_stars][dim]. */
 void pl_lattice_restrict(pl_lattice *lattice, const double *force);
 
-/** Find about how far the vertices must move for their forces: one V-cycle. */
-void pl_lattice_solve(pl_lattice *lattice);
+/** Find how far the vertices must move for their forces, by conjugate gradients with a V-cycle each:
+ *  until the rest has fallen to the part rest, at most n of them. Returns how many there were. */
+int pl_lattice_solve(pl_lattice *lattice, double rest, int n);
 
 /** Set the moves of the stars' nodes, [n_stars][dim]. */
 void pl_lattice_prolong(const pl_lattice *lattice, double *move);

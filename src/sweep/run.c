@@ -371,13 +371,20 @@ static void heed_refusers(pl_run *r) {
     pl_free(state);
 }
 
-#include <stdlib.h>
-extern int pl_run_coarse(pl_run *r);
-static int is_slow(const pl_convergence *t, int sweep) {
-    const double last = t->fall[PL_CALM_SWEEPS - 1], before = t->fall[PL_CALM_SWEEPS - 2];
-    const double ratio = before > 0 ? last / before : 1;
-    return t->n_falls >= (getenv("FROM") ? atoi(getenv("FROM")) : 3) && last < 0.1 && ratio > 0.5 && (ratio >= 1 || last * ratio / (1 - ratio) > 0.005);
+/* Early signs of a slow mesh: falls of sweeps that shrink by less than the first of these, and promise
+ * more than the second; falls that grow are above the third. */
+#define EARLY_RATIO     0.5
+#define EARLY_REMAINDER 0.005
+#define EARLY_FALL      0.002
+
+/** Whether the last sweeps show already that the mesh is slow. */
+static int seems_slow(const pl_convergence *trend) {
+    const double last = trend->fall[PL_CALM_SWEEPS - 1], before = trend->fall[PL_CALM_SWEEPS - 2];
+    if (trend->n_falls < PL_CALM_SWEEPS || !(last < SLOW_FALL) || !(last > EARLY_RATIO * before))
+        return 0;
+    return last < before ? last * last / (before - last) > EARLY_REMAINDER : last > EARLY_FALL;
 }
+
 /** Sweep until that converges or may go on no more: r->stop. */
 static void sweep_on(pl_run *r) {
     const double tolerance = r->options->tolerance;
@@ -387,9 +394,8 @@ static void sweep_on(pl_run *r) {
     pl_convergence calm = {{0}, 0};                           /* of sweeps that leave stars calm */
     pl_convergence trend = {{0}, 0};                          /* of all */
     int patience = may_be_slow ? SWEEPS_UNTIL_SLOW : INT_MAX; /* sweeps until a mesh is slow */
-    int n_accelerated = 0, is_polished = 0;
+    int n_accelerated = 0, is_polished = 0, is_seen = 0;
     r->stop = PLANISH_STOP_MAX_SWEEPS;
-    int n_coarse = 0;
     while (pl_run_sweeps_left(r) > 0) {
         const double before = pl_objective_of_movable(r->options, &r->sums);
         int64_t visits;
@@ -398,10 +404,10 @@ static void sweep_on(pl_run *r) {
         heed_refusers(r);
         pl_converged(&trend, before, pl_objective_of_movable(r->options, &r->sums), 0);
         double fall = trend.fall[PL_CALM_SWEEPS - 1];
-        if (getenv("COARSE") && may_be_slow && n_coarse == 0 && is_slow(&trend, r->sweep)) {
-            n_coarse++;
+        if (may_be_slow && !is_seen && seems_slow(&trend)) {
+            is_seen = 1;
             calm = trend = (pl_convergence){{0}, 0};
-            if (pl_run_coarse(r))
+            if (r->accelerate(r, PL_COARSE, fall))
                 return;
             continue;
         }

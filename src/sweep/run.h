@@ -29,7 +29,7 @@
 struct pl_run;
 
 /** Methods that help a mesh on which sweeps are slow; all nodes move at once. */
-typedef enum pl_acceleration { PL_CENTRING, PL_DESCENT } pl_acceleration;
+typedef enum pl_acceleration { PL_COARSE, PL_CENTRING, PL_DESCENT } pl_acceleration;
 
 /** Move all nodes at once; see pl_run_accelerate. */
 typedef int pl_accelerate_fn(struct pl_run *r, pl_acceleration acceleration, double fall);
