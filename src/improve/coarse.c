@@ -44,6 +44,7 @@ typedef struct coarse_steps {
     double *force, *move;  /* [n_stars][dim] */
     double *start;         /* [n_nodes][dim] coordinates before the step */
     double part;           /* of the way, in the last step */
+    int is_first;          /* step */
     double shift;          /* of the Hessian */
     double rr2, acuteness; /* no element may become worse */
     pl_sum work;           /* force . move */
@@ -116,14 +117,16 @@ static double take_moves(coarse_steps *c, pl_sweep_tally *tally) {
     const size_t size = (size_t)plan->work.n_nodes * (size_t)plan->dim * sizeof *c->start;
     const pl_objective_sums before = r->sums;
     const double measured = r->measured_sum;
+    /* If the first step fails at its full length, other errors than smooth ones prevail. */
+    const double least = c->is_first ? 1 - GAIN_LEAST : 1, enough = before.ratio[1] * least * least;
     memcpy(c->start, plan->scratch.coordinates, size);
-    for (int i = 0; i < TRIALS && !tally->stopped; i++) {
+    for (int i = 0; i < (c->is_first ? 1 : TRIALS) && !tally->stopped; i++) {
         c->part = i > 0 ? c->part * SHORTER : 1;
         pl_parallel_for(plan->threads, plan->interior.stars.n_stars, CHUNK, move_chunk, c);
         pl_run_measure(r);
         tally->stars.visits += plan->interior.n_all;
         tally->stopped = pl_run_ask_all(r, tally->colours, plan->interior.n_all);
-        if (r->sums.ratio[1] < before.ratio[1] && r->sums.inverted <= before.inverted &&
+        if (r->sums.ratio[1] < enough && r->sums.inverted <= before.inverted &&
             pl_run_is_within(r, c->rr2, c->acuteness))
             return 1 - sqrt(r->sums.ratio[1] / before.ratio[1]);
     }
@@ -161,6 +164,7 @@ static int make_steps(coarse_steps *c) {
             c->shift /= SHIFT_FACTOR;
         if (gain > GAIN_LARGE || is_short)
             pl_lattice_assemble(&c->lattice, c->shift);
+        c->is_first = i == 0;
         if (make_step(c, &gain))
             return 1;
         if (gain == 0 || c->shift > SHIFT_LARGEST || (gain < GAIN_LEAST && c->part == 1))

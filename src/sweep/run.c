@@ -405,11 +405,14 @@ static void sweep_on(pl_run *r) {
         pl_converged(&trend, before, pl_objective_of_movable(r->options, &r->sums), 0);
         double fall = trend.fall[PL_CALM_SWEEPS - 1];
         if (may_be_slow && !is_seen && seems_slow(&trend)) {
+            const double sum = r->sums.ratio[1];
             is_seen = 1;
-            calm = trend = (pl_convergence){{0}, 0};
             if (r->accelerate(r, PL_COARSE, fall))
                 return;
-            continue;
+            if (r->sums.ratio[1] < sum) {
+                calm = trend = (pl_convergence){{0}, 0};
+                continue;
+            }
         }
         if (has_converged(r, &calm, before, visits)) {
             /* The sweeps of a slow mesh may still promise more: L-BFGS has the last word, once. */
