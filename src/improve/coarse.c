@@ -28,14 +28,12 @@ enum {
 #define SOLVED 0.1
 /* Next part of the way that is tried. */
 #define SHORTER 0.4
-/* A step that lowers the RMS by less than this part is the last: sweeps do as much. */
-#define GAIN_LEAST 1e-3
+/* A step that lowers the RMS by less than this part is the last. */
+#define GAIN_LEAST 3e-4
 /* A step that lowers it by more changes the Hessian too much to keep it. */
 #define GAIN_LARGE 1e-2
-/* Shifts of the Hessian after steps that were shortened: the first, the next, the largest. */
-#define SHIFT_FIRST   0x1p-4
-#define SHIFT_FACTOR  4.0
-#define SHIFT_LARGEST 4.0
+/* As does one that lowers it by more than this part of what the step before did. */
+#define GAIN_SLOW 0.3
 
 /** Steps under way. */
 typedef struct coarse_steps {
@@ -45,7 +43,6 @@ typedef struct coarse_steps {
     double *start;         /* [n_nodes][dim] coordinates before the step */
     double part;           /* of the way, in the last step */
     int is_first;          /* step */
-    double shift;          /* of the Hessian */
     double rr2, acuteness; /* no element may become worse */
     pl_sum work;           /* force . move */
 } coarse_steps;
@@ -117,17 +114,17 @@ static double take_moves(coarse_steps *c, pl_sweep_tally *tally) {
     const size_t size = (size_t)plan->work.n_nodes * (size_t)plan->dim * sizeof *c->start;
     const pl_objective_sums before = r->sums;
     const double measured = r->measured_sum;
-    /* If the first step fails at its full length, other errors than smooth ones prevail. */
-    const double least = c->is_first ? 1 - GAIN_LEAST : 1, enough = before.ratio[1] * least * least;
     memcpy(c->start, plan->scratch.coordinates, size);
-    for (int i = 0; i < (c->is_first ? 1 : TRIALS) && !tally->stopped; i++) {
+    for (int i = 0; i < TRIALS && !tally->stopped; i++) {
         c->part = i > 0 ? c->part * SHORTER : 1;
+        /* If the first step gains little, other errors than smooth ones prevail. */
+        const double least = !c->is_first ? 1 : i > 0 ? 1 - GAIN_LARGE : 1 - GAIN_LEAST;
         pl_parallel_for(plan->threads, plan->interior.stars.n_stars, CHUNK, move_chunk, c);
         pl_run_measure(r);
         tally->stars.visits += plan->interior.n_all;
         tally->stopped = pl_run_ask_all(r, tally->colours, plan->interior.n_all);
-        if (r->sums.ratio[1] < enough && r->sums.inverted <= before.inverted &&
-            pl_run_is_within(r, c->rr2, c->acuteness))
+        if (r->sums.ratio[1] < before.ratio[1] * least * least &&
+            r->sums.inverted <= before.inverted && pl_run_is_within(r, c->rr2, c->acuteness))
             return 1 - sqrt(r->sums.ratio[1] / before.ratio[1]);
     }
     memcpy(plan->scratch.coordinates, c->start, size);
@@ -154,20 +151,16 @@ static int make_step(coarse_steps *c, double *gain) {
 /** Make steps and sweeps in turns while steps pay. Return not 0 if the work was cut short. */
 static int make_steps(coarse_steps *c) {
     enum { NEEDED = 2 }; /* sweeps of a step and of the sweep after it */
-    double gain = 1;
+    double gain = 1, last = 1;
     for (int i = 0; i < STEPS && pl_run_sweeps_left(c->r) >= NEEDED; i++) {
-        const int is_short = i > 0 && c->part < 1;
         int64_t visits;
-        if (is_short)
-            c->shift = c->shift > 0 ? c->shift * SHIFT_FACTOR : SHIFT_FIRST;
-        else
-            c->shift /= SHIFT_FACTOR;
-        if (gain > GAIN_LARGE || is_short)
-            pl_lattice_assemble(&c->lattice, c->shift);
+        if (gain > GAIN_LARGE || gain > GAIN_SLOW * last)
+            pl_lattice_assemble(&c->lattice);
+        last = gain;
         c->is_first = i == 0;
         if (make_step(c, &gain))
             return 1;
-        if (gain == 0 || c->shift > SHIFT_LARGEST || (gain < GAIN_LEAST && c->part == 1))
+        if (gain < GAIN_LEAST)
             return 0;
         if (pl_run_sweep(c->r, &visits))
             return 1;

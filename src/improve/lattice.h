@@ -65,9 +65,8 @@ void pl_lattice_destroy(pl_lattice *lattice);
 /** Put elements and nodes to the simplices that they are in. */
 void pl_lattice_sort(pl_lattice *lattice);
 
-/** Sort, and assemble. shift: part of each
- *  vertex's own block that is added to it. */
-void pl_lattice_assemble(pl_lattice *lattice, double shift);
+/** Sort, and assemble. Blocks that are not positive definite are shifted until they are. */
+void pl_lattice_assemble(pl_lattice *lattice);
 
 /** Set the forces of vertices from those of the stars' nodes, [n_stars][dim]. */
 void pl_lattice_restrict(pl_lattice *lattice, const double *force);

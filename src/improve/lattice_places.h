@@ -135,7 +135,7 @@ typedef struct pl_layer_pass {
     double *to;         /* [n_stars][dim] */
     const double *b, *x;
     double *y; /* [n_vertices][dim] */
-    double shift;
+    double factor;
 } pl_layer_pass;
 
 static inline void pl_layer_chunk(void *context, int64_t begin, int64_t end, int thread) {

@@ -156,14 +156,14 @@ static void dot_layer(const pl_layer_pass *p, int64_t layer) {
 static void step_layer(const pl_layer_pass *p, int64_t layer) {
     const int64_t stride = pl_stride_of(p->g, p->l->dim - 1) * p->l->dim;
     for (int64_t i = layer * stride; i < (layer + 1) * stride; i++)
-        p->y[i] = p->x[i] + p->shift * p->y[i];
+        p->y[i] = p->x[i] + p->factor * p->y[i];
 }
 
 /** Set y to y + factor x. */
 static void add_layer_of(const pl_layer_pass *p, int64_t layer) {
     const int64_t stride = pl_stride_of(p->g, p->l->dim - 1) * p->l->dim;
     for (int64_t i = layer * stride; i < (layer + 1) * stride; i++)
-        p->y[i] += p->shift * p->x[i];
+        p->y[i] += p->factor * p->x[i];
 }
 
 /** Return b . x over a grid. */
@@ -178,7 +178,7 @@ static double dot_of(pl_lattice *l, int level, const double *b, const double *x)
 static void combine(pl_lattice *l, int level, layer_body *body, double factor, const double *x,
                     double *y) {
     pl_layer_pass pass = {
-        .l = l, .g = &l->grid[level], .body = body, .x = x, .y = y, .shift = factor};
+        .l = l, .g = &l->grid[level], .body = body, .x = x, .y = y, .factor = factor};
     pl_visit_layers(&pass, l->grid[level].n[l->dim - 1]);
 }
 

@@ -212,7 +212,6 @@ static void invert_layer(const pl_layer_pass *p, int64_t layer) {
         double *k = g->stiffness + v * PL_LATTICE_BLOCKS * n, largest = 0;
         for (int d = 0; d < dim; d++) {
             largest = fmax(largest, k[d * (dim + 1)]);
-            k[d * (dim + 1)] *= 1 + p->shift;
         }
         memset(g->inverse + v * n, 0, (size_t)n * sizeof(double));
         double shift = largest * SHIFT;
@@ -224,11 +223,11 @@ static void invert_layer(const pl_layer_pass *p, int64_t layer) {
     }
 }
 
-void pl_lattice_assemble(pl_lattice *l, double shift) {
+void pl_lattice_assemble(pl_lattice *l) {
     pl_lattice_sort(l);
     for (int i = 0; i < l->n_levels; i++) {
         const pl_grid *g = &l->grid[i];
-        pl_layer_pass pass = {.l = l, .g = g, .shift = shift};
+        pl_layer_pass pass = {.l = l, .g = g};
         memset(g->stiffness, 0,
                (size_t)(g->n_vertices * PL_LATTICE_BLOCKS * l->dim * l->dim) * sizeof(double));
         if (i > 0) {
@@ -240,7 +239,7 @@ void pl_lattice_assemble(pl_lattice *l, double shift) {
     }
     /* Shifts of one grid are none of the next. */
     for (int i = 0; i < l->n_levels; i++) {
-        pl_layer_pass pass = {.l = l, .g = &l->grid[i], .shift = shift, .body = invert_layer};
+        pl_layer_pass pass = {.l = l, .g = &l->grid[i], .body = invert_layer};
         pl_visit_layers(&pass, l->grid[i].n[l->dim - 1]);
     }
 }
