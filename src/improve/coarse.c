@@ -22,8 +22,8 @@ enum {
     SOLUTIONS = 20 /* and iterations of its conjugate gradients */
 };
 
-/* Spacing of the finest grid, by the distance of nodes. */
-#define SPACING 3.0
+/* Spacing of the finest grid, by the mean length of edges. */
+#define SPACING 2.5
 /* Part to which conjugate gradients bring the rest. */
 #define SOLVED 0.1
 /* Next part of the way that is tried. */
@@ -154,8 +154,10 @@ static int make_steps(coarse_steps *c) {
     double gain = 1, last = 1;
     for (int i = 0; i < STEPS && pl_run_sweeps_left(c->r) >= NEEDED; i++) {
         int64_t visits;
-        if (gain > GAIN_LARGE || gain > GAIN_SLOW * last)
+        if (gain > GAIN_LARGE || gain > GAIN_SLOW * last) {
+            pl_lattice_sort(&c->lattice);
             pl_lattice_assemble(&c->lattice);
+        }
         last = gain;
         c->is_first = i == 0;
         if (make_step(c, &gain))
@@ -172,7 +174,7 @@ static int make_steps(coarse_steps *c) {
 static int is_suitable(const pl_run *r) {
     const planish_plan *plan = r->plan;
     return r->plain && !plan->work.corner && !plan->context->part && !pl_watch_is_on(&r->watch) &&
-           plan->interior.n_followers == 0 && plan->sliding.n_followers == 0 && plan->n_images == 0;
+           plan->sliding.n_all == 0 && plan->interior.n_followers == 0 && plan->n_images == 0;
 }
 
 int pl_run_coarse(pl_run *r) {

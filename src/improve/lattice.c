@@ -2,7 +2,6 @@
 #include "improve/lattice_places.h"
 
 #include "base/memory.h"
-#include "geometry/cube_root.h"
 #include "geometry/simplex.h"
 
 #include <math.h>
@@ -18,8 +17,9 @@ enum { CHUNK = 1024 };
 #define LARGEST_EDGE 0.8
 enum { SAMPLES = 4096, COARSEST = 4 };
 
-/** Twice, or six times, the measure of an element, in the mesh's unit. */
-static double determinant_of(const planish_plan *plan, int64_t element) {
+/** Twice, or six times, the measure of an element, in units. */
+static double determinant_of(const pl_lattice *l, int64_t element) {
+    const planish_plan *plan = l->plan;
     const int dim = plan->dim;
     const double *x[PL_MAX_CORNERS];
     double e[3][3] = {{0}};
@@ -27,19 +27,22 @@ static double determinant_of(const planish_plan *plan, int64_t element) {
         x[j] = plan->scratch.coordinates + (int64_t)pl_plan_inner(plan, element, j) * dim;
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
-            e[j][d] = x[j + 1][d] - x[0][d];
+            e[j][d] = (x[j + 1][d] - x[0][d]) * l->per_unit;
     return fabs(pl_determinant_of_edges(dim, e));
 }
 
-/** Mean distance of nodes: that of a grid with as many. */
-static double node_distance(const planish_plan *plan) {
-    const int64_t m = plan->work.n_elements, step = m > SAMPLES ? m / SAMPLES : 1;
-    double sum = 0, n = 0;
-    for (int64_t i = 0; i < m; i += step, n++) {
-        const double measure = determinant_of(plan, i);
-        sum += plan->dim == 3 ? pl_cube_root(measure) : sqrt(measure);
+/** Mean length of edges at some of the stars. */
+static double edge_length(const planish_plan *plan) {
+    const pl_stars *stars = &plan->interior.stars;
+    const int64_t step = stars->n_stars > SAMPLES ? stars->n_stars / SAMPLES : 1;
+    const int dim = plan->dim;
+    double mean = 0, n = 0;
+    for (int64_t i = 0; i < stars->n_stars; i += step) {
+        const double *x = plan->scratch.coordinates + plan->interior.centre[i] * (int64_t)dim;
+        for (int64_t k = stars->ring_offset[i]; k < stars->ring_offset[i + 1]; k++, n++)
+            mean += pl_distance(dim, x, plan->scratch.coordinates + stars->ring[k] * (int64_t)dim);
     }
-    return n > 0 ? sum / n : 0;
+    return n > 0 ? mean / n : 0;
 }
 
 /** Set the numbers of vertices of all grids, the finest of spacing; returns those of the finest. */
@@ -71,16 +74,17 @@ static double size_grids(pl_lattice *l, const double extent[3], double spacing) 
 
 static int place_grids(pl_lattice *l, double spacing) {
     const planish_plan *plan = l->plan;
+    const pl_stars *stars = &plan->interior.stars;
     const double most = VERTICES_PER_STAR * (double)plan->interior.stars.n_stars + 64;
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
     double extent[3] = {0};
-    for (int64_t i = 0; i < plan->work.n_nodes; i++)
+    for (int64_t k = 0; k < stars->ring_offset[stars->n_stars]; k++)
         for (int d = 0; d < l->dim; d++) {
-            const double x = plan->scratch.coordinates[i * l->dim + d];
+            const double x = plan->scratch.coordinates[stars->ring[k] * (int64_t)l->dim + d];
             lower[d] = x < lower[d] ? x : lower[d];
             upper[d] = x > upper[d] ? x : upper[d];
         }
-    spacing *= node_distance(plan);
+    spacing *= edge_length(plan);
     for (int d = 0; d < l->dim; d++)
         extent[d] = upper[d] - lower[d];
     if (!(spacing > 0) || !(spacing < INFINITY))
@@ -131,10 +135,8 @@ PL_INLINE void fetch_element(const pl_lattice *l, int64_t element, const int dim
 static void largest_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const element_pass *p = context;
     const pl_lattice *l = p->l;
-    double unit = 1, x[3] = {0};
+    double x[3] = {0};
     (void)thread;
-    for (int d = 0; d < l->dim; d++)
-        unit *= l->spacing;
     for (int64_t i = begin; i < end; i++) {
         if (i + AHEAD < l->plan->work.n_elements)
             fetch_element(l, i + AHEAD, l->dim);
@@ -144,7 +146,7 @@ static void largest_chunk(void *context, int64_t begin, int64_t end, int thread)
             continue;
         const pl_cube_place place =
             l->dim == 3 ? pl_cube_at(&l->grid[0], x, 3) : pl_cube_at(&l->grid[0], x, 2);
-        const double largest = determinant_of(l->plan, i) / unit;
+        const double largest = determinant_of(l, i);
         if (largest > p->largest[place.vertex]) /* seldom, and then for sure */
             pl_raise_double(&p->largest[place.vertex], largest);
         l->simplex_of[i] =

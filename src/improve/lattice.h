@@ -55,7 +55,7 @@ typedef struct pl_lattice {
     int64_t *star_begin;    /* [n_simplices + 1] */
 } pl_lattice;
 
-/** Make grids for the mesh as it is, spacing times as wide as its nodes are apart. Returns 0 without
+/** Make grids for the mesh as it is, spacing times as wide as edges are long. Returns 0 without
  *  memory, or if the mesh has no extent; destroy the lattice in any case. */
 int pl_lattice_create(const planish_plan *plan, double spacing, pl_lattice *lattice);
 
@@ -65,7 +65,7 @@ void pl_lattice_destroy(pl_lattice *lattice);
 /** Put elements and nodes to the simplices that they are in. */
 void pl_lattice_sort(pl_lattice *lattice);
 
-/** Sort, and assemble. Blocks that are not positive definite are shifted until they are. */
+/** Assemble, for what is sorted. Blocks that are not positive definite are shifted until they are. */
 void pl_lattice_assemble(pl_lattice *lattice);
 
 /** Set the forces of vertices from those of the stars' nodes, [n_stars][dim]. */

@@ -224,7 +224,6 @@ static void invert_layer(const pl_layer_pass *p, int64_t layer) {
 }
 
 void pl_lattice_assemble(pl_lattice *l) {
-    pl_lattice_sort(l);
     for (int i = 0; i < l->n_levels; i++) {
         const pl_grid *g = &l->grid[i];
         pl_layer_pass pass = {.l = l, .g = g};
