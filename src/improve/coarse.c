@@ -11,15 +11,18 @@
 #include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/parts.h"
+#include "plan/ghosts.h"
 
 #include <math.h>
 #include <string.h>
 
 enum {
-    CHUNK = 256,   /* stars that one thread takes at a time */
-    STEPS = 12,    /* at most, */
-    TRIALS = 3,    /* lengths that are tried in each */
-    SOLUTIONS = 20 /* and iterations of its conjugate gradients */
+    CHUNK = 256,    /* stars that one thread takes at a time */
+    STEPS = 12,     /* at most, */
+    TRIALS = 3,     /* lengths that are tried in each */
+    SOLUTIONS = 20, /* and iterations of its conjugate gradients */
+    FEWEST = 512    /* free nodes; between fewer of them sweeps carry a correction soon */
 };
 
 /* Spacing of the finest grid, by the mean length of edges. */
@@ -39,9 +42,9 @@ enum {
 typedef struct coarse_steps {
     pl_run *r;
     pl_lattice lattice;
-    double *force, *move;  /* [n_stars][dim] */
-    double *start;         /* [n_nodes][dim] coordinates before the step */
-    double part;           /* of the way, in the last step */
+    double *force, *move;  /* [n_stars][3] */
+    double *start;         /* [n_nodes][3] coordinates before the step */
+    double part;           /* of the way, in this trial */
     int is_first;          /* step */
     double rr2, acuteness; /* no element may become worse */
     pl_sum work;           /* force . move */
@@ -50,60 +53,92 @@ typedef struct coarse_steps {
 static void force_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const coarse_steps *c = context;
     const pl_star_problem *problem = &c->r->problem;
-    const planish_plan *plan = c->r->plan;
-    pl_star_evaluate_fn *evaluate = pl_star_ratio_of(plan->kernel, problem, plan->dim);
+    pl_star_evaluate_fn *evaluate = pl_star_ratio_of(c->r->plan->kernel, problem, 3);
     double *scratch = pl_star_scratch_of(problem, thread);
     for (int64_t i = begin; i < end; i++) {
         pl_star_value value;
         const int is_sure =
             evaluate(problem, i, scratch, PL_GRADIENT_ALONE, &value) && value.certain;
-        for (int d = 0; d < plan->dim; d++)
-            c->force[i * plan->dim + d] = is_sure ? -value.gradient[d] : 0;
+        for (int d = 0; d < 3; d++)
+            c->force[i * 3 + d] = is_sure && isfinite(value.gradient[d]) ? -value.gradient[d] : 0;
     }
 }
 
 static void work_chunk(void *context, int64_t begin, int64_t end, int thread) {
     coarse_steps *c = context;
-    const int dim = c->r->plan->dim;
     pl_sum sum = {{0}, 0, 0, 0, 0};
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         double of_node = 0;
-        for (int d = 0; d < dim; d++)
-            of_node += c->force[i * dim + d] * c->move[i * dim + d];
+        for (int d = 0; d < 3; d++)
+            of_node += c->force[i * 3 + d] * c->move[i * 3 + d];
         pl_sum_add(&sum, of_node);
     }
     pl_sum_merge(&c->work, &sum);
 }
 
-/** Find the moves of Newton's step. Return 0 if they do not lower F. */
-static int find_moves(coarse_steps *c) {
+/** Ask whether the run is to end, in all processes. */
+static int ask_all(coarse_steps *c, pl_sweep_tally *tally) {
+    tally->stopped = pl_run_ask_all(c->r, tally->colours, 0);
+    return tally->stopped;
+}
+
+/** A step that asks between its parts. */
+typedef struct asking {
+    coarse_steps *c;
+    pl_sweep_tally *tally;
+} asking;
+
+static int ask_in_solution(void *context) {
+    const asking *a = context;
+    return ask_all(a->c, a->tally);
+}
+
+/** Find the moves of Newton's step, with a new Hessian or the last one. Return 0 if they do not lower
+ *  F, or the work was cut short. */
+static int find_moves(coarse_steps *c, int is_anew, pl_sweep_tally *tally) {
     const planish_plan *plan = c->r->plan;
     const int64_t n = plan->interior.stars.n_stars;
+    asking a = {c, tally};
+    if (is_anew) {
+        pl_lattice_sort(&c->lattice);
+        pl_lattice_assemble(&c->lattice);
+        if (ask_all(c, tally))
+            return 0;
+    }
     pl_parallel_for(plan->threads, n, CHUNK, force_chunk, c);
-    pl_lattice_restrict(&c->lattice, c->force);
-    pl_lattice_solve(&c->lattice, SOLVED, SOLUTIONS);
+    if (!pl_lattice_restrict(&c->lattice, c->force) ||
+        pl_lattice_solve(&c->lattice, SOLVED, SOLUTIONS, ask_in_solution, &a))
+        return 0;
     pl_lattice_prolong(&c->lattice, c->move);
     c->work = (pl_sum){{0}, 0, 0, 0, 0};
     pl_parallel_for(plan->threads, n, CHUNK, work_chunk, c);
+    pl_parts_add_sums(&c->work, 1);
     return pl_sum_value(&c->work) > 0;
 }
 
 static void move_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const coarse_steps *c = context;
     const planish_plan *plan = c->r->plan;
-    const int dim = plan->dim;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         const int32_t node = plan->interior.centre[i];
-        const double *start = c->start + (int64_t)node * dim;
+        const double *start = c->start + (int64_t)node * 3;
         double x[3];
-        for (int d = 0; d < dim; d++)
-            x[d] = start[d] + c->part * c->move[i * dim + d];
-        const int fits = pl_star_admit(&c->r->problem, node, dim, x);
-        memcpy(plan->scratch.coordinates + (int64_t)node * dim, fits ? x : start,
-               (size_t)dim * sizeof *x);
+        for (int d = 0; d < 3; d++)
+            x[d] = start[d] + c->part * c->move[i * 3 + d];
+        const int fits = pl_star_admit(&c->r->problem, node, 3, x);
+        memcpy(plan->scratch.coordinates + (int64_t)node * 3, fits ? x : start, sizeof x);
     }
+}
+
+/** Whether the mesh as measured now may stand: no element is worse than the worst was, none has become
+ *  inverted, and F is lower than before by the part that is asked of a first step, or at all. */
+static int is_better(const coarse_steps *c, const pl_objective_sums *before, int is_whole_step) {
+    const pl_objective_sums *now = &c->r->sums;
+    const double least = !c->is_first ? 1 : is_whole_step ? 1 - GAIN_LEAST : 1 - GAIN_LARGE;
+    return now->ratio[1] < before->ratio[1] * least * least && now->inverted <= before->inverted &&
+           pl_run_is_within(c->r, c->rr2, c->acuteness);
 }
 
 /** Move all nodes, or part of the way, so that F falls and no element becomes worse than the worst.
@@ -111,23 +146,22 @@ static void move_chunk(void *context, int64_t begin, int64_t end, int thread) {
 static double take_moves(coarse_steps *c, pl_sweep_tally *tally) {
     pl_run *r = c->r;
     const planish_plan *plan = r->plan;
-    const size_t size = (size_t)plan->work.n_nodes * (size_t)plan->dim * sizeof *c->start;
+    double *x = plan->scratch.coordinates;
+    const size_t size = (size_t)plan->work.n_nodes * 3 * sizeof *x;
     const pl_objective_sums before = r->sums;
     const double measured = r->measured_sum;
-    memcpy(c->start, plan->scratch.coordinates, size);
-    for (int i = 0; i < TRIALS && !tally->stopped; i++) {
-        c->part = i > 0 ? c->part * SHORTER : 1;
-        /* If the first step gains little, other errors than smooth ones prevail. */
-        const double least = !c->is_first ? 1 : i > 0 ? 1 - GAIN_LARGE : 1 - GAIN_LEAST;
+    memcpy(c->start, x, size);
+    c->part = 1;
+    for (int i = 0; i < TRIALS && !tally->stopped; i++, c->part *= SHORTER) {
         pl_parallel_for(plan->threads, plan->interior.stars.n_stars, CHUNK, move_chunk, c);
+        pl_ghosts_update(plan, x, 3 * (int64_t)sizeof *x);
         pl_run_measure(r);
         tally->stars.visits += plan->interior.n_all;
-        tally->stopped = pl_run_ask_all(r, tally->colours, plan->interior.n_all);
-        if (r->sums.ratio[1] < before.ratio[1] * least * least &&
-            r->sums.inverted <= before.inverted && pl_run_is_within(r, c->rr2, c->acuteness))
+        ask_all(c, tally);
+        if (is_better(c, &before, i == 0))
             return 1 - sqrt(r->sums.ratio[1] / before.ratio[1]);
     }
-    memcpy(plan->scratch.coordinates, c->start, size);
+    memcpy(x, c->start, size);
     r->sums = before;
     r->measured_sum = measured;
     return 0;
@@ -135,11 +169,11 @@ static double take_moves(coarse_steps *c, pl_sweep_tally *tally) {
 
 /** Make one step, counted as a sweep. *gain: part by which the RMS fell. Return not 0 if the work was
  *  cut short. */
-static int make_step(coarse_steps *c, double *gain) {
+static int make_step(coarse_steps *c, int is_anew, double *gain) {
     pl_run *r = c->r;
     pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
     pl_run_begin_sweep(r);
-    *gain = find_moves(c) ? take_moves(c, &tally) : 0;
+    *gain = find_moves(c, is_anew, &tally) ? take_moves(c, &tally) : 0;
     tally.stars.evaluations = tally.stars.visits;
     if (*gain > GAIN_LARGE)
         pl_run_begin_anew(r);
@@ -153,14 +187,11 @@ static int make_steps(coarse_steps *c) {
     enum { NEEDED = 2 }; /* sweeps of a step and of the sweep after it */
     double gain = 1, last = 1;
     for (int i = 0; i < STEPS && pl_run_sweeps_left(c->r) >= NEEDED; i++) {
+        const int is_anew = gain > GAIN_LARGE || gain > GAIN_SLOW * last;
         int64_t visits;
-        if (gain > GAIN_LARGE || gain > GAIN_SLOW * last) {
-            pl_lattice_sort(&c->lattice);
-            pl_lattice_assemble(&c->lattice);
-        }
         last = gain;
         c->is_first = i == 0;
-        if (make_step(c, &gain))
+        if (make_step(c, is_anew, &gain))
             return 1;
         if (gain < GAIN_LEAST)
             return 0;
@@ -170,28 +201,30 @@ static int make_steps(coarse_steps *c) {
     return 0;
 }
 
-/** Whether the mesh is one of simplices whose nodes go by themselves, in this process alone. */
+/** Whether the mesh is one of tetrahedra whose free nodes go by themselves. */
 static int is_suitable(const pl_run *r) {
     const planish_plan *plan = r->plan;
-    return r->plain && !plan->work.corner && !plan->context->part && !pl_watch_is_on(&r->watch) &&
-           plan->sliding.n_all == 0 && plan->interior.n_followers == 0 && plan->n_images == 0;
+    return plan->dim == 3 && plan->interior.n_all >= FEWEST && r->plain && !plan->work.corner &&
+           !pl_watch_is_on(&r->watch) && plan->sliding.n_all == 0 &&
+           plan->interior.n_followers == 0 && plan->n_images == 0;
 }
 
 int pl_run_coarse(pl_run *r) {
     const planish_plan *plan = r->plan;
-    const int64_t n = plan->interior.stars.n_stars * plan->dim;
+    const int64_t n = plan->interior.stars.n_stars * 3;
     const pl_star_limits worst = pl_run_worst_limits(r, 1);
     int stopped = 0;
     if (!is_suitable(r))
         return 0;
+    pl_log(PLANISH_LOG_DETAIL, "sweeps would be slow: Newton's steps on a lattice");
     coarse_steps c = {.r = r,
                       .force = pl_alloc(n, sizeof *c.force),
                       .move = pl_alloc(n, sizeof *c.move),
-                      .start = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *c.start),
-                      .part = 1,
+                      .start = pl_alloc(plan->work.n_nodes * 3, sizeof *c.start),
                       .rr2 = fmax(r->problem.limits.rr2, worst.rr2),
                       .acuteness = fmax(r->problem.limits.acuteness, worst.acuteness)};
-    if (pl_lattice_create(plan, SPACING, &c.lattice) && c.force && c.move && c.start)
+    const int ready = c.force && c.move && c.start;
+    if (!pl_parts_any(!ready) && ready && pl_lattice_create(plan, SPACING, &c.lattice))
         stopped = make_steps(&c);
     pl_lattice_destroy(&c.lattice);
     pl_free(c.force);

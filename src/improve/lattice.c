@@ -4,45 +4,63 @@
 #include "base/memory.h"
 #include "geometry/simplex.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { CHUNK = 1024 };
 
 /* ---- which grids ----------------------------------------------------------------------------- */
 
-/* Vertices of the finest grid for each star at most; stars without any would be too few for one. */
-#define VERTICES_PER_STAR 0.5
+/* Vertices of the finest grid for each star at most, which bounds memory; and at all, because each
+ * process has all vertices: a gigabyte. */
+#define VERTICES_PER_STAR 0.25
+#define VERTICES_MOST     0x1p20
 /* A grid suits elements whose nodes are this part of its spacing apart, or less. */
 #define LARGEST_EDGE 0.8
-enum { SAMPLES = 4096, COARSEST = 4 };
+enum { COARSEST = 4 };
 
-/** Twice, or six times, the measure of an element, in units. */
+/** Six times the measure of an element, in units. */
 static double determinant_of(const pl_lattice *l, int64_t element) {
-    const planish_plan *plan = l->plan;
-    const int dim = plan->dim;
-    const double *x[PL_MAX_CORNERS];
+    const double *x[PL_CORNERS];
     double e[3][3] = {{0}};
-    for (int j = 0; j <= dim; j++)
-        x[j] = plan->scratch.coordinates + (int64_t)pl_plan_inner(plan, element, j) * dim;
-    for (int j = 0; j < dim; j++)
-        for (int d = 0; d < dim; d++)
+    for (int j = 0; j < PL_CORNERS; j++)
+        x[j] = l->plan->scratch.coordinates + (int64_t)pl_plan_inner(l->plan, element, j) * 3;
+    for (int j = 0; j < 3; j++)
+        for (int d = 0; d < 3; d++)
             e[j][d] = (x[j + 1][d] - x[0][d]) * l->per_unit;
-    return fabs(pl_determinant_of_edges(dim, e));
+    return fabs(pl_determinant_of_edges(3, e));
 }
 
-/** Mean length of edges at some of the stars. */
+/** Lengths of the edges at stars under way. */
+typedef struct edge_pass {
+    const planish_plan *plan;
+    pl_sum sum;
+} edge_pass;
+
+static void edge_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    edge_pass *p = context;
+    const pl_stars *stars = &p->plan->interior.stars;
+    const double *x = p->plan->scratch.coordinates;
+    pl_sum sum = {{0}, 0, 0, 0, 0};
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const double *centre = x + p->plan->interior.centre[i] * (int64_t)3;
+        double of_star = 0;
+        for (int64_t k = stars->ring_offset[i]; k < stars->ring_offset[i + 1]; k++)
+            of_star += pl_distance(3, centre, x + stars->ring[k] * (int64_t)3);
+        pl_sum_add(&sum, of_star);
+    }
+    pl_sum_merge(&p->sum, &sum);
+}
+
+/** Mean length of edges at the stars of all processes; 0 if there are none. */
 static double edge_length(const planish_plan *plan) {
     const pl_stars *stars = &plan->interior.stars;
-    const int64_t step = stars->n_stars > SAMPLES ? stars->n_stars / SAMPLES : 1;
-    const int dim = plan->dim;
-    double mean = 0, n = 0;
-    for (int64_t i = 0; i < stars->n_stars; i += step) {
-        const double *x = plan->scratch.coordinates + plan->interior.centre[i] * (int64_t)dim;
-        for (int64_t k = stars->ring_offset[i]; k < stars->ring_offset[i + 1]; k++, n++)
-            mean += pl_distance(dim, x, plan->scratch.coordinates + stars->ring[k] * (int64_t)dim);
-    }
-    return n > 0 ? mean / n : 0;
+    edge_pass pass = {.plan = plan};
+    int64_t n = stars->ring_offset[stars->n_stars];
+    pl_parallel_for(plan->threads, stars->n_stars, CHUNK, edge_chunk, &pass);
+    pl_parts_add_sums(&pass.sum, 1);
+    pl_parts_add(&n, 1);
+    return n > 0 ? pl_sum_value(&pass.sum) / (double)n : 0;
 }
 
 /** Set the numbers of vertices of all grids, the finest of spacing; returns those of the finest. */
@@ -50,7 +68,7 @@ static double size_grids(pl_lattice *l, const double extent[3], double spacing) 
     double vertices = 1;
     int64_t n[3] = {1, 1, 1}, most = 0;
     l->spacing = spacing;
-    for (int d = 0; d < l->dim; d++) {
+    for (int d = 0; d < 3; d++) {
         const double cells = extent[d] / spacing + 1;
         vertices *= cells + 1;
         n[d] = cells < 1e9 ? (int64_t)cells + 2 : 1000000000;
@@ -64,7 +82,7 @@ static double size_grids(pl_lattice *l, const double extent[3], double spacing) 
         if (most <= COARSEST)
             break;
         most = 0;
-        for (int d = 0; d < l->dim; d++) {
+        for (int d = 0; d < 3; d++) {
             n[d] = n[d] / 2 + 1;
             most = n[d] > most ? n[d] : most;
         }
@@ -72,27 +90,35 @@ static double size_grids(pl_lattice *l, const double extent[3], double spacing) 
     return vertices;
 }
 
-static int place_grids(pl_lattice *l, double spacing) {
-    const planish_plan *plan = l->plan;
+/** Set box to {upper, -lower} coordinates of the nodes at stars, in all processes. */
+static void find_box(const planish_plan *plan, double box[6]) {
     const pl_stars *stars = &plan->interior.stars;
-    const double most = VERTICES_PER_STAR * (double)plan->interior.stars.n_stars + 64;
-    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-    double extent[3] = {0};
+    for (int d = 0; d < 6; d++)
+        box[d] = -INFINITY;
     for (int64_t k = 0; k < stars->ring_offset[stars->n_stars]; k++)
-        for (int d = 0; d < l->dim; d++) {
-            const double x = plan->scratch.coordinates[stars->ring[k] * (int64_t)l->dim + d];
-            lower[d] = x < lower[d] ? x : lower[d];
-            upper[d] = x > upper[d] ? x : upper[d];
+        for (int d = 0; d < 3; d++) {
+            const double x = plan->scratch.coordinates[stars->ring[k] * (int64_t)3 + d];
+            box[d] = x > box[d] ? x : box[d];
+            box[d + 3] = -x > box[d + 3] ? -x : box[d + 3];
         }
-    spacing *= edge_length(plan);
-    for (int d = 0; d < l->dim; d++)
-        extent[d] = upper[d] - lower[d];
-    if (!(spacing > 0) || !(spacing < INFINITY))
+    pl_parts_largest(box, 6);
+}
+
+static int place_grids(pl_lattice *l, double spacing) {
+    const double per_star = VERTICES_PER_STAR * (double)l->plan->interior.n_all + 64;
+    const double most = per_star < VERTICES_MOST ? per_star : VERTICES_MOST;
+    double box[6], extent[3];
+    find_box(l->plan, box);
+    spacing *= edge_length(l->plan);
+    for (int d = 0; d < 3; d++)
+        extent[d] = box[d] + box[d + 3];
+    if (!(spacing > 0) || !(spacing < INFINITY) ||
+        !(fmin(extent[0], fmin(extent[1], extent[2])) >= 0))
         return 0;
     while (size_grids(l, extent, spacing) > most)
         spacing *= 1.25;
-    for (int d = 0; d < l->dim; d++)
-        l->origin[d] = lower[d] - 0.5 * spacing;
+    for (int d = 0; d < 3; d++)
+        l->origin[d] = -box[d + 3] - 0.5 * spacing;
     l->per_unit = 1 / spacing;
     return 1;
 }
@@ -107,70 +133,75 @@ typedef struct element_pass {
     int is_known; /* the simplices of the finest grid */
 } element_pass;
 
-/** Middle of an element in units; 0 if it has no free node. */
-PL_INLINE int middle_of(const pl_lattice *l, int64_t element, double *x, const int dim) {
+/** Middle of an element in units; 0 if it has no free node, or another process counts it. */
+PL_INLINE int middle_of(const pl_lattice *l, int64_t element, double *x) {
+    const uint8_t *is_counted = l->plan->work.is_counted;
     int any = 0;
     double node[3];
-    for (int d = 0; d < dim; d++)
+    for (int d = 0; d < 3; d++)
         x[d] = 0;
-    for (int j = 0; j <= dim; j++) {
+    for (int j = 0; j < PL_CORNERS; j++) {
         const int32_t inner = pl_plan_inner(l->plan, element, j);
         any |= l->is_free[inner];
-        pl_unit_place(l, inner, node, dim);
-        for (int d = 0; d < dim; d++)
-            x[d] += node[d] * (1.0 / (dim + 1));
+        pl_unit_place(l, inner, node);
+        for (int d = 0; d < 3; d++)
+            x[d] += node[d] * 0.25;
     }
-    return any;
+    return any && (!is_counted || is_counted[element]);
 }
 
 enum { AHEAD = 12 };
 
 /** Ask for the nodes of an element that will be looked at soon. */
-PL_INLINE void fetch_element(const pl_lattice *l, int64_t element, const int dim) {
-    for (int j = 0; j <= dim; j++)
+PL_INLINE void fetch_element(const pl_lattice *l, int64_t element) {
+    for (int j = 0; j < PL_CORNERS; j++)
         __builtin_prefetch(l->plan->scratch.coordinates +
-                           (int64_t)pl_plan_inner(l->plan, element, j) * dim);
+                           (int64_t)pl_plan_inner(l->plan, element, j) * 3);
 }
 
 static void largest_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const element_pass *p = context;
     const pl_lattice *l = p->l;
-    double x[3] = {0};
+    double x[3];
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         if (i + AHEAD < l->plan->work.n_elements)
-            fetch_element(l, i + AHEAD, l->dim);
-        const int any = l->dim == 3 ? middle_of(l, i, x, 3) : middle_of(l, i, x, 2);
+            fetch_element(l, i + AHEAD);
         l->simplex_of[i] = -1;
-        if (!any)
+        if (!middle_of(l, i, x))
             continue;
-        const pl_cube_place place =
-            l->dim == 3 ? pl_cube_at(&l->grid[0], x, 3) : pl_cube_at(&l->grid[0], x, 2);
+        const pl_cube_place place = pl_cube_at(&l->grid[0], x);
         const double largest = determinant_of(l, i);
         if (largest > p->largest[place.vertex]) /* seldom, and then for sure */
             pl_raise_double(&p->largest[place.vertex], largest);
-        l->simplex_of[i] =
-            (int32_t)(place.vertex * pl_orders_of(l->dim) + pl_find_order(place.along, l->dim));
+        l->simplex_of[i] = (int32_t)(place.vertex * PL_SIMPLICES + pl_find_order(place.along));
     }
+}
+
+/** Set values [n] to the largest of the processes. */
+static void find_largest_of_parts(double *values, int64_t n) {
+    enum { AT_ONCE = 64 };
+    if (!pl_part_here())
+        return;
+    for (int64_t i = 0; i < n; i += AT_ONCE)
+        pl_parts_largest(values + i, (int)(n - i < AT_ONCE ? n - i : AT_ONCE));
 }
 
 /** Set which vertices are active, from the largest element in each cube; then largest is that of the
  *  next grid. */
 static void activate(const pl_lattice *l, int level, double *largest) {
+    enum { CUBES = 8 }; /* at a vertex */
     const pl_grid *g = &l->grid[level];
-    const int is_last = level == l->n_levels - 1, corners = 1 << l->dim;
-    double limit = 1;
-    for (int d = 0; d < l->dim; d++)
-        limit *= LARGEST_EDGE / g->per_spacing;
+    const int is_last = level == l->n_levels - 1;
+    const double edge = LARGEST_EDGE / g->per_spacing, limit = edge * edge * edge;
     for (int64_t v = 0; v < g->n_vertices; v++) {
-        const int64_t at[3] = {v % g->n[0], v / g->n[0] % g->n[1], v / g->n[0] / g->n[1]};
+        int64_t at[3];
         double most = 0;
-        for (int bits = 0; bits < corners; bits++) {
-            int inside = 1;
-            for (int d = 0; d < l->dim; d++)
-                inside &= (bits >> d & 1) == 0 || at[d] > 0;
-            if (inside)
-                most = fmax(most, largest[v - pl_offset_of(g, bits)]);
+        pl_find_coordinates(g, v, at);
+        for (int bits = 0; bits < CUBES; bits++) {
+            const int64_t cube = pl_vertex_by(g, at, bits, -1).number;
+            if (cube >= 0)
+                most = fmax(most, largest[cube]);
         }
         g->is_active[v] = most > 0 && (is_last || most <= limit);
     }
@@ -178,65 +209,73 @@ static void activate(const pl_lattice *l, int level, double *largest) {
         return;
     const pl_grid *next = g + 1;
     for (int64_t v = 0; v < next->n_vertices; v++) {
-        const int64_t at[3] = {v % next->n[0], v / next->n[0] % next->n[1],
-                               v / next->n[0] / next->n[1]};
+        int64_t twice[3];
         double most = 0;
-        for (int bits = 0; bits < corners; bits++) {
-            int64_t fine = 0;
-            int inside = 1;
-            for (int d = 0; d < l->dim; d++) {
-                const int64_t i = 2 * at[d] + (bits >> d & 1);
-                inside &= i < g->n[d];
-                fine += i * pl_stride_of(g, d);
-            }
-            if (inside)
+        pl_find_coordinates(next, v, twice);
+        for (int d = 0; d < 3; d++)
+            twice[d] *= 2;
+        for (int bits = 0; bits < CUBES; bits++) {
+            const int64_t fine = pl_vertex_by(g, twice, bits, 1).number;
+            if (fine >= 0)
                 most = fmax(most, largest[fine]);
         }
         largest[v] = most; /* of cubes further on: those before are not needed any more */
     }
 }
 
-int pl_lattice_create(const planish_plan *plan, double spacing, pl_lattice *l) {
-    const int64_t m = plan->work.n_elements, n_stars = plan->interior.stars.n_stars;
-    const int dim = plan->dim, entries = dim * dim;
+/** Allocate the arrays of a grid whose n is set. Returns 0 without memory. */
+static int allocate_grid(pl_grid *g) {
+    const int64_t n = g->n_vertices;
+    double **fields[] = {&g->force, &g->move, &g->rest, &g->load, &g->way, &g->image, &g->total};
     int ready = 1;
-    *l = (pl_lattice){.plan = plan, .dim = dim};
-    if (!place_grids(l, spacing))
-        return 0;
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
+        *fields[i] = pl_alloc_zero(n * 3, sizeof(double));
+        ready = ready && *fields[i];
+    }
+    g->stiffness = pl_alloc(n * PL_LATTICE_BLOCKS * PL_LATTICE_BLOCK, sizeof(double));
+    g->inverse = pl_alloc(n * PL_LATTICE_BLOCK, sizeof(double));
+    g->is_active = pl_alloc_zero(n, 1);
+    return ready && g->stiffness && g->inverse && g->is_active;
+}
+
+/** Allocate the lattice for grids whose sizes are known. Returns 0 without memory. */
+static int allocate(pl_lattice *l) {
+    const int64_t m = l->plan->work.n_elements, n_stars = l->plan->interior.stars.n_stars;
+    int ready = 1;
     for (int i = 0; i < l->n_levels; i++) {
         pl_grid *g = &l->grid[i];
         g->n_vertices = g->n[0] * g->n[1] * g->n[2];
         g->first = l->n_simplices;
-        l->n_simplices += g->n_vertices * pl_orders_of(dim);
-        g->stiffness = pl_alloc(g->n_vertices * PL_LATTICE_BLOCKS * entries, sizeof(double));
-        g->inverse = pl_alloc(g->n_vertices * entries, sizeof(double));
-        g->force = pl_alloc_zero(g->n_vertices * dim, sizeof(double));
-        g->move = pl_alloc_zero(g->n_vertices * dim, sizeof(double));
-        g->rest = pl_alloc_zero(g->n_vertices * dim, sizeof(double));
-        g->load = pl_alloc_zero(g->n_vertices * dim, sizeof(double));
-        g->way = pl_alloc_zero(g->n_vertices * dim, sizeof(double));
-        g->image = pl_alloc_zero(g->n_vertices * dim, sizeof(double));
-        g->total = pl_alloc_zero(g->n_vertices * dim, sizeof(double));
-        g->is_active = pl_alloc_zero(g->n_vertices, 1);
-        ready = ready && g->way && g->image && g->total && g->load && g->stiffness && g->inverse &&
-                g->force && g->move && g->rest && g->is_active;
+        l->n_simplices += g->n_vertices * PL_SIMPLICES;
+        ready = allocate_grid(g) && ready;
     }
-    l->is_free = pl_alloc_zero(plan->work.n_nodes, 1);
+    l->is_free = pl_alloc_zero(l->plan->work.n_nodes, 1);
     l->simplex_of = pl_alloc(m > n_stars ? m : n_stars, sizeof(int32_t));
     l->element = pl_alloc(m, sizeof(int32_t));
-    l->corner = pl_alloc(m * (dim + 1), sizeof(int32_t));
-    l->of_layer = pl_alloc(l->grid[0].n[dim - 1], sizeof(double));
+    l->corner = pl_alloc(m * PL_CORNERS, sizeof(int32_t));
+    l->of_layer = pl_alloc(l->grid[0].n[2], sizeof(double));
     l->element_begin = pl_alloc(l->n_simplices + 1, sizeof(int64_t));
     l->star = pl_alloc(n_stars, sizeof(int32_t));
     l->star_begin = pl_alloc(l->n_simplices + 1, sizeof(int64_t));
+    return ready && l->is_free && l->corner && l->of_layer && l->simplex_of && l->element &&
+           l->element_begin && l->star && l->star_begin;
+}
+
+int pl_lattice_create(const planish_plan *plan, double spacing, pl_lattice *l) {
+    const uint8_t *mobility = plan->work.mobility;
+    *l = (pl_lattice){.plan = plan};
+    if (!place_grids(l, spacing))
+        return 0;
+    int ready = allocate(l);
     double *largest = pl_alloc_zero(l->grid[0].n_vertices, sizeof *largest);
-    ready = ready && l->is_free && l->corner && l->of_layer && l->simplex_of && l->element &&
-            l->element_begin && l->star && l->star_begin && largest && l->n_simplices < INT32_MAX;
+    ready = ready && largest && l->n_simplices < INT32_MAX;
+    ready = !pl_parts_any(!ready) && ready; /* if the others are not reached, too */
     if (ready) {
         element_pass pass = {.l = l, .largest = largest};
-        for (int64_t i = 0; i < n_stars; i++)
-            l->is_free[plan->interior.centre[i]] = 1;
-        pl_parallel_for(plan->threads, m, CHUNK, largest_chunk, &pass);
+        for (int64_t i = 0; i < plan->work.n_nodes; i++)
+            l->is_free[plan->inner[i]] = mobility[i] == PL_INTERIOR;
+        pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, largest_chunk, &pass);
+        find_largest_of_parts(largest, l->grid[0].n_vertices);
         for (int i = 0; i < l->n_levels; i++)
             activate(l, i, largest);
         l->is_known = 1;
@@ -266,41 +305,30 @@ void pl_lattice_destroy(pl_lattice *l) {
 /* ---- elements and nodes by simplices --------------------------------------------------------- */
 
 /** Whether a vertex of a simplex is active. */
-PL_INLINE int is_simplex_active(const pl_grid *g, int64_t number, const int dim) {
-    int64_t vertex = (number - g->first) / pl_orders_of(dim);
-    const int *way = pl_order_of(dim, (number - g->first) % pl_orders_of(dim));
+PL_INLINE int is_simplex_active(const pl_grid *g, int64_t number) {
+    int64_t vertex = (number - g->first) / PL_SIMPLICES;
+    const int *way = PL_ORDERS[(number - g->first) % PL_SIMPLICES];
     int active = g->is_active[vertex];
-    for (int d = 0; d < dim; d++)
+    for (int d = 0; d < 3; d++)
         active |= g->is_active[vertex += pl_stride_of(g, way[d])];
     return active;
 }
 
-PL_INLINE void element_range(const element_pass *p, int64_t begin, int64_t end, const int dim) {
+static void element_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const element_pass *p = context;
     const pl_lattice *l = p->l;
-    double x[3] = {0};
+    double x[3];
+    (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        if (!p->is_known && i + AHEAD < p->n)
-            fetch_element(l, i + AHEAD, dim);
         int64_t of = p->is_known ? l->simplex_of[i] : -1;
-        if (p->is_known ? of >= 0 && !is_simplex_active(&l->grid[0], of, dim)
-                        : middle_of(l, i, x, dim)) {
-            if (p->is_known)
-                middle_of(l, i, x, dim);
-            of = pl_simplex_at(l, x, dim);
-        }
+        if (!p->is_known && i + AHEAD < p->n)
+            fetch_element(l, i + AHEAD);
+        if (p->is_known ? of >= 0 && !is_simplex_active(&l->grid[0], of) : 1)
+            of = middle_of(l, i, x) ? pl_simplex_at(l, x) : -1;
         l->simplex_of[i] = (int32_t)of;
         if (of >= 0)
             __atomic_fetch_add(&p->count[of], 1, __ATOMIC_RELAXED);
     }
-}
-
-static void element_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const element_pass *p = context;
-    (void)thread;
-    if (p->l->dim == 3)
-        element_range(p, begin, end, 3);
-    else
-        element_range(p, begin, end, 2);
 }
 
 static void star_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -309,43 +337,23 @@ static void star_chunk(void *context, int64_t begin, int64_t end, int thread) {
     double x[3];
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const int64_t node = l->plan->interior.centre[i];
-        int64_t of;
-        if (l->dim == 3) {
-            pl_unit_place(l, node, x, 3);
-            of = pl_simplex_at(l, x, 3);
-        } else {
-            pl_unit_place(l, node, x, 2);
-            of = pl_simplex_at(l, x, 2);
-        }
+        pl_unit_place(l, l->plan->interior.centre[i], x);
+        const int64_t of = pl_simplex_at(l, x);
         l->simplex_of[i] = (int32_t)of;
         __atomic_fetch_add(&p->count[of], 1, __ATOMIC_RELAXED);
     }
 }
 
-/** Put each to its simplex, from the simplex' end backwards. */
+/** Put each to its simplex, both from the end backwards: neighbours in memory stay neighbours. */
 static void put_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const element_pass *p = context;
     (void)thread;
-    for (int64_t i = begin; i < end; i++) {
+    for (int64_t k = begin; k < end; k++) {
+        const int64_t i = p->n - 1 - k;
         const int32_t of = p->l->simplex_of[i];
         if (of >= 0)
             p->of[__atomic_sub_fetch(&p->count[of], 1, __ATOMIC_RELAXED)] = (int32_t)i;
     }
-}
-
-/** Sort the few of each simplex: threads have put them in any order. */
-static void order_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const element_pass *p = context;
-    (void)thread;
-    for (int64_t s = begin; s < end; s++)
-        for (int64_t i = p->count[s] + 1; i < p->count[s + 1]; i++) {
-            const int32_t value = p->of[i];
-            int64_t k = i;
-            for (; k > p->count[s] && p->of[k - 1] > value; k--)
-                p->of[k] = p->of[k - 1];
-            p->of[k] = value;
-        }
 }
 
 /** Sort n elements or stars, whose simplices chunk finds, to array of; begin [n_simplices + 1]. */
@@ -360,38 +368,45 @@ static void sort_by_simplices(pl_lattice *l, pl_chunk_fn *chunk, int is_known, i
     for (int64_t i = 0; i <= l->n_simplices; i++)
         begin[i] = sum += begin[i];
     pl_parallel_for(threads, n, CHUNK, put_chunk, &pass);
-    pl_parallel_for(threads, l->n_simplices, CHUNK, order_chunk, &pass);
-    for (int i = 0; i < l->n_levels; i++) {
-        const int64_t first = l->grid[i].first;
-        l->grid[i].has_own |=
-            begin[first + l->grid[i].n_vertices * pl_orders_of(l->dim)] > begin[first];
-    }
 }
 
 /** Note the nodes of elements that are in order. */
 static void corner_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const pl_lattice *l = context;
     const int32_t *elements = l->plan->work.elements;
-    const int corners = l->dim + 1;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         if (i + 32 < end)
-            __builtin_prefetch(elements + (int64_t)l->element[i + 32] * corners);
+            __builtin_prefetch(elements + (int64_t)l->element[i + 32] * PL_CORNERS);
         if (i + 16 < end)
-            for (int j = 0; j < corners; j++)
+            for (int j = 0; j < PL_CORNERS; j++)
                 __builtin_prefetch(l->plan->inner +
-                                   elements[(int64_t)l->element[i + 16] * corners + j]);
-        for (int j = 0; j < corners; j++)
-            l->corner[i * corners + j] = pl_plan_inner(l->plan, l->element[i], j);
+                                   elements[(int64_t)l->element[i + 16] * PL_CORNERS + j]);
+        for (int j = 0; j < PL_CORNERS; j++)
+            l->corner[i * PL_CORNERS + j] = pl_plan_inner(l->plan, l->element[i], j);
     }
+}
+
+/** Set which grids have elements or nodes, in any process. */
+static void find_owners(pl_lattice *l) {
+    int64_t n[PL_LATTICE_LEVELS] = {0};
+    for (int i = 0; i < l->n_levels; i++) {
+        const int64_t first = l->grid[i].first, end = first + l->grid[i].n_vertices * PL_SIMPLICES;
+        n[i] = l->element_begin[end] - l->element_begin[first];
+        n[i] += l->star_begin[end] - l->star_begin[first];
+    }
+    pl_parts_add(n, l->n_levels);
+    for (int i = 0; i < l->n_levels; i++)
+        l->grid[i].has_own = n[i] > 0;
 }
 
 void pl_lattice_sort(pl_lattice *l) {
     const int64_t m = l->plan->work.n_elements, n_stars = l->plan->interior.stars.n_stars;
-    for (int i = 0; i < l->n_levels; i++)
-        l->grid[i].has_own = 0;
     sort_by_simplices(l, element_chunk, l->is_known, m, l->element, l->element_begin);
-    pl_parallel_for(l->plan->threads, l->element_begin[l->n_simplices], CHUNK, corner_chunk, l);
+    l->n_terms = l->element_begin[l->n_simplices];
+    pl_parallel_for(l->plan->threads, l->n_terms, CHUNK, corner_chunk, l);
     l->is_known = 0;
     sort_by_simplices(l, star_chunk, 0, n_stars, l->star, l->star_begin);
+    pl_parts_add(&l->n_terms, 1);
+    find_owners(l);
 }

@@ -1,9 +1,14 @@
-/* lattice: displacements that are linear on the simplices of regular grids, and multigrid for them.
+/* lattice: displacements that are linear on the simplices of regular grids in space, and multigrid
+ * for them.
  *
- * Each cube of a grid is cut into dim! simplices along its main diagonal (Freudenthal, Annals of
+ * Each cube of a grid is cut into six simplices along its main diagonal (Freudenthal, Annals of
  * Mathematics 43, 1942). Simplices of a grid of half the spacing lie within those of the other one.
  * Where elements are too large for a grid its vertices are not active, and elements and nodes belong
  * to a coarser one. The unit of coordinates is the spacing of the finest grid.
+ *
+ * Terms of elements and nodes are rounded to multiples of one power of two, so that their sums are
+ * exact in any order. Threads and processes therefore get the same bits. If the mesh is in parts,
+ * each process has all vertices of all grids, and the elements and nodes of its part.
  *
  *   pl_lattice_create, _destroy    grids for the mesh as it is
  *   pl_lattice_sort                elements and nodes by simplices
@@ -17,21 +22,22 @@
 
 enum {
     PL_LATTICE_LEVELS = 24,
-    PL_LATTICE_BLOCKS = 8, /* of a vertex with itself and those at offsets 0 or 1 */
+    PL_LATTICE_BLOCKS = 8, /* of a vertex with itself and those at offsets 0 or 1, */
+    PL_LATTICE_BLOCK = 9   /* entries of each, by rows */
 };
 
 /** One grid; vertices are numbered x first. Arrays are owned. */
 typedef struct pl_grid {
-    int64_t n[3]; /* vertices along each direction; in 2-D n[2] is 1 */
+    int64_t n[3]; /* vertices along each direction */
     int64_t n_vertices;
-    int64_t first;        /* number of its first simplex: (vertex at the corner) dim! + order */
-    double per_spacing;   /* spacings of this grid per unit */
-    double *stiffness;    /* [n_vertices][PL_LATTICE_BLOCKS][dim * dim] */
-    double *inverse;      /* [n_vertices][dim * dim] of the blocks of the vertices themselves */
-    double *force, *move; /* [n_vertices][dim] of what belongs to this grid; about their solution */
-    double *load;         /* [n_vertices][dim] force, and the rest of finer grids */
-    double *rest;         /* [n_vertices][dim] */
-    double *way, *image, *total; /* [n_vertices][dim] of conjugate gradients */
+    int64_t first;      /* number of its first simplex: (vertex at the corner) 6 + order */
+    double per_spacing; /* spacings of this grid per unit */
+    double *stiffness;  /* [n_vertices][PL_LATTICE_BLOCKS][PL_LATTICE_BLOCK] */
+    double *inverse; /* [n_vertices][PL_LATTICE_BLOCK] of the blocks of the vertices themselves */
+    double *force, *move; /* [n_vertices][3] of what belongs to this grid; about their solution */
+    double *load;         /* [n_vertices][3] force, and the rest of finer grids */
+    double *rest;         /* [n_vertices][3] */
+    double *way, *image, *total; /* [n_vertices][3] of conjugate gradients */
     int has_own;                 /* elements or nodes belong to it, not to finer grids */
     uint8_t *is_active;          /* [n_vertices] */
 } pl_grid;
@@ -39,24 +45,24 @@ typedef struct pl_grid {
 /** Grids, the finest first; and what lies in them. */
 typedef struct pl_lattice {
     const planish_plan *plan;
-    int dim;
     double origin[3], spacing, per_unit; /* of the mesh's coordinates; of the finest grid */
     int n_levels;
     pl_grid grid[PL_LATTICE_LEVELS];
     int64_t n_simplices;
-    uint8_t *is_free;       /* [nodes of the plan] by inner numbers; 1: the node has a star */
+    int64_t n_terms;        /* elements with a free node, of all processes */
+    uint8_t *is_free;       /* [nodes of the plan] by inner numbers; 1: may go anywhere */
     int32_t *simplex_of;    /* [max(n_elements, n_stars)] room */
     int is_known;           /* simplex_of has elements' simplices of the finest grid */
     int32_t *element;       /* [elements with a free node] by simplices */
-    int32_t *corner;        /* [elements with a free node][dim + 1] their nodes, inner numbers */
+    int32_t *corner;        /* [elements with a free node][4] their nodes, inner numbers */
     double *of_layer;       /* [layers of the finest grid] */
     int64_t *element_begin; /* [n_simplices + 1] */
     int32_t *star;          /* [n_stars] by simplices */
     int64_t *star_begin;    /* [n_simplices + 1] */
 } pl_lattice;
 
-/** Make grids for the mesh as it is, spacing times as wide as edges are long. Returns 0 without
- *  memory, or if the mesh has no extent; destroy the lattice in any case. */
+/** Make grids for the mesh as it is, spacing times as wide as edges are long. Returns 0 in all
+ *  processes if one lacks memory, or if the mesh has no extent; destroy the lattice in any case. */
 int pl_lattice_create(const planish_plan *plan, double spacing, pl_lattice *lattice);
 
 /** Free the arrays of a lattice. */
@@ -68,14 +74,19 @@ void pl_lattice_sort(pl_lattice *lattice);
 /** Assemble, for what is sorted. Blocks that are not positive definite are shifted until they are. */
 void pl_lattice_assemble(pl_lattice *lattice);
 
-/** Set the forces of vertices from those of the stars' nodes, [n_stars][dim]. */
-void pl_lattice_restrict(pl_lattice *lattice, const double *force);
+/** Set the forces of vertices from those of the stars' nodes, [n_stars][3], finite. Returns 0 if all
+ *  are 0 or they are too large. */
+int pl_lattice_restrict(pl_lattice *lattice, const double *force);
+
+/** Function that is asked between iterations; not 0: stop. */
+typedef int pl_lattice_ask_fn(void *context);
 
 /** Find how far the vertices must move for their forces, by conjugate gradients with a V-cycle each:
- *  until the rest has fallen to the part rest, at most n of them. Returns how many there were. */
-int pl_lattice_solve(pl_lattice *lattice, double rest, int n);
+ *  until the rest has fallen to the part rest, at most n of them. Returns not 0 if ask said so. */
+int pl_lattice_solve(pl_lattice *lattice, double rest, int n, pl_lattice_ask_fn *ask,
+                     void *context);
 
-/** Set the moves of the stars' nodes, [n_stars][dim]. */
+/** Set the moves of the stars' nodes, [n_stars][3]. */
 void pl_lattice_prolong(const pl_lattice *lattice, double *move);
 
 #endif

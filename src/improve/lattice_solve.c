@@ -5,79 +5,68 @@
 
 /** Set rest to b - K x of vertex v, without its own block unless with_own; b NULL: 0. */
 PL_INLINE void rest_at(const pl_grid *g, const double *b, const double *x, int64_t v, int with_own,
-                       double *rest, const int dim) {
-    const int n = dim * dim, corners = 1 << dim;
-    for (int d = 0; d < dim; d++)
-        rest[d] = b ? b[v * dim + d] : 0;
-    for (int bits = with_own ? 0 : 1; bits < corners; bits++) {
+                       double *rest) {
+    enum { CORNERS = 8 }; /* of a cube */
+    for (int d = 0; d < 3; d++)
+        rest[d] = b ? b[v * 3 + d] : 0;
+    for (int bits = with_own ? 0 : 1; bits < CORNERS; bits++) {
         const int64_t way = pl_offset_of(g, bits), after = v + way, before = v - way;
         /* Blocks to vertices outside of the grid are 0. */
         if (after < g->n_vertices) {
-            const double *k = g->stiffness + (v * PL_LATTICE_BLOCKS + bits) * n;
-            for (int r = 0; r < dim; r++)
-                for (int c = 0; c < dim; c++)
-                    rest[r] -= k[r * dim + c] * x[after * dim + c];
+            const double *k = g->stiffness + (v * PL_LATTICE_BLOCKS + bits) * PL_LATTICE_BLOCK;
+            for (int r = 0; r < 3; r++)
+                for (int c = 0; c < 3; c++)
+                    rest[r] -= k[r * 3 + c] * x[after * 3 + c];
         }
         if (bits > 0 && before >= 0) {
-            const double *k = g->stiffness + (before * PL_LATTICE_BLOCKS + bits) * n;
-            for (int r = 0; r < dim; r++)
-                for (int c = 0; c < dim; c++)
-                    rest[r] -= k[c * dim + r] * x[before * dim + c];
+            const double *k = g->stiffness + (before * PL_LATTICE_BLOCKS + bits) * PL_LATTICE_BLOCK;
+            for (int r = 0; r < 3; r++)
+                for (int c = 0; c < 3; c++)
+                    rest[r] -= k[c * 3 + r] * x[before * 3 + c];
         }
     }
 }
 
-PL_INLINE void relax_layer(const pl_layer_pass *p, int64_t layer, const int dim) {
+static void relax_layer(const pl_layer_pass *p, int64_t layer) {
     const pl_grid *g = p->g;
-    const int64_t stride = pl_stride_of(g, dim - 1);
+    const int64_t stride = pl_stride_of(g, 2);
     for (int64_t i = 0; i < stride; i++) {
         const int64_t v = layer * stride + (p->is_backward ? stride - 1 - i : i);
         double rest[3];
         if (!g->is_active[v])
             continue;
-        rest_at(g, g->load, g->move, v, 0, rest, dim);
-        for (int r = 0; r < dim; r++) {
+        rest_at(g, g->load, g->move, v, 0, rest);
+        for (int r = 0; r < 3; r++) {
             double sum = 0;
-            for (int c = 0; c < dim; c++)
-                sum += g->inverse[v * dim * dim + r * dim + c] * rest[c];
-            g->move[v * dim + r] = sum;
+            for (int c = 0; c < 3; c++)
+                sum += g->inverse[v * PL_LATTICE_BLOCK + r * 3 + c] * rest[c];
+            g->move[v * 3 + r] = sum;
         }
     }
 }
 
-static void relax_layer_of(const pl_layer_pass *p, int64_t layer) {
-    if (p->l->dim == 3)
-        relax_layer(p, layer, 3);
-    else
-        relax_layer(p, layer, 2);
-}
-
 /** Set y to b - K x. */
-static void rest_layer_of(const pl_layer_pass *p, int64_t layer) {
-    const int dim = p->l->dim;
-    const int64_t stride = pl_stride_of(p->g, dim - 1);
+static void rest_layer(const pl_layer_pass *p, int64_t layer) {
+    const int64_t stride = pl_stride_of(p->g, 2);
     for (int64_t v = layer * stride; v < (layer + 1) * stride; v++)
-        if (dim == 3)
-            rest_at(p->g, p->b, p->x, v, 1, p->y + v * 3, 3);
-        else
-            rest_at(p->g, p->b, p->x, v, 1, p->y + v * 2, 2);
+        rest_at(p->g, p->b, p->x, v, 1, p->y + v * 3);
 }
 
 /** Add x of the finer grid to y of this one. */
-static void restrict_layer_of(const pl_layer_pass *p, int64_t layer) {
+static void restrict_layer(const pl_layer_pass *p, int64_t layer) {
     const pl_grid *g = p->g, *fine = g - 1;
-    const int dim = p->l->dim, corners = 1 << dim;
-    const int64_t stride = pl_stride_of(g, dim - 1);
+    enum { CORNERS = 8 }; /* of a cube */
+    const int64_t stride = pl_stride_of(g, 2);
     for (int64_t v = layer * stride; v < (layer + 1) * stride; v++) {
         int64_t twice[3];
         pl_find_coordinates(g, v, twice);
         for (int d = 0; d < 3; d++)
             twice[d] *= 2;
-        for (int k = 0; k < 2 * corners - 1; k++) {
-            const int bits = k < corners ? k : k - corners + 1;
-            const pl_vertex_at i = pl_vertex_by(fine, twice, bits, k < corners ? 1 : -1);
-            for (int d = 0; i.number >= 0 && d < dim; d++)
-                p->y[v * dim + d] += (bits ? 0.5 : 1) * p->x[i.number * dim + d];
+        for (int k = 0; k < 2 * CORNERS - 1; k++) {
+            const int bits = k < CORNERS ? k : k - CORNERS + 1;
+            const pl_vertex_at i = pl_vertex_by(fine, twice, bits, k < CORNERS ? 1 : -1);
+            for (int d = 0; i.number >= 0 && d < 3; d++)
+                p->y[v * 3 + d] += (bits ? 0.5 : 1) * p->x[i.number * 3 + d];
         }
     }
 }
@@ -85,19 +74,18 @@ static void restrict_layer_of(const pl_layer_pass *p, int64_t layer) {
 /** Add x of the coarser grid to y of this one. */
 static void prolong_layer(const pl_layer_pass *p, int64_t layer) {
     const pl_grid *g = p->g, *coarse = g + 1;
-    const int dim = p->l->dim;
-    const int64_t stride = pl_stride_of(g, dim - 1);
+    const int64_t stride = pl_stride_of(g, 2);
     for (int64_t v = layer * stride; v < (layer + 1) * stride; v++) {
         int64_t at[3], from = 0;
         int parity = 0;
         pl_find_coordinates(g, v, at);
-        for (int d = 0; d < dim; d++) {
+        for (int d = 0; d < 3; d++) {
             from += at[d] / 2 * pl_stride_of(coarse, d);
             parity |= (int)(at[d] & 1) << d;
         }
         const int64_t to = from + pl_offset_of(coarse, parity);
-        for (int d = 0; d < dim; d++)
-            p->y[v * dim + d] += 0.5 * (p->x[from * dim + d] + p->x[to * dim + d]);
+        for (int d = 0; d < 3; d++)
+            p->y[v * 3 + d] += 0.5 * (p->x[from * 3 + d] + p->x[to * 3 + d]);
     }
 }
 
@@ -105,19 +93,19 @@ typedef void layer_body(const pl_layer_pass *pass, int64_t layer);
 
 static void relax(pl_lattice *l, int level, int is_backward) {
     pl_layer_pass pass = {
-        .l = l, .g = &l->grid[level], .body = relax_layer_of, .is_backward = is_backward};
-    pl_visit_layers(&pass, l->grid[level].n[l->dim - 1]);
+        .l = l, .g = &l->grid[level], .body = relax_layer, .is_backward = is_backward};
+    pl_visit_layers(&pass, l->grid[level].n[2]);
 }
 
 /** Call body on the vertices of a grid. */
 static void visit_vertices(pl_lattice *l, int level, layer_body *body, const double *b,
                            const double *x, double *y) {
     pl_layer_pass pass = {.l = l, .g = &l->grid[level], .body = body, .b = b, .x = x, .y = y};
-    pl_visit_layers(&pass, l->grid[level].n[l->dim - 1]);
+    pl_visit_layers(&pass, l->grid[level].n[2]);
 }
 
 static size_t bytes_of(const pl_lattice *l, int level) {
-    return (size_t)(l->grid[level].n_vertices * l->dim) * sizeof(double);
+    return (size_t)(l->grid[level].n_vertices * 3) * sizeof(double);
 }
 
 /** Set move to about the solution for force: one V-cycle. */
@@ -129,11 +117,11 @@ static void cycle(pl_lattice *l) {
         memset(g->move, 0, bytes_of(l, i));
         memcpy(g->load, g->force, bytes_of(l, i));
         if (i > 0)
-            visit_vertices(l, i, restrict_layer_of, NULL, g[-1].rest, g->load);
+            visit_vertices(l, i, restrict_layer, NULL, g[-1].rest, g->load);
         for (int k = 0; k < (i == last ? OF_COARSEST : SMOOTHINGS); k++)
             relax(l, i, 0);
         if (i < last)
-            visit_vertices(l, i, rest_layer_of, g->load, g->move, g->rest);
+            visit_vertices(l, i, rest_layer, g->load, g->move, g->rest);
     }
     for (int i = last; i >= 0; i--) {
         pl_grid *g = &l->grid[i];
@@ -145,7 +133,7 @@ static void cycle(pl_lattice *l) {
 }
 
 static void dot_layer(const pl_layer_pass *p, int64_t layer) {
-    const int64_t stride = pl_stride_of(p->g, p->l->dim - 1) * p->l->dim;
+    const int64_t stride = pl_stride_of(p->g, 2) * 3;
     double sum = 0;
     for (int64_t i = layer * stride; i < (layer + 1) * stride; i++)
         sum += p->b[i] * p->x[i];
@@ -154,14 +142,14 @@ static void dot_layer(const pl_layer_pass *p, int64_t layer) {
 
 /** Set y to x + factor y. */
 static void step_layer(const pl_layer_pass *p, int64_t layer) {
-    const int64_t stride = pl_stride_of(p->g, p->l->dim - 1) * p->l->dim;
+    const int64_t stride = pl_stride_of(p->g, 2) * 3;
     for (int64_t i = layer * stride; i < (layer + 1) * stride; i++)
         p->y[i] = p->x[i] + p->factor * p->y[i];
 }
 
 /** Set y to y + factor x. */
-static void add_layer_of(const pl_layer_pass *p, int64_t layer) {
-    const int64_t stride = pl_stride_of(p->g, p->l->dim - 1) * p->l->dim;
+static void add_layer(const pl_layer_pass *p, int64_t layer) {
+    const int64_t stride = pl_stride_of(p->g, 2) * 3;
     for (int64_t i = layer * stride; i < (layer + 1) * stride; i++)
         p->y[i] += p->factor * p->x[i];
 }
@@ -170,7 +158,7 @@ static void add_layer_of(const pl_layer_pass *p, int64_t layer) {
 static double dot_of(pl_lattice *l, int level, const double *b, const double *x) {
     double sum = 0;
     visit_vertices(l, level, dot_layer, b, x, l->of_layer);
-    for (int64_t i = 0; i < l->grid[level].n[l->dim - 1]; i++)
+    for (int64_t i = 0; i < l->grid[level].n[2]; i++)
         sum += l->of_layer[i];
     return sum;
 }
@@ -179,7 +167,7 @@ static void combine(pl_lattice *l, int level, layer_body *body, double factor, c
                     double *y) {
     pl_layer_pass pass = {
         .l = l, .g = &l->grid[level], .body = body, .x = x, .y = y, .factor = factor};
-    pl_visit_layers(&pass, l->grid[level].n[l->dim - 1]);
+    pl_visit_layers(&pass, l->grid[level].n[2]);
 }
 
 /** Set image to minus the stiffness of what belongs to each grid, times way. */
@@ -188,21 +176,21 @@ static void apply(pl_lattice *l) {
         pl_grid *g = &l->grid[i], *fine = g - 1;
         if (i > 0 && !g->has_own)
             continue;
-        visit_vertices(l, i, rest_layer_of, NULL, g->way, g->image);
+        visit_vertices(l, i, rest_layer, NULL, g->way, g->image);
         if (i == 0)
             continue;
         /* Without what finer grids have. */
         memset(fine->rest, 0, bytes_of(l, i - 1));
         visit_vertices(l, i - 1, prolong_layer, NULL, g->way, fine->rest);
-        visit_vertices(l, i - 1, rest_layer_of, NULL, fine->rest, fine->load);
+        visit_vertices(l, i - 1, rest_layer, NULL, fine->rest, fine->load);
         combine(l, i - 1, step_layer, -2, fine->load, fine->load);
-        visit_vertices(l, i, restrict_layer_of, NULL, fine->load, g->image);
+        visit_vertices(l, i, restrict_layer, NULL, fine->load, g->image);
     }
 }
 
-int pl_lattice_solve(pl_lattice *l, double rest, int n) {
+int pl_lattice_solve(pl_lattice *l, double rest, int n, pl_lattice_ask_fn *ask, void *context) {
     double before = 0, goal = 0;
-    int k = 0;
+    int k = 0, stopped = 0;
     for (int i = 0; i < l->n_levels; i++) {
         memset(l->grid[i].total, 0, bytes_of(l, i));
         memset(l->grid[i].way, 0, bytes_of(l, i));
@@ -215,7 +203,8 @@ int pl_lattice_solve(pl_lattice *l, double rest, int n) {
                 product += dot_of(l, i, l->grid[i].force, l->grid[i].move);
         if (k == 0)
             goal = rest * rest * product;
-        if (!(product > goal) || k == n)
+        stopped = ask(context);
+        if (!(product > goal) || k == n || stopped)
             break;
         for (int i = 0; i < l->n_levels; i++)
             combine(l, i, step_layer, k > 0 ? product / before : 0, l->grid[i].move,
@@ -228,14 +217,13 @@ int pl_lattice_solve(pl_lattice *l, double rest, int n) {
             break;
         before = product;
         for (int i = 0; i < l->n_levels; i++) {
-            combine(l, i, add_layer_of, product / curvature, l->grid[i].way, l->grid[i].total);
+            combine(l, i, add_layer, product / curvature, l->grid[i].way, l->grid[i].total);
             if (i == 0 || l->grid[i].has_own)
-                combine(l, i, add_layer_of, product / curvature, l->grid[i].image,
-                        l->grid[i].force);
+                combine(l, i, add_layer, product / curvature, l->grid[i].image, l->grid[i].force);
         }
     }
     if (k == 0) /* of negative curvature: about Newton's way is better than none */
         for (int i = 0; i < l->n_levels; i++)
             memcpy(l->grid[i].total, l->grid[i].move, bytes_of(l, i));
-    return k;
+    return stopped;
 }

@@ -197,17 +197,14 @@ int pl_run_accelerate(pl_run *r, pl_acceleration acceleration, double fall) {
     const int is_extreme = unit > EXTREME || unit < 1 / EXTREME;
     const int has_size = r->plan->sliding.n_all > 0 || pl_watch_is_on(&r->watch) ||
                          r->options->precision != PLANISH_PRECISION_DOUBLE;
-    if ((acceleration != PL_COARSE && r->plan->interior.n_all > LARGEST) || unit > TINY ||
-        (is_extreme && has_size) ||
+    if (acceleration == PL_COARSE) /* with a unit of its own */
+        return pl_run_coarse(r);
+    if (r->plan->interior.n_all > LARGEST || unit > TINY || (is_extreme && has_size) ||
         (acceleration == PL_CENTRING &&
          pl_run_sweeps_left(r) <= SWEEPS_OF_TRIAL + 1)) /* one to show it */
         return 0;
-    static const char *const names[] = {[PL_COARSE] = "Newton's steps on a lattice",
-                                        [PL_CENTRING] = "nodes to the mean of their neighbours",
-                                        [PL_DESCENT] = "L-BFGS"};
-    pl_log(PLANISH_LOG_DETAIL, "sweeps are slow: %s", names[acceleration]);
-    if (acceleration == PL_COARSE) /* it has a unit of its own */
-        return pl_run_coarse(r);
+    pl_log(PLANISH_LOG_DETAIL, "sweeps are slow: %s",
+           acceleration == PL_CENTRING ? "nodes to the mean of their neighbours" : "L-BFGS");
     if (!is_extreme)
         return try_acceleration(r, acceleration, fall);
     rescale(r, unit);

@@ -371,18 +371,22 @@ static void heed_refusers(pl_run *r) {
     pl_free(state);
 }
 
-/* Early signs of a slow mesh: falls of sweeps that shrink by less than the first of these, and promise
- * more than the second; falls that grow are above the third. */
-#define EARLY_RATIO     0.5
-#define EARLY_REMAINDER 0.005
-#define EARLY_FALL      0.002
+/* Sweeps that a forecast looks ahead, and the part of the RMS that they must promise for Newton's
+ * steps. Rough meshes promise less after a few sweeps; they converge in about 20. */
+enum { SWEEPS_AHEAD = 24 };
+#define PROMISE 0.005
 
-/** Whether the last sweeps show already that the mesh is slow. */
-static int seems_slow(const pl_convergence *trend) {
-    const double last = trend->fall[PL_CALM_SWEEPS - 1], before = trend->fall[PL_CALM_SWEEPS - 2];
-    if (trend->n_falls < PL_CALM_SWEEPS || !(last < SLOW_FALL) || !(last > EARLY_RATIO * before))
+/** Whether the next sweeps promise much and would not converge, if falls shrink on at the rate of the
+ *  last ones. */
+static int forecasts_many(const pl_convergence *trend, double tolerance) {
+    const double first = trend->fall[0];
+    double fall = trend->fall[PL_CALM_SWEEPS - 1], promise = 0;
+    if (trend->n_falls < PL_CALM_SWEEPS || !(first > 0) || !(fall > 0) || !(fall < SLOW_FALL))
         return 0;
-    return last < before ? last * last / (before - last) > EARLY_REMAINDER : last > EARLY_FALL;
+    const double ratio = fmin(sqrt(fall / first), 1);
+    for (int i = 0; i < SWEEPS_AHEAD; i++)
+        promise += fall *= ratio;
+    return fall > tolerance && promise > PROMISE;
 }
 
 /** Sweep until that converges or may go on no more: r->stop. */
@@ -394,7 +398,7 @@ static void sweep_on(pl_run *r) {
     pl_convergence calm = {{0}, 0};                           /* of sweeps that leave stars calm */
     pl_convergence trend = {{0}, 0};                          /* of all */
     int patience = may_be_slow ? SWEEPS_UNTIL_SLOW : INT_MAX; /* sweeps until a mesh is slow */
-    int n_accelerated = 0, is_polished = 0, is_seen = 0;
+    int n_accelerated = 0, is_polished = 0, is_forecast = 0;
     r->stop = PLANISH_STOP_MAX_SWEEPS;
     while (pl_run_sweeps_left(r) > 0) {
         const double before = pl_objective_of_movable(r->options, &r->sums);
@@ -404,9 +408,9 @@ static void sweep_on(pl_run *r) {
         heed_refusers(r);
         pl_converged(&trend, before, pl_objective_of_movable(r->options, &r->sums), 0);
         double fall = trend.fall[PL_CALM_SWEEPS - 1];
-        if (may_be_slow && !is_seen && seems_slow(&trend)) {
+        if (may_be_slow && !is_forecast && forecasts_many(&trend, tolerance)) {
             const double sum = r->sums.ratio[1];
-            is_seen = 1;
+            is_forecast = 1;
             if (r->accelerate(r, PL_COARSE, fall))
                 return;
             if (r->sums.ratio[1] < sum) {

@@ -432,42 +432,78 @@ static void without_memory_for_patches_all_end(void **state) {
     test_mesh_destroy(&m);
 }
 
+/** Steps of the whole mesh (improve/coarse.c) are those of one process. */
+static void slow_meshes_are_helped_together(void **state) {
+    static const struct {
+        int n, owning, threads;
+    } cases[] = {{2, SLABS, 1}, {3, SCATTERED, 2}, {2, ONE_HAS_ALL, 1}};
+    planish_options options = options_of(PLAIN);
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k += (size_t)effort_step(2)) {
+        test_mesh m;
+        test_mesh_squeezed_box(&m, 3, 12);
+        int *owner = malloc((size_t)m.mesh.n_nodes * sizeof *owner);
+        processes_own(&m.mesh, cases[k].owning, cases[k].n, 1, owner);
+        options.threads = cases[k].threads;
+        compare(&m.mesh, &options, cases[k].n, owner);
+        free(owner);
+        test_mesh_destroy(&m);
+    }
+}
+
 /* ---- what is wrong --------------------------------------------------------------------------- */
 
-/** Each of the calls for others fails once: the call fails in all processes, none waits, and no
- * node has moved if it is planish_smooth's. */
+/** One of the calls for others fails, the one of this number: the call fails in all processes, none
+ *  waits, and no node has moved if it is planish_smooth's. Returns 0 if there are not so many calls;
+ *  *n_later: counts processes that had smoothed. */
+static int lose_at(int call, const test_mesh *m, const planish_options *options, int n,
+                   const int *owner, int *n_later) {
+    const int dim = m->mesh.dim;
+    processes w;
+    job j = {.options = options};
+    processes_create(&w, &m->mesh, n, owner);
+    w.fails_at = call;
+    processes_run(&w, smooth_part, &j);
+    const int is_reached = w.fails_at < 0, status = j.outcome[0].status;
+    for (int k = 0; k < n; k++) {
+        assert_int_equal(j.outcome[k].status, status);
+        assert_int_equal(j.outcome[k].is_smoothed, j.outcome[0].is_smoothed);
+        *n_later += j.outcome[k].is_smoothed && status;
+        for (int64_t i = 0; !j.outcome[k].is_smoothed && i < w.parts[k].mesh.n_nodes * dim; i++)
+            assert_true(w.parts[k].coordinates[i] ==
+                        m->coordinates[w.parts[k].node_number[i / dim] * dim + i % dim]);
+    }
+    processes_destroy(&w);
+    assert_int_equal(status, is_reached ? PLANISH_ERROR_PROCESS : PLANISH_OK);
+    return is_reached;
+}
+
 static void processes_that_are_lost_end_the_call(void **state) {
     const int dim = *(int *)*state;
     const planish_options options = options_of(PLAIN);
     test_mesh m;
-    int owner[1000], n_failed = 0, n_later = 0, status;
+    int owner[1000], n_failed = 0, n_later = 0;
     test_mesh_box(&m, dim, 3);
     test_mesh_perturb(&m, 0.14, 5);
     processes_own(&m.mesh, SLABS, 3, 0, owner);
-    for (int call = 0;; call++) {
-        processes w;
-        job j = {.options = &options};
-        processes_create(&w, &m.mesh, 3, owner);
-        w.fails_at = call;
-        processes_run(&w, smooth_part, &j);
-        const int is_reached = w.fails_at < 0;
-        status = j.outcome[0].status;
-        for (int k = 0; k < 3; k++) {
-            assert_int_equal(j.outcome[k].status, status);
-            assert_int_equal(j.outcome[k].is_smoothed, j.outcome[0].is_smoothed);
-            n_later += j.outcome[k].is_smoothed && status;
-            for (int64_t i = 0; !j.outcome[k].is_smoothed && i < w.parts[k].mesh.n_nodes * dim; i++)
-                assert_true(w.parts[k].coordinates[i] ==
-                            m.coordinates[w.parts[k].node_number[i / dim] * dim + i % dim]);
-        }
-        processes_destroy(&w);
-        assert_int_equal(status, is_reached ? PLANISH_ERROR_PROCESS : PLANISH_OK);
-        if (!is_reached)
-            break;
+    while (lose_at(n_failed, &m, &options, 3, owner, &n_later))
         n_failed++;
-    }
     assert_true(n_failed > 50);
     assert_true(n_later > 3 * 5); /* in what follows, which changes nothing */
+    test_mesh_destroy(&m);
+}
+
+/** Steps of the whole mesh make many calls of their own: some of them fail. */
+static void and_where_slow_meshes_are_helped(void **state) {
+    (void)state;
+    const planish_options options = options_of(PLAIN);
+    test_mesh m;
+    int owner[1000], n_later = 0, call = 0;
+    test_mesh_squeezed_box(&m, 3, 9);
+    processes_own(&m.mesh, SLABS, 2, 0, owner);
+    while (lose_at(call, &m, &options, 2, owner, &n_later))
+        call += 7 * effort_step(4);
+    assert_true(call > 100);
     test_mesh_destroy(&m);
 }
 
@@ -897,8 +933,10 @@ int main(void) {
         cmocka_unit_test_prestate(patches_cross_processes, &dims[1]),
         cmocka_unit_test_prestate(without_memory_for_patches_all_end, &dims[0]),
         cmocka_unit_test_prestate(without_memory_for_patches_all_end, &dims[1]),
+        cmocka_unit_test(slow_meshes_are_helped_together),
         cmocka_unit_test_prestate(processes_that_are_lost_end_the_call, &dims[0]),
         cmocka_unit_test_prestate(processes_that_are_lost_end_the_call, &dims[1]),
+        cmocka_unit_test(and_where_slow_meshes_are_helped),
         cmocka_unit_test(parts_that_are_none_are_refused),
         cmocka_unit_test_prestate(tangled_meshes_have_those_bits_too, &dims[0]),
         cmocka_unit_test_prestate(tangled_meshes_have_those_bits_too, &dims[1]),

@@ -24,18 +24,8 @@ static int cells_along(int dim) {
     return dim == 2 ? 60 : effort_step(2) > 1 ? 14 : 22;
 }
 
-/** The nodes of a box 0 .. cells, those on its surface where they are, the others drawn to corner
- * 0: by a power that grows from 1 at the surface. */
 static void squeezed_box(test_mesh *mesh, int dim) {
-    const double cells = cells_along(dim), power = dim == 3 ? 1.3 : 1.6;
-    test_mesh_box(mesh, dim, (int)cells);
-    for (int64_t i = 0; i < mesh->mesh.n_nodes; i++) {
-        double *x = mesh->coordinates + i * dim, inside = 1;
-        for (int d = 0; d < dim; d++)
-            inside *= 4 * x[d] / cells * (1 - x[d] / cells);
-        for (int d = 0; d < dim; d++)
-            x[d] = cells * pow(x[d] / cells, 1 + power * inside);
-    }
+    test_mesh_squeezed_box(mesh, dim, cells_along(dim));
 }
 
 typedef struct smoothed {

@@ -175,6 +175,18 @@ void test_mesh_perturb(test_mesh *mesh, double amount, unsigned seed) {
     }
 }
 
+void test_mesh_squeezed_box(test_mesh *mesh, int dim, int cells) {
+    const double power = dim == 3 ? 1.3 : 1.6;
+    test_mesh_box(mesh, dim, cells);
+    for (int64_t i = 0; i < mesh->mesh.n_nodes; i++) {
+        double *x = mesh->coordinates + i * dim, inside = 1;
+        for (int d = 0; d < dim; d++)
+            inside *= 4 * x[d] / cells * (1 - x[d] / cells);
+        for (int d = 0; d < dim; d++)
+            x[d] = cells * pow(x[d] / cells, 1 + power * inside);
+    }
+}
+
 /** A random permutation of 0 .. n-1, to be freed. */
 static int32_t *permutation(int64_t n, unsigned *state) {
     int32_t *p = checked(malloc((size_t)n * sizeof *p + 1));

@@ -43,6 +43,10 @@ void test_mesh_join(test_mesh *mesh, int32_t a, int32_t b);
  *  valid up to about 0.15. */
 void test_mesh_perturb(test_mesh *mesh, double amount, unsigned seed);
 
+/** Make a box 0 .. cells whose nodes inside are drawn to corner 0, by a power that grows from 1 at the
+ *  surface: a smooth error of the whole mesh, which stays valid. */
+void test_mesh_squeezed_box(test_mesh *mesh, int dim, int cells);
+
 /** Number nodes and elements at random; new_number (may be NULL) [n_nodes] of the old ones. */
 void test_mesh_renumber(test_mesh *mesh, unsigned seed, int32_t *new_number);
 
