@@ -1,4 +1,4 @@
-/* bend: Hessian of RR^2 of four simplices at a time by their edges from the first node.
+/* bend: Hessian of RR^2 of four tetrahedra at a time by their edges from the first node.
  *
  * Formulas: docs/algorithm.md. With edges e_i from node 0, n_i the normals of the faces at it,
  * alpha = sum |e_i|^2 n_i, w_i = the edges' part of d alpha / d e_i, N = |alpha|^2, s the sum of all
@@ -7,7 +7,7 @@
  *   log RR^2 = log N + 2 log s - 4 log D + const
  *   hess |a x b| = (|b|^2, -a.b; -a.b, |a|^2) u u^T / |a x b|, and the skew parts of u
  *
- *   bend_tetrahedra, bend_triangles     blocks of edges (i, j), i <= j
+ *   bend_tetrahedra     blocks of edges (i, j), i <= j
  */
 #ifndef PL_IMPROVE_BEND_H
 #define PL_IMPROVE_BEND_H
@@ -16,17 +16,17 @@
 
 #include <math.h>
 
-/** Four doubles, one of each simplex; the compiler splits them where the CPU has less. */
+/** Four doubles, one of each tetrahedron; the compiler splits them where the CPU has less. */
 typedef double bend_pack __attribute__((vector_size(32)));
 
-/** Vectors of four simplices. */
+/** Vectors of four tetrahedra. */
 typedef struct bend_vector {
     bend_pack x, y, z;
 } bend_vector;
 
-enum { BEND_BLOCKS = 6 }; /* 11 12 13 22 23 33; in 2-D 11 12 22 are the first three */
+enum { BEND_BLOCKS = 6 }; /* 11 12 13 22 23 33 */
 
-/** Blocks [dim][dim] by rows. */
+/** Blocks [3][3] by rows. */
 typedef bend_pack bend_block[9];
 
 PL_INLINE bend_pack bend_of(double x) {
@@ -187,61 +187,6 @@ PL_INLINE void bend_tetrahedra(const bend_vector e[3], bend_block h[BEND_BLOCKS]
     for (int q = 0; q < BEND_BLOCKS; q++)
         for (int c = 0; c < 9; c++)
             h[q][c] *= rr2;
-}
-
-/** Set the first three blocks of four triangles with these edges; entries [2][2] by rows. */
-PL_INLINE void bend_triangles(const bend_vector edge[2], bend_block h[BEND_BLOCKS]) {
-    static const double OF[3][2] = {{1, 0}, {0, 1}, {-1, 1}}; /* edges of the triangle by the two */
-    const bend_vector e[3] = {edge[0], edge[1], bend_difference(edge[1], edge[0])};
-    const bend_pack D = e[0].x * e[1].y - e[0].y * e[1].x, inverse_d = 1 / D;
-    bend_pack inverse[3], p = bend_of(0), N = bend_of(1);
-    bend_vector u[3];
-    for (int k = 0; k < 3; k++) {
-        const bend_pack square = e[k].x * e[k].x + e[k].y * e[k].y, length = bend_sqrt(square);
-        inverse[k] = 1 / length;
-        p += length;
-        N *= square;
-        u[k] = bend_scaled(inverse[k], e[k]);
-    }
-    const bend_pack inverse_p = 1 / p, p_d2 = p * inverse_d * inverse_d;
-    const bend_pack rr2 = N * p_d2 * p_d2 * (1.0 / 16);
-    bend_vector slope[2], slope_p[2], slope_d[2];
-    const bend_pack none = bend_of(0);
-    slope_d[0] = (bend_vector){e[1].y * inverse_d, -e[1].x * inverse_d, none};
-    slope_d[1] = (bend_vector){-e[0].y * inverse_d, e[0].x * inverse_d, none};
-    for (int i = 0; i < 2; i++) {
-        slope[i] = slope_p[i] = (bend_vector){none, none, none};
-        for (int k = 0; k < 3; k++) {
-            slope[i] = bend_sum(slope[i], bend_scaled(OF[k][i] * 2 * inverse[k], u[k]));
-            slope_p[i] = bend_sum(slope_p[i], bend_scaled(OF[k][i] * inverse_p, u[k]));
-        }
-        slope[i] = bend_sum(slope[i], bend_difference(bend_scaled(bend_of(2), slope_p[i]),
-                                                      bend_scaled(bend_of(4), slope_d[i])));
-    }
-    for (int q = 0; q < 3; q++) {
-        const int i = q == 2, j = q > 0;
-        bend_block full;
-        for (int c = 0; c < 9; c++)
-            full[c] = none;
-        bend_add_product(full, slope[i], slope[j]);
-        bend_add_product(full, bend_scaled(bend_of(-2), slope_p[i]), slope_p[j]);
-        bend_add_product(full, bend_scaled(bend_of(4), slope_d[i]), slope_d[j]);
-        for (int k = 0; k < 3; k++) {
-            const double of = OF[k][i] * OF[k][j];
-            const bend_pack length = of * 2 * inverse[k] * inverse[k];
-            const bend_pack sum = of * 2 * inverse_p * inverse[k];
-            bend_add_identity(full, length + sum);
-            bend_add_product(full, bend_scaled(-2 * length - sum, u[k]), u[k]);
-        }
-        if (q == 1) {
-            full[1] -= 4 * inverse_d;
-            full[3] += 4 * inverse_d;
-        }
-        h[q][0] = full[0] * rr2;
-        h[q][1] = full[1] * rr2;
-        h[q][2] = full[3] * rr2;
-        h[q][3] = full[4] * rr2;
-    }
 }
 
 #endif

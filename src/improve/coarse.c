@@ -205,7 +205,7 @@ static int make_steps(coarse_steps *c) {
 static int is_suitable(const pl_run *r) {
     const planish_plan *plan = r->plan;
     return plan->dim == 3 && plan->interior.n_all >= FEWEST && r->plain && !plan->work.corner &&
-           !pl_watch_is_on(&r->watch) && plan->sliding.n_all == 0 &&
+           !pl_watch_is_on(&r->watch) && plan->sliding.n_followers == 0 &&
            plan->interior.n_followers == 0 && plan->n_images == 0;
 }
 

@@ -127,10 +127,10 @@ static int place_grids(pl_lattice *l, double spacing) {
 typedef struct element_pass {
     pl_lattice *l;
     double *largest; /* [vertices of the finest grid] determinant of those in the cube, in units */
-    int64_t *count;  /* [n_simplices] */
-    int32_t *of;     /* elements, or stars, by simplices */
+    int32_t *simplex_of; /* [n] of elements or stars; -1: none */
+    int64_t *count;      /* [n_simplices] */
+    int32_t *of;         /* elements, or stars, by simplices */
     int64_t n;
-    int is_known; /* the simplices of the finest grid */
 } element_pass;
 
 /** Middle of an element in units; 0 if it has no free node, or another process counts it. */
@@ -167,14 +167,14 @@ static void largest_chunk(void *context, int64_t begin, int64_t end, int thread)
     for (int64_t i = begin; i < end; i++) {
         if (i + AHEAD < l->plan->work.n_elements)
             fetch_element(l, i + AHEAD);
-        l->simplex_of[i] = -1;
+        p->simplex_of[i] = -1;
         if (!middle_of(l, i, x))
             continue;
         const pl_cube_place place = pl_cube_at(&l->grid[0], x);
         const double largest = determinant_of(l, i);
         if (largest > p->largest[place.vertex]) /* seldom, and then for sure */
             pl_raise_double(&p->largest[place.vertex], largest);
-        l->simplex_of[i] = (int32_t)(place.vertex * PL_SIMPLICES + pl_find_order(place.along));
+        p->simplex_of[i] = (int32_t)(place.vertex * PL_SIMPLICES + pl_find_order(place.along));
     }
 }
 
@@ -250,7 +250,7 @@ static int allocate(pl_lattice *l) {
         ready = allocate_grid(g) && ready;
     }
     l->is_free = pl_alloc_zero(l->plan->work.n_nodes, 1);
-    l->simplex_of = pl_alloc(m > n_stars ? m : n_stars, sizeof(int32_t));
+    l->simplex_of = pl_alloc(n_stars, sizeof(int32_t));
     l->element = pl_alloc(m, sizeof(int32_t));
     l->corner = pl_alloc(m * PL_CORNERS, sizeof(int32_t));
     l->of_layer = pl_alloc(l->grid[0].n[2], sizeof(double));
@@ -271,7 +271,7 @@ int pl_lattice_create(const planish_plan *plan, double spacing, pl_lattice *l) {
     ready = ready && largest && l->n_simplices < INT32_MAX;
     ready = !pl_parts_any(!ready) && ready; /* if the others are not reached, too */
     if (ready) {
-        element_pass pass = {.l = l, .largest = largest};
+        element_pass pass = {.l = l, .largest = largest, .simplex_of = l->corner};
         for (int64_t i = 0; i < plan->work.n_nodes; i++)
             l->is_free[plan->inner[i]] = mobility[i] == PL_INTERIOR;
         pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, largest_chunk, &pass);
@@ -320,12 +320,12 @@ static void element_chunk(void *context, int64_t begin, int64_t end, int thread)
     double x[3];
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        int64_t of = p->is_known ? l->simplex_of[i] : -1;
-        if (!p->is_known && i + AHEAD < p->n)
+        int64_t of = l->is_known ? p->simplex_of[i] : -1;
+        if (!l->is_known && i + AHEAD < p->n)
             fetch_element(l, i + AHEAD);
-        if (p->is_known ? of >= 0 && !is_simplex_active(&l->grid[0], of) : 1)
+        if (!l->is_known || (of >= 0 && !is_simplex_active(&l->grid[0], of)))
             of = middle_of(l, i, x) ? pl_simplex_at(l, x) : -1;
-        l->simplex_of[i] = (int32_t)of;
+        p->simplex_of[i] = (int32_t)of;
         if (of >= 0)
             __atomic_fetch_add(&p->count[of], 1, __ATOMIC_RELAXED);
     }
@@ -339,7 +339,7 @@ static void star_chunk(void *context, int64_t begin, int64_t end, int thread) {
     for (int64_t i = begin; i < end; i++) {
         pl_unit_place(l, l->plan->interior.centre[i], x);
         const int64_t of = pl_simplex_at(l, x);
-        l->simplex_of[i] = (int32_t)of;
+        p->simplex_of[i] = (int32_t)of;
         __atomic_fetch_add(&p->count[of], 1, __ATOMIC_RELAXED);
     }
 }
@@ -350,17 +350,17 @@ static void put_chunk(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     for (int64_t k = begin; k < end; k++) {
         const int64_t i = p->n - 1 - k;
-        const int32_t of = p->l->simplex_of[i];
+        const int32_t of = p->simplex_of[i];
         if (of >= 0)
             p->of[__atomic_sub_fetch(&p->count[of], 1, __ATOMIC_RELAXED)] = (int32_t)i;
     }
 }
 
 /** Sort n elements or stars, whose simplices chunk finds, to array of; begin [n_simplices + 1]. */
-static void sort_by_simplices(pl_lattice *l, pl_chunk_fn *chunk, int is_known, int64_t n,
+static void sort_by_simplices(pl_lattice *l, pl_chunk_fn *chunk, int32_t *simplex_of, int64_t n,
                               int32_t *of, int64_t *begin) {
     const int threads = l->plan->threads;
-    element_pass pass = {.l = l, .count = begin, .of = of, .n = n, .is_known = is_known};
+    element_pass pass = {.l = l, .count = begin, .simplex_of = simplex_of, .of = of, .n = n};
     memset(begin, 0, (size_t)(l->n_simplices + 1) * sizeof *begin);
     pl_parallel_for(threads, n, CHUNK, chunk, &pass);
     /* Where each simplex ends; where it begins, when all are put. */
@@ -402,11 +402,11 @@ static void find_owners(pl_lattice *l) {
 
 void pl_lattice_sort(pl_lattice *l) {
     const int64_t m = l->plan->work.n_elements, n_stars = l->plan->interior.stars.n_stars;
-    sort_by_simplices(l, element_chunk, l->is_known, m, l->element, l->element_begin);
+    sort_by_simplices(l, element_chunk, l->corner, m, l->element, l->element_begin);
     l->n_terms = l->element_begin[l->n_simplices];
     pl_parallel_for(l->plan->threads, l->n_terms, CHUNK, corner_chunk, l);
     l->is_known = 0;
-    sort_by_simplices(l, star_chunk, 0, n_stars, l->star, l->star_begin);
+    sort_by_simplices(l, star_chunk, l->simplex_of, n_stars, l->star, l->star_begin);
     pl_parts_add(&l->n_terms, 1);
     find_owners(l);
 }

@@ -51,13 +51,14 @@ typedef struct pl_lattice {
     int64_t n_simplices;
     int64_t n_terms;        /* elements with a free node, of all processes */
     uint8_t *is_free;       /* [nodes of the plan] by inner numbers; 1: may go anywhere */
-    int32_t *simplex_of;    /* [max(n_elements, n_stars)] room */
-    int is_known;           /* simplex_of has elements' simplices of the finest grid */
+    int is_known;           /* corner begins with [n_elements] simplices of the finest grid */
     int32_t *element;       /* [elements with a free node] by simplices */
-    int32_t *corner;        /* [elements with a free node][4] their nodes, inner numbers */
+    int32_t *corner;        /* [elements with a free node][4] their nodes, inner numbers; room for
+                               the simplices of elements before */
     double *of_layer;       /* [layers of the finest grid] */
     int64_t *element_begin; /* [n_simplices + 1] */
     int32_t *star;          /* [n_stars] by simplices */
+    int32_t *simplex_of;    /* [n_stars] */
     int64_t *star_begin;    /* [n_simplices + 1] */
 } pl_lattice;
 

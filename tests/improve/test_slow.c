@@ -103,10 +103,19 @@ static void help_comes_and_brings_it_home(void **state) {
     assert_true(s.before.rms_radius_ratio > 1.5 * wanted);
     for (int i = 1; i < h.n; i++)
         assert_true(h.rms[i] <= h.rms[i - 1] * (1 + 1e-12));
+    if (dim == 2)
+        assert_true(h.rms[PATIENCE - 1] > wanted); /* not before, but soon after that */
     assert_true(sweeps_to(&h, wanted) <= WITH_HELP);
     assert_true(s.after.max_radius_ratio <= s.before.max_radius_ratio);
     free(s.coordinates);
     test_mesh_destroy(&mesh);
+}
+
+/** Count what the log tells of Newton's steps. */
+static void note_steps(planish_log_level level, const char *text, void *user) {
+    int *told = user;
+    (void)level;
+    *told += strstr(text, "Newton's steps") != NULL;
 }
 
 /** A box in space is home before sweeps have been slow for long: by steps on a lattice. */
@@ -116,13 +125,78 @@ static void a_lattice_helps_early(void **state) {
     test_mesh mesh;
     smoothed s;
     history h = {0};
+    int told = 0;
     planish_options options = test_options(1);
     options.progress = record;
     options.progress_user = &h;
+    options.log = note_steps;
+    options.log_user = &told;
     squeezed_box(&mesh, 3);
     smooth(&mesh.mesh, &options, &s);
+    assert_int_equal(told, 1);
     assert_true(sweeps_to(&h, wanted) < PATIENCE);
     free(s.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+/** Meshes that converge soon see no lattice, and meshes in the plane never do. */
+static void others_see_no_lattice(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int is_rough = dim == 3; is_rough < 2; is_rough++) {
+            test_mesh mesh;
+            smoothed s;
+            int told = 0;
+            planish_options options = test_options(1);
+            options.log = note_steps;
+            options.log_user = &told;
+            if (is_rough) {
+                test_mesh_box(&mesh, dim, cells_along(dim));
+                test_mesh_perturb(&mesh, 0.14, 3);
+            } else {
+                squeezed_box(&mesh, dim);
+            }
+            smooth(&mesh.mesh, &options, &s);
+            assert_true(s.result.sweeps > PATIENCE || is_rough);
+            assert_int_equal(told, 0);
+            free(s.coordinates);
+            test_mesh_destroy(&mesh);
+        }
+}
+
+/** Smooth a mesh whose surface slides on its planes and lines; returns the RMS, and what the log told
+ *  of Newton's steps in *told. */
+static double rms_where_nodes_slide(const planish_mesh *mesh, int *told) {
+    planish_mesh sliding = *mesh;
+    smoothed s;
+    planish_options options = test_options(1);
+    uint8_t *constraint = malloc((size_t)mesh->n_nodes);
+    double *direction = malloc((size_t)(mesh->n_nodes * mesh->dim) * sizeof *direction);
+    options.log = note_steps;
+    options.log_user = told;
+    assert_int_equal(planish_find_slides(mesh, NULL, 1, constraint, direction, NULL, NULL), 0);
+    sliding.constraint = constraint;
+    sliding.direction = direction;
+    smooth(&sliding, &options, &s);
+    assert_int_equal(s.result.stop, PLANISH_STOP_CONVERGED);
+    free(constraint);
+    free(direction);
+    free(s.coordinates);
+    return s.after.rms_radius_ratio;
+}
+
+/** Nodes that slide wait while the others make a step, and follow in the sweeps. */
+static void a_lattice_helps_where_nodes_slide(void **state) {
+    (void)state;
+    test_mesh box, mesh;
+    int told = 0;
+    test_mesh_box(&box, 3, cells_along(3));
+    squeezed_box(&mesh, 3);
+    const double wanted = rms_where_nodes_slide(&box.mesh, &told);
+    told = 0;
+    assert_true(rms_where_nodes_slide(&mesh.mesh, &told) < 1.001 * wanted);
+    assert_int_equal(told, 1);
+    test_mesh_destroy(&box);
     test_mesh_destroy(&mesh);
 }
 
@@ -311,7 +385,8 @@ static void without_memory_there_is_no_help(void **state) {
     assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan, NULL), 0);
     const size_t bytes = (size_t)mesh.mesh.n_nodes * (size_t)dim * sizeof(double);
     double *x = malloc(bytes);
-    for (int permitted = 0; permitted < 12; permitted += effort_step(4)) {
+    const int most = dim == 3 ? 90 : 12; /* a lattice has some 60 arrays */
+    for (int permitted = 0; permitted < most; permitted += effort_step(4) * (dim == 3 ? 3 : 1)) {
         memcpy(x, mesh.coordinates, bytes);
         allocations_permit(permitted);
         int status = planish_smooth(plan, x, &options, &result, NULL);
@@ -329,6 +404,8 @@ static void without_memory_there_is_no_help(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lattice_helps_early),
+        cmocka_unit_test(others_see_no_lattice),
+        cmocka_unit_test(a_lattice_helps_where_nodes_slide),
         BOTH(help_comes_and_brings_it_home),
         BOTH(cut_short_it_leaves_what_stood),
         BOTH(the_most_sweeps_are_the_most),
