@@ -1,6 +1,6 @@
 /* bend: Hessian of RR^2 of four tetrahedra at a time by their edges from the first node.
  *
- * Formulas: docs/algorithm.md. With edges e_i from node 0, n_i the normals of the faces at it,
+ * With edges e_i from node 0, n_i the normals of the faces at it,
  * alpha = sum |e_i|^2 n_i, w_i = the edges' part of d alpha / d e_i, N = |alpha|^2, s the sum of all
  * faces and u_f their unit normals:
  *
@@ -86,107 +86,147 @@ PL_INLINE void bend_add_identity(bend_pack *h, bend_pack a) {
     h[8] += a;
 }
 
+/** What the blocks of four tetrahedra are made of: the symbols above. */
+typedef struct bend_tetrahedron {
+    bend_vector e[3], n[3],
+        opposite;     /* edges, normals of the faces at node 0 and of the last one */
+    bend_vector a, b; /* edges of that face from the end of e[0] */
+    bend_vector alpha, w[3], u[4];
+    bend_pack square[3], rr2;                                 /* |e_i|^2 */
+    bend_pack inverse_d, inverse_s;                           /* 1 / D, 1 / s, */
+    bend_pack of_n, of_s, per_area[4];                        /* 2 / N, 2 / s, 2 / (s |n_f|) */
+    bend_vector slope_n[3], slope_s[3], slope_d[3], slope[3]; /* of log N, log s, log D, log RR^2 */
+} bend_tetrahedron;
+
+/** Set all but the slopes from the edges. */
+PL_INLINE void bend_measure(const bend_vector e[3], bend_tetrahedron *t) {
+    bend_pack area[4];
+    t->alpha = (bend_vector){bend_of(0), bend_of(0), bend_of(0)};
+    for (int i = 0; i < 3; i++) {
+        t->e[i] = e[i];
+        t->n[i] = bend_cross(e[(i + 1) % 3], e[(i + 2) % 3]);
+        t->square[i] = bend_dot(e[i], e[i]);
+        t->alpha = bend_sum(t->alpha, bend_scaled(t->square[i], t->n[i]));
+        area[i] = bend_sqrt(bend_dot(t->n[i], t->n[i]));
+    }
+    t->a = bend_difference(e[1], e[0]);
+    t->b = bend_difference(e[2], e[0]);
+    t->opposite = bend_sum(t->n[0], bend_sum(t->n[1], t->n[2]));
+    area[3] = bend_sqrt(bend_dot(t->opposite, t->opposite));
+    const bend_pack D = bend_dot(e[0], t->n[0]), N = bend_dot(t->alpha, t->alpha);
+    const bend_pack s = (area[0] + area[1]) + (area[2] + area[3]);
+    t->inverse_d = 1 / D;
+    t->inverse_s = 1 / s;
+    t->of_n = 2 / N;
+    t->of_s = 2 * t->inverse_s;
+    const bend_pack s_d2 = s * t->inverse_d * t->inverse_d;
+    t->rr2 = N * s_d2 * s_d2 * (1.0 / 36);
+    for (int f = 0; f < 4; f++) {
+        const bend_pack inverse = 1 / area[f];
+        t->u[f] = bend_scaled(inverse, f < 3 ? t->n[f] : t->opposite);
+        t->per_area[f] = inverse * t->of_s;
+    }
+}
+
+/** Set the slopes. */
+PL_INLINE void bend_find_slopes(bend_tetrahedron *t) {
+    const bend_vector by_a = bend_cross(t->b, t->u[3]), by_b = bend_cross(t->u[3], t->a);
+    const bend_vector far[3] = {bend_scaled(bend_of(-1), bend_sum(by_a, by_b)), by_a, by_b};
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const bend_vector near =
+            bend_sum(bend_cross(t->e[j], t->u[k]), bend_cross(t->u[j], t->e[k]));
+        t->w[i] =
+            bend_difference(bend_scaled(t->square[j], t->e[k]), bend_scaled(t->square[k], t->e[j]));
+        t->slope_n[i] =
+            bend_scaled(t->of_n, bend_sum(bend_scaled(2 * bend_dot(t->n[i], t->alpha), t->e[i]),
+                                          bend_cross(t->alpha, t->w[i])));
+        t->slope_s[i] = bend_scaled(t->inverse_s, bend_sum(near, far[i]));
+        t->slope_d[i] = bend_scaled(t->inverse_d, t->n[i]);
+        t->slope[i] =
+            bend_sum(t->slope_n[i], bend_difference(bend_scaled(bend_of(2), t->slope_s[i]),
+                                                    bend_scaled(bend_of(4), t->slope_d[i])));
+    }
+}
+
+/** Set the block of edges i and j to the products of slopes, and the part of the bend of N that all
+ *  pairs have. */
+PL_INLINE void bend_pair(const bend_tetrahedron *t, int i, int j, bend_pack *block) {
+    for (int c = 0; c < 9; c++)
+        block[c] = bend_of(0);
+    bend_add_product(block, t->slope[i], t->slope[j]);
+    bend_add_product(block, bend_scaled(bend_of(-1), t->slope_n[i]), t->slope_n[j]);
+    bend_add_product(block, bend_scaled(bend_of(-2), t->slope_s[i]), t->slope_s[j]);
+    bend_add_product(block, bend_scaled(bend_of(4), t->slope_d[i]), t->slope_d[j]);
+    bend_add_identity(block, t->of_n * bend_dot(t->w[i], t->w[j]));
+    bend_add_product(block, bend_scaled(-t->of_n, t->w[j]), t->w[i]);
+    bend_add_product(block, bend_scaled(t->of_n, t->e[i]),
+                     bend_sum(bend_scaled(4 * bend_dot(t->n[i], t->n[j]), t->e[j]),
+                              bend_scaled(bend_of(2), bend_cross(t->n[i], t->w[j]))));
+    bend_add_product(block, bend_scaled(2 * t->of_n, bend_cross(t->n[j], t->w[i])), t->e[j]);
+}
+
+/** Add the bend of face f, times factor. */
+PL_INLINE void bend_add_face(const bend_tetrahedron *t, int f, bend_pack factor, bend_pack *block) {
+    bend_add_product(block, bend_scaled(factor * t->per_area[f], t->u[f]), t->u[f]);
+}
+
+/** Add the symmetric bends of all faces: that of n[f] belongs to the edges next to f. */
+PL_INLINE void bend_add_faces(const bend_tetrahedron *t, bend_block h[BEND_BLOCKS]) {
+    const bend_pack ab = bend_dot(t->a, t->b), aa = bend_dot(t->a, t->a), bb = bend_dot(t->b, t->b);
+    bend_add_face(t, 1, t->square[2], h[0]);
+    bend_add_face(t, 2, t->square[1], h[0]);
+    bend_add_face(t, 3, aa + bb - 2 * ab, h[0]);
+    bend_add_face(t, 2, -bend_dot(t->e[0], t->e[1]), h[1]);
+    bend_add_face(t, 3, ab - bb, h[1]);
+    bend_add_face(t, 1, -bend_dot(t->e[0], t->e[2]), h[2]);
+    bend_add_face(t, 3, ab - aa, h[2]);
+    bend_add_face(t, 0, t->square[2], h[3]);
+    bend_add_face(t, 2, t->square[0], h[3]);
+    bend_add_face(t, 3, bb, h[3]);
+    bend_add_face(t, 0, -bend_dot(t->e[1], t->e[2]), h[4]);
+    bend_add_face(t, 3, -ab, h[4]);
+    bend_add_face(t, 0, t->square[1], h[5]);
+    bend_add_face(t, 1, t->square[0], h[5]);
+    bend_add_face(t, 3, aa, h[5]);
+}
+
+/** Add what turns edges: the rest of the bend of N, and the skew parts of all. */
+PL_INLINE void bend_add_turns(const bend_tetrahedron *t, bend_block h[BEND_BLOCKS]) {
+    static const int DIAGONAL[] = {0, 3, 5};
+    const bend_pack of_d = 4 * t->inverse_d, twice = 2 * t->of_n, minus = bend_of(-1);
+    bend_vector c[3], skew[3]; /* of blocks 23, 31, 12 */
+    for (int i = 0; i < 3; i++) {
+        bend_add_identity(h[DIAGONAL[i]], twice * bend_dot(t->n[i], t->alpha));
+        c[i] = bend_cross(t->e[i], t->alpha);
+        skew[i] = bend_difference(bend_difference(bend_scaled(of_d, t->e[i]),
+                                                  bend_scaled(t->of_n * t->square[i], t->alpha)),
+                                  bend_scaled(t->of_s, bend_sum(t->u[i], t->u[3])));
+    }
+    bend_add_product(h[1], bend_scaled(twice, t->e[0]), c[2]);
+    bend_add_product(h[1], bend_scaled(-twice, c[2]), t->e[1]);
+    bend_add_product(h[4], bend_scaled(twice, t->e[1]), c[0]);
+    bend_add_product(h[4], bend_scaled(-twice, c[0]), t->e[2]);
+    bend_add_product(h[2], bend_scaled(twice, c[1]), t->e[2]);
+    bend_add_product(h[2], bend_scaled(-twice, t->e[0]), c[1]);
+    bend_add_skew(h[4], skew[0]);
+    bend_add_skew(h[2], bend_scaled(minus, skew[1]));
+    bend_add_skew(h[1], skew[2]);
+}
+
 /** Set the blocks of four tetrahedra with these edges. */
 PL_INLINE void bend_tetrahedra(const bend_vector e[3], bend_block h[BEND_BLOCKS]) {
     static const int I[] = {0, 0, 0, 1, 1, 2}, J[] = {0, 1, 2, 1, 2, 2};
-    const bend_vector n[3] = {bend_cross(e[1], e[2]), bend_cross(e[2], e[0]),
-                              bend_cross(e[0], e[1])};
-    const bend_vector opposite = bend_sum(n[0], bend_sum(n[1], n[2]));
-    const bend_pack square[3] = {bend_dot(e[0], e[0]), bend_dot(e[1], e[1]), bend_dot(e[2], e[2])};
-    const bend_vector alpha =
-        bend_sum(bend_scaled(square[0], n[0]),
-                 bend_sum(bend_scaled(square[1], n[1]), bend_scaled(square[2], n[2])));
-    const bend_pack D = bend_dot(e[0], n[0]), N = bend_dot(alpha, alpha);
-    const bend_pack area[4] = {bend_sqrt(bend_dot(n[0], n[0])), bend_sqrt(bend_dot(n[1], n[1])),
-                               bend_sqrt(bend_dot(n[2], n[2])),
-                               bend_sqrt(bend_dot(opposite, opposite))};
-    const bend_pack s = (area[0] + area[1]) + (area[2] + area[3]);
-    const bend_pack inverse_d = 1 / D, inverse_s = 1 / s, of_n = 2 / N, of_s = 2 * inverse_s;
-    const bend_pack s_d2 = s * inverse_d * inverse_d, rr2 = N * s_d2 * s_d2 * (1.0 / 36);
-    bend_pack per_area[4];
-    bend_vector u[4], slope_n[3], slope_s[3], slope_d[3], slope[3], w[3];
-    for (int f = 0; f < 4; f++) {
-        per_area[f] = 1 / area[f];
-        u[f] = bend_scaled(per_area[f], f < 3 ? n[f] : opposite);
-        per_area[f] *= of_s;
-    }
-    const bend_vector a = bend_difference(e[1], e[0]), b = bend_difference(e[2], e[0]);
-    const bend_vector by_a = bend_cross(b, u[3]), by_b = bend_cross(u[3], a);
-    slope_s[0] = bend_difference(bend_sum(bend_cross(e[1], u[2]), bend_cross(u[1], e[2])),
-                                 bend_sum(by_a, by_b));
-    slope_s[1] = bend_sum(bend_sum(bend_cross(e[2], u[0]), bend_cross(u[2], e[0])), by_a);
-    slope_s[2] = bend_sum(bend_sum(bend_cross(e[0], u[1]), bend_cross(u[0], e[1])), by_b);
-    for (int i = 0; i < 3; i++) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        w[i] = bend_difference(bend_scaled(square[j], e[k]), bend_scaled(square[k], e[j]));
-        slope_n[i] = bend_scaled(
-            of_n, bend_sum(bend_scaled(2 * bend_dot(n[i], alpha), e[i]), bend_cross(alpha, w[i])));
-        slope_s[i] = bend_scaled(inverse_s, slope_s[i]);
-        slope_d[i] = bend_scaled(inverse_d, n[i]);
-        slope[i] = bend_sum(slope_n[i], bend_difference(bend_scaled(bend_of(2), slope_s[i]),
-                                                        bend_scaled(bend_of(4), slope_d[i])));
-    }
-    for (int q = 0; q < BEND_BLOCKS; q++) {
-        const int i = I[q], j = J[q];
-        bend_pack *block = h[q];
-        for (int c = 0; c < 9; c++)
-            block[c] = bend_of(0);
-        bend_add_product(block, slope[i], slope[j]);
-        bend_add_product(block, bend_scaled(bend_of(-1), slope_n[i]), slope_n[j]);
-        bend_add_product(block, bend_scaled(bend_of(-2), slope_s[i]), slope_s[j]);
-        bend_add_product(block, bend_scaled(bend_of(4), slope_d[i]), slope_d[j]);
-        bend_add_identity(block, of_n * bend_dot(w[i], w[j]));
-        bend_add_product(block, bend_scaled(-of_n, w[j]), w[i]);
-        bend_add_product(block, bend_scaled(of_n, e[i]),
-                         bend_sum(bend_scaled(4 * bend_dot(n[i], n[j]), e[j]),
-                                  bend_scaled(bend_of(2), bend_cross(n[i], w[j]))));
-        bend_add_product(block, bend_scaled(2 * of_n, bend_cross(n[j], w[i])), e[j]);
-    }
-    /* The bends of the faces: those of n[f] have the edges next to f. */
-    const bend_pack ab = bend_dot(a, b), aa = bend_dot(a, a), bb = bend_dot(b, b);
-    const bend_pack far = per_area[3];
-    const bend_pack dot01 = bend_dot(e[0], e[1]), dot12 = bend_dot(e[1], e[2]),
-                    dot02 = bend_dot(e[0], e[2]);
-#define FACE(q, f, factor) bend_add_product(h[q], bend_scaled(factor, u[f]), u[f])
-    FACE(0, 1, square[2] * per_area[1]);
-    FACE(0, 2, square[1] * per_area[2]);
-    FACE(0, 3, (aa + bb - 2 * ab) * far);
-    FACE(1, 2, -dot01 * per_area[2]);
-    FACE(1, 3, (ab - bb) * far);
-    FACE(2, 1, -dot02 * per_area[1]);
-    FACE(2, 3, (ab - aa) * far);
-    FACE(3, 0, square[2] * per_area[0]);
-    FACE(3, 2, square[0] * per_area[2]);
-    FACE(3, 3, bb * far);
-    FACE(4, 0, -dot12 * per_area[0]);
-    FACE(4, 3, -ab * far);
-    FACE(5, 0, square[1] * per_area[0]);
-    FACE(5, 1, square[0] * per_area[1]);
-    FACE(5, 3, aa * far);
-#undef FACE
-    bend_add_identity(h[0], 2 * of_n * bend_dot(n[0], alpha));
-    bend_add_identity(h[3], 2 * of_n * bend_dot(n[1], alpha));
-    bend_add_identity(h[5], 2 * of_n * bend_dot(n[2], alpha));
-    const bend_vector c0 = bend_cross(e[0], alpha), c1 = bend_cross(e[1], alpha),
-                      c2 = bend_cross(e[2], alpha);
-    bend_add_product(h[1], bend_scaled(2 * of_n, e[0]), c2);
-    bend_add_product(h[1], bend_scaled(-2 * of_n, c2), e[1]);
-    bend_add_product(h[4], bend_scaled(2 * of_n, e[1]), c0);
-    bend_add_product(h[4], bend_scaled(-2 * of_n, c0), e[2]);
-    bend_add_product(h[2], bend_scaled(2 * of_n, c1), e[2]);
-    bend_add_product(h[2], bend_scaled(-2 * of_n, e[0]), c1);
-    const bend_pack of_d = 4 * inverse_d;
-    bend_vector skew[3]; /* of blocks 23, 31, 12 */
-    for (int i = 0; i < 3; i++)
-        skew[i] = bend_difference(
-            bend_difference(bend_scaled(of_d, e[i]), bend_scaled(of_n * square[i], alpha)),
-            bend_scaled(of_s, bend_sum(u[i], u[3])));
-    bend_add_skew(h[4], skew[0]);
-    bend_add_skew(h[2], bend_scaled(bend_of(-1), skew[1]));
-    bend_add_skew(h[1], skew[2]);
+    bend_tetrahedron t;
+    bend_measure(e, &t);
+    bend_find_slopes(&t);
+    for (int q = 0; q < BEND_BLOCKS; q++)
+        bend_pair(&t, I[q], J[q], h[q]);
+    bend_add_faces(&t, h);
+    bend_add_turns(&t, h);
     for (int q = 0; q < BEND_BLOCKS; q++)
         for (int c = 0; c < 9; c++)
-            h[q][c] *= rr2;
+            h[q][c] *= t.rr2;
 }
 
 #endif

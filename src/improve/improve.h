@@ -1,8 +1,8 @@
 /* improve: the phases of a call beside plain sweeps.
  *
  *   phases.c             pl_run_phases: all phases, in their order
- *   slow.c               pl_run_accelerate: centring and L-BFGS for slow meshes
- *   coarse.c             pl_run_coarse: Newton's steps for smooth displacements
+ *   slow.c               pl_run_accelerate: for slow meshes
+ *   coarse.c             pl_run_coarse: Newton's steps on a lattice
  *   untangle/untangle.c  pl_run_untangle, pl_run_raise_volumes: inverted or too small elements
  *   angles.c             pl_run_put_back_angles: keep the smallest angle
  *   worst.c              pl_run_worst: improve the worst elements; joint.h, maxmin.h: joint steps
@@ -26,8 +26,8 @@ int pl_run_phases(pl_run *r, planish_error *error);
 int pl_run_accelerate(pl_run *r, pl_acceleration acceleration, double fall);
 
 /** Make Newton's steps for smooth displacements, and sweeps between them, while they pay. F does not
- *  rise. Return not 0 if the work was cut short; without memory, and on meshes that the steps are not
- *  for, do nothing. For the plain problem only. */
+ *  rise, no element becomes inverted or worse than the worst. Return not 0 if the work was cut short;
+ *  without memory, and on other meshes than tetrahedra of the plain problem, do nothing. */
 int pl_run_coarse(pl_run *r);
 
 /** Climb the ladder for elements that are inverted or flat in the mesh as measured last. If

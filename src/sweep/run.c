@@ -398,7 +398,7 @@ static void sweep_on(pl_run *r) {
     pl_convergence calm = {{0}, 0};                           /* of sweeps that leave stars calm */
     pl_convergence trend = {{0}, 0};                          /* of all */
     int patience = may_be_slow ? SWEEPS_UNTIL_SLOW : INT_MAX; /* sweeps until a mesh is slow */
-    int n_accelerated = 0, is_polished = 0, is_forecast = 0;
+    int n_accelerated = 0, is_polished = 0, may_step = may_be_slow;
     r->stop = PLANISH_STOP_MAX_SWEEPS;
     while (pl_run_sweeps_left(r) > 0) {
         const double before = pl_objective_of_movable(r->options, &r->sums);
@@ -408,9 +408,9 @@ static void sweep_on(pl_run *r) {
         heed_refusers(r);
         pl_converged(&trend, before, pl_objective_of_movable(r->options, &r->sums), 0);
         double fall = trend.fall[PL_CALM_SWEEPS - 1];
-        if (may_be_slow && !is_forecast && forecasts_many(&trend, tolerance)) {
+        if (may_step && forecasts_many(&trend, tolerance)) {
             const double sum = r->sums.ratio[1];
-            is_forecast = 1;
+            may_step = 0;
             if (r->accelerate(r, PL_COARSE, fall))
                 return;
             if (r->sums.ratio[1] < sum) {
