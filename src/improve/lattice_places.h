@@ -36,6 +36,13 @@ static inline int64_t pl_offset_of(const pl_grid *g, int bits) {
     return (bits & 1) + (bits >> 1 & 1) * g->n[0] + (bits >> 2 & 1) * g->n[0] * g->n[1];
 }
 
+/** Coordinates of vertex number of a grid. */
+static inline void pl_find_coordinates(const pl_grid *g, int64_t number, int64_t at[3]) {
+    at[0] = number % g->n[0];
+    at[1] = number / g->n[0] % g->n[1];
+    at[2] = number / g->n[0] / g->n[1];
+}
+
 /** Coordinates of a node in the unit of the lattice. */
 PL_INLINE void pl_unit_place(const pl_lattice *l, int64_t inner, double *x) {
     const double *from = l->plan->scratch.coordinates + inner * 3;
@@ -93,11 +100,11 @@ typedef struct pl_simplex {
 PL_INLINE pl_simplex pl_simplex_of(const pl_grid *g, int64_t number) {
     const int64_t of_grid = number - g->first;
     pl_simplex s = {.g = g, .way = PL_ORDERS[of_grid % PL_SIMPLICES]};
-    const int64_t first = of_grid / PL_SIMPLICES;
-    s.vertex[0] = first;
-    s.corner[0] = (double)(first % g->n[0]);
-    s.corner[1] = (double)(first / g->n[0] % g->n[1]);
-    s.corner[2] = (double)(first / g->n[0] / g->n[1]);
+    int64_t at[3];
+    s.vertex[0] = of_grid / PL_SIMPLICES;
+    pl_find_coordinates(g, s.vertex[0], at);
+    for (int d = 0; d < 3; d++)
+        s.corner[d] = (double)at[d];
     for (int d = 0; d < 3; d++) {
         s.bits[d + 1] = s.bits[d] | 1 << s.way[d];
         s.vertex[d + 1] = s.vertex[d] + pl_stride_of(g, s.way[d]);
@@ -130,13 +137,6 @@ static inline pl_vertex_at pl_vertex_by(const pl_grid *g, const int64_t at[3], i
         v.number += v.at[d] * pl_stride_of(g, d);
     }
     return v;
-}
-
-/** Coordinates of vertex number of a grid. */
-static inline void pl_find_coordinates(const pl_grid *g, int64_t number, int64_t at[3]) {
-    at[0] = number % g->n[0];
-    at[1] = number / g->n[0] % g->n[1];
-    at[2] = number / g->n[0] / g->n[1];
 }
 
 /* ---- terms of exact sums ---------------------------------------------------------------------- */
