@@ -372,21 +372,27 @@ static void heed_refusers(pl_run *r) {
 }
 
 /* Sweeps that a forecast looks ahead, and the part of the RMS that they must promise for Newton's
- * steps. Rough meshes promise less after a few sweeps; they converge in about 20. */
+ * steps. Rough meshes promise less after a few sweeps; they converge in about 20. The steps take as
+ * long as some 12 visits to each node, so at least this part of the nodes must need those sweeps. */
 enum { SWEEPS_AHEAD = 24 };
 #define PROMISE 0.005
+#define BUSY    0.5
 
 /** Whether the next sweeps promise much and would not converge, if falls shrink on at the rate of the
- *  last ones. */
-static int forecasts_many(const pl_convergence *trend, double tolerance) {
+ *  last ones. visits: those of the last sweep, before: those of the sweep before that. If they grow,
+ *  the error is one that spreads, not one of the whole mesh. */
+static int forecasts_many(const pl_run *r, const pl_convergence *trend, int64_t visits,
+                          int64_t before) {
+    const double n_stars = (double)(r->plan->interior.n_all + r->plan->sliding.n_all);
     const double first = trend->fall[0];
     double fall = trend->fall[PL_CALM_SWEEPS - 1], promise = 0;
-    if (trend->n_falls < PL_CALM_SWEEPS || !(first > 0) || !(fall > 0) || !(fall < SLOW_FALL))
+    if (trend->n_falls < PL_CALM_SWEEPS || !(first > 0) || !(fall > 0) || !(fall < SLOW_FALL) ||
+        visits > before || (double)visits < BUSY * n_stars)
         return 0;
     const double ratio = fmin(sqrt(fall / first), 1);
     for (int i = 0; i < SWEEPS_AHEAD; i++)
         promise += fall *= ratio;
-    return fall > tolerance && promise > PROMISE;
+    return fall > r->options->tolerance && promise > PROMISE;
 }
 
 /** Sweep until that converges or may go on no more: r->stop. */
@@ -398,19 +404,20 @@ static void sweep_on(pl_run *r) {
     pl_convergence calm = {{0}, 0};                           /* of sweeps that leave stars calm */
     pl_convergence trend = {{0}, 0};                          /* of all */
     int patience = may_be_slow ? SWEEPS_UNTIL_SLOW : INT_MAX; /* sweeps until a mesh is slow */
-    int n_accelerated = 0, is_polished = 0, may_step = may_be_slow;
+    int n_accelerated = 0, is_polished = 0;
+    int64_t visits = 0;
     r->stop = PLANISH_STOP_MAX_SWEEPS;
     while (pl_run_sweeps_left(r) > 0) {
         const double before = pl_objective_of_movable(r->options, &r->sums);
-        int64_t visits;
+        const int64_t visits_before = visits;
         if (pl_run_sweep(r, &visits))
             return;
         heed_refusers(r);
         pl_converged(&trend, before, pl_objective_of_movable(r->options, &r->sums), 0);
         double fall = trend.fall[PL_CALM_SWEEPS - 1];
-        if (may_step && forecasts_many(&trend, tolerance)) {
+        if (may_be_slow && !r->has_tried_steps && forecasts_many(r, &trend, visits, visits_before)) {
             const double sum = r->sums.ratio[1];
-            may_step = 0;
+            r->has_tried_steps = 1;
             if (r->accelerate(r, PL_COARSE, fall))
                 return;
             if (r->sums.ratio[1] < sum) {
