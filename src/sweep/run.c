@@ -373,21 +373,23 @@ static void heed_refusers(pl_run *r) {
 
 /* Sweeps that a forecast looks ahead, and the part of the RMS that they must promise for Newton's
  * steps. Rough meshes promise less after a few sweeps; they converge in about 20. The steps take as
- * long as some 12 visits to each node, so at least this part of the nodes must need those sweeps. */
-enum { SWEEPS_AHEAD = 24 };
+ * long as some 12 visits to each node, so at least this part of the nodes must need those sweeps.
+ * If visits grow by more than a part of a sweep's, the error spreads and is not one of the whole mesh:
+ * a mesh on a saddle leaves it so. */
+enum { SWEEPS_AHEAD = 24, GROWTH = 32 };
 #define PROMISE 0.005
 #define BUSY    0.5
 
 /** Whether the next sweeps promise much and would not converge, if falls shrink on at the rate of the
- *  last ones. visits: those of the last sweep, before: those of the sweep before that. If they grow,
- *  the error is one that spreads, not one of the whole mesh. */
+ *  last ones. visits: those of the last sweep, before: those of the sweep before that. */
 static int forecasts_many(const pl_run *r, const pl_convergence *trend, int64_t visits,
                           int64_t before) {
     const double n_stars = (double)(r->plan->interior.n_all + r->plan->sliding.n_all);
     const double first = trend->fall[0];
     double fall = trend->fall[PL_CALM_SWEEPS - 1], promise = 0;
     if (trend->n_falls < PL_CALM_SWEEPS || !(first > 0) || !(fall > 0) || !(fall < SLOW_FALL) ||
-        visits > before || (double)visits < BUSY * n_stars)
+        visits > before + before / GROWTH ||
+        (double)visits < BUSY * n_stars)
         return 0;
     const double ratio = fmin(sqrt(fall / first), 1);
     for (int i = 0; i < SWEEPS_AHEAD; i++)

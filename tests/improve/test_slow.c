@@ -53,14 +53,17 @@ enum { MOST = 400 };
 typedef struct history {
     int n, stop_at;
     double rms[MOST];
+    int64_t visits[MOST];
 } history;
 
 static int record(const planish_progress *progress, void *user) {
     history *h = user;
     if (!progress->sweep_done)
         return h->stop_at && progress->sweep >= h->stop_at && progress->colour > 0;
-    if (h->n < MOST)
+    if (h->n < MOST) {
+        h->visits[h->n] = progress->visits;
         h->rms[h->n++] = progress->rms;
+    }
     return 0;
 }
 
@@ -139,29 +142,84 @@ static void a_lattice_helps_early(void **state) {
     test_mesh_destroy(&mesh);
 }
 
-/** Meshes that converge soon see no lattice, and meshes in the plane never do. */
-static void others_see_no_lattice(void **state) {
+/** Smooth a mesh; returns how often the log told of Newton's steps, and the sweeps in *sweeps. */
+static int count_steps(const planish_mesh *mesh, int *sweeps) {
+    smoothed s;
+    int told = 0;
+    planish_options options = test_options(1);
+    options.log = note_steps;
+    options.log_user = &told;
+    smooth(mesh, &options, &s);
+    free(s.coordinates);
+    *sweeps = s.result.sweeps;
+    return told;
+}
+
+/** Meshes that converge soon see no lattice. */
+static void rough_meshes_see_no_lattice(void **state) {
     (void)state;
-    for (int dim = 2; dim <= 3; dim++)
-        for (int is_rough = dim == 3; is_rough < 2; is_rough++) {
-            test_mesh mesh;
-            smoothed s;
-            int told = 0;
-            planish_options options = test_options(1);
-            options.log = note_steps;
-            options.log_user = &told;
-            if (is_rough) {
-                test_mesh_box(&mesh, dim, cells_along(dim));
-                test_mesh_perturb(&mesh, 0.14, 3);
-            } else {
-                squeezed_box(&mesh, dim);
-            }
-            smooth(&mesh.mesh, &options, &s);
-            assert_true(s.result.sweeps > PATIENCE || is_rough);
-            assert_int_equal(told, 0);
-            free(s.coordinates);
-            test_mesh_destroy(&mesh);
-        }
+    test_mesh mesh;
+    int sweeps;
+    test_mesh_box(&mesh, 3, cells_along(3));
+    test_mesh_perturb(&mesh, 0.14, 3);
+    assert_int_equal(count_steps(&mesh.mesh, &sweeps), 0);
+    test_mesh_destroy(&mesh);
+}
+
+/** Meshes in the plane see no lattice. */
+static void the_plane_sees_no_lattice(void **state) {
+    (void)state;
+    test_mesh mesh;
+    int sweeps;
+    squeezed_box(&mesh, 2);
+    assert_int_equal(count_steps(&mesh.mesh, &sweeps), 0);
+    assert_true(sweeps > PATIENCE);
+    test_mesh_destroy(&mesh);
+}
+
+/** A history, and the sweeps before Newton's steps; 0: there were none. */
+typedef struct steps_in_history {
+    history h;
+    int sweeps_before;
+} steps_in_history;
+
+static void note_when(planish_log_level level, const char *text, void *user) {
+    steps_in_history *s = user;
+    (void)level;
+    if (strstr(text, "Newton's steps"))
+        s->sweeps_before = s->h.n;
+}
+
+/** Steps wait as long as an error spreads from a part of the mesh, and sweeps visit more nodes each
+ *  time. */
+static void a_lattice_waits_while_an_error_spreads(void **state) {
+    (void)state;
+    const int cells = cells_along(3), part = cells / 2;
+    test_mesh mesh, corner;
+    smoothed s;
+    steps_in_history when = {0};
+    planish_options options = test_options(1);
+    options.progress = record;
+    options.progress_user = &when; /* its history */
+    options.log = note_when;
+    options.log_user = &when;
+    test_mesh_box(&mesh, 3, cells);
+    test_mesh_squeezed_box(&corner, 3, part);
+    for (int k = 0; k <= part; k++)
+        for (int j = 0; j <= part; j++)
+            memcpy(mesh.coordinates + ((k * (cells + 1) + j) * (cells + 1)) * (int64_t)3,
+                   corner.coordinates + ((k * (part + 1) + j) * (part + 1)) * (int64_t)3,
+                   (size_t)(part + 1) * 3 * sizeof(double));
+    smooth(&mesh.mesh, &options, &s);
+    const int last = when.sweeps_before - 1;
+    if (last >= 0) {
+        assert_true(2 * when.h.visits[last] >= (int64_t)pow(cells - 1, 3));
+        assert_true(when.h.visits[last] <= 1.04 * (double)when.h.visits[last - 1]);
+    }
+    assert_true(when.h.visits[3] > 1.1 * (double)when.h.visits[2]);
+    free(s.coordinates);
+    test_mesh_destroy(&mesh);
+    test_mesh_destroy(&corner);
 }
 
 /** Smooth a mesh whose surface slides on its planes and lines; returns the RMS, and what the log told
@@ -404,7 +462,9 @@ static void without_memory_there_is_no_help(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lattice_helps_early),
-        cmocka_unit_test(others_see_no_lattice),
+        cmocka_unit_test(rough_meshes_see_no_lattice),
+        cmocka_unit_test(the_plane_sees_no_lattice),
+        cmocka_unit_test(a_lattice_waits_while_an_error_spreads),
         cmocka_unit_test(a_lattice_helps_where_nodes_slide),
         BOTH(help_comes_and_brings_it_home),
         BOTH(cut_short_it_leaves_what_stood),
