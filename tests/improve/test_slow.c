@@ -288,6 +288,58 @@ static void cut_short_it_leaves_what_stood(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+/** Calls of the progress function. */
+typedef struct calls {
+    int n, first, stop_at; /* first: those before Newton's steps */
+    double rms;            /* as told last */
+} calls;
+
+static int count_call(const planish_progress *progress, void *user) {
+    calls *c = user;
+    c->rms = progress->rms;
+    return ++c->n == c->stop_at;
+}
+
+static void note_first(planish_log_level level, const char *text, void *user) {
+    calls *c = user;
+    (void)level;
+    if (strstr(text, "Newton's steps"))
+        c->first = c->n;
+}
+
+/** Any answer of the progress function may end a step: each of the first ones does. The mesh is valid
+ *  then, and no worse than it was. */
+static void a_step_ends_at_any_call(void **state) {
+    (void)state;
+    enum { ANSWERS = 60 };
+    test_mesh mesh;
+    smoothed s;
+    calls c = {.stop_at = -1};
+    planish_options options = test_options(1);
+    options.progress = count_call;
+    options.progress_user = &c;
+    options.log = note_first;
+    options.log_user = &c;
+    test_mesh_squeezed_box(&mesh, 3, 9);
+    smooth(&mesh.mesh, &options, &s);
+    free(s.coordinates);
+    const int first = c.first;
+    assert_true(first > 0 && c.n > first + ANSWERS);
+    for (int k = 1; k < ANSWERS; k += effort_step(5)) {
+        c = (calls){.stop_at = first + k};
+        smooth(&mesh.mesh, &options, &s);
+        assert_int_equal(s.result.stop, PLANISH_STOP_INTERRUPTED);
+        assert_int_equal(s.after.n_inverted, 0);
+        assert_true(s.after.min_angle_deg >= s.before.min_angle_deg);
+        assert_true(s.after.max_radius_ratio <= s.before.max_radius_ratio);
+        assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
+        if (s.result.n_put_back == 0)
+            assert_true(s.after.rms_radius_ratio <= c.rms * (1 + 1e-12));
+        free(s.coordinates);
+    }
+    test_mesh_destroy(&mesh);
+}
+
 static void the_most_sweeps_are_the_most(void **state) {
     int dim = *(int *)*state;
     test_mesh mesh;
@@ -468,6 +520,7 @@ int main(void) {
         cmocka_unit_test(a_lattice_helps_where_nodes_slide),
         BOTH(help_comes_and_brings_it_home),
         BOTH(cut_short_it_leaves_what_stood),
+        cmocka_unit_test(a_step_ends_at_any_call),
         BOTH(the_most_sweeps_are_the_most),
         BOTH(same_bits),
         BOTH(powers_of_two_change_no_bit),
