@@ -667,8 +667,9 @@ typedef struct planish_options {
                                joint steps that max_sweeps does not count */
     double worst_rise;      /* and by how much of itself F may rise for that; 0.01 */
     int max_sweeps;         /* of smoothing, at least 0, and as many again after nodes were
-                               put back (planish_result); untangling has its own bound; where
-                               L-BFGS helps, each of its iterations counts as one */
+                               put back (planish_result); untangling has its own bound. In a
+                               slow mesh each of Newton's steps counts as one, and so does each
+                               iteration of L-BFGS */
     double tolerance;       /* relative fall of the movable RMS that counts as converged; stars
                                that fall by less than half do not set off visits around them */
     double time_limit;      /* seconds, 0: none */
