@@ -86,7 +86,7 @@ PL_INLINE void bend_add_identity(bend_pack *h, bend_pack a) {
     h[8] += a;
 }
 
-/** What the blocks of four tetrahedra are made of: the symbols above. */
+/** Intermediate values of four tetrahedra: the symbols above, and parts of them. */
 typedef struct bend_tetrahedron {
     bend_vector e[3], n[3],
         opposite;     /* edges, normals of the faces at node 0 and of the last one */

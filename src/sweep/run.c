@@ -388,8 +388,7 @@ static int forecasts_many(const pl_run *r, const pl_convergence *trend, int64_t 
     const double first = trend->fall[0];
     double fall = trend->fall[PL_CALM_SWEEPS - 1], promise = 0;
     if (trend->n_falls < PL_CALM_SWEEPS || !(first > 0) || !(fall > 0) || !(fall < SLOW_FALL) ||
-        visits > before + before / GROWTH ||
-        (double)visits < BUSY * n_stars)
+        visits > before + before / GROWTH || (double)visits < BUSY * n_stars)
         return 0;
     const double ratio = fmin(sqrt(fall / first), 1);
     for (int i = 0; i < SWEEPS_AHEAD; i++)
@@ -397,12 +396,16 @@ static int forecasts_many(const pl_run *r, const pl_convergence *trend, int64_t 
     return fall > r->options->tolerance && promise > PROMISE;
 }
 
+/** Whether all nodes may move at once if sweeps are slow. */
+static int may_accelerate(const pl_run *r) {
+    return r->plain && r->plan->interior.n_all > 0 && r->options->search == PLANISH_SEARCH_NEWTON &&
+           !(r->problem.rr2_skip > 0);
+}
+
 /** Sweep until that converges or may go on no more: r->stop. */
 static void sweep_on(pl_run *r) {
     const double tolerance = r->options->tolerance;
-    const int may_be_slow = r->plain && r->plan->interior.n_all > 0 &&
-                            r->options->search == PLANISH_SEARCH_NEWTON &&
-                            !(r->problem.rr2_skip > 0);
+    const int may_be_slow = may_accelerate(r);
     pl_convergence calm = {{0}, 0};                           /* of sweeps that leave stars calm */
     pl_convergence trend = {{0}, 0};                          /* of all */
     int patience = may_be_slow ? SWEEPS_UNTIL_SLOW : INT_MAX; /* sweeps until a mesh is slow */
@@ -417,7 +420,8 @@ static void sweep_on(pl_run *r) {
         heed_refusers(r);
         pl_converged(&trend, before, pl_objective_of_movable(r->options, &r->sums), 0);
         double fall = trend.fall[PL_CALM_SWEEPS - 1];
-        if (may_be_slow && !r->has_tried_steps && forecasts_many(r, &trend, visits, visits_before)) {
+        if (may_be_slow && !r->has_tried_steps &&
+            forecasts_many(r, &trend, visits, visits_before)) {
             const double sum = r->sums.ratio[1];
             r->has_tried_steps = 1;
             if (r->accelerate(r, PL_COARSE, fall))
