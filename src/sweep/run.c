@@ -380,15 +380,16 @@ enum { SWEEPS_AHEAD = 24, GROWTH = 32 };
 #define PROMISE 0.005
 #define BUSY    0.5
 
-/** Whether the next sweeps promise much and would not converge, if falls shrink on at the rate of the
- *  last ones. visits: those of the last sweep, before: those of the sweep before that. */
-static int forecasts_many(const pl_run *r, const pl_convergence *trend, int64_t visits,
-                          int64_t before) {
+/** Whether Newton's steps are due, for the first time: the next sweeps promise much and would not
+ *  converge, if falls shrink on at the rate of the last ones. visits: those of the last sweep, before:
+ *  those of the sweep before that. */
+static int steps_are_due(const pl_run *r, const pl_convergence *trend, int64_t visits,
+                         int64_t before) {
     const double n_stars = (double)(r->plan->interior.n_all + r->plan->sliding.n_all);
     const double first = trend->fall[0];
     double fall = trend->fall[PL_CALM_SWEEPS - 1], promise = 0;
-    if (trend->n_falls < PL_CALM_SWEEPS || !(first > 0) || !(fall > 0) || !(fall < SLOW_FALL) ||
-        visits > before + before / GROWTH || (double)visits < BUSY * n_stars)
+    if (r->has_tried_steps || trend->n_falls < PL_CALM_SWEEPS || !(first > 0) || !(fall > 0) ||
+        !(fall < SLOW_FALL) || visits > before + before / GROWTH || (double)visits < BUSY * n_stars)
         return 0;
     const double ratio = fmin(sqrt(fall / first), 1);
     for (int i = 0; i < SWEEPS_AHEAD; i++)
@@ -420,8 +421,7 @@ static void sweep_on(pl_run *r) {
         heed_refusers(r);
         pl_converged(&trend, before, pl_objective_of_movable(r->options, &r->sums), 0);
         double fall = trend.fall[PL_CALM_SWEEPS - 1];
-        if (may_be_slow && !r->has_tried_steps &&
-            forecasts_many(r, &trend, visits, visits_before)) {
+        if (may_be_slow && steps_are_due(r, &trend, visits, visits_before)) {
             const double sum = r->sums.ratio[1];
             r->has_tried_steps = 1;
             if (r->accelerate(r, PL_COARSE, fall))
