@@ -374,9 +374,9 @@ static void heed_refusers(pl_run *r) {
 /* Sweeps that a forecast looks ahead, and the part of the RMS that they must promise for Newton's
  * steps. Rough meshes promise less after a few sweeps; they converge in about 20. The steps take as
  * long as some 12 visits to each node, so at least this part of the nodes must need those sweeps.
- * If visits grow by more than a part of a sweep's, the error spreads and is not one of the whole mesh:
- * a mesh on a saddle leaves it so. */
-enum { SWEEPS_AHEAD = 24, GROWTH = 32 };
+ * While visits grow from sweep to sweep the error spreads, and is not yet one of the whole mesh: a mesh
+ * that leaves a saddle does so. */
+enum { SWEEPS_AHEAD = 24 };
 #define PROMISE 0.005
 #define BUSY    0.5
 
@@ -389,7 +389,7 @@ static int steps_are_due(const pl_run *r, const pl_convergence *trend, int64_t v
     const double first = trend->fall[0];
     double fall = trend->fall[PL_CALM_SWEEPS - 1], promise = 0;
     if (r->has_tried_steps || trend->n_falls < PL_CALM_SWEEPS || !(first > 0) || !(fall > 0) ||
-        !(fall < SLOW_FALL) || visits > before + before / GROWTH || (double)visits < BUSY * n_stars)
+        !(fall < SLOW_FALL) || visits > before || (double)visits < BUSY * n_stars)
         return 0;
     const double ratio = fmin(sqrt(fall / first), 1);
     for (int i = 0; i < SWEEPS_AHEAD; i++)
