@@ -377,7 +377,7 @@ static void heed_refusers(pl_run *r) {
  * While visits grow from sweep to sweep the error spreads, and is not yet one of the whole mesh: a mesh
  * that leaves a saddle does so. */
 enum { SWEEPS_AHEAD = 24 };
-#define PROMISE 0.005
+#define PROMISE 0.002
 #define BUSY    0.5
 
 /** Whether Newton's steps are due, for the first time: the next sweeps promise much and would not
