@@ -371,30 +371,31 @@ static void heed_refusers(pl_run *r) {
     pl_free(state);
 }
 
-/* Sweeps that a forecast looks ahead, and the part of the RMS that they must promise for Newton's
- * steps. Rough meshes promise less after a few sweeps; they converge in about 20. The steps take as
- * long as some 12 visits to each node, so at least this part of the nodes must need those sweeps.
+/* Sweeps that a forecast looks ahead, and the part of the RMS that all further sweeps must promise for
+ * Newton's steps: the larger the mesh, the less the next ones bring. Rough meshes promise less after a
+ * few sweeps; they converge in about 20. The steps take as long as some 12 visits to each node, so at
+ * least this part of the nodes must need those sweeps.
  * While visits grow from sweep to sweep the error spreads, and is not yet one of the whole mesh: a mesh
  * that leaves a saddle does so. */
 enum { SWEEPS_AHEAD = 24 };
 #define PROMISE 0.002
 #define BUSY    0.5
 
-/** Whether Newton's steps are due, for the first time: the next sweeps promise much and would not
- *  converge, if falls shrink on at the rate of the last ones. visits: those of the last sweep, before:
+/** Whether Newton's steps are due, for the first time: sweeps promise much and would not converge soon,
+ *  if falls shrink on at the rate of the last ones. visits: those of the last sweep, before:
  *  those of the sweep before that. */
 static int steps_are_due(const pl_run *r, const pl_convergence *trend, int64_t visits,
                          int64_t before) {
     const double n_stars = (double)(r->plan->interior.n_all + r->plan->sliding.n_all);
     const double first = trend->fall[0];
-    double fall = trend->fall[PL_CALM_SWEEPS - 1], promise = 0;
+    double fall = trend->fall[PL_CALM_SWEEPS - 1];
     if (r->has_tried_steps || trend->n_falls < PL_CALM_SWEEPS || !(first > 0) || !(fall > 0) ||
         !(fall < SLOW_FALL) || visits > before || (double)visits < BUSY * n_stars)
         return 0;
     const double ratio = fmin(sqrt(fall / first), 1);
     for (int i = 0; i < SWEEPS_AHEAD; i++)
-        promise += fall *= ratio;
-    return fall > r->options->tolerance && promise > PROMISE;
+        fall *= ratio;
+    return fall > r->options->tolerance && pl_remainder(trend) > PROMISE;
 }
 
 /** Whether all nodes may move at once if sweeps are slow. */
