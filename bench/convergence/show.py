@@ -16,12 +16,15 @@ STYLES = {"as meshed": ("o", "#2a6f97"), "warp": ("s", "#d7301f"), "twist": ("^"
 
 
 def print_table(rows):
-    print("| tetrahedra | free nodes | error | sweeps | million visits | s | RMS of the movable |")
-    print("| --: | --: | --- | --: | --: | --: | --: |")
-    for row in rows:
-        print(f"| {int(row['elements']):,} | {int(row['free']):,} | {row['error']} | {row['sweeps']} "
-              f"| {int(row['visits']) / 1e6:.3f} | {float(row['seconds']):.3f} "
-              f"| {float(row['rms']):.6f} |")
+    """A row for each mesh: sweeps and seconds for each error."""
+    print("| tetrahedra | free nodes | " + " | ".join(STYLES) + " |")
+    print("| --: | --: |" + " --: |" * len(STYLES))
+    for mesh in dict.fromkeys(row["mesh"] for row in rows):
+        of_error = {row["error"]: row for row in rows if row["mesh"] == mesh}
+        cells = [f"{row['sweeps']}, {float(row['seconds']):.3g} s"
+                 for row in (of_error[error] for error in STYLES)]
+        size = of_error["as meshed"]
+        print(f"| {int(size['elements']):,} | {int(size['free']):,} | " + " | ".join(cells) + " |")
 
 
 def plot(rows, path):

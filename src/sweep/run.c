@@ -372,27 +372,36 @@ static void heed_refusers(pl_run *r) {
 }
 
 /* Sweeps that a forecast looks ahead, and the part of the RMS that all further sweeps must promise for
- * Newton's steps: the larger the mesh, the less the next ones bring. Rough meshes promise less after a
- * few sweeps; they converge in about 20. The steps take as long as some 12 visits to each node, so at
- * least this part of the nodes must need those sweeps.
- * While visits grow from sweep to sweep the error spreads, and is not yet one of the whole mesh: a mesh
- * that leaves a saddle does so. */
+ * Newton's steps. The larger the mesh, the less the next sweeps bring. Rough meshes promise less
+ * after a few sweeps; they converge in about 20. The steps take as long as some 12 visits to each
+ * node, so at least the part BUSY of the nodes must need visits. */
 enum { SWEEPS_AHEAD = 24 };
 #define PROMISE 0.002
 #define BUSY    0.5
 
+/** Whether the error is one of the whole mesh by now: falls shrink from sweep to sweep, and visits do
+ *  not grow. Visits that grow mean an error that spreads, as in a mesh that leaves a saddle; a fall
+ *  that grows means an element that was repaired. */
+static int is_settled(const pl_convergence *trend, int64_t visits, int64_t visits_before) {
+    if (trend->n_falls < PL_CALM_SWEEPS || visits > visits_before)
+        return 0;
+    for (int i = 1; i < PL_CALM_SWEEPS; i++)
+        if (!(trend->fall[i] > 0 && trend->fall[i] <= trend->fall[i - 1]))
+            return 0;
+    return 1;
+}
+
 /** Whether Newton's steps are due, for the first time: sweeps promise much and would not converge soon,
- *  if falls shrink on at the rate of the last ones. visits: those of the last sweep, before:
+ *  if falls shrink on at the rate of the last ones. visits: those of the last sweep, visits_before:
  *  those of the sweep before that. */
 static int steps_are_due(const pl_run *r, const pl_convergence *trend, int64_t visits,
-                         int64_t before) {
+                         int64_t visits_before) {
     const double n_stars = (double)(r->plan->interior.n_all + r->plan->sliding.n_all);
-    const double first = trend->fall[0];
     double fall = trend->fall[PL_CALM_SWEEPS - 1];
-    if (r->has_tried_steps || trend->n_falls < PL_CALM_SWEEPS || !(first > 0) || !(fall > 0) ||
-        !(fall < SLOW_FALL) || visits > before || (double)visits < BUSY * n_stars)
+    if (r->has_tried_steps || (double)visits < BUSY * n_stars ||
+        !is_settled(trend, visits, visits_before) || !(fall < SLOW_FALL))
         return 0;
-    const double ratio = fmin(sqrt(fall / first), 1);
+    const double ratio = sqrt(fall / trend->fall[0]);
     for (int i = 0; i < SWEEPS_AHEAD; i++)
         fall *= ratio;
     return fall > r->options->tolerance && pl_remainder(trend) > PROMISE;

@@ -166,6 +166,33 @@ static void rough_meshes_see_no_lattice(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+/** Box whose nodes are perturbed, and about one in a hundred is thrown by up to an edge. */
+static void box_of_thrown_nodes(unsigned seed, int cells, test_mesh *mesh) {
+    test_mesh_box(mesh, 3, cells);
+    test_mesh_perturb(mesh, 0.14, seed);
+    for (int64_t i = 0; i < mesh->mesh.n_nodes; i++) {
+        double *x = mesh->coordinates + i * 3;
+        if (test_is_inside_box(x, 3, cells) && test_random(&seed) < 0.01)
+            for (int d = 0; d < 3; d++)
+                x[d] += 2 * test_random(&seed) - 1;
+    }
+}
+
+/** A sweep that repairs an element may lower the RMS by more than the sweep before: falls that grow
+ *  forecast nothing. Of 300 boxes two have such falls when few are left to come. */
+static void repaired_elements_call_no_lattice(void **state) {
+    static const unsigned SEEDS[] = {165, 241};
+    (void)state;
+    for (size_t k = 0; k < sizeof SEEDS / sizeof *SEEDS; k++) {
+        test_mesh mesh;
+        int sweeps;
+        box_of_thrown_nodes(SEEDS[k], 9, &mesh);
+        assert_int_equal(count_steps(&mesh.mesh, &sweeps), 0);
+        assert_true(sweeps < PATIENCE);
+        test_mesh_destroy(&mesh);
+    }
+}
+
 /** Meshes in the plane see no lattice. */
 static void the_plane_sees_no_lattice(void **state) {
     (void)state;
@@ -515,6 +542,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lattice_helps_early),
         cmocka_unit_test(rough_meshes_see_no_lattice),
+        cmocka_unit_test(repaired_elements_call_no_lattice),
         cmocka_unit_test(the_plane_sees_no_lattice),
         cmocka_unit_test(a_lattice_waits_while_an_error_spreads),
         cmocka_unit_test(a_lattice_helps_where_nodes_slide),
