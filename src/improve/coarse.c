@@ -18,16 +18,16 @@
 #include <string.h>
 
 enum {
-    CHUNK = 256,    /* stars that one thread takes at a time */
-    STEPS = 12,     /* at most, */
-    TRIALS = 3,     /* lengths that are tried in each */
-    SOLUTIONS = 20, /* and iterations of its conjugate gradients */
-    FEWEST = 512    /* free nodes; between fewer of them sweeps carry a correction soon */
+    CHUNK = 256,     /* stars that one thread takes at a time */
+    STEPS = 12,      /* at most */
+    TRIALS = 3,      /* lengths that are tried in each step */
+    ITERATIONS = 20, /* of conjugate gradients in each step, at most */
+    FEWEST = 512     /* free nodes; between fewer of them sweeps carry a correction soon */
 };
 
 /* Spacing of the finest grid, by the mean length of edges. */
 #define SPACING 2.5
-/* Part to which conjugate gradients bring the rest. */
+/* Part to which conjugate gradients reduce the residual. */
 #define SOLVED 0.1
 /* Next part of the way that is tried. */
 #define SHORTER 0.4
@@ -108,7 +108,7 @@ static int find_moves(coarse_steps *c, int is_anew, pl_sweep_tally *tally) {
     }
     pl_parallel_for(plan->threads, n, CHUNK, force_chunk, c);
     if (!pl_lattice_restrict(&c->lattice, c->force) ||
-        pl_lattice_solve(&c->lattice, SOLVED, SOLUTIONS, ask_in_solution, &a))
+        pl_lattice_solve(&c->lattice, SOLVED, ITERATIONS, ask_in_solution, &a))
         return 0;
     pl_lattice_prolong(&c->lattice, c->move);
     c->work = (pl_sum){{0}, 0, 0, 0, 0};

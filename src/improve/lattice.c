@@ -10,8 +10,8 @@ enum { CHUNK = 1024 };
 
 /* ---- which grids ----------------------------------------------------------------------------- */
 
-/* Vertices of the finest grid for each star at most, which bounds memory; and at all, because each
- * process has all vertices: a gigabyte. */
+/* Most vertices of the finest grid per star, which bounds memory; and in all, as each process has all
+ * vertices: they take a gigabyte. */
 #define VERTICES_PER_STAR 0.25
 #define VERTICES_MOST     0x1p20
 /* A grid suits elements whose nodes are this part of its spacing apart, or less. */
@@ -226,7 +226,8 @@ static void activate(const pl_lattice *l, int level, double *largest) {
 /** Allocate the arrays of a grid whose n is set. Returns 0 without memory. */
 static int allocate_grid(pl_grid *g) {
     const int64_t n = g->n_vertices;
-    double **fields[] = {&g->force, &g->move, &g->rest, &g->load, &g->way, &g->image, &g->total};
+    double **fields[] = {&g->force,     &g->move,   &g->residual, &g->load,
+                         &g->direction, &g->change, &g->total};
     int ready = 1;
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
         *fields[i] = pl_alloc_zero(n * 3, sizeof(double));
@@ -253,11 +254,11 @@ static int allocate(pl_lattice *l) {
     l->simplex_of = pl_alloc(n_stars, sizeof(int32_t));
     l->element = pl_alloc(m, sizeof(int32_t));
     l->corner = pl_alloc(m * PL_CORNERS, sizeof(int32_t));
-    l->of_layer = pl_alloc(l->grid[0].n[2], sizeof(double));
+    l->of_slab = pl_alloc(l->grid[0].n[2], sizeof(double));
     l->element_begin = pl_alloc(l->n_simplices + 1, sizeof(int64_t));
     l->star = pl_alloc(n_stars, sizeof(int32_t));
     l->star_begin = pl_alloc(l->n_simplices + 1, sizeof(int64_t));
-    return ready && l->is_free && l->corner && l->of_layer && l->simplex_of && l->element &&
+    return ready && l->is_free && l->corner && l->of_slab && l->simplex_of && l->element &&
            l->element_begin && l->star && l->star_begin;
 }
 
@@ -287,8 +288,8 @@ int pl_lattice_create(const planish_plan *plan, double spacing, pl_lattice *l) {
 void pl_lattice_destroy(pl_lattice *l) {
     for (int i = 0; i < l->n_levels; i++) {
         pl_grid *g = &l->grid[i];
-        void *arrays[] = {g->stiffness, g->inverse, g->force, g->move, g->rest,
-                          g->way,       g->image,   g->total, g->load, g->is_active};
+        void *arrays[] = {g->stiffness, g->inverse, g->force, g->move, g->residual,
+                          g->direction, g->change,  g->total, g->load, g->is_active};
         for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
             pl_free(arrays[k]);
     }
@@ -296,7 +297,7 @@ void pl_lattice_destroy(pl_lattice *l) {
     pl_free(l->simplex_of);
     pl_free(l->element);
     pl_free(l->corner);
-    pl_free(l->of_layer);
+    pl_free(l->of_slab);
     pl_free(l->element_begin);
     pl_free(l->star);
     pl_free(l->star_begin);

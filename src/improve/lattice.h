@@ -34,12 +34,14 @@ typedef struct pl_grid {
     double per_spacing; /* spacings of this grid per unit */
     double *stiffness;  /* [n_vertices][PL_LATTICE_BLOCKS][PL_LATTICE_BLOCK] */
     double *inverse; /* [n_vertices][PL_LATTICE_BLOCK] of the blocks of the vertices themselves */
-    double *force, *move; /* [n_vertices][3] of what belongs to this grid; about their solution */
-    double *load;         /* [n_vertices][3] force, and the rest of finer grids */
-    double *rest;         /* [n_vertices][3] */
-    double *way, *image, *total; /* [n_vertices][3] of conjugate gradients */
-    int has_own;                 /* elements or nodes belong to it, not to finer grids */
-    uint8_t *is_active;          /* [n_vertices] */
+    double *force;   /* [n_vertices][3] of the nodes that belong to this grid, less that of total */
+    double *move;    /* [n_vertices][3] approximate solution for force: of one V-cycle */
+    double *load;    /* [n_vertices][3] force, and the residual of finer grids */
+    double *residual;                   /* [n_vertices][3] of load and move */
+    double *direction, *change, *total; /* [n_vertices][3] of conjugate gradients: the search
+                                           direction, the change of force along it, the solution */
+    int has_own;                        /* elements or nodes belong to it, not to finer grids */
+    uint8_t *is_active;                 /* [n_vertices] */
 } pl_grid;
 
 /** Grids, the finest first; and what lies in them. */
@@ -55,7 +57,7 @@ typedef struct pl_lattice {
     int32_t *element;       /* [elements with a free node] by simplices */
     int32_t *corner;        /* [elements with a free node][4] their nodes, inner numbers; room for
                                the simplices of elements before */
-    double *of_layer;       /* [layers of the finest grid] */
+    double *of_slab;        /* [slabs of the finest grid] */
     int64_t *element_begin; /* [n_simplices + 1] */
     int32_t *star;          /* [n_stars] by simplices */
     int32_t *simplex_of;    /* [n_stars] */
@@ -83,8 +85,8 @@ int pl_lattice_restrict(pl_lattice *lattice, const double *force);
 typedef int pl_lattice_ask_fn(void *context);
 
 /** Find how far the vertices must move for their forces, by conjugate gradients with a V-cycle each:
- *  until the rest has fallen to the part rest, at most n of them. Returns not 0 if ask said so. */
-int pl_lattice_solve(pl_lattice *lattice, double rest, int n, pl_lattice_ask_fn *ask,
+ *  until the residual has fallen to part of itself, at most n of them. Returns not 0 if ask said so. */
+int pl_lattice_solve(pl_lattice *lattice, double part, int n, pl_lattice_ask_fn *ask,
                      void *context);
 
 /** Set the moves of the stars' nodes, [n_stars][3]. */

@@ -1,9 +1,9 @@
-/* lattice_places: places in the grids of a lattice, loops over their layers, and terms of exact sums.
+/* lattice_places: places in the grids of a lattice, loops over their slabs, and terms of exact sums.
  * Private to lattice.c, lattice_stiffness.c and lattice_solve.c.
  *
  *   pl_unit_place, pl_cube_at, pl_simplex_at, pl_simplex_of, pl_weights_at    where a point is
  *   pl_stride_of, pl_offset_of, pl_vertex_by, pl_find_coordinates             numbers of vertices
- *   pl_visit_layers                                     a loop whose result no threads change
+ *   pl_visit_slabs                                      a loop whose result no threads change
  *   pl_terms_up_to, pl_round_term, pl_add_over_parts    sums whose order does not matter
  */
 #ifndef PL_IMPROVE_LATTICE_PLACES_H
@@ -181,12 +181,12 @@ static inline void pl_add_over_parts(pl_terms terms, double *sums, int64_t n) {
 
 /* ---- loops ---------------------------------------------------------------------------------- */
 
-/** Work on the layers of a grid along its last direction: those of one parity share no vertices that
+/** Work on the slabs of a grid along its last direction: those of one parity share no vertices that
  *  are written. */
-typedef struct pl_layer_pass {
+typedef struct pl_slab_pass {
     pl_lattice *l;
     const pl_grid *g;
-    void (*body)(const struct pl_layer_pass *pass, int64_t layer);
+    void (*body)(const struct pl_slab_pass *pass, int64_t slab);
     int64_t parity;
     int is_backward;
     const double *from; /* [n_stars][3] */
@@ -195,21 +195,21 @@ typedef struct pl_layer_pass {
     double *y; /* [n_vertices][3] */
     double factor;
     pl_terms terms;
-} pl_layer_pass;
+} pl_slab_pass;
 
-static inline void pl_layer_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const pl_layer_pass *p = context;
+static inline void pl_slab_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const pl_slab_pass *p = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         p->body(p, 2 * i + p->parity);
 }
 
-/** Visit n layers: those of one parity, then the others. */
-static inline void pl_visit_layers(pl_layer_pass *p, int64_t n) {
+/** Visit n slabs: those of one parity, then the others. */
+static inline void pl_visit_slabs(pl_slab_pass *p, int64_t n) {
     const int threads = pl_paying_threads(p->l->plan->threads, p->g->n_vertices * 16);
     for (int k = 0; k < 2; k++) {
         p->parity = k ^ p->is_backward;
-        pl_parallel_for(threads, (n + 1 - p->parity) / 2, 1, pl_layer_chunk, p);
+        pl_parallel_for(threads, (n + 1 - p->parity) / 2, 1, pl_slab_chunk, p);
     }
 }
 

@@ -3,12 +3,12 @@
 
 #include <string.h>
 
-/** Set rest to b - K x of vertex v, without its own block unless with_own; b NULL: 0. */
-PL_INLINE void rest_at(const pl_grid *g, const double *b, const double *x, int64_t v, int with_own,
-                       double *rest) {
+/** Set residual to b - K x of vertex v, without its own block unless with_own; b NULL: 0. */
+PL_INLINE void residual_at(const pl_grid *g, const double *b, const double *x, int64_t v,
+                           int with_own, double *residual) {
     enum { CORNERS = 8 }; /* of a cube */
     for (int d = 0; d < 3; d++)
-        rest[d] = b ? b[v * 3 + d] : 0;
+        residual[d] = b ? b[v * 3 + d] : 0;
     for (int bits = with_own ? 0 : 1; bits < CORNERS; bits++) {
         const int64_t way = pl_offset_of(g, bits), after = v + way, before = v - way;
         /* Blocks to vertices outside of the grid are 0. */
@@ -16,48 +16,48 @@ PL_INLINE void rest_at(const pl_grid *g, const double *b, const double *x, int64
             const double *k = g->stiffness + (v * PL_LATTICE_BLOCKS + bits) * PL_LATTICE_BLOCK;
             for (int r = 0; r < 3; r++)
                 for (int c = 0; c < 3; c++)
-                    rest[r] -= k[r * 3 + c] * x[after * 3 + c];
+                    residual[r] -= k[r * 3 + c] * x[after * 3 + c];
         }
         if (bits > 0 && before >= 0) {
             const double *k = g->stiffness + (before * PL_LATTICE_BLOCKS + bits) * PL_LATTICE_BLOCK;
             for (int r = 0; r < 3; r++)
                 for (int c = 0; c < 3; c++)
-                    rest[r] -= k[c * 3 + r] * x[before * 3 + c];
+                    residual[r] -= k[c * 3 + r] * x[before * 3 + c];
         }
     }
 }
 
-static void relax_layer(const pl_layer_pass *p, int64_t layer) {
+static void relax_slab(const pl_slab_pass *p, int64_t slab) {
     const pl_grid *g = p->g;
     const int64_t stride = pl_stride_of(g, 2);
     for (int64_t i = 0; i < stride; i++) {
-        const int64_t v = layer * stride + (p->is_backward ? stride - 1 - i : i);
-        double rest[3];
+        const int64_t v = slab * stride + (p->is_backward ? stride - 1 - i : i);
+        double residual[3];
         if (!g->is_active[v])
             continue;
-        rest_at(g, g->load, g->move, v, 0, rest);
+        residual_at(g, g->load, g->move, v, 0, residual);
         for (int r = 0; r < 3; r++) {
             double sum = 0;
             for (int c = 0; c < 3; c++)
-                sum += g->inverse[v * PL_LATTICE_BLOCK + r * 3 + c] * rest[c];
+                sum += g->inverse[v * PL_LATTICE_BLOCK + r * 3 + c] * residual[c];
             g->move[v * 3 + r] = sum;
         }
     }
 }
 
 /** Set y to b - K x. */
-static void rest_layer(const pl_layer_pass *p, int64_t layer) {
+static void residual_slab(const pl_slab_pass *p, int64_t slab) {
     const int64_t stride = pl_stride_of(p->g, 2);
-    for (int64_t v = layer * stride; v < (layer + 1) * stride; v++)
-        rest_at(p->g, p->b, p->x, v, 1, p->y + v * 3);
+    for (int64_t v = slab * stride; v < (slab + 1) * stride; v++)
+        residual_at(p->g, p->b, p->x, v, 1, p->y + v * 3);
 }
 
 /** Add x of the finer grid to y of this one. */
-static void restrict_layer(const pl_layer_pass *p, int64_t layer) {
+static void restrict_slab(const pl_slab_pass *p, int64_t slab) {
     const pl_grid *g = p->g, *fine = g - 1;
     enum { CORNERS = 8 }; /* of a cube */
     const int64_t stride = pl_stride_of(g, 2);
-    for (int64_t v = layer * stride; v < (layer + 1) * stride; v++) {
+    for (int64_t v = slab * stride; v < (slab + 1) * stride; v++) {
         int64_t twice[3];
         pl_find_coordinates(g, v, twice);
         for (int d = 0; d < 3; d++)
@@ -72,10 +72,10 @@ static void restrict_layer(const pl_layer_pass *p, int64_t layer) {
 }
 
 /** Add x of the coarser grid to y of this one. */
-static void prolong_layer(const pl_layer_pass *p, int64_t layer) {
+static void prolong_slab(const pl_slab_pass *p, int64_t slab) {
     const pl_grid *g = p->g, *coarse = g + 1;
     const int64_t stride = pl_stride_of(g, 2);
-    for (int64_t v = layer * stride; v < (layer + 1) * stride; v++) {
+    for (int64_t v = slab * stride; v < (slab + 1) * stride; v++) {
         int64_t at[3], from = 0;
         int parity = 0;
         pl_find_coordinates(g, v, at);
@@ -89,19 +89,19 @@ static void prolong_layer(const pl_layer_pass *p, int64_t layer) {
     }
 }
 
-typedef void layer_body(const pl_layer_pass *pass, int64_t layer);
+typedef void slab_body(const pl_slab_pass *pass, int64_t slab);
 
 static void relax(pl_lattice *l, int level, int is_backward) {
-    pl_layer_pass pass = {
-        .l = l, .g = &l->grid[level], .body = relax_layer, .is_backward = is_backward};
-    pl_visit_layers(&pass, l->grid[level].n[2]);
+    pl_slab_pass pass = {
+        .l = l, .g = &l->grid[level], .body = relax_slab, .is_backward = is_backward};
+    pl_visit_slabs(&pass, l->grid[level].n[2]);
 }
 
 /** Call body on the vertices of a grid. */
-static void visit_vertices(pl_lattice *l, int level, layer_body *body, const double *b,
+static void visit_vertices(pl_lattice *l, int level, slab_body *body, const double *b,
                            const double *x, double *y) {
-    pl_layer_pass pass = {.l = l, .g = &l->grid[level], .body = body, .b = b, .x = x, .y = y};
-    pl_visit_layers(&pass, l->grid[level].n[2]);
+    pl_slab_pass pass = {.l = l, .g = &l->grid[level], .body = body, .b = b, .x = x, .y = y};
+    pl_visit_slabs(&pass, l->grid[level].n[2]);
 }
 
 static size_t bytes_of(const pl_lattice *l, int level) {
@@ -117,83 +117,83 @@ static void cycle(pl_lattice *l) {
         memset(g->move, 0, bytes_of(l, i));
         memcpy(g->load, g->force, bytes_of(l, i));
         if (i > 0)
-            visit_vertices(l, i, restrict_layer, NULL, g[-1].rest, g->load);
+            visit_vertices(l, i, restrict_slab, NULL, g[-1].residual, g->load);
         for (int k = 0; k < (i == last ? OF_COARSEST : SMOOTHINGS); k++)
             relax(l, i, 0);
         if (i < last)
-            visit_vertices(l, i, rest_layer, g->load, g->move, g->rest);
+            visit_vertices(l, i, residual_slab, g->load, g->move, g->residual);
     }
     for (int i = last; i >= 0; i--) {
         pl_grid *g = &l->grid[i];
         if (i < last)
-            visit_vertices(l, i, prolong_layer, NULL, g[1].move, g->move);
+            visit_vertices(l, i, prolong_slab, NULL, g[1].move, g->move);
         for (int k = 0; k < (i == last ? OF_COARSEST : SMOOTHINGS); k++)
             relax(l, i, 1);
     }
 }
 
-static void dot_layer(const pl_layer_pass *p, int64_t layer) {
+static void dot_slab(const pl_slab_pass *p, int64_t slab) {
     const int64_t stride = pl_stride_of(p->g, 2) * 3;
     double sum = 0;
-    for (int64_t i = layer * stride; i < (layer + 1) * stride; i++)
+    for (int64_t i = slab * stride; i < (slab + 1) * stride; i++)
         sum += p->b[i] * p->x[i];
-    p->y[layer] = sum;
+    p->y[slab] = sum;
 }
 
 /** Set y to x + factor y. */
-static void step_layer(const pl_layer_pass *p, int64_t layer) {
+static void step_slab(const pl_slab_pass *p, int64_t slab) {
     const int64_t stride = pl_stride_of(p->g, 2) * 3;
-    for (int64_t i = layer * stride; i < (layer + 1) * stride; i++)
+    for (int64_t i = slab * stride; i < (slab + 1) * stride; i++)
         p->y[i] = p->x[i] + p->factor * p->y[i];
 }
 
 /** Set y to y + factor x. */
-static void add_layer(const pl_layer_pass *p, int64_t layer) {
+static void add_slab(const pl_slab_pass *p, int64_t slab) {
     const int64_t stride = pl_stride_of(p->g, 2) * 3;
-    for (int64_t i = layer * stride; i < (layer + 1) * stride; i++)
+    for (int64_t i = slab * stride; i < (slab + 1) * stride; i++)
         p->y[i] += p->factor * p->x[i];
 }
 
 /** Return b . x over a grid. */
 static double dot_of(pl_lattice *l, int level, const double *b, const double *x) {
     double sum = 0;
-    visit_vertices(l, level, dot_layer, b, x, l->of_layer);
+    visit_vertices(l, level, dot_slab, b, x, l->of_slab);
     for (int64_t i = 0; i < l->grid[level].n[2]; i++)
-        sum += l->of_layer[i];
+        sum += l->of_slab[i];
     return sum;
 }
 
-static void combine(pl_lattice *l, int level, layer_body *body, double factor, const double *x,
+static void combine(pl_lattice *l, int level, slab_body *body, double factor, const double *x,
                     double *y) {
-    pl_layer_pass pass = {
+    pl_slab_pass pass = {
         .l = l, .g = &l->grid[level], .body = body, .x = x, .y = y, .factor = factor};
-    pl_visit_layers(&pass, l->grid[level].n[2]);
+    pl_visit_slabs(&pass, l->grid[level].n[2]);
 }
 
-/** Set image to minus the stiffness of what belongs to each grid, times way. */
+/** Set change to minus the stiffness of what belongs to each grid, times direction. */
 static void apply(pl_lattice *l) {
     for (int i = 0; i < l->n_levels; i++) {
         pl_grid *g = &l->grid[i], *fine = g - 1;
         if (i > 0 && !g->has_own)
             continue;
-        visit_vertices(l, i, rest_layer, NULL, g->way, g->image);
+        visit_vertices(l, i, residual_slab, NULL, g->direction, g->change);
         if (i == 0)
             continue;
         /* Without what finer grids have. */
-        memset(fine->rest, 0, bytes_of(l, i - 1));
-        visit_vertices(l, i - 1, prolong_layer, NULL, g->way, fine->rest);
-        visit_vertices(l, i - 1, rest_layer, NULL, fine->rest, fine->load);
-        combine(l, i - 1, step_layer, -2, fine->load, fine->load);
-        visit_vertices(l, i, restrict_layer, NULL, fine->load, g->image);
+        memset(fine->residual, 0, bytes_of(l, i - 1));
+        visit_vertices(l, i - 1, prolong_slab, NULL, g->direction, fine->residual);
+        visit_vertices(l, i - 1, residual_slab, NULL, fine->residual, fine->load);
+        combine(l, i - 1, step_slab, -2, fine->load, fine->load);
+        visit_vertices(l, i, restrict_slab, NULL, fine->load, g->change);
     }
 }
 
-int pl_lattice_solve(pl_lattice *l, double rest, int n, pl_lattice_ask_fn *ask, void *context) {
+int pl_lattice_solve(pl_lattice *l, double part, int n, pl_lattice_ask_fn *ask, void *context) {
     double before = 0, goal = 0;
     int k = 0, stopped = 0;
     for (int i = 0; i < l->n_levels; i++) {
         memset(l->grid[i].total, 0, bytes_of(l, i));
-        memset(l->grid[i].way, 0, bytes_of(l, i));
+        memset(l->grid[i].direction, 0, bytes_of(l, i));
     }
     for (;; k++) {
         double product = 0, curvature = 0;
@@ -202,27 +202,27 @@ int pl_lattice_solve(pl_lattice *l, double rest, int n, pl_lattice_ask_fn *ask, 
             if (i == 0 || l->grid[i].has_own)
                 product += dot_of(l, i, l->grid[i].force, l->grid[i].move);
         if (k == 0)
-            goal = rest * rest * product;
+            goal = part * part * product;
         stopped = ask(context);
         if (!(product > goal) || k == n || stopped)
             break;
         for (int i = 0; i < l->n_levels; i++)
-            combine(l, i, step_layer, k > 0 ? product / before : 0, l->grid[i].move,
-                    l->grid[i].way);
+            combine(l, i, step_slab, k > 0 ? product / before : 0, l->grid[i].move,
+                    l->grid[i].direction);
         apply(l);
         for (int i = 0; i < l->n_levels; i++)
             if (i == 0 || l->grid[i].has_own)
-                curvature -= dot_of(l, i, l->grid[i].image, l->grid[i].way);
+                curvature -= dot_of(l, i, l->grid[i].change, l->grid[i].direction);
         if (!(curvature > 0))
             break;
         before = product;
         for (int i = 0; i < l->n_levels; i++) {
-            combine(l, i, add_layer, product / curvature, l->grid[i].way, l->grid[i].total);
+            combine(l, i, add_slab, product / curvature, l->grid[i].direction, l->grid[i].total);
             if (i == 0 || l->grid[i].has_own)
-                combine(l, i, add_layer, product / curvature, l->grid[i].image, l->grid[i].force);
+                combine(l, i, add_slab, product / curvature, l->grid[i].change, l->grid[i].force);
         }
     }
-    if (k == 0) /* of negative curvature: about Newton's way is better than none */
+    if (k == 0) /* of negative curvature: an approximate direction is better than none */
         for (int i = 0; i < l->n_levels; i++)
             memcpy(l->grid[i].total, l->grid[i].move, bytes_of(l, i));
     return stopped;

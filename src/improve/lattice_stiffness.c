@@ -103,7 +103,7 @@ static inline double most_of(const pl_grid *g) {
     return STIFFEST * g->per_spacing * g->per_spacing;
 }
 
-PL_INLINE void add_simplex(const pl_layer_pass *p, int64_t number) {
+PL_INLINE void add_simplex(const pl_slab_pass *p, int64_t number) {
     const pl_lattice *l = p->l;
     const pl_grid *g = p->g;
     const int64_t begin = l->element_begin[number], end = l->element_begin[number + 1];
@@ -128,31 +128,31 @@ PL_INLINE void add_simplex(const pl_layer_pass *p, int64_t number) {
         }
 }
 
-PL_INLINE void add_layer(const pl_layer_pass *p, int64_t layer) {
+PL_INLINE void add_slab(const pl_slab_pass *p, int64_t slab) {
     const int64_t stride = pl_stride_of(p->g, 2) * PL_SIMPLICES;
-    for (int64_t i = layer * stride; i < (layer + 1) * stride; i++)
+    for (int64_t i = slab * stride; i < (slab + 1) * stride; i++)
         add_simplex(p, p->g->first + i);
 }
 
-static void add_layer_of(const pl_layer_pass *p, int64_t layer) {
-    add_layer(p, layer);
+static void add_slab_of(const pl_slab_pass *p, int64_t slab) {
+    add_slab(p, slab);
 }
 
 #if defined(PL_X86_KERNELS)
-__attribute__((target("avx2"))) static void add_layer_wide(const pl_layer_pass *p, int64_t layer) {
-    add_layer(p, layer);
+__attribute__((target("avx2"))) static void add_slab_wide(const pl_slab_pass *p, int64_t slab) {
+    add_slab(p, slab);
 }
 #endif
 
-/** Function that adds the elements of a layer, for the instruction set of the plan. */
-static void (*adder_of(const planish_plan *plan))(const pl_layer_pass *, int64_t) {
+/** Function that adds the elements of a slab, for the instruction set of the plan. */
+static void (*adder_of(const planish_plan *plan))(const pl_slab_pass *, int64_t) {
 #if defined(PL_X86_KERNELS)
     if (plan->kernel == pl_star_kernel_select(PLANISH_ISA_AVX2) ||
         plan->kernel == pl_star_kernel_select(PLANISH_ISA_AVX512))
-        return add_layer_wide;
+        return add_slab_wide;
 #endif
     (void)plan;
-    return add_layer_of;
+    return add_slab_of;
 }
 
 /** Add block K, or its transpose, of fine vertex i, of weight for coarse vertex a, and j. */
@@ -179,11 +179,11 @@ static void add_block(const pl_grid *coarse, int64_t vertex, const int64_t a[3],
 }
 
 /** Add the stiffness of the finer grid to that of coarse vertices. */
-static void coarsen_layer(const pl_layer_pass *p, int64_t layer) {
+static void coarsen_slab(const pl_slab_pass *p, int64_t slab) {
     const pl_grid *g = p->g, *fine = g - 1;
     enum { CORNERS = 8 }; /* of a cube */
     const int64_t stride = pl_stride_of(g, 2);
-    for (int64_t v = layer * stride; v < (layer + 1) * stride; v++) {
+    for (int64_t v = slab * stride; v < (slab + 1) * stride; v++) {
         int64_t a[3], twice[3];
         pl_find_coordinates(g, v, a);
         for (int d = 0; d < 3; d++)
@@ -222,10 +222,10 @@ static int invert_block(const double *k, double *inverse) {
 /* First shift of a vertex's block that is not positive definite, of its largest entry. */
 #define SHIFT 0x1p-6
 
-static void invert_layer(const pl_layer_pass *p, int64_t layer) {
+static void invert_slab(const pl_slab_pass *p, int64_t slab) {
     const pl_grid *g = p->g;
     const int64_t stride = pl_stride_of(g, 2);
-    for (int64_t v = layer * stride; v < (layer + 1) * stride; v++) {
+    for (int64_t v = slab * stride; v < (slab + 1) * stride; v++) {
         double *k = g->stiffness + v * PL_LATTICE_BLOCKS * PL_LATTICE_BLOCK;
         double *inverse = g->inverse + v * PL_LATTICE_BLOCK;
         const double largest = fmax(fmax(k[0], k[4]), k[8]);
@@ -242,27 +242,27 @@ static void invert_layer(const pl_layer_pass *p, int64_t layer) {
 /** Add the elements of a grid, those of all processes. */
 static void add_elements(pl_lattice *l, const pl_grid *g) {
     const int64_t n = g->n_vertices * PL_LATTICE_BLOCKS * PL_LATTICE_BLOCK;
-    pl_layer_pass pass = {
+    pl_slab_pass pass = {
         .l = l, .g = g, .body = adder_of(l->plan), .terms = pl_terms_up_to(most_of(g), l->n_terms)};
     memset(g->stiffness, 0, (size_t)n * sizeof *g->stiffness);
     if (!g->has_own)
         return;
-    pl_visit_layers(&pass, g->n[2] - 1);
+    pl_visit_slabs(&pass, g->n[2] - 1);
     pl_add_over_parts(pass.terms, g->stiffness, n);
 }
 
 void pl_lattice_assemble(pl_lattice *l) {
     for (int i = 0; i < l->n_levels; i++) {
         const pl_grid *g = &l->grid[i];
-        pl_layer_pass pass = {.l = l, .g = g, .body = coarsen_layer};
+        pl_slab_pass pass = {.l = l, .g = g, .body = coarsen_slab};
         add_elements(l, g);
         if (i > 0)
-            pl_visit_layers(&pass, g->n[2]);
+            pl_visit_slabs(&pass, g->n[2]);
     }
     /* Shifts of one grid are none of the next. */
     for (int i = 0; i < l->n_levels; i++) {
-        pl_layer_pass pass = {.l = l, .g = &l->grid[i], .body = invert_layer};
-        pl_visit_layers(&pass, l->grid[i].n[2]);
+        pl_slab_pass pass = {.l = l, .g = &l->grid[i], .body = invert_slab};
+        pl_visit_slabs(&pass, l->grid[i].n[2]);
     }
 }
 
@@ -272,12 +272,12 @@ void pl_lattice_assemble(pl_lattice *l) {
 #define WEIGHT_LEAST (-1.0)
 #define WEIGHT_MOST  2.0
 
-/** Exchange between the nodes in the cubes of a layer and the vertices: to gets moves, or forces go
+/** Exchange between the nodes in the cubes of a slab and the vertices: to gets moves, or forces go
  *  to the vertices. */
-static void exchange_layer(const pl_layer_pass *p, int64_t layer) {
+static void exchange_slab(const pl_slab_pass *p, int64_t slab) {
     const pl_lattice *l = p->l;
     const int64_t stride = pl_stride_of(p->g, 2) * PL_SIMPLICES;
-    const int64_t begin = p->g->first + layer * stride;
+    const int64_t begin = p->g->first + slab * stride;
     for (int64_t i = begin; i < begin + stride; i++) {
         if (l->star_begin[i] == l->star_begin[i + 1])
             continue;
@@ -328,12 +328,11 @@ int pl_lattice_restrict(pl_lattice *l, const double *force) {
     const pl_terms terms = pl_terms_up_to(most, l->plan->interior.n_all);
     for (int i = 0; i < l->n_levels; i++) {
         const pl_grid *g = &l->grid[i];
-        pl_layer_pass pass = {
-            .l = l, .g = g, .from = force, .body = exchange_layer, .terms = terms};
+        pl_slab_pass pass = {.l = l, .g = g, .from = force, .body = exchange_slab, .terms = terms};
         memset(g->force, 0, (size_t)(g->n_vertices * 3) * sizeof *g->force);
         if (!g->has_own)
             continue;
-        pl_visit_layers(&pass, g->n[2] - 1);
+        pl_visit_slabs(&pass, g->n[2] - 1);
         pl_add_over_parts(terms, g->force, g->n_vertices * 3);
     }
     return 1;
@@ -342,8 +341,8 @@ int pl_lattice_restrict(pl_lattice *l, const double *force) {
 void pl_lattice_prolong(const pl_lattice *l, double *move) {
     memset(move, 0, (size_t)(l->plan->interior.stars.n_stars * 3) * sizeof *move);
     for (int i = 0; i < l->n_levels; i++) {
-        pl_layer_pass pass = {
-            .l = (pl_lattice *)l, .g = &l->grid[i], .to = move, .body = exchange_layer};
-        pl_visit_layers(&pass, l->grid[i].n[2] - 1);
+        pl_slab_pass pass = {
+            .l = (pl_lattice *)l, .g = &l->grid[i], .to = move, .body = exchange_slab};
+        pl_visit_slabs(&pass, l->grid[i].n[2] - 1);
     }
 }

@@ -269,9 +269,9 @@ static void stiffness_is_the_bend_of_the_sum(void **state) {
     for (int i = 1; i < s.lattice.n_levels; i++)
         assert_false(s.lattice.grid[i].has_own);
     set_inner_moves(&s, g->total);
-    multiply(g, g->total, g->image);
+    multiply(g, g->total, g->change);
     for (int64_t k = 0; k < g->n_vertices * 3; k++)
-        expected += g->total[k] * g->image[k];
+        expected += g->total[k] * g->change[k];
     const double t = 0x1p-12;
     const double bend = (sum_at(&s, t) - 2 * sum_at(&s, 0) + sum_at(&s, -t)) / (t * t);
     assert_true(expected > 1);
@@ -326,25 +326,25 @@ static void moves_balance_the_forces(void **state) {
     const pl_grid *g = &s.lattice.grid[0];
     const size_t size = (size_t)g->n_vertices * 3 * sizeof(double);
     double *force = malloc((size_t)stars_of(&s) * 3 * sizeof *force), *given = malloc(size);
-    double *image = malloc(size), rest2 = 0, given2 = 0;
+    double *product = malloc(size), rest2 = 0, given2 = 0;
     int n_asked = 0, n_active = 0;
     set_random(force, stars_of(&s) * 3, 11);
     assert_int_equal(pl_lattice_restrict(&s.lattice, force), 1);
     memcpy(given, g->force, size);
     assert_int_equal(pl_lattice_solve(&s.lattice, 1e-7, 60, never, &n_asked), 0);
-    multiply(g, g->total, image);
+    multiply(g, g->total, product);
     for (int64_t k = 0; k < g->n_vertices * 3; k++)
         if (g->is_active[k / 3]) {
             n_active++;
             given2 += given[k] * given[k];
-            rest2 += (given[k] - image[k]) * (given[k] - image[k]);
+            rest2 += (given[k] - product[k]) * (given[k] - product[k]);
         }
     assert_true(n_active > 3 * 64);
     assert_true(n_asked > 1 && n_asked < 40);
     assert_true(rest2 < 1e-10 * given2);
     free(force);
     free(given);
-    free(image);
+    free(product);
     end(&s);
     test_mesh_destroy(&s.mesh);
 }
