@@ -1,13 +1,19 @@
-/* bend: Hessian of RR^2 of four tetrahedra at a time by their edges from the first node.
+/* bend: Hessian of RR^2 of four elements at a time by their edges from the first node.
  *
- * With edges e_i from node 0, n_i the normals of the faces at it,
+ * Of tetrahedra, with edges e_i from node 0, n_i the normals of the faces at it,
  * alpha = sum |e_i|^2 n_i, w_i = the edges' part of d alpha / d e_i, N = |alpha|^2, s the sum of all
  * faces and u_f their unit normals:
  *
  *   log RR^2 = log N + 2 log s - 4 log D + const
  *   hess |a x b| = (|b|^2, -a.b; -a.b, |a|^2) u u^T / |a x b|, and the skew parts of u
  *
- *   bend_tetrahedra     blocks of edges (i, j), i <= j
+ * Of triangles, with s the sum of the edges' lengths |e| and u = e / |e|:
+ *
+ *   log RR^2 = sum log |e|^2 + 2 log s - 4 log D + const
+ *   hess log |e|^2 = 2 (I - 2 u u^T) / |e|^2,  hess |e| = (I - u u^T) / |e|
+ *
+ *   bend_tetrahedra, bend_triangles     blocks of edges (i, j), i <= j
+ *   bend_keep_positive                  their positive part, of triangles
  */
 #ifndef PL_IMPROVE_BEND_H
 #define PL_IMPROVE_BEND_H
@@ -15,22 +21,34 @@
 #include "geometry/inline.h"
 
 #include <math.h>
+#include <stdint.h>
+
+/* Added where 0 may be divided by 0. */
+#define BEND_TINY 1e-300
 
 /** Four doubles, one of each tetrahedron; the compiler splits them where the CPU has less. */
 typedef double bend_pack __attribute__((vector_size(32)));
+
+/** What a comparison of these says: all bits of a lane, or none. */
+typedef int64_t bend_mask __attribute__((vector_size(32)));
 
 /** Vectors of four tetrahedra. */
 typedef struct bend_vector {
     bend_pack x, y, z;
 } bend_vector;
 
-enum { BEND_BLOCKS = 6 }; /* 11 12 13 22 23 33 */
+enum { BEND_BLOCKS = 6 }; /* 11 12 13 22 23 33; in the plane 3: 11 12 22 */
 
-/** Blocks [3][3] by rows. */
+/** Blocks [dim][dim] by rows. */
 typedef bend_pack bend_block[9];
 
 PL_INLINE bend_pack bend_of(double x) {
     return (bend_pack){x, x, x, x};
+}
+
+/** Return a where is_a, else b. */
+PL_INLINE bend_pack bend_choose(bend_mask is_a, bend_pack a, bend_pack b) {
+    return (bend_pack)((is_a & (bend_mask)a) | (~is_a & (bend_mask)b));
 }
 
 PL_INLINE bend_pack bend_sqrt(bend_pack a) {
@@ -227,6 +245,124 @@ PL_INLINE void bend_tetrahedra(const bend_vector e[3], bend_block h[BEND_BLOCKS]
     for (int q = 0; q < BEND_BLOCKS; q++)
         for (int c = 0; c < 9; c++)
             h[q][c] *= t.rr2;
+}
+
+/* ---- triangles ------------------------------------------------------------------------------- */
+
+/** Add factor a b^T, in the plane. */
+PL_INLINE void bend_add_plane(bend_pack *h, bend_pack factor, bend_vector a, bend_vector b) {
+    h[0] += factor * a.x * b.x;
+    h[1] += factor * a.x * b.y;
+    h[2] += factor * a.y * b.x;
+    h[3] += factor * a.y * b.y;
+}
+
+/** Set the blocks of four triangles with these edges, whose z is 0. */
+PL_INLINE void bend_triangles(const bend_vector e[2], bend_block h[BEND_BLOCKS]) {
+    static const int I[] = {0, 0, 1}, J[] = {0, 1, 1};
+    const bend_vector edge[] = {e[0], e[1], bend_difference(e[1], e[0])};
+    const bend_pack inverse_d = 1 / (e[0].x * e[1].y - e[0].y * e[1].x), of_d = 4 * inverse_d;
+    const bend_vector slope_d[] = {{inverse_d * e[1].y, -inverse_d * e[1].x, bend_of(0)},
+                                   {-inverse_d * e[0].y, inverse_d * e[0].x, bend_of(0)}};
+    bend_pack square[3], length[3], s = bend_of(0), rr2 = inverse_d * inverse_d * 0.25;
+    bend_vector u[3], along[3]; /* along: slopes of log |e|^2 + 2 log s by each edge */
+    bend_block own[3];          /* what each edge adds to the blocks that it is in */
+    for (int k = 0; k < 3; k++) {
+        square[k] = bend_dot(edge[k], edge[k]);
+        length[k] = bend_sqrt(square[k]);
+        s += length[k];
+    }
+    rr2 = rr2 * rr2 * (square[0] * square[1]) * (square[2] * (s * s));
+    for (int k = 0; k < 3; k++) {
+        const bend_pack of_square = 2 / square[k], of_s = 2 / (s * length[k]);
+        u[k] = bend_scaled(1 / length[k], edge[k]);
+        along[k] = bend_scaled(of_square + of_s, edge[k]);
+        for (int c = 0; c < 4; c++)
+            own[k][c] = c == 0 || c == 3 ? of_square + of_s : bend_of(0);
+        bend_add_plane(own[k], -(2 * of_square + of_s), u[k], u[k]);
+    }
+    const bend_vector slope_s[] = {bend_difference(u[0], u[2]), bend_sum(u[1], u[2])};
+    const bend_vector slope[] = {
+        bend_difference(bend_difference(along[0], along[2]), bend_scaled(bend_of(4), slope_d[0])),
+        bend_difference(bend_sum(along[1], along[2]), bend_scaled(bend_of(4), slope_d[1]))};
+    for (int c = 0; c < 4; c++) {
+        h[0][c] = own[0][c] + own[2][c];
+        h[1][c] = -own[2][c];
+        h[2][c] = own[1][c] + own[2][c];
+    }
+    h[1][1] -= of_d;
+    h[1][2] += of_d;
+    for (int q = 0; q < 3; q++) {
+        bend_add_plane(h[q], bend_of(1), slope[I[q]], slope[J[q]]);
+        bend_add_plane(h[q], -2 / (s * s), slope_s[I[q]], slope_s[J[q]]);
+        bend_add_plane(h[q], bend_of(4), slope_d[I[q]], slope_d[J[q]]);
+        for (int c = 0; c < 4; c++)
+            h[q][c] *= rr2;
+    }
+}
+
+/** Displacements of the edges of four triangles: x and y of the first, x and y of the second. */
+typedef struct bend_move {
+    bend_pack c[4];
+} bend_move;
+
+PL_INLINE bend_pack bend_move_dot(const bend_move *a, const bend_move *b) {
+    return (a->c[0] * b->c[0] + a->c[1] * b->c[1]) + (a->c[2] * b->c[2] + a->c[3] * b->c[3]);
+}
+
+/** Return p a + q b. */
+PL_INLINE bend_move bend_mix(bend_pack p, const bend_move *a, bend_pack q, const bend_move *b) {
+    return (bend_move){{p * a->c[0] + q * b->c[0], p * a->c[1] + q * b->c[1],
+                        p * a->c[2] + q * b->c[2], p * a->c[3] + q * b->c[3]}};
+}
+
+/** Return the blocks of four triangles times a displacement. */
+PL_INLINE bend_move bend_apply(bend_block h[BEND_BLOCKS], const bend_move *x) {
+    const bend_pack *c = x->c;
+    return (bend_move){{(h[0][0] * c[0] + h[0][1] * c[1]) + (h[1][0] * c[2] + h[1][1] * c[3]),
+                        (h[0][2] * c[0] + h[0][3] * c[1]) + (h[1][2] * c[2] + h[1][3] * c[3]),
+                        (h[1][0] * c[0] + h[1][2] * c[1]) + (h[2][0] * c[2] + h[2][1] * c[3]),
+                        (h[1][1] * c[0] + h[1][3] * c[1]) + (h[2][2] * c[2] + h[2][3] * c[3])}};
+}
+
+/** Set h to l w w^T, for the eigenvector w with the positive eigenvalue l that belongs to the unit
+ *  vector u, or add it. hu: h u; c: u.hu. See bend_keep_positive. */
+PL_INLINE void bend_add_positive(const bend_move *u, const bend_move *hu, bend_pack c,
+                                 bend_block h[BEND_BLOCKS]) {
+    const bend_move gs = bend_mix(bend_of(1), hu, -c, u);
+    const bend_pack l = 0.5 * (c + bend_sqrt(c * c + 4 * bend_move_dot(&gs, &gs)));
+    const bend_move w = bend_mix(bend_of(1), &gs, l, u);
+    const bend_pack factor = l / (bend_move_dot(&w, &w) + BEND_TINY);
+    const bend_vector first = {w.c[0], w.c[1], bend_of(0)}, second = {w.c[2], w.c[3], bend_of(0)};
+    bend_add_plane(h[0], factor, first, first);
+    bend_add_plane(h[1], factor, first, second);
+    bend_add_plane(h[2], factor, second, second);
+}
+
+/** Keep the part of the blocks of four triangles with these edges that has positive eigenvalues.
+ *
+ *  RR^2 stays as it is if a triangle turns or grows. So x.Hx = 0 for displacements x of this kind.
+ *  There are an orthonormal basis s_1, s_2 of these and u_1, u_2 of the others with
+ *  H u_i = c_i u_i + g s_i and H s_i = g u_i. For each i one eigenvalue is not negative:
+ *  l_i = (c_i + sqrt(c_i^2 + 4 g^2)) / 2, with the eigenvector g s_i + l_i u_i. */
+PL_INLINE void bend_keep_positive(const bend_vector e[2], bend_block h[BEND_BLOCKS]) {
+    const bend_pack scale = 1 / bend_sqrt(bend_dot(e[0], e[0]) + bend_dot(e[1], e[1]));
+    /* Orthogonal to the edges, and to the edges after a quarter turn; and b is a after one. */
+    const bend_move a = {{-scale * e[1].x, scale * e[1].y, scale * e[0].x, -scale * e[0].y}};
+    const bend_move b = {{-a.c[1], a.c[0], -a.c[3], a.c[2]}};
+    const bend_move ha = bend_apply(h, &a), hb = bend_apply(h, &b);
+    const bend_pack aa = bend_move_dot(&a, &ha), ab = bend_move_dot(&a, &hb);
+    const bend_pack bb = bend_move_dot(&b, &hb), half = 0.5 * (aa - bb);
+    const bend_pack root = bend_sqrt(half * half + ab * ab) + BEND_TINY;
+    const bend_pack tangent = ab / (half + bend_choose(half < 0, -root, root));
+    const bend_pack cosine = 1 / bend_sqrt(1 + tangent * tangent), sine = tangent * cosine;
+    const bend_move u[] = {bend_mix(cosine, &a, sine, &b), bend_mix(-sine, &a, cosine, &b)};
+    const bend_move hu[] = {bend_mix(cosine, &ha, sine, &hb), bend_mix(-sine, &ha, cosine, &hb)};
+    for (int q = 0; q < 3; q++)
+        for (int c = 0; c < 4; c++)
+            h[q][c] = bend_of(0);
+    bend_add_positive(&u[0], &hu[0], aa + tangent * ab, h);
+    bend_add_positive(&u[1], &hu[1], bb - tangent * ab, h);
 }
 
 #endif

@@ -42,8 +42,8 @@ enum {
 typedef struct coarse_steps {
     pl_run *r;
     pl_lattice lattice;
-    double *force, *move;  /* [n_stars][3] */
-    double *start;         /* [n_nodes][3] coordinates before the step */
+    double *force, *move;  /* [n_stars][dim] */
+    double *start;         /* [n_nodes][dim] coordinates before the step */
     double part;           /* of the way, in this trial */
     int is_first;          /* step */
     double rr2, acuteness; /* no element may become worse */
@@ -53,25 +53,28 @@ typedef struct coarse_steps {
 static void force_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const coarse_steps *c = context;
     const pl_star_problem *problem = &c->r->problem;
-    pl_star_evaluate_fn *evaluate = pl_star_ratio_of(c->r->plan->kernel, problem, 3);
+    const int dim = c->r->plan->dim;
+    pl_star_evaluate_fn *evaluate = pl_star_ratio_of(c->r->plan->kernel, problem, dim);
     double *scratch = pl_star_scratch_of(problem, thread);
     for (int64_t i = begin; i < end; i++) {
         pl_star_value value;
         const int is_sure =
             evaluate(problem, i, scratch, PL_GRADIENT_ALONE, &value) && value.certain;
-        for (int d = 0; d < 3; d++)
-            c->force[i * 3 + d] = is_sure && isfinite(value.gradient[d]) ? -value.gradient[d] : 0;
+        for (int d = 0; d < dim; d++)
+            c->force[i * dim + d] =
+                is_sure && isfinite(value.gradient[d]) ? -value.gradient[d] : 0;
     }
 }
 
 static void work_chunk(void *context, int64_t begin, int64_t end, int thread) {
     coarse_steps *c = context;
+    const int dim = c->r->plan->dim;
     pl_sum sum = {{0}, 0, 0, 0, 0};
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         double of_node = 0;
-        for (int d = 0; d < 3; d++)
-            of_node += c->force[i * 3 + d] * c->move[i * 3 + d];
+        for (int d = 0; d < dim; d++)
+            of_node += c->force[i * dim + d] * c->move[i * dim + d];
         pl_sum_add(&sum, of_node);
     }
     pl_sum_merge(&c->work, &sum);
@@ -120,15 +123,17 @@ static int find_moves(coarse_steps *c, int is_anew, pl_sweep_tally *tally) {
 static void move_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const coarse_steps *c = context;
     const planish_plan *plan = c->r->plan;
+    const int dim = plan->dim;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         const int32_t node = plan->interior.centre[i];
-        const double *start = c->start + (int64_t)node * 3;
+        const double *start = c->start + (int64_t)node * dim;
         double x[3];
-        for (int d = 0; d < 3; d++)
-            x[d] = start[d] + c->part * c->move[i * 3 + d];
-        const int fits = pl_star_admit(&c->r->problem, node, 3, x);
-        memcpy(plan->scratch.coordinates + (int64_t)node * 3, fits ? x : start, sizeof x);
+        for (int d = 0; d < dim; d++)
+            x[d] = start[d] + c->part * c->move[i * dim + d];
+        const int fits = pl_star_admit(&c->r->problem, node, dim, x);
+        memcpy(plan->scratch.coordinates + (int64_t)node * dim, fits ? x : start,
+               (size_t)dim * sizeof *x);
     }
 }
 
@@ -147,14 +152,14 @@ static double take_moves(coarse_steps *c, pl_sweep_tally *tally) {
     pl_run *r = c->r;
     const planish_plan *plan = r->plan;
     double *x = plan->scratch.coordinates;
-    const size_t size = (size_t)plan->work.n_nodes * 3 * sizeof *x;
+    const size_t size = (size_t)(plan->work.n_nodes * plan->dim) * sizeof *x;
     const pl_objective_sums before = r->sums;
     const double measured = r->measured_sum;
     memcpy(c->start, x, size);
     c->part = 1;
     for (int i = 0; i < TRIALS && !tally->stopped; i++, c->part *= SHORTER) {
         pl_parallel_for(plan->threads, plan->interior.stars.n_stars, CHUNK, move_chunk, c);
-        pl_ghosts_update(plan, x, 3 * (int64_t)sizeof *x);
+        pl_ghosts_update(plan, x, plan->dim * (int64_t)sizeof *x);
         pl_run_measure(r);
         tally->stars.visits += plan->interior.n_all;
         ask_all(c, tally);
@@ -201,17 +206,18 @@ static int make_steps(coarse_steps *c) {
     return 0;
 }
 
-/** Whether the mesh is one of tetrahedra whose free nodes go by themselves. */
+/** Whether the mesh is one of tetrahedra, or of triangles in the plane, whose free nodes go by
+ *  themselves. */
 static int is_suitable(const pl_run *r) {
     const planish_plan *plan = r->plan;
-    return plan->dim == 3 && plan->interior.n_all >= FEWEST && r->plain && !plan->work.corner &&
+    return plan->interior.n_all >= FEWEST && r->plain && !plan->work.corner &&
            !pl_watch_is_on(&r->watch) && plan->sliding.n_followers == 0 &&
            plan->interior.n_followers == 0 && plan->n_images == 0;
 }
 
 int pl_run_coarse(pl_run *r) {
     const planish_plan *plan = r->plan;
-    const int64_t n = plan->interior.stars.n_stars * 3;
+    const int64_t n = plan->interior.stars.n_stars * plan->dim;
     const pl_star_limits worst = pl_run_worst_limits(r, 1);
     int stopped = 0;
     if (!is_suitable(r))
@@ -220,7 +226,7 @@ int pl_run_coarse(pl_run *r) {
     coarse_steps c = {.r = r,
                       .force = pl_alloc(n, sizeof *c.force),
                       .move = pl_alloc(n, sizeof *c.move),
-                      .start = pl_alloc(plan->work.n_nodes * 3, sizeof *c.start),
+                      .start = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *c.start),
                       .rr2 = fmax(r->problem.limits.rr2, worst.rr2),
                       .acuteness = fmax(r->problem.limits.acuteness, worst.acuteness)};
     const int ready = c.force && c.move && c.start;

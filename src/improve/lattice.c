@@ -18,58 +18,85 @@ enum { CHUNK = 1024 };
 #define LARGEST_EDGE 0.8
 enum { COARSEST = 4 };
 
-/** Six times the measure of an element, in units. */
-static double determinant_of(const pl_lattice *l, int64_t element) {
+/** Six times the volume of an element, or twice its area, in units. */
+PL_INLINE double determinant_of(const pl_lattice *l, int64_t element, int dim) {
     const double *x[PL_CORNERS];
     double e[3][3] = {{0}};
-    for (int j = 0; j < PL_CORNERS; j++)
-        x[j] = l->plan->scratch.coordinates + (int64_t)pl_plan_inner(l->plan, element, j) * 3;
-    for (int j = 0; j < 3; j++)
-        for (int d = 0; d < 3; d++)
+    for (int j = 0; j <= dim; j++)
+        x[j] = l->plan->scratch.coordinates + (int64_t)pl_plan_inner(l->plan, element, j) * dim;
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++)
             e[j][d] = (x[j + 1][d] - x[0][d]) * l->per_unit;
-    return fabs(pl_determinant_of_edges(3, e));
+    return fabs(pl_determinant_of_edges(dim, e));
 }
 
 /** Lengths of the edges at stars under way. */
 typedef struct edge_pass {
     const planish_plan *plan;
-    pl_sum sum;
+    pl_sum sum[4]; /* of their lengths, and of their widths along each direction */
 } edge_pass;
 
 static void edge_chunk(void *context, int64_t begin, int64_t end, int thread) {
     edge_pass *p = context;
     const pl_stars *stars = &p->plan->interior.stars;
     const double *x = p->plan->scratch.coordinates;
-    pl_sum sum = {{0}, 0, 0, 0, 0};
+    const int dim = p->plan->dim;
+    pl_sum sum[4] = {{{0}, 0, 0, 0, 0}};
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const double *centre = x + p->plan->interior.centre[i] * (int64_t)3;
-        double of_star = 0;
-        for (int64_t k = stars->ring_offset[i]; k < stars->ring_offset[i + 1]; k++)
-            of_star += pl_distance(3, centre, x + stars->ring[k] * (int64_t)3);
-        pl_sum_add(&sum, of_star);
+        const double *centre = x + p->plan->interior.centre[i] * (int64_t)dim;
+        double of_star[4] = {0};
+        for (int64_t k = stars->ring_offset[i]; k < stars->ring_offset[i + 1]; k++) {
+            const double *other = x + stars->ring[k] * (int64_t)dim;
+            of_star[0] += pl_distance(dim, centre, other);
+            for (int d = 0; d < dim; d++)
+                of_star[d + 1] += fabs(other[d] - centre[d]);
+        }
+        for (int d = 0; d <= dim; d++)
+            pl_sum_add(&sum[d], of_star[d]);
     }
-    pl_sum_merge(&p->sum, &sum);
+    for (int d = 0; d <= dim; d++)
+        pl_sum_merge(&p->sum[d], &sum[d]);
 }
 
-/** Mean length of edges at the stars of all processes; 0 if there are none. */
-static double edge_length(const planish_plan *plan) {
+/** Mean length of edges at the stars of all processes; 0 if there are none. width [3]: sums of their
+ *  widths along each direction. */
+static double edge_length(const planish_plan *plan, double width[3]) {
     const pl_stars *stars = &plan->interior.stars;
     edge_pass pass = {.plan = plan};
     int64_t n = stars->ring_offset[stars->n_stars];
     pl_parallel_for(plan->threads, stars->n_stars, CHUNK, edge_chunk, &pass);
-    pl_parts_add_sums(&pass.sum, 1);
+    pl_parts_add_sums(pass.sum, 4);
     pl_parts_add(&n, 1);
-    return n > 0 ? pl_sum_value(&pass.sum) / (double)n : 0;
+    for (int d = 0; d < 3; d++)
+        width[d] = pl_sum_value(&pass.sum[d + 1]);
+    return n > 0 ? pl_sum_value(&pass.sum[0]) / (double)n : 0;
 }
 
-/** Set the numbers of vertices of all grids, the finest of spacing; returns those of the finest. */
-static double size_grids(pl_lattice *l, const double extent[3], double spacing) {
+/* Least part that the spacing along one direction is of that along another. */
+#define PART_LEAST 0x1p-6
+
+/** Set part [3] to what the spacing along each direction is of the largest one. In the plane, edges
+ *  may be less than half as wide along one direction as along the other; then so is the spacing, by a
+ *  power of two. In space all are 1. */
+static void find_parts(int dim, const double width[3], double part[3]) {
+    const double most = fmax(width[0], width[1]);
+    for (int d = 0; d < 3; d++)
+        part[d] = 1;
+    for (int d = 0; d < 2 && dim == 2; d++)
+        while (part[d] * most > 2 * width[d] && part[d] > PART_LEAST)
+            part[d] /= 2;
+}
+
+/** Set the numbers of vertices of all grids, the finest of spacing, of which each direction has its
+ *  part; returns those of the finest. */
+static double size_grids(pl_lattice *l, const double extent[3], double spacing,
+                         const double part[3]) {
     double vertices = 1;
     int64_t n[3] = {1, 1, 1}, most = 0;
     l->spacing = spacing;
-    for (int d = 0; d < 3; d++) {
-        const double cells = extent[d] / spacing + 1;
+    for (int d = 0; d < l->plan->dim; d++) {
+        const double cells = extent[d] / (spacing * part[d]) + 1;
         vertices *= cells + 1;
         n[d] = cells < 1e9 ? (int64_t)cells + 2 : 1000000000;
         most = n[d] > most ? n[d] : most;
@@ -78,12 +105,13 @@ static double size_grids(pl_lattice *l, const double extent[3], double spacing) 
     for (double per = 1; l->n_levels < PL_LATTICE_LEVELS; per /= 2) {
         pl_grid *g = &l->grid[l->n_levels++];
         memcpy(g->n, n, sizeof n);
-        g->per_spacing = per;
+        for (int d = 0; d < 3; d++)
+            g->per_spacing[d] = per / part[d];
         if (most <= COARSEST)
             break;
         most = 0;
         for (int d = 0; d < 3; d++) {
-            n[d] = n[d] / 2 + 1;
+            n[d] = n[d] / 2 + 1; /* of 1: 1 */
             most = n[d] > most ? n[d] : most;
         }
     }
@@ -93,11 +121,12 @@ static double size_grids(pl_lattice *l, const double extent[3], double spacing) 
 /** Set box to {upper, -lower} coordinates of the nodes at stars, in all processes. */
 static void find_box(const planish_plan *plan, double box[6]) {
     const pl_stars *stars = &plan->interior.stars;
+    const int dim = plan->dim;
     for (int d = 0; d < 6; d++)
         box[d] = -INFINITY;
     for (int64_t k = 0; k < stars->ring_offset[stars->n_stars]; k++)
-        for (int d = 0; d < 3; d++) {
-            const double x = plan->scratch.coordinates[stars->ring[k] * (int64_t)3 + d];
+        for (int d = 0; d < dim; d++) {
+            const double x = plan->scratch.coordinates[stars->ring[k] * (int64_t)dim + d];
             box[d] = x > box[d] ? x : box[d];
             box[d + 3] = -x > box[d + 3] ? -x : box[d + 3];
         }
@@ -107,18 +136,19 @@ static void find_box(const planish_plan *plan, double box[6]) {
 static int place_grids(pl_lattice *l, double spacing) {
     const double per_star = VERTICES_PER_STAR * (double)l->plan->interior.n_all + 64;
     const double most = per_star < VERTICES_MOST ? per_star : VERTICES_MOST;
-    double box[6], extent[3];
+    double box[6], extent[3] = {0}, width[3], part[3];
     find_box(l->plan, box);
-    spacing *= edge_length(l->plan);
-    for (int d = 0; d < 3; d++)
+    spacing *= edge_length(l->plan, width);
+    find_parts(l->plan->dim, width, part);
+    for (int d = 0; d < l->plan->dim; d++)
         extent[d] = box[d] + box[d + 3];
     if (!(spacing > 0) || !(spacing < INFINITY) ||
         !(fmin(extent[0], fmin(extent[1], extent[2])) >= 0))
         return 0;
-    while (size_grids(l, extent, spacing) > most)
+    while (size_grids(l, extent, spacing, part) > most)
         spacing *= 1.25;
-    for (int d = 0; d < 3; d++)
-        l->origin[d] = -box[d + 3] - 0.5 * spacing;
+    for (int d = 0; d < l->plan->dim; d++)
+        l->origin[d] = -box[d + 3] - 0.5 * spacing * part[d];
     l->per_unit = 1 / spacing;
     return 1;
 }
@@ -134,18 +164,18 @@ typedef struct element_pass {
 } element_pass;
 
 /** Middle of an element in units; 0 if it has no free node, or another process counts it. */
-PL_INLINE int middle_of(const pl_lattice *l, int64_t element, double *x) {
+PL_INLINE int middle_of(const pl_lattice *l, int64_t element, double *x, int dim) {
     const uint8_t *is_counted = l->plan->work.is_counted;
     int any = 0;
     double node[3];
-    for (int d = 0; d < 3; d++)
+    for (int d = 0; d < dim; d++)
         x[d] = 0;
-    for (int j = 0; j < PL_CORNERS; j++) {
+    for (int j = 0; j <= dim; j++) {
         const int32_t inner = pl_plan_inner(l->plan, element, j);
         any |= l->is_free[inner];
-        pl_unit_place(l, inner, node);
-        for (int d = 0; d < 3; d++)
-            x[d] += node[d] * 0.25;
+        pl_unit_place(l, inner, node, dim);
+        for (int d = 0; d < dim; d++)
+            x[d] += node[d] * (1.0 / (dim + 1));
     }
     return any && (!is_counted || is_counted[element]);
 }
@@ -153,29 +183,37 @@ PL_INLINE int middle_of(const pl_lattice *l, int64_t element, double *x) {
 enum { AHEAD = 12 };
 
 /** Ask for the nodes of an element that will be looked at soon. */
-PL_INLINE void fetch_element(const pl_lattice *l, int64_t element) {
-    for (int j = 0; j < PL_CORNERS; j++)
+PL_INLINE void fetch_element(const pl_lattice *l, int64_t element, int dim) {
+    for (int j = 0; j <= dim; j++)
         __builtin_prefetch(l->plan->scratch.coordinates +
-                           (int64_t)pl_plan_inner(l->plan, element, j) * 3);
+                           (int64_t)pl_plan_inner(l->plan, element, j) * dim);
+}
+
+PL_INLINE void find_largest(const element_pass *p, int64_t begin, int64_t end, int dim) {
+    const pl_lattice *l = p->l;
+    double x[3];
+    for (int64_t i = begin; i < end; i++) {
+        if (i + AHEAD < l->plan->work.n_elements)
+            fetch_element(l, i + AHEAD, dim);
+        p->simplex_of[i] = -1;
+        if (!middle_of(l, i, x, dim))
+            continue;
+        const pl_cube_place place = pl_cube_at(&l->grid[0], x, dim);
+        const double largest = determinant_of(l, i, dim);
+        if (largest > p->largest[place.vertex]) /* seldom, and then for sure */
+            pl_raise_double(&p->largest[place.vertex], largest);
+        p->simplex_of[i] =
+            (int32_t)(place.vertex * pl_simplices_of(dim) + pl_find_order(place.along, dim));
+    }
 }
 
 static void largest_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const element_pass *p = context;
-    const pl_lattice *l = p->l;
-    double x[3];
     (void)thread;
-    for (int64_t i = begin; i < end; i++) {
-        if (i + AHEAD < l->plan->work.n_elements)
-            fetch_element(l, i + AHEAD);
-        p->simplex_of[i] = -1;
-        if (!middle_of(l, i, x))
-            continue;
-        const pl_cube_place place = pl_cube_at(&l->grid[0], x);
-        const double largest = determinant_of(l, i);
-        if (largest > p->largest[place.vertex]) /* seldom, and then for sure */
-            pl_raise_double(&p->largest[place.vertex], largest);
-        p->simplex_of[i] = (int32_t)(place.vertex * PL_SIMPLICES + pl_find_order(place.along));
-    }
+    if (p->l->plan->dim == 3)
+        find_largest(p, begin, end, 3);
+    else
+        find_largest(p, begin, end, 2);
 }
 
 /** Set values [n] to the largest of the processes. */
@@ -190,15 +228,16 @@ static void find_largest_of_parts(double *values, int64_t n) {
 /** Set which vertices are active, from the largest element in each cube; then largest is that of the
  *  next grid. */
 static void activate(const pl_lattice *l, int level, double *largest) {
-    enum { CUBES = 8 }; /* at a vertex */
     const pl_grid *g = &l->grid[level];
-    const int is_last = level == l->n_levels - 1;
-    const double edge = LARGEST_EDGE / g->per_spacing, limit = edge * edge * edge;
+    const int is_last = level == l->n_levels - 1, n_cubes = 1 << l->plan->dim; /* at a vertex */
+    double limit = 1;
+    for (int d = 0; d < l->plan->dim; d++)
+        limit *= LARGEST_EDGE / g->per_spacing[d];
     for (int64_t v = 0; v < g->n_vertices; v++) {
         int64_t at[3];
         double most = 0;
         pl_find_coordinates(g, v, at);
-        for (int bits = 0; bits < CUBES; bits++) {
+        for (int bits = 0; bits < n_cubes; bits++) {
             const int64_t cube = pl_vertex_by(g, at, bits, -1).number;
             if (cube >= 0)
                 most = fmax(most, largest[cube]);
@@ -214,7 +253,7 @@ static void activate(const pl_lattice *l, int level, double *largest) {
         pl_find_coordinates(next, v, twice);
         for (int d = 0; d < 3; d++)
             twice[d] *= 2;
-        for (int bits = 0; bits < CUBES; bits++) {
+        for (int bits = 0; bits < n_cubes; bits++) {
             const int64_t fine = pl_vertex_by(g, twice, bits, 1).number;
             if (fine >= 0)
                 most = fmax(most, largest[fine]);
@@ -224,17 +263,17 @@ static void activate(const pl_lattice *l, int level, double *largest) {
 }
 
 /** Allocate the arrays of a grid whose n is set. Returns 0 without memory. */
-static int allocate_grid(pl_grid *g) {
+static int allocate_grid(pl_grid *g, int dim) {
     const int64_t n = g->n_vertices;
     double **fields[] = {&g->force,     &g->move,   &g->residual, &g->load,
                          &g->direction, &g->change, &g->total};
     int ready = 1;
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
-        *fields[i] = pl_alloc_zero(n * 3, sizeof(double));
+        *fields[i] = pl_alloc_zero(n * dim, sizeof(double));
         ready = ready && *fields[i];
     }
-    g->stiffness = pl_alloc(n * PL_LATTICE_BLOCKS * PL_LATTICE_BLOCK, sizeof(double));
-    g->inverse = pl_alloc(n * PL_LATTICE_BLOCK, sizeof(double));
+    g->stiffness = pl_alloc((n << dim) * dim * dim, sizeof(double));
+    g->inverse = pl_alloc(n * dim * dim, sizeof(double));
     g->is_active = pl_alloc_zero(n, 1);
     return ready && g->stiffness && g->inverse && g->is_active;
 }
@@ -242,19 +281,22 @@ static int allocate_grid(pl_grid *g) {
 /** Allocate the lattice for grids whose sizes are known. Returns 0 without memory. */
 static int allocate(pl_lattice *l) {
     const int64_t m = l->plan->work.n_elements, n_stars = l->plan->interior.stars.n_stars;
+    const int dim = l->plan->dim;
     int ready = 1;
     for (int i = 0; i < l->n_levels; i++) {
         pl_grid *g = &l->grid[i];
-        g->n_vertices = g->n[0] * g->n[1] * g->n[2];
+        g->n_slabs = g->n[dim - 1];
+        g->per_slab = pl_stride_of(g, dim - 1);
+        g->n_vertices = g->per_slab * g->n_slabs;
         g->first = l->n_simplices;
-        l->n_simplices += g->n_vertices * PL_SIMPLICES;
-        ready = allocate_grid(g) && ready;
+        l->n_simplices += g->n_vertices * pl_simplices_of(dim);
+        ready = allocate_grid(g, dim) && ready;
     }
     l->is_free = pl_alloc_zero(l->plan->work.n_nodes, 1);
     l->simplex_of = pl_alloc(n_stars, sizeof(int32_t));
     l->element = pl_alloc(m, sizeof(int32_t));
-    l->corner = pl_alloc(m * PL_CORNERS, sizeof(int32_t));
-    l->of_slab = pl_alloc(l->grid[0].n[2], sizeof(double));
+    l->corner = pl_alloc(m * (dim + 1), sizeof(int32_t));
+    l->of_slab = pl_alloc(l->grid[0].n_slabs, sizeof(double));
     l->element_begin = pl_alloc(l->n_simplices + 1, sizeof(int64_t));
     l->star = pl_alloc(n_stars, sizeof(int32_t));
     l->star_begin = pl_alloc(l->n_simplices + 1, sizeof(int64_t));
@@ -306,40 +348,53 @@ void pl_lattice_destroy(pl_lattice *l) {
 /* ---- elements and nodes by simplices --------------------------------------------------------- */
 
 /** Whether a vertex of a simplex is active. */
-PL_INLINE int is_simplex_active(const pl_grid *g, int64_t number) {
-    int64_t vertex = (number - g->first) / PL_SIMPLICES;
-    const int *way = PL_ORDERS[(number - g->first) % PL_SIMPLICES];
+PL_INLINE int is_simplex_active(const pl_grid *g, int64_t number, int dim) {
+    int64_t vertex = (number - g->first) / pl_simplices_of(dim);
+    const int *way = PL_ORDERS[(number - g->first) % pl_simplices_of(dim)];
     int active = g->is_active[vertex];
-    for (int d = 0; d < 3; d++)
+    for (int d = 0; d < dim; d++)
         active |= g->is_active[vertex += pl_stride_of(g, way[d])];
     return active;
 }
 
-static void element_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const element_pass *p = context;
+PL_INLINE void find_simplices(const element_pass *p, int64_t begin, int64_t end, int dim) {
     const pl_lattice *l = p->l;
     double x[3];
-    (void)thread;
     for (int64_t i = begin; i < end; i++) {
         int64_t of = l->is_known ? p->simplex_of[i] : -1;
         if (!l->is_known && i + AHEAD < p->n)
-            fetch_element(l, i + AHEAD);
-        if (!l->is_known || (of >= 0 && !is_simplex_active(&l->grid[0], of)))
-            of = middle_of(l, i, x) ? pl_simplex_at(l, x) : -1;
+            fetch_element(l, i + AHEAD, dim);
+        if (!l->is_known || (of >= 0 && !is_simplex_active(&l->grid[0], of, dim)))
+            of = middle_of(l, i, x, dim) ? pl_simplex_at(l, x, dim) : -1;
         p->simplex_of[i] = (int32_t)of;
         if (of >= 0)
             __atomic_fetch_add(&p->count[of], 1, __ATOMIC_RELAXED);
     }
 }
 
+static void element_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const element_pass *p = context;
+    (void)thread;
+    if (p->l->plan->dim == 3)
+        find_simplices(p, begin, end, 3);
+    else
+        find_simplices(p, begin, end, 2);
+}
+
+/** Number of the simplex of a star's node. */
+PL_INLINE int64_t simplex_of_star(const pl_lattice *l, int64_t star, int dim) {
+    double x[3];
+    pl_unit_place(l, l->plan->interior.centre[star], x, dim);
+    return pl_simplex_at(l, x, dim);
+}
+
 static void star_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const element_pass *p = context;
     const pl_lattice *l = p->l;
-    double x[3];
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        pl_unit_place(l, l->plan->interior.centre[i], x);
-        const int64_t of = pl_simplex_at(l, x);
+        const int64_t of =
+            l->plan->dim == 3 ? simplex_of_star(l, i, 3) : simplex_of_star(l, i, 2);
         p->simplex_of[i] = (int32_t)of;
         __atomic_fetch_add(&p->count[of], 1, __ATOMIC_RELAXED);
     }
@@ -375,16 +430,16 @@ static void sort_by_simplices(pl_lattice *l, pl_chunk_fn *chunk, int32_t *simple
 static void corner_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const pl_lattice *l = context;
     const int32_t *elements = l->plan->work.elements;
+    const int n = l->plan->dim + 1;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         if (i + 32 < end)
-            __builtin_prefetch(elements + (int64_t)l->element[i + 32] * PL_CORNERS);
+            __builtin_prefetch(elements + (int64_t)l->element[i + 32] * n);
         if (i + 16 < end)
-            for (int j = 0; j < PL_CORNERS; j++)
-                __builtin_prefetch(l->plan->inner +
-                                   elements[(int64_t)l->element[i + 16] * PL_CORNERS + j]);
-        for (int j = 0; j < PL_CORNERS; j++)
-            l->corner[i * PL_CORNERS + j] = pl_plan_inner(l->plan, l->element[i], j);
+            for (int j = 0; j < n; j++)
+                __builtin_prefetch(l->plan->inner + elements[(int64_t)l->element[i + 16] * n + j]);
+        for (int j = 0; j < n; j++)
+            l->corner[i * n + j] = pl_plan_inner(l->plan, l->element[i], j);
     }
 }
 
@@ -392,7 +447,8 @@ static void corner_chunk(void *context, int64_t begin, int64_t end, int thread) 
 static void find_owners(pl_lattice *l) {
     int64_t n[PL_LATTICE_LEVELS] = {0};
     for (int i = 0; i < l->n_levels; i++) {
-        const int64_t first = l->grid[i].first, end = first + l->grid[i].n_vertices * PL_SIMPLICES;
+        const int64_t first = l->grid[i].first;
+        const int64_t end = first + l->grid[i].n_vertices * pl_simplices_of(l->plan->dim);
         n[i] = l->element_begin[end] - l->element_begin[first];
         n[i] += l->star_begin[end] - l->star_begin[first];
     }

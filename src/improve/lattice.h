@@ -1,8 +1,8 @@
-/* lattice: displacements that are linear on the simplices of regular grids in space, and multigrid
- * for them.
+/* lattice: displacements that are linear on the simplices of regular grids, and multigrid for them.
  *
  * Each cube of a grid is cut into six simplices along its main diagonal (Freudenthal, Annals of
- * Mathematics 43, 1942). Simplices of a grid of half the spacing lie within those of the other one.
+ * Mathematics 43, 1942); in the plane, cubes are squares, and each is cut into two triangles.
+ * Simplices of a grid of half the spacing lie within those of the other one.
  * Where elements are too large for a grid its vertices are not active, and elements and nodes belong
  * to a coarser one. The unit of coordinates is the spacing of the finest grid.
  *
@@ -22,23 +22,24 @@
 
 enum {
     PL_LATTICE_LEVELS = 24,
-    PL_LATTICE_BLOCKS = 8, /* of a vertex with itself and those at offsets 0 or 1, */
-    PL_LATTICE_BLOCK = 9   /* entries of each, by rows */
+    PL_LATTICE_BLOCKS = 8, /* of a vertex with itself and those at offsets 0 or 1: at most, */
+    PL_LATTICE_BLOCK = 9   /* entries of each, by rows: at most */
 };
 
-/** One grid; vertices are numbered x first. Arrays are owned. */
+/** One grid; vertices are numbered x first. Slabs are the vertices of one last coordinate, or the
+ *  cubes that begin there. Arrays are owned. */
 typedef struct pl_grid {
-    int64_t n[3]; /* vertices along each direction */
-    int64_t n_vertices;
-    int64_t first;      /* number of its first simplex: (vertex at the corner) 6 + order */
-    double per_spacing; /* spacings of this grid per unit */
-    double *stiffness;  /* [n_vertices][PL_LATTICE_BLOCKS][PL_LATTICE_BLOCK] */
-    double *inverse; /* [n_vertices][PL_LATTICE_BLOCK] of the blocks of the vertices themselves */
-    double *force;   /* [n_vertices][3] of the nodes that belong to this grid, less that of total */
-    double *move;    /* [n_vertices][3] approximate solution for force: of one V-cycle */
-    double *load;    /* [n_vertices][3] force, and the residual of finer grids */
-    double *residual;                   /* [n_vertices][3] of load and move */
-    double *direction, *change, *total; /* [n_vertices][3] of conjugate gradients: the search
+    int64_t n[3]; /* vertices along each direction; in the plane n[2] is 1 */
+    int64_t n_vertices, n_slabs, per_slab; /* vertices; slabs of vertices, vertices of each */
+    int64_t first;      /* number of its first simplex: (vertex at the corner) (2 or 6) + order */
+    double per_spacing[3]; /* spacings of this grid per unit, along each direction */
+    double *stiffness;  /* [n_vertices][2^dim][dim][dim] */
+    double *inverse;    /* [n_vertices][dim][dim] of the blocks of the vertices themselves */
+    double *force; /* [n_vertices][dim] of the nodes that belong to this grid, less that of total */
+    double *move;  /* [n_vertices][dim] approximate solution for force: of one V-cycle */
+    double *load;  /* [n_vertices][dim] force, and the residual of finer grids */
+    double *residual;                   /* [n_vertices][dim] of load and move */
+    double *direction, *change, *total; /* [n_vertices][dim] of conjugate gradients: the search
                                            direction, the change of force along it, the solution */
     int has_own;                        /* elements or nodes belong to it, not to finer grids */
     uint8_t *is_active;                 /* [n_vertices] */
@@ -55,8 +56,8 @@ typedef struct pl_lattice {
     uint8_t *is_free;       /* [nodes of the plan] by inner numbers; 1: may go anywhere */
     int is_known;           /* corner begins with [n_elements] simplices of the finest grid */
     int32_t *element;       /* [elements with a free node] by simplices */
-    int32_t *corner;        /* [elements with a free node][4] their nodes, inner numbers; room for
-                               the simplices of elements before */
+    int32_t *corner;        /* [elements with a free node][dim + 1] their nodes, inner numbers; room
+                               for the simplices of elements before */
     double *of_slab;        /* [slabs of the finest grid] */
     int64_t *element_begin; /* [n_simplices + 1] */
     int32_t *star;          /* [n_stars] by simplices */
@@ -77,7 +78,7 @@ void pl_lattice_sort(pl_lattice *lattice);
 /** Assemble, for what is sorted. Blocks that are not positive definite are shifted until they are. */
 void pl_lattice_assemble(pl_lattice *lattice);
 
-/** Set the forces of vertices from those of the stars' nodes, [n_stars][3], finite. Returns 0 if all
+/** Set the forces of vertices from those of the stars' nodes, [n_stars][dim], finite. Returns 0 if all
  *  are 0 or they are too large. */
 int pl_lattice_restrict(pl_lattice *lattice, const double *force);
 
@@ -89,7 +90,7 @@ typedef int pl_lattice_ask_fn(void *context);
 int pl_lattice_solve(pl_lattice *lattice, double part, int n, pl_lattice_ask_fn *ask,
                      void *context);
 
-/** Set the moves of the stars' nodes, [n_stars][3]. */
+/** Set the moves of the stars' nodes, [n_stars][dim]. */
 void pl_lattice_prolong(const pl_lattice *lattice, double *move);
 
 #endif

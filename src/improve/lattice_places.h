@@ -1,7 +1,8 @@
 /* lattice_places: places in the grids of a lattice, loops over their slabs, and terms of exact sums.
  * Private to lattice.c, lattice_stiffness.c and lattice_solve.c.
  *
- *   pl_unit_place, pl_cube_at, pl_simplex_at, pl_simplex_of, pl_weights_at    where a point is
+ *   pl_simplices_of, pl_unit_place, pl_cube_at, pl_simplex_at, pl_simplex_of, pl_weights_at
+ *                                                                             where a point is
  *   pl_stride_of, pl_offset_of, pl_vertex_by, pl_find_coordinates             numbers of vertices
  *   pl_visit_slabs                                      a loop whose result no threads change
  *   pl_terms_up_to, pl_round_term, pl_add_over_parts    sums whose order does not matter
@@ -16,14 +17,17 @@
 
 #include <math.h>
 
-enum {
-    PL_CORNERS = 4,  /* of a simplex */
-    PL_SIMPLICES = 6 /* of a cube */
-};
+enum { PL_CORNERS = 4 }; /* of a simplex, at most */
 
-/* Directions in which a simplex goes from its first vertex to its last. */
-static const int PL_ORDERS[PL_SIMPLICES][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
-                                               {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+/* Directions in which a simplex goes from its first vertex to its last. In the plane there are two
+ * orders: the first two without direction 2. */
+static const int PL_ORDERS[][3] = {{0, 1, 2}, {1, 0, 2}, {0, 2, 1},
+                                   {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+
+/** Simplices of a cube. */
+PL_INLINE int pl_simplices_of(int dim) {
+    return dim == 3 ? 6 : 2;
+}
 
 /* ---- places -------------------------------------------------------------------------------- */
 
@@ -44,9 +48,9 @@ static inline void pl_find_coordinates(const pl_grid *g, int64_t number, int64_t
 }
 
 /** Coordinates of a node in the unit of the lattice. */
-PL_INLINE void pl_unit_place(const pl_lattice *l, int64_t inner, double *x) {
-    const double *from = l->plan->scratch.coordinates + inner * 3;
-    for (int d = 0; d < 3; d++)
+PL_INLINE void pl_unit_place(const pl_lattice *l, int64_t inner, double *x, int dim) {
+    const double *from = l->plan->scratch.coordinates + inner * dim;
+    for (int d = 0; d < dim; d++)
         x[d] = (from[d] - l->origin[d]) * l->per_unit;
 }
 
@@ -56,10 +60,10 @@ typedef struct pl_cube_place {
     double along[3];
 } pl_cube_place;
 
-PL_INLINE pl_cube_place pl_cube_at(const pl_grid *g, const double *x) {
+PL_INLINE pl_cube_place pl_cube_at(const pl_grid *g, const double *x, int dim) {
     pl_cube_place p = {0, {0, 0, 0}};
-    for (int d = 0; d < 3; d++) {
-        const double t = x[d] * g->per_spacing, last = (double)(g->n[d] - 2);
+    for (int d = 0; d < dim; d++) {
+        const double t = x[d] * g->per_spacing[d], last = (double)(g->n[d] - 2);
         const int64_t i = (int64_t)(t > 0 ? t < last ? t : last : 0);
         p.along[d] = t - (double)i;
         p.vertex += i * pl_stride_of(g, d);
@@ -67,24 +71,27 @@ PL_INLINE pl_cube_place pl_cube_at(const pl_grid *g, const double *x) {
     return p;
 }
 
-static inline int pl_find_order(const double f[3]) {
+/** Row of PL_ORDERS of the simplex at a place in a cube. */
+PL_INLINE int pl_find_order(const double f[3], int dim) {
+    if (dim == 2)
+        return f[0] >= f[1] ? 0 : 1;
     if (f[0] >= f[1])
-        return f[1] >= f[2] ? 0 : f[0] >= f[2] ? 1 : 4;
-    return f[0] >= f[2] ? 2 : f[1] >= f[2] ? 3 : 5;
+        return f[1] >= f[2] ? 0 : f[0] >= f[2] ? 2 : 4;
+    return f[0] >= f[2] ? 1 : f[1] >= f[2] ? 3 : 5;
 }
 
 /** Number of the simplex at x, of the finest grid that is active there. */
-PL_INLINE int64_t pl_simplex_at(const pl_lattice *l, const double *x) {
+PL_INLINE int64_t pl_simplex_at(const pl_lattice *l, const double *x, int dim) {
     for (int level = 0;; level++) {
         const pl_grid *g = &l->grid[level];
-        const pl_cube_place p = pl_cube_at(g, x);
-        const int order = pl_find_order(p.along), *way = PL_ORDERS[order];
+        const pl_cube_place p = pl_cube_at(g, x, dim);
+        const int order = pl_find_order(p.along, dim), *way = PL_ORDERS[order];
         int64_t vertex = p.vertex;
         int active = g->is_active[vertex];
-        for (int d = 0; d < 3; d++)
+        for (int d = 0; d < dim; d++)
             active |= g->is_active[vertex += pl_stride_of(g, way[d])];
         if (active || level == l->n_levels - 1)
-            return g->first + p.vertex * PL_SIMPLICES + order;
+            return g->first + p.vertex * pl_simplices_of(dim) + order;
     }
 }
 
@@ -97,15 +104,15 @@ typedef struct pl_simplex {
     double corner[3];     /* place of the first, in spacings */
 } pl_simplex;
 
-PL_INLINE pl_simplex pl_simplex_of(const pl_grid *g, int64_t number) {
+PL_INLINE pl_simplex pl_simplex_of(const pl_grid *g, int64_t number, int dim) {
     const int64_t of_grid = number - g->first;
-    pl_simplex s = {.g = g, .way = PL_ORDERS[of_grid % PL_SIMPLICES]};
+    pl_simplex s = {.g = g, .way = PL_ORDERS[of_grid % pl_simplices_of(dim)]};
     int64_t at[3];
-    s.vertex[0] = of_grid / PL_SIMPLICES;
+    s.vertex[0] = of_grid / pl_simplices_of(dim);
     pl_find_coordinates(g, s.vertex[0], at);
-    for (int d = 0; d < 3; d++)
+    for (int d = 0; d < dim; d++)
         s.corner[d] = (double)at[d];
-    for (int d = 0; d < 3; d++) {
+    for (int d = 0; d < dim; d++) {
         s.bits[d + 1] = s.bits[d] | 1 << s.way[d];
         s.vertex[d + 1] = s.vertex[d] + pl_stride_of(g, s.way[d]);
     }
@@ -113,14 +120,14 @@ PL_INLINE pl_simplex pl_simplex_of(const pl_grid *g, int64_t number) {
 }
 
 /** Weights of the vertices of a simplex at x, which may be outside. */
-PL_INLINE void pl_weights_at(const pl_simplex *s, const double *x, double *weight) {
+PL_INLINE void pl_weights_at(const pl_simplex *s, const double *x, double *weight, int dim) {
     double along[3] = {0};
-    for (int d = 0; d < 3; d++)
-        along[d] = x[d] * s->g->per_spacing - s->corner[d];
+    for (int d = 0; d < dim; d++)
+        along[d] = x[d] * s->g->per_spacing[d] - s->corner[d];
     weight[0] = 1 - along[s->way[0]];
-    for (int d = 1; d < 3; d++)
+    for (int d = 1; d < dim; d++)
         weight[d] = along[s->way[d - 1]] - along[s->way[d]];
-    weight[3] = along[s->way[2]];
+    weight[dim] = along[s->way[dim - 1]];
 }
 
 /** Vertex of a finer grid, or of this one, by coordinates. */
@@ -189,10 +196,10 @@ typedef struct pl_slab_pass {
     void (*body)(const struct pl_slab_pass *pass, int64_t slab);
     int64_t parity;
     int is_backward;
-    const double *from; /* [n_stars][3] */
-    double *to;         /* [n_stars][3] */
+    const double *from; /* [n_stars][dim] */
+    double *to;         /* [n_stars][dim] */
     const double *b, *x;
-    double *y; /* [n_vertices][3] */
+    double *y; /* [n_vertices][dim] */
     double factor;
     pl_terms terms;
 } pl_slab_pass;

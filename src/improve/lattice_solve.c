@@ -5,88 +5,116 @@
 
 /** Set residual to b - K x of vertex v, without its own block unless with_own; b NULL: 0. */
 PL_INLINE void residual_at(const pl_grid *g, const double *b, const double *x, int64_t v,
-                           int with_own, double *residual) {
-    enum { CORNERS = 8 }; /* of a cube */
-    for (int d = 0; d < 3; d++)
-        residual[d] = b ? b[v * 3 + d] : 0;
-    for (int bits = with_own ? 0 : 1; bits < CORNERS; bits++) {
+                           int with_own, double *residual, int dim) {
+    const int blocks = 1 << dim;
+    for (int d = 0; d < dim; d++)
+        residual[d] = b ? b[v * dim + d] : 0;
+    for (int bits = with_own ? 0 : 1; bits < blocks; bits++) {
         const int64_t way = pl_offset_of(g, bits), after = v + way, before = v - way;
         /* Blocks to vertices outside of the grid are 0. */
         if (after < g->n_vertices) {
-            const double *k = g->stiffness + (v * PL_LATTICE_BLOCKS + bits) * PL_LATTICE_BLOCK;
-            for (int r = 0; r < 3; r++)
-                for (int c = 0; c < 3; c++)
-                    residual[r] -= k[r * 3 + c] * x[after * 3 + c];
+            const double *k = g->stiffness + (v * blocks + bits) * (dim * dim);
+            for (int r = 0; r < dim; r++)
+                for (int c = 0; c < dim; c++)
+                    residual[r] -= k[r * dim + c] * x[after * dim + c];
         }
         if (bits > 0 && before >= 0) {
-            const double *k = g->stiffness + (before * PL_LATTICE_BLOCKS + bits) * PL_LATTICE_BLOCK;
-            for (int r = 0; r < 3; r++)
-                for (int c = 0; c < 3; c++)
-                    residual[r] -= k[c * 3 + r] * x[before * 3 + c];
+            const double *k = g->stiffness + (before * blocks + bits) * (dim * dim);
+            for (int r = 0; r < dim; r++)
+                for (int c = 0; c < dim; c++)
+                    residual[r] -= k[c * dim + r] * x[before * dim + c];
         }
     }
 }
 
-static void relax_slab(const pl_slab_pass *p, int64_t slab) {
+PL_INLINE void relax_slab_in(const pl_slab_pass *p, int64_t slab, int dim) {
     const pl_grid *g = p->g;
-    const int64_t stride = pl_stride_of(g, 2);
+    const int64_t stride = g->per_slab;
     for (int64_t i = 0; i < stride; i++) {
         const int64_t v = slab * stride + (p->is_backward ? stride - 1 - i : i);
         double residual[3];
         if (!g->is_active[v])
             continue;
-        residual_at(g, g->load, g->move, v, 0, residual);
-        for (int r = 0; r < 3; r++) {
+        residual_at(g, g->load, g->move, v, 0, residual, dim);
+        for (int r = 0; r < dim; r++) {
             double sum = 0;
-            for (int c = 0; c < 3; c++)
-                sum += g->inverse[v * PL_LATTICE_BLOCK + r * 3 + c] * residual[c];
-            g->move[v * 3 + r] = sum;
+            for (int c = 0; c < dim; c++)
+                sum += g->inverse[(v * dim + r) * dim + c] * residual[c];
+            g->move[v * dim + r] = sum;
         }
     }
 }
 
+static void relax_slab(const pl_slab_pass *p, int64_t slab) {
+    if (p->l->plan->dim == 3)
+        relax_slab_in(p, slab, 3);
+    else
+        relax_slab_in(p, slab, 2);
+}
+
+PL_INLINE void residual_slab_in(const pl_slab_pass *p, int64_t slab, int dim) {
+    const int64_t stride = p->g->per_slab;
+    for (int64_t v = slab * stride; v < (slab + 1) * stride; v++)
+        residual_at(p->g, p->b, p->x, v, 1, p->y + v * dim, dim);
+}
+
 /** Set y to b - K x. */
 static void residual_slab(const pl_slab_pass *p, int64_t slab) {
-    const int64_t stride = pl_stride_of(p->g, 2);
-    for (int64_t v = slab * stride; v < (slab + 1) * stride; v++)
-        residual_at(p->g, p->b, p->x, v, 1, p->y + v * 3);
+    if (p->l->plan->dim == 3)
+        residual_slab_in(p, slab, 3);
+    else
+        residual_slab_in(p, slab, 2);
+}
+
+PL_INLINE void restrict_slab_in(const pl_slab_pass *p, int64_t slab, int dim) {
+    const pl_grid *g = p->g, *fine = g - 1;
+    const int corners = 1 << dim; /* of a cube */
+    const int64_t stride = g->per_slab;
+    for (int64_t v = slab * stride; v < (slab + 1) * stride; v++) {
+        int64_t twice[3];
+        pl_find_coordinates(g, v, twice);
+        for (int d = 0; d < dim; d++)
+            twice[d] *= 2;
+        for (int k = 0; k < 2 * corners - 1; k++) {
+            const int bits = k < corners ? k : k - corners + 1;
+            const pl_vertex_at i = pl_vertex_by(fine, twice, bits, k < corners ? 1 : -1);
+            for (int d = 0; i.number >= 0 && d < dim; d++)
+                p->y[v * dim + d] += (bits ? 0.5 : 1) * p->x[i.number * dim + d];
+        }
+    }
 }
 
 /** Add x of the finer grid to y of this one. */
 static void restrict_slab(const pl_slab_pass *p, int64_t slab) {
-    const pl_grid *g = p->g, *fine = g - 1;
-    enum { CORNERS = 8 }; /* of a cube */
-    const int64_t stride = pl_stride_of(g, 2);
+    if (p->l->plan->dim == 3)
+        restrict_slab_in(p, slab, 3);
+    else
+        restrict_slab_in(p, slab, 2);
+}
+
+PL_INLINE void prolong_slab_in(const pl_slab_pass *p, int64_t slab, int dim) {
+    const pl_grid *g = p->g, *coarse = g + 1;
+    const int64_t stride = g->per_slab;
     for (int64_t v = slab * stride; v < (slab + 1) * stride; v++) {
-        int64_t twice[3];
-        pl_find_coordinates(g, v, twice);
-        for (int d = 0; d < 3; d++)
-            twice[d] *= 2;
-        for (int k = 0; k < 2 * CORNERS - 1; k++) {
-            const int bits = k < CORNERS ? k : k - CORNERS + 1;
-            const pl_vertex_at i = pl_vertex_by(fine, twice, bits, k < CORNERS ? 1 : -1);
-            for (int d = 0; i.number >= 0 && d < 3; d++)
-                p->y[v * 3 + d] += (bits ? 0.5 : 1) * p->x[i.number * 3 + d];
+        int64_t at[3], from = 0;
+        int parity = 0;
+        pl_find_coordinates(g, v, at);
+        for (int d = 0; d < dim; d++) {
+            from += at[d] / 2 * pl_stride_of(coarse, d);
+            parity |= (int)(at[d] & 1) << d;
         }
+        const int64_t to = from + pl_offset_of(coarse, parity);
+        for (int d = 0; d < dim; d++)
+            p->y[v * dim + d] += 0.5 * (p->x[from * dim + d] + p->x[to * dim + d]);
     }
 }
 
 /** Add x of the coarser grid to y of this one. */
 static void prolong_slab(const pl_slab_pass *p, int64_t slab) {
-    const pl_grid *g = p->g, *coarse = g + 1;
-    const int64_t stride = pl_stride_of(g, 2);
-    for (int64_t v = slab * stride; v < (slab + 1) * stride; v++) {
-        int64_t at[3], from = 0;
-        int parity = 0;
-        pl_find_coordinates(g, v, at);
-        for (int d = 0; d < 3; d++) {
-            from += at[d] / 2 * pl_stride_of(coarse, d);
-            parity |= (int)(at[d] & 1) << d;
-        }
-        const int64_t to = from + pl_offset_of(coarse, parity);
-        for (int d = 0; d < 3; d++)
-            p->y[v * 3 + d] += 0.5 * (p->x[from * 3 + d] + p->x[to * 3 + d]);
-    }
+    if (p->l->plan->dim == 3)
+        prolong_slab_in(p, slab, 3);
+    else
+        prolong_slab_in(p, slab, 2);
 }
 
 typedef void slab_body(const pl_slab_pass *pass, int64_t slab);
@@ -94,18 +122,18 @@ typedef void slab_body(const pl_slab_pass *pass, int64_t slab);
 static void relax(pl_lattice *l, int level, int is_backward) {
     pl_slab_pass pass = {
         .l = l, .g = &l->grid[level], .body = relax_slab, .is_backward = is_backward};
-    pl_visit_slabs(&pass, l->grid[level].n[2]);
+    pl_visit_slabs(&pass, l->grid[level].n_slabs);
 }
 
 /** Call body on the vertices of a grid. */
 static void visit_vertices(pl_lattice *l, int level, slab_body *body, const double *b,
                            const double *x, double *y) {
     pl_slab_pass pass = {.l = l, .g = &l->grid[level], .body = body, .b = b, .x = x, .y = y};
-    pl_visit_slabs(&pass, l->grid[level].n[2]);
+    pl_visit_slabs(&pass, l->grid[level].n_slabs);
 }
 
 static size_t bytes_of(const pl_lattice *l, int level) {
-    return (size_t)(l->grid[level].n_vertices * 3) * sizeof(double);
+    return (size_t)(l->grid[level].n_vertices * l->plan->dim) * sizeof(double);
 }
 
 /** Set move to about the solution for force: one V-cycle. */
@@ -133,7 +161,7 @@ static void cycle(pl_lattice *l) {
 }
 
 static void dot_slab(const pl_slab_pass *p, int64_t slab) {
-    const int64_t stride = pl_stride_of(p->g, 2) * 3;
+    const int64_t stride = p->g->per_slab * p->l->plan->dim;
     double sum = 0;
     for (int64_t i = slab * stride; i < (slab + 1) * stride; i++)
         sum += p->b[i] * p->x[i];
@@ -142,14 +170,14 @@ static void dot_slab(const pl_slab_pass *p, int64_t slab) {
 
 /** Set y to x + factor y. */
 static void step_slab(const pl_slab_pass *p, int64_t slab) {
-    const int64_t stride = pl_stride_of(p->g, 2) * 3;
+    const int64_t stride = p->g->per_slab * p->l->plan->dim;
     for (int64_t i = slab * stride; i < (slab + 1) * stride; i++)
         p->y[i] = p->x[i] + p->factor * p->y[i];
 }
 
 /** Set y to y + factor x. */
 static void add_slab(const pl_slab_pass *p, int64_t slab) {
-    const int64_t stride = pl_stride_of(p->g, 2) * 3;
+    const int64_t stride = p->g->per_slab * p->l->plan->dim;
     for (int64_t i = slab * stride; i < (slab + 1) * stride; i++)
         p->y[i] += p->factor * p->x[i];
 }
@@ -158,7 +186,7 @@ static void add_slab(const pl_slab_pass *p, int64_t slab) {
 static double dot_of(pl_lattice *l, int level, const double *b, const double *x) {
     double sum = 0;
     visit_vertices(l, level, dot_slab, b, x, l->of_slab);
-    for (int64_t i = 0; i < l->grid[level].n[2]; i++)
+    for (int64_t i = 0; i < l->grid[level].n_slabs; i++)
         sum += l->of_slab[i];
     return sum;
 }
@@ -167,7 +195,7 @@ static void combine(pl_lattice *l, int level, slab_body *body, double factor, co
                     double *y) {
     pl_slab_pass pass = {
         .l = l, .g = &l->grid[level], .body = body, .x = x, .y = y, .factor = factor};
-    pl_visit_slabs(&pass, l->grid[level].n[2]);
+    pl_visit_slabs(&pass, l->grid[level].n_slabs);
 }
 
 /** Set change to minus the stiffness of what belongs to each grid, times direction. */

@@ -20,17 +20,17 @@ typedef struct four {
 } four;
 
 PL_INLINE void gather_four(const pl_lattice *l, const pl_simplex *s, const int32_t *corner,
-                           int64_t n, four *f) {
+                           int64_t n, four *f, int dim) {
     for (int lane = 0; lane < 4; lane++) {
-        for (int j = 0; j < PL_CORNERS; j++) {
-            const int32_t inner = corner[(lane < n ? lane : 0) * PL_CORNERS + j];
+        for (int j = 0; j <= dim; j++) {
+            const int32_t inner = corner[(lane < n ? lane : 0) * (dim + 1) + j];
             double x[3], weight[PL_CORNERS] = {0};
-            pl_unit_place(l, inner, x);
+            pl_unit_place(l, inner, x, dim);
             if (l->is_free[inner] && lane < n)
-                pl_weights_at(s, x, weight);
-            for (int d = 0; d < 3; d++)
+                pl_weights_at(s, x, weight, dim);
+            for (int d = 0; d < dim; d++)
                 f->x[j][d][lane] = x[d];
-            for (int a = 0; a < PL_CORNERS; a++)
+            for (int a = 0; a <= dim; a++)
                 f->weight[j][a][lane] = weight[a];
         }
     }
@@ -44,55 +44,59 @@ typedef struct simplex_sums {
 /** Limit the Hessians h by edges whose weights are by_edge: no entry by vertices is above most, and
  *  none is NaN or infinite. */
 PL_INLINE void limit_stiffness(bend_pack most, bend_pack by_edge[3][PL_CORNERS],
-                               bend_block h[BEND_BLOCKS]) {
-    typedef int64_t mask __attribute__((vector_size(32)));
+                               bend_block h[BEND_BLOCKS], int dim) {
     bend_pack of_blocks = bend_of(0), of_weights = bend_of(0);
-    for (int q = 0; q < BEND_BLOCKS; q++)
-        for (int c = 0; c < PL_LATTICE_BLOCK; c++) /* twice as much where i < j */
-            of_blocks += (q == 0 || q == 3 || q == 5 ? 1.0 : 2.0) * h[q][c] * h[q][c];
-    for (int i = 0; i < 3; i++)
-        for (int a = 0; a < PL_CORNERS; a++)
+    for (int i = 0, at = 0; i < dim; i++)
+        for (int j = i; j < dim; j++, at++)
+            for (int c = 0; c < dim * dim; c++) /* twice as much where i < j */
+                of_blocks += (i == j ? 1.0 : 2.0) * h[at][c] * h[at][c];
+    for (int i = 0; i < dim; i++)
+        for (int a = 0; a <= dim; a++)
             of_weights += by_edge[i][a] * by_edge[i][a];
     const bend_pack norm = bend_sqrt(of_blocks) * of_weights, shrink = most / norm;
-    const mask is_finite = norm <= 0x1p1000, is_stiff = norm > most;
-    const bend_pack factor =
-        (bend_pack)((is_stiff & (mask)shrink) | (~is_stiff & (mask)bend_of(1)));
-    for (int q = 0; q < BEND_BLOCKS; q++)
-        for (int c = 0; c < PL_LATTICE_BLOCK; c++)
-            h[q][c] = (bend_pack)(is_finite & (mask)(h[q][c] * factor));
+    const bend_mask is_finite = norm <= 0x1p1000;
+    const bend_pack factor = bend_choose(norm > most, shrink, bend_of(1));
+    for (int q = 0; q < dim * (dim + 1) / 2; q++)
+        for (int c = 0; c < dim * dim; c++)
+            h[q][c] = bend_choose(is_finite, h[q][c] * factor, bend_of(0));
 }
 
 /** Add four elements to the sums, in terms, none of them above most. */
-PL_INLINE void add_four(const four *f, pl_terms terms, double most, simplex_sums *sums) {
+PL_INLINE void add_four(const four *f, pl_terms terms, double most, simplex_sums *sums, int dim) {
     bend_block h[BEND_BLOCKS];
     bend_vector e[3];
     bend_pack by_edge[3][PL_CORNERS], half[3][PL_CORNERS][PL_LATTICE_BLOCK];
     const bend_pack shift = bend_of(terms.shift);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < dim; k++) {
         e[k].x = f->x[k + 1][0] - f->x[0][0];
         e[k].y = f->x[k + 1][1] - f->x[0][1];
-        e[k].z = f->x[k + 1][2] - f->x[0][2];
-        for (int a = 0; a < PL_CORNERS; a++)
+        e[k].z = dim == 3 ? f->x[k + 1][2] - f->x[0][2] : bend_of(0);
+        for (int a = 0; a <= dim; a++)
             by_edge[k][a] = f->weight[k + 1][a] - f->weight[0][a];
     }
-    bend_tetrahedra(e, h);
-    limit_stiffness(bend_of(most), by_edge, h);
-    for (int i = 0; i < 3; i++)
-        for (int a = 0; a < PL_CORNERS; a++)
-            for (int c = 0; c < PL_LATTICE_BLOCK; c++) {
+    if (dim == 3)
+        bend_tetrahedra(e, h);
+    else {
+        bend_triangles(e, h);
+        bend_keep_positive(e, h);
+    }
+    limit_stiffness(bend_of(most), by_edge, h, dim);
+    for (int i = 0; i < dim; i++)
+        for (int a = 0; a <= dim; a++)
+            for (int c = 0; c < dim * dim; c++) {
                 bend_pack sum = bend_of(0);
-                for (int j = 0; j < 3; j++) {
+                for (int j = 0; j < dim; j++) {
                     const int low = i < j ? i : j, high = i < j ? j : i;
-                    const int at = low * 3 - low * (low - 1) / 2 + high - low;
-                    sum += by_edge[j][a] * h[at][i <= j ? c : c % 3 * 3 + c / 3];
+                    const int at = low * dim - low * (low - 1) / 2 + high - low;
+                    sum += by_edge[j][a] * h[at][i <= j ? c : c % dim * dim + c / dim];
                 }
                 half[i][a][c] = sum;
             }
-    for (int a = 0, at = 0; a < PL_CORNERS; a++)
-        for (int b = a; b < PL_CORNERS; b++, at++)
-            for (int c = 0; c < PL_LATTICE_BLOCK; c++) {
+    for (int a = 0, at = 0; a <= dim; a++)
+        for (int b = a; b <= dim; b++, at++)
+            for (int c = 0; c < dim * dim; c++) {
                 bend_pack sum = by_edge[0][a] * half[0][b][c];
-                for (int i = 1; i < 3; i++)
+                for (int i = 1; i < dim; i++)
                     sum += by_edge[i][a] * half[i][b][c];
                 sums->block[at][c] += (sum + shift) - shift;
             }
@@ -100,38 +104,45 @@ PL_INLINE void add_four(const four *f, pl_terms terms, double most, simplex_sums
 
 /** Largest entry that an element may have in the stiffness of a grid. */
 static inline double most_of(const pl_grid *g) {
-    return STIFFEST * g->per_spacing * g->per_spacing;
+    const double most = fmax(g->per_spacing[0], fmax(g->per_spacing[1], g->per_spacing[2]));
+    return STIFFEST * most * most;
 }
 
-PL_INLINE void add_simplex(const pl_slab_pass *p, int64_t number) {
+PL_INLINE void add_simplex(const pl_slab_pass *p, int64_t number, int dim) {
     const pl_lattice *l = p->l;
     const pl_grid *g = p->g;
     const int64_t begin = l->element_begin[number], end = l->element_begin[number + 1];
     if (begin == end)
         return;
-    const pl_simplex s = pl_simplex_of(g, number);
+    const pl_simplex s = pl_simplex_of(g, number, dim);
     simplex_sums sums;
     four f;
     memset(&sums, 0, sizeof sums);
     for (int64_t i = begin; i < end; i += 4) {
-        gather_four(l, &s, l->corner + i * PL_CORNERS, end - i, &f);
-        add_four(&f, p->terms, most_of(g), &sums);
+        gather_four(l, &s, l->corner + i * (dim + 1), end - i, &f, dim);
+        add_four(&f, p->terms, most_of(g), &sums, dim);
     }
-    for (int a = 0, at = 0; a < PL_CORNERS; a++)
-        for (int b = a; b < PL_CORNERS; b++, at++) {
+    for (int a = 0, at = 0; a <= dim; a++)
+        for (int b = a; b <= dim; b++, at++) {
             double *to =
-                g->stiffness +
-                (s.vertex[a] * PL_LATTICE_BLOCKS + (s.bits[a] ^ s.bits[b])) * PL_LATTICE_BLOCK;
-            for (int c = 0; c < PL_LATTICE_BLOCK; c++)
+                g->stiffness + ((s.vertex[a] << dim) + (s.bits[a] ^ s.bits[b])) * (dim * dim);
+            for (int c = 0; c < dim * dim; c++)
                 to[c] += (sums.block[at][c][0] + sums.block[at][c][1]) +
                          (sums.block[at][c][2] + sums.block[at][c][3]);
         }
 }
 
-PL_INLINE void add_slab(const pl_slab_pass *p, int64_t slab) {
-    const int64_t stride = pl_stride_of(p->g, 2) * PL_SIMPLICES;
+PL_INLINE void add_slab_in(const pl_slab_pass *p, int64_t slab, int dim) {
+    const int64_t stride = p->g->per_slab * pl_simplices_of(dim);
     for (int64_t i = slab * stride; i < (slab + 1) * stride; i++)
-        add_simplex(p, p->g->first + i);
+        add_simplex(p, p->g->first + i, dim);
+}
+
+PL_INLINE void add_slab(const pl_slab_pass *p, int64_t slab) {
+    if (p->l->plan->dim == 3)
+        add_slab_in(p, slab, 3);
+    else
+        add_slab_in(p, slab, 2);
 }
 
 static void add_slab_of(const pl_slab_pass *p, int64_t slab) {
@@ -156,59 +167,74 @@ static void (*adder_of(const planish_plan *plan))(const pl_slab_pass *, int64_t)
 }
 
 /** Add block K, or its transpose, of fine vertex i, of weight for coarse vertex a, and j. */
-static void add_block(const pl_grid *coarse, int64_t vertex, const int64_t a[3],
-                      const pl_vertex_at *j, double weight, const double *K, int is_transposed) {
+PL_INLINE void add_block(const pl_grid *coarse, int64_t vertex, const int64_t a[3],
+                         const pl_vertex_at *j, double weight, const double *K, int is_transposed,
+                         int dim) {
     int parity = 0;
-    for (int d = 0; d < 3; d++)
+    for (int d = 0; d < dim; d++)
         parity |= (int)(j->at[d] & 1) << d;
     for (int end = 0; end < (parity ? 2 : 1); end++) {
         int bits = 0, fits = 1;
-        for (int d = 0; d < 3; d++) {
+        for (int d = 0; d < dim; d++) {
             const int64_t way = j->at[d] / 2 + (end ? parity >> d & 1 : 0) - a[d];
             fits &= way == 0 || way == 1;
             bits |= (way == 1) << d;
         }
         if (!fits)
             continue;
-        double *to = coarse->stiffness + (vertex * PL_LATTICE_BLOCKS + bits) * PL_LATTICE_BLOCK;
+        double *to = coarse->stiffness + ((vertex << dim) + bits) * (dim * dim);
         const double w = parity ? 0.5 * weight : weight;
-        for (int r = 0; r < 3; r++)
-            for (int c = 0; c < 3; c++)
-                to[r * 3 + c] += w * K[is_transposed ? c * 3 + r : r * 3 + c];
+        for (int r = 0; r < dim; r++)
+            for (int c = 0; c < dim; c++)
+                to[r * dim + c] += w * K[is_transposed ? c * dim + r : r * dim + c];
     }
 }
 
-/** Add the stiffness of the finer grid to that of coarse vertices. */
-static void coarsen_slab(const pl_slab_pass *p, int64_t slab) {
+PL_INLINE void coarsen_slab_in(const pl_slab_pass *p, int64_t slab, int dim) {
     const pl_grid *g = p->g, *fine = g - 1;
-    enum { CORNERS = 8 }; /* of a cube */
-    const int64_t stride = pl_stride_of(g, 2);
+    const int corners = 1 << dim; /* of a cube */
+    const int64_t stride = g->per_slab;
     for (int64_t v = slab * stride; v < (slab + 1) * stride; v++) {
         int64_t a[3], twice[3];
         pl_find_coordinates(g, v, a);
         for (int d = 0; d < 3; d++)
             twice[d] = 2 * a[d];
-        for (int k = 0; k < 2 * CORNERS - 1; k++) {
-            const int bits = k < CORNERS ? k : k - CORNERS + 1, sign = k < CORNERS ? 1 : -1;
+        for (int k = 0; k < 2 * corners - 1; k++) {
+            const int bits = k < corners ? k : k - corners + 1, sign = k < corners ? 1 : -1;
             const pl_vertex_at i = pl_vertex_by(fine, twice, bits, sign);
             if (i.number < 0)
                 continue;
-            for (int q = 0; q < 2 * CORNERS - 1; q++) {
-                const int to = q < CORNERS ? q : q - CORNERS + 1;
-                const pl_vertex_at j = pl_vertex_by(fine, i.at, to, q < CORNERS ? 1 : -1);
+            for (int q = 0; q < 2 * corners - 1; q++) {
+                const int to = q < corners ? q : q - corners + 1;
+                const pl_vertex_at j = pl_vertex_by(fine, i.at, to, q < corners ? 1 : -1);
                 if (j.number < 0)
                     continue;
-                const int64_t row = q < CORNERS ? i.number : j.number;
+                const int64_t row = q < corners ? i.number : j.number;
                 add_block(g, v, a, &j, bits ? 0.5 : 1,
-                          fine->stiffness + (row * PL_LATTICE_BLOCKS + to) * PL_LATTICE_BLOCK,
-                          q >= CORNERS);
+                          fine->stiffness + ((row << dim) + to) * (dim * dim), q >= corners, dim);
             }
         }
     }
 }
 
-/** Invert a block; 0 unless it is positive definite. */
-static int invert_block(const double *k, double *inverse) {
+/** Add the stiffness of the finer grid to that of coarse vertices. */
+static void coarsen_slab(const pl_slab_pass *p, int64_t slab) {
+    if (p->l->plan->dim == 3)
+        coarsen_slab_in(p, slab, 3);
+    else
+        coarsen_slab_in(p, slab, 2);
+}
+
+/** Invert a block [dim][dim]; 0 unless it is positive definite. */
+static int invert_block(const double *k, double *inverse, int dim) {
+    if (dim == 2) {
+        const double determinant = k[0] * k[3] - k[1] * k[1], factor = 1 / determinant;
+        const double all[] = {k[3] * factor, -k[1] * factor, -k[1] * factor, k[0] * factor};
+        if (!(k[0] > 0 && determinant > 0))
+            return 0;
+        memcpy(inverse, all, sizeof all);
+        return 1;
+    }
     const double packed_block[6] = {k[0], k[1], k[2], k[4], k[5], k[8]};
     double six[6];
     if (!invert(packed_block, six))
@@ -224,16 +250,19 @@ static int invert_block(const double *k, double *inverse) {
 
 static void invert_slab(const pl_slab_pass *p, int64_t slab) {
     const pl_grid *g = p->g;
-    const int64_t stride = pl_stride_of(g, 2);
+    const int64_t stride = g->per_slab;
+    const int dim = p->l->plan->dim, size = dim * dim;
     for (int64_t v = slab * stride; v < (slab + 1) * stride; v++) {
-        double *k = g->stiffness + v * PL_LATTICE_BLOCKS * PL_LATTICE_BLOCK;
-        double *inverse = g->inverse + v * PL_LATTICE_BLOCK;
-        const double largest = fmax(fmax(k[0], k[4]), k[8]);
+        double *k = g->stiffness + (v << dim) * size;
+        double *inverse = g->inverse + v * size;
+        double largest = k[0];
+        for (int d = 1; d < dim; d++)
+            largest = fmax(largest, k[d * (dim + 1)]);
         double shift = largest * SHIFT;
-        memset(inverse, 0, PL_LATTICE_BLOCK * sizeof *inverse);
-        for (int i = 0; largest > 0 && !invert_block(k, inverse) && i < 16; i++) {
-            for (int d = 0; d < 3; d++)
-                k[d * 4] += shift;
+        memset(inverse, 0, (size_t)size * sizeof *inverse);
+        for (int i = 0; largest > 0 && !invert_block(k, inverse, dim) && i < 16; i++) {
+            for (int d = 0; d < dim; d++)
+                k[d * (dim + 1)] += shift;
             shift *= 4;
         }
     }
@@ -241,13 +270,14 @@ static void invert_slab(const pl_slab_pass *p, int64_t slab) {
 
 /** Add the elements of a grid, those of all processes. */
 static void add_elements(pl_lattice *l, const pl_grid *g) {
-    const int64_t n = g->n_vertices * PL_LATTICE_BLOCKS * PL_LATTICE_BLOCK;
+    const int dim = l->plan->dim;
+    const int64_t n = (g->n_vertices << dim) * dim * dim;
     pl_slab_pass pass = {
         .l = l, .g = g, .body = adder_of(l->plan), .terms = pl_terms_up_to(most_of(g), l->n_terms)};
     memset(g->stiffness, 0, (size_t)n * sizeof *g->stiffness);
     if (!g->has_own)
         return;
-    pl_visit_slabs(&pass, g->n[2] - 1);
+    pl_visit_slabs(&pass, g->n_slabs - 1);
     pl_add_over_parts(pass.terms, g->stiffness, n);
 }
 
@@ -257,12 +287,12 @@ void pl_lattice_assemble(pl_lattice *l) {
         pl_slab_pass pass = {.l = l, .g = g, .body = coarsen_slab};
         add_elements(l, g);
         if (i > 0)
-            pl_visit_slabs(&pass, g->n[2]);
+            pl_visit_slabs(&pass, g->n_slabs);
     }
     /* Shifts of one grid are none of the next. */
     for (int i = 0; i < l->n_levels; i++) {
         pl_slab_pass pass = {.l = l, .g = &l->grid[i], .body = invert_slab};
-        pl_visit_slabs(&pass, l->grid[i].n[2]);
+        pl_visit_slabs(&pass, l->grid[i].n_slabs);
     }
 }
 
@@ -272,33 +302,40 @@ void pl_lattice_assemble(pl_lattice *l) {
 #define WEIGHT_LEAST (-1.0)
 #define WEIGHT_MOST  2.0
 
-/** Exchange between the nodes in the cubes of a slab and the vertices: to gets moves, or forces go
- *  to the vertices. */
-static void exchange_slab(const pl_slab_pass *p, int64_t slab) {
+PL_INLINE void exchange_slab_in(const pl_slab_pass *p, int64_t slab, int dim) {
     const pl_lattice *l = p->l;
-    const int64_t stride = pl_stride_of(p->g, 2) * PL_SIMPLICES;
+    const int64_t stride = p->g->per_slab * pl_simplices_of(dim);
     const int64_t begin = p->g->first + slab * stride;
     for (int64_t i = begin; i < begin + stride; i++) {
         if (l->star_begin[i] == l->star_begin[i + 1])
             continue;
-        const pl_simplex s = pl_simplex_of(p->g, i);
+        const pl_simplex s = pl_simplex_of(p->g, i, dim);
         for (int64_t k = l->star_begin[i]; k < l->star_begin[i + 1]; k++) {
             const int64_t star = l->star[k];
             double x[3], weight[PL_CORNERS];
-            pl_unit_place(l, l->plan->interior.centre[star], x);
-            pl_weights_at(&s, x, weight);
-            for (int a = 0; a < PL_CORNERS; a++) {
+            pl_unit_place(l, l->plan->interior.centre[star], x, dim);
+            pl_weights_at(&s, x, weight, dim);
+            for (int a = 0; a <= dim; a++) {
                 const double w = fmin(fmax(weight[a], WEIGHT_LEAST), WEIGHT_MOST) * l->spacing;
-                for (int d = 0; d < 3; d++) {
-                    const int64_t at = s.vertex[a] * 3 + d;
+                for (int d = 0; d < dim; d++) {
+                    const int64_t at = s.vertex[a] * dim + d;
                     if (p->to)
-                        p->to[star * 3 + d] += w * p->g->total[at];
+                        p->to[star * dim + d] += w * p->g->total[at];
                     else
-                        p->g->force[at] += pl_round_term(p->terms, w * p->from[star * 3 + d]);
+                        p->g->force[at] += pl_round_term(p->terms, w * p->from[star * dim + d]);
                 }
             }
         }
     }
+}
+
+/** Exchange between the nodes in the cubes of a slab and the vertices: to gets moves, or forces go
+ *  to the vertices. */
+static void exchange_slab(const pl_slab_pass *p, int64_t slab) {
+    if (p->l->plan->dim == 3)
+        exchange_slab_in(p, slab, 3);
+    else
+        exchange_slab_in(p, slab, 2);
 }
 
 /** Forces under way. */
@@ -318,9 +355,9 @@ static void largest_chunk(void *context, int64_t begin, int64_t end, int thread)
 
 int pl_lattice_restrict(pl_lattice *l, const double *force) {
     enum { CHUNK = 4096 };
-    const int64_t n = l->plan->interior.stars.n_stars;
+    const int64_t n = l->plan->interior.stars.n_stars, dim = l->plan->dim;
     force_pass forces = {force, 0};
-    pl_parallel_for(l->plan->threads, n * 3, CHUNK, largest_chunk, &forces);
+    pl_parallel_for(l->plan->threads, n * dim, CHUNK, largest_chunk, &forces);
     pl_parts_largest(&forces.largest, 1);
     const double most = forces.largest * WEIGHT_MOST * l->spacing;
     if (!(most > 0x1p-900) || !(most < 0x1p900)) /* so that no unit or sum leaves the doubles */
@@ -329,20 +366,21 @@ int pl_lattice_restrict(pl_lattice *l, const double *force) {
     for (int i = 0; i < l->n_levels; i++) {
         const pl_grid *g = &l->grid[i];
         pl_slab_pass pass = {.l = l, .g = g, .from = force, .body = exchange_slab, .terms = terms};
-        memset(g->force, 0, (size_t)(g->n_vertices * 3) * sizeof *g->force);
+        memset(g->force, 0, (size_t)(g->n_vertices * dim) * sizeof *g->force);
         if (!g->has_own)
             continue;
-        pl_visit_slabs(&pass, g->n[2] - 1);
-        pl_add_over_parts(terms, g->force, g->n_vertices * 3);
+        pl_visit_slabs(&pass, g->n_slabs - 1);
+        pl_add_over_parts(terms, g->force, g->n_vertices * dim);
     }
     return 1;
 }
 
 void pl_lattice_prolong(const pl_lattice *l, double *move) {
-    memset(move, 0, (size_t)(l->plan->interior.stars.n_stars * 3) * sizeof *move);
+    const int64_t n = l->plan->interior.stars.n_stars * l->plan->dim;
+    memset(move, 0, (size_t)n * sizeof *move);
     for (int i = 0; i < l->n_levels; i++) {
         pl_slab_pass pass = {
             .l = (pl_lattice *)l, .g = &l->grid[i], .to = move, .body = exchange_slab};
-        pl_visit_slabs(&pass, l->grid[i].n[2] - 1);
+        pl_visit_slabs(&pass, l->grid[i].n_slabs - 1);
     }
 }

@@ -1,86 +1,165 @@
-/* The Hessian of RR^2 by the edges of tetrahedra (improve/bend.h) against differences of the reference
- * formula (geometry/simplex.h). */
+/* The Hessian of RR^2 by the edges of tetrahedra and triangles (improve/bend.h) against differences
+ * of the reference formula (geometry/simplex.h), and its positive part. */
 #pragma GCC diagnostic ignored "-Wpsabi" /* nothing is passed: all is inlined */
 
 #include "geometry/simplex.h"
 #include "improve/bend.h"
+#include "support/both.h"
 #include "support/meshes.h"
 
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <string.h>
 
 #include <cmocka.h>
 
-enum { EDGES = 3, LANES = 4 };
+enum { EDGES = 3, LANES = 4, MOVES = 4 }; /* at most; moves: of the edges of a triangle */
 
-/** RR^2 of the tetrahedron with these edges from its first node. */
-static double ratio_at(double e[EDGES][3]) {
+/** Edges of four elements, as numbers and as packs. */
+typedef struct four_elements {
+    double e[LANES][EDGES][3];
+    bend_vector edges[EDGES];
+} four_elements;
+
+/** RR^2 of the element with these edges from its first node. */
+static double ratio_at(int dim, double e[EDGES][3]) {
     static const double ORIGIN[3] = {0, 0, 0};
     const double *vertex[] = {ORIGIN, e[0], e[1], e[2]};
-    return pl_radius_ratio_square(3, vertex);
+    return pl_radius_ratio_square(dim, vertex);
 }
 
 /** Second difference for coordinate r of edge i and c of edge j. */
-static double difference_at(double e[EDGES][3], int i, int r, int j, int c) {
+static double difference_at(int dim, double e[EDGES][3], int i, int r, int j, int c) {
     const double step = 0x1p-12;
     double sum = 0;
     for (int k = 0; k < 4; k++) {
         const double a = k & 1 ? step : -step, b = k & 2 ? step : -step;
         double moved[EDGES][3];
-        for (int q = 0; q < EDGES * 3; q++)
-            moved[q / 3][q % 3] = e[q / 3][q % 3];
+        memcpy(moved, e, sizeof moved);
         moved[i][r] += a;
         moved[j][c] += b;
-        sum += (a * b > 0 ? 1 : -1) * ratio_at(moved);
+        sum += (a * b > 0 ? 1 : -1) * ratio_at(dim, moved);
     }
     return sum / (4 * step * step);
 }
 
-/** Edges of a tetrahedron that is not flat. */
-static void random_edges(unsigned *seed, double e[EDGES][3]) {
-    double volume = 0;
-    while (volume < 0.05) {
-        for (int q = 0; q < EDGES * 3; q++)
-            e[q / 3][q % 3] = 2 * test_random(seed) - 1;
-        volume = fabs(pl_determinant_of_edges(3, e));
+/** Edges of an element that is not flat. */
+static void random_edges(int dim, unsigned *seed, double e[EDGES][3]) {
+    double measure = 0;
+    while (measure < (dim == 3 ? 0.05 : 0.2)) {
+        memset(e, 0, EDGES * sizeof *e);
+        for (int q = 0; q < dim * dim; q++)
+            e[q / dim][q % dim] = 2 * test_random(seed) - 1;
+        measure = fabs(pl_determinant_of_edges(dim, e));
     }
 }
 
-static void blocks_are_second_derivatives(void **state) {
-    static const int I[] = {0, 0, 0, 1, 1, 2}, J[] = {0, 1, 2, 1, 2, 2};
-    unsigned seed = 5;
-    (void)state;
-    for (int k = 0; k < 100; k++) {
-        double e[LANES][EDGES][3];
-        bend_vector edges[EDGES];
-        bend_block h[BEND_BLOCKS];
-        for (int lane = 0; lane < LANES; lane++) {
-            random_edges(&seed, e[lane]);
-            for (int i = 0; i < EDGES; i++) {
-                edges[i].x[lane] = e[lane][i][0];
-                edges[i].y[lane] = e[lane][i][1];
-                edges[i].z[lane] = e[lane][i][2];
-            }
+static void pack_edges(four_elements *f) {
+    for (int lane = 0; lane < LANES; lane++)
+        for (int i = 0; i < EDGES; i++) {
+            f->edges[i].x[lane] = f->e[lane][i][0];
+            f->edges[i].y[lane] = f->e[lane][i][1];
+            f->edges[i].z[lane] = f->e[lane][i][2];
         }
-        bend_tetrahedra(edges, h);
+}
+
+static void blocks_are_second_derivatives(void **state) {
+    static const int I[2][BEND_BLOCKS] = {{0, 0, 1}, {0, 0, 0, 1, 1, 2}};
+    static const int J[2][BEND_BLOCKS] = {{0, 1, 1}, {0, 1, 2, 1, 2, 2}};
+    const int dim = *(int *)*state, n_blocks = dim * (dim + 1) / 2, size = dim * dim;
+    unsigned seed = 5;
+    for (int k = 0; k < 100; k++) {
+        four_elements f;
+        bend_block h[BEND_BLOCKS];
+        for (int lane = 0; lane < LANES; lane++)
+            random_edges(dim, &seed, f.e[lane]);
+        pack_edges(&f);
+        if (dim == 3)
+            bend_tetrahedra(f.edges, h);
+        else
+            bend_triangles(f.edges, h);
         for (int lane = 0; lane < LANES; lane++) {
             double largest = 0;
-            for (int q = 0; q < BEND_BLOCKS * 9; q++)
-                largest = fmax(largest, fabs(h[q / 9][q % 9][lane]));
-            for (int q = 0; q < BEND_BLOCKS * 9; q++) {
-                const double expected =
-                    difference_at(e[lane], I[q / 9], q % 9 / 3, J[q / 9], q % 3);
-                assert_true(fabs(h[q / 9][q % 9][lane] - expected) < 1e-3 * largest);
+            for (int q = 0; q < n_blocks * size; q++)
+                largest = fmax(largest, fabs(h[q / size][q % size][lane]));
+            for (int q = 0; q < n_blocks * size; q++) {
+                const int block = q / size, entry = q % size;
+                const double expected = difference_at(dim, f.e[lane], I[dim - 2][block], entry / dim,
+                                                      J[dim - 2][block], entry % dim);
+                assert_true(fabs(h[block][entry][lane] - expected) < 1e-3 * largest);
             }
+        }
+    }
+}
+
+/** Set matrix to the blocks of one triangle. */
+static void unpack_matrix(bend_block h[BEND_BLOCKS], int lane, double matrix[MOVES][MOVES]) {
+    for (int r = 0; r < MOVES; r++)
+        for (int c = r; c < MOVES; c++)
+            matrix[r][c] = matrix[c][r] = h[r / 2 + c / 2][r % 2 * 2 + c % 2][lane];
+}
+
+/** Return x.Mx for a random x. */
+static double random_form(double matrix[MOVES][MOVES], unsigned *seed) {
+    double x[MOVES], sum = 0;
+    for (int r = 0; r < MOVES; r++)
+        x[r] = 2 * test_random(seed) - 1;
+    for (int q = 0; q < MOVES * MOVES; q++)
+        sum += x[q / MOVES] * matrix[q / MOVES][q % MOVES] * x[q % MOVES];
+    return sum;
+}
+
+/** P is the positive part of H: P and P - H have no negative eigenvalue, and P (P - H) is 0. */
+static void check_positive_part(double P[MOVES][MOVES], double H[MOVES][MOVES], unsigned *seed) {
+    double rest[MOVES][MOVES], size = 0;
+    for (int q = 0; q < MOVES * MOVES; q++) {
+        rest[q / MOVES][q % MOVES] = P[q / MOVES][q % MOVES] - H[q / MOVES][q % MOVES];
+        size = fmax(size, fabs(H[q / MOVES][q % MOVES]));
+    }
+    for (int q = 0; q < MOVES * MOVES; q++) {
+        double product = 0;
+        for (int k = 0; k < MOVES; k++)
+            product += P[q / MOVES][k] * rest[k][q % MOVES];
+        assert_true(fabs(product) < 1e-10 * size * size);
+    }
+    for (int k = 0; k < 20; k++) {
+        assert_true(random_form(P, seed) > -1e-10 * size);
+        assert_true(random_form(rest, seed) > -1e-10 * size);
+    }
+}
+
+/** The positive part is that of the Hessian. Of a triangle with equal edges it is all of it. */
+static void the_positive_part_is_kept(void **state) {
+    static const double EQUAL[EDGES][3] = {{1, 0, 0}, {0.5, 0.86602540378443864676, 0}};
+    unsigned seed = 6;
+    (void)state;
+    for (int k = 0; k < 100; k++) {
+        four_elements f;
+        bend_block h[BEND_BLOCKS], positive[BEND_BLOCKS];
+        for (int lane = 0; lane < LANES; lane++)
+            random_edges(2, &seed, f.e[lane]);
+        memcpy(f.e[0], EQUAL, sizeof EQUAL);
+        pack_edges(&f);
+        bend_triangles(f.edges, h);
+        memcpy(positive, h, sizeof h);
+        bend_keep_positive(f.edges, positive);
+        for (int lane = 0; lane < LANES; lane++) {
+            double H[MOVES][MOVES], P[MOVES][MOVES];
+            unpack_matrix(h, lane, H);
+            unpack_matrix(positive, lane, P);
+            check_positive_part(P, H, &seed);
+            for (int q = 0; lane == 0 && q < MOVES * MOVES; q++)
+                assert_true(fabs(P[q / MOVES][q % MOVES] - H[q / MOVES][q % MOVES]) < 1e-9);
         }
     }
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blocks_are_second_derivatives),
+        BOTH(blocks_are_second_derivatives),
+        cmocka_unit_test(the_positive_part_is_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,8 +1,9 @@
 /* A lattice (improve/lattice.h) against plain references: affine displacements, differences of the
- * sum of RR^2, and the equations that conjugate gradients solve. */
+ * sum of RR^2, and the equations that conjugate gradients solve; in the plane and in space. */
 #include "geometry/simplex.h"
 #include "improve/lattice.h"
 #include "support/allocations.h"
+#include "support/both.h"
 #include "support/effort.h"
 #include "support/meshes.h"
 #include "support/run.h"
@@ -16,7 +17,7 @@
 
 #include <cmocka.h>
 
-enum { CELLS = 12, CORNERS = 4, ROW = PL_LATTICE_BLOCKS * PL_LATTICE_BLOCK };
+enum { CELLS = 12 }; /* along each edge of a box in space */
 #define SPACING 2.5
 
 /** A mesh, its plan and a lattice over it. */
@@ -46,21 +47,46 @@ static void end(setting *s) {
     planish_plan_destroy(s->plan);
 }
 
+static int cells_along(int dim) {
+    return dim == 2 ? 3 * CELLS : CELLS;
+}
+
 /** A rough box: its elements belong to the finest grid. */
-static void rough_box(setting *s) {
-    test_mesh_box(&s->mesh, 3, CELLS);
+static void rough_box(setting *s, int dim) {
+    test_mesh_box(&s->mesh, dim, cells_along(dim));
     test_mesh_perturb(&s->mesh, 0.1, 7);
 }
 
-/** A box whose elements grow from a corner, up to 100 times in volume: several grids have some. */
-static void graded_box(setting *s) {
-    test_mesh_box(&s->mesh, 3, CELLS);
-    for (int64_t i = 0; i < s->mesh.mesh.n_nodes * 3; i++)
-        s->mesh.coordinates[i] = CELLS * pow(s->mesh.coordinates[i] / CELLS, 5);
+/** A box whose elements grow from a corner, up to 100 times in measure: several grids have some. */
+static void graded_box(setting *s, int dim) {
+    const int cells = cells_along(dim);
+    test_mesh_box(&s->mesh, dim, cells);
+    for (int64_t i = 0; i < s->mesh.mesh.n_nodes * dim; i++)
+        s->mesh.coordinates[i] = cells * pow(s->mesh.coordinates[i] / cells, 5);
+}
+
+/** Square of triangles, sheared so that all their edges are 1 long. */
+static void equal_triangles(setting *s) {
+    test_mesh_box(&s->mesh, 2, cells_along(2));
+    for (int64_t i = 0; i < s->mesh.mesh.n_nodes; i++) {
+        double *x = s->mesh.coordinates + i * 2;
+        x[0] -= 0.5 * x[1];
+        x[1] *= sqrt(0.75);
+    }
 }
 
 static int64_t stars_of(const setting *s) {
     return s->plan->interior.stars.n_stars;
+}
+
+/** Coordinates of all stars' nodes. */
+static int64_t values_of(const setting *s) {
+    return stars_of(s) * s->plan->dim;
+}
+
+/** Values in the stiffness of a grid. */
+static int64_t size_of_stiffness(const pl_grid *g, int dim) {
+    return g->n_vertices * (1 << dim) * dim * dim;
 }
 
 static void set_random(double *values, int64_t n, unsigned seed) {
@@ -70,9 +96,9 @@ static void set_random(double *values, int64_t n, unsigned seed) {
 
 /** Place of a vertex in units of the lattice. */
 static void find_vertex(const pl_grid *g, int64_t vertex, double x[3]) {
-    x[0] = (double)(vertex % g->n[0]) / g->per_spacing;
-    x[1] = (double)(vertex / g->n[0] % g->n[1]) / g->per_spacing;
-    x[2] = (double)(vertex / g->n[0] / g->n[1]) / g->per_spacing;
+    x[0] = (double)(vertex % g->n[0]) / g->per_spacing[0];
+    x[1] = (double)(vertex / g->n[0] % g->n[1]) / g->per_spacing[1];
+    x[2] = (double)(vertex / g->n[0] / g->n[1]) / g->per_spacing[2];
 }
 
 /* ---- displacements --------------------------------------------------------------------------- */
@@ -84,54 +110,75 @@ static void affine_at(const double x[3], double to[3]) {
         to[r] = A[r][3] + A[r][0] * x[0] + A[r][1] * x[1] + A[r][2] * x[2];
 }
 
-/** An affine field by the vertices of all grids is that field at all nodes. */
-static void nodes_follow_affine_fields(void **state) {
-    (void)state;
-    setting s;
-    graded_box(&s);
-    begin(&s, PLANISH_ISA_AUTO, 2);
-    const pl_lattice *l = &s.lattice;
+/** An affine field by the vertices of all grids is that field at all nodes. Return how many grids have
+ *  nodes or elements. */
+static int check_affine_field(const setting *s) {
+    const pl_lattice *l = &s->lattice;
+    const int dim = s->plan->dim;
     int n_owners = 0;
     for (int i = 0; i < l->n_levels; i++) {
         n_owners += l->grid[i].has_own;
         for (int64_t v = 0; v < l->grid[i].n_vertices; v++) {
-            double x[3];
+            double x[3], to[3];
             find_vertex(&l->grid[i], v, x);
-            affine_at(x, l->grid[i].total + v * 3);
+            affine_at(x, to);
+            memcpy(l->grid[i].total + v * dim, to, (size_t)dim * sizeof *to);
         }
     }
-    assert_true(n_owners >= 2);
-    double *move = malloc((size_t)stars_of(&s) * 3 * sizeof *move);
+    double *move = malloc((size_t)values_of(s) * sizeof *move);
     pl_lattice_prolong(l, move);
-    for (int64_t k = 0; k < stars_of(&s); k++) {
-        const double *x = s.plan->scratch.coordinates + s.plan->interior.centre[k] * (int64_t)3;
-        double unit[3], expected[3];
-        for (int d = 0; d < 3; d++)
+    for (int64_t k = 0; k < stars_of(s); k++) {
+        const double *x = s->plan->scratch.coordinates + s->plan->interior.centre[k] * (int64_t)dim;
+        double unit[3] = {0}, expected[3];
+        for (int d = 0; d < dim; d++)
             unit[d] = (x[d] - l->origin[d]) / l->spacing;
         affine_at(unit, expected);
-        for (int d = 0; d < 3; d++)
-            assert_true(fabs(move[k * 3 + d] / l->spacing - expected[d]) < 1e-9);
+        for (int d = 0; d < dim; d++)
+            assert_true(fabs(move[k * dim + d] / l->spacing - expected[d]) < 1e-9);
     }
     free(move);
+    return n_owners;
+}
+
+static void nodes_follow_affine_fields(void **state) {
+    setting s;
+    graded_box(&s, *(int *)*state);
+    begin(&s, PLANISH_ISA_AUTO, 2);
+    assert_true(check_affine_field(&s) >= 2);
+    end(&s);
+    test_mesh_destroy(&s.mesh);
+}
+
+/** In the plane the spacing is smaller where edges are narrow: six times narrower, a quarter. */
+static void the_spacing_follows_narrow_edges(void **state) {
+    (void)state;
+    setting s;
+    test_mesh_box(&s.mesh, 2, cells_along(2));
+    for (int64_t i = 0; i < s.mesh.mesh.n_nodes; i++)
+        s.mesh.coordinates[i * 2] /= 6;
+    begin(&s, PLANISH_ISA_AUTO, 2);
+    assert_true(s.lattice.grid[0].per_spacing[0] == 4);
+    assert_true(s.lattice.grid[0].per_spacing[1] == 1);
+    check_affine_field(&s);
     end(&s);
     test_mesh_destroy(&s.mesh);
 }
 
 /** Forces do the same work on the vertices as on the nodes. */
 static void forces_do_the_same_work(void **state) {
-    (void)state;
+    const int dim = *(int *)*state;
     setting s;
-    graded_box(&s);
+    graded_box(&s, dim);
     begin(&s, PLANISH_ISA_AUTO, 2);
-    const int64_t n = stars_of(&s) * 3;
+    const int64_t n = values_of(&s);
     double *force = malloc((size_t)n * sizeof *force), *move = malloc((size_t)n * sizeof *move);
     double of_nodes = 0, of_vertices = 0, size = 0;
     set_random(force, n, 3);
     assert_int_equal(pl_lattice_restrict(&s.lattice, force), 1);
     for (int i = 0; i < s.lattice.n_levels; i++) {
         const pl_grid *g = &s.lattice.grid[i];
-        set_random(g->total, g->n_vertices * 3, 4 + (unsigned)i);
-        for (int64_t k = 0; k < g->n_vertices * 3; k++)
+        set_random(g->total, g->n_vertices * dim, 4 + (unsigned)i);
+        for (int64_t k = 0; k < g->n_vertices * dim; k++)
             of_vertices += g->force[k] * g->total[k];
     }
     pl_lattice_prolong(&s.lattice, move);
@@ -149,11 +196,10 @@ static void forces_do_the_same_work(void **state) {
 /** No forces, and forces beyond what sums of doubles hold, are refused. */
 static void no_forces_are_refused(void **state) {
     static const double refused[] = {0, 1e-300, 1e300, INFINITY};
-    (void)state;
     setting s;
-    rough_box(&s);
+    rough_box(&s, *(int *)*state);
     begin(&s, PLANISH_ISA_AUTO, 1);
-    double *force = calloc((size_t)stars_of(&s) * 3, sizeof *force);
+    double *force = calloc((size_t)values_of(&s), sizeof *force);
     for (size_t k = 0; k < sizeof refused / sizeof *refused; k++) {
         force[5] = refused[k];
         assert_int_equal(pl_lattice_restrict(&s.lattice, force), 0);
@@ -168,47 +214,48 @@ static void no_forces_are_refused(void **state) {
 /* ---- the Hessian ------------------------------------------------------------------------------ */
 
 /** Set y to K x for the stiffness of a grid, block by block. */
-static void multiply(const pl_grid *g, const double *x, double *y) {
-    memset(y, 0, (size_t)g->n_vertices * 3 * sizeof *y);
+static void multiply(const pl_grid *g, int dim, const double *x, double *y) {
+    const int n_blocks = 1 << dim;
+    memset(y, 0, (size_t)(g->n_vertices * dim) * sizeof *y);
     for (int64_t v = 0; v < g->n_vertices; v++)
-        for (int bits = 0; bits < PL_LATTICE_BLOCKS; bits++) {
+        for (int bits = 0; bits < n_blocks; bits++) {
             const int64_t to =
                 v + (bits & 1) + (bits >> 1 & 1) * g->n[0] + (bits >> 2 & 1) * g->n[0] * g->n[1];
-            const double *k = g->stiffness + v * ROW + bits * PL_LATTICE_BLOCK;
+            const double *k = g->stiffness + (v * n_blocks + bits) * dim * dim;
             if (to >= g->n_vertices)
                 continue;
-            for (int r = 0; r < 3; r++)
-                for (int c = 0; c < 3; c++) {
-                    y[v * 3 + r] += k[r * 3 + c] * x[to * 3 + c];
+            for (int r = 0; r < dim; r++)
+                for (int c = 0; c < dim; c++) {
+                    y[v * dim + r] += k[r * dim + c] * x[to * dim + c];
                     if (bits > 0)
-                        y[to * 3 + c] += k[r * 3 + c] * x[v * 3 + r];
+                        y[to * dim + c] += k[r * dim + c] * x[v * dim + r];
                 }
         }
 }
 
 /** Displacement at x, in units, of the simplex of the finest grid that middle is in. */
-static void displacement_at(const pl_grid *g, const double middle[3], const double x[3],
+static void displacement_at(const pl_grid *g, int dim, const double middle[3], const double x[3],
                             double to[3]) {
     int order[3] = {0, 1, 2};
     int64_t stride[3] = {1, g->n[0], g->n[0] * g->n[1]}, vertex = 0;
     double corner[3];
-    for (int d = 0; d < 3; d++) {
+    for (int d = 0; d < dim; d++) {
         corner[d] = floor(middle[d]);
         vertex += (int64_t)corner[d] * stride[d];
     }
-    for (int i = 0; i < 3; i++) /* the direction in which it is furthest along comes first */
-        for (int k = i + 1; k < 3; k++)
+    for (int i = 0; i < dim; i++) /* the direction in which it is furthest along comes first */
+        for (int k = i + 1; k < dim; k++)
             if (middle[order[k]] - corner[order[k]] > middle[order[i]] - corner[order[i]]) {
                 const int first = order[i];
                 order[i] = order[k];
                 order[k] = first;
             }
-    memcpy(to, g->total + vertex * 3, 3 * sizeof *to);
-    for (int i = 0; i < 3; i++) {
+    memcpy(to, g->total + vertex * dim, (size_t)dim * sizeof *to);
+    for (int i = 0; i < dim; i++) {
         const int64_t next = vertex + stride[order[i]];
-        for (int d = 0; d < 3; d++)
+        for (int d = 0; d < dim; d++)
             to[d] += (x[order[i]] - corner[order[i]]) *
-                     (g->total[next * 3 + d] - g->total[vertex * 3 + d]);
+                     (g->total[next * dim + d] - g->total[vertex * dim + d]);
         vertex = next;
     }
 }
@@ -216,26 +263,27 @@ static void displacement_at(const pl_grid *g, const double middle[3], const doub
 /** Sum of RR^2 over the elements when each has gone the part t as its simplex goes. */
 static double sum_at(const setting *s, double t) {
     const pl_lattice *l = &s->lattice;
+    const int dim = s->plan->dim, corners = dim + 1;
     double sum = 0;
     for (int64_t i = 0; i < s->mesh.mesh.n_elements; i++) {
-        double unit[CORNERS][3], middle[3] = {0};
-        const double *vertex[CORNERS];
-        for (int j = 0; j < CORNERS; j++) {
-            const double *x = s->mesh.coordinates + s->mesh.elements[i * CORNERS + j] * (int64_t)3;
+        const int32_t *nodes = s->mesh.elements + i * corners;
+        double unit[4][3], middle[3] = {0};
+        const double *vertex[4];
+        for (int j = 0; j < corners; j++) {
+            const double *x = s->mesh.coordinates + nodes[j] * (int64_t)dim;
             vertex[j] = unit[j];
-            for (int d = 0; d < 3; d++) {
+            for (int d = 0; d < dim; d++) {
                 unit[j][d] = (x[d] - l->origin[d]) / l->spacing;
-                middle[d] += unit[j][d] / CORNERS;
+                middle[d] += unit[j][d] / corners;
             }
         }
-        for (int j = 0; j < CORNERS; j++) {
+        for (int j = 0; j < corners; j++) {
             double move[3];
-            displacement_at(&l->grid[0], middle, unit[j], move);
-            const int is_free = l->is_free[s->plan->inner[s->mesh.elements[i * CORNERS + j]]];
-            for (int d = 0; is_free && d < 3; d++)
+            displacement_at(&l->grid[0], dim, middle, unit[j], move);
+            for (int d = 0; l->is_free[s->plan->inner[nodes[j]]] && d < dim; d++)
                 unit[j][d] += t * move[d];
         }
-        sum += pl_radius_ratio_square(3, vertex);
+        sum += pl_radius_ratio_square(dim, vertex);
     }
     return sum;
 }
@@ -244,33 +292,42 @@ static double sum_at(const setting *s, double t) {
 static void set_inner_moves(const setting *s, double *move) {
     const pl_lattice *l = &s->lattice;
     const pl_grid *g = &l->grid[0];
-    set_random(move, g->n_vertices * 3, 9);
+    const int dim = s->plan->dim;
+    set_random(move, g->n_vertices * dim, 9);
     for (int64_t v = 0; v < g->n_vertices; v++) {
         double x[3];
         int inside = 1;
         find_vertex(g, v, x);
-        for (int d = 0; d < 3; d++) {
-            const double at = l->origin[d] + x[d] * l->spacing;
-            inside &= at > 1 && at < CELLS - 1;
+        for (int d = 0; d < dim; d++)
+            x[d] = l->origin[d] + x[d] * l->spacing;
+        if (dim == 2) { /* as in a square */
+            x[1] /= sqrt(0.75);
+            x[0] += 0.5 * x[1];
         }
-        for (int d = 0; !inside && d < 3; d++)
-            move[v * 3 + d] = 0;
+        for (int d = 0; d < dim; d++)
+            inside &= x[d] > 1 && x[d] < cells_along(dim) - 1;
+        for (int d = 0; !inside && d < dim; d++)
+            move[v * dim + d] = 0;
     }
 }
 
-/** The stiffness is the second derivative of the sum of RR^2. */
+/** The stiffness is the second derivative of the sum of RR^2. In the plane only its positive part
+ *  counts, which is all of it for triangles with equal edges. */
 static void stiffness_is_the_bend_of_the_sum(void **state) {
-    (void)state;
+    const int dim = *(int *)*state;
     setting s;
-    rough_box(&s);
+    if (dim == 3)
+        rough_box(&s, dim);
+    else
+        equal_triangles(&s);
     begin(&s, PLANISH_ISA_AUTO, 1);
     const pl_grid *g = &s.lattice.grid[0];
     double expected = 0;
     for (int i = 1; i < s.lattice.n_levels; i++)
         assert_false(s.lattice.grid[i].has_own);
     set_inner_moves(&s, g->total);
-    multiply(g, g->total, g->change);
-    for (int64_t k = 0; k < g->n_vertices * 3; k++)
+    multiply(g, dim, g->total, g->change);
+    for (int64_t k = 0; k < g->n_vertices * dim; k++)
         expected += g->total[k] * g->change[k];
     const double t = 0x1p-12;
     const double bend = (sum_at(&s, t) - 2 * sum_at(&s, 0) + sum_at(&s, -t)) / (t * t);
@@ -282,21 +339,24 @@ static void stiffness_is_the_bend_of_the_sum(void **state) {
 
 /** Instruction sets and threads change no bit of it, and flat elements leave it finite. */
 static void stiffness_has_the_same_bits(void **state) {
-    (void)state;
+    const int dim = *(int *)*state, cells = cells_along(dim);
     setting one, other;
-    graded_box(&one);
-    const int64_t inside = (CELLS / 2 * (CELLS + 1) + CELLS / 2) * (CELLS + 1) + CELLS / 2;
-    memcpy(one.mesh.coordinates + inside * 3, one.mesh.coordinates + (inside + 1) * 3,
-           3 * sizeof(double));
+    graded_box(&one, dim);
+    int64_t inside = 0;
+    for (int d = 0; d < dim; d++)
+        inside = inside * (cells + 1) + cells / 2;
+    memcpy(one.mesh.coordinates + inside * dim, one.mesh.coordinates + (inside + 1) * dim,
+           (size_t)dim * sizeof(double));
     other.mesh = one.mesh;
     begin(&one, PLANISH_ISA_PLAIN, 1);
     begin(&other, PLANISH_ISA_AUTO, 3);
     assert_int_equal(one.lattice.n_levels, other.lattice.n_levels);
     for (int i = 0; i < one.lattice.n_levels; i++) {
         const pl_grid *g = &one.lattice.grid[i];
+        const int64_t n = size_of_stiffness(g, dim);
         assert_memory_equal(g->stiffness, other.lattice.grid[i].stiffness,
-                            (size_t)g->n_vertices * ROW * sizeof(double));
-        for (int64_t k = 0; k < g->n_vertices * ROW; k++)
+                            (size_t)n * sizeof(double));
+        for (int64_t k = 0; k < n; k++)
             assert_true(isfinite(g->stiffness[k]));
     }
     end(&one);
@@ -319,27 +379,27 @@ static int at_once(void *context) {
 
 /** What conjugate gradients find solves the equations of the active vertices. */
 static void moves_balance_the_forces(void **state) {
-    (void)state;
+    const int dim = *(int *)*state;
     setting s;
-    rough_box(&s);
+    rough_box(&s, dim);
     begin(&s, PLANISH_ISA_AUTO, 2);
     const pl_grid *g = &s.lattice.grid[0];
-    const size_t size = (size_t)g->n_vertices * 3 * sizeof(double);
-    double *force = malloc((size_t)stars_of(&s) * 3 * sizeof *force), *given = malloc(size);
+    const size_t size = (size_t)(g->n_vertices * dim) * sizeof(double);
+    double *force = malloc((size_t)values_of(&s) * sizeof *force), *given = malloc(size);
     double *product = malloc(size), rest2 = 0, given2 = 0;
     int n_asked = 0, n_active = 0;
-    set_random(force, stars_of(&s) * 3, 11);
+    set_random(force, values_of(&s), 11);
     assert_int_equal(pl_lattice_restrict(&s.lattice, force), 1);
     memcpy(given, g->force, size);
     assert_int_equal(pl_lattice_solve(&s.lattice, 1e-7, 60, never, &n_asked), 0);
-    multiply(g, g->total, product);
-    for (int64_t k = 0; k < g->n_vertices * 3; k++)
-        if (g->is_active[k / 3]) {
+    multiply(g, dim, g->total, product);
+    for (int64_t k = 0; k < g->n_vertices * dim; k++)
+        if (g->is_active[k / dim]) {
             n_active++;
             given2 += given[k] * given[k];
             rest2 += (given[k] - product[k]) * (given[k] - product[k]);
         }
-    assert_true(n_active > 3 * 64);
+    assert_true(n_active > dim * 64);
     assert_true(n_asked > 1 && n_asked < 40);
     assert_true(rest2 < 1e-10 * given2);
     free(force);
@@ -350,12 +410,11 @@ static void moves_balance_the_forces(void **state) {
 }
 
 static void a_solution_is_cut_short(void **state) {
-    (void)state;
     setting s;
-    rough_box(&s);
+    rough_box(&s, *(int *)*state);
     begin(&s, PLANISH_ISA_AUTO, 1);
-    double *force = malloc((size_t)stars_of(&s) * 3 * sizeof *force);
-    set_random(force, stars_of(&s) * 3, 11);
+    double *force = malloc((size_t)values_of(&s) * sizeof *force);
+    set_random(force, values_of(&s), 11);
     assert_int_equal(pl_lattice_restrict(&s.lattice, force), 1);
     assert_int_equal(pl_lattice_solve(&s.lattice, 1e-7, 60, at_once, NULL),
                      PLANISH_STOP_INTERRUPTED);
@@ -368,10 +427,9 @@ static void a_solution_is_cut_short(void **state) {
 
 /** Whichever allocation fails, the lattice is none, and is freed. */
 static void without_memory_there_is_no_lattice(void **state) {
-    (void)state;
     setting s;
     int n_failed = 0, ready = 0;
-    rough_box(&s);
+    rough_box(&s, *(int *)*state);
     plan_mesh(&s, PLANISH_ISA_AUTO, 1);
     while (!ready) {
         allocations_fail_one(n_failed);
@@ -387,14 +445,15 @@ static void without_memory_there_is_no_lattice(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nodes_follow_affine_fields),
-        cmocka_unit_test(forces_do_the_same_work),
-        cmocka_unit_test(no_forces_are_refused),
-        cmocka_unit_test(stiffness_is_the_bend_of_the_sum),
-        cmocka_unit_test(stiffness_has_the_same_bits),
-        cmocka_unit_test(moves_balance_the_forces),
-        cmocka_unit_test(a_solution_is_cut_short),
-        cmocka_unit_test(without_memory_there_is_no_lattice),
+        BOTH(nodes_follow_affine_fields),
+        cmocka_unit_test(the_spacing_follows_narrow_edges),
+        BOTH(forces_do_the_same_work),
+        BOTH(no_forces_are_refused),
+        BOTH(stiffness_is_the_bend_of_the_sum),
+        BOTH(stiffness_has_the_same_bits),
+        BOTH(moves_balance_the_forces),
+        BOTH(a_solution_is_cut_short),
+        BOTH(without_memory_there_is_no_lattice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
