@@ -391,14 +391,24 @@ static int is_settled(const pl_convergence *trend, int64_t visits, int64_t visit
     return 1;
 }
 
-/** Whether Newton's steps are due, for the first time: sweeps promise much and would not converge soon,
- *  if falls shrink on at the rate of the last ones. visits: those of the last sweep, visits_before:
+/* In the plane steps may be tried again after so many sweeps, which remove what the steps failed for:
+ * twice as many after each try. In space they are tried once in a call. */
+enum { SWEEPS_BETWEEN_STEPS = 8 };
+
+/** Take note of a try of steps after n sweeps in a row. */
+static void wait_for_steps(pl_run *r, int n) {
+    const int wait = SWEEPS_BETWEEN_STEPS << r->n_step_tries++;
+    r->steps_from = r->plan->dim == 2 ? n + wait : INT_MAX;
+}
+
+/** Whether Newton's steps are due: sweeps promise much and would not converge soon, if falls shrink on
+ *  at the rate of the last ones. visits: those of the last sweep, visits_before:
  *  those of the sweep before that. */
 static int steps_are_due(const pl_run *r, const pl_convergence *trend, int64_t visits,
                          int64_t visits_before) {
     const double n_stars = (double)(r->plan->interior.n_all + r->plan->sliding.n_all);
     double fall = trend->fall[PL_CALM_SWEEPS - 1];
-    if (r->has_tried_steps || (double)visits < BUSY * n_stars ||
+    if (trend->n_falls < r->steps_from || (double)visits < BUSY * n_stars ||
         !is_settled(trend, visits, visits_before) || !(fall < SLOW_FALL))
         return 0;
     const double ratio = sqrt(fall / trend->fall[0]);
@@ -433,10 +443,11 @@ static void sweep_on(pl_run *r) {
         double fall = trend.fall[PL_CALM_SWEEPS - 1];
         if (may_be_slow && steps_are_due(r, &trend, visits, visits_before)) {
             const double sum = r->sums.ratio[1];
-            r->has_tried_steps = 1;
             if (r->accelerate(r, PL_COARSE, fall))
                 return;
-            if (r->sums.ratio[1] < sum) {
+            const int is_better = r->sums.ratio[1] < sum;
+            wait_for_steps(r, is_better ? 0 : trend.n_falls);
+            if (is_better) {
                 calm = trend = (pl_convergence){{0}, 0};
                 continue;
             }

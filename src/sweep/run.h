@@ -74,7 +74,8 @@ typedef struct pl_run {
     int sweep;
     int uncounted_sweeps; /* that max_sweeps does not count: those before nodes were put back */
     pl_accelerate_fn *accelerate; /* what sweeps call where they are slow */
-    int has_tried_steps;          /* PL_COARSE was called: once in a call */
+    int n_step_tries;             /* calls of PL_COARSE */
+    int steps_from;               /* sweeps in a row before the next one */
     planish_stop stop;
     planish_result *result;
 } pl_run;
