@@ -61,8 +61,7 @@ static void force_chunk(void *context, int64_t begin, int64_t end, int thread) {
         const int is_sure =
             evaluate(problem, i, scratch, PL_GRADIENT_ALONE, &value) && value.certain;
         for (int d = 0; d < dim; d++)
-            c->force[i * dim + d] =
-                is_sure && isfinite(value.gradient[d]) ? -value.gradient[d] : 0;
+            c->force[i * dim + d] = is_sure && isfinite(value.gradient[d]) ? -value.gradient[d] : 0;
     }
 }
 

@@ -92,10 +92,11 @@ static void find_parts(int dim, const double width[3], double part[3]) {
  *  part; returns those of the finest. */
 static double size_grids(pl_lattice *l, const double extent[3], double spacing,
                          const double part[3]) {
+    const int dim = l->plan->dim == 3 ? 3 : 2;
     double vertices = 1;
     int64_t n[3] = {1, 1, 1}, most = 0;
     l->spacing = spacing;
-    for (int d = 0; d < l->plan->dim; d++) {
+    for (int d = 0; d < dim; d++) {
         const double cells = extent[d] / (spacing * part[d]) + 1;
         vertices *= cells + 1;
         n[d] = cells < 1e9 ? (int64_t)cells + 2 : 1000000000;
@@ -118,12 +119,13 @@ static double size_grids(pl_lattice *l, const double extent[3], double spacing,
     return vertices;
 }
 
-/** Set box to {upper, -lower} coordinates of the nodes at stars, in all processes. */
+/** Set box to {upper, -lower} coordinates of the nodes at stars, in all processes; in the plane the
+ *  third ones are 0. */
 static void find_box(const planish_plan *plan, double box[6]) {
     const pl_stars *stars = &plan->interior.stars;
     const int dim = plan->dim;
     for (int d = 0; d < 6; d++)
-        box[d] = -INFINITY;
+        box[d] = d % 3 < dim ? -INFINITY : 0;
     for (int64_t k = 0; k < stars->ring_offset[stars->n_stars]; k++)
         for (int d = 0; d < dim; d++) {
             const double x = plan->scratch.coordinates[stars->ring[k] * (int64_t)dim + d];
@@ -136,18 +138,18 @@ static void find_box(const planish_plan *plan, double box[6]) {
 static int place_grids(pl_lattice *l, double spacing) {
     const double per_star = VERTICES_PER_STAR * (double)l->plan->interior.n_all + 64;
     const double most = per_star < VERTICES_MOST ? per_star : VERTICES_MOST;
-    double box[6], extent[3] = {0}, width[3], part[3];
+    double box[6], extent[3], width[3], part[3];
     find_box(l->plan, box);
     spacing *= edge_length(l->plan, width);
     find_parts(l->plan->dim, width, part);
-    for (int d = 0; d < l->plan->dim; d++)
+    for (int d = 0; d < 3; d++)
         extent[d] = box[d] + box[d + 3];
     if (!(spacing > 0) || !(spacing < INFINITY) ||
         !(fmin(extent[0], fmin(extent[1], extent[2])) >= 0))
         return 0;
     while (size_grids(l, extent, spacing, part) > most)
         spacing *= 1.25;
-    for (int d = 0; d < l->plan->dim; d++)
+    for (int d = 0; d < 3; d++)
         l->origin[d] = -box[d + 3] - 0.5 * spacing * part[d];
     l->per_unit = 1 / spacing;
     return 1;
@@ -393,8 +395,7 @@ static void star_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const pl_lattice *l = p->l;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const int64_t of =
-            l->plan->dim == 3 ? simplex_of_star(l, i, 3) : simplex_of_star(l, i, 2);
+        const int64_t of = l->plan->dim == 3 ? simplex_of_star(l, i, 3) : simplex_of_star(l, i, 2);
         p->simplex_of[i] = (int32_t)of;
         __atomic_fetch_add(&p->count[of], 1, __ATOMIC_RELAXED);
     }

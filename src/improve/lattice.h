@@ -31,10 +31,10 @@ enum {
 typedef struct pl_grid {
     int64_t n[3]; /* vertices along each direction; in the plane n[2] is 1 */
     int64_t n_vertices, n_slabs, per_slab; /* vertices; slabs of vertices, vertices of each */
-    int64_t first;      /* number of its first simplex: (vertex at the corner) (2 or 6) + order */
+    int64_t first; /* number of its first simplex: (vertex at the corner) (2 or 6) + order */
     double per_spacing[3]; /* spacings of this grid per unit, along each direction */
-    double *stiffness;  /* [n_vertices][2^dim][dim][dim] */
-    double *inverse;    /* [n_vertices][dim][dim] of the blocks of the vertices themselves */
+    double *stiffness;     /* [n_vertices][2^dim][dim][dim] */
+    double *inverse;       /* [n_vertices][dim][dim] of the blocks of the vertices themselves */
     double *force; /* [n_vertices][dim] of the nodes that belong to this grid, less that of total */
     double *move;  /* [n_vertices][dim] approximate solution for force: of one V-cycle */
     double *load;  /* [n_vertices][dim] force, and the residual of finer grids */

@@ -435,13 +435,17 @@ static void without_memory_for_patches_all_end(void **state) {
 /** Steps of the whole mesh (improve/coarse.c) are those of one process. */
 static void slow_meshes_are_helped_together(void **state) {
     static const struct {
-        int n, owning, threads;
-    } cases[] = {{2, SLABS, 1}, {3, SCATTERED, 2}, {2, ONE_HAS_ALL, 1}};
+        int n, owning, threads, dim;
+    } cases[] = {{2, SLABS, 1, 3},
+                 {3, SCATTERED, 2, 2},
+                 {3, SCATTERED, 2, 3},
+                 {2, ONE_HAS_ALL, 1, 3},
+                 {2, SLABS, 1, 2}};
     planish_options options = options_of(PLAIN);
     (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k += (size_t)effort_step(2)) {
         test_mesh m;
-        test_mesh_squeezed_box(&m, 3, 12);
+        test_mesh_squeezed_box(&m, cases[k].dim, cases[k].dim == 3 ? 12 : 30);
         int *owner = malloc((size_t)m.mesh.n_nodes * sizeof *owner);
         processes_own(&m.mesh, cases[k].owning, cases[k].n, 1, owner);
         options.threads = cases[k].threads;

@@ -86,8 +86,8 @@ static void blocks_are_second_derivatives(void **state) {
                 largest = fmax(largest, fabs(h[q / size][q % size][lane]));
             for (int q = 0; q < n_blocks * size; q++) {
                 const int block = q / size, entry = q % size;
-                const double expected = difference_at(dim, f.e[lane], I[dim - 2][block], entry / dim,
-                                                      J[dim - 2][block], entry % dim);
+                const double expected = difference_at(dim, f.e[lane], I[dim - 2][block],
+                                                      entry / dim, J[dim - 2][block], entry % dim);
                 assert_true(fabs(h[block][entry][lane] - expected) < 1e-3 * largest);
             }
         }

@@ -26,12 +26,11 @@ static help centring = CENTRING, in_plane = LATTICE_IN_PLANE, in_space = LATTICE
 /** Rows of a table of cmocka: test with the lattice in the plane and in space. */
 #define WITH_LATTICE(test)                                                                         \
     {#test " in the plane", test, NULL, NULL, &in_plane}, {                                        \
-        #test " in space", test, NULL, NULL, &in_space                                             \
+#test " in space", test, NULL, NULL, &in_space                                             \
     }
 
 /** And with centring. */
-#define WITH_ALL(test)                                                                             \
-    {#test " by centring", test, NULL, NULL, &centring}, WITH_LATTICE(test)
+#define WITH_ALL(test) {#test " by centring", test, NULL, NULL, &centring}, WITH_LATTICE(test)
 
 static help help_of(void **state) {
     return *(help *)*state;
