@@ -29,7 +29,7 @@
 /** Four doubles, one of each tetrahedron; the compiler splits them where the CPU has less. */
 typedef double bend_pack __attribute__((vector_size(32)));
 
-/** What a comparison of these says: all bits of a lane, or none. */
+/** Result of a comparison of these: all bits of a lane, or none. */
 typedef int64_t bend_mask __attribute__((vector_size(32)));
 
 /** Vectors of four tetrahedra. */

@@ -395,10 +395,13 @@ static int is_settled(const pl_convergence *trend, int64_t visits, int64_t visit
  * twice as many after each try. In space they are tried once in a call. */
 enum { SWEEPS_BETWEEN_STEPS = 8 };
 
-/** Take note of a try of steps after n sweeps in a row. */
-static void wait_for_steps(pl_run *r, int n) {
+/** Take note of a try of steps after n sweeps in a row, before which the sum of RR^2 was before. Return
+ *  whether it fell. */
+static int note_steps(pl_run *r, int n, double before) {
+    const int is_better = r->sums.ratio[1] < before;
     const int wait = SWEEPS_BETWEEN_STEPS << r->n_step_tries++;
-    r->steps_from = r->plan->dim == 2 ? n + wait : INT_MAX;
+    r->steps_from = r->plan->dim == 2 ? (is_better ? 0 : n) + wait : INT_MAX;
+    return is_better;
 }
 
 /** Whether Newton's steps are due: sweeps promise much and would not converge soon, if falls shrink on
@@ -445,9 +448,7 @@ static void sweep_on(pl_run *r) {
             const double sum = r->sums.ratio[1];
             if (r->accelerate(r, PL_COARSE, fall))
                 return;
-            const int is_better = r->sums.ratio[1] < sum;
-            wait_for_steps(r, is_better ? 0 : trend.n_falls);
-            if (is_better) {
+            if (note_steps(r, trend.n_falls, sum)) {
                 calm = trend = (pl_convergence){{0}, 0};
                 continue;
             }
