@@ -10,13 +10,12 @@
  * Patches without a common cell may be worked on at the same time. The coordinates are the plan's; of a
  * mesh in parts they are those that the processes have gathered (gather.h).
  *
- *   pl_joint_create, _destroy     input of all patches of a run, memory for them
- *   pl_joint_value_of             a square limit of the run as a value of measures
- *   pl_joint_seed                 a patch around an element
- *   pl_joint_value                the least measure of an element
- *   pl_joint_pin, _compare        elements at their limits
- *   pl_joint_place, _star_of      the coordinates and the star of a node
- *   pl_joint_improve              steps of a patch
+ *   here               what patches are made of, and their state
+ *   joint_create.h     pl_joint_create, _destroy     input of all patches of a run, memory for them
+ *   joint_measures.h   pl_joint_value, _value_of     measures of elements, and their limits
+ *   joint_patch.h      pl_joint_seed                 a patch around an element
+ *                      pl_joint_pin, _compare        elements at their limits
+ *   joint_steps.h      pl_joint_improve              steps of a patch
  */
 #ifndef PL_IMPROVE_JOINT_H
 #define PL_IMPROVE_JOINT_H
@@ -110,17 +109,6 @@ typedef struct pl_joint_patch {
     int64_t work;  /* and the work of it: evaluations of an element's measures */
 } pl_joint_patch;
 
-/** Make the input of a run that is measured: largest_angle, kept and the plan's mesh. limits [2]:
- *  kept[0] and [1]. Errors: _MEMORY. */
-int pl_joint_create(pl_run *run, const pl_star_limits limits[2], pl_joint *joint,
-                    planish_error *error);
-
-/** Free the arrays of joint, those of the mesh as pl_joint_create made it. */
-void pl_joint_destroy(pl_joint *joint);
-
-/** Return the value of the measure that is raised where the run's limit of it is square. */
-double pl_joint_value_of(const pl_run *run, double square);
-
 /** Return the coordinates [dim] of a node. */
 static inline double *pl_joint_place(const pl_joint *joint, int32_t node) {
     return joint->mesh.coordinates + (int64_t)node * joint->run->plan->dim;
@@ -133,22 +121,5 @@ static inline pl_joint_star pl_joint_star_of(const pl_joint *joint, int32_t node
         return (pl_joint_star){joint->mesh.stars[0], star, NULL};
     return (pl_joint_star){joint->mesh.stars[1], -2 - star, &joint->mesh.slide[-2 - star]};
 }
-
-/** Return the least measure of an element, of the kind that is raised. */
-double pl_joint_value(const pl_joint *joint, const pl_joint_element *element);
-
-/** Return the element as one that is at its limit. */
-pl_joint_pinned pl_joint_pin(const pl_joint *joint, const pl_joint_element *element);
-
-/** Compare the nodes of two such elements a and b, for qsort. */
-int pl_joint_compare(const void *a, const void *b);
-
-/** Set patch to one of the movable nodes of the element with vertices node [dim + 1]; the star of the
- *  first movable one is gathered. Return 0 if there is none to be made: no node can be in one, its
- *  measure is not below wanted, or the element is pinned. */
-int pl_joint_seed(const pl_joint *joint, const int32_t *node, pl_joint_patch *patch);
-
-/** Try to bring the patch's element to the wanted measure, and let the patch grow. */
-void pl_joint_improve(const pl_joint *joint, int thread, pl_joint_patch *patch);
 
 #endif

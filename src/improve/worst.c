@@ -10,6 +10,10 @@
  */
 #include "improve/gather.h"
 #include "improve/improve.h"
+#include "improve/joint_create.h"
+#include "improve/joint_measures.h"
+#include "improve/joint_patch.h"
+#include "improve/joint_steps.h"
 
 #include "base/context.h"
 #include "base/memory.h"

@@ -114,7 +114,7 @@ static inline void slide_place(const pl_star_problem *problem, const sliding *s,
     if (s->kind == PLANISH_CONSTRAINT_FREE)
         return;
     if (s->of->kind == PLANISH_CONSTRAINT_ON_SURFACE) {
-        sliding there = *s;
+        sliding there = {.of = s->of};
         double x[3];
         for (int d = 0; d < dim; d++)
             x[d] = position[d] * of->unscale;
