@@ -38,7 +38,8 @@ PL_INLINE objective find_derivatives(local *here, const double *x, derivatives *
         return now;
     }
     slide_along(&here->slide, derivative->gradient, dim);
-    slide_hessian(&here->slide, derivative->hessian, dim);
+    if (derive != PL_GRADIENT_ALONE)
+        slide_hessian(&here->slide, derivative->hessian, dim);
     return now;
 }
 
