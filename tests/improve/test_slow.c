@@ -275,7 +275,7 @@ static void a_lattice_waits_while_an_error_spreads(void **state) {
         assert_true(2 * when.h.visits[last] >= (int64_t)pow(cells - 1, 3));
         assert_true(when.h.visits[last] <= when.h.visits[last - 1]);
     }
-    assert_true(when.h.visits[3] > 1.1 * (double)when.h.visits[2]);
+    assert_true((double)when.h.visits[3] > 1.1 * (double)when.h.visits[2]);
     free(s.coordinates);
     test_mesh_destroy(&mesh);
     test_mesh_destroy(&corner);
