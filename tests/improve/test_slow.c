@@ -271,7 +271,7 @@ static void a_lattice_waits_while_an_error_spreads(void **state) {
                    (size_t)(part + 1) * 3 * sizeof(double));
     smooth(&mesh.mesh, &options, &s);
     const int last = when.sweeps_before - 1;
-    if (last >= 0) {
+    if (last > 0) {
         assert_true(2 * when.h.visits[last] >= (int64_t)pow(cells - 1, 3));
         assert_true(when.h.visits[last] <= when.h.visits[last - 1]);
     }
