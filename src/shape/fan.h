@@ -8,7 +8,7 @@
 
 /** The fan of a node. */
 typedef struct pl_fan {
-    float height; /* the least one of a facet, in the shape's units; 0: it is not closed, or turns too much */
+    float height; /* the least one of a facet; 0: the fan is not closed, or turns too much */
     float turn;   /* no kept normal is farther from that of the first facet */
 } pl_fan;
 

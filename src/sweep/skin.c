@@ -28,13 +28,14 @@ static int is_in_plane(const pl_skin *skin, int32_t node) {
 /** Find the direction of the star's node where it is. */
 static void find_direction(const pl_skin *skin, int64_t star, int32_t node, double direction[3]) {
     double kept[3];
-    if (pl_skin_is_on_shape(skin, node)) {
-        for (int d = 0; d < 3; d++)
-            kept[d] = (double)skin->direction[node][d];
-        pl_unit(3, kept, direction);
-    } else {
+    if (!pl_skin_is_on_shape(skin, node)) {
         memcpy(direction, skin->slide[star].direction, 3 * sizeof *direction);
+        return;
     }
+    for (int d = 0; d < 3; d++)
+        kept[d] = (double)skin->direction[node][d];
+    if (!pl_unit(3, kept, direction)) /* the shape has none there */
+        direction[0] = direction[1] = direction[2] = 0;
 }
 
 /* ---- the facets around a node ----------------------------------------------------------------- */

@@ -80,11 +80,11 @@ typedef struct pl_skin {
     double (*outside)
         [3];         /* [n_outside] in the mesh's units: where nodes are that are not of the plan */
     uint64_t *known; /* [n_nodes] pl_skin_print of where place is that of the node */
-    pl_skin_place *place; /* [n_nodes] at -1: none is known */
+    pl_skin_place *place;  /* [n_nodes] at -1: none is known */
     float (*direction)[3]; /* [n_nodes] unit normal or tangent of the shape at the place of those
                               that the skin moves on patches and curves */
-    float *bound;         /* [n_facets] none of its points is farther off the shape */
-    float *tolerance;     /* [n_facets] */
+    float *bound;          /* [n_facets] none of its points is farther off the shape */
+    float *tolerance;      /* [n_facets] */
     uint8_t
         *turned;   /* [n_facets] its unit normal is no farther from the one that the shape keeps: in
                            units of PL_SKIN_TURN, PL_SKIN_UNKNOWN: this is not known */

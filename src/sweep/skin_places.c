@@ -340,8 +340,8 @@ static int find_planar(pl_skin *skin) {
         find_off(skin, &of);
     for (int64_t t = 0; done && t < n; t++) {
         const double off = of.off[shape->patch[t]];
-        skin->is_planar[t] = off <= PLANAR_TOLERANCE * of.least[shape->patch[t]] &&
-                             off <= PLANAR_SIZE * shape->size;
+        skin->is_planar[t] =
+            off <= PLANAR_TOLERANCE * of.least[shape->patch[t]] && off <= PLANAR_SIZE * shape->size;
         if (skin->is_planar[t])
             skin->tolerance[t] = float_below(skin->tolerance[t] * PLANAR_REST);
     }
@@ -512,9 +512,8 @@ static int allocate(pl_skin *skin) {
     skin->is_planar = pl_alloc(n_facets, sizeof *skin->is_planar);
     skin->room = pl_alloc(PL_SKIN_ROOM * skin->max_facets * skin->threads, sizeof *skin->room);
     return skin->node && skin->star && skin->inner && skin->moves && skin->known && skin->place &&
-           skin->direction &&
-           skin->bound && skin->tolerance && skin->turned && skin->disc && skin->is_planar &&
-           skin->room && pl_skin_mids_make(skin);
+           skin->direction && skin->bound && skin->tolerance && skin->turned && skin->disc &&
+           skin->is_planar && skin->room && pl_skin_mids_make(skin);
 }
 
 int pl_skin_make(const planish_options *options, pl_skin *skin, planish_error *error) {

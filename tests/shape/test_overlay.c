@@ -143,6 +143,22 @@ static double disc_bound(const planish_shape *s, int32_t node, const pl_disc *di
     return pl_disc_bound(&frame, &p[0], &p[1], &p[2]);
 }
 
+/** Check a bound of a facet, infinite if there is none, and take it into the worth in units of edge. */
+static void check_sample(const moved *m, const pl_moved_facet *t, double bound, double edge,
+                         worth *w) {
+    const planish_shape *s = m->shape;
+    w->n++;
+    if (!(bound < INFINITY))
+        return;
+    const double most =
+        sheet_judge_sample(&m->first, s->patch[t->facet], (const double(*)[3])t->x, DIVISIONS);
+    w->n_bounded++;
+    if (most > bound * (1 + 1e-12) + 1e-14 * (1 + s->size))
+        fail_msg("facet %d: %.17g off, bound %.17g", t->facet, most, bound);
+    if (w->n_ratios < MOST_RATIOS)
+        w->ratio[w->n_ratios++] = bound / edge;
+}
+
 /** Check the facets at a node by its disc. */
 static void check_disc(const moved *m, int32_t node, worth *w) {
     const planish_shape *s = m->shape;
@@ -152,16 +168,7 @@ static void check_disc(const moved *m, int32_t node, worth *w) {
         const int32_t f = s->facet_of[i];
         const pl_moved_facet t = facet_of(m, f);
         const double bound = disc.radius2 > 0 ? disc_bound(s, node, &disc, &t) : INFINITY;
-        w->n++;
-        if (!(bound < INFINITY))
-            continue;
-        const double most =
-            sheet_judge_sample(&m->first, s->patch[f], (const double(*)[3])t.x, DIVISIONS);
-        w->n_bounded++;
-        if (most > bound * (1 + 1e-12) + 1e-14 * (1 + s->size))
-            fail_msg("facet %d: %.17g off, %.17g by the disc of node %d", f, most, bound, node);
-        if (w->n_ratios < MOST_RATIOS)
-            w->ratio[w->n_ratios++] = bound / s->edge_length[node];
+        check_sample(m, &t, bound, s->edge_length[node], w);
     }
 }
 
@@ -202,16 +209,7 @@ static void check_fans(const moved *m, worth *w) {
     for (int32_t f = 0; f < s->n_facets; f++) {
         const pl_moved_facet t = facet_of(m, f);
         const double bound = pl_fan_bound(s, fan, &t);
-        w->n++;
-        if (!(bound < INFINITY))
-            continue;
-        const double most =
-            sheet_judge_sample(&m->first, s->patch[f], (const double(*)[3])t.x, DIVISIONS);
-        w->n_bounded++;
-        if (most > bound * (1 + 1e-12) + 1e-14 * (1 + s->size))
-            fail_msg("facet %d: %.17g off, %.17g by fans", f, most, bound);
-        if (w->n_ratios < MOST_RATIOS)
-            w->ratio[w->n_ratios++] = bound / s->edge_length[s->facet[f][0]];
+        check_sample(m, &t, bound, s->edge_length[s->facet[f][0]], w);
     }
     free(fan);
 }
