@@ -54,15 +54,16 @@ double pl_skin_certify(const pl_skin *skin, int32_t facet, int32_t node, const d
     int is_old = 0;
     for (int j = 0; j < 3; j++) {
         const int32_t corner = skin->shape->facet[facet][j];
-        if (corner == node)
-            memcpy(moved.x[j], x, sizeof moved.x[j]);
-        else
-            pl_skin_place_of(skin, corner, moved.x[j]);
         /* On a patch a place only says where to begin: the old one does most often. */
         const int may_be_old = skin->shape->node_class[corner] == PL_ON_PATCH;
-        moved.place[j] = corner == node ? *place
-                         : may_be_old   ? pl_skin_get_place(skin, corner)
-                                        : pl_skin_present_place(skin, corner);
+        if (x && place && corner == node) {
+            memcpy(moved.x[j], x, sizeof moved.x[j]);
+            moved.place[j] = *place;
+        } else {
+            pl_skin_place_of(skin, corner, moved.x[j]);
+            moved.place[j] =
+                may_be_old ? pl_skin_get_place(skin, corner) : pl_skin_present_place(skin, corner);
+        }
         is_old |= may_be_old && skin->moves[corner] == PL_SKIN_FLAT;
     }
     const double bound = bound_of(skin, &moved, limit);
