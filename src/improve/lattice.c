@@ -145,7 +145,8 @@ static int place_grids(pl_lattice *l, double spacing) {
     for (int d = 0; d < 3; d++)
         extent[d] = box[d] + box[d + 3];
     if (!(spacing > 0) || !(spacing < INFINITY) ||
-        !(fmin(extent[0], fmin(extent[1], extent[2])) >= 0))
+        !(fmin(extent[0], fmin(extent[1], extent[2])) >= 0) ||
+        !(extent[0] + extent[1] + extent[2] < INFINITY))
         return 0;
     while (size_grids(l, extent, spacing, part) > most)
         spacing *= 1.25;
