@@ -77,12 +77,6 @@ int pl_cell_facet(const planish_cells *cells, int64_t element, int k, int32_t *n
     return n;
 }
 
-/** Step around a facet of n nodes: to the next one, or to the one before. */
-static inline int step(int at, int direction, int n) {
-    at += direction;
-    return at < 0 ? n - 1 : at == n ? 0 : at;
-}
-
 /** Find facet k of an element. Nodes that are there twice count once. */
 static facet find_facet(const cell_sets *s, int64_t element, int k) {
     facet f = {.element = -1, .node = {-1, -1, -1}};
@@ -93,13 +87,17 @@ static facet find_facet(const cell_sets *s, int64_t element, int k) {
         return f;
     for (int i = 1; i < n; i++)
         lowest = around[i] < around[lowest] ? i : lowest;
-    const int32_t next = around[step(lowest, 1, n)], last = around[step(lowest, -1, n)];
+    const int32_t next = around[lowest + 1 < n ? lowest + 1 : 0];
+    const int32_t last = around[lowest > 0 ? lowest - 1 : n - 1];
     f.element = (int32_t)element;
     f.place = (uint8_t)k;
     /* The ends of an edge have one order, so that its direction is where its lowest node is. */
     f.direction = n == 2 ? (lowest == 0 ? 1 : -1) : next < last ? 1 : -1;
-    for (int i = 0, at = lowest; i < n - 1; i++)
-        f.node[i] = around[at = step(at, f.direction, n)];
+    f.node[0] = next < last ? next : last;
+    if (n == 4)
+        f.node[1] = around[lowest ^ 2];
+    if (n > 2)
+        f.node[n - 2] = next < last ? last : next;
     return f;
 }
 
@@ -180,13 +178,24 @@ static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
+/** Whether an element has a corner whose facets are listed in this round. */
+static int is_in_round(const cell_sets *s, const pl_cell_shape *shape, int64_t element) {
+    const int32_t *node = s->cells->node + s->cells->offset[element];
+    int any = 0;
+    for (int i = 0; i < shape->n_corners; i++)
+        any |= node[i] >= s->from && node[i] < s->to;
+    return any;
+}
+
 /** List the facets of some nodes, in any order; their ends become that from where the lists begin. */
 static void list_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const cell_sets *s = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         const pl_cell_type *type = counted_type(s, i);
-        for (int k = 0; type && k < type->shape->n_facets; k++) {
+        if (!type || !is_in_round(s, type->shape, i))
+            continue;
+        for (int k = 0; k < type->shape->n_facets; k++) {
             const int32_t lowest = lowest_of(s, type->shape, i, k);
             if (lowest < s->from || lowest >= s->to)
                 continue;
