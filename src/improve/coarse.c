@@ -27,6 +27,9 @@ enum {
 
 /* Spacing of the finest grid, by the mean length of edges. */
 #define SPACING 2.5
+/* One in so many tetrahedra stands for all in the Hessian: simplices of this spacing have some twenty.
+ * With one in four, steps are shorter. Triangles are all in it: seven are in a simplex. */
+#define ONE_IN 2
 /* Part to which conjugate gradients reduce the residual. */
 #define SOLVED 0.1
 /* Next part of the way that is tried. */
@@ -229,7 +232,8 @@ int pl_run_coarse(pl_run *r) {
                       .rr2 = fmax(r->problem.limits.rr2, worst.rr2),
                       .acuteness = fmax(r->problem.limits.acuteness, worst.acuteness)};
     const int ready = c.force && c.move && c.start;
-    if (!pl_parts_any(!ready) && ready && pl_lattice_create(plan, SPACING, &c.lattice))
+    if (!pl_parts_any(!ready) && ready &&
+        pl_lattice_create(plan, SPACING, plan->dim == 3 ? ONE_IN : 1, &c.lattice))
         stopped = make_steps(&c);
     pl_lattice_destroy(&c.lattice);
     pl_free(c.force);

@@ -183,6 +183,19 @@ PL_INLINE int middle_of(const pl_lattice *l, int64_t element, double *x, int dim
     return any && (!is_counted || is_counted[element]);
 }
 
+/** Whether an element is in the Hessian, by the bits of its middle: a choice that no order of the
+ *  elements and no process changes. */
+PL_INLINE int is_chosen(const pl_lattice *l, const double *middle, int dim) {
+    uint64_t mix = 0;
+    for (int d = 0; d < dim; d++) {
+        uint64_t bits;
+        memcpy(&bits, &middle[d], sizeof bits);
+        mix = (mix ^ bits) * 0x9E3779B97F4A7C15u;
+        mix ^= mix >> 32;
+    }
+    return mix % (uint64_t)l->one_in == 0;
+}
+
 enum { AHEAD = 12 };
 
 /** Ask for the nodes of an element that will be looked at soon. */
@@ -205,8 +218,9 @@ PL_INLINE void find_largest(const element_pass *p, int64_t begin, int64_t end, i
         const double largest = determinant_of(l, i, dim);
         if (largest > p->largest[place.vertex]) /* seldom, and then for sure */
             pl_raise_double(&p->largest[place.vertex], largest);
-        p->simplex_of[i] =
-            (int32_t)(place.vertex * pl_simplices_of(dim) + pl_find_order(place.along, dim));
+        if (is_chosen(l, x, dim))
+            p->simplex_of[i] =
+                (int32_t)(place.vertex * pl_simplices_of(dim) + pl_find_order(place.along, dim));
     }
 }
 
@@ -307,9 +321,9 @@ static int allocate(pl_lattice *l) {
            l->element_begin && l->star && l->star_begin;
 }
 
-int pl_lattice_create(const planish_plan *plan, double spacing, pl_lattice *l) {
+int pl_lattice_create(const planish_plan *plan, double spacing, int one_in, pl_lattice *l) {
     const uint8_t *mobility = plan->work.mobility;
-    *l = (pl_lattice){.plan = plan};
+    *l = (pl_lattice){.plan = plan, .one_in = one_in};
     if (!place_grids(l, spacing))
         return 0;
     int ready = allocate(l);
@@ -368,7 +382,7 @@ PL_INLINE void find_simplices(const element_pass *p, int64_t begin, int64_t end,
         if (!l->is_known && i + AHEAD < p->n)
             fetch_element(l, i + AHEAD, dim);
         if (!l->is_known || (of >= 0 && !is_simplex_active(&l->grid[0], of, dim)))
-            of = middle_of(l, i, x, dim) ? pl_simplex_at(l, x, dim) : -1;
+            of = middle_of(l, i, x, dim) && is_chosen(l, x, dim) ? pl_simplex_at(l, x, dim) : -1;
         p->simplex_of[i] = (int32_t)of;
         if (of >= 0)
             __atomic_fetch_add(&p->count[of], 1, __ATOMIC_RELAXED);

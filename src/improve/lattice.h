@@ -49,14 +49,15 @@ typedef struct pl_grid {
 typedef struct pl_lattice {
     const planish_plan *plan;
     double origin[3], spacing, per_unit; /* of the mesh's coordinates; of the finest grid */
+    int one_in;                          /* elements in the Hessian: it stands for so many */
     int n_levels;
     pl_grid grid[PL_LATTICE_LEVELS];
     int64_t n_simplices;
-    int64_t n_terms;        /* elements with a free node, of all processes */
+    int64_t n_terms;        /* elements in the Hessian, of all processes */
     uint8_t *is_free;       /* [nodes of the plan] by inner numbers; 1: may go anywhere */
     int is_known;           /* corner begins with [n_elements] simplices of the finest grid */
-    int32_t *element;       /* [elements with a free node] by simplices */
-    int32_t *corner;        /* [elements with a free node][dim + 1] their nodes, inner numbers; room
+    int32_t *element;       /* [elements in the Hessian] by simplices */
+    int32_t *corner;        /* [elements in the Hessian][dim + 1] their nodes, inner numbers; room
                                for the simplices of elements before */
     double *of_slab;        /* [slabs of the finest grid] */
     int64_t *element_begin; /* [n_simplices + 1] */
@@ -65,9 +66,10 @@ typedef struct pl_lattice {
     int64_t *star_begin;    /* [n_simplices + 1] */
 } pl_lattice;
 
-/** Make grids for the mesh as it is, spacing times as wide as edges are long. Returns 0 in all
- *  processes if one lacks memory, or if the mesh has no extent; destroy the lattice in any case. */
-int pl_lattice_create(const planish_plan *plan, double spacing, pl_lattice *lattice);
+/** Make grids for the mesh as it is, spacing times as wide as edges are long. One in so many of the
+ *  elements with a free node stands for all in the Hessian. Returns 0 in all processes if one lacks
+ *  memory, or if the mesh has no extent; destroy the lattice in any case. */
+int pl_lattice_create(const planish_plan *plan, double spacing, int one_in, pl_lattice *lattice);
 
 /** Free the arrays of a lattice. */
 void pl_lattice_destroy(pl_lattice *lattice);

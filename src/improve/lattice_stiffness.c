@@ -127,8 +127,8 @@ PL_INLINE void add_simplex(const pl_slab_pass *p, int64_t number, int dim) {
             double *to =
                 g->stiffness + ((s.vertex[a] << dim) + (s.bits[a] ^ s.bits[b])) * (dim * dim);
             for (int c = 0; c < dim * dim; c++)
-                to[c] += (sums.block[at][c][0] + sums.block[at][c][1]) +
-                         (sums.block[at][c][2] + sums.block[at][c][3]);
+                to[c] += l->one_in * ((sums.block[at][c][0] + sums.block[at][c][1]) +
+                                      (sums.block[at][c][2] + sums.block[at][c][3]));
         }
 }
 
@@ -272,8 +272,10 @@ static void invert_slab(const pl_slab_pass *p, int64_t slab) {
 static void add_elements(pl_lattice *l, const pl_grid *g) {
     const int dim = l->plan->dim;
     const int64_t n = (g->n_vertices << dim) * dim * dim;
-    pl_slab_pass pass = {
-        .l = l, .g = g, .body = adder_of(l->plan), .terms = pl_terms_up_to(most_of(g), l->n_terms)};
+    pl_slab_pass pass = {.l = l,
+                         .g = g,
+                         .body = adder_of(l->plan),
+                         .terms = pl_terms_up_to(most_of(g), l->n_terms * l->one_in)};
     memset(g->stiffness, 0, (size_t)n * sizeof *g->stiffness);
     if (!g->has_own)
         return;
