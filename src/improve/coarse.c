@@ -45,11 +45,13 @@ enum {
 typedef struct coarse_steps {
     pl_run *r;
     pl_lattice lattice;
-    double *force, *move;  /* [n_stars][dim] */
-    double *start;         /* [n_nodes][dim] coordinates before the step */
-    double part;           /* of the way, in this trial */
-    int is_first;          /* step */
-    double rr2, acuteness; /* no element may become worse */
+    double *force, *move; /* [n_stars][dim] */
+    double *start;        /* [n_nodes][dim] coordinates before the step */
+    double part;          /* of the way, in this trial */
+    int is_first;         /* step */
+    /* No element may become worse: */
+    double rr2, acuteness; /* with corners mu^2 of one, and 1 / SJ^2, */
+    double cell_ratio;     /* and AR^2 of cells; infinite: of none */
     pl_sum work;           /* force . move */
 } coarse_steps;
 
@@ -145,7 +147,7 @@ static int is_better(const coarse_steps *c, const pl_objective_sums *before, int
     const pl_objective_sums *now = &c->r->sums;
     const double least = !c->is_first ? 1 : is_whole_step ? 1 - GAIN_LEAST : 1 - GAIN_LARGE;
     return now->ratio[1] < before->ratio[1] * least * least && now->inverted <= before->inverted &&
-           pl_run_is_within(c->r, c->rr2, c->acuteness);
+           now->radius_max <= c->cell_ratio && pl_run_is_within(c->r, c->rr2, c->acuteness);
 }
 
 /** Move all nodes, or part of the way, so that F falls and no element becomes worse than the worst.
@@ -169,9 +171,21 @@ static double take_moves(coarse_steps *c, pl_sweep_tally *tally) {
             return 1 - sqrt(r->sums.ratio[1] / before.ratio[1]);
     }
     memcpy(x, c->start, size);
+    if (plan->work.corner)
+        pl_run_measure(r); /* for the watch */
     r->sums = before;
     r->measured_sum = measured;
     return 0;
+}
+
+/** Note a step that has lowered the RMS by gain. */
+static void note_step(pl_run *r, double gain) {
+    if (gain > GAIN_LARGE)
+        pl_run_begin_anew(r);
+    else if (gain > 0)
+        memset(r->plan->scratch.changed, PL_CHANGED, (size_t)r->plan->work.n_nodes);
+    if (r->plan->work.corner)
+        pl_watch_limit(&r->watch, r->watch.worst_ar2);
 }
 
 /** Make one step, counted as a sweep. *gain: part by which the RMS fell. Return not 0 if the work was
@@ -182,10 +196,7 @@ static int make_step(coarse_steps *c, int is_anew, double *gain) {
     pl_run_begin_sweep(r);
     *gain = find_moves(c, is_anew, &tally) ? take_moves(c, &tally) : 0;
     tally.stars.evaluations = tally.stars.visits;
-    if (*gain > GAIN_LARGE)
-        pl_run_begin_anew(r);
-    else if (*gain > 0)
-        memset(r->plan->scratch.changed, PL_CHANGED, (size_t)r->plan->work.n_nodes);
+    note_step(r, *gain);
     return pl_run_end_sweep(r, &tally);
 }
 
@@ -208,13 +219,13 @@ static int make_steps(coarse_steps *c) {
     return 0;
 }
 
-/** Whether the mesh is one of tetrahedra, or of triangles in the plane, whose free nodes go by
- *  themselves. */
+/** Whether the mesh is one of linear elements whose free nodes go by themselves. */
 static int is_suitable(const pl_run *r) {
     const planish_plan *plan = r->plan;
-    return plan->interior.n_all >= FEWEST && r->plain && !plan->work.corner &&
-           !pl_watch_is_on(&r->watch) && plan->sliding.n_followers == 0 &&
-           plan->interior.n_followers == 0 && plan->n_images == 0;
+    const int has_others =
+        plan->work.corner ? pl_watch_has_mids(&r->watch) : pl_watch_is_on(&r->watch);
+    return plan->interior.n_all >= FEWEST && r->plain && !has_others &&
+           plan->sliding.n_followers == 0 && plan->interior.n_followers == 0 && plan->n_images == 0;
 }
 
 int pl_run_coarse(pl_run *r) {
@@ -230,7 +241,8 @@ int pl_run_coarse(pl_run *r) {
                       .move = pl_alloc(n, sizeof *c.move),
                       .start = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *c.start),
                       .rr2 = fmax(r->problem.limits.rr2, worst.rr2),
-                      .acuteness = fmax(r->problem.limits.acuteness, worst.acuteness)};
+                      .acuteness = fmax(r->problem.limits.acuteness, worst.acuteness),
+                      .cell_ratio = plan->work.corner ? r->sums.radius_max : INFINITY};
     const int ready = c.force && c.move && c.start;
     if (!pl_parts_any(!ready) && ready &&
         pl_lattice_create(plan, SPACING, plan->dim == 3 ? ONE_IN : 1, &c.lattice))

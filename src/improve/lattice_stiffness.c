@@ -1,6 +1,6 @@
-/* lattice_stiffness: the Hessian of the sum of RR^2 by the vertices of a lattice; forces and moves of
- * nodes. Layers of cells or vertices with one between them share nothing that is written. */
-#include "improve/bend.h"
+/* lattice_stiffness: the Hessian of the sum of RR^2, with corners that of AR^2, by the vertices of a
+ * lattice; forces and moves of nodes. Layers of cells or vertices with one between them share nothing that is written. */
+#include "improve/bend_mean.h"
 #include "improve/lattice_places.h"
 
 #include "star/kernel_direction.h"
@@ -14,9 +14,10 @@
 #define STIFFEST 0x1p20
 
 /** Four elements of a simplex: their nodes, and the weights of its vertices at these; 0 at nodes that
- *  are not free. */
+ *  are not free. form: of elements that are corners. */
 typedef struct four {
     bend_pack x[PL_CORNERS][3], weight[PL_CORNERS][PL_CORNERS];
+    bend_form form;
 } four;
 
 PL_INLINE void gather_four(const pl_lattice *l, const pl_simplex *s, const int32_t *corner,
@@ -33,6 +34,18 @@ PL_INLINE void gather_four(const pl_lattice *l, const pl_simplex *s, const int32
             for (int a = 0; a <= dim; a++)
                 f->weight[j][a][lane] = weight[a];
         }
+    }
+}
+
+/** Gather the forms of four corners, the first n elements of a simplex. */
+PL_INLINE void gather_forms(const planish_plan *plan, const int32_t *element, int64_t n, four *f,
+                            int dim) {
+    for (int lane = 0; lane < 4; lane++) {
+        const uint8_t corner = plan->work.corner[element[lane < n ? lane : 0]];
+        const pl_corner_form *form = &plan->form[pl_form_code(corner, 0, 0)];
+        for (int k = 0; k < dim * (dim + 1) / 2; k++)
+            f->form.weight[k][lane] = form->weight[k];
+        f->form.factor[lane] = form->factor * form->share;
     }
 }
 
@@ -61,8 +74,22 @@ PL_INLINE void limit_stiffness(bend_pack most, bend_pack by_edge[3][PL_CORNERS],
             h[q][c] = bend_choose(is_finite, h[q][c] * factor, bend_of(0));
 }
 
+/** Set the Hessians of four elements, or corners, by their edges; in the plane their positive part. */
+PL_INLINE void find_bends(const four *f, const bend_vector e[3], bend_block h[BEND_BLOCKS],
+                          int are_corners, int dim) {
+    if (are_corners)
+        bend_corners(e, &f->form, h, dim);
+    else if (dim == 3)
+        bend_tetrahedra(e, h);
+    else
+        bend_triangles(e, h);
+    if (dim == 2)
+        bend_keep_positive(e, h);
+}
+
 /** Add four elements to the sums, in terms, none of them above most. */
-PL_INLINE void add_four(const four *f, pl_terms terms, double most, simplex_sums *sums, int dim) {
+PL_INLINE void add_four(const four *f, pl_terms terms, double most, simplex_sums *sums,
+                        int are_corners, int dim) {
     bend_block h[BEND_BLOCKS];
     bend_vector e[3];
     bend_pack by_edge[3][PL_CORNERS], half[3][PL_CORNERS][PL_LATTICE_BLOCK];
@@ -74,12 +101,7 @@ PL_INLINE void add_four(const four *f, pl_terms terms, double most, simplex_sums
         for (int a = 0; a <= dim; a++)
             by_edge[k][a] = f->weight[k + 1][a] - f->weight[0][a];
     }
-    if (dim == 3)
-        bend_tetrahedra(e, h);
-    else {
-        bend_triangles(e, h);
-        bend_keep_positive(e, h);
-    }
+    find_bends(f, e, h, are_corners, dim);
     limit_stiffness(bend_of(most), by_edge, h, dim);
     for (int i = 0; i < dim; i++)
         for (int a = 0; a <= dim; a++)
@@ -108,7 +130,7 @@ static inline double most_of(const pl_grid *g) {
     return STIFFEST * most * most;
 }
 
-PL_INLINE void add_simplex(const pl_slab_pass *p, int64_t number, int dim) {
+PL_INLINE void add_simplex(const pl_slab_pass *p, int64_t number, int are_corners, int dim) {
     const pl_lattice *l = p->l;
     const pl_grid *g = p->g;
     const int64_t begin = l->element_begin[number], end = l->element_begin[number + 1];
@@ -120,7 +142,9 @@ PL_INLINE void add_simplex(const pl_slab_pass *p, int64_t number, int dim) {
     memset(&sums, 0, sizeof sums);
     for (int64_t i = begin; i < end; i += 4) {
         gather_four(l, &s, l->corner + i * (dim + 1), end - i, &f, dim);
-        add_four(&f, p->terms, most_of(g), &sums, dim);
+        if (are_corners)
+            gather_forms(l->plan, l->element + i, end - i, &f, dim);
+        add_four(&f, p->terms, most_of(g), &sums, are_corners, dim);
     }
     for (int a = 0, at = 0; a <= dim; a++)
         for (int b = a; b <= dim; b++, at++) {
@@ -132,26 +156,34 @@ PL_INLINE void add_simplex(const pl_slab_pass *p, int64_t number, int dim) {
         }
 }
 
-PL_INLINE void add_slab_in(const pl_slab_pass *p, int64_t slab, int dim) {
+PL_INLINE void add_slab_in(const pl_slab_pass *p, int64_t slab, int are_corners, int dim) {
     const int64_t stride = p->g->per_slab * pl_simplices_of(dim);
     for (int64_t i = slab * stride; i < (slab + 1) * stride; i++)
-        add_simplex(p, p->g->first + i, dim);
+        add_simplex(p, p->g->first + i, are_corners, dim);
 }
 
-PL_INLINE void add_slab(const pl_slab_pass *p, int64_t slab) {
+PL_INLINE void add_slab(const pl_slab_pass *p, int64_t slab, int are_corners) {
     if (p->l->plan->dim == 3)
-        add_slab_in(p, slab, 3);
+        add_slab_in(p, slab, are_corners, 3);
     else
-        add_slab_in(p, slab, 2);
+        add_slab_in(p, slab, are_corners, 2);
 }
 
 static void add_slab_of(const pl_slab_pass *p, int64_t slab) {
-    add_slab(p, slab);
+    add_slab(p, slab, 0);
+}
+
+static void add_corners_of(const pl_slab_pass *p, int64_t slab) {
+    add_slab(p, slab, 1);
 }
 
 #if defined(PL_X86_KERNELS)
 __attribute__((target("avx2"))) static void add_slab_wide(const pl_slab_pass *p, int64_t slab) {
-    add_slab(p, slab);
+    add_slab(p, slab, 0);
+}
+
+__attribute__((target("avx2"))) static void add_corners_wide(const pl_slab_pass *p, int64_t slab) {
+    add_slab(p, slab, 1);
 }
 #endif
 
@@ -160,10 +192,9 @@ static void (*adder_of(const planish_plan *plan))(const pl_slab_pass *, int64_t)
 #if defined(PL_X86_KERNELS)
     if (plan->kernel == pl_star_kernel_select(PLANISH_ISA_AVX2) ||
         plan->kernel == pl_star_kernel_select(PLANISH_ISA_AVX512))
-        return add_slab_wide;
+        return plan->work.corner ? add_corners_wide : add_slab_wide;
 #endif
-    (void)plan;
-    return add_slab_of;
+    return plan->work.corner ? add_corners_of : add_slab_of;
 }
 
 /** Add block K, or its transpose, of fine vertex i, of weight for coarse vertex a, and j. */
