@@ -1,9 +1,10 @@
 /* coarse: Newton's steps for smooth displacements of the whole mesh.
  *
- * A sweep carries a correction by one element. Here the sum of RR^2 is replaced by its quadratic
- * model for displacements that are linear on the simplices of a lattice (lattice.h). Sweeps between
- * the steps remove the errors that the lattice cannot express. So steps and sweeps together are a
- * two-level method, and their number hardly depends on the size of the mesh.
+ * A sweep carries a correction by one element. Here the sum of RR^2, or of the cells' AR^2, is
+ * replaced by its quadratic model for displacements that are linear on the simplices of a lattice
+ * (lattice.h). Sweeps between the steps remove the errors that the lattice cannot express. So steps
+ * and sweeps together are a two-level method, and their number hardly depends on the size of the
+ * mesh.
  */
 #include "improve/improve.h"
 #include "improve/lattice.h"

@@ -27,7 +27,7 @@ int pl_run_accelerate(pl_run *r, pl_acceleration acceleration, double fall);
 
 /** Make Newton's steps for smooth displacements, and sweeps between them, while they pay. F does not
  *  rise, no element becomes inverted or worse than the worst. Return not 0 if the work was cut short;
- *  without memory, and on other meshes than tetrahedra of the plain problem, do nothing. */
+ *  without memory, and on other meshes than of linear elements and the plain problem, do nothing. */
 int pl_run_coarse(pl_run *r);
 
 /** Climb the ladder for elements that are inverted or flat in the mesh as measured last. If

@@ -6,13 +6,15 @@
  * Where elements are too large for a grid its vertices are not active, and elements and nodes belong
  * to a coarser one. The unit of coordinates is the spacing of the finest grid.
  *
+ * Elements are those of the plan: of a mesh of cells their corners (geometry/corner.h).
+ *
  * Terms of elements and nodes are rounded to multiples of one power of two, so that their sums are
  * exact in any order. Threads and processes therefore get the same bits. If the mesh is in parts,
  * each process has all vertices of all grids, and the elements and nodes of its part.
  *
  *   pl_lattice_create, _destroy    grids for the mesh as it is
  *   pl_lattice_sort                elements and nodes by simplices
- *   pl_lattice_assemble            Hessian of the sum of RR^2 for displacements of vertices
+ *   pl_lattice_assemble            Hessian of the sum of RR^2, or AR^2, for displacements of vertices
  *   pl_lattice_restrict, _solve, _prolong    from forces of the nodes to their displacements
  */
 #ifndef PL_IMPROVE_LATTICE_H

@@ -1,9 +1,11 @@
 /* A lattice (improve/lattice.h) against plain references: affine displacements, differences of the
- * sum of RR^2, and the equations that conjugate gradients solve; in the plane and in space. */
+ * sum of RR^2, or AR^2 of cells, and the equations that conjugate gradients solve; in the plane and in space. */
+#include "geometry/corner.h"
 #include "geometry/simplex.h"
 #include "improve/lattice.h"
 #include "support/allocations.h"
 #include "support/both.h"
+#include "support/cell_meshes.h"
 #include "support/effort.h"
 #include "support/meshes.h"
 #include "support/run.h"
@@ -26,15 +28,17 @@ enum {
 /** A mesh, its plan and a lattice over it. */
 typedef struct setting {
     test_mesh mesh;
+    cell_box *box; /* NULL, or in the place of mesh */
     planish_plan *plan;
     pl_lattice lattice;
 } setting;
 
 static void plan_mesh(setting *s, planish_isa isa, int threads) {
+    const planish_mesh *mesh = s->box ? &s->box->mesh : &s->mesh.mesh;
     planish_options options = test_options(threads);
     options.isa = isa;
-    assert_int_equal(planish_plan_create(&s->mesh.mesh, &options, &s->plan, NULL), 0);
-    pl_plan_order(s->plan, s->mesh.coordinates, s->plan->scratch.coordinates);
+    assert_int_equal(planish_plan_create(mesh, &options, &s->plan, NULL), 0);
+    pl_plan_order(s->plan, mesh->coordinates, s->plan->scratch.coordinates);
 }
 
 static void begin(setting *s, planish_isa isa, int threads, int one_in) {
@@ -56,6 +60,7 @@ static int cells_along(int dim) {
 
 /** A rough box: its elements belong to the finest grid. */
 static void rough_box(setting *s, int dim) {
+    s->box = NULL;
     test_mesh_box(&s->mesh, dim, cells_along(dim));
     test_mesh_perturb(&s->mesh, 0.1, 7);
 }
@@ -63,6 +68,7 @@ static void rough_box(setting *s, int dim) {
 /** A box whose elements grow from a corner, up to 100 times in measure: several grids have some. */
 static void graded_box(setting *s, int dim) {
     const int cells = cells_along(dim);
+    s->box = NULL;
     test_mesh_box(&s->mesh, dim, cells);
     for (int64_t i = 0; i < s->mesh.mesh.n_nodes * dim; i++)
         s->mesh.coordinates[i] = cells * pow(s->mesh.coordinates[i] / cells, 5);
@@ -70,6 +76,7 @@ static void graded_box(setting *s, int dim) {
 
 /** Square of triangles, sheared so that all their edges are 1 long. */
 static void equal_triangles(setting *s) {
+    s->box = NULL;
     test_mesh_box(&s->mesh, 2, cells_along(2));
     for (int64_t i = 0; i < s->mesh.mesh.n_nodes; i++) {
         double *x = s->mesh.coordinates + i * 2;
@@ -155,7 +162,7 @@ static void nodes_follow_affine_fields(void **state) {
 /** In the plane the spacing is smaller where edges are narrow: six times narrower, a quarter. */
 static void the_spacing_follows_narrow_edges(void **state) {
     (void)state;
-    setting s;
+    setting s = {.box = NULL};
     test_mesh_box(&s.mesh, 2, cells_along(2));
     for (int64_t i = 0; i < s.mesh.mesh.n_nodes; i++)
         s.mesh.coordinates[i * 2] /= 6;
@@ -263,17 +270,38 @@ static void displacement_at(const pl_grid *g, int dim, const double middle[3], c
     }
 }
 
-/** Sum of RR^2 over the elements when each has gone the part t as its simplex goes. */
+/** What a corner of the plan adds to the AR^2 of its cell: mu^2 by the number of corners. */
+static double share_of(const setting *s, int64_t element, const double *const vertex[]) {
+    const int dim = s->plan->dim;
+    const int kind = pl_corner_kind(s->plan->work.corner[element]);
+    const pl_cell_shape *shape = pl_shape_of_kind(dim, kind);
+    double e[3][3] = {{0}}, E = 0;
+    for (int j = 0; j < dim; j++) {
+        pl_subtract(dim, vertex[j + 1], vertex[0], e[j]);
+        E += shape->to_corner[j] * pl_dot(dim, e[j], e[j]);
+    }
+    for (int i = 0, pair = 0; i < dim; i++)
+        for (int j = i + 1; j < dim; j++) {
+            double apart[3];
+            pl_subtract(dim, e[j], e[i], apart);
+            E += shape->between[pair++] * pl_dot(dim, apart, apart);
+        }
+    return pl_mean_square(dim, E, fabs(pl_determinant_of_edges(dim, e)) / shape->determinant) /
+           (kind == PL_KIND_SIMPLEX ? 1 : shape->n_measured);
+}
+
+/** Sum of RR^2 over the elements, or of AR^2 over cells, when each element or corner has gone the part t
+ *  as its simplex goes. */
 static double sum_at(const setting *s, double t) {
     const pl_lattice *l = &s->lattice;
-    const int dim = s->plan->dim, corners = dim + 1;
+    const planish_plan *plan = s->plan;
+    const int dim = plan->dim, corners = dim + 1;
     double sum = 0;
-    for (int64_t i = 0; i < s->mesh.mesh.n_elements; i++) {
-        const int32_t *nodes = s->mesh.elements + i * corners;
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
         double unit[4][3], middle[3] = {0};
         const double *vertex[4];
         for (int j = 0; j < corners; j++) {
-            const double *x = s->mesh.coordinates + nodes[j] * (int64_t)dim;
+            const double *x = plan->scratch.coordinates + (int64_t)pl_plan_inner(plan, i, j) * dim;
             vertex[j] = unit[j];
             for (int d = 0; d < dim; d++) {
                 unit[j][d] = (x[d] - l->origin[d]) / l->spacing;
@@ -283,10 +311,10 @@ static double sum_at(const setting *s, double t) {
         for (int j = 0; j < corners; j++) {
             double move[3];
             displacement_at(&l->grid[0], dim, middle, unit[j], move);
-            for (int d = 0; l->is_free[s->plan->inner[nodes[j]]] && d < dim; d++)
+            for (int d = 0; l->is_free[pl_plan_inner(plan, i, j)] && d < dim; d++)
                 unit[j][d] += t * move[d];
         }
-        sum += pl_radius_ratio_square(dim, vertex);
+        sum += plan->work.corner ? share_of(s, i, vertex) : pl_radius_ratio_square(dim, vertex);
     }
     return sum;
 }
@@ -303,7 +331,7 @@ static void set_inner_moves(const setting *s, double *move) {
         find_vertex(g, v, x);
         for (int d = 0; d < dim; d++)
             x[d] = l->origin[d] + x[d] * l->spacing;
-        if (dim == 2) { /* as in a square */
+        if (dim == 2 && !s->box) { /* as in a square */
             x[1] /= sqrt(0.75);
             x[0] += 0.5 * x[1];
         }
@@ -312,6 +340,23 @@ static void set_inner_moves(const setting *s, double *move) {
         for (int d = 0; !inside && d < dim; d++)
             move[v * dim + d] = 0;
     }
+}
+
+/** The stiffness of the finest grid, to which all belongs, is the second derivative of the sum. */
+static void check_stiffness(const setting *s) {
+    const pl_grid *g = &s->lattice.grid[0];
+    const int dim = s->plan->dim;
+    double expected = 0;
+    for (int i = 1; i < s->lattice.n_levels; i++)
+        assert_false(s->lattice.grid[i].has_own);
+    set_inner_moves(s, g->total);
+    multiply(g, dim, g->total, g->change);
+    for (int64_t k = 0; k < g->n_vertices * dim; k++)
+        expected += g->total[k] * g->change[k];
+    const double t = 0x1p-12;
+    const double bend = (sum_at(s, t) - 2 * sum_at(s, 0) + sum_at(s, -t)) / (t * t);
+    assert_true(expected > 1);
+    assert_true(fabs(bend - expected) < 1e-4 * expected);
 }
 
 /** The stiffness is the second derivative of the sum of RR^2. In the plane only its positive part
@@ -324,20 +369,26 @@ static void stiffness_is_the_bend_of_the_sum(void **state) {
     else
         equal_triangles(&s);
     begin(&s, PLANISH_ISA_AUTO, 1, 1);
-    const pl_grid *g = &s.lattice.grid[0];
-    double expected = 0;
-    for (int i = 1; i < s.lattice.n_levels; i++)
-        assert_false(s.lattice.grid[i].has_own);
-    set_inner_moves(&s, g->total);
-    multiply(g, dim, g->total, g->change);
-    for (int64_t k = 0; k < g->n_vertices * dim; k++)
-        expected += g->total[k] * g->change[k];
-    const double t = 0x1p-12;
-    const double bend = (sum_at(&s, t) - 2 * sum_at(&s, 0) + sum_at(&s, -t)) / (t * t);
-    assert_true(expected > 1);
-    assert_true(fabs(bend - expected) < 1e-4 * expected);
+    check_stiffness(&s);
     end(&s);
     test_mesh_destroy(&s.mesh);
+}
+
+/** So it is with AR^2 of cells of all kinds; in the plane of squares, whose positive part is all of it. */
+static void stiffness_of_cells_is_the_bend_of_the_sum(void **state) {
+    static const cell_box_kind KINDS[] = {BOX_QUADRILATERALS, BOX_HEXAHEDRA, BOX_WEDGES,
+                                          BOX_PYRAMIDS, BOX_MIXED};
+    (void)state;
+    for (size_t k = 0; k < sizeof KINDS / sizeof *KINDS; k++) {
+        const int dim = KINDS[k] == BOX_QUADRILATERALS ? 2 : 3;
+        setting s = {.box = cell_box_create(KINDS[k], cells_along(dim))};
+        if (dim == 3)
+            cell_box_shake(s.box, 0.08, 7);
+        begin(&s, PLANISH_ISA_AUTO, 1, 1);
+        check_stiffness(&s);
+        end(&s);
+        cell_box_destroy(s.box);
+    }
 }
 
 /** Elements that are chosen stand for all: on the whole the stiffness is the same. */
@@ -360,31 +411,55 @@ static void some_elements_stand_for_all(void **state) {
     assert_true(fabs(work[1] - work[0]) < 0.2 * work[0]);
 }
 
-/** Instruction sets and threads change no bit of it, and flat elements leave it finite. */
-static void stiffness_has_the_same_bits(void **state) {
-    const int dim = *(int *)*state, cells = cells_along(dim);
-    setting one, other;
-    graded_box(&one, dim);
-    int64_t inside = 0;
-    for (int d = 0; d < dim; d++)
-        inside = inside * (cells + 1) + cells / 2;
-    memcpy(one.mesh.coordinates + inside * dim, one.mesh.coordinates + (inside + 1) * dim,
-           (size_t)dim * sizeof(double));
-    other.mesh = one.mesh;
-    begin(&one, PLANISH_ISA_PLAIN, 1, SOME);
+/** Lattices over one mesh for two instruction sets and numbers of threads have the same bits, all of them
+ *  finite. */
+static void check_same_bits(setting *one) {
+    setting other = *one;
+    begin(one, PLANISH_ISA_PLAIN, 1, SOME);
     begin(&other, PLANISH_ISA_AUTO, 3, SOME);
-    assert_int_equal(one.lattice.n_levels, other.lattice.n_levels);
-    for (int i = 0; i < one.lattice.n_levels; i++) {
-        const pl_grid *g = &one.lattice.grid[i];
-        const int64_t n = size_of_stiffness(g, dim);
+    assert_int_equal(one->lattice.n_levels, other.lattice.n_levels);
+    for (int i = 0; i < one->lattice.n_levels; i++) {
+        const pl_grid *g = &one->lattice.grid[i];
+        const int64_t n = size_of_stiffness(g, one->plan->dim);
         assert_memory_equal(g->stiffness, other.lattice.grid[i].stiffness,
                             (size_t)n * sizeof(double));
         for (int64_t k = 0; k < n; k++)
             assert_true(isfinite(g->stiffness[k]));
     }
-    end(&one);
+    end(one);
     end(&other);
-    test_mesh_destroy(&one.mesh);
+}
+
+/** Number of the node in the middle of a box. */
+static int64_t middle_node(int dim) {
+    const int cells = cells_along(dim);
+    int64_t inside = 0;
+    for (int d = 0; d < dim; d++)
+        inside = inside * (cells + 1) + cells / 2;
+    return inside;
+}
+
+/** Instruction sets and threads change no bit of it, and flat elements leave it finite. */
+static void stiffness_has_the_same_bits(void **state) {
+    const int dim = *(int *)*state;
+    const int64_t inside = middle_node(dim);
+    setting s;
+    graded_box(&s, dim);
+    memcpy(s.mesh.coordinates + inside * dim, s.mesh.coordinates + (inside + 1) * dim,
+           (size_t)dim * sizeof(double));
+    check_same_bits(&s);
+    test_mesh_destroy(&s.mesh);
+}
+
+static void stiffness_of_cells_has_the_same_bits(void **state) {
+    const int dim = *(int *)*state, cells = cells_along(dim);
+    const int64_t inside = middle_node(dim);
+    setting s = {.box = cell_box_create(dim == 2 ? BOX_MIXED_2D : BOX_MIXED, cells)};
+    for (int64_t i = 0; i < s.box->mesh.n_nodes * dim; i++)
+        s.box->x[i] = cells * pow(s.box->x[i] / cells, 3);
+    memcpy(s.box->x + inside * dim, s.box->x + (inside + 1) * dim, (size_t)dim * sizeof(double));
+    check_same_bits(&s);
+    cell_box_destroy(s.box);
 }
 
 /* ---- the solution ----------------------------------------------------------------------------- */
@@ -468,11 +543,18 @@ static void without_memory_there_is_no_lattice(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        BOTH(nodes_follow_affine_fields),       cmocka_unit_test(the_spacing_follows_narrow_edges),
-        BOTH(forces_do_the_same_work),          BOTH(no_forces_are_refused),
-        BOTH(stiffness_is_the_bend_of_the_sum), BOTH(some_elements_stand_for_all),
-        BOTH(stiffness_has_the_same_bits),      BOTH(moves_balance_the_forces),
-        BOTH(a_solution_is_cut_short),          BOTH(without_memory_there_is_no_lattice),
+        BOTH(nodes_follow_affine_fields),
+        cmocka_unit_test(the_spacing_follows_narrow_edges),
+        BOTH(forces_do_the_same_work),
+        BOTH(no_forces_are_refused),
+        BOTH(stiffness_is_the_bend_of_the_sum),
+        cmocka_unit_test(stiffness_of_cells_is_the_bend_of_the_sum),
+        BOTH(some_elements_stand_for_all),
+        BOTH(stiffness_has_the_same_bits),
+        BOTH(stiffness_of_cells_has_the_same_bits),
+        BOTH(moves_balance_the_forces),
+        BOTH(a_solution_is_cut_short),
+        BOTH(without_memory_there_is_no_lattice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

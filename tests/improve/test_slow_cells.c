@@ -1,0 +1,209 @@
+/* Newton's steps on a lattice in meshes of cells (improve/coarse.h): boxes that are drawn out smoothly.
+ * Cells are judged by planish_measure_cells, which has code of its own. */
+#include "support/cell_meshes.h"
+#include "support/effort.h"
+#include "support/run.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* Sweeps until centring would come; of the steps' sums and of the judge's. */
+enum { PATIENCE = 20 };
+#define NOISE 1e-9
+
+static cell_box_kind hexahedra = BOX_HEXAHEDRA, wedges = BOX_WEDGES, mixed = BOX_MIXED;
+static cell_box_kind quadrilaterals = BOX_QUADRILATERALS, mixed_2d = BOX_MIXED_2D;
+
+/** Rows of a table of cmocka: test with boxes of all kinds. */
+#define WITH_ALL(test)                                                                             \
+    {#test " hexahedra", test, NULL, NULL, &hexahedra},                                            \
+        {#test " wedges", test, NULL, NULL, &wedges}, {#test " mixed", test, NULL, NULL, &mixed},  \
+        {#test " quadrilaterals", test, NULL, NULL, &quadrilaterals}, {                            \
+#test " mixed 2-D", test, NULL, NULL, &mixed_2d                                            \
+    }
+
+static int is_flat(cell_box_kind kind) {
+    return kind == BOX_QUADRILATERALS || kind == BOX_MIXED_2D;
+}
+
+/** A box whose nodes inside are drawn to corner 0. Planes of its cells stay plane, so no wedge or
+ *  pyramid is invalid inside. */
+static cell_box *squeezed_box(cell_box_kind kind) {
+    const int dim = is_flat(kind) ? 2 : 3, n = dim == 2 ? 40 : 14;
+    const double power = dim == 3 ? 0.8 : 1.6;
+    cell_box *box = cell_box_create(kind, n);
+    for (int64_t i = 0; i < box->mesh.n_nodes; i++) {
+        double *x = box->x + i * dim, inside = 1;
+        for (int d = 0; d < dim; d++)
+            inside *= 4 * x[d] / n * (1 - x[d] / n);
+        for (int d = 0; d < dim; d++)
+            x[d] = n * pow(x[d] / n, 1 + power * inside);
+    }
+    return box;
+}
+
+static planish_cell_measures judge(const cell_box *box, const double *coordinates) {
+    planish_mesh mesh = box->mesh;
+    planish_cell_quality quality;
+    mesh.coordinates = coordinates;
+    assert_int_equal(planish_measure_cells(&mesh, 0, 1, &quality, NULL, NULL), 0);
+    return quality.all;
+}
+
+/** What the log and the progress told of a call. */
+typedef struct heard {
+    int n_steps, n_calls, first,
+        stop_at; /* calls of the progress function; those before the steps */
+    int n_sweeps, has_risen;
+    double rms;
+} heard;
+
+static void note_log(planish_log_level level, const char *text, void *user) {
+    heard *h = user;
+    (void)level;
+    if (!strstr(text, "Newton's steps"))
+        return;
+    h->n_steps++;
+    h->first = h->n_calls;
+}
+
+static int note_progress(const planish_progress *progress, void *user) {
+    heard *h = user;
+    if (progress->sweep_done) {
+        h->has_risen |= h->n_sweeps++ > 0 && progress->rms > h->rms * (1 + 1e-12);
+        h->rms = progress->rms;
+    }
+    return ++h->n_calls == h->stop_at;
+}
+
+/** Smooth a copy of the coordinates of box, which is to be freed. */
+static double *smooth(const cell_box *box, planish_options options, heard *h,
+                      planish_result *result) {
+    double *x = test_copy_of(&box->mesh);
+    planish_plan *plan;
+    options.progress = note_progress;
+    options.progress_user = h;
+    options.log = note_log;
+    options.log_user = h;
+    assert_int_equal(planish_plan_create(&box->mesh, &options, &plan, NULL), 0);
+    assert_int_equal(planish_smooth(plan, x, &options, result, NULL), 0);
+    planish_plan_destroy(plan);
+    return x;
+}
+
+/** Cells at coordinates x are valid, and none is worse than the worst of box. */
+static planish_cell_measures check_cells(const cell_box *box, const double *x) {
+    const planish_cell_measures before = judge(box, box->x), after = judge(box, x);
+    assert_int_equal(before.n_inverted, 0);
+    assert_int_equal(after.n_inverted, 0);
+    assert_int_equal(after.n_uncertified, 0);
+    assert_true(after.rms_aspect_ratio < before.rms_aspect_ratio);
+    assert_true(after.max_aspect_ratio <= before.max_aspect_ratio * (1 + NOISE));
+    assert_true(after.min_scaled_jacobian >= before.min_scaled_jacobian * (1 - NOISE));
+    return after;
+}
+
+/** AR of the box as it is before it is squeezed, and smoothed. */
+static double rms_of_regular_box(cell_box_kind kind) {
+    cell_box *box = cell_box_create(kind, is_flat(kind) ? 40 : 14);
+    heard h = {0};
+    planish_result result;
+    double *x = smooth(box, test_options(1), &h, &result);
+    const double rms = judge(box, x).rms_aspect_ratio;
+    free(x);
+    cell_box_destroy(box);
+    return rms;
+}
+
+static void a_lattice_helps_early(void **state) {
+    const cell_box_kind kind = *(cell_box_kind *)*state;
+    cell_box *box = squeezed_box(kind);
+    heard h = {0};
+    planish_result result;
+    double *x = smooth(box, test_options(1), &h, &result);
+    assert_true(h.n_steps >= 1);
+    assert_false(h.has_risen);
+    assert_int_equal(result.stop, PLANISH_STOP_CONVERGED);
+    assert_true(check_cells(box, x).rms_aspect_ratio < 1.001 * rms_of_regular_box(kind));
+    assert_true(result.sweeps < 2 * PATIENCE);
+    free(x);
+    cell_box_destroy(box);
+}
+
+/** Threads and instruction sets change no bit. */
+static void same_bits(void **state) {
+    cell_box *box = squeezed_box(*(cell_box_kind *)*state);
+    planish_options options = test_options(1);
+    planish_result result;
+    heard h = {0};
+    options.isa = PLANISH_ISA_PLAIN;
+    double *one = smooth(box, options, &h, &result);
+    assert_true(h.n_steps >= 1);
+    options.isa = PLANISH_ISA_AUTO;
+    for (options.threads = 2; options.threads <= 3; options.threads++) {
+        double *other = smooth(box, options, &h, &result);
+        assert_memory_equal(one, other, test_bytes_of(&box->mesh));
+        free(other);
+    }
+    free(one);
+    cell_box_destroy(box);
+}
+
+/** Any answer of the progress function may end the steps: the mesh is valid then. */
+static void they_end_at_any_call(void **state) {
+    enum { ANSWERS = 60 };
+    cell_box *box = squeezed_box(*(cell_box_kind *)*state);
+    planish_result result;
+    heard h = {0};
+    free(smooth(box, test_options(1), &h, &result));
+    const int first = h.first;
+    assert_true(h.n_steps >= 1 && first > 0);
+    for (int k = 1; k < ANSWERS; k += effort_step(3)) {
+        h = (heard){.stop_at = first + k};
+        double *x = smooth(box, test_options(1), &h, &result);
+        assert_int_equal(result.stop, PLANISH_STOP_INTERRUPTED);
+        if (result.n_put_back == 0)
+            assert_true(result.rms <= h.rms * (1 + 1e-12));
+        check_cells(box, x);
+        free(x);
+    }
+    cell_box_destroy(box);
+}
+
+/** Rough meshes, which converge soon, and cells of order 2 see no lattice. */
+static void others_see_no_lattice(void **state) {
+    const cell_box_kind kind = *(cell_box_kind *)*state;
+    planish_options options = test_options(1);
+    planish_result result;
+    heard h = {0};
+    cell_box *rough = cell_box_create(kind, is_flat(kind) ? 40 : 12);
+    cell_box_shake(rough, 0.14, 3);
+    free(smooth(rough, options, &h, &result));
+    assert_int_equal(h.n_steps, 0);
+    cell_box *box = squeezed_box(kind), *raised = cell_box_raise(box, 0);
+    options.max_sweeps = PATIENCE;
+    free(smooth(raised, options, &h, &result));
+    assert_int_equal(h.n_steps, 0);
+    cell_box_destroy(rough);
+    cell_box_destroy(box);
+    cell_box_destroy(raised);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        WITH_ALL(a_lattice_helps_early),
+        WITH_ALL(same_bits),
+        WITH_ALL(they_end_at_any_call),
+        {"others see no lattice hexahedra", others_see_no_lattice, NULL, NULL, &hexahedra},
+        {"others see no lattice quadrilaterals", others_see_no_lattice, NULL, NULL,
+         &quadrilaterals},
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
