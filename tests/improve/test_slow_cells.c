@@ -1,4 +1,4 @@
-/* Newton's steps on a lattice in meshes of cells (improve/coarse.h): boxes that are drawn out smoothly.
+/* Newton's steps on a lattice in meshes of cells (improve/coarse.c): boxes that are drawn out smoothly.
  * Cells are judged by planish_measure_cells, which has code of its own. */
 #include "support/cell_meshes.h"
 #include "support/effort.h"
@@ -14,8 +14,9 @@
 
 #include <cmocka.h>
 
-/* Sweeps until centring would come; of the steps' sums and of the judge's. */
-enum { PATIENCE = 20 };
+/* Sweeps until centring would come, and cells along the edges of boxes. */
+enum { PATIENCE = 20, IN_PLANE = 40, IN_SPACE = 11 };
+/* Of ratios that planish and the judge compute differently. */
 #define NOISE 1e-9
 
 static cell_box_kind hexahedra = BOX_HEXAHEDRA, wedges = BOX_WEDGES, mixed = BOX_MIXED;
@@ -33,18 +34,20 @@ static int is_flat(cell_box_kind kind) {
     return kind == BOX_QUADRILATERALS || kind == BOX_MIXED_2D;
 }
 
-/** A box whose nodes inside are drawn to corner 0. Planes of its cells stay plane, so no wedge or
- *  pyramid is invalid inside. */
+static int cells_along(cell_box_kind kind) {
+    return is_flat(kind) ? IN_PLANE : IN_SPACE;
+}
+
+/** A box whose nodes inside are drawn to corner 0; all its cells are valid. */
 static cell_box *squeezed_box(cell_box_kind kind) {
-    const int dim = is_flat(kind) ? 2 : 3, n = dim == 2 ? 40 : 14;
-    const double power = dim == 3 ? 0.8 : 1.6;
+    const int dim = is_flat(kind) ? 2 : 3, n = cells_along(kind);
     cell_box *box = cell_box_create(kind, n);
     for (int64_t i = 0; i < box->mesh.n_nodes; i++) {
         double *x = box->x + i * dim, inside = 1;
         for (int d = 0; d < dim; d++)
             inside *= 4 * x[d] / n * (1 - x[d] / n);
         for (int d = 0; d < dim; d++)
-            x[d] = n * pow(x[d] / n, 1 + power * inside);
+            x[d] = n * pow(x[d] / n, 1 + 0.8 * inside);
     }
     return box;
 }
@@ -59,8 +62,8 @@ static planish_cell_measures judge(const cell_box *box, const double *coordinate
 
 /** What the log and the progress told of a call. */
 typedef struct heard {
-    int n_steps, n_calls, first,
-        stop_at; /* calls of the progress function; those before the steps */
+    int n_steps, n_calls, first; /* calls of the progress function; those before the steps */
+    int stop_at;                 /* the call that ends it; 0: none */
     int n_sweeps, has_risen;
     double rms;
 } heard;
@@ -112,7 +115,7 @@ static planish_cell_measures check_cells(const cell_box *box, const double *x) {
 
 /** AR of the box as it is before it is squeezed, and smoothed. */
 static double rms_of_regular_box(cell_box_kind kind) {
-    cell_box *box = cell_box_create(kind, is_flat(kind) ? 40 : 14);
+    cell_box *box = cell_box_create(kind, cells_along(kind));
     heard h = {0};
     planish_result result;
     double *x = smooth(box, test_options(1), &h, &result);
@@ -158,14 +161,14 @@ static void same_bits(void **state) {
 
 /** Any answer of the progress function may end the steps: the mesh is valid then. */
 static void they_end_at_any_call(void **state) {
-    enum { ANSWERS = 60 };
+    enum { ANSWERS = 40 };
     cell_box *box = squeezed_box(*(cell_box_kind *)*state);
     planish_result result;
     heard h = {0};
     free(smooth(box, test_options(1), &h, &result));
     const int first = h.first;
     assert_true(h.n_steps >= 1 && first > 0);
-    for (int k = 1; k < ANSWERS; k += effort_step(3)) {
+    for (int k = 1; k < ANSWERS; k += 3 * effort_step(2)) {
         h = (heard){.stop_at = first + k};
         double *x = smooth(box, test_options(1), &h, &result);
         assert_int_equal(result.stop, PLANISH_STOP_INTERRUPTED);
@@ -183,7 +186,7 @@ static void others_see_no_lattice(void **state) {
     planish_options options = test_options(1);
     planish_result result;
     heard h = {0};
-    cell_box *rough = cell_box_create(kind, is_flat(kind) ? 40 : 12);
+    cell_box *rough = cell_box_create(kind, cells_along(kind));
     cell_box_shake(rough, 0.14, 3);
     free(smooth(rough, options, &h, &result));
     assert_int_equal(h.n_steps, 0);
