@@ -159,6 +159,29 @@ static void same_bits(void **state) {
     cell_box_destroy(box);
 }
 
+/** A box that is larger by a power of two has the same bits, times that power. */
+static void powers_of_two_change_no_bit(void **state) {
+    static const int EXPONENTS[] = {-200, -9, 200};
+    cell_box *box = squeezed_box(*(cell_box_kind *)*state);
+    const int64_t n = box->mesh.n_nodes * box->mesh.dim;
+    double *given = test_copy_of(&box->mesh);
+    planish_result result;
+    heard h = {0};
+    double *one = smooth(box, test_options(1), &h, &result);
+    for (size_t k = 0; k < sizeof EXPONENTS / sizeof *EXPONENTS; k++) {
+        for (int64_t i = 0; i < n; i++)
+            box->x[i] = ldexp(given[i], EXPONENTS[k]);
+        double *other = smooth(box, test_options(1), &h, &result);
+        for (int64_t i = 0; i < n; i++)
+            assert_true(other[i] == ldexp(one[i], EXPONENTS[k]));
+        free(other);
+    }
+    assert_true(h.n_steps >= 1 + (int)(sizeof EXPONENTS / sizeof *EXPONENTS));
+    free(given);
+    free(one);
+    cell_box_destroy(box);
+}
+
 /** Any answer of the progress function may end the steps: the mesh is valid then. */
 static void they_end_at_any_call(void **state) {
     enum { ANSWERS = 40 };
@@ -203,6 +226,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         WITH_ALL(a_lattice_helps_early),
         WITH_ALL(same_bits),
+        WITH_ALL(powers_of_two_change_no_bit),
         WITH_ALL(they_end_at_any_call),
         {"others see no lattice hexahedra", others_see_no_lattice, NULL, NULL, &hexahedra},
         {"others see no lattice quadrilaterals", others_see_no_lattice, NULL, NULL,
