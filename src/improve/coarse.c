@@ -28,8 +28,9 @@ enum {
 
 /* Spacing of the finest grid, by the mean length of edges. */
 #define SPACING 2.5
-/* One in so many tetrahedra stands for all in the Hessian: simplices of this spacing have some twenty.
- * With one in four, steps are shorter. Triangles are all in it: seven are in a simplex. */
+/* In space one in so many elements stands for all in the Hessian: some twenty tetrahedra, or corners of
+ * hexahedra, are in a simplex of this spacing. With one in four some steps are shorter. In the plane
+ * all are in it: seven triangles are in a simplex. */
 #define ONE_IN 2
 /* Part to which conjugate gradients reduce the residual. */
 #define SOLVED 0.1

@@ -1,5 +1,6 @@
 /* lattice_stiffness: the Hessian of the sum of RR^2, with corners that of AR^2, by the vertices of a
- * lattice; forces and moves of nodes. Layers of cells or vertices with one between them share nothing that is written. */
+ * lattice; forces and moves of nodes. Layers of cells or vertices with one between them share nothing
+ * that is written. */
 #include "improve/bend_mean.h"
 #include "improve/lattice_places.h"
 
