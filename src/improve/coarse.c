@@ -47,10 +47,11 @@ enum {
 typedef struct coarse_steps {
     pl_run *r;
     pl_lattice lattice;
-    double *force, *move; /* [n_stars][dim] */
-    double *start;        /* [n_nodes][dim] coordinates before the step */
-    double part;          /* of the way, in this trial */
-    int is_first;         /* step */
+    pl_star_problem sliding; /* of the nodes that slide */
+    double *force, *move;    /* [lattice.n_stars][dim] */
+    double *start;           /* [n_nodes][dim] coordinates before the step */
+    double part;             /* of the way, in this trial */
+    int is_first;            /* step */
     /* No element may become worse: */
     double rr2, acuteness; /* with corners mu^2 of one, and 1 / SJ^2, */
     double cell_ratio;     /* and AR^2 of cells; infinite: of none */
@@ -59,14 +60,19 @@ typedef struct coarse_steps {
 
 static void force_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const coarse_steps *c = context;
-    const pl_star_problem *problem = &c->r->problem;
-    const int dim = c->r->plan->dim;
-    pl_star_evaluate_fn *evaluate = pl_star_ratio_of(c->r->plan->kernel, problem, dim);
-    double *scratch = pl_star_scratch_of(problem, thread);
+    const planish_plan *plan = c->r->plan;
+    const int dim = plan->dim;
+    const int64_t n = plan->interior.stars.n_stars;
+    pl_star_evaluate_fn *of_interior = pl_star_ratio_of(plan->kernel, &c->r->problem, dim);
+    pl_star_evaluate_fn *of_sliding = pl_star_evaluate_of(plan->kernel, &c->sliding, dim);
+    double *scratch = pl_star_scratch_of(&c->r->problem, thread);
     for (int64_t i = begin; i < end; i++) {
         pl_star_value value;
         const int is_sure =
-            evaluate(problem, i, scratch, PL_GRADIENT_ALONE, &value) && value.certain;
+            c->lattice.freedom[pl_lattice_node(&c->lattice, i)] != PL_LATTICE_HELD &&
+            (i < n ? of_interior(&c->r->problem, i, scratch, PL_GRADIENT_ALONE, &value)
+                   : of_sliding(&c->sliding, i - n, scratch, PL_GRADIENT_ALONE, &value)) &&
+            value.certain;
         for (int d = 0; d < dim; d++)
             c->force[i * dim + d] = is_sure && isfinite(value.gradient[d]) ? -value.gradient[d] : 0;
     }
@@ -107,7 +113,7 @@ static int ask_in_solution(void *context) {
  *  F, or the work was cut short. */
 static int find_moves(coarse_steps *c, int is_anew, pl_sweep_tally *tally) {
     const planish_plan *plan = c->r->plan;
-    const int64_t n = plan->interior.stars.n_stars;
+    const int64_t n = c->lattice.n_stars;
     asking a = {c, tally};
     if (is_anew) {
         pl_lattice_sort(&c->lattice);
@@ -132,12 +138,15 @@ static void move_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const int dim = plan->dim;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const int32_t node = plan->interior.centre[i];
+        const int32_t node = pl_lattice_node(&c->lattice, i);
         const double *start = c->start + (int64_t)node * dim;
         double x[3];
         for (int d = 0; d < dim; d++)
             x[d] = start[d] + c->part * c->move[i * dim + d];
-        const int fits = pl_star_admit(&c->r->problem, node, dim, x);
+        if (c->lattice.freedom[node] > PL_LATTICE_FREE)
+            pl_star_slide_to(&plan->slide[i - plan->interior.stars.n_stars], dim, x);
+        const int fits = c->lattice.freedom[node] != PL_LATTICE_HELD &&
+                         pl_star_admit(&c->r->problem, node, dim, x);
         memcpy(plan->scratch.coordinates + (int64_t)node * dim, fits ? x : start,
                (size_t)dim * sizeof *x);
     }
@@ -164,10 +173,10 @@ static double take_moves(coarse_steps *c, pl_sweep_tally *tally) {
     memcpy(c->start, x, size);
     c->part = 1;
     for (int i = 0; i < TRIALS && !tally->stopped; i++, c->part *= SHORTER) {
-        pl_parallel_for(plan->threads, plan->interior.stars.n_stars, CHUNK, move_chunk, c);
+        pl_parallel_for(plan->threads, c->lattice.n_stars, CHUNK, move_chunk, c);
         pl_ghosts_update(plan, x, plan->dim * (int64_t)sizeof *x);
         pl_run_measure(r);
-        tally->stars.visits += plan->interior.n_all;
+        tally->stars.visits += c->lattice.n_moving;
         ask_all(c, tally);
         if (is_better(c, &before, i == 0))
             return 1 - sqrt(r->sums.ratio[1] / before.ratio[1]);
@@ -230,15 +239,24 @@ static int is_suitable(const pl_run *r) {
            plan->sliding.n_followers == 0 && plan->interior.n_followers == 0 && plan->n_images == 0;
 }
 
+/** Whether nodes on planes and lines take part. While all elements are positive no facet of a plane can
+ *  fold over. On a shape they stay: nothing bounds there how far facets go. */
+static int may_slide(const pl_run *r) {
+    return r->plan->sliding.n_all > 0 && !pl_parts_any(r->skin.shape != NULL) &&
+           !(r->sums.inverted > 0);
+}
+
 int pl_run_coarse(pl_run *r) {
     const planish_plan *plan = r->plan;
-    const int64_t n = plan->interior.stars.n_stars * plan->dim;
+    const int64_t n = (plan->interior.stars.n_stars + plan->sliding.stars.n_stars) * plan->dim;
     const pl_star_limits worst = pl_run_worst_limits(r, 1);
     int stopped = 0;
     if (!is_suitable(r))
         return 0;
     pl_log(PLANISH_LOG_DETAIL, "sweeps would be slow: Newton's steps on a lattice");
+    const int slides = may_slide(r);
     coarse_steps c = {.r = r,
+                      .sliding = pl_run_sliding_problem(r),
                       .force = pl_alloc(n, sizeof *c.force),
                       .move = pl_alloc(n, sizeof *c.move),
                       .start = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *c.start),
@@ -247,7 +265,7 @@ int pl_run_coarse(pl_run *r) {
                       .cell_ratio = plan->work.corner ? r->sums.radius_max : INFINITY};
     const int ready = c.force && c.move && c.start;
     if (!pl_parts_any(!ready) && ready &&
-        pl_lattice_create(plan, SPACING, plan->dim == 3 ? ONE_IN : 1, &c.lattice))
+        pl_lattice_create(plan, SPACING, plan->dim == 3 ? ONE_IN : 1, slides, &c.lattice))
         stopped = make_steps(&c);
     pl_lattice_destroy(&c.lattice);
     pl_free(c.force);

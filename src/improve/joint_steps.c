@@ -202,17 +202,6 @@ static void restore_places(const pl_joint *joint, const pl_joint_room *w, places
                (size_t)joint->run->plan->dim * sizeof **at);
 }
 
-/** Bring x [dim] to the plane or line on which it slides. */
-static void slide_to(const pl_star_slide *slide, int dim, double *x) {
-    double way[3], along;
-    pl_subtract(dim, x, slide->point, way);
-    along = pl_dot(dim, way, slide->direction);
-    for (int d = 0; d < dim; d++)
-        x[d] = slide->kind == PLANISH_CONSTRAINT_ON_LINE
-                   ? slide->point[d] + slide->direction[d] * along
-                   : slide->point[d] + (way[d] - slide->direction[d] * along);
-}
-
 /** Move the nodes by w->x from start. Return 0 if they may not be there. */
 static int move_nodes(const pl_joint *joint, const pl_joint_room *w, places start) {
     const int dim = joint->run->plan->dim;
@@ -226,7 +215,7 @@ static int move_nodes(const pl_joint *joint, const pl_joint_room *w, places star
                 to[d] += w->x[node->first + j] * node->direction[j][d] * scale;
         }
         if (node->slide)
-            slide_to(node->slide, dim, to);
+            pl_star_slide_to(node->slide, dim, to);
         if (!pl_star_admit(&joint->mesh.problem, node->node, dim, to))
             return 0;
         memcpy(x, to, (size_t)dim * sizeof *x);

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "geometry/simplex.h"
+#include "plan/ghosts.h"
 
 #include <string.h>
 
@@ -119,27 +120,33 @@ static double size_grids(pl_lattice *l, const double extent[3], double spacing,
     return vertices;
 }
 
-/** Set box to {upper, -lower} coordinates of the nodes at stars, in all processes; in the plane the
- *  third ones are 0. */
-static void find_box(const planish_plan *plan, double box[6]) {
-    const pl_stars *stars = &plan->interior.stars;
+/** Let box {upper, -lower} have the nodes at stars. */
+static void widen_box(const planish_plan *plan, const pl_stars *stars, double box[6]) {
     const int dim = plan->dim;
-    for (int d = 0; d < 6; d++)
-        box[d] = d % 3 < dim ? -INFINITY : 0;
     for (int64_t k = 0; k < stars->ring_offset[stars->n_stars]; k++)
         for (int d = 0; d < dim; d++) {
             const double x = plan->scratch.coordinates[stars->ring[k] * (int64_t)dim + d];
             box[d] = x > box[d] ? x : box[d];
             box[d + 3] = -x > box[d + 3] ? -x : box[d + 3];
         }
+}
+
+/** Set box to {upper, -lower} coordinates of the nodes at stars, in all processes; in the plane the
+ *  third ones are 0. */
+static void find_box(const planish_plan *plan, int slides, double box[6]) {
+    for (int d = 0; d < 6; d++)
+        box[d] = d % 3 < plan->dim ? -INFINITY : 0;
+    widen_box(plan, &plan->interior.stars, box);
+    if (slides)
+        widen_box(plan, &plan->sliding.stars, box);
     pl_parts_largest(box, 6);
 }
 
-static int place_grids(pl_lattice *l, double spacing) {
-    const double per_star = VERTICES_PER_STAR * (double)l->plan->interior.n_all + 64;
+static int place_grids(pl_lattice *l, double spacing, int slides) {
+    const double per_star = VERTICES_PER_STAR * (double)l->n_moving + 64;
     const double most = per_star < VERTICES_MOST ? per_star : VERTICES_MOST;
     double box[6], extent[3], width[3], part[3];
-    find_box(l->plan, box);
+    find_box(l->plan, slides, box);
     spacing *= edge_length(l->plan, width);
     find_parts(l->plan->dim, width, part);
     for (int d = 0; d < 3; d++)
@@ -166,27 +173,31 @@ typedef struct element_pass {
     int64_t n;
 } element_pass;
 
-/** Middle of an element in units; 0 if it has no free node, or another process counts it. */
+/** Middle of an element in units; 0 if it has no free node, or another process counts it; above
+ *  PL_LATTICE_FREE if one of its nodes slides. */
 PL_INLINE int middle_of(const pl_lattice *l, int64_t element, double *x, int dim) {
     const uint8_t *is_counted = l->plan->work.is_counted;
-    int any = 0;
+    int freedom = 0;
     double node[3];
     for (int d = 0; d < dim; d++)
         x[d] = 0;
     for (int j = 0; j <= dim; j++) {
         const int32_t inner = pl_plan_inner(l->plan, element, j);
-        any |= l->is_free[inner];
+        freedom |= l->freedom[inner];
         pl_unit_place(l, inner, node, dim);
         for (int d = 0; d < dim; d++)
             x[d] += node[d] * (1.0 / (dim + 1));
     }
-    return any && (!is_counted || is_counted[element]);
+    return !is_counted || is_counted[element] ? freedom : PL_LATTICE_HELD;
 }
 
 /** Whether an element is in the Hessian, by the bits of its middle: a choice that no order of the
- *  elements and no process changes. */
-PL_INLINE int is_chosen(const pl_lattice *l, const double *middle, int dim) {
+ *  elements and no process changes. Those with a node that slides are: some such nodes have only a
+ *  few. */
+PL_INLINE int is_chosen(const pl_lattice *l, int freedom, const double *middle, int dim) {
     uint64_t mix = 0;
+    if (freedom > PL_LATTICE_FREE)
+        return 1;
     for (int d = 0; d < dim; d++) {
         uint64_t bits;
         memcpy(&bits, &middle[d], sizeof bits);
@@ -212,13 +223,14 @@ PL_INLINE void find_largest(const element_pass *p, int64_t begin, int64_t end, i
         if (i + AHEAD < l->plan->work.n_elements)
             fetch_element(l, i + AHEAD, dim);
         p->simplex_of[i] = -1;
-        if (!middle_of(l, i, x, dim))
+        const int freedom = middle_of(l, i, x, dim);
+        if (freedom == PL_LATTICE_HELD)
             continue;
         const pl_cube_place place = pl_cube_at(&l->grid[0], x, dim);
         const double largest = determinant_of(l, i, dim);
         if (largest > p->largest[place.vertex]) /* seldom, and then for sure */
             pl_raise_double(&p->largest[place.vertex], largest);
-        if (is_chosen(l, x, dim))
+        if (is_chosen(l, freedom, x, dim))
             p->simplex_of[i] =
                 (int32_t)(place.vertex * pl_simplices_of(dim) + pl_find_order(place.along, dim));
     }
@@ -296,8 +308,8 @@ static int allocate_grid(pl_grid *g, int dim) {
 }
 
 /** Allocate the lattice for grids whose sizes are known. Returns 0 without memory. */
-static int allocate(pl_lattice *l) {
-    const int64_t m = l->plan->work.n_elements, n_stars = l->plan->interior.stars.n_stars;
+static int allocate(pl_lattice *l, int slides) {
+    const int64_t m = l->plan->work.n_elements, n_nodes = l->plan->work.n_nodes;
     const int dim = l->plan->dim;
     int ready = 1;
     for (int i = 0; i < l->n_levels; i++) {
@@ -309,31 +321,57 @@ static int allocate(pl_lattice *l) {
         l->n_simplices += g->n_vertices * pl_simplices_of(dim);
         ready = allocate_grid(g, dim) && ready;
     }
-    l->is_free = pl_alloc_zero(l->plan->work.n_nodes, 1);
-    l->simplex_of = pl_alloc(n_stars, sizeof(int32_t));
+    l->freedom = pl_alloc_zero(n_nodes, 1);
+    if (slides)
+        l->direction = pl_alloc_zero(n_nodes * dim, sizeof(double));
+    l->simplex_of = pl_alloc(l->n_stars, sizeof(int32_t));
     l->element = pl_alloc(m, sizeof(int32_t));
     l->corner = pl_alloc(m * (dim + 1), sizeof(int32_t));
     l->of_slab = pl_alloc(l->grid[0].n_slabs, sizeof(double));
     l->element_begin = pl_alloc(l->n_simplices + 1, sizeof(int64_t));
-    l->star = pl_alloc(n_stars, sizeof(int32_t));
+    l->star = pl_alloc(l->n_stars, sizeof(int32_t));
     l->star_begin = pl_alloc(l->n_simplices + 1, sizeof(int64_t));
-    return ready && l->is_free && l->corner && l->of_slab && l->simplex_of && l->element &&
-           l->element_begin && l->star && l->star_begin;
+    return ready && l->freedom && (l->direction || !slides) && l->corner && l->of_slab &&
+           l->simplex_of && l->element && l->element_begin && l->star && l->star_begin;
 }
 
-int pl_lattice_create(const planish_plan *plan, double spacing, int one_in, pl_lattice *l) {
-    const uint8_t *mobility = plan->work.mobility;
-    *l = (pl_lattice){.plan = plan, .one_in = one_in};
-    if (!place_grids(l, spacing))
+/** Set where nodes may go, in all processes. */
+static void find_freedom(pl_lattice *l, int slides) {
+    const planish_plan *plan = l->plan;
+    const size_t size = (size_t)plan->dim * sizeof(double);
+    for (int64_t i = 0; i < plan->work.n_nodes; i++)
+        l->freedom[plan->inner[i]] =
+            plan->work.mobility[i] == PL_INTERIOR ? PL_LATTICE_FREE : PL_LATTICE_HELD;
+    if (!slides)
+        return;
+    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++) {
+        const int64_t node = plan->sliding.centre[s];
+        if (plan->slides_by[s] != PLANISH_CONSTRAINT_ON_PLANE &&
+            plan->slides_by[s] != PLANISH_CONSTRAINT_ON_LINE)
+            continue;
+        l->freedom[node] = plan->slides_by[s];
+        memcpy(l->direction + node * plan->dim, plan->slide[s].direction, size);
+    }
+    pl_ghosts_update(plan, l->freedom, sizeof *l->freedom);
+    pl_ghosts_update(plan, l->direction, (int64_t)size);
+}
+
+int pl_lattice_create(const planish_plan *plan, double spacing, int one_in, int slides,
+                      pl_lattice *l) {
+    const pl_visits *interior = &plan->interior, *sliding = &plan->sliding;
+    *l = (pl_lattice){.plan = plan,
+                      .one_in = one_in,
+                      .n_stars = interior->stars.n_stars + (slides ? sliding->stars.n_stars : 0),
+                      .n_moving = interior->n_all + (slides ? sliding->n_all : 0)};
+    if (!place_grids(l, spacing, slides))
         return 0;
-    int ready = allocate(l);
+    int ready = allocate(l, slides);
     double *largest = pl_alloc_zero(l->grid[0].n_vertices, sizeof *largest);
     ready = ready && largest && l->n_simplices < INT32_MAX;
     ready = !pl_parts_any(!ready) && ready; /* if the others are not reached, too */
     if (ready) {
         element_pass pass = {.l = l, .largest = largest, .simplex_of = l->corner};
-        for (int64_t i = 0; i < plan->work.n_nodes; i++)
-            l->is_free[plan->inner[i]] = mobility[i] == PL_INTERIOR;
+        find_freedom(l, slides);
         pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, largest_chunk, &pass);
         find_largest_of_parts(largest, l->grid[0].n_vertices);
         for (int i = 0; i < l->n_levels; i++)
@@ -352,7 +390,8 @@ void pl_lattice_destroy(pl_lattice *l) {
         for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
             pl_free(arrays[k]);
     }
-    pl_free(l->is_free);
+    pl_free(l->freedom);
+    pl_free(l->direction);
     pl_free(l->simplex_of);
     pl_free(l->element);
     pl_free(l->corner);
@@ -381,8 +420,12 @@ PL_INLINE void find_simplices(const element_pass *p, int64_t begin, int64_t end,
         int64_t of = l->is_known ? p->simplex_of[i] : -1;
         if (!l->is_known && i + AHEAD < p->n)
             fetch_element(l, i + AHEAD, dim);
-        if (!l->is_known || (of >= 0 && !is_simplex_active(&l->grid[0], of, dim)))
-            of = middle_of(l, i, x, dim) && is_chosen(l, x, dim) ? pl_simplex_at(l, x, dim) : -1;
+        if (!l->is_known || (of >= 0 && !is_simplex_active(&l->grid[0], of, dim))) {
+            const int freedom = middle_of(l, i, x, dim);
+            of = freedom != PL_LATTICE_HELD && is_chosen(l, freedom, x, dim)
+                     ? pl_simplex_at(l, x, dim)
+                     : -1;
+        }
         p->simplex_of[i] = (int32_t)of;
         if (of >= 0)
             __atomic_fetch_add(&p->count[of], 1, __ATOMIC_RELAXED);
@@ -401,7 +444,7 @@ static void element_chunk(void *context, int64_t begin, int64_t end, int thread)
 /** Number of the simplex of a star's node. */
 PL_INLINE int64_t simplex_of_star(const pl_lattice *l, int64_t star, int dim) {
     double x[3];
-    pl_unit_place(l, l->plan->interior.centre[star], x, dim);
+    pl_unit_place(l, pl_lattice_node(l, star), x, dim);
     return pl_simplex_at(l, x, dim);
 }
 
@@ -474,12 +517,12 @@ static void find_owners(pl_lattice *l) {
 }
 
 void pl_lattice_sort(pl_lattice *l) {
-    const int64_t m = l->plan->work.n_elements, n_stars = l->plan->interior.stars.n_stars;
+    const int64_t m = l->plan->work.n_elements;
     sort_by_simplices(l, element_chunk, l->corner, m, l->element, l->element_begin);
     l->n_terms = l->element_begin[l->n_simplices];
     pl_parallel_for(l->plan->threads, l->n_terms, CHUNK, corner_chunk, l);
     l->is_known = 0;
-    sort_by_simplices(l, star_chunk, l->simplex_of, n_stars, l->star, l->star_begin);
+    sort_by_simplices(l, star_chunk, l->simplex_of, l->n_stars, l->star, l->star_begin);
     pl_parts_add(&l->n_terms, 1);
     find_owners(l);
 }

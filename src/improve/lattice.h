@@ -7,6 +7,7 @@
  * to a coarser one. The unit of coordinates is the spacing of the finest grid.
  *
  * Elements are those of the plan: of a mesh of cells their corners (geometry/corner.h).
+ * Nodes that slide on planes and lines go as the projection of the displacement there.
  *
  * Terms of elements and nodes are rounded to multiples of one power of two, so that their sums are
  * exact in any order. Threads and processes therefore get the same bits. If the mesh is in parts,
@@ -26,6 +27,14 @@ enum {
     PL_LATTICE_LEVELS = 24,
     PL_LATTICE_BLOCKS = 8, /* of a vertex with itself and those at offsets 0 or 1: at most, */
     PL_LATTICE_BLOCK = 9   /* entries of each, by rows: at most */
+};
+
+/** Where a node may go. */
+enum {
+    PL_LATTICE_HELD = 0,
+    PL_LATTICE_FREE = 1,
+    PL_LATTICE_ON_PLANE = PLANISH_CONSTRAINT_ON_PLANE,
+    PL_LATTICE_ON_LINE = PLANISH_CONSTRAINT_ON_LINE
 };
 
 /** One grid; vertices are numbered x first. Slabs are the vertices of one last coordinate, or the
@@ -56,7 +65,11 @@ typedef struct pl_lattice {
     pl_grid grid[PL_LATTICE_LEVELS];
     int64_t n_simplices;
     int64_t n_terms;        /* elements in the Hessian, of all processes */
-    uint8_t *is_free;       /* [nodes of the plan] by inner numbers; 1: may go anywhere */
+    int64_t n_stars;        /* of nodes that may move, see pl_lattice_node */
+    int64_t n_moving;       /* of all processes */
+    uint8_t *freedom;       /* [nodes of the plan] by inner numbers: PL_LATTICE_HELD, ... */
+    double *direction;      /* [nodes of the plan][dim] unit normals of planes, directions of lines;
+                               NULL: no node slides */
     int is_known;           /* corner begins with [n_elements] simplices of the finest grid */
     int32_t *element;       /* [elements in the Hessian] by simplices */
     int32_t *corner;        /* [elements in the Hessian][dim + 1] their nodes, inner numbers; room
@@ -69,9 +82,18 @@ typedef struct pl_lattice {
 } pl_lattice;
 
 /** Make grids for the mesh as it is, spacing times as wide as edges are long. One in so many of the
- *  elements with a free node stands for all in the Hessian. Returns 0 in all processes if one lacks
+ *  elements with a free node, but none that slides, stands for all in the Hessian. slides: nodes on planes
+ *  and lines move, too, and follow no others. Returns 0 in all processes if one lacks
  *  memory, or if the mesh has no extent; destroy the lattice in any case. */
-int pl_lattice_create(const planish_plan *plan, double spacing, int one_in, pl_lattice *lattice);
+int pl_lattice_create(const planish_plan *plan, double spacing, int one_in, int slides,
+                      pl_lattice *lattice);
+
+/** Return the node of a star: of the interior's stars, then of those that slide, if these move. */
+static inline int32_t pl_lattice_node(const pl_lattice *lattice, int64_t star) {
+    const pl_visits *interior = &lattice->plan->interior;
+    const int64_t n = interior->stars.n_stars;
+    return star < n ? interior->centre[star] : lattice->plan->sliding.centre[star - n];
+}
 
 /** Free the arrays of a lattice. */
 void pl_lattice_destroy(pl_lattice *lattice);
@@ -82,7 +104,8 @@ void pl_lattice_sort(pl_lattice *lattice);
 /** Assemble, for what is sorted. Blocks that are not positive definite are shifted until they are. */
 void pl_lattice_assemble(pl_lattice *lattice);
 
-/** Set the forces of vertices from those of the stars' nodes, [n_stars][dim], finite. Returns 0 if all
+/** Set the forces of vertices from those of the stars' nodes, [n_stars][dim], finite and along the
+ *  planes and lines. Returns 0 if all
  *  are 0 or they are too large. */
 int pl_lattice_restrict(pl_lattice *lattice, const double *force);
 
@@ -94,7 +117,7 @@ typedef int pl_lattice_ask_fn(void *context);
 int pl_lattice_solve(pl_lattice *lattice, double part, int n, pl_lattice_ask_fn *ask,
                      void *context);
 
-/** Set the moves of the stars' nodes, [n_stars][dim]. */
+/** Set the displacements at the stars' nodes, [n_stars][dim]: not yet along the planes and lines. */
 void pl_lattice_prolong(const pl_lattice *lattice, double *move);
 
 #endif

@@ -14,28 +14,71 @@
  * are 0.4 long is 10. Stiffer elements are as good as rigid, and count as if they had this one. */
 #define STIFFEST 0x1p20
 
+enum { NODE_BLOCKS = 10 }; /* of an element's nodes (i, j), i <= j: at most */
+
+/* A displacement that leaves the plane or line of a node counts with this part of the norm of the node's
+ * block: where all nodes slide, nothing else would tell such displacements. */
+#define ASIDE 0x1p-8
+
 /** Four elements of a simplex: their nodes, and the weights of its vertices at these; 0 at nodes that
- *  are not free. form: of elements that are corners. */
+ *  are held. form: of elements that are corners. */
 typedef struct four {
     bend_pack x[PL_CORNERS][3], weight[PL_CORNERS][PL_CORNERS];
+    int slides;                                         /* any of the nodes; then: */
+    bend_pack projection[PL_CORNERS][PL_LATTICE_BLOCK]; /* on planes and lines: P, by rows; */
+    bend_pack share; /* of elements with such nodes, which stand for none but themselves; else 1 */
     bend_form form;
 } four;
 
+/** Set the projection of a node. */
+PL_INLINE void find_projection(const pl_lattice *l, int32_t inner, double *projection, int dim) {
+    const int freedom = l->freedom[inner];
+    const double *direction = l->direction + (int64_t)inner * dim;
+    for (int r = 0; r < dim; r++)
+        for (int c = 0; c < dim; c++) {
+            const double part = direction[r] * direction[c], all = r == c; /* free: all */
+            projection[r * dim + c] = freedom == PL_LATTICE_ON_LINE    ? part
+                                      : freedom == PL_LATTICE_ON_PLANE ? all - part
+                                                                       : all;
+        }
+}
+
+/** Gather the projections of four elements, the first n of corner, and their shares. */
+PL_INLINE void gather_projections(const pl_lattice *l, const int32_t *corner, int64_t n, four *f,
+                                  int dim) {
+    for (int lane = 0; lane < 4; lane++) {
+        int freedom = 0;
+        for (int j = 0; j <= dim; j++) {
+            const int32_t inner = corner[(lane < n ? lane : 0) * (dim + 1) + j];
+            double projection[PL_LATTICE_BLOCK];
+            freedom |= l->freedom[inner];
+            find_projection(l, inner, projection, dim);
+            for (int c = 0; c < dim * dim; c++)
+                f->projection[j][c][lane] = projection[c];
+        }
+        f->share[lane] = freedom > PL_LATTICE_FREE ? 1.0 / l->one_in : 1;
+    }
+}
+
 PL_INLINE void gather_four(const pl_lattice *l, const pl_simplex *s, const int32_t *corner,
                            int64_t n, four *f, int dim) {
+    f->slides = 0;
     for (int lane = 0; lane < 4; lane++) {
         for (int j = 0; j <= dim; j++) {
             const int32_t inner = corner[(lane < n ? lane : 0) * (dim + 1) + j];
             double x[3], weight[PL_CORNERS] = {0};
             pl_unit_place(l, inner, x, dim);
-            if (l->is_free[inner] && lane < n)
+            if (l->freedom[inner] != PL_LATTICE_HELD && lane < n)
                 pl_weights_at(s, x, weight, dim);
+            f->slides |= l->freedom[inner] > PL_LATTICE_FREE;
             for (int d = 0; d < dim; d++)
                 f->x[j][d][lane] = x[d];
             for (int a = 0; a <= dim; a++)
                 f->weight[j][a][lane] = weight[a];
         }
     }
+    if (f->slides)
+        gather_projections(l, corner, n, f, dim);
 }
 
 /** Gather the forms of four corners, the first n elements of a simplex. */
@@ -55,22 +98,32 @@ typedef struct simplex_sums {
     bend_pack block[10][PL_LATTICE_BLOCK];
 } simplex_sums;
 
-/** Limit the Hessians h by edges whose weights are by_edge: no entry by vertices is above most, and
- *  none is NaN or infinite. */
-PL_INLINE void limit_stiffness(bend_pack most, bend_pack by_edge[3][PL_CORNERS],
-                               bend_block h[BEND_BLOCKS], int dim) {
+/** Number of block (i, j), i <= j, of n x n. */
+PL_INLINE int block_of(int i, int j, int n) {
+    return i * n - i * (i - 1) / 2 + j - i;
+}
+
+/** Entry c of block (i, j) of n x n, of which those with i <= j are kept. */
+PL_INLINE bend_pack entry_of(const bend_block *h, int i, int j, int n, int c, int dim) {
+    return i <= j ? h[block_of(i, j, n)][c] : h[block_of(j, i, n)][c % dim * dim + c / dim];
+}
+
+/** Limit Hessians h of n x n blocks, by edges or nodes whose weights are given: no entry by vertices is
+ *  above most, and none is NaN or infinite. */
+PL_INLINE void limit_stiffness(bend_pack most, const bend_pack weight[][PL_CORNERS], int n,
+                               bend_block *h, int dim) {
     bend_pack of_blocks = bend_of(0), of_weights = bend_of(0);
-    for (int i = 0, at = 0; i < dim; i++)
-        for (int j = i; j < dim; j++, at++)
+    for (int i = 0, at = 0; i < n; i++)
+        for (int j = i; j < n; j++, at++)
             for (int c = 0; c < dim * dim; c++) /* twice as much where i < j */
                 of_blocks += (i == j ? 1.0 : 2.0) * h[at][c] * h[at][c];
-    for (int i = 0; i < dim; i++)
+    for (int i = 0; i < n; i++)
         for (int a = 0; a <= dim; a++)
-            of_weights += by_edge[i][a] * by_edge[i][a];
+            of_weights += weight[i][a] * weight[i][a];
     const bend_pack norm = bend_sqrt(of_blocks) * of_weights, shrink = most / norm;
     const bend_mask is_finite = norm <= 0x1p1000;
     const bend_pack factor = bend_choose(norm > most, shrink, bend_of(1));
-    for (int q = 0; q < dim * (dim + 1) / 2; q++)
+    for (int q = 0; q < n * (n + 1) / 2; q++)
         for (int c = 0; c < dim * dim; c++)
             h[q][c] = bend_choose(is_finite, h[q][c] * factor, bend_of(0));
 }
@@ -88,13 +141,90 @@ PL_INLINE void find_bends(const four *f, const bend_vector e[3], bend_block h[BE
         bend_keep_positive(e, h);
 }
 
-/** Add four elements to the sums, in terms, none of them above most. */
+/** Set block to P H Q, for projections P and Q. */
+PL_INLINE void project_block(const bend_pack *p, const bend_pack *q, bend_pack *block, int dim) {
+    bend_block half;
+    for (int r = 0; r < dim; r++)
+        for (int c = 0; c < dim; c++) {
+            half[r * dim + c] = p[r * dim] * block[c];
+            for (int k = 1; k < dim; k++)
+                half[r * dim + c] += p[r * dim + k] * block[k * dim + c];
+        }
+    for (int r = 0; r < dim; r++)
+        for (int c = 0; c < dim; c++) {
+            block[r * dim + c] = half[r * dim] * q[c];
+            for (int k = 1; k < dim; k++)
+                block[r * dim + c] += half[r * dim + k] * q[k * dim + c];
+        }
+}
+
+/** Add to a node's block what tells displacements aside: part of norm (I - P). */
+PL_INLINE void add_aside(const bend_pack *p, bend_pack norm2, bend_pack *block, int dim) {
+    const bend_pack size = bend_sqrt(norm2) * ASIDE;
+    for (int r = 0; r < dim; r++)
+        for (int c = 0; c < dim; c++)
+            block[r * dim + c] += size * ((r == c ? 1.0 : 0.0) - p[r * dim + c]);
+}
+
+/** Set the Hessians by nodes, (dim + 1) x (dim + 1) blocks, from those by edges: projected. */
+PL_INLINE void find_node_blocks(const four *f, const bend_block h[BEND_BLOCKS],
+                                bend_block by_node[NODE_BLOCKS], int dim) {
+    for (int c = 0; c < dim * dim; c++) {
+        bend_pack all = bend_of(0);
+        for (int j = 0; j < dim; j++) {
+            bend_pack sum = bend_of(0);
+            for (int i = 0; i < dim; i++)
+                sum += entry_of(h, i, j, dim, c, dim);
+            all += sum;
+            by_node[block_of(0, j + 1, dim + 1)][c] = -sum;
+            for (int i = 0; i <= j; i++)
+                by_node[block_of(i + 1, j + 1, dim + 1)][c] = h[block_of(i, j, dim)][c];
+        }
+        by_node[0][c] = all;
+    }
+    for (int i = 0, at = 0; i <= dim; i++)
+        for (int j = i; j <= dim; j++, at++) {
+            bend_pack norm2 = bend_of(0);
+            for (int c = 0; c < dim * dim; c++) {
+                by_node[at][c] *= f->share;
+                norm2 += by_node[at][c] * by_node[at][c];
+            }
+            project_block(f->projection[i], f->projection[j], by_node[at], dim);
+            if (i == j)
+                add_aside(f->projection[i], norm2, by_node[at], dim);
+        }
+}
+
+/** Add Hessians h of n x n blocks, by edges or nodes whose weights are given, to the sums. */
+PL_INLINE void add_blocks(const bend_block *h, const bend_pack weight[][PL_CORNERS], int n,
+                          pl_terms terms, simplex_sums *sums, int dim) {
+    bend_pack half[PL_CORNERS][PL_CORNERS][PL_LATTICE_BLOCK];
+    const bend_pack shift = bend_of(terms.shift);
+    for (int i = 0; i < n; i++)
+        for (int a = 0; a <= dim; a++)
+            for (int c = 0; c < dim * dim; c++) {
+                bend_pack sum = bend_of(0);
+                for (int j = 0; j < n; j++)
+                    sum += weight[j][a] * entry_of(h, i, j, n, c, dim);
+                half[i][a][c] = sum;
+            }
+    for (int a = 0, at = 0; a <= dim; a++)
+        for (int b = a; b <= dim; b++, at++)
+            for (int c = 0; c < dim * dim; c++) {
+                bend_pack sum = weight[0][a] * half[0][b][c];
+                for (int i = 1; i < n; i++)
+                    sum += weight[i][a] * half[i][b][c];
+                sums->block[at][c] += (sum + shift) - shift;
+            }
+}
+
+/** Add four elements to the sums, in terms, none of them above most: by edges, which are fewer, or where
+ *  nodes slide by nodes. */
 PL_INLINE void add_four(const four *f, pl_terms terms, double most, simplex_sums *sums,
                         int are_corners, int dim) {
-    bend_block h[BEND_BLOCKS];
+    bend_block h[BEND_BLOCKS], by_node[NODE_BLOCKS];
     bend_vector e[3];
-    bend_pack by_edge[3][PL_CORNERS], half[3][PL_CORNERS][PL_LATTICE_BLOCK];
-    const bend_pack shift = bend_of(terms.shift);
+    bend_pack by_edge[3][PL_CORNERS];
     for (int k = 0; k < dim; k++) {
         e[k].x = f->x[k + 1][0] - f->x[0][0];
         e[k].y = f->x[k + 1][1] - f->x[0][1];
@@ -103,26 +233,14 @@ PL_INLINE void add_four(const four *f, pl_terms terms, double most, simplex_sums
             by_edge[k][a] = f->weight[k + 1][a] - f->weight[0][a];
     }
     find_bends(f, e, h, are_corners, dim);
-    limit_stiffness(bend_of(most), by_edge, h, dim);
-    for (int i = 0; i < dim; i++)
-        for (int a = 0; a <= dim; a++)
-            for (int c = 0; c < dim * dim; c++) {
-                bend_pack sum = bend_of(0);
-                for (int j = 0; j < dim; j++) {
-                    const int low = i < j ? i : j, high = i < j ? j : i;
-                    const int at = low * dim - low * (low - 1) / 2 + high - low;
-                    sum += by_edge[j][a] * h[at][i <= j ? c : c % dim * dim + c / dim];
-                }
-                half[i][a][c] = sum;
-            }
-    for (int a = 0, at = 0; a <= dim; a++)
-        for (int b = a; b <= dim; b++, at++)
-            for (int c = 0; c < dim * dim; c++) {
-                bend_pack sum = by_edge[0][a] * half[0][b][c];
-                for (int i = 1; i < dim; i++)
-                    sum += by_edge[i][a] * half[i][b][c];
-                sums->block[at][c] += (sum + shift) - shift;
-            }
+    if (f->slides) {
+        find_node_blocks(f, h, by_node, dim);
+        limit_stiffness(bend_of(most), f->weight, dim + 1, by_node, dim);
+        add_blocks(by_node, f->weight, dim + 1, terms, sums, dim);
+        return;
+    }
+    limit_stiffness(bend_of(most), by_edge, dim, h, dim);
+    add_blocks(h, by_edge, dim, terms, sums, dim);
 }
 
 /** Largest entry that an element may have in the stiffness of a grid. */
@@ -347,7 +465,7 @@ PL_INLINE void exchange_slab_in(const pl_slab_pass *p, int64_t slab, int dim) {
         for (int64_t k = l->star_begin[i]; k < l->star_begin[i + 1]; k++) {
             const int64_t star = l->star[k];
             double x[3], weight[PL_CORNERS];
-            pl_unit_place(l, l->plan->interior.centre[star], x, dim);
+            pl_unit_place(l, pl_lattice_node(l, star), x, dim);
             pl_weights_at(&s, x, weight, dim);
             for (int a = 0; a <= dim; a++) {
                 const double w = fmin(fmax(weight[a], WEIGHT_LEAST), WEIGHT_MOST) * l->spacing;
@@ -389,14 +507,14 @@ static void largest_chunk(void *context, int64_t begin, int64_t end, int thread)
 
 int pl_lattice_restrict(pl_lattice *l, const double *force) {
     enum { CHUNK = 4096 };
-    const int64_t n = l->plan->interior.stars.n_stars, dim = l->plan->dim;
+    const int64_t n = l->n_stars, dim = l->plan->dim;
     force_pass forces = {force, 0};
     pl_parallel_for(l->plan->threads, n * dim, CHUNK, largest_chunk, &forces);
     pl_parts_largest(&forces.largest, 1);
     const double most = forces.largest * WEIGHT_MOST * l->spacing;
     if (!(most > 0x1p-900) || !(most < 0x1p900)) /* so that no unit or sum leaves the doubles */
         return 0;
-    const pl_terms terms = pl_terms_up_to(most, l->plan->interior.n_all);
+    const pl_terms terms = pl_terms_up_to(most, l->n_moving);
     for (int i = 0; i < l->n_levels; i++) {
         const pl_grid *g = &l->grid[i];
         pl_slab_pass pass = {.l = l, .g = g, .from = force, .body = exchange_slab, .terms = terms};
@@ -410,7 +528,7 @@ int pl_lattice_restrict(pl_lattice *l, const double *force) {
 }
 
 void pl_lattice_prolong(const pl_lattice *l, double *move) {
-    const int64_t n = l->plan->interior.stars.n_stars * l->plan->dim;
+    const int64_t n = l->n_stars * l->plan->dim;
     memset(move, 0, (size_t)n * sizeof *move);
     for (int i = 0; i < l->n_levels; i++) {
         pl_slab_pass pass = {

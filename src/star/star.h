@@ -20,7 +20,7 @@
  *   pl_star_kernel_select                                    the functions of an instruction set
  *   pl_star_visit_of, _evaluate_of, _ratio_of                those for a problem
  *   pl_star_average                                          laplacian.c: methods of averages
- *   pl_star_is_held, _admit                                  places that a node may take
+ *   pl_star_is_held, _admit, _slide_to                       places that a node may take
  *   pl_star_infeasible                                       feasibility.c: proofs
  *   pl_star_update_shifts                                    multipliers.c: augmented Lagrangian
  */
@@ -92,6 +92,19 @@ typedef struct pl_star_slide {
     double point[3];         /* of the plane or line: where the node was, */
     double direction[3];     /* and its unit normal, or direction */
 } pl_star_slide;
+
+/** Bring x [dim] to the plane or line on which a node slides. */
+static inline void pl_star_slide_to(const pl_star_slide *slide, int dim, double *x) {
+    double way[3] = {0}, along = 0;
+    for (int d = 0; d < dim; d++)
+        way[d] = x[d] - slide->point[d];
+    for (int d = 0; d < dim; d++)
+        along += way[d] * slide->direction[d];
+    for (int d = 0; d < dim; d++)
+        x[d] = slide->kind == PLANISH_CONSTRAINT_ON_LINE
+                   ? slide->point[d] + slide->direction[d] * along
+                   : slide->point[d] + (way[d] - slide->direction[d] * along);
+}
 
 /** Limits on how bad an element may become; infinite: as bad as it likes. */
 typedef struct pl_star_limits {

@@ -43,7 +43,7 @@ static void plan_mesh(setting *s, planish_isa isa, int threads) {
 
 static void begin(setting *s, planish_isa isa, int threads, int one_in) {
     plan_mesh(s, isa, threads);
-    assert_int_equal(pl_lattice_create(s->plan, SPACING, one_in, &s->lattice), 1);
+    assert_int_equal(pl_lattice_create(s->plan, SPACING, one_in, 0, &s->lattice), 1);
     pl_lattice_sort(&s->lattice);
     pl_lattice_assemble(&s->lattice);
 }
@@ -311,7 +311,7 @@ static double sum_at(const setting *s, double t) {
         for (int j = 0; j < corners; j++) {
             double move[3];
             displacement_at(&l->grid[0], dim, middle, unit[j], move);
-            for (int d = 0; l->is_free[pl_plan_inner(plan, i, j)] && d < dim; d++)
+            for (int d = 0; l->freedom[pl_plan_inner(plan, i, j)] && d < dim; d++)
                 unit[j][d] += t * move[d];
         }
         sum += plan->work.corner ? share_of(s, i, vertex) : pl_radius_ratio_square(dim, vertex);
@@ -531,7 +531,7 @@ static void without_memory_there_is_no_lattice(void **state) {
     plan_mesh(&s, PLANISH_ISA_AUTO, 1);
     while (!ready) {
         allocations_fail_one(n_failed);
-        ready = pl_lattice_create(s.plan, SPACING, 1, &s.lattice);
+        ready = pl_lattice_create(s.plan, SPACING, 1, 0, &s.lattice);
         assert_int_equal(!ready, allocations_failed());
         n_failed += !ready;
         pl_lattice_destroy(&s.lattice);
