@@ -17,16 +17,18 @@
 enum { NODE_BLOCKS = 10 }; /* of an element's nodes (i, j), i <= j: at most */
 
 /* A displacement that leaves the plane or line of a node counts with this part of the norm of the node's
- * block: where all nodes slide, nothing else would tell such displacements. */
-#define ASIDE 0x1p-8
+ * block. Where most nodes slide little else tells such displacements, and blocks of vertices would be
+ * nearly singular. */
+#define ASIDE 0.25
 
 /** Four elements of a simplex: their nodes, and the weights of its vertices at these; 0 at nodes that
  *  are held. form: of elements that are corners. */
 typedef struct four {
     bend_pack x[PL_CORNERS][3], weight[PL_CORNERS][PL_CORNERS];
-    int slides;                                         /* any of the nodes; then: */
+    int n_sliding; /* elements with a node that slides; if there are any: */
     bend_pack projection[PL_CORNERS][PL_LATTICE_BLOCK]; /* on planes and lines: P, by rows; */
-    bend_pack share; /* of elements with such nodes, which stand for none but themselves; else 1 */
+    bend_mask slides;                                   /* which of the four */
+    double share; /* of these, which stand for none but themselves */
     bend_form form;
 } four;
 
@@ -43,9 +45,10 @@ PL_INLINE void find_projection(const pl_lattice *l, int32_t inner, double *proje
         }
 }
 
-/** Gather the projections of four elements, the first n of corner, and their shares. */
+/** Gather the projections of four elements, the first n of corner. */
 PL_INLINE void gather_projections(const pl_lattice *l, const int32_t *corner, int64_t n, four *f,
                                   int dim) {
+    f->share = 1.0 / l->one_in;
     for (int lane = 0; lane < 4; lane++) {
         int freedom = 0;
         for (int j = 0; j <= dim; j++) {
@@ -56,28 +59,30 @@ PL_INLINE void gather_projections(const pl_lattice *l, const int32_t *corner, in
             for (int c = 0; c < dim * dim; c++)
                 f->projection[j][c][lane] = projection[c];
         }
-        f->share[lane] = freedom > PL_LATTICE_FREE ? 1.0 / l->one_in : 1;
+        f->slides[lane] = freedom > PL_LATTICE_FREE ? -1 : 0;
     }
 }
 
 PL_INLINE void gather_four(const pl_lattice *l, const pl_simplex *s, const int32_t *corner,
                            int64_t n, four *f, int dim) {
-    f->slides = 0;
+    f->n_sliding = 0;
     for (int lane = 0; lane < 4; lane++) {
+        int freedom = 0;
         for (int j = 0; j <= dim; j++) {
             const int32_t inner = corner[(lane < n ? lane : 0) * (dim + 1) + j];
             double x[3], weight[PL_CORNERS] = {0};
             pl_unit_place(l, inner, x, dim);
             if (l->freedom[inner] != PL_LATTICE_HELD && lane < n)
                 pl_weights_at(s, x, weight, dim);
-            f->slides |= l->freedom[inner] > PL_LATTICE_FREE;
+            freedom |= l->freedom[inner];
             for (int d = 0; d < dim; d++)
                 f->x[j][d][lane] = x[d];
             for (int a = 0; a <= dim; a++)
                 f->weight[j][a][lane] = weight[a];
         }
+        f->n_sliding += freedom > PL_LATTICE_FREE;
     }
-    if (f->slides)
+    if (f->n_sliding > 0)
         gather_projections(l, corner, n, f, dim);
 }
 
@@ -218,11 +223,24 @@ PL_INLINE void add_blocks(const bend_block *h, const bend_pack weight[][PL_CORNE
             }
 }
 
-/** Add four elements to the sums, in terms, none of them above most: by edges, which are fewer, or where
- *  nodes slide by nodes. */
+/** Add those of four elements that have a node that slides to the sums: by nodes. h: by edges. */
+PL_INLINE void add_sliding(const four *f, const bend_block h[BEND_BLOCKS], pl_terms terms,
+                           double most, simplex_sums *sums, int dim) {
+    bend_block by_node[NODE_BLOCKS];
+    bend_pack weight[PL_CORNERS][PL_CORNERS];
+    for (int j = 0; j <= dim; j++)
+        for (int a = 0; a <= dim; a++)
+            weight[j][a] = bend_choose(f->slides, f->weight[j][a], bend_of(0));
+    find_node_blocks(f, h, by_node, dim);
+    limit_stiffness(bend_of(most), weight, dim + 1, by_node, dim);
+    add_blocks(by_node, weight, dim + 1, terms, sums, dim);
+}
+
+/** Add four elements to the sums, in terms, none of them above most. Each goes the way that its nodes
+ *  ask for, whichever the others are: by edges, of which there are fewer, or by nodes. */
 PL_INLINE void add_four(const four *f, pl_terms terms, double most, simplex_sums *sums,
                         int are_corners, int dim) {
-    bend_block h[BEND_BLOCKS], by_node[NODE_BLOCKS];
+    bend_block h[BEND_BLOCKS];
     bend_vector e[3];
     bend_pack by_edge[3][PL_CORNERS];
     for (int k = 0; k < dim; k++) {
@@ -233,14 +251,16 @@ PL_INLINE void add_four(const four *f, pl_terms terms, double most, simplex_sums
             by_edge[k][a] = f->weight[k + 1][a] - f->weight[0][a];
     }
     find_bends(f, e, h, are_corners, dim);
-    if (f->slides) {
-        find_node_blocks(f, h, by_node, dim);
-        limit_stiffness(bend_of(most), f->weight, dim + 1, by_node, dim);
-        add_blocks(by_node, f->weight, dim + 1, terms, sums, dim);
-        return;
+    if (f->n_sliding > 0) {
+        add_sliding(f, h, terms, most, sums, dim);
+        for (int k = 0; k < dim; k++)
+            for (int a = 0; a <= dim; a++)
+                by_edge[k][a] = bend_choose(f->slides, bend_of(0), by_edge[k][a]);
     }
-    limit_stiffness(bend_of(most), by_edge, dim, h, dim);
-    add_blocks(h, by_edge, dim, terms, sums, dim);
+    if (f->n_sliding < 4) {
+        limit_stiffness(bend_of(most), by_edge, dim, h, dim);
+        add_blocks(h, by_edge, dim, terms, sums, dim);
+    }
 }
 
 /** Largest entry that an element may have in the stiffness of a grid. */

@@ -28,22 +28,45 @@ enum {
 /** A mesh, its plan and a lattice over it. */
 typedef struct setting {
     test_mesh mesh;
-    cell_box *box; /* NULL, or in the place of mesh */
+    cell_box *box;       /* NULL, or in the place of mesh */
+    uint8_t *constraint; /* [n_nodes] and */
+    double *direction;   /* [n_nodes][dim] how nodes slide; NULL: none does */
     planish_plan *plan;
     pl_lattice lattice;
 } setting;
 
+static const planish_mesh *mesh_of(const setting *s) {
+    return s->box ? &s->box->mesh : &s->mesh.mesh;
+}
+
 static void plan_mesh(setting *s, planish_isa isa, int threads) {
-    const planish_mesh *mesh = s->box ? &s->box->mesh : &s->mesh.mesh;
+    planish_mesh mesh = *mesh_of(s);
     planish_options options = test_options(threads);
     options.isa = isa;
-    assert_int_equal(planish_plan_create(mesh, &options, &s->plan, NULL), 0);
-    pl_plan_order(s->plan, mesh->coordinates, s->plan->scratch.coordinates);
+    mesh.constraint = s->constraint;
+    mesh.direction = s->direction;
+    assert_int_equal(planish_plan_create(&mesh, &options, &s->plan, NULL), 0);
+    pl_plan_order(s->plan, mesh.coordinates, s->plan->scratch.coordinates);
+}
+
+/** Let nodes slide on the planes and lines of the surface. */
+static void let_slide(setting *s) {
+    const planish_mesh *mesh = mesh_of(s);
+    s->constraint = malloc((size_t)mesh->n_nodes);
+    s->direction = malloc((size_t)(mesh->n_nodes * mesh->dim) * sizeof *s->direction);
+    assert_int_equal(planish_find_slides(mesh, NULL, 1, s->constraint, s->direction, NULL, NULL),
+                     0);
+}
+
+static void free_slides(setting *s) {
+    free(s->constraint);
+    free(s->direction);
 }
 
 static void begin(setting *s, planish_isa isa, int threads, int one_in) {
     plan_mesh(s, isa, threads);
-    assert_int_equal(pl_lattice_create(s->plan, SPACING, one_in, 0, &s->lattice), 1);
+    assert_int_equal(
+        pl_lattice_create(s->plan, SPACING, one_in, s->constraint != NULL, &s->lattice), 1);
     pl_lattice_sort(&s->lattice);
     pl_lattice_assemble(&s->lattice);
 }
@@ -60,7 +83,7 @@ static int cells_along(int dim) {
 
 /** A rough box: its elements belong to the finest grid. */
 static void rough_box(setting *s, int dim) {
-    s->box = NULL;
+    *s = (setting){.box = NULL};
     test_mesh_box(&s->mesh, dim, cells_along(dim));
     test_mesh_perturb(&s->mesh, 0.1, 7);
 }
@@ -68,7 +91,7 @@ static void rough_box(setting *s, int dim) {
 /** A box whose elements grow from a corner, up to 100 times in measure: several grids have some. */
 static void graded_box(setting *s, int dim) {
     const int cells = cells_along(dim);
-    s->box = NULL;
+    *s = (setting){.box = NULL};
     test_mesh_box(&s->mesh, dim, cells);
     for (int64_t i = 0; i < s->mesh.mesh.n_nodes * dim; i++)
         s->mesh.coordinates[i] = cells * pow(s->mesh.coordinates[i] / cells, 5);
@@ -76,7 +99,7 @@ static void graded_box(setting *s, int dim) {
 
 /** Square of triangles, sheared so that all their edges are 1 long. */
 static void equal_triangles(setting *s) {
-    s->box = NULL;
+    *s = (setting){.box = NULL};
     test_mesh_box(&s->mesh, 2, cells_along(2));
     for (int64_t i = 0; i < s->mesh.mesh.n_nodes; i++) {
         double *x = s->mesh.coordinates + i * 2;
@@ -86,7 +109,7 @@ static void equal_triangles(setting *s) {
 }
 
 static int64_t stars_of(const setting *s) {
-    return s->plan->interior.stars.n_stars;
+    return s->lattice.n_stars;
 }
 
 /** Coordinates of all stars' nodes. */
@@ -138,7 +161,7 @@ static int check_affine_field(const setting *s) {
     double *move = malloc((size_t)values_of(s) * sizeof *move);
     pl_lattice_prolong(l, move);
     for (int64_t k = 0; k < stars_of(s); k++) {
-        const double *x = s->plan->scratch.coordinates + s->plan->interior.centre[k] * (int64_t)dim;
+        const double *x = s->plan->scratch.coordinates + pl_lattice_node(l, k) * (int64_t)dim;
         double unit[3] = {0}, expected[3];
         for (int d = 0; d < dim; d++)
             unit[d] = (x[d] - l->origin[d]) / l->spacing;
@@ -290,31 +313,107 @@ static double share_of(const setting *s, int64_t element, const double *const ve
            (kind == PL_KIND_SIMPLEX ? 1 : shape->n_measured);
 }
 
-/** Sum of RR^2 over the elements, or of AR^2 over cells, when each element or corner has gone the part t
- *  as its simplex goes. */
-static double sum_at(const setting *s, double t) {
+/** An element in units of the lattice: places of its nodes, and how far they go. */
+typedef struct element_move {
+    double unit[4][3], move[4][3];
+    double aside[4]; /* square of the way that nodes do not go: off their planes and lines */
+} element_move;
+
+/** Split a displacement into the part that a node goes and the rest; return the square of that. */
+static double project(const setting *s, int64_t node, double move[3]) {
+    const planish_mesh *mesh = mesh_of(s);
+    const int dim = mesh->dim;
+    const int kind = s->constraint ? s->constraint[node] : PLANISH_CONSTRAINT_FREE;
+    double along = 0, rest = 0;
+    if (kind == PLANISH_CONSTRAINT_FREE)
+        return 0;
+    const double *direction = s->direction + node * dim;
+    for (int d = 0; d < dim; d++)
+        along += direction[d] * move[d];
+    for (int d = 0; d < dim; d++) {
+        const double part = along * direction[d];
+        const double to = kind == PLANISH_CONSTRAINT_ON_LINE ? part : move[d] - part;
+        rest += (move[d] - to) * (move[d] - to);
+        move[d] = to;
+    }
+    return rest;
+}
+
+/** Find how an element goes. */
+static element_move move_of(const setting *s, int64_t element) {
     const pl_lattice *l = &s->lattice;
     const planish_plan *plan = s->plan;
     const int dim = plan->dim, corners = dim + 1;
+    element_move m = {.aside = {0}};
+    double middle[3] = {0};
+    for (int j = 0; j < corners; j++) {
+        const double *x =
+            plan->scratch.coordinates + (int64_t)pl_plan_inner(plan, element, j) * dim;
+        for (int d = 0; d < dim; d++) {
+            m.unit[j][d] = (x[d] - l->origin[d]) / l->spacing;
+            middle[d] += m.unit[j][d] / corners;
+        }
+    }
+    for (int j = 0; j < corners; j++) {
+        if (l->freedom[pl_plan_inner(plan, element, j)] == PL_LATTICE_HELD)
+            continue;
+        displacement_at(&l->grid[0], dim, middle, m.unit[j], m.move[j]);
+        m.aside[j] =
+            project(s, pl_plan_node(plan, plan->work.elements[element * corners + j]), m.move[j]);
+    }
+    return m;
+}
+
+/** RR^2 of an element, or what a corner adds to AR^2. */
+static double value_of(const setting *s, int64_t element, double unit[4][3]) {
+    const double *const vertex[] = {unit[0], unit[1], unit[2], unit[3]};
+    return s->plan->work.corner ? share_of(s, element, vertex)
+                                : pl_radius_ratio_square(s->plan->dim, vertex);
+}
+
+/** Sum of RR^2 over the elements, or of AR^2 over cells, when each element or corner has gone the part t
+ *  as its simplex goes. */
+static double sum_at(const setting *s, double t) {
     double sum = 0;
-    for (int64_t i = 0; i < plan->work.n_elements; i++) {
-        double unit[4][3], middle[3] = {0};
-        const double *vertex[4];
-        for (int j = 0; j < corners; j++) {
-            const double *x = plan->scratch.coordinates + (int64_t)pl_plan_inner(plan, i, j) * dim;
-            vertex[j] = unit[j];
-            for (int d = 0; d < dim; d++) {
-                unit[j][d] = (x[d] - l->origin[d]) / l->spacing;
-                middle[d] += unit[j][d] / corners;
+    for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
+        element_move m = move_of(s, i);
+        for (int j = 0; j <= s->plan->dim; j++)
+            for (int d = 0; d < s->plan->dim; d++)
+                m.unit[j][d] += t * m.move[j][d];
+        sum += value_of(s, i, m.unit);
+    }
+    return sum;
+}
+
+/** Norm of an element's second derivatives by node j, from differences. */
+static double norm_by_node(const setting *s, int64_t element, double unit[4][3], int j) {
+    const double h = 0x1p-12;
+    const int dim = s->plan->dim;
+    double square = 0;
+    for (int r = 0; r < dim; r++)
+        for (int c = 0; c < dim; c++) {
+            double sum = 0;
+            for (int way = 0; way < 4; way++) {
+                double moved[4][3];
+                memcpy(moved, unit, sizeof moved);
+                moved[j][r] += way & 1 ? -h : h;
+                moved[j][c] += way & 2 ? -h : h;
+                sum += (way == 1 || way == 2 ? -1 : 1) * value_of(s, element, moved);
             }
+            square += pow(sum / (4 * h * h), 2);
         }
-        for (int j = 0; j < corners; j++) {
-            double move[3];
-            displacement_at(&l->grid[0], dim, middle, unit[j], move);
-            for (int d = 0; l->freedom[pl_plan_inner(plan, i, j)] && d < dim; d++)
-                unit[j][d] += t * move[d];
-        }
-        sum += plan->work.corner ? share_of(s, i, vertex) : pl_radius_ratio_square(dim, vertex);
+    return sqrt(square);
+}
+
+/** What the ways that nodes do not go add to the second derivative of the sum: a quarter of these
+ *  norms. */
+static double bend_aside(const setting *s) {
+    double sum = 0;
+    for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
+        element_move m = move_of(s, i);
+        for (int j = 0; j <= s->plan->dim; j++)
+            if (m.aside[j] > 0)
+                sum += 0.25 * norm_by_node(s, i, m.unit, j) * m.aside[j];
     }
     return sum;
 }
@@ -342,21 +441,40 @@ static void set_inner_moves(const setting *s, double *move) {
     }
 }
 
-/** The stiffness of the finest grid, to which all belongs, is the second derivative of the sum. */
+/** The stiffness of the finest grid, to which all belongs, is the second derivative of the sum; where
+ *  nodes slide, up to the surface. */
 static void check_stiffness(const setting *s) {
     const pl_grid *g = &s->lattice.grid[0];
     const int dim = s->plan->dim;
     double expected = 0;
     for (int i = 1; i < s->lattice.n_levels; i++)
         assert_false(s->lattice.grid[i].has_own);
-    set_inner_moves(s, g->total);
+    if (s->constraint)
+        set_random(g->total, g->n_vertices * dim, 9);
+    else
+        set_inner_moves(s, g->total);
     multiply(g, dim, g->total, g->change);
     for (int64_t k = 0; k < g->n_vertices * dim; k++)
         expected += g->total[k] * g->change[k];
     const double t = 0x1p-12;
     const double bend = (sum_at(s, t) - 2 * sum_at(s, 0) + sum_at(s, -t)) / (t * t);
+    const double aside = bend_aside(s);
     assert_true(expected > 1);
-    assert_true(fabs(bend - expected) < 1e-4 * expected);
+    assert_int_equal(aside > 0.01 * expected, s->constraint != NULL);
+    assert_true(fabs(bend + aside - expected) < 1e-4 * expected);
+}
+
+/** Turn a box, so that its planes and lines lie across the lattice. */
+static void turn(setting *s) {
+    static const double ANGLE = 0.4;
+    const int dim = mesh_of(s)->dim;
+    double *x = s->box ? s->box->x : s->mesh.coordinates;
+    for (int64_t i = 0; i < mesh_of(s)->n_nodes; i++, x += dim)
+        for (int d = 0; d < dim - 1; d++) {
+            const double a = x[d], b = x[d + 1];
+            x[d] = a * cos(ANGLE) - b * sin(ANGLE);
+            x[d + 1] = a * sin(ANGLE) + b * cos(ANGLE);
+        }
 }
 
 /** The stiffness is the second derivative of the sum of RR^2. In the plane only its positive part
@@ -374,6 +492,23 @@ static void stiffness_is_the_bend_of_the_sum(void **state) {
     test_mesh_destroy(&s.mesh);
 }
 
+/** So it is where nodes slide. */
+static void stiffness_where_nodes_slide_is_the_bend_of_the_sum(void **state) {
+    const int dim = *(int *)*state;
+    setting s;
+    if (dim == 3)
+        rough_box(&s, dim);
+    else
+        equal_triangles(&s);
+    turn(&s);
+    let_slide(&s);
+    begin(&s, PLANISH_ISA_AUTO, 1, 1);
+    check_stiffness(&s);
+    end(&s);
+    free_slides(&s);
+    test_mesh_destroy(&s.mesh);
+}
+
 /** So it is with AR^2 of cells of all kinds; in the plane of squares, whose positive part is all of it. */
 static void stiffness_of_cells_is_the_bend_of_the_sum(void **state) {
     static const cell_box_kind KINDS[] = {BOX_QUADRILATERALS, BOX_HEXAHEDRA, BOX_WEDGES,
@@ -387,6 +522,12 @@ static void stiffness_of_cells_is_the_bend_of_the_sum(void **state) {
         begin(&s, PLANISH_ISA_AUTO, 1, 1);
         check_stiffness(&s);
         end(&s);
+        turn(&s);
+        let_slide(&s);
+        begin(&s, PLANISH_ISA_AUTO, 1, 1);
+        check_stiffness(&s);
+        end(&s);
+        free_slides(&s);
         cell_box_destroy(s.box);
     }
 }
@@ -398,6 +539,7 @@ static void some_elements_stand_for_all(void **state) {
     for (int i = 0; i < 2; i++) {
         setting s;
         rough_box(&s, dim);
+        let_slide(&s); /* all elements there stand for themselves */
         begin(&s, PLANISH_ISA_AUTO, 1, i == 0 ? 1 : SOME);
         const pl_grid *g = &s.lattice.grid[0];
         set_inner_moves(&s, g->total);
@@ -405,6 +547,7 @@ static void some_elements_stand_for_all(void **state) {
         for (int64_t k = 0; k < g->n_vertices * dim; k++)
             work[i] += g->total[k] * g->change[k];
         end(&s);
+        free_slides(&s);
         test_mesh_destroy(&s.mesh);
     }
     assert_true(work[1] != work[0]);
@@ -448,6 +591,9 @@ static void stiffness_has_the_same_bits(void **state) {
     memcpy(s.mesh.coordinates + inside * dim, s.mesh.coordinates + (inside + 1) * dim,
            (size_t)dim * sizeof(double));
     check_same_bits(&s);
+    let_slide(&s);
+    check_same_bits(&s);
+    free_slides(&s);
     test_mesh_destroy(&s.mesh);
 }
 
@@ -459,6 +605,9 @@ static void stiffness_of_cells_has_the_same_bits(void **state) {
         s.box->x[i] = cells * pow(s.box->x[i] / cells, 3);
     memcpy(s.box->x + inside * dim, s.box->x + (inside + 1) * dim, (size_t)dim * sizeof(double));
     check_same_bits(&s);
+    let_slide(&s);
+    check_same_bits(&s);
+    free_slides(&s);
     cell_box_destroy(s.box);
 }
 
@@ -528,16 +677,18 @@ static void without_memory_there_is_no_lattice(void **state) {
     setting s;
     int n_failed = 0, ready = 0;
     rough_box(&s, *(int *)*state);
+    let_slide(&s);
     plan_mesh(&s, PLANISH_ISA_AUTO, 1);
     while (!ready) {
         allocations_fail_one(n_failed);
-        ready = pl_lattice_create(s.plan, SPACING, 1, 0, &s.lattice);
+        ready = pl_lattice_create(s.plan, SPACING, 1, 1, &s.lattice);
         assert_int_equal(!ready, allocations_failed());
         n_failed += !ready;
         pl_lattice_destroy(&s.lattice);
     }
     assert_true(n_failed > 20);
     planish_plan_destroy(s.plan);
+    free_slides(&s);
     test_mesh_destroy(&s.mesh);
 }
 
@@ -548,6 +699,7 @@ int main(void) {
         BOTH(forces_do_the_same_work),
         BOTH(no_forces_are_refused),
         BOTH(stiffness_is_the_bend_of_the_sum),
+        BOTH(stiffness_where_nodes_slide_is_the_bend_of_the_sum),
         cmocka_unit_test(stiffness_of_cells_is_the_bend_of_the_sum),
         BOTH(some_elements_stand_for_all),
         BOTH(stiffness_has_the_same_bits),
