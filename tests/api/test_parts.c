@@ -455,6 +455,29 @@ static void slow_meshes_are_helped_together(void **state) {
     }
 }
 
+/** So they are where nodes slide: the box is drawn to a corner, with its surface. */
+static void slow_meshes_slide_together(void **state) {
+    const int dim = *(int *)*state, cells = dim == 3 ? 12 : 30;
+    const planish_options options = options_of(PLAIN);
+    test_mesh m;
+    test_mesh_box(&m, dim, cells);
+    for (int64_t i = 0; i < m.mesh.n_nodes * dim; i++)
+        m.coordinates[i] = cells * pow(m.coordinates[i] / cells, 1.5);
+    uint8_t *constraint = malloc((size_t)m.mesh.n_nodes);
+    double *direction = malloc((size_t)(m.mesh.n_nodes * dim) * sizeof *direction);
+    int *owner = malloc((size_t)m.mesh.n_nodes * sizeof *owner);
+    planish_mesh slides = m.mesh;
+    assert_int_equal(planish_find_slides(&m.mesh, NULL, 1, constraint, direction, NULL, NULL), 0);
+    slides.constraint = constraint;
+    slides.direction = direction;
+    processes_own(&slides, SCATTERED, 3, 1, owner);
+    compare(&slides, &options, 3, owner);
+    free(constraint);
+    free(direction);
+    free(owner);
+    test_mesh_destroy(&m);
+}
+
 /* ---- what is wrong --------------------------------------------------------------------------- */
 
 /** One of the calls for others fails, the one of this number: the call fails in all processes, none
@@ -938,6 +961,8 @@ int main(void) {
         cmocka_unit_test_prestate(without_memory_for_patches_all_end, &dims[0]),
         cmocka_unit_test_prestate(without_memory_for_patches_all_end, &dims[1]),
         cmocka_unit_test(slow_meshes_are_helped_together),
+        cmocka_unit_test_prestate(slow_meshes_slide_together, &dims[0]),
+        cmocka_unit_test_prestate(slow_meshes_slide_together, &dims[1]),
         cmocka_unit_test_prestate(processes_that_are_lost_end_the_call, &dims[0]),
         cmocka_unit_test_prestate(processes_that_are_lost_end_the_call, &dims[1]),
         cmocka_unit_test(and_where_slow_meshes_are_helped),

@@ -281,40 +281,118 @@ static void a_lattice_waits_while_an_error_spreads(void **state) {
     test_mesh_destroy(&corner);
 }
 
-/** Smooth a mesh whose surface slides on its planes and lines; returns the RMS, and what the log told
- *  of Newton's steps in *told. */
-static double rms_where_nodes_slide(const planish_mesh *mesh, int *told) {
-    planish_mesh sliding = *mesh;
-    smoothed s;
-    planish_options options = test_options(1);
-    uint8_t *constraint = malloc((size_t)mesh->n_nodes);
-    double *direction = malloc((size_t)(mesh->n_nodes * mesh->dim) * sizeof *direction);
-    options.log = note_steps;
-    options.log_user = told;
-    assert_int_equal(planish_find_slides(mesh, NULL, 1, constraint, direction, NULL, NULL), 0);
-    sliding.constraint = constraint;
-    sliding.direction = direction;
-    smooth(&sliding, &options, &s);
-    assert_int_equal(s.result.stop, PLANISH_STOP_CONVERGED);
-    free(constraint);
-    free(direction);
-    free(s.coordinates);
-    return s.after.rms_radius_ratio;
+/* ---- nodes that slide ------------------------------------------------------------------------ */
+
+/** A box that slides on its planes and lines, drawn to corner 0: with its surface, unlike a squeezed one. */
+typedef struct drawn_box {
+    test_mesh mesh;
+    planish_mesh sliding; /* the same, with */
+    uint8_t *constraint;
+    double *direction;
+} drawn_box;
+
+static void drawn_box_create(drawn_box *box, int dim, int cells, double power) {
+    const int64_t n = cells + 1, n_nodes = dim == 3 ? n * n * n : n * n;
+    test_mesh_box(&box->mesh, dim, cells);
+    for (int64_t i = 0; i < n_nodes * dim; i++)
+        box->mesh.coordinates[i] = cells * pow(box->mesh.coordinates[i] / cells, power);
+    box->constraint = malloc((size_t)n_nodes);
+    box->direction = malloc((size_t)(n_nodes * dim) * sizeof *box->direction);
+    box->sliding = box->mesh.mesh;
+    assert_int_equal(
+        planish_find_slides(&box->sliding, NULL, 1, box->constraint, box->direction, NULL, NULL),
+        0);
+    box->sliding.constraint = box->constraint;
+    box->sliding.direction = box->direction;
 }
 
-/** Nodes that slide wait while the others make a step, and follow in the sweeps. */
+static void drawn_box_destroy(drawn_box *box) {
+    free(box->constraint);
+    free(box->direction);
+    test_mesh_destroy(&box->mesh);
+}
+
+/** Coordinates on the surface of the box are as they were, and others moved. */
+static void check_surface(const drawn_box *box, int cells, const double *coordinates) {
+    int64_t n_moved = 0;
+    for (int64_t i = 0; i < box->sliding.n_nodes * box->sliding.dim; i++) {
+        const double was = box->sliding.coordinates[i];
+        if (was == 0 || was == cells)
+            assert_true(coordinates[i] == was);
+        n_moved += coordinates[i] != was;
+    }
+    assert_true(n_moved > 0);
+}
+
+/** The surface goes with the interior: sweeps alone would need more than a hundred. */
+static void nodes_that_slide_make_steps(void **state) {
+    const help by = help_of(state);
+    enum { SWEEPS = 25 };
+    drawn_box box, even;
+    smoothed s, wanted;
+    int told = 0;
+    planish_options options = test_options(1);
+    drawn_box_create(&even, dim_of(by), cells_along(by), 1);
+    drawn_box_create(&box, dim_of(by), cells_along(by), 1.5);
+    smooth(&even.sliding, &options, &wanted);
+    options.log = note_steps;
+    options.log_user = &told;
+    smooth(&box.sliding, &options, &s);
+    assert_true(told >= 1);
+    assert_true(s.result.sweeps < SWEEPS);
+    assert_int_equal(s.result.stop, PLANISH_STOP_CONVERGED);
+    assert_int_equal(s.after.n_inverted, 0);
+    assert_true(s.after.rms_radius_ratio < 1.001 * wanted.after.rms_radius_ratio);
+    assert_true(s.after.max_radius_ratio <= s.before.max_radius_ratio);
+    check_surface(&box, cells_along(by), s.coordinates);
+    free(s.coordinates);
+    free(wanted.coordinates);
+    drawn_box_destroy(&even);
+    drawn_box_destroy(&box);
+}
+
+/** They go to the same bits with other threads and instruction sets. */
+static void nodes_that_slide_have_the_same_bits(void **state) {
+    const help by = help_of(state);
+    drawn_box box;
+    smoothed one, other;
+    planish_options options = test_options(1);
+    drawn_box_create(&box, dim_of(by), cells_along(by), 1.5);
+    test_mesh_perturb(&box.mesh, 0.01, 3);
+    options.isa = PLANISH_ISA_PLAIN;
+    smooth(&box.sliding, &options, &one);
+    options.isa = PLANISH_ISA_AUTO;
+    options.threads = 3;
+    smooth(&box.sliding, &options, &other);
+    assert_memory_equal(one.coordinates, other.coordinates,
+                        (size_t)(box.sliding.n_nodes * box.sliding.dim) * sizeof(double));
+    free(one.coordinates);
+    free(other.coordinates);
+    drawn_box_destroy(&box);
+}
+
+/** Nodes of a squeezed box, whose surface has nowhere to go, do no harm. */
 static void a_lattice_helps_where_nodes_slide(void **state) {
     const help by = help_of(state);
-    test_mesh box, mesh;
+    drawn_box box;
+    test_mesh mesh;
+    smoothed s, wanted;
     int told = 0;
-    test_mesh_box(&box, dim_of(by), cells_along(by));
+    planish_options options = test_options(1);
+    drawn_box_create(&box, dim_of(by), cells_along(by), 1);
     squeezed_box(&mesh, by);
-    const double wanted = rms_where_nodes_slide(&box.mesh, &told);
-    told = 0;
-    assert_true(rms_where_nodes_slide(&mesh.mesh, &told) < 1.001 * wanted);
+    smooth(&box.sliding, &options, &wanted);
+    options.log = note_steps;
+    options.log_user = &told;
+    box.sliding.coordinates = mesh.coordinates;
+    smooth(&box.sliding, &options, &s);
     assert_int_equal(told, 1);
-    test_mesh_destroy(&box);
+    assert_int_equal(s.result.stop, PLANISH_STOP_CONVERGED);
+    assert_true(s.after.rms_radius_ratio < 1.001 * wanted.after.rms_radius_ratio);
+    free(s.coordinates);
+    free(wanted.coordinates);
     test_mesh_destroy(&mesh);
+    drawn_box_destroy(&box);
 }
 
 /** Whoever stops it in the middle of help gets what was reported last, unless that has a smaller
@@ -367,10 +445,8 @@ static void note_first(planish_log_level level, const char *text, void *user) {
 
 /** Any answer of the progress function may end a step: each of the first ones does. The mesh is valid
  *  then, and no worse than it was. */
-static void a_step_ends_at_any_call(void **state) {
-    const int dim = dim_of(help_of(state));
+static void end_at_calls(const planish_mesh *mesh) {
     enum { ANSWERS = 60 };
-    test_mesh mesh;
     smoothed s;
     calls c = {.stop_at = -1};
     planish_options options = test_options(1);
@@ -378,14 +454,13 @@ static void a_step_ends_at_any_call(void **state) {
     options.progress_user = &c;
     options.log = note_first;
     options.log_user = &c;
-    test_mesh_squeezed_box(&mesh, dim, dim == 3 ? 9 : 30);
-    smooth(&mesh.mesh, &options, &s);
+    smooth(mesh, &options, &s);
     free(s.coordinates);
     const int first = c.first;
     assert_true(first > 0 && c.n > first + ANSWERS);
     for (int k = 1; k < ANSWERS; k += effort_step(5)) {
         c = (calls){.stop_at = first + k};
-        smooth(&mesh.mesh, &options, &s);
+        smooth(mesh, &options, &s);
         assert_int_equal(s.result.stop, PLANISH_STOP_INTERRUPTED);
         assert_int_equal(s.after.n_inverted, 0);
         assert_true(s.after.min_angle_deg >= s.before.min_angle_deg);
@@ -395,7 +470,18 @@ static void a_step_ends_at_any_call(void **state) {
             assert_true(s.after.rms_radius_ratio <= c.rms * (1 + 1e-12));
         free(s.coordinates);
     }
+}
+
+static void a_step_ends_at_any_call(void **state) {
+    const int dim = dim_of(help_of(state));
+    test_mesh mesh;
+    drawn_box box;
+    test_mesh_squeezed_box(&mesh, dim, dim == 3 ? 9 : 30);
+    end_at_calls(&mesh.mesh);
     test_mesh_destroy(&mesh);
+    drawn_box_create(&box, dim, dim == 3 ? 10 : 30, 1.5);
+    end_at_calls(&box.sliding);
+    drawn_box_destroy(&box);
 }
 
 static void the_most_sweeps_are_the_most(void **state) {
@@ -576,6 +662,8 @@ int main(void) {
         cmocka_unit_test_prestate(few_nodes_see_no_lattice, &centring),
         cmocka_unit_test_prestate(failed_steps_are_tried_again, &in_plane),
         cmocka_unit_test(a_lattice_waits_while_an_error_spreads),
+        WITH_LATTICE(nodes_that_slide_make_steps),
+        WITH_LATTICE(nodes_that_slide_have_the_same_bits),
         cmocka_unit_test_prestate(a_lattice_helps_where_nodes_slide, &in_space),
         WITH_ALL(help_comes_and_brings_it_home),
         WITH_ALL(cut_short_it_leaves_what_stood),
