@@ -240,7 +240,7 @@ static int is_suitable(const pl_run *r) {
 }
 
 /** Whether nodes on planes and lines take part. While all elements are positive no facet of a plane can
- *  fold over. On a shape they stay: nothing bounds there how far facets go. */
+ *  fold over (docs/algorithm.md). With a shape they stay: nothing here bounds how far its facets go. */
 static int may_slide(const pl_run *r) {
     return r->plan->sliding.n_all > 0 && !pl_parts_any(r->skin.shape != NULL) &&
            !(r->sums.inverted > 0);

@@ -203,6 +203,55 @@ static void they_end_at_any_call(void **state) {
     cell_box_destroy(box);
 }
 
+/** Warp a box along its surface. */
+static void warp(cell_box *box, int n) {
+    const int dim = box->mesh.dim;
+    const double PI = acos(-1);
+    for (int64_t i = 0; i < box->mesh.n_nodes; i++) {
+        double *x = box->x + i * dim, y[3] = {0};
+        for (int d = 0; d < dim; d++)
+            y[d] = x[d] / n;
+        for (int d = 0; d < dim; d++)
+            if (y[d] > 0 && y[d] < 1)
+                x[d] += 0.2 * n * sin(PI * y[d]) * cos(PI * y[(d + 1) % dim]);
+    }
+}
+
+/** Where the surface slides, a box that is warped along it becomes even. */
+static void nodes_that_slide_make_steps(void **state) {
+    const cell_box_kind kind = *(cell_box_kind *)*state;
+    const int n = cells_along(kind);
+    cell_box *box = cell_box_create(kind, n);
+    const int64_t n_values = box->mesh.n_nodes * box->mesh.dim;
+    uint8_t *constraint = malloc((size_t)box->mesh.n_nodes);
+    double *direction = malloc((size_t)n_values * sizeof *direction);
+    planish_options options = test_options(1);
+    planish_result result;
+    heard h = {0};
+    warp(box, n);
+    assert_int_equal(planish_find_slides(&box->mesh, NULL, 1, constraint, direction, NULL, NULL),
+                     0);
+    box->mesh.constraint = constraint;
+    box->mesh.direction = direction;
+    double *x = smooth(box, options, &h, &result);
+    assert_true(h.n_steps >= 1);
+    assert_int_equal(result.stop, PLANISH_STOP_CONVERGED);
+    assert_true(result.sweeps < 2 * PATIENCE);
+    assert_true(check_cells(box, x).rms_aspect_ratio < 1.001 * rms_of_regular_box(kind));
+    for (int64_t i = 0; i < n_values; i++)
+        if (box->x[i] == 0 || box->x[i] == n)
+            assert_true(x[i] == box->x[i]);
+    options.isa = PLANISH_ISA_PLAIN;
+    options.threads = 3;
+    double *other = smooth(box, options, &h, &result);
+    assert_memory_equal(x, other, test_bytes_of(&box->mesh));
+    free(x);
+    free(other);
+    free(constraint);
+    free(direction);
+    cell_box_destroy(box);
+}
+
 /** Rough meshes, which converge soon, and cells of order 2 see no lattice. */
 static void others_see_no_lattice(void **state) {
     const cell_box_kind kind = *(cell_box_kind *)*state;
@@ -228,6 +277,7 @@ int main(void) {
         WITH_ALL(same_bits),
         WITH_ALL(powers_of_two_change_no_bit),
         WITH_ALL(they_end_at_any_call),
+        WITH_ALL(nodes_that_slide_make_steps),
         {"others see no lattice hexahedra", others_see_no_lattice, NULL, NULL, &hexahedra},
         {"others see no lattice quadrilaterals", others_see_no_lattice, NULL, NULL,
          &quadrilaterals},
