@@ -146,21 +146,22 @@ PL_INLINE void find_bends(const four *f, const bend_vector e[3], bend_block h[BE
         bend_keep_positive(e, h);
 }
 
+/** Set product to a b; all are [dim][dim] by rows. */
+PL_INLINE void multiply(const bend_pack *a, const bend_pack *b, bend_pack *product, int dim) {
+    for (int r = 0; r < dim; r++)
+        for (int c = 0; c < dim; c++) {
+            bend_pack sum = a[r * dim] * b[c];
+            for (int k = 1; k < dim; k++)
+                sum += a[r * dim + k] * b[k * dim + c];
+            product[r * dim + c] = sum;
+        }
+}
+
 /** Set block to P H Q, for projections P and Q. */
 PL_INLINE void project_block(const bend_pack *p, const bend_pack *q, bend_pack *block, int dim) {
     bend_block half;
-    for (int r = 0; r < dim; r++)
-        for (int c = 0; c < dim; c++) {
-            half[r * dim + c] = p[r * dim] * block[c];
-            for (int k = 1; k < dim; k++)
-                half[r * dim + c] += p[r * dim + k] * block[k * dim + c];
-        }
-    for (int r = 0; r < dim; r++)
-        for (int c = 0; c < dim; c++) {
-            block[r * dim + c] = half[r * dim] * q[c];
-            for (int k = 1; k < dim; k++)
-                block[r * dim + c] += half[r * dim + k] * q[k * dim + c];
-        }
+    multiply(p, block, half, dim);
+    multiply(half, q, block, dim);
 }
 
 /** Add to a node's block what tells displacements aside: part of norm (I - P). */
