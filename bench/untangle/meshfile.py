@@ -1,8 +1,11 @@
 """meshfile: writes a mesh as binary legacy VTK (fast; planish counts its elements from 0) or, for
-eyes, as Medit (.mesh; from 1), and reads the points of a VTK file that planish has written back."""
+eyes, as Medit (.mesh; from 1), and reads VTK files that planish has written."""
 import numpy as np
 
-from cells import KINDS, blocks_of
+from cells import KINDS, Cells, blocks_of
+
+# By VTK's number of a type; the first two are points and lines.
+N_CORNERS = {1: 1, 3: 2, **{kind.vtk: 1 + max(sum(kind.faces, ())) for kind in KINDS.values()}}
 
 
 def in_space(points):
@@ -60,3 +63,22 @@ def read_vtk_points(path, dim):
         n_points = int(line.split()[1])
         values = np.frombuffer(file.read(24 * n_points), ">f8")
     return values.reshape(n_points, 3)[:, :dim].astype(float)
+
+
+def read_vtk(path):
+    """Points [n][dim], and the elements of the highest dimension, of a file that planish has written."""
+    def numbers(keyword, place, kind, each=1):
+        """What follows the line of a keyword, whose word at that place counts rows of so many."""
+        line = next(line for line in file if line.startswith(keyword))
+        return np.fromfile(file, kind, each * int(line.split()[place]))
+    with open(path, "rb") as file:
+        points = numbers(b"POINTS", 1, ">f8", 3).reshape(-1, 3).astype(float)
+        rows = numbers(b"CELLS", 2, ">i4").astype(np.int32)
+        types = numbers(b"CELL_TYPES", 1, ">i4").astype(np.int32)
+    n_corners = np.zeros(max(*N_CORNERS, types.max()) + 1, int)
+    n_corners[list(N_CORNERS)] = list(N_CORNERS.values())
+    first = np.cumsum(n_corners[types] + 1) - n_corners[types]
+    dim = max(kind.dim for kind in KINDS.values() if kind.vtk in types)
+    return points[:, :dim], Cells(*[
+        (name, rows[first[types == kind.vtk][:, None] + np.arange(N_CORNERS[kind.vtk])].astype(int))
+        for name, kind in KINDS.items() if kind.dim == dim])
