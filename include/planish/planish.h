@@ -209,7 +209,14 @@ typedef struct planish_mesh {
        Pairs of mids in periodic are passed over: mids follow. neighbours and part are for elements
        alone. */
     const planish_cells *cells;
-    const void *reserved[6]; /* NULL */
+    /* [n_nodes][dim], with the strides of coordinates, or NULL: the mesh as it should be. The
+       target of each element is its shape there, wherever it lies, however it is turned and of
+       whatever size; without it, the regular shape. All elements are then measured by mean ratios,
+       as with cells of several types, mu that of T = A W^-1, A and W the edges of a corner here and
+       there (docs/targets.md). planish_plan_create reads it, and it is not needed afterwards. Every
+       corner of a smoothed element must be positive there. Not with part. */
+    const double *reference;
+    const void *reserved[5]; /* NULL */
 } planish_mesh;
 
 /* ---- A mesh that several processes have ----------------------------------------------------- */
@@ -342,12 +349,13 @@ typedef struct planish_shape_info {
     int64_t n_on_curve; /* on curves, */
     int64_t n_corners;  /* and others */
     double edge_length; /* mean length of the edges, in units of the coordinates */
-    int64_t n_mids;     /* nodes in the middle of edges or facets of second order; the surface is then the
+    int64_t
+        n_mids; /* nodes in the middle of edges or facets of second order; the surface is then the
                            curved one of these facets, edges count as two, and corners alone are in n_on_patch,
                            n_on_curve and n_corners */
     int64_t n_open_edges;        /* edges of one facet, */
     int64_t n_nonmanifold_edges; /* of more than two, and */
-    int64_t n_conflict_edges;    /* of two that cannot be oriented alike, as around a Moebius strip */
+    int64_t n_conflict_edges; /* of two that cannot be oriented alike, as around a Moebius strip */
     int64_t n_turned; /* facets that are elements, listed the other way round than most they hang
                          together with */
     int64_t n_flat;   /* facets without area */

@@ -92,9 +92,15 @@ PL_INLINE void gather_forms(const planish_plan *plan, const int32_t *element, in
     for (int lane = 0; lane < 4; lane++) {
         const uint8_t corner = plan->work.corner[element[lane < n ? lane : 0]];
         const pl_corner_form *form = &plan->form[pl_form_code(corner, 0, 0)];
+        double weight[6], factor = form->factor;
+        memcpy(weight, form->weight, sizeof weight);
+        if (plan->work.target) {
+            pl_target_weights(dim, &plan->work.target[element[lane < n ? lane : 0]], weight);
+            factor = 1.0 / (dim * dim);
+        }
         for (int k = 0; k < dim * (dim + 1) / 2; k++)
-            f->form.weight[k][lane] = form->weight[k];
-        f->form.factor[lane] = form->factor * form->share;
+            f->form.weight[k][lane] = weight[k];
+        f->form.factor[lane] = factor * form->share;
     }
 }
 

@@ -164,15 +164,31 @@ static int begin_around(const planish_mesh *mesh, pl_draft *d, planish_error *er
 
 /* ---- the beginning ------------------------------------------------------------------------ */
 
-int pl_draft_begin(const planish_mesh *mesh, pl_draft *d, planish_error *error) {
-    planish_plan *plan = d->plan;
-    d->given = mesh;
-    /* So far these options do not work where other processes have parts of the mesh. */
-    if (mesh->part && (d->options->around || mesh->n_periodic > 0))
+/** Check that mesh and options have nothing that does not go together so far. */
+static int check_together(const planish_mesh *mesh, const planish_options *options,
+                          planish_error *error) {
+    if (mesh->part && (options->around || mesh->n_periodic > 0 || mesh->reference))
         return pl_fail(error, PLANISH_ERROR_PARTS,
                        "%s is not possible with a mesh in parts; do without it, or in one process",
-                       d->options->around ? "options.around" : "mesh.periodic");
-    int status = PLANISH_OK;
+                       options->around    ? "options.around"
+                       : mesh->n_periodic ? "mesh.periodic"
+                                          : "mesh.reference");
+    if (mesh->reference && mesh->n_periodic > 0)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh.reference is not possible with mesh.periodic; leave out one of them");
+    return PLANISH_OK;
+}
+
+int pl_draft_begin(const planish_mesh *mesh, pl_draft *d, planish_error *error) {
+    planish_plan *plan = d->plan;
+    int status = check_together(mesh, d->options, error);
+    if (!status && mesh->reference && !mesh->cells) {
+        status = pl_draft_make_cells(mesh, d, error);
+        mesh = &d->with_cells;
+    }
+    if (status)
+        return status;
+    d->given = mesh;
     if (!d->options->around || mesh->cells)
         status = pl_dense_create(mesh, plan->threads, &d->dense, error);
     if (!status && d->options->around && !d->dense.corner) {
@@ -295,7 +311,9 @@ int pl_draft_choose_scope(pl_draft *d, planish_error *error) {
     enum { SHARE = 4 };
     const int threads = d->plan->threads, selective = d->options->only_worse_than > 0;
     if (d->plan->work.corner) {
-        const int found = find_boundary_of_cells(d, error);
+        int found = find_boundary_of_cells(d, error);
+        if (!found && d->given->reference)
+            found = pl_draft_make_targets(d, error);
         return found || !selective ? found : pl_draft_select(d, error);
     }
     int status = selective ? pl_draft_select(d, error) : PLANISH_OK;

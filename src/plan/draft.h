@@ -3,6 +3,7 @@
  *   domain.c    pl_draft_begin, _choose_scope         the mesh, or the subset to work on
  *   select.c    pl_draft_select, pl_select_around     nodes that options select
  *   draft.c     pl_draft_finish, _destroy             free nodes, their order and stars
+ *   targets.c   pl_draft_make_cells, _make_targets    shapes that elements are to have
  *   across.c    pl_rings_across                       nodes across the edges of a shape
  */
 #ifndef PL_PLAN_DRAFT_H
@@ -27,7 +28,9 @@ typedef struct pl_draft {
     pl_subset subset;          /* what of it is worked on, if not all, */
     pl_submesh submesh;        /* as a mesh, */
     const planish_mesh *mesh;  /* and the one of them that the plan is for */
-    const planish_mesh *given; /* the caller's itself */
+    const planish_mesh *given; /* the caller's itself, or that as cells: */
+    planish_mesh with_cells;
+    planish_cells cells;
     const planish_options *options;
     uint8_t *mobility;       /* [n] of plan->work, while it is made */
     uint8_t *whole_mobility; /* of plan->whole, or NULL */
@@ -63,6 +66,16 @@ int pl_draft_choose_scope(pl_draft *d, planish_error *error);
 
 /** Give the plan all that it knows of the domain's topology. */
 int pl_draft_finish(pl_draft *d, planish_error *error);
+
+/* ---- targets.c: shapes that elements are to have ---------------------------------------------- */
+
+/** Make the simplices of mesh cells: d->with_cells, which is to be used instead. Errors: as of
+ *  pl_dense_create. */
+int pl_draft_make_cells(const planish_mesh *mesh, pl_draft *d, planish_error *error);
+
+/** Make the targets of the plan's elements, from the reference of the given mesh and the boundary's sign.
+ *  Errors: _MESH, _MEMORY. */
+int pl_draft_make_targets(pl_draft *d, planish_error *error);
 
 /* ---- across.c: nodes that slide on a shape --------------------------------------------------- */
 

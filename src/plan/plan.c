@@ -26,6 +26,7 @@ static void release_view(pl_view *view) {
     pl_free((void *)view->sign);
     pl_free((void *)view->corner);
     pl_free((void *)view->cell_begin);
+    pl_free((void *)view->target);
     pl_free((void *)view->min_volume);
     pl_free((void *)view->mobility);
 }
@@ -58,6 +59,9 @@ void pl_plan_destroy(planish_plan *plan) {
     pl_free(plan->element_of);
     pl_free(plan->cell_of);
     pl_free(plan->role);
+    pl_free(plan->own_cells.type);
+    pl_free(plan->own_cells.offset);
+    pl_free(plan->own_cells.node);
     pl_free(plan->own_whole_elements);
     release_view(&plan->work);
     release_view(&plan->whole);
@@ -82,6 +86,8 @@ pl_star_problem pl_plan_problem(const planish_plan *plan, const pl_visits *visit
                              .link = visits->stars.link,
                              .link_form = visits->stars.form,
                              .form = plan->form,
+                             .target = plan->work.target,
+                             .link_element = visits->stars.element,
                              .scratch = plan->scratch.kernels,
                              .scratch_stride = plan->scratch.kernel_stride,
                              .changed = plan->scratch.changed,

@@ -91,6 +91,13 @@ typedef struct pl_plan_scratch {
     struct pl_skin *skin;   /* likewise (sweep/skin.h) */
 } pl_plan_scratch;
 
+/** Cells that a plan makes of simplices. */
+typedef struct pl_own_cells {
+    uint8_t *type;   /* [n] */
+    int64_t *offset; /* [n + 1] */
+    int32_t *node;   /* [offset[n]] */
+} pl_own_cells;
+
 /** n nodes, m elements: those of the mesh, or of the subset of it that is worked on; "inner"
  * numbers run along the space-filling curve. Everything is owned, with the arrays of the views, but
  * elements and is_counted. mobility is PL_HELD, PL_INTERIOR or PL_SLIDES. */
@@ -107,10 +114,11 @@ struct planish_plan {
     int32_t *inner;   /* [n] inner number of each node */
     int is_selective; /* only nodes of bad elements are free, see pl_draft_select */
     int32_t *node_of; /* [n] the caller's number of each node of the plan's mesh; NULL: the same */
-    int32_t *element_of; /* [m] the caller's number of each element */
-    planish_cells cells; /* the mesh's, if they are not linear simplices alone: n above 0 */
-    int32_t *cell_of;    /* the cell of each element of all, unless element_of has cells; or NULL */
-    uint8_t *role;       /* [nodes of the mesh] see pl_dense */
+    int32_t *element_of;    /* [m] the caller's number of each element */
+    planish_cells cells;    /* the mesh's, if they are not linear simplices alone: n above 0 */
+    pl_own_cells own_cells; /* their arrays, of simplices with targets */
+    int32_t *cell_of; /* the cell of each element of all, unless element_of has cells; or NULL */
+    uint8_t *role;    /* [nodes of the mesh] see pl_dense */
     pl_scope scope;
     int64_t node_stride, component_stride; /* of the caller's coordinates */
     pl_visits interior;                    /* of the nodes that may go anywhere, */

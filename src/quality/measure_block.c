@@ -284,6 +284,20 @@ PL_INLINE double product_of_edges(int dim, const double square[6], double is_sim
     return is_simplex != 0 ? pl_larger(own, most) : own;
 }
 
+/** Target of corner l of a block that begins with corner first, or NULL. */
+static const pl_target *target_of(const pl_mesh_state *mesh, int64_t first, int l) {
+    return mesh->of->target ? &mesh->of->target[first + l] : NULL;
+}
+
+/** mu^2 of a corner with targets from its edges and |D|. */
+PL_INLINE double square_of_target(const pl_corner_block *b, int l, int dim,
+                                  const double edges[3][3], double determinant) {
+    double v[6];
+    for (int k = 0; k < 6; k++)
+        v[k] = b->weight[k][l];
+    return pl_mean_square(dim, pl_target_energy(dim, edges, v), determinant);
+}
+
 /** Gather corners, and what is ideal for them. */
 PL_INLINE void gather_corners(const pl_mesh_state *mesh, const pl_corner_form *form, int64_t first,
                               int count, pl_corner_block *b) {
@@ -291,8 +305,9 @@ PL_INLINE void gather_corners(const pl_mesh_state *mesh, const pl_corner_form *f
     for (int l = 0; l < PL_SUM_LANES; l++) {
         const int kind = pl_corner_kind(mesh->of->corner[first + (l < count ? l : 0)]);
         const pl_corner_form *f = &form[pl_form_code(pl_corner_code(kind, 0), 0, 0)];
+        const pl_target *target = target_of(mesh, first, l < count ? l : 0);
         for (int k = 0; k < 6; k++)
-            b->weight[k][l] = f->weight[k];
+            b->weight[k][l] = target ? target->v[k] : f->weight[k];
         b->determinant[l] = f->determinant;
         b->unit[l] = f->volume;
         b->is_simplex[l] = kind == PL_KIND_SIMPLEX ? 1 : 0;
@@ -300,7 +315,7 @@ PL_INLINE void gather_corners(const pl_mesh_state *mesh, const pl_corner_form *f
 }
 
 /** Evaluate all lanes by the plain formulas. */
-PL_INLINE void evaluate_corners(pl_corner_block *b, const int dim) {
+PL_INLINE void evaluate_corners(pl_corner_block *b, const int has_targets, const int dim) {
     pl_block *of = &b->of;
     for (int l = 0; l < PL_SUM_LANES; l++) {
         double edges[3][3], square[6], between[3], e = 0;
@@ -326,16 +341,22 @@ PL_INLINE void evaluate_corners(pl_corner_block *b, const int dim) {
         of->valid[l] = oriented > 0 ? of->present[l] : 0;
         of->listed[l] = pl_sign_of(determinant) * of->present[l];
         of->volume[l] = oriented * b->unit[l];
-        of->square[l] = pl_mean_square(dim, e, d);
+        of->square[l] =
+            has_targets ? square_of_target(b, l, dim, (const double(*)[3])edges, fabs(determinant))
+                        : pl_mean_square(dim, e, d);
         b->acuteness[l] = product_of_edges(dim, square, b->is_simplex[l]) / (d * d);
     }
 }
 
 PL_INLINE void inline_corners(const pl_mesh_state *mesh, pl_corner_block *b) {
-    if (mesh->of->dim == 3)
-        evaluate_corners(b, 3);
+    if (mesh->of->target && mesh->of->dim == 3)
+        evaluate_corners(b, 1, 3);
+    else if (mesh->of->target)
+        evaluate_corners(b, 1, 2);
+    else if (mesh->of->dim == 3)
+        evaluate_corners(b, 0, 3);
     else
-        evaluate_corners(b, 2);
+        evaluate_corners(b, 0, 2);
 }
 
 /* With wider vectors; the bits are the same. */
@@ -400,7 +421,16 @@ static void resolve_corner(const pl_mesh_state *mesh, int64_t number, int l, int
     /* As flat as can be said without an overflow. */
     const double least = 0x1p-500, d = ldexp(fabs(m), of_exact - dim * exponent);
     const double ideal = pl_larger(d / b->determinant[l], least);
-    b->of.square[l] = pl_mean_square(dim, e, ideal);
+    if (mesh->of->target) {
+        double edges[3][3];
+        for (int j = 0; j < dim; j++)
+            for (int c = 0; c < dim; c++)
+                edges[j][c] = b->of.x[j + 1][c][l] - b->of.x[0][c][l];
+        b->of.square[l] =
+            square_of_target(b, l, dim, (const double(*)[3])edges, pl_larger(d, least));
+    } else {
+        b->of.square[l] = pl_mean_square(dim, e, ideal);
+    }
     b->acuteness[l] = product_of_edges(dim, square, b->is_simplex[l]) / (ideal * ideal);
 }
 

@@ -159,7 +159,8 @@ double pl_block_acuteness(const pl_block *b, int l, int dim);
 typedef struct pl_corner_block {
     pl_block of;                    /* places; then certain, valid, listed, volume: that of an
                                        element with such corners; square: mu^2 */
-    double weight[6][PL_SUM_LANES]; /* of the edges to the neighbours, and of those between them */
+    double weight[6][PL_SUM_LANES]; /* of the edges to the neighbours, and of those between them; or
+                                       v of the targets */
     double determinant[PL_SUM_LANES]; /* of the ideal corner */
     double unit[PL_SUM_LANES];        /* volume of an element whose corners have D = 1 */
     double is_simplex[PL_SUM_LANES];  /* 1: all its vertices are corners */

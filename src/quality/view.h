@@ -9,7 +9,7 @@
 #ifndef PL_QUALITY_VIEW_H
 #define PL_QUALITY_VIEW_H
 
-#include "geometry/inline.h"
+#include "geometry/target.h"
 
 #include <planish/planish.h>
 
@@ -25,6 +25,8 @@ typedef struct pl_view {
                                  after the other; NULL: they are simplices, one of each cell */
     int64_t n_cells;       /* with corner: number of cells, */
     const int32_t *cell_begin; /* [n_cells + 1] and the first corner of each */
+    const pl_target *target;   /* [m] with corner: their targets (geometry/target.h); NULL: they are
+                                  the ideal ones of their shapes */
     const int8_t *sign;       /* [m] +1 or -1: sign * measure is positive in a valid mesh; NULL: all
                                  +1 */
     const double *min_volume; /* [m] minimum volumes, 0: none; NULL: all 0 */

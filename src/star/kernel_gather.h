@@ -282,13 +282,84 @@ PL_NOINLINE double gather_guarded_forms(const star *s, const double *ring, const
     return dim == 3 ? gather_forms(s, ring, 1, 3) : gather_forms(s, ring, 1, 2);
 }
 
+/* e0 of rows without weight: mu^2 underflows to 0. */
+#define ROW_NOTHING 1e-200
+
+/** Rows of V by the nodes of a pack of facets, [node][column][lane]. */
+typedef struct facet_slopes {
+    _Alignas(64) double by[3][3][PL_PACK];
+} facet_slopes;
+
+/** Fill lane k with the slopes of a target, in the order that the code of a form says. */
+static inline void turn_slopes(const pl_target *target, unsigned code, int k, facet_slopes *slope,
+                               const int dim) {
+    const int place = code >> 1 & 3, turned = code & 1;
+    double of_corner[4][3];
+    pl_target_slopes(dim, target->v, of_corner);
+    for (int j = 0; j < dim; j++) {
+        const int at = turned && j >= dim - 2 ? 2 * dim - 3 - j : j;
+        for (int c = 0; c < dim; c++)
+            slope->by[at][c][k] = of_corner[j + (j >= place)][c];
+    }
+}
+
+/** Compute the constants of the targets of a pack of facets whose nodes are at a [dim] from the star's:
+ *  with w = T V_x, V_x the slope of the star's node, x - o = w / |V_x|^2. */
+PL_INLINE void store_target(const star *s, int64_t i, const facet_slopes *slope,
+                            const lanes a[3][3], const int dim) {
+    const lanes root = lanes_of(1.0 / dim);
+    lanes own[3], w[3], c = lanes_of(0), energy = lanes_of(0), of_w = lanes_of(0);
+    for (int d = 0; d < dim; d++)
+        w[d] = lanes_of(0);
+    for (int k = 0; k < dim; k++) {
+        own[k] = lanes_of(0);
+        for (int j = 0; j < dim; j++)
+            own[k] -= lanes_load(slope->by[j][k]);
+        c += own[k] * own[k];
+        for (int d = 0; d < dim; d++) {
+            lanes t = lanes_of(0);
+            for (int j = 0; j < dim; j++)
+                t += a[j][d] * lanes_load(slope->by[j][k]);
+            energy += t * t;
+            w[d] += t * own[k];
+        }
+    }
+    const lanes inverse = lanes_of(1) / c;
+    for (int d = 0; d < dim; d++) {
+        store(s, OX + d, i, a[0][d] + w[d] * inverse);
+        of_w += w[d] * w[d];
+    }
+    store(s, FORM_C, i, root * c);
+    store(s, FORM_E0, i, lanes_max(root * (energy - of_w * inverse), lanes_of(ROW_NOTHING)));
+}
+
+/** Put targets in the place of ideal corners, with the star's node at x (scaled) and its neighbours in
+ *  ring [.][PL_ROW]. Not inlined: few meshes have them. */
+PL_NOINLINE void gather_targets(const star *s, const pl_star_problem *problem, int64_t first,
+                                const double *ring, const double *x, const int dim) {
+    for (int64_t i = 0; i < s->padded; i += PL_PACK) {
+        facet_slopes slope;
+        lanes a[3][3];
+        for (int k = 0; k < PL_PACK; k++) {
+            const int64_t facet = i + k < s->n_facets ? i + k : 0;
+            turn_slopes(&problem->target[problem->link_element[first + facet]], s->form[facet], k,
+                        &slope, dim);
+        }
+        for (int j = 0; j < dim; j++) {
+            lanes p[PL_ROW];
+            points_to_columns(ring, s->facet + dim * i + j, dim, p);
+            for (int d = 0; d < dim; d++)
+                a[j][d] = p[d] - lanes_of(x[d]);
+        }
+        store_target(s, i, &slope, a, dim);
+    }
+}
+
 /* A further row is seen as a facet with p0 this far from the node, in sizes of the star: |x - p0| is
  * about the same wherever the node goes, and so is what rounding does to D. */
 #define ROW_FAR 16.0
 /* How well numbers of a row are known: an element's coefficients are sums of some products. */
 #define ROW_ROUNDING 0x1p-46
-/* e0 of rows without weight: mu^2 underflows to 0. */
-#define ROW_NOTHING 1e-200
 
 /** Make the row a facet, with the star's node at x (scaled): P0 and n such that D = base + n . (x -
  *  p0), and o such that E = c |x - o|^2 + e0. */
@@ -429,6 +500,13 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
         }
     } else {
         facets_2d(&s, ring, 0);
+    }
+    if (PL_KERNEL != PL_RADIUS && problem->target && has_forms(&s)) {
+        const star copy = s;
+        double scaled[3] = {0};
+        for (int d = 0; d < dim; d++)
+            scaled[d] = x[d] * s.scale;
+        gather_targets(&copy, problem, first, ring, scaled, dim);
     }
     if (!has_forms(&s)) {
         for (int64_t i = 0; i < s.padded; i += PL_PACK)

@@ -30,6 +30,7 @@
 #include "base/clock.h"
 #include "geometry/corner.h"
 #include "geometry/link.h"
+#include "geometry/target.h"
 #include "base/round.h"
 #include "base/sum.h"
 
@@ -156,7 +157,10 @@ typedef struct pl_star_problem {
                                    corners (geometry/corner.h): ratios are mean ratios then; NULL:
                                    simplices */
     const pl_corner_form *form; /* [PL_N_FORMS] by codes */
-    pl_star_more_fn *more;      /* rows besides those of the facets, at most max_more of a star, and
+    const pl_target
+        *target; /* [elements] what corners are to be; NULL: ideal ones of their shapes */
+    const int32_t *link_element; /* [link_offset[n_stars]] then: the facets' elements */
+    pl_star_more_fn *more; /* rows besides those of the facets, at most max_more of a star, and
                                    ratios are mean ratios then; NULL: none */
     const void *more_user;
     const uint8_t *has_more; /* [n_stars] 1: the star has such rows */

@@ -67,6 +67,17 @@ static int check_worst(const pl_run *r, planish_error *error) {
                    worst == PLANISH_WORST_ANGLE ? "ANGLE" : "RADIUS_RATIO");
 }
 
+/** Whether options ask for nothing that is not made for targets. */
+static int check_targets(const pl_run *r, planish_error *error) {
+    const planish_options *o = r->options;
+    if (!r->plan->work.target || (o->worst == PLANISH_WORST_NONE && pl_is_mean(o->objective)))
+        return PLANISH_OK;
+    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                   "options.%s is not possible with mesh.reference: only mean ratios are measured "
+                   "against targets",
+                   o->worst != PLANISH_WORST_NONE ? "worst" : "objective EDGE_RATIO");
+}
+
 /** Kinds of the corners of a view, as bits. */
 static unsigned kinds_of(const pl_view *view) {
     unsigned kinds = 0;
@@ -101,7 +112,9 @@ int pl_run_begin(pl_run *r, planish_error *error) {
     const pl_points points = pl_plan_points(plan, r->coordinates);
     const pl_points all_points = pl_plan_all_points(plan, r->coordinates);
     double *all = NULL, delta;
-    int status = check_worst(r, error);
+    int status = check_targets(r, error);
+    if (!status)
+        status = check_worst(r, error);
     if (status)
         return status;
     r->kinds = kinds_of(&plan->work);

@@ -46,7 +46,8 @@ double pl_run_blunt(const pl_run *r, double acuteness) {
 }
 
 pl_star_limits pl_run_worst_limits(const pl_run *r, double margin) {
-    const double acuteness = r->sums.acuteness * margin;
+    /* Where elements are to be thin, sharp ones are what is wanted. */
+    const double acuteness = r->plan->work.target ? INFINITY : r->sums.acuteness * margin;
     return (pl_star_limits){worst_ratio(r) * margin, acuteness, pl_run_blunt(r, acuteness)};
 }
 

@@ -444,17 +444,13 @@ static const pl_cell_shape *shape_of(const pl_watch *w, int32_t i) {
         ->shape;
 }
 
-/** Find the edges of corner c of a cell with corners x, in a size of about 1. */
-static void edges_of_corner(const pl_cell_shape *shape, const double *const x[], int c,
-                            double edge[3][3]) {
-    const int dim = shape->dim;
+/** Bring edges [dim][dim] to a size of about 1. */
+static void scale_edges(int dim, double edge[3][3]) {
     double size = 0;
     int exponent;
     for (int j = 0; j < dim; j++)
-        for (int d = 0; d < dim; d++) {
-            edge[j][d] = x[shape->neighbour[c][j]][d] - x[c][d];
+        for (int d = 0; d < dim; d++)
             size = pl_larger(fabs(edge[j][d]), size);
-        }
     if (size > 0x1p-60 && size < 0x1p60) /* a power of two changes no bit of what is found */
         return;
     frexp(size, &exponent);
@@ -462,6 +458,30 @@ static void edges_of_corner(const pl_cell_shape *shape, const double *const x[],
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
             edge[j][d] *= scale;
+}
+
+/** Find the edges of corner c of a cell with corners x, in a size of about 1. */
+static void edges_of_corner(const pl_cell_shape *shape, const double *const x[], int c,
+                            double edge[3][3]) {
+    for (int j = 0; j < shape->dim; j++)
+        pl_subtract(shape->dim, x[shape->neighbour[c][j]], x[c], edge[j]);
+    scale_edges(shape->dim, edge);
+}
+
+/** mu^2 of an element of the plan, a corner with a target; infinite where it is not positive. */
+static double target_square(const planish_plan *plan, int64_t element) {
+    const int dim = plan->dim;
+    const double *x[4] = {NULL};
+    double edge[3][3] = {{0}};
+    for (int j = 0; j <= dim; j++)
+        x[j] = plan->scratch.coordinates + (int64_t)pl_plan_inner(plan, element, j) * dim;
+    pl_edges(dim, x, edge);
+    scale_edges(dim, edge);
+    const double D = (plan->work.sign ? plan->work.sign[element] : 1) *
+                     pl_determinant_of_edges(dim, (const double(*)[3])edge);
+    const double energy =
+        pl_target_energy(dim, (const double(*)[3])edge, plan->work.target[element].v);
+    return D > 0 ? pl_mean_square(dim, energy, D) : INFINITY;
 }
 
 /** Find mu^2 of corner c of a cell with corners x, and the square of its scaled Jacobian; infinite
@@ -518,11 +538,29 @@ PL_INLINE int may_exceed(const pl_cell_shape *shape, const double *const x[], do
     return 0;
 }
 
+/** Raise worst to the mean ratios of a watched cell whose corners have targets. */
+static void raise_by_targets(const pl_watch *w, int32_t i, pl_worst_cell *worst) {
+    const pl_view *work = &w->plan->work;
+    const int64_t cell = pl_watch_cell(w, i);
+    const int64_t begin = work->cell_begin[cell], end = work->cell_begin[cell + 1];
+    double sum = 0;
+    for (int64_t e = begin; e < end; e++) {
+        const double mu2 = target_square(w->plan, e);
+        sum += mu2;
+        worst->mu2 = pl_larger(mu2, worst->mu2);
+    }
+    worst->ar2 = pl_larger(sum / (double)(end - begin), worst->ar2);
+}
+
 /** Raise worst to the measures of a watched cell, if a corner's mu^2 is above limit. */
 static void raise_worst(const pl_watch *w, int32_t i, double limit, pl_worst_cell *worst) {
     const pl_cell_shape *shape = shape_of(w, i);
     const double *x[PL_CELL_CORNERS];
     const int is_turned = shape->n_corners == 8 || shape->n_corners == 6;
+    if (w->plan->work.target) {
+        raise_by_targets(w, i, worst);
+        return;
+    }
     const double sign = is_turned ? 1 : pl_watch_sign(w, pl_watch_cell(w, i));
     double sum = 0;
     for (int j = 0; j < shape->n_corners; j++)

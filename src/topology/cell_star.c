@@ -34,6 +34,7 @@ static void add_facet(int dim, int kind, const corner_nodes *of, int e, int plac
         add_other(star, other);
         star->facet[star->n_facets][pl_facet_corner(dim, j, turned)] = other;
     }
+    star->corner[star->n_facets] = (uint8_t)e;
     star->form[star->n_facets++] = pl_form_code(pl_corner_code(kind, e), place, turned);
     if (dim == 3 && kind == PL_KIND_BRICK && place == 0)
         add_other(star, (uint8_t)pl_opposite_corner(e));
@@ -78,4 +79,16 @@ int pl_cell_facets(const pl_cell_kind *kinds, const uint8_t *corner, const int32
         return kind->star[0][0].n_facets;
     pl_cell_nodes(kind, elements + first * (dim + 1), nodes);
     return kind->star[0][pl_cell_place(kind, nodes, node)].n_facets;
+}
+
+int pl_cell_facet_elements(const pl_cell_kind *kinds, const uint8_t *corner,
+                           const int32_t *elements, int dim, int64_t first, int32_t node,
+                           int32_t *element) {
+    const pl_cell_kind *kind = pl_cell_kind_of(kinds, corner, first);
+    int32_t nodes[PL_CELL_CORNERS];
+    pl_cell_nodes(kind, elements + first * (dim + 1), nodes);
+    const pl_cell_star *star = &kind->star[0][pl_cell_place(kind, nodes, node)];
+    for (int f = 0; f < star->n_facets; f++)
+        element[f] = (int32_t)first + star->corner[f];
+    return star->n_facets;
 }

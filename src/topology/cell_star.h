@@ -6,6 +6,7 @@
  *   pl_cell_nodes            its nodes
  *   pl_cell_place            the place of a node among them
  *   pl_cell_facets           number of link facets that it has at a node
+ *   pl_cell_facet_elements   and their elements
  *   pl_facet_corner          order of the nodes of a link facet
  *
  * A cell is known by its first corner: corners of a cell are elements one after the other. A node of a
@@ -30,9 +31,10 @@ typedef struct pl_cell_star {
         other[PL_CELL_CORNERS]; /* its other nodes, in the order in which its corners at the node
                                        name them */
     uint8_t facet[PL_CELL_STAR_FACETS]
-                 [3];                  /* of each of these corners the nodes of its link facet, in
+                 [3];                    /* of each of these corners the nodes of its link facet, in
                                               the facet's order (pl_rings.link) */
-    uint8_t form[PL_CELL_STAR_FACETS]; /* and its code */
+    uint8_t form[PL_CELL_STAR_FACETS];   /* its code, */
+    uint8_t corner[PL_CELL_STAR_FACETS]; /* and which corner of the cell it is */
 } pl_cell_star;
 
 /** Cells of one kind. */
@@ -79,5 +81,11 @@ PL_AT_ONCE int pl_cell_place(const pl_cell_kind *kind, const int32_t *node, int3
 /** Number of link facets that the cell from the element first on has at a node. */
 int pl_cell_facets(const pl_cell_kind *kinds, const uint8_t *corner, const int32_t *elements,
                    int dim, int64_t first, int32_t node);
+
+/** Fill element with the elements of these link facets, in the order of pl_rings.link; returns how
+ *  many. */
+int pl_cell_facet_elements(const pl_cell_kind *kinds, const uint8_t *corner,
+                           const int32_t *elements, int dim, int64_t first, int32_t node,
+                           int32_t *element);
 
 #endif

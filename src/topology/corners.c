@@ -35,7 +35,7 @@ typedef struct passes {
                               are no mids */
     uint8_t *is_smoothed;  /* [cells] */
     uint8_t is_irregular;  /* shared */
-    uint8_t has_corners;   /* a smoothed cell is no simplex, */
+    uint8_t has_corners;   /* a smoothed cell is no simplex, or has a target, */
     uint8_t has_mids;      /* has nodes beside its corners, */
     uint8_t has_others;    /* and a cell is not smoothed; shared */
 } passes;
@@ -179,6 +179,7 @@ static int make_elements(passes *p, int threads, planish_error *error) {
     int status = count_all(p, threads, &n, &n_elements, error);
     if (status)
         return status;
+    p->has_corners |= p->mesh->reference != NULL;
     const int maps = p->has_corners || p->has_others;
     dense->elements = pl_alloc(n_elements * (p->mesh->dim + 1), sizeof *dense->elements);
     dense->cell_of = maps ? pl_alloc(n_elements, sizeof *dense->cell_of) : NULL;
@@ -493,7 +494,7 @@ int pl_corners_take(const planish_mesh *mesh, int threads, pl_dense *dense, plan
     if (status)
         return status;
     dense->mesh.cells = NULL;
-    if (is_regular(&p, threads)) {
+    if (!mesh->reference && is_regular(&p, threads)) {
         dense->mesh.elements = mesh->cells->node;
         return PLANISH_OK;
     }

@@ -91,6 +91,14 @@ static void copy_min_volumes(const star_copy *copy, int32_t node, double *min_vo
     }
 }
 
+/** Number the elements of a node's link facets, in their order. */
+static void copy_elements(const star_copy *copy, int32_t node, int32_t *element) {
+    const pl_incidence *incidence = copy->incidence;
+    for (int64_t i = incidence->offset[node]; i < incidence->offset[node + 1]; i++)
+        element += pl_cell_facet_elements(copy->kinds, copy->corner, copy->mesh->elements,
+                                          copy->mesh->dim, incidence->element[i], node, element);
+}
+
 static void copy_links(void *context, int64_t begin, int64_t end, int thread) {
     const star_copy *copy = context;
     const pl_link *kept = &copy->rings->link;
@@ -117,6 +125,8 @@ static void copy_links(void *context, int64_t begin, int64_t end, int thread) {
             write_ends((pl_link){source.low, NULL}, (pl_link){target.low, NULL}, n);
         if (copy->stars->min_volume)
             copy_min_volumes(copy, copy->node[r], copy->stars->min_volume + to);
+        if (copy->stars->element)
+            copy_elements(copy, copy->node[r], copy->stars->element + to);
     }
 }
 
@@ -152,9 +162,12 @@ int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, con
         if (mesh->min_volume)
             stars->min_volume = pl_alloc(n_link, sizeof *stars->min_volume);
         stars->form = rings->form ? pl_alloc(n_link, sizeof *stars->form) : NULL;
+        if (corner && mesh->reference)
+            stars->element = pl_alloc(n_link, sizeof *stars->element);
         done = pl_link_alloc(&stars->link, pl_link_positions(mesh->dim, rings->form != NULL),
                              n_link, rings->link.high != NULL) == 0 &&
-               (!mesh->min_volume || stars->min_volume) && (!rings->form || stars->form);
+               (!mesh->min_volume || stars->min_volume) && (!rings->form || stars->form) &&
+               (!corner || !mesh->reference || stars->element);
     }
     if (done)
         pl_parallel_for(threads, n_rings, CHUNK, copy_links, &copy);
@@ -172,5 +185,6 @@ void pl_stars_destroy(pl_stars *stars) {
     pl_link_free(&stars->link);
     pl_free(stars->min_volume);
     pl_free(stars->form);
+    pl_free(stars->element);
     *stars = (pl_stars){0};
 }

@@ -329,13 +329,16 @@ typedef struct pl_stars {
                              NULL */
     uint8_t *form;        /* [link_offset[n_stars]] the facets' codes (geometry/corner.h), where
                                    elements are corners; or NULL */
+    int32_t *element;     /* [link_offset[n_stars]] the facets' elements, of corners of a mesh with
+                             a reference; or NULL */
     int64_t max_ring, max_link; /* of one star */
 } pl_stars;
 
 /** Copy the rings and links of the free nodes in the order of their visits. Star star_of[r], of 0
  *  .. rings->n_free-1, is that of ring r, which has a node; -1 where there is none: star_of
  *  [n_rings], node [n_rings] as returned by pl_rings_create. number_of [n] maps the mesh's node
- *  numbers to those written to stars->ring. incidence is used if the mesh has minimum volumes; corner
+ *  numbers to those written to stars->ring. incidence is used if the mesh has minimum volumes or a
+ *  reference; corner
  *  as for pl_rings_create. Of the rings nothing is left afterwards. */
 int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, const uint8_t *corner,
                     pl_rings *rings, const int32_t *node, const int32_t *star_of,

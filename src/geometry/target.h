@@ -1,0 +1,69 @@
+/* target: the shape that a corner is wanted to have, where that is not the ideal one of its type.
+ *
+ * A = [e_1 .. e_dim] are a corner's edges from its first node, W those of the corner that is wanted.
+ * T = A W^-1 is what takes the one to the other, and mu is the mean ratio of T (Knupp 2001):
+ *
+ *     mu = |T|^2 / (dim det(T)^(2 / dim)),   |T|^2 = E det(W)^(-2 / dim)
+ *
+ * With W = Q R, Q a rotation, |A W^-1| = |A R^-1|. So a target is the upper triangle of
+ * V = det(W)^(1 / dim) R^-1, with det V = 1, and E = |A V|^2, det A = det T det W:
+ *
+ *     mu = E / (dim D^(2 / dim))
+ *
+ * as of a corner whose ideal determinant is 1. A turned, moved or scaled W is the same target.
+ *
+ *   pl_target, pl_target_make       of the corner that is wanted
+ *   pl_target_entry, _slopes        V, and V by nodes
+ *   pl_target_energy                E
+ *   pl_target_weights               E by squared edges
+ */
+#ifndef PL_GEOMETRY_TARGET_H
+#define PL_GEOMETRY_TARGET_H
+
+#include "geometry/simplex.h"
+
+/** Target of a corner. */
+typedef struct pl_target {
+    double v[6]; /* V_11, V_12, V_22, V_13, V_23, V_33; in the plane three */
+    double unit; /* 1 / det W */
+} pl_target;
+
+/** Make the target of a corner whose edges are edges [dim][dim], sign times as oriented. Return 0 if its
+ *  measure is not positive, or too small or large for a double. */
+int pl_target_make(int dim, const double edges[3][3], double sign, pl_target *target);
+
+/** Entry of V, row <= column. */
+PL_INLINE double pl_target_entry(const double v[6], int row, int column) {
+    return v[column * (column + 1) / 2 + row];
+}
+
+/** Fill slope [dim + 1][dim] so that T = sum_j x_j slope_j^T over the nodes x_j of the corner, wherever
+ *  the origin is. */
+PL_INLINE void pl_target_slopes(int dim, const double v[6], double slope[4][3]) {
+    for (int c = 0; c < dim; c++) {
+        slope[0][c] = 0;
+        for (int j = 0; j < dim; j++) {
+            slope[j + 1][c] = j > c ? 0 : pl_target_entry(v, j, c);
+            slope[0][c] -= slope[j + 1][c];
+        }
+    }
+}
+
+/** Return E of edges [dim][dim]. */
+PL_INLINE double pl_target_energy(int dim, const double edges[3][3], const double v[6]) {
+    double energy = 0;
+    for (int c = 0; c < dim; c++)
+        for (int d = 0; d < dim; d++) {
+            double t = 0;
+            for (int j = 0; j <= c; j++)
+                t += edges[j][d] * pl_target_entry(v, j, c);
+            energy += t * t;
+        }
+    return energy;
+}
+
+/** Fill weight with what E has of the squared edges: of those from the corner to its neighbours, then of
+ *  those between these, as pl_corner_form.weight. */
+void pl_target_weights(int dim, const pl_target *target, double weight[6]);
+
+#endif

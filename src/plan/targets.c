@@ -1,0 +1,123 @@
+/* targets: elements of a plan that are to have the shapes that mesh.reference has. */
+#include "plan/draft.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+#include "topology/points.h"
+
+#include <inttypes.h>
+
+enum { CHUNK = 4096 };
+
+/* ---- simplices as cells ---------------------------------------------------------------------- */
+
+/** Simplices being made cells. */
+typedef struct cell_copy {
+    const planish_mesh *mesh;
+    pl_own_cells *own;
+} cell_copy;
+
+static void copy_cells(void *context, int64_t begin, int64_t end, int thread) {
+    const cell_copy *c = context;
+    const int k = c->mesh->dim + 1;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        c->own->type[i] = k == 4 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TRIANGLE;
+        c->own->offset[i + 1] = (i + 1) * k;
+        for (int j = 0; j < k; j++) {
+            const int64_t node = pl_corner(c->mesh, i, j);
+            c->own->node[i * k + j] = node >= 0 && node < c->mesh->n_nodes ? (int32_t)node : -1;
+        }
+    }
+}
+
+int pl_draft_make_cells(const planish_mesh *mesh, pl_draft *d, planish_error *error) {
+    pl_own_cells *own = &d->plan->own_cells;
+    const int64_t n = mesh->n_elements;
+    int status = pl_check_counts(mesh, error);
+    if (status)
+        return status;
+    own->type = pl_alloc(n, sizeof *own->type);
+    own->offset = pl_alloc_zero(n + 1, sizeof *own->offset);
+    own->node = pl_alloc(n * (mesh->dim + 1), sizeof *own->node);
+    if (!own->type || !own->offset || !own->node)
+        return pl_fail_memory(error, "the elements");
+    cell_copy copy = {mesh, own};
+    pl_parallel_for(d->plan->threads, n, CHUNK, copy_cells, &copy);
+    for (int64_t i = 0; i < n; i++)
+        if ((status = pl_check_element(mesh, i, error)) != 0)
+            return status;
+    d->cells = (planish_cells){n, own->type, own->offset, own->node, {NULL}};
+    d->with_cells = *mesh;
+    d->with_cells.elements = NULL;
+    d->with_cells.elements64 = NULL;
+    d->with_cells.neighbours = NULL;
+    d->with_cells.neighbours64 = NULL;
+    d->with_cells.cells = &d->cells;
+    return PLANISH_OK;
+}
+
+/* ---- targets --------------------------------------------------------------------------------- */
+
+/** Targets being made. */
+typedef struct target_pass {
+    const planish_plan *plan;
+    const int8_t *sign;
+    pl_points reference;
+    pl_target *target;
+    int64_t lowest; /* element that has none; shared */
+} target_pass;
+
+/** Edges of an element of the reference; returns its sign. */
+static double reference_edges(const target_pass *p, int64_t element, double edges[3][3]) {
+    const int dim = p->plan->dim;
+    const int32_t *node = p->plan->work.elements + element * (dim + 1);
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++)
+            edges[j][d] = p->reference.x[pl_point_at(&p->reference, node[j + 1], d)] -
+                          p->reference.x[pl_point_at(&p->reference, node[0], d)];
+    return p->sign ? p->sign[element] : 1;
+}
+
+static void make_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    target_pass *p = context;
+    int64_t lowest = INT64_MAX;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        double edges[3][3] = {{0}};
+        const double sign = reference_edges(p, i, edges);
+        if (!pl_target_make(p->plan->dim, (const double(*)[3])edges, sign, &p->target[i]) &&
+            i < lowest)
+            lowest = i;
+    }
+    pl_lower_to(&p->lowest, lowest);
+}
+
+/** Say what is wrong with the element that has no target. */
+static int complain(const target_pass *p, planish_error *error) {
+    const int64_t element = pl_plan_element(p->plan, p->lowest);
+    double edges[3][3] = {{0}};
+    const double sign = reference_edges(p, p->lowest, edges);
+    const double D = sign * pl_determinant_of_edges(p->plan->dim, (const double(*)[3])edges);
+    return pl_fail_at(error, PLANISH_ERROR_MESH, element, -1,
+                      "element %" PRId64 " %s in mesh.reference; all smoothed elements must be "
+                      "valid there, oriented as in the mesh",
+                      element,
+                      !isfinite(D) ? "is too large, or not finite,"
+                      : D < 0      ? "is inverted"
+                                   : "is flat");
+}
+
+int pl_draft_make_targets(pl_draft *d, planish_error *error) {
+    planish_plan *plan = d->plan;
+    target_pass p = {.plan = plan,
+                     .sign = d->boundary.sign,
+                     .reference = pl_points_of(d->given, d->given->reference),
+                     .lowest = INT64_MAX};
+    plan->work.target = p.target = pl_alloc(plan->work.n_elements, sizeof *p.target);
+    if (!p.target)
+        return pl_fail_memory(error, "the targets of the elements");
+    pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, make_chunk, &p);
+    return p.lowest < INT64_MAX ? complain(&p, error) : PLANISH_OK;
+}
