@@ -213,7 +213,7 @@ typedef struct planish_mesh {
        target of each element is its shape there, wherever it lies, however it is turned and of
        whatever size; without it, the regular shape. All elements are then measured by mean ratios,
        as with cells of several types, mu that of T = A W^-1, A and W the edges of a corner here and
-       there (docs/targets.md). planish_plan_create reads it, and it is not needed afterwards. Every
+       there (docs/targets.md; planish_options.size_weight makes sizes count). planish_plan_create reads it, and it is not needed afterwards. Every
        corner of a smoothed element must be positive there. Not with part. */
     const double *reference;
     const void *reserved[5]; /* NULL */
@@ -720,7 +720,10 @@ typedef struct planish_options {
                                                    edges */
     planish_length_unit surface_tolerance_unit; /* of surface_tolerance, and edges are those of the
                                                    shape at the node */
-    const void *reserved[3];                    /* NULL */
+    double size_weight; /* 0 .. 1, of planish_plan_create with planish_mesh.reference: w in
+                           (1 - w) mu^2 + w (tau + 1 / tau) / 2, which counts in the place of mu^2;
+                           tau is the measure of a corner in units of its target's */
+    const void *reserved[2]; /* NULL */
 } planish_options;
 
 /** Fill in the defaults: as many threads as OpenMP would use and as the mesh is large enough for,

@@ -14,12 +14,13 @@
  *
  *   pl_target, pl_target_make       of the corner that is wanted
  *   pl_target_entry, _slopes        V, and V by nodes
- *   pl_target_energy                E
+ *   pl_target_energy, _square       E, and what counts
  *   pl_target_weights               E by squared edges
  */
 #ifndef PL_GEOMETRY_TARGET_H
 #define PL_GEOMETRY_TARGET_H
 
+#include "geometry/corner.h"
 #include "geometry/simplex.h"
 
 /** Target of a corner. */
@@ -60,6 +61,16 @@ PL_INLINE double pl_target_energy(int dim, const double edges[3][3], const doubl
             energy += t * t;
         }
     return energy;
+}
+
+/** Return the square of the ratio that counts, of edges [dim][dim] with D = determinant > 0, whose target
+ *  has v, and unit in their scale: (1 - w) mu^2 + w (tau + 1 / tau) / 2, tau = det T, w the weight of
+ *  sizes. */
+PL_INLINE double pl_target_square(int dim, const double edges[3][3], double determinant,
+                                  const double v[6], double unit, double weight) {
+    const double tau = determinant * unit;
+    const double square = pl_mean_square(dim, pl_target_energy(dim, edges, v), determinant);
+    return weight > 0 ? (1 - weight) * square + weight / 2 * (tau + 1 / tau) : square;
 }
 
 /** Fill weight with what E has of the squared edges: of those from the corner to its neighbours, then of

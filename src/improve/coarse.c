@@ -235,7 +235,7 @@ static int is_suitable(const pl_run *r) {
     const planish_plan *plan = r->plan;
     const int has_others =
         plan->work.corner ? pl_watch_has_mids(&r->watch) : pl_watch_is_on(&r->watch);
-    return plan->interior.n_all >= FEWEST && r->plain && !has_others &&
+    return plan->interior.n_all >= FEWEST && r->plain && !has_others && plan->work.size_weight == 0 &&
            plan->sliding.n_followers == 0 && plan->interior.n_followers == 0 && plan->n_images == 0;
 }
 

@@ -42,6 +42,7 @@ static int check_ranges(const planish_options *o, planish_error *error) {
         {"time_limit", o->time_limit, INFINITY, "seconds, or 0 for none"},
         {"worst_rise", o->worst_rise, DBL_MAX, "a finite fraction, 0 or more"},
         {"curve_quality", o->curve_quality, 1, "0 (none) to 1"},
+        {"size_weight", o->size_weight, 1, "0 (shapes alone) to 1 (sizes alone)"},
         {"only_worse_than", o->only_worse_than, INFINITY, "a radius ratio, or 0 for all stars"},
         {"threads", o->threads, PL_MAX_THREADS, "0 (automatic) to 1024"},
         {"max_sweeps", o->max_sweeps, INFINITY, "0 or more"},

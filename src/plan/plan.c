@@ -76,6 +76,13 @@ void pl_plan_destroy(planish_plan *plan) {
  * that cannot be: they are not looked at again for every tremor around. */
 #define STILL        1e-4
 #define STILL_OF_FEW 1e-2
+/* With targets all nodes may come to rest together, where F is flat. */
+#define STILL_WITH_TARGETS 1e-5
+
+/** pl_star_problem.still. */
+static double still_of(const planish_plan *plan) {
+    return plan->is_selective ? STILL_OF_FEW : plan->work.target ? STILL_WITH_TARGETS : STILL;
+}
 
 pl_star_problem pl_plan_problem(const planish_plan *plan, const pl_visits *visits) {
     return (pl_star_problem){.coordinates = plan->scratch.coordinates,
@@ -87,12 +94,13 @@ pl_star_problem pl_plan_problem(const planish_plan *plan, const pl_visits *visit
                              .link_form = visits->stars.form,
                              .form = plan->form,
                              .target = plan->work.target,
+                             .size_weight = plan->work.size_weight,
                              .link_element = visits->stars.element,
                              .scratch = plan->scratch.kernels,
                              .scratch_stride = plan->scratch.kernel_stride,
                              .changed = plan->scratch.changed,
                              .limits = pl_star_no_limits(),
-                             .still = plan->is_selective ? STILL_OF_FEW : STILL,
+                             .still = still_of(plan),
                              .slide = visits == &plan->sliding ? plan->slide : NULL};
 }
 

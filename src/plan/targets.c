@@ -118,6 +118,7 @@ int pl_draft_make_targets(pl_draft *d, planish_error *error) {
     plan->work.target = p.target = pl_alloc(plan->work.n_elements, sizeof *p.target);
     if (!p.target)
         return pl_fail_memory(error, "the targets of the elements");
+    plan->work.size_weight = d->options->size_weight;
     pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, make_chunk, &p);
     return p.lowest < INT64_MAX ? complain(&p, error) : PLANISH_OK;
 }

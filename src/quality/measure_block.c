@@ -289,25 +289,27 @@ static const pl_target *target_of(const pl_mesh_state *mesh, int64_t first, int 
     return mesh->of->target ? &mesh->of->target[first + l] : NULL;
 }
 
-/** mu^2 of a corner with targets from its edges and |D|. */
+/** What counts of a corner with a target, from its edges and |D|. */
 PL_INLINE double square_of_target(const pl_corner_block *b, int l, int dim,
                                   const double edges[3][3], double determinant) {
     double v[6];
     for (int k = 0; k < 6; k++)
         v[k] = b->weight[k][l];
-    return pl_mean_square(dim, pl_target_energy(dim, edges, v), determinant);
+    return pl_target_square(dim, edges, determinant, v, b->target_unit[l], b->size_weight);
 }
 
 /** Gather corners, and what is ideal for them. */
 PL_INLINE void gather_corners(const pl_mesh_state *mesh, const pl_corner_form *form, int64_t first,
                               int count, pl_corner_block *b) {
     pl_block_gather(mesh, first, count, &b->of);
+    b->size_weight = mesh->of->size_weight;
     for (int l = 0; l < PL_SUM_LANES; l++) {
         const int kind = pl_corner_kind(mesh->of->corner[first + (l < count ? l : 0)]);
         const pl_corner_form *f = &form[pl_form_code(pl_corner_code(kind, 0), 0, 0)];
         const pl_target *target = target_of(mesh, first, l < count ? l : 0);
         for (int k = 0; k < 6; k++)
             b->weight[k][l] = target ? target->v[k] : f->weight[k];
+        b->target_unit[l] = target ? target->unit : 0;
         b->determinant[l] = f->determinant;
         b->unit[l] = f->volume;
         b->is_simplex[l] = kind == PL_KIND_SIMPLEX ? 1 : 0;
@@ -391,6 +393,7 @@ static int scale_corner(const pl_mesh_state *mesh, int64_t number, int l, pl_cor
     frexp(half, &exponent);
     exponent = pl_scale_exponent(exponent);
     const double scale = ldexp(1, -exponent);
+    b->target_unit[l] = ldexp(b->target_unit[l], dim * exponent);
     for (int j = 0; j <= dim; j++)
         for (int d = 0; d < dim; d++)
             b->of.x[j][d][l] = mesh->coordinates[(int64_t)node[j] * dim + d] * scale -

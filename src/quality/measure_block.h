@@ -162,6 +162,8 @@ typedef struct pl_corner_block {
     double weight[6][PL_SUM_LANES]; /* of the edges to the neighbours, and of those between them; or
                                        v of the targets */
     double determinant[PL_SUM_LANES]; /* of the ideal corner */
+    double target_unit[PL_SUM_LANES]; /* of the target, in the scale of the lane */
+    double size_weight;               /* with targets, as of the view */
     double unit[PL_SUM_LANES];        /* volume of an element whose corners have D = 1 */
     double is_simplex[PL_SUM_LANES];  /* 1: all its vertices are corners */
     double edge[6][PL_SUM_LANES];     /* squares of the edges, each lane in a scale of its own */

@@ -69,6 +69,8 @@ enum {
     OF_CC,
     OF_CN,
     OF_NN, /* see coefficients in kernel_tetrahedra.h */
+    UNIT,  /* of corners with targets: 1 / det W, */
+    WANTED, /* and det W */
     COLUMNS_3D
 };
 
@@ -109,6 +111,7 @@ typedef struct star {
     const uint32_t *form;       /* [padded] its form, as a row of forms; NULL: all are simplices */
     const pl_corner_form *forms;
     double weight;       /* sum of the facets' */
+    double size_weight;  /* as of the problem, 0 without targets */
     const int32_t *ring; /* [n_ring] */
     int64_t n_ring;
     double scale, unscale; /* coordinates here / in the mesh, and the inverse */

@@ -7,7 +7,8 @@
  *     u = (D - floor) / D*     chi = (u + sqrt(u^2 + epsilon^2)) / 2     T = E / (sum h^2)
  *     f = T chi^(-2/dim) + (1 + (D / D*)^2) / (2 chi)
  *
- * Of a corner D* and E are those of the ideal corner with the edge h, and E is weighted as its form says.
+ * Of a corner D* and E are those of the ideal corner with the edge h, and E is weighted as its form says;
+ * or with targets D* is that of the target (geometry/target.h) times a factor of the whole mesh.
  * f counts by the corner's share in its element, further rows by their weight.
  * It is finite and smooth for inverted elements, too, and becomes a barrier as epsilon falls to 0.
  * Symbols as in docs/algorithm.md.
@@ -35,6 +36,17 @@ static inline void set_target(const star *s, int64_t i, double h, const int dim)
     }
     *entry(s, INVERSE_TARGET, i) = 1 / ((dim == 3 ? measure * h : measure) * h * h);
     *entry(s, INVERSE_EDGE2, i) = 1 / (h * h) / unit;
+}
+
+/** Set the columns of facet i from its target. E is the power 2 / dim of D* where mu is 1. */
+static inline void set_target_of(const star *s, int64_t i, const pl_target *target, double size,
+                                 const int dim) {
+    double measure = size / target->unit;
+    for (int d = 0; d < dim; d++)
+        measure *= s->scale;
+    const double root = dim == 3 ? pl_cube_root(measure) : measure;
+    *entry(s, INVERSE_TARGET, i) = 1 / measure;
+    *entry(s, INVERSE_EDGE2, i) = 1 / (dim == 3 ? root * root : root);
 }
 
 /** Set the columns of a further row, which is facet i. The ideal determinant follows from the factor,
@@ -69,7 +81,11 @@ static inline void untangling_init(local *here, const pl_star_problem *problem, 
             movers += u->in_patch[other];
         }
         double h = size / (dim + 1) * s->scale;
-        set_target(s, i, h, dim);
+        if (problem->target)
+            set_target_of(s, i, &problem->target[problem->link_element[facet]], u->target_size,
+                          dim);
+        else
+            set_target(s, i, h, dim);
         *entry(s, SHARE, i) = movers > 0 ? (double)PL_SHARES / movers : 0;
         if (u->link_skip && u->link_skip[facet])
             *entry(s, WEIGHT, i) = 0;

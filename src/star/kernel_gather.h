@@ -290,6 +290,14 @@ typedef struct facet_slopes {
     _Alignas(64) double by[3][3][PL_PACK];
 } facet_slopes;
 
+/** Fill the columns of sizes of facet i from 1 / det W. */
+static inline void store_size(const star *s, int64_t i, double unit, const int dim) {
+    for (int d = 0; d < dim; d++)
+        unit *= s->unscale;
+    *entry(s, UNIT, i) = unit;
+    *entry(s, WANTED, i) = 1 / unit;
+}
+
 /** Fill lane k with the slopes of a target, in the order that the code of a form says. */
 static inline void turn_slopes(const pl_target *target, unsigned code, int k, facet_slopes *slope,
                                const int dim) {
@@ -342,8 +350,10 @@ PL_NOINLINE void gather_targets(const star *s, const pl_star_problem *problem, i
         lanes a[3][3];
         for (int k = 0; k < PL_PACK; k++) {
             const int64_t facet = i + k < s->n_facets ? i + k : 0;
-            turn_slopes(&problem->target[problem->link_element[first + facet]], s->form[facet], k,
-                        &slope, dim);
+            const pl_target *target = &problem->target[problem->link_element[first + facet]];
+            turn_slopes(target, s->form[facet], k, &slope, dim);
+            if (s->size_weight > 0)
+                store_size(s, i + k, target->unit, dim);
         }
         for (int j = 0; j < dim; j++) {
             lanes p[PL_ROW];
@@ -394,6 +404,7 @@ static inline void gather_row(const star *s, const pl_star_row *row, int64_t i, 
     *entry(s, LENGTH, i) = sqrt(square);
     *entry(s, ROUNDING, i) = error * error;
     *entry(s, BASE, i) = base;
+    *entry(s, UNIT, i) = *entry(s, WANTED, i) = 0;
     *entry(s, FORM_C, i) = c;
     *entry(s, FORM_E0, i) = row->weight > 0 && e0 > 0 ? e0 : ROW_NOTHING;
     *entry(s, WEIGHT, i) = row->weight;
@@ -465,6 +476,7 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
     unpack(&link, 0, s.n_facets, s.padded, dim, rows);
     s.facet = rows;
     s.form = NULL;
+    s.size_weight = problem->target ? problem->size_weight : 0;
     s.forms = problem->form;
     if (PL_KERNEL != PL_RADIUS && (problem->link_form || more)) {
         const uint8_t *code = problem->link_form ? problem->link_form + first : NULL;

@@ -8,9 +8,12 @@
  *     grad mu^2 / mu^2 = 2 p f - k n / D = z + p f,    z = p f - k n / D
  *     hess mu^2 / mu^2 = 2 z z^T + k (1 - k) n n^T / D^2 + 2 p I
  *
- * which is positive definite: |affine|^2 / affine^(k / 2) is convex, and so is its square.
+ * which is positive definite: |affine|^2 / affine^(k / 2) is convex, and so is its square. Where sizes
+ * have a weight w, a corner counts by (1 - w) mu^2 + w (tau + 1 / tau) / 2, tau = D / det W its size
+ * in units of its target's: convex, too.
  *
  *   corners, corners_at, mean_of                  a pack of corners
+ *   sized_ratio, counted_ratio, add_size              and what their sizes add
  *   find_roots                                    roots of all packs
  *   mean_value, mean_derivatives                  a star
  *   value_at, derivatives_at                      a star, by the ratio of its kernel
@@ -92,6 +95,20 @@ PL_INLINE lanes mean_of(const corners *t, lanes *inverse_d, const int dim) {
     return t->E * t->E * (root2 * root2);
 }
 
+/** Return the ratio of a pack with mu^2 = square that counts where sizes have a weight. */
+PL_INLINE lanes sized_ratio(const star *s, int64_t i, const corners *t, lanes square,
+                            lanes inverse_d) {
+    const lanes tau = t->D * load(s, UNIT, i), inverse = inverse_d * load(s, WANTED, i);
+    return lanes_of(1 - s->size_weight) * square + lanes_of(s->size_weight / 2) * (tau + inverse);
+}
+
+/** Return mu^2 of a pack, or what counts with sizes, and 1 / D. */
+PL_INLINE lanes counted_ratio(const star *s, int64_t i, const corners *t, lanes *inverse_d,
+                         const int dim) {
+    const lanes square = mean_of(t, inverse_d, dim);
+    return s->size_weight > 0 ? sized_ratio(s, i, t, square, *inverse_d) : square;
+}
+
 /** The exponent k of D. */
 static inline double mean_power(const int dim) {
     return dim == 3 ? 4.0 / 3 : 2;
@@ -110,7 +127,7 @@ PL_INLINE objective mean_value(const star *s, const double *position, const int 
             const int64_t j = i + k * PL_PACK;
             const corners t = corners_at(s, j, x, dim == 3, dim);
             lanes inverse_d;
-            const lanes square = mean_of(&t, &inverse_d, dim);
+            const lanes square = counted_ratio(s, j, &t, &inverse_d, dim);
             accumulate(&total, k, square, load(s, WEIGHT, j), t.D, inverse_d * inverse_d,
                        load(s, ROUNDING, j) * t.aa);
         }
@@ -140,6 +157,19 @@ PL_INLINE void add_mean(slopes *slope, lanes *trace, int k, const corners *t, la
             slope->h[h][k] += z[r] * v[c] + t->n[r] * m[c];
 }
 
+/** Add the derivatives of the sizes of a pack, times factor. */
+PL_INLINE void add_size(const star *s, int64_t i, slopes *slope, int k, const corners *t,
+                        lanes factor, lanes inverse_d, const int with_hessian, const int dim) {
+    const lanes bend = load(s, WANTED, i) * (inverse_d * inverse_d);
+    const lanes half = lanes_of(s->size_weight / 2) * factor;
+    const lanes rate = half * (load(s, UNIT, i) - bend), curve = (half + half) * (bend * inverse_d);
+    for (int d = 0; d < dim; d++)
+        slope->g[d][k] += rate * t->n[d];
+    for (int r = 0, h = 0; with_hessian && r < dim; r++)
+        for (int c = r; c < dim; c++, h++)
+            slope->h[h][k] += curve * (t->n[r] * t->n[c]);
+}
+
 /** Find the derivatives of a star with the node at position. with_hessian 0: out->hessian is not set. */
 PL_INLINE objective mean_derivatives(const star *s, const double *position, derivatives *out,
                                      const int with_hessian, const int dim) {
@@ -160,11 +190,17 @@ PL_INLINE objective mean_derivatives(const star *s, const double *position, deri
             const lanes weight = load(s, WEIGHT, j);
             lanes inverse_d;
             const lanes square = mean_of(&t, &inverse_d, dim);
+            lanes ratio = square, of_shape = weight;
+            if (s->size_weight > 0) {
+                ratio = sized_ratio(s, j, &t, square, inverse_d);
+                of_shape = lanes_of(1 - s->size_weight) * weight;
+                add_size(s, j, &slope, k, &t, weight, inverse_d, with_hessian, dim);
+            }
             store(s, RATE, j, inverse_d);
-            accumulate(&total, k, square, weight, t.D, inverse_d * inverse_d,
+            accumulate(&total, k, ratio, weight, t.D, inverse_d * inverse_d,
                        load(s, ROUNDING, j) * t.aa);
             slope.size2[k] += t.aa * load(s, IS_FACET, j);
-            add_mean(&slope, &trace[k], k, &t, square * weight, inverse_d, with_hessian, dim);
+            add_mean(&slope, &trace[k], k, &t, square * of_shape, inverse_d, with_hessian, dim);
         }
     for (int k = 0; with_hessian && k < PL_PACKS; k++)
         for (int d = 0; d < dim; d++)

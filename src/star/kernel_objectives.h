@@ -239,13 +239,29 @@ PL_INLINE void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, c
 
 /* ---- corners ------------------------------------------------------------------------------- */
 
+/** Make l and h, which are those of mu^2 = shape, the ones of the ratio with sizes. */
+PL_INLINE void mix_in_size(const star *s, int64_t i, const corners *t, lanes shape, lanes inverse_d,
+                           aspect *a, const int dim) {
+    const lanes inverse = lanes_of(1) / a->square;
+    const lanes of_shape = lanes_of(1 - s->size_weight) * (shape * inverse);
+    const lanes bend = load(s, WANTED, i) * (inverse_d * inverse_d);
+    const lanes half = lanes_of(s->size_weight / 2) * inverse;
+    const lanes rate = half * (load(s, UNIT, i) - bend), curve = (half + half) * (bend * inverse_d);
+    for (int d = 0; d < dim; d++)
+        a->l[d] = of_shape * a->l[d] + rate * t->n[d];
+    for (int r = 0, k = 0; r < dim; r++)
+        for (int c = r; c < dim; c++, k++)
+            a->h[k] = of_shape * a->h[k] + curve * (t->n[r] * t->n[c]);
+}
+
 /** Compute mu^2 of a pack of corners, and with derive its derivatives (kernel_mean.h). */
 PL_INLINE void corner_mean_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
                                  const int derive, const int dim) {
     const corners t = corners_at(s, i, x, 0, dim);
     const double power = mean_power(dim);
     lanes inverse_d;
-    a->square = mean_of(&t, &inverse_d, dim);
+    const lanes shape = mean_of(&t, &inverse_d, dim);
+    a->square = s->size_weight > 0 ? sized_ratio(s, i, &t, shape, inverse_d) : shape;
     if (!derive)
         return;
     const lanes p = (t.c + t.c) / t.E, of_n = lanes_of(power) * a->inverse_d;
@@ -261,6 +277,8 @@ PL_INLINE void corner_mean_ratio(const star *s, int64_t i, const lanes *x, aspec
             if (r == c)
                 a->h[k] += p + p;
         }
+    if (s->size_weight > 0)
+        mix_in_size(s, i, &t, shape, inverse_d, a, dim);
 }
 
 /** Product of the squares of the edges at vertex v: 0 is x, j + 1 is p_j. */

@@ -84,6 +84,7 @@ typedef struct pl_star_untangling {
     const uint8_t *link_skip; /* [link_offset[n_stars]] 1: the facet's element cannot be helped and
                                  does not count; NULL: all count */
     double epsilon;           /* of the regularisation */
+    double target_size;       /* with targets, whose measures times it are wanted instead */
 } pl_star_untangling;
 
 /** Plane or line on which a node slides. */
@@ -159,6 +160,7 @@ typedef struct pl_star_problem {
     const pl_corner_form *form; /* [PL_N_FORMS] by codes */
     const pl_target
         *target; /* [elements] what corners are to be; NULL: ideal ones of their shapes */
+    double size_weight;          /* of sizes against shapes then, 0 .. 1 (geometry/target.h) */
     const int32_t *link_element; /* [link_offset[n_stars]] then: the facets' elements */
     pl_star_more_fn *more; /* rows besides those of the facets, at most max_more of a star, and
                                    ratios are mean ratios then; NULL: none */

@@ -182,6 +182,15 @@ int pl_run_has_followers(const pl_run *r) {
  * leave the gradient three times as large. */
 #define CALM 0.5
 
+/* Where elements can have the shapes that they are to have, the RMS is flat: what is left of it is the
+ * square of how far nodes are off. So less may be left. */
+#define PART_WITH_TARGETS 0.01
+
+/** The tolerance of the sweeps. */
+static double tolerance_of(const pl_run *r) {
+    return r->options->tolerance * (r->plan->work.target ? PART_WITH_TARGETS : 1);
+}
+
 /* The worst cell may move only if it becomes better by more than rounding. */
 #define CELL_MARGIN (1 - 1e-12)
 
@@ -206,7 +215,7 @@ void pl_run_prepare(pl_run *r) {
     r->watch.worst_ar2 = plan->work.corner ? r->sums.radius_max * CELL_MARGIN : INFINITY;
     /* In rings around bad elements good stars are meant, too. */
     r->problem.rr2_skip = plan->is_selective && r->options->rings > 0 ? 0 : worse * worse;
-    r->problem.calm = plan->is_selective ? 0 : CALM * r->options->tolerance;
+    r->problem.calm = plan->is_selective ? 0 : CALM * tolerance_of(r);
     r->problem.storage = pl_storage_of(r->options);
     r->problem.objective = r->options->objective;
     r->problem.guard = r->guard.in_visits ? &r->guard.star : NULL;
@@ -337,8 +346,8 @@ static int has_converged(const pl_run *r, pl_convergence *convergence, double be
     }
     if (r->options->method != PLANISH_METHOD_PLANISH)
         return pl_converged(convergence, fmax(before, after), fmin(before, after),
-                            r->options->tolerance);
-    return pl_converged(convergence, before, after, r->options->tolerance);
+                            tolerance_of(r));
+    return pl_converged(convergence, before, after, tolerance_of(r));
 }
 
 /* A mesh whose sweeps bring less than the first of these after so many of them, and would bring
@@ -418,7 +427,7 @@ static int steps_are_due(const pl_run *r, const pl_convergence *trend, int64_t v
     const double ratio = sqrt(fall / trend->fall[0]);
     for (int i = 0; i < SWEEPS_AHEAD; i++)
         fall *= ratio;
-    return fall > r->options->tolerance && pl_remainder(trend) > PROMISE;
+    return fall > tolerance_of(r) && pl_remainder(trend) > PROMISE;
 }
 
 /** Whether all nodes may move at once if sweeps are slow. */
@@ -429,7 +438,7 @@ static int may_accelerate(const pl_run *r) {
 
 /** Sweep until that converges or may go on no more: r->stop. */
 static void sweep_on(pl_run *r) {
-    const double tolerance = r->options->tolerance;
+    const double tolerance = tolerance_of(r);
     const int may_be_slow = may_accelerate(r);
     pl_convergence calm = {{0}, 0};                           /* of sweeps that leave stars calm */
     pl_convergence trend = {{0}, 0};                          /* of all */

@@ -444,20 +444,22 @@ static const pl_cell_shape *shape_of(const pl_watch *w, int32_t i) {
         ->shape;
 }
 
-/** Bring edges [dim][dim] to a size of about 1. */
-static void scale_edges(int dim, double edge[3][3]) {
+/** Bring edges [dim][dim] to a size of about 1; return the exponent of the power of two by which they were
+ *  larger. */
+static int scale_edges(int dim, double edge[3][3]) {
     double size = 0;
-    int exponent;
+    int exponent = 0;
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
             size = pl_larger(fabs(edge[j][d]), size);
     if (size > 0x1p-60 && size < 0x1p60) /* a power of two changes no bit of what is found */
-        return;
+        return 0;
     frexp(size, &exponent);
-    const double scale = ldexp(1, -pl_scale_exponent(exponent));
+    exponent = pl_scale_exponent(exponent);
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
-            edge[j][d] *= scale;
+            edge[j][d] = ldexp(edge[j][d], -exponent);
+    return exponent;
 }
 
 /** Find the edges of corner c of a cell with corners x, in a size of about 1. */
@@ -468,7 +470,7 @@ static void edges_of_corner(const pl_cell_shape *shape, const double *const x[],
     scale_edges(shape->dim, edge);
 }
 
-/** mu^2 of an element of the plan, a corner with a target; infinite where it is not positive. */
+/** What counts of an element of the plan, a corner with a target; infinite where it is not positive. */
 static double target_square(const planish_plan *plan, int64_t element) {
     const int dim = plan->dim;
     const double *x[4] = {NULL};
@@ -476,12 +478,13 @@ static double target_square(const planish_plan *plan, int64_t element) {
     for (int j = 0; j <= dim; j++)
         x[j] = plan->scratch.coordinates + (int64_t)pl_plan_inner(plan, element, j) * dim;
     pl_edges(dim, x, edge);
-    scale_edges(dim, edge);
+    const pl_target *target = &plan->work.target[element];
+    const double unit = ldexp(target->unit, dim * scale_edges(dim, edge));
     const double D = (plan->work.sign ? plan->work.sign[element] : 1) *
                      pl_determinant_of_edges(dim, (const double(*)[3])edge);
-    const double energy =
-        pl_target_energy(dim, (const double(*)[3])edge, plan->work.target[element].v);
-    return D > 0 ? pl_mean_square(dim, energy, D) : INFINITY;
+    return D > 0 ? pl_target_square(dim, (const double(*)[3])edge, D, target->v, unit,
+                                    plan->work.size_weight)
+                 : INFINITY;
 }
 
 /** Find mu^2 of corner c of a cell with corners x, and the square of its scaled Jacobian; infinite

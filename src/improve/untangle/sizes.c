@@ -155,6 +155,27 @@ static void fill_levels(const sizing *s) {
         s->sum[i] = s->count[i] > 0 ? s->sum[i] : mean;
 }
 
+/** Return how large the mesh is in units of its targets, 1 where sizes have a weight. */
+static double size_by_targets(const planish_plan *plan, double scale) {
+    const int dim = plan->dim;
+    pl_sum measure = {.n_added = 0}, wanted = {.n_added = 0};
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
+        const double *x[4] = {NULL};
+        double e[3][3] = {{0}};
+        for (int j = 0; j <= dim; j++)
+            x[j] = plan->scratch.coordinates + (int64_t)pl_plan_inner(plan, i, j) * dim;
+        pl_edges(dim, x, e);
+        for (int j = 0; j < dim; j++)
+            for (int d = 0; d < dim; d++)
+                e[j][d] *= scale;
+        pl_sum_add(&measure, (plan->work.sign ? plan->work.sign[i] : 1) *
+                                 pl_determinant_of_edges(dim, (const double(*)[3])e));
+        pl_sum_add(&wanted, scale * scale * (dim == 3 ? scale : 1) / plan->work.target[i].unit);
+    }
+    const double size = pl_sum_value(&measure) / pl_sum_value(&wanted);
+    return size > 0 && isfinite(size) && !(plan->work.size_weight > 0) ? size : 1;
+}
+
 /* Each ring costs a look at all elements. */
 enum { MOST_SPREADS = 64 };
 
@@ -176,6 +197,8 @@ void pl_tangle_find_sizes(pl_tangle *t) {
             fill_levels(&s);
         for (int64_t i = 0; i < n; i++)
             t->size[i] = from_level(s.sum[i], s.of_largest) / t->scale;
+        if (s.plan->work.target)
+            t->asked.target_size = size_by_targets(s.plan, t->scale);
     }
     pl_free(s.sum);
     pl_free(s.absolute);

@@ -363,7 +363,7 @@ int pl_tangle_create(pl_run *r, int raises, pl_tangle *t, planish_error *error) 
         return pl_fail_memory(error, "untangling");
     pl_plan_number_stars(plan, t->star_of);
     t->scale = pl_box_of_fixed(plan).scale;
-    t->asked = (pl_star_untangling){t->in_patch, t->size, t->link_skip, 1};
+    t->asked = (pl_star_untangling){t->in_patch, t->size, t->link_skip, 1, 1};
     return PLANISH_OK;
 }
 
