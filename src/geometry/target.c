@@ -38,8 +38,8 @@ static void invert_3d(const double e[3][3], double D, double inverse[6]) {
     const double r22 = area / r11, r23 = pl_dot(3, low, high) / (r11 * area), r33 = D / area;
     inverse[0] = 1 / r11;
     inverse[1] = -r12 / (r11 * r22);
-    inverse[2] = 1 / r22;
-    inverse[3] = (r12 * r23 - r13 * r22) / (r11 * r22 * r33);
+    inverse[2] = (r12 * r23 - r13 * r22) / (r11 * r22 * r33);
+    inverse[3] = 1 / r22;
     inverse[4] = -r23 / (r22 * r33);
     inverse[5] = 1 / r33;
 }
@@ -48,8 +48,10 @@ int pl_target_make(int dim, const double edges[3][3], double sign, pl_target *ta
     double e[3][3] = {{0}};
     const int exponent = scale_edges(dim, edges, e);
     const double D = sign * pl_determinant_of_edges(dim, (const double(*)[3])e);
-    *target = (pl_target){.unit = ldexp(1 / D, -dim * exponent)};
-    if (!(D > DBL_MIN && target->unit >= DBL_MIN && target->unit <= DBL_MAX))
+    *target = (pl_target){.unit = ldexp(1 / D, -dim * exponent),
+                          .measure = ldexp(D, dim * exponent)};
+    if (!(D > DBL_MIN && target->unit >= DBL_MIN && target->measure >= DBL_MIN &&
+          target->unit <= DBL_MAX && target->measure <= DBL_MAX))
         return 0;
     if (dim == 3)
         invert_3d((const double(*)[3])e, D, target->v);
@@ -65,7 +67,7 @@ int pl_target_make(int dim, const double edges[3][3], double sign, pl_target *ta
 }
 
 void pl_target_weights(int dim, const pl_target *target, double weight[6]) {
-    double slope[4][3];
+    double slope[4][4] = {{0}};
     int k = 0;
     pl_target_slopes(dim, target->v, slope);
     for (int i = 0; i <= dim; i++)

@@ -23,10 +23,11 @@
 #include "geometry/corner.h"
 #include "geometry/simplex.h"
 
-/** Target of a corner. */
+/** Target of a corner: eight doubles, as kernels load them. */
 typedef struct pl_target {
-    double v[6]; /* V_11, V_12, V_22, V_13, V_23, V_33; in the plane three */
-    double unit; /* 1 / det W */
+    double v[6];    /* V_11, V_12, V_13, V_22, V_23, V_33; in the plane V_11, V_12, V_22 */
+    double unit;    /* 1 / det W */
+    double measure; /* det W */
 } pl_target;
 
 /** Make the target of a corner whose edges are edges [dim][dim], sign times as oriented. Return 0 if its
@@ -34,19 +35,20 @@ typedef struct pl_target {
 int pl_target_make(int dim, const double edges[3][3], double sign, pl_target *target);
 
 /** Entry of V, row <= column. */
-PL_INLINE double pl_target_entry(const double v[6], int row, int column) {
-    return v[column * (column + 1) / 2 + row];
+PL_INLINE double pl_target_entry(int dim, const double v[6], int row, int column) {
+    return v[row * dim - row * (row + 1) / 2 + column];
 }
 
 /** Fill slope [dim + 1][dim] so that T = sum_j x_j slope_j^T over the nodes x_j of the corner, wherever
- *  the origin is. */
-PL_INLINE void pl_target_slopes(int dim, const double v[6], double slope[4][3]) {
+ *  the origin is. Entries below V's diagonal are 0 before, and stay. */
+PL_INLINE void pl_target_slopes(int dim, const double v[6], double slope[4][4]) {
     for (int c = 0; c < dim; c++) {
-        slope[0][c] = 0;
-        for (int j = 0; j < dim; j++) {
-            slope[j + 1][c] = j > c ? 0 : pl_target_entry(v, j, c);
-            slope[0][c] -= slope[j + 1][c];
+        double sum = 0;
+        for (int j = 0; j <= c; j++) {
+            slope[j + 1][c] = pl_target_entry(dim, v, j, c);
+            sum += slope[j + 1][c];
         }
+        slope[0][c] = -sum;
     }
 }
 
@@ -57,7 +59,7 @@ PL_INLINE double pl_target_energy(int dim, const double edges[3][3], const doubl
         for (int d = 0; d < dim; d++) {
             double t = 0;
             for (int j = 0; j <= c; j++)
-                t += edges[j][d] * pl_target_entry(v, j, c);
+                t += edges[j][d] * pl_target_entry(dim, v, j, c);
             energy += t * t;
         }
     return energy;

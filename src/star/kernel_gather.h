@@ -285,84 +285,105 @@ PL_NOINLINE double gather_guarded_forms(const star *s, const double *ring, const
 /* e0 of rows without weight: mu^2 underflows to 0. */
 #define ROW_NOTHING 1e-200
 
-/** Rows of V by the nodes of a pack of facets, [node][column][lane]. */
-typedef struct facet_slopes {
-    _Alignas(64) double by[3][3][PL_PACK];
-} facet_slopes;
+/* Of the nodes of a facet in their order, by the last three bits of its form's code: their places in the
+ * corner. */
+static const uint8_t PLACES[2][8][3] = {
+    {{1, 2}, {2, 1}, {0, 2}, {2, 0}, {0, 1}, {1, 0}},
+    {{1, 2, 3}, {1, 3, 2}, {0, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 3, 1}, {0, 1, 2}, {0, 2, 1}}};
 
-/** Fill the columns of sizes of facet i from 1 / det W. */
-static inline void store_size(const star *s, int64_t i, double unit, const int dim) {
-    for (int d = 0; d < dim; d++)
-        unit *= s->unscale;
-    *entry(s, UNIT, i) = unit;
-    *entry(s, WANTED, i) = 1 / unit;
-}
+/** Slopes of the nodes of a corner (pl_target_slopes), as rows. */
+typedef struct corner_slopes {
+    _Alignas(64) double row[4][PL_ROW];
+} corner_slopes;
 
-/** Fill lane k with the slopes of a target, in the order that the code of a form says. */
-static inline void turn_slopes(const pl_target *target, unsigned code, int k, facet_slopes *slope,
-                               const int dim) {
-    const int place = code >> 1 & 3, turned = code & 1;
-    double of_corner[4][3];
-    pl_target_slopes(dim, target->v, of_corner);
-    for (int j = 0; j < dim; j++) {
-        const int at = turned && j >= dim - 2 ? 2 * dim - 3 - j : j;
-        for (int c = 0; c < dim; c++)
-            slope->by[at][c][k] = of_corner[j + (j >= place)][c];
+/** Load the slopes of the nodes of a pack of facets from i on: slope [node][component]; zeros: what stays
+ *  0 of the slopes of a corner is 0. */
+PL_INLINE void load_slopes(const star *s, const pl_star_problem *problem, int64_t first, int64_t i,
+                           corner_slopes *zeros, lanes slope[3][PL_ROW], const int dim) {
+    point_row row[3][PL_PACK];
+    for (int k = 0; k < PL_PACK; k++) {
+        const int64_t facet = i + k < s->n_facets ? i + k : 0;
+        const pl_target *target = &problem->target[problem->link_element[first + facet]];
+        const uint8_t *place = PLACES[dim - 2][s->form[facet] & 7];
+        pl_target_slopes(dim, target->v, zeros->row);
+        for (int j = 0; j < dim; j++)
+            row[j][k] = row_load(zeros->row[place[j]]);
+        if (s->size_weight > 0) {
+            *entry(s, UNIT, i + k) = target->unit;
+            *entry(s, WANTED, i + k) = target->measure;
+        }
     }
+    for (int j = 0; j < dim; j++)
+        rows_to_columns(row[j], slope[j]);
 }
 
-/** Compute the constants of the targets of a pack of facets whose nodes are at a [dim] from the star's:
- *  with w = T V_x, V_x the slope of the star's node, x - o = w / |V_x|^2. */
-PL_INLINE void store_target(const star *s, int64_t i, const facet_slopes *slope,
-                            const lanes a[3][3], const int dim) {
+/** Compute the constants of the targets of a pack of facets, whose nodes are at a from the star's: with its
+ *  slope, which is minus the sum of theirs, and w = T slope, x - o = w / |slope|^2. */
+PL_INLINE void store_targets(const star *s, int64_t i, const lanes slope[3][PL_ROW],
+                             const lanes a[3][3], const int dim) {
     const lanes root = lanes_of(1.0 / dim);
-    lanes own[3], w[3], c = lanes_of(0), energy = lanes_of(0), of_w = lanes_of(0);
+    lanes w[3], c = lanes_of(0), energy = lanes_of(0), of_w = lanes_of(0);
     for (int d = 0; d < dim; d++)
         w[d] = lanes_of(0);
     for (int k = 0; k < dim; k++) {
-        own[k] = lanes_of(0);
-        for (int j = 0; j < dim; j++)
-            own[k] -= lanes_load(slope->by[j][k]);
-        c += own[k] * own[k];
+        lanes own = slope[0][k] + slope[1][k];
+        own = dim == 3 ? own + slope[2][k] : own;
+        c += own * own;
         for (int d = 0; d < dim; d++) {
-            lanes t = lanes_of(0);
-            for (int j = 0; j < dim; j++)
-                t += a[j][d] * lanes_load(slope->by[j][k]);
+            lanes t = a[0][d] * slope[0][k] + a[1][d] * slope[1][k];
+            t = dim == 3 ? t + a[2][d] * slope[2][k] : t;
             energy += t * t;
-            w[d] += t * own[k];
+            w[d] += t * own;
         }
     }
     const lanes inverse = lanes_of(1) / c;
     for (int d = 0; d < dim; d++) {
-        store(s, OX + d, i, a[0][d] + w[d] * inverse);
+        store(s, OX + d, i, a[0][d] - w[d] * inverse);
         of_w += w[d] * w[d];
     }
     store(s, FORM_C, i, root * c);
     store(s, FORM_E0, i, lanes_max(root * (energy - of_w * inverse), lanes_of(ROW_NOTHING)));
 }
 
-/** Put targets in the place of ideal corners, with the star's node at x (scaled) and its neighbours in
- *  ring [.][PL_ROW]. Not inlined: few meshes have them. */
-PL_NOINLINE void gather_targets(const star *s, const pl_star_problem *problem, int64_t first,
-                                const double *ring, const double *x, const int dim) {
+/** Do what gather_targets does, inlined where dim is constant. */
+PL_INLINE void gather_targets_of(const star *s, const pl_star_problem *problem, int64_t first,
+                                 const double *place, const int dim) {
+    static const uint8_t column[3][3] = {{P0X, P0Y, P0Z}, {P1X, P1Y, P1Z}, {P2X, P2Y, P2Z}};
+    corner_slopes zeros = {{{0}}};
+    lanes x[3];
+    for (int d = 0; d < dim; d++)
+        x[d] = lanes_of(place[d] * s->scale);
     for (int64_t i = 0; i < s->padded; i += PL_PACK) {
-        facet_slopes slope;
-        lanes a[3][3];
-        for (int k = 0; k < PL_PACK; k++) {
-            const int64_t facet = i + k < s->n_facets ? i + k : 0;
-            const pl_target *target = &problem->target[problem->link_element[first + facet]];
-            turn_slopes(target, s->form[facet], k, &slope, dim);
-            if (s->size_weight > 0)
-                store_size(s, i + k, target->unit, dim);
-        }
-        for (int j = 0; j < dim; j++) {
-            lanes p[PL_ROW];
-            points_to_columns(ring, s->facet + dim * i + j, dim, p);
+        lanes slope[3][PL_ROW], a[3][3];
+        load_slopes(s, problem, first, i, &zeros, slope, dim);
+        for (int j = 0; j < dim; j++)
             for (int d = 0; d < dim; d++)
-                a[j][d] = p[d] - lanes_of(x[d]);
-        }
-        store_target(s, i, &slope, a, dim);
+                a[j][d] = load(s, column[j][d], i) - x[d];
+        store_targets(s, i, slope, a, dim);
     }
+}
+
+/** Bring the columns of sizes to the star's scale. */
+static inline void scale_sizes(const star *s, const int dim) {
+    double measure = 1;
+    for (int d = 0; d < dim; d++)
+        measure *= s->scale;
+    for (int64_t i = 0; i < s->padded; i += PL_PACK) {
+        store(s, UNIT, i, load(s, UNIT, i) * lanes_of(1 / measure));
+        store(s, WANTED, i, load(s, WANTED, i) * lanes_of(measure));
+    }
+}
+
+/** Put targets in the place of ideal corners, with the star's node at place and the nodes of facets in
+ *  their columns. Not inlined: few meshes have them. */
+PL_NOINLINE void gather_targets(const star *s, const pl_star_problem *problem, int64_t first,
+                                const double *place, const int dim) {
+    if (dim == 3)
+        gather_targets_of(s, problem, first, place, 3);
+    else
+        gather_targets_of(s, problem, first, place, 2);
+    if (s->size_weight > 0)
+        scale_sizes(s, dim);
 }
 
 /* A further row is seen as a facet with p0 this far from the node, in sizes of the star: |x - p0| is
@@ -476,6 +497,7 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
     unpack(&link, 0, s.n_facets, s.padded, dim, rows);
     s.facet = rows;
     s.form = NULL;
+    s.has_targets = problem->target != NULL;
     s.size_weight = problem->target ? problem->size_weight : 0;
     s.forms = problem->form;
     if (PL_KERNEL != PL_RADIUS && (problem->link_form || more)) {
@@ -515,10 +537,7 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
     }
     if (PL_KERNEL != PL_RADIUS && problem->target && has_forms(&s)) {
         const star copy = s;
-        double scaled[3] = {0};
-        for (int d = 0; d < dim; d++)
-            scaled[d] = x[d] * s.scale;
-        gather_targets(&copy, problem, first, ring, scaled, dim);
+        gather_targets(&copy, problem, first, x, dim);
     }
     if (!has_forms(&s)) {
         for (int64_t i = 0; i < s.padded; i += PL_PACK)

@@ -479,7 +479,8 @@ static double target_square(const planish_plan *plan, int64_t element) {
         x[j] = plan->scratch.coordinates + (int64_t)pl_plan_inner(plan, element, j) * dim;
     pl_edges(dim, x, edge);
     const pl_target *target = &plan->work.target[element];
-    const double unit = ldexp(target->unit, dim * scale_edges(dim, edge));
+    const int exponent = scale_edges(dim, edge);
+    const double unit = exponent == 0 ? target->unit : ldexp(target->unit, dim * exponent);
     const double D = (plan->work.sign ? plan->work.sign[element] : 1) *
                      pl_determinant_of_edges(dim, (const double(*)[3])edge);
     return D > 0 ? pl_target_square(dim, (const double(*)[3])edge, D, target->v, unit,
