@@ -4,7 +4,7 @@
  * second-level cache each would be waited for.
  *
  *   pl_fetch_to_write, pl_fetch_all_to_write     memory that will be written
- *   pl_fetch_all                                 bytes that will be read
+ *   pl_fetch, pl_fetch_all                       bytes that will be read
  *   pl_fetch_node, pl_fetch_nodes                coordinates that will be read
  */
 #ifndef PL_GEOMETRY_FETCH_H
@@ -33,6 +33,11 @@ PL_AT_ONCE void pl_fetch_all(const void *begin, const void *end) {
     enum { CACHE_LINE = 64 };
     for (const char *line = begin; line < (const char *)end; line += CACHE_LINE)
         __builtin_prefetch(line);
+}
+
+/** Ask for the line of a place that will be read. */
+PL_AT_ONCE void pl_fetch(const void *place) {
+    __builtin_prefetch(place);
 }
 
 /** Ask for the coordinates [.][dim] of a node. Both ends: one in four lies in two lines of the

@@ -6,7 +6,7 @@
 int64_t pl_star_scratch_size(int dim, int64_t max_ring, int64_t max_link, int64_t max_more) {
     const int64_t padded = padded_to_lanes(max_link + max_more);
     const int64_t padded_edges = padded_to_lanes(pl_link_edges(dim, max_link));
-    const int64_t rows = (padded + SPARE_ROWS) * ROW_LENGTH, ring = max_ring * PL_ROW;
+    const int64_t rows = (padded + SPARE_ROWS) * ROW_LENGTH, ring = (max_ring + 1) * PL_ROW;
     const int64_t doubles =
         more_doubles(max_more) + column_doubles(padded) + padded_edges * EDGE_DOUBLES +
         position_doubles(padded, padded_edges, dim) + (rows > ring ? rows : ring);

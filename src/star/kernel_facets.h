@@ -19,7 +19,7 @@
 #include <string.h>
 
 /** Columns of facets; in 2-D those from P0Z on are not used. In 3-D P1 and P2 are for the
- *  guarded kernel and for targets. Symbols as in docs/algorithm.md. */
+ *  guarded kernel. Symbols as in docs/algorithm.md. */
 enum {
     P0X,
     P0Y,
@@ -111,7 +111,6 @@ typedef struct star {
     const uint32_t *form;       /* [padded] its form, as a row of forms; NULL: all are simplices */
     const pl_corner_form *forms;
     double weight;       /* sum of the facets' */
-    int has_targets;     /* the facets' corners have */
     double size_weight;  /* as of the problem, 0 without targets */
     const int32_t *ring; /* [n_ring] */
     int64_t n_ring;
@@ -308,7 +307,7 @@ PL_INLINE void facets_3d(const star *s, const double *ring, const int guarded,
         points_to_columns(ring, s->facet + 3 * i + 1, 3, p1);
         points_to_columns(ring, s->facet + 3 * i + 2, 3, p2);
         store_point(s, P0X, P0Y, P0Z, i, p0, 3);
-        if (guarded || (of_corners && s->has_targets)) {
+        if (guarded) {
             store_point(s, P1X, P1Y, P1Z, i, p1, 3);
             store_point(s, P2X, P2Y, P2Z, i, p2, 3);
         }

@@ -65,6 +65,8 @@ PL_INLINE void fetch_ahead(const pl_star_problem *problem, int64_t index, int64_
     pl_fetch_all(low, low + n_facets * dim);
     if (problem->link_form)
         pl_fetch_all(problem->link_form + facet, problem->link_form + facet + n_facets);
+    for (int64_t i = 0; problem->target && i < n_facets && i < MOST_AHEAD; i++)
+        pl_fetch(&problem->target[problem->link_element[facet + i]]);
 }
 
 /** Choose the scale that the star has with its node at x, from half of the largest difference of a
@@ -285,105 +287,125 @@ PL_NOINLINE double gather_guarded_forms(const star *s, const double *ring, const
 /* e0 of rows without weight: mu^2 underflows to 0. */
 #define ROW_NOTHING 1e-200
 
-/* Of the nodes of a facet in their order, by the last three bits of its form's code: their places in the
- * corner. */
-static const uint8_t PLACES[2][8][3] = {
-    {{1, 2}, {2, 1}, {0, 2}, {2, 0}, {0, 1}, {1, 0}},
-    {{1, 2, 3}, {1, 3, 2}, {0, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 3, 1}, {0, 1, 2}, {0, 2, 1}}};
+/* Of a corner's nodes in their order, by the last three bits of a form's code: which of the facet's
+ * nodes each is; SELF: that of the star. */
+enum { SELF = 3 };
+static const uint8_t CORNER_ORDER[2][8][4] = {
+    {{SELF, 0, 1}, {SELF, 1, 0}, {0, SELF, 1}, {1, SELF, 0}, {0, 1, SELF}, {1, 0, SELF}},
+    {{SELF, 0, 1, 2},
+     {SELF, 0, 2, 1},
+     {0, SELF, 1, 2},
+     {0, SELF, 2, 1},
+     {0, 1, SELF, 2},
+     {0, 2, SELF, 1},
+     {0, 1, 2, SELF},
+     {0, 2, 1, SELF}}};
 
-/** Slopes of the nodes of a corner (pl_target_slopes), as rows. */
-typedef struct corner_slopes {
-    _Alignas(64) double row[4][PL_ROW];
-} corner_slopes;
+/* By the place of the star's node in the corner: what the rows of V count in its slope. */
+static const _Alignas(64) double ROWS_OF_SLOPE[4][PL_ROW] = {
+    {-1, -1, -1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
 
-/** Load the slopes of the nodes of a pack of facets from i on: slope [node][component]; zeros: what stays
- *  0 of the slopes of a corner is 0. */
-PL_INLINE void load_slopes(const star *s, const pl_star_problem *problem, int64_t first, int64_t i,
-                           corner_slopes *zeros, lanes slope[3][PL_ROW], const int dim) {
-    point_row row[3][PL_PACK];
+/** Pack of corners with targets. */
+typedef struct wanted_corners {
+    uint32_t node[PL_PACK][4]; /* rows of their nodes in the ring, in the corners' order */
+    lanes target[8];           /* as pl_target */
+    lanes row[PL_ROW];         /* what the rows of V count in the slope of the star's node */
+} wanted_corners;
+
+/** Load the corners of the facets from i on; self: the row of the star's node. Whole rows are loaded, and
+ *  exchanged in registers: to put together what single stores have left would be waited for. */
+PL_INLINE void load_wanted(const star *s, const pl_star_problem *problem, int64_t first, int64_t i,
+                           uint32_t self, wanted_corners *w, const int dim) {
+    point_row low[PL_PACK], high[PL_PACK], slope[PL_PACK];
     for (int k = 0; k < PL_PACK; k++) {
         const int64_t facet = i + k < s->n_facets ? i + k : 0;
         const pl_target *target = &problem->target[problem->link_element[first + facet]];
-        const uint8_t *place = PLACES[dim - 2][s->form[facet] & 7];
-        pl_target_slopes(dim, target->v, zeros->row);
+        const uint32_t code = s->form[facet] & 7;
+        uint32_t of_facet[4] = {[SELF] = self};
         for (int j = 0; j < dim; j++)
-            row[j][k] = row_load(zeros->row[place[j]]);
-        if (s->size_weight > 0) {
-            *entry(s, UNIT, i + k) = target->unit;
-            *entry(s, WANTED, i + k) = target->measure;
-        }
+            of_facet[j] = s->facet[facet * dim + j];
+        for (int j = 0; j <= dim; j++)
+            w->node[k][j] = of_facet[CORNER_ORDER[dim - 2][code][j]];
+        low[k] = row_load(target->v);
+        high[k] = row_load(target->v + PL_ROW);
+        slope[k] = row_load(ROWS_OF_SLOPE[code >> 1]);
     }
-    for (int j = 0; j < dim; j++)
-        rows_to_columns(row[j], slope[j]);
+    rows_to_columns(low, w->target);
+    rows_to_columns(high, w->target + PL_ROW);
+    rows_to_columns(slope, w->row);
 }
 
-/** Compute the constants of the targets of a pack of facets, whose nodes are at a from the star's: with its
- *  slope, which is minus the sum of theirs, and w = T slope, x - o = w / |slope|^2. */
-PL_INLINE void store_targets(const star *s, int64_t i, const lanes slope[3][PL_ROW],
-                             const lanes a[3][3], const int dim) {
+/** Compute the constants of the facets from i on, whose corners have the edges e, with the star's node at
+ *  x: with its slope (pl_target_slopes) and t = T slope, x - o = t / |slope|^2. */
+PL_INLINE void store_wanted(const star *s, int64_t i, const wanted_corners *w, const lanes e[3][3],
+                            const lanes *x, const int dim) {
+    static const uint8_t place[3] = {P0X, P0Y, P0Z};
     const lanes root = lanes_of(1.0 / dim);
-    lanes w[3], c = lanes_of(0), energy = lanes_of(0), of_w = lanes_of(0);
+    lanes t[3], c = lanes_of(0), energy = lanes_of(0), of_t = lanes_of(0);
     for (int d = 0; d < dim; d++)
-        w[d] = lanes_of(0);
+        t[d] = lanes_of(0);
     for (int k = 0; k < dim; k++) {
-        lanes own = slope[0][k] + slope[1][k];
-        own = dim == 3 ? own + slope[2][k] : own;
-        c += own * own;
+        lanes slope = w->row[0] * w->target[k], column[3];
+        for (int d = 0; d < dim; d++)
+            column[d] = e[0][d] * w->target[k];
+        for (int j = 1; j <= k; j++) {
+            const lanes v = w->target[j * dim - j * (j + 1) / 2 + k];
+            slope += w->row[j] * v;
+            for (int d = 0; d < dim; d++)
+                column[d] += e[j][d] * v;
+        }
+        c += slope * slope;
         for (int d = 0; d < dim; d++) {
-            lanes t = a[0][d] * slope[0][k] + a[1][d] * slope[1][k];
-            t = dim == 3 ? t + a[2][d] * slope[2][k] : t;
-            energy += t * t;
-            w[d] += t * own;
+            energy += column[d] * column[d];
+            t[d] += column[d] * slope;
         }
     }
     const lanes inverse = lanes_of(1) / c;
     for (int d = 0; d < dim; d++) {
-        store(s, OX + d, i, a[0][d] - w[d] * inverse);
-        of_w += w[d] * w[d];
+        store(s, OX + d, i, (load(s, place[d], i) - x[d]) + t[d] * inverse);
+        of_t += t[d] * t[d];
     }
     store(s, FORM_C, i, root * c);
-    store(s, FORM_E0, i, lanes_max(root * (energy - of_w * inverse), lanes_of(ROW_NOTHING)));
+    store(s, FORM_E0, i, lanes_max(root * (energy - of_t * inverse), lanes_of(ROW_NOTHING)));
 }
 
 /** Do what gather_targets does, inlined where dim is constant. */
 PL_INLINE void gather_targets_of(const star *s, const pl_star_problem *problem, int64_t first,
-                                 const double *place, const int dim) {
-    static const uint8_t column[3][3] = {{P0X, P0Y, P0Z}, {P1X, P1Y, P1Z}, {P2X, P2Y, P2Z}};
-    corner_slopes zeros = {{{0}}};
+                                 double *ring, const double *place, const int dim) {
+    const uint32_t self = (uint32_t)s->n_ring * PL_ROW;
+    double scaled[3] = {0}, measure = 1;
     lanes x[3];
-    for (int d = 0; d < dim; d++)
-        x[d] = lanes_of(place[d] * s->scale);
+    for (int d = 0; d < dim; d++) {
+        scaled[d] = place[d] * s->scale;
+        x[d] = lanes_of(scaled[d]);
+        measure *= s->scale;
+    }
+    row_store(ring + self, row_of(scaled, dim));
     for (int64_t i = 0; i < s->padded; i += PL_PACK) {
-        lanes slope[3][PL_ROW], a[3][3];
-        load_slopes(s, problem, first, i, &zeros, slope, dim);
+        wanted_corners w;
+        lanes p[4][PL_ROW], e[3][3];
+        load_wanted(s, problem, first, i, self, &w, dim);
+        for (int j = 0; j <= dim; j++)
+            points_to_columns(ring, &w.node[0][j], 4, p[j]);
         for (int j = 0; j < dim; j++)
             for (int d = 0; d < dim; d++)
-                a[j][d] = load(s, column[j][d], i) - x[d];
-        store_targets(s, i, slope, a, dim);
+                e[j][d] = p[j + 1][d] - p[0][d];
+        store_wanted(s, i, &w, e, x, dim);
+        if (s->size_weight > 0) {
+            store(s, UNIT, i, w.target[6] * lanes_of(1 / measure));
+            store(s, WANTED, i, w.target[7] * lanes_of(measure));
+        }
     }
 }
 
-/** Bring the columns of sizes to the star's scale. */
-static inline void scale_sizes(const star *s, const int dim) {
-    double measure = 1;
-    for (int d = 0; d < dim; d++)
-        measure *= s->scale;
-    for (int64_t i = 0; i < s->padded; i += PL_PACK) {
-        store(s, UNIT, i, load(s, UNIT, i) * lanes_of(1 / measure));
-        store(s, WANTED, i, load(s, WANTED, i) * lanes_of(measure));
-    }
-}
-
-/** Put targets in the place of ideal corners, with the star's node at place and the nodes of facets in
- *  their columns. Not inlined: few meshes have them. */
+/** Put targets in the place of ideal corners, with the star's node at place and its neighbours in ring
+ *  [.][PL_ROW], behind which there is room for one more. Not inlined: few meshes have them. */
 PL_NOINLINE void gather_targets(const star *s, const pl_star_problem *problem, int64_t first,
-                                const double *place, const int dim) {
+                                double *ring, const double *place, const int dim) {
     if (dim == 3)
-        gather_targets_of(s, problem, first, place, 3);
+        gather_targets_of(s, problem, first, ring, place, 3);
     else
-        gather_targets_of(s, problem, first, place, 2);
-    if (s->size_weight > 0)
-        scale_sizes(s, dim);
+        gather_targets_of(s, problem, first, ring, place, 2);
 }
 
 /* A further row is seen as a facet with p0 this far from the node, in sizes of the star: |x - p0| is
@@ -497,7 +519,6 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
     unpack(&link, 0, s.n_facets, s.padded, dim, rows);
     s.facet = rows;
     s.form = NULL;
-    s.has_targets = problem->target != NULL;
     s.size_weight = problem->target ? problem->size_weight : 0;
     s.forms = problem->form;
     if (PL_KERNEL != PL_RADIUS && (problem->link_form || more)) {
@@ -537,7 +558,7 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
     }
     if (PL_KERNEL != PL_RADIUS && problem->target && has_forms(&s)) {
         const star copy = s;
-        gather_targets(&copy, problem, first, x, dim);
+        gather_targets(&copy, problem, first, ring, x, dim);
     }
     if (!has_forms(&s)) {
         for (int64_t i = 0; i < s.padded; i += PL_PACK)

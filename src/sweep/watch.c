@@ -470,19 +470,30 @@ static void edges_of_corner(const pl_cell_shape *shape, const double *const x[],
     scale_edges(shape->dim, edge);
 }
 
-/** What counts of an element of the plan, a corner with a target; infinite where it is not positive. */
-static double target_square(const planish_plan *plan, int64_t element) {
-    const int dim = plan->dim;
+/** Find the edges of an element of the plan. */
+PL_INLINE void edges_of_element(const planish_plan *plan, int64_t element, double edge[3][3],
+                                const int dim) {
     const double *x[4] = {NULL};
-    double edge[3][3] = {{0}};
     for (int j = 0; j <= dim; j++)
         x[j] = plan->scratch.coordinates + (int64_t)pl_plan_inner(plan, element, j) * dim;
     pl_edges(dim, x, edge);
+}
+
+/** +1 or -1: the sign of the determinant that the element has if it is valid. */
+static double sign_of(const planish_plan *plan, int64_t element) {
+    return plan->work.sign ? plan->work.sign[element] : 1;
+}
+
+/** What counts of an element of the plan, a corner with a target; infinite where it is not positive. */
+static double target_square(const planish_plan *plan, int64_t element) {
+    const int dim = plan->dim;
     const pl_target *target = &plan->work.target[element];
+    double edge[3][3] = {{0}};
+    edges_of_element(plan, element, edge, dim);
     const int exponent = scale_edges(dim, edge);
     const double unit = exponent == 0 ? target->unit : ldexp(target->unit, dim * exponent);
-    const double D = (plan->work.sign ? plan->work.sign[element] : 1) *
-                     pl_determinant_of_edges(dim, (const double(*)[3])edge);
+    const double D =
+        sign_of(plan, element) * pl_determinant_of_edges(dim, (const double(*)[3])edge);
     return D > 0 ? pl_target_square(dim, (const double(*)[3])edge, D, target->v, unit,
                                     plan->work.size_weight)
                  : INFINITY;
@@ -515,12 +526,23 @@ static void measure_corner(const pl_cell_shape *shape, const double *const x[], 
     *jacobian2 = ideal * ideal / squares;
 }
 
+/** The most that E^dim of a corner may be for a mu^2 within limit, in units of D^2 of the ideal corner. */
+PL_INLINE double most_energy(double limit, const int dim) {
+    return (1 - 1e-9) * (dim == 3 ? 27 * limit * sqrt(limit) : 4 * limit);
+}
+
+/** Whether a corner with E = e and D = d is beyond doubt within what most_energy is for; most: in units of
+ *  its own D^2. */
+PL_INLINE int is_within(double e, double d, double most, const int dim) {
+    static const double SMALL = 1e-280, LARGE = 1e280;
+    const double power = dim == 3 ? e * e * e : e * e, bound = most * (d * d);
+    return d > 0 && power <= bound && power > SMALL && bound < LARGE;
+}
+
 /** Whether a corner of a cell with corners x may have a mu^2 above limit. */
 PL_INLINE int may_exceed(const pl_cell_shape *shape, const double *const x[], double sign,
                          double limit, const int dim) {
-    static const double SMALL = 1e-280, LARGE = 1e280;
-    const double most = (1 - 1e-9) * (dim == 3 ? 27 * limit * sqrt(limit) : 4 * limit) /
-                        (shape->determinant * shape->determinant);
+    const double most = most_energy(limit, dim) / (shape->determinant * shape->determinant);
     for (int c = 0; c < shape->n_measured; c++) {
         double edge[3][3], e = 0;
         for (int j = 0; j < dim; j++) {
@@ -534,20 +556,37 @@ PL_INLINE int may_exceed(const pl_cell_shape *shape, const double *const x[], do
                     pl_subtract(dim, edge[j], edge[i], apart);
                     e += shape->between[pair] * pl_dot(dim, apart, apart);
                 }
-        const double d = sign * pl_determinant_of_edges(dim, edge);
-        const double power = dim == 3 ? e * e * e : e * e, bound = most * (d * d);
-        if (!(d > 0 && power <= bound && power > SMALL && bound < LARGE))
+        if (!is_within(e, sign * pl_determinant_of_edges(dim, edge), most, dim))
             return 1;
     }
     return 0;
 }
 
-/** Raise worst to the mean ratios of a watched cell whose corners have targets. */
-static void raise_by_targets(const pl_watch *w, int32_t i, pl_worst_cell *worst) {
+/** Whether one of elements begin .. end - 1 of the plan, corners with targets, may have a mu^2 above
+ *  limit. */
+PL_INLINE int targets_may_exceed(const planish_plan *plan, int64_t begin, int64_t end, double limit,
+                                 const int dim) {
+    const double most = most_energy(limit, dim);
+    for (int64_t e = begin; e < end; e++) {
+        double edge[3][3];
+        edges_of_element(plan, e, edge, dim);
+        const double energy = pl_target_energy(dim, edge, plan->work.target[e].v);
+        if (!is_within(energy, sign_of(plan, e) * pl_determinant_of_edges(dim, edge), most, dim))
+            return 1;
+    }
+    return 0;
+}
+
+/** Raise worst to the ratios of a watched cell whose corners have targets, if one is above limit. */
+static void raise_by_targets(const pl_watch *w, int32_t i, double limit, pl_worst_cell *worst) {
     const pl_view *work = &w->plan->work;
     const int64_t cell = pl_watch_cell(w, i);
     const int64_t begin = work->cell_begin[cell], end = work->cell_begin[cell + 1];
     double sum = 0;
+    if (limit > 0 && work->size_weight == 0 &&
+        !(work->dim == 3 ? targets_may_exceed(w->plan, begin, end, limit, 3)
+                         : targets_may_exceed(w->plan, begin, end, limit, 2)))
+        return;
     for (int64_t e = begin; e < end; e++) {
         const double mu2 = target_square(w->plan, e);
         sum += mu2;
@@ -562,7 +601,7 @@ static void raise_worst(const pl_watch *w, int32_t i, double limit, pl_worst_cel
     const double *x[PL_CELL_CORNERS];
     const int is_turned = shape->n_corners == 8 || shape->n_corners == 6;
     if (w->plan->work.target) {
-        raise_by_targets(w, i, worst);
+        raise_by_targets(w, i, limit, worst);
         return;
     }
     const double sign = is_turned ? 1 : pl_watch_sign(w, pl_watch_cell(w, i));
