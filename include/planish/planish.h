@@ -213,8 +213,9 @@ typedef struct planish_mesh {
        target of each element is its shape there, wherever it lies, however it is turned and of
        whatever size; without it, the regular shape. All elements are then measured by mean ratios,
        as with cells of several types, mu that of T = A W^-1, A and W the edges of a corner here and
-       there (docs/targets.md; planish_options.size_weight makes sizes count). planish_plan_create reads it, and it is not needed afterwards. Every
-       corner of a smoothed element must be positive there. Not with part. */
+       there (docs/targets.md; planish_options.size_weight makes sizes count). planish_plan_create
+       and planish_measure_cells read it, and no plan needs it afterwards. Every corner of a smoothed
+       element must be positive there. Not with part, nor with periodic. */
     const double *reference;
     const void *reserved[5]; /* NULL */
 } planish_mesh;
@@ -1053,8 +1054,10 @@ typedef struct planish_cell_values {
 /** Measure the elements of mesh, of any types (mesh->cells) or simplices alone; those of dimension
  *  mesh->dim count. rounding: distance, in units of the coordinates, by which a node of an element
  *  that is not curved may be off the middle of its corners; 1e-6 of the longest edge is always
- *  allowed. threads: as in planish_options. values (may be NULL) are filled. On failure quality is
- *  as before, and values are unspecified. Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part). */
+ *  allowed. threads: as in planish_options. values (may be NULL) are filled. With mesh->reference
+ *  AR is against the shapes there, of elements of order 2 by their corners; all other measures are
+ *  as without, and every corner of an element must be positive there. On failure quality is as
+ *  before, and values are unspecified. Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part). */
 PLANISH_API int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads,
                                       planish_cell_quality *quality,
                                       const planish_cell_values *values, planish_error *error);

@@ -3,11 +3,13 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "geometry/target.h"
 #include "quality/cell_measure.h"
 #include "topology/cells.h"
 #include "topology/points.h"
 #include "topology/topology.h"
 
+#include <inttypes.h>
 #include <string.h>
 
 /** A measurement, and what it owns. */
@@ -18,6 +20,7 @@ typedef struct cells_call {
     int64_t *offset;
     int32_t *node;
     double *coordinates; /* without strides, or NULL: the mesh's are such */
+    double *reference;   /* the same of mesh.reference */
     int8_t *sign;
     pl_cell_rules rules;
 } cells_call;
@@ -27,6 +30,7 @@ static void release(cells_call *c) {
     pl_free(c->offset);
     pl_free(c->node);
     pl_free(c->coordinates);
+    pl_free(c->reference);
     pl_free(c->sign);
     pl_cell_rules_free(&c->rules);
 }
@@ -55,6 +59,15 @@ static int take_simplices(const planish_mesh *mesh, cells_call *c, planish_error
     return PLANISH_OK;
 }
 
+/** Coordinates without strides; NULL: no memory. */
+static double *gather(const planish_mesh *mesh, const double *x, int threads) {
+    const pl_points points = pl_points_of(mesh, x);
+    double *dense = pl_alloc(mesh->n_nodes * mesh->dim, sizeof *dense);
+    if (dense)
+        pl_points_gather(&points, threads, dense);
+    return dense;
+}
+
 /** Check the mesh, and take its elements and coordinates. */
 static int take_mesh(const planish_mesh *mesh, cells_call *c, planish_error *error) {
     const int is_empty = mesh->cells && mesh->cells->n == 0 && mesh->n_elements == 0;
@@ -71,11 +84,32 @@ static int take_mesh(const planish_mesh *mesh, cells_call *c, planish_error *err
     }
     if (status || pl_points_are_dense(&points))
         return status;
-    c->coordinates = pl_alloc(mesh->n_nodes * mesh->dim, sizeof *c->coordinates);
-    if (!c->coordinates)
-        return pl_fail_memory(error, "the coordinates");
-    pl_points_gather(&points, c->threads, c->coordinates);
-    return PLANISH_OK;
+    c->coordinates = gather(mesh, mesh->coordinates, c->threads);
+    c->reference = mesh->reference ? gather(mesh, mesh->reference, c->threads) : NULL;
+    return c->coordinates && !c->reference == !mesh->reference
+               ? PLANISH_OK
+               : pl_fail_memory(error, "the coordinates");
+}
+
+/** Say what is wrong with an element that has no target. */
+static int complain(const pl_cell_mesh *mesh, int64_t element, planish_error *error) {
+    const pl_cell_shape *shape = pl_cell_type_of(mesh->cells->type[element])->shape;
+    double D = NAN;
+    pl_target target;
+    for (int c = 0; c < shape->n_measured; c++) {
+        double edges[3][3] = {{0}};
+        pl_cell_reference_edges(mesh, element, c, edges);
+        D = mesh->sign[element] * pl_determinant_of_edges(mesh->dim, (const double(*)[3])edges);
+        if (!pl_target_make(mesh->dim, (const double(*)[3])edges, mesh->sign[element], &target))
+            break;
+    }
+    return pl_fail_at(error, PLANISH_ERROR_MESH, element, -1,
+                      "element %" PRId64 " %s in mesh.reference; all elements must be valid there, "
+                      "oriented as in the mesh",
+                      element,
+                      !isfinite(D) ? "is too large, or not finite,"
+                      : D < 0      ? "is inverted"
+                                   : "is flat");
 }
 
 /** Measure the cells that have been taken. */
@@ -90,11 +124,15 @@ static int measure(const planish_mesh *mesh, double rounding, cells_call *c,
                                  c->sign, error);
     if (status)
         return status;
-    const pl_cell_mesh cells = {mesh->dim, &c->cells, coordinates, c->sign, rounding};
+    const double *reference = c->reference ? c->reference : mesh->reference;
+    const pl_cell_mesh cells = {mesh->dim, &c->cells, coordinates, c->sign, rounding, reference};
+    int64_t flawed;
     status = pl_cell_rules_make(&cells, &c->rules);
     if (!status)
-        status = pl_measure_cells(&cells, &c->rules, c->threads, quality, values);
-    return status ? pl_fail_memory(error, "the measures of elements") : PLANISH_OK;
+        status = pl_measure_cells(&cells, &c->rules, c->threads, quality, values, &flawed);
+    return status == PLANISH_ERROR_MESH ? complain(&cells, flawed, error)
+           : status                     ? pl_fail_memory(error, "the measures of elements")
+                                        : PLANISH_OK;
 }
 
 int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads,

@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "base/sum.h"
 #include "geometry/cube_root.h"
+#include "geometry/target.h"
 #include "quality/certificate.h"
 #include "quality/measure_block.h"
 
@@ -55,7 +56,8 @@ typedef struct measurement {
     const pl_cell_rules *rules;
     type_sums *sums; /* [threads][rules->n] */
     planish_cell_values values;
-    int failed; /* no memory; shared by threads */
+    int failed;     /* no memory; shared by threads */
+    int64_t flawed; /* lowest element with a corner that has no target; shared */
 } measurement;
 
 static const double *place_of(const pl_cell_mesh *mesh, int32_t node) {
@@ -209,6 +211,14 @@ PL_INLINE void find_edges(double corner[4][3][LANES], int l, double edges[3][3],
             edges[j][d] = corner[j + 1][d][l] - corner[0][d][l];
 }
 
+/** Square of the mean ratio from E and D (geometry/corner.h), however small D > 0 is. */
+PL_INLINE double ratio_square(double e, double d, const int dim) {
+    if (dim == 2)
+        return e * e / (4 * d * d);
+    const double root = pl_cube_root(d);
+    return e * e / (9 * root * root * root * root);
+}
+
 /** Square of a corner's mean ratio (docs/measures.md), with the determinant D > 0 of edges. */
 PL_INLINE double mean_ratio_square(const pl_cell_shape *shape, double edges[3][3],
                                    double determinant, const int dim) {
@@ -220,11 +230,28 @@ PL_INLINE double mean_ratio_square(const pl_cell_shape *shape, double edges[3][3
         pl_subtract(dim, edges[(pair + 3) / 2], edges[pair / 2], between); /* 01, 02, 12 */
         e += shape->between[pair] * pl_dot(dim, between, between);
     }
-    const double d = determinant / shape->determinant;
-    if (dim == 2)
-        return e * e / (4 * d * d);
-    const double root = pl_cube_root(d);
-    return e * e / (9 * root * root * root * root);
+    return ratio_square(e, determinant / shape->determinant, dim);
+}
+
+void pl_cell_reference_edges(const pl_cell_mesh *mesh, int64_t element, int c, double edges[3][3]) {
+    const planish_cells *cells = mesh->cells;
+    const uint8_t *neighbour = pl_cell_type_of(cells->type[element])->shape->neighbour[c];
+    const int32_t *node = cells->node + cells->offset[element];
+    const double *x[4] = {mesh->reference + (int64_t)node[c] * mesh->dim};
+    for (int j = 0; j < mesh->dim; j++)
+        x[j + 1] = mesh->reference + (int64_t)node[neighbour[j]] * mesh->dim;
+    pl_edges(mesh->dim, x, edges);
+}
+
+/** Find the targets of the corners of lane l; 0: one has none. */
+static int find_targets(const pl_cell_mesh *mesh, const cell_block *b, int l, pl_target *target) {
+    for (int c = 0; c < b->rule->type->shape->n_measured; c++) {
+        double edges[3][3] = {{0}};
+        pl_cell_reference_edges(mesh, b->element[l], c, edges);
+        if (!pl_target_make(mesh->dim, (const double(*)[3])edges, b->sign[l], &target[c]))
+            return 0;
+    }
+    return 1;
 }
 
 /** Measure the corners of all lanes. */
@@ -266,8 +293,25 @@ PL_INLINE void measure_corners(cell_block *b, const int dim) {
     }
 }
 
-/** Measure the corners of lane l anew, with exact determinants. */
-static void resolve_corners(const pl_cell_mesh *mesh, int l, cell_block *b) {
+/** Measure lane l by the targets of its corners. Its determinants are certain. */
+static void measure_by_targets(const pl_cell_mesh *mesh, int l, const pl_target *target,
+                               cell_block *b) {
+    const pl_cell_shape *shape = b->rule->type->shape;
+    const int dim = mesh->dim;
+    double sum = 0;
+    for (int c = 0; c < shape->n_measured; c++) {
+        double corner[4][3][LANES], edges[3][3] = {{0}};
+        find_corner(b, c, corner, dim);
+        find_edges(corner, l, edges, dim);
+        sum += ratio_square(pl_target_energy(dim, (const double(*)[3])edges, target[c].v),
+                            fabs(pl_determinant_of_edges(dim, (const double(*)[3])edges)), dim);
+    }
+    b->square[l] = sum / shape->n_measured;
+}
+
+/** Measure the corners of lane l anew, with exact determinants; target [corners], or NULL. */
+static void resolve_corners(const pl_cell_mesh *mesh, int l, const pl_target *target,
+                            cell_block *b) {
     const pl_cell_shape *shape = b->rule->type->shape;
     const int dim = mesh->dim;
     double sum = 0, least = INFINITY;
@@ -286,7 +330,11 @@ static void resolve_corners(const pl_cell_mesh *mesh, int l, cell_block *b) {
         for (int j = 0; j < dim; j++)
             scaled /= sqrt(pl_dot(dim, edges[j], edges[j]));
         n_inverted += !(m > 0);
-        sum += m > 0 ? mean_ratio_square(shape, edges, determinant, dim) : NAN;
+        sum += !(m > 0) ? NAN
+               : target
+                   ? ratio_square(pl_target_energy(dim, (const double(*)[3])edges, target[c].v),
+                                  determinant, dim)
+                   : mean_ratio_square(shape, edges, determinant, dim);
         least = pl_smaller(m != 0 ? scaled : 0, least);
     }
     b->n_inverted_corners[l] = n_inverted;
@@ -416,8 +464,14 @@ static void measure_block(measurement *m, cell_block *b, type_sums *sums) {
     any_block(m->mesh, b);
     pl_jacobian_evaluate(b->rule, b->sign, &b->jacobian);
     for (int l = 0; l < b->n; l++) {
-        if (b->is_certain[l] == 0)
-            resolve_corners(m->mesh, l, b);
+        pl_target target[PL_CELL_CORNERS];
+        const int has_targets = m->mesh->reference != NULL;
+        if (has_targets && !find_targets(m->mesh, b, l, target))
+            pl_lower_to(&m->flawed, b->element[l]);
+        else if (b->is_certain[l] == 0)
+            resolve_corners(m->mesh, l, has_targets ? target : NULL, b);
+        else if (has_targets)
+            measure_by_targets(m->mesh, l, target, b);
         add_lane(m, b, l, sums);
     }
     b->n = 0;
@@ -494,9 +548,10 @@ static type_sums sums_of(const measurement *m, int n_threads, int r) {
 }
 
 int pl_measure_cells(const pl_cell_mesh *mesh, const pl_cell_rules *rules, int threads,
-                     planish_cell_quality *quality, const planish_cell_values *values) {
+                     planish_cell_quality *quality, const planish_cell_values *values,
+                     int64_t *flawed) {
     const int n_threads = pl_thread_count(threads);
-    measurement m = {.mesh = mesh, .rules = rules};
+    measurement m = {.mesh = mesh, .rules = rules, .flawed = INT64_MAX};
     if (values)
         m.values = *values;
     type_sums all = NO_SUMS;
@@ -506,9 +561,10 @@ int pl_measure_cells(const pl_cell_mesh *mesh, const pl_cell_rules *rules, int t
     for (int i = 0; i < n_threads * rules->n; i++)
         m.sums[i] = NO_SUMS;
     pl_parallel_for(n_threads, mesh->cells->n, CHUNK, measure_chunk, &m);
-    if (m.failed) {
+    *flawed = m.flawed;
+    if (m.failed || m.flawed < INT64_MAX) {
         pl_free(m.sums);
-        return PLANISH_ERROR_MEMORY;
+        return m.failed ? PLANISH_ERROR_MEMORY : PLANISH_ERROR_MESH;
     }
     memset(quality, 0, sizeof *quality);
     quality->n_types = rules->n;

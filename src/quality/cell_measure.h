@@ -6,6 +6,7 @@
  *
  *   pl_cell_rules_make, _free    rules of the types that a mesh has
  *   pl_measure_cells             sums over all elements, and what each one is
+ *   pl_cell_reference_edges      of a corner as it is to be
  */
 #ifndef PL_QUALITY_CELL_MEASURE_H
 #define PL_QUALITY_CELL_MEASURE_H
@@ -21,6 +22,8 @@ typedef struct pl_cell_mesh {
     const double *coordinates; /* [n_nodes][dim] */
     const int8_t *sign;        /* [n] +1 or -1: det J times that is positive in a valid mesh */
     double rounding;           /* of coordinates: mids that are no farther off are straight */
+    const double *reference; /* [n_nodes][dim] where elements have the shapes that they are to have
+                                  (geometry/target.h), or NULL: the ideal ones */
 } pl_cell_mesh;
 
 /** Rules of the types of a mesh that count. */
@@ -37,8 +40,13 @@ int pl_cell_rules_make(const pl_cell_mesh *mesh, pl_cell_rules *rules);
 /** Free the rules. */
 void pl_cell_rules_free(pl_cell_rules *rules);
 
-/** Measure mesh; values (may be NULL) are filled. Returns PLANISH_OK or PLANISH_ERROR_MEMORY. */
+/** Measure mesh; values (may be NULL) are filled. Returns PLANISH_OK, PLANISH_ERROR_MEMORY, or
+ *  PLANISH_ERROR_MESH if corners have no target: *flawed is then the lowest element that has such. */
 int pl_measure_cells(const pl_cell_mesh *mesh, const pl_cell_rules *rules, int threads,
-                     planish_cell_quality *quality, const planish_cell_values *values);
+                     planish_cell_quality *quality, const planish_cell_values *values,
+                     int64_t *flawed);
+
+/** Edges [dim][dim] of corner c of an element of mesh in the reference. */
+void pl_cell_reference_edges(const pl_cell_mesh *mesh, int64_t element, int c, double edges[3][3]);
 
 #endif

@@ -22,6 +22,7 @@
 #define pl_validity_exactly             plain_validity_exactly
 #define pl_bricks_certify               plain_bricks_certify
 #define pl_measure_cells                plain_measure_cells
+#define pl_cell_reference_edges         plain_reference_edges
 #define pl_cell_rules_make              plain_rules_make
 #define pl_cell_rules_free              plain_rules_free
 void plain_jacobian_evaluate(const pl_jacobian_rule *, const double[], pl_jacobian_block *);
@@ -32,7 +33,8 @@ pl_validity plain_validity_exactly(const pl_jacobian_rule *, const int32_t[], co
                                    double);
 void plain_bricks_certify(pl_brick_block *);
 int plain_measure_cells(const pl_cell_mesh *, const pl_cell_rules *, int, planish_cell_quality *,
-                        const planish_cell_values *);
+                        const planish_cell_values *, int64_t *);
+void plain_reference_edges(const pl_cell_mesh *, int64_t, int, double[3][3]);
 int plain_rules_make(const pl_cell_mesh *, pl_cell_rules *);
 void plain_rules_free(pl_cell_rules *);
 #include "quality/cell_measure.c"
@@ -45,6 +47,7 @@ void plain_rules_free(pl_cell_rules *);
 #undef LANES
 #undef pl_cell_rules_free
 #undef pl_cell_rules_make
+#undef pl_cell_reference_edges
 #undef pl_measure_cells
 #undef pl_bricks_certify
 #undef pl_validity_exactly
@@ -63,12 +66,15 @@ static void wide_and_plain_vectors_give_the_same_bits(void **state) {
         const pl_cell_mesh of = {
             .dim = dim, .cells = &m.cells, .coordinates = m.x, .sign = sign, .rounding = 1e-3};
         pl_cell_rules rules;
+        int64_t flawed;
         planish_cell_quality wide, plain;
         cell_values wide_values = cell_values_make(m.cells.n),
                     plain_values = cell_values_make(m.cells.n);
         assert_int_equal(pl_cell_rules_make(&of, &rules), PLANISH_OK);
-        assert_int_equal(pl_measure_cells(&of, &rules, 1, &wide, &wide_values.of), PLANISH_OK);
-        assert_int_equal(plain_measure_cells(&of, &rules, 1, &plain, &plain_values.of), PLANISH_OK);
+        assert_int_equal(pl_measure_cells(&of, &rules, 1, &wide, &wide_values.of, &flawed),
+                         PLANISH_OK);
+        assert_int_equal(plain_measure_cells(&of, &rules, 1, &plain, &plain_values.of, &flawed),
+                         PLANISH_OK);
         assert_memory_equal(&wide, &plain, sizeof wide);
         cell_values_expect_same(&wide_values, &plain_values);
         assert_true(wide.all.n_inverted > 0 && wide.all.n_inverted < wide.all.n_elements);
