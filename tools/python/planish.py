@@ -63,7 +63,8 @@ class _Mesh(ctypes.Structure):
         ("neighbours64", c_void_p),
         ("part", c_void_p),
         ("cells", c_void_p),
-        ("reserved", c_void_p * 6),
+        ("reference", c_void_p),
+        ("reserved", c_void_p * 5),
     ]
 
 
@@ -1222,7 +1223,16 @@ class _View:
         self.region: Optional[np.ndarray] = None
         self.tagged: list[Any] = []  # arrays of surface()
         self.direction: Optional[np.ndarray] = None
+        self.reference: Optional[_Points] = None
         self._hold_interfaces(self.elements.data, regions, slides)
+
+    def take_reference(self, reference: Any) -> None:
+        """Let the elements have the shapes of reference, points or a mesh, as their targets."""
+        points = getattr(reference, "points", reference)
+        if np.shape(points)[:1] != (self.n,):
+            raise ValueError(f"reference must have a row for each of {self.n} points, not the shape {np.shape(points)}")
+        self.reference = _Points(points, self.dim, self.points.strides)
+        self.mesh.reference = _address(self.reference.array)
 
     def _hold_interfaces(self, data: dict[str, Any], regions: Any, slides: bool) -> None:
         """Fix the nodes between regions, unless it is to be found which of them slide."""
@@ -1278,6 +1288,8 @@ class _View:
         if layers not in (None, "hold", "ignore"):
             raise ValueError(f"layers must be hold, ignore or None, not {layers!r}")
         elements = self.elements
+        if layers is None and self.reference is not None:  # layers that are targets survive
+            return
         chosen = np.ones(self.mesh.n_elements, dtype=bool)
         if layers is None and elements.types is not None:
             corners = np.array([getattr(_KNOWN.get(i), "n_corners", 0) for i in range(256)])[elements.types]
@@ -1453,6 +1465,10 @@ class Plan:
     onto: the Shape of another surface (docs/surfaces.md, "Another surface"). The plan moves the points given, in
     place, onto it as far as cells stay valid, and nodes slide along it then. fit has the numbers, fit_distance
     measures.
+    reference: points [n, 2 or 3], or a mesh, of the same nodes: the target of each element is its shape there
+    (docs/targets.md), such as that of the mesh before it was deformed. Layers and gradings survive. Ratios are
+    then aspect ratios AR of all elements against their targets, layers are held by layers="hold" alone, and every
+    element must be valid there. It may not be together with worst elements or edge ratios.
 
     One plan serves one thread at a time: others wait, and are refused with RuntimeError while it
     smooths. To be closed, or used in a with statement.
@@ -1477,6 +1493,7 @@ class Plan:
         crease_angle: float = 0,
         slide_interfaces: bool = False,
         onto: Optional[Shape] = None,
+        reference: Any = None,
     ) -> None:
         if onto is not None and (slide is not None or around is not None or only_worse_than):
             raise ValueError("onto moves all nodes of the boundary: slide, around and only_worse_than have no place")
@@ -1491,6 +1508,8 @@ class Plan:
         self._fit = c_void_p()
         self._view = _View(points, cells, fixed, min_volumes, regions, threads,
                            slide is not None or onto is not None)
+        if reference is not None:
+            self._view.take_reference(reference)
         self._view.hold_layers(layers)
         self.shape = shape
         if slide == "curved" and shape is None:
@@ -1759,7 +1778,7 @@ class Plan:
 
 
 _OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "rings", "around", "regions", "rounding",
-            "layers", "slide", "shape", "crease_angle", "slide_interfaces", "onto")
+            "layers", "slide", "shape", "crease_angle", "slide_interfaces", "onto", "reference")
 
 
 _OF_FACES = ("fixed", "threads", "only_worse_than", "rings", "shape", "crease_angle", "objective", "worst_measure",
@@ -1873,17 +1892,21 @@ def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
 
 
 def quality(points: Any, cells: Any = None, *, fixed: Any = None, regions: Any = _BY_RULE,
-            rounding: Optional[float] = None, per_element: bool = False) -> Quality:
-    """Quality of a mesh: points, cells, fixed, regions and rounding as for Plan. Its cells tell of
-    elements of all types; per_element gives it elements, the measures of each one, too. Triangles and quadrilaterals
-    in space, in no plane of constant z, are measured each in its own plane."""
+            rounding: Optional[float] = None, per_element: bool = False, reference: Any = None) -> Quality:
+    """Quality of a mesh: points, cells, fixed, regions, rounding and reference as for Plan. Its cells tell of
+    elements of all types, or against the reference; per_element gives it elements, the measures of each one, too.
+    Triangles and quadrilaterals in space, in no plane of constant z, are measured each in its own plane."""
     surface = _Surface3D.of(points, cells, fixed=fixed, threads=0)
+    if surface is not None and reference is not None:
+        raise ValueError("reference is not for surfaces in space")
     if surface is not None:
         return surface.quality(per_element)
     view, error, found, options = _View(points, cells, fixed, None, regions), _Error(), Quality(), _Options()
     _library.planish_options_init_sized(byref(options), c_size_t(ctypes.sizeof(_Options)))
     options.threads = _threads(0)
-    is_simple = view.elements.types is None
+    if reference is not None:
+        view.take_reference(reference)
+    is_simple = view.elements.types is None and reference is None
     if view.elements.is_smoothed():
         _check(_library.planish_measure_mesh(byref(view.mesh), byref(options), byref(found), byref(error)), error)
     if per_element or not is_simple:
