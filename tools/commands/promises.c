@@ -65,12 +65,13 @@ static const char *find_broken(const pl_job *job, const pl_result *result,
         return "the worst ratio of elements with a free node";
     if (pl_job_changes_objective(job))
         return NULL;
-    if (job->has_types) {
+    /* Where elements have targets nothing is promised of what tells how regular they are. */
+    if (job->has_types && !job->like.place) {
         *from = result->validity_before.quality.all.min_scaled_jacobian;
         *to = validity->quality.all.min_scaled_jacobian;
         if (*to < *from - JACOBIAN_ROUNDING - slack)
             return "the least scaled Jacobian";
-    } else {
+    } else if (!job->has_types) {
         *from = before->min_angle_deg_movable;
         *to = after->min_angle_deg_movable;
         if (pl_angle_is_smaller(*to, *from * (1 - slack)))

@@ -7,6 +7,7 @@
 #include "commands/commands.h"
 #include "job/cells.h"
 #include "job/curved.h"
+#include "job/like.h"
 #include "terminal/message.h"
 #include "job/output.h"
 #include "report/page.h"
@@ -164,6 +165,59 @@ static void find_features(const drawing *d, pl_job *job, pl_arguments *arguments
     pl_curved_try(job);
 }
 
+/** Find the file of the targets, with the coordinates that the result says: path [PATH_MAX]. */
+static int find_targets(const drawing *d, char *path) {
+    const cJSON *result = d->figures->result;
+    const planish_open_options how = {.isolated = 1};
+    char checksum[17];
+    int is_found = 0;
+    for (int i = 0; i < N_PLACES && !is_found; i++) {
+        planish_file *file = NULL;
+        planish_error ignored;
+        if (!find_place(d, d->figures->like, i, path, PATH_MAX) ||
+            planish_file_open_with(path, &how, &file, &ignored))
+            continue;
+        const planish_mesh mesh = planish_file_mesh(file);
+        snprintf(checksum, sizeof checksum, "%016" PRIx64, planish_checksum(&mesh));
+        is_found = strcmp(checksum, pl_figure_text(result, "like_checksum")) == 0;
+        planish_file_close(file);
+    }
+    return is_found;
+}
+
+/** Draw the state of job, which has the mesh. Returns 0, or an exit status after a message. */
+static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *arguments) {
+    char path[PATH_MAX];
+    planish_error error;
+    int status = 0;
+    if (d->figures->like[0]) {
+        if (!find_targets(d, path)) {
+            lack(d, w, "is drawn only beside its targets, which have changed or are gone");
+            return 0;
+        }
+        arguments->like = path;
+        if ((status = pl_like_read(job)))
+            return status;
+        pl_job_take_all(job);
+    }
+    const int code = job->has_types ? PLANISH_OK : job->engine->plan_create(job, &error);
+    if (code == PLANISH_ERROR_MEMORY)
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    if (code) {
+        lack(d, w, error.text);
+        return 0;
+    }
+    if (!d->picture) {
+        find_features(d, job, arguments);
+        status = pl_picture_begin(job, &d->picture);
+    }
+    if (!status && !pl_picture_fits(d->picture, job))
+        lack(d, w, "has other elements");
+    else if (!status)
+        status = pl_picture_take(d->picture, job, w->name);
+    return status;
+}
+
 /** Draw the state from the file at path if it has the mesh; *why is set to why not, or to NULL.
  *  Returns 0, or an exit status after a message. */
 static int try_place(drawing *d, const wanted *w, const char *path, const char **why) {
@@ -179,32 +233,15 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
                                       .threads = job.options.threads,
                                       .isolated = 1,
                                       .plane_tolerance = 1e-3}; /* whatever it was taken with */
-    int code = planish_file_open_with(path, &how, &job.file, &error);
+    const int code = planish_file_open_with(path, &how, &job.file, &error);
     if (code)
         return code == PLANISH_ERROR_MEMORY ? pl_job_complain(&job, PL_EXIT_FAILED, &error) : 0;
     job.mesh = planish_file_mesh(job.file);
     job.has_types = job.mesh.cells && pl_cells_have_types(job.mesh.cells, job.mesh.dim);
     snprintf(checksum, sizeof checksum, "%016" PRIx64, pl_job_checksum(&job));
-    if (strcmp(checksum, w->checksum) != 0) {
-        *why = "has other coordinates now";
-    } else if (job.mesh.n_elements == 0) {
-        *why = NULL; /* there is nothing to draw */
-    } else {
-        *why = NULL;
-        code = job.has_types ? PLANISH_OK : job.engine->plan_create(&job, &error);
-        if (code == PLANISH_ERROR_MEMORY) {
-            status = pl_job_complain(&job, PL_EXIT_FAILED, &error);
-        } else if (code) {
-            lack(d, w, error.text);
-        } else if (!d->picture) {
-            find_features(d, &job, &arguments);
-            status = pl_picture_begin(&job, &d->picture);
-        }
-        if (!code && !status && !pl_picture_fits(d->picture, &job))
-            lack(d, w, "has other elements");
-        else if (!code && !status)
-            status = pl_picture_take(d->picture, &job, w->name);
-    }
+    *why = strcmp(checksum, w->checksum) == 0 ? NULL : "has other coordinates now";
+    if (!*why && job.mesh.n_elements > 0)
+        status = draw_job(d, w, &job, &arguments);
     pl_job_close(&job);
     pl_signals_set_input(NULL);
     return status;

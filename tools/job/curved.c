@@ -39,6 +39,7 @@ static const char *find_meaningless(const pl_job *job) {
            : arguments->layers == PL_LAYERS_HELD      ? "--layers hold"
            : arguments->slide_interfaces              ? "--slide-interfaces"
            : arguments->onto                          ? "--onto"
+           : arguments->like                          ? "--like"
                                                       : NULL;
 }
 

@@ -4,6 +4,7 @@
 
 #include "job/cells.h"
 #include "job/curved.h"
+#include "job/like.h"
 #include "terminal/message.h"
 #include "terminal/signals.h"
 #include "terminal/threads.h"
@@ -200,8 +201,9 @@ static int hold_layers(pl_job *job, const uint8_t *is_chosen) {
 static int find_held_layers(pl_job *job) {
     const pl_arguments *arguments = job->arguments;
     int64_t n;
+    /* Layers that are targets need not be held to survive. */
     if (arguments->layers == PL_LAYERS_IGNORED || job->is_surface ||
-        (arguments->layers == PL_LAYERS_BY_TYPE && !job->has_types))
+        (arguments->layers == PL_LAYERS_BY_TYPE && (!job->has_types || job->like.place)))
         return 0;
     uint8_t *is_chosen = malloc((size_t)job->mesh.n_elements + 1);
     if (!is_chosen)
@@ -290,12 +292,20 @@ int pl_job_lacks_types(const pl_job *job) {
     return job->simplices.type && planish_file_mesh(job->file).n_elements > job->mesh.n_elements;
 }
 
+/** Find out how elements are measured. */
+static void find_types(pl_job *job) {
+    const planish_cells *cells = job->mesh.cells;
+    job->has_types =
+        job->mesh.reference || (cells && pl_cells_have_types(cells, pl_job_element_dim(job)));
+}
+
 void pl_job_take_all(pl_job *job) {
     const planish_mesh mesh = planish_file_mesh(job->file);
-    job->mesh.elements = mesh.elements;
-    job->mesh.cells = mesh.cells;
+    job->mesh.elements = job->like.place ? NULL : mesh.elements;
+    job->mesh.cells = job->like.place ? &job->like.cells : mesh.cells;
     job->mesh.n_elements = mesh.n_elements;
-    job->has_types = mesh.cells && pl_cells_have_types(mesh.cells, pl_job_element_dim(job));
+    job->mesh.reference = job->like.place;
+    find_types(job);
 }
 
 /** Check that the measures that were asked for are those of the mesh's elements, and choose the one
@@ -361,10 +371,13 @@ static int open_file(pl_job *job) {
     job->options.round_user = job->file_info.round_user;
     job->mesh = planish_file_mesh(job->file);
     job->is_surface = pl_curved_is_surface(&job->mesh);
+    if (arguments->like && !job->is_surface && (status = pl_like_read(job)))
+        return status;
     if (arguments->command == PL_COMMAND_QUALITY)
         keep_simplices(job);
-    job->has_types =
-        job->mesh.cells && pl_cells_have_types(job->mesh.cells, pl_job_element_dim(job));
+    else
+        job->mesh.reference = job->like.place;
+    find_types(job);
     if ((status = check_measures(job)))
         return status;
     if (job->is_surface && (status = pl_curved_begin_surface(job)))
@@ -406,6 +419,8 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
                                  "'-' is not a file; standard input is /dev/stdin");
     pl_signals_set_input(arguments->input);
     int status = 0;
+    if (arguments->like && engine != &pl_engine_here)
+        return pl_complain(PL_EXIT_FAILED, "--like is not for several processes: use planish");
     if (!engine->read)
         status = open_file(job);
     else if (engine->read(job, &error))
@@ -654,6 +669,7 @@ void pl_job_close(pl_job *job) {
     planish_shape_destroy(job->onto.own);
     planish_shape_destroy(job->onto.shape);
     pl_curved_destroy(job);
+    pl_like_free(job);
     free(job->min_volume);
     free(job->wrapped);
     free(job->is_layer);

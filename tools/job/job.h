@@ -76,6 +76,13 @@ typedef struct pl_onto {
     double seconds;
 } pl_onto;
 
+/** The mesh of another file, whose elements are the targets (like.h). */
+typedef struct pl_like {
+    double *place;       /* [n_nodes][dim] of the nodes there, owned; NULL: there is no such file */
+    uint64_t checksum;   /* planish_checksum of them */
+    planish_cells cells; /* all elements of the mesh, if there is one */
+} pl_like;
+
 /** Messages between the processes that share a mesh, summed over them. */
 typedef struct pl_traffic {
     int n_processes;     /* 0: one process works by itself, and nothing else is set */
@@ -94,12 +101,15 @@ typedef struct pl_job {
     planish_file *file;
     planish_file_info file_info;
     planish_mesh mesh; /* its arrays are those of file, but for those that follow. It has cells
-                            in place of elements unless all are straight simplices */
+                            in place of elements unless all are straight simplices without targets.
+                            Its reference is like.place, but not as that of the command quality, which
+                            plans for regular simplices */
     planish_cells simplices; /* mesh.cells of the command quality: those of the file that are first,
                                 and simplices */
     int is_surface;          /* flat elements in space, in no plane (curved.h) */
-    int has_types;       /* there are smoothed elements that are no simplices: ratios are the aspect
-                            ratios AR of docs/measures.md, of simplices, too */
+    int has_types;       /* there are smoothed elements that are no simplices, or elements that have
+                            targets: ratios are the aspect ratios AR of docs/measures.md, of
+                            simplices, too */
     uint8_t *constraint; /* [mesh.n_nodes] of planish_constraint, owned */
     double *direction;   /* [mesh.n_nodes][dim] of nodes that slide, owned, or NULL: none does */
     uint8_t *is_layer;   /* [mesh.n_elements] thin in layers, owned, or NULL: not looked for while
@@ -109,6 +119,7 @@ typedef struct pl_job {
     pl_held held;
     pl_curved curved;
     pl_onto onto;
+    pl_like like;
     int64_t could_slide;       /* nodes that would with --slide auto; -1: not looked for */
     int64_t n_with_parameters; /* nodes that may move and have parameters of the geometry */
     double *min_volume;        /* [mesh.n_elements] owned, or NULL: no group has one of its own */

@@ -112,7 +112,7 @@ static int check_report(const pl_arguments *arguments, const char *path) {
         return 0;
     for (int i = 0; i < arguments->n_inputs; i++)
         hits |= pl_output_hits_mesh(path, arguments->inputs[i], arguments->format);
-    if (hits ||
+    if (hits || (arguments->like && pl_output_hits_mesh(path, arguments->like, NULL)) ||
         (arguments->output && pl_output_hits_mesh(path, arguments->output, arguments->format)))
         return pl_complain_usage(pl_command_name(arguments->command),
                                  "the report would overwrite the mesh '%s'", path);
@@ -126,7 +126,8 @@ int pl_output_check_all(const pl_arguments *arguments) {
     if (is_stdout(output) + is_stdout(json) + is_stdout(report) > 1)
         return pl_complain_usage(command, "only one of mesh and reports can go to standard output");
     if (arguments->command == PL_COMMAND_QUALITY && output &&
-        pl_output_hits_mesh(output, arguments->input, arguments->format))
+        (pl_output_hits_mesh(output, arguments->input, arguments->format) ||
+         (arguments->like && pl_output_hits_mesh(output, arguments->like, NULL))))
         return pl_complain_usage(command, "the copy for viewing would overwrite the mesh '%s'",
                                  output);
     if (json && report && pl_output_same_file(json, report))

@@ -440,6 +440,12 @@ static const option_row option_table[] = {
      "format): its nodes are moved there as far as elements\n"
      "stay valid, and slide along it",
      "file"},
+    {0, "like", "FILE", BOTH | OPTIMISES, set_text, AT(like), 0, 0, "must be the name of a file",
+     "let each element become like it is in FILE, the same\n"
+     "mesh before it was deformed, in any format: layers\n"
+     "and gradings survive; with quality: compare with that\n"
+     "(default: with regular elements)",
+     "file"},
     {0, "crease-angle", "A", BOTH | OF_CURVED, set_real, AT(crease_angle), 0, 180,
      "must be a number of degrees from 0 to 180",
      "keep edges of curved surfaces that bend by more than\n"
@@ -650,6 +656,17 @@ static int check_onto(const pl_arguments *arguments) {
     return name ? pl_complain_usage(command, "give --onto or --%s, not both", name) : 0;
 }
 
+/** Objectives that are not made for targets. */
+static int check_like(const pl_arguments *arguments) {
+    const planish_objective objective = arguments->library.objective;
+    if (!arguments->has_objective ||
+        (objective == PLANISH_OBJECTIVE_MEAN_RATIO && !arguments->worst))
+        return 0;
+    return pl_complain_usage(pl_command_name(arguments->command),
+                             "--like minimises the mean-ratio: leave out --objective %s",
+                             arguments->worst ? "worst" : pl_objective_name(objective));
+}
+
 /** Options that exclude or need one another. */
 static int check_combinations(const pl_arguments *arguments) {
     const planish_options *library = &arguments->library;
@@ -668,6 +685,8 @@ static int check_combinations(const pl_arguments *arguments) {
         return pl_complain_usage(command, "--%s has no effect without --objective worst",
                                  arguments->of_worst);
     if (arguments->onto && check_onto(arguments))
+        return PL_EXIT_USAGE;
+    if (arguments->like && check_like(arguments))
         return PL_EXIT_USAGE;
     if (arguments->surface_of && arguments->n_inputs > 1)
         return pl_complain_usage(command, "--surface-of takes one mesh, but %d are named",

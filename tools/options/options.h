@@ -67,6 +67,7 @@ typedef struct pl_arguments {
     int slide_interfaces;   /* those between regions among them */
     const char *surface_of; /* the file that the surface is taken from, or NULL: the input */
     const char *onto;       /* the file whose surface the mesh's is fitted to, or NULL: none */
+    const char *like;       /* the file whose elements are the targets, or NULL: regular ones */
     double crease_angle;    /* in degrees; 0: features are found */
     const char *of_curved;  /* an option of smooth that is for curved surfaces alone, or NULL */
     int has_objective;      /* --objective was given */

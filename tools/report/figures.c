@@ -27,7 +27,9 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
     const cJSON *before = cJSON_GetObjectItemCaseSensitive(result, "before");
     const cJSON *after = cJSON_GetObjectItemCaseSensitive(result, "after");
     const cJSON *quality = cJSON_GetObjectItemCaseSensitive(result, "quality");
-    *figures = (pl_figures){.result = result, .is_solid = pl_figure(mesh, "dimension") == 3};
+    *figures = (pl_figures){.result = result,
+                            .is_solid = pl_figure(mesh, "dimension") == 3,
+                            .like = pl_figure_text(result, "like")};
     if (!cJSON_IsObject(result))
         return "is not a JSON object";
     if (cJSON_IsArray(cJSON_GetObjectItemCaseSensitive(result, "meshes")))

@@ -103,6 +103,12 @@ static void put_remarks(pl_markup *page, const pl_figures *figures, const cJSON 
     const int64_t thin = pl_figure_count(mesh, "free_layer_elements");
     const cJSON *names = cJSON_GetObjectItemCaseSensitive(mesh, "region_arrays"), *name;
     const char *between = cJSON_GetArraySize(names) == 1 ? " " : "s ";
+    if (figures->like[0]) {
+        pl_markup_put(page, "<p id=\"target\">The target of each element is its shape in <code>");
+        pl_markup_put_text(page, figures->like);
+        pl_markup_put(page,
+                      "</code>: aspect ratios are against that, and 1 is the same shape.</p>\n");
+    }
     if (pl_layers_are_many(thin, pl_figure_count(mesh, "elements"))) {
         pl_markup_put(page, "<p class=\"quiet\">");
         pl_markup_put_count(page, thin);
@@ -129,7 +135,9 @@ static void put_remarks(pl_markup *page, const pl_figures *figures, const cJSON 
     if (back > 0) {
         pl_markup_put(page, "<p class=\"quiet\">planish put a node back ");
         pl_markup_put_number_of(page, back, "time", "times");
-        pl_markup_put(page, ", because the smallest angle of the mesh became smaller.</p>\n");
+        pl_markup_put(page, ", because the %s.</p>\n",
+                      figures->like[0] ? "worst aspect ratio became larger"
+                                       : "smallest angle of the mesh became smaller");
     }
     if (outside > 0) {
         pl_markup_put(page, "<p class=\"quiet\">");

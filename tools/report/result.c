@@ -416,6 +416,23 @@ static void add_objective(document *json, cJSON *root, const pl_job *job,
     add_real(json, objective, "after", after > 0 ? after : NAN);
 }
 
+/** Add the checksum of coordinates as written or read: in full, whatever the format's digits. */
+static void add_checksum(document *json, cJSON *root, const char *name, uint64_t checksum) {
+    char text[17];
+    snprintf(text, sizeof text, "%016" PRIx64, checksum);
+    add_text(json, root, name, text);
+}
+
+/** Add what elements are measured against: regular ones, or those of another file, with the checksum of
+ *  its coordinates. */
+static void add_target(document *json, cJSON *root, const pl_job *job) {
+    add_text(json, root, "target", job->like.place ? "like" : "regular");
+    if (!job->like.place)
+        return;
+    add_text(json, root, "like", job->arguments->like);
+    add_checksum(json, root, "like_checksum", job->like.checksum);
+}
+
 /** Add the gain of the worst elements; null: not asked for. */
 static void add_worst(document *json, cJSON *root, const pl_job *job,
                       const planish_result *smooth) {
@@ -515,13 +532,6 @@ static char *finish(document *json, cJSON *root) {
     char *line = escape_controls(text);
     cJSON_free(text);
     return line;
-}
-
-/** Add the checksum of coordinates as written or read: in full, whatever the format's digits. */
-static void add_checksum(document *json, cJSON *root, const char *name, uint64_t checksum) {
-    char text[17];
-    snprintf(text, sizeof text, "%016" PRIx64, checksum);
-    add_text(json, root, name, text);
 }
 
 /** Add the tolerance of the surface, in the unit that it was given in. */
@@ -649,6 +659,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_text(&json, root, "format", job->file_info.format);
     add_mesh(&json, root, job, result->before.n_reversed);
     add_text(&json, root, "method", pl_method_name(job->options.method));
+    add_target(&json, root, job);
     add_objective(&json, root, job, &result->smooth);
     void (*const add_state)(document *, cJSON *, const char *, const pl_job *,
                             const planish_quality *, const pl_validity *, int64_t,
@@ -710,6 +721,7 @@ void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
     add_text(&json, mesh, "input", job->arguments->input);
     add_text(&json, mesh, "format", job->file_info.format);
     add_mesh(&json, mesh, job, measured->quality.n_reversed);
+    add_target(&json, mesh, job);
     if (measured->cells.has_others)
         add_cells(&json, mesh, job, measured);
     else

@@ -219,6 +219,14 @@ static void rows_cells(FILE *stream, const pl_job *job, const pl_validity *valid
     pl_text_wrap(stream, text);
 }
 
+/** Put what the targets of the elements are, if they have any. */
+static void row_target(FILE *stream, const pl_job *job) {
+    char name[4 * PL_TEXT_WIDTH + 1];
+    if (job->like.place)
+        fprintf(stream, "AR is against each element as it is in %s\n",
+                pl_text_fit(job->arguments->like, PL_TEXT_WIDTH / 2, name, sizeof name));
+}
+
 /** Put the first line of a mesh whose simplices alone matter. */
 static void row_simplices(FILE *stream, const pl_job *job) {
     char counts[64];
@@ -334,7 +342,8 @@ static void rows_aspect(FILE *stream, const pl_job *job, const pl_result *result
     const int is_of_same = pl_validity_faults(&result->validity_before, before) ==
                            pl_validity_faults(&result->validity_after, after);
     const measure ratio = {"", LESS_IS_BETTER, is_of_same ? RELATIVE : NOT_COMPARED};
-    const measure jacobian = {"", MORE_IS_BETTER, ABSOLUTE};
+    /* Elements that have targets need not be more regular. */
+    const measure jacobian = {"", MORE_IS_BETTER, job->like.place ? NOT_COMPARED : ABSOLUTE};
     row_real(stream, "worst aspect ratio (AR)", &was->max_aspect_ratio, is->max_aspect_ratio,
              &ratio);
     if (after->n_fixed_elements > 0)
@@ -352,7 +361,7 @@ static void rows_aspect(FILE *stream, const pl_job *job, const pl_result *result
     rows_by_type(stream, &result->validity_before.quality, &result->validity_after.quality);
     const planish_cells *cells = job->mesh.cells;
     /* Simplices come first in a file's mesh. */
-    if (cells->n == 0 || !pl_cell_is_simplex((planish_cell_type)cells->type[0]))
+    if (cells->n == 0 || job->like.place || !pl_cell_is_simplex((planish_cell_type)cells->type[0]))
         return;
     pl_text_wrap(stream, pl_job_element_dim(job) == 3
                              ? "AR is the mean ratio of corners, of tetrahedra, too: it does not "
@@ -541,6 +550,7 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
         rows_cells(stream, job, &result->validity_before);
     else
         row_simplices(stream, job);
+    row_target(stream, job);
     fprintf(stream, "%s%-*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), LABEL_WIDTH,
             "", VALUE_WIDTH, "before", VALUE_WIDTH, "after", UNIT_WIDTH + CHANGE_WIDTH, "change",
             pl_style_end(stream, PL_STYLE_HEADING));
@@ -565,9 +575,11 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
                 result->smooth.n_refused,
                 word_for(result->smooth.n_refused, "move was", "moves were"));
     if (n_back > 0)
-        pl_note(stream, "%" PRId64 " %s put back: the %s became smaller", n_back,
+        pl_note(stream, "%" PRId64 " %s put back: the %s", n_back,
                 word_for(n_back, "node was", "nodes were"),
-                job->has_types ? "least scaled Jacobian" : "smallest angle");
+                job->like.place  ? "worst aspect ratio became larger"
+                : job->has_types ? "least scaled Jacobian became smaller"
+                                 : "smallest angle became smaller");
     row_free(stream, job);
     put_surface(stream, job, result);
     put_onto(stream, job);
@@ -683,6 +695,7 @@ void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measur
         char counts[256];
         pl_cells_count(&cells->cells, counts, sizeof counts);
         row_mesh(stream, job, counts);
+        row_target(stream, job);
         put_cells(stream, job, cells);
         if (job->is_surface)
             pl_surface_print(stream, job);
