@@ -235,7 +235,8 @@ expect_status 0 "$program" smooth hexes-moved.mesh --like hexes.mesh --slide aut
 expect_json 'r["mesh"]["sliding_nodes"] > 0 and r["after"]["rms_aspect_ratio"] < r["before"]["rms_aspect_ratio"]'
 expect_status 0 "$program" smooth hexes-moved.mesh --like hexes.mesh --layers hold -o held.mesh --json report.json
 expect_json 'r["mesh"]["held"]["layers"] > 0'
-expect_status 0 "$program" smooth tets-moved.mesh --like tets.mesh --only-worse-than 1.2 -o only.mesh -q --json report.json
+expect_status 0 "$program" smooth tets-moved.mesh --like tets.mesh --only-worse-than 1.2 -o only.mesh -q \
+    --json report.json
 expect_json '0 < r["mesh"]["free_nodes"] < 125 and r["after"]["max_aspect_ratio"] < 1.2'
 expect_status 0 "$program" smooth tets-moved.mesh --like tets.mesh -o view.vtu -q
 expect_status 0 "$program" smooth tets-moved.mesh --like tets.mesh --onto tets.mesh -o onto.mesh -q --json report.json
@@ -258,6 +259,12 @@ refused 2 "hexes.mesh has 216 elements, tets-moved.mesh has 1296; $same" tets-mo
 refused 2 "quads.mesh is a mesh in 2 dimensions, tets-moved.mesh in 3; $same" tets-moved.mesh --like quads.mesh
 refused 2 "element 1 of renumbered.mesh has other nodes than element 1 of tets-moved.mesh; $same" tets-moved.mesh \
     --like renumbered.mesh
+for kind in "Prisms|1 2 3 4 5 6 1" "Tetrahedra|1 2 3 4 1"; do
+    printf '%s\n' "MeshVersionFormatted 2" "Dimension 3" "Vertices 6" "0 0 0 0" "1 0 0 0" "0 1 0 0" "0 0 1 0" "1 0 1 0" \
+        "0 1 1 0" "${kind%|*} 1" "${kind#*|}" End >"${kind%|*}.mesh"
+done
+refused 2 "element 1 of Tetrahedra.mesh is of another type than element 1 of Prisms.mesh; $same" Prisms.mesh \
+    --like Tetrahedra.mesh
 refused 2 "--like inverted.mesh: element 517 is inverted" tets-moved.mesh --like inverted.mesh
 refused 2 "--like flat.mesh: element 1 is flat" tets-moved.mesh --like flat.mesh
 refused 2 "--like mirrored.mesh: element 1 is oriented otherwise" tets-moved.mesh --like mirrored.mesh

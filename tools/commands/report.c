@@ -7,7 +7,6 @@
 #include "commands/commands.h"
 #include "job/cells.h"
 #include "job/curved.h"
-#include "job/like.h"
 #include "terminal/message.h"
 #include "job/output.h"
 #include "report/page.h"
@@ -196,7 +195,8 @@ static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *argu
             return 0;
         }
         arguments->like = path;
-        if ((status = pl_like_read(job)))
+        if ((status =
+                 pl_like_read(arguments, job->file, job->options.threads, &job->mesh, &job->like)))
             return status;
         pl_job_take_all(job);
     }

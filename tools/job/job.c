@@ -4,7 +4,6 @@
 
 #include "job/cells.h"
 #include "job/curved.h"
-#include "job/like.h"
 #include "terminal/message.h"
 #include "terminal/signals.h"
 #include "terminal/threads.h"
@@ -371,7 +370,8 @@ static int open_file(pl_job *job) {
     job->options.round_user = job->file_info.round_user;
     job->mesh = planish_file_mesh(job->file);
     job->is_surface = pl_curved_is_surface(&job->mesh);
-    if (arguments->like && !job->is_surface && (status = pl_like_read(job)))
+    if (arguments->like && !job->is_surface &&
+        (status = pl_like_read(arguments, job->file, job->options.threads, &job->mesh, &job->like)))
         return status;
     if (arguments->command == PL_COMMAND_QUALITY)
         keep_simplices(job);
@@ -669,7 +669,7 @@ void pl_job_close(pl_job *job) {
     planish_shape_destroy(job->onto.own);
     planish_shape_destroy(job->onto.shape);
     pl_curved_destroy(job);
-    pl_like_free(job);
+    pl_like_free(&job->like);
     free(job->min_volume);
     free(job->wrapped);
     free(job->is_layer);

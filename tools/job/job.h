@@ -12,6 +12,7 @@
 #define PL_TOOLS_JOB_H
 
 #include "job/engine.h"
+#include "job/like.h"
 #include "options/options.h"
 
 #include <planish/planish_io.h>
@@ -75,13 +76,6 @@ typedef struct pl_onto {
     planish_shape_distance distance; /* in the end */
     double seconds;
 } pl_onto;
-
-/** The mesh of another file, whose elements are the targets (like.h). */
-typedef struct pl_like {
-    double *place;       /* [n_nodes][dim] of the nodes there, owned; NULL: there is no such file */
-    uint64_t checksum;   /* planish_checksum of them */
-    planish_cells cells; /* all elements of the mesh, if there is one */
-} pl_like;
 
 /** Messages between the processes that share a mesh, summed over them. */
 typedef struct pl_traffic {

@@ -1,15 +1,23 @@
 /* like: the target of each element is its shape in another file. */
 #include "job/like.h"
 
-#include "job/cells.h"
 #include "terminal/message.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
-static int complain(const pl_job *job, const planish_error *error) {
-    return pl_complain(PL_EXIT_FAILED, "--like %s: %s", job->arguments->like, error->text);
+/** What the file of --like is to have the mesh of. */
+typedef struct fitting {
+    const char *path, *input; /* of the file, and of the input */
+    planish_file *file, *mine;
+    planish_mesh other; /* the file's, with cells */
+    const planish_mesh *mesh;
+    int threads;
+} fitting;
+
+static int complain(const char *path, const planish_error *error) {
+    return pl_complain(PL_EXIT_FAILED, "--like %s: %s", path, error->text);
 }
 
 /* ---- whether it fits ------------------------------------------------------------------------- */
@@ -32,45 +40,36 @@ static int64_t find_difference(const planish_cells *a, const planish_cells *b) {
 }
 
 /** Check that the file has the mesh of the input but for coordinates. */
-static int check_same(const pl_job *job, const planish_file *file, const planish_mesh *other) {
+static int check_same(const fitting *f) {
     static const char *const advice = "--like needs the same mesh before it was deformed";
-    const char *path = job->arguments->like, *input = job->arguments->input;
-    const planish_mesh *mine = &job->mesh;
+    const planish_mesh *mine = f->mesh, *other = &f->other;
     if (other->dim != mine->dim)
-        return pl_complain(PL_EXIT_FAILED, "%s is a mesh in %d dimensions, %s in %d; %s", path,
-                           other->dim, input, mine->dim, advice);
+        return pl_complain(PL_EXIT_FAILED, "%s is a mesh in %d dimensions, %s in %d; %s", f->path,
+                           other->dim, f->input, mine->dim, advice);
     if (other->n_nodes != mine->n_nodes)
-        return pl_complain(PL_EXIT_FAILED, "%s has %" PRId64 " nodes, %s has %" PRId64 "; %s", path,
-                           other->n_nodes, input, mine->n_nodes, advice);
+        return pl_complain(PL_EXIT_FAILED, "%s has %" PRId64 " nodes, %s has %" PRId64 "; %s",
+                           f->path, other->n_nodes, f->input, mine->n_nodes, advice);
     if (other->n_elements != mine->n_elements)
         return pl_complain(PL_EXIT_FAILED, "%s has %" PRId64 " elements, %s has %" PRId64 "; %s",
-                           path, other->n_elements, input, mine->n_elements, advice);
+                           f->path, other->n_elements, f->input, mine->n_elements, advice);
     const int64_t i = find_difference(mine->cells, other->cells);
     if (i < 0)
         return 0;
-    const planish_cell_type type = (planish_cell_type)mine->cells->type[i];
-    const planish_cell_type there = (planish_cell_type)other->cells->type[i];
-    if (type != there)
-        return pl_complain(
-            PL_EXIT_FAILED, "element %" PRId64 " of %s is a %s, element %" PRId64 " of %s a %s; %s",
-            planish_file_element_number(file, i), path, pl_cell_type_name(there),
-            planish_file_element_number(job->file, i), input, pl_cell_type_name(type), advice);
-    return pl_complain(PL_EXIT_FAILED,
-                       "element %" PRId64 " of %s has other nodes than element %" PRId64
-                       " of %s; %s",
-                       planish_file_element_number(file, i), path,
-                       planish_file_element_number(job->file, i), input, advice);
+    return pl_complain(PL_EXIT_FAILED, "element %" PRId64 " of %s %s element %" PRId64 " of %s; %s",
+                       planish_file_element_number(f->file, i), f->path,
+                       mine->cells->type[i] == other->cells->type[i] ? "has other nodes than"
+                                                                     : "is of another type than",
+                       planish_file_element_number(f->mine, i), f->input, advice);
 }
 
-/** What is wrong with an element of the file that is no target: it is so by itself, or only there. */
-static const char *flaw_of(const pl_job *job, const planish_mesh *other, int64_t element) {
+/** Say why an element of the file is no target: by itself, or beside the input. */
+static const char *flaw_of(const fitting *f, int64_t element) {
     planish_cell_quality ignored;
     planish_error error;
-    double *jacobian = malloc((size_t)other->n_elements * sizeof *jacobian);
+    double *jacobian = malloc((size_t)f->other.n_elements * sizeof *jacobian);
     const planish_cell_values values = {.scaled_jacobian = jacobian};
     const char *flaw = "is not valid there";
-    if (jacobian &&
-        !planish_measure_cells(other, 0, job->options.threads, &ignored, &values, &error))
+    if (jacobian && !planish_measure_cells(&f->other, 0, f->threads, &ignored, &values, &error))
         flaw = jacobian[element] < 0   ? "is inverted"
                : jacobian[element] > 0 ? "is oriented otherwise than in the input"
                                        : "is flat";
@@ -79,32 +78,30 @@ static const char *flaw_of(const pl_job *job, const planish_mesh *other, int64_t
 }
 
 /** Check that each element has a shape there. */
-static int check_targets(const pl_job *job, const planish_file *file, const planish_mesh *other) {
-    planish_mesh mesh = job->mesh;
+static int check_targets(const fitting *f, const double *place) {
+    planish_mesh mesh = *f->mesh;
     planish_cell_quality ignored;
     planish_error error;
-    mesh.reference = job->like.place;
-    const int code = planish_measure_cells(&mesh, 0, job->options.threads, &ignored, NULL, &error);
+    mesh.reference = place;
+    const int code = planish_measure_cells(&mesh, 0, f->threads, &ignored, NULL, &error);
     if (!code)
         return 0;
     if (code != PLANISH_ERROR_MESH || error.element < 0)
-        return complain(job, &error);
+        return complain(f->path, &error);
     return pl_complain(PL_EXIT_FAILED,
                        "--like %s: element %" PRId64 " %s: every element must be valid there, to "
                        "be a target",
-                       job->arguments->like, planish_file_element_number(file, error.element),
-                       flaw_of(job, other, error.element));
+                       f->path, planish_file_element_number(f->file, error.element),
+                       flaw_of(f, error.element));
 }
 
-/** Check that the mesh of the job is one that may have targets. */
-static int check_mesh(const pl_job *job) {
-    if (job->mesh.n_periodic > 0)
+/** Check that the mesh is one that may have targets. */
+static int check_mesh(const planish_mesh *mesh, const char *input) {
+    if (mesh->n_periodic > 0)
         return pl_complain(PL_EXIT_FAILED,
-                           "%s: has periodic nodes: --like is not for such meshes yet",
-                           job->arguments->input);
-    if (job->mesh.n_elements == 0)
-        return pl_complain(PL_EXIT_FAILED, "%s: has no elements: --like has no effect",
-                           job->arguments->input);
+                           "%s: has periodic nodes: --like is not for such meshes yet", input);
+    if (mesh->n_elements == 0)
+        return pl_complain(PL_EXIT_FAILED, "%s: has no elements: --like has no effect", input);
     return 0;
 }
 
@@ -118,69 +115,75 @@ static int are_in_same_plane(const planish_file *a, const planish_file *b) {
     return !p.is_tilted && !q.is_tilted && memcmp(p.axis, q.axis, sizeof p.axis) == 0;
 }
 
-/** Twice the area of a flat element's first corner. */
+/** Find twice the area of a flat element's first corner. */
 static double area_at_corner(const planish_cells *cells, int64_t element, const double *x) {
     const int32_t *node = cells->node + cells->offset[element];
-    const int n = pl_cell_corners((planish_cell_type)cells->type[element]);
+    const planish_cell_type type = (planish_cell_type)cells->type[element];
+    const int is_triangle = type == PLANISH_CELL_TRIANGLE || type == PLANISH_CELL_TRIANGLE6;
     const double *a = x + 2 * (int64_t)node[0], *b = x + 2 * (int64_t)node[1];
-    const double *c = x + 2 * (int64_t)node[n - 1];
+    const double *c = x + 2 * (int64_t)node[is_triangle ? 2 : 3];
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/** A flat mesh that lies in another plane may be seen from behind there: mirror it if most elements are. */
-static void face_alike(const planish_mesh *mine, double *place) {
+/** Mirror places in another plane than that of a flat mesh, if most elements are seen from behind there. */
+static void face_alike(const planish_mesh *mesh, double *place) {
     int64_t n_alike = 0;
-    for (int64_t i = 0; i < mine->n_elements; i++) {
-        const double here = area_at_corner(mine->cells, i, mine->coordinates);
-        const double there = area_at_corner(mine->cells, i, place);
+    for (int64_t i = 0; i < mesh->n_elements; i++) {
+        const double here = area_at_corner(mesh->cells, i, mesh->coordinates);
+        const double there = area_at_corner(mesh->cells, i, place);
         n_alike += (here > 0) == (there > 0) ? 1 : -1;
     }
-    for (int64_t i = 0; n_alike < 0 && i < mine->n_nodes; i++)
+    for (int64_t i = 0; n_alike < 0 && i < mesh->n_nodes; i++)
         place[2 * i + 1] = -place[2 * i + 1];
 }
 
 /** Take the places of the nodes in the open file. */
-static int take_places(pl_job *job, planish_file *file) {
+static int take_places(fitting *f, pl_like *like) {
     planish_error error;
     planish_cells cells;
-    planish_mesh other = planish_file_mesh(file);
-    if (planish_file_cells(file, &cells, &error))
-        return complain(job, &error);
-    other.elements = NULL;
-    other.cells = &cells;
-    int status = check_same(job, file, &other);
+    f->other = planish_file_mesh(f->file);
+    if (planish_file_cells(f->file, &cells, &error))
+        return complain(f->path, &error);
+    f->other.elements = NULL;
+    f->other.cells = &cells;
+    const int status = check_same(f);
     if (status)
         return status;
-    const size_t size = (size_t)(other.n_nodes * other.dim) * sizeof *job->like.place;
-    job->like.checksum = planish_checksum(&other);
-    job->like.place = malloc(size);
-    if (!job->like.place)
-        return pl_job_complain_memory(job, "the targets");
-    memcpy(job->like.place, other.coordinates, size);
-    if (other.dim == 2 && !are_in_same_plane(job->file, file))
-        face_alike(&job->mesh, job->like.place);
-    return check_targets(job, file, &other);
+    const size_t size = (size_t)(f->other.n_nodes * f->other.dim) * sizeof *like->place;
+    like->checksum = planish_checksum(&f->other);
+    like->place = malloc(size);
+    if (!like->place)
+        return pl_complain(PL_EXIT_FAILED, "--like %s: out of memory for the targets", f->path);
+    memcpy(like->place, f->other.coordinates, size);
+    if (f->other.dim == 2 && !are_in_same_plane(f->mine, f->file))
+        face_alike(f->mesh, like->place);
+    return check_targets(f, like->place);
 }
 
-int pl_like_read(pl_job *job) {
-    const planish_open_options how = {.threads = job->options.threads, .isolated = 1};
-    planish_file *file = NULL;
+int pl_like_read(const pl_arguments *arguments, planish_file *file, int threads, planish_mesh *mesh,
+                 pl_like *like) {
+    const planish_open_options how = {.threads = threads, .isolated = 1};
+    fitting f = {.path = arguments->like,
+                 .input = arguments->input,
+                 .mine = file,
+                 .mesh = mesh,
+                 .threads = threads};
     planish_error error;
-    int status = check_mesh(job);
+    int status = check_mesh(mesh, arguments->input);
     if (status)
         return status;
-    if (planish_file_cells(job->file, &job->like.cells, &error))
-        return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    job->mesh.elements = NULL;
-    job->mesh.cells = &job->like.cells;
-    if (planish_file_open_with(job->arguments->like, &how, &file, &error))
+    if (planish_file_cells(file, &like->cells, &error))
+        return pl_complain(PL_EXIT_FAILED, "%s: %s", arguments->input, error.text);
+    mesh->elements = NULL;
+    mesh->cells = &like->cells;
+    if (planish_file_open_with(arguments->like, &how, &f.file, &error))
         return pl_complain(PL_EXIT_FAILED, "--like: %s", error.text);
-    status = take_places(job, file);
-    planish_file_close(file);
+    status = take_places(&f, like);
+    planish_file_close(f.file);
     return status;
 }
 
-void pl_like_free(pl_job *job) {
-    free(job->like.place);
-    job->like.place = NULL;
+void pl_like_free(pl_like *like) {
+    free(like->place);
+    like->place = NULL;
 }
