@@ -126,7 +126,7 @@ static int measure(const planish_mesh *mesh, double rounding, cells_call *c,
         return status;
     const double *reference = c->reference ? c->reference : mesh->reference;
     const pl_cell_mesh cells = {mesh->dim, &c->cells, coordinates, c->sign, rounding, reference};
-    int64_t flawed;
+    int64_t flawed = -1;
     status = pl_cell_rules_make(&cells, &c->rules);
     if (!status)
         status = pl_measure_cells(&cells, &c->rules, c->threads, quality, values, &flawed);

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** What the file of --like is to have the mesh of. */
+/** The file of --like, and the mesh that it is to have. */
 typedef struct fitting {
     const char *path, *input; /* of the file, and of the input */
     planish_file *file, *mine;
