@@ -89,6 +89,8 @@ SCENARIOS = [
              ["medit.mesh"], ["r.json", "r.html"]),
     scenario("quality of several", "quality medit.mesh square.off ascii.vtk --json -",
              ["medit.mesh", "square.off", "ascii.vtk"]),
+    scenario("like another file", "smooth medit.mesh --like medit.meshb -o out.mesh -q -j 1 --json r.json",
+             ["medit.mesh", "medit.meshb"], ["out.mesh", "r.json"]),
     scenario("report", "report result.json", ["result.json", "medit.mesh"], ["result.html"], True),
     scenario("help", "smooth --help", []),
 ]

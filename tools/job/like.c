@@ -16,7 +16,10 @@ typedef struct fitting {
     int threads;
 } fitting;
 
+/** Complain of an error of the file at path, which the texts on files name by themselves. */
 static int complain(const char *path, const planish_error *error) {
+    if (error->code == PLANISH_ERROR_FILE || error->code == PLANISH_ERROR_FORMAT)
+        return pl_complain(PL_EXIT_FAILED, "--like: %s", error->text);
     return pl_complain(PL_EXIT_FAILED, "--like %s: %s", path, error->text);
 }
 
@@ -177,7 +180,7 @@ int pl_like_read(const pl_arguments *arguments, planish_file *file, int threads,
     mesh->elements = NULL;
     mesh->cells = &like->cells;
     if (planish_file_open_with(arguments->like, &how, &f.file, &error))
-        return pl_complain(PL_EXIT_FAILED, "--like: %s", error.text);
+        return complain(arguments->like, &error);
     status = take_places(&f, like);
     planish_file_close(f.file);
     return status;
