@@ -721,7 +721,7 @@ typedef struct planish_options {
                                                    edges */
     planish_length_unit surface_tolerance_unit; /* of surface_tolerance, and edges are those of the
                                                    shape at the node */
-    double size_weight; /* 0 .. 1, of planish_plan_create with planish_mesh.reference: w in
+    double size_weight;      /* 0 .. 1, of planish_plan_create with planish_mesh.reference: w in
                            (1 - w) mu^2 + w (tau + 1 / tau) / 2, which counts in the place of mu^2;
                            tau is the measure of a corner in units of its target's */
     const void *reserved[2]; /* NULL */

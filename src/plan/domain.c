@@ -1,5 +1,6 @@
 /* domain: what a plan works on: all of the mesh, or the subset of it around some nodes. */
 #include "plan/draft.h"
+#include "plan/targets.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -183,7 +184,8 @@ int pl_draft_begin(const planish_mesh *mesh, pl_draft *d, planish_error *error) 
     planish_plan *plan = d->plan;
     int status = check_together(mesh, d->options, error);
     if (!status && mesh->reference && !mesh->cells) {
-        status = pl_draft_make_cells(mesh, d, error);
+        status = pl_own_cells_make(mesh, plan->threads, &plan->own_cells, &d->cells, &d->with_cells,
+                                   error);
         mesh = &d->with_cells;
     }
     if (status)
@@ -306,6 +308,13 @@ static int find_boundary_of_cells(pl_draft *d, planish_error *error) {
     return status;
 }
 
+/** Make the targets of the plan's elements, from the reference of the given mesh. */
+static int make_targets(pl_draft *d, planish_error *error) {
+    d->plan->work.size_weight = d->options->size_weight;
+    return pl_targets_make(d->plan, pl_points_of(d->given, d->given->reference), d->boundary.sign,
+                           error);
+}
+
 int pl_draft_choose_scope(pl_draft *d, planish_error *error) {
     /* A subset pays if one node in so many is selected: each brings some 20 elements along. */
     enum { SHARE = 4 };
@@ -313,7 +322,7 @@ int pl_draft_choose_scope(pl_draft *d, planish_error *error) {
     if (d->plan->work.corner) {
         int found = find_boundary_of_cells(d, error);
         if (!found && d->given->reference)
-            found = pl_draft_make_targets(d, error);
+            found = make_targets(d, error);
         return found || !selective ? found : pl_draft_select(d, error);
     }
     int status = selective ? pl_draft_select(d, error) : PLANISH_OK;

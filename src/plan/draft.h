@@ -3,7 +3,6 @@
  *   domain.c    pl_draft_begin, _choose_scope         the mesh, or the subset to work on
  *   select.c    pl_draft_select, pl_select_around     nodes that options select
  *   draft.c     pl_draft_finish, _destroy             free nodes, their order and stars
- *   targets.c   pl_draft_make_cells, _make_targets    shapes that elements are to have
  *   across.c    pl_rings_across                       nodes across the edges of a shape
  */
 #ifndef PL_PLAN_DRAFT_H
@@ -66,16 +65,6 @@ int pl_draft_choose_scope(pl_draft *d, planish_error *error);
 
 /** Give the plan all that it knows of the domain's topology. */
 int pl_draft_finish(pl_draft *d, planish_error *error);
-
-/* ---- targets.c: shapes that elements are to have ---------------------------------------------- */
-
-/** Make the simplices of mesh cells: d->with_cells, which is to be used instead. Errors: as of
- *  pl_dense_create. */
-int pl_draft_make_cells(const planish_mesh *mesh, pl_draft *d, planish_error *error);
-
-/** Make the targets of the plan's elements, from the reference of the given mesh and the boundary's sign.
- *  Errors: _MESH, _MEMORY. */
-int pl_draft_make_targets(pl_draft *d, planish_error *error);
 
 /* ---- across.c: nodes that slide on a shape --------------------------------------------------- */
 

@@ -1,12 +1,13 @@
 /* targets: elements of a plan that are to have the shapes that mesh.reference has. */
-#include "plan/draft.h"
+#include "plan/targets.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
-#include "topology/points.h"
+#include "topology/topology.h"
 
 #include <inttypes.h>
+#include <math.h>
 
 enum { CHUNK = 4096 };
 
@@ -32,8 +33,8 @@ static void copy_cells(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-int pl_draft_make_cells(const planish_mesh *mesh, pl_draft *d, planish_error *error) {
-    pl_own_cells *own = &d->plan->own_cells;
+int pl_own_cells_make(const planish_mesh *mesh, int threads, pl_own_cells *own,
+                      planish_cells *cells, planish_mesh *with, planish_error *error) {
     const int64_t n = mesh->n_elements;
     int status = pl_check_counts(mesh, error);
     if (status)
@@ -44,18 +45,17 @@ int pl_draft_make_cells(const planish_mesh *mesh, pl_draft *d, planish_error *er
     if (!own->type || !own->offset || !own->node)
         return pl_fail_memory(error, "the elements");
     cell_copy copy = {mesh, own};
-    pl_parallel_for(d->plan->threads, n, CHUNK, copy_cells, &copy);
-    for (int64_t i = 0; i < n; i++)
-        if ((status = pl_check_element(mesh, i, error)) != 0)
-            return status;
-    d->cells = (planish_cells){n, own->type, own->offset, own->node, {NULL}};
-    d->with_cells = *mesh;
-    d->with_cells.elements = NULL;
-    d->with_cells.elements64 = NULL;
-    d->with_cells.neighbours = NULL;
-    d->with_cells.neighbours64 = NULL;
-    d->with_cells.cells = &d->cells;
-    return PLANISH_OK;
+    pl_parallel_for(threads, n, CHUNK, copy_cells, &copy);
+    for (int64_t i = 0; !status && i < n; i++)
+        status = pl_check_element(mesh, i, error);
+    *cells = (planish_cells){n, own->type, own->offset, own->node, {NULL}};
+    *with = *mesh;
+    with->cells = cells;
+    with->elements = NULL;
+    with->elements64 = NULL;
+    with->neighbours = NULL;
+    with->neighbours64 = NULL;
+    return status;
 }
 
 /* ---- targets --------------------------------------------------------------------------------- */
@@ -109,16 +109,12 @@ static int complain(const target_pass *p, planish_error *error) {
                                    : "is flat");
 }
 
-int pl_draft_make_targets(pl_draft *d, planish_error *error) {
-    planish_plan *plan = d->plan;
-    target_pass p = {.plan = plan,
-                     .sign = d->boundary.sign,
-                     .reference = pl_points_of(d->given, d->given->reference),
-                     .lowest = INT64_MAX};
+int pl_targets_make(planish_plan *plan, pl_points reference, const int8_t *sign,
+                    planish_error *error) {
+    target_pass p = {.plan = plan, .sign = sign, .reference = reference, .lowest = INT64_MAX};
     plan->work.target = p.target = pl_alloc(plan->work.n_elements, sizeof *p.target);
     if (!p.target)
         return pl_fail_memory(error, "the targets of the elements");
-    plan->work.size_weight = d->options->size_weight;
     pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, make_chunk, &p);
     return p.lowest < INT64_MAX ? complain(&p, error) : PLANISH_OK;
 }
