@@ -48,9 +48,10 @@ static void edges_of(const pl_cell_shape *shape, int c, const double *x, const i
                 (real)x[node[shape->neighbour[c][j]] * dim + d] - (real)x[node[c] * dim + d];
 }
 
-/** mu^2 of T = A W^-1: rows of T^T solve W^T t = a, with edges as rows. */
-static real mean_square(int dim, real a[3][3], real w[3][3]) {
-    const real det = determinant(dim, a) / determinant(dim, w);
+/** What counts of a corner: mu^2 of T = A W^-1, whose rows solve W^T t = a with edges as rows, and its
+ *  size by the weight of sizes. */
+static real ratio_square(int dim, real a[3][3], real w[3][3], real weight) {
+    const real tau = determinant(dim, a) / determinant(dim, w);
     real norm = 0;
     for (int d = 0; d < dim; d++) {
         real t[3], column[3];
@@ -60,25 +61,35 @@ static real mean_square(int dim, real a[3][3], real w[3][3]) {
         for (int k = 0; k < dim; k++)
             norm += t[k] * t[k];
     }
-    const real mu = dim == 3 ? norm / (3 * powl(det, 2.0L / 3)) : norm / (2 * det);
-    return mu * mu;
+    const real mu = dim == 3 ? norm / (3 * powl(tau, 2.0L / 3)) : norm / (2 * tau);
+    return (1 - weight) * mu * mu + weight * (tau + 1 / tau) / 2;
 }
 
-/** RMS of AR of the box, at x, against the reference. */
-static double rms_of(const cell_box *box, const double *x, const double *reference) {
+/** Square of what counts of element i of a box, at x, against the reference. */
+static real square_of(const cell_box *box, int64_t i, const double *x, const double *reference,
+                      double weight) {
+    const pl_cell_shape *shape = pl_cell_type_of(box->cells.type[i])->shape;
+    const int32_t *node = box->cells.node + box->cells.offset[i];
     real sum = 0;
-    for (int64_t i = 0; i < box->cells.n; i++) {
-        const pl_cell_shape *shape = pl_cell_type_of(box->cells.type[i])->shape;
-        const int32_t *node = box->cells.node + box->cells.offset[i];
-        real of_cell = 0;
-        for (int c = 0; c < shape->n_measured; c++) {
-            real a[3][3], w[3][3];
-            edges_of(shape, c, x, node, a);
-            edges_of(shape, c, reference, node, w);
-            of_cell += mean_square(shape->dim, a, w);
-        }
-        sum += of_cell / shape->n_measured;
+    for (int c = 0; c < shape->n_measured; c++) {
+        real a[3][3], w[3][3];
+        edges_of(shape, c, x, node, a);
+        edges_of(shape, c, reference, node, w);
+        sum += ratio_square(shape->dim, a, w, (real)weight);
     }
+    return sum / shape->n_measured;
+}
+
+/** RMS of it over all elements, and the largest. */
+static double rms_of(const cell_box *box, const double *x, const double *reference, double weight,
+                     double *most) {
+    real sum = 0, largest = 0;
+    for (int64_t i = 0; i < box->cells.n; i++) {
+        const real square = square_of(box, i, x, reference, weight);
+        sum += square;
+        largest = square > largest ? square : largest;
+    }
+    *most = (double)sqrtl(largest);
     return (double)sqrtl(sum / box->cells.n);
 }
 
@@ -120,54 +131,272 @@ static double farthest(const cell_box *box, const double *x, const double *y) {
     return most;
 }
 
+/* Kinds of boxes, and behind them those of simplices: of triangles and of tetrahedra. */
+enum { TRIANGLES = N_BOX_KINDS, TETRAHEDRA, N_KINDS };
+
+/** A box of a kind; its simplices are cells, too, but of mesh.elements. */
+static cell_box *box_of(int kind, int n) {
+    if (kind < N_BOX_KINDS)
+        return cell_box_create((cell_box_kind)kind, n);
+    test_mesh simplices;
+    const int dim = kind == TETRAHEDRA ? 3 : 2;
+    test_mesh_box(&simplices, dim, n);
+    cell_box *box = calloc(1, sizeof *box);
+    const int64_t m = simplices.mesh.n_elements;
+    assert_non_null(box);
+    *box =
+        (cell_box){.mesh = simplices.mesh, .x = simplices.coordinates, .node = simplices.elements};
+    box->offset = malloc((size_t)(m + 1) * sizeof *box->offset);
+    box->type = malloc((size_t)m);
+    assert_true(box->offset && box->type);
+    for (int64_t i = 0; i <= m; i++)
+        box->offset[i] = i * (dim + 1);
+    memset(box->type, dim == 3 ? PLANISH_CELL_TETRAHEDRON : PLANISH_CELL_TRIANGLE, (size_t)m);
+    box->cells =
+        (planish_cells){.n = m, .type = box->type, .offset = box->offset, .node = box->node};
+    return box;
+}
+
+/** A shaken box, its places then (owned), and shaken more. */
+typedef struct shaken {
+    cell_box *box;
+    double *reference;
+    planish_mesh mesh; /* with it */
+} shaken;
+
+static shaken shaken_box(int kind, int n, double first, double then) {
+    shaken s = {.box = box_of(kind, n)};
+    cell_box_shake(s.box, first, 3);
+    s.reference = copy_of(s.box);
+    cell_box_shake(s.box, then, 5);
+    s.mesh = s.box->mesh;
+    s.mesh.reference = s.reference;
+    return s;
+}
+
+static void forget(shaken *s) {
+    free(s->reference);
+    cell_box_destroy(s->box);
+}
+
+/* ---- what comes out -------------------------------------------------------------------------- */
+
 /* A box whose elements are to be what they are stays. */
 static void a_copy_of_itself_stays(void **state) {
     (void)state;
-    for (int kind = 0; kind < N_BOX_KINDS; kind++) {
-        cell_box *box = cell_box_create((cell_box_kind)kind, 5);
-        cell_box_shake(box, 0.1, 3);
-        double *reference = copy_of(box);
+    for (int kind = 0; kind < N_KINDS; kind++)
+        for (int sized = 0; sized < 2; sized++) {
+            shaken s = shaken_box(kind, 5, 0.1, 0);
+            planish_options options = defaults();
+            options.size_weight = sized ? 0.5 : 0;
+            const planish_result result = smooth_as(&s.mesh, s.box->x, &options);
+            assert_true(fabs(result.rms - 1) < 1e-12);
+            assert_true(farthest(s.box, s.box->x, s.reference) < 1e-7);
+            forget(&s);
+        }
+}
+
+/* A box whose inner nodes were moved becomes the reference again, and what is said of it is so. */
+static void a_shaken_box_comes_back(void **state) {
+    (void)state;
+    for (int kind = 0; kind < N_KINDS; kind++)
+        for (int sized = 0; sized < 2; sized++) {
+            shaken s = shaken_box(kind, 6, 0.1, 0.08);
+            planish_options options = defaults();
+            double worst, worst_after;
+            options.size_weight = sized ? 0.3 : 0;
+            options.tolerance = 1e-12;
+            const double before = rms_of(s.box, s.box->x, s.reference, options.size_weight, &worst);
+            const planish_result result = smooth_as(&s.mesh, s.box->x, &options);
+            const double after =
+                rms_of(s.box, s.box->x, s.reference, options.size_weight, &worst_after);
+            assert_true(fabs(result.objective_before - before) < 1e-12 * before);
+            assert_true(fabs(result.objective - after) < 1e-12 * after);
+            assert_true(worst_after <= worst * (1 + 1e-12));
+            assert_true(farthest(s.box, s.box->x, s.reference) < 1e-4);
+            forget(&s);
+        }
+}
+
+/* A reference that lies elsewhere, turned and of another size, is the same. */
+static void a_moved_reference_is_the_same(void **state) {
+    (void)state;
+    for (int kind = 0; kind < N_KINDS; kind++) {
+        shaken s = shaken_box(kind, 4, 0.1, 0.1);
+        const int dim = s.mesh.dim;
         const planish_options options = defaults();
-        planish_mesh mesh = box->mesh;
-        mesh.reference = reference;
-        const planish_result result = smooth_as(&mesh, box->x, &options);
-        assert_true(fabs(result.rms - 1) < 1e-12);
-        assert_true(farthest(box, box->x, reference) < 1e-9);
-        free(reference);
-        cell_box_destroy(box);
+        double *x = copy_of(s.box);
+        smooth_as(&s.mesh, s.box->x, &options);
+        for (int64_t i = 0; i < s.mesh.n_nodes; i++) {
+            double *p = s.reference + i * dim;
+            const double turned[2] = {0.6 * p[0] - 0.8 * p[1], 0.8 * p[0] + 0.6 * p[1]};
+            for (int d = 0; d < dim; d++)
+                p[d] = 7 + 1e-6 * (d < 2 ? turned[d] : p[d]);
+        }
+        smooth_as(&s.mesh, x, &options);
+        assert_true(farthest(s.box, s.box->x, x) < 1e-3);
+        free(x);
+        forget(&s);
     }
 }
 
-/* A box whose inner nodes were moved becomes the reference again. */
-static void a_shaken_box_comes_back(void **state) {
+/** Smooth a copy of the box's coordinates; returns it. */
+static double *smoothed(const shaken *s, const planish_options *options) {
+    double *x = copy_of(s->box);
+    smooth_as(&s->mesh, x, options);
+    return x;
+}
+
+/* The bits are the same on any number of threads and with any instruction set. */
+static void bits_are_the_same(void **state) {
     (void)state;
-    for (int kind = 0; kind < N_BOX_KINDS; kind++) {
-        cell_box *box = cell_box_create((cell_box_kind)kind, 6);
-        cell_box_shake(box, 0.1, 3);
-        double *reference = copy_of(box);
-        cell_box_shake(box, 0.08, 5);
-        planish_options options = defaults();
-        planish_mesh mesh = box->mesh;
-        mesh.reference = reference;
-        options.tolerance = 1e-13;
-        options.max_sweeps = 2000;
-        const double before = rms_of(box, box->x, reference);
-        const planish_result result = smooth_as(&mesh, box->x, &options);
-        const double after = rms_of(box, box->x, reference);
-        print_message("%d: %g to %g, %g; %d sweeps, %g off\n", kind, before, after, result.rms,
-                      (int)result.sweeps, farthest(box, box->x, reference));
-        assert_true(fabs(result.objective_before - before) < 1e-9 * before);
-        assert_true(fabs(result.rms - after) < 1e-9 * after);
-        assert_true(farthest(box, box->x, reference) < 1e-4);
-        free(reference);
-        cell_box_destroy(box);
+    for (int kind = 0; kind < N_KINDS; kind++)
+        for (int sized = 0; sized < 2; sized++) {
+            shaken s = shaken_box(kind, 9, 0.12, 0.12);
+            planish_options options = defaults();
+            options.size_weight = sized ? 0.5 : 0;
+            double *wanted = smoothed(&s, &options);
+            const size_t size = (size_t)(s.mesh.n_nodes * s.mesh.dim) * sizeof *wanted;
+            for (int way = 0; way < 4; way++) {
+                static const planish_isa isa[] = {PLANISH_ISA_AUTO, PLANISH_ISA_PLAIN,
+                                                  PLANISH_ISA_VECTOR, PLANISH_ISA_AVX2};
+                planish_plan *plan;
+                options.threads = way == 0 ? 3 : 1;
+                options.isa = isa[way];
+                if (planish_plan_create(&s.mesh, &options, &plan, NULL) != 0)
+                    continue; /* not on this machine */
+                planish_plan_destroy(plan);
+                double *x = smoothed(&s, &options);
+                assert_memory_equal(x, wanted, size);
+                free(x);
+            }
+            free(wanted);
+            forget(&s);
+        }
+}
+
+/* A tangled box of thin elements is untangled towards them. */
+static void thin_elements_are_untangled(void **state) {
+    (void)state;
+    for (int kind = 0; kind < N_KINDS; kind++) {
+        shaken s = shaken_box(kind, 5, 0, 0.7);
+        const int dim = s.mesh.dim;
+        const planish_options options = defaults();
+        double worst;
+        for (int64_t i = 0; i < s.mesh.n_nodes; i++) {
+            s.reference[i * dim + dim - 1] *= 0.02;
+            s.box->x[i * dim + dim - 1] *= 0.02;
+        }
+        const planish_result result = smooth_as(&s.mesh, s.box->x, &options);
+        assert_true(result.untangling_sweeps > 0);
+        assert_int_equal(result.n_inverted, 0);
+        assert_true(rms_of(s.box, s.box->x, s.reference, 0, &worst) < 1.01);
+        forget(&s);
     }
+}
+
+/* Layers that thicken survive where their wall is moved. */
+static void layers_survive(void **state) {
+    (void)state;
+    for (int kind = 0; kind < N_KINDS; kind++) {
+        enum { N = 8 };
+        shaken s = shaken_box(kind, N, 0, 0);
+        const int dim = s.mesh.dim;
+        const planish_options options = defaults();
+        double most = 0;
+        for (int64_t i = 0; i < s.mesh.n_nodes; i++) {
+            const double *p = s.box->x + i * dim;
+            const double height = pow(1.8, p[dim - 1]) - 1;
+            s.reference[i * dim + dim - 1] = height;
+            s.box->x[i * dim + dim - 1] = height;
+            if (height < 0.1) /* the wall */
+                s.box->x[i * dim + dim - 1] +=
+                    0.4 * sin(p[0] * 3.14159265 / N) * (dim == 3 ? sin(p[1] * 3.14159265 / N) : 1);
+        }
+        smooth_as(&s.mesh, s.box->x, &options);
+        for (int64_t i = 0; i < s.mesh.n_nodes; i++)
+            for (int64_t j = 0; j < s.mesh.n_nodes; j++) {
+                const double *p = s.reference + i * dim, *q = s.reference + j * dim;
+                if (p[dim - 1] < 0.1 && q[dim - 1] > 0.1 && q[dim - 1] < 1 && p[0] == q[0] &&
+                    (dim == 2 || p[1] == q[1])) {
+                    const double height = s.box->x[j * dim + dim - 1] - s.box->x[i * dim + dim - 1];
+                    most = fmax(most, fabs(height / q[dim - 1] - 1));
+                }
+            }
+        assert_true(most < 0.1);
+        forget(&s);
+    }
+}
+
+/* ---- errors ---------------------------------------------------------------------------------- */
+
+static void expect_refusal(const planish_mesh *mesh, const planish_options *options, int code,
+                           const char *text) {
+    planish_plan *plan = NULL;
+    planish_error error;
+    assert_int_equal(planish_plan_create(mesh, options, &plan, &error), code);
+    if (!strstr(error.text, text))
+        fail_msg("%s", error.text);
+    assert_null(plan);
+}
+
+/* What cannot be a target is refused, and what is not made for targets. */
+static void wrong_references_are_refused(void **state) {
+    (void)state;
+    for (int kind = 0; kind < N_KINDS; kind++) {
+        shaken s = shaken_box(kind, 3, 0, 0.1);
+        planish_options options = defaults();
+        double *last = &s.reference[s.mesh.n_nodes * s.mesh.dim - 1];
+        const double place = *last;
+        *last = -5;
+        expect_refusal(&s.mesh, &options, PLANISH_ERROR_MESH, "is inverted in mesh.reference");
+        *last = NAN;
+        expect_refusal(&s.mesh, &options, PLANISH_ERROR_MESH, "not finite");
+        *last = place;
+        for (int64_t i = 0; i < s.mesh.n_nodes; i++)
+            s.reference[(i + 1) * s.mesh.dim - 1] = 0;
+        expect_refusal(&s.mesh, &options, PLANISH_ERROR_MESH, "is flat");
+        forget(&s);
+    }
+}
+
+static void other_objectives_are_refused(void **state) {
+    (void)state;
+    shaken s = shaken_box(BOX_HEXAHEDRA, 3, 0, 0.1);
+    planish_options options = defaults();
+    planish_result result;
+    planish_error error;
+    planish_plan *plan;
+    options.size_weight = 1.5;
+    expect_refusal(&s.mesh, &options, PLANISH_ERROR_ARGUMENT, "size_weight");
+    options.size_weight = 0;
+    assert_int_equal(planish_plan_create(&s.mesh, &options, &plan, &error), 0);
+    options.worst = PLANISH_WORST_ASPECT_RATIO;
+    assert_int_equal(planish_smooth(plan, s.box->x, &options, &result, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.text, "mesh.reference"));
+    options.worst = PLANISH_WORST_NONE;
+    options.objective = PLANISH_OBJECTIVE_EDGE_RATIO;
+    assert_int_equal(planish_smooth(plan, s.box->x, &options, &result, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    planish_plan_destroy(plan);
+    const int32_t pair[2] = {0, 3};
+    s.mesh.n_periodic = 1;
+    s.mesh.periodic = pair;
+    expect_refusal(&s.mesh, &options, PLANISH_ERROR_ARGUMENT, "mesh.periodic");
+    forget(&s);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_copy_of_itself_stays),
         cmocka_unit_test(a_shaken_box_comes_back),
+        cmocka_unit_test(a_moved_reference_is_the_same),
+        cmocka_unit_test(bits_are_the_same),
+        cmocka_unit_test(thin_elements_are_untangled),
+        cmocka_unit_test(layers_survive),
+        cmocka_unit_test(wrong_references_are_refused),
+        cmocka_unit_test(other_objectives_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

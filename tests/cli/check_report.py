@@ -24,7 +24,7 @@ VOLUMES = {"min_volume": (int, float, type(None)), "unfixable": list, "below_min
            "reversed": list, "wrapped": list}
 SMOOTH = {
     "planish": str, "input": str, "output": str, "format": str, "mesh": MESH, "target": str, "method": str,
-    "objective": {"name": str, "area_weight": NUMBER, "before": NUMBER, "after": NUMBER},
+    "objective": {"name": str, "area_weight": NUMBER, "size_weight": NUMBER, "before": NUMBER, "after": NUMBER},
     "before": QUALITY, "after": QUALITY, "sweeps": list, "untangling_sweeps": int, "stop": str,
     "certified": bool, "input_checksum": str, "checksum": str, "max_displacement": NUMBER,
     "moved_nodes": int, "returned_nodes": int, "node_visits": int, "evaluations": int, "held_outside": int,

@@ -242,6 +242,15 @@ expect_status 0 "$program" smooth tets-moved.mesh --like tets.mesh -o view.vtu -
 expect_status 0 "$program" smooth tets-moved.mesh --like tets.mesh --onto tets.mesh -o onto.mesh -q --json report.json
 expect_json 'r["after"]["max_aspect_ratio"] < 1 + 1e-9'
 
+# Sizes count, too, by their weight: F is what the library measures.
+for threads in 1 2; do
+    expect_status 0 "$program" smooth hexes-moved.mesh --like hexes.mesh --size-weight 0.5 -o sized-$threads.mesh -j $threads \
+        --json report.json
+    expect_text "F (mean-ratio, sizes 0.5)"
+    expect_json 'r["objective"]["size_weight"] == 0.5 and 1 < r["objective"]["after"] < r["objective"]["before"]'
+done
+cmp sized-1.mesh sized-2.mesh || fail "sizes: other bytes on two threads"
+
 # ---- refused: one line, and nothing is written
 
 # refused STATUS TEXT FILE OPTION...

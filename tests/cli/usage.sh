@@ -95,6 +95,11 @@ for value in "" x -1 1.5 nan inf 0x1; do
     bad smooth in.msh -o out.msh --curve-quality "$value"
 done
 bad smooth in.msh -o out.msh --curve-quality 0.5 --method laplacian
+for value in "" x -1 1.5 nan inf 0x1; do
+    bad smooth in.msh -o out.msh --like in.msh --size-weight "$value"
+done
+bad smooth in.msh -o out.msh --size-weight 0.5
+expect_text "without --like"
 for measure in aspect-ratio scaled-jacobian; do
     bad smooth in.msh -o out.msh --objective worst --worst-measure $measure
     expect_text "choose dihedral or radius-ratio"

@@ -587,7 +587,8 @@ planish_objective pl_job_objective(const pl_job *job) {
 int pl_job_changes_objective(const pl_job *job) {
     const planish_objective usual =
         job->has_types ? PLANISH_OBJECTIVE_MEAN_RATIO : PLANISH_OBJECTIVE_RADIUS_RATIO;
-    return pl_job_objective(job) != usual || job->options.area_weight > 0;
+    return pl_job_objective(job) != usual || job->options.area_weight > 0 ||
+           job->options.size_weight > 0;
 }
 
 /* ---- the plan, and measures ----------------------------------------------------------------- */

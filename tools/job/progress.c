@@ -17,7 +17,7 @@ void pl_progress_init(pl_progress *progress, const pl_arguments *arguments) {
     memset(progress, 0, sizeof *progress);
     progress->arguments = arguments;
     progress->plain = arguments->library.objective == PLANISH_OBJECTIVE_RADIUS_RATIO &&
-                      arguments->library.area_weight == 0;
+                      arguments->library.area_weight == 0 && arguments->library.size_weight == 0;
     progress->has_volumes = pl_arguments_bound_volumes(arguments);
     progress->begin = pl_seconds();
     progress->last_shown = -1;

@@ -446,6 +446,11 @@ static const option_row option_table[] = {
      "and gradings survive; with quality: compare with that\n"
      "(default: with regular elements)",
      "file"},
+    {0, "size-weight", "W", SMOOTH | OPTIMISES, set_real, AT(library.size_weight), 0, 1,
+     "must be a number from 0 to 1",
+     "with --like: let the sizes of elements count by W, and\n"
+     "their shapes by 1 - W (default 0)",
+     NULL},
     {0, "crease-angle", "A", BOTH | OF_CURVED, set_real, AT(crease_angle), 0, 180,
      "must be a number of degrees from 0 to 180",
      "keep edges of curved surfaces that bend by more than\n"
@@ -677,6 +682,8 @@ static int check_combinations(const pl_arguments *arguments) {
     if (library->area_weight > 0 && !pl_arguments_bound_volumes(arguments))
         return pl_complain_usage(command, "--area-weight needs a minimum volume: --min-volume or "
                                           "--min-volume-fraction");
+    if (library->size_weight > 0 && !arguments->like)
+        return pl_complain_usage(command, "--size-weight has no effect without --like");
     if (arguments->fix_layers && arguments->layers == PL_LAYERS_IGNORED)
         return pl_complain_usage(command, "give --fix-layers or --layers ignore, not both");
     if (library->rings > 0 && !(library->only_worse_than > 0))

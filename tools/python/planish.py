@@ -186,7 +186,8 @@ class _Options(ctypes.Structure):
         ("shape", c_void_p),
         ("surface_tolerance", c_double),
         ("surface_tolerance_unit", c_int),
-        ("reserved", c_void_p * 3),
+        ("size_weight", c_double),
+        ("reserved", c_void_p * 2),
     ]
 
 
@@ -1468,7 +1469,8 @@ class Plan:
     reference: points [n, 2 or 3], or a mesh, of the same nodes: the target of each element is its shape there
     (docs/targets.md), such as that of the mesh before it was deformed. Layers and gradings survive. Ratios are
     then aspect ratios AR of all elements against their targets, layers are held by layers="hold" alone, and every
-    element must be valid there. It may not be together with worst elements or edge ratios.
+    element must be valid there. It may not be together with worst elements or edge ratios. size_weight: 0 .. 1,
+    what the sizes of cells count against their shapes.
 
     One plan serves one thread at a time: others wait, and are refused with RuntimeError while it
     smooths. To be closed, or used in a with statement.
@@ -1494,6 +1496,7 @@ class Plan:
         slide_interfaces: bool = False,
         onto: Optional[Shape] = None,
         reference: Any = None,
+        size_weight: float = 0,
     ) -> None:
         if onto is not None and (slide is not None or around is not None or only_worse_than):
             raise ValueError("onto moves all nodes of the boundary: slide, around and only_worse_than have no place")
@@ -1521,6 +1524,9 @@ class Plan:
         self._options.threads = _threads(threads)
         self._options.shape = None if self.shape is None else self.shape.pointer()
         self._process = os.getpid()
+        if size_weight and reference is None:
+            raise ValueError("size_weight is for plans with a reference")
+        self._options.size_weight = size_weight
         self._options.only_worse_than = only_worse_than
         self._options.rings = _whole(rings, "rings")
         self._options.rounding = _rounding(self._view.points, rounding)
@@ -1778,7 +1784,7 @@ class Plan:
 
 
 _OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "rings", "around", "regions", "rounding",
-            "layers", "slide", "shape", "crease_angle", "slide_interfaces", "onto", "reference")
+            "layers", "slide", "shape", "crease_angle", "slide_interfaces", "onto", "reference", "size_weight")
 
 
 _OF_FACES = ("fixed", "threads", "only_worse_than", "rings", "shape", "crease_angle", "objective", "worst_measure",

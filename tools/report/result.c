@@ -412,6 +412,7 @@ static void add_objective(document *json, cJSON *root, const pl_job *job,
     add_text(json, objective, "name", pl_objective_name(pl_job_objective(job)));
     add_text(json, objective, "measure", job->has_types ? "aspect-ratio" : "radius-ratio");
     add_real(json, objective, "area_weight", job->options.area_weight);
+    add_real(json, objective, "size_weight", job->options.size_weight);
     add_real(json, objective, "before", before > 0 ? before : NAN);
     add_real(json, objective, "after", after > 0 ? after : NAN);
 }

@@ -389,6 +389,8 @@ static void put_objective(FILE *stream, const pl_job *job, const pl_result *resu
     char label[LABEL_WIDTH + 1], text[256];
     if (job->options.area_weight > 0)
         snprintf(label, sizeof label, "F (%s, mu2 = %.4g)", name, job->options.area_weight);
+    else if (job->options.size_weight > 0)
+        snprintf(label, sizeof label, "F (%s, sizes %.4g)", name, job->options.size_weight);
     else
         snprintf(label, sizeof label, "F (%s)", name);
     if (pl_job_changes_objective(job))
