@@ -448,8 +448,8 @@ static const option_row option_table[] = {
      "file"},
     {0, "size-weight", "W", SMOOTH | OPTIMISES, set_real, AT(library.size_weight), 0, 1,
      "must be a number from 0 to 1",
-     "with --like: let the sizes of elements count by W, and\n"
-     "their shapes by 1 - W (default 0)",
+     "with --like: let the sizes of elements count by W,\n"
+     "and their shapes by 1 - W (default 0)",
      NULL},
     {0, "crease-angle", "A", BOTH | OF_CURVED, set_real, AT(crease_angle), 0, 180,
      "must be a number of degrees from 0 to 180",
