@@ -38,15 +38,20 @@ static inline void set_target(const star *s, int64_t i, double h, const int dim)
     *entry(s, INVERSE_EDGE2, i) = 1 / (h * h) / unit;
 }
 
-/** Set the columns of facet i from its target. E is the power 2 / dim of D* where mu is 1. */
-static inline void set_target_of(const star *s, int64_t i, const pl_target *target, double size,
-                                 const int dim) {
-    double measure = size / target->unit;
-    for (int d = 0; d < dim; d++)
-        measure *= s->scale;
-    const double root = dim == 3 ? pl_cube_root(measure) : measure;
-    *entry(s, INVERSE_TARGET, i) = 1 / measure;
-    *entry(s, INVERSE_EDGE2, i) = 1 / (dim == 3 ? root * root : root);
+/** Set the columns of all facets of the star of index from their targets. E is the power 2 / dim of D*
+ *  where mu is 1. Not inlined: few meshes have targets. */
+PL_NOINLINE void set_targets(const star *s, const pl_star_problem *problem, int64_t index,
+                             const int dim) {
+    const int64_t first = problem->link_offset[index];
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        double measure = problem->untangling->target_size *
+                         problem->target[problem->link_element[first + i]].measure;
+        for (int d = 0; d < dim; d++)
+            measure *= s->scale;
+        const double root = dim == 3 ? pl_cube_root(measure) : measure;
+        *entry(s, INVERSE_TARGET, i) = 1 / measure;
+        *entry(s, INVERSE_EDGE2, i) = 1 / (dim == 3 ? root * root : root);
+    }
 }
 
 /** Set the columns of a further row, which is facet i. The ideal determinant follows from the factor,
@@ -81,17 +86,15 @@ static inline void untangling_init(local *here, const pl_star_problem *problem, 
             movers += u->in_patch[other];
         }
         double h = size / (dim + 1) * s->scale;
-        if (problem->target)
-            set_target_of(s, i, &problem->target[problem->link_element[facet]], u->target_size,
-                          dim);
-        else
-            set_target(s, i, h, dim);
+        set_target(s, i, h, dim);
         *entry(s, SHARE, i) = movers > 0 ? (double)PL_SHARES / movers : 0;
         if (u->link_skip && u->link_skip[facet])
             *entry(s, WEIGHT, i) = 0;
         if (has_forms(s) && !(*entry(s, WEIGHT, i) > 0))
             *entry(s, IS_FACET, i) = 0;
     }
+    if (problem->target)
+        set_targets(s, problem, index, dim);
     const pl_star_row *row = (const pl_star_row *)(const void *)scratch;
     for (int64_t r = 0; r < s->n_more; r++)
         set_row_target(s, &row[r], s->n_facets + r, dim);

@@ -92,8 +92,10 @@ int pl_run_mend_curved(pl_run *r, planish_error *error) {
 }
 
 int pl_run_improve_curved(pl_run *r, planish_error *error) {
-    return pl_watch_has_poor(&r->watch, r->options->curve_quality) ? repair_curved(r, 1, error)
-                                                                   : PLANISH_OK;
+    /* Where elements are to be what they are elsewhere, their edges are curved as they are. */
+    if (r->plan->work.target || !pl_watch_has_poor(&r->watch, r->options->curve_quality))
+        return PLANISH_OK;
+    return repair_curved(r, 1, error);
 }
 
 /** Mark in state the invalid elements of coordinates that the watch has measured and that are proved. */
