@@ -235,8 +235,9 @@ static int is_suitable(const pl_run *r) {
     const planish_plan *plan = r->plan;
     const int has_others =
         plan->work.corner ? pl_watch_has_mids(&r->watch) : pl_watch_is_on(&r->watch);
-    return plan->interior.n_all >= FEWEST && r->plain && !has_others && plan->work.size_weight == 0 &&
-           plan->sliding.n_followers == 0 && plan->interior.n_followers == 0 && plan->n_images == 0;
+    return plan->interior.n_all >= FEWEST && r->plain && !has_others &&
+           plan->work.size_weight == 0 && plan->sliding.n_followers == 0 &&
+           plan->interior.n_followers == 0 && plan->n_images == 0;
 }
 
 /** Whether nodes on planes and lines take part. While all elements are positive no facet of a plane can
