@@ -1,0 +1,80 @@
+"""show: a part of the results as a table for docs/targets.md.   show.py TARGETS.json PART"""
+import sys
+
+import machine
+import results
+
+
+def table(heads, rows):
+    print("| " + " | ".join(head for head, _ in heads) + " |")
+    print("| " + " | ".join(mark for _, mark in heads) + " |")
+    for row in rows:
+        print("| " + " | ".join(row) + " |")
+
+
+def columns(texts, numbers):
+    return [(head, "---") for head in texts] + [(head, "--:") for head in numbers]
+
+
+def seconds(value):
+    return f"{value:.2g}" if value < 10 else f"{value:.0f}"
+
+
+def ratio(value):
+    """Not that of a mesh with inverted elements."""
+    return "" if value == float("inf") else f"{value:.5f}"
+
+
+def percent(value):
+    return f"{100 * value:.2g} %" if value < 1 else f"{100 * value:.0f} %"
+
+
+def above_optimum(row):
+    """How far the result is above the least RMS that a descent has found."""
+    least = min(row["optimum_rms"], row["optimum_nearby_rms"])
+    return [ratio(least), f"{100 * (row['rms'] / least - 1):.1g} %"]
+
+
+def parts(rows):
+    heads = columns(("elements", "boundary", "inner nodes"),
+                    ("inverted at first", "RMS at first", "RMS", "least RMS", "above it", "sweeps", "s"))
+    table(heads, [
+        [str(row["elements"]), row["map"], row["start"], str(row["inverted_before"]), ratio(row["rms_before"]),
+         ratio(row["rms"]), *(above_optimum(row) if "optimum_rms" in row else ["", ""]), str(row["sweeps"]),
+         seconds(row["seconds"])] for row in rows])
+
+
+def layers(rows):
+    heads = columns(("wall",), ("growth", "moves by", "first, like", "all, like", "first, plain", "s, like", "s, plain"))
+    table(heads, [
+        [f"{like['body']}, {like['motion']}", str(like["growth"]), str(like["first_heights"]), percent(like["first"]),
+         percent(like["all"]), percent(plain["first"]), seconds(like["seconds"]), seconds(plain["seconds"])]
+        for like, plain in zip(rows[::2], rows[1::2])])
+
+
+def period(rows):
+    heads = columns(("elements",), ("nodes", "tolerance", "after 1 period", "after 10", "inverted", "sweeps a step",
+                                    "ms a step"))
+    table(heads, [
+        [row["kind"], str(row["nodes"]), f"{row['tolerance']:.0e}", f"{row['distances'][0]:.1e}",
+         f"{row['distances'][-1]:.1e}", str(row["inverted"]), f"{row['sweeps_a_step']:.0f}",
+         f"{1000 * row['seconds'] / row['steps']:.0f}"] for row in rows])
+
+
+def speed(rows):
+    heads = columns(("elements",), ("number", "ns a visit, plain", "with targets", "ratio"))
+    table(heads, [
+        [row["kind"], str(row["elements"]), *(f"{1e9 * row['seconds_per_visit'][way]:.0f}" for way in ("plain", "targets")),
+         f"{row['ratio']:.2f}"] for row in rows])
+
+
+def main():
+    path, part = sys.argv[1:]
+    found = results.load(path)
+    if part == "parts":
+        print(machine.line(found["machine"]) + "\n")
+    {"parts": parts, "layers": layers, "period": period, "speed": speed}[part](found[part])
+
+
+if __name__ == "__main__":
+    main()
