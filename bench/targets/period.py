@@ -56,8 +56,8 @@ def swing(name, tolerance, periods):
             inverted = max(inverted, int(cells.n_inverted(points, mesh.base.elements)))
             if step % STEPS == 0:
                 distances.append(mesh.distance(points))
-    return {"mesh": name, "kind": MESHES[name], "nodes": len(points), "elements": len(mesh.base.elements), "tolerance": tolerance,
-            "steps": periods * STEPS, "seconds": seconds, "sweeps_a_step": sweeps / (periods * STEPS),
+    return {"mesh": name, "kind": MESHES[name], "nodes": len(points), "elements": len(mesh.base.elements),
+            "tolerance": tolerance, "steps": periods * STEPS, "seconds": seconds, "sweeps_a_step": sweeps / (periods * STEPS),
             "inverted": inverted, "distances": distances,
             "rms": ratios.rms(points, mesh.base.points, mesh.base.elements)}
 

@@ -4,6 +4,8 @@ import sys
 import machine
 import results
 
+WAYS = "plain", "targets"
+
 
 def table(heads, rows):
     print("| " + " | ".join(head for head, _ in heads) + " |")
@@ -32,7 +34,7 @@ def percent(value):
 def above_optimum(row):
     """How far the result is above the least RMS that a descent has found."""
     least = min(row["optimum_rms"], row["optimum_nearby_rms"])
-    return [ratio(least), f"{100 * (row['rms'] / least - 1):.1g} %"]
+    return [ratio(least), f"{100 * (row['rms'] / least - 1):.2g} %"]
 
 
 def parts(rows):
@@ -45,7 +47,8 @@ def parts(rows):
 
 
 def layers(rows):
-    heads = columns(("wall",), ("growth", "moves by", "first, like", "all, like", "first, plain", "s, like", "s, plain"))
+    heads = columns(("wall",), ("growth", "moves by", "first, like", "all, like", "first, plain", "s, like",
+                                "s, plain"))
     table(heads, [
         [f"{like['body']}, {like['motion']}", str(like["growth"]), str(like["first_heights"]), percent(like["first"]),
          percent(like["all"]), percent(plain["first"]), seconds(like["seconds"]), seconds(plain["seconds"])]
@@ -64,7 +67,7 @@ def period(rows):
 def speed(rows):
     heads = columns(("elements",), ("number", "ns a visit, plain", "with targets", "ratio"))
     table(heads, [
-        [row["kind"], str(row["elements"]), *(f"{1e9 * row['seconds_per_visit'][way]:.0f}" for way in ("plain", "targets")),
+        [row["kind"], str(row["elements"]), *(f"{1e9 * row['seconds_per_visit'][way]:.0f}" for way in WAYS),
          f"{row['ratio']:.2f}"] for row in rows])
 
 
