@@ -3,18 +3,21 @@
 
 #include <float.h>
 
-/** Scale edges to a size of about 1: the exponent of the power of two by which they were larger. */
+/** Copy edges, brought to a size of about 1 if they are far from that: returns the exponent of the power
+ *  of two by which they were larger. */
 static int scale_edges(int dim, const double edges[3][3], double scaled[3][3]) {
     double extent = 0;
-    int exponent;
+    int exponent = 0;
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
             extent = fmax(extent, fabs(edges[j][d]));
-    frexp(extent, &exponent);
-    exponent = pl_scale_exponent(exponent);
+    if (!(extent > 0x1p-60 && extent < 0x1p60)) {
+        frexp(extent, &exponent);
+        exponent = pl_scale_exponent(exponent);
+    }
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
-            scaled[j][d] = ldexp(edges[j][d], -exponent);
+            scaled[j][d] = exponent == 0 ? edges[j][d] : ldexp(edges[j][d], -exponent);
     return exponent;
 }
 
