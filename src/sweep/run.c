@@ -381,13 +381,12 @@ static void heed_refusers(pl_run *r) {
     pl_free(state);
 }
 
-/* Sweeps that a forecast looks ahead, and the part of the RMS that all further sweeps must promise for
- * Newton's steps. The larger the mesh, the less the next sweeps bring. Rough meshes promise less
- * after a few sweeps; they converge in about 20. The steps take as long as some 12 visits to each
- * node, so at least the part BUSY of the nodes must need visits. */
-enum { SWEEPS_AHEAD = 24 };
-#define PROMISE 0.002
-#define BUSY    0.5
+/* Newton's steps are due where sweeps are forecast to leave more than the part LEFT of the RMS even
+ * after so many more; the first sweeps of all do not count. The steps take as long as some 12 visits
+ * to each node, so at least the part BUSY of the nodes must need visits. */
+enum { SWEEPS_AHEAD = 24, SWEEPS_UNTIL_FORECAST = 5 };
+#define LEFT 0.0005
+#define BUSY 0.5
 
 /** Whether the error is one of the whole mesh by now: falls shrink from sweep to sweep, and visits do
  *  not grow. Visits that grow mean an error that spreads, as in a mesh that leaves a saddle; a fall
@@ -414,20 +413,13 @@ static int note_steps(pl_run *r, int n, double before) {
     return is_better;
 }
 
-/** Whether Newton's steps are due: sweeps promise much and would not converge soon, if falls shrink on
- *  at the rate of the last ones. visits: those of the last sweep, visits_before:
- *  those of the sweep before that. */
+/** Whether Newton's steps are due: visits of the last sweep, visits_before of the sweep before that. */
 static int steps_are_due(const pl_run *r, const pl_convergence *trend, int64_t visits,
                          int64_t visits_before) {
     const double n_stars = (double)(r->plan->interior.n_all + r->plan->sliding.n_all);
-    double fall = trend->fall[PL_CALM_SWEEPS - 1];
-    if (trend->n_falls < r->steps_from || (double)visits < BUSY * n_stars ||
-        !is_settled(trend, visits, visits_before) || !(fall < SLOW_FALL))
-        return 0;
-    const double ratio = sqrt(fall / trend->fall[0]);
-    for (int i = 0; i < SWEEPS_AHEAD; i++)
-        fall *= ratio;
-    return fall > tolerance_of(r) && pl_remainder(trend) > PROMISE;
+    return trend->n_falls >= SWEEPS_UNTIL_FORECAST && trend->n_falls >= r->steps_from &&
+           (double)visits >= BUSY * n_stars && is_settled(trend, visits, visits_before) &&
+           trend->fall[PL_CALM_SWEEPS - 1] < SLOW_FALL && pl_left_after(trend, SWEEPS_AHEAD) > LEFT;
 }
 
 /** Whether all nodes may move at once if sweeps are slow. */

@@ -558,6 +558,21 @@ double pl_remainder(const pl_convergence *convergence) {
     return last * ratio / (1 - ratio);
 }
 
+double pl_left_after(const pl_convergence *convergence, int sweeps) {
+    const double first = convergence->fall[0], last = convergence->fall[PL_CALM_SWEEPS - 1];
+    const int n = convergence->n_falls;
+    if (!(last > 0))
+        return 0;
+    if (!(first > last))
+        return INFINITY;
+    /* With fall k of c k^-p, ratios of falls are about (2 k - 1 - p) / (2 k - 1 + p). */
+    const double ratio = sqrt(last / first), p = (2 * n - 2) * (1 - ratio) / (1 + ratio);
+    double fall = last;
+    for (int k = n + 1; k <= n + sweeps; k++)
+        fall *= (2 * k - 1 - p) / (2 * k - 1 + p);
+    return p > 1 ? fall * (n + sweeps) / (p - 1) : INFINITY;
+}
+
 int pl_converged(pl_convergence *convergence, double before, double after, double tolerance) {
     for (int i = 1; i < PL_CALM_SWEEPS; i++)
         convergence->fall[i - 1] = convergence->fall[i];

@@ -3,7 +3,7 @@
  *
  *   pl_sweep, pl_follow          visit all colours; place followers
  *   pl_optimality                how far the stars are from a minimum
- *   pl_remainder, pl_converged   what further sweeps promise
+ *   pl_remainder, pl_left_after, pl_converged   what further sweeps promise
  */
 #ifndef PL_SWEEP_SWEEP_H
 #define PL_SWEEP_SWEEP_H
@@ -54,6 +54,10 @@ typedef struct pl_convergence {
 /** Return the fall that all further sweeps together would bring if the falls shrink on at the rate
  *  of the last sweeps. */
 double pl_remainder(const pl_convergence *convergence);
+
+/** Return the fall that sweeps would bring after so many more, if the falls go on as a power of the
+ *  sweeps noted, as they do while an error spreads out; infinite if that has no end. */
+double pl_left_after(const pl_convergence *convergence, int sweeps);
 
 /** Note one more sweep, from RMS before to after. Return not 0 if smoothing has converged. */
 int pl_converged(pl_convergence *convergence, double before, double after, double tolerance);
