@@ -20,10 +20,12 @@
 
 enum {
     CHUNK = 256,     /* stars that one thread takes at a time */
-    STEPS = 12,      /* at most */
-    TRIALS = 3,      /* lengths that are tried in each step */
+    STEPS = 32,      /* at most */
+    TRIALS = 5,      /* lengths that are tried in each step */
     ITERATIONS = 20, /* of conjugate gradients in each step, at most */
-    FEWEST = 512     /* free nodes; between fewer of them sweeps carry a correction soon */
+    /* Free nodes; between fewer of them sweeps carry a correction soon. */
+    FEWEST_IN_PLANE = 512,
+    FEWEST_IN_SPACE = 1000
 };
 
 /* Spacing of the finest grid, by the mean length of edges. */
@@ -38,6 +40,8 @@ enum {
 #define SHORTER 0.4
 /* A step that lowers the RMS by less than this part is the last. */
 #define GAIN_LEAST 3e-4
+/* A shortened first step that lowers it by less is undone. */
+#define GAIN_SHORT 3e-3
 /* A step that lowers it by more changes the Hessian too much to keep it. */
 #define GAIN_LARGE 1e-2
 /* As does one that lowers it by more than this part of what the step before did. */
@@ -152,13 +156,24 @@ static void move_chunk(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
+/** Part of F that may be left by this trial: less than before by what is asked of a first step, or at
+ *  all. */
+static double most_left(const coarse_steps *c) {
+    const double rms = !c->is_first ? 1 : c->part == 1 ? 1 - GAIN_LEAST : 1 - GAIN_SHORT;
+    return rms * rms;
+}
+
 /** Whether the mesh as measured now may stand: no element is worse than the worst was, none has become
- *  inverted, and F is lower than before by the part that is asked of a first step, or at all. */
-static int is_better(const coarse_steps *c, const pl_objective_sums *before, int is_whole_step) {
+ *  inverted, and F is lower than before by enough. */
+static int is_better(const coarse_steps *c, const pl_objective_sums *before) {
     const pl_objective_sums *now = &c->r->sums;
-    const double least = !c->is_first ? 1 : is_whole_step ? 1 - GAIN_LEAST : 1 - GAIN_LARGE;
-    return now->ratio[1] < before->ratio[1] * least * least && now->inverted <= before->inverted &&
+    return now->ratio[1] < before->ratio[1] * most_left(c) && now->inverted <= before->inverted &&
            now->radius_max <= c->cell_ratio && pl_run_is_within(c->r, c->rr2, c->acuteness);
+}
+
+/** Whether F can fall by enough: by no more than it does at first along the moves. */
+static int may_be_better(const coarse_steps *c, const pl_objective_sums *before) {
+    return c->part * pl_sum_value(&c->work) >= before->ratio[1] * (1 - most_left(c));
 }
 
 /** Move all nodes, or part of the way, so that F falls and no element becomes worse than the worst.
@@ -172,14 +187,15 @@ static double take_moves(coarse_steps *c, pl_sweep_tally *tally) {
     const double measured = r->measured_sum;
     memcpy(c->start, x, size);
     c->part = 1;
-    for (int i = 0; i < TRIALS && !tally->stopped; i++, c->part *= SHORTER) {
+    for (int i = 0; i < TRIALS && !tally->stopped && may_be_better(c, &before); i++) {
         pl_parallel_for(plan->threads, c->lattice.n_stars, CHUNK, move_chunk, c);
         pl_ghosts_update(plan, x, plan->dim * (int64_t)sizeof *x);
         pl_run_measure(r);
         tally->stars.visits += c->lattice.n_moving;
         ask_all(c, tally);
-        if (is_better(c, &before, i == 0))
+        if (is_better(c, &before))
             return 1 - sqrt(r->sums.ratio[1] / before.ratio[1]);
+        c->part *= SHORTER;
     }
     memcpy(x, c->start, size);
     if (plan->work.corner)
@@ -235,7 +251,8 @@ static int is_suitable(const pl_run *r) {
     const planish_plan *plan = r->plan;
     const int has_others =
         plan->work.corner ? pl_watch_has_mids(&r->watch) : pl_watch_is_on(&r->watch);
-    return plan->interior.n_all >= FEWEST && r->plain && !has_others &&
+    const int fewest = plan->dim == 2 ? FEWEST_IN_PLANE : FEWEST_IN_SPACE;
+    return plan->interior.n_all >= fewest && r->plain && !has_others &&
            plan->work.size_weight == 0 && plan->sliding.n_followers == 0 &&
            plan->interior.n_followers == 0 && plan->n_images == 0;
 }

@@ -400,8 +400,8 @@ static int is_settled(const pl_convergence *trend, int64_t visits, int64_t visit
     return 1;
 }
 
-/* In the plane steps may be tried again after so many sweeps, which remove what the steps failed for:
- * twice as many after each try. In space they are tried once in a call. */
+/* Steps may be tried again after so many sweeps, which remove what the steps failed for: twice as many
+ * after each try. */
 enum { SWEEPS_BETWEEN_STEPS = 8 };
 
 /** Take note of a try of steps after n sweeps in a row, before which the sum of RR^2 was before. Return
@@ -409,7 +409,7 @@ enum { SWEEPS_BETWEEN_STEPS = 8 };
 static int note_steps(pl_run *r, int n, double before) {
     const int is_better = r->sums.ratio[1] < before;
     const int wait = SWEEPS_BETWEEN_STEPS << r->n_step_tries++;
-    r->steps_from = r->plan->dim == 2 ? (is_better ? 0 : n) + wait : INT_MAX;
+    r->steps_from = (is_better ? 0 : n) + wait;
     return is_better;
 }
 
@@ -474,6 +474,8 @@ static void sweep_on(pl_run *r) {
         calm = trend = (pl_convergence){{0}, 0};
         if (r->accelerate(r, next, fall))
             return;
+        if (next == PL_CENTRING)
+            r->steps_from = r->n_step_tries = 0; /* the mesh is another one */
     }
 }
 

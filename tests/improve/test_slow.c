@@ -476,10 +476,10 @@ static void a_step_ends_at_any_call(void **state) {
     const int dim = dim_of(help_of(state));
     test_mesh mesh;
     drawn_box box;
-    test_mesh_squeezed_box(&mesh, dim, dim == 3 ? 9 : 30);
+    test_mesh_squeezed_box(&mesh, dim, dim == 3 ? 11 : 30);
     end_at_calls(&mesh.mesh);
     test_mesh_destroy(&mesh);
-    drawn_box_create(&box, dim, dim == 3 ? 10 : 30, 1.5);
+    drawn_box_create(&box, dim, dim == 3 ? 11 : 30, 1.5);
     end_at_calls(&box.sliding);
     drawn_box_destroy(&box);
 }
