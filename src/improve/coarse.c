@@ -55,6 +55,7 @@ typedef struct coarse_steps {
     double *force, *move;    /* [lattice.n_stars][dim] */
     double *start;           /* [n_nodes][dim] coordinates before the step */
     double part;             /* of the way, in this trial */
+    double excess;           /* pl_run_excess before the step: what gains are parts of */
     int is_first;            /* step */
     /* No element may become worse: */
     double rr2, acuteness; /* with corners mu^2 of one, and 1 / SJ^2, */
@@ -159,7 +160,8 @@ static void move_chunk(void *context, int64_t begin, int64_t end, int thread) {
 /** Part of F that may be left by this trial: less than before by what is asked of a first step, or at
  *  all. */
 static double most_left(const coarse_steps *c) {
-    const double rms = !c->is_first ? 1 : c->part == 1 ? 1 - GAIN_LEAST : 1 - GAIN_SHORT;
+    const double gain = !c->is_first ? 0 : c->part == 1 ? GAIN_LEAST : GAIN_SHORT;
+    const double rms = 1 - gain * c->excess;
     return rms * rms;
 }
 
@@ -177,7 +179,7 @@ static int may_be_better(const coarse_steps *c, const pl_objective_sums *before)
 }
 
 /** Move all nodes, or part of the way, so that F falls and no element becomes worse than the worst.
- *  Return the part by which the RMS fell; 0 if the nodes are where they were. */
+ *  Return the part of the excess by which the RMS fell; 0 if the nodes are where they were. */
 static double take_moves(coarse_steps *c, pl_sweep_tally *tally) {
     pl_run *r = c->r;
     const planish_plan *plan = r->plan;
@@ -194,7 +196,7 @@ static double take_moves(coarse_steps *c, pl_sweep_tally *tally) {
         tally->stars.visits += c->lattice.n_moving;
         ask_all(c, tally);
         if (is_better(c, &before))
-            return 1 - sqrt(r->sums.ratio[1] / before.ratio[1]);
+            return (1 - sqrt(r->sums.ratio[1] / before.ratio[1])) / c->excess;
         c->part *= SHORTER;
     }
     memcpy(x, c->start, size);
@@ -205,9 +207,9 @@ static double take_moves(coarse_steps *c, pl_sweep_tally *tally) {
     return 0;
 }
 
-/** Note a step that has lowered the RMS by gain. */
-static void note_step(pl_run *r, double gain) {
-    if (gain > GAIN_LARGE)
+/** Note a step that has lowered the RMS by gain of its excess. */
+static void note_step(pl_run *r, double gain, double excess) {
+    if (gain * excess > GAIN_LARGE)
         pl_run_begin_anew(r);
     else if (gain > 0)
         memset(r->plan->scratch.changed, PL_CHANGED, (size_t)r->plan->work.n_nodes);
@@ -215,15 +217,16 @@ static void note_step(pl_run *r, double gain) {
         pl_watch_limit(&r->watch, r->watch.worst_ar2);
 }
 
-/** Make one step, counted as a sweep. *gain: part by which the RMS fell. Return not 0 if the work was
+/** Make one step, counted as a sweep. *gain: part of its excess by which the RMS fell. Return not 0 if the work was
  *  cut short. */
 static int make_step(coarse_steps *c, int is_anew, double *gain) {
     pl_run *r = c->r;
     pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
     pl_run_begin_sweep(r);
+    c->excess = pl_run_excess(r);
     *gain = find_moves(c, is_anew, &tally) ? take_moves(c, &tally) : 0;
     tally.stars.evaluations = tally.stars.visits;
-    note_step(r, *gain);
+    note_step(r, *gain, c->excess);
     return pl_run_end_sweep(r, &tally);
 }
 
@@ -232,7 +235,7 @@ static int make_steps(coarse_steps *c) {
     enum { NEEDED = 2 }; /* sweeps of a step and of the sweep after it */
     double gain = 1, last = 1;
     for (int i = 0; i < STEPS && pl_run_sweeps_left(c->r) >= NEEDED; i++) {
-        const int is_anew = gain > GAIN_LARGE || gain > GAIN_SLOW * last;
+        const int is_anew = gain * c->excess > GAIN_LARGE || gain > GAIN_SLOW * last;
         int64_t visits;
         last = gain;
         c->is_first = i == 0;
@@ -274,6 +277,7 @@ int pl_run_coarse(pl_run *r) {
     pl_log(PLANISH_LOG_DETAIL, "sweeps would be slow: Newton's steps on a lattice");
     const int slides = may_slide(r);
     coarse_steps c = {.r = r,
+                      .excess = 1,
                       .sliding = pl_run_sliding_problem(r),
                       .force = pl_alloc(n, sizeof *c.force),
                       .move = pl_alloc(n, sizeof *c.move),

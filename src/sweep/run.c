@@ -183,12 +183,19 @@ int pl_run_has_followers(const pl_run *r) {
 #define CALM 0.5
 
 /* Where elements can have the shapes that they are to have, the RMS is flat: what is left of it is the
- * square of how far nodes are off. So less may be left. */
+ * square of how far nodes are off, in lengths of the error. So less may be left, down to rounding. */
 #define PART_WITH_TARGETS 0.01
+#define LEAST_TOLERANCE   1e-15
+#define LEAST_EXCESS      1e-12
 
 /** The tolerance of the sweeps. */
 static double tolerance_of(const pl_run *r) {
-    return r->options->tolerance * (r->plan->work.target ? PART_WITH_TARGETS : 1);
+    const double tolerance = r->options->tolerance;
+    return r->plan->work.target ? fmax(tolerance * PART_WITH_TARGETS, LEAST_TOLERANCE) : tolerance;
+}
+
+double pl_run_excess(const pl_run *r) {
+    return r->plan->work.target ? fmax(1 - 1 / pl_rms_of_movable(&r->sums), LEAST_EXCESS) : 1;
 }
 
 /* The worst cell may move only if it becomes better by more than rounding. */
@@ -345,8 +352,7 @@ static int has_converged(const pl_run *r, pl_convergence *convergence, double be
         return 0;
     }
     if (r->options->method != PLANISH_METHOD_PLANISH)
-        return pl_converged(convergence, fmax(before, after), fmin(before, after),
-                            tolerance_of(r));
+        return pl_converged(convergence, fmax(before, after), fmin(before, after), tolerance_of(r));
     return pl_converged(convergence, before, after, tolerance_of(r));
 }
 
@@ -381,7 +387,8 @@ static void heed_refusers(pl_run *r) {
     pl_free(state);
 }
 
-/* Newton's steps are due where sweeps are forecast to leave more than the part LEFT of the RMS even
+/* Newton's steps are due where sweeps are forecast to leave more than the part LEFT of what the RMS
+ * can fall by even
  * after so many more; the first sweeps of all do not count. The steps take as long as some 12 visits
  * to each node, so at least the part BUSY of the nodes must need visits. */
 enum { SWEEPS_AHEAD = 24, SWEEPS_UNTIL_FORECAST = 5 };
@@ -419,7 +426,8 @@ static int steps_are_due(const pl_run *r, const pl_convergence *trend, int64_t v
     const double n_stars = (double)(r->plan->interior.n_all + r->plan->sliding.n_all);
     return trend->n_falls >= SWEEPS_UNTIL_FORECAST && trend->n_falls >= r->steps_from &&
            (double)visits >= BUSY * n_stars && is_settled(trend, visits, visits_before) &&
-           trend->fall[PL_CALM_SWEEPS - 1] < SLOW_FALL && pl_left_after(trend, SWEEPS_AHEAD) > LEFT;
+           trend->fall[PL_CALM_SWEEPS - 1] < SLOW_FALL &&
+           pl_left_after(trend, SWEEPS_AHEAD) > LEFT * pl_run_excess(r);
 }
 
 /** Whether all nodes may move at once if sweeps are slow. */

@@ -4,6 +4,7 @@
  * run.c
  *   pl_run_measure, _measure_fixed             measure the mesh; the rest of it
  *   pl_run_objective, _worst_limits            F; the worst element's measures, as limits
+ *   pl_run_excess                              by how much the RMS can fall
  *   pl_run_blunt, pl_run_is_within             ratios without sharp angles; sums against limits
  *   pl_run_objective_problem                   the problem of the sums
  *   pl_run_sliding_problem                     the problem of the visits of sliding nodes
@@ -109,6 +110,10 @@ double pl_run_objective(const pl_run *r);
 /** Return the measures of the worst element, as measured last, times margin: RR^2 and acuteness; with
  *  corners mu^2 of one, and 1 / SJ^2. */
 pl_star_limits pl_run_worst_limits(const pl_run *r, double margin);
+
+/** Return the part of the RMS by which it can fall at most, 1 if that is not known: with targets what it
+ *  is above 1. */
+double pl_run_excess(const pl_run *r);
 
 /** Return the RR^2, or mu^2 with corners, up to which none has an angle of larger acuteness, or a
  *  corner of larger 1 / SJ^2. */
