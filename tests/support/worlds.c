@@ -260,6 +260,18 @@ static void one_by_one(int n_tasks, planish_task_fn *task, void *data, void *use
         task(data, i);
 }
 
+static void targets(test_world *w) {
+    double *reference = own(w, w->n_doubles, sizeof *reference);
+    const int dim = w->mesh.dim;
+    for (int64_t i = 0; i < w->n_doubles; i++)
+        reference[i] = w->box.coordinates[i];
+    for (int64_t i = dim - 1; i < w->n_doubles; i += dim) /* thin near one side */
+        reference[i] *= 0.1 + reference[i];
+    tangled(w);
+    w->mesh.reference = reference;
+    w->options.size_weight = 0.3;
+}
+
 static void callbacks(test_world *w) {
     tangled(w);
     w->options.progress = go_on;
@@ -323,6 +335,7 @@ static const struct special {
     {"sliding", sliding},
     {"on surface", on_surface},
     {"periodic", periodic},
+    {"targets", targets},
     {"callbacks", callbacks},
     {"threads", threads},
     {"own allocator", own_allocator},
