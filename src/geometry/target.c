@@ -51,8 +51,11 @@ int pl_target_make(int dim, const double edges[3][3], double sign, pl_target *ta
     double e[3][3] = {{0}};
     const int exponent = scale_edges(dim, edges, e);
     const double D = sign * pl_determinant_of_edges(dim, (const double(*)[3])e);
-    *target =
-        (pl_target){.unit = ldexp(1 / D, -dim * exponent), .measure = ldexp(D, dim * exponent)};
+    *target = (pl_target){.unit = 1 / D, .measure = D};
+    if (exponent != 0) {
+        target->unit = ldexp(1 / D, -dim * exponent);
+        target->measure = ldexp(D, dim * exponent);
+    }
     if (!(D > DBL_MIN && target->unit >= DBL_MIN && target->measure >= DBL_MIN &&
           target->unit <= DBL_MAX && target->measure <= DBL_MAX))
         return 0;

@@ -27,7 +27,7 @@ typedef struct pl_view {
     const int32_t *cell_begin; /* [n_cells + 1] and the first corner of each */
     const pl_target *target;   /* [m] with corner: their targets (geometry/target.h); NULL: they are
                                   the ideal ones of their shapes */
-    double size_weight; /* then: of sizes against shapes, 0 .. 1 */
+    double size_weight;        /* then: of sizes against shapes, 0 .. 1 */
     const int8_t *sign;       /* [m] +1 or -1: sign * measure is positive in a valid mesh; NULL: all
                                  +1 */
     const double *min_volume; /* [m] minimum volumes, 0: none; NULL: all 0 */

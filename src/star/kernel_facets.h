@@ -68,8 +68,8 @@ enum {
     OF_N,
     OF_CC,
     OF_CN,
-    OF_NN, /* see coefficients in kernel_tetrahedra.h */
-    UNIT,  /* of corners with targets: 1 / det W, */
+    OF_NN,  /* see coefficients in kernel_tetrahedra.h */
+    UNIT,   /* of corners with targets: 1 / det W, */
     WANTED, /* and det W */
     COLUMNS_3D
 };

@@ -13,7 +13,7 @@
  * in units of its target's: convex, too.
  *
  *   corners, corners_at, mean_of                  a pack of corners
- *   sized_ratio, counted_ratio, add_size              and what their sizes add
+ *   sized_ratio, counted_ratio, size_slopes, add_size   and what their sizes add
  *   find_roots                                    roots of all packs
  *   mean_value, mean_derivatives                  a star
  *   value_at, derivatives_at                      a star, by the ratio of its kernel
@@ -104,7 +104,7 @@ PL_INLINE lanes sized_ratio(const star *s, int64_t i, const corners *t, lanes sq
 
 /** Return mu^2 of a pack, or what counts with sizes, and 1 / D. */
 PL_INLINE lanes counted_ratio(const star *s, int64_t i, const corners *t, lanes *inverse_d,
-                         const int dim) {
+                              const int dim) {
     const lanes square = mean_of(t, inverse_d, dim);
     return s->size_weight > 0 ? sized_ratio(s, i, t, square, *inverse_d) : square;
 }
@@ -157,17 +157,26 @@ PL_INLINE void add_mean(slopes *slope, lanes *trace, int k, const corners *t, la
             slope->h[h][k] += z[r] * v[c] + t->n[r] * m[c];
 }
 
+/** Derivatives of the sizes of a pack by D, times factor. */
+typedef struct size_slopes {
+    lanes rate, curve;
+} size_slopes;
+
+PL_INLINE size_slopes size_slopes_of(const star *s, int64_t i, lanes factor, lanes inverse_d) {
+    const lanes bend = load(s, WANTED, i) * (inverse_d * inverse_d);
+    const lanes half = lanes_of(s->size_weight / 2) * factor;
+    return (size_slopes){half * (load(s, UNIT, i) - bend), (half + half) * (bend * inverse_d)};
+}
+
 /** Add the derivatives of the sizes of a pack, times factor. */
 PL_INLINE void add_size(const star *s, int64_t i, slopes *slope, int k, const corners *t,
                         lanes factor, lanes inverse_d, const int with_hessian, const int dim) {
-    const lanes bend = load(s, WANTED, i) * (inverse_d * inverse_d);
-    const lanes half = lanes_of(s->size_weight / 2) * factor;
-    const lanes rate = half * (load(s, UNIT, i) - bend), curve = (half + half) * (bend * inverse_d);
+    const size_slopes size = size_slopes_of(s, i, factor, inverse_d);
     for (int d = 0; d < dim; d++)
-        slope->g[d][k] += rate * t->n[d];
+        slope->g[d][k] += size.rate * t->n[d];
     for (int r = 0, h = 0; with_hessian && r < dim; r++)
         for (int c = r; c < dim; c++, h++)
-            slope->h[h][k] += curve * (t->n[r] * t->n[c]);
+            slope->h[h][k] += size.curve * (t->n[r] * t->n[c]);
 }
 
 /** Find the derivatives of a star with the node at position. with_hessian 0: out->hessian is not set. */

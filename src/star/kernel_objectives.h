@@ -244,14 +244,12 @@ PL_INLINE void mix_in_size(const star *s, int64_t i, const corners *t, lanes sha
                            aspect *a, const int dim) {
     const lanes inverse = lanes_of(1) / a->square;
     const lanes of_shape = lanes_of(1 - s->size_weight) * (shape * inverse);
-    const lanes bend = load(s, WANTED, i) * (inverse_d * inverse_d);
-    const lanes half = lanes_of(s->size_weight / 2) * inverse;
-    const lanes rate = half * (load(s, UNIT, i) - bend), curve = (half + half) * (bend * inverse_d);
+    const size_slopes size = size_slopes_of(s, i, inverse, inverse_d);
     for (int d = 0; d < dim; d++)
-        a->l[d] = of_shape * a->l[d] + rate * t->n[d];
+        a->l[d] = of_shape * a->l[d] + size.rate * t->n[d];
     for (int r = 0, k = 0; r < dim; r++)
         for (int c = r; c < dim; c++, k++)
-            a->h[k] = of_shape * a->h[k] + curve * (t->n[r] * t->n[c]);
+            a->h[k] = of_shape * a->h[k] + size.curve * (t->n[r] * t->n[c]);
 }
 
 /** Compute mu^2 of a pack of corners, and with derive its derivatives (kernel_mean.h). */

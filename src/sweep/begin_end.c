@@ -139,7 +139,8 @@ int pl_run_begin(pl_run *r, planish_error *error) {
     plan->scratch.skin = !status && r->skin.shape ? &r->skin : NULL;
     if (!status) {
         r->plain = !r->guard.wanted && o->method == PLANISH_METHOD_PLANISH;
-        r->measure_scale = r->plain && plan->work.size_weight == 0 ? pl_box_of_fixed(plan).scale : 1;
+        r->measure_scale =
+            r->plain && plan->work.size_weight == 0 ? pl_box_of_fixed(plan).scale : 1;
         measure_first(r, all);
     }
     pl_free(all);

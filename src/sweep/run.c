@@ -388,9 +388,8 @@ static void heed_refusers(pl_run *r) {
 }
 
 /* Newton's steps are due where sweeps are forecast to leave more than the part LEFT of what the RMS
- * can fall by even
- * after so many more; the first sweeps of all do not count. The steps take as long as some 12 visits
- * to each node, so at least the part BUSY of the nodes must need visits. */
+ * can fall by even after so many more; the first sweeps of all do not count. The steps take as long
+ * as some 12 visits to each node, so at least the part BUSY of the nodes must need visits. */
 enum { SWEEPS_AHEAD = 24, SWEEPS_UNTIL_FORECAST = 5 };
 #define LEFT 0.0005
 #define BUSY 0.5

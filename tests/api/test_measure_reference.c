@@ -1,9 +1,9 @@
 /* planish_measure_cells with planish_mesh.reference: ratios against the shapes there, as plain loops in long
  * double have them; all other measures as without. */
-#include "geometry/cell.h"
 #include "support/cell_meshes.h"
 #include "support/faults.h"
 #include "support/meshes.h"
+#include "support/target_ratio.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -15,67 +15,13 @@
 
 #include <cmocka.h>
 
-/* ---- plain formulas -------------------------------------------------------------------------- */
+/* ---- what is measured ------------------------------------------------------------------------- */
 
 typedef long double real;
 
-static real determinant(int dim, real a[3][3]) {
-    if (dim == 2)
-        return a[0][0] * a[1][1] - a[0][1] * a[1][0];
-    return a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) -
-           a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
-           a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
-}
-
-/** Solve a x = b, of dimension dim, by Cramer's rule. */
-static void solve(int dim, real a[3][3], const real *b, real *x) {
-    const real whole = determinant(dim, a);
-    for (int k = 0; k < dim; k++) {
-        real with[3][3];
-        memcpy(with, a, sizeof with);
-        for (int i = 0; i < dim; i++)
-            with[i][k] = b[i];
-        x[k] = determinant(dim, with) / whole;
-    }
-}
-
-/** Edges [edge][component] of corner c of an element whose nodes are at x. */
-static void edges_of(const pl_cell_shape *shape, int c, const double *x, const int32_t *node,
-                     real edge[3][3]) {
-    const int dim = shape->dim;
-    for (int j = 0; j < dim; j++)
-        for (int d = 0; d < dim; d++)
-            edge[j][d] =
-                (real)x[node[shape->neighbour[c][j]] * dim + d] - (real)x[node[c] * dim + d];
-}
-
-/** mu^2 of T = A W^-1: rows of T^T solve W^T t = a, with edges as rows. */
-static real mean_square(int dim, real a[3][3], real w[3][3]) {
-    const real det = determinant(dim, a) / determinant(dim, w);
-    real norm = 0;
-    for (int d = 0; d < dim; d++) {
-        real t[3], column[3];
-        for (int j = 0; j < dim; j++)
-            column[j] = a[j][d];
-        solve(dim, w, column, t);
-        for (int k = 0; k < dim; k++)
-            norm += t[k] * t[k];
-    }
-    const real mu = dim == 3 ? norm / (3 * powl(det, 2.0L / 3)) : norm / (2 * det);
-    return mu * mu;
-}
-
 /** AR of an element, with nodes node, at x against the reference. */
 static real ratio_of(int type, const int32_t *node, const double *x, const double *reference) {
-    const pl_cell_shape *shape = pl_cell_type_of(type)->shape;
-    real sum = 0;
-    for (int c = 0; c < shape->n_measured; c++) {
-        real a[3][3], w[3][3];
-        edges_of(shape, c, x, node, a);
-        edges_of(shape, c, reference, node, w);
-        sum += mean_square(shape->dim, a, w);
-    }
-    return sqrtl(sum / shape->n_measured);
+    return sqrtl(target_square_of(type, node, x, reference, 0));
 }
 
 static void assert_near(double value, real wanted) {
