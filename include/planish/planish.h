@@ -217,7 +217,15 @@ typedef struct planish_mesh {
        and planish_measure_cells read it, and no plan needs it afterwards. Every corner of a smoothed
        element must be positive there. Not with part, nor with periodic. */
     const double *reference;
-    const void *reserved[5]; /* NULL */
+    /* [n_elements] not 0: the element is of a layer, as planish_find_layers says it; NULL: targets
+       are not by layers. Elements of layers are then targets themselves: heights across the layer are
+       those of reference (NULL: of coordinates), smoothed along it, and edges along it regular
+       (docs/targets.md). Other elements are to be regular. Flat elements that lie on a layer count
+       as of it. Where a wall was moved into its layers the rows inside tell the first heights. No
+       element needs to be valid. planish_measure_cells measures such a mesh after it has moved if
+       reference is the mesh as it was. NULL also means: no element is marked, whatever reference. */
+    const uint8_t *is_layer;
+    const void *reserved[4]; /* NULL */
 } planish_mesh;
 
 /* ---- A mesh that several processes have ----------------------------------------------------- */

@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "geometry/target.h"
 #include "quality/cell_measure.h"
+#include "shape/layer_shapes.h"
 #include "topology/cells.h"
 #include "topology/points.h"
 #include "topology/topology.h"
@@ -23,6 +24,7 @@ typedef struct cells_call {
     double *reference;   /* the same of mesh.reference */
     int8_t *sign;
     pl_cell_rules rules;
+    pl_layer_shapes layers;
 } cells_call;
 
 static void release(cells_call *c) {
@@ -33,6 +35,7 @@ static void release(cells_call *c) {
     pl_free(c->reference);
     pl_free(c->sign);
     pl_cell_rules_free(&c->rules);
+    pl_layer_shapes_free(&c->layers);
 }
 
 /** Make cells of the mesh's simplices. */
@@ -125,7 +128,22 @@ static int measure(const planish_mesh *mesh, double rounding, cells_call *c,
     if (status)
         return status;
     const double *reference = c->reference ? c->reference : mesh->reference;
-    const pl_cell_mesh cells = {mesh->dim, &c->cells, coordinates, c->sign, rounding, reference};
+    const planish_mesh as_it_was = {.dim = mesh->dim,
+                                    .n_nodes = mesh->n_nodes,
+                                    .coordinates = reference ? reference : coordinates,
+                                    .cells = &c->cells,
+                                    .n_elements = c->cells.n};
+    if (mesh->is_layer)
+        status = pl_layer_shapes_find(&as_it_was, mesh->is_layer, c->threads, &c->layers, error);
+    if (status)
+        return status;
+    const pl_cell_mesh cells = {.dim = mesh->dim,
+                                .cells = &c->cells,
+                                .coordinates = coordinates,
+                                .sign = c->sign,
+                                .rounding = rounding,
+                                .reference = mesh->is_layer ? NULL : reference,
+                                .layers = mesh->is_layer ? &c->layers : NULL};
     int64_t flawed = -1;
     status = pl_cell_rules_make(&cells, &c->rules);
     if (!status)
@@ -139,6 +157,7 @@ int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads
                           planish_cell_quality *quality, const planish_cell_values *values,
                           planish_error *error) {
     cells_call c = {.cells = {.n = 0}};
+    planish_mesh without_targets;
     if (!mesh || !quality)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh and quality must not be NULL");
     if (mesh->part)
@@ -153,6 +172,8 @@ int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads
     const pl_outside outside = pl_call_enter(NULL);
     c.threads = pl_thread_count(threads);
     int status = take_mesh(mesh, &c, error);
+    if (!status)
+        mesh = pl_drop_targets(mesh, &without_targets);
     if (!status)
         status = measure(mesh, rounding, &c, quality, values, error);
     release(&c);

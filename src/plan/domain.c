@@ -168,22 +168,31 @@ static int begin_around(const planish_mesh *mesh, pl_draft *d, planish_error *er
 /** Check that mesh and options have nothing that does not go together so far. */
 static int check_together(const planish_mesh *mesh, const planish_options *options,
                           planish_error *error) {
-    if (mesh->part && (options->around || mesh->n_periodic > 0 || mesh->reference))
+    const char *field = mesh->is_layer ? "mesh.is_layer" : "mesh.reference";
+    if (mesh->part && (options->around || mesh->n_periodic > 0 || pl_has_targets(mesh)))
         return pl_fail(error, PLANISH_ERROR_PARTS,
                        "%s is not possible with a mesh in parts; do without it, or in one process",
                        options->around    ? "options.around"
                        : mesh->n_periodic ? "mesh.periodic"
-                                          : "mesh.reference");
-    if (mesh->reference && mesh->n_periodic > 0)
+                                          : field);
+    if (pl_has_targets(mesh) && mesh->n_periodic > 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "mesh.reference is not possible with mesh.periodic; leave out one of them");
+                       "%s is not possible with mesh.periodic; leave out one of them", field);
+    if (mesh->is_layer && options->size_weight > 0)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.size_weight is not possible with mesh.is_layer: only "
+                       "mesh.reference alone has sizes for all elements");
     return PLANISH_OK;
 }
 
 int pl_draft_begin(const planish_mesh *mesh, pl_draft *d, planish_error *error) {
     planish_plan *plan = d->plan;
-    int status = check_together(mesh, d->options, error);
-    if (!status && mesh->reference && !mesh->cells) {
+    int status = mesh->is_layer ? pl_check_counts(mesh, error) : PLANISH_OK;
+    if (!status) {
+        mesh = pl_drop_targets(mesh, &d->with_cells);
+        status = check_together(mesh, d->options, error);
+    }
+    if (!status && pl_has_targets(mesh) && !mesh->cells) {
         status = pl_own_cells_make(mesh, plan->threads, &plan->own_cells, &d->cells, &d->with_cells,
                                    error);
         mesh = &d->with_cells;
@@ -308,9 +317,11 @@ static int find_boundary_of_cells(pl_draft *d, planish_error *error) {
     return status;
 }
 
-/** Make the targets of the plan's elements, from the reference of the given mesh. */
+/** Make the targets of the plan's elements, from the layers or the reference of the given mesh. */
 static int make_targets(pl_draft *d, planish_error *error) {
     d->plan->work.size_weight = d->options->size_weight;
+    if (d->given->is_layer)
+        return pl_layer_targets_make(d->plan, d->given, error);
     return pl_targets_make(d->plan, pl_points_of(d->given, d->given->reference), d->boundary.sign,
                            error);
 }
@@ -321,7 +332,7 @@ int pl_draft_choose_scope(pl_draft *d, planish_error *error) {
     const int threads = d->plan->threads, selective = d->options->only_worse_than > 0;
     if (d->plan->work.corner) {
         int found = find_boundary_of_cells(d, error);
-        if (!found && d->given->reference)
+        if (!found && pl_has_targets(d->given))
             found = make_targets(d, error);
         return found || !selective ? found : pl_draft_select(d, error);
     }

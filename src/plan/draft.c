@@ -547,7 +547,7 @@ int pl_draft_finish(pl_draft *d, planish_error *error) {
         status = find_free(d, error);
     if (!status)
         status = prepare_sliding(d, error);
-    if (!d->mesh->min_volume && !d->mesh->reference)
+    if (!d->mesh->min_volume && !pl_has_targets(d->mesh))
         pl_incidence_destroy(&d->incidence);
     if (!status)
         status = order_visits(plan, NULL, &d->interior, &d->interior.rings, &plan->interior, error);

@@ -1,9 +1,10 @@
-/* targets: elements of a plan that are to have the shapes that mesh.reference has. */
+/* targets: elements of a plan that are to have the shapes of mesh.reference, or of layers. */
 #include "plan/targets.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "shape/layer_shapes.h"
 #include "topology/topology.h"
 
 #include <inttypes.h>
@@ -117,4 +118,49 @@ int pl_targets_make(planish_plan *plan, pl_points reference, const int8_t *sign,
         return pl_fail_memory(error, "the targets of the elements");
     pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, make_chunk, &p);
     return p.lowest < INT64_MAX ? complain(&p, error) : PLANISH_OK;
+}
+
+/* ---- layers ----------------------------------------------------------------------------------- */
+
+/** Targets being made of layers. */
+typedef struct layer_pass {
+    const planish_plan *plan;
+    const planish_mesh *given;
+    pl_layer_shapes shapes;
+    pl_target *target;
+} layer_pass;
+
+static void make_layer_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const layer_pass *p = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const int64_t cell = pl_plan_element(p->plan, i);
+        const int32_t place = p->shapes.place[cell];
+        const pl_cell_shape *shape = pl_cell_type_of(p->given->cells->type[cell])->shape;
+        pl_layer_target(shape, place < 0 ? NULL : &p->shapes.shape[place],
+                        pl_corner_index(p->plan->work.corner[i]), &p->target[i]);
+    }
+}
+
+int pl_layer_targets_make(planish_plan *plan, const planish_mesh *given, planish_error *error) {
+    const pl_points points =
+        pl_points_of(given, given->reference ? given->reference : given->coordinates);
+    double *own = NULL;
+    layer_pass p = {.plan = plan, .given = given};
+    planish_mesh mesh = *given;
+    plan->work.target = p.target = pl_alloc(plan->work.n_elements, sizeof *p.target);
+    if (!pl_points_are_dense(&points))
+        own = pl_alloc(given->n_nodes * given->dim, sizeof *own);
+    if (!p.target || (!own && !pl_points_are_dense(&points)))
+        return pl_fail_memory(error, "the targets of the elements");
+    if (own)
+        pl_points_gather(&points, plan->threads, own);
+    mesh.coordinates = own ? own : points.x;
+    const int status =
+        pl_layer_shapes_find(&mesh, given->is_layer, plan->threads, &p.shapes, error);
+    if (!status)
+        pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, make_layer_chunk, &p);
+    pl_layer_shapes_free(&p.shapes);
+    pl_free(own);
+    return status;
 }

@@ -1,7 +1,8 @@
 /* targets: elements of a plan that are to have the shapes that mesh.reference has. Internal to plan.
  *
  *   pl_own_cells_make      simplices as cells
- *   pl_targets_make        the targets of the corners
+ *   pl_targets_make        the targets of the corners, from a reference
+ *   pl_layer_targets_make  from layers
  */
 #ifndef PL_PLAN_TARGETS_H
 #define PL_PLAN_TARGETS_H
@@ -18,5 +19,9 @@ int pl_own_cells_make(const planish_mesh *mesh, int threads, pl_own_cells *own,
  *  _MEMORY. */
 int pl_targets_make(planish_plan *plan, pl_points reference, const int8_t *sign,
                     planish_error *error);
+
+/** Make the targets of the plan's elements, which are corners of given, from its layers. Errors:
+ *  _MEMORY. */
+int pl_layer_targets_make(planish_plan *plan, const planish_mesh *given, planish_error *error);
 
 #endif

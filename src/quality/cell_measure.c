@@ -247,6 +247,12 @@ void pl_cell_reference_edges(const pl_cell_mesh *mesh, int64_t element, int c, d
 static int find_targets(const pl_cell_mesh *mesh, const cell_block *b, int l, pl_target *target) {
     for (int c = 0; c < b->rule->type->shape->n_measured; c++) {
         double edges[3][3] = {{0}};
+        if (mesh->layers) {
+            const int32_t place = mesh->layers->place[b->element[l]];
+            pl_layer_target(b->rule->type->shape, place < 0 ? NULL : &mesh->layers->shape[place], c,
+                            &target[c]);
+            continue;
+        }
         pl_cell_reference_edges(mesh, b->element[l], c, edges);
         if (!pl_target_make(mesh->dim, (const double(*)[3])edges, b->sign[l], &target[c]))
             return 0;
@@ -465,7 +471,7 @@ static void measure_block(measurement *m, cell_block *b, type_sums *sums) {
     pl_jacobian_evaluate(b->rule, b->sign, &b->jacobian);
     for (int l = 0; l < b->n; l++) {
         pl_target target[PL_CELL_CORNERS];
-        const int has_targets = m->mesh->reference != NULL;
+        const int has_targets = m->mesh->reference || m->mesh->layers;
         if (has_targets && !find_targets(m->mesh, b, l, target))
             pl_lower_to(&m->flawed, b->element[l]);
         else if (b->is_certain[l] == 0)

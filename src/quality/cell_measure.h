@@ -11,6 +11,7 @@
 #ifndef PL_QUALITY_CELL_MEASURE_H
 #define PL_QUALITY_CELL_MEASURE_H
 
+#include "geometry/layer_shape.h"
 #include "quality/validity.h"
 
 #include <planish/planish.h>
@@ -23,7 +24,8 @@ typedef struct pl_cell_mesh {
     const int8_t *sign;        /* [n] +1 or -1: det J times that is positive in a valid mesh */
     double rounding;           /* of coordinates: mids that are no farther off are straight */
     const double *reference; /* [n_nodes][dim] where elements have the shapes that they are to have
-                                  (geometry/target.h), or NULL: the ideal ones */
+                                  (geometry/target.h), or NULL: the ideal ones, */
+    const pl_layer_shapes *layers; /* or those of layers; NULL: there are none */
 } pl_cell_mesh;
 
 /** Rules of the types of a mesh that count. */

@@ -13,7 +13,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
-#include "geometry/cell.h"
+#include "geometry/layer_shape.h"
 #include "topology/frame.h"
 
 #include <math.h>
@@ -52,20 +52,12 @@ static int is_simplex(const pl_cell_type *type) {
     return type->shape->n_simplices == 1;
 }
 
-/** Return the simplex of the product that differs between corners a and b of an edge. */
-static int factor_of(const pl_cell_shape *shape, int a, int b) {
-    int f = 0;
-    while (shape->vertex[a][f] == shape->vertex[b][f])
-        f++;
-    return f;
-}
-
 /** Measure the families of an element. */
 static void find_families(const thin_search *s, const pl_cell_shape *shape, const int32_t *node,
                           family families[FAMILIES]) {
     const int dim = s->mesh->dim;
     for (int e = 0; e < shape->n_edges; e++) {
-        const int a = shape->edge[e][0], b = shape->edge[e][1], f = factor_of(shape, a, b);
+        const int a = shape->edge[e][0], b = shape->edge[e][1], f = pl_factor_of(shape, a, b);
         const double *x = s->mesh->coordinates + (int64_t)node[a] * dim;
         const double *y = s->mesh->coordinates + (int64_t)node[b] * dim;
         family *own = &families[3 * f + shape->vertex[a][f] + shape->vertex[b][f] - 1];
@@ -179,7 +171,7 @@ static int given_at(const pl_cell_shape *shape, int c, int thinness) {
     int j = 0;
     if (!(thinness & PL_IS_WIDE))
         return PL_IS_GIVEN;
-    while (j < 2 && factor_of(shape, c, shape->neighbour[c][j]) != (thinness & PL_SHORTEST_EDGE))
+    while (j < 2 && pl_factor_of(shape, c, shape->neighbour[c][j]) != (thinness & PL_SHORTEST_EDGE))
         j++;
     return (thinness & ~PL_SHORTEST_EDGE) | numbers[j];
 }

@@ -179,7 +179,7 @@ static int make_elements(passes *p, int threads, planish_error *error) {
     int status = count_all(p, threads, &n, &n_elements, error);
     if (status)
         return status;
-    p->has_corners |= p->mesh->reference != NULL;
+    p->has_corners |= (uint8_t)pl_has_targets(p->mesh);
     const int maps = p->has_corners || p->has_others;
     dense->elements = pl_alloc(n_elements * (p->mesh->dim + 1), sizeof *dense->elements);
     dense->cell_of = maps ? pl_alloc(n_elements, sizeof *dense->cell_of) : NULL;
@@ -494,7 +494,7 @@ int pl_corners_take(const planish_mesh *mesh, int threads, pl_dense *dense, plan
     if (status)
         return status;
     dense->mesh.cells = NULL;
-    if (!mesh->reference && is_regular(&p, threads)) {
+    if (!pl_has_targets(mesh) && is_regular(&p, threads)) {
         dense->mesh.elements = mesh->cells->node;
         return PLANISH_OK;
     }

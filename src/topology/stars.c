@@ -162,12 +162,12 @@ int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, con
         if (mesh->min_volume)
             stars->min_volume = pl_alloc(n_link, sizeof *stars->min_volume);
         stars->form = rings->form ? pl_alloc(n_link, sizeof *stars->form) : NULL;
-        if (corner && mesh->reference)
+        if (corner && pl_has_targets(mesh))
             stars->element = pl_alloc(n_link, sizeof *stars->element);
         done = pl_link_alloc(&stars->link, pl_link_positions(mesh->dim, rings->form != NULL),
                              n_link, rings->link.high != NULL) == 0 &&
                (!mesh->min_volume || stars->min_volume) && (!rings->form || stars->form) &&
-               (!corner || !mesh->reference || stars->element);
+               (!corner || !pl_has_targets(mesh) || stars->element);
     }
     if (done)
         pl_parallel_for(threads, n_rings, CHUNK, copy_links, &copy);

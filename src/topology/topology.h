@@ -58,6 +58,15 @@ int pl_dense_create_cells(const planish_mesh *mesh, int threads, pl_dense *dense
 /** Free the copies of dense. */
 void pl_dense_destroy(pl_dense *dense);
 
+/** Return mesh, or if it has no targets as mesh->is_layer marks no element, a copy that says so. The
+ *  counts of mesh are checked. */
+const planish_mesh *pl_drop_targets(const planish_mesh *mesh, planish_mesh *copy);
+
+/** Whether elements are to have other shapes than the ideal ones, of a mesh from pl_drop_targets. */
+static inline int pl_has_targets(const planish_mesh *mesh) {
+    return mesh->reference || mesh->is_layer;
+}
+
 /** Check the nodes of one element, of a mesh without cells. */
 int pl_check_element(const planish_mesh *mesh, int64_t element, planish_error *error);
 

@@ -58,6 +58,18 @@ static void check_chunk(void *context, int64_t begin, int64_t end, int thread) {
         check_elements(s, 2, begin, end);
 }
 
+const planish_mesh *pl_drop_targets(const planish_mesh *mesh, planish_mesh *copy) {
+    for (int64_t i = 0; mesh->is_layer && i < mesh->n_elements; i++)
+        if (mesh->is_layer[i])
+            return mesh;
+    if (!mesh->is_layer)
+        return mesh;
+    *copy = *mesh;
+    copy->is_layer = NULL;
+    copy->reference = NULL;
+    return copy;
+}
+
 int pl_check_element(const planish_mesh *mesh, int64_t element, planish_error *error) {
     int64_t node[4];
     for (int i = 0; i <= mesh->dim; i++) {

@@ -1,0 +1,78 @@
+/* layer_shape: the edges of corners that are wanted. */
+#include "geometry/layer_shape.h"
+
+#include <math.h>
+
+int pl_upright_at(const pl_cell_shape *shape, int factor, int c) {
+    int n = 0;
+    for (int b = 0; b < shape->n_corners; b++) {
+        int is_same = 1;
+        for (int f = 0; f < shape->n_simplices; f++)
+            is_same &= f == factor || shape->vertex[b][f] == shape->vertex[c][f];
+        if (is_same)
+            return n;
+        n += shape->vertex[b][factor] == 0;
+    }
+    return n;
+}
+
+/** Cosine of the angle between edges i < j of an ideal corner, all of which are 1 long. */
+static double ideal_cosine(const pl_cell_shape *shape, int i, int j) {
+    return shape->between[i + j - 1] > 0 ? 0.5 : 0;
+}
+
+/** Edges of an ideal corner. */
+static void ideal_edges(const pl_cell_shape *shape, double edges[3][3]) {
+    const double cosine = ideal_cosine(shape, 0, 1), sine = sqrt(1 - cosine * cosine);
+    edges[0][0] = 1;
+    edges[1][0] = cosine;
+    edges[1][1] = sine;
+    if (shape->dim == 2)
+        return;
+    edges[2][0] = ideal_cosine(shape, 0, 2);
+    edges[2][1] = (ideal_cosine(shape, 1, 2) - cosine * edges[2][0]) / sine;
+    edges[2][2] = sqrt(1 - edges[2][0] * edges[2][0] - edges[2][1] * edges[2][1]);
+}
+
+/** Edges of corner c of a product: the upright is the last axis. */
+static void product_edges(const pl_cell_shape *shape, const pl_layer_shape *wanted, int c,
+                          double edges[3][3]) {
+    const int dim = shape->dim;
+    int n = 0;
+    for (int j = 0; j < dim; j++) {
+        const int f = pl_factor_of(shape, c, shape->neighbour[c][j]);
+        const double cosine = shape->n_vertices[f] == 3 ? 0.5 : 0;
+        if (f == wanted->factor) {
+            edges[j][dim - 1] = wanted->height[pl_upright_at(shape, f, c)];
+        } else if (n++ == 0) {
+            edges[j][0] = wanted->size;
+        } else {
+            edges[j][0] = cosine * wanted->size;
+            edges[j][1] = sqrt(1 - cosine * cosine) * wanted->size;
+        }
+    }
+}
+
+/** Edges of corner c of a simplex. */
+static void simplex_edges(const pl_cell_shape *shape, const pl_layer_shape *wanted, int c,
+                          double edges[3][3]) {
+    static const double origin[3] = {0, 0, 0};
+    const double *from = c > 0 ? wanted->edges[c - 1] : origin;
+    for (int j = 0; j < shape->dim; j++) {
+        const int b = shape->neighbour[c][j];
+        pl_subtract(shape->dim, b > 0 ? wanted->edges[b - 1] : origin, from, edges[j]);
+    }
+}
+
+int pl_layer_target(const pl_cell_shape *shape, const pl_layer_shape *wanted, int c,
+                    pl_target *target) {
+    double edges[3][3] = {{0}};
+    if (!wanted)
+        ideal_edges(shape, edges);
+    else if (shape->n_simplices == 1)
+        simplex_edges(shape, wanted, c, edges);
+    else
+        product_edges(shape, wanted, c, edges);
+    const double D = pl_determinant_of_edges(shape->dim, (const double(*)[3])edges);
+    return pl_target_make(shape->dim, (const double(*)[3])edges, D < 0 ? -1 : 1, target);
+}

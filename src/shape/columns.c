@@ -1,0 +1,482 @@
+/* columns: uprights of layers, the columns that they make, and levels of nodes in these. */
+#include "shape/columns.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "shape/shape.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* An element that is not marked belongs to a layer that it lies on if it is flat, by PL_THIN: a wall
+ * that was moved leaves such elements. So many rows of them are taken in. */
+enum { ROWS_TAKEN = 3 };
+/* A simplex tells the levels of columns if its other nodes are within this part of a height of one of
+ * the ends of its upright. */
+static const double LEVEL = 0.3;
+
+static const pl_cell_type *counted_type(const planish_mesh *mesh, int64_t cell) {
+    const pl_cell_type *type = pl_cell_type_of(mesh->cells->type[cell]);
+    return type && type->shape->dim == mesh->dim && type->shape->n_simplices > 0 ? type : NULL;
+}
+
+static double square_of(const pl_columns *c, int32_t a, int32_t b) {
+    double edge[3];
+    pl_columns_edge(c, a, b, edge);
+    return pl_dot(3, edge, edge);
+}
+
+/* ---- elements and their uprights -------------------------------------------------------------- */
+
+/** Find the uprights of a product, the shortest family of a line; whether it is flat. */
+static int find_factor(const pl_columns *c, const pl_cell_shape *shape, const int32_t *node,
+                       pl_layer_cell *cell) {
+    double sum[PL_CELL_SIMPLICES] = {0};
+    int n[PL_CELL_SIMPLICES] = {0}, best = -1;
+    for (int e = 0; e < shape->n_edges; e++) {
+        const int a = shape->edge[e][0], b = shape->edge[e][1], f = pl_factor_of(shape, a, b);
+        sum[f] += square_of(c, node[a], node[b]);
+        n[f]++;
+    }
+    for (int f = 0; f < shape->n_simplices; f++)
+        if (shape->n_vertices[f] == 2 && (best < 0 || sum[f] * n[best] < sum[best] * n[f]))
+            best = f;
+    int is_flat = 1;
+    for (int f = 0; f < shape->n_simplices; f++)
+        is_flat &= f == best || sum[f] * n[best] >= PL_THIN * PL_THIN * sum[best] * n[f];
+    cell->factor = (uint8_t)best;
+    return is_flat;
+}
+
+/** Find the upright of a simplex, its shortest edge; whether it is flat. */
+static int find_shortest(const pl_columns *c, const pl_cell_shape *shape, const int32_t *node,
+                         pl_layer_cell *cell) {
+    double least = INFINITY, second = INFINITY;
+    for (int e = 0; e < shape->n_edges; e++) {
+        const double square = square_of(c, node[shape->edge[e][0]], node[shape->edge[e][1]]);
+        second = fmin(second, fmax(square, least));
+        if (square < least) {
+            least = square;
+            cell->end[0] = shape->edge[e][0];
+            cell->end[1] = shape->edge[e][1];
+        }
+    }
+    return second >= PL_THIN * PL_THIN * least;
+}
+
+/** Find the uprights of an element. */
+static int find_uprights(const pl_columns *c, int64_t i, pl_layer_cell *cell) {
+    const pl_cell_shape *shape = counted_type(c->mesh, i)->shape;
+    const int32_t *node = c->mesh->cells->node + c->mesh->cells->offset[i];
+    *cell = (pl_layer_cell){.cell = (int32_t)i};
+    return shape->n_simplices == 1 ? find_shortest(c, shape, node, cell)
+                                   : find_factor(c, shape, node, cell);
+}
+
+/** Whether an element lies with a facet along the layer on nodes of layers: of a simplex all but one
+ *  end of its upright. */
+static int lies_on(const pl_columns *c, const pl_layer_cell *cell, const uint8_t *in_layer) {
+    const pl_cell_shape *shape = counted_type(c->mesh, cell->cell)->shape;
+    const int32_t *node = c->mesh->cells->node + c->mesh->cells->offset[cell->cell];
+    int is_on[2] = {1, 1}, n = 0;
+    for (int k = 0; k < shape->n_corners; k++) {
+        const int is_in = in_layer[node[k]];
+        n += is_in;
+        if (shape->n_simplices > 1 && !is_in)
+            is_on[shape->vertex[k][cell->factor]] = 0;
+    }
+    if (shape->n_simplices > 1)
+        return is_on[0] || is_on[1];
+    return n >= shape->dim && (in_layer[node[cell->end[0]]] || in_layer[node[cell->end[1]]]);
+}
+
+static void mark_nodes(const planish_mesh *mesh, int64_t cell, uint8_t *mark) {
+    const int32_t *node = mesh->cells->node + mesh->cells->offset[cell];
+    for (int k = 0; k < counted_type(mesh, cell)->shape->n_corners; k++)
+        mark[node[k]] = 1;
+}
+
+/** Take in the flat elements that lie on layers. in_layer [n_nodes], is_in [cells]. */
+static void take_in(const pl_columns *c, uint8_t *in_layer, uint8_t *is_in) {
+    enum { IN = 1, NEXT = 2 };
+    const planish_mesh *mesh = c->mesh;
+    int64_t n = 1;
+    for (int row = 0; row < ROWS_TAKEN && n > 0; row++) {
+        n = 0;
+        for (int64_t i = 0; i < mesh->cells->n; i++) {
+            pl_layer_cell cell;
+            if (!is_in[i] && counted_type(mesh, i) && find_uprights(c, i, &cell) &&
+                lies_on(c, &cell, in_layer)) {
+                is_in[i] = NEXT;
+                n++;
+            }
+        }
+        for (int64_t i = 0; i < mesh->cells->n; i++)
+            if (is_in[i] == NEXT) {
+                is_in[i] = IN;
+                mark_nodes(mesh, i, in_layer);
+            }
+    }
+}
+
+/** List the elements of layers. */
+static int list_cells(pl_columns *c, const uint8_t *is_layer, planish_error *error) {
+    const planish_mesh *mesh = c->mesh;
+    uint8_t *in_layer = pl_alloc_zero(mesh->n_nodes, 1);
+    uint8_t *is_in = pl_alloc_zero(mesh->cells->n, 1);
+    const int is_there = in_layer && is_in;
+    for (int64_t i = 0; is_there && i < mesh->cells->n; i++)
+        if (is_layer[i] && counted_type(mesh, i)) {
+            is_in[i] = 1;
+            mark_nodes(mesh, i, in_layer);
+        }
+    if (is_there)
+        take_in(c, in_layer, is_in);
+    for (int64_t i = 0; is_there && i < mesh->cells->n; i++)
+        c->n_cells += is_in[i];
+    c->cell = is_there ? pl_alloc(c->n_cells, sizeof *c->cell) : NULL;
+    int64_t n = 0;
+    for (int64_t i = 0; c->cell && i < mesh->cells->n; i++)
+        if (is_in[i])
+            find_uprights(c, i, &c->cell[n++]);
+    pl_free(in_layer);
+    pl_free(is_in);
+    return c->cell ? PLANISH_OK : pl_fail_memory(error, "the elements of layers");
+}
+
+/** Call of each upright of an element its nodes, the lower number first, as one number. Return how
+ *  many there are. */
+static int name_uprights(const pl_columns *c, const pl_layer_cell *cell,
+                         int64_t name[PL_UPRIGHTS]) {
+    const pl_cell_shape *shape = counted_type(c->mesh, cell->cell)->shape;
+    const int32_t *node = c->mesh->cells->node + c->mesh->cells->offset[cell->cell];
+    int n = 0;
+    for (int e = 0; e < shape->n_edges; e++) {
+        const int a = shape->edge[e][0], b = shape->edge[e][1];
+        const int is_upright = shape->n_simplices == 1 ? a == cell->end[0] && b == cell->end[1]
+                                                       : pl_factor_of(shape, a, b) == cell->factor;
+        const int at = shape->n_simplices == 1 ? 0 : pl_upright_at(shape, cell->factor, a);
+        if (!is_upright)
+            continue;
+        const int64_t low = node[a] < node[b] ? node[a] : node[b];
+        name[at] = low << 32 | (node[a] < node[b] ? node[b] : node[a]);
+        n++;
+    }
+    return n;
+}
+
+static int compare(const void *a, const void *b) {
+    const int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/** Number the uprights, by their nodes. */
+static int number_uprights(pl_columns *c, planish_error *error) {
+    int64_t *name = pl_alloc(c->n_cells * PL_UPRIGHTS, sizeof *name), n = 0;
+    if (!name)
+        return pl_fail_memory(error, "the edges across layers");
+    for (int64_t i = 0; i < c->n_cells; i++)
+        n += name_uprights(c, &c->cell[i], name + n);
+    qsort(name, (size_t)n, sizeof *name, compare);
+    for (int64_t i = 0; i < n; i++)
+        if (i == 0 || name[i] != name[i - 1])
+            name[c->n_uprights++] = name[i];
+    c->end = c->n_uprights <= INT32_MAX ? pl_alloc(2 * c->n_uprights, sizeof *c->end) : NULL;
+    for (int64_t u = 0; c->end && u < c->n_uprights; u++) {
+        c->end[2 * u] = (int32_t)(name[u] >> 32);
+        c->end[2 * u + 1] = (int32_t)(name[u] & INT32_MAX);
+    }
+    for (int64_t i = 0; c->end && i < c->n_cells; i++) {
+        int64_t own[PL_UPRIGHTS];
+        c->cell[i].n_uprights = (uint8_t)name_uprights(c, &c->cell[i], own);
+        for (int k = 0; k < c->cell[i].n_uprights; k++) {
+            const int64_t *found =
+                bsearch(&own[k], name, (size_t)c->n_uprights, sizeof *name, compare);
+            c->cell[i].upright[k] = (int32_t)(found - name);
+        }
+    }
+    pl_free(name);
+    return c->end ? PLANISH_OK : pl_fail_memory(error, "the edges across layers");
+}
+
+/* ---- columns ---------------------------------------------------------------------------------- */
+
+/** Uprights at a node: two at most have a place, others are counted. */
+typedef struct node_uprights {
+    int32_t at[2];
+    int32_t n;
+} node_uprights;
+
+static int32_t other_end(const pl_columns *c, int64_t upright, int32_t node) {
+    return c->end[2 * upright] == node ? c->end[2 * upright + 1] : c->end[2 * upright];
+}
+
+/** Follow a column from an end of an upright, as long as two uprights meet at each node. */
+static void follow(pl_columns *c, const node_uprights *nodes, int32_t upright, int32_t from) {
+    int64_t n = c->begin[c->n_columns];
+    int32_t node = from;
+    for (;;) {
+        c->node[n + c->n_columns] = node;
+        c->upright[n] = upright;
+        c->column[upright] = (int32_t)c->n_columns;
+        c->place[upright] = (int32_t)n++;
+        node = other_end(c, upright, node);
+        c->node[n + c->n_columns] = node;
+        if (nodes[node].n != 2)
+            break;
+        upright = nodes[node].at[nodes[node].at[0] == upright];
+        if (c->column[upright] >= 0)
+            break;
+    }
+    c->begin[++c->n_columns] = n;
+}
+
+static int make_columns(pl_columns *c, planish_error *error) {
+    const int64_t n = c->n_uprights;
+    node_uprights *nodes = pl_alloc_zero(c->mesh->n_nodes, sizeof *nodes);
+    c->begin = pl_alloc_zero(n + 1, sizeof *c->begin);
+    c->upright = pl_alloc(n, sizeof *c->upright);
+    c->node = pl_alloc(2 * n, sizeof *c->node);
+    c->column = pl_alloc(n, sizeof *c->column);
+    c->place = pl_alloc(n, sizeof *c->place);
+    if (!nodes || !c->begin || !c->upright || !c->node || !c->column || !c->place) {
+        pl_free(nodes);
+        return pl_fail_memory(error, "the columns of layers");
+    }
+    for (int64_t u = 0; u < n; u++) {
+        c->column[u] = -1;
+        for (int k = 0; k < 2; k++) {
+            node_uprights *at = &nodes[c->end[2 * u + k]];
+            if (at->n < 2)
+                at->at[at->n] = (int32_t)u;
+            at->n++;
+        }
+    }
+    for (int is_ring = 0; is_ring < 2; is_ring++) /* what is left then has no end */
+        for (int64_t u = 0; u < n; u++)
+            for (int k = 0; k < 2; k++)
+                if (c->column[u] < 0 && (is_ring || nodes[c->end[2 * u + k]].n != 2))
+                    follow(c, nodes, (int32_t)u, c->end[2 * u + k]);
+    pl_free(nodes);
+    return PLANISH_OK;
+}
+
+/* ---- levels of columns that simplices join ------------------------------------------------------ */
+
+/** Where columns stand beside each other. */
+typedef struct levels {
+    pl_columns *c;
+    int32_t *place; /* [n_nodes] in c->node, -1: in no column, -2: in several */
+    int32_t *of;    /* [n_uprights + n_columns] the column of what is there */
+    int8_t *way;    /* [n_columns] +1, -1: the level rises, falls with the place; 0: not known */
+    int32_t *base;  /* [n_columns] level of the first node */
+    int64_t *first; /* [n_columns + 1] in cell */
+    int32_t *cell;  /* elements at each column */
+} levels;
+
+static int32_t level_at(const levels *l, int32_t place) {
+    const int32_t column = l->of[place];
+    const int64_t k = place - (l->c->begin[column] + column);
+    return (int32_t)(l->base[column] + l->way[column] * k);
+}
+
+/** The upright of a column that is between a level and the next one; -1: it has none. */
+static int32_t upright_between(const levels *l, int32_t column, int32_t level) {
+    const pl_columns *c = l->c;
+    const int64_t k = l->way[column] > 0 ? level - l->base[column] : l->base[column] - level - 1;
+    return k >= 0 && k < c->begin[column + 1] - c->begin[column] ? c->upright[c->begin[column] + k]
+                                                                 : -1;
+}
+
+/** Direction of a column, from its first node to the last. */
+static void direction_of(const pl_columns *c, int32_t column, double way[3]) {
+    pl_columns_edge(c, c->node[c->begin[column] + column], c->node[c->begin[column + 1] + column],
+                    way);
+}
+
+/** Whether corner p of a simplex is as high as one of the ends of its upright, *is_upper which; 0: as
+ *  none, or the upright is not along its column. */
+static int find_level(const levels *l, const int32_t *node, const pl_layer_cell *cell, int p,
+                      int *is_upper) {
+    const pl_columns *c = l->c;
+    double up[3], to[3], way[3];
+    pl_columns_edge(c, node[cell->end[0]], node[cell->end[1]], up);
+    pl_columns_edge(c, node[cell->end[0]], node[p], to);
+    direction_of(c, c->column[cell->upright[0]], way);
+    const double square = pl_dot(3, up, up), part = pl_dot(3, to, up) / square;
+    const int rises = l->place[node[cell->end[1]]] > l->place[node[cell->end[0]]];
+    const double along = rises ? pl_dot(3, up, way) : -pl_dot(3, up, way);
+    *is_upper = part > 0.5;
+    return square > 0 && fabs(part - *is_upper) <= LEVEL && along > 0 &&
+           along * along >= 0.5 * square * pl_dot(3, way, way);
+}
+
+/** Set base and way of the column of corner p of a simplex from those of its upright's. Return the
+ *  column; -1: nothing is new. */
+static int32_t join(levels *l, const pl_layer_cell *cell, int p) {
+    const pl_columns *c = l->c;
+    const int32_t *node = c->mesh->cells->node + c->mesh->cells->offset[cell->cell];
+    const int32_t own = c->column[cell->upright[0]], at = l->place[node[p]];
+    int is_upper;
+    if (l->place[node[cell->end[0]]] < 0 || l->place[node[cell->end[1]]] < 0 || at < 0)
+        return -1;
+    const int32_t other = l->of[at];
+    const int from_other = l->way[own] == 0;
+    if (own == other || (l->way[own] == 0) == (l->way[other] == 0) ||
+        !find_level(l, node, cell, p, &is_upper))
+        return -1;
+    double a[3], b[3];
+    direction_of(c, own, a);
+    direction_of(c, other, b);
+    const int turn = pl_dot(3, a, b) < 0 ? -1 : 1;
+    /* Both places have one level. */
+    const int32_t known = from_other ? other : own, other_one = from_other ? own : other;
+    const int32_t mine = l->place[node[cell->end[is_upper]]];
+    const int32_t there = from_other ? at : mine, here = from_other ? mine : at;
+    l->way[other_one] = (int8_t)(turn * l->way[known]);
+    const int64_t k = here - (c->begin[other_one] + other_one);
+    l->base[other_one] = (int32_t)(level_at(l, there) - l->way[other_one] * k);
+    return other_one;
+}
+
+/** Spread levels from a column on. queue [n_columns]. */
+static void spread(levels *l, int32_t column, int32_t *queue) {
+    int64_t n = 1;
+    l->way[column] = 1;
+    queue[0] = column;
+    for (int64_t k = 0; k < n; k++)
+        for (int64_t i = l->first[queue[k]]; i < l->first[queue[k] + 1]; i++) {
+            const pl_layer_cell *cell = &l->c->cell[l->cell[i]];
+            for (int p = 0; p <= l->c->mesh->dim; p++) {
+                const int32_t found =
+                    p == cell->end[0] || p == cell->end[1] ? -1 : join(l, cell, p);
+                if (found >= 0)
+                    queue[n++] = found;
+            }
+        }
+}
+
+static int is_simplex(const pl_columns *c, const pl_layer_cell *cell) {
+    return counted_type(c->mesh, cell->cell)->shape->n_simplices == 1;
+}
+
+/** List the simplices at each column: count them, or put them there. */
+static void list_at_columns(levels *l, int is_count) {
+    const pl_columns *c = l->c;
+    for (int64_t i = 0; i < c->n_cells; i++) {
+        const int32_t *node = c->mesh->cells->node + c->mesh->cells->offset[c->cell[i].cell];
+        for (int p = 0; is_simplex(c, &c->cell[i]) && p <= c->mesh->dim; p++) {
+            const int32_t at = l->place[node[p]];
+            if (at < 0)
+                continue;
+            if (is_count)
+                l->first[l->of[at] + 1]++;
+            else
+                l->cell[l->first[l->of[at]]++] = (int32_t)i;
+        }
+    }
+}
+
+/** Note the levels of a simplex, and the uprights beside its own. */
+static void note_levels(const levels *l, pl_layer_cell *cell) {
+    const pl_columns *c = l->c;
+    const int32_t *node = c->mesh->cells->node + c->mesh->cells->offset[cell->cell];
+    const int32_t low = l->place[node[cell->end[0]]], high = l->place[node[cell->end[1]]];
+    if (low < 0 || high < 0)
+        return;
+    const int32_t from = level_at(l, low), to = level_at(l, high), least = from < to ? from : to;
+    int is_level = 1;
+    for (int p = 0; p <= c->mesh->dim; p++) {
+        const int32_t at = l->place[node[p]];
+        const int32_t level = at >= 0 ? level_at(l, at) : least - 1;
+        is_level &= level == from || level == to;
+        cell->level = (uint8_t)(cell->level | (level == to) << p);
+        const int32_t beside =
+            level == from || level == to ? upright_between(l, l->of[at], least) : -1;
+        int is_new = beside >= 0;
+        for (int k = 0; k < cell->n_uprights; k++)
+            is_new &= cell->upright[k] != beside;
+        if (is_new)
+            cell->upright[cell->n_uprights++] = beside;
+    }
+    cell->is_level = (uint8_t)is_level;
+}
+
+/** Find the places of nodes in columns. */
+static void find_places(levels *l) {
+    const pl_columns *c = l->c;
+    for (int64_t i = 0; i < c->mesh->n_nodes; i++)
+        l->place[i] = -1;
+    for (int32_t k = 0; k < c->n_columns; k++)
+        for (int64_t i = c->begin[k] + k; i <= c->begin[k + 1] + k; i++) {
+            l->of[i] = k;
+            l->place[c->node[i]] = l->place[c->node[i]] == -1 ? (int32_t)i : -2;
+        }
+}
+
+/** Find the levels of simplices. */
+static int find_levels(pl_columns *c, planish_error *error) {
+    const int64_t n_places = c->n_uprights + c->n_columns;
+    levels l = {.c = c};
+    l.place = pl_alloc(c->mesh->n_nodes, sizeof *l.place);
+    l.of = pl_alloc(n_places, sizeof *l.of);
+    l.way = pl_alloc_zero(c->n_columns, sizeof *l.way);
+    l.base = pl_alloc_zero(c->n_columns, sizeof *l.base);
+    l.first = pl_alloc_zero(c->n_columns + 2, sizeof *l.first);
+    l.cell = pl_alloc(c->n_cells * (c->mesh->dim + 1), sizeof *l.cell);
+    int32_t *queue = pl_alloc(c->n_columns, sizeof *queue);
+    const int is_there = l.place && l.of && l.way && l.base && l.first && l.cell && queue;
+    if (is_there) {
+        find_places(&l);
+        l.first++; /* counts end up at the beginning of the next column */
+        list_at_columns(&l, 1);
+        for (int64_t k = 0; k < c->n_columns; k++)
+            l.first[k + 1] += l.first[k];
+        list_at_columns(&l, 0);
+        l.first--;
+        for (int32_t k = 0; k < c->n_columns; k++)
+            if (l.way[k] == 0)
+                spread(&l, k, queue);
+        for (int64_t i = 0; i < c->n_cells; i++)
+            if (is_simplex(c, &c->cell[i]))
+                note_levels(&l, &c->cell[i]);
+    }
+    pl_free(l.place);
+    pl_free(l.of);
+    pl_free(l.way);
+    pl_free(l.base);
+    pl_free(l.first);
+    pl_free(l.cell);
+    pl_free(queue);
+    return is_there ? PLANISH_OK : pl_fail_memory(error, "the columns of layers");
+}
+
+/* ---- all of it -------------------------------------------------------------------------------- */
+
+int pl_columns_find(const planish_mesh *mesh, const uint8_t *is_layer, int threads, pl_columns *c,
+                    planish_error *error) {
+    *c = (pl_columns){.mesh = mesh};
+    int status = pl_frame_create(mesh, NULL, threads, &c->frame, error);
+    if (!status)
+        status = list_cells(c, is_layer, error);
+    if (!status)
+        status = number_uprights(c, error);
+    if (!status)
+        status = make_columns(c, error);
+    if (!status)
+        status = find_levels(c, error);
+    return status;
+}
+
+void pl_columns_destroy(pl_columns *c) {
+    pl_free(c->cell);
+    pl_free(c->end);
+    pl_free(c->begin);
+    pl_free(c->upright);
+    pl_free(c->node);
+    pl_free(c->column);
+    pl_free(c->place);
+    pl_free(c->height);
+    pl_free(c->way);
+}

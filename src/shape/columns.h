@@ -1,0 +1,73 @@
+/* columns: the edges across layers, their columns and rows. Internal to shape.
+ *
+ * An edge across a layer is an upright. Uprights end to end make a column. Uprights of one element, and
+ * those of a simplex and of the columns at its other nodes beside it, are of one row.
+ *
+ *   columns.c   pl_columns_find, _destroy     uprights, columns, rows
+ *   heights.c   pl_columns_smooth_heights     how long the uprights are to be
+ */
+#ifndef PL_SHAPE_COLUMNS_H
+#define PL_SHAPE_COLUMNS_H
+
+#include "geometry/layer_shape.h"
+#include "topology/frame.h"
+
+#include <planish/planish.h>
+
+/** Element of a layer. */
+typedef struct pl_layer_cell {
+    int32_t cell;
+    uint8_t factor;     /* of a product: the line of it that the uprights are, */
+    uint8_t end[2];     /* of a simplex: the corners of its upright, the lower one first */
+    uint8_t level;      /* and bit c: corner c is as high as the upper one; */
+    uint8_t is_level;   /* 1: this is known */
+    uint8_t n_uprights; /* own and, after them, of simplices those beside it */
+    int32_t upright[PL_UPRIGHTS]; /* of products by pl_upright_at */
+} pl_layer_cell;
+
+/** Columns of a mesh; lengths in units of the frame. Owned, but for mesh. */
+typedef struct pl_columns {
+    const planish_mesh *mesh; /* cells, dense coordinates */
+    pl_frame frame;
+    int64_t n_cells;
+    pl_layer_cell *cell; /* [n_cells] ascending */
+    int64_t n_uprights;
+    int32_t *end;      /* [n_uprights][2] nodes, the lower number first */
+    int64_t n_columns; /* columns with their uprights in order: */
+    int64_t *begin;    /* [n_columns + 1] in upright and, plus the column's number, in node */
+    int32_t *upright;  /* [n_uprights] */
+    int32_t *node;     /* [n_uprights + n_columns] ends of the uprights, one after the other */
+    int32_t *column;   /* [n_uprights] of an upright, */
+    int32_t *place;    /* [n_uprights] and its place in upright */
+    double *height;    /* [n_uprights] how long it is to be */
+    double *way; /* [n_uprights][3] unit: the direction of the column there, from the lower place
+                          to the higher one */
+} pl_columns;
+
+/** Find the columns of the marked elements of mesh, and of flat ones that go on from them. Errors:
+ *  _MEMORY, _MESH. */
+int pl_columns_find(const planish_mesh *mesh, const uint8_t *is_layer, int threads, pl_columns *c,
+                    planish_error *error);
+
+/** Free the columns. */
+void pl_columns_destroy(pl_columns *c);
+
+/** Difference of nodes b - a. */
+static inline void pl_columns_edge(const pl_columns *c, int32_t a, int32_t b, double edge[3]) {
+    const int dim = c->mesh->dim;
+    edge[2] = 0;
+    for (int d = 0; d < dim; d++)
+        edge[d] = pl_frame_difference(&c->frame, c->mesh->coordinates[(int64_t)b * dim + d],
+                                      c->mesh->coordinates[(int64_t)a * dim + d]);
+}
+
+/** Fill height and way: from the input, smoothed. */
+int pl_columns_smooth_heights(pl_columns *c, planish_error *error);
+
+/** Put the means over the uprights of each element of value [n_uprights] in of_cell [n_cells], and
+ *  over the elements of each upright of these back in value: rounds times. The mean is
+ *  sqrt(sum x / sum 1 / x), nearly the geometric one. Errors: _MEMORY. */
+int pl_columns_average(const pl_columns *c, int rounds, double *value, double *of_cell,
+                       planish_error *error);
+
+#endif

@@ -1,0 +1,292 @@
+/* heights: how high the rows of layers are to be.
+ *
+ * A height is the length of its upright in the input, averaged along its row. Where a wall was moved the
+ * first heights are not what they were, but the columns tell: rows grow evenly. An upright that points
+ * against its column, or is off the growth of its column while others of its row are off by another
+ * factor, gets the height by which the column goes on from the rows inside.
+ */
+#include "shape/columns.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <math.h>
+
+/* An upright goes along its column within a cosine of 60 degrees. */
+static const double ALONG = 0.5;
+/* Growth is steady if its factors from row to row are within this part of each other. An upright is off
+ * it if it is so much longer or shorter than the growth says, and a row varies if two uprights beside each
+ * other are off it by factors that differ so much. */
+static const double STEADY = 1.05, OFF = 1.05, VARIES = 1.02;
+/* No row is higher or lower than the next one by more than this factor if it is guessed from others. */
+static const double MOST_GROWTH = 2;
+/* An upright that differs from the median of those beside it by this factor becomes the median. */
+static const double OUTLIER = 1.5;
+enum { ROUNDS = 2 };          /* of averages along the rows */
+enum { MOST_LOOKED_AT = 24 }; /* uprights beside one */
+
+/** Heights being found. */
+typedef struct search {
+    pl_columns *c;
+    double *length; /* [n_uprights] in the input, */
+    double *off;    /* [n_uprights] and by how much it is longer than the growth says; 0: unknown */
+    uint8_t *is_off; /* [n_uprights] see below */
+    int64_t *first;  /* [n_uprights + 2] in cell */
+    int32_t *cell;   /* elements at each upright */
+    int32_t *queue;  /* [n_uprights] */
+} search;
+
+/* What becomes of an upright: it is off the growth; it points elsewhere; it gets another height. */
+enum { IS_OFF = 1, IS_TURNED = 2, IS_WILD = 4 };
+
+/* ---- columns ---------------------------------------------------------------------------------- */
+
+static double ratio_of(double a, double b) {
+    return a > b ? a / b : b / a;
+}
+
+/** Find the length and direction of the upright at a place, beside the one at a place before, or none
+ *  (-1). */
+static void find_way(const search *s, int32_t column, int64_t place, int64_t before) {
+    const pl_columns *c = s->c;
+    const int32_t u = c->upright[place];
+    double *way = c->way + 3 * (int64_t)u, edge[3];
+    pl_columns_edge(c, c->node[place + column], c->node[place + column + 1], edge);
+    const double length = sqrt(pl_dot(3, edge, edge));
+    const double *last = before < 0 ? edge : c->way + 3 * (int64_t)c->upright[before];
+    s->length[u] = length;
+    s->is_off[u] = length > 0 && pl_dot(3, edge, last) >= ALONG * length * (before < 0 ? length : 1)
+                       ? 0
+                       : IS_TURNED;
+    for (int d = 0; d < 3; d++)
+        way[d] = s->is_off[u] == 0 ? edge[d] / length : before < 0 ? 0 : last[d];
+}
+
+/** Place of the longest upright of a column: heights are known best there. */
+static int64_t anchor_of(const search *s, int32_t column) {
+    const pl_columns *c = s->c;
+    int64_t best = c->begin[column];
+    double most = 0;
+    for (int64_t i = c->begin[column]; i < c->begin[column + 1]; i++) {
+        double edge[3];
+        pl_columns_edge(c, c->node[i + column], c->node[i + column + 1], edge);
+        if (pl_dot(3, edge, edge) > most) {
+            most = pl_dot(3, edge, edge);
+            best = i;
+        }
+    }
+    return best;
+}
+
+/** Height n uprights from a place on, in steps of step. */
+static double height_at(const pl_columns *c, int64_t place, int step, int n) {
+    return c->height[c->upright[place + step * n]];
+}
+
+/** Height of the upright at a place as those between it and the anchor tell: the growth over the next
+ *  three goes on. n_known: their number, > 0. */
+static double go_on(const pl_columns *c, int64_t place, int step, int64_t n_known) {
+    const double next = height_at(c, place, step, 1);
+    const double growth = n_known > 2   ? sqrt(height_at(c, place, step, 3) / next)
+                          : n_known > 1 ? height_at(c, place, step, 2) / next
+                                        : 1;
+    return next / fmin(fmax(growth, 1 / MOST_GROWTH), MOST_GROWTH);
+}
+
+/** Whether the rows inside of a place grow steadily. */
+static int is_steady(const pl_columns *c, int64_t place, int step, int64_t n_known) {
+    double least = INFINITY, most = 0;
+    for (int n = 1; n_known > 3 && n < 4; n++) {
+        const double growth = height_at(c, place, step, n + 1) / height_at(c, place, step, n);
+        least = fmin(least, growth);
+        most = fmax(most, growth);
+    }
+    return n_known > 3 && most <= STEADY * least;
+}
+
+/** Find the heights of a column from the anchor to an end: lengths, but of those that are turned or wild
+ *  what the rows inside tell. */
+static void find_heights(const search *s, int32_t column, int64_t anchor, int step) {
+    const pl_columns *c = s->c;
+    int64_t n_known = 1;
+    for (int64_t i = anchor - step; i >= c->begin[column] && i < c->begin[column + 1]; i -= step) {
+        const int32_t u = c->upright[i];
+        const double told = go_on(c, i, step, n_known);
+        s->off[u] = is_steady(c, i, step, n_known) ? s->length[u] / told : 0;
+        if (s->off[u] > 0 && ratio_of(s->off[u], 1) > OFF)
+            s->is_off[u] |= IS_OFF;
+        c->height[u] = s->is_off[u] & (IS_TURNED | IS_WILD) ? told : s->length[u];
+        n_known++;
+    }
+}
+
+static void find_columns(const search *s, int is_first) {
+    const pl_columns *c = s->c;
+    for (int32_t k = 0; k < c->n_columns; k++) {
+        const int64_t anchor = anchor_of(s, k);
+        if (is_first) {
+            find_way(s, k, anchor, -1);
+            for (int64_t i = anchor - 1; i >= c->begin[k]; i--)
+                find_way(s, k, i, i + 1);
+            for (int64_t i = anchor + 1; i < c->begin[k + 1]; i++)
+                find_way(s, k, i, i - 1);
+        }
+        c->height[c->upright[anchor]] = s->length[c->upright[anchor]];
+        find_heights(s, k, anchor, 1);
+        find_heights(s, k, anchor, -1);
+    }
+}
+
+/* ---- rows ------------------------------------------------------------------------------------- */
+
+/** List the elements at each upright. */
+static void list_cells(search *s) {
+    const pl_columns *c = s->c;
+    int64_t *first = s->first + 1; /* counts end up at the beginning of the next one */
+    for (int64_t i = 0; i < c->n_cells; i++)
+        for (int k = 0; k < c->cell[i].n_uprights; k++)
+            first[c->cell[i].upright[k] + 1]++;
+    for (int64_t u = 0; u < c->n_uprights; u++)
+        first[u + 1] += first[u];
+    for (int64_t i = 0; i < c->n_cells; i++)
+        for (int k = 0; k < c->cell[i].n_uprights; k++)
+            s->cell[first[c->cell[i].upright[k]]++] = (int32_t)i;
+}
+
+/** List uprights beside one, itself first; return their number. */
+static int beside(const search *s, int64_t u, int32_t found[MOST_LOOKED_AT]) {
+    int n = 0;
+    found[n++] = (int32_t)u;
+    for (int64_t i = s->first[u]; i < s->first[u + 1]; i++) {
+        const pl_layer_cell *cell = &s->c->cell[s->cell[i]];
+        for (int k = 0; k < cell->n_uprights; k++) {
+            int is_new = n < MOST_LOOKED_AT;
+            for (int j = 0; j < n; j++)
+                is_new &= found[j] != cell->upright[k];
+            if (is_new)
+                found[n++] = cell->upright[k];
+        }
+    }
+    return n;
+}
+
+/** Whether an upright is off the growth by another factor than one beside it, or is turned. */
+static int is_wild(const search *s, int64_t u) {
+    int32_t found[MOST_LOOKED_AT];
+    const int n = s->is_off[u] & IS_OFF ? beside(s, u, found) : 0;
+    for (int k = 1; k < n; k++)
+        if (s->is_off[found[k]] & IS_TURNED ||
+            (s->off[found[k]] > 0 && ratio_of(s->off[u], s->off[found[k]]) > VARIES))
+            return 1;
+    return (s->is_off[u] & IS_TURNED) != 0;
+}
+
+/** Find wild uprights, and those of their rows that are off the growth, too. */
+static void spread_wild(const search *s) {
+    int64_t n = 0;
+    for (int64_t u = 0; u < s->c->n_uprights; u++)
+        if (is_wild(s, u))
+            s->queue[n++] = (int32_t)u;
+    for (int64_t k = 0; k < n; k++)
+        s->is_off[s->queue[k]] |= IS_WILD;
+    for (int64_t k = 0; k < n; k++) {
+        int32_t found[MOST_LOOKED_AT];
+        for (int j = beside(s, s->queue[k], found); j-- > 1;)
+            if ((s->is_off[found[j]] & (IS_OFF | IS_WILD)) == IS_OFF) {
+                s->is_off[found[j]] |= IS_WILD;
+                s->queue[n++] = found[j];
+            }
+    }
+}
+
+/** Return the height of an upright, or the median of it and those beside it if it is far off. */
+static double robust_height(const search *s, int64_t u) {
+    int32_t found[MOST_LOOKED_AT];
+    double sorted[MOST_LOOKED_AT];
+    const int n = beside(s, u, found);
+    const double own = s->c->height[u];
+    for (int k = 0; k < n; k++) {
+        const double height = s->c->height[found[k]];
+        int at = k;
+        for (; at > 0 && sorted[at - 1] > height; at--)
+            sorted[at] = sorted[at - 1];
+        sorted[at] = height;
+    }
+    const double median = sorted[n / 2];
+    return n > 2 && median > 0 && !(ratio_of(own, median) <= OUTLIER) ? median : own;
+}
+
+int pl_columns_average(const pl_columns *c, int rounds, double *value, double *of_cell,
+                       planish_error *error) {
+    double *sum = pl_alloc(2 * c->n_uprights, sizeof *sum);
+    if (!sum)
+        return pl_fail_memory(error, "the heights of layers");
+    for (int round = 0; round <= rounds; round++) { /* the last one is for the elements alone */
+        for (int64_t i = 0; i < c->n_cells; i++) {
+            double of[2] = {0, 0};
+            for (int k = 0; k < c->cell[i].n_uprights; k++) {
+                of[0] += value[c->cell[i].upright[k]];
+                of[1] += 1 / value[c->cell[i].upright[k]];
+            }
+            of_cell[i] = sqrt(of[0] / of[1]);
+        }
+        for (int64_t u = 0; u < 2 * c->n_uprights; u++)
+            sum[u] = 0;
+        for (int64_t i = 0; round < rounds && i < c->n_cells; i++)
+            for (int k = 0; k < c->cell[i].n_uprights; k++) {
+                sum[2 * (int64_t)c->cell[i].upright[k]] += of_cell[i];
+                sum[2 * (int64_t)c->cell[i].upright[k] + 1] += 1 / of_cell[i];
+            }
+        for (int64_t u = 0; round < rounds && u < c->n_uprights; u++)
+            value[u] = sqrt(sum[2 * u] / sum[2 * u + 1]);
+    }
+    pl_free(sum);
+    return PLANISH_OK;
+}
+
+/* ---- all of it -------------------------------------------------------------------------------- */
+
+static int find_all(search *s, planish_error *error) {
+    pl_columns *c = s->c;
+    double *of_cell = pl_alloc(c->n_cells, sizeof *of_cell);
+    if (!of_cell)
+        return pl_fail_memory(error, "the heights of layers");
+    list_cells(s);
+    find_columns(s, 1);
+    spread_wild(s);
+    find_columns(s, 0);
+    for (int64_t u = 0; u < c->n_uprights; u++)
+        s->length[u] = robust_height(s, u);
+    for (int64_t u = 0; u < c->n_uprights; u++)
+        c->height[u] = s->length[u];
+    const int status = pl_columns_average(c, ROUNDS, c->height, of_cell, error);
+    pl_free(of_cell);
+    return status;
+}
+
+int pl_columns_smooth_heights(pl_columns *c, planish_error *error) {
+    const int64_t n = c->n_uprights;
+    int64_t n_at = 0;
+    for (int64_t i = 0; i < c->n_cells; i++)
+        n_at += c->cell[i].n_uprights;
+    search s = {.c = c};
+    c->height = pl_alloc_zero(n, sizeof *c->height);
+    c->way = pl_alloc(3 * n, sizeof *c->way);
+    s.length = pl_alloc(n, sizeof *s.length);
+    s.off = pl_alloc_zero(n, sizeof *s.off);
+    s.is_off = pl_alloc_zero(n, sizeof *s.is_off);
+    s.first = pl_alloc_zero(n + 2, sizeof *s.first);
+    s.cell = pl_alloc(n_at, sizeof *s.cell);
+    s.queue = pl_alloc(n, sizeof *s.queue);
+    const int is_there =
+        c->height && c->way && s.length && s.off && s.is_off && s.first && s.cell && s.queue;
+    const int status =
+        is_there ? find_all(&s, error) : pl_fail_memory(error, "the heights of layers");
+    pl_free(s.length);
+    pl_free(s.off);
+    pl_free(s.is_off);
+    pl_free(s.first);
+    pl_free(s.cell);
+    pl_free(s.queue);
+    return status;
+}
