@@ -94,7 +94,10 @@ static int keep_well_shaped(int threads, cells_call *c, planish_error *error) {
     if (!c->state || !c->scaled_jacobian)
         return pl_fail_memory(error, "thin elements");
     const planish_cell_values values = {.state = c->state, .scaled_jacobian = c->scaled_jacobian};
-    const int status = planish_measure_cells(&c->dense.mesh, 0, threads, &quality, &values, error);
+    planish_mesh mesh = c->dense.mesh;
+    mesh.reference = NULL;
+    mesh.is_layer = NULL;
+    const int status = planish_measure_cells(&mesh, 0, threads, &quality, &values, error);
     for (int64_t i = 0; !status && i < n; i++)
         if (c->thinness[i] && !(c->state[i] == PLANISH_CELL_STATE_VALID &&
                                 c->scaled_jacobian[i] >= LEAST_SCALED_JACOBIAN))

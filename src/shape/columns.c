@@ -267,12 +267,15 @@ static int make_columns(pl_columns *c, planish_error *error) {
 /** Where columns stand beside each other. */
 typedef struct levels {
     pl_columns *c;
-    int32_t *place; /* [n_nodes] in c->node, -1: in no column, -2: in several */
-    int32_t *of;    /* [n_uprights + n_columns] the column of what is there */
-    int8_t *way;    /* [n_columns] +1, -1: the level rises, falls with the place; 0: not known */
-    int32_t *base;  /* [n_columns] level of the first node */
-    int64_t *first; /* [n_columns + 1] in cell */
-    int32_t *cell;  /* elements at each column */
+    int32_t *place;  /* [n_nodes] in c->node, -1: in no column, -2: in several */
+    int32_t *of;     /* [n_uprights + n_columns] the column of what is there */
+    int8_t *way;     /* [n_columns] +1, -1: the level rises, falls with the place; 0: not known */
+    int32_t *base;   /* [n_columns] level of the first node */
+    int8_t *elected; /* [n_columns] way and base are being voted for: the one that leads, */
+    int32_t *votes;  /* [n_columns] and by how much */
+    uint8_t *is_listed; /* [n_columns] 1: votes have been heard */
+    int64_t *first;     /* [n_columns + 1] in cell */
+    int32_t *cell;      /* elements at each column */
 } levels;
 
 static int32_t level_at(const levels *l, int32_t place) {
@@ -312,49 +315,62 @@ static int find_level(const levels *l, const int32_t *node, const pl_layer_cell 
            along * along >= 0.5 * square * pl_dot(3, way, way);
 }
 
-/** Set base and way of the column of corner p of a simplex from those of its upright's. Return the
- *  column; -1: nothing is new. */
-static int32_t join(levels *l, const pl_layer_cell *cell, int p) {
+/** Vote for the base and way of the column of corner p of a simplex, or of its upright's, from those of
+ *  the other one. Return the column; -1: both or none are known, or the simplex does not tell. */
+static int32_t vote(levels *l, const pl_layer_cell *cell, int p) {
     const pl_columns *c = l->c;
     const int32_t *node = c->mesh->cells->node + c->mesh->cells->offset[cell->cell];
     const int32_t own = c->column[cell->upright[0]], at = l->place[node[p]];
     int is_upper;
-    if (l->place[node[cell->end[0]]] < 0 || l->place[node[cell->end[1]]] < 0 || at < 0)
+    if (l->place[node[cell->end[0]]] < 0 || l->place[node[cell->end[1]]] < 0 || at < 0 ||
+        (l->way[own] == 0) == (l->way[l->of[at]] == 0) || !find_level(l, node, cell, p, &is_upper))
         return -1;
-    const int32_t other = l->of[at];
-    const int from_other = l->way[own] == 0;
-    if (own == other || (l->way[own] == 0) == (l->way[other] == 0) ||
-        !find_level(l, node, cell, p, &is_upper))
-        return -1;
-    double a[3], b[3];
-    direction_of(c, own, a);
-    direction_of(c, other, b);
-    const int turn = pl_dot(3, a, b) < 0 ? -1 : 1;
     /* Both places have one level. */
-    const int32_t known = from_other ? other : own, other_one = from_other ? own : other;
     const int32_t mine = l->place[node[cell->end[is_upper]]];
-    const int32_t there = from_other ? at : mine, here = from_other ? mine : at;
-    l->way[other_one] = (int8_t)(turn * l->way[known]);
-    const int64_t k = here - (c->begin[other_one] + other_one);
-    l->base[other_one] = (int32_t)(level_at(l, there) - l->way[other_one] * k);
-    return other_one;
+    const int32_t known = l->way[own] == 0 ? at : mine, new = l->way[own] == 0 ? mine : at;
+    const int32_t column = l->of[new];
+    double a[3], b[3];
+    direction_of(c, l->of[known], a);
+    direction_of(c, column, b);
+    const int way = pl_dot(3, a, b) < 0 ? -l->way[l->of[known]] : l->way[l->of[known]];
+    const int64_t k = new - (c->begin[column] + column);
+    const int32_t base = (int32_t)(level_at(l, known) - way * k);
+    const int is_same = l->elected[column] == way && l->base[column] == base;
+    if (l->votes[column] == 0) {
+        l->elected[column] = (int8_t)way;
+        l->base[column] = base;
+    }
+    l->votes[column] += l->votes[column] == 0 || is_same ? 1 : -1;
+    return column;
 }
 
-/** Spread levels from a column on. queue [n_columns]. */
+/** Spread levels from a column on: each one beside it gets those that most simplices between them tell
+ *  (Boyer and Moore 1991). Squeezed rows tell wrong ones. queue [n_columns]. */
 static void spread(levels *l, int32_t column, int32_t *queue) {
     int64_t n = 1;
     l->way[column] = 1;
     queue[0] = column;
-    for (int64_t k = 0; k < n; k++)
+    for (int64_t k = 0; k < n; k++) {
+        int64_t n_new = n;
         for (int64_t i = l->first[queue[k]]; i < l->first[queue[k] + 1]; i++) {
             const pl_layer_cell *cell = &l->c->cell[l->cell[i]];
             for (int p = 0; p <= l->c->mesh->dim; p++) {
                 const int32_t found =
-                    p == cell->end[0] || p == cell->end[1] ? -1 : join(l, cell, p);
+                    p == cell->end[0] || p == cell->end[1] ? -1 : vote(l, cell, p);
+                if (found >= 0 && !l->is_listed[found])
+                    queue[n_new++] = found;
                 if (found >= 0)
-                    queue[n++] = found;
+                    l->is_listed[found] = 1;
             }
         }
+        for (int64_t i = n; i < n_new; i++) {
+            l->is_listed[queue[i]] = l->votes[queue[i]] > 0;
+            if (l->votes[queue[i]] > 0) {
+                l->way[queue[i]] = l->elected[queue[i]];
+                queue[n++] = queue[i];
+            }
+        }
+    }
 }
 
 static int is_simplex(const pl_columns *c, const pl_layer_cell *cell) {
@@ -423,10 +439,14 @@ static int find_levels(pl_columns *c, planish_error *error) {
     l.of = pl_alloc(n_places, sizeof *l.of);
     l.way = pl_alloc_zero(c->n_columns, sizeof *l.way);
     l.base = pl_alloc_zero(c->n_columns, sizeof *l.base);
+    l.elected = pl_alloc_zero(c->n_columns, sizeof *l.elected);
+    l.votes = pl_alloc_zero(c->n_columns, sizeof *l.votes);
+    l.is_listed = pl_alloc_zero(c->n_columns, sizeof *l.is_listed);
     l.first = pl_alloc_zero(c->n_columns + 2, sizeof *l.first);
     l.cell = pl_alloc(c->n_cells * (c->mesh->dim + 1), sizeof *l.cell);
     int32_t *queue = pl_alloc(c->n_columns, sizeof *queue);
-    const int is_there = l.place && l.of && l.way && l.base && l.first && l.cell && queue;
+    const int is_there = l.place && l.of && l.way && l.base && l.elected && l.votes &&
+                         l.is_listed && l.first && l.cell && queue;
     if (is_there) {
         find_places(&l);
         l.first++; /* counts end up at the beginning of the next column */
@@ -446,10 +466,34 @@ static int find_levels(pl_columns *c, planish_error *error) {
     pl_free(l.of);
     pl_free(l.way);
     pl_free(l.base);
+    pl_free(l.elected);
+    pl_free(l.votes);
+    pl_free(l.is_listed);
     pl_free(l.first);
     pl_free(l.cell);
     pl_free(queue);
     return is_there ? PLANISH_OK : pl_fail_memory(error, "the columns of layers");
+}
+
+/* ---- corners ---------------------------------------------------------------------------------- */
+
+int pl_columns_corner(const pl_columns *c, const pl_layer_cell *cell, int k, double along[2][3]) {
+    const pl_cell_shape *shape = counted_type(c->mesh, cell->cell)->shape;
+    const int32_t *node = c->mesh->cells->node + c->mesh->cells->offset[cell->cell];
+    int n = 0;
+    memset(along, 0, 2 * sizeof *along);
+    if (shape->n_simplices > 1) {
+        for (int j = 0; j < shape->dim; j++) {
+            const int to = shape->neighbour[k][j];
+            if (pl_factor_of(shape, k, to) != cell->factor)
+                pl_columns_edge(c, node[k], node[to], along[n++]);
+        }
+        return pl_upright_at(shape, cell->factor, k);
+    }
+    for (int p = 0; p <= shape->dim; p++)
+        if (p != cell->end[0] && p != cell->end[1])
+            pl_columns_edge(c, node[cell->end[cell->level >> p & 1]], node[p], along[n++]);
+    return 0;
 }
 
 /* ---- all of it -------------------------------------------------------------------------------- */
@@ -478,5 +522,4 @@ void pl_columns_destroy(pl_columns *c) {
     pl_free(c->column);
     pl_free(c->place);
     pl_free(c->height);
-    pl_free(c->way);
 }

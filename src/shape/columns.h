@@ -40,8 +40,6 @@ typedef struct pl_columns {
     int32_t *column;   /* [n_uprights] of an upright, */
     int32_t *place;    /* [n_uprights] and its place in upright */
     double *height;    /* [n_uprights] how long it is to be */
-    double *way; /* [n_uprights][3] unit: the direction of the column there, from the lower place
-                          to the higher one */
 } pl_columns;
 
 /** Find the columns of the marked elements of mesh, and of flat ones that go on from them. Errors:
@@ -61,8 +59,19 @@ static inline void pl_columns_edge(const pl_columns *c, int32_t a, int32_t b, do
                                       c->mesh->coordinates[(int64_t)a * dim + d]);
 }
 
-/** Fill height and way: from the input, smoothed. */
-int pl_columns_smooth_heights(pl_columns *c, planish_error *error);
+/** Number of corners of an element that tell of its layer: of products all, of simplices 1, or 0 if their
+ *  levels are not known. */
+static inline int pl_layer_corners(const pl_cell_shape *shape, const pl_layer_cell *cell) {
+    return shape->n_simplices > 1 ? shape->n_corners : cell->is_level;
+}
+
+/** Find the edges along the layer at corner k of an element, of simplices from the ends of the upright
+ *  to nodes as high. along [dim - 1]; others are 0. Return the place of the upright there in
+ *  cell->upright. */
+int pl_columns_corner(const pl_columns *c, const pl_layer_cell *cell, int k, double along[2][3]);
+
+/** Fill height: from the input, smoothed. */
+int pl_columns_smooth_heights(pl_columns *c, int threads, planish_error *error);
 
 /** Put the means over the uprights of each element of value [n_uprights] in of_cell [n_cells], and
  *  over the elements of each upright of these back in value: rounds times. The mean is

@@ -1,6 +1,6 @@
 /* heights: how high the rows of layers are to be.
  *
- * A height is the length of its upright in the input, averaged along its row. Where a wall was moved the
+ * A height is that of its upright across the layer in the input, averaged along its row. Where a wall was moved the
  * first heights are not what they were, but the columns tell: rows grow evenly. An upright that points
  * against its column, or is off the growth of its column while others of its row are off by another
  * factor, gets the height by which the column goes on from the rows inside.
@@ -9,11 +9,10 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "topology/cells.h"
 
 #include <math.h>
 
-/* An upright goes along its column within a cosine of 60 degrees. */
-static const double ALONG = 0.5;
 /* Growth is steady if its factors from row to row are within this part of each other. An upright is off
  * it if it is so much longer or shorter than the growth says, and a row varies if two uprights beside each
  * other are off it by factors that differ so much. */
@@ -36,7 +35,7 @@ typedef struct search {
     int32_t *queue;  /* [n_uprights] */
 } search;
 
-/* What becomes of an upright: it is off the growth; it points elsewhere; it gets another height. */
+/* What is known of an upright: it is off the growth; it points elsewhere; it gets another height. */
 enum { IS_OFF = 1, IS_TURNED = 2, IS_WILD = 4 };
 
 /* ---- columns ---------------------------------------------------------------------------------- */
@@ -45,36 +44,62 @@ static double ratio_of(double a, double b) {
     return a > b ? a / b : b / a;
 }
 
-/** Find the length and direction of the upright at a place, beside the one at a place before, or none
- *  (-1). */
-static void find_way(const search *s, int32_t column, int64_t place, int64_t before) {
+/** Add the heights of an element at its uprights: determinants of corners by what their edges along the
+ *  layer span. sum [n_uprights][2]: heights, and how many. */
+static void add_heights(const search *s, const pl_layer_cell *cell, double sign, double *sum) {
+    const planish_mesh *mesh = s->c->mesh;
+    const pl_cell_shape *shape = pl_cell_type_of(mesh->cells->type[cell->cell])->shape;
+    const int32_t *node = mesh->cells->node + mesh->cells->offset[cell->cell];
+    const int n_corners = pl_layer_corners(shape, cell);
+    for (int k = 0; k < n_corners; k++) {
+        double edges[3][3] = {{0}}, along[2][3], normal[3];
+        const int upright = pl_columns_corner(s->c, cell, k, along);
+        for (int j = 0; j < shape->dim; j++)
+            pl_columns_edge(s->c, node[k], node[shape->neighbour[k][j]], edges[j]);
+        if (shape->dim == 2)
+            along[1][2] = 1; /* so that the base is the length */
+        pl_cross(along[0], along[1], normal);
+        const double base = sqrt(pl_dot(3, normal, normal));
+        const double D = sign * pl_determinant_of_edges(shape->dim, (const double(*)[3])edges);
+        double *of = sum + 2 * (int64_t)cell->upright[upright];
+        if (base > 0) {
+            of[0] += D / base;
+            of[1] += 1;
+        }
+    }
+}
+
+/** Find how high the uprights are across the layer, and which of these point the other way. Those of
+ *  simplices whose levels are not known are as high as long. */
+static int find_lengths(const search *s, int threads, planish_error *error) {
     const pl_columns *c = s->c;
-    const int32_t u = c->upright[place];
-    double *way = c->way + 3 * (int64_t)u, edge[3];
-    pl_columns_edge(c, c->node[place + column], c->node[place + column + 1], edge);
-    const double length = sqrt(pl_dot(3, edge, edge));
-    const double *last = before < 0 ? edge : c->way + 3 * (int64_t)c->upright[before];
-    s->length[u] = length;
-    s->is_off[u] = length > 0 && pl_dot(3, edge, last) >= ALONG * length * (before < 0 ? length : 1)
-                       ? 0
-                       : IS_TURNED;
-    for (int d = 0; d < 3; d++)
-        way[d] = s->is_off[u] == 0 ? edge[d] / length : before < 0 ? 0 : last[d];
+    const planish_mesh *mesh = c->mesh;
+    double *sum = pl_alloc_zero(2 * c->n_uprights, sizeof *sum);
+    int8_t *sign = pl_alloc(mesh->cells->n, sizeof *sign);
+    int status = sum && sign ? pl_orient_cells(mesh->cells, mesh->dim, mesh->n_nodes,
+                                               mesh->coordinates, threads, sign, error)
+                             : pl_fail_memory(error, "the heights of layers");
+    for (int64_t i = 0; !status && i < c->n_cells; i++)
+        add_heights(s, &c->cell[i], sign[c->cell[i].cell], sum);
+    for (int64_t u = 0; !status && u < c->n_uprights; u++) {
+        double edge[3];
+        pl_columns_edge(c, c->end[2 * u], c->end[2 * u + 1], edge);
+        s->length[u] =
+            sum[2 * u + 1] > 0 ? fabs(sum[2 * u]) / sum[2 * u + 1] : sqrt(pl_dot(3, edge, edge));
+        s->is_off[u] = sum[2 * u + 1] > 0 && !(sum[2 * u] > 0) ? IS_TURNED : 0;
+    }
+    pl_free(sum);
+    pl_free(sign);
+    return status;
 }
 
 /** Place of the longest upright of a column: heights are known best there. */
 static int64_t anchor_of(const search *s, int32_t column) {
     const pl_columns *c = s->c;
     int64_t best = c->begin[column];
-    double most = 0;
-    for (int64_t i = c->begin[column]; i < c->begin[column + 1]; i++) {
-        double edge[3];
-        pl_columns_edge(c, c->node[i + column], c->node[i + column + 1], edge);
-        if (pl_dot(3, edge, edge) > most) {
-            most = pl_dot(3, edge, edge);
+    for (int64_t i = c->begin[column]; i < c->begin[column + 1]; i++)
+        if (s->length[c->upright[i]] > s->length[c->upright[best]])
             best = i;
-        }
-    }
     return best;
 }
 
@@ -120,17 +145,10 @@ static void find_heights(const search *s, int32_t column, int64_t anchor, int st
     }
 }
 
-static void find_columns(const search *s, int is_first) {
+static void find_columns(const search *s) {
     const pl_columns *c = s->c;
     for (int32_t k = 0; k < c->n_columns; k++) {
         const int64_t anchor = anchor_of(s, k);
-        if (is_first) {
-            find_way(s, k, anchor, -1);
-            for (int64_t i = anchor - 1; i >= c->begin[k]; i--)
-                find_way(s, k, i, i + 1);
-            for (int64_t i = anchor + 1; i < c->begin[k + 1]; i++)
-                find_way(s, k, i, i - 1);
-        }
         c->height[c->upright[anchor]] = s->length[c->upright[anchor]];
         find_heights(s, k, anchor, 1);
         find_heights(s, k, anchor, -1);
@@ -246,42 +264,45 @@ int pl_columns_average(const pl_columns *c, int rounds, double *value, double *o
 
 /* ---- all of it -------------------------------------------------------------------------------- */
 
-static int find_all(search *s, planish_error *error) {
+static int find_all(search *s, int threads, planish_error *error) {
     pl_columns *c = s->c;
     double *of_cell = pl_alloc(c->n_cells, sizeof *of_cell);
     if (!of_cell)
         return pl_fail_memory(error, "the heights of layers");
     list_cells(s);
-    find_columns(s, 1);
+    int status = find_lengths(s, threads, error);
+    if (status) {
+        pl_free(of_cell);
+        return status;
+    }
+    find_columns(s);
     spread_wild(s);
-    find_columns(s, 0);
+    find_columns(s);
     for (int64_t u = 0; u < c->n_uprights; u++)
         s->length[u] = robust_height(s, u);
     for (int64_t u = 0; u < c->n_uprights; u++)
         c->height[u] = s->length[u];
-    const int status = pl_columns_average(c, ROUNDS, c->height, of_cell, error);
+    status = pl_columns_average(c, ROUNDS, c->height, of_cell, error);
     pl_free(of_cell);
     return status;
 }
 
-int pl_columns_smooth_heights(pl_columns *c, planish_error *error) {
+int pl_columns_smooth_heights(pl_columns *c, int threads, planish_error *error) {
     const int64_t n = c->n_uprights;
     int64_t n_at = 0;
     for (int64_t i = 0; i < c->n_cells; i++)
         n_at += c->cell[i].n_uprights;
     search s = {.c = c};
     c->height = pl_alloc_zero(n, sizeof *c->height);
-    c->way = pl_alloc(3 * n, sizeof *c->way);
     s.length = pl_alloc(n, sizeof *s.length);
     s.off = pl_alloc_zero(n, sizeof *s.off);
     s.is_off = pl_alloc_zero(n, sizeof *s.is_off);
     s.first = pl_alloc_zero(n + 2, sizeof *s.first);
     s.cell = pl_alloc(n_at, sizeof *s.cell);
     s.queue = pl_alloc(n, sizeof *s.queue);
-    const int is_there =
-        c->height && c->way && s.length && s.off && s.is_off && s.first && s.cell && s.queue;
+    const int is_there = c->height && s.length && s.off && s.is_off && s.first && s.cell && s.queue;
     const int status =
-        is_there ? find_all(&s, error) : pl_fail_memory(error, "the heights of layers");
+        is_there ? find_all(&s, threads, error) : pl_fail_memory(error, "the heights of layers");
     pl_free(s.length);
     pl_free(s.off);
     pl_free(s.is_off);

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROUNDS = 2 }; /* of averages of sizes along the rows */
+enum { ROUNDS = 4 }; /* of averages of sizes along the rows */
 
 /** Sizes being found. */
 typedef struct search {
@@ -47,39 +47,12 @@ static void add_corner(int n, const double edges[2][3], double cosine, double su
     sum[2] += 1;
 }
 
-/** Find the edges along the layer at corner k of a product; returns the cosine of the angle that they are
- *  to have. */
-static double product_corner(const search *s, const pl_layer_cell *cell, int k,
-                             double edges[2][3]) {
-    const pl_cell_shape *shape = shape_of(s, cell);
-    const int32_t *node = s->mesh->cells->node + s->mesh->cells->offset[cell->cell];
-    double cosine = 0;
-    int n = 0;
-    for (int j = 0; j < shape->dim; j++) {
-        const int to = shape->neighbour[k][j], f = pl_factor_of(shape, k, to);
-        if (f == cell->factor)
-            continue;
-        pl_columns_edge(&s->columns, node[k], node[to], edges[n++]);
-        cosine = shape->n_vertices[f] == 3 ? 0.5 : 0;
-    }
-    return cosine;
-}
-
-/** Find the edges along the layer of a simplex: from its upright to the other corners, without what they
- *  rise. */
-static void simplex_corner(const search *s, const pl_layer_cell *cell, double edges[2][3]) {
-    const double *way = s->columns.way + 3 * (int64_t)cell->upright[0];
-    const int32_t *node = s->mesh->cells->node + s->mesh->cells->offset[cell->cell];
-    int n = 0;
-    for (int p = 0; p <= s->mesh->dim; p++) {
-        if (p == cell->end[0] || p == cell->end[1])
-            continue;
-        pl_columns_edge(&s->columns, node[cell->end[0]], node[p], edges[n]);
-        const double rise = pl_dot(3, edges[n], way);
-        for (int d = 0; d < 3; d++)
-            edges[n][d] -= rise * way[d];
-        n++;
-    }
+/** Cosine of the angle that edges along a layer are to have. */
+static double cosine_of(const pl_cell_shape *shape, const pl_layer_cell *cell) {
+    int is_triangle = shape->n_simplices == 1;
+    for (int f = 0; f < shape->n_simplices; f++)
+        is_triangle |= f != cell->factor && shape->n_vertices[f] == 3;
+    return is_triangle ? 0.5 : 0;
 }
 
 /** Find how large each element is along the layer, and how regular. */
@@ -88,14 +61,11 @@ static void find_sizes(search *s) {
     for (int64_t i = 0; i < c->n_cells; i++) {
         const pl_layer_cell *cell = &c->cell[i];
         const pl_cell_shape *shape = shape_of(s, cell);
-        double sum[3] = {0}, edges[2][3] = {{0}};
-        if (shape->n_simplices == 1) {
-            simplex_corner(s, cell, edges);
-            add_corner(shape->dim - 1, (const double(*)[3])edges, 0.5, sum);
-        }
-        for (int k = 0; shape->n_simplices > 1 && k < shape->n_corners; k++) {
-            const double cosine = product_corner(s, cell, k, edges);
-            add_corner(shape->dim - 1, (const double(*)[3])edges, cosine, sum);
+        const int n = pl_layer_corners(shape, cell);
+        double sum[3] = {0}, along[2][3];
+        for (int k = 0; k < n; k++) {
+            pl_columns_corner(c, cell, k, along);
+            add_corner(shape->dim - 1, (const double(*)[3])along, cosine_of(shape, cell), sum);
         }
         s->size[i] = sum[2] > 0 ? sum[0] / sum[2] : 0;
         s->stretch[i] = sum[2] > 0 ? sum[1] / sum[2] : 1;
@@ -212,7 +182,7 @@ int pl_layer_shapes_find(const planish_mesh *mesh, const uint8_t *is_layer, int 
     memset(shapes->place, -1, (size_t)mesh->cells->n * sizeof *shapes->place);
     int status = pl_columns_find(mesh, is_layer, threads, &s.columns, error);
     if (!status)
-        status = pl_columns_smooth_heights(&s.columns, error);
+        status = pl_columns_smooth_heights(&s.columns, threads, error);
     if (!status)
         status = make_shapes(&s, shapes, error);
     pl_columns_destroy(&s.columns);

@@ -1,0 +1,361 @@
+/* planish_mesh.is_layer: layers that keep their heights while nodes move along them. Boxes are squeezed to
+ * layers whose heights grow; heights are judged by distances of nodes above each other. */
+#include "support/cell_meshes.h"
+#include "support/meshes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { N = 10, TRIANGLES = N_BOX_KINDS, TETRAHEDRA };
+static const double FIRST = 0.03, GROWTH = 1.25;
+static const int kinds[] = {BOX_QUADRILATERALS, BOX_HEXAHEDRA, BOX_WEDGES, TRIANGLES, TETRAHEDRA};
+enum { N_KINDS = sizeof kinds / sizeof *kinds };
+
+/* ---- meshes ---------------------------------------------------------------------------------- */
+
+/** Box of layers, as it is to be. */
+typedef struct layers {
+    cell_box *box;
+    int32_t *simplices; /* or NULL */
+    planish_mesh mesh;
+    uint8_t *is_layer; /* all */
+    double *x;         /* [n_nodes][dim] to be smoothed; as it is to be: box->x */
+} layers;
+
+static void *allocate(int64_t count, size_t size) {
+    void *array = calloc((size_t)count + 1, size);
+    assert_non_null(array);
+    return array;
+}
+
+/** Split the squares or cubes of a box in 2 triangles or 6 tetrahedra each. */
+static void split(layers *l) {
+    static const int of_square[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    static const int of_cube[6][4] = {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6},
+                                      {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
+    const int dim = l->mesh.dim, n = dim == 3 ? 6 : 2;
+    const planish_cells *cells = l->mesh.cells;
+    l->simplices = allocate(cells->n * n * (dim + 1), sizeof *l->simplices);
+    for (int64_t i = 0; i < cells->n * n; i++)
+        for (int j = 0; j <= dim; j++)
+            l->simplices[i * (dim + 1) + j] =
+                cells->node[cells->offset[i / n] +
+                            (dim == 3 ? of_cube[i % n][j] : of_square[i % n][j])];
+    l->mesh.cells = NULL;
+    l->mesh.elements = l->simplices;
+    l->mesh.n_elements = cells->n * n;
+}
+
+static layers make_layers(int kind) {
+    layers l = {.box = cell_box_create(kind == TRIANGLES    ? BOX_QUADRILATERALS
+                                       : kind == TETRAHEDRA ? BOX_HEXAHEDRA
+                                                            : (cell_box_kind)kind,
+                                       N)};
+    l.mesh = l.box->mesh;
+    if (kind >= TRIANGLES)
+        split(&l);
+    const int dim = l.mesh.dim;
+    const int64_t n = l.mesh.n_nodes;
+    for (int64_t i = 0; i < n; i++)
+        l.box->x[i * dim + dim - 1] =
+            FIRST * (pow(GROWTH, l.box->x[i * dim + dim - 1]) - 1) / (GROWTH - 1);
+    l.is_layer = allocate(l.mesh.n_elements, 1);
+    memset(l.is_layer, 1, (size_t)l.mesh.n_elements);
+    l.x = allocate(n * dim, sizeof *l.x);
+    memcpy(l.x, l.box->x, (size_t)(n * dim) * sizeof *l.x);
+    l.mesh.coordinates = l.x;
+    l.mesh.is_layer = l.is_layer;
+    return l;
+}
+
+static void forget(layers *l) {
+    cell_box_destroy(l->box);
+    free(l->simplices);
+    free(l->is_layer);
+    free(l->x);
+}
+
+/** Whether node i is on the boundary of the box. */
+static int is_outside(const layers *l, int64_t i) {
+    const int dim = l->mesh.dim;
+    const double top = FIRST * (pow(GROWTH, N) - 1) / (GROWTH - 1);
+    for (int d = 0; d < dim; d++) {
+        const double c = l->box->x[i * dim + d], last = d == dim - 1 ? top : N;
+        if (c < 1e-9 || c > last - 1e-9)
+            return 1;
+    }
+    return 0;
+}
+
+/** Push the nodes inside along the layer by up to amount; those of a column together, or each one. */
+static void push_along(layers *l, double amount, int together) {
+    const int dim = l->mesh.dim;
+    for (int64_t i = 0; i < l->mesh.n_nodes; i++) {
+        const double *p = l->box->x + i * dim;
+        uint64_t seed = (uint64_t)(together ? (int64_t)p[0] * 97 + (dim == 3) * (int64_t)p[1] : i);
+        for (int d = 0; d < dim - 1; d++) {
+            for (int k = 0; k < 3; k++)
+                seed = seed * 6364136223846793005u + 1442695040888963407u;
+            if (!is_outside(l, i))
+                l->x[i * dim + d] += amount * ((double)(seed >> 11) / 4503599627370496.0 - 1);
+        }
+    }
+}
+
+/** Move the wall into its layers: by depth first heights in the middle. */
+static void move_wall(layers *l, double depth) {
+    const int dim = l->mesh.dim;
+    for (int64_t i = 0; i < l->mesh.n_nodes; i++) {
+        const double *p = l->box->x + i * dim;
+        if (p[dim - 1] < 1e-9)
+            l->x[i * dim + dim - 1] += depth * FIRST * sin(p[0] * 3.14159265358979 / N) *
+                                       (dim == 3 ? sin(p[1] * 3.14159265358979 / N) : 1);
+    }
+}
+
+/* ---- smoothing and judging --------------------------------------------------------------------- */
+
+static planish_options defaults(void) {
+    planish_options options;
+    planish_options_init(&options);
+    options.threads = 1;
+    return options;
+}
+
+static planish_result smooth(const planish_mesh *mesh, double *x, const planish_options *options) {
+    planish_plan *plan;
+    planish_result result;
+    planish_error error;
+    if (planish_plan_create(mesh, options, &plan, &error))
+        fail_msg("%s", error.text);
+    if (planish_smooth(plan, x, options, &result, &error))
+        fail_msg("%s", error.text);
+    planish_plan_destroy(plan);
+    return result;
+}
+
+/** The largest part by which a height of the first rows is off what it is to be: the distance of nodes
+ *  that are above each other in the box. */
+static double worst_height(const layers *l, int rows) {
+    const int dim = l->mesh.dim;
+    const double top = FIRST * (pow(GROWTH, rows) - 1) / (GROWTH - 1) + 1e-9;
+    double worst = 0;
+    for (int64_t i = 0; i < l->mesh.n_nodes; i++)
+        for (int64_t j = 0; j < l->mesh.n_nodes; j++) {
+            const double *p = l->box->x + i * dim, *q = l->box->x + j * dim;
+            const double height = q[dim - 1] - p[dim - 1];
+            if (!(height > 0 && q[dim - 1] < top && p[0] == q[0] && (dim == 2 || p[1] == q[1]) &&
+                  height < FIRST + (GROWTH - 1) * p[dim - 1] + 1e-9))
+                continue;
+            const double is = l->x[j * dim + dim - 1] - l->x[i * dim + dim - 1];
+            worst = fmax(worst, fabs(is / height - 1));
+        }
+    return worst;
+}
+
+/** RMS of how far the nodes inside are off their places along the layer. */
+static double off_along(const layers *l) {
+    const int dim = l->mesh.dim;
+    double sum = 0, n = 0;
+    for (int64_t i = 0; i < l->mesh.n_nodes; i++)
+        for (int d = 0; d < dim - 1; d++) {
+            const double off = l->x[i * dim + d] - l->box->x[i * dim + d];
+            sum += off * off;
+            n += !is_outside(l, i);
+        }
+    return sqrt(sum / n);
+}
+
+static int64_t n_inverted(const layers *l) {
+    planish_mesh mesh = l->mesh;
+    planish_cell_quality quality;
+    planish_error error;
+    mesh.is_layer = NULL;
+    mesh.reference = NULL;
+    assert_int_equal(planish_measure_cells(&mesh, 0, 1, &quality, NULL, &error), 0);
+    return quality.all.n_inverted;
+}
+
+/* Nodes that were pushed along the layer come back, each one or a column together, and the heights stay.
+ * Tetrahedra whose nodes are pushed one by one have no edges across. */
+static void layers_become_regular_along(void **state) {
+    (void)state;
+    for (int k = 0; k < N_KINDS; k++)
+        for (int together = kinds[k] == TETRAHEDRA; together < 2; together++) {
+            layers l = make_layers(kinds[k]);
+            const planish_options options = defaults();
+            push_along(&l, 0.25, together);
+            const double before = off_along(&l);
+            smooth(&l.mesh, l.x, &options);
+            assert_true(off_along(&l) < 0.05 * before);
+            assert_true(worst_height(&l, N) < 0.1);
+            assert_int_equal(n_inverted(&l), 0);
+            forget(&l);
+        }
+}
+
+/* Walls whose elements are longer one way than the other do not let the layers grow. */
+static void layers_on_stretched_walls_keep_their_heights(void **state) {
+    (void)state;
+    for (int k = 0; k < N_KINDS; k++) {
+        layers l = make_layers(kinds[k]);
+        const planish_options options = defaults();
+        for (int64_t i = 0; i < l.mesh.n_nodes * l.mesh.dim; i += l.mesh.dim)
+            l.x[i] *= 3;
+        smooth(&l.mesh, l.x, &options);
+        assert_true(worst_height(&l, N) < 0.1);
+        forget(&l);
+    }
+}
+
+/* First heights are what they were after a wall was moved through rows, or into the first one. Elements
+ * that are not valid then are found by themselves. */
+static void moved_walls_get_their_spacing_back(void **state) {
+    (void)state;
+    static const double depths[] = {0.6, 1.4, 3};
+    for (int k = 0; k < N_KINDS; k++)
+        for (int depth = 0; depth < 3; depth++) {
+            layers l = make_layers(kinds[k]);
+            const planish_options options = defaults();
+            move_wall(&l, depths[depth]);
+            for (int64_t i = 0; l.mesh.cells && i < l.mesh.n_elements; i++) {
+                double lowest = INFINITY;
+                for (int64_t j = l.box->offset[i]; j < l.box->offset[i + 1]; j++)
+                    lowest = fmin(lowest, l.box->x[(int64_t)(l.box->node[j] + 1) * l.mesh.dim - 1]);
+                l.is_layer[i] = lowest > 1e-9;
+            }
+            smooth(&l.mesh, l.x, &options);
+            assert_int_equal(n_inverted(&l), 0);
+            assert_true(worst_height(&l, 1) < 0.1);
+            forget(&l);
+        }
+}
+
+/* ---- measures, bits, errors --------------------------------------------------------------------- */
+
+/* What is measured before and after is against the layers as they were, and F does not rise. Plan and
+ * planish_measure_cells agree. */
+static void measures_are_against_the_layers(void **state) {
+    (void)state;
+    for (int k = 0; k < N_KINDS; k++) {
+        layers l = make_layers(kinds[k]);
+        const planish_options options = defaults();
+        push_along(&l, 0.2, 1);
+        const int64_t n = l.mesh.n_nodes * l.mesh.dim;
+        double *was = allocate(n, sizeof *was);
+        memcpy(was, l.x, (size_t)n * sizeof *was);
+        planish_mesh mesh = l.mesh;
+        planish_cell_quality quality;
+        planish_error error;
+        assert_int_equal(planish_measure_cells(&mesh, 0, 1, &quality, NULL, &error), 0);
+        const double before = quality.all.rms_aspect_ratio;
+        mesh.coordinates = was;
+        const planish_result result = smooth(&mesh, l.x, &options);
+        mesh.coordinates = l.x;
+        mesh.reference = was;
+        assert_int_equal(planish_measure_cells(&mesh, 0, 1, &quality, NULL, &error), 0);
+        assert_true(fabs(result.objective_before / before - 1) < 1e-12);
+        assert_true(quality.all.rms_aspect_ratio < before);
+        assert_true(fabs(result.rms / quality.all.rms_aspect_ratio - 1) < 1e-12);
+        free(was);
+        forget(&l);
+    }
+}
+
+static void bits_are_the_same(void **state) {
+    (void)state;
+    static const planish_isa sets[] = {PLANISH_ISA_PLAIN, PLANISH_ISA_VECTOR, PLANISH_ISA_AVX2};
+    for (int k = 0; k < N_KINDS; k++) {
+        layers l = make_layers(kinds[k]);
+        planish_options options = defaults();
+        move_wall(&l, 1.4);
+        push_along(&l, 0.1, 1);
+        const size_t size = (size_t)(l.mesh.n_nodes * l.mesh.dim) * sizeof *l.x;
+        double *first = allocate((int64_t)size, 1), *x = allocate((int64_t)size, 1);
+        memcpy(first, l.x, size);
+        smooth(&l.mesh, first, &options);
+        for (int run = 0; run < 4; run++) {
+            options.threads = run == 3 ? 3 : 1;
+            options.isa = run == 3 ? PLANISH_ISA_AUTO : sets[run];
+            planish_plan *plan;
+            planish_error error;
+            if (planish_plan_create(&l.mesh, &options, &plan, &error))
+                continue; /* the CPU has not this one */
+            memcpy(x, l.x, size);
+            assert_int_equal(planish_smooth(plan, x, &options, NULL, &error), 0);
+            assert_memory_equal(x, first, size);
+            planish_plan_destroy(plan);
+        }
+        free(first);
+        free(x);
+        forget(&l);
+    }
+}
+
+/* Without a mark there is no target, whatever the reference. */
+static void no_layers_are_no_targets(void **state) {
+    (void)state;
+    for (int k = 0; k < N_KINDS; k++) {
+        layers l = make_layers(kinds[k]);
+        const planish_options options = defaults();
+        const size_t size = (size_t)(l.mesh.n_nodes * l.mesh.dim) * sizeof *l.x;
+        double *x = allocate((int64_t)size, 1), *y = allocate((int64_t)size, 1);
+        push_along(&l, 0.2, 0);
+        memcpy(x, l.x, size);
+        memcpy(y, l.x, size);
+        memset(l.is_layer, 0, (size_t)l.mesh.n_elements);
+        l.mesh.reference = l.box->x;
+        smooth(&l.mesh, x, &options);
+        l.mesh.reference = NULL;
+        l.mesh.is_layer = NULL;
+        smooth(&l.mesh, y, &options);
+        assert_memory_equal(x, y, size);
+        free(x);
+        free(y);
+        forget(&l);
+    }
+}
+
+static void expect_refusal(const planish_mesh *mesh, const planish_options *options, int code,
+                           const char *text) {
+    planish_plan *plan = NULL;
+    planish_error error;
+    assert_int_equal(planish_plan_create(mesh, options, &plan, &error), code);
+    if (!strstr(error.text, text))
+        fail_msg("%s", error.text);
+    assert_null(plan);
+}
+
+static void what_does_not_fit_is_refused(void **state) {
+    (void)state;
+    layers l = make_layers(BOX_HEXAHEDRA);
+    planish_options options = defaults();
+    options.size_weight = 0.5;
+    expect_refusal(&l.mesh, &options, PLANISH_ERROR_ARGUMENT, "size_weight");
+    options.size_weight = 0;
+    static const int32_t pair[2] = {0, 3};
+    l.mesh.n_periodic = 1;
+    l.mesh.periodic = pair;
+    expect_refusal(&l.mesh, &options, PLANISH_ERROR_ARGUMENT, "mesh.is_layer");
+    forget(&l);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(layers_become_regular_along),
+        cmocka_unit_test(layers_on_stretched_walls_keep_their_heights),
+        cmocka_unit_test(moved_walls_get_their_spacing_back),
+        cmocka_unit_test(measures_are_against_the_layers),
+        cmocka_unit_test(bits_are_the_same),
+        cmocka_unit_test(no_layers_are_no_targets),
+        cmocka_unit_test(what_does_not_fit_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
