@@ -189,6 +189,10 @@ static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *argu
     char path[PATH_MAX];
     planish_error error;
     int status = 0;
+    if (d->figures->has_targets && !d->figures->like[0]) {
+        lack(d, w, "is not drawn: its elements are measured against its layers as they were");
+        return 0;
+    }
     if (d->figures->like[0]) {
         if (!find_targets(d, path)) {
             lack(d, w, "is drawn only beside its targets, which have changed or are gone");

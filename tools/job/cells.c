@@ -168,7 +168,7 @@ static int measure(const pl_job *job, const planish_cells *cells, planish_cell_q
                    const planish_cell_values *values, planish_error *error) {
     planish_mesh all = job->mesh;
     all.elements = NULL;
-    all.reference = job->like.place;
+    pl_like_give(&job->like, &all);
     all.cells = cells;
     all.n_elements = cells->n;
     if (job->is_surface) {

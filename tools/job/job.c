@@ -201,7 +201,8 @@ static int find_held_layers(pl_job *job) {
     const pl_arguments *arguments = job->arguments;
     int64_t n;
     /* Layers that are targets need not be held to survive. */
-    if (arguments->layers == PL_LAYERS_IGNORED || job->is_surface ||
+    if (arguments->layers == PL_LAYERS_IGNORED || arguments->layers == PL_LAYERS_KEPT ||
+        job->is_surface ||
         (arguments->layers == PL_LAYERS_BY_TYPE && (!job->has_types || job->like.place)))
         return 0;
     uint8_t *is_chosen = malloc((size_t)job->mesh.n_elements + 1);
@@ -303,7 +304,7 @@ void pl_job_take_all(pl_job *job) {
     job->mesh.elements = job->like.place ? NULL : mesh.elements;
     job->mesh.cells = job->like.place ? &job->like.cells : mesh.cells;
     job->mesh.n_elements = mesh.n_elements;
-    job->mesh.reference = job->like.place;
+    pl_like_give(&job->like, &job->mesh);
     find_types(job);
 }
 
@@ -350,6 +351,17 @@ static int check_curved(const pl_job *job) {
                              "--%s has no effect without --slide curved", arguments->of_curved);
 }
 
+/** Find the layers, and make them targets if there are any. */
+static int keep_layers(pl_job *job) {
+    uint8_t *is_layer;
+    const int status = pl_job_find_layers(job, &is_layer, &job->layers.n);
+    if (status || job->layers.n == 0) {
+        free(is_layer);
+        return status;
+    }
+    return pl_like_layers(job->arguments, job->file, is_layer, &job->mesh, &job->like);
+}
+
 /** Open the file, and find out what it says of nodes and elements. */
 static int open_file(pl_job *job) {
     const pl_arguments *arguments = job->arguments;
@@ -373,10 +385,12 @@ static int open_file(pl_job *job) {
     if (arguments->like && !job->is_surface &&
         (status = pl_like_read(arguments, job->file, job->options.threads, &job->mesh, &job->like)))
         return status;
+    if (arguments->layers == PL_LAYERS_KEPT && !job->is_surface && (status = keep_layers(job)))
+        return status;
     if (arguments->command == PL_COMMAND_QUALITY)
         keep_simplices(job);
     else
-        job->mesh.reference = job->like.place;
+        pl_like_give(&job->like, &job->mesh);
     find_types(job);
     if ((status = check_measures(job)))
         return status;
@@ -419,8 +433,9 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
                                  "'-' is not a file; standard input is /dev/stdin");
     pl_signals_set_input(arguments->input);
     int status = 0;
-    if (arguments->like && engine != &pl_engine_here)
-        return pl_complain(PL_EXIT_FAILED, "--like is not for several processes: use planish");
+    if ((arguments->like || arguments->layers == PL_LAYERS_KEPT) && engine != &pl_engine_here)
+        return pl_complain(PL_EXIT_FAILED, "--%s is not for several processes: use planish",
+                           arguments->like ? "like" : "layers keep");
     if (!engine->read)
         status = open_file(job);
     else if (engine->read(job, &error))

@@ -169,7 +169,8 @@ int pl_layers_count(pl_job *job, const planish_quality *quality) {
 
 void pl_layers_print(FILE *stream, const pl_job *job) {
     const pl_layers *layers = &job->layers;
-    const int is_all = job->arguments->layers == PL_LAYERS_HELD;
+    const int is_kept = job->arguments->layers == PL_LAYERS_KEPT;
+    const int is_all = job->arguments->layers == PL_LAYERS_HELD || is_kept;
     const int64_t n_nodes = job->held.n[PL_HELD_BY_LAYERS];
     const int64_t n = is_all ? layers->n : layers->n_held > 0 ? layers->n_held : layers->n_loose;
     const int64_t of = job->mesh.n_elements + job->file_info.n_other_elements;
@@ -182,7 +183,8 @@ void pl_layers_print(FILE *stream, const pl_job *job) {
     else /* in full only if it is all */
         snprintf(part, sizeof part, "%.0f %%", n < of && percent > 99 ? 99 : percent);
     if (is_all)
-        pl_note(stream, "%" PRId64 " elements (%s) are thin in layers, and held", n, part);
+        pl_note(stream, "%" PRId64 " elements (%s) are thin in layers, and %s", n, part,
+                is_kept ? "keep their heights" : "held");
     else if (layers->n_held > 0 && n_nodes > 0)
         pl_note(stream,
                 "%" PRId64 " elements (%s) are thin in layers: %" PRId64

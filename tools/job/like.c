@@ -1,4 +1,4 @@
-/* like: the target of each element is its shape in another file. */
+/* like: the target of each element is its shape in another file, or what its layer says. */
 #include "job/like.h"
 
 #include "terminal/message.h"
@@ -186,7 +186,35 @@ int pl_like_read(const pl_arguments *arguments, planish_file *file, int threads,
     return status;
 }
 
+int pl_like_layers(const pl_arguments *arguments, planish_file *file, uint8_t *is_layer,
+                   planish_mesh *mesh, pl_like *like) {
+    const size_t size = (size_t)(mesh->n_nodes * mesh->dim) * sizeof *like->place;
+    planish_error error;
+    like->is_layer = is_layer;
+    if (mesh->n_periodic > 0)
+        return pl_complain(PL_EXIT_FAILED,
+                           "%s: has periodic nodes: --layers keep is not for such meshes yet; "
+                           "--layers hold is",
+                           arguments->input);
+    if (planish_file_cells(file, &like->cells, &error))
+        return pl_complain(PL_EXIT_FAILED, "%s: %s", arguments->input, error.text);
+    like->place = malloc(size);
+    if (!like->place)
+        return pl_complain(PL_EXIT_FAILED, "%s: out of memory for its layers", arguments->input);
+    memcpy(like->place, mesh->coordinates, size);
+    mesh->elements = NULL;
+    mesh->cells = &like->cells;
+    return 0;
+}
+
+void pl_like_give(const pl_like *like, planish_mesh *mesh) {
+    mesh->reference = like->place;
+    mesh->is_layer = like->is_layer;
+}
+
 void pl_like_free(pl_like *like) {
     free(like->place);
+    free(like->is_layer);
     like->place = NULL;
+    like->is_layer = NULL;
 }

@@ -13,9 +13,11 @@
 
 #include <planish/planish_io.h>
 
-/** The mesh of another file, whose elements are the targets. */
+/** The mesh of another file, or the layers of the input, whose elements are the targets. */
 typedef struct pl_like {
-    double *place;       /* [n_nodes][dim] of the nodes there, owned; NULL: there is no such file */
+    double *place; /* [n_nodes][dim] of the nodes there, owned; NULL: there are no targets */
+    uint8_t
+        *is_layer; /* [elements] of layers in the input, which place is of then, owned; or NULL */
     uint64_t checksum;   /* planish_checksum of the file's coordinates */
     planish_cells cells; /* all elements of the mesh */
 } pl_like;
@@ -25,6 +27,14 @@ typedef struct pl_like {
  *  a message. */
 int pl_like_read(const pl_arguments *arguments, planish_file *file, int threads, planish_mesh *mesh,
                  pl_like *like);
+
+/** Let the marked elements is_layer of mesh, which has all elements of file, the input, be targets, with
+ *  the heights that they have now. mesh has cells then; like owns is_layer. As pl_like_read. */
+int pl_like_layers(const pl_arguments *arguments, planish_file *file, uint8_t *is_layer,
+                   planish_mesh *mesh, pl_like *like);
+
+/** Give mesh the targets of like. */
+void pl_like_give(const pl_like *like, planish_mesh *mesh);
 
 void pl_like_free(pl_like *like);
 

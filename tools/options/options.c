@@ -177,10 +177,11 @@ static const char *set_worst_measure(pl_arguments *arguments, const option_row *
 }
 
 static const char *set_layers(pl_arguments *arguments, const option_row *row, const char *value) {
+    static const pl_layers_asked asked[] = {PL_LAYERS_HELD, PL_LAYERS_KEPT, PL_LAYERS_IGNORED};
     const int i = find_value(row, value);
-    arguments->layers = i == 0 ? PL_LAYERS_HELD : PL_LAYERS_IGNORED;
+    arguments->layers = asked[i < 0 ? 0 : i];
     if (value[0] && value[strspn(value, "0123456789")] == '\0')
-        return "must be hold or ignore; for rings of elements around give --rings";
+        return "must be hold, keep or ignore; for rings of elements around give --rings";
     return i < 0 ? NOT_LISTED : NULL;
 }
 
@@ -395,10 +396,11 @@ static const option_row option_table[] = {
      "repeatable",
      NULL},
     {0, "layers", "HOW", BOTH, set_layers, 0, 0, 0, NULL,
-     "hold or ignore boundary layers: elements that are\n"
-     "thin in layers (default: hold those of wedges and\n"
+     "hold or ignore boundary layers, elements that are\n"
+     "thin in layers, or keep their heights while nodes\n"
+     "move along them (default: hold those of wedges and\n"
      "hexahedra, and of quadrilaterals beside triangles)",
-     "hold ignore"},
+     "hold keep ignore"},
     {0, "fix-layers", NULL, BOTH, set_flag, AT(fix_layers), 1, 0, NULL, "same as --layers hold",
      NULL},
     {0, "regions", "NAME", BOTH, set_regions, 0, 0, 0,
@@ -661,14 +663,14 @@ static int check_onto(const pl_arguments *arguments) {
     return name ? pl_complain_usage(command, "give --onto or --%s, not both", name) : 0;
 }
 
-/** Objectives that are not made for targets. */
-static int check_like(const pl_arguments *arguments) {
+/** Objectives that are not made for targets, those of option. */
+static int check_targets(const pl_arguments *arguments, const char *option) {
     const planish_objective objective = arguments->library.objective;
     if (!arguments->has_objective ||
         (objective == PLANISH_OBJECTIVE_MEAN_RATIO && !arguments->worst))
         return 0;
     return pl_complain_usage(pl_command_name(arguments->command),
-                             "--like minimises the mean-ratio: leave out --objective %s",
+                             "%s minimises the mean-ratio: leave out --objective %s", option,
                              arguments->worst ? "worst" : pl_objective_name(objective));
 }
 
@@ -684,8 +686,14 @@ static int check_combinations(const pl_arguments *arguments) {
                                           "--min-volume-fraction");
     if (library->size_weight > 0 && !arguments->like)
         return pl_complain_usage(command, "--size-weight has no effect without --like");
-    if (arguments->fix_layers && arguments->layers == PL_LAYERS_IGNORED)
-        return pl_complain_usage(command, "give --fix-layers or --layers ignore, not both");
+    if (arguments->fix_layers &&
+        (arguments->layers == PL_LAYERS_IGNORED || arguments->layers == PL_LAYERS_KEPT))
+        return pl_complain_usage(command, "give --fix-layers or --layers %s, not both",
+                                 arguments->layers == PL_LAYERS_KEPT ? "keep" : "ignore");
+    if (arguments->like && arguments->layers == PL_LAYERS_KEPT)
+        return pl_complain_usage(command, "give --like or --layers keep, not both");
+    if (arguments->layers == PL_LAYERS_KEPT && check_targets(arguments, "--layers keep"))
+        return PL_EXIT_USAGE;
     if (library->rings > 0 && !(library->only_worse_than > 0))
         return pl_complain_usage(command, "--rings has no effect without --only-worse-than");
     if (arguments->of_worst && !arguments->worst)
@@ -693,7 +701,7 @@ static int check_combinations(const pl_arguments *arguments) {
                                  arguments->of_worst);
     if (arguments->onto && check_onto(arguments))
         return PL_EXIT_USAGE;
-    if (arguments->like && check_like(arguments))
+    if (arguments->like && check_targets(arguments, "--like"))
         return PL_EXIT_USAGE;
     if (arguments->surface_of && arguments->n_inputs > 1)
         return pl_complain_usage(command, "--surface-of takes one mesh, but %d are named",

@@ -39,7 +39,8 @@ typedef enum pl_verbosity {
 typedef enum pl_layers_asked {
     PL_LAYERS_BY_TYPE = 0, /* those of some types: pl_job_holds_layer */
     PL_LAYERS_HELD = 1,    /* all, as by --fix-layers */
-    PL_LAYERS_IGNORED = 2
+    PL_LAYERS_IGNORED = 2,
+    PL_LAYERS_KEPT = 3 /* their nodes move along them, and heights stay */
 } pl_layers_asked;
 
 /** A command line that has been understood. Strings are those of argv. */

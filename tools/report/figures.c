@@ -2,6 +2,7 @@
 #include "report/figures.h"
 
 #include <math.h>
+#include <string.h>
 #include <stddef.h>
 
 /* Small enough for sums of such numbers, and their quotients by what is not next to nothing. */
@@ -29,7 +30,9 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
     const cJSON *quality = cJSON_GetObjectItemCaseSensitive(result, "quality");
     *figures = (pl_figures){.result = result,
                             .is_solid = pl_figure(mesh, "dimension") == 3,
-                            .like = pl_figure_text(result, "like")};
+                            .like = pl_figure_text(result, "like"),
+                            .has_targets = strcmp(pl_figure_text(result, "target"), "like") == 0 ||
+                                           strcmp(pl_figure_text(result, "target"), "layers") == 0};
     if (!cJSON_IsObject(result))
         return "is not a JSON object";
     if (cJSON_IsArray(cJSON_GetObjectItemCaseSensitive(result, "meshes")))

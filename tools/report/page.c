@@ -108,6 +108,11 @@ static void put_remarks(pl_markup *page, const pl_figures *figures, const cJSON 
         pl_markup_put_text(page, figures->like);
         pl_markup_put(page,
                       "</code>: aspect ratios are against that, and 1 is the same shape.</p>\n");
+    } else if (figures->has_targets) {
+        pl_markup_put(page,
+                      "<p id=\"target\">The layers keep their heights: aspect ratios of their "
+                      "elements are against the heights that they had, and of others against "
+                      "regular elements.</p>\n");
     }
     if (pl_layers_are_many(thin, pl_figure_count(mesh, "elements"))) {
         pl_markup_put(page, "<p class=\"quiet\">");
@@ -136,8 +141,8 @@ static void put_remarks(pl_markup *page, const pl_figures *figures, const cJSON 
         pl_markup_put(page, "<p class=\"quiet\">planish put a node back ");
         pl_markup_put_number_of(page, back, "time", "times");
         pl_markup_put(page, ", because the %s.</p>\n",
-                      figures->like[0] ? "worst aspect ratio became larger"
-                                       : "smallest angle of the mesh became smaller");
+                      figures->has_targets ? "worst aspect ratio became larger"
+                                           : "smallest angle of the mesh became smaller");
     }
     if (outside > 0) {
         pl_markup_put(page, "<p class=\"quiet\">");

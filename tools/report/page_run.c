@@ -79,7 +79,8 @@ void pl_page_put_run(pl_markup *page, const pl_figures *figures) {
     put_fact(page, "method", pl_figure_text(result, "method"));
     put_fact(page, "objective",
              pl_figure_text(cJSON_GetObjectItemCaseSensitive(result, "objective"), "name"));
-    put_fact(page, "targets of the elements", figures->like);
+    put_fact(page, "targets of the elements",
+             figures->has_targets && !figures->like[0] ? "the layers as they were" : figures->like);
     put_fact(page, "ended", pl_figure_text(result, "stop"));
     pl_markup_put(page, "</tbody></table></div></section>\n");
 }
@@ -260,7 +261,7 @@ void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
         if (figures->has_types) { /* these have no radius ratios and angles */
             put_claim(page, figures, "worst aspect ratio of elements with a free node",
                       "max_aspect_ratio_movable", 1);
-            if (!figures->like[0])
+            if (!figures->has_targets)
                 put_claim(page, figures, "least scaled Jacobian", "min_scaled_jacobian", 0);
             put_claim(page, figures, "RMS aspect ratio", "rms_aspect_ratio", 1);
         }

@@ -122,8 +122,8 @@ static void put_change(pl_markup *page, const measure *m, const pl_figures *figu
         count_of_inverted(figures->state[0]) == count_of_inverted(figures->state[1]);
     const int better = (change < 0) == (m->sense == LESS_IS_BETTER);
     /* Elements that have targets need not be more regular. */
-    const int is_beside = figures->like[0] && (strcmp(m->key, "min_scaled_jacobian") == 0 ||
-                                               strcmp(m->key, "max_edge_ratio") == 0);
+    const int is_beside = figures->has_targets && (strcmp(m->key, "min_scaled_jacobian") == 0 ||
+                                                   strcmp(m->key, "max_edge_ratio") == 0);
     if (!isfinite(change) || !differs || m->sense == NEITHER || !is_of_same || is_beside) {
         pl_markup_put(page, "<td class=\"change\"></td><td class=\"word\"></td>");
         return;
@@ -312,7 +312,7 @@ void pl_page_put_measures(pl_markup *page, const pl_figures *figures) {
                   figures->n_states == 2 ? "Before and after" : "Quality");
     if (figures->has_types)
         put_types(page, figures);
-    if (figures->has_types && !figures->like[0] && figures->n_states == 2)
+    if (figures->has_types && !figures->has_targets && figures->n_states == 2)
         pl_markup_put(page,
                       "<p class=\"quiet\">All elements have the mean ratio of their corners as "
                       "their measure, AR, and %s do, too: it does not compare with the "

@@ -424,11 +424,14 @@ static void add_checksum(document *json, cJSON *root, const char *name, uint64_t
     add_text(json, root, name, text);
 }
 
-/** Add what elements are measured against: regular ones, or those of another file, with the checksum of
- *  its coordinates. */
+/** Add what elements are measured against: regular ones, layers as they were, or those of another file,
+ *  with the checksum of its coordinates. */
 static void add_target(document *json, cJSON *root, const pl_job *job) {
-    add_text(json, root, "target", job->like.place ? "like" : "regular");
-    if (!job->like.place)
+    add_text(json, root, "target",
+             job->like.is_layer ? "layers"
+             : job->like.place  ? "like"
+                                : "regular");
+    if (!job->arguments->like || !job->like.place)
         return;
     add_text(json, root, "like", job->arguments->like);
     add_checksum(json, root, "like_checksum", job->like.checksum);

@@ -222,7 +222,10 @@ static void rows_cells(FILE *stream, const pl_job *job, const pl_validity *valid
 /** Put what the targets of the elements are, if they have any. */
 static void row_target(FILE *stream, const pl_job *job) {
     char name[4 * PL_TEXT_WIDTH + 1];
-    if (job->like.place)
+    if (job->like.is_layer)
+        fprintf(stream,
+                "AR is against the heights of the layers as they were, and regular elements\n");
+    else if (job->like.place)
         fprintf(stream, "AR is against each element as it is in %s\n",
                 pl_text_fit(job->arguments->like, PL_TEXT_WIDTH / 2, name, sizeof name));
 }
