@@ -180,6 +180,7 @@ done <<'END'
 --objective mean-ratio|mean-ratio without quadrilaterals means nothing
 --min-volume 1|a minimum volume means nothing
 --layers hold|--layers hold means nothing
+--layers keep|--layers keep means nothing
 --slide-interfaces|--slide-interfaces means nothing
 --direction fletcher-reeves|--direction means nothing
 --onto torus-ply.ply|--onto means nothing

@@ -86,11 +86,17 @@ for arguments in "--layers 1" --layers=1; do
 done
 for value in "" none holds "hold "; do
     bad smooth in.msh -o out.msh --layers "$value"
-    expect_text "hold or ignore"
+    expect_text "hold, keep or ignore"
 done
 bad smooth in.msh -o out.msh --layers
 bad smooth in.msh -o out.msh --layers ignore --fix-layers
 expect_text "not both"
+bad smooth in.msh -o out.msh --layers keep --fix-layers
+expect_text "give --fix-layers or --layers keep, not both"
+bad smooth in.msh -o out.msh --layers keep --like in.msh
+expect_text "give --like or --layers keep, not both"
+bad smooth in.msh -o out.msh --layers keep --objective worst
+expect_text "--layers keep minimises the mean-ratio"
 for value in "" x -1 1.5 nan inf 0x1; do
     bad smooth in.msh -o out.msh --curve-quality "$value"
 done

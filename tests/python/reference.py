@@ -75,6 +75,29 @@ class Reference(unittest.TestCase):
         self.assertLess(abs(heights["like"] / wanted - 1).max(), 0.1)
         self.assertGreater(abs(heights["regular"] / wanted - 1).max(), 0.3)
 
+    def test_layers_keep_their_heights(self):
+        start, cells = bricks(8)
+        start[:, :2] *= 30
+        inner = np.ones(len(start), dtype=bool)
+        for d in range(3):
+            inner &= (start[:, d] > 0) & (start[:, d] < start[:, d].max())
+        pushed = start.copy()
+        pushed[inner, :2] += np.random.default_rng(5).uniform(-0.4, 0.4, (inner.sum(), 2))
+        points = pushed.copy()
+        with planish.Plan(points, {"hexahedron": cells}, layers="keep") as plan:
+            before = plan.quality(points).rms_radius_ratio
+            self.assertEqual(plan.free().sum(), inner.sum())
+            result = plan.smooth(points)
+        self.assertLess(result.rms, before)
+        self.assertLess(np.square(points - start).sum(), 0.05 * np.square(pushed - start).sum())
+        above = np.flatnonzero(inner)
+        heights, wanted = (at[above, 2] - at[above - 1, 2] for at in (points, start))
+        self.assertLess(abs(heights / wanted - 1).max(), 0.1)
+        with self.assertRaisesRegex(ValueError, "reference or layers='keep'"):
+            planish.smooth(points, {"hexahedron": cells}, layers="keep", reference=start)
+        with self.assertRaisesRegex(ValueError, "hold, keep, ignore"):
+            planish.smooth(points, {"hexahedron": cells}, layers="kept")
+
     def test_refusals(self):
         points, cells, _ = box(3)
         for wrong in points[1:], 3.0, "text", points.astype(int), points[:, :2]:

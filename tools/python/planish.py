@@ -64,7 +64,8 @@ class _Mesh(ctypes.Structure):
         ("part", c_void_p),
         ("cells", c_void_p),
         ("reference", c_void_p),
-        ("reserved", c_void_p * 5),
+        ("is_layer", c_void_p),
+        ("reserved", c_void_p * 4),
     ]
 
 
@@ -1225,6 +1226,7 @@ class _View:
         self.tagged: list[Any] = []  # arrays of surface()
         self.direction: Optional[np.ndarray] = None
         self.reference: Optional[_Points] = None
+        self.is_layer: Optional[np.ndarray] = None
         self._hold_interfaces(self.elements.data, regions, slides)
 
     def take_reference(self, reference: Any) -> None:
@@ -1285,9 +1287,12 @@ class _View:
         return state
 
     def hold_layers(self, layers: Optional[str]) -> None:
-        """Fix the nodes of boundary layers: hold, ignore, or None: those of some types."""
-        if layers not in (None, "hold", "ignore"):
-            raise ValueError(f"layers must be hold, ignore or None, not {layers!r}")
+        """Fix the nodes of boundary layers: hold, ignore, or None: those of some types. keep makes layers targets."""
+        if layers not in (None, "hold", "keep", "ignore"):
+            raise ValueError(f"layers must be hold, keep, ignore or None, not {layers!r}")
+        if layers == "keep":
+            self._keep_layers()
+            return
         elements = self.elements
         if layers is None and self.reference is not None:  # layers that are targets survive
             return
@@ -1309,6 +1314,13 @@ class _View:
             self.constraint = np.zeros(self.n, dtype=np.uint8)
         self.constraint[held] = 1
         self.mesh.constraint = _address(self.constraint)
+
+    def _keep_layers(self) -> None:
+        """Let the elements of layers be targets, with the heights that they have."""
+        if self.reference is not None:
+            raise ValueError("give reference or layers='keep', not both")
+        self.is_layer = _find_layers(self, self.threads).astype(np.uint8)
+        self.mesh.is_layer = _address(self.is_layer)
 
     def own_cells(self) -> None:
         """Make the elements a copy that nobody changes; of 64 bits the library has its own."""
@@ -1445,8 +1457,9 @@ class Plan:
     triangle or tetrahedron bad; -1 is a mid that is missing. All other cells hold their nodes. With any
     elements but triangles or tetrahedra, ratios are aspect ratios AR of all elements (docs/elements.md).
     fixed: numbers, or a mask, of nodes that stay besides those of the boundary. min_volumes [m]:
-    minimum volume of each element, 0 for none. layers: hold the nodes of boundary layers (hold), or do
-    not (ignore); left out: hold those of wedges and hexahedra, and of quadrilaterals beside triangles,
+    minimum volume of each element, 0 for none. layers: hold the nodes of boundary layers (hold), do not
+    (ignore), or let them move along their layers, whose heights stay (keep: ratios are then aspect ratios AR of all
+    elements, those of layers against the heights that they had); left out: hold those of wedges and hexahedra, and of quadrilaterals beside triangles,
     but no node of an invalid element. rounding: how far off the middle of its edge a mid of a
     straight edge may be, in units of the points; None: what floats leave, if points are floats.
     regions: nodes between regions (materials) are held. Left out: those of all arrays of the mesh's

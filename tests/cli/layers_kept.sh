@@ -1,0 +1,114 @@
+#!/usr/bin/env bash
+# --layers keep: nodes move along layers, whose heights stay, and a wall that was moved gets its first heights back. The
+# table, JSON and page say that ratios are against the layers.
+. "$(dirname "$0")/common.sh"
+
+# make.py KIND DEPTH PUSH: N cells along each side and ROWS rows, which grow by 1.3 from the wall. The wall is moved by
+# DEPTH first heights in its middle, and columns inside are bent along the layer by up to PUSH cells.
+cat >make.py <<'END2'
+import itertools
+import math
+import random
+import sys
+
+kind, depth, push = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
+N, ROWS, GROWTH, FIRST = 8, 24, 1.2, 0.01
+dim = 2 if kind in ("quads", "triangles") else 3
+sides = [N] * (dim - 1) + [ROWS]
+random.seed(3)
+off = {at: [push * random.uniform(-1, 1) if all(0 < c < N for c in at) else 0 for _ in at]
+       for at in itertools.product(range(N + 1), repeat=dim - 1)}
+number, points = {}, []
+for at in itertools.product(*(range(n + 1) for n in sides)):
+    height = (GROWTH ** at[-1] - 1) / (GROWTH ** ROWS - 1)
+    p = [c + 4 * height * (1 - height) * d for c, d in zip(at, off[at[:-1]])]
+    p.append(FIRST * (GROWTH ** at[-1] - 1) / (GROWTH - 1))
+    if at[-1] == 0:
+        p[-1] += depth * FIRST * math.prod(math.sin(math.pi * c / N) for c in p[:-1])
+    number[at] = len(points) + 1
+    points.append(p)
+elements = []
+for at in itertools.product(*map(range, sides)):
+    if dim == 2:
+        q = [number[at[0] + a, at[1] + b] for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        elements += [q] if kind == "quads" else [q[:3], [q[0], q[2], q[3]]]
+        continue
+    h = [number[tuple(a + b for a, b in zip(at, c))] for c in ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1),
+                                                               (1, 0, 1), (1, 1, 1), (0, 1, 1))]
+    ring = (1, 2, 3, 7, 4, 5, 1)
+    elements += ([h] if kind == "hexes" else
+                 [[h[i] for i in p] for p in ((0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7))] if kind == "prisms" else
+                 [[h[0], h[a], h[b], h[6]] for a, b in zip(ring, ring[1:])])
+name = {"quads": "Quadrilaterals", "triangles": "Triangles", "hexes": "Hexahedra", "tets": "Tetrahedra",
+        "prisms": "Prisms"}[kind]
+print("MeshVersionFormatted 2\nDimension %d\nVertices %d" % (dim, len(points)))
+for p in points:
+    print(*map(repr, p), 0)
+print(name, len(elements))
+for e in elements:
+    print(*e, 1)
+print("End")
+END2
+
+# heights.py KIND MESH ROWS: the largest relative error of the heights of the first rows.
+cat >heights.py <<'END2'
+import itertools
+import sys
+
+N, ROWS, GROWTH, FIRST = 8, 24, 1.2, 0.01
+dim = 2 if sys.argv[1] in ("quads", "triangles") else 3
+lines = iter(open(sys.argv[2]).read().split("\n"))
+for line in lines:
+    if line.startswith("Vertices"):
+        break
+points = [list(map(float, next(lines).split()[:dim])) for _ in range((N + 1) ** (dim - 1) * (ROWS + 1))]
+index = {at: i for i, at in enumerate(itertools.product(*[range(N + 1)] * (dim - 1), range(ROWS + 1)))}
+print(max(abs((points[index[at + (row + 1,)]][-1] - points[index[at + (row,)]][-1]) / (FIRST * GROWTH ** row) - 1)
+          for row in range(int(sys.argv[3])) for at in itertools.product(range(1, N), repeat=dim - 1)))
+END2
+
+# below X MOST: X is at most that.
+below() {
+    python3 -c "import sys; x, most = map(float, sys.argv[1:]); sys.exit(not x <= most)" "$@"
+}
+
+for kind in quads hexes prisms triangles tets; do
+    # ---- pushed along the layer
+    python3 make.py $kind 0 0.3 >pushed.mesh
+    for threads in 1 2; do
+        expect_status 0 "$program" smooth pushed.mesh -o out-$threads.mesh --layers keep -j $threads --json report.json
+    done
+    cmp -s out-1.mesh out-2.mesh || fail "$kind: threads change the bits"
+    expect_text "are thin in layers, and keep their heights"
+    grep -q "AR is against the heights of the layers as they were" out || fail "$kind: the table says the target"
+    expect_json 'r["target"] == "layers" and "like" not in r and r["mesh"]["layer_elements"] > 0'
+    expect_json 'r["mesh"]["held"]["layers"] == 0 and r["mesh"]["free_nodes"] > 0'
+    expect_json 'r["after"]["rms_aspect_ratio"] < r["before"]["rms_aspect_ratio"]'
+    expect_json 'r["objective"]["name"] == "mean-ratio" and r["after"]["inverted"] == 0'
+    below "$(python3 heights.py $kind out-1.mesh 10)" 0.1 ||
+        fail "$kind: heights $(python3 heights.py $kind out-1.mesh 10)"
+    "$program" quality pushed.mesh --layers keep --json quality.json -q
+    python3 - <<'END2' || fail "$kind: quality and smooth measure alike"
+import json
+a, b = (json.load(open(n)) for n in ("report.json", "quality.json"))
+assert b["target"] == "layers"
+assert abs(a["before"]["rms_aspect_ratio"] / b["quality"]["rms_aspect_ratio"] - 1) < 1e-12
+END2
+    # ---- a wall that was moved
+    python3 make.py $kind 1.4 0 >moved.mesh
+    expect_status 0 "$program" smooth moved.mesh -o out.mesh --layers keep --json report.json
+    expect_json 'r["before"]["inverted"] > 0 and r["after"]["inverted"] == 0'
+    below "$(python3 heights.py $kind out.mesh 5)" 0.1 || fail "$kind: first heights $(python3 heights.py $kind out.mesh 5)"
+done
+
+# ---- the page; meshes without layers
+
+expect_status 0 "$program" smooth pushed.mesh -o out.mesh --layers keep --report page.html -q
+grep -q 'id="target">The layers keep their heights' page.html || fail "the page says the target"
+grep -q "the layers as they were" page.html || fail "the page has the target among its facts"
+expect_status 0 "$program" smooth "$sample" -o plain.vtk --layers ignore
+expect_status 0 "$program" smooth "$sample" -o kept.vtk --layers keep --json report.json
+expect_json 'r["target"] == "regular" and r["mesh"]["layer_elements"] == 0'
+cmp -s plain.vtk kept.vtk || fail "without layers keep changes nothing"
+
+finish
