@@ -140,7 +140,7 @@ static void find_heights(const search *s, int32_t column, int64_t anchor, int st
         s->off[u] = is_steady(c, i, step, n_known) ? s->length[u] / told : 0;
         if (s->off[u] > 0 && ratio_of(s->off[u], 1) > OFF)
             s->is_off[u] |= IS_OFF;
-        c->height[u] = s->is_off[u] & (IS_TURNED | IS_WILD) ? told : s->length[u];
+        c->height[u] = (s->is_off[u] & (IS_TURNED | IS_WILD)) ? told : s->length[u];
         n_known++;
     }
 }
@@ -220,9 +220,9 @@ static void spread_wild(const search *s) {
 /** Return the height of an upright, or the median of it and those beside it if it is far off. */
 static double robust_height(const search *s, int64_t u) {
     int32_t found[MOST_LOOKED_AT];
-    double sorted[MOST_LOOKED_AT];
-    const int n = beside(s, u, found);
     const double own = s->c->height[u];
+    double sorted[MOST_LOOKED_AT] = {own};
+    const int n = beside(s, u, found);
     for (int k = 0; k < n; k++) {
         const double height = s->c->height[found[k]];
         int at = k;

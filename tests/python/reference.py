@@ -82,7 +82,8 @@ class Reference(unittest.TestCase):
         for d in range(3):
             inner &= (start[:, d] > 0) & (start[:, d] < start[:, d].max())
         pushed = start.copy()
-        pushed[inner, :2] += np.random.default_rng(5).uniform(-0.4, 0.4, (inner.sum(), 2))
+        bends = np.repeat(np.random.default_rng(5).uniform(-0.4, 0.4, (81, 2)), 9, axis=0)  # of each column
+        pushed[inner, :2] += (bends * (start[:, 2:] * (1 - start[:, 2:])))[inner]
         points = pushed.copy()
         with planish.Plan(points, {"hexahedron": cells}, layers="keep") as plan:
             before = plan.quality(points).rms_radius_ratio
