@@ -234,29 +234,38 @@ static double robust_height(const search *s, int64_t u) {
     return n > 2 && median > 0 && !(ratio_of(own, median) <= OUTLIER) ? median : own;
 }
 
+/** Add x and 1 / x to a sum, if x > 0. */
+static void add_to_mean(double x, double sum[2]) {
+    if (x > 0) {
+        sum[0] += x;
+        sum[1] += 1 / x;
+    }
+}
+
+/** The mean of a sum, 0 of none. */
+static double mean_of(const double sum[2]) {
+    return sum[1] > 0 ? sqrt(sum[0] / sum[1]) : 0;
+}
+
 int pl_columns_average(const pl_columns *c, int rounds, double *value, double *of_cell,
                        planish_error *error) {
-    double *sum = pl_alloc(2 * c->n_uprights, sizeof *sum);
+    double(*sum)[2] = pl_alloc(c->n_uprights, sizeof *sum);
     if (!sum)
         return pl_fail_memory(error, "the heights of layers");
     for (int round = 0; round <= rounds; round++) { /* the last one is for the elements alone */
         for (int64_t i = 0; i < c->n_cells; i++) {
             double of[2] = {0, 0};
-            for (int k = 0; k < c->cell[i].n_uprights; k++) {
-                of[0] += value[c->cell[i].upright[k]];
-                of[1] += 1 / value[c->cell[i].upright[k]];
-            }
-            of_cell[i] = sqrt(of[0] / of[1]);
+            for (int k = 0; k < c->cell[i].n_uprights; k++)
+                add_to_mean(value[c->cell[i].upright[k]], of);
+            of_cell[i] = mean_of(of);
         }
-        for (int64_t u = 0; u < 2 * c->n_uprights; u++)
-            sum[u] = 0;
+        for (int64_t u = 0; u < c->n_uprights; u++)
+            sum[u][0] = sum[u][1] = 0;
         for (int64_t i = 0; round < rounds && i < c->n_cells; i++)
-            for (int k = 0; k < c->cell[i].n_uprights; k++) {
-                sum[2 * (int64_t)c->cell[i].upright[k]] += of_cell[i];
-                sum[2 * (int64_t)c->cell[i].upright[k] + 1] += 1 / of_cell[i];
-            }
+            for (int k = 0; k < c->cell[i].n_uprights; k++)
+                add_to_mean(of_cell[i], sum[c->cell[i].upright[k]]);
         for (int64_t u = 0; round < rounds && u < c->n_uprights; u++)
-            value[u] = sqrt(sum[2 * u] / sum[2 * u + 1]);
+            value[u] = mean_of(sum[u]);
     }
     pl_free(sum);
     return PLANISH_OK;

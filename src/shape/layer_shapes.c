@@ -84,7 +84,7 @@ static int smooth_sizes(search *s, planish_error *error) {
             sum[2 * (int64_t)c->cell[i].upright[k] + 1] += 1 / s->size[i];
         }
     for (int64_t u = 0; u < c->n_uprights; u++)
-        s->value[u] = sqrt(sum[2 * u] / sum[2 * u + 1]);
+        s->value[u] = sum[2 * u + 1] > 0 ? sqrt(sum[2 * u] / sum[2 * u + 1]) : 0;
     pl_free(sum);
     return pl_columns_average(c, ROUNDS - 1, s->value, s->size, error);
 }

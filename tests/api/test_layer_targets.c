@@ -323,6 +323,41 @@ static void no_layers_are_no_targets(void **state) {
     }
 }
 
+/* Whatever is marked, of whatever mesh: measures are numbers, and smoothing makes nothing worse. */
+static void any_marks_are_taken(void **state) {
+    (void)state;
+    for (int kind = 0; kind < N_BOX_KINDS; kind++)
+        for (int run = 0; run < 8; run++) {
+            cell_box *first = cell_box_create((cell_box_kind)kind, 3);
+            cell_box_shake(first, run < 4 ? 0.3 : 1.2, (uint64_t)run);
+            for (int64_t i = 0; run % 4 == 1 && i < first->mesh.n_nodes; i++)
+                first->x[(i + 1) * first->mesh.dim - 1] *= 0.02;
+            if (run % 4 == 2) /* an edge without length */
+                memcpy(first->x, first->x + first->mesh.dim,
+                       (size_t)first->mesh.dim * sizeof *first->x);
+            cell_box *box = run % 2 ? cell_box_raise(first, run % 4 == 1) : first;
+            planish_options options = defaults();
+            planish_mesh mesh = box->mesh;
+            uint8_t *is_layer = allocate(mesh.n_elements, 1);
+            for (int64_t i = 0; i < mesh.n_elements; i++)
+                is_layer[i] = (uint8_t)(i * 7 % 5 > run % 3);
+            mesh.is_layer = is_layer;
+            options.max_sweeps = 8;
+            planish_cell_quality was, is;
+            planish_error error;
+            assert_int_equal(planish_measure_cells(&mesh, 0, 1, &was, NULL, &error), 0);
+            const planish_result result = smooth(&mesh, box->x, &options);
+            mesh.is_layer = NULL;
+            assert_int_equal(planish_measure_cells(&mesh, 0, 1, &is, NULL, &error), 0);
+            assert_true(is.all.n_inverted <= was.all.n_inverted);
+            assert_true(is.all.n_inverted == is.all.n_elements || isfinite(result.rms));
+            free(is_layer);
+            if (box != first)
+                cell_box_destroy(box);
+            cell_box_destroy(first);
+        }
+}
+
 static void expect_refusal(const planish_mesh *mesh, const planish_options *options, int code,
                            const char *text) {
     planish_plan *plan = NULL;
@@ -354,6 +389,7 @@ int main(void) {
         cmocka_unit_test(moved_walls_get_their_spacing_back),
         cmocka_unit_test(measures_are_against_the_layers),
         cmocka_unit_test(bits_are_the_same),
+        cmocka_unit_test(any_marks_are_taken),
         cmocka_unit_test(no_layers_are_no_targets),
         cmocka_unit_test(what_does_not_fit_is_refused),
     };
