@@ -14,8 +14,9 @@
 /** much if PLANISH_LONG is set, else little. */
 int64_t effort(int64_t little, int64_t much);
 
-/** The step through a list of cases: 1, or n if PLANISH_BRIEF is set. That is where a sanitizer
- *  makes a test seven times as slow: it has to see what the test does, but not with every case. */
+/** The step through a list of cases: 1, or n if PLANISH_BRIEF or PLANISH_QUICK is set. The one is where a
+ *  sanitizer makes a test seven times as slow: it has to see what the test does, but not with every
+ *  case. The other is tools/check without --full. */
 int effort_step(int n);
 
 /** The state that a sequence of random numbers begins with: one for each number, and others with
