@@ -225,7 +225,14 @@ typedef struct planish_mesh {
        element needs to be valid. planish_measure_cells measures such a mesh after it has moved if
        reference is the mesh as it was. NULL also means: no element is marked, whatever reference. */
     const uint8_t *is_layer;
-    const void *reserved[4]; /* NULL */
+    /* [n_nodes] the edge lengths that elements are to have at the nodes, as these are at reference (NULL:
+       at coordinates); NULL: sizes do not count. They are linear between the nodes, and read where the
+       nodes go meanwhile. Elements are to be regular, and as large as the sizes say, in relation to one
+       another: all are multiplied by the factor that fits best, as the mesh has as many elements as it
+       has (docs/targets.md). planish_options.size_weight says how much sizes count. Positive, finite,
+       none larger than 1e12 times another. Not with is_layer, part, or periodic. */
+    const double *size;
+    const void *reserved[3]; /* NULL */
 } planish_mesh;
 
 /* ---- A mesh that several processes have ----------------------------------------------------- */
@@ -1069,6 +1076,33 @@ typedef struct planish_cell_values {
 PLANISH_API int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads,
                                       planish_cell_quality *quality,
                                       const planish_cell_values *values, planish_error *error);
+
+/* ---- Sizes ---------------------------------------------------------------------------------- */
+
+/** Sizes of elements against those of planish_mesh.size. The size of an element is the edge length of an
+ *  ideal one of the same measure, or for cells the mean of what their corners say of that. */
+typedef struct planish_size_quality {
+    int64_t n_elements;        /* that have a size: all but flat ones */
+    double factor;             /* of the sizes that were given, by which they fit best */
+    double rms_log;            /* RMS of log(size / (factor * wanted)) */
+    double least, most;        /* size / (factor * wanted); 0 without elements */
+    int64_t smallest, largest; /* elements that have these, or -1 */
+    double reserved[2];
+} planish_size_quality;
+
+/** Measure the sizes of the elements of mesh against mesh->size, which were given where the nodes are at
+ *  mesh->reference (NULL: where they are now). ratio [n_elements] (may be NULL) is filled with size /
+ *  (factor * wanted), 0 for elements that do not count. threads: as in planish_options. Errors:
+ *  _ARGUMENT, _MESH, _MEMORY, _PARTS. */
+PLANISH_API int planish_measure_sizes(const planish_mesh *mesh, int threads,
+                                      planish_size_quality *quality, double *ratio,
+                                      planish_error *error);
+
+/** Fill size [n_nodes] with the sizes that mesh has: at each node the mean of its elements. As
+ *  planish_mesh.size they make smoothing keep the sizes of a mesh where they are. Errors: as of
+ *  planish_measure_sizes. */
+PLANISH_API int planish_find_sizes(const planish_mesh *mesh, int threads, double *size,
+                                   planish_error *error);
 
 /** A number of 64 bits for the bits of mesh->coordinates in the order of the nodes, whatever the
  *  strides: equal if they are, and, but for one chance in 2^64 or so, different if they are not. 0

@@ -94,25 +94,73 @@ static int take_mesh(const planish_mesh *mesh, cells_call *c, planish_error *err
                : pl_fail_memory(error, "the coordinates");
 }
 
-/** Say what is wrong with an element that has no target. */
-static int complain(const pl_cell_mesh *mesh, int64_t element, planish_error *error) {
-    const pl_cell_shape *shape = pl_cell_type_of(mesh->cells->type[element])->shape;
-    double D = NAN;
+/** Elements as they are to be. */
+typedef struct wanted {
+    int dim;
+    const planish_cells *cells;
+    const double *reference; /* [n_nodes][dim] */
+    const int8_t *sign;      /* [cells] */
+    const pl_layer_shapes *layers;
+} wanted;
+
+/** Edges of corner c of a cell in the reference; returns its determinant. */
+static double reference_edges(const wanted *w, int64_t cell, int c, double edges[3][3]) {
+    const uint8_t *neighbour = pl_cell_type_of(w->cells->type[cell])->shape->neighbour[c];
+    const int32_t *node = w->cells->node + w->cells->offset[cell];
+    const double *x[4] = {w->reference + (int64_t)node[c] * w->dim};
+    for (int j = 0; j < w->dim; j++)
+        x[j + 1] = w->reference + (int64_t)node[neighbour[j]] * w->dim;
+    pl_edges(w->dim, x, edges);
+    return w->sign[cell] * pl_determinant_of_edges(w->dim, (const double(*)[3])edges);
+}
+
+/** Target of a corner by the reference. */
+static int target_of_reference(const void *targets, int64_t cell, int c, pl_target *target) {
+    const wanted *w = targets;
+    double edges[3][3] = {{0}};
+    reference_edges(w, cell, c, edges);
+    return pl_target_make(w->dim, (const double(*)[3])edges, w->sign[cell], target);
+}
+
+/** Target of a corner by its layer. */
+static int target_of_layer(const void *targets, int64_t cell, int c, pl_target *target) {
+    const wanted *w = targets;
+    const int32_t place = w->layers->place[cell];
+    return pl_layer_target(pl_cell_type_of(w->cells->type[cell])->shape,
+                           place < 0 ? NULL : &w->layers->shape[place], c, target);
+}
+
+/** Say what is wrong with a cell that has no target. */
+static int complain(const wanted *w, int64_t cell, planish_error *error) {
+    double edges[3][3] = {{0}}, D = NAN;
     pl_target target;
-    for (int c = 0; c < shape->n_measured; c++) {
-        double edges[3][3] = {{0}};
-        pl_cell_reference_edges(mesh, element, c, edges);
-        D = mesh->sign[element] * pl_determinant_of_edges(mesh->dim, (const double(*)[3])edges);
-        if (!pl_target_make(mesh->dim, (const double(*)[3])edges, mesh->sign[element], &target))
+    for (int c = 0; c < pl_cell_type_of(w->cells->type[cell])->shape->n_measured; c++) {
+        D = reference_edges(w, cell, c, edges);
+        if (!target_of_reference(w, cell, c, &target))
             break;
     }
-    return pl_fail_at(error, PLANISH_ERROR_MESH, element, -1,
+    return pl_fail_at(error, PLANISH_ERROR_MESH, cell, -1,
                       "element %" PRId64 " %s in mesh.reference; all elements must be valid there, "
                       "oriented as in the mesh",
-                      element,
+                      cell,
                       !isfinite(D) ? "is too large, or not finite,"
                       : D < 0      ? "is inverted"
                                    : "is flat");
+}
+
+/** Find the elements as they are to be. */
+static int find_wanted(const planish_mesh *mesh, cells_call *c, wanted *w, planish_error *error) {
+    const double *reference = c->reference ? c->reference : mesh->reference;
+    const double *coordinates = c->coordinates ? c->coordinates : mesh->coordinates;
+    const planish_mesh as_it_was = {.dim = mesh->dim,
+                                    .n_nodes = mesh->n_nodes,
+                                    .coordinates = reference ? reference : coordinates,
+                                    .cells = &c->cells,
+                                    .n_elements = c->cells.n};
+    *w = (wanted){mesh->dim, &c->cells, reference, c->sign, &c->layers};
+    return mesh->is_layer
+               ? pl_layer_shapes_find(&as_it_was, mesh->is_layer, c->threads, &c->layers, error)
+               : PLANISH_OK;
 }
 
 /** Measure the cells that have been taken. */
@@ -120,35 +168,32 @@ static int measure(const planish_mesh *mesh, double rounding, cells_call *c,
                    planish_cell_quality *quality, const planish_cell_values *values,
                    planish_error *error) {
     const double *coordinates = c->coordinates ? c->coordinates : mesh->coordinates;
+    wanted w;
     c->sign = pl_alloc(c->cells.n, sizeof *c->sign);
     if (!c->sign)
         return pl_fail_memory(error, "the measures of elements");
     int status = pl_orient_cells(&c->cells, mesh->dim, mesh->n_nodes, coordinates, c->threads,
                                  c->sign, error);
+    if (!status)
+        status = find_wanted(mesh, c, &w, error);
     if (status)
         return status;
-    const double *reference = c->reference ? c->reference : mesh->reference;
-    const planish_mesh as_it_was = {.dim = mesh->dim,
-                                    .n_nodes = mesh->n_nodes,
-                                    .coordinates = reference ? reference : coordinates,
-                                    .cells = &c->cells,
-                                    .n_elements = c->cells.n};
-    if (mesh->is_layer)
-        status = pl_layer_shapes_find(&as_it_was, mesh->is_layer, c->threads, &c->layers, error);
-    if (status)
-        return status;
+    /* With sizes all shapes are the ideal ones. */
     const pl_cell_mesh cells = {.dim = mesh->dim,
                                 .cells = &c->cells,
                                 .coordinates = coordinates,
                                 .sign = c->sign,
                                 .rounding = rounding,
-                                .reference = mesh->is_layer ? NULL : reference,
-                                .layers = mesh->is_layer ? &c->layers : NULL};
+                                .target = mesh->size        ? NULL
+                                          : mesh->is_layer  ? target_of_layer
+                                          : mesh->reference ? target_of_reference
+                                                            : NULL,
+                                .targets = &w};
     int64_t flawed = -1;
     status = pl_cell_rules_make(&cells, &c->rules);
     if (!status)
         status = pl_measure_cells(&cells, &c->rules, c->threads, quality, values, &flawed);
-    return status == PLANISH_ERROR_MESH ? complain(&cells, flawed, error)
+    return status == PLANISH_ERROR_MESH ? complain(&w, flawed, error)
            : status                     ? pl_fail_memory(error, "the measures of elements")
                                         : PLANISH_OK;
 }

@@ -190,3 +190,20 @@ double pl_blunt_mean_square(int dim, unsigned kinds, double acuteness) {
         least = fmin(least, least_of_pyramid(acuteness, cube_root));
     return margin > 0 ? margin * (least * least) : 0;
 }
+
+/** Cosine of the angle between edges i < j of an ideal corner, all of which are 1 long. */
+static double ideal_cosine(const pl_cell_shape *shape, int i, int j) {
+    return shape->between[i + j - 1] > 0 ? 0.5 : 0;
+}
+
+void pl_ideal_edges(const pl_cell_shape *shape, double edges[3][3]) {
+    const double cosine = ideal_cosine(shape, 0, 1), sine = sqrt(1 - cosine * cosine);
+    edges[0][0] = 1;
+    edges[1][0] = cosine;
+    edges[1][1] = sine;
+    if (shape->dim == 2)
+        return;
+    edges[2][0] = ideal_cosine(shape, 0, 2);
+    edges[2][1] = (ideal_cosine(shape, 1, 2) - cosine * edges[2][0]) / sine;
+    edges[2][2] = sqrt(1 - edges[2][0] * edges[2][0] - edges[2][1] * edges[2][1]);
+}

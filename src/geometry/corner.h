@@ -15,6 +15,7 @@
  *   pl_form_code                          the byte of a link facet: the corner, and where x is in it
  *   pl_corner_form, pl_corner_forms_make  the forms of all codes
  *   pl_opposite_corner                    the corner of a hexahedron that shares no face
+ *   pl_ideal_edges                        edges of an ideal corner
  *   pl_mean_square                        mu^2 of a corner
  *   pl_blunt_mean_square                  mu^2 up to which no corner is sharp
  */
@@ -78,6 +79,9 @@ int pl_kind_of_shape(const pl_cell_shape *shape);
 
 /** Shape of a kind; NULL: there is none of dimension dim. */
 const pl_cell_shape *pl_shape_of_kind(int dim, int kind);
+
+/** Edges [dim][dim] of the ideal corner of a shape, from the corner to its neighbours; all are 1 long. edges is 0. */
+void pl_ideal_edges(const pl_cell_shape *shape, double edges[3][3]);
 
 /** mu^2 from E and D, divided by the determinant of the ideal corner: the same bits at every scale
  *  that is a power of two. E^3 and D^2 must be in a double's range. */

@@ -16,24 +16,6 @@ int pl_upright_at(const pl_cell_shape *shape, int factor, int c) {
     return n;
 }
 
-/** Cosine of the angle between edges i < j of an ideal corner, all of which are 1 long. */
-static double ideal_cosine(const pl_cell_shape *shape, int i, int j) {
-    return shape->between[i + j - 1] > 0 ? 0.5 : 0;
-}
-
-/** Edges of an ideal corner. */
-static void ideal_edges(const pl_cell_shape *shape, double edges[3][3]) {
-    const double cosine = ideal_cosine(shape, 0, 1), sine = sqrt(1 - cosine * cosine);
-    edges[0][0] = 1;
-    edges[1][0] = cosine;
-    edges[1][1] = sine;
-    if (shape->dim == 2)
-        return;
-    edges[2][0] = ideal_cosine(shape, 0, 2);
-    edges[2][1] = (ideal_cosine(shape, 1, 2) - cosine * edges[2][0]) / sine;
-    edges[2][2] = sqrt(1 - edges[2][0] * edges[2][0] - edges[2][1] * edges[2][1]);
-}
-
 /** Edges of corner c of a product: the upright is the last axis. */
 static void product_edges(const pl_cell_shape *shape, const pl_layer_shape *wanted, int c,
                           double edges[3][3]) {
@@ -68,7 +50,7 @@ int pl_layer_target(const pl_cell_shape *shape, const pl_layer_shape *wanted, in
                     pl_target *target) {
     double edges[3][3] = {{0}};
     if (!wanted)
-        ideal_edges(shape, edges);
+        pl_ideal_edges(shape, edges);
     else if (shape->n_simplices == 1)
         simplex_edges(shape, wanted, c, edges);
     else

@@ -1,6 +1,7 @@
 /* improve: the phases of a call beside plain sweeps.
  *
  *   phases.c             pl_run_phases: all phases, in their order
+ *   sized.c              pl_run_sized_sweeps: sizes that depend on where elements are
  *   slow.c               pl_run_accelerate: for slow meshes
  *   coarse.c             pl_run_coarse: Newton's steps on a lattice
  *   untangle/untangle.c  pl_run_untangle, pl_run_raise_volumes: inverted or too small elements
@@ -19,6 +20,10 @@
 
 /** Do all phases of a call on a run that is measured and prepared. Errors: _MEMORY. */
 int pl_run_phases(pl_run *r, planish_error *error);
+
+/** Sweep a mesh whose plan has sizes until that converges or must end: r->stop says why. F against the
+ *  targets where the elements are is lower then, or nothing has moved. Errors: _MEMORY. */
+int pl_run_sized_sweeps(pl_run *r, planish_error *error);
 
 /** Move all nodes at once (a pl_accelerate_fn), counted as one sweep or several. fall: relative
  *  fall that the last sweep has brought. F does not rise. Return not 0 if the work was cut short;

@@ -87,7 +87,8 @@ static int conditions_of(const pl_run *r) {
 /* ---- phases of a few lines ------------------------------------------------------------------- */
 
 static int sweep(pl_run *r, planish_error *error) {
-    (void)error;
+    if (r->plan->sizes)
+        return pl_run_sized_sweeps(r, error);
     pl_run_sweeps(r);
     return PLANISH_OK;
 }
@@ -123,6 +124,8 @@ static int undo_failed_raise(pl_run *r, planish_error *error) {
 
 static int measure(pl_run *r, planish_error *error) {
     (void)error;
+    if (r->plan->sizes)
+        pl_plan_fit_sizes(r->plan);
     pl_run_measure(r);
     return PLANISH_OK;
 }

@@ -168,7 +168,9 @@ static int begin_around(const planish_mesh *mesh, pl_draft *d, planish_error *er
 /** Check that mesh and options have nothing that does not go together so far. */
 static int check_together(const planish_mesh *mesh, const planish_options *options,
                           planish_error *error) {
-    const char *field = mesh->is_layer ? "mesh.is_layer" : "mesh.reference";
+    const char *field = mesh->is_layer ? "mesh.is_layer"
+                        : mesh->size   ? "mesh.size"
+                                       : "mesh.reference";
     if (mesh->part && (options->around || mesh->n_periodic > 0 || pl_has_targets(mesh)))
         return pl_fail(error, PLANISH_ERROR_PARTS,
                        "%s is not possible with a mesh in parts; do without it, or in one process",
@@ -178,10 +180,14 @@ static int check_together(const planish_mesh *mesh, const planish_options *optio
     if (pl_has_targets(mesh) && mesh->n_periodic > 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "%s is not possible with mesh.periodic; leave out one of them", field);
-    if (mesh->is_layer && options->size_weight > 0)
+    if (mesh->is_layer && (options->size_weight > 0 || mesh->size))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.size_weight is not possible with mesh.is_layer: only "
-                       "mesh.reference alone has sizes for all elements");
+                       "%s is not possible with mesh.is_layer: layers have sizes of their own",
+                       mesh->size ? "mesh.size" : "options.size_weight");
+    if (mesh->size && !(options->size_weight > 0))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.size_weight is 0, so that mesh.size would not count; give more, "
+                       "such as 0.5");
     return PLANISH_OK;
 }
 
@@ -317,9 +323,12 @@ static int find_boundary_of_cells(pl_draft *d, planish_error *error) {
     return status;
 }
 
-/** Make the targets of the plan's elements, from the layers or the reference of the given mesh. */
+/** Make the targets of the plan's elements, from the sizes, the layers or the reference of the given
+ *  mesh. */
 static int make_targets(pl_draft *d, planish_error *error) {
     d->plan->work.size_weight = d->options->size_weight;
+    if (d->given->size)
+        return pl_size_targets_make(d->plan, d->given, d->dense.mesh.coordinates, error);
     if (d->given->is_layer)
         return pl_layer_targets_make(d->plan, d->given, error);
     return pl_targets_make(d->plan, pl_points_of(d->given, d->given->reference), d->boundary.sign,

@@ -7,6 +7,7 @@
 #include "base/status.h"
 #include "geometry/simplex.h"
 #include "plan/ghosts.h"
+#include "quality/size_field.h"
 
 #include <math.h>
 #include <string.h>
@@ -36,6 +37,7 @@ static void release_scratch(pl_plan_scratch *scratch) {
     pl_free(scratch->coordinates);
     pl_free(scratch->to_measure);
     pl_free(scratch->changed);
+    pl_free(scratch->sizes);
     pl_free(scratch->kept);
     pl_free(scratch->is_movable);
     pl_free(scratch->places);
@@ -63,6 +65,9 @@ void pl_plan_destroy(planish_plan *plan) {
     pl_free(plan->own_cells.offset);
     pl_free(plan->own_cells.node);
     pl_free(plan->own_whole_elements);
+    if (plan->sizes)
+        pl_size_field_destroy(plan->sizes);
+    pl_free(plan->sizes);
     release_view(&plan->work);
     release_view(&plan->whole);
     pl_free(plan->wrapped);

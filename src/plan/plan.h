@@ -9,6 +9,8 @@
  *   pl_plan_put                                values by elements in the caller's order
  *   pl_box_of_fixed                            extent of the nodes that do not move freely
  *   pl_plan_check_call                         what every call on coordinates checks
+ * targets.c
+ *   pl_plan_fit_sizes                          targets by sizes, where the nodes are
  * check_options.c
  *   pl_options_check                           the values of planish_options
  */
@@ -70,6 +72,7 @@ typedef struct pl_follower_places {
 
 struct pl_watch;
 struct pl_skin;
+struct pl_size_field;
 
 /** Working space of planish_smooth, which a plan keeps from call to call; n nodes. Calls change it
  *  on a plan that is const. Owned. */
@@ -78,6 +81,7 @@ typedef struct pl_plan_scratch {
     double *coordinates; /* [n + n_images][dim] by inner numbers */
     double *to_measure;  /* [n][dim] in the mesh's order, in units of its size: for measuring */
     uint8_t *changed;    /* [n + n_images] by inner numbers, see pl_star_problem */
+    double *sizes;       /* [n] with plan->sizes: those where the nodes are */
     pl_star_kept *kept;  /* [stars of interior, then of sliding] likewise; NULL in 2-D */
     uint8_t *is_movable; /* [elements of whole] 1: has a free node in the call that is served */
     pl_follower_places *places; /* [sliding.n_followers] */
@@ -114,9 +118,10 @@ struct planish_plan {
     int32_t *inner;   /* [n] inner number of each node */
     int is_selective; /* only nodes of bad elements are free, see pl_draft_select */
     int32_t *node_of; /* [n] the caller's number of each node of the plan's mesh; NULL: the same */
-    int32_t *element_of;    /* [m] the caller's number of each element */
-    planish_cells cells;    /* the mesh's, if they are not linear simplices alone: n above 0 */
-    pl_own_cells own_cells; /* their arrays, of simplices with targets */
+    int32_t *element_of;         /* [m] the caller's number of each element */
+    planish_cells cells;         /* the mesh's, if they are not linear simplices alone: n above 0 */
+    pl_own_cells own_cells;      /* their arrays, of simplices with targets */
+    struct pl_size_field *sizes; /* that the targets are made by (quality/size_field.h), or NULL */
     int32_t *cell_of; /* the cell of each element of all, unless element_of has cells; or NULL */
     uint8_t *role;    /* [nodes of the mesh] see pl_dense */
     pl_scope scope;
@@ -207,6 +212,11 @@ pl_box pl_box_of_fixed(const planish_plan *plan);
  *  begins with it. */
 int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
                        const planish_options *options, planish_error *error);
+
+/* ---- targets.c ------------------------------------------------------------------------------ */
+
+/** Make the targets anew, of a plan with sizes, where scratch.coordinates are. */
+void pl_plan_fit_sizes(const planish_plan *plan);
 
 /* ---- check_options.c ------------------------------------------------------------------------ */
 

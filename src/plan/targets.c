@@ -1,9 +1,11 @@
-/* targets: elements of a plan that are to have the shapes of mesh.reference, or of layers. */
+/* targets: elements of a plan that are to have the shapes of mesh.reference, of layers, or of a field of
+ * sizes. */
 #include "plan/targets.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "quality/size_field.h"
 #include "shape/layer_shapes.h"
 #include "topology/topology.h"
 
@@ -162,5 +164,46 @@ int pl_layer_targets_make(planish_plan *plan, const planish_mesh *given, planish
         pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, make_layer_chunk, &p);
     pl_layer_shapes_free(&p.shapes);
     pl_free(own);
+    return status;
+}
+
+/* ---- sizes ------------------------------------------------------------------------------------ */
+
+/** Make the targets of a plan with sizes, whose node i is at x[place[i]]; place NULL: at x[i]. */
+static void fit_sizes(const planish_plan *plan, const double *x, const int32_t *place) {
+    const pl_view *work = &plan->work;
+    const pl_sized_corners corners = {.dim = plan->dim,
+                                      .n = work->n_elements,
+                                      .node = work->elements,
+                                      .corner = work->corner,
+                                      .size = plan->scratch.sizes,
+                                      .x = x,
+                                      .place = place};
+    pl_size_field_find(plan->sizes, x, place, plan->threads, plan->scratch.sizes);
+    pl_sizes_fit(&corners, plan->threads, (pl_target *)work->target);
+}
+
+void pl_plan_fit_sizes(const planish_plan *plan) {
+    fit_sizes(plan, plan->scratch.coordinates, plan->inner);
+}
+
+int pl_size_targets_make(planish_plan *plan, const planish_mesh *given, const double *x,
+                         planish_error *error) {
+    const int64_t n = given->n_nodes;
+    const pl_points places = pl_points_of(given, given->reference);
+    double *dense = given->reference ? pl_alloc(n * given->dim, sizeof *dense) : NULL;
+    plan->sizes = pl_alloc_zero(1, sizeof *plan->sizes);
+    plan->scratch.sizes = pl_alloc(n, sizeof *plan->scratch.sizes);
+    plan->work.target = pl_alloc(plan->work.n_elements, sizeof *plan->work.target);
+    int status = PLANISH_OK;
+    if (!plan->sizes || !plan->scratch.sizes || !plan->work.target || (given->reference && !dense))
+        status = pl_fail_memory(error, "the field of sizes");
+    if (!status && dense)
+        pl_points_gather(&places, plan->threads, dense);
+    if (!status)
+        status = pl_size_field_create(given, dense ? dense : x, plan->threads, plan->sizes, error);
+    if (!status)
+        fit_sizes(plan, x, NULL);
+    pl_free(dense);
     return status;
 }

@@ -3,6 +3,7 @@
  *   pl_own_cells_make      simplices as cells
  *   pl_targets_make        the targets of the corners, from a reference
  *   pl_layer_targets_make  from layers
+ *   pl_size_targets_make   from a field of sizes
  */
 #ifndef PL_PLAN_TARGETS_H
 #define PL_PLAN_TARGETS_H
@@ -23,5 +24,10 @@ int pl_targets_make(planish_plan *plan, pl_points reference, const int8_t *sign,
 /** Make the targets of the plan's elements, which are corners of given, from its layers. Errors:
  *  _MEMORY. */
 int pl_layer_targets_make(planish_plan *plan, const planish_mesh *given, planish_error *error);
+
+/** Make the targets of the plan's elements, which are corners of given, from its sizes; x [n_nodes][dim]
+ *  is where its nodes are. Errors: _MESH, _MEMORY. */
+int pl_size_targets_make(planish_plan *plan, const planish_mesh *given, const double *x,
+                         planish_error *error);
 
 #endif

@@ -233,30 +233,11 @@ PL_INLINE double mean_ratio_square(const pl_cell_shape *shape, double edges[3][3
     return ratio_square(e, determinant / shape->determinant, dim);
 }
 
-void pl_cell_reference_edges(const pl_cell_mesh *mesh, int64_t element, int c, double edges[3][3]) {
-    const planish_cells *cells = mesh->cells;
-    const uint8_t *neighbour = pl_cell_type_of(cells->type[element])->shape->neighbour[c];
-    const int32_t *node = cells->node + cells->offset[element];
-    const double *x[4] = {mesh->reference + (int64_t)node[c] * mesh->dim};
-    for (int j = 0; j < mesh->dim; j++)
-        x[j + 1] = mesh->reference + (int64_t)node[neighbour[j]] * mesh->dim;
-    pl_edges(mesh->dim, x, edges);
-}
-
 /** Find the targets of the corners of lane l; 0: one has none. */
 static int find_targets(const pl_cell_mesh *mesh, const cell_block *b, int l, pl_target *target) {
-    for (int c = 0; c < b->rule->type->shape->n_measured; c++) {
-        double edges[3][3] = {{0}};
-        if (mesh->layers) {
-            const int32_t place = mesh->layers->place[b->element[l]];
-            pl_layer_target(b->rule->type->shape, place < 0 ? NULL : &mesh->layers->shape[place], c,
-                            &target[c]);
-            continue;
-        }
-        pl_cell_reference_edges(mesh, b->element[l], c, edges);
-        if (!pl_target_make(mesh->dim, (const double(*)[3])edges, b->sign[l], &target[c]))
+    for (int c = 0; c < b->rule->type->shape->n_measured; c++)
+        if (!mesh->target(mesh->targets, b->element[l], c, &target[c]))
             return 0;
-    }
     return 1;
 }
 
@@ -471,7 +452,7 @@ static void measure_block(measurement *m, cell_block *b, type_sums *sums) {
     pl_jacobian_evaluate(b->rule, b->sign, &b->jacobian);
     for (int l = 0; l < b->n; l++) {
         pl_target target[PL_CELL_CORNERS];
-        const int has_targets = m->mesh->reference || m->mesh->layers;
+        const int has_targets = m->mesh->target != NULL;
         if (has_targets && !find_targets(m->mesh, b, l, target))
             pl_lower_to(&m->flawed, b->element[l]);
         else if (b->is_certain[l] == 0)

@@ -6,15 +6,17 @@
  *
  *   pl_cell_rules_make, _free    rules of the types that a mesh has
  *   pl_measure_cells             sums over all elements, and what each one is
- *   pl_cell_reference_edges      of a corner as it is to be
  */
 #ifndef PL_QUALITY_CELL_MEASURE_H
 #define PL_QUALITY_CELL_MEASURE_H
 
-#include "geometry/layer_shape.h"
+#include "geometry/target.h"
 #include "quality/validity.h"
 
 #include <planish/planish.h>
+
+/** Make the target of corner c of a cell; returns as pl_target_make. targets: of pl_cell_mesh. */
+typedef int pl_cell_target_fn(const void *targets, int64_t cell, int c, pl_target *target);
 
 /** Elements of any types, as planish_mesh has them, and where their nodes are. */
 typedef struct pl_cell_mesh {
@@ -23,9 +25,8 @@ typedef struct pl_cell_mesh {
     const double *coordinates; /* [n_nodes][dim] */
     const int8_t *sign;        /* [n] +1 or -1: det J times that is positive in a valid mesh */
     double rounding;           /* of coordinates: mids that are no farther off are straight */
-    const double *reference; /* [n_nodes][dim] where elements have the shapes that they are to have
-                                  (geometry/target.h), or NULL: the ideal ones, */
-    const pl_layer_shapes *layers; /* or those of layers; NULL: there are none */
+    pl_cell_target_fn *target; /* of corners, or NULL: they are to be the ideal ones */
+    const void *targets;       /* for target */
 } pl_cell_mesh;
 
 /** Rules of the types of a mesh that count. */
@@ -47,8 +48,5 @@ void pl_cell_rules_free(pl_cell_rules *rules);
 int pl_measure_cells(const pl_cell_mesh *mesh, const pl_cell_rules *rules, int threads,
                      planish_cell_quality *quality, const planish_cell_values *values,
                      int64_t *flawed);
-
-/** Edges [dim][dim] of corner c of an element of mesh in the reference. */
-void pl_cell_reference_edges(const pl_cell_mesh *mesh, int64_t element, int c, double edges[3][3]);
 
 #endif

@@ -74,8 +74,8 @@ static int check_targets(const pl_run *r, planish_error *error) {
         return PLANISH_OK;
     return pl_fail(
         error, PLANISH_ERROR_ARGUMENT,
-        "options.%s is not possible with mesh.reference or mesh.is_layer: only mean ratios "
-        "are measured against targets",
+        "options.%s is not possible with mesh.reference, mesh.is_layer or mesh.size: only mean "
+        "ratios are measured against targets",
         o->worst != PLANISH_WORST_NONE ? "worst" : "objective EDGE_RATIO");
 }
 
@@ -128,6 +128,8 @@ int pl_run_begin(pl_run *r, planish_error *error) {
     }
     pl_plan_order(plan, r->given, plan->scratch.coordinates);
     begin_sliding(plan);
+    if (plan->sizes)
+        pl_plan_fit_sizes(plan);
     /* delta may be a fraction of the volume of all of the mesh. */
     status = pl_minimum_volume(plan, o, all ? all : r->given, &delta, error);
     if (!status)

@@ -64,7 +64,7 @@ const planish_mesh *pl_drop_targets(const planish_mesh *mesh, planish_mesh *copy
 
 /** Whether elements are to have other shapes than the ideal ones, of a mesh from pl_drop_targets. */
 static inline int pl_has_targets(const planish_mesh *mesh) {
-    return mesh->reference || mesh->is_layer;
+    return mesh->reference || mesh->is_layer || mesh->size;
 }
 
 /** Check the nodes of one element, of a mesh without cells. */
