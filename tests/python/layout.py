@@ -22,6 +22,7 @@ STRUCTURES = {
     "planish_shape_info": planish.ShapeInfo,
     "planish_shape_distance": planish.ShapeDistance,
     "planish_fit_info": planish.FitInfo,
+    "planish_size_quality": planish.SizeQuality,
 }
 
 print("#include <planish/planish.h>\n#include <stdio.h>\nint main(void) {\n    int bad = 0;")

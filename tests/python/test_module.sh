@@ -11,4 +11,5 @@ export PLANISH_LIBRARY=${PLANISH_BUILD:?}/libplanish.so PYTHONDONTWRITEBYTECODE=
 export PYTHONPATH=${PLANISH_SOURCE:?}/tools/python
 $python "$here/layout.py" >"$work/layout.c" &&
     cc -I"$PLANISH_SOURCE/include" "$work/layout.c" -o "$work/layout" && "$work/layout" &&
-    $python "$here/module.py" && $python "$here/elements.py" && $python "$here/reference.py"
+    $python "$here/module.py" && $python "$here/elements.py" && $python "$here/reference.py" && \
+    $python "$here/sizes.py"

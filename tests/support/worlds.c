@@ -272,6 +272,15 @@ static void targets(test_world *w) {
     w->options.size_weight = 0.3;
 }
 
+static void sizes(test_world *w) {
+    double *size = own(w, w->mesh.n_nodes, sizeof *size);
+    for (int64_t i = 0; i < w->mesh.n_nodes; i++)
+        size[i] = 0.3 + w->box.coordinates[i * w->mesh.dim];
+    tangled(w);
+    w->mesh.size = size;
+    w->options.size_weight = 0.9;
+}
+
 static void callbacks(test_world *w) {
     tangled(w);
     w->options.progress = go_on;
@@ -336,6 +345,7 @@ static const struct special {
     {"on surface", on_surface},
     {"periodic", periodic},
     {"targets", targets},
+    {"sizes", sizes},
     {"callbacks", callbacks},
     {"threads", threads},
     {"own allocator", own_allocator},

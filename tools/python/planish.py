@@ -34,8 +34,8 @@ from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence
 import numpy as np
 
 __all__ = ["CellMeasures", "CellQuality", "CellValues", "Error", "FitInfo", "Plan", "Progress", "Quality", "Result", "Shape",
-           "ShapeDistance", "ShapeInfo", "SlideInfo", "Slides", "checksum", "find_layers", "find_slides", "quality",
-           "smooth", "version"]
+           "ShapeDistance", "ShapeInfo", "SizeQuality", "SlideInfo", "Slides", "checksum", "find_layers", "find_sizes",
+           "find_slides", "quality", "size_quality", "smooth", "version"]
 
 # ---- the library's structures, as in include/planish/planish.h --------------------------------
 
@@ -65,7 +65,8 @@ class _Mesh(ctypes.Structure):
         ("cells", c_void_p),
         ("reference", c_void_p),
         ("is_layer", c_void_p),
-        ("reserved", c_void_p * 4),
+        ("size", c_void_p),
+        ("reserved", c_void_p * 3),
     ]
 
 
@@ -443,6 +444,23 @@ class SlideInfo(_Printed):
     ]
 
 
+class SizeQuality(_Printed):
+    """Sizes of cells against those wanted: planish_size_quality of planish.h, field by field."""
+
+    ratio: Optional[np.ndarray] = None  # [m] size / (factor * wanted), with per_element
+
+    _fields_ = [
+        ("n_elements", c_int64),
+        ("factor", c_double),
+        ("rms_log", c_double),
+        ("least", c_double),
+        ("most", c_double),
+        ("smallest", c_int64),
+        ("largest", c_int64),
+        ("reserved", c_double * 2),
+    ]
+
+
 class Slides(NamedTuple):
     """Constraints of nodes, 0 to 6: free, fixed, on a plane, on a line, (on a surface,) on a patch, on a curve."""
 
@@ -521,7 +539,7 @@ _library.planish_fit_constrain.argtypes = [c_void_p, c_void_p]
 _library.planish_plan_get_free.restype = None
 _library.planish_plan_get_free.argtypes = [c_void_p, c_void_p]
 for _name in ("planish_plan_create", "planish_smooth", "planish_measure", "planish_measure_elements",
-              "planish_measure_mesh", "planish_measure_cells", "planish_find_layers", "planish_find_regions",
+              "planish_measure_mesh", "planish_measure_cells", "planish_measure_sizes", "planish_find_sizes", "planish_find_layers", "planish_find_regions",
               "planish_combine_regions", "planish_find_interfaces", "planish_find_slides",
               "planish_shape_create", "planish_measure_shape", "planish_smooth_surface", "planish_measure_surface", "planish_fit_create", "planish_fit_move",
               "planish_fit_measure"):
@@ -588,6 +606,7 @@ _TYPES = [_Type(*row) for row in (
 _KNOWN: dict[Any, _Type] = {key: kind for kind in _TYPES for key in (kind.number, kind.name)}
 _SIMPLICES = {2: (5, 22), 3: (10, 24)}  # straight, second order
 _HELD = (27, 128)  # pyramids of second order: their nodes stay
+_SIZE_WEIGHT = 0.9  # with sizes, unless said otherwise
 _LAYERED = {3: (6, 8), 2: (4,)}  # corners of types whose layers are held unless said otherwise
 # Other orders of nodes: pixels and voxels by VTK's number or meshio's name, wedges by meshio's name.
 _PIXEL, _VOXEL = (_KNOWN["quad"], [0, 1, 3, 2]), (_KNOWN["hexahedron"], [0, 1, 3, 2, 4, 5, 7, 6])
@@ -1227,6 +1246,7 @@ class _View:
         self.direction: Optional[np.ndarray] = None
         self.reference: Optional[_Points] = None
         self.is_layer: Optional[np.ndarray] = None
+        self.sizes: Optional[np.ndarray] = None
         self._hold_interfaces(self.elements.data, regions, slides)
 
     def take_reference(self, reference: Any) -> None:
@@ -1236,6 +1256,13 @@ class _View:
             raise ValueError(f"reference must have a row for each of {self.n} points, not the shape {np.shape(points)}")
         self.reference = _Points(points, self.dim, self.points.strides)
         self.mesh.reference = _address(self.reference.array)
+
+    def take_sizes(self, sizes: Any) -> None:
+        """Let the elements have these sizes, given at the points."""
+        self.sizes = np.ascontiguousarray(sizes, dtype=float)
+        if self.sizes.shape != (self.n,):
+            raise ValueError(f"sizes must have a number for each of {self.n} points, not the shape {self.sizes.shape}")
+        self.mesh.size = _address(self.sizes)
 
     def _hold_interfaces(self, data: dict[str, Any], regions: Any, slides: bool) -> None:
         """Fix the nodes between regions, unless it is to be found which of them slide."""
@@ -1317,8 +1344,8 @@ class _View:
 
     def _keep_layers(self) -> None:
         """Let the elements of layers be targets, with the heights that they have."""
-        if self.reference is not None:
-            raise ValueError("give reference or layers='keep', not both")
+        if self.reference is not None or self.sizes is not None:
+            raise ValueError(f"give {'sizes' if self.reference is None else 'reference'} or layers='keep', not both")
         self.is_layer = _find_layers(self, self.threads).astype(np.uint8)
         self.mesh.is_layer = _address(self.is_layer)
 
@@ -1483,7 +1510,9 @@ class Plan:
     (docs/targets.md), such as that of the mesh before it was deformed. Layers and gradings survive. Ratios are
     then aspect ratios AR of all elements against their targets, layers are held by layers="hold" alone, and every
     element must be valid there. It may not be together with worst elements or edge ratios. size_weight: 0 .. 1,
-    what the sizes of cells count against their shapes.
+    what the sizes of cells count against their shapes; None: 0, with sizes 0.9.
+    sizes: the edge lengths [n] that cells are to have at the points given, in relation to one another
+    (docs/targets.md); find_sizes has those of a mesh, size_quality measures.
 
     One plan serves one thread at a time: others wait, and are refused with RuntimeError while it
     smooths. To be closed, or used in a with statement.
@@ -1509,7 +1538,8 @@ class Plan:
         slide_interfaces: bool = False,
         onto: Optional[Shape] = None,
         reference: Any = None,
-        size_weight: float = 0,
+        size_weight: Optional[float] = None,
+        sizes: Any = None,
     ) -> None:
         if onto is not None and (slide is not None or around is not None or only_worse_than):
             raise ValueError("onto moves all nodes of the boundary: slide, around and only_worse_than have no place")
@@ -1526,6 +1556,8 @@ class Plan:
                            slide is not None or onto is not None)
         if reference is not None:
             self._view.take_reference(reference)
+        if sizes is not None:
+            self._view.take_sizes(sizes)
         self._view.hold_layers(layers)
         self.shape = shape
         if slide == "curved" and shape is None:
@@ -1537,9 +1569,11 @@ class Plan:
         self._options.threads = _threads(threads)
         self._options.shape = None if self.shape is None else self.shape.pointer()
         self._process = os.getpid()
-        if size_weight and reference is None:
-            raise ValueError("size_weight is for plans with a reference")
-        self._options.size_weight = size_weight
+        if size_weight and reference is None and sizes is None:
+            raise ValueError("size_weight is for plans with a reference or sizes")
+        if reference is not None and sizes is not None:
+            raise ValueError("give reference or sizes, not both")
+        self._options.size_weight = size_weight if size_weight is not None else 0 if sizes is None else _SIZE_WEIGHT
         self._options.only_worse_than = only_worse_than
         self._options.rings = _whole(rings, "rings")
         self._options.rounding = _rounding(self._view.points, rounding)
@@ -1797,7 +1831,7 @@ class Plan:
 
 
 _OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "rings", "around", "regions", "rounding",
-            "layers", "slide", "shape", "crease_angle", "slide_interfaces", "onto", "reference", "size_weight")
+            "layers", "slide", "shape", "crease_angle", "slide_interfaces", "onto", "reference", "size_weight", "sizes")
 
 
 _OF_FACES = ("fixed", "threads", "only_worse_than", "rings", "shape", "crease_angle", "objective", "worst_measure",
@@ -1953,6 +1987,31 @@ def find_slides(points: Any, cells: Any = None, *, fixed: Any = None, regions: A
     view = _View(points, cells, fixed, None, regions, threads, True)
     info = view.find_slides(shape, slide_interfaces)
     return Slides(view.constraint, view.direction, info)
+
+
+def find_sizes(points: Any, cells: Any = None, *, threads: int = 0) -> np.ndarray:
+    """Sizes [n] that a mesh has: at each point the mean of its cells', as edge lengths of ideal ones. As sizes of
+    Plan they are kept. points and cells as for Plan."""
+    view, error = _View(points, cells, None, None), _Error()
+    sizes = np.zeros(view.n)
+    _check(_library.planish_find_sizes(byref(view.mesh), c_int(_threads(threads)), c_void_p(_address(sizes)),
+                                       byref(error)), error)
+    return sizes
+
+
+def size_quality(points: Any, cells: Any = None, *, sizes: Any, start: Any = None, per_element: bool = False,
+                 threads: int = 0) -> SizeQuality:
+    """Sizes of the cells against sizes [n], as of Plan, given where the points are at start (None: now).
+    per_element: with ratio [m]."""
+    view, error, found = _View(points, cells, None, None), _Error(), SizeQuality()
+    view.take_sizes(sizes)
+    if start is not None:
+        view.take_reference(start)
+    ratio = np.zeros(view.mesh.n_elements if per_element else 0)
+    _check(_library.planish_measure_sizes(byref(view.mesh), c_int(_threads(threads)), byref(found),
+                                          c_void_p(_address(ratio)) if per_element else None, byref(error)), error)
+    found.ratio = ratio if per_element else None
+    return found
 
 
 def find_layers(points: Any, cells: Any = None, *, threads: int = 0) -> np.ndarray:

@@ -1,0 +1,69 @@
+"""Tests of the Python module: cells that are to have sizes."""
+
+import unittest
+
+import numpy as np
+
+import planish
+
+SIDE = 20
+
+
+def squares():
+    """Points and quadrilaterals of a square."""
+    n = SIDE + 1
+    x, y = np.meshgrid(np.arange(n) / SIDE, np.arange(n) / SIDE, indexing="ij")
+    i, j = np.meshgrid(np.arange(SIDE), np.arange(SIDE), indexing="ij")
+    cells = (n * i + j).reshape(-1, 1) + [0, n, n + 1, 1]
+    return np.column_stack([x.ravel(), y.ravel()]), {"quad": cells.astype(np.int32)}
+
+
+def wanted(points):
+    """Sizes: small on a circle."""
+    return 0.1 + 2 * np.abs(np.hypot(points[:, 0] - 0.5, points[:, 1] - 0.5) - 0.25)
+
+
+class Sizes(unittest.TestCase):
+    def test_sizes_are_met(self):
+        points, cells = squares()
+        start, sizes = points.copy(), wanted(points)
+        before = planish.size_quality(points, cells, sizes=sizes)
+        planish.smooth(points, cells, sizes=sizes)
+        after = planish.size_quality(points, cells, sizes=sizes, start=start, per_element=True)
+        self.assertLess(after.rms_log, 0.6 * before.rms_log)
+        self.assertEqual(after.n_elements, SIDE * SIDE)
+        self.assertAlmostEqual(np.sqrt((np.log(after.ratio) ** 2).mean()), after.rms_log, 12)
+        self.assertAlmostEqual(after.ratio[after.largest], after.most, 15)
+
+    def test_a_weight_is_taken(self):
+        points, cells = squares()
+        start, sizes = points.copy(), wanted(points)
+        planish.smooth(points, cells, sizes=sizes, size_weight=0.01)
+        little = np.abs(points - start).max()
+        points[:] = start
+        planish.smooth(points, cells, sizes=sizes)
+        self.assertLess(little, 0.5 * np.abs(points - start).max())
+
+    def test_own_sizes(self):
+        points, cells = squares()
+        np.testing.assert_allclose(planish.find_sizes(points, cells), 1 / SIDE, rtol=1e-12)
+        tri = np.array([[0, 1, 2]], dtype=np.int32)
+        found = planish.find_sizes(np.array([[0, 0], [2, 0], [1, np.sqrt(3)]]), tri)
+        np.testing.assert_allclose(found, 2, rtol=1e-12)
+
+    def test_what_does_not_fit(self):
+        points, cells = squares()
+        sizes = wanted(points)
+        for wrong, text in ((sizes[1:], "sizes must have a number for each"), (0 * sizes, "has the size 0")):
+            with self.assertRaisesRegex((ValueError, planish.Error), text):
+                planish.smooth(points, cells, sizes=wrong)
+        with self.assertRaisesRegex(ValueError, "reference or sizes, not both"):
+            planish.smooth(points, cells, sizes=sizes, reference=points.copy())
+        with self.assertRaisesRegex(ValueError, "sizes or layers=.keep., not both"):
+            planish.smooth(points, cells, sizes=sizes, layers="keep")
+        with self.assertRaisesRegex(ValueError, "size_weight is for"):
+            planish.smooth(points, cells, size_weight=0.5)
+
+
+if __name__ == "__main__":
+    unittest.main()
