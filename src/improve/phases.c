@@ -125,7 +125,7 @@ static int undo_failed_raise(pl_run *r, planish_error *error) {
 static int measure(pl_run *r, planish_error *error) {
     (void)error;
     if (r->plan->sizes)
-        pl_plan_fit_sizes(r->plan);
+        pl_plan_fit_sizes(r->plan, r->plan->scratch.coordinates, r->plan->inner);
     pl_run_measure(r);
     return PLANISH_OK;
 }

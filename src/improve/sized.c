@@ -36,7 +36,7 @@ static double least_of(const sized *s) {
 /** Measure against the targets where the elements are now, by which sweeps go on. */
 static void measure_anew(sized *s) {
     pl_run *r = s->run;
-    pl_plan_fit_sizes(r->plan);
+    pl_plan_fit_sizes(r->plan, r->plan->scratch.coordinates, r->plan->inner);
     pl_run_measure(r);
     pl_run_prepare(r);
     s->latest = pl_objective_of_movable(r->options, &r->sums);

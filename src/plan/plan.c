@@ -214,3 +214,16 @@ int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
     const pl_points points = pl_plan_all_points(plan, coordinates);
     return pl_points_check(&points, plan->threads, error);
 }
+
+void pl_plan_fit_sizes(const planish_plan *plan, const double *x, const int32_t *place) {
+    const pl_view *work = &plan->work;
+    const pl_sized_corners corners = {.dim = plan->dim,
+                                      .n = work->n_elements,
+                                      .node = work->elements,
+                                      .corner = work->corner,
+                                      .size = plan->scratch.sizes,
+                                      .x = x,
+                                      .place = place};
+    pl_size_field_find(plan->sizes, x, place, plan->threads, plan->scratch.sizes);
+    pl_sizes_fit(&corners, plan->threads, (pl_target *)work->target);
+}

@@ -8,9 +8,8 @@
  *   pl_plan_element, _rows, _given, _node, _inner   the caller's numbers; inner ones
  *   pl_plan_put                                values by elements in the caller's order
  *   pl_box_of_fixed                            extent of the nodes that do not move freely
+ *   pl_plan_fit_sizes                          targets by sizes, where nodes are
  *   pl_plan_check_call                         what every call on coordinates checks
- * targets.c
- *   pl_plan_fit_sizes                          targets by sizes, where the nodes are
  * check_options.c
  *   pl_options_check                           the values of planish_options
  */
@@ -213,10 +212,8 @@ pl_box pl_box_of_fixed(const planish_plan *plan);
 int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
                        const planish_options *options, planish_error *error);
 
-/* ---- targets.c ------------------------------------------------------------------------------ */
-
-/** Make the targets anew, of a plan with sizes, where scratch.coordinates are. */
-void pl_plan_fit_sizes(const planish_plan *plan);
+/** Make the targets of a plan with sizes, of x [.][dim]: node i is at x[place[i]]; place NULL: at x[i]. */
+void pl_plan_fit_sizes(const planish_plan *plan, const double *x, const int32_t *place);
 
 /* ---- check_options.c ------------------------------------------------------------------------ */
 

@@ -169,24 +169,6 @@ int pl_layer_targets_make(planish_plan *plan, const planish_mesh *given, planish
 
 /* ---- sizes ------------------------------------------------------------------------------------ */
 
-/** Make the targets of a plan with sizes, whose node i is at x[place[i]]; place NULL: at x[i]. */
-static void fit_sizes(const planish_plan *plan, const double *x, const int32_t *place) {
-    const pl_view *work = &plan->work;
-    const pl_sized_corners corners = {.dim = plan->dim,
-                                      .n = work->n_elements,
-                                      .node = work->elements,
-                                      .corner = work->corner,
-                                      .size = plan->scratch.sizes,
-                                      .x = x,
-                                      .place = place};
-    pl_size_field_find(plan->sizes, x, place, plan->threads, plan->scratch.sizes);
-    pl_sizes_fit(&corners, plan->threads, (pl_target *)work->target);
-}
-
-void pl_plan_fit_sizes(const planish_plan *plan) {
-    fit_sizes(plan, plan->scratch.coordinates, plan->inner);
-}
-
 int pl_size_targets_make(planish_plan *plan, const planish_mesh *given, const double *x,
                          planish_error *error) {
     const int64_t n = given->n_nodes;
@@ -203,7 +185,7 @@ int pl_size_targets_make(planish_plan *plan, const planish_mesh *given, const do
     if (!status)
         status = pl_size_field_create(given, dense ? dense : x, plan->threads, plan->sizes, error);
     if (!status)
-        fit_sizes(plan, x, NULL);
+        pl_plan_fit_sizes(plan, x, NULL);
     pl_free(dense);
     return status;
 }

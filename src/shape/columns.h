@@ -3,8 +3,8 @@
  * An edge across a layer is an upright. Uprights end to end make a column. Uprights of one element, and
  * those of a simplex and of the columns at its other nodes beside it, are of one row.
  *
- *   columns.c   pl_columns_find, _destroy     uprights, columns, rows
- *   heights.c   pl_columns_smooth_heights     how long the uprights are to be
+ *   pl_columns_find, _destroy     uprights, columns, rows
+ *   pl_columns_corner, _edge      edges along layers, and any
  */
 #ifndef PL_SHAPE_COLUMNS_H
 #define PL_SHAPE_COLUMNS_H
@@ -69,15 +69,5 @@ static inline int pl_layer_corners(const pl_cell_shape *shape, const pl_layer_ce
  *  to nodes as high. along [dim - 1]; others are 0. Return the place of the upright there in
  *  cell->upright. */
 int pl_columns_corner(const pl_columns *c, const pl_layer_cell *cell, int k, double along[2][3]);
-
-/** Fill height: from the input, smoothed. */
-int pl_columns_smooth_heights(pl_columns *c, int threads, planish_error *error);
-
-/** Put the means over the uprights of each element of value [n_uprights] in of_cell [n_cells], and
- *  over the elements of each upright of these back in value: rounds times. The mean is
- *  sqrt(sum x / sum 1 / x), nearly the geometric one; values that are not above 0 do not count.
- *  Errors: _MEMORY. */
-int pl_columns_average(const pl_columns *c, int rounds, double *value, double *of_cell,
-                       planish_error *error);
 
 #endif

@@ -5,7 +5,7 @@
  * against its column, or is off the growth of its column while others of its row are off by another
  * factor, gets the height by which the column goes on from the rows inside.
  */
-#include "shape/columns.h"
+#include "shape/heights.h"
 
 #include "base/memory.h"
 #include "base/status.h"

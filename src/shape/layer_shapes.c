@@ -3,7 +3,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "shape/columns.h"
+#include "shape/heights.h"
 
 #include <math.h>
 #include <string.h>
