@@ -6,11 +6,14 @@
  *     mesh, coordinates                             the arrays to smooth; the file owns them
  *     plane, space_coordinates, round_in_plane      triangles: their plane, from it to space
  *     cell_arrays, region_arrays, choose_regions    arrays of numbers that tell regions
+ *     data_info, data                               arrays of numbers: sizes, metrics, results
  *     constraints, get_held, get_marked, surface    held nodes, the reasons, where nodes slide
  *     min_volumes, get_parametric                   minimum volumes of groups; nodes on curves
  *     element_number, node_number, element_region   how the file calls an element or node
  *     can_write, check_output, write                write the file with the new coordinates
  *     can_convert, convert                          write a .vtu or .vtk file to look at
+ *
+ * planish_sol_read reads the sizes that Medit has beside its meshes, planish_data_free frees data.
  *
  * Formats: Gmsh, Medit, VTK (legacy, XML, HDF), TetGen, Netgen, Abaqus, Nastran, CGNS, MED, PETSc's
  * DMPlex, OFF, STL, OBJ and PLY; see docs/formats.md. Calls on different files may run at the same time, but of
@@ -172,6 +175,53 @@ PLANISH_API const char *const *planish_file_region_arrays(const planish_file *fi
  * text lists those it has), _MEMORY. */
 PLANISH_API int planish_file_choose_regions(planish_file *file, const char *const *names,
                                             int n_names, planish_error *error);
+
+/** An array of numbers that a file has for its nodes or elements. */
+typedef struct planish_data_info {
+    const char *name; /* the file owns it */
+    int of_elements;  /* else of nodes */
+    int n_components; /* numbers of a value, as the file says */
+    const void *reserved[4];
+} planish_data_info;
+
+/** Find out what array i (from 0) of the file's data is. Returns 1, or 0 where there is none: VTK's
+ *  formats but HDF, and Gmsh, have data. The order is the file's. A name may occur twice, of nodes
+ *  and of elements. At most 4096 arrays or parts of arrays are looked at. */
+PLANISH_API int planish_file_data_info(const planish_file *file, int64_t i,
+                                       planish_data_info *info);
+
+/** Values of nodes or elements. */
+typedef struct planish_data {
+    int of_elements;  /* else of nodes */
+    int n_components; /* 1 .. 9 numbers of a value. 1: a scalar. 6, and 3 in two dimensions: a
+                         symmetric tensor, lower triangle by rows (11, 12, 22, 13, 23, 33), where
+                         it is one. 9, 4: a tensor by rows. Others as the file has them */
+    int64_t n;        /* nodes or elements */
+    double *values;   /* [n][n_components] owned: planish_data_free */
+    const void *reserved[4];
+} planish_data;
+
+/** Read the array of the file's data that is called name; the one of nodes, if there is one of elements
+ *  besides. Values are those of the nodes of planish_file_mesh, or of the elements of
+ *  planish_file_cells, in their order, and finite. The first time step counts. Symmetric tensors of VTK,
+ *  which has the diagonal first (xx, yy, zz, xy, yz, xz), are put in the order of planish_data. The file
+ *  is read again for each call, and must be as it was. data has no values after an error.
+ *  Errors: _ARGUMENT (no such array: the text lists those that there are), _FORMAT (values that are
+ *  missing, not finite or no numbers, and more than 9 components), _FILE (a changed file), _MEMORY. */
+PLANISH_API int planish_file_data(planish_file *file, const char *name, planish_data *data,
+                                  planish_error *error);
+
+/** Read the solution at vertices of a file of Medit's, .sol (text) or .solb: sizes as Mmg and others
+ *  have them. Of several solutions the first that is a scalar or a symmetric tensor counts. dim: that
+ *  of the mesh; a file of three dimensions is read for a mesh of two, and its tensors have six
+ *  components then. n_vertices: nodes of the mesh. data has no values after an error. Errors: _ARGUMENT,
+ *  _FILE, _FORMAT (another number of vertices or dimension, vectors alone, values that are missing or
+ *  not finite), _MEMORY. */
+PLANISH_API int planish_sol_read(const char *path, int dim, int64_t n_vertices, planish_data *data,
+                                 planish_error *error);
+
+/** Free the values, and set all fields to 0. data may be NULL. */
+PLANISH_API void planish_data_free(planish_data *data);
 
 typedef struct planish_hold {
     const char *const *tags; /* [n_tags] "NAME", "N" or "DIM:N" (DMPlex: "LABEL:VALUE", "LABEL"):

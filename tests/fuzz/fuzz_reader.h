@@ -110,6 +110,22 @@ static inline void fuzz_choose_regions(planish_file *file) {
                  "an array of the file can be chosen");
 }
 
+/** Each array of data has finite values, or an error says why not. */
+static inline void fuzz_check_data(planish_file *file) {
+    planish_data_info info;
+    for (int64_t i = 0; i < 64 && planish_file_data_info(file, i, &info); i++) {
+        planish_data data;
+        planish_error error = {.code = 0};
+        const int status = planish_file_data(file, info.name, &data, &error);
+        fuzz_require(status ? error.code == status && error.text[0] && !data.values
+                            : data.n_components >= 1 && data.values != NULL,
+                     "data have values, or an error a text");
+        for (int64_t k = 0; k < data.n * data.n_components; k++)
+            fuzz_require(isfinite(data.values[k]), "data are finite");
+        planish_data_free(&data);
+    }
+}
+
 static inline void fuzz_check_questions(const planish_file *file) {
     static const char *const tags[] = {"1"};
     planish_mesh mesh = planish_file_mesh(file);
@@ -359,6 +375,7 @@ static inline int fuzz_reader(const io_format *format, const uint8_t *data, size
     fuzz_check_mesh(file);
     fuzz_check_cells(file);
     fuzz_check_questions(file);
+    fuzz_check_data(file);
     fuzz_choose_regions(file);
     fuzz_check_questions(file);
     fuzz_check_converted(file);

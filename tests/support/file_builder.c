@@ -118,6 +118,22 @@ void builder_expect_error(const file_builder *builder, const io_format *format, 
     assert_null(strchr(error.text, '\n'));
 }
 
+/** Read all data of a file: the first failure for lack of memory, or 0. */
+static int read_data(planish_file *file) {
+    planish_data_info info;
+    planish_error error = {.text = ""};
+    int status = 0;
+    for (int64_t i = 0; status != PLANISH_ERROR_MEMORY && planish_file_data_info(file, i, &info);
+         i++) {
+        planish_data data;
+        status = planish_file_data(file, info.name, &data, &error);
+        assert_true(status == 0 || (error.code == status && error.text[0]));
+        assert_true(status == 0 || !data.values);
+        planish_data_free(&data);
+    }
+    return status == PLANISH_ERROR_MEMORY ? status : 0;
+}
+
 void builder_try_to_break(const file_builder *builder, const io_format *format) {
     /* A long file is one of HDF5, which compares its length before anything behind that. */
     enum { EVERY = 4096, STRIDE = 29 };
@@ -131,6 +147,7 @@ void builder_try_to_break(const file_builder *builder, const io_format *format) 
         assert_non_null(cut.data);
         memcpy(cut.data, builder->data, (size_t)size);
         builder_read(&cut, format, 1, &file, &error);
+        read_data(file);
         planish_file_close(file);
         free(cut.data);
     }
@@ -144,6 +161,8 @@ void builder_let_allocations_fail(const file_builder *builder, const io_format *
     for (int permitted = 0; status == PLANISH_ERROR_MEMORY; permitted += effort_step(3)) {
         allocations_permit(permitted);
         status = builder_read(builder, format, 1, &file, &error);
+        if (!status)
+            status = read_data(file);
         allocations_permit(-1);
         planish_file_close(file);
     }

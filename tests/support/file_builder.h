@@ -41,8 +41,8 @@ int builder_read(const file_builder *builder, const io_format *format, int threa
 void builder_expect_error(const file_builder *builder, const io_format *format, const char *part);
 
 /** Reads every beginning of the file (behind its first few thousand bytes one in many), each from
- *  memory of just its size, and lets every allocation fail once: nothing but an error or a mesh may
- *  come of it. */
+ *  memory of just its size, with its data, and lets every allocation fail once: nothing but an error
+ *  or a mesh may come of it. */
 void builder_try_to_break(const file_builder *builder, const io_format *format);
 
 /** The second half of that: every allocation fails once. */

@@ -35,6 +35,7 @@ void vtu_make_arrays(const variant *v, array a[N_ARRAYS]) {
     a[4] = (array){"Cells", "types", "UInt8", 1, 0, N_CELLS, {0}};
     a[5] = (array){"CellData", "material", "Int16", 2, 0, N_CELLS, {0}};
     a[6] = (array){"CellData", "region", "Float64", 8, 1, N_CELLS, {0}};
+    a[7] = (array){"PointData", "size", "Float32", 4, 1, N_NODES, {0.5, 1, 1.5, 2, 2.5, 3}};
     for (int c = 0; c < N_CELLS; c++) {
         for (int k = 0; k < 4 && vtu_cells[c][k] >= 0; k++)
             a[2].value[a[2].n++] = vtu_cells[c][k];

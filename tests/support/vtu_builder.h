@@ -6,7 +6,7 @@
 #include "io/vtk/compression.h"
 #include "support/file_builder.h"
 
-enum { N_NODES = 6, N_CELLS = 6, N_ARRAYS = 7, MOST_VALUES = 32 };
+enum { N_NODES = 6, N_CELLS = 6, N_ARRAYS = 8, MOST_VALUES = 32 };
 
 typedef enum form { ASCII, INLINE, APPENDED_RAW, APPENDED_BASE64 } form;
 

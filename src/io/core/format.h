@@ -54,6 +54,9 @@ typedef struct io_format {
      *  any such change. NULL: there is nothing of the kind. */
     int (*amend)(const io_model *model, const double *coordinates, pl_output *output,
                  planish_error *error);
+    /** Read the values [n][data->width] of an array of model->data: of all nodes, or of the elements
+     *  (io_data_pick). NULL: no data of this format are read. */
+    int (*read_data)(io_model *model, const io_data *data, double *values, planish_error *error);
     void (*release)(io_model *model); /* of model->of_format; NULL: there is none */
 } io_format;
 

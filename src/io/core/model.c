@@ -1,6 +1,7 @@
 /* model: the arrays that readers fill in, and what follows from them. */
 #include "io/core/arrays.h"
 #include "io/core/bytes.h"
+#include "io/core/data.h"
 #include "io/core/model.h"
 
 #include "base/memory.h"
@@ -454,6 +455,7 @@ void io_model_destroy(io_model *model) {
     io_others_release(&model->flat);
     io_others_release(&model->solid);
     io_arrays_destroy(model);
+    io_data_destroy(model);
     for (int32_t i = 0; i < model->n_entities; i++)
         pl_free(model->entity[i].physical);
     pl_free(model->entity);

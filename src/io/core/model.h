@@ -7,6 +7,7 @@
  *   io_model_add_simplex, _add_other    elements by their types, one by one
  *   io_list_...                         all elements, in lists by dimension
  *   io_entity, io_group                 regions and names
+ *   io_array, io_data                   whole numbers that may tell regions; data for whoever asks
  *   io_model_make_nodes, _span ...      what readers call to fill it in
  *   io_numbers, io_reduce_...           the file's numbers of nodes and cells
  *   io_fail_at, io_check_...            errors at a place, and checks
@@ -189,6 +190,19 @@ typedef struct io_array {
     int is_region;   /* it tells regions */
 } io_array;
 
+/** Place of an array of numbers that the file has for nodes or elements (data.h). */
+typedef struct io_data {
+    char *name;         /* owned */
+    int of_elements;    /* else of nodes */
+    int is_more;        /* continues an array of that name before it */
+    int64_t width;      /* numbers of a value */
+    int64_t n;          /* values that it has; the format knows how many there should be */
+    int64_t n_cells;    /* cells of the file, where its elements are numbered by cells from 0 */
+    int64_t begin, end; /* bytes of the values; end: of Gmsh's sections */
+    int swapped;        /* not this machine's byte order */
+    const void *type;   /* the format's own, of the numbers */
+} io_data;
+
 /** Why the file holds a node, bits of io_model.hold. */
 enum {
     IO_HELD_BY_POINT = 1,   /* on an element that is a point */
@@ -266,6 +280,8 @@ typedef struct io_model {
     io_array *array; /* [n_arrays] arrays that may tell regions, in the file's order */
     int n_arrays;
     int64_t array_capacity;
+    io_data *data; /* [n_data] arrays of data, in the file's order */
+    int64_t n_data, data_capacity;
     int has_entities;         /* of the elements: the file's own, which arrays add to */
     int arrays_are_gone;      /* their values have been released */
     const char **array_name;  /* [n_arrays + 1] their names, and NULL; owned, or NULL */

@@ -2,8 +2,8 @@
  *
  * Recognises the format, reads the header and walks the sections; names of groups are read by
  * gmsh_names.c, nodes, elements and entities by gmsh2.c and gmsh4.c, and values of
- * elements that may tell regions by gmsh_data.c. Sections that say nothing about the mesh itself
- * ($Comments, $NodeData, $GhostElements, unknown ones) are passed over.
+ * nodes and elements by gmsh_data.c. Sections that say nothing about the mesh itself
+ * ($Comments, $GhostElements, unknown ones) are passed over.
  */
 #include "io/core/format.h"
 #include "io/gmsh/gmsh_sections.h"
@@ -107,15 +107,15 @@ static int take_end(io_cursor *cursor, const char *end_mark) {
 }
 
 /** Pass over a section that is not read, up to its end mark. In binary, data are passed over by
- *  their count if the end mark is found behind them. Note values of elements. */
+ *  their count if the end mark is found behind them. Note values of nodes and elements. */
 static int pass_over(gmsh_reader *reader, io_slice name, const char *end_mark) {
     io_cursor *cursor = &reader->cursor, ahead;
     const char *begin = cursor->at;
     const int of_element_nodes = io_slice_is(name, "ElementNodeData", 0);
     const int of_elements = io_slice_is(name, "ElementData", 0);
+    const int of_nodes = io_slice_is(name, "NodeData", 0);
     int is_found = 0;
-    if (reader->model->is_binary &&
-        (of_elements || of_element_nodes || io_slice_is(name, "NodeData", 0)) &&
+    if (reader->model->is_binary && (of_elements || of_element_nodes || of_nodes) &&
         !gmsh_skip_data(reader, of_element_nodes)) {
         ahead = *cursor;
         is_found = take_end(&ahead, end_mark);
@@ -128,7 +128,8 @@ static int pass_over(gmsh_reader *reader, io_slice name, const char *end_mark) {
         ahead = *cursor;
         is_found = take_end(&ahead, end_mark);
     }
-    return of_elements ? gmsh_note_data(reader, begin, cursor->at) : PLANISH_OK;
+    return of_elements || of_nodes ? gmsh_note_data(reader, of_elements, begin, cursor->at)
+                                   : PLANISH_OK;
 }
 
 static int fail_foreign(gmsh_reader *reader, const char *at) {
@@ -232,5 +233,8 @@ static int gmsh_recognise(const char *data, int64_t size) {
 
 static const char *const gmsh_extensions[] = {".msh", NULL};
 
-const io_format io_format_gmsh = {
-    .name = "gmsh", .extensions = gmsh_extensions, .recognise = gmsh_recognise, .read = gmsh_read};
+const io_format io_format_gmsh = {.name = "gmsh",
+                                  .extensions = gmsh_extensions,
+                                  .recognise = gmsh_recognise,
+                                  .read = gmsh_read,
+                                  .read_data = gmsh_read_values};

@@ -28,8 +28,9 @@ typedef struct gmsh_entity {
     int interface; /* between parts of a partition: nothing of the geometry */
 } gmsh_entity;
 
-/** A section of values, as $ElementData is. */
+/** A section of values, $NodeData or $ElementData. */
 typedef struct gmsh_data {
+    int of_elements;          /* else of nodes */
     io_slice name;            /* without quotes */
     int64_t step, width, n;   /* of time; numbers of a value; values */
     const char *values, *end; /* where they begin, and the section's end mark */
@@ -46,7 +47,7 @@ typedef struct gmsh_reader {
     int have_nodes, have_elements;
     gmsh_entity *entity; /* [n_entities], owned, by dim and tag once $Entities are read */
     int64_t n_entities, entity_capacity;
-    gmsh_data *data; /* [n_data], owned: what may tell regions, in the file's order */
+    gmsh_data *data; /* [n_data], owned, in the file's order */
     int64_t n_data, data_capacity;
 } gmsh_reader;
 

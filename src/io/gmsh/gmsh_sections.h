@@ -1,7 +1,7 @@
 /* gmsh_sections: the sections of MSH files, as gmsh.c reads them one after the other.
  *
  *   gmsh_names.c                      names of groups
- *   gmsh_data.c                       values of elements that may tell regions
+ *   gmsh_data.c                       values of nodes and elements
  *   gmsh2.c, gmsh_copies.c, gmsh4.c   sections of MSH 1 and 2, and of MSH 4
  */
 #ifndef PL_IO_GMSH_GMSH_SECTIONS_H
@@ -18,13 +18,17 @@ int gmsh_complete_names(gmsh_reader *reader);
  *  moved then. */
 int gmsh_skip_data(gmsh_reader *reader, int with_nodes);
 
-/** Note the section $ElementData behind whose name begin is, and whose end mark is at end, if it
- *  may tell regions. Only a lack of memory is an error. */
-int gmsh_note_data(gmsh_reader *reader, const char *begin, const char *end);
+/** Note the section $NodeData or $ElementData behind whose name begin is, and whose end mark is at end.
+ *  Only a lack of memory is an error. */
+int gmsh_note_data(gmsh_reader *reader, int of_elements, const char *begin, const char *end);
 
-/** Make arrays (arrays.h) of the sections that gmsh_note_data has kept, when all has been read and
- *  the elements' numbers are reduced. What is malformed is passed over. */
+/** Make arrays (arrays.h) of the sections that gmsh_note_data has kept and that may tell regions, when
+ *  all has been read and the elements' numbers are reduced; and give the places of all sections to
+ *  the model (data.h). What is malformed is passed over. */
 int gmsh_read_data(gmsh_reader *reader);
+
+/** Read the values of an array: io_format.read_data. */
+int gmsh_read_values(io_model *model, const io_data *data, double *values, planish_error *error);
 
 /** Read sections of MSH 1 and 2, and of MSH 4; gmsh2_merge_copies follows the elements of MSH 2. */
 int gmsh2_nodes(gmsh_reader *reader);

@@ -28,7 +28,7 @@ enum { WORD_SIZE = 4, CODE_DIMENSION = 3, CODE_END = 54, LAST_VERSION = 4 };
 /* ---- keywords ----------------------------------------------------------------------------- */
 
 /* Codes are libMeshb's (GmfKwdCod), that of RequiredTetrahedra is Mmg's. */
-const medit_keyword medit_keywords[] = {
+static const medit_keyword mesh_keywords[] = {
     {{"Vertices", IO_POINT, 1, 0}, 4, MEDIT_VERTICES},
     {{"Triangles", IO_TRIANGLE, 1, 3}, 6, MEDIT_ELEMENTS},
     {{"Tetrahedra", IO_TETRAHEDRON, 1, 4}, 8, MEDIT_ELEMENTS},
@@ -65,7 +65,6 @@ const medit_keyword medit_keywords[] = {
     {{"TetrahedraP2Ordering", IO_TETRAHEDRON, 2, 4}, 133, MEDIT_ORDERING},
     {{"PeriodicVertices", IO_POINT, 1, 2}, 82, MEDIT_PAIRS},
 };
-enum { N_KEYWORDS = sizeof medit_keywords / sizeof *medit_keywords };
 
 /** Order of the nodes where a file gives none, as SALOME reads it: VTK's, but for the faces of
  *  hexahedra, which go round from the one below to the one above. */
@@ -77,13 +76,13 @@ static const io_node_order usual_order = {PLANISH_CELL_HEXAHEDRON27,
  *  at that place. *keyword is -1 if it means nothing to planish. */
 static int find_keyword(const medit_reader *r, io_slice name, int64_t code, int *keyword) {
     *keyword = -1;
-    for (int i = 0; i < N_KEYWORDS && *keyword < 0; i++)
-        if (r->model->is_binary ? medit_keywords[i].code == code
-                                : io_slice_is(name, medit_keywords[i].type.name, 0))
+    for (int i = 0; i < r->n_keywords && *keyword < 0; i++)
+        if (r->model->is_binary ? r->keywords[i].code == code
+                                : io_slice_is(name, r->keywords[i].type.name, 0))
             *keyword = i;
     if (*keyword < 0)
         return PLANISH_OK;
-    const medit_keyword *k = &medit_keywords[*keyword];
+    const medit_keyword *k = &r->keywords[*keyword];
     const io_element_type *type = &k->type;
     if (io_element_use(type) == IO_REFUSE)
         return io_fail_order(r->model, name.begin, type->name, "", r->error);
@@ -112,7 +111,7 @@ static int set_dimension(medit_reader *r, const char *at, int64_t dim) {
 
 /** Check the count of a section, whose records begin at the cursor. */
 static int check_count(const medit_reader *r, io_cursor rest, int keyword, int64_t count) {
-    const medit_keyword *k = &medit_keywords[keyword];
+    const medit_keyword *k = &r->keywords[keyword];
     return io_check_count(r->model, rest, count, medit_record_size(r, k), k->type.name, r->error);
 }
 
@@ -251,7 +250,7 @@ static int walk_binary(medit_reader *r) {
         if (next - data < r->integer_size)
             return io_fail_at(model, data, r->error,
                               "there is no room for the number of %s before the next keyword",
-                              medit_keywords[keyword].type.name);
+                              r->keywords[keyword].type.name);
         const int64_t count = load_integer(r, data, r->integer_size);
         data += r->integer_size;
         status = check_count(r, (io_cursor){data, next}, keyword, count);
@@ -264,22 +263,31 @@ static int walk_binary(medit_reader *r) {
 
 /* ---- the format --------------------------------------------------------------------------- */
 
-static int is_medit_binary(const char *data, int64_t size) {
+int medit_is_binary(const char *data, int64_t size) {
     int swapped;
     int64_t version;
     return begins_well(data, size, &swapped, &version);
 }
 
+int medit_find_sections(medit_reader *r) {
+    io_model *model = r->model;
+    model->is_binary = medit_is_binary(model->input.data, model->input.size);
+    return model->is_binary ? walk_binary(r) : walk_text(r);
+}
+
 static int medit_read(io_model *model, planish_error *error) {
-    medit_reader r = {.model = model, .error = error, .n_orders = 1};
+    medit_reader r = {.model = model,
+                      .error = error,
+                      .keywords = mesh_keywords,
+                      .n_keywords = sizeof mesh_keywords / sizeof *mesh_keywords,
+                      .n_orders = 1};
     r.order[0] = usual_order;
     model->node_order = r.order;
-    model->is_binary = is_medit_binary(model->input.data, model->input.size);
     io_text_init(&r.text, model);
-    int status = model->is_binary ? walk_binary(&r) : walk_text(&r);
+    int status = medit_find_sections(&r);
     for (int kind = 0; kind < MEDIT_N_KINDS && !status; kind++) {
         for (int64_t i = 0; i < r.sections.n && !status; i++)
-            if (medit_keywords[r.sections.section[i].keyword].kind == (medit_kind)kind)
+            if (mesh_keywords[r.sections.section[i].keyword].kind == (medit_kind)kind)
                 status = medit_read_section(&r, &r.sections.section[i]);
         if (!status && !model->xyz)
             status = io_fail_at(model, io_input_end(model), error,
@@ -293,7 +301,7 @@ static int medit_read(io_model *model, planish_error *error) {
 
 static int medit_recognise(const char *data, int64_t size) {
     return io_slice_is(io_first_word(data, size), "MeshVersionFormatted", 0) ||
-           is_medit_binary(data, size);
+           medit_is_binary(data, size);
 }
 
 /** Return whether path may be the name of the output: other programs tell text from binary by it.

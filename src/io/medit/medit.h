@@ -1,7 +1,8 @@
 /* medit: what the parts of the reader of Medit's files share.
  *
- *   medit.c        keywords; where the sections are, in text and in binary
+ *   medit.c        keywords of meshes; where the sections are, in text and in binary
  *   medit_mesh.c   medit_read_section: what they say
+ *   medit_sol.c    the solution at vertices of another file
  *
  * All functions return 0 or a negative planish_status with the error filled in.
  */
@@ -19,7 +20,8 @@ typedef enum medit_kind {
     MEDIT_CURVED, /* of second order, behind those of first order, whose indices others have */
     MEDIT_MARKED, /* indices of vertices, edges, triangles, tetrahedra: their nodes are held */
     MEDIT_PAIRS,  /* of periodic vertices */
-    MEDIT_N_KINDS
+    MEDIT_N_KINDS,
+    MEDIT_SOLUTION = MEDIT_N_KINDS /* of a file that is no mesh: values of vertices */
 } medit_kind;
 
 typedef struct medit_keyword {
@@ -28,14 +30,14 @@ typedef struct medit_keyword {
     medit_kind kind;
 } medit_keyword;
 
-/** Keywords by the numbers of io_section. */
-extern const medit_keyword medit_keywords[];
-
 enum { MEDIT_N_ORDERS = 6 }; /* of types whose order of nodes an ..Ordering may say */
 
 typedef struct medit_reader {
     io_model *model;
     planish_error *error;
+    const medit_keyword
+        *keywords; /* [n_keywords] by the numbers of io_section: others are passed over */
+    int n_keywords;
     io_text text;
     int swapped;      /* not this machine's byte order */
     int real_size;    /* bytes of a coordinate, */
@@ -51,9 +53,10 @@ typedef struct medit_reader {
     int n_orders;
 } medit_reader;
 
-/** Reals and integers of a record: vertices have dim reals; vertices and elements a reference. */
+/** Reals and integers of a record: vertices have dim reals, solutions at least one; vertices and elements
+ *  have a reference. */
 static inline int medit_reals(const medit_reader *r, const medit_keyword *k) {
-    return k->kind == MEDIT_VERTICES ? r->dim : 0;
+    return k->kind == MEDIT_VERTICES ? r->dim : k->kind == MEDIT_SOLUTION;
 }
 
 static inline int medit_integers(const medit_keyword *k) {
@@ -65,6 +68,13 @@ static inline int medit_integers(const medit_keyword *k) {
 static inline int64_t medit_record_size(const medit_reader *r, const medit_keyword *k) {
     return medit_reals(r, k) * r->real_size + medit_integers(k) * r->integer_size;
 }
+
+/** Return whether the bytes begin as those of a binary file do. */
+int medit_is_binary(const char *data, int64_t size);
+
+/** Find the sections of the keywords: fill in what the reader knows of numbers, version, dimension and
+ *  sections. model, error and keywords are there. */
+int medit_find_sections(medit_reader *reader);
 
 /** Read a section: vertices come first, then orders of nodes, elements, and what refers to them. */
 int medit_read_section(medit_reader *reader, const io_section *section);

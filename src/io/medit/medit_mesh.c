@@ -350,7 +350,7 @@ static int read_element_section(medit_reader *r, const io_section *s) {
 }
 
 int medit_read_section(medit_reader *r, const io_section *s) {
-    r->current = &medit_keywords[s->keyword];
+    r->current = &r->keywords[s->keyword];
     r->kind = (io_record_kind){r->model, r->current->type.name,
                                r->model->is_binary ? r->integer_size : 0, r->swapped};
     switch (r->current->kind) {

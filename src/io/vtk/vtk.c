@@ -215,5 +215,8 @@ static int vtk_recognise(const char *data, int64_t size) {
 
 static const char *const vtk_extensions[] = {".vtk", NULL};
 
-const io_format io_format_vtk = {
-    .name = "vtk", .extensions = vtk_extensions, .recognise = vtk_recognise, .read = vtk_read};
+const io_format io_format_vtk = {.name = "vtk",
+                                 .extensions = vtk_extensions,
+                                 .recognise = vtk_recognise,
+                                 .read = vtk_read,
+                                 .read_data = vtk_read_values};

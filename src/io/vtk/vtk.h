@@ -36,4 +36,7 @@ int vtk_take_if(vtk_reader *reader, const char *name);
  *  unknown is the end if the mesh is there, and an error if it is not. */
 int vtk_read_data(vtk_reader *reader, io_slice keyword);
 
+/** Read the values of an array: io_format.read_data. */
+int vtk_read_values(io_model *model, const io_data *data, double *values, planish_error *error);
+
 #endif

@@ -1,14 +1,18 @@
 /* vtk_data: the attributes of legacy VTK files: "fixed" holds nodes, arrays of one number per cell
- * may tell regions, all others are passed over.
+ * may tell regions; the places of all arrays of numbers are noted (data.h).
  *
- * Their extent must be known all the same, to find the keyword behind them.
+ * The extent of any attribute must be known, to find the keyword behind it.
  */
 #include "io/vtk/vtk.h"
 
 #include "base/memory.h"
 #include "base/status.h"
 #include "io/core/arrays.h"
+#include "io/core/data.h"
 #include "io/vtk/vtk_numbers.h"
+
+#include <stdio.h>
+#include <string.h>
 
 /* ---- words and strings -------------------------------------------------------------------- */
 
@@ -142,6 +146,38 @@ static char *name_of(io_slice name) {
     return text;
 }
 
+/** Note the place of an array of nodes or cells, bytes long where it is binary. */
+static int note_array(const value_array *array, char *name) {
+    vtk_reader *reader = array->reader;
+    const int64_t at = reader->cursor.at - reader->model->input.data;
+    if (reader->n_tuples < 0 || array->type->size == 0)
+        return PLANISH_OK;
+    return io_data_note(reader->model,
+                        (io_data){.name = name,
+                                  .of_elements = !reader->on_points,
+                                  .width = array->width,
+                                  .n = array->n,
+                                  .n_cells = reader->grid.n,
+                                  .begin = at,
+                                  .swapped = reader->swapped,
+                                  .type = array->type},
+                        reader->error);
+}
+
+/** Read or pass over the numbers of an array of that name, in binary without leaving their place. */
+static int read_named(const value_array *array, char *name) {
+    vtk_reader *reader = array->reader;
+    if (reader->on_points && array->n == reader->model->n_nodes && strcmp(name, "fixed") == 0)
+        return hold_nodes(array);
+    const int status = note_array(array, name);
+    if (status)
+        return status;
+    if (!reader->on_points && reader->n_tuples >= 0 && array->n == reader->grid.n &&
+        array->width == 1)
+        return read_cells_array(array, name);
+    return reader->model->is_binary ? PLANISH_OK : skip_words(reader, array->n * array->width);
+}
+
 /** Read the numbers of an array at the cursor: the nodes it fixes, regions, or nothing. An array
  *  without a name (empty) is passed over. */
 static int read_array(const value_array *array, io_slice name) {
@@ -157,17 +193,11 @@ static int read_array(const value_array *array, io_slice name) {
         return skip_strings(reader, values);
     if (is_binary && bytes > io_left(&reader->cursor))
         return vtk_fail_here(reader, "attributes are cut short");
-    const int is_named = io_slice_length(name) > 0;
     int status = PLANISH_OK;
-    if (is_named && reader->on_points && array->n == reader->model->n_nodes &&
-        io_slice_is(name, "fixed", 0)) {
-        status = hold_nodes(array);
-    } else if (is_named && !reader->on_points && reader->n_tuples >= 0 &&
-               array->n == reader->grid.n && array->width == 1) {
+    if (io_slice_length(name) > 0) {
         char *text = name_of(name);
-        if (!text)
-            return pl_fail_memory(reader->error, "the name of an array");
-        status = read_cells_array(array, text);
+        status =
+            text ? read_named(array, text) : pl_fail_memory(reader->error, "the name of an array");
         pl_free(text);
     } else if (!is_binary) {
         status = skip_words(reader, values);
@@ -281,4 +311,43 @@ int vtk_read_data(vtk_reader *reader, io_slice keyword) {
             return read_attribute(reader, &attributes[i]);
     reader->cursor.at = keyword.begin;
     return stop_reading(reader);
+}
+
+/* ---- values ------------------------------------------------------------------------------- */
+
+/** Read all values of an array to all [n][width], and check that there are as many as should be. */
+static int read_all(const io_model *model, const io_data *data, int64_t n_wanted, double *all,
+                    planish_error *error) {
+    const vtk_type *type = data->type;
+    vtk_list list = {.model = model,
+                     .name = data->name,
+                     .type = model->is_binary ? type : NULL,
+                     .swapped = data->swapped,
+                     .real = all};
+    io_cursor cursor = {model->input.data + data->begin, io_input_end(model)};
+    char text[128];
+    snprintf(text, sizeof text, "it has %lld values for %lld %s", (long long)data->n,
+             (long long)n_wanted, data->of_elements ? "cells" : "points");
+    if (data->n != n_wanted)
+        return io_data_fail(model, data, data->begin, error, text);
+    io_text words;
+    io_text_init(&words, model);
+    const int status = io_records(&words, &cursor, data->n * data->width, 1, type->size,
+                                  vtk_read_list, &list, error);
+    io_text_release(&words);
+    return status;
+}
+
+int vtk_read_values(io_model *model, const io_data *data, double *values, planish_error *error) {
+    const int64_t n = data->of_elements ? data->n_cells : model->n_nodes;
+    double *all = data->of_elements ? pl_alloc(n * data->width, sizeof *all) : values;
+    int status =
+        all ? read_all(model, data, n, all, error) : pl_fail_memory(error, "an array of the file");
+    if (!status && data->of_elements)
+        io_data_pick(model, all, n, data->width, values);
+    if (!status)
+        vtk_order_tensors(values, data->of_elements ? io_model_n_elements(model) : n, data->width);
+    if (data->of_elements)
+        pl_free(all);
+    return status;
 }

@@ -4,6 +4,8 @@
 #include "io/core/arrays.h"
 #include "io/core/binary.h"
 
+#include <string.h>
+
 /* vtkIdType is written as int. */
 static const vtk_type legacy_types[] = {{"float", VTK_REAL, 4},
                                         {"double", VTK_REAL, 8},
@@ -136,4 +138,14 @@ int vtk_read_list(void *context, io_cursor *cursor, int64_t begin, int64_t end,
             return io_fail_at(list->model, at, error, "%s: a number is out of range", list->name);
     }
     return PLANISH_OK;
+}
+
+void vtk_order_tensors(double *values, int64_t n, int64_t width) {
+    static const int from[6] = {0, 3, 1, 5, 4, 2};
+    for (int64_t i = 0; i < n && width == 6; i++) {
+        double *at = values + 6 * i, tensor[6];
+        memcpy(tensor, at, sizeof tensor);
+        for (int k = 0; k < 6; k++)
+            at[k] = tensor[from[k]];
+    }
 }

@@ -3,6 +3,7 @@
  *   vtk_type, vtk_find_type          types of numbers by their names
  *   vtk_integer, vtk_real, ...       a number from its bytes
  *   vtk_list, vtk_read_list          read many numbers, of text or bytes
+ *   vtk_order_tensors                symmetric tensors in planish's order
  */
 #ifndef PL_IO_VTK_VTK_NUMBERS_H
 #define PL_IO_VTK_VTK_NUMBERS_H
@@ -44,5 +45,9 @@ typedef struct vtk_list {
 /** Read numbers of a vtk_list, the context: io_records_fn. */
 int vtk_read_list(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                   planish_error *error);
+
+/** Put the six numbers of symmetric tensors [n][width], in VTK xx, yy, zz, xy, yz, xz, into the order of
+ *  planish_data: xx, xy, yy, xz, yz, zz. Values of another width stay. */
+void vtk_order_tensors(double *values, int64_t n, int64_t width);
 
 #endif

@@ -1,12 +1,13 @@
 /* vtu: VTK's XML files of unstructured grids: arrays as text, base64 or raw appended bytes, packed
  * or not, of any byte order; several pieces.
  *
- * As in legacy files point data called `fixed` hold nodes, and cell data may tell regions. Without
- * Expat the format is known and refused.
+ * As in legacy files point data called `fixed` hold nodes, and cell data may tell regions. Others are
+ * read when they are asked for (data.h). Without Expat the format is known and refused.
  */
 #include "base/memory.h"
 #include "base/status.h"
 #include "io/core/arrays.h"
+#include "io/core/data.h"
 #include "io/core/format.h"
 #include "io/vtk/vtk_cells.h"
 #include "io/vtk/vtu_parts.h"
@@ -347,6 +348,69 @@ static int read_cell_data(io_model *model, vtu_document *document) {
     return status;
 }
 
+/** Note the arrays of data, each by the first piece that has it. */
+static int note_data(io_model *model, const vtu_document *document) {
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < document->n_arrays && !status; i++) {
+        const vtu_array *array = &document->array[i];
+        const int of_elements = array->role == VTU_CELL_DATA;
+        if (array->piece >= 0 && array->name && !io_data_find(model, array->name, of_elements))
+            status = io_data_note(model,
+                                  (io_data){.name = array->name,
+                                            .of_elements = of_elements,
+                                            .width = array->n_components},
+                                  document->error);
+    }
+    return status;
+}
+
+/** Read the values of one piece to all [n][width], from its first point or cell on. */
+static int read_piece_data(vtu_document *document, int64_t index, const io_data *data,
+                           double *all) {
+    const vtu_piece *piece = &document->piece[index];
+    const int64_t first = data->of_elements ? piece->first_cell : piece->first_point;
+    const int64_t n = (data->of_elements ? piece->n_cells : piece->n_points) * data->width;
+    vtu_array *array =
+        find_array(document, index, data->of_elements ? VTU_CELL_DATA : VTU_POINT_DATA, data->name);
+    double *values = NULL;
+    if (n == 0)
+        return PLANISH_OK;
+    if (!array)
+        return pl_fail(document->error, PLANISH_ERROR_FORMAT,
+                       "%s: piece %lld has no array '%s', which other pieces have",
+                       document->model->input.path, (long long)index, data->name);
+    if (array->n_components != data->width)
+        return vtu_fail(document, array, "NumberOfComponents is another one than in other pieces");
+    const int status = vtu_read_numbers(document, array, n, NULL, NULL, &values);
+    if (!status)
+        memcpy(all + first * data->width, values, (size_t)n * sizeof *values);
+    pl_free(values);
+    return status;
+}
+
+static int vtu_read_data(io_model *model, const io_data *data, double *values,
+                         planish_error *error) {
+    vtu_document *document = model->of_format;
+    const vtu_piece *last = &document->piece[document->n_pieces - 1];
+    const int64_t n_cells = last->first_cell + last->n_cells, unpacked = document->unpacked;
+    double *all = data->of_elements ? pl_alloc(n_cells * data->width, sizeof *all) : values;
+    int status = all ? PLANISH_OK : pl_fail_memory(error, "an array of the file");
+    document->model = model;
+    document->error = error;
+    document->unpacked = 0; /* this array alone is in memory, which may have been read before */
+    for (int64_t k = 0; k < document->n_pieces && !status; k++)
+        status = read_piece_data(document, k, data, all);
+    document->unpacked = unpacked;
+    if (!status && data->of_elements)
+        io_data_pick(model, all, n_cells, data->width, values);
+    if (!status)
+        vtk_order_tensors(values, data->of_elements ? io_model_n_elements(model) : model->n_nodes,
+                          data->width);
+    if (data->of_elements)
+        pl_free(all);
+    return status;
+}
+
 /* ---- the format ---------------------------------------------------------------------------- */
 
 static int vtu_read(io_model *model, planish_error *error) {
@@ -367,6 +431,8 @@ static int vtu_read(io_model *model, planish_error *error) {
         status = read_fixed(model, document, i);
     if (!status)
         status = read_cell_data(model, document);
+    if (!status)
+        status = note_data(model, document);
     return status ? status : check_overlaps(document);
 }
 
@@ -393,5 +459,6 @@ const io_format io_format_vtu = {.name = "vtu",
                                  .extensions = vtu_extensions,
                                  .recognise = vtu_recognise,
                                  .read = vtu_read,
+                                 .read_data = vtu_read_data,
                                  .encode = vtu_encode_points,
                                  .release = vtu_release};

@@ -34,11 +34,17 @@ const char *const vtu_role_names[] = {"a data array",
                                       "face_offsets",
                                       "face_connectivity",
                                       "fixed",
+                                      "point data",
                                       "cell data"};
+
+/** Return how messages call an array. */
+static const char *name_of(const vtu_array *array) {
+    return array->name ? array->name : vtu_role_names[array->role];
+}
 
 int vtu_fail(const vtu_document *document, const vtu_array *array, const char *text) {
     return io_fail_at(document->model, document->model->input.data + array->tag, document->error,
-                      "%s: %s", vtu_role_names[array->role], text);
+                      "%s: %s", name_of(array), text);
 }
 
 static int fail_cut(const vtu_document *document, const vtu_array *array) {
@@ -306,7 +312,7 @@ int vtu_read_text(const vtu_document *document, const vtu_array *array, int64_t 
 int vtu_read_numbers(vtu_document *document, vtu_array *array, int64_t n, int64_t **wide,
                      int32_t **narrow, double **real) {
     vtk_list list = {.model = document->model,
-                     .name = vtu_role_names[array->role],
+                     .name = name_of(array),
                      .type = array->form == VTU_ASCII ? NULL : array->type,
                      .swapped = document->swapped};
     if (!real && array->type && array->type->kind == VTK_REAL)

@@ -30,8 +30,9 @@ typedef enum vtu_role {
     VTU_POLYHEDRON_TO_FACES,
     VTU_FACE_ENDS,
     VTU_FACE_NODES,
-    VTU_FIXED,    /* point data called `fixed` */
-    VTU_CELL_DATA /* cell data with a name */
+    VTU_FIXED,      /* point data called `fixed` */
+    VTU_POINT_DATA, /* other point data, and cell data, with a name */
+    VTU_CELL_DATA
 } vtu_role;
 
 /** Names of arrays by their role, of cells as in the file, for messages. */
@@ -47,7 +48,7 @@ typedef enum vtu_form {
 /** A DataArray element. */
 typedef struct vtu_array {
     vtu_role role;
-    char *name;           /* of cell data, owned, or NULL */
+    char *name;           /* of point data and cell data, owned, or NULL */
     int piece;            /* number of the Piece it is in, or -1 */
     const vtk_type *type; /* NULL: of a type that is not read */
     int64_t n_components;

@@ -217,7 +217,7 @@ static vtu_role role_of(const xml_walk *w, const char *name) {
             role++;
         return role <= VTU_FACE_NODES ? (vtu_role)role : VTU_OTHER;
     case POINT_DATA:
-        return same(name, "fixed") ? VTU_FIXED : VTU_OTHER;
+        return same(name, "fixed") ? VTU_FIXED : name ? VTU_POINT_DATA : VTU_OTHER;
     case CELL_DATA:
         return name ? VTU_CELL_DATA : VTU_OTHER;
     default:
@@ -247,12 +247,12 @@ static int begin_array(xml_walk *w) {
     } else {
         return fail_here(w, "format must be ascii, binary or appended");
     }
-    if (array.role == VTU_CELL_DATA)
+    const int is_data = array.role == VTU_POINT_DATA || array.role == VTU_CELL_DATA;
+    if (is_data)
         array.name = pl_copy_text(name);
     w->array_depth = 1;
-    if ((array.role != VTU_CELL_DATA || array.name) &&
-        pl_append(&document->array, &document->n_arrays, &document->array_capacity, &array,
-                  sizeof array))
+    if ((!is_data || array.name) && pl_append(&document->array, &document->n_arrays,
+                                              &document->array_capacity, &array, sizeof array))
         return PLANISH_OK;
     pl_free(array.name);
     return pl_fail_memory(document->error, "the arrays of the file");

@@ -1,0 +1,52 @@
+/* data: arrays of numbers for nodes or elements. */
+#include "io/core/data.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <string.h>
+
+const io_data *io_data_find(const io_model *model, const char *name, int of_elements) {
+    for (int64_t i = 0; i < model->n_data; i++) {
+        const io_data *data = &model->data[i];
+        if (!data->of_elements == !of_elements && strcmp(data->name, name) == 0)
+            return data;
+    }
+    return NULL;
+}
+
+int io_data_note(io_model *model, io_data data, planish_error *error) {
+    if (model->n_data == IO_MOST_DATA)
+        return PLANISH_OK;
+    data.is_more = io_data_find(model, data.name, data.of_elements) != NULL;
+    data.name = pl_copy_text(data.name);
+    if (data.name &&
+        pl_append(&model->data, &model->n_data, &model->data_capacity, &data, sizeof data))
+        return PLANISH_OK;
+    pl_free(data.name);
+    return pl_fail_memory(error, "the names of arrays");
+}
+
+void io_data_destroy(io_model *model) {
+    for (int64_t i = 0; i < model->n_data; i++)
+        pl_free(model->data[i].name);
+    pl_free(model->data);
+}
+
+int io_data_fail(const io_model *model, const io_data *data, int64_t at, planish_error *error,
+                 const char *text) {
+    return io_fail_at(model, model->input.data + at, error, "array '%s': %s", data->name, text);
+}
+
+void io_data_pick(const io_model *model, const double *cells, int64_t n_cells, int64_t width,
+                  double *values) {
+    const int dim = io_model_dim(model), lists[] = {dim, io_others_list(dim)};
+    for (int k = 0; k < 2; k++) {
+        const io_list list = io_model_list(model, lists[k]);
+        for (int64_t i = 0; i < list.n; i++, values += width) {
+            const int64_t cell = io_list_number(&list, i);
+            if (cell < n_cells)
+                memcpy(values, cells + cell * width, (size_t)width * sizeof *values);
+        }
+    }
+}

@@ -1,0 +1,127 @@
+/* data: arrays of numbers that a file has for its nodes or elements. */
+#include "io/file/file.h"
+
+#include "io/core/bytes.h"
+#include "io/core/data.h"
+
+#include "base/context.h"
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <stdio.h>
+
+int planish_file_data_info(const planish_file *file, int64_t i, planish_data_info *info) {
+    const io_model *model = file ? &file->model : NULL;
+    for (int64_t k = 0; model && info && i >= 0 && k < model->n_data; k++) {
+        const io_data *data = &model->data[k];
+        if (data->is_more || i-- > 0)
+            continue;
+        const int is_known = data->width >= 0 && data->width <= INT32_MAX;
+        *info = (planish_data_info){.name = data->name,
+                                    .of_elements = data->of_elements,
+                                    .n_components = is_known ? (int)data->width : 0};
+        return 1;
+    }
+    return 0;
+}
+
+/** Fail for the name of no array: list those that there are. */
+static int fail_name(const planish_file *file, const char *name, planish_error *error) {
+    enum { LISTED = 10 };
+    char list[256] = "none";
+    size_t used = 0;
+    planish_data_info info;
+    int64_t n = 0;
+    for (; n < LISTED && used < sizeof list && planish_file_data_info(file, n, &info); n++)
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s (%s)", n ? ", " : "",
+                                 info.name, info.of_elements ? "elements" : "nodes");
+    const int has_more = used < sizeof list && planish_file_data_info(file, n, &info);
+    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                   "%s: there is no array '%s' of numbers for nodes or elements; the file has: "
+                   "%s%s",
+                   file->model.input.path, name, list, has_more ? ", ..." : "");
+}
+
+/** Find the array of that name. */
+static int find(const planish_file *file, const char *name, const io_data **data,
+                planish_error *error) {
+    const io_model *model = &file->model;
+    if (!file->format->read_data)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "%s: arrays of numbers are read from files of VTK (.vtk, .vtu) and Gmsh "
+                       "alone, not from those of %s%s",
+                       model->input.path, file->format->name,
+                       file->format == &io_format_medit ? "; sizes of Medit stand in NAME.sol"
+                                                        : "");
+    *data = io_data_find(model, name, 0);
+    if (!*data)
+        *data = io_data_find(model, name, 1);
+    if (!*data)
+        return fail_name(file, name, error);
+    if ((*data)->width >= 1 && (*data)->width <= IO_MOST_WIDTH)
+        return PLANISH_OK;
+    return pl_fail(error, PLANISH_ERROR_FORMAT,
+                   "%s: the array '%s' has %lld numbers for each of its values; arrays of 1 to %d "
+                   "are read",
+                   model->input.path, name, (long long)(*data)->width, IO_MOST_WIDTH);
+}
+
+/** Check that all values are finite: the error names the first node or element that has another one. */
+static int check_finite(const planish_file *file, const char *name, const planish_data *data,
+                        planish_error *error) {
+    const int64_t n = data->n * data->n_components;
+    int64_t i = 0;
+    while (i < n && isfinite(data->values[i]))
+        i++;
+    if (i == n)
+        return PLANISH_OK;
+    const int64_t at = i / data->n_components;
+    const int is_of_elements = data->of_elements;
+    return pl_fail_at(
+        error, PLANISH_ERROR_FORMAT, is_of_elements ? at : -1, is_of_elements ? -1 : at,
+        "%s: the array '%s' has the value %g, which is not finite, for %s %lld",
+        file->model.input.path, name, data->values[i], is_of_elements ? "element" : "node",
+        (long long)(is_of_elements ? planish_file_element_number(file, at)
+                                   : planish_file_node_number(file, at)));
+}
+
+/** Read the array to data, which is released by the caller on failure. */
+static int read_array(planish_file *file, const char *name, planish_data *data,
+                      planish_error *error) {
+    io_model *model = &file->model;
+    const io_data *array;
+    int status = find(file, name, &array, error);
+    if (!status)
+        status = io_bytes_check_unchanged(&model->input, error);
+    if (status)
+        return status;
+    data->of_elements = array->of_elements;
+    data->n_components = (int)array->width;
+    data->n = array->of_elements ? io_model_n_elements(model) : model->n_nodes;
+    data->values = pl_alloc_zero(data->n * array->width, sizeof *data->values);
+    if (!data->values)
+        return pl_fail_memory(error, "an array of the file");
+    status = file->format->read_data(model, array, data->values, error);
+    io_bytes_rest(&model->input);
+    return status ? status : check_finite(file, name, data, error);
+}
+
+int planish_file_data(planish_file *file, const char *name, planish_data *data,
+                      planish_error *error) {
+    if (!file || !name || !data)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file, name and data must not be NULL");
+    *data = (planish_data){.n = 0};
+    const pl_outside outside = pl_call_enter(NULL);
+    const int status = read_array(file, name, data, error);
+    if (status)
+        planish_data_free(data);
+    pl_call_leave(&outside);
+    return status;
+}
+
+void planish_data_free(planish_data *data) {
+    if (!data)
+        return;
+    pl_free(data->values);
+    *data = (planish_data){.n = 0};
+}
