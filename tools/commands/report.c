@@ -190,7 +190,10 @@ static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *argu
     planish_error error;
     int status = 0;
     if (d->figures->has_targets && !d->figures->like[0]) {
-        lack(d, w, "is not drawn: its elements are measured against its layers as they were");
+        lack(d, w,
+             d->figures->of_sizes
+                 ? "is not drawn: its elements are to have sizes"
+                 : "is not drawn: its elements are measured against its layers as they were");
         return 0;
     }
     if (d->figures->like[0]) {

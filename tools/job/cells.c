@@ -163,9 +163,11 @@ static int are_triangles(const planish_cells *cells) {
     return 1;
 }
 
-/** Measure cells, which have the nodes of the mesh, as it is now. */
+/** Measure cells, which have the nodes of the mesh, as it is now; sizes, if not NULL, where they are
+ *  asked for. */
 static int measure(const pl_job *job, const planish_cells *cells, planish_cell_quality *quality,
-                   const planish_cell_values *values, planish_error *error) {
+                   planish_size_quality *sizes, const planish_cell_values *values,
+                   planish_error *error) {
     planish_mesh all = job->mesh;
     all.elements = NULL;
     pl_like_give(&job->like, &all);
@@ -178,7 +180,11 @@ static int measure(const pl_job *job, const planish_cells *cells, planish_cell_q
     }
     const double rounding =
         job->options.rounding > 0 ? job->options.rounding : pl_cells_rounding(job);
-    return planish_measure_cells(&all, rounding, job->options.threads, quality, values, error);
+    const int code =
+        planish_measure_cells(&all, rounding, job->options.threads, quality, values, error);
+    return code || !all.size || !sizes
+               ? code
+               : planish_measure_sizes(&all, job->options.threads, sizes, NULL, error);
 }
 
 int pl_cells_measure(const pl_job *job, pl_cells *cells) {
@@ -197,7 +203,7 @@ int pl_cells_measure(const pl_job *job, pl_cells *cells) {
     if (!cells->aspect_ratio)
         return pl_job_complain_memory(job, "values of elements");
     const planish_cell_values values = {.aspect_ratio = cells->aspect_ratio};
-    if (measure(job, &cells->cells, &cells->quality, &values, &error))
+    if (measure(job, &cells->cells, &cells->quality, &cells->sizes, &values, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     mark_all_missing(&cells->quality);
     return 0;
@@ -231,7 +237,7 @@ int pl_validity_find(const pl_job *job, pl_validity *validity) {
                    ? PLANISH_OK
                    : pl_fail_memory(&error, "states of elements");
     if (!code)
-        code = measure(job, job->mesh.cells, &validity->quality, &values, &error);
+        code = measure(job, job->mesh.cells, &validity->quality, &validity->sizes, &values, &error);
     if (!code && !job->has_types) /* of simplices the plan tells exactly */
         code = job->engine->measure_elements(job, corner, &error);
     if (!code)
@@ -254,7 +260,7 @@ int pl_cells_find_states(const pl_job *job, uint8_t **state) {
     const planish_cell_values values = {.state = *state = malloc((size_t)job->mesh.n_elements + 1)};
     if (!*state)
         return pl_job_complain_memory(job, "states of elements");
-    if (!measure(job, job->mesh.cells, &quality, &values, &error))
+    if (!measure(job, job->mesh.cells, &quality, NULL, &values, &error))
         return 0;
     free(*state);
     *state = NULL;
@@ -271,13 +277,13 @@ int pl_cells_measure_elements(const pl_job *job, double *ratio, planish_error *e
     const int64_t n = job->mesh.n_elements;
     if (job->has_types) {
         const planish_cell_values of = {.aspect_ratio = ratio};
-        return measure(job, job->mesh.cells, &quality, &of, error);
+        return measure(job, job->mesh.cells, &quality, NULL, &of, error);
     }
     int code = job->engine->measure_elements(job, ratio, error);
     if (code || !job->mesh.cells)
         return code;
     const planish_cell_values values = {.state = malloc((size_t)n + 1)};
-    code = values.state ? measure(job, job->mesh.cells, &quality, &values, error)
+    code = values.state ? measure(job, job->mesh.cells, &quality, NULL, &values, error)
                         : pl_fail_memory(error, "states of elements");
     for (int64_t i = 0; i < n && !code; i++)
         ratio[i] = values.state[i] == PLANISH_CELL_STATE_VALID ? ratio[i] : 0;
@@ -301,7 +307,7 @@ static int convert(const pl_job *job, const char *path, const planish_cells *cel
                   .edge_ratio = memory + 3 * cells->n,
                   .state = (uint8_t *)(ratio + job->mesh.n_elements),
                   .is_curved = (uint8_t *)(ratio + job->mesh.n_elements) + cells->n}};
-    int code = measure(job, cells, &quality, &data.cells, error);
+    int code = measure(job, cells, &quality, NULL, &data.cells, error);
     if (!code && job->mesh.n_elements > 0) {
         data.radius_ratio = ratio;
         code = pl_cells_measure_elements(job, ratio, error);

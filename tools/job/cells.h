@@ -24,6 +24,7 @@ typedef struct pl_cells {
     int has_others;      /* 0: the mesh has straight simplices alone, and nothing else is set */
     planish_cells cells; /* the file's */
     planish_cell_quality quality; /* ratios over no element are NAN */
+    planish_size_quality sizes;   /* where sizes are asked for */
     double *aspect_ratio;         /* [cells.n] 0: the element is not valid; owned */
 } pl_cells;
 
@@ -40,6 +41,7 @@ enum { PL_INVERTED_INSIDE = 4 };
 typedef struct pl_validity {
     int is_known;                 /* 0: all are straight simplices, and nothing else is set */
     planish_cell_quality quality; /* ratios over no element are NAN */
+    planish_size_quality sizes;   /* where sizes are asked for */
     uint8_t *state;               /* [mesh.n_elements] of planish_cell_state, or
                                      PL_INVERTED_INSIDE; owned */
     double *aspect_ratio;         /* [mesh.n_elements] 0: not valid; owned */

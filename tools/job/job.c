@@ -203,7 +203,8 @@ static int find_held_layers(pl_job *job) {
     /* Layers that are targets need not be held to survive. */
     if (arguments->layers == PL_LAYERS_IGNORED || arguments->layers == PL_LAYERS_KEPT ||
         job->is_surface ||
-        (arguments->layers == PL_LAYERS_BY_TYPE && (!job->has_types || job->like.place)))
+        (arguments->layers == PL_LAYERS_BY_TYPE &&
+         (!job->has_types || (job->like.place && !job->like.size))))
         return 0;
     uint8_t *is_chosen = malloc((size_t)job->mesh.n_elements + 1);
     if (!is_chosen)
@@ -387,6 +388,10 @@ static int open_file(pl_job *job) {
         return status;
     if (arguments->layers == PL_LAYERS_KEPT && !job->is_surface && (status = keep_layers(job)))
         return status;
+    if (pl_arguments_have_sizes(arguments) && !job->is_surface &&
+        (status =
+             pl_like_sizes(arguments, job->file, job->options.threads, &job->mesh, &job->like)))
+        return status;
     if (arguments->command == PL_COMMAND_QUALITY)
         keep_simplices(job);
     else
@@ -433,9 +438,9 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
                                  "'-' is not a file; standard input is /dev/stdin");
     pl_signals_set_input(arguments->input);
     int status = 0;
-    if ((arguments->like || arguments->layers == PL_LAYERS_KEPT) && engine != &pl_engine_here)
-        return pl_complain(PL_EXIT_FAILED, "--%s is not for several processes: use planish",
-                           arguments->like ? "like" : "layers keep");
+    const char *target = pl_arguments_target(arguments);
+    if (target && engine != &pl_engine_here)
+        return pl_complain(PL_EXIT_FAILED, "%s is not for several processes: use planish", target);
     if (!engine->read)
         status = open_file(job);
     else if (engine->read(job, &error))

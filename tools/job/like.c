@@ -186,35 +186,58 @@ int pl_like_read(const pl_arguments *arguments, planish_file *file, int threads,
     return status;
 }
 
-int pl_like_layers(const pl_arguments *arguments, planish_file *file, uint8_t *is_layer,
-                   planish_mesh *mesh, pl_like *like) {
+/** Let the elements of mesh, as they are in file, be what the targets are made of; what: the option. */
+static int take_own(const char *input, const char *what, planish_file *file, planish_mesh *mesh,
+                    pl_like *like) {
     const size_t size = (size_t)(mesh->n_nodes * mesh->dim) * sizeof *like->place;
     planish_error error;
-    like->is_layer = is_layer;
     if (mesh->n_periodic > 0)
-        return pl_complain(PL_EXIT_FAILED,
-                           "%s: has periodic nodes: --layers keep is not for such meshes yet; "
-                           "--layers hold is",
-                           arguments->input);
+        return pl_complain(PL_EXIT_FAILED, "%s: has periodic nodes: %s is not for such meshes yet",
+                           input, what);
     if (planish_file_cells(file, &like->cells, &error))
-        return pl_complain(PL_EXIT_FAILED, "%s: %s", arguments->input, error.text);
+        return pl_complain(PL_EXIT_FAILED, "%s: %s", input, error.text);
     like->place = malloc(size);
     if (!like->place)
-        return pl_complain(PL_EXIT_FAILED, "%s: out of memory for its layers", arguments->input);
+        return pl_complain(PL_EXIT_FAILED, "%s: out of memory for the targets", input);
     memcpy(like->place, mesh->coordinates, size);
     mesh->elements = NULL;
     mesh->cells = &like->cells;
     return 0;
 }
 
+int pl_like_layers(const pl_arguments *arguments, planish_file *file, uint8_t *is_layer,
+                   planish_mesh *mesh, pl_like *like) {
+    like->is_layer = is_layer;
+    return take_own(arguments->input, "--layers keep", file, mesh, like);
+}
+
+int pl_like_sizes(const pl_arguments *arguments, planish_file *file, int threads,
+                  planish_mesh *mesh, pl_like *like) {
+    planish_error error;
+    const int status = take_own(arguments->input, pl_sizes_option(arguments), file, mesh, like);
+    if (status)
+        return status;
+    if (!arguments->keep_sizes)
+        return pl_sizes_read(arguments, file, mesh, &like->size);
+    like->size = malloc(((size_t)mesh->n_nodes + 1) * sizeof *like->size);
+    if (!like->size)
+        return pl_complain(PL_EXIT_FAILED, "%s: out of memory for sizes", arguments->input);
+    return planish_find_sizes(mesh, threads, like->size, &error)
+               ? pl_complain(PL_EXIT_FAILED, "%s: %s", arguments->input, error.text)
+               : 0;
+}
+
 void pl_like_give(const pl_like *like, planish_mesh *mesh) {
     mesh->reference = like->place;
     mesh->is_layer = like->is_layer;
+    mesh->size = like->size;
 }
 
 void pl_like_free(pl_like *like) {
     free(like->place);
     free(like->is_layer);
+    free(like->size);
     like->place = NULL;
     like->is_layer = NULL;
+    like->size = NULL;
 }

@@ -31,7 +31,9 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
     *figures = (pl_figures){.result = result,
                             .is_solid = pl_figure(mesh, "dimension") == 3,
                             .like = pl_figure_text(result, "like"),
+                            .of_sizes = strcmp(pl_figure_text(result, "target"), "sizes") == 0,
                             .has_targets = strcmp(pl_figure_text(result, "target"), "like") == 0 ||
+                                           strcmp(pl_figure_text(result, "target"), "sizes") == 0 ||
                                            strcmp(pl_figure_text(result, "target"), "layers") == 0};
     if (!cJSON_IsObject(result))
         return "is not a JSON object";

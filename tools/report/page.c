@@ -108,6 +108,11 @@ static void put_remarks(pl_markup *page, const pl_figures *figures, const cJSON 
         pl_markup_put_text(page, figures->like);
         pl_markup_put(page,
                       "</code>: aspect ratios are against that, and 1 is the same shape.</p>\n");
+    } else if (figures->of_sizes) {
+        pl_markup_put(page, "<p id=\"target\">Elements are to have the sizes of <code>");
+        pl_markup_put_text(page, pl_figure_text(figures->result, "sizes_of"));
+        pl_markup_put(page, "</code>, in relation to one another. Aspect ratios are against "
+                            "regular elements.</p>\n");
     } else if (figures->has_targets) {
         pl_markup_put(page,
                       "<p id=\"target\">The layers keep their heights: aspect ratios of their "

@@ -80,7 +80,9 @@ void pl_page_put_run(pl_markup *page, const pl_figures *figures) {
     put_fact(page, "objective",
              pl_figure_text(cJSON_GetObjectItemCaseSensitive(result, "objective"), "name"));
     put_fact(page, "targets of the elements",
-             figures->has_targets && !figures->like[0] ? "the layers as they were" : figures->like);
+             figures->of_sizes                           ? "sizes"
+             : figures->has_targets && !figures->like[0] ? "the layers as they were"
+                                                         : figures->like);
     put_fact(page, "ended", pl_figure_text(result, "stop"));
     pl_markup_put(page, "</tbody></table></div></section>\n");
 }

@@ -258,6 +258,22 @@ static void add_types(document *json, cJSON *quality, const planish_cell_quality
     }
 }
 
+/** Add the sizes of elements against those that are wanted, if sizes are asked for. */
+static void add_sizes(document *json, cJSON *quality, const pl_job *job,
+                      const planish_size_quality *sizes) {
+    if (!job->like.size)
+        return;
+    cJSON *to = new_object(json, quality, "sizes");
+    add_real(json, to, "factor", sizes->factor);
+    add_real(json, to, "rms_log", sizes->rms_log);
+    add_real(json, to, "least", sizes->least);
+    add_real(json, to, "most", sizes->most);
+    add_known(json, to, "smallest_element",
+              sizes->smallest < 0 ? -1 : pl_job_element_number(job, sizes->smallest));
+    add_known(json, to, "largest_element",
+              sizes->largest < 0 ? -1 : pl_job_element_number(job, sizes->largest));
+}
+
 /** Add the quality of simplices: by their corners, and where validity is known also by their
  *  mid-side nodes. edge_ratio and scaled_jacobian are those of the corners. */
 static void add_quality(document *json, cJSON *root, const char *name, const pl_job *job,
@@ -300,6 +316,7 @@ static void add_smoothed_cells(document *json, cJSON *root, const char *name, co
     cJSON *quality = new_object(json, root, name);
     add_integer(json, quality, "inverted", pl_validity_faults(validity, q));
     add_types(json, quality, &validity->quality);
+    add_sizes(json, quality, job, &validity->sizes);
     add_integer(json, quality, "inverted_inside", validity->n_inside);
     add_real(json, quality, "rms_aspect_ratio_movable", q->rms_radius_ratio_movable);
     add_real(json, quality, "max_aspect_ratio_movable", q->max_radius_ratio_movable);
@@ -345,6 +362,7 @@ static void add_cells(document *json, cJSON *root, const pl_job *job, const pl_m
     cJSON *quality = new_object(json, root, "quality");
     add_integer(json, quality, "inverted", q->all.n_inverted);
     add_types(json, quality, q);
+    add_sizes(json, quality, job, &measured->cells.sizes);
     for (size_t i = 0; i < sizeof of_simplices / sizeof *of_simplices; i++)
         add(json, quality, of_simplices[i], cJSON_CreateNull());
     if (job->mesh.n_elements > 0)
@@ -428,9 +446,12 @@ static void add_checksum(document *json, cJSON *root, const char *name, uint64_t
  *  with the checksum of its coordinates. */
 static void add_target(document *json, cJSON *root, const pl_job *job) {
     add_text(json, root, "target",
-             job->like.is_layer ? "layers"
-             : job->like.place  ? "like"
-                                : "regular");
+             job->like.size       ? "sizes"
+             : job->like.is_layer ? "layers"
+             : job->like.place    ? "like"
+                                  : "regular");
+    if (job->like.size)
+        add_text(json, root, "sizes_of", pl_sizes_source(job->arguments));
     if (!job->arguments->like || !job->like.place)
         return;
     add_text(json, root, "like", job->arguments->like);

@@ -225,7 +225,7 @@ static void row_target(FILE *stream, const pl_job *job) {
     if (job->like.is_layer)
         fprintf(stream,
                 "AR is against the heights of the layers as they were, and regular elements\n");
-    else if (job->like.place)
+    else if (job->like.place && !job->like.size)
         fprintf(stream, "AR is against each element as it is in %s\n",
                 pl_text_fit(job->arguments->like, PL_TEXT_WIDTH / 2, name, sizeof name));
 }
@@ -336,6 +336,21 @@ static void rows_by_type(FILE *stream, const planish_cell_quality *before,
     }
 }
 
+/** Put the sizes of elements against those that are wanted; before may be NULL. */
+static void rows_sizes(FILE *stream, const planish_size_quality *before,
+                       const planish_size_quality *after) {
+    const measure off = {"", LESS_IS_BETTER, RELATIVE}, plain = {"", LESS_IS_BETTER, NOT_COMPARED};
+    char text[160];
+    row_real(stream, "RMS of log(size / wanted)", before ? &before->rms_log : NULL, after->rms_log,
+             &off);
+    row_real(stream, "  least size / wanted", before ? &before->least : NULL, after->least, &plain);
+    row_real(stream, "  largest", before ? &before->most : NULL, after->most, &plain);
+    snprintf(text, sizeof text,
+             "Sizes are relative: the sizes given, times %.4g, fit best what elements there are.",
+             after->factor);
+    pl_text_wrap(stream, text);
+}
+
 /** Put the measures of a mesh with elements of other types, by cells; what the plan knows of those
  *  with movable nodes is its own. */
 static void rows_aspect(FILE *stream, const pl_job *job, const pl_result *result) {
@@ -347,6 +362,8 @@ static void rows_aspect(FILE *stream, const pl_job *job, const pl_result *result
     const measure ratio = {"", LESS_IS_BETTER, is_of_same ? RELATIVE : NOT_COMPARED};
     /* Elements that have targets need not be more regular. */
     const measure jacobian = {"", MORE_IS_BETTER, job->like.place ? NOT_COMPARED : ABSOLUTE};
+    if (job->like.size)
+        rows_sizes(stream, &result->validity_before.sizes, &result->validity_after.sizes);
     row_real(stream, "worst aspect ratio (AR)", &was->max_aspect_ratio, is->max_aspect_ratio,
              &ratio);
     if (after->n_fixed_elements > 0)
@@ -702,6 +719,8 @@ void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measur
         row_mesh(stream, job, counts);
         row_target(stream, job);
         put_cells(stream, job, cells);
+        if (job->like.size)
+            rows_sizes(stream, NULL, &cells->sizes);
         if (job->is_surface)
             pl_surface_print(stream, job);
         if (job->mesh.n_elements == 0)

@@ -1,0 +1,170 @@
+#!/usr/bin/env bash
+# --size NAME, --size-from FILE, --keep-sizes: elements get the sizes that are wanted where they are, in relation to one
+# another. The table, JSON and page say so, and sizes that do not fit are refused in one line.
+. "$(dirname "$0")/common.sh"
+
+# make.py KIND FORM [WRONG]: a square or cube of N cells along each side, with sizes that are small on a circle: the array
+# h of nodes, H of elements, both of VTK, or Medit's mesh with its .sol. WRONG is the size of node 12.
+cat >make.py <<'END2'
+import itertools
+import math
+import sys
+
+kind, form = sys.argv[1:3]
+wrong = sys.argv[3] if len(sys.argv) > 3 else None
+dim = 2 if kind in ("quads", "triangles") else 3
+N = 16 if dim == 2 else 9
+number, points = {}, []
+for at in itertools.product(range(N + 1), repeat=dim):
+    number[at] = len(points)
+    points.append([c / N for c in at])
+elements = []
+for at in itertools.product(range(N), repeat=dim):
+    if dim == 2:
+        q = [number[at[0] + a, at[1] + b] for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        elements += [q] if kind == "quads" else [q[:3], [q[0], q[2], q[3]]]
+        continue
+    h = [number[tuple(a + b for a, b in zip(at, c))] for c in ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1),
+                                                               (1, 0, 1), (1, 1, 1), (0, 1, 1))]
+    ring = (1, 2, 3, 7, 4, 5, 1)
+    elements += [h] if kind == "hexes" else [[h[0], h[a], h[b], h[6]] for a, b in zip(ring, ring[1:])]
+sizes = [0.1 + 2 * abs(math.hypot(p[0] - 0.5, p[1] - 0.5) - 0.25) for p in points]
+text = list(map(repr, sizes))
+if wrong:
+    text[11] = wrong
+if form == "vtk":
+    print("# vtk DataFile Version 3.0\nsizes\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS %d double" % len(points))
+    for p in points:
+        print(*map(repr, p), *[0] * (3 - dim))
+    print("CELLS %d %d" % (len(elements), sum(len(e) + 1 for e in elements)))
+    for e in elements:
+        print(len(e), *e)
+    print("CELL_TYPES %d" % len(elements))
+    print(*[{"quads": 9, "triangles": 5, "hexes": 12, "tets": 10}[kind]] * len(elements))
+    print("CELL_DATA %d\nSCALARS H double 1\nLOOKUP_TABLE default" % len(elements))
+    print(*[repr(sum(sizes[n] for n in e) / len(e)) for e in elements])
+    print("POINT_DATA %d\nSCALARS h double 1\nLOOKUP_TABLE default" % len(points))
+    print(*text)
+elif form == "sol":
+    print("MeshVersionFormatted 2\nDimension %d\nSolAtVertices\n%d\n1 1" % (dim, len(points)))
+    print(*text, "End", sep="\n")
+else:
+    name = {"quads": "Quadrilaterals", "triangles": "Triangles", "hexes": "Hexahedra", "tets": "Tetrahedra"}[kind]
+    print("MeshVersionFormatted 2\nDimension %d\nVertices %d" % (dim, len(points)))
+    for p in points:
+        print(*map(repr, p), 0)
+    print(name, len(elements))
+    for e in elements:
+        print(*[n + 1 for n in e], 1)
+    print("End")
+END2
+
+for kind in quads triangles hexes tets; do
+    python3 make.py $kind vtk >$kind.vtk
+    python3 make.py $kind mesh >$kind.mesh
+    python3 make.py $kind sol >$kind.sol
+done
+
+# ---- sizes are met, of every type, and the same on any number of threads
+
+for kind in quads triangles hexes tets; do
+    for threads in 1 2; do
+        expect_status 0 "$program" smooth $kind.vtk --size h --slide auto -o $kind-$threads.vtk -j $threads \
+            --json report.json
+    done
+    cmp -s $kind-1.vtk $kind-2.vtk || fail "$kind: threads change the bits"
+    grep -q "RMS of log(size / wanted)" out || { fail "the table has sizes"; cat out; }
+    expect_json 'r["target"] == "sizes" and r["sizes_of"] == "h" and r["objective"]["size_weight"] == 0.9'
+    expect_json 'r["after"]["sizes"]["rms_log"] < 0.6 * r["before"]["sizes"]["rms_log"]'
+    expect_json 'r["objective"]["after"] < r["objective"]["before"] and r["after"]["inverted"] == 0 and r["certified"]'
+    expect_json 'r["after"]["sizes"]["most"] < r["before"]["sizes"]["most"]'
+done
+
+# ---- data of nodes is that of Medit's solution; data of elements is near to it; a weight is heeded
+
+"$program" smooth quads.vtk --size h --slide auto -o a.vtk -q --json report.json
+expect_status 0 "$program" smooth quads.mesh --size-from quads.sol --slide auto -o b.mesh -q --json sol.json
+expect_status 0 "$program" smooth quads.vtk --size H --slide auto -o c.vtk -q --json cells.json
+expect_status 0 "$program" smooth quads.vtk --size h --size-weight 0.1 --slide auto -o d.vtk -q --json little.json
+python3 - <<'END2' || fail "sizes are the same wherever they come from"
+import json
+data, sol, cells, little = (json.load(open(name + ".json")) for name in ("report", "sol", "cells", "little"))
+assert data["after"]["sizes"] == sol["after"]["sizes"] or abs(
+    data["after"]["sizes"]["rms_log"] / sol["after"]["sizes"]["rms_log"] - 1) < 1e-9
+assert abs(cells["after"]["sizes"]["rms_log"] - data["after"]["sizes"]["rms_log"]) < 0.1
+assert sol["sizes_of"] == "quads.sol"
+assert little["after"]["sizes"]["rms_log"] > 0.8 * little["before"]["sizes"]["rms_log"]
+assert little["after"]["rms_aspect_ratio"] < data["after"]["rms_aspect_ratio"]
+END2
+
+# ---- the sizes of the input are kept: a graded mesh stays graded
+
+python3 - <<'END2'
+N = 12
+x = [(i / N) ** 2 for i in range(N + 1)]
+print("MeshVersionFormatted 2\nDimension 2\nVertices %d" % (N + 1) ** 2, file=(out := open("graded.mesh", "w")))
+for i in range(N + 1):
+    for j in range(N + 1):
+        print(x[i], j / N, 0, file=out)
+print("Quadrilaterals", N * N, file=out)
+for i in range(N):
+    for j in range(N):
+        a = (N + 1) * i + j + 1
+        print(a, a + N + 1, a + N + 2, a + 1, 1, file=out)
+print("End", file=out)
+END2
+expect_status 0 "$program" smooth graded.mesh --keep-sizes --layers ignore -o kept.mesh --json kept.json -q
+expect_status 0 "$program" smooth graded.mesh --layers ignore -o regular.mesh --json report.json -q
+expect_json 'r["target"] == "regular" and "sizes_of" not in r and "sizes" not in r["after"]'
+expect_status 0 "$program" quality kept.mesh --keep-sizes --json report.json -q
+python3 - <<'END2' || fail "--keep-sizes keeps more of the grading than none"
+import json
+kept = json.load(open("kept.json"))
+assert kept["target"] == "sizes" and kept["sizes_of"] == "graded.mesh"
+assert kept["after"]["sizes"]["rms_log"] < 0.3
+
+
+def first(name):
+    lines = open(name).read().split("\n")
+    return float(lines[3 + 13 + 6].split()[0])
+
+
+start, with_sizes, without = map(first, ("graded.mesh", "kept.mesh", "regular.mesh"))
+assert abs(with_sizes - start) < 0.5 * abs(without - start)
+END2
+
+# ---- quality and the page
+
+expect_status 0 "$program" quality quads.vtk --size h --json report.json --report page.html
+grep -q "RMS of log(size / wanted)" out || { fail "the table of quality has sizes"; cat out; }
+expect_json 'r["target"] == "sizes" and 0.3 < r["quality"]["sizes"]["rms_log"] < 0.6'
+expect_status 0 "$program" smooth quads.vtk --size h -o a.vtk --report page.html -q
+grep -qF 'to have the sizes of <code>h</code>' page.html || fail "the page says the sizes"
+
+# ---- what does not fit
+
+"$program" smooth quads.vtk --size none -o wrong.vtk >out 2>err && fail "an array that is not there"
+expect_one_line
+expect_text "h"
+for size in 0 -1 nan 1e-20; do
+    python3 make.py quads vtk $size >wrong-in.vtk
+    expect_status 2 "$program" smooth wrong-in.vtk --size h -o wrong.vtk
+    expect_one_line
+    expect_no_file wrong.vtk
+done
+expect_status 2 "$program" smooth quads.mesh --size-from triangles.vtk -o wrong.mesh
+expect_one_line
+expect_status 2 "$program" smooth quads.mesh --size-from hexes.sol -o wrong.mesh
+expect_one_line
+expect_status 2 "$program" smooth quads.mesh --size-from gone.sol -o wrong.mesh
+expect_one_line
+for options in "--size h --like quads.vtk" "--size h --layers keep" "--size h --keep-sizes" "--size h --size-from quads.sol" \
+    "--size h --objective worst" "--size h --objective edge-ratio" "--size h --size-weight 0" "--size-weight 0.5" \
+    "--size h --method laplacian"; do
+    # shellcheck disable=SC2086 # several words
+    expect_status 64 "$program" smooth quads.vtk $options -o wrong.vtk
+    expect_one_line
+done
+expect_no_file wrong.vtk wrong.mesh
+
+finish
