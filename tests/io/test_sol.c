@@ -148,7 +148,7 @@ static void expect_wrong(const char *folder, const char *text, int dim, const ch
 static void wrong_files(void **state) {
     const char *folder = *state;
     expect_wrong(folder, BEGIN "4\n1 1\n1 2 3 nan\nEnd\n", 3,
-                 "a.sol:5: SolAtVertices: the value "
+                 "a.sol:6: SolAtVertices: the value "
                  "of vertex 4 is not finite");
     expect_wrong(folder, BEGIN "4\n1 1\n1 2 3\nEnd\n", 3, "a number expected for vertex 4");
     expect_wrong(folder, BEGIN "4\n1 1\n1 2 3 4 5\nEnd\n", 3, "more than 4 solutions follow");

@@ -141,7 +141,7 @@ static void wrong_arrays(void **state) {
     expect_wrong(GRID PIECE("3", "1") TRIANGLE POINT_DATA(
                      "<DataArray type=\"Float64\" Name=\"h\" format=\"appended\" offset=\"9\"/>")
                      END,
-                 "the data end before the array does");
+                 "h: the array has not as many values");
     expect_wrong(GRID PIECE("3", "1") TRIANGLE POINT_DATA(
                      "<DataArray type=\"Float64\" Name=\"h\" format=\"binary\">AAAA</DataArray>")
                      END,

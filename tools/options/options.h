@@ -69,6 +69,9 @@ typedef struct pl_arguments {
     const char *surface_of; /* the file that the surface is taken from, or NULL: the input */
     const char *onto;       /* the file whose surface the mesh's is fitted to, or NULL: none */
     const char *like;       /* the file whose elements are the targets, or NULL: regular ones */
+    const char *size;       /* the array of the input that has the sizes of elements, or NULL */
+    const char *size_from;  /* the file that has them, or NULL */
+    int keep_sizes;         /* the sizes are those of the input */
     double crease_angle;    /* in degrees; 0: features are found */
     const char *of_curved;  /* an option of smooth that is for curved surfaces alone, or NULL */
     int has_objective;      /* --objective was given */
