@@ -89,7 +89,7 @@ static int check_finite(const planish_file *file, const char *name, const planis
 static int read_array(planish_file *file, const char *name, planish_data *data,
                       planish_error *error) {
     io_model *model = &file->model;
-    const io_data *array;
+    const io_data *array = NULL;
     int status = find(file, name, &array, error);
     if (!status)
         status = io_bytes_check_unchanged(&model->input, error);
