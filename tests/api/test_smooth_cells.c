@@ -637,7 +637,7 @@ static void note_help(planish_log_level level, const char *text, void *user) {
 
 /** Smooth a grid of n cells along each edge that is bent as a whole; it becomes regular. */
 static help straighten(cell_box_kind kind, int n) {
-    cell_box *box = box_of(kind, n, LINEAR, 0, 1);
+    cell_box *box = box_of((int)kind, n, LINEAR, 0, 1);
     const int dim = box->mesh.dim;
     planish_options options = defaults();
     help told = {0, 0};

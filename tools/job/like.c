@@ -1,6 +1,7 @@
 /* like: the target of each element is its shape in another file, or what its layer says. */
 #include "job/like.h"
 
+#include "job/sizes.h"
 #include "terminal/message.h"
 
 #include <inttypes.h>
@@ -213,18 +214,9 @@ int pl_like_layers(const pl_arguments *arguments, planish_file *file, uint8_t *i
 
 int pl_like_sizes(const pl_arguments *arguments, planish_file *file, int threads,
                   planish_mesh *mesh, pl_like *like) {
-    planish_error error;
-    const int status = take_own(arguments->input, pl_sizes_option(arguments), file, mesh, like);
-    if (status)
-        return status;
-    if (!arguments->keep_sizes)
-        return pl_sizes_read(arguments, file, mesh, &like->size);
-    like->size = malloc(((size_t)mesh->n_nodes + 1) * sizeof *like->size);
-    if (!like->size)
-        return pl_complain(PL_EXIT_FAILED, "%s: out of memory for sizes", arguments->input);
-    return planish_find_sizes(mesh, threads, like->size, &error)
-               ? pl_complain(PL_EXIT_FAILED, "%s: %s", arguments->input, error.text)
-               : 0;
+    const int status =
+        take_own(arguments->input, pl_arguments_target(arguments), file, mesh, like);
+    return status ? status : pl_sizes_read(arguments, file, threads, mesh, &like->size);
 }
 
 void pl_like_give(const pl_like *like, planish_mesh *mesh) {
