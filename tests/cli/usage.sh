@@ -106,6 +106,19 @@ for value in "" x -1 1.5 nan inf 0x1; do
 done
 bad smooth in.msh -o out.msh --size-weight 0.5
 expect_text "without --like"
+for sizes in "--size h" "--size-from in.sol" --keep-sizes; do
+    bad smooth in.msh -o out.msh --like in.msh $sizes
+    expect_text "not both"
+    bad smooth in.msh -o out.msh $sizes --objective radius-ratio
+    expect_text "minimises the mean-ratio"
+    bad smooth in.msh -o out.msh $sizes --method laplacian
+done
+bad smooth in.msh -o out.msh --size h --size-from in.sol
+expect_text "give --size or --size-from, not both"
+bad smooth in.msh -o out.msh --size ""
+bad quality in.msh --keep-sizes
+bad quality in.msh in.msh --size h
+expect_text "takes one mesh"
 for measure in aspect-ratio scaled-jacobian; do
     bad smooth in.msh -o out.msh --objective worst --worst-measure $measure
     expect_text "choose dihedral or radius-ratio"

@@ -37,11 +37,9 @@ static const char *find_meaningless(const pl_job *job) {
            : library->search != PLANISH_SEARCH_NEWTON ? "--direction"
            : pl_arguments_bound_volumes(arguments)    ? "a minimum volume"
            : arguments->layers == PL_LAYERS_HELD      ? "--layers hold"
-           : arguments->layers == PL_LAYERS_KEPT      ? "--layers keep"
            : arguments->slide_interfaces              ? "--slide-interfaces"
            : arguments->onto                          ? "--onto"
-           : arguments->like                          ? "--like"
-                                                      : NULL;
+                                                      : pl_arguments_target(arguments);
 }
 
 int pl_curved_begin_surface(pl_job *job) {

@@ -4,7 +4,6 @@
 
 #include "job/cells.h"
 #include "job/curved.h"
-#include "job/sizes.h"
 #include "terminal/message.h"
 #include "terminal/signals.h"
 #include "terminal/threads.h"
@@ -389,7 +388,7 @@ static int open_file(pl_job *job) {
         return status;
     if (arguments->layers == PL_LAYERS_KEPT && !job->is_surface && (status = keep_layers(job)))
         return status;
-    if (pl_sizes_are_asked(arguments) && !job->is_surface &&
+    if (pl_arguments_have_sizes(arguments) && !job->is_surface &&
         (status =
              pl_like_sizes(arguments, job->file, job->options.threads, &job->mesh, &job->like)))
         return status;

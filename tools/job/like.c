@@ -214,8 +214,7 @@ int pl_like_layers(const pl_arguments *arguments, planish_file *file, uint8_t *i
 
 int pl_like_sizes(const pl_arguments *arguments, planish_file *file, int threads,
                   planish_mesh *mesh, pl_like *like) {
-    const int status =
-        take_own(arguments->input, pl_arguments_target(arguments), file, mesh, like);
+    const int status = take_own(arguments->input, pl_arguments_target(arguments), file, mesh, like);
     return status ? status : pl_sizes_read(arguments, file, threads, mesh, &like->size);
 }
 

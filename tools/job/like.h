@@ -19,7 +19,8 @@ typedef struct pl_like {
     double *place; /* [n_nodes][dim] of the nodes there, owned; NULL: there are no targets */
     uint8_t
         *is_layer; /* [elements] of layers in the input, which place is of then, owned; or NULL */
-    double *size;  /* [n_nodes] that elements are to have at place, which is the input's, owned; or NULL */
+    double *
+        size; /* [n_nodes] that elements are to have at place, which is the input's, owned; or NULL */
     uint64_t checksum;   /* planish_checksum of the file's coordinates */
     planish_cells cells; /* all elements of the mesh */
 } pl_like;

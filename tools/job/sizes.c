@@ -127,8 +127,7 @@ static int keep_sizes(sizing *s, int threads) {
     s->size = make_values(s->mesh->n_nodes);
     if (!s->size)
         return complain_memory(s);
-    return planish_find_sizes(s->mesh, threads, s->size, &error) ? complain(s, error.text)
-                                                                        : 0;
+    return planish_find_sizes(s->mesh, threads, s->size, &error) ? complain(s, error.text) : 0;
 }
 
 /* ---- reading ------------------------------------------------------------------------------------ */
@@ -154,20 +153,17 @@ static int read_values(sizing *s, const pl_arguments *arguments) {
         return pl_complain(PL_EXIT_FAILED, "%s: %s", option, error.text);
     if (s->data.n_components == 1)
         return take_sizes(s);
-    return pl_complain(PL_EXIT_FAILED,
-                       "%s: %s: has %d numbers for each of its values: a size is one; metrics are not "
-                       "made targets yet",
-                       s->input, s->name, s->data.n_components);
+    return pl_complain(
+        PL_EXIT_FAILED,
+        "%s: %s: has %d numbers for each of its values: a size is one; metrics are not "
+        "made targets yet",
+        s->input, s->name, s->data.n_components);
 }
 
 const char *pl_sizes_source(const pl_arguments *arguments) {
     return arguments->size        ? arguments->size
            : arguments->size_from ? arguments->size_from
                                   : arguments->input;
-}
-
-int pl_sizes_are_asked(const pl_arguments *arguments) {
-    return arguments->size || arguments->size_from || arguments->keep_sizes;
 }
 
 int pl_sizes_read(const pl_arguments *arguments, planish_file *file, int threads,

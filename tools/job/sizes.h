@@ -1,6 +1,5 @@
 /* sizes: the sizes that elements are to have, --size NAME, --size-from FILE and --keep-sizes.
  *
- *     pl_sizes_are_asked    whether an option asks for sizes
  *     pl_sizes_source       what they are from
  *     pl_sizes_read         sizes at all nodes of a mesh
  */
@@ -10,9 +9,6 @@
 #include "options/options.h"
 
 #include <planish/planish_io.h>
-
-/** Whether an option asks for sizes. */
-int pl_sizes_are_asked(const pl_arguments *arguments);
 
 /** Return the array, or the file, that has the sizes. */
 const char *pl_sizes_source(const pl_arguments *arguments);

@@ -448,10 +448,25 @@ static const option_row option_table[] = {
      "and gradings survive; with quality: compare with that\n"
      "(default: with regular elements)",
      "file"},
+    {0, "size", "NAME", BOTH | OPTIMISES, set_text, AT(size), 0, 0,
+     "must be the name of an array of the file",
+     "let elements have the sizes of array NAME of IN (VTK,\n"
+     "Gmsh) where they are, in relation to one another:\n"
+     "lengths of edges at nodes or elements; with quality:\n"
+     "compare with them",
+     NULL},
+    {0, "size-from", "FILE", BOTH | OPTIMISES, set_text, AT(size_from), 0, 0,
+     "must be the name of a file",
+     "let elements have the sizes of FILE, a .sol or .solb\n"
+     "of Medit's for the nodes of IN",
+     "file"},
+    {0, "keep-sizes", NULL, SMOOTH | OPTIMISES, set_flag, AT(keep_sizes), 1, 0, NULL,
+     "let elements have the sizes that those of IN have\nthere", NULL},
     {0, "size-weight", "W", SMOOTH | OPTIMISES, set_real, AT(library.size_weight), 0, 1,
      "must be a number from 0 to 1",
-     "with --like: let the sizes of elements count by W,\n"
-     "and their shapes by 1 - W (default 0)",
+     "with --like or sizes: let the sizes of elements count\n"
+     "by W, and their shapes by 1 - W (default 0 with\n"
+     "--like, else 0.9)",
      NULL},
     {0, "crease-angle", "A", BOTH | OF_CURVED, set_real, AT(crease_angle), 0, 180,
      "must be a number of degrees from 0 to 180",
@@ -663,15 +678,54 @@ static int check_onto(const pl_arguments *arguments) {
     return name ? pl_complain_usage(command, "give --onto or --%s, not both", name) : 0;
 }
 
-/** Objectives that are not made for targets, those of option. */
-static int check_targets(const pl_arguments *arguments, const char *option) {
+/** Find the options that say what elements are to become like: targets [5] in the order in which they are
+ *  named. Returns how many are given. */
+static int find_targets(const pl_arguments *arguments, const char **targets) {
+    int n = 0;
+    if (arguments->like)
+        targets[n++] = "--like";
+    if (arguments->layers == PL_LAYERS_KEPT)
+        targets[n++] = "--layers keep";
+    if (arguments->size)
+        targets[n++] = "--size";
+    if (arguments->size_from)
+        targets[n++] = "--size-from";
+    if (arguments->keep_sizes)
+        targets[n++] = "--keep-sizes";
+    return n;
+}
+
+int pl_arguments_have_sizes(const pl_arguments *arguments) {
+    return arguments->size || arguments->size_from || arguments->keep_sizes;
+}
+
+const char *pl_arguments_target(const pl_arguments *arguments) {
+    const char *targets[5];
+    return find_targets(arguments, targets) > 0 ? targets[0] : NULL;
+}
+
+/** Check what stands beside options of targets. */
+static int check_targets(const pl_arguments *arguments) {
     const planish_objective objective = arguments->library.objective;
-    if (!arguments->has_objective ||
+    const char *command = pl_command_name(arguments->command), *targets[5] = {NULL};
+    const int n = find_targets(arguments, targets);
+    const int is_sized = pl_arguments_have_sizes(arguments);
+    if (arguments->library.size_weight > 0 && !is_sized && !arguments->like)
+        return pl_complain_usage(command, "--size-weight has no effect without --like or sizes "
+                                          "(--size, --size-from, --keep-sizes)");
+    if (arguments->library.size_weight == 0 && is_sized)
+        return pl_complain_usage(command, "--size-weight 0 leaves %s without effect: give more",
+                                 targets[0]);
+    if (n > 1)
+        return pl_complain_usage(command, "give %s or %s, not both", targets[0], targets[1]);
+    if (n == 1 && is_sized && arguments->n_inputs > 1)
+        return pl_complain_usage(command, "%s takes one mesh, but %d are named", targets[0],
+                                 arguments->n_inputs);
+    if (n == 0 || !arguments->has_objective ||
         (objective == PLANISH_OBJECTIVE_MEAN_RATIO && !arguments->worst))
         return 0;
-    return pl_complain_usage(pl_command_name(arguments->command),
-                             "%s minimises the mean-ratio: leave out --objective %s", option,
-                             arguments->worst ? "worst" : pl_objective_name(objective));
+    return pl_complain_usage(command, "%s minimises the mean-ratio: leave out --objective %s",
+                             targets[0], arguments->worst ? "worst" : pl_objective_name(objective));
 }
 
 /** Options that exclude or need one another. */
@@ -684,16 +738,10 @@ static int check_combinations(const pl_arguments *arguments) {
     if (library->area_weight > 0 && !pl_arguments_bound_volumes(arguments))
         return pl_complain_usage(command, "--area-weight needs a minimum volume: --min-volume or "
                                           "--min-volume-fraction");
-    if (library->size_weight > 0 && !arguments->like)
-        return pl_complain_usage(command, "--size-weight has no effect without --like");
     if (arguments->fix_layers &&
         (arguments->layers == PL_LAYERS_IGNORED || arguments->layers == PL_LAYERS_KEPT))
         return pl_complain_usage(command, "give --fix-layers or --layers %s, not both",
                                  arguments->layers == PL_LAYERS_KEPT ? "keep" : "ignore");
-    if (arguments->like && arguments->layers == PL_LAYERS_KEPT)
-        return pl_complain_usage(command, "give --like or --layers keep, not both");
-    if (arguments->layers == PL_LAYERS_KEPT && check_targets(arguments, "--layers keep"))
-        return PL_EXIT_USAGE;
     if (library->rings > 0 && !(library->only_worse_than > 0))
         return pl_complain_usage(command, "--rings has no effect without --only-worse-than");
     if (arguments->of_worst && !arguments->worst)
@@ -701,7 +749,7 @@ static int check_combinations(const pl_arguments *arguments) {
                                  arguments->of_worst);
     if (arguments->onto && check_onto(arguments))
         return PL_EXIT_USAGE;
-    if (arguments->like && check_targets(arguments, "--like"))
+    if (check_targets(arguments))
         return PL_EXIT_USAGE;
     if (arguments->surface_of && arguments->n_inputs > 1)
         return pl_complain_usage(command, "--surface-of takes one mesh, but %d are named",
@@ -735,10 +783,22 @@ static int make_room(pl_arguments *arguments, int argc) {
     return pl_complain(PL_EXIT_FAILED, "out of memory for the command line");
 }
 
+/* A size weight that no option gives; and what it is with sizes. */
+#define NOT_GIVEN       (-1.0)
+#define WEIGHT_OF_SIZES 0.9
+
+/** Choose the size weight where no option gives it. */
+static void take_size_weight(pl_arguments *arguments) {
+    double *weight = &arguments->library.size_weight;
+    if (*weight < 0)
+        *weight = pl_arguments_have_sizes(arguments) ? WEIGHT_OF_SIZES : 0;
+}
+
 int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, char **argv) {
     memset(arguments, 0, sizeof *arguments);
     arguments->command = command;
     planish_options_init(&arguments->library);
+    arguments->library.size_weight = NOT_GIVEN;
     int status = make_room(arguments, argc);
     if (status)
         return status;
@@ -765,6 +825,7 @@ int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, ch
         if (arguments->help || arguments->version)
             return 0;
     }
+    take_size_weight(arguments);
     status = take_operands(arguments, argc, argv);
     if (!status)
         status = check_combinations(arguments);

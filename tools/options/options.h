@@ -96,6 +96,12 @@ typedef struct pl_arguments {
 /** Whether some elements have a minimum volume. */
 int pl_arguments_bound_volumes(const pl_arguments *arguments);
 
+/** Whether an option asks for sizes. */
+int pl_arguments_have_sizes(const pl_arguments *arguments);
+
+/** Return the option that says what elements are to become like, or NULL: there is none. */
+const char *pl_arguments_target(const pl_arguments *arguments);
+
 /** Understand argv (argv[0] is the command's name). Returns 0, or an exit status after a message.
  *  To be released by pl_arguments_free in any case. */
 int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, char **argv);

@@ -6,6 +6,7 @@
 #include "report/result.h"
 
 #include "job/held.h"
+#include "job/sizes.h"
 #include "terminal/platform.h"
 #include "terminal/text.h"
 

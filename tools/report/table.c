@@ -370,8 +370,9 @@ static void rows_aspect(FILE *stream, const pl_job *job, const pl_result *result
         row_real(stream, "  floor (no node free)", &before->fixed_max_radius_ratio,
                  after->fixed_max_radius_ratio, &ratio);
     row_real(stream, "RMS aspect ratio", &was->rms_aspect_ratio, is->rms_aspect_ratio, &ratio);
-    row_real(stream, "  of elements with free nodes", &before->rms_radius_ratio_movable,
-             after->rms_radius_ratio_movable, &ratio);
+    if (!(job->options.size_weight > 0)) /* else it is F */
+        row_real(stream, "  of elements with free nodes", &before->rms_radius_ratio_movable,
+                 after->rms_radius_ratio_movable, &ratio);
     row_real(stream, "mean aspect ratio", &was->mean_aspect_ratio, is->mean_aspect_ratio, &ratio);
     row_real(stream, "least scaled Jacobian (SJ)", &was->min_scaled_jacobian,
              is->min_scaled_jacobian, &jacobian);
@@ -583,8 +584,11 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
                      &result->validity_before, &result->validity_after);
     row_volumes(stream, job, &result->below_before, result->volumes.n_below);
     put_objective(stream, job, result);
-    pl_histogram_print(stream, job->has_types ? "aspect ratio" : "radius ratio", &result->before,
-                       &result->after);
+    pl_histogram_print(stream,
+                       job->options.size_weight > 0 ? "AR with sizes"
+                       : job->has_types             ? "aspect ratio"
+                                                    : "radius ratio",
+                       &result->before, &result->after);
     if (n_outside > 0)
         pl_note(stream, "%" PRId64 " %s outside the bounds and stayed there", n_outside,
                 word_for(n_outside, "node was", "nodes were"));
