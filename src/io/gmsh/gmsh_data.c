@@ -106,9 +106,12 @@ static int may_be_regions(const gmsh_data *data) {
 }
 
 int gmsh_note_data(gmsh_reader *reader, int of_elements, const char *begin, const char *end) {
-    const char *name = of_elements ? "ElementData" : "NodeData"; /* of one without a name */
+    static const char of_element[] = "ElementData", of_node[] = "NodeData";
+    const io_slice no_name = of_elements
+                                 ? (io_slice){of_element, of_element + sizeof of_element - 1}
+                                 : (io_slice){of_node, of_node + sizeof of_node - 1};
     const io_cursor cursor = {begin, end};
-    gmsh_data data = {.of_elements = of_elements, .name = {name, name + strlen(name)}};
+    gmsh_data data = {.of_elements = of_elements, .name = no_name};
     int n_regions = 0, is_known = 0;
     if (read_head(cursor, reader->model->is_binary, &data) || reader->n_data == IO_MOST_DATA)
         return PLANISH_OK;
