@@ -3,7 +3,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
-#include "quality/size_field.h"
+#include "shape/size_field.h"
 #include "topology/points.h"
 #include "topology/topology.h"
 

@@ -7,7 +7,7 @@
 #include "base/status.h"
 #include "geometry/simplex.h"
 #include "plan/ghosts.h"
-#include "quality/size_field.h"
+#include "shape/size_field.h"
 
 #include <math.h>
 #include <string.h>

@@ -120,7 +120,7 @@ struct planish_plan {
     int32_t *element_of;         /* [m] the caller's number of each element */
     planish_cells cells;         /* the mesh's, if they are not linear simplices alone: n above 0 */
     pl_own_cells own_cells;      /* their arrays, of simplices with targets */
-    struct pl_size_field *sizes; /* that the targets are made by (quality/size_field.h), or NULL */
+    struct pl_size_field *sizes; /* that the targets are made by (shape/size_field.h), or NULL */
     int32_t *cell_of; /* the cell of each element of all, unless element_of has cells; or NULL */
     uint8_t *role;    /* [nodes of the mesh] see pl_dense */
     pl_scope scope;

@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
-#include "quality/size_field.h"
+#include "shape/size_field.h"
 #include "shape/layer_shapes.h"
 #include "topology/topology.h"
 

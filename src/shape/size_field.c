@@ -1,5 +1,5 @@
 /* size_field: sizes at the places where nodes are, and targets of these sizes. */
-#include "quality/size_field.h"
+#include "shape/size_field.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"

@@ -13,8 +13,8 @@
  *   pl_sizes_set, _fit                targets of corners whose nodes have sizes
  *   pl_sized_measure                  measure of one
  */
-#ifndef PL_QUALITY_SIZE_FIELD_H
-#define PL_QUALITY_SIZE_FIELD_H
+#ifndef PL_SHAPE_SIZE_FIELD_H
+#define PL_SHAPE_SIZE_FIELD_H
 
 #include "geometry/target.h"
 #include "topology/background.h"
