@@ -229,8 +229,10 @@ typedef struct planish_mesh {
        at coordinates); NULL: sizes do not count. They are linear between the nodes, and read where the
        nodes go meanwhile. Elements are to be regular, and as large as the sizes say, in relation to one
        another: all are multiplied by the factor that fits best, as the mesh has as many elements as it
-       has (docs/targets.md). planish_options.size_weight says how much sizes count. Positive, finite,
-       none larger than 1e12 times another. Not with is_layer, part, or periodic. */
+       has (docs/targets.md). planish_options.size_weight, which must be above 0, says how much sizes
+       count. planish_plan_create reads them, and no plan needs them afterwards; planish_measure is
+       against the sizes where elements were when the plan was made, or has smoothed last. Positive,
+       finite, none larger than 1e12 times another. Not with is_layer, part, or periodic. */
     const double *size;
     const void *reserved[3]; /* NULL */
 } planish_mesh;
@@ -736,7 +738,7 @@ typedef struct planish_options {
                                                    edges */
     planish_length_unit surface_tolerance_unit; /* of surface_tolerance, and edges are those of the
                                                    shape at the node */
-    double size_weight;      /* 0 .. 1, of planish_plan_create with planish_mesh.reference: w in
+    double size_weight; /* 0 .. 1, of planish_plan_create with planish_mesh.reference or size: w in
                            (1 - w) mu^2 + w (tau + 1 / tau) / 2, which counts in the place of mu^2;
                            tau is the measure of a corner in units of its target's */
     const void *reserved[2]; /* NULL */

@@ -181,6 +181,8 @@ int pl_size_targets_make(planish_plan *plan, const planish_mesh *given, const do
     if (!plan->sizes || !plan->scratch.sizes || !plan->work.target || (given->reference && !dense))
         status = pl_fail_memory(error, "the field of sizes");
     if (!status && dense)
+        status = pl_points_check(&places, plan->threads, error);
+    if (!status && dense)
         pl_points_gather(&places, plan->threads, dense);
     if (!status)
         status = pl_size_field_create(given, dense ? dense : x, plan->threads, plan->sizes, error);

@@ -289,6 +289,10 @@ static void wrong_sizes_are_refused(void **state) {
     options.size_weight = 0;
     expect(&s.mesh, &options, PLANISH_ERROR_ARGUMENT, "options.size_weight is 0");
     options = defaults();
+    s.start[7] = NAN;
+    s.mesh.reference = s.start;
+    expect(&s.mesh, &options, PLANISH_ERROR_MESH, "finite");
+    s.mesh.reference = NULL;
     uint8_t is_layer[16] = {1};
     s.mesh.is_layer = is_layer;
     expect(&s.mesh, &options, PLANISH_ERROR_ARGUMENT,
