@@ -1,4 +1,4 @@
-"""pictures: an aerofoil that is turned and a tank with a wave, for docs/targets.md.   pictures.py FOLDER"""
+"""pictures: an aerofoil that is turned, a tank with a wave and sizes at a crack, for docs/targets.md.   pictures.py FOLDER"""
 import sys
 
 import numpy as np
@@ -12,6 +12,7 @@ AROUND, OUTWARDS, GROWTH, FIRST = 80, 18, 1.24, 0.012  # of the aerofoil's mesh
 TURN = np.radians(14)
 LONG, DEEP, LENGTH = 64, 14, 4.  # of the tank, whose depth is 1
 CREST, STEPS = 0.3, 40
+SQUARES, TIP = 40, (0.55, 0.5)  # of a plate, 1 wide, with a crack from its left side
 
 
 def smoothed(points, quads, like):
@@ -92,10 +93,30 @@ def tank(path):
           (-0.02, -0.02), (LENGTH + 0.02, 1.34), 420)
 
 
+def from_crack(points):
+    """The distance of points from the crack."""
+    x = np.clip(points[:, 0], 0, TIP[0])
+    return np.hypot(points[:, 0] - x, points[:, 1] - TIP[1])
+
+
+def crack(path):
+    points, quads = bases.grid(SQUARES, SQUARES)
+    start, results = points / SQUARES, []
+    for weight in 0.5, 0.9:
+        points = start.copy()
+        planish.smooth(points, {"quad": quads}, sizes=0.1 + 1.5 * from_crack(start), size_weight=weight, slide="auto",
+                       layers="ignore", threads=1)
+        results.append(points)
+    titles = "small sizes are wanted at a crack", "--size-weight 0.5", "--size-weight 0.9"
+    write(path, [panel(title, x, quads) for title, x in zip(titles, (start, *results))],
+          (-0.01, -0.01), (1.01, 1.01), 300, columns=3)
+
+
 def main():
     folder = sys.argv[1]
     aerofoil(f"{folder}/targets_aerofoil.svg")
     tank(f"{folder}/targets_tank.svg")
+    crack(f"{folder}/targets_crack.svg")
 
 
 if __name__ == "__main__":

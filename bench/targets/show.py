@@ -64,6 +64,14 @@ def period(rows):
          f"{1000 * row['seconds'] / row['steps']:.0f}"] for row in rows])
 
 
+def sizes(rows):
+    heads = columns(("elements",), ("number", "weight", "log(size / wanted) at first", "RMS", "RMS of AR", "worst AR",
+                                    "sweeps", "s"))
+    table(heads, [
+        [row["kind"], str(row["elements"]), str(row["weight"]), f"{row['before']:.3f}", f"{row['after']:.3f}",
+         f"{row['rms']:.2f}", f"{row['worst']:.2f}", str(row["sweeps"]), seconds(row["seconds"])] for row in rows])
+
+
 def speed(rows):
     heads = columns(("elements",), ("number", "ns a visit, plain", "with targets", "ratio"))
     table(heads, [
@@ -76,7 +84,7 @@ def main():
     found = results.load(path)
     if part == "parts":
         print(machine.line(found["machine"]) + "\n")
-    {"parts": parts, "layers": layers, "period": period, "speed": speed}[part](found[part])
+    {"parts": parts, "layers": layers, "period": period, "sizes": sizes, "speed": speed}[part](found[part])
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ import layers
 import machine
 import parts
 import period
+import sizes
 import speed
 from program import Program
 
@@ -19,6 +20,7 @@ def main():
         found["parts"] = parts.measure(program)
         found["layers"] = layers.measure(program)
     found["period"] = period.measure()
+    found["sizes"] = sizes.measure()
     found["speed"] = speed.measure()
     with open(f"{folder}/targets.json", "w", encoding="ascii") as file:
         json.dump(found, file, indent=1)
