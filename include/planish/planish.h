@@ -1100,7 +1100,8 @@ PLANISH_API int planish_measure_sizes(const planish_mesh *mesh, int threads,
                                       planish_size_quality *quality, double *ratio,
                                       planish_error *error);
 
-/** Fill size [n_nodes] with the sizes that mesh has: at each node the mean of its elements. As
+/** Fill size [n_nodes] with the sizes that mesh has: at each node the mean of its elements that are not
+ *  flat, of all elements where there are none. As
  *  planish_mesh.size they make smoothing keep the sizes of a mesh where they are. Errors: as of
  *  planish_measure_sizes. */
 PLANISH_API int planish_find_sizes(const planish_mesh *mesh, int threads, double *size,

@@ -4,10 +4,8 @@
 #include "base/parallel.h"
 #include "base/status.h"
 #include "shape/size_field.h"
-#include "topology/points.h"
 #include "topology/topology.h"
 
-#include <float.h>
 #include <math.h>
 
 /** A call, and what it owns. */
@@ -16,7 +14,6 @@ typedef struct sizes_call {
     int threads;
     pl_dense dense;
     pl_size_field field;
-    double *given;     /* [n_nodes][dim] where sizes were given, or NULL */
     double *size;      /* [n_nodes] */
     pl_target *target; /* [corners] */
     pl_sized_corners corners;
@@ -25,7 +22,6 @@ typedef struct sizes_call {
 static void release(sizes_call *c) {
     pl_dense_destroy(&c->dense);
     pl_size_field_destroy(&c->field);
-    pl_free(c->given);
     pl_free(c->size);
     pl_free(c->target);
 }
@@ -94,23 +90,6 @@ static double fit(sizes_call *c) {
     return pl_sizes_fit(&c->corners, c->threads, c->target) / c->field.largest;
 }
 
-/** Make the field of the mesh's sizes. */
-static int take_field(sizes_call *c, planish_error *error) {
-    const planish_mesh *mesh = &c->mesh;
-    const double *x = c->dense.mesh.coordinates;
-    if (mesh->reference) {
-        const pl_points points = pl_points_of(mesh, mesh->reference);
-        const int status = pl_points_check(&points, c->threads, error);
-        if (status)
-            return status;
-        x = c->given = pl_alloc(mesh->n_nodes * mesh->dim, sizeof *c->given);
-        if (!x)
-            return pl_fail_memory(error, "the field of sizes");
-        pl_points_gather(&points, c->threads, c->given);
-    }
-    return pl_size_field_create(mesh, x, c->threads, &c->field, error);
-}
-
 /** Measure all cells. */
 static void measure(const sizes_call *c, planish_size_quality *q, double *ratios) {
     double sum = 0;
@@ -147,7 +126,8 @@ int planish_measure_sizes(const planish_mesh *mesh, int threads, planish_size_qu
     const pl_outside outside = pl_call_enter(NULL);
     int status = take_mesh(mesh, threads, &c, error);
     if (!status)
-        status = take_field(&c, error);
+        status =
+            pl_size_field_create(&c.mesh, c.dense.mesh.coordinates, c.threads, &c.field, error);
     if (!status) {
         const int64_t n = mesh->cells ? mesh->cells->n : mesh->n_elements;
         for (int64_t i = 0; ratio && i < n; i++)
@@ -166,8 +146,7 @@ int planish_measure_sizes(const planish_mesh *mesh, int threads, planish_size_qu
 static int find_own(sizes_call *c, double *size, planish_error *error) {
     const int64_t n = c->mesh.n_nodes;
     const int k = c->mesh.dim + 1;
-    const double n_cells = (double)count_cells(c);
-    double all = 0;
+    double all = 0, n_all = 0;
     int32_t *count = pl_alloc_zero(n, sizeof *count);
     if (!count)
         return pl_fail_memory(error, "the sizes of elements");
@@ -175,14 +154,17 @@ static int find_own(sizes_call *c, double *size, planish_error *error) {
         size[i] = 0;
     for (int64_t cell = 0; cell < count_cells(c); cell++) {
         const double length = ratio_of(c, cell);
+        if (!(length > 0)) /* flat: it has no size */
+            continue;
         all += length;
+        n_all++;
         for (int64_t i = first_of(c, cell) * k; i < first_of(c, cell + 1) * k; i++) {
             size[c->dense.mesh.elements[i]] += length;
             count[c->dense.mesh.elements[i]]++;
         }
     }
     for (int64_t i = 0; i < n; i++)
-        size[i] = count[i] > 0 ? size[i] / count[i] : n_cells > 0 ? all / n_cells : 1;
+        size[i] = count[i] > 0 ? size[i] / count[i] : n_all > 0 ? all / n_all : 1;
     pl_free(count);
     return PLANISH_OK;
 }

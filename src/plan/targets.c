@@ -171,23 +171,13 @@ int pl_layer_targets_make(planish_plan *plan, const planish_mesh *given, planish
 
 int pl_size_targets_make(planish_plan *plan, const planish_mesh *given, const double *x,
                          planish_error *error) {
-    const int64_t n = given->n_nodes;
-    const pl_points places = pl_points_of(given, given->reference);
-    double *dense = given->reference ? pl_alloc(n * given->dim, sizeof *dense) : NULL;
     plan->sizes = pl_alloc_zero(1, sizeof *plan->sizes);
-    plan->scratch.sizes = pl_alloc(n, sizeof *plan->scratch.sizes);
+    plan->scratch.sizes = pl_alloc(given->n_nodes, sizeof *plan->scratch.sizes);
     plan->work.target = pl_alloc(plan->work.n_elements, sizeof *plan->work.target);
-    int status = PLANISH_OK;
-    if (!plan->sizes || !plan->scratch.sizes || !plan->work.target || (given->reference && !dense))
-        status = pl_fail_memory(error, "the field of sizes");
-    if (!status && dense)
-        status = pl_points_check(&places, plan->threads, error);
-    if (!status && dense)
-        pl_points_gather(&places, plan->threads, dense);
-    if (!status)
-        status = pl_size_field_create(given, dense ? dense : x, plan->threads, plan->sizes, error);
+    if (!plan->sizes || !plan->scratch.sizes || !plan->work.target)
+        return pl_fail_memory(error, "the field of sizes");
+    const int status = pl_size_field_create(given, x, plan->threads, plan->sizes, error);
     if (!status)
         pl_plan_fit_sizes(plan, x, NULL);
-    pl_free(dense);
     return status;
 }

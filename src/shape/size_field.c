@@ -7,6 +7,7 @@
 #include "base/sum.h"
 #include "geometry/corner.h"
 #include "geometry/simplex.h"
+#include "topology/points.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -21,6 +22,8 @@ enum { CHUNK = 4096 };
 /** Check the sizes, and find the largest one. */
 static int check_sizes(int64_t n, const double *size, double *largest, planish_error *error) {
     int64_t least = 0, most = 0;
+    if (n == 0)
+        return PLANISH_OK;
     for (int64_t i = 0; i < n; i++) {
         if (!(size[i] > 0 && isfinite(size[i])))
             return pl_fail_at(error, PLANISH_ERROR_MESH, -1, i,
@@ -38,13 +41,30 @@ static int check_sizes(int64_t n, const double *size, double *largest, planish_e
                             least, size[least], most, size[most], MOST_RATIO);
 }
 
+/** Make the background, at mesh->reference or at x. */
+static int make_background(const planish_mesh *mesh, const double *x, int threads, pl_size_field *f,
+                           planish_error *error) {
+    if (!mesh->reference)
+        return pl_background_create(mesh, x, threads, &f->background, error);
+    const pl_points places = pl_points_of(mesh, mesh->reference);
+    double *dense = pl_alloc(mesh->n_nodes * mesh->dim, sizeof *dense);
+    int status = dense ? pl_points_check(&places, threads, error)
+                       : pl_fail_memory(error, "the field of sizes");
+    if (!status) {
+        pl_points_gather(&places, threads, dense);
+        status = pl_background_create(mesh, dense, threads, &f->background, error);
+    }
+    pl_free(dense);
+    return status;
+}
+
 int pl_size_field_create(const planish_mesh *mesh, const double *x, int threads, pl_size_field *f,
                          planish_error *error) {
     const int64_t n_nodes = mesh->n_nodes;
     *f = (pl_size_field){.largest = 1};
     int status = check_sizes(n_nodes, mesh->size, &f->largest, error);
     if (!status)
-        status = pl_background_create(mesh, x, threads, &f->background, error);
+        status = make_background(mesh, x, threads, f, error);
     if (status)
         return status;
     f->size = pl_alloc(n_nodes, sizeof *f->size);

@@ -27,9 +27,9 @@ typedef struct pl_size_field {
     int32_t *at;    /* [n_nodes] a simplex, where the node was found last; -1: it is of none */
 } pl_size_field;
 
-/** Make the field of mesh->size, of a mesh that is checked, with its nodes at x [n_nodes][dim]. Sizes that
- *  are not positive and finite, and those that vary by more than 1e12, are errors. *field is to be
- *  destroyed in any case. Errors: _MESH, _MEMORY. */
+/** Make the field of mesh->size, of a mesh that is checked, at mesh->reference, or without that at x
+ *  [n_nodes][dim]. Places that are not finite, sizes that are not positive and finite, and sizes that vary
+ *  by more than 1e12, are errors. *field is to be destroyed in any case. Errors: _MESH, _MEMORY. */
 int pl_size_field_create(const planish_mesh *mesh, const double *x, int threads,
                          pl_size_field *field, planish_error *error);
 

@@ -259,6 +259,25 @@ static void simplices_are_as_cells(void **state) {
     test_mesh_destroy(&t);
 }
 
+/** A flat element has no size: its nodes have that of others. */
+static void flat_elements_have_no_size(void **state) {
+    (void)state;
+    double x[] = {0, 0, 1, 0, 2, 0, 0, 1, 1, 1}, size[5];
+    static const int32_t elements[] = {0, 1, 2, 0, 1, 3, 1, 4, 3};
+    planish_mesh mesh = {
+        .dim = 2, .n_nodes = 5, .n_elements = 3, .elements = elements, .coordinates = x};
+    planish_error error;
+    assert_int_equal(planish_find_sizes(&mesh, 1, size, &error), 0);
+    const double length = sqrt(2 / sqrt(3));
+    for (int i = 0; i < 5; i++)
+        assert_true(fabs(size[i] - length) < 1e-12);
+    mesh.size = size;
+    planish_size_quality q;
+    assert_int_equal(planish_measure_sizes(&mesh, 1, &q, NULL, &error), 0);
+    assert_int_equal(q.n_elements, 2);
+    assert_true(q.rms_log < 1e-12);
+}
+
 static void expect(const planish_mesh *mesh, const planish_options *options, int code,
                    const char *text) {
     planish_plan *plan;
@@ -308,9 +327,13 @@ static void wrong_sizes_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sizes_are_met),          cmocka_unit_test(what_is_promised_holds),
-        cmocka_unit_test(own_sizes_stay),         cmocka_unit_test(one_size_makes_a_regular_mesh),
-        cmocka_unit_test(simplices_are_as_cells), cmocka_unit_test(wrong_sizes_are_refused),
+        cmocka_unit_test(sizes_are_met),
+        cmocka_unit_test(what_is_promised_holds),
+        cmocka_unit_test(own_sizes_stay),
+        cmocka_unit_test(one_size_makes_a_regular_mesh),
+        cmocka_unit_test(flat_elements_have_no_size),
+        cmocka_unit_test(simplices_are_as_cells),
+        cmocka_unit_test(wrong_sizes_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
