@@ -2,6 +2,7 @@
  * layers whose heights grow; heights are judged by distances of nodes above each other. */
 #include "support/cell_meshes.h"
 #include "support/meshes.h"
+#include "support/run.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -122,25 +123,6 @@ static void move_wall(layers *l, double depth) {
 
 /* ---- smoothing and judging --------------------------------------------------------------------- */
 
-static planish_options defaults(void) {
-    planish_options options;
-    planish_options_init(&options);
-    options.threads = 1;
-    return options;
-}
-
-static planish_result smooth(const planish_mesh *mesh, double *x, const planish_options *options) {
-    planish_plan *plan;
-    planish_result result;
-    planish_error error;
-    if (planish_plan_create(mesh, options, &plan, &error))
-        fail_msg("%s", error.text);
-    if (planish_smooth(plan, x, options, &result, &error))
-        fail_msg("%s", error.text);
-    planish_plan_destroy(plan);
-    return result;
-}
-
 /** The largest part by which a height of the first rows is off what it is to be: the distance of nodes
  *  that are above each other in the box. */
 static double worst_height(const layers *l, int rows) {
@@ -190,10 +172,10 @@ static void layers_become_regular_along(void **state) {
     for (int k = 0; k < N_KINDS; k++)
         for (int together = kinds[k] == TETRAHEDRA; together < 2; together++) {
             layers l = make_layers(kinds[k]);
-            const planish_options options = defaults();
+            const planish_options options = test_options(1);
             push_along(&l, 0.25, together);
             const double before = off_along(&l);
-            smooth(&l.mesh, l.x, &options);
+            test_smooth_in_place(&l.mesh, l.x, &options);
             assert_true(off_along(&l) < 0.05 * before);
             assert_true(worst_height(&l, N) < 0.1);
             assert_int_equal(n_inverted(&l), 0);
@@ -206,10 +188,10 @@ static void layers_on_stretched_walls_keep_their_heights(void **state) {
     (void)state;
     for (int k = 0; k < N_KINDS; k++) {
         layers l = make_layers(kinds[k]);
-        const planish_options options = defaults();
+        const planish_options options = test_options(1);
         for (int64_t i = 0; i < l.mesh.n_nodes * l.mesh.dim; i += l.mesh.dim)
             l.x[i] *= 3;
-        smooth(&l.mesh, l.x, &options);
+        test_smooth_in_place(&l.mesh, l.x, &options);
         assert_true(worst_height(&l, N) < 0.1);
         forget(&l);
     }
@@ -223,7 +205,7 @@ static void moved_walls_get_their_spacing_back(void **state) {
     for (int k = 0; k < N_KINDS; k++)
         for (int depth = 0; depth < 3; depth++) {
             layers l = make_layers(kinds[k]);
-            const planish_options options = defaults();
+            const planish_options options = test_options(1);
             move_wall(&l, depths[depth]);
             for (int64_t i = 0; l.mesh.cells && i < l.mesh.n_elements; i++) {
                 double lowest = INFINITY;
@@ -231,7 +213,7 @@ static void moved_walls_get_their_spacing_back(void **state) {
                     lowest = fmin(lowest, l.box->x[(int64_t)(l.box->node[j] + 1) * l.mesh.dim - 1]);
                 l.is_layer[i] = lowest > 1e-9;
             }
-            smooth(&l.mesh, l.x, &options);
+            test_smooth_in_place(&l.mesh, l.x, &options);
             assert_int_equal(n_inverted(&l), 0);
             assert_true(worst_height(&l, 1) < 0.1);
             forget(&l);
@@ -246,7 +228,7 @@ static void measures_are_against_the_layers(void **state) {
     (void)state;
     for (int k = 0; k < N_KINDS; k++) {
         layers l = make_layers(kinds[k]);
-        const planish_options options = defaults();
+        const planish_options options = test_options(1);
         push_along(&l, 0.2, 1);
         const int64_t n = l.mesh.n_nodes * l.mesh.dim;
         double *was = allocate(n, sizeof *was);
@@ -257,7 +239,7 @@ static void measures_are_against_the_layers(void **state) {
         assert_int_equal(planish_measure_cells(&mesh, 0, 1, &quality, NULL, &error), 0);
         const double before = quality.all.rms_aspect_ratio;
         mesh.coordinates = was;
-        const planish_result result = smooth(&mesh, l.x, &options);
+        const planish_result result = test_smooth_in_place(&mesh, l.x, &options);
         mesh.coordinates = l.x;
         mesh.reference = was;
         assert_int_equal(planish_measure_cells(&mesh, 0, 1, &quality, NULL, &error), 0);
@@ -274,13 +256,13 @@ static void bits_are_the_same(void **state) {
     static const planish_isa sets[] = {PLANISH_ISA_PLAIN, PLANISH_ISA_VECTOR, PLANISH_ISA_AVX2};
     for (int k = 0; k < N_KINDS; k++) {
         layers l = make_layers(kinds[k]);
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         move_wall(&l, 1.4);
         push_along(&l, 0.1, 1);
         const size_t size = (size_t)(l.mesh.n_nodes * l.mesh.dim) * sizeof *l.x;
         double *first = allocate((int64_t)size, 1), *x = allocate((int64_t)size, 1);
         memcpy(first, l.x, size);
-        smooth(&l.mesh, first, &options);
+        test_smooth_in_place(&l.mesh, first, &options);
         for (int run = 0; run < 4; run++) {
             options.threads = run == 3 ? 3 : 1;
             options.isa = run == 3 ? PLANISH_ISA_AUTO : sets[run];
@@ -304,7 +286,7 @@ static void no_layers_are_no_targets(void **state) {
     (void)state;
     for (int k = 0; k < N_KINDS; k++) {
         layers l = make_layers(kinds[k]);
-        const planish_options options = defaults();
+        const planish_options options = test_options(1);
         const size_t size = (size_t)(l.mesh.n_nodes * l.mesh.dim) * sizeof *l.x;
         double *x = allocate((int64_t)size, 1), *y = allocate((int64_t)size, 1);
         push_along(&l, 0.2, 0);
@@ -312,10 +294,10 @@ static void no_layers_are_no_targets(void **state) {
         memcpy(y, l.x, size);
         memset(l.is_layer, 0, (size_t)l.mesh.n_elements);
         l.mesh.reference = l.box->x;
-        smooth(&l.mesh, x, &options);
+        test_smooth_in_place(&l.mesh, x, &options);
         l.mesh.reference = NULL;
         l.mesh.is_layer = NULL;
-        smooth(&l.mesh, y, &options);
+        test_smooth_in_place(&l.mesh, y, &options);
         assert_memory_equal(x, y, size);
         free(x);
         free(y);
@@ -336,7 +318,7 @@ static void any_marks_are_taken(void **state) {
                 memcpy(first->x, first->x + first->mesh.dim,
                        (size_t)first->mesh.dim * sizeof *first->x);
             cell_box *box = run % 2 ? cell_box_raise(first, run % 4 == 1) : first;
-            planish_options options = defaults();
+            planish_options options = test_options(1);
             planish_mesh mesh = box->mesh;
             uint8_t *is_layer = allocate(mesh.n_elements, 1);
             for (int64_t i = 0; i < mesh.n_elements; i++)
@@ -346,7 +328,7 @@ static void any_marks_are_taken(void **state) {
             planish_cell_quality was, is;
             planish_error error;
             assert_int_equal(planish_measure_cells(&mesh, 0, 1, &was, NULL, &error), 0);
-            const planish_result result = smooth(&mesh, box->x, &options);
+            const planish_result result = test_smooth_in_place(&mesh, box->x, &options);
             mesh.is_layer = NULL;
             assert_int_equal(planish_measure_cells(&mesh, 0, 1, &is, NULL, &error), 0);
             assert_true(is.all.n_inverted <= was.all.n_inverted);
@@ -358,27 +340,17 @@ static void any_marks_are_taken(void **state) {
         }
 }
 
-static void expect_refusal(const planish_mesh *mesh, const planish_options *options, int code,
-                           const char *text) {
-    planish_plan *plan = NULL;
-    planish_error error;
-    assert_int_equal(planish_plan_create(mesh, options, &plan, &error), code);
-    if (!strstr(error.text, text))
-        fail_msg("%s", error.text);
-    assert_null(plan);
-}
-
 static void what_does_not_fit_is_refused(void **state) {
     (void)state;
     layers l = make_layers(BOX_HEXAHEDRA);
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.size_weight = 0.5;
-    expect_refusal(&l.mesh, &options, PLANISH_ERROR_ARGUMENT, "size_weight");
+    test_expect_refusal(&l.mesh, &options, PLANISH_ERROR_ARGUMENT, "size_weight");
     options.size_weight = 0;
     static const int32_t pair[2] = {0, 3};
     l.mesh.n_periodic = 1;
     l.mesh.periodic = pair;
-    expect_refusal(&l.mesh, &options, PLANISH_ERROR_ARGUMENT, "mesh.is_layer");
+    test_expect_refusal(&l.mesh, &options, PLANISH_ERROR_ARGUMENT, "mesh.is_layer");
     forget(&l);
 }
 

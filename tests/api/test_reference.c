@@ -2,6 +2,7 @@
  * plain loops in long double. */
 #include "support/cell_meshes.h"
 #include "support/meshes.h"
+#include "support/run.h"
 #include "support/target_ratio.h"
 
 #include <math.h>
@@ -33,34 +34,6 @@ static double rms_of(const cell_box *box, const double *x, const double *referen
 }
 
 /* ---- meshes ---------------------------------------------------------------------------------- */
-
-static double *copy_of(const cell_box *box) {
-    const size_t size = (size_t)(box->mesh.n_nodes * box->mesh.dim) * sizeof *box->x;
-    double *x = malloc(size);
-    assert_non_null(x);
-    memcpy(x, box->x, size);
-    return x;
-}
-
-static planish_options defaults(void) {
-    planish_options options;
-    planish_options_init(&options);
-    options.threads = 1;
-    return options;
-}
-
-static planish_result smooth_as(const planish_mesh *mesh, double *x,
-                                const planish_options *options) {
-    planish_plan *plan;
-    planish_result result;
-    planish_error error;
-    if (planish_plan_create(mesh, options, &plan, &error))
-        fail_msg("%s", error.text);
-    if (planish_smooth(plan, x, options, &result, &error))
-        fail_msg("%s", error.text);
-    planish_plan_destroy(plan);
-    return result;
-}
 
 /** Largest distance of nodes of two places. */
 static double farthest(const cell_box *box, const double *x, const double *y) {
@@ -106,7 +79,7 @@ typedef struct shaken {
 static shaken shaken_box(int kind, int n, double first, double then) {
     shaken s = {.box = box_of(kind, n)};
     cell_box_shake(s.box, first, 3);
-    s.reference = copy_of(s.box);
+    s.reference = test_copy_of(&s.box->mesh);
     cell_box_shake(s.box, then, 5);
     s.mesh = s.box->mesh;
     s.mesh.reference = s.reference;
@@ -126,9 +99,9 @@ static void a_copy_of_itself_stays(void **state) {
     for (int kind = 0; kind < N_KINDS; kind++)
         for (int sized = 0; sized < 2; sized++) {
             shaken s = shaken_box(kind, 5, 0.1, 0);
-            planish_options options = defaults();
+            planish_options options = test_options(1);
             options.size_weight = sized ? 0.5 : 0;
-            const planish_result result = smooth_as(&s.mesh, s.box->x, &options);
+            const planish_result result = test_smooth_in_place(&s.mesh, s.box->x, &options);
             assert_true(fabs(result.rms - 1) < 1e-12);
             assert_true(farthest(s.box, s.box->x, s.reference) < 1e-7);
             forget(&s);
@@ -141,12 +114,12 @@ static void a_shaken_box_comes_back(void **state) {
     for (int kind = 0; kind < N_KINDS; kind++)
         for (int sized = 0; sized < 2; sized++) {
             shaken s = shaken_box(kind, 6, 0.1, 0.08);
-            planish_options options = defaults();
+            planish_options options = test_options(1);
             double worst, worst_after;
             options.size_weight = sized ? 0.3 : 0;
             options.tolerance = 1e-12;
             const double before = rms_of(s.box, s.box->x, s.reference, options.size_weight, &worst);
-            const planish_result result = smooth_as(&s.mesh, s.box->x, &options);
+            const planish_result result = test_smooth_in_place(&s.mesh, s.box->x, &options);
             const double after =
                 rms_of(s.box, s.box->x, s.reference, options.size_weight, &worst_after);
             assert_true(fabs(result.objective_before - before) < 1e-12 * before);
@@ -163,16 +136,16 @@ static void a_moved_reference_is_the_same(void **state) {
     for (int kind = 0; kind < N_KINDS; kind++) {
         shaken s = shaken_box(kind, 4, 0.1, 0.1);
         const int dim = s.mesh.dim;
-        const planish_options options = defaults();
-        double *x = copy_of(s.box);
-        smooth_as(&s.mesh, s.box->x, &options);
+        const planish_options options = test_options(1);
+        double *x = test_copy_of(&s.box->mesh);
+        test_smooth_in_place(&s.mesh, s.box->x, &options);
         for (int64_t i = 0; i < s.mesh.n_nodes; i++) {
             double *p = s.reference + i * dim;
             const double turned[2] = {0.6 * p[0] - 0.8 * p[1], 0.8 * p[0] + 0.6 * p[1]};
             for (int d = 0; d < dim; d++)
                 p[d] = 7 + 1e-6 * (d < 2 ? turned[d] : p[d]);
         }
-        smooth_as(&s.mesh, x, &options);
+        test_smooth_in_place(&s.mesh, x, &options);
         assert_true(farthest(s.box, s.box->x, x) < 1e-3);
         free(x);
         forget(&s);
@@ -181,8 +154,8 @@ static void a_moved_reference_is_the_same(void **state) {
 
 /** Smooth a copy of the box's coordinates; returns it. */
 static double *smoothed(const shaken *s, const planish_options *options) {
-    double *x = copy_of(s->box);
-    smooth_as(&s->mesh, x, options);
+    double *x = test_copy_of(&s->box->mesh);
+    test_smooth_in_place(&s->mesh, x, options);
     return x;
 }
 
@@ -192,7 +165,7 @@ static void bits_are_the_same(void **state) {
     for (int kind = 0; kind < N_KINDS; kind++)
         for (int sized = 0; sized < 2; sized++) {
             shaken s = shaken_box(kind, 9, 0.12, 0.12);
-            planish_options options = defaults();
+            planish_options options = test_options(1);
             options.size_weight = sized ? 0.5 : 0;
             double *wanted = smoothed(&s, &options);
             const size_t size = (size_t)(s.mesh.n_nodes * s.mesh.dim) * sizeof *wanted;
@@ -220,13 +193,13 @@ static void thin_elements_are_untangled(void **state) {
     for (int kind = 0; kind < N_KINDS; kind++) {
         shaken s = shaken_box(kind, 5, 0, 0.7);
         const int dim = s.mesh.dim;
-        const planish_options options = defaults();
+        const planish_options options = test_options(1);
         double worst;
         for (int64_t i = 0; i < s.mesh.n_nodes; i++) {
             s.reference[i * dim + dim - 1] *= 0.02;
             s.box->x[i * dim + dim - 1] *= 0.02;
         }
-        const planish_result result = smooth_as(&s.mesh, s.box->x, &options);
+        const planish_result result = test_smooth_in_place(&s.mesh, s.box->x, &options);
         assert_true(result.untangling_sweeps > 0);
         assert_int_equal(result.n_inverted, 0);
         assert_true(rms_of(s.box, s.box->x, s.reference, 0, &worst) < 1.01);
@@ -241,7 +214,7 @@ static void layers_survive(void **state) {
         enum { N = 8 };
         shaken s = shaken_box(kind, N, 0, 0);
         const int dim = s.mesh.dim;
-        const planish_options options = defaults();
+        const planish_options options = test_options(1);
         double most = 0;
         for (int64_t i = 0; i < s.mesh.n_nodes; i++) {
             const double *p = s.box->x + i * dim;
@@ -252,7 +225,7 @@ static void layers_survive(void **state) {
                 s.box->x[i * dim + dim - 1] +=
                     0.4 * sin(p[0] * 3.14159265 / N) * (dim == 3 ? sin(p[1] * 3.14159265 / N) : 1);
         }
-        smooth_as(&s.mesh, s.box->x, &options);
+        test_smooth_in_place(&s.mesh, s.box->x, &options);
         for (int64_t i = 0; i < s.mesh.n_nodes; i++)
             for (int64_t j = 0; j < s.mesh.n_nodes; j++) {
                 const double *p = s.reference + i * dim, *q = s.reference + j * dim;
@@ -269,32 +242,22 @@ static void layers_survive(void **state) {
 
 /* ---- errors ---------------------------------------------------------------------------------- */
 
-static void expect_refusal(const planish_mesh *mesh, const planish_options *options, int code,
-                           const char *text) {
-    planish_plan *plan = NULL;
-    planish_error error;
-    assert_int_equal(planish_plan_create(mesh, options, &plan, &error), code);
-    if (!strstr(error.text, text))
-        fail_msg("%s", error.text);
-    assert_null(plan);
-}
-
 /* What cannot be a target is refused, and what is not made for targets. */
 static void wrong_references_are_refused(void **state) {
     (void)state;
     for (int kind = 0; kind < N_KINDS; kind++) {
         shaken s = shaken_box(kind, 3, 0, 0.1);
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         double *last = &s.reference[s.mesh.n_nodes * s.mesh.dim - 1];
         const double place = *last;
         *last = -5;
-        expect_refusal(&s.mesh, &options, PLANISH_ERROR_MESH, "is inverted in mesh.reference");
+        test_expect_refusal(&s.mesh, &options, PLANISH_ERROR_MESH, "is inverted in mesh.reference");
         *last = NAN;
-        expect_refusal(&s.mesh, &options, PLANISH_ERROR_MESH, "not finite");
+        test_expect_refusal(&s.mesh, &options, PLANISH_ERROR_MESH, "not finite");
         *last = place;
         for (int64_t i = 0; i < s.mesh.n_nodes; i++)
             s.reference[(i + 1) * s.mesh.dim - 1] = 0;
-        expect_refusal(&s.mesh, &options, PLANISH_ERROR_MESH, "is flat");
+        test_expect_refusal(&s.mesh, &options, PLANISH_ERROR_MESH, "is flat");
         forget(&s);
     }
 }
@@ -302,12 +265,12 @@ static void wrong_references_are_refused(void **state) {
 static void other_objectives_are_refused(void **state) {
     (void)state;
     shaken s = shaken_box(BOX_HEXAHEDRA, 3, 0, 0.1);
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     planish_result result;
     planish_error error;
     planish_plan *plan;
     options.size_weight = 1.5;
-    expect_refusal(&s.mesh, &options, PLANISH_ERROR_ARGUMENT, "size_weight");
+    test_expect_refusal(&s.mesh, &options, PLANISH_ERROR_ARGUMENT, "size_weight");
     options.size_weight = 0;
     assert_int_equal(planish_plan_create(&s.mesh, &options, &plan, &error), 0);
     options.worst = PLANISH_WORST_ASPECT_RATIO;
@@ -322,7 +285,7 @@ static void other_objectives_are_refused(void **state) {
     const int32_t pair[2] = {0, 3};
     s.mesh.n_periodic = 1;
     s.mesh.periodic = pair;
-    expect_refusal(&s.mesh, &options, PLANISH_ERROR_ARGUMENT, "mesh.periodic");
+    test_expect_refusal(&s.mesh, &options, PLANISH_ERROR_ARGUMENT, "mesh.periodic");
     forget(&s);
 }
 

@@ -3,6 +3,7 @@
 #include "support/cell_meshes.h"
 #include "support/effort.h"
 #include "support/meshes.h"
+#include "support/run.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -78,23 +79,9 @@ static void forget(sized_box *s) {
 }
 
 static planish_options defaults(void) {
-    planish_options options;
-    planish_options_init(&options);
-    options.threads = 1;
+    planish_options options = test_options(1);
     options.size_weight = 0.9;
     return options;
-}
-
-static planish_result smooth(const planish_mesh *mesh, double *x, const planish_options *options) {
-    planish_plan *plan;
-    planish_result result;
-    planish_error error;
-    if (planish_plan_create(mesh, options, &plan, &error))
-        fail_msg("%s", error.text);
-    if (planish_smooth(plan, x, options, &result, &error))
-        fail_msg("%s", error.text);
-    planish_plan_destroy(plan);
-    return result;
 }
 
 /** RMS of the logarithm of size / wanted, but for its mean: of an element's measure in the plane, or in
@@ -142,7 +129,7 @@ static void sizes_are_met(void **state) {
         planish_error error;
         const double spread = spread_of(&s, s.start);
         assert_int_equal(planish_measure_sizes(&s.mesh, 1, &before, NULL, &error), 0);
-        const planish_result result = smooth(&s.mesh, s.box->x, &options);
+        const planish_result result = test_smooth_in_place(&s.mesh, s.box->x, &options);
         assert_int_equal(result.stop, PLANISH_STOP_CONVERGED);
         assert_true(result.objective < result.objective_before);
         assert_true(spread_of(&s, s.box->x) < 0.5 * spread);
@@ -169,7 +156,7 @@ static void what_is_promised_holds(void **state) {
             planish_error error;
             const size_t bytes = (size_t)(s.mesh.n_nodes * s.mesh.dim) * sizeof *s.start;
             options.max_sweeps = sweeps;
-            const planish_result result = smooth(&s.mesh, s.box->x, &options);
+            const planish_result result = test_smooth_in_place(&s.mesh, s.box->x, &options);
             assert_true(result.objective <= result.objective_before * (1 + 1e-12));
             double *x = malloc(bytes);
             assert_non_null(x);
@@ -181,7 +168,7 @@ static void what_is_promised_holds(void **state) {
                 memcpy(x, s.start, bytes);
                 options.threads = way == 0 ? 3 : 1;
                 options.isa = way == 1 ? PLANISH_ISA_PLAIN : PLANISH_ISA_VECTOR;
-                smooth(&mesh, x, &options);
+                test_smooth_in_place(&mesh, x, &options);
                 assert_memory_equal(x, s.box->x, bytes);
             }
             free(x);
@@ -204,7 +191,7 @@ static void own_sizes_stay(void **state) {
         for (int64_t i = 0; i < s.mesh.n_nodes; i++)
             s.size[i] *= 1000;
         options.size_weight = way ? 0.99 : 0.1;
-        smooth(&s.mesh, s.box->x, &options);
+        test_smooth_in_place(&s.mesh, s.box->x, &options);
         s.mesh.reference = s.start;
         assert_int_equal(planish_measure_sizes(&s.mesh, 1, &q, NULL, &error), 0);
         assert_true(q.factor > 0.5e-3 && q.factor < 2e-3);
@@ -223,7 +210,7 @@ static void one_size_makes_a_regular_mesh(void **state) {
         s.size[i] = 3;
     options.tolerance = 1e-9;
     cell_box_shake(s.box, 0.2, 3);
-    smooth(&s.mesh, s.box->x, &options);
+    test_smooth_in_place(&s.mesh, s.box->x, &options);
     for (int64_t i = 0; i < 3 * s.mesh.n_nodes; i++)
         assert_true(fabs(s.box->x[i] - s.start[i]) < 1e-3);
     forget(&s);
@@ -245,13 +232,13 @@ static void simplices_are_as_cells(void **state) {
     mesh.size = size;
     memcpy(x, t.coordinates, bytes);
     memcpy(y, t.coordinates, bytes);
-    const planish_result a = smooth(&mesh, x, &options);
+    const planish_result a = test_smooth_in_place(&mesh, x, &options);
     for (int64_t i = 0; i < mesh.n_elements; i++) {
         const int32_t node = t.elements[3 * i];
         t.elements[3 * i] = t.elements[3 * i + 1];
         t.elements[3 * i + 1] = node;
     }
-    const planish_result b = smooth(&mesh, y, &options);
+    const planish_result b = test_smooth_in_place(&mesh, y, &options);
     assert_true(a.objective < a.objective_before && fabs(a.objective - b.objective) < 1e-6);
     free(size);
     free(x);
@@ -278,15 +265,6 @@ static void flat_elements_have_no_size(void **state) {
     assert_true(q.rms_log < 1e-12);
 }
 
-static void expect(const planish_mesh *mesh, const planish_options *options, int code,
-                   const char *text) {
-    planish_plan *plan;
-    planish_error error;
-    assert_int_equal(planish_plan_create(mesh, options, &plan, &error), code);
-    if (!strstr(error.text, text))
-        fail_msg("\"%s\" does not say \"%s\"", error.text, text);
-}
-
 static void wrong_sizes_are_refused(void **state) {
     (void)state;
     static const struct {
@@ -301,21 +279,21 @@ static void wrong_sizes_are_refused(void **state) {
         planish_error error;
         planish_size_quality q;
         s.size[5] = cases[k].size;
-        expect(&s.mesh, &options, PLANISH_ERROR_MESH, cases[k].text);
+        test_expect_refusal(&s.mesh, &options, PLANISH_ERROR_MESH, cases[k].text);
         assert_int_equal(planish_measure_sizes(&s.mesh, 1, &q, NULL, &error), PLANISH_ERROR_MESH);
     }
     s.size[5] = 1;
     options.size_weight = 0;
-    expect(&s.mesh, &options, PLANISH_ERROR_ARGUMENT, "options.size_weight is 0");
+    test_expect_refusal(&s.mesh, &options, PLANISH_ERROR_ARGUMENT, "options.size_weight is 0");
     options = defaults();
     s.start[7] = NAN;
     s.mesh.reference = s.start;
-    expect(&s.mesh, &options, PLANISH_ERROR_MESH, "finite");
+    test_expect_refusal(&s.mesh, &options, PLANISH_ERROR_MESH, "finite");
     s.mesh.reference = NULL;
     uint8_t is_layer[16] = {1};
     s.mesh.is_layer = is_layer;
-    expect(&s.mesh, &options, PLANISH_ERROR_ARGUMENT,
-           "mesh.size is not possible with mesh.is_layer");
+    test_expect_refusal(&s.mesh, &options, PLANISH_ERROR_ARGUMENT,
+                        "mesh.size is not possible with mesh.is_layer");
     s.mesh.is_layer = NULL;
     options.around = (const int64_t[]){6};
     options.n_around = 1;

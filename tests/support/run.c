@@ -55,3 +55,24 @@ test_run test_smooth(const planish_mesh *mesh, const planish_options *options) {
     planish_plan_destroy(plan);
     return r;
 }
+
+planish_result test_smooth_in_place(const planish_mesh *mesh, double *x,
+                                    const planish_options *options) {
+    planish_plan *plan;
+    planish_result result;
+    planish_error error = {.text = ""};
+    expect(planish_plan_create(mesh, options, &plan, &error), &error);
+    expect(planish_smooth(plan, x, options, &result, &error), &error);
+    planish_plan_destroy(plan);
+    return result;
+}
+
+void test_expect_refusal(const planish_mesh *mesh, const planish_options *options, int code,
+                         const char *text) {
+    planish_plan *plan = NULL;
+    planish_error error = {.text = ""};
+    assert_int_equal(planish_plan_create(mesh, options, &plan, &error), code);
+    if (!strstr(error.text, text))
+        fail_msg("\"%s\" does not say \"%s\"", error.text, text);
+    assert_null(plan);
+}

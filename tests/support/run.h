@@ -1,7 +1,8 @@
 /* run: a mesh smoothed with a plan of its own, measured before and after.
  *
  *   test_options, test_bytes_of, test_copy_of, test_has_isa    what a call needs
- *   test_smooth                                                the call
+ *   test_smooth, test_smooth_in_place                          the call
+ *   test_expect_refusal                                        a plan that cannot be made
  */
 #ifndef TEST_SUPPORT_RUN_H
 #define TEST_SUPPORT_RUN_H
@@ -30,5 +31,13 @@ int test_has_isa(const planish_mesh *mesh, planish_isa isa);
 
 /** The test fails if a call does; mesh keeps its coordinates. */
 test_run test_smooth(const planish_mesh *mesh, const planish_options *options);
+
+/** Smooth x [n_nodes][dim] of mesh; the test fails if a call does. */
+planish_result test_smooth_in_place(const planish_mesh *mesh, double *x,
+                                    const planish_options *options);
+
+/** Check that a plan is refused with code, in words that have text. */
+void test_expect_refusal(const planish_mesh *mesh, const planish_options *options, int code,
+                         const char *text);
 
 #endif
