@@ -10,10 +10,11 @@ import itertools
 import math
 import random
 import sys
+import box_file
 
 kind, depth, push = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
 N, ROWS, GROWTH, FIRST = 8, 24, 1.2, 0.01
-dim = 2 if kind in ("quads", "triangles") else 3
+dim = box_file.dimension(kind)
 sides = [N] * (dim - 1) + [ROWS]
 random.seed(3)
 off = {at: [push * random.uniform(-1, 1) if all(0 < c < N for c in at) else 0 for _ in at]
@@ -27,27 +28,7 @@ for at in itertools.product(*(range(n + 1) for n in sides)):
         p[-1] += depth * FIRST * math.prod(math.sin(math.pi * c / N) for c in p[:-1])
     number[at] = len(points) + 1
     points.append(p)
-elements = []
-for at in itertools.product(*map(range, sides)):
-    if dim == 2:
-        q = [number[at[0] + a, at[1] + b] for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
-        elements += [q] if kind == "quads" else [q[:3], [q[0], q[2], q[3]]]
-        continue
-    h = [number[tuple(a + b for a, b in zip(at, c))] for c in ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1),
-                                                               (1, 0, 1), (1, 1, 1), (0, 1, 1))]
-    ring = (1, 2, 3, 7, 4, 5, 1)
-    elements += ([h] if kind == "hexes" else
-                 [[h[i] for i in p] for p in ((0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7))] if kind == "prisms" else
-                 [[h[0], h[a], h[b], h[6]] for a, b in zip(ring, ring[1:])])
-name = {"quads": "Quadrilaterals", "triangles": "Triangles", "hexes": "Hexahedra", "tets": "Tetrahedra",
-        "prisms": "Prisms"}[kind]
-print("MeshVersionFormatted 2\nDimension %d\nVertices %d" % (dim, len(points)))
-for p in points:
-    print(*map(repr, p), 0)
-print(name, len(elements))
-for e in elements:
-    print(*e, 1)
-print("End")
+print(box_file.medit(kind, points, box_file.elements(kind, sides, number)))
 END2
 
 # heights.py KIND MESH ROWS: the largest relative error of the heights of the first rows.

@@ -9,10 +9,11 @@ cat >make.py <<'END2'
 import itertools
 import math
 import sys
+import box_file
 
 N, GROWTH, kind, bump = 6, 1.5, sys.argv[1], float(sys.argv[2])
 form = sys.argv[3] if len(sys.argv) > 3 else "mesh"
-dim = 2 if kind in ("quads", "triangles") else 3
+dim = box_file.dimension(kind)
 first = (GROWTH - 1) / (GROWTH ** N - 1)
 number, points = {}, []
 for at in itertools.product(range(N + 1), repeat=dim):
@@ -21,25 +22,9 @@ for at in itertools.product(range(N + 1), repeat=dim):
         p[-1] += bump * first * math.prod(math.sin(math.pi * c) for c in p[:-1])
     number[at] = len(points) + 1
     points.append(p)
-elements = []
-for at in itertools.product(range(N), repeat=dim):
-    if dim == 2:
-        quad = [number[at[0] + a, at[1] + b] for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
-        elements += [quad] if kind == "quads" else [quad[:3], [quad[0], quad[2], quad[3]]]
-        continue
-    h = [number[tuple(a + b for a, b in zip(at, c))] for c in ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1),
-                                                               (1, 0, 1), (1, 1, 1), (0, 1, 1))]
-    ring = (1, 2, 3, 7, 4, 5, 1)
-    elements += [h] if kind == "hexes" else [[h[0], h[a], h[b], h[6]] for a, b in zip(ring, ring[1:])]
+elements = box_file.elements(kind, [N] * dim, number)
 if form == "mesh":
-    name = {"quads": "Quadrilaterals", "triangles": "Triangles", "hexes": "Hexahedra", "tets": "Tetrahedra"}[kind]
-    print("MeshVersionFormatted 2\nDimension %d\nVertices %d" % (dim, len(points)))
-    for p in points:
-        print(*map(repr, p), 0)
-    print(name, len(elements))
-    for e in elements:
-        print(*e, 1)
-    print("End")
+    print(box_file.medit(kind, points, elements))
 else:
     code = {"quads": 3, "triangles": 2, "hexes": 5, "tets": 4}[kind]
     print("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%d" % len(points))

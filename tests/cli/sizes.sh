@@ -9,25 +9,17 @@ cat >make.py <<'END2'
 import itertools
 import math
 import sys
+import box_file
 
 kind, form = sys.argv[1:3]
 wrong = sys.argv[3] if len(sys.argv) > 3 else None
-dim = 2 if kind in ("quads", "triangles") else 3
+dim = box_file.dimension(kind)
 N = 16 if dim == 2 else 9
 number, points = {}, []
 for at in itertools.product(range(N + 1), repeat=dim):
     number[at] = len(points)
     points.append([c / N for c in at])
-elements = []
-for at in itertools.product(range(N), repeat=dim):
-    if dim == 2:
-        q = [number[at[0] + a, at[1] + b] for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
-        elements += [q] if kind == "quads" else [q[:3], [q[0], q[2], q[3]]]
-        continue
-    h = [number[tuple(a + b for a, b in zip(at, c))] for c in ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1),
-                                                               (1, 0, 1), (1, 1, 1), (0, 1, 1))]
-    ring = (1, 2, 3, 7, 4, 5, 1)
-    elements += [h] if kind == "hexes" else [[h[0], h[a], h[b], h[6]] for a, b in zip(ring, ring[1:])]
+elements = box_file.elements(kind, [N] * dim, number)
 sizes = [0.1 + 2 * abs(math.hypot(p[0] - 0.5, p[1] - 0.5) - 0.25) for p in points]
 text = list(map(repr, sizes))
 if wrong:
@@ -49,14 +41,7 @@ elif form == "sol":
     print("MeshVersionFormatted 2\nDimension %d\nSolAtVertices\n%d\n1 1" % (dim, len(points)))
     print(*text, "End", sep="\n")
 else:
-    name = {"quads": "Quadrilaterals", "triangles": "Triangles", "hexes": "Hexahedra", "tets": "Tetrahedra"}[kind]
-    print("MeshVersionFormatted 2\nDimension %d\nVertices %d" % (dim, len(points)))
-    for p in points:
-        print(*map(repr, p), 0)
-    print(name, len(elements))
-    for e in elements:
-        print(*[n + 1 for n in e], 1)
-    print("End")
+    print(box_file.medit(kind, points, [[n + 1 for n in e] for e in elements]))
 END2
 
 for kind in quads triangles hexes tets; do
