@@ -234,7 +234,15 @@ typedef struct planish_mesh {
        against the sizes where elements were when the plan was made, or has smoothed last. Positive,
        finite, none larger than 1e12 times another. Not with is_layer, part, or periodic. */
     const double *size;
-    const void *reserved[3]; /* NULL */
+    /* [n_nodes][dim (dim + 1) / 2] or NULL: as size, but the lengths depend on the direction. An edge e
+       is to have e^T M e = 1, M the symmetric matrix m11, m12, m22, m13, m23, m33 of the place, in the
+       plane m11, m12, m22. Elements are to be regular where lengths are measured so; M^(-1/2), whose
+       eigenvalues are edge lengths, is linear between the nodes. All are multiplied by the factor that
+       fits best. planish_options.size_weight may be 0: then directions and proportions count alone. Each M
+       must be positive definite, and no edge length larger than 1e12 times another. Not with size, or what
+       that excludes. */
+    const double *metric;
+    const void *reserved[2]; /* NULL */
 } planish_mesh;
 
 /* ---- A mesh that several processes have ----------------------------------------------------- */
@@ -738,7 +746,8 @@ typedef struct planish_options {
                                                    edges */
     planish_length_unit surface_tolerance_unit; /* of surface_tolerance, and edges are those of the
                                                    shape at the node */
-    double size_weight; /* 0 .. 1, of planish_plan_create with planish_mesh.reference or size: w in
+    double
+        size_weight; /* 0 .. 1, of planish_plan_create with planish_mesh.reference, size or metric: w in
                            (1 - w) mu^2 + w (tau + 1 / tau) / 2, which counts in the place of mu^2;
                            tau is the measure of a corner in units of its target's */
     const void *reserved[2]; /* NULL */
@@ -1073,7 +1082,8 @@ typedef struct planish_cell_values {
  *  that is not curved may be off the middle of its corners; 1e-6 of the longest edge is always
  *  allowed. threads: as in planish_options. values (may be NULL) are filled. With mesh->reference
  *  AR is against the shapes there, of elements of order 2 by their corners; all other measures are
- *  as without, and every corner of an element must be positive there. On failure quality is as
+ *  as without, and every corner of an element must be positive there. With mesh->metric, AR is that of
+ *  the elements where lengths are measured by it. On failure quality is as
  *  before, and values are unspecified. Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part). */
 PLANISH_API int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads,
                                       planish_cell_quality *quality,
@@ -1081,8 +1091,9 @@ PLANISH_API int planish_measure_cells(const planish_mesh *mesh, double rounding,
 
 /* ---- Sizes ---------------------------------------------------------------------------------- */
 
-/** Sizes of elements against those of planish_mesh.size. The size of an element is the edge length of an
- *  ideal one of the same measure, or for cells the mean of what their corners say of that. */
+/** Sizes of elements against those of planish_mesh.size or metric. The size of an element is the edge length
+ *  of an ideal one of the same measure, or for cells the mean of what their corners say of that. With a
+ *  metric, measures are those in it, and 1 is wanted. */
 typedef struct planish_size_quality {
     int64_t n_elements;        /* that have a size: all but flat ones */
     double factor;             /* of the sizes that were given, by which they fit best */
@@ -1092,7 +1103,7 @@ typedef struct planish_size_quality {
     double reserved[2];
 } planish_size_quality;
 
-/** Measure the sizes of the elements of mesh against mesh->size, which were given where the nodes are at
+/** Measure the sizes of the elements of mesh against mesh->size or mesh->metric, which were given where the nodes are at
  *  mesh->reference (NULL: where they are now). ratio [n_elements] (may be NULL) is filled with size /
  *  (factor * wanted), 0 for elements that do not count. threads: as in planish_options. Errors:
  *  _ARGUMENT, _MESH, _MEMORY, _PARTS. */

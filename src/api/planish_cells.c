@@ -6,6 +6,7 @@
 #include "geometry/target.h"
 #include "quality/cell_measure.h"
 #include "shape/layer_shapes.h"
+#include "shape/size_field.h"
 #include "topology/cells.h"
 #include "topology/points.h"
 #include "topology/topology.h"
@@ -25,6 +26,8 @@ typedef struct cells_call {
     int8_t *sign;
     pl_cell_rules rules;
     pl_layer_shapes layers;
+    pl_size_field field; /* of metrics */
+    double *sizes;       /* [n_nodes][field.n_numbers] where the nodes are */
 } cells_call;
 
 static void release(cells_call *c) {
@@ -36,6 +39,8 @@ static void release(cells_call *c) {
     pl_free(c->sign);
     pl_cell_rules_free(&c->rules);
     pl_layer_shapes_free(&c->layers);
+    pl_size_field_destroy(&c->field);
+    pl_free(c->sizes);
 }
 
 /** Make cells of the mesh's simplices. */
@@ -101,6 +106,8 @@ typedef struct wanted {
     const double *reference; /* [n_nodes][dim] */
     const int8_t *sign;      /* [cells] */
     const pl_layer_shapes *layers;
+    int n_numbers;
+    const double *sizes; /* [n_nodes][n_numbers] matrices */
 } wanted;
 
 /** Edges of corner c of a cell in the reference; returns its determinant. */
@@ -115,19 +122,53 @@ static double reference_edges(const wanted *w, int64_t cell, int c, double edges
 }
 
 /** Target of a corner by the reference. */
-static int target_of_reference(const void *targets, int64_t cell, int c, pl_target *target) {
+static int target_of_reference(const void *targets, int64_t cell, int c, pl_target *target,
+                               pl_metric *metric) {
     const wanted *w = targets;
+    (void)metric;
     double edges[3][3] = {{0}};
     reference_edges(w, cell, c, edges);
     return pl_target_make(w->dim, (const double(*)[3])edges, w->sign[cell], target);
 }
 
 /** Target of a corner by its layer. */
-static int target_of_layer(const void *targets, int64_t cell, int c, pl_target *target) {
+static int target_of_layer(const void *targets, int64_t cell, int c, pl_target *target,
+                           pl_metric *metric) {
     const wanted *w = targets;
+    (void)metric;
     const int32_t place = w->layers->place[cell];
     return pl_layer_target(pl_cell_type_of(w->cells->type[cell])->shape,
                            place < 0 ? NULL : &w->layers->shape[place], c, target);
+}
+
+/** Target of a corner by the metrics at its nodes. */
+static int target_of_metric(const void *targets, int64_t cell, int c, pl_target *target,
+                            pl_metric *metric) {
+    const wanted *w = targets;
+    const pl_cell_shape *shape = pl_cell_type_of(w->cells->type[cell])->shape;
+    const int32_t *of_cell = w->cells->node + w->cells->offset[cell];
+    int32_t node[4] = {of_cell[c]};
+    double edges[3][3] = {{0}};
+    for (int j = 0; j < w->dim; j++)
+        node[j + 1] = of_cell[shape->neighbour[c][j]];
+    const pl_sized_corners corner = {
+        .dim = w->dim, .n = 1, .node = node, .n_numbers = w->n_numbers, .size = w->sizes};
+    pl_sized_metric(&corner, 0, metric);
+    pl_ideal_edges(shape, edges);
+    return pl_target_make(w->dim, (const double(*)[3])edges, 1, target);
+}
+
+/** Find the sizes of metrics where the nodes are. */
+static int find_metrics(const planish_mesh *mesh, const double *coordinates, cells_call *c,
+                        planish_error *error) {
+    const int status = pl_size_field_create(mesh, coordinates, c->threads, &c->field, error);
+    if (status)
+        return status;
+    c->sizes = pl_alloc(mesh->n_nodes * c->field.n_numbers, sizeof *c->sizes);
+    if (!c->sizes)
+        return pl_fail_memory(error, "the measures of elements");
+    pl_size_field_find(&c->field, coordinates, NULL, c->threads, c->sizes);
+    return PLANISH_OK;
 }
 
 /** Say what is wrong with a cell that has no target. */
@@ -136,7 +177,7 @@ static int complain(const wanted *w, int64_t cell, planish_error *error) {
     pl_target target;
     for (int c = 0; c < pl_cell_type_of(w->cells->type[cell])->shape->n_measured; c++) {
         D = reference_edges(w, cell, c, edges);
-        if (!target_of_reference(w, cell, c, &target))
+        if (!target_of_reference(w, cell, c, &target, NULL))
             break;
     }
     return pl_fail_at(error, PLANISH_ERROR_MESH, cell, -1,
@@ -157,7 +198,18 @@ static int find_wanted(const planish_mesh *mesh, cells_call *c, wanted *w, plani
                                     .coordinates = reference ? reference : coordinates,
                                     .cells = &c->cells,
                                     .n_elements = c->cells.n};
-    *w = (wanted){mesh->dim, &c->cells, reference, c->sign, &c->layers};
+    if (mesh->metric) {
+        const int status = find_metrics(mesh, coordinates, c, error);
+        if (status)
+            return status;
+    }
+    *w = (wanted){.dim = mesh->dim,
+                  .cells = &c->cells,
+                  .reference = reference,
+                  .sign = c->sign,
+                  .layers = &c->layers,
+                  .n_numbers = c->field.n_numbers,
+                  .sizes = c->sizes};
     return mesh->is_layer
                ? pl_layer_shapes_find(&as_it_was, mesh->is_layer, c->threads, &c->layers, error)
                : PLANISH_OK;
@@ -184,7 +236,8 @@ static int measure(const planish_mesh *mesh, double rounding, cells_call *c,
                                 .coordinates = coordinates,
                                 .sign = c->sign,
                                 .rounding = rounding,
-                                .target = mesh->size        ? NULL
+                                .target = mesh->metric      ? target_of_metric
+                                          : mesh->size      ? NULL
                                           : mesh->is_layer  ? target_of_layer
                                           : mesh->reference ? target_of_reference
                                                             : NULL,

@@ -14,7 +14,7 @@ typedef struct sizes_call {
     int threads;
     pl_dense dense;
     pl_size_field field;
-    double *size;      /* [n_nodes] */
+    double *size;      /* [n_nodes][corners.n_numbers] */
     pl_target *target; /* [corners] */
     pl_sized_corners corners;
 } sizes_call;
@@ -42,12 +42,13 @@ static int take_mesh(const planish_mesh *mesh, int threads, sizes_call *c, plani
     if (status)
         return status;
     c->corners = (pl_sized_corners){.dim = mesh->dim,
+                                    .n_numbers = 1,
                                     .n = c->dense.mesh.n_elements,
                                     .node = c->dense.mesh.elements,
                                     .corner = c->dense.corner,
                                     .x = c->dense.mesh.coordinates};
     c->target = pl_alloc(c->corners.n, sizeof *c->target);
-    c->size = pl_alloc(mesh->n_nodes, sizeof *c->size);
+    c->size = pl_alloc(mesh->n_nodes * PL_MOST_SYMMETRIC, sizeof *c->size);
     if (!c->target || !c->size)
         return pl_fail_memory(error, "the sizes of elements");
     for (int64_t i = 0; i < mesh->n_nodes; i++)
@@ -86,8 +87,9 @@ static int64_t number_of(const sizes_call *c, int64_t cell) {
 
 /** Find the sizes that are wanted where the nodes are, and the targets. Returns the factor of sizes. */
 static double fit(sizes_call *c) {
+    c->corners.n_numbers = c->field.n_numbers;
     pl_size_field_find(&c->field, c->dense.mesh.coordinates, NULL, c->threads, c->size);
-    return pl_sizes_fit(&c->corners, c->threads, c->target) / c->field.largest;
+    return pl_sizes_fit(&c->corners, c->threads, c->target, NULL) / c->field.largest;
 }
 
 /** Measure all cells. */
@@ -120,9 +122,9 @@ static void measure(const sizes_call *c, planish_size_quality *q, double *ratios
 int planish_measure_sizes(const planish_mesh *mesh, int threads, planish_size_quality *quality,
                           double *ratio, planish_error *error) {
     sizes_call c = {.threads = 1};
-    if (!mesh || !quality || !mesh->size)
+    if (!mesh || !quality || !pl_has_sizes(mesh))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "mesh, mesh.size and quality must not be NULL");
+                       "mesh, mesh.size or mesh.metric, and quality must not be NULL");
     const pl_outside outside = pl_call_enter(NULL);
     int status = take_mesh(mesh, threads, &c, error);
     if (!status)

@@ -10,17 +10,20 @@
  *
  *     mu = E / (dim D^(2 / dim))
  *
- * as of a corner whose ideal determinant is 1. A turned, moved or scaled W is the same target.
+ * as of a corner whose ideal determinant is 1. A turned, moved or scaled W is the same target. In a metric
+ * (geometry/metric.h) E = |L A V|^2.
  *
  *   pl_target, pl_target_make       of the corner that is wanted
  *   pl_target_entry, _slopes        V, and V by nodes
- *   pl_target_energy, _square       E, and what counts
+ *   pl_target_energy, _energy_in    E, and E in a metric
+ *   pl_target_square                what counts
  *   pl_target_weights               E by squared edges
  */
 #ifndef PL_GEOMETRY_TARGET_H
 #define PL_GEOMETRY_TARGET_H
 
 #include "geometry/corner.h"
+#include "geometry/metric.h"
 #include "geometry/simplex.h"
 
 /** Target of a corner: eight doubles, as kernels load them. */
@@ -65,13 +68,21 @@ PL_INLINE double pl_target_energy(int dim, const double edges[3][3], const doubl
     return energy;
 }
 
-/** Return the square of the ratio that counts, of edges [dim][dim] with D = determinant > 0, whose target
- *  has v, and unit in their scale: (1 - w) mu^2 + w (tau + 1 / tau) / 2, tau = det T, w the weight of
+/** Return E of edges [dim][dim] in the metric that has l. */
+PL_INLINE double pl_target_energy_in(int dim, const double edges[3][3], const double v[6],
+                                     const double l[6]) {
+    double of_metric[3][3];
+    pl_metric_apply(dim, l, edges, of_metric);
+    return pl_target_energy(dim, (const double(*)[3])of_metric, v);
+}
+
+/** Return the square of the ratio that counts, of a corner with E = energy and D = determinant > 0, whose
+ *  target has unit in their scale: (1 - w) mu^2 + w (tau + 1 / tau) / 2, tau = det T, w the weight of
  *  sizes. */
-PL_INLINE double pl_target_square(int dim, const double edges[3][3], double determinant,
-                                  const double v[6], double unit, double weight) {
+PL_INLINE double pl_target_square(int dim, double energy, double determinant, double unit,
+                                  double weight) {
     const double tau = determinant * unit;
-    const double square = pl_mean_square(dim, pl_target_energy(dim, edges, v), determinant);
+    const double square = pl_mean_square(dim, energy, determinant);
     return weight > 0 ? (1 - weight) * square + weight / 2 * (tau + 1 / tau) : square;
 }
 

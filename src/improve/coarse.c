@@ -256,7 +256,7 @@ static int is_suitable(const pl_run *r) {
         plan->work.corner ? pl_watch_has_mids(&r->watch) : pl_watch_is_on(&r->watch);
     const int fewest = plan->dim == 2 ? FEWEST_IN_PLANE : FEWEST_IN_SPACE;
     return plan->interior.n_all >= fewest && r->plain && !has_others &&
-           plan->work.size_weight == 0 && plan->sliding.n_followers == 0 &&
+           plan->work.size_weight == 0 && !plan->sizes && plan->sliding.n_followers == 0 &&
            plan->interior.n_followers == 0 && plan->n_images == 0;
 }
 

@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Sweeps in a row that may let F rise, or fall by next to nothing. */
@@ -33,12 +34,22 @@ static double least_of(const sized *s) {
     return pl_objective_of_movable(s->run->options, &s->trial.standing);
 }
 
+/** Prepare for a sweep. Elements may be as bad as the worst of the mesh as it came: the limits that the mesh
+ *  has now would be narrower. */
+static void prepare(pl_run *r) {
+    pl_run_prepare(r);
+    if (!(r->worst_at_start < INFINITY))
+        return;
+    r->problem.limits.rr2 = fmax(r->problem.limits.rr2, r->limits_at_start.rr2 * PL_LIMIT_MARGIN);
+    pl_watch_limit(&r->watch, fmax(r->watch.worst_ar2, r->worst_at_start * PL_LIMIT_MARGIN));
+}
+
 /** Measure against the targets where the elements are now, by which sweeps go on. */
 static void measure_anew(sized *s) {
     pl_run *r = s->run;
     pl_plan_fit_sizes(r->plan, r->plan->scratch.coordinates, r->plan->inner);
     pl_run_measure(r);
-    pl_run_prepare(r);
+    prepare(r);
     s->latest = pl_objective_of_movable(r->options, &r->sums);
 }
 
@@ -54,7 +65,7 @@ static void take_better(sized *s) {
     if (!is_sound(s) || !(s->latest < least_of(s)))
         return;
     pl_trial_end(&s->trial, 1);
-    pl_run_prepare(s->run);
+    prepare(s->run);
     pl_trial_begin(s->run, 0, s->before, &s->trial);
 }
 

@@ -170,6 +170,7 @@ static int check_together(const planish_mesh *mesh, const planish_options *optio
                           planish_error *error) {
     const char *field = mesh->is_layer ? "mesh.is_layer"
                         : mesh->size   ? "mesh.size"
+                        : mesh->metric ? "mesh.metric"
                                        : "mesh.reference";
     if (mesh->part && (options->around || mesh->n_periodic > 0 || pl_has_targets(mesh)))
         return pl_fail(error, PLANISH_ERROR_PARTS,
@@ -180,10 +181,12 @@ static int check_together(const planish_mesh *mesh, const planish_options *optio
     if (pl_has_targets(mesh) && mesh->n_periodic > 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "%s is not possible with mesh.periodic; leave out one of them", field);
-    if (mesh->is_layer && (options->size_weight > 0 || mesh->size))
+    if (mesh->is_layer && (options->size_weight > 0 || pl_has_sizes(mesh)))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "%s is not possible with mesh.is_layer: layers have sizes of their own",
-                       mesh->size ? "mesh.size" : "options.size_weight");
+                       mesh->size     ? "mesh.size"
+                       : mesh->metric ? "mesh.metric"
+                                      : "options.size_weight");
     if (mesh->size && !(options->size_weight > 0))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.size_weight is 0, so that mesh.size would not count; give more, "
@@ -327,7 +330,7 @@ static int find_boundary_of_cells(pl_draft *d, planish_error *error) {
  *  mesh. */
 static int make_targets(pl_draft *d, planish_error *error) {
     d->plan->work.size_weight = d->options->size_weight;
-    if (d->given->size)
+    if (pl_has_sizes(d->given))
         return pl_size_targets_make(d->plan, d->given, d->dense.mesh.coordinates, error);
     if (d->given->is_layer)
         return pl_layer_targets_make(d->plan, d->given, error);

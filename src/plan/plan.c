@@ -28,6 +28,7 @@ static void release_view(pl_view *view) {
     pl_free((void *)view->corner);
     pl_free((void *)view->cell_begin);
     pl_free((void *)view->target);
+    pl_free((void *)view->metric);
     pl_free((void *)view->min_volume);
     pl_free((void *)view->mobility);
 }
@@ -99,6 +100,7 @@ pl_star_problem pl_plan_problem(const planish_plan *plan, const pl_visits *visit
                              .link_form = visits->stars.form,
                              .form = plan->form,
                              .target = plan->work.target,
+                             .metric = plan->work.metric,
                              .size_weight = plan->work.size_weight,
                              .link_element = visits->stars.element,
                              .scratch = plan->scratch.kernels,
@@ -221,9 +223,10 @@ void pl_plan_fit_sizes(const planish_plan *plan, const double *x, const int32_t 
                                       .n = work->n_elements,
                                       .node = work->elements,
                                       .corner = work->corner,
+                                      .n_numbers = plan->sizes->n_numbers,
                                       .size = plan->scratch.sizes,
                                       .x = x,
                                       .place = place};
     pl_size_field_find(plan->sizes, x, place, plan->threads, plan->scratch.sizes);
-    pl_sizes_fit(&corners, plan->threads, (pl_target *)work->target);
+    pl_sizes_fit(&corners, plan->threads, (pl_target *)work->target, (pl_metric *)work->metric);
 }

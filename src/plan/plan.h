@@ -80,7 +80,7 @@ typedef struct pl_plan_scratch {
     double *coordinates; /* [n + n_images][dim] by inner numbers */
     double *to_measure;  /* [n][dim] in the mesh's order, in units of its size: for measuring */
     uint8_t *changed;    /* [n + n_images] by inner numbers, see pl_star_problem */
-    double *sizes;       /* [n] with plan->sizes: those where the nodes are */
+    double *sizes;       /* [n][plan->sizes->n_numbers]: those where the nodes are */
     pl_star_kept *kept;  /* [stars of interior, then of sliding] likewise; NULL in 2-D */
     uint8_t *is_movable; /* [elements of whole] 1: has a free node in the call that is served */
     pl_follower_places *places; /* [sliding.n_followers] */

@@ -108,6 +108,7 @@ static int find_states(const selection *w, const int8_t *sign, planish_error *er
                           .n_cells = w->corners->n_cells,
                           .cell_begin = w->corners->cell_begin,
                           .target = w->corners->target,
+                          .metric = w->corners->metric,
                           .n_nodes = mesh->n_nodes,
                           .n_elements = mesh->n_elements,
                           .elements = mesh->elements,

@@ -172,9 +172,13 @@ int pl_layer_targets_make(planish_plan *plan, const planish_mesh *given, planish
 int pl_size_targets_make(planish_plan *plan, const planish_mesh *given, const double *x,
                          planish_error *error) {
     plan->sizes = pl_alloc_zero(1, sizeof *plan->sizes);
-    plan->scratch.sizes = pl_alloc(given->n_nodes, sizeof *plan->scratch.sizes);
+    const int n_numbers = given->metric ? pl_symmetric_count(plan->dim) : 1;
+    plan->scratch.sizes = pl_alloc(given->n_nodes * n_numbers, sizeof *plan->scratch.sizes);
     plan->work.target = pl_alloc(plan->work.n_elements, sizeof *plan->work.target);
-    if (!plan->sizes || !plan->scratch.sizes || !plan->work.target)
+    if (given->metric)
+        plan->work.metric = pl_alloc(plan->work.n_elements, sizeof *plan->work.metric);
+    if (!plan->sizes || !plan->scratch.sizes || !plan->work.target ||
+        !plan->work.metric != !given->metric)
         return pl_fail_memory(error, "the field of sizes");
     const int status = pl_size_field_create(given, x, plan->threads, plan->sizes, error);
     if (!status)

@@ -233,11 +233,19 @@ PL_INLINE double mean_ratio_square(const pl_cell_shape *shape, double edges[3][3
     return ratio_square(e, determinant / shape->determinant, dim);
 }
 
+/** What a corner is to be. */
+typedef struct wanted_corner {
+    pl_target target;
+    pl_metric metric;
+} wanted_corner;
+
 /** Find the targets of the corners of lane l; 0: one has none. */
-static int find_targets(const pl_cell_mesh *mesh, const cell_block *b, int l, pl_target *target) {
-    for (int c = 0; c < b->rule->type->shape->n_measured; c++)
-        if (!mesh->target(mesh->targets, b->element[l], c, &target[c]))
+static int find_targets(const pl_cell_mesh *mesh, const cell_block *b, int l, wanted_corner *w) {
+    for (int c = 0; c < b->rule->type->shape->n_measured; c++) {
+        w[c].metric = pl_metric_identity(mesh->dim);
+        if (!mesh->target(mesh->targets, b->element[l], c, &w[c].target, &w[c].metric))
             return 0;
+    }
     return 1;
 }
 
@@ -280,8 +288,13 @@ PL_INLINE void measure_corners(cell_block *b, const int dim) {
     }
 }
 
+/** E of a corner's edges. */
+static double energy_of(const wanted_corner *w, const double edges[3][3], int dim) {
+    return pl_target_energy_in(dim, edges, w->target.v, w->metric.l);
+}
+
 /** Measure lane l by the targets of its corners. Its determinants are certain. */
-static void measure_by_targets(const pl_cell_mesh *mesh, int l, const pl_target *target,
+static void measure_by_targets(const pl_cell_mesh *mesh, int l, const wanted_corner *w,
                                cell_block *b) {
     const pl_cell_shape *shape = b->rule->type->shape;
     const int dim = mesh->dim;
@@ -290,14 +303,14 @@ static void measure_by_targets(const pl_cell_mesh *mesh, int l, const pl_target 
         double corner[4][3][LANES], edges[3][3] = {{0}};
         find_corner(b, c, corner, dim);
         find_edges(corner, l, edges, dim);
-        sum += ratio_square(pl_target_energy(dim, (const double(*)[3])edges, target[c].v),
+        sum += ratio_square(energy_of(&w[c], (const double(*)[3])edges, dim),
                             fabs(pl_determinant_of_edges(dim, (const double(*)[3])edges)), dim);
     }
     b->square[l] = sum / shape->n_measured;
 }
 
-/** Measure the corners of lane l anew, with exact determinants; target [corners], or NULL. */
-static void resolve_corners(const pl_cell_mesh *mesh, int l, const pl_target *target,
+/** Measure the corners of lane l anew, with exact determinants; w [corners], or NULL. */
+static void resolve_corners(const pl_cell_mesh *mesh, int l, const wanted_corner *w,
                             cell_block *b) {
     const pl_cell_shape *shape = b->rule->type->shape;
     const int dim = mesh->dim;
@@ -317,11 +330,10 @@ static void resolve_corners(const pl_cell_mesh *mesh, int l, const pl_target *ta
         for (int j = 0; j < dim; j++)
             scaled /= sqrt(pl_dot(dim, edges[j], edges[j]));
         n_inverted += !(m > 0);
-        sum += !(m > 0) ? NAN
-               : target
-                   ? ratio_square(pl_target_energy(dim, (const double(*)[3])edges, target[c].v),
-                                  determinant, dim)
-                   : mean_ratio_square(shape, edges, determinant, dim);
+        sum +=
+            !(m > 0) ? NAN
+            : w ? ratio_square(energy_of(&w[c], (const double(*)[3])edges, dim), determinant, dim)
+                : mean_ratio_square(shape, edges, determinant, dim);
         least = pl_smaller(m != 0 ? scaled : 0, least);
     }
     b->n_inverted_corners[l] = n_inverted;
@@ -451,14 +463,14 @@ static void measure_block(measurement *m, cell_block *b, type_sums *sums) {
     any_block(m->mesh, b);
     pl_jacobian_evaluate(b->rule, b->sign, &b->jacobian);
     for (int l = 0; l < b->n; l++) {
-        pl_target target[PL_CELL_CORNERS];
+        wanted_corner wanted[PL_CELL_CORNERS];
         const int has_targets = m->mesh->target != NULL;
-        if (has_targets && !find_targets(m->mesh, b, l, target))
+        if (has_targets && !find_targets(m->mesh, b, l, wanted))
             pl_lower_to(&m->flawed, b->element[l]);
         else if (b->is_certain[l] == 0)
-            resolve_corners(m->mesh, l, has_targets ? target : NULL, b);
+            resolve_corners(m->mesh, l, has_targets ? wanted : NULL, b);
         else if (has_targets)
-            measure_by_targets(m->mesh, l, target, b);
+            measure_by_targets(m->mesh, l, wanted, b);
         add_lane(m, b, l, sums);
     }
     b->n = 0;

@@ -15,8 +15,10 @@
 
 #include <planish/planish.h>
 
-/** Make the target of corner c of a cell; returns as pl_target_make. targets: of pl_cell_mesh. */
-typedef int pl_cell_target_fn(const void *targets, int64_t cell, int c, pl_target *target);
+/** Make the target of corner c of a cell, and its metric, which is the usual one before; returns as
+ *  pl_target_make. targets: of pl_cell_mesh. */
+typedef int pl_cell_target_fn(const void *targets, int64_t cell, int c, pl_target *target,
+                              pl_metric *metric);
 
 /** Elements of any types, as planish_mesh has them, and where their nodes are. */
 typedef struct pl_cell_mesh {

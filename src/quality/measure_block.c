@@ -284,31 +284,34 @@ PL_INLINE double product_of_edges(int dim, const double square[6], double is_sim
     return is_simplex != 0 ? pl_larger(own, most) : own;
 }
 
-/** Target of corner l of a block that begins with corner first, or NULL. */
-static const pl_target *target_of(const pl_mesh_state *mesh, int64_t first, int l) {
-    return mesh->of->target ? &mesh->of->target[first + l] : NULL;
-}
-
 /** What counts of a corner with a target, from its edges and |D|. */
 PL_INLINE double square_of_target(const pl_corner_block *b, int l, int dim,
                                   const double edges[3][3], double determinant) {
-    double v[6];
-    for (int k = 0; k < 6; k++)
+    double v[6], metric[6];
+    for (int k = 0; k < 6; k++) {
         v[k] = b->weight[k][l];
-    return pl_target_square(dim, edges, determinant, v, b->target_unit[l], b->size_weight);
+        metric[k] = b->metric[k][l];
+    }
+    const double energy = pl_target_energy_in(dim, edges, v, metric);
+    return pl_target_square(dim, energy, determinant, b->target_unit[l], b->size_weight);
 }
 
 /** Gather corners, and what is ideal for them. */
 PL_INLINE void gather_corners(const pl_mesh_state *mesh, const pl_corner_form *form, int64_t first,
                               int count, pl_corner_block *b) {
     pl_block_gather(mesh, first, count, &b->of);
+    const pl_metric usual = pl_metric_identity(mesh->of->dim);
     b->size_weight = mesh->of->size_weight;
     for (int l = 0; l < PL_SUM_LANES; l++) {
         const int kind = pl_corner_kind(mesh->of->corner[first + (l < count ? l : 0)]);
         const pl_corner_form *f = &form[pl_form_code(pl_corner_code(kind, 0), 0, 0)];
-        const pl_target *target = target_of(mesh, first, l < count ? l : 0);
-        for (int k = 0; k < 6; k++)
+        const int64_t number = first + (l < count ? l : 0);
+        const pl_target *target = mesh->of->target ? &mesh->of->target[number] : NULL;
+        const pl_metric *metric = mesh->of->metric ? &mesh->of->metric[number] : &usual;
+        for (int k = 0; k < 6; k++) {
             b->weight[k][l] = target ? target->v[k] : f->weight[k];
+            b->metric[k][l] = metric->l[k];
+        }
         b->target_unit[l] = target ? target->unit : 0;
         b->determinant[l] = f->determinant;
         b->unit[l] = f->volume;

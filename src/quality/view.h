@@ -27,6 +27,8 @@ typedef struct pl_view {
     const int32_t *cell_begin; /* [n_cells + 1] and the first corner of each */
     const pl_target *target;   /* [m] with corner: their targets (geometry/target.h); NULL: they are
                                   the ideal ones of their shapes */
+    const pl_metric *metric;   /* [m] then: in which they are to be that (geometry/metric.h); NULL:
+                                  lengths are the usual ones */
     double size_weight;        /* then: of sizes against shapes, 0 .. 1 */
     const int8_t *sign;       /* [m] +1 or -1: sign * measure is positive in a valid mesh; NULL: all
                                  +1 */

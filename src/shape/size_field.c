@@ -11,6 +11,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <string.h>
 
 enum { CHUNK = 4096 };
 
@@ -19,26 +20,66 @@ enum { CHUNK = 4096 };
 
 /* ---- the field --------------------------------------------------------------------------------- */
 
-/** Check the sizes, and find the largest one. */
-static int check_sizes(int64_t n, const double *size, double *largest, planish_error *error) {
-    int64_t least = 0, most = 0;
-    if (n == 0)
-        return PLANISH_OK;
+/** The smallest and the largest size of nodes, and where they are. */
+typedef struct extremes {
+    double least, most;
+    int64_t at_least, at_most;
+} extremes;
+
+static void widen(extremes *e, int64_t node, double least, double most) {
+    if (least < e->least)
+        *e = (extremes){least, e->most, node, e->at_most};
+    if (most > e->most)
+        *e = (extremes){e->least, most, e->at_least, node};
+}
+
+/** Take the sizes of nodes as they are. */
+static int take_sizes(int64_t n, const double *given, double *size, extremes *e,
+                      planish_error *error) {
     for (int64_t i = 0; i < n; i++) {
-        if (!(size[i] > 0 && isfinite(size[i])))
+        if (!(given[i] > 0 && isfinite(given[i])))
             return pl_fail_at(error, PLANISH_ERROR_MESH, -1, i,
                               "node %" PRId64 " has the size %g; give positive finite numbers", i,
-                              size[i]);
-        least = size[i] < size[least] ? i : least;
-        most = size[i] > size[most] ? i : most;
+                              given[i]);
+        size[i] = given[i];
+        widen(e, i, given[i], given[i]);
     }
-    *largest = size[most];
-    return size[least] >= size[most] / MOST_RATIO
-               ? PLANISH_OK
-               : pl_fail_at(error, PLANISH_ERROR_MESH, -1, least,
-                            "node %" PRId64 " has the size %g, and node %" PRId64
-                            " %g; sizes must not vary by more than %g",
-                            least, size[least], most, size[most], MOST_RATIO);
+    return PLANISH_OK;
+}
+
+/** Take the sizes of metrics. */
+static int take_metrics(int dim, int64_t n, const double *metric, double *size, extremes *e,
+                        planish_error *error) {
+    const int count = pl_symmetric_count(dim);
+    for (int64_t i = 0; i < n; i++) {
+        double least = 0, most = 0;
+        if (!pl_metric_sizes(dim, metric + i * count, size + i * count, &least, &most))
+            return pl_fail_at(error, PLANISH_ERROR_MESH, -1, i,
+                              "the metric of node %" PRId64 " is not positive definite and finite; "
+                              "give such matrices",
+                              i);
+        widen(e, i, least, most);
+    }
+    return PLANISH_OK;
+}
+
+/** Fill the sizes, in units of the largest one. */
+static int fill_sizes(const planish_mesh *mesh, pl_size_field *f, planish_error *error) {
+    const int64_t n = mesh->n_nodes;
+    extremes e = {.least = INFINITY};
+    const int status = mesh->metric ? take_metrics(mesh->dim, n, mesh->metric, f->size, &e, error)
+                                    : take_sizes(n, mesh->size, f->size, &e, error);
+    if (status || n == 0)
+        return status;
+    if (!(e.least >= e.most / MOST_RATIO))
+        return pl_fail_at(error, PLANISH_ERROR_MESH, -1, e.at_least,
+                          "node %" PRId64 " has the size %g, and node %" PRId64
+                          " %g; sizes must not vary by more than %g",
+                          e.at_least, e.least, e.at_most, e.most, MOST_RATIO);
+    f->largest = e.most;
+    for (int64_t i = 0; i < n * f->n_numbers; i++)
+        f->size[i] /= f->largest;
+    return PLANISH_OK;
 }
 
 /** Make the background, at mesh->reference or at x. */
@@ -61,21 +102,21 @@ static int make_background(const planish_mesh *mesh, const double *x, int thread
 int pl_size_field_create(const planish_mesh *mesh, const double *x, int threads, pl_size_field *f,
                          planish_error *error) {
     const int64_t n_nodes = mesh->n_nodes;
-    *f = (pl_size_field){.largest = 1};
-    int status = check_sizes(n_nodes, mesh->size, &f->largest, error);
-    if (!status)
-        status = make_background(mesh, x, threads, f, error);
-    if (status)
-        return status;
-    f->size = pl_alloc(n_nodes, sizeof *f->size);
+    *f = (pl_size_field){.n_numbers = mesh->metric ? pl_symmetric_count(mesh->dim) : 1,
+                         .largest = 1};
+    if (mesh->size && mesh->metric)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh.size and mesh.metric are both given; leave out one of them");
+    f->size = pl_alloc(n_nodes * f->n_numbers, sizeof *f->size);
     f->at = pl_alloc(n_nodes, sizeof *f->at);
     if (!f->size || !f->at)
         return pl_fail_memory(error, "the field of sizes");
-    for (int64_t i = 0; i < n_nodes; i++) {
-        f->size[i] = mesh->size[i] / f->largest;
+    int status = fill_sizes(mesh, f, error);
+    if (!status)
+        status = make_background(mesh, x, threads, f, error);
+    for (int64_t i = 0; !status && i < n_nodes; i++)
         f->at[i] = f->background.first[i];
-    }
-    return PLANISH_OK;
+    return status;
 }
 
 void pl_size_field_destroy(pl_size_field *f) {
@@ -95,18 +136,23 @@ typedef struct finding {
 static void find_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const finding *f = context;
     const pl_background *b = &f->field->background;
-    const int dim = b->dim;
+    const int dim = b->dim, n = f->field->n_numbers;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         int32_t *at = &f->field->at[i];
-        double weight[4], sum = 0;
-        f->found[i] = f->field->size[i];
-        if (*at < 0)
+        double weight[4];
+        if (*at < 0) {
+            memcpy(f->found + i * n, f->field->size + i * n, (size_t)n * sizeof *f->found);
             continue;
+        }
         pl_background_find(b, f->x + (f->place ? f->place[i] : i) * dim, at, weight);
-        for (int j = 0; j <= dim; j++)
-            sum += weight[j] * f->field->size[b->node[(int64_t)*at * (dim + 1) + j]];
-        f->found[i] = sum;
+        for (int k = 0; k < n; k++) {
+            double sum = 0;
+            for (int j = 0; j <= dim; j++)
+                sum += weight[j] *
+                       f->field->size[b->node[(int64_t)*at * (dim + 1) + j] * (int64_t)n + k];
+            f->found[i * n + k] = sum;
+        }
     }
 }
 
@@ -124,6 +170,7 @@ typedef struct fit {
     pl_target ideal[PL_N_FORMS / 8]; /* by kinds, with edges of 1 */
     double share[PL_N_FORMS / 8];    /* of a corner in its cell */
     pl_target *target;
+    pl_metric *metric;
     pl_sum *sum;   /* of tau, and of 1 / tau; shared */
     double factor; /* of measures */
 } fit;
@@ -143,16 +190,36 @@ double pl_sized_measure(const pl_sized_corners *c, int64_t i) {
     return fabs(pl_determinant_of_edges(c->dim, (const double(*)[3])edges));
 }
 
+/** Fill mean [n_numbers] with the mean size of a corner. */
+static void find_mean_size(const pl_sized_corners *c, int64_t i, double mean[PL_MOST_SYMMETRIC]) {
+    for (int k = 0; k < c->n_numbers; k++) {
+        double sum = 0;
+        for (int j = 0; j <= c->dim; j++)
+            sum += c->size[c->node[i * (c->dim + 1) + j] * (int64_t)c->n_numbers + k];
+        mean[k] = sum / (c->dim + 1);
+    }
+}
+
+double pl_sized_metric(const pl_sized_corners *c, int64_t i, pl_metric *metric) {
+    double mean[PL_MOST_SYMMETRIC] = {0};
+    find_mean_size(c, i, mean);
+    return pl_metric_make(c->dim, mean, metric);
+}
+
+/** Return the measure in which a corner is to be, in units of that of the ideal one. */
+static double wanted_measure(const fit *f, int64_t i) {
+    double size[PL_MOST_SYMMETRIC] = {0};
+    pl_metric metric;
+    if (f->of->n_numbers > 1)
+        return pl_sized_metric(f->of, i, f->metric ? &f->metric[i] : &metric);
+    find_mean_size(f->of, i, size);
+    return f->of->dim == 3 ? size[0] * size[0] * size[0] : size[0] * size[0];
+}
+
 /** Give a corner the target of its mean size, without the factor. */
 static void size_corner(const fit *f, int64_t i) {
-    const int dim = f->of->dim;
-    double sum = 0;
-    for (int j = 0; j <= dim; j++)
-        sum += f->of->size[f->of->node[i * (dim + 1) + j]];
-    const double size = sum / (dim + 1);
-    pl_target *t = &f->target[i];
-    *t = f->ideal[kind_of(f->of, i)];
-    t->measure *= dim == 3 ? size * size * size : size * size;
+    f->target[i] = f->ideal[kind_of(f->of, i)];
+    f->target[i].measure *= wanted_measure(f, i);
 }
 
 static void size_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -202,9 +269,9 @@ void pl_sizes_set(const pl_sized_corners *c, int threads, pl_target *target) {
     pl_parallel_for(threads, c->n, CHUNK, scale_chunk, &f);
 }
 
-double pl_sizes_fit(const pl_sized_corners *c, int threads, pl_target *target) {
+double pl_sizes_fit(const pl_sized_corners *c, int threads, pl_target *target, pl_metric *metric) {
     pl_sum sum[2] = {{.n_added = 0}, {.n_added = 0}};
-    fit f = {.of = c, .target = target, .sum = sum};
+    fit f = {.of = c, .target = target, .metric = metric, .sum = sum};
     make_ideals(c->dim, &f);
     pl_parallel_for(threads, c->n, CHUNK, size_chunk, &f);
     f.factor = sqrt(pl_sum_value(&sum[0]) / pl_sum_value(&sum[1]));

@@ -89,7 +89,8 @@ enum {
     EDGE_SHARE = IS_EDGE + 6,   /* 1 / its edges */
     IS_CORNER = EDGE_SHARE + 1, /* four: 1 if x, or p_i, is a corner of the element, else 0 */
     JACOBIAN = IS_CORNER + 4,   /* SJ^-2 of one is this times the squares of its edges / D^2 */
-    FORM_COLUMNS_END = JACOBIAN + 1
+    FORM_COLUMNS_END = JACOBIAN + 1,
+    METRIC = IS_EDGE /* six, with a metric: its L. Objectives of edges are without targets */
 };
 _Static_assert((int)FORM_COLUMNS_END <= (int)IS_FACET, "columns of forms have room");
 
@@ -112,6 +113,7 @@ typedef struct star {
     const pl_corner_form *forms;
     double weight;       /* sum of the facets' */
     double size_weight;  /* as of the problem, 0 without targets */
+    int has_metric;      /* 1: the columns METRIC count */
     const int32_t *ring; /* [n_ring] */
     int64_t n_ring;
     double scale, unscale; /* coordinates here / in the mesh, and the inverse */

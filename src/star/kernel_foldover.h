@@ -154,7 +154,7 @@ PL_INLINE void weigh(barrier *b, lanes weight) {
     b->of_tu *= weight;
 }
 
-/** T of a pack, and its derivatives: gradient, and the Hessian, this times the unit matrix. */
+/** T of a pack, and its derivatives: gradient, and the Hessian, this times bend_of_square. */
 typedef struct squares {
     lanes T, gradient[3], bend;
 } squares;
@@ -168,7 +168,7 @@ PL_INLINE squares squares_at(const star *s, int64_t i, const lanes *x, lanes edg
         t.T = c.E * edge2;
         t.bend = lanes_of(2) * c.c * edge2;
         for (int d = 0; d < dim; d++)
-            t.gradient[d] = t.bend * c.from[d];
+            t.gradient[d] = t.bend * c.pull[d];
         return t;
     }
     const edges e = edges_at(s, i, x, 0, dim);
@@ -222,17 +222,18 @@ PL_INLINE regularised energy_of(const star *s, double epsilon, const double *pos
             if (!derive)
                 continue;
             const lanes *gt = t.gradient;
-            lanes gu[3];
+            lanes gu[3], m[6];
             for (int d = 0; d < dim; d++) {
                 gu[d] = a.n[d] * target;
                 slope.g[d][k] += lanes_select(counts, b.of_t * gt[d] + b.of_u * gu[d], zero);
             }
+            bend_of_square(s, j, m, dim);
             for (int r = 0, c = 0; r < dim; r++)
                 for (int q = r; q < dim; q++, c++) {
                     lanes entry =
                         b.of_uu * (gu[r] * gu[q]) + b.of_tu * (gt[r] * gu[q] + gu[r] * gt[q]);
-                    if (r == q)
-                        entry += t.bend * b.of_t;
+                    if (r == q || s->has_metric)
+                        entry += t.bend * b.of_t * m[c];
                     slope.h[c][k] += lanes_select(counts, entry, zero);
                 }
         }

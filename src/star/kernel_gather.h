@@ -309,6 +309,7 @@ static const _Alignas(64) double ROWS_OF_SLOPE[4][PL_ROW] = {
 typedef struct wanted_corners {
     uint32_t node[PL_PACK][4]; /* rows of their nodes in the ring, in the corners' order */
     lanes target[8];           /* as pl_target */
+    lanes metric[8];           /* as pl_metric */
     lanes row[PL_ROW];         /* what the rows of V count in the slope of the star's node */
 } wanted_corners;
 
@@ -335,8 +336,36 @@ PL_INLINE void load_wanted(const star *s, const pl_star_problem *problem, int64_
     rows_to_columns(slope, w->row);
 }
 
+/** Load the metrics of the facets from i on into w and their columns. */
+PL_INLINE void load_metric(const star *s, const pl_star_problem *problem, int64_t first, int64_t i,
+                           wanted_corners *w) {
+    point_row low[PL_PACK], high[PL_PACK];
+    for (int k = 0; k < PL_PACK; k++) {
+        const int64_t facet = i + k < s->n_facets ? i + k : 0;
+        const pl_metric *metric = &problem->metric[problem->link_element[first + facet]];
+        low[k] = row_load(metric->l);
+        high[k] = row_load(metric->l + PL_ROW);
+    }
+    rows_to_columns(low, w->metric);
+    rows_to_columns(high, w->metric + PL_ROW);
+    for (int k = 0; k < PL_MOST_SYMMETRIC; k++)
+        store(s, METRIC + k, i, w->metric[k]);
+}
+
+/** Return |L f|^2. */
+PL_INLINE lanes square_in_metric(const lanes l[6], const lanes f[3], const int dim) {
+    lanes square = lanes_of(0);
+    for (int r = 0, k = 0; r < dim; r++) {
+        lanes y = lanes_of(0);
+        for (int c = r; c < dim; c++, k++)
+            y += l[k] * f[c];
+        square += y * y;
+    }
+    return square;
+}
+
 /** Compute the constants of the facets from i on, whose corners have the edges e, with the star's node at
- *  x: with its slope (pl_target_slopes) and t = T slope, x - o = t / |slope|^2. */
+ *  x: with its slope (pl_target_slopes) and t = T slope, x - o = t / |slope|^2, in any metric. */
 PL_INLINE void store_wanted(const star *s, int64_t i, const wanted_corners *w, const lanes e[3][3],
                             const lanes *x, const int dim) {
     static const uint8_t place[3] = {P0X, P0Y, P0Z};
@@ -356,15 +385,20 @@ PL_INLINE void store_wanted(const star *s, int64_t i, const wanted_corners *w, c
         }
         c += slope * slope;
         for (int d = 0; d < dim; d++) {
-            energy += column[d] * column[d];
+            if (!s->has_metric)
+                energy += column[d] * column[d];
             t[d] += column[d] * slope;
         }
+        if (s->has_metric)
+            energy += square_in_metric(w->metric, column, dim);
     }
     const lanes inverse = lanes_of(1) / c;
     for (int d = 0; d < dim; d++) {
         store(s, OX + d, i, (load(s, place[d], i) - x[d]) + t[d] * inverse);
         of_t += t[d] * t[d];
     }
+    if (s->has_metric)
+        of_t = square_in_metric(w->metric, t, dim);
     store(s, FORM_C, i, root * c);
     store(s, FORM_E0, i, lanes_max(root * (energy - of_t * inverse), lanes_of(ROW_NOTHING)));
 }
@@ -385,6 +419,8 @@ PL_INLINE void gather_targets_of(const star *s, const pl_star_problem *problem, 
         wanted_corners w;
         lanes p[4][PL_ROW], e[3][3];
         load_wanted(s, problem, first, i, self, &w, dim);
+        if (s->has_metric)
+            load_metric(s, problem, first, i, &w);
         for (int j = 0; j <= dim; j++)
             points_to_columns(ring, &w.node[0][j], 4, p[j]);
         for (int j = 0; j < dim; j++)
@@ -448,6 +484,8 @@ static inline void gather_row(const star *s, const pl_star_row *row, int64_t i, 
     *entry(s, ROUNDING, i) = error * error;
     *entry(s, BASE, i) = base;
     *entry(s, UNIT, i) = *entry(s, WANTED, i) = 0;
+    for (int k = 0; s->has_metric && k < PL_MOST_SYMMETRIC; k++)
+        *entry(s, METRIC + k, i) = pl_metric_identity(dim).l[k];
     *entry(s, FORM_C, i) = c;
     *entry(s, FORM_E0, i) = row->weight > 0 && e0 > 0 ? e0 : ROW_NOTHING;
     *entry(s, WEIGHT, i) = row->weight;
@@ -460,7 +498,7 @@ static inline void gather_guarded_row(const star *s, int64_t i, const int dim) {
         const int column[2][3] = {{P1X, P1Y, P1Z}, {P2X, P2Y, P2Z}};
         *entry(s, column[0][d], i) = *entry(s, column[1][d], i) = *entry(s, first[d], i);
     }
-    for (int k = 0; k < 6; k++)
+    for (int k = 0; !s->has_metric && k < 6; k++)
         *entry(s, IS_EDGE + k, i) = k == 0;
     for (int j = 0; j < 4; j++)
         *entry(s, IS_CORNER + j, i) = 0;
@@ -520,6 +558,7 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
     s.facet = rows;
     s.form = NULL;
     s.size_weight = problem->target ? problem->size_weight : 0;
+    s.has_metric = PL_KERNEL != PL_RADIUS && problem->metric != NULL;
     s.forms = problem->form;
     if (PL_KERNEL != PL_RADIUS && (problem->link_form || more)) {
         const uint8_t *code = problem->link_form ? problem->link_form + first : NULL;

@@ -8,7 +8,8 @@
  *     grad mu^2 / mu^2 = 2 p f - k n / D = z + p f,    z = p f - k n / D
  *     hess mu^2 / mu^2 = 2 z z^T + k (1 - k) n n^T / D^2 + 2 p I
  *
- * which is positive definite: |affine|^2 / affine^(k / 2) is convex, and so is its square. Where sizes
+ * which is positive definite: |affine|^2 / affine^(k / 2) is convex, and so is its square. In a metric
+ * E = c |L (x - o)|^2 + e0, f = L^T L (x - o), and L^T L is in the place of I. Where sizes
  * have a weight w, a corner counts by (1 - w) mu^2 + w (tau + 1 / tau) / 2, tau = D / det W its size
  * in units of its target's: convex, too.
  *
@@ -25,7 +26,7 @@
 
 /** Pack of corners at x. */
 typedef struct corners {
-    lanes n[3], from[3]; /* grad D, x - o */
+    lanes n[3], pull[3]; /* grad D; f, grad E = 2 c f */
     lanes aa, D, c, E;   /* |x - p0|^2 */
     lanes root;          /* in space: D^(-1/3) */
 } corners;
@@ -51,6 +52,34 @@ PL_INLINE lanes determinant_at(const star *s, int64_t i, const lanes *x, const l
     return D;
 }
 
+/** Make f of x - o, in the metrics of the pack at facet i. Returns |L (x - o)|^2. */
+PL_INLINE lanes pull_in_metric(const star *s, int64_t i, lanes f[3], const int dim) {
+    lanes y[3], square = lanes_of(0);
+    for (int r = 0, k = METRIC; r < dim; r++) {
+        y[r] = lanes_of(0);
+        for (int c = r; c < dim; c++, k++)
+            y[r] += load(s, k, i) * f[c];
+        square += y[r] * y[r];
+    }
+    for (int c = 0; c < dim; c++)
+        f[c] = lanes_of(0);
+    for (int r = 0, k = METRIC; r < dim; r++)
+        for (int c = r; c < dim; c++, k++)
+            f[c] += load(s, k, i) * y[r];
+    return square;
+}
+
+/** Fill m with the upper triangle of L^T L of the pack at facet i, or of I without a metric. */
+PL_INLINE void bend_of_square(const star *s, int64_t i, lanes m[6], const int dim) {
+    for (int a = 0, k = 0; a < dim; a++)
+        for (int b = a; b < dim; b++, k++)
+            m[k] = lanes_of(a == b && !s->has_metric);
+    for (int r = 0, first = METRIC; s->has_metric && r < dim; first += dim - r, r++)
+        for (int a = r; a < dim; a++)
+            for (int b = a; b < dim; b++)
+                m[packed(a, b, dim)] += load(s, first + a - r, i) * load(s, first + b - r, i);
+}
+
 /** Find the pack of corners at facet i, with the node at x [dim]. has_roots: after find_roots. */
 PL_INLINE corners corners_at(const star *s, int64_t i, const lanes *x, const int has_roots,
                              const int dim) {
@@ -62,10 +91,12 @@ PL_INLINE corners corners_at(const star *s, int64_t i, const lanes *x, const int
     t.D = has_roots ? load(s, DETERMINANT, i) : determinant_at(s, i, x, t.n, dim);
     for (int d = 0; d < dim; d++) {
         const lanes a = x[d] - load(s, first[d], i);
-        t.from[d] = a + load(s, OX + d, i);
+        t.pull[d] = a + load(s, OX + d, i);
         t.aa += a * a;
-        square += t.from[d] * t.from[d];
+        square += t.pull[d] * t.pull[d];
     }
+    if (s->has_metric)
+        square = pull_in_metric(s, i, t.pull, dim);
     t.c = load(s, FORM_C, i);
     t.E = t.c * square + load(s, FORM_E0, i);
     if (dim == 3)
@@ -134,16 +165,18 @@ PL_INLINE objective mean_value(const star *s, const double *position, const int 
     return accumulator_result(&total, 1);
 }
 
-/** Add the derivatives of a pack with mu^2 = square; trace: what the Hessian's diagonal has more. */
-PL_INLINE void add_mean(slopes *slope, lanes *trace, int k, const corners *t, lanes square,
-                        lanes inverse_d, const int with_hessian, const int dim) {
+/** Add the derivatives of the pack at facet i with mu^2 = square; trace: what the Hessian's diagonal has
+ *  more without a metric. */
+PL_INLINE void add_mean(const star *s, int64_t i, slopes *slope, lanes *trace, int k,
+                        const corners *t, lanes square, lanes inverse_d, const int with_hessian,
+                        const int dim) {
     const double power = mean_power(dim);
     const lanes p = (t->c + t->c) / t->E, of_n = lanes_of(power) * inverse_d;
     const lanes twice = square + square;
     const lanes bend = lanes_of(power * (1 - power)) * (square * (inverse_d * inverse_d));
     lanes z[3], v[3], m[3];
     for (int d = 0; d < dim; d++) {
-        const lanes pull = p * t->from[d];
+        const lanes pull = p * t->pull[d];
         z[d] = pull - of_n * t->n[d];
         slope->g[d][k] += square * (z[d] + pull);
         v[d] = twice * z[d];
@@ -151,7 +184,14 @@ PL_INLINE void add_mean(slopes *slope, lanes *trace, int k, const corners *t, la
     }
     if (!with_hessian)
         return;
-    *trace += twice * p;
+    if (s->has_metric) {
+        lanes m2[6];
+        bend_of_square(s, i, m2, dim);
+        for (int h = 0; h < dim * (dim + 1) / 2; h++)
+            slope->h[h][k] += twice * p * m2[h];
+    } else {
+        *trace += twice * p;
+    }
     for (int r = 0, h = 0; r < dim; r++)
         for (int c = r; c < dim; c++, h++)
             slope->h[h][k] += z[r] * v[c] + t->n[r] * m[c];
@@ -209,7 +249,8 @@ PL_INLINE objective mean_derivatives(const star *s, const double *position, deri
             accumulate(&total, k, ratio, weight, t.D, inverse_d * inverse_d,
                        load(s, ROUNDING, j) * t.aa);
             slope.size2[k] += t.aa * load(s, IS_FACET, j);
-            add_mean(&slope, &trace[k], k, &t, square * of_shape, inverse_d, with_hessian, dim);
+            add_mean(s, j, &slope, &trace[k], k, &t, square * of_shape, inverse_d, with_hessian,
+                     dim);
         }
     for (int k = 0; with_hessian && k < PL_PACKS; k++)
         for (int d = 0; d < dim; d++)

@@ -264,16 +264,17 @@ PL_INLINE void corner_mean_ratio(const star *s, int64_t i, const lanes *x, aspec
         return;
     const lanes p = (t.c + t.c) / t.E, of_n = lanes_of(power) * a->inverse_d;
     const lanes bend = lanes_of(power * (1 - power)) * (a->inverse_d * a->inverse_d);
-    lanes z[3];
+    lanes z[3], m[6];
     for (int d = 0; d < dim; d++) {
-        z[d] = p * t.from[d] - of_n * t.n[d];
-        a->l[d] = z[d] + p * t.from[d];
+        z[d] = p * t.pull[d] - of_n * t.n[d];
+        a->l[d] = z[d] + p * t.pull[d];
     }
+    bend_of_square(s, i, m, dim);
     for (int r = 0, k = 0; r < dim; r++)
         for (int c = r; c < dim; c++, k++) {
             a->h[k] = lanes_of(2) * (z[r] * z[c]) + bend * (t.n[r] * t.n[c]);
-            if (r == c)
-                a->h[k] += p + p;
+            if (r == c || s->has_metric)
+                a->h[k] += (p + p) * m[k];
         }
     if (s->size_weight > 0)
         mix_in_size(s, i, &t, shape, inverse_d, a, dim);

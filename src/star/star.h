@@ -159,7 +159,9 @@ typedef struct pl_star_problem {
                                    simplices */
     const pl_corner_form *form; /* [PL_N_FORMS] by codes */
     const pl_target
-        *target;        /* [elements] what corners are to be; NULL: ideal ones of their shapes */
+        *target; /* [elements] what corners are to be; NULL: ideal ones of their shapes */
+    const pl_metric
+        *metric;        /* [elements] then: in which they are to be that; NULL: lengths are usual */
     double size_weight; /* of sizes against shapes then, 0 .. 1 (geometry/target.h) */
     const int32_t *link_element; /* [link_offset[n_stars]] then: the facets' elements */
     pl_star_more_fn *more; /* rows besides those of the facets, at most max_more of a star, and

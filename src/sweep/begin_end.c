@@ -72,11 +72,11 @@ static int check_targets(const pl_run *r, planish_error *error) {
     const planish_options *o = r->options;
     if (!r->plan->work.target || (o->worst == PLANISH_WORST_NONE && pl_is_mean(o->objective)))
         return PLANISH_OK;
-    return pl_fail(
-        error, PLANISH_ERROR_ARGUMENT,
-        "options.%s is not possible with mesh.reference, mesh.is_layer or mesh.size: only mean "
-        "ratios are measured against targets",
-        o->worst != PLANISH_WORST_NONE ? "worst" : "objective EDGE_RATIO");
+    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                   "options.%s is not possible with mesh.reference, mesh.is_layer, mesh.size or "
+                   "mesh.metric: only "
+                   "mean ratios are measured against targets",
+                   o->worst != PLANISH_WORST_NONE ? "worst" : "objective EDGE_RATIO");
 }
 
 /** Kinds of the corners of a view, as bits. */

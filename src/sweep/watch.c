@@ -484,6 +484,14 @@ static double sign_of(const planish_plan *plan, int64_t element) {
     return plan->work.sign ? plan->work.sign[element] : 1;
 }
 
+/** E of an element of the plan, a corner with a target, from its edges. */
+PL_INLINE double target_energy(const planish_plan *plan, int64_t element, const double edge[3][3],
+                               const int dim) {
+    const double *v = plan->work.target[element].v;
+    return plan->work.metric ? pl_target_energy_in(dim, edge, v, plan->work.metric[element].l)
+                             : pl_target_energy(dim, edge, v);
+}
+
 /** What counts of an element of the plan, a corner with a target; infinite where it is not positive. */
 static double target_square(const planish_plan *plan, int64_t element) {
     const int dim = plan->dim;
@@ -494,9 +502,8 @@ static double target_square(const planish_plan *plan, int64_t element) {
     const double unit = exponent == 0 ? target->unit : ldexp(target->unit, dim * exponent);
     const double D =
         sign_of(plan, element) * pl_determinant_of_edges(dim, (const double(*)[3])edge);
-    return D > 0 ? pl_target_square(dim, (const double(*)[3])edge, D, target->v, unit,
-                                    plan->work.size_weight)
-                 : INFINITY;
+    const double energy = target_energy(plan, element, (const double(*)[3])edge, dim);
+    return D > 0 ? pl_target_square(dim, energy, D, unit, plan->work.size_weight) : INFINITY;
 }
 
 /** Find mu^2 of corner c of a cell with corners x, and the square of its scaled Jacobian; infinite
@@ -570,7 +577,7 @@ PL_INLINE int targets_may_exceed(const planish_plan *plan, int64_t begin, int64_
     for (int64_t e = begin; e < end; e++) {
         double edge[3][3];
         edges_of_element(plan, e, edge, dim);
-        const double energy = pl_target_energy(dim, edge, plan->work.target[e].v);
+        const double energy = target_energy(plan, e, (const double(*)[3])edge, dim);
         if (!is_within(energy, sign_of(plan, e) * pl_determinant_of_edges(dim, edge), most, dim))
             return 1;
     }

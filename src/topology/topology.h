@@ -62,9 +62,14 @@ void pl_dense_destroy(pl_dense *dense);
  *  counts of mesh are checked. */
 const planish_mesh *pl_drop_targets(const planish_mesh *mesh, planish_mesh *copy);
 
+/** Whether elements are to have sizes. */
+static inline int pl_has_sizes(const planish_mesh *mesh) {
+    return mesh->size || mesh->metric;
+}
+
 /** Whether elements are to have other shapes than the ideal ones, of a mesh from pl_drop_targets. */
 static inline int pl_has_targets(const planish_mesh *mesh) {
-    return mesh->reference || mesh->is_layer || mesh->size;
+    return mesh->reference || mesh->is_layer || pl_has_sizes(mesh);
 }
 
 /** Check the nodes of one element, of a mesh without cells. */

@@ -66,7 +66,7 @@ const planish_mesh *pl_drop_targets(const planish_mesh *mesh, planish_mesh *copy
         return mesh;
     *copy = *mesh;
     copy->is_layer = NULL;
-    copy->reference = mesh->size ? mesh->reference : NULL;
+    copy->reference = pl_has_sizes(mesh) ? mesh->reference : NULL;
     return copy;
 }
 
