@@ -228,7 +228,7 @@ typedef struct planish_mesh {
     /* [n_nodes] the edge lengths that elements are to have at the nodes, as these are at reference (NULL:
        at coordinates); NULL: sizes do not count. They are linear between the nodes, and read where the
        nodes go meanwhile. Elements are to be regular, and as large as the sizes say, in relation to one
-       another: all are multiplied by the factor that fits best, as the mesh has as many elements as it
+       another: all are multiplied by the factor by which the domain would hold as many elements as it
        has (docs/targets.md). planish_options.size_weight, which must be above 0, says how much sizes
        count. planish_plan_create reads them, and no plan needs them afterwards; planish_measure is
        against the sizes where elements were when the plan was made, or has smoothed last. Positive,
@@ -237,8 +237,8 @@ typedef struct planish_mesh {
     /* [n_nodes][dim (dim + 1) / 2] or NULL: as size, but the lengths depend on the direction. An edge e
        is to have e^T M e = 1, M the symmetric matrix m11, m12, m22, m13, m23, m33 of the place, in the
        plane m11, m12, m22. Elements are to be regular where lengths are measured so; M^(-1/2), whose
-       eigenvalues are edge lengths, is linear between the nodes. All are multiplied by the factor that
-       fits best. planish_options.size_weight may be 0: then directions and proportions count alone. Each M
+       eigenvalues are edge lengths, is linear between the nodes. All are multiplied by a factor as sizes
+       are. planish_options.size_weight may be 0: then directions and proportions count alone. Each M
        must be positive definite, and no edge length larger than 1e12 times another. Not with size, or what
        that excludes. */
     const double *metric;
@@ -1096,7 +1096,8 @@ PLANISH_API int planish_measure_cells(const planish_mesh *mesh, double rounding,
  *  metric, measures are those in it, and 1 is wanted. */
 typedef struct planish_size_quality {
     int64_t n_elements;        /* that have a size: all but flat ones */
-    double factor;             /* of the sizes that were given, by which they fit best */
+    double factor;             /* of the sizes that were given: by which the domain would hold as
+                                  many elements as it has */
     double rms_log;            /* RMS of log(size / (factor * wanted)) */
     double least, most;        /* size / (factor * wanted); 0 without elements */
     int64_t smallest, largest; /* elements that have these, or -1 */

@@ -54,7 +54,7 @@ static int take_mesh(const planish_mesh *mesh, int threads, sizes_call *c, plani
     for (int64_t i = 0; i < mesh->n_nodes; i++)
         c->size[i] = 1;
     c->corners.size = c->size;
-    pl_sizes_set(&c->corners, c->threads, c->target);
+    pl_sizes_fit(&c->corners, 1, c->threads, c->target, NULL);
     return PLANISH_OK;
 }
 
@@ -89,7 +89,7 @@ static int64_t number_of(const sizes_call *c, int64_t cell) {
 static double fit(sizes_call *c) {
     c->corners.n_numbers = c->field.n_numbers;
     pl_size_field_find(&c->field, c->dense.mesh.coordinates, NULL, c->threads, c->size);
-    return pl_sizes_fit(&c->corners, c->threads, c->target, NULL) / c->field.largest;
+    return pl_sizes_fit(&c->corners, 0, c->threads, c->target, NULL) / c->field.largest;
 }
 
 /** Measure all cells. */

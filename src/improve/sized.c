@@ -3,7 +3,8 @@
  * Sweeps know targets that stay. So targets are made anew after each sweep, until F against those where the
  * elements are falls no more. It may rise at first: elements shrink before others come after them. A sweep
  * is a step towards a mesh that it leaves as it is, and slow on large meshes, so steps are mixed (mixing.h)
- * where that lowers F. What stands in the end is the mesh of the least F on the way.
+ * where that lowers F. What stands in the end is the mesh of the least F on the way whose worst element is
+ * no worse than that of the start: where targets have made some worse, their nodes go back.
  */
 #include "improve/improve.h"
 #include "improve/mixing.h"
@@ -14,8 +15,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Sweeps in a row that may let F rise, or fall by next to nothing. */
-enum { PATIENCE = 20 };
+/* Sweeps in a row that may let F rise, or fall by next to nothing; rounds in which nodes go back. */
+enum { PATIENCE = 20, ROUNDS = 20 };
 
 /** Sweeps under way, and the mesh that stands. */
 typedef struct sized {
@@ -23,10 +24,13 @@ typedef struct sized {
     int64_t n;      /* numbers of all coordinates */
     double *before; /* [n] room of trial */
     double *from;   /* [n] where a sweep began */
-    double *swept;  /* [n] where it ended */
+    double *swept;  /* [n] where it ended, or before it was mended */
     pl_trial trial;
     pl_mixing mixing;
-    double latest; /* F */
+    uint8_t *state;          /* [elements] room */
+    double latest;           /* F */
+    double recent[PATIENCE]; /* after the last sweeps */
+    int n_swept;
 } sized;
 
 /** F of the mesh that stands. */
@@ -57,7 +61,43 @@ static void measure_anew(sized *s) {
  *  beside F. */
 static int is_sound(const sized *s) {
     return s->run->sums.inverted <= s->trial.standing.inverted &&
-           s->run->sums.radius_max <= s->run->worst_at_start;
+           s->run->sums.radius_max <= s->run->worst_at_start &&
+           s->run->sums.corner_max <= s->run->limits_at_start.rr2;
+}
+
+/** Put the nodes of an element back to where they stand. */
+static int64_t put_back_nodes(const sized *s, int64_t element) {
+    const planish_plan *plan = s->run->plan;
+    const size_t bytes = (size_t)plan->dim * sizeof *s->before;
+    int64_t n = 0;
+    for (int j = 0; j <= plan->dim; j++) {
+        const int64_t at = (int64_t)pl_plan_inner(plan, element, j) * plan->dim;
+        n += memcmp(plan->scratch.coordinates + at, s->before + at, bytes) != 0;
+        memcpy(plan->scratch.coordinates + at, s->before + at, bytes);
+    }
+    return n;
+}
+
+/** Put back the nodes of elements that are worse than they may be; how many had moved. */
+static int64_t put_back_bad(sized *s) {
+    const pl_run *r = s->run;
+    const pl_view all = pl_view_of_all_elements(&r->plan->work);
+    int64_t n = 0;
+    pl_find_worse_corners(&all, r->plan->scratch.to_measure, sqrt(r->limits_at_start.rr2), INFINITY,
+                          sqrt(r->worst_at_start), r->plan->threads, s->state);
+    for (int64_t i = 0; i < r->plan->work.n_elements; i++)
+        if (s->state[i] != PL_FINE)
+            n += put_back_nodes(s, i);
+    return n;
+}
+
+/** Mend a mesh that is not sound. An element whose nodes are where they stand has the target that it has
+ *  there, so this ends. */
+static void mend(sized *s) {
+    for (int i = 0; i < ROUNDS && !is_sound(s) && put_back_bad(s) > 0; i++) {
+        pl_follow(s->run->plan, &s->run->problem);
+        measure_anew(s);
+    }
 }
 
 /** Let the mesh as it is now stand if it is better than the one that does. */
@@ -67,6 +107,21 @@ static void take_better(sized *s) {
     pl_trial_end(&s->trial, 1);
     prepare(s->run);
     pl_trial_begin(s->run, 0, s->before, &s->trial);
+}
+
+/** Let the mesh as it is now, or a mended one, stand if that is better. Sweeps go on from what is not
+ *  mended. */
+static void take_mended(sized *s) {
+    double *x = s->run->plan->scratch.coordinates;
+    if (is_sound(s) || !(s->latest < least_of(s))) {
+        take_better(s);
+        return;
+    }
+    memcpy(s->swept, x, (size_t)s->n * sizeof *x);
+    mend(s);
+    take_better(s);
+    memcpy(x, s->swept, (size_t)s->n * sizeof *x);
+    measure_anew(s);
 }
 
 /** Go where the steps lead, if F is lower there than before the last one; the mesh is measured. */
@@ -85,24 +140,33 @@ static void mix(sized *s) {
     measure_anew(s);
 }
 
+/** Take note of F. Whether it is lower than after each of the last sweeps, by more than the tolerance. */
+static int has_fallen(sized *s) {
+    double lowest = INFINITY;
+    for (int i = 0; i < PATIENCE; i++)
+        lowest = fmin(lowest, s->recent[i]);
+    s->recent[s->n_swept++ % PATIENCE] = s->latest;
+    return s->latest < lowest * (1 - s->run->options->tolerance);
+}
+
 /** Sweep, each time with new targets, until F does not fall. */
 static void follow(sized *s) {
     pl_run *r = s->run;
-    const double tolerance = r->options->tolerance;
     int64_t visits = 1;
     r->stop = PLANISH_STOP_MAX_SWEEPS;
+    for (int i = 0; i < PATIENCE; i++)
+        s->recent[i] = INFINITY;
     for (int idle = 0; pl_run_sweeps_left(r) > 0;) {
-        const double before = s->latest;
         memcpy(s->from, r->plan->scratch.coordinates, (size_t)s->n * sizeof *s->from);
         const int is_cut = pl_run_sweep(r, &visits);
-        if (is_cut)
+        if (is_cut) {
             measure_anew(s);
-        else
-            mix(s);
-        take_better(s);
-        if (is_cut)
+            take_better(s);
             return;
-        idle = s->latest < before * (1 - tolerance) ? 0 : idle + 1;
+        }
+        mix(s);
+        idle = has_fallen(s) ? 0 : idle + 1;
+        take_mended(s);
         if (visits == 0 || idle == PATIENCE) {
             r->stop = PLANISH_STOP_CONVERGED;
             return;
@@ -115,8 +179,9 @@ int pl_run_sized_sweeps(pl_run *r, planish_error *error) {
     s.before = pl_alloc(3 * s.n, sizeof *s.before);
     s.from = s.before ? s.before + s.n : NULL;
     s.swept = s.before ? s.from + s.n : NULL;
+    s.state = pl_alloc(r->plan->work.n_elements, sizeof *s.state);
     int status = PLANISH_OK;
-    if (s.before && pl_mixing_create(s.n, r->plan->threads, &s.mixing)) {
+    if (s.before && s.state && pl_mixing_create(s.n, r->plan->threads, &s.mixing)) {
         s.latest = pl_objective_of_movable(r->options, &r->sums);
         pl_trial_begin(r, 0, s.before, &s.trial);
         follow(&s);
@@ -127,5 +192,6 @@ int pl_run_sized_sweeps(pl_run *r, planish_error *error) {
     }
     pl_mixing_destroy(&s.mixing);
     pl_free(s.before);
+    pl_free(s.state);
     return status;
 }

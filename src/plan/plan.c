@@ -217,7 +217,7 @@ int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
     return pl_points_check(&points, plan->threads, error);
 }
 
-void pl_plan_fit_sizes(const planish_plan *plan, const double *x, const int32_t *place) {
+void pl_plan_fit_sizes(planish_plan *plan, const double *x, const int32_t *place) {
     const pl_view *work = &plan->work;
     const pl_sized_corners corners = {.dim = plan->dim,
                                       .n = work->n_elements,
@@ -228,5 +228,6 @@ void pl_plan_fit_sizes(const planish_plan *plan, const double *x, const int32_t 
                                       .x = x,
                                       .place = place};
     pl_size_field_find(plan->sizes, x, place, plan->threads, plan->scratch.sizes);
-    pl_sizes_fit(&corners, plan->threads, (pl_target *)work->target, (pl_metric *)work->metric);
+    plan->size_factor = pl_sizes_fit(&corners, plan->size_factor, plan->threads,
+                                     (pl_target *)work->target, (pl_metric *)work->metric);
 }

@@ -121,6 +121,8 @@ struct planish_plan {
     planish_cells cells;         /* the mesh's, if they are not linear simplices alone: n above 0 */
     pl_own_cells own_cells;      /* their arrays, of simplices with targets */
     struct pl_size_field *sizes; /* that the targets are made by (shape/size_field.h), or NULL */
+    double
+        size_factor;  /* of them, as pl_sizes_fit finds it in the mesh of which the plan was made */
     int32_t *cell_of; /* the cell of each element of all, unless element_of has cells; or NULL */
     uint8_t *role;    /* [nodes of the mesh] see pl_dense */
     pl_scope scope;
@@ -213,7 +215,7 @@ int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
                        const planish_options *options, planish_error *error);
 
 /** Make the targets of a plan with sizes, of x [.][dim]: node i is at x[place[i]]; place NULL: at x[i]. */
-void pl_plan_fit_sizes(const planish_plan *plan, const double *x, const int32_t *place);
+void pl_plan_fit_sizes(planish_plan *plan, const double *x, const int32_t *place);
 
 /* ---- check_options.c ------------------------------------------------------------------------ */
 

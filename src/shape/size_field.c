@@ -171,7 +171,7 @@ typedef struct fit {
     double share[PL_N_FORMS / 8];    /* of a corner in its cell */
     pl_target *target;
     pl_metric *metric;
-    pl_sum *sum;   /* of tau, and of 1 / tau; shared */
+    pl_sum *sum;   /* of tau, and how many these are; shared */
     double factor; /* of measures */
 } fit;
 
@@ -230,10 +230,10 @@ static void size_chunk(void *context, int64_t begin, int64_t end, int thread) {
         size_corner(f, i);
         const double tau = pl_sized_measure(f->of, i) / f->target[i].measure;
         const double share = f->share[kind_of(f->of, i)];
-        if (!(tau > 0 && share / tau < INFINITY))
+        if (!(tau > 0))
             continue;
         pl_sum_add(&sum[0], share * tau);
-        pl_sum_add(&sum[1], share / tau);
+        pl_sum_add(&sum[1], share);
     }
     pl_sum_merge(&f->sum[0], &sum[0]);
     pl_sum_merge(&f->sum[1], &sum[1]);
@@ -261,22 +261,20 @@ static void make_ideals(int dim, fit *f) {
     }
 }
 
-void pl_sizes_set(const pl_sized_corners *c, int threads, pl_target *target) {
-    pl_sum sum[2] = {{.n_added = 0}, {.n_added = 0}};
-    fit f = {.of = c, .target = target, .sum = sum, .factor = 1};
-    make_ideals(c->dim, &f);
-    pl_parallel_for(threads, c->n, CHUNK, size_chunk, &f);
-    pl_parallel_for(threads, c->n, CHUNK, scale_chunk, &f);
+/** Return the factor of measures of what has been summed. */
+static double factor_of(const fit *f) {
+    const double factor = pl_sum_value(&f->sum[0]) / pl_sum_value(&f->sum[1]);
+    return factor > 0 && isfinite(factor) ? factor : 1; /* all is flat */
 }
 
-double pl_sizes_fit(const pl_sized_corners *c, int threads, pl_target *target, pl_metric *metric) {
+double pl_sizes_fit(const pl_sized_corners *c, double factor, int threads, pl_target *target,
+                    pl_metric *metric) {
     pl_sum sum[2] = {{.n_added = 0}, {.n_added = 0}};
     fit f = {.of = c, .target = target, .metric = metric, .sum = sum};
     make_ideals(c->dim, &f);
     pl_parallel_for(threads, c->n, CHUNK, size_chunk, &f);
-    f.factor = sqrt(pl_sum_value(&sum[0]) / pl_sum_value(&sum[1]));
-    if (!(f.factor > 0 && isfinite(f.factor)))
-        f.factor = 1; /* all is flat */
+    f.factor =
+        factor > 0 ? (c->dim == 3 ? factor * factor * factor : factor * factor) : factor_of(&f);
     pl_parallel_for(threads, c->n, CHUNK, scale_chunk, &f);
-    return c->dim == 3 ? pl_cube_root(f.factor) : sqrt(f.factor);
+    return factor > 0 ? factor : c->dim == 3 ? pl_cube_root(f.factor) : sqrt(f.factor);
 }

@@ -2,15 +2,14 @@
  *
  * Sizes are edge lengths at the nodes of a mesh, or symmetric matrices of those (geometry/metric.h), linear
  * in the simplices that it is cut into (topology/background.h). A corner is to be an ideal one of its shape,
- * whose edges are as long as the mean of the sizes at its nodes says, times a factor that is the same for all: a mesh has as many elements as it
- * has, so that sizes are met in relation to one another. With tau the measure of a corner in units of what
- * the sizes say, the factor of measures that makes the sum of tau / f + f / tau least is
- *
- *     f^2 = sum of tau / sum of 1 / tau
+ * whose edges are as long as the mean of the sizes at its nodes says, times a factor that is the same for
+ * all: a mesh has as many elements as it has, so sizes are met in relation to one another. With tau the
+ * measure of a corner in units of what the sizes say, the sum of tau over a domain is how many corners it
+ * would hold if sizes were met. So the factor of measures is the mean of tau.
  *
  *   pl_size_field_create, _destroy    the field of a mesh
  *   pl_size_field_find                sizes at points
- *   pl_sizes_set, _fit                targets of corners whose nodes have sizes
+ *   pl_sizes_fit                      targets of corners whose nodes have sizes
  *   pl_sized_measure, _metric         measure and metric of one
  */
 #ifndef PL_SHAPE_SIZE_FIELD_H
@@ -61,11 +60,9 @@ double pl_sized_metric(const pl_sized_corners *c, int64_t i, pl_metric *metric);
 /** Return the measure of corner i, as if it were positive. */
 double pl_sized_measure(const pl_sized_corners *c, int64_t i);
 
-/** Fill target [c->n] with what the sizes say, without a factor. */
-void pl_sizes_set(const pl_sized_corners *c, int threads, pl_target *target);
-
-/** Fill target [c->n], and if sizes are matrices metric [c->n], which may be NULL; returns the factor of
- *  lengths. */
-double pl_sizes_fit(const pl_sized_corners *c, int threads, pl_target *target, pl_metric *metric);
+/** Fill target [c->n], and if sizes are matrices metric [c->n], which may be NULL. factor: of lengths; 0: the
+ *  one by which the domain would hold as many corners as it has. Returns it. */
+double pl_sizes_fit(const pl_sized_corners *c, double factor, int threads, pl_target *target,
+                    pl_metric *metric);
 
 #endif

@@ -84,11 +84,12 @@ static planish_options defaults(void) {
     return options;
 }
 
-/** RMS of the logarithm of size / wanted, but for its mean: of an element's measure in the plane, or in
- *  space, by the mean of the field's formula at its corners. For boxes of one kind of cells. */
+/** RMS of the logarithm of size / (factor * wanted), the factor that by which the box would hold as many
+ *  elements: of an element's measure in the plane, or in space, by the mean of the field's formula at its
+ *  corners. For boxes of one kind of cells. */
 static double spread_of(const sized_box *s, const double *x) {
     const int dim = s->mesh.dim, n_corners = dim == 2 ? 4 : 8;
-    double sum = 0, squares = 0;
+    double held = 0, sum = 0, squares = 0;
     const int64_t n = s->box->cells.n;
     for (int64_t i = 0; i < n; i++) {
         const int32_t *node = s->box->node + s->box->offset[i];
@@ -109,10 +110,12 @@ static double spread_of(const sized_box *s, const double *x) {
             wanted += size_at(at, s->side) / n_corners;
         }
         const double log_ratio = log(measure) / dim - log(wanted);
-        sum += log_ratio;
-        squares += log_ratio * log_ratio;
+        held += measure / pow(wanted, dim) / (double)n;
+        sum += log_ratio / (double)n;
+        squares += log_ratio * log_ratio / (double)n;
     }
-    return sqrt(squares / (double)n - sum * sum / ((double)n * (double)n));
+    const double factor = log(held) / dim;
+    return sqrt(squares - 2 * factor * sum + factor * factor);
 }
 
 /* ---- tests ------------------------------------------------------------------------------------ */

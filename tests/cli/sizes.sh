@@ -4,7 +4,8 @@
 . "$(dirname "$0")/common.sh"
 
 # make.py KIND FORM [WRONG]: a square or cube of N cells along each side, with sizes that are small on a circle: the array
-# h of nodes, H of elements, both of VTK, or Medit's mesh with its .sol. WRONG is the size of node 12.
+# h of nodes, H of elements, both of VTK, or Medit's mesh with its .sol. WRONG is the size of node 12. The array m and the
+# .sol of FORM metric have metrics of elements that are thin across the circle alone; of node 12 with WRONG alike.
 cat >make.py <<'END2'
 import itertools
 import math
@@ -22,8 +23,19 @@ for at in itertools.product(range(N + 1), repeat=dim):
 elements = box_file.elements(kind, [N] * dim, number)
 sizes = [0.1 + 2 * abs(math.hypot(p[0] - 0.5, p[1] - 0.5) - 0.25) for p in points]
 text = list(map(repr, sizes))
+
+
+def metric(p, size):
+    """Thin by size towards the middle axis."""
+    away = [p[0] - 0.5, p[1] - 0.5, 0][:dim]
+    square = away[0] ** 2 + away[1] ** 2 + 1e-9
+    return [[(r == c) + (size ** -2 - 1) * away[r] * away[c] / square for c in range(dim)] for r in range(dim)]
+
+
+metrics = [metric(p, min(1, size + 0.1)) for p, size in zip(points, sizes)]
 if wrong:
     text[11] = wrong
+    metrics[11][0][0] = float(wrong)
 if form == "vtk":
     print("# vtk DataFile Version 3.0\nsizes\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS %d double" % len(points))
     for p in points:
@@ -37,6 +49,15 @@ if form == "vtk":
     print(*[repr(sum(sizes[n] for n in e) / len(e)) for e in elements])
     print("POINT_DATA %d\nSCALARS h double 1\nLOOKUP_TABLE default" % len(points))
     print(*text)
+    print("TENSORS m double")
+    for m in metrics:
+        for row in m + [[0, 0, 1]] * (3 - dim):
+            print(*(row + [0, 0])[:3])
+elif form == "metric":
+    print("MeshVersionFormatted 2\nDimension %d\nSolAtVertices\n%d\n1 3" % (dim, len(points)))
+    for m in metrics:
+        print(*[m[r][c] for r in range(dim) for c in range(r + 1)])
+    print("End")
 elif form == "sol":
     print("MeshVersionFormatted 2\nDimension %d\nSolAtVertices\n%d\n1 1" % (dim, len(points)))
     print(*text, "End", sep="\n")
@@ -48,6 +69,7 @@ for kind in quads triangles hexes tets; do
     python3 make.py $kind vtk >$kind.vtk
     python3 make.py $kind mesh >$kind.mesh
     python3 make.py $kind sol >$kind.sol
+    python3 make.py $kind metric >$kind-metric.sol
 done
 
 # ---- sizes are met, of every type, and the same on any number of threads
@@ -118,6 +140,34 @@ start, with_sizes, without = map(column, ("graded.mesh", "kept.mesh", "regular.m
 assert abs(with_sizes - start) < 0.5 * abs(without - start), (start, with_sizes, without)
 END2
 
+# ---- metrics: thin elements where they are wanted, of every type, from either kind of file
+
+for kind in quads triangles hexes tets; do
+    for threads in 1 2; do
+        expect_status 0 "$program" smooth $kind.vtk --size m --slide auto -o $kind-$threads.vtk -j $threads \
+            --json report.json
+    done
+    cmp -s $kind-1.vtk $kind-2.vtk || fail "$kind: threads change the bits"
+    grep -q "AR is where lengths are measured by m" out || { fail "the table has the metric"; cat out; }
+    expect_json 'r["target"] == "metric" and r["sizes_of"] == "m"'
+    expect_json 'r["after"]["sizes"]["rms_log"] < 0.9 * r["before"]["sizes"]["rms_log"]'
+    expect_json 'r["objective"]["after"] < r["objective"]["before"] and r["after"]["inverted"] == 0 and r["certified"]'
+    expect_status 0 "$program" smooth $kind.vtk --size m --size-weight 0 --slide auto -o a.vtk --json report.json
+    expect_json 'r["after"]["rms_aspect_ratio"] - 1 < 0.8 * (r["before"]["rms_aspect_ratio"] - 1)'
+    cp report.json data.json
+    expect_status 0 "$program" smooth $kind.mesh --size-from $kind-metric.sol --size-weight 0 --slide auto -o a.mesh \
+        --json report.json
+    expect_json 'r["sizes_of"].endswith("-metric.sol")'
+    python3 - <<'END2' || fail "$kind: metrics are the same wherever they come from"
+import json
+data, sol = (json.load(open(name + ".json"))["after"]["rms_aspect_ratio"] for name in ("data", "report"))
+assert abs(data / sol - 1) < 1e-6, (data, sol)
+END2
+done
+expect_status 0 "$program" quality quads.vtk --size m --json report.json --report page.html
+expect_json 'r["target"] == "metric" and r["quality"]["rms_aspect_ratio"] > 1.2'
+grep -qF 'to have the metric of <code>m</code>' page.html || fail "the page says the metric"
+
 # ---- quality and the page
 
 expect_status 0 "$program" quality quads.vtk --size h --json report.json --report page.html
@@ -143,8 +193,16 @@ expect_status 2 "$program" smooth quads.mesh --size-from hexes.sol -o wrong.mesh
 expect_one_line
 expect_status 2 "$program" smooth quads.mesh --size-from gone.sol -o wrong.mesh
 expect_one_line
+for metric in 0 -1 nan 1e-30; do
+    python3 make.py quads vtk $metric >wrong-in.vtk
+    expect_status 2 "$program" smooth wrong-in.vtk --size m -o wrong.vtk
+    expect_one_line
+    expect_no_file wrong.vtk
+done
+expect_status 2 "$program" smooth quads.vtk --size h --size-weight 0 -o wrong.vtk
+expect_one_line
 for options in "--size h --like quads.vtk" "--size h --layers keep" "--size h --keep-sizes" "--size h --size-from quads.sol" \
-    "--size h --objective worst" "--size h --objective edge-ratio" "--size h --size-weight 0" "--size-weight 0.5" \
+    "--size h --objective worst" "--size h --objective edge-ratio" "--keep-sizes --size-weight 0" "--size-weight 0.5" \
     "--size h --method laplacian"; do
     # shellcheck disable=SC2086 # several words
     expect_status 64 "$program" smooth quads.vtk $options -o wrong.vtk

@@ -44,6 +44,25 @@ class Sizes(unittest.TestCase):
         planish.smooth(points, cells, sizes=sizes)
         self.assertLess(little, 0.5 * np.abs(points - start).max())
 
+    def test_metrics_are_met(self):
+        points, cells = squares()
+        start, away = points.copy(), points - 0.5
+        radius = np.hypot(*away.T) + 1e-3
+        thin = 0.2 + 2 * np.abs(radius - 0.25)
+        across = away / radius[:, None]
+        metrics = np.eye(2) + (1 / np.minimum(1, thin) ** 2 - 1)[:, None, None] * across[:, :, None] * across[:, None, :]
+        before = planish.quality(points, cells, sizes=metrics).cells.all
+        planish.smooth(points, cells, sizes=metrics, size_weight=0.5)
+        after = planish.quality(points, cells, sizes=metrics, reference=start).cells.all
+        self.assertLess(after.rms_aspect_ratio - 1, 0.6 * (before.rms_aspect_ratio - 1))
+        self.assertEqual(after.n_inverted, 0)
+        plain = planish.quality(points, cells).cells.all
+        self.assertGreater(plain.rms_aspect_ratio, after.rms_aspect_ratio)
+        points[:] = start
+        planish.smooth(points, cells, sizes=metrics)
+        sizes = planish.size_quality(points, cells, sizes=metrics, start=start)
+        self.assertLess(sizes.rms_log, planish.size_quality(start, cells, sizes=metrics).rms_log)
+
     def test_own_sizes(self):
         points, cells = squares()
         np.testing.assert_allclose(planish.find_sizes(points, cells), 1 / SIDE, rtol=1e-12)
@@ -54,7 +73,9 @@ class Sizes(unittest.TestCase):
     def test_what_does_not_fit(self):
         points, cells = squares()
         sizes = wanted(points)
-        for wrong, text in ((sizes[1:], "sizes must have a number for each"), (0 * sizes, "has the size 0")):
+        matrices = np.tile([[1.0, 0.5], [0, 1]], (len(sizes), 1, 1))
+        for wrong, text in ((sizes[1:], "sizes must have a number or a 2 x 2 matrix"), (0 * sizes, "has the size 0"),
+                            (matrices, "must be symmetric"), (0 * matrices, "metric of node 0 is not positive")):
             with self.assertRaisesRegex((ValueError, planish.Error), text):
                 planish.smooth(points, cells, sizes=wrong)
         with self.assertRaisesRegex(ValueError, "reference or sizes, not both"):

@@ -25,18 +25,18 @@ enum { N_NODES = 5 };
 #define CELLS "CELL_DATA 2\n"
 
 /** Read the sizes of text as arguments ask; returns what pl_sizes_read returns. */
-static int read_sizes(const char *text, pl_arguments *arguments, double **size) {
+static int read_sizes(const char *text, pl_arguments *arguments, pl_sizes *sizes) {
     planish_file *file = reading_text(&io_format_vtk, text);
     const planish_mesh mesh = planish_file_mesh(file);
     arguments->input = "mesh.vtk";
-    const int status = pl_sizes_read(arguments, file, 1, &mesh, size);
+    const int status = pl_sizes_read(arguments, file, 1, &mesh, sizes);
     planish_file_close(file);
     return status;
 }
 
-static int read_array(const char *text, double **size) {
-    pl_arguments arguments = {.size = "h"};
-    return read_sizes(text, &arguments, size);
+static int read_array(const char *text, pl_sizes *sizes) {
+    pl_arguments arguments = {.size = "h", .library.size_weight = 0.5};
+    return read_sizes(text, &arguments, sizes);
 }
 
 static void expect_near(double a, double b) {
@@ -44,29 +44,29 @@ static void expect_near(double a, double b) {
 }
 
 static void expect_refused(const char *text) {
-    double *size;
-    assert_int_equal(read_array(text, &size), PL_EXIT_FAILED);
-    free(size);
+    pl_sizes sizes;
+    assert_int_equal(read_array(text, &sizes), PL_EXIT_FAILED);
+    pl_sizes_free(&sizes);
 }
 
 static void sizes_of_nodes(void **state) {
-    double *size;
+    pl_sizes sizes;
     (void)state;
     /* The size of the node of no element does not matter. */
-    assert_int_equal(read_array(FLAT NODES "SCALARS h double\n1 4 4 16 -1\n", &size), 0);
-    assert_true(size[0] == 1 && size[1] == 4 && size[3] == 16);
-    expect_near(size[4], 4);
-    free(size);
+    assert_int_equal(read_array(FLAT NODES "SCALARS h double\n1 4 4 16 -1\n", &sizes), 0);
+    assert_true(sizes.size[0] == 1 && sizes.size[1] == 4 && sizes.size[3] == 16);
+    expect_near(sizes.size[4], 4);
+    pl_sizes_free(&sizes);
 }
 
 static void sizes_of_elements(void **state) {
-    double *size;
+    pl_sizes sizes;
     (void)state;
-    assert_int_equal(read_array(FLAT CELLS "SCALARS h double\n1 4\n", &size), 0);
+    assert_int_equal(read_array(FLAT CELLS "SCALARS h double\n1 4\n", &sizes), 0);
     const double expected[N_NODES] = {2, 1, 2, 4, 2};
     for (int i = 0; i < N_NODES; i++)
-        expect_near(size[i], expected[i]);
-    free(size);
+        expect_near(sizes.size[i], expected[i]);
+    pl_sizes_free(&sizes);
 }
 
 static void sizes_that_are_none(void **state) {
@@ -78,6 +78,58 @@ static void sizes_that_are_none(void **state) {
     expect_refused(FLAT CELLS "SCALARS h double\n1 0\n");
     expect_refused(FLAT CELLS "SCALARS g double\n1 1\n");
     expect_refused(FLAT NODES "FIELD f 1\nh 2 5 double\n1 1 1 1 1 1 1 1 1 1\n");
+    expect_refused(FLAT NODES "VECTORS h double\n1 1 1 1 1 1 1 1 1 1 1 1 1 1 1\n");
+}
+
+#define ONE "1 0 0 0 1 0 0 0 1\n"
+
+static void metrics_of_nodes(void **state) {
+    pl_sizes sizes;
+    (void)state;
+    assert_int_equal(read_array(FLAT NODES "TENSORS h double\n4 1 0 1 9 0 0 0 1\n" ONE ONE
+                                           "2 0 0 0 2 0 0 0 1\n0 0 0 0 0 0 0 0 0\n",
+                                &sizes),
+                     0);
+    assert_null(sizes.size);
+    static const double expected[] = {4, 1, 9, 1, 0, 1, 1, 0, 1, 2, 0, 2, 2, 0.25, 3.25};
+    for (int i = 0; i < 15; i++)
+        assert_true(sizes.metric[i] == expected[i]);
+    pl_sizes_free(&sizes);
+    assert_null(sizes.metric);
+}
+
+static void metrics_of_elements(void **state) {
+    pl_sizes sizes;
+    (void)state;
+    /* VTK has the diagonal first: xx, yy, zz, xy, yz, xz. */
+    assert_int_equal(
+        read_array(FLAT CELLS "FIELD f 1\nh 6 2 double\n4 9 1 1 0 0\n2 3 1 0 0 0\n", &sizes), 0);
+    static const double expected[] = {3, 0.5, 6, 4, 1, 9, 3, 0.5, 6, 2, 0, 3, 3, 0.5, 6};
+    for (int i = 0; i < 15; i++)
+        expect_near(sizes.metric[i], expected[i]);
+    pl_sizes_free(&sizes);
+}
+
+static void metrics_that_are_none(void **state) {
+    (void)state;
+    expect_refused(FLAT NODES "TENSORS h double\n4 1 0 0.9 9 0 0 0 1\n" ONE ONE ONE ONE);
+    expect_refused(FLAT NODES "TENSORS h double\n0 0 0 0 9 0 0 0 1\n" ONE ONE ONE ONE);
+    expect_refused(FLAT NODES "TENSORS h double\n1 2 0 2 1 0 0 0 1\n" ONE ONE ONE ONE);
+    expect_refused(FLAT NODES "TENSORS h double\n-1 0 0 0 -1 0 0 0 1\n" ONE ONE ONE ONE);
+    expect_refused(FLAT CELLS "TENSORS h double\n-1 0 0 0 1 0 0 0 1\n" ONE);
+}
+
+static void a_weight_of_nothing(void **state) {
+    (void)state;
+    for (int is_metric = 0; is_metric < 2; is_metric++) {
+        pl_arguments arguments = {.size = is_metric ? "m" : "h", .library.size_weight = 0};
+        pl_sizes sizes;
+        const int status = read_sizes(
+            FLAT NODES "SCALARS h double\n1 1 1 1 1\nTENSORS m double\n" ONE ONE ONE ONE ONE,
+            &arguments, &sizes);
+        assert_int_equal(status, is_metric ? 0 : PL_EXIT_FAILED);
+        pl_sizes_free(&sizes);
+    }
 }
 
 static void solutions_of_another_file(void **state) {
@@ -86,18 +138,22 @@ static void solutions_of_another_file(void **state) {
     static const char metrics[] = "MeshVersionFormatted 2\nDimension 2\nSolAtVertices\n5\n1 3\n"
                                   "4 1 9\n4 1 9\n4 1 9\n4 1 9\n4 1 9\nEnd\n";
     char path[TEST_PATH_SIZE];
-    double *size;
+    pl_sizes sizes;
     test_write(*state, "a.sol", sizes_text, strlen(sizes_text));
     test_write(*state, "m.sol", metrics, strlen(metrics));
-    pl_arguments arguments = {.size_from = test_path(path, *state, "a.sol")};
-    assert_int_equal(read_sizes(FLAT, &arguments, &size), 0);
-    assert_true(size[0] == 4 && size[1] == 1 && size[2] == 9 && size[3] == 2);
-    free(size);
-    for (int wrong = 0; wrong < 2; wrong++) {
-        arguments.size_from = test_path(path, *state, wrong ? "m.sol" : "none.sol");
-        assert_int_equal(read_sizes(FLAT, &arguments, &size), PL_EXIT_FAILED);
-        free(size);
-    }
+    pl_arguments arguments = {.size_from = test_path(path, *state, "a.sol"),
+                              .library.size_weight = 0.5};
+    assert_int_equal(read_sizes(FLAT, &arguments, &sizes), 0);
+    assert_true(sizes.size[0] == 4 && sizes.size[1] == 1 && sizes.size[2] == 9 &&
+                sizes.size[3] == 2);
+    pl_sizes_free(&sizes);
+    arguments.size_from = test_path(path, *state, "m.sol");
+    assert_int_equal(read_sizes(FLAT, &arguments, &sizes), 0);
+    assert_true(sizes.metric[0] == 4 && sizes.metric[1] == 1 && sizes.metric[2] == 9);
+    pl_sizes_free(&sizes);
+    arguments.size_from = test_path(path, *state, "none.sol");
+    assert_int_equal(read_sizes(FLAT, &arguments, &sizes), PL_EXIT_FAILED);
+    pl_sizes_free(&sizes);
 }
 
 /** Elements with edges of 2, each of its own type: all nodes have the size 2. */
@@ -117,11 +173,11 @@ static void sizes_that_are_kept(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         pl_arguments arguments = {.keep_sizes = 1};
-        double *size;
-        assert_int_equal(read_sizes(texts[i], &arguments, &size), 0);
+        pl_sizes sizes;
+        assert_int_equal(read_sizes(texts[i], &arguments, &sizes), 0);
         for (int k = 0; k < 3; k++)
-            expect_near(size[k], 2);
-        free(size);
+            expect_near(sizes.size[k], 2);
+        pl_sizes_free(&sizes);
     }
 }
 
@@ -130,6 +186,10 @@ int main(void) {
         cmocka_unit_test(sizes_of_nodes),
         cmocka_unit_test(sizes_of_elements),
         cmocka_unit_test(sizes_that_are_none),
+        cmocka_unit_test(metrics_of_nodes),
+        cmocka_unit_test(metrics_of_elements),
+        cmocka_unit_test(metrics_that_are_none),
+        cmocka_unit_test(a_weight_of_nothing),
         cmocka_unit_test_setup_teardown(solutions_of_another_file, test_folder_create,
                                         test_folder_remove),
         cmocka_unit_test(sizes_that_are_kept),

@@ -191,7 +191,7 @@ static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *argu
     int status = 0;
     if (d->figures->has_targets && !d->figures->like[0]) {
         lack(d, w,
-             d->figures->of_sizes
+             d->figures->of_sizes || d->figures->of_metric
                  ? "is not drawn: its elements are to have sizes"
                  : "is not drawn: its elements are measured against its layers as they were");
         return 0;

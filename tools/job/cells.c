@@ -182,7 +182,7 @@ static int measure(const pl_job *job, const planish_cells *cells, planish_cell_q
         job->options.rounding > 0 ? job->options.rounding : pl_cells_rounding(job);
     const int code =
         planish_measure_cells(&all, rounding, job->options.threads, quality, values, error);
-    return code || !all.size || !sizes
+    return code || !pl_like_has_sizes(&job->like) || !sizes
                ? code
                : planish_measure_sizes(&all, job->options.threads, sizes, NULL, error);
 }

@@ -204,7 +204,7 @@ static int find_held_layers(pl_job *job) {
     if (arguments->layers == PL_LAYERS_IGNORED || arguments->layers == PL_LAYERS_KEPT ||
         job->is_surface ||
         (arguments->layers == PL_LAYERS_BY_TYPE &&
-         (!job->has_types || (job->like.place && !job->like.size))))
+         (!job->has_types || (job->like.place && !job->like.sizes.size))))
         return 0;
     uint8_t *is_chosen = malloc((size_t)job->mesh.n_elements + 1);
     if (!is_chosen)

@@ -215,20 +215,20 @@ int pl_like_layers(const pl_arguments *arguments, planish_file *file, uint8_t *i
 int pl_like_sizes(const pl_arguments *arguments, planish_file *file, int threads,
                   planish_mesh *mesh, pl_like *like) {
     const int status = take_own(arguments->input, pl_arguments_target(arguments), file, mesh, like);
-    return status ? status : pl_sizes_read(arguments, file, threads, mesh, &like->size);
+    return status ? status : pl_sizes_read(arguments, file, threads, mesh, &like->sizes);
 }
 
 void pl_like_give(const pl_like *like, planish_mesh *mesh) {
     mesh->reference = like->place;
     mesh->is_layer = like->is_layer;
-    mesh->size = like->size;
+    mesh->size = like->sizes.size;
+    mesh->metric = like->sizes.metric;
 }
 
 void pl_like_free(pl_like *like) {
     free(like->place);
     free(like->is_layer);
-    free(like->size);
+    pl_sizes_free(&like->sizes);
     like->place = NULL;
     like->is_layer = NULL;
-    like->size = NULL;
 }

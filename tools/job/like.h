@@ -10,6 +10,7 @@
 #ifndef PL_TOOLS_LIKE_H
 #define PL_TOOLS_LIKE_H
 
+#include "job/sizes.h"
 #include "options/options.h"
 
 #include <planish/planish_io.h>
@@ -18,9 +19,8 @@
 typedef struct pl_like {
     double *place; /* [n_nodes][dim] of the nodes there, owned; NULL: there are no targets */
     uint8_t
-        *is_layer; /* [elements] of layers in the input, which place is of then, owned; or NULL */
-    double *
-        size; /* [n_nodes] that elements are to have at place, which is the input's, owned; or NULL */
+        *is_layer;  /* [elements] of layers in the input, which place is of then, owned; or NULL */
+    pl_sizes sizes; /* that elements are to have at place, which is the input's, owned */
     uint64_t checksum;   /* planish_checksum of the file's coordinates */
     planish_cells cells; /* all elements of the mesh */
 } pl_like;
@@ -40,6 +40,11 @@ int pl_like_layers(const pl_arguments *arguments, planish_file *file, uint8_t *i
  *  for. As pl_like_layers. */
 int pl_like_sizes(const pl_arguments *arguments, planish_file *file, int threads,
                   planish_mesh *mesh, pl_like *like);
+
+/** Whether elements are to have sizes. */
+static inline int pl_like_has_sizes(const pl_like *like) {
+    return like->sizes.size || like->sizes.metric;
+}
 
 /** Give mesh the targets of like. */
 void pl_like_give(const pl_like *like, planish_mesh *mesh);

@@ -14,12 +14,13 @@
 /** Sizes on their way from a file to the nodes of a mesh. */
 typedef struct sizing {
     const char *input, *name; /* the mesh's file; the file of the sizes, or the array */
+    int is_solution;          /* name is another file's */
     planish_file *file;
     const planish_mesh *mesh;
     planish_cells cells; /* all elements */
     uint8_t *is_used;    /* [n_nodes] whether a node is of an element, owned */
     planish_data data;   /* as read, owned */
-    double *size;        /* [n_nodes] what is found, owned by the caller */
+    pl_sizes *found;     /* owned by the caller */
 } sizing;
 
 /** Complain of sizes: the text is about the file or array of that name. */
@@ -105,7 +106,7 @@ static int check_ratio(const sizing *s, const double *size) {
 /** Take sizes of nodes, or of elements: those of nodes in no element do not matter. */
 static int take_sizes(sizing *s) {
     const planish_data *data = &s->data;
-    double *size = s->size = make_values(s->mesh->n_nodes);
+    double *size = s->found->size = make_values(s->mesh->n_nodes);
     if (!size)
         return complain_memory(s);
     for (int64_t i = 0; i < data->n; i++)
@@ -119,15 +120,121 @@ static int take_sizes(sizing *s) {
     return status ? status : check_ratio(s, size);
 }
 
+/* ---- metrics ---------------------------------------------------------------------------------- */
+
+/* A tensor by rows is symmetric if entries differ by no more than this part of the largest one. */
+#define ROUNDING 1e-6
+
+/** Where values of a width have the entries 11, 12, 22, 13, 23, 33 of a tensor, of a mesh of dim; or
+ *  NULL. */
+static const int8_t *places_of(const sizing *s) {
+    static const int8_t lower[] = {0, 1, 2, 3, 4, 5}, in_plane[] = {0, 2, 3},
+                        by_rows[] = {0, 3, 4, 6, 7, 8};
+    const int dim = s->mesh->dim;
+    switch (s->data.n_components) {
+    case 3:
+        return dim == 2 && s->is_solution ? lower : NULL; /* vectors of a mesh have 3, too */
+    case 4:
+        return dim == 2 ? in_plane : NULL;
+    case 6:
+        return lower;
+    case 9:
+        return by_rows;
+    default:
+        return NULL;
+    }
+}
+
+/** Whether tensor value i, if it stands by rows, is symmetric. */
+static int is_symmetric(const sizing *s, int64_t i) {
+    const int n = s->data.n_components == 9 ? 3 : 2;
+    const double *v = s->data.values + i * s->data.n_components;
+    double most = 0, off = 0;
+    for (int k = 0; k < n * n; k++)
+        most = fmax(most, fabs(v[k]));
+    for (int r = 0; r < n; r++)
+        for (int c = 0; c < r; c++)
+            off = fmax(off, fabs(v[n * r + c] - v[n * c + r]));
+    return n * n != s->data.n_components || off <= ROUNDING * most;
+}
+
+/** Whether the symmetric matrix m is positive definite: its leading minors are positive. */
+static int is_positive(int dim, const double *m) {
+    const double minor = m[0] * m[2] - m[1] * m[1];
+    const double det = dim == 2 ? 1
+                                : m[5] * minor - m[4] * (m[0] * m[4] - m[1] * m[3]) +
+                                      m[3] * (m[1] * m[4] - m[2] * m[3]);
+    return m[0] > 0 && minor > 0 && det > 0;
+}
+
+/** Take the metric of value i. */
+static int take_metric(const sizing *s, const int8_t *place, int64_t i, double m[6]) {
+    const planish_data *data = &s->data;
+    const int dim = s->mesh->dim;
+    for (int k = 0; k < dim * (dim + 1) / 2; k++)
+        m[k] = data->values[i * data->n_components + place[k]];
+    if (!data->of_elements && !s->is_used[i])
+        return 0;
+    if (is_symmetric(s, i) && is_positive(dim, m))
+        return 0;
+    const int64_t number = data->of_elements ? planish_file_element_number(s->file, i)
+                                             : planish_file_node_number(s->file, i);
+    return pl_complain(PL_EXIT_FAILED,
+                       "%s: %s: the metric at %s %" PRId64
+                       " is not symmetric and positive definite",
+                       s->input, s->name, data->of_elements ? "element" : "node", number);
+}
+
+/** Add a metric to the sum of a node, behind which the number of those stands. */
+static void add_metric(int n, const double *m, double *sum) {
+    for (int k = 0; k < n; k++)
+        sum[k] += m[k];
+    sum[n]++;
+}
+
+/** Make the means of sums [n_nodes][n + 1] metrics; nodes without any have that of all. */
+static void find_means(int64_t n_nodes, int n, const double *sum, double *metric) {
+    double all[7] = {0};
+    for (int64_t i = 0; i < n_nodes; i++)
+        for (int k = 0; k <= n; k++)
+            all[k] += sum[i * (n + 1) + k];
+    for (int64_t i = 0; i < n_nodes; i++) {
+        const double *of = sum[i * (n + 1) + n] > 0 ? sum + i * (n + 1) : all;
+        for (int k = 0; k < n; k++)
+            metric[i * n + k] = of[k] / of[n];
+    }
+}
+
+/** Take metrics of nodes, or of elements; place: of places_of. */
+static int take_metrics(sizing *s, const int8_t *place) {
+    const int n = s->mesh->dim * (s->mesh->dim + 1) / 2;
+    double *metric = s->found->metric = make_values(s->mesh->n_nodes * n);
+    double *sum = calloc((size_t)(s->mesh->n_nodes + 1) * (size_t)(n + 1), sizeof *sum);
+    int status = metric && sum ? 0 : complain_memory(s);
+    for (int64_t i = 0; !status && i < s->data.n; i++) {
+        double m[6] = {0};
+        status = take_metric(s, place, i, m);
+        if (!s->data.of_elements && s->is_used[i])
+            add_metric(n, m, sum + i * (n + 1));
+        for (int64_t k = s->cells.offset[i]; s->data.of_elements && k < s->cells.offset[i + 1]; k++)
+            if (s->cells.node[k] >= 0)
+                add_metric(n, m, sum + s->cells.node[k] * (int64_t)(n + 1));
+    }
+    if (!status)
+        find_means(s->mesh->n_nodes, n, sum, metric);
+    free(sum);
+    return status;
+}
+
 /* ---- the input's own sizes --------------------------------------------------------------------- */
 
 /** Take the sizes that the elements have now. */
 static int keep_sizes(sizing *s, int threads) {
     planish_error error;
-    s->size = make_values(s->mesh->n_nodes);
-    if (!s->size)
+    double *size = s->found->size = make_values(s->mesh->n_nodes);
+    if (!size)
         return complain_memory(s);
-    return planish_find_sizes(s->mesh, threads, s->size, &error) ? complain(s, error.text) : 0;
+    return planish_find_sizes(s->mesh, threads, size, &error) ? complain(s, error.text) : 0;
 }
 
 /* ---- reading ------------------------------------------------------------------------------------ */
@@ -151,13 +258,18 @@ static int read_values(sizing *s, const pl_arguments *arguments) {
                         : planish_sol_read(arguments->size_from, s->mesh->dim, s->mesh->n_nodes,
                                            &s->data, &error))
         return pl_complain(PL_EXIT_FAILED, "%s: %s", option, error.text);
-    if (s->data.n_components == 1)
-        return take_sizes(s);
-    return pl_complain(
-        PL_EXIT_FAILED,
-        "%s: %s: has %d numbers for each of its values: a size is one; metrics are not "
-        "made targets yet",
-        s->input, s->name, s->data.n_components);
+    const int8_t *place = places_of(s);
+    if (place)
+        return take_metrics(s, place);
+    if (s->data.n_components != 1)
+        return pl_complain(
+            PL_EXIT_FAILED,
+            "%s: %s: has %d numbers for each of its values: a size is one number, and a "
+            "metric a symmetric tensor",
+            s->input, s->name, s->data.n_components);
+    return arguments->library.size_weight != 0
+               ? take_sizes(s)
+               : complain(s, "with --size-weight 0 sizes have no effect: give more");
 }
 
 const char *pl_sizes_source(const pl_arguments *arguments) {
@@ -167,15 +279,17 @@ const char *pl_sizes_source(const pl_arguments *arguments) {
 }
 
 int pl_sizes_read(const pl_arguments *arguments, planish_file *file, int threads,
-                  const planish_mesh *mesh, double **size) {
+                  const planish_mesh *mesh, pl_sizes *sizes) {
     sizing s = {.input = arguments->input,
                 .name = arguments->size        ? arguments->size
                         : arguments->size_from ? arguments->size_from
                                                : "--keep-sizes",
+                .is_solution = arguments->size_from != NULL,
                 .file = file,
-                .mesh = mesh};
+                .mesh = mesh,
+                .found = sizes};
     planish_error error;
-    *size = NULL;
+    *sizes = (pl_sizes){NULL, NULL};
     if (planish_file_cells(file, &s.cells, &error))
         return pl_complain(PL_EXIT_FAILED, "%s: %s", arguments->input, error.text);
     int status = find_used(&s);
@@ -183,6 +297,11 @@ int pl_sizes_read(const pl_arguments *arguments, planish_file *file, int threads
         status = arguments->keep_sizes ? keep_sizes(&s, threads) : read_values(&s, arguments);
     planish_data_free(&s.data);
     free(s.is_used);
-    *size = s.size;
     return status;
+}
+
+void pl_sizes_free(pl_sizes *sizes) {
+    free(sizes->size);
+    free(sizes->metric);
+    *sizes = (pl_sizes){NULL, NULL};
 }

@@ -452,13 +452,13 @@ static const option_row option_table[] = {
      "must be the name of an array of the file",
      "let elements have the sizes of array NAME of IN (VTK,\n"
      "Gmsh) where they are, in relation to one another:\n"
-     "lengths of edges at nodes or elements; with quality:\n"
-     "compare with them",
+     "lengths of edges, or metrics (symmetric tensors), at\n"
+     "nodes or elements; with quality: compare with them",
      NULL},
     {0, "size-from", "FILE", BOTH | OPTIMISES, set_text, AT(size_from), 0, 0,
      "must be the name of a file",
-     "let elements have the sizes of FILE, a .sol or .solb\n"
-     "of Medit's for the nodes of IN",
+     "let elements have the sizes or metrics of FILE, a .sol\n"
+     "or .solb of Medit's for the nodes of IN",
      "file"},
     {0, "keep-sizes", NULL, SMOOTH | OPTIMISES, set_flag, AT(keep_sizes), 1, 0, NULL,
      "let elements have the sizes that those of IN have\nthere", NULL},
@@ -713,9 +713,9 @@ static int check_targets(const pl_arguments *arguments) {
     if (arguments->library.size_weight > 0 && !is_sized && !arguments->like)
         return pl_complain_usage(command, "--size-weight has no effect without --like or sizes "
                                           "(--size, --size-from, --keep-sizes)");
-    if (arguments->library.size_weight == 0 && is_sized)
-        return pl_complain_usage(command, "--size-weight 0 leaves %s without effect: give more",
-                                 targets[0]);
+    if (arguments->library.size_weight == 0 && arguments->keep_sizes)
+        return pl_complain_usage(command,
+                                 "--size-weight 0 leaves --keep-sizes without effect: give more");
     if (n > 1)
         return pl_complain_usage(command, "give %s or %s, not both", targets[0], targets[1]);
     if (n == 1 && is_sized && arguments->n_inputs > 1)

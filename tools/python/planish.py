@@ -66,7 +66,8 @@ class _Mesh(ctypes.Structure):
         ("reference", c_void_p),
         ("is_layer", c_void_p),
         ("size", c_void_p),
-        ("reserved", c_void_p * 3),
+        ("metric", c_void_p),
+        ("reserved", c_void_p * 2),
     ]
 
 
@@ -1258,11 +1259,19 @@ class _View:
         self.mesh.reference = _address(self.reference.array)
 
     def take_sizes(self, sizes: Any) -> None:
-        """Let the elements have these sizes, given at the points."""
+        """Let the elements have these sizes or metrics, given at the points."""
         self.sizes = np.ascontiguousarray(sizes, dtype=float)
-        if self.sizes.shape != (self.n,):
-            raise ValueError(f"sizes must have a number for each of {self.n} points, not the shape {self.sizes.shape}")
-        self.mesh.size = _address(self.sizes)
+        if self.sizes.shape == (self.n,):
+            self.mesh.size = _address(self.sizes)
+            return
+        if self.sizes.shape != (self.n, self.dim, self.dim):
+            raise ValueError(f"sizes must have a number or a {self.dim} x {self.dim} matrix for each of {self.n} "
+                             f"points, not the shape {self.sizes.shape}")
+        if not np.allclose(self.sizes, self.sizes.transpose(0, 2, 1), rtol=1e-6, atol=1e-6 * np.abs(self.sizes).max()):
+            raise ValueError("sizes that are matrices must be symmetric")
+        rows, columns = np.tril_indices(self.dim)
+        self.sizes = np.ascontiguousarray(self.sizes[:, rows, columns])
+        self.mesh.metric = _address(self.sizes)
 
     def _hold_interfaces(self, data: dict[str, Any], regions: Any, slides: bool) -> None:
         """Fix the nodes between regions, unless it is to be found which of them slide."""
@@ -1512,7 +1521,8 @@ class Plan:
     element must be valid there. It may not be together with worst elements or edge ratios. size_weight: 0 .. 1,
     what the sizes of cells count against their shapes; None: 0, with sizes 0.9.
     sizes: the edge lengths [n] that cells are to have at the points given, in relation to one another
-    (docs/targets.md); find_sizes has those of a mesh, size_quality measures.
+    (docs/targets.md); find_sizes has those of a mesh, size_quality measures. Or metrics, symmetric matrices
+    [n, 2, 2] or [n, 3, 3]: cells are to be regular, with edges of 1, where lengths are measured by them.
 
     One plan serves one thread at a time: others wait, and are refused with RuntimeError while it
     smooths. To be closed, or used in a with statement.
@@ -1945,23 +1955,29 @@ def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
 
 
 def quality(points: Any, cells: Any = None, *, fixed: Any = None, regions: Any = _BY_RULE,
-            rounding: Optional[float] = None, per_element: bool = False, reference: Any = None) -> Quality:
+            rounding: Optional[float] = None, per_element: bool = False, reference: Any = None,
+            sizes: Any = None) -> Quality:
     """Quality of a mesh: points, cells, fixed, regions, rounding and reference as for Plan. Its cells tell of
     elements of all types, or against the reference; per_element gives it elements, the measures of each one, too.
+    With sizes that are metrics, as for Plan, given where the points are at reference, AR is that in these.
     Triangles and quadrilaterals in space, in no plane of constant z, are measured each in its own plane."""
     surface = _Surface3D.of(points, cells, fixed=fixed, threads=0)
-    if surface is not None and reference is not None:
-        raise ValueError("reference is not for surfaces in space")
+    if surface is not None and (reference is not None or sizes is not None):
+        raise ValueError(f"{'reference is' if sizes is None else 'sizes are'} not for surfaces in space")
     if surface is not None:
         return surface.quality(per_element)
     view, error, found, options = _View(points, cells, fixed, None, regions), _Error(), Quality(), _Options()
     _library.planish_options_init_sized(byref(options), c_size_t(ctypes.sizeof(_Options)))
     options.threads = _threads(0)
-    if reference is not None:
+    if reference is not None and sizes is None:
         view.take_reference(reference)
-    is_simple = view.elements.types is None and reference is None
+    is_simple = view.elements.types is None and reference is None and sizes is None
     if view.elements.is_smoothed():
         _check(_library.planish_measure_mesh(byref(view.mesh), byref(options), byref(found), byref(error)), error)
+    if sizes is not None:
+        view.take_sizes(sizes)
+        if reference is not None:
+            view.take_reference(reference)
     if per_element or not is_simple:
         _measure_cells(view, rounding, per_element, found)
     return found
@@ -2001,7 +2017,7 @@ def find_sizes(points: Any, cells: Any = None, *, threads: int = 0) -> np.ndarra
 
 def size_quality(points: Any, cells: Any = None, *, sizes: Any, start: Any = None, per_element: bool = False,
                  threads: int = 0) -> SizeQuality:
-    """Sizes of the cells against sizes [n], as of Plan, given where the points are at start (None: now).
+    """Sizes of the cells against sizes or metrics, as of Plan, given where the points are at start (None: now).
     per_element: with ratio [m]."""
     view, error, found = _View(points, cells, None, None), _Error(), SizeQuality()
     view.take_sizes(sizes)

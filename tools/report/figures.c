@@ -28,13 +28,13 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
     const cJSON *before = cJSON_GetObjectItemCaseSensitive(result, "before");
     const cJSON *after = cJSON_GetObjectItemCaseSensitive(result, "after");
     const cJSON *quality = cJSON_GetObjectItemCaseSensitive(result, "quality");
+    const char *target = pl_figure_text(result, "target");
     *figures = (pl_figures){.result = result,
                             .is_solid = pl_figure(mesh, "dimension") == 3,
                             .like = pl_figure_text(result, "like"),
-                            .of_sizes = strcmp(pl_figure_text(result, "target"), "sizes") == 0,
-                            .has_targets = strcmp(pl_figure_text(result, "target"), "like") == 0 ||
-                                           strcmp(pl_figure_text(result, "target"), "sizes") == 0 ||
-                                           strcmp(pl_figure_text(result, "target"), "layers") == 0};
+                            .of_sizes = strcmp(target, "sizes") == 0,
+                            .of_metric = strcmp(target, "metric") == 0,
+                            .has_targets = target[0] && strcmp(target, "regular") != 0};
     if (!cJSON_IsObject(result))
         return "is not a JSON object";
     if (cJSON_IsArray(cJSON_GetObjectItemCaseSensitive(result, "meshes")))

@@ -108,11 +108,13 @@ static void put_remarks(pl_markup *page, const pl_figures *figures, const cJSON 
         pl_markup_put_text(page, figures->like);
         pl_markup_put(page,
                       "</code>: aspect ratios are against that, and 1 is the same shape.</p>\n");
-    } else if (figures->of_sizes) {
-        pl_markup_put(page, "<p id=\"target\">Elements are to have the sizes of <code>");
+    } else if (figures->of_sizes || figures->of_metric) {
+        pl_markup_put(page, "<p id=\"target\">Elements are to have the %s of <code>",
+                      figures->of_metric ? "metric" : "sizes");
         pl_markup_put_text(page, pl_figure_text(figures->result, "sizes_of"));
-        pl_markup_put(page, "</code>, in relation to one another. Aspect ratios are against "
-                            "regular elements.</p>\n");
+        pl_markup_put(page, "</code>, in relation to one another. Aspect ratios are %s.</p>\n",
+                      figures->of_metric ? "those where lengths are measured by it"
+                                         : "against regular elements");
     } else if (figures->has_targets) {
         pl_markup_put(page,
                       "<p id=\"target\">The layers keep their heights: aspect ratios of their "

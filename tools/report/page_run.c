@@ -81,6 +81,7 @@ void pl_page_put_run(pl_markup *page, const pl_figures *figures) {
              pl_figure_text(cJSON_GetObjectItemCaseSensitive(result, "objective"), "name"));
     put_fact(page, "targets of the elements",
              figures->of_sizes                           ? "sizes"
+             : figures->of_metric                        ? "a metric"
              : figures->has_targets && !figures->like[0] ? "the layers as they were"
                                                          : figures->like);
     put_fact(page, "ended", pl_figure_text(result, "stop"));

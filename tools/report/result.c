@@ -262,7 +262,7 @@ static void add_types(document *json, cJSON *quality, const planish_cell_quality
 /** Add the sizes of elements against those that are wanted, if sizes are asked for. */
 static void add_sizes(document *json, cJSON *quality, const pl_job *job,
                       const planish_size_quality *sizes) {
-    if (!job->like.size)
+    if (!pl_like_has_sizes(&job->like))
         return;
     cJSON *to = new_object(json, quality, "sizes");
     add_real(json, to, "factor", sizes->factor);
@@ -447,11 +447,12 @@ static void add_checksum(document *json, cJSON *root, const char *name, uint64_t
  *  with the checksum of its coordinates. */
 static void add_target(document *json, cJSON *root, const pl_job *job) {
     add_text(json, root, "target",
-             job->like.size       ? "sizes"
-             : job->like.is_layer ? "layers"
-             : job->like.place    ? "like"
-                                  : "regular");
-    if (job->like.size)
+             job->like.sizes.metric ? "metric"
+             : job->like.sizes.size ? "sizes"
+             : job->like.is_layer   ? "layers"
+             : job->like.place      ? "like"
+                                    : "regular");
+    if (pl_like_has_sizes(&job->like))
         add_text(json, root, "sizes_of", pl_sizes_source(job->arguments));
     if (!job->arguments->like || !job->like.place)
         return;

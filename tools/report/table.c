@@ -225,7 +225,10 @@ static void row_target(FILE *stream, const pl_job *job) {
     if (job->like.is_layer)
         fprintf(stream,
                 "AR is against the heights of the layers as they were, and regular elements\n");
-    else if (job->like.place && !job->like.size)
+    else if (job->like.sizes.metric)
+        fprintf(stream, "AR is where lengths are measured by %s\n",
+                pl_text_fit(pl_sizes_source(job->arguments), PL_TEXT_WIDTH / 2, name, sizeof name));
+    else if (job->like.place && !job->like.sizes.size)
         fprintf(stream, "AR is against each element as it is in %s\n",
                 pl_text_fit(job->arguments->like, PL_TEXT_WIDTH / 2, name, sizeof name));
 }
@@ -346,7 +349,7 @@ static void rows_sizes(FILE *stream, const planish_size_quality *before,
     row_real(stream, "  least size / wanted", before ? &before->least : NULL, after->least, &plain);
     row_real(stream, "  largest", before ? &before->most : NULL, after->most, &plain);
     snprintf(text, sizeof text,
-             "Sizes are relative: the sizes given, times %.4g, fit best what elements there are.",
+             "Sizes are relative: times %.4g, those given are what as many elements can have.",
              after->factor);
     pl_text_wrap(stream, text);
 }
@@ -362,7 +365,7 @@ static void rows_aspect(FILE *stream, const pl_job *job, const pl_result *result
     const measure ratio = {"", LESS_IS_BETTER, is_of_same ? RELATIVE : NOT_COMPARED};
     /* Elements that have targets need not be more regular. */
     const measure jacobian = {"", MORE_IS_BETTER, job->like.place ? NOT_COMPARED : ABSOLUTE};
-    if (job->like.size)
+    if (pl_like_has_sizes(&job->like))
         rows_sizes(stream, &result->validity_before.sizes, &result->validity_after.sizes);
     row_real(stream, "worst aspect ratio (AR)", &was->max_aspect_ratio, is->max_aspect_ratio,
              &ratio);
@@ -723,7 +726,7 @@ void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measur
         row_mesh(stream, job, counts);
         row_target(stream, job);
         put_cells(stream, job, cells);
-        if (job->like.size)
+        if (pl_like_has_sizes(&job->like))
             rows_sizes(stream, NULL, &cells->sizes);
         if (job->is_surface)
             pl_surface_print(stream, job);
