@@ -241,7 +241,8 @@ static int measure(const planish_mesh *mesh, double rounding, cells_call *c,
                                           : mesh->is_layer  ? target_of_layer
                                           : mesh->reference ? target_of_reference
                                                             : NULL,
-                                .targets = &w};
+                                .targets = &w,
+                                .has_metric = mesh->metric != NULL};
     int64_t flawed = -1;
     status = pl_cell_rules_make(&cells, &c->rules);
     if (!status)

@@ -242,7 +242,6 @@ typedef struct wanted_corner {
 /** Find the targets of the corners of lane l; 0: one has none. */
 static int find_targets(const pl_cell_mesh *mesh, const cell_block *b, int l, wanted_corner *w) {
     for (int c = 0; c < b->rule->type->shape->n_measured; c++) {
-        w[c].metric = pl_metric_identity(mesh->dim);
         if (!mesh->target(mesh->targets, b->element[l], c, &w[c].target, &w[c].metric))
             return 0;
     }
@@ -289,8 +288,10 @@ PL_INLINE void measure_corners(cell_block *b, const int dim) {
 }
 
 /** E of a corner's edges. */
-static double energy_of(const wanted_corner *w, const double edges[3][3], int dim) {
-    return pl_target_energy_in(dim, edges, w->target.v, w->metric.l);
+PL_INLINE double energy_of(const pl_cell_mesh *mesh, const wanted_corner *w,
+                           const double edges[3][3]) {
+    return mesh->has_metric ? pl_target_energy_in(mesh->dim, edges, w->target.v, w->metric.l)
+                            : pl_target_energy(mesh->dim, edges, w->target.v);
 }
 
 /** Measure lane l by the targets of its corners. Its determinants are certain. */
@@ -303,7 +304,7 @@ static void measure_by_targets(const pl_cell_mesh *mesh, int l, const wanted_cor
         double corner[4][3][LANES], edges[3][3] = {{0}};
         find_corner(b, c, corner, dim);
         find_edges(corner, l, edges, dim);
-        sum += ratio_square(energy_of(&w[c], (const double(*)[3])edges, dim),
+        sum += ratio_square(energy_of(mesh, &w[c], (const double(*)[3])edges),
                             fabs(pl_determinant_of_edges(dim, (const double(*)[3])edges)), dim);
     }
     b->square[l] = sum / shape->n_measured;
@@ -332,7 +333,7 @@ static void resolve_corners(const pl_cell_mesh *mesh, int l, const wanted_corner
         n_inverted += !(m > 0);
         sum +=
             !(m > 0) ? NAN
-            : w ? ratio_square(energy_of(&w[c], (const double(*)[3])edges, dim), determinant, dim)
+            : w ? ratio_square(energy_of(mesh, &w[c], (const double(*)[3])edges), determinant, dim)
                 : mean_ratio_square(shape, edges, determinant, dim);
         least = pl_smaller(m != 0 ? scaled : 0, least);
     }

@@ -15,7 +15,7 @@
 
 #include <planish/planish.h>
 
-/** Make the target of corner c of a cell, and its metric, which is the usual one before; returns as
+/** Make the target of corner c of a cell, and its metric where the mesh has those; returns as
  *  pl_target_make. targets: of pl_cell_mesh. */
 typedef int pl_cell_target_fn(const void *targets, int64_t cell, int c, pl_target *target,
                               pl_metric *metric);
@@ -29,6 +29,7 @@ typedef struct pl_cell_mesh {
     double rounding;           /* of coordinates: mids that are no farther off are straight */
     pl_cell_target_fn *target; /* of corners, or NULL: they are to be the ideal ones */
     const void *targets;       /* for target */
+    int has_metric;            /* 1: target makes metrics, too */
 } pl_cell_mesh;
 
 /** Rules of the types of a mesh that count. */

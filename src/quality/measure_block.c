@@ -285,14 +285,15 @@ PL_INLINE double product_of_edges(int dim, const double square[6], double is_sim
 }
 
 /** What counts of a corner with a target, from its edges and |D|. */
-PL_INLINE double square_of_target(const pl_corner_block *b, int l, int dim,
+PL_INLINE double square_of_target(const pl_corner_block *b, int l, const int has_metric, int dim,
                                   const double edges[3][3], double determinant) {
-    double v[6], metric[6];
-    for (int k = 0; k < 6; k++) {
+    double v[6], metric[6], energy;
+    for (int k = 0; k < 6; k++)
         v[k] = b->weight[k][l];
+    for (int k = 0; has_metric && k < 6; k++)
         metric[k] = b->metric[k][l];
-    }
-    const double energy = pl_target_energy_in(dim, edges, v, metric);
+    energy =
+        has_metric ? pl_target_energy_in(dim, edges, v, metric) : pl_target_energy(dim, edges, v);
     return pl_target_square(dim, energy, determinant, b->target_unit[l], b->size_weight);
 }
 
@@ -300,18 +301,16 @@ PL_INLINE double square_of_target(const pl_corner_block *b, int l, int dim,
 PL_INLINE void gather_corners(const pl_mesh_state *mesh, const pl_corner_form *form, int64_t first,
                               int count, pl_corner_block *b) {
     pl_block_gather(mesh, first, count, &b->of);
-    const pl_metric usual = pl_metric_identity(mesh->of->dim);
     b->size_weight = mesh->of->size_weight;
     for (int l = 0; l < PL_SUM_LANES; l++) {
         const int kind = pl_corner_kind(mesh->of->corner[first + (l < count ? l : 0)]);
         const pl_corner_form *f = &form[pl_form_code(pl_corner_code(kind, 0), 0, 0)];
         const int64_t number = first + (l < count ? l : 0);
         const pl_target *target = mesh->of->target ? &mesh->of->target[number] : NULL;
-        const pl_metric *metric = mesh->of->metric ? &mesh->of->metric[number] : &usual;
-        for (int k = 0; k < 6; k++) {
+        for (int k = 0; k < 6; k++)
             b->weight[k][l] = target ? target->v[k] : f->weight[k];
-            b->metric[k][l] = metric->l[k];
-        }
+        for (int k = 0; mesh->of->metric && k < 6; k++)
+            b->metric[k][l] = mesh->of->metric[number].l[k];
         b->target_unit[l] = target ? target->unit : 0;
         b->determinant[l] = f->determinant;
         b->unit[l] = f->volume;
@@ -320,7 +319,8 @@ PL_INLINE void gather_corners(const pl_mesh_state *mesh, const pl_corner_form *f
 }
 
 /** Evaluate all lanes by the plain formulas. */
-PL_INLINE void evaluate_corners(pl_corner_block *b, const int has_targets, const int dim) {
+PL_INLINE void evaluate_corners(pl_corner_block *b, const int has_targets, const int has_metric,
+                                const int dim) {
     pl_block *of = &b->of;
     for (int l = 0; l < PL_SUM_LANES; l++) {
         double edges[3][3], square[6], between[3], e = 0;
@@ -346,22 +346,27 @@ PL_INLINE void evaluate_corners(pl_corner_block *b, const int has_targets, const
         of->valid[l] = oriented > 0 ? of->present[l] : 0;
         of->listed[l] = pl_sign_of(determinant) * of->present[l];
         of->volume[l] = oriented * b->unit[l];
-        of->square[l] =
-            has_targets ? square_of_target(b, l, dim, (const double(*)[3])edges, fabs(determinant))
-                        : pl_mean_square(dim, e, d);
+        of->square[l] = has_targets ? square_of_target(b, l, has_metric, dim,
+                                                       (const double(*)[3])edges, fabs(determinant))
+                                    : pl_mean_square(dim, e, d);
         b->acuteness[l] = product_of_edges(dim, square, b->is_simplex[l]) / (d * d);
     }
 }
 
 PL_INLINE void inline_corners(const pl_mesh_state *mesh, pl_corner_block *b) {
-    if (mesh->of->target && mesh->of->dim == 3)
-        evaluate_corners(b, 1, 3);
-    else if (mesh->of->target)
-        evaluate_corners(b, 1, 2);
-    else if (mesh->of->dim == 3)
-        evaluate_corners(b, 0, 3);
+    const pl_view *of = mesh->of;
+    if (of->metric && of->dim == 3)
+        evaluate_corners(b, 1, 1, 3);
+    else if (of->metric)
+        evaluate_corners(b, 1, 1, 2);
+    else if (of->target && of->dim == 3)
+        evaluate_corners(b, 1, 0, 3);
+    else if (of->target)
+        evaluate_corners(b, 1, 0, 2);
+    else if (of->dim == 3)
+        evaluate_corners(b, 0, 0, 3);
     else
-        evaluate_corners(b, 0, 2);
+        evaluate_corners(b, 0, 0, 2);
 }
 
 /* With wider vectors; the bits are the same. */
@@ -432,8 +437,8 @@ static void resolve_corner(const pl_mesh_state *mesh, int64_t number, int l, int
         for (int j = 0; j < dim; j++)
             for (int c = 0; c < dim; c++)
                 edges[j][c] = b->of.x[j + 1][c][l] - b->of.x[0][c][l];
-        b->of.square[l] =
-            square_of_target(b, l, dim, (const double(*)[3])edges, pl_larger(d, least));
+        b->of.square[l] = square_of_target(b, l, mesh->of->metric != NULL, dim,
+                                           (const double(*)[3])edges, pl_larger(d, least));
     } else {
         b->of.square[l] = pl_mean_square(dim, e, ideal);
     }

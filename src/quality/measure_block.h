@@ -163,7 +163,7 @@ typedef struct pl_corner_block {
                                        v of the targets */
     double determinant[PL_SUM_LANES]; /* of the ideal corner */
     double target_unit[PL_SUM_LANES]; /* of the target, in the scale of the lane */
-    double metric[6][PL_SUM_LANES];   /* with targets, L of the metric */
+    double metric[6][PL_SUM_LANES];   /* with a metric, its L */
     double size_weight;               /* with targets, as of the view */
     double unit[PL_SUM_LANES];        /* volume of an element whose corners have D = 1 */
     double is_simplex[PL_SUM_LANES];  /* 1: all its vertices are corners */

@@ -126,7 +126,7 @@ PL_INLINE int exceeds_ratio_of(const star *s, const double *position, double lim
                         lanes_of(dim == 3 ? position[2] : 0)};
     lanes_mask any = lanes_greater(lanes_of(0), lanes_of(0));
     for (int64_t i = 0; i < s->padded; i += PL_PACK) {
-        const corners t = corners_at(s, i, x, 0, dim);
+        const corners t = corners_at(s, i, x, 0, 0, dim);
         lanes inverse_d, square;
         const lanes bound = ratio_bound(mean_of(&t, &inverse_d, dim), dim);
         const lanes_mask is_open = lanes_greater(bound, lanes_of(limit));

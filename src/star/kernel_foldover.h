@@ -154,17 +154,17 @@ PL_INLINE void weigh(barrier *b, lanes weight) {
     b->of_tu *= weight;
 }
 
-/** T of a pack, and its derivatives: gradient, and the Hessian, this times bend_of_square. */
+/** T of a pack, and its derivatives: gradient, and the Hessian, this times the unit matrix, or L^T L. */
 typedef struct squares {
     lanes T, gradient[3], bend;
 } squares;
 
 /** Find T of the pack at facet i, whose edge column is times edge2. */
 PL_INLINE squares squares_at(const star *s, int64_t i, const lanes *x, lanes edge2,
-                             const int of_corners, const int dim) {
+                             const int of_corners, const int has_metric, const int dim) {
     squares t;
     if (of_corners) {
-        const corners c = corners_at(s, i, x, 0, dim);
+        const corners c = corners_at(s, i, x, 0, has_metric, dim);
         t.T = c.E * edge2;
         t.bend = lanes_of(2) * c.c * edge2;
         for (int d = 0; d < dim; d++)
@@ -186,8 +186,8 @@ PL_INLINE squares squares_at(const star *s, int64_t i, const lanes *x, lanes edg
 
 /** The energy of a star of corners, or of simplices. */
 PL_INLINE regularised energy_of(const star *s, double epsilon, const double *position,
-                                derivatives *out, const int of_corners, const int derive,
-                                const int dim) {
+                                derivatives *out, const int of_corners, const int has_metric,
+                                const int derive, const int dim) {
     const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
                         lanes_of(dim == 3 ? position[2] : 0)};
     const lanes zero = lanes_of(0);
@@ -205,7 +205,8 @@ PL_INLINE regularised energy_of(const star *s, double epsilon, const double *pos
             const lanes target = load(s, INVERSE_TARGET, j);
             const lanes_mask counts = lanes_greater(weight, zero);
             const lanes floor = load(s, FLOOR, j);
-            const squares t = squares_at(s, j, x, load(s, INVERSE_EDGE2, j), of_corners, dim);
+            const squares t =
+                squares_at(s, j, x, load(s, INVERSE_EDGE2, j), of_corners, has_metric, dim);
             aspect a;
             measure_pack(s, j, x, &a, of_corners, dim);
             const lanes u = (a.D - floor) * target;
@@ -227,13 +228,16 @@ PL_INLINE regularised energy_of(const star *s, double epsilon, const double *pos
                 gu[d] = a.n[d] * target;
                 slope.g[d][k] += lanes_select(counts, b.of_t * gt[d] + b.of_u * gu[d], zero);
             }
-            bend_of_square(s, j, m, dim);
+            if (has_metric)
+                square_of_metric(s, j, m, dim);
             for (int r = 0, c = 0; r < dim; r++)
                 for (int q = r; q < dim; q++, c++) {
                     lanes entry =
                         b.of_uu * (gu[r] * gu[q]) + b.of_tu * (gt[r] * gu[q] + gu[r] * gt[q]);
-                    if (r == q || s->has_metric)
+                    if (has_metric)
                         entry += t.bend * b.of_t * m[c];
+                    else if (r == q)
+                        entry += t.bend * b.of_t;
                     slope.h[c][k] += lanes_select(counts, entry, zero);
                 }
         }
@@ -246,8 +250,9 @@ PL_INLINE regularised energy_of(const star *s, double epsilon, const double *pos
 /** The star's energy at position, and its derivatives if derive. */
 static inline regularised energy_at(const star *s, double epsilon, const double *position,
                                     derivatives *out, const int derive, const int dim) {
-    return has_forms(s) ? energy_of(s, epsilon, position, out, 1, derive, dim)
-                        : energy_of(s, epsilon, position, out, 0, derive, dim);
+    return !has_forms(s)   ? energy_of(s, epsilon, position, out, 0, 0, derive, dim)
+           : s->has_metric ? energy_of(s, epsilon, position, out, 1, 1, derive, dim)
+                           : energy_of(s, epsilon, position, out, 1, 0, derive, dim);
 }
 
 #endif

@@ -367,7 +367,7 @@ PL_INLINE lanes square_in_metric(const lanes l[6], const lanes f[3], const int d
 /** Compute the constants of the facets from i on, whose corners have the edges e, with the star's node at
  *  x: with its slope (pl_target_slopes) and t = T slope, x - o = t / |slope|^2, in any metric. */
 PL_INLINE void store_wanted(const star *s, int64_t i, const wanted_corners *w, const lanes e[3][3],
-                            const lanes *x, const int dim) {
+                            const lanes *x, const int has_metric, const int dim) {
     static const uint8_t place[3] = {P0X, P0Y, P0Z};
     const lanes root = lanes_of(1.0 / dim);
     lanes t[3], c = lanes_of(0), energy = lanes_of(0), of_t = lanes_of(0);
@@ -385,11 +385,11 @@ PL_INLINE void store_wanted(const star *s, int64_t i, const wanted_corners *w, c
         }
         c += slope * slope;
         for (int d = 0; d < dim; d++) {
-            if (!s->has_metric)
+            if (!has_metric)
                 energy += column[d] * column[d];
             t[d] += column[d] * slope;
         }
-        if (s->has_metric)
+        if (has_metric)
             energy += square_in_metric(w->metric, column, dim);
     }
     const lanes inverse = lanes_of(1) / c;
@@ -397,7 +397,7 @@ PL_INLINE void store_wanted(const star *s, int64_t i, const wanted_corners *w, c
         store(s, OX + d, i, (load(s, place[d], i) - x[d]) + t[d] * inverse);
         of_t += t[d] * t[d];
     }
-    if (s->has_metric)
+    if (has_metric)
         of_t = square_in_metric(w->metric, t, dim);
     store(s, FORM_C, i, root * c);
     store(s, FORM_E0, i, lanes_max(root * (energy - of_t * inverse), lanes_of(ROW_NOTHING)));
@@ -405,7 +405,8 @@ PL_INLINE void store_wanted(const star *s, int64_t i, const wanted_corners *w, c
 
 /** Do what gather_targets does, inlined where dim is constant. */
 PL_INLINE void gather_targets_of(const star *s, const pl_star_problem *problem, int64_t first,
-                                 double *ring, const double *place, const int dim) {
+                                 double *ring, const double *place, const int has_metric,
+                                 const int dim) {
     const uint32_t self = (uint32_t)s->n_ring * PL_ROW;
     double scaled[3] = {0}, measure = 1;
     lanes x[3];
@@ -419,14 +420,14 @@ PL_INLINE void gather_targets_of(const star *s, const pl_star_problem *problem, 
         wanted_corners w;
         lanes p[4][PL_ROW], e[3][3];
         load_wanted(s, problem, first, i, self, &w, dim);
-        if (s->has_metric)
+        if (has_metric)
             load_metric(s, problem, first, i, &w);
         for (int j = 0; j <= dim; j++)
             points_to_columns(ring, &w.node[0][j], 4, p[j]);
         for (int j = 0; j < dim; j++)
             for (int d = 0; d < dim; d++)
                 e[j][d] = p[j + 1][d] - p[0][d];
-        store_wanted(s, i, &w, e, x, dim);
+        store_wanted(s, i, &w, e, x, has_metric, dim);
         if (s->size_weight > 0) {
             store(s, UNIT, i, w.target[6] * lanes_of(1 / measure));
             store(s, WANTED, i, w.target[7] * lanes_of(measure));
@@ -438,10 +439,14 @@ PL_INLINE void gather_targets_of(const star *s, const pl_star_problem *problem, 
  *  [.][PL_ROW], behind which there is room for one more. Not inlined: few meshes have them. */
 PL_NOINLINE void gather_targets(const star *s, const pl_star_problem *problem, int64_t first,
                                 double *ring, const double *place, const int dim) {
-    if (dim == 3)
-        gather_targets_of(s, problem, first, ring, place, 3);
+    if (s->has_metric && dim == 3)
+        gather_targets_of(s, problem, first, ring, place, 1, 3);
+    else if (s->has_metric)
+        gather_targets_of(s, problem, first, ring, place, 1, 2);
+    else if (dim == 3)
+        gather_targets_of(s, problem, first, ring, place, 0, 3);
     else
-        gather_targets_of(s, problem, first, ring, place, 2);
+        gather_targets_of(s, problem, first, ring, place, 0, 2);
 }
 
 /* A further row is seen as a facet with p0 this far from the node, in sizes of the star: |x - p0| is

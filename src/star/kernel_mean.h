@@ -69,12 +69,11 @@ PL_INLINE lanes pull_in_metric(const star *s, int64_t i, lanes f[3], const int d
     return square;
 }
 
-/** Fill m with the upper triangle of L^T L of the pack at facet i, or of I without a metric. */
-PL_INLINE void bend_of_square(const star *s, int64_t i, lanes m[6], const int dim) {
-    for (int a = 0, k = 0; a < dim; a++)
-        for (int b = a; b < dim; b++, k++)
-            m[k] = lanes_of(a == b && !s->has_metric);
-    for (int r = 0, first = METRIC; s->has_metric && r < dim; first += dim - r, r++)
+/** Fill m with the upper triangle of L^T L of the pack at facet i. */
+PL_INLINE void square_of_metric(const star *s, int64_t i, lanes m[6], const int dim) {
+    for (int k = 0; k < dim * (dim + 1) / 2; k++)
+        m[k] = lanes_of(0);
+    for (int r = 0, first = METRIC; r < dim; first += dim - r, r++)
         for (int a = r; a < dim; a++)
             for (int b = a; b < dim; b++)
                 m[packed(a, b, dim)] += load(s, first + a - r, i) * load(s, first + b - r, i);
@@ -82,7 +81,7 @@ PL_INLINE void bend_of_square(const star *s, int64_t i, lanes m[6], const int di
 
 /** Find the pack of corners at facet i, with the node at x [dim]. has_roots: after find_roots. */
 PL_INLINE corners corners_at(const star *s, int64_t i, const lanes *x, const int has_roots,
-                             const int dim) {
+                             const int has_metric, const int dim) {
     static const uint8_t first[3] = {P0X, P0Y, P0Z};
     corners t;
     lanes square = lanes_of(0);
@@ -95,7 +94,7 @@ PL_INLINE corners corners_at(const star *s, int64_t i, const lanes *x, const int
         t.aa += a * a;
         square += t.pull[d] * t.pull[d];
     }
-    if (s->has_metric)
+    if (has_metric)
         square = pull_in_metric(s, i, t.pull, dim);
     t.c = load(s, FORM_C, i);
     t.E = t.c * square + load(s, FORM_E0, i);
@@ -146,7 +145,8 @@ static inline double mean_power(const int dim) {
 }
 
 /** Value of the objective of a star with the node at position. */
-PL_INLINE objective mean_value(const star *s, const double *position, const int dim) {
+PL_INLINE objective mean_value(const star *s, const double *position, const int has_metric,
+                               const int dim) {
     const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
                         lanes_of(dim == 3 ? position[2] : 0)};
     accumulator total;
@@ -156,7 +156,7 @@ PL_INLINE objective mean_value(const star *s, const double *position, const int 
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             const int64_t j = i + k * PL_PACK;
-            const corners t = corners_at(s, j, x, dim == 3, dim);
+            const corners t = corners_at(s, j, x, dim == 3, has_metric, dim);
             lanes inverse_d;
             const lanes square = counted_ratio(s, j, &t, &inverse_d, dim);
             accumulate(&total, k, square, load(s, WEIGHT, j), t.D, inverse_d * inverse_d,
@@ -169,7 +169,7 @@ PL_INLINE objective mean_value(const star *s, const double *position, const int 
  *  more without a metric. */
 PL_INLINE void add_mean(const star *s, int64_t i, slopes *slope, lanes *trace, int k,
                         const corners *t, lanes square, lanes inverse_d, const int with_hessian,
-                        const int dim) {
+                        const int has_metric, const int dim) {
     const double power = mean_power(dim);
     const lanes p = (t->c + t->c) / t->E, of_n = lanes_of(power) * inverse_d;
     const lanes twice = square + square;
@@ -184,11 +184,11 @@ PL_INLINE void add_mean(const star *s, int64_t i, slopes *slope, lanes *trace, i
     }
     if (!with_hessian)
         return;
-    if (s->has_metric) {
-        lanes m2[6];
-        bend_of_square(s, i, m2, dim);
+    if (has_metric) {
+        lanes of_metric[6];
+        square_of_metric(s, i, of_metric, dim);
         for (int h = 0; h < dim * (dim + 1) / 2; h++)
-            slope->h[h][k] += twice * p * m2[h];
+            slope->h[h][k] += twice * p * of_metric[h];
     } else {
         *trace += twice * p;
     }
@@ -221,7 +221,7 @@ PL_INLINE void add_size(const star *s, int64_t i, slopes *slope, int k, const co
 
 /** Find the derivatives of a star with the node at position. with_hessian 0: out->hessian is not set. */
 PL_INLINE objective mean_derivatives(const star *s, const double *position, derivatives *out,
-                                     const int with_hessian, const int dim) {
+                                     const int with_hessian, const int has_metric, const int dim) {
     const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
                         lanes_of(dim == 3 ? position[2] : 0)};
     accumulator total;
@@ -235,7 +235,7 @@ PL_INLINE objective mean_derivatives(const star *s, const double *position, deri
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             const int64_t j = i + k * PL_PACK;
-            const corners t = corners_at(s, j, x, dim == 3, dim);
+            const corners t = corners_at(s, j, x, dim == 3, has_metric, dim);
             const lanes weight = load(s, WEIGHT, j);
             lanes inverse_d;
             const lanes square = mean_of(&t, &inverse_d, dim);
@@ -250,13 +250,25 @@ PL_INLINE objective mean_derivatives(const star *s, const double *position, deri
                        load(s, ROUNDING, j) * t.aa);
             slope.size2[k] += t.aa * load(s, IS_FACET, j);
             add_mean(s, j, &slope, &trace[k], k, &t, square * of_shape, inverse_d, with_hessian,
-                     dim);
+                     has_metric, dim);
         }
-    for (int k = 0; with_hessian && k < PL_PACKS; k++)
+    for (int k = 0; with_hessian && !has_metric && k < PL_PACKS; k++)
         for (int d = 0; d < dim; d++)
             slope.h[packed(d, d, dim)][k] += trace[k];
     slopes_result(&slope, s, 1, with_hessian, out, dim);
     return accumulator_result(&total, 1);
+}
+
+/** mean_value in a metric. Not inlined: few meshes have one. */
+PL_NOINLINE objective value_in_metric(const star *s, const double *position, const int dim) {
+    return dim == 3 ? mean_value(s, position, 1, 3) : mean_value(s, position, 1, 2);
+}
+
+/** mean_derivatives in a metric. */
+PL_NOINLINE objective derivatives_in_metric(const star *s, const double *position, derivatives *out,
+                                            const int with_hessian, const int dim) {
+    return dim == 3 ? mean_derivatives(s, position, out, with_hessian, 1, 3)
+                    : mean_derivatives(s, position, out, with_hessian, 1, 2);
 }
 
 /* ---- either -------------------------------------------------------------------------------- */
@@ -265,7 +277,7 @@ PL_INLINE objective mean_derivatives(const star *s, const double *position, deri
 PL_INLINE objective value_at(const star *s, const double *position, const int guarded,
                              const int dim) {
     if (has_forms(s))
-        return mean_value(s, position, dim);
+        return s->has_metric ? value_in_metric(s, position, dim) : mean_value(s, position, 0, dim);
     return dim == 3 ? value_3d(s, position, guarded) : value_2d(s, position);
 }
 
@@ -273,7 +285,8 @@ PL_INLINE objective value_at(const star *s, const double *position, const int gu
 PL_INLINE objective derivatives_at(const star *s, const double *position, derivatives *out,
                                    const int with_hessian, const int dim) {
     if (has_forms(s))
-        return mean_derivatives(s, position, out, with_hessian, dim);
+        return s->has_metric ? derivatives_in_metric(s, position, out, with_hessian, dim)
+                             : mean_derivatives(s, position, out, with_hessian, 0, dim);
     return dim == 3 ? derivatives_3d(s, position, out, with_hessian)
                     : derivatives_2d(s, position, out);
 }

@@ -255,7 +255,7 @@ PL_INLINE void mix_in_size(const star *s, int64_t i, const corners *t, lanes sha
 /** Compute mu^2 of a pack of corners, and with derive its derivatives (kernel_mean.h). */
 PL_INLINE void corner_mean_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
                                  const int derive, const int dim) {
-    const corners t = corners_at(s, i, x, 0, dim);
+    const corners t = corners_at(s, i, x, 0, s->has_metric, dim);
     const double power = mean_power(dim);
     lanes inverse_d;
     const lanes shape = mean_of(&t, &inverse_d, dim);
@@ -269,13 +269,16 @@ PL_INLINE void corner_mean_ratio(const star *s, int64_t i, const lanes *x, aspec
         z[d] = p * t.pull[d] - of_n * t.n[d];
         a->l[d] = z[d] + p * t.pull[d];
     }
-    bend_of_square(s, i, m, dim);
     for (int r = 0, k = 0; r < dim; r++)
         for (int c = r; c < dim; c++, k++) {
             a->h[k] = lanes_of(2) * (z[r] * z[c]) + bend * (t.n[r] * t.n[c]);
-            if (r == c || s->has_metric)
-                a->h[k] += (p + p) * m[k];
+            if (r == c && !s->has_metric)
+                a->h[k] += p + p;
         }
+    if (s->has_metric)
+        square_of_metric(s, i, m, dim);
+    for (int k = 0; s->has_metric && k < dim * (dim + 1) / 2; k++)
+        a->h[k] += (p + p) * m[k];
     if (s->size_weight > 0)
         mix_in_size(s, i, &t, shape, inverse_d, a, dim);
 }
