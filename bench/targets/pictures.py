@@ -1,10 +1,11 @@
-"""pictures: an aerofoil that is turned, a tank with a wave and sizes at a crack, for docs/targets.md.   pictures.py FOLDER"""
+"""pictures: an aerofoil that is turned, a tank with a wave, sizes at a crack and a metric, for docs/targets.md.   pictures.py FOLDER"""
 import sys
 
 import numpy as np
 
 import bases
 import cells
+import metrics
 import planish
 from svg import Panel, write
 
@@ -112,11 +113,25 @@ def crack(path):
           (-0.01, -0.01), (1.01, 1.01), 300, columns=3)
 
 
+def shear(path):
+    points, quads = bases.grid(SQUARES, SQUARES)
+    start, results = points / SQUARES, []
+    for weight in 0, 0.5:
+        points = start.copy()
+        planish.smooth(points, {"quad": quads}, sizes=metrics.metrics(start), size_weight=weight, slide="auto",
+                       layers="ignore", threads=1)
+        results.append(points)
+    titles = "thin elements are wanted at a wave", "--size-weight 0", "--size-weight 0.5"
+    write(path, [panel(title, x, quads) for title, x in zip(titles, (start, *results))],
+          (-0.01, -0.01), (1.01, 1.01), 300, columns=3)
+
+
 def main():
     folder = sys.argv[1]
     aerofoil(f"{folder}/targets_aerofoil.svg")
     tank(f"{folder}/targets_tank.svg")
     crack(f"{folder}/targets_crack.svg")
+    shear(f"{folder}/targets_metric.svg")
 
 
 if __name__ == "__main__":

@@ -72,6 +72,15 @@ def sizes(rows):
          f"{row['rms']:.2f}", f"{row['worst']:.2f}", str(row["sweeps"]), seconds(row["seconds"])] for row in rows])
 
 
+def metrics(rows):
+    heads = columns(("elements",), ("number", "weight", "RMS of AR at first", "RMS of AR", "log(size / wanted) at first",
+                                    "RMS", "sweeps", "s"))
+    table(heads, [
+        [row["kind"], str(row["elements"]), str(row["weight"]), *(f"{row[when][0]:.2f}" for when in ("before", "after")),
+         *(f"{row[when][1]:.3f}" for when in ("before", "after")), str(row["sweeps"]), seconds(row["seconds"])]
+        for row in rows])
+
+
 def speed(rows):
     heads = columns(("elements",), ("number", "ns a visit, plain", "with targets", "ratio"))
     table(heads, [
@@ -84,7 +93,8 @@ def main():
     found = results.load(path)
     if part == "parts":
         print(machine.line(found["machine"]) + "\n")
-    {"parts": parts, "layers": layers, "period": period, "sizes": sizes, "speed": speed}[part](found[part])
+    {"parts": parts, "layers": layers, "period": period, "sizes": sizes, "metrics": metrics, "speed": speed}[part](
+        found[part])
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ import tempfile
 
 import layers
 import machine
+import metrics
 import parts
 import period
 import sizes
@@ -21,6 +22,7 @@ def main():
         found["layers"] = layers.measure(program)
     found["period"] = period.measure()
     found["sizes"] = sizes.measure()
+    found["metrics"] = metrics.measure()
     found["speed"] = speed.measure()
     with open(f"{folder}/targets.json", "w", encoding="ascii") as file:
         json.dump(found, file, indent=1)
