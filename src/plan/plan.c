@@ -217,6 +217,11 @@ int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
     return pl_points_check(&points, plan->threads, error);
 }
 
+void pl_plan_begin_sizes(planish_plan *plan) {
+    pl_size_field_begin(plan->sizes);
+    pl_plan_fit_sizes(plan, plan->scratch.coordinates, plan->inner);
+}
+
 void pl_plan_fit_sizes(planish_plan *plan, const double *x, const int32_t *place) {
     const pl_view *work = &plan->work;
     const pl_sized_corners corners = {.dim = plan->dim,

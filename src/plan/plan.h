@@ -8,7 +8,7 @@
  *   pl_plan_element, _rows, _given, _node, _inner   the caller's numbers; inner ones
  *   pl_plan_put                                values by elements in the caller's order
  *   pl_box_of_fixed                            extent of the nodes that do not move freely
- *   pl_plan_fit_sizes                          targets by sizes, where nodes are
+ *   pl_plan_begin_sizes, _fit_sizes            targets by sizes, where nodes are
  *   pl_plan_check_call                         what every call on coordinates checks
  * check_options.c
  *   pl_options_check                           the values of planish_options
@@ -213,6 +213,9 @@ pl_box pl_box_of_fixed(const planish_plan *plan);
  *  begins with it. */
 int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
                        const planish_options *options, planish_error *error);
+
+/** Make the targets of a plan with sizes, of its own coordinates, as if it was new. */
+void pl_plan_begin_sizes(planish_plan *plan);
 
 /** Make the targets of a plan with sizes, of x [.][dim]: node i is at x[place[i]]; place NULL: at x[i]. */
 void pl_plan_fit_sizes(planish_plan *plan, const double *x, const int32_t *place);

@@ -114,9 +114,15 @@ int pl_size_field_create(const planish_mesh *mesh, const double *x, int threads,
     int status = fill_sizes(mesh, f, error);
     if (!status)
         status = make_background(mesh, x, threads, f, error);
-    for (int64_t i = 0; !status && i < n_nodes; i++)
-        f->at[i] = f->background.first[i];
+    if (!status)
+        pl_size_field_begin(f);
     return status;
+}
+
+void pl_size_field_begin(pl_size_field *f) {
+    const int64_t n = f->background.n_nodes;
+    if (n > 0)
+        memcpy(f->at, f->background.first, (size_t)n * sizeof *f->at);
 }
 
 void pl_size_field_destroy(pl_size_field *f) {

@@ -8,7 +8,7 @@
  * would hold if sizes were met. So the factor of measures is the mean of tau.
  *
  *   pl_size_field_create, _destroy    the field of a mesh
- *   pl_size_field_find                sizes at points
+ *   pl_size_field_begin, _find        sizes at points
  *   pl_sizes_fit                      targets of corners whose nodes have sizes
  *   pl_sized_measure, _metric         measure and metric of one
  */
@@ -35,6 +35,10 @@ int pl_size_field_create(const planish_mesh *mesh, const double *x, int threads,
 
 /** Free what field owns. */
 void pl_size_field_destroy(pl_size_field *field);
+
+/** Let the next walks begin where the nodes of the mesh are, so that what was found before makes no
+ *  difference. */
+void pl_size_field_begin(pl_size_field *field);
 
 /** Fill found [n_nodes][n_numbers] with the sizes where the nodes are now: node i at x[place[i]]; place NULL: at
  *  x[i]. Walks begin where the last ones have ended. */

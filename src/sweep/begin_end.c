@@ -129,7 +129,7 @@ int pl_run_begin(pl_run *r, planish_error *error) {
     pl_plan_order(plan, r->given, plan->scratch.coordinates);
     begin_sliding(plan);
     if (plan->sizes)
-        pl_plan_fit_sizes(plan, plan->scratch.coordinates, plan->inner);
+        pl_plan_begin_sizes(plan);
     /* delta may be a fraction of the volume of all of the mesh. */
     status = pl_minimum_volume(plan, o, all ? all : r->given, &delta, error);
     if (!status)

@@ -179,6 +179,24 @@ static void what_is_promised_holds(void **state) {
         }
 }
 
+/** A plan that has smoothed before does what a new one does. */
+static void a_plan_remembers_nothing(void **state) {
+    (void)state;
+    sized_box s = sized_box_of(cell_box_create(BOX_QUADRILATERALS, 12), 12);
+    const planish_options options = defaults();
+    const size_t bytes = test_bytes_of(&s.mesh);
+    planish_plan *plan;
+    double *x = test_copy_of(&s.mesh);
+    assert_int_equal(planish_plan_create(&s.mesh, &options, &plan, NULL), 0);
+    assert_int_equal(planish_smooth(plan, s.box->x, &options, NULL, NULL), 0);
+    assert_int_equal(planish_smooth(plan, x, &options, NULL, NULL), 0);
+    assert_memory_equal(x, s.box->x, bytes);
+    assert_memory_not_equal(x, s.start, bytes);
+    planish_plan_destroy(plan);
+    free(x);
+    forget(&s);
+}
+
 /** A mesh whose sizes are to stay, at any scale of sizes, stays the better the more they count. */
 static void own_sizes_stay(void **state) {
     (void)state;
@@ -310,6 +328,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sizes_are_met),
         cmocka_unit_test(what_is_promised_holds),
+        cmocka_unit_test(a_plan_remembers_nothing),
         cmocka_unit_test(own_sizes_stay),
         cmocka_unit_test(one_size_makes_a_regular_mesh),
         cmocka_unit_test(flat_elements_have_no_size),

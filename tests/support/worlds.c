@@ -281,6 +281,20 @@ static void sizes(test_world *w) {
     w->options.size_weight = 0.9;
 }
 
+static void metric(test_world *w) {
+    const int dim = w->mesh.dim, n = dim * (dim + 1) / 2;
+    double *values = own(w, w->mesh.n_nodes * n, sizeof *values);
+    for (int64_t i = 0; i < w->mesh.n_nodes; i++) {
+        values[i * n] = 4 + w->box.coordinates[i * dim];
+        values[i * n + 1] = 0.5;
+        values[i * n + 2] = 1;
+        if (dim == 3)
+            values[i * n + 5] = 2;
+    }
+    tangled(w);
+    w->mesh.metric = values;
+}
+
 static void callbacks(test_world *w) {
     tangled(w);
     w->options.progress = go_on;
@@ -346,6 +360,7 @@ static const struct special {
     {"periodic", periodic},
     {"targets", targets},
     {"sizes", sizes},
+    {"metric", metric},
     {"callbacks", callbacks},
     {"threads", threads},
     {"own allocator", own_allocator},

@@ -457,8 +457,8 @@ static const option_row option_table[] = {
      NULL},
     {0, "size-from", "FILE", BOTH | OPTIMISES, set_text, AT(size_from), 0, 0,
      "must be the name of a file",
-     "let elements have the sizes or metrics of FILE, a .sol\n"
-     "or .solb of Medit's for the nodes of IN",
+     "let elements have the sizes or metrics of FILE, a\n"
+     ".sol or .solb of Medit's for the nodes of IN",
      "file"},
     {0, "keep-sizes", NULL, SMOOTH | OPTIMISES, set_flag, AT(keep_sizes), 1, 0, NULL,
      "let elements have the sizes that those of IN have\nthere", NULL},
