@@ -18,6 +18,10 @@
 /* Sweeps in a row that may let F rise, or fall by next to nothing; rounds in which nodes go back. */
 enum { PATIENCE = 20, ROUNDS = 20 };
 
+/* A mesh that is not sound is mended, which takes some looks at all elements, where it would lower F by this
+ * part; and the last one. */
+#define WORTH_MENDING 1e-3
+
 /** Sweeps under way, and the mesh that stands. */
 typedef struct sized {
     pl_run *run;
@@ -38,22 +42,12 @@ static double least_of(const sized *s) {
     return pl_objective_of_movable(s->run->options, &s->trial.standing);
 }
 
-/** Prepare for a sweep. Elements may be as bad as the worst of the mesh as it came: the limits that the mesh
- *  has now would be narrower. */
-static void prepare(pl_run *r) {
-    pl_run_prepare(r);
-    if (!(r->worst_at_start < INFINITY))
-        return;
-    r->problem.limits.rr2 = fmax(r->problem.limits.rr2, r->limits_at_start.rr2 * PL_LIMIT_MARGIN);
-    pl_watch_limit(&r->watch, fmax(r->watch.worst_ar2, r->worst_at_start * PL_LIMIT_MARGIN));
-}
-
 /** Measure against the targets where the elements are now, by which sweeps go on. */
 static void measure_anew(sized *s) {
     pl_run *r = s->run;
     pl_plan_fit_sizes(r->plan, r->plan->scratch.coordinates, r->plan->inner);
     pl_run_measure(r);
-    prepare(r);
+    pl_run_prepare(r);
     s->latest = pl_objective_of_movable(r->options, &r->sums);
 }
 
@@ -105,15 +99,15 @@ static void take_better(sized *s) {
     if (!is_sound(s) || !(s->latest < least_of(s)))
         return;
     pl_trial_end(&s->trial, 1);
-    prepare(s->run);
+    pl_run_prepare(s->run);
     pl_trial_begin(s->run, 0, s->before, &s->trial);
 }
 
-/** Let the mesh as it is now, or a mended one, stand if that is better. Sweeps go on from what is not
- *  mended. */
-static void take_mended(sized *s) {
+/** Let the mesh as it is now, or a mended one, stand if its F is lower by that part. Sweeps go on from what is
+ *  not mended. */
+static void take_mended(sized *s, double part) {
     double *x = s->run->plan->scratch.coordinates;
-    if (is_sound(s) || !(s->latest < least_of(s))) {
+    if (is_sound(s) || !(s->latest < least_of(s) * (1 - part))) {
         take_better(s);
         return;
     }
@@ -166,12 +160,13 @@ static void follow(sized *s) {
         }
         mix(s);
         idle = has_fallen(s) ? 0 : idle + 1;
-        take_mended(s);
+        take_mended(s, WORTH_MENDING);
         if (visits == 0 || idle == PATIENCE) {
             r->stop = PLANISH_STOP_CONVERGED;
-            return;
+            break;
         }
     }
+    take_mended(s, 0);
 }
 
 int pl_run_sized_sweeps(pl_run *r, planish_error *error) {

@@ -213,6 +213,15 @@ static pl_star_limits limits_of_sweeps(const pl_run *r) {
     return limits;
 }
 
+/** Let elements whose targets go with them be as bad as the worst of the mesh as it came: the limits of the
+ *  mesh as it is become narrower with each sweep. */
+static void widen_to_start(pl_run *r) {
+    if (!r->plan->sizes || !(r->worst_at_start < INFINITY))
+        return;
+    r->problem.limits.rr2 = fmax(r->problem.limits.rr2, r->limits_at_start.rr2 * PL_LIMIT_MARGIN);
+    r->watch.worst_ar2 = fmax(r->watch.worst_ar2, r->worst_at_start * PL_LIMIT_MARGIN);
+}
+
 void pl_run_prepare(pl_run *r) {
     const planish_plan *plan = r->plan;
     const double worse = r->options->only_worse_than;
@@ -220,6 +229,7 @@ void pl_run_prepare(pl_run *r) {
     r->problem.search = r->options->search;
     r->problem.limits = limits_of_sweeps(r);
     r->watch.worst_ar2 = plan->work.corner ? r->sums.radius_max * CELL_MARGIN : INFINITY;
+    widen_to_start(r);
     /* In rings around bad elements good stars are meant, too. */
     r->problem.rr2_skip = plan->is_selective && r->options->rings > 0 ? 0 : worse * worse;
     r->problem.calm = plan->is_selective ? 0 : CALM * tolerance_of(r);
