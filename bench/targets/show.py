@@ -88,13 +88,43 @@ def speed(rows):
          f"{row['ratio']:.2f}"] for row in rows])
 
 
+def pair(row, key, text):
+    """A figure of MFEM's result and of planish's."""
+    return [text(row[name][key]) for name in ("mfem", "planish")]
+
+
+def tmop_shapes(rows):
+    heads = columns(("elements", "start"), (
+        "RMS at first", "RMS, MFEM", "RMS, planish", "worst AR, MFEM", "worst AR, planish", "iterations", "sweeps",
+        "s, MFEM", "s, planish", "s to MFEM's RMS"))
+    table(heads, [
+        [f"{row['elements']} {row['kind']}", row["start"], ratio(row["before"]["rms"]), *pair(row, "rms", ratio),
+         *pair(row, "worst", "{:.2f}".format), *pair(row, "iterations", str), *pair(row, "seconds", seconds),
+         seconds(row["planish"]["reached"]) if row["planish"]["reached"] else "never"]
+        for row in rows if "energy" in row["mfem"]])
+
+
+def tmop_sizes(rows):
+    heads = columns(("elements", "sizes"), (
+        "log at first", "log, MFEM", "log, planish", "RMS, MFEM", "RMS, planish", "F, MFEM", "F, planish", "iterations",
+        "sweeps", "s, MFEM", "s, planish"))
+    table(heads, [
+        [f"{row['elements']} {row['kind']}", row["start"], f"{row['before']['spread']:.3f}",
+         *pair(row, "spread", "{:.3f}".format), *pair(row, "rms", "{:.3f}".format),
+         *pair(row, "planish_goal", "{:.4f}".format), *pair(row, "iterations", str), *pair(row, "seconds", seconds)]
+        for row in rows if "spread" in row["mfem"]])
+
+
 def main():
     path, part = sys.argv[1:]
     found = results.load(path)
-    if part == "parts":
+    if part in ("parts", "tmop-shapes"):
         print(machine.line(found["machine"]) + "\n")
-    {"parts": parts, "layers": layers, "period": period, "sizes": sizes, "metrics": metrics, "speed": speed}[part](
-        found[part])
+    if part.startswith("tmop"):
+        {"tmop-shapes": tmop_shapes, "tmop-sizes": tmop_sizes}[part](found["rows"])
+    else:
+        {"parts": parts, "layers": layers, "period": period, "sizes": sizes, "metrics": metrics, "speed": speed}[part](
+            found[part])
 
 
 if __name__ == "__main__":

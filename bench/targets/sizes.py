@@ -51,11 +51,11 @@ def measures(points, name, nodes):
     return sum(np.linalg.det(ratios.matrices(points, nodes[:, list(part)])) for part in parts) * simplex
 
 
-def spread(points, elements):
-    """RMS of log(size / wanted), but for its mean."""
+def spread(points, elements, field=wanted):
+    """RMS of log(size / wanted), but for its mean. field: the sizes at points."""
     (name, nodes), = elements.blocks
     sizes = (measures(points, name, nodes) / UNIT[name]) ** (1 / elements.dim)
-    logs = np.log(sizes / wanted(points)[nodes].mean(axis=1))
+    logs = np.log(sizes / field(points)[nodes].mean(axis=1))
     return float(logs.std())
 
 

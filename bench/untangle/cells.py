@@ -189,14 +189,19 @@ def is_valid(points, elements):
 
 # ---- what elements share -----------------------------------------------------------------------
 
+def boundary_faces(elements):
+    """Of Cells, the faces that one element has: corners [.][4], -1 where there are fewer."""
+    every = elements.faces()
+    _, first, count = np.unique(np.sort(every, axis=1), axis=0, return_index=True,
+                                return_counts=True)
+    return every[first[count == 1]]
+
+
 def on_boundary(n_points, elements):
     """[n] of bool."""
     if not isinstance(elements, Cells):
         return simplex.on_boundary(n_points, elements)
-    every = elements.faces()
-    _, first, count = np.unique(np.sort(every, axis=1), axis=0, return_index=True,
-                                return_counts=True)
-    outside = every[first[count == 1]]
+    outside = boundary_faces(elements)
     found = np.zeros(n_points, bool)
     found[outside[outside >= 0]] = True
     return found
