@@ -125,9 +125,8 @@ static int target_of_reference(const void *targets, int64_t cell, int c, pl_targ
 /** Target of a corner by its layer. */
 static int target_of_layer(const void *targets, int64_t cell, int c, pl_target *target) {
     const wanted *w = targets;
-    const int32_t place = w->layers->place[cell];
-    return pl_layer_target(pl_cell_type_of(w->cells->type[cell])->shape,
-                           place < 0 ? NULL : &w->layers->shape[place], c, target);
+    return pl_layer_shapes_target(w->layers, pl_cell_type_of(w->cells->type[cell])->shape, cell, c,
+                                  target);
 }
 
 /** Say what is wrong with a cell that has no target. */

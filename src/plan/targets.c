@@ -137,10 +137,9 @@ static void make_layer_chunk(void *context, int64_t begin, int64_t end, int thre
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         const int64_t cell = pl_plan_element(p->plan, i);
-        const int32_t place = p->shapes.place[cell];
         const pl_cell_shape *shape = pl_cell_type_of(p->given->cells->type[cell])->shape;
-        pl_layer_target(shape, place < 0 ? NULL : &p->shapes.shape[place],
-                        pl_corner_index(p->plan->work.corner[i]), &p->target[i]);
+        pl_layer_shapes_target(&p->shapes, shape, cell, pl_corner_index(p->plan->work.corner[i]),
+                               &p->target[i]);
     }
 }
 
