@@ -143,12 +143,12 @@ static void make_layer_chunk(void *context, int64_t begin, int64_t end, int thre
     }
 }
 
-/** Whether a simplex is of a layer: thin ones are sharp. */
-static int has_thin_simplex(const planish_mesh *mesh) {
+/** Whether an element of a layer is no simplex: thin simplices are sharp. */
+static int has_thin_product(const planish_mesh *mesh) {
     int found = 0;
     for (int64_t i = 0; !found && i < mesh->cells->n; i++) {
         const pl_cell_type *type = pl_cell_type_of(mesh->cells->type[i]);
-        found = mesh->is_layer[i] && type && type->shape->n_simplices == 1;
+        found = mesh->is_layer[i] && type && type->shape->n_simplices > 1;
     }
     return found;
 }
@@ -159,7 +159,7 @@ int pl_layer_targets_make(planish_plan *plan, const planish_mesh *given, planish
     double *own = NULL;
     layer_pass p = {.plan = plan, .given = given};
     planish_mesh mesh = *given;
-    plan->is_blunt = !has_thin_simplex(given);
+    plan->is_blunt = has_thin_product(given);
     plan->work.target = p.target = pl_alloc(plan->work.n_elements, sizeof *p.target);
     if (!pl_points_are_dense(&points))
         own = pl_alloc(given->n_nodes * given->dim, sizeof *own);

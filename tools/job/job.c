@@ -199,12 +199,10 @@ static void free_invalid(pl_job *job, const uint8_t *state) {
     }
 }
 
-/** Find the layers and the nodes that they hold. is_chosen [n_elements]. */
+/** Hold the nodes of the chosen elements of layers. is_chosen [n_elements]. */
 static int hold_layers(pl_job *job, const uint8_t *is_chosen) {
     uint8_t *state = NULL;
-    int status = pl_job_find_layers(job, &job->is_layer, &job->layers.n);
-    if (status || job->layers.n == 0)
-        return status;
+    int status = 0;
     job->in_layer = calloc((size_t)job->mesh.n_nodes + 1, 1);
     if (!job->in_layer)
         return pl_job_complain_memory(job, "values of nodes");
@@ -214,11 +212,12 @@ static int hold_layers(pl_job *job, const uint8_t *is_chosen) {
         mark_nodes(job, i, 1, job->in_layer);
         job->layers.n_held++;
     }
-    if (job->has_types)
+    if (job->has_types && job->layers.n_held > 0)
         status = pl_cells_find_states(job, &state);
     if (state)
         free_invalid(job, state);
     free(state);
+    pl_job_hold_layers(job, job->constraint);
     return status;
 }
 
@@ -236,9 +235,10 @@ static int find_held_layers(pl_job *job) {
     if (!is_chosen)
         return pl_job_complain_memory(job, "values of elements");
     choose_types(job, is_chosen, &n);
-    const int status = n > 0 ? hold_layers(job, is_chosen) : 0;
+    int status = n > 0 ? pl_job_find_layers(job, &job->is_layer, &job->layers.n) : 0;
+    if (!status && job->layers.n > 0)
+        status = hold_layers(job, is_chosen);
     free(is_chosen);
-    pl_job_hold_layers(job, job->constraint);
     return status;
 }
 
@@ -393,45 +393,38 @@ static const char *not_kept_with(const pl_job *job) {
                                             : NULL;
 }
 
+/** Whether an element has a type whose layers are kept by default. */
+static int has_kept_type(const pl_job *job, int64_t element) {
+    const planish_cells *cells = job->mesh.cells;
+    return cells && is_kept_by_default((planish_cell_type)cells->type[element]);
+}
+
 /** Whether the mesh has elements whose layers are kept by default. */
 static int may_keep_layers(const pl_job *job) {
-    const planish_cells *cells = job->mesh.cells;
     int found = 0;
-    for (int64_t i = 0; cells && !found && i < cells->n; i++)
-        found = is_kept_by_default((planish_cell_type)cells->type[i]);
+    for (int64_t i = 0; !found && i < job->mesh.n_elements; i++)
+        found = has_kept_type(job, i);
     return found && !job->is_surface && job->arguments->command == PL_COMMAND_SMOOTH;
 }
 
-/** Leave the marks of the elements whose layers are kept, all or by their types, in is_layer [n_elements]. The
- *  other ones go to job->is_layer. */
-static int choose_kept(pl_job *job, uint8_t *is_layer) {
-    const int all = job->arguments->layers == PL_LAYERS_KEPT;
-    if (!all && !(job->is_layer = calloc((size_t)job->mesh.n_elements + 1, 1)))
-        return pl_job_complain_memory(job, "values of elements");
-    for (int64_t i = 0; i < job->mesh.n_elements; i++) {
-        if (!all && !is_kept_by_default((planish_cell_type)job->mesh.cells->type[i])) {
-            job->is_layer[i] = is_layer[i];
-            is_layer[i] = 0;
-        }
-        job->layers.n_kept += is_layer[i];
-        job->layers.n_sharp +=
-            is_layer[i] &&
-            (!job->mesh.cells || pl_cell_is_simplex((planish_cell_type)job->mesh.cells->type[i]));
-    }
-    return 0;
-}
-
-/** Find the layers, and make them targets if there are any. */
+/** Find the layers, and make them targets if there are any; by default only if they have elements of types
+ *  whose layers are kept. */
 static int keep_layers(pl_job *job) {
     uint8_t *is_layer;
-    int status = pl_job_find_layers(job, &is_layer, &job->layers.n);
-    if (!status && job->layers.n > 0)
-        status = choose_kept(job, is_layer);
-    if (status || job->layers.n_kept == 0) {
-        free(is_layer);
+    int64_t n_of_types = 0;
+    const int status = pl_job_find_layers(job, &is_layer, &job->layers.n);
+    for (int64_t i = 0; !status && i < job->mesh.n_elements; i++)
+        n_of_types += is_layer[i] && has_kept_type(job, i);
+    if (status || (n_of_types == 0 && job->arguments->layers == PL_LAYERS_BY_TYPE)) {
+        job->is_layer = is_layer; /* what is said of them needs no other search */
         return status;
     }
-    return pl_like_layers(job->arguments, job->file, is_layer, &job->mesh, &job->like);
+    job->layers.n_kept = job->layers.n;
+    job->layers.n_of_types = n_of_types;
+    if (job->layers.n > 0)
+        return pl_like_layers(job->arguments, job->file, is_layer, &job->mesh, &job->like);
+    free(is_layer);
+    return 0;
 }
 
 /** Keep the layers that are asked for; those of some types by default, if nothing speaks against it. */
@@ -683,7 +676,7 @@ int pl_job_count_slides(pl_job *job) {
 }
 
 int pl_job_is_blunt(const pl_job *job) {
-    return !job->like.place || (job->like.is_layer && job->layers.n_sharp == 0);
+    return !job->like.place || (job->like.is_layer && job->layers.n_of_types > 0);
 }
 
 planish_objective pl_job_objective(const pl_job *job) {

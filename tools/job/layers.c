@@ -145,9 +145,9 @@ int pl_layers_count(pl_job *job, const planish_quality *quality) {
         n_thin += quality->histogram_edges[i] >= RATIO_OF_THIN ? quality->histogram_counts[i] : 0;
     const int may_have = job->file_info.n_other_elements > 0 || pl_job_lacks_types(job) ||
                          (double)n_thin >= MANY_OF_THIN * (double)quality->n_elements;
-    /* Targets keep layers, but for those of other types beside. */
+    /* Targets keep layers. */
     if (job->arguments->layers != PL_LAYERS_BY_TYPE || !job->file || job->is_surface ||
-        (job->like.place && !job->is_layer) || (!may_have && !job->is_layer))
+        job->like.place || (!may_have && !job->is_layer))
         return 0;
     int status = 0;
     if (job->is_layer) { /* known from reading */
@@ -185,7 +185,7 @@ static void print_default(FILE *stream, const pl_job *job) {
     const pl_layers *layers = &job->layers;
     const int64_t n_nodes = job->held.n[PL_HELD_BY_LAYERS];
     char count[64];
-    put_count(job, layers->n_kept > 0 ? layers->n_kept : layers->n_held, count, sizeof count);
+    put_count(job, layers->n_kept + layers->n_held, count, sizeof count); /* one of these is 0 */
     if (layers->n_kept > 0)
         pl_note(stream,
                 "%s are thin in layers, and keep their heights; --layers hold holds their nodes",

@@ -1360,15 +1360,15 @@ class _View:
         return np.isin(corners, _LAYERED[self.dim]) & ~np.isin(self.elements.types, _SIMPLICES[self.dim])
 
     def _keep_layers_by_type(self) -> None:
-        """Keep the layers of some types; without these hold as if nothing were said."""
+        """Keep the layers if they have elements of some types; else hold as if nothing were said."""
         can = self.elements.types is not None and self.reference is None and self.sizes is None
         chosen = self._is_layered() if can else np.zeros(0, dtype=bool)
         if not chosen.any():
             self.hold_layers(None)
             return
-        chosen &= _find_layers(self, self.threads)
-        if chosen.any():
-            self.is_layer = chosen.astype(np.uint8)
+        found = _find_layers(self, self.threads)
+        if (found & chosen).any():
+            self.is_layer = found.astype(np.uint8)
             self.mesh.is_layer = _address(self.is_layer)
 
     def _keep_layers(self) -> None:
@@ -1516,7 +1516,7 @@ class Plan:
     minimum volume of each element, 0 for none. layers: hold the nodes of boundary layers (hold), do not
     (ignore), or let them move along their layers, whose heights stay (keep: ratios are then aspect ratios AR of all
     elements, those of layers against the heights that they had); left out: hold those of wedges and hexahedra, and of quadrilaterals beside triangles,
-    but no node of an invalid element. rounding: how far off the middle of its edge a mid of a
+    but no node of an invalid element (smooth keeps them where it can). rounding: how far off the middle of its edge a mid of a
     straight edge may be, in units of the points; None: what floats leave, if points are floats.
     regions: nodes between regions (materials) are held. Left out: those of all arrays of the mesh's
     cell data that look like regions, by the program's rule (docs/algorithm.md). An array [m] of whole
