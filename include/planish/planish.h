@@ -506,8 +506,10 @@ PLANISH_API int planish_find_interfaces(const planish_mesh *mesh, const int32_t 
  * are thin in that direction (docs/algorithm.md).
  * Of mesh->cells, wedges, hexahedra and quadrilaterals of order 1 and 2 count, too: the edges
  * between the triangles of a wedge, or one of the families of parallel edges of the others, are at
- * most a quarter of all others. These elements are valid with a scaled Jacobian of at least 0.3. A
- * layer of fewer than 8, or that touches more than one per twenty which is not so, does not count.
+ * most a quarter of all others. These elements are valid with a scaled Jacobian of at least 0.3. Their
+ * rows go on along the layer, up to 16 elements, to valid ones with a factor of 1.2, and across to
+ * valid ones that lean. A layer of fewer than 8, or that touches more than one per twenty which is
+ * badly shaped and not stacked on it, does not count.
  * is_layer [n_elements] is filled with 0 or 1; *n_layer (may be NULL) counts the ones. The call
  * costs little where few elements are thin. threads: as in planish_options. Errors: _ARGUMENT,
  * _MESH, _MEMORY, _PARTS (mesh->cells and part). */

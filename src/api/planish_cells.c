@@ -136,9 +136,8 @@ static int target_of_layer(const void *targets, int64_t cell, int c, pl_target *
                            pl_metric *metric) {
     const wanted *w = targets;
     (void)metric;
-    const int32_t place = w->layers->place[cell];
-    return pl_layer_target(pl_cell_type_of(w->cells->type[cell])->shape,
-                           place < 0 ? NULL : &w->layers->shape[place], c, target);
+    return pl_layer_shapes_target(w->layers, pl_cell_type_of(w->cells->type[cell])->shape, cell, c,
+                                  target);
 }
 
 /** Target of a corner by the metrics at its nodes. */

@@ -73,8 +73,8 @@ static void end_call(shape_call *call) {
 
 /* ---- layers ------------------------------------------------------------------------------- */
 
-/* Elements that are no simplices are in layers only if they are valid and their least scaled
- * Jacobian is so much: those of tangled meshes are thin by chance. */
+/* Elements that are no simplices make layers only if they are valid and their least scaled Jacobian is so
+ * much: those of tangled meshes are thin by chance. */
 static const double LEAST_SCALED_JACOBIAN = 0.3;
 
 /** Elements of any types, thin ones among which are sought. */
@@ -85,8 +85,8 @@ typedef struct cells_call {
     double *scaled_jacobian;
 } cells_call;
 
-/** Leave out thin elements that are not valid, or badly shaped. */
-static int keep_well_shaped(int threads, cells_call *c, planish_error *error) {
+/** Mark thin elements that are not valid, or badly shaped. */
+static int mark_badly_shaped(int threads, cells_call *c, planish_error *error) {
     const int64_t n = c->dense.mesh.cells->n;
     planish_cell_quality quality;
     c->state = pl_alloc(n, sizeof *c->state);
@@ -98,10 +98,11 @@ static int keep_well_shaped(int threads, cells_call *c, planish_error *error) {
     mesh.reference = NULL;
     mesh.is_layer = NULL;
     const int status = planish_measure_cells(&mesh, 0, threads, &quality, &values, error);
-    for (int64_t i = 0; !status && i < n; i++)
-        if (c->thinness[i] && !(c->state[i] == PLANISH_CELL_STATE_VALID &&
-                                c->scaled_jacobian[i] >= LEAST_SCALED_JACOBIAN))
-            c->thinness[i] = PL_BADLY_SHAPED;
+    for (int64_t i = 0; !status && i < n; i++) {
+        const int is_valid = c->state[i] == PLANISH_CELL_STATE_VALID;
+        if (c->thinness[i] && !(is_valid && c->scaled_jacobian[i] >= LEAST_SCALED_JACOBIAN))
+            c->thinness[i] |= (uint8_t)(PL_BADLY_SHAPED | (is_valid ? 0 : PL_IS_INVALID));
+    }
     return status;
 }
 
@@ -120,7 +121,7 @@ static int find_layers_of_cells(const planish_mesh *mesh, int threads, uint8_t *
     if (!status)
         status = pl_find_thinness(&c.dense.mesh, threads, c.thinness, &n_thin, error);
     if (!status && n_thin > 0)
-        status = keep_well_shaped(threads, &c, error);
+        status = mark_badly_shaped(threads, &c, error);
     if (!status)
         status =
             pl_find_layers_of_cells(&c.dense.mesh, c.thinness, threads, is_layer, n_layer, error);

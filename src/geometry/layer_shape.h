@@ -7,7 +7,7 @@
  *   pl_layer_shape      of an element
  *   pl_layer_shapes     of all elements of a mesh
  *   pl_factor_of, pl_upright_at    the uprights of products
- *   pl_layer_target     the target of a corner
+ *   pl_layer_target, pl_layer_shapes_target    the target of a corner
  */
 #ifndef PL_GEOMETRY_LAYER_SHAPE_H
 #define PL_GEOMETRY_LAYER_SHAPE_H
@@ -25,10 +25,17 @@ typedef struct pl_layer_shape {
     double edges[3][3];         /* of a simplex: from its first corner */
 } pl_layer_shape;
 
+/** Shape that a product has: from its first corner to the others. */
+typedef struct pl_own_shape {
+    double edges[PL_CELL_CORNERS - 1][3];
+} pl_own_shape;
+
 /** Shapes of the elements of a mesh. Owned. */
 typedef struct pl_layer_shapes {
-    int32_t *place; /* [cells] of an element in shape, -1: it is to be ideal */
+    int32_t
+        *place; /* [cells] of an element in shape; -1: it is to be ideal; -2 - i: it is own[i] */
     pl_layer_shape *shape;
+    pl_own_shape *own;
 } pl_layer_shapes;
 
 /** Return the simplex of the product that differs between corners a and b of an edge. */
@@ -47,5 +54,14 @@ int pl_upright_at(const pl_cell_shape *shape, int factor, int c);
  *  pl_target_make. */
 int pl_layer_target(const pl_cell_shape *shape, const pl_layer_shape *wanted, int c,
                     pl_target *target);
+
+/** Make the target of corner c of an element, which is cell of the mesh of shapes. Return as
+ *  pl_target_make. */
+int pl_layer_shapes_target(const pl_layer_shapes *shapes, const pl_cell_shape *shape, int64_t cell,
+                           int c, pl_target *target);
+
+/** Find the edges of corner c of an element with the shape own. Return their determinant. */
+double pl_own_shape_edges(const pl_cell_shape *shape, const pl_own_shape *own, int c,
+                          double edges[3][3]);
 
 #endif

@@ -115,6 +115,7 @@ struct planish_plan {
     int64_t n_wrapped;
     uint8_t *is_used; /* [n] 0: by no element; else PL_USED, ... */
     int32_t *inner;   /* [n] inner number of each node */
+    int is_blunt;     /* the targets are of layers, not of simplices alone: angles count */
     int is_selective; /* only nodes of bad elements are free, see pl_draft_select */
     int32_t *node_of; /* [n] the caller's number of each node of the plan's mesh; NULL: the same */
     int32_t *element_of;         /* [m] the caller's number of each element */

@@ -137,11 +137,20 @@ static void make_layer_chunk(void *context, int64_t begin, int64_t end, int thre
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         const int64_t cell = pl_plan_element(p->plan, i);
-        const int32_t place = p->shapes.place[cell];
         const pl_cell_shape *shape = pl_cell_type_of(p->given->cells->type[cell])->shape;
-        pl_layer_target(shape, place < 0 ? NULL : &p->shapes.shape[place],
-                        pl_corner_index(p->plan->work.corner[i]), &p->target[i]);
+        pl_layer_shapes_target(&p->shapes, shape, cell, pl_corner_index(p->plan->work.corner[i]),
+                               &p->target[i]);
     }
+}
+
+/** Whether an element of a layer is no simplex: thin simplices are sharp. */
+static int has_thin_product(const planish_mesh *mesh) {
+    int found = 0;
+    for (int64_t i = 0; !found && i < mesh->cells->n; i++) {
+        const pl_cell_type *type = pl_cell_type_of(mesh->cells->type[i]);
+        found = mesh->is_layer[i] && type && type->shape->n_simplices > 1;
+    }
+    return found;
 }
 
 int pl_layer_targets_make(planish_plan *plan, const planish_mesh *given, planish_error *error) {
@@ -150,6 +159,7 @@ int pl_layer_targets_make(planish_plan *plan, const planish_mesh *given, planish
     double *own = NULL;
     layer_pass p = {.plan = plan, .given = given};
     planish_mesh mesh = *given;
+    plan->is_blunt = has_thin_product(given);
     plan->work.target = p.target = pl_alloc(plan->work.n_elements, sizeof *p.target);
     if (!pl_points_are_dense(&points))
         own = pl_alloc(given->n_nodes * given->dim, sizeof *own);

@@ -262,26 +262,27 @@ static void count_bad(layer_sets *s, const int32_t *node, int n) {
 
 /** Remove the marks of layers with too few elements, or too many badly shaped ones. */
 static void drop_bad_layers(const planish_mesh *mesh, const uint8_t *thinness, layer_sets *s,
-                            uint8_t *is_layer) {
+                            uint8_t *mark) {
     const planish_cells *cells = mesh->cells;
     for (int64_t i = 0; i < cells->n; i++)
-        if (is_layer[i] && thinness[i])
+        if (mark[i] && thinness[i])
             join_nodes(s, cells->node + cells->offset[i], counted_type(mesh, i)->shape->n_corners);
     for (int64_t i = 0; i < cells->n; i++)
-        if (thinness[i] == PL_BADLY_SHAPED)
+        if (thinness[i] & PL_BADLY_SHAPED && !mark[i])
             count_bad(s, cells->node + cells->offset[i], counted_type(mesh, i)->shape->n_corners);
-        else if (is_layer[i] && thinness[i])
+        else if (mark[i] == PL_ROW_MARKED && thinness[i])
             s->n[layer_of(s, cells->node[cells->offset[i]])]++;
     for (int64_t i = 0; i < cells->n; i++)
-        if (is_layer[i] && thinness[i]) {
+        if (mark[i] && thinness[i]) {
             const int32_t layer = layer_of(s, cells->node[cells->offset[i]]);
-            is_layer[i] = s->n[layer] >= LEAST_OF_LAYER &&
-                          (int64_t)FEW_BADLY_SHAPED * s->n_bad[layer] <= s->n[layer];
+            if (s->n[layer] < LEAST_OF_LAYER ||
+                (int64_t)FEW_BADLY_SHAPED * s->n_bad[layer] > s->n[layer])
+                mark[i] = 0;
         }
 }
 
 /** Remove the marks of elements that are thin by chance. */
-static int drop_chance(const planish_mesh *mesh, const uint8_t *thinness, uint8_t *is_layer,
+static int drop_chance(const planish_mesh *mesh, const uint8_t *thinness, uint8_t *mark,
                        planish_error *error) {
     const int64_t n = mesh->n_nodes;
     layer_sets s = {.parent = pl_alloc(n, sizeof *s.parent),
@@ -290,7 +291,7 @@ static int drop_chance(const planish_mesh *mesh, const uint8_t *thinness, uint8_
     const int is_there = s.parent && s.n && s.n_bad;
     if (is_there) {
         memset(s.parent, -1, (size_t)n * sizeof *s.parent);
-        drop_bad_layers(mesh, thinness, &s, is_layer);
+        drop_bad_layers(mesh, thinness, &s, mark);
     }
     pl_free(s.parent);
     pl_free(s.n);
@@ -298,32 +299,47 @@ static int drop_chance(const planish_mesh *mesh, const uint8_t *thinness, uint8_
     return is_there ? PLANISH_OK : pl_fail_memory(error, "thin elements");
 }
 
-int pl_find_layers_of_cells(const planish_mesh *mesh, const uint8_t *thinness, int threads,
-                            uint8_t *is_layer, int64_t *n_layer, planish_error *error) {
-    const int64_t n = mesh->cells->n;
-    uint8_t *marked = pl_alloc(n, 1);
+/** Mark the elements of which at least half of the simplices are in layers. */
+static int mark_cells(const planish_mesh *mesh, const uint8_t *thinness, int threads, uint8_t *mark,
+                      planish_error *error) {
     corner_mesh m = {.node = NULL};
-    int status =
-        marked ? make_simplices(mesh, thinness, &m, error) : pl_fail_memory(error, "thin elements");
+    int64_t n_simplices;
+    int status = make_simplices(mesh, thinness, &m, error);
     uint8_t *is_in = pl_alloc(status ? -1 : m.mesh.n_elements, 1);
     if (!status)
-        status = is_in ? pl_find_layers(&m.mesh, m.given, threads, is_in, n_layer, error)
+        status = is_in ? pl_find_layers(&m.mesh, m.given, threads, is_in, &n_simplices, error)
                        : pl_fail_memory(error, "thin elements");
-    for (int64_t i = 0; !status && i < n; i++) {
+    for (int64_t i = 0; !status && i < mesh->cells->n; i++) {
         int64_t n_in = 0;
         for (int64_t k = m.first[i]; k < m.first[i + 1]; k++)
             n_in += is_in[k];
-        marked[i] = n_in > 0 && 2 * n_in >= m.first[i + 1] - m.first[i];
+        mark[i] = n_in > 0 && 2 * n_in >= m.first[i + 1] - m.first[i];
     }
-    if (!status && memchr(marked, 1, (size_t)n))
-        status = drop_chance(mesh, thinness, marked, error);
-    *n_layer = 0;
-    for (int64_t i = 0; !status && i < n; i++)
-        *n_layer += is_layer[i] = marked[i];
-    pl_free(marked);
     pl_free(is_in);
     pl_free(m.node);
     pl_free(m.given);
     pl_free(m.first);
+    return status;
+}
+
+int pl_find_layers_of_cells(const planish_mesh *mesh, const uint8_t *thinness, int threads,
+                            uint8_t *is_layer, int64_t *n_layer, planish_error *error) {
+    const int64_t n = mesh->cells->n;
+    uint8_t *mark = pl_alloc(n, 1), *of_well_shaped = pl_alloc(n, 1);
+    int status = mark && of_well_shaped ? PLANISH_OK : pl_fail_memory(error, "thin elements");
+    for (int64_t i = 0; !status && i < n; i++)
+        of_well_shaped[i] = thinness[i] & PL_BADLY_SHAPED ? PL_BADLY_SHAPED : thinness[i];
+    if (!status)
+        status = mark_cells(mesh, of_well_shaped, threads, mark, error);
+    if (!status && memchr(mark, 1, (size_t)n)) {
+        status = pl_follow_cell_rows(mesh, thinness, mark, error);
+        if (!status)
+            status = drop_chance(mesh, thinness, mark, error);
+    }
+    *n_layer = 0;
+    for (int64_t i = 0; !status && i < n; i++)
+        *n_layer += is_layer[i] = mark[i] == PL_ROW_MARKED;
+    pl_free(mark);
+    pl_free(of_well_shaped);
     return status;
 }

@@ -522,4 +522,5 @@ void pl_columns_destroy(pl_columns *c) {
     pl_free(c->column);
     pl_free(c->place);
     pl_free(c->height);
+    pl_free(c->leans);
 }

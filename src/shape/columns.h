@@ -40,6 +40,7 @@ typedef struct pl_columns {
     int32_t *column;   /* [n_uprights] of an upright, */
     int32_t *place;    /* [n_uprights] and its place in upright */
     double *height;    /* [n_uprights] how long it is to be */
+    uint8_t *leans;    /* [n_uprights] 1: it leans over its layer for good, as the wall turns */
 } pl_columns;
 
 /** Find the columns of the marked elements of mesh, and of flat ones that go on from them. Errors:

@@ -21,6 +21,9 @@ static const double STEADY = 1.05, OFF = 1.05, VARIES = 1.02;
 static const double MOST_GROWTH = 2;
 /* An upright that differs from the median of those beside it by this factor becomes the median. */
 static const double OUTLIER = 1.5;
+/* An upright leans for good if it is so much less high than long, and the mean cosine between it and the
+ * edges along the layer is so far from 0: these point one way, as at a sharp edge of a wall. */
+static const double LEANS = 0.3, ONE_WAY = 0.4;
 enum { ROUNDS = 2 };          /* of averages along the rows */
 enum { MOST_LOOKED_AT = 24 }; /* uprights beside one */
 
@@ -44,8 +47,23 @@ static double ratio_of(double a, double b) {
     return a > b ? a / b : b / a;
 }
 
+/* Sums of an upright. */
+enum { OF_HEIGHTS, OF_CORNERS, OF_COSINES, N_SUMS };
+
+/** Return the sum of the cosines between an upright and edges along the layer. */
+static double cosines_of(const search *s, int64_t upright, const double along[2][3]) {
+    const int32_t *end = s->c->end + 2 * upright;
+    double edge[3], sum = 0;
+    pl_columns_edge(s->c, end[0], end[1], edge);
+    for (int j = 0; j < s->c->mesh->dim - 1; j++) {
+        const double square = pl_dot(3, edge, edge) * pl_dot(3, along[j], along[j]);
+        sum += square > 0 ? pl_dot(3, edge, along[j]) / sqrt(square) : 0;
+    }
+    return sum;
+}
+
 /** Add the heights of an element at its uprights: determinants of corners by what their edges along the
- *  layer span. sum [n_uprights][2]: heights, and how many. */
+ *  layer span. sum [n_uprights][N_SUMS]. */
 static void add_heights(const search *s, const pl_layer_cell *cell, double sign, double *sum) {
     const planish_mesh *mesh = s->c->mesh;
     const pl_cell_shape *shape = pl_cell_type_of(mesh->cells->type[cell->cell])->shape;
@@ -53,7 +71,9 @@ static void add_heights(const search *s, const pl_layer_cell *cell, double sign,
     const int n_corners = pl_layer_corners(shape, cell);
     for (int k = 0; k < n_corners; k++) {
         double edges[3][3] = {{0}}, along[2][3], normal[3];
-        const int upright = pl_columns_corner(s->c, cell, k, along);
+        const int32_t upright = cell->upright[pl_columns_corner(s->c, cell, k, along)];
+        double *of = sum + N_SUMS * (int64_t)upright;
+        of[OF_COSINES] += cosines_of(s, upright, (const double(*)[3])along);
         for (int j = 0; j < shape->dim; j++)
             pl_columns_edge(s->c, node[k], node[shape->neighbour[k][j]], edges[j]);
         if (shape->dim == 2)
@@ -61,10 +81,9 @@ static void add_heights(const search *s, const pl_layer_cell *cell, double sign,
         pl_cross(along[0], along[1], normal);
         const double base = sqrt(pl_dot(3, normal, normal));
         const double D = sign * pl_determinant_of_edges(shape->dim, (const double(*)[3])edges);
-        double *of = sum + 2 * (int64_t)cell->upright[upright];
         if (base > 0) {
-            of[0] += D / base;
-            of[1] += 1;
+            of[OF_HEIGHTS] += D / base;
+            of[OF_CORNERS] += 1;
         }
     }
 }
@@ -74,7 +93,7 @@ static void add_heights(const search *s, const pl_layer_cell *cell, double sign,
 static int find_lengths(const search *s, int threads, planish_error *error) {
     const pl_columns *c = s->c;
     const planish_mesh *mesh = c->mesh;
-    double *sum = pl_alloc_zero(2 * c->n_uprights, sizeof *sum);
+    double *sum = pl_alloc_zero(N_SUMS * c->n_uprights, sizeof *sum);
     int8_t *sign = pl_alloc(mesh->cells->n, sizeof *sign);
     int status = sum && sign ? pl_orient_cells(mesh->cells, mesh->dim, mesh->n_nodes,
                                                mesh->coordinates, threads, sign, error)
@@ -82,11 +101,15 @@ static int find_lengths(const search *s, int threads, planish_error *error) {
     for (int64_t i = 0; !status && i < c->n_cells; i++)
         add_heights(s, &c->cell[i], sign[c->cell[i].cell], sum);
     for (int64_t u = 0; !status && u < c->n_uprights; u++) {
+        const double *of = sum + N_SUMS * u;
+        const double n = of[OF_CORNERS];
         double edge[3];
         pl_columns_edge(c, c->end[2 * u], c->end[2 * u + 1], edge);
-        s->length[u] =
-            sum[2 * u + 1] > 0 ? fabs(sum[2 * u]) / sum[2 * u + 1] : sqrt(pl_dot(3, edge, edge));
-        s->is_off[u] = sum[2 * u + 1] > 0 && !(sum[2 * u] > 0) ? IS_TURNED : 0;
+        const double length = sqrt(pl_dot(3, edge, edge));
+        s->length[u] = n > 0 ? fabs(of[OF_HEIGHTS]) / n : length;
+        s->is_off[u] = n > 0 && !(of[OF_HEIGHTS] > 0) ? IS_TURNED : 0;
+        c->leans[u] = s->is_off[u] != IS_TURNED && s->length[u] < LEANS * length &&
+                      fabs(of[OF_COSINES]) >= ONE_WAY * n * (mesh->dim - 1);
     }
     pl_free(sum);
     pl_free(sign);
@@ -303,13 +326,15 @@ int pl_columns_smooth_heights(pl_columns *c, int threads, planish_error *error) 
         n_at += c->cell[i].n_uprights;
     search s = {.c = c};
     c->height = pl_alloc_zero(n, sizeof *c->height);
+    c->leans = pl_alloc_zero(n, sizeof *c->leans);
     s.length = pl_alloc(n, sizeof *s.length);
     s.off = pl_alloc_zero(n, sizeof *s.off);
     s.is_off = pl_alloc_zero(n, sizeof *s.is_off);
     s.first = pl_alloc_zero(n + 2, sizeof *s.first);
     s.cell = pl_alloc(n_at, sizeof *s.cell);
     s.queue = pl_alloc(n, sizeof *s.queue);
-    const int is_there = c->height && s.length && s.off && s.is_off && s.first && s.cell && s.queue;
+    const int is_there =
+        c->height && c->leans && s.length && s.off && s.is_off && s.first && s.cell && s.queue;
     const int status =
         is_there ? find_all(&s, threads, error) : pl_fail_memory(error, "the heights of layers");
     pl_free(s.length);

@@ -134,6 +134,43 @@ static void put_simplex(const search *s, const pl_layer_cell *cell, double heigh
         pl_subtract(3, x[p], x[0], shape->edges[p - 1]);
 }
 
+/** Put the shape that a product has in own; whether all its corners are oriented alike. */
+static int take_own_shape(const search *s, const pl_layer_cell *cell, pl_own_shape *own) {
+    const pl_cell_shape *shape = shape_of(s, cell);
+    const int32_t *node = s->mesh->cells->node + s->mesh->cells->offset[cell->cell];
+    int n_positive = 0, n_negative = 0;
+    for (int k = 1; k < shape->n_corners; k++)
+        pl_columns_edge(&s->columns, node[0], node[k], own->edges[k - 1]);
+    for (int k = 0; k < shape->n_measured; k++) {
+        double edges[3][3] = {{0}};
+        const double D = pl_own_shape_edges(shape, own, k, edges);
+        n_positive += D > 0;
+        n_negative += D < 0;
+    }
+    return n_positive == shape->n_measured || n_negative == shape->n_measured;
+}
+
+/** Let valid elements with uprights that lean for good be as they are. */
+static int keep_leaning(const search *s, pl_layer_shapes *shapes, planish_error *error) {
+    const pl_columns *c = &s->columns;
+    int64_t n = 0;
+    for (int is_counted = 0; is_counted < 2; is_counted++) {
+        if (is_counted && !(shapes->own = pl_alloc(n, sizeof *shapes->own)))
+            return pl_fail_memory(error, "the shapes of layers");
+        n = 0;
+        for (int64_t i = 0; i < c->n_cells; i++) {
+            const pl_layer_cell *cell = &c->cell[i];
+            int is_leaning = 0;
+            for (int k = 0; k < cell->n_uprights && shape_of(s, cell)->n_simplices > 1; k++)
+                is_leaning |= c->leans[cell->upright[k]];
+            if (is_counted && is_leaning && take_own_shape(s, cell, &shapes->own[n]))
+                shapes->place[cell->cell] = (int32_t)(-2 - n);
+            n += is_leaning;
+        }
+    }
+    return PLANISH_OK;
+}
+
 /** Make the shape that element i of the layers is to have; whether all its corners are targets. */
 static int make_shape(const search *s, int64_t i, pl_layer_shape *wanted) {
     const pl_columns *c = &s->columns;
@@ -170,7 +207,7 @@ static int make_shapes(search *s, pl_layer_shapes *shapes, planish_error *error)
     for (int64_t i = 0; !status && i < c->n_cells; i++)
         if (make_shape(s, i, &shapes->shape[i]))
             shapes->place[c->cell[i].cell] = (int32_t)i;
-    return status;
+    return status ? status : keep_leaning(s, shapes, error);
 }
 
 int pl_layer_shapes_find(const planish_mesh *mesh, const uint8_t *is_layer, int threads,
@@ -196,4 +233,5 @@ int pl_layer_shapes_find(const planish_mesh *mesh, const uint8_t *is_layer, int 
 void pl_layer_shapes_free(pl_layer_shapes *shapes) {
     pl_free(shapes->place);
     pl_free(shapes->shape);
+    pl_free(shapes->own);
 }

@@ -38,7 +38,15 @@ enum {
     PL_IS_THIN = 8,       /* by PL_THIN */
     PL_IS_WIDE = 16,      /* by PL_WIDE */
     PL_IS_GIVEN = 32,     /* this is given, not to be found */
-    PL_BADLY_SHAPED = 64  /* the element is to be in no layer, nor are many of them near one */
+    PL_BADLY_SHAPED =
+        64, /* the element is to be in no layer by itself, nor are many of them near one */
+    PL_IS_INVALID = 128 /* beside that: it is not valid */
+};
+
+/* Marks of pl_follow_cell_rows. */
+enum {
+    PL_ROW_MARKED = 1, /* the element is of a layer */
+    PL_ROW_STACKED = 2 /* it is not, but lies on one and was of it before a wall was moved */
 };
 
 /** Find the elements of layers: is_layer [n_elements] becomes 1 for them, 0 for the others, and
@@ -54,10 +62,16 @@ int pl_find_thinness(const planish_mesh *mesh, int threads, uint8_t *thinness, i
                      planish_error *error);
 
 /** Find the elements of layers as pl_find_layers does, in mesh->cells; is_layer [cells->n]. thinness:
- *  from pl_find_thinness, or PL_BADLY_SHAPED where that is not 0. mesh has dense coordinates.
- *  Errors: _MESH, _MEMORY. */
+ *  from pl_find_thinness, with PL_BADLY_SHAPED and PL_IS_INVALID where that is not 0. mesh has dense
+ *  coordinates. Errors: _MESH, _MEMORY. */
 int pl_find_layers_of_cells(const planish_mesh *mesh, const uint8_t *thinness, int threads,
                             uint8_t *is_layer, int64_t *n_layer, planish_error *error);
+
+/** Follow the rows of layers, along to wide elements that share uprights and across to badly shaped ones
+ *  that are stacked on them: mark [cells->n], PL_ROW_MARKED or 0 before. thinness as above. Errors:
+ *  _MEMORY. */
+int pl_follow_cell_rows(const planish_mesh *mesh, const uint8_t *thinness, uint8_t *mark,
+                        planish_error *error);
 
 /** Return the rank of an array's name among those that tell regions, from 1 for the most telling
  *  one; 0: unknown; -1: the array tells no regions. */

@@ -95,6 +95,9 @@ static void begin_limits(pl_run *r) {
     const int has_corners = r->plan->work.corner != NULL;
     const int of_ratio =
         o->objective == PLANISH_OBJECTIVE_RADIUS_RATIO || (has_corners && pl_is_mean(o->objective));
+    /* Shapes of another mesh may be sharp ones. Layers are none, but one that a wall was moved into becomes
+     * what it was whatever its angles. */
+    r->may_be_sharp = r->plan->work.target && (!r->plan->is_blunt || pl_tangled(&r->sums) > 0);
     r->limits_at_start = pl_star_no_limits();
     r->worst_at_start = INFINITY;
     if (o->method != PLANISH_METHOD_PLANISH || pl_tangled(&r->sums) > 0 || r->sums.below > 0)

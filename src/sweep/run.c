@@ -41,13 +41,14 @@ static double worst_ratio(const pl_run *r) {
 }
 
 double pl_run_blunt(const pl_run *r, double acuteness) {
+    if (r->plan->work.target && acuteness < INFINITY) /* these say nothing of angles */
+        return 0;
     return r->plan->work.corner ? pl_blunt_mean_square(r->plan->dim, r->kinds, acuteness)
                                 : pl_blunt_ratio_square(r->plan->dim, acuteness);
 }
 
 pl_star_limits pl_run_worst_limits(const pl_run *r, double margin) {
-    /* Where elements are to be thin, sharp ones are what is wanted. */
-    const double acuteness = r->plan->work.target ? INFINITY : r->sums.acuteness * margin;
+    const double acuteness = r->may_be_sharp ? INFINITY : r->sums.acuteness * margin;
     return (pl_star_limits){worst_ratio(r) * margin, acuteness, pl_run_blunt(r, acuteness)};
 }
 

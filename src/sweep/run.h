@@ -65,6 +65,7 @@ typedef struct pl_run {
                             minimum volume */
     pl_star_limits
         limits_at_start; /* the worst of the mesh as it came; infinite: nothing is promised */
+    int may_be_sharp;    /* angles are of no concern, as elements have targets */
     double
         worst_at_start; /* with corners, whose worst those limits are: largest AR^2 of a cell with
                               a movable node; infinite: nothing is promised */

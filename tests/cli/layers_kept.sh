@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # --layers keep: nodes move along layers, whose heights stay, and a wall that was moved gets its first heights back. The
-# table, JSON and page say that ratios are against the layers.
+# table, JSON and page say that ratios are against the layers. It is the default for quadrilaterals, hexahedra and prisms.
 . "$(dirname "$0")/common.sh"
 
-# make.py KIND DEPTH PUSH: N cells along each side and ROWS rows, which grow by 1.3 from the wall. The wall is moved by
+# make.py KIND DEPTH PUSH [ROWS]: N cells along each side and ROWS rows, which grow by 1.3 from the wall. The wall is moved by
 # DEPTH first heights in its middle, and columns inside are bent along the layer by up to PUSH cells.
 cat >make.py <<'END2'
 import itertools
@@ -13,7 +13,8 @@ import sys
 import box_file
 
 kind, depth, push = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
-N, ROWS, GROWTH, FIRST = 8, 24, 1.2, 0.01
+N, GROWTH, FIRST = 8, 1.2, 0.01
+ROWS = int(sys.argv[4]) if len(sys.argv) > 4 else 24
 dim = box_file.dimension(kind)
 sides = [N] * (dim - 1) + [ROWS]
 random.seed(3)
@@ -31,12 +32,13 @@ for at in itertools.product(*(range(n + 1) for n in sides)):
 print(box_file.medit(kind, points, box_file.elements(kind, sides, number)))
 END2
 
-# heights.py KIND MESH ROWS: the largest relative error of the heights of the first rows.
+# heights.py KIND MESH ROWS [ALL]: the largest relative error of the heights of the first rows, of ALL.
 cat >heights.py <<'END2'
 import itertools
 import sys
 
-N, ROWS, GROWTH, FIRST = 8, 24, 1.2, 0.01
+N, GROWTH, FIRST = 8, 1.2, 0.01
+ROWS = int(sys.argv[4]) if len(sys.argv) > 4 else 24
 dim = 2 if sys.argv[1] in ("quads", "triangles") else 3
 lines = iter(open(sys.argv[2]).read().split("\n"))
 for line in lines:
@@ -81,6 +83,63 @@ END2
     expect_json 'r["before"]["inverted"] > 0 and r["after"]["inverted"] == 0'
     below "$(python3 heights.py $kind out.mesh 5)" 0.1 || fail "$kind: first heights $(python3 heights.py $kind out.mesh 5)"
 done
+
+# ---- without an option
+
+for kind in quads hexes prisms; do
+    python3 make.py $kind 0 0.3 >pushed.mesh
+    expect_status 0 "$program" smooth pushed.mesh -o kept.mesh --layers keep -q
+    expect_status 0 "$program" smooth pushed.mesh -o out.mesh --json report.json
+    cmp -s kept.mesh out.mesh || fail "$kind: keep is the default"
+    expect_text "are thin in layers, and keep their heights; --layers hold holds their nodes"
+    grep -q "AR is against the heights of the layers as they were" out || fail "$kind: the table says the target by default"
+    expect_json 'r["target"] == "layers" and r["mesh"]["held"]["layers"] == 0'
+    expect_json 'r["mesh"]["kept_layer_elements"] == r["mesh"]["layer_elements"] > 100'
+    expect_json 'r["after"]["min_scaled_jacobian"] >= r["before"]["min_scaled_jacobian"] - 1e-9'
+    # A wall was moved through one of few rows: more than a twentieth of the elements at the layer are inverted.
+    python3 make.py $kind 1.4 0 8 >moved.mesh
+    expect_status 0 "$program" smooth moved.mesh -o out.mesh --json report.json
+    expect_json 'r["before"]["inverted"] > 0 and r["after"]["inverted"] == 0 and r["target"] == "layers"'
+    below "$(python3 heights.py $kind out.mesh 3 8)" 0.1 ||
+        fail "$kind: first heights of few rows $(python3 heights.py $kind out.mesh 3 8)"
+    # Held layers would be in the way of the repair where a wall was moved through rows.
+    python3 make.py $kind 3 0 8 >moved.mesh
+    expect_status 0 "$program" smooth moved.mesh -o out.mesh --objective worst --json report.json
+    expect_json 'r["after"]["inverted"] == 0 and r["mesh"]["held"]["layers"] == 0 and r["target"] == "regular"'
+done
+for kind in triangles tets; do # layers of these have a note, as before
+    python3 make.py $kind 0 0.1 >pushed.mesh
+    expect_status 0 "$program" smooth pushed.mesh -o out.mesh --json report.json
+    expect_json 'r["target"] == "regular" and r["mesh"]["kept_layer_elements"] == 0'
+    expect_json 'r["mesh"]["held"]["layers"] == 0 and r["mesh"]["free_layer_elements"] > 100'
+    expect_text "(a boundary layer?): --fix-layers keeps them"
+done
+
+# ---- prisms over a wall, tetrahedra over these: all that are thin keep their heights
+
+python3 - >mixed.mesh <<'END2'
+import itertools
+import box_file
+
+N, ROWS, PRISMS = 8, 24, 5
+number, points = {}, []
+for at in itertools.product(range(N + 1), range(N + 1), range(ROWS + 1)):
+    number[at] = len(points) + 1
+    bend = 0.03 * all(0 < a < n for a, n in zip(at, (N, N, ROWS))) * (-1) ** at[0]
+    points.append([at[0] / N + bend, at[1] / N, 0.01 * (1.2 ** at[2] - 1) / 0.2])
+above = {at: number[at[0], at[1], at[2] + PRISMS] for at in number if at[2] + PRISMS <= ROWS}
+text = box_file.medit("prisms", points, box_file.elements("prisms", [N, N, PRISMS], number))
+tets = box_file.elements("tets", [N, N, ROWS - PRISMS], above)
+print(text[:-len("End")] + "Tetrahedra %d" % len(tets))
+print("\n".join(" ".join(map(str, e)) + " 1" for e in tets) + "\nEnd")
+END2
+expect_status 0 "$program" smooth mixed.mesh -o out.mesh --json report.json
+expect_json 'r["target"] == "layers" and r["mesh"]["kept_layer_elements"] == r["mesh"]["layer_elements"] > 1640'
+expect_json 'r["mesh"]["held"]["layers"] == r["mesh"]["free_layer_elements"] == 0'
+expect_text "are thin in layers, and keep their heights"
+below "$(python3 heights.py prisms out.mesh 4)" 0.1 || fail "mixed: heights $(python3 heights.py prisms out.mesh 4)"
+expect_status 0 "$program" smooth mixed.mesh -o out.mesh --layers hold --json report.json
+expect_json 'r["target"] == "regular" and r["mesh"]["held_layer_elements"] == r["mesh"]["layer_elements"] > 1640'
 
 # ---- the page; meshes without layers
 

@@ -122,7 +122,7 @@ done
 [ "$status" -eq 1 ] || fail "interrupted: $(tail -n 3 err)"
 python3 "$cli/types_mesh.py" judge block.vtk new.vtk report.json || fail "interrupted"
 expect_json "r['stop'] == 'interrupted' and r['certified']"
-# Layers of hexahedra are held, unless they are to be ignored; --fix-layers is the same as hold.
+# Layers of hexahedra keep their heights, unless they are to be held or ignored; --fix-layers is the same as hold.
 python3 "$cli/types_mesh.py" block layered 8 0.2 block.vtk || fail "no mesh"
 for option in "" "--layers hold" --fix-layers "--layers ignore"; do
     # shellcheck disable=SC2086
@@ -131,13 +131,29 @@ for option in "" "--layers hold" --fix-layers "--layers ignore"; do
     if [ "$option" = "--layers ignore" ]; then
         expect_json "r['mesh']['held']['layers'] == 0 and r['mesh']['layer_elements'] is None"
         ! cmp -s new.vtk held.vtk || fail "layers are held though they are to be ignored"
+    elif [ -z "$option" ]; then
+        expect_json "r['mesh']['kept_layer_elements'] == r['mesh']['layer_elements'] == 192 and r['mesh']['held']['layers'] == 0"
+        expect_json "r['target'] == 'layers' and r['mesh']['held_layer_elements'] == r['mesh']['free_layer_elements'] == 0"
+        grep -q "192 elements .* are thin in layers, and keep their heights; --layers hold holds their nodes" err ||
+            fail "no note of layers: $(cat err)"
     else
         expect_json "r['mesh']['held_layer_elements'] == r['mesh']['layer_elements'] == 192 and r['mesh']['held']['layers'] == 147"
-        [ -n "$option" ] || cp new.vtk held.vtk
+        [ "$option" = --fix-layers ] || cp new.vtk held.vtk
         cmp new.vtk held.vtk || fail "other bits with $option"
         grep -q "thin in layers" err || fail "no note of layers: $(cat err)"
-        [ -n "$option" ] || grep -q "147 nodes are held there; --layers ignore lets them move" err || fail "no advice: $(cat err)"
     fi
+done
+# They are held where heights cannot be kept, and the note says why.
+for option in "--objective worst" "--objective edge-ratio" "--method laplacian"; do
+    # shellcheck disable=SC2086
+    expect_status 0 "$program" smooth block.vtk -o new.vtk --json report.json --report page.html $option
+    expect_json "r['target'] == 'regular' and r['mesh']['held']['layers'] == 147"
+    expect_json "r['mesh']['held_layer_elements'] == 192 and r['mesh']['kept_layer_elements'] == 0"
+    [ "${option%% *}" = --objective ] && named=$option || named=--method
+    expect_json "r['mesh']['layers_not_kept_with'] == '$named'"
+    grep -q "147 nodes are held there, as heights cannot be kept with $named; --layers ignore lets them move" err ||
+        fail "no advice: $(cat err)"
+    grep -q "held, as heights cannot be kept with $named" page.html || fail "the page does not say it"
 done
 # A fold is held by nothing: no node of an inverted element is held as one of a layer.
 python3 - <<'END' || fail "no mesh"

@@ -378,18 +378,29 @@ class Elements(unittest.TestCase):
             self.assertEqual(planish.smooth(moved, {"hexahedron": cells}, **options).n_inverted, 0)
             self.assertTrue((moved != points).any(axis=1)[inside].all())
 
-    def test_layers_are_held(self):
+    def test_layers_are_kept_or_held(self):
         points, cells, inside = self.grid("hexahedron", 6, 0)
         points[:, 2] = np.where(points[:, 2] < 0.4, points[:, 2] / 8, points[:, 2])  # two rows, and a higher one
         low = points[:, 2] < 0.05
         random = np.random.default_rng(2)  # boxes alone have the best scaled Jacobian, and stay
         points[inside] += np.where(low[inside], 0.002, 0.02)[:, None] * random.uniform(-1, 1, (inside.sum(), 3))
         low = np.round(points[:, 2] * 48) < 3
-        for layers, is_held in ((None, True), ("hold", True), ("ignore", False)):
+        results = {}
+        for layers, is_held in ((None, False), ("keep", False), ("hold", True), ("ignore", False)):
             moved = points.copy()
             planish.smooth(moved, {"hexahedron": cells}, layers=layers)
             self.assertEqual(np.array_equal(moved[low], points[low]), is_held, layers)
             self.assertFalse(np.array_equal(moved, points))
+            results[layers] = moved
+        np.testing.assert_array_equal(results[None], results["keep"])  # the default of smooth
+        for options in {"objective": "worst"}, {"objective": "edge-ratio"}, {"sizes": planish.find_sizes(points, {"hexahedron": cells})}:
+            moved = points.copy()
+            planish.smooth(moved, {"hexahedron": cells}, **options)
+            np.testing.assert_array_equal(moved[low], points[low])  # which cannot keep heights with these
+        moved = points.copy()
+        with planish.Plan(moved, {"hexahedron": cells}) as plan:  # it does not know what is to be smoothed for
+            plan.smooth(moved)
+        np.testing.assert_array_equal(moved, results["hold"])
 
     def test_progress_stops_types(self):
         points, cells, _ = self.grid("hexahedron", 6, 0.7)

@@ -619,6 +619,52 @@ static void one_bad_element_leaves_a_layer(void **state) {
     test_cells_destroy(&m);
 }
 
+/** Rows above a wall that was moved through the first one are found, few as they are. */
+static void moved_walls_leave_layers(void **state) {
+    (void)state;
+    double height[CELLS];
+    fill_heights(height, CELLS, 0.1, 1);
+    for (int t = 0; t < N_LAYER_TYPES; t++) {
+        test_cells m;
+        test_cells_box(&m, CELLS, layer_types[t], CELLS);
+        set_rows(&m, m.mesh.dim - 1, height);
+        for (int64_t i = 0; i < m.mesh.n_nodes; i++) {
+            double *x = m.coordinates + i * m.mesh.dim, *last = x + m.mesh.dim - 1;
+            const int is_inside =
+                x[0] > 0 && x[0] < CELLS && (m.mesh.dim == 2 || (x[1] > 0 && x[1] < CELLS));
+            *last += is_inside && *last == 0 ? 0.15 : 0;
+        }
+        uint8_t *is_layer = find_in_cells(&m, 1, NULL);
+        int64_t n_out = 0;
+        for (int64_t e = 1; e < m.cells.n; e++) { /* the first one is of another type */
+            assert_true(is_layer[e] || m.row[e] == 0);
+            n_out += !is_layer[e];
+        }
+        assert_true(n_out > CELLS / 2); /* more than one in 20 */
+        free(is_layer);
+        test_cells_destroy(&m);
+    }
+}
+
+/** Rows go on where nodes are close along the wall. */
+static void rows_go_on_along_walls(void **state) {
+    (void)state;
+    double height[CELLS], along[CELLS];
+    fill_heights(height, CELLS, 0.1, 1);
+    for (int k = 0; k < CELLS; k++)
+        along[k] = k < 3 ? 0.2 : 1;
+    for (int t = 0; t < N_LAYER_TYPES; t++) {
+        test_cells m;
+        int64_t n;
+        test_cells_box(&m, CELLS, layer_types[t], CELLS);
+        set_rows(&m, m.mesh.dim - 1, height);
+        set_rows(&m, 0, along);
+        free(find_in_cells(&m, 1, &n));
+        assert_int_equal(n, m.cells.n - 1);
+        test_cells_destroy(&m);
+    }
+}
+
 /** Reverse the handedness of every third element, or all; rotate and scale; more threads. */
 static void cells_are_judged_alike_in_any_place(void **state) {
     (void)state;
@@ -793,6 +839,8 @@ int main(void) {
         cmocka_unit_test(badly_shaped_elements_are_in_no_layers),
         cmocka_unit_test(a_layer_has_some_elements),
         cmocka_unit_test(one_bad_element_leaves_a_layer),
+        cmocka_unit_test(moved_walls_leave_layers),
+        cmocka_unit_test(rows_go_on_along_walls),
         cmocka_unit_test(cells_are_judged_alike_in_any_place),
         cmocka_unit_test(simplices_may_be_cells),
         cmocka_unit_test(wrong_arguments_are_refused),

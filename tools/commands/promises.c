@@ -65,8 +65,8 @@ static const char *find_broken(const pl_job *job, const pl_result *result,
         return "the worst ratio of elements with a free node";
     if (pl_job_changes_objective(job))
         return NULL;
-    /* Where elements have targets nothing is promised of what tells how regular they are. */
-    if (job->has_types && !job->like.place) {
+    /* Where targets may be sharp nothing is promised of scaled Jacobians. */
+    if (job->has_types && pl_job_is_blunt(job)) {
         *from = result->validity_before.quality.all.min_scaled_jacobian;
         *to = validity->quality.all.min_scaled_jacobian;
         if (*to < *from - JACOBIAN_ROUNDING - slack)

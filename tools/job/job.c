@@ -148,11 +148,17 @@ static void mark_nodes(const pl_job *job, int64_t element, uint8_t value, uint8_
             mark[node[k]] = value;
 }
 
-/** Whether layers of a type are held unless an option says otherwise. has_triangles: the mesh has
- *  some. */
-static int is_held_by_default(planish_cell_type type, int has_triangles) {
+/** Whether layers of a type are kept unless an option says otherwise: wedges, hexahedra and quadrilaterals.
+ */
+static int is_kept_by_default(planish_cell_type type) {
     const int n = pl_cell_corners(type);
-    return n == 6 || n == 8 || (n == 4 && has_triangles && !pl_cell_is_simplex(type));
+    return n == 6 || n == 8 || (n == 4 && !pl_cell_is_simplex(type));
+}
+
+/** Whether they are held where they cannot be kept. Quadrilaterals alone are not: meshes of these are often
+ *  stretched throughout. */
+static int is_held_by_default(planish_cell_type type, int has_triangles) {
+    return is_kept_by_default(type) && (pl_cell_corners(type) != 4 || has_triangles);
 }
 
 /** Mark the elements whose layers are held, all or by their types; *n: their number. */
@@ -171,13 +177,32 @@ static void choose_types(const pl_job *job, uint8_t *is_chosen, int64_t *n) {
     }
 }
 
-/** Find the layers and the nodes that they hold. No element of other types that is not valid has one
- *  of these: among tangled elements thin ones are thin by chance. is_chosen [n_elements]. */
+/** Free the nodes that layers hold on elements that are not valid: among tangled elements thin ones are
+ *  thin by chance. Free all of them where such elements are many, as a wall was moved through its
+ *  layers. state [n_elements]. */
+static void free_invalid(pl_job *job, const uint8_t *state) {
+    enum { MANY = 20 }; /* one in so many of those that are held */
+    int64_t n = 0;
+    for (int64_t i = 0; i < job->mesh.n_elements; i++) {
+        int corners, is_held = 0;
+        const int32_t *corner = pl_job_corners(job, i, &corners);
+        for (int k = 0; state[i] != PLANISH_CELL_STATE_VALID && k < corners; k++)
+            is_held |= job->in_layer[corner[k]];
+        n += is_held;
+    }
+    for (int64_t i = 0; n * MANY <= job->layers.n_held && i < job->mesh.n_elements; i++)
+        if (state[i] != PLANISH_CELL_STATE_VALID)
+            mark_nodes(job, i, 0, job->in_layer);
+    if (n * MANY > job->layers.n_held) {
+        memset(job->in_layer, 0, (size_t)job->mesh.n_nodes);
+        job->layers.n_held = 0;
+    }
+}
+
+/** Hold the nodes of the chosen elements of layers. is_chosen [n_elements]. */
 static int hold_layers(pl_job *job, const uint8_t *is_chosen) {
     uint8_t *state = NULL;
-    int status = pl_job_find_layers(job, &job->is_layer, &job->layers.n);
-    if (status || job->layers.n == 0)
-        return status;
+    int status = 0;
     job->in_layer = calloc((size_t)job->mesh.n_nodes + 1, 1);
     if (!job->in_layer)
         return pl_job_complain_memory(job, "values of nodes");
@@ -187,12 +212,12 @@ static int hold_layers(pl_job *job, const uint8_t *is_chosen) {
         mark_nodes(job, i, 1, job->in_layer);
         job->layers.n_held++;
     }
-    if (job->has_types)
+    if (job->has_types && job->layers.n_held > 0)
         status = pl_cells_find_states(job, &state);
-    for (int64_t i = 0; state && i < job->mesh.n_elements; i++)
-        if (state[i] != PLANISH_CELL_STATE_VALID)
-            mark_nodes(job, i, 0, job->in_layer);
+    if (state)
+        free_invalid(job, state);
     free(state);
+    pl_job_hold_layers(job, job->constraint);
     return status;
 }
 
@@ -204,15 +229,16 @@ static int find_held_layers(pl_job *job) {
     if (arguments->layers == PL_LAYERS_IGNORED || arguments->layers == PL_LAYERS_KEPT ||
         job->is_surface ||
         (arguments->layers == PL_LAYERS_BY_TYPE &&
-         (!job->has_types || (job->like.place && !job->like.sizes.size))))
+         (!job->has_types || job->layers.n >= 0 || (job->like.place && !job->like.sizes.size))))
         return 0;
     uint8_t *is_chosen = malloc((size_t)job->mesh.n_elements + 1);
     if (!is_chosen)
         return pl_job_complain_memory(job, "values of elements");
     choose_types(job, is_chosen, &n);
-    const int status = n > 0 ? hold_layers(job, is_chosen) : 0;
+    int status = n > 0 ? pl_job_find_layers(job, &job->is_layer, &job->layers.n) : 0;
+    if (!status && job->layers.n > 0)
+        status = hold_layers(job, is_chosen);
     free(is_chosen);
-    pl_job_hold_layers(job, job->constraint);
     return status;
 }
 
@@ -352,15 +378,67 @@ static int check_curved(const pl_job *job) {
                              "--%s has no effect without --slide curved", arguments->of_curved);
 }
 
-/** Find the layers, and make them targets if there are any. */
+/** Say what layers cannot be kept with, NULL: nothing. */
+static const char *not_kept_with(const pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    const planish_objective objective = arguments->library.objective;
+    const char *target = pl_arguments_target(arguments);
+    return target                                                ? target
+           : arguments->library.method != PLANISH_METHOD_PLANISH ? "--method"
+           : arguments->worst                                    ? "--objective worst"
+           : arguments->has_objective && objective != PLANISH_OBJECTIVE_MEAN_RATIO
+               ? "--objective edge-ratio"
+           : job->mesh.n_periodic > 0       ? "periodic nodes"
+           : job->engine != &pl_engine_here ? "several processes"
+                                            : NULL;
+}
+
+/** Whether an element has a type whose layers are kept by default. */
+static int has_kept_type(const pl_job *job, int64_t element) {
+    const planish_cells *cells = job->mesh.cells;
+    return cells && is_kept_by_default((planish_cell_type)cells->type[element]);
+}
+
+/** Whether the mesh has elements whose layers are kept by default. */
+static int may_keep_layers(const pl_job *job) {
+    int found = 0;
+    for (int64_t i = 0; !found && i < job->mesh.n_elements; i++)
+        found = has_kept_type(job, i);
+    return found && !job->is_surface && job->arguments->command == PL_COMMAND_SMOOTH;
+}
+
+/** Find the layers, and make them targets if there are any; by default only if they have elements of types
+ *  whose layers are kept. */
 static int keep_layers(pl_job *job) {
     uint8_t *is_layer;
+    int64_t n_of_types = 0;
     const int status = pl_job_find_layers(job, &is_layer, &job->layers.n);
-    if (status || job->layers.n == 0) {
-        free(is_layer);
+    for (int64_t i = 0; !status && i < job->mesh.n_elements; i++)
+        n_of_types += is_layer[i] && has_kept_type(job, i);
+    if (status || (n_of_types == 0 && job->arguments->layers == PL_LAYERS_BY_TYPE)) {
+        job->is_layer = is_layer; /* what is said of them needs no other search */
         return status;
     }
-    return pl_like_layers(job->arguments, job->file, is_layer, &job->mesh, &job->like);
+    job->layers.n_kept = job->layers.n;
+    job->layers.n_of_types = n_of_types;
+    if (job->layers.n > 0)
+        return pl_like_layers(job->arguments, job->file, is_layer, &job->mesh, &job->like);
+    free(is_layer);
+    return 0;
+}
+
+/** Keep the layers that are asked for; those of some types by default, if nothing speaks against it. */
+static int find_kept_layers(pl_job *job) {
+    const pl_layers_asked asked = job->arguments->layers;
+    const char *reason = not_kept_with(job);
+    if (asked == PL_LAYERS_KEPT && !job->is_surface)
+        return keep_layers(job);
+    if (asked != PL_LAYERS_BY_TYPE || !may_keep_layers(job))
+        return 0;
+    if (!reason)
+        return keep_layers(job);
+    snprintf(job->layers.not_kept, sizeof job->layers.not_kept, "%s", reason);
+    return 0;
 }
 
 /** Open the file, and find out what it says of nodes and elements. */
@@ -386,7 +464,7 @@ static int open_file(pl_job *job) {
     if (arguments->like && !job->is_surface &&
         (status = pl_like_read(arguments, job->file, job->options.threads, &job->mesh, &job->like)))
         return status;
-    if (arguments->layers == PL_LAYERS_KEPT && !job->is_surface && (status = keep_layers(job)))
+    if ((status = find_kept_layers(job)))
         return status;
     if (pl_arguments_have_sizes(arguments) && !job->is_surface &&
         (status =
@@ -595,6 +673,10 @@ int pl_job_count_slides(pl_job *job) {
     free(direction);
     job->shape_seconds += pl_seconds() - begin;
     return status;
+}
+
+int pl_job_is_blunt(const pl_job *job) {
+    return !job->like.place || (job->like.is_layer && job->layers.n_of_types > 0);
 }
 
 planish_objective pl_job_objective(const pl_job *job) {

@@ -19,10 +19,13 @@
 
 /** Elements thin in layers (layers.h). */
 typedef struct pl_layers {
-    int64_t n;       /* in the input; -1: not looked for */
-    int64_t n_held;  /* those of them that are held as layers */
-    int64_t n_loose; /* those of them with a node that moves; 0 where all are held */
-    char fix[256];   /* options that hold them by their groups, or "" */
+    int64_t n;          /* in the input; -1: not looked for */
+    int64_t n_kept;     /* those of them that keep their heights, */
+    int64_t n_of_types; /* and wedges, hexahedra and quadrilaterals among these */
+    int64_t n_held;     /* those of them that are held as layers */
+    int64_t n_loose;    /* others of them with a node that moves */
+    char not_kept[64];  /* what they could not be kept with by default, or "" */
+    char fix[256];      /* options that hold them by their groups, or "" */
 } pl_layers;
 
 /** Why a node is held, in the order in which reasons count. A node may have several; as bits they
@@ -107,7 +110,7 @@ typedef struct pl_job {
     uint8_t *constraint; /* [mesh.n_nodes] of planish_constraint, owned */
     double *direction;   /* [mesh.n_nodes][dim] of nodes that slide, owned, or NULL: none does */
     uint8_t *is_layer;   /* [mesh.n_elements] thin in layers, owned, or NULL: not looked for while
-                          reading, as none would be held */
+                            reading, or kept (like.is_layer) */
     uint8_t *in_layer;   /* [mesh.n_nodes] 1: held as a node of a layer; owned, or NULL: none is */
     pl_layers layers;
     pl_held held;
@@ -162,6 +165,9 @@ const int32_t *pl_job_corners(const pl_job *job, int64_t element, int *n);
 
 /** The file's number of an element; without a file its index. */
 int64_t pl_job_element_number(const pl_job *job, int64_t element);
+
+/** Whether scaled Jacobians count: elements are not to be like others that may be sharp. */
+int pl_job_is_blunt(const pl_job *job);
 
 /** Objective that is minimised: of a mesh with elements of other types the mean ratio by default. */
 planish_objective pl_job_objective(const pl_job *job);

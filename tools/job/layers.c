@@ -167,31 +167,50 @@ int pl_layers_count(pl_job *job, const planish_quality *quality) {
 
 /* ---- saying --------------------------------------------------------------------------------- */
 
-void pl_layers_print(FILE *stream, const pl_job *job) {
-    const pl_layers *layers = &job->layers;
-    const int is_kept = job->arguments->layers == PL_LAYERS_KEPT;
-    const int is_all = job->arguments->layers == PL_LAYERS_HELD || is_kept;
-    const int64_t n_nodes = job->held.n[PL_HELD_BY_LAYERS];
-    const int64_t n = is_all ? layers->n : layers->n_held > 0 ? layers->n_held : layers->n_loose;
+/** Write "N elements (P %)" to text. */
+static void put_count(const pl_job *job, int64_t n, char *text, size_t size) {
     const int64_t of = job->mesh.n_elements + job->file_info.n_other_elements;
     const double percent = of > 0 ? 100 * (double)n / (double)of : 0;
-    char part[16];
     if (n > 0 && percent < 0.1)
-        snprintf(part, sizeof part, "< 0.1 %%");
+        snprintf(text, size, "%" PRId64 " elements (< 0.1 %%)", n);
     else if (percent < 9.95)
-        snprintf(part, sizeof part, "%.2g %%", percent);
+        snprintf(text, size, "%" PRId64 " elements (%.2g %%)", n, percent);
     else /* in full only if it is all */
-        snprintf(part, sizeof part, "%.0f %%", n < of && percent > 99 ? 99 : percent);
-    if (is_all)
-        pl_note(stream, "%" PRId64 " elements (%s) are thin in layers, and %s", n, part,
-                is_kept ? "keep their heights" : "held");
+        snprintf(text, size, "%" PRId64 " elements (%.0f %%)", n,
+                 n < of && percent > 99 ? 99 : percent);
+}
+
+/** Say how many elements are held or kept by default. */
+static void print_default(FILE *stream, const pl_job *job) {
+    const pl_layers *layers = &job->layers;
+    const int64_t n_nodes = job->held.n[PL_HELD_BY_LAYERS];
+    char count[64];
+    put_count(job, layers->n_kept + layers->n_held, count, sizeof count); /* one of these is 0 */
+    if (layers->n_kept > 0)
+        pl_note(stream,
+                "%s are thin in layers, and keep their heights; --layers hold holds their nodes",
+                count);
     else if (layers->n_held > 0 && n_nodes > 0)
         pl_note(stream,
-                "%" PRId64 " elements (%s) are thin in layers: %" PRId64
-                " %s held there; --layers ignore lets them move",
-                n, part, n_nodes, n_nodes == 1 ? "node is" : "nodes are");
-    else if (are_many(job))
-        pl_note(stream,
-                "%" PRId64 " elements (%s) are thin in layers (a boundary layer?): %s keeps them",
-                n, part, layers->fix[0] ? layers->fix : "--fix-layers");
+                "%s are thin in layers: %" PRId64 " %s held there%s%s; --layers ignore "
+                "lets them move",
+                count, n_nodes, n_nodes == 1 ? "node is" : "nodes are",
+                layers->not_kept[0] ? ", as heights cannot be kept with " : "", layers->not_kept);
+}
+
+void pl_layers_print(FILE *stream, const pl_job *job) {
+    const pl_layers *layers = &job->layers;
+    const pl_layers_asked asked = job->arguments->layers;
+    char count[64];
+    if (asked == PL_LAYERS_HELD || asked == PL_LAYERS_KEPT) {
+        put_count(job, layers->n, count, sizeof count);
+        pl_note(stream, "%s are thin in layers, and %s", count,
+                asked == PL_LAYERS_KEPT ? "keep their heights" : "held");
+        return;
+    }
+    print_default(stream, job);
+    put_count(job, layers->n_loose, count, sizeof count);
+    if (are_many(job) && layers->n_held == 0)
+        pl_note(stream, "%s are thin in layers (a boundary layer?): %s keeps them", count,
+                layers->fix[0] ? layers->fix : "--fix-layers");
 }

@@ -398,8 +398,8 @@ static const option_row option_table[] = {
     {0, "layers", "HOW", BOTH, set_layers, 0, 0, 0, NULL,
      "hold or ignore boundary layers, elements that are\n"
      "thin in layers, or keep their heights while nodes\n"
-     "move along them (default: hold those of wedges and\n"
-     "hexahedra, and of quadrilaterals beside triangles)",
+     "move along them (default: keep those with wedges,\n"
+     "hexahedra or quadrilaterals)",
      "hold keep ignore"},
     {0, "fix-layers", NULL, BOTH, set_flag, AT(fix_layers), 1, 0, NULL, "same as --layers hold",
      NULL},

@@ -608,7 +608,8 @@ _KNOWN: dict[Any, _Type] = {key: kind for kind in _TYPES for key in (kind.number
 _SIMPLICES = {2: (5, 22), 3: (10, 24)}  # straight, second order
 _HELD = (27, 128)  # pyramids of second order: their nodes stay
 _SIZE_WEIGHT = 0.9  # with sizes, unless said otherwise
-_LAYERED = {3: (6, 8), 2: (4,)}  # corners of types whose layers are held unless said otherwise
+_LAYERED = {3: (6, 8), 2: (4,)}  # corners of types whose layers are kept or held unless said otherwise
+_KEEP_BY_TYPE = "keep those of some types"
 # Other orders of nodes: pixels and voxels by VTK's number or meshio's name, wedges by meshio's name.
 _PIXEL, _VOXEL = (_KNOWN["quad"], [0, 1, 3, 2]), (_KNOWN["hexahedron"], [0, 1, 3, 2, 4, 5, 7, 6])
 _REORDERED: dict[Any, tuple[_Type, list[int]]] = {
@@ -1324,19 +1325,21 @@ class _View:
 
     def hold_layers(self, layers: Optional[str]) -> None:
         """Fix the nodes of boundary layers: hold, ignore, or None: those of some types. keep makes layers targets."""
-        if layers not in (None, "hold", "keep", "ignore"):
+        if layers not in (None, _KEEP_BY_TYPE, "hold", "keep", "ignore"):
             raise ValueError(f"layers must be hold, keep, ignore or None, not {layers!r}")
         if layers == "keep":
             self._keep_layers()
             return
+        if layers == _KEEP_BY_TYPE:
+            self._keep_layers_by_type()
+            return
         elements = self.elements
-        if layers is None and self.reference is not None:  # layers that are targets survive
+        if layers is None and (self.reference is not None or self.mesh.metric):  # layers that are targets survive
             return
         chosen = np.ones(self.mesh.n_elements, dtype=bool)
         if layers is None and elements.types is not None:
-            corners = np.array([getattr(_KNOWN.get(i), "n_corners", 0) for i in range(256)])[elements.types]
             is_simplex = np.isin(elements.types, _SIMPLICES[self.dim])
-            chosen = np.isin(corners, _LAYERED[self.dim]) & ((self.dim == 3) | is_simplex.any())
+            chosen = self._is_layered() & ((self.dim == 3) | is_simplex.any())
         if layers == "ignore" or (layers is None and elements.types is None) or not chosen.any():
             return
         chosen &= _find_layers(self, self.threads)
@@ -1345,11 +1348,37 @@ class _View:
         held = np.zeros(self.n, dtype=bool)
         held[elements.nodes_of(chosen)] = True
         if elements.has_types():  # none of an element that is not valid: such look thin by chance
-            held[elements.nodes_of(self._states() != 1)] = False
+            self._free_invalid(held, chosen)
         if self.constraint is None:
             self.constraint = np.zeros(self.n, dtype=np.uint8)
         self.constraint[held] = 1
         self.mesh.constraint = _address(self.constraint)
+
+    def _free_invalid(self, held: np.ndarray, chosen: np.ndarray) -> None:
+        """Free the held nodes of elements that are not valid; of all where these are many, as a wall was moved."""
+        invalid, elements = self._states() != 1, self.elements
+        owner = np.repeat(np.arange(len(invalid)), np.diff(elements.offsets))
+        touches = (elements.nodes >= 0) & held[elements.nodes] & invalid[owner]
+        if 20 * len(np.unique(owner[touches])) > chosen.sum():
+            held[:] = False
+        held[elements.nodes_of(invalid)] = False
+
+    def _is_layered(self) -> np.ndarray:
+        """Mask of the elements of types whose layers count unless said otherwise."""
+        corners = np.array([getattr(_KNOWN.get(i), "n_corners", 0) for i in range(256)])[self.elements.types]
+        return np.isin(corners, _LAYERED[self.dim]) & ~np.isin(self.elements.types, _SIMPLICES[self.dim])
+
+    def _keep_layers_by_type(self) -> None:
+        """Keep the layers if they have elements of some types; else hold as if nothing were said."""
+        can = self.elements.types is not None and self.reference is None and self.sizes is None
+        chosen = self._is_layered() if can else np.zeros(0, dtype=bool)
+        if not chosen.any():
+            self.hold_layers(None)
+            return
+        found = _find_layers(self, self.threads)
+        if (found & chosen).any():
+            self.is_layer = found.astype(np.uint8)
+            self.mesh.is_layer = _address(self.is_layer)
 
     def _keep_layers(self) -> None:
         """Let the elements of layers be targets, with the heights that they have."""
@@ -1496,7 +1525,7 @@ class Plan:
     minimum volume of each element, 0 for none. layers: hold the nodes of boundary layers (hold), do not
     (ignore), or let them move along their layers, whose heights stay (keep: ratios are then aspect ratios AR of all
     elements, those of layers against the heights that they had); left out: hold those of wedges and hexahedra, and of quadrilaterals beside triangles,
-    but no node of an invalid element. rounding: how far off the middle of its edge a mid of a
+    but no node of an invalid element (smooth keeps them where it can). rounding: how far off the middle of its edge a mid of a
     straight edge may be, in units of the points; None: what floats leave, if points are floats.
     regions: nodes between regions (materials) are held. Left out: those of all arrays of the mesh's
     cell data that look like regions, by the program's rule (docs/algorithm.md). An array [m] of whole
@@ -1939,7 +1968,8 @@ def _smooth_faces(points: Any, cells: Any, options: dict[str, Any]) -> Optional[
 
 def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
     """Smooth a mesh in place: points and cells as for Plan, options those of Plan and Plan.smooth. With onto the
-    result has fit and fit_distance."""
+    result has fit and fit_distance. layers left out: those of wedges, hexahedra and quadrilaterals are kept, where
+    neither objective, reference nor sizes speak against it; else they are held as by Plan."""
     known = {*_OF_PLAN, *Plan.smooth.__kwdefaults__}
     if not known.issuperset(options):
         raise TypeError(f"{min(set(options) - known)} is no option of smooth: {', '.join(sorted(known))}")
@@ -1947,6 +1977,8 @@ def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
     if of_surface is not None:
         return of_surface
     of_plan = {name: options.pop(name) for name in _OF_PLAN if name in options}
+    if of_plan.get("layers") is None and options.get("objective") in (None, "mean-ratio"):
+        of_plan["layers"] = _KEEP_BY_TYPE
     with Plan(points, cells, **of_plan) as plan:
         result = plan.smooth(**options)
         if plan.fit is not None:

@@ -117,9 +117,19 @@ static void put_remarks(pl_markup *page, const pl_figures *figures, const cJSON 
                                          : "against regular elements");
     } else if (figures->has_targets) {
         pl_markup_put(page,
-                      "<p id=\"target\">The layers keep their heights: aspect ratios of their "
-                      "elements are against the heights that they had, and of others against "
-                      "regular elements.</p>\n");
+                      "<p id=\"target\">The layers keep their heights: aspect ratios of their ");
+        pl_markup_put_count(page, pl_figure_count(mesh, "kept_layer_elements"));
+        pl_markup_put(page, " elements are against the heights that they had, and of others "
+                            "against regular elements.</p>\n");
+    }
+    if (pl_figure_text(mesh, "layers_not_kept_with")[0]) {
+        pl_markup_put(page, "<p class=\"quiet\">");
+        pl_markup_put_count(page, pl_figure_count(mesh, "held_layer_elements"));
+        pl_markup_put(page,
+                      " elements are thin in layers. Their nodes are held, as heights cannot be "
+                      "kept with ");
+        pl_markup_put_text(page, pl_figure_text(mesh, "layers_not_kept_with"));
+        pl_markup_put(page, ".</p>\n");
     }
     if (pl_layers_are_many(thin, pl_figure_count(mesh, "elements"))) {
         pl_markup_put(page, "<p class=\"quiet\">");

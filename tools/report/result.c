@@ -138,6 +138,11 @@ static void add_mesh(document *json, cJSON *root, const pl_job *job, int64_t n_r
     add_known(json, mesh, "layer_elements", layers->n);
     add_known(json, mesh, "free_layer_elements", layers->n >= 0 ? layers->n_loose : -1);
     add_known(json, mesh, "held_layer_elements", layers->n >= 0 ? layers->n_held : -1);
+    add_known(json, mesh, "kept_layer_elements", layers->n >= 0 ? layers->n_kept : -1);
+    if (layers->n_held > 0 && layers->not_kept[0])
+        add_text(json, mesh, "layers_not_kept_with", layers->not_kept);
+    else
+        add(json, mesh, "layers_not_kept_with", cJSON_CreateNull());
     add_integer(json, mesh, "fixed_elements", job->plan_info.n_fixed_elements);
     add_integer(json, mesh, "colours", job->plan_info.n_colours);
     add_integer(json, mesh, "nodes_with_parameters", job->n_with_parameters);

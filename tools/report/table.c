@@ -363,8 +363,8 @@ static void rows_aspect(FILE *stream, const pl_job *job, const pl_result *result
     const int is_of_same = pl_validity_faults(&result->validity_before, before) ==
                            pl_validity_faults(&result->validity_after, after);
     const measure ratio = {"", LESS_IS_BETTER, is_of_same ? RELATIVE : NOT_COMPARED};
-    /* Elements that have targets need not be more regular. */
-    const measure jacobian = {"", MORE_IS_BETTER, job->like.place ? NOT_COMPARED : ABSOLUTE};
+    /* Elements whose targets may be sharp need not be more regular. */
+    const measure jacobian = {"", MORE_IS_BETTER, pl_job_is_blunt(job) ? ABSOLUTE : NOT_COMPARED};
     if (pl_like_has_sizes(&job->like))
         rows_sizes(stream, &result->validity_before.sizes, &result->validity_after.sizes);
     row_real(stream, "worst aspect ratio (AR)", &was->max_aspect_ratio, is->max_aspect_ratio,
@@ -606,9 +606,9 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
     if (n_back > 0)
         pl_note(stream, "%" PRId64 " %s put back: the %s", n_back,
                 word_for(n_back, "node was", "nodes were"),
-                job->like.place  ? "worst aspect ratio became larger"
-                : job->has_types ? "least scaled Jacobian became smaller"
-                                 : "smallest angle became smaller");
+                !pl_job_is_blunt(job) ? "worst aspect ratio became larger"
+                : job->has_types      ? "least scaled Jacobian became smaller"
+                                      : "smallest angle became smaller");
     row_free(stream, job);
     put_surface(stream, job, result);
     put_onto(stream, job);
