@@ -146,6 +146,18 @@ expect_json 'r["target"] == "regular" and r["mesh"]["held_layer_elements"] == r[
 expect_status 0 "$program" smooth pushed.mesh -o out.mesh --layers keep --report page.html -q
 grep -q 'id="target">The layers keep their heights' page.html || fail "the page says the target"
 grep -q "the layers as they were" page.html || fail "the page has the target among its facts"
+python3 make.py prisms 0 0.3 >pushed.mesh
+expect_status 0 "$program" smooth pushed.mesh -o out.mesh --json report.json --report page.html -q
+expect_status 0 "$program" report report.json -o later.html
+cmp -s page.html later.html || fail "the page of a result is that of its run"
+expect_status 0 "$program" quality pushed.mesh --layers keep --json report.json --report page.html
+expect_status 0 "$program" report report.json -o later.html
+cmp -s page.html later.html || fail "the page of qualities is that of their measurement"
+rm out.mesh
+expect_status 0 "$program" smooth pushed.mesh -o out.mesh --json report.json -q
+rm pushed.mesh
+expect_status 0 "$program" report report.json -o later.html
+expect_text "is drawn only beside its targets"
 expect_status 0 "$program" smooth "$sample" -o plain.vtk --layers ignore
 expect_status 0 "$program" smooth "$sample" -o kept.vtk --layers keep --json report.json
 expect_json 'r["target"] == "regular" and r["mesh"]["layer_elements"] == 0'

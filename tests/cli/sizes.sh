@@ -176,7 +176,9 @@ grep -qF 'to have the metric of <code>m</code>' page.html || fail "the page says
 expect_status 0 "$program" quality quads.vtk --size h --json report.json --report page.html
 grep -q "RMS of log(size / wanted)" out || { fail "the table of quality has sizes"; cat out; }
 expect_json 'r["target"] == "sizes" and 0.3 < r["quality"]["sizes"]["rms_log"] < 0.6'
-expect_status 0 "$program" smooth quads.vtk --size h -o a.vtk --report page.html -q
+expect_status 0 "$program" smooth quads.vtk --size h -o a.vtk --json report.json --report page.html -q
+expect_status 0 "$program" report report.json -o later.html
+cmp -s page.html later.html || fail "the page of a result is that of its run"
 grep -qF 'to have the sizes of <code>h</code>' page.html || fail "the page says the sizes"
 
 # ---- what does not fit

@@ -184,29 +184,72 @@ static int find_targets(const drawing *d, char *path) {
     return is_found;
 }
 
+/** Take the layers of the input, in the file at path, as targets of job's mesh, if it is the input: *is_taken.
+ *  Returns 0, or an exit status after a message. */
+static int take_layers_of(const drawing *d, const char *path, pl_job *job, int *is_taken) {
+    pl_arguments arguments = {.command = PL_COMMAND_REPORT, .input = path};
+    pl_job input = {.arguments = &arguments, .engine = job->engine, .options = job->options};
+    planish_error error;
+    char checksum[17];
+    uint8_t *is_layer;
+    int64_t n;
+    const planish_open_options how = {
+        .threads = job->options.threads, .isolated = 1, .plane_tolerance = 1e-3};
+    *is_taken = 0;
+    if (planish_file_open_with(path, &how, &input.file, &error))
+        return 0;
+    input.mesh = planish_file_mesh(input.file);
+    input.has_types = job->has_types;
+    snprintf(checksum, sizeof checksum, "%016" PRIx64, pl_job_checksum(&input));
+    int status = 0;
+    if (input.mesh.n_nodes == job->mesh.n_nodes && input.mesh.n_elements == job->mesh.n_elements &&
+        strcmp(checksum,
+               pl_figure_text(d->figures->result,
+                              d->figures->n_states == 1 ? "checksum" : "input_checksum")) == 0) {
+        status = pl_job_find_layers(&input, &is_layer, &n);
+        if (!status)
+            status = pl_like_layers(&arguments, input.file, is_layer, &input.mesh, &job->like);
+        *is_taken = !status && planish_file_cells(job->file, &job->like.cells, &error) == 0;
+    }
+    pl_job_close(&input);
+    return status;
+}
+
+/** Take the targets of job's mesh, if they are still there: *is_taken. Returns 0, or an exit status after a
+ *  message. */
+static int take_targets(const drawing *d, pl_job *job, pl_arguments *arguments, char *path,
+                        int *is_taken) {
+    const pl_figures *figures = d->figures;
+    int status = 0;
+    *is_taken = 0;
+    if (figures->like[0] && find_targets(d, path)) {
+        arguments->like = path;
+        status = pl_like_read(arguments, job->file, job->options.threads, &job->mesh, &job->like);
+        *is_taken = !status;
+    }
+    for (int i = 0; figures->of_layers && i < N_PLACES && !status && !*is_taken; i++)
+        if (find_place(d, pl_figure_text(figures->result, "input"), i, path, PATH_MAX))
+            status = take_layers_of(d, path, job, is_taken);
+    if (*is_taken)
+        pl_job_take_all(job);
+    return status;
+}
+
 /** Draw the state of job, which has the mesh. Returns 0, or an exit status after a message. */
 static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *arguments) {
     char path[PATH_MAX];
     planish_error error;
-    int status = 0;
-    if (d->figures->has_targets && !d->figures->like[0]) {
-        lack(d, w,
-             d->figures->of_sizes || d->figures->of_metric
-                 ? "is not drawn: its elements are to have sizes"
-                 : "is not drawn: its elements are measured against its layers as they were");
+    int status = 0, is_taken = 1;
+    if (d->figures->of_metric) {
+        lack(d, w, "is not drawn: its elements are measured by a metric");
         return 0;
     }
-    if (d->figures->like[0]) {
-        if (!find_targets(d, path)) {
-            lack(d, w, "is drawn only beside its targets, which have changed or are gone");
-            return 0;
-        }
-        arguments->like = path;
-        if ((status =
-                 pl_like_read(arguments, job->file, job->options.threads, &job->mesh, &job->like)))
-            return status;
-        pl_job_take_all(job);
-    }
+    if (d->figures->like[0] || d->figures->of_layers)
+        status = take_targets(d, job, arguments, path, &is_taken);
+    if (!status && !is_taken)
+        lack(d, w, "is drawn only beside its targets, which have changed or are gone");
+    if (status || !is_taken)
+        return status;
     const int code = job->has_types ? PLANISH_OK : job->engine->plan_create(job, &error);
     if (code == PLANISH_ERROR_MEMORY)
         return pl_job_complain(job, PL_EXIT_FAILED, &error);

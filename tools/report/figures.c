@@ -34,6 +34,7 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
                             .like = pl_figure_text(result, "like"),
                             .of_sizes = strcmp(target, "sizes") == 0,
                             .of_metric = strcmp(target, "metric") == 0,
+                            .of_layers = strcmp(target, "layers") == 0,
                             .has_targets = target[0] && strcmp(target, "regular") != 0};
     if (!cJSON_IsObject(result))
         return "is not a JSON object";

@@ -20,7 +20,8 @@ typedef struct pl_figures {
     int is_solid;          /* tetrahedra */
     int has_types;         /* the states are those of elements of every type */
     int of_sizes;          /* elements were to have sizes, */
-    int of_metric;         /* or those of a metric */
+    int of_metric;         /* or those of a metric, */
+    int of_layers;         /* or layers were to keep their heights */
     int has_targets;       /* elements are measured against other ones than regular ones */
     const char *like;      /* the file whose elements are the targets, or "": regular ones */
 } pl_figures;
