@@ -30,6 +30,13 @@ static int check_mesh(const planish_mesh *mesh, int threads, planish_error *erro
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "mesh.n_periodic is %lld; surfaces in space have no pairs: give 0",
                        (long long)mesh->n_periodic);
+    if (pl_has_targets(mesh))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "elements of surfaces in space have no targets; leave out mesh.%s",
+                       mesh->is_layer ? "is_layer"
+                       : mesh->size   ? "size"
+                       : mesh->metric ? "metric"
+                                      : "reference");
     return pl_check_cells(mesh->cells, mesh->n_nodes, threads, error);
 }
 

@@ -548,6 +548,19 @@ static void test_refusals(void **unused) {
     refuse(&other, &other.mesh, &o, "SCALED_JACOBIAN");
     p.given[5][1] = NAN;
     refuse(&p, &p.mesh, &p.options, "5");
+    const double *const target = p.mesh.coordinates;
+    const uint8_t is_layer = 1;
+    mesh = p.mesh;
+    mesh.size = target;
+    refuse(&p, &mesh, &p.options, "leave out mesh.size");
+    mesh.size = NULL;
+    mesh.metric = target;
+    refuse(&p, &mesh, &p.options, "leave out mesh.metric");
+    mesh.metric = NULL;
+    mesh.reference = target;
+    refuse(&p, &mesh, &p.options, "leave out mesh.reference");
+    mesh.is_layer = &is_layer;
+    refuse(&p, &mesh, &p.options, "leave out mesh.is_layer");
     destroy(&other);
     destroy(&p);
 }
