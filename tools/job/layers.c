@@ -210,7 +210,11 @@ void pl_layers_print(FILE *stream, const pl_job *job) {
     }
     print_default(stream, job);
     put_count(job, layers->n_loose, count, sizeof count);
-    if (are_many(job) && layers->n_held == 0)
+    if (are_many(job) && strcmp(layers->not_kept, "inverted elements") == 0)
+        pl_note(stream,
+                "%s are thin in layers (did a wall move?): --layers keep keeps their heights",
+                count);
+    else if (are_many(job) && layers->n_held == 0)
         pl_note(stream, "%s are thin in layers (a boundary layer?): %s keeps them", count,
                 layers->fix[0] ? layers->fix : "--fix-layers");
 }

@@ -1376,7 +1376,7 @@ class _View:
             self.hold_layers(None)
             return
         found = _find_layers(self, self.threads)
-        if (found & chosen).any():
+        if (found & chosen).any() and 20 * (self._states() != 1).sum() <= found.sum():  # others are thin by chance
             self.is_layer = found.astype(np.uint8)
             self.mesh.is_layer = _address(self.is_layer)
 
