@@ -73,7 +73,8 @@ class Sizes(unittest.TestCase):
     def test_what_does_not_fit(self):
         points, cells = squares()
         sizes = wanted(points)
-        matrices = np.tile([[1.0, 0.5], [0, 1]], (len(sizes), 1, 1))
+        matrices = np.tile(1e9 * np.eye(2), (len(sizes), 1, 1))
+        matrices[3] = [[1, 0.5], [0, 1]]
         for wrong, text in ((sizes[1:], "sizes must have a number or a 2 x 2 matrix"), (0 * sizes, "has the size 0"),
                             (matrices, "must be symmetric"), (0 * matrices, "metric of node 0 is not positive")):
             with self.assertRaisesRegex((ValueError, planish.Error), text):

@@ -409,14 +409,14 @@ static int may_keep_layers(const pl_job *job) {
 
 /** Find out whether elements that are not valid are many beside those of layers: these may be thin by chance
  *  then. */
-static int find_tangled(pl_job *job, int *is_tangled) {
+static int find_tangled(pl_job *job) {
     enum { MANY = 20 };
     uint8_t *state;
     int64_t n = 0;
     const int status = pl_cells_find_states(job, &state);
     for (int64_t i = 0; !status && i < job->mesh.n_elements; i++)
         n += state[i] != PLANISH_CELL_STATE_VALID;
-    *is_tangled = n * MANY > job->layers.n;
+    job->layers.is_tangled = n * MANY > job->layers.n;
     free(state);
     return status;
 }
@@ -427,14 +427,12 @@ static int keep_layers(pl_job *job) {
     const int is_default = job->arguments->layers == PL_LAYERS_BY_TYPE;
     uint8_t *is_layer;
     int64_t n_of_types = 0;
-    int is_tangled = 0, status = pl_job_find_layers(job, &is_layer, &job->layers.n);
+    int status = pl_job_find_layers(job, &is_layer, &job->layers.n);
     for (int64_t i = 0; !status && i < job->mesh.n_elements; i++)
         n_of_types += is_layer[i] && has_kept_type(job, i);
     if (!status && is_default && n_of_types > 0)
-        status = find_tangled(job, &is_tangled);
-    if (is_tangled)
-        snprintf(job->layers.not_kept, sizeof job->layers.not_kept, "inverted elements");
-    if (status || is_tangled || (n_of_types == 0 && is_default)) {
+        status = find_tangled(job);
+    if (status || job->layers.is_tangled || (n_of_types == 0 && is_default)) {
         job->is_layer = is_layer; /* what is said of them needs no other search */
         return status;
     }

@@ -24,6 +24,7 @@ typedef struct pl_layers {
     int64_t n_of_types; /* and wedges, hexahedra and quadrilaterals among these */
     int64_t n_held;     /* those of them that are held as layers */
     int64_t n_loose;    /* others of them with a node that moves */
+    int is_tangled;     /* they are not kept by default, as too many elements are invalid */
     char not_kept[64];  /* what they could not be kept with by default, or "" */
     char fix[256];      /* options that hold them by their groups, or "" */
 } pl_layers;

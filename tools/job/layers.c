@@ -210,7 +210,7 @@ void pl_layers_print(FILE *stream, const pl_job *job) {
     }
     print_default(stream, job);
     put_count(job, layers->n_loose, count, sizeof count);
-    if (are_many(job) && strcmp(layers->not_kept, "inverted elements") == 0)
+    if (are_many(job) && layers->is_tangled)
         pl_note(stream,
                 "%s are thin in layers (did a wall move?): --layers keep keeps their heights",
                 count);

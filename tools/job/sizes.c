@@ -216,7 +216,9 @@ static int take_metrics(sizing *s, const int8_t *place) {
         status = take_metric(s, place, i, m);
         if (!s->data.of_elements && s->is_used[i])
             add_metric(n, m, sum + i * (n + 1));
-        for (int64_t k = s->cells.offset[i]; s->data.of_elements && k < s->cells.offset[i + 1]; k++)
+        if (!s->data.of_elements)
+            continue;
+        for (int64_t k = s->cells.offset[i]; k < s->cells.offset[i + 1]; k++)
             if (s->cells.node[k] >= 0)
                 add_metric(n, m, sum + s->cells.node[k] * (int64_t)(n + 1));
     }

@@ -1268,7 +1268,8 @@ class _View:
         if self.sizes.shape != (self.n, self.dim, self.dim):
             raise ValueError(f"sizes must have a number or a {self.dim} x {self.dim} matrix for each of {self.n} "
                              f"points, not the shape {self.sizes.shape}")
-        if not np.allclose(self.sizes, self.sizes.transpose(0, 2, 1), rtol=1e-6, atol=1e-6 * np.abs(self.sizes).max()):
+        off = np.abs(self.sizes - self.sizes.transpose(0, 2, 1)).max(axis=(1, 2))
+        if (off > 1e-6 * np.abs(self.sizes).max(axis=(1, 2))).any():
             raise ValueError("sizes that are matrices must be symmetric")
         rows, columns = np.tril_indices(self.dim)
         self.sizes = np.ascontiguousarray(self.sizes[:, rows, columns])
