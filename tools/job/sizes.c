@@ -32,9 +32,9 @@ static int complain_memory(const sizing *s) {
     return complain(s, "out of memory for the sizes");
 }
 
-/** Allocate n doubles, at least one. */
+/** Allocate n doubles, at least one, of 0. */
 static double *make_values(int64_t n) {
-    return malloc((size_t)(n + 1) * sizeof(double));
+    return calloc((size_t)n + 1, sizeof(double));
 }
 
 /* ---- sizes ------------------------------------------------------------------------------------ */
@@ -209,8 +209,12 @@ static void find_means(int64_t n_nodes, int n, const double *sum, double *metric
 static int take_metrics(sizing *s, const int8_t *place) {
     const int n = s->mesh->dim * (s->mesh->dim + 1) / 2;
     double *metric = s->found->metric = make_values(s->mesh->n_nodes * n);
-    double *sum = calloc((size_t)(s->mesh->n_nodes + 1) * (size_t)(n + 1), sizeof *sum);
-    int status = metric && sum ? 0 : complain_memory(s);
+    double *sum = make_values(s->mesh->n_nodes * (n + 1));
+    int status = 0;
+    if (!metric || !sum) {
+        free(sum);
+        return complain_memory(s);
+    }
     for (int64_t i = 0; !status && i < s->data.n; i++) {
         double m[6] = {0};
         status = take_metric(s, place, i, m);
