@@ -104,9 +104,9 @@ int pl_size_field_create(const planish_mesh *mesh, const double *x, int threads,
     const int64_t n_nodes = mesh->n_nodes;
     *f = (pl_size_field){.n_numbers = mesh->metric ? pl_symmetric_count(mesh->dim) : 1,
                          .largest = 1};
-    if (mesh->size && mesh->metric)
+    if (!mesh->size == !mesh->metric)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "mesh.size and mesh.metric are both given; leave out one of them");
+                       "mesh.size and mesh.metric are both given, or none of them; give one");
     f->size = pl_alloc(n_nodes * f->n_numbers, sizeof *f->size);
     f->at = pl_alloc(n_nodes, sizeof *f->at);
     if (!f->size || !f->at)

@@ -15,6 +15,7 @@ typedef struct fitting {
     planish_mesh other; /* the file's, with cells */
     const planish_mesh *mesh;
     int threads;
+    planish_cells cells; /* of other */
 } fitting;
 
 /** Complain of an error of the file at path, which the texts on files name by themselves. */
@@ -144,12 +145,11 @@ static void face_alike(const planish_mesh *mesh, double *place) {
 /** Take the places of the nodes in the open file. */
 static int take_places(fitting *f, pl_like *like) {
     planish_error error;
-    planish_cells cells;
     f->other = planish_file_mesh(f->file);
-    if (planish_file_cells(f->file, &cells, &error))
+    if (planish_file_cells(f->file, &f->cells, &error))
         return complain(f->path, &error);
     f->other.elements = NULL;
-    f->other.cells = &cells;
+    f->other.cells = &f->cells;
     const int status = check_same(f);
     if (status)
         return status;
