@@ -63,6 +63,7 @@ static const struct {
 } functions[] = {
     {PL_COMMAND_SMOOTH, pl_smooth_command},
     {PL_COMMAND_QUALITY, pl_quality_command},
+    {PL_COMMAND_CONVERT, pl_convert_command},
     {PL_COMMAND_REPORT, pl_report_command},
 };
 

@@ -335,26 +335,36 @@ PLANISH_API int planish_file_write(const planish_file *file, const char *path,
                                    const double *coordinates, int threads, char *temporary,
                                    size_t temporary_size, planish_error *error);
 
+/** Return the name of format i, 0 and up, that meshes can be converted to ("vtu", "gmsh", ...:
+ *  docs/formats.md), or NULL behind the last. */
+PLANISH_API const char *planish_file_target(int i);
+
+/** Return that name of the format that the extension of path is of, or NULL: it is of none. */
+PLANISH_API const char *planish_file_target_of(const char *path);
+
 /** Return 1 if path has the extension of another format that the mesh can be converted to, else 0.
- *  These are .vtu and .vtk, except that of the file's own format (planish_file_can_write). */
+ *  planish_file_can_write tells those of the file's own format. */
 PLANISH_API int planish_file_can_convert(const planish_file *file, const char *path);
 
-/** Values of elements for a copy for viewing, which calls them by the names of these fields. Each
- *  array may be NULL. */
+/** What a converted file has besides the mesh. VTK's formats alone have values of elements, which
+ *  they call by the names of these fields. Each array may be NULL. */
 typedef struct planish_view_data {
     const double *radius_ratio; /* [n_elements of planish_file_mesh] planish_measure_elements; shown
                                    of triangles or tetrahedra alone */
     planish_cell_values cells;  /* [n_elements] planish_measure_cells; `state` is
                                    called `cell_state` */
-    const void *reserved[4];    /* NULL */
+    const char *format;         /* a name of planish_file_target; NULL: by the extension of path */
+    const void *reserved[3];    /* NULL */
 } planish_view_data;
 
-/** Write what planish understands of the file, at coordinates [n_nodes][dim], to path in the format
- *  of its extension, for viewing: nodes and elements with their numbers, regions and groups
- *  (docs/formats.md), `fixed` where constraint [n_nodes] (may be NULL) says so, and data (may be
- *  NULL). temporary as for planish_file_write. lost [lost_size] (may be NULL) is filled with what is
- *  left out, as a list in words. Errors: _FILE, _MEMORY, _ARGUMENT; nothing is left behind then. */
-PLANISH_API int planish_file_convert(const planish_file *file, const char *path,
+/** Write what planish understands of the file, at coordinates [n_nodes][dim], to path in another
+ *  format: nodes and elements with their numbers, regions, groups, and arrays of numbers of nodes and
+ *  elements (planish_file_data) as far as that format has these (docs/formats.md). VTK's formats also
+ *  get `fixed` where constraint [n_nodes] (may be NULL) says so, and the values of data (may be NULL).
+ *  temporary as for planish_file_write. lost [lost_size] (may be NULL) is filled with what is
+ *  left out, as a list in words. Errors: _FILE, _MEMORY, _ARGUMENT (an unknown format; a mesh of which
+ *  the format can hold nothing); nothing is left behind then. */
+PLANISH_API int planish_file_convert(planish_file *file, const char *path,
                                      const double *coordinates, const uint8_t *constraint,
                                      const planish_view_data *data, char *temporary,
                                      size_t temporary_size, char *lost, size_t lost_size,

@@ -31,11 +31,11 @@ KNOWS = {
     "src/api": ["src/improve", "src/shape", "src/surface", "src/fit"],
     "src/io/core": ["src/base"],
     "src/io/hdf5": ["src/io/core"],
-    **{"src/io/" + name: ["src/io/core"]
+    "src/io/view": ["src/io/core"],
+    **{"src/io/" + name: ["src/io/core", "src/io/view"]
        for name in ("gmsh", "medit", "abaqus", "nastran", "netgen", "off", "stl", "obj", "ply", "tetgen")},
-    **{"src/io/" + name: ["src/io/core", "src/io/hdf5"] for name in ("vtk", "cgns", "med", "plex")},
-    "src/io/view": ["src/io/core", "src/io/vtk"],
-    "src/io/file": ["src/io/view", "src/io/gmsh", "src/io/medit", "src/io/abaqus", "src/io/nastran", "src/io/netgen",
+    **{"src/io/" + name: ["src/io/core", "src/io/view", "src/io/hdf5"] for name in ("vtk", "cgns", "med", "plex")},
+    "src/io/file": ["src/io/view", "src/io/vtk", "src/io/gmsh", "src/io/medit", "src/io/abaqus", "src/io/nastran", "src/io/netgen",
                     "src/io/off", "src/io/stl", "src/io/obj", "src/io/ply", "src/io/tetgen", "src/io/cgns", "src/io/med",
                     "src/io/plex"],
     "tools/terminal": ["src/base"],

@@ -22,7 +22,7 @@ assert quality["inverted"] == quality["uncertified"] == quality["corner_inverted
 END
         [ "${name##*.}" = vtu ] && copy=$name.copy.vtk || copy=$name.copy.vtu
         expect_status 0 "$program" smooth "$name" -o "$copy"
-        expect_text "it lacks data, parameters and comments"
+        expect_text "it lacks parameters and comments"
         pairs+=("$name" "$copy")
     done <names
     [ "$(wc -l <names)" = 7 ] || fail "not all files"

@@ -44,10 +44,10 @@ while IFS='|' read -r arguments text; do
     bad $arguments
     expect_text "$text"
 done <<'LINES'
-|no command is named: smooth, quality or report
+|no command is named: smooth, quality, convert or report
 smoth in.msh -o out.msh|did you mean smooth?
-polish|unknown command 'polish'; it must be smooth, quality or report
---smooth in.msh -o out.msh|name a command first: smooth, quality or report
+polish|unknown command 'polish'; it must be smooth, quality, convert or report
+--smooth in.msh -o out.msh|name a command first: smooth, quality, convert or report
 smooth|no mesh file is named
 smooth in.msh|give -o OUT
 smooth in.msh out.msh|did you mean -o out.msh?
@@ -57,7 +57,7 @@ smooth in.msh -o out.msh --tolerence 0|unknown option '--tolerence'; did you mea
 smooth in.msh -o out.msh --objective best|must be radius-ratio, mean-ratio, edge-ratio or worst
 smooth in.msh -o out.msh --rings 2|--rings has no effect without --only-worse-than
 smooth in.msh -o out.msh --fix wall|there is no group 'wall' to hold; the file has: skin, bracket
-smooth in.msh -o out.xyz|planish converts to .vtu and .vtk only
+smooth in.msh -o out.xyz|nor that of a format that planish converts to
 smooth - -o out.msh|standard input is /dev/stdin
 quality in.msh --rings 2|planish quality has no option --rings
 LINES

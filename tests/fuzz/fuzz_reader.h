@@ -327,6 +327,40 @@ static inline void fuzz_check_same_mesh(planish_file *of_a, planish_file *of_b) 
                  "the converted mesh has all elements");
 }
 
+/** Convert the file to one of the formats that are no VTK's, and read it again: it has as many nodes
+ *  and elements. */
+static inline void fuzz_check_target(planish_file *file) {
+    enum { GMSH22 = 1, SURFACES = 5, N = 8 };
+    static const char *const targets[N][2] = {
+        {"gmsh", ".msh"},    {"gmsh22", ".msh"}, {"medit", ".mesh"}, {"abaqus", ".inp"},
+        {"nastran", ".bdf"}, {"stl", ".stl"},    {"obj", ".obj"},    {"ply", ".ply"}};
+    const planish_mesh mesh = planish_file_mesh(file);
+    const int t = (int)(file->model.input.size % N), is_surface = t >= SURFACES;
+    const planish_view_data data = {.format = targets[t][0]};
+    char path[FUZZ_PATH_SIZE];
+    planish_cells all, copied;
+    planish_file *again = NULL;
+    planish_error error;
+    fuzz_path(path, targets[t][1]);
+    const int status = planish_file_convert(file, path, mesh.coordinates, NULL, &data, NULL, 0,
+                                            NULL, 0, &error);
+    if (status && is_surface && strstr(error.text, "has no triangles or quadrilaterals"))
+        return;
+    fuzz_require(status == 0, error.text);
+    if (planish_file_open(path, NULL, 1, &again, &error)) {
+        fuzz_require(fuzz_has_noise(file) || is_surface, error.text);
+    } else if (!is_surface && !fuzz_changes_plane(file, again)) {
+        fuzz_require(planish_file_cells(file, &all, NULL) == 0 &&
+                         planish_file_cells(again, &copied, NULL) == 0 &&
+                         (all.n == copied.n || (t == GMSH22 && all.n > copied.n)),
+                     "the converted mesh has all elements, but for copies");
+        fuzz_require(planish_file_mesh(again).n_nodes == mesh.n_nodes,
+                     "the converted mesh has all nodes");
+    }
+    planish_file_close(again);
+    unlink(path);
+}
+
 /** Convert the file to VTK's XML, or its legacy format, and read it again. */
 static inline void fuzz_check_converted(planish_file *file) {
     const int to_legacy = strcmp(file->format->name, "vtu") == 0;
@@ -357,6 +391,7 @@ static inline void fuzz_check_converted(planish_file *file) {
     unlink(path);
     free(constraint);
     free(ratio);
+    fuzz_check_target(file);
 }
 
 /** tells: what is written with other coordinates reads as these. */

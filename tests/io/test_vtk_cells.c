@@ -14,55 +14,9 @@
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/hdf5_builder.h"
+#include "support/unit_elements.h"
 
 /* ---- elements ------------------------------------------------------------------------------- */
-
-/** An element of a type. The places of nodes are those of VTK's GetParametricCoords (the mids of a
- *  pyramid's upright edges halfway). */
-typedef struct unit_element {
-    int type; /* planish_cell_type */
-    int dim, n_nodes, n_corners;
-    const char *places; /* of its nodes, in VTK's order: x y z in quarters, and a blank */
-} unit_element;
-
-#define TRIANGLE  "000 400 040 "
-#define SQUARE    "000 400 440 040 "
-#define TETRA     "000 400 040 004 "
-#define CUBE      "000 400 440 040 004 404 444 044 "
-#define WEDGE     "000 400 040 004 404 044 "
-#define PYRAMID   "000 400 440 040 004 "
-#define CUBE20    CUBE "200 420 240 020 204 424 244 024 002 402 442 042 "
-#define WEDGE15   WEDGE "200 220 020 204 224 024 002 402 042 "
-#define PYRAMID13 PYRAMID "200 420 240 020 002 202 222 022 "
-
-static const unit_element elements[] = {
-    {PLANISH_CELL_QUADRILATERAL, 2, 4, 4, SQUARE},
-    {PLANISH_CELL_HEXAHEDRON, 3, 8, 8, CUBE},
-    {PLANISH_CELL_WEDGE, 3, 6, 6, WEDGE},
-    {PLANISH_CELL_PYRAMID, 3, 5, 5, PYRAMID},
-    {PLANISH_CELL_TRIANGLE6, 2, 6, 3, TRIANGLE "200 220 020 "},
-    {PLANISH_CELL_QUADRILATERAL8, 2, 8, 4, SQUARE "200 420 240 020 "},
-    {PLANISH_CELL_TETRAHEDRON10, 3, 10, 4, TETRA "200 220 020 002 202 022 "},
-    {PLANISH_CELL_HEXAHEDRON20, 3, 20, 8, CUBE20},
-    {PLANISH_CELL_WEDGE15, 3, 15, 6, WEDGE15},
-    {PLANISH_CELL_PYRAMID13, 3, 13, 5, PYRAMID13},
-    {PLANISH_CELL_QUADRILATERAL9, 2, 9, 4, SQUARE "200 420 240 020 220 "},
-    {PLANISH_CELL_HEXAHEDRON27, 3, 27, 8, CUBE20 "022 422 202 242 220 224 222 "},
-    {PLANISH_CELL_WEDGE18, 3, 18, 6, WEDGE15 "202 222 022 "},
-};
-
-enum { MOST_NODES = 27, N_TYPES = sizeof elements / sizeof *elements };
-
-/** Find the place of node i of the bent element. */
-static void unit_element_place(const unit_element *element, int i, double place[3]) {
-    const double bend = 0.1;
-    double x[3];
-    for (int d = 0; d < 3; d++)
-        x[d] = (element->places[4 * i + d] - '0') / 4.0;
-    place[0] = x[0] + bend * (x[1] * x[1] + x[0] * x[2]);
-    place[1] = x[1] + bend * (x[2] * x[2] + x[0] * x[1]);
-    place[2] = element->dim == 2 ? 0 : x[2] + bend * (x[0] * x[0] + x[1] * x[2]);
-}
 
 /** Count the inverted elements of cells at coordinates [n_nodes][dim]. */
 static int64_t count_inverted(const planish_cells *cells, int dim, int64_t n_nodes,
@@ -94,12 +48,12 @@ static int may_be_exchanged(const unit_element *e, int i, int k) {
 /** The elements are valid, and are not when two of their nodes are exchanged. */
 static void another_order_is_not_valid(void **state) {
     (void)state;
-    for (int t = 0; t < N_TYPES; t++) {
-        const unit_element *e = &elements[t];
+    for (int t = 0; t < N_UNIT_ELEMENTS; t++) {
+        const unit_element *e = &unit_elements[t];
         const uint8_t type = (uint8_t)e->type;
         const int64_t offset[] = {0, e->n_nodes};
-        int32_t node[MOST_NODES];
-        double x[3 * MOST_NODES];
+        int32_t node[UNIT_MOST_NODES];
+        double x[3 * UNIT_MOST_NODES];
         const planish_cells cells = {.n = 1, .type = &type, .offset = offset, .node = node};
         for (int i = 0; i < e->n_nodes; i++) {
             double place[3];
@@ -131,7 +85,7 @@ typedef struct cell_list {
         const unit_element *element;
         int type;             /* VTK's number in the file */
         const uint8_t *order; /* node i of the file is the element's node order[i]; NULL: i */
-    } cell[N_TYPES + 8];
+    } cell[N_UNIT_ELEMENTS + 8];
     int n_nodes; /* of all */
 } cell_list;
 
@@ -224,9 +178,10 @@ static file_builder make_vtu(const cell_list *list) {
 #ifdef PL_HDF5
 static file_builder make_vtkhdf(const cell_list *list) {
     hdf5_builder b;
-    double xyz[3 * MOST_NODES * N_TYPES];
-    int nodes[MOST_NODES * N_TYPES], offsets[N_TYPES + 9] = {0}, types[N_TYPES + 8], n = 0;
-    assert_in_range(list->n_nodes, 1, MOST_NODES * N_TYPES);
+    double xyz[3 * UNIT_MOST_NODES * N_UNIT_ELEMENTS];
+    int nodes[UNIT_MOST_NODES * N_UNIT_ELEMENTS],
+        offsets[N_UNIT_ELEMENTS + 9] = {0}, types[N_UNIT_ELEMENTS + 8], n = 0;
+    assert_in_range(list->n_nodes, 1, UNIT_MOST_NODES * N_UNIT_ELEMENTS);
     for (int c = 0; c < list->n; c++) {
         for (int i = 0; i < list->cell[c].element->n_nodes; i++, n++) {
             listed_place(list, c, i, xyz + 3 * n);
@@ -293,9 +248,9 @@ enum { N_FORMATS = 4 };
 /** List an element of each type of that dimension (0: none). */
 static cell_list list_types(int dim) {
     cell_list list = {.n = 0};
-    for (int i = 0; i < N_TYPES; i++)
-        if (elements[i].dim == dim)
-            list_cell(&list, &elements[i], elements[i].type, NULL);
+    for (int i = 0; i < N_UNIT_ELEMENTS; i++)
+        if (unit_elements[i].dim == dim)
+            list_cell(&list, &unit_elements[i], unit_elements[i].type, NULL);
     return list;
 }
 
@@ -311,7 +266,7 @@ static int is_smoothed(const cell_list *list, int cell) {
 
 /** Put the cells of the list in the order that the file has them in: triangles and tetrahedra first.
  *  Returns how many these are. */
-static int order_list(const cell_list *list, int order[N_TYPES + 8]) {
+static int order_list(const cell_list *list, int order[N_UNIT_ELEMENTS + 8]) {
     int n_simplices = 0, n = 0;
     for (int pass = 1; pass >= 0; pass--)
         for (int c = 0; c < list->n; c++)
@@ -326,7 +281,7 @@ static int order_list(const cell_list *list, int order[N_TYPES + 8]) {
  *  them in the order of the file's. */
 static void check_list(planish_file *file, const cell_list *list, int is_copy) {
     planish_cells cells;
-    int order[N_TYPES + 8];
+    int order[N_UNIT_ELEMENTS + 8];
     order_list(list, order);
     assert_int_equal(planish_file_mesh(file).n_elements, list->n);
     assert_int_equal(file->model.n_other, 0);
@@ -366,8 +321,8 @@ static void other_names_of_types_are_read(void **state) {
     for (int f = 0; f < N_FORMATS; f++)
         for (int dim = 2; dim <= 3; dim++) {
             cell_list list = {.n = 0};
-            for (int i = 0; i < N_TYPES; i++) {
-                const unit_element *e = &elements[i];
+            for (int i = 0; i < N_UNIT_ELEMENTS; i++) {
+                const unit_element *e = &unit_elements[i];
                 if (e->dim != dim)
                     continue;
                 if (e->n_nodes == 1 << dim)
@@ -397,9 +352,9 @@ static void unmeasured_types_are_held(void **state) {
         for (int f = 0; f < N_FORMATS; f++) {
             cell_list list = list_types(3);
             const int n = list.n, n_nodes = list.n_nodes;
-            for (int k = 0; k < N_TYPES; k++)
-                if (elements[k].type == held[i].nodes)
-                    list_cell(&list, &elements[k], held[i].type, NULL);
+            for (int k = 0; k < N_UNIT_ELEMENTS; k++)
+                if (unit_elements[k].type == held[i].nodes)
+                    list_cell(&list, &unit_elements[k], held[i].type, NULL);
             planish_file *file = open_list(*state, &list, f);
             if (!file)
                 continue;
@@ -415,7 +370,7 @@ static void unmeasured_types_are_held(void **state) {
 /* ---- copies for viewing --------------------------------------------------------------------- */
 
 /** Convert file to name in folder, and open that. */
-static planish_file *convert(const char *folder, const planish_file *file, const char *name,
+static planish_file *convert(const char *folder, planish_file *file, const char *name,
                              char lost[256]) {
     char path[TEST_PATH_SIZE];
     planish_file *copy = NULL;
@@ -468,9 +423,9 @@ static void copies_do_without_missing_nodes(void **state) {
     static const int32_t pyramid[] = {0, 1, 2, 3, 4, 8, 9, 10, 11, 12, 13, 14, 15, 16};
     char lost[256];
     cell_list list = list_types(3);
-    for (int k = 0; k < N_TYPES; k++)
-        if (elements[k].type == PLANISH_CELL_QUADRILATERAL)
-            list_cell(&list, &elements[k], 7, NULL);
+    for (int k = 0; k < N_UNIT_ELEMENTS; k++)
+        if (unit_elements[k].type == PLANISH_CELL_QUADRILATERAL)
+            list_cell(&list, &unit_elements[k], 7, NULL);
     file_builder b = make_vtk(&list, 3);
     planish_file *file = open_file(*state, "in.vtk", &b);
     if (!reads_vtu()) {
@@ -478,7 +433,7 @@ static void copies_do_without_missing_nodes(void **state) {
         skip();
     }
     io_others *others = &file->model.solid;
-    int order[N_TYPES + 8];
+    int order[N_UNIT_ELEMENTS + 8];
     const int n_simplices = order_list(&list, order), n = n_simplices + (int)others->n;
     file->model.tetrahedron.mid[5] = -1;
     for (int i = n_simplices; i < n; i++) {

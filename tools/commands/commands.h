@@ -3,6 +3,7 @@
  *     smooth.c     from mesh file to better mesh file
  *     promises.c   checks of a result before it is written
  *     quality.c    measures of one mesh or several
+ *     convert.c    a mesh in another format
  *     report.c     an HTML page from an earlier result
  *
  * Each function does what arguments ask for and returns the exit status of the program.
@@ -21,6 +22,9 @@ int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine);
 
 /** Measure the inputs, and compare several. */
 int pl_quality_command(const pl_arguments *arguments);
+
+/** Write arguments->input to arguments->output in another format. */
+int pl_convert_command(const pl_arguments *arguments);
 
 /** Make an HTML page from the JSON file arguments->input. */
 int pl_report_command(const pl_arguments *arguments);

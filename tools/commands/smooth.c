@@ -60,7 +60,8 @@ static int check_output(const pl_job *job) {
     if (strcmp(output, "-") == 0)
         return pl_complain_usage("smooth", "'-' is not a file; standard output is /dev/stdout");
     planish_file_check_output(job->file, output, &error); /* tells the extensions */
-    return pl_complain_usage("smooth", "%s; planish converts to .vtu and .vtk only", error.text);
+    return pl_complain_usage("smooth", "%s, nor that of a format that planish converts to",
+                             error.text);
 }
 
 static int write_mesh(pl_job *job, pl_result *result) {

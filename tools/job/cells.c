@@ -334,7 +334,7 @@ int pl_cells_convert(const pl_job *job, const char *path) {
     if (code)
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     if (job->arguments->verbosity != PL_QUIET)
-        pl_note(stderr, "%s is a copy for viewing; it lacks %s", path, lost);
+        pl_note(stderr, "%s is converted; it lacks %s", path, lost);
     return 0;
 }
 

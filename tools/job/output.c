@@ -125,10 +125,12 @@ int pl_output_check_all(const pl_arguments *arguments) {
     int status;
     if (is_stdout(output) + is_stdout(json) + is_stdout(report) > 1)
         return pl_complain_usage(command, "only one of mesh and reports can go to standard output");
-    if (arguments->command == PL_COMMAND_QUALITY && output &&
+    const int is_copy =
+        arguments->command == PL_COMMAND_QUALITY || arguments->command == PL_COMMAND_CONVERT;
+    if (is_copy && output &&
         (pl_output_hits_mesh(output, arguments->input, arguments->format) ||
          (arguments->like && pl_output_hits_mesh(output, arguments->like, NULL))))
-        return pl_complain_usage(command, "the copy for viewing would overwrite the mesh '%s'",
+        return pl_complain_usage(command, "the converted copy would overwrite the mesh '%s'",
                                  output);
     if (json && report && pl_output_same_file(json, report))
         return pl_complain_usage(command, "--json and --report name the same file '%s'", report);

@@ -30,6 +30,11 @@ static const pl_command_text command_table[] = {
      "each. No file is changed.",
      "0 if all files were read; 2 if a file could not be read, or a report could not\n"
      "be written; 64 bad usage."},
+    {PL_COMMAND_CONVERT, "convert", "IN OUT", "mesh file", 0, "convert a mesh to another format",
+     "Write the mesh IN to OUT in another format, which the extension of OUT tells, or\n"
+     "--to. Nodes, elements of all types, regions, named groups and arrays of data are\n"
+     "converted as far as the format has these; a note lists the rest.",
+     "0 if OUT was written; 2 if not; 64 bad usage."},
     {PL_COMMAND_REPORT, "report", "RESULT.json [-o FILE.html]", "result", 0,
      "create an HTML report from a JSON result",
      "Create an HTML report from RESULT.json, which smooth or quality wrote by --json.\n"

@@ -87,16 +87,16 @@ static void put_man(void) {
     }
     printf(".TP\n\\fBplanish help\\fR [\\fICOMMAND\\fR]\nShow the help of the program, or of a "
            "command.\n.SH OPTIONS\n");
-    for (unsigned n_commands = 3; n_commands > 0; n_commands--) /* what most have comes first */
+    for (unsigned n_commands = 4; n_commands > 0; n_commands--) /* what most have comes first */
         for (unsigned commands = 1; commands <= PL_COMMANDS_ALL; commands++)
-            if ((commands & 1) + (commands >> 1 & 1) + (commands >> 2 & 1) == n_commands)
+            if ((commands & 1) + (commands >> 1 & 1) + (commands >> 2 & 1) + (commands >> 3 & 1) == n_commands)
                 put_options_of(commands);
     printf(".SH FORMATS\n");
     put_troff(pl_program_formats);
     printf(
         "\nplanish detects the format of a file by its content, then by its name, and writes the\n"
-        "format that it has read.\nIf\n.I OUT\nends in .vtu or .vtk and\n.I IN\nhas another format,"
-        "\n.I OUT\nis a copy for viewing, with radius ratios, regions and groups.\n"
+        "format that it has read.\nIf\n.I OUT\nhas the extension of another format that\n.B planish "
+        "convert\nwrites, it is converted.\n"
         ".SH EXIT STATUS\n");
     for (int i = 0; (command = pl_command_at(i)); i++) {
         printf(".TP\n.B %s\n", command->name);

@@ -155,8 +155,9 @@ static const char *set_choice(pl_arguments *arguments, const option_row *row, co
     return i < 0 ? NOT_LISTED : NULL;
 }
 
-static const char *set_format(pl_arguments *arguments, const option_row *row, const char *value) {
-    arguments->format = value;
+/** Set a text that is one of the words of row. */
+static const char *set_word(pl_arguments *arguments, const option_row *row, const char *value) {
+    *(const char **)field_of(arguments, row) = value;
     return find_value(row, value) < 0 ? NOT_LISTED : NULL;
 }
 
@@ -290,12 +291,13 @@ enum {
     SMOOTH = PL_COMMAND_SMOOTH,
     QUALITY = PL_COMMAND_QUALITY,
     REPORT = PL_COMMAND_REPORT,
+    CONVERT = PL_COMMAND_CONVERT,
     BOTH = SMOOTH | QUALITY,
     ALL = PL_COMMANDS_ALL,
-    OPTIMISES = 8, /* heeded by no Laplacian method */
-    OF_WORST = 16, /* has an effect with --objective worst alone */
+    OPTIMISES = 16, /* heeded by no Laplacian method */
+    OF_WORST = 32,  /* has an effect with --objective worst alone */
     OF_CURVED =
-        32 /* has an effect on smooth with --slide curved, and on surfaces in space, alone */
+        64 /* has an effect on smooth with --slide curved, and on surfaces in space, alone */
 };
 
 #define AT(field) offsetof(pl_arguments, field)
@@ -307,8 +309,9 @@ enum {
 static const option_row option_table[] = {
     {'o', "output", "OUT", SMOOTH, set_text, AT(output), 0, 0, "must be the name of a file",
      "write the smoothed mesh to OUT, which may be IN; keep\n"
-     "the format of IN and change coordinates only; write\n"
-     "a copy for viewing if OUT ends in .vtu or .vtk",
+     "the format of IN and change coordinates only; convert\n"
+     "to another format that planish convert writes if OUT\n"
+     "ends as its files do",
      "file"},
     {'o', "output", "VIEW", QUALITY, set_text, AT(output), 0, 0, "must be the name of a file",
      "write a copy for viewing to VIEW, which ends in .vtu\n"
@@ -318,7 +321,12 @@ static const option_row option_table[] = {
      "write the HTML report to FILE, - for standard output\n"
      "(default: RESULT.html beside RESULT.json)",
      "file"},
-    {0, "format", "NAME", BOTH, set_format, 0, 0, 0, NULL,
+    {0, "to", "NAME", CONVERT, set_word, AT(to), 0, 0, NULL,
+     "write the format NAME: vtu, vtk, gmsh (4.1), gmsh22,\n"
+     "medit, abaqus, nastran, stl, obj or ply (default: by\n"
+     "the extension of OUT)",
+     "vtu vtk gmsh gmsh22 medit abaqus nastran stl obj ply"},
+    {0, "format", "NAME", BOTH | CONVERT, set_word, AT(format), 0, 0, NULL,
      "set the format of the input: gmsh, medit, vtk, vtu,\n"
      "vtkhdf, tetgen, netgen, abaqus, nastran, cgns, med,\n"
      "dmplex, off, stl, obj or ply (default: detect it by\n"
@@ -496,7 +504,7 @@ static const option_row option_table[] = {
     {0, "rings", "K", SMOOTH | OPTIMISES, set_integer, AT(library.rings), 0, 100,
      "must be a whole number from 0 to 100",
      "with --only-worse-than: move K rings of elements\naround these as well (default 0)", NULL},
-    {'j', "threads", "N", BOTH, set_integer, AT(library.threads), 1, PL_MAX_THREADS,
+    {'j', "threads", "N", BOTH | CONVERT, set_integer, AT(library.threads), 1, PL_MAX_THREADS,
      "must be a whole number from 1 to 1024",
      "run on N threads (default: OMP_NUM_THREADS, else one\n"
      "for each core, fewer for a small mesh)",
@@ -626,7 +634,9 @@ static int take_operands(pl_arguments *arguments, int argc, char **argv) {
     const pl_command_text *command = pl_command_row(arguments->command);
     if (optind == argc)
         return pl_complain_usage(command->name, "no %s is named", command->operand);
-    if (optind + 1 < argc && !command->takes_many) {
+    if (arguments->command == PL_COMMAND_CONVERT && optind + 2 == argc && argv[argc - 1][0])
+        arguments->output = argv[--argc];
+    else if (optind + 1 < argc && !command->takes_many) {
         const char *second = argv[optind + 1];
         if (!arguments->output && arguments->command == PL_COMMAND_SMOOTH)
             return pl_complain_usage(command->name, "unexpected argument '%s'; did you mean -o %s?",
@@ -643,6 +653,8 @@ static int take_operands(pl_arguments *arguments, int argc, char **argv) {
     arguments->input = arguments->inputs[0];
     if (arguments->command == PL_COMMAND_SMOOTH && !arguments->output)
         return pl_complain_usage(command->name, "no output file is named: give -o OUT");
+    if (arguments->command == PL_COMMAND_CONVERT && !arguments->output)
+        return pl_complain_usage(command->name, "no output file is named: give IN and OUT");
     return 0;
 }
 

@@ -17,7 +17,8 @@ typedef enum pl_command {
     PL_COMMAND_SMOOTH = 1,
     PL_COMMAND_QUALITY = 2,
     PL_COMMAND_REPORT = 4,
-    PL_COMMANDS_ALL = 7
+    PL_COMMAND_CONVERT = 8,
+    PL_COMMANDS_ALL = 15
 } pl_command;
 
 /** The word that names command. */
@@ -49,8 +50,9 @@ typedef struct pl_arguments {
     const char *input;   /* the first of inputs */
     const char **inputs; /* [n_inputs] owned */
     int n_inputs;        /* 1, but for commands that take many */
-    const char *output;  /* smooth: always there; report, quality: or NULL */
+    const char *output;  /* smooth, convert: always there; report, quality: or NULL */
     const char *format;  /* or NULL: find out */
+    const char *to;      /* the format of what is converted, or NULL: by its extension */
     const char *json;    /* a path, "-" for standard output, or NULL: no report */
     const char *report;  /* path of the page for people, or NULL: none */
     int n_worst;         /* elements that --worst lists; 0: not given */

@@ -142,7 +142,7 @@ static const struct {
 
 /** C3D27 has the node of its inside before those of its faces, which begin with that of the first
  *  four corners. */
-static const io_node_order node_order[] = {
+const io_node_order abaqus_node_orders[] = {
     {PLANISH_CELL_HEXAHEDRON27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
                                  14, 15, 16, 17, 18, 19, 26, 24, 23, 25, 21, 22, 20}},
     {0, {0}},
@@ -336,7 +336,7 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
 
 static int abaqus_read(io_model *model, planish_error *error) {
     abaqus_reader r = {.model = model, .error = error};
-    model->node_order = node_order;
+    model->node_order = abaqus_node_orders;
     int status = abaqus_find_blocks(&r);
     if (!status)
         status = find_scope(&r);
@@ -412,4 +412,5 @@ const io_format io_format_abaqus = {.name = "abaqus",
                                     .has_no_end = 1,
                                     .recognise = abaqus_recognise,
                                     .read = abaqus_read,
-                                    .field = abaqus_field};
+                                    .field = abaqus_field,
+                                    .targets = abaqus_targets};

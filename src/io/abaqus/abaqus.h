@@ -8,7 +8,7 @@
 #ifndef PL_IO_ABAQUS_ABAQUS_H
 #define PL_IO_ABAQUS_ABAQUS_H
 
-#include "io/core/model.h"
+#include "io/core/format.h"
 #include "io/core/text.h"
 
 enum { ABAQUS_NAME_SIZE = 32 };
@@ -141,5 +141,11 @@ int abaqus_make_entities(abaqus_reader *r, abaqus_things things);
 
 /** Make a group of each set and each dimension that its members have. */
 int abaqus_make_groups(abaqus_reader *r);
+
+/** Orders of nodes that are not VTK's. */
+extern const io_node_order abaqus_node_orders[];
+
+/** What is written. */
+extern const io_target abaqus_targets[];
 
 #endif

@@ -2,6 +2,7 @@
  *
  *   io_cell_type_nodes, _corners, _dim   number of nodes and corners, dimension
  *   io_cell_type_is_smoothed             whether its nodes may move
+ *   io_cell_type_straight                the type of the corners alone
  *   io_simplex_type, io_simplex_dim, io_has_mids   simplices of order 1 and 2
  *   io_n_mids, io_edge_of          edges of simplices, in VTK's order
  */
@@ -69,6 +70,18 @@ static inline int io_cell_type_dim(int type) {
  *  programs, they are held. */
 static inline int io_cell_type_is_smoothed(int type) {
     return type != PLANISH_CELL_PYRAMID13 && type != PLANISH_CELL_PYRAMID14;
+}
+
+/** Type of the same shape with no nodes but its corners, of a type of two or three dimensions. */
+static inline int io_cell_type_straight(int type) {
+    static const uint8_t straight[] = {[3] = PLANISH_CELL_TRIANGLE,
+                                       [4] = PLANISH_CELL_TETRAHEDRON,
+                                       [5] = PLANISH_CELL_PYRAMID,
+                                       [6] = PLANISH_CELL_WEDGE,
+                                       [8] = PLANISH_CELL_HEXAHEDRON};
+    return io_cell_type_dim(type) == 2 && io_cell_type_corners(type) == 4
+               ? PLANISH_CELL_QUADRILATERAL
+               : straight[io_cell_type_corners(type)];
 }
 
 /** Type of a simplex of dimension 1 to 3, of order 2 or 1. */

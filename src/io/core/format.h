@@ -1,6 +1,7 @@
 /* format: the description of a format that its folder gives, and names of files.
  *
  *   io_format, io_format_...                    the formats
+ *   io_target                                   what a mesh can be converted to
  *   planish_file, io_file_regions               a file that has been read
  *   io_format_has_extension, io_extension       extensions of paths
  *   io_companion_path, io_plain_companion_path  files beside the mesh
@@ -10,6 +11,17 @@
 #define PL_IO_CORE_FORMAT_H
 
 #include "io/core/model.h"
+
+struct io_view; /* io/view/view.h */
+struct io_losses;
+
+/** Kind of file that a mesh of any format can be converted to. */
+typedef struct io_target {
+    const char *name; /* as in --to; NULL ends a list */
+    /** Write the mesh to output, and note what is left out. */
+    int (*write)(const struct io_view *view, pl_output *output, struct io_losses *losses,
+                 planish_error *error);
+} io_target;
 
 /** Description of a format. docs/formats.md, "A new format", says in which order a reader calls
  *  what.
@@ -58,6 +70,8 @@ typedef struct io_format {
      *  (io_data_pick). NULL: no data of this format are read. */
     int (*read_data)(io_model *model, const io_data *data, double *values, planish_error *error);
     void (*release)(io_model *model); /* of model->of_format; NULL: there is none */
+    const io_target *targets; /* kinds of files of this format that are written anew, the first by
+                                 default; NULL: none is */
 } io_format;
 
 extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_vtu,

@@ -200,6 +200,7 @@ typedef struct io_data {
     int64_t n_cells;    /* cells of the file, where its elements are numbered by cells from 0 */
     int64_t begin, end; /* bytes of the values; end: of Gmsh's sections */
     int swapped;        /* not this machine's byte order */
+    int is_integer;     /* numbers are whole by their type */
     const void *type;   /* the format's own, of the numbers */
 } io_data;
 

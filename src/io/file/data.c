@@ -10,19 +10,28 @@
 
 #include <stdio.h>
 
+/** Find array i, 0 and up; NULL behind the last. */
+static const io_data *data_at(const io_model *model, int64_t i) {
+    for (int64_t k = 0; i >= 0 && k < model->n_data; k++)
+        if (!model->data[k].is_more && i-- == 0)
+            return &model->data[k];
+    return NULL;
+}
+
 int planish_file_data_info(const planish_file *file, int64_t i, planish_data_info *info) {
-    const io_model *model = file ? &file->model : NULL;
-    for (int64_t k = 0; model && info && i >= 0 && k < model->n_data; k++) {
-        const io_data *data = &model->data[k];
-        if (data->is_more || i-- > 0)
-            continue;
-        const int is_known = data->width >= 0 && data->width <= INT32_MAX;
-        *info = (planish_data_info){.name = data->name,
-                                    .of_elements = data->of_elements,
-                                    .n_components = is_known ? (int)data->width : 0};
-        return 1;
-    }
-    return 0;
+    const io_data *data = file && info ? data_at(&file->model, i) : NULL;
+    if (!data)
+        return 0;
+    const int is_known = data->width >= 0 && data->width <= INT32_MAX;
+    *info = (planish_data_info){.name = data->name,
+                                .of_elements = data->of_elements,
+                                .n_components = is_known ? (int)data->width : 0};
+    return 1;
+}
+
+int io_file_has_integers(const planish_file *file, int64_t i) {
+    const io_data *data = data_at(&file->model, i);
+    return data && data->is_integer;
 }
 
 /** Fail for the name of no array: list those that there are. */
@@ -56,14 +65,27 @@ static int find(const planish_file *file, const char *name, const io_data **data
     *data = io_data_find(model, name, 0);
     if (!*data)
         *data = io_data_find(model, name, 1);
-    if (!*data)
-        return fail_name(file, name, error);
-    if ((*data)->width >= 1 && (*data)->width <= IO_MOST_WIDTH)
-        return PLANISH_OK;
-    return pl_fail(error, PLANISH_ERROR_FORMAT,
-                   "%s: the array '%s' has %lld numbers for each of its values; arrays of 1 to %d "
-                   "are read",
-                   model->input.path, name, (long long)(*data)->width, IO_MOST_WIDTH);
+    return *data ? PLANISH_OK : fail_name(file, name, error);
+}
+
+/** Read the values of an array to data, which is released by the caller on failure. */
+static int read_values(planish_file *file, const io_data *array, planish_data *data,
+                       planish_error *error) {
+    io_model *model = &file->model;
+    if (array->width < 1 || array->width > IO_MOST_WIDTH)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: the array '%s' has %lld numbers for each of its values; arrays of 1 to "
+                       "%d are read",
+                       model->input.path, array->name, (long long)array->width, IO_MOST_WIDTH);
+    const int status = io_bytes_check_unchanged(&model->input, error);
+    if (status)
+        return status;
+    data->of_elements = array->of_elements;
+    data->n_components = (int)array->width;
+    data->n = array->of_elements ? io_model_n_elements(model) : model->n_nodes;
+    data->values = pl_alloc_zero(data->n * array->width, sizeof *data->values);
+    return data->values ? file->format->read_data(model, array, data->values, error)
+                        : pl_fail_memory(error, "an array of the file");
 }
 
 /** Check that all values are finite: the error names the first node or element that has another one. */
@@ -85,25 +107,15 @@ static int check_finite(const planish_file *file, const char *name, const planis
                                    : planish_file_node_number(file, at)));
 }
 
-/** Read the array to data, which is released by the caller on failure. */
-static int read_array(planish_file *file, const char *name, planish_data *data,
+int io_file_read_data(planish_file *file, const char *name, int of_elements, planish_data *data,
                       planish_error *error) {
-    io_model *model = &file->model;
-    const io_data *array = NULL;
-    int status = find(file, name, &array, error);
-    if (!status)
-        status = io_bytes_check_unchanged(&model->input, error);
+    const io_data *array = io_data_find(&file->model, name, of_elements);
+    *data = (planish_data){.n = 0};
+    const int status = array ? read_values(file, array, data, error) : fail_name(file, name, error);
+    io_bytes_rest(&file->model.input);
     if (status)
-        return status;
-    data->of_elements = array->of_elements;
-    data->n_components = (int)array->width;
-    data->n = array->of_elements ? io_model_n_elements(model) : model->n_nodes;
-    data->values = pl_alloc_zero(data->n * array->width, sizeof *data->values);
-    if (!data->values)
-        return pl_fail_memory(error, "an array of the file");
-    status = file->format->read_data(model, array, data->values, error);
-    io_bytes_rest(&model->input);
-    return status ? status : check_finite(file, name, data, error);
+        planish_data_free(data);
+    return status;
 }
 
 int planish_file_data(planish_file *file, const char *name, planish_data *data,
@@ -112,7 +124,12 @@ int planish_file_data(planish_file *file, const char *name, planish_data *data,
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file, name and data must not be NULL");
     *data = (planish_data){.n = 0};
     const pl_outside outside = pl_call_enter(NULL);
-    const int status = read_array(file, name, data, error);
+    const io_data *array = NULL;
+    int status = find(file, name, &array, error);
+    if (!status)
+        status = io_file_read_data(file, name, array->of_elements, data, error);
+    if (!status)
+        status = check_finite(file, name, data, error);
     if (status)
         planish_data_free(data);
     pl_call_leave(&outside);

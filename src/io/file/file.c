@@ -39,6 +39,10 @@ const char *const *planish_file_formats(void) {
     return names;
 }
 
+const io_format *io_format_at(int i) {
+    return i >= 0 && i < N_FORMATS ? formats[i] : NULL;
+}
+
 const io_format *io_format_by_name(const char *name) {
     for (int i = 0; i < N_FORMATS; i++)
         if (strcmp(formats[i]->name, name) == 0)

@@ -1,7 +1,8 @@
 /* file: the formats that there are, and opening and writing a file of any.
  *
- *   io_format_by_name, io_format_by_extension, io_format_find    one of the formats
+ *   io_format_at, _by_name, _by_extension, io_format_find    one of the formats
  *   io_file_open, io_file_from_memory     open a file: for tests and fuzzing
+ *   io_file_read_data, _has_integers      arrays of numbers (data.c)
  *   io_model_finish                       a model that was read becomes a mesh (finish.c)
  *   io_mesh_file                          paths of the files of a mesh (write.c)
  *   io_splice_write                       the input's bytes with other coordinates (splice.c)
@@ -10,6 +11,9 @@
 #define PL_IO_FILE_FILE_H
 
 #include "io/core/format.h"
+
+/** Return format i, 0 and up, or NULL behind the last. */
+const io_format *io_format_at(int i);
 
 /** Find the format called name, or NULL. */
 const io_format *io_format_by_name(const char *name);
@@ -28,6 +32,14 @@ int io_file_open(const char *path, int threads, int64_t largest_copy, planish_fi
 /** Read size bytes at data (borrowed) as a file of format called path: for fuzzing and tests. */
 int io_file_from_memory(const io_format *format, const char *path, const char *data, int64_t size,
                         int threads, planish_file **file, planish_error *error);
+
+/** Read an array as planish_file_data does, of nodes or of elements as of_elements says; values may be
+ *  not finite. */
+int io_file_read_data(planish_file *file, const char *name, int of_elements, planish_data *data,
+                      planish_error *error);
+
+/** Return whether the numbers of array i, as of planish_file_data_info, are whole by their type. */
+int io_file_has_integers(const planish_file *file, int64_t i);
 
 /** Decide the dimension (3 if there is a solid element, else 2), set plain cells apart, let lines,
  *  facets, and elements that are not smoothed hold their nodes, find the plane of flat elements (plane.h;

@@ -1,5 +1,4 @@
-/* write: where files go: the result and its companions, and what planish understands of a mesh in
- * another format, for viewing.
+/* write: where files go: the result and its companions.
  *
  * A mesh may be in several files beside one another (TetGen's .node, .ele, ...). The one with the
  * coordinates is written anew (splice.c), the others are copied. All go to temporary files first.
@@ -8,19 +7,15 @@
 #include "base/output.h"
 #include "io/file/file.h"
 #include "io/file/plane.h"
-#include "io/view/view.h"
 
 #include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "base/printf.h"
 #include "base/status.h"
 #include "base/system.h"
 
 #include <float.h>
-#include <inttypes.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -260,101 +255,5 @@ int planish_file_write(const planish_file *file, const char *path, const double 
     pl_free(output);
     pl_free(main_path);
     pl_call_leave(&outside);
-    return status;
-}
-
-/* ---- conversion ----------------------------------------------------------------------------- */
-
-/** A format that can be converted to. */
-static const struct target {
-    const io_format *format;
-    int (*write)(const io_view *view, pl_output *output, const char **lost, planish_error *error);
-} targets[] = {{&io_format_vtu, io_view_write_vtu}, {&io_format_vtk, io_view_write_vtk}};
-
-static const struct target *find_target(const char *path) {
-    for (size_t i = 0; i < sizeof targets / sizeof *targets; i++)
-        if (io_format_has_extension(targets[i].format, path))
-            return &targets[i];
-    return NULL;
-}
-
-int planish_file_can_convert(const planish_file *file, const char *path) {
-    const struct target *target = file && path ? find_target(path) : NULL;
-    return target && target->format != file->format;
-}
-
-/** A list of what is not written. */
-typedef struct losses {
-    char *text;
-    size_t size, length;
-} losses;
-
-static void add_loss(losses *l, const char *format, ...) PL_PRINTF(2, 3);
-static void add_loss(losses *l, const char *format, ...) {
-    va_list arguments;
-    if (l->length > 0 && l->length < l->size)
-        l->length += (size_t)snprintf(l->text + l->length, l->size - l->length, ", ");
-    va_start(arguments, format);
-    if (l->length < l->size)
-        l->length += (size_t)vsnprintf(l->text + l->length, l->size - l->length, format, arguments);
-    va_end(arguments);
-}
-
-/** List in text what the file has and a writer, which loses of_writer (or NULL), does not write. */
-static void list_losses(const io_model *model, const char *of_writer, char *text, size_t size) {
-    losses l = {text, size, 0};
-    const int64_t kept =
-        model->line.n + (io_model_dim(model) == 3 ? model->triangle.n + model->flat.n : 0);
-    if (model->n_other > 0)
-        add_loss(&l, "%" PRId64 " elements of other types", model->n_other);
-    if (model->n_lower > kept)
-        add_loss(&l, "%" PRId64 " points, lines or surface elements", model->n_lower - kept);
-    if (model->n_periodic > 0)
-        add_loss(&l, "%" PRId64 " periodic pairs", model->n_periodic);
-    int several = 0;
-    for (int32_t i = 0; i < model->n_entities; i++)
-        several |= model->entity[i].n_physical > 1;
-    if (several)
-        add_loss(&l, "all but the first group of elements that are in several");
-    if (of_writer)
-        add_loss(&l, "%s", of_writer);
-    add_loss(&l, "data, parameters and comments of the file");
-}
-
-int planish_file_convert(const planish_file *file, const char *path, const double *coordinates,
-                         const uint8_t *constraint, const planish_view_data *data, char *temporary,
-                         size_t temporary_size, char *lost, size_t lost_size,
-                         planish_error *error) {
-    const pl_temporaries temporaries = {temporary, temporary_size};
-    const char *of_writer = NULL;
-    const double *places;
-    double *owned;
-    if (!file || !path || !coordinates)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "file, path and coordinates must not be NULL");
-    const struct target *target = find_target(path);
-    if (!target)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "%s: meshes are converted to .vtu and .vtk only", path);
-    const pl_outside outside = pl_call_enter(NULL);
-    pl_output output = {.fd = -1};
-    int status = io_written_coordinates(&file->model, coordinates, NULL, file->model.threads,
-                                        &places, &owned, error);
-    const io_view view = io_view_of(&file->model, places, constraint, data);
-    if (!status)
-        status = pl_output_open(path, temporaries, &output, error);
-    if (!status)
-        status = target->write(&view, &output, &of_writer, error);
-    if (!status)
-        status = pl_output_finish(&output, error);
-    if (!status)
-        status = io_bytes_check_unchanged(&file->model.input, error);
-    if (!status)
-        status = pl_output_commit(&output, temporaries, error);
-    pl_output_release(&output, temporaries);
-    pl_free(owned);
-    pl_call_leave(&outside);
-    if (!status && lost && lost_size > 0)
-        list_losses(&file->model, of_writer, lost, lost_size);
     return status;
 }

@@ -6,6 +6,7 @@
  * ($Comments, $GhostElements, unknown ones) are passed over.
  */
 #include "io/core/format.h"
+#include "io/gmsh/gmsh_write.h"
 #include "io/gmsh/gmsh_sections.h"
 
 #include <ctype.h>
@@ -237,4 +238,5 @@ const io_format io_format_gmsh = {.name = "gmsh",
                                   .extensions = gmsh_extensions,
                                   .recognise = gmsh_recognise,
                                   .read = gmsh_read,
-                                  .read_data = gmsh_read_values};
+                                  .read_data = gmsh_read_values,
+                                  .targets = gmsh_targets};

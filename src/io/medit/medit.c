@@ -68,9 +68,10 @@ static const medit_keyword mesh_keywords[] = {
 
 /** Order of the nodes where a file gives none, as SALOME reads it: VTK's, but for the faces of
  *  hexahedra, which go round from the one below to the one above. */
-static const io_node_order usual_order = {PLANISH_CELL_HEXAHEDRON27,
-                                          {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
-                                           14, 15, 16, 17, 18, 19, 24, 22, 21, 23, 20, 25, 26}};
+const io_node_order medit_usual_order[] = {
+    {PLANISH_CELL_HEXAHEDRON27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
+                                 14, 15, 16, 17, 18, 19, 24, 22, 21, 23, 20, 25, 26}},
+    {0, {0}}};
 
 /** Find the keyword of that name in text, or of that code in binary, and check that it may stand
  *  at that place. *keyword is -1 if it means nothing to planish. */
@@ -281,7 +282,7 @@ static int medit_read(io_model *model, planish_error *error) {
                       .keywords = mesh_keywords,
                       .n_keywords = sizeof mesh_keywords / sizeof *mesh_keywords,
                       .n_orders = 1};
-    r.order[0] = usual_order;
+    r.order[0] = medit_usual_order[0];
     model->node_order = r.order;
     io_text_init(&r.text, model);
     int status = medit_find_sections(&r);
@@ -316,4 +317,5 @@ const io_format io_format_medit = {.name = "medit",
                                    .extensions = extensions,
                                    .recognise = medit_recognise,
                                    .read = medit_read,
-                                   .may_be_called = may_be_called};
+                                   .may_be_called = may_be_called,
+                                   .targets = medit_targets};

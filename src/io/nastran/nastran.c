@@ -126,7 +126,7 @@ static const card_kind kinds[] = {
 };
 
 /** CHEXA and CPENTA have the mids of the uprights before those of the upper edges. */
-static const io_node_order node_order[] = {
+const io_node_order nastran_node_orders[] = {
     {PLANISH_CELL_HEXAHEDRON20,
      {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15}},
     {PLANISH_CELL_WEDGE15, {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11}},
@@ -567,7 +567,7 @@ static const char *find_line(io_cursor cursor, const char *word, const char **af
 
 static int nastran_read(io_model *model, planish_error *error) {
     reader r = {.model = model, .error = error};
-    model->node_order = node_order;
+    model->node_order = nastran_node_orders;
     const char *end = io_input_end(model), *after;
     r.bulk = io_begin_text(model->input.data, model->input.size);
     if (find_line(r.bulk, "BEGIN", &after) < end)
@@ -633,4 +633,5 @@ const io_format io_format_nastran = {.name = "nastran",
                                      .extensions = extensions,
                                      .recognise = nastran_recognise,
                                      .read = nastran_read,
-                                     .field = nastran_field};
+                                     .field = nastran_field,
+                                     .targets = nastran_targets};

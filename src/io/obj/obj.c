@@ -11,6 +11,7 @@
  * are groups by name; elements that differ in one of these are of different regions. Curves and
  * surfaces given by formulas, and calls of other files, are refused; all else is not looked at.
  */
+#include "io/view/surface_write.h"
 #include "io/core/bytes.h"
 #include "io/core/format.h"
 #include "io/core/number.h"
@@ -430,4 +431,5 @@ const io_format io_format_obj = {.name = "obj",
                                  .has_no_end = 1,
                                  .recognise = obj_recognise,
                                  .read = obj_read,
-                                 .field = obj_field};
+                                 .field = obj_field,
+                                 .targets = obj_targets};

@@ -13,6 +13,7 @@
  * (vertex1, vertex2) are lines. All else is passed over by its types. Vertices and faces are
  * numbered from 0.
  */
+#include "io/view/surface_write.h"
 #include "io/core/binary.h"
 #include "io/core/format.h"
 #include "io/core/number.h"
@@ -633,4 +634,5 @@ const io_format io_format_ply = {.name = "ply",
                                  .recognise = ply_recognise,
                                  .read = ply_read,
                                  .field = ply_field,
-                                 .release = ply_release};
+                                 .release = ply_release,
+                                 .targets = ply_targets};

@@ -14,6 +14,7 @@
  * places, so that its normal, which is rewritten when the facet has moved, stands between spans.
  * Facets with two equal points are no elements; they hold their nodes.
  */
+#include "io/view/surface_write.h"
 #include "io/core/binary.h"
 #include "io/core/bytes.h"
 #include "io/core/format.h"
@@ -439,4 +440,5 @@ const io_format io_format_stl = {.name = "stl",
                                  .recognise = stl_recognise,
                                  .read = stl_read,
                                  .encode = stl_encode,
-                                 .release = stl_release};
+                                 .release = stl_release,
+                                 .targets = stl_targets};

@@ -1,369 +1,315 @@
-/* view: the arrays of a mesh that is shown in another file. */
+/* view: the cells, nodes and groups of a mesh that another format is to have. */
 #include "io/view/view.h"
 
 #include "base/memory.h"
 #include "base/status.h"
 #include "io/core/elements.h"
-#include "io/vtk/vtk_cells.h"
 
-#include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
-
-enum { VALUES_AT_ONCE = 1 << 16, N_KINDS = 5 };
 
 /* ---- cells --------------------------------------------------------------------------------- */
 
-/* Cells stand in the order of their kinds: tetrahedra, triangles, lines, other solids, other flat
- * elements. */
+static const uint8_t list_of_kind[IO_VIEW_KINDS] = {3, 2, 1, IO_SOLID_LIST, IO_FLAT_LIST};
 
-/** A cell, or the place behind those of its kind; zeroed: before all. */
-typedef struct view_cell {
-    int kind, is_found;
-    io_list list;               /* that it is in */
-    const io_cells *of;         /* of the list; NULL: it is one of the others */
-    int64_t index;              /* in it */
-    int size;                   /* nodes of it, */
-    int type;                   /* and VTK's type of it */
-    int n_first;                /* how many of the nodes are in first */
-    const int32_t *first, *mid; /* [n_first], [size - n_first] */
-    int64_t n_before;           /* nodes of all cells before it */
-    int64_t first_value;        /* of the array that it was found in */
-    int value;                  /* which of the cell's values */
-} view_cell;
-
-static const io_cells *cells_of(const io_model *model, int kind) {
-    const io_cells *const kinds[N_KINDS] = {&model->tetrahedron, &model->triangle, &model->line};
-    return kinds[kind];
+/** Set an element that is no simplex; it is straight where a mid is missing. */
+static void set_other(const io_others *others, int64_t i, io_view_cell *cell) {
+    const int32_t *from = others->node + others->offset[i];
+    const int n = io_cell_type_nodes(others->type[i]);
+    int n_there = 0;
+    while (n_there < n && from[n_there] >= 0)
+        n_there++;
+    cell->type = n_there == n ? others->type[i] : io_cell_type_straight(others->type[i]);
+    cell->n_nodes = io_cell_type_nodes(cell->type);
+    memcpy(cell->node, from, (size_t)cell->n_nodes * sizeof *from);
 }
 
-static int64_t count_kind(const io_model *model, int kind) {
-    const io_cells *of = cells_of(model, kind);
-    return of ? of->n : kind == N_KINDS - 1 ? model->flat.n : model->solid.n;
-}
-
-/** Return VTK's type of an element with those nodes. It is straight where a mid is missing. */
-static int other_type(int type, const int32_t *node) {
-    static const uint8_t straight[] = {[PLANISH_CELL_TRIANGLE6] = PLANISH_CELL_TRIANGLE,
-                                       [PLANISH_CELL_QUADRILATERAL8] = PLANISH_CELL_QUADRILATERAL,
-                                       [PLANISH_CELL_QUADRILATERAL9] = PLANISH_CELL_QUADRILATERAL,
-                                       [PLANISH_CELL_TETRAHEDRON10] = PLANISH_CELL_TETRAHEDRON,
-                                       [PLANISH_CELL_HEXAHEDRON20] = PLANISH_CELL_HEXAHEDRON,
-                                       [PLANISH_CELL_HEXAHEDRON27] = PLANISH_CELL_HEXAHEDRON,
-                                       [PLANISH_CELL_WEDGE15] = PLANISH_CELL_WEDGE,
-                                       [PLANISH_CELL_WEDGE18] = PLANISH_CELL_WEDGE,
-                                       [PLANISH_CELL_PYRAMID13] = PLANISH_CELL_PYRAMID,
-                                       [PLANISH_CELL_PYRAMID14] = PLANISH_CELL_PYRAMID};
-    const int as = type == PLANISH_CELL_PYRAMID14 ? PLANISH_CELL_PYRAMID13 : type;
-    for (int i = 0; i < io_cell_type_nodes(as); i++)
-        if (node[i] < 0)
-            return straight[type];
-    return as;
-}
-
-static void set_other(const io_others *others, int64_t i, view_cell *cell) {
-    cell->first = others->node + others->offset[i];
-    cell->type = other_type(others->type[i], cell->first);
-    cell->n_first = cell->size = io_cell_type_nodes(cell->type);
-}
-
-/** Fill in a simplex. Like other elements it is written as straight where a mid is missing. */
-static void set_simplex(const io_cells *of, int dim, int64_t i, view_cell *cell) {
-    static const uint8_t types[][2] = {{VTK_LINE, PLANISH_CELL_LINE3},
-                                       {VTK_TRIANGLE, PLANISH_CELL_TRIANGLE6},
-                                       {VTK_TETRAHEDRON, PLANISH_CELL_TETRAHEDRON10}};
+static void set_simplex(const io_cells *cells, int dim, int64_t i, io_view_cell *cell) {
     const int n_mids = io_n_mids(dim);
-    int has_mids = of->mid != NULL;
-    cell->first = of->nodes + i * (dim + 1);
-    cell->mid = of->mid ? of->mid + i * n_mids : NULL;
+    const int32_t *mid = cells->mid ? cells->mid + i * n_mids : NULL;
+    int has_mids = mid != NULL;
     for (int k = 0; has_mids && k < n_mids; k++)
-        has_mids = cell->mid[k] >= 0;
-    cell->type = types[dim - 1][has_mids];
-    cell->n_first = dim + 1;
-    cell->size = dim + 1 + (has_mids ? n_mids : 0);
+        has_mids = mid[k] >= 0;
+    cell->type = io_simplex_type(dim, has_mids);
+    cell->n_nodes = dim + 1 + (has_mids ? n_mids : 0);
+    memcpy(cell->node, cells->nodes + i * (dim + 1), (size_t)(dim + 1) * sizeof *mid);
+    if (has_mids)
+        memcpy(cell->node + dim + 1, mid, (size_t)n_mids * sizeof *mid);
 }
 
-/** Go to cell i of a kind, but for first_value and n_before. */
-static void set_cell(const io_model *model, int kind, int64_t i, view_cell *cell) {
-    static const uint8_t list_of[N_KINDS] = {3, 2, 1, IO_SOLID_LIST, IO_FLAT_LIST};
-    cell->is_found = 1;
-    cell->kind = kind;
-    cell->list = io_model_list(model, list_of[kind]);
-    cell->of = cell->list.cells;
-    cell->index = i;
-    if (i == count_kind(model, kind))
-        return;
-    if (cell->of)
-        set_simplex(cell->of, 3 - kind, i, cell);
+void io_view_cell_at(const io_view *view, int64_t index, io_view_cell *cell) {
+    const io_model *model = view->model;
+    int kind = 0;
+    while (index >= view->first[kind + 1])
+        kind++;
+    const int64_t i = index - view->first[kind];
+    const io_list list = io_model_list(model, list_of_kind[kind]);
+    if (list.cells)
+        set_simplex(list.cells, list.dim, i, cell);
     else
-        set_other(cell->list.others, i, cell);
+        set_other(list.others, i, cell);
+    cell->dim = list.dim;
+    cell->entity = list.entity ? list.entity[i] : -1;
+    cell->region = list.region         ? list.region[i]
+                   : cell->entity >= 0 ? model->entity[cell->entity].tag
+                                       : 0;
+    cell->number = io_list_number(&list, i);
+    cell->element = list.dim != io_model_dim(model) ? -1
+                    : list.cells                    ? i
+                                                    : io_model_elements(model)->n + i;
 }
 
-/** Find the cell, and which of its values, that value number i of an array is. Cells have one value
- *  each, their nodes, or these led by their number. cell: the cell of a value of that array before,
- *  or zeroed. */
-static void find_cell(const io_view *view, io_view_values values, int64_t i, view_cell *cell) {
-    const io_model *model = view->model;
-    const int is_counted = values == IO_VIEW_COUNTED_NODES;
-    const int has_nodes = is_counted || values == IO_VIEW_NODES;
-    if (!cell->is_found)
-        set_cell(model, 0, 0, cell);
-    for (;;) {
-        const int64_t n_kind = count_kind(model, cell->kind), ahead = i - cell->first_value;
-        const int64_t n = has_nodes ? cell->size + is_counted : 1;
-        const int is_end = cell->index == n_kind;
-        if (is_end && cell->kind < N_KINDS - 1) {
-            set_cell(model, cell->kind + 1, 0, cell);
-            continue;
-        }
-        cell->value = (int)ahead;
-        if (is_end || ahead < n)
+/* ---- cells of a format --------------------------------------------------------------------- */
+
+/* Nodes of the mirror image of a solid: those of its bottom and its top change places, or the bottom
+ * goes round the other way. */
+static const io_node_order mirrored[] = {
+    {PLANISH_CELL_TETRAHEDRON, {1, 0, 2, 3}},
+    {PLANISH_CELL_TETRAHEDRON10, {1, 0, 2, 3, 4, 6, 5, 8, 7, 9}},
+    {PLANISH_CELL_PYRAMID, {0, 3, 2, 1, 4}},
+    {PLANISH_CELL_PYRAMID13, {0, 3, 2, 1, 4, 8, 7, 6, 5, 9, 12, 11, 10}},
+    {PLANISH_CELL_PYRAMID14, {0, 3, 2, 1, 4, 8, 7, 6, 5, 9, 12, 11, 10, 13}},
+    {PLANISH_CELL_WEDGE, {3, 4, 5, 0, 1, 2}},
+    {PLANISH_CELL_WEDGE15, {3, 4, 5, 0, 1, 2, 9, 10, 11, 6, 7, 8, 12, 13, 14}},
+    {PLANISH_CELL_WEDGE18, {3, 4, 5, 0, 1, 2, 9, 10, 11, 6, 7, 8, 12, 13, 14, 15, 16, 17}},
+    {PLANISH_CELL_HEXAHEDRON, {4, 5, 6, 7, 0, 1, 2, 3}},
+    {PLANISH_CELL_HEXAHEDRON20,
+     {4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19}},
+    {PLANISH_CELL_HEXAHEDRON27, {4,  5,  6,  7,  0,  1,  2,  3,  12, 13, 14, 15, 8, 9,
+                                 10, 11, 16, 17, 18, 19, 20, 21, 22, 23, 25, 24, 26}},
+    {0, {0}}};
+
+static void reorder(const io_node_order *orders, io_view_cell *cell) {
+    int32_t node[IO_CELL_NODES];
+    for (const io_node_order *order = orders; order && order->type; order++)
+        if (order->type == cell->type) {
+            memcpy(node, cell->node, sizeof node);
+            for (int k = 0; k < cell->n_nodes; k++)
+                cell->node[order->at[k]] = node[k];
             return;
-        /* Cells of one size are passed at once. */
-        const int64_t left = n_kind - cell->index, many = ahead / n < left ? ahead / n : left;
-        const int64_t passed = cell->of && !cell->of->mid ? many : 1;
-        cell->first_value += passed * n;
-        cell->n_before += passed * cell->size;
-        set_cell(model, cell->kind, cell->index + passed, cell);
+        }
+}
+
+void io_view_fit_cell(const io_view *view, const io_view_type *type, const io_node_order *orders,
+                      io_view_cell *cell) {
+    if (view->is_mirrored[cell->type])
+        reorder(mirrored, cell);
+    cell->type = type->type;
+    cell->n_nodes = cell->dim == 1 ? 2 + io_has_mids(cell->type) : io_cell_type_nodes(cell->type);
+    reorder(orders, cell);
+}
+
+const io_view_type *io_view_find_type(const io_view_type *table, int type) {
+    const int is_line = io_simplex_dim(type) == 1;
+    const int types[] = {type, is_line ? type : io_cell_type_without_faces(type),
+                         is_line ? PLANISH_CELL_LINE : io_cell_type_straight(type)};
+    for (int k = 0; k < 3; k++)
+        for (const io_view_type *row = table; row->type; row++)
+            if (row->type == types[k])
+                return row;
+    return NULL;
+}
+
+void io_view_lose_types(const io_view_type *table, const io_view_blocks *blocks,
+                        io_losses *losses) {
+    int64_t n_cut = 0, n_gone = 0;
+    for (int64_t b = 0; b < blocks->n; b++) {
+        const io_view_type *row = io_view_find_type(table, blocks->block[b].type);
+        n_gone += row ? 0 : blocks->block[b].n;
+        n_cut += row && row->type != blocks->block[b].type ? blocks->block[b].n : 0;
     }
+    if (n_cut > 0)
+        io_losses_add(losses, "nodes of %lld elements besides their corners or mids",
+                      (long long)n_cut);
+    if (n_gone > 0)
+        io_losses_add(losses, "%lld elements", (long long)n_gone);
 }
 
-/** Return node k of a cell. */
-static int32_t node_of(const view_cell *cell, int k) {
-    return k < cell->n_first ? cell->first[k] : cell->mid[k - cell->n_first];
+/** Return six times the volume of a solid at its first corner, the way that its nodes go. */
+static double corner_volume(const io_view *view, const io_view_cell *cell) {
+    const int corners = io_cell_type_corners(cell->type);
+    const int at[] = {0, 1, corners == 8 || corners == 5 ? 3 : 2,
+                      corners == 8 || corners == 5 ? 4 : 3};
+    double x[4][3];
+    for (int k = 0; k < 4; k++) {
+        io_view_place(view, cell->node[at[k]], x[k]);
+        for (int d = 0; d < 3 && k > 0; d++)
+            x[k][d] -= x[0][d];
+    }
+    return x[1][0] * (x[2][1] * x[3][2] - x[2][2] * x[3][1]) +
+           x[1][1] * (x[2][2] * x[3][0] - x[2][0] * x[3][2]) +
+           x[1][2] * (x[2][0] * x[3][1] - x[2][1] * x[3][0]);
 }
 
-/** Count the nodes of all cells. */
-static int64_t count_nodes(const io_model *model) {
-    int64_t n = 0;
-    view_cell cell = {0};
-    for (int kind = 0; kind < N_KINDS; kind++) {
-        const io_cells *of = cells_of(model, kind);
-        if (of && !of->mid) {
-            n += (4 - kind) * of->n;
+/** Find the types whose solids are mostly negative, as TetGen's are. */
+static void look_at_volumes(io_view *view) {
+    int64_t more[PLANISH_CELL_PYRAMID14 + 1] = {0};
+    io_view_cell cell;
+    for (int64_t i = 0; i < view->n_cells; i++) {
+        io_view_cell_at(view, i, &cell);
+        if (cell.dim < 3)
             continue;
-        }
-        for (int64_t i = 0; i < count_kind(model, kind); i++) {
-            set_cell(model, kind, i, &cell);
-            n += cell.size;
-        }
+        const double volume = corner_volume(view, &cell);
+        more[cell.type] += (volume < 0) - (volume > 0);
     }
-    return n;
+    for (int type = 0; type <= PLANISH_CELL_PYRAMID14; type++)
+        view->is_mirrored[type] = more[type] > 0;
 }
 
-/* ---- values -------------------------------------------------------------------------------- */
+/* ---- nodes and numbers --------------------------------------------------------------------- */
 
-/** Return the index of a cell in planish_file_cells, or -1: it is of a lower dimension. */
-static int64_t index_of(const io_view *view, const view_cell *cell) {
+void io_view_place(const io_view *view, int64_t node, double place[3]) {
     const io_model *model = view->model;
-    if (cell->list.dim != io_model_dim(model))
-        return -1;
-    return cell->of ? cell->index : io_model_elements(model)->n + cell->index;
+    for (int d = 0; d < model->written; d++)
+        place[d] = view->coordinates[node * model->written + d];
+    if (model->written == 2)
+        place[2] = model->z ? model->z[node] : 0;
 }
 
-/** Return value i of the whole numbers of nodes or cells. cell: as in find_cell. */
-static int64_t whole_value(const io_view *view, io_view_values values, int64_t i, view_cell *cell) {
-    if (values == IO_VIEW_FIXED)
-        return view->constraint[i] == PLANISH_CONSTRAINT_FIXED;
-    if (values == IO_VIEW_NODE_NUMBERS)
-        return io_node_number(view->model, i);
-    find_cell(view, values, i, cell);
-    const io_list *list = &cell->list;
-    const int64_t index = index_of(view, cell);
-    const int32_t at = list->entity ? list->entity[cell->index] : -1;
-    const io_entity *const entity = at >= 0 ? &view->model->entity[at] : NULL;
-    switch (values) {
-    case IO_VIEW_NODES:
-        return node_of(cell, cell->value);
-    case IO_VIEW_COUNTED_NODES:
-        return cell->value == 0 ? cell->size : node_of(cell, cell->value - 1);
-    case IO_VIEW_ENDS:
-        return cell->n_before + cell->size;
-    case IO_VIEW_TYPES:
-        return cell->type;
-    case IO_VIEW_REGIONS:
-        return list->region ? list->region[cell->index] : entity ? entity->tag : 0;
-    case IO_VIEW_STATES:
-        return index >= 0 ? view->data.cells.state[index] : PLANISH_CELL_STATE_NONE;
-    case IO_VIEW_CURVED:
-        return index >= 0 && view->data.cells.is_curved[index];
-    case IO_VIEW_GROUPS:
-        return entity && entity->n_physical > 0 ? entity->physical[0] : 0;
-    default:
-        return io_list_number(list, cell->index);
-    }
+int64_t io_view_node_number(const io_view *view, int64_t node) {
+    return view->has_numbers[0] ? io_node_number(view->model, node) : node + 1;
 }
 
-/** Return a measure of elements, by their index in planish_file_cells; NULL: values are not real. */
-static const double *measures_of(const io_view *view, io_view_values values) {
-    const planish_view_data *data = &view->data;
-    switch (values) {
-    case IO_VIEW_RADIUS_RATIOS:
-        return data->radius_ratio;
-    case IO_VIEW_ASPECT_RATIOS:
-        return data->cells.aspect_ratio;
-    case IO_VIEW_SCALED_JACOBIANS:
-        return data->cells.scaled_jacobian;
-    case IO_VIEW_JACOBIAN_RATIOS:
-        return data->cells.jacobian_ratio;
-    case IO_VIEW_EDGE_RATIOS:
-        return data->cells.edge_ratio;
-    default:
-        return NULL;
-    }
+int64_t io_view_cell_number(const io_view *view, int64_t index, const io_view_cell *cell) {
+    return view->has_numbers[1] ? cell->number : index + 1;
 }
 
-/** Return value i of the coordinates, or of a measure: NAN of cells that do not have it. cell: as
- *  in find_cell. */
-static double real_value(const io_view *view, io_view_values values, int64_t i, view_cell *cell) {
+static int compare_numbers(const void *a, const void *b) {
+    const int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/** Return whether numbers [n], which are sorted for that, are distinct and within 1 .. IO_VIEW_MOST_NUMBER. */
+static int are_numbers(int64_t *number, int64_t n) {
+    int is_sorted = 1;
+    for (int64_t i = 1; i < n; i++)
+        is_sorted &= number[i] > number[i - 1];
+    if (!is_sorted)
+        qsort(number, (size_t)n, sizeof *number, compare_numbers);
+    for (int64_t i = 1; i < n; i++)
+        if (number[i] == number[i - 1])
+            return 0;
+    return n == 0 || (number[0] >= 1 && number[n - 1] <= IO_VIEW_MOST_NUMBER);
+}
+
+/** Find out whether the file's numbers can be kept. */
+static int look_at_numbers(io_view *view, planish_error *error) {
     const io_model *model = view->model;
-    if (values == IO_VIEW_COORDINATES) {
-        const int64_t node = i / 3;
-        const int d = (int)(i % 3);
-        if (d < model->written)
-            return view->coordinates[node * model->written + d];
-        return model->z ? model->z[node] : 0;
+    const int64_t most = model->n_nodes > view->n_cells ? model->n_nodes : view->n_cells;
+    int64_t *number = pl_alloc(most, sizeof *number), n = 0;
+    if (!number)
+        return pl_fail_memory(error, "numbers of nodes and elements");
+    for (int64_t i = 0; i < model->n_nodes; i++)
+        number[i] = io_node_number(model, i);
+    view->has_numbers[0] = are_numbers(number, model->n_nodes);
+    for (int kind = 0; kind < IO_VIEW_KINDS; kind++) {
+        const io_list list = io_model_list(model, list_of_kind[kind]);
+        for (int64_t i = 0; i < list.n; i++)
+            number[n++] = io_list_number(&list, i);
     }
-    find_cell(view, values, i, cell);
-    const int64_t index = index_of(view, cell);
-    const int has_value = index >= 0 && (values != IO_VIEW_RADIUS_RATIOS || cell->of);
-    return has_value ? measures_of(view, values)[index] : (double)NAN;
+    view->has_numbers[1] = are_numbers(number, n);
+    pl_free(number);
+    return PLANISH_OK;
 }
 
-/* ---- the arrays ---------------------------------------------------------------------------- */
+/* ---- groups -------------------------------------------------------------------------------- */
 
-io_view io_view_of(const io_model *model, const double *coordinates, const uint8_t *constraint,
-                   const planish_view_data *data) {
-    return (io_view){.model = model,
-                     .coordinates = coordinates,
-                     .constraint = constraint,
-                     .data = data ? *data : (planish_view_data){.radius_ratio = NULL},
-                     .n_cells = model->tetrahedron.n + model->triangle.n + model->line.n +
-                                model->solid.n + model->flat.n};
+static int has_physical(const io_entity *entity, int32_t tag) {
+    for (int i = 0; i < entity->n_physical; i++)
+        if (entity->physical[i] == tag)
+            return 1;
+    return 0;
 }
 
-/** Add the measures that there are to the cell data of a. */
-static void add_measures(const io_view *view, io_view_arrays *a) {
-    static const struct {
-        const char *name;
-        io_view_values values;
-    } measures[] = {{"radius_ratio", IO_VIEW_RADIUS_RATIOS},
-                    {"aspect_ratio", IO_VIEW_ASPECT_RATIOS},
-                    {"scaled_jacobian", IO_VIEW_SCALED_JACOBIANS},
-                    {"jacobian_ratio", IO_VIEW_JACOBIAN_RATIOS},
-                    {"edge_ratio", IO_VIEW_EDGE_RATIOS}};
-    const int64_t n = view->n_cells;
-    for (size_t i = 0; i < sizeof measures / sizeof *measures; i++)
-        if (measures_of(view, measures[i].values))
-            a->cell_data[a->n_cell_data++] =
-                (io_view_array){measures[i].name, measures[i].values, IO_VIEW_F64, n, 1};
-    if (view->data.cells.state)
-        a->cell_data[a->n_cell_data++] =
-            (io_view_array){"cell_state", IO_VIEW_STATES, IO_VIEW_U8, n, 1};
-    if (view->data.cells.is_curved)
-        a->cell_data[a->n_cell_data++] =
-            (io_view_array){"is_curved", IO_VIEW_CURVED, IO_VIEW_U8, n, 1};
-}
-
-/** Return the array of n numbers: of 32 bits, which all programs read, where they are no larger. */
-static io_view_array numbers_of(const io_view *view, io_view_values values, int64_t n) {
-    int fits = 1;
-    view_cell cell = {0};
-    for (int64_t i = 0; i < n; i++) {
-        const int64_t value = whole_value(view, values, i, &cell);
-        fits &= value >= INT32_MIN && value <= INT32_MAX;
-    }
-    return (io_view_array){"number", values, fits ? IO_VIEW_I32 : IO_VIEW_I64, n, 1};
-}
-
-io_view_arrays io_view_arrays_of(const io_view *view) {
+/** Find out what the tags of groups are. */
+static int look_at_groups(io_view *view, planish_error *error) {
     const io_model *model = view->model;
-    const io_view_type real =
-        model->precision == PLANISH_PRECISION_FLOAT ? IO_VIEW_F32 : IO_VIEW_F64;
-    const int64_t n_nodes = model->n_nodes, n = view->n_cells;
-    const int64_t n_of_cells = count_nodes(model);
-    int has_groups = 0;
-    io_view_arrays a = {
-        .points = {"Points", IO_VIEW_COORDINATES, real, 3 * n_nodes, 3},
-        .connectivity = {"connectivity", IO_VIEW_NODES, IO_VIEW_I32, n_of_cells, 1},
-        .offsets = {"offsets", IO_VIEW_ENDS, IO_VIEW_I64, n, 1},
-        .types = {"types", IO_VIEW_TYPES, IO_VIEW_U8, n, 1},
-        .wide_types = {"types", IO_VIEW_TYPES, IO_VIEW_I32, n, 1},
-        .counted = {"cells", IO_VIEW_COUNTED_NODES, IO_VIEW_I32, n_of_cells + n, 1}};
-    if (view->constraint)
-        a.point_data[a.n_point_data++] =
-            (io_view_array){"fixed", IO_VIEW_FIXED, IO_VIEW_U8, n_nodes, 1};
-    a.point_data[a.n_point_data++] = numbers_of(view, IO_VIEW_NODE_NUMBERS, n_nodes);
-    add_measures(view, &a);
-    if (model->n_entities > 0 || io_model_elements(model)->region ||
-        io_model_other_elements(model)->region)
-        a.cell_data[a.n_cell_data++] =
-            (io_view_array){"region", IO_VIEW_REGIONS, IO_VIEW_I32, n, 1};
+    view->is_physical = pl_alloc_zero(model->n_groups, 1);
+    if (!view->is_physical)
+        return pl_fail_memory(error, "groups");
+    for (int64_t g = 0; g < model->n_groups; g++)
+        for (int32_t e = 0; e < model->n_entities && !view->is_physical[g]; e++)
+            view->is_physical[g] = model->entity[e].dim == model->group[g].dim &&
+                                   has_physical(&model->entity[e], model->group[g].tag);
+    return PLANISH_OK;
+}
+
+int io_view_is_in_group(const io_view *view, int32_t entity, int32_t group) {
+    const io_entity *e = entity >= 0 ? &view->model->entity[entity] : NULL;
+    const io_group *g = &view->model->group[group];
+    if (!e || e->dim != g->dim)
+        return 0;
+    return view->is_physical[group] ? has_physical(e, g->tag) : e->tag == g->tag;
+}
+
+int io_view_group_text(const io_model *model, int32_t group, char *text, size_t size) {
+    const io_group *g = &model->group[group];
+    return snprintf(text, size, "%d:%ld %s", g->dim, (long)g->tag, g->name);
+}
+
+/* ---- the view ------------------------------------------------------------------------------ */
+
+int io_view_begin(const io_model *model, const double *coordinates, const uint8_t *constraint,
+                  const planish_view_data *data, io_view *view, planish_error *error) {
+    *view = (io_view){.model = model,
+                      .coordinates = coordinates,
+                      .constraint = constraint,
+                      .data = data ? *data : (planish_view_data){.radius_ratio = NULL}};
+    for (int kind = 0; kind < IO_VIEW_KINDS; kind++)
+        view->first[kind + 1] = view->first[kind] + io_model_list(model, list_of_kind[kind]).n;
+    view->n_cells = view->first[IO_VIEW_KINDS];
+    look_at_volumes(view);
+    const int status = look_at_numbers(view, error);
+    return status ? status : look_at_groups(view, error);
+}
+
+void io_view_end(io_view *view) {
+    pl_free(view->is_physical);
+    view->is_physical = NULL;
+}
+
+/* ---- losses -------------------------------------------------------------------------------- */
+
+void io_losses_add(io_losses *losses, const char *format, ...) {
+    va_list arguments;
+    if (losses->length > 0 && losses->length < sizeof losses->text)
+        losses->length += (size_t)snprintf(losses->text + losses->length,
+                                           sizeof losses->text - losses->length, ", ");
+    va_start(arguments, format);
+    if (losses->length < sizeof losses->text)
+        losses->length += (size_t)vsnprintf(
+            losses->text + losses->length, sizeof losses->text - losses->length, format, arguments);
+    va_end(arguments);
+}
+
+void io_view_lose_groups(const io_view *view, io_losses *losses) {
+    const io_model *model = view->model;
+    int several = 0;
     for (int32_t i = 0; i < model->n_entities; i++)
-        has_groups |= model->entity[i].dim > 0 && model->entity[i].n_physical > 0;
-    if (has_groups)
-        a.cell_data[a.n_cell_data++] = (io_view_array){"group", IO_VIEW_GROUPS, IO_VIEW_I32, n, 1};
-    a.cell_data[a.n_cell_data++] = numbers_of(view, IO_VIEW_CELL_NUMBERS, n);
-    return a;
+        several |= model->entity[i].n_physical > 1;
+    if (model->n_groups > 0)
+        io_losses_add(losses, "names of groups");
+    if (several)
+        io_losses_add(losses, "all but the first group of elements that are in several");
 }
 
-int io_view_type_size(io_view_type type) {
-    static const int size[] = {1, 4, 8, 4, 8};
-    return size[type];
-}
-
-/** Store value i of an array at at. cell: as in find_cell. */
-static void store_value(const io_view *view, const io_view_array *array, int64_t i, view_cell *cell,
-                        char *at) {
-    const int is_real = array->values == IO_VIEW_COORDINATES || measures_of(view, array->values);
-    const double real = is_real ? real_value(view, array->values, i, cell) : 0;
-    const int64_t integer = is_real ? 0 : whole_value(view, array->values, i, cell);
-    const int32_t narrow = (int32_t)integer;
-    const float single = (float)real;
-    switch (array->type) {
-    case IO_VIEW_U8:
-        *at = (char)(unsigned char)integer;
-        break;
-    case IO_VIEW_I32:
-        memcpy(at, &narrow, sizeof narrow);
-        break;
-    case IO_VIEW_I64:
-        memcpy(at, &integer, sizeof integer);
-        break;
-    case IO_VIEW_F32:
-        memcpy(at, &single, sizeof single);
-        break;
-    case IO_VIEW_F64:
-        memcpy(at, &real, sizeof real);
-        break;
+void io_view_lose_numbers(const io_view *view, io_losses *losses) {
+    const io_model *model = view->model;
+    int is_lost = model->node_number != NULL;
+    io_view_cell cell;
+    for (int64_t i = 1; i < view->n_cells && !is_lost && view->has_numbers[1]; i++) {
+        io_view_cell_at(view, i - 1, &cell);
+        const int64_t before = cell.number;
+        io_view_cell_at(view, i, &cell);
+        is_lost = cell.number != before + 1;
     }
+    if (is_lost)
+        io_losses_add(losses, "numbers of nodes or elements");
 }
 
-int io_view_write(const io_view *view, const io_view_array *array, int swapped, pl_output *output,
-                  planish_error *error) {
-    const int size = io_view_type_size(array->type);
-    char *block = pl_alloc(VALUES_AT_ONCE, (size_t)size);
-    view_cell cell = {0};
-    int status = block ? PLANISH_OK : pl_fail_memory(error, "the values to be written");
-    for (int64_t begin = 0; begin < array->n && !status; begin += VALUES_AT_ONCE) {
-        const int64_t left = array->n - begin;
-        const int64_t n = left < VALUES_AT_ONCE ? left : VALUES_AT_ONCE;
-        for (int64_t i = 0; i < n; i++) {
-            char *at = block + i * size;
-            store_value(view, array, begin + i, &cell, at);
-            for (int k = 0; k < size / 2 && swapped; k++) {
-                const char t = at[k];
-                at[k] = at[size - 1 - k];
-                at[size - 1 - k] = t;
-            }
-        }
-        status = pl_output_write(output, block, n * size, error);
-    }
-    pl_free(block);
-    return status;
-}
-
-int io_view_group(const io_model *model, int32_t i, char *text, size_t size) {
-    const io_group *group = &model->group[i];
-    return snprintf(text, size, "%d:%ld %s", group->dim, (long)group->tag, group->name);
+void io_view_lose_fields(const io_view *view, io_losses *losses) {
+    if (view->n_fields > 0)
+        io_losses_add(losses, "data of nodes or elements");
 }

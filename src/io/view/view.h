@@ -1,97 +1,160 @@
-/* view: what planish understands of a mesh file, as arrays for another file that shows it: points,
- * the cells that it keeps (tetrahedra, triangles, lines, other elements of three and of
- * two dimensions, in this order), and data of
- * both.
+/* view: what planish understands of a mesh file, for the writers of other formats.
  *
- *   io_view, io_view_of                the mesh
- *   io_view_array, io_view_arrays_of   its arrays
- *   io_view_write, io_view_group       write an array; the text of a group
- *   io_view_write_vtu, _vtk            write a file (view_vtu.c, view_vtk.c)
+ *   io_view, io_view_begin, io_view_end    the mesh
+ *   io_view_cell, io_view_cell_at          its cells, one by one
+ *   io_view_fit_cell                       cells as a format has them
+ *   io_view_place                          its nodes
+ *   io_view_node_number, _cell_number      numbers that a file can have
+ *   io_view_blocks                         cells of one type and entity together
+ *   io_view_find_type, _lose_types         types of elements that a format has
+ *   io_view_is_in_group, _group_text       named groups
+ *   io_view_field                          arrays of numbers of nodes and elements
+ *   io_losses_add, io_view_lose_...        what a writer leaves out
+ *
+ * Cells stand in this order: tetrahedra, triangles, lines, other solids, other flat elements.
+ * A format that can be written has a function io_format.write, which gets a view.
  */
 #ifndef PL_IO_VIEW_VIEW_H
 #define PL_IO_VIEW_VIEW_H
 
 #include "io/core/model.h"
-#include "base/output.h"
 
-/** A mesh to be shown. */
+enum {
+    IO_VIEW_KINDS = 5,
+    IO_VIEW_LOST_SIZE = 512,
+    IO_VIEW_MOST_NUMBER = 99999999 /* the largest number of a node, element or property that all
+                                      formats have room for */
+};
+
+/** An array of numbers that the file has for nodes or for elements. */
+typedef struct io_view_field {
+    const char *name;
+    int of_elements;
+    int width;      /* numbers of a value, 1 .. 9: as planish_data.n_components */
+    int is_integer; /* values are whole numbers by their type, */
+    int is_narrow;  /* and have 32 bits */
+} io_view_field;
+
+/** Read the values of a field: planish_data_free. */
+typedef int io_view_load(void *file, const io_view_field *field, planish_data *data,
+                         planish_error *error);
+
+/** A mesh to be written. Arrays are borrowed but for those of io_view_begin. */
 typedef struct io_view {
     const io_model *model;
-    const double *coordinates; /* [n_nodes][written] */
-    const uint8_t *constraint; /* [n_nodes] of planish_constraint, or NULL */
-    planish_view_data data;    /* all NULL: none */
+    const double *coordinates;        /* [n_nodes][written] */
+    const uint8_t *constraint;        /* [n_nodes] of planish_constraint, or NULL */
+    planish_view_data data;           /* all NULL: none */
+    int64_t first[IO_VIEW_KINDS + 1]; /* index of the first cell of each kind, and number of all */
     int64_t n_cells;
+    int has_numbers[2]; /* nodes, cells: those of the file are distinct, and from 1 up */
+    uint8_t is_mirrored[PLANISH_CELL_PYRAMID14 + 1]; /* by planish_cell_type: most solids of a type
+                                                        have a negative volume */
+    uint8_t *is_physical; /* [n_groups] entities have the group's tag among their physical ones, not
+                             as their own; owned */
+    const io_view_field *field; /* [n_fields] */
+    int n_fields;
+    io_view_load *load;
+    void *file; /* for load */
 } io_view;
 
-typedef enum io_view_type {
-    IO_VIEW_U8,
-    IO_VIEW_I32,
-    IO_VIEW_I64,
-    IO_VIEW_F32,
-    IO_VIEW_F64
+/** Begin a view of a mesh. data may be NULL. To be ended in any case. Error: _MEMORY. */
+int io_view_begin(const io_model *model, const double *coordinates, const uint8_t *constraint,
+                  const planish_view_data *data, io_view *view, planish_error *error);
+/** Release what io_view_begin has made. */
+void io_view_end(io_view *view);
+
+/** A cell. */
+typedef struct io_view_cell {
+    int dim, type; /* planish_cell_type; elements without one of their mids are straight */
+    int n_nodes;
+    int32_t node[IO_CELL_NODES]; /* indices, in VTK's order */
+    int32_t entity;              /* index, or -1 */
+    int64_t region;              /* number that tells it: of the entity, or of regions by arrays */
+    int64_t number;              /* the file's */
+    int64_t element;             /* index in planish_file_cells; -1: it is of a lower dimension */
+} io_view_cell;
+
+/** Find cell index, 0 .. n_cells - 1. */
+void io_view_cell_at(const io_view *view, int64_t index, io_view_cell *cell);
+
+/** Find the place of a node, in space. */
+void io_view_place(const io_view *view, int64_t node, double place[3]);
+
+/** Return a number of a node, and of cell index, for formats that number from 1: the file's, or else
+ *  in their order. */
+int64_t io_view_node_number(const io_view *view, int64_t node);
+int64_t io_view_cell_number(const io_view *view, int64_t index, const io_view_cell *cell);
+
+/** Cells of one type, entity, and region where arrays tell these. Those of one entity and region are a
+ *  set, of one block or several. */
+typedef struct io_view_block {
+    int dim, type;
+    int32_t entity;
+    int64_t region;
+    int64_t set; /* number of its set among those of its dimension, from 1, */
+    int32_t
+        reference; /* number of the set for formats that have one: that of its first group, or of
+                          its entity or region, if sets of a dimension differ by these; else set */
+    int32_t
+        property; /* the same, but 1 .. IO_VIEW_MOST_NUMBER, and that of no set of another dimension */
+    int begins_set; /* it is the first block of its set */
+    int64_t n;
+    const int64_t *cell; /* [n] indices, ascending */
+} io_view_block;
+
+/** Blocks of a mesh. */
+typedef struct io_view_blocks {
+    io_view_block *block; /* [n] by dimension, those of solids first, entity, region and type */
+    int64_t n;
+    int64_t *cell; /* [n_cells] of all blocks */
+} io_view_blocks;
+
+/** Sort the cells into blocks. To be released in any case. Error: _MEMORY. */
+int io_view_blocks_make(const io_view *view, io_view_blocks *blocks, planish_error *error);
+/** Release blocks. */
+void io_view_blocks_release(io_view_blocks *blocks);
+
+/** Return whether the cells of an entity (-1: none), or nodes of one of dimension 0, are in the
+ *  model's named group. */
+int io_view_is_in_group(const io_view *view, int32_t entity, int32_t group);
+
+/** Write the group as "DIM:TAG NAME"; return snprintf's. */
+int io_view_group_text(const io_model *model, int32_t group, char *text, size_t size);
+
+/** Name and number of a type of elements in a format. */
+typedef struct io_view_type {
+    int type; /* planish_cell_type; 0: end of a table */
+    const char *name;
+    int number;
 } io_view_type;
 
-/** Meaning of the values of an array. */
-typedef enum io_view_values {
-    IO_VIEW_COORDINATES,   /* real, three of each node */
-    IO_VIEW_RADIUS_RATIOS, /* real, as the others of elements: view->data */
-    IO_VIEW_ASPECT_RATIOS,
-    IO_VIEW_SCALED_JACOBIANS,
-    IO_VIEW_JACOBIAN_RATIOS,
-    IO_VIEW_EDGE_RATIOS,
-    IO_VIEW_STATES, /* view->data, as is */
-    IO_VIEW_CURVED,
-    IO_VIEW_FIXED,
-    IO_VIEW_NODE_NUMBERS,
-    IO_VIEW_NODES,         /* of all cells, one cell after another, */
-    IO_VIEW_COUNTED_NODES, /* or led by how many a cell has */
-    IO_VIEW_ENDS,          /* where the nodes of each cell end */
-    IO_VIEW_TYPES,         /* VTK's */
-    IO_VIEW_REGIONS,
-    IO_VIEW_GROUPS,
-    IO_VIEW_CELL_NUMBERS
-} io_view_values;
+/** Make a cell one of a format: a solid of positive volume, if most of its type are either; the type
+ *  that type (of io_view_find_type) says, without the other nodes; and the format's order of nodes,
+ *  orders as io_model.node_order, or NULL. */
+void io_view_fit_cell(const io_view *view, const io_view_type *type, const io_node_order *orders,
+                      io_view_cell *cell);
 
-/** An array of a view. */
-typedef struct io_view_array {
-    const char *name;
-    io_view_values values;
-    io_view_type type;
-    int64_t n;        /* values in all */
-    int n_components; /* of a point or cell */
-} io_view_array;
+/** A list in words of what is left out. */
+typedef struct io_losses {
+    char text[IO_VIEW_LOST_SIZE];
+    size_t length;
+} io_losses;
 
-enum { IO_VIEW_MOST_DATA = 10 };
+/** Add to the list. */
+void io_losses_add(io_losses *losses, const char *format, ...) PL_PRINTF(2, 3);
 
-/** All arrays of a view; data that there is not is left out. */
-typedef struct io_view_arrays {
-    io_view_array points, connectivity, offsets, types;
-    io_view_array counted, wide_types; /* cells as legacy VTK has them: each led by its number of
-                                          nodes; types of 32 bits */
-    io_view_array point_data[IO_VIEW_MOST_DATA], cell_data[IO_VIEW_MOST_DATA];
-    int n_point_data, n_cell_data;
-} io_view_arrays;
+/** Note what formats do not have: names of groups and all but the first number of each element;
+ *  numbers of nodes and elements, where they are other ones than their order; arrays of numbers. */
+void io_view_lose_groups(const io_view *view, io_losses *losses);
+void io_view_lose_numbers(const io_view *view, io_losses *losses);
+void io_view_lose_fields(const io_view *view, io_losses *losses);
 
-/** Return a view of a mesh; all arrays are borrowed. data may be NULL. */
-io_view io_view_of(const io_model *model, const double *coordinates, const uint8_t *constraint,
-                   const planish_view_data *data);
-/** Return the arrays of a view, which must stay while they are used. */
-io_view_arrays io_view_arrays_of(const io_view *view);
+/** Return the row of a type in a format's table; if it has none, that of the type without nodes of
+ *  faces, or that of the corners alone; NULL: the format has none of these. */
+const io_view_type *io_view_find_type(const io_view_type *table, int type);
 
-/** Return the bytes of a value. */
-int io_view_type_size(io_view_type type);
-
-/** Write an array's values, in the other byte order if swapped. */
-int io_view_write(const io_view *view, const io_view_array *array, int swapped, pl_output *output,
-                  planish_error *error);
-
-/** Write the named group number i of the model as "DIM:TAG NAME"; return snprintf's. */
-int io_view_group(const io_model *model, int32_t i, char *text, size_t size);
-
-/** Write a file. *lost: what else is left out, or NULL. */
-int io_view_write_vtu(const io_view *view, pl_output *output, const char **lost,
-                      planish_error *error);
-int io_view_write_vtk(const io_view *view, pl_output *output, const char **lost,
-                      planish_error *error);
+/** Note how many elements lose nodes, or are left out, because of the types in a format's table. */
+void io_view_lose_types(const io_view_type *table, const io_view_blocks *blocks, io_losses *losses);
 
 #endif

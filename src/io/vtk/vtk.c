@@ -7,6 +7,7 @@
  * CELLS and CELL_TYPES are read to lists, by several threads where they are long; when both are
  * there, vtk_cells.c makes the elements of them.
  */
+#include "io/vtk/vtk_arrays.h"
 #include "io/vtk/vtk.h"
 
 #include "base/memory.h"
@@ -215,8 +216,11 @@ static int vtk_recognise(const char *data, int64_t size) {
 
 static const char *const vtk_extensions[] = {".vtk", NULL};
 
+static const io_target vtk_targets[] = {{"vtk", vtk_write}, {NULL, NULL}};
+
 const io_format io_format_vtk = {.name = "vtk",
                                  .extensions = vtk_extensions,
                                  .recognise = vtk_recognise,
                                  .read = vtk_read,
-                                 .read_data = vtk_read_values};
+                                 .read_data = vtk_read_values,
+                                 .targets = vtk_targets};

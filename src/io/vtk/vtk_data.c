@@ -156,6 +156,7 @@ static int note_array(const value_array *array, char *name) {
                         (io_data){.name = name,
                                   .of_elements = !reader->on_points,
                                   .width = array->width,
+                                  .is_integer = array->type->kind <= VTK_UNSIGNED,
                                   .n = array->n,
                                   .n_cells = reader->grid.n,
                                   .begin = at,

@@ -9,6 +9,7 @@
 #include "io/core/arrays.h"
 #include "io/core/data.h"
 #include "io/core/format.h"
+#include "io/vtk/vtk_arrays.h"
 #include "io/vtk/vtk_cells.h"
 #include "io/vtk/vtu_parts.h"
 
@@ -358,7 +359,9 @@ static int note_data(io_model *model, const vtu_document *document) {
             status = io_data_note(model,
                                   (io_data){.name = array->name,
                                             .of_elements = of_elements,
-                                            .width = array->n_components},
+                                            .width = array->n_components,
+                                            .is_integer = array->type &&
+                                                          array->type->kind <= VTK_UNSIGNED},
                                   document->error);
     }
     return status;
@@ -455,10 +458,13 @@ static int vtu_recognise(const char *data, int64_t size) {
 
 static const char *const vtu_extensions[] = {".vtu", NULL};
 
+static const io_target vtu_targets[] = {{"vtu", vtu_write}, {NULL, NULL}};
+
 const io_format io_format_vtu = {.name = "vtu",
                                  .extensions = vtu_extensions,
                                  .recognise = vtu_recognise,
                                  .read = vtu_read,
                                  .read_data = vtu_read_data,
                                  .encode = vtu_encode_points,
-                                 .release = vtu_release};
+                                 .release = vtu_release,
+                                 .targets = vtu_targets};

@@ -1,0 +1,158 @@
+/* abaqus_write: a mesh as an Abaqus input file (also for CalculiX): nodes, elements and sets; no
+ * materials, sections and steps.
+ *
+ * Elements of one entity of the model are an ELSET. A named group is an ELSET of these, or an NSET.
+ */
+#include "io/abaqus/abaqus.h"
+
+#include "io/view/view.h"
+#include "io/view/writer.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+/* Elements of solids and what lies on them; of a plane mesh; of a surface in space. */
+static const io_view_type solid_types[] = {{PLANISH_CELL_TETRAHEDRON, "C3D4", 0},
+                                           {PLANISH_CELL_TETRAHEDRON10, "C3D10", 0},
+                                           {PLANISH_CELL_HEXAHEDRON, "C3D8", 0},
+                                           {PLANISH_CELL_HEXAHEDRON20, "C3D20", 0},
+                                           {PLANISH_CELL_HEXAHEDRON27, "C3D27", 0},
+                                           {PLANISH_CELL_WEDGE, "C3D6", 0},
+                                           {PLANISH_CELL_WEDGE15, "C3D15", 0},
+                                           {PLANISH_CELL_WEDGE18, "C3D15V", 0},
+                                           {PLANISH_CELL_PYRAMID, "C3D5", 0},
+                                           {PLANISH_CELL_TRIANGLE, "S3", 0},
+                                           {PLANISH_CELL_TRIANGLE6, "STRI65", 0},
+                                           {PLANISH_CELL_QUADRILATERAL, "S4", 0},
+                                           {PLANISH_CELL_QUADRILATERAL8, "S8R", 0},
+                                           {PLANISH_CELL_QUADRILATERAL9, "S9R5", 0},
+                                           {PLANISH_CELL_LINE, "T3D2", 0},
+                                           {PLANISH_CELL_LINE3, "T3D3", 0},
+                                           {0, NULL, 0}};
+static const io_view_type plane_types[] = {{PLANISH_CELL_TRIANGLE, "CPS3", 0},
+                                           {PLANISH_CELL_TRIANGLE6, "CPS6", 0},
+                                           {PLANISH_CELL_QUADRILATERAL, "CPS4", 0},
+                                           {PLANISH_CELL_QUADRILATERAL8, "CPS8", 0},
+                                           {PLANISH_CELL_LINE, "T2D2", 0},
+                                           {PLANISH_CELL_LINE3, "T2D3", 0},
+                                           {0, NULL, 0}};
+
+/** Put a name between quotes, as it has to be where there are blanks. */
+static void put_name(io_writer *writer, const char *name) {
+    io_put_text(writer, "\"");
+    for (const char *c = name; *c; c++)
+        io_put_bytes(writer, *c == '"' || (unsigned char)*c < ' ' ? "_" : c, 1);
+    io_put_text(writer, "\"");
+}
+
+/** Put the name of the set that a block is of. */
+static void put_set(io_writer *writer, const io_view_block *block) {
+    static const char *const kinds[] = {"POINTS", "LINES", "SURFACE", "VOLUME"};
+    io_put_format(writer, "%s%" PRId64, kinds[block->dim], block->set);
+}
+
+static void put_nodes(io_writer *writer, const io_view *view) {
+    const io_model *model = view->model;
+    const int is_float = model->precision == PLANISH_PRECISION_FLOAT;
+    double place[3];
+    io_put_text(writer, "*NODE\n");
+    for (int64_t i = 0; i < model->n_nodes; i++) {
+        io_view_place(view, i, place);
+        io_put_integer(writer, 0, io_view_node_number(view, i));
+        for (int d = 0; d < 3; d++) {
+            io_put_text(writer, ",");
+            io_put_real(writer, ' ', place[d], is_float);
+        }
+        io_put_text(writer, "\n");
+    }
+}
+
+/** Put elements; lines end with a comma where an element goes on in the next one. */
+static void put_block(io_writer *writer, const io_view *view, const io_view_block *block,
+                      const io_view_type *type) {
+    enum { ITEMS = 16 };
+    io_view_cell cell;
+    io_put_format(writer, "*ELEMENT, TYPE=%s, ELSET=", type->name);
+    put_set(writer, block);
+    io_put_text(writer, "\n");
+    for (int64_t i = 0; i < block->n; i++) {
+        io_view_cell_at(view, block->cell[i], &cell);
+        io_view_fit_cell(view, type, abaqus_node_orders, &cell);
+        io_put_integer(writer, 0, io_view_cell_number(view, block->cell[i], &cell));
+        for (int k = 0; k < cell.n_nodes; k++) {
+            io_put_text(writer, (k + 1) % ITEMS == 0 ? ",\n" : ", ");
+            io_put_integer(writer, 0, io_view_node_number(view, cell.node[k]));
+        }
+        io_put_text(writer, "\n");
+    }
+}
+
+/** Put a group of elements: the sets of its entities. */
+static void put_elset(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
+                      int32_t group) {
+    int is_begun = 0;
+    for (int64_t b = 0; b < blocks->n; b++) {
+        const io_view_block *block = &blocks->block[b];
+        if (!block->begins_set || !io_view_is_in_group(view, block->entity, group))
+            continue;
+        if (!is_begun) {
+            io_put_text(writer, "*ELSET, ELSET=");
+            put_name(writer, view->model->group[group].name);
+            io_put_text(writer, "\n");
+        }
+        is_begun = 1;
+        put_set(writer, block);
+        io_put_text(writer, "\n");
+    }
+}
+
+static void put_nset(io_writer *writer, const io_view *view, int32_t group) {
+    const io_model *model = view->model;
+    int is_begun = 0;
+    for (int64_t i = 0; i < model->n_nodes && model->node_entity; i++) {
+        if (!io_view_is_in_group(view, model->node_entity[i], group))
+            continue;
+        if (!is_begun) {
+            io_put_text(writer, "*NSET, NSET=");
+            put_name(writer, model->group[group].name);
+            io_put_text(writer, "\n");
+        }
+        is_begun = 1;
+        io_put_integer(writer, 0, io_view_node_number(view, i));
+        io_put_text(writer, "\n");
+    }
+}
+
+static void put_file(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
+                     const io_view_type *types) {
+    io_put_text(writer, "*HEADING\nwritten by planish\n");
+    put_nodes(writer, view);
+    for (int64_t b = 0; b < blocks->n; b++) {
+        const io_view_type *type = io_view_find_type(types, blocks->block[b].type);
+        if (type)
+            put_block(writer, view, &blocks->block[b], type);
+    }
+    for (int32_t g = 0; g < view->model->n_groups; g++)
+        if (view->model->group[g].dim > 0)
+            put_elset(writer, view, blocks, g);
+        else
+            put_nset(writer, view, g);
+}
+
+static int abaqus_write(const io_view *view, pl_output *output, io_losses *losses,
+                        planish_error *error) {
+    const io_view_type *types = view->model->dim == 2 ? plane_types : solid_types;
+    io_writer writer;
+    io_view_blocks blocks;
+    const int status = io_view_blocks_make(view, &blocks, error);
+    io_writer_begin(&writer, output, error);
+    if (!status) {
+        put_file(&writer, view, &blocks, types);
+        io_view_lose_types(types, &blocks, losses);
+        io_view_lose_fields(view, losses);
+    }
+    io_view_blocks_release(&blocks);
+    return io_writer_end(&writer) ? writer.status : status;
+}
+
+const io_target abaqus_targets[] = {{"abaqus", abaqus_write}, {NULL, NULL}};

@@ -1,0 +1,207 @@
+/* convert: what planish understands of a mesh file, as a file of another format. */
+#include "io/core/bytes.h"
+#include "io/file/file.h"
+#include "io/file/plane.h"
+#include "io/view/view.h"
+
+#include "base/context.h"
+#include "base/memory.h"
+#include "base/output.h"
+#include "base/status.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- targets ------------------------------------------------------------------------------- */
+
+/** Find target i, 0 and up, of all formats, and its format; NULL behind the last. */
+static const io_target *target_at(int i, const io_format **format) {
+    for (int k = 0; (*format = io_format_at(k)); k++)
+        for (const io_target *t = (*format)->targets; t && t->name; t++)
+            if (i-- == 0)
+                return t;
+    return NULL;
+}
+
+const char *planish_file_target(int i) {
+    const io_format *format;
+    const io_target *target = i >= 0 ? target_at(i, &format) : NULL;
+    return target ? target->name : NULL;
+}
+
+/** Find the target called name, or (name NULL) that of the extension of path. */
+static const io_target *find_target(const char *path, const char *name, const io_format **format) {
+    const io_target *target;
+    for (int i = 0; (target = target_at(i, format)); i++)
+        if (name ? strcmp(target->name, name) == 0 : io_format_has_extension(*format, path))
+            return target;
+    return NULL;
+}
+
+const char *planish_file_target_of(const char *path) {
+    const io_format *format;
+    const io_target *target = path ? find_target(path, NULL, &format) : NULL;
+    return target ? target->name : NULL;
+}
+
+int planish_file_can_convert(const planish_file *file, const char *path) {
+    const io_format *format;
+    return file && path && find_target(path, NULL, &format) && format != file->format;
+}
+
+static int fail_target(const char *path, const char *name, planish_error *error) {
+    char list[256] = "";
+    size_t used = 0;
+    const char *target;
+    for (int i = 0; (target = planish_file_target(i)) && used < sizeof list; i++)
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", target);
+    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                   name ? "%s: '%s' is no format that meshes are converted to; these are %s"
+                        : "%s: the extension %sis of no format that meshes are converted to; these "
+                          "are %s",
+                   path, name ? name : "", list);
+}
+
+/* ---- the file's arrays --------------------------------------------------------------------- */
+
+static int load(void *file, const io_view_field *field, planish_data *data, planish_error *error) {
+    return io_file_read_data(file, field->name, field->of_elements, data, error);
+}
+
+/** Return whether all values are whole numbers of 32 bits. */
+static int is_narrow(const planish_data *data) {
+    int is = 1;
+    for (int64_t i = 0; i < data->n * data->n_components && is; i++)
+        is = fabs(data->values[i]) <= INT32_MAX;
+    return is;
+}
+
+/** Find the arrays that can be read: field [n_fields], owned; others are lost. */
+static int find_fields(planish_file *file, io_view_field **field, int *n_fields, io_losses *losses,
+                       planish_error *error) {
+    planish_data_info info;
+    int64_t n = 0;
+    while (planish_file_data_info(file, n, &info))
+        n++;
+    *n_fields = 0;
+    *field = pl_alloc(n, sizeof **field);
+    if (!*field)
+        return pl_fail_memory(error, "arrays of the file");
+    for (int64_t i = 0; i < n && planish_file_data_info(file, i, &info); i++) {
+        io_view_field found = {.name = info.name,
+                               .of_elements = info.of_elements,
+                               .width = info.n_components,
+                               .is_integer = io_file_has_integers(file, i)};
+        planish_data data;
+        planish_error ignored;
+        const int status = load(file, &found, &data, &ignored);
+        found.is_narrow = found.is_integer && is_narrow(&data);
+        planish_data_free(&data);
+        if (status == PLANISH_ERROR_FILE || status == PLANISH_ERROR_MEMORY) {
+            if (error)
+                *error = ignored;
+            return status;
+        }
+        if (status)
+            io_losses_add(losses, "the array '%.64s'", info.name);
+        else
+            (*field)[(*n_fields)++] = found;
+    }
+    return PLANISH_OK;
+}
+
+/* ---- losses -------------------------------------------------------------------------------- */
+
+/** List what no writer writes. */
+static void list_losses(const io_view *view, io_losses *losses) {
+    const io_model *model = view->model;
+    const int64_t kept =
+        model->line.n + (io_model_dim(model) == 3 ? model->triangle.n + model->flat.n : 0);
+    int has_cell_fields = 0;
+    for (int i = 0; i < view->n_fields; i++)
+        has_cell_fields |= view->field[i].of_elements;
+    if (model->n_other > 0)
+        io_losses_add(losses, "%" PRId64 " elements of other types", model->n_other);
+    if (model->n_lower > kept)
+        io_losses_add(losses, "%" PRId64 " points, lines or surface elements",
+                      model->n_lower - kept);
+    if (model->n_periodic > 0)
+        io_losses_add(losses, "%" PRId64 " periodic pairs", model->n_periodic);
+    if (has_cell_fields && kept > 0)
+        io_losses_add(losses, "data of elements of lower dimensions");
+    io_losses_add(losses, "parameters and comments");
+}
+
+/* ---- conversion ---------------------------------------------------------------------------- */
+
+/** Write a view that has been begun. */
+static int write_view(const io_view *view, const io_target *target, const char *path,
+                      pl_temporaries temporaries, io_losses *losses, planish_error *error) {
+    pl_output output = {.fd = -1};
+    int status = pl_output_open(path, temporaries, &output, error);
+    if (!status)
+        status = target->write(view, &output, losses, error);
+    if (!status)
+        status = pl_output_finish(&output, error);
+    if (!status)
+        status = io_bytes_check_unchanged(&view->model->input, error);
+    if (!status)
+        status = pl_output_commit(&output, temporaries, error);
+    pl_output_release(&output, temporaries);
+    return status;
+}
+
+static int convert(planish_file *file, const io_target *target, const char *path,
+                   const double *coordinates, const uint8_t *constraint,
+                   const planish_view_data *data, pl_temporaries temporaries, io_losses *losses,
+                   planish_error *error) {
+    const double *places = NULL;
+    double *owned = NULL;
+    io_view_field *field = NULL;
+    io_view view = {.model = NULL};
+    int n_fields;
+    int status = io_written_coordinates(&file->model, coordinates, NULL, file->model.threads,
+                                        &places, &owned, error);
+    if (!status)
+        status = io_view_begin(&file->model, places, constraint, data, &view, error);
+    if (!status)
+        status = find_fields(file, &field, &n_fields, losses, error);
+    if (!status) {
+        view.field = field;
+        view.n_fields = n_fields;
+        view.load = load;
+        view.file = file;
+        status = write_view(&view, target, path, temporaries, losses, error);
+    }
+    if (!status)
+        list_losses(&view, losses);
+    io_view_end(&view);
+    pl_free(field);
+    pl_free(owned);
+    return status;
+}
+
+int planish_file_convert(planish_file *file, const char *path, const double *coordinates,
+                         const uint8_t *constraint, const planish_view_data *data, char *temporary,
+                         size_t temporary_size, char *lost, size_t lost_size,
+                         planish_error *error) {
+    const pl_temporaries temporaries = {temporary, temporary_size};
+    io_losses losses = {.length = 0};
+    const io_format *format;
+    if (!file || !path || !coordinates)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "file, path and coordinates must not be NULL");
+    const char *name = data ? data->format : NULL;
+    const io_target *target = find_target(path, name, &format);
+    if (!target)
+        return fail_target(path, name, error);
+    const pl_outside outside = pl_call_enter(NULL);
+    const int status =
+        convert(file, target, path, coordinates, constraint, data, temporaries, &losses, error);
+    pl_call_leave(&outside);
+    if (!status && lost && lost_size > 0)
+        snprintf(lost, lost_size, "%s", losses.text);
+    return status;
+}

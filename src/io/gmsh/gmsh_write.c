@@ -1,0 +1,383 @@
+/* gmsh_write: a mesh as a file of Gmsh's, of version 4.1 or 2.2, text.
+ *
+ * Cells of one entity of the model and of one region are an entity of Gmsh's. Named groups are
+ * physical groups.
+ */
+#include "io/gmsh/gmsh_write.h"
+
+#include "io/gmsh/gmsh_reader.h"
+#include "io/view/view.h"
+#include "io/view/writer.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+
+static const io_view_type types[] = {{PLANISH_CELL_LINE, "", 1},
+                                     {PLANISH_CELL_TRIANGLE, "", 2},
+                                     {PLANISH_CELL_QUADRILATERAL, "", 3},
+                                     {PLANISH_CELL_TETRAHEDRON, "", 4},
+                                     {PLANISH_CELL_HEXAHEDRON, "", 5},
+                                     {PLANISH_CELL_WEDGE, "", 6},
+                                     {PLANISH_CELL_PYRAMID, "", 7},
+                                     {PLANISH_CELL_LINE3, "", 8},
+                                     {PLANISH_CELL_TRIANGLE6, "", 9},
+                                     {PLANISH_CELL_QUADRILATERAL9, "", 10},
+                                     {PLANISH_CELL_TETRAHEDRON10, "", 11},
+                                     {PLANISH_CELL_HEXAHEDRON27, "", 12},
+                                     {PLANISH_CELL_WEDGE18, "", 13},
+                                     {PLANISH_CELL_PYRAMID14, "", 14},
+                                     {PLANISH_CELL_QUADRILATERAL8, "", 16},
+                                     {PLANISH_CELL_HEXAHEDRON20, "", 17},
+                                     {PLANISH_CELL_WEDGE15, "", 18},
+                                     {PLANISH_CELL_PYRAMID13, "", 19},
+                                     {0, NULL, 0}};
+
+/** An entity that is written: blocks first .. last of the view. */
+typedef struct out_entity {
+    int dim;
+    int64_t tag;
+    int64_t first, last;
+    double low[3], high[3]; /* the box of its nodes */
+} out_entity;
+
+typedef struct gmsh_out {
+    const io_view *view;
+    io_writer writer;
+    io_view_blocks blocks;
+    out_entity *entity; /* [n_entities] owned, by dimension, solids first */
+    int64_t n_entities, capacity;
+    int is_float;
+} gmsh_out;
+
+/* ---- entities ------------------------------------------------------------------------------ */
+
+/** Join the box of an entity and a node. */
+static void take_place(const io_view *view, int32_t node, out_entity *e) {
+    double place[3];
+    io_view_place(view, node, place);
+    for (int d = 0; d < 3; d++) {
+        e->low[d] = place[d] < e->low[d] ? place[d] : e->low[d];
+        e->high[d] = place[d] > e->high[d] ? place[d] : e->high[d];
+    }
+}
+
+static void find_box(const gmsh_out *g, out_entity *e) {
+    io_view_cell cell;
+    for (int d = 0; d < 3; d++) {
+        e->low[d] = HUGE_VAL;
+        e->high[d] = -HUGE_VAL;
+    }
+    for (int64_t b = e->first; b <= e->last; b++)
+        for (int64_t i = 0; i < g->blocks.block[b].n; i++) {
+            io_view_cell_at(g->view, g->blocks.block[b].cell[i], &cell);
+            for (int k = 0; k < cell.n_nodes; k++)
+                take_place(g->view, cell.node[k], e);
+        }
+}
+
+/** Number the entities of each dimension, if the model's tags are not positive and distinct. */
+static void number_entities(gmsh_out *g) {
+    for (int64_t first = 0, end; first < g->n_entities; first = end) {
+        int is_good = 1;
+        for (end = first; end < g->n_entities && g->entity[end].dim == g->entity[first].dim; end++)
+            is_good &= g->entity[end].tag > 0 &&
+                       (end == first || g->entity[end].tag > g->entity[end - 1].tag);
+        for (int64_t i = first; i < end && !is_good; i++)
+            g->entity[i].tag = i - first + 1;
+    }
+}
+
+/** Find the entities: sets of blocks. */
+static int find_entities(gmsh_out *g, planish_error *error) {
+    for (int64_t b = 0; b < g->blocks.n; b++) {
+        const io_view_block *block = &g->blocks.block[b];
+        const out_entity e = {.dim = block->dim, .tag = block->region, .first = b};
+        if (block->begins_set && !pl_append(&g->entity, &g->n_entities, &g->capacity, &e, sizeof e))
+            return pl_fail_memory(error, "entities");
+        g->entity[g->n_entities - 1].last = b;
+    }
+    number_entities(g);
+    return PLANISH_OK;
+}
+
+/* ---- groups -------------------------------------------------------------------------------- */
+
+/** Find physical group number i, 0 and up, of an entity: its tag, or 0 behind the last. Groups that
+ *  the file names by the tags of entities are physical ones, too. */
+static int64_t physical_of(const io_view *view, int32_t entity, int i) {
+    const io_model *model = view->model;
+    const io_entity *e = entity >= 0 ? &model->entity[entity] : NULL;
+    for (int k = 0; e && k < e->n_physical; k++)
+        if (e->physical[k] > 0 && i-- == 0)
+            return e->physical[k];
+    for (int32_t g = 0; e && g < model->n_groups; g++)
+        if (!view->is_physical[g] && model->group[g].tag > 0 &&
+            io_view_is_in_group(view, entity, g) && i-- == 0)
+            return model->group[g].tag;
+    return 0;
+}
+
+static void put_names(gmsh_out *g) {
+    const io_model *model = g->view->model;
+    int n = 0;
+    for (int32_t i = 0; i < model->n_groups; i++)
+        n += model->group[i].tag > 0 && model->group[i].dim > 0;
+    if (n == 0)
+        return;
+    io_put_format(&g->writer, "$PhysicalNames\n%d\n", n);
+    for (int32_t i = 0; i < model->n_groups; i++) {
+        const io_group *group = &model->group[i];
+        if (group->tag <= 0 || group->dim == 0)
+            continue;
+        io_put_format(&g->writer, "%d %ld \"", group->dim, (long)group->tag);
+        for (const char *c = group->name; *c; c++)
+            io_put_bytes(&g->writer, *c == '"' || (unsigned char)*c < ' ' ? "_" : c, 1);
+        io_put_text(&g->writer, "\"\n");
+    }
+    io_put_text(&g->writer, "$EndPhysicalNames\n");
+}
+
+static void lose_groups(const io_view *view, io_losses *losses) {
+    const io_model *model = view->model;
+    int n = 0, n_bad = 0;
+    for (int32_t i = 0; i < model->n_groups; i++) {
+        n += model->group[i].dim == 0;
+        n_bad += model->group[i].dim > 0 && model->group[i].tag <= 0;
+    }
+    if (n > 0)
+        io_losses_add(losses, "groups of nodes");
+    if (n_bad > 0)
+        io_losses_add(losses, "names of groups whose numbers are not positive");
+}
+
+/* ---- nodes and elements -------------------------------------------------------------------- */
+
+static void put_place(gmsh_out *g, int64_t node, char lead) {
+    double place[3];
+    io_view_place(g->view, node, place);
+    for (int d = 0; d < 3; d++)
+        io_put_real(&g->writer, d == 0 ? lead : ' ', place[d], g->is_float);
+    io_put_text(&g->writer, "\n");
+}
+
+/** Put the number and the nodes of a cell, with what stands between them. */
+static void put_cell(gmsh_out *g, int64_t index, const io_view_type *type, const char *between) {
+    io_view_cell cell;
+    io_view_cell_at(g->view, index, &cell);
+    io_view_fit_cell(g->view, type, gmsh_node_orders, &cell);
+    io_put_integer(&g->writer, 0, io_view_cell_number(g->view, index, &cell));
+    io_put_text(&g->writer, between);
+    for (int k = 0; k < cell.n_nodes; k++)
+        io_put_integer(&g->writer, ' ', io_view_node_number(g->view, cell.node[k]));
+    io_put_text(&g->writer, "\n");
+}
+
+/** Find the smallest and the largest of the numbers of nodes or cells. */
+static void find_range(const io_view *view, int of_cells, int64_t range[2]) {
+    const int64_t n = of_cells ? view->n_cells : view->model->n_nodes;
+    io_view_cell cell;
+    range[0] = n > 0 ? INT64_MAX : 0;
+    range[1] = 0;
+    for (int64_t i = 0; i < n; i++) {
+        if (of_cells)
+            io_view_cell_at(view, i, &cell);
+        const int64_t number =
+            of_cells ? io_view_cell_number(view, i, &cell) : io_view_node_number(view, i);
+        range[0] = number < range[0] ? number : range[0];
+        range[1] = number > range[1] ? number : range[1];
+    }
+}
+
+/* ---- version 4.1 --------------------------------------------------------------------------- */
+
+static void put_entity(gmsh_out *g, out_entity *e) {
+    const int32_t entity = g->blocks.block[e->first].entity;
+    int n = 0;
+    find_box(g, e);
+    io_put_integer(&g->writer, 0, e->tag);
+    for (int k = 0; k < 6; k++)
+        io_put_real(&g->writer, ' ', k < 3 ? e->low[k] : e->high[k - 3], 0);
+    while (physical_of(g->view, entity, n))
+        n++;
+    io_put_integer(&g->writer, ' ', n);
+    for (int i = 0; i < n; i++)
+        io_put_integer(&g->writer, ' ', physical_of(g->view, entity, i));
+    io_put_text(&g->writer, " 0\n");
+}
+
+static void put_entities(gmsh_out *g) {
+    int64_t n[4] = {0};
+    for (int64_t i = 0; i < g->n_entities; i++)
+        n[g->entity[i].dim]++;
+    io_put_format(&g->writer, "$Entities\n0 %" PRId64 " %" PRId64 " %" PRId64 "\n", n[1], n[2],
+                  n[3]);
+    for (int dim = 1; dim <= 3; dim++)
+        for (int64_t i = 0; i < g->n_entities; i++)
+            if (g->entity[i].dim == dim)
+                put_entity(g, &g->entity[i]);
+    io_put_text(&g->writer, "$EndEntities\n");
+}
+
+/** Put all nodes as those of the first entity of the highest dimension. */
+static void put_nodes41(gmsh_out *g) {
+    const int64_t n = g->view->model->n_nodes;
+    int64_t range[2];
+    find_range(g->view, 0, range);
+    io_put_format(&g->writer,
+                  "$Nodes\n1 %" PRId64 " %" PRId64 " %" PRId64 "\n%d %" PRId64 " 0 %" PRId64 "\n",
+                  n, range[0], range[1], g->entity[0].dim, g->entity[0].tag, n);
+    for (int64_t i = 0; i < n; i++) {
+        io_put_integer(&g->writer, 0, io_view_node_number(g->view, i));
+        io_put_text(&g->writer, "\n");
+    }
+    for (int64_t i = 0; i < n; i++)
+        put_place(g, i, 0);
+    io_put_text(&g->writer, "$EndNodes\n");
+}
+
+static void put_elements41(gmsh_out *g) {
+    int64_t range[2];
+    find_range(g->view, 1, range);
+    io_put_format(&g->writer, "$Elements\n%" PRId64 " %" PRId64 " %" PRId64 " %" PRId64 "\n",
+                  g->blocks.n, g->view->n_cells, range[0], range[1]);
+    for (int64_t e = 0; e < g->n_entities; e++)
+        for (int64_t b = g->entity[e].first; b <= g->entity[e].last; b++) {
+            const io_view_block *block = &g->blocks.block[b];
+            const io_view_type *type = io_view_find_type(types, block->type);
+            io_put_format(&g->writer, "%d %" PRId64 " %d %" PRId64 "\n", block->dim,
+                          g->entity[e].tag, type->number, block->n);
+            for (int64_t i = 0; i < block->n; i++)
+                put_cell(g, block->cell[i], type, "");
+        }
+    io_put_text(&g->writer, "$EndElements\n");
+}
+
+/* ---- version 2.2 --------------------------------------------------------------------------- */
+
+static void put_nodes22(gmsh_out *g) {
+    const int64_t n = g->view->model->n_nodes;
+    io_put_format(&g->writer, "$Nodes\n%" PRId64 "\n", n);
+    for (int64_t i = 0; i < n; i++) {
+        io_put_integer(&g->writer, 0, io_view_node_number(g->view, i));
+        put_place(g, i, ' ');
+    }
+    io_put_text(&g->writer, "$EndNodes\n");
+}
+
+/** Put elements, each with two tags: the first physical group, 0 without any, and the entity. */
+static void put_elements22(gmsh_out *g) {
+    io_put_format(&g->writer, "$Elements\n%" PRId64 "\n", g->view->n_cells);
+    for (int64_t e = 0; e < g->n_entities; e++)
+        for (int64_t b = g->entity[e].first; b <= g->entity[e].last; b++) {
+            const io_view_block *block = &g->blocks.block[b];
+            const io_view_type *type = io_view_find_type(types, block->type);
+            char between[64];
+            snprintf(between, sizeof between, " %d 2 %" PRId64 " %" PRId64, type->number,
+                     physical_of(g->view, block->entity, 0), g->entity[e].tag);
+            for (int64_t i = 0; i < block->n; i++)
+                put_cell(g, block->cell[i], type, between);
+        }
+    io_put_text(&g->writer, "$EndElements\n");
+}
+
+static void lose_groups22(const gmsh_out *g, io_losses *losses) {
+    int several = 0;
+    for (int64_t b = 0; b < g->blocks.n; b++)
+        several |= physical_of(g->view, g->blocks.block[b].entity, 1) != 0;
+    if (several)
+        io_losses_add(losses, "all but the first group of elements that are in several");
+}
+
+/* ---- data ---------------------------------------------------------------------------------- */
+
+/** Return the numbers that a value must have: Gmsh shows 1, 3 and 9. */
+static int out_width(int width) {
+    return width == 1 ? 1 : width <= 3 ? 3 : 9;
+}
+
+/** Put the numbers of a value; a symmetric tensor has all nine. */
+static void put_value(gmsh_out *g, const double *value, int width) {
+    static const uint8_t full[] = {0, 1, 3, 1, 2, 4, 3, 4, 5};
+    for (int k = 0; k < out_width(width); k++)
+        io_put_real(&g->writer, ' ', width == 6 ? value[full[k]] : k < width ? value[k] : 0, 0);
+    io_put_text(&g->writer, "\n");
+}
+
+static void put_field(gmsh_out *g, const io_view_field *field) {
+    const io_view *view = g->view;
+    const char *section = field->of_elements ? "ElementData" : "NodeData";
+    planish_data data;
+    if (g->writer.status)
+        return;
+    g->writer.status = view->load(view->file, field, &data, g->writer.error);
+    io_put_format(&g->writer, "$%s\n1\n\"", section);
+    for (const char *c = field->name; *c; c++)
+        io_put_bytes(&g->writer, *c == '"' || (unsigned char)*c < ' ' ? "_" : c, 1);
+    io_put_format(&g->writer, "\"\n1\n0\n3\n0\n%d\n%" PRId64 "\n", out_width(field->width), data.n);
+    for (int64_t i = 0; i < view->model->n_nodes && !field->of_elements && !g->writer.status; i++) {
+        io_put_integer(&g->writer, 0, io_view_node_number(view, i));
+        put_value(g, data.values + i * field->width, field->width);
+    }
+    io_view_cell cell;
+    for (int64_t i = 0; i < view->n_cells && field->of_elements && !g->writer.status; i++) {
+        io_view_cell_at(view, i, &cell);
+        if (cell.element < 0)
+            continue;
+        io_put_integer(&g->writer, 0, io_view_cell_number(view, i, &cell));
+        put_value(g, data.values + cell.element * field->width, field->width);
+    }
+    planish_data_free(&data);
+    io_put_format(&g->writer, "$End%s\n", section);
+}
+
+/* ---- a file -------------------------------------------------------------------------------- */
+
+static void put_file(gmsh_out *g, int is_41) {
+    io_put_text(&g->writer, is_41 ? "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n"
+                                  : "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n");
+    put_names(g);
+    if (is_41) {
+        put_entities(g);
+        put_nodes41(g);
+        put_elements41(g);
+    } else {
+        put_nodes22(g);
+        put_elements22(g);
+    }
+    for (int i = 0; i < g->view->n_fields; i++)
+        put_field(g, &g->view->field[i]);
+}
+
+static int write_file(const io_view *view, pl_output *output, io_losses *losses, int is_41,
+                      planish_error *error) {
+    gmsh_out g = {.view = view, .is_float = view->model->precision == PLANISH_PRECISION_FLOAT};
+    io_writer_begin(&g.writer, output, error);
+    int status = io_view_blocks_make(view, &g.blocks, error);
+    if (!status)
+        status = find_entities(&g, error);
+    if (!status) {
+        put_file(&g, is_41);
+        lose_groups(view, losses);
+        if (!is_41)
+            lose_groups22(&g, losses);
+    }
+    io_view_blocks_release(&g.blocks);
+    pl_free(g.entity);
+    return io_writer_end(&g.writer) ? g.writer.status : status;
+}
+
+static int write_41(const io_view *view, pl_output *output, io_losses *losses,
+                    planish_error *error) {
+    return write_file(view, output, losses, 1, error);
+}
+
+static int write_22(const io_view *view, pl_output *output, io_losses *losses,
+                    planish_error *error) {
+    return write_file(view, output, losses, 0, error);
+}
+
+const io_target gmsh_targets[] = {{"gmsh", write_41}, {"gmsh22", write_22}, {NULL, NULL}};

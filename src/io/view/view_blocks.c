@@ -1,0 +1,163 @@
+/* view_blocks: the cells of a mesh that is written, those of one type and entity together. */
+#include "io/view/view.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <stdlib.h>
+
+/** What a cell is sorted by. */
+typedef struct sorted_cell {
+    int8_t dim;
+    uint8_t type;
+    int32_t entity;
+    int64_t region, index;
+} sorted_cell;
+
+/** Compare the sets of two cells: their dimension, the highest first, entity and region. */
+static int compare_sets(const sorted_cell *x, const sorted_cell *y) {
+    if (x->dim != y->dim)
+        return x->dim > y->dim ? -1 : 1;
+    if (x->entity != y->entity)
+        return x->entity < y->entity ? -1 : 1;
+    return (x->region > y->region) - (x->region < y->region);
+}
+
+static int compare_cells(const void *a, const void *b) {
+    const sorted_cell *x = a, *y = b;
+    const int sets = compare_sets(x, y);
+    if (sets != 0)
+        return sets;
+    if (x->type != y->type)
+        return x->type < y->type ? -1 : 1;
+    return (x->index > y->index) - (x->index < y->index);
+}
+
+/** Make the sorted list of all cells: owned; NULL without memory. */
+static sorted_cell *sort_cells(const io_view *view) {
+    sorted_cell *sorted = pl_alloc(view->n_cells, sizeof *sorted);
+    io_view_cell cell;
+    int is_sorted = 1;
+    for (int64_t i = 0; sorted && i < view->n_cells; i++) {
+        io_view_cell_at(view, i, &cell);
+        sorted[i] = (sorted_cell){.dim = (int8_t)cell.dim,
+                                  .type = (uint8_t)cell.type,
+                                  .entity = cell.entity,
+                                  .region = cell.region,
+                                  .index = i};
+        is_sorted &= i == 0 || compare_cells(&sorted[i - 1], &sorted[i]) < 0;
+    }
+    if (sorted && !is_sorted)
+        qsort(sorted, (size_t)view->n_cells, sizeof *sorted, compare_cells);
+    return sorted;
+}
+
+/** Put a sorted cell into the last block, or begin a new one. Returns 0 without memory. */
+static int add_cell(io_view_blocks *blocks, int64_t *capacity, const sorted_cell *cell,
+                    const sorted_cell *before) {
+    const int is_new_set = !before || compare_sets(before, cell) != 0;
+    const io_view_block *last = before ? &blocks->block[blocks->n - 1] : NULL;
+    if (is_new_set || before->type != cell->type) {
+        const int is_new_dim = !before || before->dim != cell->dim;
+        const io_view_block block = {.dim = cell->dim,
+                                     .type = cell->type,
+                                     .entity = cell->entity,
+                                     .region = cell->region,
+                                     .set = is_new_dim ? 1 : last->set + is_new_set,
+                                     .begins_set = is_new_set,
+                                     .cell = blocks->cell +
+                                             (last ? last->cell - blocks->cell + last->n : 0)};
+        if (!pl_append(&blocks->block, &blocks->n, capacity, &block, sizeof block))
+            return 0;
+    }
+    io_view_block *own = &blocks->block[blocks->n - 1];
+    blocks->cell[own->cell - blocks->cell + own->n++] = cell->index;
+    return 1;
+}
+
+/* ---- numbers of sets ----------------------------------------------------------------------- */
+
+/** A number that a set could have. */
+typedef struct candidate {
+    int64_t number;
+    int dim;
+} candidate;
+
+static int compare_candidates(const void *a, const void *b) {
+    const candidate *x = a, *y = b;
+    if (x->number != y->number)
+        return x->number < y->number ? -1 : 1;
+    return x->dim - y->dim;
+}
+
+/** Return the number of the first group of a block's entity, or of its region. */
+static int64_t number_of(const io_view *view, const io_view_block *block, int of_group) {
+    const io_entity *e = block->entity >= 0 ? &view->model->entity[block->entity] : NULL;
+    const int has_group = of_group && e && e->n_physical > 0 && !view->model->groups_by_name;
+    return has_group ? e->physical[0] : block->region;
+}
+
+/** Sort the candidates [blocks->n], of which the first *n are those of sets. Return whether these are
+ *  distinct numbers of 32 bits within their dimension. */
+static int find_candidates(const io_view *view, const io_view_blocks *blocks, int of_group,
+                           candidate *all, int64_t *n) {
+    int is_good = 1;
+    *n = 0;
+    for (int64_t b = 0; b < blocks->n; b++)
+        if (blocks->block[b].begins_set)
+            all[(*n)++] =
+                (candidate){number_of(view, &blocks->block[b], of_group), blocks->block[b].dim};
+    qsort(all, (size_t)*n, sizeof *all, compare_candidates);
+    for (int64_t i = 0; i < *n; i++)
+        is_good &= all[i].number >= INT32_MIN && all[i].number <= INT32_MAX &&
+                   (i == 0 || compare_candidates(&all[i - 1], &all[i]) != 0);
+    return is_good;
+}
+
+/** Return whether sorted candidates can be properties. */
+static int are_properties(const candidate *all, int64_t n) {
+    int is_good = n == 0 || (all[0].number >= 1 && all[n - 1].number <= IO_VIEW_MOST_NUMBER);
+    for (int64_t i = 1; i < n; i++)
+        is_good &= all[i].number != all[i - 1].number;
+    return is_good;
+}
+
+/** Number the sets. */
+static int number_sets(const io_view *view, io_view_blocks *blocks, planish_error *error) {
+    candidate *all = pl_alloc(blocks->n, sizeof *all);
+    int64_t n = 0, property = 0;
+    int of_group = 1, is_good = 0;
+    if (!all)
+        return pl_fail_memory(error, "blocks of elements");
+    while (!(is_good = find_candidates(view, blocks, of_group, all, &n)) && of_group)
+        of_group = 0;
+    const int has_properties = is_good && are_properties(all, n);
+    pl_free(all);
+    for (int64_t b = 0; b < blocks->n; b++) {
+        io_view_block *block = &blocks->block[b];
+        block->reference = (int32_t)(is_good ? number_of(view, block, of_group) : block->set);
+        property += block->begins_set;
+        block->property = has_properties ? block->reference : (int32_t)property;
+    }
+    return PLANISH_OK;
+}
+
+/* ---- blocks -------------------------------------------------------------------------------- */
+
+int io_view_blocks_make(const io_view *view, io_view_blocks *blocks, planish_error *error) {
+    *blocks = (io_view_blocks){.n = 0};
+    int64_t capacity = 0;
+    sorted_cell *sorted = sort_cells(view);
+    blocks->cell = pl_alloc(view->n_cells, sizeof *blocks->cell);
+    int is_done = sorted && blocks->cell;
+    for (int64_t i = 0; i < view->n_cells && is_done; i++)
+        is_done = add_cell(blocks, &capacity, &sorted[i], i > 0 ? &sorted[i - 1] : NULL);
+    pl_free(sorted);
+    return is_done ? number_sets(view, blocks, error) : pl_fail_memory(error, "blocks of elements");
+}
+
+void io_view_blocks_release(io_view_blocks *blocks) {
+    pl_free(blocks->block);
+    pl_free(blocks->cell);
+    *blocks = (io_view_blocks){.n = 0};
+}

@@ -1,0 +1,540 @@
+/* Tests of meshes that are converted to other formats: what is written is read again. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "support/data_files.h"
+#include "support/file_builder.h"
+#include "support/files.h"
+#include "support/unit_elements.h"
+
+/** A format that meshes are converted to, and the types of elements that it lacks: elements of these
+ *  lose nodes. */
+static const struct target {
+    const char *name, *extension;
+    int is_near; /* coordinates are rounded to 16 or 20 characters */
+    int lacks[5][2];
+} targets[] = {
+    {"vtu", ".vtu", 0, {{0}}},
+    {"vtk", ".vtk", 0, {{0}}},
+    {"gmsh", ".msh", 0, {{0}}},
+    {"gmsh22", ".msh", 0, {{0}}},
+    {"medit",
+     ".mesh",
+     0,
+     {{PLANISH_CELL_QUADRILATERAL8, PLANISH_CELL_QUADRILATERAL},
+      {PLANISH_CELL_HEXAHEDRON20, PLANISH_CELL_HEXAHEDRON},
+      {PLANISH_CELL_WEDGE15, PLANISH_CELL_WEDGE},
+      {PLANISH_CELL_PYRAMID13, PLANISH_CELL_PYRAMID}}},
+    {"abaqus",
+     ".inp",
+     1,
+     {{PLANISH_CELL_QUADRILATERAL9, PLANISH_CELL_QUADRILATERAL8},
+      {PLANISH_CELL_PYRAMID13, PLANISH_CELL_PYRAMID}}},
+    {"nastran",
+     ".bdf",
+     1,
+     {{PLANISH_CELL_QUADRILATERAL9, PLANISH_CELL_QUADRILATERAL8},
+      {PLANISH_CELL_HEXAHEDRON27, PLANISH_CELL_HEXAHEDRON20},
+      {PLANISH_CELL_WEDGE18, PLANISH_CELL_WEDGE15}}},
+};
+
+enum { N_TARGETS = sizeof targets / sizeof *targets };
+
+/* ---- files ---------------------------------------------------------------------------------- */
+
+static planish_file *open_path(const char *path) {
+    planish_file *file = NULL;
+    planish_error error = {.text = ""};
+    if (planish_file_open(path, NULL, 1, &file, &error))
+        fail_msg("%s", error.text);
+    return file;
+}
+
+/** Write a file to the folder, open it, and release it. */
+static planish_file *open_built(const char *folder, const char *name, file_builder *b) {
+    char path[TEST_PATH_SIZE];
+    test_write(folder, name, b->data, (size_t)b->size);
+    builder_release(b);
+    return open_path(test_path(path, folder, name));
+}
+
+/** Whether this build reads what is written to a target. */
+static int is_read(const struct target *target) {
+    char text[] = "<VTKFile>";
+    const file_builder b = {.data = text, .size = (int64_t)strlen(text)};
+    planish_file *file = NULL;
+    planish_error error = {.text = ""};
+    if (strcmp(target->name, "vtu") != 0)
+        return 1;
+    assert_int_not_equal(builder_read(&b, &io_format_vtu, 1, &file, &error), 0);
+    return strstr(error.text, "libexpat1-dev") == NULL;
+}
+
+/** Convert a file to a target, and open what is written. */
+static planish_file *convert(const char *folder, planish_file *file, const char *name,
+                             const char *extension, char lost[512]) {
+    char path[TEST_PATH_SIZE], base[64];
+    planish_error error = {.text = ""};
+    const planish_view_data data = {.format = name};
+    snprintf(base, sizeof base, "out-%s%s", name, extension);
+    test_path(path, folder, base);
+    if (planish_file_convert(file, path, planish_file_mesh(file).coordinates, NULL, &data, NULL, 0,
+                             lost, 512, &error))
+        fail_msg("%s", error.text);
+    return open_path(path);
+}
+
+/* ---- comparison ----------------------------------------------------------------------------- */
+
+/** Count the elements of each type, inverted ones in place 0. */
+static void count_types(planish_file *file, int64_t count[256]) {
+    planish_cells cells;
+    planish_cell_quality quality;
+    planish_error error = {.text = ""};
+    const planish_mesh of = planish_file_mesh(file);
+    memset(count, 0, 256 * sizeof *count);
+    assert_int_equal(planish_file_cells(file, &cells, NULL), 0);
+    for (int64_t i = 0; i < cells.n; i++)
+        count[cells.type[i]]++;
+    const planish_mesh mesh = {.dim = of.dim,
+                               .n_nodes = of.n_nodes,
+                               .n_elements = cells.n,
+                               .coordinates = of.coordinates,
+                               .cells = &cells};
+    if (planish_measure_cells(&mesh, 0, 1, &quality, NULL, &error))
+        fail_msg("%s", error.text);
+    count[0] = quality.all.n_inverted + quality.all.n_uncertified;
+}
+
+static int compare_keys(const void *a, const void *b) {
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/** Make a sorted list of numbers that tell the elements by their corners, in any order: owned. */
+static uint64_t *keys_of(planish_file *file, int64_t *n) {
+    planish_cells cells;
+    assert_int_equal(planish_file_cells(file, &cells, NULL), 0);
+    uint64_t *key = calloc((size_t)cells.n + 1, sizeof *key);
+    assert_non_null(key);
+    for (int64_t i = 0; i < cells.n; i++)
+        for (int k = 0; k < io_cell_type_corners(cells.type[i]); k++) {
+            uint64_t bits = 0x9e3779b97f4a7c15u * (uint64_t)(cells.node[cells.offset[i] + k] + 1);
+            key[i] += (bits ^ bits >> 29) * 0xbf58476d1ce4e5b9u;
+        }
+    qsort(key, (size_t)cells.n, sizeof *key, compare_keys);
+    *n = cells.n;
+    return key;
+}
+
+/** Expect the same nodes at the same places, and elements of the same corners. */
+static void check_same_mesh(planish_file *a, planish_file *b, int is_near) {
+    const planish_mesh p = planish_file_mesh(a), q = planish_file_mesh(b);
+    int64_t n, m;
+    assert_int_equal(p.dim, q.dim);
+    assert_int_equal(p.n_nodes, q.n_nodes);
+    for (int64_t i = 0; i < p.dim * p.n_nodes; i++)
+        if (fabs(p.coordinates[i] - q.coordinates[i]) >
+            (is_near ? 1e-9 : 0) * fabs(p.coordinates[i]))
+            fail_msg("coordinate %ld: %.17g and %.17g", (long)i, p.coordinates[i],
+                     q.coordinates[i]);
+    uint64_t *x = keys_of(a, &n), *y = keys_of(b, &m);
+    assert_int_equal(n, m);
+    assert_memory_equal(x, y, (size_t)n * sizeof *x);
+    free(x);
+    free(y);
+}
+
+/* ---- all types ------------------------------------------------------------------------------ */
+
+/** Make a legacy VTK file of an element of each type of a dimension, each with its own nodes. */
+static planish_file *open_types(const char *folder, int dim) {
+    file_builder b = {.binary = 0};
+    int n = 0, n_nodes = 0;
+    for (int t = 0; t < N_UNIT_ELEMENTS; t++) {
+        n += unit_elements[t].dim == dim;
+        n_nodes += unit_elements[t].dim == dim ? unit_elements[t].n_nodes : 0;
+    }
+    builder_text(&b, "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n");
+    builder_text(&b, "POINTS %d double\n", n_nodes);
+    for (int t = 0, at = 0; t < N_UNIT_ELEMENTS; t++)
+        for (int i = 0; i < unit_elements[t].n_nodes && unit_elements[t].dim == dim; i++) {
+            double place[3];
+            unit_element_place(&unit_elements[t], i, place);
+            place[0] += at += 2 * (i == 0);
+            for (int d = 0; d < 3; d++)
+                builder_real(&b, place[d], 8);
+        }
+    builder_text(&b, "\nCELLS %d %d\n", n, n + n_nodes);
+    for (int t = 0, at = 0; t < N_UNIT_ELEMENTS; t++) {
+        const int size = unit_elements[t].dim == dim ? unit_elements[t].n_nodes : 0;
+        for (int i = -1; i < size && size > 0; i++)
+            builder_integer(&b, i < 0 ? size : at++, 4);
+    }
+    builder_text(&b, "\nCELL_TYPES %d\n", n);
+    for (int t = 0; t < N_UNIT_ELEMENTS; t++)
+        if (unit_elements[t].dim == dim)
+            builder_integer(&b, unit_elements[t].type, 4);
+    return open_built(folder, "types.vtk", &b);
+}
+
+/** Each type of element has its nodes in the right order, or loses the ones that its format lacks. */
+static void all_types_are_converted(void **state) {
+    for (int dim = 2; dim <= 3; dim++)
+        for (int t = 0; t < N_TARGETS; t++) {
+            char lost[512];
+            int64_t expected[256], found[256];
+            int n_lacking = 0;
+            if (!is_read(&targets[t]))
+                continue;
+            planish_file *file = open_types(*state, dim);
+            count_types(file, expected);
+            assert_int_equal(expected[0], 0);
+            for (int k = 0; targets[t].lacks[k][0]; k++) {
+                const int64_t n = expected[targets[t].lacks[k][0]];
+                n_lacking += n > 0;
+                expected[targets[t].lacks[k][1]] += n;
+                expected[targets[t].lacks[k][0]] = 0;
+            }
+            planish_file *copy = convert(*state, file, targets[t].name, targets[t].extension, lost);
+            count_types(copy, found);
+            for (int type = 0; type < 256; type++)
+                if (expected[type] != found[type])
+                    fail_msg("%s, type %d: %ld elements in place of %ld", targets[t].name, type,
+                             (long)found[type], (long)expected[type]);
+            check_same_mesh(file, copy, targets[t].is_near);
+            assert_int_equal(strstr(lost, "elements besides") != NULL, n_lacking > 0);
+            planish_file_close(copy);
+            planish_file_close(file);
+        }
+}
+
+/** Lines of second order keep their mids, or are straight in Nastran's files. */
+static void lines_are_converted(void **state) {
+    for (int t = 0; t < N_TARGETS; t++) {
+        file_builder b = {.binary = 0};
+        char lost[512];
+        if (!is_read(&targets[t]))
+            continue;
+        builder_text(&b, "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 6 "
+                         "double\n0 0 0 1 0 0 0 1 0 0.5 0.1 0 0.5 0.5 0 0 0.5 0\n"
+                         "CELLS 2 11\n6 0 1 2 3 4 5\n3 0 1 3\nCELL_TYPES 2\n22 21\n");
+        planish_file *file = open_built(*state, "lines.vtk", &b);
+        planish_file *copy = convert(*state, file, targets[t].name, targets[t].extension, lost);
+        const io_cells *lines = &copy->model.line;
+        const int is_straight = strcmp(targets[t].name, "nastran") == 0;
+        assert_int_equal(lines->n, 1);
+        assert_int_equal(lines->nodes[0], 0);
+        assert_int_equal(lines->nodes[1], 1);
+        assert_int_equal(lines->mid ? lines->mid[0] : -1, is_straight ? -1 : 3);
+        planish_file_close(copy);
+        planish_file_close(file);
+    }
+}
+
+/* ---- files of tests/data -------------------------------------------------------------------- */
+
+/** Files of all formats are the same mesh in others, with as many regions. */
+static void files_are_converted(void **state) {
+    for (const test_data_file *f = test_data_files; f->name; f++) {
+        char path[TEST_PATH_SIZE];
+        if (!test_data_path(path, f))
+            continue;
+        planish_file *file = open_path(path);
+        for (int t = 0; t < N_TARGETS; t++) {
+            char lost[512];
+            if (!is_read(&targets[t]))
+                continue;
+            planish_file *copy = convert(*state, file, targets[t].name, targets[t].extension, lost);
+            check_same_mesh(file, copy, targets[t].is_near);
+            if (file->n_regions != copy->n_regions)
+                fail_msg("%s as %s: %ld regions in place of %ld", f->name, targets[t].name,
+                         (long)copy->n_regions, (long)file->n_regions);
+            planish_file_close(copy);
+        }
+        planish_file_close(file);
+    }
+}
+
+/** Find the nodes that a tag holds: [n_nodes], owned. */
+static uint8_t *nodes_of(const planish_file *file, const char *tag) {
+    const planish_hold hold = {.tags = &tag, .n_tags = 1};
+    const int64_t n = planish_file_mesh(file).n_nodes;
+    planish_error error = {.text = ""};
+    uint8_t *reason = calloc((size_t)n + 1, 1);
+    assert_non_null(reason);
+    if (planish_file_get_held(file, &hold, reason, &error))
+        fail_msg("%s", error.text);
+    for (int64_t i = 0; i < n; i++)
+        reason[i] = (reason[i] & PLANISH_FILE_FIX) != 0;
+    return reason;
+}
+
+/** Named groups have the same nodes. Abaqus and Gmsh have groups of all dimensions, Nastran names of
+ *  its properties. */
+static void groups_are_converted(void **state) {
+    static const char *const names[] = {"skin", "lower part", "upper part"};
+    char path[TEST_PATH_SIZE];
+    test_path_from(path, "PLANISH_TEST_DATA", "ascii41.msh");
+    planish_file *file = open_path(path);
+    const size_t n = (size_t)planish_file_mesh(file).n_nodes;
+    for (int t = 0; t < N_TARGETS; t++) {
+        char lost[512];
+        const int has_names = strncmp(targets[t].name, "gmsh", 4) == 0 || targets[t].is_near;
+        if (!has_names)
+            continue;
+        planish_file *copy = convert(*state, file, targets[t].name, targets[t].extension, lost);
+        for (int k = 0; k < 3; k++) {
+            uint8_t *a = nodes_of(file, names[k]), *b = nodes_of(copy, names[k]);
+            assert_memory_equal(a, b, n);
+            assert_non_null(memchr(a, 1, n));
+            assert_non_null(memchr(a, 0, n));
+            free(a);
+            free(b);
+        }
+        planish_file_close(copy);
+    }
+    planish_file_close(file);
+}
+
+/** Sets of nodes stay in Abaqus' files, and are said to be lost in Gmsh's. */
+static void sets_of_nodes_are_converted(void **state) {
+    file_builder b = {.binary = 0};
+    char lost[512];
+    builder_text(&b, "*NODE\n10,0,0,0\n20,1,0,0\n30,0,1,0\n40,0,0,1\n50,1,1,1\n"
+                     "*ELEMENT, TYPE=C3D4, ELSET=one\n7,10,20,30,40\n"
+                     "*ELEMENT, TYPE=C3D4, ELSET=two\n9,20,30,40,50\n"
+                     "*NSET, NSET=\"my nodes\"\n20,50\n*ELSET, ELSET=both\none,two\n");
+    planish_file *file = open_built(*state, "sets.inp", &b);
+    planish_file *copy = convert(*state, file, "abaqus", ".inp", lost);
+    static const char *const names[] = {"my nodes", "one", "two", "both"};
+    for (int k = 0; k < 4; k++) {
+        uint8_t *p = nodes_of(file, names[k]), *q = nodes_of(copy, names[k]);
+        assert_memory_equal(p, q, 5);
+        free(p);
+        free(q);
+    }
+    assert_int_equal(planish_file_node_number(copy, 4), 50);
+    assert_int_equal(planish_file_element_number(copy, 1), 9);
+    assert_null(strstr(lost, "groups"));
+    planish_file_close(copy);
+    copy = convert(*state, file, "gmsh", ".msh", lost);
+    assert_non_null(strstr(lost, "groups of nodes"));
+    assert_int_equal(planish_file_node_number(copy, 4), 50);
+    assert_int_equal(planish_file_element_number(copy, 1), 9);
+    planish_file_close(copy);
+    planish_file_close(file);
+}
+
+/** Numbers that are not distinct, or 0, are given anew. */
+static void numbers_begin_at_1(void **state) {
+    file_builder b = {.binary = 0};
+    char lost[512];
+    builder_text(&b, "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n");
+    planish_file *file = open_built(*state, "zero.off", &b);
+    planish_file *copy = convert(*state, file, "gmsh22", ".msh", lost);
+    assert_int_equal(planish_file_node_number(file, 0), 0);
+    assert_int_equal(planish_file_node_number(copy, 0), 1);
+    assert_int_equal(planish_file_element_number(copy, 1), 2);
+    planish_file_close(copy);
+    planish_file_close(file);
+}
+
+/** Many regions are sorted in little time, and cells of several regions in turn keep theirs. */
+static void regions_in_turn_are_converted(void **state) {
+    enum { N = 3000 };
+    file_builder b = {.binary = 0};
+    char lost[512];
+    builder_text(&b, "MeshVersionFormatted 2\nDimension 3\nVertices\n%d\n", 4 * N);
+    for (int i = 0; i < N; i++)
+        builder_text(&b, "%d 0 0 0 %d.5 0 0 0 %d 1 0 0 %d 0 1 0\n", 2 * i, 2 * i, 2 * i, 2 * i);
+    builder_text(&b, "Tetrahedra\n%d\n", N);
+    for (int i = 0; i < N; i++)
+        builder_text(&b, "%d %d %d %d %d\n", 4 * i + 1, 4 * i + 2, 4 * i + 3, 4 * i + 4,
+                     1 + i * 7 % (N / 2));
+    builder_text(&b, "End\n");
+    planish_file *file = open_built(*state, "regions.mesh", &b);
+    for (int t = 2; t < N_TARGETS; t++) {
+        planish_file *copy = convert(*state, file, targets[t].name, targets[t].extension, lost);
+        assert_int_equal(copy->n_regions, N / 2);
+        planish_file_close(copy);
+    }
+    planish_file_close(file);
+}
+
+/* ---- data ----------------------------------------------------------------------------------- */
+
+/** Arrays of nodes and elements go from VTK's files to Gmsh's and back. */
+static void data_are_converted(void **state) {
+    file_builder b = {.binary = 0};
+    char lost[512];
+    builder_text(&b, "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                     "POINTS 5 double\n0 0 0 1 0 0 0 1 0 0 0 1 1 1 1\n"
+                     "CELLS 3 14\n4 0 1 2 3\n4 1 2 3 4\n3 0 1 2\nCELL_TYPES 3\n10 10 5\n");
+    builder_text(&b, "POINT_DATA 5\nSCALARS heat double\nLOOKUP_TABLE default\n1 2.5 nan -4 5e300\n"
+                     "VECTORS flow float\n1 2 3 4 5 6 7 8 9 10 11 12 13 14 15\n");
+    builder_text(
+        &b, "CELL_DATA 3\nFIELD f 2\nstress 6 3 double\n1 2 3 4 5 6 7 8 9 10 11 12 0 0 0 0 0 0\n"
+            "my%%20id 1 3 int\n7 9 8\n");
+    planish_file *file = open_built(*state, "data.vtk", &b);
+    planish_file *msh = convert(*state, file, "gmsh", ".msh", lost);
+    assert_non_null(strstr(lost, "data of elements of lower dimensions"));
+    planish_file *vtk = convert(*state, msh, "vtk", ".vtk", lost);
+    planish_file *direct = convert(*state, file, "vtk", ".vtk", lost);
+    static const char *const names[] = {"flow", "my id"};
+    for (int k = 0; k < 2; k++) {
+        planish_data p, q;
+        assert_int_equal(planish_file_data(file, names[k], &p, NULL), 0);
+        assert_int_equal(planish_file_data(vtk, names[k], &q, NULL), 0);
+        assert_int_equal(p.n_components, q.n_components);
+        assert_memory_equal(p.values, q.values, (size_t)(p.n * p.n_components) * sizeof(double));
+        planish_data_free(&p);
+        planish_data_free(&q);
+    }
+    planish_data p, q, nine;
+    assert_int_equal(planish_file_data(file, "stress", &p, NULL), 0);
+    assert_int_equal(planish_file_data(direct, "stress", &q, NULL), 0);
+    assert_memory_equal(p.values, q.values, 12 * sizeof(double));
+    assert_int_equal(planish_file_data(msh, "stress", &nine, NULL), 0);
+    assert_int_equal(nine.n_components, 9);
+    static const int place[] = {0, 1, 4, 2, 5, 8}; /* of 11 12 22 13 23 33 in rows of three */
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 6; k++)
+            assert_true(nine.values[9 * i + place[k]] == p.values[6 * i + k]);
+    planish_data_free(&p);
+    planish_data_free(&q);
+    planish_data_free(&nine);
+    /* Values that are no numbers stay what they are. */
+    planish_data heat;
+    planish_error error;
+    assert_int_equal(io_file_read_data(vtk, "heat", 0, &heat, &error), 0);
+    assert_true(heat.values[1] == 2.5 && isnan(heat.values[2]) && heat.values[4] == 5e300);
+    planish_data_free(&heat);
+    planish_file_close(direct);
+    planish_file_close(vtk);
+    planish_file_close(msh);
+    planish_file_close(file);
+}
+
+/* ---- negative solids ------------------------------------------------------------------------ */
+
+/** Solids that all are the other way round, as TetGen's, become positive; one of many stays. */
+static void negative_solids_are_mirrored(void **state) {
+    char path[TEST_PATH_SIZE], lost[512];
+    test_path_from(path, "PLANISH_TEST_DATA", "tetgen.node");
+    planish_file *file = open_path(path);
+    for (int t = 2; t < N_TARGETS; t++) {
+        int64_t n_negative = 0;
+        planish_file *copy = convert(*state, file, targets[t].name, targets[t].extension, lost);
+        const planish_mesh mesh = planish_file_mesh(copy);
+        for (int64_t i = 0; i < mesh.n_elements; i++) {
+            double x[4][3];
+            for (int k = 0; k < 4; k++)
+                for (int d = 0; d < 3; d++)
+                    x[k][d] =
+                        mesh.coordinates[3 * mesh.elements[4 * i + k] + d] - (k > 0 ? x[0][d] : 0);
+            n_negative += x[1][0] * (x[2][1] * x[3][2] - x[2][2] * x[3][1]) +
+                              x[1][1] * (x[2][2] * x[3][0] - x[2][0] * x[3][2]) +
+                              x[1][2] * (x[2][0] * x[3][1] - x[2][1] * x[3][0]) <
+                          0;
+        }
+        assert_int_equal(n_negative, 0);
+        planish_file_close(copy);
+    }
+    planish_file_close(file);
+}
+
+/* ---- surfaces ------------------------------------------------------------------------------- */
+
+/** STL, OBJ and PLY have the facets of a mesh, by their groups, and no other nodes. */
+static void surfaces_are_converted(void **state) {
+    static const struct {
+        const char *name, *extension;
+        int n_elements; /* of two triangles and a quadrilateral */
+        int n_regions;
+    } formats[] = {{"stl", ".stl", 4, 2}, {"obj", ".obj", 3, 2}, {"ply", ".ply", 3, 1}};
+    for (int k = 0; k < 3; k++) {
+        file_builder b = {.binary = 0};
+        char lost[512];
+        builder_text(&b, "MeshVersionFormatted 2\nDimension 3\nVertices\n7\n9 9 9 0\n0 0 0.1 0\n"
+                         "1 0 0 0\n1 1 0.3 0\n0 1 0 0\n2 0 0 0\n2 1 0.7 0\nTriangles\n2\n"
+                         "2 3 4 1\n2 4 5 1\nQuadrilaterals\n1\n3 6 7 4 2\nEdges\n1\n2 3 9\nEnd\n");
+        planish_file *file = open_built(*state, "surface.mesh", &b);
+        planish_file *copy = convert(*state, file, formats[k].name, formats[k].extension, lost);
+        const planish_mesh mesh = planish_file_mesh(copy);
+        assert_int_equal(mesh.n_nodes, 6);
+        assert_int_equal(mesh.n_elements, formats[k].n_elements);
+        assert_non_null(strstr(lost, "1 solid elements and lines"));
+        assert_int_equal(copy->n_regions, formats[k].n_regions);
+        planish_file_close(copy);
+        planish_file_close(file);
+    }
+}
+
+/* ---- refusals ------------------------------------------------------------------------------- */
+
+static void wrong_targets_are_refused(void **state) {
+    char data[TEST_PATH_SIZE], path[TEST_PATH_SIZE];
+    planish_error error;
+    test_path_from(data, "PLANISH_TEST_DATA", "tetgen.node");
+    planish_file *file = open_path(data);
+    const double *x = planish_file_mesh(file).coordinates;
+    const int before = test_count_files(*state);
+    const planish_view_data wrong = {.format = "vrml"};
+    assert_int_equal(planish_file_convert(file, test_path(path, *state, "a.vtk"), x, NULL, &wrong,
+                                          NULL, 0, NULL, 0, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_non_null(
+        strstr(error.text, "'vrml' is no format that meshes are converted to; these are"));
+    assert_int_equal(planish_file_convert(file, test_path(path, *state, "a.xyz"), x, NULL, NULL,
+                                          NULL, 0, NULL, 0, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.text, "the extension is of no format"));
+    /* TetGen's file has faces; one of solids alone has no surface. */
+    file_builder b = {.binary = 0};
+    builder_text(&b, "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0 1 0 0 0 0 1 0 0 0 "
+                     "0 1 0\nTetrahedra\n1\n1 2 3 4 0\nEnd\n");
+    planish_file *solid = open_built(*state, "solid.mesh", &b);
+    assert_int_equal(planish_file_convert(solid, test_path(path, *state, "a.stl"),
+                                          planish_file_mesh(solid).coordinates, NULL, NULL, NULL, 0,
+                                          NULL, 0, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.text, "has no triangles or quadrilaterals"));
+    assert_int_equal(test_count_files(*state), before + 1);
+    planish_file_close(solid);
+    planish_file_close(file);
+}
+
+/** The names of all targets are known; the first of a format is found by its extension. */
+static void targets_are_named(void **state) {
+    (void)state;
+    int n = 0;
+    for (const char *name; (name = planish_file_target(n)); n++)
+        assert_true(strlen(name) > 0);
+    assert_int_equal(n, N_TARGETS + 3);
+    assert_null(planish_file_target(-1));
+    assert_string_equal(planish_file_target_of("a/b.MSH"), "gmsh");
+    assert_null(planish_file_target_of("a.med"));
+}
+
+#define IN_A_FOLDER(test)                                                                          \
+    cmocka_unit_test_setup_teardown(test, test_folder_create, test_folder_remove)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        IN_A_FOLDER(all_types_are_converted),       IN_A_FOLDER(lines_are_converted),
+        IN_A_FOLDER(files_are_converted),           IN_A_FOLDER(groups_are_converted),
+        IN_A_FOLDER(sets_of_nodes_are_converted),   IN_A_FOLDER(numbers_begin_at_1),
+        IN_A_FOLDER(regions_in_turn_are_converted), IN_A_FOLDER(data_are_converted),
+        IN_A_FOLDER(negative_solids_are_mirrored),  IN_A_FOLDER(surfaces_are_converted),
+        IN_A_FOLDER(wrong_targets_are_refused),     cmocka_unit_test(targets_are_named),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
