@@ -71,7 +71,7 @@ typedef struct io_span {
     int swapped;      /* binary: not this machine's byte order */
     int64_t offset;   /* binary: byte of the first node's first coordinate */
     int64_t stride;   /* binary: bytes from node to node */
-    int component;    /* binary: the first coordinate there, most often 0, */
+    int component;    /* the first coordinate there, most often 0, */
     int n_components; /* and how many stand side by side; 0: all */
 } io_span;
 
@@ -256,7 +256,8 @@ typedef struct io_model {
     io_span *span;              /* [n_spans] */
     int64_t n_spans, span_capacity;
     int64_t *text_offset; /* [n_nodes] byte of the first coordinate of nodes of text spans; or NULL:
-                             there are none */
+                             there are none. Where components stand apart (io_span.component):
+                             [columns][n_nodes], see io_text_place */
     int32_t *place_node; /* [n_places] node of each place in the file; NULL: nodes are places. Spans
                             and text_offset are of places */
     int64_t n_places;    /* with place_node */
@@ -301,6 +302,19 @@ typedef struct io_model {
     int64_t n_corners;
     int written; /* columns that are written: 2 in the plane of x and y, else 3 */
 } io_model;
+
+/** Return where the coordinates of a node (a place, with place_node) that stand in a text span begin:
+ *  a byte of the input. */
+static inline int64_t io_text_place(const io_model *model, const io_span *span, int64_t node) {
+    const int64_t n = model->place_node ? model->n_places : model->n_nodes;
+    return model->text_offset[span->component * n + node];
+}
+
+/** Return how many coordinates of each node a span has that are written. */
+static inline int io_span_written(const io_model *model, const io_span *span) {
+    const int n = model->written > span->component ? model->written - span->component : 0;
+    return span->n_components > 0 && span->n_components < n ? span->n_components : n;
+}
 
 /* ---- for the readers (what they return: see the top of this file) --------------------------- */
 

@@ -30,12 +30,15 @@ static int significant_digits(const char *text, const char *end) {
     return digits;
 }
 
-/** Count the digits of the longest coordinate of a node that stands as text. */
-static int digits_of_node(const io_model *model, const io_format *format, int64_t node) {
-    io_cursor cursor = {model->input.data + model->text_offset[node],
+/** Count the digits of the longest coordinate of a node that a span has as text. */
+static int digits_of_node(const io_model *model, const io_format *format, const io_span *span,
+                          int64_t node) {
+    io_cursor cursor = {model->input.data + io_text_place(model, span, node),
                         model->input.data + model->input.size};
+    const int first = span->component,
+              end = span->n_components > 0 ? first + span->n_components : model->columns;
     int most = 0;
-    for (int d = 0; d < model->columns; d++) {
+    for (int d = first; d < end; d++) {
         io_field field;
         int digits = 0;
         if (!format->field) {
@@ -66,7 +69,7 @@ double io_tolerance_of_digits(const io_model *model, const io_format *format) {
         const io_span *span = &model->span[i];
         for (int64_t k = 0; span->encoding == IO_TEXT && k < span->n_nodes && n < LOOKED_AT_NODES;
              k++, n++) {
-            const int digits = digits_of_node(model, format, span->first_node + k);
+            const int digits = digits_of_node(model, format, span, span->first_node + k);
             most = digits > most ? digits : most;
             if (digits > SHORT && digits <= LONG) {
                 most_of_few = digits > most_of_few ? digits : most_of_few;

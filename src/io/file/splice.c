@@ -153,12 +153,13 @@ static int is_sound(const io_field *field, const sink *to) {
 /** Copy one node's text with changed components replaced. */
 static void splice_text_node(const splice *s, int64_t node, sink *to) {
     const io_model *model = s->model;
-    io_cursor cursor = {model->input.data + model->text_offset[node],
+    const int first = s->span->component, last = first + io_span_written(model, s->span);
+    io_cursor cursor = {model->input.data + io_text_place(model, s->span, node),
                         model->input.data + model->input.size};
     gap before;
     before.length = 0;
     const char *line_end = NULL; /* if the field before has not its full width */
-    for (int d = 0; d < model->written && !to->is_full; d++) {
+    for (int d = first; d < last && !to->is_full; d++) {
         const double wanted = s->coordinates[node * model->written + d];
         io_field field;
         if (next_field(s, &cursor, d, &field) || !is_sound(&field, to)) {
@@ -191,14 +192,14 @@ static void make_text(const splice *s, int64_t first, int64_t last, piece *p) {
     const io_model *model = s->model;
     const char *data = model->input.data, *end = data + model->input.size;
     /* The stretch goes up to behind the last coordinate of its last node, before the next one. */
-    io_cursor cursor = {data + model->text_offset[last - 1], end};
+    io_cursor cursor = {data + io_text_place(model, s->span, last - 1), end};
     io_field field = {.end = NULL};
-    p->begin = data + model->text_offset[first];
+    p->begin = data + io_text_place(model, s->span, first);
     p->state = PIECE_CHANGED;
     if (last < s->span->first_node + s->span->n_nodes)
-        end = data + model->text_offset[last];
-    for (int d = 0; d < model->written; d++)
-        if (next_field(s, &cursor, d, &field))
+        end = data + io_text_place(model, s->span, last);
+    for (int d = 0; d < io_span_written(model, s->span); d++)
+        if (next_field(s, &cursor, s->span->component + d, &field))
             return;
     p->end = field.end;
     if (p->end < p->begin || p->end > end)
@@ -247,10 +248,7 @@ static void make_binary(const splice *s, int64_t first, int64_t last, piece *p) 
     const io_span *span = s->span;
     const int size = span->encoding == IO_FLOAT32 ? (int)sizeof(float) : (int)sizeof(double);
     const char *data = s->model->input.data + span->offset;
-    /* Components that stand side by side and are wanted. */
-    int n = s->model->written > span->component ? s->model->written - span->component : 0;
-    if (span->n_components > 0 && span->n_components < n)
-        n = span->n_components;
+    const int n = io_span_written(s->model, span);
     p->begin = data + (first - span->first_node) * span->stride;
     p->end = data + (last - 1 - span->first_node) * span->stride + n * size;
     p->length = p->end - p->begin;
@@ -328,6 +326,8 @@ static int write_spans(splice *s, pl_output *output, planish_error *error) {
     int status = PLANISH_OK;
     for (int64_t i = 0; i < model->n_spans && !status; i++) {
         s->span = &model->span[i];
+        if (io_span_written(model, s->span) == 0)
+            continue;
         const int64_t n_pieces = (s->span->n_nodes + CHUNK_NODES - 1) / CHUNK_NODES;
         for (int64_t done = 0; done < n_pieces && !status; done += s->threads) {
             const int64_t wave = n_pieces - done < s->threads ? n_pieces - done : s->threads;

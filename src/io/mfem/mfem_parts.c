@@ -1,0 +1,84 @@
+/* mfem_parts: edges and quadrilaterals by their vertices, numbered as they first occur. MFEM numbers
+ * the nodes on edges and faces so, element after element. */
+#include "io/mfem/mfem.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <string.h>
+
+enum { MOST_WIDTH = 4, FIRST_SLOTS = 1024 };
+
+/** Put vertices into ascending order. */
+static void sort_vertices(const int32_t *vertices, int n, int32_t *sorted) {
+    for (int i = 0; i < n; i++) {
+        int k = i;
+        for (; k > 0 && sorted[k - 1] > vertices[i]; k--)
+            sorted[k] = sorted[k - 1];
+        sorted[k] = vertices[i];
+    }
+}
+
+/** Find the slot of a part, or the free one where it belongs. */
+static int32_t *find_slot(const mfem_parts *parts, const int32_t *sorted) {
+    uint64_t hash = 0;
+    for (int i = 0; i < parts->width; i++) {
+        hash = (hash + (uint64_t)(uint32_t)sorted[i] + 1) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 32;
+    }
+    const size_t size = (size_t)parts->width * sizeof *sorted;
+    const uint64_t mask = (uint64_t)parts->n_slots - 1;
+    for (uint64_t at = hash & mask;; at = (at + 1) & mask) {
+        int32_t *slot = &parts->slot[at];
+        if (*slot < 0 || memcmp(parts->vertex + (int64_t)*slot * parts->width, sorted, size) == 0)
+            return slot;
+    }
+}
+
+/** Keep the hash table at most half full. */
+static int grow_slots(mfem_parts *parts, planish_error *error) {
+    if (2 * parts->n < parts->n_slots)
+        return PLANISH_OK;
+    const int64_t n_slots = parts->n_slots ? 4 * parts->n_slots : FIRST_SLOTS;
+    int32_t *slot = pl_alloc(n_slots, sizeof *slot);
+    if (!slot)
+        return pl_fail_memory(error, "the edges of elements");
+    memset(slot, -1, (size_t)n_slots * sizeof *slot);
+    pl_free(parts->slot);
+    parts->slot = slot;
+    parts->n_slots = n_slots;
+    for (int64_t i = 0; i < parts->n; i++)
+        *find_slot(parts, parts->vertex + i * parts->width) = (int32_t)i;
+    return PLANISH_OK;
+}
+
+int64_t mfem_parts_find(const mfem_parts *parts, const int32_t *vertices) {
+    int32_t sorted[MOST_WIDTH];
+    sort_vertices(vertices, parts->width, sorted);
+    return parts->n_slots > 0 ? *find_slot(parts, sorted) : -1;
+}
+
+int mfem_parts_add(mfem_parts *parts, const int32_t *vertices, int32_t *number,
+                   planish_error *error) {
+    int32_t sorted[MOST_WIDTH];
+    sort_vertices(vertices, parts->width, sorted);
+    const int status = grow_slots(parts, error);
+    if (status)
+        return status;
+    int32_t *slot = find_slot(parts, sorted);
+    if (*slot < 0) {
+        const size_t size = (size_t)parts->width * sizeof *sorted;
+        if (parts->n == INT32_MAX ||
+            !pl_append(&parts->vertex, &parts->n, &parts->capacity, sorted, size))
+            return pl_fail_memory(error, "the edges of elements");
+        *slot = (int32_t)(parts->n - 1);
+    }
+    *number = *slot;
+    return PLANISH_OK;
+}
+
+void mfem_parts_release(mfem_parts *parts) {
+    pl_free(parts->vertex);
+    pl_free(parts->slot);
+    *parts = (mfem_parts){.width = parts->width};
+}
