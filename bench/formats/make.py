@@ -61,6 +61,16 @@ def dmplex(path, points, tetrahedra):
         file.create_group("labels")
 
 
+def mfem(path, points, tetrahedra):
+    """An MFEM mesh without boundary elements."""
+    n = len(tetrahedra)
+    with open(path, "w") as file:
+        file.write("MFEM mesh v1.0\n\ndimension\n3\n\nelements\n%d\n" % n)
+        np.savetxt(file, np.hstack([np.full((n, 1), 1), np.full((n, 1), 4), tetrahedra]), fmt="%d")
+        file.write("\nboundary\n0\n\nvertices\n%d\n3\n" % len(points))
+        np.savetxt(file, points, fmt="%.16g")
+
+
 def main():
     source, folder = sys.argv[1:]
     mesh = meshio.read(source)
@@ -75,6 +85,7 @@ def main():
         "med.med": lambda path: meshio.med.write(path, mesh),
         "vtkhdf.vtkhdf": lambda path: vtkhdf(path, mesh.points, cells[0][1]),
         "dmplex.h5": lambda path: dmplex(path, mesh.points, cells[0][1]),
+        "mfem.mfem": lambda path: mfem(path, mesh.points, cells[0][1]),
         "tetgen.node": lambda path: meshio.tetgen.write(path, mesh),
     }
     for name, write in writers.items():

@@ -15,6 +15,9 @@ import sys
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 MOST = 4  # modules of a circle
 
+# Formats of mesh files have a folder each.
+FORMATS = sorted(set(os.listdir(os.path.join(ROOT, "src", "io"))) - {"core", "hdf5", "view", "file"})
+
 # What each folder may know beside itself and what its neighbours below know.
 KNOWS = {
     "src/base": [],
@@ -32,12 +35,8 @@ KNOWS = {
     "src/io/core": ["src/base"],
     "src/io/hdf5": ["src/io/core"],
     "src/io/view": ["src/io/core"],
-    **{"src/io/" + name: ["src/io/core", "src/io/view"]
-       for name in ("gmsh", "medit", "abaqus", "nastran", "netgen", "off", "stl", "obj", "ply", "tetgen")},
-    **{"src/io/" + name: ["src/io/core", "src/io/view", "src/io/hdf5"] for name in ("vtk", "cgns", "med", "plex")},
-    "src/io/file": ["src/io/view", "src/io/vtk", "src/io/gmsh", "src/io/medit", "src/io/abaqus", "src/io/nastran", "src/io/netgen",
-                    "src/io/off", "src/io/stl", "src/io/obj", "src/io/ply", "src/io/tetgen", "src/io/cgns", "src/io/med",
-                    "src/io/plex"],
+    **{"src/io/" + name: ["src/io/view", "src/io/hdf5"] for name in FORMATS},
+    "src/io/file": ["src/io/" + name for name in FORMATS],
     "tools/terminal": ["src/base"],
     "tools/options": ["tools/terminal"],
     "tools/job": ["tools/options"],

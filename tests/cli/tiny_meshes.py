@@ -228,6 +228,11 @@ def ply(form, order=""):
             struct.pack(order + "B3iB3i", 3, 0, 1, 2, 3, 1, 3, 2))
 
 
+def mfem():
+    return ("MFEM mesh v1.0\n\ndimension\n3\n\nelements\n2\n" + lines((1, 4, *(i - 1 for i in t)) for t in TETRAHEDRA) +
+            "\nboundary\n1\n" + lines([(7, 2, *(i - 1 for i in TRIANGLE))]) + "\nvertices\n5\n3\n" + lines(POINTS)).encode()
+
+
 def meshes():
     return {
         "gmsh22.msh": gmsh22(), "gmsh22_binary.msh": gmsh22_binary(), "gmsh41.msh": gmsh41(),
@@ -235,7 +240,7 @@ def meshes():
         "version3.meshb": meshb(3, ">"), "version4.meshb": meshb(4, "<"), "ascii.vtk": vtk(),
         "binary.vtk": vtk_binary(), "offsets.vtk": vtk51(), "ascii.vtu": vtu(), "raw.vtu": vtu_raw(),
         "zlib.vtu": vtu_zlib(), "base64.vtu": vtu_base64(), "netgen.vol": netgen(), "abaqus.inp": abaqus(),
-        "nastran.bdf": nastran(), "ascii.off": off(), "binary.off": off_binary(),
+        "nastran.bdf": nastran(), "plain.mfem": mfem(), "ascii.off": off(), "binary.off": off_binary(),
         "ascii.stl": stl(), "binary.stl": stl_binary(), "plain.obj": obj(), "ascii.ply": ply("ascii"),
         "little.ply": ply("binary_little_endian", "<"), "big.ply": ply("binary_big_endian", ">"),
         "tetgen.node": ("5 3 0 1\n" + numbered((*p, 0) for p in POINTS)).encode(),

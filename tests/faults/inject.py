@@ -77,7 +77,7 @@ SCENARIOS = [
     smoothing("medit.meshb"), smoothing("ascii.vtk"), smoothing("binary.vtk"),
     smoothing("ascii.vtu"), smoothing("base64.vtu"), smoothing("zlib.vtu"), smoothing("raw.vtu"),
     smoothing("tetgen.node", inputs=["tetgen.node", "tetgen.ele"], outputs=["out.node", "out.ele"]),
-    smoothing("netgen.vol"), smoothing("abaqus.inp"), smoothing("nastran.bdf"),
+    smoothing("netgen.vol"), smoothing("cube.mfem"), smoothing("abaqus.inp"), smoothing("nastran.bdf"),
     smoothing("square.off"), smoothing("square.stl"), smoothing("square.obj"), smoothing("square.ply"), smoothing("cube.vtkhdf"), smoothing("cube.med", "--slide auto"),
     smoothing("cube.h5"), smoothing("cube.cgns"),
     smoothing("packed.vtkhdf"),

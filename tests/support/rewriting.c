@@ -69,9 +69,9 @@ static char *cut_coordinates(const io_model *model, int64_t *size) {
         const int width = span->encoding == IO_FLOAT32 ? 4 : 8;
         for (int64_t i = 0; i < span->n_nodes; i++) {
             const int is_text = span->encoding == IO_TEXT;
-            io_cursor cursor = {model->input.data + (is_text
-                                                         ? model->text_offset[span->first_node + i]
-                                                         : span->offset + i * span->stride),
+            io_cursor cursor = {model->input.data +
+                                    (is_text ? io_text_place(model, span, span->first_node + i)
+                                             : span->offset + i * span->stride),
                                 end};
             const int n = coordinates_at(model, span);
             for (int d = 0; d < n; d++) {

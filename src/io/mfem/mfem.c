@@ -105,24 +105,32 @@ static int find_list(mfem_reader *r, const char *name, io_section *section) {
     return status;
 }
 
-/** Take a name: a word, or what is in quotes, where \ stands before a quote or itself. Return it in
- *  text, owned; NULL: there is none, or no memory. */
-static char *take_name(io_cursor *cursor, int64_t *length) {
-    io_skip_space(cursor);
+/** Take a name: a word, or what is in quotes, where \ stands before a quote or itself. Empty (begin
+ *  NULL): there is none. */
+static io_slice take_name(io_cursor *cursor) {
     const int is_quoted = cursor->at < cursor->end && *cursor->at == '"';
-    io_cursor word = {cursor->at + is_quoted, cursor->end};
-    for (; word.at < word.end && (is_quoted ? *word.at != '"' : !io_is_space(*word.at)); word.at++)
-        word.at += is_quoted && *word.at == '\\' && word.end - word.at > 1;
-    if (word.at == word.end)
-        return NULL;
-    const char *begin = cursor->at + is_quoted;
-    char *text = pl_alloc(word.at - begin + 1, 1);
+    if (!is_quoted) {
+        const io_slice word = io_next_word(cursor);
+        return io_slice_length(word) > 0 ? word : (io_slice){NULL, NULL};
+    }
+    const char *at = cursor->at + 1, *begin = at;
+    for (; at < cursor->end && *at != '"'; at++)
+        at += *at == '\\' && cursor->end - at > 1;
+    if (at == cursor->end)
+        return (io_slice){NULL, NULL};
+    cursor->at = at + 1;
+    return (io_slice){begin, at};
+}
+
+/** Copy a name without the backslashes of quoted ones. Owned; NULL without memory. */
+static char *copy_name(io_slice name, int64_t *length) {
+    const int is_quoted = name.begin[-1] == '"';
+    char *text = pl_alloc(io_slice_length(name) + 1, 1);
     *length = 0;
-    for (const char *c = begin; text && c < word.at; c++) {
-        c += is_quoted && *c == '\\' && word.at - c > 1;
+    for (const char *c = name.begin; text && c < name.end; c++) {
+        c += is_quoted && *c == '\\' && name.end - c > 1;
         text[(*length)++] = *c;
     }
-    cursor->at = word.at + is_quoted;
     return text;
 }
 
@@ -134,10 +142,13 @@ static int read_sets(mfem_reader *r, const char *name, int dim) {
     for (int64_t i = 0; i < n_sets && !status; i++) {
         io_skip_space_comments(&r->cursor, '#');
         const char *at = r->cursor.at;
-        char *text = take_name(&r->cursor, &length);
-        if (!text)
+        const io_slice set = take_name(&r->cursor);
+        if (!set.begin)
             return io_fail_at(r->model, at, r->error, "%s: name %lld of %lld expected", name,
                               (long long)i + 1, (long long)n_sets);
+        char *text = copy_name(set, &length);
+        if (!text)
+            return pl_fail_memory(r->error, "the names of sets");
         status = io_take_whole(&kind, &r->cursor, i, 0, INT32_MAX, &n, r->error);
         if (!status)
             status = io_check_room(r->model, r->cursor, n, 2, "attributes", r->error);

@@ -158,7 +158,6 @@ static int reserve(mfem_reader *r, const mfem_list *list, int order) {
         status = io_cells_reserve_mids(r->model, list->dim, r->error);
     if (!status && n_others > 0)
         status = io_others_reserve(r->model, list->dim, n_others, n_nodes, 1, r->error);
-    r->model->n_other += n_others;
     return status;
 }
 
@@ -182,6 +181,7 @@ static void add_element(mfem_reader *r, const mfem_list *list, int64_t i, const 
     io_others_set(model, others->n, others->n_nodes, io_cell_type(g->shape, n), nodes, i);
     others->entity[others->n++] = list->attribute[i];
     others->n_nodes += n;
+    model->n_other++;
 }
 
 int mfem_add_elements(mfem_reader *r, const mfem_list *list, int is_boundary) {
@@ -196,6 +196,8 @@ int mfem_add_elements(mfem_reader *r, const mfem_list *list, int is_boundary) {
             is_boundary ? mfem_boundary_nodes(r, i, nodes) : mfem_element_nodes(r, i, &walk, nodes);
         if (n > 0)
             add_element(r, list, i, nodes, n);
+        else
+            r->model->n_lower++;
     }
     if (status)
         return status;

@@ -234,7 +234,7 @@ static int count_own(mfem_reader *r, int64_t *n) {
     const mfem_list *list = &r->elements;
     for (int64_t i = 0; i < list->n; i++) {
         const mfem_geometry *g = &mfem_geometries[list->geometry[i]];
-        if (g->shape == IO_PYRAMID)
+        if (g->shape == IO_PYRAMID && (r->space == MFEM_DISCONTINUOUS || r->order == 2))
             return io_fail_at(r->model, r->cursor.at, r->error,
                               "discontinuous nodes of pyramids are not read; in MFEM "
                               "mesh.SetCurvature(2) makes continuous ones");
