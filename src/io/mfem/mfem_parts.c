@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { MOST_WIDTH = 4, FIRST_SLOTS = 1024 };
+enum { MOST_WIDTH = 4, FIRST_SLOTS = 1024, TOGETHER = 8 };
 
 /** Put vertices into ascending order. */
 static void sort_vertices(const int32_t *vertices, int n, int32_t *sorted) {
@@ -19,20 +19,35 @@ static void sort_vertices(const int32_t *vertices, int n, int32_t *sorted) {
     }
 }
 
-/** Find the slot of a part, or the free one where it belongs. */
+/** Return whether a slot is free or has the part. */
+static int is_slot_of(const mfem_parts *parts, int32_t slot, const int32_t *sorted) {
+    if (slot < 0)
+        return 1;
+    const int32_t *there = parts->vertex + (int64_t)slot * parts->width;
+    int is_same = 1;
+    for (int i = 0; i < parts->width; i++)
+        is_same &= there[i] == sorted[i];
+    return is_same;
+}
+
+/** Find the slot of a part, or the free one where it belongs. Parts of a vertex stand together as far
+ *  as there is room, so that most are in the cache; the others are all over the table. */
 static int32_t *find_slot(const mfem_parts *parts, const int32_t *sorted) {
+    const uint64_t mask = (uint64_t)parts->n_slots - 1;
+    int32_t *together = parts->slot + ((uint64_t)(uint32_t)sorted[0] * TOGETHER & mask);
+    for (uint32_t i = 0; i < TOGETHER; i++) {
+        int32_t *slot = together + (((uint32_t)sorted[1] + i) & (TOGETHER - 1));
+        if (is_slot_of(parts, *slot, sorted))
+            return slot;
+    }
     uint64_t hash = 0;
     for (int i = 0; i < parts->width; i++) {
         hash = (hash + (uint64_t)(uint32_t)sorted[i] + 1) * 0x9e3779b97f4a7c15u;
         hash ^= hash >> 32;
     }
-    const size_t size = (size_t)parts->width * sizeof *sorted;
-    const uint64_t mask = (uint64_t)parts->n_slots - 1;
-    for (uint64_t at = hash & mask;; at = (at + 1) & mask) {
-        int32_t *slot = &parts->slot[at];
-        if (*slot < 0 || memcmp(parts->vertex + (int64_t)*slot * parts->width, sorted, size) == 0)
-            return slot;
-    }
+    for (uint64_t at = hash & mask;; at = (at + 1) & mask)
+        if (is_slot_of(parts, parts->slot[at], sorted))
+            return &parts->slot[at];
 }
 
 /** Keep the hash table at most half full. */
