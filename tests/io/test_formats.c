@@ -143,6 +143,14 @@ static const bricks all_bricks[] = {
      "2:5", "3:8"},
     {&io_format_nastran, 2, "BEGIN BULK\n", 1, "GRID,", ",", "\n",
      "CQUAD4,1,7,1,2,5,4\nCQUADR,2,8,2,3,6,5\nCROD,3,5,1,2\nENDDATA\n", "1:5", "2:8"},
+    {&io_format_mfem, 3,
+     "MFEM mesh v1.0\ndimension\n3\nelements\n2\n7 5 0 1 4 3 6 7 10 9\n8 5 1 2 5 4 7 8 11 10\n"
+     "boundary\n1\n5 3 0 1 4 3\nvertices\n12\n3\n",
+     0, "", " ", "\n", "", "2:5", "3:8"},
+    {&io_format_mfem, 2,
+     "MFEM mesh v1.0\ndimension\n2\nelements\n2\n7 3 0 1 4 3\n8 3 1 2 5 4\n"
+     "boundary\n1\n5 1 0 1\nvertices\n6\n3\n",
+     0, "", " ", "\n", "", "1:5", "2:8"},
     {&io_format_off, 2, "OFF\n6 2 0\n", 0, "", " ", "\n", "4 0 1 4 3\n4 1 2 5 4\n", NULL, NULL},
 };
 

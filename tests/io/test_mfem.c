@@ -433,6 +433,8 @@ static void shared_vertices_are_held(void **state) {
     planish_file_close(file);
     snprintf(text, sizeof text, PART, 3);
     reading_fails(&io_format_mfem, text, "3 shared vertices");
+    *strstr(text, "\nmfem_mesh_end") = '\0';
+    reading_fails(&io_format_mfem, text, "mfem_mesh_end expected");
 }
 
 /* ---- what is wrong -------------------------------------------------------------------------------- */

@@ -171,11 +171,12 @@ static int hold_shared(mfem_reader *r) {
     int64_t n_all = 0, n_read = 0, n, vertex;
     io_cursor *cursor = &r->cursor;
     int status = PLANISH_OK;
-    while (!status) {
+    while (!status && !take_keyword(r, "mfem_mesh_end")) {
         io_skip_space_comments(cursor, '#');
         const io_slice word = io_next_word(cursor);
-        if (io_slice_length(word) == 0 || io_slice_is(word, "mfem_mesh_end", 0))
-            break;
+        if (io_slice_length(word) == 0)
+            return io_fail_at(r->model, cursor->at, r->error,
+                              "mfem_mesh_end expected (the file may be cut short)");
         const int is_list = io_slice_is(word, "shared_vertices", 0);
         if (!is_list && !io_slice_is(word, "total_shared_vertices", 0))
             continue;

@@ -187,8 +187,6 @@ static void add_element(mfem_reader *r, const mfem_list *list, int64_t i, const 
 int mfem_add_elements(mfem_reader *r, const mfem_list *list, int is_boundary) {
     const int order = is_boundary && r->space > MFEM_CONTINUOUS ? 1 : r->order;
     mfem_walk walk = {0};
-    if (list->dim == 0)
-        return PLANISH_OK;
     int status = reserve(r, list, order);
     for (int64_t i = 0; i < list->n && !status; i++) {
         int32_t nodes[IO_CELL_NODES];
