@@ -136,7 +136,7 @@ static char *copy_name(io_slice name, int64_t *length) {
 
 /** Read named sets of attributes, which become groups of dimension dim. */
 static int read_sets(mfem_reader *r, const char *name, int dim) {
-    int64_t n_sets, n, attribute, length;
+    int64_t n_sets = 0, n = 0, attribute = 0, length;
     const io_record_kind kind = {.model = r->model, .what = name};
     int status = read_number(r, name, 0, &n_sets);
     for (int64_t i = 0; i < n_sets && !status; i++) {
@@ -168,7 +168,7 @@ static int read_sets(mfem_reader *r, const char *name, int dim) {
 /** Hold the nodes of vertices that a part of a parallel mesh shares with other parts. */
 static int hold_shared(mfem_reader *r) {
     const io_record_kind kind = {.model = r->model, .what = "shared_vertices"};
-    int64_t n_all = 0, n_read = 0, n, vertex;
+    int64_t n_all = 0, n_read = 0, n = 0, vertex = 0;
     io_cursor *cursor = &r->cursor;
     int status = PLANISH_OK;
     while (!status && !take_keyword(r, "mfem_mesh_end")) {
@@ -218,7 +218,7 @@ static int read_end(mfem_reader *r) {
 
 /** Read all up to the vertices, and note where the elements are. */
 static int walk_file(mfem_reader *r, io_section *elements, io_section *boundary) {
-    int64_t dim;
+    int64_t dim = 0;
     int status = read_first_line(r);
     if (!status)
         status = read_number(r, "dimension", 0, &dim);

@@ -70,7 +70,7 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
                          planish_error *error) {
     const list_job *job = context;
     const mfem_list *list = job->list;
-    int64_t attribute, geometry, vertex;
+    int64_t attribute = 0, geometry = 0, vertex = 0;
     for (int64_t i = begin; i < end; i++) {
         int status = io_take_whole(&job->kind, cursor, i, INT32_MIN, INT32_MAX, &attribute, error);
         const char *at = cursor->at;

@@ -68,14 +68,14 @@ static int grow_slots(mfem_parts *parts, planish_error *error) {
 }
 
 int64_t mfem_parts_find(const mfem_parts *parts, const int32_t *vertices) {
-    int32_t sorted[MOST_WIDTH];
+    int32_t sorted[MOST_WIDTH] = {0};
     sort_vertices(vertices, parts->width, sorted);
     return parts->n_slots > 0 ? *find_slot(parts, sorted) : -1;
 }
 
 int mfem_parts_add(mfem_parts *parts, const int32_t *vertices, int32_t *number,
                    planish_error *error) {
-    int32_t sorted[MOST_WIDTH];
+    int32_t sorted[MOST_WIDTH] = {0};
     sort_vertices(vertices, parts->width, sorted);
     const int status = grow_slots(parts, error);
     if (status)
