@@ -86,6 +86,32 @@ static int conditions_of(const pl_run *r) {
 
 /* ---- phases of a few lines ------------------------------------------------------------------- */
 
+/** Count the cells that are not valid, or 0 without curved ones, of which corners may say so. */
+static int64_t count_invalid(const pl_run *r) {
+    const int64_t n = r->watch.n_curved > 0 ? pl_view_cells(&r->plan->work) : 0;
+    int64_t n_invalid = 0;
+    for (int64_t cell = 0; cell < n; cell++)
+        n_invalid += pl_watch_decide(&r->watch, cell) != PL_VALID;
+    return n_invalid;
+}
+
+/** Untangle. Curved cells may be valid though their corners alone would be inverted: what makes more
+ *  of them invalid is undone. */
+static int untangle(pl_run *r, planish_error *error) {
+    const int64_t n_invalid = count_invalid(r), n = r->plan->work.n_nodes * r->plan->dim;
+    double *before = r->watch.n_curved > 0 ? pl_alloc(n, sizeof *before) : NULL;
+    pl_trial trial;
+    if (r->watch.n_curved > 0 && !before)
+        return pl_fail_memory(error, "curved elements");
+    if (before)
+        pl_trial_begin(r, 0, before, &trial);
+    const int status = pl_run_untangle(r, error);
+    if (before)
+        pl_trial_end(&trial, count_invalid(r) <= n_invalid);
+    pl_free(before);
+    return status;
+}
+
 static int sweep(pl_run *r, planish_error *error) {
     if (r->plan->sizes)
         return pl_run_sized_sweeps(r, error);
@@ -203,7 +229,7 @@ typedef struct phase {
 /* A phase takes its own result or undoes it, by a pl_trial or as its function says. */
 static const phase PHASES[] = {
     /* taken: each rung that leaves fewer elements tangled */
-    {"untangle", INTERIOR | VISITS | UNTANGLES | TANGLED, pl_run_untangle},
+    {"untangle", INTERIOR | VISITS | UNTANGLES | TANGLED, untangle},
     /* taken: each cluster of elements of which fewer are invalid */
     {"mend curved elements", VISITS | UNTANGLES | TIME | CURVED | INSIDE, pl_run_mend_curved},
     {"sweep", MOVABLE | TIME, sweep},

@@ -12,7 +12,7 @@
 #include "support/data_files.h"
 #include "support/file_builder.h"
 #include "support/files.h"
-#include "support/unit_elements.h"
+#include "support/bent_elements.h"
 
 /** A format that meshes are converted to, and the types of elements that it lacks: elements of these
  *  lose nodes. */
@@ -158,30 +158,30 @@ static void check_same_mesh(planish_file *a, planish_file *b, int is_near) {
 static planish_file *open_types(const char *folder, int dim) {
     file_builder b = {.binary = 0};
     int n = 0, n_nodes = 0;
-    for (int t = 0; t < N_UNIT_ELEMENTS; t++) {
-        n += unit_elements[t].dim == dim;
-        n_nodes += unit_elements[t].dim == dim ? unit_elements[t].n_nodes : 0;
+    for (int t = 0; t < N_BENT_ELEMENTS; t++) {
+        n += bent_elements[t].dim == dim;
+        n_nodes += bent_elements[t].dim == dim ? bent_elements[t].n_nodes : 0;
     }
     builder_text(&b, "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n");
     builder_text(&b, "POINTS %d double\n", n_nodes);
-    for (int t = 0, at = 0; t < N_UNIT_ELEMENTS; t++)
-        for (int i = 0; i < unit_elements[t].n_nodes && unit_elements[t].dim == dim; i++) {
+    for (int t = 0, at = 0; t < N_BENT_ELEMENTS; t++)
+        for (int i = 0; i < bent_elements[t].n_nodes && bent_elements[t].dim == dim; i++) {
             double place[3];
-            unit_element_place(&unit_elements[t], i, place);
+            bent_element_place(&bent_elements[t], i, place);
             place[0] += at += 2 * (i == 0);
             for (int d = 0; d < 3; d++)
                 builder_real(&b, place[d], 8);
         }
     builder_text(&b, "\nCELLS %d %d\n", n, n + n_nodes);
-    for (int t = 0, at = 0; t < N_UNIT_ELEMENTS; t++) {
-        const int size = unit_elements[t].dim == dim ? unit_elements[t].n_nodes : 0;
+    for (int t = 0, at = 0; t < N_BENT_ELEMENTS; t++) {
+        const int size = bent_elements[t].dim == dim ? bent_elements[t].n_nodes : 0;
         for (int i = -1; i < size && size > 0; i++)
             builder_integer(&b, i < 0 ? size : at++, 4);
     }
     builder_text(&b, "\nCELL_TYPES %d\n", n);
-    for (int t = 0; t < N_UNIT_ELEMENTS; t++)
-        if (unit_elements[t].dim == dim)
-            builder_integer(&b, unit_elements[t].type, 4);
+    for (int t = 0; t < N_BENT_ELEMENTS; t++)
+        if (bent_elements[t].dim == dim)
+            builder_integer(&b, bent_elements[t].type, 4);
     return open_built(folder, "types.vtk", &b);
 }
 

@@ -14,7 +14,7 @@
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/hdf5_builder.h"
-#include "support/unit_elements.h"
+#include "support/bent_elements.h"
 
 /* ---- elements ------------------------------------------------------------------------------- */
 
@@ -36,7 +36,7 @@ static int64_t count_inverted(const planish_cells *cells, int dim, int64_t n_nod
 
 /** Whether an element may stay valid when nodes i < k are exchanged: unless both are mids, or
  *  corners at the ends of an edge along an axis. Pyramids are measured by their base. */
-static int may_be_exchanged(const unit_element *e, int i, int k) {
+static int may_be_exchanged(const bent_element *e, int i, int k) {
     int n_apart = 0;
     if (k >= (e->n_corners == 5 ? 4 : e->n_corners))
         return i < e->n_corners || e->n_corners == 5;
@@ -48,17 +48,17 @@ static int may_be_exchanged(const unit_element *e, int i, int k) {
 /** The elements are valid, and are not when two of their nodes are exchanged. */
 static void another_order_is_not_valid(void **state) {
     (void)state;
-    for (int t = 0; t < N_UNIT_ELEMENTS; t++) {
-        const unit_element *e = &unit_elements[t];
+    for (int t = 0; t < N_BENT_ELEMENTS; t++) {
+        const bent_element *e = &bent_elements[t];
         const uint8_t type = (uint8_t)e->type;
         const int64_t offset[] = {0, e->n_nodes};
-        int32_t node[UNIT_MOST_NODES];
-        double x[3 * UNIT_MOST_NODES];
+        int32_t node[BENT_MOST_NODES];
+        double x[3 * BENT_MOST_NODES];
         const planish_cells cells = {.n = 1, .type = &type, .offset = offset, .node = node};
         for (int i = 0; i < e->n_nodes; i++) {
             double place[3];
             node[i] = i;
-            unit_element_place(e, i, place);
+            bent_element_place(e, i, place);
             memcpy(x + e->dim * i, place, (size_t)e->dim * sizeof *x);
         }
         assert_int_equal(count_inverted(&cells, e->dim, e->n_nodes, x), 0);
@@ -82,14 +82,14 @@ static void another_order_is_not_valid(void **state) {
 typedef struct cell_list {
     int n;
     struct listed_cell {
-        const unit_element *element;
+        const bent_element *element;
         int type;             /* VTK's number in the file */
         const uint8_t *order; /* node i of the file is the element's node order[i]; NULL: i */
-    } cell[N_UNIT_ELEMENTS + 8];
+    } cell[N_BENT_ELEMENTS + 8];
     int n_nodes; /* of all */
 } cell_list;
 
-static void list_cell(cell_list *list, const unit_element *element, int type,
+static void list_cell(cell_list *list, const bent_element *element, int type,
                       const uint8_t *order) {
     list->cell[list->n++] = (struct listed_cell){element, type, order};
     list->n_nodes += element->n_nodes;
@@ -98,7 +98,7 @@ static void list_cell(cell_list *list, const unit_element *element, int type,
 /** Find the place of node i of a cell of the list, apart from the other cells. */
 static void listed_place(const cell_list *list, int cell, int i, double place[3]) {
     const struct listed_cell *c = &list->cell[cell];
-    unit_element_place(c->element, c->order ? c->order[i] : i, place);
+    bent_element_place(c->element, c->order ? c->order[i] : i, place);
     place[0] += 2 * cell;
 }
 
@@ -178,10 +178,10 @@ static file_builder make_vtu(const cell_list *list) {
 #ifdef PL_HDF5
 static file_builder make_vtkhdf(const cell_list *list) {
     hdf5_builder b;
-    double xyz[3 * UNIT_MOST_NODES * N_UNIT_ELEMENTS];
-    int nodes[UNIT_MOST_NODES * N_UNIT_ELEMENTS],
-        offsets[N_UNIT_ELEMENTS + 9] = {0}, types[N_UNIT_ELEMENTS + 8], n = 0;
-    assert_in_range(list->n_nodes, 1, UNIT_MOST_NODES * N_UNIT_ELEMENTS);
+    double xyz[3 * BENT_MOST_NODES * N_BENT_ELEMENTS];
+    int nodes[BENT_MOST_NODES * N_BENT_ELEMENTS],
+        offsets[N_BENT_ELEMENTS + 9] = {0}, types[N_BENT_ELEMENTS + 8], n = 0;
+    assert_in_range(list->n_nodes, 1, BENT_MOST_NODES * N_BENT_ELEMENTS);
     for (int c = 0; c < list->n; c++) {
         for (int i = 0; i < list->cell[c].element->n_nodes; i++, n++) {
             listed_place(list, c, i, xyz + 3 * n);
@@ -248,9 +248,9 @@ enum { N_FORMATS = 4 };
 /** List an element of each type of that dimension (0: none). */
 static cell_list list_types(int dim) {
     cell_list list = {.n = 0};
-    for (int i = 0; i < N_UNIT_ELEMENTS; i++)
-        if (unit_elements[i].dim == dim)
-            list_cell(&list, &unit_elements[i], unit_elements[i].type, NULL);
+    for (int i = 0; i < N_BENT_ELEMENTS; i++)
+        if (bent_elements[i].dim == dim)
+            list_cell(&list, &bent_elements[i], bent_elements[i].type, NULL);
     return list;
 }
 
@@ -266,7 +266,7 @@ static int is_smoothed(const cell_list *list, int cell) {
 
 /** Put the cells of the list in the order that the file has them in: triangles and tetrahedra first.
  *  Returns how many these are. */
-static int order_list(const cell_list *list, int order[N_UNIT_ELEMENTS + 8]) {
+static int order_list(const cell_list *list, int order[N_BENT_ELEMENTS + 8]) {
     int n_simplices = 0, n = 0;
     for (int pass = 1; pass >= 0; pass--)
         for (int c = 0; c < list->n; c++)
@@ -281,7 +281,7 @@ static int order_list(const cell_list *list, int order[N_UNIT_ELEMENTS + 8]) {
  *  them in the order of the file's. */
 static void check_list(planish_file *file, const cell_list *list, int is_copy) {
     planish_cells cells;
-    int order[N_UNIT_ELEMENTS + 8];
+    int order[N_BENT_ELEMENTS + 8];
     order_list(list, order);
     assert_int_equal(planish_file_mesh(file).n_elements, list->n);
     assert_int_equal(file->model.n_other, 0);
@@ -321,8 +321,8 @@ static void other_names_of_types_are_read(void **state) {
     for (int f = 0; f < N_FORMATS; f++)
         for (int dim = 2; dim <= 3; dim++) {
             cell_list list = {.n = 0};
-            for (int i = 0; i < N_UNIT_ELEMENTS; i++) {
-                const unit_element *e = &unit_elements[i];
+            for (int i = 0; i < N_BENT_ELEMENTS; i++) {
+                const bent_element *e = &bent_elements[i];
                 if (e->dim != dim)
                     continue;
                 if (e->n_nodes == 1 << dim)
@@ -352,9 +352,9 @@ static void unmeasured_types_are_held(void **state) {
         for (int f = 0; f < N_FORMATS; f++) {
             cell_list list = list_types(3);
             const int n = list.n, n_nodes = list.n_nodes;
-            for (int k = 0; k < N_UNIT_ELEMENTS; k++)
-                if (unit_elements[k].type == held[i].nodes)
-                    list_cell(&list, &unit_elements[k], held[i].type, NULL);
+            for (int k = 0; k < N_BENT_ELEMENTS; k++)
+                if (bent_elements[k].type == held[i].nodes)
+                    list_cell(&list, &bent_elements[k], held[i].type, NULL);
             planish_file *file = open_list(*state, &list, f);
             if (!file)
                 continue;
@@ -423,9 +423,9 @@ static void copies_do_without_missing_nodes(void **state) {
     static const int32_t pyramid[] = {0, 1, 2, 3, 4, 8, 9, 10, 11, 12, 13, 14, 15, 16};
     char lost[256];
     cell_list list = list_types(3);
-    for (int k = 0; k < N_UNIT_ELEMENTS; k++)
-        if (unit_elements[k].type == PLANISH_CELL_QUADRILATERAL)
-            list_cell(&list, &unit_elements[k], 7, NULL);
+    for (int k = 0; k < N_BENT_ELEMENTS; k++)
+        if (bent_elements[k].type == PLANISH_CELL_QUADRILATERAL)
+            list_cell(&list, &bent_elements[k], 7, NULL);
     file_builder b = make_vtk(&list, 3);
     planish_file *file = open_file(*state, "in.vtk", &b);
     if (!reads_vtu()) {
@@ -433,12 +433,12 @@ static void copies_do_without_missing_nodes(void **state) {
         skip();
     }
     io_others *others = &file->model.solid;
-    int order[N_UNIT_ELEMENTS + 8];
+    int order[N_BENT_ELEMENTS + 8];
     const int n_simplices = order_list(&list, order), n = n_simplices + (int)others->n;
     file->model.tetrahedron.mid[5] = -1;
     for (int i = n_simplices; i < n; i++) {
         const int64_t end = others->offset[i - n_simplices + 1];
-        const unit_element *e = list.cell[order[i]].element;
+        const bent_element *e = list.cell[order[i]].element;
         if (e->n_nodes > e->n_corners)
             others->node[end - 1] = -1;
     }
@@ -452,7 +452,7 @@ static void copies_do_without_missing_nodes(void **state) {
     assert_int_equal(planish_file_cells(vtu, &q, NULL), 0);
     assert_int_equal(q.n, n + 1);
     for (int i = 0; i < n; i++) {
-        const unit_element *e = list.cell[order[i]].element;
+        const bent_element *e = list.cell[order[i]].element;
         assert_int_equal(q.offset[i + 1] - q.offset[i], e->n_corners);
         assert_memory_equal(q.node + q.offset[i], p.node + p.offset[i],
                             (size_t)e->n_corners * sizeof *q.node);
