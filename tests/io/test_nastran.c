@@ -350,7 +350,7 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(format, NINE " RBE2,2,5,3,6\n", "test:11: RBE2 behind blanks");
     reading_fails(format, NINE "\tgrid*   9\n", "GRID behind blanks");
     reading_fails(format, NINE "CTR", "test:11: no ENDDATA, and the last line has no end");
-    reading_fails(format, NINE "INCLUDE 'mesh.bdf'\n", "test:11: INCLUDE");
+    reading_fails(format, NINE "INCLUDE 'mesh.bdf'\n", "mesh.bdf: ");
     reading_fails(format, "BEGIN BULK\n" NINE "BEGIN SUPER=1\n", "superelements");
     reading_gives_surface(
         format,

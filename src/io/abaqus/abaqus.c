@@ -7,6 +7,7 @@
  * A number has 20 characters at most, so that coordinates are rounded to that before they are
  * judged (hardly any is changed by it).
  */
+#include "io/core/include.h"
 #include "io/core/format.h"
 #include "io/abaqus/abaqus.h"
 
@@ -32,9 +33,9 @@ static int find_scope(abaqus_reader *r) {
         const abaqus_block *b = &r->block[i];
         io_cursor cursor = b->data;
         io_slice found;
-        if (abaqus_parameter(b, "INPUT", &found))
+        if (b->keyword == ABAQUS_NODE && abaqus_parameter(b, "INPUT", &found))
             return abaqus_fail(r, b,
-                               "INPUT=: the data are in another file; put that file's lines in "
+                               "INPUT=: the nodes are in another file; put that file's lines in "
                                "place of the parameter");
         const int has_data = abaqus_line(&cursor, &found);
         if (b->keyword != ABAQUS_NODE || b->scope == ABAQUS_IN_ASSEMBLY || !has_data)
@@ -82,10 +83,27 @@ static int read_node_block(abaqus_reader *r, const abaqus_block *b) {
     return PLANISH_OK;
 }
 
+/** Check that all nodes are in the input, which is the file that is written. */
+static int check_files(const abaqus_reader *r) {
+    const io_model *model = r->model;
+    for (int64_t i = 0; i < r->n_blocks; i++) {
+        const abaqus_block *b = &r->block[i];
+        io_cursor cursor = b->data;
+        io_slice line;
+        if (b->keyword == ABAQUS_NODE && io_include_has(model, b->data.at) &&
+            abaqus_line(&cursor, &line))
+            return io_include_fail_node(model, line.begin, r->error);
+    }
+    return PLANISH_OK;
+}
+
 static int read_nodes(abaqus_reader *r) {
     io_model *model = r->model;
     io_slice line;
     int64_t n = 0;
+    int status = check_files(r);
+    if (status)
+        return status;
     for (int64_t i = 0; i < r->n_blocks; i++) {
         io_cursor cursor = r->block[i].data;
         if (r->block[i].keyword == ABAQUS_NODE && r->block[i].scope == r->scope)
@@ -95,7 +113,7 @@ static int read_nodes(abaqus_reader *r) {
     if (n == 0)
         return io_fail_at(model, io_input_end(model), r->error,
                           "there is no *NODE with nodes: this is no mesh, or it is cut short");
-    int status = io_nodes_begin(model, n, FIELD_WIDTH, r->error);
+    status = io_nodes_begin(model, n, FIELD_WIDTH, r->error);
     for (int64_t i = 0; i < r->n_blocks && !status; i++)
         if (r->block[i].keyword == ABAQUS_NODE && r->block[i].scope == r->scope)
             status = read_node_block(r, &r->block[i]);
@@ -360,12 +378,13 @@ static int abaqus_read(io_model *model, planish_error *error) {
     pl_free(r.block);
     pl_free(r.range);
     io_numbers_destroy(r.elements);
+    io_include_close(model);
     return status;
 }
 
 /** Recognise a file by its first keyword: few other files begin with one of these. */
 static int abaqus_recognise(const char *data, int64_t size) {
-    static const char *const first[] = {"HEADING", "PREPRINT", "PART", "NODE", "ELEMENT"};
+    static const char *const first[] = {"HEADING", "PREPRINT", "PART", "NODE", "ELEMENT", "INCLUDE"};
     io_cursor cursor = io_begin_text(data, size);
     io_slice line, item;
     char name[ABAQUS_NAME_SIZE];

@@ -3,6 +3,8 @@
  */
 #include "io/abaqus/abaqus.h"
 
+#include "io/core/include.h"
+
 #include "base/memory.h"
 #include "base/status.h"
 
@@ -148,62 +150,140 @@ static const known_keyword keywords[] = {
 
 /** Why planish cannot read a file with a keyword; NULL: it can. */
 static const char *const refusals[ABAQUS_OTHER + 1] = {
-    [ABAQUS_INCLUDE] = "what it brings in may be part of the mesh; put that file's lines in its "
-                       "place, or smooth the file that has the mesh",
     [ABAQUS_SYSTEM] = "the nodes behind it are in other coordinates; write all of them in the "
                       "global system",
     [ABAQUS_RULE] = "nodes and elements that are made by rules are not read; write all of them as "
                     "*NODE and *ELEMENT, as preprocessors do",
 };
 
-int abaqus_find_blocks(abaqus_reader *r) {
-    const io_bytes *input = &r->model->input;
-    io_cursor cursor = io_begin_text(input->data, input->size);
-    int32_t scope = 0, n_parts = 0;
-    abaqus_block *open = NULL;
-    while (cursor.at < cursor.end) {
+/** Walk over the lines of a file; the state goes on in those that it includes. */
+typedef struct block_walk {
+    abaqus_reader *reader;
+    int32_t scope, n_parts;
+    int64_t open; /* 1 + the block whose data may go on; 0: none */
+    int depth;
+} block_walk;
+
+enum { MOST_DEPTH = 8 }; /* of files that include others */
+
+static int find_blocks(block_walk *w, io_cursor content);
+
+/** Parts have numbers of their own, and so have instances that have a mesh of theirs, and the
+ *  assembly. */
+static void enter_scope(block_walk *w, abaqus_keyword keyword) {
+    if (keyword == ABAQUS_IN_PART)
+        w->scope = ++w->n_parts;
+    else if (keyword == ABAQUS_IN_OTHERS)
+        w->scope = ABAQUS_IN_ASSEMBLY;
+    else if (keyword == ABAQUS_IN_NO_PART)
+        w->scope = 0;
+}
+
+/** Add a block whose data run to the end of the file, or until that is known better. */
+static int add_block(block_walk *w, abaqus_block block) {
+    abaqus_reader *r = w->reader;
+    if (!pl_append(&r->block, &r->n_blocks, &r->block_capacity, &block, sizeof block))
+        return pl_fail_memory(r->error, "the keywords of the file");
+    w->open = r->n_blocks;
+    return PLANISH_OK;
+}
+
+/** Read the file of *INCLUDE, INPUT=. Lines before its first keyword go on with the block before. */
+static int include(block_walk *w, const abaqus_block *block) {
+    abaqus_reader *r = w->reader;
+    io_slice name = {NULL, NULL};
+    io_cursor content;
+    if (!abaqus_parameter(block, "INPUT", &name))
+        return abaqus_fail(r, block, "*INCLUDE without INPUT=");
+    if (w->depth == MOST_DEPTH)
+        return abaqus_fail(r, block, "files include one another too deeply");
+    int status = io_include_open(r->model, block->parameters.begin, abaqus_unquoted(name), &content,
+                                 r->error);
+    if (!status && w->open) {
+        abaqus_block more = r->block[w->open - 1];
+        more.data = content;
+        status = add_block(w, more);
+    }
+    w->depth++;
+    if (!status)
+        status = find_blocks(w, content);
+    w->depth--;
+    return status;
+}
+
+/** Let the data of the open block be those of the file that its INPUT= names. */
+static int open_input(block_walk *w) {
+    abaqus_reader *r = w->reader;
+    abaqus_block *block = &r->block[w->open - 1];
+    io_slice name;
+    if (!abaqus_parameter(block, "INPUT", &name))
+        return PLANISH_OK;
+    w->open = 0;
+    return io_include_open(r->model, block->parameters.begin, abaqus_unquoted(name), &block->data,
+                           r->error);
+}
+
+/** Take a keyword line, which may be several; the cursor goes behind it. */
+static io_slice take_keyword(io_cursor *cursor, io_slice line) {
+    io_slice next;
+    io_cursor ahead = *cursor;
+    while (line.end[-1] == ',' && abaqus_line(&ahead, &next) && *next.begin != '*') {
+        line.end = next.end;
+        *cursor = ahead;
+    }
+    return line;
+}
+
+/** Begin what a keyword line says. */
+static int begin_block(block_walk *w, io_slice line, io_cursor data) {
+    abaqus_reader *r = w->reader;
+    io_slice item, rest = {line.begin + 1, line.end};
+    char name[ABAQUS_NAME_SIZE];
+    abaqus_item(&rest, &item);
+    abaqus_squeeze(item, name);
+    abaqus_keyword keyword = ABAQUS_OTHER;
+    for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++)
+        keyword = strcmp(name, keywords[i].name) == 0 ? keywords[i].keyword : keyword;
+    if (refusals[keyword])
+        return io_fail_at(r->model, line.begin, r->error, "*%s: %s", name, refusals[keyword]);
+    r->has_cavities |= strcmp(name, "FLUIDPROPERTY") == 0;
+    enter_scope(w, keyword);
+    abaqus_block block = {
+        keyword, {rest.begin ? rest.begin : rest.end, rest.end}, data, w->scope, 0};
+    if (keyword == ABAQUS_INCLUDE)
+        return include(w, &block);
+    w->open = 0;
+    block.has_instance = abaqus_parameter(&block, "INSTANCE", &item);
+    if (keyword > ABAQUS_MPC)
+        return PLANISH_OK;
+    const int status = add_block(w, block);
+    return status || keyword == ABAQUS_NODE ? status : open_input(w);
+}
+
+static int find_blocks(block_walk *w, io_cursor content) {
+    io_cursor cursor = content;
+    int status = PLANISH_OK;
+    while (cursor.at < cursor.end && !status) {
         const char *begin = cursor.at;
-        io_slice next, item, line = io_slice_trim(io_next_line(&cursor));
+        const io_slice line = io_slice_trim(io_next_line(&cursor));
         if (io_slice_length(line) == 0 || *line.begin != '*' || is_comment(line))
             continue;
-        if (open)
-            open->data.end = begin;
-        open = NULL;
-        /* A keyword line goes on in the next one behind a comma at its end. */
-        io_cursor ahead = cursor;
-        while (line.end[-1] == ',' && abaqus_line(&ahead, &next) && *next.begin != '*') {
-            line.end = next.end;
-            cursor = ahead;
+        if (w->open)
+            w->reader->block[w->open - 1].data.end = begin;
+        const io_slice keyword = take_keyword(&cursor, line);
+        const int64_t n_included = w->reader->model->n_included;
+        status = begin_block(w, keyword, cursor);
+        /* Lines behind an included file go on with what is open there. */
+        if (!status && w->open && w->reader->model->n_included > n_included) {
+            abaqus_block more = w->reader->block[w->open - 1];
+            more.data = cursor;
+            status = add_block(w, more);
         }
-        io_slice rest = {line.begin + 1, line.end};
-        char name[ABAQUS_NAME_SIZE];
-        abaqus_item(&rest, &item);
-        abaqus_squeeze(item, name);
-        abaqus_keyword keyword = ABAQUS_OTHER;
-        for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++)
-            keyword = strcmp(name, keywords[i].name) == 0 ? keywords[i].keyword : keyword;
-        if (refusals[keyword])
-            return io_fail_at(r->model, line.begin, r->error, "*%s: %s", name, refusals[keyword]);
-        r->has_cavities |= strcmp(name, "FLUIDPROPERTY") == 0;
-        /* Parts have numbers of their own, and so have instances that have a mesh of theirs, and
-         * the assembly. */
-        if (keyword == ABAQUS_IN_PART)
-            scope = ++n_parts;
-        else if (keyword == ABAQUS_IN_OTHERS)
-            scope = ABAQUS_IN_ASSEMBLY;
-        else if (keyword == ABAQUS_IN_NO_PART)
-            scope = 0;
-        if (keyword > ABAQUS_MPC)
-            continue;
-        const abaqus_block block = {keyword,
-                                    {rest.begin ? rest.begin : rest.end, rest.end},
-                                    {cursor.at, input->data + input->size},
-                                    scope,
-                                    0};
-        open = pl_append(&r->block, &r->n_blocks, &r->block_capacity, &block, sizeof block);
-        if (!open)
-            return pl_fail_memory(r->error, "the keywords of the file");
-        open->has_instance = abaqus_parameter(open, "INSTANCE", &item);
     }
-    return PLANISH_OK;
+    return status;
+}
+
+int abaqus_find_blocks(abaqus_reader *r) {
+    block_walk w = {.reader = r};
+    return find_blocks(&w, io_begin_text(r->model->input.data, r->model->input.size));
 }

@@ -2,6 +2,7 @@
 #include "io/core/arrays.h"
 #include "io/core/bytes.h"
 #include "io/core/data.h"
+#include "io/core/include.h"
 #include "io/core/model.h"
 
 #include "base/memory.h"
@@ -433,6 +434,7 @@ void io_others_release(io_others *o) {
 
 void io_model_destroy(io_model *model) {
     io_bytes_close(&model->input);
+    io_include_close(model);
     for (int i = 0; i < model->n_companions; i++)
         io_bytes_close(&model->companion[i]);
     pl_free(model->companion);
@@ -468,6 +470,18 @@ void io_model_destroy(io_model *model) {
 
 /* ---- checks and errors --------------------------------------------------------------------- */
 
+/** Return the file that a place is in: an included one, or the input. */
+static const io_bytes *file_of(const io_model *model, const char *at) {
+    const uintptr_t place = (uintptr_t)at;
+    for (int i = 0; i < model->n_included; i++) {
+        const io_bytes *file = &model->included[i];
+        if (place >= (uintptr_t)file->data &&
+            place <= (uintptr_t)file->data + (uintptr_t)file->size)
+            return file;
+    }
+    return &model->input;
+}
+
 int(io_fail_at)(const io_model *model, const char *at, planish_error *error, const char *format,
                 ...) {
     char text[384];
@@ -477,14 +491,14 @@ int(io_fail_at)(const io_model *model, const char *at, planish_error *error, con
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
+    const io_bytes *file = file_of(model, at);
     if (model->is_binary)
-        return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: byte %lld: %s", model->input.path,
-                       (long long)(at - model->input.data), text);
+        return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: byte %lld: %s", file->path,
+                       (long long)(at - file->data), text);
     int64_t line = 1;
-    for (const char *c = model->input.data; c < at; c++)
+    for (const char *c = file->data; c < at; c++)
         line += *c == '\n' || (*c == '\r' && (c + 1 == at || c[1] != '\n'));
-    return pl_fail(error, PLANISH_ERROR_FORMAT, "%s:%lld: %s", model->input.path, (long long)line,
-                   text);
+    return pl_fail(error, PLANISH_ERROR_FORMAT, "%s:%lld: %s", file->path, (long long)line, text);
 }
 
 int io_check_room(const io_model *model, io_cursor rest, int64_t n, int64_t size, const char *what,

@@ -235,6 +235,9 @@ typedef struct io_model {
     io_bytes input;      /* holds the coordinates */
     io_bytes *companion; /* files beside the input, written along with it as they are (TetGen) */
     int n_companions, n_read; /* the first of these are read, too */
+    io_bytes *included;       /* [n_included] files that it names, while it is read (include.h) */
+    int n_included;
+    int64_t included_capacity;
     int64_t largest_copy;     /* files of more bytes are mapped (bytes.h) */
     int is_binary;            /* errors name bytes, not lines (io_fail_at) */
     int threads;

@@ -12,6 +12,7 @@
 #include "io/nastran/nastran.h"
 
 #include "io/core/elements.h"
+#include "io/core/include.h"
 #include "io/core/records.h"
 
 #include "base/memory.h"
@@ -28,7 +29,9 @@ typedef struct number_range {
 typedef struct reader {
     io_model *model;
     planish_error *error;
-    io_cursor bulk; /* from behind BEGIN BULK to the end or ENDDATA */
+    io_cursor bulk;   /* from behind BEGIN BULK to the end or ENDDATA */
+    io_cursor *piece; /* [n_pieces] owned: of that, and of included files, in their order */
+    int64_t n_pieces, piece_capacity;
     int64_t n_grids;
     int has_short, has_free;        /* GRIDs in fields of 8; in free fields, */
     int has_wide;                   /* some of which have more than 8 characters */
@@ -179,10 +182,9 @@ static int take_number(const reader *r, nastran_card *c, const char *what, int64
 
 /* ---- walks --------------------------------------------------------------------------------- */
 
-/** Visit the cards whose names begin with one of the letters; a blank among these: check lines that
- *  begin with one. */
-static int walk(reader *r, const char *letters, visit_fn *visit) {
-    io_cursor cursor = r->bulk;
+/** Visit the cards of a piece whose names begin with one of the letters; a blank among these: check
+ *  lines that begin with one. */
+static int walk_piece(reader *r, io_cursor cursor, const char *letters, visit_fn *visit) {
     int status = PLANISH_OK;
     nastran_card c;
     while (!status && cursor.at < cursor.end) {
@@ -195,8 +197,8 @@ static int walk(reader *r, const char *letters, visit_fn *visit) {
             const io_slice text = io_slice_trim(l.text);
             char name[NASTRAN_NAME_SIZE];
             nastran_take_name(text, name);
-            const int is_read = find_kind(name) || strcmp(name, "GRID") == 0 ||
-                                strcmp(name, "GRDSET") == 0 || strcmp(name, "INCLUDE") == 0;
+            const int is_read =
+                find_kind(name) || strcmp(name, "GRID") == 0 || strcmp(name, "GRDSET") == 0;
             if (is_read && text.begin - l.text.begin < NASTRAN_NAME_COLUMNS)
                 status = io_fail_at(r->model, text.begin, r->error,
                                     "%s behind blanks: a card begins in the first column of its "
@@ -212,18 +214,81 @@ static int walk(reader *r, const char *letters, visit_fn *visit) {
     return status;
 }
 
+/** Visit the cards of all pieces. */
+static int walk(reader *r, const char *letters, visit_fn *visit) {
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < r->n_pieces && !status; i++)
+        status = walk_piece(r, r->piece[i], letters, visit);
+    return status;
+}
+
+/* ---- included files ------------------------------------------------------------------------ */
+
+/** Find the next line that begins with word, or the end. *after: behind it. */
+static const char *find_line(io_cursor cursor, const char *word, const char **after) {
+    while (cursor.at < cursor.end) {
+        const io_slice text = io_next_line(&cursor);
+        *after = cursor.at;
+        if (text.begin < text.end && (io_upper(*text.begin) == *word || io_is_blank(*text.begin)) &&
+            nastran_line_begins(text, word))
+            return text.begin;
+    }
+    return *after = cursor.end;
+}
+
+/** Find the name between quotes in INCLUDE 'NAME'; without quotes the word behind. */
+static io_slice name_of(io_slice line) {
+    static const char word[] = "INCLUDE";
+    io_slice name = io_slice_trim(line);
+    name = io_slice_trim((io_slice){name.begin + sizeof word - 1, name.end});
+    const char quote = name.begin < name.end ? *name.begin : '\0';
+    if (quote != '\'' && quote != '"')
+        return name;
+    name.begin++;
+    name.end = nastran_find(name, quote);
+    return name;
+}
+
+static int add_piece(reader *r, const char *begin, const char *end) {
+    const io_cursor piece = {begin, end};
+    return pl_append(&r->piece, &r->n_pieces, &r->piece_capacity, &piece, sizeof piece)
+               ? PLANISH_OK
+               : pl_fail_memory(r->error, "the pieces of the file");
+}
+
+/** Part content at its INCLUDE lines, with the pieces of the included files between. */
+static int find_pieces(reader *r, io_cursor content, int depth) {
+    enum { MOST_DEPTH = 8 };
+    int status = PLANISH_OK;
+    const char *after, *begin = content.at;
+    while (!status) {
+        const char *at = find_line((io_cursor){begin, content.end}, "INCLUDE", &after);
+        status = add_piece(r, begin, at);
+        if (at == content.end || status)
+            return status;
+        io_cursor line = {at, content.end}, included;
+        if (depth == MOST_DEPTH)
+            return io_fail_at(r->model, at, r->error, "files include one another too deeply");
+        status = io_include_open(r->model, at, name_of(io_next_line(&line)), &included, r->error);
+        if (status)
+            return status;
+        included.end = find_line(included, "ENDDATA", &begin);
+        status = find_pieces(r, included, depth + 1);
+        begin = after;
+    }
+    return status;
+}
+
 /* ---- first walk: counting ----------------------------------------------------------------- */
 
 static int count_card(reader *r, nastran_card *c) {
     io_slice field;
-    if (is_named(c, "INCLUDE"))
-        return fail_card(r, c,
-                         "what it brings in may be part of the mesh; put that file's lines in its "
-                         "place, or smooth the file that has the mesh");
     if (is_named(c, "BEGIN"))
         return fail_card(r, c, "superelements are not read; smooth each in a file of its own");
     if (c->name[0] == '=')
         return fail_card(r, c, nastran_no_replication);
+    if (is_named(c, "GRID") && io_include_has(r->model, c->line.text.begin))
+        return io_include_fail_node(r->model, c->line.text.begin, r->error);
     if (is_named(c, "GRID")) {
         r->n_grids++;
         if (!c->line.is_long)
@@ -523,10 +588,9 @@ static void hold_ranges(reader *r) {
 /* ---- names -------------------------------------------------------------------------------- */
 
 /** Read $HMNAME PROP 5"steel" (HyperMesh), the name of property 5. */
-static int read_names(reader *r) {
+static int read_names(reader *r, io_cursor cursor) {
     static const char mark[] = "$HMNAME PROP";
     const int64_t length = sizeof mark - 1;
-    io_cursor cursor = r->bulk;
     while (cursor.at < cursor.end) {
         const io_slice text = io_next_line(&cursor);
         if (io_slice_length(text) < length || memcmp(text.begin, mark, (size_t)length) != 0)
@@ -553,16 +617,30 @@ static int read_names(reader *r) {
 
 /* ---- the file ----------------------------------------------------------------------------- */
 
-/** Find the next line that begins with word, or the end. *after: behind it. */
-static const char *find_line(io_cursor cursor, const char *word, const char **after) {
-    while (cursor.at < cursor.end) {
-        const io_slice text = io_next_line(&cursor);
-        *after = cursor.at;
-        if (text.begin < text.end && (io_upper(*text.begin) == *word || io_is_blank(*text.begin)) &&
-            nastran_line_begins(text, word))
-            return text.begin;
-    }
-    return *after = cursor.end;
+/** Read what the pieces say. */
+static int read_pieces(reader *r) {
+    const io_model *model = r->model;
+    const char *end = io_input_end(model);
+    int status = walk(r, "GB= \t", count_card);
+    if (status)
+        return status;
+    if (r->n_grids == 0)
+        return io_fail_at(model, r->bulk.end, r->error,
+                          "there is no GRID: this is no Nastran mesh, or it is cut short");
+    /* Programs end their files with ENDDATA, or the last line at least. Without either a card may
+     * be incomplete that looks whole. */
+    if (r->bulk.end == end && end[-1] != '\n' && end[-1] != '\r')
+        return io_fail_at(model, end, r->error,
+                          "no ENDDATA, and the last line has no end: the file is cut short most "
+                          "likely (if it is whole, add ENDDATA or a line end)");
+    status = read_grids(r);
+    if (!status)
+        status = walk(r, "CRMP", read_element);
+    if (!status)
+        hold_ranges(r);
+    for (int64_t i = 0; i < r->n_pieces && !status; i++)
+        status = read_names(r, r->piece[i]);
+    return status;
 }
 
 static int nastran_read(io_model *model, planish_error *error) {
@@ -573,28 +651,14 @@ static int nastran_read(io_model *model, planish_error *error) {
     if (find_line(r.bulk, "BEGIN", &after) < end)
         r.bulk.at = after;
     r.bulk.end = find_line(r.bulk, "ENDDATA", &after);
-    int status = walk(&r, "GIB= \t", count_card);
-    if (status)
-        return status;
-    if (r.n_grids == 0)
-        return io_fail_at(model, r.bulk.end, error,
-                          "there is no GRID: this is no Nastran mesh, or it is cut short");
-    /* Programs end their files with ENDDATA, or the last line at least. Without either a card may
-     * be incomplete that looks whole. */
-    if (r.bulk.end == end && end[-1] != '\n' && end[-1] != '\r')
-        return io_fail_at(model, end, error,
-                          "no ENDDATA, and the last line has no end: the file is cut short most "
-                          "likely (if it is whole, add ENDDATA or a line end)");
-    status = read_grids(&r);
+    int status = find_pieces(&r, r.bulk, 0);
     if (!status)
-        status = walk(&r, "CRMP", read_element);
-    if (!status) {
-        hold_ranges(&r);
-        status = read_names(&r);
-    }
+        status = read_pieces(&r);
     for (int dim = 1; dim <= 3; dim++)
         io_reduce_cell_numbers(io_model_cells(model, dim));
     pl_free(r.range);
+    pl_free(r.piece);
+    io_include_close(model);
     return status;
 }
 

@@ -1,0 +1,93 @@
+/* include: files that a mesh file names. */
+#include "io/core/include.h"
+
+#include "io/core/bytes.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "base/system.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifndef PATH_MAX
+#define PATH_MAX 4096
+#endif
+
+/** Make the path of the file: name from the folder of the input. Returns 0 if it is too long. */
+static int join(const io_model *model, io_slice name, char path[PATH_MAX]) {
+    const char *base = model->input.path;
+    const int folder = (int)(pl_path_name(base) - base);
+    const int length =
+        snprintf(path, PATH_MAX, "%.*s%.*s", folder, base, (int)io_slice_length(name), name.begin);
+    for (char *c = path + folder; *c; c++)
+        *c = *c == '\\' ? '/' : *c; /* as files of Windows have it */
+    return length > 0 && length < PATH_MAX;
+}
+
+/** Return whether path, without links, is in the folder of the input or below; 1 where there is no
+ *  such file. */
+static int is_below(const io_model *model, const char *path) {
+    char *own = pl_path_resolve(model->input.path), *other = pl_path_resolve(path);
+    const size_t folder = own ? (size_t)(pl_path_name(own) - own) : 0;
+    const int is = !other || (own && strncmp(own, other, folder) == 0);
+    free(own);
+    free(other);
+    return is;
+}
+
+int io_include_open(io_model *model, const char *at, io_slice name, io_cursor *content,
+                    planish_error *error) {
+    char path[PATH_MAX];
+    int64_t n = model->n_included;
+    io_bytes file;
+    if (io_slice_length(name) == 0)
+        return io_fail_at(model, at, error, "the name of the included file is missing");
+    if (!join(model, name, path) || pl_path_is_absolute(name.begin) || !is_below(model, path))
+        return io_fail_at(model, at, error,
+                          "'%.*s' is not beside this file or below its folder; copy it there, or "
+                          "put its lines in place of this one",
+                          IO_QUOTED(name));
+    if (n == IO_MOST_INCLUDED)
+        return io_fail_at(model, at, error,
+                          "more than %d files are included, or one includes itself",
+                          IO_MOST_INCLUDED);
+    const int status = io_bytes_open(path, model->largest_copy, &file, error);
+    if (status)
+        return status;
+    if (!pl_append(&model->included, &n, &model->included_capacity, &file, sizeof file)) {
+        io_bytes_close(&file);
+        return pl_fail_memory(error, path);
+    }
+    model->n_included = (int)n;
+    *content = io_begin_text(file.data, file.size);
+    return PLANISH_OK;
+}
+
+int io_include_has(const io_model *model, const char *at) {
+    const uintptr_t place = (uintptr_t)at;
+    for (int i = 0; i < model->n_included; i++) {
+        const uintptr_t begin = (uintptr_t)model->included[i].data;
+        if (place >= begin && place <= begin + (uintptr_t)model->included[i].size)
+            return 1;
+    }
+    return 0;
+}
+
+int io_include_fail_node(const io_model *model, const char *at, planish_error *error) {
+    return io_fail_at(model, at, error,
+                      "this file, which %s includes, has nodes: smooth this file instead, with all "
+                      "nodes and elements of the mesh in it",
+                      model->input.path);
+}
+
+void io_include_close(io_model *model) {
+    for (int i = 0; i < model->n_included; i++)
+        io_bytes_close(&model->included[i]);
+    pl_free(model->included);
+    model->included = NULL;
+    model->n_included = 0;
+    model->included_capacity = 0;
+}
