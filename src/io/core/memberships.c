@@ -34,6 +34,11 @@ int io_memberships_counted(io_memberships *m, planish_error *error) {
     return m->list ? PLANISH_OK : pl_fail_memory(error, "the sets of the file");
 }
 
+void io_memberships_renumber(io_memberships *m, const int32_t *number) {
+    for (int64_t i = 0; i < m->start[m->n]; i++)
+        m->list[i] = number[m->list[i] - 1];
+}
+
 int io_memberships_entities(const io_memberships *m, io_model *model, int dim, int64_t first,
                             int64_t n, const int32_t *region, int32_t *entity,
                             planish_error *error) {

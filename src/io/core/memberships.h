@@ -1,6 +1,7 @@
 /* memberships: which sets each of many things is in, and the entities of the model that come of it.
  *
  *   io_memberships_begin, _add, _counted, _destroy   make the lists
+ *   io_memberships_renumber                          give sets other numbers
  *   io_memberships_entities, _of_nodes               make entities of them
  *
  * Every set says twice what is in it: the first time that is counted, the second time listed. The
@@ -29,6 +30,9 @@ void io_memberships_add(io_memberships *memberships, int64_t thing, int32_t tag)
 
 /** Note that all have been counted: next they are to be listed. */
 int io_memberships_counted(io_memberships *memberships, planish_error *error);
+
+/** Replace the tag k of each set by number[k - 1], once all have been listed. */
+void io_memberships_renumber(io_memberships *memberships, const int32_t *number);
 
 /** Find the entities of n things from first on, made if new: entity [n], which the caller has
  * allocated (for cells: by io_cells_reserve, with_entity). Their physical tags are the sets of the
