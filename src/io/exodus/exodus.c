@@ -20,12 +20,8 @@ exodus_name exodus_name_of(const char *kind, int64_t k) {
     return name;
 }
 
-int exodus_take_node(exodus_reader *r, const char *name, const io_hdf5_integers *list, int64_t i,
-                     int32_t *node, planish_error *error) {
-    const int64_t place = io_hdf5_integer(list, i);
-    *node = (int32_t)(place - 1);
-    if (place >= 1 && place <= r->model->n_nodes)
-        return PLANISH_OK;
+int exodus_fail_node(exodus_reader *r, const char *name, int64_t i, int64_t place,
+                     planish_error *error) {
     return error ? netcdf_fail(r->file, name,
                                "number %lld of the list: node %lld is not in 1 .. %lld",
                                (long long)i + 1, (long long)place, (long long)r->model->n_nodes)

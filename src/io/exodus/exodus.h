@@ -1,7 +1,7 @@
 /* exodus: what the parts of the reader of Exodus II files share; for exodus*.c only.
  *
  *   exodus_reader, exodus_block    a file while it is read, and its blocks of elements
- *   exodus_take_node               numbers of nodes (exodus.c)
+ *   exodus_take_node, _fail_node   numbers of nodes (exodus.c)
  *   exodus_labels_...              numbers and names of blocks and sets (exodus.c)
  *   exodus_read_blocks             elements (exodus_blocks.c)
  *   exodus_read_sets               node sets and side sets (exodus_sets.c)
@@ -41,9 +41,18 @@ typedef struct exodus_name {
 /** Return the name of variable k (from 0) of a kind: connect1, connect2, ... */
 exodus_name exodus_name_of(const char *kind, int64_t k);
 
+/** Fail as exodus_take_node does. */
+int exodus_fail_node(exodus_reader *r, const char *name, int64_t i, int64_t place,
+                     planish_error *error);
+
 /** Take number i of a list: the index of a node. Fails as a reader of records does. */
-int exodus_take_node(exodus_reader *r, const char *name, const io_hdf5_integers *list, int64_t i,
-                     int32_t *node, planish_error *error);
+static inline int exodus_take_node(exodus_reader *r, const char *name, const io_hdf5_integers *list,
+                                   int64_t i, int32_t *node, planish_error *error) {
+    const int64_t place = io_hdf5_integer(list, i);
+    *node = (int32_t)(place - 1);
+    return place >= 1 && place <= r->model->n_nodes ? PLANISH_OK
+                                                    : exodus_fail_node(r, name, i, place, error);
+}
 
 /** Numbers and names of blocks, or of sets of one kind. */
 typedef struct exodus_labels {

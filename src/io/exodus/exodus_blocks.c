@@ -215,7 +215,13 @@ static int read_block(exodus_reader *r, const exodus_labels *labels, int64_t k) 
                                         begins_with(name, "TRIS"));
     const io_element_treatment use = io_element_use(&w.type);
     w.cell_type = io_element_other(&w.type);
-    if (use == IO_REFUSE) {
+    if (begins_with(name, "BEX")) {
+        status =
+            netcdf_fail(r->file, w.name.text,
+                        "elements of type %s (Bezier extraction) are not read: their nodes are "
+                        "those of a spline",
+                        name);
+    } else if (use == IO_REFUSE) {
         status = netcdf_fail(r->file, w.name.text, "type %s of %lld nodes: " IO_OF_THIRD_ORDER,
                              name, (long long)w.width);
     } else if (w.nodes.n > 0 && (use == IO_KEEP || w.cell_type)) {
