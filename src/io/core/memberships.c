@@ -37,6 +37,7 @@ int io_memberships_counted(io_memberships *m, planish_error *error) {
 void io_memberships_renumber(io_memberships *m, const int32_t *number) {
     for (int64_t i = 0; i < m->start[m->n]; i++)
         m->list[i] = number[m->list[i] - 1];
+    m->is_renumbered = 1;
 }
 
 int io_memberships_entities(const io_memberships *m, io_model *model, int dim, int64_t first,
@@ -46,7 +47,8 @@ int io_memberships_entities(const io_memberships *m, io_model *model, int dim, i
     for (int64_t i = 0; i < n; i++) {
         const int64_t begin = m->start[first + i];
         const int n_sets = (int)(m->start[first + i + 1] - begin);
-        const int32_t *list = m->list + begin, tag = region ? region[i] + 1 : 0;
+        const int32_t *list = m->list + begin, first_set = m->is_renumbered && n_sets ? *list : 0;
+        const int32_t tag = region ? region[i] + 1 : first_set;
         const io_entity *e = last >= 0 ? &model->entity[last] : NULL;
         entity[i] = -1;
         if (dim == 0 && n_sets == 0)

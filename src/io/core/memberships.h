@@ -19,6 +19,7 @@ typedef struct io_memberships {
     int32_t *list;
     int32_t *last; /* [n] the set that had the thing last, or 0 */
     int is_counted;
+    int is_renumbered;
 } io_memberships;
 
 /** Begin the lists of n things. To be destroyed in any case. */
@@ -36,8 +37,8 @@ void io_memberships_renumber(io_memberships *memberships, const int32_t *number)
 
 /** Find the entities of n things from first on, made if new: entity [n], which the caller has
  * allocated (for cells: by io_cells_reserve, with_entity). Their physical tags are the sets of the
- * thing, their tag is 1 + region [n], or 0 where region is NULL. With dim 0 a thing in no set has
- * none (-1). */
+ * thing, their tag is 1 + region [n], or 0 where region is NULL (renumbered: the number of the first
+ * set). With dim 0 a thing in no set has none (-1). */
 int io_memberships_entities(const io_memberships *memberships, io_model *model, int dim,
                             int64_t first, int64_t n, const int32_t *region, int32_t *entity,
                             planish_error *error);

@@ -264,11 +264,27 @@ static int hold_faces(exodus_reader *r) {
     return status;
 }
 
+/** Check that no two blocks have the same number: they would be one region. */
+static int check_numbers(exodus_reader *r, const exodus_labels *labels) {
+    io_numbers *table = NULL;
+    int64_t *number = pl_alloc(labels->n, sizeof *number);
+    for (int64_t k = 0; number && k < labels->n; k++)
+        number[k] = labels->number[k];
+    const int status = number ? io_numbers_create(r->model->input.path, "element block", number,
+                                                  labels->n, &table, r->error)
+                              : pl_fail_memory(r->error, "the blocks of elements");
+    io_numbers_destroy(table);
+    pl_free(number);
+    return status;
+}
+
 int exodus_read_blocks(exodus_reader *r) {
     static const char map[] = "elem_num_map";
     exodus_labels labels;
     r->model->node_order = node_order;
     int status = exodus_labels_read(r, "eb_prop1", "eb_names", &labels);
+    if (!status)
+        status = check_numbers(r, &labels);
     if (!status)
         status = netcdf_integers_read(r->file, map, &r->numbers);
     for (int64_t k = 0; k < labels.n && !status; k++)

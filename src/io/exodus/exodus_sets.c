@@ -242,7 +242,8 @@ static int make_facets(sets *s) {
              end++)
             if (end == i || s->side[end].set != s->side[end - 1].set)
                 number[n++] = s->sides.number[s->side[end].set];
-        const int32_t entity = io_model_entity(r->model, s->dim - 1, 0, n, number, r->error);
+        const int32_t entity =
+            io_model_entity(r->model, s->dim - 1, number[0], n, number, r->error);
         status = entity < 0 ? entity : make_facet(s, first, entity);
     }
     pl_free(number);
