@@ -39,6 +39,7 @@ const test_data_file test_data_files[] = {
     {"square.stl", "stl", 1},
     {"square.obj", "obj", 1},
     {"square.ply", "ply", 0},
+    {"cube.exo", "exodus", 1},
     {NULL, NULL, 0},
 };
 
