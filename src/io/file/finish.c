@@ -312,33 +312,14 @@ static int find_plain(io_model *model, int list, int solid_dim, planish_error *e
 
 /* ---- the mesh ------------------------------------------------------------------------------- */
 
-/** Let the cells of dimension dim hold their nodes, mids among them, for reason. */
-static void hold_nodes(io_model *model, int dim, uint8_t reason) {
-    const io_cells *cells = io_model_cells(model, dim);
-    for (int64_t i = 0; i < (dim + 1) * io_cells_telling(cells); i++)
-        model->hold[cells->nodes[i]] |= reason;
-    for (int64_t i = 0; cells->mid && i < io_n_mids(dim) * io_cells_telling(cells); i++)
-        if (cells->mid[i] >= 0)
-            model->hold[cells->mid[i]] |= reason;
-}
-
-/** Let others hold their nodes, but (but_smoothed) those whose nodes may move. */
-static void hold_others(io_model *model, const io_others *others, int but_smoothed,
-                        uint8_t reason) {
+/** Let other solid elements hold their nodes, but those whose nodes may move. */
+static void hold_others(io_model *model, const io_others *others) {
     for (int64_t i = 0; i < io_others_telling(others); i++) {
-        if (but_smoothed && io_cell_type_is_smoothed(others->type[i]))
+        if (io_cell_type_is_smoothed(others->type[i]))
             continue;
         for (int64_t k = others->offset[i]; k < others->offset[i + 1]; k++)
             if (others->node[k] >= 0)
-                model->hold[others->node[k]] |= reason;
-    }
-}
-
-void io_model_hold_lower(io_model *model, int dim) {
-    hold_nodes(model, 1, IO_HELD_BY_LINE);
-    if (dim == 3) {
-        hold_nodes(model, 2, IO_HELD_BY_FACE);
-        hold_others(model, &model->flat, 0, IO_HELD_BY_FACE);
+                model->hold[others->node[k]] |= IO_HELD_BY_OTHER;
     }
 }
 
@@ -414,6 +395,6 @@ int io_model_finish(io_model *model, const io_format *format, planish_error *err
                        "%s: solid elements in two dimensions; a third coordinate is missing",
                        model->input.path);
     model->n_lower += model->triangle.n + model->flat.n;
-    hold_others(model, &model->solid, 1, IO_HELD_BY_OTHER);
+    hold_others(model, &model->solid);
     return finish_space(model);
 }
