@@ -1,6 +1,6 @@
 /* Exodus: what is read, held and refused, sets and names, data, and what is written; in netCDF of
  * every kind. */
-#include "io/core/binary.h"
+#include "support/effort.h"
 #include "support/files.h"
 #include "support/netcdf_builder.h"
 #include "support/rewriting.h"
@@ -325,13 +325,14 @@ static void other_files_are_refused(void **state) {
 /** Put other bytes at every place of the header of a classic file, and read it. */
 static void no_header_breaks_it(void **state) {
     static const char bytes[] = {0, 1, 0x7f, (char)0x80, (char)0xff};
+    const int step = effort_step(3);
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
         netcdf_builder n;
         put_mesh(&n, kind ? 5 : 1, 0, NETCDF_AS_DOUBLE);
         file_builder b = netcdf_end_file(&n);
         int64_t n_refused = 0, n_header = b.size - 400;
-        for (int64_t i = 4; i < n_header; i++)
+        for (int64_t i = 4; i < n_header; i += step)
             for (size_t k = 0; k < sizeof bytes; k++) {
                 const char kept = b.data[i];
                 planish_file *file;
@@ -344,7 +345,7 @@ static void no_header_breaks_it(void **state) {
                 planish_file_close(file);
                 b.data[i] = kept;
             }
-        assert_true(n_refused > n_header / 2);
+        assert_true(n_refused > n_header / 2 / step);
         builder_release(&b);
     }
 }

@@ -4,8 +4,9 @@
  *   io_memberships_renumber                          give sets other numbers
  *   io_memberships_entities, _of_nodes               make entities of them
  *
- * Every set says twice what is in it: the first time that is counted, the second time listed. The
- * model owns what comes of it.
+ * Every set says twice what is in it: the first time that is counted, the second time listed. If it
+ * says something else the second time, as its file has changed, the lists are wrong, but no memory
+ * is. The model owns what comes of it.
  */
 #ifndef PL_IO_CORE_MEMBERSHIPS_H
 #define PL_IO_CORE_MEMBERSHIPS_H
