@@ -96,7 +96,7 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
     io_model *model = w->r->model;
     const exodus_block *block = w->block;
     const int dim = block->dim, width = (int)w->width;
-    io_cells *cells = w->cell_type ? NULL : io_model_cells(model, dim);
+    io_cells *cells = io_model_cells(model, dim);
     int status = PLANISH_OK;
     (void)cursor;
     for (int64_t i = begin; i < end && !status; i++) {
@@ -137,6 +137,8 @@ static int hold_nodes(void *context, io_cursor *cursor, int64_t begin, int64_t e
 /** Let n records of the list of nodes be read, by several threads. */
 static int read_records(block_walk *w, int64_t n, int64_t width, io_records_fn *read) {
     const int64_t size = width * w->nodes.size;
+    if (n == 0)
+        return PLANISH_OK;
     io_cursor cursor = {w->nodes.data, w->nodes.data + n * size};
     return io_binary_records(w->r->model->threads, &cursor, n, size, read, w, w->r->error);
 }
@@ -145,27 +147,26 @@ static int read_records(block_walk *w, int64_t n, int64_t width, io_records_fn *
 static int store_elements(block_walk *w, int32_t entity) {
     io_model *model = w->r->model;
     exodus_block *block = w->block;
-    const int dim = block->dim;
-    io_cells *cells = w->cell_type ? NULL : io_model_cells(model, dim);
-    io_others *others = w->cell_type ? io_model_others(model, dim) : NULL;
-    int status = cells ? io_cells_reserve(model, dim, block->n, 1, 1, w->r->error)
-                       : io_others_reserve(model, dim, block->n, w->nodes.n, 1, w->r->error);
-    if (!status && cells && w->width > dim + 1)
+    const int dim = block->dim, is_other = w->cell_type != 0;
+    io_cells *cells = io_model_cells(model, dim);
+    io_others *others = io_model_others(model, dim);
+    int status = is_other ? io_others_reserve(model, dim, block->n, w->nodes.n, 1, w->r->error)
+                          : io_cells_reserve(model, dim, block->n, 1, 1, w->r->error);
+    if (!status && !is_other && w->width > dim + 1)
         status = io_cells_reserve_mids(model, dim, w->r->error);
     if (status)
         return status;
-    block->list = cells ? dim : io_others_list(dim);
-    block->at = cells ? cells->n : others->n;
-    w->node_at = cells ? 0 : others->n_nodes;
+    block->list = is_other ? io_others_list(dim) : dim;
+    block->at = is_other ? others->n : cells->n;
+    w->node_at = others->n_nodes;
     status = read_records(w, block->n, w->width, read_elements);
-    int32_t *of = cells ? cells->entity : others->entity;
+    int32_t *of = is_other ? others->entity : cells->entity;
     for (int64_t i = 0; i < block->n && !status; i++)
         of[block->at + i] = entity;
     if (status)
         return status;
-    *(cells ? &cells->n : &others->n) += block->n;
-    if (others)
-        others->n_nodes += w->nodes.n;
+    *(is_other ? &others->n : &cells->n) += block->n;
+    others->n_nodes += is_other ? w->nodes.n : 0;
     return PLANISH_OK;
 }
 
