@@ -322,6 +322,24 @@ static void other_files_are_refused(void **state) {
     builder_release(&b);
 }
 
+/** Let a variable of a classic file begin where its values are those of another one, or the header. */
+static void shared_bytes_are_refused(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        netcdf_builder n;
+        put_mesh(&n, 1, 0, NETCDF_AS_DOUBLE);
+        file_builder b = netcdf_end_file(&n);
+        int64_t at = 0; /* of its name and rank */
+        while (at < b.size - 40 && memcmp(b.data + at, "coordx\0\0\0\0\0\1", 12) != 0)
+            at++;
+        char *place = b.data + at + 32; /* behind dimension, attributes, type and size */
+        place[3] = i ? (char)(place[3] - 8) : 0;
+        place[2] = i ? place[2] : 0;
+        builder_expect_error(&b, &io_format_exodus, "'coordx' begin within those of another one");
+        builder_release(&b);
+    }
+}
+
 /** Put other bytes at every place of the header of a classic file, and read it. */
 static void no_header_breaks_it(void **state) {
     static const char bytes[] = {0, 1, 0x7f, (char)0x80, (char)0xff};
@@ -399,6 +417,7 @@ int main(void) {
         cmocka_unit_test(wrong_values_are_refused),
         cmocka_unit_test(wrong_shapes_are_refused),
         cmocka_unit_test(other_files_are_refused),
+        cmocka_unit_test(shared_bytes_are_refused),
         cmocka_unit_test(no_header_breaks_it),
         cmocka_unit_test(nothing_breaks_it),
         cmocka_unit_test_setup_teardown(coordinates_alone_are_written, test_folder_create,

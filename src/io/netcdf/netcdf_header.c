@@ -234,34 +234,41 @@ static int64_t record_size(const netcdf_header *h) {
     return n == 1 ? plain : padded;
 }
 
-/** Check that all values are in the file, and that no more are there than it has bytes. */
-static int check_places(netcdf_header *h, planish_error *error) {
-    const int64_t size = h->model->input.size, record = record_size(h);
-    int64_t sum = 0;
+/** Check that the values of a variable stand in the file from behind on, and find where they end. */
+static int check_place(const netcdf_header *h, const netcdf_variable *v, int64_t record,
+                       int64_t *behind, planish_error *error) {
+    const int64_t size = h->model->input.size;
+    const int64_t bytes = v->n > size ? size + 1 : v->n * size_of(v->type);
     /* An unfinished file does not say how many records there are. */
-    const int64_t more = h->n_records > 1 ? h->n_records - 1 : 0;
-    for (int64_t i = 0; i < h->n_variables; i++) {
-        const netcdf_variable *v = &h->variable[i];
-        const int64_t bytes = v->n > size ? size + 1 : v->n * size_of(v->type);
-        const int64_t behind = v->is_record && more > 0 && record > size / more
-                                   ? size + 1
-                                   : (v->is_record ? more * record : 0);
-        if (v->is_record && h->n_records <= 0)
-            continue;
-        sum += v->is_record ? 0 : bytes;
-        if (v->begin < 0 || bytes > size || behind > size - bytes ||
-            v->begin > size - bytes - behind)
-            return io_fail_at(h->model, h->model->input.data + size, error,
-                              "the values of variable '%.*s' are not all in the file; it is "
-                              "damaged or cut short",
-                              IO_QUOTED(v->name));
-        if (sum > size)
-            return io_fail_at(h->model, v->name.begin, error,
-                              "variables up to '%.*s' have more values than there are bytes in "
-                              "the file; it is damaged",
-                              IO_QUOTED(v->name));
-    }
+    const int64_t more = v->is_record && h->n_records > 1 ? h->n_records - 1 : 0;
+    if (v->is_record && h->n_records <= 0)
+        return PLANISH_OK;
+    if (bytes > size || (more > 0 && record > size / more) || more * record > size - bytes ||
+        v->begin > size - bytes - more * record)
+        return io_fail_at(h->model, h->model->input.data + size, error,
+                          "the values of variable '%.*s' are not all in the file; it is damaged or "
+                          "cut short",
+                          IO_QUOTED(v->name));
+    if (v->begin < *behind)
+        return io_fail_at(h->model, v->name.begin, error,
+                          "the values of variable '%.*s' begin within those of another one, or the "
+                          "header; the file is damaged",
+                          IO_QUOTED(v->name));
+    *behind = v->begin + bytes;
     return PLANISH_OK;
+}
+
+/** Check that all values are in the file, behind the header, and that no two variables share any:
+ *  they stand in the order of the variables, those of records behind the others. */
+static int check_places(const netcdf_header *h, int64_t header, planish_error *error) {
+    const int64_t record = record_size(h);
+    int64_t behind = header;
+    int status = PLANISH_OK;
+    for (int pass = 0; pass < 2; pass++)
+        for (int64_t i = 0; i < h->n_variables && !status; i++)
+            if (h->variable[i].is_record == pass)
+                status = check_place(h, &h->variable[i], record, &behind, error);
+    return status;
 }
 
 /* ---- the header ----------------------------------------------------------------------------- */
@@ -289,7 +296,7 @@ int netcdf_header_read(const io_model *model, netcdf_header *h, planish_error *e
     if (!status)
         status = read_variables(h, &w);
     if (!status)
-        status = check_places(h, error);
+        status = check_places(h, w.at.at - input->data, error);
     if (!status && h->n_variables > 0)
         qsort(h->variable, (size_t)h->n_variables, sizeof *h->variable, compare_variables);
     return status;
