@@ -185,7 +185,7 @@ typedef struct planish_data_info {
 } planish_data_info;
 
 /** Find out what array i (from 0) of the file's data is. Returns 1, or 0 where there is none: VTK's
- *  formats but HDF, and Gmsh, have data. The order is the file's. A name may occur twice, of nodes
+ *  formats but HDF, Gmsh and Exodus have data. The order is the file's. A name may occur twice, of nodes
  *  and of elements. At most 4096 arrays or parts of arrays are looked at. */
 PLANISH_API int planish_file_data_info(const planish_file *file, int64_t i,
                                        planish_data_info *info);

@@ -201,27 +201,39 @@ static void a_plane_is_read(void **state) {
     }
 }
 
-static void data_of_nodes_are_read(void **state) {
+static void data_are_read(void **state) {
     (void)state;
     for (int i = 0; i < N_KINDS; i++) {
+        static const double upper[] = {7.5, -1};
         netcdf_builder n;
-        double values[N];
+        planish_data data;
         planish_error error = {.text = ""};
         put_mesh(&n, kinds[i], 0, NETCDF_AS_DOUBLE);
-        const int is_classic = n.kind != 4;
+        netcdf_put_texts(&n, "name_elem_var", 2, (const char *const[]){"part", "heat"});
+        netcdf_put_reals(&n, "vals_elem_var1eb1", NETCDF_AS_DOUBLE, 2, 1, upper)->is_by_step = 1;
+        netcdf_put_reals(&n, "vals_elem_var2eb1", NETCDF_AS_FLOAT, 2, 1, upper)->is_by_step = 1;
+        netcdf_put_reals(&n, "vals_elem_var2eb2", NETCDF_AS_FLOAT, 2, 1, upper + 1)->is_by_step = 1;
+        netcdf_find_part(&n, "vals_elem_var2eb2")->rows = 1; /* one step, which is as good */
+        netcdf_find_part(&n, "vals_elem_var2eb2")->is_by_step = 0;
         file_builder b = netcdf_end_file(&n);
         planish_file *file = read_file(&b);
-        assert_int_equal(file->model.n_data, 1);
-        assert_string_equal(file->model.data[0].name, "size");
-        const int status =
-            io_format_exodus.read_data(&file->model, &file->model.data[0], values, &error);
-        if (is_classic || n.kind != 4) {
-            assert_int_equal(status, 0);
-            for (int k = 0; k < N; k++)
-                assert_true(values[k] == k + 1);
-        } else {
+        assert_int_equal(file->model.n_data, 4); /* size, part, and heat in two blocks */
+        const int is_read = n.kind != 4;
+        int status = planish_file_data(file, "size", &data, &error);
+        assert_int_equal(status, is_read ? PLANISH_OK : PLANISH_ERROR_FORMAT);
+        if (!is_read)
             assert_non_null(strstr(error.text, "nccopy"));
-        }
+        for (int k = 0; k < N && is_read; k++)
+            assert_true(data.values[k] == k + 1);
+        planish_data_free(&data);
+        status = planish_file_data(file, "heat", &data, &error);
+        assert_int_equal(status, is_read ? PLANISH_OK : PLANISH_ERROR_FORMAT);
+        assert_true(!is_read || (data.of_elements && data.n == 2 && data.values[0] == 7.5 &&
+                                 data.values[1] == -1));
+        planish_data_free(&data);
+        assert_int_equal(planish_file_data(file, "part", &data, &error), PLANISH_ERROR_FORMAT);
+        assert_true(!is_read || strstr(error.text, "values for 1 of 2 elements") != NULL);
+        assert_int_equal(planish_file_data(file, "missing", &data, &error), PLANISH_ERROR_ARGUMENT);
         planish_file_close(file);
         builder_release(&b);
     }
@@ -413,7 +425,7 @@ int main(void) {
         cmocka_unit_test(sets_are_groups),
         cmocka_unit_test(shared_nodes_are_held),
         cmocka_unit_test(a_plane_is_read),
-        cmocka_unit_test(data_of_nodes_are_read),
+        cmocka_unit_test(data_are_read),
         cmocka_unit_test(wrong_values_are_refused),
         cmocka_unit_test(wrong_shapes_are_refused),
         cmocka_unit_test(other_files_are_refused),

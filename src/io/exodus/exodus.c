@@ -1,14 +1,13 @@
 /* exodus: Exodus II files (Cubit, Sierra, MOOSE, libMesh, SEACAS) in netCDF of any kind.
  *
  * Read are the coordinates, the blocks of elements, node sets and side sets with their names, and
- * the nodes that processors share. All else (time steps, attributes, edge and face blocks) is not
- * looked at.
+ * the nodes that processors share, and, when somebody asks for them, variables of nodes and elements
+ * at the first time step. All else (attributes, edge and face blocks) is not looked at.
  */
 #include "io/exodus/exodus.h"
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "io/core/data.h"
 #include "io/core/records.h"
 
 #include <stdio.h>
@@ -155,36 +154,6 @@ static int read_nodes(exodus_reader *r) {
     return status ? status : hold_shared_nodes(r);
 }
 
-/* ---- data of nodes -------------------------------------------------------------------------- */
-
-/** Note the variables of nodes by their names: array k is vals_nod_var(k + 1). */
-static int note_data(exodus_reader *r) {
-    netcdf_texts names = {0};
-    int status = netcdf_texts_read(r->file, "name_nod_var", &names);
-    for (int64_t i = 0; i < names.n && i < IO_MOST_DATA && !status; i++) {
-        char name[512];
-        io_data data = {.name = name, .width = 1, .n = r->model->n_nodes, .begin = i};
-        netcdf_shape shape;
-        if (netcdf_text(&names, i, name, sizeof name) == 0)
-            continue;
-        status = netcdf_shape_of(r->file, exodus_name_of("vals_nod_var", i).text, &shape);
-        if (!status && shape.is_there && !io_data_find(r->model, name, 0))
-            status = io_data_note(r->model, data, r->error);
-    }
-    pl_free(names.data);
-    return status;
-}
-
-static int exodus_read_data(io_model *model, const io_data *data, double *values,
-                            planish_error *error) {
-    netcdf *file = NULL;
-    int status = netcdf_open(model, &file, error);
-    if (!status)
-        status = netcdf_values(file, exodus_name_of("vals_nod_var", data->begin).text,
-                               model->n_nodes, values);
-    return netcdf_end(file, status);
-}
-
 /* ---- the format ----------------------------------------------------------------------------- */
 
 static int exodus_read(io_model *model, planish_error *error) {
@@ -199,7 +168,7 @@ static int exodus_read(io_model *model, planish_error *error) {
     for (int dim = 1; dim <= 3 && !status; dim++)
         io_reduce_cell_numbers(io_model_cells(model, dim));
     if (!status)
-        status = note_data(&r);
+        status = exodus_note_data(&r);
     netcdf_integers_release(&r.numbers);
     pl_free(r.block);
     return netcdf_end(r.file, status);

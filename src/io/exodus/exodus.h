@@ -5,6 +5,7 @@
  *   exodus_labels_...              numbers and names of blocks and sets (exodus.c)
  *   exodus_read_blocks             elements (exodus_blocks.c)
  *   exodus_read_sets               node sets and side sets (exodus_sets.c)
+ *   exodus_note_data, _read_data   variables (exodus_data.c)
  *
  * Blocks, sets, elements and nodes have a place, from 1, by which the file refers to them, and a
  * number ("id") for people.
@@ -74,5 +75,11 @@ int exodus_read_blocks(exodus_reader *r);
 
 /** Read node sets and side sets, after the elements. */
 int exodus_read_sets(exodus_reader *r);
+
+/** Note the variables of nodes and elements, after all else. */
+int exodus_note_data(exodus_reader *r);
+
+/** Read the values of a variable at the first time step: for io_format. */
+int exodus_read_data(io_model *model, const io_data *data, double *values, planish_error *error);
 
 #endif
