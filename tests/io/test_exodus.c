@@ -334,6 +334,25 @@ static void other_files_are_refused(void **state) {
     builder_release(&b);
 }
 
+static void missing_variables_are_refused(void **state) {
+    (void)state;
+    for (int i = 0; i < N_KINDS; i++) {
+        netcdf_builder n;
+        put_mesh(&n, kinds[i], 0, NETCDF_AS_DOUBLE);
+        netcdf_put_dimension(&n, "num_dim", 3);
+        strcpy(netcdf_find_part(&n, "coordz")->name, "other");
+        file_builder without = netcdf_end_file(&n);
+        builder_expect_error(&without, &io_format_exodus,
+                             "2 coordinates of each node, and the file");
+        builder_release(&without);
+        put_mesh(&n, kinds[i], 0, NETCDF_AS_DOUBLE);
+        netcdf_put_dimension(&n, "num_el_in_blk5", 3);
+        file_builder b = netcdf_end_file(&n);
+        builder_expect_error(&b, &io_format_exodus, "connect5: the nodes of 3 elements");
+        builder_release(&b);
+    }
+}
+
 /** Let a variable of a classic file begin where its values are those of another one, or the header. */
 static void shared_bytes_are_refused(void **state) {
     (void)state;
@@ -429,6 +448,7 @@ int main(void) {
         cmocka_unit_test(wrong_values_are_refused),
         cmocka_unit_test(wrong_shapes_are_refused),
         cmocka_unit_test(other_files_are_refused),
+        cmocka_unit_test(missing_variables_are_refused),
         cmocka_unit_test(shared_bytes_are_refused),
         cmocka_unit_test(no_header_breaks_it),
         cmocka_unit_test(nothing_breaks_it),

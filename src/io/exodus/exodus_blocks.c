@@ -189,8 +189,13 @@ static int find_size(block_walk *w, int64_t k) {
     } else if (nodes.is_there) {
         w->block->n = nodes.n;
         w->width = 1;
-    } else { /* it may be empty */
-        status = netcdf_dimension(r->file, exodus_name_of("num_el_in_blk", k).text, &w->block->n);
+    } else { /* it must be empty */
+        int64_t n = 0;
+        status = netcdf_dimension(r->file, exodus_name_of("num_el_in_blk", k).text, &n);
+        if (!status && n > 0)
+            status = netcdf_fail(r->file, w->name.text,
+                                 "the nodes of %lld elements are missing; the file may be damaged",
+                                 (long long)n);
     }
     if (!status && (w->block->n < 0 || w->block->n > INT32_MAX - r->n_elements))
         return netcdf_fail(r->file, w->name.text,
