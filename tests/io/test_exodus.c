@@ -204,17 +204,15 @@ static void a_plane_is_read(void **state) {
 static void data_are_read(void **state) {
     (void)state;
     for (int i = 0; i < N_KINDS; i++) {
-        static const double upper[] = {7.5, -1};
+        static const double heat[] = {7.5, -1, 0}; /* at two steps of each block */
         netcdf_builder n;
         planish_data data;
         planish_error error = {.text = ""};
         put_mesh(&n, kinds[i], 0, NETCDF_AS_DOUBLE);
         netcdf_put_texts(&n, "name_elem_var", 2, (const char *const[]){"part", "heat"});
-        netcdf_put_reals(&n, "vals_elem_var1eb1", NETCDF_AS_DOUBLE, 2, 1, upper)->is_by_step = 1;
-        netcdf_put_reals(&n, "vals_elem_var2eb1", NETCDF_AS_FLOAT, 2, 1, upper)->is_by_step = 1;
-        netcdf_put_reals(&n, "vals_elem_var2eb2", NETCDF_AS_FLOAT, 2, 1, upper + 1)->is_by_step = 1;
-        netcdf_find_part(&n, "vals_elem_var2eb2")->rows = 1; /* one step, which is as good */
-        netcdf_find_part(&n, "vals_elem_var2eb2")->is_by_step = 0;
+        netcdf_put_reals(&n, "vals_elem_var1eb1", NETCDF_AS_DOUBLE, 2, 1, heat)->is_by_step = 1;
+        netcdf_put_reals(&n, "vals_elem_var2eb1", NETCDF_AS_FLOAT, 2, 1, heat)->is_by_step = 1;
+        netcdf_put_reals(&n, "vals_elem_var2eb2", NETCDF_AS_FLOAT, 2, 1, heat + 1)->is_by_step = 1;
         file_builder b = netcdf_end_file(&n);
         planish_file *file = read_file(&b);
         assert_int_equal(file->model.n_data, 4); /* size, part, and heat in two blocks */
