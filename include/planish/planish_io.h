@@ -11,13 +11,13 @@
  *     min_volumes, get_parametric                   minimum volumes of groups; nodes on curves
  *     element_number, node_number, element_region   how the file calls an element or node
  *     can_write, check_output, write                write the file with the new coordinates
- *     can_convert, convert                          write a .vtu or .vtk file to look at
+ *     can_convert, convert, target                  write the mesh in another format
  *
  * planish_sol_read reads the sizes that Medit has beside its meshes, planish_data_free frees data.
  *
  * Formats: Gmsh, Medit, VTK (legacy, XML, HDF), TetGen, Netgen, Abaqus, Nastran, CGNS, MED, PETSc's
- * DMPlex, OFF, STL, OBJ, PLY and MFEM; see docs/formats.md. Calls on different files may run at the same time, but of
- * files in HDF5 (CGNS, MED, VTKHDF, DMPlex) one at a time, unless the HDF5 library is built for
+ * DMPlex, OFF, STL, OBJ, PLY, MFEM and Exodus; see docs/formats.md. Calls on different files may run at the same time, but of
+ * files in HDF5 (CGNS, MED, VTKHDF, DMPlex, Exodus) one at a time, unless the HDF5 library is built for
  * threads. Error convention as in planish.h; the text says file, line or byte, and what to do.
  * Functions that cannot fail return 0, NULL or -1 where the file or path is NULL.
  */
@@ -185,7 +185,7 @@ typedef struct planish_data_info {
 } planish_data_info;
 
 /** Find out what array i (from 0) of the file's data is. Returns 1, or 0 where there is none: VTK's
- *  formats but HDF, and Gmsh, have data. The order is the file's. A name may occur twice, of nodes
+ *  formats but HDF, Gmsh and Exodus have data. The order is the file's. A name may occur twice, of nodes
  *  and of elements. At most 4096 arrays or parts of arrays are looked at. */
 PLANISH_API int planish_file_data_info(const planish_file *file, int64_t i,
                                        planish_data_info *info);

@@ -16,7 +16,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 MOST = 4  # modules of a circle
 
 # Formats of mesh files have a folder each.
-FORMATS = sorted(set(os.listdir(os.path.join(ROOT, "src", "io"))) - {"core", "hdf5", "view", "file"})
+FORMATS = sorted(set(os.listdir(os.path.join(ROOT, "src", "io"))) - {"core", "hdf5", "netcdf", "view", "file"})
 
 # What each folder may know beside itself and what its neighbours below know.
 KNOWS = {
@@ -34,8 +34,9 @@ KNOWS = {
     "src/api": ["src/improve", "src/shape", "src/surface", "src/fit"],
     "src/io/core": ["src/base"],
     "src/io/hdf5": ["src/io/core"],
+    "src/io/netcdf": ["src/io/hdf5"],
     "src/io/view": ["src/io/core"],
-    **{"src/io/" + name: ["src/io/view", "src/io/hdf5"] for name in FORMATS},
+    **{"src/io/" + name: ["src/io/view", "src/io/netcdf"] for name in FORMATS},
     "src/io/file": ["src/io/" + name for name in FORMATS],
     "tools/terminal": ["src/base"],
     "tools/options": ["tools/terminal"],

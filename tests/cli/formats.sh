@@ -9,7 +9,7 @@ cp "$data"/*.* .
 for file in ascii22.msh binary22.msh ascii41.msh binary41.msh medit.mesh ascii.vtk binary.vtk \
     ascii.vtu base64.vtu raw.vtu zlib.vtu medit.meshb netgen.vol abaqus.inp nastran.bdf \
     nastran_long.bdf cube.med cube.vtkhdf cube.h5 cube.cgns tetgen.node square.msh square.off \
-    square.obj square.ply square.stl cube.mfem; do
+    square.obj square.ply square.stl cube.mfem cube.exo; do
     ! lacks $file || continue
     out=smooth.${file##*.}
     expect_status 0 "$program" smooth $file -o "$out" --json $file.json -q
@@ -27,7 +27,7 @@ old, new = open(name, "rb").read(), open(out, "rb").read()
 assert old != new
 if name in ("base64.vtu", "zlib.vtu"):  # tests/io/test_vtu.c, tests/cli/vtu.sh
     assert name == "zlib.vtu" or len(old) == len(new)
-elif name.startswith(("binary", "raw")) or name.endswith((".meshb", ".med", ".cgns", ".vtkhdf", ".h5")):
+elif name.startswith(("binary", "raw")) or name.endswith((".meshb", ".med", ".cgns", ".vtkhdf", ".h5", ".exo")):
     changed = [i for i in range(len(old)) if old[i] != new[i]]
     assert len(old) == len(new) and len(changed) <= 24 * report["moved_nodes"]
 elif name == "ascii.vtu":  # two points a line

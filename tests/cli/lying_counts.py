@@ -28,7 +28,8 @@ TEXT = ["0", "-1", "3", "2147483647", "2147483648", "-2147483648", "4294967295",
 WORDS = {4: [0, 1, 2**31 - 1, 2**31, 2**32 - 1, 2**30, 715827883, 357913942],
          8: [2**31, 2**32, 2**32 + 1, 2**63 - 1, 2**63, 2**64 - 1, 10**18, 2**61, 768614336404564651]}
 NUMBER = re.compile(rb"(?<![\w.+-])-?\d+(?![\w.])")
-BIG_ENDIAN = {"version3.meshb", "binary.vtk", "offsets.vtk", "binary.off", "big.ply"}
+BIG_ENDIAN = {"version3.meshb", "binary.vtk", "offsets.vtk", "binary.off", "big.ply",
+              "classic.exo", "offsets.exo", "wide.exo"}
 
 
 def lies(name, data):

@@ -6,6 +6,8 @@ import base64
 import struct
 import zlib
 
+import exodus_mesh
+
 POINTS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)]
 TETRAHEDRA = [(1, 2, 3, 4), (2, 3, 4, 5)]
 TRIANGLE = (1, 2, 3)
@@ -233,6 +235,14 @@ def mfem():
             "\nboundary\n1\n" + lines([(7, 2, *(i - 1 for i in TRIANGLE))]) + "\nvertices\n5\n3\n" + lines(POINTS)).encode()
 
 
+def exodus(version):
+    file = exodus_mesh.File(POINTS, version)
+    file.put_blocks([(4, "body", "TETRA", TETRAHEDRA), (7, "", "SHELL", [TRIANGLE])])
+    file.put_sets("ns", [(1, "ends", [1, 5])])
+    file.put_sets("ss", [(2, "base", [(1, 4), (2, 2)])])
+    return file.classic()
+
+
 def meshes():
     return {
         "gmsh22.msh": gmsh22(), "gmsh22_binary.msh": gmsh22_binary(), "gmsh41.msh": gmsh41(),
@@ -243,6 +253,7 @@ def meshes():
         "nastran.bdf": nastran(), "plain.mfem": mfem(), "ascii.off": off(), "binary.off": off_binary(),
         "ascii.stl": stl(), "binary.stl": stl_binary(), "plain.obj": obj(), "ascii.ply": ply("ascii"),
         "little.ply": ply("binary_little_endian", "<"), "big.ply": ply("binary_big_endian", ">"),
+        "classic.exo": exodus(1), "offsets.exo": exodus(2), "wide.exo": exodus(5),
         "tetgen.node": ("5 3 0 1\n" + numbered((*p, 0) for p in POINTS)).encode(),
         "tetgen.ele": ("2 4 1\n" + numbered((*t, 4) for t in TETRAHEDRA)).encode(),
         "tetgen.face": ("1 1\n" + numbered([(*TRIANGLE, 7)])).encode(),

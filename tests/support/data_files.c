@@ -40,6 +40,7 @@ const test_data_file test_data_files[] = {
     {"square.obj", "obj", 1},
     {"square.ply", "ply", 0},
     {"cube.mfem", "mfem", 1},
+    {"cube.exo", "exodus", 1},
     {NULL, NULL, 0},
 };
 

@@ -89,13 +89,15 @@ static void put_man(void) {
            "command.\n.SH OPTIONS\n");
     for (unsigned n_commands = 4; n_commands > 0; n_commands--) /* what most have comes first */
         for (unsigned commands = 1; commands <= PL_COMMANDS_ALL; commands++)
-            if ((commands & 1) + (commands >> 1 & 1) + (commands >> 2 & 1) + (commands >> 3 & 1) == n_commands)
+            if ((commands & 1) + (commands >> 1 & 1) + (commands >> 2 & 1) + (commands >> 3 & 1) ==
+                n_commands)
                 put_options_of(commands);
     printf(".SH FORMATS\n");
     put_troff(pl_program_formats);
     printf(
         "\nplanish detects the format of a file by its content, then by its name, and writes the\n"
-        "format that it has read.\nIf\n.I OUT\nhas the extension of another format that\n.B planish "
+        "format that it has read.\nIf\n.I OUT\nhas the extension of another format that\n.B "
+        "planish "
         "convert\nwrites, it is converted.\n"
         ".SH EXIT STATUS\n");
     for (int i = 0; (command = pl_command_at(i)); i++) {

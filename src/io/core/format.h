@@ -77,7 +77,7 @@ typedef struct io_format {
 extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_vtu,
     io_format_vtkhdf, io_format_tetgen, io_format_netgen, io_format_abaqus, io_format_nastran,
     io_format_cgns, io_format_med, io_format_plex, io_format_off, io_format_stl, io_format_obj,
-    io_format_ply, io_format_mfem;
+    io_format_ply, io_format_mfem, io_format_exodus;
 
 /** A file that has been read. */
 struct planish_file {

@@ -19,10 +19,10 @@ void io_memberships_add(io_memberships *m, int64_t thing, int32_t tag) {
     if (m->last[thing] == tag)
         return;
     m->last[thing] = tag;
-    if (m->is_counted)
-        m->list[m->start[thing + 1]++] = tag;
-    else
+    if (!m->is_counted)
         m->start[thing + 2]++;
+    else if (m->start[thing + 1] < m->start[thing + 2]) /* else the file has changed meanwhile */
+        m->list[m->start[thing + 1]++] = tag;
 }
 
 int io_memberships_counted(io_memberships *m, planish_error *error) {
@@ -30,8 +30,14 @@ int io_memberships_counted(io_memberships *m, planish_error *error) {
         m->start[i + 2] += m->start[i + 1];
     memset(m->last, 0, (size_t)m->n * sizeof *m->last);
     m->is_counted = 1;
-    m->list = pl_alloc(m->start[m->n + 1], sizeof *m->list);
+    m->list = pl_alloc_zero(m->start[m->n + 1], sizeof *m->list);
     return m->list ? PLANISH_OK : pl_fail_memory(error, "the sets of the file");
+}
+
+void io_memberships_renumber(io_memberships *m, const int32_t *number) {
+    for (int64_t i = 0; i < m->start[m->n]; i++)
+        m->list[i] = m->list[i] > 0 ? number[m->list[i] - 1] : 0;
+    m->is_renumbered = 1;
 }
 
 int io_memberships_entities(const io_memberships *m, io_model *model, int dim, int64_t first,
@@ -41,7 +47,8 @@ int io_memberships_entities(const io_memberships *m, io_model *model, int dim, i
     for (int64_t i = 0; i < n; i++) {
         const int64_t begin = m->start[first + i];
         const int n_sets = (int)(m->start[first + i + 1] - begin);
-        const int32_t *list = m->list + begin, tag = region ? region[i] + 1 : 0;
+        const int32_t *list = m->list + begin, first_set = m->is_renumbered && n_sets ? *list : 0;
+        const int32_t tag = region ? region[i] + 1 : first_set;
         const io_entity *e = last >= 0 ? &model->entity[last] : NULL;
         entity[i] = -1;
         if (dim == 0 && n_sets == 0)

@@ -1,10 +1,12 @@
 /* memberships: which sets each of many things is in, and the entities of the model that come of it.
  *
  *   io_memberships_begin, _add, _counted, _destroy   make the lists
+ *   io_memberships_renumber                          give sets other numbers
  *   io_memberships_entities, _of_nodes               make entities of them
  *
- * Every set says twice what is in it: the first time that is counted, the second time listed. The
- * model owns what comes of it.
+ * Every set says twice what is in it: the first time that is counted, the second time listed. If it
+ * says something else the second time, as its file has changed, the lists are wrong, but no memory
+ * is. The model owns what comes of it.
  */
 #ifndef PL_IO_CORE_MEMBERSHIPS_H
 #define PL_IO_CORE_MEMBERSHIPS_H
@@ -18,6 +20,7 @@ typedef struct io_memberships {
     int32_t *list;
     int32_t *last; /* [n] the set that had the thing last, or 0 */
     int is_counted;
+    int is_renumbered;
 } io_memberships;
 
 /** Begin the lists of n things. To be destroyed in any case. */
@@ -30,10 +33,13 @@ void io_memberships_add(io_memberships *memberships, int64_t thing, int32_t tag)
 /** Note that all have been counted: next they are to be listed. */
 int io_memberships_counted(io_memberships *memberships, planish_error *error);
 
+/** Replace the tag k of each set by number[k - 1], once all have been listed. */
+void io_memberships_renumber(io_memberships *memberships, const int32_t *number);
+
 /** Find the entities of n things from first on, made if new: entity [n], which the caller has
  * allocated (for cells: by io_cells_reserve, with_entity). Their physical tags are the sets of the
- * thing, their tag is 1 + region [n], or 0 where region is NULL. With dim 0 a thing in no set has
- * none (-1). */
+ * thing, their tag is 1 + region [n], or 0 where region is NULL (renumbered: the number of the first
+ * set). With dim 0 a thing in no set has none (-1). */
 int io_memberships_entities(const io_memberships *memberships, io_model *model, int dim,
                             int64_t first, int64_t n, const int32_t *region, int32_t *entity,
                             planish_error *error);

@@ -422,6 +422,26 @@ int io_list_nodes(const io_list *list, int64_t i, int32_t *node, int *corners) {
     return n;
 }
 
+/** Let the elements of a list hold their nodes, mids among them, for reason. */
+static void hold_list(io_model *model, int number, uint8_t reason) {
+    const io_list list = io_model_list(model, number);
+    const int64_t n = list.cells ? io_cells_telling(list.cells) : io_others_telling(list.others);
+    for (int64_t i = 0; i < n; i++) {
+        int32_t node[IO_CELL_NODES];
+        const int n_nodes = io_list_nodes(&list, i, node, NULL);
+        for (int k = 0; k < n_nodes; k++)
+            model->hold[node[k]] |= reason;
+    }
+}
+
+void io_model_hold_lower(io_model *model, int dim) {
+    hold_list(model, 1, IO_HELD_BY_LINE);
+    if (dim == 3) {
+        hold_list(model, 2, IO_HELD_BY_FACE);
+        hold_list(model, IO_FLAT_LIST, IO_HELD_BY_FACE);
+    }
+}
+
 void io_others_release(io_others *o) {
     pl_free(o->type);
     pl_free(o->number);

@@ -282,7 +282,8 @@ typedef struct io_model {
     io_others flat, solid; /* of two and of three dimensions */
     const io_node_order *node_order; /* of the format, ended by a row of type 0; NULL: VTK's */
     int64_t n_other, n_lower;        /* elements that are not kept; lines, points and facets */
-    io_array *array; /* [n_arrays] arrays that may tell regions, in the file's order */
+    int lower_are_held; /* elements of lower dimension hold their nodes already, as far as they do */
+    io_array *array;    /* [n_arrays] arrays that may tell regions, in the file's order */
     int n_arrays;
     int64_t array_capacity;
     io_data *data; /* [n_data] arrays of data, in the file's order */
@@ -389,6 +390,10 @@ typedef struct io_list {
 
 /** Return the list of that number; its arrays are borrowed. */
 io_list io_model_list(const io_model *model, int list);
+
+/** Let the lines, and in a mesh of solid elements (dim 3) the facets, hold their nodes. A reader calls
+ *  it where facets that it adds later hold none (lower_are_held); else it is called in the end. */
+void io_model_hold_lower(io_model *model, int dim);
 
 /** Return the number of the list that has the other elements of a dimension, 2 or 3. */
 static inline int io_others_list(int dim) {

@@ -28,13 +28,13 @@ static const io_format *const formats[] = {
     &io_format_vtk,    &io_format_vtu,    &io_format_nastran, &io_format_gmsh,   &io_format_medit,
     &io_format_vtkhdf, &io_format_tetgen, &io_format_netgen,  &io_format_abaqus, &io_format_cgns,
     &io_format_med,    &io_format_plex,   &io_format_off,     &io_format_ply,    &io_format_stl,
-    &io_format_obj,    &io_format_mfem};
+    &io_format_obj,    &io_format_mfem,   &io_format_exodus};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 const char *const *planish_file_formats(void) {
-    static const char *const names[] = {"gmsh",   "medit",  "vtk",     "vtu",  "vtkhdf", "tetgen",
-                                        "netgen", "abaqus", "nastran", "cgns", "med",    "dmplex",
-                                        "off",    "stl",    "obj",     "ply",  "mfem",   NULL};
+    static const char *const names[] = {
+        "gmsh", "medit",  "vtk", "vtu", "vtkhdf", "tetgen", "netgen", "abaqus", "nastran", "cgns",
+        "med",  "dmplex", "off", "stl", "obj",    "ply",    "mfem",   "exodus", NULL};
     _Static_assert(sizeof names / sizeof *names == N_FORMATS + 1, "each format has its name here");
     return names;
 }
@@ -112,7 +112,7 @@ static int choose_format(planish_file *file, const char *name, planish_error *er
     if (io_is_hdf5(input->data, input->size))
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: is an HDF5 file, but neither CGNS nor MED nor VTKHDF nor PETSc's "
-                       "DMPlex, which alone are read of these",
+                       "DMPlex nor Exodus, which alone are read of these",
                        path);
     return pl_fail(error, PLANISH_ERROR_FORMAT,
                    "%s: neither content nor extension is of a known mesh format; there are %s "

@@ -12,6 +12,7 @@
  * boundary.
  */
 #include "io/core/cell_types.h"
+#include "io/core/parts.h"
 #include "io/file/file.h"
 #include "io/file/plane.h"
 
@@ -90,67 +91,12 @@ static void add_cells(void *context, int64_t begin, int64_t end, int thread) {
         find_or_add(l, corners_of(l, i), (int32_t)i);
 }
 
-/** Faces and edges of elements by their corners, of which faces have 3 or 4, and edges 2. */
-typedef struct element_parts {
-    int n_faces, n_edges;
-    int8_t face[6][MOST_CORNERS]; /* -1: none */
-    int8_t edge[12][2];
-} element_parts;
-
-/** The parts of an element of that many corners in that dimension. */
-static const element_parts *parts_of(int dim, int corners) {
-    static const element_parts triangle = {0, 3, {{0}}, {{0, 1}, {1, 2}, {2, 0}}},
-                               quadrilateral = {0, 4, {{0}}, {{0, 1}, {1, 2}, {2, 3}, {3, 0}}};
-    static const element_parts tetrahedron = {
-        4,
-        6,
-        {{0, 1, 2, -1}, {0, 1, 3, -1}, {1, 2, 3, -1}, {2, 0, 3, -1}},
-        {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
-    static const element_parts pyramid = {
-        5,
-        8,
-        {{0, 1, 2, 3}, {0, 1, 4, -1}, {1, 2, 4, -1}, {2, 3, 4, -1}, {3, 0, 4, -1}},
-        {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}};
-    static const element_parts wedge = {
-        5,
-        9,
-        {{0, 1, 2, -1}, {3, 4, 5, -1}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}},
-        {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}};
-    static const element_parts hexahedron = {
-        6,
-        12,
-        {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}},
-        {{0, 1},
-         {1, 2},
-         {2, 3},
-         {3, 0},
-         {4, 5},
-         {5, 6},
-         {6, 7},
-         {7, 4},
-         {0, 4},
-         {1, 5},
-         {2, 6},
-         {3, 7}}};
-    if (dim == 2)
-        return corners == 3 ? &triangle : &quadrilateral;
-    return corners == 4   ? &tetrahedron
-           : corners == 5 ? &pyramid
-           : corners == 6 ? &wedge
-                          : &hexahedron;
-}
-
-static int corners_of_face(const element_parts *parts, int face) {
-    return parts->face[face][3] < 0 ? 3 : 4;
-}
-
 /** Say what lies behind an edge of an element: the other corners of its faces there. */
-static uint64_t behind_edge(const element_parts *parts, const int8_t edge[2],
-                            const int32_t *element) {
+static uint64_t behind_edge(const io_parts *parts, const int8_t edge[2], const int32_t *element) {
     uint64_t behind = 0;
     for (int f = 0; f < parts->n_faces; f++) {
         uint64_t others = 0;
-        const int n = corners_of_face(parts, f);
+        const int n = io_part_corners(parts, f);
         int n_others = 0;
         for (int i = 0; i < n; i++) {
             const int corner = parts->face[f][i];
@@ -177,7 +123,7 @@ static int note_part(const listing *l, const int32_t *nodes, uint64_t behind) {
 
 /** Note the facets or edges of an element that are of the list's kind. Returns 0 if one is not listed.
  */
-static int note_element(const listing *l, const element_parts *parts, const int32_t *element) {
+static int note_element(const listing *l, const io_parts *parts, const int32_t *element) {
     const uint64_t of_facet = 2; /* of two elements */
     int32_t nodes[MOST_CORNERS];
     for (int e = 0; l->corners == 2 && e < parts->n_edges; e++) {
@@ -190,7 +136,7 @@ static int note_element(const listing *l, const element_parts *parts, const int3
     for (int f = 0; l->corners > 2 && f < parts->n_faces; f++) {
         for (int i = 0; i < l->corners; i++)
             nodes[i] = parts->face[f][i] < 0 ? -1 : element[parts->face[f][i]];
-        if (corners_of_face(parts, f) == l->corners && !note_part(l, nodes, of_facet))
+        if (io_part_corners(parts, f) == l->corners && !note_part(l, nodes, of_facet))
             return 0;
     }
     return 1;
@@ -204,25 +150,26 @@ static void note_elements(void *context, int64_t begin, int64_t end, int thread)
         int32_t node[IO_CELL_NODES];
         int corners;
         io_list_nodes(of, i >= l->solids[0].n ? i - l->solids[0].n : i, node, &corners);
-        if (!note_element(l, parts_of(of->dim, corners), node))
+        if (!note_element(l, io_parts_of(of->dim, corners), node))
             __atomic_store_n(&l->is_missing, 1, __ATOMIC_RELAXED);
     }
 }
 
 /** Count the parts of an element that are of the list's kind. */
-static int64_t count_parts_of(const listing *l, const element_parts *parts) {
+static int64_t count_parts_of(const listing *l, const io_parts *parts) {
     int64_t n = l->corners == 2 ? parts->n_edges : 0;
     for (int f = 0; l->corners > 2 && f < parts->n_faces; f++)
-        n += corners_of_face(parts, f) == l->corners;
+        n += io_part_corners(parts, f) == l->corners;
     return n;
 }
 
 /** Count the parts of all elements that are of the list's kind. */
 static int64_t count_parts(const listing *l) {
     const int dim = l->solids[0].dim;
-    int64_t n = l->solids[0].n * count_parts_of(l, parts_of(dim, dim + 1));
+    int64_t n = l->solids[0].n * count_parts_of(l, io_parts_of(dim, dim + 1));
     for (int64_t i = 0; i < l->solids[1].n; i++)
-        n += count_parts_of(l, parts_of(dim, io_cell_type_corners(l->solids[1].others->type[i])));
+        n +=
+            count_parts_of(l, io_parts_of(dim, io_cell_type_corners(l->solids[1].others->type[i])));
     return n;
 }
 
@@ -365,25 +312,14 @@ static int find_plain(io_model *model, int list, int solid_dim, planish_error *e
 
 /* ---- the mesh ------------------------------------------------------------------------------- */
 
-/** Let the cells of dimension dim hold their nodes, mids among them, for reason. */
-static void hold_nodes(io_model *model, int dim, uint8_t reason) {
-    const io_cells *cells = io_model_cells(model, dim);
-    for (int64_t i = 0; i < (dim + 1) * io_cells_telling(cells); i++)
-        model->hold[cells->nodes[i]] |= reason;
-    for (int64_t i = 0; cells->mid && i < io_n_mids(dim) * io_cells_telling(cells); i++)
-        if (cells->mid[i] >= 0)
-            model->hold[cells->mid[i]] |= reason;
-}
-
-/** Let others hold their nodes, but (but_smoothed) those whose nodes may move. */
-static void hold_others(io_model *model, const io_others *others, int but_smoothed,
-                        uint8_t reason) {
+/** Let other solid elements hold their nodes, but those whose nodes may move. */
+static void hold_others(io_model *model, const io_others *others) {
     for (int64_t i = 0; i < io_others_telling(others); i++) {
-        if (but_smoothed && io_cell_type_is_smoothed(others->type[i]))
+        if (io_cell_type_is_smoothed(others->type[i]))
             continue;
         for (int64_t k = others->offset[i]; k < others->offset[i + 1]; k++)
             if (others->node[k] >= 0)
-                model->hold[others->node[k]] |= reason;
+                model->hold[others->node[k]] |= IO_HELD_BY_OTHER;
     }
 }
 
@@ -445,7 +381,8 @@ int io_model_finish(io_model *model, const io_format *format, planish_error *err
     for (int64_t i = 0; i < model->n_nodes && n_named == model->n_nodes; i++)
         model->hold[i] &= (uint8_t)~IO_HELD_BY_POINT;
     model->n_lower += model->line.n;
-    hold_nodes(model, 1, IO_HELD_BY_LINE);
+    if (!model->lower_are_held)
+        io_model_hold_lower(model, dim);
     if (dim == 2 && io_model_n_elements(model) > 0)
         return finish_plane(model, format, error);
     if (dim == 2)
@@ -458,8 +395,6 @@ int io_model_finish(io_model *model, const io_format *format, planish_error *err
                        "%s: solid elements in two dimensions; a third coordinate is missing",
                        model->input.path);
     model->n_lower += model->triangle.n + model->flat.n;
-    hold_nodes(model, 2, IO_HELD_BY_FACE);
-    hold_others(model, &model->flat, 0, IO_HELD_BY_FACE);
-    hold_others(model, &model->solid, 1, IO_HELD_BY_OTHER);
+    hold_others(model, &model->solid);
     return finish_space(model);
 }

@@ -9,10 +9,9 @@
 #include "base/status.h"
 #include "io/core/bytes.h"
 #include "io/core/child.h"
+#include "io/core/components.h"
 #include "base/output.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Asking for the place of a chunk walks over all of them: with more the copy is amended. */
@@ -92,26 +91,8 @@ static int add_places(io_hdf5 *file, const io_hdf5_place *place, const hdf5_data
                : pl_fail_memory(file->error, "the places of coordinates");
 }
 
-static int compare_spans(const void *a, const void *b) {
-    const io_span *x = a, *y = b;
-    return x->offset < y->offset ? -1 : x->offset > y->offset;
-}
-
 int io_hdf5_coordinates_end(io_hdf5 *file) {
-    io_model *model = file->model;
-    if (model->n_spans > 0)
-        qsort(model->span, (size_t)model->n_spans, sizeof *model->span, compare_spans);
-    for (int64_t i = 1; i < model->n_spans; i++) {
-        const io_span *s = &model->span[i - 1];
-        const int size = s->encoding == IO_FLOAT32 ? 4 : 8;
-        const int64_t next = model->span[i].offset;
-        if (s->offset + (s->n_nodes - 1) * s->stride + s->n_components * size > next)
-            return io_fail_at(model, model->input.data + next, file->error,
-                              "two arrays of coordinates share bytes; the file is damaged");
-    }
-    for (int64_t i = 0; model->columns < 3 && i < model->n_nodes; i++)
-        model->xyz[3 * i + 2] = 0;
-    return PLANISH_OK;
+    return io_components_end(file->model, file->error);
 }
 
 /* ---- values ------------------------------------------------------------------------------- */
@@ -129,19 +110,15 @@ static int take_encoding(io_hdf5 *file, const char *path, hid_t type, io_span *l
 
 static int take_values(io_hdf5 *file, const io_hdf5_place *place, const io_span *like,
                        const char *data) {
-    io_model *model = file->model;
+    const int size = like->encoding == IO_FLOAT32 ? 4 : 8;
     for (int c = 0; c < place->n_components; c++) {
-        for (int64_t i = 0; i < model->n_nodes; i++) {
-            const int64_t at = c * place->component_step + i * place->node_step;
-            const double value = like->encoding == IO_FLOAT32
-                                     ? (double)io_load_f32(data + 4 * at, like->swapped)
-                                     : io_load_f64(data + 8 * at, like->swapped);
-            if (!isfinite(value))
-                return io_hdf5_fail(file, place->path.text,
-                                    "node %lld has a coordinate that is not finite",
-                                    (long long)i + 1);
-            model->xyz[3 * i + place->component + c] = value;
-        }
+        const io_strided from = {data + c * place->component_step * size, place->node_step * size,
+                                 size, like->swapped};
+        const int64_t bad = io_load_component(file->model, from, place->component + c);
+        if (bad >= 0)
+            return io_hdf5_fail(file, place->path.text,
+                                "node %lld has a coordinate that is not finite",
+                                (long long)bad + 1);
     }
     return PLANISH_OK;
 }
