@@ -16,7 +16,7 @@
  * planish_sol_read reads the sizes that Medit has beside its meshes, planish_data_free frees data.
  *
  * Formats: Gmsh, Medit, VTK (legacy, XML, HDF), TetGen, Netgen, Abaqus, Nastran, CGNS, MED, PETSc's
- * DMPlex, OFF, STL, OBJ and PLY; see docs/formats.md. Calls on different files may run at the same time, but of
+ * DMPlex, OFF, STL, OBJ, PLY, AVS UCD, SU2 and I-DEAS UNV; see docs/formats.md. Calls on different files may run at the same time, but of
  * files in HDF5 (CGNS, MED, VTKHDF, DMPlex) one at a time, unless the HDF5 library is built for
  * threads. Error convention as in planish.h; the text says file, line or byte, and what to do.
  * Functions that cannot fail return 0, NULL or -1 where the file or path is NULL.

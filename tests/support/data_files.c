@@ -39,6 +39,9 @@ const test_data_file test_data_files[] = {
     {"square.stl", "stl", 1},
     {"square.obj", "obj", 1},
     {"square.ply", "ply", 0},
+    {"cube.avs", "ucd", 1},
+    {"cube.su2", "su2", 1},
+    {"cube.unv", "unv", 1},
     {NULL, NULL, 0},
 };
 
