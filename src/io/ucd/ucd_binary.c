@@ -9,6 +9,7 @@
 #include "io/ucd/ucd.h"
 
 #include "io/core/binary.h"
+#include "io/core/bytes.h"
 #include "io/core/format.h"
 #include "io/core/records.h"
 #include "io/core/runs.h"
@@ -101,65 +102,77 @@ static int read_all_nodes(io_model *model, const binary_head *head, planish_erro
 
 /* ---- cells --------------------------------------------------------------------------------- */
 
-/** A cell: its record, and where its nodes are. */
-typedef struct binary_cell {
-    int64_t number, material, n, type;
-    const char *nodes;
-} binary_cell;
+/** Cells of one type and number of nodes that stand together, read by threads. */
+typedef struct binary_run {
+    io_run run;
+    const char *cell, *list; /* of the first */
+    int swapped, n;          /* nodes of each */
+} binary_run;
 
-/** Hold the nodes of a cell whose mids are in no known order, or which is a point. */
-static int hold_cell(io_model *model, const binary_cell *c, const int32_t *nodes) {
-    static const io_element_type other = {NULL, IO_ANY_SHAPE, 2, 0};
-    const int is_plain = c->n == ucd_types[c->type].nodes;
-    const io_element_type *row = is_plain ? &ucd_types[c->type] : &other;
-    for (int64_t k = 0; k < c->n; k++)
-        io_hold_node(model, nodes[k], io_element_reason(row));
-    io_element_count(model, row, 1);
+static int read_run(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                    planish_error *error) {
+    const binary_run *r = context;
+    const io_model *model = r->run.model;
+    for (int64_t i = begin; i < end; i++, cursor->at += CELL) {
+        int32_t nodes[UCD_MOST_NODES];
+        const char *cell = r->cell + i * CELL, *list = r->list + i * r->n * WORD;
+        const int32_t number = io_load_i32(cell, r->swapped);
+        for (int k = 0; k < r->n; k++) {
+            const int32_t node = io_load_i32(list + k * WORD, r->swapped);
+            if (node < 1 || node > model->n_nodes)
+                return io_fail_no_node(model, list + k * WORD, "cell", number, node, error);
+            nodes[k] = node - 1;
+        }
+        io_run_set(&r->run, i, nodes, io_load_i32(cell + WORD, r->swapped), number);
+    }
     return PLANISH_OK;
 }
 
-static int add_cell(io_model *model, const binary_cell *c, int swapped, planish_error *error) {
-    int32_t nodes[UCD_MOST_NODES];
-    const io_element_type *row = &ucd_types[c->type];
-    for (int64_t k = 0; k < c->n; k++) {
-        const char *at = c->nodes + k * WORD;
-        const int64_t node = io_load_i32(at, swapped);
-        if (node < 1 || node > model->n_nodes)
-            return io_fail_no_node(model, at, "cell", c->number, node, error);
-        nodes[k] = (int32_t)node - 1;
-    }
-    if (c->n != row->nodes || row->shape == IO_POINT)
-        return hold_cell(model, c, nodes);
-    const int type = io_element_other(row);
-    if (!type)
-        return io_model_add_simplex(model, io_simplex_type(io_element_dim(row), 0), nodes,
-                                    (int32_t)c->material, c->number, error);
-    io_element_count(model, row, 1);
-    return io_model_add_other(model, type, nodes, (int32_t)c->material, c->number, error);
+/** Read n cells of one type and number of nodes. Mids are in no known order. */
+static int read_cells(binary_run *r, io_model *model, int type, int64_t n, planish_error *error) {
+    const io_element_type other = {NULL, IO_ANY_SHAPE, 2, (uint16_t)r->n};
+    const int is_plain = r->n == ucd_types[type].nodes;
+    io_cursor cursor = {r->cell, io_input_end(model)};
+    int status = io_run_begin(model, is_plain ? &ucd_types[type] : &other, n, &r->run, error);
+    if (!status)
+        status = io_binary_records(model->threads, &cursor, n, CELL, read_run, r, error);
+    if (!status)
+        io_run_end(&r->run, n);
+    return status;
 }
 
 static int read_all_cells(io_model *model, const binary_head *head, planish_error *error) {
-    const char *cell = model->input.data + HEAD, *list = cell + CELL * head->n_cells;
-    const char *end = list + WORD * head->n_list;
+    binary_run r = {.cell = model->input.data + HEAD, .swapped = head->swapped};
+    const char *const last = r.cell + CELL * head->n_cells, *const end = last + WORD * head->n_list;
     int status = PLANISH_OK;
-    for (int64_t i = 0; i < head->n_cells && !status; i++, cell += CELL) {
-        const binary_cell c = {.number = io_load_i32(cell, head->swapped),
-                               .material = io_load_i32(cell + WORD, head->swapped),
-                               .n = io_load_i32(cell + 2 * WORD, head->swapped),
-                               .type = io_load_i32(cell + 3 * WORD, head->swapped),
-                               .nodes = list};
-        if (c.type < 0 || c.type >= UCD_N_BINARY_TYPES)
-            return io_fail_at(model, cell + 3 * WORD, error, "cell %lld: type %lld is unknown",
-                              (long long)c.number, (long long)c.type);
-        if (c.n < ucd_types[c.type].nodes || c.n > UCD_MOST_NODES || c.n > (end - list) / WORD)
-            return io_fail_at(model, cell + 2 * WORD, error,
-                              "cell %lld: a %s of %lld nodes, or more than the list has",
-                              (long long)c.number, ucd_types[c.type].name, (long long)c.n);
-        status = add_cell(model, &c, head->swapped, error);
-        list += WORD * c.n;
+    r.list = last;
+    while (r.cell < last && !status) {
+        const int64_t n = io_load_i32(r.cell + 2 * WORD, r.swapped);
+        const int32_t type = io_load_i32(r.cell + 3 * WORD, r.swapped);
+        if (type < 0 || type >= UCD_N_BINARY_TYPES)
+            return io_fail_at(model, r.cell + 3 * WORD, error,
+                              "a cell of type %d, which is unknown", (int)type);
+        if (n < ucd_types[type].nodes || n > UCD_MOST_NODES)
+            return io_fail_at(model, r.cell + 2 * WORD, error, "a %s cannot have %lld nodes",
+                              ucd_types[type].name, (long long)n);
+        int64_t count = 0;
+        while (r.cell + count * CELL < last &&
+               io_load_i32(r.cell + count * CELL + 2 * WORD, r.swapped) == n &&
+               io_load_i32(r.cell + count * CELL + 3 * WORD, r.swapped) == type)
+            count++;
+        if (count == 0) /* another program writes to the file */
+            return io_bytes_fail_changed(&model->input, error);
+        if (count > (end - r.list) / (WORD * n))
+            return io_fail_at(model, r.cell, error,
+                              "the cells have more nodes than the %lld of the list",
+                              (long long)head->n_list);
+        r.n = (int)n;
+        status = read_cells(&r, model, type, count, error);
+        r.cell += count * CELL;
+        r.list += count * n * WORD;
     }
-    if (!status && list != end)
-        return io_fail_at(model, list, error, "the list has more nodes than the cells");
+    if (!status && r.list != end)
+        return io_fail_at(model, r.list, error, "the list has more nodes than the cells");
     return status;
 }
 
