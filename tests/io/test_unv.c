@@ -151,6 +151,32 @@ static void elements_of_every_type_are_read(void **state) {
     unit_expect_types(&io_format_unv, elements, N_ELEMENTS, make);
 }
 
+static void both_orders_are_read(void **state) {
+    (void)state;
+    for (int is_last = 0; is_last < 2; is_last++) { /* the straight tetrahedron */
+        static const char straight[] = "1 111 1 1 7 4\n1 2 3 4\n";
+        file_builder b = {0};
+        planish_file *file;
+        planish_error error;
+        builder_text(&b, END "  2411\n");
+        for (int i = 0; i < UNIT_BOTH_NODES; i++)
+            builder_text(&b, "%d 1 1 11\n%g %g %g\n", i + 1, unit_both_places[i][0],
+                         unit_both_places[i][1], unit_both_places[i][2]);
+        builder_text(&b, END END "  2412\n%s", is_last ? "" : straight);
+        builder_text(&b, "2 118 1 1 7 10\n2 6 3 7 4 8 9 10\n11 5\n%s", is_last ? straight : "");
+        builder_text(&b, "3 92 1 1 7 6\n3 7 4 11 5 10\n4 24 1 1 7 3\n0 0 0\n4 11 5\n" END);
+        assert_int_equal(builder_read(&b, &io_format_unv, 1, &file, &error), 0);
+        if (!is_last)
+            unit_expect_both_orders(file, 1);
+        const io_cells *cells = &file->model.tetrahedron;
+        assert_int_equal(cells->n, 2);
+        for (int k = 0; k < 6; k++)
+            assert_int_equal(cells->mid[6 * is_last + k], -1);
+        planish_file_close(file);
+        builder_release(&b);
+    }
+}
+
 static void properties_are_regions(void **state) {
     (void)state;
     for (int kind = 0; kind < 3; kind++) { /* properties, groups, materials differ */
@@ -438,6 +464,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_solid_is_read),
         cmocka_unit_test(elements_of_every_type_are_read),
+        cmocka_unit_test(both_orders_are_read),
         cmocka_unit_test(properties_are_regions),
         cmocka_unit_test(lines_of_beams),
         cmocka_unit_test(coordinate_systems),

@@ -24,12 +24,10 @@ void io_run_set(const io_run *run, int64_t i, const int32_t *nodes, int32_t tag,
     const int64_t at = run->first + i;
     if (run->dim) {
         io_cells *cells = io_model_cells(run->model, run->dim);
-        const int corners = run->dim + 1, n_mids = io_n_mids(run->dim);
+        const int corners = run->dim + 1;
         memcpy(cells->nodes + at * corners, nodes, (size_t)corners * sizeof *nodes);
         if (run->row->order == 2)
             io_cells_set_mids(run->model, run->dim, at, nodes);
-        else if (cells->mid)
-            memset(cells->mid + at * n_mids, -1, (size_t)n_mids * sizeof *cells->mid);
         cells->entity[at] = tag;
         cells->number[at] = number;
     } else if (run->type) {
