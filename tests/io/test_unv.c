@@ -207,6 +207,18 @@ static void properties_are_regions(void **state) {
     }
 }
 
+/** Regions are pairs of a property and a material, not materials alone. */
+static void materials_split_properties(void **state) {
+    (void)state;
+    planish_file_info info;
+    planish_file *file = reading_text(&io_format_unv, FOUR END
+                                      "  2412\n1 111 1 1 7 4\n1 2 3 4\n2 111 2 1 7 4\n1 2 3 4\n"
+                                      "3 111 2 2 7 4\n1 2 3 4\n" END);
+    planish_file_get_info(file, &info);
+    assert_int_equal(info.n_regions, 3);
+    planish_file_close(file);
+}
+
 /** Beams have a line more, which some programs leave out. */
 static void lines_of_beams(void **state) {
     (void)state;
@@ -466,6 +478,7 @@ int main(void) {
         cmocka_unit_test(elements_of_every_type_are_read),
         cmocka_unit_test(both_orders_are_read),
         cmocka_unit_test(properties_are_regions),
+        cmocka_unit_test(materials_split_properties),
         cmocka_unit_test(lines_of_beams),
         cmocka_unit_test(coordinate_systems),
         cmocka_unit_test(wrong_files_are_refused),
