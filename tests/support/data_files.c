@@ -40,7 +40,7 @@ const test_data_file test_data_files[] = {
     {"square.obj", "obj", 1},
     {"square.ply", "ply", 0},
     {"cube.avs", "ucd", 1},
-    {"cube.su2", "su2", 1},
+    {"cube.su2", "su2", 0},
     {"cube.unv", "unv", 1},
     {NULL, NULL, 0},
 };

@@ -58,7 +58,7 @@ enum { N_KEYS = sizeof keys / sizeof *keys };
 /** A section of lines: points or elements. */
 typedef struct su2_section {
     int is_points;
-    int32_t marker; /* whose elements they are; 0: the mesh's */
+    int64_t marker; /* whose elements they are; 0: the mesh's */
     int64_t zone;   /* from 0 */
     io_section lines;
 } su2_section;
@@ -70,7 +70,8 @@ typedef struct su2_reader {
     int64_t dim, n_zones, zone; /* 0 so far; zone: the number of IZONE that have been met */
     su2_section *section;       /* [n_sections] owned, in the file's order */
     int64_t n_sections, section_capacity;
-    int32_t n_markers;
+    io_slice *marker; /* [n_markers] owned: names, borrowed, by number from 1 */
+    int64_t n_markers, marker_capacity;
     int is_marker_open;   /* a name whose elements have not been met */
     int64_t n_elements;   /* that have been read */
     int64_t first, n;     /* node of the zone that is read, and how many it has */
@@ -101,15 +102,14 @@ static int take_count(const su2_reader *r, io_slice key, io_slice value, int64_t
     return io_fail_at(r->model, value.begin, r->error, "%.*s: a count expected", IO_QUOTED(key));
 }
 
-/** Note a named group for the elements that are to come: those of MARKER_ELEMS. */
+/** Note the name of a marker, whose elements are to come: those of MARKER_ELEMS. */
 static int note_marker(su2_reader *r, io_slice name) {
-    int status = PLANISH_OK;
-    r->n_markers++;
     r->is_marker_open = 1;
-    for (int dim = 1; dim <= 2 && !status; dim++)
-        status = io_model_group(r->model, dim, r->n_markers, name.begin, io_slice_length(name),
-                                r->error);
-    return status;
+    if (r->n_markers == INT32_MAX)
+        return io_fail_at(r->model, name.begin, r->error, "too many markers");
+    return pl_append(&r->marker, &r->n_markers, &r->marker_capacity, &name, sizeof name)
+               ? PLANISH_OK
+               : pl_fail_memory(r->error, "the markers of the file");
 }
 
 static int note_dimension(su2_reader *r, io_slice value, int64_t dim) {
@@ -353,7 +353,7 @@ static int read_section(su2_reader *r, const su2_section *section) {
     io_sections runs = {0};
     int status = find_runs(r, s, &runs);
     find_zone(r, section->zone);
-    r->tag = section->marker ? section->marker : (int32_t)-section->zone;
+    r->tag = (int32_t)(section->marker ? section->marker : -section->zone);
     r->first_number = section->marker ? 0 : r->n_elements;
     for (int64_t i = 0; i < runs.n && !status; i++) {
         const io_section *run = &runs.section[i];
@@ -379,6 +379,20 @@ static int read_section(su2_reader *r, const su2_section *section) {
     return status;
 }
 
+/** Make the groups of markers: of the dimensions that their elements have, which may be none. */
+static int make_groups(su2_reader *r) {
+    int status = PLANISH_OK;
+    for (int32_t i = 0; i < r->n_markers && !status; i++) {
+        const io_slice name = r->marker[i];
+        const int32_t tag = i + 1;
+        for (int dim = 1; dim <= 2 && !status; dim++)
+            if (dim == r->dim - 1 || io_model_has_entity(r->model, dim, tag))
+                status =
+                    io_model_group(r->model, dim, tag, name.begin, io_slice_length(name), r->error);
+    }
+    return status;
+}
+
 /* ---- the format ----------------------------------------------------------------------------- */
 
 static int su2_read(io_model *model, planish_error *error) {
@@ -395,9 +409,14 @@ static int su2_read(io_model *model, planish_error *error) {
     if (!status && r.is_marker_open)
         status = io_fail_at(model, io_input_end(model), error,
                             "the last MARKER_TAG has no MARKER_ELEMS (the file may be cut short)");
+    if (!status)
+        status = io_runs_index_tags(model, error);
+    if (!status)
+        status = make_groups(&r);
     io_text_release(&r.text);
     pl_free(r.section);
-    return status ? status : io_runs_index_tags(model, error);
+    pl_free(r.marker);
+    return status;
 }
 
 /** Recognise NDIME= or NZONE= in the first line that is no comment. */
