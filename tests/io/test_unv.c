@@ -374,6 +374,8 @@ static void numbers_keep_their_columns(void **state) {
         {NODE("1", ZERO25 ZERO25 "   0.0"),
          NODE("1", " .125                    " ZERO25 " 123456.789")},
         {NODE("1", " 0.0  0 0"), NODE("1", " 0.125  0 123456.789")},
+        {NODE("1", ZERO25 "   1.0000000000000000-105   0.0000000000000000+000"),
+         NODE("1", " .125                       1.0000000000000000-105 123456.789              ")},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char before[2048], after[2048];

@@ -96,7 +96,7 @@ typedef struct places {
 } places;
 
 /** Find the coordinates in a line, which begins at begin: columns of that width begin at column
- *  first. from: where to look for words. Return 0, or -1: there are no three. */
+ *  first, words in text. Return 0, or -1: there are no three. */
 static int find_places(const char *begin, io_slice text, int64_t first, int64_t width,
                        places *found) {
     const int64_t length = text.end - begin;
@@ -161,7 +161,7 @@ int unv_field(const io_model *model, io_cursor *cursor, int d, io_field *field) 
         field->end = found.column[d + 1];
     }
     cursor->at = number.end;
-    return io_slice_real(number, 0, &field->value);
+    return io_slice_real(number, 1, &field->value);
 }
 
 /* ---- nodes ---------------------------------------------------------------------------------- */
@@ -183,7 +183,8 @@ static int check_system(const unv_reader *r, int64_t node, int64_t system, const
     return PLANISH_OK;
 }
 
-/** Read the coordinates of a node from its line: words first, as they are most often apart. */
+/** Read the coordinates of a node from its line: words first, as they are most often apart. An
+ *  exponent of three digits has no letter, as Fortran writes it. */
 static int read_coordinates(const unv_reader *r, io_cursor line, int64_t i, planish_error *error) {
     io_model *model = r->model;
     double *xyz = model->xyz + 3 * i;
@@ -201,7 +202,7 @@ static int read_coordinates(const unv_reader *r, io_cursor line, int64_t i, plan
             return io_fail_at(model, line.at, error, "node %lld: three coordinates expected",
                               (long long)model->node_number[i]);
         for (d = 0; d < 3; d++)
-            if (io_slice_real(found.number[d], 0, &xyz[d]))
+            if (io_slice_real(found.number[d], 1, &xyz[d]))
                 return io_fail_at(model, found.number[d].begin, error,
                                   "node %lld: '%.*s' is no coordinate",
                                   (long long)model->node_number[i], IO_QUOTED(found.number[d]));
