@@ -12,16 +12,23 @@
 #include "base/memory.h"
 #include "base/status.h"
 
-enum { HEADING = 8, NODE = 7, ELEMENT = 8 };
+enum { HEADING = 8, MOST_WORDS = 4, NODE = 7, ELEMENT = 8 };
 
-/** Elements of all lists by their numbers, and which groups they and the nodes are in. */
+/** Entries of groups, in the file's order. They are kept, as the file may change before a second
+ *  look. */
+typedef struct entries {
+    struct entry {
+        int32_t thing, tag; /* an index, and the group */
+    } * entry;              /* [n] owned */
+    int64_t n, capacity;
+} entries;
+
+/** Elements of all lists by their numbers, and what groups have. */
 typedef struct group_reader {
     unv_reader *r;
     io_numbers *elements;               /* NULL: not asked for so far */
     int64_t first_cell[IO_N_LISTS + 1]; /* of each list among all elements */
-    io_memberships of_elements, of_nodes;
-    int is_counted;
-    unsigned dims; /* of the group that is read: bits */
+    entries of_elements, of_nodes;
 } group_reader;
 
 /* ---- elements by number --------------------------------------------------------------------- */
@@ -50,36 +57,34 @@ static int number_elements(group_reader *g) {
 
 /* ---- groups --------------------------------------------------------------------------------- */
 
-/** Put a node or element into the group of that tag. Numbers of what is not kept are passed over. */
-static int add_entry(group_reader *g, int64_t code, int64_t number, int32_t tag) {
+/** Put a node or element into the group of that tag; *dims: the dimensions that it has, bits. Numbers
+ *  of what is not kept are passed over. */
+static int add_entry(group_reader *g, int64_t code, int64_t number, int32_t tag, unsigned *dims) {
+    int64_t thing = -1;
+    entries *to = code == NODE ? &g->of_nodes : &g->of_elements;
     if (code == NODE) {
-        const int64_t node = io_node_index(g->r->model, number);
-        if (node >= 0)
-            io_memberships_add(&g->of_nodes, node, tag);
-        g->dims |= node >= 0;
+        thing = io_node_index(g->r->model, number);
+        *dims |= thing >= 0;
+    } else if (code == ELEMENT) {
+        const int status = g->elements ? PLANISH_OK : number_elements(g);
+        if (status)
+            return status;
+        thing = io_numbers_find(g->elements, number);
+        for (int k = IO_FIRST_LIST; k < IO_N_LISTS && thing >= 0; k++)
+            if (thing >= g->first_cell[k] && thing < g->first_cell[k + 1])
+                *dims |= 1u << io_model_list(g->r->model, k).dim;
     }
-    if (code != ELEMENT)
-        return PLANISH_OK;
-    const int status = g->elements ? PLANISH_OK : number_elements(g);
-    const int64_t element = status ? -1 : io_numbers_find(g->elements, number);
-    if (element < 0)
-        return status;
-    io_memberships_add(&g->of_elements, element, tag);
-    for (int k = IO_FIRST_LIST; k < IO_N_LISTS; k++)
-        if (element >= g->first_cell[k] && element < g->first_cell[k + 1])
-            g->dims |= 1u << io_model_list(g->r->model, k).dim;
-    return PLANISH_OK;
+    const struct entry entry = {(int32_t)thing, tag};
+    return thing < 0 || pl_append(&to->entry, &to->n, &to->capacity, &entry, sizeof entry)
+               ? PLANISH_OK
+               : pl_fail_memory(g->r->error, "the groups of the file");
 }
 
-static int fail_entries(const group_reader *g, const char *at, int64_t number, int64_t n) {
-    return io_fail_at(g->r->model, at, g->r->error, "group %lld: %lld entries expected",
-                      (long long)number, (long long)n);
-}
-
-/** Read a group: the first time it is counted, the second time listed and named. */
+/** Read a group, and name it for the dimensions that it has. */
 static int read_group(group_reader *g, io_cursor *cursor, int words, int64_t ordinal) {
     const unv_reader *r = g->r;
-    int64_t heading[HEADING], entry[4];
+    int64_t heading[HEADING], entry[MOST_WORDS];
+    unsigned dims = 0;
     io_cursor line = unv_take_line(cursor);
     for (int i = 0; i < HEADING; i++)
         if (io_integer(&line, &heading[i]))
@@ -93,15 +98,16 @@ static int read_group(group_reader *g, io_cursor *cursor, int words, int64_t ord
     int status = io_check_room(r->model, *cursor, n, 2 * words, "entries of a group", r->error);
     /* Tags are more than 0. */
     const int32_t tag = number > 0 ? (int32_t)number : (int32_t)(INT32_MAX - ordinal);
-    g->dims = 0;
     for (int64_t i = 0; i < n && !status; i++) {
         for (int k = 0; k < words; k++)
             if (io_integer(cursor, &entry[k]))
-                return fail_entries(g, cursor->at, number, n);
-        status = add_entry(g, entry[0], entry[1], tag);
+                return io_fail_at(r->model, cursor->at, r->error,
+                                  "group %lld: %lld entries expected", (long long)number,
+                                  (long long)n);
+        status = add_entry(g, entry[0], entry[1], tag, &dims);
     }
-    for (int dim = 0; dim <= 3 && g->is_counted && !status; dim++)
-        if (g->dims >> dim & 1 && io_slice_length(name) > 0)
+    for (int dim = 0; dim <= 3 && !status; dim++)
+        if (dims >> dim & 1 && io_slice_length(name) > 0)
             status =
                 io_model_group(r->model, dim, tag, name.begin, io_slice_length(name), r->error);
     return status;
@@ -124,8 +130,20 @@ static int read_groups(group_reader *g) {
 
 /* ---- entities ------------------------------------------------------------------------------- */
 
+/** List the groups of n things. To be destroyed in any case. */
+static int list_groups(const entries *of, int64_t n, io_memberships *m, planish_error *error) {
+    int status = io_memberships_begin(m, n, error);
+    for (int pass = 0; pass < 2 && !status; pass++) {
+        for (int64_t i = 0; i < of->n; i++)
+            io_memberships_add(m, of->entry[i].thing, of->entry[i].tag);
+        if (pass == 0)
+            status = io_memberships_counted(m, error);
+    }
+    return status;
+}
+
 /** Make entities of the properties and groups of all elements. */
-static int make_entities(group_reader *g) {
+static int make_entities(const group_reader *g, const io_memberships *m) {
     io_model *model = g->r->model;
     int status = PLANISH_OK;
     for (int k = IO_FIRST_LIST; k < IO_N_LISTS && !status; k++) {
@@ -137,11 +155,11 @@ static int make_entities(group_reader *g) {
             return pl_fail_memory(g->r->error, "the properties of elements");
         for (int64_t i = 0; i < list.n; i++)
             property[i] = list.entity[i] - 1; /* the tag of an entity is one more */
-        status = io_memberships_entities(&g->of_elements, model, list.dim, g->first_cell[k], list.n,
-                                         property, list.entity, g->r->error);
+        status = io_memberships_entities(m, model, list.dim, g->first_cell[k], list.n, property,
+                                         list.entity, g->r->error);
         pl_free(property);
     }
-    return status ? status : io_memberships_of_nodes(&g->of_nodes, model, g->r->error);
+    return status;
 }
 
 /** Replace materials by numbers of their pairs with entities, as regions. */
@@ -162,33 +180,33 @@ static int make_regions(unv_reader *r) {
     return status;
 }
 
-/** Read groups twice, and make entities. */
+/** Read groups, and make entities of them and the properties. */
 static int make_groups(group_reader *g) {
-    planish_error *error = g->r->error;
+    io_memberships of_elements = {0}, of_nodes = {0};
+    io_model *model = g->r->model;
     count_cells(g);
-    int status = io_memberships_begin(&g->of_elements, g->first_cell[IO_N_LISTS], error);
+    int status = read_groups(g);
     if (!status)
-        status = io_memberships_begin(&g->of_nodes, g->r->model->n_nodes, error);
+        status = list_groups(&g->of_elements, g->first_cell[IO_N_LISTS], &of_elements, g->r->error);
     if (!status)
-        status = read_groups(g);
-    if (!status)
-        status = io_memberships_counted(&g->of_elements, error);
-    if (!status)
-        status = io_memberships_counted(&g->of_nodes, error);
-    g->is_counted = 1;
-    if (!status)
-        status = read_groups(g);
-    return status ? status : make_entities(g);
+        status = make_entities(g, &of_elements);
+    if (!status && g->of_nodes.n > 0)
+        status = list_groups(&g->of_nodes, model->n_nodes, &of_nodes, g->r->error);
+    if (!status && g->of_nodes.n > 0)
+        status = io_memberships_of_nodes(&of_nodes, model, g->r->error);
+    io_memberships_destroy(&of_elements);
+    io_memberships_destroy(&of_nodes);
+    return status;
 }
 
 int unv_make_entities(unv_reader *r) {
     group_reader g = {.r = r};
-    int has_groups = 0, status;
+    int has_groups = 0;
     for (int64_t i = 0; i < r->sections.n; i++)
         has_groups |= unv_datasets[r->sections.section[i].keyword].kind == UNV_GROUPS;
-    status = has_groups ? make_groups(&g) : io_runs_index_tags(r->model, r->error);
-    io_memberships_destroy(&g.of_elements);
-    io_memberships_destroy(&g.of_nodes);
+    const int status = has_groups ? make_groups(&g) : io_runs_index_tags(r->model, r->error);
+    pl_free(g.of_elements.entry);
+    pl_free(g.of_nodes.entry);
     io_numbers_destroy(g.elements);
     return status || !r->has_materials ? status : make_regions(r);
 }
