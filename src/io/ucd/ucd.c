@@ -64,10 +64,14 @@ static io_cursor take_line(io_cursor *cursor) {
 static int take_counts(io_cursor *cursor, int64_t count[UCD_N_COUNTS]) {
     io_skip_space_comments(cursor, '#');
     io_cursor line = take_line(cursor);
+    int64_t value;
     int n = 0;
     count[UCD_N_COUNTS - 1] = 0;
-    while (n < UCD_N_COUNTS && io_integer(&line, &count[n]) == 0 && count[n] >= 0)
-        n++;
+    while (n < UCD_N_COUNTS && io_integer(&line, &value) == 0) {
+        if (value < 0)
+            return -1;
+        count[n++] = value;
+    }
     io_skip_space(&line);
     return line.at == line.end && n >= UCD_N_COUNTS - 1 ? n : -1;
 }
