@@ -15,7 +15,7 @@
 const unv_dataset unv_datasets[] = {
     {2411, UNV_NODES, 0, 0, 0, 0},    {781, UNV_NODES, 0, 0, 0, 0},
     {15, UNV_NODE_LINES, 0, 0, 0, 0}, {2412, UNV_ELEMENTS, 6, 1, 2, 3},
-    {780, UNV_ELEMENTS, 8, 1, 3, 5},  {71, UNV_ELEMENTS, 7, 2, 3, 4},
+    {780, UNV_ELEMENTS, 8, 1, 3, 5},  {71, UNV_REFUSED, 0, 0, 0, 0},
     {2417, UNV_GROUPS, 2, 0, 0, 0},   {2429, UNV_GROUPS, 2, 0, 0, 0},
     {2430, UNV_GROUPS, 2, 0, 0, 0},   {2432, UNV_GROUPS, 2, 0, 0, 0},
     {2435, UNV_GROUPS, 4, 0, 0, 0},   {2452, UNV_GROUPS, 4, 0, 0, 0},
@@ -76,6 +76,10 @@ static int walk_file(unv_reader *r) {
         io_integer(&text, &number);
         while (row < N_DATASETS && unv_datasets[row].number != number)
             row++;
+        if (row < N_DATASETS && unv_datasets[row].kind == UNV_REFUSED)
+            return io_fail_at(r->model, line.begin, r->error,
+                              "elements of dataset %lld are not read; write them as 2412",
+                              (long long)number);
         status = find_end(r, &cursor, number, &n_lines, &end);
         if (!status && row < N_DATASETS)
             status = io_sections_add(

@@ -20,7 +20,7 @@ typedef enum unv_kind {
     UNV_GROUPS,
     UNV_SYSTEMS,
     UNV_OLD_SYSTEMS,
-    UNV_N_KINDS
+    UNV_REFUSED
 } unv_kind;
 
 /** Kind of dataset that is read. */
