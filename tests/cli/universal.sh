@@ -93,12 +93,13 @@ import meshio
 import numpy as np
 import vtk
 
-NUMBERS = {"tetra": (4, [0, 1, 3, 2]), "pyramid": (5, [4, 0, 1, 2, 3]), "wedge": (6, [3, 4, 5, 0, 1, 2]),
+# Numbers of types, and orders of nodes.
+NUMBERS = {"pyramid": (5, [4, 0, 1, 2, 3]), "wedge": (6, [3, 4, 5, 0, 1, 2]),
            "hexahedron": (7, [4, 5, 6, 7, 0, 1, 2, 3])}
 
 
 def write():
-    """A box of 4 x 4 x 4: a hexahedron, two wedges, six pyramids or five tetrahedra in each place."""
+    """Write a box of 4 x 4 x 4 places: of a hexahedron, two wedges, or six pyramids each."""
     rng = np.random.default_rng(1)
     n, points, number = 4, [], {}
     for at in np.ndindex(n + 1, n + 1, n + 1):
@@ -123,13 +124,13 @@ def write():
     mesh = meshio.Mesh(points, blocks, cell_data={"m": [np.full(len(block), 3) for _, block in blocks]})
     meshio.write("cells.vtk", mesh)
     meshio.write("cells.avs", mesh, "avsucd")
-    order, words = ">", []
+    words = []
     for name, block in blocks:
         words += [(name, row[NUMBERS[name][1]] + 1) for row in block]
     with open("cells.ucd", "wb") as out:
-        out.write(b"\7" + struct.pack(order + "6i", len(points), len(words), 0, 0, 0, sum(len(r) for _, r in words)))
+        out.write(b"\7" + struct.pack(">6i", len(points), len(words), 0, 0, 0, sum(len(r) for _, r in words)))
         for i, (name, row) in enumerate(words):
-            out.write(struct.pack(order + "4i", i + 1, 3, len(row), NUMBERS[name][0]))
+            out.write(struct.pack(">4i", i + 1, 3, len(row), NUMBERS[name][0]))
         out.write(np.concatenate([row for _, row in words]).astype(">i4").tobytes())
         out.write(points.T.astype(">f4").tobytes())
 
@@ -151,9 +152,6 @@ def compare():
         assert before[1] == after[1] and len(before[1]) > 100
         moved = np.any(before[0] != after[0], axis=1)
         assert 0 < moved.sum() <= 27 + 64
-    back = meshio.read("out.avs", "avsucd")
-    # meshio 5.0 has tetrahedra and pyramids in other orders when it reads, but these are not tetrahedra.
-    meshio.write("back.vtk", back)
 
 
 write() if sys.argv[1] == "write" else compare()
