@@ -402,6 +402,9 @@ static void numbers_of_13_columns(void **state) {
         {LINE("1", ZERO13 "  0.00000E+00-0.000000E+00"), LINE("1", " .125        "
                                                                    " -.3333333333"
                                                                    "123456.789   ")},
+        {"         1         0         0        111 0.00000E+00" ZERO13 ZERO13
+         "\n", /* a colour too long */
+         "         1         0         0        111 .125  -.3333333333  123456.789\n"},
         {LINE("1", " 0 0 0"), LINE("1", " .125 -.3333333333 123456.789")},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -105,7 +105,8 @@ static int find_places(const char *begin, io_slice text, int64_t first, int64_t 
         const int64_t at = first + d * width;
         found->column[d] = begin + (at < length ? at : length);
     }
-    found->is_fixed = 1;
+    const int is_behind = text.begin <= found->column[0]; /* numbers before may be too long */
+    found->is_fixed = is_behind;
     for (int d = 0; d < 3; d++) {
         found->number[d] = io_next_word(&line);
         if (found->number[d].begin < found->column[d] ||
@@ -120,7 +121,8 @@ static int find_places(const char *begin, io_slice text, int64_t first, int64_t 
     for (int d = 0; d < 3; d++)
         found->number[d] = io_slice_trim((io_slice){found->column[d], found->column[d + 1]});
     const io_slice rest = io_slice_trim((io_slice){found->column[3], text.end});
-    return io_slice_length(found->number[2]) > 0 && io_slice_length(rest) == 0 ? 0 : -1;
+    return is_behind && io_slice_length(found->number[2]) > 0 && io_slice_length(rest) == 0 ? 0
+                                                                                            : -1;
 }
 
 /** Find the beginning of the line that at is in. */
