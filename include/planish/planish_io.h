@@ -15,9 +15,9 @@
  *
  * planish_sol_read reads the sizes that Medit has beside its meshes, planish_data_free frees data.
  *
- * Formats: Gmsh, Medit, VTK (legacy, XML, HDF), TetGen, Netgen, Abaqus, Nastran, CGNS, MED, PETSc's
- * DMPlex, OFF, STL, OBJ, PLY, MFEM and Exodus; see docs/formats.md. Calls on different files may run at the same time, but of
- * files in HDF5 (CGNS, MED, VTKHDF, DMPlex, Exodus) one at a time, unless the HDF5 library is built for
+ * Formats: docs/formats.md lists them; planish_file_formats has their names. Calls on different files
+ * may run at the same time, but of files in HDF5 (CGNS, MED, VTKHDF, DMPlex, Exodus) one at a time,
+ * unless the HDF5 library is built for
  * threads. Error convention as in planish.h; the text says file, line or byte, and what to do.
  * Functions that cannot fail return 0, NULL or -1 where the file or path is NULL.
  */

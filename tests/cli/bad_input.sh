@@ -26,13 +26,6 @@ done
 sed '/^\$EndElements/,$d' "$sample" >truncated.msh
 bad truncated.msh
 
-# AVS UCD, whose files have extensions of others.
-for name in ucd.inp ucd.msh ucd; do
-    printf '4 1 0 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n1 1 tet 1 2 3 4\n' >$name
-    bad $name
-    expect_text 'is an AVS UCD file, which is not read; convert it'
-done
-
 # Counts that lie must not allocate what they say: from here on a gigabyte of address space has to do
 # (sanitizers need more for themselves).
 if (ulimit -v 1000000 && "$program" --version) >/dev/null 2>&1; then

@@ -78,7 +78,7 @@ cp "$source_folder"/tests/data/cube.{vtkhdf,med,h5} .
 for file in *; do
     case $file in
     tetgen.face | tetgen.ele) continue ;; # with .node
-    *.off | *.ply | *.stl | *.obj | *.vtu | *.med | *.vtkhdf | *.h5) wanted=any ;; # what is behind them may be a fault
+    *.off | *.ply | *.avs | *.su2 | *.unv | *.stl | *.obj | *.vtu | *.med | *.vtkhdf | *.h5) wanted=any ;; # what is behind them may be a fault
     *) wanted=0 ;;
     esac
     cp "$file" "../$file" && truncate -s "${size}K" "$file"
@@ -90,7 +90,7 @@ for file in *; do
     mv "../$file" "$file"
 done
 rm -f ./*
-for extension in msh mesh meshb vtk vtu vtkhdf med cgns h5 node vol inp bdf off obj ply stl mfem; do
+for extension in msh mesh meshb vtk vtu vtkhdf med cgns h5 node vol inp bdf off obj ply stl mfem avs su2 unv exo; do
     truncate -s "${size}K" "zero.$extension"
     tame 2 1 "${roomy[@]}" "$program" quality "zero.$extension"
     rm "zero.$extension"
@@ -212,7 +212,7 @@ if [ "$megabytes" -eq 0 ] || ! cc -shared -fPIC -o follow.so follow.c; then
     cd .. && finish
 fi
 files=("$source_folder"/tests/data/{ascii22.msh,medit.mesh,ascii.vtk,ascii.vtu,netgen.vol,abaqus.inp})
-[ -z "${PLANISH_LONG-}" ] || files=("$source_folder"/tests/data/*.{msh,mesh,meshb,vtk,vtu,vtkhdf,med,h5,vol,inp,bdf,off,obj,ply,stl,node})
+[ -z "${PLANISH_LONG-}" ] || files=("$source_folder"/tests/data/*.{msh,mesh,meshb,vtk,vtu,vtkhdf,med,h5,vol,inp,bdf,off,obj,ply,stl,node,avs,su2,unv})
 
 # smooth_in FILE LANGUAGE PRELOAD: to LANGUAGE.out, and to a view in LANGUAGE.view.
 smooth_in() {

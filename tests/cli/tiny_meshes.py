@@ -243,6 +243,35 @@ def exodus(version):
     return file.classic()
 
 
+def ucd():
+    return ("# tiny\n5 3 1 0 0\n" + numbered(POINTS) + lines((i + 1, 4, "tet", *t) for i, t in enumerate(TETRAHEDRA)) +
+            "3 7 tri 1 2 3\n1 1\na, none\n" + numbered([(0,)] * 5)).encode()
+
+
+def ucd_binary():
+    return (b"\7" + struct.pack("<6i", 5, 2, 0, 0, 0, 8) +
+            b"".join(struct.pack("<4i", i + 1, 4, 4, 4) for i in range(2)) +
+            b"".join(struct.pack("<4i", *t) for t in TETRAHEDRA) +
+            b"".join(struct.pack("<5f", *(p[d] for p in POINTS)) for d in range(3)))
+
+
+def su2():
+    return ("% tiny\nNDIME= 3\nNELEM= 2\n" + "".join("10 %d %d %d %d %d\n" % (*(n - 1 for n in t), i)
+                                                   for i, t in enumerate(TETRAHEDRA)) +
+            "NPOIN= 5\n" + "".join("%g %g %g %d\n" % (*p, i) for i, p in enumerate(POINTS)) +
+            "NMARK= 1\nMARKER_TAG= skin\nMARKER_ELEMS= 1\n5 0 1 2\n").encode()
+
+
+def unv():
+    return ("    -1\n  2411\n" + "".join("%10d         1         1        11\n%25.16E%25.16E%25.16E\n" % (i + 1, *p)
+                                        for i, p in enumerate(POINTS)) + "    -1\n    -1\n  2412\n" +
+            "".join("%10d       111         4         1         7         4\n%10d%10d%10d%10d\n" % (i + 1, *t)
+                    for i, t in enumerate(TETRAHEDRA)) +
+            "         3        91         1         1         7         3\n         1         2         3\n    -1\n"
+            "    -1\n  2467\n         1         0         0         0         0         0         0         2\nsome\n"
+            "         8         1         0         0         7         3         0         0\n    -1\n").encode()
+
+
 def meshes():
     return {
         "gmsh22.msh": gmsh22(), "gmsh22_binary.msh": gmsh22_binary(), "gmsh41.msh": gmsh41(),
@@ -254,6 +283,7 @@ def meshes():
         "ascii.stl": stl(), "binary.stl": stl_binary(), "plain.obj": obj(), "ascii.ply": ply("ascii"),
         "little.ply": ply("binary_little_endian", "<"), "big.ply": ply("binary_big_endian", ">"),
         "classic.exo": exodus(1), "offsets.exo": exodus(2), "wide.exo": exodus(5),
+        "ascii.avs": ucd(), "binary.ucd": ucd_binary(), "tiny.su2": su2(), "tiny.unv": unv(),
         "tetgen.node": ("5 3 0 1\n" + numbered((*p, 0) for p in POINTS)).encode(),
         "tetgen.ele": ("2 4 1\n" + numbered((*t, 4) for t in TETRAHEDRA)).encode(),
         "tetgen.face": ("1 1\n" + numbered([(*TRIANGLE, 7)])).encode(),

@@ -41,6 +41,9 @@ const test_data_file test_data_files[] = {
     {"square.ply", "ply", 0},
     {"cube.mfem", "mfem", 1},
     {"cube.exo", "exodus", 1},
+    {"cube.avs", "ucd", 1},
+    {"cube.su2", "su2", 0},
+    {"cube.unv", "unv", 1},
     {NULL, NULL, 0},
 };
 

@@ -11,7 +11,8 @@ const char *const pl_program_summary =
 const char *const pl_program_formats =
     "Gmsh .msh, Medit .mesh and .meshb, VTK .vtk, .vtu and .vtkhdf, TetGen .node and\n"
     ".ele, Netgen .vol, Abaqus .inp, Nastran .bdf, CGNS .cgns, MED .med, PETSc .h5,\n"
-    "OFF .off, STL .stl, OBJ .obj, PLY .ply, MFEM .mesh and Exodus .exo, .e and .g.";
+    "OFF .off, STL .stl, OBJ .obj, PLY .ply, MFEM .mesh, Exodus .exo and .e, AVS UCD\n"
+    ".avs, SU2 .su2 and I-DEAS .unv.";
 
 static const pl_command_text command_table[] = {
     {PL_COMMAND_SMOOTH, "smooth", "IN -o OUT", "mesh file", 0, "smooth a mesh",

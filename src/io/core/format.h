@@ -5,7 +5,7 @@
  *   planish_file, io_file_regions               a file that has been read
  *   io_format_has_extension, io_extension       extensions of paths
  *   io_companion_path, io_plain_companion_path  files beside the mesh
- *   io_is_hdf5, io_is_ucd                       formats by their content
+ *   io_is_hdf5                                  files of HDF5 by their content
  */
 #ifndef PL_IO_CORE_FORMAT_H
 #define PL_IO_CORE_FORMAT_H
@@ -77,7 +77,7 @@ typedef struct io_format {
 extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_vtu,
     io_format_vtkhdf, io_format_tetgen, io_format_netgen, io_format_abaqus, io_format_nastran,
     io_format_cgns, io_format_med, io_format_plex, io_format_off, io_format_stl, io_format_obj,
-    io_format_ply, io_format_mfem, io_format_exodus;
+    io_format_ply, io_format_mfem, io_format_exodus, io_format_ucd, io_format_su2, io_format_unv;
 
 /** A file that has been read. */
 struct planish_file {
@@ -114,10 +114,5 @@ char *io_plain_companion_path(const io_format *format, const char *path, const c
 
 /** Return whether the bytes are an HDF5 file: its mark is at the start, or behind a user block. */
 int io_is_hdf5(const char *data, int64_t size);
-
-/** Return whether the bytes are a text file of AVS UCD, which is told from others but not read:
- *  comments ('#'), a line of five counts (nodes, cells, data of each kind), a line for each node,
- *  and cells that name their type. */
-int io_is_ucd(const char *data, int64_t size);
 
 #endif

@@ -24,6 +24,7 @@ void io_text_init(io_text *text, const io_model *model) {
     text->begin = model->input.data;
     text->end = io_input_end(model);
     text->threads = pl_thread_count(model->threads);
+    text->comment = '#';
     text->before = NULL;
 }
 
@@ -140,7 +141,7 @@ static int read_text_chunks(io_text *text, io_cursor *cursor, record_job *job, i
     if (cursor->at != token_begin(text, job->rank))
         return 0;
     const char *end = token_begin(text, job->rank + n * job->size);
-    if (end < cursor->at || memchr(cursor->at, '#', (size_t)(end - cursor->at)))
+    if (end < cursor->at || memchr(cursor->at, text->comment, (size_t)(end - cursor->at)))
         return 0;
     pl_parallel_for(text->threads, n, RECORDS_AT_ONCE, read_text_chunk, job);
     if (atomic_load(&job->failed))
@@ -221,7 +222,7 @@ int io_section_records(io_text *text, const io_section *section, const char *nam
                           "the next section begins within the last of %lld %s (the file may be "
                           "damaged)",
                           (long long)section->count, name);
-    io_skip_space_comments(&cursor, '#');
+    io_skip_space_comments(&cursor, text->comment);
     if (cursor.at < section->end)
         return io_fail_at(model, cursor.at, error, "more than %lld %s follow",
                           (long long)section->count, name);
@@ -258,7 +259,8 @@ int io_read_node(io_model *model, io_cursor *cursor, int64_t node, planish_error
     double *xyz = model->xyz + 3 * node;
     io_skip_space(cursor);
     model->text_offset[node] = cursor->at - model->input.data;
-    for (int d = 0; d < 3; d++) {
+    xyz[2] = 0;
+    for (int d = 0; d < model->columns; d++) {
         double value;
         if (io_real(cursor, &value))
             return io_fail_at(model, cursor->at, error,

@@ -34,6 +34,7 @@ typedef struct io_text {
     const io_model *model;
     const char *begin, *end;
     int threads;
+    char comment;    /* what comments begin with: '#' by default */
     int64_t *before; /* [pieces + 1] tokens that start before each piece of bytes, or NULL */
 } io_text;
 
@@ -60,6 +61,7 @@ typedef struct io_section {
     int keyword; /* its row in the reader's table of keywords */
     int64_t count;
     const char *data, *end; /* end: binary: behind the records; text: at the next keyword */
+    int64_t tokens;         /* words of each record, where the walk knows; else 0 */
 } io_section;
 
 /** Sections of a file. */
@@ -74,7 +76,7 @@ int io_sections_add(io_sections *sections, io_section section, planish_error *er
 void io_sections_release(io_sections *sections);
 
 /** Read the records of a section as io_records does; tokens 0: in order, as records of text differ
- *  or make a list. In text nothing but comments ('#') may be left before its end. name: for the
+ *  or make a list. In text nothing but comments may be left before its end. name: for the
  *  message. */
 int io_section_records(io_text *text, const io_section *section, const char *name, int64_t tokens,
                        int64_t size, io_records_fn *read, void *context, planish_error *error);
@@ -84,8 +86,8 @@ int io_section_records(io_text *text, const io_section *section, const char *nam
 int io_load_node(const io_model *model, const char *at, int size, int swapped, int64_t node,
                  planish_error *error);
 
-/** Read the three coordinates of node from text, note their place, round them to the model's
- *  precision; an error (of text) if they are no finite numbers. */
+/** Read the coordinates of node, model->columns, from text, note their place, round them to the
+ *  model's precision; an error (of text) if they are no finite numbers. */
 int io_read_node(io_model *model, io_cursor *cursor, int64_t node, planish_error *error);
 
 /** Points that are records of their own: three coordinates, and nothing else. */

@@ -28,13 +28,15 @@ static const io_format *const formats[] = {
     &io_format_vtk,    &io_format_vtu,    &io_format_nastran, &io_format_gmsh,   &io_format_medit,
     &io_format_vtkhdf, &io_format_tetgen, &io_format_netgen,  &io_format_abaqus, &io_format_cgns,
     &io_format_med,    &io_format_plex,   &io_format_off,     &io_format_ply,    &io_format_stl,
-    &io_format_obj,    &io_format_mfem,   &io_format_exodus};
+    &io_format_obj,    &io_format_mfem,   &io_format_exodus,  &io_format_ucd,    &io_format_su2,
+    &io_format_unv};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 const char *const *planish_file_formats(void) {
-    static const char *const names[] = {
-        "gmsh", "medit",  "vtk", "vtu", "vtkhdf", "tetgen", "netgen", "abaqus", "nastran", "cgns",
-        "med",  "dmplex", "off", "stl", "obj",    "ply",    "mfem",   "exodus", NULL};
+    static const char *const names[] = {"gmsh",   "medit",  "vtk",     "vtu",  "vtkhdf", "tetgen",
+                                        "netgen", "abaqus", "nastran", "cgns", "med",    "dmplex",
+                                        "off",    "stl",    "obj",     "ply",  "mfem",   "exodus",
+                                        "ucd",    "su2",    "unv",     NULL};
     _Static_assert(sizeof names / sizeof *names == N_FORMATS + 1, "each format has its name here");
     return names;
 }
@@ -74,11 +76,6 @@ const io_format *io_format_find(const char *path, const char *data, int64_t size
 /** Refuse bytes that no reader takes, whatever the format is called. */
 static int refuse_others(const io_bytes *input, planish_error *error) {
     const char *path = input->path;
-    if (io_is_ucd(input->data, input->size))
-        return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: is an AVS UCD file, which is not read; convert it to another format, "
-                       "with ParaView or meshio (meshio convert -i avsucd IN.inp OUT.vtu)",
-                       path);
     if (input->size > 2 && memcmp(input->data, "\x1f\x8b", 2) == 0)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: is compressed; unpack it first: gunzip -c %s > OUT", path, path);

@@ -150,8 +150,8 @@ static int walk_text(medit_reader *r) {
         const char *data = cursor.at;
         io_skip_numbers(&cursor);
         if (keyword >= 0)
-            status = io_sections_add(&r->sections, (io_section){keyword, number, data, cursor.at},
-                                     r->error);
+            status = io_sections_add(&r->sections,
+                                     (io_section){keyword, number, data, cursor.at, 0}, r->error);
         if (status)
             return status;
     }
@@ -256,8 +256,8 @@ static int walk_binary(medit_reader *r) {
         data += r->integer_size;
         status = check_count(r, (io_cursor){data, next}, keyword, count);
         if (!status)
-            status =
-                io_sections_add(&r->sections, (io_section){keyword, count, data, next}, r->error);
+            status = io_sections_add(&r->sections, (io_section){keyword, count, data, next, 0},
+                                     r->error);
     }
     return status;
 }

@@ -113,7 +113,8 @@ static int read_keyword(netgen_reader *r, io_cursor *cursor, io_slice word, int 
         return read_lines(r, cursor, k, number);
     const char *data = cursor->at;
     io_skip_numbers(cursor);
-    return io_sections_add(&r->sections, (io_section){keyword, number, data, cursor->at}, r->error);
+    return io_sections_add(&r->sections, (io_section){keyword, number, data, cursor->at, 0},
+                           r->error);
 }
 
 /** Find the sections. The file may end without endmesh behind a section whose records are counted,
