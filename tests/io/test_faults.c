@@ -112,7 +112,7 @@ static void take_file(faults *f, const char *path) {
 }
 
 /** planish_file_write, or planish_file_convert, to a file of this extension. */
-static void write_to(faults *f, const case_of *c, const planish_file *file, const double *x,
+static void write_to(faults *f, const case_of *c, planish_file *file, const double *x,
                      const char *extension) {
     char path[TEST_PATH_SIZE], name[64], temporary[1024] = "", lost[256] = "";
     planish_error error;
@@ -135,15 +135,15 @@ static void write_to(faults *f, const case_of *c, const planish_file *file, cons
     assert_int_equal(test_count_files(c->folder), 0);
 }
 
-static void write_all(faults *f, const case_of *c, const planish_file *file) {
-    static const char *const views[] = {".vtu", ".vtk"};
+static void write_all(faults *f, const case_of *c, planish_file *file) {
+    static const char *const views[] = {".vtu", ".vtk", ".msh", ".inp"};
     const planish_mesh mesh = planish_file_mesh(file);
     const int64_t n = mesh.n_nodes * mesh.dim;
     double *x = malloc((size_t)n * sizeof *x);
     for (int64_t i = 0; i < n; i++)
         x[i] = mesh.coordinates[i] * 1.0625;
     write_to(f, c, file, x, c->extension);
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 4; i++)
         if (planish_file_can_convert(file, views[i]))
             write_to(f, c, file, x, views[i]);
     free(x);
