@@ -493,13 +493,14 @@ static void any_bytes_are_safe(void **state) {
         for (int i = 0; i < 7; i++) {
             size_t size;
             char *data = test_read(test_path(path, *state, names[i]), &size);
-            for (size_t at = 0; at < 2 * size; at += 3) {
+            for (size_t at = 0; at < 2 * size; at += 7) {
                 planish_file *file = NULL;
                 planish_error error;
                 const size_t place = at % size;
                 const char old = data[place];
                 random = random * 1664525 + 1013904223;
                 data[place] = at < size ? old : (char)(random >> 24);
+                unlink(test_path(path, *state, names[i]));
                 test_write(*state, names[i], data, at < size ? at : size);
                 const int status = planish_file_open(*state, NULL, 1, &file, &error);
                 n_read += status == PLANISH_OK;
@@ -511,8 +512,8 @@ static void any_bytes_are_safe(void **state) {
             free(data);
         }
     }
-    assert_in_range(n_read, 1000, 8000);
-    assert_in_range(n_refused, 1000, 8000);
+    assert_in_range(n_read, 400, 4000);
+    assert_in_range(n_refused, 400, 4000);
     free(cells);
 }
 

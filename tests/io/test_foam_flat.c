@@ -20,7 +20,9 @@ static const char *const patches[] = {"sides empty", "end patch", "other wall", 
 static int axis; /* across the layer */
 
 static int by_axis(const double *middle) {
-    return fabs(middle[axis] - round(middle[axis])) < 1e-6 ? 0 : middle[(axis + 1) % 3] == 0 ? 1 : 2;
+    return fabs(middle[axis] - round(middle[axis])) < 1e-6 ? 0
+           : middle[(axis + 1) % 3] == 0                   ? 1
+                                                           : 2;
 }
 
 static planish_file *open_at(const char *folder) {

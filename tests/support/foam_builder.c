@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -136,7 +137,10 @@ static void begin(file_builder *b, const foam_form *form, const char *class, con
 }
 
 static void end(file_builder *b, const char *folder, const char *name) {
+    char path[TEST_PATH_SIZE];
     builder_text(b, "\n// the end\n");
+    unlink(test_path(path, folder,
+                     name)); /* the system may wait for the disk where a file is emptied */
     test_write(folder, name, b->data, (size_t)b->size);
     builder_release(b);
 }
