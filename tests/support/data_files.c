@@ -2,7 +2,7 @@
 
 #include "support/files.h"
 
-#include <planish/planish_io.h>
+#include "io/file/file.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -39,8 +39,14 @@ const test_data_file test_data_files[] = {
     {"square.stl", "stl", 1},
     {"square.obj", "obj", 1},
     {"square.ply", "ply", 0},
+    {"elmer", "elmer", 1},
+    {"openfoam", "openfoam", 1},
     {NULL, NULL, 0},
 };
+
+int test_data_is_folder(const test_data_file *data) {
+    return io_format_by_name(data->format)->folder != NULL;
+}
 
 int test_data_path(char *text, const test_data_file *data) {
     planish_file *file = NULL;

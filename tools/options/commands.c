@@ -11,7 +11,7 @@ const char *const pl_program_summary =
 const char *const pl_program_formats =
     "Gmsh .msh, Medit .mesh and .meshb, VTK .vtk, .vtu and .vtkhdf, TetGen .node and\n"
     ".ele, Netgen .vol, Abaqus .inp, Nastran .bdf, CGNS .cgns, MED .med, PETSc .h5,\n"
-    "OFF .off, STL .stl, OBJ .obj and PLY .ply.";
+    "OFF .off, STL .stl, OBJ .obj, PLY .ply; folders of Elmer and OpenFOAM.";
 
 static const pl_command_text command_table[] = {
     {PL_COMMAND_SMOOTH, "smooth", "IN -o OUT", "mesh file", 0, "smooth a mesh",

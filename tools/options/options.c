@@ -321,9 +321,10 @@ static const option_row option_table[] = {
     {0, "format", "NAME", BOTH, set_format, 0, 0, 0, NULL,
      "set the format of the input: gmsh, medit, vtk, vtu,\n"
      "vtkhdf, tetgen, netgen, abaqus, nastran, cgns, med,\n"
-     "dmplex, off, stl, obj or ply (default: detect it by\n"
-     "content, then by name)",
-     "gmsh medit vtk vtu vtkhdf tetgen netgen abaqus nastran cgns med dmplex off stl obj ply"},
+     "dmplex, off, stl, obj, ply, elmer or openfoam\n"
+     "(default: detect it by content, then by name)",
+     "gmsh medit vtk vtu vtkhdf tetgen netgen abaqus nastran cgns med dmplex off stl obj ply elmer "
+     "openfoam"},
     {0, "method", "NAME", SMOOTH, set_choice, AT(library.method), 0, 0, NULL,
      "move nodes by planish (default) or, for comparison,\n"
      "laplacian, area-laplacian or length-laplacian, which\n"

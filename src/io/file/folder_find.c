@@ -66,12 +66,14 @@ static char *join(const char *a, const char *b, const char *c) {
 /* ---- looking for meshes --------------------------------------------------------------------- */
 
 /** Return whether a file of the format, or the packed one in its place, is in a folder. */
-static int has_file(const io_folder *folder, const char *place, const char *name) {
+static int has_file(finder *f, const char *place, const char *name) {
+    const io_folder *folder = f->format->folder;
     char packed[64];
     snprintf(packed, sizeof packed, "%s.gz", name);
     char *path = join(place, name, ""), *packed_path = join(place, packed, "");
     const int is_there = (path && pl_file_exists(path)) ||
                          (folder->may_be_packed && packed_path && pl_file_exists(packed_path));
+    f->is_out_of_memory |= !path || !packed_path;
     pl_free(path);
     pl_free(packed_path);
     return is_there;
@@ -82,13 +84,16 @@ static void look_at(finder *f, const char *inner) {
     const io_folder *folder = f->format->folder;
     char *place = join(f->path, inner, "");
     const char *missing = NULL;
+    f->is_out_of_memory |= !place;
     int n = 0;
     for (const char *const *name = folder->files; place && *name; name++) {
-        const int is_there = has_file(folder, place, *name);
+        const int is_there = has_file(f, place, *name);
         missing = is_there || missing ? missing : *name;
         n += is_there;
     }
     pl_free(place);
+    if (f->is_out_of_memory)
+        return;
     if (missing && n > 0 && !f->partial) {
         f->partial = f->format;
         f->missing = missing;

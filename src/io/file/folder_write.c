@@ -16,6 +16,7 @@
 #include "base/system.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -30,11 +31,14 @@ int io_folder_is_input(const planish_file *file, const char *path) {
 
 /** Return whether path names no file: no pipe, device or standard output, no extension of files. */
 static int is_name_of_folder(const char *path) {
-    char *name = io_folder_trim(path);
-    const int is = name && *name && strcmp(name, "-") != 0 && !pl_output_is_stream(name) &&
-                   !io_format_by_extension(name);
-    pl_free(name);
-    return is;
+    char name[PATH_MAX];
+    size_t length = strlen(path);
+    if (length == 0 || length >= sizeof name)
+        return 0;
+    memcpy(name, path, length + 1);
+    while (length > 1 && pl_path_is_separator(name[length - 1]))
+        name[--length] = '\0';
+    return strcmp(name, "-") != 0 && !pl_output_is_stream(name) && !io_format_by_extension(name);
 }
 
 int io_folder_can_write(const planish_file *file, const char *path) {
@@ -58,9 +62,12 @@ static int has_prefix(void *user, const char *name) {
  *  ones. */
 static int check_copies(const planish_file *file, planish_error *error) {
     prefix p = {.text = file->format->folder->of_places};
-    char *folder = p.text ? io_folder_path(&file->model, "") : NULL;
-    if (folder)
-        pl_folder_list(folder, has_prefix, &p);
+    if (!p.text)
+        return PLANISH_OK;
+    char *folder = io_folder_path(&file->model, "");
+    if (!folder)
+        return pl_fail_memory(error, file->model.folder);
+    pl_folder_list(folder, has_prefix, &p);
     pl_free(folder);
     if (!p.name[0])
         return PLANISH_OK;
