@@ -234,7 +234,7 @@ class Runs:
 
     def look_at_failure(self, done, found, complaint):
         s = self.scenario
-        names = [*s.inputs, *s.outputs, *(name.split("/")[0] for name in s.outputs), "standard output", "/dev/stdin", "/dev/stdout"]
+        names = [*s.inputs, *s.outputs, *(name.split("/")[0] for name in [*s.inputs, *s.outputs]), "standard output", "/dev/stdin", "/dev/stdout"]
         if not complaint.startswith(NO_FILE) and not any(name in complaint for name in names):
             return "no file is named"
         if self.look_at_outputs(found):

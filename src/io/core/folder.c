@@ -8,6 +8,7 @@
 #include "base/status.h"
 #include "base/system.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -29,9 +30,14 @@ static int find_path(const io_model *model, const char *name, int may_be_packed,
         *path = io_folder_path(model, i ? packed : name);
         if (!*path)
             return pl_fail_memory(error, name);
-        if (pl_file_exists(*path))
+        pl_file_status about;
+        if (pl_file_find(*path, &about) == 0)
             return PLANISH_OK;
+        const int status =
+            errno == ENOENT ? PLANISH_OK : pl_fail_errno(error, *path, "cannot be read");
         pl_free(*path);
+        if (status)
+            return status;
         *path = NULL;
     }
     return PLANISH_OK;

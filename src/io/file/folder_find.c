@@ -13,6 +13,7 @@
 #include "base/status.h"
 #include "base/system.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,6 +37,7 @@ typedef struct finder {
     const char *missing;      /* this one, in the folder */
     char partial_inner[128];  /* behind the path */
     int is_out_of_memory;
+    int reason; /* errno of a folder that cannot be listed, or 0 */
 } finder;
 
 /* ---- paths ---------------------------------------------------------------------------------- */
@@ -136,7 +138,8 @@ static void look_for(finder *f, const io_format *format) {
             f->is_out_of_memory |= !around;
             if (around) { /* as far as the separator before "*" */
                 around[strlen(around) - strlen(star) - 1] = '\0';
-                pl_folder_list(around, take_name, f); /* without such a folder there is none */
+                if (pl_folder_list(around, take_name, f)) /* without such a folder there is none */
+                    f->reason = errno == ENOENT || errno == ENOTDIR ? f->reason : errno;
             }
             pl_free(around);
         }
@@ -187,6 +190,9 @@ static int find(finder *f, const char *name, const io_format **format, char **in
             look_for(f, folders[i]);
     if (f->is_out_of_memory)
         return pl_fail_memory(error, f->path);
+    errno = f->reason;
+    if (f->reason)
+        return pl_fail_errno(error, f->path, "cannot be read");
     if (f->n == 0)
         return fail_none(f, error);
     qsort(f->mesh, (size_t)f->n, sizeof *f->mesh, compare);

@@ -176,10 +176,32 @@ static int write_file(writer *w, const char *name, const char *path) {
     return status;
 }
 
+static int write_entries(writer *w, const char *place, const char *inner, int is_mesh);
+
+/** Write an entry of a folder, at path, to target: a file that is wanted, or a folder with its files. */
+static int write_entry(writer *w, const char *name, const char *path, const char *target,
+                       int is_mesh) {
+    const io_folder *kind = w->file->format->folder;
+    const int is_wanted = !is_mesh || !kind->is_copied || kind->is_copied(name);
+    pl_file_status about;
+    int is_folder = 0;
+    for (const char *const *f = kind->folders; is_mesh && f && *f; f++)
+        is_folder |= strcmp(name, *f) == 0;
+    if (!is_wanted && !is_folder)
+        return PLANISH_OK;
+    if (pl_file_find(path, &about)) /* a link may lead nowhere */
+        return errno == ENOENT ? PLANISH_OK : pl_fail_errno(w->error, path, "cannot be read");
+    if (is_wanted && about.kind == PL_FILE_REGULAR)
+        return write_file(w, target, path);
+    if (!is_folder || about.kind != PL_FILE_FOLDER)
+        return PLANISH_OK;
+    const int status = pl_folder_add(&w->folder, target, w->temporaries, w->error);
+    return status ? status : write_entries(w, path, target, 0);
+}
+
 /** Write what is in the folder at place, to where it is to be in the new one. is_mesh: it is the
  *  folder of the mesh; else one that is copied along. */
 static int write_entries(writer *w, const char *place, const char *inner, int is_mesh) {
-    const io_folder *kind = w->file->format->folder;
     names list = {.n = 0};
     int status = PLANISH_OK;
     if (pl_folder_list(place, note_name, &list))
@@ -190,22 +212,10 @@ static int write_entries(writer *w, const char *place, const char *inner, int is
         const char *name = list.name[i];
         const size_t size = strlen(place) + strlen(inner) + strlen(name) + 2;
         char *path = pl_alloc((int64_t)size, 1), *target = pl_alloc((int64_t)size, 1);
-        pl_file_status about;
         if (path && target) {
-            snprintf(path, size, "%s%s%s", place,
-                     pl_path_is_separator(place[strlen(place) - 1]) ? "" : "/", name);
+            snprintf(path, size, "%s/%s", place, name);
             snprintf(target, size, "%s%s%s", inner, *inner ? "/" : "", name);
-            int is_folder = 0;
-            for (const char *const *f = kind->folders; is_mesh && f && *f; f++)
-                is_folder |= strcmp(name, *f) == 0;
-            const int is_wanted = !is_mesh || !kind->is_copied || kind->is_copied(name);
-            if (pl_file_find(path, &about) == 0 && about.kind == PL_FILE_REGULAR && is_wanted)
-                status = write_file(w, target, path);
-            else if (is_folder && io_folder_is(path)) {
-                status = pl_folder_add(&w->folder, target, w->temporaries, w->error);
-                if (!status)
-                    status = write_entries(w, path, target, 0);
-            }
+            status = write_entry(w, name, path, target, is_mesh);
         } else {
             status = pl_fail_memory(w->error, place);
         }
