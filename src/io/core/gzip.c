@@ -161,7 +161,7 @@ int io_gzip_begin(pl_output *output, const io_bytes *like, planish_error *error)
     if (header == 0)
         return io_bytes_fail_changed(like, error);
     packer *p = pl_alloc_zero(1, sizeof *p);
-    const int tried = like->data[EXTRA_FLAGS];
+    const int tried = (unsigned char)like->data[EXTRA_FLAGS];
     const int level = tried == BEST      ? Z_BEST_COMPRESSION
                       : tried == FASTEST ? Z_BEST_SPEED
                                          : Z_DEFAULT_COMPRESSION;

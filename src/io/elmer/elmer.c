@@ -139,7 +139,7 @@ static int take_nodes(const elmer_elements *e, io_cursor *cursor, int64_t number
 /** Read one element: what is before its type, the type, its nodes. */
 static int read_element(elmer_elements *e, io_cursor *cursor, int64_t row, planish_error *error) {
     const io_model *view = &e->file.view;
-    int64_t number, code, word, group = 0;
+    int64_t number = 0, code = 0, word = 0, group = 0;
     int32_t nodes[MOST_NODES];
     int status = take_element_number(e, cursor, row + 1, &number, error);
     for (int k = 1; k < e->words && !status; k++) {
@@ -193,14 +193,15 @@ static int64_t first_type(const elmer_elements *e, io_cursor cursor) {
                : 0;
 }
 
-/** Read elements that are all of one type by threads. Return 1, or 0: they are not, and nothing has
- *  been added. */
+/** Read elements that are all of one type by threads. If they are not, e->uniform is 0 then, and nothing
+ *  has been added. */
 static int read_uniform(elmer_elements *e, io_text *text, io_cursor *cursor, planish_error *error) {
     const io_element_type type = type_of(e->uniform);
     const int cell = cell_type_of(&type), dim = io_element_dim(&type),
               is_simplex = io_simplex_dim(cell);
     io_cells *cells = io_model_cells(e->model, dim);
-    io_others *others = dim > 1 ? io_model_others(e->model, dim) : NULL;
+    io_others *others =
+        io_model_others(e->model, dim); /* not looked at where there are simplices */
     planish_error ignored;
     int status = is_simplex ? io_cells_reserve(e->model, dim, e->n, 1, 1, error)
                             : io_others_reserve(e->model, dim, e->n, e->n * type.nodes, 1, error);

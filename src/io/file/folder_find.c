@@ -244,11 +244,11 @@ int io_folder_find_mesh(planish_file *file, const char *path, const char *name,
 }
 
 char *io_folder_mesh_file(const char *path, int i) {
-    const io_format *format;
+    const io_format *format = NULL;
     planish_error ignored;
     char *inner = NULL, *result = NULL;
     finder f = {.path = path};
-    if (find(&f, NULL, &format, &inner, &ignored) == PLANISH_OK) {
+    if (find(&f, NULL, &format, &inner, &ignored) == PLANISH_OK && format) {
         const int step = format->folder->may_be_packed ? 2 : 1;
         const char *const *name = format->folder->files;
         for (int k = 0; *name && k < i / step; k++)

@@ -10,6 +10,7 @@
 #define PL_IO_FOAM_FOAM_H
 
 #include "io/core/folder.h"
+#include "io/core/number.h"
 #include "io/core/records.h"
 
 /** A file: its bytes, and what its header says of them. */
@@ -86,6 +87,31 @@ void foam_close(foam_file *f);
 
 /** Skip white space and comments. */
 void foam_skip(io_cursor *cursor);
+
+/** Skip the same, fast where the next character is none of these. */
+static inline void foam_skip_few(io_cursor *cursor) {
+    while (cursor->at < cursor->end && *cursor->at == ' ')
+        cursor->at++;
+    if (cursor->at < cursor->end && (io_is_space(*cursor->at) || *cursor->at == '/'))
+        foam_skip(cursor);
+}
+
+/** Take a whole number as io_parse_integer does, fast where it has no sign. */
+static inline int foam_integer(io_cursor *cursor, int64_t *value) {
+    enum { MOST_DIGITS = 18 };
+    const char *at = cursor->at;
+    int64_t number = 0;
+    for (; at < cursor->end && *at >= '0' && *at <= '9'; at++) {
+        if (at - cursor->at == MOST_DIGITS)
+            return io_parse_integer(&cursor->at, cursor->end, value);
+        number = 10 * number + (*at - '0');
+    }
+    if (at == cursor->at)
+        return io_parse_integer(&cursor->at, cursor->end, value);
+    cursor->at = at;
+    *value = number;
+    return 0;
+}
 
 /** Take the next token: one of ; { } ( ), a text in quotes, without these, or a word up to any of these. Empty at the
  *  end. */

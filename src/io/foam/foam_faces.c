@@ -5,8 +5,6 @@
  */
 #include "io/foam/foam.h"
 
-#include "io/core/number.h"
-
 #include "base/memory.h"
 #include "base/status.h"
 
@@ -32,13 +30,13 @@ static int fail_face(const face_reader *r, const char *at, int64_t face, planish
 /** Take the number of nodes of a face and '('; *n -1: there is none. */
 static int begin_face(const face_reader *r, io_cursor *cursor, int64_t face, int64_t *n,
                       planish_error *error) {
-    foam_skip(cursor);
+    foam_skip_few(cursor);
     const char *at = cursor->at;
     *n = -1;
     if (cursor->at < cursor->end && *cursor->at != '(' &&
-        (io_parse_integer(&cursor->at, cursor->end, n) || *n < LEAST || *n > cursor->end - at))
+        (foam_integer(cursor, n) || *n < LEAST || *n > cursor->end - at))
         return fail_face(r, at, face, error);
-    foam_skip(cursor);
+    foam_skip_few(cursor);
     if (cursor->at == cursor->end || *cursor->at != '(')
         return fail_face(r, at, face, error);
     cursor->at++;
@@ -49,13 +47,13 @@ static int begin_face(const face_reader *r, io_cursor *cursor, int64_t face, int
 static inline int next_node(const face_reader *r, io_cursor *cursor, int64_t face, int32_t *node,
                             planish_error *error) {
     int64_t number = 0;
-    foam_skip(cursor);
+    foam_skip_few(cursor);
     const char *at = cursor->at;
     if (cursor->at < cursor->end && *cursor->at == ')') {
         cursor->at++;
         return 0;
     }
-    if (io_parse_integer(&cursor->at, cursor->end, &number))
+    if (foam_integer(cursor, &number))
         return fail_face(r, at, face, error);
     if (number < 0 || number >= r->mesh->model->n_nodes)
         return io_fail_no_node(&r->file.of.view, at, "face", face, number, error);

@@ -1,8 +1,6 @@
 /* foam_list: lists of numbers: text, or binary in a row. */
 #include "io/foam/foam.h"
 
-#include "io/core/number.h"
-
 #include "base/memory.h"
 #include "base/round.h"
 #include "base/status.h"
@@ -85,11 +83,10 @@ static inline int take_label(const label_records *r, io_cursor *cursor, int64_t 
                              planish_error *error) {
     const foam_file *f = r->f;
     if (!f->of.view.is_binary)
-        foam_skip(cursor);
+        foam_skip_few(cursor);
     const char *at = cursor->at;
     const int failed = f->of.view.is_binary ? io_number(cursor, f->label_size, f->swapped, value)
-                                            : io_parse_integer(&cursor->at, cursor->end, value) ||
-                                                  !ends_here(cursor);
+                                            : foam_integer(cursor, value) || !ends_here(cursor);
     if (!failed && *value >= r->first && *value <= r->last)
         return PLANISH_OK;
     if (failed)
@@ -172,7 +169,7 @@ int foam_field(const io_model *model, io_cursor *cursor, int d, io_field *field)
     (void)model;
     (void)d;
     *field = (io_field){.width = 0};
-    foam_skip(cursor);
+    foam_skip_few(cursor);
     field->begin = cursor->at;
     if (io_parse_real(&cursor->at, cursor->end, &field->value) || !ends_here(cursor))
         return -1;
@@ -191,11 +188,11 @@ static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t 
     io_model *model = context;
     const int is_float = model->precision == PLANISH_PRECISION_FLOAT;
     for (int64_t node = begin; node < end; node++) {
-        foam_skip(cursor);
+        foam_skip_few(cursor);
         if (cursor->at == cursor->end || *cursor->at != '(')
             return fail_point(model, cursor->at, node, error);
         cursor->at++;
-        foam_skip(cursor);
+        foam_skip_few(cursor);
         model->text_offset[node] = cursor->at - model->input.data;
         for (int d = 0; d < 3; d++) {
             io_field field;
@@ -207,7 +204,7 @@ static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t 
                 return status;
             model->xyz[3 * node + d] = value;
         }
-        foam_skip(cursor);
+        foam_skip_few(cursor);
         if (cursor->at == cursor->end || *cursor->at != ')')
             return fail_point(model, cursor->at, node, error);
         cursor->at++;
