@@ -17,7 +17,8 @@
 typedef struct foam_file {
     io_folder_file of; /* of.view: for messages */
     io_cursor cursor;
-    int swapped, label_size, scalar_size; /* of binary numbers, in bytes */
+    int swapped, label_size, scalar_size; /* of binary numbers, in bytes; */
+    int is_label_known, is_scalar_known;  /* 0: usual ones, where the header does not say */
     io_slice class;                       /* of the list, as the file names it */
 } foam_file;
 

@@ -150,6 +150,8 @@ static int take_arch(foam_file *f, io_slice arch, planish_error *error) {
         return io_fail_at(&f->of.view, arch.begin, error,
                           "arch '%.*s': labels and scalars of 32 or 64 bits expected",
                           IO_QUOTED(arch));
+    f->is_label_known |= label != 0;
+    f->is_scalar_known |= scalar != 0;
     f->label_size = label ? (int)label / 8 : f->label_size;
     f->scalar_size = scalar ? (int)scalar / 8 : f->scalar_size;
     return PLANISH_OK;

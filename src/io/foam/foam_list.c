@@ -63,6 +63,23 @@ int foam_end_list(foam_file *f, const char *what, planish_error *error) {
         what);
 }
 
+/** Return whether a binary list may end behind so many bytes. */
+static int may_end(const foam_file *f, int64_t bytes) {
+    const char *at = f->cursor.at, *end = f->cursor.end;
+    return bytes < end - at && at[bytes] == ')' &&
+           (bytes + 1 == end - at || io_is_space(at[bytes + 1]) || at[bytes + 1] == ';' ||
+            at[bytes + 1] == ')');
+}
+
+/** Choose the size of n numbers of a binary list where the header does not say it: the usual one, unless
+ *  the list can only end by the other one. Check that all are there. */
+static int choose_size(const foam_file *f, const char *what, int64_t n, int is_known, int other,
+                       int *size, planish_error *error) {
+    if (!is_known && !may_end(f, n * *size) && may_end(f, n * other))
+        *size = other;
+    return io_check_room(&f->of.view, f->cursor, n, *size, what, error);
+}
+
 /* ---- labels --------------------------------------------------------------------------------- */
 
 typedef struct label_records {
@@ -129,7 +146,7 @@ int foam_labels(foam_file *f, const char *what, int64_t first, int64_t last, int
                 int64_t *n, planish_error *error) {
     enum { MOST_EQUAL = 1 << 26 }; /* whose number nothing else bounds */
     io_model *view = &f->of.view;
-    const int64_t size = view->is_binary ? f->label_size : 2;
+    const int64_t least = view->is_binary ? f->label_size : 2;
     label_records r = {f, what, first, smaller(last, INT32_MAX), NULL};
     io_cursor ahead = f->cursor;
     int64_t count = 0;
@@ -144,7 +161,9 @@ int foam_labels(foam_file *f, const char *what, int64_t first, int64_t last, int
     if (is_equal)
         status = take_count(f, what, n, error);
     else
-        status = foam_begin_list(f, what, size, n, error);
+        status = foam_begin_list(f, what, least, n, error);
+    if (!status && view->is_binary && !is_equal && *n > 0)
+        status = choose_size(f, what, *n, f->is_label_known, 8, &f->label_size, error);
     if (status)
         return status;
     r.label = *labels = pl_alloc(*n, sizeof *r.label);
@@ -158,7 +177,7 @@ int foam_labels(foam_file *f, const char *what, int64_t first, int64_t last, int
     io_text_init(&text, view);
     if (!view->is_binary)
         foam_skip(&f->cursor);
-    status = io_records(&text, &f->cursor, *n, 1, size, read_labels, &r, error);
+    status = io_records(&text, &f->cursor, *n, 1, f->label_size, read_labels, &r, error);
     io_text_release(&text);
     return status ? status : foam_end_list(f, what, error);
 }
@@ -218,9 +237,14 @@ int foam_read_points(io_model *model, planish_error *error) {
     int64_t n;
     int status = foam_read_header(&f, error);
     model->is_binary = f.of.view.is_binary;
-    const int64_t size = 3 * (int64_t)f.scalar_size;
+    const int least = f.is_scalar_known ? 3 * f.scalar_size : 3 * (int)sizeof(float);
+    int size = 3 * f.scalar_size;
     if (!status)
-        status = foam_begin_list(&f, "points", model->is_binary ? size : SHORTEST, &n, error);
+        status = foam_begin_list(&f, "points", model->is_binary ? least : SHORTEST, &n, error);
+    if (!status && model->is_binary && n > 0) {
+        status = choose_size(&f, "points", n, f.is_scalar_known, least, &size, error);
+        f.scalar_size = size / 3;
+    }
     if (!status && n == 0)
         status = io_fail_at(model, f.cursor.at, error, "there are no points");
     if (!status)
