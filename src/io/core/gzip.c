@@ -34,7 +34,7 @@ static int fail_damaged(const io_bytes *packed, planish_error *error) {
 
 /** Unpack the parts of a file, one behind the other; behind the last may be zeros. */
 static int unpack(z_stream *z, const io_bytes *packed, io_bytes *bytes, planish_error *error) {
-    const int64_t most = pl_system_memory() / 2;
+    const int64_t most = pl_system_memory() / 4;
     const char *at = packed->data, *end = at + packed->size;
     int64_t capacity = 0;
     int code = Z_OK;

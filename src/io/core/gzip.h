@@ -12,8 +12,8 @@
 /** Return whether the bytes begin as a file of gzip's does. */
 int io_is_gzip(const char *data, int64_t size);
 
-/** Unpack all parts of a file into private memory under the same path; at most half of the machine's
- *  memory. Errors: _FORMAT (damage; planish was built without zlib), _FILE (too large), _MEMORY. */
+/** Unpack all parts of a file into private memory under the same path; at most a quarter of the
+ *  machine's memory. Errors: _FORMAT (damage; planish was built without zlib), _FILE (too large), _MEMORY. */
 int io_gunzip(const io_bytes *packed, io_bytes *bytes, planish_error *error);
 
 /** Let what is written to output be packed, with the header of the packed file like (its name and time)

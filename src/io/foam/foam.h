@@ -52,14 +52,11 @@ typedef struct foam_set {
     int32_t *member;  /* or [n] owned ones */
 } foam_set;
 
-enum { FOAM_MOST_GROUPS = 64 }; /* of a patch */
-
 /** A patch, as the file says. */
 typedef struct foam_patch {
     io_slice name, type, neighbour; /* of the other side, if it is cyclic */
-    io_slice group[FOAM_MOST_GROUPS];
-    int n_groups;
-    int64_t first, n; /* faces; -1: not said */
+    io_slice groups;                /* the value of inGroups */
+    int64_t first, n;               /* faces; -1: not said */
     const char *at;
 } foam_patch;
 
@@ -67,6 +64,7 @@ typedef struct foam_patches {
     foam_file file;
     foam_patch *patch; /* [n] owned */
     int64_t n, capacity;
+    int64_t n_behind; /* faces up to the last of the last patch */
 } foam_patches;
 
 typedef struct foam_sets {

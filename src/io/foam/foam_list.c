@@ -144,26 +144,27 @@ static int read_equal_labels(label_records *r, foam_file *f, int64_t n, planish_
 
 int foam_labels(foam_file *f, const char *what, int64_t first, int64_t last, int32_t **labels,
                 int64_t *n, planish_error *error) {
-    enum { MOST_EQUAL = 1 << 26 }; /* whose number nothing else bounds */
+    enum { MOST_EQUAL = 1 << 16 }; /* of one number for all, which no byte of the file bounds */
     io_model *view = &f->of.view;
-    const int64_t least = view->is_binary ? f->label_size : 2;
     label_records r = {f, what, first, smaller(last, INT32_MAX), NULL};
-    io_cursor ahead = f->cursor;
+    foam_file ahead = *f;
     int64_t count = 0;
     *labels = NULL;
-    foam_file peek = *f;
-    int is_equal =
-        !take_count(&peek, what, &count, NULL) && io_slice_is(foam_word(&peek.cursor), "{", 0);
+    int is_equal = !take_count(&ahead, what, &count, NULL);
+    const io_cursor behind = ahead.cursor;
+    is_equal = is_equal && io_slice_is(foam_word(&ahead.cursor), "{", 0);
     if (is_equal && count > MOST_EQUAL)
-        return io_fail_at(view, ahead.at, error, "%s: %lld equal numbers are too many", what,
+        return io_fail_at(view, f->cursor.at, error, "%s: %lld equal numbers are too many", what,
                           (long long)count);
     int status = PLANISH_OK;
-    if (is_equal)
-        status = take_count(f, what, n, error);
-    else
-        status = foam_begin_list(f, what, least, n, error);
-    if (!status && view->is_binary && !is_equal && *n > 0)
-        status = choose_size(f, what, *n, f->is_label_known, 8, &f->label_size, error);
+    if (is_equal) {
+        f->cursor = behind;
+        *n = count;
+    } else {
+        status = foam_begin_list(f, what, view->is_binary ? f->label_size : 2, n, error);
+        if (!status && view->is_binary && *n > 0)
+            status = choose_size(f, what, *n, f->is_label_known, 8, &f->label_size, error);
+    }
     if (status)
         return status;
     r.label = *labels = pl_alloc(*n, sizeof *r.label);

@@ -50,26 +50,6 @@ static int take_number(foam_patches *p, int64_t *number, planish_error *error) {
     return foam_expect(&p->file, ";", error);
 }
 
-/** Take the names of the groups of a patch: (a b), 2(a b), List<word> 2(a b), or a. */
-static int take_groups(foam_patches *p, foam_patch *to, planish_error *error) {
-    for (;;) {
-        int64_t number;
-        const io_slice word = foam_word(&p->file.cursor);
-        const int status = foam_check_word(&p->file, word, error);
-        if (status)
-            return status;
-        if (io_slice_length(word) == 0)
-            return io_fail_at(&p->file.of.view, word.begin, error,
-                              "the file is cut short in inGroups");
-        if (io_slice_is(word, ";", 0))
-            return PLANISH_OK;
-        const int is_name = !io_slice_is(word, "(", 0) && !io_slice_is(word, ")", 0) &&
-                            !io_slice_is(word, "List<word>", 0) && io_slice_integer(word, &number);
-        if (is_name && to->n_groups < FOAM_MOST_GROUPS)
-            to->group[to->n_groups++] = word;
-    }
-}
-
 /** Read an entry of a patch whose name is word. */
 static int read_entry(foam_patches *p, foam_patch *to, io_slice word, planish_error *error) {
     io_cursor ahead = p->file.cursor;
@@ -81,13 +61,15 @@ static int read_entry(foam_patches *p, foam_patch *to, io_slice word, planish_er
         return take_number(p, &to->n, error);
     if (io_slice_is(word, "startFace", 0))
         return take_number(p, &to->first, error);
-    if (io_slice_is(word, "inGroups", 0))
-        return take_groups(p, to, error);
     if (io_slice_is(word, "type", 0))
         to->type = value;
     if (io_slice_is(word, "neighbourPatch", 0))
         to->neighbour = value;
-    return foam_skip_value(&p->file, error);
+    const char *begin = p->file.cursor.at;
+    const int skipped = foam_skip_value(&p->file, error);
+    if (io_slice_is(word, "inGroups", 0))
+        to->groups = (io_slice){begin, p->file.cursor.at};
+    return skipped;
 }
 
 /** Read a patch whose name is word. */
@@ -112,6 +94,11 @@ static int read_patch(const foam_mesh *mesh, foam_patches *p, io_slice word, pla
         return io_fail_at(
             view, to.at, error, "patch '%.*s': there are %lld faces, not %lld from %lld on",
             IO_QUOTED(to.name), (long long)mesh->n_faces, (long long)to.n, (long long)to.first);
+    if (to.n > 0 && to.first < p->n_behind)
+        return io_fail_at(view, to.at, error,
+                          "patch '%.*s' begins with face %lld, which the patches before have, too",
+                          IO_QUOTED(to.name), (long long)to.first);
+    p->n_behind = to.n > 0 ? to.first + to.n : p->n_behind;
     for (int64_t i = to.first; i < to.first + to.n; i++)
         if (mesh->neighbour[i] >= 0)
             return io_fail_at(view, to.at, error, "patch '%.*s': face %lld is between two cells",
@@ -210,11 +197,13 @@ static int pair_patches(const foam_mesh *mesh, const foam_patch *a, const foam_p
 
 /** Hold the nodes of patches that are not plain. */
 static int hold_patches(const foam_mesh *mesh, const foam_patches *p, planish_error *error) {
+    enum { MOST_COMPARED = 10000 }; /* of a damaged file with more, all are held */
+    const int64_t n_compared = p->n <= MOST_COMPARED ? p->n : 0;
     int32_t *last = NULL;
     int status = PLANISH_OK;
     for (int64_t i = 0; i < p->n && !status; i++) {
         const foam_patch *a = &p->patch[i], *b = NULL;
-        for (int64_t k = 0; k < p->n && io_slice_is(a->type, "cyclic", 0); k++) {
+        for (int64_t k = 0; k < n_compared && io_slice_is(a->type, "cyclic", 0); k++) {
             const io_slice name = p->patch[k].name;
             if (io_slice_length(name) == io_slice_length(a->neighbour) && k != i &&
                 memcmp(name.begin, a->neighbour.begin, (size_t)io_slice_length(name)) == 0)
@@ -235,12 +224,21 @@ static int hold_patches(const foam_mesh *mesh, const foam_patches *p, planish_er
     return status;
 }
 
-/** Add the sets of a patch: itself and its groups. */
+/** Add the sets of a patch: itself and its groups, (a b), 2(a b), List<word> 2(a b), or a. */
 static int add_sets(const foam_patch *p, foam_sets *sets, planish_error *error) {
+    enum { MOST_GROUPS = 64 };
     const foam_set set = {.things = FOAM_FACES, .first = p->first, .n = p->n};
+    io_cursor cursor = {p->groups.begin, p->groups.end};
     int status = foam_add_set(sets, p->name, set, error);
-    for (int i = 0; i < p->n_groups && !status; i++)
-        status = foam_add_set(sets, p->group[i], set, error);
+    for (int n = 0; n < MOST_GROUPS && !status && cursor.at < cursor.end;) {
+        int64_t number;
+        const io_slice word = foam_word(&cursor);
+        if (io_slice_length(word) > 0 && !strchr(";()", *word.begin) &&
+            !io_slice_is(word, "List<word>", 0) && io_slice_integer(word, &number)) {
+            status = foam_add_set(sets, word, set, error);
+            n++;
+        }
+    }
     return status;
 }
 
