@@ -11,7 +11,7 @@
  * Cells, faces and points are numbered from 0.
  */
 #include "io/core/format.h"
-#include "io/foam/foam.h"
+#include "io/foam/foam_parts.h"
 
 #include "base/status.h"
 

@@ -1,5 +1,5 @@
 /* foam_file: files of OpenFOAM's: their header, and the tokens of dictionaries. */
-#include "io/foam/foam.h"
+#include "io/foam/foam_parts.h"
 
 #include "io/core/number.h"
 

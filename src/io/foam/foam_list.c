@@ -1,5 +1,5 @@
 /* foam_list: lists of numbers: text, or binary in a row. */
-#include "io/foam/foam.h"
+#include "io/foam/foam_parts.h"
 
 #include "base/memory.h"
 #include "base/round.h"

@@ -1,4 +1,4 @@
-/* foam: what the files of this folder share.
+/* foam_parts: what the files of this folder share.
  *
  *   foam_file, foam_open, foam_close    a file of the mesh, behind its header
  *   foam_skip, foam_word, foam_value    tokens of a file
@@ -6,8 +6,8 @@
  *   foam_mesh, foam_make_cells          faces, and the elements that they enclose
  *   foam_sets, foam_read_patches ...    patches and zones
  */
-#ifndef PL_IO_FOAM_FOAM_H
-#define PL_IO_FOAM_FOAM_H
+#ifndef PL_IO_FOAM_FOAM_PARTS_H
+#define PL_IO_FOAM_FOAM_PARTS_H
 
 #include "io/core/folder.h"
 #include "io/core/number.h"
