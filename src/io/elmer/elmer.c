@@ -30,7 +30,7 @@ static const io_node_order node_orders[] = {
                                  18, 19, 12, 13, 14, 15, 23, 21, 20, 22, 24, 25, 26}},
     {0, {0}}};
 
-/** Of each family: its shape, and corners. */
+/** Shape of each family, and its number of corners. */
 static const struct {
     uint8_t shape, corners;
 } families[] = {{IO_NO_SHAPE, 0}, {IO_POINT, 1},         {IO_LINE, 2},

@@ -161,7 +161,7 @@ int io_check_inputs_unchanged(const planish_file *file, planish_error *error) {
 
 /* ---- writing ------------------------------------------------------------------------------ */
 
-/** What is left to be compared of bytes that are written. */
+/** Bytes that are left to be compared with those that are written. */
 typedef struct comparison {
     const char *at, *end;
     int differs;

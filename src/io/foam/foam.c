@@ -11,7 +11,12 @@
  * Cells, faces and points are numbered from 0.
  */
 #include "io/core/format.h"
-#include "io/foam/foam_parts.h"
+#include "io/foam/foam_cells.h"
+#include "io/foam/foam_faces.h"
+#include "io/foam/foam_flat.h"
+#include "io/foam/foam_groups.h"
+#include "io/foam/foam_list.h"
+#include "io/foam/foam_patches.h"
 
 #include "base/status.h"
 

@@ -8,7 +8,7 @@
  *
  * All other cells are polyhedra, and hold their nodes.
  */
-#include "io/foam/foam_parts.h"
+#include "io/foam/foam_cells.h"
 
 #include "io/core/cell_types.h"
 

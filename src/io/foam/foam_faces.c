@@ -3,7 +3,8 @@
  * A list of faces is text, 4(0 1 2 3) each, or compact: where the nodes of each face begin, then the
  * nodes of all. Some programs write binary faces one by one.
  */
-#include "io/foam/foam_parts.h"
+#include "io/foam/foam_faces.h"
+#include "io/foam/foam_list.h"
 
 #include "base/memory.h"
 #include "base/status.h"

@@ -8,7 +8,7 @@
  * last digit. A few pairs may differ by roundings: their nodes are held, and the point of the
  * other side stays a node of its own, of no element.
  */
-#include "io/foam/foam_parts.h"
+#include "io/foam/foam_flat.h"
 
 #include "base/memory.h"
 #include "base/status.h"

@@ -1,5 +1,5 @@
 /* foam_groups: facets of the faces of the boundary and of zones; entities and groups of all sets. */
-#include "io/foam/foam_parts.h"
+#include "io/foam/foam_groups.h"
 
 #include "io/core/memberships.h"
 

@@ -1,5 +1,5 @@
 /* foam_list: lists of numbers: text, or binary in a row. */
-#include "io/foam/foam_parts.h"
+#include "io/foam/foam_list.h"
 
 #include "base/memory.h"
 #include "base/round.h"
@@ -262,4 +262,31 @@ int foam_read_points(io_model *model, planish_error *error) {
                               : io_text_records(&text, &f.cursor, n, 3, read_points, model, error);
     io_text_release(&text);
     return status ? status : foam_end_list(&f, "points", error);
+}
+
+/* ---- entries ------------------------------------------------------------------------------- */
+
+int foam_begin_entries(foam_file *f, const char *what, int64_t *n, planish_error *error) {
+    io_cursor ahead = f->cursor;
+    *n = -1;
+    if (!io_slice_is(foam_word(&ahead), "(", 0))
+        return foam_begin_list(f, what, 1, n, error);
+    f->cursor = ahead;
+    return PLANISH_OK;
+}
+
+int foam_next_entry(foam_file *f, const char *what, int64_t n, int64_t i, io_slice *name,
+                    planish_error *error) {
+    if (n == 0) /* its parentheses have been taken, if it has any */
+        return 0;
+    *name = foam_word(&f->cursor);
+    if (io_slice_is(*name, ")", 0) && (n < 0 || i == n))
+        return 0;
+    if (i == n || io_slice_length(*name) == 0 || io_slice_is(*name, ")", 0))
+        return io_fail_at(&f->of.view, name->begin, error,
+                          i == n ? "')' expected behind the last of the %s"
+                                 : "one more of the %s expected (the file may be cut short)",
+                          what);
+    const int status = foam_check_word(f, *name, error);
+    return status ? status : 1;
 }

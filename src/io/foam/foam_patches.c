@@ -4,7 +4,8 @@
  * are held: of all types but the plain ones. Those of two patches that are cyclic are periodic, node
  * by node.
  */
-#include "io/foam/foam_parts.h"
+#include "io/foam/foam_patches.h"
+#include "io/foam/foam_list.h"
 
 #include "io/core/number.h"
 
