@@ -35,7 +35,7 @@ def write(folder, name, data, packed=False):
     os.makedirs(folder, exist_ok=True)
     path = os.path.join(folder, name + (".gz" if packed else ""))
     with open(path, "wb") as file:
-        file.write(gzip.compress(data, 6, mtime=0) if packed else data)
+        file.write(gzip.compress(data, 3, mtime=0) if packed else data)
 
 
 def elmer(folder, points, tetrahedra, triangles):
