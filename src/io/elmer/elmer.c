@@ -129,9 +129,9 @@ static int take_nodes(const elmer_elements *e, io_cursor *cursor, int64_t number
                               "%s %lld: node %d of %d expected (the file may be cut short)",
                               e->kind.what, (long long)number, k + 1, n);
         const int64_t index = io_node_index(e->model, node);
+        nodes[k] = (int32_t)index;
         if (index < 0)
             return io_fail_no_node(&e->file.view, at, e->kind.what, number, node, error);
-        nodes[k] = (int32_t)index;
     }
     return PLANISH_OK;
 }
