@@ -15,9 +15,9 @@
  *
  * planish_sol_read reads the sizes that Medit has beside its meshes, planish_data_free frees data.
  *
- * Formats: docs/formats.md lists them; planish_file_formats has their names. Calls on different files
- * may run at the same time, but of files in HDF5 (CGNS, MED, VTKHDF, DMPlex, Exodus) one at a time,
- * unless the HDF5 library is built for
+ * Formats: docs/formats.md lists them; planish_file_formats has their names. Meshes of Elmer and OpenFOAM
+ * are folders: a path is then that of the folder. Calls on different files may run at the same time,
+ * but of files in HDF5 (CGNS, MED, VTKHDF, DMPlex, Exodus) one at a time, unless the HDF5 library is built for
  * threads. Error convention as in planish.h; the text says file, line or byte, and what to do.
  * Functions that cannot fail return 0, NULL or -1 where the file or path is NULL.
  */
@@ -36,7 +36,7 @@ extern "C" {
  *  writes beyond its arrays, but where it becomes shorter the system sends the process SIGBUS. */
 typedef struct planish_file planish_file;
 
-/** Read the file at path. format: a name of planish_file_formats, or NULL to tell it by content,
+/** Read the file at path, or the mesh in the folder at path. format: a name of planish_file_formats, or NULL to tell it by content,
  *  then by extension. threads: 0 as many as OpenMP would use.
  *  Errors: _FILE, _FORMAT, _MEMORY, _ARGUMENT (unknown format). */
 PLANISH_API int planish_file_open(const char *path, const char *format, int threads,
@@ -307,7 +307,8 @@ PLANISH_API int planish_file_round_in_plane(const planish_file *file, double *co
                                             uint8_t *back, int64_t *n_back, planish_error *error);
 
 /** Return 1 if planish_file_write takes path, else 0. It takes the extension of the input, another
- *  extension of its format, a pipe or a device. planish_file_check_output knows more. */
+ *  extension of its format, a pipe or a device; of a mesh that is a folder that folder, and names
+ *  without the extension of a format. planish_file_check_output knows more. */
 PLANISH_API int planish_file_can_write(const planish_file *file, const char *path);
 
 /** Ask, before long work, what planish_file_write to path would fail for wherever nodes go: a name
@@ -326,7 +327,10 @@ PLANISH_API int planish_file_check_output(const planish_file *file, const char *
  * zeroed, that holds the paths of the temporary files while there are any (each ends with '\0', an
  * empty one ends the list), for a signal handler that removes them; one whose path does not fit is
  * not listed: give the length of path and 80 bytes for each file that is written. What TetGen has
- * beside .node (.ele, .face, .edge, .neigh, ..: docs/formats.md) is written along with it. Errors:
+ * beside .node (.ele, .face, .edge, .neigh, ..: docs/formats.md) is written along with it. A mesh that is a
+ * folder is written to a new folder, which is made beside its place with all files of the mesh and
+ * renamed; or, if path is the input's, its file of coordinates is replaced. temporary then lists a
+ * folder before what is in it, so that paths are to be removed from the last to the first. Errors:
  * _FILE (also if the input is not what was read any more), _MEMORY, _ARGUMENT (a path that
  * planish_file_can_write does not take, coordinates that are not finite); nothing is left behind
  * then (but if one of TetGen's files cannot be renamed, those that had already been, .node the

@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { MAX_LINKS = 40, MAX_NAMES = 1000, LONGEST_KEPT = 200 };
+enum { MAX_LINKS = 40, LONGEST_KEPT = 200 };
 /* Largest single write(): Linux takes no more than just below 2^31 bytes. */
 enum { WRITE_AT_ONCE = 1 << 30 };
 
@@ -25,7 +25,7 @@ static void set_first(char *path, char byte) {
     __atomic_store_n(path, byte, __ATOMIC_SEQ_CST);
 }
 
-static void temporaries_add(pl_temporaries list, const char *path) {
+void pl_temporaries_add(pl_temporaries list, const char *path) {
     size_t at = 0, length = strlen(path);
     if (!list.paths)
         return;
@@ -38,7 +38,7 @@ static void temporaries_add(pl_temporaries list, const char *path) {
     set_first(&list.paths[at], path[0]);
 }
 
-static void temporaries_remove(pl_temporaries list, const char *path) {
+void pl_temporaries_remove(pl_temporaries list, const char *path) {
     size_t at = 0;
     if (!list.paths)
         return;
@@ -120,38 +120,42 @@ char *pl_output_target(const char *path) {
     return at;
 }
 
+char *pl_temporary_name(const char *target, int i) {
+    const size_t folder = (size_t)(pl_path_name(target) - target);
+    const size_t size = folder + LONGEST_KEPT + 48, length = strlen(target);
+    /* The whole name must be legal, too. */
+    const size_t kept = length > folder + LONGEST_KEPT ? folder + LONGEST_KEPT : length;
+    char *name = pl_alloc((int64_t)size, 1);
+    if (name)
+        snprintf(name, size, "%.*s.planish-%ld-%d", (int)kept, target, pl_process_number(), i);
+    return name;
+}
+
 /** Create TARGET.planish-PROCESS-N beside target: as open for others as any new file if there is no
  *  target whose mode it will get. Return its descriptor, or -1: errno. */
 static int create_temporary(pl_temporaries temporaries, pl_output *output) {
     const pl_file_use use =
         pl_file_exists(output->target) ? PL_FILE_CREATE_PRIVATE : PL_FILE_CREATE;
-    const size_t folder = (size_t)(pl_path_name(output->target) - output->target);
-    const size_t size = folder + LONGEST_KEPT + 48, length = strlen(output->target);
-    /* The whole name must be legal, too. */
-    const size_t kept = length > folder + LONGEST_KEPT ? folder + LONGEST_KEPT : length;
-    output->temporary = pl_alloc((int64_t)size, 1);
     errno = ENOMEM;
-    for (int i = 0; output->temporary && i < MAX_NAMES; i++) {
-        snprintf(output->temporary, size, "%.*s.planish-%ld-%d", (int)kept, output->target,
-                 pl_process_number(), i);
-        if (pl_file_exists(output->temporary)) {
-            errno = EEXIST; /* another one's, which a signal must not remove */
-            continue;
+    for (int i = 0; i < PL_TEMPORARY_NAMES; i++) {
+        char *name = pl_temporary_name(output->target, i);
+        int fd = -1, reason = name ? EEXIST : ENOMEM; /* another one's must not be removed */
+        if (name && !pl_file_exists(name)) {
+            pl_temporaries_add(temporaries, name); /* it is listed before it is there */
+            fd = pl_file_open(name, use);
+            reason = errno;
         }
-        temporaries_add(temporaries, output->temporary); /* it is listed before it is there */
-        const int fd = pl_file_open(output->temporary, use);
-        if (fd >= 0)
+        if (fd >= 0) {
+            output->temporary = name;
             return fd;
-        const int reason = errno;
-        temporaries_remove(temporaries, output->temporary);
+        }
+        if (name)
+            pl_temporaries_remove(temporaries, name);
+        pl_free(name);
         errno = reason;
         if (reason != EEXIST)
             break;
     }
-    const int reason = errno;
-    pl_free(output->temporary);
-    output->temporary = NULL;
-    errno = reason;
     return -1;
 }
 
@@ -188,6 +192,12 @@ int pl_output_open(const char *path, pl_temporaries temporaries, pl_output *outp
 }
 
 int pl_output_write(pl_output *output, const char *data, int64_t size, planish_error *error) {
+    return output->pack ? output->pack(output, data, size, error)
+                        : pl_output_write_as_it_is(output, data, size, error);
+}
+
+int pl_output_write_as_it_is(pl_output *output, const char *data, int64_t size,
+                             planish_error *error) {
     while (size > 0) {
         unsigned wanted = size < WRITE_AT_ONCE ? (unsigned)size : WRITE_AT_ONCE;
         ssize_t written = write(output->fd, data, wanted);
@@ -204,6 +214,9 @@ int pl_output_write(pl_output *output, const char *data, int64_t size, planish_e
 }
 
 int pl_output_finish(pl_output *output, planish_error *error) {
+    const int status = output->pack ? output->pack(output, NULL, 0, error) : PLANISH_OK;
+    if (status || output->fd < 0)
+        return status;
     /* What it replaces may be the only copy: the bytes must be on the disk before the rename. */
     int failed = output->replaces && pl_file_sync(output->fd);
     const int reason = errno;
@@ -228,7 +241,7 @@ int pl_output_commit(pl_output *output, pl_temporaries temporaries, planish_erro
         return PLANISH_OK;
     if (pl_file_replace(output->temporary, output->target))
         return pl_fail_errno(error, output->target, "cannot be replaced");
-    temporaries_remove(temporaries, output->temporary);
+    pl_temporaries_remove(temporaries, output->temporary);
     pl_free(output->temporary);
     output->temporary = NULL;
     output->is_committed = 1;
@@ -245,7 +258,7 @@ void pl_output_release(pl_output *output, pl_temporaries temporaries) {
         close(output->fd);
     if (output->temporary) {
         pl_file_remove(output->temporary);
-        temporaries_remove(temporaries, output->temporary);
+        pl_temporaries_remove(temporaries, output->temporary);
     }
     pl_free(output->temporary);
     pl_free(output->target);

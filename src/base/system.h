@@ -7,6 +7,7 @@
  *
  *   pl_system_allocate, _reserve, _discard, _memory ...    memory and its pages
  *   pl_path_*, pl_folder_check_writable                    names
+ *   pl_folder_create, pl_folder_list                       folders
  *   pl_file_find, _open, _map, _replace, _remove ...       files
  *   pl_file_take_access                                    permissions of a file that is replaced
  *   pl_system_explain, pl_process_number                   errors, and this process
@@ -69,6 +70,17 @@ char *pl_path_resolve(const char *path);
 
 /** Whether files can be made in the folder at path: 0, or not 0 and errno. */
 int pl_folder_check_writable(const char *path);
+
+/** Make a folder where nothing is yet (else EEXIST): 0, or not 0 and errno. pl_file_remove removes
+ *  it. */
+int pl_folder_create(const char *path);
+
+/** Take the name of an entry of a folder. Not 0: take no more. */
+typedef int pl_folder_take(void *user, const char *name);
+
+/** Call take for each entry of the folder at path, in any order, but not for the folder itself and
+ *  the one around it: 0, or not 0 and errno. */
+int pl_folder_list(const char *path, pl_folder_take *take, void *user);
 
 /* ---- files ---------------------------------------------------------------------------------- */
 
@@ -143,7 +155,7 @@ void pl_file_set_mode(const char *path, int mode);
 /** Give the file at from the name to, in one step, whether or not there is one. 0, or errno. */
 int pl_file_replace(const char *from, const char *to);
 
-/** Remove a file; a signal handler may. */
+/** Remove a file or an empty folder; a signal handler may. */
 int pl_file_remove(const char *path);
 
 /** Let an open file, which nobody else may read yet, have owner, mode, access list and extended

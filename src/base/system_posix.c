@@ -1,6 +1,7 @@
 /* system: as POSIX has it. */
 #include "base/system.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -118,6 +119,28 @@ int pl_folder_check_writable(const char *path) {
     return access(path, W_OK | X_OK);
 }
 
+int pl_folder_create(const char *path) {
+    return mkdir(path, 0777);
+}
+
+int pl_folder_list(const char *path, pl_folder_take *take, void *user) {
+    DIR *folder = opendir(path);
+    const struct dirent *entry;
+    if (!folder)
+        return -1;
+    errno = 0;
+    while ((entry = readdir(folder)) != NULL) {
+        const char *name = entry->d_name;
+        if (strcmp(name, ".") != 0 && strcmp(name, "..") != 0 && take(user, name))
+            break;
+        errno = 0;
+    }
+    const int reason = entry ? 0 : errno; /* of readdir */
+    closedir(folder);
+    errno = reason;
+    return reason ? -1 : 0;
+}
+
 /* ---- files ---------------------------------------------------------------------------------- */
 
 static pl_file_status status_of(const struct stat *about) {
@@ -229,8 +252,11 @@ int pl_file_replace(const char *from, const char *to) {
     return rename(from, to);
 }
 
+/** Linux says EISDIR of a folder, POSIX EPERM. */
 int pl_file_remove(const char *path) {
-    return unlink(path);
+    if (unlink(path) == 0)
+        return 0;
+    return errno == EISDIR || errno == EPERM ? rmdir(path) : -1;
 }
 
 /* ---- owners, modes, and (of Linux) access lists and extended attributes -----------------------

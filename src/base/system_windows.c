@@ -142,6 +142,46 @@ int pl_folder_check_writable(const char *path) {
     return status.kind != PL_FILE_FOLDER;
 }
 
+int pl_folder_create(const char *path) {
+    wchar_t *name = wide_of(path);
+    const int result = name && CreateDirectoryW(name, NULL) ? 0 : fail();
+    free(name);
+    return result;
+}
+
+/** The pattern that finds all entries of the folder at path; to be freed, or NULL and errno. */
+static wchar_t *pattern_of(const char *path) {
+    static const char all[] = "/*";
+    char *text = malloc(strlen(path) + sizeof all);
+    if (!text) {
+        errno = ENOMEM;
+        return NULL;
+    }
+    strcpy(text, path);
+    strcat(text, all);
+    wchar_t *pattern = wide_of(text);
+    free(text);
+    return pattern;
+}
+
+int pl_folder_list(const char *path, pl_folder_take *take, void *user) {
+    enum { BYTES_A_LETTER = 4 };
+    char name[MAX_PATH * BYTES_A_LETTER];
+    WIN32_FIND_DATAW entry;
+    wchar_t *pattern = pattern_of(path);
+    HANDLE folder = pattern ? FindFirstFileW(pattern, &entry) : INVALID_HANDLE_VALUE;
+    free(pattern);
+    if (folder == INVALID_HANDLE_VALUE)
+        return fail();
+    do {
+        WideCharToMultiByte(CP_UTF8, 0, entry.cFileName, -1, name, sizeof name, NULL, NULL);
+        if (strcmp(name, ".") != 0 && strcmp(name, "..") != 0 && take(user, name))
+            break;
+    } while (FindNextFileW(folder, &entry));
+    FindClose(folder);
+    return 0;
+}
+
 /* ---- files ---------------------------------------------------------------------------------- */
 
 static uint64_t both(DWORD high, DWORD low) {
@@ -280,7 +320,7 @@ int pl_file_replace(const char *from, const char *to) {
 
 int pl_file_remove(const char *path) {
     wchar_t *name = wide_of(path);
-    const int result = name && DeleteFileW(name) ? 0 : fail();
+    const int result = name && (DeleteFileW(name) || RemoveDirectoryW(name)) ? 0 : fail();
     free(name);
     return result;
 }

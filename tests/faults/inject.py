@@ -50,7 +50,7 @@ Scenario = collections.namedtuple("Scenario", "name arguments inputs outputs is_
 
 
 def scenario(name, arguments, inputs, outputs=(), is_old=False, stdin=None):
-    """inputs and outputs: names of files; is_old: outputs are there already."""
+    """inputs and outputs: names of files, in folders, too; is_old: outputs are there already."""
     return Scenario(name, arguments.split(), inputs, outputs, is_old, stdin)
 
 
@@ -60,7 +60,21 @@ def smoothing(file, more="", inputs=None, outputs=None):
                     inputs or [file], outputs or [out])
 
 
+def files_of(folder, of=DATA):
+    return [os.path.relpath(os.path.join(place, name), of)
+            for place, _, names in os.walk(os.path.join(of, folder)) for name in sorted(names)]
+
+
+def smoothing_folder(folder):
+    names = files_of(folder)
+    return scenario("smooth " + folder, f"smooth {folder} -o out -q -j 1 --max-sweeps 3", names,
+                    [name.replace(folder, "out", 1) for name in names])
+
+
 SCENARIOS = [
+    smoothing_folder("elmer"), smoothing_folder("openfoam"),
+    scenario("elmer in place", "smooth elmer -o elmer -q -j 1 --max-sweeps 3", files_of("elmer"),
+             ["elmer/mesh.nodes"], True),
     scenario("all outputs", "smooth medit.mesh -o out.mesh --json r.json --report r.html -q -j 1"
              " --max-sweeps 3 --slide auto", ["medit.mesh"], ["out.mesh", "r.json", "r.html"]),
     scenario("all outputs replaced", "smooth medit.mesh -o out.mesh --json r.json --report r.html"
@@ -135,9 +149,11 @@ class Runs:
         os.mkdir("run")
         if self.scenario.is_old:
             for name in self.scenario.outputs:
+                os.makedirs(os.path.dirname(os.path.join("run", name)), exist_ok=True)
                 with open(os.path.join("run", name), "wb") as file:
                     file.write(OLD)
         for name, data in self.input.items():
+            os.makedirs(os.path.dirname(os.path.join("run", name)), exist_ok=True)
             with open(os.path.join("run", name), "wb") as file:
                 file.write(data)
 
@@ -164,7 +180,10 @@ class Runs:
             return []
 
     def found(self):
-        return {name: open(os.path.join("run", name), "rb").read() for name in os.listdir("run")}
+        found = {name: open(os.path.join("run", name), "rb").read() for name in files_of(".", "run")}
+        found.update({place + "/": b"" for place, folders, names in os.walk("run") if not folders + names})
+        found.pop("run/", None)
+        return {os.path.normpath(name): data for name, data in found.items()}
 
     def reference(self):
         done = self.run()
@@ -216,7 +235,7 @@ class Runs:
 
     def look_at_failure(self, done, found, complaint):
         s = self.scenario
-        names = [*s.inputs, *s.outputs, "standard output", "/dev/stdin", "/dev/stdout"]
+        names = [*s.inputs, *s.outputs, *(name.split("/")[0] for name in [*s.inputs, *s.outputs]), "standard output", "/dev/stdin", "/dev/stdout"]
         if not complaint.startswith(NO_FILE) and not any(name in complaint for name in names):
             return "no file is named"
         if self.look_at_outputs(found):

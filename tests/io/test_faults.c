@@ -101,9 +101,22 @@ static void ask_min_volumes(faults *f, const planish_file *file, const char *tag
 /* ---- what is written ---------------------------------------------------------------------------
  */
 
-/** Add what has been written under path, and remove it. */
+/** Add what has been written under path, a file or a folder with the one that has the coordinates, and
+ *  remove it. */
 static void take_file(faults *f, const char *path) {
+    static const char *const inner[] = {"mesh.nodes", "constant/polyMesh/points"};
     size_t size;
+    for (int i = 0; i < 2; i++) {
+        char within[TEST_PATH_SIZE];
+        if (access(test_path(within, path, inner[i]), F_OK) == 0) {
+            void *folder = strdup(path);
+            char *points = test_read(within, &size);
+            faults_add(f, points, size);
+            free(points);
+            assert_int_equal(test_folder_remove(&folder), 0);
+            return;
+        }
+    }
     char *data = test_read(path, &size);
     assert_true(size > 0);
     faults_add(f, data, size);
@@ -173,7 +186,8 @@ static void call_all(const void *world, faults *f) {
 enum { SOME = 40 };
 
 static int64_t try_file(const char *name, const char *path, const char *folder) {
-    const case_of c = {path, folder, strrchr(path, '.')};
+    const char *dot = strrchr(name, '.');
+    const case_of c = {path, folder, dot ? dot : ""};
     return faults_try(name, call_all, &c, SOME);
 }
 

@@ -2,7 +2,7 @@
 
 #include "support/files.h"
 
-#include <planish/planish_io.h>
+#include "io/file/file.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -44,8 +44,14 @@ const test_data_file test_data_files[] = {
     {"cube.avs", "ucd", 1},
     {"cube.su2", "su2", 0},
     {"cube.unv", "unv", 1},
+    {"elmer", "elmer", 1},
+    {"openfoam", "openfoam", 1},
     {NULL, NULL, 0},
 };
+
+int test_data_is_folder(const test_data_file *data) {
+    return io_format_by_name(data->format)->folder != NULL;
+}
 
 int test_data_path(char *text, const test_data_file *data) {
     planish_file *file = NULL;

@@ -9,8 +9,12 @@ typedef struct test_data_file {
     int has_regions;    /* planish_file_element_region names one for each of its elements */
 } test_data_file;
 
-/** The files; the last row has the name NULL. Of a mesh of several files (TetGen) the first. */
+/** The files; the last row has the name NULL. Of a mesh of several files (TetGen) the first; a mesh may be
+ *  a folder. */
 extern const test_data_file test_data_files[];
+
+/** Return whether it is a folder. */
+int test_data_is_folder(const test_data_file *file);
 
 /** Write the path of the file to text [TEST_PATH_SIZE] and return 1. Return 0 if this build lacks a
  *  library that the file needs. Fail the test if the file is not there or cannot be read. */

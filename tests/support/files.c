@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -35,9 +36,16 @@ static int each_file(const char *folder, int (*visit)(const char *path)) {
     return count;
 }
 
+/** Remove a file, or a folder with all that is in it. */
+static int remove_all(const char *path) {
+    if (unlink(path) == 0)
+        return 0;
+    each_file(path, remove_all);
+    return rmdir(path);
+}
+
 int test_folder_remove(void **state) {
-    each_file(*state, unlink);
-    int failed = rmdir(*state);
+    int failed = remove_all(*state);
     free(*state);
     return failed;
 }
@@ -49,6 +57,11 @@ int test_count_files(const char *folder) {
 const char *test_path(char *text, const char *folder, const char *name) {
     int length = snprintf(text, TEST_PATH_SIZE, "%s/%s", folder, name);
     assert_in_range(length, 1, TEST_PATH_SIZE - 1);
+    return text;
+}
+
+const char *test_folder_in(char *text, const char *folder, const char *name) {
+    assert_int_equal(mkdir(test_path(text, folder, name), 0777), 0);
     return text;
 }
 

@@ -127,7 +127,7 @@ static void lack(drawing *d, const wanted *w, const char *why) {
 enum { N_PLACES = 3 };
 
 /** Place i at which file may be: as it is named, from here or from the folder of the JSON; in that
- *  folder. Whether there is a regular file. */
+ *  folder. Whether there is a regular file, or a folder. */
 static int find_place(const drawing *d, const char *file, int i, char *path, size_t size) {
     const int folder = i > 0 ? (int)(pl_path_name(d->json_path) - d->json_path) : 0;
     const char *name = i == 2 ? pl_path_name(file) : file;
@@ -136,7 +136,7 @@ static int find_place(const drawing *d, const char *file, int i, char *path, siz
         return 0;
     const int length = snprintf(path, size, "%.*s%s", folder, d->json_path, name);
     return length > 0 && (size_t)length < size && pl_file_find(path, &status) == 0 &&
-           status.kind == PL_FILE_REGULAR;
+           (status.kind == PL_FILE_REGULAR || status.kind == PL_FILE_FOLDER);
 }
 
 enum { MOST_ARRAYS = 256 };

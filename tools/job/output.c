@@ -95,6 +95,18 @@ int pl_output_check(const char *path) {
     return 0;
 }
 
+/** Whether OUT, of a mesh that is a folder, can be made: as a folder, or as a file for viewing. One that
+ *  is there already is for planish_file_check_output, which knows the input. */
+static int check_beside_folder(const char *path) {
+    pl_file_status status;
+    char name[PATH_MAX];
+    const int length = snprintf(name, sizeof name, "%s", path);
+    for (int i = length - 1; i > 0 && i < PATH_MAX - 1 && pl_path_is_separator(name[i]); i--)
+        name[i] = '\0';
+    const int is_folder = pl_file_find(name, &status) == 0 && status.kind == PL_FILE_FOLDER;
+    return is_folder ? 0 : pl_output_check(name);
+}
+
 /** Whether path, which may be NULL, is standard output. */
 static int is_stdout(const char *path) {
     return path && (strcmp(path, "-") == 0 || pl_output_is_stdout(path));
@@ -138,6 +150,10 @@ int pl_output_check_all(const pl_arguments *arguments) {
         return status;
     if ((status = check_report(arguments, report)))
         return status;
+    pl_file_status input;
+    if (output && arguments->command == PL_COMMAND_SMOOTH &&
+        pl_file_find(arguments->input, &input) == 0 && input.kind == PL_FILE_FOLDER)
+        return check_beside_folder(output);
     return output ? pl_output_check(output) : 0;
 }
 

@@ -9,6 +9,7 @@
 #include "terminal/threads.h"
 
 #include "base/parallel.h"
+#include "base/system.h"
 
 #include <petscsys.h>
 
@@ -55,6 +56,11 @@ static start read_arguments(int argc, char **argv, pl_arguments *arguments) {
         s.status = print_version();
     else if (!s.status)
         s.status = -1;
+    pl_file_status about;
+    if (s.status < 0 && pl_file_find(arguments->input, &about) == 0 && about.kind == PL_FILE_FOLDER)
+        s.status = pl_complain(PL_EXIT_FAILED,
+                               "%s: is a folder, which planish-mpi does not read; run planish smooth",
+                               arguments->input);
     s.threads = arguments->library.threads;
     return s;
 }

@@ -329,10 +329,11 @@ static const option_row option_table[] = {
     {0, "format", "NAME", BOTH | CONVERT, set_word, AT(format), 0, 0, NULL,
      "set the format of the input: gmsh, medit, vtk, vtu,\n"
      "vtkhdf, tetgen, netgen, abaqus, nastran, cgns, med,\n"
-     "dmplex, off, stl, obj, ply, mfem, exodus, ucd, su2 or\n"
-     "unv (default: detect it by content, then by name)",
+     "dmplex, off, stl, obj, ply, mfem, exodus, ucd, su2,\n"
+     "unv, elmer or openfoam (default: detect it by\n"
+     "content, then by name)",
      "gmsh medit vtk vtu vtkhdf tetgen netgen abaqus nastran cgns med dmplex off stl obj ply mfem "
-     "exodus ucd su2 unv"},
+     "exodus ucd su2 unv elmer openfoam"},
     {0, "method", "NAME", SMOOTH, set_choice, AT(library.method), 0, 0, NULL,
      "move nodes by planish (default) or, for comparison,\n"
      "laplacian, area-laplacian or length-laplacian, which\n"

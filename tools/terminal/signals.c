@@ -26,12 +26,24 @@ static void say(const char *text) {
     (void)written;
 }
 
+/** Remove what is listed from the last to the first: a folder stands before what is in it. */
+static void remove_all(const char *list) {
+    const char *path = list;
+    while (*path)
+        path += strlen(path) + 1;
+    while (path > list) {
+        path--; /* the end of the one before */
+        while (path > list && path[-1])
+            path--;
+        pl_file_remove(path);
+    }
+}
+
 void pl_signals_clean_up(void) {
     if (atomic_exchange(&line_is_shown, 0))
         say("\r" PL_ERASE_TO_END);
     for (int i = 0; i < PL_N_TEMPORARIES; i++)
-        for (const char *path = temporary_paths[i]; *path; path += strlen(path) + 1)
-            pl_file_remove(path);
+        remove_all(temporary_paths[i]);
 }
 
 void pl_signals_end(const char *text) {

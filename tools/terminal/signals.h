@@ -21,7 +21,7 @@ typedef enum pl_temporary {
     PL_N_TEMPORARIES
 } pl_temporary;
 
-/* Of 15 files at the most (TetGen's), with paths as long as the system takes. */
+/* Of 15 files (TetGen's) with paths as long as the system takes; of hundreds in a folder with usual ones. */
 enum { PL_TEMPORARY_SIZE = 16 * 4096 };
 /* A longer name is cut. */
 enum { PL_INPUT_NAME_SIZE = 1024 };
@@ -62,7 +62,8 @@ void pl_signals_set_written(void);
 /** The program ends by itself; returns status. */
 int pl_signals_done(int status);
 
-/** The place where the paths of temporary files are kept while there are any: PL_TEMPORARY_SIZE
+/** The place where the paths of temporary files and folders (each before what is in it) are kept
+ *  while there are any: PL_TEMPORARY_SIZE
  *  bytes, each path ends with '\0' and an empty one ends the list (as in planish_file_write). */
 char *pl_signals_temporary(pl_temporary which);
 

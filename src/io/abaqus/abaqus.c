@@ -10,6 +10,7 @@
 #include "io/core/include.h"
 #include "io/core/format.h"
 #include "io/abaqus/abaqus.h"
+#include "io/abaqus/abaqus_write.h"
 
 #include "io/core/bytes.h"
 #include "io/core/elements.h"
@@ -158,13 +159,6 @@ static const struct {
     {3, {NULL, IO_HEXAHEDRON, 2, 27}},
 };
 
-/** C3D27 has the node of its inside before those of its faces, which begin with that of the first
- *  four corners. */
-const io_node_order abaqus_node_orders[] = {
-    {PLANISH_CELL_HEXAHEDRON27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
-                                 14, 15, 16, 17, 18, 19, 26, 24, 23, 25, 21, 22, 20}},
-    {0, {0}},
-};
 
 static int is_digit(char c) {
     return c >= '0' && c <= '9';

@@ -142,10 +142,4 @@ int abaqus_make_entities(abaqus_reader *r, abaqus_things things);
 /** Make a group of each set and each dimension that its members have. */
 int abaqus_make_groups(abaqus_reader *r);
 
-/** Orders of nodes that are not VTK's. */
-extern const io_node_order abaqus_node_orders[];
-
-/** What is written. */
-extern const io_target abaqus_targets[];
-
 #endif

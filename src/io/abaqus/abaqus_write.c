@@ -3,13 +3,21 @@
  *
  * Elements of one entity of the model are an ELSET. A named group is an ELSET of these, or an NSET.
  */
-#include "io/abaqus/abaqus.h"
+#include "io/abaqus/abaqus_write.h"
 
 #include "io/view/view.h"
 #include "io/view/writer.h"
 
 #include <inttypes.h>
 #include <string.h>
+
+/** C3D27 has the node of its inside before those of its faces, which begin with that of the first
+ *  four corners. */
+const io_node_order abaqus_node_orders[] = {
+    {PLANISH_CELL_HEXAHEDRON27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
+                                 14, 15, 16, 17, 18, 19, 26, 24, 23, 25, 21, 22, 20}},
+    {0, {0}},
+};
 
 /* Elements of solids and what lies on them; of a plane mesh; of a surface in space. */
 static const io_view_type solid_types[] = {{PLANISH_CELL_TETRAHEDRON, "C3D4", 0},

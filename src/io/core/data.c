@@ -50,3 +50,10 @@ void io_data_pick(const io_model *model, const double *cells, int64_t n_cells, i
         }
     }
 }
+
+void planish_data_free(planish_data *data) {
+    if (!data)
+        return;
+    pl_free(data->values);
+    *data = (planish_data){.n = 0};
+}

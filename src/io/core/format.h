@@ -23,6 +23,20 @@ typedef struct io_target {
                  planish_error *error);
 } io_target;
 
+/** Meshes of a format that are folders. */
+typedef struct io_folder {
+    const char *const
+        *files;        /* that such a folder has; the first has the coordinates. NULL ends it */
+    int may_be_packed; /* each of them may be NAME.gz instead */
+    /* Where in the folder that is given they may be, NULL-terminated: "", or paths in which the name
+     * of one folder may be "*", any. */
+    const char *const *places;
+    const char *const *folders; /* whose files are copied along, NULL-terminated, or NULL */
+    const char *of_places;      /* beginning of the names of folders that have coordinates, too, so
+                                   that these must not stay beside new ones; or NULL */
+    int (*is_copied)(const char *name); /* whether a file of that name is; NULL: all are */
+} io_folder;
+
 /** Description of a format. docs/formats.md, "A new format", says in which order a reader calls
  *  what.
  *
@@ -46,6 +60,8 @@ typedef struct io_format {
     int (*read)(io_model *model, planish_error *error); /* model->input is there; NULL, and so is
                                                            recognise: the library is missing */
     int has_no_end;                                     /* text that nothing tells the end of */
+    const io_folder *folder;       /* its meshes are folders, and model->input is the file with the
+                                coordinates; NULL: they are files */
     const char *const *companions; /* extensions of files that may lie beside, NULL-terminated; or
                                       NULL: there are none */
     /** Return whether the content of a file with such an extension is of a mesh as a companion is;
@@ -77,7 +93,8 @@ typedef struct io_format {
 extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_vtu,
     io_format_vtkhdf, io_format_tetgen, io_format_netgen, io_format_abaqus, io_format_nastran,
     io_format_cgns, io_format_med, io_format_plex, io_format_off, io_format_stl, io_format_obj,
-    io_format_ply, io_format_mfem, io_format_exodus, io_format_ucd, io_format_su2, io_format_unv;
+    io_format_ply, io_format_mfem, io_format_exodus, io_format_ucd, io_format_su2, io_format_unv,
+    io_format_elmer, io_format_foam;
 
 /** A file that has been read. */
 struct planish_file {

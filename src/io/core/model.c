@@ -2,7 +2,6 @@
 #include "io/core/arrays.h"
 #include "io/core/bytes.h"
 #include "io/core/data.h"
-#include "io/core/include.h"
 #include "io/core/model.h"
 
 #include "base/memory.h"
@@ -454,10 +453,16 @@ void io_others_release(io_others *o) {
 
 void io_model_destroy(io_model *model) {
     io_bytes_close(&model->input);
-    io_include_close(model);
+    for (int i = 0; i < model->n_included; i++)
+        io_bytes_close(&model->included[i]);
+    pl_free(model->included);
+    if (model->packed.data)
+        io_bytes_close(&model->packed);
     for (int i = 0; i < model->n_companions; i++)
         io_bytes_close(&model->companion[i]);
     pl_free(model->companion);
+    pl_free(model->folder);
+    pl_free(model->inner);
     if (model->coordinates != model->xyz)
         pl_free(model->coordinates);
     pl_free(model->xyz);
@@ -468,6 +473,7 @@ void io_model_destroy(io_model *model) {
     pl_free(model->span);
     pl_free(model->text_offset);
     pl_free(model->place_node);
+    pl_free(model->place_across);
     pl_free(model->hold);
     pl_free(model->node_entity);
     pl_free(model->periodic);

@@ -238,8 +238,11 @@ typedef struct io_model {
     io_bytes *included;       /* [n_included] files that it names, while it is read (include.h) */
     int n_included;
     int64_t included_capacity;
-    int64_t largest_copy;     /* files of more bytes are mapped (bytes.h) */
-    int is_binary;            /* errors name bytes, not lines (io_fail_at) */
+    char *folder;         /* of a mesh that is a folder: its path as it was given, owned; NULL: */
+    char *inner;          /* it is files. And where in it these are, "" or a path; owned */
+    io_bytes packed;      /* the input as the folder has it, packed by gzip; data NULL: as it is */
+    int64_t largest_copy; /* files of more bytes are mapped (bytes.h) */
+    int is_binary;        /* errors name bytes, not lines (io_fail_at) */
     int threads;
     double flatness; /* how far off their plane nodes may be, of the diagonal; 0: by the digits */
     int is_isolated; /* the HDF5 library is to be called where its crash does no harm (child.h) */
@@ -264,7 +267,10 @@ typedef struct io_model {
     int32_t *place_node; /* [n_places] node of each place in the file; NULL: nodes are places. Spans
                             and text_offset are of places */
     int64_t n_places;    /* with place_node */
-    uint8_t *hold;       /* [n_nodes] bits IO_HELD_... */
+    double
+        *place_across; /* [n_places] of a mesh in a plane: the coordinate across it, where places of
+                             one node differ in that; else NULL */
+    uint8_t *hold;     /* [n_nodes] bits IO_HELD_... */
     int32_t *node_entity; /* [n_nodes] entity of the node (Medit: reference), or NULL. First it may
                              hold tags, as io_cells.entity may */
     int32_t *periodic;    /* [n_periodic][2] pairs of periodic nodes, indices */
@@ -492,6 +498,10 @@ int io_numbers_create(const char *path, const char *what, const int64_t *numbers
  * that is given again with the same coordinates becomes one (place_node), at other ones it is an
  * error; no array of nodes but xyz, hold and node_number may be there yet. */
 int io_reduce_node_numbers(io_model *model, planish_error *error);
+/** Make one node of each place that first [n_nodes] (taken over) has for itself, and of all that have
+ *  that place, which stand behind it: place_node. No array of nodes but xyz, hold and node_number may be
+ *  there yet. */
+void io_unite_places(io_model *model, int32_t *first);
 /** Make one node of all that stand at the same place (place_node), for files that give each element
  *  its points; no array of nodes but xyz and hold may be there yet. Error: _MEMORY. */
 int io_weld_nodes(io_model *model, planish_error *error);

@@ -113,9 +113,7 @@ void io_numbers_destroy(io_numbers *table) {
 
 /* ---- copies of nodes ----------------------------------------------------------------------- */
 
-/** Make the nodes of which first [n_nodes] (taken over) is the first of the same: model->place_node.
- */
-static void unite_places(io_model *model, int32_t *first) {
+void io_unite_places(io_model *model, int32_t *first) {
     const int64_t n = model->n_nodes;
     int32_t kept = 0;
     /* Close the gaps that copies leave; first becomes the node of each place. */
@@ -159,7 +157,7 @@ static int unite_copies(io_model *model, planish_error *error) {
         pl_free(first);
         return status;
     }
-    unite_places(model, first);
+    io_unite_places(model, first);
     return PLANISH_OK;
 }
 
@@ -204,7 +202,7 @@ int io_weld_nodes(io_model *model, planish_error *error) {
     }
     pl_free(slot);
     if (n_copies > 0)
-        unite_places(model, first);
+        io_unite_places(model, first);
     else
         pl_free(first);
     return PLANISH_OK;

@@ -135,10 +135,3 @@ int planish_file_data(planish_file *file, const char *name, planish_data *data,
     pl_call_leave(&outside);
     return status;
 }
-
-void planish_data_free(planish_data *data) {
-    if (!data)
-        return;
-    pl_free(data->values);
-    *data = (planish_data){.n = 0};
-}

@@ -1,6 +1,8 @@
 /* file: open a mesh file of any format, and what can be asked of it. */
 #include "io/file/file.h"
 
+#include "io/file/folder.h"
+
 #include "io/core/arrays.h"
 #include "io/core/bytes.h"
 #include "io/core/cell_types.h"
@@ -29,14 +31,14 @@ static const io_format *const formats[] = {
     &io_format_vtkhdf, &io_format_tetgen, &io_format_netgen,  &io_format_abaqus, &io_format_cgns,
     &io_format_med,    &io_format_plex,   &io_format_off,     &io_format_ply,    &io_format_stl,
     &io_format_obj,    &io_format_mfem,   &io_format_exodus,  &io_format_ucd,    &io_format_su2,
-    &io_format_unv};
+    &io_format_unv,    &io_format_elmer,  &io_format_foam};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 const char *const *planish_file_formats(void) {
-    static const char *const names[] = {"gmsh",   "medit",  "vtk",     "vtu",  "vtkhdf", "tetgen",
-                                        "netgen", "abaqus", "nastran", "cgns", "med",    "dmplex",
-                                        "off",    "stl",    "obj",     "ply",  "mfem",   "exodus",
-                                        "ucd",    "su2",    "unv",     NULL};
+    static const char *const names[] = {
+        "gmsh",    "medit",  "vtk", "vtu",    "vtkhdf", "tetgen", "netgen",   "abaqus",
+        "nastran", "cgns",   "med", "dmplex", "off",    "stl",    "obj",      "ply",
+        "mfem",    "exodus", "ucd", "su2",    "unv",    "elmer",  "openfoam", NULL};
     _Static_assert(sizeof names / sizeof *names == N_FORMATS + 1, "each format has its name here");
     return names;
 }
@@ -301,8 +303,10 @@ static int try_file(void *data, planish_error *error) {
 static int open_file(planish_file *file, const char *path, const planish_open_options *options,
                      planish_error *error) {
     io_model *model = &file->model;
-    int status = io_bytes_open(path, model->largest_copy, &model->input, error);
-    if (!status && io_is_hdf5(model->input.data, model->input.size)) {
+    const int is_folder = io_folder_is(path);
+    int status = is_folder ? io_folder_find_mesh(file, path, options->format, error)
+                           : io_bytes_open(path, model->largest_copy, &model->input, error);
+    if (!status && !is_folder && io_is_hdf5(model->input.data, model->input.size)) {
         /* The HDF5 library trusts what it has read before, so that its files must not change. And
          * it crashes on some files: whether it does on this one is tried out in a child, in which
          * nothing is isolated any more. */
@@ -312,7 +316,7 @@ static int open_file(planish_file *file, const char *path, const planish_open_op
         if (!status && options->isolated)
             status = io_child_run(try_file, &t, &model->input, error);
     }
-    if (!status)
+    if (!status && !is_folder)
         status = choose_format(file, options->format, error);
     if (!status)
         status = read_model(file, error);

@@ -6,6 +6,7 @@
  *   io_model_finish                       a model that was read becomes a mesh (finish.c)
  *   io_mesh_file                          paths of the files of a mesh (write.c)
  *   io_splice_write                       the input's bytes with other coordinates (splice.c)
+ *   io_write_coordinates, io_check_inputs_unchanged    the same, packed where the input is (write.c)
  */
 #ifndef PL_IO_FILE_FILE_H
 #define PL_IO_FILE_FILE_H
@@ -56,5 +57,13 @@ char *io_mesh_file(const char *path, const char *format, int i);
  *  finish it. */
 int io_splice_write(const planish_file *file, const double *coordinates, int threads,
                     pl_output *output, planish_error *error);
+
+/** Write the file with the coordinates as io_splice_write does, packed where the input is packed: as
+ *  that was, byte by byte, where no coordinate differs. */
+int io_write_coordinates(const planish_file *file, const double *coordinates, int threads,
+                         pl_output *output, planish_error *error);
+
+/** Check that all files that were read are still what they were. Error: _FILE. */
+int io_check_inputs_unchanged(const planish_file *file, planish_error *error);
 
 #endif

@@ -93,6 +93,8 @@ static void place_chunk(void *context, int64_t begin, int64_t end, int thread) {
         const int64_t node = p->place_node ? p->place_node[i] : i;
         double xyz[3];
         io_space_coordinates(p->model, node, p->coordinates + dim * node, xyz);
+        if (p->place_node && p->model->place_across)
+            xyz[p->model->plane.axis[2]] = p->model->place_across[i];
         memcpy(p->places + written * i, xyz, (size_t)written * sizeof *xyz);
     }
 }

@@ -5,7 +5,9 @@
  */
 #include "io/core/bytes.h"
 #include "base/output.h"
+#include "io/core/gzip.h"
 #include "io/file/file.h"
+#include "io/file/folder.h"
 #include "io/file/plane.h"
 
 #include "base/context.h"
@@ -34,6 +36,8 @@ static char *main_path_of(const io_format *format, const char *path) {
 
 char *io_mesh_file(const char *path, const char *format, int i) {
     const io_format *of = format ? io_format_by_name(format) : io_format_by_extension(path);
+    if (io_folder_is(path))
+        return io_folder_mesh_file(path, i);
     if (!of || !of->companions)
         return NULL;
     const char *extension = of->extensions[0];
@@ -58,9 +62,9 @@ static int is_companion(const planish_file *file, const char *path) {
 }
 
 /** Count the companions that planish_file_write to path writes: none into a pipe or device, nor
- *  where the input itself is replaced, beside which they are. */
+ *  where the input itself is replaced, beside which they are. Folders have theirs in them. */
 static int companions_to_write(const planish_file *file, const char *path) {
-    if (file->model.n_companions == 0 || pl_output_is_stream(path))
+    if (file->model.folder || file->model.n_companions == 0 || pl_output_is_stream(path))
         return 0;
     char *main_path = main_path_of(file->format, path);
     const int is_input = main_path && strcmp(main_path, file->model.input.path) == 0;
@@ -100,6 +104,8 @@ static int check_strangers(const planish_file *file, const char *path, planish_e
 int planish_file_can_write(const planish_file *file, const char *path) {
     if (!file || !path)
         return 0;
+    if (file->model.folder)
+        return io_folder_can_write(file, path);
     const io_format *format = file->format;
     const int is_name = io_format_has_extension(format, path) &&
                         (!format->may_be_called || format->may_be_called(&file->model, path));
@@ -109,6 +115,8 @@ int planish_file_can_write(const planish_file *file, const char *path) {
 
 static int check_name(const planish_file *file, const char *path, planish_error *error) {
     char list[64] = "";
+    if (file->model.folder)
+        return io_folder_check(file, path, error);
     if (planish_file_can_write(file, path))
         return PLANISH_OK;
     for (const char *const *e = file->format->extensions; *e; e++) {
@@ -137,16 +145,52 @@ int planish_file_check_output(const planish_file *file, const char *path, planis
     return check_strangers(file, path, error);
 }
 
-/** Return whether the files are still what was read; where the input is replaced, those beside it
- *  stay. */
-static int check_inputs_unchanged(const planish_file *file, planish_error *error) {
+int io_check_inputs_unchanged(const planish_file *file, planish_error *error) {
     int status = io_bytes_check_unchanged(&file->model.input, error);
+    if (!status && file->model.packed.data)
+        status = io_bytes_check_unchanged(&file->model.packed, error);
     for (int i = 0; i < file->model.n_companions && !status; i++)
         status = io_bytes_check_unchanged(&file->model.companion[i], error);
     return status;
 }
 
 /* ---- writing ------------------------------------------------------------------------------ */
+
+/** Bytes that are left to be compared with those that are written. */
+typedef struct comparison {
+    const char *at, *end;
+    int differs;
+} comparison;
+
+/** pl_output.pack: nothing is written. */
+static int compare(pl_output *output, const char *data, int64_t size, planish_error *error) {
+    comparison *c = output->packer;
+    (void)error;
+    c->differs |=
+        !data ? c->at < c->end : size > c->end - c->at || memcmp(c->at, data, (size_t)size) != 0;
+    c->at = c->differs ? c->end : c->at + size;
+    return PLANISH_OK;
+}
+
+int io_write_coordinates(const planish_file *file, const double *coordinates, int threads,
+                         pl_output *output, planish_error *error) {
+    const io_bytes *packed = &file->model.packed;
+    comparison c = {file->model.input.data, io_input_end(&file->model), 0};
+    pl_output none = {.fd = -1, .pack = compare, .packer = &c};
+    if (!packed->data)
+        return io_splice_write(file, coordinates, threads, output, error);
+    int status = io_splice_write(file, coordinates, threads, &none, error);
+    if (!status && !c.differs) {
+        status = pl_output_write(output, packed->data, packed->size, error);
+        return status ? status : pl_output_finish(output, error);
+    }
+    if (!status)
+        status = io_gzip_begin(output, packed, error);
+    if (!status)
+        status = io_splice_write(file, coordinates, threads, output, error);
+    io_gzip_end(output);
+    return status;
+}
 
 static int write_companion(const io_format *format, const io_bytes *companion, const char *path,
                            pl_temporaries temporaries, pl_output *output, planish_error *error) {
@@ -190,7 +234,7 @@ static int write_all(const planish_file *file, const char *path, const char *mai
                      const double *coordinates, int threads, pl_temporaries temporaries,
                      pl_output *output, int n_companions, planish_error *error) {
     const io_bytes *input = &file->model.input;
-    int status = check_inputs_unchanged(file, error); /* before they are read again */
+    int status = io_check_inputs_unchanged(file, error); /* before they are read again */
     if (!status)
         status = pl_output_open(main_path, temporaries, &output[0], error);
     /* What is written as it is, and in the input itself, would be read while it is overwritten. */
@@ -200,13 +244,13 @@ static int write_all(const planish_file *file, const char *path, const char *mai
                          "input's name to replace it",
                          output[0].target);
     if (!status)
-        status = io_splice_write(file, coordinates, threads, &output[0], error);
+        status = io_write_coordinates(file, coordinates, threads, &output[0], error);
     for (int i = 0; i < n_companions && !status; i++)
         status = write_companion(file->format, &file->model.companion[i], path, temporaries,
                                  &output[i + 1], error);
     /* A failure that comes of an input that changed is better told so. */
     planish_error changed;
-    const int is_changed = check_inputs_unchanged(file, &changed);
+    const int is_changed = io_check_inputs_unchanged(file, &changed);
     if (is_changed) {
         status = is_changed;
         if (error)
@@ -229,8 +273,10 @@ int planish_file_write(const planish_file *file, const char *path, const double 
     const int n_companions = companions_to_write(file, path), dim = file->model.dim;
     const double *places = NULL;
     double *owned = NULL;
-    char *main_path =
-        pl_output_is_stream(path) ? pl_copy_text(path) : main_path_of(file->format, path);
+    const int is_new_folder = file->model.folder && !io_folder_is_input(file, path);
+    char *main_path = file->model.folder          ? pl_copy_text(file->model.input.path)
+                      : pl_output_is_stream(path) ? pl_copy_text(path)
+                                                  : main_path_of(file->format, path);
     pl_output *output = pl_alloc(n_companions + 1, sizeof *output);
     int status = main_path && output ? PLANISH_OK : pl_fail_memory(error, path);
     for (int i = 0; i <= n_companions && output; i++)
@@ -248,7 +294,9 @@ int planish_file_write(const planish_file *file, const char *path, const double 
                                         &places, &owned, error);
     if (!status)
         status = check_strangers(file, path, error);
-    if (!status)
+    if (!status && is_new_folder)
+        status = io_folder_write(file, path, places, threads, temporaries, error);
+    else if (!status)
         status = write_all(file, path, main_path, places, threads, temporaries, output,
                            n_companions, error);
     pl_free(owned);

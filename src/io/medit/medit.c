@@ -18,6 +18,7 @@
 #include "io/core/binary.h"
 #include "io/core/format.h"
 #include "io/medit/medit.h"
+#include "io/medit/medit_write.h"
 
 #include "base/status.h"
 
@@ -66,12 +67,6 @@ static const medit_keyword mesh_keywords[] = {
     {{"PeriodicVertices", IO_POINT, 1, 2}, 82, MEDIT_PAIRS},
 };
 
-/** Order of the nodes where a file gives none, as SALOME reads it: VTK's, but for the faces of
- *  hexahedra, which go round from the one below to the one above. */
-const io_node_order medit_usual_order[] = {
-    {PLANISH_CELL_HEXAHEDRON27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
-                                 14, 15, 16, 17, 18, 19, 24, 22, 21, 23, 20, 25, 26}},
-    {0, {0}}};
 
 /** Find the keyword of that name in text, or of that code in binary, and check that it may stand
  *  at that place. *keyword is -1 if it means nothing to planish. */

@@ -80,10 +80,4 @@ int medit_find_sections(medit_reader *reader);
 /** Read a section: vertices come first, then orders of nodes, elements, and what refers to them. */
 int medit_read_section(medit_reader *reader, const io_section *section);
 
-/** Order of the nodes where a file gives none: a row, and the end of a table. */
-extern const io_node_order medit_usual_order[];
-
-/** What is written: a text. */
-extern const io_target medit_targets[];
-
 #endif

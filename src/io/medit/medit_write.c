@@ -1,10 +1,17 @@
 /* medit_write: a mesh as a text of Medit's. References are the numbers of groups or regions. */
-#include "io/medit/medit.h"
+#include "io/medit/medit_write.h"
 
 #include "io/view/view.h"
 #include "io/view/writer.h"
 
 #include <inttypes.h>
+
+/** Order of the nodes where a file gives none, as SALOME reads it: VTK's, but for the faces of
+ *  hexahedra, which go round from the one below to the one above. */
+const io_node_order medit_usual_order[] = {
+    {PLANISH_CELL_HEXAHEDRON27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
+                                 14, 15, 16, 17, 18, 19, 24, 22, 21, 23, 20, 25, 26}},
+    {0, {0}}};
 
 static const io_view_type types[] = {{PLANISH_CELL_TETRAHEDRON, "Tetrahedra", 0},
                                      {PLANISH_CELL_TETRAHEDRON10, "TetrahedraP2", 0},

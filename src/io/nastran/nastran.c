@@ -10,6 +10,7 @@
  */
 #include "io/core/format.h"
 #include "io/nastran/nastran.h"
+#include "io/nastran/nastran_write.h"
 
 #include "io/core/elements.h"
 #include "io/core/include.h"
@@ -128,13 +129,6 @@ static const card_kind kinds[] = {
     {"CORD3R", SYSTEM, 0, 8, 0, 0},
 };
 
-/** CHEXA and CPENTA have the mids of the uprights before those of the upper edges. */
-const io_node_order nastran_node_orders[] = {
-    {PLANISH_CELL_HEXAHEDRON20,
-     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15}},
-    {PLANISH_CELL_WEDGE15, {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11}},
-    {0, {0}},
-};
 
 /** Beginnings of names of cards that are no elements. */
 static const char *const no_elements[] = {"CORD",  "CAERO",  "CSET",   "CREEP", "CY",    "CSUP",

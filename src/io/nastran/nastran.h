@@ -78,10 +78,4 @@ int nastran_line_begins(io_slice text, const char *name);
 /** Find where coordinate d of a GRID stands: io_format.field. */
 int nastran_field(const io_model *model, io_cursor *cursor, int d, io_field *field);
 
-/** Orders of nodes that are not VTK's. */
-extern const io_node_order nastran_node_orders[];
-
-/** What is written. */
-extern const io_target nastran_targets[];
-
 #endif

@@ -4,7 +4,7 @@
  * Elements of one region have one property number. $HMNAME comments, which HyperMesh and others
  * write, have the names of groups.
  */
-#include "io/nastran/nastran.h"
+#include "io/nastran/nastran_write.h"
 
 #include "io/core/number.h"
 #include "io/view/view.h"
@@ -15,6 +15,14 @@
 #include <string.h>
 
 enum { FIELD = 8, WIDE_FIELD = 16, FIELDS = 8 };
+
+/** CHEXA and CPENTA have the mids of the uprights before those of the upper edges. */
+const io_node_order nastran_node_orders[] = {
+    {PLANISH_CELL_HEXAHEDRON20,
+     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15}},
+    {PLANISH_CELL_WEDGE15, {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11}},
+    {0, {0}},
+};
 
 static const io_view_type types[] = {{PLANISH_CELL_TETRAHEDRON, "CTETRA", 0},
                                      {PLANISH_CELL_TETRAHEDRON10, "CTETRA", 0},

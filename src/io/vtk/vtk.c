@@ -7,7 +7,7 @@
  * CELLS and CELL_TYPES are read to lists, by several threads where they are long; when both are
  * there, vtk_cells.c makes the elements of them.
  */
-#include "io/vtk/vtk_arrays.h"
+#include "io/vtk/vtk_write.h"
 #include "io/vtk/vtk.h"
 
 #include "base/memory.h"

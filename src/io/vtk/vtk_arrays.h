@@ -3,7 +3,6 @@
  *   vtk_out_array, vtk_out_arrays        the arrays
  *   vtk_arrays_begin, vtk_arrays_end     those of a view
  *   vtk_put_array                        write the values of one
- *   vtk_write, vtu_write                 write a file (vtk_write.c, vtu_write.c)
  */
 #ifndef PL_IO_VTK_VTK_ARRAYS_H
 #define PL_IO_VTK_VTK_ARRAYS_H
@@ -70,9 +69,5 @@ int64_t vtk_array_bytes(const vtk_out_array *array);
 
 /** Put an array's values, in the other byte order if swapped. */
 void vtk_put_array(io_writer *writer, const io_view *view, const vtk_out_array *array, int swapped);
-
-/** Write a file: io_format.write. */
-int vtk_write(const io_view *view, pl_output *output, io_losses *losses, planish_error *error);
-int vtu_write(const io_view *view, pl_output *output, io_losses *losses, planish_error *error);
 
 #endif

@@ -2,6 +2,7 @@
  * groups stand in its title, as far as that is long.
  */
 #include "io/vtk/vtk_arrays.h"
+#include "io/vtk/vtk_write.h"
 
 #include "io/core/binary.h"
 

@@ -9,7 +9,7 @@
 #include "io/core/arrays.h"
 #include "io/core/data.h"
 #include "io/core/format.h"
-#include "io/vtk/vtk_arrays.h"
+#include "io/vtk/vtk_write.h"
 #include "io/vtk/vtk_cells.h"
 #include "io/vtk/vtu_parts.h"
 

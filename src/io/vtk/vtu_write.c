@@ -2,6 +2,7 @@
  * strings of the field data.
  */
 #include "io/vtk/vtk_arrays.h"
+#include "io/vtk/vtk_write.h"
 
 #include "io/core/binary.h"
 
