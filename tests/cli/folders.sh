@@ -115,7 +115,10 @@ refused 2 "exists already" smooth elmer -o empty -q
 refused 2 "exists already" smooth elmer -o plain -q
 refused 2 "cannot write to its folder" smooth elmer -o none/new -q
 refused 2 "is a folder" smooth "$sample" -o empty -q
-refused 64 "name of a file" smooth elmer -o new.msh -q
+refused 64 "name of a file" smooth elmer -o new.cgns -q
+expect_status 0 "$program" convert elmer converted.msh
+expect_status 0 "$program" quality converted.msh -q
+rm converted.msh
 refused 64 "name of a file" smooth elmer -o new.node -q
 refused 64 "would overwrite the mesh" smooth elmer -o new --json elmer/mesh.nodes -q
 refused 2 "'gmsh' are files" smooth elmer -o new --format gmsh -q
