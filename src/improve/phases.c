@@ -106,8 +106,14 @@ static int untangle(pl_run *r, planish_error *error) {
     if (before)
         pl_trial_begin(r, 0, before, &trial);
     const int status = pl_run_untangle(r, error);
-    if (before)
-        pl_trial_end(&trial, count_invalid(r) <= n_invalid);
+    if (before && count_invalid(r) <= n_invalid) { /* with the limits that it has found */
+        trial.problem = r->problem;
+        trial.guard = r->guard.star;
+        trial.phase = r->phase;
+        pl_trial_end(&trial, 1);
+    } else if (before) {
+        pl_trial_end(&trial, 0);
+    }
     pl_free(before);
     return status;
 }

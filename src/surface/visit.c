@@ -59,12 +59,24 @@ static void vectors_of(const surface_star *s, int64_t i, const double *x, pl_fac
     pl_facet_vectors_of((pl_term_role)s->term[i].role, at, to_p, to_q, v);
 }
 
-/** Find the star's value with the node at x; derivatives may be NULL. */
+/** Return a quarter of the ratio of the corner opposite to the node, in the quadrilateral whose terms
+ *  begin at i. */
+static double ratio_opposite(const surface_star *s, int64_t i) {
+    const double(*x)[3] = (const double(*)[3])s->problem->x;
+    const pl_facet_term *own = &s->term[i];
+    pl_facet_vectors v;
+    pl_facet_vectors_of(PL_TERM_OWN, x[s->term[i + 1].q], x[own->q], x[own->p], &v);
+    return pl_facet_ratio(PL_TERM_OWN, 0, &v) / 4;
+}
+
+/** Find the star's value with the node at x; derivatives may be NULL. The three terms of a
+ *  quadrilateral stand together, its own corner first. */
 static star_value value_at(const surface_star *s, const double *x, pl_facet_sum *derivatives) {
     const pl_surface_problem *problem = s->problem;
     const pl_surface_mesh *mesh = problem->mesh;
     star_value value = {0, 0, 0, 1};
     pl_facet_sum sum = {0};
+    double ratio = 0; /* of the element */
     for (int64_t i = 0; i < s->n_terms; i++) {
         const pl_term_role role = (pl_term_role)s->term[i].role;
         pl_facet_vectors v;
@@ -72,7 +84,11 @@ static star_value value_at(const surface_star *s, const double *x, pl_facet_sum 
         vectors_of(s, i, x, &v);
         pl_kept_normal(mesh->shape, s->term[i].facet, first);
         value.positive &= pl_dot(3, v.n, first) > 0;
-        value.worst = fmax(value.worst, pl_facet_ratio(role, mesh->by_radius, &v));
+        if (role == PL_TERM_TRIANGLE || role == PL_TERM_OWN)
+            ratio = role == PL_TERM_OWN ? ratio_opposite(s, i) : 0;
+        ratio += weight_of(s, i) * pl_facet_ratio(role, mesh->by_radius, &v);
+        if (role == PL_TERM_TRIANGLE || role == PL_TERM_BEFORE)
+            value.worst = fmax(value.worst, ratio);
         value.acuteness = fmax(value.acuteness, pl_facet_acuteness(role, &v));
         if (derivatives)
             pl_facet_term_add(role, problem->measure, problem->limit, weight_of(s, i), &v,
