@@ -79,6 +79,21 @@ PLANISH_API void planish_file_close(planish_file *file);
 /** NULL-terminated list of the formats' names: "gmsh", "medit", "vtk", "vtu", ... */
 PLANISH_API const char *const *planish_file_formats(void);
 
+/** Texts about a format, static. */
+typedef struct planish_format_info {
+    const char *name;              /* one of planish_file_formats */
+    const char *title;             /* its full name and its versions */
+    const char *const *extensions; /* with the dot, NULL-terminated; none: folders */
+    const char *note;              /* on extensions, or "" */
+    const char *reads;             /* the parts of it that are read */
+    int is_read;                   /* 0: this planish was built without the library that it needs */
+    const void *reserved[4];
+} planish_format_info;
+
+/** Find out what format i, 0 and up, is, in the order of planish_file_formats. Returns 1, or 0 where
+ *  there is none. */
+PLANISH_API int planish_file_format_info(int i, planish_format_info *info);
+
 typedef struct planish_file_info {
     const char *format;          /* name of the format, static text */
     planish_precision precision; /* what the file stores coordinates as, */

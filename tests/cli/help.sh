@@ -20,6 +20,11 @@ zsh_options() {
     sed -n "/^$1)/,/;;/p" zsh | grep -o "^ *'\*'[^']*'\[" | grep -o -e '--[a-z-]*' | sed 's/^--//'
 }
 
+# The table of docs/formats.md is the program's.
+"$program" --generate formats >formats || fail "--generate formats"
+[ "$(wc -l <formats)" -gt 20 ] || fail "too few formats"
+grep -vxFf "$source_folder/docs/formats.md" formats && fail "docs/formats.md has another table of formats"
+
 # Every command is in all of them.
 commands=$("$program" --help | sed -n 's/^  \([a-z]\{1,\}\) .*/\1/p' | grep -vx help)
 [ "$commands" = "$(printf 'smooth\nquality\nconvert\nreport')" ] || fail "commands of the help: $commands"

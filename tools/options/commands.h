@@ -14,8 +14,8 @@
 
 #include <stddef.h>
 
-/** Print what the tables say as kind: man (a manual page), bash or zsh (completion). For the
- *  installation. */
+/** Print what the tables say as kind: man (a manual page), bash or zsh (completion), for the
+ *  installation; formats (the table of docs/formats.md). */
 int pl_generate_command(const char *kind);
 
 /** Row of the table of commands. Texts are lines of 80 columns at most, separated by '\n'. */

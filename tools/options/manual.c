@@ -1,4 +1,6 @@
 /* manual: the manual page and the completion of shells, from the tables of commands and options. */
+#include <planish/planish_io.h>
+
 #include "options/commands.h"
 #include "terminal/message.h"
 
@@ -246,6 +248,36 @@ static void put_zsh(void) {
     printf("esac\n");
 }
 
+/* ---- the table of formats in docs/formats.md --------------------------------------------------- */
+
+/** Put the names that mesh files are converted to which are of a format. */
+static void put_targets(const planish_format_info *info) {
+    const char *target, *before = "";
+    const size_t n = strlen(info->name);
+    for (int i = 0; (target = planish_file_target(i)); i++)
+        if (strncmp(target, info->name, n) == 0 &&
+            strspn(target + n, "0123456789") == strlen(target + n)) {
+            printf("%s`%s`", before, target);
+            before = ", ";
+        }
+}
+
+static void put_formats(void) {
+    planish_format_info info;
+    printf(
+        "| format | `--format` | extensions | read | `--to` |\n| --- | --- | --- | --- | --- |\n");
+    for (int i = 0; planish_file_format_info(i, &info); i++) {
+        const char *before = "";
+        printf("| %s | `%s` | ", info.title, info.name);
+        const int is_folder = info.note[0] == '[';
+        for (const char *const *e = info.extensions; *e && !is_folder; e++, before = ", ")
+            printf("%s%s", before, *e);
+        printf("%s%s | %s | ", *before && info.note[0] ? "; " : "", info.note, info.reads);
+        put_targets(&info);
+        printf(" |\n");
+    }
+}
+
 int pl_generate_command(const char *kind) {
     if (strcmp(kind, "man") == 0)
         put_man();
@@ -253,7 +285,10 @@ int pl_generate_command(const char *kind) {
         put_bash();
     else if (strcmp(kind, "zsh") == 0)
         put_zsh();
+    else if (strcmp(kind, "formats") == 0)
+        put_formats();
     else
-        return pl_complain_usage(NULL, "--generate makes man, bash or zsh, not '%s'", kind);
+        return pl_complain_usage(NULL, "--generate makes man, bash, zsh or formats, not '%s'",
+                                 kind);
     return pl_flush_stdout(PL_EXIT_DONE, PL_EXIT_FAILED);
 }

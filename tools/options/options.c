@@ -328,11 +328,11 @@ static const option_row option_table[] = {
      "vtu vtk gmsh gmsh22 medit abaqus nastran stl obj ply"},
     {0, "format", "NAME", BOTH | CONVERT, set_word, AT(format), 0, 0, NULL,
      "set the format of the input: gmsh, medit, vtk, vtu,\n"
-     "vtkhdf, tetgen, netgen, abaqus, nastran, cgns, med,\n"
-     "dmplex, off, stl, obj, ply, mfem, exodus, ucd, su2,\n"
+     "vtkhdf, med, cgns, dmplex, tetgen, netgen, abaqus,\n"
+     "nastran, off, stl, obj, ply, mfem, exodus, ucd, su2,\n"
      "unv, elmer or openfoam (default: detect it by\n"
      "content, then by name)",
-     "gmsh medit vtk vtu vtkhdf tetgen netgen abaqus nastran cgns med dmplex off stl obj ply mfem "
+     "gmsh medit vtk vtu vtkhdf med cgns dmplex tetgen netgen abaqus nastran off stl obj ply mfem "
      "exodus ucd su2 unv elmer openfoam"},
     {0, "method", "NAME", SMOOTH, set_choice, AT(library.method), 0, 0, NULL,
      "move nodes by planish (default) or, for comparison,\n"

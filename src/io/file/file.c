@@ -21,58 +21,6 @@
 
 static const char *const no_names[] = {NULL};
 
-/* ---- the table of formats ----------------------------------------------------------------- */
-
-/* The first that recognises a file reads it. VTK's are before all others, because their binary
- * numbers may look like the mark of another format; Nastran is before Gmsh, because its comments
- * may look like Gmsh's sections. Names are in planish_file_formats. */
-static const io_format *const formats[] = {
-    &io_format_vtk,    &io_format_vtu,    &io_format_nastran, &io_format_gmsh,   &io_format_medit,
-    &io_format_vtkhdf, &io_format_tetgen, &io_format_netgen,  &io_format_abaqus, &io_format_cgns,
-    &io_format_med,    &io_format_plex,   &io_format_off,     &io_format_ply,    &io_format_stl,
-    &io_format_obj,    &io_format_mfem,   &io_format_exodus,  &io_format_ucd,    &io_format_su2,
-    &io_format_unv,    &io_format_elmer,  &io_format_foam};
-enum { N_FORMATS = sizeof formats / sizeof *formats };
-
-const char *const *planish_file_formats(void) {
-    static const char *const names[] = {
-        "gmsh",    "medit",  "vtk", "vtu",    "vtkhdf", "tetgen", "netgen",   "abaqus",
-        "nastran", "cgns",   "med", "dmplex", "off",    "stl",    "obj",      "ply",
-        "mfem",    "exodus", "ucd", "su2",    "unv",    "elmer",  "openfoam", NULL};
-    _Static_assert(sizeof names / sizeof *names == N_FORMATS + 1, "each format has its name here");
-    return names;
-}
-
-const io_format *io_format_at(int i) {
-    return i >= 0 && i < N_FORMATS ? formats[i] : NULL;
-}
-
-const io_format *io_format_by_name(const char *name) {
-    for (int i = 0; i < N_FORMATS; i++)
-        if (strcmp(formats[i]->name, name) == 0)
-            return formats[i];
-    return NULL;
-}
-
-const io_format *io_format_by_extension(const char *path) {
-    for (int i = 0; i < N_FORMATS; i++)
-        if (io_format_has_extension(formats[i], path))
-            return formats[i];
-    return NULL;
-}
-
-const io_format *io_format_find(const char *path, const char *data, int64_t size) {
-    /* The beginning of a file of any format but HDF5 is not farther: most can be before it in
-     * Nastran's, comments and cases. */
-    enum { LOOKED_AT = 1 << 18 };
-    if (size > LOOKED_AT && !io_is_hdf5(data, size))
-        size = LOOKED_AT;
-    for (int i = 0; i < N_FORMATS; i++)
-        if (formats[i]->recognise && formats[i]->recognise(data, size))
-            return formats[i];
-    return io_format_by_extension(path);
-}
-
 /* ---- opening ------------------------------------------------------------------------------ */
 
 /** Refuse bytes that no reader takes, whatever the format is called. */
