@@ -15,6 +15,7 @@
 #include "support/files.h"
 #include "support/hdf5_builder.h"
 #include "support/bent_elements.h"
+#include "support/reading.h"
 
 /* ---- elements ------------------------------------------------------------------------------- */
 
@@ -216,22 +217,12 @@ static planish_file *open_file(const char *folder, const char *name, file_builde
     return file;
 }
 
-/** Whether this build reads VTU, for which it needs Expat. */
-static int reads_vtu(void) {
-    char text[] = "<VTKFile>";
-    const file_builder b = {.data = text, .size = (int64_t)strlen(text)};
-    planish_file *file = NULL;
-    planish_error error = {.text = ""};
-    assert_int_not_equal(builder_read(&b, &io_format_vtu, 1, &file, &error), 0);
-    return strstr(error.text, "libexpat1-dev") == NULL;
-}
-
 /** Open the list in format number f; NULL: there is no such format, or not in this build. */
 static planish_file *open_list(const char *folder, const cell_list *list, int f) {
     file_builder b = {.binary = 0};
     if (f < 2)
         b = make_vtk(list, f == 0 ? 3 : 5);
-    else if (f == 2 && reads_vtu())
+    else if (f == 2 && reading_knows_vtu())
         b = make_vtu(list);
 #ifdef PL_HDF5
     else if (f == 3)
@@ -406,7 +397,7 @@ static void copies_keep_all_types(void **state) {
         assert_null(strstr(lost, "elements"));
         check_same_cells(file, vtk);
         check_list(vtk, &list, 1);
-        if (reads_vtu()) {
+        if (reading_knows_vtu()) {
             planish_file *vtu = convert(*state, vtk, "copy.vtu", lost);
             assert_null(strstr(lost, "elements"));
             check_same_cells(file, vtu);
@@ -428,7 +419,7 @@ static void copies_do_without_missing_nodes(void **state) {
             list_cell(&list, &bent_elements[k], 7, NULL);
     file_builder b = make_vtk(&list, 3);
     planish_file *file = open_file(*state, "in.vtk", &b);
-    if (!reads_vtu()) {
+    if (!reading_knows_vtu()) {
         planish_file_close(file);
         skip();
     }
@@ -490,7 +481,7 @@ static void lower_cells_have_mids(void **state) {
         assert_int_equal(m->hold[4], IO_HELD_BY_LINE | IO_HELD_BY_FACE);
         assert_int_equal(m->hold[9], 0);
         assert_int_equal(m->hold[10], i == 0 ? IO_HELD_BY_OTHER : 0); /* the polyline is lost */
-        copy = reads_vtu() && i == 0 ? convert(*state, file, "copy.vtu", lost) : NULL;
+        copy = reading_knows_vtu() && i == 0 ? convert(*state, file, "copy.vtu", lost) : NULL;
         planish_file_close(file);
         file = copy;
     }

@@ -159,5 +159,5 @@ int main(void) {
         cmocka_unit_test(tensors_are_put_in_order),
         cmocka_unit_test(wrong_arrays),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return reading_knows_vtu() ? cmocka_run_group_tests(tests, NULL, NULL) : 0;
 }

@@ -69,3 +69,13 @@ void reading_every_beginning(const io_format *format, const char *data, int64_t 
         free(copy);
     }
 }
+
+int reading_knows_vtu(void) {
+    static const char text[] = "<VTKFile>";
+    planish_file *file = NULL;
+    planish_error error = {.text = ""};
+    assert_int_not_equal(
+        io_file_from_memory(&io_format_vtu, "test", text, (int64_t)strlen(text), 1, &file, &error),
+        0);
+    return strstr(error.text, "libexpat1-dev") == NULL;
+}

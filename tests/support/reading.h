@@ -20,4 +20,7 @@ void reading_gave_four(const planish_mesh *mesh);
  *  any look behind the end): a mesh or an error with a text. */
 void reading_every_beginning(const io_format *format, const char *data, int64_t size);
 
+/** Return whether this build reads VTU files, for which it needs Expat. */
+int reading_knows_vtu(void);
+
 #endif
