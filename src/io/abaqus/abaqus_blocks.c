@@ -150,10 +150,8 @@ static const known_keyword keywords[] = {
 
 /** Why planish cannot read a file with a keyword; NULL: it can. */
 static const char *const refusals[ABAQUS_OTHER + 1] = {
-    [ABAQUS_SYSTEM] = "the nodes behind it are in other coordinates; write all of them in the "
-                      "global system",
-    [ABAQUS_RULE] = "nodes and elements that are made by rules are not read; write all of them as "
-                    "*NODE and *ELEMENT, as preprocessors do",
+    [ABAQUS_SYSTEM] = "the nodes behind it are in other coordinates; write the global ones",
+    [ABAQUS_RULE] = "nodes and elements by rules are not read; write them as *NODE and *ELEMENT",
 };
 
 /** Walk over the lines of a file; the state goes on in those that it includes. */

@@ -5,7 +5,7 @@
  */
 #include "io/abaqus/abaqus_write.h"
 
-#include "io/view/view.h"
+#include "io/view/view_blocks.h"
 #include "io/view/writer.h"
 
 #include <inttypes.h>

@@ -140,7 +140,7 @@ static int take_nodes(const elmer_elements *e, io_cursor *cursor, int64_t number
 static int read_element(elmer_elements *e, io_cursor *cursor, int64_t row, planish_error *error) {
     const io_model *view = &e->file.view;
     int64_t number = 0, code = 0, word = 0, group = 0;
-    int32_t nodes[MOST_NODES];
+    int32_t nodes[MOST_NODES] = {0};
     int status = take_element_number(e, cursor, row + 1, &number, error);
     for (int k = 1; k < e->words && !status; k++) {
         status = io_take_whole(&e->kind, cursor, row + 1, INT32_MIN, INT32_MAX - 1, &word, error);

@@ -6,7 +6,7 @@
 #include "io/gmsh/gmsh_write.h"
 
 #include "io/gmsh/gmsh_reader.h"
-#include "io/view/view.h"
+#include "io/view/view_blocks.h"
 #include "io/view/writer.h"
 
 #include "base/memory.h"

@@ -1,7 +1,7 @@
 /* medit_write: a mesh as a text of Medit's. References are the numbers of groups or regions. */
 #include "io/medit/medit_write.h"
 
-#include "io/view/view.h"
+#include "io/view/view_blocks.h"
 #include "io/view/writer.h"
 
 #include <inttypes.h>

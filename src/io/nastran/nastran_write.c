@@ -7,7 +7,7 @@
 #include "io/nastran/nastran_write.h"
 
 #include "io/core/number.h"
-#include "io/view/view.h"
+#include "io/view/view_blocks.h"
 #include "io/view/writer.h"
 
 #include <inttypes.h>

@@ -4,7 +4,7 @@
 #include "io/view/surface_write.h"
 
 #include "io/core/binary.h"
-#include "io/view/view.h"
+#include "io/view/view_blocks.h"
 #include "io/view/writer.h"
 
 #include "base/memory.h"

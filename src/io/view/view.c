@@ -112,21 +112,6 @@ const io_view_type *io_view_find_type(const io_view_type *table, int type) {
     return NULL;
 }
 
-void io_view_lose_types(const io_view_type *table, const io_view_blocks *blocks,
-                        io_losses *losses) {
-    int64_t n_cut = 0, n_gone = 0;
-    for (int64_t b = 0; b < blocks->n; b++) {
-        const io_view_type *row = io_view_find_type(table, blocks->block[b].type);
-        n_gone += row ? 0 : blocks->block[b].n;
-        n_cut += row && row->type != blocks->block[b].type ? blocks->block[b].n : 0;
-    }
-    if (n_cut > 0)
-        io_losses_add(losses, "nodes of %lld elements besides their corners or mids",
-                      (long long)n_cut);
-    if (n_gone > 0)
-        io_losses_add(losses, "%lld elements", (long long)n_gone);
-}
-
 /** Return six times the volume of a solid at its first corner, the way that its nodes go. */
 static double corner_volume(const io_view *view, const io_view_cell *cell) {
     const int corners = io_cell_type_corners(cell->type);

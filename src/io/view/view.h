@@ -5,8 +5,7 @@
  *   io_view_fit_cell                       cells as a format has them
  *   io_view_place                          its nodes
  *   io_view_node_number, _cell_number      numbers that a file can have
- *   io_view_blocks                         cells of one type and entity together
- *   io_view_find_type, _lose_types         types of elements that a format has
+ *   io_view_find_type                      types of elements that a format has
  *   io_view_is_in_group, _group_text       named groups
  *   io_view_field                          arrays of numbers of nodes and elements
  *   io_losses_add, io_view_lose_...        what a writer leaves out
@@ -86,35 +85,6 @@ void io_view_place(const io_view *view, int64_t node, double place[3]);
 int64_t io_view_node_number(const io_view *view, int64_t node);
 int64_t io_view_cell_number(const io_view *view, int64_t index, const io_view_cell *cell);
 
-/** Cells of one type, entity, and region where arrays tell these. Those of one entity and region are a
- *  set, of one block or several. */
-typedef struct io_view_block {
-    int dim, type;
-    int32_t entity;
-    int64_t region;
-    int64_t set; /* number of its set among those of its dimension, from 1, */
-    int32_t
-        reference; /* number of the set for formats that have one: that of its first group, or of
-                          its entity or region, if sets of a dimension differ by these; else set */
-    int32_t
-        property; /* the same, but 1 .. IO_VIEW_MOST_NUMBER, and that of no set of another dimension */
-    int begins_set; /* it is the first block of its set */
-    int64_t n;
-    const int64_t *cell; /* [n] indices, ascending */
-} io_view_block;
-
-/** Blocks of a mesh. */
-typedef struct io_view_blocks {
-    io_view_block *block; /* [n] by dimension, those of solids first, entity, region and type */
-    int64_t n;
-    int64_t *cell; /* [n_cells] of all blocks */
-} io_view_blocks;
-
-/** Sort the cells into blocks. To be released in any case. Error: _MEMORY. */
-int io_view_blocks_make(const io_view *view, io_view_blocks *blocks, planish_error *error);
-/** Release blocks. */
-void io_view_blocks_release(io_view_blocks *blocks);
-
 /** Return whether the cells of an entity (-1: none), or nodes of one of dimension 0, are in the
  *  model's named group. */
 int io_view_is_in_group(const io_view *view, int32_t entity, int32_t group);
@@ -153,8 +123,5 @@ void io_view_lose_fields(const io_view *view, io_losses *losses);
 /** Return the row of a type in a format's table; if it has none, that of the type without nodes of
  *  faces, or that of the corners alone; NULL: the format has none of these. */
 const io_view_type *io_view_find_type(const io_view_type *table, int type);
-
-/** Note how many elements lose nodes, or are left out, because of the types in a format's table. */
-void io_view_lose_types(const io_view_type *table, const io_view_blocks *blocks, io_losses *losses);
 
 #endif

@@ -1,5 +1,5 @@
 /* view_blocks: the cells of a mesh that is written, those of one type and entity together. */
-#include "io/view/view.h"
+#include "io/view/view_blocks.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -160,4 +160,21 @@ void io_view_blocks_release(io_view_blocks *blocks) {
     pl_free(blocks->block);
     pl_free(blocks->cell);
     *blocks = (io_view_blocks){.n = 0};
+}
+
+/* ---- losses -------------------------------------------------------------------------------- */
+
+void io_view_lose_types(const io_view_type *table, const io_view_blocks *blocks,
+                        io_losses *losses) {
+    int64_t n_cut = 0, n_gone = 0;
+    for (int64_t b = 0; b < blocks->n; b++) {
+        const io_view_type *row = io_view_find_type(table, blocks->block[b].type);
+        n_gone += row ? 0 : blocks->block[b].n;
+        n_cut += row && row->type != blocks->block[b].type ? blocks->block[b].n : 0;
+    }
+    if (n_cut > 0)
+        io_losses_add(losses, "nodes of %lld elements besides their corners or mids",
+                      (long long)n_cut);
+    if (n_gone > 0)
+        io_losses_add(losses, "%lld elements", (long long)n_gone);
 }

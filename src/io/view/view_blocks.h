@@ -1,0 +1,43 @@
+/* view_blocks: the cells of a mesh that is written, those of one type and entity together.
+ *
+ *   io_view_block, io_view_blocks_make, _release   the blocks
+ *   io_view_lose_types                             elements that a format does not have
+ */
+#ifndef PL_IO_VIEW_VIEW_BLOCKS_H
+#define PL_IO_VIEW_VIEW_BLOCKS_H
+
+#include "io/view/view.h"
+
+/** Cells of one type, entity, and region where arrays tell these. Those of one entity and region are a
+ *  set, of one block or several. */
+typedef struct io_view_block {
+    int dim, type;
+    int32_t entity;
+    int64_t region;
+    int64_t set; /* number of its set among those of its dimension, from 1, */
+    int32_t
+        reference; /* number of the set for formats that have one: that of its first group, or of
+                          its entity or region, if sets of a dimension differ by these; else set */
+    int32_t
+        property; /* the same, but 1 .. IO_VIEW_MOST_NUMBER, and that of no set of another dimension */
+    int begins_set; /* it is the first block of its set */
+    int64_t n;
+    const int64_t *cell; /* [n] indices, ascending */
+} io_view_block;
+
+/** Blocks of a mesh. */
+typedef struct io_view_blocks {
+    io_view_block *block; /* [n] by dimension, those of solids first, entity, region and type */
+    int64_t n;
+    int64_t *cell; /* [n_cells] of all blocks */
+} io_view_blocks;
+
+/** Sort the cells into blocks. To be released in any case. Error: _MEMORY. */
+int io_view_blocks_make(const io_view *view, io_view_blocks *blocks, planish_error *error);
+/** Release blocks. */
+void io_view_blocks_release(io_view_blocks *blocks);
+
+/** Note how many elements lose nodes, or are left out, because of the types in a format's table. */
+void io_view_lose_types(const io_view_type *table, const io_view_blocks *blocks, io_losses *losses);
+
+#endif
