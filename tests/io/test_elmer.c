@@ -117,7 +117,9 @@ static void two_bricks(void **state) {
                      : "1/1 7 404 1 2 5 4\n2/1 8 404 2 3 6 5\n");
         put(state, "mesh.boundary", dim == 3 ? "3 5 1 0 404 1 2 5 4\n" : "3/1 5 1 0 202 1 2\n");
         put(state, "mesh.names", "$ bottom = 5\n$ right = 8\n");
-        unit_expect_bricks(open_folder(state, 1), "bottom", "right");
+        planish_file *file = open_folder(state, 1);
+        unit_expect_bricks(file, "bottom", "right");
+        planish_file_close(file);
     }
 }
 
