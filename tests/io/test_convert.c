@@ -417,6 +417,23 @@ static void data_are_converted(void **state) {
     planish_file_close(file);
 }
 
+/** An array of the file whose name planish needs for its own is said to be lost. */
+static void own_names_are_lost(void **state) {
+    file_builder b = {.binary = 0};
+    char lost[512];
+    builder_text(&b, "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                     "POINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 1\nCELLS 1 5\n4 0 1 2 3\n"
+                     "CELL_TYPES 1\n10\n");
+    builder_text(&b,
+                 "POINT_DATA 4\nFIELD f 2\nnumber 1 4 int\n9 8 7 6\nheat 1 4 double\n1 2 3 4\n");
+    planish_file *file = open_built(*state, "own.vtk", &b);
+    planish_file *copy = convert(*state, file, "vtk", ".vtk", lost);
+    assert_non_null(strstr(lost, "the file's own array 'number'"));
+    assert_null(strstr(lost, "heat"));
+    planish_file_close(copy);
+    planish_file_close(file);
+}
+
 /* ---- negative solids ------------------------------------------------------------------------ */
 
 /** Solids that all are the other way round, as TetGen's, become positive; one of many stays. */
@@ -523,12 +540,19 @@ static void targets_are_named(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        IN_A_FOLDER(all_types_are_converted),       IN_A_FOLDER(lines_are_converted),
-        IN_A_FOLDER(files_are_converted),           IN_A_FOLDER(groups_are_converted),
-        IN_A_FOLDER(sets_of_nodes_are_converted),   IN_A_FOLDER(numbers_begin_at_1),
-        IN_A_FOLDER(regions_in_turn_are_converted), IN_A_FOLDER(data_are_converted),
-        IN_A_FOLDER(negative_solids_are_mirrored),  IN_A_FOLDER(surfaces_are_converted),
-        IN_A_FOLDER(wrong_targets_are_refused),     cmocka_unit_test(targets_are_named),
+        IN_A_FOLDER(all_types_are_converted),
+        IN_A_FOLDER(lines_are_converted),
+        IN_A_FOLDER(files_are_converted),
+        IN_A_FOLDER(groups_are_converted),
+        IN_A_FOLDER(sets_of_nodes_are_converted),
+        IN_A_FOLDER(numbers_begin_at_1),
+        IN_A_FOLDER(regions_in_turn_are_converted),
+        IN_A_FOLDER(data_are_converted),
+        IN_A_FOLDER(own_names_are_lost),
+        IN_A_FOLDER(negative_solids_are_mirrored),
+        IN_A_FOLDER(surfaces_are_converted),
+        IN_A_FOLDER(wrong_targets_are_refused),
+        cmocka_unit_test(targets_are_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

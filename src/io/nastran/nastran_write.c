@@ -10,6 +10,8 @@
 #include "io/view/view_blocks.h"
 #include "io/view/writer.h"
 
+#include "base/status.h"
+
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -118,6 +120,11 @@ static int nastran_write(const io_view *view, pl_output *output, io_losses *loss
                          planish_error *error) {
     nastran_out n = {.view = view};
     io_view_blocks blocks;
+    if (view->model->n_nodes > IO_VIEW_MOST_NUMBER || view->n_cells > IO_VIEW_MOST_NUMBER)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "%s: has more nodes or elements than the %d that Nastran's fields of 8 "
+                       "columns can number; convert to another format",
+                       view->model->input.path, IO_VIEW_MOST_NUMBER);
     int status = io_view_blocks_make(view, &blocks, error);
     io_writer_begin(&n.writer, output, error);
     if (!status) {

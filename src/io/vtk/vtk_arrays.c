@@ -211,14 +211,16 @@ static int has_name(const vtk_out_array *list, int n, const char *name) {
     return 0;
 }
 
-/** Add the arrays of the file, but those that planish writes anew. */
-static void add_fields(const io_view *view, vtk_out_arrays *a) {
+/** Add the arrays of the file; those whose names planish gives to its own are lost. */
+static void add_fields(const io_view *view, io_losses *losses, vtk_out_arrays *a) {
     for (int i = 0; i < view->n_fields; i++) {
         const io_view_field *f = &view->field[i];
         vtk_out_array *list = f->of_elements ? a->cell_data : a->point_data;
         int *n = f->of_elements ? &a->n_cell_data : &a->n_point_data;
-        if (has_name(list, *n, f->name))
+        if (has_name(list, *n, f->name)) {
+            io_losses_add(losses, "the file's own array '%.64s'", f->name);
             continue;
+        }
         list[(*n)++] = (vtk_out_array){f->name,
                                        VTK_OUT_FIELD,
                                        f->is_narrow    ? VTK_OUT_I32
@@ -244,7 +246,8 @@ static void add_cell_data(const io_view *view, vtk_out_arrays *a) {
     add_numbers(view, 1, a->cell_data, &a->n_cell_data);
 }
 
-int vtk_arrays_begin(const io_view *view, vtk_out_arrays *a, planish_error *error) {
+int vtk_arrays_begin(const io_view *view, io_losses *losses, vtk_out_arrays *a,
+                     planish_error *error) {
     const io_model *model = view->model;
     const vtk_out_type real =
         model->precision == PLANISH_PRECISION_FLOAT ? VTK_OUT_F32 : VTK_OUT_F64;
@@ -270,7 +273,7 @@ int vtk_arrays_begin(const io_view *view, vtk_out_arrays *a, planish_error *erro
         add(a->point_data, &a->n_point_data, "fixed", VTK_OUT_FIXED, VTK_OUT_U8, model->n_nodes);
     add_numbers(view, 0, a->point_data, &a->n_point_data);
     add_cell_data(view, a);
-    add_fields(view, a);
+    add_fields(view, losses, a);
     return PLANISH_OK;
 }
 

@@ -60,7 +60,8 @@ typedef struct vtk_out_arrays {
 } vtk_out_arrays;
 
 /** Find the arrays of a view, which must stay while they are used. To be ended in any case. */
-int vtk_arrays_begin(const io_view *view, vtk_out_arrays *arrays, planish_error *error);
+int vtk_arrays_begin(const io_view *view, io_losses *losses, vtk_out_arrays *arrays,
+                     planish_error *error);
 /** Release the lists of arrays. */
 void vtk_arrays_end(vtk_out_arrays *arrays);
 

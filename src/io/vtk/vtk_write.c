@@ -76,7 +76,7 @@ int vtk_write(const io_view *view, pl_output *output, io_losses *losses, planish
     char title[MOST_TITLE];
     if (!make_title(view->model, title))
         io_losses_add(losses, "names of groups (there are too many)");
-    const int status = vtk_arrays_begin(view, &a, error);
+    const int status = vtk_arrays_begin(view, losses, &a, error);
     io_writer_begin(&writer, output, error);
     if (!status)
         put_mesh(&writer, view, title, &a);

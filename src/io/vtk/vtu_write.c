@@ -123,8 +123,7 @@ static void put_mesh(markup *m, const vtk_out_arrays *a) {
 int vtu_write(const io_view *view, pl_output *output, io_losses *losses, planish_error *error) {
     vtk_out_arrays a;
     markup m = {.view = view};
-    (void)losses;
-    const int status = vtk_arrays_begin(view, &a, error);
+    const int status = vtk_arrays_begin(view, losses, &a, error);
     io_writer_begin(&m.writer, output, error);
     if (!status)
         put_mesh(&m, &a);
