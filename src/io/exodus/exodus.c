@@ -5,6 +5,7 @@
  * at the first time step. All else (attributes, edge and face blocks) is not looked at.
  */
 #include "io/exodus/exodus.h"
+#include "io/exodus/exodus_write.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -197,4 +198,5 @@ const io_format io_format_exodus = {.name = "exodus",
                                     .amend = io_hdf5_amend,
                                     .release = io_hdf5_release,
 #endif
-                                    .read_data = exodus_read_data};
+                                    .read_data = exodus_read_data,
+                                    .targets = exodus_targets};

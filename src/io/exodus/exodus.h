@@ -6,6 +6,8 @@
  *   exodus_read_blocks             elements (exodus_blocks.c)
  *   exodus_read_sets               node sets and side sets (exodus_sets.c)
  *   exodus_note_data, _read_data   variables (exodus_data.c)
+ *   exodus_node_orders             orders of nodes (exodus_blocks.c)
+ *   exodus_side_faces              sides of solids (exodus_sets.c)
  *
  * Blocks, sets, elements and nodes have a place, from 1, by which the file refers to them, and a
  * number ("id") for people.
@@ -69,6 +71,12 @@ void exodus_labels_release(exodus_labels *labels);
 
 /** Name the group of number i in a dimension, if it has a name. */
 int exodus_labels_name(exodus_reader *r, const exodus_labels *labels, int64_t i, int dim);
+
+/** Orders of nodes, as io_model.node_order. */
+extern const io_node_order exodus_node_orders[];
+
+/** Faces of io_parts that the sides of solids of so many corners are, -1: there is none. */
+extern const int8_t exodus_side_faces[9][6];
 
 /** Read all elements. */
 int exodus_read_blocks(exodus_reader *r);

@@ -31,7 +31,7 @@ enum { N_FAMILIES = sizeof families / sizeof *families };
 /** Types whose nodes stand in another order than VTK's: the mids of upright edges come before those
  *  of the top, the centre of a hexahedron before those of its faces: bottom, top, left, right, front,
  *  back. */
-static const io_node_order node_order[] = {
+const io_node_order exodus_node_orders[] = {
     {PLANISH_CELL_WEDGE15, {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11}},
     {PLANISH_CELL_WEDGE18, {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11, 15, 16, 17}},
     {PLANISH_CELL_HEXAHEDRON20,
@@ -287,7 +287,7 @@ static int check_numbers(exodus_reader *r, const exodus_labels *labels) {
 int exodus_read_blocks(exodus_reader *r) {
     static const char map[] = "elem_num_map";
     exodus_labels labels;
-    r->model->node_order = node_order;
+    r->model->node_order = exodus_node_orders;
     int status = exodus_labels_read(r, "eb_prop1", "eb_names", &labels);
     if (!status)
         status = check_numbers(r, &labels);

@@ -82,21 +82,21 @@ static side_nodes nodes_of_part(const sets *s, const exodus_block *block, int64_
     return side;
 }
 
+const int8_t exodus_side_faces[9][6] = {[4] = {1, 2, 3, 0, -1, -1},
+                                        [5] = {1, 2, 3, 4, 0, -1},
+                                        [6] = {2, 3, 4, 0, 1, -1},
+                                        [8] = {2, 3, 4, 5, 0, 1}};
+
 /** Find the part that a side of an element is, by its number from 1; *is_whole: all of the element.
  *  -1: it has no such side. */
 static int part_of(const exodus_block *block, int corners, int64_t side, int *is_whole) {
-    /* Faces of io_parts, of solids of 4, 5, 6 and 8 corners. */
-    static const int8_t faces[][6] = {[4] = {1, 2, 3, 0, -1, -1},
-                                      [5] = {1, 2, 3, 4, 0, -1},
-                                      [6] = {2, 3, 4, 0, 1, -1},
-                                      [8] = {2, 3, 4, 5, 0, 1}};
     *is_whole = block->dim < 2 || (block->is_shell && side <= 2);
     if (side < 1 || (*is_whole && side > 2))
         return -1;
     if (*is_whole)
         return 0;
     if (block->dim == 3)
-        return side <= 6 ? faces[corners][side - 1] : -1;
+        return side <= 6 ? exodus_side_faces[corners][side - 1] : -1;
     const int64_t edge = side - 1 - (block->is_shell ? 2 : 0);
     return edge < corners ? (int)edge : -1;
 }

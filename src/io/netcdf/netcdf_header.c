@@ -14,9 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Tags before lists. */
-enum { TAG_NONE = 0, TAG_DIMENSION = 10, TAG_VARIABLE = 11, TAG_ATTRIBUTE = 12 };
-
 /** A walk over the header, which the model is still of. */
 typedef struct header_walk {
     const io_model *model;
@@ -51,7 +48,7 @@ static int take_list(header_walk *w, int tag, const char *what, int64_t size, in
     int status = take_number(w, 4, &found);
     if (!status)
         status = take_count(w, what, size, n);
-    if (!status && found != tag && !(found == TAG_NONE && *n == 0))
+    if (!status && found != tag && !(found == NETCDF_NO_LIST && *n == 0))
         status = io_fail_at(w->model, at, w->error,
                             "the list of %s was expected (the file may be damaged)", what);
     return status;
@@ -73,18 +70,12 @@ static int take_name(header_walk *w, io_slice *name) {
     return status;
 }
 
-/** Bytes of a value of a type; 0: there is no such type. */
-static int size_of(int64_t type) {
-    static const int sizes[] = {0, 1, 1, 2, 4, 4, 8, 1, 2, 4, 8, 8};
-    return type > 0 && type < (int)(sizeof sizes / sizeof *sizes) ? sizes[type] : 0;
-}
-
 /** Take the number of a type. */
 static int take_type(header_walk *w, int *type) {
     const char *at = w->at.at;
     int64_t number = 0;
     const int status = take_number(w, 4, &number);
-    if (!status && size_of(number) == 0)
+    if (!status && netcdf_type_size(number) == 0)
         return io_fail_at(w->model, at, w->error,
                           "there is no type of values %lld (the file may be damaged)",
                           (long long)number);
@@ -103,9 +94,9 @@ static int take_attribute(header_walk *w, attribute *a) {
     if (!status)
         status = take_type(w, &a->type);
     if (!status)
-        status = take_count(w, "values of an attribute", size_of(a->type), &n);
+        status = take_count(w, "values of an attribute", netcdf_type_size(a->type), &n);
     if (!status)
-        a->value = take_padded(w, n * size_of(a->type));
+        a->value = take_padded(w, n * netcdf_type_size(a->type));
     return status;
 }
 
@@ -114,7 +105,7 @@ static int skip_attributes(header_walk *w) {
     enum { LEAST = 12 }; /* bytes of an attribute */
     int64_t n = 0;
     attribute a = {.type = 0};
-    int status = take_list(w, TAG_ATTRIBUTE, "attributes", LEAST, &n);
+    int status = take_list(w, NETCDF_ATTRIBUTES, "attributes", LEAST, &n);
     for (int64_t i = 0; i < n && !status; i++)
         status = take_attribute(w, &a);
     return status;
@@ -125,7 +116,7 @@ io_slice netcdf_header_text_attribute(const netcdf_header *h, const netcdf_varia
     header_walk w = {h->model, v->attributes, h->is_wide, NULL};
     attribute a = {.type = 0};
     int64_t n = 0;
-    int status = take_list(&w, TAG_ATTRIBUTE, "attributes", 1, &n);
+    int status = take_list(&w, NETCDF_ATTRIBUTES, "attributes", 1, &n);
     for (int64_t i = 0; i < n && !status; i++) {
         status = take_attribute(&w, &a);
         if (!status && a.type == NETCDF_CHAR && io_slice_is(a.name, name, 0))
@@ -139,7 +130,7 @@ io_slice netcdf_header_text_attribute(const netcdf_header *h, const netcdf_varia
 static int read_dimensions(netcdf_header *h, header_walk *w) {
     enum { LEAST = 8 };
     int64_t n = 0;
-    int status = take_list(w, TAG_DIMENSION, "dimensions", LEAST, &n);
+    int status = take_list(w, NETCDF_DIMENSIONS, "dimensions", LEAST, &n);
     for (int64_t i = 0; i < n && !status; i++) {
         netcdf_dim dim = {.length = 0};
         status = take_name(w, &dim.name);
@@ -188,7 +179,7 @@ static int take_dimensions(const netcdf_header *h, header_walk *w, netcdf_variab
 static int read_variables(netcdf_header *h, header_walk *w) {
     enum { LEAST = 28 };
     int64_t n = 0, size;
-    int status = take_list(w, TAG_VARIABLE, "variables", LEAST, &n);
+    int status = take_list(w, NETCDF_VARIABLES, "variables", LEAST, &n);
     const int is_long = h->is_wide || w->model->input.data[3] == 2;
     for (int64_t i = 0; i < n && !status; i++) {
         netcdf_variable v = {.n = 0};
@@ -226,7 +217,7 @@ static int64_t record_size(const netcdf_header *h) {
         if (!v->is_record)
             continue;
         n++;
-        plain = v->n > most ? most + 1 : v->n * size_of(v->type);
+        plain = v->n > most ? most + 1 : v->n * netcdf_type_size(v->type);
         padded += plain + (4 - plain % 4) % 4;
         if (padded > most)
             return most + 1;
@@ -238,7 +229,7 @@ static int64_t record_size(const netcdf_header *h) {
 static int check_place(const netcdf_header *h, const netcdf_variable *v, int64_t record,
                        int64_t *behind, planish_error *error) {
     const int64_t size = h->model->input.size;
-    const int64_t bytes = v->n > size ? size + 1 : v->n * size_of(v->type);
+    const int64_t bytes = v->n > size ? size + 1 : v->n * netcdf_type_size(v->type);
     /* An unfinished file does not say how many records there are. */
     const int64_t more = v->is_record && h->n_records > 1 ? h->n_records - 1 : 0;
     if (v->is_record && h->n_records <= 0)

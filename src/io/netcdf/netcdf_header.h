@@ -7,21 +7,7 @@
 #define PL_IO_NETCDF_NETCDF_HEADER_H
 
 #include "io/core/text.h"
-
-/** Types of values, by netCDF's numbers. */
-typedef enum netcdf_type {
-    NETCDF_BYTE = 1,
-    NETCDF_CHAR,
-    NETCDF_SHORT,
-    NETCDF_INT,
-    NETCDF_FLOAT,
-    NETCDF_DOUBLE,
-    NETCDF_UBYTE, /* this and the next ones: in CDF-5 alone */
-    NETCDF_USHORT,
-    NETCDF_UINT,
-    NETCDF_INT64,
-    NETCDF_UINT64
-} netcdf_type;
+#include "io/netcdf/netcdf_format.h"
 
 /** Dimension; of length 0 it is that of records. */
 typedef struct netcdf_dim {
