@@ -5,7 +5,8 @@
  *   exodus_labels_...              numbers and names of blocks and sets (exodus.c)
  *   exodus_read_blocks             elements (exodus_blocks.c)
  *   exodus_read_sets               node sets and side sets (exodus_sets.c)
- *   exodus_note_data, _read_data   variables (exodus_data.c)
+ *   exodus_values_name             variables (exodus_data.c):
+ *   exodus_note_data, _read_data   find them, and read one
  *   exodus_node_orders             orders of nodes (exodus_blocks.c)
  *   exodus_side_faces              sides of solids (exodus_sets.c)
  *
@@ -86,6 +87,9 @@ int exodus_read_sets(exodus_reader *r);
 
 /** Note the variables of nodes and elements, after all else. */
 int exodus_note_data(exodus_reader *r);
+
+/** Return the name of the values of variable k (from 0): of the nodes, or of the elements of a block. */
+exodus_name exodus_values_name(int of_elements, int64_t k, int64_t block);
 
 /** Read the values of a variable at the first time step: for io_format. */
 int exodus_read_data(io_model *model, const io_data *data, double *values, planish_error *error);

@@ -3,6 +3,7 @@
  */
 #include "io/exodus/exodus_facets.h"
 
+#include "io/core/elements.h"
 #include "io/core/parts.h"
 #include "io/exodus/exodus.h"
 
@@ -26,8 +27,8 @@ typedef struct facet_search {
     const io_view_blocks *blocks;
     const io_view_type *types;
     int is_space;
-    facet_key *key;    /* [n] sorted */
-    uint8_t *is_on;    /* [n_nodes] nodes of facets */
+    facet_key *key;     /* [n] sorted */
+    uint8_t *is_on;     /* [n_nodes] nodes of facets */
     int64_t n_elements; /* that have been looked at */
     exodus_facets *facets;
 } facet_search;
@@ -85,8 +86,7 @@ static void look_up(facet_search *s, const int32_t *corner, int n, int n_nodes, 
         else
             high = middle;
     }
-    for (; low < s->facets->n &&
-           memcmp(s->key[low].corner, key.corner, sizeof key.corner) == 0;
+    for (; low < s->facets->n && memcmp(s->key[low].corner, key.corner, sizeof key.corner) == 0;
          low++) {
         exodus_side *side = &s->facets->side[s->key[low].facet];
         if (side->element == 0 && s->key[low].n_nodes <= n_nodes)

@@ -27,11 +27,11 @@ typedef struct netcdf_out_variable {
     netcdf_type type;
     int n_dims;
     int dim[NETCDF_OUT_DIMS]; /* indices of dimensions */
-    const char *attribute;    /* name of its only attribute, or NULL; borrowed until it is written, */
-    const char *text;         /* as its value is */
-    int kind;                 /* the owner's, */
-    int64_t of[2];            /* and so are these */
-    int64_t begin;            /* byte of the first value */
+    const char *attribute; /* name of its only attribute, or NULL; borrowed until it is written, */
+    const char *text;      /* as its value is */
+    int kind;              /* the owner's, */
+    int64_t of[2];         /* and so are these */
+    int64_t begin;         /* byte of the first value */
 } netcdf_out_variable;
 
 /** A dimension. */

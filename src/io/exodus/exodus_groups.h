@@ -1,0 +1,52 @@
+/* exodus_groups: groups of nodes and facets of a mesh that is written, as node sets and side sets.
+ *
+ *   exodus_group, exodus_groups                       sets and their members
+ *   exodus_groups_of_nodes, _of_facets, _release      those of a mesh
+ *   exodus_give_ids                                   numbers of sets and blocks
+ *   exodus_next_group                                 named groups of an entity
+ */
+#ifndef PL_IO_EXODUS_EXODUS_GROUPS_H
+#define PL_IO_EXODUS_EXODUS_GROUPS_H
+
+#include "io/exodus/exodus_facets.h"
+
+/** Something that is in a set. */
+typedef struct exodus_member {
+    int64_t number; /* of the set in the model: the tag of a group, */
+    int is_entity;  /* or that of an entity in no group */
+    int64_t index;  /* of the node, or facet */
+} exodus_member;
+
+/** A set. */
+typedef struct exodus_group {
+    int32_t id;
+    const char *name; /* "": it has none; borrowed */
+    int64_t first, n; /* members */
+} exodus_group;
+
+typedef struct exodus_groups {
+    exodus_member *member; /* sorted by their sets; owned */
+    exodus_group *group;   /* [n] owned */
+    int64_t n, n_members, capacity, member_capacity;
+} exodus_groups;
+
+/** Make the node sets of a mesh: of named groups of nodes, and by the numbers of nodes but 0. To be
+ *  released in any case. Error: _MEMORY. */
+int exodus_groups_of_nodes(const io_view *view, exodus_groups *groups, planish_error *error);
+
+/** Make the side sets of a mesh: of groups of facets, and by the numbers of facets in no group. Facets
+ *  that are no sides are in none. To be released in any case. Error: _MEMORY. */
+int exodus_groups_of_facets(const io_view *view, const io_view_blocks *blocks,
+                            const exodus_facets *facets, exodus_groups *groups,
+                            planish_error *error);
+void exodus_groups_release(exodus_groups *groups);
+
+/** Give ids [n], distinct and from 1: those that are wanted, the first of equal ones, others behind
+ *  them. Error: _MEMORY. */
+int exodus_give_ids(const int64_t *wanted, int64_t n, int32_t *id, planish_error *error);
+
+/** Return the first named group that the cells of an entity are in, behind group after (-1: all); or
+ *  -1. */
+int32_t exodus_next_group(const io_view *view, int32_t entity, int32_t after);
+
+#endif
