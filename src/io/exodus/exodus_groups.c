@@ -73,7 +73,9 @@ static int compare_sets(const exodus_member *x, const exodus_member *y) {
 static int compare_members(const void *a, const void *b) {
     const exodus_member *x = a, *y = b;
     const int sets = compare_sets(x, y);
-    return sets ? sets : (x->index > y->index) - (x->index < y->index);
+    if (sets)
+        return sets;
+    return x->place != y->place ? (x->place < y->place ? -1 : 1) : x->side - y->side;
 }
 
 static int add_member(exodus_groups *groups, exodus_member member) {
@@ -81,16 +83,16 @@ static int add_member(exodus_groups *groups, exodus_member member) {
                      sizeof member) != NULL;
 }
 
-/** Put a node or facet of an entity (-1: none) into its sets. region: its number if it is in no group.
- *  Returns 0 without memory. */
+/** Put a side, or the node at side.element, of an entity (-1: none) into its sets. region: its number if
+ *  it is in no group. Returns 0 without memory. */
 static int add_to_sets(const io_view *view, exodus_groups *groups, int32_t entity, int64_t region,
-                       int64_t index) {
+                       exodus_side side) {
     const io_entity *e = entity >= 0 ? &view->model->entity[entity] : NULL;
     int is_done = 1;
     if (!e || e->n_physical == 0)
-        return add_member(groups, (exodus_member){region, 1, index});
+        return add_member(groups, (exodus_member){region, 1, side.element, side.side});
     for (int k = 0; k < e->n_physical && is_done; k++)
-        is_done = add_member(groups, (exodus_member){e->physical[k], 0, index});
+        is_done = add_member(groups, (exodus_member){e->physical[k], 0, side.element, side.side});
     return is_done;
 }
 
@@ -145,7 +147,7 @@ int exodus_groups_of_nodes(const io_view *view, exodus_groups *groups, planish_e
         const int32_t entity = model->node_entity[i];
         const io_entity *e = entity >= 0 ? &model->entity[entity] : NULL;
         if (e && (e->n_physical > 0 || e->tag != 0))
-            is_done = add_to_sets(view, groups, entity, e->tag, i);
+            is_done = add_to_sets(view, groups, entity, e->tag, (exodus_side){(int32_t)i + 1, 0});
     }
     return is_done ? make_sets(view, 0, groups, error) : pl_fail_memory(error, "node sets");
 }
@@ -160,7 +162,8 @@ int exodus_groups_of_facets(const io_view *view, const io_view_blocks *blocks,
         const io_view_block *block = &blocks->block[b];
         for (int64_t i = 0; i < block->n && block->dim == facets->dim && is_done; i++, facet++)
             if (facets->side[facet].element > 0)
-                is_done = add_to_sets(view, groups, block->entity, block->region, facet);
+                is_done =
+                    add_to_sets(view, groups, block->entity, block->region, facets->side[facet]);
     }
     return is_done ? make_sets(view, facets->dim, groups, error)
                    : pl_fail_memory(error, "side sets");

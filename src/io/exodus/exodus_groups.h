@@ -14,7 +14,8 @@
 typedef struct exodus_member {
     int64_t number; /* of the set in the model: the tag of a group, */
     int is_entity;  /* or that of an entity in no group */
-    int64_t index;  /* of the node, or facet */
+    int32_t place;  /* of the node in the file, or of the element that has the side, from 1 */
+    int32_t side;   /* 0: of a node */
 } exodus_member;
 
 /** A set. */

@@ -244,15 +244,29 @@ static int is_plane(const io_model *model) {
     return is;
 }
 
-/** Find out whether nodes and elements have other numbers than 1, 2, ... */
-static void look_at_numbers(exodus_out *e) {
+/** Return the number of the next element of a block as next_cell finds it; 0 at the end. */
+static int64_t next_number(const exodus_out *e, const out_block *block, int64_t *i) {
     io_view_cell cell;
-    int64_t place = 0, index;
+    int64_t index;
+    return next_cell(e, block, i, &index, &cell) ? cell.number : 0;
+}
+
+/** Find out whether nodes and elements have other numbers than 1, 2, ... that can be kept. Facets that
+ *  are sides have none. */
+static int look_at_numbers(exodus_out *e, planish_error *error) {
+    int64_t *number = pl_alloc(e->n_elements, sizeof *number), n = 0, next;
+    if (!number)
+        return pl_fail_memory(error, "numbers of elements");
     for (int64_t i = 0; i < e->view->model->n_nodes; i++)
         e->has_numbers[0] |= io_view_node_number(e->view, i) != i + 1;
     for (int64_t b = 0; b < e->n_blocks; b++)
-        for (int64_t i = 0; next_cell(e, &e->block[b], &i, &index, &cell);)
-            e->has_numbers[1] |= io_view_cell_number(e->view, index, &cell) != ++place;
+        for (int64_t i = 0; (next = next_number(e, &e->block[b], &i)) > 0; n++) {
+            number[n] = next;
+            e->has_numbers[1] |= next != n + 1;
+        }
+    e->has_numbers[1] &= n == e->n_elements && io_view_are_numbers(number, n);
+    pl_free(number);
+    return PLANISH_OK;
 }
 
 /** Find the room that names need. */
@@ -282,10 +296,9 @@ static int prepare(exodus_out *e, planish_error *error) {
         status = find_blocks(e, error);
     if (!status)
         status = find_components(e, error);
-    if (!status) {
-        look_at_numbers(e);
-        measure_names(e);
-    }
+    if (!status)
+        status = look_at_numbers(e, error);
+    measure_names(e);
     return status;
 }
 
@@ -443,11 +456,10 @@ static void put_coordinates(exodus_out *e, int64_t axis) {
 }
 
 static void put_element_numbers(exodus_out *e) {
-    io_view_cell cell;
-    int64_t index;
+    int64_t number;
     for (int64_t b = 0; b < e->n_blocks; b++)
-        for (int64_t i = 0; next_cell(e, &e->block[b], &i, &index, &cell);)
-            netcdf_put_integer(&e->file, (int32_t)io_view_cell_number(e->view, index, &cell));
+        for (int64_t i = 0; (number = next_number(e, &e->block[b], &i)) > 0;)
+            netcdf_put_integer(&e->file, (int32_t)number);
 }
 
 static void put_nodes(exodus_out *e, const out_block *block) {
@@ -464,12 +476,8 @@ static void put_nodes(exodus_out *e, const out_block *block) {
 static void put_members(exodus_out *e, out_kind kind, int64_t set) {
     const exodus_groups *sets = &e->sets[kind != OUT_SET_NODES];
     const exodus_member *member = sets->member + sets->group[set].first;
-    for (int64_t i = 0; i < sets->group[set].n; i++) {
-        const exodus_side *side = kind == OUT_SET_NODES ? NULL : &e->facets.side[member[i].index];
-        netcdf_put_integer(&e->file, !side                      ? (int32_t)member[i].index + 1
-                                     : kind == OUT_SET_ELEMENTS ? side->element
-                                                                : side->side);
-    }
+    for (int64_t i = 0; i < sets->group[set].n; i++)
+        netcdf_put_integer(&e->file, kind == OUT_SET_SIDES ? member[i].side : member[i].place);
 }
 
 static void put_names(exodus_out *e, out_kind kind, int64_t of) {

@@ -166,8 +166,7 @@ static int compare_numbers(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/** Return whether numbers [n], which are sorted for that, are distinct and within 1 .. IO_VIEW_MOST_NUMBER. */
-static int are_numbers(int64_t *number, int64_t n) {
+int io_view_are_numbers(int64_t *number, int64_t n) {
     int is_sorted = 1;
     for (int64_t i = 1; i < n; i++)
         is_sorted &= number[i] > number[i - 1];
@@ -188,13 +187,13 @@ static int look_at_numbers(io_view *view, planish_error *error) {
         return pl_fail_memory(error, "numbers of nodes and elements");
     for (int64_t i = 0; i < model->n_nodes; i++)
         number[i] = io_node_number(model, i);
-    view->has_numbers[0] = are_numbers(number, model->n_nodes);
+    view->has_numbers[0] = io_view_are_numbers(number, model->n_nodes);
     for (int kind = 0; kind < IO_VIEW_KINDS; kind++) {
         const io_list list = io_model_list(model, list_of_kind[kind]);
         for (int64_t i = 0; i < list.n; i++)
             number[n++] = io_list_number(&list, i);
     }
-    view->has_numbers[1] = are_numbers(number, n);
+    view->has_numbers[1] = io_view_are_numbers(number, n);
     pl_free(number);
     return PLANISH_OK;
 }

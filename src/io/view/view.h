@@ -4,7 +4,8 @@
  *   io_view_cell, io_view_cell_at          its cells, one by one
  *   io_view_fit_cell                       cells as a format has them
  *   io_view_place                          its nodes
- *   io_view_node_number, _cell_number      numbers that a file can have
+ *   io_view_node_number, _cell_number      numbers that a file can have,
+ *   io_view_are_numbers                    and whether it can have these
  *   io_view_find_type                      types of elements that a format has
  *   io_view_is_in_group, _group_text       named groups
  *   io_view_field                          arrays of numbers of nodes and elements
@@ -84,6 +85,10 @@ void io_view_place(const io_view *view, int64_t node, double place[3]);
  *  in their order. */
 int64_t io_view_node_number(const io_view *view, int64_t node);
 int64_t io_view_cell_number(const io_view *view, int64_t index, const io_view_cell *cell);
+
+/** Return whether numbers [n], which are sorted for that, are distinct and within 1 ..
+ *  IO_VIEW_MOST_NUMBER. */
+int io_view_are_numbers(int64_t *number, int64_t n);
 
 /** Return whether the cells of an entity (-1: none), or nodes of one of dimension 0, are in the
  *  model's named group. */
