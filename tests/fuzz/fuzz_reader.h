@@ -330,10 +330,11 @@ static inline void fuzz_check_same_mesh(planish_file *of_a, planish_file *of_b) 
 /** Convert the file to one of the formats that are no VTK's, and read it again: it has as many nodes
  *  and elements. */
 static inline void fuzz_check_target(planish_file *file) {
-    enum { GMSH22 = 1, SURFACES = 5, N = 8 };
+    enum { GMSH22 = 1, SURFACES = 6, N = 9 };
     static const char *const targets[N][2] = {
-        {"gmsh", ".msh"},    {"gmsh22", ".msh"}, {"medit", ".mesh"}, {"abaqus", ".inp"},
-        {"nastran", ".bdf"}, {"stl", ".stl"},    {"obj", ".obj"},    {"ply", ".ply"}};
+        {"gmsh", ".msh"},   {"gmsh22", ".msh"},  {"medit", ".mesh"},
+        {"abaqus", ".inp"}, {"nastran", ".bdf"}, {"exodus", ".e"},
+        {"stl", ".stl"},    {"obj", ".obj"},     {"ply", ".ply"}};
     const planish_mesh mesh = planish_file_mesh(file);
     const int t = (int)(file->model.input.size % N), is_surface = t >= SURFACES;
     const planish_view_data data = {.format = targets[t][0]};
@@ -342,8 +343,8 @@ static inline void fuzz_check_target(planish_file *file) {
     planish_file *again = NULL;
     planish_error error;
     fuzz_path(path, targets[t][1]);
-    const int status = planish_file_convert(file, path, mesh.coordinates, NULL, &data, NULL, 0,
-                                            NULL, 0, &error);
+    const int status =
+        planish_file_convert(file, path, mesh.coordinates, NULL, &data, NULL, 0, NULL, 0, &error);
     if (status && is_surface && strstr(error.text, "has no triangles or quadrilaterals"))
         return;
     fuzz_require(status == 0, error.text);

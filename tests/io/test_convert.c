@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "support/converting.h"
 #include "support/data_files.h"
 #include "support/file_builder.h"
 #include "support/files.h"
@@ -51,39 +52,9 @@ enum { N_TARGETS = sizeof targets / sizeof *targets };
 
 /* ---- files ---------------------------------------------------------------------------------- */
 
-static planish_file *open_path(const char *path) {
-    planish_file *file = NULL;
-    planish_error error = {.text = ""};
-    if (planish_file_open(path, NULL, 1, &file, &error))
-        fail_msg("%s", error.text);
-    return file;
-}
-
-/** Write a file to the folder, open it, and release it. */
-static planish_file *open_built(const char *folder, const char *name, file_builder *b) {
-    char path[TEST_PATH_SIZE];
-    test_write(folder, name, b->data, (size_t)b->size);
-    builder_release(b);
-    return open_path(test_path(path, folder, name));
-}
-
 /** Whether this build reads what is written to a target. */
 static int is_read(const struct target *target) {
     return strcmp(target->name, "vtu") != 0 || reading_knows_vtu();
-}
-
-/** Convert a file to a target, and open what is written. */
-static planish_file *convert(const char *folder, planish_file *file, const char *name,
-                             const char *extension, char lost[512]) {
-    char path[TEST_PATH_SIZE], base[64];
-    planish_error error = {.text = ""};
-    const planish_view_data data = {.format = name};
-    snprintf(base, sizeof base, "out-%s%s", name, extension);
-    test_path(path, folder, base);
-    if (planish_file_convert(file, path, planish_file_mesh(file).coordinates, NULL, &data, NULL, 0,
-                             lost, 512, &error))
-        fail_msg("%s", error.text);
-    return open_path(path);
 }
 
 /* ---- comparison ----------------------------------------------------------------------------- */
@@ -177,7 +148,7 @@ static planish_file *open_types(const char *folder, int dim) {
     for (int t = 0; t < N_BENT_ELEMENTS; t++)
         if (bent_elements[t].dim == dim)
             builder_integer(&b, bent_elements[t].type, 4);
-    return open_built(folder, "types.vtk", &b);
+    return converting_open_built(folder, "types.vtk", &b);
 }
 
 /** Each type of element has its nodes in the right order, or loses the ones that its format lacks. */
@@ -198,7 +169,8 @@ static void all_types_are_converted(void **state) {
                 expected[targets[t].lacks[k][1]] += n;
                 expected[targets[t].lacks[k][0]] = 0;
             }
-            planish_file *copy = convert(*state, file, targets[t].name, targets[t].extension, lost);
+            planish_file *copy =
+                converting_to(*state, file, targets[t].name, targets[t].extension, lost);
             count_types(copy, found);
             for (int type = 0; type < 256; type++)
                 if (expected[type] != found[type])
@@ -221,8 +193,9 @@ static void lines_are_converted(void **state) {
         builder_text(&b, "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 6 "
                          "double\n0 0 0 1 0 0 0 1 0 0.5 0.1 0 0.5 0.5 0 0 0.5 0\n"
                          "CELLS 2 11\n6 0 1 2 3 4 5\n3 0 1 3\nCELL_TYPES 2\n22 21\n");
-        planish_file *file = open_built(*state, "lines.vtk", &b);
-        planish_file *copy = convert(*state, file, targets[t].name, targets[t].extension, lost);
+        planish_file *file = converting_open_built(*state, "lines.vtk", &b);
+        planish_file *copy =
+            converting_to(*state, file, targets[t].name, targets[t].extension, lost);
         const io_cells *lines = &copy->model.line;
         const int is_straight = strcmp(targets[t].name, "nastran") == 0;
         assert_int_equal(lines->n, 1);
@@ -260,12 +233,13 @@ static void files_are_converted(void **state) {
         char path[TEST_PATH_SIZE];
         if (!test_data_path(path, f))
             continue;
-        planish_file *file = open_path(path);
+        planish_file *file = converting_open(path);
         for (int t = 0; t < N_TARGETS; t++) {
             char lost[512];
             if (!is_read(&targets[t]))
                 continue;
-            planish_file *copy = convert(*state, file, targets[t].name, targets[t].extension, lost);
+            planish_file *copy =
+                converting_to(*state, file, targets[t].name, targets[t].extension, lost);
             check_same_mesh(file, copy, targets[t].is_near);
             const int64_t n_regions = count_regions(file, &targets[t]);
             if (copy->n_regions != n_regions)
@@ -277,27 +251,13 @@ static void files_are_converted(void **state) {
     }
 }
 
-/** Find the nodes that a tag holds: [n_nodes], owned. */
-static uint8_t *nodes_of(const planish_file *file, const char *tag) {
-    const planish_hold hold = {.tags = &tag, .n_tags = 1};
-    const int64_t n = planish_file_mesh(file).n_nodes;
-    planish_error error = {.text = ""};
-    uint8_t *reason = calloc((size_t)n + 1, 1);
-    assert_non_null(reason);
-    if (planish_file_get_held(file, &hold, reason, &error))
-        fail_msg("%s", error.text);
-    for (int64_t i = 0; i < n; i++)
-        reason[i] = (reason[i] & PLANISH_FILE_FIX) != 0;
-    return reason;
-}
-
 /** Named groups have the same nodes. Abaqus, Exodus and Gmsh have groups of all dimensions, Nastran
  *  names of its properties. */
 static void groups_are_converted(void **state) {
     static const char *const names[] = {"skin", "lower part", "upper part"};
     char path[TEST_PATH_SIZE];
     test_path_from(path, "PLANISH_TEST_DATA", "ascii41.msh");
-    planish_file *file = open_path(path);
+    planish_file *file = converting_open(path);
     const size_t n = (size_t)planish_file_mesh(file).n_nodes;
     for (int t = 0; t < N_TARGETS; t++) {
         char lost[512];
@@ -305,9 +265,11 @@ static void groups_are_converted(void **state) {
                               strcmp(targets[t].name, "exodus") == 0;
         if (!has_names)
             continue;
-        planish_file *copy = convert(*state, file, targets[t].name, targets[t].extension, lost);
+        planish_file *copy =
+            converting_to(*state, file, targets[t].name, targets[t].extension, lost);
         for (int k = 0; k < 3; k++) {
-            uint8_t *a = nodes_of(file, names[k]), *b = nodes_of(copy, names[k]);
+            uint8_t *a = converting_nodes_of(file, names[k]),
+                    *b = converting_nodes_of(copy, names[k]);
             assert_memory_equal(a, b, n);
             assert_non_null(memchr(a, 1, n));
             assert_non_null(memchr(a, 0, n));
@@ -327,11 +289,11 @@ static void sets_of_nodes_are_converted(void **state) {
                      "*ELEMENT, TYPE=C3D4, ELSET=one\n7,10,20,30,40\n"
                      "*ELEMENT, TYPE=C3D4, ELSET=two\n9,20,30,40,50\n"
                      "*NSET, NSET=\"my nodes\"\n20,50\n*ELSET, ELSET=both\none,two\n");
-    planish_file *file = open_built(*state, "sets.inp", &b);
-    planish_file *copy = convert(*state, file, "abaqus", ".inp", lost);
+    planish_file *file = converting_open_built(*state, "sets.inp", &b);
+    planish_file *copy = converting_to(*state, file, "abaqus", ".inp", lost);
     static const char *const names[] = {"my nodes", "one", "two", "both"};
     for (int k = 0; k < 4; k++) {
-        uint8_t *p = nodes_of(file, names[k]), *q = nodes_of(copy, names[k]);
+        uint8_t *p = converting_nodes_of(file, names[k]), *q = converting_nodes_of(copy, names[k]);
         assert_memory_equal(p, q, 5);
         free(p);
         free(q);
@@ -340,7 +302,7 @@ static void sets_of_nodes_are_converted(void **state) {
     assert_int_equal(planish_file_element_number(copy, 1), 9);
     assert_null(strstr(lost, "groups"));
     planish_file_close(copy);
-    copy = convert(*state, file, "gmsh", ".msh", lost);
+    copy = converting_to(*state, file, "gmsh", ".msh", lost);
     assert_non_null(strstr(lost, "groups of nodes"));
     assert_int_equal(planish_file_node_number(copy, 4), 50);
     assert_int_equal(planish_file_element_number(copy, 1), 9);
@@ -353,8 +315,8 @@ static void numbers_begin_at_1(void **state) {
     file_builder b = {.binary = 0};
     char lost[512];
     builder_text(&b, "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n");
-    planish_file *file = open_built(*state, "zero.off", &b);
-    planish_file *copy = convert(*state, file, "gmsh22", ".msh", lost);
+    planish_file *file = converting_open_built(*state, "zero.off", &b);
+    planish_file *copy = converting_to(*state, file, "gmsh22", ".msh", lost);
     assert_int_equal(planish_file_node_number(file, 0), 0);
     assert_int_equal(planish_file_node_number(copy, 0), 1);
     assert_int_equal(planish_file_element_number(copy, 1), 2);
@@ -375,9 +337,10 @@ static void regions_in_turn_are_converted(void **state) {
         builder_text(&b, "%d %d %d %d %d\n", 4 * i + 1, 4 * i + 2, 4 * i + 3, 4 * i + 4,
                      1 + i * 7 % (N / 2));
     builder_text(&b, "End\n");
-    planish_file *file = open_built(*state, "regions.mesh", &b);
+    planish_file *file = converting_open_built(*state, "regions.mesh", &b);
     for (int t = 2; t < N_TARGETS; t++) {
-        planish_file *copy = convert(*state, file, targets[t].name, targets[t].extension, lost);
+        planish_file *copy =
+            converting_to(*state, file, targets[t].name, targets[t].extension, lost);
         assert_int_equal(copy->n_regions, N / 2);
         planish_file_close(copy);
     }
@@ -398,11 +361,11 @@ static void data_are_converted(void **state) {
     builder_text(
         &b, "CELL_DATA 3\nFIELD f 2\nstress 6 3 double\n1 2 3 4 5 6 7 8 9 10 11 12 0 0 0 0 0 0\n"
             "my%%20id 1 3 int\n7 9 8\n");
-    planish_file *file = open_built(*state, "data.vtk", &b);
-    planish_file *msh = convert(*state, file, "gmsh", ".msh", lost);
+    planish_file *file = converting_open_built(*state, "data.vtk", &b);
+    planish_file *msh = converting_to(*state, file, "gmsh", ".msh", lost);
     assert_non_null(strstr(lost, "data of elements of lower dimensions"));
-    planish_file *vtk = convert(*state, msh, "vtk", ".vtk", lost);
-    planish_file *direct = convert(*state, file, "vtk", ".vtk", lost);
+    planish_file *vtk = converting_to(*state, msh, "vtk", ".vtk", lost);
+    planish_file *direct = converting_to(*state, file, "vtk", ".vtk", lost);
     static const char *const names[] = {"flow", "my id"};
     for (int k = 0; k < 2; k++) {
         planish_data p, q;
@@ -447,8 +410,8 @@ static void own_names_are_lost(void **state) {
                      "CELL_TYPES 1\n10\n");
     builder_text(&b,
                  "POINT_DATA 4\nFIELD f 2\nnumber 1 4 int\n9 8 7 6\nheat 1 4 double\n1 2 3 4\n");
-    planish_file *file = open_built(*state, "own.vtk", &b);
-    planish_file *copy = convert(*state, file, "vtk", ".vtk", lost);
+    planish_file *file = converting_open_built(*state, "own.vtk", &b);
+    planish_file *copy = converting_to(*state, file, "vtk", ".vtk", lost);
     assert_non_null(strstr(lost, "the file's own array 'number'"));
     assert_null(strstr(lost, "heat"));
     planish_file_close(copy);
@@ -461,10 +424,11 @@ static void own_names_are_lost(void **state) {
 static void negative_solids_are_mirrored(void **state) {
     char path[TEST_PATH_SIZE], lost[512];
     test_path_from(path, "PLANISH_TEST_DATA", "tetgen.node");
-    planish_file *file = open_path(path);
+    planish_file *file = converting_open(path);
     for (int t = 2; t < N_TARGETS; t++) {
         int64_t n_negative = 0;
-        planish_file *copy = convert(*state, file, targets[t].name, targets[t].extension, lost);
+        planish_file *copy =
+            converting_to(*state, file, targets[t].name, targets[t].extension, lost);
         const planish_mesh mesh = planish_file_mesh(copy);
         for (int64_t i = 0; i < mesh.n_elements; i++) {
             double x[4][3];
@@ -498,8 +462,9 @@ static void surfaces_are_converted(void **state) {
         builder_text(&b, "MeshVersionFormatted 2\nDimension 3\nVertices\n7\n9 9 9 0\n0 0 0.1 0\n"
                          "1 0 0 0\n1 1 0.3 0\n0 1 0 0\n2 0 0 0\n2 1 0.7 0\nTriangles\n2\n"
                          "2 3 4 1\n2 4 5 1\nQuadrilaterals\n1\n3 6 7 4 2\nEdges\n1\n2 3 9\nEnd\n");
-        planish_file *file = open_built(*state, "surface.mesh", &b);
-        planish_file *copy = convert(*state, file, formats[k].name, formats[k].extension, lost);
+        planish_file *file = converting_open_built(*state, "surface.mesh", &b);
+        planish_file *copy =
+            converting_to(*state, file, formats[k].name, formats[k].extension, lost);
         const planish_mesh mesh = planish_file_mesh(copy);
         assert_int_equal(mesh.n_nodes, 6);
         assert_int_equal(mesh.n_elements, formats[k].n_elements);
@@ -516,7 +481,7 @@ static void wrong_targets_are_refused(void **state) {
     char data[TEST_PATH_SIZE], path[TEST_PATH_SIZE];
     planish_error error;
     test_path_from(data, "PLANISH_TEST_DATA", "tetgen.node");
-    planish_file *file = open_path(data);
+    planish_file *file = converting_open(data);
     const double *x = planish_file_mesh(file).coordinates;
     const int before = test_count_files(*state);
     const planish_view_data wrong = {.format = "vrml"};
@@ -533,7 +498,7 @@ static void wrong_targets_are_refused(void **state) {
     file_builder b = {.binary = 0};
     builder_text(&b, "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0 1 0 0 0 0 1 0 0 0 "
                      "0 1 0\nTetrahedra\n1\n1 2 3 4 0\nEnd\n");
-    planish_file *solid = open_built(*state, "solid.mesh", &b);
+    planish_file *solid = converting_open_built(*state, "solid.mesh", &b);
     assert_int_equal(planish_file_convert(solid, test_path(path, *state, "a.stl"),
                                           planish_file_mesh(solid).coordinates, NULL, NULL, NULL, 0,
                                           NULL, 0, &error),

@@ -323,9 +323,9 @@ static const option_row option_table[] = {
      "file"},
     {0, "to", "NAME", CONVERT, set_word, AT(to), 0, 0, NULL,
      "write the format NAME: vtu, vtk, gmsh (4.1), gmsh22,\n"
-     "medit, abaqus, nastran, stl, obj or ply (default: by\n"
-     "the extension of OUT)",
-     "vtu vtk gmsh gmsh22 medit abaqus nastran stl obj ply"},
+     "medit, abaqus, nastran, exodus, stl, obj or ply\n"
+     "(default: by the extension of OUT)",
+     "vtu vtk gmsh gmsh22 medit abaqus nastran exodus stl obj ply"},
     {0, "format", "NAME", BOTH | CONVERT, set_word, AT(format), 0, 0, NULL,
      "set the format of the input: gmsh, medit, vtk, vtu,\n"
      "vtkhdf, med, cgns, dmplex, tetgen, netgen, abaqus,\n"

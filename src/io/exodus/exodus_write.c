@@ -18,8 +18,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* WEDGE and PYRAMID have the names that all readers know; their numbers of nodes tell the rest. In
- * space QUAD is SHELL: the sides of these begin with their two faces. */
+/* TETRA, WEDGE and PYRAMID are the names that all readers know, meshio among them; the numbers of nodes
+ * tell the rest. In space QUAD is SHELL: its sides begin with its two faces. */
 static const io_view_type types[] = {{PLANISH_CELL_LINE, "BAR2", 0},
                                      {PLANISH_CELL_LINE3, "BAR3", 0},
                                      {PLANISH_CELL_TRIANGLE, "TRI3", 0},
@@ -27,7 +27,7 @@ static const io_view_type types[] = {{PLANISH_CELL_LINE, "BAR2", 0},
                                      {PLANISH_CELL_QUADRILATERAL, "QUAD4", 0},
                                      {PLANISH_CELL_QUADRILATERAL8, "QUAD8", 0},
                                      {PLANISH_CELL_QUADRILATERAL9, "QUAD9", 0},
-                                     {PLANISH_CELL_TETRAHEDRON, "TETRA4", 0},
+                                     {PLANISH_CELL_TETRAHEDRON, "TETRA", 0},
                                      {PLANISH_CELL_TETRAHEDRON10, "TETRA10", 0},
                                      {PLANISH_CELL_PYRAMID, "PYRAMID", 0},
                                      {PLANISH_CELL_PYRAMID13, "PYRAMID13", 0},
@@ -188,7 +188,8 @@ static void name_block(const exodus_out *e, const out_block *block, char name[MO
 
 /* ---- components ----------------------------------------------------------------------------- */
 
-/** Add the components of a field, by the names that VTK joins to vectors and symmetric tensors. */
+/** Add the components of a field, by the names and in the order that SEACAS (and so
+ *  ParaView) joins to vectors and symmetric tensors. */
 static int add_components(exodus_out *e, const io_view_field *field) {
     static const char suffixes[IO_MOST_WIDTH + 1][IO_MOST_WIDTH][4] = {
         [1] = {""},
@@ -200,10 +201,10 @@ static int add_components(exodus_out *e, const io_view_field *field) {
         [7] = {"_1", "_2", "_3", "_4", "_5", "_6", "_7"},
         [8] = {"_1", "_2", "_3", "_4", "_5", "_6", "_7", "_8"},
         [9] = {"_xx", "_xy", "_xz", "_yx", "_yy", "_yz", "_zx", "_zy", "_zz"}};
-    static const uint8_t as_vtk[] = {0, 2, 5, 1, 4, 3}; /* xx, yy, zz, xy, yz, zx */
+    static const uint8_t as_seacas[] = {0, 2, 5, 1, 4, 3}; /* xx, yy, zz, xy, yz, zx */
     const int k = field->of_elements;
     for (int i = 0; i < field->width; i++) {
-        const int at = field->width == 6 ? as_vtk[i] : i;
+        const int at = field->width == 6 ? as_seacas[i] : i;
         const out_component component = {field, at, suffixes[field->width][at]};
         if (!pl_append(&e->component[k], &e->n_components[k], &e->component_capacity[k], &component,
                        sizeof component))
@@ -571,38 +572,40 @@ static void put_values(void *context, netcdf_out *file, const netcdf_out_variabl
 
 /* ---- losses --------------------------------------------------------------------------------- */
 
-/** Return whether a group has members in the file. */
-static int has_members(const exodus_out *e, int32_t g) {
-    const io_group *group = &e->view->model->group[g];
+/** Return whether a group of that name has members in the file. */
+static int has_members(const exodus_out *e, const char *name) {
+    const io_model *model = e->view->model;
     int is = 0;
     for (int k = 0; k < 2; k++)
         for (int64_t i = 0; i < e->sets[k].n && !is; i++)
-            is = e->sets[k].group[i].name == group->name;
-    for (int64_t b = 0; b < e->n_blocks && !is; b++)
-        is = io_view_is_in_group(e->view, e->block[b].of->entity, g);
+            is = strcmp(e->sets[k].group[i].name, name) == 0;
+    for (int32_t g = 0; g < model->n_groups && !is; g++)
+        if (strcmp(model->group[g].name, name) == 0)
+            for (int64_t b = 0; b < e->n_blocks && !is; b++)
+                is = io_view_is_in_group(e->view, e->block[b].of->entity, g);
     return is;
 }
 
 static void list_losses(const exodus_out *e, io_losses *losses) {
     const io_model *model = e->view->model;
-    int has_several = 0, n_empty = 0, n_divided = 0, n_parts = 0;
+    int has_several = 0, has_empty = 0, is_divided = 0, has_parts = 0;
     for (int64_t b = 0; b < e->n_blocks; b++) {
         const out_block *block = &e->block[b];
         has_several |=
             block->group >= 0 && exodus_next_group(e->view, block->of->entity, block->group) >= 0;
-        n_divided += block->group >= 0 && !block->is_first;
-        n_parts += has_values(e, b) && !block->of->begins_set;
+        is_divided |= block->group >= 0 && !block->is_first;
+        has_parts |= has_values(e, b) && !block->of->begins_set;
     }
     for (int32_t g = 0; g < model->n_groups; g++)
-        n_empty += !has_members(e, g);
+        has_empty |= !has_members(e, model->group[g].name);
     if (has_several)
         io_losses_add(losses, "all but the first group of elements that are in several");
-    if (n_divided > 0)
+    if (is_divided)
         io_losses_add(losses, "groups of several blocks as one");
-    if (n_parts > 0)
+    if (has_parts)
         io_losses_add(losses, "regions of several types as one");
-    if (n_empty > 0)
-        io_losses_add(losses, "names of %d groups that have no elements", n_empty);
+    if (has_empty)
+        io_losses_add(losses, "names of groups without elements");
 }
 
 /* ---- the file ------------------------------------------------------------------------------- */
