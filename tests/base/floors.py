@@ -34,7 +34,7 @@ KNOWS = {
     "src/api": ["src/improve", "src/shape", "src/surface", "src/fit"],
     "src/io/core": ["src/base"],
     "src/io/hdf5": ["src/io/core"],
-    "src/io/netcdf": ["src/io/hdf5"],
+    "src/io/netcdf": ["src/io/hdf5", "src/io/view"],
     "src/io/view": ["src/io/core"],
     **{"src/io/" + name: ["src/io/view", "src/io/netcdf"] for name in FORMATS},
     "src/io/file": ["src/io/" + name for name in FORMATS],

@@ -5,6 +5,8 @@ exodus_mesh.py netcdf4 MESH.msh PLAIN.e PACKED.e  the same as netCDF-4
 exodus_mesh.py types FOLDER                       a file for each type of element, bent; as netCDF-4, too, if h5py is there.
                                                   Prints their names
 exodus_mesh.py compare FILE.exo COPY.vtu ...      VTK reads the same elements in both
+exodus_mesh.py written GROUPS.e DATA.e             VTK reads the sets and the vectors of converted files, and so does the
+                                                  netCDF library, if its module is there
 exodus_mesh.py same BEFORE.exo AFTER.exo ...      VTK reads the same, but for the places of nodes inside
 """
 import collections
@@ -223,6 +225,32 @@ def same(paths):
             sys.exit("%s: %d elements, %d then, %d the same" % (before, sum(a.values()), sum(b.values()), len(a & b)))
 
 
+def written(groups, data):
+    import vtk
+    reader = vtk.vtkExodusIIReader()
+    reader.SetFileName(groups)
+    reader.UpdateInformation()
+    for kind in reader.SIDE_SET, reader.NODE_SET:
+        for i in range(reader.GetNumberOfObjects(kind)):
+            reader.SetObjectStatus(kind, i, 1)
+    reader.Update()
+    names = [reader.GetObjectName(reader.ELEM_BLOCK, i).split(" ID:")[0]
+             for i in range(reader.GetNumberOfObjects(reader.ELEM_BLOCK))]
+    assert names == ["lower part", "upper part"], names
+    sides = reader.GetOutput().GetBlock(4).GetBlock(0)
+    assert reader.GetObjectName(reader.SIDE_SET, 0).startswith("skin"), reader.GetObjectName(reader.SIDE_SET, 0)
+    assert sides.GetNumberOfCells() == 308, sides.GetNumberOfCells()
+    try:
+        import netCDF4
+    except ImportError:
+        return
+    for path in groups, data:
+        with netCDF4.Dataset(path) as file:
+            assert file.data_model == "NETCDF3_64BIT_OFFSET" and file.file_size == 1, file.data_model
+            for variable in file.variables.values():
+                variable[:]
+
+
 # ---- a mesh of Gmsh ------------------------------------------------------------------------------------------------
 
 def from_gmsh(path):
@@ -270,5 +298,7 @@ if __name__ == "__main__":
         write_types(*arguments)
     elif command == "compare":
         compare(arguments)
+    elif command == "written":
+        written(*arguments)
     else:
         same(arguments)

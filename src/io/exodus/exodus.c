@@ -14,12 +14,6 @@
 #include <stdio.h>
 #include <string.h>
 
-exodus_name exodus_name_of(const char *kind, int64_t k) {
-    exodus_name name;
-    snprintf(name.text, sizeof name.text, "%.16s%lld", kind, (long long)k + 1);
-    return name;
-}
-
 int exodus_fail_node(exodus_reader *r, const char *name, int64_t i, int64_t place,
                      planish_error *error) {
     return error ? netcdf_fail(r->file, name,

@@ -5,10 +5,7 @@
  *   exodus_labels_...              numbers and names of blocks and sets (exodus.c)
  *   exodus_read_blocks             elements (exodus_blocks.c)
  *   exodus_read_sets               node sets and side sets (exodus_sets.c)
- *   exodus_values_name             variables (exodus_data.c):
- *   exodus_note_data, _read_data   find them, and read one
- *   exodus_node_orders             orders of nodes (exodus_blocks.c)
- *   exodus_side_faces              sides of solids (exodus_sets.c)
+ *   exodus_note_data, _read_data   variables (exodus_data.c)
  *
  * Blocks, sets, elements and nodes have a place, from 1, by which the file refers to them, and a
  * number ("id") for people.
@@ -16,6 +13,7 @@
 #ifndef PL_IO_EXODUS_EXODUS_H
 #define PL_IO_EXODUS_EXODUS_H
 
+#include "io/exodus/exodus_format.h"
 #include "io/netcdf/netcdf.h"
 
 /** Elements of one type, one after another. */
@@ -36,14 +34,6 @@ typedef struct exodus_reader {
     int64_t n_elements;
     io_hdf5_integers numbers; /* [n_elements] of elements, or none: their places */
 } exodus_reader;
-
-/** Name of a variable. */
-typedef struct exodus_name {
-    char text[40];
-} exodus_name;
-
-/** Return the name of variable k (from 0) of a kind: connect1, connect2, ... */
-exodus_name exodus_name_of(const char *kind, int64_t k);
 
 /** Fail as exodus_take_node does. */
 int exodus_fail_node(exodus_reader *r, const char *name, int64_t i, int64_t place,
@@ -73,12 +63,6 @@ void exodus_labels_release(exodus_labels *labels);
 /** Name the group of number i in a dimension, if it has a name. */
 int exodus_labels_name(exodus_reader *r, const exodus_labels *labels, int64_t i, int dim);
 
-/** Orders of nodes, as io_model.node_order. */
-extern const io_node_order exodus_node_orders[];
-
-/** Faces of io_parts that the sides of solids of so many corners are, -1: there is none. */
-extern const int8_t exodus_side_faces[9][6];
-
 /** Read all elements. */
 int exodus_read_blocks(exodus_reader *r);
 
@@ -87,9 +71,6 @@ int exodus_read_sets(exodus_reader *r);
 
 /** Note the variables of nodes and elements, after all else. */
 int exodus_note_data(exodus_reader *r);
-
-/** Return the name of the values of variable k (from 0): of the nodes, or of the elements of a block. */
-exodus_name exodus_values_name(int of_elements, int64_t k, int64_t block);
 
 /** Read the values of a variable at the first time step: for io_format. */
 int exodus_read_data(io_model *model, const io_data *data, double *values, planish_error *error);

@@ -28,19 +28,6 @@ static const struct {
     {"NSI", IO_POLYGON, 0, 0}};
 enum { N_FAMILIES = sizeof families / sizeof *families };
 
-/** Types whose nodes stand in another order than VTK's: the mids of upright edges come before those
- *  of the top, the centre of a hexahedron before those of its faces: bottom, top, left, right, front,
- *  back. */
-const io_node_order exodus_node_orders[] = {
-    {PLANISH_CELL_WEDGE15, {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11}},
-    {PLANISH_CELL_WEDGE18, {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11, 15, 16, 17}},
-    {PLANISH_CELL_HEXAHEDRON20,
-     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15}},
-    {PLANISH_CELL_HEXAHEDRON27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 16, 17,
-                                 18, 19, 12, 13, 14, 15, 23, 24, 25, 26, 21, 22, 20}},
-    {0, {0}},
-};
-
 static int begins_with(const char *text, const char *name) {
     while (*name && io_upper(*text) == *name)
         text++, name++;

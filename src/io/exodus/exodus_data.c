@@ -15,14 +15,6 @@
 
 enum { NAME_SIZE = 512, MOST_LOOKUPS = 1 << 16 };
 
-exodus_name exodus_values_name(int of_elements, int64_t k, int64_t block) {
-    exodus_name name = exodus_name_of(of_elements ? "vals_elem_var" : "vals_nod_var", k);
-    const size_t used = strlen(name.text);
-    if (of_elements)
-        snprintf(name.text + used, sizeof name.text - used, "eb%d", (int)block + 1);
-    return name;
-}
-
 /** Name of the values of a variable that is noted. */
 static exodus_name values_name(const io_data *data) {
     return exodus_values_name(data->of_elements, data->begin, data->end);

@@ -5,7 +5,7 @@
 
 #include "io/core/elements.h"
 #include "io/core/parts.h"
-#include "io/exodus/exodus.h"
+#include "io/exodus/exodus_format.h"
 
 #include "base/memory.h"
 #include "base/status.h"

@@ -82,11 +82,6 @@ static side_nodes nodes_of_part(const sets *s, const exodus_block *block, int64_
     return side;
 }
 
-const int8_t exodus_side_faces[9][6] = {[4] = {1, 2, 3, 0, -1, -1},
-                                        [5] = {1, 2, 3, 4, 0, -1},
-                                        [6] = {2, 3, 4, 0, 1, -1},
-                                        [8] = {2, 3, 4, 5, 0, 1}};
-
 /** Find the part that a side of an element is, by its number from 1; *is_whole: all of the element.
  *  -1: it has no such side. */
 static int part_of(const exodus_block *block, int corners, int64_t side, int *is_whole) {

@@ -7,7 +7,7 @@
 #include "io/exodus/exodus_write.h"
 
 #include "io/core/data.h"
-#include "io/exodus/exodus.h"
+#include "io/exodus/exodus_format.h"
 #include "io/exodus/exodus_groups.h"
 #include "io/netcdf/netcdf_write.h"
 
