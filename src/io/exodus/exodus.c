@@ -11,9 +11,6 @@
 #include "base/status.h"
 #include "io/core/records.h"
 
-#include <stdio.h>
-#include <string.h>
-
 int exodus_fail_node(exodus_reader *r, const char *name, int64_t i, int64_t place,
                      planish_error *error) {
     return error ? netcdf_fail(r->file, name,

@@ -10,9 +10,6 @@
 #include "base/status.h"
 #include "io/core/data.h"
 
-#include <stdio.h>
-#include <string.h>
-
 enum { NAME_SIZE = 512, MOST_LOOKUPS = 1 << 16 };
 
 /** Name of the values of a variable that is noted. */
