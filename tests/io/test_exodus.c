@@ -203,12 +203,13 @@ static void a_plane_is_read(void **state) {
 
 static void data_are_read(void **state) {
     (void)state;
-    for (int i = 0; i < N_KINDS; i++) {
+    for (int i = 0; i < 2 * N_KINDS; i++) {
         static const double heat[] = {7.5, -1, 0}; /* at two steps of each block */
         netcdf_builder n;
         planish_data data;
         planish_error error = {.text = ""};
-        put_mesh(&n, kinds[i], 0, NETCDF_AS_DOUBLE);
+        put_mesh(&n, kinds[i / 2], 0, NETCDF_AS_DOUBLE);
+        n.is_packed = i % 2;
         netcdf_put_texts(&n, "name_elem_var", 2, (const char *const[]){"part", "heat"});
         netcdf_put_reals(&n, "vals_elem_var1eb1", NETCDF_AS_DOUBLE, 2, 1, heat)->is_by_step = 1;
         netcdf_put_reals(&n, "vals_elem_var2eb1", NETCDF_AS_FLOAT, 2, 1, heat)->is_by_step = 1;
@@ -216,22 +217,46 @@ static void data_are_read(void **state) {
         file_builder b = netcdf_end_file(&n);
         planish_file *file = read_file(&b);
         assert_int_equal(file->model.n_data, 4); /* size, part, and heat in two blocks */
-        const int is_read = n.kind != 4;
+        file->model.is_isolated = i % 2;
         int status = planish_file_data(file, "size", &data, &error);
-        assert_int_equal(status, is_read ? PLANISH_OK : PLANISH_ERROR_FORMAT);
-        if (!is_read)
-            assert_non_null(strstr(error.text, "nccopy"));
-        for (int k = 0; k < N && is_read; k++)
+        assert_int_equal(status, PLANISH_OK);
+        for (int k = 0; k < N; k++)
             assert_true(data.values[k] == k + 1);
         planish_data_free(&data);
         status = planish_file_data(file, "heat", &data, &error);
-        assert_int_equal(status, is_read ? PLANISH_OK : PLANISH_ERROR_FORMAT);
-        assert_true(!is_read || (data.of_elements && data.n == 2 && data.values[0] == 7.5 &&
-                                 data.values[1] == -1));
+        assert_int_equal(status, PLANISH_OK);
+        assert_true(data.of_elements && data.n == 2 && data.values[0] == 7.5 &&
+                    data.values[1] == -1);
         planish_data_free(&data);
         assert_int_equal(planish_file_data(file, "part", &data, &error), PLANISH_ERROR_FORMAT);
-        assert_true(!is_read || strstr(error.text, "values for 1 of 2 elements") != NULL);
+        assert_non_null(strstr(error.text, "values for 1 of 2 elements"));
         assert_int_equal(planish_file_data(file, "missing", &data, &error), PLANISH_ERROR_ARGUMENT);
+        planish_file_close(file);
+        builder_release(&b);
+    }
+}
+
+/** A variable must have real numbers, one for each node. */
+static void wrong_data_are_refused(void **state) {
+    static const struct {
+        int rows, columns, type;
+    } wrong[] = {{2, 5, NETCDF_AS_DOUBLE}, {5, 0, NETCDF_AS_FLOAT}, {2, 6, NETCDF_AS_INT}};
+    (void)state;
+    for (size_t i = 0; i < 2 * sizeof wrong / sizeof *wrong; i++) {
+        netcdf_builder n;
+        planish_data data;
+        planish_error error = {.text = ""};
+        put_mesh(&n, i % 2 ? 4 : 2, 0, NETCDF_AS_DOUBLE);
+        netcdf_part *part = netcdf_find_part(&n, "vals_nod_var1");
+        part->rows = wrong[i / 2].rows;
+        part->columns = wrong[i / 2].columns;
+        part->type = wrong[i / 2].type;
+        part->is_by_step = part->columns > 0;
+        file_builder b = netcdf_end_file(&n);
+        planish_file *file = read_file(&b);
+        assert_int_equal(planish_file_data(file, "size", &data, &error), PLANISH_ERROR_FORMAT);
+        if (!strstr(error.text, "vals_nod_var1: 6 real numbers were expected"))
+            fail_msg("%s", error.text);
         planish_file_close(file);
         builder_release(&b);
     }
@@ -443,6 +468,7 @@ int main(void) {
         cmocka_unit_test(shared_nodes_are_held),
         cmocka_unit_test(a_plane_is_read),
         cmocka_unit_test(data_are_read),
+        cmocka_unit_test(wrong_data_are_refused),
         cmocka_unit_test(wrong_values_are_refused),
         cmocka_unit_test(wrong_shapes_are_refused),
         cmocka_unit_test(other_files_are_refused),

@@ -8,6 +8,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "io/core/child.h"
 #include "io/core/data.h"
 
 enum { NAME_SIZE = 512, MOST_LOOKUPS = 1 << 16 };
@@ -66,7 +67,18 @@ int exodus_note_data(exodus_reader *r) {
     return status;
 }
 
-int exodus_read_data(io_model *model, const io_data *data, double *values, planish_error *error) {
+/** An array that is to be read. */
+typedef struct data_request {
+    io_model *model;
+    const io_data *data;
+    double *values;
+} data_request;
+
+/** Read all parts of an array: io_child_fn. */
+static int read_parts(void *context, planish_error *error) {
+    const data_request *request = context;
+    io_model *model = request->model;
+    const io_data *data = request->data;
     const int64_t n = data->of_elements ? io_model_n_elements(model) : model->n_nodes;
     const io_data *const end = model->data + model->n_data;
     int64_t n_read = 0;
@@ -75,7 +87,8 @@ int exodus_read_data(io_model *model, const io_data *data, double *values, plani
     for (const io_data *part = data; part < end && !status; part++) {
         if (part->of_elements != data->of_elements || part->begin != data->begin)
             continue;
-        status = netcdf_values(file, values_name(part).text, part->n, values + part->n_cells);
+        status =
+            netcdf_values(file, values_name(part).text, part->n, request->values + part->n_cells);
         n_read += part->n;
     }
     if (!status && n_read != n)
@@ -83,4 +96,12 @@ int exodus_read_data(io_model *model, const io_data *data, double *values, plani
                              "the variable '%.60s' has values for %lld of %lld elements",
                              data->name, (long long)n_read, (long long)n);
     return netcdf_end(file, status);
+}
+
+int exodus_read_data(io_model *model, const io_data *data, double *values, planish_error *error) {
+    data_request request = {model, data, values};
+    /* Whether the HDF5 library crashes is tried out in a child. */
+    const int status =
+        model->is_isolated ? io_child_run(read_parts, &request, &model->input, error) : PLANISH_OK;
+    return status ? status : read_parts(&request, error);
 }

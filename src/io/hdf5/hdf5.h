@@ -4,7 +4,7 @@
  *   io_hdf5_recognise, _open, _end, _fail                  a file (hdf5.c)
  *   io_hdf5_path_of, _kind_of, _list, _names_..., _check_only    objects
  *   io_hdf5_attribute, _text_attribute                     attributes
- *   io_hdf5_shape_of, _integers_..., _strings_read, _reals_read, _cell_array
+ *   io_hdf5_shape_of, _integers_..., _strings_read, _reals_read, _row_read, _cell_array
  *                                                          datasets (hdf5_data.c)
  *   io_hdf5_coordinates, _coordinates_again, _is_as_long, _coordinates_end, _find_rows
  *                                                          coordinates (hdf5_coordinates.c)
@@ -110,6 +110,9 @@ int io_hdf5_strings_read(io_hdf5 *file, const char *path, char **text, int64_t *
 
 /** Read numbers of any kind as doubles, and their shape; *values is owned by the caller. */
 int io_hdf5_reals_read(io_hdf5 *file, const char *path, double **values, io_hdf5_shape *shape);
+
+/** Read n real numbers as doubles: a dataset of so many, or the first row of one of rows of so many. */
+int io_hdf5_row_read(io_hdf5 *file, const char *path, int64_t n, double *values);
 
 /** Make an array called name (arrays.h) of a dataset of one number for each of n cells, in the
  *  file's order of cells. by_element: of the elements, which are n; value i is that of element

@@ -280,6 +280,33 @@ int io_hdf5_reals_read(io_hdf5 *file, const char *path, double **values, io_hdf5
     return status;
 }
 
+/** Read the first n values of an open dataset of real numbers. */
+static int read_first(io_hdf5 *file, const char *path, const hdf5_dataset *d, int64_t n,
+                      double *values) {
+    const hsize_t start[] = {0, 0}, count[] = {1, (hsize_t)n}, *all = count + (d->shape.rank < 2);
+    const hid_t from = H5Dget_space(d->id), to = H5Screate_simple(1, count + 1, NULL);
+    const int is_read = from >= 0 && to >= 0 &&
+                        H5Sselect_hyperslab(from, H5S_SELECT_SET, start, NULL, all, NULL) >= 0 &&
+                        H5Dread(d->id, H5T_NATIVE_DOUBLE, to, from, H5P_DEFAULT, values) >= 0;
+    hdf5_release(from);
+    hdf5_release(to);
+    return is_read ? PLANISH_OK : hdf5_fail_library(file, path, "its values cannot be read");
+}
+
+int io_hdf5_row_read(io_hdf5 *file, const char *path, int64_t n, double *values) {
+    hdf5_dataset d;
+    int status = hdf5_dataset_open(file, path, &d);
+    const int64_t *dims = d.shape.dims;
+    const int is_there =
+        d.shape.rank == 2 ? dims[0] > 0 && dims[1] == n : d.shape.rank == 1 && dims[0] == n;
+    if (!status && (H5Tget_class(d.type) != H5T_FLOAT || !is_there))
+        status = io_hdf5_fail(file, path, "%lld real numbers were expected", (long long)n);
+    if (!status && n > 0)
+        status = read_first(file, path, &d, n, values);
+    hdf5_dataset_close(&d);
+    return status;
+}
+
 int io_hdf5_cell_array(io_hdf5 *file, const char *path, const char *name, int64_t n, int by_element,
                        const int32_t *element) {
     hdf5_dataset d;

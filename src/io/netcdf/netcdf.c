@@ -128,9 +128,5 @@ int netcdf_coordinates_end(netcdf *file) {
 }
 
 int netcdf_values(netcdf *file, const char *name, int64_t n, double *values) {
-    if (file->kind->values)
-        return file->kind->values(file, name, n, values);
-    return netcdf_fail(file, name,
-                       "data are not read from netCDF-4 files; convert the file: nccopy "
-                       "-k cdf5 IN OUT");
+    return file->kind->values(file, name, n, values);
 }

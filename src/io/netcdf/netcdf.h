@@ -74,7 +74,7 @@ int netcdf_coordinates(netcdf *file, const char *name, int component, int n_comp
 /** Put the places in the model in order, after all coordinates; z of nodes that have none is 0. */
 int netcdf_coordinates_end(netcdf *file);
 
-/** Read n real numbers: a variable, or its first time step. Fails for files in HDF5. */
+/** Read n real numbers: a variable, or its first time step. */
 int netcdf_values(netcdf *file, const char *name, int64_t n, double *values);
 
 /* ---- for netcdf*.c -------------------------------------------------------------------------- */
@@ -91,7 +91,7 @@ typedef struct netcdf_kind {
     int (*text_attribute)(netcdf *file, const char *variable, const char *name, char *text,
                           int64_t size);
     int (*coordinates)(netcdf *file, const char *name, int component, int n_components);
-    int (*values)(netcdf *file, const char *name, int64_t n, double *values); /* NULL: reads none */
+    int (*values)(netcdf *file, const char *name, int64_t n, double *values);
 } netcdf_kind;
 
 extern const netcdf_kind netcdf_kind_classic, netcdf_kind_hdf5;

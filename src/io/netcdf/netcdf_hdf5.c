@@ -69,6 +69,10 @@ static int read_coordinates(netcdf *file, const char *name, int component, int n
     return io_hdf5_coordinates(file->content, &place);
 }
 
+static int read_values(netcdf *file, const char *name, int64_t n, double *values) {
+    return io_hdf5_row_read(file->content, path_of(file, name).text, n, values);
+}
+
 const netcdf_kind netcdf_kind_hdf5 = {.open = open_hdf5,
                                       .close = close_hdf5,
                                       .shape_of = shape_of,
@@ -76,6 +80,7 @@ const netcdf_kind netcdf_kind_hdf5 = {.open = open_hdf5,
                                       .integers_read = read_integers,
                                       .texts_read = read_texts,
                                       .text_attribute = read_attribute,
-                                      .coordinates = read_coordinates};
+                                      .coordinates = read_coordinates,
+                                      .values = read_values};
 
 #endif
