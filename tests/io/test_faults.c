@@ -149,14 +149,14 @@ static void write_to(faults *f, const case_of *c, planish_file *file, const doub
 }
 
 static void write_all(faults *f, const case_of *c, planish_file *file) {
-    static const char *const views[] = {".vtu", ".vtk", ".msh", ".inp"};
+    static const char *const views[] = {".vtu", ".vtk", ".msh", ".inp", ".e"};
     const planish_mesh mesh = planish_file_mesh(file);
     const int64_t n = mesh.n_nodes * mesh.dim;
     double *x = malloc((size_t)n * sizeof *x);
     for (int64_t i = 0; i < n; i++)
         x[i] = mesh.coordinates[i] * 1.0625;
     write_to(f, c, file, x, c->extension);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 5; i++)
         if (planish_file_can_convert(file, views[i]))
             write_to(f, c, file, x, views[i]);
     free(x);
