@@ -27,7 +27,7 @@ done
 "$python" "$cli/exodus_mesh.py" compare "${pairs[@]}" || fail "VTK reads other elements"
 "$python" "$cli/exodus_mesh.py" compare "${converted[@]}" || fail "VTK reads other elements in converted files"
 
-# Whatever format a mesh is from: side sets and node sets, vectors of nodes, and what the netCDF library reads.
+# Whatever format a mesh is from; blocks and side sets, as the libraries of Exodus and netCDF read them, too.
 for name in ascii41.msh abaqus.inp square.msh square.off ascii.vtk medit.mesh; do
     expect_status 0 "$program" convert "$source_folder/tests/data/$name" "$name.vtu" -q
     expect_status 0 "$program" convert "$source_folder/tests/data/$name" "$name.e" -q

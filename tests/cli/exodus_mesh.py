@@ -5,8 +5,8 @@ exodus_mesh.py netcdf4 MESH.msh PLAIN.e PACKED.e  the same as netCDF-4
 exodus_mesh.py types FOLDER                       a file for each type of element, bent; as netCDF-4, too, if h5py is there.
                                                   Prints their names
 exodus_mesh.py compare FILE.exo COPY.vtu ...      VTK reads the same elements in both
-exodus_mesh.py written GROUPS.e DATA.e             VTK reads the sets and the vectors of converted files, and so does the
-                                                  netCDF library, if its module is there
+exodus_mesh.py written GROUPS.e DATA.e             VTK, the Exodus library and netCDF's read converted files: blocks, sets,
+                                                  values
 exodus_mesh.py same BEFORE.exo AFTER.exo ...      VTK reads the same, but for the places of nodes inside
 """
 import collections
@@ -240,6 +240,13 @@ def written(groups, data):
     sides = reader.GetOutput().GetBlock(4).GetBlock(0)
     assert reader.GetObjectName(reader.SIDE_SET, 0).startswith("skin"), reader.GetObjectName(reader.SIDE_SET, 0)
     assert sides.GetNumberOfCells() == 308, sides.GetNumberOfCells()
+    if hasattr(vtk, "vtkIOSSReader"):  # by the Exodus library
+        reader = vtk.vtkIOSSReader()
+        reader.AddFileName(groups)
+        reader.UpdateInformation()
+        blocks = reader.GetEntitySelection(reader.ELEMENTBLOCK)
+        names = [blocks.GetArrayName(i).replace("_", " ") for i in range(blocks.GetNumberOfArrays())]
+        assert names == ["lower part", "upper part"], names
     try:
         import netCDF4
     except ImportError:

@@ -1,4 +1,4 @@
-/* exodus_mesh: what an Exodus file that is written has of a mesh.
+/* exodus_mesh: blocks, sets and data of a mesh that is written as an Exodus file.
  *
  * Cells of one type, entity and region are a block. Facets that are sides of elements are in side
  * sets; others are blocks, and so are lines in space. Each component of an array of numbers is a

@@ -1,4 +1,4 @@
-/* exodus_mesh: what an Exodus file that is written has of a mesh.
+/* exodus_mesh: blocks, sets and data of a mesh that is written as an Exodus file.
  *
  *   exodus_mesh, exodus_mesh_make, _release    blocks, sets and components of data
  *   exodus_next_cell, _next_number             elements of a block
@@ -32,7 +32,7 @@ typedef struct exodus_component {
     const char *suffix; /* of its name */
 } exodus_component;
 
-/** What is written of a view. */
+/** Blocks, sets and components of a view as they are written. */
 typedef struct exodus_mesh {
     const io_view *view;
     io_view_blocks blocks;
@@ -49,7 +49,7 @@ typedef struct exodus_mesh {
     int64_t name_size;  /* bytes of each name */
 } exodus_mesh;
 
-/** Find out what is written of a view, which must stay. To be released in any case. Error: _MEMORY. */
+/** Find the blocks, sets and components of a view, which must stay. To be released in any case. Error: _MEMORY. */
 int exodus_mesh_make(const io_view *view, exodus_mesh *mesh, planish_error *error);
 void exodus_mesh_release(exodus_mesh *mesh);
 

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/** What a variable of the file has. */
+/** Kind of values that a variable of the file has. */
 typedef enum out_kind {
     OUT_TIME,
     OUT_ONES,
