@@ -7,6 +7,7 @@ exodus_mesh.py types FOLDER                       a file for each type of elemen
 exodus_mesh.py compare FILE.exo COPY.vtu ...      VTK reads the same elements in both
 exodus_mesh.py written GROUPS.e DATA.e             VTK, the Exodus library and netCDF's read converted files: blocks, sets,
                                                   values
+exodus_mesh.py sides FILE.e COPY.vtu ...          the side sets that VTK reads are the facets of the copies
 exodus_mesh.py same BEFORE.exo AFTER.exo ...      VTK reads the same, but for the places of nodes inside
 """
 import collections
@@ -225,6 +226,39 @@ def same(paths):
             sys.exit("%s: %d elements, %d then, %d the same" % (before, sum(a.values()), sum(b.values()), len(a & b)))
 
 
+def facets_of(path):
+    """The facets that VTK reads, by the places of their corners in any order: of side sets, or cells of a copy."""
+    import vtk
+    is_copy = path.endswith(".vtu")
+    reader = vtk.vtkXMLUnstructuredGridReader() if is_copy else vtk.vtkExodusIIReader()
+    reader.SetFileName(path)
+    if not is_copy:
+        reader.UpdateInformation()
+        for i in range(reader.GetNumberOfObjects(reader.SIDE_SET)):
+            reader.SetObjectStatus(reader.SIDE_SET, i, 1)
+    reader.Update()
+    sets = [reader.GetOutput()] if is_copy else [reader.GetOutput().GetBlock(4).GetBlock(i) for i in
+                                                 range(reader.GetOutput().GetBlock(4).GetNumberOfBlocks())]
+    found = collections.Counter()
+    for data in sets:
+        most = max(data.GetCell(i).GetCellDimension() for i in range(data.GetNumberOfCells()))
+        for i in range(data.GetNumberOfCells()):
+            cell = data.GetCell(i)
+            if cell.GetCellDimension() == most - is_copy:
+                places = [struct.pack("3f", *(x + 0. for x in data.GetPoint(cell.GetPointId(k))))
+                          for k in range(cell.GetNumberOfPoints())]
+                found[tuple(sorted(places))] += 1
+    return found
+
+
+def sides(paths):
+    for exodus, copy in zip(paths[::2], paths[1::2]):
+        expected, got = facets_of(copy), facets_of(exodus)
+        if not expected or expected != got:
+            sys.exit("%s: VTK reads %d sides, %d of them facets of the mesh, which has %d" % (
+                exodus, sum(got.values()), sum((expected & got).values()), sum(expected.values())))
+
+
 def written(groups, data):
     import vtk
     reader = vtk.vtkExodusIIReader()
@@ -305,6 +339,8 @@ if __name__ == "__main__":
         write_types(*arguments)
     elif command == "compare":
         compare(arguments)
+    elif command == "sides":
+        sides(arguments)
     elif command == "written":
         written(*arguments)
     else:
