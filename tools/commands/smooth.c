@@ -17,7 +17,9 @@
 #include "terminal/signals.h"
 
 #include "base/clock.h"
+#include "base/system.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -151,6 +153,90 @@ int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine) {
     return status;
 }
 
+/* ---- several meshes ------------------------------------------------------------------------- */
+
+/** Find the name [*length] of the file or folder at path, behind which separators may stand. */
+static const char *name_of(const char *path, int *length) {
+    const char *end = path + strlen(path);
+    while (end > path && pl_path_is_separator(end[-1]))
+        end--;
+    const char *name = end;
+    while (name > path && !pl_path_is_separator(name[-1]))
+        name--;
+    *length = (int)(end - name);
+    return name;
+}
+
+/** Make the path of the smoothed mesh of input; owned, or NULL without memory. */
+static char *output_of(const pl_arguments *arguments, const char *input) {
+    const char *folder = arguments->output_dir;
+    const size_t in_folder = folder ? strlen(folder) : 0, size = strlen(input) + in_folder + 2;
+    char *path = malloc(size);
+    int length;
+    const char *name = name_of(input, &length);
+    if (path && folder)
+        snprintf(path, size, "%s%s%.*s", folder,
+                 pl_path_is_separator(folder[in_folder - 1]) ? "" : "/", length, name);
+    else if (path)
+        snprintf(path, size, "%s", input);
+    return path;
+}
+
+static int smooth_one(const pl_arguments *arguments, const char *input) {
+    pl_arguments of_one = *arguments;
+    char *output = output_of(arguments, input);
+    if (!output)
+        return pl_complain(PL_EXIT_FAILED, "%s: out of memory", input);
+    of_one.input = input;
+    of_one.inputs = &input;
+    of_one.n_inputs = 1;
+    of_one.output = output;
+    const int status =
+        arguments->output_dir && pl_output_same_file(input, output)
+            ? pl_complain_usage("smooth", "'%s' is in the folder of --output-dir: give --in-place",
+                                input)
+            : pl_smooth_by(&of_one, &pl_engine_here);
+    free(output);
+    return status;
+}
+
+/** Whether both paths end in the same name. */
+static int same_name(const char *a, const char *b) {
+    int length_a, length_b;
+    const char *name_a = name_of(a, &length_a), *name_b = name_of(b, &length_b);
+    return length_a == length_b && strncmp(name_a, name_b, (size_t)length_a) == 0;
+}
+
+/** Check that no two inputs have one name, and make the folder of outputs. */
+static int prepare_folder(const pl_arguments *arguments) {
+    const char *folder = arguments->output_dir;
+    pl_file_status found;
+    for (int i = 0; i < arguments->n_inputs; i++)
+        for (int j = 0; j < i; j++)
+            if (same_name(arguments->inputs[i], arguments->inputs[j]))
+                return pl_complain_usage("smooth",
+                                         "'%s' and '%s' would have one name in --output-dir",
+                                         arguments->inputs[j], arguments->inputs[i]);
+    if (pl_folder_create(folder) == 0 ||
+        (pl_file_find(folder, &found) == 0 && found.kind == PL_FILE_FOLDER))
+        return 0;
+    return pl_complain(PL_EXIT_FAILED, "%s: cannot make this folder: %s", folder, strerror(errno));
+}
+
 int pl_smooth_command(const pl_arguments *arguments) {
-    return pl_smooth_by(arguments, &pl_engine_here);
+    if (arguments->output)
+        return pl_smooth_by(arguments, &pl_engine_here);
+    int worst = arguments->output_dir ? prepare_folder(arguments) : 0;
+    if (worst)
+        return worst;
+    for (int i = 0; i < arguments->n_inputs; i++) {
+        if (pl_signals_stop_asked())
+            return pl_complain(PL_EXIT_PARTLY, "%s (and %d more): not smoothed, as a signal came",
+                               arguments->inputs[i], arguments->n_inputs - i - 1);
+        if (i > 0 && arguments->verbosity != PL_QUIET)
+            putchar('\n');
+        const int status = smooth_one(arguments, arguments->inputs[i]);
+        worst = status > worst ? status : worst;
+    }
+    return worst;
 }

@@ -25,6 +25,18 @@ static int check_view(const pl_arguments *arguments) {
     return 0;
 }
 
+/** Check how smooth is told where to write. */
+static int check_outputs(const pl_arguments *arguments) {
+    if (arguments->output && (arguments->in_place || arguments->output_dir))
+        return pl_complain_usage("smooth", "give --output or %s, not both",
+                                 arguments->in_place ? "--in-place" : "--output-dir");
+    if (arguments->in_place && arguments->output_dir)
+        return pl_complain_usage("smooth", "give --in-place or --output-dir, not both");
+    if (!arguments->output && !arguments->in_place && !arguments->output_dir)
+        return pl_complain_usage("smooth", "no output file is named: give -o OUT");
+    return 0;
+}
+
 /** Options that have no place beside --onto. */
 static int check_onto(const pl_arguments *arguments) {
     const planish_options *library = &arguments->library;
@@ -81,9 +93,12 @@ static int check_targets(const pl_arguments *arguments) {
     if (n == 1 && is_sized && arguments->n_inputs > 1)
         return pl_complain_usage(command, "%s takes one mesh, but %d are named", targets[0],
                                  arguments->n_inputs);
-    if (n == 0 || !arguments->has_objective ||
+    if (n == 0 || !arguments->objective_given ||
         (objective == PLANISH_OBJECTIVE_MEAN_RATIO && !arguments->worst))
         return 0;
+    if (strcmp(arguments->objective_given, "--best") == 0)
+        return pl_complain_usage(command, "%s minimises the mean-ratio: leave out --best",
+                                 targets[0]);
     return pl_complain_usage(command, "%s minimises the mean-ratio: leave out --objective %s",
                              targets[0], arguments->worst ? "worst" : pl_objective_name(objective));
 }
@@ -106,6 +121,8 @@ int pl_arguments_check(const pl_arguments *arguments) {
     if (arguments->of_worst && !arguments->worst)
         return pl_complain_usage(command, "--%s has no effect without --objective worst",
                                  arguments->of_worst);
+    if (arguments->command == PL_COMMAND_SMOOTH && check_outputs(arguments))
+        return PL_EXIT_USAGE;
     if (arguments->onto && check_onto(arguments))
         return PL_EXIT_USAGE;
     if (check_targets(arguments))
@@ -117,6 +134,9 @@ int pl_arguments_check(const pl_arguments *arguments) {
         return PL_EXIT_USAGE;
     if (arguments->report && arguments->n_inputs > 1)
         return pl_complain_usage(command, "--report takes one mesh, but %d are named",
+                                 arguments->n_inputs);
+    if (arguments->json && arguments->n_inputs > 1 && arguments->command == PL_COMMAND_SMOOTH)
+        return pl_complain_usage(command, "--json takes one mesh, but %d are named",
                                  arguments->n_inputs);
     if (arguments->n_worst > 0 && arguments->verbosity == PL_QUIET && !arguments->json &&
         !arguments->report)

@@ -116,13 +116,14 @@ static void put_man(void) {
         ".TP\n.BR OMP_PROC_BIND \", \" OMP_PLACES \", \" GOMP_CPU_AFFINITY\nif one of them is "
         "set, planish binds no thread\n"
         ".TP\n.B NO_COLOR\nif it is set and not empty, planish prints no colours; nor does it if"
-        "\nTERM is dumb, or the output is not a terminal\n"
-        ".SH EXAMPLES\n"
-        ".EX\nplanish smooth in.msh \\-o out.msh \\-\\-report page.html\n"
-        "planish smooth in.mesh \\-o out.mesh \\-\\-slide auto \\-\\-objective worst\n"
-        "planish quality in.msh out.msh\n"
-        "planish quality out.msh \\-\\-worst 20 \\-\\-json \\-\n.EE\n"
-        ".SH SEE ALSO\n.BR planish (3),\n.BR gmsh (1),\n.BR tetgen (1)\n");
+        "\nTERM is dumb, or the output is not a terminal\n");
+    printf(".SH EXAMPLES\n.EX\n");
+    for (int i = 0; (command = pl_command_at(i)); i++) {
+        put_troff(command->examples);
+        printf("\n");
+    }
+    printf(".EE\n"
+           ".SH SEE ALSO\n.BR planish (3),\n.BR gmsh (1),\n.BR tetgen (1)\n");
 }
 
 /* ---- completion ------------------------------------------------------------------------------ */

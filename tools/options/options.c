@@ -136,7 +136,7 @@ static const char *set_word(pl_arguments *arguments, const pl_option *row, const
 }
 
 static const char *set_objective(pl_arguments *arguments, const pl_option *row, const char *value) {
-    arguments->has_objective = 1;
+    arguments->objective_given = row->value ? "--objective" : "--best";
     arguments->worst = strcmp(value, "worst") == 0;
     const int i = arguments->worst ? PLANISH_OBJECTIVE_RADIUS_RATIO : find_value(row, value);
     arguments->library.objective = (planish_objective)i;
@@ -251,6 +251,19 @@ static const char *set_regions(pl_arguments *arguments, const pl_option *row, co
     return !value || value[0] ? NULL : row->wanted;
 }
 
+static const char *set_best(pl_arguments *arguments, const pl_option *row, const char *value) {
+    (void)value;
+    set_slide(arguments, row, "curved");
+    return set_objective(arguments, row, "worst");
+}
+
+static const char *set_fast(pl_arguments *arguments, const pl_option *row, const char *value) {
+    (void)row;
+    (void)value;
+    arguments->library.tolerance = 1e-3;
+    return NULL;
+}
+
 static const char *set_verbose(pl_arguments *arguments, const pl_option *row, const char *value) {
     (void)row;
     (void)value;
@@ -285,6 +298,18 @@ static const pl_option option_table[] = {
      "to another format that planish convert writes if OUT\n"
      "ends as its files do",
      "file"},
+    {0, "output-dir", "DIR", SMOOTH, set_text, AT(output_dir), 0, 0, "must be the name of a folder",
+     "write each smoothed mesh to folder DIR, under the\n"
+     "name that it has; IN may be several meshes",
+     "file"},
+    {0, "in-place", NULL, SMOOTH, set_flag, AT(in_place), 1, 0, NULL,
+     "replace IN by the smoothed mesh; IN may be several\nmeshes", NULL},
+    {0, "best", NULL, SMOOTH | OPTIMISES, set_best, 0, 0, 0, NULL,
+     "reach the best worst elements, which takes longer:\n"
+     "same as --slide curved --objective worst",
+     NULL},
+    {0, "fast", NULL, SMOOTH, set_fast, 0, 0, 0, NULL, "stop early: same as --tolerance 1e-3",
+     NULL},
     {'o', "output", "VIEW", QUALITY, set_text, AT(output), 0, 0, "must be the name of a file",
      "write a copy for viewing to VIEW, which ends in .vtu\n"
      "or .vtk, with the measures of all elements",

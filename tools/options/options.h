@@ -47,16 +47,18 @@ typedef enum pl_layers_asked {
 /** A command line that has been understood. Strings are those of argv. */
 typedef struct pl_arguments {
     pl_command command;
-    const char *input;   /* the first of inputs */
-    const char **inputs; /* [n_inputs] owned */
-    int n_inputs;        /* 1, but for commands that take many */
-    const char *output;  /* smooth, convert: always there; report, quality: or NULL */
-    const char *format;  /* or NULL: find out */
-    const char *to;      /* the format of what is converted, or NULL: by its extension */
-    const char *json;    /* a path, "-" for standard output, or NULL: no report */
-    const char *report;  /* path of the page for people, or NULL: none */
-    int n_worst;         /* elements that --worst lists; 0: not given */
-    const char **fix;    /* [n_fix] tags, owned */
+    const char *input;      /* the first of inputs */
+    const char **inputs;    /* [n_inputs] owned */
+    int n_inputs;           /* 1, but for commands that take many; smooth: 1 with output */
+    const char *output;     /* convert: always there; others: or NULL */
+    const char *output_dir; /* of smooth: the folder of all outputs, or NULL */
+    int in_place;           /* of smooth: each input is replaced */
+    const char *format;     /* or NULL: find out */
+    const char *to;         /* the format of what is converted, or NULL: by its extension */
+    const char *json;       /* a path, "-" for standard output, or NULL: no report */
+    const char *report;     /* path of the page for people, or NULL: none */
+    int n_worst;            /* elements that --worst lists; 0: not given */
+    const char **fix;       /* [n_fix] tags, owned */
     int n_fix;
     int fix_layers;         /* given: as --layers hold, */
     pl_layers_asked layers; /* which says so then */
@@ -76,9 +78,9 @@ typedef struct pl_arguments {
     int keep_sizes;         /* the sizes are those of the input */
     double crease_angle;    /* in degrees; 0: features are found */
     const char *of_curved;  /* an option of smooth that is for curved surfaces alone, or NULL */
-    int has_objective;      /* --objective was given */
-    int worst;              /* --objective worst */
-    const char *of_worst;   /* an option that is for it alone, or NULL */
+    const char *objective_given; /* the option that says the objective, as it is written, or NULL */
+    int worst;                   /* --objective worst */
+    const char *of_worst;        /* an option that is for it alone, or NULL */
     planish_worst worst_measure;
     int ignore_regions;
     const char **regions; /* [n_regions] arrays that tell regions; none: found by the rule; owned */

@@ -6,6 +6,8 @@
 #include "terminal/message.h"
 #include "terminal/text.h"
 
+#include "base/system.h"
+
 #include <getopt.h>
 #include <limits.h>
 #include <stdio.h>
@@ -99,33 +101,62 @@ static int complain_option(pl_command command, const char *name, int refusal, in
     return complain_unknown(command, name, word + strspn(word, "-"));
 }
 
+/** Whether there is anything at path, a link that leads nowhere included. */
+static int is_taken(const char *path) {
+    char link[2];
+    return pl_file_exists(path) || pl_path_read_link(path, link, sizeof link) == 0;
+}
+
+/** Take OUT behind IN. Of smooth it must not be there yet: a pattern of the shell that means two
+ *  meshes must not have the second one replaced. */
+static int take_output(pl_arguments *arguments, const pl_command_text *command,
+                       const char *second) {
+    if (arguments->command == PL_COMMAND_SMOOTH && is_taken(second))
+        return pl_complain_usage(command->name,
+                                 "'%s' is there already: -o %s replaces it; --output-dir DIR or "
+                                 "--in-place smooths several meshes",
+                                 second, second);
+    arguments->output = second;
+    return 0;
+}
+
+/** Whether the command line may name several meshes to read. */
+static int takes_many(const pl_arguments *arguments, const pl_command_text *command) {
+    return command->takes_many || arguments->in_place || arguments->output_dir;
+}
+
+static int complain_of_many(const pl_arguments *arguments, const pl_command_text *command,
+                            const char *second) {
+    if (arguments->command == PL_COMMAND_SMOOTH && !arguments->output)
+        return pl_complain_usage(command->name,
+                                 "unexpected argument '%s': --output-dir DIR or --in-place smooths "
+                                 "several meshes",
+                                 second);
+    return pl_complain_usage(command->name, "unexpected argument '%s': give one %s", second,
+                             command->operand);
+}
+
 /** Take the operands that stand at argv[optind ...] and check that all is there. */
 static int take_operands(pl_arguments *arguments, int argc, char **argv) {
     const pl_command_text *command = pl_command_row(arguments->command);
-    if (optind == argc)
+    const int n = argc - optind, has_place = arguments->output || takes_many(arguments, command);
+    int status = 0;
+    if (n == 0)
         return pl_complain_usage(command->name, "no %s is named", command->operand);
-    if (arguments->command == PL_COMMAND_CONVERT && optind + 2 == argc && argv[argc - 1][0])
-        arguments->output = argv[--argc];
-    else if (optind + 1 < argc && !command->takes_many) {
-        const char *second = argv[optind + 1];
-        if (!arguments->output && arguments->command == PL_COMMAND_SMOOTH)
-            return pl_complain_usage(command->name, "unexpected argument '%s'; did you mean -o %s?",
-                                     second, second);
-        return pl_complain_usage(command->name, "unexpected argument '%s': give one %s", second,
-                                 command->operand);
-    }
-    for (int i = optind; i < argc; i++) {
+    if (n == 2 && !has_place && command->takes_output && argv[argc - 1][0])
+        status = take_output(arguments, command, argv[--argc]);
+    else if (n > 1 && !takes_many(arguments, command))
+        return complain_of_many(arguments, command, argv[optind + 1]);
+    for (int i = optind; i < argc && !status; i++) {
         if (argv[i][0] == '\0')
             return pl_complain_usage(command->name, "the name of the %s is empty",
                                      command->operand);
         arguments->inputs[arguments->n_inputs++] = argv[i];
     }
     arguments->input = arguments->inputs[0];
-    if (arguments->command == PL_COMMAND_SMOOTH && !arguments->output)
-        return pl_complain_usage(command->name, "no output file is named: give -o OUT");
-    if (arguments->command == PL_COMMAND_CONVERT && !arguments->output)
+    if (!status && arguments->command == PL_COMMAND_CONVERT && !arguments->output)
         return pl_complain_usage(command->name, "no output file is named: give IN and OUT");
-    return 0;
+    return status;
 }
 
 /** Room for as many tags as there are words. */
