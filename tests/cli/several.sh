@@ -21,7 +21,7 @@ expect_status 0 "$program" smooth a.msh b.msh --output-dir smoothed
 cmp smoothed/a.msh wanted.msh && cmp smoothed/b.msh wanted.msh || fail "--output-dir"
 cmp a.msh "$sample" || fail "--output-dir changed an input"
 expect_status 0 "$program" smooth a.msh --output-dir smoothed/ --quiet --json result.json
-grep -q '"output": *"smoothed/a.msh"' result.json || fail "JSON with --output-dir"
+grep -q "\"output\":[[:space:]]*\"smoothed/a.msh\"" result.json || fail "JSON with --output-dir"
 
 # One that cannot be read has its message, and the others go on; the highest status counts.
 echo "no mesh" >wrong.msh

@@ -17,7 +17,9 @@
 static const double MOST_THERE = 1.1, MOST_BACK = 1.5;
 
 int pl_curved_is_asked(const pl_job *job) {
-    return job->arguments->slide && job->arguments->slide_curved && job->file;
+    const pl_arguments *arguments = job->arguments;
+    const int is_planar = job->mesh.dim == 2 && arguments->curved_if_any; /* as auto there */
+    return arguments->slide && arguments->slide_curved && job->file && !is_planar;
 }
 
 /* ---- surfaces in space -------------------------------------------------------------------------- */

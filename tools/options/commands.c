@@ -41,6 +41,13 @@ static const pl_command_text command_table[] = {
      "planish quality in.msh out.msh\n"
      "planish quality out.msh --worst 20 --json -\n"
      "planish quality out.msh -o view.vtu"},
+    {PL_COMMAND_ADVISE, "advise", "IN", "mesh file", 0, 0, "measure a mesh and try to smooth it",
+     "Report the quality of the mesh IN, smooth it in memory in several ways, and name\n"
+     "the command that is worth to be run. No file is changed. 'planish IN' is the\n"
+     "same. No way is tried for more than half a minute.",
+     "0 if that was found out; 2 if not; 64 bad usage.",
+     "planish advise in.msh\n"
+     "planish in.msh --fix LOAD"},
     {PL_COMMAND_CONVERT, "convert", "IN OUT", "mesh file", 0, 1, "convert a mesh to another format",
      "Write the mesh IN to OUT in another format, which the extension of OUT tells, or\n"
      "--to. Nodes, elements of all types, regions, named groups and arrays of data are\n"

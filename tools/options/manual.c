@@ -68,6 +68,13 @@ static void put_options_of(unsigned commands) {
             put_option(&option);
 }
 
+static int count_bits(unsigned bits) {
+    int n = 0;
+    for (; bits; bits >>= 1)
+        n += (int)(bits & 1);
+    return n;
+}
+
 static void put_man(void) {
     const pl_command_text *command;
     printf(".TH PLANISH 1 \"\" \"planish %s\" \"User commands\"\n", planish_version());
@@ -89,10 +96,9 @@ static void put_man(void) {
     }
     printf(".TP\n\\fBplanish help\\fR [\\fICOMMAND\\fR]\nShow the help of the program, or of a "
            "command.\n.SH OPTIONS\n");
-    for (unsigned n_commands = 4; n_commands > 0; n_commands--) /* what most have comes first */
+    for (int n = PL_COMMANDS_ALL; n > 0; n--) /* what most have comes first */
         for (unsigned commands = 1; commands <= PL_COMMANDS_ALL; commands++)
-            if ((commands & 1) + (commands >> 1 & 1) + (commands >> 2 & 1) + (commands >> 3 & 1) ==
-                n_commands)
+            if (count_bits(commands) == n)
                 put_options_of(commands);
     printf(".SH FORMATS\n");
     put_troff(pl_program_formats);

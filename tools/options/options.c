@@ -233,6 +233,7 @@ static const char *set_slide(pl_arguments *arguments, const pl_option *row, cons
     arguments->slide = !is_none;
     arguments->slide_given = 1;
     arguments->slides_none = is_none;
+    arguments->curved_if_any = 0;
     arguments->slide_curved = is_curved || (arguments->slide_curved && !is_plain);
     if (is_plain)
         arguments->n_slide_tags = 0;
@@ -254,6 +255,7 @@ static const char *set_regions(pl_arguments *arguments, const pl_option *row, co
 static const char *set_best(pl_arguments *arguments, const pl_option *row, const char *value) {
     (void)value;
     set_slide(arguments, row, "curved");
+    arguments->curved_if_any = 1;
     return set_objective(arguments, row, "worst");
 }
 
@@ -278,7 +280,9 @@ enum {
     QUALITY = PL_COMMAND_QUALITY,
     REPORT = PL_COMMAND_REPORT,
     CONVERT = PL_COMMAND_CONVERT,
+    ADVISE = PL_COMMAND_ADVISE,
     BOTH = SMOOTH | QUALITY,
+    MEASURE = BOTH | ADVISE,
     ALL = PL_COMMANDS_ALL,
     OPTIMISES = PL_OPTION_OPTIMISES,
     OF_WORST = PL_OPTION_OF_WORST,
@@ -306,7 +310,8 @@ static const pl_option option_table[] = {
      "replace IN by the smoothed mesh; IN may be several\nmeshes", NULL},
     {0, "best", NULL, SMOOTH | OPTIMISES, set_best, 0, 0, 0, NULL,
      "reach the best worst elements, which takes longer:\n"
-     "same as --slide curved --objective worst",
+     "same as --slide curved --objective worst, in a plane\n"
+     "--slide auto --objective worst",
      NULL},
     {0, "fast", NULL, SMOOTH, set_fast, 0, 0, 0, NULL, "stop early: same as --tolerance 1e-3",
      NULL},
@@ -323,7 +328,7 @@ static const pl_option option_table[] = {
      "medit, abaqus, nastran, stl, obj or ply (default: by\n"
      "the extension of OUT)",
      "vtu vtk gmsh gmsh22 medit abaqus nastran stl obj ply"},
-    {0, "format", "NAME", BOTH | CONVERT, set_word, AT(format), 0, 0, NULL,
+    {0, "format", "NAME", MEASURE | CONVERT, set_word, AT(format), 0, 0, NULL,
      "set the format of the input: gmsh, medit, vtk, vtu,\n"
      "vtkhdf, med, cgns, dmplex, tetgen, netgen, abaqus,\n"
      "nastran, off, stl, obj, ply, mfem, exodus, ucd, su2,\n"
@@ -398,25 +403,25 @@ static const pl_option option_table[] = {
      "not count), write the mesh and exit with status 1\n"
      "(default: no limit)",
      NULL},
-    {0, "fix", "TAG", BOTH, set_fix, 0, 0, 0, "must be the NAME, N or DIM:N of a group",
+    {0, "fix", "TAG", MEASURE, set_fix, 0, 0, 0, "must be the NAME, N or DIM:N of a group",
      "hold all nodes of group TAG: its NAME, N or DIM:N;\n"
      "repeatable",
      NULL},
-    {0, "layers", "HOW", BOTH, set_layers, 0, 0, 0, NULL,
+    {0, "layers", "HOW", MEASURE, set_layers, 0, 0, 0, NULL,
      "hold or ignore boundary layers, elements that are\n"
      "thin in layers, or keep their heights while nodes\n"
      "move along them (default: keep those with wedges,\n"
      "hexahedra or quadrilaterals)",
      "hold keep ignore"},
-    {0, "fix-layers", NULL, BOTH, set_flag, AT(fix_layers), 1, 0, NULL, "same as --layers hold",
+    {0, "fix-layers", NULL, MEASURE, set_flag, AT(fix_layers), 1, 0, NULL, "same as --layers hold",
      NULL},
-    {0, "regions", "NAME", BOTH, set_regions, 0, 0, 0,
+    {0, "regions", "NAME", MEASURE, set_regions, 0, 0, 0,
      "must be the name of an array of the file, or none",
      "hold nodes between the values of array NAME (default:\n"
      "all arrays that look like regions); repeatable;\n"
      "none: let nodes between regions move",
      "none"},
-    {0, "ignore-regions", NULL, BOTH, set_regions, 0, 0, 0, NULL,
+    {0, "ignore-regions", NULL, MEASURE, set_regions, 0, 0, 0, NULL,
      "let nodes between regions (materials) move; same as\n"
      "--regions none",
      NULL},
@@ -481,7 +486,7 @@ static const pl_option option_table[] = {
      "A degrees, and no others but for groups (default:\n"
      "find creases)",
      NULL},
-    {0, "slide-tolerance", "T", BOTH, set_real, AT(slide_tolerance), ABOVE_0, 1e-3,
+    {0, "slide-tolerance", "T", MEASURE, set_real, AT(slide_tolerance), ABOVE_0, 1e-3,
      "must be a fraction above 0, up to 1e-3",
      "accept nodes up to T times the diagonal of the\n"
      "bounding box off their plane or line (default 1e-8,\n"
@@ -503,12 +508,12 @@ static const pl_option option_table[] = {
     {0, "rings", "K", SMOOTH | OPTIMISES, set_integer, AT(library.rings), 0, 100,
      "must be a whole number from 0 to 100",
      "with --only-worse-than: move K rings of elements\naround these as well (default 0)", NULL},
-    {'j', "threads", "N", BOTH | CONVERT, set_integer, AT(library.threads), 1, PL_MAX_THREADS,
+    {'j', "threads", "N", MEASURE | CONVERT, set_integer, AT(library.threads), 1, PL_MAX_THREADS,
      "must be a whole number from 1 to 1024",
      "run on N threads (default: OMP_NUM_THREADS, else one\n"
      "for each core, fewer for a small mesh)",
      NULL},
-    {0, "bind", "HOW", BOTH, set_choice, AT(leave_unbound), 0, 0, NULL,
+    {0, "bind", "HOW", MEASURE, set_choice, AT(leave_unbound), 0, 0, NULL,
      "bind one thread to each core if there are enough\n"
      "cores and OpenMP's variables say nothing (auto,\n"
      "default), or leave threads unbound (none)",
@@ -531,7 +536,7 @@ static const pl_option option_table[] = {
      "print one line per sweep, and the placement of the\n"
      "threads; -vv: one line per colour as well",
      NULL},
-    {'q', "quiet", NULL, ALL, set_flag, AT(verbosity), PL_QUIET, 0, NULL,
+    {'q', "quiet", NULL, ALL & ~ADVISE, set_flag, AT(verbosity), PL_QUIET, 0, NULL,
      "print nothing but errors", NULL},
     {'h', "help", NULL, ALL, set_flag, AT(help), 1, 0, NULL, "show this help and exit", NULL},
     {0, "version", NULL, ALL, set_flag, AT(version), 1, 0, NULL, "show the version and exit", NULL},

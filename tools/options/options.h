@@ -18,7 +18,8 @@ typedef enum pl_command {
     PL_COMMAND_QUALITY = 2,
     PL_COMMAND_REPORT = 4,
     PL_COMMAND_CONVERT = 8,
-    PL_COMMANDS_ALL = 15
+    PL_COMMAND_ADVISE = 16,
+    PL_COMMANDS_ALL = 31
 } pl_command;
 
 /** The word that names command. */
@@ -68,7 +69,8 @@ typedef struct pl_arguments {
     const char **slide_tag; /* [n_slide_tags] on these groups only; none: on all; owned */
     int n_slide_tags;
     double slide_tolerance; /* 0: what fits the file */
-    int slide_curved;       /* on curved patches and curves, too */
+    int slide_curved;       /* on curved patches and curves, too, */
+    int curved_if_any;      /* where the mesh may have any: no error in a plane */
     int slide_interfaces;   /* those between regions among them */
     const char *surface_of; /* the file that the surface is taken from, or NULL: the input */
     const char *onto;       /* the file whose surface the mesh's is fitted to, or NULL: none */

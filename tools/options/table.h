@@ -15,9 +15,9 @@ enum { PL_MOST_OPTIONS = 80 };
 
 /* Bits beside those of pl_command, of an option that has an effect */
 enum {
-    PL_OPTION_OPTIMISES = 16, /* with no Laplacian method */
-    PL_OPTION_OF_WORST = 32,  /* with --objective worst alone */
-    PL_OPTION_OF_CURVED = 64  /* on smooth with --slide curved, and on surfaces in space, alone */
+    PL_OPTION_OPTIMISES = 256, /* with no Laplacian method */
+    PL_OPTION_OF_WORST = 512,  /* with --objective worst alone */
+    PL_OPTION_OF_CURVED = 1024 /* on smooth with --slide curved, and on surfaces in space, alone */
 };
 
 typedef struct pl_option pl_option;
