@@ -27,7 +27,7 @@ grep -vxFf "$source_folder/docs/formats.md" formats && fail "docs/formats.md has
 
 # Every command is in all of them.
 commands=$("$program" --help | sed -n 's/^  \([a-z]\{1,\}\) .*/\1/p' | grep -vx help)
-[ "$commands" = "$(printf 'smooth\nquality\nadvise\nconvert\nreport')" ] || fail "commands of the help: $commands"
+[ "$commands" = "$(printf 'smooth\nquality\ncompare\nadvise\nconvert\nreport')" ] || fail "commands of the help: $commands"
 for command in $commands; do
     grep -q "^\\\\fBplanish $command\\\\fR" planish.1 || fail "planish(1) lacks $command"
     grep -q "^    '$command:" zsh || fail "zsh lacks $command"
@@ -138,8 +138,8 @@ mistyped "planish quality has no option --box" quality in.msh --box 0,0,1,1
 mistyped "option '--worst-' is ambiguous: --worst-measure, --worst-rise" smooth in.msh --worst- 3
 mistyped "unknown command 'smoth'; did you mean smooth?" smoth in.msh
 mistyped "unknown command 'qualtiy'; did you mean quality?" help qualtiy
-mistyped "unknown command 'polish'; it must be smooth, quality, advise, convert or report" polish
-mistyped "smooth, quality, advise, convert or report"
+mistyped "unknown command 'polish'; it must be smooth, quality, compare, advise, convert or report" polish
+mistyped "smooth, quality, compare, advise, convert or report"
 mistyped "unexpected argument 'quality': help takes one command" help smooth quality
 expect_status 0 "$program" help help
 grep -q "^Usage: planish COMMAND" out || fail "help of help"

@@ -41,6 +41,14 @@ static const pl_command_text command_table[] = {
      "planish quality in.msh out.msh\n"
      "planish quality out.msh --worst 20 --json -\n"
      "planish quality out.msh -o view.vtu"},
+    {PL_COMMAND_COMPARE, "compare", "BEFORE AFTER", "mesh file", 0, 1,
+     "compare two states of a mesh",
+     "Report the quality of the mesh BEFORE beside that of AFTER, which has the same\n"
+     "elements and other coordinates, in any format: tables and page are those of\n"
+     "smooth. 'planish quality A B' compares meshes that have other elements.",
+     "0 if they were compared; 2 if not; 64 bad usage.",
+     "planish compare in.msh out.msh\n"
+     "planish compare in.vtu other-smoother.vtk --report page.html"},
     {PL_COMMAND_ADVISE, "advise", "IN", "mesh file", 0, 0, "measure a mesh and try to smooth it",
      "Report the quality of the mesh IN, smooth it in memory in several ways, and name\n"
      "the command that is worth to be run. No file is changed. 'planish IN' is the\n"

@@ -281,8 +281,9 @@ enum {
     REPORT = PL_COMMAND_REPORT,
     CONVERT = PL_COMMAND_CONVERT,
     ADVISE = PL_COMMAND_ADVISE,
+    COMPARE = PL_COMMAND_COMPARE,
     BOTH = SMOOTH | QUALITY,
-    MEASURE = BOTH | ADVISE,
+    MEASURE = BOTH | ADVISE | COMPARE,
     ALL = PL_COMMANDS_ALL,
     OPTIMISES = PL_OPTION_OPTIMISES,
     OF_WORST = PL_OPTION_OF_WORST,
@@ -518,11 +519,11 @@ static const pl_option option_table[] = {
      "cores and OpenMP's variables say nothing (auto,\n"
      "default), or leave threads unbound (none)",
      "auto none"},
-    {0, "json", "FILE", BOTH, set_text, AT(json), 0, 0, FILE_OR_STDOUT,
+    {0, "json", "FILE", BOTH | COMPARE, set_text, AT(json), 0, 0, FILE_OR_STDOUT,
      "write the result as JSON to FILE, - for standard\n"
      "output",
      "file"},
-    {0, "report", "FILE.html", BOTH, set_text, AT(report), 0, 0, FILE_OR_STDOUT,
+    {0, "report", "FILE.html", BOTH | COMPARE, set_text, AT(report), 0, 0, FILE_OR_STDOUT,
      "write an HTML report with tables, histograms,\n"
      "convergence and a picture to FILE.html, - for\n"
      "standard output",

@@ -19,7 +19,8 @@ typedef enum pl_command {
     PL_COMMAND_REPORT = 4,
     PL_COMMAND_CONVERT = 8,
     PL_COMMAND_ADVISE = 16,
-    PL_COMMANDS_ALL = 31
+    PL_COMMAND_COMPARE = 32,
+    PL_COMMANDS_ALL = 63
 } pl_command;
 
 /** The word that names command. */
@@ -51,7 +52,8 @@ typedef struct pl_arguments {
     const char *input;      /* the first of inputs */
     const char **inputs;    /* [n_inputs] owned */
     int n_inputs;           /* 1, but for commands that take many; smooth: 1 with output */
-    const char *output;     /* convert: always there; others: or NULL */
+    const char *output;     /* convert: always there; compare: the second mesh; others:
+                            or NULL */
     const char *output_dir; /* of smooth: the folder of all outputs, or NULL */
     int in_place;           /* of smooth: each input is replaced */
     const char *format;     /* or NULL: find out */

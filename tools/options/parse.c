@@ -154,8 +154,11 @@ static int take_operands(pl_arguments *arguments, int argc, char **argv) {
         arguments->inputs[arguments->n_inputs++] = argv[i];
     }
     arguments->input = arguments->inputs[0];
-    if (!status && arguments->command == PL_COMMAND_CONVERT && !arguments->output)
+    if (!status && !arguments->output && arguments->command == PL_COMMAND_CONVERT)
         return pl_complain_usage(command->name, "no output file is named: give IN and OUT");
+    if (!status && !arguments->output && arguments->command == PL_COMMAND_COMPARE)
+        return pl_complain_usage(command->name,
+                                 "no second mesh file is named: give BEFORE and AFTER");
     return status;
 }
 
