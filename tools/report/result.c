@@ -691,8 +691,9 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_text(&json, root, "output", job->arguments->output);
     add_text(&json, root, "format", job->file_info.format);
     add_mesh(&json, root, job, result->before.n_reversed);
-    add_text(&json, root, "method",
-             is_run ? pl_method_name(job->options.method) : "none: two files are compared");
+    add_text(&json, root, "method", is_run ? pl_method_name(job->options.method) : "none");
+    if (!is_run)
+        add(&json, root, "compared", cJSON_CreateTrue());
     add_target(&json, root, job);
     add_objective(&json, root, job, &result->smooth);
     void (*const add_state)(document *, cJSON *, const char *, const pl_job *,
