@@ -11,6 +11,7 @@
 #include "job/cells.h"
 #include "job/curved.h"
 #include "job/output.h"
+#include "report/hint.h"
 #include "report/page.h"
 #include "report/table.h"
 #include "terminal/message.h"
@@ -88,7 +89,9 @@ static int write_mesh(pl_job *job, pl_result *result) {
 static void print_table(const pl_job *job, const pl_result *result, int status) {
     const pl_arguments *arguments = job->arguments;
     if (arguments->verbosity != PL_QUIET) {
-        pl_table_smooth(pl_output_takes_stdout(arguments) ? stderr : stdout, job, result);
+        FILE *stream = pl_output_takes_stdout(arguments) ? stderr : stdout;
+        pl_table_smooth(stream, job, result);
+        pl_hint_print(stream, job, result);
         pl_volumes_print(stderr, job, &result->volumes);
         pl_unfixable_print(stderr, job, &result->unfixable);
         pl_inside_print(stderr, job, &result->validity_after);
