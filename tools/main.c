@@ -65,7 +65,8 @@ static const struct {
 } functions[] = {
     {PL_COMMAND_SMOOTH, pl_smooth_command},   {PL_COMMAND_QUALITY, pl_quality_command},
     {PL_COMMAND_COMPARE, pl_compare_command}, {PL_COMMAND_ADVISE, pl_advise_command},
-    {PL_COMMAND_CONVERT, pl_convert_command}, {PL_COMMAND_REPORT, pl_report_command},
+    {PL_COMMAND_GROUPS, pl_groups_command},   {PL_COMMAND_CONVERT, pl_convert_command},
+    {PL_COMMAND_REPORT, pl_report_command},
 };
 
 /** Run command on argv, argv[0] its name; return the exit status. */

@@ -44,10 +44,10 @@ while IFS='|' read -r arguments text; do
     bad $arguments
     expect_text "$text"
 done <<'LINES'
-|no command is named: smooth, quality, compare, advise, convert or report
+|no command is named: smooth, quality, compare, advise, groups, convert or report
 smoth in.msh -o out.msh|did you mean smooth?
-polish|unknown command 'polish'; it must be smooth, quality, compare, advise, convert or report
---smooth in.msh -o out.msh|name a command first: smooth, quality, compare, advise, convert or report
+polish|unknown command 'polish'; it must be smooth, quality, compare, advise, groups, convert or report
+--smooth in.msh -o out.msh|name a command first: smooth, quality, compare, advise, groups, convert or report
 smooth|no mesh file is named
 smooth in.msh|give -o OUT
 smooth in.msh in.msh|-o in.msh replaces it

@@ -5,6 +5,7 @@
  *     quality.c    measures of one mesh or several
  *     compare.c    two states of a mesh
  *     advise.c     measures of a mesh, and what smoothing would win
+ *     groups.c     the groups of a mesh file
  *     convert.c    a mesh in another format
  *     report.c     an HTML page from an earlier result
  *
@@ -30,6 +31,9 @@ int pl_compare_command(const pl_arguments *arguments);
 
 /** Measure arguments->input, smooth it in memory in several ways, and tell what each would give. */
 int pl_advise_command(const pl_arguments *arguments);
+
+/** List the groups of arguments->input. */
+int pl_groups_command(const pl_arguments *arguments);
 
 /** Write arguments->input to arguments->output in another format. */
 int pl_convert_command(const pl_arguments *arguments);

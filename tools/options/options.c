@@ -282,6 +282,7 @@ enum {
     CONVERT = PL_COMMAND_CONVERT,
     ADVISE = PL_COMMAND_ADVISE,
     COMPARE = PL_COMMAND_COMPARE,
+    GROUPS = PL_COMMAND_GROUPS,
     BOTH = SMOOTH | QUALITY,
     MEASURE = BOTH | ADVISE | COMPARE,
     ALL = PL_COMMANDS_ALL,
@@ -329,7 +330,7 @@ static const pl_option option_table[] = {
      "medit, abaqus, nastran, stl, obj or ply (default: by\n"
      "the extension of OUT)",
      "vtu vtk gmsh gmsh22 medit abaqus nastran stl obj ply"},
-    {0, "format", "NAME", MEASURE | CONVERT, set_word, AT(format), 0, 0, NULL,
+    {0, "format", "NAME", MEASURE | CONVERT | GROUPS, set_word, AT(format), 0, 0, NULL,
      "set the format of the input: gmsh, medit, vtk, vtu,\n"
      "vtkhdf, med, cgns, dmplex, tetgen, netgen, abaqus,\n"
      "nastran, off, stl, obj, ply, mfem, exodus, ucd, su2,\n"
@@ -405,9 +406,9 @@ static const pl_option option_table[] = {
      "(default: no limit)",
      NULL},
     {0, "fix", "TAG", MEASURE, set_fix, 0, 0, 0, "must be the NAME, N or DIM:N of a group",
-     "hold all nodes of group TAG: its NAME, N or DIM:N;\n"
-     "repeatable",
-     NULL},
+     "hold all nodes of group TAG: its NAME, N or DIM:N\n"
+     "(planish groups FILE lists them); repeatable",
+     "group"},
     {0, "layers", "HOW", MEASURE, set_layers, 0, 0, 0, NULL,
      "hold or ignore boundary layers, elements that are\n"
      "thin in layers, or keep their heights while nodes\n"
@@ -434,7 +435,7 @@ static const pl_option option_table[] = {
      "in space), none (default of others; of surfaces in\n"
      "space: not along curves), or group TAG only (NAME, N\n"
      "or DIM:N; repeatable)",
-     "auto curved none"},
+     "auto curved none group"},
     {0, "surface-tolerance", "T", SMOOTH | OPTIMISES | OF_CURVED, set_surface_tolerance, 0, 0, 0,
      "must be a distance above 0, or a number and h for that many edge lengths",
      "on curved surfaces: let no point of the surface be\n"
@@ -537,7 +538,7 @@ static const pl_option option_table[] = {
      "print one line per sweep, and the placement of the\n"
      "threads; -vv: one line per colour as well",
      NULL},
-    {'q', "quiet", NULL, ALL & ~ADVISE, set_flag, AT(verbosity), PL_QUIET, 0, NULL,
+    {'q', "quiet", NULL, ALL & ~(ADVISE | GROUPS), set_flag, AT(verbosity), PL_QUIET, 0, NULL,
      "print nothing but errors", NULL},
     {'h', "help", NULL, ALL, set_flag, AT(help), 1, 0, NULL, "show this help and exit", NULL},
     {0, "version", NULL, ALL, set_flag, AT(version), 1, 0, NULL, "show the version and exit", NULL},

@@ -20,7 +20,8 @@ typedef enum pl_command {
     PL_COMMAND_CONVERT = 8,
     PL_COMMAND_ADVISE = 16,
     PL_COMMAND_COMPARE = 32,
-    PL_COMMANDS_ALL = 63
+    PL_COMMAND_GROUPS = 64,
+    PL_COMMANDS_ALL = 127
 } pl_command;
 
 /** The word that names command. */
@@ -117,14 +118,14 @@ void pl_arguments_free(pl_arguments *arguments);
 
 /** Row of the table of options. */
 typedef struct pl_option_text {
-    int letter;        /* short option, or 0 */
-    const char *name;  /* long option */
-    const char *value; /* what its value is called, or NULL: takes none */
-    unsigned commands; /* bits of pl_command that have it */
-    const char *help;  /* lines separated by '\n' */
-    const char
-        *values;    /* words that the value may be; "file": a file's name; NULL: anything else */
-    int is_doubled; /* the letter means more if it is given twice, as in -vv */
+    int letter;         /* short option, or 0 */
+    const char *name;   /* long option */
+    const char *value;  /* what its value is called, or NULL: takes none */
+    unsigned commands;  /* bits of pl_command that have it */
+    const char *help;   /* lines separated by '\n' */
+    const char *values; /* words that the value may be; "file": a file's name; "group" at the end: a
+                       group of the mesh; NULL: anything else */
+    int is_doubled;     /* the letter means more if it is given twice, as in -vv */
 } pl_option_text;
 
 /** Describe option i, 0 and up; 0 if there is none. */

@@ -39,6 +39,7 @@ struct pl_option {
     const char *wanted; /* what a value must be; NULL: one of values */
     const char *help;   /* lines separated by '\n' */
     const char *values; /* words that the value may be, separated by blanks; "file": a file's name;
+                           "group" at the end: a group of the mesh;
                            NULL: anything else */
 };
 
