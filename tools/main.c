@@ -6,6 +6,8 @@
 #include "terminal/signals.h"
 #include "terminal/text.h"
 
+#include "base/system.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -61,9 +63,9 @@ static const struct {
     pl_command command;
     int (*run)(const pl_arguments *arguments);
 } functions[] = {
-    {PL_COMMAND_SMOOTH, pl_smooth_command},
-    {PL_COMMAND_QUALITY, pl_quality_command},
-    {PL_COMMAND_CONVERT, pl_convert_command},
+    {PL_COMMAND_SMOOTH, pl_smooth_command},   {PL_COMMAND_QUALITY, pl_quality_command},
+    {PL_COMMAND_COMPARE, pl_compare_command}, {PL_COMMAND_ADVISE, pl_advise_command},
+    {PL_COMMAND_GROUPS, pl_groups_command},   {PL_COMMAND_CONVERT, pl_convert_command},
     {PL_COMMAND_REPORT, pl_report_command},
 };
 
@@ -83,6 +85,13 @@ static int run_command(const pl_command_text *command, int argc, char **argv) {
     return status;
 }
 
+/** `planish IN`, the same as `planish advise IN`. */
+static int advise_file(int argc, char **argv) {
+    static char name[] = "advise";
+    argv[0] = name;
+    return run_command(pl_command_row(PL_COMMAND_ADVISE), argc, argv);
+}
+
 static int run(int argc, char **argv) {
     const char *word = argc > 1 ? argv[1] : NULL;
     char names[128];
@@ -100,6 +109,8 @@ static int run(int argc, char **argv) {
         return print_version();
     if (strcmp(word, "--generate") == 0)
         return pl_generate_command(argc == 3 ? argv[2] : "");
+    if (pl_file_exists(word))
+        return advise_file(argc, argv);
     return complain_command(word);
 }
 

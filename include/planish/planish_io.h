@@ -7,6 +7,7 @@
  *     plane, space_coordinates, round_in_plane      triangles: their plane, from it to space
  *     cell_arrays, region_arrays, choose_regions    arrays of numbers that tell regions
  *     data_info, data                               arrays of numbers: sizes, metrics, results
+ *     groups                                        tags of what may be held, slide, have volumes
  *     constraints, get_held, get_marked, surface    held nodes, the reasons, where nodes slide
  *     min_volumes, get_parametric                   minimum volumes of groups; nodes on curves
  *     element_number, node_number, element_region   how the file calls an element or node
@@ -237,6 +238,19 @@ PLANISH_API int planish_sol_read(const char *path, int dim, int64_t n_vertices, 
 
 /** Free the values, and set all fields to 0. data may be NULL. */
 PLANISH_API void planish_data_free(planish_data *data);
+
+/** Group of nodes, elements or facets that a file names or numbers. */
+typedef struct planish_group {
+    const char *tag; /* of planish_hold: its name, or "DIM:N" where it has none; the file owns it */
+    int dim;         /* of its elements: 3 solids, 2 faces, 1 lines, 0 nodes */
+    const void *reserved[2];
+} planish_group;
+
+/** List the groups of the file: *groups [*n], which the file owns, those with names first. Two that have
+ *  one name in different dimensions are listed one by one, and are one group for planish_hold. Errors:
+ *  _ARGUMENT (file is NULL), _MEMORY; *n is then 0. */
+PLANISH_API int planish_file_groups(planish_file *file, const planish_group **groups, int64_t *n,
+                                    planish_error *error);
 
 typedef struct planish_hold {
     const char *const *tags; /* [n_tags] "NAME", "N" or "DIM:N" (DMPlex: "LABEL:VALUE", "LABEL"):

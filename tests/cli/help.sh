@@ -27,7 +27,7 @@ grep -vxFf "$source_folder/docs/formats.md" formats && fail "docs/formats.md has
 
 # Every command is in all of them.
 commands=$("$program" --help | sed -n 's/^  \([a-z]\{1,\}\) .*/\1/p' | grep -vx help)
-[ "$commands" = "$(printf 'smooth\nquality\nconvert\nreport')" ] || fail "commands of the help: $commands"
+[ "$commands" = "$(printf 'smooth\nquality\ncompare\nadvise\ngroups\nconvert\nreport')" ] || fail "commands of the help: $commands"
 for command in $commands; do
     grep -q "^\\\\fBplanish $command\\\\fR" planish.1 || fail "planish(1) lacks $command"
     grep -q "^    '$command:" zsh || fail "zsh lacks $command"
@@ -48,7 +48,7 @@ done
 page=$(sed 's/\\-/-/g; s/\\f[BRI]//g' planish.1)
 for command in $commands; do
     wanted=$(options "$command" | sort)
-    [ "$(wc -w <<<"$wanted")" -ge 4 ] || fail "$command has too few options: $wanted"
+    [ "$(wc -w <<<"$wanted")" -ge 3 ] || fail "$command has too few options: $wanted"
     [ "$(completions planish "$command" -- | sed 's/^--//' | sort)" = "$wanted" ] ||
         fail "bash offers other options of $command"
     [ "$(zsh_options "$command" | sort)" = "$wanted" ] || fail "zsh offers other options of $command"
@@ -117,6 +117,10 @@ grep -q "$(wc -w <<<"$formats") formats" "$source_folder/README.md" || fail "REA
 [ "$(completions planish quality a_f)" = a_file ] || fail "completion of a file"
 [ "$(completions planish smooth --json a_f)" = a_file ] || fail "completion of a file of an option"
 ! completions planish quality --obj | grep -q . || fail "options of another command are offered"
+cp "$sample" groups.msh
+[ "$(completions "$program" smooth groups.msh --fix sk)" = skin ] || fail "completion of a group"
+[ "$(completions "$program" smooth groups.msh --slide = '' | head -n 5 | tr '\n' ' ')" = "auto curved none skin bracket " ] ||
+    fail "completion of --slide: $(completions "$program" smooth groups.msh --slide = '')"
 if command -v zsh >/dev/null; then
     zsh -n zsh || fail "zsh does not understand its completion"
 fi
@@ -138,12 +142,12 @@ mistyped "planish quality has no option --box" quality in.msh --box 0,0,1,1
 mistyped "option '--worst-' is ambiguous: --worst-measure, --worst-rise" smooth in.msh --worst- 3
 mistyped "unknown command 'smoth'; did you mean smooth?" smoth in.msh
 mistyped "unknown command 'qualtiy'; did you mean quality?" help qualtiy
-mistyped "unknown command 'polish'; it must be smooth, quality, convert or report" polish
-mistyped "smooth, quality, convert or report"
+mistyped "unknown command 'polish'; it must be smooth, quality, compare, advise, groups, convert or report" polish
+mistyped "smooth, quality, compare, advise, groups, convert or report"
 mistyped "unexpected argument 'quality': help takes one command" help smooth quality
 expect_status 0 "$program" help help
 grep -q "^Usage: planish COMMAND" out || fail "help of help"
 mistyped "no result is named" report
 mistyped "unexpected argument 'b.json': give one result" report a.json b.json
-mistyped "unexpected argument 'b.msh'; did you mean -o b.msh?" smooth a.msh b.msh
+mistyped "unexpected argument 'b.msh': --output-dir DIR or --in-place smooths several meshes" smooth a.msh b.msh c.msh
 finish

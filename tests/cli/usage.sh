@@ -44,13 +44,21 @@ while IFS='|' read -r arguments text; do
     bad $arguments
     expect_text "$text"
 done <<'LINES'
-|no command is named: smooth, quality, convert or report
+|no command is named: smooth, quality, compare, advise, groups, convert or report
 smoth in.msh -o out.msh|did you mean smooth?
-polish|unknown command 'polish'; it must be smooth, quality, convert or report
---smooth in.msh -o out.msh|name a command first: smooth, quality, convert or report
+polish|unknown command 'polish'; it must be smooth, quality, compare, advise, groups, convert or report
+--smooth in.msh -o out.msh|name a command first: smooth, quality, compare, advise, groups, convert or report
 smooth|no mesh file is named
 smooth in.msh|give -o OUT
-smooth in.msh out.msh|did you mean -o out.msh?
+smooth in.msh in.msh|-o in.msh replaces it
+smooth in.msh b.msh c.msh|--output-dir DIR or --in-place smooths several meshes
+smooth in.msh -o out.msh --in-place|give --output or --in-place, not both
+smooth in.msh -o out.msh --output-dir .|give --output or --output-dir, not both
+smooth in.msh --in-place --output-dir .|give --in-place or --output-dir, not both
+smooth in.msh --output-dir .|is in the folder of --output-dir: give --in-place
+smooth in.msh ./in.msh --output-dir smoothed|would have one name
+smooth in.msh in.msh --in-place --json -|--json takes one mesh, but 2 are named
+smooth in.msh -o out.msh --best --like in.msh|leave out --best
 smooth in.msh -o out.msh --max-sweep|option --max-sweeps needs a value (N)
 smooth in.msh -o out.msh --max-sweeps x|--max-sweeps 'x' must be a whole number, 0 or more
 smooth in.msh -o out.msh --tolerence 0|unknown option '--tolerence'; did you mean --tolerance?

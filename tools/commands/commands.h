@@ -3,6 +3,9 @@
  *     smooth.c     from mesh file to better mesh file
  *     promises.c   checks of a result before it is written
  *     quality.c    measures of one mesh or several
+ *     compare.c    two states of a mesh
+ *     advise.c     measures of a mesh, and what smoothing would win
+ *     groups.c     the groups of a mesh file
  *     convert.c    a mesh in another format
  *     report.c     an HTML page from an earlier result
  *
@@ -22,6 +25,15 @@ int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine);
 
 /** Measure the inputs, and compare several. */
 int pl_quality_command(const pl_arguments *arguments);
+
+/** Compare the mesh arguments->input with that of arguments->output. */
+int pl_compare_command(const pl_arguments *arguments);
+
+/** Measure arguments->input, smooth it in memory in several ways, and tell what each would give. */
+int pl_advise_command(const pl_arguments *arguments);
+
+/** List the groups of arguments->input. */
+int pl_groups_command(const pl_arguments *arguments);
 
 /** Write arguments->input to arguments->output in another format. */
 int pl_convert_command(const pl_arguments *arguments);

@@ -1,34 +1,26 @@
 /* smooth: the command `planish smooth`, from mesh file to better mesh file.
  *
- *     options -> read -> plan -> measure -> smooth -> measure -> write -> report
+ *     options -> read -> run.c -> write -> report
  *
  * Every step returns 0, or an exit status after a message; the first that fails ends the run.
  */
 #include "commands/commands.h"
 
-#include "commands/promises.h"
+#include "commands/judge.h"
+#include "commands/run.h"
 #include "job/cells.h"
 #include "job/curved.h"
-#include "job/held.h"
-#include "job/job.h"
-#include "job/layers.h"
-#include "job/onto.h"
-#include "terminal/message.h"
 #include "job/output.h"
-#include "job/progress.h"
+#include "report/hint.h"
 #include "report/page.h"
-#include "report/result.h"
-#include "terminal/signals.h"
 #include "report/table.h"
-#include "terminal/text.h"
-#include "job/states.h"
+#include "terminal/message.h"
+#include "terminal/signals.h"
 
 #include "base/clock.h"
-#include "base/printf.h"
-#include "base/status.h"
+#include "base/system.h"
 
-#include <inttypes.h>
-#include <stdarg.h>
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -90,137 +82,6 @@ static int write_mesh(pl_job *job, pl_result *result) {
     return status;
 }
 
-/* ---- whether all was reached ---------------------------------------------------------------- */
-
-/** Add a part to the reason, after "; " if it is not the first. */
-static void add_reason(pl_result *result, const char *format, ...) PL_PRINTF(2, 3);
-static void add_reason(pl_result *result, const char *format, ...) {
-    const size_t used = strlen(result->reason), size = sizeof result->reason;
-    const char *joint = used ? "; " : "";
-    const size_t begin = used + strlen(joint);
-    if (begin >= size)
-        return;
-    memcpy(result->reason + used, joint, strlen(joint) + 1);
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(result->reason + begin, size - begin, format, arguments);
-    va_end(arguments);
-}
-
-static const char *is_or_are(int64_t n) {
-    return n == 1 ? " is" : "s are";
-}
-
-/** Add why inverted elements are left, and which options hold them. */
-static void judge_inverted(const pl_job *job, pl_result *result) {
-    static const char *const advice[PL_N_HOLDERS] = {"run without it to repair them",
-                                                     "hold fewer groups to repair them",
-                                                     "--ignore-regions lets them move"};
-    const pl_unfixable *unfixable = &result->unfixable;
-    const pl_validity *validity = &result->validity_after;
-    const int64_t inverted = pl_validity_faults(validity, &result->after);
-    const int64_t n_others = unfixable->n - pl_unfixable_held(unfixable);
-    const planish_method method = job->options.method;
-    const int is_default = job->arguments->layers == PL_LAYERS_BY_TYPE;
-    if (inverted == 0)
-        return;
-    if (job->is_surface) {
-        add_reason(result,
-                   "%" PRId64 " element%s without area, or turned over against the surface: %s as "
-                   "%s",
-                   inverted, is_or_are(inverted), inverted == 1 ? "it stays" : "they stay",
-                   inverted == 1 ? "it was" : "they were");
-        return;
-    }
-    if (method != PLANISH_METHOD_PLANISH)
-        add_reason(
-            result,
-            "%" PRId64 " element%s inverted, %" PRId64 " before: the method %s may invert elements",
-            inverted, is_or_are(inverted),
-            pl_validity_faults(&result->validity_before, &result->before), pl_method_name(method));
-    else
-        add_reason(result, "%" PRId64 " inverted element%s left", inverted, is_or_are(inverted));
-    for (int i = 0; i < PL_N_HOLDERS; i++)
-        if (unfixable->n_held[i] > 0)
-            add_reason(result, "%" PRId64 " of these stay%s inverted because %s %s nodes: %s",
-                       unfixable->n_held[i], unfixable->n_held[i] == 1 ? "s" : "",
-                       pl_holder_option(job, (pl_holder)i),
-                       i == PL_HOLDER_REGIONS ? "hold their" : "holds their",
-                       i == PL_HOLDER_LAYERS && is_default ? "--layers ignore lets them move"
-                                                           : advice[i]);
-    if (n_others > 0)
-        add_reason(result, "%" PRId64 " of these cannot be made valid by moving free nodes",
-                   n_others);
-    if (validity->n_inside > 0)
-        add_reason(result,
-                   "%" PRId64 " of these %s inverted inside%s, though the corners are right",
-                   validity->n_inside, validity->n_inside == 1 ? "is" : "are",
-                   job->has_types ? "" : " by mid-side nodes");
-    if (job->plan_info.n_wrapped > 0)
-        add_reason(result,
-                   "elements that wrap around a periodic domain (%" PRId64 ") look inverted",
-                   job->plan_info.n_wrapped);
-    if (unfixable->n_undecided > 0)
-        add_reason(result, "there was no time to check all inverted elements for that");
-    if (result->smooth.n_not_enclosed > 0)
-        add_reason(result, "%" PRId64 " are in components whose boundary encloses no positive %s",
-                   result->smooth.n_not_enclosed, job->mesh.dim == 3 ? "volume" : "area");
-    if (!job->options.untangle)
-        add_reason(result, "untangling was switched off by --no-untangle");
-}
-
-/** Add how many elements are below their minimum volume, and how many are newly reversed: repaired
- *  ones whose nodes are listed in the wrong order are negative to a solver. */
-static void judge_others(pl_result *result) {
-    const pl_volumes *volumes = &result->volumes;
-    const int64_t n = result->reversed.n_new;
-    if (volumes->n_below > 0)
-        add_reason(result, "%" PRId64 " element%s below the minimum volume", volumes->n_below,
-                   is_or_are(volumes->n_below));
-    if (volumes->n_infeasible > 0)
-        add_reason(result, "%" PRId64 " of these cannot reach it by moving free nodes",
-                   volumes->n_infeasible);
-    if (volumes->n_below > 0 && volumes->n_undecided > 0)
-        add_reason(result, "there was no time to check all elements below it for that");
-    if (n > 0)
-        add_reason(
-            result,
-            "%" PRId64 " element%s reversed now: the file lists %s nodes in the wrong order, and a "
-            "solver may reject %s. planish does not renumber elements, because loads and surfaces "
-            "refer to their faces by number. Swap two nodes of each in the program that made the "
-            "mesh, or mesh that region again",
-            n, is_or_are(n), n == 1 ? "its" : "their", n == 1 ? "it" : "them");
-}
-
-/** Find out whether all that was asked for was reached, and if not (or if there was nothing to do)
- *  why. */
-static int judge(const pl_job *job, pl_result *result) {
-    char text[sizeof result->reason];
-    judge_inverted(job, result);
-    judge_others(result);
-    if (result->smooth.stop == PLANISH_STOP_TIME_LIMIT)
-        add_reason(result, "stopped by the time limit of %g s before convergence",
-                   job->arguments->library.time_limit);
-    if (job->onto.after.n_off > 0)
-        add_reason(result, "%" PRId64 " node%s not on %s yet, up to %.3g off%s",
-                   job->onto.after.n_off, is_or_are(job->onto.after.n_off), job->arguments->onto,
-                   job->onto.after.farthest,
-                   result->smooth.stop == PLANISH_STOP_TIME_LIMIT ||
-                           result->smooth.stop == PLANISH_STOP_INTERRUPTED
-                       ? ""
-                       : ": elements would be inverted, or nearly so");
-    if (result->smooth.stop == PLANISH_STOP_INTERRUPTED)
-        add_reason(result, "interrupted by a signal before convergence");
-    if (result->reason[0])
-        return PL_EXIT_PARTLY;
-    if (job->plan_info.n_free + job->plan_info.n_sliding == 0) {
-        pl_held_explain(job, text, sizeof text);
-        add_reason(result, "no node is free to move%s%s; the mesh is unchanged",
-                   text[0] ? ": " : "", text);
-    }
-    return PL_EXIT_DONE;
-}
-
 /* ---- what is told --------------------------------------------------------------------------- */
 
 /** Print the table, the elements that fall short, and the reason; the table gives way to standard
@@ -228,7 +89,9 @@ static int judge(const pl_job *job, pl_result *result) {
 static void print_table(const pl_job *job, const pl_result *result, int status) {
     const pl_arguments *arguments = job->arguments;
     if (arguments->verbosity != PL_QUIET) {
-        pl_table_smooth(pl_output_takes_stdout(arguments) ? stderr : stdout, job, result);
+        FILE *stream = pl_output_takes_stdout(arguments) ? stderr : stdout;
+        pl_table_smooth(stream, job, result);
+        pl_hint_print(stream, job, result);
         pl_volumes_print(stderr, job, &result->volumes);
         pl_unfixable_print(stderr, job, &result->unfixable);
         pl_inside_print(stderr, job, &result->validity_after);
@@ -243,176 +106,12 @@ static void print_table(const pl_job *job, const pl_result *result, int status) 
         pl_note(stderr, "%s: %s", arguments->output, result->reason);
 }
 
-/** Print what is odd about the mesh, and with -v how it is worked on. */
-static void print_plan(const pl_job *job) {
-    const planish_plan_info *info = &job->plan_info;
-    char text[512];
-    if (job->arguments->verbosity != PL_QUIET)
-        pl_table_oddities(stderr, job);
-    if (job->arguments->verbosity != PL_QUIET && job->n_with_parameters > 0)
-        pl_note(stderr,
-                "%" PRId64 " movable %s geometry parameters (u, v) in the "
-                "file, which planish does not update. Remove them before you refine or curve the "
-                "mesh (docs/formats.md)",
-                job->n_with_parameters, job->n_with_parameters == 1 ? "node has" : "nodes have");
-    if (job->arguments->verbosity != PL_QUIET && job->file_info.has_normals &&
-        info->n_free + info->n_sliding > 0)
-        pl_note(stderr,
-                "the file has normals of nodes, which stay as they are: those of moved nodes "
-                "are out of date (docs/formats.md)");
-    if (job->arguments->verbosity < PL_VERBOSE)
-        return;
-    if (job->is_surface) {
-        snprintf(text, sizeof text, "%d thread%s", info->threads, info->threads == 1 ? "" : "s");
-        pl_text_wrap(stderr, text);
-        pl_held_print(stderr, job);
-        return;
-    }
-    snprintf(text, sizeof text, "%d thread%s (%s), kernel %s, %d colour%s, plan of %.1f MB",
-             info->threads, info->threads == 1 ? "" : "s", info->binding, info->isa,
-             info->n_colours, info->n_colours == 1 ? "" : "s", (double)info->bytes / 1e6);
-    pl_text_wrap(stderr, text);
-    pl_held_print(stderr, job);
-}
-
-/** Collect for the reports the mesh as it is now, called name. */
-static int take_for_reports(const pl_job *job, const char *name, const pl_validity *validity,
-                            uint64_t *checksum, pl_worst *worst, pl_picture **picture) {
-    pl_cells cells = {.has_others = job->has_types};
-    if (!job->mesh.coordinates)
-        return 0; /* the engine has the mesh */
-    if (job->arguments->json || job->arguments->report)
-        *checksum = pl_job_checksum(job);
-    if (job->has_types) {
-        cells.cells = *job->mesh.cells;
-        cells.aspect_ratio = validity->aspect_ratio;
-    }
-    const int status = pl_worst_find_asked(job, &cells, worst);
-    return status ? status : pl_report_draw(job, name, picture);
-}
-
-/* ---- the steps ------------------------------------------------------------------------------ */
-
-/** Measure the surface and the volumes of regions, before or after. */
-static int measure_surface(const pl_job *job, int is_after, pl_result *result) {
-    pl_surface_state *state = &result->surface;
-    int status = 0;
-    if (is_after || job->arguments->surface_of)
-        status = pl_curved_measure(job, is_after ? &state->after : &state->before);
-    state->is_known = !status && is_after;
-    return status ? status : pl_volumes_of_regions(job, is_after, state);
-}
-
-/** From the mesh that was read to the sweeps: plan and measure. */
-static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
-    const int is_told = pl_job_is_told(job);
-    int status;
-    pl_progress_stage(progress, PL_STAGE_PLANNING);
-    if (job->mesh.cells && !job->is_surface)
-        job->options.rounding = pl_cells_rounding(job);
-    if ((status = pl_onto_fit(job)))
-        return status;
-    if ((status = pl_job_find_slides(job)))
-        return status;
-    if ((status = pl_job_plan(job)))
-        return status;
-    pl_progress_stage(progress, PL_STAGE_MEASURING);
-    if ((status = pl_job_count_parameters(job)))
-        return status;
-    if ((status = pl_held_count(job)))
-        return status;
-    print_plan(job);
-    if (is_told && (status = pl_job_count_slides(job)))
-        return status;
-    if ((status = pl_job_measure(job, &result->before)))
-        return status;
-    if ((status = pl_validity_find(job, &result->validity_before)))
-        return status;
-    if (is_told && (status = pl_layers_count(job, &result->before)))
-        return status;
-    if (job->arguments->verbosity != PL_QUIET) {
-        pl_layers_print(stderr, job);
-        pl_curved_note_held(stderr, job, result->validity_before.quality.all.n_curved,
-                            result->before.n_inverted);
-        pl_onto_note(stderr, job, result->before.max_radius_ratio);
-    }
-    if (job->curved.shape && (status = measure_surface(job, 0, result)))
-        return status;
-    if ((status = pl_volumes_count(job, &result->below_before)))
-        return status;
-    if ((status = pl_reversed_find(job, result->before.n_reversed, &result->reversed.before)))
-        return status;
-    status = take_for_reports(job, "before", &result->validity_before, &result->input_checksum,
-                              &result->worst_before, &result->picture);
-    if (job->onto.fit) /* the file's, not that of the mesh as it was fitted */
-        result->input_checksum = job->onto.input_checksum;
-    return status;
-}
-
-static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
-    const planish_result *smooth = &result->smooth;
-    planish_error error;
-    char text[256];
-    const double begin = pl_seconds();
-    pl_signals_install_stop(); /* before, there is nothing to save: a signal just ends the program
-                                */
-    job->options.progress = pl_progress_step;
-    job->options.progress_user = progress;
-    const int code = job->engine->smooth(job, &result->smooth, &error);
-    result->smooth_seconds = pl_seconds() - begin;
-    if (code)
-        return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    pl_progress_clear(progress);
-    if (progress->out_of_memory) /* no reason to lose the mesh */
-        pl_note(stderr,
-                "%s: out of memory for the history of the sweeps; the report lacks some sweeps",
-                job->arguments->output);
-    if (job->arguments->verbosity >= PL_VERBOSE && pl_result_has_optimality(job)) {
-        snprintf(text, sizeof text,
-                 "KKT residual: largest %.3g, RMS %.3g; %" PRId64
-                 " active constraints, largest multiplier %.3g",
-                 smooth->kkt_residual, smooth->kkt_rms, smooth->n_active, smooth->max_multiplier);
-        pl_text_wrap(stderr, text);
-    }
-    return 0;
-}
-
-/** Find out what came of the sweeps, and whether it may be written. */
-static int check_result(pl_job *job, pl_result *result) {
-    const planish_result *smooth = &result->smooth;
-    int status;
-    if ((status = pl_promises_keep(job, result)))
-        return status;
-    if ((status = pl_job_measure(job, &result->after)))
-        return status;
-    if ((status = pl_validity_find(job, &result->validity_after)))
-        return status;
-    if ((status = pl_volumes_find(job, smooth->min_volume, smooth, &result->volumes)))
-        return status;
-    const int64_t n_inverted = job->has_types
-                                   ? pl_validity_faults(&result->validity_after, &result->after)
-                                   : result->after.n_inverted;
-    if ((status = pl_unfixable_find(job, n_inverted, smooth, &result->unfixable)))
-        return status;
-    if ((status = pl_unfixable_add_inside(job, &result->validity_after, smooth->n_hopeless,
-                                          &result->unfixable)))
-        return status;
-    if ((status = pl_reversed_compare(job, &result->after, &result->reversed)))
-        return status;
-    if (job->curved.shape && (status = measure_surface(job, 1, result)))
-        return status;
-    if ((status = pl_onto_measure(job)))
-        return status;
-    return pl_promises_check(job, result);
-}
-
-/** Tell what came of it, once the mesh is written: table, JSON and page. report: 0, or the exit
- *  status if what they need is not there. */
-static int report_result(const pl_job *job, pl_result *result, const pl_progress *progress,
-                         int report) {
+/** Tell what came of it, once the mesh is written: table, JSON and page. */
+static int report_result(const pl_job *job, pl_result *result, const pl_progress *progress) {
     const pl_arguments *arguments = job->arguments;
+    int report = result->lacks_reports ? PL_EXIT_PARTLY : 0;
     result->total_seconds = pl_seconds() - job->begin;
-    const int status = judge(job, result);
+    const int status = pl_judge(job, result);
     print_table(job, result, status);
     /* The mesh is already written, so a failure makes the run a partial one. */
     if (!report && (arguments->json || arguments->report)) {
@@ -423,54 +122,20 @@ static int report_result(const pl_job *job, pl_result *result, const pl_progress
     return pl_flush_stdout(status ? status : report, PL_EXIT_PARTLY);
 }
 
-/** Complain of a mesh without any element that is smoothed, and say what it has. */
-static int complain_of_types(const pl_job *job) {
-    planish_error error;
-    planish_cells cells;
-    char counts[256];
-    if (planish_file_cells(job->file, &cells, &error))
-        return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    pl_cells_count(&cells, counts, sizeof counts);
-    return pl_complain(PL_EXIT_FAILED,
-                       "%s: %s: 'planish quality' measures these elements, but planish does not "
-                       "smooth them; their nodes stay",
-                       job->arguments->input, counts);
-}
-
-/** Whether an element of the mesh is of a type that is smoothed. */
-static int has_smoothed(const pl_job *job) {
-    const planish_cells *cells = job->mesh.cells;
-    int has_simplex = !cells && job->mesh.n_elements > 0;
-    for (int64_t i = 0; cells && i < cells->n && !has_simplex; i++)
-        has_simplex = pl_cell_is_simplex((planish_cell_type)cells->type[i]);
-    return has_simplex || job->has_types;
-}
-
 static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     int status;
-    if (job->file && !has_smoothed(job))
-        return complain_of_types(job);
+    if ((status = pl_run_check(job)))
+        return status;
     if ((status = check_output(job)))
         return status;
-    if ((status = prepare(job, result, progress)))
+    if ((status = pl_run(job, result, progress)))
         return status;
-    if ((status = run_sweeps(job, result, progress)))
-        return status;
-    pl_progress_stage(progress, PL_STAGE_CHECKING);
-    if ((status = check_result(job, result)))
-        return status;
-    /* That takes no more memory than it did before the sweeps, and is no reason to lose the mesh.
-     */
-    const int report = take_for_reports(job, "after", &result->validity_after, &result->checksum,
-                                        &result->worst_after, &result->picture)
-                           ? PL_EXIT_PARTLY
-                           : 0;
     pl_progress_stage(progress, PL_STAGE_WRITING);
     if ((status = write_mesh(job, result)))
         return status;
     pl_signals_set_written();
     pl_progress_clear(progress);
-    return report_result(job, result, progress, report);
+    return report_result(job, result, progress);
 }
 
 int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine) {
@@ -486,19 +151,95 @@ int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine) {
     if (!status)
         status = smooth_job(&job, &result, &progress);
     pl_progress_free(&progress);
-    pl_validity_free(&result.validity_before);
-    pl_validity_free(&result.validity_after);
-    pl_volumes_free(&result.volumes);
-    pl_unfixable_free(&result.unfixable);
-    pl_reversed_free(&result.reversed);
-    pl_surface_state_free(&result.surface);
-    pl_worst_free(&result.worst_before);
-    pl_worst_free(&result.worst_after);
-    pl_picture_free(result.picture);
+    pl_run_free(&result);
     pl_job_close(&job);
     return status;
 }
 
+/* ---- several meshes ------------------------------------------------------------------------- */
+
+/** Find the name [*length] of the file or folder at path, behind which separators may stand. */
+static const char *name_of(const char *path, int *length) {
+    const char *end = path + strlen(path);
+    while (end > path && pl_path_is_separator(end[-1]))
+        end--;
+    const char *name = end;
+    while (name > path && !pl_path_is_separator(name[-1]))
+        name--;
+    *length = (int)(end - name);
+    return name;
+}
+
+/** Make the path of the smoothed mesh of input; owned, or NULL without memory. */
+static char *output_of(const pl_arguments *arguments, const char *input) {
+    const char *folder = arguments->output_dir;
+    const size_t in_folder = folder ? strlen(folder) : 0, size = strlen(input) + in_folder + 2;
+    char *path = malloc(size);
+    int length;
+    const char *name = name_of(input, &length);
+    if (path && folder)
+        snprintf(path, size, "%s%s%.*s", folder,
+                 pl_path_is_separator(folder[in_folder - 1]) ? "" : "/", length, name);
+    else if (path)
+        snprintf(path, size, "%s", input);
+    return path;
+}
+
+static int smooth_one(const pl_arguments *arguments, const char *input) {
+    pl_arguments of_one = *arguments;
+    char *output = output_of(arguments, input);
+    if (!output)
+        return pl_complain(PL_EXIT_FAILED, "%s: out of memory", input);
+    of_one.input = input;
+    of_one.inputs = &input;
+    of_one.n_inputs = 1;
+    of_one.output = output;
+    const int status =
+        arguments->output_dir && pl_output_same_file(input, output)
+            ? pl_complain_usage("smooth", "'%s' is in the folder of --output-dir: give --in-place",
+                                input)
+            : pl_smooth_by(&of_one, &pl_engine_here);
+    free(output);
+    return status;
+}
+
+/** Whether both paths end in the same name. */
+static int same_name(const char *a, const char *b) {
+    int length_a, length_b;
+    const char *name_a = name_of(a, &length_a), *name_b = name_of(b, &length_b);
+    return length_a == length_b && strncmp(name_a, name_b, (size_t)length_a) == 0;
+}
+
+/** Check that no two inputs have one name, and make the folder of outputs. */
+static int prepare_folder(const pl_arguments *arguments) {
+    const char *folder = arguments->output_dir;
+    pl_file_status found;
+    for (int i = 0; i < arguments->n_inputs; i++)
+        for (int j = 0; j < i; j++)
+            if (same_name(arguments->inputs[i], arguments->inputs[j]))
+                return pl_complain_usage("smooth",
+                                         "'%s' and '%s' would have one name in --output-dir",
+                                         arguments->inputs[j], arguments->inputs[i]);
+    if (pl_folder_create(folder) == 0 ||
+        (pl_file_find(folder, &found) == 0 && found.kind == PL_FILE_FOLDER))
+        return 0;
+    return pl_complain(PL_EXIT_FAILED, "%s: cannot make this folder: %s", folder, strerror(errno));
+}
+
 int pl_smooth_command(const pl_arguments *arguments) {
-    return pl_smooth_by(arguments, &pl_engine_here);
+    if (arguments->output)
+        return pl_smooth_by(arguments, &pl_engine_here);
+    int worst = arguments->output_dir ? prepare_folder(arguments) : 0;
+    if (worst)
+        return worst;
+    for (int i = 0; i < arguments->n_inputs; i++) {
+        if (pl_signals_stop_asked())
+            return pl_complain(PL_EXIT_PARTLY, "%s (and %d more): not smoothed, as a signal came",
+                               arguments->inputs[i], arguments->n_inputs - i - 1);
+        if (i > 0 && arguments->verbosity != PL_QUIET)
+            putchar('\n');
+        const int status = smooth_one(arguments, arguments->inputs[i]);
+        worst = status > worst ? status : worst;
+    }
+    return worst;
 }

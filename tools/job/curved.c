@@ -3,6 +3,7 @@
 #include "job/curved.h"
 
 #include "job/cells.h"
+#include "job/same.h"
 #include "terminal/message.h"
 
 #include "geometry/cell.h"
@@ -17,7 +18,9 @@
 static const double MOST_THERE = 1.1, MOST_BACK = 1.5;
 
 int pl_curved_is_asked(const pl_job *job) {
-    return job->arguments->slide && job->arguments->slide_curved && job->file;
+    const pl_arguments *arguments = job->arguments;
+    const int is_planar = job->mesh.dim == 2 && arguments->curved_if_any; /* as auto there */
+    return arguments->slide && arguments->slide_curved && job->file && !is_planar;
 }
 
 /* ---- surfaces in space -------------------------------------------------------------------------- */
@@ -78,56 +81,6 @@ void pl_curved_hold(pl_job *job) {
 
 /* ---- the mesh that the surface comes from ------------------------------------------------------- */
 
-/** Whether two meshes have as many nodes and elements. */
-static int are_alike(const planish_mesh *a, const planish_mesh *b) {
-    return a->dim == b->dim && a->n_nodes == b->n_nodes && a->n_elements == b->n_elements &&
-           !a->cells == !b->cells;
-}
-
-/** Find the first element of two meshes, of as many, whose nodes differ; -1: there is none. */
-static int64_t find_difference(const planish_mesh *a, const planish_mesh *b) {
-    const planish_cells *p = a->cells, *q = b->cells;
-    const int n = a->dim + 1;
-    for (int64_t i = 0; i < a->n_elements && !p; i++)
-        if (memcmp(a->elements + i * n, b->elements + i * n, (size_t)n * sizeof *a->elements) != 0)
-            return i;
-    for (int64_t i = 0; p && i < a->n_elements; i++) {
-        const int64_t length = p->offset[i + 1] - p->offset[i];
-        if (p->type[i] != q->type[i] || q->offset[i + 1] - q->offset[i] != length ||
-            memcmp(p->node + p->offset[i], q->node + q->offset[i],
-                   (size_t)length * sizeof *p->node) != 0)
-            return i;
-    }
-    return -1;
-}
-
-/** Check that another file has the mesh of the input but for coordinates. */
-static int check_same(const pl_job *job, const planish_mesh *mine, const planish_mesh *other) {
-    const char *path = job->arguments->surface_of, *input = job->arguments->input;
-    if (other->dim != mine->dim)
-        return pl_complain(PL_EXIT_FAILED,
-                           "--surface-of %s: is a mesh in %d dimensions, but %s has %d", path,
-                           other->dim, input, mine->dim);
-    if (other->n_nodes != mine->n_nodes)
-        return pl_complain(PL_EXIT_FAILED,
-                           "--surface-of %s: has %" PRId64 " nodes, but %s has %" PRId64
-                           ": give the mesh that this one was made of",
-                           path, other->n_nodes, input, mine->n_nodes);
-    if (other->n_elements != mine->n_elements || !other->cells != !mine->cells)
-        return pl_complain(PL_EXIT_FAILED,
-                           "--surface-of %s: has %" PRId64 " elements, but %s has %" PRId64
-                           "%s: give the mesh that this one was made of",
-                           path, other->n_elements, input, mine->n_elements,
-                           other->n_elements == mine->n_elements ? " of other types" : "");
-    const int64_t element = find_difference(mine, other);
-    if (element < 0)
-        return 0;
-    return pl_complain(PL_EXIT_FAILED,
-                       "--surface-of %s: elements differ from those of %s at element %" PRId64
-                       ": give the mesh that this one was made of",
-                       path, input, planish_file_element_number(job->file, element));
-}
-
 /** Open the file of --surface-of, and check that its mesh is that of the input. */
 static int open_original(const pl_job *job, const planish_mesh *mine, planish_file **file) {
     planish_error error;
@@ -138,7 +91,10 @@ static int open_original(const pl_job *job, const planish_mesh *mine, planish_fi
     if (planish_file_open_with(job->arguments->surface_of, &how, file, &error))
         return pl_complain(PL_EXIT_FAILED, "--surface-of: %s", error.text);
     const planish_mesh other = planish_file_mesh(*file);
-    return check_same(job, mine, &other);
+    const pl_same_mesh of_input = {job->arguments->input, job->file, mine};
+    const pl_same_mesh of_original = {job->arguments->surface_of, *file, &other};
+    return pl_same_check(&of_input, &of_original,
+                         "--surface-of: give the mesh that this one was made of");
 }
 
 /* ---- the shape ------------------------------------------------------------------------------------ */
@@ -188,7 +144,7 @@ void pl_curved_try(pl_job *job) {
         is_there = !planish_file_open_isolated(job->arguments->surface_of, NULL,
                                                job->options.threads, &original, &ignored);
         const planish_mesh other = planish_file_mesh(original);
-        is_there = is_there && are_alike(&mesh, &other) && find_difference(&mesh, &other) < 0;
+        is_there = is_there && pl_same_meshes(&mesh, &other);
     }
     if (is_there)
         make_shape(job, original ? planish_file_coordinates(original) : mesh.coordinates, &ignored);

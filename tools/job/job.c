@@ -343,7 +343,7 @@ static int check_measures(pl_job *job) {
     const int is_of_types =
         asked == PLANISH_WORST_ASPECT_RATIO || asked == PLANISH_WORST_SCALED_JACOBIAN;
     const char *command = pl_command_name(arguments->command), *input = arguments->input;
-    if (job->has_types && arguments->has_objective && !arguments->worst &&
+    if (job->has_types && arguments->objective_given && !arguments->worst &&
         arguments->library.objective == PLANISH_OBJECTIVE_RADIUS_RATIO)
         return pl_complain_usage(command,
                                  "--objective radius-ratio is of triangles and tetrahedra alone, "
@@ -386,7 +386,7 @@ static const char *not_kept_with(const pl_job *job) {
     return target                                                ? target
            : arguments->library.method != PLANISH_METHOD_PLANISH ? "--method"
            : arguments->worst                                    ? "--objective worst"
-           : arguments->has_objective && objective != PLANISH_OBJECTIVE_MEAN_RATIO
+           : arguments->objective_given && objective != PLANISH_OBJECTIVE_MEAN_RATIO
                ? "--objective edge-ratio"
            : job->mesh.n_periodic > 0       ? "periodic nodes"
            : job->engine != &pl_engine_here ? "several processes"

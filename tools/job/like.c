@@ -1,6 +1,7 @@
 /* like: the target of each element is its shape in another file, or what its layer says. */
 #include "job/like.h"
 
+#include "job/same.h"
 #include "job/sizes.h"
 #include "terminal/message.h"
 
@@ -26,46 +27,6 @@ static int complain(const char *path, const planish_error *error) {
 }
 
 /* ---- whether it fits ------------------------------------------------------------------------- */
-
-/** Number of nodes of an element. */
-static int64_t n_nodes_of(const planish_cells *cells, int64_t element) {
-    return cells->offset[element + 1] - cells->offset[element];
-}
-
-/** Find the first element that has other nodes, or another type, in b than in a; -1: there is none. */
-static int64_t find_difference(const planish_cells *a, const planish_cells *b) {
-    for (int64_t i = 0; i < a->n; i++) {
-        const int64_t n = n_nodes_of(a, i);
-        if (a->type[i] != b->type[i] || n_nodes_of(b, i) != n ||
-            memcmp(a->node + a->offset[i], b->node + b->offset[i], (size_t)n * sizeof *a->node) !=
-                0)
-            return i;
-    }
-    return -1;
-}
-
-/** Check that the file has the mesh of the input but for coordinates. */
-static int check_same(const fitting *f) {
-    static const char *const advice = "--like needs the same mesh before it was deformed";
-    const planish_mesh *mine = f->mesh, *other = &f->other;
-    if (other->dim != mine->dim)
-        return pl_complain(PL_EXIT_FAILED, "%s is a mesh in %d dimensions, %s in %d; %s", f->path,
-                           other->dim, f->input, mine->dim, advice);
-    if (other->n_nodes != mine->n_nodes)
-        return pl_complain(PL_EXIT_FAILED, "%s has %" PRId64 " nodes, %s has %" PRId64 "; %s",
-                           f->path, other->n_nodes, f->input, mine->n_nodes, advice);
-    if (other->n_elements != mine->n_elements)
-        return pl_complain(PL_EXIT_FAILED, "%s has %" PRId64 " elements, %s has %" PRId64 "; %s",
-                           f->path, other->n_elements, f->input, mine->n_elements, advice);
-    const int64_t i = find_difference(mine->cells, other->cells);
-    if (i < 0)
-        return 0;
-    return pl_complain(PL_EXIT_FAILED, "element %" PRId64 " of %s %s element %" PRId64 " of %s; %s",
-                       planish_file_element_number(f->file, i), f->path,
-                       mine->cells->type[i] == other->cells->type[i] ? "has other nodes than"
-                                                                     : "is of another type than",
-                       planish_file_element_number(f->mine, i), f->input, advice);
-}
 
 /** Say why an element of the file is no target: by itself, or beside the input. */
 static const char *flaw_of(const fitting *f, int64_t element) {
@@ -150,7 +111,9 @@ static int take_places(fitting *f, pl_like *like) {
         return complain(f->path, &error);
     f->other.elements = NULL;
     f->other.cells = &f->cells;
-    const int status = check_same(f);
+    const pl_same_mesh mine = {f->input, f->mine, f->mesh}, other = {f->path, f->file, &f->other};
+    const int status =
+        pl_same_check(&mine, &other, "--like needs the same mesh before it was deformed");
     if (status)
         return status;
     const size_t size = (size_t)(f->other.n_nodes * f->other.dim) * sizeof *like->place;

@@ -54,13 +54,15 @@ static start read_arguments(int argc, char **argv, pl_arguments *arguments) {
         s.status = print_help();
     else if (!s.status && arguments->version)
         s.status = print_version();
+    else if (!s.status && !arguments->output)
+        s.status = pl_complain_usage("smooth", "planish-mpi smooths one mesh: give -o OUT");
     else if (!s.status)
         s.status = -1;
     pl_file_status about;
     if (s.status < 0 && pl_file_find(arguments->input, &about) == 0 && about.kind == PL_FILE_FOLDER)
-        s.status = pl_complain(PL_EXIT_FAILED,
-                               "%s: is a folder, which planish-mpi does not read; run planish smooth",
-                               arguments->input);
+        s.status = pl_complain(
+            PL_EXIT_FAILED, "%s: is a folder, which planish-mpi does not read; run planish smooth",
+            arguments->input);
     s.threads = arguments->library.threads;
     return s;
 }

@@ -15,33 +15,66 @@ const char *const pl_program_formats =
     ".avs, SU2 .su2, I-DEAS .unv; folders of Elmer and OpenFOAM.";
 
 static const pl_command_text command_table[] = {
-    {PL_COMMAND_SMOOTH, "smooth", "IN -o OUT", "mesh file", 0, "smooth a mesh",
+    {PL_COMMAND_SMOOTH, "smooth", "IN OUT", "mesh file", 0, 1, "smooth a mesh",
      "Move the interior nodes of the mesh IN to minimise the root mean square of the\n"
      "radius ratios. Inverted elements are repaired first. Valid elements stay valid.\n"
      "By default the worst element with a movable node never gets worse, and the\n"
      "smallest angle never smaller; minimum volumes and other objectives relax this.\n"
      "Mid-side nodes of second-order elements follow their corners. The result has the\n"
      "same bits on any number of threads. OUT differs from IN in the coordinates of\n"
-     "moved nodes only.",
+     "moved nodes only. Behind IN, OUT must not be there yet; -o OUT replaces it.",
      "0 done; 1 a usable mesh was written, but it has elements that are inverted or\n"
      "below their minimum volume, smoothing stopped early, or a report could not be\n"
-     "written; 2 failed, nothing was written; 64 bad usage."},
-    {PL_COMMAND_QUALITY, "quality", "FILE...", "mesh file", 1, "measure meshes",
+     "written; 2 failed, nothing was written; 64 bad usage. Of several meshes the\n"
+     "highest counts.",
+     "planish smooth in.msh out.msh --slide auto\n"
+     "planish smooth in.vtu out.vtu --best --report page.html\n"
+     "planish smooth deck.inp out.inp --fix LOAD --fix SUPPORT\n"
+     "planish smooth deformed.vtk out.vtk --like before.vtk\n"
+     "planish smooth *.mesh --output-dir smoothed"},
+    {PL_COMMAND_QUALITY, "quality", "FILE...", "mesh file", 1, 0, "measure meshes",
      "Report mesh quality of elements of every type; compare several files, one row\n"
      "each. No file is changed.",
      "0 if all files were read; 2 if a file could not be read, or a report could not\n"
-     "be written; 64 bad usage."},
-    {PL_COMMAND_CONVERT, "convert", "IN OUT", "mesh file", 0, "convert a mesh to another format",
+     "be written; 64 bad usage.",
+     "planish quality in.msh\n"
+     "planish quality in.msh out.msh\n"
+     "planish quality out.msh --worst 20 --json -\n"
+     "planish quality out.msh -o view.vtu"},
+    {PL_COMMAND_COMPARE, "compare", "BEFORE AFTER", "mesh file", 0, 1,
+     "compare two states of a mesh",
+     "Report the quality of the mesh BEFORE beside that of AFTER, which has the same\n"
+     "elements and other coordinates, in any format: tables and page are those of\n"
+     "smooth. 'planish quality A B' compares meshes that have other elements.",
+     "0 if they were compared; 2 if not; 64 bad usage.",
+     "planish compare in.msh out.msh\n"
+     "planish compare in.vtu other-smoother.vtk --report page.html"},
+    {PL_COMMAND_ADVISE, "advise", "IN", "mesh file", 0, 0, "measure a mesh and try to smooth it",
+     "Report the quality of the mesh IN, smooth it in memory in several ways, and name\n"
+     "the command that is worth to be run. No file is changed. 'planish IN' is the\n"
+     "same. No way is tried for more than half a minute.",
+     "0 if that was found out; 2 if not; 64 bad usage.",
+     "planish advise in.msh\n"
+     "planish in.msh --fix LOAD"},
+    {PL_COMMAND_GROUPS, "groups", "FILE", "mesh file", 0, 0, "list the groups of a mesh",
+     "List the groups of the mesh FILE, as --fix, --slide and --min-volume take them: a\n"
+     "line each, with what is in the group (solids, faces, lines, nodes), and its tag.",
+     "0 if the file was read; 2 if not; 64 bad usage.", "planish groups deck.inp"},
+    {PL_COMMAND_CONVERT, "convert", "IN OUT", "mesh file", 0, 1, "convert a mesh to another format",
      "Write the mesh IN to OUT in another format, which the extension of OUT tells, or\n"
      "--to. Nodes, elements of all types, regions, named groups and arrays of data are\n"
      "converted as far as the format has these; a note lists the rest.",
-     "0 if OUT was written; 2 if not; 64 bad usage."},
-    {PL_COMMAND_REPORT, "report", "RESULT.json [-o FILE.html]", "result", 0,
+     "0 if OUT was written; 2 if not; 64 bad usage.",
+     "planish convert in.med out.vtu\n"
+     "planish convert in.cgns out.msh --to gmsh22"},
+    {PL_COMMAND_REPORT, "report", "RESULT.json [-o FILE.html]", "result", 0, 0,
      "create an HTML report from a JSON result",
      "Create an HTML report from RESULT.json, which smooth or quality wrote by --json.\n"
      "It has tables, histograms, the convergence of the sweeps, and a picture of the\n"
      "mesh if its files are unchanged.",
-     "0 if the HTML report was written; 2 if not; 64 bad usage."},
+     "0 if the HTML report was written; 2 if not; 64 bad usage.",
+     "planish smooth in.msh out.msh --json result.json\n"
+     "planish report result.json -o page.html"},
 };
 
 enum { N_COMMANDS = sizeof command_table / sizeof command_table[0] };
@@ -130,4 +163,6 @@ void pl_help_print_command(const pl_command_text *command) {
             put_option(&option);
     printf("\nExit status:\n");
     put_lines(command->exit_status, 0);
+    printf("\nExamples:\n  ");
+    put_lines(command->examples, 2);
 }

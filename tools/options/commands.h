@@ -25,9 +25,11 @@ typedef struct pl_command_text {
     const char *operands;    /* "IN -o OUT" */
     const char *operand;     /* what an operand is */
     int takes_many;          /* more than one of them */
+    int takes_output;        /* OUT may stand behind it */
     const char *summary;     /* a few words */
     const char *description; /* what it does */
     const char *exit_status; /* what its exit statuses mean */
+    const char *examples;    /* command lines */
 } pl_command_text;
 
 /** Row i, 0 and up, or NULL if there is none. */

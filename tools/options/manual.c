@@ -68,6 +68,13 @@ static void put_options_of(unsigned commands) {
             put_option(&option);
 }
 
+static int count_bits(unsigned bits) {
+    int n = 0;
+    for (; bits; bits >>= 1)
+        n += (int)(bits & 1);
+    return n;
+}
+
 static void put_man(void) {
     const pl_command_text *command;
     printf(".TH PLANISH 1 \"\" \"planish %s\" \"User commands\"\n", planish_version());
@@ -89,10 +96,9 @@ static void put_man(void) {
     }
     printf(".TP\n\\fBplanish help\\fR [\\fICOMMAND\\fR]\nShow the help of the program, or of a "
            "command.\n.SH OPTIONS\n");
-    for (unsigned n_commands = 4; n_commands > 0; n_commands--) /* what most have comes first */
+    for (int n = PL_COMMANDS_ALL; n > 0; n--) /* what most have comes first */
         for (unsigned commands = 1; commands <= PL_COMMANDS_ALL; commands++)
-            if ((commands & 1) + (commands >> 1 & 1) + (commands >> 2 & 1) + (commands >> 3 & 1) ==
-                n_commands)
+            if (count_bits(commands) == n)
                 put_options_of(commands);
     printf(".SH FORMATS\n");
     put_troff(pl_program_formats);
@@ -116,16 +122,35 @@ static void put_man(void) {
         ".TP\n.BR OMP_PROC_BIND \", \" OMP_PLACES \", \" GOMP_CPU_AFFINITY\nif one of them is "
         "set, planish binds no thread\n"
         ".TP\n.B NO_COLOR\nif it is set and not empty, planish prints no colours; nor does it if"
-        "\nTERM is dumb, or the output is not a terminal\n"
-        ".SH EXAMPLES\n"
-        ".EX\nplanish smooth in.msh \\-o out.msh \\-\\-report page.html\n"
-        "planish smooth in.mesh \\-o out.mesh \\-\\-slide auto \\-\\-objective worst\n"
-        "planish quality in.msh out.msh\n"
-        "planish quality out.msh \\-\\-worst 20 \\-\\-json \\-\n.EE\n"
-        ".SH SEE ALSO\n.BR planish (3),\n.BR gmsh (1),\n.BR tetgen (1)\n");
+        "\nTERM is dumb, or the output is not a terminal\n");
+    printf(".SH EXAMPLES\n.EX\n");
+    for (int i = 0; (command = pl_command_at(i)); i++) {
+        put_troff(command->examples);
+        printf("\n");
+    }
+    printf(".EE\n"
+           ".SH SEE ALSO\n.BR planish (3),\n.BR gmsh (1),\n.BR tetgen (1)\n");
 }
 
 /* ---- completion ------------------------------------------------------------------------------ */
+
+/** Find how long words are without "group" at their end; *has_group: whether it is there. */
+static int length_of_words(const char *values, int *has_group) {
+    const char *group = strstr(values, "group");
+    *has_group = group != NULL;
+    return (int)(group ? (size_t)(group - values) : strlen(values));
+}
+
+/** Put that bash completes words, "group" among them for the groups of the mesh. */
+static void put_bash_words(const char *values) {
+    int has_group;
+    const int length = length_of_words(values, &has_group);
+    if (has_group)
+        printf(") mapfile -t COMPREPLY < <(_planish_tags \"$word\" %.*s); return ;;\n", length,
+               values);
+    else
+        printf(") COMPREPLY=($(compgen -W '%s' -- \"$word\")); return ;;\n", values);
+}
 
 /** Put what bash completes behind an option with a value; of options of one name, which are those
  * of several commands, values are of the same kind. */
@@ -145,7 +170,7 @@ static void put_bash_values(void) {
         else if (strcmp(o.values, "file") == 0)
             printf(") mapfile -t COMPREPLY < <(compgen -f -- \"$word\"); return ;;\n");
         else
-            printf(") COMPREPLY=($(compgen -W '%s' -- \"$word\")); return ;;\n", o.values);
+            put_bash_words(o.values);
     }
 }
 
@@ -154,7 +179,21 @@ static void put_bash(void) {
     pl_option_text o;
     char names[128];
     pl_command_list(" ", " ", names, sizeof names);
-    printf("# bash completion for planish\n_planish() {\n"
+    printf("# bash completion for planish\n"
+           "# _planish_tags WORD TAG...: tags that begin with WORD, the groups of the mesh among "
+           "them\n"
+           "_planish_tags() {\n"
+           "    local word=$1 file tag\n"
+           "    shift\n"
+           "    for file in \"${COMP_WORDS[@]:2}\"; do\n"
+           "        [ ! -e \"$file\" ] || break\n"
+           "    done\n"
+           "    { printf '%%s\\n' \"$@\"; \"${COMP_WORDS[0]}\" groups -- \"$file\" 2>/dev/null | "
+           "cut -c 9-; } |\n"
+           "        while read -r tag; do\n"
+           "            [[ -z $tag || $tag != \"$word\"* ]] || printf '%%s\\n' \"$tag\"\n"
+           "        done\n"
+           "}\n_planish() {\n"
            "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options\n"
            "    COMPREPLY=()\n"
            "    if [ \"$COMP_CWORD\" = 1 ]; then\n"
@@ -203,6 +242,8 @@ static void put_zsh_text(const char *text) {
 }
 
 static void put_zsh_option(const pl_option_text *o) {
+    int has_group;
+    const int length = length_of_words(o->values ? o->values : "", &has_group);
     printf(" \\\n        '*'");
     if (o->letter)
         printf("{-%c%s,", o->letter, o->value ? "+" : "");
@@ -216,6 +257,8 @@ static void put_zsh_option(const pl_option_text *o) {
             printf(": ");
         else if (strcmp(o->values, "file") == 0)
             printf(":_files");
+        else if (has_group)
+            printf(": _planish_tags %.*s", length, o->values);
         else
             printf(":(%s)", o->values);
     }
@@ -225,7 +268,17 @@ static void put_zsh_option(const pl_option_text *o) {
 static void put_zsh(void) {
     const pl_command_text *command;
     pl_option_text o;
-    printf("#compdef planish\n\nlocal -a commands=(\n");
+    printf("#compdef planish\n\n"
+           "# tags, and the groups of the mesh\n"
+           "_planish_tags() {\n"
+           "    local file\n"
+           "    local -a tags\n"
+           "    for file in ${(Q)words[2,-1]}; do\n"
+           "        [[ -e $file ]] && break\n"
+           "    done\n"
+           "    while [[ $1 == -* ]]; do shift; done\n"
+           "    tags=($@ ${(f)\"$(planish groups -- $file 2>/dev/null | cut -c 9-)\"})\n"
+           "    compadd -a tags\n}\n\nlocal -a commands=(\n");
     for (int i = 0; (command = pl_command_at(i)); i++) {
         printf("    '%s:", command->name);
         put_zsh_text(command->summary);

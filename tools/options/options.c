@@ -1,22 +1,14 @@
-/* options: the command lines of the program's commands. */
-#include "options/options.h"
-
-#include "options/commands.h"
-#include "terminal/message.h"
-#include "terminal/text.h"
+/* options: the table of options, and what sets the fields of a command line. */
+#include "options/table.h"
 
 #include "base/parallel.h"
 
 #include <errno.h>
 #include <float.h>
-#include <getopt.h>
 #include <limits.h>
 #include <math.h>
-#include <stddef.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 /* ---- words for choices ---------------------------------------------------------------------- */
 
@@ -83,36 +75,18 @@ static int parse_real(const char *text, double *value) {
 /* What it must be are the words of its row. */
 static const char NOT_LISTED[] = "";
 
-typedef struct option_row option_row;
-typedef const char *option_setter(pl_arguments *arguments, const option_row *row,
-                                  const char *value);
-
-struct option_row {
-    int letter;        /* short option, or 0 */
-    const char *name;  /* long option */
-    const char *value; /* what its value is called, or NULL: takes none */
-    unsigned commands; /* bits of pl_command, and OPTIMISES, OF_WORST */
-    option_setter *set;
-    size_t at;          /* offset in pl_arguments of the field that it sets */
-    double low, high;   /* of a number; of an option without a value low is what is set */
-    const char *wanted; /* what a value must be; NULL: one of values */
-    const char *help;   /* lines separated by '\n' */
-    const char *values; /* words that the value may be, separated by blanks; "file": a file's name;
-                           NULL: anything else */
-};
-
 /** The field that row sets. */
-static void *field_of(pl_arguments *arguments, const option_row *row) {
+static void *field_of(pl_arguments *arguments, const pl_option *row) {
     return (char *)arguments + row->at;
 }
 
-static const char *set_flag(pl_arguments *arguments, const option_row *row, const char *value) {
+static const char *set_flag(pl_arguments *arguments, const pl_option *row, const char *value) {
     (void)value;
     *(int *)field_of(arguments, row) = (int)row->low;
     return NULL;
 }
 
-static const char *set_integer(pl_arguments *arguments, const option_row *row, const char *value) {
+static const char *set_integer(pl_arguments *arguments, const pl_option *row, const char *value) {
     int *field = field_of(arguments, row);
     if (value[0] == '\0' || value[strspn(value, "0123456789")] != '\0')
         return row->wanted;
@@ -124,19 +98,19 @@ static const char *set_integer(pl_arguments *arguments, const option_row *row, c
     return NULL;
 }
 
-static const char *set_real(pl_arguments *arguments, const option_row *row, const char *value) {
+static const char *set_real(pl_arguments *arguments, const pl_option *row, const char *value) {
     double *number = field_of(arguments, row);
     return parse_real(value, number) || *number < row->low || *number > row->high ? row->wanted
                                                                                   : NULL;
 }
 
-static const char *set_text(pl_arguments *arguments, const option_row *row, const char *value) {
+static const char *set_text(pl_arguments *arguments, const pl_option *row, const char *value) {
     *(const char **)field_of(arguments, row) = value;
     return value[0] ? NULL : row->wanted;
 }
 
 /** Index of value among the words of row, or -1. */
-static int find_value(const option_row *row, const char *value) {
+static int find_value(const pl_option *row, const char *value) {
     const size_t length = strlen(value);
     int i = 0;
     for (const char *word = row->values; *word; i++) {
@@ -149,35 +123,34 @@ static int find_value(const option_row *row, const char *value) {
 }
 
 /** The words of row are those of an enumeration, in its order. */
-static const char *set_choice(pl_arguments *arguments, const option_row *row, const char *value) {
+static const char *set_choice(pl_arguments *arguments, const pl_option *row, const char *value) {
     const int i = find_value(row, value);
     *(int *)field_of(arguments, row) = i;
     return i < 0 ? NOT_LISTED : NULL;
 }
 
 /** Set a text that is one of the words of row. */
-static const char *set_word(pl_arguments *arguments, const option_row *row, const char *value) {
+static const char *set_word(pl_arguments *arguments, const pl_option *row, const char *value) {
     *(const char **)field_of(arguments, row) = value;
     return find_value(row, value) < 0 ? NOT_LISTED : NULL;
 }
 
-static const char *set_objective(pl_arguments *arguments, const option_row *row,
-                                 const char *value) {
-    arguments->has_objective = 1;
+static const char *set_objective(pl_arguments *arguments, const pl_option *row, const char *value) {
+    arguments->objective_given = row->value ? "--objective" : "--best";
     arguments->worst = strcmp(value, "worst") == 0;
     const int i = arguments->worst ? PLANISH_OBJECTIVE_RADIUS_RATIO : find_value(row, value);
     arguments->library.objective = (planish_objective)i;
     return i < 0 ? NOT_LISTED : NULL;
 }
 
-static const char *set_worst_measure(pl_arguments *arguments, const option_row *row,
+static const char *set_worst_measure(pl_arguments *arguments, const pl_option *row,
                                      const char *value) {
     const int i = find_value(row, value);
     arguments->worst_measure = worst_names[i < 0 ? 0 : i].worst;
     return i < 0 ? NOT_LISTED : NULL;
 }
 
-static const char *set_layers(pl_arguments *arguments, const option_row *row, const char *value) {
+static const char *set_layers(pl_arguments *arguments, const pl_option *row, const char *value) {
     static const pl_layers_asked asked[] = {PL_LAYERS_HELD, PL_LAYERS_KEPT, PL_LAYERS_IGNORED};
     const int i = find_value(row, value);
     arguments->layers = asked[i < 0 ? 0 : i];
@@ -187,7 +160,7 @@ static const char *set_layers(pl_arguments *arguments, const option_row *row, co
 }
 
 /** V for all elements; the last '=' ends a tag, which may have others in its name. */
-static const char *set_min_volume(pl_arguments *arguments, const option_row *row,
+static const char *set_min_volume(pl_arguments *arguments, const pl_option *row,
                                   const char *value) {
     const char *sign = strrchr(value, '=');
     double volume;
@@ -208,7 +181,7 @@ static const char *set_min_volume(pl_arguments *arguments, const option_row *row
     return NULL;
 }
 
-static const char *set_box(pl_arguments *arguments, const option_row *row, const char *value) {
+static const char *set_box(pl_arguments *arguments, const pl_option *row, const char *value) {
     double *box = arguments->box;
     int n = 0;
     const char *end = take_real(value, &box[n++]);
@@ -233,7 +206,7 @@ static int set_distance(const char *value, double *distance, planish_length_unit
     return 1;
 }
 
-static const char *set_max_displacement(pl_arguments *arguments, const option_row *row,
+static const char *set_max_displacement(pl_arguments *arguments, const pl_option *row,
                                         const char *value) {
     planish_options *library = &arguments->library;
     return set_distance(value, &library->max_displacement, &library->displacement_unit)
@@ -241,7 +214,7 @@ static const char *set_max_displacement(pl_arguments *arguments, const option_ro
                : row->wanted;
 }
 
-static const char *set_surface_tolerance(pl_arguments *arguments, const option_row *row,
+static const char *set_surface_tolerance(pl_arguments *arguments, const pl_option *row,
                                          const char *value) {
     planish_options *library = &arguments->library;
     return set_distance(value, &library->surface_tolerance, &library->surface_tolerance_unit)
@@ -249,17 +222,18 @@ static const char *set_surface_tolerance(pl_arguments *arguments, const option_r
                : row->wanted;
 }
 
-static const char *set_fix(pl_arguments *arguments, const option_row *row, const char *value) {
+static const char *set_fix(pl_arguments *arguments, const pl_option *row, const char *value) {
     arguments->fix[arguments->n_fix++] = value;
     return value[0] ? NULL : row->wanted;
 }
 
-static const char *set_slide(pl_arguments *arguments, const option_row *row, const char *value) {
+static const char *set_slide(pl_arguments *arguments, const pl_option *row, const char *value) {
     const int is_none = strcmp(value, "none") == 0, is_curved = strcmp(value, "curved") == 0;
     const int is_plain = is_none || strcmp(value, "auto") == 0;
     arguments->slide = !is_none;
     arguments->slide_given = 1;
     arguments->slides_none = is_none;
+    arguments->curved_if_any = 0;
     arguments->slide_curved = is_curved || (arguments->slide_curved && !is_plain);
     if (is_plain)
         arguments->n_slide_tags = 0;
@@ -269,7 +243,7 @@ static const char *set_slide(pl_arguments *arguments, const option_row *row, con
 }
 
 /** --regions NAME, and --ignore-regions. */
-static const char *set_regions(pl_arguments *arguments, const option_row *row, const char *value) {
+static const char *set_regions(pl_arguments *arguments, const pl_option *row, const char *value) {
     arguments->ignore_regions = !value || strcmp(value, "none") == 0;
     if (arguments->ignore_regions)
         arguments->n_regions = 0;
@@ -278,7 +252,21 @@ static const char *set_regions(pl_arguments *arguments, const option_row *row, c
     return !value || value[0] ? NULL : row->wanted;
 }
 
-static const char *set_verbose(pl_arguments *arguments, const option_row *row, const char *value) {
+static const char *set_best(pl_arguments *arguments, const pl_option *row, const char *value) {
+    (void)value;
+    set_slide(arguments, row, "curved");
+    arguments->curved_if_any = 1;
+    return set_objective(arguments, row, "worst");
+}
+
+static const char *set_fast(pl_arguments *arguments, const pl_option *row, const char *value) {
+    (void)row;
+    (void)value;
+    arguments->library.tolerance = 1e-3;
+    return NULL;
+}
+
+static const char *set_verbose(pl_arguments *arguments, const pl_option *row, const char *value) {
     (void)row;
     (void)value;
     arguments->verbosity = arguments->verbosity >= PL_VERBOSE ? PL_DETAILED : PL_VERBOSE;
@@ -292,12 +280,15 @@ enum {
     QUALITY = PL_COMMAND_QUALITY,
     REPORT = PL_COMMAND_REPORT,
     CONVERT = PL_COMMAND_CONVERT,
+    ADVISE = PL_COMMAND_ADVISE,
+    COMPARE = PL_COMMAND_COMPARE,
+    GROUPS = PL_COMMAND_GROUPS,
     BOTH = SMOOTH | QUALITY,
+    MEASURE = BOTH | ADVISE | COMPARE,
     ALL = PL_COMMANDS_ALL,
-    OPTIMISES = 16, /* heeded by no Laplacian method */
-    OF_WORST = 32,  /* has an effect with --objective worst alone */
-    OF_CURVED =
-        64 /* has an effect on smooth with --slide curved, and on surfaces in space, alone */
+    OPTIMISES = PL_OPTION_OPTIMISES,
+    OF_WORST = PL_OPTION_OF_WORST,
+    OF_CURVED = PL_OPTION_OF_CURVED
 };
 
 #define AT(field) offsetof(pl_arguments, field)
@@ -306,13 +297,26 @@ enum {
 #define BELOW_1        (1 - DBL_EPSILON / 2)
 #define FILE_OR_STDOUT "must be the name of a file, or - for standard output"
 
-static const option_row option_table[] = {
+static const pl_option option_table[] = {
     {'o', "output", "OUT", SMOOTH, set_text, AT(output), 0, 0, "must be the name of a file",
      "write the smoothed mesh to OUT, which may be IN; keep\n"
      "the format of IN and change coordinates only; convert\n"
      "to another format that planish convert writes if OUT\n"
      "ends as its files do",
      "file"},
+    {0, "output-dir", "DIR", SMOOTH, set_text, AT(output_dir), 0, 0, "must be the name of a folder",
+     "write each smoothed mesh to folder DIR, under the\n"
+     "name that it has; IN may be several meshes",
+     "file"},
+    {0, "in-place", NULL, SMOOTH, set_flag, AT(in_place), 1, 0, NULL,
+     "replace IN by the smoothed mesh; IN may be several\nmeshes", NULL},
+    {0, "best", NULL, SMOOTH | OPTIMISES, set_best, 0, 0, 0, NULL,
+     "reach the best worst elements, which takes longer:\n"
+     "same as --slide curved --objective worst, in a plane\n"
+     "--slide auto --objective worst",
+     NULL},
+    {0, "fast", NULL, SMOOTH, set_fast, 0, 0, 0, NULL, "stop early: same as --tolerance 1e-3",
+     NULL},
     {'o', "output", "VIEW", QUALITY, set_text, AT(output), 0, 0, "must be the name of a file",
      "write a copy for viewing to VIEW, which ends in .vtu\n"
      "or .vtk, with the measures of all elements",
@@ -326,7 +330,7 @@ static const option_row option_table[] = {
      "medit, abaqus, nastran, exodus, stl, obj or ply\n"
      "(default: by the extension of OUT)",
      "vtu vtk gmsh gmsh22 medit abaqus nastran exodus stl obj ply"},
-    {0, "format", "NAME", BOTH | CONVERT, set_word, AT(format), 0, 0, NULL,
+    {0, "format", "NAME", MEASURE | CONVERT | GROUPS, set_word, AT(format), 0, 0, NULL,
      "set the format of the input: gmsh, medit, vtk, vtu,\n"
      "vtkhdf, med, cgns, dmplex, tetgen, netgen, abaqus,\n"
      "nastran, off, stl, obj, ply, mfem, exodus, ucd, su2,\n"
@@ -401,25 +405,25 @@ static const option_row option_table[] = {
      "not count), write the mesh and exit with status 1\n"
      "(default: no limit)",
      NULL},
-    {0, "fix", "TAG", BOTH, set_fix, 0, 0, 0, "must be the NAME, N or DIM:N of a group",
-     "hold all nodes of group TAG: its NAME, N or DIM:N;\n"
-     "repeatable",
-     NULL},
-    {0, "layers", "HOW", BOTH, set_layers, 0, 0, 0, NULL,
+    {0, "fix", "TAG", MEASURE, set_fix, 0, 0, 0, "must be the NAME, N or DIM:N of a group",
+     "hold all nodes of group TAG: its NAME, N or DIM:N\n"
+     "(planish groups FILE lists them); repeatable",
+     "group"},
+    {0, "layers", "HOW", MEASURE, set_layers, 0, 0, 0, NULL,
      "hold or ignore boundary layers, elements that are\n"
      "thin in layers, or keep their heights while nodes\n"
      "move along them (default: keep those with wedges,\n"
      "hexahedra or quadrilaterals)",
      "hold keep ignore"},
-    {0, "fix-layers", NULL, BOTH, set_flag, AT(fix_layers), 1, 0, NULL, "same as --layers hold",
+    {0, "fix-layers", NULL, MEASURE, set_flag, AT(fix_layers), 1, 0, NULL, "same as --layers hold",
      NULL},
-    {0, "regions", "NAME", BOTH, set_regions, 0, 0, 0,
+    {0, "regions", "NAME", MEASURE, set_regions, 0, 0, 0,
      "must be the name of an array of the file, or none",
      "hold nodes between the values of array NAME (default:\n"
      "all arrays that look like regions); repeatable;\n"
      "none: let nodes between regions move",
      "none"},
-    {0, "ignore-regions", NULL, BOTH, set_regions, 0, 0, 0, NULL,
+    {0, "ignore-regions", NULL, MEASURE, set_regions, 0, 0, 0, NULL,
      "let nodes between regions (materials) move; same as\n"
      "--regions none",
      NULL},
@@ -431,7 +435,7 @@ static const option_row option_table[] = {
      "in space), none (default of others; of surfaces in\n"
      "space: not along curves), or group TAG only (NAME, N\n"
      "or DIM:N; repeatable)",
-     "auto curved none"},
+     "auto curved none group"},
     {0, "surface-tolerance", "T", SMOOTH | OPTIMISES | OF_CURVED, set_surface_tolerance, 0, 0, 0,
      "must be a distance above 0, or a number and h for that many edge lengths",
      "on curved surfaces: let no point of the surface be\n"
@@ -484,7 +488,7 @@ static const option_row option_table[] = {
      "A degrees, and no others but for groups (default:\n"
      "find creases)",
      NULL},
-    {0, "slide-tolerance", "T", BOTH, set_real, AT(slide_tolerance), ABOVE_0, 1e-3,
+    {0, "slide-tolerance", "T", MEASURE, set_real, AT(slide_tolerance), ABOVE_0, 1e-3,
      "must be a fraction above 0, up to 1e-3",
      "accept nodes up to T times the diagonal of the\n"
      "bounding box off their plane or line (default 1e-8,\n"
@@ -506,21 +510,21 @@ static const option_row option_table[] = {
     {0, "rings", "K", SMOOTH | OPTIMISES, set_integer, AT(library.rings), 0, 100,
      "must be a whole number from 0 to 100",
      "with --only-worse-than: move K rings of elements\naround these as well (default 0)", NULL},
-    {'j', "threads", "N", BOTH | CONVERT, set_integer, AT(library.threads), 1, PL_MAX_THREADS,
+    {'j', "threads", "N", MEASURE | CONVERT, set_integer, AT(library.threads), 1, PL_MAX_THREADS,
      "must be a whole number from 1 to 1024",
      "run on N threads (default: OMP_NUM_THREADS, else one\n"
      "for each core, fewer for a small mesh)",
      NULL},
-    {0, "bind", "HOW", BOTH, set_choice, AT(leave_unbound), 0, 0, NULL,
+    {0, "bind", "HOW", MEASURE, set_choice, AT(leave_unbound), 0, 0, NULL,
      "bind one thread to each core if there are enough\n"
      "cores and OpenMP's variables say nothing (auto,\n"
      "default), or leave threads unbound (none)",
      "auto none"},
-    {0, "json", "FILE", BOTH, set_text, AT(json), 0, 0, FILE_OR_STDOUT,
+    {0, "json", "FILE", BOTH | COMPARE, set_text, AT(json), 0, 0, FILE_OR_STDOUT,
      "write the result as JSON to FILE, - for standard\n"
      "output",
      "file"},
-    {0, "report", "FILE.html", BOTH, set_text, AT(report), 0, 0, FILE_OR_STDOUT,
+    {0, "report", "FILE.html", BOTH | COMPARE, set_text, AT(report), 0, 0, FILE_OR_STDOUT,
      "write an HTML report with tables, histograms,\n"
      "convergence and a picture to FILE.html, - for\n"
      "standard output",
@@ -534,333 +538,17 @@ static const option_row option_table[] = {
      "print one line per sweep, and the placement of the\n"
      "threads; -vv: one line per colour as well",
      NULL},
-    {'q', "quiet", NULL, ALL, set_flag, AT(verbosity), PL_QUIET, 0, NULL,
+    {'q', "quiet", NULL, ALL & ~(ADVISE | GROUPS), set_flag, AT(verbosity), PL_QUIET, 0, NULL,
      "print nothing but errors", NULL},
     {'h', "help", NULL, ALL, set_flag, AT(help), 1, 0, NULL, "show this help and exit", NULL},
     {0, "version", NULL, ALL, set_flag, AT(version), 1, 0, NULL, "show the version and exit", NULL},
 };
 
 enum { N_OPTIONS = sizeof option_table / sizeof option_table[0] };
+_Static_assert((int)N_OPTIONS <= (int)PL_MOST_OPTIONS, "a table of that many options");
 
-/* ---- parsing -------------------------------------------------------------------------------- */
-
-/** Code that getopt_long returns for row i: its letter, or a number beyond all characters. */
-static int option_code(int i) {
-    return option_table[i].letter ? option_table[i].letter : UCHAR_MAX + 1 + i;
-}
-
-/** The rows of command in getopt's terms: letters [3 * N_OPTIONS + 2], rows [N_OPTIONS + 1]. */
-static void make_getopt_table(pl_command command, char *letters, struct option *rows) {
-    *letters++ = ':'; /* tells a missing value from an unknown option */
-    for (int i = 0; i < N_OPTIONS; i++) {
-        const option_row *row = &option_table[i];
-        if (!(row->commands & command))
-            continue;
-        *rows++ = (struct option){row->name, row->value ? required_argument : no_argument, NULL,
-                                  option_code(i)};
-        if (row->letter) {
-            *letters++ = (char)row->letter;
-            if (row->value)
-                *letters++ = ':';
-        }
-    }
-    *letters = '\0';
-    *rows = (struct option){NULL, 0, NULL, 0};
-}
-
-static const option_row *find_row(pl_command command, int code) {
-    for (int i = 0; i < N_OPTIONS; i++)
-        if (option_code(i) == code && (option_table[i].commands & command))
-            return &option_table[i];
-    return NULL;
-}
-
-/** Message for an option --word (which may have "=VALUE" behind it) that getopt does not know. */
-static int complain_unknown(pl_command command, const char *name, const char *word) {
-    char typed[64], others[128] = "";
-    snprintf(typed, sizeof typed, "%.*s", (int)strcspn(word, "="), word);
-    const char *nearest = NULL;
-    const option_row *elsewhere = NULL;
-    size_t used = 0;
-    for (int i = 0; i < N_OPTIONS; i++) {
-        const option_row *row = &option_table[i];
-        const int is_here = (row->commands & command) != 0;
-        if (is_here)
-            nearest = pl_text_nearer(typed, nearest, row->name);
-        else if (strcmp(row->name, typed) == 0)
-            elsewhere = row;
-        if (is_here && typed[0] && strncmp(row->name, typed, strlen(typed)) == 0 &&
-            used < sizeof others)
-            used += (size_t)snprintf(others + used, sizeof others - used, "%s--%s",
-                                     used ? ", " : "", row->name);
-    }
-    if (used)
-        return pl_complain_usage(name, "option '--%s' is ambiguous: %s", typed, others);
-    if (elsewhere)
-        return pl_complain_usage(name, "planish %s has no option --%s", name, typed);
-    if (nearest)
-        return pl_complain_usage(name, "unknown option '--%s'; did you mean --%s?", typed, nearest);
-    return pl_complain_usage(name, "unknown option '--%s'", typed);
-}
-
-/** Message for a value that a setter has refused, as it must be wanted; "": one of the row's words.
- */
-static int complain_value(const char *name, const option_row *row, const char *value,
-                          const char *wanted) {
-    char list[256] = "must be ";
-    size_t used = strlen(list);
-    for (const char *word = row->values; !wanted[0] && *word;) {
-        const size_t n = strcspn(word, " "), next = n + strspn(word + n, " ");
-        const char *joint = !word[next] ? "" : strchr(word + next, ' ') ? ", " : " or ";
-        used += (size_t)snprintf(list + used, sizeof list - used, "%.*s%s", (int)n, word, joint);
-        word += next;
-    }
-    return pl_complain_usage(name, "--%s '%s' %s", row->name, value, wanted[0] ? wanted : list);
-}
-
-/** Message for what getopt refused; word: the argument it was looking at. */
-static int complain_option(pl_command command, const char *name, int refusal, int code,
-                           const char *word) {
-    const option_row *row = find_row(command, code);
-    if (refusal == ':' && row)
-        return pl_complain_usage(name, "option --%s needs a value (%s)", row->name, row->value);
-    if (row)
-        return pl_complain_usage(name, "option --%s takes no value", row->name);
-    if (code)
-        return pl_complain_usage(name, "unknown option '-%c'", code);
-    return complain_unknown(command, name, word + strspn(word, "-"));
-}
-
-/** Take the operands that stand at argv[optind ...] and check that all is there. */
-static int take_operands(pl_arguments *arguments, int argc, char **argv) {
-    const pl_command_text *command = pl_command_row(arguments->command);
-    if (optind == argc)
-        return pl_complain_usage(command->name, "no %s is named", command->operand);
-    if (arguments->command == PL_COMMAND_CONVERT && optind + 2 == argc && argv[argc - 1][0])
-        arguments->output = argv[--argc];
-    else if (optind + 1 < argc && !command->takes_many) {
-        const char *second = argv[optind + 1];
-        if (!arguments->output && arguments->command == PL_COMMAND_SMOOTH)
-            return pl_complain_usage(command->name, "unexpected argument '%s'; did you mean -o %s?",
-                                     second, second);
-        return pl_complain_usage(command->name, "unexpected argument '%s': give one %s", second,
-                                 command->operand);
-    }
-    for (int i = optind; i < argc; i++) {
-        if (argv[i][0] == '\0')
-            return pl_complain_usage(command->name, "the name of the %s is empty",
-                                     command->operand);
-        arguments->inputs[arguments->n_inputs++] = argv[i];
-    }
-    arguments->input = arguments->inputs[0];
-    if (arguments->command == PL_COMMAND_SMOOTH && !arguments->output)
-        return pl_complain_usage(command->name, "no output file is named: give -o OUT");
-    if (arguments->command == PL_COMMAND_CONVERT && !arguments->output)
-        return pl_complain_usage(command->name, "no output file is named: give IN and OUT");
-    return 0;
-}
-
-int pl_arguments_bound_volumes(const pl_arguments *arguments) {
-    const planish_options *library = &arguments->library;
-    return library->min_volume > 0 || library->min_volume_fraction > 0 ||
-           arguments->n_min_volumes > 0;
-}
-
-/** The copy for viewing of the command quality. */
-static int check_view(const pl_arguments *arguments) {
-    const char *path = arguments->output;
-    const size_t length = strlen(path), n = strlen(".vtu");
-    const char *end = path + (length > n ? length - n : 0);
-    if (strcasecmp(end, ".vtu") != 0 && strcasecmp(end, ".vtk") != 0)
-        return pl_complain_usage("quality", "--output '%s' must end in .vtu or .vtk", path);
-    if (arguments->n_inputs > 1)
-        return pl_complain_usage("quality", "--output takes one mesh, but %d are named",
-                                 arguments->n_inputs);
-    return 0;
-}
-
-/** Options that have no place beside --onto. */
-static int check_onto(const pl_arguments *arguments) {
-    const planish_options *library = &arguments->library;
-    const char *command = pl_command_name(arguments->command);
-    const char *name = arguments->slide                ? "slide"
-                       : arguments->n_box > 0          ? "box"
-                       : library->max_displacement > 0 ? "max-displacement"
-                       : library->only_worse_than > 0  ? "only-worse-than"
-                       : arguments->surface_of         ? "surface-of"
-                                                       : NULL;
-    return name ? pl_complain_usage(command, "give --onto or --%s, not both", name) : 0;
-}
-
-/** Find the options that say what elements are to become like: targets [5] in the order in which they are
- *  named. Returns how many are given. */
-static int find_targets(const pl_arguments *arguments, const char **targets) {
-    int n = 0;
-    if (arguments->like)
-        targets[n++] = "--like";
-    if (arguments->layers == PL_LAYERS_KEPT)
-        targets[n++] = "--layers keep";
-    if (arguments->size)
-        targets[n++] = "--size";
-    if (arguments->size_from)
-        targets[n++] = "--size-from";
-    if (arguments->keep_sizes)
-        targets[n++] = "--keep-sizes";
-    return n;
-}
-
-int pl_arguments_have_sizes(const pl_arguments *arguments) {
-    return arguments->size || arguments->size_from || arguments->keep_sizes;
-}
-
-const char *pl_arguments_target(const pl_arguments *arguments) {
-    const char *targets[5];
-    return find_targets(arguments, targets) > 0 ? targets[0] : NULL;
-}
-
-/** Check what stands beside options of targets. */
-static int check_targets(const pl_arguments *arguments) {
-    const planish_objective objective = arguments->library.objective;
-    const char *command = pl_command_name(arguments->command), *targets[5] = {NULL};
-    const int n = find_targets(arguments, targets);
-    const int is_sized = pl_arguments_have_sizes(arguments);
-    if (arguments->library.size_weight > 0 && !is_sized && !arguments->like)
-        return pl_complain_usage(command, "--size-weight has no effect without --like or sizes "
-                                          "(--size, --size-from, --keep-sizes)");
-    if (arguments->library.size_weight == 0 && arguments->keep_sizes)
-        return pl_complain_usage(command,
-                                 "--size-weight 0 leaves --keep-sizes without effect: give more");
-    if (n > 1)
-        return pl_complain_usage(command, "give %s or %s, not both", targets[0], targets[1]);
-    if (n == 1 && is_sized && arguments->n_inputs > 1)
-        return pl_complain_usage(command, "%s takes one mesh, but %d are named", targets[0],
-                                 arguments->n_inputs);
-    if (n == 0 || !arguments->has_objective ||
-        (objective == PLANISH_OBJECTIVE_MEAN_RATIO && !arguments->worst))
-        return 0;
-    return pl_complain_usage(command, "%s minimises the mean-ratio: leave out --objective %s",
-                             targets[0], arguments->worst ? "worst" : pl_objective_name(objective));
-}
-
-/** Options that exclude or need one another. */
-static int check_combinations(const pl_arguments *arguments) {
-    const planish_options *library = &arguments->library;
-    const char *command = pl_command_name(arguments->command);
-    if (library->min_volume > 0 && library->min_volume_fraction > 0)
-        return pl_complain_usage(command, "give --min-volume for all elements or "
-                                          "--min-volume-fraction, not both");
-    if (library->area_weight > 0 && !pl_arguments_bound_volumes(arguments))
-        return pl_complain_usage(command, "--area-weight needs a minimum volume: --min-volume or "
-                                          "--min-volume-fraction");
-    if (arguments->fix_layers &&
-        (arguments->layers == PL_LAYERS_IGNORED || arguments->layers == PL_LAYERS_KEPT))
-        return pl_complain_usage(command, "give --fix-layers or --layers %s, not both",
-                                 arguments->layers == PL_LAYERS_KEPT ? "keep" : "ignore");
-    if (library->rings > 0 && !(library->only_worse_than > 0))
-        return pl_complain_usage(command, "--rings has no effect without --only-worse-than");
-    if (arguments->of_worst && !arguments->worst)
-        return pl_complain_usage(command, "--%s has no effect without --objective worst",
-                                 arguments->of_worst);
-    if (arguments->onto && check_onto(arguments))
-        return PL_EXIT_USAGE;
-    if (check_targets(arguments))
-        return PL_EXIT_USAGE;
-    if (arguments->surface_of && arguments->n_inputs > 1)
-        return pl_complain_usage(command, "--surface-of takes one mesh, but %d are named",
-                                 arguments->n_inputs);
-    if (arguments->command == PL_COMMAND_QUALITY && arguments->output && check_view(arguments))
-        return PL_EXIT_USAGE;
-    if (arguments->report && arguments->n_inputs > 1)
-        return pl_complain_usage(command, "--report takes one mesh, but %d are named",
-                                 arguments->n_inputs);
-    if (arguments->n_worst > 0 && arguments->verbosity == PL_QUIET && !arguments->json &&
-        !arguments->report)
-        return pl_complain_usage(command, "--worst has no effect with --quiet and no report");
-    if (library->method != PLANISH_METHOD_PLANISH && arguments->optimiser)
-        return pl_complain_usage(command, "--%s has no effect with --method %s",
-                                 arguments->optimiser, pl_method_name(library->method));
-    return 0;
-}
-
-/** Room for as many tags as there are words. */
-static int make_room(pl_arguments *arguments, int argc) {
-    const size_t n = (size_t)argc;
-    arguments->inputs = calloc(n, sizeof *arguments->inputs);
-    arguments->fix = calloc(n, sizeof *arguments->fix);
-    arguments->slide_tag = calloc(n, sizeof *arguments->slide_tag);
-    arguments->regions = calloc(n, sizeof *arguments->regions);
-    arguments->min_volume_tag = calloc(n, sizeof *arguments->min_volume_tag);
-    arguments->min_volume_value = calloc(n, sizeof *arguments->min_volume_value);
-    if (arguments->inputs && arguments->fix && arguments->slide_tag && arguments->regions &&
-        arguments->min_volume_tag && arguments->min_volume_value)
-        return 0;
-    return pl_complain(PL_EXIT_FAILED, "out of memory for the command line");
-}
-
-/* A size weight that no option gives; and what it is with sizes. */
-#define NOT_GIVEN       (-1.0)
-#define WEIGHT_OF_SIZES 0.9
-
-/** Choose the size weight where no option gives it. */
-static void take_size_weight(pl_arguments *arguments) {
-    double *weight = &arguments->library.size_weight;
-    if (*weight < 0)
-        *weight = pl_arguments_have_sizes(arguments) ? WEIGHT_OF_SIZES : 0;
-}
-
-int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, char **argv) {
-    memset(arguments, 0, sizeof *arguments);
-    arguments->command = command;
-    planish_options_init(&arguments->library);
-    arguments->library.size_weight = NOT_GIVEN;
-    int status = make_room(arguments, argc);
-    if (status)
-        return status;
-
-    char letters[3 * N_OPTIONS + 2];
-    struct option rows[N_OPTIONS + 1];
-    make_getopt_table(command, letters, rows);
-    opterr = 0;
-    optind = 1;
-    int code;
-    while ((code = getopt_long(argc, argv, letters, rows, NULL)) != -1) {
-        if (code == '?' || code == ':')
-            return complain_option(command, argv[0], code, optopt, argv[optind - 1]);
-        const option_row *row = find_row(command, code);
-        const char *wanted = row->set(arguments, row, optarg);
-        if (wanted)
-            return complain_value(argv[0], row, optarg, wanted);
-        if (row->commands & OF_WORST)
-            arguments->of_worst = row->name;
-        if (row->commands & OF_CURVED)
-            arguments->of_curved = row->name;
-        if (row->commands & OPTIMISES)
-            arguments->optimiser = row->name;
-        if (arguments->help || arguments->version)
-            return 0;
-    }
-    take_size_weight(arguments);
-    status = take_operands(arguments, argc, argv);
-    if (!status)
-        status = check_combinations(arguments);
-    if (arguments->fix_layers)
-        arguments->layers = PL_LAYERS_HELD;
-    if (arguments->worst)
-        arguments->library.worst = arguments->worst_measure != PLANISH_WORST_NONE
-                                       ? arguments->worst_measure
-                                       : PLANISH_WORST_ANGLE;
-    return status;
-}
-
-void pl_arguments_free(pl_arguments *arguments) {
-    for (int i = 0; i < arguments->n_min_volumes; i++)
-        free(arguments->min_volume_tag[i]);
-    free(arguments->min_volume_tag);
-    free(arguments->min_volume_value);
-    free(arguments->regions);
-    free(arguments->slide_tag);
-    free(arguments->fix);
-    free(arguments->inputs);
+const pl_option *pl_option_at(int i) {
+    return i < N_OPTIONS ? &option_table[i] : NULL;
 }
 
 /* ---- for the help and the manual ------------------------------------------------------------ */
@@ -868,7 +556,7 @@ void pl_arguments_free(pl_arguments *arguments) {
 int pl_option_describe(int i, pl_option_text *text) {
     if (i >= N_OPTIONS)
         return 0;
-    const option_row *row = &option_table[i];
+    const pl_option *row = &option_table[i];
     *text = (pl_option_text){.letter = row->letter,
                              .name = row->name,
                              .value = row->value,

@@ -18,7 +18,10 @@ typedef enum pl_command {
     PL_COMMAND_QUALITY = 2,
     PL_COMMAND_REPORT = 4,
     PL_COMMAND_CONVERT = 8,
-    PL_COMMANDS_ALL = 15
+    PL_COMMAND_ADVISE = 16,
+    PL_COMMAND_COMPARE = 32,
+    PL_COMMAND_GROUPS = 64,
+    PL_COMMANDS_ALL = 127
 } pl_command;
 
 /** The word that names command. */
@@ -47,16 +50,19 @@ typedef enum pl_layers_asked {
 /** A command line that has been understood. Strings are those of argv. */
 typedef struct pl_arguments {
     pl_command command;
-    const char *input;   /* the first of inputs */
-    const char **inputs; /* [n_inputs] owned */
-    int n_inputs;        /* 1, but for commands that take many */
-    const char *output;  /* smooth, convert: always there; report, quality: or NULL */
-    const char *format;  /* or NULL: find out */
-    const char *to;      /* the format of what is converted, or NULL: by its extension */
-    const char *json;    /* a path, "-" for standard output, or NULL: no report */
-    const char *report;  /* path of the page for people, or NULL: none */
-    int n_worst;         /* elements that --worst lists; 0: not given */
-    const char **fix;    /* [n_fix] tags, owned */
+    const char *input;      /* the first of inputs */
+    const char **inputs;    /* [n_inputs] owned */
+    int n_inputs;           /* 1, but for commands that take many; smooth: 1 with output */
+    const char *output;     /* convert: always there; compare: the second mesh; others:
+                            or NULL */
+    const char *output_dir; /* of smooth: the folder of all outputs, or NULL */
+    int in_place;           /* of smooth: each input is replaced */
+    const char *format;     /* or NULL: find out */
+    const char *to;         /* the format of what is converted, or NULL: by its extension */
+    const char *json;       /* a path, "-" for standard output, or NULL: no report */
+    const char *report;     /* path of the page for people, or NULL: none */
+    int n_worst;            /* elements that --worst lists; 0: not given */
+    const char **fix;       /* [n_fix] tags, owned */
     int n_fix;
     int fix_layers;         /* given: as --layers hold, */
     pl_layers_asked layers; /* which says so then */
@@ -66,7 +72,8 @@ typedef struct pl_arguments {
     const char **slide_tag; /* [n_slide_tags] on these groups only; none: on all; owned */
     int n_slide_tags;
     double slide_tolerance; /* 0: what fits the file */
-    int slide_curved;       /* on curved patches and curves, too */
+    int slide_curved;       /* on curved patches and curves, too, */
+    int curved_if_any;      /* where the mesh may have any: no error in a plane */
     int slide_interfaces;   /* those between regions among them */
     const char *surface_of; /* the file that the surface is taken from, or NULL: the input */
     const char *onto;       /* the file whose surface the mesh's is fitted to, or NULL: none */
@@ -76,9 +83,9 @@ typedef struct pl_arguments {
     int keep_sizes;         /* the sizes are those of the input */
     double crease_angle;    /* in degrees; 0: features are found */
     const char *of_curved;  /* an option of smooth that is for curved surfaces alone, or NULL */
-    int has_objective;      /* --objective was given */
-    int worst;              /* --objective worst */
-    const char *of_worst;   /* an option that is for it alone, or NULL */
+    const char *objective_given; /* the option that says the objective, as it is written, or NULL */
+    int worst;                   /* --objective worst */
+    const char *of_worst;        /* an option that is for it alone, or NULL */
     planish_worst worst_measure;
     int ignore_regions;
     const char **regions; /* [n_regions] arrays that tell regions; none: found by the rule; owned */
@@ -111,14 +118,14 @@ void pl_arguments_free(pl_arguments *arguments);
 
 /** Row of the table of options. */
 typedef struct pl_option_text {
-    int letter;        /* short option, or 0 */
-    const char *name;  /* long option */
-    const char *value; /* what its value is called, or NULL: takes none */
-    unsigned commands; /* bits of pl_command that have it */
-    const char *help;  /* lines separated by '\n' */
-    const char
-        *values;    /* words that the value may be; "file": a file's name; NULL: anything else */
-    int is_doubled; /* the letter means more if it is given twice, as in -vv */
+    int letter;         /* short option, or 0 */
+    const char *name;   /* long option */
+    const char *value;  /* what its value is called, or NULL: takes none */
+    unsigned commands;  /* bits of pl_command that have it */
+    const char *help;   /* lines separated by '\n' */
+    const char *values; /* words that the value may be; "file": a file's name; "group" at the end: a
+                       group of the mesh; NULL: anything else */
+    int is_doubled;     /* the letter means more if it is given twice, as in -vv */
 } pl_option_text;
 
 /** Describe option i, 0 and up; 0 if there is none. */

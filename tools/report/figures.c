@@ -29,7 +29,9 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
     const cJSON *after = cJSON_GetObjectItemCaseSensitive(result, "after");
     const cJSON *quality = cJSON_GetObjectItemCaseSensitive(result, "quality");
     const char *target = pl_figure_text(result, "target");
+    const cJSON *compared = cJSON_GetObjectItemCaseSensitive(result, "compared");
     *figures = (pl_figures){.result = result,
+                            .is_compared = cJSON_IsTrue(compared),
                             .is_solid = pl_figure(mesh, "dimension") == 3,
                             .like = pl_figure_text(result, "like"),
                             .of_sizes = strcmp(target, "sizes") == 0,

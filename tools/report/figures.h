@@ -15,6 +15,7 @@
 typedef struct pl_figures {
     const cJSON *result;
     int n_states;
+    int is_compared;       /* they are of two files, and planish smoothed nothing */
     const cJSON *state[2]; /* the objects of quality */
     const char *name[2];   /* "before", "after"; "mesh" */
     int is_solid;          /* tetrahedra */

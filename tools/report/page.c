@@ -59,27 +59,39 @@ static void put_mesh(pl_markup *page, const pl_figures *figures) {
         pl_markup_put(page, " with mid-side nodes");
 }
 
-/** Put who moved, how far, and what that brought. */
-static void put_change(pl_markup *page, const pl_figures *figures, const cJSON *mesh) {
-    const cJSON *result = figures->result;
+/** Put how many nodes are elsewhere after than before, and by how much. */
+static void put_moved(pl_markup *page, const pl_figures *figures, const cJSON *mesh) {
+    pl_markup_put(page, figures->is_compared ? "" : "planish moved ");
+    pl_markup_put_count(page, pl_figure_count(figures->result, "moved_nodes"));
+    pl_markup_put(page, " of ");
+    pl_markup_put_count(page, pl_figure_count(mesh, "nodes"));
+    pl_markup_put(page,
+                  figures->is_compared ? " nodes are elsewhere, by up to " : " nodes by up to ");
+    pl_markup_put_real(page, pl_figure(figures->result, "max_displacement"));
+}
+
+/** Put what smoothing took. */
+static void put_work(pl_markup *page, const cJSON *result) {
     const cJSON *seconds = cJSON_GetObjectItemCaseSensitive(result, "seconds");
     const int sweeps = cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(result, "sweeps"));
+    pl_markup_put(page, ", in %d sweep%s and ", sweeps, sweeps == 1 ? "" : "s");
+    pl_markup_put_real(page, pl_figure(seconds, "total"));
+    pl_markup_put(page, " s on ");
+    pl_markup_put_number_of(page, pl_figure_count(result, "threads"), "thread", "threads");
+}
+
+/** Put who moved, how far, and what that brought. */
+static void put_change(pl_markup *page, const pl_figures *figures, const cJSON *mesh) {
     const char *key = figures->has_types ? "rms_aspect_ratio" : "rms_radius_ratio";
     const char *ratios = figures->has_types ? "aspect" : "radius";
     const double before = pl_figure(figures->state[0], key);
     const double after = pl_figure(figures->state[1], key);
     const int64_t inverted = pl_figure_count(figures->state[0], "inverted");
     const int64_t left = pl_figure_count(figures->state[1], "inverted");
-    pl_markup_put(page, "planish moved ");
-    pl_markup_put_count(page, pl_figure_count(result, "moved_nodes"));
-    pl_markup_put(page, " of ");
-    pl_markup_put_count(page, pl_figure_count(mesh, "nodes"));
-    pl_markup_put(page, " nodes by up to ");
-    pl_markup_put_real(page, pl_figure(result, "max_displacement"));
-    pl_markup_put(page, ", in %d sweep%s and ", sweeps, sweeps == 1 ? "" : "s");
-    pl_markup_put_real(page, pl_figure(seconds, "total"));
-    pl_markup_put(page, " s on ");
-    pl_markup_put_number_of(page, pl_figure_count(result, "threads"), "thread. ", "threads. ");
+    put_moved(page, figures, mesh);
+    if (!figures->is_compared)
+        put_work(page, figures->result);
+    pl_markup_put(page, ". ");
     if (before == after)
         pl_markup_put(page, "The RMS of the %s ratios stayed at %.5g.", ratios, after);
     else if (isfinite(before) && isfinite(after))

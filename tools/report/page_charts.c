@@ -219,7 +219,7 @@ void pl_page_put_convergence(pl_markup *page, const pl_figures *figures) {
     const cJSON *sweeps = cJSON_GetObjectItemCaseSensitive(figures->result, "sweeps");
     const int has_sweeps = cJSON_IsArray(sweeps) && cJSON_GetArraySize(sweeps) > 0;
     history h = {.n = 0};
-    if (figures->n_states < 2)
+    if (figures->n_states < 2 || figures->is_compared)
         return;
     pl_markup_put(page, "<section id=\"convergence\"><h2>Convergence</h2>\n");
     if (!has_sweeps) {

@@ -61,7 +61,7 @@ void pl_page_put_run(pl_markup *page, const pl_figures *figures) {
     const cJSON *result = figures->result;
     const cJSON *mesh = cJSON_GetObjectItemCaseSensitive(result, "mesh");
     const double memory = pl_figure(result, "peak_memory_bytes");
-    if (figures->n_states < 2)
+    if (figures->n_states < 2 || figures->is_compared)
         return;
     pl_markup_put(page, "<section id=\"run\" class=\"whole\"><h2>Time and machine</h2>\n");
     put_times(page, cJSON_GetObjectItemCaseSensitive(result, "seconds"));
@@ -273,6 +273,8 @@ void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
                           ? "planish promises all of these for a valid mesh and the default "
                             "objective. Untangling, minimum volumes and other objectives may cost "
                             "the last three."
+                      : figures->is_compared
+                          ? "planish did not make the second mesh, and promises nothing of it."
                           : "This method serves for comparison; planish promises nothing of it.");
     }
     put_list(page, figures, "unfixable", "element cannot be repaired wherever the free nodes are",

@@ -683,6 +683,7 @@ static void add_surface(document *json, cJSON *root, const pl_job *job,
 
 char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
                             const pl_progress *progress) {
+    const int is_run = job->arguments->command == PL_COMMAND_SMOOTH;
     document json = {0};
     cJSON *root = cJSON_CreateObject();
     add_text(&json, root, "planish", planish_version());
@@ -690,7 +691,9 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_text(&json, root, "output", job->arguments->output);
     add_text(&json, root, "format", job->file_info.format);
     add_mesh(&json, root, job, result->before.n_reversed);
-    add_text(&json, root, "method", pl_method_name(job->options.method));
+    add_text(&json, root, "method", is_run ? pl_method_name(job->options.method) : "none");
+    if (!is_run)
+        add(&json, root, "compared", cJSON_CreateTrue());
     add_target(&json, root, job);
     add_objective(&json, root, job, &result->smooth);
     void (*const add_state)(document *, cJSON *, const char *, const pl_job *,
@@ -702,7 +705,10 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
               result->volumes.n_below, &result->worst_after);
     add_sweeps(&json, root, progress);
     add_integer(&json, root, "untangling_sweeps", result->smooth.untangling_sweeps);
-    add_text(&json, root, "stop", stop_names[result->smooth.stop]);
+    if (is_run)
+        add_text(&json, root, "stop", stop_names[result->smooth.stop]);
+    else
+        add(&json, root, "stop", cJSON_CreateNull());
     add(&json, root, "certified",
         cJSON_CreateBool(pl_validity_faults(&result->validity_after, &result->after) == 0));
     add_checksum(&json, root, "input_checksum", result->input_checksum);

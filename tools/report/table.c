@@ -569,9 +569,8 @@ static void put_onto(FILE *stream, const pl_job *job) {
     put_distance(stream, "surface off that one by", ", that one is", &job->onto.distance);
 }
 
-void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
-    const int64_t n_outside = result->smooth.n_held_outside, n_back = result->smooth.n_put_back;
-    char text[256];
+/** Put the measures before and after, side by side. */
+static void put_both(FILE *stream, const pl_job *job, const pl_result *result) {
     if (result->validity_after.is_known)
         rows_cells(stream, job, &result->validity_before);
     else
@@ -592,6 +591,21 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
                        : job->has_types             ? "aspect ratio"
                                                     : "radius ratio",
                        &result->before, &result->after);
+}
+
+void pl_table_compare(FILE *stream, const pl_job *job, const pl_result *result) {
+    const int64_t n = result->smooth.n_moved_nodes;
+    char text[128];
+    put_both(stream, job, result);
+    snprintf(text, sizeof text, "%" PRId64 " of %" PRId64 " nodes %s elsewhere, by up to %.3g", n,
+             job->mesh.n_nodes, n == 1 ? "is" : "are", result->smooth.max_displacement);
+    pl_text_wrap(stream, text);
+}
+
+void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
+    const int64_t n_outside = result->smooth.n_held_outside, n_back = result->smooth.n_put_back;
+    char text[256];
+    put_both(stream, job, result);
     if (n_outside > 0)
         pl_note(stream, "%" PRId64 " %s outside the bounds and stayed there", n_outside,
                 word_for(n_outside, "node was", "nodes were"));

@@ -1,6 +1,7 @@
 /* table: the tables and notes on a mesh for a terminal.
  *
  *     pl_table_smooth      a mesh before and after, how smoothing ended and how long it took
+ *     pl_table_compare     two states of a mesh
  *     pl_table_quality     one mesh
  *     pl_table_worst       the worst elements, two lines each
  *     pl_table_oddities    notes on what is odd about the mesh
@@ -15,6 +16,9 @@
 
 /** Print the measures of a mesh before and after, how smoothing ended and how long it took. */
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result);
+
+/** Print the measures of two states of a mesh, and how far nodes are apart. */
+void pl_table_compare(FILE *stream, const pl_job *job, const pl_result *result);
 
 /** Print the measures of one mesh. */
 void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measured);

@@ -108,6 +108,10 @@ struct planish_file {
     int32_t *facet;        /* corners of facets that say something, */
     int64_t *facet_offset; /* [n + 1] where they begin */
     int32_t *facet_tag;    /* and their regions, or NULL */
+    /* planish_file_groups, once it was asked: */
+    planish_group *group; /* [n_groups] owned; its tags are those of the model, or in */
+    char *group_text;     /* owned */
+    int64_t n_groups;
 };
 
 /** Return the regions of all elements, or NULL: there is one. */

@@ -1,0 +1,106 @@
+/* groups: the groups that a file names or numbers, as tags for planish_hold. */
+#include "io/file/file.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NUMBER_SIZE = 16 }; /* "3:-2147483648" */
+
+/** Dimension and number of a group. */
+typedef struct numbered {
+    int dim;
+    int32_t number;
+} numbered;
+
+static int compare(const void *a, const void *b) {
+    const numbered *p = a, *q = b;
+    if (p->dim != q->dim)
+        return p->dim < q->dim ? -1 : 1;
+    return (p->number > q->number) - (p->number < q->number);
+}
+
+/** Count the numbers by which tags mean entities. */
+static int64_t count_numbers(const io_model *model) {
+    int64_t n = 0;
+    for (int32_t i = 0; i < model->n_entities && !model->groups_by_name; i++)
+        n += model->entity[i].n_physical > 0 ? model->entity[i].n_physical : 1;
+    return n;
+}
+
+/** Find these numbers, each once and sorted: found [count_numbers]. Returns how many there are. */
+static int64_t find_numbers(const io_model *model, numbered *found) {
+    int64_t n = 0, n_kept = 0;
+    for (int32_t i = 0; i < model->n_entities && !model->groups_by_name; i++) {
+        const io_entity *entity = &model->entity[i];
+        for (int j = 0; j < entity->n_physical || j == 0; j++)
+            found[n++] =
+                (numbered){entity->dim, entity->n_physical ? entity->physical[j] : entity->tag};
+    }
+    qsort(found, (size_t)n, sizeof *found, compare);
+    for (int64_t i = 0; i < n; i++)
+        if (i == 0 || compare(&found[i], &found[i - 1]) != 0)
+            found[n_kept++] = found[i];
+    return n_kept;
+}
+
+/** Whether a group of that dimension and number has a name. */
+static int is_named(const io_model *model, const numbered *group) {
+    for (int32_t i = 0; i < model->n_groups; i++)
+        if (model->group[i].dim == group->dim && model->group[i].tag == group->number)
+            return 1;
+    return 0;
+}
+
+/** Fill in the list: names, then numbers [n] without one, whose texts have room in text. */
+static void fill(const io_model *model, const numbered *number, int64_t n, char *text,
+                 planish_file *file) {
+    planish_group *group = file->group;
+    for (int32_t i = 0; i < model->n_groups; i++)
+        *group++ = (planish_group){.tag = model->group[i].name, .dim = model->group[i].dim};
+    for (int64_t i = 0; i < n; i++) {
+        if (is_named(model, &number[i]))
+            continue;
+        snprintf(text, NUMBER_SIZE, "%d:%d", number[i].dim, (int)number[i].number);
+        *group++ = (planish_group){.tag = text, .dim = number[i].dim};
+        text += NUMBER_SIZE;
+    }
+    file->n_groups = group - file->group;
+}
+
+/** Make the list. Returns whether there is memory for it. */
+static int make_list(planish_file *file) {
+    const int64_t n_numbers = count_numbers(&file->model);
+    numbered *number = pl_alloc(n_numbers, sizeof *number);
+    file->group = pl_alloc(file->model.n_groups + n_numbers, sizeof *file->group);
+    file->group_text = pl_alloc(n_numbers, NUMBER_SIZE);
+    const int has_memory = number && file->group && file->group_text;
+    if (has_memory)
+        fill(&file->model, number, find_numbers(&file->model, number), file->group_text, file);
+    else
+        io_file_release_groups(file);
+    pl_free(number);
+    return has_memory;
+}
+
+int planish_file_groups(planish_file *file, const planish_group **groups, int64_t *n,
+                        planish_error *error) {
+    *n = 0;
+    if (!file)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file is NULL");
+    if (!file->group && !make_list(file))
+        return pl_fail_memory(error, "the list of groups");
+    *groups = file->group;
+    *n = file->n_groups;
+    return PLANISH_OK;
+}
+
+void io_file_release_groups(planish_file *file) {
+    pl_free(file->group);
+    pl_free(file->group_text);
+    file->group = NULL;
+    file->group_text = NULL;
+}

@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# planish advise: what smoothing would give is what it gives, and nothing is written.
+. "$(dirname "$0")/common.sh"
+
+cp "$sample" a.msh
+expect_status 0 "$program" a.msh -j 2
+mv out advice
+expect_status 0 "$program" advise a.msh -j 1
+cmp <(sed 's/ *[^ ]*$//' advice) <(sed 's/ *[^ ]*$//' out) || fail "planish IN is not planish advise IN"
+expect_status 0 "$program" quality a.msh
+cmp out <(head -n "$(wc -l <out)" advice) || fail "advise does not begin with what quality prints"
+[ "$(ls)" = "$(printf 'a.msh\nadvice\nerr\nout')" ] || fail "files were made: $(ls)"
+cmp a.msh "$sample" || fail "the mesh was changed"
+[ ! -s err ] || fail "messages: $(cat err)"
+
+# The figures of each way are those of its run.
+same_figures() { # LABEL OPTION...
+    local label=$1
+    shift
+    "$program" smooth a.msh -o smoothed.msh -q --json report.json "$@" || fail "smooth $*"
+    python3 - "$label" <<'PY' || fail "figures of '$label': $(grep -e "^ *$label" advice)"
+import json, sys
+after = json.load(open("report.json"))["after"]
+row = [line for line in open("advice") if line.strip().startswith(sys.argv[1] + " ")]
+assert len(row) == 1, row
+found = row[0].replace(sys.argv[1], "").split()[:4]
+wanted = [after["inverted"], after["max_radius_ratio"], after["min_dihedral_deg"], after["rms_radius_ratio"]]
+assert found == [f"{value:.4g}" for value in wanted], (found, wanted)
+PY
+}
+same_figures smoothed
+same_figures "with --slide auto" --slide auto
+same_figures "with --best" --best
+[ "$(tail -n 1 advice)" = "Run: planish smooth a.msh OUT --best" ] || fail "advice: $(tail -n 1 advice)"
+
+# What is advised is worth it, and can be typed.
+cp smoothed.msh "it's smooth.msh"
+expect_status 0 "$program" "it's smooth.msh"
+tail -n 1 out | grep -qx "Smoothing would win little." || fail "a smooth mesh: $(tail -n 1 out)"
+cp a.msh "it's.msh"
+expect_status 0 "$program" "it's.msh" --fix skin
+tail -n 1 out | grep -q "^Run: planish smooth 'it'\\\\''s.msh' OUT .*and the options that you gave$" ||
+    fail "a name with a quote: $(tail -n 1 out)"
+
+# In a plane nothing is curved; of other elements aspect ratios count.
+python3 "$cli/folder_meshes.py" mixed 3 ring
+expect_status 0 "$program" ring
+grep -q "^what smoothing would give  inverted    worst AR    least SJ" out || fail "columns of other elements"
+
+# Errors.
+expect_status 64 "$program" nowhere.msh
+expect_text "unknown command 'nowhere.msh'"
+expect_status 2 "$program" advise nowhere.msh
+expect_one_line
+expect_status 64 "$program" advise a.msh a.msh
+expect_one_line
+expect_status 64 "$program" a.msh --tolerance 0
+expect_text "planish advise has no option --tolerance"
+echo "no mesh" >wrong
+expect_status 2 "$program" wrong
+expect_one_line
+finish

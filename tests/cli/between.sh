@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# planish compare: of two files what smooth says of before and after; they must have the same elements.
+. "$(dirname "$0")/common.sh"
+
+cp "$sample" before.msh
+expect_status 0 "$program" smooth before.msh after.msh --slide auto --json smoothed.json
+cp out smoothed
+"$program" convert after.msh after.vtu -q || fail "convert"
+for after in after.msh after.vtu; do
+    expect_status 0 "$program" compare before.msh $after --json report.json
+    [ ! -s err ] || fail "messages: $(cat err)"
+    # The rows of the measures and the histogram are those of smooth, but for elements that it holds.
+    cmp <(grep -v "^ \| nodes are elsewhere" out) <(grep -v "^ " smoothed | head -n "$(grep -vc "^ \| nodes are" out)") ||
+        fail "the table for $after"
+    python3 - <<'PY' || fail "the report for $after"
+import json
+found, wanted = json.load(open("report.json")), json.load(open("smoothed.json"))
+assert found["sweeps"] == [] and found["stop"] is None and found["input"] == wanted["input"]
+assert abs(found["max_displacement"] / wanted["max_displacement"] - 1) < 1e-12
+for key in ("input_checksum", "checksum", "moved_nodes"):
+    assert found[key] == wanted[key], (key, found[key], wanted[key])
+for state in ("before", "after"):  # which nodes are movable is another matter
+    for key in wanted[state]:
+        assert "movable" in key or key == "worst_elements" or found[state][key] == wanted[state][key], (state, key)
+PY
+done
+
+# The other way round everything is worse, and inverted elements are counted.
+expect_status 0 "$program" compare after.msh before.msh
+grep -q "^worst radius ratio .* worse$" out || fail "worse: $(grep '^worst' out)"
+expect_status 0 "$program" compare before.msh after.msh --report page.html -q
+grep -q "<h2>The mesh</h2>" page.html || fail "no page"
+expect_status 0 "$program" compare before.msh before.msh
+grep -q "^0 of 2153 nodes are elsewhere" out || fail "the same file: $(tail -n 1 out)"
+
+# Other elements, and what is no mesh.
+awk '/^\$Elements/ { inside = 1 } /^\$EndElements/ { inside = 0 }
+    inside && NF == 5 && !done { $0 = $1 " " $3 " " $2 " " $4 " " $5; done = 1 } { print }' before.msh >turned.msh
+! cmp -s turned.msh before.msh || fail "no element was turned"
+expect_status 2 "$program" compare before.msh turned.msh
+expect_text "of turned.msh has other nodes than element"
+expect_one_line
+"$program" smooth before.msh -o moved.mesh -q
+awk '/^Vertices/ { getline; print "Vertices"; print $1 + 1; print "0 0 0 0"; next } { print }' moved.mesh >more.mesh
+expect_status 2 "$program" compare before.msh more.mesh
+expect_text "more.mesh has 2154 nodes, before.msh has 2153; planish quality compares such meshes"
+expect_status 64 "$program" compare before.msh
+expect_text "give BEFORE and AFTER"
+expect_status 64 "$program" compare before.msh after.msh after.msh
+expect_one_line
+expect_status 2 "$program" compare before.msh nowhere.msh
+expect_one_line
+echo "no mesh" >wrong
+expect_status 2 "$program" compare before.msh wrong
+expect_one_line
+finish

@@ -1,0 +1,206 @@
+/* advise: the command `planish advise`, and `planish IN`: what a mesh is worth, and what smoothing could
+ * win. The mesh is smoothed in memory, in several ways; nothing is written. */
+#include "commands/commands.h"
+
+#include "commands/run.h"
+#include "job/job.h"
+#include "job/states.h"
+#include "terminal/message.h"
+#include "terminal/signals.h"
+#include "terminal/terminal.h"
+#include "terminal/text.h"
+
+#include "base/clock.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/** Way of smoothing, and what came of it. */
+typedef struct way {
+    const char *options; /* as they are typed; "": none */
+    int slides, is_best;
+    int is_done; /* the figures are there */
+    int64_t inverted;
+    double worst, least, rms; /* ratio; angle or scaled Jacobian; ratio */
+    double seconds;
+} way;
+
+/* No way is tried longer: it is an advice. */
+static const double MOST_SECONDS = 30;
+
+/* Part of a figure (of ratios: of what is above 1) that is worth a slower way. */
+static const double WORTH = 0.1;
+
+static pl_arguments arguments_of(const pl_arguments *arguments, const way *w) {
+    pl_arguments made = *arguments;
+    made.command = PL_COMMAND_SMOOTH;
+    made.output = made.input; /* messages name it; it is not written */
+    made.verbosity = PL_QUIET;
+    made.slide = made.slide_given = w->slides || w->is_best;
+    made.slide_curved = made.curved_if_any = made.worst = w->is_best;
+    made.objective_given = w->is_best ? "--best" : NULL;
+    made.library.worst = w->is_best ? PLANISH_WORST_ANGLE : PLANISH_WORST_NONE;
+    made.library.time_limit = MOST_SECONDS;
+    return made;
+}
+
+/** Take the figures of the mesh before or after smoothing. */
+static void take_figures(way *w, const pl_job *job, const planish_quality *quality,
+                         const pl_validity *validity) {
+    const planish_cell_measures *all = &validity->quality.all;
+    w->is_done = 1;
+    w->inverted = pl_validity_faults(validity, quality);
+    w->worst = job->has_types ? all->max_aspect_ratio : quality->max_radius_ratio;
+    w->least = job->has_types ? all->min_scaled_jacobian : quality->min_angle_deg;
+    w->rms = job->has_types ? all->rms_aspect_ratio : quality->rms_radius_ratio;
+}
+
+/** Smooth in way w; before is filled in, too. *has_types is set as job->has_types. */
+static int try_way(const pl_arguments *arguments, way *w, way *before, int *has_types) {
+    const pl_arguments of_way = arguments_of(arguments, w);
+    pl_result result = {.reason = ""};
+    pl_progress progress;
+    pl_job job;
+    const double begin = pl_seconds();
+    pl_progress_init(&progress, arguments);
+    pl_progress_stage(&progress, PL_STAGE_READING);
+    int status = pl_job_read(&job, &of_way, &pl_engine_here);
+    if (!status)
+        status = pl_run_check(&job);
+    if (!status)
+        status = pl_run(&job, &result, &progress);
+    if (!status) {
+        take_figures(before, &job, &result.before, &result.validity_before);
+        take_figures(w, &job, &result.after, &result.validity_after);
+        *has_types = job.has_types;
+    }
+    pl_progress_clear(&progress);
+    w->seconds = pl_seconds() - begin;
+    pl_progress_free(&progress);
+    pl_run_free(&result);
+    pl_job_close(&job);
+    return status;
+}
+
+enum { LABEL = 25, COLUMN = 12 };
+
+static void put_number(double value) {
+    if (isfinite(value))
+        printf("%*.4g", COLUMN, value);
+    else
+        printf("%*s", COLUMN, "-");
+}
+
+static void put_way(const way *w, const char *label, int is_tried) {
+    printf("%-*s%*" PRId64, LABEL, label, COLUMN - 2, w->inverted);
+    put_number(w->worst);
+    put_number(w->least);
+    put_number(w->rms);
+    if (is_tried)
+        printf("%*.3g", COLUMN - 3, w->seconds);
+    putchar('\n');
+    fflush(stdout);
+}
+
+static void put_head(int has_types) {
+    const char *columns[] = {"inverted", has_types ? "worst AR" : "worst RR",
+                             has_types ? "least SJ" : "least angle", "RMS", "seconds"};
+    const int width[] = {COLUMN - 2, COLUMN, COLUMN, COLUMN, COLUMN - 3};
+    printf("\n%s%-*s", pl_style_begin(stdout, PL_STYLE_HEADING), LABEL,
+           "what smoothing would give");
+    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
+        printf("%*s", width[i], columns[i]);
+    printf("%s\n", pl_style_end(stdout, PL_STYLE_HEADING));
+}
+
+/** Whether a is better than b by so much that it is worth a slower run: in one figure, and in none worse
+ *  by as much. */
+static int is_worth(const way *a, const way *b) {
+    const double of_a[] = {a->worst - 1, a->rms - 1, b->least};
+    const double of_b[] = {b->worst - 1, b->rms - 1, a->least};
+    int n_better = 0, n_worse = 0;
+    if (a->inverted != b->inverted)
+        return a->inverted < b->inverted;
+    for (size_t i = 0; i < sizeof of_a / sizeof *of_a; i++) {
+        n_better += of_a[i] < (1 - WORTH) * of_b[i];
+        n_worse += of_b[i] < (1 - WORTH) * of_a[i];
+    }
+    return n_better > 0 && n_worse == 0;
+}
+
+/** Put name as a shell takes it for one word. */
+static void put_word(const char *name) {
+    const int is_plain = name[strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                           "0123456789._/+-")] == '\0';
+    char text[2] = "";
+    if (!is_plain)
+        putchar('\'');
+    for (const char *c = name; *c && !is_plain; c++) {
+        text[0] = *c;
+        fputs(*c == '\'' ? "'\\''" : text, stdout);
+    }
+    if (is_plain)
+        pl_text_put(stdout, name);
+    else
+        putchar('\'');
+}
+
+/** Whether options were given that a run should have, too. */
+static int has_options(const pl_arguments *arguments) {
+    return arguments->format || arguments->n_fix > 0 || arguments->n_regions > 0 ||
+           arguments->ignore_regions || arguments->layers != PL_LAYERS_BY_TYPE ||
+           arguments->slide_tolerance > 0;
+}
+
+/** Put what to run: the first way that no slower one is worth more than. */
+static void put_advice(const pl_arguments *arguments, const way *before, const way *ways, int n) {
+    const way *best = before;
+    for (int i = 0; i < n; i++)
+        if (ways[i].is_done && is_worth(&ways[i], best))
+            best = &ways[i];
+    if (best == before) {
+        printf("Smoothing would win little.\n");
+        return;
+    }
+    printf("Run: planish smooth ");
+    put_word(arguments->input);
+    printf(" OUT%s%s%s\n", best->options[0] ? " " : "", best->options,
+           has_options(arguments) ? " and the options that you gave" : "");
+}
+
+/** Try all ways, and print a row for each. */
+static int try_ways(const pl_arguments *arguments) {
+    way ways[] = {{.options = ""},
+                  {.options = "--slide auto", .slides = 1},
+                  {.options = "--best", .is_best = 1}};
+    enum { N_WAYS = sizeof ways / sizeof *ways };
+    way before = {.options = ""};
+    int has_types = 0;
+    for (int i = 0; i < N_WAYS; i++) {
+        char label[LABEL + 1];
+        const int status = try_way(arguments, &ways[i], &before, &has_types);
+        if (pl_signals_stop_asked())
+            return PL_EXIT_FAILED;
+        if (status && i > 0)
+            break; /* its message is there */
+        if (status)
+            return status;
+        if (i == 0) {
+            put_head(has_types);
+            put_way(&before, "as it is", 0);
+        }
+        snprintf(label, sizeof label, "%s%s", i == 0 ? "smoothed" : "  with ", ways[i].options);
+        put_way(&ways[i], label, 1);
+    }
+    put_advice(arguments, &before, ways, N_WAYS);
+    return 0;
+}
+
+int pl_advise_command(const pl_arguments *arguments) {
+    int status = pl_quality_command(arguments);
+    if (!status)
+        status = try_ways(arguments);
+    return pl_flush_stdout(status, PL_EXIT_FAILED);
+}

@@ -1,0 +1,52 @@
+/* table: the rows of the table of options, as the parser sees them.
+ *
+ *     pl_option, pl_option_at                          the table (options.c)
+ *     pl_arguments_check                               options beside one another (combinations.c)
+ */
+#ifndef PL_TOOLS_OPTIONS_TABLE_H
+#define PL_TOOLS_OPTIONS_TABLE_H
+
+#include "options/options.h"
+
+#include <stddef.h>
+
+/** No table has more rows. */
+enum { PL_MOST_OPTIONS = 80 };
+
+/* Bits beside those of pl_command, of an option that has an effect */
+enum {
+    PL_OPTION_OPTIMISES = 256, /* with no Laplacian method */
+    PL_OPTION_OF_WORST = 512,  /* with --objective worst alone */
+    PL_OPTION_OF_CURVED = 1024 /* on smooth with --slide curved, and on surfaces in space, alone */
+};
+
+typedef struct pl_option pl_option;
+
+/** Take value (NULL: the option has none) into arguments. Returns NULL, or what the value must be; "":
+ *  one of the option's words. */
+typedef const char *pl_option_setter(pl_arguments *arguments, const pl_option *option,
+                                     const char *value);
+
+/** Option of the command line. */
+struct pl_option {
+    int letter;        /* short option, or 0 */
+    const char *name;  /* long option */
+    const char *value; /* what its value is called, or NULL: takes none */
+    unsigned commands; /* bits of pl_command, and those above */
+    pl_option_setter *set;
+    size_t at;          /* offset in pl_arguments of the field that it sets */
+    double low, high;   /* of a number; of an option without a value low is what is set */
+    const char *wanted; /* what a value must be; NULL: one of values */
+    const char *help;   /* lines separated by '\n' */
+    const char *values; /* words that the value may be, separated by blanks; "file": a file's name;
+                           "group" at the end: a group of the mesh;
+                           NULL: anything else */
+};
+
+/** Option i, 0 and up, or NULL behind the last. */
+const pl_option *pl_option_at(int i);
+
+/** Check options that exclude or need one another; 0, or an exit status after a message. */
+int pl_arguments_check(const pl_arguments *arguments);
+
+#endif

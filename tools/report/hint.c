@@ -1,0 +1,43 @@
+/* hint: what would help more. */
+#include "report/hint.h"
+
+#include <inttypes.h>
+
+/* A worst element that is no worse than that is not worth a hint. */
+static const double GOOD_RATIO = 2.5;
+
+/** Whether the worst element has no node that moves. */
+static int is_worst_held(const pl_job *job, const pl_result *result) {
+    const planish_quality *after = &result->after;
+    const double worst = job->has_types ? result->validity_after.quality.all.max_aspect_ratio
+                                        : after->max_radius_ratio;
+    return after->n_fixed_elements > 0 && after->fixed_max_radius_ratio >= worst * (1 - 1e-9);
+}
+
+/** Say which option would let held nodes move, in text [size]. Returns 0 if none is known. */
+static int name_option(const pl_job *job, char *text, size_t size) {
+    const pl_arguments *arguments = job->arguments;
+    const planish_plan_info *info = &job->plan_info;
+    if (!arguments->slide && job->could_slide > 0)
+        snprintf(text, size, "--slide auto lets %" PRId64 " nodes slide", job->could_slide);
+    else if (job->mesh.dim == 3 && !arguments->slide_curved &&
+             info->n_free + info->n_sliding < job->mesh.n_nodes)
+        snprintf(text, size, "--slide curved lets more nodes slide");
+    else
+        return 0;
+    return 1;
+}
+
+void pl_hint_print(FILE *stream, const pl_job *job, const pl_result *result) {
+    const double worst = job->has_types ? result->validity_after.quality.all.max_aspect_ratio
+                                        : result->after.max_radius_ratio;
+    const int is_held = is_worst_held(job, result);
+    char option[80];
+    if (job->is_surface || !(worst > GOOD_RATIO) || job->options.method != PLANISH_METHOD_PLANISH ||
+        pl_arguments_target(job->arguments))
+        return;
+    if (!is_held && !job->arguments->worst)
+        fputs("hint: --objective worst goes on with the worst elements\n", stream);
+    else if (is_held && name_option(job, option, sizeof option))
+        fprintf(stream, "hint: the worst element has no free node; %s\n", option);
+}
