@@ -379,8 +379,8 @@ PLANISH_API const char *planish_file_target_of(const char *path);
  *  planish_file_can_write tells those of the file's own format. */
 PLANISH_API int planish_file_can_convert(const planish_file *file, const char *path);
 
-/** What a converted file has besides the mesh. VTK's formats alone have values of elements, which
- *  they call by the names of these fields. Each array may be NULL. */
+/** Data that a converted file gets besides the mesh. VTK's formats alone have values of elements, under
+ *  the names of these fields. Each array may be NULL. */
 typedef struct planish_view_data {
     const double *radius_ratio; /* [n_elements of planish_file_mesh] planish_measure_elements; shown
                                    of triangles or tetrahedra alone */

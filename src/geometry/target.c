@@ -30,7 +30,7 @@ static void invert_2d(const double e[3][3], double D, double inverse[6]) {
     inverse[2] = length / D;
 }
 
-/** The same in space. R_22 and R_23 are made of the normals of the faces at the first edge, which are
+/** Invert R in space. R_22 and R_23 are made of the normals of the faces at the first edge, which are
  *  accurate where the edges are nearly parallel. */
 static void invert_3d(const double e[3][3], double D, double inverse[6]) {
     double low[3], high[3];

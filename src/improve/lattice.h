@@ -29,7 +29,7 @@ enum {
     PL_LATTICE_BLOCK = 9   /* entries of each, by rows: at most */
 };
 
-/** Where a node may go. */
+/** Freedom of a node. */
 enum {
     PL_LATTICE_HELD = 0,
     PL_LATTICE_FREE = 1,

@@ -233,7 +233,7 @@ PL_INLINE double mean_ratio_square(const pl_cell_shape *shape, double edges[3][3
     return ratio_square(e, determinant / shape->determinant, dim);
 }
 
-/** What a corner is to be. */
+/** Target of a corner, in a metric. */
 typedef struct wanted_corner {
     pl_target target;
     pl_metric metric;

@@ -284,7 +284,7 @@ PL_INLINE double product_of_edges(int dim, const double square[6], double is_sim
     return is_simplex != 0 ? pl_larger(own, most) : own;
 }
 
-/** What counts of a corner with a target, from its edges and |D|. */
+/** Return the square that a corner with a target adds, from its edges and |D|. */
 PL_INLINE double square_of_target(const pl_corner_block *b, int l, const int has_metric, int dim,
                                   const double edges[3][3], double determinant) {
     double v[6], metric[6], energy;

@@ -264,7 +264,7 @@ static int make_columns(pl_columns *c, planish_error *error) {
 
 /* ---- levels of columns that simplices join ------------------------------------------------------ */
 
-/** Where columns stand beside each other. */
+/** Levels of columns that stand beside each other, being found. */
 typedef struct levels {
     pl_columns *c;
     int32_t *place;  /* [n_nodes] in c->node, -1: in no column, -2: in several */

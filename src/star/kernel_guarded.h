@@ -119,7 +119,7 @@ typedef struct visit_state {
     int restored, moves;    /* moves that brought violated elements up, and all */
 } visit_state;
 
-/** What the star keeps between visits, if this problem keeps Hessians; else NULL. */
+/** Return the Hessian that the star keeps between visits; NULL if this problem keeps none. */
 static inline pl_star_kept *kept_of(const local *here, int64_t index, const int dim) {
     const pl_star_problem *problem = here->problem;
     const int keeps = dim == 3 && problem->kept && problem->search == PLANISH_SEARCH_NEWTON &&

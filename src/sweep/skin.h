@@ -103,7 +103,7 @@ typedef struct pl_skin {
     int32_t *mid_number; /* [n_nodes] with wholes: of a mid in the last visit of a parent */
 } pl_skin;
 
-/** As inner numbers: a mid; the first node that is not of the plan. */
+/** Inner numbers of a mid, and of the first node that is not of the plan. */
 enum { PL_SKIN_MID = -2, PL_SKIN_OUTSIDE = -3 };
 
 /* Unit of distances between unit vectors, which are 2 at most: as coarse as a byte asks for. */

@@ -294,7 +294,7 @@ static float float_below(double x) {
     return below > 0 ? (float)fmin(below, FLT_MAX) : 0;
 }
 
-/** What is found of patches, at their numbers. */
+/** Planes of patches being found, at their numbers. */
 typedef struct pl_patches {
     int32_t *first; /* [n_facets] facet; -1: there is none */
     double *off;    /* [n_facets] how far nodes are off its plane */

@@ -492,7 +492,8 @@ PL_INLINE double target_energy(const planish_plan *plan, int64_t element, const 
                              : pl_target_energy(dim, edge, v);
 }
 
-/** What counts of an element of the plan, a corner with a target; infinite where it is not positive. */
+/** Return the square that an element of the plan, a corner with a target, adds; infinite where it is not
+ *  positive. */
 static double target_square(const planish_plan *plan, int64_t element) {
     const int dim = plan->dim;
     const pl_target *target = &plan->work.target[element];

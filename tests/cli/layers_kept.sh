@@ -171,5 +171,9 @@ expect_status 0 "$program" smooth "$sample" -o plain.vtk --layers ignore
 expect_status 0 "$program" smooth "$sample" -o kept.vtk --layers keep --json report.json
 expect_json 'r["target"] == "regular" and r["mesh"]["layer_elements"] == 0'
 cmp -s plain.vtk kept.vtk || fail "without layers keep changes nothing"
+for method in laplacian area-laplacian length-laplacian; do
+    expect_status 64 "$program" smooth "$sample" -o wrong.vtk --layers keep --method $method
+    expect_text "--layers keep has no effect with --method $method"
+done
 
 finish

@@ -125,8 +125,8 @@ static int take_sizes(sizing *s) {
 /* A tensor by rows is symmetric if entries differ by no more than this part of the largest one. */
 #define ROUNDING 1e-6
 
-/** Where values of a width have the entries 11, 12, 22, 13, 23, 33 of a tensor, of a mesh of dim; or
- *  NULL. */
+/** Return the places of the entries 11, 12, 22, 13, 23, 33 of a tensor among its values; NULL if the
+ *  values are no tensors. */
 static const int8_t *places_of(const sizing *s) {
     static const int8_t lower[] = {0, 1, 2, 3, 4, 5}, in_plane[] = {0, 2, 3},
                         by_rows[] = {0, 3, 4, 6, 7, 8};

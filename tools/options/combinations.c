@@ -141,8 +141,10 @@ int pl_arguments_check(const pl_arguments *arguments) {
     if (arguments->n_worst > 0 && arguments->verbosity == PL_QUIET && !arguments->json &&
         !arguments->report)
         return pl_complain_usage(command, "--worst has no effect with --quiet and no report");
-    if (library->method != PLANISH_METHOD_PLANISH && arguments->optimiser)
-        return pl_complain_usage(command, "--%s has no effect with --method %s",
-                                 arguments->optimiser, pl_method_name(library->method));
+    const char *optimiser =
+        arguments->layers == PL_LAYERS_KEPT ? "layers keep" : arguments->optimiser;
+    if (library->method != PLANISH_METHOD_PLANISH && optimiser)
+        return pl_complain_usage(command, "--%s has no effect with --method %s", optimiser,
+                                 pl_method_name(library->method));
     return 0;
 }

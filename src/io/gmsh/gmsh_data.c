@@ -396,7 +396,7 @@ static int read_reals(void *context, io_cursor *cursor, int64_t begin, int64_t e
     return PLANISH_OK;
 }
 
-/** What is filled in. */
+/** Values by nodes or elements, being filled in. */
 typedef struct real_array {
     owners owners;
     double *values; /* [owners.n][width] */

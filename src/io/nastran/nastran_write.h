@@ -7,7 +7,7 @@
 /** Orders of nodes that are not VTK's. */
 extern const io_node_order nastran_node_orders[];
 
-/** What is written. */
+/** Formats that the writer has; a row without a name ends them. */
 extern const io_target nastran_targets[];
 
 #endif

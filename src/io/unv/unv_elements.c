@@ -12,7 +12,7 @@
 
 enum { MOST_WORDS = 8, MOST_NODES = 20, N_ORIENTATION = 3 };
 
-/** What FE descriptors are, by number and number of nodes; other numbers of nodes are not known. */
+/** Known types of elements, by shape and number of nodes. */
 static const io_element_type types[] = {
     {"line", IO_LINE, 1, 2},
     {"line", IO_LINE, 2, 3},

@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-/** What a cell is sorted by. */
+/** Keys by which cells are sorted. */
 typedef struct sorted_cell {
     int8_t dim;
     uint8_t type;
