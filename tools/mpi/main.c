@@ -3,6 +3,7 @@
 #include "mpi/lead.h"
 
 #include "options/commands.h"
+#include "options/help.h"
 #include "terminal/message.h"
 #include "terminal/platform.h"
 #include "terminal/signals.h"
@@ -58,9 +59,9 @@ static start read_arguments(int argc, char **argv, pl_arguments *arguments) {
         s.status = -1;
     pl_file_status about;
     if (s.status < 0 && pl_file_find(arguments->input, &about) == 0 && about.kind == PL_FILE_FOLDER)
-        s.status = pl_complain(PL_EXIT_FAILED,
-                               "%s: is a folder, which planish-mpi does not read; run planish smooth",
-                               arguments->input);
+        s.status = pl_complain(
+            PL_EXIT_FAILED, "%s: is a folder, which planish-mpi does not read; run planish smooth",
+            arguments->input);
     s.threads = arguments->library.threads;
     return s;
 }

@@ -1,7 +1,5 @@
 /* manual: the manual page and the completion of shells, from the tables of commands and options. */
-#include <planish/planish_io.h>
-
-#include "options/commands.h"
+#include "options/help.h"
 #include "terminal/message.h"
 
 #include <planish/planish_io.h>
