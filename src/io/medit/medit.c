@@ -17,7 +17,7 @@
  */
 #include "io/core/binary.h"
 #include "io/core/format.h"
-#include "io/medit/medit.h"
+#include "io/medit/medit_reader.h"
 #include "io/medit/medit_write.h"
 
 #include "base/status.h"
@@ -66,7 +66,6 @@ static const medit_keyword mesh_keywords[] = {
     {{"TetrahedraP2Ordering", IO_TETRAHEDRON, 2, 4}, 133, MEDIT_ORDERING},
     {{"PeriodicVertices", IO_POINT, 1, 2}, 82, MEDIT_PAIRS},
 };
-
 
 /** Find the keyword of that name in text, or of that code in binary, and check that it may stand
  *  at that place. *keyword is -1 if it means nothing to planish. */

@@ -6,7 +6,7 @@
  * one place become one node there; a vertex that has several places (of a periodic mesh) holds all.
  */
 #include "io/core/number.h"
-#include "io/mfem/mfem.h"
+#include "io/mfem/mfem_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"

@@ -1,6 +1,6 @@
 /* plex_topology: points of a DMPlex and their cones; its elements by their nodes. */
 #ifdef PL_HDF5
-#include "io/plex/plex.h"
+#include "io/plex/plex_reader.h"
 #include "io/core/elements.h"
 #include "io/core/records.h"
 

@@ -8,7 +8,7 @@
  * prisms and hexahedra with their upper side. MicroAVS adds cells of second order (tet2): the order
  * of their mids is not known here, so that they hold their nodes.
  */
-#include "io/ucd/ucd.h"
+#include "io/ucd/ucd_reader.h"
 
 #include "io/core/format.h"
 #include "io/core/runs.h"
