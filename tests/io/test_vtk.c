@@ -386,8 +386,7 @@ static void test_errors(void **state) {
          "out of range"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        file_builder builder = {.data = (char *)(uintptr_t)cases[i].text,
-                                .size = (int64_t)strlen(cases[i].text)};
+        file_builder builder = builder_of(cases[i].text);
         builder_expect_error(&builder, &io_format_vtk, cases[i].part);
     }
 }
@@ -428,7 +427,7 @@ static void test_other_cells_are_elements(void **state) {
     static const char text[] = HEAD "POINTS 7 double\n0 0 0 1 0 0 0 1 0 0 0 1 1 1 1 2 1 1 2 2 2\n"
                                     "CELLS 2 11\n4 0 1 2 3\n5 0 1 2 4 5\nCELL_TYPES 2\n10 14\n";
     const uint8_t expected[7] = {0};
-    file_builder builder = {.data = (char *)(uintptr_t)text, .size = (int64_t)strlen(text)};
+    file_builder builder = builder_of(text);
     planish_file *file;
     read_file(&builder, &file);
     assert_int_equal(file->model.solid.n, 1);
