@@ -66,6 +66,36 @@ static void put_options_of(unsigned commands) {
             put_option(&option);
 }
 
+/** Put the sections on options: those that most commands have come first. */
+static void put_man_options(void) {
+    printf(".SH OPTIONS\n");
+    for (unsigned n_commands = 4; n_commands > 0; n_commands--)
+        for (unsigned commands = 1; commands <= PL_COMMANDS_ALL; commands++)
+            if ((commands & 1) + (commands >> 1 & 1) + (commands >> 2 & 1) + (commands >> 3 & 1) ==
+                n_commands)
+                put_options_of(commands);
+}
+
+/** Put the sections that the tables know nothing of. */
+static void put_man_end(void) {
+    printf(
+        ".SH SIGNALS\n"
+        "SIGINT, SIGTERM and SIGHUP end the smoothing. planish then writes the mesh and exits with"
+        "\nstatus 1. A second signal ends planish at once.\n"
+        ".SH ENVIRONMENT\n"
+        ".TP\n.B OMP_NUM_THREADS\nnumber of threads without \\-\\-threads\n"
+        ".TP\n.BR OMP_PROC_BIND \", \" OMP_PLACES \", \" GOMP_CPU_AFFINITY\nif one of them is "
+        "set, planish binds no thread\n"
+        ".TP\n.B NO_COLOR\nif it is set and not empty, planish prints no colours; nor does it if"
+        "\nTERM is dumb, or the output is not a terminal\n"
+        ".SH EXAMPLES\n"
+        ".EX\nplanish smooth in.msh \\-o out.msh \\-\\-report page.html\n"
+        "planish smooth in.mesh \\-o out.mesh \\-\\-slide auto \\-\\-objective worst\n"
+        "planish quality in.msh out.msh\n"
+        "planish quality out.msh \\-\\-worst 20 \\-\\-json \\-\n.EE\n"
+        ".SH SEE ALSO\n.BR planish (3),\n.BR gmsh (1),\n.BR tetgen (1)\n");
+}
+
 static void put_man(void) {
     const pl_command_text *command;
     printf(".TH PLANISH 1 \"\" \"planish %s\" \"User commands\"\n", planish_version());
@@ -86,12 +116,8 @@ static void put_man(void) {
         printf("\n");
     }
     printf(".TP\n\\fBplanish help\\fR [\\fICOMMAND\\fR]\nShow the help of the program, or of a "
-           "command.\n.SH OPTIONS\n");
-    for (unsigned n_commands = 4; n_commands > 0; n_commands--) /* what most have comes first */
-        for (unsigned commands = 1; commands <= PL_COMMANDS_ALL; commands++)
-            if ((commands & 1) + (commands >> 1 & 1) + (commands >> 2 & 1) + (commands >> 3 & 1) ==
-                n_commands)
-                put_options_of(commands);
+           "command.\n");
+    put_man_options();
     printf(".SH FORMATS\n");
     put_troff(pl_program_formats);
     printf(
@@ -105,22 +131,7 @@ static void put_man(void) {
         put_troff(command->exit_status);
         printf("\n");
     }
-    printf(
-        ".SH SIGNALS\n"
-        "SIGINT, SIGTERM and SIGHUP end the smoothing. planish then writes the mesh and exits with"
-        "\nstatus 1. A second signal ends planish at once.\n"
-        ".SH ENVIRONMENT\n"
-        ".TP\n.B OMP_NUM_THREADS\nnumber of threads without \\-\\-threads\n"
-        ".TP\n.BR OMP_PROC_BIND \", \" OMP_PLACES \", \" GOMP_CPU_AFFINITY\nif one of them is "
-        "set, planish binds no thread\n"
-        ".TP\n.B NO_COLOR\nif it is set and not empty, planish prints no colours; nor does it if"
-        "\nTERM is dumb, or the output is not a terminal\n"
-        ".SH EXAMPLES\n"
-        ".EX\nplanish smooth in.msh \\-o out.msh \\-\\-report page.html\n"
-        "planish smooth in.mesh \\-o out.mesh \\-\\-slide auto \\-\\-objective worst\n"
-        "planish quality in.msh out.msh\n"
-        "planish quality out.msh \\-\\-worst 20 \\-\\-json \\-\n.EE\n"
-        ".SH SEE ALSO\n.BR planish (3),\n.BR gmsh (1),\n.BR tetgen (1)\n");
+    put_man_end();
 }
 
 /* ---- completion ------------------------------------------------------------------------------ */
