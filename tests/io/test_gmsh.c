@@ -470,9 +470,7 @@ static void test_binary_data_that_lie(void **state) {
 
 static void test_errors(void **state) {
     (void)state;
-    const struct {
-        const char *text, *part;
-    } cases[] = {
+    static const reading_refusal cases[] = {
         {"$NOD\n1\n", "1 nodes cannot be"},
         {"$NOD\n1\n1 0 0 0\n$EndNodes\n", "$ENDNOD expected"},
         {"$ELM\n1\n", "$ELM stands before $Nodes"},
@@ -483,11 +481,11 @@ static void test_errors(void **state) {
         {"$MeshFormat\n3.0 0 8\n", "gmsh IN.msh -0 -format msh41"},
         {"$MeshFormat\n4.2 0 8\n", "version 4.2"},
         {HEAD "$PhysicalNames\n2\n2 1 \"a\"\n$EndPhysicalNames\n", "number of names is wrong"},
-        {HEAD "$PhysicalNames\n1\n2 1 \"a\n$EndPhysicalNames\n", "file:6: closing quote"},
+        {HEAD "$PhysicalNames\n1\n2 1 \"a\n$EndPhysicalNames\n", "test:6: closing quote"},
         {HEAD "$PhysicalNames\n1\n-2 1 \"a\"\n", "dimension -2"},
-        {HEAD "$PhysicalNames\n1\nsteel\n", "file:6: dimension, number and name"},
+        {HEAD "$PhysicalNames\n1\nsteel\n", "test:6: dimension, number and name"},
         {"$MeshFormat\n2.2 0 4\n", "data size 4"},
-        {"$MeshFormat\n2.2 0 8\n", "file:3: $EndMeshFormat expected"},
+        {"$MeshFormat\n2.2 0 8\n", "test:3: $EndMeshFormat expected"},
         {HEAD, "without $Nodes"},
         {HEAD NODES, "without $Elements"},
         {HEAD "$Elements\n", "before $Nodes"},
@@ -496,12 +494,12 @@ static void test_errors(void **state) {
         {HEAD "$Nodes\n4611686018427387904\n1 0 0 0\n", "4611686018427387904 nodes cannot be"},
         {HEAD "$Nodes\n-1\n", "-1 nodes cannot be in the"},
         {HEAD "$Nodes\n2\n1 0 0 0\n1 1 0 0\n$EndNodes\n", "node number 1 occurs twice"},
-        {HEAD "$Nodes\n2\n1 0 0 0\n2 nan 0 0\n$EndNodes\n", "file:7: node 2 has a coordinate"},
+        {HEAD "$Nodes\n2\n1 0 0 0\n2 nan 0 0\n$EndNodes\n", "test:7: node 2 has a coordinate"},
         {HEAD "$Nodes\n2\n1 0 0 0\n2 1 1e999 0\n$EndNodes\n", "not finite"},
         {HEAD "$Nodes\n2\n1 0 0 0\n2 1 0\n$EndNodes\n", "coordinate expected"},
         {HEAD "$Nodes\n1\n1 0 0 0\n2 1 0 0\n$EndNodes\n", "$EndNodes expected"},
         {HEAD NODES "$Elements\n1\n1 4 2 0 1 1 2 3 5\n$EndElements\n", "there is no node 5"},
-        {HEAD NODES "$Elements\n1\n1 4 2 0 1 1 2 3\n$EndElements\n", "file:13: element"},
+        {HEAD NODES "$Elements\n1\n1 4 2 0 1 1 2 3\n$EndElements\n", "test:13: element"},
         {HEAD NODES "$Elements\n1\n1 99999 0 1\n$EndElements\n", "element type 99999 is not known"},
         {HEAD NODES "$Elements\n1\n1 29 0 1 2 3 4 1 2 3 4 1 2 3 4 1 2 3 4 1 2 3 4\n",
          "tetrahedra: elements of"},
@@ -525,10 +523,7 @@ static void test_errors(void **state) {
          "triangles: elements of"},
         {HEAD4 NODES4 "$Periodic\n1\n1 1 2\n-4\n", "periodic transform expected"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        file_builder builder = builder_of(cases[i].text);
-        builder_expect_error(&builder, &io_format_gmsh, cases[i].part);
-    }
+    reading_refuses(&io_format_gmsh, cases, sizeof cases / sizeof *cases);
 }
 
 /* A block header whose size would be 0 or less must not divide by it. */

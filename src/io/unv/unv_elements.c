@@ -280,15 +280,10 @@ int unv_read_elements(unv_reader *r) {
     int status = reserve_materials(r);
     for (int64_t i = 0; i < r->runs.n && !status; i++) {
         const io_section *s = &r->runs.section[i];
-        io_cursor cursor = {s->data, io_input_end(r->model)};
         r->dataset = r->run_dataset[i];
         r->row = s->keyword;
         r->has_orientation = s->tokens > r->dataset->words + types[r->row].nodes;
-        status = io_run_begin(r->model, &types[r->row], s->count, &r->run, r->error);
-        if (!status)
-            status = io_text_records(&r->text, &cursor, s->count, s->tokens, read_run, r, r->error);
-        if (!status)
-            io_run_end(&r->run, s->count);
+        status = io_run_read(r->model, &r->text, s, &types[r->row], read_run, r, &r->run, r->error);
     }
     return status;
 }
