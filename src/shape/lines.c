@@ -2,6 +2,7 @@
  * neighbours and then looked at as a whole: its two ends say where the line is. */
 #include "shape/lines.h"
 
+#include "base/joined.h"
 #include "base/memory.h"
 #include "base/status.h"
 

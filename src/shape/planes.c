@@ -7,6 +7,7 @@
  */
 #include "shape/planes.h"
 
+#include "base/joined.h"
 #include "base/memory.h"
 #include "base/status.h"
 

@@ -4,7 +4,7 @@
  *   surface.c   pl_surface_create, _destroy           the facets
  *               pl_tags_sort, pl_tags_find            facets or edges that the caller has tagged
  *   wholes.c    facets of second order: wholes.h
- *   below       pl_same_label, pl_from_to, pl_length, pl_class_of, pl_join
+ *   below       pl_same_label, pl_from_to, pl_length
  */
 #ifndef PL_SHAPE_SURFACE_H
 #define PL_SHAPE_SURFACE_H
@@ -96,7 +96,7 @@ static inline int pl_same_label(const pl_label *a, const pl_label *b) {
            a->region[1] == b->region[1] && a->is_tagged == b->is_tagged && a->tag == b->tag;
 }
 
-/* ---- vectors, and classes of indices that are joined --------------------------------------- */
+/* ---- vectors ------------------------------------------------------------------------------- */
 
 /** Compute b - a of dim numbers, the third 0 in 2-D. */
 static inline void pl_from_to(int dim, const double *a, const double *b, double *v) {
@@ -107,19 +107,6 @@ static inline void pl_from_to(int dim, const double *a, const double *b, double 
 /** Length of v [3]. */
 static inline double pl_length(const double *v) {
     return sqrt(pl_dot(3, v, v));
-}
-
-/** Lowest member of i's class; parent [n] is that of each index, or itself. */
-static inline int32_t pl_class_of(int32_t *parent, int32_t i) {
-    while (parent[i] != i)
-        i = parent[i] = parent[parent[i]];
-    return i;
-}
-
-/** Join the classes of i and j; the smallest index names a class. */
-static inline void pl_join(int32_t *parent, int32_t i, int32_t j) {
-    const int32_t a = pl_class_of(parent, i), b = pl_class_of(parent, j);
-    parent[a > b ? a : b] = a < b ? a : b;
 }
 
 #endif
