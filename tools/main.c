@@ -1,6 +1,7 @@
 /* main: the program planish; finds the command and hands over. */
 #include "commands/commands.h"
 #include "options/commands.h"
+#include "options/help.h"
 #include "terminal/message.h"
 #include "terminal/platform.h"
 #include "terminal/signals.h"

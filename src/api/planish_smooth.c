@@ -1,4 +1,5 @@
 /* planish_smooth: begin a run, its phases, end it, and tell the log. */
+#include "sweep/begin_end.h"
 #include "improve/improve.h"
 
 #include "base/clock.h"

@@ -2,6 +2,7 @@
 #include "surface/crossings.h"
 #include "surface/quality.h"
 #include "surface/smooth.h"
+#include "surface/begin.h"
 
 #include "base/clock.h"
 #include "base/context.h"

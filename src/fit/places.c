@@ -9,6 +9,7 @@
  * any way. */
 #include "fit/places.h"
 
+#include "base/joined.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
@@ -137,13 +138,9 @@ static void find_chains(const planish_shape *own, features *f) {
         f->chain[e] = e;
         f->length[e] = 0;
     }
-    for (int64_t i = 0; i < own->n_nodes; i++) {
-        if (own->node_class[i] != PL_ON_CURVE)
-            continue;
-        const int32_t a = pl_class_of(f->chain, own->edge_at[i][0]);
-        const int32_t b = pl_class_of(f->chain, own->edge_at[i][1]);
-        f->chain[a > b ? a : b] = a < b ? a : b;
-    }
+    for (int64_t i = 0; i < own->n_nodes; i++)
+        if (own->node_class[i] == PL_ON_CURVE)
+            pl_join(f->chain, own->edge_at[i][0], own->edge_at[i][1]);
     for (int32_t e = 0; e < own->n_edges; e++)
         f->length[f->chain[e] = pl_class_of(f->chain, e)]++;
 }

@@ -8,6 +8,7 @@
  */
 #include "improve/improve.h"
 #include "improve/lattice.h"
+#include "improve/lattice_stiffness.h"
 
 #include "base/context.h"
 #include "base/memory.h"

@@ -15,8 +15,9 @@
  *
  *   pl_lattice_create, _destroy    grids for the mesh as it is
  *   pl_lattice_sort                elements and nodes by simplices
- *   pl_lattice_assemble            Hessian of the sum of RR^2, or AR^2, for displacements of vertices
- *   pl_lattice_restrict, _solve, _prolong    from forces of the nodes to their displacements
+ *   pl_lattice_solve               displacements of vertices for their forces
+ *
+ * lattice_stiffness.h has the forces and the Hessian.
  */
 #ifndef PL_IMPROVE_LATTICE_H
 #define PL_IMPROVE_LATTICE_H
@@ -101,14 +102,6 @@ void pl_lattice_destroy(pl_lattice *lattice);
 /** Put elements and nodes to the simplices that they are in. */
 void pl_lattice_sort(pl_lattice *lattice);
 
-/** Assemble, for what is sorted. Blocks that are not positive definite are shifted until they are. */
-void pl_lattice_assemble(pl_lattice *lattice);
-
-/** Set the forces of vertices from those of the stars' nodes, [n_stars][dim], finite and along the
- *  planes and lines. Returns 0 if all
- *  are 0 or they are too large. */
-int pl_lattice_restrict(pl_lattice *lattice, const double *force);
-
 /** Function that is asked between iterations; not 0: stop. */
 typedef int pl_lattice_ask_fn(void *context);
 
@@ -116,8 +109,5 @@ typedef int pl_lattice_ask_fn(void *context);
  *  until the residual has fallen to part of itself, at most n of them. Returns not 0 if ask said so. */
 int pl_lattice_solve(pl_lattice *lattice, double part, int n, pl_lattice_ask_fn *ask,
                      void *context);
-
-/** Set the displacements at the stars' nodes, [n_stars][dim]: not yet along the planes and lines. */
-void pl_lattice_prolong(const pl_lattice *lattice, double *move);
 
 #endif

@@ -3,6 +3,7 @@
  * that is written. */
 #include "improve/bend_mean.h"
 #include "improve/lattice_places.h"
+#include "improve/lattice_stiffness.h"
 
 #include "star/kernel_direction.h"
 

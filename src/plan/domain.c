@@ -1,4 +1,5 @@
 /* domain: what a plan works on: all of the mesh, or the subset of it around some nodes. */
+#include "topology/walk.h"
 #include "plan/draft.h"
 #include "plan/targets.h"
 

@@ -1,5 +1,6 @@
 /* select: the nodes of bad elements, and rings of elements around them: all that --only-worse-than
  * is about. One pass over the mesh finds them; everything behind it then costs by what is bad. */
+#include "topology/walk.h"
 #include "plan/draft.h"
 
 #include "base/memory.h"

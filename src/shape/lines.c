@@ -1,7 +1,8 @@
 /* lines: chains of ridges that are straight. As with planes, a chain is put together from pairs of
  * neighbours and then looked at as a whole: its two ends say where the line is. */
-#include "shape/surface.h"
+#include "shape/lines.h"
 
+#include "base/joined.h"
 #include "base/memory.h"
 #include "base/status.h"
 

@@ -5,8 +5,9 @@
  * their nodes, as far apart as can be, say where the plane is, and if a node lies off it the class
  * is not planar (facets of a finely meshed cylinder join one by one, too).
  */
-#include "shape/surface.h"
+#include "shape/planes.h"
 
+#include "base/joined.h"
 #include "base/memory.h"
 #include "base/status.h"
 

@@ -5,7 +5,7 @@
 #include "base/status.h"
 #include "geometry/cell.h"
 #include "shape/curved.h"
-#include "shape/surface.h"
+#include "shape/lines.h"
 #include "topology/points.h"
 
 #include <string.h>

@@ -1,12 +1,10 @@
-/* surface: the facets of a mesh that its shape is made of, and the planes, edges and straight lines
- * that they make. Internal to shape.
+/* surface: the facets of a mesh that its shape is made of. Internal to shape: planes.h and lines.h
+ * have what they make.
  *
  *   surface.c   pl_surface_create, _destroy           the facets
  *               pl_tags_sort, pl_tags_find            facets or edges that the caller has tagged
  *   wholes.c    facets of second order: wholes.h
- *   planes.c    pl_planes_create, _destroy            planes and the edges between them
- *   lines.c     pl_lines_create, _destroy             straight chains of edges
- *   below       pl_same_label, pl_from_to, pl_length, pl_class_of, pl_join
+ *   below       pl_same_label, pl_from_to, pl_length
  */
 #ifndef PL_SHAPE_SURFACE_H
 #define PL_SHAPE_SURFACE_H
@@ -98,54 +96,7 @@ static inline int pl_same_label(const pl_label *a, const pl_label *b) {
            a->region[1] == b->region[1] && a->is_tagged == b->is_tagged && a->tag == b->tag;
 }
 
-/* ---- planes, edges and lines -------------------------------------------------------------- */
-
-/** An edge of the shape: between facets of different planes or labels, or tagged; in 2-D each facet
- *  is one. */
-typedef struct pl_ridge {
-    int32_t node[2]; /* own numbers of the surface, ascending */
-    pl_label label;  /* in 2-D of the facet; in 3-D its tag alone */
-} pl_ridge;
-
-typedef struct pl_ridges {
-    int64_t n, capacity;
-    pl_ridge *ridge; /* [n] ascending by nodes */
-} pl_ridges;
-
-/** Planes: classes of facets that are joined by edges across which they are coplanar. */
-typedef struct pl_planes {
-    int64_t n;
-    int32_t *of_facet; /* [n_facets] its plane; -1: the class is not planar as a whole */
-    double *normal;    /* [n][3] of unit length */
-} pl_planes;
-
-/** Find the planes of a surface in 3-D, and the edges between them. tolerance: how far nodes may be
- *  off, in the surface's units. is_fixed [nodes of the mesh] becomes PL_FIXED_ALWAYS for nodes of tagged edges
- *  that are none of the surface, and PL_FIXED_UNLESS_CURVED for those of quadrilaterals that are not planar. ridges is to be released in any case. Errors: _MEMORY. */
-int pl_planes_create(const pl_surface *surface, const planish_surface *tags, double tolerance,
-                     pl_planes *planes, pl_ridges *ridges, uint8_t *is_fixed, planish_error *error);
-
-/** Free the arrays of planes. */
-void pl_planes_destroy(pl_planes *planes);
-
-/** Straight lines: chains of two or more ridges. */
-typedef struct pl_lines {
-    int64_t n;
-    int32_t *n_ridges;  /* [n_nodes] ridges that end at each node */
-    int32_t *of_node;   /* [n_nodes] the line that the node is inside of, or -1 */
-    int32_t (*next)[2]; /* [n_nodes] its neighbours on that line */
-    double *direction;  /* [n][3] of unit length */
-} pl_lines;
-
-/** Find the lines that ridges make. A node is inside of one if two ridges of the same label meet
- *  there, straight on. Errors: _MEMORY. */
-int pl_lines_create(const pl_surface *surface, const pl_ridges *ridges, double tolerance,
-                    pl_lines *lines, planish_error *error);
-
-/** Free the arrays of lines. */
-void pl_lines_destroy(pl_lines *lines);
-
-/* ---- vectors, and classes of indices that are joined --------------------------------------- */
+/* ---- vectors ------------------------------------------------------------------------------- */
 
 /** Compute b - a of dim numbers, the third 0 in 2-D. */
 static inline void pl_from_to(int dim, const double *a, const double *b, double *v) {
@@ -156,19 +107,6 @@ static inline void pl_from_to(int dim, const double *a, const double *b, double 
 /** Length of v [3]. */
 static inline double pl_length(const double *v) {
     return sqrt(pl_dot(3, v, v));
-}
-
-/** Lowest member of i's class; parent [n] is that of each index, or itself. */
-static inline int32_t pl_class_of(int32_t *parent, int32_t i) {
-    while (parent[i] != i)
-        i = parent[i] = parent[parent[i]];
-    return i;
-}
-
-/** Join the classes of i and j; the smallest index names a class. */
-static inline void pl_join(int32_t *parent, int32_t i, int32_t j) {
-    const int32_t a = pl_class_of(parent, i), b = pl_class_of(parent, j);
-    parent[a > b ? a : b] = a < b ? a : b;
 }
 
 #endif

@@ -2,6 +2,8 @@
  * with. Unguarded: an element may be inverted. Plain sums in the order of the ring and the link.
  */
 #define PL_PACK 1
+#include "star/laplacian.h"
+
 #include "star/kernel_step.h"
 
 /** Weighted sum of offsets from the node, in the star's scale. */

@@ -19,7 +19,6 @@
  *   pl_star_scratch_size, _of                                memory that they need
  *   pl_star_kernel_select                                    the functions of an instruction set
  *   pl_star_visit_of, _evaluate_of, _ratio_of                those for a problem
- *   pl_star_average                                          laplacian.c: methods of averages
  *   pl_star_is_held, _admit, _slide_to                       places that a node may take
  *   pl_star_infeasible                                       feasibility.c: proofs
  *   pl_star_update_shifts                                    multipliers.c: augmented Lagrangian
@@ -236,11 +235,6 @@ static inline double *pl_star_scratch_of(const pl_star_problem *problem, int thr
 /** Bytes of scratch (64-byte aligned, one per thread) for stars of at most max_ring neighbours,
  *  max_link facets and max_more further rows. */
 int64_t pl_star_scratch_size(int dim, int64_t max_ring, int64_t max_link, int64_t max_more);
-
-/** Move the nodes of the changed ones of stars begin .. end-1 by a method of averages
- * (laplacian.c): to the mean that it says, whatever becomes of the elements. Adds to *tally. */
-void pl_star_average(const pl_star_problem *problem, planish_method method, int dim, int64_t begin,
-                     int64_t end, double *scratch, pl_star_tally *tally);
 
 /** Bring x [dim], where the node shall go, to a place that can be stored and is within its bounds.
  *  Return 0 if the node has to stay. */

@@ -1,5 +1,5 @@
 /* begin: the caller's surface mesh in and out. */
-#include "surface/smooth.h"
+#include "surface/begin.h"
 
 #include "base/clock.h"
 #include "base/memory.h"

@@ -11,6 +11,7 @@
 #include "quality/measure.h"
 #include "surface/facet_terms.h"
 #include "surface/smooth.h"
+#include "surface/begin.h"
 #include "topology/points.h"
 
 #include <math.h>

@@ -1,10 +1,8 @@
 /* smooth: one call that smooths a surface mesh.
  *
- *   begin.c    pl_surface_find_moves               nodes that move
- *              pl_surface_run_begin, _end, _destroy    the caller's mesh in and out
- *   smooth.c   pl_surface_run_measure, pl_surface_rms    the mesh as it is
- *              pl_surface_sweeps                     sweep until convergence
- *              pl_surface_improve_worst              stages for the worst elements
+ *   pl_surface_run_measure, pl_surface_rms    the mesh as it is
+ *   pl_surface_sweeps                         sweep until convergence
+ *   pl_surface_improve_worst                  stages for the worst elements
  */
 #ifndef PL_SURFACE_SMOOTH_H
 #define PL_SURFACE_SMOOTH_H
@@ -44,19 +42,6 @@ typedef struct pl_surface_run {
     planish_phase phase;
     planish_stop stop;
 } pl_surface_run;
-
-/** Find the nodes that may move: moves [shape->n_nodes] becomes 0 or 1. */
-void pl_surface_find_moves(const planish_mesh *mesh, const planish_shape *shape, uint8_t *moves);
-
-/** Begin a run that has mesh, coordinates, options, result, threads and start_seconds. Errors: _ARGUMENT,
- *  _MESH, _MEMORY. */
-int pl_surface_run_begin(pl_surface_run *r, planish_error *error);
-
-/** Write the nodes that have moved to the caller's coordinates, and fill in the result. */
-void pl_surface_run_end(pl_surface_run *r);
-
-/** Free what a run owns, also after an error. */
-void pl_surface_run_destroy(pl_surface_run *r);
 
 /** Root of the mean square ratio of all elements, as measured last. */
 double pl_surface_rms(const pl_surface_sums *sums);

@@ -1,5 +1,5 @@
 /* begin_end: begin and end of a run: the caller's coordinates into the plan, and back. */
-#include "sweep/run.h"
+#include "sweep/begin_end.h"
 
 #include "base/clock.h"
 #include "base/memory.h"

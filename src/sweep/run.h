@@ -1,7 +1,5 @@
 /* run: one call of planish_smooth: its mesh, the mesh quality, its sweeps, trials.
  *
- *   pl_run_begin, _end, _destroy               begin_end.c: the caller's coordinates in and out
- * run.c
  *   pl_run_measure, _measure_fixed             measure the mesh; the rest of it
  *   pl_run_objective, _worst_limits            F; the worst element's measures, as limits
  *   pl_run_excess                              by how much the RMS can fall
@@ -81,18 +79,6 @@ typedef struct pl_run {
     planish_stop stop;
     planish_result *result;
 } pl_run;
-
-/** Begin a run that has plan, coordinates, options, accelerate, start_seconds and result: bring the
- *  coordinates into the plan, make the guard and the watch, measure, and prepare the sweeps. Errors:
- *  those of pl_guard_create and pl_watch_create, _MEMORY. */
-int pl_run_begin(pl_run *r, planish_error *error);
-
-/** End a run: write the nodes that have moved to the caller's coordinates, unless memory was
- *  lacking or another process is not reached, and fill the result. Errors: _MEMORY, _PROCESS. */
-int pl_run_end(pl_run *r, planish_error *error);
-
-/** Free what a run owns, also after an error. */
-void pl_run_destroy(pl_run *r);
 
 /** Measure the plan's coordinates. */
 void pl_run_measure(pl_run *r);

@@ -1,6 +1,7 @@
 /* sweep: one pass over the colours of a plan, and when another one pays. Nodes of one colour share
  * no element, so they are visited in parallel, each reading its neighbours and writing only itself.
  */
+#include "star/laplacian.h"
 #include "sweep/sweep.h"
 
 #include "base/memory.h"

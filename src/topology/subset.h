@@ -1,7 +1,7 @@
 /* subset: the elements around some nodes, as a mesh of its own. The cost of work on a subset
  * depends on the subset's size, not on the mesh's.
  *
- *   pl_subset_by_marks, pl_subset_by_walk, pl_subset_destroy     the elements of a subset
+ *   pl_subset_by_marks, pl_subset_destroy                  the elements of a subset (walk.h: of few nodes)
  *   pl_submesh_create, _destroy, pl_subset_find_node       the subset as a mesh
  */
 #ifndef PL_TOPOLOGY_SUBSET_H
@@ -22,19 +22,6 @@ typedef struct pl_subset {
  */
 int pl_subset_by_marks(const planish_mesh *mesh, const uint8_t *selected, int threads,
                        pl_subset *subset, planish_error *error);
-
-/** Nodes from which to walk, and an element of each. */
-typedef struct pl_seeds {
-    int64_t n;
-    const int64_t *node, *element; /* [n] */
-} pl_seeds;
-
-/** Find a subset from neighbour to neighbour, which mesh has: the nodes of seeds are selected, and
- * those of so many rings of elements around. Of the mesh, which need not be dense, no more is
- * looked at than the subset, and that is checked; and of a node no more elements than it has
- * together with its seed, by facets at it. Errors: _ARGUMENT, _MESH, _MEMORY. */
-int pl_subset_by_walk(const planish_mesh *mesh, const pl_seeds *seeds, int rings, pl_subset *subset,
-                      planish_error *error);
 
 /** Free the arrays of subset. */
 void pl_subset_destroy(pl_subset *subset);

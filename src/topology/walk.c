@@ -1,5 +1,5 @@
 /* walk: a subset of a mesh, found from neighbour to neighbour. */
-#include "topology/subset.h"
+#include "topology/walk.h"
 
 #include "base/memory.h"
 #include "base/status.h"

@@ -3,6 +3,7 @@
 #include "geometry/corner.h"
 #include "geometry/simplex.h"
 #include "improve/lattice.h"
+#include "improve/lattice_stiffness.h"
 #include "support/allocations.h"
 #include "support/both.h"
 #include "support/cell_meshes.h"

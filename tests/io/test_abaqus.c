@@ -54,23 +54,6 @@ static void everything_is_read(void **state) {
     planish_file_close(file);
 }
 
-/** Nodes that tag holds besides what the file holds, as digits. */
-static void check_held(const char *text, const char *tag, int ignore_regions,
-                       const char *expected) {
-    planish_file *file = reading_text(format, text);
-    uint8_t constraint[32];
-    char held[33] = "";
-    planish_error error = {.text = ""};
-    const planish_hold hold = {
-        .tags = &tag, .n_tags = tag != NULL, .ignore_regions = ignore_regions};
-    if (planish_file_constraints(file, &hold, constraint, &error))
-        fail_msg("%s", error.text);
-    for (int64_t i = 0; i < planish_file_mesh(file).n_nodes; i++)
-        held[i] = (char)('0' + constraint[i]);
-    assert_string_equal(held, expected);
-    planish_file_close(file);
-}
-
 /* Two tetrahedra that share a face, and nodes 6 to 9 of none. */
 #define PAIR                                                                                       \
     "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n6,6,0,0\n7,7,0,0\n8,8,0,0\n9,9,0,0\n"     \
@@ -104,13 +87,13 @@ static void sets_are_groups(void **state) {
         {AGAIN, "B", "10001"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        check_held(cases[i].text, cases[i].tag, 0, cases[i].held);
-    check_held(solid, "both", 1, "11111");
-    check_held(solid, "Some Nodes", 1, "11100");
-    check_held(solid, "Top", 1, "11110");
-    check_held(solid, "ofrib", 1, "11100");
-    check_held(solid, "Outer", 1, "11111");
-    check_held(solid, "Odd", 1, "11111");
+        reading_text_holds(format, cases[i].text, cases[i].tag, READING_REGIONS, cases[i].held);
+    reading_text_holds(format, solid, "both", 0, "11111");
+    reading_text_holds(format, solid, "Some Nodes", 0, "11100");
+    reading_text_holds(format, solid, "Top", 0, "11110");
+    reading_text_holds(format, solid, "ofrib", 0, "11100");
+    reading_text_holds(format, solid, "Outer", 0, "11111");
+    reading_text_holds(format, solid, "Odd", 0, "11111");
 }
 
 static void nodes_are_held(void **state) {
@@ -136,7 +119,7 @@ static void nodes_are_held(void **state) {
         {PAIR "*BOUNDARY\n6,1,3\n*CLOAD\n7,1,2.\n", "000000000"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        check_held(cases[i].text, NULL, 0, cases[i].held);
+        reading_text_holds(format, cases[i].text, NULL, READING_REGIONS, cases[i].held);
 }
 
 static void regions_are_blocks_and_sections(void **state) {
@@ -144,17 +127,20 @@ static void regions_are_blocks_and_sections(void **state) {
     static const char two[] = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n"
                               "*ELEMENT,TYPE=C3D4,ELSET=A\n1,1,2,3,4\n"
                               "*ELEMENT,TYPE=C3D4,ELSET=B\n2,2,3,4,5\n";
-    check_held(two, NULL, 0, "01110");
-    check_held(two, NULL, 1, "00000");
+    reading_text_holds(format, two, NULL, READING_REGIONS, "01110");
+    reading_text_holds(format, two, NULL, 0, "00000");
     static const char commented[] =
         "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n"
         "*ELEMENT,TYPE=C3D4,\n** a comment, and more\n\nELSET=A\n1,1,2,3,4\n"
         "*ELEMENT,\n**\n TYPE=C3D4,\n** ELSET=A,\n** one more\nELSET=B\n2,2,3,4,5\n";
-    check_held(commented, NULL, 0, "01110");
-    check_held(PAIR "*ELSET,ELSET=A\n1\n*ELSET,ELSET=B\n2\n", NULL, 0, "000000000");
-    check_held(PAIR "*ELSET,ELSET=A\n1\n*SOLID SECTION,ELSET=A\n1.\n", NULL, 0, "011100000");
-    check_held(PAIR "*ELSET,ELSET=A\n1,2\n*ELSET,ELSET=B\n2\n*Solid Section,elset=a\n1.\n", NULL, 0,
-               "000000000");
+    reading_text_holds(format, commented, NULL, READING_REGIONS, "01110");
+    reading_text_holds(format, PAIR "*ELSET,ELSET=A\n1\n*ELSET,ELSET=B\n2\n", NULL, READING_REGIONS,
+                       "000000000");
+    reading_text_holds(format, PAIR "*ELSET,ELSET=A\n1\n*SOLID SECTION,ELSET=A\n1.\n", NULL,
+                       READING_REGIONS, "011100000");
+    reading_text_holds(format,
+                       PAIR "*ELSET,ELSET=A\n1,2\n*ELSET,ELSET=B\n2\n*Solid Section,elset=a\n1.\n",
+                       NULL, READING_REGIONS, "000000000");
 }
 
 /* Quotes keep commas, blanks and the case of letters. */
@@ -182,7 +168,7 @@ static void names_may_be_quoted(void **state) {
         {QUOTED("\"a\"", "B", "*ELSET,ELSET=C\nA\n"), "C", "11110"}, /* there is no other */
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        check_held(cases[i].text, cases[i].tag, 0, cases[i].held);
+        reading_text_holds(format, cases[i].text, cases[i].tag, READING_REGIONS, cases[i].held);
 }
 
 /** Sets that the file comes back to name a member once. */
@@ -237,15 +223,17 @@ static void nodes_of_other_elements_are_checked(void **state) {
 /* CalculiX' fluid: a prism of six nodes is no triangle of second order. */
 static void fluid_is_of_first_order(void **state) {
     (void)state;
-    check_held(PAIR "*ELEMENT,TYPE=F3D6\n3,1,3,4,6,7,8\n", NULL, 0, "000000000");
-    check_held(PAIR "*ELEMENT,TYPE=F3D8\n3,1,2,3,4,6,7,8,\n9\n", NULL, 0, "000000000");
+    reading_text_holds(format, PAIR "*ELEMENT,TYPE=F3D6\n3,1,3,4,6,7,8\n", NULL, READING_REGIONS,
+                       "000000000");
+    reading_text_holds(format, PAIR "*ELEMENT,TYPE=F3D8\n3,1,2,3,4,6,7,8,\n9\n", NULL,
+                       READING_REGIONS, "000000000");
     planish_file *file = reading_text(format, PAIR "*ELEMENT,TYPE=F3D4\n3,2,3,4,6\n");
     assert_int_equal(planish_file_mesh(file).n_elements, 3);
     planish_file_close(file);
     /* Abaqus' quadrilaterals around a cavity. */
     static const char cavity[] =
         PAIR "*ELEMENT,TYPE=F3D4\n3,2,3,4,6\n*Fluid Property, TYPE=HYDRAULIC\n";
-    check_held(cavity, NULL, 0, "011101000");
+    reading_text_holds(format, cavity, NULL, READING_REGIONS, "011101000");
     file = reading_text(format, cavity);
     assert_int_equal(planish_file_mesh(file).n_elements, 2);
     planish_file_close(file);
@@ -291,12 +279,12 @@ static const char parts[] =
 
 static void parts_are_understood(void **state) {
     (void)state;
-    check_held(parts, NULL, 0, "01000");
-    check_held(parts, "S", 0, "11000");
-    check_held(parts, "Ref", 0, "01000");
-    check_held(parts, "T", 0, "01010");
-    check_held(parts, "Dotted", 0, "11001");
-    check_held(parts, "E", 0, "01111");
+    reading_text_holds(format, parts, NULL, READING_REGIONS, "01000");
+    reading_text_holds(format, parts, "S", READING_REGIONS, "11000");
+    reading_text_holds(format, parts, "Ref", READING_REGIONS, "01000");
+    reading_text_holds(format, parts, "T", READING_REGIONS, "01010");
+    reading_text_holds(format, parts, "Dotted", READING_REGIONS, "11001");
+    reading_text_holds(format, parts, "E", READING_REGIONS, "01111");
     static const struct {
         const char *lines, *held;
     } cases[] = {
@@ -312,7 +300,7 @@ static void parts_are_understood(void **state) {
         snprintf(text, sizeof text,
                  "*PART,NAME=P\n" PAIR "*END PART\n*ASSEMBLY,NAME=A\n%s*END ASSEMBLY\n",
                  cases[i].lines);
-        check_held(text, "X", 0, cases[i].held);
+        reading_text_holds(format, text, "X", READING_REGIONS, cases[i].held);
     }
     reading_fails(format,
                   "*PART,NAME=A\n*NODE\n1,0,0\n*END PART\n*PART,NAME=B\n*NODE\n1,0,0\n*END PART\n",
@@ -332,12 +320,12 @@ static const char instance[] =
 
 static void meshes_of_instances_are_understood(void **state) {
     (void)state;
-    check_held(instance, NULL, 0, "01000");
-    check_held(instance, "S", 0, "11000");
-    check_held(instance, "Ref", 0, "01000");
-    check_held(instance, "T", 0, "01010");
-    check_held(instance, "Dotted", 0, "11001");
-    check_held(instance, "E", 0, "01111");
+    reading_text_holds(format, instance, NULL, READING_REGIONS, "01000");
+    reading_text_holds(format, instance, "S", READING_REGIONS, "11000");
+    reading_text_holds(format, instance, "Ref", READING_REGIONS, "01000");
+    reading_text_holds(format, instance, "T", READING_REGIONS, "01010");
+    reading_text_holds(format, instance, "Dotted", READING_REGIONS, "11001");
+    reading_text_holds(format, instance, "E", READING_REGIONS, "01111");
     reading_fails(format,
                   "*PART,NAME=A\n*NODE\n1,0,0\n*END PART\n*ASSEMBLY,NAME=B\n*INSTANCE,NAME=C\n"
                   "*NODE\n1,0,0\n*END INSTANCE\n*END ASSEMBLY\n",
@@ -366,14 +354,12 @@ static void names_are_of_part_or_assembly(void **state) {
         {NAMES("*NSET,NSET=N,INSTANCE=P-1\n9\n*MPC\nTIE,P-1.N\n"), NULL, "111100000"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        check_held(cases[i].text, cases[i].tag, 0, cases[i].held);
+        reading_text_holds(format, cases[i].text, cases[i].tag, READING_REGIONS, cases[i].held);
 }
 
 static void wrong_files_are_refused(void **state) {
     (void)state;
-    static const struct {
-        const char *text, *word;
-    } cases[] = {
+    static const reading_refusal cases[] = {
         {"", "no *NODE"},
         {"*NODE\n*ELEMENT,TYPE=C3D4\n", "no *NODE"},
         {"*NODE\n1,0,0,0\n", "nothing to smooth"},
@@ -404,8 +390,7 @@ static void wrong_files_are_refused(void **state) {
         {PAIR "*ELGEN\n1,9,1\n", "*ELGEN"},
         {PAIR "*NCOPY,OLD SET=A\n", "*NCOPY"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        reading_fails(format, cases[i].text, cases[i].word);
+    reading_refuses(format, cases, sizeof cases / sizeof *cases);
     reading_gives_surface(
         format, "*NODE\n1,0,0,0\n2,1\n3,0,1,1\n4,1,1\n*ELEMENT,TYPE=S3\n1,1,2,3\n2,2,4,3\n");
 }
@@ -485,7 +470,7 @@ static void sections_may_overlap(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[512];
         snprintf(text, sizeof text, "%s%s", sets, cases[i].sections);
-        check_held(text, NULL, 0, cases[i].held);
+        reading_text_holds(format, text, NULL, READING_REGIONS, cases[i].held);
     }
 }
 
@@ -494,10 +479,8 @@ static void contents_are_recognised(void **state) {
     static const char *const yes[] = {solid, PAIR, "** c\n\n*heading", " *Part, name=x\n",
                                       "\xEF\xBB\xBF*Node\n"};
     static const char *const no[] = {"", "**\n", "*KEYWORD\n*NODE\n", "1 2 3\n", "*nodes\n", "*\n"};
-    for (size_t i = 0; i < sizeof yes / sizeof *yes; i++)
-        assert_true(format->recognise(yes[i], (int64_t)strlen(yes[i])));
-    for (size_t i = 0; i < sizeof no / sizeof *no; i++)
-        assert_false(format->recognise(no[i], (int64_t)strlen(no[i])));
+    reading_tells(format, yes, sizeof yes / sizeof *yes, 1);
+    reading_tells(format, no, sizeof no / sizeof *no, 0);
 }
 
 /** Line ends of every kind, none at the end. */
@@ -526,8 +509,10 @@ static void line_ends_may_be_any(void **state) {
 /** A byte order mark before the first keyword. */
 static void text_may_begin_with_a_mark(void **state) {
     (void)state;
-    check_held("\xEF\xBB\xBF" PAIR "*ELSET,ELSET=A\n1\n", "A", 0, "111100000");
-    check_held("\xEF\xBB\xBF** a comment\n" PAIR, NULL, 0, "000000000");
+    reading_text_holds(format, "\xEF\xBB\xBF" PAIR "*ELSET,ELSET=A\n1\n", "A", READING_REGIONS,
+                       "111100000");
+    reading_text_holds(format, "\xEF\xBB\xBF** a comment\n" PAIR, NULL, READING_REGIONS,
+                       "000000000");
     reading_fails(format, "\xEF\xBB\xBF", "no *NODE");
     reading_fails(format, "\xEF\xBB", "no *NODE");
 }

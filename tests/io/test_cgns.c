@@ -119,10 +119,7 @@ static file_builder make(const mesh *m) {
 
 static planish_file *read_mesh(const mesh *m) {
     file_builder b = make(m);
-    planish_file *file;
-    planish_error error = {.text = ""};
-    if (builder_read(&b, &io_format_cgns, 1, &file, &error))
-        fail_msg("%s", error.text);
+    planish_file *file = builder_file(&b, &io_format_cgns);
     builder_release(&b);
     return file;
 }
@@ -180,31 +177,19 @@ static void a_plane_is_read(void **state) {
     planish_file_close(file);
 }
 
-/** Constraints of the nodes as digits, 1: fixed. */
-static void expect_held(const planish_file *file, const char *tag, const char *expected) {
-    uint8_t constraint[N];
-    planish_error error = {.text = ""};
-    const planish_hold hold = {.tags = &tag, .n_tags = tag != NULL, .ignore_regions = 1};
-    if (planish_file_constraints(file, &hold, constraint, &error))
-        fail_msg("%s", error.text);
-    for (int i = 0; i < N; i++)
-        if (constraint[i] != expected[i] - '0')
-            fail_msg("%s: node %d", tag ? tag : "no tag", i);
-}
-
 static void groups_have_names(void **state) {
     (void)state;
     planish_file *file = read_mesh(&right);
-    expect_held(file, NULL, "111001");
-    expect_held(file, "points", "111101");
-    expect_held(file, "more points", "111101");
-    expect_held(file, "Walls", "111101");
-    expect_held(file, "wall", "111001");
-    expect_held(file, "faces", "111001");
-    expect_held(file, "upper", "111111");
-    expect_held(file, "lower", "111101");
-    expect_held(file, "old", "111101");
-    expect_held(file, "touched", "111111");
+    reading_holds(file, NULL, 0, "111001");
+    reading_holds(file, "points", 0, "111101");
+    reading_holds(file, "more points", 0, "111101");
+    reading_holds(file, "Walls", 0, "111101");
+    reading_holds(file, "wall", 0, "111001");
+    reading_holds(file, "faces", 0, "111001");
+    reading_holds(file, "upper", 0, "111111");
+    reading_holds(file, "lower", 0, "111101");
+    reading_holds(file, "old", 0, "111101");
+    reading_holds(file, "touched", 0, "111111");
     uint8_t constraint[N];
     planish_error error;
     const char *unknown = "nothing";

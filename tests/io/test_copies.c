@@ -53,8 +53,7 @@ static void copies_are_one_node(void **state) {
         assert_int_equal(file->model.n_places - mesh.n_nodes, i == 1 ? 1 : 2);
         planish_file_close(file);
         reading_every_beginning(texts[i].format, texts[i].text, (int64_t)strlen(texts[i].text));
-        const file_builder builder = {.data = (char *)(uintptr_t)texts[i].text,
-                                      .size = (int64_t)strlen(texts[i].text)};
+        const file_builder builder = builder_of(texts[i].text);
         builder_let_allocations_fail(&builder, texts[i].format);
     }
 }

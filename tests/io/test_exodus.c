@@ -3,6 +3,7 @@
 #include "support/effort.h"
 #include "support/files.h"
 #include "support/netcdf_builder.h"
+#include "support/reading.h"
 #include "support/rewriting.h"
 #include "support/unit_elements.h"
 
@@ -62,32 +63,23 @@ static void put_mesh(netcdf_builder *b, int kind, int is_one, int type) {
     netcdf_put_integers(b, "side_ss2", 3, 0, (const int[]){4, 2, 4}); /* and from both sides */
 }
 
-static planish_file *read_file(const file_builder *b) {
-    planish_file *file;
-    planish_error error = {.text = ""};
-    if (builder_read(b, &io_format_exodus, 1, &file, &error))
-        fail_msg("%s", error.text);
-    return file;
-}
-
 /* ---- what is read -------------------------------------------------------------------------- */
 
 static void check_mesh(const planish_file *file, int is_float) {
     static const int32_t nodes[] = {0, 1, 2, 3, 1, 2, 3, 4};
     static const uint8_t hold[] = {0, 0, 0, 0, IO_HELD_BY_LINE, IO_HELD_BY_LINE | IO_HELD_BY_POINT};
     const planish_mesh mesh = planish_file_mesh(file);
-    planish_file_info info;
-    planish_file_get_info(file, &info);
-    assert_int_equal(mesh.dim, 3);
-    assert_int_equal(mesh.n_nodes, N);
-    assert_int_equal(mesh.n_elements, 2);
+    reading_gave(file, &io_format_exodus,
+                 &(reading_facts){.dim = 3,
+                                  .n_nodes = N,
+                                  .n_elements = 2,
+                                  .n_regions = 2,
+                                  .n_lower = 4, /* two facets are one: a bar, a point, two sides */
+                                  .precision = is_float ? PLANISH_PRECISION_FLOAT
+                                                        : PLANISH_PRECISION_DOUBLE});
     assert_memory_equal(mesh.elements, nodes, sizeof nodes);
     assert_true(mesh.coordinates[3] == 1 && mesh.coordinates[14] == 1.5 &&
                 mesh.coordinates[16] == 2);
-    assert_int_equal(info.n_regions, 2);
-    assert_int_equal(info.n_lower_elements, 4); /* two facets are one: a bar, a point, two sides */
-    assert_int_equal(info.n_other_elements, 0);
-    assert_int_equal(info.precision, is_float ? PLANISH_PRECISION_FLOAT : PLANISH_PRECISION_DOUBLE);
     assert_memory_equal(file->model.hold, hold, sizeof hold);
     assert_int_equal(planish_file_node_number(file, 5), 60);
     assert_int_equal(planish_file_element_number(file, 1), 102);
@@ -106,7 +98,7 @@ static void a_mesh_is_read_in_every_kind(void **state) {
         file_builder b = netcdf_end_file(&n);
         assert_int_equal(io_format_exodus.recognise(b.data, b.size), 1);
         assert_int_equal(io_format_vtkhdf.read && io_format_vtkhdf.recognise(b.data, b.size), 0);
-        planish_file *file = read_file(&b);
+        planish_file *file = builder_file(&b, &io_format_exodus);
         check_mesh(file, is_float);
         planish_file_close(file);
         builder_release(&b);
@@ -118,7 +110,7 @@ static void sets_are_groups(void **state) {
     netcdf_builder n;
     put_mesh(&n, 1, 0, NETCDF_AS_DOUBLE);
     file_builder b = netcdf_end_file(&n);
-    planish_file *file = read_file(&b);
+    planish_file *file = builder_file(&b, &io_format_exodus);
     unit_expect_held(file, NULL, "000011"); /* without regions */
     const struct {
         const char *tag, *held;
@@ -168,7 +160,7 @@ static void shared_nodes_are_held(void **state) {
         put_mesh(&n, 2, 0, NETCDF_AS_DOUBLE);
         netcdf_put_integers(&n, lists[i], 1, 0, (const int[]){1});
         file_builder b = netcdf_end_file(&n);
-        planish_file *file = read_file(&b);
+        planish_file *file = builder_file(&b, &io_format_exodus);
         assert_int_equal(file->model.hold[0], IO_HELD_REQUIRED);
         assert_int_equal(file->model.hold[1], 0);
         planish_file_close(file);
@@ -189,7 +181,7 @@ static void a_plane_is_read(void **state) {
         strcpy(netcdf_put_integers(&n, "connect1", 2, 3, (const int[]){1, 2, 3, 1, 3, 4})->text,
                "TRI");
         file_builder b = netcdf_end_file(&n);
-        planish_file *file = read_file(&b);
+        planish_file *file = builder_file(&b, &io_format_exodus);
         const planish_mesh mesh = planish_file_mesh(file);
         assert_int_equal(mesh.dim, 2);
         assert_int_equal(mesh.n_elements, 2);
@@ -215,7 +207,7 @@ static void data_are_read(void **state) {
         netcdf_put_reals(&n, "vals_elem_var2eb1", NETCDF_AS_FLOAT, 2, 1, heat)->is_by_step = 1;
         netcdf_put_reals(&n, "vals_elem_var2eb2", NETCDF_AS_FLOAT, 2, 1, heat + 1)->is_by_step = 1;
         file_builder b = netcdf_end_file(&n);
-        planish_file *file = read_file(&b);
+        planish_file *file = builder_file(&b, &io_format_exodus);
         assert_int_equal(file->model.n_data, 4); /* size, part, and heat in two blocks */
         file->model.is_isolated = i % 2;
         int status = planish_file_data(file, "size", &data, &error);
@@ -253,7 +245,7 @@ static void wrong_data_are_refused(void **state) {
         part->type = wrong[i / 2].type;
         part->is_by_step = part->columns > 0;
         file_builder b = netcdf_end_file(&n);
-        planish_file *file = read_file(&b);
+        planish_file *file = builder_file(&b, &io_format_exodus);
         assert_int_equal(planish_file_data(file, "size", &data, &error), PLANISH_ERROR_FORMAT);
         if (!strstr(error.text, "vals_nod_var1: 6 real numbers were expected"))
             fail_msg("%s", error.text);

@@ -175,10 +175,7 @@ static void bricks_have_regions_groups_and_facets(void **state) {
     for (size_t i = 0; i < sizeof all_bricks / sizeof *all_bricks; i++) {
         const bricks *b = &all_bricks[i];
         file_builder text = write_bricks(b);
-        planish_file *file;
-        planish_error error = {.text = ""};
-        if (builder_read(&text, b->format, 1, &file, &error))
-            fail_msg("%s", error.text);
+        planish_file *file = builder_file(&text, b->format);
         assert_int_equal(planish_file_mesh(file).dim, b->dim);
         unit_expect_bricks(file, b->facet, b->second);
         planish_file_close(file);
@@ -340,10 +337,7 @@ static void lists_of_all_facets_hold_nothing_inside(void **state) {
         }
         for (int marked = -1; marked <= inside; marked += inside + 1) {
             file_builder b = write_listed(box, facets, edges, marked);
-            planish_file *file;
-            planish_error error = {.text = ""};
-            if (builder_read(&b, &io_format_medit, 1, &file, &error))
-                fail_msg("%s", error.text);
+            planish_file *file = builder_file(&b, &io_format_medit);
             assert_int_equal(planish_file_mesh(file).n_elements, box->cells.n);
             for (int64_t i = 0; i < box->mesh.n_nodes; i++) {
                 int is_side = 0, is_marked = 0;

@@ -146,7 +146,7 @@ static void test_msh4(void **state) {
 
 static void read_text(const char *text, planish_file **file) {
     planish_error error = {0};
-    file_builder builder = {.data = (char *)(uintptr_t)text, .size = (int64_t)strlen(text)};
+    file_builder builder = builder_of(text);
     if (builder_read(&builder, &io_format_gmsh, 1, file, &error) != 0)
         fail_msg("%s", error.text);
 }
@@ -363,13 +363,6 @@ static void test_large_msh4(void **state) {
     "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n$Elements\n3\n1 1 2 7 1 1 2\n"      \
     "2 2 2 7 1 1 2 3\n3 2 2 8 1 1 3 4\n$EndElements\n"
 
-static void expect_group(const io_model *model, int index, int dim, int tag, const char *name) {
-    assert_true(index < model->n_groups);
-    assert_int_equal(model->group[index].dim, dim);
-    assert_int_equal(model->group[index].tag, tag);
-    assert_string_equal(model->group[index].name, name);
-}
-
 /* MSH 2.0 names have no dimension: they are of all dimensions that have the number. */
 static void test_names_without_dimension(void **state) {
     (void)state;
@@ -382,13 +375,12 @@ static void test_names_without_dimension(void **state) {
         planish_file *file;
         read_text(texts[i], &file);
         assert_int_equal(file->model.n_groups, 4);
-        expect_group(&file->model, 0, 1, 7, "a b");
-        expect_group(&file->model, 1, 2, 8, "c");
-        expect_group(&file->model, 2, 2, 9, "no such");
-        expect_group(&file->model, 3, 2, 7, "a b");
+        reading_group_is(file, 0, "a b", 1, 7);
+        reading_group_is(file, 1, "c", 2, 8);
+        reading_group_is(file, 2, "no such", 2, 9);
+        reading_group_is(file, 3, "a b", 2, 7);
         planish_file_close(file);
-        file_builder builder = {.data = (char *)(uintptr_t)texts[i],
-                                .size = (int64_t)strlen(texts[i])};
+        file_builder builder = builder_of(texts[i]);
         builder_try_to_break(&builder, &io_format_gmsh);
     }
 }
@@ -401,7 +393,7 @@ static void test_lines_without_names(void **state) {
               "2 9 \"$EndPhysicalNames\" \"more\"\n$EndPhysicalNames\n" SQUARE,
               &file);
     assert_int_equal(file->model.n_groups, 1);
-    expect_group(&file->model, 0, 2, 9, "$EndPhysicalNames");
+    reading_group_is(file, 0, "$EndPhysicalNames", 2, 9);
     planish_file_close(file);
 }
 
@@ -434,12 +426,9 @@ static void test_binary_data(void **state) {
     for (int swapped = 0; swapped < 2; swapped++)
         for (int i = 0; i < 2; i++) {
             int64_t place[N_NODES];
-            planish_file *file;
-            planish_error error = {0};
             const struct variant variant = {.binary = 1, .swapped = swapped};
             file_builder builder = make_with_data(&variant, i == 0 ? "" : "\n", place);
-            if (builder_read(&builder, &io_format_gmsh, 1, &file, &error) != 0)
-                fail_msg("%s", error.text);
+            planish_file *file = builder_file(&builder, &io_format_gmsh);
             expect_mesh(file, &variant);
             expect_places(&file->model, &variant, place);
             planish_file_close(file);
@@ -459,15 +448,12 @@ static void test_binary_data_that_lie(void **state) {
                                         "1\n\"x\"\n1\n0\n3\n0\n2147483647\n1\n"};
     for (size_t i = 0; i < sizeof heads / sizeof heads[0]; i++) {
         int64_t place[N_NODES];
-        planish_file *file;
-        planish_error error = {0};
         const struct variant variant = {.binary = 1};
         file_builder builder = gmsh_make_msh2(&variant, place);
         builder_text(&builder, "$ElementNodeData\n%sabcdefgh", heads[i]);
         builder_integer(&builder, -1, 4);
         builder_text(&builder, "\n$EndElementNodeData\n");
-        if (builder_read(&builder, &io_format_gmsh, 1, &file, &error) != 0)
-            fail_msg("%s", error.text);
+        planish_file *file = builder_file(&builder, &io_format_gmsh);
         planish_file_close(file);
         builder_try_to_break(&builder, &io_format_gmsh);
         builder_release(&builder);
@@ -484,9 +470,7 @@ static void test_binary_data_that_lie(void **state) {
 
 static void test_errors(void **state) {
     (void)state;
-    const struct {
-        const char *text, *part;
-    } cases[] = {
+    static const reading_refusal cases[] = {
         {"$NOD\n1\n", "1 nodes cannot be"},
         {"$NOD\n1\n1 0 0 0\n$EndNodes\n", "$ENDNOD expected"},
         {"$ELM\n1\n", "$ELM stands before $Nodes"},
@@ -497,11 +481,11 @@ static void test_errors(void **state) {
         {"$MeshFormat\n3.0 0 8\n", "gmsh IN.msh -0 -format msh41"},
         {"$MeshFormat\n4.2 0 8\n", "version 4.2"},
         {HEAD "$PhysicalNames\n2\n2 1 \"a\"\n$EndPhysicalNames\n", "number of names is wrong"},
-        {HEAD "$PhysicalNames\n1\n2 1 \"a\n$EndPhysicalNames\n", "file:6: closing quote"},
+        {HEAD "$PhysicalNames\n1\n2 1 \"a\n$EndPhysicalNames\n", "test:6: closing quote"},
         {HEAD "$PhysicalNames\n1\n-2 1 \"a\"\n", "dimension -2"},
-        {HEAD "$PhysicalNames\n1\nsteel\n", "file:6: dimension, number and name"},
+        {HEAD "$PhysicalNames\n1\nsteel\n", "test:6: dimension, number and name"},
         {"$MeshFormat\n2.2 0 4\n", "data size 4"},
-        {"$MeshFormat\n2.2 0 8\n", "file:3: $EndMeshFormat expected"},
+        {"$MeshFormat\n2.2 0 8\n", "test:3: $EndMeshFormat expected"},
         {HEAD, "without $Nodes"},
         {HEAD NODES, "without $Elements"},
         {HEAD "$Elements\n", "before $Nodes"},
@@ -510,12 +494,12 @@ static void test_errors(void **state) {
         {HEAD "$Nodes\n4611686018427387904\n1 0 0 0\n", "4611686018427387904 nodes cannot be"},
         {HEAD "$Nodes\n-1\n", "-1 nodes cannot be in the"},
         {HEAD "$Nodes\n2\n1 0 0 0\n1 1 0 0\n$EndNodes\n", "node number 1 occurs twice"},
-        {HEAD "$Nodes\n2\n1 0 0 0\n2 nan 0 0\n$EndNodes\n", "file:7: node 2 has a coordinate"},
+        {HEAD "$Nodes\n2\n1 0 0 0\n2 nan 0 0\n$EndNodes\n", "test:7: node 2 has a coordinate"},
         {HEAD "$Nodes\n2\n1 0 0 0\n2 1 1e999 0\n$EndNodes\n", "not finite"},
         {HEAD "$Nodes\n2\n1 0 0 0\n2 1 0\n$EndNodes\n", "coordinate expected"},
         {HEAD "$Nodes\n1\n1 0 0 0\n2 1 0 0\n$EndNodes\n", "$EndNodes expected"},
         {HEAD NODES "$Elements\n1\n1 4 2 0 1 1 2 3 5\n$EndElements\n", "there is no node 5"},
-        {HEAD NODES "$Elements\n1\n1 4 2 0 1 1 2 3\n$EndElements\n", "file:13: element"},
+        {HEAD NODES "$Elements\n1\n1 4 2 0 1 1 2 3\n$EndElements\n", "test:13: element"},
         {HEAD NODES "$Elements\n1\n1 99999 0 1\n$EndElements\n", "element type 99999 is not known"},
         {HEAD NODES "$Elements\n1\n1 29 0 1 2 3 4 1 2 3 4 1 2 3 4 1 2 3 4 1 2 3 4\n",
          "tetrahedra: elements of"},
@@ -539,11 +523,7 @@ static void test_errors(void **state) {
          "triangles: elements of"},
         {HEAD4 NODES4 "$Periodic\n1\n1 1 2\n-4\n", "periodic transform expected"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        file_builder builder = {.data = (char *)(uintptr_t)cases[i].text,
-                                .size = (int64_t)strlen(cases[i].text)};
-        builder_expect_error(&builder, &io_format_gmsh, cases[i].part);
-    }
+    reading_refuses(&io_format_gmsh, cases, sizeof cases / sizeof *cases);
 }
 
 /* A block header whose size would be 0 or less must not divide by it. */

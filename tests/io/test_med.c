@@ -131,10 +131,7 @@ static file_builder make(const mesh *m) {
 
 static planish_file *read_mesh(const mesh *m) {
     file_builder b = make(m);
-    planish_file *file;
-    planish_error error = {.text = ""};
-    if (builder_read(&b, &io_format_med, 1, &file, &error))
-        fail_msg("%s", error.text);
+    planish_file *file = builder_file(&b, &io_format_med);
     builder_release(&b); /* what is asked for later is in the model */
     return file;
 }
@@ -209,27 +206,15 @@ static void other_elements_hold_their_nodes(void **state) {
     planish_file_close(file);
 }
 
-/** Constraints of the nodes as digits, 1: fixed. */
-static void expect_held(const planish_file *file, const char *tag, const char *expected) {
-    uint8_t constraint[N];
-    planish_error error = {.text = ""};
-    const planish_hold hold = {.tags = &tag, .n_tags = tag != NULL, .ignore_regions = 1};
-    if (planish_file_constraints(file, &hold, constraint, &error))
-        fail_msg("%s", error.text);
-    for (int i = 0; i < N; i++)
-        if (constraint[i] != expected[i] - '0')
-            fail_msg("%s: node %d", tag, i);
-}
-
 static void groups_have_names(void **state) {
     (void)state;
     planish_file *file = read_mesh(&right);
-    expect_held(file, NULL, "111011");
-    expect_held(file, "lower", "111111");
-    expect_held(file, "all", "111111");
-    expect_held(file, "face", "111011");
-    expect_held(file, "pinned", "111011");
-    expect_held(file, "3:-1", "111111");
+    reading_holds(file, NULL, 0, "111011");
+    reading_holds(file, "lower", 0, "111111");
+    reading_holds(file, "all", 0, "111111");
+    reading_holds(file, "face", 0, "111011");
+    reading_holds(file, "pinned", 0, "111011");
+    reading_holds(file, "3:-1", 0, "111111");
     uint8_t constraint[N];
     planish_error error;
     const char *unknown = "unused";

@@ -47,28 +47,14 @@ static void a_solid_is_read(void **state) {
     planish_file_close(file);
 }
 
-/** Constraints: 0 free, 1 fixed, of the six nodes as digits. */
-static int constraints_are(const planish_file *file, const char *tag, int ignore_regions,
-                           const char *expected) {
-    uint8_t constraint[6];
-    planish_error error;
-    const planish_hold hold = {
-        .tags = &tag, .n_tags = tag != NULL, .ignore_regions = ignore_regions};
-    assert_int_equal(planish_file_constraints(file, &hold, constraint, &error), 0);
-    int same = 1;
-    for (int i = 0; i < 6; i++)
-        same &= constraint[i] == expected[i] - '0';
-    return same;
-}
-
 static void nodes_are_held(void **state) {
     (void)state;
     planish_file *file = reading_text(&io_format_medit, solid);
-    assert_true(constraints_are(file, NULL, 0, "111101")); /* 1 2 3: also between regions */
-    assert_true(constraints_are(file, NULL, 1, "111001"));
-    assert_true(constraints_are(file, "8", 1, "111111"));
-    assert_true(constraints_are(file, "3:8", 1, "111111"));
-    assert_true(constraints_are(file, "0:3", 1, "111011"));
+    reading_holds(file, NULL, READING_REGIONS, "111101"); /* 1 2 3: also between regions */
+    reading_holds(file, NULL, 0, "111001");
+    reading_holds(file, "8", 0, "111111");
+    reading_holds(file, "3:8", 0, "111111");
+    reading_holds(file, "0:3", 0, "111011");
     uint8_t constraint[6];
     planish_error error;
     const char *unknown = "2:8";
@@ -556,11 +542,9 @@ static void binary_files_are_read_and_written(void **state) {
     for (int version = 1; version <= 4; version++)
         for (int swapped = 0; swapped < 2; swapped++) {
             meshb m;
-            planish_file *file;
-            planish_error error;
             build_solid(&m, version, swapped);
             assert_true(io_format_medit.recognise(m.b.data, m.b.size));
-            assert_int_equal(builder_read(&m.b, &io_format_medit, 1, &file, &error), 0);
+            planish_file *file = builder_file(&m.b, &io_format_medit);
             check_solid(file, version);
             planish_file_close(file);
             builder_try_to_break(&m.b, &io_format_medit);
@@ -574,12 +558,10 @@ static void a_binary_plane_is_read_and_written(void **state) {
     static const int triangles[] = {1, 2, 3, 1, 1, 3, 4, 1};
     for (int version = 1; version <= 4; version++) {
         meshb m;
-        planish_file *file;
-        planish_error error;
         meshb_begin(&m, version, 0, 2);
         meshb_vertices(&m, 4, 2, square);
         meshb_integers(&m, 6, 2, 4, triangles);
-        assert_int_equal(builder_read(&m.b, &io_format_medit, 1, &file, &error), 0); /* no End */
+        planish_file *file = builder_file(&m.b, &io_format_medit); /* no End */
         assert_int_equal(planish_file_mesh(file).dim, 2);
         assert_memory_equal(planish_file_mesh(file).coordinates, square, sizeof square);
         planish_file_close(file);
@@ -609,8 +591,6 @@ static void the_last_section_may_point_nowhere(void **state) {
     (void)state;
     static const int tetrahedron[] = {1, 2, 3, 4, 0};
     meshb m;
-    planish_file *file;
-    planish_error error;
     meshb_begin(&m, 2, 0, 3);
     meshb_vertices(&m, 4, 3, points);
     builder_integer(&m.b, 8, 4);
@@ -618,7 +598,7 @@ static void the_last_section_may_point_nowhere(void **state) {
     builder_integer(&m.b, 1, 4);
     for (int i = 0; i < 5; i++)
         builder_integer(&m.b, tetrahedron[i], 4);
-    assert_int_equal(builder_read(&m.b, &io_format_medit, 1, &file, &error), 0);
+    planish_file *file = builder_file(&m.b, &io_format_medit);
     assert_int_equal(planish_file_mesh(file).n_elements, 1);
     planish_file_close(file);
     builder_release(&m.b);

@@ -32,51 +32,38 @@ static const char solid[] =
     "5 0 0\n6 0 0\n6 1 0\n5 1 0\n5 0 1\n6.0 0 1\n6 1 1\n5 1 1\n7 0.5 0\n7 0.5 1\n5.5 .5e0 2\n"
     "\nmfem_mesh_end\nanything 1 2 3\n";
 
-static void group_is(const planish_file *file, int i, const char *name, int dim, int tag) {
-    const io_group *group = &file->model.group[i];
-    assert_string_equal(group->name, name);
-    assert_int_equal(group->dim, dim);
-    assert_int_equal(group->tag, tag);
-}
-
-static int tag_of(const planish_file *file, const int32_t *entity, int64_t i) {
-    return file->model.entity[entity[i]].tag;
-}
-
 static void a_solid_is_read(void **state) {
     (void)state;
     static const int32_t simplices[] = {0, 1, 2, 3, 1, 2, 3, 4};
     static const int32_t others[] = {5, 6,  7,  8,  9, 10, 11, 12, 6, 13,
                                      7, 10, 14, 11, 9, 10, 11, 12, 15};
+    static const reading_facts facts = {.dim = 3,
+                                        .n_nodes = 16,
+                                        .n_elements = 5,
+                                        .n_regions = 3,
+                                        .n_other = 0,
+                                        .n_lower = 3,
+                                        .precision = PLANISH_PRECISION_DOUBLE};
     planish_file *file = reading_text(&io_format_mfem, solid);
+    reading_gave(file, &io_format_mfem, &facts);
     const io_model *model = &file->model;
     const planish_mesh mesh = planish_file_mesh(file);
-    planish_file_info info;
-    planish_file_get_info(file, &info);
-    assert_string_equal(info.format, "mfem");
-    assert_int_equal(mesh.dim, 3);
-    assert_int_equal(mesh.n_nodes, 16);
-    assert_int_equal(mesh.n_elements, 5);
     assert_memory_equal(mesh.cells->node, simplices, sizeof simplices);
     assert_memory_equal(mesh.cells->node + 8, others, sizeof others);
     assert_true(mesh.coordinates[14] == 1.5);
-    assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
-    assert_int_equal(info.n_regions, 3);
-    assert_int_equal(info.n_other_elements, 0);
-    assert_int_equal(info.n_lower_elements, 3);
     assert_int_equal(planish_file_node_number(file, 4), 4);
     assert_int_equal(planish_file_element_number(file, 1), 1);
     assert_int_equal(planish_file_element_number(file, 4), 4);
-    assert_int_equal(tag_of(file, model->tetrahedron.entity, 1), 4);
-    assert_int_equal(tag_of(file, model->solid.entity, 1), -2);
-    assert_int_equal(tag_of(file, model->triangle.entity, 0), 9);
-    assert_int_equal(tag_of(file, model->flat.entity, 0), 8);
+    assert_int_equal(reading_tag(file, model->tetrahedron.entity, 1), 4);
+    assert_int_equal(reading_tag(file, model->solid.entity, 1), -2);
+    assert_int_equal(reading_tag(file, model->triangle.entity, 0), 9);
+    assert_int_equal(reading_tag(file, model->flat.entity, 0), 8);
     assert_int_equal(model->n_groups, 5);
-    group_is(file, 0, "two of \"them", 3, 3);
-    group_is(file, 1, "two of \"them", 3, 4);
-    group_is(file, 2, "odd", 3, -2);
-    group_is(file, 3, "outer side", 2, 8);
-    group_is(file, 4, "outer side", 2, 9);
+    reading_group_is(file, 0, "two of \"them", 3, 3);
+    reading_group_is(file, 1, "two of \"them", 3, 4);
+    reading_group_is(file, 2, "odd", 3, -2);
+    reading_group_is(file, 3, "outer side", 2, 8);
+    reading_group_is(file, 4, "outer side", 2, 9);
     planish_file_close(file);
 }
 
@@ -105,7 +92,7 @@ static void a_plane_is_read(void **state) {
     assert_int_equal(file->model.triangle.n, 2);
     assert_int_equal(planish_file_element_number(file, 1), 2); /* triangles first */
     assert_int_equal(planish_file_element_number(file, 2), 1);
-    assert_int_equal(tag_of(file, file->model.line.entity, 1), 8);
+    assert_int_equal(reading_tag(file, file->model.line.entity, 1), 8);
     assert_true(mesh.coordinates[11] == 2);
     unit_expect_held(file, NULL, "110100");
     planish_file_close(file);
@@ -330,11 +317,8 @@ static void mids_are_between_their_corners(void **state) {
     static numbered all;
     for (int kind = 0; kind < 4; kind++) {
         cell_box *box = cell_box_create(kind / 2 ? BOX_WEDGES : BOX_HEXAHEDRA, 3);
-        planish_file *file;
-        planish_error error;
         file_builder b = write_box(box, kind % 2, &all);
-        if (builder_read(&b, &io_format_mfem, 1, &file, &error))
-            fail_msg("%s", error.text);
+        planish_file *file = builder_file(&b, &io_format_mfem);
         const planish_mesh mesh = planish_file_mesh(file);
         assert_int_equal(mesh.n_nodes, all.n);
         cell_box *raised = cell_box_raise(box, 1);
@@ -394,6 +378,11 @@ static void nodes_of_seams_are_held(void **state) {
     assert_int_equal(model->n_lower, 2);
     /* 0 0, 1 0, 0 1, 1 1, 2 0, 2 1, 3 0, 3 1, 0 2, 1 2, 2 2, 3 2 */
     unit_expect_held(file, NULL, "111010111001");
+    /* Places of a vertex are no pairs of periodic nodes: those of a seam stay where they are. */
+    const uint8_t seam = IO_HELD_REQUIRED | IO_HELD_PERIODIC;
+    assert_int_equal(model->n_periodic, 0);
+    for (int i = 0; i < 12; i++)
+        assert_int_equal((model->hold[i] & seam) == seam, "101000111001"[i] == '1');
     const planish_hold slide = {.slide = 1};
     assert_int_equal(planish_file_constraints(file, &slide, constraint, &error), 0);
     for (int i = 0; i < 12; i++)
@@ -439,14 +428,13 @@ static void shared_vertices_are_held(void **state) {
 
 /* ---- what is wrong -------------------------------------------------------------------------------- */
 
-#define NODES "nodes\nFiniteElementSpace\nFiniteElementCollection: "
-#define FLAT  "MFEM mesh v1.0\ndimension\n2\nelements\n1\n1 2 0 1 2\n" NOTHING "vertices\n3\n" NODES
+#define NODES   "nodes\nFiniteElementSpace\nFiniteElementCollection: "
+#define PYRAMID HEAD "elements\n1\n1 7 0 1 2 3 4\n" NOTHING "vertices\n5\n"
+#define FLAT    "MFEM mesh v1.0\ndimension\n2\nelements\n1\n1 2 0 1 2\n" NOTHING "vertices\n3\n" NODES
 
 static void wrong_files_are_refused(void **state) {
     (void)state;
-    static const struct {
-        const char *text, *word;
-    } cases[] = {
+    static const reading_refusal cases[] = {
         {"mesh\n", "no 'MFEM mesh v1.0'"},
         {"MFEM mesh v2.0\n", "version"},
         {"MFEM mesh v1.01\n", "version"},
@@ -499,12 +487,11 @@ static void wrong_files_are_refused(void **state) {
         {"MFEM mesh v1.0\ndimension\n2\n"
          "elements\n1\n1 2 0 1 2\n" NOTHING "vertices\n3\nnodes\nx\n",
          "FiniteElementSpace expected"},
-        {HEAD "elements\n1\n1 7 0 1 2 3 4\n" NOTHING "vertices\n5\n" NODES
-              "L2_T1_3D_P1\nVDim: 3\nOrdering: 1\n0 0 0\n",
-         "pyramids"},
+        {PYRAMID NODES "L2_T1_3D_P1\nVDim: 3\nOrdering: 1\n0 0 0\n", "element 0 is a pyramid"},
+        {PYRAMID NODES "L2_T4_3D_P2\nVDim: 3\nOrdering: 1\n0 0 0\n", "SetCurvature(2)"},
+        {PYRAMID NODES "QuadraticDiscont3D\nVDim: 3\nOrdering: 1\n0 0 0\n", "is a pyramid"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        reading_fails(&io_format_mfem, cases[i].text, cases[i].word);
+    reading_refuses(&io_format_mfem, cases, sizeof cases / sizeof *cases);
 }
 
 static void spaces_of_all_names_are_read(void **state) {
@@ -529,7 +516,7 @@ static void files_are_cut_anywhere(void **state) {
     (void)state;
     static const char *const texts[] = {solid, flat, curved, ring, crack};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        file_builder b = {.data = (char *)(uintptr_t)texts[i], .size = (int64_t)strlen(texts[i])};
+        file_builder b = builder_of(texts[i]);
         builder_try_to_break(&b, &io_format_mfem);
         builder_expect_same_on_threads(&b, &io_format_mfem);
     }

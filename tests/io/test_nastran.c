@@ -59,85 +59,86 @@ static void every_kind_of_field_is_read(void **state) {
     planish_file_close(file);
 }
 
-/** Constraints of all nodes as digits. */
-static int constraints_are(const char *text, const char *tag, const char *expected) {
-    planish_file *file = reading_text(format, text);
-    uint8_t constraint[32];
-    planish_error error;
-    const planish_hold hold = {.tags = &tag, .n_tags = tag != NULL, .ignore_regions = 1};
-    assert_int_equal(planish_file_constraints(file, &hold, constraint, &error), 0);
-    int same = planish_file_mesh(file).n_nodes == (int64_t)strlen(expected);
-    for (int64_t i = 0; same && expected[i]; i++)
-        same = constraint[i] == expected[i] - '0';
-    planish_file_close(file);
-    return same;
-}
-
 #define NINE                                                                                       \
     "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\nGRID,5,,5.,0.,1.\n"   \
     "GRID,6,,6.,0.,1.\nGRID,7,,7.,0.,1.\nGRID,8,,8.,0.,1.\nGRID,9,,9.,0.,1.\n"                     \
     "CTETRA,1,1,1,2,3,4\n"
 
+/** Nodes that a text and a tag (or NULL) hold, whatever the regions: constraints as digits. */
+typedef struct held_case {
+    const char *text, *tag, *held;
+} held_case;
+
+static void expect_all_held(const held_case *cases, size_t n) {
+    for (size_t i = 0; i < n; i++)
+        reading_text_holds(format, cases[i].text, cases[i].tag, 0, cases[i].held);
+}
+
 static void nodes_are_held(void **state) {
     (void)state;
-    assert_true(constraints_are(NINE, NULL, "000000000"));
-    assert_true(constraints_are(NINE, "1", "111100000"));
-    assert_true(constraints_are(NINE "CTRIA3,2,1,5,6,7\n", NULL, "000011100"));
-    assert_true(constraints_are(NINE "CTRIA3,2,1,5,6,7\n", "2:1", "000011100"));
-    assert_true(constraints_are(NINE "CQUAD4,2,1,5,6,7,8,3,.5\n", NULL, "000011110"));
-    assert_true(constraints_are(NINE "CHEXA,2,1,1,2,3,4,5,6\n,7,8\n", NULL, "000000000"));
-    assert_true(constraints_are(NINE "CBAR,2,1,5,6,1.,0.,0.\n", NULL, "000011000"));
-    assert_true(constraints_are(NINE "CBEAM,2,1,5,6,9\nCBUSH,3,1,5,6,8\n", NULL, "000011011"));
-    assert_true(constraints_are(NINE "CGAP,2,1,5,6,1.,0.,0.\n", NULL, "000011000"));
-    assert_true(constraints_are(NINE "CONROD,2,5,6,7,1.\n", NULL, "000011000"));
-    assert_true(constraints_are(NINE "CELAS1,2,1,5,1,6,3\n", NULL, "000011000"));
-    assert_true(constraints_are(NINE "CONM2,2,9,0,1.5\n", NULL, "000000001"));
-    assert_true(constraints_are(NINE "RBE2,2,5,3,6,7,8\n", NULL, "000011110"));
-    assert_true(constraints_are(NINE "RBE3,2,,5,3,1.,4,6,7,\n,8,1.,2,9\n", NULL, "000011111"));
-    assert_true(constraints_are(NINE "MPC,2,5,1,1.,6,2,-1.\n,,7,3,1.,8,1,1.\n", NULL, "000011110"));
-    assert_true(constraints_are(NINE "COTHER,2,1,9\n", NULL, "000000001"));
-    assert_true(constraints_are(NINE "RBE2,2,1,3,1,2,3,4,1,+\n+,5\n", NULL, "111110000"));
-    assert_true(constraints_are(NINE "RBE2,2,1,3,1,2,3,4,1,+1,,\n+1,5\n", NULL, "111110000"));
-    assert_true(constraints_are(NINE "RBE2,2,1,3,1,2,3,4,1,A\t\n,5,\t6\n", NULL, "111111000"));
-    assert_true(constraints_are(NINE "RBAR1,2,8,9,123\n", NULL, "000000011"));
-    assert_true(constraints_are(NINE "RJOINT,2,6,7,123\n", NULL, "000001100"));
-    assert_true(constraints_are(NINE "RSSCON,2,GRID,5,8,9\n", NULL, "000010011"));
-    assert_true(constraints_are(NINE "ROTHER,1,6,7,.5,8\n", NULL, "000001110"));
-    assert_true(constraints_are(NINE "RFORCE,2,5,,1.,0.,0.,1.\nRLOAD1,5,6,7\nRELEASE,6,7,8\n", NULL,
-                                "000000000"));
-    assert_true(constraints_are(NINE "CORD1R,1,7,8,9,2,5,6,7\n", NULL, "000011111"));
-    assert_true(constraints_are(NINE "CORD1C,1,7,8,9\nCORD1S,6,5,1,2\n", NULL, "110010111"));
-    assert_true(constraints_are(NINE "CORD3R,1,7,8,9\n", NULL, "000000111"));
-    assert_true(constraints_are(NINE "CORD2R,9,8,7,6,5,4,3,2\n", NULL, "000000000"));
-    assert_true(
-        constraints_are(NINE "SPC1,9,123,1,2\nFORCE,1,3,0,1.\nTEMP,1,5,20.\n", NULL, "000000000"));
-    assert_true(constraints_are(NINE "$HMNAME PROP 1\"one\"\n", "one", "111100000"));
+    static const held_case cases[] = {
+        {NINE, NULL, "000000000"},
+        {NINE, "1", "111100000"},
+        {NINE "CTRIA3,2,1,5,6,7\n", NULL, "000011100"},
+        {NINE "CTRIA3,2,1,5,6,7\n", "2:1", "000011100"},
+        {NINE "CQUAD4,2,1,5,6,7,8,3,.5\n", NULL, "000011110"},
+        {NINE "CHEXA,2,1,1,2,3,4,5,6\n,7,8\n", NULL, "000000000"},
+        {NINE "CBAR,2,1,5,6,1.,0.,0.\n", NULL, "000011000"},
+        {NINE "CBEAM,2,1,5,6,9\nCBUSH,3,1,5,6,8\n", NULL, "000011011"},
+        {NINE "CGAP,2,1,5,6,1.,0.,0.\n", NULL, "000011000"},
+        {NINE "CONROD,2,5,6,7,1.\n", NULL, "000011000"},
+        {NINE "CELAS1,2,1,5,1,6,3\n", NULL, "000011000"},
+        {NINE "CONM2,2,9,0,1.5\n", NULL, "000000001"},
+        {NINE "RBE2,2,5,3,6,7,8\n", NULL, "000011110"},
+        {NINE "RBE3,2,,5,3,1.,4,6,7,\n,8,1.,2,9\n", NULL, "000011111"},
+        {NINE "MPC,2,5,1,1.,6,2,-1.\n,,7,3,1.,8,1,1.\n", NULL, "000011110"},
+        {NINE "COTHER,2,1,9\n", NULL, "000000001"},
+        {NINE "RBE2,2,1,3,1,2,3,4,1,+\n+,5\n", NULL, "111110000"},
+        {NINE "RBE2,2,1,3,1,2,3,4,1,+1,,\n+1,5\n", NULL, "111110000"},
+        {NINE "RBE2,2,1,3,1,2,3,4,1,A\t\n,5,\t6\n", NULL, "111111000"},
+        {NINE "RBAR1,2,8,9,123\n", NULL, "000000011"},
+        {NINE "RJOINT,2,6,7,123\n", NULL, "000001100"},
+        {NINE "RSSCON,2,GRID,5,8,9\n", NULL, "000010011"},
+        {NINE "ROTHER,1,6,7,.5,8\n", NULL, "000001110"},
+        {NINE "RFORCE,2,5,,1.,0.,0.,1.\nRLOAD1,5,6,7\nRELEASE,6,7,8\n", NULL, "000000000"},
+        {NINE "CORD1R,1,7,8,9,2,5,6,7\n", NULL, "000011111"},
+        {NINE "CORD1C,1,7,8,9\nCORD1S,6,5,1,2\n", NULL, "110010111"},
+        {NINE "CORD3R,1,7,8,9\n", NULL, "000000111"},
+        {NINE "CORD2R,9,8,7,6,5,4,3,2\n", NULL, "000000000"},
+        {NINE "SPC1,9,123,1,2\nFORCE,1,3,0,1.\nTEMP,1,5,20.\n", NULL, "000000000"},
+        {NINE "$HMNAME PROP 1\"one\"\n", "one", "111100000"},
+    };
+    expect_all_held(cases, sizeof cases / sizeof *cases);
 }
 
 /** All nodes from the one to the other, in files whose numbers are in order and in others. */
 static void ranges_are_held(void **state) {
     (void)state;
-    assert_true(constraints_are(NINE "RBE2,2,1,3,5,THRU,8\n", NULL, "100011110"));
-    assert_true(constraints_are(NINE "RBE2,2,1,3,8,THRU,99\n", NULL, "100000011"));
-    assert_true(constraints_are(NINE "RBE2,2,1,3,7,thru,9\nRBE2,3,1,3,2,THRU,3\n"
-                                     "RBE2,4,1,3,3,THRU,4\n",
-                                NULL, "111100111"));
-    assert_true(constraints_are("GRID,99\nGRID,77\nGRID,88\n" NINE "RBE2,2,1,3,8,THRU,80\n", NULL,
-                                "010100000011"));
-    assert_true(
-        constraints_are(NINE "RBE2,2,1,3,5,THRU\nRBE2,2,1,3,5,THRU,4\n", NULL, "100110000"));
+    static const held_case cases[] = {
+        {NINE "RBE2,2,1,3,5,THRU,8\n", NULL, "100011110"},
+        {NINE "RBE2,2,1,3,8,THRU,99\n", NULL, "100000011"},
+        {NINE "RBE2,2,1,3,7,thru,9\nRBE2,3,1,3,2,THRU,3\n"
+              "RBE2,4,1,3,3,THRU,4\n",
+         NULL, "111100111"},
+        {"GRID,99\nGRID,77\nGRID,88\n" NINE "RBE2,2,1,3,8,THRU,80\n", NULL, "010100000011"},
+        {NINE "RBE2,2,1,3,5,THRU\nRBE2,2,1,3,5,THRU,4\n", NULL, "100110000"},
+    };
+    expect_all_held(cases, sizeof cases / sizeof *cases);
 }
 
 /** Words that are cards' names in lines that go on with a card; and other ends of files. */
 static void lines_that_begin_with_blanks_go_on(void **state) {
     (void)state;
-    assert_true(constraints_are(NINE "RBE2,2,5,3,6\n ,7\n    $ GRID\n  x\n", NULL, "000011100"));
-    assert_true(constraints_are(NINE "DESVAR,1\n        GRID    1\n"
-                                     "  GRIDS 1\n",
-                                NULL, "000000000"));
-    assert_true(constraints_are(NINE "COTHER,2,1,9\nENDDATA", NULL, "000000001"));
-    assert_true(constraints_are(NINE "COTHER,2,1,9\r", NULL, "000000001"));
-    assert_true(constraints_are(NINE "COTHER,2,1,9,-9223372036854775808\n", NULL, "000000001"));
+    static const held_case cases[] = {
+        {NINE "RBE2,2,5,3,6\n ,7\n    $ GRID\n  x\n", NULL, "000011100"},
+        {NINE "DESVAR,1\n        GRID    1\n"
+              "  GRIDS 1\n",
+         NULL, "000000000"},
+        {NINE "COTHER,2,1,9\nENDDATA", NULL, "000000001"},
+        {NINE "COTHER,2,1,9\r", NULL, "000000001"},
+        {NINE "COTHER,2,1,9,-9223372036854775808\n", NULL, "000000001"},
+    };
+    expect_all_held(cases, sizeof cases / sizeof *cases);
 }
 
 static void regions_are_properties(void **state) {
@@ -161,12 +162,10 @@ static void properties_may_be_many(void **state) {
     (void)state;
     enum { N = 200000 };
     file_builder b = {.data = NULL};
-    planish_file *file;
-    planish_error error;
     builder_text(&b, NINE);
     for (int i = 0; i < N; i++)
         builder_text(&b, "CTETRA,%d,%d,1,2,3,4\n$HMNAME PROP %d\"p%d\"\n", i + 2, i + 2, i + 2, i);
-    assert_int_equal(builder_read(&b, format, 1, &file, &error), 0);
+    planish_file *file = builder_file(&b, format);
     assert_int_equal(file->model.n_groups, N);
     planish_file_close(file);
     builder_release(&b);
@@ -375,10 +374,8 @@ static void contents_are_recognised(void **state) {
                                      "BEGIN\n",
                                      "Grid of the wing, 2nd version\n",
                                      "GRID 2nd version\n"};
-    for (size_t i = 0; i < sizeof yes / sizeof *yes; i++)
-        assert_true(format->recognise(yes[i], (int64_t)strlen(yes[i])));
-    for (size_t i = 0; i < sizeof no / sizeof *no; i++)
-        assert_false(format->recognise(no[i], (int64_t)strlen(no[i])));
+    reading_tells(format, yes, sizeof yes / sizeof *yes, 1);
+    reading_tells(format, no, sizeof no / sizeof *no, 0);
     assert_ptr_equal(io_format_find("x.dat", solid, sizeof solid - 1), format);
     /* Much may be before it: comments, of a kind that looks like Gmsh's sections, too. */
     enum { LINES = 4000 };

@@ -53,35 +53,29 @@ static void group_is(const planish_file *file, const char *name, int dim, int ta
     assert_int_equal(group_of(file, name)->tag, tag);
 }
 
-static int tag_of(const planish_file *file, const io_cells *cells, int64_t i) {
-    return file->model.entity[cells->entity[i]].tag;
-}
-
 static void a_solid_is_read(void **state) {
     (void)state;
     static const int32_t elements[] = {0, 1, 2, 3, 1, 2, 3, 4};
+    static const reading_facts facts = {.dim = 3,
+                                        .n_nodes = N_POINTS,
+                                        .n_elements = 3,
+                                        .n_regions = 3,
+                                        .n_other = 0,
+                                        .n_lower = 2 + 2 + 1,
+                                        .precision = PLANISH_PRECISION_DOUBLE};
     planish_file *file = reading_text(&io_format_netgen, solid);
+    reading_gave(file, &io_format_netgen, &facts);
     const io_model *model = &file->model;
     planish_mesh mesh = planish_file_mesh(file);
-    planish_file_info info;
-    planish_file_get_info(file, &info);
-    assert_string_equal(info.format, "netgen");
-    assert_int_equal(mesh.dim, 3);
-    assert_int_equal(mesh.n_nodes, N_POINTS);
-    assert_int_equal(mesh.n_elements, 3);
     assert_memory_equal(mesh.cells->node, elements, sizeof elements);
     assert_true(mesh.coordinates[14] == 1.5);
-    assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
-    assert_int_equal(info.n_regions, 3);
-    assert_int_equal(info.n_other_elements, 0);
-    assert_int_equal(info.n_lower_elements, 2 + 2 + 1);
     assert_int_equal(planish_file_node_number(file, 4), 5);
     assert_int_equal(planish_file_element_number(file, 1), 2);
-    assert_int_equal(tag_of(file, &model->tetrahedron, 0), 7);
-    assert_int_equal(tag_of(file, &model->tetrahedron, 1), 8);
-    assert_int_equal(tag_of(file, &model->triangle, 0), 5);
-    assert_int_equal(tag_of(file, &model->line, 0), 11);
-    assert_int_equal(tag_of(file, &model->line, 1), 12);
+    assert_int_equal(reading_tag(file, model->tetrahedron.entity, 0), 7);
+    assert_int_equal(reading_tag(file, model->tetrahedron.entity, 1), 8);
+    assert_int_equal(reading_tag(file, model->triangle.entity, 0), 5);
+    assert_int_equal(reading_tag(file, model->line.entity, 0), 11);
+    assert_int_equal(reading_tag(file, model->line.entity, 1), 12);
     group_is(file, "in ner", 3, 7);
     group_is(file, "points", 3, 8);
     group_is(file, "outer", 2, 5);
@@ -92,32 +86,18 @@ static void a_solid_is_read(void **state) {
     planish_file_close(file);
 }
 
-/** Constraints: 0 free, 1 fixed, of the nodes as digits. */
-static void constraints_are(const planish_file *file, const char *tag, int slide,
-                            const char *expected) {
-    uint8_t constraint[32];
-    char found[32] = "";
-    planish_error error;
-    const planish_hold hold = {.tags = &tag, .n_tags = tag != NULL, .slide = slide};
-    if (planish_file_constraints(file, &hold, constraint, &error))
-        fail_msg("%s", error.text);
-    for (int64_t i = 0; i < file->model.n_nodes; i++)
-        found[i] = (char)('0' + constraint[i]);
-    assert_string_equal(found, expected);
-}
-
 static void nodes_are_held(void **state) {
     (void)state;
     planish_file *file = reading_text(&io_format_netgen, solid);
     /* 1 2 3 4: between regions, on lines, triangles; 5 and 10: free; a quadrilateral holds 6 to 9, a
      * point element 11, identifications 12 and 13, a singular point 14 */
-    constraints_are(file, NULL, 0, "11110111101111");
-    constraints_are(file, "points", 0, "11111111101111");
-    constraints_are(file, "3:9", 0, "11110111111111");
-    constraints_are(file, "2:6", 0, "11110111101111");
+    reading_holds(file, NULL, READING_REGIONS, "11110111101111");
+    reading_holds(file, "points", READING_REGIONS, "11111111101111");
+    reading_holds(file, "3:9", READING_REGIONS, "11110111111111");
+    reading_holds(file, "2:6", READING_REGIONS, "11110111101111");
     /* Sliding leaves those of close surfaces (1 2), of a singular edge (2 3). */
-    constraints_are(file, NULL, 1, "11100000001001");
-    constraints_are(file, "2:6", 1, "11100111101001");
+    reading_holds(file, NULL, READING_REGIONS | READING_SLIDE, "11100000001001");
+    reading_holds(file, "2:6", READING_REGIONS | READING_SLIDE, "11100111101001");
     assert_int_equal(planish_file_mesh(file).n_periodic, 1);
     assert_int_equal(planish_file_mesh(file).periodic[0], 11);
     assert_int_equal(planish_file_mesh(file).periodic[1], 12);
@@ -140,14 +120,14 @@ static void a_plane_is_read(void **state) {
     assert_int_equal(mesh.dim, 2);
     assert_int_equal(mesh.n_elements, 3);
     assert_memory_equal(mesh.cells->node, elements, sizeof elements);
-    assert_int_equal(tag_of(file, &file->model.triangle, 1), 2);
-    assert_int_equal(tag_of(file, &file->model.line, 0), 6);
+    assert_int_equal(reading_tag(file, file->model.triangle.entity, 1), 2);
+    assert_int_equal(reading_tag(file, file->model.line.entity, 0), 6);
     group_is(file, "two", 2, 2);
     group_is(file, "bottom", 1, 6);
     group_is(file, "corner", 0, 1);
     assert_int_equal(file->model.n_groups, 4);
-    constraints_are(file, NULL, 0, "11100000");
-    constraints_are(file, "two", 0, "11111111");
+    reading_holds(file, NULL, READING_REGIONS, "11100000");
+    reading_holds(file, "two", READING_REGIONS, "11111111");
     planish_file_close(file);
 }
 
@@ -171,8 +151,8 @@ static void segments_of_every_kind(void **state) {
         char text[512];
         snprintf(text, sizeof text, HEAD "%s" NODES TET TAIL, cases[i].text);
         planish_file *file = reading_text(&io_format_netgen, text);
-        assert_int_equal(tag_of(file, &file->model.line, 0), cases[i].tag);
-        constraints_are(file, NULL, 0, i == 7 ? "1110" : "0110");
+        assert_int_equal(reading_tag(file, file->model.line.entity, 0), cases[i].tag);
+        reading_holds(file, NULL, READING_REGIONS, i == 7 ? "1110" : "0110");
         uint8_t has[4];
         int64_t n = 0;
         planish_file_get_parametric(file, has);
@@ -216,16 +196,14 @@ static void line_ends_of_every_kind(void **state) {
         planish_file *file = reading_text(&io_format_netgen, text);
         assert_int_equal(file->model.n_groups, 6);
         group_is(file, "in ner", 3, 7);
-        constraints_are(file, NULL, 0, "11110111101111");
+        reading_holds(file, NULL, READING_REGIONS, "11110111101111");
         planish_file_close(file);
     }
 }
 
 static void wrong_files_are_refused(void **state) {
     (void)state;
-    static const struct {
-        const char *text, *word;
-    } cases[] = {
+    static const reading_refusal cases[] = {
         {"mesh2d\n", "no mesh3d"},
         {HEAD, "no endmesh"},
         {HEAD NODES TET "face_colours\n1\n1 0.5 0.25 1.0\n", "no endmesh"}, /* whole or not? */
@@ -267,8 +245,7 @@ static void wrong_files_are_refused(void **state) {
         {HEAD NODES TET "bcnames\n1\n99999999999 a\n" TAIL, "out of range"},
         {HEAD NODES TET "identificationnames\n2\na\n", "line 2 of 2"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        reading_fails(&io_format_netgen, cases[i].text, cases[i].word);
+    reading_refuses(&io_format_netgen, cases, sizeof cases / sizeof *cases);
     reading_gives_surface(&io_format_netgen,
                           HEAD NODES "surfaceelements\n2\n1 1 0 0 3 2 3 4\n1 1 0 0 3 1 2 4\n" TAIL);
 }
@@ -283,8 +260,8 @@ static int ends_behind_section(int64_t size) {
 
 static void files_are_cut_anywhere(void **state) {
     (void)state;
-    file_builder solid_file = {.data = (char *)(uintptr_t)solid, .size = sizeof solid - 1};
-    file_builder flat_file = {.data = (char *)(uintptr_t)flat, .size = sizeof flat - 1};
+    file_builder solid_file = builder_of(solid);
+    file_builder flat_file = builder_of(flat);
     builder_try_to_break(&solid_file, &io_format_netgen);
     builder_try_to_break(&flat_file, &io_format_netgen);
     /* Without endmesh a file is whole only where it ends behind a section. */
@@ -380,11 +357,8 @@ static void every_type_has_its_nodes_in_order(void **state) {
     enum { TIMES = 3 };
     for (int dim = 2; dim <= 3; dim++) {
         file_builder b = make_elements(dim, TIMES);
-        planish_file *file;
-        planish_error error;
         int64_t cell = 0;
-        if (builder_read(&b, &io_format_netgen, 1, &file, &error))
-            fail_msg("%s", error.text);
+        planish_file *file = builder_file(&b, &io_format_netgen);
         for (int pass = 0; pass < 2; pass++) {
             int number = 1;
             for (int i = 0; i < TIMES * N_ELEMENTS; i++) {
@@ -493,7 +467,7 @@ static void threads_part_words_alike(void **state) {
     builder_expect_same_on_threads(&b, &io_format_netgen);
     for (int threads = 1; threads <= 8; threads += 7) {
         assert_int_equal(builder_read(&b, &io_format_netgen, threads, &file, &error), 0);
-        constraints_are(file, NULL, 0, "1000");
+        reading_holds(file, NULL, READING_REGIONS, "1000");
         planish_file_close(file);
     }
     builder_release(&b);
@@ -509,7 +483,7 @@ static void lines_without_a_name_are_lines(void **state) {
         char text[512];
         snprintf(text, sizeof text, HEAD NODES TET "%ssingular_points\n1\n4 1.0\n" TAIL, names[i]);
         planish_file *file = reading_text(&io_format_netgen, text);
-        constraints_are(file, NULL, 0, "0001");
+        reading_holds(file, NULL, READING_REGIONS, "0001");
         planish_file_close(file);
     }
 }

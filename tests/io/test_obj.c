@@ -40,20 +40,21 @@ static void a_file_is_read(void **state) {
                                    IO_HELD_BY_OTHER,
                                    IO_HELD_BY_LINE,
                                    IO_HELD_BY_POINT};
+    static const reading_facts facts = {.dim = 2,
+                                        .n_nodes = 15,
+                                        .n_elements = 3,
+                                        .n_regions = 2,
+                                        .n_other = 1,
+                                        .n_lower = 3,
+                                        .precision = PLANISH_PRECISION_DOUBLE};
     planish_file *file = reading_text(&io_format_obj, mixed);
+    reading_gave(file, &io_format_obj, &facts);
     const planish_mesh mesh = planish_file_mesh(file);
     planish_file_info info;
     planish_file_get_info(file, &info);
-    assert_string_equal(info.format, "obj");
-    assert_int_equal(mesh.n_nodes, 15);
-    assert_int_equal(mesh.n_elements, 3);
     assert_memory_equal(mesh.cells->node, nodes, sizeof nodes);
     assert_memory_equal(file->model.hold, hold, sizeof hold);
     assert_true(mesh.coordinates[5] == 1.5 && mesh.coordinates[7] == 1);
-    assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
-    assert_int_equal(info.n_regions, 2);
-    assert_int_equal(info.n_other_elements, 1);
-    assert_int_equal(info.n_lower_elements, 3);
     assert_int_equal(info.has_normals, 1);
     assert_int_equal(planish_file_node_number(file, 4), 5);
     assert_int_equal(planish_file_element_number(file, 2), 3);
@@ -74,13 +75,12 @@ static void many_groups_are_told_apart(void **state) {
     (void)state;
     enum { N = 300 };
     file_builder b = {0};
-    planish_file *file;
     planish_error error;
     builder_text(&b, SQUARE);
     for (int i = 0; i < N; i++)
         builder_text(&b, "v %d 2 0\nv %d.5 2 0\nv %d 3 0\ng group%d all\nf -3 -2 -1\n", i, i, i,
                      i % 150);
-    assert_int_equal(builder_read(&b, &io_format_obj, 1, &file, &error), 0);
+    planish_file *file = builder_file(&b, &io_format_obj);
     planish_file_info info;
     planish_file_get_info(file, &info);
     assert_int_equal(info.n_regions, 150);
@@ -116,16 +116,19 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(f, "v 0 0 0\nv 1 1e999 0\n", "not finite");
     reading_fails(f, SQUARE "surf 0 1 0 1 1 2 3\n", "test:5: curves and surfaces by formulas");
     reading_gives_surface(f, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n");
-    assert_true(f->recognise(mixed, sizeof mixed - 1));
-    assert_true(f->recognise("g a\nf 1 2 3\n", 12));
-    assert_false(f->recognise("v 0 0\n", 6));
-    assert_false(f->recognise("# 1\n4 3 0 0\n", 12));
-    assert_false(f->recognise("x\nv 0 0 0\n", 10));
+}
+
+static void files_are_told(void **state) {
+    (void)state;
+    static const char *const yes[] = {mixed, "g a\nf 1 2 3\n"};
+    static const char *const no[] = {"v 0 0\n", "# 1\n4 3 0 0\n", "x\nv 0 0 0\n"};
+    reading_tells(&io_format_obj, yes, sizeof yes / sizeof *yes, 1);
+    reading_tells(&io_format_obj, no, sizeof no / sizeof *no, 0);
 }
 
 static void files_are_cut_anywhere(void **state) {
     (void)state;
-    file_builder b = {.data = (char *)(uintptr_t)mixed, .size = sizeof mixed - 1};
+    file_builder b = builder_of(mixed);
     builder_try_to_break(&b, &io_format_obj);
 }
 
@@ -135,6 +138,7 @@ int main(void) {
         cmocka_unit_test(coordinates_alone_are_written),
         cmocka_unit_test(many_groups_are_told_apart),
         cmocka_unit_test(wrong_files_are_refused),
+        cmocka_unit_test(files_are_told),
         cmocka_unit_test(files_are_cut_anywhere),
     };
     return cmocka_run_group_tests(tests, test_folder_create, test_folder_remove);

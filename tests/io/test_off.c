@@ -28,20 +28,18 @@ static const char mixed[] = "# a comment\nOFF # of Geomview\n# 5 5 5\n10 5 0 # v
 static void a_file_is_read(void **state) {
     (void)state;
     static const int32_t elements[] = {0, 1, 9, 1, 2, 9};
+    static const reading_facts facts = {.dim = 2,
+                                        .n_nodes = 10,
+                                        .n_elements = 3,
+                                        .n_regions = 1,
+                                        .n_other = 0,
+                                        .n_lower = 2,
+                                        .precision = PLANISH_PRECISION_DOUBLE};
     planish_file *file = reading_text(&io_format_off, mixed);
+    reading_gave(file, &io_format_off, &facts);
     planish_mesh mesh = planish_file_mesh(file);
-    planish_file_info info;
-    planish_file_get_info(file, &info);
-    assert_string_equal(info.format, "off");
-    assert_int_equal(mesh.dim, 2);
-    assert_int_equal(mesh.n_nodes, 10);
-    assert_int_equal(mesh.n_elements, 3);
     assert_memory_equal(mesh.cells->node, elements, sizeof elements);
     assert_true(mesh.coordinates[5] == 1.5);
-    assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
-    assert_int_equal(info.n_regions, 1);
-    assert_int_equal(info.n_other_elements, 0);
-    assert_int_equal(info.n_lower_elements, 2);
     assert_int_equal(planish_file_node_number(file, 4), 4);
     assert_int_equal(planish_file_element_number(file, 0), 0);
     assert_int_equal(planish_file_element_number(file, 1), 3); /* of the faces */
@@ -161,10 +159,9 @@ static void binary_files_are_read_and_written(void **state) {
     static const int32_t elements[] = {0, 1, 2, 0, 2, 3};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         file_builder b;
-        planish_file *file;
         planish_error error;
         build_binary(&b, kinds[i].first, kinds[i].extra);
-        assert_int_equal(builder_read(&b, &io_format_off, 1, &file, &error), 0);
+        planish_file *file = builder_file(&b, &io_format_off);
         planish_mesh mesh = planish_file_mesh(file);
         planish_file_info info;
         planish_file_get_info(file, &info);
@@ -218,7 +215,7 @@ static void binary_values_that_cannot_be(void **state) {
 
 static void files_are_cut_anywhere(void **state) {
     (void)state;
-    file_builder b = {.data = (char *)(uintptr_t)mixed, .size = sizeof mixed - 1};
+    file_builder b = builder_of(mixed);
     builder_try_to_break(&b, &io_format_off);
 }
 

@@ -253,8 +253,6 @@ static void labels_of_elements_and_faces_are_read(void **state) {
     const sample *m = &meshes[N_MESHES - 1]; /* two hexahedra, of which face 14 is the base */
     const int points[] = {0, 1, 14};
     hdf5_builder b;
-    planish_file *file;
-    planish_error error = {.text = ""};
     hdf5_begin(&b, 0);
     put_mesh(&b, m);
     hdf5_group(&b, "/labels/Cell Sets/7");
@@ -264,8 +262,7 @@ static void labels_of_elements_and_faces_are_read(void **state) {
     hdf5_group(&b, "/labels/Face Sets/5");
     hdf5_integers(&b, "/labels/Face Sets/5/indices", 1, points + 2);
     file_builder made = hdf5_end(&b);
-    if (builder_read(&made, &io_format_plex, 1, &file, &error))
-        fail_msg("%s", error.text);
+    planish_file *file = builder_file(&made, &io_format_plex);
     planish_file_info info;
     planish_file_get_info(file, &info);
     assert_int_equal(info.n_regions, 2);

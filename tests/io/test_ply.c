@@ -110,12 +110,10 @@ static void files_of_every_kind(void **state) {
                         i / 24 & 1 ? "float" : "double"};
         const int is_float = i / 24 & 1;
         file_builder b;
-        planish_file *file;
         planish_error error = {.text = ""};
         build(&b, &k);
         assert_true(io_format_ply.recognise(b.data, b.size));
-        if (builder_read(&b, &io_format_ply, 1, &file, &error))
-            fail_msg("%s", error.text);
+        planish_file *file = builder_file(&b, &io_format_ply);
         const planish_mesh mesh = planish_file_mesh(file);
         planish_file_info info;
         planish_file_get_info(file, &info);
@@ -159,9 +157,7 @@ static void coordinates_alone_are_written(void **state) {
 
 static void wrong_files_are_refused(void **state) {
     (void)state;
-    static const struct {
-        const char *text, *word;
-    } cases[] = {
+    static const reading_refusal cases[] = {
         {"OFF\n", "no 'ply'"},
         {"ply\nelement vertex 1\n", "test:2: 'format ascii 1.0'"},
         {"ply\nformat ascii 2.0\n", "'format ascii 1.0'"},
@@ -201,8 +197,7 @@ static void wrong_files_are_refused(void **state) {
         {HEAD("4", "1") "0 0 0\n1 1e999 0\n1 1 0\n0 1 0\n3 0 1 2\n", "not finite"},
         {HEAD("4", "1") "0 0 0\n1 x 0\n1 1 0\n0 1 0\n3 0 1 2\n", "vertex 1: coordinate expected"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        reading_fails(&io_format_ply, cases[i].text, cases[i].word);
+    reading_refuses(&io_format_ply, cases, sizeof cases / sizeof *cases);
     reading_gives_surface(&io_format_ply, HEAD("4", "2") "0 0 0\n1 1 1\n1 1 0\n0 1 0\n"
                                                          "3 0 1 2\n3 0 2 3\n");
     assert_true(io_format_ply.recognise("ply\r\nformat", 11));

@@ -28,19 +28,18 @@ static const char solid[] =
 static void a_solid_is_read(void **state) {
     (void)state;
     static const int32_t nodes[] = {0, 1, 2, 3, 1, 2, 3, 4};
+    static const reading_facts facts = {.dim = 3,
+                                        .n_nodes = 6,
+                                        .n_elements = 2,
+                                        .n_regions = 1,
+                                        .n_other = 0,
+                                        .n_lower = 5,
+                                        .precision = PLANISH_PRECISION_DOUBLE};
     planish_file *file = reading_text(&io_format_su2, solid);
+    reading_gave(file, &io_format_su2, &facts);
     const planish_mesh mesh = planish_file_mesh(file);
-    planish_file_info info;
-    planish_file_get_info(file, &info);
-    assert_string_equal(info.format, "su2");
-    assert_int_equal(mesh.dim, 3);
-    assert_int_equal(mesh.n_nodes, 6);
-    assert_int_equal(mesh.n_elements, 2);
     assert_memory_equal(mesh.elements, nodes, sizeof nodes);
     assert_true(mesh.coordinates[14] == 1.5);
-    assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
-    assert_int_equal(info.n_regions, 1);
-    assert_int_equal(info.n_lower_elements, 5);
     assert_int_equal(planish_file_node_number(file, 5), 5);
     assert_int_equal(planish_file_element_number(file, 1), 1);
     assert_int_equal(file->model.hold[4], IO_HELD_BY_POINT);
@@ -148,9 +147,7 @@ static void markers_of_quadrilaterals(void **state) {
                      unit_brick_places[i][2], i);
     builder_text(&b, "NELEM= 2\n12 0 1 4 3 6 7 10 9 0\n12 1 2 5 4 7 8 11 10 1\nNMARK= 1\n"
                      "MARKER_TAG= low\nMARKER_ELEMS= 1\n9 0 1 4 3\n");
-    planish_file *file;
-    planish_error error;
-    assert_int_equal(builder_read(&b, &io_format_su2, 1, &file, &error), 0);
+    planish_file *file = builder_file(&b, &io_format_su2);
     assert_int_equal(planish_file_mesh(file).n_elements, 2);
     unit_expect_held(file, "low", "110110000000");
     unit_expect_valid(file, 2);
@@ -166,9 +163,7 @@ static void markers_of_quadrilaterals(void **state) {
 
 static void wrong_files_are_refused(void **state) {
     (void)state;
-    static const struct {
-        const char *text, *word;
-    } cases[] = {
+    static const reading_refusal cases[] = {
         {"", "no NDIME"},
         {FOUR TET, "no NDIME"},
         {HEAD TET, "no NPOIN"},
@@ -205,24 +200,21 @@ static void wrong_files_are_refused(void **state) {
         {HEAD FOUR TET "MARKER_TAG= a\nMARKER_ELEMS= 1\n5 0 1 4\n", "no node 4"},
         {HEAD FOUR TET "MARKER_TAG= a\nMARKER_ELEMS= 2\n5 0 1 2\n", "element 2 of 2"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        reading_fails(&io_format_su2, cases[i].text, cases[i].word);
+    reading_refuses(&io_format_su2, cases, sizeof cases / sizeof *cases);
 }
 
 static void files_are_told(void **state) {
     (void)state;
     static const char *const texts[] = {solid, flat, "%\nNDIME = 2\n", "NZONE=2\n"};
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
-        assert_true(io_format_su2.recognise(texts[i], (int64_t)strlen(texts[i])));
+    reading_tells(&io_format_su2, texts, sizeof texts / sizeof *texts, 1);
     static const char *const others[] = {"", "%", "NDIME 2\n", "NAME= 2\n", "NDIMENSION= 2\n"};
-    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
-        assert_false(io_format_su2.recognise(others[i], (int64_t)strlen(others[i])));
+    reading_tells(&io_format_su2, others, sizeof others / sizeof *others, 0);
 }
 
 static void files_are_cut_anywhere(void **state) {
     (void)state;
-    const file_builder a = {.data = (char *)(uintptr_t)solid, .size = sizeof solid - 1};
-    const file_builder b = {.data = (char *)(uintptr_t)flat, .size = sizeof flat - 1};
+    const file_builder a = builder_of(solid);
+    const file_builder b = builder_of(flat);
     builder_try_to_break(&a, &io_format_su2);
     builder_try_to_break(&b, &io_format_su2);
 }

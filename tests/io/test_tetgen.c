@@ -1,6 +1,7 @@
 /* TetGen and Triangle: files beside one another, numbers from 0 or 1, what markers hold. */
 #include "support/file_builder.h"
 #include "support/files.h"
+#include "support/reading.h"
 #include "support/unit_elements.h"
 
 #include "io/file/file.h"
@@ -59,18 +60,6 @@ static void check_two_tetrahedra(const planish_file *file) {
     assert_true(mesh.coordinates[12] == 1 && mesh.coordinates[14] == 1.5);
 }
 
-/** Constraints as digits, 1 for fixed. */
-static void check_constraints(const planish_file *file, const char *tag, const char *expected) {
-    uint8_t constraint[16];
-    planish_hold hold = {.tags = &tag, .n_tags = tag != NULL};
-    planish_error error;
-    if (planish_file_constraints(file, &hold, constraint, &error))
-        fail_msg("%s", error.text);
-    for (size_t i = 0; expected[i]; i++)
-        if (constraint[i] != expected[i] - '0')
-            fail_msg("node %zu: constraint %d, expected %c", i, constraint[i], expected[i]);
-}
-
 static void either_file_may_be_named(void **state) {
     static const char *const names[] = {"a.node", "a.ele"};
     put(state, "a.node", nodes_from_0);
@@ -85,9 +74,9 @@ static void either_file_may_be_named(void **state) {
         assert_int_equal(info.bytes, strlen(nodes_from_0));
         assert_int_equal(planish_file_node_number(file, 4), 4);
         assert_int_equal(planish_file_element_number(file, 1), 1);
-        check_constraints(file, NULL, "01110"); /* between the regions */
-        check_constraints(file, "3:8", "01111");
-        check_constraints(file, "-3", "01111"); /* a node's marker */
+        reading_holds(file, NULL, READING_REGIONS, "01110"); /* between the regions */
+        reading_holds(file, "3:8", READING_REGIONS, "01111");
+        reading_holds(file, "-3", READING_REGIONS, "01111"); /* a node's marker */
         planish_file_close(file);
     }
 }
@@ -99,7 +88,7 @@ static void numbers_may_begin_with_1(void **state) {
     check_two_tetrahedra(file);
     assert_int_equal(planish_file_node_number(file, 4), 5);
     assert_int_equal(planish_file_element_number(file, 1), 2);
-    check_constraints(file, NULL, "00000");
+    reading_holds(file, NULL, READING_REGIONS, "00000");
     planish_file_close(file);
 }
 
@@ -112,13 +101,13 @@ static void marked_faces_and_edges_hold(void **state) {
     planish_file_info info;
     planish_file_get_info(file, &info);
     assert_int_equal(info.n_lower_elements, 5);
-    check_constraints(file, NULL, "11011");
-    check_constraints(file, "2:5", "11011"); /* a known tag */
+    reading_holds(file, NULL, READING_REGIONS, "11011");
+    reading_holds(file, "2:5", READING_REGIONS, "11011"); /* a known tag */
     planish_file_close(file);
     put(state, "a.face", "1 0\n1 1 2 3\n"); /* without markers nothing is marked */
     put(state, "a.edge", "0 1\n");
     file = open_mesh(state, "a.node");
-    check_constraints(file, NULL, "00000");
+    reading_holds(file, NULL, READING_REGIONS, "00000");
     planish_file_close(file);
 }
 
@@ -127,7 +116,7 @@ static void attributes_that_are_no_integers_make_no_regions(void **state) {
     put(state, "a.ele", "2 4 1\n1 1 2 3 4 0.25\n2 2 3 4 5 1\n");
     planish_file *file = open_mesh(state, "a.node");
     check_two_tetrahedra(file);
-    check_constraints(file, NULL, "00000");
+    reading_holds(file, NULL, READING_REGIONS, "00000");
     planish_file_close(file);
 }
 
@@ -169,7 +158,7 @@ static void triangles_in_the_plane(void **state) {
     assert_int_equal(mesh.dim, 2);
     assert_memory_equal(mesh.elements, elements, sizeof elements);
     assert_true(mesh.coordinates[2 * 2] == 1 && mesh.coordinates[2 * 2 + 1] == 1);
-    check_constraints(file, NULL, "1100");
+    reading_holds(file, NULL, READING_REGIONS, "1100");
     planish_file_close(file);
 }
 

@@ -15,26 +15,18 @@
 
 #include <cmocka.h>
 
-/** Whether the text, in memory of its own size so that a sanitizer sees any look behind, is told. */
-static int is_ucd(const char *text) {
-    const size_t size = strlen(text);
-    char *copy = malloc(size ? size : 1);
-    assert_non_null(copy);
-    memcpy(copy, text, size);
-    const int is = io_format_ucd.recognise(copy, (int64_t)size);
-    free(copy);
-    return is;
-}
-
 static void ucd_is_told(void **state) {
     (void)state;
-    assert_true(is_ucd("3 1 0 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n1 0 tri 1 2 3\n"));
-    assert_true(is_ucd("# a comment\n# another\n3 1 0 1 0\r\n1 0 0 0\r\n2 1 0 0\r\n3 0 1 0\r\n"
-                       "1 5 tri 1 2 3\r\n"));
-    assert_true(is_ucd("  1  1 2 0 0\n 0 1e-3 0 0\n 1 1 hex 1 1 1 1 1 1 1 1"));
-    assert_true(is_ucd("3 1 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n1 0 tri 1 2 3\n")); /* LaGriT's */
-    assert_true(is_ucd("3 0 0 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n"));
-    assert_true(is_ucd("3000 1 0 0 0\n1 0 0 0\n2 1 0 0\n")); /* its beginning */
+    static const char *const texts[] = {
+        "3 1 0 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n1 0 tri 1 2 3\n",
+        "# a comment\n# another\n3 1 0 1 0\r\n1 0 0 0\r\n2 1 0 0\r\n3 0 1 0\r\n"
+        "1 5 tri 1 2 3\r\n",
+        "  1  1 2 0 0\n 0 1e-3 0 0\n 1 1 hex 1 1 1 1 1 1 1 1",
+        "3 1 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n1 0 tri 1 2 3\n", /* LaGriT's */
+        "3 0 0 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n",
+        "3000 1 0 0 0\n1 0 0 0\n2 1 0 0\n", /* its beginning */
+    };
+    reading_tells(&io_format_ucd, texts, sizeof texts / sizeof *texts, 1);
 }
 
 static void others_are_not(void **state) {
@@ -55,9 +47,7 @@ static void others_are_not(void **state) {
         "\7abc",
         "\7abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrstuvwxyz",
     };
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
-        if (is_ucd(texts[i]))
-            fail_msg("%s", texts[i]);
+    reading_tells(&io_format_ucd, texts, sizeof texts / sizeof *texts, 0);
 }
 
 #define NODES "7 0 0 0\n3 1 0 0\n2 0 1 0\n1 0 0 1\n90 1 1 1.50\n5 4 4 4\n"
@@ -71,21 +61,19 @@ static const char solid[] = "# by hand\n  # more\n6 7 1 2 0\n" NODES
 static void a_solid_is_read(void **state) {
     (void)state;
     static const int32_t nodes[] = {0, 1, 2, 3, 1, 2, 3, 4};
+    static const reading_facts facts = {.dim = 3,
+                                        .n_nodes = 6,
+                                        .n_elements = 2,
+                                        .n_regions = 2,
+                                        .n_other = 1,
+                                        .n_lower = 4,
+                                        .precision = PLANISH_PRECISION_DOUBLE};
     planish_file *file = reading_text(&io_format_ucd, solid);
+    reading_gave(file, &io_format_ucd, &facts);
     const io_model *model = &file->model;
     const planish_mesh mesh = planish_file_mesh(file);
-    planish_file_info info;
-    planish_file_get_info(file, &info);
-    assert_string_equal(info.format, "ucd");
-    assert_int_equal(mesh.dim, 3);
-    assert_int_equal(mesh.n_nodes, 6);
-    assert_int_equal(mesh.n_elements, 2);
     assert_memory_equal(mesh.elements, nodes, sizeof nodes);
     assert_true(mesh.coordinates[14] == 1.5);
-    assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
-    assert_int_equal(info.n_regions, 2);
-    assert_int_equal(info.n_lower_elements, 4);
-    assert_int_equal(info.n_other_elements, 1);
     assert_int_equal(planish_file_node_number(file, 4), 90);
     assert_int_equal(planish_file_element_number(file, 0), 11);
     assert_int_equal(planish_file_element_number(file, 1), 13);
@@ -168,9 +156,7 @@ static void materials_are_regions_and_groups(void **state) {
         builder_text(&b, "%d %g %g %g\n", i + 1, unit_brick_places[i][0], unit_brick_places[i][1],
                      unit_brick_places[i][2]);
     builder_text(&b, "1 4 hex 1 2 5 4 7 8 11 10\n2 7 hex 2 3 6 5 8 9 12 11\n3 9 quad 1 2 5 4\n");
-    planish_file *file;
-    planish_error error;
-    assert_int_equal(builder_read(&b, &io_format_ucd, 1, &file, &error), 0);
+    planish_file *file = builder_file(&b, &io_format_ucd);
     unit_expect_bricks(file, "2:9", "3:7");
     planish_file_close(file);
     builder_release(&b);
@@ -182,9 +168,7 @@ static void materials_are_regions_and_groups(void **state) {
 
 static void wrong_files_are_refused(void **state) {
     (void)state;
-    static const struct {
-        const char *text, *word;
-    } cases[] = {
+    static const reading_refusal cases[] = {
         {"", "five counts"},
         {"4 1 0\n" FOUR TET, "five counts"},
         {"4 1 0 0 0 0\n" FOUR TET, "five counts"},
@@ -211,8 +195,7 @@ static void wrong_files_are_refused(void **state) {
         {HEAD FOUR TET TET, "more follows"},
         {HEAD FOUR "1 1 tet2 1 2 3 4 1 2 3 4 1 2\n", "nothing to smooth"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        reading_fails(&io_format_ucd, cases[i].text, cases[i].word);
+    reading_refuses(&io_format_ucd, cases, sizeof cases / sizeof *cases);
 }
 
 static void binary_files_are_refused(void **state) {
@@ -264,7 +247,7 @@ static void files_are_cut_anywhere(void **state) {
     (void)state;
     double x[UNIT_NODES][3];
     int64_t second;
-    file_builder text = {.data = (char *)(uintptr_t)solid, .size = sizeof solid - 1};
+    file_builder text = builder_of(solid);
     builder_try_to_break(&text, &io_format_ucd);
     file_builder b =
         make_binary(5, unit_places(PLANISH_CELL_HEXAHEDRON, elements[5].nodes, x), x, 1, &second);

@@ -61,35 +61,29 @@ static const char solid[] =
     "         0         0         0         0         0         0         0         1\nold\n"
     " 8 13\n" END END "  9999\nanything\n -1 0\n" END;
 
-static int tag_of(const planish_file *file, const io_cells *cells, int64_t i) {
-    return file->model.entity[cells->entity[i]].tag;
-}
-
 static void a_solid_is_read(void **state) {
     (void)state;
     static const int32_t nodes[] = {0, 1, 2, 3, 1, 2, 3, 4};
     static const double third[] = {-0.0, 1, -0.0};
+    static const reading_facts facts = {.dim = 3,
+                                        .n_nodes = 6,
+                                        .n_elements = 2,
+                                        .n_regions = 2,
+                                        .n_other = 1,
+                                        .n_lower = 5,
+                                        .precision = PLANISH_PRECISION_DOUBLE};
     planish_file *file = reading_text(&io_format_unv, solid);
+    reading_gave(file, &io_format_unv, &facts);
     const io_model *model = &file->model;
     const planish_mesh mesh = planish_file_mesh(file);
-    planish_file_info info;
-    planish_file_get_info(file, &info);
-    assert_string_equal(info.format, "unv");
-    assert_int_equal(mesh.dim, 3);
-    assert_int_equal(mesh.n_nodes, 6);
-    assert_int_equal(mesh.n_elements, 2);
     assert_memory_equal(mesh.elements, nodes, sizeof nodes);
     assert_memory_equal(mesh.coordinates + 6, third, sizeof third);
     assert_true(mesh.coordinates[14] == 1.5);
-    assert_int_equal(info.precision, PLANISH_PRECISION_DOUBLE);
-    assert_int_equal(info.n_regions, 2);
-    assert_int_equal(info.n_lower_elements, 5);
-    assert_int_equal(info.n_other_elements, 1);
     assert_int_equal(planish_file_node_number(file, 4), 90);
     assert_int_equal(planish_file_element_number(file, 1), 13);
-    assert_int_equal(tag_of(file, &model->tetrahedron, 0), 3);
-    assert_int_equal(tag_of(file, &model->tetrahedron, 1), 4);
-    assert_int_equal(tag_of(file, &model->triangle, 0), 5);
+    assert_int_equal(reading_tag(file, model->tetrahedron.entity, 0), 3);
+    assert_int_equal(reading_tag(file, model->tetrahedron.entity, 1), 4);
+    assert_int_equal(reading_tag(file, model->triangle.entity, 0), 5);
     assert_int_equal(model->line.n, 3);
     assert_int_equal(model->line.mid[2], 1); /* between 7 and 2 */
     assert_int_equal(model->line.mid[0], -1);
@@ -156,8 +150,6 @@ static void both_orders_are_read(void **state) {
     for (int is_last = 0; is_last < 2; is_last++) { /* the straight tetrahedron */
         static const char straight[] = "1 111 1 1 7 4\n1 2 3 4\n";
         file_builder b = {0};
-        planish_file *file;
-        planish_error error;
         builder_text(&b, END "  2411\n");
         for (int i = 0; i < UNIT_BOTH_NODES; i++)
             builder_text(&b, "%d 1 1 11\n%g %g %g\n", i + 1, unit_both_places[i][0],
@@ -165,7 +157,7 @@ static void both_orders_are_read(void **state) {
         builder_text(&b, END END "  2412\n%s", is_last ? "" : straight);
         builder_text(&b, "2 118 1 1 7 10\n2 6 3 7 4 8 9 10\n11 5\n%s", is_last ? straight : "");
         builder_text(&b, "3 92 1 1 7 6\n3 7 4 11 5 10\n4 24 1 1 7 3\n0 0 0\n4 11 5\n" END);
-        assert_int_equal(builder_read(&b, &io_format_unv, 1, &file, &error), 0);
+        planish_file *file = builder_file(&b, &io_format_unv);
         if (!is_last)
             unit_expect_both_orders(file, 1);
         const io_cells *cells = &file->model.tetrahedron;
@@ -181,8 +173,6 @@ static void properties_are_regions(void **state) {
     (void)state;
     for (int kind = 0; kind < 3; kind++) { /* properties, groups, materials differ */
         file_builder b = {0};
-        planish_file *file;
-        planish_error error;
         planish_file_info info;
         builder_text(&b, END "  2411\n");
         for (int i = 0; i < UNIT_BRICK_NODES; i++)
@@ -193,7 +183,7 @@ static void properties_are_regions(void **state) {
                      kind == 0 ? 7 : 4, kind == 2 ? 2 : 1);
         if (kind == 1)
             builder_text(&b, END "  2477\n7 0 0 0 0 0 0 1\nright\n8 2 0 0\n" END);
-        assert_int_equal(builder_read(&b, &io_format_unv, 1, &file, &error), 0);
+        planish_file *file = builder_file(&b, &io_format_unv);
         planish_file_get_info(file, &info);
         assert_int_equal(info.n_regions, 2);
         if (kind < 2)
@@ -288,9 +278,7 @@ static void coordinate_systems(void **state) {
 
 static void wrong_files_are_refused(void **state) {
     (void)state;
-    static const struct {
-        const char *text, *word;
-    } cases[] = {
+    static const reading_refusal cases[] = {
         {"", "no nodes"},
         {"x\n", "test:1: a line of -1"},
         {FOUR "x\n" TET, "a line of -1"},
@@ -329,25 +317,22 @@ static void wrong_files_are_refused(void **state) {
         {FOUR TET "\n" TET END "  2467\n1 0 0 0 0 0 0 1\nname\n8 1 0 0\n" END,
          "element number 1 occurs"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        reading_fails(&io_format_unv, cases[i].text, cases[i].word);
+    reading_refuses(&io_format_unv, cases, sizeof cases / sizeof *cases);
 }
 
 static void files_are_told(void **state) {
     (void)state;
     static const char *const texts[] = {solid, TET, "-1\n58b  1 2 11 4\n",
                                         "\r\n    -1\r\n   151\r\n"};
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
-        assert_true(io_format_unv.recognise(texts[i], (int64_t)strlen(texts[i])));
+    reading_tells(&io_format_unv, texts, sizeof texts / sizeof *texts, 1);
     static const char *const others[] = {"",          "-1",       "-1 2\n5\n",
                                          "1\n2411\n", "-1\n-1\n", "-1\n2.5\n"};
-    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
-        assert_false(io_format_unv.recognise(others[i], (int64_t)strlen(others[i])));
+    reading_tells(&io_format_unv, others, sizeof others / sizeof *others, 0);
 }
 
 static void files_are_cut_anywhere(void **state) {
     (void)state;
-    const file_builder b = {.data = (char *)(uintptr_t)solid, .size = sizeof solid - 1};
+    const file_builder b = builder_of(solid);
     builder_try_to_break(&b, &io_format_unv);
     /* A file is whole only behind a dataset. */
     for (int64_t size = 1; size < b.size; size++) {

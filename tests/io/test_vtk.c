@@ -330,24 +330,22 @@ static void test_large(void **state) {
 
 static void test_errors(void **state) {
     (void)state;
-    const struct {
-        const char *text, *part;
-    } cases[] = {
-        {"# vtk DataFile Version 3.0\ntitle\nDATASET UNSTRUCTURED_GRID\n", "file:3: ASCII"},
+    static const reading_refusal cases[] = {
+        {"# vtk DataFile Version 3.0\ntitle\nDATASET UNSTRUCTURED_GRID\n", "test:3: ASCII"},
         {"# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET POLYDATA\n", "UNSTRUCTURED_GRID"},
         {HEAD, "ends before CELL_TYPES"},
         {HEAD "POINTS 3 int\n0 0 0 1 0 0 0 1 0\n", "float or double"},
         {HEAD "POINTS 4611686018427387904 float\n0 0 0\n",
-         "file:5: 4611686018427387904 points cannot be"},
+         "test:5: 4611686018427387904 points cannot be"},
         {HEAD "POINTS -1 float\n0 0 0\n", "cannot be in the"},
         {HEAD "POINTS 2 double\n0 0 0 1 0\n" CELLS, "coordinate expected"},
-        {HEAD "POINTS 2 double\n0 0 0 1\nnan 0\n", "file:7: node 1 has a coordinate"},
+        {HEAD "POINTS 2 double\n0 0 0 1\nnan 0\n", "test:7: node 1 has a coordinate"},
         {HEAD "POINTS 2 float\n0 0 0 1 1e39 0\n", "not finite"},
         {HEAD POINTS POINTS, "second POINTS"},
         {HEAD POINTS "CELLS 1 4611686018427387904\n3 0 1 2\n", "cannot be in the"},
         {HEAD POINTS "CELLS 5 4\n3 0 1 2\n", "more cells than numbers"},
         {HEAD POINTS "CELLS 1 4\n3 0 1 2147483648\n", "out of range"},
-        {HEAD POINTS "CELLS 1 4\n3 0 1 x\n", "file:8: CELLS or CELL_TYPES: a whole number"},
+        {HEAD POINTS "CELLS 1 4\n3 0 1 x\n", "test:8: CELLS or CELL_TYPES: a whole number"},
         {HEAD POINTS CELLS CELLS, "second CELLS"},
         {HEAD CELLS TYPES, "behind POINTS"},
         {HEAD POINTS CELLS "CELL_TYPES 2\n5 5\n", "as many types as cells"},
@@ -385,11 +383,7 @@ static void test_errors(void **state) {
         {HEAD POINTS CELLS TYPES "FIELD f 1\na 4611686018427387904 4611686018427387904 int\n1\n",
          "out of range"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        file_builder builder = {.data = (char *)(uintptr_t)cases[i].text,
-                                .size = (int64_t)strlen(cases[i].text)};
-        builder_expect_error(&builder, &io_format_vtk, cases[i].part);
-    }
+    reading_refuses(&io_format_vtk, cases, sizeof cases / sizeof *cases);
 }
 
 /** Numbers of 8 bytes that 4 bytes do not hold are refused, not cut off. */
@@ -428,7 +422,7 @@ static void test_other_cells_are_elements(void **state) {
     static const char text[] = HEAD "POINTS 7 double\n0 0 0 1 0 0 0 1 0 0 0 1 1 1 1 2 1 1 2 2 2\n"
                                     "CELLS 2 11\n4 0 1 2 3\n5 0 1 2 4 5\nCELL_TYPES 2\n10 14\n";
     const uint8_t expected[7] = {0};
-    file_builder builder = {.data = (char *)(uintptr_t)text, .size = (int64_t)strlen(text)};
+    file_builder builder = builder_of(text);
     planish_file *file;
     read_file(&builder, &file);
     assert_int_equal(file->model.solid.n, 1);

@@ -1,6 +1,7 @@
 /* Stars of the corners of cells of every type, against the definition of their measures in long
  * double: forms, values, derivatives, visits with and without a guard; and all variants of the kernels
  * against the plain one, bit for bit. Further rows, and the energy of untangling. */
+#include "star/laplacian.h"
 #include "support/cell_star.h"
 
 #include "support/effort.h"

@@ -107,6 +107,18 @@ int builder_read(const file_builder *builder, const io_format *format, int threa
     return io_file_from_memory(format, "file", builder->data, builder->size, threads, file, error);
 }
 
+file_builder builder_of(const char *text) {
+    return (file_builder){.data = (char *)(uintptr_t)text, .size = (int64_t)strlen(text)};
+}
+
+planish_file *builder_file(const file_builder *builder, const io_format *format) {
+    planish_file *file;
+    planish_error error = {.text = ""};
+    if (builder_read(builder, format, 1, &file, &error))
+        fail_msg("%s", error.text);
+    return file;
+}
+
 void builder_expect_error(const file_builder *builder, const io_format *format, const char *part) {
     planish_file *file;
     planish_error error;

@@ -37,6 +37,12 @@ int64_t builder_place(const file_builder *builder);
 int builder_read(const file_builder *builder, const io_format *format, int threads,
                  planish_file **file, planish_error *error);
 
+/** Return a builder of that text, which is borrowed: it needs no release. */
+file_builder builder_of(const char *text);
+
+/** Read the file, which must succeed; close with planish_file_close. */
+planish_file *builder_file(const file_builder *builder, const io_format *format);
+
 /** Fails the test unless reading text fails and the error has part in its text. */
 void builder_expect_error(const file_builder *builder, const io_format *format, const char *part);
 

@@ -31,6 +31,74 @@ void reading_fails(const io_format *format, const char *text, const char *word) 
     assert_null(strchr(error.text, '\n'));
 }
 
+void reading_refuses(const io_format *format, const reading_refusal *cases, size_t n) {
+    for (size_t i = 0; i < n; i++)
+        reading_fails(format, cases[i].text, cases[i].word);
+}
+
+void reading_tells(const io_format *format, const char *const *texts, size_t n, int is_told) {
+    for (size_t i = 0; i < n; i++) {
+        const size_t size = strlen(texts[i]);
+        char *copy = malloc(size ? size : 1); /* so that a sanitizer sees any look behind */
+        assert_non_null(copy);
+        memcpy(copy, texts[i], size);
+        if (!format->recognise(copy, (int64_t)size) != !is_told)
+            fail_msg("%s: told: %d, expected: %d", texts[i], !is_told, is_told);
+        free(copy);
+    }
+}
+
+void reading_gave(const planish_file *file, const io_format *format, const reading_facts *facts) {
+    const planish_mesh mesh = planish_file_mesh(file);
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    assert_string_equal(info.format, format->name);
+    assert_int_equal(mesh.dim, facts->dim);
+    assert_int_equal(mesh.n_nodes, facts->n_nodes);
+    assert_int_equal(mesh.n_elements, facts->n_elements);
+    assert_int_equal(info.n_regions, facts->n_regions);
+    assert_int_equal(info.n_other_elements, facts->n_other);
+    assert_int_equal(info.n_lower_elements, facts->n_lower);
+    assert_int_equal(info.precision, facts->precision);
+}
+
+int reading_tag(const planish_file *file, const int32_t *entity, int64_t i) {
+    return file->model.entity[entity[i]].tag;
+}
+
+void reading_group_is(const planish_file *file, int i, const char *name, int dim, int tag) {
+    const io_group *group = &file->model.group[i];
+    assert_string_equal(group->name, name);
+    assert_int_equal(group->dim, dim);
+    assert_int_equal(group->tag, tag);
+}
+
+void reading_holds(const planish_file *file, const char *tag, unsigned how, const char *expected) {
+    const int64_t n = planish_file_mesh(file).n_nodes;
+    uint8_t *constraint = malloc((size_t)n + 1);
+    char *found = calloc((size_t)n + 1, 1);
+    planish_error error = {.text = ""};
+    const planish_hold hold = {.tags = &tag,
+                               .n_tags = tag != NULL,
+                               .ignore_regions = !(how & READING_REGIONS),
+                               .slide = (how & READING_SLIDE) != 0};
+    assert_true(constraint && found);
+    if (planish_file_constraints(file, &hold, constraint, &error))
+        fail_msg("%s", error.text);
+    for (int64_t i = 0; i < n; i++)
+        found[i] = (char)('0' + constraint[i]);
+    assert_string_equal(found, expected);
+    free(constraint);
+    free(found);
+}
+
+void reading_text_holds(const io_format *format, const char *text, const char *tag, unsigned how,
+                        const char *expected) {
+    planish_file *file = reading_text(format, text);
+    reading_holds(file, tag, how, expected);
+    planish_file_close(file);
+}
+
 void reading_gives_surface(const io_format *format, const char *text) {
     planish_file *file;
     planish_error error;

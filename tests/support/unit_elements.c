@@ -1,6 +1,8 @@
 /* unit_elements: one element of each type, deformed so that a wrong order of its nodes shows. */
 #include "support/unit_elements.h"
 
+#include "support/reading.h"
+
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -202,31 +204,7 @@ const double unit_both_places[UNIT_BOTH_NODES][3] = {
     {0, .5, .5}, {.5, 0, .5}, {1, .5, .5}, {.5, 1, .5}, {.5, .5, 1}};
 
 void unit_expect_held(const planish_file *file, const char *tag, const char *expected) {
-    uint8_t constraint[UNIT_NODES];
-    char held[UNIT_NODES + 1] = "";
-    planish_error error = {.text = ""};
-    const planish_hold hold = {.tags = &tag, .n_tags = tag != NULL, .ignore_regions = 1};
-    const int64_t n = planish_file_mesh(file).n_nodes;
-    assert_in_range(n, 0, UNIT_NODES);
-    if (planish_file_constraints(file, &hold, constraint, &error))
-        fail_msg("%s", error.text);
-    for (int64_t i = 0; i < n; i++)
-        held[i] = (char)('0' + constraint[i]);
-    assert_string_equal(held, expected);
-}
-
-/** Check the nodes, as digits, that a file holds, with a group or NULL, and where nodes slide. */
-static void expect_fixed(const planish_file *file, const char *tag, int slide,
-                         const char *expected) {
-    uint8_t constraint[UNIT_NODES];
-    char fixed[UNIT_NODES + 1] = "";
-    planish_error error = {.text = ""};
-    const planish_hold hold = {.tags = &tag, .n_tags = tag != NULL, .slide = slide};
-    if (planish_file_constraints(file, &hold, constraint, &error))
-        fail_msg("%s", error.text);
-    for (int64_t i = 0; i < planish_file_mesh(file).n_nodes; i++)
-        fixed[i] = (char)('0' + constraint[i]);
-    assert_string_equal(fixed, expected);
+    reading_holds(file, tag, 0, expected);
 }
 
 const double unit_brick_places[UNIT_BRICK_NODES][3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0},
@@ -244,10 +222,10 @@ static void expect_brick_groups(planish_file *file, int dim, const char *facet,
     char region[64];
     planish_error error = {.text = ""};
     const char *const *const expected = held[dim - 2];
-    expect_fixed(file, NULL, 0, expected[0]);
-    expect_fixed(file, second, 0, expected[1]);
-    expect_fixed(file, facet, 0, expected[2]);
-    expect_fixed(file, facet, 1, expected[3]);
+    reading_holds(file, NULL, READING_REGIONS, expected[0]);
+    reading_holds(file, second, READING_REGIONS, expected[1]);
+    reading_holds(file, facet, READING_REGIONS, expected[2]);
+    reading_holds(file, facet, READING_REGIONS | READING_SLIDE, expected[3]);
     if (planish_file_min_volumes(file, &second, &least, 1, volume, &error))
         fail_msg("%s", error.text);
     assert_true(volume[0] == 0 && volume[1] == least);

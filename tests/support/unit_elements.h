@@ -77,7 +77,8 @@ void unit_expect_bricks(planish_file *file, const char *facet, const char *secon
 enum { UNIT_BRICK_NODES = 12 };
 extern const double unit_brick_places[UNIT_BRICK_NODES][3];
 
-/** Check the nodes that the file holds, and that a group holds: digits, 1 for held. tag: or NULL. */
+/** Check the nodes that the file holds, and that a group holds, whatever the regions: digits, 1 for held.
+ *  tag: or NULL. */
 void unit_expect_held(const planish_file *file, const char *tag, const char *expected);
 
 /** Check that a reader understands n types: make writes a file of two elements with the nodes x [m]

@@ -1,4 +1,5 @@
 /* The skin: nodes that slide on the shape of a surface, and how far that comes off it meanwhile. */
+#include "sweep/begin_end.h"
 #include "support/meshes.h"
 #include "support/run.h"
 #include "support/sheets.h"

@@ -32,17 +32,29 @@ static const char *is_or_are(int64_t n) {
     return n == 1 ? " is" : "s are";
 }
 
-/** Add why inverted elements are left, and which options hold them. */
-static void judge_inverted(const pl_job *job, pl_result *result) {
+/** Add which options hold inverted elements. */
+static void judge_holders(const pl_job *job, pl_result *result) {
     static const char *const advice[PL_N_HOLDERS] = {"run without it to repair them",
                                                      "hold fewer groups to repair them",
                                                      "--ignore-regions lets them move"};
+    const int64_t *n_held = result->unfixable.n_held;
+    const int is_default = job->arguments->layers == PL_LAYERS_BY_TYPE;
+    for (int i = 0; i < PL_N_HOLDERS; i++)
+        if (n_held[i] > 0)
+            add_reason(result, "%" PRId64 " of these stay%s inverted because %s %s nodes: %s",
+                       n_held[i], n_held[i] == 1 ? "s" : "", pl_holder_option(job, (pl_holder)i),
+                       i == PL_HOLDER_REGIONS ? "hold their" : "holds their",
+                       i == PL_HOLDER_LAYERS && is_default ? "--layers ignore lets them move"
+                                                           : advice[i]);
+}
+
+/** Add why inverted elements are left. */
+static void judge_inverted(const pl_job *job, pl_result *result) {
     const pl_unfixable *unfixable = &result->unfixable;
     const pl_validity *validity = &result->validity_after;
     const int64_t inverted = pl_validity_faults(validity, &result->after);
     const int64_t n_others = unfixable->n - pl_unfixable_held(unfixable);
     const planish_method method = job->options.method;
-    const int is_default = job->arguments->layers == PL_LAYERS_BY_TYPE;
     if (inverted == 0)
         return;
     if (job->is_surface) {
@@ -61,14 +73,7 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
             pl_validity_faults(&result->validity_before, &result->before), pl_method_name(method));
     else
         add_reason(result, "%" PRId64 " inverted element%s left", inverted, is_or_are(inverted));
-    for (int i = 0; i < PL_N_HOLDERS; i++)
-        if (unfixable->n_held[i] > 0)
-            add_reason(result, "%" PRId64 " of these stay%s inverted because %s %s nodes: %s",
-                       unfixable->n_held[i], unfixable->n_held[i] == 1 ? "s" : "",
-                       pl_holder_option(job, (pl_holder)i),
-                       i == PL_HOLDER_REGIONS ? "hold their" : "holds their",
-                       i == PL_HOLDER_LAYERS && is_default ? "--layers ignore lets them move"
-                                                           : advice[i]);
+    judge_holders(job, result);
     if (n_others > 0)
         add_reason(result, "%" PRId64 " of these cannot be made valid by moving free nodes",
                    n_others);

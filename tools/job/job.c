@@ -458,11 +458,10 @@ static int find_kept_layers(pl_job *job) {
     return 0;
 }
 
-/** Open the file, and find out what it says of nodes and elements. */
-static int open_file(pl_job *job) {
+/** Open the file: its mesh, and the shapes or sizes that its elements are to have. */
+static int open_mesh(pl_job *job) {
     const pl_arguments *arguments = job->arguments;
     planish_error error;
-    planish_plane plane;
     int status;
     const planish_open_options how = {.format = arguments->format,
                                       .threads = job->options.threads,
@@ -494,9 +493,14 @@ static int open_file(pl_job *job) {
     find_types(job);
     if ((status = check_measures(job)))
         return status;
-    if (job->is_surface && (status = pl_curved_begin_surface(job)))
-        return status;
-    arguments = job->arguments;
+    return job->is_surface ? pl_curved_begin_surface(job) : 0;
+}
+
+/** Find out what the file says of nodes and elements. */
+static int find_constraints(pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    planish_plane plane;
+    int status;
     /* The tolerance is for nodes that slide, and for those of a tilted plane. */
     planish_file_plane(job->file, &plane);
     if (arguments->command == PL_COMMAND_SMOOTH && arguments->slide_tolerance > 0 &&
@@ -536,10 +540,12 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
     const char *target = pl_arguments_target(arguments);
     if (target && engine != &pl_engine_here)
         return pl_complain(PL_EXIT_FAILED, "%s is not for several processes: use planish", target);
-    if (!engine->read)
-        status = open_file(job);
-    else if (engine->read(job, &error))
+    if (!engine->read) {
+        status = open_mesh(job);
+        status = status ? status : find_constraints(job);
+    } else if (engine->read(job, &error)) {
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
+    }
     if (!status)
         status = check_curved(job);
     if (!status)

@@ -3,6 +3,7 @@
 #include "mpi/lead.h"
 
 #include "options/commands.h"
+#include "options/help.h"
 #include "terminal/message.h"
 #include "terminal/platform.h"
 #include "terminal/signals.h"

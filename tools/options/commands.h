@@ -1,11 +1,9 @@
 /* commands: the names of the program's commands, and the texts about them.
  *
- * Help, manual page and completion are made from this table and that of the options (options.c). A
- * new command is a row here, and one in main.c.
+ * Help, manual page and completion (help.h) are made from this table and that of the options
+ * (options.c). A new command is a row here, and one in main.c.
  *
  *     pl_command_at, _row, _find, _list           the table
- *     pl_help_print, pl_help_print_command        help
- *     pl_generate_command                         manual page and completion (manual.c)
  */
 #ifndef PL_TOOLS_OPTIONS_COMMANDS_H
 #define PL_TOOLS_OPTIONS_COMMANDS_H
@@ -13,10 +11,6 @@
 #include "options/options.h"
 
 #include <stddef.h>
-
-/** Print what the tables say as kind: man (a manual page), bash or zsh (completion), for the
- *  installation; formats (the table of docs/formats.md). */
-int pl_generate_command(const char *kind);
 
 /** Row of the table of commands. Texts are lines of 80 columns at most, separated by '\n'. */
 typedef struct pl_command_text {
@@ -46,9 +40,5 @@ const char *pl_command_list(const char *joint, const char *last, char *text, siz
 /** Texts on the program and on the formats that it reads; lines as above. */
 extern const char *const pl_program_summary;
 extern const char *const pl_program_formats;
-
-/** Print the help of the program, or of a command, on standard output. */
-void pl_help_print(void);
-void pl_help_print_command(const pl_command_text *command);
 
 #endif

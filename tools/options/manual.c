@@ -1,7 +1,5 @@
 /* manual: the manual page and the completion of shells, from the tables of commands and options. */
-#include <planish/planish_io.h>
-
-#include "options/commands.h"
+#include "options/help.h"
 #include "terminal/message.h"
 
 #include <planish/planish_io.h>
@@ -75,6 +73,37 @@ static int count_bits(unsigned bits) {
     return n;
 }
 
+/** Put the sections on options: those that most commands have come first. */
+static void put_man_options(void) {
+    printf(".SH OPTIONS\n");
+    for (int n = PL_COMMANDS_ALL; n > 0; n--)
+        for (unsigned commands = 1; commands <= PL_COMMANDS_ALL; commands++)
+            if (count_bits(commands) == n)
+                put_options_of(commands);
+}
+
+/** Put the sections that the tables know nothing of. */
+static void put_man_end(void) {
+    const pl_command_text *command;
+    printf(
+        ".SH SIGNALS\n"
+        "SIGINT, SIGTERM and SIGHUP end the smoothing. planish then writes the mesh and exits with"
+        "\nstatus 1. A second signal ends planish at once.\n"
+        ".SH ENVIRONMENT\n"
+        ".TP\n.B OMP_NUM_THREADS\nnumber of threads without \\-\\-threads\n"
+        ".TP\n.BR OMP_PROC_BIND \", \" OMP_PLACES \", \" GOMP_CPU_AFFINITY\nif one of them is "
+        "set, planish binds no thread\n"
+        ".TP\n.B NO_COLOR\nif it is set and not empty, planish prints no colours; nor does it if"
+        "\nTERM is dumb, or the output is not a terminal\n"
+        ".SH EXAMPLES\n.EX\n");
+    for (int i = 0; (command = pl_command_at(i)); i++) {
+        put_troff(command->examples);
+        printf("\n");
+    }
+    printf(".EE\n"
+           ".SH SEE ALSO\n.BR planish (3),\n.BR gmsh (1),\n.BR tetgen (1)\n");
+}
+
 static void put_man(void) {
     const pl_command_text *command;
     printf(".TH PLANISH 1 \"\" \"planish %s\" \"User commands\"\n", planish_version());
@@ -95,11 +124,8 @@ static void put_man(void) {
         printf("\n");
     }
     printf(".TP\n\\fBplanish help\\fR [\\fICOMMAND\\fR]\nShow the help of the program, or of a "
-           "command.\n.SH OPTIONS\n");
-    for (int n = PL_COMMANDS_ALL; n > 0; n--) /* what most have comes first */
-        for (unsigned commands = 1; commands <= PL_COMMANDS_ALL; commands++)
-            if (count_bits(commands) == n)
-                put_options_of(commands);
+           "command.\n");
+    put_man_options();
     printf(".SH FORMATS\n");
     put_troff(pl_program_formats);
     printf(
@@ -113,23 +139,7 @@ static void put_man(void) {
         put_troff(command->exit_status);
         printf("\n");
     }
-    printf(
-        ".SH SIGNALS\n"
-        "SIGINT, SIGTERM and SIGHUP end the smoothing. planish then writes the mesh and exits with"
-        "\nstatus 1. A second signal ends planish at once.\n"
-        ".SH ENVIRONMENT\n"
-        ".TP\n.B OMP_NUM_THREADS\nnumber of threads without \\-\\-threads\n"
-        ".TP\n.BR OMP_PROC_BIND \", \" OMP_PLACES \", \" GOMP_CPU_AFFINITY\nif one of them is "
-        "set, planish binds no thread\n"
-        ".TP\n.B NO_COLOR\nif it is set and not empty, planish prints no colours; nor does it if"
-        "\nTERM is dumb, or the output is not a terminal\n");
-    printf(".SH EXAMPLES\n.EX\n");
-    for (int i = 0; (command = pl_command_at(i)); i++) {
-        put_troff(command->examples);
-        printf("\n");
-    }
-    printf(".EE\n"
-           ".SH SEE ALSO\n.BR planish (3),\n.BR gmsh (1),\n.BR tetgen (1)\n");
+    put_man_end();
 }
 
 /* ---- completion ------------------------------------------------------------------------------ */

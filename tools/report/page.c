@@ -107,14 +107,8 @@ static void put_change(pl_markup *page, const pl_figures *figures, const cJSON *
     }
 }
 
-/** Put why not all was reached, and what a reader should know of nodes and elements. */
-static void put_remarks(pl_markup *page, const pl_figures *figures, const cJSON *mesh) {
-    const char *reason = pl_figure_text(figures->result, "reason");
-    const int64_t back = pl_figure_count(figures->result, "put_back");
-    const int64_t outside = pl_figure_count(figures->result, "held_outside");
-    const int64_t thin = pl_figure_count(mesh, "free_layer_elements");
-    const cJSON *names = cJSON_GetObjectItemCaseSensitive(mesh, "region_arrays"), *name;
-    const char *between = cJSON_GetArraySize(names) == 1 ? " " : "s ";
+/** Put what the elements are to be like, if it is not the regular element. */
+static void put_target(pl_markup *page, const pl_figures *figures, const cJSON *mesh) {
     if (figures->like[0]) {
         pl_markup_put(page, "<p id=\"target\">The target of each element is its shape in <code>");
         pl_markup_put_text(page, figures->like);
@@ -134,6 +128,11 @@ static void put_remarks(pl_markup *page, const pl_figures *figures, const cJSON 
         pl_markup_put(page, " elements are against the heights that they had, and of others "
                             "against regular elements.</p>\n");
     }
+}
+
+/** Put what became of boundary layers. */
+static void put_layers(pl_markup *page, const cJSON *mesh) {
+    const int64_t thin = pl_figure_count(mesh, "free_layer_elements");
     if (pl_figure_text(mesh, "layers_not_kept_with")[0]) {
         pl_markup_put(page, "<p class=\"quiet\">");
         pl_markup_put_count(page, pl_figure_count(mesh, "held_layer_elements"));
@@ -150,17 +149,33 @@ static void put_remarks(pl_markup *page, const pl_figures *figures, const cJSON 
                             "Smoothing makes them regular; <code>--fix-layers</code> holds "
                             "them.</p>\n");
     }
-    if (cJSON_GetArraySize(names) > 0) {
-        pl_markup_put(page, "<p class=\"quiet\">Nodes stay on the interfaces between the values of "
-                            "array");
-        cJSON_ArrayForEach(name, names) {
-            pl_markup_put(page, "%s<code>", between);
-            pl_markup_put_text(page, cJSON_IsString(name) ? name->valuestring : "");
-            pl_markup_put(page, "</code>");
-            between = ", ";
-        }
-        pl_markup_put(page, ".</p>\n");
+}
+
+/** Put the arrays that tell regions. */
+static void put_region_arrays(pl_markup *page, const cJSON *mesh) {
+    const cJSON *names = cJSON_GetObjectItemCaseSensitive(mesh, "region_arrays"), *name;
+    const char *between = cJSON_GetArraySize(names) == 1 ? " " : "s ";
+    if (cJSON_GetArraySize(names) == 0)
+        return;
+    pl_markup_put(page, "<p class=\"quiet\">Nodes stay on the interfaces between the values of "
+                        "array");
+    cJSON_ArrayForEach(name, names) {
+        pl_markup_put(page, "%s<code>", between);
+        pl_markup_put_text(page, cJSON_IsString(name) ? name->valuestring : "");
+        pl_markup_put(page, "</code>");
+        between = ", ";
     }
+    pl_markup_put(page, ".</p>\n");
+}
+
+/** Put why not all was reached, and what a reader should know of nodes and elements. */
+static void put_remarks(pl_markup *page, const pl_figures *figures, const cJSON *mesh) {
+    const char *reason = pl_figure_text(figures->result, "reason");
+    const int64_t back = pl_figure_count(figures->result, "put_back");
+    const int64_t outside = pl_figure_count(figures->result, "held_outside");
+    put_target(page, figures, mesh);
+    put_layers(page, mesh);
+    put_region_arrays(page, mesh);
     if (reason[0]) {
         pl_markup_put(page, "<p class=\"verdict bad\">");
         pl_markup_put_text(page, reason);

@@ -230,6 +230,34 @@ void pl_page_put_surface(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "</section>\n");
 }
 
+/** Put what is not worse than before. */
+static void put_claims(pl_markup *page, const pl_figures *figures) {
+    pl_markup_put(page, "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">not worse than "
+                        "before</th><th scope=\"col\">before</th><th scope=\"col\">after</th>"
+                        "<th scope=\"col\" class=\"word\">claim</th></tr></thead><tbody>\n");
+    put_claim(page, figures, "inverted elements", "inverted", 1);
+    put_claim(page, figures, "worst radius ratio of elements with a free node",
+              "max_radius_ratio_movable", 1);
+    put_claim(page, figures, "smallest angle of elements with a free node",
+              "min_dihedral_movable_deg", 0);
+    put_claim(page, figures, "RMS radius ratio", "rms_radius_ratio", 1);
+    if (figures->has_types) { /* these have no radius ratios and angles */
+        put_claim(page, figures, "worst aspect ratio of elements with a free node",
+                  "max_aspect_ratio_movable", 1);
+        if (!figures->has_targets)
+            put_claim(page, figures, "least scaled Jacobian", "min_scaled_jacobian", 0);
+        put_claim(page, figures, "RMS aspect ratio", "rms_aspect_ratio", 1);
+    }
+    pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">%s</p>\n",
+                  strcmp(pl_figure_text(figures->result, "method"), "planish") == 0
+                      ? "planish promises all of these for a valid mesh and the default "
+                        "objective. Untangling, minimum volumes and other objectives may cost "
+                        "the last three."
+                  : figures->is_compared
+                      ? "planish did not make the second mesh, and promises nothing of it."
+                      : "This method serves for comparison; planish promises nothing of it.");
+}
+
 void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
     const cJSON *result = figures->result;
     const int64_t inverted = pl_figure_count(pl_figures_last(figures), "inverted");
@@ -250,33 +278,8 @@ void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
                       figures->n_states == 2 ? "as written" : "in the file");
     }
     pl_markup_put(page, "</p>\n");
-    if (figures->n_states == 2) {
-        pl_markup_put(page,
-                      "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">not worse than "
-                      "before</th><th scope=\"col\">before</th><th scope=\"col\">after</th>"
-                      "<th scope=\"col\" class=\"word\">claim</th></tr></thead><tbody>\n");
-        put_claim(page, figures, "inverted elements", "inverted", 1);
-        put_claim(page, figures, "worst radius ratio of elements with a free node",
-                  "max_radius_ratio_movable", 1);
-        put_claim(page, figures, "smallest angle of elements with a free node",
-                  "min_dihedral_movable_deg", 0);
-        put_claim(page, figures, "RMS radius ratio", "rms_radius_ratio", 1);
-        if (figures->has_types) { /* these have no radius ratios and angles */
-            put_claim(page, figures, "worst aspect ratio of elements with a free node",
-                      "max_aspect_ratio_movable", 1);
-            if (!figures->has_targets)
-                put_claim(page, figures, "least scaled Jacobian", "min_scaled_jacobian", 0);
-            put_claim(page, figures, "RMS aspect ratio", "rms_aspect_ratio", 1);
-        }
-        pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">%s</p>\n",
-                      strcmp(pl_figure_text(result, "method"), "planish") == 0
-                          ? "planish promises all of these for a valid mesh and the default "
-                            "objective. Untangling, minimum volumes and other objectives may cost "
-                            "the last three."
-                      : figures->is_compared
-                          ? "planish did not make the second mesh, and promises nothing of it."
-                          : "This method serves for comparison; planish promises nothing of it.");
-    }
+    if (figures->n_states == 2)
+        put_claims(page, figures);
     put_list(page, figures, "unfixable", "element cannot be repaired wherever the free nodes are",
              "elements cannot be repaired wherever the free nodes are");
     put_list(page, figures, "below_min", "element is below its minimum volume",

@@ -569,6 +569,27 @@ static void put_onto(FILE *stream, const pl_job *job) {
     put_distance(stream, "surface off that one by", ", that one is", &job->onto.distance);
 }
 
+/** Put what happened to single nodes. */
+static void put_notes(FILE *stream, const pl_job *job, const planish_result *smooth) {
+    const int64_t n_outside = smooth->n_held_outside, n_back = smooth->n_put_back;
+    if (n_outside > 0)
+        pl_note(stream, "%" PRId64 " %s outside the bounds and stayed there", n_outside,
+                word_for(n_outside, "node was", "nodes were"));
+    if (smooth->n_released_mids > 0)
+        pl_note(stream, "%" PRId64 " mid-side %s by %s", smooth->n_released_mids,
+                word_for(smooth->n_released_mids, "node has moved", "nodes have moved"),
+                word_for(smooth->n_released_mids, "itself", "themselves"));
+    if (smooth->n_refused > 0 && job->mesh.cells)
+        pl_note(stream, "%" PRId64 " %s refused, which would have inverted an element",
+                smooth->n_refused, word_for(smooth->n_refused, "move was", "moves were"));
+    if (n_back > 0)
+        pl_note(stream, "%" PRId64 " %s put back: the %s", n_back,
+                word_for(n_back, "node was", "nodes were"),
+                !pl_job_is_blunt(job) ? "worst aspect ratio became larger"
+                : job->has_types      ? "least scaled Jacobian became smaller"
+                                      : "smallest angle became smaller");
+}
+
 /** Put the measures before and after, side by side. */
 static void put_both(FILE *stream, const pl_job *job, const pl_result *result) {
     if (result->validity_after.is_known)
@@ -603,26 +624,9 @@ void pl_table_compare(FILE *stream, const pl_job *job, const pl_result *result) 
 }
 
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
-    const int64_t n_outside = result->smooth.n_held_outside, n_back = result->smooth.n_put_back;
     char text[256];
     put_both(stream, job, result);
-    if (n_outside > 0)
-        pl_note(stream, "%" PRId64 " %s outside the bounds and stayed there", n_outside,
-                word_for(n_outside, "node was", "nodes were"));
-    if (result->smooth.n_released_mids > 0)
-        pl_note(stream, "%" PRId64 " mid-side %s by %s", result->smooth.n_released_mids,
-                word_for(result->smooth.n_released_mids, "node has moved", "nodes have moved"),
-                word_for(result->smooth.n_released_mids, "itself", "themselves"));
-    if (result->smooth.n_refused > 0 && job->mesh.cells)
-        pl_note(stream, "%" PRId64 " %s refused, which would have inverted an element",
-                result->smooth.n_refused,
-                word_for(result->smooth.n_refused, "move was", "moves were"));
-    if (n_back > 0)
-        pl_note(stream, "%" PRId64 " %s put back: the %s", n_back,
-                word_for(n_back, "node was", "nodes were"),
-                !pl_job_is_blunt(job) ? "worst aspect ratio became larger"
-                : job->has_types      ? "least scaled Jacobian became smaller"
-                                      : "smallest angle became smaller");
+    put_notes(stream, job, &result->smooth);
     row_free(stream, job);
     put_surface(stream, job, result);
     put_onto(stream, job);

@@ -4,7 +4,7 @@
  * element after another: by the numbers of the element's other nodes, as elements have no numbers
  * of their own.
  */
-#include "improve/untangle/tangle.h"
+#include "improve/untangle/given_up.h"
 
 #include "base/memory.h"
 #include "base/parts.h"

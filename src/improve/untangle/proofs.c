@@ -7,9 +7,10 @@
  * star/feasibility.c.
  */
 #include "improve/untangle/proofs.h"
-#include "improve/untangle/tangle.h"
+#include "improve/untangle/given_up.h"
 
 #include "base/clock.h"
+#include "base/joined.h"
 #include "base/memory.h"
 #include "base/parts.h"
 #include "base/status.h"
@@ -87,7 +88,7 @@ static cell cell_at(const enclosures *s, int64_t index) {
         first = first < 0 ? node : first;
     }
     if (first >= 0)
-        c.root = pl_root_of(s->parent, s->plan->inner[first]);
+        c.root = pl_class_of(s->parent, s->plan->inner[first]);
     return c;
 }
 
@@ -102,7 +103,7 @@ static void join_cells(enclosures *s) {
         int32_t root = c.root;
         for (int64_t i = c.begin * corners; i < c.end * corners && c.has_several; i++)
             if (is_free(s, s->plan->work.elements[i]))
-                root = pl_root_join(s->parent, root, s->plan->inner[s->plan->work.elements[i]]);
+                root = pl_join(s->parent, root, s->plan->inner[s->plan->work.elements[i]]);
     }
 }
 

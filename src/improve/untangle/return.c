@@ -6,9 +6,10 @@
  * neighbours as they are now; then more rings are tried. With all rings that cannot be.
  * In: the mesh after the ladder; out: with some nodes where they were. Whole meshes only.
  */
-#include "improve/untangle/tangle.h"
+#include "improve/untangle/return.h"
 
 #include "base/context.h"
+#include "base/joined.h"
 #include "base/memory.h"
 #include "base/parts.h"
 
@@ -83,7 +84,7 @@ static void mark_patches(patches *w, int32_t rings) {
 static int32_t patch_of(const patches *w, int64_t cell) {
     for (int64_t j = first_node(w, cell); j < first_node(w, cell + 1); j++)
         if (w->ring[node_at(w, j)] > 0)
-            return pl_root_of(w->parent, node_at(w, j));
+            return pl_class_of(w->parent, node_at(w, j));
     return -1;
 }
 
@@ -95,7 +96,7 @@ static void join_patches(patches *w) {
         int32_t root = patch_of(w, c);
         for (int64_t j = first_node(w, c); j < first_node(w, c + 1) && root >= 0; j++)
             if (w->ring[node_at(w, j)] > 0)
-                root = pl_root_join(w->parent, root, node_at(w, j));
+                root = pl_join(w->parent, root, node_at(w, j));
     }
 }
 
@@ -118,7 +119,7 @@ static int64_t put_back(const patches *w, int is_final, double *x) {
     int64_t n = 0;
     memcpy(x, w->now, w->bytes);
     for (int32_t i = 0; i < plan->work.n_nodes; i++) {
-        const int32_t root = w->ring[i] > 0 ? pl_root_of(w->parent, i) : -1;
+        const int32_t root = w->ring[i] > 0 ? pl_class_of(w->parent, i) : -1;
         if (root < 0 || w->n[AFTER][root] == 0 || w->n[AFTER][root] < w->n[BEFORE][root] ||
             (is_final && w->n[TRIAL][root] > w->n[AFTER][root]))
             continue;

@@ -2,9 +2,6 @@
  *
  *   tangle.c      pl_tangle_create, _find, _mark, _measure ...    elements, patch and its energy
  *   sizes.c       pl_tangle_find_sizes                 how large elements should be
- *   given_up.c    pl_send_given_up                    elements given up in another process
- *   return.c      pl_tangle_return                     nodes back to where the call began
- *   here          pl_root_of, pl_root_join                  nodes that are joined, one to the next
  *
  * untangle.c has the ladder (improve.h). Where elements are corners of cells (quality/view.h), the
  * state is that of each corner; what is counted, given up or returned is a cell.
@@ -12,14 +9,9 @@
 #ifndef PL_IMPROVE_UNTANGLE_TANGLE_H
 #define PL_IMPROVE_UNTANGLE_TANGLE_H
 
+#include "improve/untangle/given_up.h"
 #include "sweep/rows.h"
 #include "sweep/run.h"
-
-/** State of an element that is not PLANISH_VOLUME_MET. */
-typedef enum pl_tangle_state {
-    PL_TANGLED = PLANISH_VOLUME_BELOW,
-    PL_GIVEN_UP = 2 /* tangled, and given up */
-} pl_tangle_state;
 
 /** Working state of untangling. Arrays are owned, and by inner numbers but for state. */
 typedef struct pl_tangle {
@@ -103,39 +95,5 @@ double pl_tangle_energy(const pl_tangle *t);
 /** Find how large the elements should be around each node: as they are now on average, inverted
  * ones counting negative. Without memory they are what they were. */
 void pl_tangle_find_sizes(pl_tangle *t);
-
-/* ---- given_up.c ---------------------------------------------------------------------------- */
-
-/** Tell the other processes of given-up elements, and hear of theirs. state [n_elements] becomes PL_GIVEN_UP where it
- *  is PL_TANGLED and the star of a ghost has given the element up in its process. of_facet:
- *  pl_proof_role of the stars here. Errors: _MEMORY. */
-int pl_send_given_up(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
-                     planish_error *error);
-
-/* ---- return.c ------------------------------------------------------------------------------ */
-
-/** Put nodes back to where they were when the call began, where untangling has failed, without
- *  raising the number of tangled or inverted elements. Does nothing without memory, or for a
- *  mesh in parts. */
-void pl_tangle_return(pl_tangle *t);
-
-/* ---- nodes that are joined ----------------------------------------------------------------- */
-
-/** Root of node in a union-find structure parent [n_nodes], whose paths become shorter. */
-static inline int32_t pl_root_of(int32_t *parent, int32_t node) {
-    while (parent[node] != node) {
-        parent[node] = parent[parent[node]];
-        node = parent[node];
-    }
-    return node;
-}
-
-/** Join node to what root is the root of; returns the root of both. */
-static inline int32_t pl_root_join(int32_t *parent, int32_t root, int32_t node) {
-    const int32_t other = pl_root_of(parent, node);
-    const int32_t low = root < other ? root : other;
-    parent[root] = parent[other] = low;
-    return low;
-}
 
 #endif

@@ -4,7 +4,7 @@
  * and what it reaches counts only if fewer elements are tangled then and no more are inverted.
  */
 #include "improve/improve.h"
-#include "improve/untangle/tangle.h"
+#include "improve/untangle/return.h"
 
 #include "base/context.h"
 #include "base/memory.h"

@@ -9,7 +9,7 @@
  */
 #include "io/core/include.h"
 #include "io/core/format.h"
-#include "io/abaqus/abaqus.h"
+#include "io/abaqus/abaqus_reader.h"
 #include "io/abaqus/abaqus_write.h"
 
 #include "io/core/bytes.h"
@@ -158,7 +158,6 @@ static const struct {
     {3, {NULL, IO_PRISM, 2, 18}},        {3, {NULL, IO_HEXAHEDRON, 2, 20}},
     {3, {NULL, IO_HEXAHEDRON, 2, 27}},
 };
-
 
 static int is_digit(char c) {
     return c >= '0' && c <= '9';
@@ -360,6 +359,8 @@ static int abaqus_read(io_model *model, planish_error *error) {
             status = read_element_block(&r, &r.block[i]);
     if (!status)
         status = abaqus_read_sets(&r);
+    if (!status)
+        status = abaqus_make_groups(&r);
     for (int dim = 1; dim <= 3; dim++)
         io_reduce_cell_numbers(io_model_cells(model, dim));
     for (int64_t i = 0; i < r.n_sets; i++)
@@ -378,7 +379,8 @@ static int abaqus_read(io_model *model, planish_error *error) {
 
 /** Recognise a file by its first keyword: few other files begin with one of these. */
 static int abaqus_recognise(const char *data, int64_t size) {
-    static const char *const first[] = {"HEADING", "PREPRINT", "PART", "NODE", "ELEMENT", "INCLUDE"};
+    static const char *const first[] = {"HEADING", "PREPRINT", "PART",
+                                        "NODE",    "ELEMENT",  "INCLUDE"};
     io_cursor cursor = io_begin_text(data, size);
     io_slice line, item;
     char name[ABAQUS_NAME_SIZE];

@@ -1,7 +1,7 @@
 /* abaqus_blocks: the lines of Abaqus input files: keywords with their parameters, and the items of
  * the data behind them. Keywords that planish cannot read are refused here.
  */
-#include "io/abaqus/abaqus.h"
+#include "io/abaqus/abaqus_reader.h"
 
 #include "io/core/include.h"
 

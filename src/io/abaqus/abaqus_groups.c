@@ -3,7 +3,7 @@
  * Regions are told by the ELSET= of *ELEMENT and by the section that has the element; entities by
  * all sets.
  */
-#include "io/abaqus/abaqus.h"
+#include "io/abaqus/abaqus_reader.h"
 #include "io/core/memberships.h"
 
 #include "base/memory.h"
@@ -84,8 +84,7 @@ static int make_cell_entities(abaqus_reader *r, io_memberships *m, int64_t *key,
         int32_t *region = pl_alloc(list.n, sizeof *region);
         if (!region)
             return pl_fail_memory(r->error, "the regions of the file");
-        *(list.cells ? &io_model_cells(r->model, k)->region
-                     : &io_model_others(r->model, list.dim)->region) = region;
+        *io_model_regions(r->model, k) = region;
         for (int64_t i = 0; i < list.n; i++)
             region[i] = (int32_t)key[first + i];
         const int status = io_memberships_entities(m, r->model, list.dim, first, list.n, region,
@@ -96,7 +95,8 @@ static int make_cell_entities(abaqus_reader *r, io_memberships *m, int64_t *key,
     return PLANISH_OK;
 }
 
-int abaqus_make_entities(abaqus_reader *r, abaqus_things things) {
+/** Make entities of nodes or cells, by the sets that each is in, and regions of cells. */
+static int make_entities(abaqus_reader *r, abaqus_things things) {
     const int64_t n = r->n[things];
     io_memberships m = {.n = 0};
     int status = io_memberships_begin(&m, n, r->error);
@@ -120,7 +120,8 @@ int abaqus_make_entities(abaqus_reader *r, abaqus_things things) {
     return status;
 }
 
-int abaqus_make_groups(abaqus_reader *r) {
+/** Make a group of each set and each dimension that its members have. */
+static int make_groups(abaqus_reader *r) {
     int status = PLANISH_OK;
     for (int64_t i = 0; i < r->n_sets && !status; i++) {
         const abaqus_set *set = &r->set[i];
@@ -137,4 +138,14 @@ int abaqus_make_groups(abaqus_reader *r) {
                                         io_slice_length(name), r->error);
     }
     return status;
+}
+
+int abaqus_make_groups(abaqus_reader *r) {
+    int has_node_sets = 0;
+    for (int64_t i = 0; i < r->n_sets; i++)
+        has_node_sets |= r->set[i].things == ABAQUS_NODES;
+    int status = make_entities(r, ABAQUS_ELEMENTS);
+    if (!status && has_node_sets)
+        status = make_entities(r, ABAQUS_NODES);
+    return status ? status : make_groups(r);
 }

@@ -5,7 +5,7 @@
  * section that has the element, as sets are also made for loads and for output. Names are those of
  * a part or of the assembly: a set of the same name there is another.
  */
-#include "io/abaqus/abaqus.h"
+#include "io/abaqus/abaqus_reader.h"
 
 #include "io/core/cell_types.h"
 #include "io/core/number.h"
@@ -391,14 +391,7 @@ int abaqus_read_sets(abaqus_reader *r) {
     for (int64_t i = 0; i < r->n_blocks && !status; i++)
         if (r->block[i].keyword == ABAQUS_NSET || r->block[i].keyword == ABAQUS_ELSET)
             status = read_set(r, &r->block[i]);
-    if (status)
-        return status;
-    hold_equations(r);
-    status = abaqus_make_entities(r, ABAQUS_ELEMENTS);
-    int has_node_sets = 0;
-    for (int64_t i = 0; i < r->n_sets; i++)
-        has_node_sets |= r->set[i].things == ABAQUS_NODES;
-    if (!status && has_node_sets)
-        status = abaqus_make_entities(r, ABAQUS_NODES);
-    return status ? status : abaqus_make_groups(r);
+    if (!status)
+        hold_equations(r);
+    return status;
 }

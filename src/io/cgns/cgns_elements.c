@@ -2,7 +2,7 @@
  * nodes from 1. Those without a planish_cell_type hold their nodes.
  */
 #ifdef PL_HDF5
-#include "io/cgns/cgns.h"
+#include "io/cgns/cgns_reader.h"
 
 #include "io/core/elements.h"
 

@@ -5,7 +5,7 @@
  * the section, of the conditions and of their families. Nodes in conditions have classes, too.
  */
 #ifdef PL_HDF5
-#include "io/cgns/cgns.h"
+#include "io/cgns/cgns_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"

@@ -241,15 +241,10 @@ static int find_primary(const io_model *model) {
     return best;
 }
 
-/** Places of the entities and regions of a list. */
+/** Return where the entities of a list are. */
 static int32_t **entities_of(io_model *model, int list) {
     return list >= IO_FLAT_LIST ? &io_model_others(model, list - 2)->entity
                                 : &io_model_cells(model, list)->entity;
-}
-
-static int32_t **regions_of(io_model *model, int list) {
-    return list >= IO_FLAT_LIST ? &io_model_others(model, list - 2)->region
-                                : &io_model_cells(model, list)->region;
 }
 
 /** Give the elements of a list the entities of their values. */
@@ -280,8 +275,8 @@ static void forget_regions(io_model *model) {
         const int has_elements = k == dim || k == io_others_list(dim);
         if (model->has_entities && !has_elements)
             continue;
-        pl_free(*regions_of(model, k));
-        *regions_of(model, k) = NULL;
+        pl_free(*io_model_regions(model, k));
+        *io_model_regions(model, k) = NULL;
         if (model->has_entities)
             continue;
         pl_free(*entities_of(model, k));
@@ -300,8 +295,8 @@ static int combine_regions(io_model *model, const array_view *v, planish_error *
         pl_free(region);
         return pl_fail_memory(error, "the regions of cells");
     }
-    *regions_of(model, dim) = region;
-    *regions_of(model, io_others_list(dim)) = of_others;
+    *io_model_regions(model, dim) = region;
+    *io_model_regions(model, io_others_list(dim)) = of_others;
     const int status = planish_combine_regions(
         n + n_others, v->of, model->n_arrays + model->has_entities, region, NULL, error);
     if (of_others)
@@ -447,15 +442,4 @@ int io_arrays_choose(io_model *model, const char *const *names, int n_names, pla
     }
     model->arrays_are_gone = 1;
     return PLANISH_OK;
-}
-
-void io_arrays_destroy(io_model *model) {
-    for (int i = 0; i < model->n_arrays; i++) {
-        pl_free(model->array[i].name);
-        pl_free(model->array[i].narrow);
-        pl_free(model->array[i].wide);
-    }
-    pl_free(model->array);
-    pl_free(model->array_name);
-    pl_free(model->region_name);
 }

@@ -67,7 +67,4 @@ int io_arrays_find_regions(io_model *model, const planish_cells *cells, planish_
  *  are). */
 int io_arrays_choose(io_model *model, const char *const *names, int n_names, planish_error *error);
 
-/** Release all arrays. */
-void io_arrays_destroy(io_model *model);
-
 #endif

@@ -27,12 +27,6 @@ int io_data_note(io_model *model, io_data data, planish_error *error) {
     return pl_fail_memory(error, "the names of arrays");
 }
 
-void io_data_destroy(io_model *model) {
-    for (int64_t i = 0; i < model->n_data; i++)
-        pl_free(model->data[i].name);
-    pl_free(model->data);
-}
-
 int io_data_fail(const io_model *model, const io_data *data, int64_t at, planish_error *error,
                  const char *text) {
     return io_fail_at(model, model->input.data + at, error, "array '%s': %s", data->name, text);

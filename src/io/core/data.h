@@ -22,9 +22,6 @@ int io_data_note(io_model *model, io_data data, planish_error *error);
 /** Find the first array of that name, of elements or of nodes; NULL: there is none. */
 const io_data *io_data_find(const io_model *model, const char *name, int of_elements);
 
-/** Release all that is noted. */
-void io_data_destroy(io_model *model);
-
 /** Fail with _FORMAT about an array: "FILE:LINE: array 'NAME': text", at byte at. */
 int io_data_fail(const io_model *model, const io_data *data, int64_t at, planish_error *error,
                  const char *text);

@@ -1,7 +1,5 @@
 /* model: the arrays that readers fill in, and what follows from them. */
-#include "io/core/arrays.h"
 #include "io/core/bytes.h"
-#include "io/core/data.h"
 #include "io/core/model.h"
 
 #include "base/memory.h"
@@ -373,6 +371,12 @@ int io_model_add_other(io_model *model, int type, const int32_t *nodes, int32_t 
     return PLANISH_OK;
 }
 
+int64_t io_element_number(const io_model *model, int64_t element) {
+    const io_cells *cells = io_model_elements(model);
+    return element < cells->n ? io_cell_number(cells, element)
+                              : io_model_other_elements(model)->number[element - cells->n];
+}
+
 /* ---- lists of elements ------------------------------------------------------------------------ */
 
 io_list io_model_list(const io_model *model, int list) {
@@ -388,6 +392,11 @@ io_list io_model_list(const io_model *model, int list) {
                         : list == 2 ? &model->triangle
                                     : &model->line;
     return (io_list){.dim = list, .n = c->n, .entity = c->entity, .region = c->region, .cells = c};
+}
+
+int32_t **io_model_regions(io_model *model, int list) {
+    return list >= IO_FLAT_LIST ? &io_model_others(model, list == IO_SOLID_LIST ? 3 : 2)->region
+                                : &io_model_cells(model, list)->region;
 }
 
 int64_t io_list_number(const io_list *list, int64_t i) {
@@ -451,7 +460,7 @@ void io_others_release(io_others *o) {
     *o = (io_others){.n = 0};
 }
 
-void io_model_destroy(io_model *model) {
+static void release_files(io_model *model) {
     io_bytes_close(&model->input);
     for (int i = 0; i < model->n_included; i++)
         io_bytes_close(&model->included[i]);
@@ -463,6 +472,9 @@ void io_model_destroy(io_model *model) {
     pl_free(model->companion);
     pl_free(model->folder);
     pl_free(model->inner);
+}
+
+static void release_nodes(io_model *model) {
     if (model->coordinates != model->xyz)
         pl_free(model->coordinates);
     pl_free(model->xyz);
@@ -477,13 +489,17 @@ void io_model_destroy(io_model *model) {
     pl_free(model->hold);
     pl_free(model->node_entity);
     pl_free(model->periodic);
+}
+
+static void release_elements(io_model *model) {
     io_cells_release(&model->line);
     io_cells_release(&model->triangle);
     io_cells_release(&model->tetrahedron);
     io_others_release(&model->flat);
     io_others_release(&model->solid);
-    io_arrays_destroy(model);
-    io_data_destroy(model);
+}
+
+static void release_groups(io_model *model) {
     for (int32_t i = 0; i < model->n_entities; i++)
         pl_free(model->entity[i].physical);
     pl_free(model->entity);
@@ -491,6 +507,29 @@ void io_model_destroy(io_model *model) {
     for (int32_t i = 0; i < model->n_groups; i++)
         pl_free(model->group[i].name);
     pl_free(model->group);
+}
+
+/** Release the arrays that may tell regions, and the notes of data. */
+static void release_arrays(io_model *model) {
+    for (int i = 0; i < model->n_arrays; i++) {
+        pl_free(model->array[i].name);
+        pl_free(model->array[i].narrow);
+        pl_free(model->array[i].wide);
+    }
+    pl_free(model->array);
+    pl_free(model->array_name);
+    pl_free(model->region_name);
+    for (int64_t i = 0; i < model->n_data; i++)
+        pl_free(model->data[i].name);
+    pl_free(model->data);
+}
+
+void io_model_destroy(io_model *model) {
+    release_files(model);
+    release_nodes(model);
+    release_elements(model);
+    release_groups(model);
+    release_arrays(model);
     memset(model, 0, sizeof *model);
 }
 

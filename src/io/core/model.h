@@ -381,6 +381,9 @@ static inline int64_t io_model_n_elements(const io_model *model) {
     return io_model_elements(model)->n + io_model_other_elements(model)->n;
 }
 
+/** Return the number in the file of an element, of both. */
+int64_t io_element_number(const io_model *model, int64_t element);
+
 /* Lists of elements: lines, triangles and tetrahedra by their dimension, then other elements of two
  * and of three dimensions. */
 enum { IO_FIRST_LIST = 1, IO_FLAT_LIST = 4, IO_SOLID_LIST = 5, IO_N_LISTS = 6 };
@@ -396,6 +399,9 @@ typedef struct io_list {
 
 /** Return the list of that number; its arrays are borrowed. */
 io_list io_model_list(const io_model *model, int list);
+
+/** Return where the regions of the list of that number are: [n] owned, or NULL. */
+int32_t **io_model_regions(io_model *model, int list);
 
 /** Let the lines, and in a mesh of solid elements (dim 3) the facets, hold their nodes. A reader calls
  *  it where facets that it adds later hold none (lower_are_held); else it is called in the end. */

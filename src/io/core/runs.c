@@ -53,6 +53,17 @@ void io_run_end(const io_run *run, int64_t n) {
     others->n_nodes += n * run->row->nodes;
 }
 
+int io_run_read(io_model *model, io_text *text, const io_section *noted, const io_element_type *row,
+                io_records_fn *read, void *context, io_run *run, planish_error *error) {
+    io_cursor cursor = {noted->data, io_input_end(model)};
+    int status = io_run_begin(model, row, noted->count, run, error);
+    if (!status)
+        status = io_text_records(text, &cursor, noted->count, noted->tokens, read, context, error);
+    if (!status)
+        io_run_end(run, noted->count);
+    return status;
+}
+
 int io_runs_add(io_sections *runs, int row, int64_t tokens, const char *at, const char *end,
                 planish_error *error) {
     io_section *last = runs->n > 0 ? &runs->section[runs->n - 1] : NULL;

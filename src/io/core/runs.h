@@ -1,6 +1,6 @@
 /* runs: elements of one type that stand together in a file, set by several threads.
  *
- *   io_run_begin, io_run_set, io_run_end   a run of elements becomes elements of the model
+ *   io_run_read, io_run_set                a run of elements becomes elements of the model
  *   io_runs_add                            runs that a first walk over the elements notes
  *   io_runs_index_tags                     tags of all elements become entities
  *
@@ -27,6 +27,10 @@ typedef struct io_run {
  *  many), _MEMORY. */
 int io_run_begin(io_model *model, const io_element_type *row, int64_t n, io_run *run,
                  planish_error *error);
+
+/** Read a run that io_runs_add has noted, as io_text_records does: begin *run, and end it. */
+int io_run_read(io_model *model, io_text *text, const io_section *noted, const io_element_type *row,
+                io_records_fn *read, void *context, io_run *run, planish_error *error);
 
 /** Set element i of the run: its nodes [row->nodes], indices in the format's order, its tag, and its
  *  number in the file. Threads may set different elements at the same time. */

@@ -4,7 +4,7 @@
  *   io_is_blank, _is_space, _upper  characters
  *   io_begin_text, io_first_word    the beginning of a text
  *   io_skip_...                     skip white space, comments, a line, numbers
- *   io_next_line, io_next_word      take a line or a word
+ *   io_next_line, _take_line, _next_word    take a line or a word
  *   io_integer, io_real             take a number
  *   io_find_line                    find a line
  *
@@ -14,6 +14,8 @@
 #define PL_IO_CORE_TEXT_H
 
 #include "io/core/model.h"
+
+#include <string.h>
 
 /** Return whether c is a blank or a tab. */
 static inline int io_is_blank(char c) {
@@ -52,6 +54,12 @@ static inline io_slice io_slice_trim(io_slice s) {
     return s;
 }
 
+/** Return the first place of a character in s, or its end. */
+static inline const char *io_slice_find(io_slice s, char what) {
+    const char *found = s.begin < s.end ? memchr(s.begin, what, (size_t)io_slice_length(s)) : NULL;
+    return found ? found : s.end;
+}
+
 /** Return whether s is name, letter case ignored if fold. */
 int io_slice_is(io_slice s, const char *name, int fold);
 
@@ -82,6 +90,13 @@ void io_skip_numbers(io_cursor *cursor);
 
 /** Take the line at the cursor, without its end (\n, \r\n or \r), behind which the cursor goes. */
 io_slice io_next_line(io_cursor *cursor);
+
+/** Take the next line that is not empty, from its first word on, as a text of its own. */
+static inline io_cursor io_take_line(io_cursor *cursor) {
+    io_skip_space(cursor);
+    const char *begin = cursor->at;
+    return (io_cursor){begin, io_next_line(cursor).end};
+}
 
 /** Take the next word (no white space in it) after white space; empty at the end of the text. */
 io_slice io_next_word(io_cursor *cursor);

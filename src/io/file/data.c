@@ -103,8 +103,8 @@ static int check_finite(const planish_file *file, const char *name, const planis
         error, PLANISH_ERROR_FORMAT, is_of_elements ? at : -1, is_of_elements ? -1 : at,
         "%s: the array '%s' has the value %g, which is not finite, for %s %lld",
         file->model.input.path, name, data->values[i], is_of_elements ? "element" : "node",
-        (long long)(is_of_elements ? planish_file_element_number(file, at)
-                                   : planish_file_node_number(file, at)));
+        (long long)(is_of_elements ? io_element_number(&file->model, at)
+                                   : io_node_number(&file->model, at)));
 }
 
 int io_file_read_data(planish_file *file, const char *name, int of_elements, planish_data *data,

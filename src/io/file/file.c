@@ -452,11 +452,7 @@ double *planish_file_coordinates(planish_file *file) {
 }
 
 int64_t planish_file_element_number(const planish_file *file, int64_t element) {
-    if (!file)
-        return -1;
-    const io_cells *cells = io_model_elements(&file->model);
-    return element < cells->n ? io_cell_number(cells, element)
-                              : io_model_other_elements(&file->model)->number[element - cells->n];
+    return file ? io_element_number(&file->model, element) : -1;
 }
 
 int64_t planish_file_node_number(const planish_file *file, int64_t node) {

@@ -6,8 +6,8 @@
  *   io_file_release_groups                the list of groups (groups.c)
  *   io_model_finish                       a model that was read becomes a mesh (finish.c)
  *   io_mesh_file                          paths of the files of a mesh (write.c)
- *   io_splice_write                       the input's bytes with other coordinates (splice.c)
- *   io_write_coordinates, io_check_inputs_unchanged    the same, packed where the input is (write.c)
+ *   io_write_coordinates                  the input's bytes with other coordinates (splice.c)
+ *   io_check_inputs_unchanged             whether all files are what was read (splice.c)
  */
 #ifndef PL_IO_FILE_FILE_H
 #define PL_IO_FILE_FILE_H
@@ -57,13 +57,8 @@ int io_model_finish(io_model *model, const io_format *format, planish_error *err
  *  memory. */
 char *io_mesh_file(const char *path, const char *format, int i);
 
-/** Write the bytes of the input with coordinates of places [n_places][written] to output, and
- *  finish it. */
-int io_splice_write(const planish_file *file, const double *coordinates, int threads,
-                    pl_output *output, planish_error *error);
-
-/** Write the file with the coordinates as io_splice_write does, packed where the input is packed: as
- *  that was, byte by byte, where no coordinate differs. */
+/** Write the bytes of the input with coordinates of places [n_places][written] to output, packed where
+ *  the input is packed, and finish it. Where no coordinate differs, a packed input is copied. */
 int io_write_coordinates(const planish_file *file, const double *coordinates, int threads,
                          pl_output *output, planish_error *error);
 

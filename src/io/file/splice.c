@@ -12,6 +12,7 @@
  */
 #include "io/core/binary.h"
 #include "io/core/bytes.h"
+#include "io/core/gzip.h"
 #include "io/core/number.h"
 #include "base/output.h"
 #include "io/core/text.h"
@@ -353,8 +354,9 @@ static int write_spans(splice *s, pl_output *output, planish_error *error) {
     return status ? status : flush(s, output, error);
 }
 
-int io_splice_write(const planish_file *file, const double *coordinates, int threads,
-                    pl_output *output, planish_error *error) {
+/** Write the bytes of the input with other coordinates to output, and finish it. */
+static int write_plain(const planish_file *file, const double *coordinates, int threads,
+                       pl_output *output, planish_error *error) {
     const io_format *format = file->format;
     const io_model *model = &file->model;
     io_edits edits = {0};
@@ -382,5 +384,52 @@ int io_splice_write(const planish_file *file, const double *coordinates, int thr
         if (former >= 0)
             pl_file_set_mode(output->temporary, former);
     }
+    return status;
+}
+
+/* ---- packed files --------------------------------------------------------------------------- */
+
+/** Bytes that are left to be compared with those that are written. */
+typedef struct comparison {
+    const char *at, *end;
+    int differs;
+} comparison;
+
+/** pl_output.pack: nothing is written. */
+static int compare(pl_output *output, const char *data, int64_t size, planish_error *error) {
+    comparison *c = output->packer;
+    (void)error;
+    c->differs |=
+        !data ? c->at < c->end : size > c->end - c->at || memcmp(c->at, data, (size_t)size) != 0;
+    c->at = c->differs ? c->end : c->at + size;
+    return PLANISH_OK;
+}
+
+int io_write_coordinates(const planish_file *file, const double *coordinates, int threads,
+                         pl_output *output, planish_error *error) {
+    const io_bytes *packed = &file->model.packed;
+    comparison c = {file->model.input.data, io_input_end(&file->model), 0};
+    pl_output none = {.fd = -1, .pack = compare, .packer = &c};
+    if (!packed->data)
+        return write_plain(file, coordinates, threads, output, error);
+    int status = write_plain(file, coordinates, threads, &none, error);
+    if (!status && !c.differs) {
+        status = pl_output_write(output, packed->data, packed->size, error);
+        return status ? status : pl_output_finish(output, error);
+    }
+    if (!status)
+        status = io_gzip_begin(output, packed, error);
+    if (!status)
+        status = write_plain(file, coordinates, threads, output, error);
+    io_gzip_end(output);
+    return status;
+}
+
+int io_check_inputs_unchanged(const planish_file *file, planish_error *error) {
+    int status = io_bytes_check_unchanged(&file->model.input, error);
+    if (!status && file->model.packed.data)
+        status = io_bytes_check_unchanged(&file->model.packed, error);
+    for (int i = 0; i < file->model.n_companions && !status; i++)
+        status = io_bytes_check_unchanged(&file->model.companion[i], error);
     return status;
 }

@@ -5,7 +5,6 @@
  */
 #include "io/core/bytes.h"
 #include "base/output.h"
-#include "io/core/gzip.h"
 #include "io/file/file.h"
 #include "io/file/folder.h"
 #include "io/file/plane.h"
@@ -145,52 +144,7 @@ int planish_file_check_output(const planish_file *file, const char *path, planis
     return check_strangers(file, path, error);
 }
 
-int io_check_inputs_unchanged(const planish_file *file, planish_error *error) {
-    int status = io_bytes_check_unchanged(&file->model.input, error);
-    if (!status && file->model.packed.data)
-        status = io_bytes_check_unchanged(&file->model.packed, error);
-    for (int i = 0; i < file->model.n_companions && !status; i++)
-        status = io_bytes_check_unchanged(&file->model.companion[i], error);
-    return status;
-}
-
 /* ---- writing ------------------------------------------------------------------------------ */
-
-/** Bytes that are left to be compared with those that are written. */
-typedef struct comparison {
-    const char *at, *end;
-    int differs;
-} comparison;
-
-/** pl_output.pack: nothing is written. */
-static int compare(pl_output *output, const char *data, int64_t size, planish_error *error) {
-    comparison *c = output->packer;
-    (void)error;
-    c->differs |=
-        !data ? c->at < c->end : size > c->end - c->at || memcmp(c->at, data, (size_t)size) != 0;
-    c->at = c->differs ? c->end : c->at + size;
-    return PLANISH_OK;
-}
-
-int io_write_coordinates(const planish_file *file, const double *coordinates, int threads,
-                         pl_output *output, planish_error *error) {
-    const io_bytes *packed = &file->model.packed;
-    comparison c = {file->model.input.data, io_input_end(&file->model), 0};
-    pl_output none = {.fd = -1, .pack = compare, .packer = &c};
-    if (!packed->data)
-        return io_splice_write(file, coordinates, threads, output, error);
-    int status = io_splice_write(file, coordinates, threads, &none, error);
-    if (!status && !c.differs) {
-        status = pl_output_write(output, packed->data, packed->size, error);
-        return status ? status : pl_output_finish(output, error);
-    }
-    if (!status)
-        status = io_gzip_begin(output, packed, error);
-    if (!status)
-        status = io_splice_write(file, coordinates, threads, output, error);
-    io_gzip_end(output);
-    return status;
-}
 
 static int write_companion(const io_format *format, const io_bytes *companion, const char *path,
                            pl_temporaries temporaries, pl_output *output, planish_error *error) {

@@ -329,63 +329,59 @@ static int read_text_elements(gmsh_reader *reader, int64_t n, const char *end, i
 
 /* ---- elements of binary files ------------------------------------------------------------- */
 
+/** Read the head of a block: its type, and the numbers of elements and tags. */
+static int take_block_head(gmsh_reader *reader, const io_element_type **type, int64_t *n,
+                           int64_t *n_tags) {
+    const char *at = reader->cursor.at;
+    int64_t number = 0;
+    int status = gmsh_take(reader, 4, &number, "element type");
+    if (!status)
+        status = gmsh_take(reader, 4, n, "number of elements of a block");
+    if (!status)
+        status = gmsh_take(reader, 4, n_tags, "number of tags");
+    if (!status)
+        status = gmsh_find_type(reader, number, at, type, reader->error);
+    if (status)
+        return status;
+    const int64_t left = io_left(&reader->cursor);
+    return *n >= 0 && *n_tags >= 0 && *n <= left / (4 * (1 + *n_tags + (*type)->nodes))
+               ? PLANISH_OK
+               : io_fail_at(reader->model, at, reader->error,
+                            "a block of %lld elements cannot be in the rest of the file",
+                            (long long)*n);
+}
+
 /** Read a block of elements of one type and number of tags, behind *done elements of the section's
  *  total. An element is its number, tags and nodes, all of them int32. */
 static int read_binary_block(gmsh_reader *reader, int64_t total, int64_t *done) {
-    const char *at = reader->cursor.at;
-    int64_t type = 0, n = 0, n_tags = 0, number = 0, tag[2] = {0, 0}, ignored;
+    int64_t n = 0, n_tags = 0, number = 0, tag[2] = {0, 0}, ignored;
     element_owner last = {-1, 0, 0};
     gmsh_block block = {.reader = reader, .bytes = 4};
-    int status = gmsh_take(reader, 4, &type, "element type");
-    if (!status)
-        status = gmsh_take(reader, 4, &n, "number of elements of a block");
-    if (!status)
-        status = gmsh_take(reader, 4, &n_tags, "number of tags");
-    if (!status)
-        status = gmsh_find_type(reader, type, at, &block.type, reader->error);
-    if (status)
-        return status;
-    if (n < 0 || n_tags < 0 ||
-        n > io_left(&reader->cursor) / (4 * (1 + n_tags + block.type->nodes)))
-        return io_fail_at(reader->model, at, reader->error,
-                          "a block of %lld elements cannot be in the rest of the file",
-                          (long long)n);
-    if (n > total - *done)
+    int status = take_block_head(reader, &block.type, &n, &n_tags);
+    if (!status && n > total - *done)
         return io_fail_at(reader->model, reader->cursor.at, reader->error,
                           "the blocks have more elements than the %lld of the section",
                           (long long)total);
-    *done += n;
-    const int dim = io_element_dim(block.type);
-    block.cells = io_element_cells(reader->model, block.type);
-    block.mids = io_element_mids(block.type);
-    block.reason = io_element_reason(block.type);
-    block.other = io_element_other(block.type);
-    io_others *others = io_model_others(reader->model, dim);
-    block.first = others->n;
-    block.first_node = others->n_nodes;
-    if (block.cells)
-        status = io_cells_reserve(reader->model, dim, n, 1, 1, reader->error);
-    else
-        io_element_count(reader->model, block.type, n);
-    if (!status && block.mids > 0)
-        status = io_cells_reserve_mids(reader->model, dim, reader->error);
-    if (!status && block.other)
-        status = io_others_reserve(reader->model, dim, n, n * block.type->nodes, 1, reader->error);
-    for (int64_t i = 0; !status && i < n; i++) {
-        at = reader->cursor.at;
+    if (!status)
+        status = gmsh_begin_block(reader, &block, n);
+    if (status)
+        return status;
+    for (int64_t i = 0; i < n && !status; i++) {
+        const char *at = reader->cursor.at;
         io_number(&reader->cursor, 4, reader->swapped, &number);
         for (int64_t k = 0; k < n_tags; k++)
             io_number(&reader->cursor, 4, reader->swapped, k < 2 ? &tag[k] : &ignored);
-        const element_owner owner = {dim, (int32_t)tag[0], (int32_t)tag[1]};
+        const element_owner owner = {io_element_dim(block.type), (int32_t)tag[0], (int32_t)tag[1]};
         if (!same_owner(owner, last))
             block.entity = entity_of(reader->model, owner, reader->error);
         if (block.entity < 0)
             return block.entity;
         last = owner;
-        const int64_t index = block.cells ? block.cells->n++ : block.other ? others->n++ : 0;
-        status = gmsh_read_element(&block, &reader->cursor, at, number, index, reader->error);
+        status =
+            gmsh_read_element(&block, &reader->cursor, at, number, block.first + i, reader->error);
     }
-    others->n_nodes += n * io_cell_type_nodes(block.other);
+    gmsh_end_block(reader, &block, n);
+    *done += n;
     return status;
 }
 

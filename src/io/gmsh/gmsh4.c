@@ -249,41 +249,16 @@ static int read_element_block(gmsh_reader *reader, const section_head *head) {
                           : io_model_entity(model, head->dim, head->tag, 0, NULL, reader->error);
     if (block.entity < 0)
         return block.entity;
-    if (entity && entity->interface) {
+    if (entity && entity->interface)
         model->n_lower += head->size;
-    } else {
-        block.reason = io_element_reason(block.type);
-        block.cells = io_element_cells(model, block.type);
-        block.mids = io_element_mids(block.type);
-        block.other = io_element_other(block.type);
-        if (!block.cells)
-            io_element_count(model, block.type, head->size);
-    }
-    const int64_t n_other_nodes = head->size * io_cell_type_nodes(block.other);
-    const int dim = io_element_dim(block.type);
-    io_others *others = block.other ? io_model_others(model, dim) : NULL;
-    if (block.cells) {
-        block.first = block.cells->n;
-        status = io_cells_reserve(model, dim, head->size, 1, 1, reader->error);
-        if (!status && block.mids > 0)
-            status = io_cells_reserve_mids(model, dim, reader->error);
-    } else if (others) {
-        block.first = others->n;
-        block.first_node = others->n_nodes;
-        status = io_others_reserve(model, dim, head->size, n_other_nodes, 1, reader->error);
-    }
+    else
+        status = gmsh_begin_block(reader, &block, head->size);
     if (!status)
         status = io_records(&reader->text, &reader->cursor, head->size, width, bytes * width,
                             read_elements, &block, reader->error);
-    if (status)
-        return status;
-    if (block.cells)
-        block.cells->n += head->size;
-    if (others) {
-        others->n += head->size;
-        others->n_nodes += n_other_nodes;
-    }
-    return PLANISH_OK;
+    if (!status)
+        gmsh_end_block(reader, &block, head->size);
+    return status;
 }
 
 int gmsh4_elements(gmsh_reader *reader) {

@@ -323,6 +323,37 @@ int gmsh_end_nodes(gmsh_reader *reader) {
 
 /* ---- elements and pairs ------------------------------------------------------------------- */
 
+int gmsh_begin_block(gmsh_reader *reader, gmsh_block *block, int64_t n) {
+    io_model *model = reader->model;
+    const int dim = io_element_dim(block->type);
+    const io_others *others = io_model_others(model, dim);
+    int status = PLANISH_OK;
+    block->cells = io_element_cells(model, block->type);
+    block->mids = io_element_mids(block->type);
+    block->other = io_element_other(block->type);
+    block->reason = io_element_reason(block->type);
+    block->first = block->cells ? block->cells->n : block->other ? others->n : 0;
+    block->first_node = others->n_nodes;
+    if (!block->cells)
+        io_element_count(model, block->type, n);
+    if (block->cells)
+        status = io_cells_reserve(model, dim, n, 1, 1, reader->error);
+    else if (block->other)
+        status = io_others_reserve(model, dim, n, n * io_cell_type_nodes(block->other), 1,
+                                   reader->error);
+    return !status && block->mids > 0 ? io_cells_reserve_mids(model, dim, reader->error) : status;
+}
+
+void gmsh_end_block(gmsh_reader *reader, const gmsh_block *block, int64_t n) {
+    io_others *others = io_model_others(reader->model, io_element_dim(block->type));
+    if (block->cells)
+        block->cells->n += n;
+    if (block->other) {
+        others->n += n;
+        others->n_nodes += n * io_cell_type_nodes(block->other);
+    }
+}
+
 int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at, int64_t number,
                       int64_t index, planish_error *error) {
     const gmsh_reader *reader = block->reader;

@@ -66,6 +66,12 @@ typedef struct gmsh_block {
     int bytes;      /* of a number; 0: text */
 } gmsh_block;
 
+/** Begin a block of n elements of its type: say where they go, and make room there. */
+int gmsh_begin_block(gmsh_reader *reader, gmsh_block *block, int64_t n);
+
+/** End a block whose n elements have been read. */
+void gmsh_end_block(gmsh_reader *reader, const gmsh_block *block, int64_t n);
+
 /** Find the row of an element type by its number, borrowed. Fail at a place in the file if the type
  *  is unknown, or if planish refuses it (a triangle or tetrahedron of third order or higher). error may be
  *  NULL. */

@@ -1,7 +1,7 @@
 /* hdf5: what the readers of formats in HDF5 share: objects by their path, numbers and text of
  * them, and coordinates with their places in the file's bytes.
  *
- *   io_hdf5_recognise, _open, _end, _fail                  a file (hdf5.c)
+ *   io_hdf5_recognise, _open, _end, _fail                  a file (hdf5_file.c)
  *   io_hdf5_path_of, _kind_of, _list, _names_..., _check_only    objects
  *   io_hdf5_attribute, _text_attribute                     attributes
  *   io_hdf5_shape_of, _integers_..., _strings_read, _reals_read, _row_read, _cell_array
@@ -23,8 +23,8 @@
 
 #include "base/printf.h"
 
-#include "io/core/binary.h"
 #include "io/core/format.h"
+#include "io/hdf5/hdf5_integers.h"
 
 typedef struct io_hdf5 io_hdf5;
 
@@ -88,21 +88,9 @@ typedef struct io_hdf5_shape {
 } io_hdf5_shape;
 int io_hdf5_shape_of(io_hdf5 *file, const char *path, io_hdf5_shape *shape);
 
-/** Whole numbers: where they stand in the file, or a copy. */
-typedef struct io_hdf5_integers {
-    const char *data;
-    int64_t n;
-    int size, swapped; /* 4 or 8 bytes, signed */
-    void *owned;       /* the copy, or NULL */
-} io_hdf5_integers;
 /** Read the dataset at path. Release in any case. */
 int io_hdf5_integers_read(io_hdf5 *file, const char *path, io_hdf5_integers *integers);
 void io_hdf5_integers_release(io_hdf5_integers *integers);
-
-static inline int64_t io_hdf5_integer(const io_hdf5_integers *integers, int64_t i) {
-    return integers->size == 4 ? io_load_i32(integers->data + 4 * i, integers->swapped)
-                               : io_load_i64(integers->data + 8 * i, integers->swapped);
-}
 
 /** Read n strings of one length, one after another, as they stand there. *text is owned by the
  *  caller. Numbers of one byte are text, too. */

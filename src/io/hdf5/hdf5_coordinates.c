@@ -2,7 +2,8 @@
  * that have no place of their own (compressed, or among the library's own records).
  */
 #ifdef PL_HDF5
-#include "io/hdf5/hdf5_object.h"
+#include "io/hdf5/hdf5_data.h"
+#include "io/hdf5/hdf5_image.h"
 
 #include "base/memory.h"
 #include "base/round.h"

@@ -1,6 +1,6 @@
 /* hdf5_data: datasets of an HDF5 file: whether they can be read, and their numbers and text. */
 #ifdef PL_HDF5
-#include "io/hdf5/hdf5_object.h"
+#include "io/hdf5/hdf5_data.h"
 
 #include "base/memory.h"
 #include "base/status.h"

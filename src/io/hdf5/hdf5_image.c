@@ -5,7 +5,7 @@
  * the library never writes to a disk: where that is full, it would crash.
  */
 #ifdef PL_HDF5
-#include "io/hdf5/hdf5_object.h"
+#include "io/hdf5/hdf5_image.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -74,6 +74,14 @@ hid_t hdf5_open_bytes(const char *data, int64_t size, int is_writing) {
     if (access >= 0)
         H5Pclose(access);
     return file;
+}
+
+int64_t hdf5_user_block(hid_t file) {
+    hsize_t size = 0;
+    const hid_t list = H5Fget_create_plist(file);
+    const int failed = list < 0 || H5Pget_userblock(list, &size) < 0;
+    hdf5_release(list);
+    return failed ? -1 : (int64_t)size;
 }
 
 int hdf5_take_bytes(io_hdf5 *file, const char *before, char **bytes, int64_t *size) {

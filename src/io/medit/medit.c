@@ -17,7 +17,7 @@
  */
 #include "io/core/binary.h"
 #include "io/core/format.h"
-#include "io/medit/medit.h"
+#include "io/medit/medit_reader.h"
 #include "io/medit/medit_write.h"
 
 #include "base/status.h"
@@ -67,7 +67,6 @@ static const medit_keyword mesh_keywords[] = {
     {{"PeriodicVertices", IO_POINT, 1, 2}, 82, MEDIT_PAIRS},
 };
 
-
 /** Find the keyword of that name in text, or of that code in binary, and check that it may stand
  *  at that place. *keyword is -1 if it means nothing to planish. */
 static int find_keyword(const medit_reader *r, io_slice name, int64_t code, int *keyword) {
@@ -113,6 +112,17 @@ static int check_count(const medit_reader *r, io_cursor rest, int keyword, int64
 
 /* ---- text --------------------------------------------------------------------------------- */
 
+/** Check the counts of all sections again: vertices may stand before the dimension, which says how long
+ *  they are. end: of the text. */
+static int check_counts(const medit_reader *r, const char *end) {
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < r->sections.n && !status; i++) {
+        const io_section *s = &r->sections.section[i];
+        status = check_count(r, (io_cursor){s->data, end}, s->keyword, s->count);
+    }
+    return status;
+}
+
 /** Go from keyword to keyword, over what is between them. */
 static int walk_text(medit_reader *r) {
     const io_model *model = r->model;
@@ -153,14 +163,7 @@ static int walk_text(medit_reader *r) {
     if (!r->version)
         return io_fail_at(model, cursor.end, r->error,
                           "no MeshVersionFormatted: this is no Medit mesh");
-    /* Vertices may stand before the dimension, which says how long they are. */
-    for (int64_t i = 0; i < r->sections.n; i++) {
-        const io_section *s = &r->sections.section[i];
-        const int status = check_count(r, (io_cursor){s->data, cursor.end}, s->keyword, s->count);
-        if (status)
-            return status;
-    }
-    return PLANISH_OK;
+    return check_counts(r, cursor.end);
 }
 
 /* ---- binary ------------------------------------------------------------------------------- */

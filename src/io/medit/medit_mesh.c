@@ -1,5 +1,5 @@
 /* medit_mesh: the sections of Medit's meshes: vertices, elements, and what holds nodes. */
-#include "io/medit/medit.h"
+#include "io/medit/medit_reader.h"
 
 #include "base/memory.h"
 #include "base/round.h"
@@ -259,9 +259,24 @@ static int read_pairs(const medit_reader *r, const io_section *s) {
 
 /* ---- sections ----------------------------------------------------------------------------- */
 
+/** Count the reals of a record: vertices have dim, solutions one at least. */
+static int count_reals(const medit_reader *r, const medit_keyword *k) {
+    return k->kind == MEDIT_VERTICES ? r->dim : k->kind == MEDIT_SOLUTION;
+}
+
+/** Count the integers of a record: vertices and elements have a reference. */
+static int count_integers(const medit_keyword *k) {
+    return k->type.nodes +
+           (k->kind == MEDIT_VERTICES || k->kind == MEDIT_ELEMENTS || k->kind == MEDIT_CURVED);
+}
+
+int64_t medit_record_size(const medit_reader *r, const medit_keyword *k) {
+    return count_reals(r, k) * r->real_size + count_integers(k) * r->integer_size;
+}
+
 static int read_records(medit_reader *r, const io_section *s, io_records_fn *read) {
     const medit_keyword *k = r->current;
-    return io_section_records(&r->text, s, k->type.name, medit_reals(r, k) + medit_integers(k),
+    return io_section_records(&r->text, s, k->type.name, count_reals(r, k) + count_integers(k),
                               medit_record_size(r, k), read, r, r->error);
 }
 

@@ -6,7 +6,7 @@
  * tensor, which stands as its lower triangle by rows; the others are passed over.
  */
 #include "io/core/bytes.h"
-#include "io/medit/medit.h"
+#include "io/medit/medit_reader.h"
 
 #include "base/context.h"
 #include "base/memory.h"

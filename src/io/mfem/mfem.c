@@ -9,7 +9,7 @@
  * part of a parallel mesh (mfem_serial_mesh_end) the vertices shared with others hold their nodes.
  */
 #include "io/core/format.h"
-#include "io/mfem/mfem.h"
+#include "io/mfem/mfem_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"

@@ -6,7 +6,7 @@
  * one place become one node there; a vertex that has several places (of a periodic mesh) holds all.
  */
 #include "io/core/number.h"
-#include "io/mfem/mfem.h"
+#include "io/mfem/mfem_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -236,8 +236,10 @@ static int count_own(mfem_reader *r, int64_t *n) {
         const mfem_geometry *g = &mfem_geometries[list->geometry[i]];
         if (g->shape == IO_PYRAMID && (r->space == MFEM_DISCONTINUOUS || r->order == 2))
             return io_fail_at(r->model, r->cursor.at, r->error,
-                              "discontinuous nodes of pyramids are not read; in MFEM "
-                              "mesh.SetCurvature(2) makes continuous ones");
+                              "element %lld is a pyramid, whose discontinuous nodes are not read; "
+                              "in MFEM mesh.SetCurvature(%d) makes continuous ones, if the mesh is "
+                              "not periodic",
+                              (long long)i, r->order);
         *n += mfem_count_nodes(g, r->order);
     }
     return PLANISH_OK;
@@ -338,15 +340,37 @@ int mfem_boundary_nodes(const mfem_reader *r, int64_t i, int32_t *nodes) {
 
 /* ---- seams ---------------------------------------------------------------------------------- */
 
+enum { NO_VERTEX = -1, NO_CORNER = -2 };
+
+/** Note that a node stands at a vertex, or (NO_CORNER) inside of an element. A node of several vertices is
+ *  held. owner: vertex of each node, or NO_VERTEX. */
+static void note_vertex(io_model *model, int32_t *owner, int32_t node, int32_t vertex) {
+    if (owner[node] == NO_VERTEX)
+        owner[node] = vertex;
+    if (owner[node] != vertex)
+        model->hold[node] |= IO_HELD_REQUIRED | IO_HELD_PERIODIC;
+}
+
+/** Note that a vertex has a node. All nodes of a vertex that has several are held. */
+static void note_node(mfem_reader *r, int32_t vertex, int32_t node) {
+    const uint8_t reason = IO_HELD_REQUIRED | IO_HELD_PERIODIC;
+    int32_t *first = &r->vertex_node[vertex];
+    if (*first == MFEM_NO_NODE)
+        *first = node;
+    if (*first == node)
+        return;
+    if (*first >= 0)
+        r->model->hold[*first] |= reason;
+    r->model->hold[node] |= reason;
+    *first = MFEM_SEVERAL_NODES;
+}
+
 /** Find the node of each vertex. Vertices that have several nodes, and nodes of several vertices,
  *  hold: the mesh is joined there in another way than its places are. */
 static int hold_seams(mfem_reader *r) {
-    enum { NO_VERTEX = -1, NO_CORNER = -2 };
-    io_model *model = r->model;
-    const uint8_t reason = IO_HELD_REQUIRED | IO_HELD_PERIODIC;
     const mfem_list *list = &r->elements;
     mfem_walk walk = {0};
-    int32_t *owner = pl_alloc(model->n_nodes, sizeof *owner); /* vertex of each node */
+    int32_t *owner = pl_alloc(r->model->n_nodes, sizeof *owner);
     r->vertex_node = pl_alloc(r->n_vertices, sizeof *r->vertex_node);
     if (!owner || !r->vertex_node) {
         pl_free(owner);
@@ -354,7 +378,7 @@ static int hold_seams(mfem_reader *r) {
     }
     for (int64_t v = 0; v < r->n_vertices; v++)
         r->vertex_node[v] = MFEM_NO_NODE;
-    for (int64_t i = 0; i < model->n_nodes; i++)
+    for (int64_t i = 0; i < r->model->n_nodes; i++)
         owner[i] = NO_VERTEX;
     for (int64_t i = 0; i < list->n; i++) {
         int32_t nodes[IO_CELL_NODES];
@@ -362,21 +386,9 @@ static int hold_seams(mfem_reader *r) {
         const int corners = mfem_geometries[list->geometry[i]].corners;
         for (int k = 0; k < n; k++) {
             const int32_t vertex = k < corners ? list->vertex[i * list->stride + k] : NO_CORNER;
-            if (owner[nodes[k]] == NO_VERTEX)
-                owner[nodes[k]] = vertex;
-            if (owner[nodes[k]] != vertex)
-                model->hold[nodes[k]] |= reason;
-            int32_t *node = k < corners ? &r->vertex_node[vertex] : NULL;
-            if (!node || *node == nodes[k])
-                continue;
-            if (*node == MFEM_NO_NODE) {
-                *node = nodes[k];
-                continue;
-            }
-            if (*node >= 0)
-                model->hold[*node] |= reason;
-            model->hold[nodes[k]] |= reason;
-            *node = MFEM_SEVERAL_NODES;
+            note_vertex(r->model, owner, nodes[k], vertex);
+            if (k < corners)
+                note_node(r, vertex, nodes[k]);
         }
     }
     pl_free(owner);

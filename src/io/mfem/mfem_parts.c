@@ -1,6 +1,6 @@
 /* mfem_parts: edges and quadrilaterals by their vertices, numbered as they first occur. MFEM numbers
  * the nodes on edges and faces so, element after element. */
-#include "io/mfem/mfem.h"
+#include "io/mfem/mfem_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"

@@ -9,7 +9,7 @@
  * GRID of the file has before they are judged.
  */
 #include "io/core/format.h"
-#include "io/nastran/nastran.h"
+#include "io/nastran/nastran_card.h"
 #include "io/nastran/nastran_write.h"
 
 #include "io/core/elements.h"
@@ -129,7 +129,6 @@ static const card_kind kinds[] = {
     {"CORD3R", SYSTEM, 0, 8, 0, 0},
 };
 
-
 /** Beginnings of names of cards that are no elements. */
 static const char *const no_elements[] = {"CORD",  "CAERO",  "CSET",   "CREEP", "CY",    "CSUP",
                                           "CLOAD", "CBARAO", "CSSCHD", "CONV",  "CONTR", "CLUSTER",
@@ -239,7 +238,7 @@ static io_slice name_of(io_slice line) {
     if (quote != '\'' && quote != '"')
         return name;
     name.begin++;
-    name.end = nastran_find(name, quote);
+    name.end = io_slice_find(name, quote);
     return name;
 }
 
@@ -525,7 +524,7 @@ static int hold_fields(reader *r, const card_kind *k, nastran_card *c) {
         is_thru = is_node && nastran_line_begins(field, "THRU");
         if (is_node && !is_thru)
             number = hold_field(r, field, reason);
-        follows_real = nastran_find(field, '.') < field.end;
+        follows_real = io_slice_find(field, '.') < field.end;
     }
     r->model->n_other += is_element;
     return PLANISH_OK;
@@ -589,9 +588,9 @@ static int read_names(reader *r, io_cursor cursor) {
         const io_slice text = io_next_line(&cursor);
         if (io_slice_length(text) < length || memcmp(text.begin, mark, (size_t)length) != 0)
             continue;
-        const char *open = nastran_find(text, '"');
+        const char *open = io_slice_find(text, '"');
         const io_slice name = {open < text.end ? open + 1 : open,
-                               nastran_find((io_slice){open + (open < text.end), text.end}, '"')};
+                               io_slice_find((io_slice){open + (open < text.end), text.end}, '"')};
         int64_t number;
         if (name.end == text.end ||
             parse_number(io_slice_trim((io_slice){text.begin + length, open}), &number) ||

@@ -1,6 +1,6 @@
 /* nastran_card: lines, cards and fields of bulk data; where the coordinates of a GRID stand, and
  * what may take their place. */
-#include "io/nastran/nastran.h"
+#include "io/nastran/nastran_card.h"
 
 enum {
     LONG_FIELDS = 4,  /* two such lines are a row */
@@ -19,12 +19,12 @@ static io_slice columns(io_slice s, int64_t from, int64_t width) {
 
 nastran_line nastran_take_line(io_cursor *cursor) {
     nastran_line l = {.text = io_next_line(cursor)};
-    l.text.end = nastran_find(l.text, '$');
+    l.text.end = io_slice_find(l.text, '$');
     const io_slice start = columns(l.text, 0, COMMA_BEFORE);
-    const char *comma = nastran_find(start, ',');
+    const char *comma = io_slice_find(start, ',');
     l.is_free = comma < start.end;
     l.name = l.is_free ? (io_slice){l.text.begin, comma} : columns(l.text, 0, NASTRAN_NAME_COLUMNS);
-    l.is_long = nastran_find(l.name, '*') < l.name.end;
+    l.is_long = io_slice_find(l.name, '*') < l.name.end;
     l.n_fields = l.is_long ? LONG_FIELDS : NASTRAN_SHORT_FIELDS;
     l.width = l.is_long ? NASTRAN_LONG_FIELD : NASTRAN_SHORT_FIELD;
     if (!l.is_free)
@@ -57,7 +57,7 @@ static void set_wrong(nastran_card *c, const char *at, const char *what) {
 }
 
 static void enter_line(nastran_card *c, nastran_line l) {
-    if (!l.is_free && nastran_find(l.text, '\t') < l.text.end)
+    if (!l.is_free && io_slice_find(l.text, '\t') < l.text.end)
         set_wrong(
             c, l.text.begin,
             "a tab among fields of fixed columns; write tabs that part fields as commas "
@@ -92,7 +92,7 @@ int nastran_take_card(io_cursor *cursor, nastran_card *c) {
 io_slice nastran_line_field(const nastran_card *c) {
     const io_slice text = c->line.text;
     if (c->line.is_free)
-        return c->at ? (io_slice){c->at, nastran_find((io_slice){c->at, text.end}, ',')}
+        return c->at ? (io_slice){c->at, io_slice_find((io_slice){c->at, text.end}, ',')}
                      : (io_slice){text.end, text.end};
     return columns(text, NASTRAN_NAME_COLUMNS + c->n_of_line * c->line.width, c->line.width);
 }
@@ -157,7 +157,7 @@ static void field_of_next_line(const nastran_card *c, io_field *field) {
     const io_slice whole = io_next_line(&from);
     /* The mark stands in the last columns, behind a + or * perhaps, which it is kept without. */
     io_slice mark = columns(whole, 0, LAST_COLUMN + NASTRAN_SHORT_FIELD);
-    mark.end = nastran_find(mark, '$');
+    mark.end = io_slice_find(mark, '$');
     mark.begin = io_slice_length(mark) > LAST_COLUMN ? mark.begin + LAST_COLUMN : mark.end;
     mark = io_slice_trim(mark);
     mark.begin += mark.begin < mark.end && (*mark.begin == '+' || *mark.begin == '*');

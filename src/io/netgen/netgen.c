@@ -13,7 +13,7 @@
  * order (curvedelements) have their shape apart from the nodes, and are refused.
  */
 #include "io/core/format.h"
-#include "io/netgen/netgen.h"
+#include "io/netgen/netgen_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"

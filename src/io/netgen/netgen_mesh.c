@@ -1,6 +1,6 @@
 /* netgen_mesh: the sections of Netgen's meshes: points, elements, segments, and what holds nodes.
  */
-#include "io/netgen/netgen.h"
+#include "io/netgen/netgen_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"

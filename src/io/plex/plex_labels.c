@@ -8,7 +8,7 @@
  */
 #ifdef PL_HDF5
 #include "io/core/memberships.h"
-#include "io/plex/plex.h"
+#include "io/plex/plex_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"

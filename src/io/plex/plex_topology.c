@@ -1,6 +1,6 @@
 /* plex_topology: points of a DMPlex and their cones; its elements by their nodes. */
 #ifdef PL_HDF5
-#include "io/plex/plex.h"
+#include "io/plex/plex_reader.h"
 #include "io/core/elements.h"
 #include "io/core/records.h"
 
@@ -73,6 +73,21 @@ static int64_t in_cone(const plex_reader *r, int64_t point, int k, int64_t *orie
     return below >= 0 && below < r->n_points - s->below ? s->below + below : -1;
 }
 
+/** Place the strata among the points, in the order that the file gives. *n: points. */
+static int place_strata(plex_reader *r, const io_hdf5_integers *order, int64_t *n) {
+    unsigned placed = 0;
+    *n = 0;
+    for (int64_t i = 0; i < order->n; i++) {
+        const int64_t depth = io_hdf5_integer(order, i);
+        if (depth < 0 || depth >= order->n || (placed >> depth & 1))
+            return io_hdf5_fail(r->file, r->topology.text, "permutation is none of the strata");
+        placed |= 1u << depth;
+        r->stratum[depth].first = *n;
+        *n += r->stratum[depth].n;
+    }
+    return PLANISH_OK;
+}
+
 /** Read the points and their cones: of versions 1 and 2 in one list, which need not be in the order
  *  of their numbers; of version 3 one dimension after another, in the order that permutation
  *  gives. list: either. */
@@ -107,17 +122,11 @@ static int read_cones(plex_reader *r, io_hdf5_integers *list) {
     if (!has_strata && r->stratum[0].n != list->n)
         return io_hdf5_fail(r->file, r->topology.text, "%lld points, and the sizes of %lld cones",
                             (long long)list->n, (long long)r->stratum[0].n);
-    int64_t n = has_strata ? 0 : list->n;
-    unsigned placed = 0;
-    for (int64_t i = 0; has_strata && i < list->n; i++) {
-        const int64_t depth = io_hdf5_integer(list, i);
-        if (depth < 0 || depth >= n_strata || (placed >> depth & 1))
-            return io_hdf5_fail(r->file, r->topology.text, "permutation is none of the strata");
-        placed |= 1u << depth;
-        r->stratum[depth].first = n;
-        n += r->stratum[depth].n;
-    }
-    status = make_points(r, n);
+    int64_t n = list->n;
+    if (has_strata)
+        status = place_strata(r, list, &n);
+    if (!status)
+        status = make_points(r, n);
     for (int d = 0; d < n_strata && !status; d++) {
         r->stratum[d].below = d > 0 ? r->stratum[d - 1].first : 0;
         status = take_cones(r, group[d].text, &r->stratum[d], has_strata ? NULL : list);

@@ -203,16 +203,30 @@ static int check_vertices(const ply_reader *r, const ply_element *e) {
     return PLANISH_OK;
 }
 
-static int read_header(ply_reader *r) {
-    io_model *model = r->model;
+/** Find the vertices among the elements of the header, and check what they and the faces have. */
+static int check_elements(ply_reader *r) {
     ply_header *h = r->header;
+    const ply_element *vertex = NULL;
+    for (int64_t i = 0; i < h->n_elements; i++) {
+        const ply_element *e = &h->element[i];
+        vertex = e->kind == VERTEX ? e : vertex;
+        if (e->kind == FACE && !has_roles(h, e, CORNERS, CORNERS))
+            return fail_line(r, e->name, "a list vertex_indices expected of faces");
+    }
+    if (!vertex)
+        return io_fail_at(r->model, r->cursor.at, r->error, "no 'element vertex' in the header");
+    h->vertex = *vertex;
+    return check_vertices(r, vertex);
+}
+
+static int read_header(ply_reader *r) {
     int status = PLANISH_OK, is_first = 1;
     const io_slice mark = io_next_line(&r->cursor);
     if (!io_slice_is(io_slice_trim(mark), "ply", 0))
         return fail_line(r, mark, "no 'ply' in the first line: this is no PLY file");
     for (;;) {
         if (r->cursor.at == r->cursor.end)
-            return io_fail_at(model, r->cursor.at, r->error,
+            return io_fail_at(r->model, r->cursor.at, r->error,
                               "no end_header (the file may be cut short)");
         const io_slice line = io_next_line(&r->cursor);
         io_cursor words = {line.begin, line.end};
@@ -234,17 +248,7 @@ static int read_header(ply_reader *r) {
             return status;
         is_first = 0;
     }
-    const ply_element *vertex = NULL;
-    for (int64_t i = 0; i < h->n_elements; i++) {
-        const ply_element *e = &h->element[i];
-        vertex = e->kind == VERTEX ? e : vertex;
-        if (e->kind == FACE && !has_roles(h, e, CORNERS, CORNERS))
-            return fail_line(r, e->name, "a list vertex_indices expected of faces");
-    }
-    if (!vertex)
-        return io_fail_at(model, r->cursor.at, r->error, "no 'element vertex' in the header");
-    h->vertex = *vertex;
-    return check_vertices(r, vertex);
+    return check_elements(r);
 }
 
 /* ---- properties --------------------------------------------------------------------------------- */

@@ -5,8 +5,8 @@
  * number of a type (VTK's), its nodes and perhaps its number; a line of NPOIN two or three
  * coordinates and perhaps a number. Points and elements are counted from 0 in the order of the file:
  * SU2 does not look at the numbers. Zones (NZONE, IZONE) are meshes of their own, whose points and
- * elements are counted on through the file here. A marker (MARKER_TAG, MARKER_ELEMS) is a named group of lines, or
- * of facets in three dimensions. Keys that are not known here are passed over.
+ * elements are counted on through the file here. A marker (MARKER_TAG, MARKER_ELEMS) is a named group
+ * of lines, or of facets in three dimensions. Keys that are not known here are passed over.
  */
 #include "io/core/format.h"
 #include "io/core/runs.h"
@@ -203,8 +203,7 @@ static int walk_file(su2_reader *r) {
 static int64_t count_words(const io_section *s) {
     io_cursor cursor = {s->data, s->end};
     io_skip_space_comments(&cursor, '%');
-    const io_slice text = io_next_line(&cursor);
-    io_cursor line = {text.begin, text.end};
+    io_cursor line = io_take_line(&cursor);
     int64_t n = 0;
     while (io_slice_length(io_next_word(&line)) > 0)
         n++;
@@ -217,8 +216,7 @@ static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t 
     const su2_reader *r = context;
     for (int64_t i = r->first + begin; i < r->first + end; i++) {
         io_skip_space_comments(cursor, '%');
-        const io_slice text = io_next_line(cursor);
-        io_cursor line = {text.begin, text.end};
+        io_cursor line = io_take_line(cursor);
         int64_t number;
         int status = io_read_node(r->model, &line, i, error);
         io_skip_space(&line);
@@ -266,8 +264,7 @@ static int find_runs(const su2_reader *r, const io_section *s, io_sections *runs
     for (int64_t i = 0; i < s->count && !status; i++) {
         io_skip_space_comments(&cursor, '%');
         const char *at = cursor.at;
-        const io_slice text = io_next_line(&cursor);
-        io_cursor line = {text.begin, text.end};
+        io_cursor line = io_take_line(&cursor);
         int64_t type;
         if (io_integer(&line, &type))
             return io_fail_at(model, at, r->error,
@@ -303,8 +300,7 @@ static int read_run(void *context, io_cursor *cursor, int64_t begin, int64_t end
         int32_t nodes[MOST_NODES];
         io_skip_space_comments(cursor, '%');
         const char *at = cursor->at;
-        const io_slice text = io_next_line(cursor);
-        io_cursor line = {text.begin, text.end};
+        io_cursor line = io_take_line(cursor);
         if (io_integer(&line, &value) || value < 0 || value > MOST_TYPE || &types[value] != type)
             return io_fail_at(r->model, at, error, "element %lld: type of a %s expected",
                               (long long)number, type->name);
@@ -358,14 +354,8 @@ static int read_section(su2_reader *r, const su2_section *section) {
     for (int64_t i = 0; i < runs.n && !status; i++) {
         const io_section *run = &runs.section[i];
         const io_element_type *type = &types[run->keyword];
-        io_cursor cursor = {run->data, io_input_end(r->model)};
         r->has_numbers = run->tokens > 1 + type->nodes;
-        status = io_run_begin(r->model, type, run->count, &r->run, r->error);
-        if (!status)
-            status =
-                io_text_records(&r->text, &cursor, run->count, run->tokens, read_run, r, r->error);
-        if (!status)
-            io_run_end(&r->run, run->count);
+        status = io_run_read(r->model, &r->text, run, type, read_run, r, &r->run, r->error);
         r->first_number += run->count;
     }
     if (!section->marker)

@@ -8,7 +8,7 @@
  * prisms and hexahedra with their upper side. MicroAVS adds cells of second order (tet2): the order
  * of their mids is not known here, so that they hold their nodes.
  */
-#include "io/ucd/ucd.h"
+#include "io/ucd/ucd_reader.h"
 
 #include "io/core/format.h"
 #include "io/core/runs.h"
@@ -53,17 +53,11 @@ typedef struct ucd_reader {
 
 /* ---- counts -------------------------------------------------------------------------------- */
 
-/** Take the next line as a text of its own. */
-static io_cursor take_line(io_cursor *cursor) {
-    const io_slice line = io_next_line(cursor);
-    return (io_cursor){line.begin, line.end};
-}
-
 /** Take the line of counts behind comments; the last may be left out. Return how many there are, or
  *  -1: it is none. */
 static int take_counts(io_cursor *cursor, int64_t count[UCD_N_COUNTS]) {
     io_skip_space_comments(cursor, '#');
-    io_cursor line = take_line(cursor);
+    io_cursor line = io_take_line(cursor);
     int64_t value;
     int n = 0;
     count[UCD_N_COUNTS - 1] = 0;
@@ -84,9 +78,8 @@ static int read_nodes(void *context, io_cursor *cursor, int64_t begin, int64_t e
     const ucd_reader *r = context;
     io_model *model = r->model;
     for (int64_t i = begin; i < end; i++) {
-        io_skip_space(cursor);
-        const char *row = cursor->at;
-        io_cursor line = take_line(cursor);
+        io_cursor line = io_take_line(cursor);
+        const char *row = line.at;
         if (io_integer(&line, &model->node_number[i]))
             return io_fail_at(model, row, error,
                               "node %lld of %lld: its number expected (the file may be cut short)",
@@ -132,9 +125,8 @@ static int find_type(io_slice word) {
 static int find_runs(ucd_reader *r, io_sections *runs) {
     int status = PLANISH_OK;
     for (int64_t i = 0; i < r->count[1] && !status; i++) {
-        io_skip_space(&r->cursor);
-        const char *row = r->cursor.at;
-        io_cursor line = take_line(&r->cursor);
+        io_cursor line = io_take_line(&r->cursor);
+        const char *row = line.at;
         io_next_word(&line);
         io_next_word(&line);
         const io_slice word = io_next_word(&line);
@@ -163,9 +155,8 @@ static int read_cells(void *context, io_cursor *cursor, int64_t begin, int64_t e
     for (int64_t i = begin; i < end; i++) {
         int64_t number, material, node;
         int32_t nodes[UCD_MOST_NODES];
-        io_skip_space(cursor);
-        const char *row = cursor->at;
-        io_cursor line = take_line(cursor);
+        io_cursor line = io_take_line(cursor);
+        const char *row = line.at;
         if (io_integer(&line, &number) || io_integer(&line, &material) || material < INT32_MIN ||
             material > INT32_MAX || !io_slice_is(io_next_word(&line), type->name, 0))
             return io_fail_at(r->model, row, error,
@@ -198,13 +189,8 @@ static int read_all_cells(ucd_reader *r) {
         status = find_runs(r, &runs);
     for (int64_t i = 0; i < runs.n && !status; i++) {
         const io_section *s = &runs.section[i];
-        io_cursor cursor = {s->data, r->cursor.end};
-        status = io_run_begin(r->model, &ucd_types[s->keyword], s->count, &r->run, r->error);
-        if (!status)
-            status =
-                io_text_records(&r->text, &cursor, s->count, s->tokens, read_cells, r, r->error);
-        if (!status)
-            io_run_end(&r->run, s->count);
+        status = io_run_read(r->model, &r->text, s, &ucd_types[s->keyword], read_cells, r, &r->run,
+                             r->error);
     }
     io_sections_release(&runs);
     return status ? status : io_runs_index_tags(r->model, r->error);
@@ -254,8 +240,7 @@ static int ucd_recognise(const char *data, int64_t size) {
     const int n_counts = take_counts(&cursor, count);
     if (n_counts < 0 || count[0] == 0)
         return 0;
-    io_skip_space(&cursor);
-    io_cursor line = take_line(&cursor);
+    io_cursor line = io_take_line(&cursor);
     if (io_integer(&line, &number) || io_real(&line, &value) || io_real(&line, &value) ||
         io_real(&line, &value))
         return 0;
@@ -267,7 +252,7 @@ static int ucd_recognise(const char *data, int64_t size) {
     io_skip_space(&cursor);
     if (count[1] == 0 || cursor.at == cursor.end) /* only the beginning was looked at */
         return n_counts == UCD_N_COUNTS;
-    line = take_line(&cursor);
+    line = io_take_line(&cursor);
     io_next_word(&line);
     io_next_word(&line);
     return find_type(io_next_word(&line)) >= 0;

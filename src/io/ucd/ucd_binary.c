@@ -6,7 +6,7 @@
  * are data, which nobody looks at here. Numbers are in either byte order: that in which the counts
  * fit the file.
  */
-#include "io/ucd/ucd.h"
+#include "io/ucd/ucd_reader.h"
 
 #include "io/core/binary.h"
 #include "io/core/bytes.h"

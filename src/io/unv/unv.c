@@ -4,7 +4,7 @@
  * finds them; then coordinate systems are read, nodes, elements and groups. Other datasets are passed
  * over, units (164) among them: lengths are the file's.
  */
-#include "io/unv/unv.h"
+#include "io/unv/unv_reader.h"
 
 #include "io/core/format.h"
 #include "io/core/number.h"

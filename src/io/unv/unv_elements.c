@@ -5,7 +5,7 @@
  * descriptor) tells the shape. Nodes of second order go round: a corner, a mid, a corner, and so on,
  * in rings from below.
  */
-#include "io/unv/unv.h"
+#include "io/unv/unv_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -118,7 +118,7 @@ typedef struct heading {
 static int take_heading(const unv_reader *r, io_cursor *cursor, heading *h, planish_error *error) {
     const unv_dataset *d = r->dataset;
     int64_t word[MOST_WORDS];
-    io_cursor line = unv_take_line(cursor);
+    io_cursor line = io_take_line(cursor);
     h->at = line.at;
     for (int i = 0; i < d->words; i++)
         if (io_integer(&line, &word[i]))
@@ -147,9 +147,9 @@ static int count_words(io_cursor line) {
 /** Return whether a line of three numbers stands before the nodes of a line element, as it does
  *  for beams; some programs leave it out. */
 static int has_orientation(io_cursor cursor, int64_t n_nodes) {
-    const int first = count_words(unv_take_line(&cursor));
+    const int first = count_words(io_take_line(&cursor));
     return first == N_ORIENTATION &&
-           (n_nodes != N_ORIENTATION || count_words(unv_take_line(&cursor)) == N_ORIENTATION);
+           (n_nodes != N_ORIENTATION || count_words(io_take_line(&cursor)) == N_ORIENTATION);
 }
 
 static int take_node(const unv_reader *r, io_cursor *cursor, const heading *h, int32_t *node,
@@ -240,7 +240,7 @@ static int read_run(void *context, io_cursor *cursor, int64_t begin, int64_t end
                     planish_error *error) {
     const unv_reader *r = context;
     const int list = r->run.dim ? r->run.dim : io_others_list(io_element_dim(r->run.row));
-    int32_t *material = *unv_regions(r->model, list);
+    int32_t *material = *io_model_regions(r->model, list);
     for (int64_t i = begin; i < end; i++) {
         heading h;
         int32_t nodes[MOST_NODES];
@@ -271,7 +271,7 @@ static int reserve_materials(unv_reader *r) {
         int32_t *material = pl_alloc_zero(r->n_of_list[k], sizeof *material);
         if (!material)
             return pl_fail_memory(r->error, "the materials of elements");
-        *unv_regions(r->model, k) = material;
+        *io_model_regions(r->model, k) = material;
     }
     return PLANISH_OK;
 }
@@ -280,15 +280,10 @@ int unv_read_elements(unv_reader *r) {
     int status = reserve_materials(r);
     for (int64_t i = 0; i < r->runs.n && !status; i++) {
         const io_section *s = &r->runs.section[i];
-        io_cursor cursor = {s->data, io_input_end(r->model)};
         r->dataset = r->run_dataset[i];
         r->row = s->keyword;
         r->has_orientation = s->tokens > r->dataset->words + types[r->row].nodes;
-        status = io_run_begin(r->model, &types[r->row], s->count, &r->run, r->error);
-        if (!status)
-            status = io_text_records(&r->text, &cursor, s->count, s->tokens, read_run, r, r->error);
-        if (!status)
-            io_run_end(&r->run, s->count);
+        status = io_run_read(r->model, &r->text, s, &types[r->row], read_run, r, &r->run, r->error);
     }
     return status;
 }

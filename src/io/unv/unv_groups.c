@@ -5,7 +5,7 @@
  * more. An element is of the entity of its property and its groups. Where elements of one entity
  * have different materials these are regions, too.
  */
-#include "io/unv/unv.h"
+#include "io/unv/unv_reader.h"
 
 #include "io/core/memberships.h"
 
@@ -85,7 +85,7 @@ static int read_group(group_reader *g, io_cursor *cursor, int words, int64_t ord
     const unv_reader *r = g->r;
     int64_t heading[HEADING], entry[MOST_WORDS];
     unsigned dims = 0;
-    io_cursor line = unv_take_line(cursor);
+    io_cursor line = io_take_line(cursor);
     for (int i = 0; i < HEADING; i++)
         if (io_integer(&line, &heading[i]))
             return io_fail_at(r->model, line.at, r->error,
@@ -168,7 +168,7 @@ static int make_regions(unv_reader *r) {
     int status = PLANISH_OK;
     for (int k = IO_FIRST_LIST; k < IO_N_LISTS && !status; k++) {
         const io_list list = io_model_list(r->model, k);
-        int32_t *region = *unv_regions(r->model, k);
+        int32_t *region = *io_model_regions(r->model, k);
         for (int64_t i = 0; region && i < list.n && !status; i++) {
             const int32_t pair =
                 io_model_entity(&pairs, list.dim, list.entity[i], 1, &region[i], r->error);

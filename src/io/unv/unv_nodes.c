@@ -5,7 +5,7 @@
  * (15). Programs that do not keep to the columns part coordinates by blanks. Where the columns hold,
  * a new number stays in its column, with a blank before it.
  */
-#include "io/unv/unv.h"
+#include "io/unv/unv_reader.h"
 
 #include "io/core/bytes.h"
 
@@ -223,7 +223,7 @@ static int read_nodes(void *context, io_cursor *cursor, int64_t begin, int64_t e
     io_model *model = r->model;
     for (int64_t i = r->first + begin; i < r->first + end; i++) {
         int64_t number, value[N_NUMBERS];
-        io_cursor line = unv_take_line(cursor);
+        io_cursor line = io_take_line(cursor);
         const char *at = line.at;
         for (int k = 0; k < N_NUMBERS; k++)
             if (io_integer(&line, &value[k]))
@@ -234,7 +234,7 @@ static int read_nodes(void *context, io_cursor *cursor, int64_t begin, int64_t e
         model->node_number[i] = number;
         int status = r->n_systems > 0 ? check_system(r, number, value[1], at, error) : PLANISH_OK;
         if (!status && r->dataset->kind == UNV_NODES)
-            line = unv_take_line(cursor);
+            line = io_take_line(cursor);
         if (!status)
             status = read_coordinates(r, line, i, error);
         if (status)

@@ -8,7 +8,7 @@
  * there, vtk_cells.c makes the elements of them.
  */
 #include "io/vtk/vtk_write.h"
-#include "io/vtk/vtk.h"
+#include "io/vtk/vtk_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -17,25 +17,6 @@
 #include "io/vtk/vtk_numbers.h"
 
 #include <string.h>
-
-int vtk_fail_here(const vtk_reader *reader, const char *text) {
-    return io_fail_at(reader->model, reader->cursor.at, reader->error, "%s", text);
-}
-
-void vtk_end_line(io_cursor *cursor) {
-    const char *newline = memchr(cursor->at, '\n', (size_t)io_left(cursor));
-    cursor->at = newline ? newline + 1 : cursor->end;
-}
-
-int vtk_take_if(vtk_reader *reader, const char *name) {
-    io_cursor ahead = reader->cursor;
-    const io_slice word = io_next_word(&ahead);
-    if ((reader->model->is_binary && word.begin != reader->cursor.at) ||
-        !io_slice_is(word, name, 1))
-        return 0;
-    reader->cursor = ahead;
-    return 1;
-}
 
 /* ---- points ------------------------------------------------------------------------------- */
 

@@ -3,7 +3,7 @@
  *
  * The extent of any attribute must be known, to find the keyword behind it.
  */
-#include "io/vtk/vtk.h"
+#include "io/vtk/vtk_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -17,6 +17,25 @@
 /* ---- words and strings -------------------------------------------------------------------- */
 
 enum { MAX_WORDS = 8 };
+
+int vtk_fail_here(const vtk_reader *reader, const char *text) {
+    return io_fail_at(reader->model, reader->cursor.at, reader->error, "%s", text);
+}
+
+void vtk_end_line(io_cursor *cursor) {
+    const char *newline = memchr(cursor->at, '\n', (size_t)io_left(cursor));
+    cursor->at = newline ? newline + 1 : cursor->end;
+}
+
+int vtk_take_if(vtk_reader *reader, const char *name) {
+    io_cursor ahead = reader->cursor;
+    const io_slice word = io_next_word(&ahead);
+    if ((reader->model->is_binary && word.begin != reader->cursor.at) ||
+        !io_slice_is(word, name, 1))
+        return 0;
+    reader->cursor = ahead;
+    return 1;
+}
 
 /** Take the words of the rest of this line, at most MAX_WORDS; the cursor goes to the next line. */
 static int take_words(io_cursor *cursor, io_slice *words) {

@@ -1,4 +1,4 @@
-/* medit: what the parts of the reader of Medit's files share.
+/* medit_reader: what the parts of the reader of Medit's files share.
  *
  *   medit.c        keywords of meshes; where the sections are, in text and in binary
  *   medit_mesh.c   medit_read_section: what they say
@@ -6,8 +6,8 @@
  *
  * All functions return 0 or a negative planish_status with the error filled in.
  */
-#ifndef PL_IO_MEDIT_MEDIT_H
-#define PL_IO_MEDIT_MEDIT_H
+#ifndef PL_IO_MEDIT_MEDIT_READER_H
+#define PL_IO_MEDIT_MEDIT_READER_H
 
 #include "io/core/elements.h"
 #include "io/core/format.h"
@@ -54,21 +54,8 @@ typedef struct medit_reader {
     int n_orders;
 } medit_reader;
 
-/** Reals and integers of a record: vertices have dim reals, solutions at least one; vertices and elements
- *  have a reference. */
-static inline int medit_reals(const medit_reader *r, const medit_keyword *k) {
-    return k->kind == MEDIT_VERTICES ? r->dim : k->kind == MEDIT_SOLUTION;
-}
-
-static inline int medit_integers(const medit_keyword *k) {
-    return k->type.nodes +
-           (k->kind == MEDIT_VERTICES || k->kind == MEDIT_ELEMENTS || k->kind == MEDIT_CURVED);
-}
-
-/** Bytes of a record; in text at least. */
-static inline int64_t medit_record_size(const medit_reader *r, const medit_keyword *k) {
-    return medit_reals(r, k) * r->real_size + medit_integers(k) * r->integer_size;
-}
+/** Return the bytes of a record; in text at least. */
+int64_t medit_record_size(const medit_reader *r, const medit_keyword *k);
 
 /** Return whether the bytes begin as those of a binary file do. */
 int medit_is_binary(const char *data, int64_t size);

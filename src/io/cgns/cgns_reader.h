@@ -1,15 +1,14 @@
-/* cgns: what the parts of the reader of CGNS files share; for cgns.c, cgns_elements.c
- * and cgns_groups.c.
+/* cgns_reader: what the parts of the reader of CGNS files share; for cgns*.c only.
  *
- *   cgns_child, _children, _integers, _text    nodes of CGNS and their data
+ *   cgns_child, _children, _integers, _text    nodes of CGNS and their data (cgns_node.c)
  *   cgns_read_elements                         sections of elements
  *   cgns_read_groups                           boundary conditions, connections
  *
  * A node of CGNS is a group of HDF5 with a label that tells what it is; its data are the array
  * " data" in it. All functions return 0 or a negative planish_status, *reader->error filled in.
  */
-#ifndef PL_IO_CGNS_CGNS_H
-#define PL_IO_CGNS_CGNS_H
+#ifndef PL_IO_CGNS_CGNS_READER_H
+#define PL_IO_CGNS_CGNS_READER_H
 
 #include "io/hdf5/hdf5.h"
 #include "io/core/records.h"
@@ -33,7 +32,7 @@ typedef struct cgns_reader {
     int64_t n_elements;
 } cgns_reader;
 
-/* ---- cgns.c -------------------------------------------------------------------------------- */
+/* ---- cgns_node.c --------------------------------------------------------------------------- */
 
 /** Return the path of the child called name of the node at path parent. */
 io_hdf5_path cgns_child(cgns_reader *r, const io_hdf5_path *parent, const char *name);

@@ -1,12 +1,12 @@
-/* abaqus: what the files of the reader of Abaqus input files share; for abaqus*.c only.
+/* abaqus_reader: what the files of the reader of Abaqus input files share; for abaqus*.c only.
  *
  *   abaqus_reader                            a file while it is read
  *   abaqus_line, abaqus_item, ...            lines, items and blocks (abaqus_blocks.c)
  *   abaqus_read_sets, abaqus_find_set        sets of nodes and of elements (abaqus_sets.c)
- *   abaqus_make_entities, abaqus_make_groups what sets become in the model (abaqus_groups.c)
+ *   abaqus_make_groups                       what sets become in the model (abaqus_groups.c)
  */
-#ifndef PL_IO_ABAQUS_ABAQUS_H
-#define PL_IO_ABAQUS_ABAQUS_H
+#ifndef PL_IO_ABAQUS_ABAQUS_READER_H
+#define PL_IO_ABAQUS_ABAQUS_READER_H
 
 #include "io/core/format.h"
 #include "io/core/text.h"
@@ -125,8 +125,7 @@ int abaqus_fail_item(const abaqus_reader *r, io_slice item, const char *text);
 
 /* ---- sets ----------------------------------------------------------------------------------- */
 
-/** Read sets of elements and nodes into entities, regions and groups of the model, and hold nodes
- *  of equations. Everything else has been read. */
+/** Read sets of elements and nodes, and hold nodes of equations. Everything else has been read. */
 int abaqus_read_sets(abaqus_reader *r);
 
 /** Return the index of the set of that name in a scope, or of one that differs by the case of its
@@ -136,10 +135,8 @@ int32_t abaqus_find_set(const abaqus_reader *r, abaqus_things things, int32_t sc
 /** Return the list that an element is in; *local: its index there. */
 io_list abaqus_list_of(const abaqus_reader *r, int64_t cell, int64_t *local);
 
-/** Make entities of nodes or cells, by the sets that each is in, and regions of cells. */
-int abaqus_make_entities(abaqus_reader *r, abaqus_things things);
-
-/** Make a group of each set and each dimension that its members have. */
+/** Make entities of elements and nodes, by the sets that each is in, regions of elements, and a group of
+ *  each set. Sets have been read. */
 int abaqus_make_groups(abaqus_reader *r);
 
 #endif

@@ -1,11 +1,11 @@
-/* vtk: what the parts of the reader of legacy VTK files share; for vtk.c (header, points, cells)
+/* vtk_reader: what the parts of the reader of legacy VTK files share; for vtk.c (header, points, cells)
  * and vtk_data.c (attributes).
  *
  * The function of a keyword stands behind the keyword and leaves the cursor behind its data. All
  * functions return 0 or a negative planish_status, *reader->error filled in.
  */
-#ifndef PL_IO_VTK_VTK_H
-#define PL_IO_VTK_VTK_H
+#ifndef PL_IO_VTK_VTK_READER_H
+#define PL_IO_VTK_VTK_READER_H
 
 #include "io/core/records.h"
 #include "io/vtk/vtk_cells.h"

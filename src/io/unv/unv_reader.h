@@ -1,4 +1,4 @@
-/* unv: what the parts of the reader of universal files share.
+/* unv_reader: what the parts of the reader of universal files share.
  *
  *   unv.c            datasets, the format
  *   unv_nodes.c      unv_read_nodes, unv_field: nodes, and their coordinate systems
@@ -8,8 +8,8 @@
  * All functions return 0 or a negative planish_status with the error filled in, unless said
  * otherwise.
  */
-#ifndef PL_IO_UNV_UNV_H
-#define PL_IO_UNV_UNV_H
+#ifndef PL_IO_UNV_UNV_READER_H
+#define PL_IO_UNV_UNV_READER_H
 
 #include "io/core/runs.h"
 
@@ -83,19 +83,5 @@ int unv_read_elements(unv_reader *r);
 
 /** Read the groups, and make entities of properties, materials and groups. */
 int unv_make_entities(unv_reader *r);
-
-/** Take the next line that is not empty, from its first word on, as a text of its own. */
-static inline io_cursor unv_take_line(io_cursor *cursor) {
-    io_skip_space(cursor);
-    const char *begin = cursor->at;
-    const io_slice line = io_next_line(cursor);
-    return (io_cursor){begin, line.end};
-}
-
-/** Return the regions of a list, which may hold materials: [n] or NULL. */
-static inline int32_t **unv_regions(io_model *model, int list) {
-    return list < IO_FLAT_LIST ? &io_model_cells(model, list)->region
-                               : &io_model_others(model, list == IO_SOLID_LIST ? 3 : 2)->region;
-}
 
 #endif

@@ -1,12 +1,12 @@
-/* nastran: what nastran.c and nastran_card.c share: lines, cards and fields of bulk data.
+/* nastran_card: what nastran.c and nastran_card.c share: lines, cards and fields of bulk data.
  *
  *   nastran_line, nastran_card, ...        lines and cards
  *   nastran_take_field, nastran_line_field fields of a card
  *   nastran_take_name, nastran_line_begins words
  *   nastran_field                          places of coordinates, for writing
  */
-#ifndef PL_IO_NASTRAN_NASTRAN_H
-#define PL_IO_NASTRAN_NASTRAN_H
+#ifndef PL_IO_NASTRAN_NASTRAN_CARD_H
+#define PL_IO_NASTRAN_NASTRAN_CARD_H
 
 #include "io/core/format.h"
 #include "io/core/text.h"
@@ -47,12 +47,6 @@ typedef struct nastran_card {
     const char *wrong;    /* why the fields taken cannot be what the lines say, or NULL: nothing */
     const char *wrong_at; /* and where */
 } nastran_card;
-
-/** Return the first place of a character, or the end. */
-static inline const char *nastran_find(io_slice s, char what) {
-    const char *found = s.begin < s.end ? memchr(s.begin, what, (size_t)(s.end - s.begin)) : NULL;
-    return found ? found : s.end;
-}
 
 /** Take the line at the cursor, which goes behind it. */
 nastran_line nastran_take_line(io_cursor *cursor);

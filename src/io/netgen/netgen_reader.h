@@ -1,12 +1,12 @@
-/* netgen: what the parts of the reader of Netgen's files share.
+/* netgen_reader: what the parts of the reader of Netgen's files share.
  *
  *   netgen.c        keywords; where the sections are
  *   netgen_mesh.c   netgen_read_section: what they say
  *
  * All functions return 0 or a negative planish_status with the error filled in.
  */
-#ifndef PL_IO_NETGEN_NETGEN_H
-#define PL_IO_NETGEN_NETGEN_H
+#ifndef PL_IO_NETGEN_NETGEN_READER_H
+#define PL_IO_NETGEN_NETGEN_READER_H
 
 #include "io/core/elements.h"
 #include "io/core/records.h"

@@ -1,15 +1,16 @@
-/* mfem: what the parts of the reader of MFEM's meshes share.
+/* mfem_reader: what the parts of the reader of MFEM's meshes share.
  *
  *   mfem.c            mfem_read: the sections, one after the other, and what is refused
+ *   mfem_geometry.c   geometries of elements, and the orders of their nodes
  *   mfem_elements.c   lists of elements: mfem_read_list, mfem_add_elements
- *   mfem_nodes.c      curved meshes: mfem_read_space, mfem_number_nodes
+ *   mfem_nodes.c      curved meshes: mfem_read_space, mfem_read_nodes
  *   mfem_parts.c      edges and quadrilaterals by their vertices, numbered as they first occur
  *
  * All functions return 0 or a negative planish_status with the error filled in, unless they say
  * something else.
  */
-#ifndef PL_IO_MFEM_MFEM_H
-#define PL_IO_MFEM_MFEM_H
+#ifndef PL_IO_MFEM_MFEM_READER_H
+#define PL_IO_MFEM_MFEM_READER_H
 
 #include "io/core/elements.h"
 #include "io/core/records.h"
@@ -34,6 +35,9 @@ typedef struct mfem_geometry {
 
 /** Geometries by MFEM's numbers. */
 extern const mfem_geometry mfem_geometries[MFEM_N_GEOMETRIES];
+
+/** Return the number of nodes of a geometry in elements of that order. */
+int mfem_count_nodes(const mfem_geometry *g, int order);
 
 /** Order of nodes that is not VTK's, for io_model.node_order. */
 extern const io_node_order mfem_node_orders[];
@@ -91,11 +95,6 @@ typedef struct mfem_walk {
     int64_t inside; /* continuous: */
     int64_t own;    /* by element: all of them */
 } mfem_walk;
-
-/** Number of the nodes of a geometry in elements of that order. */
-static inline int mfem_count_nodes(const mfem_geometry *g, int order) {
-    return order == 1 ? g->corners : g->corners + g->n_edges + g->n_quadrilaterals + g->n_inside;
-}
 
 /* ---- lists ---------------------------------------------------------------------------------- */
 

@@ -1,10 +1,10 @@
-/* ucd: what the readers of AVS UCD's text and binary files share.
+/* ucd_reader: what the readers of AVS UCD's text and binary files share.
  *
  *   ucd.c          the format, and its text
  *   ucd_binary.c   ucd_binary_recognise, ucd_binary_read: its binary files
  */
-#ifndef PL_IO_UCD_UCD_H
-#define PL_IO_UCD_UCD_H
+#ifndef PL_IO_UCD_UCD_READER_H
+#define PL_IO_UCD_UCD_READER_H
 
 #include "io/core/elements.h"
 

@@ -1,0 +1,20 @@
+/* begin: begin and end of a call that smooths a surface mesh. */
+#ifndef PL_SURFACE_BEGIN_H
+#define PL_SURFACE_BEGIN_H
+
+#include "surface/smooth.h"
+
+/** Find the nodes that may move: moves [shape->n_nodes] becomes 0 or 1. */
+void pl_surface_find_moves(const planish_mesh *mesh, const planish_shape *shape, uint8_t *moves);
+
+/** Begin a run that has mesh, coordinates, options, result, threads and start_seconds. Errors: _ARGUMENT,
+ *  _MESH, _MEMORY. */
+int pl_surface_run_begin(pl_surface_run *r, planish_error *error);
+
+/** Write the nodes that have moved to the caller's coordinates, and fill in the result. */
+void pl_surface_run_end(pl_surface_run *r);
+
+/** Free what a run owns, also after an error. */
+void pl_surface_run_destroy(pl_surface_run *r);
+
+#endif
