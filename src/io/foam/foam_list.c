@@ -5,7 +5,7 @@
 #include "base/round.h"
 #include "base/status.h"
 
-#include <math.h>
+#include <string.h>
 
 /* ---- begin and end -------------------------------------------------------------------------- */
 
@@ -114,9 +114,25 @@ static inline int take_label(const label_records *r, io_cursor *cursor, int64_t 
                       (long long)i, (long long)*value, (long long)r->first, (long long)r->last);
 }
 
+/** Read labels as they lie in memory, up to the first that is out of range. Return where. */
+static int64_t copy_labels(const label_records *r, io_cursor *cursor, int64_t begin, int64_t end) {
+    int64_t i = begin;
+    for (int32_t value; i < end; i++) {
+        memcpy(&value, cursor->at, sizeof value);
+        if (value < r->first || value > r->last)
+            return i;
+        r->label[i] = value;
+        cursor->at += sizeof value;
+    }
+    return i;
+}
+
 static int read_labels(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                        planish_error *error) {
     const label_records *r = context;
+    const foam_file *f = r->f;
+    if (f->of.view.is_binary && f->label_size == sizeof(int32_t) && !f->swapped)
+        begin = copy_labels(r, cursor, begin, end);
     for (int64_t i = begin; i < end; i++) {
         int64_t value;
         const int status = take_label(r, cursor, i, &value, error);
