@@ -22,7 +22,7 @@ enum {
     CHUNK = 1 << 18,   /* bytes handed to zlib at once */
     AT_ONCE = 1 << 30, /* zlib counts by 32 bits */
     FREE = 32 << 20,   /* bytes that any file may have unpacked; larger ones */
-    MOST_RATIO = 100,  /* as many times their size: numbers of a mesh shrink to a tenth or so */
+    MOST_RATIO = 50,   /* as many times their size: meshes shrink to a fifteenth at most */
     HEADER = 10,       /* bytes of the header that all files have */
     MEMORY_LEVEL = 8   /* zlib's default */
 };

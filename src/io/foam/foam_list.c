@@ -158,8 +158,9 @@ static int read_equal_labels(label_records *r, foam_file *f, int64_t n, planish_
     return status;
 }
 
-int foam_labels(foam_file *f, const char *what, int64_t first, int64_t last, int32_t **labels,
-                int64_t *n, planish_error *error) {
+/** Read a list of labels; is_set: of equal ones, one is enough. */
+static int read_list(foam_file *f, const char *what, int64_t first, int64_t last, int is_set,
+                     int32_t **labels, int64_t *n, planish_error *error) {
     enum { MOST_EQUAL = 1 << 16 }; /* of one number for all, which no byte of the file bounds */
     io_model *view = &f->of.view;
     label_records r = {f, what, first, smaller(last, INT32_MAX), NULL};
@@ -175,7 +176,7 @@ int foam_labels(foam_file *f, const char *what, int64_t first, int64_t last, int
     int status = PLANISH_OK;
     if (is_equal) {
         f->cursor = behind;
-        *n = count;
+        *n = is_set && count > 1 ? 1 : count;
     } else {
         status = foam_begin_list(f, what, view->is_binary ? f->label_size : 2, n, error);
         if (!status && view->is_binary && *n > 0)
@@ -197,6 +198,16 @@ int foam_labels(foam_file *f, const char *what, int64_t first, int64_t last, int
     status = io_records(&text, &f->cursor, *n, 1, f->label_size, read_labels, &r, error);
     io_text_release(&text);
     return status ? status : foam_end_list(f, what, error);
+}
+
+int foam_labels(foam_file *f, const char *what, int64_t first, int64_t last, int32_t **labels,
+                int64_t *n, planish_error *error) {
+    return read_list(f, what, first, last, 0, labels, n, error);
+}
+
+int foam_label_set(foam_file *f, const char *what, int64_t first, int64_t last, int32_t **labels,
+                   int64_t *n, planish_error *error) {
+    return read_list(f, what, first, last, 1, labels, n, error);
 }
 
 /* ---- points --------------------------------------------------------------------------------- */
