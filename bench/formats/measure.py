@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""measure: read and write files.   measure.py PROGRAMS RESULT.json FILE ..."""
+"""measure: read and write files and folders.   measure.py PROGRAMS RESULT.json PATH ..."""
 import json
 import os
 import subprocess
@@ -11,8 +11,15 @@ import machine
 REPEATS = 5
 
 
+def files_of(path):
+    """The files of a folder, or the file itself."""
+    return [entry.path for entry in os.scandir(path)] if os.path.isdir(path) else [path]
+
+
 def size_of(path):
-    """Bytes of a file, TetGen's two together."""
+    """Bytes of a file, TetGen's two together, or of all files of a folder."""
+    if os.path.isdir(path):
+        return sum(map(os.path.getsize, files_of(path)))
     beside = os.path.splitext(path)[0] + ".ele"
     both = path.endswith(".node") and os.path.exists(beside)
     return os.path.getsize(path) + (os.path.getsize(beside) if both else 0)
@@ -30,10 +37,11 @@ def smooth(programs, path, threads, extension):
 
 
 def warm(path):
-    """Read a file once, so that it is in the disk cache."""
-    with open(path, "rb") as file:
-        while file.read(1 << 24):
-            pass
+    """Read all files once, so that they are in the disk cache."""
+    for name in files_of(path):
+        with open(name, "rb") as file:
+            while file.read(1 << 24):
+                pass
 
 
 def measure(programs, path, threads, extension=None):
@@ -52,7 +60,7 @@ def main():
     threads = sorted({1, about["cpus"]})
     rows = []
     for path in sorted(files):
-        if path.endswith((".ele", ".part")):
+        if path.endswith((".ele", ".part")) or os.path.basename(path).startswith("part-"):
             continue
         warm(path)
         rows += [measure(programs, path, n) for n in threads]

@@ -140,6 +140,98 @@ expect_status 2 "$program" report page.html
 expect_text "page.html, line 1: is not JSON"
 cd .. && rm -r things
 
+# ---- folders, and what lies beside a mesh -------------------------------------------------------
+# Whoever reads a pipe there waits for ever, and a device has no end. Dictionaries nest, packed files
+# unpack, lists say one number for all, includes go in circles.
+mkdir beside && cd beside || exit 1
+python3 - <<'END'
+import gzip
+import os
+from tiny_meshes import POINTS, folders, meshes, numbered
+
+HEAD = "FoamFile{version 2.0;format ascii;class x;object x;}\n"
+THINGS = {"fifo": os.mkfifo, "folder": os.mkdir, "zero": lambda path: os.symlink("/dev/zero", path),
+          "loop": lambda path: os.symlink(path, path), "nowhere": lambda path: os.symlink("nowhere", path),
+          "empty": lambda path: open(path, "w").close()}
+
+
+def write(path, data):
+    with open(path, "wb") as file:
+        file.write(data if isinstance(data, bytes) else data.encode())
+
+
+def folder(name, kind, **changed):
+    os.mkdir(name)
+    for file, data in {**folders()[kind], **changed}.items():
+        if callable(data):
+            data(os.path.join(name, file))
+        elif data is not None:
+            write(os.path.join(name, file), data)
+
+
+def bomb(path):
+    with gzip.open(path, "wb", 9) as file:
+        file.write(folders()["openfoam"]["points"][:70])
+        for _ in range(300):
+            file.write(b" " * (1 << 20))
+
+
+for kind in "elmer", "openfoam":
+    for file in folders()[kind]:
+        is_optional = file in ("mesh.names", "cellZones", "faceZones")
+        for thing, make in THINGS.items():
+            wanted = "read" if is_optional and thing in ("loop", "nowhere", "empty") else "refused"
+            folder(f"{wanted}_{kind}_{file}_{thing}", kind, **{file: make})
+folder("read_openfoam_others", "openfoam", other=os.mkfifo, more=os.mkdir)
+folder("read_elmer_others", "elmer", **{"mesh.other": os.mkfifo})
+folder("refused_blocks", "openfoam", boundary=HEAD + "1\n(\na\n{b " + "{c " * 300000)
+folder("refused_brackets", "openfoam", boundary=HEAD + "1\n(\na\n{b " + "(" * 1000000)
+folder("refused_header", "openfoam", points="FoamFile{" + "a {" * 300000)
+folder("refused_comment", "openfoam", points="/*" * 300000)
+folder("refused_itself", "openfoam", boundary='#include "boundary"\n')
+folder("refused_overlap", "openfoam", boundary=HEAD + "5000\n(\n" + "".join(
+    "p%d{type patch;nFaces 6;startFace 1;}\n" % i for i in range(5000)) + ")")
+folder("read_patches", "openfoam", boundary=HEAD + "5001\n(\n" + "".join(
+    "p%d{type patch;nFaces 0;startFace 1;}\n" % i for i in range(5000)) + "s{type patch;nFaces 6;startFace 1;}\n)")
+folder("read_equal", "openfoam", cellZones=HEAD + "5000\n(\n" + "".join(
+    "z%d{type cellZone;cellLabels List<label> 65536{0};}\n" % i for i in range(5000)) + ")")
+folder("refused_bomb", "openfoam", points=None, **{"points.gz": bomb})
+packed = gzip.compress(folders()["openfoam"]["points"])
+for i in range(8):
+    folder("refused_packed_%d" % i, "openfoam", points=None, **{"points.gz": packed[:len(packed) * i // 8]})
+os.mkdir("refused_several")
+for i in range(300):
+    os.mkdir("refused_several/%d" % i)
+    folder("refused_several/%d/polyMesh" % i, "openfoam")
+
+os.mkfifo("pipe.inc")
+os.mkdir("folder.inc")
+write("round.inc", "*INCLUDE, INPUT=round.inc\n" * 2)
+write("round.bulk", "INCLUDE 'round.bulk'\n" * 2)
+nodes = "*NODE\n" + numbered(POINTS).replace(" ", ", ")
+for name in "pipe.inc", "folder.inc", "round.inc", "refused_round.inp":
+    write("refused_%s.inp" % name.split(".")[0].replace("refused_round", "itself"), nodes + "*INCLUDE, INPUT=%s\n" % name)
+for name in "pipe.inc", "round.bulk":
+    write("refused_%s.bdf" % name.split(".")[0], "BEGIN BULK\nGRID,1,,0.,0.,0.\nINCLUDE '%s'\nENDDATA\n" % name)
+for extension in "ele", "face":
+    for beside in "ele", "face":
+        path = "refused_%s.%s" % (extension, beside)
+        os.mkfifo(path) if beside == extension else write(path, meshes()["tetgen." + beside])
+    write("refused_%s.node" % extension, meshes()["tetgen.node"])
+END
+n=$(find . -mindepth 1 -printf x | wc -c)
+for mesh in refused_*; do
+    case $mesh in *.ele | *.face) continue ;; esac
+    out=result
+    [ -d "$mesh" ] || out=result.${mesh##*.}
+    tame 2 "$n" "${limits[@]}" "$program" smooth "$mesh" -o "$out"
+done
+for mesh in read_*; do
+    expect_status 0 timeout 300 "${limits[@]}" "$program" smooth "$mesh" -o result -q
+    rm -r result
+done
+cd .. && rm -r beside
+
 # ---- names --------------------------------------------------------------------------------------
 mkdir names && cd names || exit 1
 cp "$source_folder/tests/data/ascii22.msh" ../in.msh

@@ -2,7 +2,7 @@
 replaced by one that is huge, negative or beside the point.
 
 In text every whole number is replaced, in binary every word of 4 and of 8 bytes at every even
-place, in the file's byte order. Every EVERY-th of these files is tried, each in a process of its
+place, in the file's byte order. Files are also cut short, at every sixteenth of their length. Every EVERY-th of these files is tried, each in a process of its
 own in at most so many MiB of address space (400; 0: no limit). It has to end soon with status 0 or 1
 and the output, or with status 2, one line that names the file, and nothing left behind; the line
 must not speak of memory, since nothing of so small a file may ask for much.
@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 
-from tiny_meshes import meshes
+from tiny_meshes import folders, meshes
 
 program, every = sys.argv[1], int(sys.argv[2])
 limit = (int(sys.argv[3]) if len(sys.argv) > 3 else 400) << 20
@@ -34,6 +34,8 @@ BIG_ENDIAN = {"version3.meshb", "binary.vtk", "offsets.vtk", "binary.off", "big.
 
 def lies(name, data):
     """The files that name becomes."""
+    for i in range(16):
+        yield data[:len(data) * i // 16]
     for found in NUMBER.finditer(data):
         for text in TEXT:
             yield data[:found.start()] + text.encode() + data[found.end():]
@@ -63,7 +65,7 @@ def fault(name, expected):
         return "takes more than %d s" % SECONDS, None
     left = [file for file in os.listdir() if file not in expected]
     for file in left:
-        os.remove(file)
+        shutil.rmtree(file) if os.path.isdir(file) else os.remove(file)
     lines = run.stderr.splitlines()
     if run.returncode not in (0, 1, 2):
         return "status %d: %r" % (run.returncode, run.stderr[-300:]), None
@@ -78,37 +80,51 @@ def fault(name, expected):
     return None, run.returncode
 
 
+def write(path, data):
+    with open(path, "wb") as out:
+        out.write(data)
+
+
+def cases():
+    """(what the program opens, what lies there then, the files of it: {path: bytes})"""
+    files = meshes()
+    tetgen = {name: data for name, data in files.items() if name.startswith("tetgen.")}
+    for name, data in files.items():
+        if name not in tetgen:
+            yield name, {name}, {name: data}
+    yield "tetgen.node", set(tetgen), tetgen
+    for name, inside in folders().items():
+        yield name, {name}, {os.path.join(name, file): data for file, data in inside.items()}
+
+
 def main():
     counter, tried, faults, statuses = 0, 0, 0, [0, 0, 0]
-    files = meshes()
-    companions = {name for name in files if name.startswith("tetgen.")}
     kept = tempfile.mkdtemp(prefix="lying_counts.")
-    for name, data in files.items():
-        expected = companions if name in companions else {name}
-        for file in expected:
-            with open(file, "wb") as out:
-                out.write(files[file])
-        opened = "tetgen.node" if name in companions else name
+    for opened, expected, files in cases():
+        for path, data in files.items():
+            os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
+            write(path, data)
         problem, status = fault(opened, expected)
         if problem or status:
-            sys.exit("%s itself is no mesh: %s" % (name, problem))
-        for changed in lies(name, data):
-            counter += 1
-            if counter % every:
-                continue
-            with open(name, "wb") as out:
-                out.write(changed)
-            tried += 1
-            problem, status = fault(opened, expected)
-            if problem:
-                faults += 1
-                copy = os.path.join(kept, "%d-%s" % (counter, name))
-                shutil.copy(name, copy)
-                print("%s: %s" % (copy, problem))
-            else:
-                statuses[status] += 1
+            sys.exit("%s itself is no mesh: %s" % (opened, problem))
+        for path, data in files.items():
+            for changed in lies(path, data):
+                counter += 1
+                if counter % every:
+                    continue
+                write(path, changed)
+                tried += 1
+                problem, status = fault(opened, expected)
+                if problem:
+                    faults += 1
+                    copy = os.path.join(kept, "%d-%s" % (counter, path.replace("/", "-")))
+                    shutil.copy(path, copy)
+                    print("%s: %s" % (copy, problem))
+                else:
+                    statuses[status] += 1
+            write(path, data)
         for file in expected:
-            os.remove(file)
+            shutil.rmtree(file) if os.path.isdir(file) else os.remove(file)
     if not faults:
         os.rmdir(kept)
     print("figure: lying numbers: %d of %d files, %d read, %d not usable as meshes, %d refused, %d faults" %

@@ -1,6 +1,7 @@
 """The smallest meshes that have what each format has: two tetrahedra, a triangle, groups, counts.
 
 meshes(): {name of file: bytes}, companions (TetGen's .ele) among them. OFF, STL, OBJ and PLY have two triangles.
+folders(): {name of folder: {name of file: bytes}}, of Elmer and OpenFOAM.
 """
 import base64
 import struct
@@ -288,3 +289,48 @@ def meshes():
         "tetgen.ele": ("2 4 1\n" + numbered((*t, 4) for t in TETRAHEDRA)).encode(),
         "tetgen.face": ("1 1\n" + numbered([(*TRIANGLE, 7)])).encode(),
     }
+
+
+def elmer():
+    return {"mesh.header": b"5 2 1\n2\n504 2\n303 1\n",
+            "mesh.nodes": lines((i + 1, -1, *map(float, p)) for i, p in enumerate(POINTS)).encode(),
+            "mesh.elements": lines((i + 1, 4, 504, *t) for i, t in enumerate(TETRAHEDRA)).encode(),
+            "mesh.boundary": lines([(1, 7, 1, 0, 303, *TRIANGLE)]).encode(),
+            "mesh.names": b"$ body = 4\n$ skin = 7\n"}
+
+
+# The face between the two tetrahedra, those of the first, those of the second; from 0.
+FOAM_FACES = [(1, 2, 3), (0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 4), (1, 4, 3), (2, 3, 4)]
+
+
+def openfoam(label):
+    """In text (label 0), or in binary by labels of so many bytes."""
+    def file(name, kind, text, binary=None):
+        form = "binary" if label and binary is not None else "ascii"
+        head = ('FoamFile\n{\n version 2.0;\n format %s;\n arch "LSB;label=%d;scalar=64";\n class %s;\n object %s;\n}\n' %
+                (form, 8 * (label or 4), kind, name)).encode()
+        return head + (text.encode() if form == "ascii" else binary)
+
+    def labels(values):
+        return b"%d\n(%s)\n" % (len(values), struct.pack("<%d%s" % (len(values), "iq"[label == 8]), *values))
+
+    def row(values):
+        return "%d(%s)\n" % (len(values), " ".join(map(str, values)))
+    nodes = [i for face in FOAM_FACES for i in face]
+    points = b"5\n(" + struct.pack("<15d", *[x for p in POINTS for x in p]) + b")\n"
+    owner = [0, 0, 0, 0, 1, 1, 1]
+    return {"points": file("points", "vectorField", "5\n(\n" + "".join("(%g %g %g)\n" % p for p in POINTS) + ")\n", points),
+            "faces": file("faces", "faceCompactList" if label else "faceList",
+                          "7\n(\n" + "".join(map(row, FOAM_FACES)) + ")\n", labels(range(0, 22, 3)) + labels(nodes)),
+            "owner": file("owner", "labelList", row(owner), labels(owner)),
+            "neighbour": file("neighbour", "labelList", row([1]), labels([1])),
+            "boundary": file("boundary", "polyBoundaryMesh", "1\n(\nskin\n{\n type patch;\n inGroups 1(all);\n"
+                             " nFaces 6;\n startFace 1;\n}\n)\n"),
+            "cellZones": file("cellZones", "regIOobject", "1\n(\nzone\n{\n type cellZone;\n"
+                              " cellLabels List<label> 1(1);\n}\n)\n"),
+            "faceZones": file("faceZones", "regIOobject", "1\n(\nbetween\n{\n type faceZone;\n"
+                              " faceLabels List<label> 1(0);\n flipMap List<bool> 1(0);\n}\n)\n")}
+
+
+def folders():
+    return {"elmer": elmer(), "openfoam": openfoam(0), "openfoam32": openfoam(4), "openfoam64": openfoam(8)}

@@ -34,6 +34,17 @@ For kind In {0:2}
   Delete Model;
 EndFor
 END
+# With nodes in the middle of faces, too.
+cat >full.geo <<'END'
+Mesh.SecondOrderIncomplete = 0;
+For kind In {0:2}
+  Merge Sprintf("linear%g.msh", kind);
+  SetOrder 2;
+  Save Sprintf("full%g.msh", kind);
+  Save Sprintf("full%g.unv", kind);
+  Delete Model;
+EndFor
+END
 cat >back.geo <<'END'
 For kind In {0:2}
   Merge Sprintf("out%g.unv", kind);
@@ -56,8 +67,10 @@ END
 }
 
 gmsh -v 0 disk.geo - >/dev/null || fail "gmsh"
+gmsh -v 0 full.geo - >/dev/null || fail "gmsh, complete elements"
 for kind in 0 1 2; do
     same_quality curved$kind.msh curved$kind.unv "curved$kind as MSH and as UNV"
+    same_quality full$kind.msh full$kind.unv "full$kind as MSH and as UNV"
     expect_status 0 "$program" smooth curved$kind.unv -o out$kind.unv --max-sweeps 3 --json report.json -q
     expect_json 'r["moved_nodes"] > 0'
     python3 - curved$kind.unv out$kind.unv <<'END' || fail "curved$kind.unv: columns"

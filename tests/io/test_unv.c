@@ -97,7 +97,7 @@ static void a_solid_is_read(void **state) {
     planish_file_close(file);
 }
 
-/* Orders of nodes as Salome and Gmsh read and write them: in rings. */
+/* Orders of nodes as Salome and Gmsh read and write them: most in rings. */
 static const unit_element elements[] = {
     {PLANISH_CELL_TRIANGLE, 91, "0 1 2"},
     {PLANISH_CELL_TRIANGLE, 74, "0 1 2"},
@@ -116,6 +116,10 @@ static const unit_element elements[] = {
     {PLANISH_CELL_HEXAHEDRON20, 116, "0 01 1 12 2 23 3 03 04 15 26 37 4 45 5 56 6 67 7 47"},
     {PLANISH_CELL_PYRAMID, 312, "0 1 2 3 4"},
     {PLANISH_CELL_PYRAMID13, 312, "0 01 1 12 2 23 3 03 04 14 24 34 4"},
+    {PLANISH_CELL_QUADRILATERAL9, 94, "0 1 2 3 01 12 23 03 0123"}, /* Gmsh's, as the following */
+    {PLANISH_CELL_WEDGE18, 112, "0 1 2 3 4 5 01 02 03 12 14 25 34 35 45 0134 0235 1245"},
+    {PLANISH_CELL_HEXAHEDRON27, 115,
+     "0 1 2 3 4 5 6 7 01 03 04 12 15 23 26 37 45 47 56 67 0123 0145 0347 1256 2367 4567 01234567"},
 };
 enum { N_ELEMENTS = sizeof elements / sizeof *elements };
 

@@ -149,6 +149,17 @@ int io_bytes_open(const char *path, int64_t largest_copy, io_bytes *bytes, plani
     return status;
 }
 
+int io_bytes_open_beside(const char *path, int64_t largest_copy, io_bytes *bytes,
+                         planish_error *error) {
+    pl_file_status about;
+    *bytes = (io_bytes){.fd = -1};
+    if (pl_file_find(path, &about) == 0 && about.kind != PL_FILE_REGULAR)
+        return pl_fail(error, PLANISH_ERROR_FILE,
+                       "%s: is %s: a file is expected there, which belongs to the mesh", path,
+                       about.kind == PL_FILE_FOLDER ? "a folder" : "a pipe or device");
+    return io_bytes_open(path, largest_copy, bytes, error);
+}
+
 int io_bytes_borrow(const char *path, const char *data, int64_t size, io_bytes *bytes,
                     planish_error *error) {
     *bytes = (io_bytes){.path = pl_copy_text(path),

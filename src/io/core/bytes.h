@@ -21,6 +21,11 @@
  * else (a pipe) to its end. Errors (_FILE) say why; a folder and an empty file are errors. */
 int io_bytes_open(const char *path, int64_t largest_copy, io_bytes *bytes, planish_error *error);
 
+/** Read a file that the user has not named, but that belongs to one: as io_bytes_open, but anything
+ *  else than a regular file is an error, as reading a pipe there would wait without end. */
+int io_bytes_open_beside(const char *path, int64_t largest_copy, io_bytes *bytes,
+                         planish_error *error);
+
 /** Read a mapped file into private memory, for code that cannot bound its second look. A file
  * larger than a quarter of the machine's memory stays mapped. */
 int io_bytes_own(io_bytes *bytes, planish_error *error);

@@ -60,7 +60,7 @@ int io_folder_open(io_model *model, const char *name, int may_be_packed, int nee
     if (!path)
         return PLANISH_OK;
     io_bytes *bytes = &model->companion[model->n_companions];
-    status = io_bytes_open(path, model->largest_copy, bytes, error);
+    status = io_bytes_open_beside(path, model->largest_copy, bytes, error);
     pl_free(path);
     if (status == PLANISH_ERROR_FORMAT && !needed)
         return PLANISH_OK;

@@ -2,7 +2,7 @@
  *
  *   io_format, io_format_...                    the formats
  *   io_target                                   what a mesh can be converted to
- *   planish_file, io_file_regions               a file that has been read
+ *   planish_file, io_file_regions, _free_groups    a file that has been read
  *   io_format_has_extension, io_extension       extensions of paths
  *   io_companion_path, io_plain_companion_path  files beside the mesh
  *   io_is_hdf5                                  files of HDF5 by their content
@@ -11,6 +11,8 @@
 #define PL_IO_CORE_FORMAT_H
 
 #include "io/core/model.h"
+
+#include "base/memory.h"
 
 struct io_view; /* io/view/view.h */
 struct io_losses;
@@ -113,6 +115,14 @@ struct planish_file {
     char *group_text;     /* owned */
     int64_t n_groups;
 };
+
+/** Free the list of groups. */
+static inline void io_file_free_groups(planish_file *file) {
+    pl_free(file->group);
+    pl_free(file->group_text);
+    file->group = NULL;
+    file->group_text = NULL;
+}
 
 /** Return the regions of all elements, or NULL: there is one. */
 static inline const int32_t *io_file_regions(const planish_file *file) {

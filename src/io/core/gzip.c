@@ -21,6 +21,8 @@ enum {
     WITH_HEADER = 31,  /* with gzip's */
     CHUNK = 1 << 18,   /* bytes handed to zlib at once */
     AT_ONCE = 1 << 30, /* zlib counts by 32 bits */
+    FREE = 32 << 20,   /* bytes that any file may have unpacked; larger ones */
+    MOST_RATIO = 50,   /* as many times their size: meshes shrink to a fifteenth at most */
     HEADER = 10,       /* bytes of the header that all files have */
     MEMORY_LEVEL = 8   /* zlib's default */
 };
@@ -34,7 +36,8 @@ static int fail_damaged(const io_bytes *packed, planish_error *error) {
 
 /** Unpack the parts of a file, one behind the other; behind the last may be zeros. */
 static int unpack(z_stream *z, const io_bytes *packed, io_bytes *bytes, planish_error *error) {
-    const int64_t most = pl_system_memory() / 4;
+    const int64_t largest = pl_system_memory() / 4, by_ratio = packed->size * MOST_RATIO;
+    const int64_t most = by_ratio < FREE ? FREE : by_ratio < largest ? by_ratio : largest;
     const char *at = packed->data, *end = at + packed->size;
     int64_t capacity = 0;
     int code = Z_OK;

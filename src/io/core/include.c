@@ -54,7 +54,7 @@ int io_include_open(io_model *model, const char *at, io_slice name, io_cursor *c
         return io_fail_at(model, at, error,
                           "more than %d files are included, or one includes itself",
                           IO_MOST_INCLUDED);
-    const int status = io_bytes_open(path, model->largest_copy, &file, error);
+    const int status = io_bytes_open_beside(path, model->largest_copy, &file, error);
     if (status)
         return status;
     if (!pl_append(&model->included, &n, &model->included_capacity, &file, sizeof file)) {

@@ -351,7 +351,7 @@ void planish_file_close(planish_file *file) {
         file->format->release(&file->model);
     release_cells(file);
     release_joined(file);
-    io_file_release_groups(file);
+    io_file_free_groups(file);
     io_model_destroy(&file->model);
     pl_free(file);
 }

@@ -3,7 +3,6 @@
  *   io_format_at, _by_name, _by_extension, io_format_find    one of the formats
  *   io_file_open, io_file_from_memory     open a file: for tests and fuzzing
  *   io_file_read_data, _has_integers      arrays of numbers (data.c)
- *   io_file_release_groups                the list of groups (groups.c)
  *   io_model_finish                       a model that was read becomes a mesh (finish.c)
  *   io_mesh_file                          paths of the files of a mesh (write.c)
  *   io_write_coordinates                  the input's bytes with other coordinates (splice.c)
@@ -34,9 +33,6 @@ int io_file_open(const char *path, int threads, int64_t largest_copy, planish_fi
 /** Read size bytes at data (borrowed) as a file of format called path: for fuzzing and tests. */
 int io_file_from_memory(const io_format *format, const char *path, const char *data, int64_t size,
                         int threads, planish_file **file, planish_error *error);
-
-/** Release the list of groups (groups.c). */
-void io_file_release_groups(planish_file *file);
 
 /** Read an array as planish_file_data does, of nodes or of elements as of_elements says; values may be
  *  not finite. */

@@ -222,7 +222,7 @@ static int open_coordinates(io_model *model, const io_folder *folder, planish_er
     }
     int status = path ? PLANISH_OK : pl_fail_memory(error, model->folder);
     if (!status)
-        status = io_bytes_open(path, model->largest_copy, &model->input, error);
+        status = io_bytes_open_beside(path, model->largest_copy, &model->input, error);
     pl_free(path);
     if (!status && is_packed) {
         model->packed = model->input;

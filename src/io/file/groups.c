@@ -1,5 +1,5 @@
 /* groups: the groups that a file names or numbers, as tags for planish_hold. */
-#include "io/file/file.h"
+#include "io/core/format.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -80,8 +80,6 @@ static int make_list(planish_file *file) {
     const int has_memory = number && file->group && file->group_text;
     if (has_memory)
         fill(&file->model, number, find_numbers(&file->model, number), file->group_text, file);
-    else
-        io_file_release_groups(file);
     pl_free(number);
     return has_memory;
 }
@@ -91,16 +89,11 @@ int planish_file_groups(planish_file *file, const planish_group **groups, int64_
     *n = 0;
     if (!file)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file is NULL");
-    if (!file->group && !make_list(file))
+    if (!file->group && !make_list(file)) {
+        io_file_free_groups(file);
         return pl_fail_memory(error, "the list of groups");
+    }
     *groups = file->group;
     *n = file->n_groups;
     return PLANISH_OK;
-}
-
-void io_file_release_groups(planish_file *file) {
-    pl_free(file->group);
-    pl_free(file->group_text);
-    file->group = NULL;
-    file->group_text = NULL;
 }

@@ -53,7 +53,7 @@ static int is_companion(const planish_file *file, const char *path) {
     planish_error ignored;
     if (!file->format->is_companion)
         return 1;
-    if (io_bytes_open(path, file->model.largest_copy, &bytes, &ignored))
+    if (io_bytes_open_beside(path, file->model.largest_copy, &bytes, &ignored))
         return ignored.code != PLANISH_ERROR_FORMAT; /* empty: neither */
     const int is = file->format->is_companion(&file->model, &bytes);
     io_bytes_close(&bytes);

@@ -13,6 +13,7 @@
 #include "io/core/cell_types.h"
 
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "base/status.h"
 
 #include <inttypes.h>
@@ -54,6 +55,7 @@ typedef struct cell_faces {
     int n, n_triangles, n_quadrilaterals;
     int corners[MOST_FACES];
     int32_t node[MOST_FACES][FACE_CORNERS];
+    uint64_t key[MOST_FACES][2]; /* equal for faces of the same nodes in the same sense */
 } cell_faces;
 
 static int shape_corners(const shape *s, int face) {
@@ -62,17 +64,44 @@ static int shape_corners(const shape *s, int face) {
 
 /* ---- the nodes of an element ---------------------------------------------------------------- */
 
-/** Find the face with the edge from a to b, and the node behind it, before it; else -1. */
+/* Which faces a cell has is as good as random: a branch on nodes would be mispredicted half of the
+ * time. So what follows looks at all faces, and chooses without branches. */
+
+/** Make the key of a face of n nodes: these, the smallest first. */
+static inline void make_key_of(int n, const int32_t *node, uint64_t *key) {
+    const int32_t round[] = {node[0],     node[1],     node[2],    node[3 % n],
+                             node[4 % n], node[5 % n], node[6 % n]};
+    uint64_t least =
+        UINT64_MAX; /* nodes, their places in the last two bits: a minimum, no branch */
+    for (int k = 0; k < n; k++) {
+        const uint64_t placed = (uint64_t)(uint32_t)node[k] << 2 | (uint64_t)k;
+        least = placed < least ? placed : least;
+    }
+    const int first = (int)(least & 3);
+    key[0] = (uint64_t)round[first] << 32 | (uint32_t)round[first + 1];
+    key[1] = (uint64_t)round[first + 2] << 32 | (n == 3 ? UINT32_MAX : (uint32_t)round[first + 3]);
+}
+
+static void make_key(int n, const int32_t *node, uint64_t *key) {
+    if (n == 3) /* compiled for either number */
+        make_key_of(3, node, key);
+    else
+        make_key_of(4, node, key);
+}
+
+/** Find the first face with the edge from a to b, and the node behind it, before it; else -1. */
 static void find_beyond(const cell_faces *f, int32_t a, int32_t b, int32_t *behind,
                         int32_t *before) {
     *behind = *before = -1;
-    for (int i = 0; i < f->n; i++)
-        for (int k = 0, n = f->corners[i]; k < n; k++)
-            if (f->node[i][k] == a && f->node[i][(k + 1) % n] == b) {
-                *behind = f->node[i][(k + 2) % n];
-                *before = f->node[i][(k + n - 1) % n];
-                return;
-            }
+    for (int i = f->n - 1; i >= 0; i--) {
+        const int32_t *node = f->node[i];
+        const int n = f->corners[i];
+        for (int k = n - 1, next = 0, beyond = 1; k >= 0; beyond = next, next = k--) {
+            const int is_edge = (node[k] == a) & (node[next] == b);
+            *behind = is_edge ? node[beyond] : *behind;
+            *before = is_edge ? node[k > 0 ? k - 1 : n - 1] : *before;
+        }
+    }
 }
 
 /** Find the nodes that the element of a shape would have. */
@@ -97,16 +126,16 @@ static void propose(const shape *s, const cell_faces *f, int32_t *node) {
 
 /** Return whether one of the cell's faces is the face of a shape, in the same sense. */
 static int has_face(const cell_faces *f, const shape *s, int face, const int32_t *node) {
+    int32_t corner[FACE_CORNERS];
+    uint64_t key[2];
     const int n = shape_corners(s, face);
+    for (int k = 0; k < n; k++)
+        corner[k] = node[s->face[face][k]];
+    make_key(n, corner, key);
+    int found = 0;
     for (int i = 0; i < f->n; i++)
-        for (int turn = 0; turn < n && f->corners[i] == n; turn++) {
-            int k = 0;
-            while (k < n && f->node[i][(k + turn) % n] == node[s->face[face][k]])
-                k++;
-            if (k == n)
-                return 1;
-        }
-    return 0;
+        found |= (f->key[i][0] == key[0]) & (f->key[i][1] == key[1]);
+    return found;
 }
 
 /** Return whether the cell is an element of a shape: node [n_corners] is then filled in. */
@@ -118,7 +147,7 @@ static int is_of_shape(const shape *s, const cell_faces *f, int32_t *node) {
         for (int k = 0; k < i; k++)
             if (node[i] == node[k])
                 return 0;
-    for (int i = 0; i < f->n; i++)
+    for (int i = 1; i < f->n; i++) /* the first is the base, of which node was made */
         if (!has_face(f, s, i, node))
             return 0;
     return 1;
@@ -131,6 +160,10 @@ typedef struct sides {
     int64_t *start; /* [n_cells + 1] */
     int32_t *side;
 } sides;
+
+static int32_t side_face(int32_t side) {
+    return side < 0 ? ~side : side;
+}
 
 static int make_sides(const foam_mesh *mesh, sides *s, planish_error *error) {
     const int64_t n = mesh->n_cells;
@@ -163,12 +196,19 @@ static int make_sides(const foam_mesh *mesh, sides *s, planish_error *error) {
 
 /** Gather the faces of a cell. Return 0 if it has too many of them, or such of too many nodes. */
 static int gather(const foam_mesh *mesh, const sides *s, int64_t cell, cell_faces *f) {
-    const int64_t n = s->start[cell + 1] - s->start[cell];
+    enum { AHEAD = 32 }; /* sides: their faces lie anywhere in memory */
+    const int64_t last = s->start[mesh->n_cells] - 1, n = s->start[cell + 1] - s->start[cell];
     if (n > MOST_FACES)
         return 0;
-    *f = (cell_faces){.n = (int)n};
+    f->n = (int)n;
+    f->n_triangles = f->n_quadrilaterals = 0;
     for (int i = 0; i < f->n; i++) {
-        const int32_t side = s->side[s->start[cell] + i], face = side < 0 ? ~side : side;
+        const int64_t at = s->start[cell] + i;
+        if (at + 2 * AHEAD <= last) {
+            __builtin_prefetch(&mesh->start[side_face(s->side[at + 2 * AHEAD])]);
+            __builtin_prefetch(&mesh->node[mesh->start[side_face(s->side[at + AHEAD])]]);
+        }
+        const int32_t side = s->side[at], face = side_face(side);
         const int64_t begin = mesh->start[face], corners = mesh->start[face + 1] - begin;
         if (corners > FACE_CORNERS)
             return 0;
@@ -177,6 +217,7 @@ static int gather(const foam_mesh *mesh, const sides *s, int64_t cell, cell_face
         f->n_quadrilaterals += corners == 4;
         for (int k = 0; k < corners; k++)
             f->node[i][k] = mesh->node[side < 0 ? begin + corners - 1 - k : begin + k];
+        make_key((int)corners, f->node[i], f->key[i]);
     }
     return 1;
 }
@@ -184,7 +225,7 @@ static int gather(const foam_mesh *mesh, const sides *s, int64_t cell, cell_face
 /** Let a cell that becomes no element hold its nodes. */
 static void hold_cell(const foam_mesh *mesh, const sides *s, int64_t cell) {
     for (int64_t i = s->start[cell]; i < s->start[cell + 1]; i++) {
-        const int32_t face = s->side[i] < 0 ? ~s->side[i] : s->side[i];
+        const int32_t face = side_face(s->side[i]);
         for (int64_t k = mesh->start[face]; k < mesh->start[face + 1]; k++)
             io_hold_node(mesh->model, foam_node(mesh, mesh->node[k]), IO_HELD_BY_OTHER);
     }
@@ -204,22 +245,49 @@ static int add_element(foam_mesh *mesh, int type, const int32_t *node, int64_t c
     return io_model_add_other(model, type, node, 0, cell, error);
 }
 
+enum { BLOCK = 1 << 14, CHUNK = 1 << 9 }; /* cells whose elements are kept until they are added */
+
+/** Elements of cells first, first + 1, ... */
+typedef struct cell_block {
+    const foam_mesh *mesh;
+    const sides *sides;
+    int64_t first;
+    uint8_t *shape;                /* [BLOCK] N_SHAPES: none */
+    int32_t (*node)[MOST_CORNERS]; /* [BLOCK] */
+} cell_block;
+
+static void find_elements(void *context, int64_t begin, int64_t end, int thread) {
+    const cell_block *b = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        cell_faces f;
+        uint8_t k = gather(b->mesh, b->sides, b->first + i, &f) ? 0 : N_SHAPES;
+        while (k < N_SHAPES && !is_of_shape(&shapes[k], &f, b->node[i]))
+            k++;
+        b->shape[i] = k;
+    }
+}
+
 /** Make elements of all cells. */
 static int add_cells(foam_mesh *mesh, const sides *s, planish_error *error) {
-    int status = PLANISH_OK;
-    for (int64_t cell = 0; cell < mesh->n_cells && !status; cell++) {
-        cell_faces f;
-        int32_t node[MOST_CORNERS];
-        const shape *of = NULL;
-        const int is_small = gather(mesh, s, cell, &f);
-        for (int i = 0; i < N_SHAPES && is_small && !of; i++)
-            of = is_of_shape(&shapes[i], &f, node) ? &shapes[i] : NULL;
-        mesh->thing[cell] = -1;
-        if (of)
-            status = add_element(mesh, of->type, node, cell, error);
-        else
-            hold_cell(mesh, s, cell);
+    cell_block b = {.mesh = mesh, .sides = s};
+    b.shape = pl_alloc(BLOCK, sizeof *b.shape);
+    b.node = pl_alloc(BLOCK, sizeof *b.node);
+    int status = b.shape && b.node ? PLANISH_OK : pl_fail_memory(error, "cells");
+    for (; b.first < mesh->n_cells && !status; b.first += BLOCK) {
+        const int64_t left = mesh->n_cells - b.first, n = left < BLOCK ? left : BLOCK;
+        pl_parallel_for(mesh->model->threads, n, CHUNK, find_elements, &b);
+        for (int64_t i = 0; i < n && !status; i++) {
+            const int64_t cell = b.first + i;
+            mesh->thing[cell] = -1;
+            if (b.shape[i] < N_SHAPES)
+                status = add_element(mesh, shapes[b.shape[i]].type, b.node[i], cell, error);
+            else
+                hold_cell(mesh, s, cell);
+        }
     }
+    pl_free(b.shape);
+    pl_free(b.node);
     return status;
 }
 

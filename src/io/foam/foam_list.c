@@ -5,7 +5,7 @@
 #include "base/round.h"
 #include "base/status.h"
 
-#include <math.h>
+#include <string.h>
 
 /* ---- begin and end -------------------------------------------------------------------------- */
 
@@ -114,9 +114,25 @@ static inline int take_label(const label_records *r, io_cursor *cursor, int64_t 
                       (long long)i, (long long)*value, (long long)r->first, (long long)r->last);
 }
 
+/** Read labels as they lie in memory, up to the first that is out of range. Return where. */
+static int64_t copy_labels(const label_records *r, io_cursor *cursor, int64_t begin, int64_t end) {
+    int64_t i = begin;
+    for (int32_t value; i < end; i++) {
+        memcpy(&value, cursor->at, sizeof value);
+        if (value < r->first || value > r->last)
+            return i;
+        r->label[i] = value;
+        cursor->at += sizeof value;
+    }
+    return i;
+}
+
 static int read_labels(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                        planish_error *error) {
     const label_records *r = context;
+    const foam_file *f = r->f;
+    if (f->of.view.is_binary && f->label_size == sizeof(int32_t) && !f->swapped)
+        begin = copy_labels(r, cursor, begin, end);
     for (int64_t i = begin; i < end; i++) {
         int64_t value;
         const int status = take_label(r, cursor, i, &value, error);
@@ -142,8 +158,9 @@ static int read_equal_labels(label_records *r, foam_file *f, int64_t n, planish_
     return status;
 }
 
-int foam_labels(foam_file *f, const char *what, int64_t first, int64_t last, int32_t **labels,
-                int64_t *n, planish_error *error) {
+/** Read a list of labels; is_set: of equal ones, one is enough. */
+static int read_list(foam_file *f, const char *what, int64_t first, int64_t last, int is_set,
+                     int32_t **labels, int64_t *n, planish_error *error) {
     enum { MOST_EQUAL = 1 << 16 }; /* of one number for all, which no byte of the file bounds */
     io_model *view = &f->of.view;
     label_records r = {f, what, first, smaller(last, INT32_MAX), NULL};
@@ -159,7 +176,7 @@ int foam_labels(foam_file *f, const char *what, int64_t first, int64_t last, int
     int status = PLANISH_OK;
     if (is_equal) {
         f->cursor = behind;
-        *n = count;
+        *n = is_set && count > 1 ? 1 : count;
     } else {
         status = foam_begin_list(f, what, view->is_binary ? f->label_size : 2, n, error);
         if (!status && view->is_binary && *n > 0)
@@ -181,6 +198,16 @@ int foam_labels(foam_file *f, const char *what, int64_t first, int64_t last, int
     status = io_records(&text, &f->cursor, *n, 1, f->label_size, read_labels, &r, error);
     io_text_release(&text);
     return status ? status : foam_end_list(f, what, error);
+}
+
+int foam_labels(foam_file *f, const char *what, int64_t first, int64_t last, int32_t **labels,
+                int64_t *n, planish_error *error) {
+    return read_list(f, what, first, last, 0, labels, n, error);
+}
+
+int foam_label_set(foam_file *f, const char *what, int64_t first, int64_t last, int32_t **labels,
+                   int64_t *n, planish_error *error) {
+    return read_list(f, what, first, last, 1, labels, n, error);
 }
 
 /* ---- points --------------------------------------------------------------------------------- */

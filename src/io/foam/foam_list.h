@@ -1,7 +1,7 @@
 /* foam_list: lists of numbers: text, or binary in a row; lists of entries.
  *
  *   foam_begin_list, _end_list             any list
- *   foam_labels, foam_read_points, foam_field    numbers
+ *   foam_labels, foam_label_set, foam_read_points, foam_field    numbers
  *   foam_begin_entries, foam_next_entry    NAME { ... }
  */
 #ifndef PL_IO_FOAM_FOAM_LIST_H
@@ -19,6 +19,11 @@ int foam_end_list(foam_file *f, const char *what, planish_error *error);
 /** Read a list of labels, each one of first .. last: *labels [n] is owned. */
 int foam_labels(foam_file *f, const char *what, int64_t first, int64_t last, int32_t **labels,
                 int64_t *n, planish_error *error);
+
+/** Read a list of labels of which each counts once: of equal labels, which take a few bytes of a file
+ *  however many they are (65536{0}), there is one in *labels. */
+int foam_label_set(foam_file *f, const char *what, int64_t first, int64_t last, int32_t **labels,
+                   int64_t *n, planish_error *error);
 
 /** Read the points of the mesh, its nodes, from the model's input. */
 int foam_read_points(io_model *model, planish_error *error);

@@ -300,7 +300,7 @@ static int read_zone(foam_file *f, io_slice name, int kind, int64_t most, foam_s
         io_slice value = foam_word(&ahead);
         const int is_empty = io_slice_is(value, "(", 0) && io_slice_is(foam_word(&ahead), ")", 0);
         if (!status && io_slice_is(word, zones[kind].labels, 0) && !set.member && !is_empty) {
-            status = foam_labels(f, zones[kind].labels, 0, most - 1, &set.member, &set.n, error);
+            status = foam_label_set(f, zones[kind].labels, 0, most - 1, &set.member, &set.n, error);
             if (!status)
                 status = foam_expect(f, ";", error);
         } else if (!status) {

@@ -355,7 +355,7 @@ static int open_beside(const io_model *model, const char *path, const char *exte
     int status = PLANISH_OK;
     memset(bytes, 0, sizeof *bytes);
     if (pl_file_exists(beside))
-        status = io_bytes_open(beside, model->largest_copy, bytes, error);
+        status = io_bytes_open_beside(beside, model->largest_copy, bytes, error);
     else if (needed)
         status = pl_fail(error, PLANISH_ERROR_FILE,
                          "%s: there is no %s beside it; TetGen's meshes are a .node and an .ele "

@@ -3,14 +3,17 @@
  * An element has a line of numbers (its own, its type, a property, a material, a colour and how many
  * nodes it has), if it is a beam a line of three numbers, and lines of nodes. The type (the FE
  * descriptor) tells the shape. Nodes of second order go round: a corner, a mid, a corner, and so on,
- * in rings from below.
+ * in rings from below. Gmsh has elements with nodes in the middle of faces, too, under the numbers
+ * of linear types, in its own order.
  */
 #include "io/unv/unv_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"
 
-enum { MOST_WORDS = 8, MOST_NODES = 20, N_ORIENTATION = 3 };
+#include <string.h>
+
+enum { MOST_WORDS = 8, MOST_NODES = 27, N_ORIENTATION = 3 };
 
 /** Known types of elements, by shape and number of nodes. */
 static const io_element_type types[] = {
@@ -30,14 +33,16 @@ static const io_element_type types[] = {
     {"pyramid", IO_PYRAMID, 2, 13},
     {"wedge", IO_PRISM, 1, 6},
     {"wedge", IO_PRISM, 2, 15},
+    {"wedge", IO_PRISM, 2, 18},
     {"brick", IO_HEXAHEDRON, 1, 8},
     {"brick", IO_HEXAHEDRON, 2, 20},
+    {"brick", IO_HEXAHEDRON, 2, 27},
     {"point", IO_POINT, 1, 1},
 };
 
 enum { N_TYPES = sizeof types / sizeof *types };
 
-/** Orders of second order: corners and mids alternate in a ring. */
+/** Orders of second order: corners and mids alternate in a ring. Those of 18 and 27 nodes: Gmsh's. */
 const io_node_order unv_node_orders[] = {
     {PLANISH_CELL_LINE3, {0, 2, 1}},
     {PLANISH_CELL_TRIANGLE6, {0, 2, 4, 1, 3, 5}},
@@ -46,8 +51,11 @@ const io_node_order unv_node_orders[] = {
     {PLANISH_CELL_TETRAHEDRON10, {0, 2, 4, 9, 1, 3, 5, 6, 7, 8}},
     {PLANISH_CELL_PYRAMID13, {0, 2, 4, 6, 12, 1, 3, 5, 7, 8, 9, 10, 11}},
     {PLANISH_CELL_WEDGE15, {0, 2, 4, 9, 11, 13, 1, 3, 5, 10, 12, 14, 6, 7, 8}},
+    {PLANISH_CELL_WEDGE18, {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11, 15, 17, 16}},
     {PLANISH_CELL_HEXAHEDRON20,
      {0, 2, 4, 6, 12, 14, 16, 18, 1, 3, 5, 7, 13, 15, 17, 19, 8, 9, 10, 11}},
+    {PLANISH_CELL_HEXAHEDRON27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  11, 13, 9,  16, 18,
+                                 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26}},
     {0, {0}}};
 
 /** Return the shape of an FE descriptor. Flat ones come in families of ten: plane stress, plane
@@ -98,9 +106,18 @@ static io_shape shape_of(int64_t type) {
     }
 }
 
+/** Return whether an FE descriptor, of a linear element, with so many nodes is Gmsh's: 9 nodes of a
+ *  quadrilateral, 18 of a wedge, 27 of a brick. */
+static int is_of_gmsh(int64_t type, int64_t n) {
+    enum { SHELL = 94, WEDGE = 112, BRICK = 115 };
+    return (type == SHELL && n == 9) || (type == WEDGE && n == 18) || (type == BRICK && n == 27);
+}
+
 /** Find the row of an FE descriptor with that many nodes; -1: its nodes are held. */
 static int find_row(int64_t type, int64_t n) {
     const io_shape shape = shape_of(type);
+    if ((n == 18 || n == 27) && !is_of_gmsh(type, n))
+        return -1;
     for (int i = 0; i < N_TYPES; i++)
         if (types[i].shape == shape && types[i].nodes == n)
             return i;
@@ -161,6 +178,16 @@ static int take_node(const unv_reader *r, io_cursor *cursor, const heading *h, i
     *node = (int32_t)io_node_index(r->model, number);
     return *node < 0 ? io_fail_no_node(r->model, h->at, "element", h->number, number, error)
                      : PLANISH_OK;
+}
+
+/** Bring Gmsh's nodes of a quadrilateral, corners before mids, into a ring. */
+static void make_ring(int32_t *node) {
+    int32_t ring[8];
+    for (int k = 0; k < 4; k++) {
+        ring[2 * k] = node[k];
+        ring[2 * k + 1] = node[4 + k];
+    }
+    memcpy(node, ring, sizeof ring);
 }
 
 /* ---- runs ----------------------------------------------------------------------------------- */
@@ -256,6 +283,8 @@ static int read_run(void *context, io_cursor *cursor, int64_t begin, int64_t end
             status = take_node(r, cursor, &h, &nodes[k], error);
         if (status)
             return status;
+        if (h.n_nodes == 9 && is_of_gmsh(h.type, h.n_nodes))
+            make_ring(nodes);
         io_run_set(&r->run, i, nodes, (int32_t)h.property, h.number);
         if (material && (r->run.dim || r->run.type))
             material[r->run.first + i] = (int32_t)h.material;
