@@ -50,6 +50,7 @@ KNOWS = {
 
 # Single arrows that are allowed beside these: from and to are beginnings of modules.
 ALLOWED = [
+    ("src/io/xdmf/", "src/io/vtk/", "XDMF's cells and numbers are VTK's"),
     ("tools/job/output", "src/io/file/", "names of the files of a mesh"),
     ("tools/job/worst", "src/geometry/", "angles"),
     ("tools/job/curved", "src/geometry/", "facets of a type"),

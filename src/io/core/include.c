@@ -38,6 +38,17 @@ static int is_below(const io_model *model, const char *path) {
     return is;
 }
 
+/** Make the path of a file; return whether it may be read. */
+static int may_be_read(const io_model *model, io_slice name, char path[PATH_MAX]) {
+    return io_slice_length(name) > 0 && join(model, name, path) &&
+           !pl_path_is_absolute(name.begin) && is_below(model, path);
+}
+
+char *io_include_find(const io_model *model, io_slice name) {
+    char path[PATH_MAX];
+    return may_be_read(model, name, path) ? pl_copy_text(path) : NULL;
+}
+
 int io_include_open(io_model *model, const char *at, io_slice name, io_cursor *content,
                     planish_error *error) {
     char path[PATH_MAX];
@@ -45,7 +56,7 @@ int io_include_open(io_model *model, const char *at, io_slice name, io_cursor *c
     io_bytes file;
     if (io_slice_length(name) == 0)
         return io_fail_at(model, at, error, "the name of the included file is missing");
-    if (!join(model, name, path) || pl_path_is_absolute(name.begin) || !is_below(model, path))
+    if (!may_be_read(model, name, path))
         return io_fail_at(model, at, error,
                           "'%.*s' is not beside this file or below its folder; copy it there, or "
                           "put its lines in place of this one",

@@ -13,7 +13,7 @@ static const io_format *const formats[] = {
     &io_format_vtkhdf, &io_format_tetgen, &io_format_netgen,  &io_format_abaqus, &io_format_cgns,
     &io_format_med,    &io_format_plex,   &io_format_off,     &io_format_ply,    &io_format_stl,
     &io_format_obj,    &io_format_mfem,   &io_format_exodus,  &io_format_ucd,    &io_format_su2,
-    &io_format_unv,    &io_format_elmer,  &io_format_foam};
+    &io_format_unv,    &io_format_xdmf,   &io_format_elmer,   &io_format_foam};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 /** Formats in the order of the documentation. */
@@ -32,6 +32,9 @@ static const struct {
     {&io_format_vtu, "VTK XML", "",
      "arrays as text, base64, appended raw or base64; packed by zlib, LZ4 or LZMA; `Float32` and "
      "`Float64`; headers of 32 and 64 bits; either byte order; several pieces"},
+    {&io_format_xdmf, "XDMF 2 and 3 (FEniCS, meshio, ParaView)", "",
+     "unstructured grids, with numbers in the XML, in HDF5 or binary files beside; several pieces, "
+     "steps in time with one mesh"},
     {&io_format_vtkhdf, "VTKHDF", "",
      "`UnstructuredGrid`, one or several partitions, one time step"},
     {&io_format_med, "MED 2.3 to 4 (Salome, Code_Aster)", "",
@@ -61,7 +64,8 @@ static const struct {
      "netCDF-4",
      "any other by content",
      "blocks of elements, node sets, side sets, names; files of processors (Nemesis)"},
-    {&io_format_ucd, "AVS UCD, ASCII and binary in either byte order", ".inp (Abaqus', too) by content",
+    {&io_format_ucd, "AVS UCD, ASCII and binary in either byte order",
+     ".inp (Abaqus', too) by content",
      "linear cells of all types; data of nodes and cells pass through"},
     {&io_format_su2, "SU2", "",
      "two and three dimensions, sections in any order, one or several zones"},
