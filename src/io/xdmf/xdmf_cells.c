@@ -3,12 +3,11 @@
  * A set is a group of nodes: those that it lists, or those of the cells or faces in it.
  */
 #include "io/xdmf/xdmf.h"
+#include "io/xdmf/xdmf_tags.h"
 
 #include "base/memory.h"
 #include "base/status.h"
 #include "io/core/memberships.h"
-#include "io/core/parts.h"
-#include "io/vtk/vtk_cells.h"
 
 #include <string.h>
 #include <strings.h>
@@ -292,23 +291,6 @@ static int add_cell(xdmf_reader *r, const vtk_grid *grid, int64_t cell, xdmf_set
     return status;
 }
 
-/** Return the parts of a cell, by its type; NULL: it has none that sets name. */
-static const io_parts *parts_of(int type, int *dim, int *corners) {
-    static const struct {
-        uint8_t types[4], dim, corners;
-    } shapes[] = {{{VTK_TRIANGLE, 22}, 2, 3},    {{QUADRILATERAL, 23, 28}, 2, 4},
-                  {{VTK_TETRAHEDRON, 24}, 3, 4}, {{14, 27}, 3, 5},
-                  {{13, 26, 32}, 3, 6},          {{12, 25, 29}, 3, 8}};
-    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++)
-        for (int k = 0; k < 4; k++)
-            if (shapes[i].types[k] == type) {
-                *dim = shapes[i].dim;
-                *corners = shapes[i].corners;
-                return io_parts_of(*dim, *corners);
-            }
-    return NULL;
-}
-
 /** Add the nodes of face (of flat elements edge) number face, as VTK numbers them, of a cell. */
 static int add_face(xdmf_reader *r, const vtk_grid *grid, int64_t cell, int64_t face,
                     xdmf_set *set) {
@@ -318,7 +300,7 @@ static int add_face(xdmf_reader *r, const vtk_grid *grid, int64_t cell, int64_t 
                                       [6] = {0, 1, 2, 3, 4, -1},
                                       [8] = {5, 3, 2, 4, 0, 1}};
     int dim = 0, corners = 0, status = PLANISH_OK;
-    const io_parts *parts = parts_of(grid->type[cell], &dim, &corners);
+    const io_parts *parts = xdmf_parts_of(grid->type[cell], &dim, &corners);
     const int part = !parts || face < 0 || face >= 6 ? -1
                      : dim == 3                      ? faces[corners][face]
                      : face < parts->n_edges         ? (int)face
@@ -470,6 +452,21 @@ static void count_kept(const io_model *model, int64_t n_of[4]) {
                     (dim > 1 ? io_model_list(model, io_others_list(dim)).n : 0);
 }
 
+/** Return whether a piece before this one has the same points. */
+static int has_same_points(const xdmf_mesh *m, const xdmf_piece *piece) {
+    for (const xdmf_piece *p = m->piece; p < piece; p++)
+        if (p->geometry == piece->geometry)
+            return 1;
+    return 0;
+}
+
+/** Note how many cells the piece has, behind those of the pieces before it. */
+static void count_piece(xdmf_mesh *m, xdmf_piece *piece, int64_t n) {
+    piece->n = n;
+    piece->first_cell = m->n_cells;
+    m->n_cells += piece->map ? 0 : n;
+}
+
 static int read_piece(xdmf_reader *r, xdmf_mesh *m, xdmf_piece *piece, xdmf_sets *sets) {
     const xdmf_geometry *g = &m->geometry[piece->geometry];
     xdmf_topology t;
@@ -482,16 +479,16 @@ static int read_piece(xdmf_reader *r, xdmf_mesh *m, xdmf_piece *piece, xdmf_sets
     int status = take_topology(r, piece, &t);
     if (!status && piece->has_item)
         status = read_grid(r, piece, &t, &grid);
-    if (!status && piece->has_item && grid.n > 0)
+    if (!status && has_same_points(m, piece))
+        status = xdmf_find_map(r->model, &grid, m->n_cells, &piece->map, r->error);
+    if (!status && grid.n > 0 && !piece->map)
         status = vtk_cells_store(r->model, &grid, r->error);
     if (!status)
         status = read_sets(r, piece, &grid, sets);
     count_kept(r->model, piece->n_of);
     for (int dim = 1; dim <= 3; dim++)
         piece->n_of[dim] -= before[dim];
-    piece->first_cell = m->n_cells;
-    piece->n_cells = grid.n;
-    m->n_cells += grid.n;
+    count_piece(m, piece, grid.n);
     vtk_grid_release(&grid);
     return status;
 }
@@ -500,14 +497,17 @@ int xdmf_count_cells(xdmf_reader *r, xdmf_mesh *m) {
     int status = PLANISH_OK;
     for (int64_t i = 0; i < m->n_pieces && !status; i++) {
         xdmf_piece *piece = &m->piece[i];
+        const xdmf_geometry *g = &m->geometry[piece->geometry];
         xdmf_topology t;
-        vtk_grid grid = {.n = 0};
+        vtk_grid grid = {.n_points = g->n_nodes, .first_point = g->first_node};
         status = take_topology(r, piece, &t);
-        if (!status && t.n < 0)
+        grid.n = t.n;
+        const int may_have_map = has_same_points(m, piece);
+        if (!status && piece->has_item && (t.n < 0 || may_have_map))
             status = read_grid(r, piece, &t, &grid);
-        piece->first_cell = m->n_cells;
-        piece->n_cells = t.n < 0 ? grid.n : t.n;
-        m->n_cells += piece->n_cells;
+        if (!status && may_have_map)
+            status = xdmf_find_map(r->model, &grid, m->n_cells, &piece->map, r->error);
+        count_piece(m, piece, grid.n);
         vtk_grid_release(&grid);
     }
     return status;

@@ -115,87 +115,125 @@ static int hold_nodes(xdmf_reader *r, const xdmf_geometry *g, const xdmf_array *
     return status;
 }
 
-/** Put the values of one piece's cells. A piece without elements need not have the array. */
-static int put_piece(xdmf_reader *r, const xdmf_piece *piece, const xdmf_array *array,
-                     io_array_filler *filler) {
-    const int has_elements = piece->n_of[io_model_dim(r->model)] > 0;
-    const int is_known = array && planish_region_name(array->name) > 0;
+/** Return whether a piece has elements that are smoothed, or values for some. */
+static int has_elements(const xdmf_reader *r, const xdmf_piece *piece) {
+    return piece->map || piece->n_of[io_model_dim(r->model)] > 0;
+}
+
+/** Copy values [n][width] of a piece's cells to those of all cells. */
+static void place_cells(const xdmf_piece *piece, const double *values, int64_t width, double *all) {
+    for (int64_t i = 0; i < piece->n; i++)
+        memcpy(all + (piece->map ? piece->map[i] : piece->first_cell + i) * width,
+               values + i * width, (size_t)width * sizeof *values);
+}
+
+/** Read the values of one piece's cells to those of all. *is_broken: they tell no regions. */
+static int read_cells(xdmf_reader *r, const xdmf_piece *piece, const xdmf_array *array, double *all,
+                      int *is_broken) {
+    const int is_needed = has_elements(r, piece);
     double *values = NULL;
     int64_t width = 0;
-    if (!array) {
-        filler->is_broken |= has_elements;
-        return PLANISH_OK;
-    }
-    int status = read_values(r, array, piece->n_cells, &width, &values);
-    if (!is_known || !has_elements) {
-        filler->is_broken |= status && has_elements;
-        status = forgive(r, status);
-    }
-    filler->is_broken |= has_elements && width != 1;
-    for (int64_t i = 0; i < piece->n_cells && width == 1 && !status && !filler->is_broken; i++) {
-        int64_t value = 0;
-        const int is_whole = io_array_whole(values[i], &value);
-        status = io_array_put(filler, piece->first_cell + i, is_whole, value, r->error);
-    }
+    int status = read_values(r, array, piece->n, &width, &values);
+    if (!status && width == 1)
+        place_cells(piece, values, 1, all);
+    *is_broken |= is_needed && (status || width != 1);
     pl_free(values);
-    return status;
+    return is_needed && planish_region_name(array->name) > 0 ? status : forgive(r, status);
 }
 
 /** Find the attribute of cells that stands for one of that name in a piece: of lines and facets it may
  *  have another name. */
-static const xdmf_array *find_like(const io_model *model, const xdmf_piece *piece,
+static const xdmf_array *find_like(const xdmf_reader *r, const xdmf_piece *piece,
                                    const xdmf_arrays *list, const char *name) {
     const xdmf_array *array = find_array(list, name, 1);
-    for (int64_t i = 0; i < list->n && !array && piece->n_of[io_model_dim(model)] == 0; i++)
+    for (int64_t i = 0; i < list->n && !array && !has_elements(r, piece); i++)
         array = list->array[i].of_cells ? &list->array[i] : NULL;
     return array;
 }
 
-/** Read the arrays of cells that may tell regions: those of the first piece with elements. */
-static int read_regions(xdmf_reader *r, const xdmf_mesh *m, const xdmf_arrays *lists) {
-    const int dim = io_model_dim(r->model);
-    int64_t first = 0;
-    int status = PLANISH_OK, n = 0;
-    while (first + 1 < m->n_pieces && m->piece[first].n_of[dim] == 0)
-        first++;
-    for (int64_t i = 0; i < lists[first].n && n < IO_MOST_ARRAYS && !status; i++) {
-        const xdmf_array *array = &lists[first].array[i];
-        xdmf_item item;
-        io_array_filler filler;
-        int64_t width = 0;
-        if (!array->of_cells)
-            continue;
-        status = forgive(r, find_values(r, array, m->piece[first].n_cells, &item, &width));
-        if (status || width != 1)
-            continue;
-        status = io_array_begin(r->model, array->name, m->n_cells, &filler, r->error);
-        if (status)
-            return status;
-        for (int64_t k = 0; k < m->n_pieces && !status && !filler.is_broken; k++)
-            if (m->piece[k].n_cells > 0)
-                status =
-                    put_piece(r, &m->piece[k],
-                              find_like(r->model, &m->piece[k], &lists[k], array->name), &filler);
-        if (status)
-            io_array_drop(&filler);
+/** Read the values of all cells for the array called name: 0 where a cell has none. Pieces whose
+ *  elements have a map to those of others need not have it. */
+static int read_all_cells(xdmf_reader *r, const xdmf_mesh *m, const xdmf_arrays *lists,
+                          const char *name, double *all, int *is_broken) {
+    int status = PLANISH_OK, is_tag = 0;
+    for (int64_t k = 0; k < m->n_pieces; k++)
+        is_tag |= m->piece[k].map && find_array(&lists[k], name, 1);
+    for (int64_t k = 0; k < m->n_pieces && !status && !*is_broken; k++) {
+        const xdmf_piece *piece = &m->piece[k];
+        const xdmf_array *array = find_like(r, piece, &lists[k], name);
+        if (array && piece->n > 0)
+            status = read_cells(r, piece, array, all, is_broken);
         else
-            status = io_array_end(r->model, &filler, r->error);
-        n++;
+            *is_broken |= !is_tag && !piece->map && has_elements(r, piece);
     }
+    return status;
+}
+
+/** Read an array of all cells that may tell regions. */
+static int read_region(xdmf_reader *r, const xdmf_mesh *m, const xdmf_arrays *lists,
+                       const char *name) {
+    io_array_filler filler;
+    int is_broken = 0;
+    double *all = pl_alloc_zero(m->n_cells, sizeof *all);
+    int status = all ? io_array_begin(r->model, name, m->n_cells, &filler, r->error)
+                     : pl_fail_memory(r->error, "an array of the file");
+    if (status) {
+        pl_free(all);
+        return status;
+    }
+    status = read_all_cells(r, m, lists, name, all, &is_broken);
+    filler.is_broken |= is_broken;
+    for (int64_t i = 0; i < m->n_cells && !status && !filler.is_broken; i++) {
+        int64_t value = 0;
+        const int is_whole = io_array_whole(all[i], &value);
+        status = io_array_put(&filler, i, is_whole, value, r->error);
+    }
+    pl_free(all);
+    if (!status)
+        return io_array_end(r->model, &filler, r->error);
+    io_array_drop(&filler);
+    return status;
+}
+
+/** Return whether a piece before that one has the array, of cells, and elements. */
+static int is_read(const xdmf_reader *r, const xdmf_mesh *m, const xdmf_arrays *lists,
+                   int64_t piece, const char *name) {
+    for (int64_t k = 0; k < piece; k++)
+        if (has_elements(r, &m->piece[k]) && find_array(&lists[k], name, 1))
+            return 1;
+    return 0;
+}
+
+/** Read the arrays of one number for each cell of a piece with elements. */
+static int read_regions(xdmf_reader *r, const xdmf_mesh *m, const xdmf_arrays *lists) {
+    int status = PLANISH_OK, n = 0;
+    for (int64_t k = 0; k < m->n_pieces && !status; k++)
+        for (int64_t i = 0; i < lists[k].n && n < IO_MOST_ARRAYS && !status; i++) {
+            const xdmf_array *array = &lists[k].array[i];
+            xdmf_item item;
+            int64_t width = 0;
+            if (!array->of_cells || !has_elements(r, &m->piece[k]) ||
+                is_read(r, m, lists, k, array->name))
+                continue;
+            status = forgive(r, find_values(r, array, m->piece[k].n, &item, &width));
+            if (!status && width == 1)
+                status = read_region(r, m, lists, array->name);
+            n++;
+        }
     return status;
 }
 
 /** Note the arrays of a piece that nobody has noted: those that can be read. */
 static int note_arrays(xdmf_reader *r, const xdmf_mesh *m, const xdmf_piece *piece,
                        const xdmf_arrays *list) {
-    const int has_elements = piece->n_of[io_model_dim(r->model)] > 0;
     int status = PLANISH_OK;
     for (int64_t i = 0; i < list->n && !status; i++) {
         const xdmf_array *a = &list->array[i];
-        const int64_t n = a->of_cells ? piece->n_cells : m->geometry[piece->geometry].n_nodes;
+        const int64_t n = a->of_cells ? piece->n : m->geometry[piece->geometry].n_nodes;
         xdmf_item item;
         int64_t width = 0;
-        if ((a->of_cells && !has_elements) || (!a->of_cells && strcmp(a->name, "fixed") == 0) ||
+        if ((a->of_cells && !has_elements(r, piece)) ||
+            (!a->of_cells && strcmp(a->name, "fixed") == 0) ||
             io_data_find(r->model, a->name, a->of_cells))
             continue;
         status = forgive(r, find_values(r, a, n, &item, &width));
@@ -250,8 +288,7 @@ static void order_tensors(const xdmf_reader *r, const xdmf_array *array, int64_t
 static int read_piece(xdmf_reader *r, const xdmf_mesh *m, const xdmf_piece *piece,
                       const io_data *data, double *all, int *has) {
     const xdmf_geometry *g = &m->geometry[piece->geometry];
-    const int64_t n = data->of_elements ? piece->n_cells : g->n_nodes;
-    const int64_t first = data->of_elements ? piece->first_cell : g->first_node;
+    const int64_t n = data->of_elements ? piece->n : g->n_nodes;
     xdmf_arrays list = {0};
     double *values = NULL;
     int64_t width = 0;
@@ -267,7 +304,10 @@ static int read_piece(xdmf_reader *r, const xdmf_mesh *m, const xdmf_piece *piec
                            (long long)width, (long long)data->width);
     if (*has && !status) {
         order_tensors(r, array, n, width, values);
-        memcpy(all + first * width, values, (size_t)(n * width) * sizeof *values);
+        if (data->of_elements)
+            place_cells(piece, values, width, all);
+        else
+            memcpy(all + g->first_node * width, values, (size_t)(n * width) * sizeof *values);
     }
     pl_free(values);
     pl_free(list.array);

@@ -193,7 +193,7 @@ int xdmf_mesh_find(xdmf_reader *r, xdmf_mesh *mesh) {
 
 void xdmf_mesh_release(xdmf_mesh *mesh) {
     for (int64_t i = 0; i < mesh->n_pieces; i++)
-        pl_free(mesh->piece[i].grids.element);
+        pl_free(mesh->piece[i].grids.element), pl_free(mesh->piece[i].map);
     pl_free(mesh->piece);
     pl_free(mesh->geometry);
 }

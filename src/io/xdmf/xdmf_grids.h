@@ -26,9 +26,11 @@ typedef struct xdmf_piece {
     int has_item;     /* it has a list of nodes: */
     xdmf_item item;
     int64_t geometry;
-    xdmf_list grids; /* elements that have it; owned */
-    int64_t first_cell, n_cells;
-    int64_t n_of[4]; /* cells by dimension that are kept (xdmf_cells.c) */
+    xdmf_list grids;    /* elements that have it; owned */
+    int64_t n;          /* cells that it lists (xdmf_cells.c); */
+    int64_t first_cell; /* the number of the first one, or, if all are of a piece before it, */
+    int64_t *map;       /* [n] numbers of all, owned; else NULL */
+    int64_t n_of[4];    /* cells by dimension that are kept, without a map */
 } xdmf_piece;
 
 typedef struct xdmf_mesh {

@@ -382,9 +382,10 @@ static int add_named(xdmf_document *d, int64_t element, const char *name, xdmf_l
     int status = follow(d, element, (io_slice){path, path + strlen(path)});
     if (!status && d->last_found.n == 0)
         return xdmf_fail(d, element, "it includes what is not there");
+    /* A path such as /Xdmf/Domain/Grid/Geometry means the first one. */
     for (int64_t i = 0; i < d->last_found.n && !status; i++)
         if (xdmf_is(d, d->last_found.element[i], name))
-            status = add(d, list, d->last_found.element[i]);
+            return add(d, list, d->last_found.element[i]);
     return status;
 }
 
