@@ -90,7 +90,7 @@ for file in *; do
     mv "../$file" "$file"
 done
 rm -f ./*
-for extension in msh mesh meshb vtk vtu vtkhdf med cgns h5 node vol inp bdf off obj ply stl mfem avs su2 unv exo; do
+for extension in msh mesh meshb vtk vtu vtkhdf med cgns h5 node vol inp bdf off obj ply stl mfem avs su2 unv exo xdmf; do
     truncate -s "${size}K" "zero.$extension"
     tame 2 1 "${roomy[@]}" "$program" quality "zero.$extension"
     rm "zero.$extension"

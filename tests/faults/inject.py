@@ -94,7 +94,7 @@ SCENARIOS = [
     smoothing("netgen.vol"), smoothing("cube.mfem"), smoothing("abaqus.inp"), smoothing("nastran.bdf"),
     smoothing("square.off"), smoothing("square.stl"), smoothing("square.obj"), smoothing("square.ply"), smoothing("cube.vtkhdf"), smoothing("cube.med", "--slide auto"),
     smoothing("cube.h5"), smoothing("cube.cgns"), smoothing("cube.exo"),
-    smoothing("cube.avs"), smoothing("cube.su2"), smoothing("cube.unv"),
+    smoothing("cube.avs"), smoothing("cube.su2"), smoothing("cube.unv"), smoothing("cube.xdmf"),
     smoothing("packed.vtkhdf"),
     scenario("convert to vtu", "smooth ascii41.msh -o out.vtu -q -j 1 --max-sweeps 1",
              ["ascii41.msh"], ["out.vtu"]),

@@ -32,9 +32,6 @@ static const struct {
     {&io_format_vtu, "VTK XML", "",
      "arrays as text, base64, appended raw or base64; packed by zlib, LZ4 or LZMA; `Float32` and "
      "`Float64`; headers of 32 and 64 bits; either byte order; several pieces"},
-    {&io_format_xdmf, "XDMF 2 and 3 (FEniCS, meshio, ParaView)", "",
-     "unstructured grids, with numbers in the XML, in HDF5 or binary files beside; several pieces, "
-     "steps in time with one mesh"},
     {&io_format_vtkhdf, "VTKHDF", "",
      "`UnstructuredGrid`, one or several partitions, one time step"},
     {&io_format_med, "MED 2.3 to 4 (Salome, Code_Aster)", "",
@@ -73,6 +70,9 @@ static const struct {
      "any other by content",
      "nodes 2411, 781, 15; elements 2412, 780; groups 2467, 2477, 2452, 2435, 2432, 2430, 2429, "
      "2417"},
+    {&io_format_xdmf, "XDMF 2 and 3 (FEniCS, meshio, ParaView)", "",
+     "unstructured grids, with numbers in the XML, in HDF5 or binary files beside; several pieces, "
+     "steps in time with one mesh"},
     {&io_format_elmer, "Elmer", "[a folder](#folders)",
      "mesh.header, .nodes, .elements, .boundary, .names"},
     {&io_format_foam, "OpenFOAM's polyMesh, ASCII and binary", "[a folder](#folders)",

@@ -99,6 +99,10 @@ static int find_place(xdmf_reader *r, xdmf_item *item) {
     item->file = text;
     while (text.end - item->file.begin > 2 && memcmp(item->file.begin, "./", 2) == 0)
         item->file.begin += 2;
+    if (item->form == XDMF_HDF5 && memchr(text.begin, '|', (size_t)io_slice_length(text)))
+        return xdmf_fail(d, item->element,
+                         "a part of an array ('|') is not read; write the mesh to "
+                         "a file of its own");
     if (item->form == XDMF_HDF5) {
         /* The colon of a drive of Windows is none. */
         const char *at = text.end;
