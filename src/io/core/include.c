@@ -65,6 +65,9 @@ int io_include_open(io_model *model, const char *at, io_slice name, io_cursor *c
         return io_fail_at(model, at, error,
                           "more than %d files are included, or one includes itself",
                           IO_MOST_INCLUDED);
+    pl_file_status about; /* a pipe could let planish wait for ever */
+    if (pl_file_find(path, &about) == 0 && about.kind != PL_FILE_REGULAR)
+        return io_fail_at(model, at, error, "'%.*s' is no regular file", IO_QUOTED(name));
     const int status = io_bytes_open(path, model->largest_copy, &file, error);
     if (status)
         return status;

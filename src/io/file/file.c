@@ -7,6 +7,7 @@
 #include "io/core/bytes.h"
 #include "io/core/cell_types.h"
 #include "io/core/child.h"
+#include "io/core/data.h"
 #include "io/core/number.h"
 #include "io/file/plane.h"
 
@@ -232,6 +233,18 @@ typedef struct trial {
     const char *format;
 } trial;
 
+/** Read an array, which is read later in the process itself. */
+static void try_data(planish_file *file, const io_data *data) {
+    io_model *model = &file->model;
+    planish_error ignored;
+    const int64_t n = data->of_elements ? io_model_n_elements(model) : model->n_nodes;
+    double *values =
+        data->width <= IO_MOST_WIDTH ? pl_alloc(n * data->width, sizeof *values) : NULL;
+    if (values)
+        file->format->read_data(model, data, values, &ignored);
+    pl_free(values);
+}
+
 /** Do all that opening the file does, and look whether packed coordinates will be found again; for
  *  a child process, which releases nothing. */
 static int try_file(void *data, planish_error *error) {
@@ -244,14 +257,8 @@ static int try_file(void *data, planish_error *error) {
     pl_output none = {.fd = -1}; /* nothing differs that would be written */
     if (!status && file->format->amend)
         status = file->format->amend(&file->model, io_written_as_read(&file->model), &none, error);
-    /* Arrays are read later, in the process itself. */
-    for (int64_t i = 0; i < file->model.n_data && !status && file->format->hdf5_bytes; i++) {
-        planish_error ignored;
-        planish_data values;
-        if (!io_file_read_data(file, file->model.data[i].name, file->model.data[i].of_elements,
-                               &values, &ignored))
-            planish_data_free(&values);
-    }
+    for (int64_t i = 0; i < file->model.n_data && !status && file->format->hdf5_bytes; i++)
+        try_data(file, &file->model.data[i]);
     return status;
 }
 

@@ -31,6 +31,8 @@ static int for_all_names(xdmf_reader *r, take_name *take, void *user) {
     return status;
 }
 
+enum { MOST_FILES = 16384 };
+
 static int is_name(const char *name, io_slice slice) {
     const int64_t n = io_slice_length(slice);
     return (int64_t)strlen(name) == n && memcmp(name, slice.begin, (size_t)n) == 0;
@@ -48,6 +50,8 @@ static int note_name(xdmf_reader *r, const xdmf_item *item, void *user) {
     for (int64_t i = 0; i < model->n_beside; i++)
         if (is_name(model->beside[i], item->file))
             return PLANISH_OK;
+    if (model->n_beside == MOST_FILES)
+        return xdmf_fail(&r->document, item->element, "more than %d files are named", MOST_FILES);
     char *path = io_include_find(&r->document.view, item->file);
     if (!path) /* it is not copied along */
         return PLANISH_OK;

@@ -14,7 +14,7 @@
 
 /* ---- types of elements ---------------------------------------------------------------------- */
 
-enum { QUADRILATERAL = 9, EDGE3 = 21, OTHER_TYPE = VTK_LAST_TYPE };
+enum { QUADRILATERAL = 9, EDGE3 = 21, OTHER_TYPE = VTK_LAST_TYPE, MOST_SETS = 16384 };
 
 /** Types of elements. code: in a Mixed topology; nodes 0: each element says how many there, and
  *  NodesPerElement elsewhere; vtk: VTK's type. */
@@ -334,6 +334,9 @@ static int find_set(xdmf_reader *r, xdmf_sets *sets, const char *name, xdmf_set 
     *set = NULL;
     for (int64_t i = 0; i < sets->n && !*set; i++)
         *set = strcmp(sets->set[i].name, name) == 0 ? &sets->set[i] : NULL;
+    if (!*set && sets->n == MOST_SETS)
+        return pl_fail(r->error, PLANISH_ERROR_FORMAT, "%s: there are more than %d sets",
+                       r->document.view.input.path, MOST_SETS);
     if (!*set)
         *set = pl_append(&sets->set, &sets->n, &sets->capacity, &new, sizeof new);
     return *set ? PLANISH_OK : pl_fail_memory(r->error, "the sets of the file");
@@ -467,7 +470,8 @@ static void count_piece(xdmf_mesh *m, xdmf_piece *piece, int64_t n) {
     m->n_cells += piece->map ? 0 : n;
 }
 
-static int read_piece(xdmf_reader *r, xdmf_mesh *m, xdmf_piece *piece, xdmf_sets *sets) {
+static int read_piece(xdmf_reader *r, xdmf_mesh *m, xdmf_piece *piece, xdmf_tables *tables,
+                      xdmf_sets *sets) {
     const xdmf_geometry *g = &m->geometry[piece->geometry];
     xdmf_topology t;
     vtk_grid grid = {.n_points = g->n_nodes,
@@ -480,7 +484,7 @@ static int read_piece(xdmf_reader *r, xdmf_mesh *m, xdmf_piece *piece, xdmf_sets
     if (!status && piece->has_item)
         status = read_grid(r, piece, &t, &grid);
     if (!status && has_same_points(m, piece))
-        status = xdmf_find_map(r->model, &grid, m->n_cells, &piece->map, r->error);
+        status = xdmf_find_map(tables, r->model, &grid, m->n_cells, &piece->map, r->error);
     if (!status && grid.n > 0 && !piece->map)
         status = vtk_cells_store(r->model, &grid, r->error);
     if (!status)
@@ -494,6 +498,7 @@ static int read_piece(xdmf_reader *r, xdmf_mesh *m, xdmf_piece *piece, xdmf_sets
 }
 
 int xdmf_count_cells(xdmf_reader *r, xdmf_mesh *m) {
+    xdmf_tables tables = {.table = {{.n_slots = 0}}};
     int status = PLANISH_OK;
     for (int64_t i = 0; i < m->n_pieces && !status; i++) {
         xdmf_piece *piece = &m->piece[i];
@@ -506,20 +511,23 @@ int xdmf_count_cells(xdmf_reader *r, xdmf_mesh *m) {
         if (!status && piece->has_item && (t.n < 0 || may_have_map))
             status = read_grid(r, piece, &t, &grid);
         if (!status && may_have_map)
-            status = xdmf_find_map(r->model, &grid, m->n_cells, &piece->map, r->error);
+            status = xdmf_find_map(&tables, r->model, &grid, m->n_cells, &piece->map, r->error);
         count_piece(m, piece, grid.n);
         vtk_grid_release(&grid);
     }
+    xdmf_tables_release(&tables);
     return status;
 }
 
 int xdmf_read_cells(xdmf_reader *r, xdmf_mesh *m) {
     xdmf_sets sets = {0};
+    xdmf_tables tables = {.table = {{.n_slots = 0}}};
     int status = PLANISH_OK;
     for (int64_t i = 0; i < m->n_pieces && !status; i++)
-        status = read_piece(r, m, &m->piece[i], &sets);
+        status = read_piece(r, m, &m->piece[i], &tables, &sets);
     if (!status && sets.n > 0)
         status = make_groups(r, &sets);
     release_sets(&sets);
+    xdmf_tables_release(&tables);
     return status;
 }

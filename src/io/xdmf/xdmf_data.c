@@ -39,7 +39,7 @@ static int add_array(xdmf_reader *r, int64_t element, xdmf_arrays *list) {
                               .of_cells = center && strcasecmp(center, "Cell") == 0,
                               .element = element};
     if (!array.name || (center && !array.of_cells && strcasecmp(center, "Node") != 0) ||
-        find_array(list, array.name, array.of_cells))
+        list->n == IO_MOST_DATA || find_array(list, array.name, array.of_cells))
         return PLANISH_OK;
     return pl_append(&list->array, &list->n, &list->capacity, &array, sizeof array)
                ? PLANISH_OK

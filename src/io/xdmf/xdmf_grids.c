@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-enum { MOST_LEVELS = 32 };
+enum { MOST_LEVELS = 32, MOST_PIECES = 16384 };
 
 typedef struct grid_walk {
     xdmf_reader *r;
@@ -103,6 +103,8 @@ static int add_to_piece(grid_walk *w, int64_t grid, xdmf_piece *new) {
     }
     if (w->is_later)
         return piece ? PLANISH_OK : fail_moving(w, grid);
+    if (!piece && m->n_pieces == MOST_PIECES)
+        return xdmf_fail(&w->r->document, grid, "there are more than %d pieces", MOST_PIECES);
     if (!piece)
         piece = pl_append(&m->piece, &m->n_pieces, &m->piece_capacity, new, sizeof *new);
     return piece && pl_append(&piece->grids.element, &piece->grids.n, &piece->grids.capacity, &grid,

@@ -17,6 +17,9 @@
 
 enum { NO_ELEMENT = -1, MOST_REFERENCES = 16 };
 
+/* Elements that all paths of a file may look at. */
+static const int64_t MOST_LOOKED_AT = INT64_C(1) << 28;
+
 /* ---- reading ------------------------------------------------------------------------------- */
 
 /** Keep a word: its place, or -1 without memory. */
@@ -172,7 +175,7 @@ typedef struct condition {
 
 /** A path while it is followed. */
 typedef struct path_walk {
-    const xdmf_document *d;
+    xdmf_document *d;
     io_cursor rest;
     int is_bad; /* what stands there is not understood */
 } path_walk;
@@ -256,7 +259,7 @@ static int add_children(path_walk *w, int64_t element, const char *name, xdmf_li
     const int64_t first = to->n;
     int status = PLANISH_OK;
     for (int64_t c = first_in(w->d, element); c != NO_ELEMENT && !status;
-         c = element == NO_ELEMENT ? NO_ELEMENT : w->d->element[c].next)
+         c = element == NO_ELEMENT ? NO_ELEMENT : w->d->element[c].next, w->d->n_looked_at++)
         if (strcmp(name, "*") == 0 || xdmf_is(w->d, c, name))
             status = add(w->d, to, c);
     while (!status && !w->is_bad && take(w, "[")) {
@@ -286,6 +289,7 @@ static int take_step(path_walk *w, xdmf_list *list) {
     for (int64_t i = 0; i < from.n && !status && !w->is_bad; i++) {
         w->rest = conditions;
         status = add_children(w, from.element[i], name, &to);
+        w->is_bad |= to.n > w->d->n || w->d->n_looked_at > MOST_LOOKED_AT; /* again and again */
     }
     if (from.n == 0)
         w->rest.at = w->rest.end;

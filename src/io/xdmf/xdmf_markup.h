@@ -39,8 +39,9 @@ typedef struct xdmf_document {
     int64_t n_attributes, attribute_capacity;
     char *text; /* [n_text] owned: words, each with its '\0' */
     int64_t n_text, text_capacity;
-    int64_t open;    /* while it is read: the element that has begun last and not ended */
-    char *last_path; /* that was followed, and its elements; owned */
+    int64_t n_looked_at; /* elements, by paths */
+    int64_t open;        /* while it is read: the element that has begun last and not ended */
+    char *last_path;     /* that was followed, and its elements; owned */
     xdmf_list last_found;
 } xdmf_document;
 

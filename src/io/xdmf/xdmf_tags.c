@@ -43,23 +43,16 @@ static corner_key make_key(const int32_t *node, int n, int64_t first) {
     return key;
 }
 
-/** Cells of the model by their corners: a hash table of places in two lists. */
-typedef struct cell_table {
-    io_list list[2]; /* simplices and others */
-    int64_t *slot;   /* [n_slots] index, those of others behind the simplices; -1 */
-    int64_t n_slots;
-} cell_table;
-
-static corner_key key_of(const cell_table *t, int64_t index) {
+/** Return the key of a slot's cell. */
+static corner_key key_of(const xdmf_table *t, int64_t slot) {
     int32_t node[IO_CELL_NODES];
     int corners;
-    const int is_other = index >= t->list[0].n;
-    io_list_nodes(&t->list[is_other], is_other ? index - t->list[0].n : index, node, &corners);
+    io_list_nodes(&t->list[slot % 2], slot / 2, node, &corners);
     return make_key(node, corners, 0);
 }
 
 /** Return the slot of a key, or the free one where it belongs. */
-static int64_t *find_slot(const cell_table *t, const corner_key *key) {
+static int64_t *find_slot(const xdmf_table *t, const corner_key *key) {
     uint64_t hash = UINT64_C(14695981039346656037);
     for (int i = 0; i < MOST_CORNERS; i++)
         hash = (hash ^ (uint32_t)key->node[i]) * UINT64_C(1099511628211);
@@ -71,28 +64,43 @@ static int64_t *find_slot(const cell_table *t, const corner_key *key) {
     }
 }
 
-/** Fill the table with the cells of numbers below end. */
-static int fill_table(cell_table *t, int64_t end, planish_error *error) {
-    const int64_t n = t->list[0].n + t->list[1].n;
-    for (t->n_slots = 64; t->n_slots < 2 * n; t->n_slots *= 2)
-        continue;
-    t->slot = pl_alloc(t->n_slots, sizeof *t->slot);
-    if (!t->slot)
+/** Make room for n cells: the table is at most half full, and empty if it has been made larger. */
+static int make_room(xdmf_table *t, int64_t n, planish_error *error) {
+    int64_t n_slots = t->n_slots > 0 ? t->n_slots : 64;
+    while (n_slots < 2 * n)
+        n_slots *= 2;
+    if (n_slots == t->n_slots)
+        return PLANISH_OK;
+    int64_t *slot = pl_alloc(n_slots, sizeof *slot);
+    if (!slot)
         return pl_fail_memory(error, "the cells");
-    memset(t->slot, -1, (size_t)t->n_slots * sizeof *t->slot);
-    for (int64_t i = 0; i < n; i++) {
-        const int is_other = i >= t->list[0].n;
-        if (io_list_number(&t->list[is_other], is_other ? i - t->list[0].n : i) >= end)
-            continue;
-        const corner_key key = key_of(t, i);
-        int64_t *slot = find_slot(t, &key);
-        *slot = *slot < 0 ? i : *slot;
-    }
+    memset(slot, -1, (size_t)n_slots * sizeof *slot);
+    pl_free(t->slot);
+    t->slot = slot;
+    t->n_slots = n_slots;
+    t->n_entered[0] = t->n_entered[1] = 0;
     return PLANISH_OK;
 }
 
+/** Enter the cells of numbers below end that are not there yet. */
+static int enter_cells(xdmf_table *t, const io_model *model, int dim, int64_t end,
+                       planish_error *error) {
+    t->list[0] = io_model_list(model, dim);
+    t->list[1] = io_model_list(model, io_others_list(dim));
+    const int status = make_room(t, t->list[0].n + t->list[1].n, error);
+    for (int k = 0; k < 2 && !status; k++) {
+        int64_t *i = &t->n_entered[k];
+        for (; *i < t->list[k].n && io_list_number(&t->list[k], *i) < end; ++*i) {
+            const corner_key key = key_of(t, 2 * *i + k);
+            int64_t *slot = find_slot(t, &key);
+            *slot = *slot < 0 ? 2 * *i + k : *slot;
+        }
+    }
+    return status;
+}
+
 /** Find the number of the cell with the corners of cell i of the grid, or -1. */
-static int64_t find_cell(const cell_table *t, const vtk_grid *grid, int64_t i) {
+static int64_t find_cell(const xdmf_table *t, const vtk_grid *grid, int64_t i) {
     int dim = 0, corners = 0;
     const int32_t *node = grid->connectivity + grid->offset[i];
     if (!xdmf_parts_of(grid->type[i], &dim, &corners) || dim != t->list[0].dim ||
@@ -102,28 +110,34 @@ static int64_t find_cell(const cell_table *t, const vtk_grid *grid, int64_t i) {
         if (node[k] < 0 || node[k] >= grid->n_points)
             return -1;
     const corner_key key = make_key(node, corners, grid->first_point);
-    const int64_t at = *find_slot(t, &key);
-    const int is_other = at >= t->list[0].n;
-    return at < 0 ? -1 : io_list_number(&t->list[is_other], is_other ? at - t->list[0].n : at);
+    const int64_t slot = *find_slot(t, &key);
+    return slot < 0 ? -1 : io_list_number(&t->list[slot % 2], slot / 2);
 }
 
-int xdmf_find_map(const io_model *model, const vtk_grid *grid, int64_t end, int64_t **map,
-                  planish_error *error) {
+int xdmf_find_map(xdmf_tables *tables, const io_model *model, const vtk_grid *grid, int64_t end,
+                  int64_t **map, planish_error *error) {
     int dim = 0, corners;
     *map = NULL;
     if (grid->n == 0 || end == 0 || !xdmf_parts_of(grid->type[0], &dim, &corners))
         return PLANISH_OK;
-    cell_table t = {.list = {io_model_list(model, dim), io_model_list(model, io_others_list(dim))}};
-    int status = t.list[0].n + t.list[1].n > 0 ? fill_table(&t, end, error) : PLANISH_OK;
-    if (t.slot && !status && !(*map = pl_alloc(grid->n, sizeof **map)))
-        status = pl_fail_memory(error, "the cells");
+    xdmf_table *t = &tables->table[dim - 2];
+    const int status = enter_cells(t, model, dim, end, error);
+    if (status || find_cell(t, grid, 0) < 0)
+        return status;
+    *map = pl_alloc(grid->n, sizeof **map);
+    if (!*map)
+        return pl_fail_memory(error, "the cells");
     for (int64_t i = 0; i < grid->n && *map; i++) {
-        (*map)[i] = find_cell(&t, grid, i);
+        (*map)[i] = find_cell(t, grid, i);
         if ((*map)[i] < 0) {
             pl_free(*map);
             *map = NULL;
         }
     }
-    pl_free(t.slot);
-    return status;
+    return PLANISH_OK;
+}
+
+void xdmf_tables_release(xdmf_tables *tables) {
+    pl_free(tables->table[0].slot);
+    pl_free(tables->table[1].slot);
 }
