@@ -129,6 +129,7 @@ static void elements_of_several_types_stand_in_one_list(void **state) {
     planish_file_get_info(file, &info);
     assert_int_equal(info.n_other_elements, 1);
     planish_file_close(file);
+    gives(XDMF(GRID(TOPOLOGY("Mixed", "10", "10", "6 0 1 2 3 6 1 2 3 4") POINTS)), 5, 2);
     fails(XDMF(GRID(TOPOLOGY("Mixed", "2", "5", "6 0 1 2 3") POINTS)), "2 elements should be");
     fails(XDMF(GRID(TOPOLOGY("Mixed", "1", "5", "99 0 1 2 3") POINTS)), "element 0");
     fails(XDMF(GRID(TOPOLOGY("Mixed", "1", "4", "6 0 1 2") POINTS)), "nodes are not all there");

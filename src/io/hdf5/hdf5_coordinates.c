@@ -242,7 +242,8 @@ int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int widt
         d.shape.n == n * width)
         status = take_encoding(file, dataset, d.type, &like);
     if (!status && like.encoding == IO_FLOAT64 && !like.swapped) {
-        const io_hdf5_place place = {io_hdf5_path_of(file, "%s", dataset), 0, width, width, 1, 0, 0};
+        const io_hdf5_place place = {
+            io_hdf5_path_of(file, "%s", dataset), 0, width, width, 1, 0, 0};
         status = add_places(file, &place, &d, like);
     }
     hdf5_dataset_close(&d);

@@ -140,7 +140,8 @@ static int take_topology(xdmf_reader *r, const xdmf_piece *piece, xdmf_topology 
         status = xdmf_check_count(r, &piece->item, &t->n_values);
     if (status)
         return status;
-    t->n = given;
+    /* Some programs give the numbers of the list of a Mixed topology. */
+    t->n = t->type->code == 0 && given == t->n_values && given > 0 ? -1 : given;
     t->nodes = t->type->nodes;
     if (t->type->code == 0 || t->type->code == 16)
         return PLANISH_OK;
