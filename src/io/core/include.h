@@ -16,9 +16,9 @@
 
 enum { IO_MOST_INCLUDED = 256 };
 
-/** Make the path of the file called name, which the input names. Owned; NULL: it leads out of the
- *  folder, or there is no memory. */
-char *io_include_find(const io_model *model, io_slice name);
+/** Make the path of the file called name, which the input names: *path, owned; NULL: it leads out of
+ *  the folder. Error: _MEMORY. */
+int io_include_find(const io_model *model, io_slice name, char **path, planish_error *error);
 
 /** Open the file called name, which the file at the place at names; *content is all of it, until
  *  io_include_close. Places of errors (io_fail_at) may be in it. Errors: _FORMAT (it leads out of the

@@ -22,10 +22,12 @@ static int for_all_names(xdmf_reader *r, take_name *take, void *user) {
     int status = PLANISH_OK;
     for (int64_t i = 0; i < r->document.n && !status; i++) {
         xdmf_item item;
-        if (!xdmf_is(&r->document, i, "DataItem") || xdmf_attribute(&r->document, i, "Reference") ||
-            xdmf_item_of(r, i, &item))
-            continue; /* what cannot be read names nothing */
-        if (item.form != XDMF_TEXT)
+        if (!xdmf_is(&r->document, i, "DataItem") || xdmf_attribute(&r->document, i, "Reference"))
+            continue;
+        status = xdmf_item_of(r, i, &item);
+        if (status == PLANISH_ERROR_FORMAT) /* what cannot be read names nothing */
+            status = PLANISH_OK;
+        else if (!status && item.form != XDMF_TEXT)
             status = take(r, &item, user);
     }
     return status;
@@ -52,9 +54,10 @@ static int note_name(xdmf_reader *r, const xdmf_item *item, void *user) {
             return PLANISH_OK;
     if (model->n_beside == MOST_FILES)
         return xdmf_fail(&r->document, item->element, "more than %d files are named", MOST_FILES);
-    char *path = io_include_find(&r->document.view, item->file);
-    if (!path) /* it is not copied along */
-        return PLANISH_OK;
+    char *path;
+    const int status = io_include_find(&r->document.view, item->file, &path, r->error);
+    if (status || !path) /* it is not copied along */
+        return status;
     const int64_t n = io_slice_length(item->file);
     char *name = path + strlen(path) - n;
     memmove(path, name, (size_t)n + 1);
@@ -109,12 +112,13 @@ static int add_hdf5(xdmf_reader *r, const xdmf_item *item, void *user) {
     pl_file_status about;
     if (item->form != XDMF_HDF5 || is_last)
         return PLANISH_OK;
-    char *path = io_include_find(&r->document.view, item->file);
+    char *path;
+    const int status = io_include_find(&r->document.view, item->file, &path, r->error);
     if (path && pl_file_find(path, &about) == 0 && about.size < INT64_MAX / 4 - sum->bytes)
         sum->bytes += about.size;
     pl_free(path);
     sum->last = item->file;
-    return PLANISH_OK;
+    return status;
 }
 
 static int64_t xdmf_hdf5_bytes(const io_model *model) {
