@@ -208,7 +208,8 @@ int xdmf_read_nodes(xdmf_reader *r, xdmf_mesh *m) {
                                          : read_bytes(r, &m->geometry[i], k);
     if (status || form != XDMF_TEXT)
         return status ? status : io_components_end(r->model, r->error);
-    qsort(r->model->span, (size_t)r->model->n_spans, sizeof *r->model->span, compare_spans);
+    if (r->model->n_spans > 0)
+        qsort(r->model->span, (size_t)r->model->n_spans, sizeof *r->model->span, compare_spans);
     for (int64_t i = 0; r->model->columns < 3 && i < n; i++)
         r->model->xyz[3 * i + 2] = 0;
     return PLANISH_OK;
