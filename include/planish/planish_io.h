@@ -18,7 +18,7 @@
  *
  * Formats: docs/formats.md lists them; planish_file_formats has their names. Meshes of Elmer and OpenFOAM
  * are folders: a path is then that of the folder. Calls on different files may run at the same time,
- * but of files in HDF5 (CGNS, MED, VTKHDF, DMPlex, Exodus) one at a time, unless the HDF5 library is built for
+ * but of files in HDF5 (CGNS, MED, VTKHDF, DMPlex, Exodus, XDMF) one at a time, unless the HDF5 library is built for
  * threads. Error convention as in planish.h; the text says file, line or byte, and what to do.
  * Functions that cannot fail return 0, NULL or -1 where the file or path is NULL.
  */
@@ -201,7 +201,7 @@ typedef struct planish_data_info {
 } planish_data_info;
 
 /** Find out what array i (from 0) of the file's data is. Returns 1, or 0 where there is none: VTK's
- *  formats but HDF, Gmsh and Exodus have data. The order is the file's. A name may occur twice, of nodes
+ *  formats but HDF, Gmsh, Exodus and XDMF have data. The order is the file's. A name may occur twice, of nodes
  *  and of elements. At most 4096 arrays or parts of arrays are looked at. */
 PLANISH_API int planish_file_data_info(const planish_file *file, int64_t i,
                                        planish_data_info *info);

@@ -16,7 +16,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 MOST = 4  # modules of a circle
 
 # Formats of mesh files have a folder each.
-FORMATS = sorted(set(os.listdir(os.path.join(ROOT, "src", "io"))) - {"core", "hdf5", "netcdf", "view", "file"})
+FORMATS = sorted(set(os.listdir(os.path.join(ROOT, "src", "io"))) - {"core", "hdf5", "netcdf", "view", "file", "xml"})
 
 # What each folder may know beside itself and what its neighbours below know.
 KNOWS = {
@@ -35,8 +35,9 @@ KNOWS = {
     "src/io/core": ["src/base"],
     "src/io/hdf5": ["src/io/core"],
     "src/io/netcdf": ["src/io/hdf5", "src/io/view"],
+    "src/io/xml": ["src/io/core"],
     "src/io/view": ["src/io/core"],
-    **{"src/io/" + name: ["src/io/view", "src/io/netcdf"] for name in FORMATS},
+    **{"src/io/" + name: ["src/io/view", "src/io/netcdf", "src/io/xml"] for name in FORMATS},
     "src/io/file": ["src/io/" + name for name in FORMATS],
     "tools/terminal": ["src/base"],
     "tools/options": ["tools/terminal"],
@@ -49,6 +50,7 @@ KNOWS = {
 
 # Single arrows that are allowed beside these: from and to are beginnings of modules.
 ALLOWED = [
+    ("src/io/xdmf/", "src/io/vtk/", "XDMF's cells and numbers are VTK's"),
     ("tools/job/output", "src/io/file/", "names of the files of a mesh"),
     ("tools/job/worst", "src/geometry/", "angles"),
     ("tools/job/curved", "src/geometry/", "facets of a type"),

@@ -23,9 +23,11 @@ END
         [ "${name##*.}" = vtu ] && copy=$name.copy.vtk || copy=$name.copy.vtu
         expect_status 0 "$program" smooth "$name" -o "$copy"
         expect_text "it lacks parameters and comments"
+        # VTK is not everywhere built with its reader of XDMF.
+        [ "${name##*.}" = xdmf ] && name=${name%%.*}.vtu
         pairs+=("$name" "$copy")
     done <names
-    [ "$(wc -l <names)" = 7 ] || fail "not all files"
+    [ "$(wc -l <names)" = 9 ] || fail "not all files"
 done
 "$python" "$cli/cell_types.py" compare "${pairs[@]}" || fail "copies for viewing"
 

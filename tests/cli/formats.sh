@@ -9,7 +9,7 @@ cp "$data"/*.* .
 for file in ascii22.msh binary22.msh ascii41.msh binary41.msh medit.mesh ascii.vtk binary.vtk \
     ascii.vtu base64.vtu raw.vtu zlib.vtu medit.meshb netgen.vol abaqus.inp nastran.bdf \
     nastran_long.bdf cube.med cube.vtkhdf cube.h5 cube.cgns tetgen.node square.msh square.off \
-    square.obj square.ply square.stl cube.mfem cube.exo cube.avs cube.su2 cube.unv; do
+    square.obj square.ply square.stl cube.mfem cube.exo cube.avs cube.su2 cube.unv cube.xdmf; do
     ! lacks $file || continue
     out=smooth.${file##*.}
     expect_status 0 "$program" smooth $file -o "$out" --json $file.json -q
@@ -146,7 +146,7 @@ expect_status 0 "$program" quality medit.mesh --json report.json
 mkdir marked
 tr -d '\n' <<<' ' | cat - medit.mesh | sed '1s/^ *//' >first.mesh
 printf '\xef\xbb\xbf' | cat - tetgen.ele >marked/tetgen.ele
-for file in *.{msh,mesh,vtk,vtu,vol,inp,bdf,off,obj,ply,stl,mfem,node} cube.avs cube.su2 cube.unv; do
+for file in *.{msh,mesh,vtk,vtu,vol,inp,bdf,off,obj,ply,stl,mfem,node} cube.avs cube.su2 cube.unv cube.xdmf; do
     case $file in smooth.* | again.*) continue ;; esac
     ! lacks "$file" || continue
     printf '\xef\xbb\xbf' | cat - "$file" >"marked/$file"

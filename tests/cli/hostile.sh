@@ -57,10 +57,22 @@ for target in "secret", "pipe", "/etc/passwd", "http://127.0.0.1:1/x":
     write(name, head, '<!DOCTYPE x [<!ENTITY e SYSTEM "%s">]>' % target, vtk, ">&e;</VTKFile>")
     write("p" + name, head, '<!DOCTYPE x [<!ENTITY %% e SYSTEM "%s"> %%e;]>' % target, vtk, "/>")
     write("d" + name, head, '<!DOCTYPE VTKFile SYSTEM "%s">' % target, vtk, "/>")
+deep = 10 ** 5
+write("laughs.xdmf", head, '<!DOCTYPE l [<!ENTITY l0 "ha">', laughs, "]><Xdmf>&l9;</Xdmf>")
+write("deep.xdmf", head, "<Xdmf><Domain>", "<Grid GridType='Tree'>" * deep, "</Grid>" * deep, "</Domain></Xdmf>")
+write("paths.xdmf", head, "<Xdmf><Domain>", "".join(
+    "<Grid><include xpointer='xpointer(%s[@a=\"%d\"])'/></Grid>" % ("//*" * 9, i) for i in range(20000)), "</Domain></Xdmf>")
+points = '<Geometry><DataItem Dimensions="5 3" Format="%s">%s</DataItem></Geometry>'
+cells = '<Topology Type="Tetrahedron"><DataItem Dimensions="4">0 1 2 3</DataItem></Topology>'
+for i, target in enumerate(("secret", "pipe", "/etc/passwd", "../xml.bin", ".", "http://127.0.0.1:1/x")):
+    for form in "Binary", "HDF":
+        name = target + (":/x" if form == "HDF" else "")
+        write("named_%d_%s.xdmf" % (i, form), head, "<Xdmf><Domain><Grid>", cells, points % (form, name),
+              "</Grid></Domain></Xdmf>")
 END
 n=$(find . -mindepth 1 | wc -l)
-for file in *.vtu; do
-    tame 2 "$n" "${limits[@]}" "$program" smooth "$file" -o result.vtu
+for file in *.vtu *.xdmf; do
+    tame 2 "$n" "${limits[@]}" "$program" smooth "$file" -o "result.${file##*.}"
 done
 cd .. && rm -r xml
 
@@ -78,7 +90,7 @@ cp "$source_folder"/tests/data/cube.{vtkhdf,med,h5} .
 for file in *; do
     case $file in
     tetgen.face | tetgen.ele) continue ;; # with .node
-    *.off | *.ply | *.avs | *.su2 | *.unv | *.stl | *.obj | *.vtu | *.med | *.vtkhdf | *.h5) wanted=any ;; # what is behind them may be a fault
+    *.off | *.ply | *.avs | *.su2 | *.unv | *.stl | *.obj | *.vtu | *.xdmf | *.med | *.vtkhdf | *.h5) wanted=any ;; # what is behind them may be a fault
     *) wanted=0 ;;
     esac
     cp "$file" "../$file" && truncate -s "${size}K" "$file"
@@ -90,7 +102,7 @@ for file in *; do
     mv "../$file" "$file"
 done
 rm -f ./*
-for extension in msh mesh meshb vtk vtu vtkhdf med cgns h5 node vol inp bdf off obj ply stl mfem avs su2 unv exo; do
+for extension in msh mesh meshb vtk vtu vtkhdf med cgns h5 node vol inp bdf off obj ply stl mfem avs su2 unv exo xdmf; do
     truncate -s "${size}K" "zero.$extension"
     tame 2 1 "${roomy[@]}" "$program" quality "zero.$extension"
     rm "zero.$extension"

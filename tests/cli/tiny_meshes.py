@@ -273,6 +273,16 @@ def unv():
             "         8         1         0         0         7         3         0         0\n    -1\n").encode()
 
 
+def xdmf():
+    return ('<?xml version="1.0"?>\n<Xdmf Version="2.0"><Domain><Grid GridType="Uniform">\n'
+            '<Topology TopologyType="Mixed" NumberOfElements="3"><DataItem Dimensions="14" NumberType="Int">\n' +
+            lines((6, *(i - 1 for i in t)) for t in TETRAHEDRA) + lines([(4, *(i - 1 for i in TRIANGLE))]) +
+            '</DataItem></Topology>\n<Geometry><DataItem Dimensions="5 3" Precision="8">\n' + lines(POINTS) +
+            '</DataItem></Geometry>\n<Attribute Name="region" Center="Cell"><DataItem Dimensions="3" NumberType="Int">'
+            '4 4 7</DataItem></Attribute>\n<Set Name="ends" SetType="Node"><DataItem Dimensions="2" NumberType="Int">'
+            '0 4</DataItem></Set>\n</Grid></Domain></Xdmf>\n').encode()
+
+
 def meshes():
     return {
         "gmsh22.msh": gmsh22(), "gmsh22_binary.msh": gmsh22_binary(), "gmsh41.msh": gmsh41(),
@@ -284,7 +294,7 @@ def meshes():
         "ascii.stl": stl(), "binary.stl": stl_binary(), "plain.obj": obj(), "ascii.ply": ply("ascii"),
         "little.ply": ply("binary_little_endian", "<"), "big.ply": ply("binary_big_endian", ">"),
         "classic.exo": exodus(1), "offsets.exo": exodus(2), "wide.exo": exodus(5),
-        "ascii.avs": ucd(), "binary.ucd": ucd_binary(), "tiny.su2": su2(), "tiny.unv": unv(),
+        "ascii.avs": ucd(), "binary.ucd": ucd_binary(), "tiny.su2": su2(), "tiny.unv": unv(), "tiny.xdmf": xdmf(),
         "tetgen.node": ("5 3 0 1\n" + numbered((*p, 0) for p in POINTS)).encode(),
         "tetgen.ele": ("2 4 1\n" + numbered((*t, 4) for t in TETRAHEDRA)).encode(),
         "tetgen.face": ("1 1\n" + numbered([(*TRIANGLE, 7)])).encode(),

@@ -238,9 +238,9 @@ static void formats_without_data(void **state) {
     expect_no_data(file, "h", PLANISH_ERROR_ARGUMENT, "sizes of Medit stand in NAME.sol");
     planish_file_close(file);
     file = reading_text(&io_format_off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
-    expect_no_data(
-        file, "h", PLANISH_ERROR_ARGUMENT,
-        "are read from files of VTK (.vtk, .vtu), Gmsh and Exodus alone, not from those of off");
+    expect_no_data(file, "h", PLANISH_ERROR_ARGUMENT,
+                   "are read from files of VTK (.vtk, .vtu), Gmsh, Exodus and XDMF alone, not from "
+                   "those of off");
     planish_file_close(file);
 }
 

@@ -44,6 +44,7 @@ const test_data_file test_data_files[] = {
     {"cube.avs", "ucd", 1},
     {"cube.su2", "su2", 0},
     {"cube.unv", "unv", 1},
+    {"cube.xdmf", "xdmf", 0},
     {"elmer", "elmer", 1},
     {"openfoam", "openfoam", 1},
     {NULL, NULL, 0},

@@ -12,7 +12,7 @@ const char *const pl_program_formats =
     "Gmsh .msh, Medit .mesh and .meshb, VTK .vtk, .vtu and .vtkhdf, TetGen .node and\n"
     ".ele, Netgen .vol, Abaqus .inp, Nastran .bdf, CGNS .cgns, MED .med, PETSc .h5,\n"
     "OFF .off, STL .stl, OBJ .obj, PLY .ply, MFEM .mesh, Exodus .exo and .e, AVS UCD\n"
-    ".avs, SU2 .su2, I-DEAS .unv; folders of Elmer and OpenFOAM.";
+    ".avs, SU2 .su2, I-DEAS .unv, XDMF .xdmf and .xmf; folders of Elmer and OpenFOAM.";
 
 static const pl_command_text command_table[] = {
     {PL_COMMAND_SMOOTH, "smooth", "IN OUT", "mesh file", 0, 1, "smooth a mesh",

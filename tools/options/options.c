@@ -334,10 +334,10 @@ static const pl_option option_table[] = {
      "set the format of the input: gmsh, medit, vtk, vtu,\n"
      "vtkhdf, med, cgns, dmplex, tetgen, netgen, abaqus,\n"
      "nastran, off, stl, obj, ply, mfem, exodus, ucd, su2,\n"
-     "unv, elmer or openfoam (default: detect it by\n"
+     "unv, xdmf, elmer or openfoam (default: detect it by\n"
      "content, then by name)",
      "gmsh medit vtk vtu vtkhdf med cgns dmplex tetgen netgen abaqus nastran off stl obj ply mfem "
-     "exodus ucd su2 unv elmer openfoam"},
+     "exodus ucd su2 unv xdmf elmer openfoam"},
     {0, "method", "NAME", SMOOTH, set_choice, AT(library.method), 0, 0, NULL,
      "move nodes by planish (default) or, for comparison,\n"
      "laplacian, area-laplacian or length-laplacian, which\n"

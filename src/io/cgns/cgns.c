@@ -91,7 +91,7 @@ static int read_nodes(cgns_reader *r, int64_t n_nodes) {
         return io_hdf5_fail(r->file, r->zone.text, "there are no GridCoordinates");
     for (int d = 0; d < model->columns && !status; d++) {
         const io_hdf5_path node = io_hdf5_path_of(r->file, "%s/Coordinate%c", grid.text, "XYZ"[d]);
-        const io_hdf5_place place = {cgns_child(r, &node, " data"), d, 1, 1, 0};
+        const io_hdf5_place place = {cgns_child(r, &node, " data"), d, 1, 1, 0, 0, 0};
         if (io_hdf5_kind_of(r->file, node.text) == IO_HDF5_NONE)
             return io_hdf5_fail(r->file, node.text,
                                 "there are no such coordinates (planish reads cartesian ones: "

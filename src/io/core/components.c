@@ -12,7 +12,7 @@
 
 typedef struct component_job {
     io_strided from;
-    double *to; /* the component of node 0 */
+    double *to; /* the component of the first node */
     _Atomic int64_t bad;
 } component_job;
 
@@ -41,9 +41,11 @@ static void load_chunk(void *context, int64_t begin, int64_t end, int thread) {
 
 int64_t io_load_component(io_model *model, io_strided from, int component) {
     enum { NODES_AT_ONCE = 1 << 14 };
-    component_job job = {.from = from, .to = model->xyz + component, .bad = -1};
-    pl_parallel_for(model->threads, model->n_nodes, NODES_AT_ONCE, load_chunk, &job);
-    return atomic_load(&job.bad);
+    component_job job = {.from = from, .to = model->xyz + 3 * from.first + component, .bad = -1};
+    const int64_t n = from.n > 0 ? from.n : model->n_nodes;
+    pl_parallel_for(model->threads, n, NODES_AT_ONCE, load_chunk, &job);
+    const int64_t bad = atomic_load(&job.bad);
+    return bad < 0 ? bad : from.first + bad;
 }
 
 /* ---- places ------------------------------------------------------------------------------- */

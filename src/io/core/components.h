@@ -14,9 +14,10 @@ typedef struct io_strided {
     int64_t stride;   /* and bytes from node to node */
     int size;         /* of a number: 4 or 8 bytes */
     int swapped;      /* it has not this machine's byte order */
+    int64_t first, n; /* nodes that they are of; n 0: all */
 } io_strided;
 
-/** Read coordinate component (0, 1, 2) of all nodes. Return the first node whose coordinate is not
+/** Read coordinate component (0, 1, 2) of the nodes. Return the first node whose coordinate is not
  *  finite, or -1. */
 int64_t io_load_component(io_model *model, io_strided from, int component);
 

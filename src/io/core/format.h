@@ -61,7 +61,10 @@ typedef struct io_format {
     int (*recognise)(const char *data, int64_t size);   /* by content: 1 sure, 0 no */
     int (*read)(io_model *model, planish_error *error); /* model->input is there; NULL, and so is
                                                            recognise: the library is missing */
-    int has_no_end;                                     /* text that nothing tells the end of */
+    /** Return the bytes of the HDF5 files that the input names, 0: none; they are opened in a child
+     *  first. NULL: it names none. */
+    int64_t (*hdf5_bytes)(const io_model *model);
+    int has_no_end;                /* text that nothing tells the end of */
     const io_folder *folder;       /* its meshes are folders, and model->input is the file with the
                                 coordinates; NULL: they are files */
     const char *const *companions; /* extensions of files that may lie beside, NULL-terminated; or
@@ -96,7 +99,7 @@ extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format
     io_format_vtkhdf, io_format_tetgen, io_format_netgen, io_format_abaqus, io_format_nastran,
     io_format_cgns, io_format_med, io_format_plex, io_format_off, io_format_stl, io_format_obj,
     io_format_ply, io_format_mfem, io_format_exodus, io_format_ucd, io_format_su2, io_format_unv,
-    io_format_elmer, io_format_foam;
+    io_format_elmer, io_format_foam, io_format_xdmf;
 
 /** A file that has been read. */
 struct planish_file {

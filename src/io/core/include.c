@@ -7,6 +7,7 @@
 #include "base/status.h"
 #include "base/system.h"
 
+#include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,14 +29,32 @@ static int join(const io_model *model, io_slice name, char path[PATH_MAX]) {
 }
 
 /** Return whether path, without links, is in the folder of the input or below; 1 where there is no
- *  such file. */
+ *  such file; -1 without memory. */
 static int is_below(const io_model *model, const char *path) {
-    char *own = pl_path_resolve(model->input.path), *other = pl_path_resolve(path);
+    char *own = pl_path_resolve(model->input.path);
+    int is_out_of_memory = !own && errno == ENOMEM;
+    char *other = pl_path_resolve(path);
+    is_out_of_memory |= !other && errno == ENOMEM;
     const size_t folder = own ? (size_t)(pl_path_name(own) - own) : 0;
     const int is = !other || (own && strncmp(own, other, folder) == 0);
     free(own);
     free(other);
-    return is;
+    return is_out_of_memory ? -1 : is;
+}
+
+/** Make the path of a file; return whether it may be read; -1 without memory. */
+static int may_be_read(const io_model *model, io_slice name, char path[PATH_MAX]) {
+    return io_slice_length(name) > 0 && join(model, name, path) && !pl_path_is_absolute(name.begin)
+               ? is_below(model, path)
+               : 0;
+}
+
+int io_include_find(const io_model *model, io_slice name, char **path, planish_error *error) {
+    char text[PATH_MAX];
+    const int may_be = may_be_read(model, name, text);
+    *path = may_be > 0 ? pl_copy_text(text) : NULL;
+    return may_be < 0 || (may_be > 0 && !*path) ? pl_fail_memory(error, model->input.path)
+                                                : PLANISH_OK;
 }
 
 int io_include_open(io_model *model, const char *at, io_slice name, io_cursor *content,
@@ -45,7 +64,10 @@ int io_include_open(io_model *model, const char *at, io_slice name, io_cursor *c
     io_bytes file;
     if (io_slice_length(name) == 0)
         return io_fail_at(model, at, error, "the name of the included file is missing");
-    if (!join(model, name, path) || pl_path_is_absolute(name.begin) || !is_below(model, path))
+    const int may_be = may_be_read(model, name, path);
+    if (may_be < 0)
+        return pl_fail_memory(error, model->input.path);
+    if (!may_be)
         return io_fail_at(model, at, error,
                           "'%.*s' is not beside this file or below its folder; copy it there, or "
                           "put its lines in place of this one",

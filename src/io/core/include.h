@@ -1,5 +1,6 @@
 /* include: files that a mesh file names, which stand beside it or below its folder.
  *
+ *   io_include_find        the path of one
  *   io_include_open        open one
  *   io_include_has         whether a place is in one
  *   io_include_fail_node   an error: it has nodes
@@ -14,6 +15,10 @@
 #include "io/core/text.h"
 
 enum { IO_MOST_INCLUDED = 256 };
+
+/** Make the path of the file called name, which the input names: *path, owned; NULL: it leads out of
+ *  the folder. Error: _MEMORY. */
+int io_include_find(const io_model *model, io_slice name, char **path, planish_error *error);
 
 /** Open the file called name, which the file at the place at names; *content is all of it, until
  *  io_include_close. Places of errors (io_fail_at) may be in it. Errors: _FORMAT (it leads out of the

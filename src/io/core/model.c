@@ -467,6 +467,12 @@ static void release_files(io_model *model) {
     pl_free(model->included);
     if (model->packed.data)
         io_bytes_close(&model->packed);
+    if (model->document.data)
+        io_bytes_close(&model->document);
+    for (int64_t i = 0; i < model->n_beside; i++)
+        pl_free(model->beside[i]);
+    pl_free(model->beside);
+    io_edits_destroy(&model->input_names);
     for (int i = 0; i < model->n_companions; i++)
         io_bytes_close(&model->companion[i]);
     pl_free(model->companion);

@@ -238,8 +238,14 @@ typedef struct io_model {
     io_bytes *included;       /* [n_included] files that it names, while it is read (include.h) */
     int n_included;
     int64_t included_capacity;
-    char *folder;         /* of a mesh that is a folder: its path as it was given, owned; NULL: */
-    char *inner;          /* it is files. And where in it these are, "" or a path; owned */
+    char *folder;      /* of a mesh that is a folder: its path as it was given, owned; NULL: */
+    char *inner;       /* it is files. And where in it these are, "" or a path; owned */
+    io_bytes document; /* the file that was opened, if it is not the input but names that as the one
+                             with the coordinates (XDMF); data NULL: the input is it */
+    char **beside;     /* [n_beside] names of other files that the file that was opened has, from
+                             its folder; the input is the first where there is a document. Owned */
+    int64_t n_beside, beside_capacity;
+    io_edits input_names; /* places in the document where it names the input, without text */
     io_bytes packed;      /* the input as the folder has it, packed by gzip; data NULL: as it is */
     int64_t largest_copy; /* files of more bytes are mapped (bytes.h) */
     int is_binary;        /* errors name bytes, not lines (io_fail_at) */
@@ -535,6 +541,11 @@ static inline int64_t io_node_index(const io_model *model, int64_t number) {
     /* unsigned: a number far below first_number must not overflow */
     const uint64_t index = (uint64_t)number - (uint64_t)model->first_number;
     return index < (uint64_t)model->n_nodes ? (int64_t)index : -1;
+}
+
+/** Return the file that was opened: the input, or the document that names it. */
+static inline const io_bytes *io_model_opened(const io_model *model) {
+    return model->document.data ? &model->document : &model->input;
 }
 
 /** Return the end of the input: behind its last byte. */

@@ -126,7 +126,7 @@ static int choose_tag(const io_model *model, const char *text, int dim, uint8_t 
     char list[256];
     list_tags(model, dim, list, sizeof list);
     return pl_fail(error, PLANISH_ERROR_ARGUMENT, "%s: there is no group '%s' %s; the file has: %s",
-                   model->input.path, text, dim < 0 ? "to hold" : kind[dim - 1], list);
+                   io_model_opened(model)->path, text, dim < 0 ? "to hold" : kind[dim - 1], list);
 }
 
 /** Choose the entities of n tags: *chosen [n_entities], owned, in any case. */

@@ -7,6 +7,7 @@
 #include "io/core/bytes.h"
 #include "io/core/cell_types.h"
 #include "io/core/child.h"
+#include "io/core/data.h"
 #include "io/core/number.h"
 #include "io/file/plane.h"
 
@@ -232,19 +233,43 @@ typedef struct trial {
     const char *format;
 } trial;
 
+/** Read an array, which is read later in the process itself. */
+static void try_data(planish_file *file, const io_data *data) {
+    io_model *model = &file->model;
+    planish_error ignored;
+    const int64_t n = data->of_elements ? io_model_n_elements(model) : model->n_nodes;
+    double *values =
+        data->width <= IO_MOST_WIDTH ? pl_alloc(n * data->width, sizeof *values) : NULL;
+    if (values)
+        file->format->read_data(model, data, values, &ignored);
+    pl_free(values);
+}
+
 /** Do all that opening the file does, and look whether packed coordinates will be found again; for
  *  a child process, which releases nothing. */
 static int try_file(void *data, planish_error *error) {
     trial *t = data;
     planish_file *file = &t->file;
     file->model.threads = 1;
-    int status = choose_format(file, t->format, error);
+    int status = file->format ? PLANISH_OK : choose_format(file, t->format, error);
     if (!status)
         status = read_model(file, error);
     pl_output none = {.fd = -1}; /* nothing differs that would be written */
     if (!status && file->format->amend)
         status = file->format->amend(&file->model, io_written_as_read(&file->model), &none, error);
+    for (int64_t i = 0; i < file->model.n_data && !status && file->format->hdf5_bytes; i++)
+        try_data(file, &file->model.data[i]);
     return status;
+}
+
+/** Try the file in a child, in which nothing is isolated any more. size: bytes that are read. */
+static int try_in_child(planish_file *file, int64_t size, const planish_open_options *options,
+                        planish_error *error) {
+    trial t = {.file = *file, .format = options->format};
+    io_bytes read = file->model.input;
+    read.size = size;
+    file->model.is_isolated = options->isolated;
+    return options->isolated ? io_child_run(try_file, &t, &read, error) : PLANISH_OK;
 }
 
 /** Open path, whose options are in order, as file, which is closed on failure by the caller. */
@@ -256,16 +281,17 @@ static int open_file(planish_file *file, const char *path, const planish_open_op
                            : io_bytes_open(path, model->largest_copy, &model->input, error);
     if (!status && !is_folder && io_is_hdf5(model->input.data, model->input.size)) {
         /* The HDF5 library trusts what it has read before, so that its files must not change. And
-         * it crashes on some files: whether it does on this one is tried out in a child, in which
-         * nothing is isolated any more. */
+         * it crashes on some files: whether it does on this one is tried out in a child. */
         status = io_bytes_own(&model->input, error);
-        trial t = {.file = *file, .format = options->format};
-        model->is_isolated = options->isolated;
-        if (!status && options->isolated)
-            status = io_child_run(try_file, &t, &model->input, error);
+        if (!status)
+            status = try_in_child(file, model->input.size, options, error);
     }
     if (!status && !is_folder)
         status = choose_format(file, options->format, error);
+    const int64_t beside =
+        !status && file->format->hdf5_bytes ? file->format->hdf5_bytes(model) : 0;
+    if (beside > 0)
+        status = try_in_child(file, model->input.size + beside, options, error);
     if (!status)
         status = read_model(file, error);
     io_bytes_rest(&model->input); /* nothing is read again until it is written */

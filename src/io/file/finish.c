@@ -389,11 +389,11 @@ int io_model_finish(io_model *model, const io_format *format, planish_error *err
         return pl_fail(
             error, PLANISH_ERROR_FORMAT,
             "%s: no element of two or three dimensions in it: there is nothing to smooth",
-            model->input.path);
+            io_model_opened(model)->path);
     if (model->columns < 3)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: solid elements in two dimensions; a third coordinate is missing",
-                       model->input.path);
+                       io_model_opened(model)->path);
     model->n_lower += model->triangle.n + model->flat.n;
     hold_others(model, &model->solid);
     return finish_space(model);

@@ -13,7 +13,7 @@ static const io_format *const formats[] = {
     &io_format_vtkhdf, &io_format_tetgen, &io_format_netgen,  &io_format_abaqus, &io_format_cgns,
     &io_format_med,    &io_format_plex,   &io_format_off,     &io_format_ply,    &io_format_stl,
     &io_format_obj,    &io_format_mfem,   &io_format_exodus,  &io_format_ucd,    &io_format_su2,
-    &io_format_unv,    &io_format_elmer,  &io_format_foam};
+    &io_format_unv,    &io_format_xdmf,   &io_format_elmer,   &io_format_foam};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 /** Formats in the order of the documentation. */
@@ -70,6 +70,9 @@ static const struct {
      "any other by content",
      "nodes 2411, 781, 15; elements 2412, 780; groups 2467, 2477, 2452, 2435, 2432, 2430, 2429, "
      "2417"},
+    {&io_format_xdmf, "XDMF 2 and 3 (FEniCS, meshio, ParaView)", "",
+     "unstructured grids, with numbers in the XML, in HDF5 or binary files beside; several pieces, "
+     "steps in time with one mesh"},
     {&io_format_elmer, "Elmer", "[a folder](#folders)",
      "mesh.header, .nodes, .elements, .boundary, .names"},
     {&io_format_foam, "OpenFOAM's polyMesh, ASCII and binary", "[a folder](#folders)",

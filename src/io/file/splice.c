@@ -429,6 +429,8 @@ int io_check_inputs_unchanged(const planish_file *file, planish_error *error) {
     int status = io_bytes_check_unchanged(&file->model.input, error);
     if (!status && file->model.packed.data)
         status = io_bytes_check_unchanged(&file->model.packed, error);
+    if (!status && file->model.document.data)
+        status = io_bytes_check_unchanged(&file->model.document, error);
     for (int i = 0; i < file->model.n_companions && !status; i++)
         status = io_bytes_check_unchanged(&file->model.companion[i], error);
     return status;

@@ -1,13 +1,14 @@
 /* write: where files go: the result and its companions.
  *
- * A mesh may be in several files beside one another (TetGen's .node, .ele, ...). The one with the
- * coordinates is written anew (splice.c), the others are copied. All go to temporary files first.
+ * A mesh may be in several files (written.h). The one with the coordinates is written anew (splice.c),
+ * the others are copied. All go to temporary files first.
  */
 #include "io/core/bytes.h"
 #include "base/output.h"
 #include "io/file/file.h"
 #include "io/file/folder.h"
 #include "io/file/plane.h"
+#include "io/file/written.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -22,16 +23,6 @@
 #include <strings.h>
 
 /* ---- files of a mesh ---------------------------------------------------------------------- */
-
-/** Return the path of the file with the coordinates of the mesh at path, which may name a companion
- *  that the format is known by (.ele). Owned; NULL without memory. */
-static char *main_path_of(const io_format *format, const char *path) {
-    const char *extension = io_extension(path);
-    for (const char *const *kind = format->companions; kind && *kind; kind++)
-        if (strcasecmp(*kind, extension) == 0 && io_format_has_extension(format, path))
-            return io_companion_path(format, path, format->extensions[0]);
-    return pl_copy_text(path);
-}
 
 char *io_mesh_file(const char *path, const char *format, int i) {
     const io_format *of = format ? io_format_by_name(format) : io_format_by_extension(path);
@@ -60,23 +51,13 @@ static int is_companion(const planish_file *file, const char *path) {
     return is;
 }
 
-/** Count the companions that planish_file_write to path writes: none into a pipe or device, nor
- *  where the input itself is replaced, beside which they are. Folders have theirs in them. */
-static int companions_to_write(const planish_file *file, const char *path) {
-    if (file->model.folder || file->model.n_companions == 0 || pl_output_is_stream(path))
-        return 0;
-    char *main_path = main_path_of(file->format, path);
-    const int is_input = main_path && strcmp(main_path, file->model.input.path) == 0;
-    pl_free(main_path);
-    return is_input ? 0 : file->model.n_companions;
-}
-
 /** Check what is beside path: nothing of another mesh may be read along with the one that is
  *  written there, and nothing be overwritten that is no companion. */
-static int check_strangers(const planish_file *file, const char *path, planish_error *error) {
+static int check_strangers(const planish_file *file, const char *path, const io_written_list *list,
+                           planish_error *error) {
     const io_model *model = &file->model;
     int status = PLANISH_OK;
-    if (companions_to_write(file, path) == 0)
+    if (model->folder || list->n < 2 || !file->format->companions)
         return PLANISH_OK;
     for (const char *const *kind = file->format->companions; *kind && !status; kind++) {
         int is_written = 0;
@@ -109,7 +90,7 @@ int planish_file_can_write(const planish_file *file, const char *path) {
     const int is_name = io_format_has_extension(format, path) &&
                         (!format->may_be_called || format->may_be_called(&file->model, path));
     return pl_output_is_stream(path) || is_name ||
-           strcasecmp(io_extension(path), io_extension(file->model.input.path)) == 0;
+           strcasecmp(io_extension(path), io_extension(io_model_opened(&file->model)->path)) == 0;
 }
 
 static int check_name(const planish_file *file, const char *path, planish_error *error) {
@@ -141,27 +122,46 @@ int planish_file_check_output(const planish_file *file, const char *path, planis
                        "%s: its coordinates are compressed or packed, so that the result cannot be "
                        "written to a pipe or device; give the name of a file",
                        file->model.input.path);
-    return check_strangers(file, path, error);
+    io_written_list list = {.n = 0};
+    int found = file->model.folder ? PLANISH_OK : io_written_find(file, path, &list, error);
+    if (!found)
+        found = check_strangers(file, path, &list, error);
+    io_written_release(&list);
+    return found;
 }
 
 /* ---- writing ------------------------------------------------------------------------------ */
 
-static int write_companion(const io_format *format, const io_bytes *companion, const char *path,
-                           pl_temporaries temporaries, pl_output *output, planish_error *error) {
-    char *target = io_companion_path(format, path, io_extension(companion->path));
-    if (!target)
-        return pl_fail_memory(error, companion->path);
-    pl_file_status a, b;
+/** Write bytes with edits made. */
+static int write_edited(const io_bytes *bytes, const io_edits *edits, pl_output *output,
+                        planish_error *error) {
+    int64_t at = 0;
     int status = PLANISH_OK;
-    if (pl_file_find(target, &a) || pl_file_find(companion->path, &b) || !pl_file_is_same(&a, &b)) {
-        status = pl_output_open(target, temporaries, output, error);
+    for (int64_t i = 0; i < edits->n && !status; i++) {
+        const io_edit *edit = &edits->edit[i];
+        status = pl_output_write(output, bytes->data + at, edit->begin - at, error);
         if (!status)
-            status = pl_output_write(output, companion->data, companion->size, error);
-        if (!status)
-            status = pl_output_finish(output, error);
+            status = pl_output_write(output, edit->text, edit->length, error);
+        at = edit->end;
     }
-    pl_free(target);
-    return status;
+    return status ? status : pl_output_write(output, bytes->data + at, bytes->size - at, error);
+}
+
+/** Write a file that has no coordinates. */
+static int write_copy(const planish_file *file, const io_written *written, pl_output *output,
+                      planish_error *error) {
+    io_bytes bytes;
+    int status;
+    if (written->from) {
+        status = write_edited(written->from, &written->edits, output, error);
+    } else {
+        status = io_bytes_open(written->source, file->model.largest_copy, &bytes, error);
+        if (status)
+            return status;
+        status = write_edited(&bytes, &written->edits, output, error);
+        io_bytes_close(&bytes);
+    }
+    return status ? status : pl_output_finish(output, error);
 }
 
 /** Rename all temporary files: the one with the coordinates, the first, in the end, so that no file
@@ -183,25 +183,26 @@ static int commit_all(pl_output *output, int n, pl_temporaries temporaries, plan
     return status;
 }
 
-/** Write all temporary files, then rename all. output [1 + n_companions]. */
-static int write_all(const planish_file *file, const char *path, const char *main_path,
+/** Write all temporary files, then rename all. output [list->n]. */
+static int write_all(const planish_file *file, const io_written_list *list,
                      const double *coordinates, int threads, pl_temporaries temporaries,
-                     pl_output *output, int n_companions, planish_error *error) {
+                     pl_output *output, planish_error *error) {
     const io_bytes *input = &file->model.input;
     int status = io_check_inputs_unchanged(file, error); /* before they are read again */
-    if (!status)
-        status = pl_output_open(main_path, temporaries, &output[0], error);
-    /* What is written as it is, and in the input itself, would be read while it is overwritten. */
-    if (!status && !output[0].temporary && io_bytes_are_of(input, output[0].fd))
-        status = pl_fail(error, PLANISH_ERROR_FILE,
-                         "%s: is the input, which cannot be overwritten while it is read; give the "
-                         "input's name to replace it",
-                         output[0].target);
-    if (!status)
-        status = io_write_coordinates(file, coordinates, threads, &output[0], error);
-    for (int i = 0; i < n_companions && !status; i++)
-        status = write_companion(file->format, &file->model.companion[i], path, temporaries,
-                                 &output[i + 1], error);
+    for (int64_t i = 0; i < list->n && !status; i++) {
+        const io_written *written = &list->file[i];
+        status = pl_output_open(written->path, temporaries, &output[i], error);
+        /* What is written as it is, and in the input itself, would be read while it is overwritten. */
+        if (!status && !output[i].temporary && io_bytes_are_of(input, output[i].fd))
+            status = pl_fail(error, PLANISH_ERROR_FILE,
+                             "%s: is the input, which cannot be overwritten while it is read; give "
+                             "the input's name to replace it",
+                             output[i].target);
+        if (!status)
+            status = written->has_coordinates
+                         ? io_write_coordinates(file, coordinates, threads, &output[i], error)
+                         : write_copy(file, written, &output[i], error);
+    }
     /* A failure that comes of an input that changed is better told so. */
     planish_error changed;
     const int is_changed = io_check_inputs_unchanged(file, &changed);
@@ -211,10 +212,41 @@ static int write_all(const planish_file *file, const char *path, const char *mai
             *error = changed;
     }
     if (!status)
-        status = commit_all(output, 1 + n_companions, temporaries, error);
-    for (int i = 0; i <= n_companions; i++)
+        status = commit_all(output, (int)list->n, temporaries, error);
+    for (int64_t i = 0; i < list->n; i++)
         pl_output_release(&output[i], temporaries);
     return status;
+}
+
+/** Write the files of a mesh that is no folder, with coordinates of places. */
+static int write_files(const planish_file *file, const char *path, const double *coordinates,
+                       int threads, pl_temporaries temporaries, planish_error *error) {
+    io_written_list list = {.n = 0};
+    pl_output *output = NULL;
+    int status = io_written_find(file, path, &list, error);
+    if (!status)
+        status = check_strangers(file, path, &list, error);
+    if (!status && !(output = pl_alloc(list.n, sizeof *output)))
+        status = pl_fail_memory(error, path);
+    for (int64_t i = 0; i < list.n && output; i++)
+        output[i] = (pl_output){.fd = -1};
+    if (!status)
+        status = write_all(file, &list, coordinates, threads, temporaries, output, error);
+    pl_free(output);
+    io_written_release(&list);
+    return status;
+}
+
+/** Write a folder: a new one, or the file with the coordinates of the input. */
+static int write_folder(const planish_file *file, const char *path, const double *coordinates,
+                        int threads, pl_temporaries temporaries, planish_error *error) {
+    if (!io_folder_is_input(file, path))
+        return io_folder_write(file, path, coordinates, threads, temporaries, error);
+    io_written input = {
+        .from = &file->model.input, .path = file->model.input.path, .has_coordinates = 1};
+    const io_written_list list = {.file = &input, .n = 1};
+    pl_output output = {.fd = -1};
+    return write_all(file, &list, coordinates, threads, temporaries, &output, error);
 }
 
 int planish_file_write(const planish_file *file, const char *path, const double *coordinates,
@@ -224,20 +256,11 @@ int planish_file_write(const planish_file *file, const char *path, const double 
                        "file, path and coordinates must not be NULL");
     const pl_outside outside = pl_call_enter(NULL);
     const pl_temporaries temporaries = {temporary, temporary_size};
-    const int n_companions = companions_to_write(file, path), dim = file->model.dim;
+    const int dim = file->model.dim;
     const double *places = NULL;
     double *owned = NULL;
-    const int is_new_folder = file->model.folder && !io_folder_is_input(file, path);
-    char *main_path = file->model.folder          ? pl_copy_text(file->model.input.path)
-                      : pl_output_is_stream(path) ? pl_copy_text(path)
-                                                  : main_path_of(file->format, path);
-    pl_output *output = pl_alloc(n_companions + 1, sizeof *output);
-    int status = main_path && output ? PLANISH_OK : pl_fail_memory(error, path);
-    for (int i = 0; i <= n_companions && output; i++)
-        output[i] = (pl_output){.fd = -1};
+    int status = check_name(file, path, error);
     threads = pl_thread_count(threads);
-    if (!status)
-        status = check_name(file, path, error);
     for (int64_t i = 0; i < dim * file->model.n_nodes && !status; i++)
         if (!(fabs(coordinates[i]) <= DBL_MAX))
             status = pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i / dim,
@@ -247,15 +270,9 @@ int planish_file_write(const planish_file *file, const char *path, const double 
         status = io_written_coordinates(&file->model, coordinates, file->model.place_node, threads,
                                         &places, &owned, error);
     if (!status)
-        status = check_strangers(file, path, error);
-    if (!status && is_new_folder)
-        status = io_folder_write(file, path, places, threads, temporaries, error);
-    else if (!status)
-        status = write_all(file, path, main_path, places, threads, temporaries, output,
-                           n_companions, error);
+        status = (file->model.folder ? write_folder : write_files)(file, path, places, threads,
+                                                                   temporaries, error);
     pl_free(owned);
-    pl_free(output);
-    pl_free(main_path);
     pl_call_leave(&outside);
     return status;
 }

@@ -111,12 +111,13 @@ int io_hdf5_cell_array(io_hdf5 *file, const char *path, const char *name, int64_
 
 /* ---- coordinates --------------------------------------------------------------------------- */
 
-/** Components of all nodes in a dataset: that of node i is value c * component_step +
- *  i * node_step, c = 0 .. n_components - 1, and becomes xyz[3 * i + component + c]. */
+/** Components of nodes in a dataset: that of node first_node + i is value c * component_step +
+ *  i * node_step, c = 0 .. n_components - 1, and becomes component + c of xyz. */
 typedef struct io_hdf5_place {
     io_hdf5_path path;
     int component, n_components;
     int64_t node_step, component_step;
+    int64_t first_node, n_nodes; /* n_nodes 0: all */
 } io_hdf5_place;
 
 /** Read coordinates, and tell the model their places; io_model_alloc_nodes has been called. The dataset

@@ -34,13 +34,18 @@ void io_hdf5_release(io_model *model) {
 
 /* ---- places ------------------------------------------------------------------------------- */
 
+/** Return how many nodes the place is of. */
+static int64_t count_nodes(const io_model *model, const io_hdf5_place *place) {
+    return place->n_nodes > 0 ? place->n_nodes : model->n_nodes;
+}
+
 /** Add spans of the nodes that values first .. last - 1 of the dataset are of; these stand at
  * offset.
  */
 static int add_run(io_hdf5 *file, const io_hdf5_place *place, io_span like, int64_t first,
                    int64_t last, int64_t offset) {
     const int size = like.encoding == IO_FLOAT32 ? 4 : 8;
-    const int64_t step = place->node_step, n_nodes = file->model->n_nodes;
+    const int64_t step = place->node_step, n_nodes = count_nodes(file->model, place);
     const int side_by_side = place->component_step == 1 && place->n_components > 1;
     int status = PLANISH_OK;
     like.stride = step * size;
@@ -50,7 +55,7 @@ static int add_run(io_hdf5 *file, const io_hdf5_place *place, io_span like, int6
         int64_t to = last > begin ? (last - begin + step - 1) / step : 0;
         to = to < n_nodes ? to : n_nodes;
         io_span span = like;
-        span.first_node = from;
+        span.first_node = place->first_node + from;
         span.n_nodes = to > from ? to - from : 0;
         span.offset = offset + (begin + from * step - first) * size;
         span.component = place->component + c;
@@ -113,8 +118,12 @@ static int take_values(io_hdf5 *file, const io_hdf5_place *place, const io_span 
                        const char *data) {
     const int size = like->encoding == IO_FLOAT32 ? 4 : 8;
     for (int c = 0; c < place->n_components; c++) {
-        const io_strided from = {data + c * place->component_step * size, place->node_step * size,
-                                 size, like->swapped};
+        const io_strided from = {.data = data + c * place->component_step * size,
+                                 .stride = place->node_step * size,
+                                 .size = size,
+                                 .swapped = like->swapped,
+                                 .first = place->first_node,
+                                 .n = place->n_nodes};
         const int64_t bad = io_load_component(file->model, from, place->component + c);
         if (bad >= 0)
             return io_hdf5_fail(file, place->path.text,
@@ -129,9 +138,10 @@ static int read_values(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dat
     const io_span of_copy = {.encoding = IO_FLOAT64};
     io_span like = {0};
     void *copy = NULL;
-    if (d->shape.n / place->n_components != model->n_nodes || d->shape.n % place->n_components)
+    const int64_t n = count_nodes(model, place);
+    if (d->shape.n / place->n_components != n || d->shape.n % place->n_components)
         return io_hdf5_fail(file, place->path.text, "%lld coordinates for %lld nodes",
-                            (long long)d->shape.n, (long long)model->n_nodes);
+                            (long long)d->shape.n, (long long)n);
     if (d->shape.n == 0)
         return PLANISH_OK;
     int status = take_encoding(file, place->path.text, d->type, &like);
@@ -233,7 +243,8 @@ int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int widt
         d.shape.n == n * width)
         status = take_encoding(file, dataset, d.type, &like);
     if (!status && like.encoding == IO_FLOAT64 && !like.swapped) {
-        const io_hdf5_place place = {io_hdf5_path_of(file, "%s", dataset), 0, width, width, 1};
+        const io_hdf5_place place = {
+            io_hdf5_path_of(file, "%s", dataset), 0, width, width, 1, 0, 0};
         status = add_places(file, &place, &d, like);
     }
     hdf5_dataset_close(&d);
@@ -260,9 +271,10 @@ static int put_values(const amend_request *r, const io_hdf5_place *place, int is
     const io_model *model = r->model;
     int changed = 0;
     for (int c = 0; c < place->n_components && place->component + c < model->written; c++) {
-        for (int64_t i = 0; i < model->n_nodes; i++) {
+        for (int64_t i = 0; i < count_nodes(model, place); i++) {
             double *value = &values[c * place->component_step + i * place->node_step];
-            double wanted = r->coordinates[i * model->written + place->component + c];
+            double wanted =
+                r->coordinates[(place->first_node + i) * model->written + place->component + c];
             wanted = is_float ? pl_round_to_float(wanted) : wanted;
             if (!pl_is_same(*value, wanted)) {
                 *value = wanted;
@@ -300,7 +312,7 @@ static int amend_place(const amend_request *r, io_hdf5 *file, const io_hdf5_plac
                        int is_writing, int *is_changed) {
     /* Where in the dataset the last coordinate of the last node is. */
     const int64_t last = (place->n_components - 1) * place->component_step +
-                         (r->model->n_nodes - 1) * place->node_step;
+                         (count_nodes(r->model, place) - 1) * place->node_step;
     hdf5_dataset d;
     void *values = NULL;
     double *before = NULL;

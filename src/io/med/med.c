@@ -144,7 +144,7 @@ static int read_coordinates(med_reader *r, const char *group) {
     if (status)
         return status;
     r->model->columns = (int)dim;
-    const io_hdf5_place place = {path, 0, (int)dim, 1, n};
+    const io_hdf5_place place = {path, 0, (int)dim, 1, n, 0, 0};
     status = io_hdf5_coordinates(r->file, &place);
     return status ? status : io_hdf5_coordinates_end(r->file);
 }

@@ -110,7 +110,8 @@ static int read_coordinates(netcdf *file, const char *name, int component, int n
     model->precision = precision;
     for (int c = 0; c < n_components && !status; c++) {
         const int64_t begin = v->begin + c * model->n_nodes * size;
-        const io_strided from = {model->input.data + begin, size, size, io_machine_is_little()};
+        const io_strided from = {model->input.data + begin, size, size,
+                                 io_machine_is_little(),    0,    0};
         const io_span span = {.n_nodes = model->n_nodes,
                               .encoding = size == 4 ? IO_FLOAT32 : IO_FLOAT64,
                               .swapped = from.swapped,

@@ -64,8 +64,8 @@ static int read_attribute(netcdf *file, const char *variable, const char *name, 
 }
 
 static int read_coordinates(netcdf *file, const char *name, int component, int n_components) {
-    const io_hdf5_place place = {path_of(file, name), component, n_components, 1,
-                                 file->model->n_nodes};
+    const io_hdf5_place place = {
+        path_of(file, name), component, n_components, 1, file->model->n_nodes, 0, 0};
     return io_hdf5_coordinates(file->content, &place);
 }
 

@@ -104,7 +104,8 @@ static int take_copy(plex_reader *r, const char *path, const char *mesh, int *n_
         *n_more += mesh || io_hdf5_is_as_long(r->file, path, columns * r->n_nodes);
         return PLANISH_OK;
     }
-    const io_hdf5_place place = {io_hdf5_path_of(r->file, "%s", path), 0, columns, columns, 1};
+    const io_hdf5_place place = {
+        io_hdf5_path_of(r->file, "%s", path), 0, columns, columns, 1, 0, 0};
     const int status = io_hdf5_coordinates_again(r->file, &place, &is_copy);
     if (status || is_copy || !mesh)
         return status;
@@ -262,7 +263,7 @@ static int plex_read(io_model *model, planish_error *error) {
     int status = begin_reading(&r);
     if (!status)
         status = io_model_alloc_nodes(model, r.n_nodes, 0, error);
-    const io_hdf5_place place = {r.coordinates, 0, model->columns, model->columns, 1};
+    const io_hdf5_place place = {r.coordinates, 0, model->columns, model->columns, 1, 0, 0};
     if (!status)
         status = io_hdf5_coordinates(r.file, &place);
     if (!status)

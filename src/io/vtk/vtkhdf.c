@@ -107,7 +107,7 @@ static int read_lists(vtkhdf_reader *r) {
         status = io_model_alloc_nodes(r->model, shape.dims[0], 0, r->error);
     if (status)
         return status;
-    const io_hdf5_place place = {{GRID "/Points"}, 0, 3, 3, 1};
+    const io_hdf5_place place = {{GRID "/Points"}, 0, 3, 3, 1, 0, 0};
     status = io_hdf5_coordinates(r->file, &place);
     return status ? status : io_hdf5_coordinates_end(r->file);
 }
