@@ -155,7 +155,7 @@ static int write_copy(const planish_file *file, const io_written *written, pl_ou
     if (written->from) {
         status = write_edited(written->from, &written->edits, output, error);
     } else {
-        status = io_bytes_open(written->source, file->model.largest_copy, &bytes, error);
+        status = io_bytes_open_beside(written->source, file->model.largest_copy, &bytes, error);
         if (status)
             return status;
         status = write_edited(&bytes, &written->edits, output, error);

@@ -98,7 +98,7 @@ static int has_name(const char *path, const char *name) {
     planish_error ignored;
     io_bytes bytes;
     int has = 0;
-    if (!pl_file_exists(path) || io_bytes_open(path, IO_LARGEST_COPY, &bytes, &ignored))
+    if (!pl_file_exists(path) || io_bytes_open_beside(path, IO_LARGEST_COPY, &bytes, &ignored))
         return 0;
     for (const char *at = bytes.data, *end = at + bytes.size; !has && at && end - at >= length;) {
         at = memchr(at, *name, (size_t)(end - at - length + 1));
