@@ -1,5 +1,6 @@
 /* main: the program planish; finds the command and hands over. */
 #include "commands/commands.h"
+#include "options/parse.h"
 #include "options/commands.h"
 #include "options/help.h"
 #include "terminal/message.h"

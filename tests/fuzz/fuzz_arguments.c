@@ -3,6 +3,7 @@
  */
 #include "fuzz_require.h"
 
+#include "options/parse.h"
 #include "options/options.h"
 
 #include <getopt.h>

@@ -2,7 +2,7 @@
  * win. The mesh is smoothed in memory, in several ways; nothing is written. */
 #include "commands/commands.h"
 
-#include "commands/run.h"
+#include "commands/steps.h"
 #include "job/job.h"
 #include "job/states.h"
 #include "terminal/message.h"
@@ -68,9 +68,9 @@ static int try_way(const pl_arguments *arguments, way *w, way *before, int *has_
     pl_progress_stage(&progress, PL_STAGE_READING);
     int status = pl_job_read(&job, &of_way, &pl_engine_here);
     if (!status)
-        status = pl_run_check(&job);
+        status = pl_steps_check(&job);
     if (!status)
-        status = pl_run(&job, &result, &progress);
+        status = pl_steps_smooth(&job, &result, &progress);
     if (!status) {
         take_figures(before, &job, &result.before, &result.validity_before);
         take_figures(w, &job, &result.after, &result.validity_after);
@@ -79,7 +79,7 @@ static int try_way(const pl_arguments *arguments, way *w, way *before, int *has_
     pl_progress_clear(&progress);
     w->seconds = pl_seconds() - begin;
     pl_progress_free(&progress);
-    pl_run_free(&result);
+    pl_steps_free(&result);
     pl_job_close(&job);
     return status;
 }

@@ -1,7 +1,7 @@
 /* compare: the command `planish compare`: two states of a mesh, as smooth tells of before and after. */
 #include "commands/commands.h"
 
-#include "commands/run.h"
+#include "commands/steps.h"
 #include "job/output.h"
 #include "job/same.h"
 #include "report/page.h"
@@ -36,13 +36,13 @@ static int compare_with(pl_job *job, const planish_file *after, pl_progress *pro
     pl_result result = {.reason = ""};
     int status = pl_same_check(&before, &second, "planish quality compares such meshes");
     if (!status)
-        status = pl_run_check(job);
+        status = pl_steps_check(job);
     if (!status)
-        status = pl_run_between(job, other.coordinates, &result, progress);
+        status = pl_steps_compare(job, other.coordinates, &result, progress);
     pl_progress_clear(progress);
     if (!status)
         status = tell(job, &result, progress);
-    pl_run_free(&result);
+    pl_steps_free(&result);
     return status;
 }
 

@@ -4,6 +4,7 @@
  * in the end; one that cannot be measured has its message, and the others go on.
  */
 #include "commands/commands.h"
+#include "options/combinations.h"
 
 #include "report/comparison.h"
 #include "job/curved.h"

@@ -1,13 +1,13 @@
 /* smooth: the command `planish smooth`, from mesh file to better mesh file.
  *
- *     options -> read -> run.c -> write -> report
+ *     options -> read -> steps.c -> write -> report
  *
  * Every step returns 0, or an exit status after a message; the first that fails ends the run.
  */
 #include "commands/commands.h"
 
 #include "commands/judge.h"
-#include "commands/run.h"
+#include "commands/steps.h"
 #include "job/cells.h"
 #include "job/curved.h"
 #include "job/output.h"
@@ -124,11 +124,11 @@ static int report_result(const pl_job *job, pl_result *result, const pl_progress
 
 static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     int status;
-    if ((status = pl_run_check(job)))
+    if ((status = pl_steps_check(job)))
         return status;
     if ((status = check_output(job)))
         return status;
-    if ((status = pl_run(job, result, progress)))
+    if ((status = pl_steps_smooth(job, result, progress)))
         return status;
     pl_progress_stage(progress, PL_STAGE_WRITING);
     if ((status = write_mesh(job, result)))
@@ -151,7 +151,7 @@ int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine) {
     if (!status)
         status = smooth_job(&job, &result, &progress);
     pl_progress_free(&progress);
-    pl_run_free(&result);
+    pl_steps_free(&result);
     pl_job_close(&job);
     return status;
 }

@@ -1,6 +1,7 @@
 /* curved: curved surfaces: the shape that nodes slide on, how far the surface is off it, and volumes.
  */
 #include "job/curved.h"
+#include "options/combinations.h"
 
 #include "job/cells.h"
 #include "job/same.h"

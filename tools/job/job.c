@@ -1,6 +1,7 @@
 /* job: what smooth and quality have in common: a mesh file, the nodes it holds, and a plan for it.
  */
 #include "job/job.h"
+#include "options/combinations.h"
 
 #include "job/cells.h"
 #include "job/curved.h"

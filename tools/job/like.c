@@ -1,5 +1,6 @@
 /* like: the target of each element is its shape in another file, or what its layer says. */
 #include "job/like.h"
+#include "options/combinations.h"
 
 #include "job/same.h"
 #include "job/sizes.h"

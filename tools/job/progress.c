@@ -1,5 +1,6 @@
 /* progress: what is told while a command works: on standard error, and kept for the report. */
 #include "job/progress.h"
+#include "options/combinations.h"
 
 #include "terminal/signals.h"
 #include "terminal/terminal.h"

@@ -1,5 +1,6 @@
 /* states: which elements fall short: below their minimum volume, inverted for good, reversed. */
 #include "job/states.h"
+#include "options/combinations.h"
 
 #include "job/held.h"
 #include "terminal/message.h"

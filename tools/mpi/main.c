@@ -1,6 +1,7 @@
 /* main: planish-mpi, the program for meshes that MPI processes share. */
 #define _GNU_SOURCE /* affinity */
 #include "mpi/lead.h"
+#include "options/parse.h"
 
 #include "options/commands.h"
 #include "options/help.h"

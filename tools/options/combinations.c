@@ -1,5 +1,5 @@
 /* combinations: options that exclude or need one another. */
-#include "options/table.h"
+#include "options/combinations.h"
 
 #include "terminal/message.h"
 

@@ -3,8 +3,7 @@
  * One table (options.c) says which options there are; it drives the parser, the help (commands.c),
  * the manual page and the completion of shells (manual.c).
  *
- *     pl_arguments_parse, _free                        a command line
- *     pl_arguments_bound_volumes                       a question about it
+ *     pl_arguments                                     a command line (parse.h, combinations.h)
  *     pl_option_describe                               a row of the table
  *     pl_method_name, pl_objective_name, ...           words of the command line and the report
  */
@@ -101,20 +100,6 @@ typedef struct pl_arguments {
     int help, version;       /* asked for: nothing else is set then */
     planish_options library; /* what goes to the library as it is */
 } pl_arguments;
-
-/** Whether some elements have a minimum volume. */
-int pl_arguments_bound_volumes(const pl_arguments *arguments);
-
-/** Whether an option asks for sizes. */
-int pl_arguments_have_sizes(const pl_arguments *arguments);
-
-/** Return the option that says what elements are to become like, or NULL: there is none. */
-const char *pl_arguments_target(const pl_arguments *arguments);
-
-/** Understand argv (argv[0] is the command's name). Returns 0, or an exit status after a message.
- *  To be released by pl_arguments_free in any case. */
-int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, char **argv);
-void pl_arguments_free(pl_arguments *arguments);
 
 /** Row of the table of options. */
 typedef struct pl_option_text {

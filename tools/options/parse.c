@@ -1,6 +1,7 @@
 /* parse: a command line of one of the commands, by the table of options. */
-#include "options/options.h"
+#include "options/parse.h"
 
+#include "options/combinations.h"
 #include "options/commands.h"
 #include "options/table.h"
 #include "terminal/message.h"

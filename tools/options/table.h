@@ -1,7 +1,6 @@
 /* table: the rows of the table of options, as the parser sees them.
  *
  *     pl_option, pl_option_at                          the table (options.c)
- *     pl_arguments_check                               options beside one another (combinations.c)
  */
 #ifndef PL_TOOLS_OPTIONS_TABLE_H
 #define PL_TOOLS_OPTIONS_TABLE_H
@@ -45,8 +44,5 @@ struct pl_option {
 
 /** Option i, 0 and up, or NULL behind the last. */
 const pl_option *pl_option_at(int i);
-
-/** Check options that exclude or need one another; 0, or an exit status after a message. */
-int pl_arguments_check(const pl_arguments *arguments);
 
 #endif

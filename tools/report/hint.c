@@ -1,5 +1,6 @@
 /* hint: what would help more. */
 #include "report/hint.h"
+#include "options/combinations.h"
 
 #include <inttypes.h>
 

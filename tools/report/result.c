@@ -4,6 +4,7 @@
  * null. The keys are a contract: they are only ever added.
  */
 #include "report/result.h"
+#include "options/combinations.h"
 
 #include "job/held.h"
 #include "job/sizes.h"

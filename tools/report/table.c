@@ -3,6 +3,7 @@
  * Both tables come from the same rows; before is NULL where there is but one state of the mesh.
  */
 #include "report/table.h"
+#include "options/combinations.h"
 
 #include "job/surface.h"
 #include "terminal/histogram.h"

@@ -1,7 +1,7 @@
 /* exodus_blocks: blocks of elements of Exodus files. A block has one type, which a name and the number
  * of nodes tell. Those without a planish_cell_type hold their nodes.
  */
-#include "io/exodus/exodus.h"
+#include "io/exodus/exodus_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"

@@ -4,7 +4,7 @@
  * In io_data begin is the place of a variable, from 0. Of elements there is a part for each block,
  * end, of which n_cells is the first element.
  */
-#include "io/exodus/exodus.h"
+#include "io/exodus/exodus_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"

@@ -5,7 +5,7 @@
  * it. They hold no nodes by themselves. Of all other sides (faces and edges of shells beside solids,
  * ends of lines) the nodes are in the set, as they would be in a node set.
  */
-#include "io/exodus/exodus.h"
+#include "io/exodus/exodus_reader.h"
 
 #include "base/memory.h"
 #include "base/status.h"

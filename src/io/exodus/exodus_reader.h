@@ -1,8 +1,8 @@
-/* exodus: what the parts of the reader of Exodus II files share; for exodus*.c only.
+/* exodus_reader: what the parts of the reader of Exodus II files share; for exodus*.c only.
  *
  *   exodus_reader, exodus_block    a file while it is read, and its blocks of elements
- *   exodus_take_node, _fail_node   numbers of nodes (exodus.c)
- *   exodus_labels_...              numbers and names of blocks and sets (exodus.c)
+ *   exodus_take_node, _fail_node   numbers of nodes (exodus_labels.c)
+ *   exodus_labels_...              numbers and names of blocks and sets (exodus_labels.c)
  *   exodus_read_blocks             elements (exodus_blocks.c)
  *   exodus_read_sets               node sets and side sets (exodus_sets.c)
  *   exodus_note_data, _read_data   variables (exodus_data.c)
@@ -10,8 +10,8 @@
  * Blocks, sets, elements and nodes have a place, from 1, by which the file refers to them, and a
  * number ("id") for people.
  */
-#ifndef PL_IO_EXODUS_EXODUS_H
-#define PL_IO_EXODUS_EXODUS_H
+#ifndef PL_IO_EXODUS_READER_H
+#define PL_IO_EXODUS_READER_H
 
 #include "io/exodus/exodus_format.h"
 #include "io/netcdf/netcdf.h"

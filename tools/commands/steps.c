@@ -1,8 +1,8 @@
-/* run: a mesh that has been read is planned, measured, smoothed, measured and checked.
+/* steps: a mesh that has been read is planned, measured, smoothed, measured and checked.
  *
  * Every step returns 0, or an exit status after a message; the first that fails ends the run.
  */
-#include "commands/run.h"
+#include "commands/steps.h"
 
 #include "commands/promises.h"
 #include "job/cells.h"
@@ -208,11 +208,11 @@ static int has_smoothed(const pl_job *job) {
     return has_simplex || job->has_types;
 }
 
-int pl_run_check(const pl_job *job) {
+int pl_steps_check(const pl_job *job) {
     return job->file && !has_smoothed(job) ? complain_of_types(job) : 0;
 }
 
-int pl_run(pl_job *job, pl_result *result, pl_progress *progress) {
+int pl_steps_smooth(pl_job *job, pl_result *result, pl_progress *progress) {
     int status;
     if ((status = prepare(job, result, progress)))
         return status;
@@ -244,7 +244,7 @@ static void move_nodes(const pl_job *job, const double *after, planish_result *m
     }
 }
 
-int pl_run_between(pl_job *job, const double *after, pl_result *result, pl_progress *progress) {
+int pl_steps_compare(pl_job *job, const double *after, pl_result *result, pl_progress *progress) {
     int status = prepare(job, result, progress);
     if (status)
         return status;
@@ -261,7 +261,7 @@ int pl_run_between(pl_job *job, const double *after, pl_result *result, pl_progr
                             &result->worst_after, &result->picture);
 }
 
-void pl_run_free(pl_result *result) {
+void pl_steps_free(pl_result *result) {
     pl_validity_free(&result->validity_before);
     pl_validity_free(&result->validity_after);
     pl_volumes_free(&result->volumes);
