@@ -193,7 +193,7 @@ refuse() { # TEXT ARGUMENT...
 refuse "has 405 nodes" ball.mesh --slide curved --surface-of other.mesh
 refuse "No such file" ball.mesh --slide curved --surface-of none.mesh
 sed 's/^\(Tetrahedra .*\)/\1/; /^Tetrahedra/{n;s/^\([0-9]*\) \([0-9]*\)/\2 \1/}' ball.mesh >swapped.mesh
-refuse "differ from those of ball.mesh at element 1:" ball.mesh --slide curved --surface-of swapped.mesh
+refuse "element 1 of swapped.mesh has other nodes than element 1 of ball.mesh; --surface-of" ball.mesh --slide curved --surface-of swapped.mesh
 sed '4s/^[^ ]*/nan/' ball.mesh >nan.mesh
 refuse "nan.mesh:4" ball.mesh --slide curved --surface-of nan.mesh
 python3 "$cli/make_slow_mesh.py" 6 square.mesh
