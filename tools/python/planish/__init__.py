@@ -19,6 +19,7 @@ package, beside the installation that the package is part of, and where the syst
 docs/python.md is the introduction. Modules whose names begin with _ are not for callers.
 """
 
+from . import accessor  # registers itself where PyVista is
 from ._errors import ConversionWarning, Error, FileError
 from ._files import Format, Mesh, formats, read, write
 from ._library import version
@@ -32,5 +33,5 @@ from ._structures import Progress
 
 __all__ = ["CellMeasures", "CellQuality", "CellValues", "ConversionWarning", "Error", "FileError", "FitInfo", "Format",
            "Mesh", "Plan", "Progress", "Quality", "Result", "Shape", "ShapeDistance", "ShapeInfo", "SizeQuality",
-           "SlideInfo", "Slides", "Spread", "checksum", "find_layers", "find_sizes", "find_slides", "formats",
+           "SlideInfo", "Slides", "Spread", "accessor", "checksum", "find_layers", "find_sizes", "find_slides", "formats",
            "quality", "read", "size_quality", "smooth", "version", "write"]

@@ -38,8 +38,10 @@ def borrow(owner: Any, at: Optional[int], shape: tuple[int, ...], dtype: Any) ->
 
 
 def is_in_space(points: Array) -> bool:
-    """Whether points are in no plane of constant z, but for what geometry kernels leave of roundings, as in
-    files."""
+    """Whether points are in no plane of constant z.
+
+    Roundings that geometry kernels leave do not count, as in files.
+    """
     if points.ndim != 2 or points.shape[1] < 3 or not len(points):
         return False
     noise = 1e-8 if points.dtype.itemsize == 8 else 1e-6
@@ -107,7 +109,7 @@ def simplices(cells: Any) -> Array:
     if cells.dtype == np.uint64 and cells.size and cells.max() > np.iinfo(np.int64).max:
         raise ValueError(f"cells has node {cells.max()}, which is out of range")
     is_narrow = cells.dtype.itemsize <= 4 and cells.dtype.kind == "i"
-    return np.require(cells, np.int32 if is_narrow else np.int64, "CA")
+    return np.require(cells, np.int32 if is_narrow else np.int64, ["C", "A"])
 
 
 def narrow(nodes: Array) -> Array:

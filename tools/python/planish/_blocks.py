@@ -102,7 +102,7 @@ def _of_arrays(nodes: Array, offsets: Array, types: Array, data: dict[str, Any])
 def _starts(lists: Array, what: str, types: Optional[Array]) -> Array:
     """Return where the counts of VTK's lists stand."""
     if types is not None and len(types) and 0 <= types.min() and types.max() < len(WIDTHS):
-        starts = np.cumsum(WIDTHS[types] + 1) - WIDTHS[types] - 1
+        starts: Array = np.cumsum(WIDTHS[types] + 1) - WIDTHS[types] - 1
     else:  # all cells may have as many nodes as the first
         starts = np.arange(0, len(lists), max(int(lists[0]), 0) + 1 if len(lists) else 1)
     ends = lists[starts] + starts + 1 if len(starts) and starts[-1] < len(lists) else starts
@@ -129,7 +129,7 @@ def _counted(lists: Any, what: str, types: Optional[Array] = None) -> tuple[Arra
     starts = _starts(lists, what, types)
     if types is not None and len(starts) != len(types):
         raise ValueError(f"{what} has {len(starts)} cells, but there are {len(types)} types")
-    nodes = np.delete(lists, starts)
+    nodes: Array = np.delete(lists, starts)
     return nodes, np.append(starts - np.arange(len(starts)), len(nodes))
 
 
@@ -153,9 +153,11 @@ def _of_grid(mesh: Any) -> list[Block]:
 
 def _of_polydata(mesh: Any) -> list[Block]:
     """Return cells of a PolyData of PyVista: its arrays have points first, then lines, faces and strips."""
+    kinds: list[tuple[str, dict[int, int], int]] = [
+        ("verts", {1: 1}, POLYVERTEX), ("lines", {2: 3}, POLYLINE), ("faces", {3: 5, 4: 9}, POLYGON),
+        ("strips", {}, STRIP)]
     parts, first = [], 0
-    for name, usual, other in (("verts", {1: 1}, POLYVERTEX), ("lines", {2: 3}, POLYLINE),
-                               ("faces", {3: 5, 4: 9}, POLYGON), ("strips", {}, STRIP)):
+    for name, usual, other in kinds:
         nodes, offsets = _counted(getattr(mesh, name, None), f"{name} of the mesh")
         types = np.array([usual.get(width, other) for width in np.diff(offsets).tolist()], dtype=np.uint8)
         parts.append((nodes, offsets[:-1] + first, types))

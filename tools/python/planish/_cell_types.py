@@ -40,8 +40,10 @@ _REORDERED: dict[Any, tuple[CellType, list[int]]] = {
 
 
 def type_of(name: Any) -> tuple[Optional[CellType], Optional[list[int]]]:
-    """Return the type that meshio's name or VTK's number means, None if the library does not know it, and the
-    order of its nodes if that is not VTK's."""
+    """Return the type that meshio's name or VTK's number means, and the order of its nodes if that is not VTK's.
+
+    The type is None if the library does not know it.
+    """
     return _REORDERED.get(name, (KNOWN.get(name), None))
 
 

@@ -60,8 +60,10 @@ class Elements:
         return len(self.at)
 
     def held(self, n_points: int, without_tags: bool) -> Optional[NDArray[np.uint8]]:
-        """Return which nodes other cells hold, None: there are no other cells. without_tags: facets and edges hold
-        none."""
+        """Return which nodes other cells hold, None: there are no other cells.
+
+        without_tags: facets and edges hold none.
+        """
         if not self.others:
             return None
         return _holders.held_nodes([block for block in self.others if not without_tags
@@ -99,7 +101,7 @@ class Elements:
         if self.layout is None:
             assert self.simple is not None
             return self.simple[chosen].ravel()
-        nodes = self.layout.nodes[np.repeat(chosen, np.diff(self.layout.offsets))]
+        nodes: Array = self.layout.nodes[np.repeat(chosen, np.diff(self.layout.offsets))]
         return nodes[nodes >= 0]
 
     def as_layout(self) -> Layout:

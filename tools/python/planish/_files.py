@@ -45,7 +45,7 @@ def io(name: str) -> Any:
 
 def _texts(texts: Any) -> list[str]:
     """Return a list of texts that NULL ends."""
-    found = []
+    found: list[str] = []
     while texts and texts[len(found)] is not None:
         found.append(texts[len(found)].decode(errors="surrogateescape"))
     return found
@@ -71,7 +71,8 @@ class Format(NamedTuple):
 
 def formats() -> list[Format]:
     """Return the formats of mesh files (docs/formats.md)."""
-    targets, found = [], []
+    targets: list[str] = []
+    found: list[Format] = []
     while (name := io("target")(len(targets))) is not None:
         targets.append(name.decode())
     info = FormatInfo()
@@ -237,7 +238,8 @@ class Mesh:
     @property
     def data_arrays(self) -> list[str]:
         """Names of the arrays of numbers of nodes and elements."""
-        info, names = DataInfo(), []
+        info = DataInfo()
+        names: list[str] = []
         while io("data_info")(self.handle.file, c_int64(len(names)), byref(info)):
             names.append((info.name or b"").decode(errors="surrogateescape"))
         return names

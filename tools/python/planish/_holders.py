@@ -47,8 +47,11 @@ def _boundary_edges(elements: Array) -> Array:
 
 
 def _holders(listed: Array, listed_tags: Array, elements: Array) -> NDArray[np.bool_]:
-    """Return a mask of the listed edges or facets that hold their nodes. Where all of the elements' are listed,
-    those inside with the tag of most inside hold none, and neither do such edges on the boundary, as in files."""
+    """Return a mask of the listed edges or facets that hold their nodes.
+
+    Where all of the elements' are listed, those inside with the tag of most inside hold none, and neither do such
+    edges on the boundary, as in files.
+    """
     holds = np.ones(len(listed), dtype=bool)
     corners, of_element = listed.shape[1], elements.shape[1]
     is_facet = of_element - corners == 1

@@ -48,8 +48,10 @@ def _is_of_type(view: View) -> NDArray[np.bool_]:
 
 
 def _chosen(view: View, is_all: bool) -> NDArray[np.bool_]:
-    """Return a mask of the elements whose layers are held: all, or by their types, unless they are targets, which
-    survive. Meshes of quadrilaterals alone are often stretched throughout."""
+    """Return a mask of the elements whose layers are held: all, or by their types.
+
+    Targets survive, and meshes of quadrilaterals alone are often stretched throughout.
+    """
     layout = view.elements.layout
     if is_all:
         return np.ones(view.elements.n, dtype=bool)
@@ -75,8 +77,10 @@ def _hold(view: View, chosen: NDArray[np.bool_]) -> None:
 
 
 def _free_invalid(view: View, held: NDArray[np.bool_], n_held: int) -> None:
-    """Free the held nodes of elements that are not valid, which look thin by chance; all nodes where these are many,
-    as a wall was moved."""
+    """Free the held nodes of elements that are not valid, which look thin by chance.
+
+    All nodes are freed where these are many, as a wall was moved.
+    """
     invalid, layout = view.states() != _VALID, view.elements.as_layout()
     owner = np.repeat(np.arange(len(invalid)), np.diff(layout.offsets))
     corner = np.arange(len(owner)) - layout.offsets[owner] < CORNERS[layout.types][owner]

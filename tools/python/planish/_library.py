@@ -22,7 +22,7 @@ BESIDE = ""
 # ---- loading --------------------------------------------------------------------------------------
 
 
-def _folders() -> list[pathlib.Path]:
+def folders() -> list[pathlib.Path]:
     """Return the folders where a library may lie beside this package: in a wheel, and as installed."""
     here = pathlib.Path(__file__).resolve().parent
     return [here / "lib"] + ([here / BESIDE] if BESIDE else [])
@@ -37,7 +37,7 @@ def _paths(name: str) -> list[str]:
     if named:  # beside the one that is named
         folder = pathlib.Path(named).parent
         return [str(folder / soname), str(folder / f"lib{name}.so")]
-    beside = [str(folder / soname) for folder in _folders() if (folder / soname).exists()]
+    beside = [str(folder / soname) for folder in folders() if (folder / soname).exists()]
     return [*beside, soname, ctypes.util.find_library(name) or soname]
 
 

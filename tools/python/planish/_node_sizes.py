@@ -66,7 +66,8 @@ def _matrices(values: Array, dim: int, is_solution: bool) -> NDArray[np.float64]
         off = np.abs(full - full.transpose(0, 2, 1)).max(axis=(1, 2))
         if (off > _ROUNDING * np.abs(values).max(axis=1)).any():
             raise ValueError("a metric is not symmetric and positive definite")
-        return np.tril(full) + np.tril(full, -1).transpose(0, 2, 1)
+        made: NDArray[np.float64] = np.tril(full) + np.tril(full, -1).transpose(0, 2, 1)
+        return made
     if width != 6 and not (width == 3 and dim == 2 and is_solution):
         raise ValueError(f"the array has {width} numbers for each of its values: a size is one number, and a metric a "
                          "symmetric tensor")
@@ -91,4 +92,5 @@ def metrics_at_nodes(values: Array, layout: Layout, of_elements: bool, n: int, d
         sums = matrices.reshape(n, -1) * is_used[:, None]
     means = sums / np.maximum(count, 1)[:, None]
     means[~is_used] = sums.sum(axis=0) / max(int(count.sum()), 1)
-    return means.reshape(n, dim, dim)
+    found: NDArray[np.float64] = means.reshape(n, dim, dim)
+    return found

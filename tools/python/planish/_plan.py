@@ -52,7 +52,7 @@ def _take_min_volume(view: View, given: Any) -> None:
     """Give the view the minimum volumes of its elements: an array [m], or volumes by groups."""
     if isinstance(given, Mapping):
         given = view.name_min_volumes(given)
-    volumes = np.require(given, np.float64, "CA")
+    volumes = np.require(given, np.float64, ["C", "A"])
     if volumes.shape != (view.elements.n,):
         raise ValueError(f"min_volume must have one value for each of {view.elements.n} elements")
     view.give("min_volume", volumes)
@@ -232,8 +232,10 @@ class Plan:
 
     @contextlib.contextmanager
     def _use(self, measures: bool = False) -> Iterator[None]:
-        """Keep other threads from the plan meanwhile. measures: what is done may also be done by the progress of the
-        thread that smooths, and by handlers of signals."""
+        """Keep other threads from the plan meanwhile.
+
+        measures: what is done may also be done by the progress of the thread that smooths, and by handlers of signals.
+        """
         if self._smoother not in (0, threading.get_ident()):
             raise RuntimeError(_AT_WORK)
         if not self._lock.acquire(blocking=self._process == os.getpid()):

@@ -68,7 +68,8 @@ class Promises:
         """Return a mask of the elements that were valid and are not so now."""
         if self.before.states is None or after.states is None:
             return np.zeros(self.view.elements.n, dtype=bool)
-        return (self.before.states == _VALID) & (after.states != _VALID)
+        found: NDArray[np.bool_] = (self.before.states == _VALID) & (after.states != _VALID)
+        return found
 
     def _is_more_inverted(self, after: _State) -> bool:
         if self.has_types:

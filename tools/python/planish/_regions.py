@@ -38,7 +38,8 @@ def _numbers(values: Any, n: int) -> Optional[Array]:
     if values.dtype.kind == "b":
         values = values.astype(np.uint8)
     native = values.dtype.newbyteorder("=")
-    return np.require(values, native if native.name in _NUMBERS else np.float64, "CA")
+    wanted: Array = np.require(values, native if native.name in _NUMBERS else np.float64, ["C", "A"])
+    return wanted
 
 
 def names_of(regions: Any) -> Optional[list[str]]:

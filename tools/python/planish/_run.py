@@ -38,7 +38,7 @@ class _Watch:
 def watched(options: Options, progress: Optional[Callable[[Progress], Any]], work: Callable[[], None]) -> None:
     """Do work, which calls the library with options, and raise what progress has raised, once it has ended."""
     if progress is None:
-        options.progress = PROGRESS()
+        options.progress = PROGRESS(0)
         work()
         return
     watch = _Watch(progress)
@@ -51,6 +51,6 @@ def watched(options: Options, progress: Optional[Callable[[Progress], Any]], wor
     finally:
         if sys.unraisablehook is note:
             sys.unraisablehook = watch.hook
-        options.progress = PROGRESS()
+        options.progress = PROGRESS(0)
     if watch.raised:
         raise watch.raised[0]

@@ -105,8 +105,10 @@ class Shape:
 
 
 def shape_for(source: Source, given: Any, regions: Any, crease_angle: float, threads: int) -> Shape:
-    """Return the shape that surface_of asks for: given, or that of the mesh with its points at given; None: where
-    they are."""
+    """Return the shape that surface_of asks for: given, or that of the mesh with its points at given.
+
+    None: where they are.
+    """
     if isinstance(given, Shape):
         return given
     view = view_of_shape(source, regions, threads)

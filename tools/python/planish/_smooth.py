@@ -117,7 +117,17 @@ def smooth(
         surface_tolerance=surface_tolerance, max_displacement=max_displacement, box=box, method=method,
         direction=direction, untangle=untangle, max_sweeps=max_sweeps, tolerance=tolerance, time_limit=time_limit,
         progress=progress)
-    return _smooth(Source(points, cells), choices, run)
+    try:
+        return _smooth(Source(points, cells), choices, run)
+    finally:
+        _mark_modified(points)
+
+
+def _mark_modified(mesh: Any) -> None:
+    """Tell VTK that the points of a mesh have changed, so that pictures and locators follow."""
+    points = mesh.GetPoints() if hasattr(mesh, "GetPoints") else None
+    if points is not None:
+        points.Modified()
 
 
 def _smooth(source: Source, choices: PlanChoices, run: RunChoices) -> Result:

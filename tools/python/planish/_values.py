@@ -18,8 +18,8 @@ def room(view: View, is_wanted: bool) -> Optional[CellValues]:
     if not is_wanted:
         return None
     m = view.mesh.n_elements
-    return CellValues(view.elements.at, *(np.zeros(m, np.uint8) for _ in range(2)),
-                      *(np.zeros(m) for _ in range(4)))
+    state, is_curved = np.zeros((2, m), dtype=np.uint8)
+    return CellValues(view.elements.at, state, is_curved, *np.zeros((4, m)))
 
 
 def structure(arrays: Optional[CellValues]) -> Any:
