@@ -168,9 +168,9 @@ def _of_polydata(mesh: Any) -> list[Block]:
 
 def blocks_of_mesh(mesh: Any) -> list[Block]:
     """Return the cells of a mesh of meshio or of PyVista."""
-    cells = getattr(mesh, "cells", None)
     if hasattr(mesh, "celltypes"):
         return _of_grid(mesh)
+    cells = getattr(mesh, "cells", None)
     if isinstance(cells, list):
         return _of_pairs([(block.type, block.data) for block in cells], cell_data(mesh))
     if hasattr(mesh, "faces"):

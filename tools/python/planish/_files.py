@@ -273,24 +273,31 @@ class Mesh:
             path: the file, which may be the one that was read; a folder where that is one
             threads: as for read
         """
+        self.tell(path, self.write_quietly(path, threads), 3)
+
+    def write_quietly(self, path: Union[str, "os.PathLike[str]"], threads: int) -> str:
+        """Write the mesh as write does, and return what a conversion leaves out."""
         encoded = os.fsencode(path)
         if not io("can_write")(self.handle.file, encoded) and io("can_convert")(self.handle.file, encoded):
-            self._convert(encoded)
-            return
-        call(io("write"), self.handle.file, encoded, pointer(self.points), threads_to_use(threads), None,
-             c_size_t(0))
+            return self._convert(encoded)
+        call(io("write"), self.handle.file, encoded, pointer(self.points), threads_to_use(threads), None, c_size_t(0))
+        return ""
 
-    def _convert(self, path: bytes) -> None:
-        """Write the mesh in another format."""
+    @staticmethod
+    def tell(path: Any, lost: str, depth: int) -> None:
+        """Warn the caller, who is depth calls away, of what a conversion left out."""
+        if lost:
+            warnings.warn(f"{os.fspath(path)} lacks {lost}", ConversionWarning, stacklevel=depth)
+
+    def _convert(self, path: bytes) -> str:
+        """Write the mesh in another format, and return what that leaves out."""
         reason = np.zeros(len(self.points), dtype=np.uint8)
         call(io("get_held"), self.handle.file, None, pointer(reason))
         held = (reason & ~np.uint8(_OF_MESH) != 0).astype(np.uint8)
         lost = ctypes.create_string_buffer(_TEXT)
         call(io("convert"), self.handle.file, path, pointer(self.points), pointer(held if held.any() else None),
              byref(ViewData()), None, c_size_t(0), lost, c_size_t(_TEXT))
-        if lost.value:
-            warnings.warn(f"{os.fsdecode(path)} lacks {lost.value.decode(errors='replace')}", ConversionWarning,
-                          stacklevel=4)
+        return lost.value.decode(errors="replace")
 
     # ---- shown ----------------------------------------------------------------------------------------------
 
@@ -369,7 +376,7 @@ def write(mesh: Mesh, path: Union[str, "os.PathLike[str]"], *, threads: int = 0)
         path: as for Mesh.write
         threads: as for read
     """
-    mesh.write(path, threads=threads)
+    mesh.tell(path, mesh.write_quietly(path, threads), 3)
 
 
 def read_sizes(mesh: Mesh, path: Union[str, "os.PathLike[str]"]) -> NDArray[np.float64]:

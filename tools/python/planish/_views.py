@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any, NamedTuple, Optional, Sequence
 
 import numpy as np
@@ -16,11 +17,18 @@ from ._regions import BY_RULE, names_of, take_regions
 from ._view import View
 
 
-class Source(NamedTuple):
+class Source:
     """A mesh as callers give it: points and cells, or a mesh of another package and None."""
 
-    points: Any
-    cells: Any
+    def __init__(self, points: Any, cells: Any) -> None:
+        """Take a mesh."""
+        self.points = points
+        self.cells = cells
+
+    @functools.cached_property
+    def elements(self) -> Elements:
+        """Elements of the mesh, which is no file's."""
+        return elements_of(self.points, self.cells)
 
     @property
     def array(self) -> Any:
@@ -74,7 +82,7 @@ def view_of(source: Source, holding: Holding, threads: int) -> View:
     """Return the view of a mesh."""
     if isinstance(source.points, Mesh):
         return _of_file(source.points, holding, threads)
-    return _of_elements(source, elements_of(*source), holding, threads)
+    return _of_elements(source, source.elements, holding, threads)
 
 
 def surface_in_space(source: Source, holding: Holding, threads: int) -> Optional[View]:
@@ -86,7 +94,7 @@ def surface_in_space(source: Source, holding: Holding, threads: int) -> Optional
         return None
     if cells is not None and not is_by_type(cells) and np.ndim(cells) == 2 and np.shape(cells)[1] != 3:
         return None  # as quickly as that, as most are tetrahedra
-    elements = elements_of(*source)
+    elements = source.elements
     if elements.dim != 2:
         return None
     view = View(points, elements, 3, threads)
@@ -100,7 +108,7 @@ def view_of_shape(source: Source, regions: Any, threads: int) -> View:
     if isinstance(source.points, Mesh):
         mesh = source.points
         return view_in_space(mesh, threads) if mesh.dim == 2 else _of_file(mesh, Holding(None, regions, True), threads)
-    elements, points = elements_of(*source), source.array
+    elements, points = source.elements, source.array
     if elements.dim == 2 and np.ndim(points) == 2 and np.shape(points)[1] >= 3:
         return View(points, elements, 3, threads)
     return _of_elements(source, elements, Holding(None, regions, True), threads)

@@ -108,7 +108,7 @@ def register(pyvista: Any) -> bool:
     """Register the accessor, if this PyVista has accessors. Return whether it is registered."""
     if not hasattr(pyvista, "register_dataset_accessor"):
         return False
-    known = getattr(pyvista, "registered_accessors", list)()
+    known: list[Any] = getattr(pyvista, "registered_accessors", list)()
     if not any(entry.name == NAME and entry.accessor is Accessor for entry in known):
         for target in (pyvista.UnstructuredGrid, pyvista.PolyData):
             pyvista.register_dataset_accessor(NAME, target)(Accessor)
