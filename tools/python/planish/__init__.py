@@ -21,7 +21,8 @@ docs/python.md is the introduction. Modules whose names begin with _ are not for
 
 from . import accessor  # registers itself where PyVista is
 from ._errors import ConversionWarning, Error, FileError
-from ._files import Format, Mesh, formats, read, write
+from ._files import Mesh, read, write
+from ._formats import Format, formats
 from ._library import version
 from ._plan import Plan
 from ._quality import checksum, find_layers, find_sizes, find_slides, quality, size_quality

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from . import _files
 from ._arrays import Array, Points, pointer
 from ._cell_types import CORNERS, WIDTHS
-from ._files import Mesh, io
+from ._files import Mesh
+from ._io import hold_of, io, texts_of
 from ._io_structures import Plane
 from ._library import call
 from ._node_sizes import metrics_at_nodes, sizes_at_nodes
@@ -77,8 +78,8 @@ class FileView(View):
     def _hold(self, slides: bool, ignores_marks: bool = False) -> tuple[Any, Any]:
         """Return the planish_hold, and what it points to."""
         groups = self.holding.slide_groups
-        texts = _files.texts_of(groups)
-        hold, kept = _files.hold_of(self.holding.groups, ignore_regions=self.holding.ignores_regions, slide=slides,
+        texts = texts_of(groups)
+        hold, kept = hold_of(self.holding.groups, ignore_regions=self.holding.ignores_regions, slide=slides,
                                     ignore_marked=ignores_marks, slide_tags=ctypes.addressof(texts),
                                     n_slide_tags=len(groups))
         return hold, (texts, kept)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import ctypes
 import os
 import warnings
-from ctypes import byref, c_char_p, c_double, c_int, c_int64, c_size_t, c_void_p
-from typing import Any, Mapping, NamedTuple, Optional, Sequence, Union
+from ctypes import byref, c_double, c_int, c_int64, c_size_t, c_void_p
+from typing import Any, Mapping, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,8 @@ from ._arrays import Array, borrow, pointer
 from ._cell_types import KNOWN, SIMPLICES, WEDGE_OF_MESHIO
 from ._elements import Elements, Layout, corners_of_simplices
 from ._errors import ConversionWarning
-from ._io_structures import Data, DataInfo, FileInfo, FormatInfo, Hold, OpenOptions, Plane, ViewData
+from ._io import hold_of, io, texts, texts_of, values_of
+from ._io_structures import Data, DataInfo, FileInfo, OpenOptions, Plane, ViewData
 from ._library import call, files, threads_to_use
 from ._structures import Cells, MeshView, Surface
 from ._tables import Rows, html_table, text_table
@@ -27,64 +28,6 @@ _OF_MESH = 1 | 2 | 4  # planish_file_reason: lines, faces and interfaces, which 
 # Why a file holds a node, by the names in the program's reports: bits of planish_file_reason.
 REASONS = {"lines_and_points": 1, "faces_inside": 2, "interface": 4, "other_elements": 8, "periodic": 16, "fix": 32,
            "required": 64}
-
-_RESULTS: dict[str, Any] = {
-    "formats": ctypes.POINTER(c_char_p), "format_info": c_int, "close": None, "mesh": MeshView,
-    "coordinates": c_void_p, "get_info": None, "plane": c_int, "cell_arrays": ctypes.POINTER(c_char_p),
-    "region_arrays": ctypes.POINTER(c_char_p), "data_info": c_int, "surface": Surface, "get_marked": c_int64,
-    "element_number": c_int64, "node_number": c_int64, "can_write": c_int, "can_convert": c_int,
-    "target": c_char_p}
-
-
-def io(name: str) -> Any:
-    """Return the function planish_file_NAME of the library of mesh files."""
-    function = getattr(files(), "planish_file_" + name)
-    function.restype = _RESULTS.get(name, c_int)
-    return function
-
-
-def _texts(texts: Any) -> list[str]:
-    """Return a list of texts that NULL ends."""
-    found: list[str] = []
-    while texts and texts[len(found)] is not None:
-        found.append(texts[len(found)].decode(errors="surrogateescape"))
-    return found
-
-
-def texts_of(names: Sequence[str]) -> Any:
-    """Return an array of texts for the library."""
-    return (c_char_p * max(len(names), 1))(*(os.fsencode(name) for name in names))
-
-
-# ---- formats ----------------------------------------------------------------------------------------
-
-
-class Format(NamedTuple):
-    """A format of mesh files."""
-
-    name: str
-    title: str  # full name and versions
-    extensions: tuple[str, ...]  # with the dot; none: folders
-    is_read: bool  # False: the library was built without what the format needs
-    is_target: bool  # whether meshes can be converted to it
-
-
-def formats() -> list[Format]:
-    """Return the formats of mesh files (docs/formats.md)."""
-    targets: list[str] = []
-    found: list[Format] = []
-    while (name := io("target")(len(targets))) is not None:
-        targets.append(name.decode())
-    info = FormatInfo()
-    while io("format_info")(len(found), byref(info)):
-        extensions = ctypes.cast(info.extensions, ctypes.POINTER(c_char_p)) if info.extensions else None
-        name = (info.name or b"").decode()
-        found.append(Format(name, (info.title or b"").decode(), tuple(_texts(extensions)), bool(info.is_read),
-                            name in targets))
-    return found
-
-
-# ---- meshes of files --------------------------------------------------------------------------------
 
 
 class Handle:
@@ -196,12 +139,12 @@ class Mesh:
     @property
     def cell_arrays(self) -> list[str]:
         """Names of the arrays of one whole number per element."""
-        return _texts(io("cell_arrays")(self.handle.file))
+        return texts(io("cell_arrays")(self.handle.file))
 
     @property
     def region_arrays(self) -> list[str]:
         """Names of those of them that tell regions."""
-        return _texts(io("region_arrays")(self.handle.file))
+        return texts(io("region_arrays")(self.handle.file))
 
     def choose_regions(self, names: Sequence[str]) -> None:
         """Choose the arrays that tell regions, once for a mesh, in place of those that look so."""
@@ -323,26 +266,6 @@ class Mesh:
     def __reduce__(self) -> Any:
         """Refuse to be copied or pickled."""
         raise TypeError("a mesh of a file can be neither copied nor pickled; read it again")
-
-
-def values_of(data: Data) -> tuple[NDArray[np.float64], bool]:
-    """Return the values [n, components] of data, which is freed, and whether they are of elements."""
-    try:
-        shape = int(data.n), int(data.n_components)
-        values = np.zeros(shape)
-        if values.size:
-            ctypes.memmove(values.ctypes.data, data.values or 0, values.nbytes)
-        return values, bool(data.of_elements)
-    finally:
-        free = files().planish_data_free
-        free.restype = None
-        free(byref(data))
-
-
-def hold_of(tags: Sequence[str], **more: Any) -> tuple[Hold, Any]:
-    """Return a planish_hold for groups, and what it points to."""
-    texts = texts_of(tags)
-    return Hold(tags=ctypes.addressof(texts), n_tags=len(tags), **more), texts
 
 
 def read(path: Union[str, "os.PathLike[str]"], *, format: Optional[str] = None,  # pylint: disable=redefined-builtin

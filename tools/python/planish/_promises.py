@@ -16,7 +16,7 @@ from ._arrays import address, pointer
 from ._cell_types import CORNERS
 from ._choices import PlanChoices, RunChoices
 from ._file_view import FileView
-from ._files import io
+from ._io import io
 from ._library import call, library, threads_to_use
 from ._plan import Plan
 from ._results import CellMeasures, CellQuality, Quality, Result
