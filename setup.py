@@ -34,12 +34,12 @@ def version():
 
 
 def configure(folder):
-    """Configure the build in folder: libraries find one another in their own folder, and nothing has symbols."""
+    """Configure the build in folder: the program finds the libraries in ../lib, and nothing has symbols."""
     flags = f"{os.environ.get('LDFLAGS', '')} -s".strip()
     subprocess.run(
         ["cmake", "-S", TOP, "-B", folder, "-DCMAKE_BUILD_TYPE=Release", "-DPLANISH_TESTS=OFF", "-DPLANISH_BENCH=OFF",
          "-DPLANISH_INSTALL=OFF", "-DPLANISH_SHARED_PROGRAM=ON", "-DCMAKE_BUILD_WITH_INSTALL_RPATH=ON",
-         "-DCMAKE_INSTALL_RPATH=$ORIGIN;$ORIGIN/../lib",
+         "-DCMAKE_INSTALL_LIBDIR=lib",
          f"-DCMAKE_SHARED_LINKER_FLAGS={flags}", f"-DCMAKE_EXE_LINKER_FLAGS={flags}",
          *shlex.split(os.environ.get("CMAKE_ARGS", ""))], check=True)
 

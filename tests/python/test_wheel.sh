@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The wheel: built offline from the files that it needs, listed, installed into an empty environment,
-# used without anything of this tree, uninstalled. It is compiled for soon, not for speed.
+# used without anything of this tree, uninstalled.
 set -u
 source_dir=${PLANISH_SOURCE:?}
 python=/usr/bin/python3 # the one that Debian's packages are for
@@ -24,8 +24,7 @@ mkdir "$work/source"
 cp -r "$source_dir"/{CMakeLists.txt,LICENSE,README.md,pyproject.toml,setup.py,include,src,tools} "$work/source"
 find "$work/source" -name __pycache__ -prune -exec rm -r {} +
 cd "$work/source" || exit 1
-CMAKE_ARGS="-DPLANISH_X86_KERNELS=OFF -DCMAKE_C_FLAGS_RELEASE=-O1 -DCMAKE_CXX_FLAGS_RELEASE=-O1" \
-    run $python -m pip wheel . --no-build-isolation --no-deps -w "$work"
+run $python -m pip wheel . --no-build-isolation --no-deps -w "$work"
 cd "$work" || exit 1
 wheel=$(echo "$work"/planish-*.whl)
 [[ $wheel == *-0.2.0-py3-none-linux_*.whl ]] || fail "the wheel is called $wheel"
