@@ -25,9 +25,10 @@ for file in include/planish/planish.h include/planish/planish_io.h bin/planish \
     share/doc/planish/CHANGELOG.md share/doc/planish/docs/embedding.md \
     share/bash-completion/completions/planish \
     share/zsh/site-functions/_planish share/planish/python/planish/__init__.py \
-    share/planish/python/planish/_library.py share/planish/python/planish/py.typed; do
+    share/planish/python/planish/_library.py; do
     [ -s "$prefix/$file" ] || fail "$file is not installed"
 done
+[ -e "$prefix/share/planish/python/planish/py.typed" ] || fail "py.typed is not installed"
 [ "$(find "$prefix" -name '*.h' | wc -l)" = 2 ] || fail "there are other headers"
 
 # ---- the Python module finds the library beside it, wherever both are ---------------------------
