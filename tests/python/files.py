@@ -155,6 +155,10 @@ class Files(unittest.TestCase):
         used, skin = np.unique(skin, return_inverse=True)
         surface = self.write("skin.vtk", solid[used], [("triangle", skin.reshape(-1, 3))])
         self.assertTrue(read(surface).is_in_space)
+        self.assertLess(planish.quality(read(surface)).max_radius_ratio, 10)
+        for call in planish.Plan, planish.find_layers:
+            with self.assertRaisesRegex(ValueError, "surface in space"):
+                call(read(surface))
         self.same_as_the_program(surface)
         self.same_as_the_program(surface, ["--slide", "none", "--max-sweeps", "3"], slide="none", max_sweeps=3)
         small = self.write("small.vtk", 0.97 * solid, [("tetra", tets)])

@@ -175,7 +175,7 @@ def blocks_of_mesh(mesh: Any) -> list[Block]:
         return _of_pairs([(block.type, block.data) for block in cells], cell_data(mesh))
     if hasattr(mesh, "faces"):
         return _of_polydata(mesh)
-    raise TypeError("give points and cells as arrays, or a mesh of meshio or pyvista")
+    raise TypeError("give points and cells as arrays, or a mesh of planish.read, meshio or pyvista")
 
 
 # ---- cells of callers -------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._arrays import Array, borrow, pointer
-from ._cell_types import KNOWN, SIMPLICES, WEDGE_OF_MESHIO
+from ._cell_types import KNOWN, WEDGE_OF_MESHIO
 from ._elements import Elements, Layout, corners_of_simplices
 from ._errors import ConversionWarning
 from ._io import hold_of, io, texts, texts_of, values_of
@@ -104,15 +104,16 @@ class Mesh:
         if self.structure.elements:
             simple = self._fixed(self.structure.elements, (n, self.dim + 1), np.int32)
             return Elements(self.dim, simple, None, simple, np.arange(n), {}, [])
-        layout = self.layout()
-        dim = max((KNOWN[number].dim for number in np.unique(layout.types).tolist()), default=self.dim)
-        return Elements(dim, None, layout, corners_of_simplices(layout, dim) if dim in SIMPLICES else layout.nodes,
-                        np.arange(n), {}, [])
+        layout, dim = self.layout(), 2 if self.is_in_space else self.dim
+        return Elements(dim, None, layout, corners_of_simplices(layout, dim), np.arange(n), {}, [])
 
     @property
     def is_in_space(self) -> bool:
         """Whether the mesh is a surface: flat elements in no plane."""
-        return self.dim == 3 and not self.structure.elements and self.elements().dim == 2
+        if self.dim == 2 or self.structure.elements:
+            return False
+        types = self.layout().types
+        return len(types) > 0 and KNOWN[int(types[0])].dim == 2
 
     def plane(self) -> Optional[Plane]:
         """Return the plane that points are coordinates in; None: they are the first columns of the file."""

@@ -21,10 +21,10 @@ class Fit:
 
     def __init__(self, view: View, own: Shape, onto: Shape, options: Options) -> None:
         """Find the places of the nodes of view, whose shape is own, on the shape onto."""
+        self._fit: Optional[c_void_p] = c_void_p()
         self.info = FitInfo()
         self._view = view
         self._shapes = own, onto  # needed as long as the fit is
-        self._fit: Optional[c_void_p] = c_void_p()
         call(library.planish_fit_create, byref(view.mesh), own.pointer(), onto.pointer(), c_double(0), byref(options),
              byref(self._fit), None)
 
@@ -57,3 +57,7 @@ class Fit:
         fit, self._fit = self._fit, None
         if fit:
             library.planish_fit_destroy(fit)
+
+    def __del__(self) -> None:
+        """Release what nobody has closed."""
+        self.close()

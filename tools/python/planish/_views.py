@@ -81,6 +81,8 @@ def _of_file(mesh: Mesh, holding: Holding, threads: int) -> FileView:
 def view_of(source: Source, holding: Holding, threads: int) -> View:
     """Return the view of a mesh."""
     if isinstance(source.points, Mesh):
+        if source.points.is_in_space:
+            raise ValueError(f"{source.points.path} is a surface in space, which smooth and quality take")
         return _of_file(source.points, holding, threads)
     return _of_elements(source, source.elements, holding, threads)
 
@@ -89,7 +91,7 @@ def surface_in_space(source: Source, holding: Holding, threads: int) -> Optional
     """Return the view of flat elements in space, in no plane of constant z, None: the mesh is none of these."""
     points, cells = source.array, source.cells
     if isinstance(source.points, Mesh):
-        return view_of(source, holding, threads) if source.points.is_in_space else None
+        return _of_file(source.points, holding, threads) if source.points.is_in_space else None
     if not isinstance(points, np.ndarray) or not is_in_space(points):
         return None
     if cells is not None and not is_by_type(cells) and np.ndim(cells) == 2 and np.shape(cells)[1] != 3:
