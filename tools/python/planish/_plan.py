@@ -169,7 +169,7 @@ class Plan:
 
     @classmethod
     def of_choices(cls, source: Source, choices: PlanChoices) -> Plan:
-        """Return the plan of a mesh with its options."""
+        """Return the plan of a mesh with its options, for modules of this package."""
         made = cls.__new__(cls)
         made._setup(source, choices)
         return made
@@ -301,7 +301,7 @@ class Plan:
 
     @property
     def view(self) -> View:
-        """Mesh as the library sees it."""
+        """Mesh as the library sees it, for modules of this package."""
         return self._view
 
     @property
@@ -415,7 +415,7 @@ class Plan:
             progress=progress))
 
     def run(self, points: Any, choices: RunChoices) -> Result:
-        """Smooth the mesh in place, with options of one run."""
+        """Smooth the mesh in place, with options of one run, for modules of this package."""
         options, result = self._options, Result()
         set_run(choices, options, self._view, self._view.has_types())
         with self._use():
