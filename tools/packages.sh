@@ -30,6 +30,8 @@ packages_full=(
     valgrind                     # memory, independently of the sanitizers
     python3-meshio               # independent figures on large meshes
     python3-vtk9                 # another program's quality measures
+    mypy pydocstyle              # types and docstrings of the Python package
+    python3-pip python3-setuptools python3-wheel python3-venv # and its wheel
     coinor-libipopt-dev          # all nodes at once, to compare with
     gmsh tetgen python3-netgen   # meshes as their generators write them
     chromium                     # the page of a report, as a browser shows it

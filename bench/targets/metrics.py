@@ -56,7 +56,7 @@ def row(kind, weight):
     points, elements = sizes.MESHES[kind]()
     (name, nodes), = elements.blocks
     before = ratio(points, elements), spread(points, elements)
-    result = planish.smooth(points, {sizes.NAMES[name]: nodes}, sizes=metrics(points), size_weight=weight, slide="auto",
+    result = planish.smooth(points, {sizes.NAMES[name]: nodes}, size=metrics(points), size_weight=weight, slide="auto",
                             layers="ignore", threads=1, max_sweeps=1000)
     return {"kind": kind, "elements": len(elements), "weight": weight, "before": before,
             "after": (ratio(points, elements), spread(points, elements)), "sweeps": result.sweeps,

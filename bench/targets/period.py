@@ -48,7 +48,7 @@ class Swing:
 def swing(name, tolerance, periods):
     mesh = Swing(name)
     points, sweeps, seconds, inverted, distances = mesh.base.points.copy(), 0, 0, 0, []
-    with planish.Plan(points, mesh.by_type, reference=mesh.base.points.copy(), threads=1) as plan:
+    with planish.Plan(points, mesh.by_type, like=mesh.base.points.copy(), threads=1) as plan:
         for step in range(1, periods * STEPS + 1):
             mesh.put_boundary(points, step)
             result = plan.smooth(points, tolerance=tolerance, max_sweeps=2000)

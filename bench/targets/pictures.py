@@ -19,7 +19,7 @@ SQUARES, TIP = 40, (0.55, 0.5)  # of a plate, 1 wide, with a crack from its left
 def smoothed(points, quads, like):
     """Both smoothers hold no layers."""
     points = points.copy()
-    planish.smooth(points, {"quad": quads}, layers="ignore", reference=like, threads=1)
+    planish.smooth(points, {"quad": quads}, layers="ignore", like=like, threads=1)
     return points
 
 
@@ -105,7 +105,7 @@ def crack(path):
     start, results = points / SQUARES, []
     for weight in 0.5, 0.9:
         points = start.copy()
-        planish.smooth(points, {"quad": quads}, sizes=0.1 + 1.5 * from_crack(start), size_weight=weight, slide="auto",
+        planish.smooth(points, {"quad": quads}, size=0.1 + 1.5 * from_crack(start), size_weight=weight, slide="auto",
                        layers="ignore", threads=1)
         results.append(points)
     titles = "small sizes are wanted at a crack", "--size-weight 0.5", "--size-weight 0.9"
@@ -118,7 +118,7 @@ def shear(path):
     start, results = points / SQUARES, []
     for weight in 0, 0.5:
         points = start.copy()
-        planish.smooth(points, {"quad": quads}, sizes=metrics.metrics(start), size_weight=weight, slide="auto",
+        planish.smooth(points, {"quad": quads}, size=metrics.metrics(start), size_weight=weight, slide="auto",
                        layers="ignore", threads=1)
         results.append(points)
     titles = "thin elements are wanted at a wave", "--size-weight 0", "--size-weight 0.5"

@@ -62,7 +62,7 @@ def spread(points, elements, field=wanted):
 def smooth(points, elements, weight):
     """Smooth points in place; returns planish's result."""
     (name, nodes), = elements.blocks
-    return planish.smooth(points, {NAMES[name]: nodes}, sizes=wanted(points), size_weight=weight, slide="auto",
+    return planish.smooth(points, {NAMES[name]: nodes}, size=wanted(points), size_weight=weight, slide="auto",
                           layers="ignore", threads=1, max_sweeps=1000)
 
 

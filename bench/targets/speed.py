@@ -45,7 +45,7 @@ def compare(kind, make):
     by_type = {VTK_NAMES[name]: nodes for name, nodes in cells.blocks_of(elements)}
     least, visits = {"plain": np.inf, "targets": np.inf}, {}
     with planish.Plan(points, by_type, threads=1, layers="ignore") as plain, \
-            planish.Plan(points, by_type, threads=1, reference=original) as targets:
+            planish.Plan(points, by_type, threads=1, like=original) as targets:
         for _ in range(TURNS):
             for way, plan in (("plain", plain), ("targets", targets)):
                 seconds, visits[way] = seconds_per_visit(plan, points)

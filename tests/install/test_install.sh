@@ -24,9 +24,11 @@ for file in include/planish/planish.h include/planish/planish_io.h bin/planish \
     share/man/man1/planish.1 share/man/man3/planish.3 share/doc/planish/LICENSE \
     share/doc/planish/CHANGELOG.md share/doc/planish/docs/embedding.md \
     share/bash-completion/completions/planish \
-    share/zsh/site-functions/_planish share/planish/python/planish.py; do
+    share/zsh/site-functions/_planish share/planish/python/planish/__init__.py \
+    share/planish/python/planish/_library.py; do
     [ -s "$prefix/$file" ] || fail "$file is not installed"
 done
+[ -e "$prefix/share/planish/python/planish/py.typed" ] || fail "py.typed is not installed"
 [ "$(find "$prefix" -name '*.h' | wc -l)" = 2 ] || fail "there are other headers"
 
 # ---- the Python module finds the library beside it, wherever both are ---------------------------
@@ -38,7 +40,11 @@ if $python -c 'import numpy' 2>/dev/null; then
 import planish, sys
 here = [line.split()[-1] for line in open("/proc/self/maps") if "libplanish.so" in line]
 assert here and all(path.startswith(sys.argv[1]) for path in here), here
-assert planish.version() == "0.2.0"' "$(cd "$prefix" && pwd -P)"
+assert planish.version() == "0.2.0"
+planish.smooth(planish.read(sys.argv[2]))
+here = [line.split()[-1] for line in open("/proc/self/maps") if "libplanish_io.so" in line]
+assert here and all(path.startswith(sys.argv[1]) for path in here), here' "$(cd "$prefix" && pwd -P)" "$source_dir/docs/examples/bracket.msh"
+    run env -u LD_LIBRARY_PATH PYTHONPATH="$prefix/share/planish/python" $python -m planish --version
 else
     echo "without numpy: the installed module is not tried"
 fi

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The code in README.md and docs/embedding.md: each piece is compiled as it stands, those with a main
-# are run.
+# The code in README.md and documents: each piece in C is compiled as it stands, those with a main and
+# those in Python are run.
 set -u
 source_dir=${PLANISH_SOURCE:?}
 build=${PLANISH_BUILD:?}
@@ -14,7 +14,7 @@ fail() {
 awk -v folder="$work" '
     /^```(c|python)$/ { n++; name = sprintf("%s/%02d.%s", folder, n, $0 == "```c" ? "c" : "py"); next }
     /^```/ { name = "" }
-    name { print > name }' "$source_dir/README.md" "$source_dir/docs/embedding.md"
+    name { print > name }' "$source_dir/README.md" "$source_dir"/docs/{embedding,python,targets}.md
 ran=0
 for piece in "$work"/*.c; do
     cc -std=c11 -Wall -Wextra -Werror -I"$source_dir/include" -c "$piece" -o "$piece.o" ||
@@ -28,9 +28,12 @@ for piece in "$work"/*.c; do
 done
 [ "$(find "$work" -name '*.c' | wc -l)" -ge 7 ] && [ $ran -ge 1 ] || fail "the code was not found"
 if /usr/bin/python3 -c 'import numpy' 2>/dev/null; then
+    cd "$work" || fail "$work"
+    cp "$source_dir/docs/examples/bracket.msh" .
     for piece in "$work"/*.py; do
         PLANISH_LIBRARY=$build/libplanish.so PYTHONPATH=$source_dir/tools/python \
-            PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 "$piece" || fail "$piece"
+            PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 "$piece" >out || fail "$piece"
     done
+    cmp -s out.msh bracket.msh && fail "docs/python.md smooths nothing"
 fi
-echo "$(find "$work" -name '*.c' | wc -l) pieces"
+echo "$(find "$work" -name '*.c' -o -name '*.py' | wc -l) pieces"

@@ -11,6 +11,7 @@ import unittest
 import numpy as np
 
 import planish
+from planish._cell_types import KNOWN
 from module import PROGRAM, Block, Mesh, box, lists_of, meshio
 
 try:
@@ -44,7 +45,7 @@ MIRRORED_WEDGE = [0, 2, 1, 3, 5, 4]  # meshio's order of "wedge"
 
 def write_vtk(path, points, blocks):
     """Write a legacy file: meshio has no wedge15 and pyramid13."""
-    rows = [[planish._KNOWN[kind].number, len(row), *(row[MIRRORED_WEDGE] if kind == "wedge" else row)]
+    rows = [[KNOWN[kind].number, len(row), *(row[MIRRORED_WEDGE] if kind == "wedge" else row)]
             for kind, cells in blocks for row in cells]
     lines = ["# vtk DataFile Version 3.0", "mixed", "ASCII", "DATASET UNSTRUCTURED_GRID",
              f"POINTS {len(points)} double", *(" ".join(map(repr, point)) for point in points.tolist()),
@@ -265,7 +266,7 @@ class Elements(unittest.TestCase):
         pyramid[0, :2] = np.flatnonzero(inside)[:2]
         more = np.concatenate([points, corners + 20.0])
         expected = more.copy()
-        planish.smooth(expected, cells, fixed=pyramid[0, :2])
+        planish.smooth(expected, cells, fix=pyramid[0, :2])
         halves = np.where(np.round(points[cells]).min(axis=1)[:, 0] >= 3, 5, -2)
         least = np.full(m, 0.1)
         for blocks, joined in (([("tetra", cells), ("pyramid13", pyramid)], lambda a, b: np.append(a, b)),
@@ -275,7 +276,7 @@ class Elements(unittest.TestCase):
             np.testing.assert_array_equal(moved, expected)
             by_regions, alone = more.copy(), more.copy()
             planish.smooth(by_regions, blocks, regions=joined(halves, 7))
-            planish.smooth(alone, cells, regions=halves, fixed=pyramid[0, :2])
+            planish.smooth(alone, cells, regions=halves, fix=pyramid[0, :2])
             np.testing.assert_array_equal(by_regions, alone)
             rows = [row for _, nodes in blocks for row in nodes]
             grid = Mesh(more.copy(), cells=lists_of(rows), celltypes=joined(np.full(m, 10), 27),
@@ -285,8 +286,8 @@ class Elements(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, f"each of {m + 1} elements"):
                 planish.smooth(more.copy(), blocks, regions=halves)
             low, alone = more.copy(), more.copy()
-            planish.smooth(low, blocks, min_volumes=joined(least, 9))
-            planish.smooth(alone, cells, min_volumes=least, fixed=pyramid[0, :2])
+            planish.smooth(low, blocks, min_volume=joined(least, 9))
+            planish.smooth(alone, cells, min_volume=least, fix=pyramid[0, :2])
             np.testing.assert_array_equal(low, alone)
             with planish.Plan(more.copy(), blocks) as plan:
                 ratios, found = plan.radius_ratios(), plan.quality()
@@ -393,7 +394,7 @@ class Elements(unittest.TestCase):
             self.assertFalse(np.array_equal(moved, points))
             results[layers] = moved
         np.testing.assert_array_equal(results[None], results["keep"])  # the default of smooth
-        for options in {"objective": "worst"}, {"objective": "edge-ratio"}, {"sizes": planish.find_sizes(points, {"hexahedron": cells})}:
+        for options in {"objective": "worst"}, {"objective": "edge-ratio"}, {"size": planish.find_sizes(points, {"hexahedron": cells})}:
             moved = points.copy()
             planish.smooth(moved, {"hexahedron": cells}, **options)
             np.testing.assert_array_equal(moved[low], points[low])  # which cannot keep heights with these
@@ -429,7 +430,7 @@ class Elements(unittest.TestCase):
         points, cells, inside = box(3)
         stay = np.flatnonzero(inside)[:3]
         expected = points.copy()
-        planish.smooth(expected, cells, fixed=stay)
+        planish.smooth(expected, cells, fix=stay)
         for kind, nodes in (("line3", stay), ("triangle", stay), ("vertex", stay), ("line", stay[[0, 1, 1, 2]])):
             moved = points.copy()
             planish.smooth(moved, {"tetra": cells, kind: nodes.reshape(-1, {"line": 2, "vertex": 1}.get(kind, 3))})
@@ -461,7 +462,7 @@ class Elements(unittest.TestCase):
         points, cells, inside = box(3)
         stay = np.flatnonzero(inside)[:3]
         expected = points.copy()
-        planish.smooth(expected, cells, fixed=stay)
+        planish.smooth(expected, cells, fix=stay)
         mesh = Mesh(points.copy(), cells=lists_of([stay, *cells, stay[:2]]),
                     celltypes=np.array([7] + [10] * len(cells) + [4], dtype=np.uint8))
         planish.smooth(mesh)
@@ -534,7 +535,7 @@ class Elements(unittest.TestCase):
             random = np.random.default_rng(seed)
             points, blocks = self.filled(seed, is_raised=seed % 2 > 0, dim=2 + seed % 3 % 2)
             rows = [row.astype(np.int64) for _, cells in blocks for row in cells]
-            types = np.concatenate([np.full(len(cells), planish._KNOWN[kind].number) for kind, cells in blocks])
+            types = np.concatenate([np.full(len(cells), KNOWN[kind].number) for kind, cells in blocks])
             arrays = [np.concatenate(rows), np.append(0, np.cumsum([len(row) for row in rows])), types]
             if seed % 3 > 0:
                 arrays = [lists_of(rows), types]

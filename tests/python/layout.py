@@ -3,29 +3,38 @@
 import ctypes
 
 import planish
+from planish import _io_structures, _structures
 
 STRUCTURES = {
-    "planish_error": planish._Error,
-    "planish_mesh": planish._Mesh,
-    "planish_cells": planish._CellsOfTypes,
+    "planish_error": _structures.ErrorInfo,
+    "planish_mesh": _structures.MeshView,
+    "planish_cells": _structures.Cells,
     "planish_cell_measures": planish.CellMeasures,
     "planish_cell_quality": planish.CellQuality,
-    "planish_cell_values": planish._CellValues,
-    "planish_cell_array": planish._CellArray,
+    "planish_cell_values": _structures.CellValueArrays,
+    "planish_cell_array": _structures.CellArray,
     "planish_progress": planish.Progress,
-    "planish_options": planish._Options,
+    "planish_options": _structures.Options,
     "planish_spread": planish.Spread,
     "planish_quality": planish.Quality,
     "planish_result": planish.Result,
-    "planish_surface": planish._Surface,
+    "planish_surface": _structures.Surface,
     "planish_slide_info": planish.SlideInfo,
     "planish_shape_info": planish.ShapeInfo,
     "planish_shape_distance": planish.ShapeDistance,
     "planish_fit_info": planish.FitInfo,
     "planish_size_quality": planish.SizeQuality,
+    "planish_open_options": _io_structures.OpenOptions,
+    "planish_format_info": _io_structures.FormatInfo,
+    "planish_file_info": _io_structures.FileInfo,
+    "planish_plane": _io_structures.Plane,
+    "planish_data_info": _io_structures.DataInfo,
+    "planish_data": _io_structures.Data,
+    "planish_hold": _io_structures.Hold,
+    "planish_view_data": _io_structures.ViewData,
 }
 
-print("#include <planish/planish.h>\n#include <stdio.h>\nint main(void) {\n    int bad = 0;")
+print("#include <planish/planish_io.h>\n#include <stdio.h>\nint main(void) {\n    int bad = 0;")
 for name, structure in STRUCTURES.items():
     checks = [(f"sizeof({name})", ctypes.sizeof(structure))]
     for field, *_ in structure._fields_:

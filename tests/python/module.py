@@ -175,16 +175,16 @@ class Smoothing(unittest.TestCase):
         points, cells, inside = box(3)
         fixed = np.flatnonzero(inside)[::2]
         start = points.copy()
-        planish.smooth(points, cells, fixed=fixed)
+        planish.smooth(points, cells, fix=fixed)
         np.testing.assert_array_equal(points[fixed], start[fixed])
         mask = np.zeros(len(points), dtype=bool)
         mask[fixed] = True
         masked = start.copy()
-        planish.smooth(masked, cells, fixed=mask)
+        planish.smooth(masked, cells, fix=mask)
         np.testing.assert_array_equal(points, masked)
 
         none, all_of_them = start.copy(), start.copy()
-        planish.smooth(none, cells, fixed=[])
+        planish.smooth(none, cells, fix=[])
         planish.smooth(all_of_them, cells)
         np.testing.assert_array_equal(none, all_of_them)
         mask[:] = False
@@ -210,10 +210,10 @@ class Smoothing(unittest.TestCase):
 
         low = start.copy()
         least = np.full(len(cells), 0.1)
-        result = planish.smooth(low, cells, min_volumes=least)
+        result = planish.smooth(low, cells, min_volume=least)
         self.assertEqual(result.n_below_min_volume, 0)
         with self.assertRaisesRegex(ValueError, "one value for each of"):
-            planish.smooth(start.copy(), cells, min_volumes=least[1:])
+            planish.smooth(start.copy(), cells, min_volume=least[1:])
 
     def test_tangled(self):
         points, cells, inside = box(2, amount=0.8)
@@ -354,7 +354,7 @@ class Plans(unittest.TestCase):
         tangled[np.flatnonzero(inside)[50]] += 1.5
         self.assertGreater(run(tangled, untangle=False)[1].n_inverted, 0)
         self.assertEqual(run(tangled)[1].n_inverted, 0)
-        hard = {"objective": "worst", "fixed": np.flatnonzero(inside)[::4]}
+        hard = {"objective": "worst", "fix": np.flatnonzero(inside)[::4]}
         worst = [run(worst_rise=rise, **hard)[1] for rise in (1e-5, 0.1)]
         self.assertGreater(worst[1].min_angle_deg, worst[0].min_angle_deg + 1)
         self.assertGreater(worst[1].rms_radius_ratio, worst[0].rms_radius_ratio)
@@ -368,7 +368,7 @@ class Plans(unittest.TestCase):
         self.assertLess(run(tolerance=0.1)[0].sweeps, run(tolerance=1e-9)[0].sweeps)
         few = [run(only_worse_than=1.9, rings=rings)[0].n_moved_nodes for rings in (0, 1)]
         self.assertTrue(0 < few[0] < few[1] < usual.n_moved_nodes)
-        self.assertEqual(planish.quality(points, cells, fixed=range(len(points))).n_fixed_elements, len(cells))
+        self.assertEqual(planish.quality(points, cells, fix=range(len(points))).n_fixed_elements, len(cells))
 
     def test_several_threads(self):
         meshes = [box(3, seed=seed) for seed in range(4)]
@@ -426,12 +426,12 @@ class Refusals(unittest.TestCase):
         self.refuse(TypeError, "meshio or pyvista", points)
         self.refuse(ValueError, "objective must be", points, cells, objective="best")
         self.refuse(ValueError, "worst_measure must be", points, cells, worst_measure="x")
-        self.refuse(TypeError, "sweeps is no option", points, cells, sweeps=3)
+        self.refuse(TypeError, "unexpected keyword argument .sweeps.", points, cells, sweeps=3)
         self.refuse(planish.Error, "n_around is 0", points, cells, around=[])
-        self.refuse(ValueError, "fixed has a number", points, cells, fixed=[-1])
+        self.refuse(ValueError, "fix has a number", points, cells, fix=[-1])
         self.refuse(ValueError, "around has a number", points, cells, around=[len(points)])
-        self.refuse(TypeError, "fixed must be numbers", points, cells, fixed=[0.5])
-        self.refuse(ValueError, "fixed is a mask", points, cells, fixed=np.ones(3, dtype=bool))
+        self.refuse(TypeError, "fix must be numbers", points, cells, fix=[0.5])
+        self.refuse(ValueError, "fix is a mask", points, cells, fix=np.ones(3, dtype=bool))
 
     def test_errors_say_where(self):
         points, cells, _ = box(2, cells=3)
@@ -498,7 +498,7 @@ class Meshes(unittest.TestCase):
         self.expected = self.points.copy()
         held = np.flatnonzero(inside)[:3].reshape(1, 3)
         self.held = held.astype(np.int64)
-        planish.smooth(self.expected, self.cells, fixed=held.ravel())
+        planish.smooth(self.expected, self.cells, fix=held.ravel())
 
     def check(self, mesh):
         points = mesh.points
@@ -537,7 +537,7 @@ class Meshes(unittest.TestCase):
         points, cells, inside = box(2)
         stay = np.flatnonzero(inside)[:3]
         flat = np.column_stack([points, np.zeros(len(points))])
-        planish.smooth(points, cells, fixed=stay)
+        planish.smooth(points, cells, fix=stay)
         planish.smooth(Mesh(flat, faces=lists_of(cells), lines=np.array([2, stay[0], stay[1]]),
                             verts=np.array([1, stay[2], 1, stay[0]])))
         np.testing.assert_array_equal(flat[:, :2], points)
@@ -638,7 +638,7 @@ class Surfaces(unittest.TestCase):
         points, cells, _ = ball()
         self.assertEqual(planish.find_slides(points, cells).info.n_on_plane, 0)
         shape = planish.Shape(points, cells)
-        curved = planish.find_slides(points, cells, shape=shape, fixed=[0])
+        curved = planish.find_slides(points, cells, surface_of=shape, fix=[0])
         self.assertGreaterEqual(curved.info.n_on_patch, shape.info.n_on_patch - 1)
         self.assertEqual(curved.constraint[0], 1)
 
@@ -658,7 +658,7 @@ class Surfaces(unittest.TestCase):
         self.assertTrue(0 < moved.back_in_edges < 0.08)
         again = points.copy()  # a second run on the same shape does not add up
         shape = planish.Shape(first, cells)
-        planish.smooth(again, cells, slide="curved", shape=shape, surface_tolerance=0.04)
+        planish.smooth(again, cells, slide="curved", surface_of=shape, surface_tolerance=0.04)
         self.assertLess(shape.distance(again).distance, 0.0401)
 
     def test_surfaces_in_space(self):
@@ -681,7 +681,7 @@ class Surfaces(unittest.TestCase):
         with planish.Shape(start, triangles) as shape:
             self.assertEqual((shape.info.n_open_edges, shape.info.n_turned, shape.info.n_corners), (0, 0, 0))
             self.assertLessEqual(shape.distance(points).in_edges, 0.0525)
-            planish.smooth(points, triangles, shape=shape, objective="worst", surface_tolerance="0.05h")
+            planish.smooth(points, triangles, surface_of=shape, objective="worst", surface_tolerance="0.05h")
             self.assertLessEqual(shape.distance(points).in_edges, 0.0525)
         of_mesh = Mesh(start.copy(), cells=[Block("triangle", triangles)])
         again = start.copy()
@@ -692,7 +692,7 @@ class Surfaces(unittest.TestCase):
         planish.smooth(of_mesh)
         np.testing.assert_array_equal(of_mesh.points, again)
         again = start.copy()
-        planish.smooth(again, triangles, fixed=np.arange(100), max_sweeps=1)
+        planish.smooth(again, triangles, fix=np.arange(100), max_sweeps=1)
         np.testing.assert_array_equal(again[:100], start[:100])
         self.assertGreater((again[100:] != start[100:]).any(axis=1).mean(), 0.9)
         self.assertEqual(planish.smooth(start.copy(), triangles, progress=lambda step: True).stop, "interrupted")
@@ -722,7 +722,7 @@ class Surfaces(unittest.TestCase):
         self.assertLess(np.abs(np.linalg.norm(points[~inside], axis=1) - radius).max(), 0.02 * radius)
         self.assertTrue(0 < result.fit_distance.in_edges < 0.3 and result.fit_distance.n_unproved == 0)
         self.assertEqual(result.n_inverted, 0)
-        with planish.Plan(first.copy(), cells, onto=other, fixed=~inside) as plan:
+        with planish.Plan(first.copy(), cells, onto=other, fix=~inside) as plan:
             self.assertEqual(plan.fit.n_held, (~inside).sum())
         floats = first.astype(np.float32)
         planish.smooth(floats, cells, onto=other)
@@ -737,7 +737,7 @@ class Surfaces(unittest.TestCase):
     def test_refusals(self):
         points, cells, _ = ball(3)
         shape = planish.Shape(points, cells)
-        for wrong, text in (({"slide": "round"}, "auto, curved"), ({"shape": shape}, "slide='curved'"),
+        for wrong, text in (({"slide": "round"}, "auto, curved, none"), ({"surface_of": shape}, "slide='curved'"),
                             ({"slide": "curved", "crease_angle": -1}, "crease_angle"),
                             ({"slide": "curved", "surface_tolerance": "h"}, "0.05h"),
                             ({"slide": "curved", "surface_tolerance": -1}, "surface_tolerance")):
@@ -749,7 +749,7 @@ class Surfaces(unittest.TestCase):
             planish.Shape(*box(2)[:2])
         shape.close()
         with self.assertRaisesRegex(ValueError, "closed"):
-            planish.smooth(points, cells, slide="curved", shape=shape)
+            planish.smooth(points, cells, slide="curved", surface_of=shape)
 
 
 class Regions(unittest.TestCase):

@@ -38,7 +38,7 @@ class Reference(unittest.TestCase):
         for dim in 2, 3:
             points, cells, _ = box(dim)
             start = points.copy()
-            result = planish.smooth(points, cells, reference=points)
+            result = planish.smooth(points, cells, like=points)
             self.assertAlmostEqual(result.rms, 1, 12)
             np.testing.assert_allclose(points, start, atol=1e-9)
 
@@ -49,11 +49,11 @@ class Reference(unittest.TestCase):
             wanted = ratios(points, reference, cells)
             for given, asked in ((reference, {}), (np.asfortranarray(reference), {"per_element": True}),
                                  (np.hstack([reference, np.zeros((len(reference), 3 - dim))]), {})):
-                found = planish.quality(points, cells, reference=given, **asked)
+                found = planish.quality(points, cells, like=given, **asked)
                 self.assertAlmostEqual(found.cells.all.rms_aspect_ratio, np.sqrt((wanted ** 2).mean()), 12)
                 self.assertAlmostEqual(found.cells.all.max_aspect_ratio, wanted.max(), 11)
                 self.assertAlmostEqual(found.rms_radius_ratio, found.cells.all.rms_aspect_ratio, 12)
-            found = planish.quality(points, cells, reference=reference, per_element=True)
+            found = planish.quality(points, cells, like=reference, per_element=True)
             np.testing.assert_allclose(found.elements.aspect_ratio, wanted, rtol=1e-11)
 
     def test_layers_survive(self):
@@ -67,7 +67,7 @@ class Reference(unittest.TestCase):
         for name, reference in (("like", start), ("regular", None)):
             points = deformed.copy()
             layers = "ignore" if reference is None else None  # those that are targets are not held
-            with planish.Plan(points, {"hexahedron": cells}, reference=reference, layers=layers) as plan:
+            with planish.Plan(points, {"hexahedron": cells}, like=reference, layers=layers) as plan:
                 self.assertEqual(plan.free().sum(), inner.sum())
                 plan.smooth(points)
             heights[name] = points[first, 2] - points[np.flatnonzero(first) - 1, 2]
@@ -94,28 +94,28 @@ class Reference(unittest.TestCase):
         above = np.flatnonzero(inner)
         heights, wanted = (at[above, 2] - at[above - 1, 2] for at in (points, start))
         self.assertLess(abs(heights / wanted - 1).max(), 0.1)
-        with self.assertRaisesRegex(ValueError, "reference or layers='keep'"):
-            planish.smooth(points, {"hexahedron": cells}, layers="keep", reference=start)
+        with self.assertRaisesRegex(ValueError, "like or layers='keep'"):
+            planish.smooth(points, {"hexahedron": cells}, layers="keep", like=start)
         with self.assertRaisesRegex(ValueError, "hold, keep, ignore"):
             planish.smooth(points, {"hexahedron": cells}, layers="kept")
 
     def test_refusals(self):
         points, cells, _ = box(3)
         for wrong in points[1:], 3.0, "text", points.astype(int), points[:, :2]:
-            self.assertRaises((TypeError, ValueError), planish.quality, points, cells, reference=wrong)
+            self.assertRaises((TypeError, ValueError), planish.quality, points, cells, like=wrong)
         flat = points * (1, 1, 0)
         with self.assertRaisesRegex(planish.Error, "element 0 is flat in mesh.reference"):
-            planish.smooth(points, cells, reference=flat)
+            planish.smooth(points, cells, like=flat)
         with self.assertRaisesRegex(planish.Error, "element 0 is inverted in mesh.reference"):
-            planish.quality(points, cells, reference=-points)
+            planish.quality(points, cells, like=-points)
         for objective in "worst", "edge-ratio":
             with self.assertRaisesRegex((ValueError, planish.Error), "mesh.reference"):
-                planish.smooth(points, cells, reference=points, objective=objective)
+                planish.smooth(points, cells, like=points, objective=objective)
         ball = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [-1, -1, -1]])
         faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
         for call in planish.smooth, planish.quality:
-            with self.assertRaisesRegex(ValueError, "reference is not for surfaces in space"):
-                call(ball, faces, reference=ball)
+            with self.assertRaisesRegex(ValueError, "like is not for surfaces in space"):
+                call(ball, faces, like=ball)
 
 
 if __name__ == "__main__":

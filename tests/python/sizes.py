@@ -27,9 +27,9 @@ class Sizes(unittest.TestCase):
     def test_sizes_are_met(self):
         points, cells = squares()
         start, sizes = points.copy(), wanted(points)
-        before = planish.size_quality(points, cells, sizes=sizes)
-        planish.smooth(points, cells, sizes=sizes)
-        after = planish.size_quality(points, cells, sizes=sizes, start=start, per_element=True)
+        before = planish.size_quality(points, cells, size=sizes)
+        planish.smooth(points, cells, size=sizes)
+        after = planish.size_quality(points, cells, size=sizes, start=start, per_element=True)
         self.assertLess(after.rms_log, 0.6 * before.rms_log)
         self.assertEqual(after.n_elements, SIDE * SIDE)
         self.assertAlmostEqual(np.sqrt((np.log(after.ratio) ** 2).mean()), after.rms_log, 12)
@@ -38,10 +38,10 @@ class Sizes(unittest.TestCase):
     def test_a_weight_is_taken(self):
         points, cells = squares()
         start, sizes = points.copy(), wanted(points)
-        planish.smooth(points, cells, sizes=sizes, size_weight=0.01)
+        planish.smooth(points, cells, size=sizes, size_weight=0.01)
         little = np.abs(points - start).max()
         points[:] = start
-        planish.smooth(points, cells, sizes=sizes)
+        planish.smooth(points, cells, size=sizes)
         self.assertLess(little, 0.5 * np.abs(points - start).max())
 
     def test_metrics_are_met(self):
@@ -51,17 +51,17 @@ class Sizes(unittest.TestCase):
         thin = 0.2 + 2 * np.abs(radius - 0.25)
         across = away / radius[:, None]
         metrics = np.eye(2) + (1 / np.minimum(1, thin) ** 2 - 1)[:, None, None] * across[:, :, None] * across[:, None, :]
-        before = planish.quality(points, cells, sizes=metrics).cells.all
-        planish.smooth(points, cells, sizes=metrics, size_weight=0.5)
-        after = planish.quality(points, cells, sizes=metrics, reference=start).cells.all
+        before = planish.quality(points, cells, size=metrics).cells.all
+        planish.smooth(points, cells, size=metrics, size_weight=0.5)
+        after = planish.quality(points, cells, size=metrics, start=start).cells.all
         self.assertLess(after.rms_aspect_ratio - 1, 0.6 * (before.rms_aspect_ratio - 1))
         self.assertEqual(after.n_inverted, 0)
         plain = planish.quality(points, cells).cells.all
         self.assertGreater(plain.rms_aspect_ratio, after.rms_aspect_ratio)
         points[:] = start
-        planish.smooth(points, cells, sizes=metrics)
-        sizes = planish.size_quality(points, cells, sizes=metrics, start=start)
-        self.assertLess(sizes.rms_log, planish.size_quality(start, cells, sizes=metrics).rms_log)
+        planish.smooth(points, cells, size=metrics)
+        sizes = planish.size_quality(points, cells, size=metrics, start=start)
+        self.assertLess(sizes.rms_log, planish.size_quality(start, cells, size=metrics).rms_log)
 
     def test_own_sizes(self):
         points, cells = squares()
@@ -75,14 +75,14 @@ class Sizes(unittest.TestCase):
         sizes = wanted(points)
         matrices = np.tile(1e9 * np.eye(2), (len(sizes), 1, 1))
         matrices[3] = [[1, 0.5], [0, 1]]
-        for wrong, text in ((sizes[1:], "sizes must have a number or a 2 x 2 matrix"), (0 * sizes, "has the size 0"),
-                            (matrices, "must be symmetric"), (0 * matrices, "metric of node 0 is not positive")):
+        for wrong, text in ((sizes[1:], "size must have a number or a 2 x 2 matrix"), (0 * sizes, "has the size 0"),
+                            (matrices, "must have symmetric"), (0 * matrices, "metric of node 0 is not positive")):
             with self.assertRaisesRegex((ValueError, planish.Error), text):
-                planish.smooth(points, cells, sizes=wrong)
-        with self.assertRaisesRegex(ValueError, "reference or sizes, not both"):
-            planish.smooth(points, cells, sizes=sizes, reference=points.copy())
-        with self.assertRaisesRegex(ValueError, "sizes or layers=.keep., not both"):
-            planish.smooth(points, cells, sizes=sizes, layers="keep")
+                planish.smooth(points, cells, size=wrong)
+        with self.assertRaisesRegex(ValueError, "like or size, not both"):
+            planish.smooth(points, cells, size=sizes, like=points.copy())
+        with self.assertRaisesRegex(ValueError, "size or layers=.keep., not both"):
+            planish.smooth(points, cells, size=sizes, layers="keep")
         with self.assertRaisesRegex(ValueError, "size_weight is for"):
             planish.smooth(points, cells, size_weight=0.5)
 

@@ -11,5 +11,6 @@ export PLANISH_LIBRARY=${PLANISH_BUILD:?}/libplanish.so PYTHONDONTWRITEBYTECODE=
 export PYTHONPATH=${PLANISH_SOURCE:?}/tools/python
 $python "$here/layout.py" >"$work/layout.c" &&
     cc -I"$PLANISH_SOURCE/include" "$work/layout.c" -o "$work/layout" && "$work/layout" &&
-    $python "$here/module.py" && $python "$here/elements.py" && $python "$here/reference.py" && \
-    $python "$here/sizes.py"
+    for test in module elements reference sizes interface files; do
+        $python "$here/$test.py" || exit 1
+    done

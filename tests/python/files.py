@@ -1,0 +1,305 @@
+"""Tests of the Python module: meshes of files, which are smoothed and written as the program does."""
+
+import copy
+import gc
+import os
+import pathlib
+import pickle
+import subprocess
+import tempfile
+import unittest
+import warnings
+
+import numpy as np
+
+import planish
+from elements import write_vtk
+from module import PROGRAM, ball, box
+
+DATA = pathlib.Path(os.environ["PLANISH_SOURCE"]) / "tests" / "data"
+LOSSLESS = ("abaqus.inp", "ascii.vtk", "ascii.vtu", "ascii22.msh", "base64.vtu", "binary.vtk", "binary41.msh", "cube.avs",
+            "cube.cgns", "cube.exo", "cube.h5", "cube.med", "cube.mfem", "cube.su2", "cube.unv", "cube.vtkhdf",
+            "medit.mesh", "medit.meshb", "nastran.bdf", "netgen.vol", "elmer", "openfoam")
+OPTIONS = (
+    (["--slide", "auto"], {"slide": "auto"}),
+    (["--slide", "curved", "--surface-tolerance", "0.02h"], {"slide": "curved", "surface_tolerance": "0.02h"}),
+    (["--slide", "curved", "--crease-angle", "30", "--slide-interfaces"],
+     {"slide": "curved", "crease_angle": 30, "slide_interfaces": True}),
+    (["--keep-sizes", "--size-weight", "0.4"], {"keep_sizes": True, "size_weight": 0.4}),
+    (["--layers", "keep"], {"layers": "keep"}),
+    (["--layers", "hold"], {"layers": "hold"}),
+    (["--regions", "none"], {"regions": None}),
+    (["--objective", "edge-ratio", "--tolerance", "1e-3", "--no-untangle"],
+     {"objective": "edge-ratio", "tolerance": 1e-3, "untangle": False}),
+    (["--objective", "worst", "--worst-measure", "radius-ratio", "--worst-rise", "0.1"],
+     {"objective": "worst", "worst_measure": "radius-ratio", "worst_rise": 0.1}),
+    (["--only-worse-than", "1.5", "--rings", "1"], {"only_worse_than": 1.5, "rings": 1}),
+    (["--method", "laplacian"], {"method": "laplacian"}),
+    (["--direction", "fletcher-reeves"], {"direction": "fletcher-reeves"}),
+    (["--max-displacement", "0.1h", "--max-sweeps", "3"], {"max_displacement": "0.1h", "max_sweeps": 3}),
+    (["--min-volume-fraction", "1e-4"], {"min_volume_fraction": 1e-4}),
+    (["--fix", "upper part"], {"fix": ["upper part"]}),
+    (["--fix", "upper part", "--slide", "auto"], {"fix": "upper part", "slide": "auto"}),
+    (["--min-volume", "upper part=1e-4"], {"min_volume": {"upper part": 1e-4}}),
+)
+
+
+def contents(path):
+    """Return the bytes of a file, or of all files in a folder."""
+    path = pathlib.Path(path)
+    if path.is_dir():
+        return {str(file.relative_to(path)): file.read_bytes() for file in sorted(path.rglob("*")) if file.is_file()}
+    return path.read_bytes()
+
+
+def read(path, **options):
+    """Read a file, or skip the test where the library lacks what the format needs."""
+    try:
+        return planish.read(path, **options)
+    except planish.FileError as error:
+        if "built without" in str(error):
+            raise unittest.SkipTest(str(error)) from None
+        raise
+
+
+class Files(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def same_as_the_program(self, path, options=(), may_stay=False, **keywords):
+        """Smooth a file by both, and compare what they write."""
+        path = pathlib.Path(path)
+        ours, theirs = (self.folder / (name + path.suffix) for name in ("ours", "theirs"))
+        mesh = read(path)
+        start = mesh.points.copy()
+        planish.smooth(mesh, **keywords)
+        mesh.write(ours)
+        subprocess.run([PROGRAM, "smooth", path, "-o", theirs, "-q", *options], check=True)
+        self.assertEqual(contents(ours), contents(theirs), (path, options))
+        self.assertTrue(may_stay or (mesh.points != start).any(), (path, options))
+        for written in ours, theirs:
+            subprocess.run(["rm", "-r", written], check=True)
+
+    @unittest.skipIf(not PROGRAM, "without the program")
+    def test_formats_have_the_programs_bytes(self):
+        for name in LOSSLESS:
+            with self.subTest(name):
+                self.same_as_the_program(DATA / name)
+                self.same_as_the_program(DATA / name, ["--slide", "auto"], slide="auto")
+
+    @unittest.skipIf(not PROGRAM, "without the program")
+    def test_options_have_the_programs_bytes(self):
+        for options, keywords in OPTIONS:
+            self.same_as_the_program(DATA / "ascii41.msh", options, **keywords)
+        other = self.folder / "other.msh"
+        subprocess.run([PROGRAM, "smooth", DATA / "ascii41.msh", "-o", other, "-q", "--slide", "auto"], check=True)
+        for given in (other, str(other), read(other)):
+            self.same_as_the_program(DATA / "ascii41.msh", ["--like", other], like=given)
+            self.same_as_the_program(DATA / "ascii41.msh", ["--slide", "curved", "--surface-of", other],
+                                     slide="curved", surface_of=given)
+
+    def write(self, name, points, blocks):
+        write_vtk(self.folder / name, np.asarray(points), blocks)
+        return self.folder / name
+
+    def write_data(self, path, name, values, of="POINT"):
+        """Append an array to a legacy file."""
+        rows = "\n".join(" ".join(map(repr, np.ravel(value).tolist())) for value in values)
+        kind = "TENSORS" if np.ndim(values) == 3 else "SCALARS"
+        table = "LOOKUP_TABLE default\n" if kind == "SCALARS" else ""
+        with path.open("a") as file:
+            file.write(f"{of}_DATA {len(values)}\n{kind} {name} double\n{table}{rows}\n")
+
+    @unittest.skipIf(not PROGRAM, "without the program")
+    def test_sizes_of_files(self):
+        points, cells, _ = box(3, amount=0.1)
+        kinds = [("tetra", cells)]
+        path = self.write("nodes.vtk", points, kinds)
+        self.write_data(path, "h", 0.5 + points[:, 0])
+        self.same_as_the_program(path, ["--size", "h", "--slide", "auto"], size="h", slide="auto")
+        path = self.write("cells.vtk", points, kinds)
+        self.write_data(path, "h", 0.5 + points[cells].mean(axis=1)[:, 1], "CELL")
+        self.same_as_the_program(path, ["--size", "h"], size="h")
+        path = self.write("metric.vtk", points, kinds)
+        self.write_data(path, "m", np.eye(3) * np.array([1, 1, 4.0]) * (1 + points[:, :1, None]))
+        self.same_as_the_program(path, ["--size", "m", "--size-weight", "0"], size="m", size_weight=0)
+        self.write_sol(self.folder / "h.sol", 1 + points[:, 0])
+        self.same_as_the_program(path, ["--size-from", self.folder / "h.sol"], size_from=self.folder / "h.sol")
+        with self.assertRaisesRegex(ValueError, "no such array|has no array|there are|'x'"):
+            planish.smooth(planish.read(path), size="x")
+
+    @staticmethod
+    def write_sol(path, values):
+        rows = "\n".join(map(repr, values.tolist()))
+        path.write_text(f"MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n{len(values)}\n1 1\n{rows}\nEnd\n")
+
+    @unittest.skipIf(not PROGRAM, "without the program")
+    def test_other_meshes_have_the_programs_bytes(self):
+        points, cells, _ = box(2, amount=0.25)
+        flat = np.column_stack([points, np.zeros(len(points))])
+        turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+        tilted = self.write("tilted.vtk", flat @ turn, [("triangle", cells)])
+        self.same_as_the_program(tilted)
+        self.same_as_the_program(tilted, ["--slide", "auto", "--objective", "worst"], slide="auto", objective="worst")
+        upright = self.write("upright.vtk", flat[:, [2, 1, 0]], [("triangle", cells)])
+        self.same_as_the_program(upright, ["--box", "0.5,0.5,5.2,5.4"], box=[0.5, 0.5, 5.2, 5.4])
+        self.same_as_the_program(upright, ["--like", self.write("flat.vtk", flat, [("triangle", cells)])],
+                                 like=self.folder / "flat.vtk", may_stay=True)
+        solid, tets, _ = ball(5)
+        self.same_as_the_program(self.write("ball.vtk", solid, [("tetra", tets)]), ["--slide", "curved"], slide="curved")
+        faces = np.concatenate([tets[:, list(corners)] for corners in ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))])
+        _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+        skin = faces[first[count == 1]]
+        used, skin = np.unique(skin, return_inverse=True)
+        surface = self.write("skin.vtk", solid[used], [("triangle", skin.reshape(-1, 3))])
+        self.assertTrue(read(surface).is_in_space)
+        self.assertLess(planish.quality(read(surface)).max_radius_ratio, 10)
+        for call in planish.Plan, planish.find_layers:
+            with self.assertRaisesRegex(ValueError, "surface in space"):
+                call(read(surface))
+        self.same_as_the_program(surface)
+        self.same_as_the_program(surface, ["--slide", "none", "--max-sweeps", "3"], slide="none", max_sweeps=3)
+        small = self.write("small.vtk", 0.97 * solid, [("tetra", tets)])
+        self.same_as_the_program(small, ["--onto", surface], onto=surface)
+        hexahedra = np.array([[0, 1, 3, 2, 4, 5, 7, 6]])
+        cube = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], dtype=float)
+        self.same_as_the_program(self.write("cube.vtk", cube, [("hexahedron", hexahedra)]), may_stay=True)
+
+    def test_arrays_of_a_mesh(self):
+        mesh = read(DATA / "ascii41.msh")
+        self.assertEqual((mesh.format, mesh.dim, mesh.is_in_space, mesh.plane()), ("gmsh", 3, False, None))
+        self.assertEqual(sorted(mesh.region_names.values()), ["lower part", "upper part"])
+        self.assertEqual(set(mesh.region_names), set(np.unique(mesh.regions).tolist()))
+        cells = mesh.cells
+        self.assertEqual({name: nodes.shape[1] for name, nodes in cells.items()}, {"tetra": 4})
+        held = mesh.held(fix="upper part")
+        self.assertEqual(set(held), {"faces_inside", "interface", "fix"})
+        nodes = np.unique(cells["tetra"][mesh.regions == {n: k for k, n in mesh.region_names.items()}["upper part"]])
+        np.testing.assert_array_equal(np.flatnonzero(held["fix"]), nodes)
+        self.assertEqual(mesh.element_number(0), int(mesh.element_number(1)) - 1)
+        with self.assertRaises(IndexError):
+            mesh.node_number(len(mesh.points))
+        self.assertFalse(mesh.layout().nodes.flags.writeable)
+        self.assertEqual(planish.quality(mesh).as_dict(), planish.quality(
+            mesh.points, cells, fix=mesh.held()["faces_inside"] | mesh.held()["interface"]).as_dict())
+        for way in copy.copy, pickle.dumps:
+            self.assertRaises(TypeError, way, mesh)
+        self.assertIn("ascii41.msh", repr(mesh))
+        self.assertIn("tetra", str(mesh))
+        self.assertIn("<table>", mesh._repr_html_())
+
+    def test_arrays_outlive_the_mesh(self):
+        points = read(DATA / "ascii41.msh").points
+        total = points.sum()
+        gc.collect()
+        junk = [np.random.default_rng(1).normal(size=len(points) * 3) for _ in range(20)]
+        self.assertEqual(points.sum(), total)
+        self.assertEqual(len(junk), 20)
+
+    def test_data(self):
+        points, cells, _ = box(3)
+        path = self.write("data.vtk", points, [("tetra", cells)])
+        self.write_data(path, "T", points[:, 0])
+        mesh = planish.read(path)
+        self.assertEqual(mesh.data_arrays, ["T"])
+        values, of_elements = mesh.data("T")
+        self.assertFalse(of_elements)
+        np.testing.assert_array_equal(values[:, 0], points[:, 0])
+
+    def test_meshio_order_of_wedges(self):
+        points = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1)], dtype=float)
+        path = self.write("wedge.vtk", points, [("wedge", np.array([[0, 2, 1, 3, 5, 4]]))])
+        mesh = planish.read(path)
+        np.testing.assert_array_equal(mesh.cells["wedge"], [[0, 2, 1, 3, 5, 4]])
+        self.assertEqual(planish.quality(mesh.points, mesh.cells).cells.all.n_inverted, 0)
+
+    def test_unchanged_meshes_keep_their_bytes(self):
+        for name in LOSSLESS:
+            with self.subTest(name):
+                out = (self.folder / name).with_name("out" + pathlib.Path(name).suffix)
+                planish.write(read(DATA / name), out)
+                self.assertEqual(contents(out), contents(DATA / name))
+                subprocess.run(["rm", "-r", out], check=True)
+
+    @unittest.skipIf(not PROGRAM, "without the program")
+    def test_conversion_tells_what_is_lost(self):
+        mesh = read(DATA / "ascii41.msh")
+        for name in ("out.vtu", "out.mesh", "out.stl"):
+            with self.assertWarnsRegex(planish.ConversionWarning, name + " lacks .") as caught:
+                mesh.write(self.folder / name)
+            self.assertEqual(pathlib.Path(caught.filename).name, "files.py")
+            with self.assertWarns(planish.ConversionWarning) as caught:
+                planish.write(mesh, self.folder / name)
+            self.assertEqual(pathlib.Path(caught.filename).name, "files.py")
+            subprocess.run([PROGRAM, "convert", DATA / "ascii41.msh", self.folder / ("program" + name), "-q"],
+                           check=True)
+            self.assertEqual(contents(self.folder / name), contents(self.folder / ("program" + name)))
+        self.assertIn("vtu", [format.name for format in planish.formats() if format.is_target])
+        known = {extension: format.name for format in planish.formats() for extension in format.extensions}
+        self.assertEqual((known[".msh"], known[".vtu"]), ("gmsh", "vtu"))
+
+    def test_one_choice_of_regions(self):
+        points, cells, _ = box(3)
+        path = self.write("regions.vtk", points, [("tetra", cells)])
+        middle = np.round(points[:, 0]) == 3
+        self.write_data(path, "zone", np.where(np.round(points[cells]).min(axis=1)[:, 0] >= 3, 1, 0), "CELL")
+        mesh = planish.read(path)
+        self.assertEqual(mesh.region_arrays, ["zone"])
+        for regions in "zone", ["zone"]:
+            mesh = planish.read(path)
+            with planish.Plan(mesh, regions=regions) as plan:
+                self.assertEqual(plan.region_arrays, ["zone"])
+                self.assertFalse(plan.free()[middle].any())
+            with planish.Plan(mesh, regions=None) as plan:
+                self.assertTrue(plan.free()[middle].any())
+            with self.assertRaisesRegex(ValueError, "read it again"):
+                planish.smooth(mesh, regions=["other"])
+        with self.assertRaisesRegex(planish.Error, "zone"):
+            planish.smooth(planish.read(path), regions=["other"])
+
+    def test_plans_of_files(self):
+        mesh = read(DATA / "ascii41.msh")
+        moved = mesh.points.copy()
+        with planish.Plan(mesh, fix=[0, 1]) as plan:
+            plan.smooth(moved)
+            self.assertTrue((moved != mesh.points).any())
+            plan.smooth()
+            np.testing.assert_array_equal(moved, mesh.points)
+
+    def test_refusals(self):
+        missing = self.folder / "missing.msh"
+        for error in OSError, ValueError, planish.FileError:
+            with self.assertRaisesRegex(error, "missing.msh"):
+                planish.read(missing)
+        mesh = read(DATA / "ascii41.msh")
+        start = mesh.points.copy()
+        with self.assertRaisesRegex(planish.Error, "upper part"):  # it lists those that there are
+            planish.smooth(mesh, fix=["wall"])
+        with self.assertRaisesRegex(planish.Error, "out.xyz"):
+            mesh.write(self.folder / "out.xyz")
+        with self.assertRaisesRegex(planish.FileError, "nowhere"):
+            mesh.write("/nowhere/out.msh")
+        with self.assertRaisesRegex(planish.Error, "formats|known|unknown"):
+            planish.read(DATA / "ascii41.msh", format="nothing")
+        with self.assertRaisesRegex(ValueError, "names of arrays"):
+            planish.smooth(mesh, regions=np.zeros(3, dtype=int))
+        with self.assertRaisesRegex(ValueError, "other nodes or elements"):
+            planish.smooth(mesh, like=planish.read(DATA.parents[1] / "docs" / "examples" / "bracket.msh"))
+        np.testing.assert_array_equal(mesh.points, start)
+        for damaged in DATA.glob("damaged*.med"):
+            with self.assertRaises(planish.FileError):
+                planish.read(damaged)
+        copied = pickle.loads(pickle.dumps(planish.FileError("text", -4, 1, 2)))
+        self.assertEqual((str(copied), copied.code, copied.element, copied.node), ("text", -4, 1, 2))
+
+    def test_nobody_can_swap_the_points(self):
+        mesh = read(DATA / "ascii41.msh")
+        with self.assertRaises(AttributeError):
+            mesh.points = mesh.points.copy()
+
+
+if __name__ == "__main__":
+    warnings.simplefilter("error", planish.ConversionWarning)
+    unittest.main()

@@ -1,0 +1,38 @@
+"""planish: smooth, untangle and measure meshes of elements of any type, in place.
+
+    import planish
+    mesh = planish.read("part.msh")                 # any format of docs/formats.md
+    planish.smooth(mesh, fix=["wall"], slide="auto")
+    mesh.write("out.msh")                           # with the same bytes but for coordinates
+
+    result = planish.smooth(points, cells)          # points [n, 2 or 3], cells [m, 3 or 4] of numpy
+    result = planish.smooth(mesh)                   # a mesh of meshio or PyVista
+    result = planish.smooth(points, {"hexahedron": a, "wedge": b})
+    print(planish.quality(points, cells))
+
+    with planish.Plan(points, cells) as plan:       # once for a connectivity, for many positions
+        for points in positions:
+            plan.smooth(points)
+
+The library is the one that the environment variable PLANISH_LIBRARY names. Without it, it is looked for in this
+package, beside the installation that the package is part of, and where the system's linker looks.
+docs/python.md is the introduction. Modules whose names begin with _ are not for callers.
+"""
+
+from . import accessor  # registers itself where PyVista is
+from ._errors import ConversionWarning, Error, FileError
+from ._files import Mesh, read, write
+from ._formats import Format, formats
+from ._library import version
+from ._plan import Plan
+from ._quality import checksum, find_layers, find_sizes, find_slides, quality, size_quality
+from ._results import (CellMeasures, CellQuality, CellValues, FitInfo, Quality, Result, ShapeDistance, ShapeInfo,
+                       SizeQuality, SlideInfo, Slides, Spread)
+from ._shapes import Shape
+from ._smooth import smooth
+from ._structures import Progress
+
+__all__ = ["CellMeasures", "CellQuality", "CellValues", "ConversionWarning", "Error", "FileError", "FitInfo", "Format",
+           "Mesh", "Plan", "Progress", "Quality", "Result", "Shape", "ShapeDistance", "ShapeInfo", "SizeQuality",
+           "SlideInfo", "Slides", "Spread", "accessor", "checksum", "find_layers", "find_sizes", "find_slides", "formats",
+           "quality", "read", "size_quality", "smooth", "version", "write"]

@@ -1,0 +1,5 @@
+"""python -m planish: the program."""
+
+from ._program import main
+
+main()

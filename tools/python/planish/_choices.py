@@ -1,0 +1,183 @@
+"""Choices that callers have: words, and options of plans and runs."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Callable, Literal, NamedTuple, Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ._arrays import Array
+from ._layers import KEEP_BY_TYPE
+from ._library import whole
+from ._regions import BY_RULE
+from ._structures import Options, Progress
+from ._view import View
+
+Objective = Literal["radius-ratio", "mean-ratio", "edge-ratio", "worst"]
+WorstMeasure = Literal["dihedral", "radius-ratio", "aspect-ratio", "scaled-jacobian"]
+Method = Literal["planish", "laplacian", "area-laplacian", "length-laplacian"]
+Direction = Literal["newton", "fletcher-reeves"]
+Layers = Literal["hold", "keep", "ignore"]
+Slide = Union[str, Sequence[str]]  # auto, curved, none or groups
+Length = Union[float, str]  # a number, or one and h: in edges
+Fix = Union[str, Sequence[str], ArrayLike]  # groups, or nodes
+Path = Union[str, "os.PathLike[str]"]
+
+_OBJECTIVES = {"radius-ratio": 0, "mean-ratio": 1, "edge-ratio": 2, "worst": 0}
+_WORST = {"radius-ratio": 1, "dihedral": 2, "aspect-ratio": 3, "scaled-jacobian": 4}
+_METHODS = {"planish": 0, "laplacian": 1, "area-laplacian": 2, "length-laplacian": 3}
+_DIRECTIONS = {"newton": 0, "fletcher-reeves": 1}
+_OF_TYPES = 3  # measures of worst elements from here on are of meshes with other elements than simplices
+_WEIGHT_OF_SIZES = 0.9
+
+
+class PlanChoices(NamedTuple):
+    """Options of a plan, as Plan describes them."""
+
+    fix: Any = None
+    min_volume: Any = None
+    threads: int = 0
+    only_worse_than: float = 0
+    rings: int = 0
+    around: Any = None
+    regions: Any = BY_RULE
+    rounding: Optional[float] = None
+    layers: Optional[str] = None
+    slide: Any = None
+    slide_interfaces: bool = False
+    slide_tolerance: float = 0
+    surface_of: Any = None
+    crease_angle: float = 0
+    onto: Any = None
+    like: Any = None
+    size: Any = None
+    size_from: Any = None
+    keep_sizes: bool = False
+    size_weight: Optional[float] = None
+
+    def has_sizes(self) -> bool:
+        """Whether sizes are asked for."""
+        return self.size is not None or self.size_from is not None or self.keep_sizes
+
+    def slides(self) -> tuple[bool, bool, list[str]]:
+        """Return whether nodes slide, whether also on curved surfaces, and the groups that they slide on alone."""
+        words = [] if self.slide is None else [self.slide] if isinstance(self.slide, str) else list(self.slide)
+        groups = [word for word in words if word not in ("auto", "curved", "none")]
+        return any(word != "none" for word in words), "curved" in words, groups
+
+
+class RunChoices(NamedTuple):
+    """Options of a run, as Plan.smooth describes them."""
+
+    objective: Optional[str] = None
+    worst_measure: Optional[str] = None
+    worst_rise: float = 0.01
+    min_volume: float = 0
+    min_volume_fraction: float = 0
+    area_weight: float = 0
+    curve_quality: float = 0.3
+    surface_tolerance: Length = 0
+    max_displacement: Length = 0
+    box: Any = None
+    method: str = "planish"
+    direction: str = "newton"
+    untangle: bool = True
+    max_sweeps: int = 200
+    tolerance: float = 1e-5
+    time_limit: float = 0
+    progress: Optional[Callable[[Progress], Any]] = None
+
+
+# ---- plans ------------------------------------------------------------------------------------------
+
+
+def check_plan(choices: PlanChoices) -> None:
+    """Refuse options that exclude or need one another."""
+    is_sliding, is_curved, _ = choices.slides()
+    if choices.onto is not None and (is_sliding or choices.around is not None or choices.only_worse_than):
+        raise ValueError("onto moves all nodes of the boundary: slide, around and only_worse_than have no place")
+    is_of_curved = choices.surface_of is not None or choices.slide_interfaces or (
+        choices.crease_angle and choices.onto is None)
+    if not is_curved and is_of_curved:
+        raise ValueError("surface_of, crease_angle and slide_interfaces are for slide='curved'")
+    if choices.size_weight and choices.like is None and not choices.has_sizes():
+        raise ValueError("size_weight is for plans with like or sizes (size, size_from, keep_sizes)")
+    if choices.like is not None and choices.has_sizes():
+        raise ValueError("give like or size, not both")
+    if (choices.size is not None) + (choices.size_from is not None) + choices.keep_sizes > 1:
+        raise ValueError("give one of size, size_from and keep_sizes")
+
+
+def size_weight_of(choices: PlanChoices) -> float:
+    """Return the weight of sizes."""
+    usual = _WEIGHT_OF_SIZES if choices.has_sizes() else 0.0
+    return usual if choices.size_weight is None else choices.size_weight
+
+
+def layers_of_smooth(choices: PlanChoices, run: RunChoices) -> PlanChoices:
+    """Return the choices of a plan for one run, which keeps layers of some types where nothing speaks against it."""
+    is_usual = run.objective in (None, "mean-ratio") and run.method == "planish"
+    return choices._replace(layers=KEEP_BY_TYPE) if choices.layers is None and is_usual else choices
+
+
+# ---- runs -------------------------------------------------------------------------------------------
+
+
+def _number_of(word: Any, words: dict[str, int], name: str) -> int:
+    """Return the number of one of some words."""
+    if word not in words:
+        raise ValueError(f"{name} must be one of {', '.join(words)}, not {word!r}")
+    return words[word]
+
+
+def length(given: Length, name: str) -> tuple[float, int]:
+    """Return a length and its unit: of a number, or a text such as 0.05h, in edges."""
+    if not isinstance(given, str):
+        return given, 0
+    try:
+        return (float(given[:-1]), 1) if given.endswith("h") else (float(given), 0)
+    except ValueError:
+        raise ValueError(f"{name} must be a number, or one and h, such as 0.05h, not {given!r}") from None
+
+
+def _check_objective(run: RunChoices, has_types: bool) -> None:
+    """Refuse measures of elements that the mesh does not have."""
+    if has_types and run.objective == "radius-ratio":
+        raise ValueError("radius-ratio is of triangles and tetrahedra alone; leave objective out, or give edge-ratio")
+    if run.worst_measure is not None and (_WORST[run.worst_measure] >= _OF_TYPES) != has_types:
+        raise ValueError(f"worst_measure {run.worst_measure!r} is of other elements than the mesh has; leave it out")
+
+
+def _set_objective(run: RunChoices, options: Options, has_types: bool) -> None:
+    """Set what a run minimises."""
+    options.objective = _number_of(run.objective or "radius-ratio", _OBJECTIVES, "objective")
+    worst = _number_of(run.worst_measure or ("scaled-jacobian" if has_types else "dihedral"), _WORST, "worst_measure")
+    _check_objective(run, has_types)
+    options.worst = worst if run.objective == "worst" else 0
+    options.worst_rise = run.worst_rise
+    options.area_weight = run.area_weight
+    options.curve_quality = run.curve_quality
+    options.method = _number_of(run.method, _METHODS, "method")
+    options.search = _number_of(run.direction, _DIRECTIONS, "direction")
+
+
+def _set_box(options: Options, corners: tuple[Array, Array]) -> None:
+    for i, (low, high) in enumerate(zip(*corners)):
+        options.box_lower[i], options.box_upper[i] = low, high
+
+
+def set_run(run: RunChoices, options: Options, view: View, has_types: bool) -> None:
+    """Set the options of a run; its progress is called elsewhere."""
+    _set_objective(run, options, has_types)
+    options.min_volume = run.min_volume
+    options.min_volume_fraction = run.min_volume_fraction
+    options.surface_tolerance, options.surface_tolerance_unit = length(run.surface_tolerance, "surface_tolerance")
+    options.max_displacement, options.displacement_unit = length(run.max_displacement, "max_displacement")
+    none = np.full(view.dim, np.inf)
+    _set_box(options, (-none, none) if run.box is None else view.box(np.asarray(run.box, dtype=float).ravel()))
+    options.untangle = bool(run.untangle)
+    options.max_sweeps = whole(run.max_sweeps, "max_sweeps")
+    options.tolerance = run.tolerance
+    options.time_limit = run.time_limit

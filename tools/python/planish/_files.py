@@ -1,0 +1,318 @@
+"""Mesh files: read without loss, written with the same bytes but for coordinates, converted."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import warnings
+from ctypes import byref, c_double, c_int, c_int64, c_size_t, c_void_p
+from typing import Any, Mapping, Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._arrays import Array, borrow, pointer
+from ._cell_types import KNOWN, WEDGE_OF_MESHIO
+from ._elements import Elements, Layout, corners_of_simplices
+from ._errors import ConversionWarning
+from ._io import hold_of, io, texts, texts_of, values_of
+from ._io_structures import Data, DataInfo, FileInfo, OpenOptions, Plane, ViewData
+from ._library import call, files, threads_to_use
+from ._structures import Cells, MeshView, Surface
+from ._tables import Rows, html_table, text_table
+
+_WEDGE = 13
+_TEXT = 512  # bytes of the list of what a conversion leaves out
+_OF_MESH = 1 | 2 | 4  # planish_file_reason: lines, faces and interfaces, which a conversion keeps as such
+
+# Why a file holds a node, by the names in the program's reports: bits of planish_file_reason.
+REASONS = {"lines_and_points": 1, "faces_inside": 2, "interface": 4, "other_elements": 8, "periodic": 16, "fix": 32,
+           "required": 64}
+
+
+class Handle:
+    """A planish_file, which is closed when nobody has it any more."""
+
+    def __init__(self, path: str, options: OpenOptions) -> None:
+        """Open a file."""
+        self.file = c_void_p()
+        self.close = io("close")
+        call(io("open_with"), os.fsencode(path), byref(options), byref(self.file))
+
+    def __del__(self) -> None:
+        """Close the file."""
+        if getattr(self, "file", None):
+            self.close(self.file)
+
+
+class Mesh:
+    """A mesh of a file, of which only coordinates can change: smooth it, and write it with all else as it was.
+
+    points are coordinates to be changed in place, [n, 2] of flat elements in their plane, else [n, 3]. cells are
+    the elements, arrays by meshio's names of types. format is the name of the file's format.
+    """
+
+    def __init__(self, path: str, options: OpenOptions) -> None:
+        """Read the file at path; planish.read is for callers."""
+        self.path = path
+        self.handle = Handle(path, options)
+        self.threads = options.threads
+        self.info = FileInfo()
+        io("get_info")(self.handle.file, byref(self.info))
+        self.structure: MeshView = io("mesh")(self.handle.file)
+        self.dim = int(self.structure.dim)
+        self.format = (self.info.format or b"").decode()
+        shape = int(self.structure.n_nodes), self.dim
+        self._points = borrow(self.handle, io("coordinates")(self.handle.file), shape, np.float64)
+        self._chosen: Optional[list[str]] = None
+
+    # ---- nodes and elements ---------------------------------------------------------------------------
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """Coordinates of the nodes, to be changed in place."""
+        return self._points
+
+    @property
+    def cells(self) -> dict[str, Array]:
+        """Elements by meshio's names of types, with meshio's order of nodes."""
+        layout, found = self.layout(), {}
+        for number in np.flatnonzero(np.bincount(layout.types, minlength=256)).tolist():
+            kind = KNOWN[number]
+            at = layout.offsets[:-1][layout.types == number]
+            nodes = layout.nodes[at[:, None] + np.arange(kind.n_nodes)]
+            found[kind.name] = nodes[:, WEDGE_OF_MESHIO] if number == _WEDGE else nodes
+        return found
+
+    def layout(self) -> Layout:
+        """Return the elements as planish_cells has them; the file owns the arrays, which stay as they are."""
+        cells = Cells()
+        call(io("cells"), self.handle.file, byref(cells))
+        offsets = self._fixed(cells.offset, (cells.n + 1,), np.int64)
+        return Layout(self._fixed(cells.type, (cells.n,), np.uint8), offsets,
+                      self._fixed(cells.node, (int(offsets[-1]),), np.int32))
+
+    def _fixed(self, at: Optional[int], shape: tuple[int, ...], dtype: Any) -> Array:
+        """Return an array of the file that nobody may change."""
+        array = borrow(self.handle, at, shape, dtype)
+        array.flags.writeable = False
+        return array
+
+    def elements(self) -> Elements:
+        """Return the elements as the library smooths them."""
+        n = int(self.structure.n_elements)
+        if self.structure.elements:
+            simple = self._fixed(self.structure.elements, (n, self.dim + 1), np.int32)
+            return Elements(self.dim, simple, None, simple, np.arange(n), {}, [])
+        layout, dim = self.layout(), 2 if self.is_in_space else self.dim
+        return Elements(dim, None, layout, corners_of_simplices(layout, dim), np.arange(n), {}, [])
+
+    @property
+    def is_in_space(self) -> bool:
+        """Whether the mesh is a surface: flat elements in no plane."""
+        if self.dim == 2 or self.structure.elements:
+            return False
+        types = self.layout().types
+        return len(types) > 0 and KNOWN[int(types[0])].dim == 2
+
+    def plane(self) -> Optional[Plane]:
+        """Return the plane that points are coordinates in; None: they are the first columns of the file."""
+        plane = Plane()
+        return plane if io("plane")(self.handle.file, byref(plane)) else None
+
+    def space_points(self) -> NDArray[np.float64]:
+        """Return the coordinates [n, 3] in space of a mesh of flat elements, else a copy of points."""
+        found = np.zeros((len(self.points), 3))
+        call(io("space_coordinates"), self.handle.file, c_int64(0), c_int64(len(found)), pointer(self.points),
+             pointer(found))
+        return found
+
+    def element_number(self, element: int) -> int:
+        """Return the number that the file gives an element."""
+        return int(io("element_number")(self.handle.file, c_int64(range(self.structure.n_elements)[element])))
+
+    def node_number(self, node: int) -> int:
+        """Return the number that the file gives a node."""
+        return int(io("node_number")(self.handle.file, c_int64(range(len(self.points))[node])))
+
+    # ---- regions, data, held nodes ----------------------------------------------------------------------
+
+    @property
+    def cell_arrays(self) -> list[str]:
+        """Names of the arrays of one whole number per element."""
+        return texts(io("cell_arrays")(self.handle.file))
+
+    @property
+    def region_arrays(self) -> list[str]:
+        """Names of those of them that tell regions."""
+        return texts(io("region_arrays")(self.handle.file))
+
+    def choose_regions(self, names: Sequence[str]) -> None:
+        """Choose the arrays that tell regions, once for a mesh, in place of those that look so."""
+        if self._chosen is not None and self._chosen != list(names):
+            raise ValueError("regions were chosen for this mesh; read it again to choose others")
+        if self._chosen is None:
+            call(io("choose_regions"), self.handle.file, texts_of(names), c_int(len(names)))
+            self._chosen = list(names)
+
+    @property
+    def regions(self) -> Optional[NDArray[np.int32]]:
+        """Number of the region [m] of each element; None: there is one region."""
+        return self._region_numbers()
+
+    def _region_numbers(self) -> Optional[NDArray[np.int32]]:
+        surface: Surface = io("surface")(self.handle.file, None)
+        return self._fixed(surface.region, (int(self.structure.n_elements),), np.int32) if surface.region else None
+
+    @property
+    def region_names(self) -> dict[int, str]:
+        """Names of regions by their numbers, as tags for fix; regions that no name means are left out."""
+        regions = self._region_numbers()
+        if regions is None:
+            return {}
+        numbers, first = np.unique(regions, return_index=True)
+        named = [(int(number), self._region_name(int(at))) for number, at in zip(numbers, first)]
+        return {number: name for number, name in named if name}
+
+    def _region_name(self, element: int) -> str:
+        text = ctypes.create_string_buffer(_TEXT)
+        io("element_region")(self.handle.file, c_int64(element), text, c_size_t(_TEXT))
+        return text.value.decode(errors="surrogateescape")
+
+    @property
+    def data_arrays(self) -> list[str]:
+        """Names of the arrays of numbers of nodes and elements."""
+        info = DataInfo()
+        names: list[str] = []
+        while io("data_info")(self.handle.file, c_int64(len(names)), byref(info)):
+            names.append((info.name or b"").decode(errors="surrogateescape"))
+        return names
+
+    def data(self, name: str) -> tuple[NDArray[np.float64], bool]:
+        """Return the array of numbers that is called name, [n or m, components], and whether it is of elements."""
+        data = Data()
+        call(io("data"), self.handle.file, os.fsencode(name), byref(data))
+        return values_of(data)
+
+    def held(self, fix: Union[str, Sequence[str]] = ()) -> dict[str, NDArray[np.bool_]]:
+        """Return masks [n] of the nodes that the file and fix hold, by their reasons.
+
+        Args:
+            fix: names of groups
+        """
+        reason = np.zeros(len(self.points), dtype=np.uint8)
+        names = [fix] if isinstance(fix, str) else list(fix)
+        hold, _kept = hold_of(names)
+        call(io("get_held"), self.handle.file, byref(hold), pointer(reason))
+        return {name: reason & bit != 0 for name, bit in REASONS.items() if (reason & bit).any()}
+
+    # ---- writing ------------------------------------------------------------------------------------------
+
+    def write(self, path: Union[str, "os.PathLike[str]"], *, threads: int = 0) -> None:
+        """Write the mesh: a copy of the file in which only the coordinates of moved nodes differ.
+
+        A path with the extension of another format is converted, and a ConversionWarning tells what is left out.
+
+        Args:
+            path: the file, which may be the one that was read; a folder where that is one
+            threads: as for read
+        """
+        self.tell(path, self.write_quietly(path, threads), 3)
+
+    def write_quietly(self, path: Union[str, "os.PathLike[str]"], threads: int) -> str:
+        """Write the mesh as write does, and return what a conversion leaves out."""
+        encoded = os.fsencode(path)
+        if not io("can_write")(self.handle.file, encoded) and io("can_convert")(self.handle.file, encoded):
+            return self._convert(encoded)
+        call(io("write"), self.handle.file, encoded, pointer(self.points), threads_to_use(threads), None, c_size_t(0))
+        return ""
+
+    @staticmethod
+    def tell(path: Any, lost: str, depth: int) -> None:
+        """Warn the caller, who is depth calls away, of what a conversion left out."""
+        if lost:
+            warnings.warn(f"{os.fspath(path)} lacks {lost}", ConversionWarning, stacklevel=depth)
+
+    def _convert(self, path: bytes) -> str:
+        """Write the mesh in another format, and return what that leaves out."""
+        reason = np.zeros(len(self.points), dtype=np.uint8)
+        call(io("get_held"), self.handle.file, None, pointer(reason))
+        held = (reason & ~np.uint8(_OF_MESH) != 0).astype(np.uint8)
+        lost = ctypes.create_string_buffer(_TEXT)
+        call(io("convert"), self.handle.file, path, pointer(self.points), pointer(held if held.any() else None),
+             byref(ViewData()), None, c_size_t(0), lost, c_size_t(_TEXT))
+        return lost.value.decode(errors="replace")
+
+    # ---- shown ----------------------------------------------------------------------------------------------
+
+    def rows(self) -> Rows:
+        """Return the names and values of the table that print shows."""
+        types = self.layout().types
+        counts = [(KNOWN[number].name, int((types == number).sum())) for number in np.unique(types).tolist()]
+        return [("format", self.format), ("dimension", self.dim), ("nodes", len(self.points)), *counts,
+                ("regions", int(self.info.n_regions))]
+
+    def __repr__(self) -> str:
+        """Return where the mesh comes from."""
+        return f"<planish.Mesh of {self.path!r}: {len(self.points)} nodes, {self.structure.n_elements} elements>"
+
+    def __str__(self) -> str:
+        """Return a short table."""
+        return text_table(self.rows())
+
+    def _repr_html_(self) -> str:
+        """Return the table for notebooks."""
+        return html_table(self.rows())
+
+    def __reduce__(self) -> Any:
+        """Refuse to be copied or pickled."""
+        raise TypeError("a mesh of a file can be neither copied nor pickled; read it again")
+
+
+def read(path: Union[str, "os.PathLike[str]"], *, format: Optional[str] = None,  # pylint: disable=redefined-builtin
+         threads: int = 0, isolated: bool = True, plane_tolerance: float = 0) -> Mesh:
+    """Read a mesh file (docs/formats.md), or a folder where a format is one.
+
+    Args:
+        path: the file
+        format: name of the format; None: by content, then by extension
+        threads: number of threads, 0 as many as there are
+        isolated: open a file in HDF5 in a child process first, as damaged ones can end a process. That takes twice
+            the time, and no other thread may use the HDF5 library meanwhile
+        plane_tolerance: how far off their plane nodes of flat elements may be, as a fraction of the bounding box's
+            diagonal; 0: as far as the digits of the file say. Beyond, they are a surface in space
+    """
+    options = OpenOptions(format=None if format is None else format.encode(), isolated=bool(isolated),
+                          threads=threads_to_use(threads).value, plane_tolerance=plane_tolerance)
+    return Mesh(os.fspath(path), options)
+
+
+def opened(given: Any) -> Any:
+    """Return the mesh at a path, or what else is given."""
+    return read(given) if isinstance(given, (str, os.PathLike)) else given
+
+
+def write(mesh: Mesh, path: Union[str, "os.PathLike[str]"], *, threads: int = 0) -> None:
+    """Write a mesh of read, as its method write does.
+
+    Args:
+        mesh: the mesh
+        path: as for Mesh.write
+        threads: as for read
+    """
+    mesh.tell(path, mesh.write_quietly(path, threads), 3)
+
+
+def read_sizes(mesh: Mesh, path: Union[str, "os.PathLike[str]"]) -> NDArray[np.float64]:
+    """Return the values [n, components] of a solution file of Medit's for the nodes of a mesh."""
+    data = Data()
+    call(files().planish_sol_read, os.fsencode(path), c_int(mesh.dim), c_int64(len(mesh.points)), byref(data))
+    return values_of(data)[0]
+
+
+def min_volumes(mesh: Mesh, volumes: Mapping[str, float]) -> NDArray[np.float64]:
+    """Return the minimum volumes [m] that groups give the elements of a mesh."""
+    found, tags = np.zeros(int(mesh.structure.n_elements)), list(volumes)
+    values = (c_double * max(len(tags), 1))(*volumes.values())
+    call(io("min_volumes"), mesh.handle.file, texts_of(tags), values, c_int(len(tags)), pointer(found))
+    return found

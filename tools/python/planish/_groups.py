@@ -1,0 +1,50 @@
+"""Nodes that callers name: by numbers, masks, and the sets of meshio."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._arrays import chosen_nodes
+
+
+def names_in(fix: Any) -> list[str]:
+    """Return the names in fix; none: it is nodes."""
+    if isinstance(fix, str):
+        return [fix]
+    if isinstance(fix, (list, tuple, set, frozenset)) and fix and all(isinstance(name, str) for name in fix):
+        return list(fix)
+    return []
+
+
+def _of_cells(mesh: Any, rows: Any) -> list[Any]:
+    """Return the nodes of a set of cells: rows of each block."""
+    return [np.asarray(block.data)[np.asarray(chosen, dtype=np.int64)].ravel()
+            for block, chosen in zip(mesh.cells, rows) if chosen is not None and len(chosen)]
+
+
+def _named(mesh: Any, name: str) -> Any:
+    """Return the nodes of a set of points or cells of meshio."""
+    points, cells = getattr(mesh, "point_sets", None) or {}, getattr(mesh, "cell_sets", None) or {}
+    if name in points:
+        return np.asarray(points[name], dtype=np.int64).ravel()
+    if name in cells:
+        return np.concatenate([np.zeros(0, dtype=np.int64), *_of_cells(mesh, cells[name])])
+    known = ", ".join(map(str, [*points, *cells])) or "none"
+    raise ValueError(f"fix: the mesh has no set {name!r}; it has: {known}")
+
+
+def nodes_to_fix(mesh: Any, fix: Any, n: int) -> NDArray[np.int64]:
+    """Return the nodes that fix means: numbers, a mask, or names of the mesh's sets."""
+    names = names_in(fix)
+    if not names:
+        return chosen_nodes(fix, n, "fix")
+    return chosen_nodes(np.concatenate([_named(mesh, name) for name in names]), n, "fix")
+
+
+def data_of_points(mesh: Any) -> dict[str, Any]:
+    """Return the arrays of points of a mesh by their names."""
+    data = getattr(mesh, "point_data", None)
+    return {str(name): data[name] for name in data.keys()} if data is not None and hasattr(data, "keys") else {}

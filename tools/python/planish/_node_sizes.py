@@ -1,0 +1,96 @@
+"""Sizes and metrics of files, brought to the nodes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._arrays import Array
+from ._elements import Layout
+
+_MOST_RATIO = 1e12  # sizes that differ by more are no sizes of one mesh
+_ROUNDING = 1e-6  # of the largest entry, by which symmetric matrices may be unsymmetric
+
+
+def _owners(layout: Layout) -> tuple[Array, Array]:
+    """Return the nodes of elements, one behind the other, and the element of each; mids that are missing are out."""
+    owners = np.repeat(np.arange(len(layout.types)), np.diff(layout.offsets))
+    is_there = layout.nodes >= 0
+    return layout.nodes[is_there], owners[is_there]
+
+
+def _logarithms(values: Array) -> NDArray[np.float64]:
+    """Return logarithms with the bits that C's have, which numpy's need not have."""
+    return np.array([math.log(value) for value in values.tolist()])
+
+
+def _exponentials(values: Array) -> NDArray[np.float64]:
+    return np.array([math.exp(value) for value in values.tolist()])
+
+
+def _check_positive(values: Array, what: str) -> None:
+    wrong = np.flatnonzero(~(values > 0))
+    if len(wrong):
+        raise ValueError(f"the size at {what} {wrong[0]} is {values[wrong[0]]:g}: it must be above 0")
+
+
+def sizes_at_nodes(values: Array, layout: Layout, of_elements: bool, n: int) -> NDArray[np.float64]:
+    """Return sizes [n]: of elements the geometric means, and of nodes in no element that of all others."""
+    nodes, owners = _owners(layout)
+    count = np.bincount(nodes, minlength=n)
+    is_used = count > 0
+    if of_elements:
+        _check_positive(values, "element")
+        sums = np.bincount(nodes, weights=_logarithms(values)[owners], minlength=n)
+        size = np.ones(n)
+        size[is_used] = _exponentials(sums[is_used] / count[is_used])
+    else:
+        _check_positive(np.where(is_used, values, 1), "node")
+        size = values.astype(float)
+    if not is_used.all():
+        logarithms = np.append(0, np.cumsum(_logarithms(size[is_used])))  # one after the other, as in C
+        size[~is_used] = math.exp(logarithms[-1] / max(len(logarithms) - 1, 1))
+    if size.size and size.max() / size.min() > _MOST_RATIO:
+        raise ValueError(f"sizes reach from {size.min():g} to {size.max():g}: the largest may be {_MOST_RATIO:g} times "
+                         "the smallest at most")
+    return size
+
+
+def _matrices(values: Array, dim: int, is_solution: bool) -> NDArray[np.float64]:
+    """Return symmetric matrices [.., dim, dim] of values by their number: lower triangles, or matrices by rows."""
+    width = values.shape[1]
+    if width in (4, 9) and width in (dim * dim, 9):
+        full = values.reshape(-1, math.isqrt(width), math.isqrt(width))[:, :dim, :dim]
+        off = np.abs(full - full.transpose(0, 2, 1)).max(axis=(1, 2))
+        if (off > _ROUNDING * np.abs(values).max(axis=1)).any():
+            raise ValueError("a metric is not symmetric and positive definite")
+        made: NDArray[np.float64] = np.tril(full) + np.tril(full, -1).transpose(0, 2, 1)
+        return made
+    if width != 6 and not (width == 3 and dim == 2 and is_solution):
+        raise ValueError(f"the array has {width} numbers for each of its values: a size is one number, and a metric a "
+                         "symmetric tensor")
+    rows, columns = np.tril_indices(dim)
+    full = np.zeros((len(values), dim, dim))
+    full[:, rows, columns] = full[:, columns, rows] = values[:, :len(rows)]
+    return full
+
+
+def metrics_at_nodes(values: Array, layout: Layout, of_elements: bool, n: int, dim: int,
+                     is_solution: bool) -> NDArray[np.float64]:
+    """Return metrics [n, dim, dim]: of elements the means, and of nodes in no element that of all others."""
+    matrices = _matrices(values, dim, is_solution)
+    nodes, owners = _owners(layout)
+    count = np.bincount(nodes, minlength=n)
+    is_used = count > 0
+    if of_elements:
+        flat = matrices.reshape(len(matrices), -1)
+        sums = np.stack([np.bincount(nodes, weights=part[owners], minlength=n) for part in flat.T], axis=1)
+    else:
+        count = is_used.astype(int)
+        sums = matrices.reshape(n, -1) * is_used[:, None]
+    means = sums / np.maximum(count, 1)[:, None]
+    means[~is_used] = sums.sum(axis=0) / max(int(count.sum()), 1)
+    found: NDArray[np.float64] = means.reshape(n, dim, dim)
+    return found

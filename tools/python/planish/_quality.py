@@ -1,0 +1,155 @@
+"""Measures of meshes, and what is found in them."""
+
+from __future__ import annotations
+
+from ctypes import byref, c_double
+from typing import Any, Optional
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _layers, _targets, _values
+from ._arrays import pointer
+from ._choices import Fix, PlanChoices
+from ._files import opened
+from ._library import call, library, new_options, threads_to_use
+from ._regions import BY_RULE
+from ._results import CellQuality, Quality, SizeQuality, Slides
+from ._shapes import Shape
+from ._surfaces import SpaceSurface
+from ._view import View
+from ._views import Holding, Source, view_of
+
+
+def _measure_mesh(view: View, found: Quality) -> None:
+    """Measure the elements that are smoothed."""
+    options = new_options()
+    options.threads = threads_to_use(view.threads).value
+    if view.elements.is_smoothed():
+        call(library.planish_measure_mesh, byref(view.mesh), byref(options), byref(found))
+
+
+def _measure_cells(view: View, rounding: Optional[float], per_element: bool, found: Quality) -> None:
+    """Measure elements of all types."""
+    arrays = _values.room(view, per_element)
+    found.cells = CellQuality()
+    call(library.planish_measure_cells, byref(view.mesh), c_double(view.rounding(rounding)),
+         threads_to_use(view.threads), byref(found.cells), _values.structure(arrays))
+    found.elements = _values.finished(arrays)
+
+
+def _take_size(view: View, size: Any, start: Any) -> None:
+    """Give a view sizes, or the name of those, that were given where the points were at start."""
+    _targets.take_size(view, view.named_size(size) if isinstance(size, str) else size)
+    if start is not None:
+        _targets.take_places(view, opened(start), "start")
+
+
+def quality(points: Any, cells: Any = None, *, fix: Optional[Fix] = None, regions: Any = BY_RULE,
+            rounding: Optional[float] = None, per_element: bool = False, like: Any = None, size: Any = None,
+            start: Any = None, threads: int = 0) -> Quality:
+    """Return the quality of a mesh. Triangles and quadrilaterals in space are measured each in its own plane.
+
+    Args:
+        points: as for Plan
+        cells: as for Plan
+        fix: as for Plan: elements without a node that moves are counted besides
+        regions: as for Plan
+        rounding: as for Plan
+        per_element: measure each element, too: the result has elements
+        like: as for Plan: measure against the shapes there
+        size: metrics, as for Plan: AR is that where lengths are measured by them
+        start: where the points were when the size was given; None: where they are
+        threads: as for Plan
+    """
+    source = Source(points, cells)
+    surface = SpaceSurface.of(source, PlanChoices(fix=fix, regions=regions, threads=threads))
+    if surface is not None:
+        if like is not None or size is not None:
+            raise ValueError(f"{'like' if size is None else 'size'} is not for surfaces in space")
+        return surface.quality(per_element)
+    view, found = view_of(source, Holding(fix, regions), threads), Quality()
+    is_simple = view.elements.layout is None and like is None and size is None
+    if like is not None:
+        _targets.take_like(view, opened(like))
+    _measure_mesh(view, found)
+    if size is not None:
+        _take_size(view, size, start)
+    if per_element or not is_simple:
+        _measure_cells(view, rounding, per_element, found)
+    return found
+
+
+def find_slides(points: Any, cells: Any = None, *, fix: Optional[Fix] = None, regions: Any = BY_RULE,
+                surface_of: Optional[Shape] = None, slide_interfaces: bool = False, threads: int = 0) -> Slides:
+    """Return which nodes slide on planes and straight edges.
+
+    Args:
+        points: as for Plan
+        cells: as for Plan
+        fix: as for Plan
+        regions: as for Plan
+        surface_of: a Shape, on whose patches and curves nodes slide, too
+        slide_interfaces: as for Plan
+        threads: as for Plan
+    """
+    view = view_of(Source(points, cells), Holding(fix, regions, True), threads)
+    surface = view.surface()
+    surface.slide_interfaces = bool(slide_interfaces)
+    surface.shape = None if surface_of is None else surface_of.pointer().value
+    info = view.find_slides(surface)
+    assert view.constraint is not None and view.direction is not None
+    return Slides(view.constraint, view.direction, info)
+
+
+def find_sizes(points: Any, cells: Any = None, *, threads: int = 0) -> NDArray[np.float64]:
+    """Return the sizes [n] that a mesh has: at each point the mean of its elements', as edge lengths of ideal ones.
+
+    Args:
+        points: as for Plan
+        cells: as for Plan
+        threads: as for Plan
+    """
+    return _targets.sizes_of(view_of(Source(points, cells), Holding(regions=None), threads))
+
+
+def size_quality(points: Any, cells: Any = None, *, size: Any, start: Any = None, per_element: bool = False,
+                 threads: int = 0) -> SizeQuality:
+    """Return the sizes of the elements against those wanted.
+
+    Args:
+        points: as for Plan
+        cells: as for Plan
+        size: sizes or metrics, as for Plan
+        start: where the points were when the size was given; None: where they are
+        per_element: the result has ratio [m]
+        threads: as for Plan
+    """
+    view, found = view_of(Source(points, cells), Holding(regions=None), threads), SizeQuality()
+    _take_size(view, size, start)
+    ratio = np.zeros(view.mesh.n_elements) if per_element else None
+    call(library.planish_measure_sizes, byref(view.mesh), threads_to_use(threads), byref(found), pointer(ratio))
+    found.ratio = ratio
+    return found
+
+
+def find_layers(points: Any, cells: Any = None, *, threads: int = 0) -> NDArray[np.bool_]:
+    """Return a mask [m] of the elements that are thin in layers, as those of a boundary layer.
+
+    Args:
+        points: as for Plan
+        cells: as for Plan
+        threads: as for Plan
+    """
+    return _layers.layers_of(view_of(Source(points, cells), Holding(regions=None), threads))
+
+
+def checksum(points: Any, cells: Any = None) -> int:
+    """Return a number for the bits of the points: equal if these are.
+
+    Args:
+        points: as for Plan
+        cells: as for Plan
+    """
+    view = view_of(Source(points, cells), Holding(regions=None), 1)
+    return int(library.planish_checksum(byref(view.mesh)))

@@ -1,0 +1,117 @@
+"""Shapes: curved surfaces as they came, which nodes slide on."""
+
+from __future__ import annotations
+
+from ctypes import byref, c_void_p
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._arrays import Points, address
+from ._library import call, library, threads_to_use
+from ._regions import BY_RULE
+from ._results import ShapeDistance, ShapeInfo
+from ._structures import MeshView
+from ._view import View
+from ._views import Source, view_of_shape
+
+
+class Shape:
+    """The surface of a mesh as it came: patches, curves between them, and corners (docs/surfaces.md).
+
+    The mesh has solids, or triangles and quadrilaterals in space. The shape remembers the points, so that it can
+    serve many runs without drift. Facets and edges among the cells are tags: where they change the surface has an
+    edge. info has counts. Close a shape, or use it in a with statement.
+    """
+
+    def __init__(self, points: Any, cells: Any = None, *, regions: Any = BY_RULE, crease_angle: float = 0,
+                 threads: int = 0) -> None:
+        """Make the shape of a mesh.
+
+        Args:
+            points: coordinates [n, 3], or a mesh, as for Plan
+            cells: as for Plan
+            regions: as for Plan; the surface has the facets between regions
+            crease_angle: facets that turn by more degrees have an edge between them, others none but for tags;
+                0: edges are found
+            threads: as for Plan
+        """
+        self._make(view_of_shape(Source(points, cells), regions, threads), crease_angle, threads)
+
+    @classmethod
+    def of_view(cls, view: View, crease_angle: float, threads: int) -> Shape:
+        """Return the shape of a view."""
+        made = cls.__new__(cls)
+        made._make(view, crease_angle, threads)
+        return made
+
+    def _make(self, view: View, crease_angle: float, threads: int) -> None:
+        self._shape = c_void_p()
+        self._threads = threads
+        self.info = ShapeInfo()
+        self._n = view.n
+        surface = view.surface()
+        surface.crease_angle = crease_angle
+        call(library.planish_shape_create, byref(view.mesh), byref(surface), threads_to_use(threads),
+             byref(self._shape), byref(self.info))
+
+    def pointer(self) -> c_void_p:
+        """Return the library's planish_shape."""
+        if not self._shape.value:
+            raise ValueError("the shape is closed")
+        return self._shape
+
+    def classes(self) -> NDArray[np.uint8]:
+        """Return the class [n] of each node: 0 not on the surface, 1 on a patch, 2 on a curve, 3 a corner."""
+        found = np.zeros(self._n, dtype=np.uint8)
+        library.planish_shape_get_classes(self.pointer(), address(found))
+        return found
+
+    def distance(self, points: Any) -> ShapeDistance:
+        """Return how far the surface is off this one at most, and back: proved for every point, not sampled.
+
+        Args:
+            points: coordinates [n, 3] of the surface's nodes now, or the mesh
+        """
+        taken, found = Points(getattr(points, "points", points), 3), ShapeDistance()
+        mesh = MeshView(dim=3, n_nodes=len(taken.array), coordinates=address(taken.array),
+                        node_stride=taken.strides[0], component_stride=taken.strides[1])
+        call(library.planish_measure_shape, self.pointer(), byref(mesh), threads_to_use(self._threads), byref(found))
+        return found
+
+    def close(self) -> None:
+        """Release the memory of the shape. No plan that uses it may be used any more then."""
+        shape, self._shape = self._shape, c_void_p()
+        if shape:
+            library.planish_shape_destroy(shape)
+
+    def __reduce__(self) -> Any:
+        """Refuse to be copied or pickled."""
+        raise TypeError("a shape can be neither copied nor pickled; make another one")
+
+    def __enter__(self) -> Shape:
+        """Return the shape."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the shape."""
+        self.close()
+
+    def __del__(self) -> None:
+        """Release what nobody has closed."""
+        if getattr(self, "_shape", None):
+            self.close()
+
+
+def shape_for(source: Source, given: Any, regions: Any, crease_angle: float, threads: int) -> Shape:
+    """Return the shape that surface_of asks for: given, or that of the mesh with its points at given.
+
+    None: where they are.
+    """
+    if isinstance(given, Shape):
+        return given
+    view = view_of_shape(source, regions, threads)
+    if given is not None:
+        view.move_to(given, "surface_of")
+    return Shape.of_view(view, crease_angle, threads)

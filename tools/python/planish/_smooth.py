@@ -1,0 +1,145 @@
+"""Smoothing in one call."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Mapping, Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ._choices import (Direction, Fix, Layers, Length, Method, Objective, Path, PlanChoices, RunChoices, Slide,
+                       WorstMeasure, layers_of_smooth)
+from ._plan import Plan
+from ._promises import promises_for
+from ._regions import BY_RULE
+from ._results import Result
+from ._shapes import Shape
+from ._structures import Progress
+from ._surfaces import SpaceSurface
+from ._views import Source
+
+
+def smooth(
+    points: Any,
+    cells: Any = None,
+    *,
+    fix: Optional[Fix] = None,
+    min_volume: Union[float, ArrayLike, Mapping[str, float]] = 0,
+    threads: int = 0,
+    only_worse_than: float = 0,
+    rings: int = 0,
+    around: Optional[Sequence[int]] = None,
+    regions: Any = BY_RULE,
+    rounding: Optional[float] = None,
+    layers: Optional[Layers] = None,
+    slide: Optional[Slide] = None,
+    slide_interfaces: bool = False,
+    slide_tolerance: float = 0,
+    surface_of: Any = None,
+    crease_angle: float = 0,
+    onto: Union[Shape, Path, Any, None] = None,
+    like: Any = None,
+    size: Any = None,
+    size_from: Optional[Path] = None,
+    keep_sizes: bool = False,
+    size_weight: Optional[float] = None,
+    objective: Optional[Objective] = None,
+    worst_measure: Optional[WorstMeasure] = None,
+    worst_rise: float = 0.01,
+    min_volume_fraction: float = 0,
+    area_weight: float = 0,
+    curve_quality: float = 0.3,
+    surface_tolerance: Length = 0,
+    max_displacement: Length = 0,
+    box: Optional[ArrayLike] = None,
+    method: Method = "planish",
+    direction: Direction = "newton",
+    untangle: bool = True,
+    max_sweeps: int = 200,
+    tolerance: float = 1e-5,
+    time_limit: float = 0,
+    progress: Optional[Callable[[Progress], Any]] = None,
+) -> Result:
+    """Smooth a mesh in place, after untangling it, as the program does (docs/program.md).
+
+    Args:
+        points: coordinates, an array [n, 2 or 3] of numpy, or a mesh of planish.read, meshio or PyVista
+        cells: arrays of nodes, as for Plan; None with a mesh
+        fix: nodes that stay besides those of the boundary: numbers, a mask, or names of groups of the mesh
+        min_volume: minimum volume (area) of every element, 0: they are positive; or of each, as for Plan
+        threads: number of threads, 0 as many as there are and the mesh is large enough for
+        only_worse_than: only nodes of elements whose ratio exceeds it move
+        rings: and of so many rings of elements around
+        around: as for Plan
+        regions: as for Plan
+        rounding: as for Plan
+        layers: as for Plan, but None: keep the heights of layers of wedges, hexahedra and quadrilaterals where
+            neither objective, like nor sizes speak against it, else hold them as Plan does
+        slide: as for Plan
+        slide_interfaces: as for Plan
+        slide_tolerance: as for Plan
+        surface_of: as for Plan
+        crease_angle: as for Plan
+        onto: as for Plan; the result has fit and fit_distance
+        like: as for Plan
+        size: as for Plan
+        size_from: as for Plan
+        keep_sizes: as for Plan
+        size_weight: as for Plan
+        objective: as for Plan.smooth, as are all that follow
+        worst_measure: what is improved of the worst elements
+        worst_rise: by how much of itself the objective may rise for the worst elements
+        min_volume_fraction: minimum volume as a fraction of the domain's
+        area_weight: 0 .. 1, what volumes above the minimum count
+        curve_quality: mids of elements that are curved more move by themselves
+        surface_tolerance: how far a curved surface may be off the original one
+        max_displacement: how far a node may go
+        box: lower and upper corner of a box that movable nodes stay in
+        method: how nodes are moved
+        direction: search direction of a node's local problem
+        untangle: repair inverted elements first
+        max_sweeps: largest number of sweeps
+        tolerance: converged if the RMS falls by less of itself per sweep
+        time_limit: seconds; 0: none
+        progress: called with a Progress after every colour of nodes; something true ends the run
+    """
+    is_plain = not isinstance(min_volume, Mapping) and np.ndim(min_volume) == 0
+    choices = PlanChoices(
+        fix=fix, min_volume=None if is_plain else min_volume, threads=threads, only_worse_than=only_worse_than,
+        rings=rings, around=around, regions=regions, rounding=rounding, layers=layers, slide=slide,
+        slide_interfaces=slide_interfaces, slide_tolerance=slide_tolerance, surface_of=surface_of,
+        crease_angle=crease_angle, onto=onto, like=like, size=size, size_from=size_from, keep_sizes=keep_sizes,
+        size_weight=size_weight)
+    run = RunChoices(
+        objective=objective, worst_measure=worst_measure, worst_rise=worst_rise,
+        min_volume=float(min_volume) if is_plain else 0,  # type: ignore[arg-type]
+        min_volume_fraction=min_volume_fraction, area_weight=area_weight, curve_quality=curve_quality,
+        surface_tolerance=surface_tolerance, max_displacement=max_displacement, box=box, method=method,
+        direction=direction, untangle=untangle, max_sweeps=max_sweeps, tolerance=tolerance, time_limit=time_limit,
+        progress=progress)
+    try:
+        return _smooth(Source(points, cells), choices, run)
+    finally:
+        _mark_modified(points)
+
+
+def _mark_modified(mesh: Any) -> None:
+    """Tell VTK that the points of a mesh have changed, so that pictures and locators follow."""
+    points = mesh.GetPoints() if hasattr(mesh, "GetPoints") else None
+    if points is not None:
+        points.Modified()
+
+
+def _smooth(source: Source, choices: PlanChoices, run: RunChoices) -> Result:
+    """Smooth a mesh with all options."""
+    surface = SpaceSurface.of(source, choices)
+    if surface is not None:
+        return surface.run(source, choices, run)
+    with Plan.of_choices(source, layers_of_smooth(choices, run)) as plan:
+        promises = promises_for(plan, choices, run)
+        result = plan.run(None, run)
+        if promises is not None:
+            promises.keep(result)
+        if plan.fit is not None:
+            result.fit, result.fit_distance = plan.fit, plan.fit_distance()
+        return result

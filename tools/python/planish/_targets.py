@@ -1,0 +1,51 @@
+"""Targets: shapes that elements are to become like, and sizes that they are to have."""
+
+from __future__ import annotations
+
+from ctypes import byref
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._arrays import Points, pointer
+from ._library import call, library, threads_to_use
+from ._view import View
+
+
+def take_places(view: View, points: Any, what: str) -> None:
+    """Let reference of the view's mesh be points, or those of a mesh; what: the name of the argument."""
+    points = view.places_of(points)
+    if np.shape(points)[:1] != (view.n,):
+        raise ValueError(f"{what} must have a row for each of {view.n} points, not the shape {np.shape(points)}")
+    view.give("reference", Points(points, view.dim, view.points.strides).array)
+
+
+def take_like(view: View, points: Any) -> None:
+    """Let the elements have the shapes of points, or of a mesh, as their targets."""
+    view.prepare_targets()
+    take_places(view, points, "like")
+
+
+def take_size(view: View, size: Any) -> None:
+    """Let the elements have these sizes [n] or metrics [n, dim, dim], given at the points."""
+    values, dim = np.ascontiguousarray(size, dtype=float), view.dim
+    view.prepare_targets()
+    if values.shape == (view.n,):
+        view.give("size", values)
+        return
+    if values.shape != (view.n, dim, dim):
+        raise ValueError(f"size must have a number or a {dim} x {dim} matrix for each of {view.n} points, not the "
+                         f"shape {values.shape}")
+    off = np.abs(values - values.transpose(0, 2, 1)).max(axis=(1, 2))
+    if (off > 1e-6 * np.abs(values).max(axis=(1, 2))).any():
+        raise ValueError("size that has matrices must have symmetric ones")
+    rows, columns = np.tril_indices(dim)
+    view.give("metric", np.ascontiguousarray(values[:, rows, columns]))
+
+
+def sizes_of(view: View) -> NDArray[np.float64]:
+    """Return the sizes [n] that a mesh has."""
+    size = np.zeros(view.n)
+    call(library.planish_find_sizes, byref(view.mesh), threads_to_use(view.threads), pointer(size))
+    return size

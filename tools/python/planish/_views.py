@@ -1,0 +1,116 @@
+"""Views of the meshes that callers give."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, NamedTuple, Optional, Sequence
+
+import numpy as np
+
+from ._arrays import chosen_nodes, is_in_space
+from ._blocks import is_by_type
+from ._elements import Elements, elements_of
+from ._file_view import FileHolding, FileView, view_in_space
+from ._files import Mesh
+from ._groups import data_of_points, names_in, nodes_to_fix
+from ._regions import BY_RULE, names_of, take_regions
+from ._view import View
+
+
+class Source:
+    """A mesh as callers give it: points and cells, or a mesh of another package and None."""
+
+    def __init__(self, points: Any, cells: Any) -> None:
+        """Take a mesh."""
+        self.points = points
+        self.cells = cells
+
+    @functools.cached_property
+    def elements(self) -> Elements:
+        """Elements of the mesh, which is no file's."""
+        return elements_of(self.points, self.cells)
+
+    @property
+    def array(self) -> Any:
+        """Coordinates of the points."""
+        return self.points if self.cells is not None else getattr(self.points, "points", self.points)
+
+
+class Holding(NamedTuple):
+    """Which nodes are held for what they lie on."""
+
+    fix: Any = None
+    regions: Any = BY_RULE
+    slides: bool = False  # tags and regions of the surface hold none: it is to be found which of them slide
+    slide_groups: Sequence[str] = ()
+
+
+def _hold(view: View, source: Source, holding: Holding) -> None:
+    """Fix the nodes that other cells, the caller and regions hold."""
+    held = view.elements.held(view.n, holding.slides)
+    if held is not None and held.any():
+        view.fix(held != 0)
+    if holding.fix is not None:
+        view.fix(nodes_to_fix(source.points, holding.fix, view.n))
+
+
+def _of_elements(source: Source, elements: Elements, holding: Holding, threads: int) -> View:
+    """Return the view of solid elements, or of flat ones in a plane."""
+    if holding.slide_groups:
+        raise ValueError(f"slide must be auto, curved, none or None, not {', '.join(holding.slide_groups)}: groups are "
+                         "for meshes of planish.read")
+    view = View(source.array, elements, elements.dim, threads)
+    view.point_data = data_of_points(source.points)
+    _hold(view, source, holding)
+    take_regions(view, holding.regions, not holding.slides)
+    return view
+
+
+def _of_file(mesh: Mesh, holding: Holding, threads: int) -> FileView:
+    """Return the view of a mesh of a file."""
+    groups, regions = names_in(holding.fix), holding.regions
+    nodes = None if holding.fix is None or groups else chosen_nodes(holding.fix, len(mesh.points), "fix")
+    if regions is not None and regions is not BY_RULE:
+        names = names_of(regions)
+        if names is None:
+            raise ValueError("regions must be names of arrays of the file, or None")
+        mesh.choose_regions(names)
+    return FileView(mesh, FileHolding(groups, nodes, regions is None, holding.slides, holding.slide_groups), threads)
+
+
+def view_of(source: Source, holding: Holding, threads: int) -> View:
+    """Return the view of a mesh."""
+    if isinstance(source.points, Mesh):
+        if source.points.is_in_space:
+            raise ValueError(f"{source.points.path} is a surface in space, which smooth and quality take")
+        return _of_file(source.points, holding, threads)
+    return _of_elements(source, source.elements, holding, threads)
+
+
+def surface_in_space(source: Source, holding: Holding, threads: int) -> Optional[View]:
+    """Return the view of flat elements in space, in no plane of constant z, None: the mesh is none of these."""
+    points, cells = source.array, source.cells
+    if isinstance(source.points, Mesh):
+        return _of_file(source.points, holding, threads) if source.points.is_in_space else None
+    if not isinstance(points, np.ndarray) or not is_in_space(points):
+        return None
+    if cells is not None and not is_by_type(cells) and np.ndim(cells) == 2 and np.shape(cells)[1] != 3:
+        return None  # as quickly as that, as most are tetrahedra
+    elements = source.elements
+    if elements.dim != 2:
+        return None
+    view = View(points, elements, 3, threads)
+    view.fix(np.zeros(0, dtype=np.int64))
+    _hold(view, source, Holding(holding.fix))
+    return view
+
+
+def view_of_shape(source: Source, regions: Any, threads: int) -> View:
+    """Return the view that a shape is made of: of solids, or of faces in space."""
+    if isinstance(source.points, Mesh):
+        mesh = source.points
+        return view_in_space(mesh, threads) if mesh.dim == 2 else _of_file(mesh, Holding(None, regions, True), threads)
+    elements, points = source.elements, source.array
+    if elements.dim == 2 and np.ndim(points) == 2 and np.shape(points)[1] >= 3:
+        return View(points, elements, 3, threads)
+    return _of_elements(source, elements, Holding(None, regions, True), threads)
