@@ -17,6 +17,7 @@ program makes of the file. Needs Gmsh's Python API of 4.8 or later.
 from __future__ import annotations
 
 import ctypes
+import itertools
 from typing import Any, Iterable, NamedTuple, Optional
 
 import numpy as np
@@ -31,6 +32,8 @@ except ImportError as _failure:
 __all__ = ["quality", "smooth"]
 
 _HIGHEST_ORDER = 2
+_MOST_NUMBERS_PER_NODE = 8  # that a table of all numbers is made for
+_NOISE_OF_PLANES = 1e-8  # of the longer side, as in files
 
 # Types by Gmsh's number: the number that planish has for it (VTK's), and where VTK's nodes stand in Gmsh's order.
 _EDGES_OF_HEXAHEDRON = [8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15]
@@ -88,23 +91,30 @@ class _Mesh:
                              "gmsh.model.mesh.generate()")
         self.tags = np.concatenate([tags for tags, _ in parts]).astype(np.int64)
         self.points = np.concatenate([xyz for _, xyz in parts])
-        self._order = np.argsort(self.tags, kind="stable")
-        self._sorted = self.tags[self._order]
+        self._sorted, self._order = np.unique(self.tags, return_index=True)
+        self._order = self._order.astype(np.int32)
+        self._table: Optional[np.ndarray] = None  # [largest number + 1] of indices, if numbers are dense
+        if self._sorted[-1] <= _MOST_NUMBERS_PER_NODE * n:
+            self._table = np.full(self._sorted[-1] + 1, -1, dtype=np.int32)
+            self._table[self._sorted] = self._order
 
     def index(self, tags: Any) -> np.ndarray:
         """Indices of nodes by Gmsh's numbers."""
-        tags = np.asarray(tags, dtype=np.int64)
-        at = np.minimum(np.searchsorted(self._sorted, tags), len(self._sorted) - 1)
-        wrong = self._sorted[at] != tags
-        if wrong.any():
-            raise ValueError(f"the model has no node {tags[wrong][0]}")
-        return self._order[at]
+        tags = np.asarray(tags).astype(np.int64, copy=False)
+        if self._table is not None and (not tags.size or 0 <= tags.min() and tags.max() < len(self._table)):
+            found = self._table[tags]
+        else:
+            at = np.minimum(np.searchsorted(self._sorted, tags), len(self._sorted) - 1)
+            found = np.where(self._sorted[at] == tags, self._order[at], np.int32(-1))
+        if (found < 0).any():
+            raise ValueError(f"the model has no node {tags[found < 0][0]}")
+        return found
 
     def _blocks(self, dim: int, tag: int) -> Iterable[_Block]:
         """Elements of an entity."""
         for number, tags, nodes in zip(*gmsh.model.mesh.getElements(dim, tag)):
             kind, order = _type_of(int(number))
-            rows = self.index(nodes).reshape(len(tags), -1).astype(np.int32)
+            rows = self.index(nodes).reshape(len(tags), -1)
             yield _Block(kind, rows if order is None else rows[:, order], np.asarray(tags))
 
     def _choose(self, dim: Optional[int]) -> None:
@@ -121,10 +131,10 @@ class _Mesh:
 
     def given(self) -> Any:
         """The mesh for planish: itself, or in a plane across x or y with the other two coordinates."""
-        if self.dim == 2 and np.ptp(self.points[:, 2]) > 0:
-            for axis in (0, 1):
-                if np.ptp(self.points[:, axis]) == 0:
-                    return _InPlane(self, [column for column in range(3) if column != axis])
+        extent = np.ptp(self.points, axis=0)
+        across = [axis for axis in (2, 0, 1) if extent[axis] <= _NOISE_OF_PLANES * extent.max()]
+        if self.dim == 2 and across and across[0] != 2:
+            return _InPlane(self, [axis for axis in range(3) if axis != across[0]])
         return self
 
     def periodic(self) -> np.ndarray:
@@ -163,65 +173,53 @@ def _type_of(number: int) -> tuple[Any, Optional[list[int]]]:
     return f"{name} of Gmsh", None
 
 
-# ---- what users choose by Gmsh's names and numbers ---------------------------------------------------
+# ---- nodes that users choose by Gmsh's names and numbers -----------------------------------------------
 
 
 def _entities_of(choice: Any) -> list[tuple[int, int]]:
-    """Entities that are meant by a name or number of a physical group, DIM:NUMBER, a number, or (dim, tag)."""
+    """Entities that are meant by (dim, tag), or as for the program by the name or number of a physical group,
+    the number of an entity, or DIM:NUMBER."""
+    entities, groups = gmsh.model.getEntities(), gmsh.model.getPhysicalGroups()
     if isinstance(choice, tuple):
-        found = [entity for entity in gmsh.model.getEntities() if entity == choice]
-    elif isinstance(choice, str):
-        dim, _, number = choice.partition(":")
-        found = _entities_by(lambda group: gmsh.model.getPhysicalName(*group) == choice, None)
-        if not found and dim in ("0", "1", "2", "3") and number.isdigit():
-            found = _entities_by(lambda group: group == (int(dim), int(number)), (int(dim), int(number)))
+        found = [entity for entity in entities if entity == choice]
     else:
-        found = _entities_by(lambda group: group[1] == choice, None) or [
-            entity for entity in gmsh.model.getEntities() if entity[1] == choice]
+        *dims, number = choice.split(":")
+        chosen = [group for group in groups if gmsh.model.getPhysicalName(*group) == choice] or [
+            group for group in groups if [str(group[0])] in (dims, dims or [str(group[0])]) and str(group[1]) == number]
+        found = [(group[0], int(tag)) for group in chosen for tag in gmsh.model.getEntitiesForPhysicalGroup(*group)]
+        found = found or [entity for entity in entities if dims in ([], [str(entity[0])]) and str(entity[1]) == number]
     if not found:
-        names = [gmsh.model.getPhysicalName(*group) or f"{group[0]}:{group[1]}"
-                 for group in gmsh.model.getPhysicalGroups()]
-        raise ValueError(f"the model has no group or entity {choice!r}; its groups: " + (", ".join(names) or "none"))
+        known = [gmsh.model.getPhysicalName(*group) or f"{group[0]}:{group[1]}" for group in groups]
+        raise ValueError(f"fix: the model has no group or entity {choice!r}; its groups: {', '.join(known) or 'none'}")
     return found
 
 
-def _entities_by(is_group: Any, entity: Optional[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Entities of physical groups; without any, an entity."""
-    found = [(group[0], int(tag)) for group in gmsh.model.getPhysicalGroups() if is_group(group)
-             for tag in gmsh.model.getEntitiesForPhysicalGroup(*group)]
-    return found or [known for known in gmsh.model.getEntities() if known == entity]
+def _is_choice(choice: Any) -> bool:
+    return isinstance(choice, (str, tuple))
 
 
-def _nodes_on(mesh: _Mesh, choices: Any) -> np.ndarray:
-    """Indices of the nodes on entities, their boundaries included."""
-    listed = [choices] if isinstance(choices, (str, int, tuple)) else choices
-    found = [np.zeros(0, dtype=np.int64)]
-    for choice in listed:
-        for dim, tag in _entities_of(choice):
-            found.append(mesh.index(gmsh.model.mesh.getNodes(dim, tag, True, False)[0]))
-    return np.concatenate(found)
-
-
-def _chosen(mesh: _Mesh, nodes: Any) -> np.ndarray:
-    """Indices of nodes that are given by Gmsh's numbers or as a mask."""
-    nodes = np.asarray(nodes)
+def _nodes_to_fix(mesh: _Mesh, fix: Any) -> np.ndarray:
+    """Indices of the nodes that fix means: those of groups and entities, numbers of Gmsh's, or a mask."""
+    choices = [fix] if _is_choice(fix) else fix
+    if isinstance(choices, (list, set)) and all(map(_is_choice, choices)):
+        found = [gmsh.model.mesh.getNodes(dim, tag, True, False)[0] for choice in choices
+                 for dim, tag in _entities_of(choice)]
+        return mesh.index(np.concatenate([np.zeros(0, dtype=np.int64), *found]))
+    nodes = np.asarray(fix)
     if nodes.dtype != bool:
         return mesh.index(nodes)
     if nodes.shape != mesh.tags.shape:
-        raise ValueError(f"fixed is a mask of shape {nodes.shape}, not {mesh.tags.shape}")
+        raise ValueError(f"fix is a mask of shape {nodes.shape}, not {mesh.tags.shape}")
     return np.flatnonzero(nodes)
 
 
 def _translated(mesh: _Mesh, options: dict[str, Any]) -> dict[str, Any]:
-    """Options with indices of nodes where users give Gmsh's names and numbers."""
+    """Options with indices of nodes where users give Gmsh's names and numbers, and with all nodes that stay."""
     options = dict(options)
-    fixed = [mesh.periodic()]
-    if options.get("fixed") is not None:
-        fixed.append(_chosen(mesh, options["fixed"]))
+    held = mesh.periodic()
     if options.get("fix") is not None:
-        fixed.append(_nodes_on(mesh, options["fix"]))
-    options.pop("fix", None)
-    options["fixed"] = np.unique(np.concatenate(fixed))
+        held = np.concatenate([held, _nodes_to_fix(mesh, options["fix"])])
+    options["fix"] = np.unique(held)
     if options.get("around") is not None:
         options["around"] = mesh.index(options["around"])
     return options
@@ -260,11 +258,18 @@ def _write_nodes(mesh: _Mesh, before: np.ndarray) -> None:
             continue
         xyz = mesh.points[chosen]
         uv = _parameters(dim, tag, xyz)
-        at, n, step = (None, 0, 0) if uv is None else (uv.ctypes.data, dim, 8 * dim)
-        for i, node in enumerate(mesh.tags[chosen].tolist()):
-            set_node(node, xyz.ctypes.data + 24 * i, 3, at and at + step * i, n, failed)
+        n = 0 if uv is None else dim
+        for node, at, parameters in zip(mesh.tags[chosen].tolist(), _addresses(xyz), _addresses(uv)):
+            set_node(node, at, 3, parameters, n, failed)
             if error.value:
                 raise RuntimeError(f"Gmsh did not take the node {node}: {gmsh.logger.getLastError()}")
+
+
+def _addresses(rows: Optional[np.ndarray]) -> Iterable[Optional[int]]:
+    """Addresses of the rows of an array; None for ever where there is none."""
+    if rows is None:
+        return itertools.repeat(None)
+    return range(rows.ctypes.data, rows.ctypes.data + rows.nbytes, rows.strides[0])
 
 
 # ---- what people call ------------------------------------------------------------------------------
@@ -286,13 +291,18 @@ class _Current:
 
 
 def smooth(model: Optional[str] = None, dim: Optional[int] = None, **options: Any) -> planish.Result:
-    """Smooth the mesh of a Gmsh model (its name; None: the current one) in place.
+    """Smooth the mesh of a Gmsh model in place.
 
-    dim: 2 or 3, the dimension of the elements; None: the highest that the mesh has. options are those of
-    planish.smooth, but for these: fixed and around take Gmsh's numbers of nodes; fix takes names and numbers of
-    physical groups, "DIM:NUMBER", numbers of entities, and (dim, tag), one or a list. Arrays of nodes are in the
-    order of gmsh.model.mesh.getNodes(), arrays of elements in that of their entities. Periodic nodes stay.
-    Return what planish.smooth returns. Nodes that moved on curves and surfaces get new parameters."""
+    Args:
+        model: name of the model; None: the current one
+        dim: dimension of the elements, 2 or 3; None: the highest that the mesh has
+        options: those of planish.smooth, but for these. fix takes names and numbers of physical groups, numbers of
+            entities and DIM:NUMBER as the program does, and (dim, tag), one or a list; or Gmsh's numbers of nodes,
+            or a mask. around takes Gmsh's numbers of nodes. Arrays of nodes are in the order of
+            gmsh.model.mesh.getNodes()
+
+    Return what planish.smooth returns. Periodic nodes stay. Nodes that moved on curves and surfaces get new
+    parameters there. Nothing changes if planish refuses the mesh or an option."""
     with _Current(model):
         mesh = _Mesh(dim)
         before, given = mesh.points.copy(), mesh.given()
@@ -304,8 +314,14 @@ def smooth(model: Optional[str] = None, dim: Optional[int] = None, **options: An
 
 
 def quality(model: Optional[str] = None, dim: Optional[int] = None, **options: Any) -> planish.Quality:
-    """Measure the mesh of a Gmsh model: model and dim as for smooth, options as for planish.quality, but with
-    Gmsh's names and numbers as for smooth. With per_element, elements.number has Gmsh's numbers."""
+    """Measure the mesh of a Gmsh model.
+
+    Args:
+        model: as for smooth
+        dim: as for smooth
+        options: those of planish.quality, but fix as for smooth
+
+    Return what planish.quality returns. With per_element, elements.number has Gmsh's numbers of the elements."""
     with _Current(model):
         mesh = _Mesh(dim)
         found = planish.quality(mesh.given(), **_translated(mesh, options))
