@@ -326,7 +326,7 @@ def _fixed_points(mesh: _Mesh, held: dict[str, Any], options: dict[str, Any]) ->
     if options["slide"] == "auto":
         return planish.find_slides(mesh, **held).constraint == _FIXED
     with planish.Shape(mesh, **{name: held[name] for name in held if name != "fix"}, **crease_angle) as shape:
-        return planish.find_slides(mesh, **held, shape=shape).constraint == _FIXED
+        return planish.find_slides(mesh, **held, surface_of=shape).constraint == _FIXED
 
 
 def _add_quality(data: Any, elements: planish.CellValues, n: int) -> None:
