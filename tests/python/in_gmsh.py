@@ -1,5 +1,7 @@
 """Tests of planish.gmsh: meshes in Gmsh's memory."""
 
+import contextlib
+import io
 import os
 import pathlib
 import subprocess
@@ -13,6 +15,7 @@ import planish
 import planish.gmsh
 
 PROGRAM = os.environ["PLANISH_PROGRAM"]
+DOCUMENT = pathlib.Path(__file__).resolve().parents[2] / "docs/where-meshes-are-made.md"
 MESH, OCC, GEO = gmsh.model.mesh, gmsh.model.occ, gmsh.model.geo
 
 
@@ -306,6 +309,21 @@ class InGmsh(unittest.TestCase):
                 MESH.addElements(dim, tag, kinds, numbers, [10**6 + 1000 * row.astype(int) for row in corners])
         planish.gmsh.smooth()
         np.testing.assert_array_equal(nodes()[1], expected)
+
+    def test_document(self):
+        """The code in docs/where-meshes-are-made.md."""
+        (code,) = [piece for piece in DOCUMENT.read_text().split("```") if piece.startswith("python\nimport gmsh")]
+        self.addCleanup(os.chdir, os.getcwd())
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)
+            pathlib.Path("part.geo").write_text(
+                'SetFactory("OpenCASCADE"); Cylinder(1) = {0, 0, 0, 0, 0, 1, 0.4}; Mesh.MeshSizeMax = 0.2;'
+                'Physical Surface("inlet") = {2}; Physical Volume("inside") = {1};\n')
+            gmsh.finalize()
+            with contextlib.redirect_stdout(io.StringIO()) as printed:
+                exec(code.removeprefix("python"), {})  # pylint: disable=exec-used
+            self.assertGreater(float(printed.getvalue().splitlines()[-1]), 5)
+            self.assertGreater(pathlib.Path("part.msh").stat().st_size, 1000)
 
     def test_refusals(self):
         with self.assertRaisesRegex(ValueError, "has no mesh"):

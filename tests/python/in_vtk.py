@@ -1,5 +1,6 @@
 """Tests of the filter for VTK and ParaView. They need VTK alone, and run in pvpython, too."""
 
+import pathlib
 import unittest
 
 import numpy as np
@@ -217,6 +218,14 @@ class Filter(unittest.TestCase):
         made, smooth = self.smoothed(vtk.vtkUnstructuredGrid())
         self.assertEqual(made.GetNumberOfCells(), 0)
         self.assertIsNone(smooth.result)
+
+    def test_document(self):
+        """The code in docs/where-meshes-are-made.md."""
+        document = pathlib.Path(__file__).resolve().parents[2] / "docs/where-meshes-are-made.md"
+        (code,) = [piece for piece in document.read_text().split("```") if piece.startswith("python\nfrom planish.par")]
+        names = {"grid": box()}
+        exec(code.removeprefix("python"), names)  # pylint: disable=exec-used
+        self.assertGreater(np.abs(places(names["better"]) - places(names["grid"])).max(), 0.01)
 
     def test_options(self):
         made, smooth = self.smoothed(box(noise=0.5), Untangle=0, MaxSweeps=1, TimeLimit=10.0, Objective=2)
