@@ -14,6 +14,8 @@ surfaces and curves are tags, nodes of embedded points and curves stay. Coordina
 program makes of the file. Needs Gmsh's Python API of 4.8 or later.
 """
 
+# mypy: no-warn-unused-ignores  # some versions of Gmsh have types
+
 from __future__ import annotations
 
 import ctypes
@@ -21,15 +23,18 @@ import itertools
 from typing import Any, Iterable, NamedTuple, Optional
 
 import numpy as np
+from numpy.typing import NDArray
 
 import planish
 
 try:
-    import gmsh
+    import gmsh  # type: ignore[import]
 except ImportError as _failure:
     raise ImportError("planish.gmsh needs Gmsh's Python API: install python3-gmsh (Debian), or gmsh by pip") from _failure
 
 __all__ = ["quality", "smooth"]
+
+Array = NDArray[Any]
 
 _HIGHEST_ORDER = 2
 _MOST_NUMBERS_PER_NODE = 8  # that a table of all numbers is made for
@@ -56,8 +61,8 @@ class _Block(NamedTuple):
     """Elements of one type on one entity, as meshio has blocks."""
 
     type: Any  # planish's number; a text: a type that planish does not know, whose nodes stay
-    data: np.ndarray  # [k, nodes] indices
-    tags: np.ndarray  # [k] Gmsh's numbers of the elements
+    data: Array  # [k, nodes] indices
+    tags: Array  # [k] Gmsh's numbers of the elements
 
 
 class _Mesh:
@@ -70,7 +75,7 @@ class _Mesh:
     def __init__(self, dim: Optional[int]) -> None:
         self._take_nodes()
         self.cells: list[_Block] = []
-        regions: list[np.ndarray] = []
+        regions: list[Array] = []
         for entity in gmsh.model.getEntities():
             region = _region(*entity)
             for block in self._blocks(*entity) if region is not None else ():
@@ -93,16 +98,16 @@ class _Mesh:
         self.points = np.concatenate([xyz for _, xyz in parts])
         self._sorted, self._order = np.unique(self.tags, return_index=True)
         self._order = self._order.astype(np.int32)
-        self._table: Optional[np.ndarray] = None  # [largest number + 1] of indices, if numbers are dense
+        self._table: Optional[Array] = None  # [largest number + 1] of indices, if numbers are dense
         if self._sorted[-1] <= _MOST_NUMBERS_PER_NODE * n:
             self._table = np.full(self._sorted[-1] + 1, -1, dtype=np.int32)
             self._table[self._sorted] = self._order
 
-    def index(self, tags: Any) -> np.ndarray:
+    def index(self, tags: Any) -> Array:
         """Indices of nodes by Gmsh's numbers."""
         tags = np.asarray(tags).astype(np.int64, copy=False)
         if self._table is not None and (not tags.size or 0 <= tags.min() and tags.max() < len(self._table)):
-            found = self._table[tags]
+            found: Array = self._table[tags]
         else:
             at = np.minimum(np.searchsorted(self._sorted, tags), len(self._sorted) - 1)
             found = np.where(self._sorted[at] == tags, self._order[at], np.int32(-1))
@@ -137,7 +142,7 @@ class _Mesh:
             return _InPlane(self, [axis for axis in range(3) if axis != across[0]])
         return self
 
-    def periodic(self) -> np.ndarray:
+    def periodic(self) -> Array:
         """Indices of the nodes that have partners."""
         found = [np.zeros(0, dtype=np.int64)]
         for dim, tag in gmsh.model.getEntities():
@@ -177,8 +182,11 @@ def _type_of(number: int) -> tuple[Any, Optional[list[int]]]:
 
 
 def _entities_of(choice: Any) -> list[tuple[int, int]]:
-    """Entities that are meant by (dim, tag), or as for the program by the name or number of a physical group,
-    the number of an entity, or DIM:NUMBER."""
+    """Return the entities that a choice means.
+
+    It is (dim, tag), or as for the program the name or number of a physical group, the number of an entity, or
+    DIM:NUMBER.
+    """
     entities, groups = gmsh.model.getEntities(), gmsh.model.getPhysicalGroups()
     if isinstance(choice, tuple):
         found = [entity for entity in entities if entity == choice]
@@ -198,7 +206,7 @@ def _is_choice(choice: Any) -> bool:
     return isinstance(choice, (str, tuple))
 
 
-def _nodes_to_fix(mesh: _Mesh, fix: Any) -> np.ndarray:
+def _nodes_to_fix(mesh: _Mesh, fix: Any) -> Array:
     """Indices of the nodes that fix means: those of groups and entities, numbers of Gmsh's, or a mask."""
     choices = [fix] if _is_choice(fix) else fix
     if isinstance(choices, (list, set)) and all(map(_is_choice, choices)):
@@ -228,7 +236,7 @@ def _translated(mesh: _Mesh, options: dict[str, Any]) -> dict[str, Any]:
 # ---- nodes that moved ------------------------------------------------------------------------------
 
 
-def _parameters(dim: int, tag: int, xyz: np.ndarray) -> Optional[np.ndarray]:
+def _parameters(dim: int, tag: int, xyz: Array) -> Optional[Array]:
     """Parameters [k, dim] of points on a curve or surface; None where Gmsh knows none."""
     if dim not in (1, 2):
         return None
@@ -241,14 +249,17 @@ def _parameters(dim: int, tag: int, xyz: np.ndarray) -> Optional[np.ndarray]:
 
 
 def _node_setter() -> Any:
-    """Return a function of (tag, address of coordinates, 3, address of parameters, their number, address of an
-    error): that of Gmsh's C interface, as gmsh.model.mesh.setNode takes five times as long."""
+    """Return the function of Gmsh's C interface that sets a node: gmsh.model.mesh.setNode takes ten times as long.
+
+    Its arguments are the number of the node, the address of the coordinates, 3, the address of the parameters, how
+    many there are, and the address of an error.
+    """
     prototype = ctypes.CFUNCTYPE(None, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p,
                                  ctypes.c_size_t, ctypes.c_void_p)
-    return prototype(ctypes.cast(gmsh.lib.gmshModelMeshSetNode, ctypes.c_void_p).value)
+    return prototype(ctypes.cast(gmsh.lib.gmshModelMeshSetNode, ctypes.c_void_p).value or 0)
 
 
-def _write_nodes(mesh: _Mesh, before: np.ndarray) -> None:
+def _write_nodes(mesh: _Mesh, before: Array) -> None:
     """Give Gmsh the nodes that moved, with their parameters on curves and surfaces."""
     has_moved, set_node, error = (mesh.points != before).any(axis=1), _node_setter(), ctypes.c_int()
     failed = ctypes.addressof(error)
@@ -265,7 +276,7 @@ def _write_nodes(mesh: _Mesh, before: np.ndarray) -> None:
                 raise RuntimeError(f"Gmsh did not take the node {node}: {gmsh.logger.getLastError()}")
 
 
-def _addresses(rows: Optional[np.ndarray]) -> Iterable[Optional[int]]:
+def _addresses(rows: Optional[Array]) -> Iterable[Optional[int]]:
     """Addresses of the rows of an array; None for ever where there is none."""
     if rows is None:
         return itertools.repeat(None)
@@ -302,7 +313,8 @@ def smooth(model: Optional[str] = None, dim: Optional[int] = None, **options: An
             gmsh.model.mesh.getNodes()
 
     Return what planish.smooth returns. Periodic nodes stay. Nodes that moved on curves and surfaces get new
-    parameters there. Nothing changes if planish refuses the mesh or an option."""
+    parameters there. Nothing changes if planish refuses the mesh or an option.
+    """
     with _Current(model):
         mesh = _Mesh(dim)
         before, given = mesh.points.copy(), mesh.given()
@@ -321,7 +333,8 @@ def quality(model: Optional[str] = None, dim: Optional[int] = None, **options: A
         dim: as for smooth
         options: those of planish.quality, but fix as for smooth
 
-    Return what planish.quality returns. With per_element, elements.number has Gmsh's numbers of the elements."""
+    Return what planish.quality returns. With per_element, elements.number has Gmsh's numbers of the elements.
+    """
     with _Current(model):
         mesh = _Mesh(dim)
         found = planish.quality(mesh.given(), **_translated(mesh, options))

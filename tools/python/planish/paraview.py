@@ -11,18 +11,24 @@ Planish Smooth. The output has moved points and these arrays: displacement and f
 scaled_jacobian and cell_state (1: valid, 2: inverted, 3: uncertified) of cells. The input stays as it is.
 """
 
+# VTK has no types for its Python modules.
+# mypy: no-warn-unused-ignores, allow-subclassing-any, allow-untyped-decorators, no-warn-return-any
+
 from __future__ import annotations
 
 from typing import Any, NamedTuple, Optional
 
 import numpy as np
+from numpy.typing import NDArray
 
 try:
-    from vtkmodules.numpy_interface.dataset_adapter import numpyTovtkDataArray
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
-    from vtkmodules.vtkCommonCore import VTK_DOUBLE, VTK_FLOAT, vtkDataArray, vtkIdTypeArray, vtkOutputWindow, vtkPoints
-    from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkPointSet, vtkPolyData, vtkUnstructuredGrid
+    from vtkmodules.numpy_interface.dataset_adapter import numpyTovtkDataArray  # type: ignore[import]
+    from vtkmodules.util.numpy_support import vtk_to_numpy  # type: ignore[import]
+    from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase  # type: ignore[import]
+    from vtkmodules.vtkCommonCore import (VTK_DOUBLE, VTK_FLOAT, vtkDataArray,  # type: ignore[import]
+                                          vtkIdTypeArray, vtkOutputWindow, vtkPoints)
+    from vtkmodules.vtkCommonDataModel import (vtkDataObject, vtkPointSet, vtkPolyData,  # type: ignore[import]
+                                               vtkUnstructuredGrid)
 except ImportError as _failure:
     raise ImportError("planish.paraview needs VTK's Python modules: install python3-vtk9 (Debian), or vtk by pip, or "
                       "use ParaView's pvpython") from _failure
@@ -30,7 +36,7 @@ except ImportError as _failure:
 import planish
 
 try:
-    from paraview.util.vtkAlgorithm import smdomain, smproperty, smproxy
+    from paraview.util.vtkAlgorithm import smdomain, smproperty, smproxy  # type: ignore[import]
 except ImportError:  # VTK alone: the decorators do nothing
 
     class _Decorators:
@@ -43,6 +49,8 @@ except ImportError:  # VTK alone: the decorators do nothing
 
 __all__ = ["Smooth"]
 
+Array = NDArray[Any]
+
 
 # ---- meshes -----------------------------------------------------------------------------------------
 
@@ -52,13 +60,13 @@ _VERTEX, _POLYVERTEX, _LINE, _POLYLINE, _TRIANGLE, _STRIP, _POLYGON, _QUAD = 1, 
 class _Mesh(NamedTuple):
     """A mesh as pyvista has meshes."""
 
-    points: np.ndarray  # [n, 3]
-    cells: np.ndarray  # of each cell the number of its points, and these
-    celltypes: np.ndarray  # [m] VTK's numbers
-    cell_data: dict[str, np.ndarray]
+    points: Array  # [n, 3]
+    cells: Array  # of each cell the number of its points, and these
+    celltypes: Array  # [m] VTK's numbers
+    cell_data: dict[str, Array]
 
 
-def _values(array: vtkDataArray) -> np.ndarray:
+def _values(array: vtkDataArray) -> Array:
     """Values of an array, those that VTK computes on demand, too."""
     try:
         return vtk_to_numpy(array)
@@ -68,14 +76,14 @@ def _values(array: vtkDataArray) -> np.ndarray:
         return vtk_to_numpy(copy)
 
 
-def _lists(cells: Any) -> tuple[np.ndarray, np.ndarray]:
+def _lists(cells: Any) -> tuple[Array, Array]:
     """Lists of a vtkCellArray as _Mesh.cells has them, and numbers of points."""
     nodes, offsets = _values(cells.GetConnectivityArray()), _values(cells.GetOffsetsArray())
     counts = np.diff(offsets)
     return np.insert(nodes, offsets[:-1], counts).astype(np.int64), counts
 
 
-def _cells_of_grid(grid: vtkUnstructuredGrid) -> tuple[np.ndarray, np.ndarray]:
+def _cells_of_grid(grid: vtkUnstructuredGrid) -> tuple[Array, Array]:
     """Cells and types; polygons and polylines of so many points that they are elements are these."""
     lists, counts = _lists(grid.GetCells())
     types = _values(grid.GetCellTypesArray()).copy()
@@ -85,7 +93,7 @@ def _cells_of_grid(grid: vtkUnstructuredGrid) -> tuple[np.ndarray, np.ndarray]:
     return lists, types
 
 
-def _cells_of_surface(surface: vtkPolyData) -> tuple[np.ndarray, np.ndarray]:
+def _cells_of_surface(surface: vtkPolyData) -> tuple[Array, Array]:
     """Cells and types; cell data have points first, then lines, polygons and strips."""
     parts = []
     for cells, usual, other in ((surface.GetVerts(), {1: _VERTEX}, _POLYVERTEX),
@@ -97,11 +105,10 @@ def _cells_of_surface(surface: vtkPolyData) -> tuple[np.ndarray, np.ndarray]:
         for count, kind in usual.items():
             types[counts == count] = kind
         parts.append((lists, types))
-    lists, types = zip(*parts)
-    return np.concatenate(lists), np.concatenate(types)
+    return np.concatenate([lists for lists, _ in parts]), np.concatenate([types for _, types in parts])
 
 
-def _cell_data(data_set: vtkPointSet) -> dict[str, np.ndarray]:
+def _cell_data(data_set: vtkPointSet) -> dict[str, Array]:
     """Arrays of numbers of the cells by their names."""
     data = data_set.GetCellData()
     arrays = [data.GetArray(i) for i in range(data.GetNumberOfArrays())]
@@ -116,7 +123,7 @@ def _copy_points(points: vtkPoints) -> vtkPoints:
     return copy
 
 
-def _add(data: Any, name: str, values: np.ndarray) -> None:
+def _add(data: Any, name: str, values: Array) -> None:
     data.AddArray(numpyTovtkDataArray(np.ascontiguousarray(values), name))
 
 
@@ -154,6 +161,7 @@ class Smooth(VTKPythonAlgorithmBase):
     LAYERS = (None, "hold", "keep", "ignore")
 
     def __init__(self) -> None:
+        """Make a filter with the program's defaults."""
         super().__init__(nInputPorts=1, nOutputPorts=1, inputType="vtkPointSet", outputType="vtkPointSet")
         self._options: dict[str, Any] = {}
         self._region_array: Optional[str] = None
@@ -267,14 +275,17 @@ class Smooth(VTKPythonAlgorithmBase):
         points = _copy_points(given.GetPoints())
         lists, types = _cells_of_surface(given) if given.IsA("vtkPolyData") else _cells_of_grid(given)
         mesh = _Mesh(vtk_to_numpy(points.GetData()), lists, types, _cell_data(given))
-        before, held = mesh.points.copy(), {"fix": self._fix(given), **self._regions()}
+        before = mesh.points.copy()
+        held: dict[str, Any] = {"fix": self._fix(given), **self._regions()}
         options = {name: value for name, value in self._options.items() if self._is_meant(name)}
         fixed = _fixed_points(mesh, held, options)
         self.result = planish.smooth(mesh, **held, **options, progress=self._report)
         made.SetPoints(points)
         _add(made.GetPointData(), "displacement", mesh.points - before)
         _add(made.GetPointData(), "fixed", fixed.astype(np.uint8))
-        _add_quality(made.GetCellData(), planish.quality(mesh, **held, per_element=True).elements, len(types))
+        measured = planish.quality(mesh, **held, per_element=True).elements
+        assert measured is not None  # with per_element
+        _add_quality(made.GetCellData(), measured, len(types))
 
     def _is_meant(self, name: str) -> bool:
         """Whether an option says anything: ParaView sets all, those that the mesh has no use for, too."""
@@ -285,7 +296,7 @@ class Smooth(VTKPythonAlgorithmBase):
             return {"regions": None}
         return {"regions": self._region_array} if self._region_array else {}
 
-    def _fix(self, given: vtkPointSet) -> Optional[np.ndarray]:
+    def _fix(self, given: vtkPointSet) -> Optional[Array]:
         """Mask of the points that the chosen array holds."""
         if self._fixed_array is None:
             return None
@@ -313,7 +324,7 @@ def _is_surface_in_space(mesh: _Mesh) -> bool:
     return not is_solid.any() and extent[2] > _NOISE_OF_PLANES * extent.max()
 
 
-def _fixed_points(mesh: _Mesh, held: dict[str, Any], options: dict[str, Any]) -> np.ndarray:
+def _fixed_points(mesh: _Mesh, held: dict[str, Any], options: dict[str, Any]) -> Array:
     """Mask [n] of the points that stay, whatever happens."""
     crease_angle = {"crease_angle": options.get("crease_angle", 0)}
     if _is_surface_in_space(mesh):
