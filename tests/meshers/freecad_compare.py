@@ -7,7 +7,8 @@ def content(name):
     """The mesh of a document, and what it has but for places."""
     document = FreeCAD.openDocument(name)
     mesh, shape = document.getObject("Mesh").FemMesh, document.getObject("Part").Shape
-    elements = {kind: {i: mesh.getElementNodes(i) for i in getattr(mesh, kind)} for kind in ("Edges", "Faces", "Volumes")}
+    elements = {kind: {i: mesh.getElementNodes(i) for i in getattr(mesh, kind)}
+                for kind in ("Edges", "Faces", "Volumes")}
     groups = {mesh.getGroupName(i): mesh.getGroupElements(i) for i in mesh.Groups}
     on_faces = [sorted(mesh.getNodesByFace(face)) for face in shape.Faces]
     on_edges = [sorted(mesh.getNodesByEdge(edge)) for edge in shape.Edges]

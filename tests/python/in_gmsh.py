@@ -133,6 +133,22 @@ def off_parameters():
     return farthest
 
 
+def copied():
+    """Entities, their nodes and elements."""
+    return [(entity, *(values.copy() for values in MESH.getNodes(*entity, False, False)[:2]),
+             MESH.getElements(*entity)) for entity in gmsh.model.getEntities()]
+
+
+def put(kept, number, dims=range(4)):
+    """Make discrete entities with nodes, of other numbers, and the elements of some dimensions."""
+    for (dim, tag), tags, xyz, _ in kept:
+        gmsh.model.addDiscreteEntity(dim, tag)
+        MESH.addNodes(dim, tag, number(tags), xyz)
+    for (dim, tag), _, _, (kinds, numbers, corners) in kept:
+        if len(kinds) and dim in dims:
+            MESH.addElements(dim, tag, kinds, numbers, [number(row) for row in corners])
+
+
 class InGmsh(unittest.TestCase):
     """Meshes in Gmsh's memory."""
 
@@ -259,6 +275,24 @@ class InGmsh(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "has no"):
                 planish.gmsh.smooth(fix=fix)
 
+    def test_fix_of_a_side_that_slides(self):
+        hexahedra()
+        side = gmsh.model.getEntities(2)[0]
+        held, start = nodes(*side, True), nodes()[1]
+        planish.gmsh.smooth(slide="auto", fix=side)
+        np.testing.assert_array_equal(nodes(*side, True)[1], held[1])
+        self.assertGreater(np.abs(nodes()[1] - start).max(), 1e-4)
+        planish.gmsh.smooth(slide="auto")
+        moved = (nodes(*side, True)[1] != held[1]).any(axis=1)
+        self.assertTrue(moved[np.isin(held[0], nodes(*side)[0], invert=True)].any())  # on its curves, too
+
+    def test_regions_without_surfaces(self):
+        block_with_ball()
+        kept = copied()
+        gmsh.model.add("discrete")
+        put(kept, lambda tags: tags, [3])
+        self.expect_program((None, "auto"))
+
     def test_around(self):
         cylinder()
         chosen = nodes(3)[0][::3]
@@ -295,18 +329,11 @@ class InGmsh(unittest.TestCase):
     def test_numbers_far_apart(self):
         """Numbers of nodes are any; the bits are those of consecutive ones."""
         cylinder()
-        entities = [entity for entity in gmsh.model.getEntities()]
-        kept = [(entity, *(array.copy() for array in MESH.getNodes(*entity, False, False)[:2]),
-                 MESH.getElements(*entity)) for entity in entities]
+        kept = copied()
         planish.gmsh.smooth()
         expected = nodes()[1]
         gmsh.model.add("far")
-        for (dim, tag), tags, xyz, _ in kept:
-            gmsh.model.addDiscreteEntity(dim, tag)
-            MESH.addNodes(dim, tag, 10**6 + 1000 * tags.astype(int), xyz)
-        for (dim, tag), _, _, (kinds, numbers, corners) in kept:
-            if len(kinds):
-                MESH.addElements(dim, tag, kinds, numbers, [10**6 + 1000 * row.astype(int) for row in corners])
+        put(kept, lambda tags: 10**6 + 1000 * tags.astype(int))
         planish.gmsh.smooth()
         np.testing.assert_array_equal(nodes()[1], expected)
 

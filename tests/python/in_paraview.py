@@ -47,7 +47,8 @@ class InParaView(unittest.TestCase):
     def test_regions(self):
         kinds = simple.PythonCalculator(Input=tetrahedra(), ArrayAssociation="Cell Data", ArrayName="kind",
                                         Expression="numpy.arange(inputs[0].GetNumberOfCells()) // 1280")
-        free, held = PlanishSmooth(Input=kinds, HoldRegions=0), PlanishSmooth(Input=kinds, RegionArray="kind")  # noqa: F821
+        free = PlanishSmooth(Input=kinds, HoldRegions=0)  # noqa: F821
+        held = PlanishSmooth(Input=kinds, RegionArray="kind")  # noqa: F821
         self.assertLess(n_fixed(free), n_fixed(held))
 
     def test_blocks(self):

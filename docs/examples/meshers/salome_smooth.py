@@ -17,7 +17,8 @@ def smooth(mesh, *options):
     with tempfile.TemporaryDirectory() as folder:
         before, after = os.path.join(folder, "before.med"), os.path.join(folder, "after.med")
         mesh.ExportMED(before)
-        own = {name: value for name, value in os.environ.items() if name != "LD_LIBRARY_PATH"}  # Salome has its own HDF5
+        # Salome's libraries, HDF5 among them, are not planish's.
+        own = {name: value for name, value in os.environ.items() if name != "LD_LIBRARY_PATH"}
         done = subprocess.run(["planish", "smooth", before, "-o", after, *options], env=own)
         if done.returncode not in (0, 1):  # 1: some elements stay inverted
             raise RuntimeError(f"planish ended with {done.returncode}")

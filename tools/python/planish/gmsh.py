@@ -14,7 +14,8 @@ surfaces and curves are tags, nodes of embedded points and curves stay. Coordina
 program makes of the file. Needs Gmsh's Python API of 4.8 or later.
 """
 
-# mypy: no-warn-unused-ignores  # some versions of Gmsh have types
+# Some versions of Gmsh have types.
+# mypy: no-warn-unused-ignores
 
 from __future__ import annotations
 
@@ -30,7 +31,8 @@ import planish
 try:
     import gmsh  # type: ignore[import]
 except ImportError as _failure:
-    raise ImportError("planish.gmsh needs Gmsh's Python API: install python3-gmsh (Debian), or gmsh by pip") from _failure
+    raise ImportError("planish.gmsh needs Gmsh's Python API: install python3-gmsh (Debian), or gmsh "
+                      "by pip") from _failure
 
 __all__ = ["quality", "smooth"]
 
@@ -173,8 +175,8 @@ def _type_of(number: int) -> tuple[Any, Optional[list[int]]]:
         return _TYPES[number]
     name, _, order, *_ = gmsh.model.mesh.getElementProperties(number)
     if order > _HIGHEST_ORDER:
-        raise ValueError(f"the mesh has elements of order {order} ({name}), but planish smooths those of order 1 and 2; "
-                         "smooth first, gmsh.model.mesh.setOrder() then")
+        raise ValueError(f"the mesh has elements of order {order} ({name}), but planish smooths those of order 1 "
+                         "and 2; smooth first, gmsh.model.mesh.setOrder() then")
     return f"{name} of Gmsh", None
 
 
