@@ -164,21 +164,52 @@ class Filter(unittest.TestCase):
         np.testing.assert_allclose(np.linalg.norm(places(made), axis=1), 0.5, atol=0.01)
         self.assertEqual(set(array(made.GetCellData(), "cell_state").tolist()), {1})
 
-    def test_polygons_and_lines(self):
-        grid = box()
+    def test_surface_with_points_and_lines(self):
         surface = vtk.vtkGeometryFilter()
-        surface.SetInputData(grid)
+        surface.SetInputData(box())
         surface.Update()
-        with_lines = vtk.vtkPolyData()
-        with_lines.DeepCopy(surface.GetOutput())
-        with_lines.GetCellData().Initialize()
-        lines = vtk.vtkCellArray()
-        lines.InsertNextCell(3, [0, 1, 2])
-        with_lines.SetLines(lines)
-        made, _ = self.smoothed(with_lines)
-        self.assertFalse((places(made) != places(with_lines))[:3].any())
-        self.assertTrue(np.isnan(array(made.GetCellData(), "aspect_ratio")[0]))
-        self.assertEqual(array(made.GetCellData(), "cell_state").tolist().count(0), 1)
+        given = vtk.vtkPolyData()
+        given.DeepCopy(surface.GetOutput())
+        given.GetCellData().Initialize()
+        for set_cells, cell in ((given.SetVerts, [3]), (given.SetLines, [0, 1, 2])):
+            cells = vtk.vtkCellArray()
+            cells.InsertNextCell(len(cell), cell)
+            set_cells(cells)
+        places(given)[30:, :] += np.random.default_rng(2).uniform(-0.01, 0.01, (given.GetNumberOfPoints() - 30, 3))
+        free, _ = self.smoothed(given)
+        held = np.flatnonzero((places(free) != places(given)).any(axis=1))[::2]
+        marks = np.zeros(given.GetNumberOfPoints())
+        marks[held] = 1
+        add(given.GetPointData(), "marks", marks)
+        made, _ = self.smoothed(given, FixedArray="marks")
+        self.assertGreater(len(held), 10)
+        self.assertFalse((places(made) != places(given))[[0, 1, 2, 3, *held]].any())
+        self.assertTrue(array(made.GetPointData(), "fixed")[held].all())
+        self.assertEqual(np.flatnonzero(np.isnan(array(made.GetCellData(), "aspect_ratio"))).tolist(), [0, 1])
+        self.assertEqual(np.flatnonzero(array(made.GetCellData(), "cell_state") == 0).tolist(), [0, 1])
+
+    def test_polygons_that_are_elements(self):
+        points = vtk.vtkPoints()
+        for i in range(25):
+            points.InsertNextPoint(i % 5 + (0.3 if i == 12 else 0), i // 5, 0)
+        places_of = {}
+        for kinds in ((vtk.VTK_TRIANGLE, vtk.VTK_QUAD), (vtk.VTK_POLYGON, vtk.VTK_POLYGON),
+                      (vtk.VTK_TRIANGLE_STRIP, vtk.VTK_QUAD)):
+            grid = vtk.vtkUnstructuredGrid()
+            grid.SetPoints(points)
+            for i in range(16):
+                at = i // 4 * 5 + i % 4
+                if i % 3:
+                    grid.InsertNextCell(kinds[1], 4, [at, at + 1, at + 6, at + 5])
+                else:
+                    grid.InsertNextCell(kinds[0], 3, [at, at + 1, at + 5])
+                    grid.InsertNextCell(kinds[0], 3, [at + 1, at + 6, at + 5])
+            made, _ = self.smoothed(grid)
+            places_of[kinds] = places(made)
+            self.assertGreater(np.abs(places(made) - places(grid)).max(), 0.1)
+        first, *others = places_of.values()
+        for other in others:
+            np.testing.assert_array_equal(other, first)
 
     def test_progress_and_abort(self):
         seen = []
@@ -215,9 +246,12 @@ class Filter(unittest.TestCase):
         self.assertGreaterEqual(len(texts), 3)
 
     def test_empty(self):
-        made, smooth = self.smoothed(vtk.vtkUnstructuredGrid())
-        self.assertEqual(made.GetNumberOfCells(), 0)
-        self.assertIsNone(smooth.result)
+        points_alone = vtk.vtkUnstructuredGrid()
+        points_alone.SetPoints(box().GetPoints())
+        for given in (vtk.vtkUnstructuredGrid(), points_alone):
+            made, smooth = self.smoothed(given)
+            self.assertEqual((made.GetNumberOfCells(), made.GetNumberOfPoints()), (0, given.GetNumberOfPoints()))
+            self.assertIsNone(smooth.result)
 
     def test_document(self):
         """The code in docs/where-meshes-are-made.md."""
@@ -230,7 +264,9 @@ class Filter(unittest.TestCase):
     def test_options(self):
         made, smooth = self.smoothed(box(noise=0.5), Untangle=0, MaxSweeps=1, TimeLimit=10.0, Objective=2)
         self.assertLessEqual(smooth.result.sweeps, 1)
-        n_inverted = (array(made.GetCellData(), "cell_state") == 2).sum()
+        is_inverted = array(made.GetCellData(), "cell_state") == 2
+        n_inverted = is_inverted.sum()
+        np.testing.assert_array_equal(np.isnan(array(made.GetCellData(), "aspect_ratio")), is_inverted)
         made, _ = self.smoothed(box(noise=0.5))
         self.assertLess((array(made.GetCellData(), "cell_state") == 2).sum(), n_inverted)
 

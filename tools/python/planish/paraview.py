@@ -88,7 +88,7 @@ def _cells_of_grid(grid: vtkUnstructuredGrid) -> tuple[Array, Array]:
     lists, counts = _lists(grid.GetCells())
     types = _values(grid.GetCellTypesArray()).copy()
     for general, count, kind in ((_POLYGON, 3, _TRIANGLE), (_POLYGON, 4, _QUAD), (_POLYLINE, 2, _LINE),
-                                 (_STRIP, 3, _TRIANGLE), (_POLYVERTEX, 1, _VERTEX)):
+                                 (_STRIP, 3, _TRIANGLE)):
         types[(types == general) & (counts == count)] = kind
     return lists, types
 
