@@ -22,28 +22,30 @@ MESH, OCC, GEO = gmsh.model.mesh, gmsh.model.occ, gmsh.model.geo
 # ---- models -----------------------------------------------------------------------------------------
 
 
+def generate(size, dim=3):
+    """Mesh what OpenCASCADE has, with elements of a size."""
+    OCC.synchronize()
+    gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+    MESH.generate(dim)
+
+
 def block_with_ball(size=0.2):
     """Two regions, a curved interface between them."""
     block, ball = OCC.addBox(0, 0, 0, 1, 1, 1), OCC.addSphere(0.5, 0.5, 0.5, 0.3)
     OCC.fragment([(3, block)], [(3, ball)])
-    OCC.synchronize()
-    gmsh.option.setNumber("Mesh.MeshSizeMax", size)
-    MESH.generate(3)
+    generate(size)
 
 
-def cylinder():
+def cylinder(dim=3):
+    """A cylinder; of dimension 2 its surface."""
     OCC.addCylinder(0, 0, 0, 0, 0, 1, 0.4)
-    OCC.synchronize()
-    gmsh.option.setNumber("Mesh.MeshSizeMax", 0.2)
-    MESH.generate(3)
+    generate(0.2, dim)
 
 
 def prisms():
     disk = OCC.addDisk(0, 0, 0, 1, 1)
     OCC.extrude([(2, disk)], 0, 0, 0.5, [3], recombine=True)
-    OCC.synchronize()
-    gmsh.option.setNumber("Mesh.MeshSizeMax", 0.25)
-    MESH.generate(3)
+    generate(0.25)
 
 
 def hexahedra():
@@ -72,9 +74,7 @@ def disk(across=(0, 0, 1)):
     OCC.fragment([(2, OCC.addDisk(0, 0, 0, 1, 1))], [(2, OCC.addRectangle(-0.3, -0.3, 0, 0.5, 0.4))])
     if across[0]:
         OCC.rotate(OCC.getEntities(2), 0, 0, 0, 0, 1, 0, np.pi / 2)
-    OCC.synchronize()
-    gmsh.option.setNumber("Mesh.MeshSizeMax", 0.15)
-    MESH.generate(2)
+    generate(0.15, 2)
 
 
 def disk_across_x():
@@ -104,14 +104,6 @@ def periodic():
     MESH.setPeriodic(2, [2], [1], [1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])
     gmsh.option.setNumber("Mesh.MeshSizeMax", 0.2)
     MESH.generate(3)
-
-
-def skin():
-    """The surface of a cylinder, without solids."""
-    OCC.addCylinder(0, 0, 0, 0, 0, 1, 0.4)
-    OCC.synchronize()
-    gmsh.option.setNumber("Mesh.MeshSizeMax", 0.2)
-    MESH.generate(2)
 
 
 # ---- what Gmsh has -----------------------------------------------------------------------------------
@@ -244,7 +236,7 @@ class InGmsh(unittest.TestCase):
                 self.assertEqual(planish.gmsh.quality().cells.all.n_inverted, 0)
 
     def test_surfaces(self):
-        skin()
+        cylinder(2)
         before, start = planish.gmsh.quality(), nodes()[1]
         result = planish.gmsh.smooth()
         after = planish.gmsh.quality()
