@@ -7,7 +7,7 @@
     smooth.Update()
 
 In ParaView load the file paraview_plugin.py beside this one by Tools > Manage Plugins; the filter is Filters >
-Planish Smooth. The output has moved points and these arrays: displacement and fixed of points, aspect_ratio,
+Alphabetical > Planish Smooth. The output has moved points and these arrays: displacement and fixed of points, aspect_ratio,
 scaled_jacobian and cell_state (1: valid, 2: inverted, 3: uncertified) of cells. The input stays as it is.
 """
 
@@ -187,35 +187,35 @@ class Smooth(VTKPythonAlgorithmBase):
         """Set the objective by its place in OBJECTIVES."""
         self._choose("objective", self.OBJECTIVES[value])
 
-    @smproperty.intvector(name="Layers", default_values=0)
+    @smproperty.intvector(name="Layers", default_values=0, panel_visibility="advanced")
     @smdomain.xml(_enumeration(default=0, hold=1, keep=2, ignore=3))
     def SetLayers(self, value: int) -> None:
         """Set the treatment of boundary layers by its place in LAYERS."""
         self._choose("layers", self.LAYERS[value])
 
-    @smproperty.intvector(name="MaxSweeps", default_values=200)
+    @smproperty.intvector(name="MaxSweeps", default_values=200, panel_visibility="advanced")
     @smdomain.intrange(min=0, max=1000)
     def SetMaxSweeps(self, value: int) -> None:
         """Set the largest number of sweeps."""
         self._choose("max_sweeps", value)
 
-    @smproperty.doublevector(name="TimeLimit", default_values=0.0)
+    @smproperty.doublevector(name="TimeLimit", default_values=0.0, panel_visibility="advanced")
     def SetTimeLimit(self, seconds: float) -> None:
         """Set the time after which smoothing ends; 0: none."""
         self._choose("time_limit", seconds)
 
-    @smproperty.intvector(name="Untangle", default_values=1)
+    @smproperty.intvector(name="Untangle", default_values=1, panel_visibility="advanced")
     @smdomain.xml('<BooleanDomain name="bool"/>')
     def SetUntangle(self, value: int) -> None:
         """Set whether inverted cells are repaired."""
         self._choose("untangle", bool(value))
 
-    @smproperty.doublevector(name="SurfaceTolerance", default_values=0.05)
+    @smproperty.doublevector(name="SurfaceTolerance", default_values=0.05, panel_visibility="advanced")
     def SetSurfaceTolerance(self, edges: float) -> None:
         """Set how far a curved surface may be off its first shape, in mean edges."""
         self._choose("surface_tolerance", f"{edges}h")
 
-    @smproperty.doublevector(name="CreaseAngle", default_values=0.0)
+    @smproperty.doublevector(name="CreaseAngle", default_values=0.0, panel_visibility="advanced")
     def SetCreaseAngle(self, degrees: float) -> None:
         """Set the angle that facets turn by at an edge of the surface; 0: edges are found."""
         self._choose("crease_angle", degrees)
