@@ -7,8 +7,9 @@
     smooth.Update()
 
 In ParaView load the file paraview_plugin.py beside this one by Tools > Manage Plugins; the filter is Filters >
-Alphabetical > Planish Smooth. The output has moved points and these arrays: displacement and fixed of points, aspect_ratio,
-scaled_jacobian and cell_state (1: valid, 2: inverted, 3: uncertified) of cells. The input stays as it is.
+Alphabetical > Planish Smooth. The output has moved points and these arrays: displacement and fixed of points;
+aspect_ratio, scaled_jacobian and cell_state (1: valid, 2: inverted, 3: uncertified) of cells. The input stays as it
+is.
 """
 
 # VTK has no types for its Python modules.
