@@ -29,11 +29,12 @@ packages_full=(
     libclang-rt-dev              # clang's sanitizers and the fuzzer
     valgrind                     # memory, independently of the sanitizers
     python3-meshio               # independent figures on large meshes
-    python3-vtk9                 # another program's quality measures
+    python3-vtk9                 # another program's quality measures; planish's filter for VTK
     mypy pydocstyle              # types and docstrings of the Python package
     python3-pip python3-setuptools python3-wheel python3-venv # and its wheel
     coinor-libipopt-dev          # all nodes at once, to compare with
     gmsh tetgen python3-netgen   # meshes as their generators write them
+    python3-gmsh                 # meshes in Gmsh's memory
     chromium                     # the page of a report, as a browser shows it
     llvm                         # lines and branches that tests reach
     abigail-tools                # the library's interface, compared with the last release
