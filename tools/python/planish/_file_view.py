@@ -160,10 +160,9 @@ class FileView(View):
 
     def find_slides(self, surface: Surface) -> SlideInfo:
         """Find which nodes slide, and which of them the file's marks leave to slide."""
-        marked = np.zeros(self.n, dtype=np.uint8)
-        if io("get_marked")(self.source.handle.file, pointer(marked)) > 0:
+        if self.has_marks():
             info = self._find_unheld(surface, True)
-            if self._marks_are_the_surface(marked):
+            if self._marks_are_the_surface():
                 return info
         return self._find_unheld(surface, False)
 
@@ -174,12 +173,13 @@ class FileView(View):
         self.constrain(constraint, direction)
         return info
 
-    def _marks_are_the_surface(self, marked: NDArray[np.uint8]) -> bool:
+    def _marks_are_the_surface(self) -> bool:
         """Whether the file marks all nodes of the surface, which says no more than where that is.
 
         Nodes inside that are marked are fixed then.
         """
-        constraint = self.constraint
+        constraint, marked = self.constraint, np.zeros(self.n, dtype=np.uint8)
+        io("get_marked")(self.source.handle.file, pointer(marked))
         assert constraint is not None
         if (constraint[marked == 0] != _FREE).any():
             return False
@@ -196,9 +196,13 @@ class FileView(View):
         nodes = layout.nodes[np.repeat(is_second, np.diff(layout.offsets))]
         self.fix(nodes[nodes >= 0])
 
-    def hold_for_onto(self) -> None:
+    def has_marks(self) -> bool:
+        """Whether the file marks nodes as fixed."""
+        return bool(io("get_marked")(self.source.handle.file, None) > 0)
+
+    def hold_for_onto(self, ignores_marks: bool) -> None:
         """Leave to the fit what is held for being on lines, facets and interfaces alone."""
-        hold, _kept = self._hold(False)
+        hold, _kept = self._hold(False, ignores_marks)
         reason = np.zeros(self.n, dtype=np.uint8)
         call(io("get_held"), self.source.handle.file, byref(hold), pointer(reason))
         constraint = (reason & ~np.uint8(_PLACES_OF_SURFACE) != 0).astype(np.uint8)

@@ -26,7 +26,11 @@ class Fit:
         self._view = view
         self._shapes = own, onto  # needed as long as the fit is
         call(library.planish_fit_create, byref(view.mesh), own.pointer(), onto.pointer(), c_double(0), byref(options),
-             byref(self._fit), None)
+             byref(self._fit), byref(self.info))
+
+    def is_held(self) -> bool:
+        """Whether all nodes of the surface are held, before anything moves."""
+        return self.info.n_held == self.info.n_nodes
 
     def move(self, options: Options) -> None:
         """Move the points onto the other surface in place, as far as elements stay valid."""

@@ -216,8 +216,11 @@ class Plan:
         own = shape_for(source, None, choices.regions, choices.crease_angle, choices.threads)
         onto = choices.onto if isinstance(choices.onto, Shape) else Shape(
             opened(choices.onto), crease_angle=choices.crease_angle, threads=choices.threads)
-        self._view.hold_for_onto()
+        self._view.hold_for_onto(False)
         self._fit = Fit(self._view, own, onto, self._options)
+        if self._fit.is_held() and self._view.has_marks():
+            self._view.hold_for_onto(True)
+            self._fit = Fit(self._view, own, onto, self._options)
         self._fit.move(self._options)
         self._fit.let_slide(self._options)
 

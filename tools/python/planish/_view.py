@@ -147,7 +147,11 @@ class View:
         self.constrain(constraint, direction)
         return info
 
-    def hold_for_onto(self) -> None:
+    def has_marks(self) -> bool:
+        """Whether a file marks nodes as fixed, perhaps only to say where the surface is."""
+        return False
+
+    def hold_for_onto(self, ignores_marks: bool) -> None:
         """Leave to the fit what else is held for being on lines, facets and interfaces."""
 
     def hold_on_surface(self, holds_curves: bool) -> None:
