@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
-# Debian's packages: built twice with the same bytes, looked at by lintian; installed, used, upgraded, removed and
-# purged in a copy of this system that lives in memory alone (packages_inside.sh).
+# Debian's packages: built twice with the same bytes, the second time as the Dockerfile does; looked at by lintian;
+# installed, used, upgraded, removed and purged in a copy of this system that is in memory (packages_inside.sh).
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 source_dir=${PLANISH_SOURCE:?}
 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+as_root=()
+[ "$(id -u)" = 0 ] || as_root=(sudo -n --preserve-env)
+trap '"${as_root[@]}" rm -rf "$work"' EXIT
 fail() {
     echo "FAILED: $*" >&2
     exit 1
@@ -18,8 +20,7 @@ skip() {
 for tool in lintian dpkg-shlibdeps cpack unshare; do
     command -v $tool >/dev/null || skip "without $tool"
 done
-enter=(unshare --mount)
-[ "$(id -u)" = 0 ] || enter+=(--map-root-user)
+enter=("${as_root[@]}" unshare --mount)
 "${enter[@]}" true 2>/dev/null || skip "no mounts of one's own are allowed"
 
 cd "$source_dir" || exit 1
@@ -37,11 +38,15 @@ for package in planish libplanish0.2; do
     dpkg-deb -f "$work/debs/$package"_*.deb Depends | grep -q 'libhdf5.*libhwloc15' || fail "what $package needs"
 done
 
-# ---- again, elsewhere ---------------------------------------------------------------------------
-mkdir "$work/again"
-tar -c --exclude='./build*' --exclude=./.git . | tar -x -C "$work/again"
-CCACHE_DISABLE=1 "$work/again/tools/install/deb" "$work/debs-again" || fail "they are not built again"
-rm -rf "$work/again"
+# ---- again, as the Dockerfile does it, in a folder of another name ------------------------------
+mkdir "$work/docker"
+cat >"$work/again.sh" <<'END'
+set -e
+python3 "$1/tests/install/dockerfile.py" "$1/packaging/docker/Dockerfile" "$1" / "$2/docker" "$1/docs/examples/bracket.msh"
+cp -r "$2/docker/stage0/root/debs" "$2/debs-again"
+END
+CCACHE_DISABLE=1 "${enter[@]}" bash "$work/again.sh" "$source_dir" "$work" >"$work/log" 2>&1 ||
+    fail "the Dockerfile: $(cat "$work/log")"
 diff -r "$work/debs" "$work/debs-again" || fail "the same source gives other bytes"
 
 # ---- a newer version, for an upgrade ------------------------------------------------------------
