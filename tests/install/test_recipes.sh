@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # tools/release, and the recipes that it fills in: what they build is built from the archive, by stand-ins for the
-# programs that read recipes (recipes/). Soon built: without kernels for other CPUs, little optimised.
+# programs that read recipes (recipes/). Soon built: without kernels for other CPUs, without optimisation.
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 source_dir=${PLANISH_SOURCE:?}
@@ -62,7 +62,7 @@ refuse "has no '## $version'" release "$version" "$work/no"
 recipes=$work/out/recipes
 run $python "$here/recipes/recipes.py" check "$recipes" CITATION.cff
 grep -q "sha256 \"$(sha256sum <"$archive" | cut -d ' ' -f 1)\"" "$recipes/homebrew/planish.rb" || fail "the sum"
-soon=(-DCMAKE_BUILD_TYPE=Release "-DCMAKE_C_FLAGS_RELEASE=-O1" -DPLANISH_X86_KERNELS=OFF)
+soon=(-DCMAKE_BUILD_TYPE=Debug -DPLANISH_X86_KERNELS=OFF)
 export CMAKE_BUILD_PARALLEL_LEVEL
 CMAKE_BUILD_PARALLEL_LEVEL=$(nproc)
 

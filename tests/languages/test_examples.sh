@@ -19,7 +19,7 @@ for language in rust:rustc fortran:gfortran julia:julia; do
     compiler=${language#*:} language=${language%:*}
     if ! command -v "$compiler" >/dev/null; then
         echo "without $compiler: the example in $language is not run"
-        [ $language = julia ] || missing=1 # Debian 12 has none
+        [ "$language" = julia ] || missing=1 # Debian 12 has none
         continue
     fi
     "build_$language" >"$work/log" 2>&1 && "$work/$language" >"$work/$language.out" 2>&1 ||

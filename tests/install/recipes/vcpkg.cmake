@@ -1,4 +1,5 @@
 # Run the portfile of a recipe as vcpkg would: cmake -DPORTFILE= -DARCHIVE_FILE= -DWORK= -DFEATURES= -DARGUMENTS= -P vcpkg.cmake
+cmake_minimum_required(VERSION 3.18)
 set(CURRENT_PACKAGES_DIR ${WORK}/package)
 
 function(run)
