@@ -1,7 +1,10 @@
 # cpack -G DEB, in a tree that was configured with -DCMAKE_INSTALL_PREFIX=/usr on Debian (docs/packages.md;
 # tools/install/deb does all of it): a package for each component.
 set(CPACK_GENERATOR DEB)
-set(CPACK_COMPONENTS_ALL program library development python)
+set(CPACK_COMPONENTS_ALL library development python)
+if(PLANISH_PROGRAM)
+  list(APPEND CPACK_COMPONENTS_ALL program)
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_NAME planish)
