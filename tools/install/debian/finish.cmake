@@ -22,6 +22,8 @@ function(add_documents COMPONENT)
   configure_file(${CPACK_PLANISH_SOURCE}/CHANGELOG.md ${folder}/changelog COPYONLY)
   string(TIMESTAMP PLANISH_DATE "%a, %d %b %Y %H:%M:%S +0000" UTC)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/changelog.in ${folder}/changelog.Debian @ONLY)
+  file(CHMOD ${folder}/copyright ${folder}/changelog ${folder}/changelog.Debian
+    PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
   compress(${folder}/changelog)
   compress(${folder}/changelog.Debian)
 endfunction()
