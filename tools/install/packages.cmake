@@ -81,11 +81,12 @@ set(CPACK_PLANISH_SOURCE ${PROJECT_SOURCE_DIR})
 set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_SOURCE_DIR}/debian/finish.cmake)
 set(CPACK_POST_BUILD_SCRIPTS ${CMAKE_CURRENT_SOURCE_DIR}/debian/repack.cmake)
 
+# The linker looks there anyway, and the folder of the build is to leave no trace.
 if(IS_DEBIAN)
-  # The linker looks there anyway.
-  set_target_properties(planish_shared PROPERTIES INSTALL_RPATH "")
-  if(PLANISH_IO)
-    set_target_properties(planish_io_shared PROPERTIES INSTALL_RPATH "")
-  endif()
+  foreach(library planish_shared planish_io_shared)
+    if(TARGET ${library})
+      set_target_properties(${library} PROPERTIES INSTALL_RPATH "" BUILD_WITH_INSTALL_RPATH ON)
+    endif()
+  endforeach()
 endif()
 include(CPack)
