@@ -40,7 +40,10 @@ packages_full=(
     abigail-tools                # the library's interface, compared with the last release
     libcgns-dev libmedc-dev python3-h5py # owners of formats in HDF5
     libtet1.5-dev libgmsh-dev libcgal-dev # meshers that the library is embedded in
-    g++-mingw-w64-x86-64-posix wine64 dpkg-dev # Windows
+    g++-mingw-w64-x86-64-posix wine64 # Windows
+    dpkg-dev lintian file          # packages for Debian
+    ruby python3-yaml              # recipes for other systems
+    rustc gfortran                 # examples in other languages
 )
 
 # shellcheck disable=SC2034

@@ -1,0 +1,40 @@
+# Run by cpack on each package that it has made: what it does in its own way, as Debian's tools do it.
+if(NOT CPACK_GENERATOR STREQUAL "DEB")
+  return()
+endif()
+set(ENV{DPKG_DEB_THREADS_MAX} 1)
+
+function(run)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE failed OUTPUT_QUIET)
+  if(failed)
+    message(FATAL_ERROR "failed: ${ARGV}")
+  endif()
+endfunction()
+
+# size_of FOLDER RESULT: KiB of its files, and 1 for each folder and link. What cpack counts depends on the file system.
+function(size_of FOLDER RESULT)
+  file(GLOB_RECURSE paths LIST_DIRECTORIES true ${FOLDER}/usr/*)
+  set(size 1) # usr
+  foreach(path ${paths})
+    set(bytes 1024)
+    if(NOT IS_DIRECTORY ${path} AND NOT IS_SYMLINK ${path})
+      file(SIZE ${path} bytes)
+    endif()
+    math(EXPR size "${size} + (${bytes} + 1023) / 1024")
+  endforeach()
+  set(${RESULT} ${size} PARENT_SCOPE)
+endfunction()
+
+foreach(package ${CPACK_PACKAGE_FILES})
+  set(folder ${CPACK_TEMPORARY_DIRECTORY}/unpacked)
+  file(REMOVE_RECURSE ${folder})
+  run(dpkg-deb -R ${package} ${folder})
+  if(EXISTS ${folder}/DEBIAN/triggers) # they call ldconfig, and so would these
+    file(REMOVE ${folder}/DEBIAN/postinst ${folder}/DEBIAN/postrm)
+  endif()
+  size_of(${folder} size)
+  file(READ ${folder}/DEBIAN/control control)
+  string(REGEX REPLACE "Installed-Size: [0-9]+" "Installed-Size: ${size}" control "${control}")
+  file(WRITE ${folder}/DEBIAN/control "${control}")
+  run(dpkg-deb --root-owner-group -b ${folder} ${package})
+endforeach()
