@@ -246,7 +246,8 @@ typedef struct planish_group {
     const void *reserved[2];
 } planish_group;
 
-/** List the groups of the file: *groups [*n], which the file owns, those with names first. Two that have
+/** List the groups of the file: *groups [*n], which the file owns, those with names first, then those
+ *  that have elements or nodes. Two that have
  *  one name in different dimensions are listed one by one, and are one group for planish_hold. Errors:
  *  _ARGUMENT (file is NULL), _MEMORY; *n is then 0. */
 PLANISH_API int planish_file_groups(planish_file *file, const planish_group **groups, int64_t *n,

@@ -232,6 +232,9 @@ class Files(unittest.TestCase):
         self.assertEqual(set(mesh.region_names), set(np.unique(mesh.regions).tolist()))
         cells = mesh.cells
         self.assertEqual({name: nodes.shape[1] for name, nodes in cells.items()}, {"tetra": 4})
+        self.assertEqual(mesh.groups, [(2, "skin"), (3, "lower part"), (3, "upper part")])
+        for _dim, tag in mesh.groups:
+            self.assertTrue(mesh.held(fix=tag)["fix"].any(), tag)
         held = mesh.held(fix="upper part")
         self.assertEqual(set(held), {"faces_inside", "interface", "fix"})
         nodes = np.unique(cells["tetra"][mesh.regions == {n: k for k, n in mesh.region_names.items()}["upper part"]])

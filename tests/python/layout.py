@@ -30,6 +30,7 @@ STRUCTURES = {
     "planish_plane": _io_structures.Plane,
     "planish_data_info": _io_structures.DataInfo,
     "planish_data": _io_structures.Data,
+    "planish_group": _io_structures.Group,
     "planish_hold": _io_structures.Hold,
     "planish_view_data": _io_structures.ViewData,
 }

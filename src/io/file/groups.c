@@ -31,12 +31,25 @@ static int64_t count_numbers(const io_model *model) {
     return n;
 }
 
-/** Find these numbers, each once and sorted: found [count_numbers]. Returns how many there are. */
-static int64_t find_numbers(const io_model *model, numbered *found) {
+/** Mark the entities that have elements or nodes: used [n_entities], zeroed. */
+static void mark_used(const io_model *model, uint8_t *used) {
+    for (int k = IO_FIRST_LIST; k < IO_N_LISTS; k++) {
+        const io_list list = io_model_list(model, k);
+        for (int64_t i = 0; list.entity && i < list.n; i++)
+            used[list.entity[i]] = 1;
+    }
+    for (int64_t i = 0; model->node_entity && i < model->n_nodes; i++)
+        if (model->node_entity[i] >= 0)
+            used[model->node_entity[i]] = 1;
+}
+
+/** Find these numbers of used entities, each once and sorted: found [count_numbers]. Returns how many
+ *  there are. */
+static int64_t find_numbers(const io_model *model, const uint8_t *used, numbered *found) {
     int64_t n = 0, n_kept = 0;
     for (int32_t i = 0; i < model->n_entities && !model->groups_by_name; i++) {
         const io_entity *entity = &model->entity[i];
-        for (int j = 0; j < entity->n_physical || j == 0; j++)
+        for (int j = 0; used[i] && (j < entity->n_physical || j == 0); j++)
             found[n++] =
                 (numbered){entity->dim, entity->n_physical ? entity->physical[j] : entity->tag};
     }
@@ -75,11 +88,16 @@ static void fill(const io_model *model, const numbered *number, int64_t n, char 
 static int make_list(planish_file *file) {
     const int64_t n_numbers = count_numbers(&file->model);
     numbered *number = pl_alloc(n_numbers, sizeof *number);
+    uint8_t *used = pl_alloc_zero(file->model.n_entities, 1);
     file->group = pl_alloc(file->model.n_groups + n_numbers, sizeof *file->group);
     file->group_text = pl_alloc(n_numbers, NUMBER_SIZE);
-    const int has_memory = number && file->group && file->group_text;
-    if (has_memory)
-        fill(&file->model, number, find_numbers(&file->model, number), file->group_text, file);
+    const int has_memory = number && used && file->group && file->group_text;
+    if (has_memory) {
+        mark_used(&file->model, used);
+        fill(&file->model, number, find_numbers(&file->model, used, number), file->group_text,
+             file);
+    }
+    pl_free(used);
     pl_free(number);
     return has_memory;
 }

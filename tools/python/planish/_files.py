@@ -16,7 +16,7 @@ from ._cell_types import KNOWN, WEDGE_OF_MESHIO
 from ._elements import Elements, Layout, corners_of_simplices
 from ._errors import ConversionWarning
 from ._io import hold_of, io, texts, texts_of, values_of
-from ._io_structures import Data, DataInfo, FileInfo, OpenOptions, Plane, ViewData
+from ._io_structures import Data, DataInfo, FileInfo, Group, OpenOptions, Plane, ViewData
 from ._library import call, files, threads_to_use
 from ._structures import Cells, MeshView, Surface
 from ._tables import Rows, html_table, text_table
@@ -193,6 +193,13 @@ class Mesh:
         data = Data()
         call(io("data"), self.handle.file, os.fsencode(name), byref(data))
         return values_of(data)
+
+    @property
+    def groups(self) -> list[tuple[int, str]]:
+        """Dimension and tag of each group, as fix, slide and min_volume take it; those with names first."""
+        found, n = ctypes.POINTER(Group)(), c_int64(0)
+        call(io("groups"), self.handle.file, byref(found), byref(n))
+        return [(int(found[i].dim), (found[i].tag or b"").decode(errors="surrogateescape")) for i in range(n.value)]
 
     def held(self, fix: Union[str, Sequence[str]] = ()) -> dict[str, NDArray[np.bool_]]:
         """Return masks [n] of the nodes that the file and fix hold, by their reasons.

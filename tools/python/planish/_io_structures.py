@@ -6,7 +6,7 @@ from ctypes import Structure, c_double, c_int
 from typing import Annotated, Any
 
 from ._fields import Double, Int, Int64, Pointer, Text, fields
-from ._structures import CellValueArrays, Numbers3, Reserved3, Reserved4, Reserved6, Reserved8, Vector
+from ._structures import CellValueArrays, Numbers3, Reserved2, Reserved3, Reserved4, Reserved6, Reserved8, Vector
 
 
 @fields
@@ -83,6 +83,15 @@ class Data(Structure):
     n: Int64
     values: Pointer
     reserved: Reserved4
+
+
+@fields
+class Group(Structure):
+    """planish_group."""
+
+    tag: Text
+    dim: Int
+    reserved: Reserved2
 
 
 @fields
