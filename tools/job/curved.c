@@ -292,12 +292,12 @@ void pl_curved_note_result(FILE *stream, const pl_job *job, const pl_surface_sta
                 d->n_unproved, d->n_unproved == 1 ? "" : "s");
     if (pl_curved_is_above(job, MOST_THERE, d->distance, d->in_edges))
         pl_note(stream,
-                "warning: the surface is up to %.3g (%.3g h) off the original one, above the "
+                "the surface is up to %.3g (%.3g h) off the original one, above the "
                 "tolerance; parts of it were so before and stayed",
                 d->distance, d->in_edges);
     if (pl_curved_is_above(job, MOST_BACK, d->distance_back, d->back_in_edges))
         pl_note(stream,
-                "warning: the original surface is up to %.3g (%.3g h) off the new one, more than "
+                "the original surface is up to %.3g (%.3g h) off the new one, more than "
                 "%g tolerances: give a smaller --surface-tolerance",
                 d->distance_back, d->back_in_edges, MOST_BACK);
 }

@@ -23,7 +23,9 @@ static int name_option(const pl_job *job, char *text, size_t size) {
         snprintf(text, size, "--slide auto lets %" PRId64 " nodes slide", job->could_slide);
     else if (job->mesh.dim == 3 && !arguments->slide_curved &&
              info->n_free + info->n_sliding < job->mesh.n_nodes)
-        snprintf(text, size, "--slide curved lets more nodes slide");
+        snprintf(text, size,
+                 arguments->n_fix > 0 ? "try --slide curved, or fewer --fix"
+                                      : "--slide curved lets more nodes slide");
     else
         return 0;
     return 1;
