@@ -112,8 +112,13 @@ static int is_stdout(const char *path) {
     return path && (strcmp(path, "-") == 0 || pl_output_is_stdout(path));
 }
 
+/** The mesh file that is written, or NULL: that of compare is read. */
+static const char *written_mesh(const pl_arguments *arguments) {
+    return arguments->command == PL_COMMAND_COMPARE ? NULL : arguments->output;
+}
+
 int pl_output_takes_stdout(const pl_arguments *arguments) {
-    return is_stdout(arguments->output) || is_stdout(arguments->json) ||
+    return is_stdout(written_mesh(arguments)) || is_stdout(arguments->json) ||
            is_stdout(arguments->report);
 }
 
@@ -133,7 +138,8 @@ static int check_report(const pl_arguments *arguments, const char *path) {
 
 int pl_output_check_all(const pl_arguments *arguments) {
     const char *command = pl_command_name(arguments->command);
-    const char *output = arguments->output, *json = arguments->json, *report = arguments->report;
+    const char *output = written_mesh(arguments), *json = arguments->json;
+    const char *report = arguments->report;
     int status;
     if (is_stdout(output) + is_stdout(json) + is_stdout(report) > 1)
         return pl_complain_usage(command, "only one of mesh and reports can go to standard output");
