@@ -33,6 +33,28 @@ grep -q "<h2>The mesh</h2>" page.html || fail "no page"
 expect_status 0 "$program" compare before.msh before.msh
 grep -q "^0 of 2153 nodes are elsewhere" out || fail "the same file: $(tail -n 1 out)"
 
+# In single precision, and in a tilted plane, where each file has a frame of its own, nodes that nobody has
+# moved are not elsewhere; the page is drawn again from its JSON.
+for plane in xy tilt; do
+    python3 "$cli/plane_mesh.py" make 10 $plane $plane.vtk || fail "$plane.vtk is made"
+    expect_status 0 "$program" smooth $plane.vtk $plane-out.vtk --json smoothed.json
+    sed 's/ double$/ float/' $plane-out.vtk >$plane-float.vtk
+    ! cmp -s $plane-out.vtk $plane-float.vtk || fail "$plane.vtk has single precision"
+    for after in $plane-out.vtk $plane-float.vtk; do
+        expect_status 0 "$program" compare $plane.vtk $after --json report.json --report page.html
+        expect_json "r['moved_nodes'] == json.load(open('smoothed.json'))['moved_nodes']"
+        expect_status 0 "$program" report report.json -o again.html
+        [ ! -s err ] || fail "messages on the report of $after: $(cat err)"
+        [ $after = tilt-float.vtk ] || cmp page.html again.html || fail "the page for $after"
+    done
+done
+
+# AFTER is read: it may be a folder.
+python3 "$cli/folder_meshes.py" mixed 3 ring
+expect_status 0 "$program" smooth ring smoothed-ring -q
+expect_status 0 "$program" compare ring smoothed-ring
+tail -n 1 out | grep -q "^[1-9][0-9]* of .* are elsewhere" || fail "folders: $(tail -n 1 out)"
+
 # Other elements, and what is no mesh.
 awk '/^\$Elements/ { inside = 1 } /^\$EndElements/ { inside = 0 }
     inside && NF == 5 && !done { $0 = $1 " " $3 " " $2 " " $4 " " $5; done = 1 } { print }' before.msh >turned.msh

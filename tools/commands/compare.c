@@ -38,7 +38,7 @@ static int compare_with(pl_job *job, const planish_file *after, pl_progress *pro
     if (!status)
         status = pl_steps_check(job);
     if (!status)
-        status = pl_steps_compare(job, other.coordinates, &result, progress);
+        status = pl_steps_compare(job, after, &result, progress);
     pl_progress_clear(progress);
     if (!status)
         status = tell(job, &result, progress);

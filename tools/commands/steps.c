@@ -9,6 +9,7 @@
 #include "job/curved.h"
 #include "job/held.h"
 #include "job/layers.h"
+#include "job/moved.h"
 #include "job/onto.h"
 #include "job/states.h"
 #include "report/page.h"
@@ -21,7 +22,6 @@
 #include "base/status.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 
 /** Print what is odd about the mesh, and with -v how it is worked on. */
@@ -228,27 +228,13 @@ int pl_steps_smooth(pl_job *job, pl_result *result, pl_progress *progress) {
     return 0;
 }
 
-/** Put the nodes at their places after, and note how far they go. */
-static void move_nodes(const pl_job *job, const double *after, planish_result *moved) {
-    double *x = planish_file_coordinates(job->file);
-    const int dim = job->mesh.dim;
-    for (int64_t i = 0; i < job->mesh.n_nodes; i++) {
-        double square = 0;
-        for (int d = 0; d < dim; d++) {
-            const double way = after[i * dim + d] - x[i * dim + d];
-            square += way * way;
-            x[i * dim + d] = after[i * dim + d];
-        }
-        moved->n_moved_nodes += square > 0;
-        moved->max_displacement = fmax(moved->max_displacement, sqrt(square));
-    }
-}
-
-int pl_steps_compare(pl_job *job, const double *after, pl_result *result, pl_progress *progress) {
-    int status = prepare(job, result, progress);
-    if (status)
+int pl_steps_compare(pl_job *job, const planish_file *after, pl_result *result,
+                     pl_progress *progress) {
+    int status;
+    if ((status = prepare(job, result, progress)))
         return status;
-    move_nodes(job, after, &result->smooth);
+    if ((status = pl_moved_take(job, after, &result->smooth)))
+        return status;
     pl_progress_stage(progress, PL_STAGE_CHECKING);
     if ((status = pl_job_measure(job, &result->after)))
         return status;
@@ -257,8 +243,11 @@ int pl_steps_compare(pl_job *job, const double *after, pl_result *result, pl_pro
     if ((status = pl_reversed_compare(job, &result->after, &result->reversed)))
         return status;
     result->before.n_fixed_elements = result->after.n_fixed_elements = 0; /* whatever moved them */
-    return take_for_reports(job, "after", &result->validity_after, &result->checksum,
-                            &result->worst_after, &result->picture);
+    status = take_for_reports(job, "after", &result->validity_after, &result->checksum,
+                              &result->worst_after, &result->picture);
+    if (job->arguments->json || job->arguments->report)
+        result->checksum = pl_moved_checksum(after); /* of what the file has, to its last bit */
+    return status;
 }
 
 void pl_steps_free(pl_result *result) {

@@ -17,9 +17,10 @@ int pl_steps_check(const pl_job *job);
  *  message. */
 int pl_steps_smooth(pl_job *job, pl_result *result, pl_progress *progress);
 
-/** Measure the mesh of job before and after its nodes go to after [n_nodes][dim], which somebody else has
- *  found: as pl_steps_smooth, but nothing is smoothed, and nothing is promised. */
-int pl_steps_compare(pl_job *job, const double *after, pl_result *result, pl_progress *progress);
+/** Measure the mesh of job before and after its nodes go to their places in the file after, which has the
+ *  same elements: as pl_steps_smooth, but nothing is smoothed, and nothing is promised. */
+int pl_steps_compare(pl_job *job, const planish_file *after, pl_result *result,
+                     pl_progress *progress);
 
 /** Release what the result owns. */
 void pl_steps_free(pl_result *result);
