@@ -38,9 +38,35 @@ cp smoothed.msh "it's smooth.msh"
 expect_status 0 "$program" "it's smooth.msh"
 tail -n 1 out | grep -qx "Smoothing would win little." || fail "a smooth mesh: $(tail -n 1 out)"
 cp a.msh "it's.msh"
-expect_status 0 "$program" "it's.msh" --fix skin
-tail -n 1 out | grep -q "^Run: planish smooth 'it'\\\\''s.msh' OUT .*and the options that you gave$" ||
+expect_status 0 "$program" "it's.msh" --fix skin --layers ignore
+tail -n 1 out | grep -q "^Run: planish smooth 'it'\\\\''s.msh' OUT .*--fix skin --layers ignore$" ||
     fail "a name with a quote: $(tail -n 1 out)"
+for name in ./-a.msh $'line\nand \033[31m.msh'; do
+    cp a.msh "$name"
+    expect_status 0 "$program" advise -- "${name#./}"
+    tail -n 1 out | sed 's/^Run: planish smooth/printf "%s\\n"/; s/ OUT.*//' >line
+    [ "$(bash ./line)" = "$name" ] || fail "'$name' cannot be typed: $(tail -n 1 out)"
+    ! grep -q "$(printf '\033')" out || fail "a name reaches the terminal as it is"
+done
+
+# A mesh that is as good as perfect is left alone.
+python3 - <<'PY' || fail "perfect.mesh is made"
+n = 8
+with open("perfect.mesh", "w") as mesh:
+    mesh.write("MeshVersionFormatted 2\nDimension 2\nVertices %d\n" % ((n + 1) ** 2))
+    for j in range(n + 1):
+        for i in range(n + 1):
+            inner = 0 < i < n and 0 < j < n
+            mesh.write("%.17g %.17g 0\n" % (i + j / 2 + inner * 1e-3 * (i * 7 % 3 - 1), j * 0.75 ** 0.5))
+    mesh.write("Triangles %d\n" % (2 * n * n))
+    for j in range(n):
+        for i in range(n):
+            a = j * (n + 1) + i + 1
+            mesh.write("%d %d %d 0\n%d %d %d 0\n" % (a, a + 1, a + n + 1, a + 1, a + n + 2, a + n + 1))
+    mesh.write("End\n")
+PY
+expect_status 0 "$program" perfect.mesh
+tail -n 1 out | grep -qx "Smoothing would win little." || fail "a perfect mesh: $(tail -n 5 out)"
 
 # In a plane nothing is curved; of other elements aspect ratios count.
 python3 "$cli/folder_meshes.py" mixed 3 ring
@@ -56,6 +82,14 @@ expect_status 64 "$program" advise a.msh a.msh
 expect_one_line
 expect_status 64 "$program" a.msh --tolerance 0
 expect_text "planish advise has no option --tolerance"
+mkfifo pipe
+expect_status 2 timeout 20 "$program" pipe
+expect_text "pipe: is not a regular file"
+expect_one_line
+if [ -e /dev/full ]; then
+    "$program" a.msh >/dev/full 2>err </dev/null
+    [ $? = 2 ] && [ "$(wc -l <err)" = 1 ] || fail "a full disk: $(cat err)"
+fi
 echo "no mesh" >wrong
 expect_status 2 "$program" wrong
 expect_one_line

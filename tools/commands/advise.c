@@ -11,6 +11,7 @@
 #include "terminal/text.h"
 
 #include "base/clock.h"
+#include "base/system.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -21,7 +22,8 @@
 typedef struct way {
     const char *options; /* as they are typed; "": none */
     int slides, is_best;
-    int is_done; /* the figures are there */
+    int is_done;    /* the figures are there, */
+    int is_stopped; /* but MOST_SECONDS ended it */
     int64_t inverted;
     double worst, least, rms; /* ratio; angle or scaled Jacobian; ratio */
     double seconds;
@@ -32,6 +34,9 @@ static const double MOST_SECONDS = 30;
 
 /* Part of a figure (of ratios: of what is above 1) that is worth a slower way. */
 static const double WORTH = 0.1;
+
+/* Smaller changes of a figure are not: ratio, degrees, or scaled Jacobian. */
+static const double LEAST = 1e-3;
 
 static pl_arguments arguments_of(const pl_arguments *arguments, const way *w) {
     pl_arguments made = *arguments;
@@ -74,6 +79,7 @@ static int try_way(const pl_arguments *arguments, way *w, way *before, int *has_
     if (!status) {
         take_figures(before, &job, &result.before, &result.validity_before);
         take_figures(w, &job, &result.after, &result.validity_after);
+        w->is_stopped = result.smooth.stop == PLANISH_STOP_TIME_LIMIT;
         *has_types = job.has_types;
     }
     pl_progress_clear(&progress);
@@ -99,8 +105,10 @@ static void put_way(const way *w, const char *label, int is_tried) {
     put_number(w->least);
     put_number(w->rms);
     if (is_tried)
-        printf("%*.3g", COLUMN - 3, w->seconds);
+        printf("%*.3f", COLUMN - 3, w->seconds);
     putchar('\n');
+    if (w->is_stopped)
+        printf("  stopped after %g s: a run takes longer and gives more\n", MOST_SECONDS);
     fflush(stdout);
 }
 
@@ -115,43 +123,53 @@ static void put_head(int has_types) {
     printf("%s\n", pl_style_end(stdout, PL_STYLE_HEADING));
 }
 
+/** Whether a is so far below b that it is worth a slower run. */
+static int is_far_below(double a, double b) {
+    return a < b && (isinf(b) || b - a > fmax(WORTH * fabs(b), LEAST));
+}
+
 /** Whether a is better than b by so much that it is worth a slower run: in one figure, and in none worse
  *  by as much. */
 static int is_worth(const way *a, const way *b) {
-    const double of_a[] = {a->worst - 1, a->rms - 1, b->least};
-    const double of_b[] = {b->worst - 1, b->rms - 1, a->least};
+    const double of_a[] = {a->worst - 1, a->rms - 1, -a->least};
+    const double of_b[] = {b->worst - 1, b->rms - 1, -b->least};
     int n_better = 0, n_worse = 0;
     if (a->inverted != b->inverted)
         return a->inverted < b->inverted;
     for (size_t i = 0; i < sizeof of_a / sizeof *of_a; i++) {
-        n_better += of_a[i] < (1 - WORTH) * of_b[i];
-        n_worse += of_b[i] < (1 - WORTH) * of_a[i];
+        n_better += is_far_below(of_a[i], of_b[i]);
+        n_worse += is_far_below(of_b[i], of_a[i]);
     }
     return n_better > 0 && n_worse == 0;
 }
 
-/** Put name as a shell takes it for one word. */
-static void put_word(const char *name) {
-    const int is_plain = name[strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                           "0123456789._/+-")] == '\0';
-    char text[2] = "";
-    if (!is_plain)
-        putchar('\'');
-    for (const char *c = name; *c && !is_plain; c++) {
-        text[0] = *c;
-        fputs(*c == '\'' ? "'\\''" : text, stdout);
-    }
-    if (is_plain)
-        pl_text_put(stdout, name);
-    else
-        putchar('\'');
+/** Put an option that was given, and its value (NULL: none). */
+static void put_option(const char *name, const char *value) {
+    printf(" --%s", name);
+    if (!value)
+        return;
+    putchar(' ');
+    pl_text_put_word(stdout, value);
 }
 
-/** Whether options were given that a run should have, too. */
-static int has_options(const pl_arguments *arguments) {
-    return arguments->format || arguments->n_fix > 0 || arguments->n_regions > 0 ||
-           arguments->ignore_regions || arguments->layers != PL_LAYERS_BY_TYPE ||
-           arguments->slide_tolerance > 0;
+/** Put the options that change what smoothing gives. */
+static void put_options(const pl_arguments *arguments) {
+    static const char *const layers[] = {
+        [PL_LAYERS_HELD] = "hold", [PL_LAYERS_KEPT] = "keep", [PL_LAYERS_IGNORED] = "ignore"};
+    char tolerance[32];
+    if (arguments->format)
+        put_option("format", arguments->format);
+    for (int i = 0; i < arguments->n_fix; i++)
+        put_option("fix", arguments->fix[i]);
+    for (int i = 0; i < arguments->n_regions; i++)
+        put_option("regions", arguments->regions[i]);
+    if (arguments->ignore_regions)
+        put_option("ignore-regions", NULL);
+    if (arguments->layers != PL_LAYERS_BY_TYPE)
+        put_option("layers", layers[arguments->layers]);
+    snprintf(tolerance, sizeof tolerance, "%.15g", arguments->slide_tolerance);
+    if (arguments->slide_tolerance > 0)
+        put_option("slide-tolerance", tolerance);
 }
 
 /** Put what to run: the first way that no slower one is worth more than. */
@@ -164,10 +182,11 @@ static void put_advice(const pl_arguments *arguments, const way *before, const w
         printf("Smoothing would win little.\n");
         return;
     }
-    printf("Run: planish smooth ");
-    put_word(arguments->input);
-    printf(" OUT%s%s%s\n", best->options[0] ? " " : "", best->options,
-           has_options(arguments) ? " and the options that you gave" : "");
+    printf("Run: planish smooth %s", arguments->input[0] == '-' ? "./" : "");
+    pl_text_put_word(stdout, arguments->input);
+    printf(" OUT%s%s", best->options[0] ? " " : "", best->options);
+    put_options(arguments);
+    putchar('\n');
 }
 
 /** Try all ways, and print a row for each. */
@@ -182,7 +201,8 @@ static int try_ways(const pl_arguments *arguments) {
         char label[LABEL + 1];
         const int status = try_way(arguments, &ways[i], &before, &has_types);
         if (pl_signals_stop_asked())
-            return PL_EXIT_FAILED;
+            return pl_complain(PL_EXIT_FAILED, "%s: a signal ended the trial of smoothing",
+                               arguments->input);
         if (status && i > 0)
             break; /* its message is there */
         if (status)
@@ -199,8 +219,13 @@ static int try_ways(const pl_arguments *arguments) {
 }
 
 int pl_advise_command(const pl_arguments *arguments) {
-    int status = pl_quality_command(arguments);
-    if (!status)
-        status = try_ways(arguments);
-    return pl_flush_stdout(status, PL_EXIT_FAILED);
+    pl_file_status found;
+    if (pl_file_find(arguments->input, &found) == 0 && found.kind != PL_FILE_REGULAR &&
+        found.kind != PL_FILE_FOLDER)
+        return pl_complain(PL_EXIT_FAILED,
+                           "%s: is not a regular file: save it as one, because advise reads it again "
+                           "for each trial",
+                           arguments->input);
+    const int status = pl_quality_command(arguments);
+    return status ? status : pl_flush_stdout(try_ways(arguments), PL_EXIT_FAILED);
 }

@@ -51,9 +51,9 @@ static const pl_command_text command_table[] = {
      "planish compare in.vtu other-smoother.vtk --report page.html"},
     {PL_COMMAND_ADVISE, "advise", "IN", "mesh file", 0, 0, "measure a mesh and try to smooth it",
      "Report the quality of the mesh IN, smooth it in memory in several ways, and name\n"
-     "the command that is worth to be run. No file is changed. 'planish IN' is the\n"
-     "same. No way is tried for more than half a minute.",
-     "0 if that was found out; 2 if not; 64 bad usage.",
+     "the command worth running. No file is changed. 'planish IN' is the same. Each\n"
+     "trial smooths for at most half a minute.",
+     "0 if the trials were made; 2 if not; 64 bad usage.",
      "planish advise in.msh\n"
      "planish in.msh --fix LOAD"},
     {PL_COMMAND_GROUPS, "groups", "FILE", "mesh file", 0, 0, "list the groups of a mesh",

@@ -111,6 +111,36 @@ void pl_text_put(FILE *stream, const char *text) {
     }
 }
 
+static int has_controls(const char *text) {
+    for (const char *c = text; *c; c += character_at(c).length)
+        if (character_at(c).is_control)
+            return 1;
+    return 0;
+}
+
+void pl_text_put_word(FILE *stream, const char *text) {
+    const size_t plain = strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                      "0123456789._/+-");
+    const int has_escapes = has_controls(text);
+    if (plain > 0 && text[plain] == '\0') {
+        fputs(text, stream);
+        return;
+    }
+    fputs(has_escapes ? "$'" : "'", stream);
+    for (const char *from = text; *from;) {
+        const character c = character_at(from);
+        for (int i = 0; i < c.length; i++)
+            if (c.is_control)
+                fprintf(stream, "\\%03o", (unsigned)(unsigned char)from[i]);
+            else if (from[i] == '\'' || (from[i] == '\\' && has_escapes))
+                fputs(from[i] == '\\' ? "\\\\" : has_escapes ? "\\'" : "'\\''", stream);
+            else
+                fputc(from[i], stream);
+        from += c.length;
+    }
+    fputc('\'', stream);
+}
+
 /** Append what of name is in the columns first .. last - 1 to text [size]; a character that is only
  *  half in them is left out. */
 static void append(const char *name, int first, int last, char *text, size_t size) {

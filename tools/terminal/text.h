@@ -1,6 +1,7 @@
 /* text: names and sentences in lines of a given width.
  *
  *     pl_text_columns, _fit, _wrap    widths
+ *     pl_text_put_word                a word for a shell
  *     pl_text_clean, _put, _control   characters that a terminal may not get
  *     pl_text_nearer                  suggestions for mistyped words
  *     pl_utf8_length                  whether bytes are UTF-8
@@ -23,6 +24,9 @@ void pl_text_clean(char *text);
 
 /** Print text, cleaned like that. */
 void pl_text_put(FILE *stream, const char *text);
+
+/** Print text as one word for a shell: in quotes where it needs some, with \ooo for controls. */
+void pl_text_put_word(FILE *stream, const char *text);
 
 /** Name in columns at most: if it is longer, with "..." for its middle; control characters become
  *  '?'. text [size] is filled in and returned, with what there is room for; strlen(name) + 4 is
