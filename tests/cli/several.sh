@@ -14,6 +14,7 @@ cmp b.msh "$sample" || fail "the second mesh of a pattern was replaced"
 ln -s nowhere.msh link.msh
 expect_status 64 "$program" smooth a.msh link.msh
 [ ! -e nowhere.msh ] || fail "a link was followed"
+"$program" smooth a.msh /dev/stdout -q 2>err | cmp - wanted.msh || fail "OUT that is a pipe: $(cat err)"
 
 # A folder for all of them, made where it is missing; what exists elsewhere stays.
 expect_status 0 "$program" smooth a.msh b.msh --output-dir smoothed
@@ -32,6 +33,28 @@ cmp others/a.msh wanted.msh || fail "a wrong mesh kept another one from being sm
 echo >a_file
 expect_status 2 "$program" smooth a.msh --output-dir a_file
 expect_text "cannot make this folder"
+
+ln -s nowhere leads_nowhere
+expect_status 2 "$program" smooth a.msh --output-dir leads_nowhere
+expect_text "cannot make this folder: File exists"
+
+# No output replaces another input, nor a folder above.
+mkdir linked
+ln -s ../b.msh linked/a.msh
+expect_status 64 "$program" smooth a.msh b.msh --output-dir linked
+expect_text "the output of 'a.msh' is a link to 'b.msh', another input"
+expect_no_file linked/b.msh
+expect_status 64 "$program" smooth b.msh a.msh --output-dir .
+expect_text "'b.msh' is in the folder of --output-dir: give --in-place"
+ln -s a.msh same.msh
+expect_status 64 "$program" smooth a.msh b.msh same.msh --in-place
+expect_text "'a.msh' and 'same.msh' are one mesh: name it once"
+cmp a.msh "$sample" && cmp b.msh "$sample" || fail "an input was replaced"
+for name in . .. ./ ../. /; do
+    expect_status 64 "$program" smooth $name --output-dir named
+    expect_text "'$name' gives no name in --output-dir"
+done
+expect_no_file named
 
 expect_status 0 "$program" smooth a.msh b.msh --in-place -q
 cmp a.msh wanted.msh && cmp b.msh wanted.msh || fail "--in-place"

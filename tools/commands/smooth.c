@@ -194,11 +194,7 @@ static int smooth_one(const pl_arguments *arguments, const char *input) {
     of_one.inputs = &input;
     of_one.n_inputs = 1;
     of_one.output = output;
-    const int status =
-        arguments->output_dir && pl_output_same_file(input, output)
-            ? pl_complain_usage("smooth", "'%s' is in the folder of --output-dir: give --in-place",
-                                input)
-            : pl_smooth_by(&of_one, &pl_engine_here);
+    const int status = pl_smooth_by(&of_one, &pl_engine_here);
     free(output);
     return status;
 }
@@ -210,26 +206,85 @@ static int same_name(const char *a, const char *b) {
     return length_a == length_b && strncmp(name_a, name_b, (size_t)length_a) == 0;
 }
 
-/** Check that no two inputs have one name, and make the folder of outputs. */
-static int prepare_folder(const pl_arguments *arguments) {
-    const char *folder = arguments->output_dir;
-    pl_file_status found;
-    for (int i = 0; i < arguments->n_inputs; i++)
+/** Check that each input has a name, and no other one the same, for --output-dir. */
+static int check_names(const pl_arguments *arguments) {
+    for (int i = 0; i < arguments->n_inputs; i++) {
+        const char *input = arguments->inputs[i];
+        int length;
+        const char *name = name_of(input, &length);
+        if (length == 0 || strncmp(name, "..", (size_t)length) == 0) /* a dot, too */
+            return pl_complain_usage(
+                "smooth", "'%s' gives no name in --output-dir: name the folder itself", input);
         for (int j = 0; j < i; j++)
-            if (same_name(arguments->inputs[i], arguments->inputs[j]))
+            if (same_name(input, arguments->inputs[j]))
                 return pl_complain_usage("smooth",
                                          "'%s' and '%s' would have one name in --output-dir",
-                                         arguments->inputs[j], arguments->inputs[i]);
-    if (pl_folder_create(folder) == 0 ||
-        (pl_file_find(folder, &found) == 0 && found.kind == PL_FILE_FOLDER))
+                                         arguments->inputs[j], input);
+    }
+    return 0;
+}
+
+/** Complain that the smoothed mesh of an input would replace that of an input, perhaps the same. */
+static int complain_of_clash(const pl_arguments *arguments, const char *input,
+                             const char *replaced) {
+    if (arguments->in_place)
+        return pl_complain_usage("smooth", "'%s' and '%s' are one mesh: name it once", input,
+                                 replaced);
+    if (input == replaced)
+        return pl_complain_usage("smooth", "'%s' is in the folder of --output-dir: give --in-place",
+                                 input);
+    return pl_complain_usage("smooth",
+                             "the output of '%s' is a link to '%s', another input: remove the link",
+                             input, replaced);
+}
+
+/** Check that no output replaces an input [n_inputs], but its own by --in-place. input: 0 of those that are
+ *  not there. */
+static int check_clashes(const pl_arguments *arguments, const pl_file_status *input) {
+    for (int i = 0; i < arguments->n_inputs; i++) {
+        char *output = output_of(arguments, arguments->inputs[i]);
+        pl_file_status found;
+        const int is_there = output && pl_file_find(output, &found) == 0;
+        free(output);
+        for (int j = 0; j < arguments->n_inputs && is_there; j++)
+            if ((j != i || arguments->output_dir) && pl_file_is_same(&found, &input[j]))
+                return complain_of_clash(arguments, arguments->inputs[i], arguments->inputs[j]);
+    }
+    return 0;
+}
+
+/** Check before the first mesh what can be known of all outputs. */
+static int check_several(const pl_arguments *arguments) {
+    pl_file_status *input = calloc((size_t)arguments->n_inputs, sizeof *input);
+    if (!input)
+        return pl_complain(PL_EXIT_FAILED, "out of memory for the list of meshes");
+    for (int i = 0; i < arguments->n_inputs; i++)
+        if (pl_file_find(arguments->inputs[i], &input[i]))
+            input[i] = (pl_file_status){.number = 0};
+    int status = arguments->output_dir ? check_names(arguments) : 0;
+    if (!status)
+        status = check_clashes(arguments, input);
+    free(input);
+    return status;
+}
+
+/** Make the folder of outputs where it is missing. */
+static int make_folder(const char *folder) {
+    pl_file_status found;
+    if (pl_folder_create(folder) == 0)
         return 0;
-    return pl_complain(PL_EXIT_FAILED, "%s: cannot make this folder: %s", folder, strerror(errno));
+    const int reason = errno;
+    if (pl_file_find(folder, &found) == 0 && found.kind == PL_FILE_FOLDER)
+        return 0;
+    return pl_complain(PL_EXIT_FAILED, "%s: cannot make this folder: %s", folder, strerror(reason));
 }
 
 int pl_smooth_command(const pl_arguments *arguments) {
     if (arguments->output)
         return pl_smooth_by(arguments, &pl_engine_here);
-    int worst = arguments->output_dir ? prepare_folder(arguments) : 0;
+    int worst = check_several(arguments);
+    if (!worst && arguments->output_dir)
+        worst = make_folder(arguments->output_dir);
     if (worst)
         return worst;
     for (int i = 0; i < arguments->n_inputs; i++) {

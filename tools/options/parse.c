@@ -7,6 +7,7 @@
 #include "terminal/message.h"
 #include "terminal/text.h"
 
+#include "base/output.h"
 #include "base/system.h"
 
 #include <getopt.h>
@@ -102,9 +103,11 @@ static int complain_option(pl_command command, const char *name, int refusal, in
     return complain_unknown(command, name, word + strspn(word, "-"));
 }
 
-/** Whether there is anything at path, a link that leads nowhere included. */
+/** Whether a file, a folder or a link, perhaps to nowhere, at path would be replaced. */
 static int is_taken(const char *path) {
     char link[2];
+    if (pl_output_is_stream(path))
+        return 0;
     return pl_file_exists(path) || pl_path_read_link(path, link, sizeof link) == 0;
 }
 

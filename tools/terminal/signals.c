@@ -54,6 +54,7 @@ void pl_signals_end(const char *text) {
 
 void pl_signals_set_input(const char *path) {
     atomic_store(&input_is_named, 0);
+    atomic_store(&status_now, PL_EXIT_FAILED); /* of several meshes the next one is not written */
     if (!path)
         return;
     snprintf(input_name, sizeof input_name, "%s", path);
