@@ -113,6 +113,8 @@ static int run(int argc, char **argv) {
         return pl_generate_command(argc == 3 ? argv[2] : "");
     if (pl_file_exists(word))
         return advise_file(argc, argv);
+    if (word[0] != '-' && strpbrk(word, "./\\"))
+        return pl_complain_usage(NULL, "'%s' is neither a file nor a command", word);
     return complain_command(word);
 }
 

@@ -75,7 +75,8 @@ grep -q "^what smoothing would give  inverted    worst AR    least SJ" out || fa
 
 # Errors.
 expect_status 64 "$program" nowhere.msh
-expect_text "unknown command 'nowhere.msh'"
+expect_text "'nowhere.msh' is neither a file nor a command"
+expect_one_line
 expect_status 2 "$program" advise nowhere.msh
 expect_one_line
 expect_status 64 "$program" advise a.msh a.msh

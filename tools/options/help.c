@@ -35,7 +35,9 @@ static void put_summary(const char *name, const char *operands, const char *summ
 
 void pl_help_print(void) {
     const pl_command_text *command;
-    printf("Usage: planish COMMAND ... [OPTION]...\n%s\n\n", pl_program_summary);
+    printf("Usage: planish COMMAND ... [OPTION]...\n       planish IN (same as planish advise "
+           "IN)\n%s\n\n",
+           pl_program_summary);
     for (int i = 0; (command = pl_command_at(i)); i++)
         put_summary(command->name, command->operands, command->summary);
     put_summary("help", "[COMMAND]", "show this help, or that of a command");

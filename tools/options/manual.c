@@ -113,7 +113,8 @@ static void put_man(void) {
         put_synopsis(command);
         printf(".br\n");
     }
-    printf("\\fBplanish help\\fR [\\fICOMMAND\\fR]\n.br\n\\fBplanish \\-\\-version\\fR\n"
+    printf("\\fBplanish\\fR \\fIIN\\fR\n.br\n"
+           "\\fBplanish help\\fR [\\fICOMMAND\\fR]\n.br\n\\fBplanish \\-\\-version\\fR\n"
            ".SH DESCRIPTION\n");
     put_troff(pl_program_summary);
     printf("\n.SH COMMANDS\n");
