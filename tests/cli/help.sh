@@ -121,6 +121,16 @@ cp "$sample" groups.msh
 [ "$(completions "$program" smooth groups.msh --fix sk)" = skin ] || fail "completion of a group"
 [ "$(completions "$program" smooth groups.msh --slide = '' | head -n 5 | tr '\n' ' ')" = "auto curved none skin bracket " ] ||
     fail "completion of --slide: $(completions "$program" smooth groups.msh --slide = '')"
+[ "$(completions "$program" groups.msh --slide-tol)" = --slide-tolerance ] || fail "options of planish IN"
+[ "$(completions "$program" groups.msh --fix sk)" = skin ] || fail "a group of planish IN"
+[ "$(completions "$program" grou | tr '\n' ' ')" = "groups groups.msh " ] || fail "files as the first word"
+cp groups.msh "two words.msh"
+[ "$(completions "$program" smooth 'two\ words.msh' --fix sk)" = skin ] || fail "groups of a file with a blank"
+mkfifo pipe
+mkdir smooth
+timeout 20 bash -c 'source ./bash; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _planish' - \
+    "$program" smooth pipe --fix "" || fail "completion waits for a pipe"
+[ "$(completions "$program" smooth groups.msh --fix sk)" = skin ] || fail "a folder that is called as a command"
 if command -v zsh >/dev/null; then
     zsh -n zsh || fail "zsh does not understand its completion"
 fi

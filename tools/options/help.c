@@ -1,5 +1,6 @@
 /* help: the help of the program and of its commands. */
 #include "options/help.h"
+#include "options/table.h"
 
 #include <stdio.h>
 
@@ -15,7 +16,7 @@ static void put_lines(const char *lines, int column) {
     putchar('\n');
 }
 
-static void put_option(const pl_option_text *option) {
+static void put_option(const pl_option *option) {
     char left[64];
     const int has_letter = option->letter != 0;
     const int width =
@@ -47,12 +48,12 @@ void pl_help_print(void) {
 }
 
 void pl_help_print_command(const pl_command_text *command) {
-    pl_option_text option;
+    const pl_option *option;
     printf("Usage: planish %s %s [OPTION]...\n%s\n\n", command->name, command->operands,
            command->description);
-    for (int i = 0; pl_option_describe(i, &option); i++)
-        if (option.commands & command->command)
-            put_option(&option);
+    for (int i = 0; (option = pl_option_at(i)); i++)
+        if (option->commands & command->command)
+            put_option(option);
     printf("\nExit status:\n");
     put_lines(command->exit_status, 0);
     printf("\nExamples:\n  ");

@@ -1,5 +1,6 @@
 /* manual: the manual page and the completion of shells, from the tables of commands and options. */
 #include "options/help.h"
+#include "options/table.h"
 #include "terminal/message.h"
 
 #include <planish/planish_io.h>
@@ -29,7 +30,7 @@ static void put_synopsis(const pl_command_text *command) {
     printf("\\fR [\\fIOPTION\\fR]...\n");
 }
 
-static void put_option(const pl_option_text *o) {
+static void put_option(const pl_option *o) {
     printf(".TP\n");
     if (o->letter)
         printf("\\fB\\-%c\\fR, ", o->letter);
@@ -49,11 +50,11 @@ static void put_option(const pl_option_text *o) {
 /** Put ".SS Options of smooth and quality", if there are any that these commands have and no
  * others. */
 static void put_options_of(unsigned commands) {
-    pl_option_text option;
+    const pl_option *option;
     const pl_command_text *command;
     int n = 0, n_names = 0;
-    for (int i = 0; pl_option_describe(i, &option); i++)
-        n += option.commands == commands;
+    for (int i = 0; (option = pl_option_at(i)); i++)
+        n += (option->commands & PL_COMMANDS_ALL) == commands;
     if (n == 0)
         return;
     printf(".SS \"Options of ");
@@ -61,9 +62,9 @@ static void put_options_of(unsigned commands) {
         if (command->command & commands)
             printf("%s%s", n_names++ ? " and " : "", command->name);
     printf("%s\"\n", n_names ? "" : "all commands");
-    for (int i = 0; pl_option_describe(i, &option); i++)
-        if (option.commands == commands)
-            put_option(&option);
+    for (int i = 0; (option = pl_option_at(i)); i++)
+        if ((option->commands & PL_COMMANDS_ALL) == commands)
+            put_option(option);
 }
 
 static int count_bits(unsigned bits) {
@@ -166,41 +167,61 @@ static void put_bash_words(const char *values) {
 /** Put what bash completes behind an option with a value; of options of one name, which are those
  * of several commands, values are of the same kind. */
 static void put_bash_values(void) {
-    pl_option_text o, before;
-    for (int i = 0; pl_option_describe(i, &o); i++) {
+    const pl_option *o, *before;
+    for (int i = 0; (o = pl_option_at(i)); i++) {
         int is_repeated = 0;
-        for (int j = 0; j < i && pl_option_describe(j, &before); j++)
-            is_repeated |= strcmp(before.name, o.name) == 0;
-        if (!o.value || is_repeated)
+        for (int j = 0; j < i && (before = pl_option_at(j)); j++)
+            is_repeated |= strcmp(before->name, o->name) == 0;
+        if (!o->value || is_repeated)
             continue;
-        printf("    --%s", o.name);
-        if (o.letter)
-            printf("|-%c", o.letter);
-        if (!o.values)
+        printf("    --%s", o->name);
+        if (o->letter)
+            printf("|-%c", o->letter);
+        if (!o->values)
             printf(") return ;;\n");
-        else if (strcmp(o.values, "file") == 0)
+        else if (strcmp(o->values, "file") == 0)
             printf(") mapfile -t COMPREPLY < <(compgen -f -- \"$word\"); return ;;\n");
         else
-            put_bash_words(o.values);
+            put_bash_words(o->values);
     }
+}
+
+/** Put the options of command, for bash to offer where the command is pattern. */
+static void put_bash_options(const pl_command_text *command, const char *pattern) {
+    const pl_option *o;
+    printf("    %s) options='", pattern);
+    for (int i = 0; (o = pl_option_at(i)); i++) {
+        if (!(o->commands & command->command))
+            continue;
+        if (o->letter)
+            printf(" -%c", o->letter);
+        if (o->commands & PL_OPTION_DOUBLED)
+            printf(" -%c%c", o->letter, o->letter);
+        printf(" --%s", o->name);
+    }
+    printf("' ;;\n");
 }
 
 static void put_bash(void) {
     const pl_command_text *command;
-    pl_option_text o;
     char names[128];
     pl_command_list(" ", " ", names, sizeof names);
     printf("# bash completion for planish\n"
+           "# _planish_groups: the groups of the mesh, a file or folder: nothing waits for a pipe\n"
+           "_planish_groups() {\n"
+           "    local file\n"
+           "    for file in \"${COMP_WORDS[@]:2}\" \"${COMP_WORDS[1]}\"; do\n"
+           "        file=${file//\\\\/} # before a blank, say\n"
+           "        [ -f \"$file\" ] || [ -d \"$file\" ] || continue\n"
+           "        \"${COMP_WORDS[0]}\" groups -- \"$file\" 2>/dev/null && break\n"
+           "    done | cut -c 9-\n"
+           "}\n"
            "# _planish_tags WORD TAG...: tags that begin with WORD, the groups of the mesh among "
            "them\n"
            "_planish_tags() {\n"
-           "    local word=$1 file tag\n"
+           "    local word=$1 tag\n"
            "    shift\n"
-           "    for file in \"${COMP_WORDS[@]:2}\"; do\n"
-           "        [ ! -e \"$file\" ] || break\n"
-           "    done\n"
-           "    { printf '%%s\\n' \"$@\"; \"${COMP_WORDS[0]}\" groups -- \"$file\" 2>/dev/null | "
-           "cut -c 9-; } |\n"
+           "    { printf '%%s\\n' \"$@\"; _planish_groups; } |\n"
            "        while read -r tag; do\n"
            "            [[ -z $tag || $tag != \"$word\"* ]] || printf '%%s\\n' \"$tag\"\n"
            "        done\n"
@@ -208,7 +229,8 @@ static void put_bash(void) {
            "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options\n"
            "    COMPREPLY=()\n"
            "    if [ \"$COMP_CWORD\" = 1 ]; then\n"
-           "        COMPREPLY=($(compgen -W '%s help --help --version' -- \"$word\"))\n"
+           "        mapfile -t COMPREPLY < <(compgen -W '%s help --help --version' -- \"$word\"\n"
+           "            compgen -f -- \"$word\")\n"
            "        return\n    fi\n"
            "    # --option=value comes as three words\n"
            "    if [ \"$word\" = = ]; then\n        word=\n"
@@ -218,26 +240,16 @@ static void put_bash(void) {
            names);
     put_bash_values();
     printf("    esac\n    case ${COMP_WORDS[1]} in\n");
-    for (int i = 0; (command = pl_command_at(i)); i++) {
-        printf("    %s) options='", command->name);
-        for (int j = 0; pl_option_describe(j, &o); j++) {
-            if (!(o.commands & command->command))
-                continue;
-            if (o.letter)
-                printf(" -%c", o.letter);
-            if (o.is_doubled)
-                printf(" -%c%c", o.letter, o.letter);
-            printf(" --%s", o.name);
-        }
-        printf("' ;;\n");
-    }
-    printf("    help) COMPREPLY=($(compgen -W '%s' -- \"$word\")); return ;;\n    esac\n"
+    for (int i = 0; (command = pl_command_at(i)); i++)
+        put_bash_options(command, command->name);
+    printf("    help) COMPREPLY=($(compgen -W '%s' -- \"$word\")); return ;;\n", names);
+    put_bash_options(pl_command_row(PL_COMMAND_ADVISE), "*");
+    printf("    esac\n"
            "    if [[ $word == -* ]]; then\n"
            "        COMPREPLY=($(compgen -W \"$options\" -- \"$word\"))\n"
            "    else\n"
            "        mapfile -t COMPREPLY < <(compgen -f -- \"$word\")\n"
-           "    fi\n}\ncomplete -o filenames -F _planish planish\n",
-           names);
+           "    fi\n}\ncomplete -o filenames -F _planish planish\n");
 }
 
 /** One line of a help text for zsh, in single quotes and brackets. */
@@ -252,7 +264,7 @@ static void put_zsh_text(const char *text) {
     }
 }
 
-static void put_zsh_option(const pl_option_text *o) {
+static void put_zsh_option(const pl_option *o) {
     int has_group;
     const int length = length_of_words(o->values ? o->values : "", &has_group);
     printf(" \\\n        '*'");
@@ -276,20 +288,31 @@ static void put_zsh_option(const pl_option_text *o) {
     printf("'");
 }
 
+/** Put what zsh completes behind command. */
+static void put_zsh_options(const pl_command_text *command) {
+    const pl_option *o;
+    printf("    _arguments '*:");
+    put_zsh_text(command->operand);
+    printf(":_files'");
+    for (int i = 0; (o = pl_option_at(i)); i++)
+        if (o->commands & command->command)
+            put_zsh_option(o);
+    printf("\n    ;;\n");
+}
+
 static void put_zsh(void) {
     const pl_command_text *command;
-    pl_option_text o;
     printf("#compdef planish\n\n"
            "# tags, and the groups of the mesh\n"
            "_planish_tags() {\n"
            "    local file\n"
            "    local -a tags\n"
-           "    for file in ${(Q)words[2,-1]}; do\n"
-           "        [[ -e $file ]] && break\n"
+           "    for file in ${(Q)words[2,-1]}; do # nothing waits for a pipe\n"
+           "        [[ -f $file || -d $file ]] || continue\n"
+           "        tags=(${(f)\"$(planish groups -- $file 2>/dev/null | cut -c 9-)\"})\n"
+           "        (( $#tags )) && break\n"
            "    done\n"
-           "    while [[ $1 == -* ]]; do shift; done\n"
-           "    tags=($@ ${(f)\"$(planish groups -- $file 2>/dev/null | cut -c 9-)\"})\n"
-           "    compadd -a tags\n}\n\nlocal -a commands=(\n");
+           "    compadd -- $@ $tags\n}\n\nlocal -a commands=(\n");
     for (int i = 0; (command = pl_command_at(i)); i++) {
         printf("    '%s:", command->name);
         put_zsh_text(command->summary);
@@ -298,17 +321,14 @@ static void put_zsh(void) {
     printf(")\nif (( CURRENT == 2 )); then\n"
            "    local -a others=('help:show the options of a command' '--help:show the commands' "
            "'--version:show the version')\n"
-           "    _describe -t commands command commands -- others\n    return\nfi\n"
+           "    _describe -t commands command commands -- others\n    _files\n    return\nfi\n"
            "case $words[2] in\nhelp)\n    _describe -t commands command commands\n    ;;\n");
     for (int i = 0; (command = pl_command_at(i)); i++) {
-        printf("%s)\n    shift words; (( CURRENT-- ))\n    _arguments '*:", command->name);
-        put_zsh_text(command->operand);
-        printf(":_files'");
-        for (int j = 0; pl_option_describe(j, &o); j++)
-            if (o.commands & command->command)
-                put_zsh_option(&o);
-        printf("\n    ;;\n");
+        printf("%s)\n    shift words; (( CURRENT-- ))\n", command->name);
+        put_zsh_options(command);
     }
+    printf("*)\n");
+    put_zsh_options(pl_command_row(PL_COMMAND_ADVISE));
     printf("esac\n");
 }
 

@@ -534,7 +534,7 @@ static const pl_option option_table[] = {
      "list the N worst elements, here and in the reports\n"
      "(default: none here, 10 in the reports)",
      NULL},
-    {'v', "verbose", NULL, SMOOTH, set_verbose, 0, 0, 0, NULL,
+    {'v', "verbose", NULL, SMOOTH | PL_OPTION_DOUBLED, set_verbose, 0, 0, 0, NULL,
      "print one line per sweep, and the placement of the\n"
      "threads; -vv: one line per colour as well",
      NULL},
@@ -549,20 +549,4 @@ _Static_assert((int)N_OPTIONS <= (int)PL_MOST_OPTIONS, "a table of that many opt
 
 const pl_option *pl_option_at(int i) {
     return i < N_OPTIONS ? &option_table[i] : NULL;
-}
-
-/* ---- for the help and the manual ------------------------------------------------------------ */
-
-int pl_option_describe(int i, pl_option_text *text) {
-    if (i >= N_OPTIONS)
-        return 0;
-    const pl_option *row = &option_table[i];
-    *text = (pl_option_text){.letter = row->letter,
-                             .name = row->name,
-                             .value = row->value,
-                             .commands = row->commands & ALL,
-                             .help = row->help,
-                             .values = row->values,
-                             .is_doubled = row->set == set_verbose};
-    return 1;
 }

@@ -1,10 +1,9 @@
 /* options: the command lines of the program's commands.
  *
- * One table (options.c) says which options there are; it drives the parser, the help (commands.c),
+ * One table (options.c, table.h) says which options there are; it drives the parser, the help (help.c),
  * the manual page and the completion of shells (manual.c).
  *
  *     pl_arguments                                     a command line (parse.h, combinations.h)
- *     pl_option_describe                               a row of the table
  *     pl_method_name, pl_objective_name, ...           words of the command line and the report
  */
 #ifndef PL_TOOLS_OPTIONS_H
@@ -100,20 +99,5 @@ typedef struct pl_arguments {
     int help, version;       /* asked for: nothing else is set then */
     planish_options library; /* what goes to the library as it is */
 } pl_arguments;
-
-/** Row of the table of options. */
-typedef struct pl_option_text {
-    int letter;         /* short option, or 0 */
-    const char *name;   /* long option */
-    const char *value;  /* what its value is called, or NULL: takes none */
-    unsigned commands;  /* bits of pl_command that have it */
-    const char *help;   /* lines separated by '\n' */
-    const char *values; /* words that the value may be; "file": a file's name; "group" at the end: a
-                       group of the mesh; NULL: anything else */
-    int is_doubled;     /* the letter means more if it is given twice, as in -vv */
-} pl_option_text;
-
-/** Describe option i, 0 and up; 0 if there is none. */
-int pl_option_describe(int i, pl_option_text *text);
 
 #endif

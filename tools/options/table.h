@@ -1,4 +1,4 @@
-/* table: the rows of the table of options, as the parser sees them.
+/* table: the rows of the table of options, for the parser and all that tells of options.
  *
  *     pl_option, pl_option_at                          the table (options.c)
  */
@@ -14,9 +14,10 @@ enum { PL_MOST_OPTIONS = 80 };
 
 /* Bits beside those of pl_command, of an option that has an effect */
 enum {
-    PL_OPTION_OPTIMISES = 256, /* with no Laplacian method */
-    PL_OPTION_OF_WORST = 512,  /* with --objective worst alone */
-    PL_OPTION_OF_CURVED = 1024 /* on smooth with --slide curved, and on surfaces in space, alone */
+    PL_OPTION_OPTIMISES = 256,  /* with no Laplacian method */
+    PL_OPTION_OF_WORST = 512,   /* with --objective worst alone */
+    PL_OPTION_OF_CURVED = 1024, /* on smooth with --slide curved, and on surfaces in space, alone */
+    PL_OPTION_DOUBLED = 2048    /* and another one if its letter is given twice, as in -vv */
 };
 
 typedef struct pl_option pl_option;
