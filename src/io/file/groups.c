@@ -60,22 +60,22 @@ static int64_t find_numbers(const io_model *model, const uint8_t *used, numbered
     return n_kept;
 }
 
-/** Whether a group of that dimension and number has a name. */
-static int is_named(const io_model *model, const numbered *group) {
+/** Collect the numbers of groups with a name, sorted: named [n_groups]. */
+static void find_named(const io_model *model, numbered *named) {
     for (int32_t i = 0; i < model->n_groups; i++)
-        if (model->group[i].dim == group->dim && model->group[i].tag == group->number)
-            return 1;
-    return 0;
+        named[i] = (numbered){model->group[i].dim, model->group[i].tag};
+    qsort(named, (size_t)model->n_groups, sizeof *named, compare);
 }
 
-/** Fill in the list: names, then numbers [n] without one, whose texts have room in text. */
-static void fill(const io_model *model, const numbered *number, int64_t n, char *text,
-                 planish_file *file) {
+/** Fill in the list: names, then numbers [n] that are not among named [n_groups], whose texts have room in
+ *  text. */
+static void fill(const io_model *model, const numbered *named, const numbered *number, int64_t n,
+                 char *text, planish_file *file) {
     planish_group *group = file->group;
     for (int32_t i = 0; i < model->n_groups; i++)
         *group++ = (planish_group){.tag = model->group[i].name, .dim = model->group[i].dim};
     for (int64_t i = 0; i < n; i++) {
-        if (is_named(model, &number[i]))
+        if (bsearch(&number[i], named, (size_t)model->n_groups, sizeof *named, compare))
             continue;
         snprintf(text, NUMBER_SIZE, "%d:%d", number[i].dim, (int)number[i].number);
         *group++ = (planish_group){.tag = text, .dim = number[i].dim};
@@ -86,18 +86,21 @@ static void fill(const io_model *model, const numbered *number, int64_t n, char 
 
 /** Make the list. Returns whether there is memory for it. */
 static int make_list(planish_file *file) {
-    const int64_t n_numbers = count_numbers(&file->model);
+    const io_model *model = &file->model;
+    const int64_t n_numbers = count_numbers(model);
     numbered *number = pl_alloc(n_numbers, sizeof *number);
-    uint8_t *used = pl_alloc_zero(file->model.n_entities, 1);
-    file->group = pl_alloc(file->model.n_groups + n_numbers, sizeof *file->group);
+    numbered *named = pl_alloc(model->n_groups, sizeof *named);
+    uint8_t *used = pl_alloc_zero(model->n_entities, 1);
+    file->group = pl_alloc(model->n_groups + n_numbers, sizeof *file->group);
     file->group_text = pl_alloc(n_numbers, NUMBER_SIZE);
-    const int has_memory = number && used && file->group && file->group_text;
+    const int has_memory = number && named && used && file->group && file->group_text;
     if (has_memory) {
-        mark_used(&file->model, used);
-        fill(&file->model, number, find_numbers(&file->model, used, number), file->group_text,
-             file);
+        mark_used(model, used);
+        find_named(model, named);
+        fill(model, named, number, find_numbers(model, used, number), file->group_text, file);
     }
     pl_free(used);
+    pl_free(named);
     pl_free(number);
     return has_memory;
 }

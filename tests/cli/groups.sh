@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# planish groups: each group once, as --fix takes it; of many groups as fast as of few.
+. "$(dirname "$0")/common.sh"
+
+cp "$sample" a.msh
+expect_status 0 "$program" groups a.msh
+grep -qx "solids  bracket" out && grep -qx "faces   skin" out || fail "groups: $(head -n 5 out)"
+[ "$(sort out | uniq -d)" = "" ] || fail "a group is listed twice"
+[ ! -s err ] || fail "messages: $(cat err)"
+
+# Sets of one name, for nodes and elements, are two rows; the same set in two parts is one.
+cat >deck.inp <<'END'
+*NODE, NSET=both
+1,0,0,0
+2,1,0,0
+3,0,1,0
+4,0,0,1
+*ELEMENT, TYPE=C3D4, ELSET=both
+1,1,2,3,4
+*NSET, NSET=both
+1
+END
+expect_status 0 "$program" groups deck.inp
+[ "$(sort out)" = "$(printf 'nodes   both\nsolids  both')" ] || fail "sets of one name: $(cat out)"
+
+# A mesh without groups says so; wrong files and full disks have one line.
+printf 'OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' >plain.off
+expect_status 0 "$program" groups plain.off
+expect_text "note: plain.off: has no groups"
+expect_status 2 "$program" groups nowhere.msh
+expect_one_line
+expect_status 64 "$program" groups a.msh a.msh
+expect_one_line
+if [ -e /dev/full ]; then
+    "$program" groups a.msh >/dev/full 2>err </dev/null
+    [ $? = 2 ] && [ "$(wc -l <err)" = 1 ] || fail "a full disk: $(cat err)"
+fi
+
+# 100 000 groups with names, and 100 000 without.
+python3 - <<'PY' || fail "many.msh is made"
+n = 100000
+with open("many.msh", "w") as mesh:
+    mesh.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n%d\n" % n)
+    mesh.writelines('2 %d "name %d"\n' % (i, i) for i in range(1, n + 1))
+    mesh.write("$EndPhysicalNames\n$Nodes\n%d\n" % (2 * n + 2))
+    mesh.writelines("%d %d 0 0\n%d %d 1 0\n" % (2 * i + 1, i, 2 * i + 2, i) for i in range(n + 1))
+    mesh.write("$EndNodes\n$Elements\n%d\n" % (2 * n))
+    for i in range(n):
+        a, b, c, d = range(2 * i + 1, 2 * i + 5)
+        mesh.write("%d 2 2 %d 1 %d %d %d\n" % (a, i + 1, a, c, b))
+        mesh.write("%d 2 2 %d 1 %d %d %d\n" % (b, i + n + 1, b, c, d))
+    mesh.write("$EndElements\n")
+PY
+expect_status 0 timeout 15 "$program" groups many.msh
+[ "$(wc -l <out)" = 200000 ] && [ "$(head -n 1 out)" = "faces   name 1" ] &&
+    [ "$(tail -n 1 out)" = "faces   2:200000" ] || fail "many groups: $(wc -l <out), $(sed -n '1p;$p' out)"
+finish
