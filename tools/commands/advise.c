@@ -222,10 +222,11 @@ int pl_advise_command(const pl_arguments *arguments) {
     pl_file_status found;
     if (pl_file_find(arguments->input, &found) == 0 && found.kind != PL_FILE_REGULAR &&
         found.kind != PL_FILE_FOLDER)
-        return pl_complain(PL_EXIT_FAILED,
-                           "%s: is not a regular file: save it as one, because advise reads it again "
-                           "for each trial",
-                           arguments->input);
+        return pl_complain(
+            PL_EXIT_FAILED,
+            "%s: is not a regular file: save it as one, because advise reads it again "
+            "for each trial",
+            arguments->input);
     const int status = pl_quality_command(arguments);
     return status ? status : pl_flush_stdout(try_ways(arguments), PL_EXIT_FAILED);
 }
