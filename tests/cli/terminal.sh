@@ -21,12 +21,12 @@ escape=$(printf '\033')
 coloured() {
     grep -q "$escape\[[0-9;]*m" "$1"
 }
-narrow() {
-    python3 - "$1" <<'END' || fail "$1 is wider than 80 columns, or has trailing blanks"
+narrow() { # FILE [COLUMNS]
+    python3 - "$1" "${2-80}" <<'END' || fail "$1 is wider than ${2-80} columns, or has trailing blanks"
 import sys
-lines = open(sys.argv[1], encoding="utf-8").read().split("\n")
-assert lines and all(len(line) <= 80 and line == line.rstrip() for line in lines), \
-    [line for line in lines if len(line) > 80 or line != line.rstrip()]
+lines, most = open(sys.argv[1], encoding="utf-8").read().split("\n"), int(sys.argv[2])
+assert lines and all(len(line) <= most and line == line.rstrip() for line in lines), \
+    [line for line in lines if len(line) > most or line != line.rstrip()]
 END
 }
 
@@ -52,6 +52,23 @@ on_terminal 0 80 "$program" smooth in.mesh -o out.mesh --method laplacian --fix 
 ! grep -q "better\|worse" screen || fail "nothing moved, and something became better or worse"
 on_terminal 1 80 "$program" smooth bracket.msh -o out.msh --method laplacian --max-sweeps 1
 grep -q "$escape\[31m[^$escape]*worse$escape" raw || fail "what is worse is not red: $(cat screen)"
+
+# Narrow terminals get all lines within 60 columns, wide ones nothing else than 80.
+cp "$source_folder"/tests/data/square.msh . || exit 1
+python3 "$cli/types_mesh.py" block mixed 4 0.2 mixed.vtk || fail "no mesh"
+for command in "smooth bracket.msh -o out.msh --objective worst" "smooth bracket.msh -o out.msh --slide curved" \
+    "smooth mixed.vtk -o out.vtk" "smooth in.mesh -o out.mesh" "quality mixed.vtk --worst 3" \
+    "quality bracket.msh --worst 3" "quality bracket.msh square.msh" "quality bracket.msh mixed.vtk --min-volume 1e-9" \
+    bracket.msh "compare in.mesh out.mesh" "groups bracket.msh"; do
+    # shellcheck disable=SC2086
+    on_terminal 0 60 "$program" $command
+    grep -v "^hint: \|^note: " screen >lines
+    narrow lines 60
+done
+on_terminal 0 120 "$program" smooth bracket.msh -o out.msh
+narrow screen 80
+on_terminal 0 60 "$program" smooth bracket.msh -o out.msh
+grep -q "worst radius ratio  *98.386  *[0-9.]* .*better$" screen || fail "the narrow table: $(cat screen)"
 
 # Notes and errors.
 cp "$source_folder"/tests/data/tetgen.* .

@@ -11,7 +11,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COUNT_WIDTH = 10, FAULT_WIDTH = 9, REAL_WIDTH = 10, N_COLUMNS = 11, BELOW = 2 };
+enum {
+    COUNT_WIDTH = 10,
+    FAULT_WIDTH = 9,
+    REAL_WIDTH = 10,
+    N_COLUMNS = 11,
+    BELOW = 2,
+    LEAST_NAME = 10
+};
 
 /* Meshes that have a column: any; those compared where all have straight simplices alone; those
  * compared where some have elements of other types. */
@@ -21,20 +28,21 @@ typedef struct column {
     const char *head[2];
     int width, is_count, more_is_better;
     column_use use;
+    int needs_room; /* not on narrow terminals */
 } column;
 
 static const column columns[N_COLUMNS] = {
-    {{"", "elements"}, COUNT_WIDTH, 1, 0, ALWAYS},
-    {{"", "inverted"}, FAULT_WIDTH, 1, 0, ALWAYS},
-    {{"below", "minimum"}, FAULT_WIDTH, 1, 0, ALWAYS},
-    {{"worst", "RR"}, REAL_WIDTH, 0, 0, OF_SIMPLICES},
-    {{"smallest", "angle"}, REAL_WIDTH, 0, 1, OF_SIMPLICES},
-    {{"RMS", "RR"}, REAL_WIDTH, 0, 0, OF_SIMPLICES},
-    {{"mean", "RR"}, REAL_WIDTH, 0, 0, OF_SIMPLICES},
-    {{"worst", "AR"}, REAL_WIDTH, 0, 0, OF_TYPES},
-    {{"least", "SJ"}, REAL_WIDTH, 0, 1, OF_TYPES},
-    {{"RMS", "AR"}, REAL_WIDTH, 0, 0, OF_TYPES},
-    {{"mean", "AR"}, REAL_WIDTH, 0, 0, OF_TYPES},
+    {{"", "elements"}, COUNT_WIDTH, 1, 0, ALWAYS, 0},
+    {{"", "inverted"}, FAULT_WIDTH, 1, 0, ALWAYS, 0},
+    {{"below", "minimum"}, FAULT_WIDTH, 1, 0, ALWAYS, 0},
+    {{"worst", "RR"}, REAL_WIDTH, 0, 0, OF_SIMPLICES, 0},
+    {{"smallest", "angle"}, REAL_WIDTH, 0, 1, OF_SIMPLICES, 0},
+    {{"RMS", "RR"}, REAL_WIDTH, 0, 0, OF_SIMPLICES, 0},
+    {{"mean", "RR"}, REAL_WIDTH, 0, 0, OF_SIMPLICES, 1},
+    {{"worst", "AR"}, REAL_WIDTH, 0, 0, OF_TYPES, 0},
+    {{"least", "SJ"}, REAL_WIDTH, 0, 1, OF_TYPES, 0},
+    {{"RMS", "AR"}, REAL_WIDTH, 0, 0, OF_TYPES, 0},
+    {{"mean", "AR"}, REAL_WIDTH, 0, 0, OF_TYPES, 1},
 };
 
 /** Which columns a comparison has. */
@@ -42,14 +50,14 @@ typedef struct selection {
     int is_shown[N_COLUMNS];
 } selection;
 
-static selection select_columns(const pl_compared *mesh, int n, int has_volumes) {
+static selection select_columns(const pl_compared *mesh, int n, int has_volumes, int is_narrow) {
     selection of;
     int has_others = 0;
     for (int i = 0; i < n; i++)
         has_others |= mesh[i].measured.cells.has_others;
     for (int c = 0; c < N_COLUMNS; c++)
-        of.is_shown[c] =
-            (c != BELOW || has_volumes) && columns[c].use != (has_others ? OF_SIMPLICES : OF_TYPES);
+        of.is_shown[c] = (c != BELOW || has_volumes) && !(columns[c].needs_room && is_narrow) &&
+                         columns[c].use != (has_others ? OF_SIMPLICES : OF_TYPES);
     return of;
 }
 
@@ -157,10 +165,11 @@ static int make_names(const pl_compared *mesh, int n, int least, int most, names
 static void put_row(FILE *stream, const pl_compared *mesh, int n, int i, const names *of,
                     const double *best, const selection *columns_shown) {
     const char *name = mesh[i].name + of->folder, *shown = of->shown[i];
-    int is_ambiguous = 0; /* cut, and another one looks the same */
-    for (int j = 0; j < n && pl_text_columns(name) > of->width; j++)
-        is_ambiguous |= strcmp(of->shown[j], shown) == 0 && strcmp(mesh[j].name, mesh[i].name) != 0;
-    if (is_ambiguous) {
+    const int is_cut = pl_text_columns(name) > of->width;
+    int is_unclear = is_cut && of->width < LEAST_NAME; /* or another one looks the same */
+    for (int j = 0; j < n && is_cut; j++)
+        is_unclear |= strcmp(of->shown[j], shown) == 0 && strcmp(mesh[j].name, mesh[i].name) != 0;
+    if (is_unclear) {
         pl_text_put(stream, name);
         fputc('\n', stream);
         shown = "";
@@ -173,7 +182,9 @@ static void put_row(FILE *stream, const pl_compared *mesh, int n, int i, const n
 }
 
 int pl_comparison_print(FILE *stream, const pl_compared *mesh, int n, int has_volumes) {
-    const selection columns_shown = select_columns(mesh, n, has_volumes);
+    const int text_width = pl_text_width(stream);
+    const selection columns_shown =
+        select_columns(mesh, n, has_volumes, text_width < PL_TEXT_WIDTH);
     double best[N_COLUMNS];
     int width = 0; /* of the values */
     names of;
@@ -183,7 +194,7 @@ int pl_comparison_print(FILE *stream, const pl_compared *mesh, int n, int has_vo
         best[c] = best_of(mesh, n, c);
         width += columns_shown.is_shown[c] ? columns[c].width : 0;
     }
-    const int room = pl_terminal_room(stream), least = PL_TEXT_WIDTH - width;
+    const int room = pl_terminal_room(stream), least = text_width - width;
     const int status = make_names(mesh, n, least, room > PL_TEXT_WIDTH ? room - width : least, &of);
     if (!status)
         put_head(stream, of.width, &columns_shown);

@@ -16,7 +16,18 @@
 #include <stddef.h>
 #include <string.h>
 
-enum { LABEL_WIDTH = 31, VALUE_WIDTH = 13, UNIT_WIDTH = 4, CHANGE_WIDTH = 11, SPREAD_WIDTH = 11 };
+enum { UNIT_WIDTH = 4, CHANGE_WIDTH = 11, MOST_LABEL = 31 };
+
+/** Columns of a table's parts. */
+typedef struct widths {
+    int label, value, spread;
+    int is_narrow; /* columns that can be spared are left out */
+} widths;
+
+static widths widths_of(FILE *stream) {
+    static const widths wide = {MOST_LABEL, 13, 11, 0}, narrow = {29, 10, 10, 1};
+    return pl_text_width(stream) < PL_TEXT_WIDTH ? narrow : wide;
+}
 
 /* Changes below this fraction of a value are not seen in the digits of it that are shown. */
 static const double INVISIBLE = 5e-6;
@@ -102,14 +113,14 @@ static const quality_row quality_rows[] = {
 };
 
 static void put_label(FILE *stream, const char *label) {
-    fprintf(stream, "%-*s", LABEL_WIDTH, label);
+    fprintf(stream, "%-*s", widths_of(stream).label, label);
 }
 
 static void put_real(FILE *stream, int width, double value) {
-    if (isfinite(value))
-        fprintf(stream, "%*.5g", width, value);
-    else
-        fprintf(stream, "%*s", width, "-");
+    char text[32] = "-";
+    if (isfinite(value) && snprintf(text, sizeof text, "%.5g", value) >= width)
+        snprintf(text, sizeof text, "%.3g", value); /* a blank stays before it */
+    fprintf(stream, "%*s", width, text);
 }
 
 /** Better or worse than before, beyond rounding; PL_STYLE_PLAIN: neither. */
@@ -135,19 +146,23 @@ static void put_change(FILE *stream, const measure *m, double before, double aft
         snprintf(change, sizeof change, "x %.3g", after / before);
     else if (before > 0 && after > 0)
         snprintf(change, sizeof change, "%+.3g %%", 100 * (after / before - 1));
-    fprintf(stream, "%*s%s%*s  %s%s", UNIT_WIDTH - pl_text_columns(m->unit), "",
-            pl_style_begin(stream, style), CHANGE_WIDTH, change,
-            style == PL_STYLE_BETTER ? "better" : "worse", pl_style_end(stream, style));
+    fprintf(stream, "%*s%s", UNIT_WIDTH - pl_text_columns(m->unit), "",
+            pl_style_begin(stream, style));
+    if (!widths_of(stream).is_narrow)
+        fprintf(stream, "%*s ", CHANGE_WIDTH, change);
+    fprintf(stream, " %s%s", style == PL_STYLE_BETTER ? "better" : "worse",
+            pl_style_end(stream, style));
 }
 
 static void row_real(FILE *stream, const char *label, const double *before, double after,
                      const measure *m) {
     const pl_style style = before ? style_of_change(m, *before, after) : PL_STYLE_PLAIN;
+    const int width = widths_of(stream).value;
     put_label(stream, label);
     if (before)
-        put_real(stream, VALUE_WIDTH, *before);
+        put_real(stream, width, *before);
     fputs(pl_style_begin(stream, style), stream);
-    put_real(stream, VALUE_WIDTH, after);
+    put_real(stream, width, after);
     fprintf(stream, "%s%s", pl_style_end(stream, style), isfinite(after) ? m->unit : "");
     if (before)
         put_change(stream, m, *before, after);
@@ -156,12 +171,13 @@ static void row_real(FILE *stream, const char *label, const double *before, doub
 
 static void row_count(FILE *stream, const char *label, const int64_t *before, int64_t after) {
     pl_style style = after > 0 ? PL_STYLE_WORSE : PL_STYLE_PLAIN;
+    const int width = widths_of(stream).value;
     put_label(stream, label);
     if (before) {
-        fprintf(stream, "%*" PRId64, VALUE_WIDTH, *before);
+        fprintf(stream, "%*" PRId64, width, *before);
         style = style_of_change(&fault, (double)*before, (double)after);
     }
-    fprintf(stream, "%s%*" PRId64 "%s", pl_style_begin(stream, style), VALUE_WIDTH, after,
+    fprintf(stream, "%s%*" PRId64 "%s", pl_style_begin(stream, style), width, after,
             pl_style_end(stream, style));
     if (before)
         put_change(stream, &fault, (double)*before, (double)after);
@@ -178,17 +194,16 @@ static const char *word_for(int64_t n, const char *one, const char *many) {
 static void row_mesh(FILE *stream, const pl_job *job, const char *elements) {
     enum { NAME_ROOM = 20 };
     char counts[512], name[4 * PL_TEXT_WIDTH + 1];
+    const int room = pl_text_width(stream);
     const int width =
         snprintf(counts, sizeof counts, ": %s, %s, %" PRId64 " %s", job->file_info.format, elements,
                  job->mesh.n_nodes, word_for(job->mesh.n_nodes, "node", "nodes"));
-    if (width <= PL_TEXT_WIDTH - NAME_ROOM) {
+    if (width <= room - NAME_ROOM) {
         fprintf(stream, "%s%s\n",
-                pl_text_fit(job->arguments->input, PL_TEXT_WIDTH - width, name, sizeof name),
-                counts);
+                pl_text_fit(job->arguments->input, room - width, name, sizeof name), counts);
         return;
     }
-    fprintf(stream, "%s: %s\n",
-            pl_text_fit(job->arguments->input, PL_TEXT_WIDTH / 2, name, sizeof name),
+    fprintf(stream, "%s: %s\n", pl_text_fit(job->arguments->input, room / 2, name, sizeof name),
             job->file_info.format);
     pl_text_wrap(stream, counts + strlen(": ") + strlen(job->file_info.format) + strlen(", "));
 }
@@ -246,18 +261,20 @@ static void row_simplices(FILE *stream, const pl_job *job) {
 /** Put how many nodes may move, or could. */
 static void row_free(FILE *stream, const pl_job *job) {
     const int64_t n = job->plan_info.n_free;
+    char text[256], sliding[128] = "";
     if (job->is_surface) {
         fprintf(stream, "%" PRId64 " of %" PRId64 " nodes move on the surface\n",
                 job->plan_info.n_sliding, job->mesh.n_nodes);
         return;
     }
-    fprintf(stream, "%" PRId64 " of %" PRId64 " %s free to move", n, job->mesh.n_nodes,
-            word_for(n, "nodes is", "nodes are"));
     if (job->arguments->slide || job->onto.fit)
-        fprintf(stream, ", %" PRId64 " to slide", job->plan_info.n_sliding);
+        snprintf(sliding, sizeof sliding, ", %" PRId64 " to slide", job->plan_info.n_sliding);
     else if (job->could_slide > 0)
-        fprintf(stream, ", %" PRId64 " could slide (--slide auto)", job->could_slide);
-    fputc('\n', stream);
+        snprintf(sliding, sizeof sliding, ", %" PRId64 " could slide (--slide auto)",
+                 job->could_slide);
+    snprintf(text, sizeof text, "%" PRId64 " of %" PRId64 " %s free to move%s", n,
+             job->mesh.n_nodes, word_for(n, "nodes is", "nodes are"), sliding);
+    pl_text_wrap(stream, text);
 }
 
 /** Whether ratios and angles are of the same elements before (NULL: no matter) and after: they are
@@ -311,23 +328,37 @@ static void rows_quality(FILE *stream, int dim, const planish_quality *before,
 /** Put a line for each type, where there are several: values before and after. */
 static void rows_by_type(FILE *stream, const planish_cell_quality *before,
                          const planish_cell_quality *after) {
-    enum { TYPE = 14, ELEMENTS = 8, INVERTED = 6, RATIO = 9, RMS = 7, JACOBIAN = 7, N = 6 };
+    enum {
+        TYPE = 14,
+        ELEMENTS = 8,
+        INVERTED = 6,
+        RATIO = 9,
+        RMS = 7,
+        JACOBIAN = 7,
+        N = 6,
+        LEAST = 4
+    };
+    const int is_narrow = widths_of(stream).is_narrow, n_values = is_narrow ? LEAST : N;
+    const int elements = is_narrow ? 0 : ELEMENTS;
     const double large = 1e4; /* what would need more room */
     if (after->n_types < 2)
         return;
     fprintf(stream, "%s%-*s%*s%*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), TYPE,
-            "before, after", ELEMENTS, "elements", 2 * INVERTED, "inverted", 2 * RATIO, "worst AR",
-            2 * RMS, "RMS AR", 2 * JACOBIAN, "least SJ", pl_style_end(stream, PL_STYLE_HEADING));
+            "before, after", elements, is_narrow ? "" : "elements", 2 * INVERTED, "inverted",
+            2 * RATIO, "worst AR", 2 * RMS, "RMS AR", is_narrow ? 0 : 2 * JACOBIAN,
+            is_narrow ? "" : "least SJ", pl_style_end(stream, PL_STYLE_HEADING));
     for (int i = 0; i < after->n_types; i++) {
         const planish_cell_measures *was = &before->by_type[i], *is = &after->by_type[i];
         const double value[N] = {was->max_aspect_ratio,    is->max_aspect_ratio,
                                  was->rms_aspect_ratio,    is->rms_aspect_ratio,
                                  was->min_scaled_jacobian, is->min_scaled_jacobian};
         const int width[N] = {RATIO, RATIO, RMS, RMS, JACOBIAN, JACOBIAN};
-        fprintf(stream, "%-*s%*" PRId64 "%*" PRId64 "%*" PRId64, TYPE,
-                pl_cell_type_name(after->type[i]), ELEMENTS, is->n_elements, INVERTED,
-                was->n_inverted + was->n_uncertified, INVERTED, is->n_inverted + is->n_uncertified);
-        for (int k = 0; k < N; k++)
+        fprintf(stream, "%-*s", TYPE, pl_cell_type_name(after->type[i]));
+        if (!is_narrow)
+            fprintf(stream, "%*" PRId64, elements, is->n_elements);
+        fprintf(stream, "%*" PRId64 "%*" PRId64, INVERTED, was->n_inverted + was->n_uncertified,
+                INVERTED, is->n_inverted + is->n_uncertified);
+        for (int k = 0; k < n_values; k++)
             if (isfinite(value[k]))
                 fprintf(stream, " %*.*g", width[k] - 1,
                         value[k] >= large ? 1
@@ -411,7 +442,7 @@ static void put_objective(FILE *stream, const pl_job *job, const pl_result *resu
     const int same = job->has_types ? valid_before == valid_after : are_of_same(before, after);
     const measure f = {"", LESS_IS_BETTER, same ? RELATIVE : NOT_COMPARED};
     const char *name = pl_objective_name(pl_job_objective(job));
-    char label[LABEL_WIDTH + 1], text[256];
+    char label[MOST_LABEL + 1], text[256];
     if (job->options.area_weight > 0)
         snprintf(label, sizeof label, "F (%s, mu2 = %.4g)", name, job->options.area_weight);
     else if (job->options.size_weight > 0)
@@ -591,6 +622,13 @@ static void put_notes(FILE *stream, const pl_job *job, const planish_result *smo
                                       : "smallest angle became smaller");
 }
 
+static void put_heading_of_both(FILE *stream) {
+    const widths w = widths_of(stream);
+    fprintf(stream, "%s%-*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), w.label, "",
+            w.value, "before", w.value, "after", w.is_narrow ? 0 : UNIT_WIDTH + CHANGE_WIDTH,
+            w.is_narrow ? "" : "change", pl_style_end(stream, PL_STYLE_HEADING));
+}
+
 /** Put the measures before and after, side by side. */
 static void put_both(FILE *stream, const pl_job *job, const pl_result *result) {
     if (result->validity_after.is_known)
@@ -598,9 +636,7 @@ static void put_both(FILE *stream, const pl_job *job, const pl_result *result) {
     else
         row_simplices(stream, job);
     row_target(stream, job);
-    fprintf(stream, "%s%-*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), LABEL_WIDTH,
-            "", VALUE_WIDTH, "before", VALUE_WIDTH, "after", UNIT_WIDTH + CHANGE_WIDTH, "change",
-            pl_style_end(stream, PL_STYLE_HEADING));
+    put_heading_of_both(stream);
     if (job->has_types)
         rows_aspect(stream, job, result);
     else
@@ -642,11 +678,12 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
 
 static void row_spread(FILE *stream, const char *label, const planish_spread *spread,
                        const char *range) {
+    const widths w = widths_of(stream);
     put_label(stream, label);
-    put_real(stream, SPREAD_WIDTH, spread->min);
-    put_real(stream, SPREAD_WIDTH, spread->mean);
-    put_real(stream, SPREAD_WIDTH, spread->max);
-    fprintf(stream, "  %s\n", range);
+    put_real(stream, w.spread, spread->min);
+    put_real(stream, w.spread, spread->mean);
+    put_real(stream, w.spread, spread->max);
+    fprintf(stream, "%s%s\n", w.is_narrow ? "" : "  ", w.is_narrow ? "" : range);
 }
 
 /* ---- elements of every type ----------------------------------------------------------------- */
@@ -665,20 +702,31 @@ static void put_heading(FILE *stream, const char *text) {
             pl_style_end(stream, PL_STYLE_HEADING));
 }
 
-/** Put a line for each type. */
+static void put_counts(FILE *stream, const planish_cell_measures *of, int is_narrow) {
+    fprintf(stream, "%*" PRId64 "%*" PRId64, ELEMENTS_WIDTH, of->n_elements, FAULTS_WIDTH,
+            of->n_inverted);
+    if (!is_narrow)
+        fprintf(stream, "%*" PRId64, CORNERS_WIDTH, of->n_inverted_corners);
+}
+
+/** Put a line for each type; on narrow terminals, of a part of the measures. */
 static void put_types(FILE *stream, const planish_cell_quality *q) {
-    char heading[128];
-    snprintf(heading, sizeof heading, "%-*s%*s%*s%*s%*s%*s%*s%*s", TYPE_WIDTH, "type",
-             ELEMENTS_WIDTH, "elements", FAULTS_WIDTH, "inverted", CORNERS_WIDTH, "corners",
-             AR_WIDTH, "worst AR", AR_WIDTH, "RMS", AR_WIDTH, "mean", SJ_WIDTH, "least SJ");
+    const int is_narrow = widths_of(stream).is_narrow;
+    char heading[192], spared[64] = "", corners[32] = "";
+    if (!is_narrow) {
+        snprintf(corners, sizeof corners, "%*s", CORNERS_WIDTH, "corners");
+        snprintf(spared, sizeof spared, "%*s%*s", AR_WIDTH, "RMS", AR_WIDTH, "mean");
+    }
+    snprintf(heading, sizeof heading, "%-*s%*s%*s%s%*s%s%*s", TYPE_WIDTH, "type", ELEMENTS_WIDTH,
+             "elements", FAULTS_WIDTH, "inverted", corners, AR_WIDTH, "worst AR", spared, SJ_WIDTH,
+             "least SJ");
     put_heading(stream, heading);
     for (int i = 0; i < q->n_types; i++) {
         const planish_cell_measures *of = &q->by_type[i];
         const double ratios[] = {of->max_aspect_ratio, of->rms_aspect_ratio, of->mean_aspect_ratio};
-        fprintf(stream, "%-*s%*" PRId64 "%*" PRId64 "%*" PRId64, TYPE_WIDTH,
-                pl_cell_type_name(q->type[i]), ELEMENTS_WIDTH, of->n_elements, FAULTS_WIDTH,
-                of->n_inverted, CORNERS_WIDTH, of->n_inverted_corners);
-        for (size_t k = 0; k < sizeof ratios / sizeof *ratios; k++)
+        fprintf(stream, "%-*s", TYPE_WIDTH, pl_cell_type_name(q->type[i]));
+        put_counts(stream, of, is_narrow);
+        for (size_t k = 0; k < (is_narrow ? 1 : sizeof ratios / sizeof *ratios); k++)
             if (isfinite(ratios[k]))
                 fprintf(stream, " %*.4g", AR_WIDTH - 1, ratios[k]);
             else
@@ -703,7 +751,7 @@ static void put_cells(FILE *stream, const pl_job *job, const pl_cells *cells) {
     row_count(stream, "uncertified elements", NULL, all->n_uncertified);
     if (all->n_curved > 0) { /* no fault */
         put_label(stream, "curved elements");
-        fprintf(stream, "%*" PRId64 "\n", VALUE_WIDTH, all->n_curved);
+        fprintf(stream, "%*" PRId64 "\n", widths_of(stream).value, all->n_curved);
     }
     if (all->worst_element >= 0)
         fprintf(stream, "the worst valid element is %" PRId64 " (%s)\n",
@@ -717,9 +765,10 @@ static void put_cells(FILE *stream, const pl_job *job, const pl_cells *cells) {
 /** Put all measures of simplices (docs/measures.md); the range begins with the value of the regular
  *  element, but for R / longest edge, where that is 1. */
 static void put_spreads(FILE *stream, int solid, const planish_quality *q) {
-    fprintf(stream, "%s%-*s%*s%*s%*s  %s%s\n", pl_style_begin(stream, PL_STYLE_HEADING),
-            LABEL_WIDTH, "over the elements", SPREAD_WIDTH, "smallest", SPREAD_WIDTH, "mean",
-            SPREAD_WIDTH, "largest", "best .. worst", pl_style_end(stream, PL_STYLE_HEADING));
+    const widths w = widths_of(stream);
+    fprintf(stream, "%s%-*s%*s%*s%*s%s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), w.label,
+            "over the elements", w.spread, "smallest", w.spread, "mean", w.spread, "largest",
+            w.is_narrow ? "" : "  best .. worst", pl_style_end(stream, PL_STYLE_HEADING));
     row_spread(stream, solid ? "radius ratio R/(3r)" : "radius ratio R/(2r)", &q->radius_ratio,
                "1 .. inf");
     row_spread(stream, "R / longest edge (regular: 1)", &q->circumradius_to_edge,
@@ -857,7 +906,7 @@ static void put_angle(FILE *stream, double degrees) {
 /** Put text behind width columns, on a new line if there is no room. Returns the columns then. */
 static int put_further(FILE *stream, const char *text, int width) {
     enum { INDENT = NUMBER_WIDTH + 7 };
-    if (width + pl_text_columns(text) > PL_TEXT_WIDTH)
+    if (width + pl_text_columns(text) > pl_text_width(stream))
         width = fprintf(stream, "\n%*s", INDENT, "") - 1;
     fputs(text, stream);
     return width + pl_text_columns(text);
@@ -879,7 +928,7 @@ static void put_bad_element(FILE *stream, const pl_bad_element *bad, const pl_wo
         put_angle(stream, bad->smallest_angle_deg);
         put_angle(stream, bad->largest_angle_deg);
     }
-    for (int d = 0; d < worst->columns; d++)
+    for (int d = 0; d < (widths_of(stream).is_narrow ? 0 : worst->columns); d++)
         fprintf(stream, "%*.5g", PLACE_WIDTH, bad->place[d]);
     int width = fprintf(stream, "\n%*s  nodes", NUMBER_WIDTH, "") - 1;
     for (int k = 0; k < bad->n_nodes; k++) {
@@ -891,7 +940,7 @@ static void put_bad_element(FILE *stream, const pl_bad_element *bad, const pl_wo
         width = put_further(stream, ", all fixed", width);
     if (bad->region) {
         const char *word = ", in ";
-        const int room = PL_TEXT_WIDTH - width - (int)strlen(word);
+        const int room = pl_text_width(stream) - width - (int)strlen(word);
         fprintf(stream, "%s%s", word,
                 pl_text_fit(bad->region, room > 4 ? room : 4, region, sizeof region));
     }
@@ -909,9 +958,8 @@ void pl_table_worst(FILE *stream, const pl_worst *worst, int64_t n) {
     else
         fprintf(stream, "%*s%*s", RATIO_WIDTH, "radius ratio", 2 * ANGLE_WIDTH,
                 worst->dim == 3 ? "dihedral angles" : "angles");
-    fprintf(stream, "%*s%*s", PLACE_WIDTH, "x", PLACE_WIDTH, "y");
-    if (worst->columns == 3)
-        fprintf(stream, "%*s", PLACE_WIDTH, "z");
+    for (int d = 0; d < (widths_of(stream).is_narrow ? 0 : worst->columns); d++)
+        fprintf(stream, "%*c", PLACE_WIDTH, "xyz"[d]);
     fprintf(stream, "%s\n", pl_style_end(stream, PL_STYLE_HEADING));
     for (int64_t i = 0; i < n; i++)
         put_bad_element(stream, &worst->bad[i], worst);

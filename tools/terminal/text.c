@@ -1,6 +1,8 @@
 /* text: names and sentences in lines of a given width. */
 #include "terminal/text.h"
 
+#include "terminal/terminal.h"
+
 #include <stdint.h>
 #include <string.h>
 
@@ -175,11 +177,16 @@ const char *pl_text_fit(const char *name, int columns, char *text, size_t size) 
     return text;
 }
 
+int pl_text_width(FILE *stream) {
+    return pl_terminal_room(stream) < PL_TEXT_WIDTH ? PL_TEXT_NARROW : PL_TEXT_WIDTH;
+}
+
 void pl_text_wrap(FILE *stream, const char *sentence) {
+    const int width = pl_text_width(stream);
     int column = 0;
     for (const char *word = sentence; *word;) {
         const int length = (int)strcspn(word, " ");
-        if (column > 0 && column + 1 + length > PL_TEXT_WIDTH) {
+        if (column > 0 && column + 1 + length > width) {
             fputc('\n', stream);
             column = 0;
         }
