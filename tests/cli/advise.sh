@@ -68,6 +68,35 @@ PY
 expect_status 0 "$program" perfect.mesh
 tail -n 1 out | grep -qx "Smoothing would win little." || fail "a perfect mesh: $(tail -n 5 out)"
 
+# With a mesh to become like, and with kept layers, --best is no way.
+cp a.msh before.msh
+python3 - <<'PY' || fail "deformed.msh is made"
+nodes = False
+with open("deformed.msh", "w") as out:
+    for line in open("a.msh"):
+        nodes = line.startswith("$Nodes") or nodes and not line.startswith("$EndNodes")
+        words = line.split()
+        if nodes and len(words) == 3:
+            line = "%s %s %r\n" % (words[0], words[1], 1.5 * float(words[2]))
+        out.write(line)
+PY
+! cmp -s deformed.msh a.msh || fail "nothing was deformed"
+expect_status 0 "$program" deformed.msh --like before.msh
+[ ! -s err ] || fail "messages with --like: $(cat err)"
+tail -n 1 out | grep -q "^Run: planish smooth deformed.msh OUT .*--like before.msh$\|win little" ||
+    fail "advice with --like: $(tail -n 1 out)"
+! grep -q -e "--best" out || fail "--best with --like"
+cp out liked
+expect_status 0 "$program" smooth deformed.msh -o smoothed.msh -q --json report.json --like before.msh
+python3 - <<'PY' || fail "figures with --like: $(grep smoothed liked)"
+import json
+after = json.load(open("report.json"))["after"]
+row = [line.split() for line in open("liked") if line.startswith("smoothed ")]
+assert len(row) == 1 and row[0][4] in ["%.4g" % after[key] for key in after if key.startswith("rms")], (row, after)
+PY
+expect_status 0 "$program" a.msh --layers keep
+[ ! -s err ] || fail "messages with --layers keep: $(cat err)"
+
 # In a plane nothing is curved; of other elements aspect ratios count.
 python3 "$cli/folder_meshes.py" mixed 3 ring
 expect_status 0 "$program" ring
