@@ -28,10 +28,10 @@ expect_status 0 "$program" convert a.msh new.msh -q
 cmp converted.msh new.msh && ! cmp -s converted.msh b.msh || fail "-o replaces, and gives what OUT behind IN gives"
 expect_status 64 "$program" convert a.msh b.msh -o c.msh
 expect_text "unexpected argument 'b.msh': give one mesh file"
-mkdir a_folder
+mkdir a_folder.msh
 for command in smooth convert; do
-    expect_status 64 "$program" $command a.msh a_folder
-    expect_text "'a_folder' is a folder"
+    expect_status 64 "$program" $command a.msh a_folder.msh
+    expect_text "'a_folder.msh' is a folder that is there already"
 done
 
 # Nor what another program makes there meanwhile: a mesh from a pipe is read after the first look.
