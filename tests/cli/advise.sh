@@ -13,6 +13,11 @@ cmp out <(head -n "$(wc -l <out)" advice) || fail "advise does not begin with wh
 cmp a.msh "$sample" || fail "the mesh was changed"
 [ ! -s err ] || fail "messages: $(cat err)"
 
+# Trials end after half a minute, which a busy machine may need for less.
+if grep -q "^  stopped after" advice && [ "$failures" -eq 0 ]; then
+    echo "skipped: the machine is too busy for the trials"
+    exit 77
+fi
 # The figures of each way are those of its run.
 same_figures() { # LABEL OPTION...
     local label=$1
