@@ -49,6 +49,17 @@ for plane in xy tilt; do
     done
 done
 
+# States in different planes have no coordinates to compare.
+for after in xy tilt; do
+    for before in yz tilt xy; do
+        [ -e $before.vtk ] || python3 "$cli/plane_mesh.py" make 10 $before $before.vtk || fail "$before.vtk is made"
+        [ $before != $after ] || continue
+        expect_status 2 "$program" compare $before.vtk $after.vtk
+        expect_text "$after.vtk lies in another plane than $before.vtk"
+        expect_one_line
+    done
+done
+
 # AFTER is read: it may be a folder.
 python3 "$cli/folder_meshes.py" mixed 3 ring
 expect_status 0 "$program" smooth ring smoothed-ring -q

@@ -48,6 +48,19 @@ while read -r name; do
     [ "$name" = ./constant/polyMesh/points ] || cmp "openfoam/$name" "smooth_case/$name" || fail "$name"
 done <names_old
 expect_moved $mesh/points smooth_case/constant/polyMesh/points "$(moved r.json)"
+grep -q "the mesh alone" err && fail "a note with --quiet, or on what is no case"
+mkdir openfoam/system
+expect_status 0 "$program" smooth openfoam noted --fix zone1
+expect_text "note: noted has the mesh alone: to run the case, copy it, and smooth the copy with --in-place"
+[ ! -e noted/system ] || fail "OUT has more than the mesh"
+cp -r openfoam run
+for out in "run -o run" "$mesh -o polymesh" "openfoam -o case.vtu"; do
+    # shellcheck disable=SC2086 # these are words
+    expect_status 0 "$program" smooth $out --fix zone1
+    ! grep -q "the mesh alone" err || fail "a note on 'smooth $out'"
+done
+rmdir openfoam/system
+rm -r noted run polymesh case.vtu
 expect_status 0 "$program" smooth $mesh -o alone --fix all -q
 [ "$(ls alone)" = "$(ls $mesh)" ] || fail "the folder polyMesh alone"
 expect_status 0 "$program" smooth openfoam -o view.vtu -q

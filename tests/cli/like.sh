@@ -269,7 +269,7 @@ for objective in worst edge-ratio radius-ratio; do
         --objective $objective
 done
 refused 64 "--like has no effect with --method laplacian" tets-moved.mesh --like tets.mesh --method laplacian
-refused 64 "the report would overwrite the mesh 'tets.mesh'" tets-moved.mesh --like tets.mesh --json tets.mesh
+refused 64 "the report would overwrite the file of --like 'tets.mesh'" tets-moved.mesh --like tets.mesh --json tets.mesh
 python3 make.py tets 0 msh >periodic.msh
 printf '$Periodic\n1\n2 2 1\n1\n2 1\n$EndPeriodic\n' >>periodic.msh
 refused 2 "periodic.msh: has periodic nodes: --like is not for such meshes yet" periodic.msh --like tets.msh

@@ -14,6 +14,44 @@ cmp b.msh "$sample" || fail "the second mesh of a pattern was replaced"
 ln -s nowhere.msh link.msh
 expect_status 64 "$program" smooth a.msh link.msh
 [ ! -e nowhere.msh ] || fail "a link was followed"
+for out in b.msh link.msh; do
+    expect_status 64 "$program" convert a.msh $out
+    expect_text "'$out' is there already: -o $out replaces it"
+done
+expect_status 64 "$program" convert a.msh a.msh
+expect_text "the converted copy would overwrite the mesh 'a.msh'"
+cmp a.msh "$sample" && cmp b.msh "$sample" && [ ! -e nowhere.msh ] || fail "convert replaced a mesh"
+cp b.msh old.msh
+expect_status 0 "$program" convert a.msh -o old.msh -q
+cp old.msh converted.msh
+expect_status 0 "$program" convert a.msh new.msh -q
+cmp converted.msh new.msh && ! cmp -s converted.msh b.msh || fail "-o replaces, and gives what OUT behind IN gives"
+expect_status 64 "$program" convert a.msh b.msh -o c.msh
+expect_text "unexpected argument 'b.msh': give one mesh file"
+mkdir a_folder.msh
+for command in smooth convert; do
+    expect_status 64 "$program" $command a.msh a_folder.msh
+    expect_text "'a_folder.msh' is a folder that is there already"
+done
+
+# Nor what another program makes there meanwhile: a mesh from a pipe is read after the first look.
+for command in smooth convert; do
+    rm -f pipe.msh late.msh
+    mkfifo pipe.msh
+    "$program" $command pipe.msh late.msh -q >out 2>err &
+    run=$!
+    exec 3>pipe.msh
+    echo other >late.msh
+    cat "$sample" >&3
+    exec 3>&-
+    wait $run
+    [ $? = 2 ] || fail "$command: OUT appears meanwhile"
+    expect_text "late.msh: another program has made it meanwhile"
+    expect_one_line
+    [ "$(cat late.msh)" = other ] || fail "$command: a file was replaced that has appeared meanwhile"
+done
+rm late.msh pipe.msh
+
 "$program" smooth a.msh /dev/stdout -q 2>err | cmp - wanted.msh || fail "OUT that is a pipe: $(cat err)"
 
 # A folder for all of them, made where it is missing; what exists elsewhere stays.
@@ -46,6 +84,28 @@ expect_text "the output of 'a.msh' is a link to 'b.msh', another input"
 expect_no_file linked/b.msh
 expect_status 64 "$program" smooth b.msh a.msh --output-dir .
 expect_text "'b.msh' is in the folder of --output-dir: give --in-place"
+# Nor a file that an option reads.
+mkdir before
+cp "$sample" before/a.msh
+for option in --like --surface-of; do
+    expect_status 64 "$program" smooth a.msh $option before/a.msh --output-dir before
+    expect_text "the output of 'a.msh' would overwrite the file of $option 'before/a.msh'"
+    expect_status 64 "$program" smooth a.msh $option before/a.msh --slide curved -o out.msh --json before/../before/a.msh
+    expect_text "the report would overwrite the file of $option 'before/../before/a.msh'"
+done
+expect_status 64 "$program" smooth a.msh before/a.msh --like before/a.msh --in-place
+expect_text "the output of 'before/a.msh' would overwrite the file of --like 'before/a.msh'"
+cp a.msh itself.msh
+expect_status 0 "$program" smooth itself.msh --like itself.msh --in-place -q
+cp "$source_folder/tests/data/square.stl" onto.stl
+cp onto.stl kept.stl
+expect_status 64 "$program" smooth a.msh -o out.msh --onto onto.stl --report onto.stl
+expect_text "the report would overwrite the file of --onto 'onto.stl'"
+echo sizes >sizes.sol
+expect_status 64 "$program" quality a.msh --size-from sizes.sol --json sizes.sol
+expect_text "the report would overwrite the file of --size-from 'sizes.sol'"
+cmp before/a.msh "$sample" && cmp onto.stl kept.stl && [ "$(cat sizes.sol)" = sizes ] || fail "a file that is read was replaced"
+expect_no_file out.msh
 ln -s a.msh same.msh
 expect_status 64 "$program" smooth a.msh b.msh same.msh --in-place
 expect_text "'a.msh' and 'same.msh' are one mesh: name it once"

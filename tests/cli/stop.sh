@@ -55,6 +55,20 @@ for signal in INT TERM; do
     fi
 done
 
+# Of several meshes the rest is not smoothed; a mesh that failed before counts more than that.
+echo "no mesh" >wrong.mesh
+rm -f err
+env --default-signal=INT,TERM "$program" smooth wrong.mesh slow.mesh in.mesh --output-dir several "${endless[@]}" \
+    -v >out 2>err &
+run=$!
+wait_for "  smoothing" err
+kill -INT $run
+wait $run
+status=$?
+[ $status -eq 2 ] || fail "several meshes and a signal: status $status instead of 2"
+expect_text "in.mesh (and 0 more): not smoothed, as a signal came"
+[ -e several/slow.mesh ] && [ ! -e several/in.mesh ] || fail "several meshes and a signal: $(ls several)"
+
 # The second one: the first makes it write, and the pipe keeps it there, as nobody reads.
 mkfifo pipe.mesh
 for signal in INT TERM; do

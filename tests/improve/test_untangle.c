@@ -330,21 +330,32 @@ static void any_call_can_stop(void **state) {
     }
 }
 
+/** Expect the first sweep to end the run. Where a busy machine held the call up, the search for proofs may
+ *  have ended it before: it looks at the limit after 0.05 seconds. Returns whether the call was shorter. */
+static int expect_one_sweep(const planish_result *result) {
+    const int is_prompt = result->seconds < 0.05;
+    assert_int_equal(result->stop, PLANISH_STOP_TIME_LIMIT);
+    assert_in_range(result->sweeps, is_prompt ? 1 : 0, 1);
+    assert_int_equal(result->untangling_sweeps, result->sweeps);
+    assert_true(result->sweeps == 1 || result->n_moved_nodes == 0);
+    return is_prompt;
+}
+
 static void time_limits_stop(void **state) {
+    enum { TRIES = 3 };
     int dim = *(int *)*state;
     for (int i = 0; i < N_CASES; i++) {
         planish_options options = test_options(1);
         test_tangle t;
-        test_run s;
         create_case(&t, dim, i, 1);
         options.time_limit = 1e-9;
-        s = test_smooth(&t.mesh.mesh, &options);
-        assert_int_equal(s.result.stop, PLANISH_STOP_TIME_LIMIT);
-        assert_int_equal(s.result.sweeps, 1);
-        assert_int_equal(s.result.untangling_sweeps, 1);
-        assert_true(s.after.n_inverted <= s.before.n_inverted);
-        expect_fixed_nodes(&t, s.coordinates);
-        free(s.coordinates);
+        for (int k = 0, is_prompt = 0; k < TRIES && !is_prompt; k++) {
+            test_run s = test_smooth(&t.mesh.mesh, &options);
+            is_prompt = expect_one_sweep(&s.result);
+            assert_true(s.after.n_inverted <= s.before.n_inverted);
+            expect_fixed_nodes(&t, s.coordinates);
+            free(s.coordinates);
+        }
         test_tangle_destroy(&t);
     }
 }

@@ -3,6 +3,7 @@
 #include "commands/commands.h"
 
 #include "commands/steps.h"
+#include "options/combinations.h"
 #include "job/job.h"
 #include "job/states.h"
 #include "terminal/message.h"
@@ -159,6 +160,8 @@ static void put_options(const pl_arguments *arguments) {
     char tolerance[32];
     if (arguments->format)
         put_option("format", arguments->format);
+    if (arguments->like)
+        put_option("like", arguments->like);
     for (int i = 0; i < arguments->n_fix; i++)
         put_option("fix", arguments->fix[i]);
     for (int i = 0; i < arguments->n_regions; i++)
@@ -189,24 +192,25 @@ static void put_advice(const pl_arguments *arguments, const way *before, const w
     putchar('\n');
 }
 
-/** Try all ways, and print a row for each. */
+/** Try all ways, and print a row for each; what minimises another objective than --like and kept layers
+ *  is left out. */
 static int try_ways(const pl_arguments *arguments) {
     way ways[] = {{.options = ""},
                   {.options = "--slide auto", .slides = 1},
                   {.options = "--best", .is_best = 1}};
     enum { N_WAYS = sizeof ways / sizeof *ways };
     way before = {.options = ""};
-    int has_types = 0;
+    int has_types = 0, status = 0;
     for (int i = 0; i < N_WAYS; i++) {
         char label[LABEL + 1];
-        const int status = try_way(arguments, &ways[i], &before, &has_types);
+        if (ways[i].is_best && pl_arguments_target(arguments))
+            continue;
+        status = try_way(arguments, &ways[i], &before, &has_types);
         if (pl_signals_stop_asked())
             return pl_complain(PL_EXIT_FAILED, "%s: a signal ended the trial of smoothing",
                                arguments->input);
-        if (status && i > 0)
-            break; /* its message is there */
-        if (status)
-            return status;
+        if (status) /* its message is there */
+            break;
         if (i == 0) {
             put_head(has_types);
             put_way(&before, "as it is", 0);
@@ -214,8 +218,9 @@ static int try_ways(const pl_arguments *arguments) {
         snprintf(label, sizeof label, "%s%s", i == 0 ? "smoothed" : "  with ", ways[i].options);
         put_way(&ways[i], label, 1);
     }
-    put_advice(arguments, &before, ways, N_WAYS);
-    return 0;
+    if (before.is_done)
+        put_advice(arguments, &before, ways, N_WAYS);
+    return status;
 }
 
 int pl_advise_command(const pl_arguments *arguments) {

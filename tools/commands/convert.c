@@ -49,11 +49,14 @@ static int convert(const pl_arguments *arguments, planish_file *file) {
     char lost[512];
     uint8_t *constraint = NULL;
     int status = find_held(file, mesh.n_nodes, &constraint, &error);
-    if (!status)
+    const int taken = status ? 0 : pl_output_check_still_new(arguments);
+    if (!status && !taken)
         status = planish_file_convert(file, arguments->output, mesh.coordinates, constraint, &data,
                                       pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE,
                                       lost, sizeof lost, &error);
     free(constraint);
+    if (taken)
+        return taken;
     if (status)
         return complain(arguments, &error);
     if (arguments->verbosity != PL_QUIET)

@@ -63,6 +63,8 @@ static int write_mesh(pl_job *job, pl_result *result) {
     int status;
     const double begin = pl_seconds();
     const int by_engine = engine_writes(job);
+    if ((status = pl_output_check_still_new(job->arguments)))
+        return status;
     if (!by_engine && !planish_file_can_write(job->file, output)) {
         status = pl_cells_convert(job, output);
     } else {
@@ -84,6 +86,26 @@ static int write_mesh(pl_job *job, pl_result *result) {
 
 /* ---- what is told --------------------------------------------------------------------------- */
 
+/** Say what OUT of an OpenFOAM case lacks: all but the mesh. */
+static void note_case(const pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    planish_file_info info;
+    pl_file_status input, output, found;
+    char system[4096];
+    if (!job->file)
+        return;
+    planish_file_get_info(job->file, &info);
+    snprintf(system, sizeof system, "%s/system", arguments->input);
+    if (strcmp(info.format, "openfoam") == 0 && pl_file_find(system, &found) == 0 &&
+        pl_file_find(arguments->input, &input) == 0 &&
+        pl_file_find(arguments->output, &output) == 0 && output.kind == PL_FILE_FOLDER &&
+        !pl_file_is_same(&input, &output))
+        pl_note(stderr,
+                "%s has the mesh alone: to run the case, copy it, and smooth the copy with "
+                "--in-place",
+                arguments->output);
+}
+
 /** Print the table, the elements that fall short, and the reason; the table gives way to standard
  *  error if standard output carries data. */
 static void print_table(const pl_job *job, const pl_result *result, int status) {
@@ -99,6 +121,7 @@ static void print_table(const pl_job *job, const pl_result *result, int status) 
         pl_reversed_print(stderr, job, result->reversed.state, result->after.n_reversed);
         if (result->reversed.n_new == 0)
             pl_table_reversed(stderr, &result->after);
+        note_case(job);
     }
     if (result->reason[0] && status)
         pl_complain(status, "%s: %s", arguments->output, result->reason);
@@ -238,10 +261,24 @@ static int complain_of_clash(const pl_arguments *arguments, const char *input,
                              input, replaced);
 }
 
-/** Check that no output replaces an input [n_inputs], but its own by --in-place. input: 0 of those that are
- *  not there. */
+/** Check that the smoothed mesh of an input, which takes the place of the file found, replaces no file that
+ *  an option names. */
+static int check_read_files(const pl_arguments *arguments, const char *input,
+                            const pl_file_status *found) {
+    pl_file_status about;
+    pl_read_file file;
+    for (int i = 0; (file = pl_output_read_file(arguments, i)).path; i++)
+        if (pl_file_find(file.path, &about) == 0 && pl_file_is_same(found, &about))
+            return pl_complain_usage("smooth", "the output of '%s' would overwrite %s '%s'", input,
+                                     file.what, file.path);
+    return 0;
+}
+
+/** Check that no output replaces an input [n_inputs], but its own by --in-place, nor a file that an option
+ *  reads, but that of a single mesh by --in-place. input: 0 of those that are not there. */
 static int check_clashes(const pl_arguments *arguments, const pl_file_status *input) {
-    for (int i = 0; i < arguments->n_inputs; i++) {
+    int status = 0;
+    for (int i = 0; i < arguments->n_inputs && !status; i++) {
         char *output = output_of(arguments, arguments->inputs[i]);
         pl_file_status found;
         const int is_there = output && pl_file_find(output, &found) == 0;
@@ -249,8 +286,10 @@ static int check_clashes(const pl_arguments *arguments, const pl_file_status *in
         for (int j = 0; j < arguments->n_inputs && is_there; j++)
             if ((j != i || arguments->output_dir) && pl_file_is_same(&found, &input[j]))
                 return complain_of_clash(arguments, arguments->inputs[i], arguments->inputs[j]);
+        if (is_there && (arguments->output_dir || arguments->n_inputs > 1))
+            status = check_read_files(arguments, arguments->inputs[i], &found);
     }
-    return 0;
+    return status;
 }
 
 /** Check before the first mesh what can be known of all outputs. */
@@ -288,9 +327,11 @@ int pl_smooth_command(const pl_arguments *arguments) {
     if (worst)
         return worst;
     for (int i = 0; i < arguments->n_inputs; i++) {
-        if (pl_signals_stop_asked())
-            return pl_complain(PL_EXIT_PARTLY, "%s (and %d more): not smoothed, as a signal came",
-                               arguments->inputs[i], arguments->n_inputs - i - 1);
+        if (pl_signals_stop_asked()) {
+            pl_complain(PL_EXIT_PARTLY, "%s (and %d more): not smoothed, as a signal came",
+                        arguments->inputs[i], arguments->n_inputs - i - 1);
+            return worst > PL_EXIT_PARTLY ? worst : PL_EXIT_PARTLY;
+        }
         if (i > 0 && arguments->verbosity != PL_QUIET)
             putchar('\n');
         const int status = smooth_one(arguments, arguments->inputs[i]);

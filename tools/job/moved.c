@@ -4,12 +4,18 @@
  * a node that nobody has moved have the same bits. */
 #include "job/moved.h"
 
+#include "terminal/message.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { SPACE = 3 };
+
+/* Sine of the largest angle between the planes of two states of a flat mesh: above it figures would be
+ * wrong in their first five digits. */
+static const double MOST_TURNED = 1e-3;
 
 /** Find the places [n_nodes][3] in space of the nodes of file; owned, or NULL without memory. */
 static double *find_places(const planish_file *file) {
@@ -69,7 +75,7 @@ static void count_way(double way, double near, planish_result *moved) {
     moved->max_displacement = fmax(moved->max_displacement, way);
 }
 
-/** pl_moved_take in a tilted plane. */
+/** pl_moved_take where one of the planes is tilted. */
 static int take_in_plane(pl_job *job, const planish_plane *plane, const planish_file *after,
                          planish_result *moved) {
     const int64_t n = job->mesh.n_nodes;
@@ -90,13 +96,28 @@ static int take_in_plane(pl_job *job, const planish_plane *plane, const planish_
     return has_memory ? 0 : pl_job_complain_memory(job, "the places of nodes");
 }
 
+/** Whether the planes are parallel, seen from either side. */
+static int are_parallel(const planish_plane *plane, const planish_plane *other) {
+    const double *a = plane->normal, *b = other->normal;
+    const double sine[SPACE] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                                a[0] * b[1] - a[1] * b[0]};
+    const double none[SPACE] = {0, 0, 0};
+    return find_distance(none, sine, SPACE) <= MOST_TURNED;
+}
+
 int pl_moved_take(pl_job *job, const planish_file *after, planish_result *moved) {
     const int dim = job->mesh.dim;
     const int64_t n = job->mesh.n_nodes;
     const double *to = planish_file_mesh(after).coordinates;
     double *x = planish_file_coordinates(job->file);
-    planish_plane plane;
-    if (planish_file_plane(job->file, &plane) && plane.is_tilted)
+    planish_plane plane, other;
+    planish_file_plane(job->file, &plane);
+    planish_file_plane(after, &other);
+    if (!are_parallel(&plane, &other)) /* of solids both normals are 0 */
+        return pl_complain(PL_EXIT_FAILED,
+                           "%s lies in another plane than %s; planish quality compares such meshes",
+                           job->arguments->output, job->arguments->input);
+    if (plane.is_tilted || other.is_tilted)
         return take_in_plane(job, &plane, after, moved);
     const int is_rough = is_single(job->file) || is_single(after);
     const double near = is_rough ? find_precision(x, n * dim) : 0;

@@ -122,18 +122,74 @@ int pl_output_takes_stdout(const pl_arguments *arguments) {
            is_stdout(arguments->report);
 }
 
-/** A report at path (NULL, "-": fine) may not be one of the files of a mesh. */
+/* ---- nothing is replaced that nobody named for that -------------------------------------------- */
+
+pl_read_file pl_output_read_file(const pl_arguments *arguments, int i) {
+    const pl_read_file files[] = {{"the file of --like", arguments->like},
+                                  {"the file of --surface-of", arguments->surface_of},
+                                  {"the file of --onto", arguments->onto},
+                                  {"the file of --size-from", arguments->size_from}};
+    for (size_t k = 0; k < sizeof files / sizeof *files; k++)
+        if (files[k].path && i-- == 0)
+            return files[k];
+    return (pl_read_file){NULL, NULL};
+}
+
+/** Say which file that is read writing to path would change; NULL: none. */
+static const char *find_read(const pl_arguments *arguments, const char *path) {
+    pl_read_file file;
+    for (int i = 0; i < arguments->n_inputs; i++)
+        if (pl_output_hits_mesh(path, arguments->inputs[i], arguments->format))
+            return "the mesh";
+    for (int i = 0; (file = pl_output_read_file(arguments, i)).path; i++)
+        if (pl_output_hits_mesh(path, file.path, NULL))
+            return file.what;
+    return NULL;
+}
+
+/** A report at path (NULL, "-": fine) may not be a file that is read, or one of the mesh. */
 static int check_report(const pl_arguments *arguments, const char *path) {
-    int hits = 0;
+    const char *output = arguments->output;
     if (!path || strcmp(path, "-") == 0)
         return 0;
-    for (int i = 0; i < arguments->n_inputs; i++)
-        hits |= pl_output_hits_mesh(path, arguments->inputs[i], arguments->format);
-    if (hits || (arguments->like && pl_output_hits_mesh(path, arguments->like, NULL)) ||
-        (arguments->output && pl_output_hits_mesh(path, arguments->output, arguments->format)))
-        return pl_complain_usage(pl_command_name(arguments->command),
-                                 "the report would overwrite the mesh '%s'", path);
-    return pl_output_check(path);
+    const char *what = find_read(arguments, path);
+    if (!what && output && pl_output_hits_mesh(path, output, arguments->format))
+        what = "the mesh";
+    return what ? pl_complain_usage(pl_command_name(arguments->command),
+                                    "the report would overwrite %s '%s'", what, path)
+                : pl_output_check(path);
+}
+
+/** Whether OUT stands behind IN, and a file, a folder or a link, perhaps to nowhere, is there. */
+static int is_taken(const pl_arguments *arguments) {
+    const char *output = written_mesh(arguments);
+    char link[2];
+    if (!output || !arguments->output_is_operand || pl_output_is_stream(output))
+        return 0;
+    return pl_file_exists(output) || pl_path_read_link(output, link, sizeof link) == 0;
+}
+
+/** A pattern of the shell that means two meshes must not have the second one replaced. */
+static int complain_of_taken(const pl_arguments *arguments) {
+    const char *command = pl_command_name(arguments->command), *output = arguments->output;
+    pl_file_status found;
+    if (pl_file_find(output, &found) == 0 && found.kind == PL_FILE_FOLDER)
+        return pl_complain_usage(command, "'%s' is a folder that is there already: name a new OUT",
+                                 output);
+    if (arguments->command == PL_COMMAND_SMOOTH)
+        return pl_complain_usage(command,
+                                 "'%s' is there already: -o %s replaces it; --output-dir DIR or "
+                                 "--in-place smooths several meshes",
+                                 output, output);
+    return pl_complain_usage(command, "'%s' is there already: -o %s replaces it", output, output);
+}
+
+int pl_output_check_still_new(const pl_arguments *arguments) {
+    return is_taken(arguments) ? pl_complain(PL_EXIT_FAILED,
+                                             "%s: another program has made it meanwhile; nothing "
+                                             "is written",
+                                             arguments->output)
+                               : 0;
 }
 
 int pl_output_check_all(const pl_arguments *arguments) {
@@ -145,11 +201,12 @@ int pl_output_check_all(const pl_arguments *arguments) {
         return pl_complain_usage(command, "only one of mesh and reports can go to standard output");
     const int is_copy =
         arguments->command == PL_COMMAND_QUALITY || arguments->command == PL_COMMAND_CONVERT;
-    if (is_copy && output &&
-        (pl_output_hits_mesh(output, arguments->input, arguments->format) ||
-         (arguments->like && pl_output_hits_mesh(output, arguments->like, NULL))))
-        return pl_complain_usage(command, "the converted copy would overwrite the mesh '%s'",
+    const char *what = is_copy && output ? find_read(arguments, output) : NULL;
+    if (what)
+        return pl_complain_usage(command, "the converted copy would overwrite %s '%s'", what,
                                  output);
+    if (is_taken(arguments))
+        return complain_of_taken(arguments);
     if (json && report && pl_output_same_file(json, report))
         return pl_complain_usage(command, "--json and --report name the same file '%s'", report);
     if ((status = check_report(arguments, json)))

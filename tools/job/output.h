@@ -3,7 +3,8 @@
  * The mesh itself is written by planish_file_write; here are the checks that can be made before the
  * work begins, and the writing of the report.
  *
- *     pl_output_check, _check_all                         whether files can be written
+ *     pl_output_check, _check_all, _check_still_new       whether files can be written
+ *     pl_output_read_file                                 files that are read beside the inputs
  *     pl_output_is_stdout, _takes_stdout                  what goes to standard output
  *     pl_output_same_file, _hits_mesh                     files that would be overwritten
  *     pl_output_write_text                                a report
@@ -33,6 +34,19 @@ int pl_output_check(const char *path);
 /** Whether the outputs and reports that the command line names can be made, and none of them would
  *  change a mesh that is read, or another one of them; 0, or an exit status after a message. */
 int pl_output_check_all(const pl_arguments *arguments);
+
+/** File that an option names, such as --like: it is read beside the inputs. */
+typedef struct pl_read_file {
+    const char *what; /* "the file of --like" */
+    const char *path; /* NULL behind the last file */
+} pl_read_file;
+
+/** Find file i of these, 0 and up. */
+pl_read_file pl_output_read_file(const pl_arguments *arguments, int i);
+
+/** Check again, before the mesh is written, that OUT behind IN is not there yet; 0, or an exit status after
+ *  a message. */
+int pl_output_check_still_new(const pl_arguments *arguments);
 
 /** Whether one of them goes to standard output, so that tables must not. */
 int pl_output_takes_stdout(const pl_arguments *arguments);

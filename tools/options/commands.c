@@ -63,10 +63,11 @@ static const pl_command_text command_table[] = {
     {PL_COMMAND_CONVERT, "convert", "IN OUT", "mesh file", 0, 1, "convert a mesh to another format",
      "Write the mesh IN to OUT in another format, which the extension of OUT tells, or\n"
      "--to. Nodes, elements of all types, regions, named groups and arrays of data are\n"
-     "converted as far as the format has these; a note lists the rest.",
+     "converted as far as the format has these; a note lists the rest. Behind IN, OUT\n"
+     "must not be there yet; -o OUT replaces it.",
      "0 if OUT was written; 2 if not; 64 bad usage.",
      "planish convert in.med out.vtu\n"
-     "planish convert in.cgns out.msh --to gmsh22"},
+     "planish convert in.cgns -o out.msh --to gmsh22"},
     {PL_COMMAND_REPORT, "report", "RESULT.json [-o FILE.html]", "result", 0, 0,
      "create an HTML report from a JSON result",
      "Create an HTML report from RESULT.json, which smooth or quality wrote by --json.\n"

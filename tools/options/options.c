@@ -304,9 +304,14 @@ static const pl_option option_table[] = {
      "to another format that planish convert writes if OUT\n"
      "ends as its files do",
      "file"},
+    {'o', "output", "OUT", CONVERT, set_text, AT(output), 0, 0, "must be the name of a file",
+     "write the converted mesh to OUT; without -o, OUT must\n"
+     "not be there yet",
+     "file"},
     {0, "output-dir", "DIR", SMOOTH, set_text, AT(output_dir), 0, 0, "must be the name of a folder",
      "write each smoothed mesh to folder DIR, under the\n"
-     "name that it has; IN may be several meshes",
+     "name that it has, and replace files there; IN may be\n"
+     "several meshes",
      "file"},
     {0, "in-place", NULL, SMOOTH, set_flag, AT(in_place), 1, 0, NULL,
      "replace IN by the smoothed mesh; IN may be several\nmeshes", NULL},
@@ -456,7 +461,8 @@ static const pl_option option_table[] = {
      "format): its nodes are moved there as far as elements\n"
      "stay valid, and slide along it",
      "file"},
-    {0, "like", "FILE", BOTH | OPTIMISES, set_text, AT(like), 0, 0, "must be the name of a file",
+    {0, "like", "FILE", BOTH | ADVISE | OPTIMISES, set_text, AT(like), 0, 0,
+     "must be the name of a file",
      "let each element become like it is in FILE, the same\n"
      "mesh before it was deformed, in any format: layers\n"
      "and gradings survive; with quality: compare with that\n"

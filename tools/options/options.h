@@ -51,6 +51,7 @@ typedef struct pl_arguments {
     const char *input;      /* the first of inputs */
     const char **inputs;    /* [n_inputs] owned */
     int n_inputs;           /* 1, but for commands that take many; smooth: 1 with output */
+    int output_is_operand;  /* OUT stands behind IN, without -o: nothing is replaced */
     const char *output;     /* convert: always there; compare: the second mesh; others:
                             or NULL */
     const char *output_dir; /* of smooth: the folder of all outputs, or NULL */

@@ -7,9 +7,6 @@
 #include "terminal/message.h"
 #include "terminal/text.h"
 
-#include "base/output.h"
-#include "base/system.h"
-
 #include <getopt.h>
 #include <limits.h>
 #include <stdio.h>
@@ -81,7 +78,7 @@ static int complain_value(const char *name, const pl_option *row, const char *va
                           const char *wanted) {
     char list[256] = "must be ";
     size_t used = strlen(list);
-    for (const char *word = row->values; !wanted[0] && *word;) {
+    for (const char *word = row->values; !wanted[0] && *word && used < sizeof list;) {
         const size_t n = strcspn(word, " "), next = n + strspn(word + n, " ");
         const char *joint = !word[next] ? "" : strchr(word + next, ' ') ? ", " : " or ";
         used += (size_t)snprintf(list + used, sizeof list - used, "%.*s%s", (int)n, word, joint);
@@ -101,27 +98,6 @@ static int complain_option(pl_command command, const char *name, int refusal, in
     if (code)
         return pl_complain_usage(name, "unknown option '-%c'", code);
     return complain_unknown(command, name, word + strspn(word, "-"));
-}
-
-/** Whether a file, a folder or a link, perhaps to nowhere, at path would be replaced. */
-static int is_taken(const char *path) {
-    char link[2];
-    if (pl_output_is_stream(path))
-        return 0;
-    return pl_file_exists(path) || pl_path_read_link(path, link, sizeof link) == 0;
-}
-
-/** Take OUT behind IN. Of smooth it must not be there yet: a pattern of the shell that means two
- *  meshes must not have the second one replaced. */
-static int take_output(pl_arguments *arguments, const pl_command_text *command,
-                       const char *second) {
-    if (arguments->command == PL_COMMAND_SMOOTH && is_taken(second))
-        return pl_complain_usage(command->name,
-                                 "'%s' is there already: -o %s replaces it; --output-dir DIR or "
-                                 "--in-place smooths several meshes",
-                                 second, second);
-    arguments->output = second;
-    return 0;
 }
 
 /** Whether the command line may name several meshes to read. */
@@ -144,26 +120,27 @@ static int complain_of_many(const pl_arguments *arguments, const pl_command_text
 static int take_operands(pl_arguments *arguments, int argc, char **argv) {
     const pl_command_text *command = pl_command_row(arguments->command);
     const int n = argc - optind, has_place = arguments->output || takes_many(arguments, command);
-    int status = 0;
     if (n == 0)
         return pl_complain_usage(command->name, "no %s is named", command->operand);
-    if (n == 2 && !has_place && command->takes_output && argv[argc - 1][0])
-        status = take_output(arguments, command, argv[--argc]);
-    else if (n > 1 && !takes_many(arguments, command))
+    if (n == 2 && !has_place && command->takes_output && argv[argc - 1][0]) {
+        arguments->output = argv[--argc];
+        arguments->output_is_operand = 1;
+    } else if (n > 1 && !takes_many(arguments, command)) {
         return complain_of_many(arguments, command, argv[optind + 1]);
-    for (int i = optind; i < argc && !status; i++) {
+    }
+    for (int i = optind; i < argc; i++) {
         if (argv[i][0] == '\0')
             return pl_complain_usage(command->name, "the name of the %s is empty",
                                      command->operand);
         arguments->inputs[arguments->n_inputs++] = argv[i];
     }
     arguments->input = arguments->inputs[0];
-    if (!status && !arguments->output && arguments->command == PL_COMMAND_CONVERT)
+    if (!arguments->output && arguments->command == PL_COMMAND_CONVERT)
         return pl_complain_usage(command->name, "no output file is named: give IN and OUT");
-    if (!status && !arguments->output && arguments->command == PL_COMMAND_COMPARE)
+    if (!arguments->output && arguments->command == PL_COMMAND_COMPARE)
         return pl_complain_usage(command->name,
                                  "no second mesh file is named: give BEFORE and AFTER");
-    return status;
+    return 0;
 }
 
 /** Room for as many tags as there are words. */
