@@ -62,6 +62,8 @@ def quality(points: Any, cells: Any = None, *, fix: Optional[Fix] = None, region
         start: where the points were when the size was given; None: where they are
         threads: as for Plan
     """
+    if start is not None and size is None:
+        raise ValueError("start is where the size was given: give size, too")
     source = Source(points, cells)
     surface = SpaceSurface.of(source, PlanChoices(fix=fix, regions=regions, threads=threads))
     if surface is not None:

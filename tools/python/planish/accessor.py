@@ -1,8 +1,7 @@
 """Accessor of PyVista: mesh.planish.smooth(), mesh.planish.quality().
 
-PyVista 0.48 and later finds it by itself where the package is installed (the entry point pyvista.accessors), and
-import planish registers it if PyVista was imported before. Elsewhere register it by register(pyvista), or call
-planish.smooth(mesh).
+PyVista 0.48 and later finds it by itself where the package is installed (pyvista_plugin.py), and import planish
+registers it if PyVista was imported before. Elsewhere register it by register(pyvista), or call planish.smooth(mesh).
 """
 
 from __future__ import annotations
@@ -108,9 +107,8 @@ def register(pyvista: Any) -> bool:
     """Register the accessor, if this PyVista has accessors. Return whether it is registered."""
     if not hasattr(pyvista, "register_dataset_accessor"):
         return False
-    known: list[Any] = getattr(pyvista, "registered_accessors", list)()
-    if not any(entry.name == NAME and entry.accessor is Accessor for entry in known):
-        for target in (pyvista.UnstructuredGrid, pyvista.PolyData):
+    for target in (pyvista.UnstructuredGrid, pyvista.PolyData):
+        if NAME not in vars(target):  # registered_accessors would import all other packages with accessors
             pyvista.register_dataset_accessor(NAME, target)(Accessor)
     return True
 
