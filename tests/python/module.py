@@ -674,6 +674,8 @@ class Surfaces(unittest.TestCase):
         curved = planish.find_slides(points, cells, surface_of=shape, fix=[0])
         self.assertGreaterEqual(curved.info.n_on_patch, shape.info.n_on_patch - 1)
         self.assertEqual(curved.constraint[0], 1)
+        again = planish.find_slides(points, cells, surface_of=points.copy(), fix=[0])
+        np.testing.assert_array_equal(again.constraint, curved.constraint)
 
     def test_curved_boundaries_are_smoothed(self):
         first, cells, inside = ball()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Literal, NamedTuple, Optional, Sequence, Union
+from typing import AbstractSet, Any, Callable, Literal, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +22,8 @@ Direction = Literal["newton", "fletcher-reeves"]
 Layers = Literal["hold", "keep", "ignore"]
 Slide = Union[str, Sequence[str]]  # auto, curved, none or groups
 Length = Union[float, str]  # a number, or one and h: in edges
-Fix = Union[str, Sequence[str], ArrayLike]  # groups, or nodes
+Nodes = Union[ArrayLike, AbstractSet[int]]  # numbers, or a mask
+Fix = Union[str, Sequence[str], AbstractSet[str], Nodes]  # groups, or nodes
 Path = Union[str, "os.PathLike[str]"]
 
 _OBJECTIVES = {"radius-ratio": 0, "mean-ratio": 1, "edge-ratio": 2, "worst": 0}

@@ -6,15 +6,15 @@ import contextlib
 import os
 import threading
 from ctypes import byref, c_void_p
-from typing import Any, Callable, Iterator, Mapping, Optional, Sequence, Union
+from typing import Any, Callable, Iterator, Mapping, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _targets
 from ._arrays import Points, address, chosen_nodes, pointer, refuse_masked
-from ._choices import (Direction, Fix, Layers, Length, Method, Objective, Path, PlanChoices, RunChoices, Slide,
-                       WorstMeasure, check_plan, set_run, size_weight_of)
+from ._choices import (Direction, Fix, Layers, Length, Method, Nodes, Objective, Path, PlanChoices, RunChoices,
+                       Slide, WorstMeasure, check_plan, set_run, size_weight_of)
 from ._files import opened
 from ._fit import Fit
 from ._layers import take_layers
@@ -101,7 +101,7 @@ class Plan:
         threads: int = 0,
         only_worse_than: float = 0,
         rings: int = 0,
-        around: Optional[Sequence[int]] = None,
+        around: Optional[Nodes] = None,
         regions: Any = BY_RULE,
         rounding: Optional[float] = None,
         layers: Optional[Layers] = None,

@@ -7,12 +7,12 @@ registers it if PyVista was imported before. Elsewhere register it by register(p
 from __future__ import annotations
 
 import sys
-from typing import Any, Callable, Mapping, Optional, Sequence, Union
+from typing import Any, Callable, Mapping, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._choices import Direction, Fix, Layers, Length, Method, Objective, Path, Slide, WorstMeasure
+from ._choices import Direction, Fix, Layers, Length, Method, Nodes, Objective, Path, Slide, WorstMeasure
 from ._quality import find_layers, quality
 from ._regions import BY_RULE
 from ._results import Quality, Result
@@ -38,7 +38,7 @@ class Accessor:
         threads: int = 0,
         only_worse_than: float = 0,
         rings: int = 0,
-        around: Optional[Sequence[int]] = None,
+        around: Optional[Nodes] = None,
         regions: Any = BY_RULE,
         rounding: Optional[float] = None,
         layers: Optional[Layers] = None,
