@@ -162,6 +162,19 @@ class Sets(unittest.TestCase):
                         cell_sets={"part": [np.arange(7)]})
             planish.smooth(mesh, fix=name)
             np.testing.assert_array_equal(mesh.points, wanted)
+        mesh = Mesh(points.copy(), cells=[Block("tetra", cells)], cell_data={},
+                    point_sets={"wall": np.isin(np.arange(len(points)), stay), "far": [len(points)]},
+                    cell_sets={"part": [np.arange(len(cells)) < 7], "none": [[-1]], "gmsh:bounding_entities": [[1]]})
+        for name, wanted in (("wall", expected), ("part", by_cells)):  # masks
+            mesh.points = points.copy()
+            planish.smooth(mesh, fix=name)
+            np.testing.assert_array_equal(mesh.points, wanted)
+        for name, text in (("far", "set of points 'far' has a number"), ("none", "set of cells 'none' has a number"),
+                           ("gmsh:bounding_entities", "no set 'gmsh:bounding_entities'; it has: wall, far, part, none")):
+            with self.assertRaisesRegex(ValueError, text):
+                planish.smooth(mesh, fix=name)
+        mesh = Mesh(points.copy(), cells=[Block("tetra", cells)], cell_data={}, point_sets={"wall": stay},
+                    cell_sets={"part": [np.arange(7)]})
         with self.assertRaisesRegex(ValueError, "no set 'roof'; it has: wall, part"):
             planish.smooth(mesh, fix="roof")
         with self.assertRaisesRegex(ValueError, "it has: none"):
