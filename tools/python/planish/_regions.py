@@ -46,9 +46,9 @@ def names_of(regions: Any) -> Optional[list[str]]:
     """Return the names of arrays that regions are, None: they are values."""
     if isinstance(regions, str):
         return [regions]
-    if isinstance(regions, np.ndarray) or not np.iterable(regions) or not all(isinstance(name, str) for name in regions):
+    if isinstance(regions, np.ndarray) or not np.iterable(regions):
         return None
-    return list(regions)
+    return list(regions) if all(isinstance(name, str) for name in regions) else None
 
 
 def _wanted(data: dict[str, Any], regions: Any) -> dict[str, Any]:
